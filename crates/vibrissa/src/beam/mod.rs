@@ -1,0 +1,5 @@
+//! Whisker mechanics.
+
+mod whisker;
+
+pub use whisker::Whisker;

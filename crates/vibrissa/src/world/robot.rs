@@ -1,0 +1,82 @@
+//! The robot: its whiskers, where they are mounted, and what their errors are bounded by.
+
+use crate::beam::Whisker;
+use crate::config::defaults;
+use crate::plane::Pose2;
+use std::path::PathBuf;
+
+/// The bound on a moment reading `z` of a true moment `h`: `|h - z| <= relative |z| + absolute`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MomentNoise {
+    /// Part relative to the reading, at least 0 and below 1.
+    pub moment_relative: f64,
+    /// Part that stays at zero moment (N m), at least 0.
+    pub moment_absolute: f64,
+}
+
+impl Default for MomentNoise {
+    fn default() -> Self {
+        Self { moment_relative: defaults::MOMENT_RELATIVE, moment_absolute: defaults::MOMENT_ABSOLUTE }
+    }
+}
+
+/// A whisker on a robot.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MountedWhisker {
+    /// The name that prefixes the log's columns where there are several.
+    pub name: String,
+    /// The beam.
+    pub beam: Whisker,
+    /// Where the base sits and which way the undeflected whisker points.
+    pub robot_from_whisker: Pose2,
+    /// Bound on the Coulomb coefficient at the contact.
+    pub friction: f64,
+    /// The calibration file that turns flux or counts into moments, for logs that hold those.
+    pub calibration: Option<PathBuf>,
+    /// Bound on the moment's error.
+    pub noise: MomentNoise,
+}
+
+impl Default for MountedWhisker {
+    /// The paper's whisker at the robot's origin, pointing forward.
+    fn default() -> Self {
+        Self {
+            name: "w0".into(),
+            beam: Whisker::default(),
+            robot_from_whisker: Pose2::IDENTITY,
+            friction: defaults::FRICTION,
+            calibration: None,
+            noise: MomentNoise::default(),
+        }
+    }
+}
+
+/// Bounds on the odometry: each increment's error relative to it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Odometry {
+    /// Bound for translations, at least 0 and below 1.
+    pub translation_relative: f64,
+    /// Bound for rotations, at least 0 and below 1.
+    pub rotation_relative: f64,
+}
+
+impl Default for Odometry {
+    fn default() -> Self {
+        Self { translation_relative: defaults::ODOMETRY_RELATIVE, rotation_relative: defaults::ODOMETRY_RELATIVE }
+    }
+}
+
+/// A robot: whiskers and odometry. The default is the paper's sensor on its stage.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Robot {
+    /// The whiskers, at least one.
+    pub whiskers: Vec<MountedWhisker>,
+    /// Bounds on the odometry's errors.
+    pub odometry: Odometry,
+}
+
+impl Default for Robot {
+    fn default() -> Self {
+        Self { whiskers: vec![MountedWhisker::default()], odometry: Odometry::default() }
+    }
+}
