@@ -1,5 +1,62 @@
-//! Whisker mechanics.
+//! Whisker mechanics: the shapes of a whisker under one contact force.
+//!
+//! | mode | known | function | equilibria |
+//! | --- | --- | --- | --- |
+//! | force | `F, s_a` | [`force_mode`] | one, or none for a force that turns with the whisker and is too large |
+//! | moment | `M0, s_a` | [`moment_mode`] | normal load: two below `M0 s_a / EI` = 2.944, none above |
+//! | point | `x, y` | [`point_mode`] | one; two or none for points far to the side |
+//!
+//! All in SI, in the whisker frame: base at the origin, undeflected whisker along +x, angles counter-clockwise. A push towards
+//! +y bends the whisker towards +y and has a positive moment. Mirroring the whisker at its axis turns
+//! `(F, M0, phi_a, y, beta)` into `(-F, -M0, -phi_a, -y, -beta)`; nothing else changes.
+//!
+//! Only first-mode equilibria are found, those without an inflection between base and contact. That a list is empty is an
+//! answer: no such equilibrium exists. Stability is not judged; a rod may pass through itself.
+//!
+//! The closed form covers the uniform, straight, clamped whisker; see [`elastica::bend`] for the inner loop without a search.
 
+mod bend;
+pub mod elastica;
+mod fixed_line;
+mod force_mode;
+pub mod jacobi;
+mod load;
+mod moment_mode;
+mod pendulum;
+mod point_mode;
+mod root;
 mod whisker;
 
+pub use bend::{Bend, ShapePoint};
+pub use force_mode::force_mode;
+pub use load::Load;
+pub use moment_mode::moment_mode;
+pub use point_mode::point_mode;
 pub use whisker::Whisker;
+
+use crate::error::{Error, Result};
+
+/// Refuses a number that is not finite.
+fn finite(name: &str, value: f64, unit: &str) -> Result<()> {
+    if value.is_finite() {
+        return Ok(());
+    }
+    Err(Error::usage(name).value(value).allowed(format!("a finite number of {unit}")))
+}
+
+/// Refuses a contact that is not on the whisker.
+fn check_s_a(whisker: &Whisker, s_a: f64) -> Result<()> {
+    if s_a > 0.0 && s_a <= whisker.length {
+        return Ok(());
+    }
+    Err(Error::usage("s_a")
+        .value(s_a)
+        .allowed(format!("above 0 and up to the whisker's length {} m", whisker.length))
+        .remedy("give the arc length from the base to the contact in metres"))
+}
+
+/// The equilibria, least slope first.
+fn sorted(mut bends: Vec<Bend>) -> Vec<Bend> {
+    bends.sort_by(|a, b| a.phi_a.abs().total_cmp(&b.phi_a.abs()));
+    bends
+}

@@ -1,6 +1,8 @@
 //! The whisker as a beam: its length, stiffness and rest shape.
 
 use crate::config::defaults;
+use crate::error::{Error, Result};
+use core::cmp::Ordering;
 
 /// A thin elastic beam on a base, in its own frame: base at the origin, undeflected along +x.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,5 +29,38 @@ impl Default for Whisker {
             curvature: defaults::CURVATURE,
             base_stiffness: defaults::BASE_STIFFNESS,
         }
+    }
+}
+
+impl Whisker {
+    /// Checks that the closed form covers this whisker: uniform, straight, clamped, with positive length and rigidity.
+    ///
+    /// # Errors
+    /// Data: names the property at fault, its value and what can be done.
+    pub fn require_uniform(&self) -> Result<()> {
+        let positive = |value: f64| value > 0.0 && value.is_finite();
+        if !positive(self.length) {
+            return Err(Error::data("whisker length").value(self.length).allowed("above 0 m"));
+        }
+        if !positive(self.flexural_rigidity) {
+            return Err(Error::data("flexural_rigidity").value(self.flexural_rigidity).allowed("above 0 N m²"));
+        }
+        let checks = [
+            ("tip_ratio", self.tip_ratio, 1.0, "tapered whiskers are not solved yet; use tip_ratio = 1"),
+            ("curvature", self.curvature, 0.0, "curved whiskers are not solved yet; use curvature = 0"),
+            (
+                "base_stiffness",
+                self.base_stiffness,
+                f64::INFINITY,
+                "elastic bases are not solved yet; use base_stiffness = inf",
+            ),
+        ];
+        for (name, value, only, remedy) in checks {
+            // Written so that a value that is not a number is refused too.
+            if value.partial_cmp(&only) != Some(Ordering::Equal) {
+                return Err(Error::data(name).value(value).allowed(only.to_string()).remedy(remedy));
+            }
+        }
+        Ok(())
     }
 }
