@@ -1,2 +1,7 @@
 //! The command `vibrissa`.
-fn main() {}
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    ExitCode::from(vibrissa_cli::run(std::env::args_os()))
+}

@@ -3,9 +3,12 @@
 pub mod beam;
 pub mod config;
 pub mod error;
+pub mod figure;
 pub mod flow;
 pub mod plane;
 pub mod sets;
+pub mod tasks;
 pub mod world;
 
 pub use error::{Error, Result};
+pub use tasks::{LocalizeOptions, localize};

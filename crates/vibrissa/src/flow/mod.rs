@@ -3,3 +3,5 @@
 
 pub mod pose;
 pub mod sensor_log;
+pub mod trajectory;
+mod words;

@@ -1,0 +1,26 @@
+//! What all commands understand.
+
+use clap::Parser;
+use std::path::PathBuf;
+
+/// Where a robot is, by touch: whisker mechanics and localization.
+///
+/// Files hold SI units (m, rad, s, N m); what is shown carries its unit. Exit codes: 0 done, 1 the data or the map is at
+/// fault, 2 the call is at fault.
+#[derive(Debug, Parser)]
+#[command(name = "vibrissa", version, arg_required_else_help = true, max_term_width = 100)]
+pub(crate) struct Cli {
+    #[command(subcommand)]
+    pub(crate) command: crate::commands::Command,
+}
+
+/// Where results go.
+#[derive(Clone, Debug, Default, clap::Args)]
+pub(crate) struct OutputArgs {
+    /// Write the result files into this folder, made if missing; without it nothing is written
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Print the result as JSON instead of words
+    #[arg(long)]
+    pub(crate) json: bool,
+}

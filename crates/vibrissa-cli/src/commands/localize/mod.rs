@@ -1,0 +1,84 @@
+//! `vibrissa localize`: where the robot is.
+
+mod deterministic;
+mod inputs;
+
+use crate::args::OutputArgs;
+use crate::output::{Run, Stopwatch, deliver, warn};
+use clap::ValueEnum;
+use deterministic::DeterministicArgs;
+use inputs::Inputs;
+use std::path::PathBuf;
+use vibrissa::{Error, LocalizeOptions, Result};
+
+/// Find where the robot is from a sensor log and a map.
+///
+/// The log is a CSV file with the columns `t,x,y,theta,moment` (s, m, rad, N m); the map is a .geojson (m) or .svg (mm)
+/// file; the robot is a .toml file and defaults to the paper's whisker.
+///
+/// With --out DIR: trajectory.tum, result.json, states.csv, steps.csv and the figure localization.svg.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Args {
+    /// The sensor log (.csv)
+    log: PathBuf,
+    /// The map (.geojson, .svg)
+    #[arg(long, value_name = "MAP")]
+    map: PathBuf,
+    /// The robot's whiskers and error bounds (.toml) [default: the paper's whisker at the robot's origin]
+    #[arg(long, value_name = "ROBOT")]
+    robot: Option<PathBuf>,
+    /// The true trajectory in the map frame (.tum), to report errors against
+    #[arg(long, value_name = "TRUTH")]
+    truth: Option<PathBuf>,
+    /// The estimator
+    #[arg(long, value_enum, default_value_t = MethodArg::Deterministic)]
+    method: MethodArg,
+    #[command(flatten)]
+    output: OutputArgs,
+    #[command(flatten)]
+    deterministic: DeterministicArgs,
+}
+
+/// The estimators by name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum MethodArg {
+    /// The paper's intersection of discretised preimages
+    Deterministic,
+    /// Guaranteed bounds on the state (not available yet)
+    Possibilistic,
+    /// The most accurate estimate with calibrated weights (not available yet)
+    Probabilistic,
+}
+
+/// Runs the command.
+pub(crate) fn run(args: &Args) -> Result<()> {
+    let options = options(args)?;
+    let inputs = Inputs::read(&args.log, &args.map, args.robot.as_deref(), args.truth.as_deref())?;
+    inputs.warnings().for_each(warn);
+    let mut stopwatch = Stopwatch::start();
+    let answer = inputs.localize(&options, &mut |_row| stopwatch.lap())?;
+    deliver(
+        &Run {
+            title: inputs.title(),
+            answer,
+            runtime: stopwatch.stop(),
+            rows: inputs.rows(),
+            map: inputs.outlines(),
+            truth: inputs.truth,
+        },
+        &args.output,
+    )
+}
+
+fn options(args: &Args) -> Result<LocalizeOptions> {
+    match args.method {
+        MethodArg::Deterministic => args.deterministic.options(),
+        later @ (MethodArg::Possibilistic | MethodArg::Probabilistic) => {
+            let name = later.to_possible_value().map(|value| value.get_name().to_owned()).unwrap_or_default();
+            Err(Error::usage("this --method is not available yet")
+                .value(name)
+                .allowed("deterministic")
+                .remedy("leave --method out, or pass --method deterministic"))
+        }
+    }
+}

@@ -1,0 +1,25 @@
+//! One file or folder for each command.
+
+mod demo;
+mod localize;
+
+use clap::Subcommand;
+use vibrissa::Result;
+
+/// The commands, described by their own arguments.
+///
+/// A new one takes three lines: its module above, its variant here, its arm in [`run`].
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    Demo(demo::Args),
+    // `beam`, one loaded whisker, goes here: Beam(beam::Args).
+    Localize(localize::Args),
+}
+
+/// Runs a command.
+pub(crate) fn run(command: &Command) -> Result<()> {
+    match command {
+        Command::Demo(args) => demo::run(args),
+        Command::Localize(args) => localize::run(args),
+    }
+}

@@ -1,0 +1,41 @@
+//! The command line of vibrissa as a function, so that other shells can call it.
+
+mod args;
+mod commands;
+mod output;
+
+use args::Cli;
+use clap::Parser;
+use std::ffi::OsString;
+
+/// Exit code: the command did what it was asked.
+pub const DONE: u8 = 0;
+/// Exit code: the data or the map is at fault, or a result could not be written.
+pub const DATA: u8 = 1;
+/// Exit code: the call is at fault.
+pub const USAGE: u8 = 2;
+
+/// Runs the command line `args`, the program's name first, and gives its exit code: 0 done, 1 data, 2 usage.
+///
+/// Results go to standard output; warnings and errors go to standard error. Never panics on input.
+pub fn run<I, T>(args: I) -> u8
+where
+    I: IntoIterator<Item = T>,
+    T: Into<OsString> + Clone,
+{
+    let cli = match Cli::try_parse_from(args) {
+        Ok(cli) => cli,
+        Err(error) => {
+            // A closed pipe is the reader's choice.
+            let _ = error.print();
+            return if error.use_stderr() { USAGE } else { DONE };
+        }
+    };
+    match commands::run(&cli.command) {
+        Ok(()) => DONE,
+        Err(error) => {
+            output::complain("error", &error);
+            if error.is_usage() { USAGE } else { DATA }
+        }
+    }
+}

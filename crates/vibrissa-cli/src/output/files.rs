@@ -1,0 +1,98 @@
+//! Result files that are whole or not there.
+
+use std::fs::{self, File};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use vibrissa::{Error, Result};
+
+/// Writes `(name, content)` files into `folder`, which is made if missing, and gives their paths.
+///
+/// All are written under temporary names first and renamed at the end, so that earlier results stay whole when the disk
+/// fills up or the program is stopped.
+pub(crate) fn write_all(folder: &Path, files: &[(&str, String)]) -> Result<Vec<PathBuf>> {
+    fs::create_dir_all(folder).map_err(|error| fault("cannot make the folder", folder, &error))?;
+    let staged: Vec<(PathBuf, PathBuf)> = files
+        .iter()
+        .map(|(name, _)| (folder.join(format!(".{name}.{}.part", std::process::id())), folder.join(name)))
+        .collect();
+    let result = stage_and_rename(&staged, files);
+    if result.is_err() {
+        for (temporary, _) in &staged {
+            // Those already renamed are no longer there under this name.
+            let _ = fs::remove_file(temporary);
+        }
+    }
+    result.map(|()| staged.into_iter().map(|(_, path)| path).collect())
+}
+
+fn stage_and_rename(staged: &[(PathBuf, PathBuf)], files: &[(&str, String)]) -> Result<()> {
+    for ((temporary, path), (_, content)) in staged.iter().zip(files) {
+        write_one(temporary, content).map_err(|error| fault("cannot write", path, &error))?;
+    }
+    for (temporary, path) in staged {
+        fs::rename(temporary, path).map_err(|error| fault("cannot replace", path, &error))?;
+    }
+    Ok(())
+}
+
+fn write_one(path: &Path, content: &str) -> std::io::Result<()> {
+    let mut file = File::create(path)?;
+    file.write_all(content.as_bytes())?;
+    file.sync_all()
+}
+
+fn fault(what: &str, path: &Path, error: &std::io::Error) -> Error {
+    Error::data(format!("{what} ({error})"))
+        .in_file(path)
+        .remedy("free the disk or the folder, or choose another --out")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::write_all;
+    use std::fs;
+    use std::path::{Path, PathBuf};
+
+    fn fresh(name: &str) -> PathBuf {
+        let folder = std::env::temp_dir().join(format!("vibrissa-files-{name}-{}", std::process::id()));
+        let _ = fs::remove_dir_all(&folder);
+        folder
+    }
+
+    fn names(folder: &Path) -> Vec<String> {
+        let mut names: Vec<String> =
+            fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn files_replace_earlier_ones_and_leave_nothing_else() {
+        let folder = fresh("replace").join("made/on/the/way");
+        write_all(&folder, &[("a", "old".into()), ("b", "old".into())]).unwrap();
+        write_all(&folder, &[("a", "new".into())]).unwrap();
+        assert_eq!(fs::read_to_string(folder.join("a")).unwrap(), "new");
+        assert_eq!(fs::read_to_string(folder.join("b")).unwrap(), "old");
+        assert_eq!(names(&folder), ["a", "b"]);
+    }
+
+    #[test]
+    fn a_failed_write_leaves_earlier_results_and_no_litter() {
+        let folder = fresh("fail");
+        write_all(&folder, &[("a", "old".into())]).unwrap();
+        // The second name lies in a folder that is not there, so staging it fails after the first is staged.
+        let error = write_all(&folder, &[("a", "new".into()), ("missing/b", "new".into())]).unwrap_err();
+        assert!(error.is_data() && error.to_string().contains("help:"), "{error}");
+        assert_eq!(fs::read_to_string(folder.join("a")).unwrap(), "old");
+        assert_eq!(names(&folder), ["a"]);
+    }
+
+    #[test]
+    fn a_file_in_the_folders_place_is_named() {
+        let folder = fresh("file");
+        fs::write(&folder, "in the way").unwrap();
+        let error = write_all(&folder, &[("a", String::new())]).unwrap_err();
+        assert_eq!(error.file(), Some(folder.as_path()));
+        fs::remove_file(&folder).unwrap();
+    }
+}

@@ -1,0 +1,113 @@
+//! `result.json`: the keys are a promise; what is not finite is `null`.
+
+use super::runtime::Runtime;
+use serde::Serialize;
+use vibrissa::flow::pose::Localization;
+use vibrissa::flow::trajectory::TrajectoryError;
+use vibrissa::plane::Pose2;
+use vibrissa::{Error, Result};
+
+#[derive(Serialize)]
+struct ResultJson<'a> {
+    status: &'static str,
+    method: &'static str,
+    estimate: Option<PoseJson>,
+    hypotheses: Vec<HypothesisJson>,
+    events: Vec<EventJson<'a>>,
+    runtime: RuntimeJson,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    truth: Option<TruthJson>,
+}
+
+#[derive(Serialize)]
+struct PoseJson {
+    x: f64,
+    y: f64,
+    theta: f64,
+}
+
+#[derive(Serialize)]
+struct HypothesisJson {
+    x: f64,
+    y: f64,
+    theta: f64,
+    weight: f64,
+    x_min: f64,
+    x_max: f64,
+    y_min: f64,
+    y_max: f64,
+    theta_min: f64,
+    theta_max: f64,
+}
+
+#[derive(Serialize)]
+struct EventJson<'a> {
+    t: f64,
+    kind: &'a str,
+    detail: &'a str,
+}
+
+#[derive(Serialize)]
+struct RuntimeJson {
+    updates: usize,
+    total_s: f64,
+    p50_us: f64,
+    p99_us: f64,
+}
+
+#[derive(Serialize)]
+struct TruthJson {
+    rows: usize,
+    final_position_m: f64,
+    final_heading_rad: f64,
+    mean_position_m: f64,
+    mean_heading_rad: f64,
+}
+
+/// The answer as pretty JSON with a line end; `truth` is there only when an error is given.
+pub(crate) fn result(answer: &Localization, runtime: &Runtime, error: Option<&TrajectoryError>) -> Result<String> {
+    let value = ResultJson {
+        status: answer.status.as_str(),
+        method: answer.method.as_str(),
+        estimate: answer.estimate.map(pose),
+        hypotheses: hypotheses(answer),
+        events: answer.events.iter().map(|e| EventJson { t: e.t, kind: e.kind, detail: &e.detail }).collect(),
+        runtime: RuntimeJson {
+            updates: runtime.updates,
+            total_s: runtime.total_s,
+            p50_us: runtime.p50_us,
+            p99_us: runtime.p99_us,
+        },
+        truth: error.map(|error| TruthJson {
+            rows: error.rows,
+            final_position_m: error.final_position,
+            final_heading_rad: error.final_heading,
+            mean_position_m: error.mean_position,
+            mean_heading_rad: error.mean_heading,
+        }),
+    };
+    let mut text = serde_json::to_string_pretty(&value)
+        .map_err(|error| Error::data(format!("cannot write the result as JSON ({error})")))?;
+    text.push('\n');
+    Ok(text)
+}
+
+fn pose(pose: Pose2) -> PoseJson {
+    PoseJson { x: pose.x, y: pose.y, theta: pose.theta }
+}
+
+fn hypotheses(answer: &Localization) -> Vec<HypothesisJson> {
+    let one = |h: &vibrissa::flow::pose::Hypothesis| HypothesisJson {
+        x: h.pose.x,
+        y: h.pose.y,
+        theta: h.pose.theta,
+        weight: h.weight,
+        x_min: h.extent.x.lo(),
+        x_max: h.extent.x.hi(),
+        y_min: h.extent.y.lo(),
+        y_max: h.extent.y.hi(),
+        theta_min: h.extent.theta.lo(),
+        theta_max: h.extent.theta.hi(),
+    };
+    answer.hypotheses.iter().map(one).collect()
+}

@@ -1,0 +1,118 @@
+//! The answer in words, for people.
+
+use super::{Run, Runtime};
+use std::fmt::Write;
+use std::path::PathBuf;
+use vibrissa::figure::localization::verdict;
+use vibrissa::flow::pose::{Event, Hypothesis};
+use vibrissa::flow::trajectory::TrajectoryError;
+use vibrissa::sets::Interval;
+
+/// How many places and how many events are listed one by one.
+const LISTED: usize = 8;
+
+/// The answer, its width, what happened, how long it took, and where the files are.
+pub(crate) fn text(run: &Run, error: Option<&TrajectoryError>, written: Option<&[PathBuf]>) -> String {
+    let mut text = format!("{}\n", verdict(&run.answer));
+    match run.answer.hypotheses.as_slice() {
+        [] => {}
+        [only] => estimate(&mut text, only),
+        many => places(&mut text, many),
+    }
+    if let Some(error) = error {
+        truth(&mut text, error);
+    }
+    events(&mut text, &run.answer.events);
+    runtime(&mut text, run.rows, &run.runtime);
+    match written {
+        Some(paths) => files(&mut text, paths),
+        None => {
+            text.push_str("\nNo files were written; add --out DIR for the trajectory, the state set and a figure.\n")
+        }
+    }
+    text
+}
+
+// Writing into a string cannot fail, so the results of `writeln!` are dropped throughout.
+
+fn estimate(text: &mut String, only: &Hypothesis) {
+    let degrees = 1f64.to_degrees();
+    let (pose, extent) = (only.pose, only.extent);
+    let _ = writeln!(text, "\nestimate at the last row          extent of what is left");
+    for (name, value, range, factor, unit) in [
+        ("x", pose.x, extent.x, 1e3, "mm"),
+        ("y", pose.y, extent.y, 1e3, "mm"),
+        ("heading", pose.theta, extent.theta, degrees, "deg"),
+    ] {
+        let _ = writeln!(text, "  {name:<8}{:>10.2} {unit:<12} {}", value * factor, interval(range, factor, unit));
+    }
+}
+
+fn places(text: &mut String, many: &[Hypothesis]) {
+    let _ = writeln!(text, "\n  place  weight      x mm      y mm  heading deg   extent: x mm, y mm, heading deg");
+    for (index, hypothesis) in many.iter().take(LISTED).enumerate() {
+        let (pose, extent) = (hypothesis.pose, hypothesis.extent);
+        let (x, y, heading) = (pose.x * 1e3, pose.y * 1e3, pose.theta.to_degrees());
+        let wide = [extent.x.width() * 1e3, extent.y.width() * 1e3, extent.theta.width().to_degrees()];
+        let _ = writeln!(
+            text,
+            "  {:>5}  {:>4.0} %  {x:>8.2}  {y:>8.2}  {heading:>11.2}   {:.2}, {:.2}, {:.2}",
+            index + 1,
+            100.0 * hypothesis.weight,
+            wide[0],
+            wide[1],
+            wide[2]
+        );
+    }
+    if many.len() > LISTED {
+        let _ = writeln!(text, "  … and {} more places", many.len() - LISTED);
+    }
+}
+
+fn truth(text: &mut String, error: &TrajectoryError) {
+    let degrees = |angle: f64| angle.to_degrees();
+    let _ = writeln!(
+        text,
+        "\nerror against the truth\n  at the end  {:.3} mm, {:.3} deg\n  mean        {:.3} mm, {:.3} deg over {} rows",
+        error.final_position * 1e3,
+        degrees(error.final_heading),
+        error.mean_position * 1e3,
+        degrees(error.mean_heading),
+        error.rows
+    );
+}
+
+fn events(text: &mut String, events: &[Event]) {
+    if events.is_empty() {
+        return;
+    }
+    text.push_str("\nevents\n");
+    for event in events.iter().take(LISTED) {
+        let _ = writeln!(text, "  {:>9.3} s  {}: {}", event.t, event.kind, event.detail);
+    }
+    if events.len() > LISTED {
+        let _ = writeln!(text, "  … and {} more events", events.len() - LISTED);
+    }
+}
+
+fn runtime(text: &mut String, rows: usize, runtime: &Runtime) {
+    let _ = writeln!(
+        text,
+        "\n{rows} rows, {} updates in {:.3} s; one update takes {:.0} µs (median), {:.0} µs (99th percentile)",
+        runtime.updates, runtime.total_s, runtime.p50_us, runtime.p99_us
+    );
+}
+
+fn files(text: &mut String, paths: &[PathBuf]) {
+    text.push_str("\nwritten\n");
+    for path in paths {
+        let _ = writeln!(text, "  {}", path.display());
+    }
+}
+
+fn interval(range: Interval, factor: f64, unit: &str) -> String {
+    if range.is_empty() {
+        return "empty".into();
+    }
+    format!("{:.2} to {:.2} {unit}", range.lo() * factor, range.hi() * factor)
+}

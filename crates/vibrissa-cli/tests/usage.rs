@@ -1,0 +1,75 @@
+//! Help and usage errors of the real binary.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on must fail")]
+
+mod common;
+
+use common::{folder, vibrissa};
+
+#[test]
+fn help_names_every_command_and_the_exit_codes() {
+    let help = vibrissa(&["--help"]);
+    assert_eq!(help.code, Some(0));
+    for word in ["demo", "localize", "Exit codes", "SI units"] {
+        assert!(help.stdout.contains(word), "{word}:\n{}", help.stdout);
+    }
+    assert!(help.stderr.is_empty());
+    assert!(help.stdout.lines().count() <= 40, "help fits a screen");
+}
+
+#[test]
+fn help_of_localize_names_files_units_and_options() {
+    let help = vibrissa(&["localize", "--help"]);
+    assert_eq!(help.code, Some(0));
+    for word in ["--map", "--robot", "--truth", "--method", "--out", "--json", ".geojson", ".svg", "rad", "result.json"]
+    {
+        assert!(help.stdout.contains(word), "{word}:\n{}", help.stdout);
+    }
+}
+
+#[test]
+fn version_is_the_packages() {
+    let version = vibrissa(&["--version"]);
+    assert_eq!((version.code, version.stdout.trim()), (Some(0), concat!("vibrissa ", env!("CARGO_PKG_VERSION"))));
+}
+
+#[test]
+fn usage_errors_exit_2_and_say_what_is_wrong() {
+    let cases: &[(&[&str], &str)] = &[
+        (&[], "Usage"),
+        (&["locaize"], "localize"),
+        (&["localize"], "--map"),
+        (&["localize", "log.csv"], "--map"),
+        (&["localize", "log.csv", "--map"], "--map"),
+        (&["localize", "log.csv", "--map", "m.svg", "--methd", "x"], "--method"),
+        (&["localize", "log.csv", "--map", "m.svg", "--method", "magic"], "deterministic"),
+        (&["localize", "a.csv", "b.csv", "--map", "m.svg"], "b.csv"),
+        (&["demo", "extra"], "extra"),
+    ];
+    for (args, word) in cases {
+        let outcome = vibrissa(args);
+        assert_eq!(outcome.code, Some(2), "{args:?}: {outcome:?}");
+        assert!(outcome.stderr.contains(word), "{args:?}: {}", outcome.stderr);
+        assert!(outcome.stdout.is_empty(), "{args:?}: {}", outcome.stdout);
+    }
+}
+
+#[test]
+fn methods_to_come_are_refused_with_what_is_there() {
+    for method in ["possibilistic", "probabilistic"] {
+        let outcome = vibrissa(&["localize", "no.csv", "--map", "no.svg", "--method", method]);
+        assert_eq!(outcome.code, Some(2), "{outcome:?}");
+        for word in ["error: ", method, "(allowed: deterministic)", "\n  help: "] {
+            assert!(outcome.stderr.contains(word), "{word}: {}", outcome.stderr);
+        }
+    }
+}
+
+#[test]
+fn a_failed_call_leaves_no_folder() {
+    let out = folder("failed-call").join("results");
+    let outcome = vibrissa(&["localize", "no.csv", "--map", "no.geojson", "--out", out.to_str().unwrap()]);
+    assert_eq!(outcome.code, Some(1), "{outcome:?}");
+    assert!(outcome.stderr.starts_with("error: ") && outcome.stderr.contains("help: "), "{}", outcome.stderr);
+    assert!(!out.exists());
+}

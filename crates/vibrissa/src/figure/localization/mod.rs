@@ -1,0 +1,184 @@
+//! The answer to "where is the robot", drawn so that it explains itself.
+
+mod layers;
+mod readout;
+mod words;
+
+use super::axes::{scale_bar, ticks};
+use super::canvas::{Canvas, Frame, WorldBounds};
+use super::document::Document;
+use super::legend::{Entry, LINE, legend};
+use crate::flow::pose::{Localization, StampedPose};
+use crate::plane::{Pose2, Vec2};
+pub use words::verdict;
+
+/// What a line of the map bounds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OutlineRole {
+    /// Free space is inside.
+    Arena,
+    /// Free space is outside.
+    Obstacle,
+    /// A thin wall, solid on both sides.
+    Wall,
+}
+
+/// One line of the map, flattened, map frame (m).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outline {
+    /// The corners, in order; a closed line does not repeat its first.
+    pub points: Vec<Vec2>,
+    /// What it bounds.
+    pub role: OutlineRole,
+    /// Whether the last corner is joined to the first.
+    pub closed: bool,
+}
+
+/// All that a localization figure shows.
+#[derive(Clone, Copy, Debug)]
+pub struct LocalizationScene<'a> {
+    /// The headline: usually the names of the log and the map.
+    pub title: &'a str,
+    /// The map.
+    pub map: &'a [Outline],
+    /// The answer.
+    pub answer: &'a Localization,
+    /// The true trajectory in the map frame, where known.
+    pub truth: Option<&'a [StampedPose]>,
+    /// The robot's outline in its own frame (m); empty when it has none.
+    pub robot: &'a [Vec2],
+}
+
+const PAGE_WIDTH: f64 = 840.0;
+const MARGIN: f64 = 20.0;
+const MAP_LEFT: f64 = 62.0;
+const MAP_WIDTH: f64 = 470.0;
+const MAP_HEIGHT: (f64, f64) = (280.0, 620.0);
+const SIDE_LEFT: f64 = 560.0;
+const DETAIL_SIZE: f64 = 200.0;
+/// The detail panel appears when it shows less than this share of the map.
+const DETAIL_SHARE: f64 = 0.3;
+/// The least that the detail panel shows (m).
+const DETAIL_LEAST: f64 = 4e-3;
+const CAPTION_CHARACTERS: usize = 104;
+/// Where the second column of the legend starts, from the first.
+const LEGEND_COLUMN: f64 = 262.0;
+
+/// The figure as SVG text: map, path, whisker shapes, all candidates, the survivors, the estimate and how wide it is.
+///
+/// The legend names exactly what is drawn and stands in its own margin. The same scene gives the same bytes.
+#[must_use]
+pub fn localization_figure(scene: &LocalizationScene<'_>) -> String {
+    let caption = verdict(scene.answer);
+    let caption_lines = words::wrapped(&caption, CAPTION_CHARACTERS);
+    let top = 78.0 + 19.0 * caption_lines.len() as f64;
+    let map = map_canvas(scene, top);
+    let detail = detail_canvas(scene, &map, top);
+    let side = readout::lines(scene);
+    let entries = layers::legend_entries(scene, &map);
+
+    let side_top = detail.as_ref().map_or(top - 4.0, |canvas| canvas.frame().y + DETAIL_SIZE + 36.0);
+    let legend_top = map.frame().y + map.frame().height + 52.0;
+    let (left, right) = entries.split_at(entries.len().div_ceil(2));
+    let height = (legend_top + LINE * left.len() as f64).max(side_top + LINE * side.len() as f64) + MARGIN;
+
+    let mut document = Document::new(PAGE_WIDTH, height, scene.title, &caption);
+    document.text(MARGIN, 34.0, "title", scene.title);
+    for (index, line) in caption_lines.iter().enumerate() {
+        document.text(MARGIN, 58.0 + 19.0 * index as f64, "caption", line);
+    }
+    draw_map(&mut document, scene, map, detail.as_ref());
+    if let Some(canvas) = detail {
+        draw_detail(&mut document, scene, canvas);
+    }
+    readout::draw(&mut document, SIDE_LEFT, side_top, &side);
+    legend(&mut document, MAP_LEFT, legend_top, left);
+    legend(&mut document, MAP_LEFT + LEGEND_COLUMN, legend_top, right);
+    document.finish()
+}
+
+fn draw_map(document: &mut Document, scene: &LocalizationScene<'_>, mut canvas: Canvas, detail: Option<&Canvas>) {
+    layers::map(&mut canvas, scene.map);
+    layers::candidates(&mut canvas, scene.answer, 5.0);
+    layers::truth(&mut canvas, scene, 22.0);
+    layers::whiskers(&mut canvas, scene.answer);
+    layers::path(&mut canvas, scene.answer);
+    layers::survivors(&mut canvas, scene.answer, 9.0);
+    if let Some(detail) = detail {
+        layers::zoomed(&mut canvas, detail.world());
+    }
+    layers::estimate(&mut canvas, scene, false);
+    ticks(document, &canvas);
+    scale_bar(document, &canvas, 30.0);
+    canvas.place(document);
+}
+
+fn draw_detail(document: &mut Document, scene: &LocalizationScene<'_>, mut canvas: Canvas) {
+    layers::map(&mut canvas, scene.map);
+    layers::candidates(&mut canvas, scene.answer, 9.0);
+    layers::truth(&mut canvas, scene, 46.0);
+    layers::path(&mut canvas, scene.answer);
+    layers::survivors(&mut canvas, scene.answer, 14.0);
+    layers::estimate(&mut canvas, scene, true);
+    let frame = canvas.frame();
+    let heading = if scene.answer.hypotheses.len() > 1 { "Close up: place 1" } else { "Close up: the estimate" };
+    document.text(frame.x, frame.y - 8.0, "heading", heading);
+    scale_bar(document, &canvas, 16.0);
+    canvas.place(document);
+}
+
+fn map_canvas(scene: &LocalizationScene<'_>, top: f64) -> Canvas {
+    let answer = scene.answer;
+    let path = answer.trajectory.iter().chain(scene.truth.unwrap_or_default()).map(|row| row.map_from_robot);
+    let poses = path.chain(answer.hypotheses.iter().map(|hypothesis| hypothesis.pose)).chain(answer.estimate);
+    let corners = scene.map.iter().flat_map(|outline| outline.points.iter().copied());
+    let shapes = layers::placed_shapes(answer).flatten();
+    let bounds = WorldBounds::of(corners.chain(poses.map(Pose2::position)).chain(shapes))
+        .unwrap_or(WorldBounds { min: Vec2::ZERO, max: Vec2::new(1.0, 1.0) });
+    let size = bounds.size();
+    let bounds = bounds.grown((0.04 * size.x.max(size.y)).max(1e-3));
+    let size = bounds.size();
+    let height = (MAP_WIDTH * size.y / size.x).clamp(MAP_HEIGHT.0, MAP_HEIGHT.1);
+    Canvas::new(Frame { x: MAP_LEFT, y: top, width: MAP_WIDTH, height }, bounds)
+}
+
+/// A square around the first hypothesis and the true end, where that is small against the map.
+fn detail_canvas(scene: &LocalizationScene<'_>, map: &Canvas, top: f64) -> Option<Canvas> {
+    let estimate = scene.answer.estimate?.position();
+    let mut points = vec![estimate];
+    if let Some(first) = scene.answer.hypotheses.first() {
+        let (x, y) = (first.extent.x, first.extent.y);
+        points.extend([Vec2::new(x.lo(), y.lo()), Vec2::new(x.hi(), y.hi())]);
+    }
+    let bounds = WorldBounds::of(points.iter().copied())?;
+    let shown = map.world().size();
+    let limit = DETAIL_SHARE * shown.x.max(shown.y);
+    // A true end far from the estimate would shrink the estimate to nothing: leave it out then.
+    let with_truth = WorldBounds::of(points.into_iter().chain(scene.true_end().map(Pose2::position)))?;
+    let bounds = if with_truth.size().x.max(with_truth.size().y) < 0.4 * limit { with_truth } else { bounds };
+    let half = (0.75 * bounds.size().x.max(bounds.size().y)).max(0.5 * DETAIL_LEAST);
+    if 2.0 * half > limit {
+        return None;
+    }
+    let centre = bounds.centre();
+    let world = WorldBounds { min: centre, max: centre }.grown(half);
+    let frame = Frame { x: SIDE_LEFT, y: top, width: DETAIL_SIZE, height: DETAIL_SIZE };
+    Some(Canvas::new(frame, world))
+}
+
+impl LocalizationScene<'_> {
+    /// The true pose at the time of the last estimate.
+    fn true_end(&self) -> Option<Pose2> {
+        let last = self.answer.trajectory.last()?;
+        crate::flow::trajectory::pose_at(self.truth?, last.t)
+    }
+}
+
+/// A count with its noun, which takes an `s` for all but one.
+fn counted(count: usize, noun: &str) -> String {
+    if count == 1 { format!("1 {noun}") } else { format!("{count} {noun}s") }
+}
+
+fn entry(sample: super::Sample, words: impl Into<String>) -> Entry {
+    Entry { sample, words: words.into() }
+}

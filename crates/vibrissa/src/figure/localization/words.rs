@@ -1,0 +1,72 @@
+//! The figure's sentences.
+
+use super::counted;
+use crate::flow::pose::{Localization, Status};
+use crate::plane::Pose2;
+
+/// The verdict in one sentence, with the estimate in millimetres and degrees.
+#[must_use]
+pub fn verdict(answer: &Localization) -> String {
+    let place = answer.estimate.map(place).unwrap_or_else(|| "nowhere".into());
+    match answer.status {
+        Status::Localized => format!("localized: {place}; {}", shrinkage(answer)),
+        Status::Ambiguous => {
+            let weight = answer.hypotheses.first().map_or(0.0, |first| first.weight);
+            let places = answer.hypotheses.len();
+            format!(
+                "ambiguous: {places} separate places explain the log; number 1 ({:.0} %) is {place}; {}",
+                100.0 * weight,
+                shrinkage(answer)
+            )
+        }
+        Status::Inconsistent => {
+            let step = answer.events.iter().find(|event| event.kind == "inconsistent");
+            let step = step.map(|event| format!(" (t = {:.3} s: {})", event.t, event.detail)).unwrap_or_default();
+            format!("inconsistent: no state on this map explains the log{step}")
+        }
+        Status::NoContact => {
+            "no contact: the whisker never touched anything, so the log does not tell where the robot is".into()
+        }
+    }
+}
+
+/// A pose in millimetres and degrees.
+fn place(pose: Pose2) -> String {
+    let (x, y) = (fixed(pose.x * 1e3, 1), fixed(pose.y * 1e3, 1));
+    format!("{x} mm, {y} mm, {}°", fixed(pose.theta.to_degrees(), 1))
+}
+
+/// A number with a fixed count of digits and no negative zero.
+pub(super) fn fixed(value: f64, digits: usize) -> String {
+    let text = format!("{value:.digits$}");
+    match text.strip_prefix('-') {
+        Some(size) if size.chars().all(|c| matches!(c, '0' | '.')) => size.into(),
+        _ => text,
+    }
+}
+
+fn shrinkage(answer: &Localization) -> String {
+    let (left, all) = (answer.states.len(), answer.first_states.len());
+    let candidates = if all > 0 { format!("{left} of {}", counted(all, "candidate")) } else { counted(left, "state") };
+    let swept: f64 = answer
+        .trajectory
+        .windows(2)
+        .map(|pair| pair[0].map_from_robot.position().distance(pair[1].map_from_robot.position()))
+        .sum();
+    format!("{candidates} left after {} mm of sweep", fixed(swept * 1e3, 0))
+}
+
+/// The text broken at spaces into lines of at most `limit` characters; a longer word keeps a line of its own.
+pub(super) fn wrapped(text: &str, limit: usize) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for word in text.split_whitespace() {
+        match lines.last_mut() {
+            Some(line) if line.chars().count() + 1 + word.chars().count() <= limit => {
+                line.push(' ');
+                line.push_str(word);
+            }
+            _ => lines.push(word.into()),
+        }
+    }
+    lines
+}

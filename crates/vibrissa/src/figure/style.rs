@@ -1,0 +1,43 @@
+//! Colours and type, once for all figures.
+//!
+//! The hues are those of Okabe and Ito, which stay apart for every common kind of colour blindness; every role differs
+//! in shape or weight as well.
+
+/// The stylesheet of every figure.
+pub(crate) const SHEET: &str = "\
+text { font-family: system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neue', 'Noto Sans', 'DejaVu Sans', sans-serif; font-size: 13px; fill: #1a1a1a; }
+.title { font-size: 19px; font-weight: 600; }
+.caption { font-size: 14px; fill: #333; }
+.heading { font-weight: 600; }
+.small { font-size: 11.5px; fill: #555; }
+.end { text-anchor: end; }
+.middle { text-anchor: middle; }
+.page { fill: #fff; }
+.panel { fill: none; stroke: #999; stroke-width: 1; }
+.tick, .bar { stroke: #555; stroke-width: 1; fill: none; }
+.bar { stroke: #1a1a1a; stroke-width: 2; }
+.solid { fill: #e3e3e0; }
+.free { fill: #fff; }
+.arena { fill: #fff; stroke: #222; stroke-width: 1.8; stroke-linejoin: round; }
+.obstacle { fill: #c9c9c4; stroke: #222; stroke-width: 1.8; stroke-linejoin: round; }
+.wall { fill: none; stroke: #222; stroke-width: 2.6; stroke-linecap: round; stroke-linejoin: round; }
+.candidate { fill: none; stroke: #e69f00; stroke-opacity: 0.4; stroke-width: 2.6; stroke-linecap: round; }
+.candidate-tick { fill: none; stroke: #e69f00; stroke-opacity: 0.4; stroke-width: 0.9; }
+.survivor { fill: none; stroke: #d55e00; stroke-width: 4; stroke-linecap: round; }
+.survivor-tick { fill: none; stroke: #d55e00; stroke-width: 1.3; }
+.survivor-box { fill: #d55e00; fill-opacity: 0.3; stroke: #d55e00; stroke-width: 0.6; }
+.truth { fill: none; stroke: #8fd3bd; stroke-width: 6; stroke-linecap: round; stroke-linejoin: round; }
+.truth-mark { fill: none; stroke: #00795a; stroke-width: 1.8; }
+.path { fill: none; stroke: #0072b2; stroke-width: 1.8; stroke-linejoin: round; }
+.whisker { fill: none; stroke: #a64d85; stroke-opacity: 0.55; stroke-width: 0.9; stroke-linecap: round; stroke-linejoin: round; }
+.whisker-last { fill: none; stroke: #a64d85; stroke-width: 2.2; stroke-linecap: round; stroke-linejoin: round; }
+.robot { fill: #0072b2; fill-opacity: 0.1; stroke: #0072b2; stroke-width: 1; }
+.estimate { fill: #0072b2; stroke: #fff; stroke-width: 1.2; }
+.estimate-line { fill: none; stroke: #0072b2; stroke-width: 2.4; stroke-linecap: round; }
+.start { fill: #fff; stroke: #0072b2; stroke-width: 1.8; }
+.extent { fill: #0072b2; fill-opacity: 0.08; stroke: #0072b2; stroke-width: 1.1; stroke-dasharray: 4 3; }
+.fan { fill: #0072b2; fill-opacity: 0.25; stroke: none; }
+.badge { fill: #fff; stroke: #0072b2; stroke-width: 1.4; }
+.badge-text { font-size: 11px; font-weight: 600; fill: #00507d; text-anchor: middle; }
+.zoomed { fill: none; stroke: #555; stroke-width: 1; stroke-dasharray: 2 2; }
+";

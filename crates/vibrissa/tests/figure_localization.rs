@@ -1,0 +1,203 @@
+//! The localization figure on made-up answers; each picture is left in cargo's folder for test files, to be looked at.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on must fail")]
+
+use std::path::Path;
+use vibrissa::figure::{LocalizationScene, Outline, OutlineRole, localization_figure};
+use vibrissa::flow::pose::{Event, Hypothesis, Localization, Method, ShapeRecord, StampedPose, Status};
+use vibrissa::plane::{Pose2, Vec2};
+use vibrissa::sets::{Interval, StateBox};
+
+/// A linear congruential generator: the test needs scatter, not quality.
+struct Scatter(u64);
+
+impl Scatter {
+    fn next(&mut self, low: f64, high: f64) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        low + (high - low) * (self.0 >> 11) as f64 / (1u64 << 53) as f64
+    }
+}
+
+fn map() -> Vec<Outline> {
+    let bays = (0..=60).map(|i| {
+        let x = 0.2 - 0.4 * f64::from(i) / 60.0;
+        Vec2::new(
+            x,
+            0.1 + 0.03 * (-((x - 0.09) / 0.03f64).powi(2)).exp() - 0.02 * (-((x + 0.08) / 0.04f64).powi(2)).exp(),
+        )
+    });
+    let arena = [Vec2::new(-0.2, -0.15), Vec2::new(0.23, -0.15)].into_iter().chain(bays).collect();
+    let disc = (0..40).map(|i| Vec2::new(-0.1, -0.07) + Vec2::from_angle(-f64::from(i) * 0.157) * 0.03).collect();
+    let wall = vec![Vec2::new(0.1, -0.15), Vec2::new(0.12, -0.09)];
+    vec![
+        Outline { points: arena, role: OutlineRole::Arena, closed: true },
+        Outline { points: disc, role: OutlineRole::Obstacle, closed: true },
+        Outline { points: wall, role: OutlineRole::Wall, closed: false },
+    ]
+}
+
+fn sweep(offset: Vec2) -> Vec<StampedPose> {
+    (0..=130)
+        .map(|i| StampedPose {
+            t: f64::from(i) / 300.0,
+            map_from_robot: Pose2::new(0.13 - 0.001 * f64::from(i) + offset.x, 0.035 + offset.y, 1.75),
+        })
+        .collect()
+}
+
+fn shapes() -> Vec<ShapeRecord> {
+    let bent = |i: i32| {
+        let bend = 0.3 + 0.25 * (f64::from(i) * 0.07).sin();
+        (0..=30)
+            .map(|k| f64::from(k) / 30.0)
+            .map(|s| Vec2::new(0.072 * s, -0.075 * bend * s * s * (1.0 - 0.33 * s)))
+            .collect()
+    };
+    (0..=130).step_by(2).map(|i| ShapeRecord { t: f64::from(i) / 300.0, points: bent(i) }).collect()
+}
+
+fn around(pose: Pose2, spread: f64, count: usize, scatter: &mut Scatter) -> Vec<Pose2> {
+    (0..count)
+        .map(|_| {
+            let [x, y, theta] = [spread, spread, 8.0 * spread].map(|size| scatter.next(-size, size));
+            Pose2::new(pose.x + x, pose.y + y, pose.theta + theta)
+        })
+        .collect()
+}
+
+fn hypothesis(poses: &[Pose2], weight: f64) -> Hypothesis {
+    let extent = poses.iter().fold(StateBox::EMPTY, |set, &pose| set.including(pose));
+    Hypothesis { pose: poses[0], weight, extent }
+}
+
+fn empty(status: Status) -> Localization {
+    Localization {
+        method: Method::Deterministic,
+        status,
+        estimate: None,
+        hypotheses: vec![],
+        trajectory: vec![],
+        states: vec![],
+        first_states: vec![],
+        steps: vec![],
+        events: vec![],
+        shapes: vec![],
+    }
+}
+
+fn localized(places: &[(Pose2, f64, usize)], status: Status) -> Localization {
+    let mut scatter = Scatter(7);
+    let first_states = (0..1254)
+        .map(|_| Pose2::new(scatter.next(-0.19, 0.22), scatter.next(-0.14, 0.09), scatter.next(-3.1, 3.1)))
+        .collect();
+    let clusters: Vec<Vec<Pose2>> =
+        places.iter().map(|&(pose, spread, count)| around(pose, spread, count, &mut scatter)).collect();
+    let weight = 1.0 / places.len() as f64;
+    Localization {
+        estimate: Some(clusters[0][0]),
+        hypotheses: clusters.iter().map(|poses| hypothesis(poses, weight)).collect(),
+        trajectory: sweep(Vec2::ZERO),
+        states: clusters.iter().flatten().map(|&pose| StateBox::point(pose)).collect(),
+        first_states,
+        shapes: shapes(),
+        ..empty(status)
+    }
+}
+
+fn draw(name: &str, answer: &Localization, truth: Option<&[StampedPose]>) -> String {
+    let robot = [Vec2::new(-0.012, -0.008), Vec2::new(0.0, -0.008), Vec2::new(0.0, 0.008), Vec2::new(-0.012, 0.008)];
+    let scene =
+        LocalizationScene { title: "bays & <made up>.csv on bays.geojson", map: &map(), answer, truth, robot: &robot };
+    let figure = localization_figure(&scene);
+    let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{name}.svg"));
+    std::fs::write(&file, &figure).unwrap();
+    assert_eq!(figure, localization_figure(&scene), "the same scene gives the same bytes");
+    well_formed(&figure);
+    figure
+}
+
+/// Checks that tags nest, that no bare markup is left in text and that no number is broken.
+fn well_formed(svg: &str) {
+    let mut open = Vec::new();
+    for piece in svg.split('<').skip(1) {
+        let (tag, text) = piece.split_once('>').expect("every tag ends");
+        assert!(!text.contains("NaN") && !tag.contains("NaN") && !tag.contains("inf"), "{piece}");
+        for entity in text.split('&').skip(1) {
+            assert!(["amp;", "lt;", "gt;", "quot;", "apos;"].iter().any(|known| entity.starts_with(known)), "{text}");
+        }
+        if let Some(name) = tag.strip_prefix('/') {
+            assert_eq!(open.pop(), Some(name));
+        } else if !tag.ends_with('/') {
+            open.push(tag.split_whitespace().next().unwrap());
+        }
+    }
+    assert!(open.is_empty(), "left open: {open:?}");
+}
+
+#[test]
+fn one_place_is_shown_with_its_extent_and_the_truth() {
+    let answer = localized(&[(Pose2::new(0.0003, 0.0352, 1.752), 0.0012, 9)], Status::Localized);
+    let truth = sweep(Vec2::new(0.0004, -0.0003));
+    let figure = draw("localized", &answer, Some(&truth));
+    for words in ["9 of 1254 candidates left after 130 mm of sweep", "true path", "off the truth by 0.50 mm, 0.00°"] {
+        assert!(figure.contains(words), "{words}");
+    }
+    assert!(figure.contains("bays &amp; &lt;made up&gt;.csv"), "the title is escaped");
+    assert!(figure.matches("class=\"whisker\"").count() <= 25);
+}
+
+#[test]
+fn rivals_are_numbered_and_weighed() {
+    let places = [
+        (Pose2::new(0.0, 0.035, 1.75), 0.002, 5),
+        (Pose2::new(-0.15, -0.1, -2.0), 0.003, 4),
+        (Pose2::new(0.16, -0.05, 0.3), 0.001, 3),
+    ];
+    let figure = draw("ambiguous", &localized(&places, Status::Ambiguous), None);
+    assert!(figure.contains("ambiguous: 3 separate places"));
+    assert!(!figure.contains("true path"));
+    for number in 1..=3 {
+        assert!(figure.contains(&format!(">{number}</text>")), "badge {number}");
+        assert!(figure.contains(&format!("{number}: 33 %,")), "row {number}");
+    }
+}
+
+#[test]
+fn a_set_of_boxes_is_drawn_as_boxes() {
+    let mut answer = localized(&[(Pose2::new(0.0, 0.035, 1.75), 0.003, 5)], Status::Localized);
+    let cell = |lo: f64, size: f64| Interval::new(lo, lo + size);
+    answer.states = (0..40)
+        .map(|i| StateBox { x: cell(-0.002 + 1e-4 * f64::from(i), 2e-4), y: cell(0.034, 2e-3), theta: cell(1.7, 0.1) })
+        .collect();
+    let figure = draw("boxes", &answer, None);
+    assert!(figure.matches("class=\"survivor-box\"").count() >= 40);
+}
+
+#[test]
+fn no_answer_still_makes_a_figure_that_says_so() {
+    let mut answer = empty(Status::Inconsistent);
+    answer.events.push(Event { t: 0.25, kind: "inconsistent", detail: "row 76 removed the last candidate".into() });
+    assert!(draw("inconsistent", &answer, None).contains("t = 0.250 s: row 76 removed the last candidate"));
+    assert!(draw("no_contact", &empty(Status::NoContact), None).contains("never touched"));
+}
+
+#[test]
+fn hostile_numbers_and_empty_scenes_leave_valid_figures() {
+    let wild = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300, -1e300, 1e-300, 0.0];
+    let mut answer = localized(&[(Pose2::new(0.0, 0.0, 0.0), 0.0, 1)], Status::Localized);
+    for &a in &wild {
+        for &b in &wild {
+            let pose = Pose2 { x: a, y: b, theta: a };
+            answer.trajectory.push(StampedPose { t: a, map_from_robot: pose });
+            answer.first_states.push(pose);
+            answer.states.push(StateBox { x: Interval::new(a, b), y: Interval::new(b, a), theta: Interval::EMPTY });
+            answer.hypotheses.push(Hypothesis { pose, weight: a, extent: StateBox::EMPTY });
+            answer.shapes.push(ShapeRecord { t: b, points: vec![Vec2::new(a, b)] });
+            answer.estimate = Some(pose);
+            let scene = LocalizationScene { title: "", map: &[], answer: &answer, truth: None, robot: &[] };
+            let figure = localization_figure(&scene);
+            assert!(figure.ends_with("</svg>\n"));
+            assert!(!figure.contains("d=\"MNaN") && !figure.contains("=\"NaN\"") && !figure.contains("=\"inf\""));
+        }
+    }
+}
