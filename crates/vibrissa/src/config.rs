@@ -1,5 +1,7 @@
 //! Every default of the product, once, with its unit and its reason.
 
+use crate::{Error, Result};
+
 /// Tolerances of the geometry, and the limits beyond which a file is taken to be in the wrong unit.
 pub mod limits {
     /// Largest distance between a map's curve and the chain of lines that stands for it in look-ups (m): a micrometre.
@@ -40,4 +42,84 @@ pub mod defaults {
     pub const MOMENT_ABSOLUTE: f64 = 2e-5;
     /// Bound on the error of each odometry increment relative to it: the paper's stage is exact to 10 µm.
     pub const ODOMETRY_RELATIVE: f64 = 0.0;
+}
+
+/// Which way the contact force acts at a whisker's tip.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum TipLoad {
+    /// Normal to the boundary, as frictionless contact of a tip with a smooth wall is.
+    #[default]
+    BoundaryNormal,
+    /// Normal to the whisker, as the paper has it; millimetres off where the whisker meets the wall aslant.
+    WhiskerNormal,
+}
+
+/// The knobs of the deterministic method \[routray, section "Localization: Deterministic Method"\].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DeterministicOptions {
+    /// Spacing of the points along the boundary at which the whisker is aligned (m); the paper's 1 mm.
+    pub boundary_spacing: f64,
+    /// How many whisker shapes estimate the boundary's slope; the paper's 2 to 5.
+    pub history_shapes: usize,
+    /// How far the whisker base travels from the first to the last of these shapes (m).
+    ///
+    /// A reading off by 5 % moves the tip by a millimetre or two. Over 10 mm the slope is good to a few degrees, and
+    /// walls are still all but straight.
+    pub history_travel: f64,
+    /// How far the whisker base travels between two updates (m).
+    pub update_travel: f64,
+    /// Where on the boundary and at which heading a candidate may miss an observation, in standard deviations.
+    pub tolerance: f64,
+    /// Heading tolerance that stays when readings are exact (rad): the wall bends within the history.
+    pub heading_floor: f64,
+    /// Position tolerance that stays when readings are exact (m): shapes and walls are interpolated.
+    pub position_floor: f64,
+    /// Share of the observations that a candidate may miss: 0 is the paper's plain intersection.
+    ///
+    /// At corners the slope of the history is nobody's slope; a few bad observations must not empty the set.
+    pub missed_share: f64,
+    /// Which way the force acts at the tip.
+    pub tip_load: TipLoad,
+}
+
+impl Default for DeterministicOptions {
+    fn default() -> Self {
+        Self {
+            boundary_spacing: 1e-3,
+            history_shapes: 5,
+            history_travel: 10e-3,
+            update_travel: 2e-3,
+            tolerance: 3.0,
+            heading_floor: 0.05,
+            position_floor: 0.7e-3,
+            missed_share: 0.25,
+            tip_load: TipLoad::default(),
+        }
+    }
+}
+
+impl DeterministicOptions {
+    /// Checks that every knob is in its range.
+    ///
+    /// # Errors
+    ///
+    /// Usage: names the knob, its value and the allowed range.
+    pub fn check(&self) -> Result<()> {
+        let within = |name: &str, value: f64, lo: f64, hi: f64, unit: &str| {
+            if value >= lo && value <= hi {
+                return Ok(());
+            }
+            Err(Error::usage(format!("the option {name} is out of range"))
+                .value(value)
+                .allowed(format!("{lo} to {hi} {unit}")))
+        };
+        within("boundary_spacing", self.boundary_spacing, 1e-5, 0.1, "m")?;
+        within("history_shapes", self.history_shapes as f64, 2.0, 5.0, "shapes")?;
+        within("history_travel", self.history_travel, 1e-5, 1.0, "m")?;
+        within("update_travel", self.update_travel, 0.0, self.history_travel, "m, at most history_travel")?;
+        within("tolerance", self.tolerance, 0.1, 10.0, "standard deviations")?;
+        within("heading_floor", self.heading_floor, 0.0, 1.0, "rad")?;
+        within("position_floor", self.position_floor, 0.0, 0.1, "m")?;
+        within("missed_share", self.missed_share, 0.0, 0.9, "of the observations")
+    }
 }

@@ -25,6 +25,7 @@ mod moment_mode;
 mod pendulum;
 mod point_mode;
 mod root;
+mod tip_curve;
 mod whisker;
 
 pub use bend::{Bend, ShapePoint};
@@ -32,6 +33,7 @@ pub use force_mode::force_mode;
 pub use load::Load;
 pub use moment_mode::moment_mode;
 pub use point_mode::point_mode;
+pub use tip_curve::{TipEquilibrium, largest_tip_moment, tip_curve};
 pub use whisker::Whisker;
 
 use crate::error::{Error, Result};

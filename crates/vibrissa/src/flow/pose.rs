@@ -1,5 +1,7 @@
 //! The last door: the only place that chooses, and it says how wide the choice was.
 
+use super::state_set::{Component, StateSet};
+use crate::config::DeterministicOptions;
 use crate::plane::{Pose2, Vec2};
 use crate::sets::StateBox;
 
@@ -99,4 +101,50 @@ pub struct Localization {
     pub events: Vec<Event>,
     /// Whisker shapes along the sweep, for drawing.
     pub shapes: Vec<ShapeRecord>,
+}
+
+/// A single place larger than this (m, rad) is not called localized: its candidates do not agree on where it is.
+const LARGEST_PLACE: f64 = 0.02;
+const LARGEST_TURN: f64 = 0.35;
+/// Hypotheses lighter than this share are left out; they stay in the state set.
+const LEAST_WEIGHT: f64 = 1e-3;
+
+/// One hypothesis for each component of the set, at the odometry's `odom_from_robot`, the heaviest first.
+///
+/// A component's weight is the likelihood of its best candidate if each tolerance is that many standard deviations and
+/// a missed observation is one missed by a whole tolerance.
+#[must_use]
+pub fn choose(states: &StateSet, odom_from_robot: Pose2, options: &DeterministicOptions) -> Vec<Hypothesis> {
+    let components = states.components(odom_from_robot);
+    let best = |c: &Component| &states.candidates()[c.members[0]];
+    let least = components.iter().map(|c| best(c).rank()).fold(f64::INFINITY, f64::min);
+    let independent = (options.update_travel / options.history_travel).min(1.0);
+    let half_chi = 0.5 * options.tolerance * options.tolerance * independent;
+    let mut hypotheses: Vec<Hypothesis> = components
+        .iter()
+        .map(|c| Hypothesis {
+            pose: best(c).map_from_odom.compose(odom_from_robot),
+            weight: (-half_chi * (best(c).rank() - least)).exp(),
+            extent: c.extent,
+        })
+        .collect();
+    let total: f64 = hypotheses.iter().map(|h| h.weight).sum();
+    hypotheses.iter_mut().for_each(|h| h.weight /= total);
+    hypotheses.sort_by(|a, b| b.weight.total_cmp(&a.weight));
+    hypotheses.retain(|h| h.weight >= LEAST_WEIGHT);
+    let kept: f64 = hypotheses.iter().map(|h| h.weight).sum();
+    hypotheses.iter_mut().for_each(|h| h.weight /= kept);
+    hypotheses
+}
+
+/// The verdict on a log.
+#[must_use]
+pub fn verdict(touched: bool, became_empty: bool, hypotheses: &[Hypothesis]) -> Status {
+    let small = |e: &StateBox| e.x.width().hypot(e.y.width()) <= LARGEST_PLACE && e.theta.width() <= LARGEST_TURN;
+    match hypotheses {
+        _ if !touched => Status::NoContact,
+        [] if became_empty => Status::Inconsistent,
+        [only] if small(&only.extent) => Status::Localized,
+        _ => Status::Ambiguous,
+    }
 }

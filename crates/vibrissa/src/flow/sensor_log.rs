@@ -6,6 +6,7 @@ mod doubts;
 
 use crate::plane::Pose2;
 use crate::{Error, Result};
+use std::path::PathBuf;
 
 /// What a column of a log measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -89,6 +90,8 @@ pub struct LogRow {
     pub readings: Vec<f64>,
     /// Absolute heading in the map frame from an IMU or compass (rad), where logged.
     pub heading: Option<f64>,
+    /// The line of the file that it was read from, counted from 1; 0 for a row that was not read from a file.
+    pub line: usize,
 }
 
 /// A recorded run: odometry and readings over time.
@@ -100,6 +103,8 @@ pub struct SensorLog {
     pub rows: Vec<LogRow>,
     /// What looked wrong but could be read, for people.
     pub warnings: Vec<String>,
+    /// The file that it was read from, for messages.
+    pub source: Option<PathBuf>,
 }
 
 impl SensorLog {

@@ -1,20 +1,24 @@
 //! Where the robot is: the one-call door to the whole corridor.
 
 use crate::Result;
-use crate::flow::pose::{Localization, Method, Status};
+use crate::config::DeterministicOptions;
+use crate::flow::pose::{Localization, Method};
 use crate::flow::sensor_log::SensorLog;
-use crate::world::Robot;
+use crate::localizer::Localizer;
+use crate::world::{Map, Robot};
 
 /// What can be chosen about a localization.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LocalizeOptions {
     /// The estimator.
     pub method: Method,
+    /// The knobs of the deterministic method.
+    pub deterministic: DeterministicOptions,
 }
 
 impl Default for LocalizeOptions {
     fn default() -> Self {
-        Self { method: Method::Deterministic }
+        Self { method: Method::Deterministic, deterministic: DeterministicOptions::default() }
     }
 }
 
@@ -22,24 +26,23 @@ impl Default for LocalizeOptions {
 ///
 /// # Errors
 ///
-/// None yet.
+/// A robot that the method does not cover, options out of range, a log without moments, or a moment that no whisker
+/// shape explains; the message names file and line.
 pub fn localize(
     log: &SensorLog,
-    _robot: &Robot,
+    map: &Map,
+    robot: &Robot,
     options: &LocalizeOptions,
     observer: &mut dyn FnMut(usize),
 ) -> Result<Localization> {
-    (0..log.rows.len()).for_each(observer);
-    Ok(Localization {
-        method: options.method,
-        status: Status::NoContact,
-        estimate: None,
-        hypotheses: Vec::new(),
-        trajectory: Vec::new(),
-        states: Vec::new(),
-        first_states: Vec::new(),
-        steps: Vec::new(),
-        events: Vec::new(),
-        shapes: Vec::new(),
-    })
+    let in_log = |error: crate::Error| match &log.source {
+        Some(file) if error.line().is_some() => error.in_file(file),
+        _ => error,
+    };
+    let mut localizer = Localizer::new(map, robot, &log.channels, options.deterministic)?;
+    for (index, row) in log.rows.iter().enumerate() {
+        localizer.step(row).map_err(in_log)?;
+        observer(index);
+    }
+    Ok(localizer.finish())
 }

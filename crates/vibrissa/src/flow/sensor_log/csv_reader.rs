@@ -48,7 +48,9 @@ impl SensorLog {
     pub fn from_reader(reader: impl Read, name: &str) -> Result<Self> {
         let mut ended_in_newline = true;
         let watched = Watched { inner: reader, ended_in_newline: &mut ended_in_newline };
-        read(watched, name).and_then(|(log, cut)| finish(log, cut, ended_in_newline)).map_err(|e| e.in_file(name))
+        let (log, cut) = read(watched, name).map_err(|e| e.in_file(name))?;
+        let log = finish(log, cut, ended_in_newline).map_err(|e| e.in_file(name))?;
+        Ok(Self { source: Some(name.into()), ..log })
     }
 }
 
@@ -87,7 +89,7 @@ fn read(reader: impl Read, name: &str) -> Result<(SensorLog, Option<Pending>)> {
     let header = record.iter().map(text).collect();
     let columns = Columns::new(header).map_err(|e| e.at_line(line(&record)))?;
     let mut log =
-        SensorLog { channels: columns.channels.clone(), rows: Vec::new(), warnings: columns.warnings.clone() };
+        SensorLog { channels: columns.channels.clone(), warnings: columns.warnings.clone(), ..SensorLog::default() };
     let (mut doubts, mut pending): (_, Option<Pending>) = (Doubts::default(), None);
     while next(&mut record)? {
         if record.len() == 1 && record[0].is_empty() {
@@ -151,6 +153,7 @@ fn row(
     let [t, x, y, theta] = columns.odometry;
     let (t, theta) = (number(t)?, number(theta)?);
     let row = LogRow {
+        line,
         t,
         odom_from_robot: Pose2::new(number(x)?, number(y)?, theta),
         readings: columns.readings.iter().map(|&field| number(field)).collect::<core::result::Result<_, _>>()?,

@@ -1,0 +1,176 @@
+//! All ways in which a tip contact can cause one base moment: the level curve of the moment over load tilt and force.
+//!
+//! With the contact at the tip, a uniform whisker's base moment `mu = M0 L / EI` depends on two numbers, the load's tilt
+//! `beta` and `t = L sqrt(F / EI)`. The equilibria that cause one moment form a curve in that plane, which turns back in
+//! `beta` where the moment is the largest that the tilt allows. It is followed by continuation, so that turning points
+//! are nothing special, and cut where the direction of the force stops growing or shrinking: on each piece the
+//! direction names the equilibrium.
+
+use super::pendulum::{Pendulum, Tilt};
+use core::f64::consts::FRAC_PI_2;
+
+/// Tilts beyond this are left out (rad): the force then all but pulls or pushes along the whisker.
+const STEEPEST_TILT: f64 = 1.45;
+/// Step along the curve in the plane of tilt and `t`; linear interpolation between steps errs by 2e-4 of the length.
+const STEP: f64 = 0.02;
+/// More steps than any curve takes; a guard, never reached.
+const MOST_STEPS: usize = 2000;
+/// The end of the first mode is approached to this fraction: beyond, the moment changes sign.
+const MODE_END: f64 = 0.995;
+
+/// One equilibrium on the curve, lengths in units of the whisker's length, deflection positive.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TipEquilibrium {
+    /// Direction of the contact force in the whisker frame (rad), not wrapped.
+    pub direction: f64,
+    /// Slope at the tip (rad).
+    pub slope: f64,
+    /// Tip, first coordinate over the length.
+    pub x: f64,
+    /// Tip, second coordinate over the length.
+    pub y: f64,
+    /// `L sqrt(F / EI)`.
+    pub t: f64,
+}
+
+impl TipEquilibrium {
+    /// The force's tilt from the whisker's normal at the tip (rad).
+    #[must_use]
+    pub fn tilt(&self) -> f64 {
+        self.direction - self.slope - FRAC_PI_2
+    }
+}
+
+/// A point of the curve with the moment's slope there.
+#[derive(Clone, Copy)]
+struct Node {
+    beta: f64,
+    t: f64,
+    moment: f64,
+    by_t: f64,
+    end: f64,
+    equilibrium: TipEquilibrium,
+}
+
+fn node(beta: f64, t: f64) -> Node {
+    let pendulum = Pendulum::new(Tilt::new(beta.sin(), beta.cos()));
+    let swing = pendulum.at(t);
+    let (x, y) = swing.contact();
+    let equilibrium = TipEquilibrium { direction: beta + swing.u + FRAC_PI_2, slope: swing.u, x: x / t, y: y / t, t };
+    let by_t = swing.du + t * (swing.u + beta).cos();
+    Node { beta, t, moment: t * swing.du, by_t, end: pendulum.half_period(), equilibrium }
+}
+
+/// The derivative of the moment by the tilt.
+fn by_beta(at: &Node) -> f64 {
+    const H: f64 = 1e-5;
+    (node(at.beta + H, at.t).moment - node(at.beta - H, at.t).moment) / (2.0 * H)
+}
+
+/// The equilibria with the dimensionless base moment `mu = M0 L / EI > 0` and the contact at the tip.
+///
+/// One list for each piece of the curve on which the force's direction is monotone, the piece of least bending first,
+/// each in order of growing direction. Tilts within ±1.45 rad. Empty when `mu` is not positive and finite, or when no
+/// tip load causes so large a moment.
+#[must_use]
+pub fn tip_curve(mu: f64) -> Vec<Vec<TipEquilibrium>> {
+    if !(mu > 0.0 && mu.is_finite()) {
+        return Vec::new();
+    }
+    match first_node(mu) {
+        Some(first) => pieces(&follow(first, mu)),
+        None => Vec::new(),
+    }
+}
+
+/// The least bent equilibrium at the steepest tilt, where the force pushes towards the base.
+fn first_node(mu: f64) -> Option<Node> {
+    let beta = -STEEPEST_TILT;
+    let end = MODE_END * node(beta, 1e-3).end;
+    let (mut lo, mut hi) = (0.0, 1e-3_f64.max(0.5 * mu.sqrt()));
+    while node(beta, hi).moment < mu {
+        lo = hi;
+        hi *= 1.1;
+        if hi > end {
+            return None;
+        }
+    }
+    for _ in 0..60 {
+        let middle = 0.5 * (lo + hi);
+        if node(beta, middle).moment < mu { lo = middle } else { hi = middle }
+    }
+    Some(node(beta, hi))
+}
+
+/// The curve from `first` on, until it leaves the range of tilts or the first mode.
+fn follow(first: Node, mu: f64) -> Vec<TipEquilibrium> {
+    let mut curve = vec![first.equilibrium];
+    let mut at = first;
+    let mut heading = (1.0, 0.0);
+    while curve.len() < MOST_STEPS {
+        let (gb, gt) = (by_beta(&at), at.by_t);
+        let norm = gb.hypot(gt);
+        let sign = if -gt * heading.0 + gb * heading.1 > 0.0 { 1.0 } else { -1.0 };
+        heading = (-sign * gt / norm, sign * gb / norm);
+        // Small moments live at small t, where the step must not jump over the curve's bends.
+        let step = STEP.min(0.2 * at.t);
+        let next = correct(at.beta + step * heading.0, at.t + step * heading.1, mu);
+        if !(next.beta.abs() <= STEEPEST_TILT && next.t > 0.0 && next.t < MODE_END * next.end) {
+            break;
+        }
+        curve.push(next.equilibrium);
+        at = next;
+    }
+    curve
+}
+
+/// The nearest point of the curve, by Newton steps along the gradient.
+fn correct(mut beta: f64, mut t: f64, mu: f64) -> Node {
+    let mut at = node(beta, t);
+    for _ in 0..8 {
+        let fault = mu - at.moment;
+        if fault.abs() <= 1e-12 * mu {
+            break;
+        }
+        let (gb, gt) = (by_beta(&at), at.by_t);
+        let square = gb * gb + gt * gt;
+        beta += fault * gb / square;
+        t += fault * gt / square;
+        at = node(beta, t);
+    }
+    at
+}
+
+/// The curve cut at the turning points of the direction.
+fn pieces(curve: &[TipEquilibrium]) -> Vec<Vec<TipEquilibrium>> {
+    let mut pieces = Vec::new();
+    let mut start = 0;
+    for i in 1..curve.len() {
+        let last = i + 1 == curve.len();
+        let rising = curve[i].direction > curve[i - 1].direction;
+        if last || (curve[i + 1].direction > curve[i].direction) != rising {
+            let mut piece = curve[start..=i].to_vec();
+            if !rising {
+                piece.reverse();
+            }
+            pieces.push(piece);
+            start = i;
+        }
+    }
+    pieces
+}
+
+/// The largest dimensionless moment `M0 L / EI` that a load at the tip causes when its tilt is at most `steepest` (rad,
+/// at least 0; steeper tilts than 1.45 rad are left out).
+#[must_use]
+pub fn largest_tip_moment(steepest: f64) -> f64 {
+    // The more the force pushes towards the base the larger the moment; over t the moment has one maximum.
+    let pendulum = Pendulum::new(Tilt::new((-steepest.min(STEEPEST_TILT)).sin(), steepest.min(STEEPEST_TILT).cos()));
+    let (mut lo, mut hi) = (0.0, pendulum.half_period());
+    let moment = |t: f64| t * pendulum.at(t).du;
+    for _ in 0..100 {
+        let (a, b) = (lo + (hi - lo) / 3.0, hi - (hi - lo) / 3.0);
+        if moment(a) < moment(b) { lo = a } else { hi = b }
+    }
+    moment(0.5 * (lo + hi))
+}

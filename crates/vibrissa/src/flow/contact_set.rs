@@ -1,0 +1,143 @@
+//! The third door: where the tip can be, given one moment.
+//!
+//! A moment does not give a contact point, it gives a set. With the contact at the tip of the whisker that set is a
+//! curve, and the direction of the contact force runs along it: a force normal to the boundary at a known slope names
+//! one point of the curve \[routray, section "Contact Point Estimation via Bending Moment"; departures in
+//! `docs/departures.md`\].
+
+use crate::beam::{Whisker, tip_curve};
+use crate::config::TipLoad;
+use crate::plane::{Vec2, wrap_angle};
+use crate::sets::Interval;
+use core::f64::consts::FRAC_PI_2;
+
+/// One way in which the tip can touch: whisker frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TipContact {
+    /// Direction of the contact force (rad), not wrapped.
+    pub direction: f64,
+    /// Slope of the whisker at the tip (rad); the paper's `phi_a`.
+    pub slope: f64,
+    /// The tip (m); the paper's `(x(s_a), y(s_a))` with `s_a = L`.
+    pub position: Vec2,
+    /// The contact force (N), negative when it pushes towards -y.
+    pub force: f64,
+}
+
+impl TipContact {
+    /// Tilt of the force from the whisker's normal at the tip (rad), as the beam functions take it.
+    #[must_use]
+    pub fn tilt(&self) -> f64 {
+        let normal = self.slope + FRAC_PI_2.copysign(self.force);
+        wrap_angle(self.direction - normal)
+    }
+}
+
+/// The tip contacts that cause one moment, on one branch: a curve along which the force's direction grows.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TipContactSet {
+    /// The base moment (N m).
+    pub moment: f64,
+    contacts: Vec<TipContact>,
+}
+
+impl TipContactSet {
+    /// Every branch of the tip contacts that cause `moment` (N m), the least bent first.
+    ///
+    /// Empty when no tip load causes such a moment, and for a moment of zero. The whisker must be uniform, straight and
+    /// clamped; others are refused when a robot is checked.
+    #[must_use]
+    pub fn branches(whisker: &Whisker, moment: f64, load: TipLoad) -> Vec<Self> {
+        let mu = moment.abs() * whisker.length / whisker.flexural_rigidity;
+        let pieces = tip_curve(mu);
+        match load {
+            TipLoad::BoundaryNormal => pieces
+                .into_iter()
+                .map(|piece| Self::from_curve(whisker, moment, &piece))
+                .filter(|set| set.contacts.len() > 1)
+                .collect(),
+            TipLoad::WhiskerNormal => pieces
+                .into_iter()
+                .filter_map(|piece| Self::from_curve(whisker, moment, &piece).whisker_normal())
+                .collect(),
+        }
+    }
+
+    fn from_curve(whisker: &Whisker, moment: f64, piece: &[crate::beam::TipEquilibrium]) -> Self {
+        let side = 1.0_f64.copysign(moment);
+        let contact = |e: &crate::beam::TipEquilibrium| TipContact {
+            direction: side * e.direction,
+            slope: side * e.slope,
+            position: Vec2::new(e.x, side * e.y) * whisker.length,
+            force: side * whisker.flexural_rigidity * (e.t / whisker.length).powi(2),
+        };
+        let mut contacts: Vec<_> = piece.iter().map(contact).collect();
+        if side < 0.0 {
+            contacts.reverse();
+        }
+        Self { moment, contacts }
+    }
+
+    /// The one contact of the curve whose force is normal to the whisker, if it is there.
+    fn whisker_normal(self) -> Option<Self> {
+        let tilt = |c: &TipContact| c.tilt();
+        let pair = self.contacts.windows(2).find(|w| tilt(&w[0]) * tilt(&w[1]) <= 0.0)?;
+        let (a, b) = (tilt(&pair[0]), tilt(&pair[1]));
+        let share = if a == b { 0.0 } else { a / (a - b) };
+        let contacts = vec![blend(&pair[0], &pair[1], share)];
+        Some(Self { moment: self.moment, contacts })
+    }
+
+    /// Whether the set is one point, whatever the direction of the force.
+    #[must_use]
+    pub fn is_point(&self) -> bool {
+        self.contacts.len() == 1
+    }
+
+    /// The directions that the force can have (rad), whisker frame, not wrapped.
+    #[must_use]
+    pub fn directions(&self) -> Interval {
+        match (self.contacts.first(), self.contacts.last()) {
+            (Some(a), Some(b)) if !self.is_point() => Interval::new(a.direction, b.direction),
+            (Some(a), _) => Interval::new(a.direction - FRAC_PI_2, a.direction + FRAC_PI_2),
+            _ => Interval::EMPTY,
+        }
+    }
+
+    /// The contact whose force acts in `direction` (rad, whisker frame, any turn of the circle).
+    ///
+    /// None when no contact of this branch has that direction. Linear between nodes: the position errs by at most
+    /// 2e-4 of the whisker's length. A set of one point answers with that point for every direction that can push on it.
+    #[must_use]
+    pub fn at_direction(&self, direction: f64) -> Option<TipContact> {
+        let range = self.directions();
+        let middle = 0.5 * (range.lo() + range.hi());
+        let direction = middle + wrap_angle(direction - middle);
+        if !range.contains(direction) {
+            return None;
+        }
+        if self.is_point() {
+            return self.contacts.first().copied();
+        }
+        let after = self.contacts.partition_point(|c| c.direction < direction).clamp(1, self.contacts.len() - 1);
+        let (a, b) = (&self.contacts[after - 1], &self.contacts[after]);
+        let share = (direction - a.direction) / (b.direction - a.direction);
+        Some(blend(a, b, share))
+    }
+
+    /// The nodes of the curve, in order of growing direction.
+    #[must_use]
+    pub fn contacts(&self) -> &[TipContact] {
+        &self.contacts
+    }
+}
+
+fn blend(a: &TipContact, b: &TipContact, share: f64) -> TipContact {
+    let mix = |p: f64, q: f64| p + share * (q - p);
+    TipContact {
+        direction: mix(a.direction, b.direction),
+        slope: mix(a.slope, b.slope),
+        position: a.position + (b.position - a.position) * share,
+        force: mix(a.force, b.force),
+    }
+}

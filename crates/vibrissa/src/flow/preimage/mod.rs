@@ -1,0 +1,80 @@
+//! The fourth door: all robot states that explain an observation.
+//!
+//! The whisker's shape is laid against every point of the boundary at the angle that its recent history shows
+//! \[routray, eq. "configFromAlignment"\]. The paper aligns one shape at one angle; here the angle has a tolerance,
+//! since readings have errors, and the shape follows the angle, since the force is normal to the boundary.
+
+mod alignment;
+mod observation;
+
+pub use alignment::Alignment;
+pub use observation::{Branch, Observation};
+
+use crate::plane::{Pose2, Vec2};
+use crate::world::{BoundarySample, Map};
+use core::f64::consts::FRAC_PI_2;
+
+/// Spacing of the headings that are tried where the boundary's slope is uncertain (rad).
+const HEADING_SPACING: f64 = 0.06;
+/// How far from the aligned heading states are laid out, in standard deviations.
+const HEADING_REACH: f64 = 2.0;
+/// A slope less certain than this (rad) aligns nothing.
+const WORST_SLOPE: f64 = 0.35;
+
+/// A robot state that explains an observation at one point of the boundary.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AlignedState {
+    /// The robot in the map frame.
+    pub map_from_robot: Pose2,
+    /// The touched point of the boundary (m), map frame.
+    pub contact: Vec2,
+    /// Direction of the boundary's normal there, towards free space (rad), map frame.
+    pub normal: f64,
+    /// Half the spacing to the next heading, or the standard deviation where there is one heading (rad).
+    pub heading_std: f64,
+}
+
+/// All robot states on the boundary that explain the observation: the paper's `Q_t`.
+///
+/// With `T_k` the boundary's frame at a sample (x along the boundary, free space on its left), `phi_a` the whisker's
+/// slope at the contact and `gamma` the angle from boundary to whisker, the whisker base stands at
+/// `T_k R(gamma - phi_a) [-x(s_a), -y(s_a)]`, which is the paper's equation with its clockwise angles turned round.
+/// States whose whisker base is not in free space are left out.
+#[must_use]
+pub fn aligned_states(map: &Map, samples: &[BoundarySample], observation: &Observation) -> Vec<AlignedState> {
+    let mut states = Vec::new();
+    for branch in &observation.branches {
+        for alignment in branch.alignments.iter().filter(|a| a.std <= WORST_SLOPE) {
+            for (offset, heading_std) in headings(alignment.std) {
+                let slope = alignment.boundary_slope + offset;
+                let Some(contact) = branch.contacts.at_direction(slope + FRAC_PI_2) else { continue };
+                let place = |sample: &BoundarySample| {
+                    let map_from_whisker = align(sample, slope, contact.position);
+                    map.is_free(map_from_whisker.position()).then(|| AlignedState {
+                        map_from_robot: map_from_whisker.compose(observation.robot_from_whisker.inverse()),
+                        contact: sample.position,
+                        normal: sample.tangent + FRAC_PI_2,
+                        heading_std,
+                    })
+                };
+                states.extend(samples.iter().filter_map(place));
+            }
+        }
+    }
+    states
+}
+
+/// The whisker frame laid against one boundary point: `T_k R(-slope) (-tip)`, with `slope = phi_a - gamma`.
+fn align(sample: &BoundarySample, slope: f64, tip: Vec2) -> Pose2 {
+    let boundary = Pose2::new(sample.position.x, sample.position.y, sample.tangent);
+    let turned = boundary.compose(Pose2::new(0.0, 0.0, -slope));
+    turned.compose(Pose2::new(-tip.x, -tip.y, 0.0))
+}
+
+/// Offsets from the aligned heading and the spread that each stands for (rad).
+fn headings(std: f64) -> Vec<(f64, f64)> {
+    let each_side = (HEADING_REACH * std / HEADING_SPACING).ceil() as i32;
+    let spread = std.clamp(0.02, HEADING_SPACING);
+    let step = HEADING_REACH * std / f64::from(each_side.max(1));
+    (-each_side..=each_side).map(|k| (f64::from(k) * step, spread)).collect()
+}

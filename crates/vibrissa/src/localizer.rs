@@ -1,0 +1,252 @@
+//! The corridor as one object: each row of a log goes through every door, in flow order.
+//!
+//! [`crate::localize`] is the one-call door for whole logs; this is the same, row by row, for robots that are running.
+
+use crate::beam::{elastica, largest_tip_moment};
+use crate::config::{DeterministicOptions, TipLoad};
+use crate::flow::moment::{MomentHistory, MomentReading, MomentTrack};
+use crate::flow::pose::{self, Event, Localization, ShapeRecord, StampedPose, StepRecord};
+use crate::flow::preimage::Observation;
+use crate::flow::sensor_log::{Channel, LogRow, SensorLog};
+use crate::flow::state_set::{Candidate, StateSet};
+use crate::plane::Pose2;
+use crate::world::{BoundarySample, Map, MountedWhisker, Robot};
+use crate::{Error, Result};
+
+/// One whisker's way from its column of the log to its histories.
+struct Feeler {
+    whisker: MountedWhisker,
+    channel: usize,
+    track: MomentTrack,
+    in_contact: bool,
+    limit: f64,
+}
+
+/// The deterministic localizer \[routray, section "Robot Localization"\]: rows in, a state set that shrinks.
+pub struct Localizer<'a> {
+    map: &'a Map,
+    robot: &'a Robot,
+    options: DeterministicOptions,
+    samples: Vec<BoundarySample>,
+    feelers: Vec<Feeler>,
+    states: StateSet,
+    rows: Vec<(f64, Pose2)>,
+    record: Record,
+}
+
+/// What is remembered of the way, for the answer.
+#[derive(Default)]
+struct Record {
+    touched: bool,
+    steps: Vec<StepRecord>,
+    events: Vec<Event>,
+    observations: Vec<(usize, Observation)>,
+    first_states: Vec<Pose2>,
+    first_row: Option<usize>,
+    /// The best candidate and the row of the last update before the set became empty.
+    last: Option<(Candidate, usize)>,
+    empty_at: Option<usize>,
+}
+
+impl<'a> Localizer<'a> {
+    /// A localizer for logs with these channels.
+    ///
+    /// # Errors
+    ///
+    /// Options out of range, a whisker without a moment channel, or a whisker that the method does not cover yet
+    /// (tapered, curved, on an elastic base).
+    pub fn new(map: &'a Map, robot: &'a Robot, channels: &[Channel], options: DeterministicOptions) -> Result<Self> {
+        options.check()?;
+        let log = SensorLog { channels: channels.to_vec(), ..SensorLog::default() };
+        let feelers = robot.whiskers.iter().map(|w| Feeler::new(w, &log, &options)).collect::<Result<Vec<_>>>()?;
+        Ok(Self {
+            map,
+            robot,
+            samples: map.samples(options.boundary_spacing),
+            options,
+            feelers,
+            states: StateSet::default(),
+            rows: Vec::new(),
+            record: Record::default(),
+        })
+    }
+
+    /// The candidates so far.
+    #[must_use]
+    pub fn states(&self) -> &StateSet {
+        &self.states
+    }
+
+    /// Takes one row through the doors.
+    ///
+    /// # Errors
+    ///
+    /// A moment that no whisker shape explains; the message names the line.
+    pub fn step(&mut self, row: &LogRow) -> Result<()> {
+        self.states.project(row.odom_from_robot, &self.robot.odometry);
+        self.rows.push((row.t, row.odom_from_robot));
+        for index in 0..self.feelers.len() {
+            let history = self.feelers[index].feel(row, &mut self.record)?;
+            if let Some(history) = history {
+                self.update(index, &history, row);
+            }
+        }
+        Ok(())
+    }
+
+    /// One update: history → contact sets → alignment → preimage → intersection.
+    fn update(&mut self, feeler: usize, history: &MomentHistory, row: &LogRow) {
+        let whisker = &self.feelers[feeler].whisker;
+        if !history.smooth {
+            let detail = format!("{}: readings jump by more than their noise; not aligned", whisker.name);
+            return self.record.event_once(row.t, "jump", detail);
+        }
+        let observation = Observation::new(whisker, history, self.options.tip_load);
+        if self.states.observations() == 0 && !observation.is_aligned() {
+            return;
+        }
+        let had_states = !self.states.is_empty();
+        self.states.intersect(self.map, &self.samples, &observation, &self.options);
+        let now = self.rows.len() - 1;
+        if self.record.first_row.is_none() && !self.states.is_empty() {
+            self.record.first_row = Some(now);
+            self.record.first_states = self.states.states(Pose2::IDENTITY).collect();
+        }
+        self.record.steps.push(self.measure(row));
+        match self.states.best() {
+            Some(best) => {
+                self.record.last = Some((*best, now));
+                self.record.observations.push((feeler, observation));
+            }
+            None if had_states => {
+                self.record.empty_at = Some(now);
+                let detail = "no robot state explains the readings up to here on this map".to_owned();
+                self.record.events.push(Event { t: row.t, kind: "inconsistent", detail });
+            }
+            None => {}
+        }
+    }
+
+    fn measure(&self, row: &LogRow) -> StepRecord {
+        let components = self.states.components(row.odom_from_robot).len();
+        let (area_m2, volume) = self.states.size(row.odom_from_robot, self.options.boundary_spacing);
+        StepRecord { t: row.t, components, area_m2, volume }
+    }
+
+    /// Ends the log and chooses.
+    #[must_use]
+    pub fn finish(mut self) -> Localization {
+        let (t, odom_from_robot) = self.rows.last().copied().unwrap_or((0.0, Pose2::IDENTITY));
+        let last = LogRow { t, odom_from_robot, readings: Vec::new(), heading: None, line: 0 };
+        for index in 0..self.feelers.len() {
+            if let Some(history) = self.feelers[index].track.end() {
+                self.update(index, &history, &last);
+            }
+        }
+        let hypotheses = pose::choose(&self.states, odom_from_robot, &self.options);
+        let status = pose::verdict(self.record.touched, self.record.empty_at.is_some(), &hypotheses);
+        if self.record.touched && self.record.steps.is_empty() {
+            let detail = "the contact was too short or too rough to align a whisker shape with the map".to_owned();
+            self.record.events.push(Event { t, kind: "too_short", detail });
+        }
+        self.record.events.sort_by(|a, b| a.t.total_cmp(&b.t));
+        let best = self.record.last.map(|(candidate, _)| candidate);
+        Localization {
+            method: pose::Method::Deterministic,
+            status,
+            estimate: hypotheses.first().map(|h| h.pose),
+            trajectory: self.trajectory(),
+            states: self.states.states(odom_from_robot).map(crate::sets::StateBox::point).collect(),
+            first_states: self.record.first_states.iter().map(|s| s.compose(odom_from_robot)).collect(),
+            shapes: best.map_or_else(Vec::new, |best| self.shapes(&best)),
+            steps: self.record.steps,
+            events: self.record.events,
+            hypotheses,
+        }
+    }
+
+    /// The best hypothesis along the rows, from the first estimate to the last row that any state explains.
+    fn trajectory(&self) -> Vec<StampedPose> {
+        let (Some(first), Some((best, last))) = (self.record.first_row, self.record.last) else { return Vec::new() };
+        let end = if self.record.empty_at.is_some() { last + 1 } else { self.rows.len() };
+        let stamped = |&(t, odom_from_robot): &(f64, Pose2)| StampedPose {
+            t,
+            map_from_robot: best.map_from_odom.compose(odom_from_robot),
+        };
+        self.rows[first..end].iter().map(stamped).collect()
+    }
+
+    /// The whisker's shapes as the best candidate sees them.
+    fn shapes(&self, best: &Candidate) -> Vec<ShapeRecord> {
+        let shape = |(feeler, observation): &(usize, Observation)| {
+            let beam = &self.feelers[*feeler].whisker.beam;
+            let contact = best.contact(self.map, observation, &self.options)?;
+            let bend = elastica::bend(beam.flexural_rigidity, contact.force, beam.length, contact.tilt())?;
+            let points = bend.shape(beam.length, SHAPE_POINTS);
+            let place = |p| observation.robot_from_whisker.transform_point(p);
+            Some(ShapeRecord { t: observation.t, points: points.into_iter().map(place).collect() })
+        };
+        self.record.observations.iter().filter_map(shape).collect()
+    }
+}
+
+/// Points of a drawn whisker.
+const SHAPE_POINTS: usize = 24;
+
+impl Record {
+    /// Adds an event unless the same kind was the last one.
+    fn event_once(&mut self, t: f64, kind: &'static str, detail: String) {
+        if self.events.last().is_none_or(|e| e.kind != kind) {
+            self.events.push(Event { t, kind, detail });
+        }
+    }
+}
+
+impl Feeler {
+    fn new(whisker: &MountedWhisker, log: &SensorLog, options: &DeterministicOptions) -> Result<Self> {
+        whisker.beam.require_uniform()?;
+        let mu = match options.tip_load {
+            TipLoad::BoundaryNormal => largest_tip_moment(f64::INFINITY),
+            TipLoad::WhiskerNormal => largest_tip_moment(0.0),
+        };
+        Ok(Self {
+            channel: log.moment_channel(&whisker.name)?,
+            track: MomentTrack::new(whisker, options),
+            in_contact: false,
+            limit: mu * whisker.beam.flexural_rigidity / whisker.beam.length,
+            whisker: whisker.clone(),
+        })
+    }
+
+    /// The first two doors: reading → moment → history.
+    fn feel(&mut self, row: &LogRow, record: &mut Record) -> Result<Option<MomentHistory>> {
+        let moment = row.readings.get(self.channel).copied().unwrap_or(0.0);
+        self.check(moment, row)?;
+        let touching = self.track.is_contact(moment);
+        if touching != self.in_contact {
+            let (kind, what) = if touching { ("contact", "touches") } else { ("lift_off", "is free") };
+            record.events.push(Event { t: row.t, kind, detail: format!("{} {what}", self.whisker.name) });
+        }
+        self.in_contact = touching;
+        if !touching {
+            return Ok(self.track.end());
+        }
+        record.touched = true;
+        let odom_from_whisker = row.odom_from_robot.compose(self.whisker.robot_from_whisker);
+        Ok(self.track.push(MomentReading { t: row.t, odom_from_whisker, moment }))
+    }
+
+    /// Refuses what no shape of this whisker can cause, even at the edge of the declared noise.
+    fn check(&self, moment: f64, row: &LogRow) -> Result<()> {
+        let noise = &self.whisker.noise;
+        let least = moment.abs() * (1.0 - noise.moment_relative) - noise.moment_absolute;
+        if least <= self.limit {
+            return Ok(());
+        }
+        let error = Error::data(format!("a moment that no shape of the whisker {} causes", self.whisker.name))
+            .value(format!("{moment} N m"))
+            .allowed(format!("at most {:.3e} N m with the contact at its tip", self.limit))
+            .remedy("check the unit (N m, not mN m), and the whisker's length and stiffness in the robot file");
+        Err(if row.line > 0 { error.at_line(row.line) } else { error })
+    }
+}
