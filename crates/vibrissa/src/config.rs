@@ -10,6 +10,8 @@ pub mod limits {
     pub const ARC_TOLERANCE: f64 = 1e-9;
     /// Largest coordinate of a map (m): beyond it the file is in millimetres, degrees or a geographic grid.
     pub const LARGEST_COORDINATE: f64 = 1e5;
+    /// Largest extent of a map that raises no doubt (m).
+    pub const LARGEST_MAP: f64 = 200.0;
     /// Largest heading change between two rows of a log that raises no doubt (rad).
     pub const HEADING_JUMP: f64 = 1.0;
     /// Largest move between two rows of a log that raises no doubt (m): 30 m/s at 300 Hz.

@@ -134,14 +134,15 @@ impl Curve {
     /// Points along the curve at most `spacing` (m) apart within each segment, in order.
     ///
     /// Each segment is cut into equal cells no longer than `spacing` and gives their midpoints, so no sample sits on a
-    /// corner and every segment has at least one. A spacing that is not positive gives one sample a segment.
+    /// corner and every segment has at least one. A spacing that is not positive gives one sample a segment;
+    /// no segment gives more than a million.
     #[must_use]
     pub fn samples(&self, spacing: f64) -> Vec<CurvePoint> {
         let mut samples = Vec::new();
         for (index, segment) in self.segments.iter().enumerate() {
             let start = self.segment_start(index);
             let length = self.ends[index] - start;
-            let cells = if spacing > 0.0 { (length / spacing).ceil().max(1.0) } else { 1.0 };
+            let cells = if spacing > 0.0 { (length / spacing).ceil().clamp(1.0, 1e6) } else { 1.0 };
             for k in 0..cells as usize {
                 let s = (k as f64 + 0.5) * length / cells;
                 samples.push(self.on_segment(index, segment.parameter_at(s), start + s));

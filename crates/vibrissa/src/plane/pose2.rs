@@ -11,8 +11,15 @@ pub fn wrap_angle(angle: f64) -> f64 {
     if angle > -PI && angle <= PI {
         return angle;
     }
-    let wrapped = angle - TAU * (angle / TAU).round();
-    if wrapped <= -PI { wrapped + TAU } else { wrapped }
+    // The remainder is exact; subtracting the rounded multiple of a turn is not, for angles beyond 1e15.
+    let rest = angle % TAU;
+    if rest > PI {
+        rest - TAU
+    } else if rest <= -PI {
+        rest + TAU
+    } else {
+        rest
+    }
 }
 
 /// A pose or rigid motion of the plane: `world_from_body` maps body coordinates to world coordinates.

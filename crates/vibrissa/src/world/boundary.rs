@@ -116,7 +116,9 @@ impl Boundary {
 }
 
 fn show(p: Vec2) -> String {
-    format!("({}, {})", p.x, p.y)
+    // To the nanometre: finer digits are roundings of the reader.
+    let short = |v: f64| (v * 1e9).round() / 1e9;
+    format!("({}, {}) m", short(p.x), short(p.y))
 }
 
 fn check_size(curve: &Curve) -> core::result::Result<(), CurveFault> {

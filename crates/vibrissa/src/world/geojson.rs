@@ -40,7 +40,7 @@ impl Map {
         let source = Source { text: text.strip_prefix('\u{feff}').unwrap_or(text), name };
         let root: &RawValue = serde_json::from_str(source.text).map_err(|e| source.not_json(&e))?;
         let mut boundaries = Vec::new();
-        source.item(root, &mut boundaries)?;
+        source.root(root, &mut boundaries)?;
         Self::new(boundaries).map_err(|_| {
             Error::data("the map has no features")
                 .in_file(name)
@@ -61,11 +61,14 @@ impl<'a> Source<'a> {
     }
 
     fn not_json(&self, e: &serde_json::Error) -> Error {
+        if self.text.trim().is_empty() {
+            return Error::data("the map file is empty").in_file(self.name);
+        }
         let what = format!("not valid JSON at column {}", e.column());
         let why = e.to_string();
         let why = why.rsplit_once(" at line ").map_or(why.as_str(), |(why, _)| why).to_owned();
         let error = Error::data(what).in_file(self.name).at_line(e.line().max(1)).value(why);
-        if self.text.trim().is_empty() { error.remedy("the file is empty") } else { error }
+        if e.is_eof() { error.remedy("the file ends too early; was it cut off?") } else { error }
     }
 
     fn object(&self, raw: &'a RawValue, what: &str) -> Result<Object<'a>> {
@@ -83,18 +86,29 @@ impl<'a> Source<'a> {
     }
 
     /// A collection, a feature or a bare geometry.
-    fn item(&self, raw: &'a RawValue, out: &mut Vec<Boundary>) -> Result<()> {
+    fn root(&self, raw: &'a RawValue, out: &mut Vec<Boundary>) -> Result<()> {
         let object = self.object(raw, "the map")?;
         match self.kind(raw, &object)?.as_str() {
             "FeatureCollection" => {
                 let list = object.get("features").copied().unwrap_or(raw);
                 let features: Vec<&RawValue> = serde_json::from_str(list.get())
                     .map_err(|_| self.fault(list.get(), "\"features\" is missing or not a list"))?;
-                features.into_iter().try_for_each(|feature| self.item(feature, out))
+                features.into_iter().try_for_each(|feature| self.member(feature, out))
             }
             "Feature" => self.feature(raw, &object, out),
             _ => self.geometry(raw, &Label { role: None, name: None }, out),
         }
+    }
+
+    /// One entry of a collection.
+    fn member(&self, raw: &'a RawValue, out: &mut Vec<Boundary>) -> Result<()> {
+        let object = self.object(raw, "the feature")?;
+        let kind = self.kind(raw, &object)?;
+        if kind != "Feature" {
+            let error = self.fault(raw.get(), "\"features\" holds something else than a feature");
+            return Err(error.value(format!("\"{kind}\"")).allowed("Feature"));
+        }
+        self.feature(raw, &object, out)
     }
 
     fn feature(&self, raw: &'a RawValue, object: &Object<'a>, out: &mut Vec<Boundary>) -> Result<()> {
@@ -233,7 +247,7 @@ impl<'a> Source<'a> {
             _ => Err(Error::data("a point is a list of two numbers in metres, [x, y]")
                 .in_file(self.name)
                 .at_line(self.vertex_line(raw, Some(index)))
-                .value(format!("{} numbers", p.len()))),
+                .value(format!("{p:?}"))),
         };
         read.iter().enumerate().map(point).collect()
     }

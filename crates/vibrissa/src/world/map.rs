@@ -2,7 +2,7 @@
 
 use super::text::{read_text, suggestion};
 use super::{Boundary, Role};
-use crate::config::limits::FLATTEN_TOLERANCE;
+use crate::config::limits::{FLATTEN_TOLERANCE, LARGEST_MAP};
 use crate::plane::{Bounds, SegmentTree, Vec2, wrap_angle};
 use crate::{Error, Result};
 use core::f64::consts::PI;
@@ -83,7 +83,16 @@ impl Map {
             }
         }
         let has_arena = boundaries.iter().any(|b| b.role() == Role::Arena);
-        Ok(Self { boundaries, tree: SegmentTree::new(&edges), origins, has_arena, warnings: Vec::new() })
+        let tree = SegmentTree::new(&edges);
+        let size = tree.bounds().size();
+        let mut warnings = Vec::new();
+        if size.x.max(size.y) > LARGEST_MAP {
+            warnings.push(format!(
+                "the map is {:.0} m by {:.0} m; are its coordinates millimetres where metres are due?",
+                size.x, size.y
+            ));
+        }
+        Ok(Self { boundaries, tree, origins, has_arena, warnings })
     }
 
     /// Reads a map file; its extension says the format: `.geojson` (or `.json`) or `.svg`.
@@ -197,7 +206,8 @@ fn unknown_format(path: &Path, extension: &str) -> Error {
             Error::data("occupancy-grid maps (ROS map_server) are not read yet").remedy(convert)
         }
         "dxf" => Error::data("DXF maps are not read yet").remedy(convert),
-        "" => Error::data("the map file has no extension, so its format is unknown").remedy("rename it"),
+        "" => Error::data("the map file has no extension, so its format is unknown")
+            .remedy("rename it to end in .geojson or .svg"),
         _ => {
             let error = Error::data(format!("maps in the format `.{extension}` are not read"));
             match suggestion(extension, ["geojson", "svg"]) {

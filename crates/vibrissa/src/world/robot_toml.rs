@@ -104,7 +104,7 @@ const TIP_RATIO: Allowed = Allowed {
 };
 const STIFFNESS: Allowed = Allowed { holds: |v| v > 0.0, text: "above 0, or inf", remedy: "a clamped base is inf" };
 const FRACTION: Allowed =
-    Allowed { holds: |v| (0.0..1.0).contains(&v), text: "0 up to 1, without 1", remedy: "5 % is 0.05 or \"5 %\"" };
+    Allowed { holds: |v| (0.0..1.0).contains(&v), text: "0 or more, below 1", remedy: "5 % is 0.05 or \"5 %\"" };
 const LENGTH: Allowed = Allowed {
     holds: |v| v > 0.0 && v <= 10.0,
     text: "above 0, up to 10 m",
@@ -215,7 +215,12 @@ impl<'a> Section<'a> {
             _ => format!("{} {}", show(raw), dimension.unit()),
         };
         let error = fault(format!("{key} is out of range")).value(shown.trim()).allowed(allowed.text);
-        Err(if allowed.remedy.is_empty() { error } else { error.remedy(allowed.remedy) })
+        // Remedies are about units and ranges; a negative number has neither mistaken.
+        Err(if allowed.remedy.is_empty() || number.is_nan() || number < 0.0 {
+            error
+        } else {
+            error.remedy(allowed.remedy)
+        })
     }
 }
 

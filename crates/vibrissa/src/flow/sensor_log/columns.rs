@@ -89,7 +89,10 @@ fn missing(word: &str, names: &[String], unknown: &[&str]) -> Error {
         .allowed("t,x,y,theta and moment (or NAME.moment), in any order");
     match unknown.iter().find(|name| did_you_mean(name.rsplit('.').next().unwrap_or(name), &[word]).starts_with("did"))
     {
-        Some(near) => error.remedy(format!("is `{near}` meant to be `{word}`? Rename it")),
+        Some(near) => {
+            let prefix = near.rsplit_once('.').map_or(String::new(), |(whisker, _)| format!("{whisker}."));
+            error.remedy(format!("is `{near}` meant to be `{prefix}{word}`? Rename it"))
+        }
         None if names.len() == 1 => error.remedy("separate the columns by commas"),
         None => error.remedy(format!("add the column `{word}`")),
     }

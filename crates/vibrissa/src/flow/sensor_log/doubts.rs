@@ -69,7 +69,7 @@ impl Doubts {
         let say = |doubt: &Doubt, what: &str, unit: &str, hint: &str| {
             let (line, value) = doubt.first?;
             let more = if doubt.count > 1 { format!(", and {} more like it", doubt.count - 1) } else { String::new() };
-            Some(format!("{name}:{line}: {what} {value:.6} {unit}{more}; {hint}"))
+            Some(format!("{name}:{line}: {what} {} {unit}{more}; {hint}", (value * 1e6).round() / 1e6))
         };
         let degrees = "are these degrees where radians are due?";
         [

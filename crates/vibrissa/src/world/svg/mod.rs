@@ -19,12 +19,17 @@ use shape::Outline;
 const NOT_DRAWN: [&str; 11] =
     ["defs", "symbol", "clipPath", "mask", "pattern", "marker", "metadata", "namedview", "title", "desc", "style"];
 
+/// How deep groups may be nested: far beyond any drawing, and far from the end of the stack.
+const DEEPEST: usize = 200;
+
 /// What the walk through the drawing has found.
 struct Found<'a> {
     name: &'a str,
     boundaries: Vec<Boundary>,
     /// Shapes without a role.
     ignored: Vec<String>,
+    /// How many groups deep the walk is.
+    depth: usize,
 }
 
 impl Map {
@@ -45,6 +50,9 @@ impl Map {
     pub fn from_svg(text: &str, name: &str) -> Result<Self> {
         let options = ParsingOptions { allow_dtd: true, ..ParsingOptions::default() };
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+        if text.trim().is_empty() {
+            return Err(Error::data("the map file is empty").in_file(name));
+        }
         let document = Document::parse_with_options(text, options).map_err(|e| {
             let why = e.to_string();
             let why = why.rsplit_once(" at ").map_or(why.as_str(), |(why, _)| why);
@@ -55,13 +63,13 @@ impl Map {
             return Err(fault(name, root, "not an SVG drawing").value(format!("<{}>", root.tag_name().name())));
         }
         let page = page::page(root).map_err(|e| e.in_file(name))?;
-        let mut found = Found { name, boundaries: Vec::new(), ignored: Vec::new() };
+        let mut found = Found { name, boundaries: Vec::new(), ignored: Vec::new(), depth: 0 };
         found.children(root, page.map_from_user, None)?;
         if found.boundaries.is_empty() {
             return Err(no_roles(name, &found.ignored));
         }
         let mut map = Self::new(found.boundaries)?;
-        map.warnings = page.warnings;
+        map.warnings.extend(page.warnings);
         if !found.ignored.is_empty() {
             map.warnings.push(ignored_shapes(&found.ignored));
         }
@@ -98,7 +106,14 @@ impl Found<'_> {
         let map_from_user = map_from_parent * transform;
         let role = role::of(node).or(inherited);
         if matches!(tag, "g" | "a" | "switch") {
-            return self.children(node, map_from_user, role);
+            if self.depth >= DEEPEST {
+                return Err(self
+                    .located(Error::data("groups are nested too deeply").allowed(format!("{DEEPEST} levels")), node));
+            }
+            self.depth += 1;
+            let done = self.children(node, map_from_user, role);
+            self.depth -= 1;
+            return done;
         }
         let Some(role) = role else {
             if shape::is_shape(tag) {

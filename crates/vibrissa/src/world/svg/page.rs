@@ -34,7 +34,7 @@ pub(super) fn page(root: Node<'_, '_>) -> Result<Page> {
         [Some(a), Some(b)] => {
             if (a - b).abs() > 1e-3 * a.max(b) {
                 warnings.push(format!(
-                    "width and height stretch the viewBox unequally ({:.6} and {:.6} mm per unit); the smaller is taken",
+                    "width and height stretch the viewBox unequally ({:.4} and {:.4} mm per unit); the smaller is taken",
                     a / MILLIMETRE,
                     b / MILLIMETRE
                 ));
