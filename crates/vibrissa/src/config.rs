@@ -1,5 +1,21 @@
 //! Every default of the product, once, with its unit and its reason.
 
+/// Tolerances of the geometry, and the limits beyond which a file is taken to be in the wrong unit.
+pub mod limits {
+    /// Largest distance between a map's curve and the chain of lines that stands for it in look-ups (m): a micrometre.
+    pub const FLATTEN_TOLERANCE: f64 = 1e-6;
+    /// Largest distance between a circular or elliptical arc and the cubics that replace it (m): a nanometre.
+    pub const ARC_TOLERANCE: f64 = 1e-9;
+    /// Largest coordinate of a map (m): beyond it the file is in millimetres, degrees or a geographic grid.
+    pub const LARGEST_COORDINATE: f64 = 1e5;
+    /// Largest heading change between two rows of a log that raises no doubt (rad).
+    pub const HEADING_JUMP: f64 = 1.0;
+    /// Largest move between two rows of a log that raises no doubt (m): 30 m/s at 300 Hz.
+    pub const POSITION_JUMP: f64 = 0.1;
+    /// Largest moment of a whisker that raises no doubt (N m): hundreds of times the paper's readings.
+    pub const LARGEST_MOMENT: f64 = 1.0;
+}
+
 /// The paper's whisker and the constants of the method.
 pub mod defaults {
     /// Whisker length (m): the paper's Nitinol wire \[routray, section "Sensor Fabrication"\].

@@ -18,7 +18,11 @@ enum Kind {
 /// The message reads `FILE:LINE: WHAT: VALUE (allowed: RANGE)`, followed by the remedy on a line of its own. Every part
 /// but WHAT is optional.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Error {
+pub struct Error(Box<Parts>);
+
+/// What an error says; boxed, so that results stay small where all goes well.
+#[derive(Clone, Debug, PartialEq)]
+struct Parts {
     kind: Kind,
     what: String,
     file: Option<PathBuf>,
@@ -40,85 +44,93 @@ impl Error {
     }
 
     fn new(kind: Kind, what: impl Into<String>) -> Self {
-        Self { kind, what: what.into(), file: None, line: None, value: None, allowed: None, remedy: None }
+        let what = what.into();
+        Self(Box::new(Parts { kind, what, file: None, line: None, value: None, allowed: None, remedy: None }))
     }
 
     /// Adds the file at fault, unless one is already named.
     #[must_use]
     pub fn in_file(mut self, file: impl AsRef<Path>) -> Self {
-        self.file.get_or_insert_with(|| file.as_ref().to_path_buf());
+        self.0.file.get_or_insert_with(|| file.as_ref().to_path_buf());
         self
     }
 
     /// Adds the line at fault, counted from 1, unless one is already named.
     #[must_use]
     pub fn at_line(mut self, line: usize) -> Self {
-        self.line.get_or_insert(line);
+        self.0.line.get_or_insert(line);
+        self
+    }
+
+    /// Names the thing at fault in front of the description, as `THING: WHAT`.
+    #[must_use]
+    pub fn about(mut self, thing: &str) -> Self {
+        self.0.what = format!("{thing}: {}", self.0.what);
         self
     }
 
     /// Adds the offending value.
     #[must_use]
     pub fn value(mut self, value: impl fmt::Display) -> Self {
-        self.value = Some(value.to_string());
+        self.0.value = Some(value.to_string());
         self
     }
 
     /// Adds the allowed range or the allowed words.
     #[must_use]
     pub fn allowed(mut self, allowed: impl Into<String>) -> Self {
-        self.allowed = Some(allowed.into());
+        self.0.allowed = Some(allowed.into());
         self
     }
 
     /// Adds the next step for the reader.
     #[must_use]
     pub fn remedy(mut self, remedy: impl Into<String>) -> Self {
-        self.remedy = Some(remedy.into());
+        self.0.remedy = Some(remedy.into());
         self
     }
 
     /// Whether the log, the map or another file is at fault (exit code 1 of the command line).
     #[must_use]
     pub fn is_data(&self) -> bool {
-        self.kind == Kind::Data
+        self.0.kind == Kind::Data
     }
 
     /// Whether the call is at fault (exit code 2 of the command line).
     #[must_use]
     pub fn is_usage(&self) -> bool {
-        self.kind == Kind::Usage
+        self.0.kind == Kind::Usage
     }
 
     /// The file at fault, where there is one.
     #[must_use]
     pub fn file(&self) -> Option<&Path> {
-        self.file.as_deref()
+        self.0.file.as_deref()
     }
 
     /// The line at fault, counted from 1, where there is one.
     #[must_use]
     pub fn line(&self) -> Option<usize> {
-        self.line
+        self.0.line
     }
 }
 
 impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match (&self.file, self.line) {
+        match (&self.0.file, self.0.line) {
             (Some(file), Some(line)) => write!(f, "{}:{line}: ", file.display())?,
             (Some(file), None) => write!(f, "{}: ", file.display())?,
             (None, Some(line)) => write!(f, "line {line}: ")?,
             (None, None) => {}
         }
-        f.write_str(&self.what)?;
-        if let Some(value) = &self.value {
+        f.write_str(&self.0.what)?;
+        if let Some(value) = &self.0.value {
             write!(f, ": {value}")?;
         }
-        if let Some(allowed) = &self.allowed {
+        if let Some(allowed) = &self.0.allowed {
             write!(f, " (allowed: {allowed})")?;
         }
-        if let Some(remedy) = &self.remedy {
+        if let Some(remedy) = &self.0.remedy {
             write!(f, "\n  help: {remedy}")?;
         }
         Ok(())

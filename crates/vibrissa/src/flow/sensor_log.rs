@@ -1,12 +1,72 @@
 //! The first door: what the robot recorded.
 
+mod columns;
+mod csv_reader;
+mod doubts;
+
 use crate::plane::Pose2;
+use crate::{Error, Result};
 
 /// What a column of a log measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
     /// Bending moment about the whisker base (N m), counter-clockwise positive.
     Moment,
+    /// Magnetic flux density along the sensor's first axis (T).
+    FluxX,
+    /// Magnetic flux density along the sensor's second axis (T).
+    FluxY,
+    /// Magnetic flux density along the sensor's third axis (T).
+    FluxZ,
+    /// Raw counts of the sensor's first axis.
+    CountX,
+    /// Raw counts of the sensor's second axis.
+    CountY,
+    /// Raw counts of the sensor's third axis.
+    CountZ,
+    /// Contact force (N).
+    Force,
+    /// Slope of the whisker at its end (rad).
+    Slope,
+    /// Lower end of the touched strip, as arc length from the base (m).
+    StripLo,
+    /// Upper end of the touched strip, as arc length from the base (m).
+    StripHi,
+}
+
+impl Quantity {
+    /// Every quantity, in the order of the contract.
+    pub const ALL: [Self; 11] = [
+        Self::Moment,
+        Self::FluxX,
+        Self::FluxY,
+        Self::FluxZ,
+        Self::CountX,
+        Self::CountY,
+        Self::CountZ,
+        Self::Force,
+        Self::Slope,
+        Self::StripLo,
+        Self::StripHi,
+    ];
+
+    /// The word that names it in a log's header.
+    #[must_use]
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Moment => "moment",
+            Self::FluxX => "bx",
+            Self::FluxY => "by",
+            Self::FluxZ => "bz",
+            Self::CountX => "ax",
+            Self::CountY => "ay",
+            Self::CountZ => "az",
+            Self::Force => "force",
+            Self::Slope => "slope",
+            Self::StripLo => "strip_lo",
+            Self::StripHi => "strip_hi",
+        }
+    }
 }
 
 /// One measured column of a log.
@@ -40,4 +100,37 @@ pub struct SensorLog {
     pub rows: Vec<LogRow>,
     /// What looked wrong but could be read, for people.
     pub warnings: Vec<String>,
+}
+
+impl SensorLog {
+    /// The index of the moment channel of the whisker called `whisker`; an unnamed channel belongs to any whisker.
+    ///
+    /// # Errors
+    ///
+    /// No such channel; the message lists what the log holds instead.
+    pub fn moment_channel(&self, whisker: &str) -> Result<usize> {
+        let moments = || self.channels.iter().enumerate().filter(|(_, c)| c.quantity == Quantity::Moment);
+        let named = moments().find(|(_, c)| c.whisker == whisker);
+        if let Some((index, _)) = named.or_else(|| moments().find(|(_, c)| c.whisker.is_empty())) {
+            return Ok(index);
+        }
+        let held: Vec<String> = self.channels.iter().map(Channel::column).collect();
+        let error = Error::data(format!("the log has no moment column for the whisker \"{whisker}\""))
+            .value(format!("it holds {}", if held.is_empty() { "no readings".to_owned() } else { held.join(", ") }))
+            .allowed(format!("moment, or {whisker}.moment"));
+        Err(if moments().next().is_some() {
+            error.remedy("name the columns after the robot's whiskers")
+        } else {
+            error.remedy("only moments are used yet: convert the other readings to N m first")
+        })
+    }
+}
+
+impl Channel {
+    /// The column's name in a log's header.
+    #[must_use]
+    pub fn column(&self) -> String {
+        let word = self.quantity.word();
+        if self.whisker.is_empty() { word.to_owned() } else { format!("{}.{word}", self.whisker) }
+    }
 }

@@ -3,7 +3,7 @@
 use crate::Result;
 use crate::flow::pose::{Localization, Method, Status};
 use crate::flow::sensor_log::SensorLog;
-use crate::world::Robot;
+use crate::world::{Map, Robot};
 
 /// What can be chosen about a localization.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,6 +25,7 @@ impl Default for LocalizeOptions {
 /// None yet.
 pub fn localize(
     log: &SensorLog,
+    _map: &Map,
     _robot: &Robot,
     options: &LocalizeOptions,
     observer: &mut dyn FnMut(usize),

@@ -1,0 +1,181 @@
+//! Logs as CSV.
+
+use super::columns::{Columns, ODOMETRY};
+use super::doubts::Doubts;
+use super::{LogRow, SensorLog};
+use crate::plane::Pose2;
+use crate::world::cannot_open;
+use crate::{Error, Result};
+use csv::{ByteRecord, ReaderBuilder, Trim};
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+impl SensorLog {
+    /// Reads a log file (`.csv`).
+    ///
+    /// # Errors
+    ///
+    /// A file that cannot be read or is at fault; the message names file, line and value.
+    pub fn read(path: impl AsRef<Path>) -> Result<Self> {
+        let path = path.as_ref();
+        if path.is_dir() {
+            return Err(cannot_open(path, "log", &std::io::ErrorKind::IsADirectory.into()));
+        }
+        let file = File::open(path).map_err(|e| cannot_open(path, "log", &e))?;
+        Self::from_reader(file, &path.to_string_lossy())
+    }
+
+    /// The log in a CSV text; `name` stands for the file in messages.
+    ///
+    /// # Errors
+    ///
+    /// As [`SensorLog::from_reader`].
+    pub fn from_csv(text: &str, name: &str) -> Result<Self> {
+        Self::from_reader(text.as_bytes(), name)
+    }
+
+    /// The log in a stream of CSV, read row by row; `name` stands for the file in messages.
+    ///
+    /// The first line names the columns: `t,x,y,theta`, a reading for each whisker (`moment`, or `NAME.moment` where
+    /// there are several; see [`super::Quantity`]), and perhaps `heading`, in any order. A last line that was cut off
+    /// is dropped with a warning.
+    ///
+    /// # Errors
+    ///
+    /// No header, a missing column, a line with too few or too many fields, a field that is not a finite number, a
+    /// clock that does not increase, no rows at all.
+    pub fn from_reader(reader: impl Read, name: &str) -> Result<Self> {
+        let mut ended_in_newline = true;
+        let watched = Watched { inner: reader, ended_in_newline: &mut ended_in_newline };
+        read(watched, name).and_then(|(log, cut)| finish(log, cut, ended_in_newline)).map_err(|e| e.in_file(name))
+    }
+}
+
+/// A reader that remembers whether its last byte was a line end.
+struct Watched<'a, R> {
+    inner: R,
+    ended_in_newline: &'a mut bool,
+}
+
+impl<R: Read> Read for Watched<'_, R> {
+    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+        let count = self.inner.read(buffer)?;
+        if count > 0 {
+            *self.ended_in_newline = matches!(buffer[count - 1], b'\n' | b'\r');
+        }
+        Ok(count)
+    }
+}
+
+/// A fault in a row, held back until it is known whether the row was the last one.
+struct Pending {
+    error: Error,
+    line: usize,
+    /// Whether a writer that was stopped in the middle explains it even when the file ends in a line end.
+    short: bool,
+}
+
+fn read(reader: impl Read, name: &str) -> Result<(SensorLog, Option<Pending>)> {
+    let mut csv = ReaderBuilder::new().has_headers(false).flexible(true).trim(Trim::All).from_reader(reader);
+    let mut record = ByteRecord::new();
+    let mut next =
+        |record: &mut ByteRecord| csv.read_byte_record(record).map_err(|e| Error::data("cannot read the log").value(e));
+    if !next(&mut record)? {
+        return Err(Error::data("the log is empty").remedy("its first line must name the columns: t,x,y,theta,moment"));
+    }
+    let header = record.iter().map(text).collect();
+    let columns = Columns::new(header).map_err(|e| e.at_line(line(&record)))?;
+    let mut log =
+        SensorLog { channels: columns.channels.clone(), rows: Vec::new(), warnings: columns.warnings.clone() };
+    let (mut doubts, mut pending): (_, Option<Pending>) = (Doubts::default(), None);
+    while next(&mut record)? {
+        if record.len() == 1 && record[0].is_empty() {
+            continue;
+        }
+        if let Some(pending) = pending {
+            return Err(pending.error);
+        }
+        pending = row(&record, &columns, &mut log, &mut doubts).err();
+    }
+    log.warnings.extend(doubts.warnings(name));
+    Ok((log, pending))
+}
+
+/// Drops a cut last line; any other fault is an error.
+fn finish(mut log: SensorLog, pending: Option<Pending>, ended_in_newline: bool) -> Result<SensorLog> {
+    if let Some(Pending { error, line, short }) = pending {
+        if !short && ended_in_newline {
+            return Err(error);
+        }
+        log.warnings.push(format!("line {line}: the last line is cut off; 1 row dropped"));
+    }
+    if log.rows.is_empty() {
+        return Err(
+            Error::data("the log has no rows").remedy("it holds only a header; was the recording stopped at once?")
+        );
+    }
+    Ok(log)
+}
+
+fn line(record: &ByteRecord) -> usize {
+    record.position().map_or(1, |p| p.line() as usize)
+}
+
+fn text(field: &[u8]) -> String {
+    String::from_utf8_lossy(field).into_owned()
+}
+
+/// Reads one row into the log.
+fn row(
+    record: &ByteRecord,
+    columns: &Columns,
+    log: &mut SensorLog,
+    doubts: &mut Doubts,
+) -> core::result::Result<(), Pending> {
+    let line = line(record);
+    let fault = |error: Error, short| Pending { error: error.at_line(line), line, short };
+    if record.len() != columns.names.len() {
+        let short = record.len() < columns.names.len();
+        let error = Error::data(if short { "a line with too few fields" } else { "a line with too many fields" })
+            .value(record.len())
+            .allowed(format!("{}, as the header names", columns.names.len()))
+            .remedy(if short {
+                "the line was cut; repair or remove it"
+            } else {
+                "use a dot as decimal mark, one field a column"
+            });
+        return Err(fault(error, short));
+    }
+    let number = |field: usize| number(&record[field], &columns.names[field]).map_err(|e| fault(e, false));
+    let [t, x, y, theta] = columns.odometry;
+    let (t, theta) = (number(t)?, number(theta)?);
+    let row = LogRow {
+        t,
+        odom_from_robot: Pose2::new(number(x)?, number(y)?, theta),
+        readings: columns.readings.iter().map(|&field| number(field)).collect::<core::result::Result<_, _>>()?,
+        heading: columns.heading.map(number).transpose()?,
+    };
+    let previous = log.rows.last();
+    if let Some(before) = previous.filter(|before| before.t >= t) {
+        let error = Error::data(format!("{} does not increase", ODOMETRY[0]))
+            .value(format!("{t} s after {} s", before.t))
+            .remedy("sort the rows by time and remove repeated ones");
+        return Err(fault(error, false));
+    }
+    doubts.look(line, &row, theta, previous, &columns.channels);
+    log.rows.push(row);
+    Ok(())
+}
+
+fn number(field: &[u8], name: &str) -> Result<f64> {
+    let shown = || format!("\"{}\"", text(field));
+    match core::str::from_utf8(field).ok().and_then(|f| f.parse::<f64>().ok()) {
+        Some(value) if value.is_finite() => Ok(value),
+        Some(_) => Err(Error::data(format!("{name} is not a finite number"))
+            .value(shown())
+            .remedy("remove the row, or fill the gap where the log is made")),
+        None if field.is_empty() => Err(Error::data(format!("{name} is empty")).allowed("a number")),
+        None => Err(Error::data(format!("{name} is not a number")).value(shown())),
+    }
+}

@@ -1,0 +1,210 @@
+//! The map: boundaries, and the questions that localization asks of them.
+
+use super::text::{read_text, suggestion};
+use super::{Boundary, Role};
+use crate::config::limits::FLATTEN_TOLERANCE;
+use crate::plane::{Bounds, SegmentTree, Vec2, wrap_angle};
+use crate::{Error, Result};
+use core::f64::consts::PI;
+use std::path::Path;
+
+/// A point of a map's boundary that a whisker may touch from the free side.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BoundarySample {
+    /// Index of the boundary.
+    pub boundary: usize,
+    /// Arc length along the boundary's curve (m), as stored, also on a wall's second side.
+    pub arc_length: f64,
+    /// The point, map frame (m).
+    pub position: Vec2,
+    /// Direction of travel with free space on the left, in (-pi, pi] (rad).
+    pub tangent: f64,
+}
+
+/// The boundary point nearest to a query.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MapPoint {
+    /// Index of the boundary.
+    pub boundary: usize,
+    /// Arc length along the boundary's curve (m).
+    pub arc_length: f64,
+    /// The point, map frame (m).
+    pub position: Vec2,
+    /// Direction of the curve, in (-pi, pi] (rad); free space is on the left, for walls on both sides.
+    pub tangent: f64,
+    /// Signed curvature of the curve (1/m), positive when it turns left.
+    pub curvature: f64,
+    /// Distance from the query (m).
+    pub distance: f64,
+}
+
+/// Where a flattened edge comes from.
+#[derive(Clone, Copy, Debug)]
+struct Origin {
+    boundary: u32,
+    segment: u32,
+}
+
+/// A map of boundaries, in metres, never empty.
+///
+/// Free space is inside an arena (everywhere when there is none) and outside every obstacle; walls are thin. Look-ups
+/// go through chains of lines within a micrometre of the curves ([`FLATTEN_TOLERANCE`]); polylines are exact.
+#[derive(Clone, Debug)]
+pub struct Map {
+    boundaries: Vec<Boundary>,
+    tree: SegmentTree,
+    origins: Vec<Origin>,
+    has_arena: bool,
+    /// What looked wrong in the file but could be read, for people.
+    pub warnings: Vec<String>,
+}
+
+impl Map {
+    /// The map made of `boundaries`.
+    ///
+    /// # Errors
+    ///
+    /// No boundary at all.
+    pub fn new(boundaries: Vec<Boundary>) -> Result<Self> {
+        if boundaries.is_empty() {
+            return Err(Error::data("the map is empty").remedy("give it at least one arena, obstacle or wall"));
+        }
+        let (mut edges, mut origins) = (Vec::new(), Vec::new());
+        for (boundary, b) in boundaries.iter().enumerate() {
+            for (segment, piece) in b.curve().segments().iter().enumerate() {
+                let parts = piece.flat_parts(FLATTEN_TOLERANCE);
+                let mut from = piece.start();
+                for k in 1..=parts {
+                    let to = if k == parts { piece.end() } else { piece.point(k as f64 / parts as f64) };
+                    edges.push([from, to]);
+                    origins.push(Origin { boundary: boundary as u32, segment: segment as u32 });
+                    from = to;
+                }
+            }
+        }
+        let has_arena = boundaries.iter().any(|b| b.role() == Role::Arena);
+        Ok(Self { boundaries, tree: SegmentTree::new(&edges), origins, has_arena, warnings: Vec::new() })
+    }
+
+    /// Reads a map file; its extension says the format: `.geojson` (or `.json`) or `.svg`.
+    ///
+    /// # Errors
+    ///
+    /// A file that cannot be read, another format, or a fault in the file; the message names file, line and remedy.
+    pub fn read(path: impl AsRef<Path>) -> Result<Self> {
+        let path = path.as_ref();
+        let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
+        let reader = match extension.as_str() {
+            "geojson" | "json" => Self::from_geojson,
+            "svg" => Self::from_svg,
+            _ => return Err(unknown_format(path, &extension)),
+        };
+        reader(&read_text(path, "map")?, &path.to_string_lossy())
+    }
+
+    /// The boundaries.
+    #[must_use]
+    pub fn boundaries(&self) -> &[Boundary] {
+        &self.boundaries
+    }
+
+    /// Whether `point` is in free space: inside an arena when there is any, and outside every obstacle.
+    ///
+    /// Walls have no inside. A point on a boundary, or within the flattening tolerance of a curved one, may be judged
+    /// either way.
+    #[must_use]
+    pub fn is_free(&self, point: Vec2) -> bool {
+        if !point.is_finite() {
+            return false;
+        }
+        // Outlines are travelled with free space on the left: arenas wind +1 and obstacles -1 around what they enclose,
+        // and a hole in an obstacle takes its -1 back.
+        let (mut arenas, mut obstacles) = (0, 0);
+        self.tree.for_each_ray_crossing(point, |edge, turn| {
+            match self.boundaries[self.origins[edge].boundary as usize].role() {
+                Role::Arena => arenas += turn,
+                Role::Obstacle => obstacles += turn,
+                Role::Wall => {}
+            }
+        });
+        (arenas > 0 || !self.has_arena) && obstacles >= 0
+    }
+
+    /// Whether the closed segment from `a` to `b` meets any boundary; touching counts.
+    ///
+    /// Decided on the chains of lines: a segment that comes closer than the flattening tolerance to a curved boundary
+    /// may be judged either way.
+    #[must_use]
+    pub fn crosses(&self, a: Vec2, b: Vec2) -> bool {
+        self.tree.crosses(a, b)
+    }
+
+    /// The boundary point nearest to `point`, on the true curve; its distance is the least up to twice the flattening
+    /// tolerance, and exactly the least for polylines.
+    ///
+    /// None when the query is not finite.
+    #[must_use]
+    pub fn nearest(&self, point: Vec2) -> Option<MapPoint> {
+        let hit = self.tree.nearest(point)?;
+        let Origin { boundary, segment } = self.origins[hit.edge];
+        let on = self.boundaries[boundary as usize].curve().nearest_on_segment(segment as usize, point);
+        Some(MapPoint {
+            boundary: boundary as usize,
+            arc_length: on.arc_length,
+            position: on.position,
+            tangent: on.tangent,
+            curvature: on.curvature,
+            distance: on.position.distance(point),
+        })
+    }
+
+    /// The rectangle around all boundaries.
+    #[must_use]
+    pub fn bounds(&self) -> Bounds {
+        self.tree.bounds()
+    }
+
+    /// The length of all boundaries (m); a wall counts once.
+    #[must_use]
+    pub fn total_length(&self) -> f64 {
+        self.boundaries.iter().map(|b| b.curve().length()).sum()
+    }
+
+    /// Points along all boundaries, each with free space on the left, at most `spacing` (m) apart within each piece.
+    ///
+    /// Walls give every point twice, once for each side. See [`crate::plane::Curve::samples`].
+    #[must_use]
+    pub fn samples(&self, spacing: f64) -> Vec<BoundarySample> {
+        let mut samples = Vec::new();
+        for (boundary, b) in self.boundaries.iter().enumerate() {
+            let points = b.curve().samples(spacing);
+            let sample = |arc_length, position, tangent| BoundarySample { boundary, arc_length, position, tangent };
+            samples.extend(points.iter().map(|p| sample(p.arc_length, p.position, p.tangent)));
+            if b.is_two_sided() {
+                let back = points.iter().rev();
+                samples.extend(back.map(|p| sample(p.arc_length, p.position, wrap_angle(p.tangent + PI))));
+            }
+        }
+        samples
+    }
+}
+
+fn unknown_format(path: &Path, extension: &str) -> Error {
+    let readable = ".geojson, .svg";
+    let convert = "draw or export the outline as SVG or GeoJSON";
+    let error = match extension {
+        "yaml" | "yml" | "pgm" | "png" => {
+            Error::data("occupancy-grid maps (ROS map_server) are not read yet").remedy(convert)
+        }
+        "dxf" => Error::data("DXF maps are not read yet").remedy(convert),
+        "" => Error::data("the map file has no extension, so its format is unknown").remedy("rename it"),
+        _ => {
+            let error = Error::data(format!("maps in the format `.{extension}` are not read"));
+            match suggestion(extension, ["geojson", "svg"]) {
+                Some(near) => error.remedy(format!("did you mean `.{near}`?")),
+                None => error.remedy(convert),
+            }
+        }
+    };
+    error.in_file(path).allowed(readable)
+}
