@@ -139,7 +139,7 @@ fn a_polygon_that_crosses_itself_is_named() {
 #[test]
 fn an_empty_map_is_named() {
     let map = ("map.geojson", Some(r#"{"type": "FeatureCollection", "features": []}"#.into()));
-    check(&Case { name: "empty-map", map, words: &["map.geojson", "allowed"], ..Case::default() });
+    check(&Case { name: "empty-map", map, words: &["map.geojson", "no features"], ..Case::default() });
 }
 
 #[test]

@@ -1,12 +1,15 @@
 //! The files that a localization reads.
 
 use std::path::Path;
-use vibrissa::figure::Outline;
+use vibrissa::figure::{Outline, OutlineRole};
 use vibrissa::flow::pose::{Localization, StampedPose};
 use vibrissa::flow::sensor_log::SensorLog;
 use vibrissa::flow::trajectory::read_tum;
-use vibrissa::world::Robot;
-use vibrissa::{Error, LocalizeOptions, Result};
+use vibrissa::world::{Boundary, Map, Robot, Role};
+use vibrissa::{LocalizeOptions, Result};
+
+/// How far a drawn boundary may be from the map's (m).
+const DRAWING_TOLERANCE: f64 = 2e-5;
 
 /// What a localization works on.
 pub(super) struct Inputs {
@@ -22,21 +25,21 @@ impl Inputs {
     pub(super) fn read(log: &Path, map: &Path, robot: Option<&Path>, truth: Option<&Path>) -> Result<Self> {
         Ok(Self {
             title: format!("{} on {}", file_name(log), file_name(map)),
-            map: read_map(map)?,
-            robot: robot.map_or_else(|| Ok(Robot::default()), read_robot)?,
-            log: read_log(log)?,
+            map: Map::read(map)?,
+            robot: robot.map_or_else(|| Ok(Robot::default()), Robot::read)?,
+            log: SensorLog::read(log)?,
             truth: truth.map(read_tum).transpose()?,
         })
     }
 
     /// What looked wrong but could be read.
     pub(super) fn warnings(&self) -> impl Iterator<Item = &str> {
-        self.log.warnings.iter().map(String::as_str)
+        self.map.warnings.iter().chain(&self.log.warnings).map(String::as_str)
     }
 
     /// The answer; `observer` is called after each row.
     pub(super) fn localize(&self, options: &LocalizeOptions, observer: &mut dyn FnMut(usize)) -> Result<Localization> {
-        vibrissa::localize(&self.log, &self.robot, options, observer)
+        vibrissa::localize(&self.log, &self.map, &self.robot, options, observer)
     }
 
     /// The headline of the figure.
@@ -51,7 +54,7 @@ impl Inputs {
 
     /// The map as lines to draw.
     pub(super) fn outlines(&self) -> Vec<Outline> {
-        self.map.clone()
+        outlines(&self.map)
     }
 }
 
@@ -59,21 +62,20 @@ fn file_name(path: &Path) -> String {
     path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
 }
 
-/// Stands in until the library reads maps.
-type Map = Vec<Outline>;
-
-fn read_map(path: &Path) -> Result<Map> {
-    Err(not_yet("maps", path))
-}
-
-fn read_robot(path: &Path) -> Result<Robot> {
-    Err(not_yet("robots", path))
-}
-
-fn read_log(path: &Path) -> Result<SensorLog> {
-    Err(not_yet("sensor logs", path))
-}
-
-fn not_yet(what: &str, path: &Path) -> Error {
-    Error::data(format!("{what} cannot be read yet")).in_file(path).remedy("use a later version")
+/// The map's boundaries flattened finely enough for any screen.
+fn outlines(map: &Map) -> Vec<Outline> {
+    let one = |boundary: &Boundary| {
+        let closed = boundary.curve().is_closed();
+        let mut points = boundary.curve().flatten(DRAWING_TOLERANCE);
+        if closed {
+            points.pop();
+        }
+        let role = match boundary.role() {
+            Role::Arena => OutlineRole::Arena,
+            Role::Obstacle => OutlineRole::Obstacle,
+            Role::Wall => OutlineRole::Wall,
+        };
+        Outline { points, role, closed }
+    };
+    map.boundaries().iter().map(one).collect()
 }
