@@ -1,6 +1,6 @@
 //! The last door: the only place that chooses, and it says how wide the choice was.
 
-use super::state_set::{Component, StateSet};
+use super::state_set::{Candidate, StateSet, components};
 use crate::config::DeterministicOptions;
 use crate::plane::{Pose2, Vec2};
 use crate::sets::StateBox;
@@ -106,34 +106,33 @@ pub struct Localization {
 /// A single place larger than this (m, rad) is not called localized: its candidates do not agree on where it is.
 const LARGEST_PLACE: f64 = 0.02;
 const LARGEST_TURN: f64 = 0.35;
-/// Hypotheses lighter than this share are left out; they stay in the state set.
-const LEAST_WEIGHT: f64 = 1e-3;
+/// Candidates less likely than the best by this factor stay in the state set, but nobody would bet on them.
+const LEAST_LIKELIHOOD: f64 = 1e-3;
 
-/// One hypothesis for each component of the set, at the odometry's `odom_from_robot`, the heaviest first.
+/// One hypothesis for each separate place that is worth a bet, at the odometry's `odom_from_robot`, the heaviest first.
 ///
-/// A component's weight is the likelihood of its best candidate if each tolerance is that many standard deviations and
-/// a missed observation is one missed by a whole tolerance.
+/// A candidate's likelihood is that of its misfit, if the tolerance is as many standard deviations as it says and a
+/// missed observation was missed by a whole tolerance. Candidates within a factor of 1000 of the best are grouped into
+/// separate places; each place stands for its best candidate, and is as wide as its group.
 #[must_use]
 pub fn choose(states: &StateSet, odom_from_robot: Pose2, options: &DeterministicOptions) -> Vec<Hypothesis> {
-    let components = states.components(odom_from_robot);
-    let best = |c: &Component| &states.candidates()[c.members[0]];
-    let least = components.iter().map(|c| best(c).rank()).fold(f64::INFINITY, f64::min);
+    let Some(best) = states.best() else { return Vec::new() };
     let independent = (options.update_travel / options.history_travel).min(1.0);
     let half_chi = 0.5 * options.tolerance * options.tolerance * independent;
-    let mut hypotheses: Vec<Hypothesis> = components
+    let likelihood = |c: &Candidate| (-half_chi * (c.rank() - best.rank())).exp();
+    let likely: Vec<Candidate> =
+        states.candidates().iter().filter(|c| likelihood(c) >= LEAST_LIKELIHOOD).copied().collect();
+    let mut hypotheses: Vec<Hypothesis> = components(&likely, odom_from_robot)
         .iter()
-        .map(|c| Hypothesis {
-            pose: best(c).map_from_odom.compose(odom_from_robot),
-            weight: (-half_chi * (best(c).rank() - least)).exp(),
-            extent: c.extent,
+        .map(|place| {
+            let chosen = &likely[place.members[0]];
+            let pose = chosen.map_from_odom.compose(odom_from_robot);
+            Hypothesis { pose, weight: likelihood(chosen), extent: place.extent }
         })
         .collect();
     let total: f64 = hypotheses.iter().map(|h| h.weight).sum();
     hypotheses.iter_mut().for_each(|h| h.weight /= total);
     hypotheses.sort_by(|a, b| b.weight.total_cmp(&a.weight));
-    hypotheses.retain(|h| h.weight >= LEAST_WEIGHT);
-    let kept: f64 = hypotheses.iter().map(|h| h.weight).sum();
-    hypotheses.iter_mut().for_each(|h| h.weight /= kept);
     hypotheses
 }
 

@@ -19,7 +19,8 @@ pub struct Component {
 }
 
 /// The components of the candidates' states, in no order that depends on anything but the candidates.
-pub(super) fn components(candidates: &[Candidate], odom_from_robot: Pose2) -> Vec<Component> {
+#[must_use]
+pub fn components(candidates: &[Candidate], odom_from_robot: Pose2) -> Vec<Component> {
     let states: Vec<Pose2> = candidates.iter().map(|c| c.map_from_odom.compose(odom_from_robot)).collect();
     let mut cells: BTreeMap<[i64; 3], Vec<usize>> = BTreeMap::new();
     for (index, state) in states.iter().enumerate() {

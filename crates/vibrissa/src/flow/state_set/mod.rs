@@ -14,7 +14,7 @@ mod components;
 mod membership;
 
 pub use candidate::Candidate;
-pub use components::Component;
+pub use components::{Component, components};
 
 use crate::config::DeterministicOptions;
 use crate::flow::preimage::{Observation, aligned_states};
@@ -146,6 +146,6 @@ impl StateSet {
     /// The separate places of the set, with the odometry at `odom_from_robot`.
     #[must_use]
     pub fn components(&self, odom_from_robot: Pose2) -> Vec<Component> {
-        components::components(&self.candidates, odom_from_robot)
+        components(&self.candidates, odom_from_robot)
     }
 }
