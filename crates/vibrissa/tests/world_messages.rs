@@ -2,6 +2,8 @@
 //!
 //! After a deliberate change run with `VIBRISSA_BLESS=1` and read the difference.
 
+#![allow(clippy::unwrap_used, reason = "helpers of tests may fail like tests")]
+
 use std::fmt::Write as _;
 use std::path::Path;
 use vibrissa::flow::sensor_log::SensorLog;
