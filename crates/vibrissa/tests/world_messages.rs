@@ -2,6 +2,8 @@
 //!
 //! After a deliberate change run with `VIBRISSA_BLESS=1` and read the difference.
 
+#![allow(clippy::unwrap_used, reason = "helpers of tests may fail like tests")]
+
 use std::fmt::Write as _;
 use std::path::Path;
 use vibrissa::flow::sensor_log::SensorLog;
@@ -147,6 +149,9 @@ fn svg() {
         ("units inside", svg("<circle id=\"obstacle\" r=\"3mm\"/>")),
         ("no radius", svg("<circle id=\"obstacle\"/>")),
         ("clone", svg("<use id=\"obstacle\" href=\"#a\"/>")),
+        ("clone in a layer", svg("<g id=\"obstacles\"><use id=\"use9\" href=\"#a\"/></g>")),
+        ("clone without role", svg(&format!("{arena}<use id=\"use9\" href=\"#a\"/>"))),
+        ("embedded drawing", svg("<g id=\"obstacles\"><text>caption</text><svg/></g>")),
         ("text", svg("<text id=\"wall\">a</text>")),
         ("huge", svg("<rect class=\"arena\" width=\"1e12\" height=\"100\"/>")),
         ("bad viewBox", "<svg viewBox=\"0 0 0 0\"/>".into()),

@@ -73,7 +73,7 @@ impl Curve {
     }
 
     /// The circle around `center` with the given `radius` (m), counter-clockwise from its rightmost point, as cubics
-    /// within 1e-9 m of it.
+    /// within 1e-9 m of it (their curvature is right to about 1e-4 of it).
     ///
     /// None unless the radius is positive and all is finite.
     #[must_use]
@@ -133,7 +133,7 @@ impl Curve {
 
     /// Points along the curve at most `spacing` (m) apart within each segment, in order.
     ///
-    /// Each segment is cut into equal cells no longer than `spacing` and gives their midpoints, so no sample sits on a
+    /// Each segment is cut into equal cells no longer than `spacing` (up to a rounding) and gives their midpoints, so no sample sits on a
     /// corner and every segment has at least one. A spacing that is not positive gives one sample a segment;
     /// no segment gives more than a million.
     #[must_use]
@@ -142,7 +142,7 @@ impl Curve {
         for (index, segment) in self.segments.iter().enumerate() {
             let start = self.segment_start(index);
             let length = self.ends[index] - start;
-            let cells = if spacing > 0.0 { (length / spacing).ceil().clamp(1.0, 1e6) } else { 1.0 };
+            let cells = if spacing > 0.0 { (length / spacing - 1e-9).ceil().clamp(1.0, 1e6) } else { 1.0 };
             for k in 0..cells as usize {
                 let s = (k as f64 + 0.5) * length / cells;
                 samples.push(self.on_segment(index, segment.parameter_at(s), start + s));
@@ -168,8 +168,25 @@ impl Curve {
         best
     }
 
+    /// The point nearest to `p` of one segment, or of its neighbour where that segment ends.
+    pub(crate) fn nearest_near_segment(&self, index: usize, p: Vec2) -> CurvePoint {
+        let count = self.segments.len();
+        let here = self.nearest_on_segment(index, p);
+        let neighbour = if here.position == self.segments[index].start() {
+            index.checked_sub(1).or(self.closed.then_some(count - 1))
+        } else if here.position == self.segments[index].end() {
+            if index + 1 < count { Some(index + 1) } else { self.closed.then_some(0) }
+        } else {
+            None
+        };
+        match neighbour.map(|n| self.nearest_on_segment(n, p)) {
+            Some(there) if there.position.distance(p) < here.position.distance(p) => there,
+            _ => here,
+        }
+    }
+
     /// The point of one segment nearest to `p`.
-    pub(crate) fn nearest_on_segment(&self, index: usize, p: Vec2) -> CurvePoint {
+    fn nearest_on_segment(&self, index: usize, p: Vec2) -> CurvePoint {
         let segment = &self.segments[index];
         let t = segment.nearest(p);
         self.on_segment(index, t, self.segment_start(index) + segment.length_to(t))

@@ -118,7 +118,7 @@ impl Boundary {
 fn show(p: Vec2) -> String {
     // To the nanometre: finer digits are roundings of the reader.
     let short = |v: f64| (v * 1e9).round() / 1e9;
-    format!("({}, {}) m", short(p.x), short(p.y))
+    format!("({}, {})", short(p.x), short(p.y))
 }
 
 fn check_size(curve: &Curve) -> core::result::Result<(), CurveFault> {

@@ -156,7 +156,7 @@ impl Map {
     pub fn nearest(&self, point: Vec2) -> Option<MapPoint> {
         let hit = self.tree.nearest(point)?;
         let Origin { boundary, segment } = self.origins[hit.edge];
-        let on = self.boundaries[boundary as usize].curve().nearest_on_segment(segment as usize, point);
+        let on = self.boundaries[boundary as usize].curve().nearest_near_segment(segment as usize, point);
         Some(MapPoint {
             boundary: boundary as usize,
             arc_length: on.arc_length,

@@ -161,16 +161,30 @@ fn number_end(text: &str) -> usize {
     end
 }
 
-/// The unit without spaces and dots, in plain letters.
+/// The unit in plain letters, without the spaces and dots that may stand after `N` and around `/`.
+///
+/// Any other gap stays, so that `m m` is no millimetre.
 fn normalized(unit: &str) -> String {
-    unit.chars()
-        .filter(|c| !c.is_whitespace() && !matches!(c, '·' | '⋅' | '*' | '^' | '(' | ')'))
-        .map(|c| match c {
-            'µ' | 'μ' => 'u',
-            '²' => '2',
-            c => c,
-        })
-        .collect()
+    let is_gap = |c: char| c.is_whitespace() || matches!(c, '·' | '⋅' | '*');
+    let mut out = String::new();
+    let mut gap = false;
+    for c in unit.trim().chars() {
+        if is_gap(c) {
+            gap = true;
+            continue;
+        }
+        if gap && !out.ends_with(['N', '/']) && c != '/' {
+            out.push(' ');
+        }
+        gap = false;
+        match c {
+            'µ' | 'μ' => out.push('u'),
+            '²' => out.push('2'),
+            '^' => {}
+            c => out.push(c),
+        }
+    }
+    out
 }
 
 /// How a number in some unit becomes SI. Powers of ten below one are divided by, so that 75 mm is exactly 0.075 m.

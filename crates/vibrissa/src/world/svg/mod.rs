@@ -116,13 +116,15 @@ impl Found<'_> {
             return done;
         }
         let Some(role) = role else {
-            if shape::is_shape(tag) {
+            if shape::is_shape(tag) || matches!(tag, "use" | "svg") {
                 self.ignored.push(called(node));
             }
             return Ok(());
         };
         if !shape::is_shape(tag) {
-            return if role::of(node).is_some() { Err(self.not_a_shape(node)) } else { Ok(()) };
+            // A clone or an embedded drawing in a layer of obstacles would be lost; a caption there is not missed.
+            let is_missed = role::of(node).is_some() || matches!(tag, "use" | "svg");
+            return if is_missed { Err(self.not_a_shape(node)) } else { Ok(()) };
         }
         let outlines = shape::outlines(node, map_from_user).map_err(|e| self.located(e, node))?;
         if outlines.is_empty() {
@@ -140,6 +142,7 @@ impl Found<'_> {
     fn not_a_shape(&self, node: Node<'_, '_>) -> Error {
         let remedy = match node.tag_name().name() {
             "use" => "in Inkscape: Edit > Clone > Unlink Clone",
+            "svg" => "in Inkscape: Object > Ungroup the embedded drawing",
             "text" | "image" => "in Inkscape: Path > Object to Path, or trace it",
             _ => "draw it with paths, polygons, lines, rectangles, circles or ellipses",
         };

@@ -1,0 +1,137 @@
+//! Robots and quantities: values against hand-made factors.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+use std::path::{Path, PathBuf};
+use vibrissa::plane::Pose2;
+use vibrissa::world::{Dimension, Robot, parse_quantity};
+
+#[test]
+fn quantities() {
+    use Dimension::{
+        Angle, Curvature, FlexuralRigidity, Flux, Force, Length, Moment, Pressure, Ratio, Stiffness, Time,
+    };
+    for (text, dimension, expected) in [
+        ("75 mm", Length, 0.075),
+        ("75mm", Length, 0.075),
+        ("  -0.58e0 mm ", Length, -0.58e-3),
+        ("+7.5e1 mm", Length, 0.075),
+        ("12 µm", Length, 12e-6),
+        ("12 μm", Length, 12e-6),
+        ("12 um", Length, 12e-6),
+        ("3 in", Length, 0.0762),
+        ("2 km", Length, 2000.0),
+        ("52 GPa", Pressure, 52e9),
+        ("3 N/mm^2", Pressure, 3e6),
+        ("17 mN m", Moment, 0.017),
+        ("17 mN·m", Moment, 0.017),
+        ("17 mN*m", Moment, 0.017),
+        ("17 mNm", Moment, 0.017),
+        ("17 N mm", Moment, 0.017),
+        ("17 mN mm", Moment, 17e-6),
+        ("1 MN m", Moment, 1e6),
+        ("0.2 mN m/rad", Stiffness, 2e-4),
+        ("1 N m / deg", Stiffness, 180.0 / PI),
+        ("2.8886e-4 N m²", FlexuralRigidity, 2.8886e-4),
+        ("288.86 N mm^2", FlexuralRigidity, 2.8886e-4),
+        ("2 deg", Angle, 2.0 * PI / 180.0),
+        ("90°", Angle, FRAC_PI_2),
+        ("5 mrad", Angle, 0.005),
+        ("0.002 1/mm", Curvature, 2.0),
+        ("3 m^-1", Curvature, 3.0),
+        ("5 %", Ratio, 0.05),
+        ("5", Ratio, 5.0),
+        ("50 ms", Time, 0.05),
+        ("2 min", Time, 120.0),
+        ("40 uT", Flux, 40e-6),
+        ("0.5 G", Flux, 5e-5),
+        ("3 cN", Force, 0.03),
+        ("inf", Stiffness, f64::INFINITY),
+        ("-inf", Stiffness, f64::NEG_INFINITY),
+    ] {
+        let found = parse_quantity(text, dimension).unwrap();
+        assert!(
+            found.to_bits() == expected.to_bits() || (found - expected).abs() <= 2e-16 * expected.abs(),
+            "{text}: {found} {expected}"
+        );
+    }
+    assert_eq!(parse_quantity("75 mm", Length).unwrap().to_bits(), 0.075_f64.to_bits());
+    for text in ["", "mm", "1", "1e mm", "1 mmm", "1 m m", "nan m", "1 2 m", "1 Nm", "--1 m", "1 m/s", "∞ m", "é"] {
+        assert!(parse_quantity(text, Length).is_err(), "{text}");
+    }
+    for text in ["1 N", "1 m", "1 m N m", "1 N m m", "1 N/m", "1 Nm/rad", "1 N m^2", "m 1 N"] {
+        assert!(parse_quantity(text, Moment).is_err(), "{text}");
+    }
+}
+
+const EXAMPLE: &str = r#"
+[[whisker]]
+name = "left"
+length = "80 mm"
+young_modulus = "52 GPa"
+diameter = "0.58 mm"
+tip_ratio = 1
+curvature = "0.002 1/mm"
+base_stiffness = inf
+mount = ["50 mm", -0.02, "90 deg"]
+friction = 0.1
+calibration = "cal.json"
+noise = { moment_relative = "5.5 %", moment_absolute = "20 uN m" }
+[[whisker]]
+name = "right"
+flexural_rigidity = 2.8886e-4
+young_modulus = 52e9
+diameter = 0.58e-3
+base_stiffness = "30 mN m/rad"
+[odometry]
+translation_relative = 0.0101
+rotation_relative = "1 %"
+"#;
+
+#[test]
+fn the_contract_is_read() {
+    assert_eq!(Robot::from_toml("", "empty").unwrap(), Robot::default());
+    assert_eq!(Robot::from_toml("\u{feff}[[whisker]]\r\n", "bom").unwrap(), Robot::default());
+    let robot = Robot::from_toml(EXAMPLE, "robot.toml").unwrap();
+    let [left, right] = &robot.whiskers[..] else { panic!("{robot:?}") };
+    assert_eq!((left.name.as_str(), right.name.as_str()), ("left", "right"));
+    // 52 GPa times the paper's second moment of area, 5.555e-15 m⁴ to four digits.
+    assert!((left.beam.flexural_rigidity - 2.8886e-4).abs() < 1e-8);
+    assert!((left.beam.length - 0.08).abs() < 1e-16 && (left.beam.curvature - 2.0).abs() < 1e-12);
+    assert!(left.beam.base_stiffness.is_infinite() && (right.beam.base_stiffness - 0.03).abs() < 1e-15);
+    let mount = left.robot_from_whisker;
+    assert!(mount.position().distance(Pose2::new(0.05, -0.02, 0.0).position()) < 1e-15);
+    assert!((mount.theta - FRAC_PI_2).abs() < 1e-15);
+    assert_eq!(left.calibration, Some(PathBuf::from("cal.json")));
+    assert!((left.noise.moment_relative - 0.055).abs() < 1e-15 && (left.noise.moment_absolute - 2e-5).abs() < 1e-18);
+    assert!((robot.odometry.translation_relative - 0.0101).abs() < 1e-15);
+    assert!((robot.odometry.rotation_relative - 0.01).abs() < 1e-15);
+    assert!((right.beam.flexural_rigidity - 2.8886e-4).abs() < 1e-18);
+}
+
+#[test]
+fn the_contract_page_itself_is_read() {
+    let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/contract.md"));
+    let Ok(page) = std::fs::read_to_string(path) else {
+        println!("skipped: no shared folder at {}", path.display());
+        return;
+    };
+    let lines: Vec<&str> = page
+        .lines()
+        .skip_while(|l| l.trim() != "[[whisker]]")
+        .take_while(|l| l.starts_with("    "))
+        .map(str::trim)
+        .collect();
+    let robot = Robot::from_toml(&lines.join("\n"), "contract").unwrap();
+    assert_eq!(robot.whiskers[0].beam, Robot::default().whiskers[0].beam);
+    assert_eq!(robot.whiskers[0].calibration, Some(PathBuf::from("cal.json")));
+}
+
+#[test]
+fn a_calibration_is_found_beside_the_robot() {
+    let folder = std::env::temp_dir().join(format!("vibrissa-robot-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    std::fs::write(folder.join("r.toml"), EXAMPLE).unwrap();
+    let robot = Robot::read(folder.join("r.toml")).unwrap();
+    assert_eq!(robot.whiskers[0].calibration, Some(folder.join("cal.json")));
+    std::fs::remove_dir_all(&folder).unwrap();
+}
