@@ -1,5 +1,6 @@
 //! One file or folder for each command.
 
+mod beam;
 mod demo;
 mod localize;
 
@@ -12,13 +13,14 @@ use vibrissa::Result;
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     Demo(demo::Args),
-    // `beam`, one loaded whisker, goes here: Beam(beam::Args).
+    Beam(beam::Args),
     Localize(localize::Args),
 }
 
 /// Runs a command.
 pub(crate) fn run(command: &Command) -> Result<()> {
     match command {
+        Command::Beam(args) => beam::run(args),
         Command::Demo(args) => demo::run(args),
         Command::Localize(args) => localize::run(args),
     }

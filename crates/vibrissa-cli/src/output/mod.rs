@@ -13,6 +13,7 @@ use vibrissa::flow::pose::{Localization, StampedPose};
 use vibrissa::flow::trajectory::{format_tum, trajectory_error};
 use vibrissa::{Error, Result};
 
+pub(crate) use files::write_all;
 pub(crate) use runtime::{Runtime, Stopwatch};
 
 /// A localization that is done, with all that its reports need.
@@ -40,7 +41,7 @@ pub(crate) fn deliver(run: &Run, output: &OutputArgs) -> Result<()> {
     let written = match &output.out {
         Some(folder) => {
             let json = json::result(&run.answer, &run.runtime, None)?;
-            Some(files::write_all(folder, &result_files(run, json))?)
+            Some(write_all(folder, &result_files(run, json))?)
         }
         None => None,
     };

@@ -12,9 +12,9 @@ pub(super) const MAX_LENGTH: f64 = 250.0;
 ///
 /// Accuracy: `phi_a`, contact and moment to about 1e-13 relative (where they do not pass through zero), at every angle.
 ///
-/// `None` when the shape would have an inflection between base and contact (beyond the first mode,
-/// `s_a sqrt(|F|/EI) > 2 K(m)` with `m = (1 - |sin beta|)/2` for a push that presses and `(1 + |sin beta|)/2` for one that
-/// pulls), when `s_a` or `flexural_rigidity` is not positive, or when anything is not finite.
+/// `None` when the shape would have an inflection between base and contact, which is beyond the first mode:
+/// `s_a sqrt(|F|/EI) > 2 K(m)` with `m = (1 - sign(F) sin(beta)) / 2` (3.708 for a normal force). Also when `s_a` or
+/// `flexural_rigidity` is not positive, or when anything is not finite.
 #[must_use]
 pub fn bend(flexural_rigidity: f64, force: f64, s_a: f64, beta: f64) -> Option<Bend> {
     let finite = force.is_finite() && s_a.is_finite() && beta.is_finite() && flexural_rigidity.is_finite();

@@ -8,13 +8,16 @@
 
 use super::elastica::MAX_LENGTH;
 use super::pendulum::{Pendulum, Swing, Tilt};
-use super::root::{highest, root};
+use super::root::{highest, root, root_through};
 use core::f64::consts::{PI, TAU};
 
 /// The parameter where shapes are straight to below the smallest numbers.
 const LOWEST: f64 = -690.0;
 /// The parameter beyond which no length up to [`MAX_LENGTH`] is found.
 const HIGHEST: f64 = MAX_LENGTH + 10.0;
+
+/// The parameters between which everyday shapes lie.
+const USUAL: [f64; 2] = [-6.0, 4.0];
 
 pub(super) struct FixedLine {
     omega: f64,
@@ -52,7 +55,7 @@ impl FixedLine {
             (tilt, Swing { t, ..swing })
         };
         if self.omega <= PI {
-            return root(residual, LOWEST, HIGHEST).map(shape).into_iter().collect();
+            return root_through(residual, &[LOWEST, USUAL[0], t + 5.0, HIGHEST]).map(shape).into_iter().collect();
         }
         // The shape at the start is the end of the first mode, where the force's line passes through the base.
         let start = ((2.0 * self.omega - TAU) / (TAU - self.omega)).ln();
@@ -71,12 +74,12 @@ impl FixedLine {
             let (_, swing) = self.shape(p);
             (swing.t * swing.du / moment).ln()
         };
-        root(residual, LOWEST, HIGHEST).map(|p| self.shape(p))
+        root_through(residual, &[LOWEST, USUAL[0], USUAL[1], HIGHEST]).map(|p| self.shape(p))
     }
 
     /// The shape whose contact lies at `polar_angle > 0`, for `omega <= pi`.
     pub(super) fn at_polar_angle(&self, polar_angle: f64) -> Option<(Tilt, Swing)> {
         let residual = |p: f64| (self.shape(p).1.polar_angle() / polar_angle).ln();
-        root(residual, LOWEST, HIGHEST).map(|p| self.shape(p))
+        root_through(residual, &[LOWEST, USUAL[0], USUAL[1], HIGHEST]).map(|p| self.shape(p))
     }
 }

@@ -17,7 +17,7 @@ use core::f64::consts::PI;
 /// shapes that curl over.
 ///
 /// # Errors
-/// Usage: `force` not finite, `s_a` outside (0, L], or a force beyond 62,500 EI/s_a². Data: a whisker that is not solved yet.
+/// Usage: `force` not finite, `s_a` outside (0, L], or a force beyond `62500 EI / s_a²`. Data: a whisker that is not solved yet.
 pub fn force_mode(whisker: &Whisker, force: f64, s_a: f64, load: Load) -> Result<Vec<Bend>> {
     whisker.require_uniform()?;
     finite("force", force, "N")?;

@@ -9,7 +9,7 @@ use core::f64::consts::FRAC_PI_2;
 /// | load | direction of a positive force, whisker frame | physics |
 /// | --- | --- | --- |
 /// | `Normal` | `phi_a + pi/2` | frictionless contact at the side of the whisker |
-/// | `Vertical` | `pi/2` | a weight; the paper's shape equations \[belendez2002\] |
+/// | `Vertical` | `pi/2` | a weight; the paper's shape equations \[belendez2002large\] |
 /// | `Tilted(beta)` | `phi_a + pi/2 + beta` | friction: `beta` is the rotation from the whisker's normal (rad) |
 /// | `Directed(psi)` | `psi` | contact of the tip with a smooth wall of that normal (rad) |
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -5,7 +5,7 @@ use super::elastica::canonical;
 use super::fixed_line::FixedLine;
 use super::load::{Line, Load};
 use super::pendulum::{Pendulum, Swing, Tilt};
-use super::root::{highest, root};
+use super::root::{root, root_through};
 use super::whisker::Whisker;
 use super::{check_s_a, finite, sorted};
 use crate::error::Result;
@@ -62,8 +62,15 @@ fn following(tilt: Tilt, scaled: f64) -> Vec<(Tilt, Swing)> {
     let pendulum = Pendulum::new(tilt);
     let end = pendulum.half_period();
     let moment = |t: f64| t * pendulum.at(t).du;
-    let top = highest(moment, 0.5 * end, end);
-    let rising = root(|log_t: f64| (moment(log_t.exp()) / scaled).ln(), -360.0, top.ln()).map(f64::exp);
+    // The derivative is u' + t cos(u + beta), whose root is sharp where the maximum itself is flat.
+    let slope = |t: f64| {
+        let swing = pendulum.at(t);
+        let (sin, cos) = swing.u.sin_cos();
+        swing.du + t * (tilt.cos * cos - tilt.sin * sin)
+    };
+    let top = root(slope, 0.5 * end, end).unwrap_or(end);
+    let rising =
+        root_through(|log_t: f64| (moment(log_t.exp()) / scaled).ln(), &[-360.0, -3.0, top.ln()]).map(f64::exp);
     let falling = root(|t| moment(t) - scaled, top, end);
     rising.into_iter().chain(falling).map(|t| (tilt, pendulum.at(t))).collect()
 }

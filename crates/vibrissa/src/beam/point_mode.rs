@@ -6,7 +6,7 @@ use super::fixed_line::FixedLine;
 use super::load::{Line, Load};
 use super::moment_mode::pushing;
 use super::pendulum::{Pendulum, Swing, Tilt};
-use super::root::{highest, root};
+use super::root::{root, root_through};
 use super::sorted;
 use super::whisker::Whisker;
 use crate::error::{Error, Result};
@@ -83,8 +83,14 @@ fn following(tilt: Tilt, polar: f64) -> Vec<(Tilt, Swing)> {
     let pendulum = Pendulum::new(tilt);
     let end = pendulum.half_period();
     let angle = |t: f64| pendulum.at(t).polar_angle();
-    let top = highest(angle, 0.5 * end, end);
-    let rising = root(|log_t: f64| (angle(log_t.exp()) / polar).ln(), -345.0, top.ln()).map(f64::exp);
+    // With p the contact seen from the base, dp/dt = (1 - u' y, u' x): the angle turns where u' |p|² = y.
+    let turning = |t: f64| {
+        let swing = pendulum.at(t);
+        let (x, y) = swing.contact();
+        swing.du * (x * x + y * y) - y
+    };
+    let top = root(turning, 0.5 * end, end).unwrap_or(end);
+    let rising = root_through(|log_t: f64| (angle(log_t.exp()) / polar).ln(), &[-345.0, -3.0, top.ln()]).map(f64::exp);
     let falling = root(|t| angle(t) - polar, top, end).filter(|_| top < end);
     rising.into_iter().chain(falling).map(|t| (tilt, pendulum.at(t))).collect()
 }

@@ -41,6 +41,19 @@ pub(super) fn root(f: impl Fn(f64) -> f64, a: f64, b: f64) -> Option<f64> {
     Some(if f1.abs() < f2.abs() { x1 } else { x2 })
 }
 
+/// The root of a rising `f` between the first and the last of `points`, looked for in the piece in which it lies.
+pub(super) fn root_through(f: impl Fn(f64) -> f64, points: &[f64]) -> Option<f64> {
+    let (first, rest) = points.split_first()?;
+    let mut lo = *first;
+    for &hi in rest {
+        if f(hi) >= 0.0 {
+            return root(f, lo, hi);
+        }
+        lo = hi;
+    }
+    None
+}
+
 /// Where `f`, which rises and then falls between `a` and `b`, is highest, to about the square root of rounding.
 pub(super) fn highest(f: impl Fn(f64) -> f64, a: f64, b: f64) -> f64 {
     let (mut lo, mut hi) = (a, b);

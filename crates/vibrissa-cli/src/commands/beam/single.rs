@@ -1,0 +1,95 @@
+//! One whisker: the table for people, the JSON, and the files.
+
+use super::Report;
+use super::figure::figure;
+use super::input::{Given, Known};
+use serde_json::{Value, json};
+use std::fmt::Write;
+use vibrissa::beam::{Bend, Whisker};
+use vibrissa::{Error, Result};
+
+/// Points along the whisker in `beam.csv` and in the JSON.
+const POINTS: usize = 101;
+
+pub(super) fn report(given: Given, known: &Known, whisker: &Whisker, json: bool) -> Result<Report> {
+    let bends = known.solve(given, whisker)?;
+    let text = if json {
+        let value = json!({ "solutions": bends.iter().map(|b| solution(b, whisker)).collect::<Vec<_>>() });
+        format!("{value:#}\n")
+    } else {
+        table(&bends, whisker)
+    };
+    let warnings = if bends.is_empty() { vec![format!("no equilibrium: {}", given.why_none())] } else { Vec::new() };
+    let files = vec![("beam.csv", shapes(&bends, whisker)?), ("beam.svg", figure(&bends, whisker.length))];
+    Ok(Report { text, warnings, files })
+}
+
+/// One equilibrium in SI.
+pub(super) fn solution(bend: &Bend, whisker: &Whisker) -> Value {
+    let (tip, force) = (bend.tip(whisker.length), bend.force_vector());
+    let shape: Vec<[f64; 2]> = bend.shape(whisker.length, POINTS).iter().map(|p| [p.x, p.y]).collect();
+    json!({
+        "force": bend.force,
+        "s_a": bend.s_a,
+        "phi_a": bend.phi_a,
+        "beta": bend.beta,
+        "x": bend.contact.x,
+        "y": bend.contact.y,
+        "moment": bend.moment,
+        "force_vector": [force.x, force.y],
+        "tip": [tip.x, tip.y],
+        "energy": bend.energy(),
+        "shape": shape,
+    })
+}
+
+fn table(bends: &[Bend], whisker: &Whisker) -> String {
+    if bends.is_empty() {
+        return "no equilibrium\n".into();
+    }
+    let mut text = String::from(
+        "   force      s_a    phi_a     beta        x        y   moment    tip x    tip y\n\
+         \x20      N       mm      deg      deg       mm       mm    mN m       mm       mm\n",
+    );
+    for b in bends {
+        let tip = whisker_mm(b.tip(whisker.length));
+        let contact = whisker_mm(b.contact);
+        let (phi, beta) = (b.phi_a.to_degrees(), b.beta.to_degrees());
+        let _ = writeln!(
+            text,
+            "{:8.4} {:8.3} {phi:8.3} {beta:8.3} {:8.3} {:8.3} {:8.4} {:8.3} {:8.3}",
+            b.force,
+            b.s_a * 1e3,
+            contact[0],
+            contact[1],
+            b.moment * 1e3,
+            tip[0],
+            tip[1],
+        );
+    }
+    text
+}
+
+fn whisker_mm(point: vibrissa::plane::Vec2) -> [f64; 2] {
+    [point.x * 1e3, point.y * 1e3]
+}
+
+/// The shapes as a table, SI.
+fn shapes(bends: &[Bend], whisker: &Whisker) -> Result<String> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    let mut write = |row: [String; 6]| writer.write_record(row).map_err(|e| Error::data(format!("beam.csv: {e}")));
+    write(["solution", "s", "x", "y", "slope", "curvature"].map(String::from))?;
+    for (i, bend) in bends.iter().enumerate() {
+        for (s, p) in bend.shape_points(whisker.length, POINTS) {
+            let numbers = [s, p.position.x, p.position.y, p.slope, p.curvature].map(|v| format!("{v:?}"));
+            let [s, x, y, slope, curvature] = numbers;
+            write([i.to_string(), s, x, y, slope, curvature])?;
+        }
+    }
+    text_of(writer)
+}
+
+pub(super) fn text_of(writer: csv::Writer<Vec<u8>>) -> Result<String> {
+    let bytes = writer.into_inner().map_err(|e| Error::data(format!("beam.csv: {e}")))?;
+    String::from_utf8(bytes).map_err(|e| Error::data(format!("beam.csv: {e}")))
+}

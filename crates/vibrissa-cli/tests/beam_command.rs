@@ -1,0 +1,135 @@
+//! `vibrissa beam`, run as people run it.
+
+// A test helper that fails fails its test, and numbers that went through text unchanged are equal.
+#![allow(clippy::unwrap_used, clippy::float_cmp)]
+
+mod common;
+
+use common::{folder, vibrissa};
+use std::fs;
+use std::path::Path;
+
+fn json(args: &[&str]) -> serde_json::Value {
+    let outcome = vibrissa(args);
+    assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
+    serde_json::from_str(&outcome.stdout).unwrap()
+}
+
+/// The first solution's number under `key`.
+fn number(value: &serde_json::Value, key: &str) -> f64 {
+    value["solutions"][0][key].as_f64().unwrap()
+}
+
+#[test]
+fn the_modes_answer_each_other_with_units_and_signs() {
+    for sign in ["", "-"] {
+        let force = json(&["beam", "force", "--force", &format!("{sign}50 mN"), "--s-a", "60 mm", "--json"]);
+        assert_eq!(number(&force, "force").abs(), 0.05);
+        assert_eq!(force["solutions"].as_array().unwrap().len(), 1);
+        let [x, y, m] = ["x", "y", "moment"].map(|key| number(&force, key).to_string());
+        let point = json(&["beam", "point", "--x", &x, "--y", &y, "--json"]);
+        let moment = json(&["beam", "moment", "--moment", &m, "--s-a", "0.06", "--json"]);
+        assert_eq!(moment["solutions"].as_array().unwrap().len(), 2);
+        for other in [&point, &moment] {
+            for key in ["force", "s_a", "phi_a", "x", "y", "moment"] {
+                assert!((number(other, key) / number(&force, key) - 1.0).abs() < 1e-10, "{key}");
+            }
+        }
+        assert!(number(&force, "y") * if sign == "-" { -1.0 } else { 1.0 } > 0.0);
+    }
+}
+
+#[test]
+fn tables_for_people_carry_units() {
+    let outcome = vibrissa(&["beam", "moment", "--moment", "0.01", "--s-a", "0.05", "--load", "tilted:-10 deg"]);
+    assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
+    assert_eq!(outcome.stdout.lines().count(), 4, "{}", outcome.stdout);
+    assert!(outcome.stdout.contains("mN m") && outcome.stdout.contains(" -10.000 "), "{}", outcome.stdout);
+}
+
+#[test]
+fn no_equilibrium_is_an_answer() {
+    let outcome = vibrissa(&["beam", "moment", "--moment", "17 mN m", "--s-a", "75 mm"]);
+    assert_eq!((outcome.code, outcome.stdout.as_str()), (Some(0), "no equilibrium\n"));
+    assert!(outcome.stderr.contains("larger than any shape"), "{}", outcome.stderr);
+}
+
+#[test]
+fn faults_of_the_call() {
+    for (args, word) in [
+        (vec!["--s-a", "0.05"], "--force"),
+        (vec!["--s-a", "0.05", "--force", "strong"], "--force"),
+        (vec!["--s-a", "0.05", "--force", "NaN"], "--force"),
+        (vec!["--s-a", "0.08", "--force", "0.1"], "0.075"),
+        (vec!["--s-a", "0.05", "--force", "0.1", "--load", "sideways"], "tilted:RAD"),
+    ] {
+        let outcome = vibrissa(&[vec!["beam", "force"], args].concat());
+        assert_eq!(outcome.code, Some(2), "{}", outcome.stderr);
+        assert!(outcome.stderr.contains(word), "{}", outcome.stderr);
+    }
+}
+
+#[test]
+fn files_of_one_whisker() {
+    let out = folder("beam_files");
+    let dir = out.to_str().unwrap();
+    let outcome = vibrissa(&["beam", "moment", "--moment", "-0.01", "--s-a", "0.05", "--out", dir]);
+    assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
+    let csv = fs::read_to_string(out.join("beam.csv")).unwrap();
+    assert!(csv.starts_with("solution,s,x,y,slope,curvature\n0,0.0,0.0,0.0,0.0,"), "{}", &csv[..80]);
+    assert_eq!(csv.lines().count(), 1 + 2 * 101);
+    let svg = fs::read_to_string(out.join("beam.svg")).unwrap();
+    assert_eq!(svg.matches("<polyline").count(), 2);
+    assert!(svg.contains("x (mm)") && svg.trim_end().ends_with("</svg>") && !svg.contains("NaN"));
+}
+
+#[test]
+fn the_reference_table_as_a_batch() {
+    let reference = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/vectors/elastica.csv"));
+    if !reference.exists() {
+        println!("skipped: no shared folder with vectors/elastica.csv");
+        return;
+    }
+    for mode in ["force", "point", "moment"] {
+        let out = folder(&format!("beam_batch_{mode}"));
+        let dir = out.to_str().unwrap();
+        let outcome = vibrissa(&["beam", mode, "--batch", reference.to_str().unwrap(), "--out", dir]);
+        assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
+        let text = fs::read_to_string(out.join("beam.csv")).unwrap();
+        let mut best = std::collections::BTreeMap::<String, f64>::new();
+        for line in text.lines().skip(1) {
+            let cells: Vec<&str> = line.split(',').collect();
+            let n = |i: usize| cells[i].parse::<f64>().unwrap();
+            // Columns 10 to 13 hold the truth, 14 to 17 what was computed.
+            if cells[14].is_empty() {
+                assert!(
+                    cells[3].parse::<f64>().unwrap() != 1.0
+                        || cells[4].parse::<f64>().unwrap() != 0.0
+                        || cells[5] != "inf"
+                );
+                continue;
+            }
+            let error = (10..14).map(|i| ((n(i + 4) - n(i)) / n(i)).abs()).fold(0.0, f64::max);
+            let slot = best.entry(cells[0].into()).or_insert(f64::INFINITY);
+            *slot = slot.min(error);
+        }
+        assert_eq!(best.len(), 125);
+        let worst = best.values().fold(0.0_f64, |a, b| a.max(*b));
+        println!("{mode}: worst relative error {worst:.1e}");
+        assert!(worst < 1e-10, "{mode}: {worst:e}");
+        assert!(outcome.stderr.contains("elastica.csv:") && outcome.stderr.contains("not solved yet"));
+    }
+}
+
+#[test]
+fn a_broken_batch_names_file_and_line() {
+    let dir = folder("beam_broken");
+    let file = dir.join("rows.csv");
+    fs::write(&file, "F,s_a\n0.1,0.05\n0.1,NaN\n").unwrap();
+    let outcome = vibrissa(&["beam", "force", "--batch", file.to_str().unwrap()]);
+    assert_eq!(outcome.code, Some(1));
+    assert!(outcome.stderr.contains("rows.csv:3: s_a: NaN"), "{}", outcome.stderr);
+    let outcome = vibrissa(&["beam", "force", "--batch", dir.join("none.csv").to_str().unwrap()]);
+    assert_eq!(outcome.code, Some(1));
+    assert!(outcome.stderr.contains("none.csv"), "{}", outcome.stderr);
+}
