@@ -91,7 +91,7 @@ impl Default for DeterministicOptions {
             history_shapes: 5,
             history_travel: 10e-3,
             update_travel: 2e-3,
-            tolerance: 3.0,
+            tolerance: 4.0,
             heading_floor: 0.05,
             position_floor: 0.7e-3,
             missed_share: 0.25,

@@ -98,8 +98,9 @@ impl<'a> Localizer<'a> {
     fn update(&mut self, feeler: usize, history: &MomentHistory, row: &LogRow) {
         let whisker = &self.feelers[feeler].whisker;
         if !history.smooth {
-            let detail = format!("{}: readings jump by more than their noise; not aligned", whisker.name);
-            return self.record.event_once(row.t, "jump", detail);
+            let detail =
+                format!("{}: readings do not follow a smooth curve within their noise; not aligned", whisker.name);
+            return self.record.event_once(row.t, "rough", detail);
         }
         let observation = Observation::new(whisker, history, self.options.tip_load);
         if self.states.observations() == 0 && !observation.is_aligned() {

@@ -61,10 +61,10 @@ fn node(beta: f64, t: f64) -> Node {
     Node { beta, t, moment: t * swing.du, by_t, end: pendulum.half_period(), equilibrium }
 }
 
-/// The derivative of the moment by the tilt.
+/// The derivative of the moment by the tilt, by a difference: it only steers the continuation.
 fn by_beta(at: &Node) -> f64 {
-    const H: f64 = 1e-5;
-    (node(at.beta + H, at.t).moment - node(at.beta - H, at.t).moment) / (2.0 * H)
+    const H: f64 = 1e-6;
+    (node(at.beta + H, at.t).moment - at.moment) / H
 }
 
 /// The equilibria with the dimensionless base moment `mu = M0 L / EI > 0` and the contact at the tip.
@@ -108,13 +108,13 @@ fn follow(first: Node, mu: f64) -> Vec<TipEquilibrium> {
     let mut at = first;
     let mut heading = (1.0, 0.0);
     while curve.len() < MOST_STEPS {
-        let (gb, gt) = (by_beta(&at), at.by_t);
-        let norm = gb.hypot(gt);
-        let sign = if -gt * heading.0 + gb * heading.1 > 0.0 { 1.0 } else { -1.0 };
-        heading = (-sign * gt / norm, sign * gb / norm);
+        let gradient = (by_beta(&at), at.by_t);
+        let norm = gradient.0.hypot(gradient.1);
+        let sign = if -gradient.1 * heading.0 + gradient.0 * heading.1 > 0.0 { 1.0 } else { -1.0 };
+        heading = (-sign * gradient.1 / norm, sign * gradient.0 / norm);
         // Small moments live at small t, where the step must not jump over the curve's bends.
         let step = STEP.min(0.2 * at.t);
-        let next = correct(at.beta + step * heading.0, at.t + step * heading.1, mu);
+        let next = correct(at.beta + step * heading.0, at.t + step * heading.1, mu, gradient);
         if !(next.beta.abs() <= STEEPEST_TILT && next.t > 0.0 && next.t < MODE_END * next.end) {
             break;
         }
@@ -124,18 +124,17 @@ fn follow(first: Node, mu: f64) -> Vec<TipEquilibrium> {
     curve
 }
 
-/// The nearest point of the curve, by Newton steps along the gradient.
-fn correct(mut beta: f64, mut t: f64, mu: f64) -> Node {
+/// The nearest point of the curve, by Newton steps along a gradient taken one step before.
+fn correct(mut beta: f64, mut t: f64, mu: f64, gradient: (f64, f64)) -> Node {
+    let square = gradient.0 * gradient.0 + gradient.1 * gradient.1;
     let mut at = node(beta, t);
-    for _ in 0..8 {
+    for _ in 0..20 {
         let fault = mu - at.moment;
-        if fault.abs() <= 1e-12 * mu {
+        if fault.abs() <= 1e-10 * mu {
             break;
         }
-        let (gb, gt) = (by_beta(&at), at.by_t);
-        let square = gb * gb + gt * gt;
-        beta += fault * gb / square;
-        t += fault * gt / square;
+        beta += fault * gradient.0 / square;
+        t += fault * gradient.1 / square;
         at = node(beta, t);
     }
     at

@@ -110,10 +110,8 @@ impl TipContactSet {
     /// 2e-4 of the whisker's length. A set of one point answers with that point for every direction that can push on it.
     #[must_use]
     pub fn at_direction(&self, direction: f64) -> Option<TipContact> {
-        let range = self.directions();
-        let middle = 0.5 * (range.lo() + range.hi());
-        let direction = middle + wrap_angle(direction - middle);
-        if !range.contains(direction) {
+        let direction = self.unrolled(direction);
+        if !self.directions().contains(direction) {
             return None;
         }
         if self.is_point() {
@@ -123,6 +121,37 @@ impl TipContactSet {
         let (a, b) = (&self.contacts[after - 1], &self.contacts[after]);
         let share = (direction - a.direction) / (b.direction - a.direction);
         Some(blend(a, b, share))
+    }
+
+    /// The contact nearest to `point` (m, whisker frame) among those whose force acts between `from` and `from + turn`
+    /// (rad, whisker frame, any turn of the circle; `turn` not negative).
+    ///
+    /// None when no contact of this branch has such a direction, and for a set of one point.
+    #[must_use]
+    pub fn nearest(&self, point: Vec2, from: f64, turn: f64) -> Option<TipContact> {
+        let (start, range) = (self.unrolled(from + 0.5 * turn), self.directions());
+        let cone = range.intersection(Interval::new(start - 0.5 * turn, start + 0.5 * turn));
+        if cone.is_empty() || self.is_point() {
+            return None;
+        }
+        let ends = [self.at_direction(cone.lo())?, self.at_direction(cone.hi())?];
+        let inner = self.contacts.iter().filter(|c| cone.contains(c.direction)).copied();
+        let chain: Vec<TipContact> = core::iter::once(ends[0]).chain(inner).chain([ends[1]]).collect();
+        let on_link = |pair: &[TipContact]| {
+            let along = pair[1].position - pair[0].position;
+            let square = along.norm_squared();
+            let share = if square > 0.0 { (point - pair[0].position).dot(along) / square } else { 0.0 };
+            blend(&pair[0], &pair[1], share.clamp(0.0, 1.0))
+        };
+        let squared = |c: &TipContact| (c.position - point).norm_squared();
+        chain.windows(2).map(on_link).min_by(|a, b| squared(a).total_cmp(&squared(b)))
+    }
+
+    /// The angle brought to the turn of the circle nearest to this branch's directions.
+    fn unrolled(&self, direction: f64) -> f64 {
+        let range = self.directions();
+        let middle = 0.5 * (range.lo() + range.hi());
+        middle + wrap_angle(direction - middle)
     }
 
     /// The nodes of the curve, in order of growing direction.

@@ -39,6 +39,8 @@ pub struct MomentHistory {
     pub center_std: f64,
     /// Standard deviation of the moment's slope along the travel (N m/m), likewise.
     pub slope_std: f64,
+    /// Standard deviation of half the moment's second derivative along the travel (N m/m²), likewise.
+    pub bend_std: f64,
     /// Bound on the error of one reading at the centre (N m).
     pub bound: f64,
     /// Whether a parabola explains all readings within their bound; if not, something jumped in between.
@@ -168,6 +170,7 @@ impl MomentTrack {
             shapes: picked.into_iter().map(smoothed).collect(),
             center_std: std * fit.variance_a.sqrt(),
             slope_std: std * fit.variance_b.sqrt(),
+            bend_std: std * fit.variance_c.sqrt(),
             bound: bound(fit.a),
             smooth,
         })

@@ -10,6 +10,8 @@ pub(crate) struct Quadratic {
     pub(crate) variance_a: f64,
     /// Variance of `b` for unit variance of each sample.
     pub(crate) variance_b: f64,
+    /// Variance of `c` for unit variance of each sample.
+    pub(crate) variance_c: f64,
 }
 
 impl Quadratic {
@@ -39,7 +41,14 @@ impl Quadratic {
         }
         eliminate(&mut rows, terms)?;
         let [a, b, c] = [rows[0][3], rows[1][3] / scale, rows[2][3] / (scale * scale)];
-        Some(Self { a, b, c, variance_a: rows[0][4], variance_b: rows[1][5] / (scale * scale) })
+        Some(Self {
+            a,
+            b,
+            c,
+            variance_a: rows[0][4],
+            variance_b: rows[1][5] / scale.powi(2),
+            variance_c: rows[2][6] / scale.powi(4),
+        })
     }
 
     pub(crate) fn at(&self, x: f64) -> f64 {

@@ -87,12 +87,18 @@ impl SegmentTree {
     /// The nearest point of all edges; none for an empty tree or a query that is not finite.
     #[must_use]
     pub fn nearest(&self, p: Vec2) -> Option<NearestEdge> {
+        self.nearest_within(p, f64::INFINITY)
+    }
+
+    /// The nearest point of all edges that is no further than `reach`; the smaller the reach the faster the answer.
+    #[must_use]
+    pub fn nearest_within(&self, p: Vec2, reach: f64) -> Option<NearestEdge> {
         let mut best: Option<NearestEdge> = None;
-        let mut limit = f64::INFINITY;
+        let mut limit = reach * reach;
         let mut stack = Stack::new(self.nodes.len());
         while let Some(index) = stack.pop() {
             let node = self.nodes[index];
-            if node.bounds.distance_squared(p) > limit * limit {
+            if node.bounds.distance_squared(p) > limit {
                 continue;
             }
             if node.count == 0 {
@@ -108,14 +114,14 @@ impl SegmentTree {
                 let [a, b] = self.edges[slot];
                 let t = nearest_on_line(a, b, p);
                 let point = a + (b - a) * t;
-                let distance = point.distance(p);
-                if distance < limit {
-                    limit = distance;
-                    best = Some(NearestEdge { edge: self.ids[slot] as usize, t, point, distance });
+                let squared = (point - p).norm_squared();
+                if squared < limit || (best.is_none() && squared <= limit) {
+                    limit = squared;
+                    best = Some(NearestEdge { edge: self.ids[slot] as usize, t, point, distance: 0.0 });
                 }
             }
         }
-        best
+        best.map(|edge| NearestEdge { distance: edge.point.distance(p), ..edge })
     }
 
     fn box_distance(&self, node: usize, p: Vec2) -> f64 {

@@ -5,7 +5,7 @@ use super::{Boundary, Role};
 use crate::config::limits::{FLATTEN_TOLERANCE, LARGEST_MAP};
 use crate::plane::{Bounds, SegmentTree, Vec2, wrap_angle};
 use crate::{Error, Result};
-use core::f64::consts::PI;
+use core::f64::consts::{FRAC_PI_2, PI};
 use std::path::Path;
 
 /// A point of a map's boundary that a whisker may touch from the free side.
@@ -38,6 +38,17 @@ pub struct MapPoint {
     pub distance: f64,
 }
 
+/// A corner that a tip can be caught in: free space lies within less than a half turn around it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ConcaveCorner {
+    /// The corner, map frame (m).
+    pub position: Vec2,
+    /// Normal of the boundary before the corner, towards free space (rad), map frame.
+    pub normal_before: f64,
+    /// How far the normal turns at the corner, counter-clockwise, in (0, pi) (rad).
+    pub turn: f64,
+}
+
 /// Where a flattened edge comes from.
 #[derive(Clone, Copy, Debug)]
 struct Origin {
@@ -54,6 +65,8 @@ pub struct Map {
     boundaries: Vec<Boundary>,
     tree: SegmentTree,
     origins: Vec<Origin>,
+    corners: Vec<ConcaveCorner>,
+    corner_tree: SegmentTree,
     has_arena: bool,
     /// What looked wrong in the file but could be read, for people.
     pub warnings: Vec<String>,
@@ -92,7 +105,10 @@ impl Map {
                 size.x, size.y
             ));
         }
-        Ok(Self { boundaries, tree, origins, has_arena, warnings })
+        let corners: Vec<_> = boundaries.iter().filter(|b| !b.is_two_sided()).flat_map(concave_corners).collect();
+        let corner_points: Vec<_> = corners.iter().map(|c| [c.position; 2]).collect();
+        let corner_tree = SegmentTree::new(&corner_points);
+        Ok(Self { boundaries, tree, origins, corners, corner_tree, has_arena, warnings })
     }
 
     /// Reads a map file; its extension says the format: `.geojson` (or `.json`) or `.svg`.
@@ -154,7 +170,14 @@ impl Map {
     /// None when the query is not finite.
     #[must_use]
     pub fn nearest(&self, point: Vec2) -> Option<MapPoint> {
-        let hit = self.tree.nearest(point)?;
+        self.nearest_within(point, f64::INFINITY)
+    }
+
+    /// The boundary point nearest to `point` if it is no further than `reach` (m), as [`Map::nearest`]; faster the
+    /// smaller the reach.
+    #[must_use]
+    pub fn nearest_within(&self, point: Vec2, reach: f64) -> Option<MapPoint> {
+        let hit = self.tree.nearest_within(point, reach)?;
         let Origin { boundary, segment } = self.origins[hit.edge];
         let on = self.boundaries[boundary as usize].curve().nearest_near_segment(segment as usize, point);
         Some(MapPoint {
@@ -165,6 +188,15 @@ impl Map {
             curvature: on.curvature,
             distance: on.position.distance(point),
         })
+    }
+
+    /// The concave corner nearest to `point` if it is no further than `reach` (m).
+    ///
+    /// Corners turn by at least 20 degrees; weaker ones are taken for the polygons of smooth curves. Corners between
+    /// walls, or where outlines cross each other, are not found.
+    #[must_use]
+    pub fn concave_corner(&self, point: Vec2, reach: f64) -> Option<ConcaveCorner> {
+        self.corner_tree.nearest_within(point, reach).map(|hit| self.corners[hit.edge])
     }
 
     /// The rectangle around all boundaries.
@@ -196,6 +228,24 @@ impl Map {
         }
         samples
     }
+}
+
+/// Least turn of a corner that is meant as one (rad): 20 degrees.
+const LEAST_CORNER: f64 = 0.35;
+
+/// The corners of an outline at which it turns towards free space, which lies on its left.
+fn concave_corners(boundary: &Boundary) -> Vec<ConcaveCorner> {
+    let segments = boundary.curve().segments();
+    let mut corners = Vec::new();
+    for (index, segment) in segments.iter().enumerate() {
+        let before = &segments[(index + segments.len() - 1) % segments.len()];
+        let turn = wrap_angle(segment.tangent(0.0) - before.tangent(1.0));
+        if (LEAST_CORNER..PI).contains(&turn) {
+            let normal_before = before.tangent(1.0) + FRAC_PI_2;
+            corners.push(ConcaveCorner { position: segment.start(), normal_before, turn });
+        }
+    }
+    corners
 }
 
 fn unknown_format(path: &Path, extension: &str) -> Error {

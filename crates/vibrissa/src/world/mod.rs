@@ -11,7 +11,7 @@ mod text;
 mod units;
 
 pub use boundary::{Boundary, Role};
-pub use map::{BoundarySample, Map, MapPoint};
+pub use map::{BoundarySample, ConcaveCorner, Map, MapPoint};
 pub use motion::increments;
 pub use robot::{MomentNoise, MountedWhisker, Odometry, Robot};
 pub(crate) use text::{cannot_open, did_you_mean};

@@ -23,7 +23,7 @@ pub(crate) struct DeterministicArgs {
     /// Travel of the whisker base between two updates, in m [default: 0.002]
     #[arg(long, value_name = "M")]
     update_travel: Option<f64>,
-    /// How far a candidate may lie from an observation, in standard deviations [default: 3]
+    /// How far a candidate may lie from an observation, in standard deviations [default: 4]
     #[arg(long, value_name = "SIGMA")]
     tolerance: Option<f64>,
     /// Share of the observations that a candidate may miss; 0 is the paper's plain intersection [default: 0.25]

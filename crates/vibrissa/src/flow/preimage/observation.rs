@@ -54,11 +54,13 @@ impl Observation {
     pub fn new(whisker: &MountedWhisker, history: &MomentHistory, load: TipLoad) -> Self {
         let moment = history.center.moment;
         let branches = |moment: f64| TipContactSet::branches(&whisker.beam, moment, load);
+        let center = branches(moment);
         let mut larger = branches(moment * (1.0 + MOMENT_STEP)).into_iter();
-        let slopes = [-1.0, 0.0, 1.0].map(|shift| slopes_of_all_branches(&whisker.beam, history, load, shift));
+        // The readings as they are, tilted, and bent along the travel by one standard deviation.
+        let slopes = [(0.0, 0.0), (history.slope_std, 0.0), (0.0, history.bend_std)]
+            .map(|(tilt, bend)| slopes_of_all_branches(&whisker.beam, &center, history, load, tilt, bend));
         let branch = |(index, contacts): (usize, TipContactSet)| {
-            let [less, same, more] = &slopes;
-            let (alignments, determined) = align(&contacts, same.get(index), less.get(index), more.get(index));
+            let (alignments, determined) = align(&contacts, slopes.each_ref().map(|s| s.get(index)));
             Branch { larger: larger.next(), contacts, alignments, determined }
         };
         Self {
@@ -68,7 +70,7 @@ impl Observation {
             robot_from_whisker: whisker.robot_from_whisker,
             relative_std: history.center_std / moment.abs(),
             relative_bound: history.bound / moment.abs(),
-            branches: branches(moment).into_iter().enumerate().map(branch).collect(),
+            branches: center.into_iter().enumerate().map(branch).collect(),
         }
     }
 
@@ -91,16 +93,22 @@ impl Branch {
     }
 }
 
-/// The slopes on every branch when the moments are tilted along the travel by `shift` standard deviations.
-fn slopes_of_all_branches(beam: &Whisker, history: &MomentHistory, load: TipLoad, shift: f64) -> Vec<Vec<f64>> {
-    let center = TipContactSet::branches(beam, history.center.moment, load);
+/// The slopes on every branch when the moments are tilted (N m/m) and bent (N m/m²) along the travel.
+fn slopes_of_all_branches(
+    beam: &Whisker,
+    center: &[TipContactSet],
+    history: &MomentHistory,
+    load: TipLoad,
+    tilt: f64,
+    bend: f64,
+) -> Vec<Vec<f64>> {
     let base = history.center.odom_from_whisker;
     let shapes: Vec<(Pose2, Vec<TipContactSet>)> = history
         .shapes
         .iter()
         .zip(&history.travel)
         .map(|(shape, travel)| {
-            let moment = shape.moment + shift * history.slope_std * travel;
+            let moment = shape.moment + travel * (tilt + travel * bend);
             (base.between(shape.odom_from_whisker), TipContactSet::branches(beam, moment, load))
         })
         .collect();
@@ -114,24 +122,19 @@ fn slopes_of_all_branches(beam: &Whisker, history: &MomentHistory, load: TipLoad
     center.iter().enumerate().map(on_branch).collect()
 }
 
-/// The alignments of one branch, and whether they bound the heading.
-fn align(
-    contacts: &TipContactSet,
-    same: Option<&Vec<f64>>,
-    less: Option<&Vec<f64>>,
-    more: Option<&Vec<f64>>,
-) -> (Vec<Alignment>, bool) {
-    let (Some(same), Some(less), Some(more)) = (same, less, more) else { return (Vec::new(), false) };
+/// The alignments of one branch, and whether they bound the heading: from the slopes that the readings show as they
+/// are, tilted, and bent.
+fn align(contacts: &TipContactSet, slopes: [Option<&Vec<f64>>; 3]) -> (Vec<Alignment>, bool) {
+    let [Some(same), Some(tilted), Some(bent)] = slopes else { return (Vec::new(), false) };
     let nearest = |roots: &[f64], to: f64| roots.iter().map(|r| wrap_angle(r - to).abs()).fold(f64::INFINITY, f64::min);
     let mut alignments = Vec::new();
-    let mut determined = !same.is_empty();
+    let mut determined = !same.is_empty() && tilted.len() == same.len() && bent.len() == same.len();
     for &slope in same {
-        let std = nearest(less, slope).max(nearest(more, slope));
+        let std = nearest(tilted, slope).hypot(nearest(bent, slope));
         match contacts.at_direction(slope + FRAC_PI_2) {
             Some(contact) if std < LOST => alignments.push(Alignment { boundary_slope: slope, contact, std }),
             _ => determined = false,
         }
     }
-    let as_many = less.len() == same.len() && more.len() == same.len();
-    (alignments, determined && as_many)
+    (alignments, determined)
 }

@@ -23,6 +23,8 @@ pub struct Candidate {
     pub misfit: f64,
     /// Direction of the boundary's normal at the last contact (rad), map frame.
     pub(super) normal: f64,
+    /// The point of the boundary touched last (m), map frame.
+    pub(super) touched: Vec2,
     covariance: Covariance,
 }
 
@@ -38,7 +40,15 @@ impl Candidate {
         covariance[1][1] = place * place;
         let turn = turning(state.contact, map_from_odom);
         add_outer(&mut covariance, turn, state.heading_std.powi(2));
-        Self { map_from_odom, missed, explained: 1, misfit: 0.0, normal: state.normal, covariance }
+        Self {
+            map_from_odom,
+            missed,
+            explained: 1,
+            misfit: 0.0,
+            normal: state.normal,
+            touched: state.contact,
+            covariance,
+        }
     }
 
     /// Widens the candidate by odometry errors: variances of the travelled way (m²) and of the turn (rad²).
@@ -58,6 +68,7 @@ impl Candidate {
                 self.explained += 1;
                 self.misfit += found.cost;
                 self.normal = found.normal;
+                self.touched = found.touched;
                 self.fuse(&found, tolerance);
             }
             None => self.missed += 1,

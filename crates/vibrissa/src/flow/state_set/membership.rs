@@ -5,7 +5,7 @@
 //! boundary's slope there is the slope that the history shows.
 
 use super::Candidate;
-use crate::config::DeterministicOptions;
+use crate::config::{DeterministicOptions, TipLoad};
 use crate::flow::contact_set::TipContact;
 use crate::flow::preimage::{Branch, Observation};
 use crate::plane::{Pose2, Vec2, wrap_angle};
@@ -17,11 +17,17 @@ const ROUNDS: usize = 3;
 /// Furthest that a tip may lie beyond the end of a boundary's smooth piece (m): at corners the foot of the
 /// perpendicular does not exist.
 const ALONG: f64 = 3e-3;
+/// How near to a concave corner the last contact must lie for the tip to be caught in it (m).
+const CORNER: f64 = 8e-3;
+/// Margin on a known distance within which the nearest boundary point is sought (m).
+const NEARBY: f64 = 1e-5;
 /// Share of the declared bound that is taken to be the same for all readings (gain, calibration), not averaged out.
 const SYSTEMATIC: f64 = 0.25;
 /// Least standard deviation of a contact's place (m) and of a slope (rad): interpolation and flattening.
 const LEAST_PLACE: f64 = 0.2e-3;
 const LEAST_SLOPE: f64 = 0.02;
+/// What the paper's load, normal to the whisker instead of the boundary, adds to both tolerances (m, rad).
+const WRONG_LOAD: (f64, f64) = (2e-3, 0.05);
 /// A slope less certain than this says nothing about the heading (rad).
 const WORST_SLOPE: f64 = 0.35;
 
@@ -38,12 +44,16 @@ pub(super) struct Tolerance {
 
 impl Tolerance {
     pub(super) fn new(observation: &Observation, options: &DeterministicOptions) -> Self {
+        let (place, heading) = match options.tip_load {
+            TipLoad::BoundaryNormal => (0.0, 0.0),
+            TipLoad::WhiskerNormal => WRONG_LOAD,
+        };
         Self {
             std_devs: options.tolerance,
             relative_std: observation.relative_std,
             systematic: SYSTEMATIC * observation.relative_bound,
-            position_floor: options.position_floor,
-            heading_floor: options.heading_floor,
+            position_floor: options.position_floor + place,
+            heading_floor: options.heading_floor + heading,
             dependence: (options.history_travel / options.update_travel).max(1.0).sqrt(),
         }
     }
@@ -55,8 +65,9 @@ pub(super) struct Match {
     pub(super) cost: f64,
     /// Direction of the boundary's normal (rad), map frame.
     pub(super) normal: f64,
-    /// The tip contact, whisker frame.
+    /// The tip contact, whisker frame, and the touched point of the boundary, map frame (m).
     pub(super) contact: TipContact,
+    pub(super) touched: Vec2,
     /// How far the tip must move along that normal (m), and how that depends on the candidate's (x, y, theta).
     pub(super) offset: f64,
     pub(super) gradient: [f64; 3],
@@ -86,14 +97,16 @@ struct Touch {
     contact: TipContact,
 }
 
-/// The tip for the boundary's own normal: found by alternating between the two.
-fn touch(map: &Map, pose: Pose2, branch: &Branch, mut normal: f64) -> Option<Touch> {
+/// The tip for the boundary's own normal: found by alternating between the two, from the candidate's last contact on.
+fn touch(map: &Map, pose: Pose2, branch: &Branch, mut normal: f64, mut near: Vec2) -> Option<Touch> {
     let mut found = None;
     for _ in 0..ROUNDS {
         let direction = normal - pose.theta;
         let contact = branch.contacts.at_direction(direction)?;
         let tip = pose.transform_point(contact.position);
-        let point = map.nearest(tip)?;
+        // No nearest point is further away than a known one; the margin covers the flattening of curves.
+        let point = map.nearest_within(tip, tip.distance(near) + NEARBY)?;
+        near = point.position;
         normal = outward(map, &point, pose.position());
         found = Some(Touch { tip, point, normal, contact });
     }
@@ -109,27 +122,60 @@ fn outward(map: &Map, point: &MapPoint, base: Vec2) -> f64 {
 }
 
 fn on_branch(map: &Map, candidate: &Candidate, pose: Pose2, branch: &Branch, tolerance: &Tolerance) -> Option<Match> {
-    let touch = touch(map, pose, branch, candidate.normal)?;
-    let normal = Vec2::from_angle(touch.normal);
-    let gap = touch.point.position - touch.tip;
-    let offset = gap.dot(normal);
-    if gap.dot(normal.perp()).abs() > ALONG {
+    on_wall(map, candidate, pose, branch, tolerance).or_else(|| in_corner(map, candidate, pose, branch, tolerance))
+}
+
+/// The match with the tip on a smooth piece of the boundary.
+fn on_wall(map: &Map, candidate: &Candidate, pose: Pose2, branch: &Branch, tolerance: &Tolerance) -> Option<Match> {
+    let touch = touch(map, pose, branch, candidate.normal, candidate.touched)?;
+    let across = Vec2::from_angle(touch.normal);
+    if (touch.point.position - touch.tip).dot(across.perp()).abs() > ALONG {
         return None;
     }
-    let sensitivity = branch.sensitivity(&touch.contact);
-    let std = (sensitivity * tolerance.relative_std).hypot(LEAST_PLACE);
-    let arm = (touch.tip - candidate.map_from_odom.position()).perp();
-    let gradient = [normal.x, normal.y, normal.dot(arm)];
-    let reach = tolerance.std_devs * (std * std + candidate.variance(gradient)).sqrt()
-        + tolerance.systematic * sensitivity
-        + tolerance.position_floor;
-    let share = offset.abs() / reach;
-    if share > 1.0 {
-        return None;
-    }
+    let found = tolerance.place(candidate, branch, &touch, across)?;
     let (turn_share, turn) = turn(candidate, pose, branch, touch.normal, tolerance)?;
-    let cost = share * share + turn_share * turn_share;
-    Some(Match { cost, normal: touch.normal, contact: touch.contact, offset, gradient, std, turn })
+    Some(Match { cost: found.cost + turn_share * turn_share, turn, ..found })
+}
+
+/// The match with the tip caught in a concave corner, where the force may have any direction between the two normals.
+///
+/// The history's slope is nobody's slope there and is not asked.
+fn in_corner(map: &Map, candidate: &Candidate, pose: Pose2, branch: &Branch, tolerance: &Tolerance) -> Option<Match> {
+    let corner = map.concave_corner(candidate.touched, CORNER)?;
+    let seen = pose.inverse_transform_point(corner.position);
+    let contact = branch.contacts.nearest(seen, corner.normal_before - pose.theta, corner.turn)?;
+    let tip = pose.transform_point(contact.position);
+    let gap = corner.position - tip;
+    let normal = contact.direction + pose.theta;
+    // Across the curve of possible tips; along it the direction of the force adapts.
+    let across = if gap.norm() > 1e-9 { gap * (1.0 / gap.norm()) } else { Vec2::from_angle(normal) };
+    let point = MapPoint { position: corner.position, ..map.nearest_within(corner.position, NEARBY)? };
+    tolerance.place(candidate, branch, &Touch { tip, point, normal, contact }, across)
+}
+
+impl Tolerance {
+    /// The match of a tip with the boundary along the direction `across`, if the gap is within the tolerance.
+    fn place(&self, candidate: &Candidate, branch: &Branch, touch: &Touch, across: Vec2) -> Option<Match> {
+        let offset = (touch.point.position - touch.tip).dot(across);
+        let sensitivity = branch.sensitivity(&touch.contact);
+        let std = (sensitivity * self.relative_std).hypot(LEAST_PLACE);
+        let arm = (touch.tip - candidate.map_from_odom.position()).perp();
+        let gradient = [across.x, across.y, across.dot(arm)];
+        let reach = self.std_devs * (std * std + candidate.variance(gradient)).sqrt()
+            + self.systematic * sensitivity
+            + self.position_floor;
+        let share = offset.abs() / reach;
+        (share <= 1.0).then_some(Match {
+            cost: share * share,
+            normal: touch.normal,
+            contact: touch.contact,
+            touched: touch.point.position,
+            offset,
+            gradient,
+            std,
+            turn: None,
+        })
+    }
 }
 
 /// How far the candidate's heading is from the nearest alignment, in units of the tolerance; none if beyond it.
