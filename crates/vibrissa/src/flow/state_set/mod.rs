@@ -23,7 +23,7 @@ use crate::world::{BoundarySample, Map, Odometry};
 use membership::Tolerance;
 
 /// Observations from which new candidates still enter: the first one or two may lie at a corner and align with nothing.
-const ENTRY_OBSERVATIONS: u32 = 4;
+const ENTRY_OBSERVATIONS: u32 = 2;
 /// Fewest observations that a candidate may miss where any may be missed at all.
 const FEWEST_MISSES: u32 = 3;
 /// Candidates nearer to each other than this are one (m and rad): well below the boundary's sampling.
