@@ -107,12 +107,12 @@ pub struct Localization {
 const LARGEST_PLACE: f64 = 0.02;
 const LARGEST_TURN: f64 = 0.35;
 /// Candidates less likely than the best by this factor stay in the state set, but nobody would bet on them.
-const LEAST_LIKELIHOOD: f64 = 1e-3;
+const LEAST_LIKELIHOOD: f64 = 1e-2;
 
 /// One hypothesis for each separate place that is worth a bet, at the odometry's `odom_from_robot`, the heaviest first.
 ///
 /// A candidate's likelihood is that of its misfit, if the tolerance is as many standard deviations as it says and a
-/// missed observation was missed by a whole tolerance. Candidates within a factor of 1000 of the best are grouped into
+/// missed observation was missed by a whole tolerance. Candidates within a factor of 100 of the best are grouped into
 /// separate places; each place stands for its best candidate, and is as wide as its group.
 #[must_use]
 pub fn choose(states: &StateSet, odom_from_robot: Pose2, options: &DeterministicOptions) -> Vec<Hypothesis> {

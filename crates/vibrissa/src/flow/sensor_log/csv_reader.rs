@@ -6,7 +6,7 @@ use super::{LogRow, SensorLog};
 use crate::plane::Pose2;
 use crate::world::cannot_open;
 use crate::{Error, Result};
-use csv::{ByteRecord, ReaderBuilder, Trim};
+use csv::{ByteRecord, ReaderBuilder, Terminator, Trim};
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
@@ -79,7 +79,13 @@ struct Pending {
 }
 
 fn read(reader: impl Read, name: &str) -> Result<(SensorLog, Option<Pending>)> {
-    let mut csv = ReaderBuilder::new().has_headers(false).flexible(true).trim(Trim::All).from_reader(reader);
+    let mut csv = ReaderBuilder::new()
+        .has_headers(false)
+        .flexible(true)
+        .trim(Trim::All)
+        // A carriage return is trimmed away; as part of the line end it would put the line numbers off by one.
+        .terminator(Terminator::Any(b'\n'))
+        .from_reader(reader);
     let mut record = ByteRecord::new();
     let mut next =
         |record: &mut ByteRecord| csv.read_byte_record(record).map_err(|e| Error::data("cannot read the log").value(e));
