@@ -1,5 +1,7 @@
 //! Tip contacts of a moment against the beam's own modes, which share no search with them.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on must fail")]
+
 use std::f64::consts::TAU;
 use vibrissa::beam::{Bend, Load, Whisker, elastica, largest_tip_moment, moment_mode, tip_curve};
 use vibrissa::config::TipLoad;

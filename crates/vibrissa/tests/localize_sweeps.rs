@@ -1,5 +1,7 @@
 //! The corridor on sweeps that an independent simulator made: another physics code, 5 % noise, truth beside them.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on must fail")]
+
 use std::path::{Path, PathBuf};
 use vibrissa::config::{DeterministicOptions, TipLoad};
 use vibrissa::flow::pose::{Localization, Status};
@@ -29,7 +31,7 @@ impl Run {
     fn new(folder: &Path, name: &str, robot: &Robot, options: &LocalizeOptions) -> Self {
         let map = Map::read(folder.join(format!("{}.geojson", name.split('-').next().unwrap()))).unwrap();
         let log = SensorLog::read(folder.join(format!("{name}.csv"))).unwrap();
-        let truth = read_tum(&folder.join(format!("{name}.truth.tum"))).unwrap();
+        let truth = read_tum(folder.join(format!("{name}.truth.tum"))).unwrap();
         let answer = localize(&log, &map, robot, options, &mut |_| {}).unwrap();
         Self { name: name.to_owned(), answer, truth: truth.last().unwrap().map_from_robot }
     }

@@ -48,8 +48,9 @@ impl SensorLog {
     pub fn from_reader(reader: impl Read, name: &str) -> Result<Self> {
         let mut ended_in_newline = true;
         let watched = Watched { inner: reader, ended_in_newline: &mut ended_in_newline };
-        let (log, cut) = read(watched, name).map_err(|e| e.in_file(name))?;
-        let log = finish(log, cut, ended_in_newline).map_err(|e| e.in_file(name))?;
+        let faulty = |e: Error| e.in_file(name).or_remedy("correct or remove the line, or record the log again");
+        let (log, cut) = read(watched, name).map_err(faulty)?;
+        let log = finish(log, cut, ended_in_newline).map_err(faulty)?;
         Ok(Self { source: Some(name.into()), ..log })
     }
 }
