@@ -1,5 +1,7 @@
 //! What people do with the corridor, one call each.
 
 mod localize;
+pub mod simulate;
 
 pub use localize::{LocalizeOptions, localize};
+pub use simulate::{Sweep, SweepNoise, simulate_tip_sweep};
