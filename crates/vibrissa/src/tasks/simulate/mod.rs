@@ -11,14 +11,17 @@
 //! | `follow` | one whisker over time: onset, sliding, corners, lift-off, snap |
 //! | `noise` | readings and odometry from exact ones |
 //! | `path` | poses from waypoints |
+//! | `files` | logs and touches as text |
 
 mod equilibrium;
+mod files;
 mod follow;
 mod foothold;
 mod noise;
 mod path;
 mod touch;
 
+pub use files::{contacts_csv, log_csv};
 pub use noise::SweepNoise;
 pub use path::{Pace, path_through};
 
