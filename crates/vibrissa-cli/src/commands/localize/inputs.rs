@@ -63,7 +63,7 @@ fn file_name(path: &Path) -> String {
 }
 
 /// The map's boundaries flattened finely enough for any screen.
-fn outlines(map: &Map) -> Vec<Outline> {
+pub(in crate::commands) fn outlines(map: &Map) -> Vec<Outline> {
     let one = |boundary: &Boundary| {
         let closed = boundary.curve().is_closed();
         let mut points = boundary.curve().flatten(DRAWING_TOLERANCE);

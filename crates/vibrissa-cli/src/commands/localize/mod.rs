@@ -8,6 +8,7 @@ use crate::output::{Run, Stopwatch, deliver, warn};
 use clap::ValueEnum;
 use deterministic::DeterministicArgs;
 use inputs::Inputs;
+pub(super) use inputs::outlines;
 use std::path::PathBuf;
 use vibrissa::{Error, LocalizeOptions, Result};
 
