@@ -30,8 +30,11 @@ def error(pose: dict, truth: tuple[float, float, float]) -> tuple[float, float]:
 
 
 def inside(place: dict, truth: tuple[float, float, float]) -> bool:
-    """Whether a place's extent holds the truth, within a millimetre."""
-    return all(place[f"{k}_min"] - 1e-3 <= v <= place[f"{k}_max"] + 1e-3 for k, v in zip("xy", truth))
+    """Whether a place's extent holds the truth, in all three coordinates."""
+    middle = 0.5 * (place["theta_min"] + place["theta_max"])
+    turned = middle + (truth[2] - middle + math.pi) % (2.0 * math.pi) - math.pi
+    values = (truth[0], truth[1], turned)
+    return all(place[f"{k}_min"] <= v <= place[f"{k}_max"] for k, v in zip(("x", "y", "theta"), values))
 
 
 def main(vibrissa: str, folder: Path, options: list[str]) -> None:

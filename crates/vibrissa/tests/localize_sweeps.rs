@@ -41,16 +41,13 @@ impl Run {
         (pose.position().distance(self.truth.position()), wrap_angle(pose.theta - self.truth.theta).abs())
     }
 
-    /// Whether a hypothesis' extent holds the truth, within a millimetre and half a degree.
+    /// Whether a hypothesis' extent holds the truth.
     fn holds_the_truth(&self) -> bool {
-        let within = |interval: vibrissa::sets::Interval, value: f64, slack: f64| {
-            interval.lo() - slack <= value && value <= interval.hi() + slack
-        };
         self.answer.hypotheses.iter().any(|h| {
             let middle = 0.5 * (h.extent.theta.lo() + h.extent.theta.hi());
-            within(h.extent.x, self.truth.x, 1e-3)
-                && within(h.extent.y, self.truth.y, 1e-3)
-                && within(h.extent.theta, middle + wrap_angle(self.truth.theta - middle), 0.5_f64.to_radians())
+            h.extent.x.contains(self.truth.x)
+                && h.extent.y.contains(self.truth.y)
+                && h.extent.theta.contains(middle + wrap_angle(self.truth.theta - middle))
         })
     }
 }
