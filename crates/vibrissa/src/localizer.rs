@@ -103,7 +103,7 @@ impl<'a> Localizer<'a> {
             return self.record.event_once(row.t, "rough", detail);
         }
         let observation = Observation::new(whisker, history, self.options.tip_load);
-        if self.states.observations() == 0 && !observation.is_aligned() {
+        if self.states.observations() == 0 && !observation.can_start() {
             return;
         }
         let had_states = !self.states.is_empty();

@@ -4,19 +4,18 @@ use super::alignment::{Alignment, History, HistoryShape};
 use crate::beam::{Whisker, elastica};
 use crate::config::TipLoad;
 use crate::flow::contact_set::{TipContact, TipContactSet};
-use crate::flow::moment::MomentHistory;
-use crate::plane::{Pose2, Vec2, wrap_angle};
+use crate::flow::moment::{MomentHistory, MomentReading};
+use crate::plane::{Pose2, Vec2};
 use crate::world::MountedWhisker;
-use core::f64::consts::FRAC_PI_2;
 
 /// Relative step of the moment in the difference quotient of the contact's place.
 const MOMENT_STEP: f64 = 0.01;
+/// No state set starts from an observation that leaves more slopes open than this (rad).
+const WIDEST_START: f64 = 0.8;
 /// A whisker's body is checked against the map as this many straight links, up to this share of its length: the tip
 /// itself touches.
 const BODY_LINKS: usize = 6;
 const BODY_END: f64 = 0.95;
-/// A root that moves further than this when the readings are shifted by a standard deviation (rad) is lost.
-const LOST: f64 = 0.6;
 
 /// One branch of whisker shapes that a moment allows.
 #[derive(Clone, Debug)]
@@ -27,7 +26,7 @@ pub struct Branch {
     larger: Option<TipContactSet>,
     /// How the whisker can lie against the boundary.
     pub alignments: Vec<Alignment>,
-    /// Whether the alignments are all there are; if not, the history does not bound the heading.
+    /// Whether the history could be aligned at all; if not, it does not bound the heading.
     pub determined: bool,
 }
 
@@ -62,10 +61,24 @@ impl Observation {
         let center = branches(moment);
         let mut larger = branches(moment * (1.0 + MOMENT_STEP)).into_iter();
         // The readings as they are, tilted, and bent along the travel by one standard deviation.
-        let slopes = [(0.0, 0.0), (history.slope_std, 0.0), (0.0, history.bend_std)]
-            .map(|(tilt, bend)| slopes_of_all_branches(&whisker.beam, &center, history, load, tilt, bend));
+        let shapes = [(0.0, 0.0), (history.slope_std, 0.0), (0.0, history.bend_std)]
+            .map(|(tilt, bend)| shapes(history, &branches, tilt, bend));
         let branch = |(index, contacts): (usize, TipContactSet)| {
-            let (alignments, determined) = align(&contacts, slopes.each_ref().map(|s| s.get(index)));
+            let on_branch = |k: usize| -> Option<Vec<HistoryShape>> {
+                shapes[k]
+                    .iter()
+                    .map(|(pose, sets)| {
+                        sets.get(index).map(|contacts| HistoryShape { center_from_whisker: *pose, contacts })
+                    })
+                    .collect()
+            };
+            let (alignments, determined) = match (on_branch(0), on_branch(1), on_branch(2)) {
+                (Some(same), Some(tilted), Some(bent)) => {
+                    let history = History { center: &contacts, shapes: same, disturbed: [tilted, bent] };
+                    (history.alignments(), true)
+                }
+                _ => (Vec::new(), false),
+            };
             Branch { larger: larger.next(), contacts, alignments, determined }
         };
         Self {
@@ -88,10 +101,15 @@ impl Observation {
         bend.map_or_else(Vec::new, |bend| (0..=BODY_LINKS).map(|k| bend.point_at(at(k)).position).collect())
     }
 
-    /// Whether anything can be aligned with a boundary.
+    /// Whether the history narrows down the boundary's slope on the least bent branch, enough to start from.
+    ///
+    /// While a robot presses its whisker into a wall the contact hardly moves and every slope is admissible.
     #[must_use]
-    pub fn is_aligned(&self) -> bool {
-        self.branches.iter().any(|b| !b.alignments.is_empty())
+    pub fn can_start(&self) -> bool {
+        self.branches.first().is_some_and(|b| {
+            let open: f64 = b.alignments.iter().map(|a| a.offsets.width()).sum();
+            b.determined && !b.alignments.is_empty() && open <= WIDEST_START
+        })
     }
 }
 
@@ -107,48 +125,18 @@ impl Branch {
     }
 }
 
-/// The slopes on every branch when the moments are tilted (N m/m) and bent (N m/m²) along the travel.
-fn slopes_of_all_branches(
-    beam: &Whisker,
-    center: &[TipContactSet],
+/// Where the whisker was at each shape of the history, and every branch of its tip contacts, when the moments are tilted
+/// (N m/m) and bent (N m/m²) along the travel.
+fn shapes(
     history: &MomentHistory,
-    load: TipLoad,
+    branches: &impl Fn(f64) -> Vec<TipContactSet>,
     tilt: f64,
     bend: f64,
-) -> Vec<Vec<f64>> {
+) -> Vec<(Pose2, Vec<TipContactSet>)> {
     let base = history.center.odom_from_whisker;
-    let shapes: Vec<(Pose2, Vec<TipContactSet>)> = history
-        .shapes
-        .iter()
-        .zip(&history.travel)
-        .map(|(shape, travel)| {
-            let moment = shape.moment + travel * (tilt + travel * bend);
-            (base.between(shape.odom_from_whisker), TipContactSet::branches(beam, moment, load))
-        })
-        .collect();
-    let on_branch = |(index, center): (usize, &TipContactSet)| {
-        let shapes: Option<Vec<HistoryShape>> = shapes
-            .iter()
-            .map(|(pose, sets)| sets.get(index).map(|contacts| HistoryShape { center_from_whisker: *pose, contacts }))
-            .collect();
-        shapes.map_or_else(Vec::new, |shapes| History::new(center, shapes).slopes())
+    let at = |(shape, travel): (&MomentReading, &f64)| {
+        let moment = shape.moment + travel * (tilt + travel * bend);
+        (base.between(shape.odom_from_whisker), branches(moment))
     };
-    center.iter().enumerate().map(on_branch).collect()
-}
-
-/// The alignments of one branch, and whether they bound the heading: from the slopes that the readings show as they
-/// are, tilted, and bent.
-fn align(contacts: &TipContactSet, slopes: [Option<&Vec<f64>>; 3]) -> (Vec<Alignment>, bool) {
-    let [Some(same), Some(tilted), Some(bent)] = slopes else { return (Vec::new(), false) };
-    let nearest = |roots: &[f64], to: f64| roots.iter().map(|r| wrap_angle(r - to).abs()).fold(f64::INFINITY, f64::min);
-    let mut alignments = Vec::new();
-    let mut determined = !same.is_empty() && tilted.len() == same.len() && bent.len() == same.len();
-    for &slope in same {
-        let std = nearest(tilted, slope).hypot(nearest(bent, slope));
-        match contacts.at_direction(slope + FRAC_PI_2) {
-            Some(contact) if std < LOST => alignments.push(Alignment { boundary_slope: slope, contact, std }),
-            _ => determined = false,
-        }
-    }
-    (alignments, determined)
+    history.shapes.iter().zip(&history.travel).map(at).collect()
 }

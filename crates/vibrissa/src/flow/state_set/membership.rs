@@ -198,14 +198,15 @@ fn turn(
     let nearest = branch
         .alignments
         .iter()
-        .map(|a| (wrap_angle(heading - a.boundary_slope), a.std))
-        .min_by(|a, b| (a.0.abs() / reach(a.1)).total_cmp(&(b.0.abs() / reach(b.1))));
-    let bounded = branch.determined && branch.alignments.iter().all(|a| a.std <= WORST_SLOPE);
+        .map(|a| (wrap_angle(heading - a.boundary_slope), a))
+        .min_by(|a, b| (a.0.abs() / reach(a.1.std)).total_cmp(&(b.0.abs() / reach(b.1.std))));
     match nearest {
-        Some((turn, std)) if turn.abs() <= reach(std) && std <= WORST_SLOPE => {
-            Some((turn.abs() / reach(std), Some((turn, std.hypot(LEAST_SLOPE)))))
+        _ if !branch.determined => Some((0.0, None)),
+        Some((turn, alignment)) => {
+            let share = turn.abs() / reach(alignment.std);
+            let telling = alignment.std <= WORST_SLOPE;
+            (share <= 1.0).then(|| (share, telling.then_some((turn, alignment.std.hypot(LEAST_SLOPE)))))
         }
-        _ if bounded => None,
-        _ => Some((0.0, None)),
+        None => None,
     }
 }

@@ -24,8 +24,8 @@ use crate::plane::Pose2;
 use crate::world::{BoundarySample, Map, Odometry};
 use membership::Tolerance;
 
-/// Observations from which new candidates still enter: the first one or two may lie at a corner and align with nothing.
-const ENTRY_OBSERVATIONS: u32 = 2;
+/// At how many observations candidates enter: the first may lie at a corner and align with nothing.
+const ENTRIES: u32 = 2;
 /// Fewest observations that a candidate may miss where any may be missed at all.
 const FEWEST_MISSES: u32 = 3;
 /// Candidates nearer to each other than this are one (m and rad): well below the boundary's sampling.
@@ -33,19 +33,14 @@ const SAME_PLACE: f64 = 0.5e-3;
 const SAME_HEADING: f64 = 6e-3;
 
 /// The candidates that explain the observations so far.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct StateSet {
     candidates: Vec<Candidate>,
     observations: u32,
+    entries: u32,
     odom_from_robot: Pose2,
     travelled: f64,
     turned: f64,
-}
-
-impl Default for StateSet {
-    fn default() -> Self {
-        Self { candidates: Vec::new(), observations: 0, odom_from_robot: Pose2::IDENTITY, travelled: 0.0, turned: 0.0 }
-    }
 }
 
 impl StateSet {
@@ -95,7 +90,8 @@ impl StateSet {
             candidate.widen(self.odom_from_robot, travelled, turned);
             candidate.meet(map, observation, &tolerance);
         }
-        if self.observations <= ENTRY_OBSERVATIONS {
+        if self.entries < ENTRIES && observation.can_start() {
+            self.entries += 1;
             let enter = |state| Candidate::at(&state, observation, options.boundary_spacing, self.observations - 1);
             self.candidates.extend(aligned_states(map, samples, observation).into_iter().map(enter));
         }

@@ -137,3 +137,90 @@ fn aligned_states_touch_the_boundary_at_the_right_angle() {
     }
     assert!(checked > 500, "{checked}");
 }
+
+#[test]
+#[ignore = "diagnosis"]
+fn diagnose() {
+    use crate::flow::moment::MomentTrack;
+    let seed: u64 = std::env::var("SEED").unwrap().parse().unwrap();
+    let sweep = crate::tasks::demo::sweep(seed).unwrap();
+    let map = crate::tasks::demo::arena().unwrap();
+    let options = DeterministicOptions::default();
+    let whisker = MountedWhisker::default();
+    let mut track = MomentTrack::new(&whisker, &options);
+    let samples = map.samples(1e-3);
+    let mut n = 0;
+    let a0 = sweep.truth[0].map_from_robot.compose(sweep.log.rows[0].odom_from_robot.inverse());
+    for row in &sweep.log.rows {
+        let m = row.readings[0];
+        if !track.is_contact(m) {
+            track.end();
+            continue;
+        }
+        let Some(h) = track.push(MomentReading { t: row.t, odom_from_whisker: row.odom_from_robot, moment: m }) else {
+            continue;
+        };
+        if !h.smooth {
+            println!("{:.3} rough", h.center.t);
+            continue;
+        }
+        let o = Observation::new(&whisker, &h, TipLoad::BoundaryNormal);
+        let i = sweep.truth.iter().position(|p| (p.t - o.t).abs() < 1e-9).unwrap();
+        let truth = sweep.truth[i].map_from_robot;
+        let touch = sweep.contacts.iter().find(|c| c.row == i).unwrap();
+        let near = map.nearest(touch.position).unwrap();
+        let st = AlignedState {
+            map_from_robot: truth,
+            contact: touch.position,
+            normal: near.tangent + FRAC_PI_2,
+            heading_std: 1e-3,
+        };
+        let mut c = Candidate::at(&st, &o, 1e-4, 0);
+        c.map_from_odom = a0;
+        let tol = Tolerance::new(&o, &options);
+        let f = nearest_state(&map, &c, &o, &tol);
+        let slope_true = near.tangent - truth.theta;
+        let al: Vec<String> = o
+            .branches
+            .iter()
+            .map(|b| {
+                format!(
+                    "det {} [{}]",
+                    b.determined,
+                    b.alignments
+                        .iter()
+                        .map(|a| format!(
+                            "{:+.1}±{:.1}",
+                            wrap_angle(a.boundary_slope - slope_true).to_degrees(),
+                            a.std.to_degrees()
+                        ))
+                        .collect::<Vec<_>>()
+                        .join(" ")
+                )
+            })
+            .collect();
+        let entry = if n < 3 || o.can_start() && n < 14 {
+            let s = aligned_states(&map, &samples, &o);
+            let d = s
+                .iter()
+                .map(|s| {
+                    s.map_from_robot.position().distance(truth.position())
+                        + 0.05 * wrap_angle(s.map_from_robot.theta - truth.theta).abs()
+                })
+                .fold(f64::INFINITY, f64::min);
+            format!("start {} entry {} nearest {:.2} mm", o.can_start(), s.len(), d * 1e3)
+        } else {
+            String::new()
+        };
+        println!(
+            "{:.3} M {:+.2e} err {:+.1}% {} {} {}",
+            o.t,
+            o.moment,
+            100.0 * (o.moment / sweep.exact_moments[i][0] - 1.0),
+            f.map_or("MISS".into(), |f| format!("ok {:.2} off {:.2}mm", f.cost, f.offset * 1e3)),
+            al.join(" | "),
+            entry
+        );
+        n += 1;
+    }
+}
