@@ -103,28 +103,39 @@ impl<'a> Localizer<'a> {
             return self.record.event_once(row.t, "rough", detail);
         }
         let observation = Observation::new(whisker, history, self.options.tip_load);
-        if self.states.observations() == 0 && !observation.can_start() {
-            return;
+        if self.record.first_row.is_some() {
+            self.states.intersect(self.map, &observation, &self.options);
+            self.record.observations.push((feeler, observation));
+            return self.note(row);
         }
-        let had_states = !self.states.is_empty();
-        self.states.intersect(self.map, &self.samples, &observation, &self.options);
-        let now = self.rows.len() - 1;
-        if self.record.first_row.is_none() && !self.states.is_empty() {
-            self.record.first_row = Some(now);
-            self.record.first_states = self.states.states(row.odom_from_robot).collect();
+        self.record.observations.push((feeler, observation));
+        let waiting = self.record.observations.len();
+        let narrow = self.record.observations.iter().any(|(_, o)| o.open_slopes() <= NARROW_START);
+        if waiting >= LATEST_START || (waiting >= EARLIEST_START && narrow) {
+            self.start(row);
         }
+    }
+
+    /// Lets candidates in.
+    fn start(&mut self, row: &LogRow) {
+        let waiting: Vec<Observation> = self.record.observations.iter().map(|(_, o)| o.clone()).collect();
+        self.states.start(self.map, &self.samples, &waiting, &self.options);
+        self.record.first_row = Some(self.rows.len() - 1);
+        self.record.first_states = self.states.states(row.odom_from_robot).collect();
+        self.note(row);
+    }
+
+    /// Writes down what the last update did.
+    fn note(&mut self, row: &LogRow) {
+        let was_empty = self.record.steps.last().is_some_and(|s| s.components == 0);
         self.record.steps.push(self.measure(row));
-        match self.states.best() {
-            Some(best) => {
-                self.record.last = Some((*best, now));
-                self.record.observations.push((feeler, observation));
-            }
-            None if had_states => {
-                self.record.empty_at = Some(now);
-                let detail = "no robot state explains the readings up to here on this map".to_owned();
-                self.record.events.push(Event { t: row.t, kind: "inconsistent", detail });
-            }
-            None => {}
+        let now = self.rows.len() - 1;
+        if let Some(best) = self.states.best() {
+            self.record.last = Some((*best, now));
+        } else if !was_empty {
+            self.record.empty_at = Some(now);
+            let detail = "no robot state explains the readings up to here on this map".to_owned();
+            self.record.events.push(Event { t: row.t, kind: "inconsistent", detail });
         }
     }
 
@@ -143,6 +154,9 @@ impl<'a> Localizer<'a> {
             if let Some(history) = self.feelers[index].track.end() {
                 self.update(index, &history, &last);
             }
+        }
+        if self.record.first_row.is_none() && !self.record.observations.is_empty() {
+            self.start(&last);
         }
         let hypotheses = pose::choose(&self.states, odom_from_robot, &self.options);
         let status = pose::verdict(self.record.touched, self.record.empty_at.is_some(), &hypotheses);
@@ -191,6 +205,12 @@ impl<'a> Localizer<'a> {
     }
 }
 
+/// The state set starts from this many observations at least, as the paper's does,
+const EARLIEST_START: usize = 3;
+/// as soon as one leaves no more slopes of the boundary open than this (rad),
+const NARROW_START: f64 = 0.8;
+/// and from this many in any case.
+const LATEST_START: usize = 8;
 /// Points of a drawn whisker.
 const SHAPE_POINTS: usize = 24;
 

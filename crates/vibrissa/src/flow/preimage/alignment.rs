@@ -22,6 +22,8 @@ const BISECTIONS: usize = 20;
 const SHARPEST: f64 = 200.0;
 /// A change of slope between neighbouring trials beyond which a change of sign is a pole, not a root (rad).
 const POLE: f64 = 0.6;
+/// A stretch of more scanned directions than this is taken as it is; a narrower one is measured at its root.
+const NARROW: usize = 4;
 /// Disagreement up to which a slope is admissible, in standard deviations.
 const ADMISSIBLE: f64 = 3.0;
 
@@ -69,6 +71,8 @@ pub(crate) struct History<'a> {
     pub(crate) center: &'a TipContactSet,
     pub(crate) shapes: Vec<HistoryShape<'a>>,
     pub(crate) disturbed: [Vec<HistoryShape<'a>>; 2],
+    /// Standard deviation of each place across the boundary, for a force in this direction (m).
+    pub(crate) place_std: &'a dyn Fn(&TipContact) -> f64,
 }
 
 /// What the history says about one direction of the force.
@@ -142,11 +146,13 @@ impl History<'_> {
                 k += 1;
             }
             if k > start || agrees(start) {
-                let root = (start..k).find(|&j| crosses(j)).map(|j| self.root(at(j), at(j + 1), fault(j) < Some(0.0)));
-                let size = |j: &usize| fault(*j).map_or(f64::INFINITY, f64::abs);
-                let least = (start..=k).min_by(|a, b| size(a).total_cmp(&size(b))).unwrap_or(start);
-                let best = root.unwrap_or_else(|| at(least));
-                let (lo, hi) = self.reach(best, at(start), at(k), cell);
+                let (best, lo, hi) = if k > start + NARROW {
+                    (0.5 * (at(start) + at(k)), at(start), at(k))
+                } else {
+                    let root = (start..k).find(|&j| crosses(j));
+                    let best = root.map_or(at(start), |j| self.root(at(j), at(j + 1), fault(j) < Some(0.0)));
+                    self.narrow(best, at(start), at(k), cell)
+                };
                 found.extend(Alignment::new(self.center, best - FRAC_PI_2, lo - FRAC_PI_2, hi - FRAC_PI_2));
             }
             k += 1;
@@ -154,13 +160,13 @@ impl History<'_> {
         found
     }
 
-    /// How far from the best direction the readings' errors let the truth be, at least; a scan is too coarse to tell.
-    fn reach(&self, best: f64, lo: f64, hi: f64, cell: f64) -> (f64, f64) {
+    /// The best direction of a narrow stretch and its ends, which a scan is too coarse to tell.
+    fn narrow(&self, best: f64, lo: f64, hi: f64, cell: f64) -> (f64, f64, f64) {
         let step = 0.5 * cell;
-        let (Some(at), Some(after)) = (self.trial(best), self.trial(best + step)) else { return (lo, hi) };
+        let (Some(at), Some(after)) = (self.trial(best), self.trial(best + step)) else { return (best, lo, hi) };
         let steepness = ((after.fault - at.fault) / step).abs();
-        let half = if steepness > 0.0 { ADMISSIBLE * at.std / steepness } else { 0.0 };
-        if half < cell { (best - half, best + half) } else { (lo, hi) }
+        let half = if steepness > 0.0 { (ADMISSIBLE * at.std / steepness).min(hi - lo + cell) } else { hi - lo };
+        (best, best - half, best + half)
     }
 
     /// The direction between `lo` and `hi` at which the fault changes its sign.
@@ -175,23 +181,32 @@ impl History<'_> {
         0.5 * (lo + hi)
     }
 
+    /// What the history says about a direction; none where the centre has no contact with such a force.
     fn trial(&self, direction: f64) -> Option<Trial> {
-        let fault = self.fault(&self.shapes, direction)?;
-        // Where a disturbed history reaches nothing, nothing can be said against the direction.
+        let contact = self.center.at_direction(direction)?;
+        // Where the shapes show no wall at all, nothing can be said against the direction.
+        let Some(wall) = self.wall(&self.shapes, direction) else { return Some(Trial { fault: 0.0, std: PI }) };
+        let fault = wall.b.atan();
+        let own = (self.place_std)(&contact) * wall.variance_b.sqrt();
         let off = |shapes: &[HistoryShape]| self.fault(shapes, direction).map_or(PI, |f| f - fault);
         let [a, b] = &self.disturbed;
-        Some(Trial { fault, std: off(a).hypot(off(b)) })
+        Some(Trial { fault, std: off(a).hypot(off(b)).hypot(own) })
     }
 
     /// Slope at the centre of the wall that the shapes show if the force at the centre acts in `direction` (rad,
     /// centre frame), seen from the wall that this direction means.
     fn fault(&self, shapes: &[HistoryShape], direction: f64) -> Option<f64> {
+        self.wall(shapes, direction).map(|wall| wall.b.atan())
+    }
+
+    /// That wall as a parabola over the wall that the direction means.
+    fn wall(&self, shapes: &[HistoryShape], direction: f64) -> Option<Quadratic> {
         let origin = self.center.at_direction(direction)?.position;
         let tangent = direction - FRAC_PI_2;
         let mut along = [0.0; MOST_SHAPES];
         let mut seen = [(0.0, 0.0); MOST_SHAPES];
         let mut curvature = 0.0;
-        let mut slope = 0.0;
+        let mut wall = None;
         for _ in 0..CURVATURE_ROUNDS {
             for (k, shape) in shapes.iter().enumerate().take(MOST_SHAPES) {
                 let place = shape.place(direction, direction + curvature * along[k])?;
@@ -200,10 +215,10 @@ impl History<'_> {
                 seen[k] = (local.x, local.y);
             }
             let fit = Quadratic::fit(seen[..shapes.len().min(MOST_SHAPES)].iter().copied())?;
-            slope = fit.b;
+            wall = Some(fit);
             curvature = (2.0 * fit.c / (1.0 + fit.b * fit.b).powf(1.5)).clamp(-SHARPEST, SHARPEST);
         }
-        Some(slope.atan())
+        wall
     }
 }
 

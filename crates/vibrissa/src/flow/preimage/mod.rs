@@ -18,8 +18,8 @@ use core::f64::consts::FRAC_PI_2;
 const HEADING_SPACING: f64 = 0.06;
 /// Least spread of a heading (rad): a wall is not quite a parabola.
 const LEAST_SPREAD: f64 = 0.02;
-/// A range of slopes wider than this (rad) aligns nothing.
-const WIDEST: f64 = 0.8;
+/// In a range of slopes wider than this (rad) headings are laid out twice as far apart.
+const WIDE: f64 = 0.8;
 
 /// A robot state that explains an observation at one point of the boundary.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,7 +44,7 @@ pub struct AlignedState {
 pub fn aligned_states(map: &Map, samples: &[BoundarySample], observation: &Observation) -> Vec<AlignedState> {
     let mut states = Vec::new();
     for branch in &observation.branches {
-        for alignment in branch.alignments.iter().filter(|a| a.offsets.width() <= WIDEST) {
+        for alignment in &branch.alignments {
             for (offset, heading_std) in headings(alignment) {
                 let slope = alignment.boundary_slope + offset;
                 let Some(contact) = branch.contacts.at_direction(slope + FRAC_PI_2) else { continue };
@@ -82,7 +82,8 @@ fn align(sample: &BoundarySample, slope: f64, tip: Vec2) -> Pose2 {
 /// Offsets from the best slope over all admissible ones, and the spread that each stands for (rad).
 fn headings(alignment: &Alignment) -> Vec<(f64, f64)> {
     let (lo, width) = (alignment.offsets.lo(), alignment.offsets.width());
-    let steps = (width / HEADING_SPACING).ceil().max(1.0) as usize;
+    let spacing = if width > WIDE { 2.0 * HEADING_SPACING } else { HEADING_SPACING };
+    let steps = (width / spacing).ceil().max(1.0) as usize;
     let step = width / steps as f64;
     (0..=steps).map(|k| (lo + k as f64 * step, step.max(LEAST_SPREAD))).collect()
 }

@@ -10,8 +10,6 @@ use crate::world::MountedWhisker;
 
 /// Relative step of the moment in the difference quotient of the contact's place.
 const MOMENT_STEP: f64 = 0.01;
-/// No state set starts from an observation that leaves more slopes open than this (rad).
-const WIDEST_START: f64 = 0.8;
 /// A whisker's body is checked against the map as this many straight links, up to this share of its length: the tip
 /// itself touches.
 const BODY_LINKS: usize = 6;
@@ -59,11 +57,13 @@ impl Observation {
         let moment = history.center.moment;
         let branches = |moment: f64| TipContactSet::branches(&whisker.beam, moment, load);
         let center = branches(moment);
+        let relative_std = history.center_std / moment.abs();
         let mut larger = branches(moment * (1.0 + MOMENT_STEP)).into_iter();
         // The readings as they are, tilted, and bent along the travel by one standard deviation.
         let shapes = [(0.0, 0.0), (history.slope_std, 0.0), (0.0, history.bend_std)]
             .map(|(tilt, bend)| shapes(history, &branches, tilt, bend));
         let branch = |(index, contacts): (usize, TipContactSet)| {
+            let larger = larger.next();
             let on_branch = |k: usize| -> Option<Vec<HistoryShape>> {
                 shapes[k]
                     .iter()
@@ -74,19 +74,21 @@ impl Observation {
             };
             let (alignments, determined) = match (on_branch(0), on_branch(1), on_branch(2)) {
                 (Some(same), Some(tilted), Some(bent)) => {
-                    let history = History { center: &contacts, shapes: same, disturbed: [tilted, bent] };
+                    let place_std = |c: &TipContact| relative_std * sensitivity(larger.as_ref(), c);
+                    let disturbed = [tilted, bent];
+                    let history = History { center: &contacts, shapes: same, disturbed, place_std: &place_std };
                     (history.alignments(), true)
                 }
                 _ => (Vec::new(), false),
             };
-            Branch { larger: larger.next(), contacts, alignments, determined }
+            Branch { larger, contacts, alignments, determined }
         };
         Self {
             t: history.center.t,
             moment,
             odom_from_whisker: history.center.odom_from_whisker,
             robot_from_whisker: whisker.robot_from_whisker,
-            relative_std: history.center_std / moment.abs(),
+            relative_std,
             relative_bound: history.bound / moment.abs(),
             beam: whisker.beam,
             branches: center.into_iter().enumerate().map(branch).collect(),
@@ -101,15 +103,16 @@ impl Observation {
         bend.map_or_else(Vec::new, |bend| (0..=BODY_LINKS).map(|k| bend.point_at(at(k)).position).collect())
     }
 
-    /// Whether the history narrows down the boundary's slope on the least bent branch, enough to start from.
+    /// How many slopes of the boundary the history leaves open on the least bent branch (rad); infinite if it could not
+    /// be aligned.
     ///
     /// While a robot presses its whisker into a wall the contact hardly moves and every slope is admissible.
     #[must_use]
-    pub fn can_start(&self) -> bool {
-        self.branches.first().is_some_and(|b| {
-            let open: f64 = b.alignments.iter().map(|a| a.offsets.width()).sum();
-            b.determined && !b.alignments.is_empty() && open <= WIDEST_START
-        })
+    pub fn open_slopes(&self) -> f64 {
+        match self.branches.first() {
+            Some(b) if b.determined && !b.alignments.is_empty() => b.alignments.iter().map(|a| a.offsets.width()).sum(),
+            _ => f64::INFINITY,
+        }
     }
 }
 
@@ -118,11 +121,15 @@ impl Branch {
     /// direction of the force.
     #[must_use]
     pub fn sensitivity(&self, contact: &TipContact) -> f64 {
-        let (direction, position) = (contact.direction, contact.position);
-        let moved = self.larger.as_ref().and_then(|set| set.at_direction(direction));
-        // Past the last moment that the branch can carry the contact is anywhere: as far as the whisker reaches.
-        moved.map_or(1.0, |c| (c.position - position).dot(Vec2::from_angle(direction)).abs() / MOMENT_STEP)
+        sensitivity(self.larger.as_ref(), contact)
     }
+}
+
+/// As [`Branch::sensitivity`], from where the tip can be when the moment is a little larger.
+fn sensitivity(larger: Option<&TipContactSet>, contact: &TipContact) -> f64 {
+    let moved = larger.and_then(|set| set.at_direction(contact.direction));
+    // Past the last moment that the branch can carry the contact is anywhere: as far as the whisker reaches.
+    moved.map_or(1.0, |c| (c.position - contact.position).dot(Vec2::from_angle(contact.direction)).abs() / MOMENT_STEP)
 }
 
 /// Where the whisker was at each shape of the history, and every branch of its tip contacts, when the moments are tilted

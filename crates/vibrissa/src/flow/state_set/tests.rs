@@ -87,7 +87,7 @@ fn the_nearest_state_is_the_nearest_of_all() {
                 ),
                 ..state
             };
-            let candidate = Candidate::at(&near, &observation, 1e-3, 0);
+            let candidate = Candidate::at(&near, &observation, 1e-3);
             let pose = candidate.map_from_odom.compose(observation.odom_from_whisker);
             let least = brute_force(&map, pose, &observation);
             match nearest_state(&map, &candidate, &observation, &tolerance) {
