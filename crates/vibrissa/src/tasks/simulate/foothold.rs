@@ -72,7 +72,8 @@ impl Foothold {
     pub(super) fn ground(&self, map: &Map) -> Ground {
         let piece = self.piece(map);
         let (velocity, second) = piece.derivatives(self.at);
-        let turning = if velocity.norm_squared() > 0.0 { velocity.cross(second) / velocity.norm_squared() } else { 0.0 };
+        let turning =
+            if velocity.norm_squared() > 0.0 { velocity.cross(second) / velocity.norm_squared() } else { 0.0 };
         let normal = wrap_angle(piece.tangent(self.at) + self.side * FRAC_PI_2);
         Ground { position: piece.point(self.at), velocity, normal, turning }
     }
