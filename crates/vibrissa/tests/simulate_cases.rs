@@ -36,14 +36,18 @@ fn kinds(sweep: &Sweep) -> Vec<&str> {
 fn a_corner_catches_the_tip_and_lets_it_go() {
     // The whisker trails; beyond the corner the wall falls towards the robot or away from it.
     let corner = Vec2::new(0.0, 0.07);
-    let legs = [[0.0, 0.0, 2.3], [0.02, 0.02, 2.3], [0.12, 0.01, 2.3]];
-    for (end, catches) in [(-0.03, true), (0.08, false)] {
+    let fine = Pace { rate: 30000.0, ..PACE };
+    for (end, last, catches) in [(-0.05, 0.024, true), (0.09, 0.032, false)] {
+        let legs = [[0.045, 0.0, 2.1], [0.05, 0.032, 2.1], [0.08, last, 2.1]];
+        let poses = legs.map(|[x, y, theta]| Pose2::new(x, y, theta));
+        let path = path_through(&poses, &fine).unwrap();
         let points = [[-0.5, -0.5], [0.5, -0.5], [0.5, end], [corner.x, corner.y], [-0.5, corner.y]];
-        let sweep = run(&map(Role::Arena, &points), &legs).unwrap();
+        let sweep =
+            simulate_tip_sweep(&map(Role::Arena, &points), &Robot::default(), &path, &SweepNoise::none()).unwrap();
         let caught: Vec<_> = sweep.contacts.iter().filter(|c| c.position.distance(corner) < 1e-10).collect();
         println!("end {end}: caught for {} rows; {:?}", caught.len(), sweep.events);
-        assert_eq!(caught.len() > 2, catches);
-        assert!(sweep.contacts.iter().any(|c| c.position.x < -0.01));
+        assert_eq!(caught.len() > 3, catches);
+        assert!(sweep.contacts.iter().any(|c| c.position.x < -0.001));
         assert!(sweep.contacts.last().unwrap().position.x > 0.01, "it comes over the corner");
         // The force turns from one wall's normal to the other's while the tip stays.
         let (aslant, down) = (-FRAC_PI_2 + ((end - corner.y) / 0.5).atan(), -FRAC_PI_2);

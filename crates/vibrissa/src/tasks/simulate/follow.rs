@@ -219,8 +219,18 @@ impl<'a> Follower<'a> {
                 return Next::LiftOff("slides off the end of a wall");
             };
             if came.is_some_and(|came| came != forward) {
-                // The piece before sends the tip on, this one sends it back: the corner between them holds it.
-                return if joint.is_concave() { self.caught(stance, load, &joint) } else { Next::None };
+                return Next::None;
+            }
+            // Coming from one side, the corner is met before the other side. A weak force all but cannot be caught:
+            // its direction turns at once, and the corner may find no solution at all.
+            if joint.is_concave()
+                && let Some((held, lean)) = stance.in_corner(load, &joint)
+            {
+                match lean {
+                    0.0..=1.0 => return self.settle(stance, held, Hold::Corner(joint)),
+                    _ if (lean > 1.0) != forward => return Next::None,
+                    _ => {}
+                }
             }
             came = Some(forward);
             foothold = if forward { joint.after } else { joint.before };
@@ -230,21 +240,11 @@ impl<'a> Follower<'a> {
 
     /// In the corner, or out of it along one of its sides.
     fn caught(&self, stance: &Stance<'_>, load: TipLoadState, joint: &Joint) -> Next {
-        let Some((held, lean)) = stance.in_corner(load, joint) else { return Next::None };
-        let leave = |foothold: Foothold| match stance.on_piece(load, foothold) {
-            OnPiece::Found { load, foothold, stable: true }
-                if (-END_SLACK..=1.0 + END_SLACK).contains(&foothold.at) =>
-            {
-                self.settle(stance, load, Hold::Piece(foothold))
-            }
-            _ => Next::None,
-        };
-        if lean < 0.0 {
-            leave(joint.before)
-        } else if lean > 1.0 {
-            leave(joint.after)
-        } else {
-            self.settle(stance, held, Hold::Corner(*joint))
+        match stance.in_corner(load, joint) {
+            Some((_, lean)) if lean < 0.0 => self.along(stance, load, joint.before),
+            Some((_, lean)) if lean > 1.0 => self.along(stance, load, joint.after),
+            Some((held, _)) => self.settle(stance, held, Hold::Corner(*joint)),
+            None => Next::None,
         }
     }
 
