@@ -111,7 +111,7 @@ impl<'a> Localizer<'a> {
         let now = self.rows.len() - 1;
         if self.record.first_row.is_none() && !self.states.is_empty() {
             self.record.first_row = Some(now);
-            self.record.first_states = self.states.states(Pose2::IDENTITY).collect();
+            self.record.first_states = self.states.states(row.odom_from_robot).collect();
         }
         self.record.steps.push(self.measure(row));
         match self.states.best() {
@@ -158,7 +158,7 @@ impl<'a> Localizer<'a> {
             estimate: hypotheses.first().map(|h| h.pose),
             trajectory: self.trajectory(),
             states: self.states.states(odom_from_robot).map(crate::sets::StateBox::point).collect(),
-            first_states: self.record.first_states.iter().map(|s| s.compose(odom_from_robot)).collect(),
+            first_states: std::mem::take(&mut self.record.first_states),
             shapes: best.map_or_else(Vec::new, |best| self.shapes(&best)),
             steps: self.record.steps,
             events: self.record.events,

@@ -39,7 +39,7 @@ pub struct AlignedState {
 /// With `T_k` the boundary's frame at a sample (x along the boundary, free space on its left), `phi_a` the whisker's
 /// slope at the contact and `gamma` the angle from boundary to whisker, the whisker base stands at
 /// `T_k R(gamma - phi_a) [-x(s_a), -y(s_a)]`, which is the paper's equation with its clockwise angles turned round.
-/// States whose whisker base is not in free space are left out.
+/// States whose whisker base is not in free space, or whose whisker crosses a boundary, are left out.
 #[must_use]
 pub fn aligned_states(map: &Map, samples: &[BoundarySample], observation: &Observation) -> Vec<AlignedState> {
     let mut states = Vec::new();
@@ -48,9 +48,11 @@ pub fn aligned_states(map: &Map, samples: &[BoundarySample], observation: &Obser
             for (offset, heading_std) in headings(alignment.std) {
                 let slope = alignment.boundary_slope + offset;
                 let Some(contact) = branch.contacts.at_direction(slope + FRAC_PI_2) else { continue };
+                let body = observation.body(&contact);
                 let place = |sample: &BoundarySample| {
                     let map_from_whisker = align(sample, slope, contact.position);
-                    map.is_free(map_from_whisker.position()).then(|| AlignedState {
+                    let possible = map.is_free(map_from_whisker.position()) && !crosses(map, map_from_whisker, &body);
+                    possible.then(|| AlignedState {
                         map_from_robot: map_from_whisker.compose(observation.robot_from_whisker.inverse()),
                         contact: sample.position,
                         normal: sample.tangent + FRAC_PI_2,
@@ -62,6 +64,12 @@ pub fn aligned_states(map: &Map, samples: &[BoundarySample], observation: &Obser
         }
     }
     states
+}
+
+/// Whether a chain of points in the whisker frame meets a boundary.
+fn crosses(map: &Map, map_from_whisker: Pose2, chain: &[Vec2]) -> bool {
+    let place = |p: &Vec2| map_from_whisker.transform_point(*p);
+    chain.windows(2).any(|link| map.crosses(place(&link[0]), place(&link[1])))
 }
 
 /// The whisker frame laid against one boundary point: `T_k R(-slope) (-tip)`, with `slope = phi_a - gamma`.

@@ -1,7 +1,7 @@
 //! One observation: what a short history of moments says about the contact, on every branch.
 
 use super::alignment::{Alignment, History, HistoryShape};
-use crate::beam::Whisker;
+use crate::beam::{Whisker, elastica};
 use crate::config::TipLoad;
 use crate::flow::contact_set::{TipContact, TipContactSet};
 use crate::flow::moment::MomentHistory;
@@ -11,6 +11,10 @@ use core::f64::consts::FRAC_PI_2;
 
 /// Relative step of the moment in the difference quotient of the contact's place.
 const MOMENT_STEP: f64 = 0.01;
+/// A whisker's body is checked against the map as this many straight links, up to this share of its length: the tip
+/// itself touches.
+const BODY_LINKS: usize = 6;
+const BODY_END: f64 = 0.95;
 /// A root that moves further than this when the readings are shifted by a standard deviation (rad) is lost.
 const LOST: f64 = 0.6;
 
@@ -44,6 +48,7 @@ pub struct Observation {
     pub relative_bound: f64,
     /// Every branch of shapes.
     pub branches: Vec<Branch>,
+    beam: Whisker,
 }
 
 impl Observation {
@@ -70,8 +75,17 @@ impl Observation {
             robot_from_whisker: whisker.robot_from_whisker,
             relative_std: history.center_std / moment.abs(),
             relative_bound: history.bound / moment.abs(),
+            beam: whisker.beam,
             branches: center.into_iter().enumerate().map(branch).collect(),
         }
+    }
+
+    /// Points along the whisker from its base to just before the contact, whisker frame (m).
+    pub(super) fn body(&self, contact: &TipContact) -> Vec<Vec2> {
+        let length = self.beam.length;
+        let bend = elastica::bend(self.beam.flexural_rigidity, contact.force, length, contact.tilt());
+        let at = |k: usize| k as f64 / BODY_LINKS as f64 * BODY_END * length;
+        bend.map_or_else(Vec::new, |bend| (0..=BODY_LINKS).map(|k| bend.point_at(at(k)).position).collect())
     }
 
     /// Whether anything can be aligned with a boundary.

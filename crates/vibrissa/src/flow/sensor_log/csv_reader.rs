@@ -6,7 +6,7 @@ use super::{LogRow, SensorLog};
 use crate::plane::Pose2;
 use crate::world::cannot_open;
 use crate::{Error, Result};
-use csv::{ByteRecord, ReaderBuilder, Trim};
+use csv::{ByteRecord, ReaderBuilder, Terminator, Trim};
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
@@ -48,8 +48,9 @@ impl SensorLog {
     pub fn from_reader(reader: impl Read, name: &str) -> Result<Self> {
         let mut ended_in_newline = true;
         let watched = Watched { inner: reader, ended_in_newline: &mut ended_in_newline };
-        let (log, cut) = read(watched, name).map_err(|e| e.in_file(name))?;
-        let log = finish(log, cut, ended_in_newline).map_err(|e| e.in_file(name))?;
+        let faulty = |e: Error| e.in_file(name).or_remedy("correct or remove the line, or record the log again");
+        let (log, cut) = read(watched, name).map_err(faulty)?;
+        let log = finish(log, cut, ended_in_newline).map_err(faulty)?;
         Ok(Self { source: Some(name.into()), ..log })
     }
 }
@@ -79,7 +80,13 @@ struct Pending {
 }
 
 fn read(reader: impl Read, name: &str) -> Result<(SensorLog, Option<Pending>)> {
-    let mut csv = ReaderBuilder::new().has_headers(false).flexible(true).trim(Trim::All).from_reader(reader);
+    let mut csv = ReaderBuilder::new()
+        .has_headers(false)
+        .flexible(true)
+        .trim(Trim::All)
+        // A carriage return is trimmed away; as part of the line end it would put the line numbers off by one.
+        .terminator(Terminator::Any(b'\n'))
+        .from_reader(reader);
     let mut record = ByteRecord::new();
     let mut next =
         |record: &mut ByteRecord| csv.read_byte_record(record).map_err(|e| Error::data("cannot read the log").value(e));

@@ -77,7 +77,9 @@ pub(super) struct Match {
     pub(super) turn: Option<(f64, f64)>,
 }
 
-/// The state of the preimage nearest to the candidate, on the best branch; none within the tolerance.
+/// The state of the preimage nearest to the candidate, on the best branch.
+///
+/// None within the tolerance, or the whisker's base would stand in a wall.
 pub(super) fn nearest_state(
     map: &Map,
     candidate: &Candidate,
@@ -85,6 +87,9 @@ pub(super) fn nearest_state(
     tolerance: &Tolerance,
 ) -> Option<Match> {
     let map_from_whisker = candidate.map_from_odom.compose(observation.odom_from_whisker);
+    if !map.is_free(map_from_whisker.position()) {
+        return None;
+    }
     let on_branch = |branch| on_branch(map, candidate, map_from_whisker, branch, tolerance);
     observation.branches.iter().filter_map(on_branch).min_by(|a, b| a.cost.total_cmp(&b.cost))
 }

@@ -12,6 +12,8 @@
 mod candidate;
 mod components;
 mod membership;
+#[cfg(test)]
+mod tests;
 
 pub use candidate::Candidate;
 pub use components::{Component, components};
