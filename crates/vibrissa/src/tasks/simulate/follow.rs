@@ -18,8 +18,8 @@ const LARGEST_SLIDE: f64 = 0.03;
 const LARGEST_TURN: f64 = 0.2;
 /// Pieces of a boundary that one step may pass.
 const MOST_PIECES: usize = 200;
-/// Changes between free and touching that one row may see.
-const MOST_CHANGES: usize = 20;
+/// Changes between free and touching, grazes among them, that one row may see.
+const MOST_CHANGES: usize = 100;
 /// How far beyond its ends a piece still counts (share of the piece).
 const END_SLACK: f64 = 1e-9;
 
@@ -92,12 +92,12 @@ impl<'a> Follower<'a> {
                 self.wander(from, target, &mut share)?
             };
             if let Some((kind, what)) = event {
-                changes += 1;
                 let t = start + share * (to.t - start);
                 events.push(Event { t, kind, detail: format!("{} {what}", self.whisker.name) });
-                if changes > MOST_CHANGES {
-                    return Err(self.fault("keeps touching and leaving within one row", self.tip()));
-                }
+            }
+            changes += 1;
+            if changes > MOST_CHANGES {
+                return Err(self.fault("keeps touching and leaving within one row", self.tip()));
             }
         }
         (self.map_from_whisker, self.t) = (target, to.t);
