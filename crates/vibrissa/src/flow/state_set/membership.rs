@@ -12,8 +12,9 @@ use crate::plane::{Pose2, Vec2, wrap_angle};
 use crate::world::{Map, MapPoint};
 use core::f64::consts::{FRAC_PI_2, PI};
 
-/// Rounds in which boundary point and force direction are brought into agreement.
-const ROUNDS: usize = 3;
+/// Most rounds in which boundary point and force direction are brought into agreement, and when they agree (rad).
+const ROUNDS: usize = 8;
+const AGREED: f64 = 1e-3;
 /// Furthest that a tip may lie beyond the end of a boundary's smooth piece (m): at corners the foot of the
 /// perpendicular does not exist.
 const ALONG: f64 = 3e-3;
@@ -112,8 +113,13 @@ fn touch(map: &Map, pose: Pose2, branch: &Branch, mut normal: f64, mut near: Vec
         // No nearest point is further away than a known one; the margin covers the flattening of curves.
         let point = map.nearest_within(tip, tip.distance(near) + NEARBY)?;
         near = point.position;
-        normal = outward(map, &point, pose.position());
+        let outward = outward(map, &point, pose.position());
+        let agreed = wrap_angle(outward - normal).abs() < AGREED;
+        normal = outward;
         found = Some(Touch { tip, point, normal, contact });
+        if agreed {
+            break;
+        }
     }
     found
 }
