@@ -44,7 +44,7 @@ pub struct AlignedState {
 pub fn aligned_states(map: &Map, samples: &[BoundarySample], observation: &Observation) -> Vec<AlignedState> {
     let mut states = Vec::new();
     for branch in &observation.branches {
-        for alignment in branch.alignments.iter().filter(|a| a.std <= WORST_SLOPE) {
+        for alignment in branch.usable() {
             for (offset, heading_std) in headings(alignment.std) {
                 let slope = alignment.boundary_slope + offset;
                 let Some(contact) = branch.contacts.at_direction(slope + FRAC_PI_2) else { continue };

@@ -1,5 +1,6 @@
 //! One observation: what a short history of moments says about the contact, on every branch.
 
+use super::WORST_SLOPE;
 use super::alignment::{Alignment, History, HistoryShape};
 use crate::beam::{Whisker, elastica};
 use crate::config::TipLoad;
@@ -88,14 +89,19 @@ impl Observation {
         bend.map_or_else(Vec::new, |bend| (0..=BODY_LINKS).map(|k| bend.point_at(at(k)).position).collect())
     }
 
-    /// Whether anything can be aligned with a boundary.
+    /// Whether anything can be aligned with a boundary: on some branch a slope is known well enough.
     #[must_use]
     pub fn is_aligned(&self) -> bool {
-        self.branches.iter().any(|b| !b.alignments.is_empty())
+        self.branches.iter().any(|b| b.usable().next().is_some())
     }
 }
 
 impl Branch {
+    /// The alignments whose slope is known well enough to lay the whisker against a boundary.
+    pub(super) fn usable(&self) -> impl Iterator<Item = &Alignment> {
+        self.alignments.iter().filter(|a| a.std <= WORST_SLOPE)
+    }
+
     /// How far the contact moves across the boundary when the moment grows by its own size (m), with the same
     /// direction of the force.
     #[must_use]

@@ -61,6 +61,12 @@ impl StateSet {
         self.observations
     }
 
+    /// Whether no more candidates enter.
+    #[must_use]
+    pub fn is_complete(&self) -> bool {
+        self.observations >= ENTRY_OBSERVATIONS
+    }
+
     /// Whether no state explains the observations.
     #[must_use]
     pub fn is_empty(&self) -> bool {
