@@ -44,10 +44,11 @@ fn localized(sweep: &Sweep, seed: u64) -> Result<Run> {
     let mut stopwatch = Stopwatch::start();
     let answer =
         localize(&sweep.log, &map, &Robot::default(), &LocalizeOptions::default(), &mut |_row| stopwatch.lap())?;
+    let runtime = stopwatch.stop(&sweep.log.rows, &answer.steps);
     Ok(Run {
         title: format!("demo: simulated sweep (seed {seed}) in the built-in arena"),
         answer,
-        runtime: stopwatch.stop(),
+        runtime,
         rows: sweep.log.rows.len(),
         map: outlines(&map),
         truth: Some(sweep.truth.clone()),

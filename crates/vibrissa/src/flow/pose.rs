@@ -10,7 +10,7 @@ use crate::sets::StateBox;
 pub enum Status {
     /// One place explains the log.
     Localized,
-    /// Several separate places explain the log.
+    /// Several separate places explain the log, or the contact was too short to tell any place.
     Ambiguous,
     /// No state explains this log on this map.
     Inconsistent,
