@@ -12,8 +12,8 @@ pub mod limits {
     pub const LARGEST_COORDINATE: f64 = 1e5;
     /// Largest odometry coordinate (m): any metric grid fits, and a micrometre is still resolved.
     pub const LARGEST_ODOMETRY: f64 = 1e8;
-    /// Most boundary points at which whiskers are aligned: half a kilometre of walls at 1 mm, and 2 GB of candidates.
-    pub const MOST_SAMPLES: f64 = 5e5;
+    /// Most boundary points at which whiskers are aligned: 100 m of walls at 1 mm, and at worst a GB of candidates.
+    pub const MOST_SAMPLES: f64 = 1e5;
     /// Coarsest spacing of these points (m).
     pub const COARSEST_SPACING: f64 = 0.1;
     /// Largest extent of a map that raises no doubt (m).

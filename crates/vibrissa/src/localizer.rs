@@ -45,6 +45,8 @@ struct Record {
     touched: bool,
     steps: Vec<StepRecord>,
     events: Vec<Event>,
+    /// Whisker and observation until the state set starts.
+    waiting: Vec<(usize, Observation)>,
     /// Whisker and observation, for drawing: not all of long logs, which would fill the memory.
     observations: Thinned<(usize, Observation), SHAPES>,
     first_states: Vec<Pose2>,
@@ -118,23 +120,40 @@ impl<'a> Localizer<'a> {
             return self.record.event_once(row.t, "rough", detail);
         }
         let observation = Observation::new(whisker, history, self.options.tip_load);
-        if self.states.observations() == 0 && !observation.is_aligned() {
-            return;
+        if self.record.first_row.is_some() {
+            self.states.intersect(self.map, &observation, &self.options);
+            self.record.observations.push((feeler, observation));
+            return self.note(row);
         }
-        self.states.intersect(self.map, &self.samples, &observation, &self.options);
-        let now = self.rows.len() - 1;
-        if self.record.first_row.is_none() && !self.states.is_empty() {
-            self.record.first_row = Some(now);
-            self.record.first_states = self.states.states(row.odom_from_robot).collect();
-        }
-        self.record.steps.push(self.measure(row));
-        match self.states.best() {
-            Some(best) => {
-                self.record.last = Some((*best, now));
-                self.record.observations.push((feeler, observation));
+        self.record.waiting.push((feeler, observation));
+        let open = self.record.waiting.iter().map(|(_, o)| o.open_slopes()).fold(f64::INFINITY, f64::min);
+        match self.record.waiting.len() {
+            // Observations that cannot be aligned at all start nothing.
+            waiting if waiting >= LATEST_START && open.is_infinite() => drop(self.record.waiting.remove(0)),
+            waiting if waiting >= LATEST_START || (waiting >= EARLIEST_START && open <= NARROW_START) => {
+                self.start_set(row);
             }
-            None if self.states.is_complete() => self.record.emptied(row.t, now),
-            None => {}
+            _ => {}
+        }
+    }
+
+    /// Lets candidates in.
+    fn start_set(&mut self, row: &LogRow) {
+        let (feelers, waiting): (Vec<usize>, Vec<Observation>) = self.record.waiting.drain(..).unzip();
+        self.states.start(self.map, &self.samples, &waiting, &self.options);
+        self.record.first_row = Some(self.rows.len() - 1);
+        self.record.first_states = self.states.states(row.odom_from_robot).collect();
+        feelers.into_iter().zip(waiting).for_each(|observation| self.record.observations.push(observation));
+        self.note(row);
+    }
+
+    /// Writes down what the last update did.
+    fn note(&mut self, row: &LogRow) {
+        self.record.steps.push(self.measure(row));
+        let now = self.rows.len() - 1;
+        match self.states.best() {
+            Some(best) => self.record.last = Some((*best, now)),
+            None => self.record.emptied(row.t, now),
         }
     }
 
@@ -154,8 +173,8 @@ impl<'a> Localizer<'a> {
                 self.update(index, &history, &last);
             }
         }
-        if self.states.is_empty() && self.states.observations() > 0 && self.record.empty_at.is_none() {
-            self.record.emptied(t, self.rows.len().saturating_sub(1));
+        if self.record.waiting.iter().any(|(_, o)| o.open_slopes().is_finite()) {
+            self.start_set(&last);
         }
         let hypotheses = pose::choose(&self.states, odom_from_robot, &self.options);
         let status = pose::verdict(self.record.touched, self.record.empty_at.is_some(), &hypotheses);
@@ -206,6 +225,12 @@ impl<'a> Localizer<'a> {
     }
 }
 
+/// The state set starts from this many observations at least, as the paper's does,
+const EARLIEST_START: usize = 3;
+/// as soon as one leaves no more slopes of the boundary open than this (rad),
+const NARROW_START: f64 = 0.8;
+/// and from this many in any case.
+const LATEST_START: usize = 8;
 /// Points of a drawn whisker.
 const SHAPE_POINTS: usize = 24;
 /// At least this many observations are kept for drawing, where there are as many.

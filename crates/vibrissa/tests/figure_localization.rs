@@ -189,7 +189,7 @@ fn a_set_of_boxes_is_drawn_as_boxes() {
 fn no_answer_still_makes_a_figure_that_says_so() {
     let mut answer = empty(Status::Inconsistent);
     answer.events.push(Event { t: 0.25, kind: "inconsistent", detail: "row 76 removed the last candidate".into() });
-    assert!(draw("inconsistent", &answer, None).contains("t = 0.250 s: row 76 removed the last candidate"));
+    assert!(draw("inconsistent", &answer, None).contains("the last was ruled out at t = 0.250 s"));
     assert!(draw("no_contact", &empty(Status::NoContact), None).contains("never touched"));
 }
 

@@ -1,13 +1,33 @@
-//! The simulator against sweeps by an independent one: a discrete rod whose energy is minimised.
+//! The simulator against sweeps by an independent one: a discrete rod of 90 links whose energy is minimised.
+//!
+//! The rod's moments are right to 6e-5 of a reading (its links), its paths are rounded to 0.1 µm. The two differ by
+//! more at single rows only: where the tip stands at a vertex of the polygon and one of them lets it slip a row earlier,
+//! and in the last row before a snap, where the equilibrium turns infinitely sensitive.
 
-#![allow(clippy::unwrap_used, clippy::panic, clippy::print_stdout, reason = "a test that cannot go on must fail")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on must fail")]
 
 use std::fs;
 use std::path::{Path, PathBuf};
 use vibrissa::flow::trajectory::read_tum;
 use vibrissa::plane::Vec2;
-use vibrissa::tasks::{SweepNoise, simulate_tip_sweep};
+use vibrissa::tasks::{Sweep, SweepNoise, simulate_tip_sweep};
 use vibrissa::world::{Map, Robot};
+
+/// Every sweep, how many of its rows may differ by more than 0.1 % and 1 µN m, and what happens in it.
+const SWEEPS: [(&str, usize, &[&str]); 12] = [
+    ("bays-00", 1, &["onset", "snap", "onset"]),
+    ("bays-01", 1, &["onset"]),
+    ("bays-02", 0, &["onset"]),
+    ("obstacle-00", 0, &["onset"]),
+    ("obstacle-01", 0, &["onset"]),
+    ("obstacle-02", 0, &["onset"]),
+    ("rough0-01", 2, &["onset"]),
+    ("rough0-02", 0, &["onset"]),
+    ("rough0-03", 0, &["onset"]),
+    ("square-00", 1, &["onset", "snap"]),
+    ("square-01", 0, &["onset", "lift_off", "onset", "lift_off", "onset"]),
+    ("square-02", 0, &["onset"]),
+];
 
 fn shared() -> Option<PathBuf> {
     let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/sweeps"));
@@ -29,67 +49,58 @@ fn sorted(mut values: Vec<f64>) -> Vec<f64> {
     values
 }
 
+fn simulated(folder: &Path, name: &str) -> Sweep {
+    let map = Map::read(folder.join(format!("{}.geojson", name.split('-').next().unwrap()))).unwrap();
+    let path = read_tum(folder.join(format!("{name}.truth.tum"))).unwrap();
+    simulate_tip_sweep(&map, &Robot::default(), &path, &SweepNoise::none()).unwrap()
+}
+
 #[test]
-fn report() {
+fn moments_agree_with_the_discrete_rod() {
     let Some(folder) = shared() else { return };
-    for name in [
-        "bays-00",
-        "bays-01",
-        "bays-02",
-        "obstacle-00",
-        "obstacle-01",
-        "obstacle-02",
-        "rough0-01",
-        "rough0-02",
-        "rough0-03",
-        "square-00",
-        "square-01",
-        "square-02",
-    ] {
-        let map = Map::read(folder.join(format!("{}.geojson", name.split('-').next().unwrap()))).unwrap();
-        let path = read_tum(folder.join(format!("{name}.truth.tum"))).unwrap();
-        let sweep = match simulate_tip_sweep(&map, &Robot::default(), &path, &SweepNoise::none()) {
-            Ok(s) => s,
-            Err(e) => {
-                println!("{name}: {e}");
-                continue;
-            }
-        };
+    for (name, odd_rows, happens) in SWEEPS {
+        let sweep = simulated(&folder, name);
         let exact = rows(&folder.join(format!("{name}.exact.csv")));
-        let places = rows(&folder.join(format!("{name}.contacts.csv")));
-        let errors: Vec<f64> = exact.iter().zip(&sweep.exact_moments).map(|(e, m)| (m[0] - e[1]).abs()).collect();
-        let rel: Vec<f64> = exact
-            .iter()
-            .zip(&sweep.exact_moments)
-            .filter(|(e, _)| e[1].abs() > 1e-4)
-            .map(|(e, m)| ((m[0] - e[1]) / e[1]).abs())
-            .collect();
-        let tips: Vec<f64> = places
-            .iter()
-            .filter_map(|p| {
-                let c = sweep.contacts.iter().find(|c| (c.t - p[0]).abs() < 1e-4)?;
-                Some(c.position.distance(Vec2::new(p[1], p[2])))
-            })
-            .collect();
-        let (e, r, p) = (sorted(errors.clone()), sorted(rel), sorted(tips));
-        let worst = (0..errors.len()).max_by(|&a, &b| errors[a].total_cmp(&errors[b])).unwrap();
+        assert_eq!(exact.len(), sweep.exact_moments.len());
+        let pairs: Vec<(f64, f64)> = exact.iter().zip(&sweep.exact_moments).map(|(e, m)| (e[1], m[0])).collect();
+        let errors: Vec<f64> = pairs.iter().map(|(rod, ours)| (rod - ours).abs()).collect();
+        let odd = pairs.iter().filter(|(rod, ours)| (rod - ours).abs() > 1e-6_f64.max(1e-3 * rod.abs())).count();
+        let grossly = pairs.iter().filter(|(rod, ours)| (rod - ours).abs() > 5e-3 * rod.abs().max(1e-4)).count();
+        let relative = sorted(pairs.iter().filter(|p| p.0.abs() > 1e-4).map(|(r, o)| (o / r - 1.0).abs()).collect());
+        let errors = sorted(errors);
+        let (median, most, worst) =
+            (relative[relative.len() / 2], relative[relative.len() * 95 / 100], relative[relative.len() - 1]);
         println!(
-            "{name}: moment median {:.2e} p95 {:.2e} max {:.2e} Nm (row {worst} of {}: ref {:.3e} ours {:.3e}); rel median {:.2e} p95 {:.2e} max {:.2e}; tip n {} median {:.1e} max {:.1e} m",
-            e[e.len() / 2],
-            e[e.len() * 95 / 100],
-            e[e.len() - 1],
-            errors.len(),
-            exact[worst][1],
-            sweep.exact_moments[worst][0],
-            r[r.len() / 2],
-            r[r.len() * 95 / 100],
-            r[r.len() - 1],
-            p.len(),
-            p[p.len() / 2],
-            p[p.len() - 1]
+            "{name}: moment off by {:.1e} N m at worst; relative {median:.1e} median, {most:.1e} 95 %, {worst:.1e} worst; {odd} odd rows",
+            errors[errors.len() - 1],
         );
-        for ev in &sweep.events {
-            println!("    {:.4} {} {}", ev.t, ev.kind, ev.detail);
+        assert!(odd <= odd_rows, "{name}: {odd} rows differ");
+        assert_eq!(grossly, 0, "{name}");
+        assert!(median < 7e-5 && most < 2e-4, "{name}: {median:e}, {most:e}");
+        let events: Vec<&str> = sweep.events.iter().map(|event| event.kind).collect();
+        assert_eq!(events, happens, "{name}");
+    }
+}
+
+#[test]
+fn tips_agree_with_the_discrete_rod() {
+    let Some(folder) = shared() else { return };
+    for (name, ..) in SWEEPS {
+        let sweep = simulated(&folder, name);
+        let places = rows(&folder.join(format!("{name}.contacts.csv")));
+        let mut missing = 0;
+        let mut errors = Vec::new();
+        for place in &places {
+            match sweep.contacts.iter().find(|touch| (touch.t - place[0]).abs() < 1e-4) {
+                Some(touch) => errors.push(touch.position.distance(Vec2::new(place[1], place[2]))),
+                None => missing += 1,
+            }
         }
+        let errors = sorted(errors);
+        let (median, worst) = (errors[errors.len() / 2], errors[errors.len() - 1]);
+        println!("{name}: tip off by {median:.1e} m median, {worst:.1e} m worst over {} rows", errors.len());
+        assert!(median < 1e-6 && worst < 3e-5, "{name}: {median:e}, {worst:e}");
+        // A graze at the very onset may fall to either side of a row.
+        assert!(missing <= 1 && sweep.contacts.len().abs_diff(places.len()) <= 1, "{name}: {missing}");
     }
 }

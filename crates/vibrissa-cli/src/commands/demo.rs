@@ -1,7 +1,7 @@
 //! `vibrissa demo`: the main job without any file.
 
 use super::localize::outlines;
-use crate::args::OutputArgs;
+use crate::output::OutputArgs;
 use crate::output::{Run, Stopwatch, deliver, print, write_all};
 use std::path::Path;
 use vibrissa::flow::trajectory::format_tum;

@@ -10,9 +10,10 @@ use crate::world::{Map, Robot};
 pub const ARENA_SVG: &str = include_str!("../../data/demo_arena.svg");
 
 /// Waypoints of the robot, map frame (m, m, deg).
-const WAYPOINTS: [[f64; 3]; 7] = [
-    [0.100, 0.235, 128.0],
-    [0.116, 0.255, 128.0],
+///
+/// The whisker trails behind the robot. It meets the wall gently, drags through the bay, and ends on the bump.
+const WAYPOINTS: [[f64; 3]; 6] = [
+    [0.104, 0.236, 128.0],
     [0.166, 0.262, 128.0],
     [0.211, 0.273, 128.0],
     [0.256, 0.262, 126.0],

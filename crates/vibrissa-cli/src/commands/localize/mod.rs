@@ -3,7 +3,7 @@
 mod deterministic;
 mod inputs;
 
-use crate::args::OutputArgs;
+use crate::output::OutputArgs;
 use crate::output::{Run, Stopwatch, deliver, warn};
 use clap::ValueEnum;
 use deterministic::DeterministicArgs;

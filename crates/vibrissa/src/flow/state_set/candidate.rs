@@ -31,7 +31,7 @@ pub struct Candidate {
 
 impl Candidate {
     /// The candidate that a state of the first observation's preimage makes.
-    pub(super) fn at(state: &AlignedState, observation: &Observation, spacing: f64, missed: u32) -> Self {
+    pub(super) fn at(state: &AlignedState, observation: &Observation, spacing: f64) -> Self {
         let odom_from_robot = observation.odom_from_whisker.compose(observation.robot_from_whisker.inverse());
         let map_from_odom = state.map_from_robot.compose(odom_from_robot.inverse());
         // The whisker may stand half a spacing beside the sample, and turned about the contact.
@@ -43,7 +43,7 @@ impl Candidate {
         add_outer(&mut covariance, turn, state.heading_std.powi(2));
         Self {
             map_from_odom,
-            missed,
+            missed: 0,
             explained: 1,
             misfit: 0.0,
             normal: state.normal,

@@ -18,8 +18,8 @@ const LARGEST_SLIDE: f64 = 0.03;
 const LARGEST_TURN: f64 = 0.2;
 /// Pieces of a boundary that one step may pass.
 const MOST_PIECES: usize = 200;
-/// Changes between free and touching that one row may see.
-const MOST_CHANGES: usize = 20;
+/// Changes between free and touching, grazes among them, that one row may see.
+const MOST_CHANGES: usize = 100;
 /// How far beyond its ends a piece still counts (share of the piece).
 const END_SLACK: f64 = 1e-9;
 
@@ -92,12 +92,12 @@ impl<'a> Follower<'a> {
                 self.wander(from, target, &mut share)?
             };
             if let Some((kind, what)) = event {
-                changes += 1;
                 let t = start + share * (to.t - start);
                 events.push(Event { t, kind, detail: format!("{} {what}", self.whisker.name) });
-                if changes > MOST_CHANGES {
-                    return Err(self.fault("keeps touching and leaving within one row", self.tip()));
-                }
+            }
+            changes += 1;
+            if changes > MOST_CHANGES {
+                return Err(self.fault("keeps touching and leaving within one row", self.tip()));
             }
         }
         (self.map_from_whisker, self.t) = (target, to.t);
@@ -219,8 +219,18 @@ impl<'a> Follower<'a> {
                 return Next::LiftOff("slides off the end of a wall");
             };
             if came.is_some_and(|came| came != forward) {
-                // The piece before sends the tip on, this one sends it back: the corner between them holds it.
-                return if joint.is_concave() { self.caught(stance, load, &joint) } else { Next::None };
+                return Next::None;
+            }
+            // Coming from one side, the corner is met before the other side. A weak force all but cannot be caught:
+            // its direction turns at once, and the corner may find no solution at all.
+            if joint.is_concave()
+                && let Some((held, lean)) = stance.in_corner(load, &joint)
+            {
+                match lean {
+                    0.0..=1.0 => return self.settle(stance, held, Hold::Corner(joint)),
+                    _ if (lean > 1.0) != forward => return Next::None,
+                    _ => {}
+                }
             }
             came = Some(forward);
             foothold = if forward { joint.after } else { joint.before };
@@ -230,21 +240,11 @@ impl<'a> Follower<'a> {
 
     /// In the corner, or out of it along one of its sides.
     fn caught(&self, stance: &Stance<'_>, load: TipLoadState, joint: &Joint) -> Next {
-        let Some((held, lean)) = stance.in_corner(load, joint) else { return Next::None };
-        let leave = |foothold: Foothold| match stance.on_piece(load, foothold) {
-            OnPiece::Found { load, foothold, stable: true }
-                if (-END_SLACK..=1.0 + END_SLACK).contains(&foothold.at) =>
-            {
-                self.settle(stance, load, Hold::Piece(foothold))
-            }
-            _ => Next::None,
-        };
-        if lean < 0.0 {
-            leave(joint.before)
-        } else if lean > 1.0 {
-            leave(joint.after)
-        } else {
-            self.settle(stance, held, Hold::Corner(*joint))
+        match stance.in_corner(load, joint) {
+            Some((_, lean)) if lean < 0.0 => self.along(stance, load, joint.before),
+            Some((_, lean)) if lean > 1.0 => self.along(stance, load, joint.after),
+            Some((held, _)) => self.settle(stance, held, Hold::Corner(*joint)),
+            None => Next::None,
         }
     }
 

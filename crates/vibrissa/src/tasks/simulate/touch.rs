@@ -32,7 +32,7 @@ pub(super) enum FreeWay {
     Side(f64),
 }
 
-/// Looks for the first touch of the straight whisker from `from` to `to`, both map_from_whisker.
+/// Looks for the first touch of the straight whisker from `from` to `to`, both `map_from_whisker`.
 pub(super) fn first_touch(map: &Map, length: f64, from: Pose2, to: Pose2) -> FreeWay {
     let tip = |pose: Pose2| pose.transform_point(Vec2::new(length, 0.0));
     let touches = |share: f64| {
