@@ -10,6 +10,7 @@ use crate::flow::pose::{self, Event, Localization, ShapeRecord, StampedPose, Ste
 use crate::flow::preimage::Observation;
 use crate::flow::sensor_log::{Channel, LogRow, Quantity, SensorLog};
 use crate::flow::state_set::{Candidate, StateSet};
+use crate::flow::thinned::Thinned;
 use crate::plane::Pose2;
 use crate::world::{BoundarySample, Map, MountedWhisker, Robot};
 use crate::{Error, Result};
@@ -46,12 +47,8 @@ struct Record {
     events: Vec<Event>,
     /// Whisker and observation until the state set starts.
     waiting: Vec<(usize, Observation)>,
-    /// Whisker and observation, for drawing: every `stride`-th, so that long logs do not fill the memory.
-    observations: Vec<(usize, Observation)>,
-    /// Observations so far.
-    observed: usize,
-    /// The first power of two of which `observations` holds every multiple.
-    stride: usize,
+    /// Whisker and observation, for drawing: not all of long logs, which would fill the memory.
+    observations: Thinned<(usize, Observation), SHAPES>,
     first_states: Vec<Pose2>,
     first_row: Option<usize>,
     /// The best candidate and the row of the last update before the set became empty.
@@ -125,7 +122,7 @@ impl<'a> Localizer<'a> {
         let observation = Observation::new(whisker, history, self.options.tip_load);
         if self.record.first_row.is_some() {
             self.states.intersect(self.map, &observation, &self.options);
-            self.record.observe(feeler, observation);
+            self.record.observations.push((feeler, observation));
             return self.note(row);
         }
         self.record.waiting.push((feeler, observation));
@@ -146,7 +143,7 @@ impl<'a> Localizer<'a> {
         self.states.start(self.map, &self.samples, &waiting, &self.options);
         self.record.first_row = Some(self.rows.len() - 1);
         self.record.first_states = self.states.states(row.odom_from_robot).collect();
-        feelers.into_iter().zip(waiting).for_each(|(feeler, observation)| self.record.observe(feeler, observation));
+        feelers.into_iter().zip(waiting).for_each(|observation| self.record.observations.push(observation));
         self.note(row);
     }
 
@@ -274,23 +271,6 @@ fn samples(map: &Map, spacing: f64) -> Result<Vec<BoundarySample>> {
 }
 
 impl Record {
-    /// Keeps an observation for drawing; when there are many, every second one is dropped, again and again.
-    fn observe(&mut self, feeler: usize, observation: Observation) {
-        let stride = self.stride.max(1);
-        if self.observed.is_multiple_of(stride) {
-            self.observations.push((feeler, observation));
-        }
-        self.observed += 1;
-        if self.observations.len() >= 2 * SHAPES {
-            let mut index = 0;
-            self.observations.retain(|_| {
-                index += 1;
-                index % 2 == 1
-            });
-            self.stride = 2 * stride;
-        }
-    }
-
     /// Notes that no candidate is left.
     fn emptied(&mut self, t: f64, row: usize) {
         self.empty_at = Some(row);

@@ -38,7 +38,7 @@ pub(crate) fn text(run: &Run, error: Option<&TrajectoryError>, written: Option<&
 fn estimate(text: &mut String, only: &Hypothesis) {
     let degrees = 1f64.to_degrees();
     let (pose, extent) = (only.pose, only.extent);
-    let _ = writeln!(text, "\nestimate at the last row          extent of what is left");
+    let _ = writeln!(text, "\nestimate at the last row          extent of the place");
     for (name, value, range, factor, unit) in [
         ("x", pose.x, extent.x, 1e3, "mm"),
         ("y", pose.y, extent.y, 1e3, "mm"),
@@ -96,6 +96,10 @@ fn events(text: &mut String, events: &[Event]) {
 }
 
 fn runtime(text: &mut String, rows: usize, runtime: &Runtime) {
+    if runtime.updates == 0 {
+        let _ = writeln!(text, "\n{rows} rows, no update, in {:.3} s", runtime.total_s);
+        return;
+    }
     let _ = writeln!(
         text,
         "\n{rows} rows, {} updates in {:.3} s; one update takes {:.1} ms (median), {:.1} ms (99th percentile)",

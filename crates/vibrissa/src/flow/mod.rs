@@ -8,5 +8,6 @@ pub mod preimage;
 mod quadratic;
 pub mod sensor_log;
 pub mod state_set;
+pub(crate) mod thinned;
 pub mod trajectory;
 mod words;

@@ -10,7 +10,7 @@ use crate::sets::StateBox;
 
 /// At most this many whisker shapes are drawn.
 const SHAPES: usize = 25;
-/// At most this many candidates are drawn; of more, every n-th.
+/// At most this many candidates are drawn, and at most this many survivors; of more, every n-th.
 const CANDIDATES: usize = 4000;
 /// At most this many places carry a number.
 const NUMBERED: usize = 30;
@@ -37,7 +37,7 @@ pub(super) fn map(canvas: &mut Canvas, outlines: &[Outline]) {
 
 /// Draws the candidates after the first observation, each moved along to the last row.
 pub(super) fn candidates(canvas: &mut Canvas, answer: &Localization, tick: f64) {
-    let shown = || answer.first_states.iter().copied().step_by(candidate_stride(answer));
+    let shown = || answer.first_states.iter().copied().step_by(stride(answer.first_states.len()));
     canvas.heading_ticks(shown(), tick, "candidate-tick");
     canvas.dots(shown().map(Pose2::position), "candidate");
 }
@@ -80,12 +80,14 @@ pub(super) fn path(canvas: &mut Canvas, answer: &Localization) {
 
 /// Draws what is left of the candidates: points as dots with headings, boxes as boxes.
 pub(super) fn survivors(canvas: &mut Canvas, answer: &Localization, tick: f64) {
-    for state in answer.states.iter().filter(|state| !is_point(state)) {
+    let every = stride(answer.states.len());
+    let shown = || answer.states.iter().step_by(every);
+    for state in shown().filter(|state| !is_point(state)) {
         let (x, y) = (state.x, state.y);
         let [a, b] = [Vec2::new(x.lo(), y.lo()), Vec2::new(x.hi(), y.hi())];
         canvas.polygon(&[a, Vec2::new(b.x, a.y), b, Vec2::new(a.x, b.y)], "survivor-box");
     }
-    let points = || answer.states.iter().filter(|state| is_point(state)).map(middle);
+    let points = || shown().filter(|state| is_point(state)).map(middle);
     canvas.heading_ticks(points(), tick, "survivor-tick");
     canvas.dots(points().map(Pose2::position), "survivor");
 }
@@ -151,24 +153,31 @@ pub(super) fn legend_entries(scene: &LocalizationScene<'_>, canvas: &Canvas) -> 
         }
     };
     let has = |role: OutlineRole| scene.map.iter().any(|outline| outline.role == role);
-    let (all, left, stride) = (answer.first_states.len(), answer.states.len(), candidate_stride(answer));
-    let every = if stride > 1 { format!(" (1 in {stride})") } else { String::new() };
+    let (all, left) = (answer.first_states.len(), answer.states.len());
+    let every = |count: usize| match stride(count) {
+        1 => String::new(),
+        stride => format!(" (1 in {stride})"),
+    };
     let several = answer.hypotheses.len() > 1;
     add(
         all > 0,
         Sample::Dots("candidate", "candidate-tick"),
-        format!("{} at the first touch{every}", counted(all, "candidate")),
+        format!("{} at the first touch{}", counted(all, "candidate"), every(all)),
     );
     let sets = answer.states.iter().any(|state| !is_point(state));
     let survivor = if sets { Sample::Patch("survivor-box") } else { Sample::Dots("survivor", "survivor-tick") };
-    add(left > 0, survivor, format!("{left} left at the end"));
+    add(left > 0, survivor, format!("{left} left at the end, likely or not{}", every(left)));
     add(
         answer.estimate.is_some() && !several,
         Sample::Heading("estimate", "estimate-line"),
         "estimate and heading".into(),
     );
     add(several, Sample::Heading("badge", "estimate-line"), "a place that explains the log".into());
-    add(!answer.hypotheses.is_empty(), Sample::Patch("extent"), "extent of what is left".into());
+    add(
+        !answer.hypotheses.is_empty(),
+        Sample::Patch("extent"),
+        if several { "extent of a place" } else { "extent of the place" }.into(),
+    );
     add(!answer.trajectory.is_empty(), Sample::Line("path"), "estimated path, from the circle".into());
     add(scene.truth.is_some(), Sample::Line("truth"), "true path".into());
     add(scene.truth.is_some(), Sample::Circle("truth-mark"), "true pose at the end".into());
@@ -180,8 +189,9 @@ pub(super) fn legend_entries(scene: &LocalizationScene<'_>, canvas: &Canvas) -> 
     entries
 }
 
-fn candidate_stride(answer: &Localization) -> usize {
-    answer.first_states.len().div_ceil(CANDIDATES).max(1)
+/// Of `count` states every how many-th is drawn.
+fn stride(count: usize) -> usize {
+    count.div_ceil(CANDIDATES).max(1)
 }
 
 fn positions(path: &[StampedPose]) -> Vec<Vec2> {

@@ -62,7 +62,7 @@ const DETAIL_SHARE: f64 = 0.3;
 const DETAIL_LEAST: f64 = 4e-3;
 const CAPTION_CHARACTERS: usize = 104;
 /// Where the second column of the legend starts, from the first.
-const LEGEND_COLUMN: f64 = 318.0;
+const LEGEND_COLUMN: f64 = 380.0;
 
 /// The figure as SVG text: map, path, whisker shapes, all candidates, the survivors, the estimate and how wide it is.
 ///

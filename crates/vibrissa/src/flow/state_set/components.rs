@@ -63,3 +63,15 @@ fn neighbours(at: [i64; 3]) -> impl Iterator<Item = [i64; 3]> {
         .map(around)
         .map(move |d| [at[0].saturating_add(d[0]), at[1].saturating_add(d[1]), (at[2] + d[2]).rem_euclid(headings())])
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_at_the_end_of_all_numbers_have_neighbours() {
+        let at = cell(Pose2::new(1e300, -1e300, 3.0));
+        assert_eq!(at[..2], [i64::MAX, i64::MIN]);
+        assert_eq!(neighbours(at).count(), 27);
+    }
+}
