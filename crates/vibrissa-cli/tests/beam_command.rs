@@ -101,23 +101,15 @@ fn the_reference_table_as_a_batch() {
             let cells: Vec<&str> = line.split(',').collect();
             let n = |i: usize| cells[i].parse::<f64>().unwrap();
             // Columns 10 to 13 hold the truth, 14 to 17 what was computed.
-            if cells[14].is_empty() {
-                assert!(
-                    cells[3].parse::<f64>().unwrap() != 1.0
-                        || cells[4].parse::<f64>().unwrap() != 0.0
-                        || cells[5] != "inf"
-                );
-                continue;
-            }
             let error = (10..14).map(|i| ((n(i + 4) - n(i)) / n(i)).abs()).fold(0.0, f64::max);
             let slot = best.entry(cells[0].into()).or_insert(f64::INFINITY);
             *slot = slot.min(error);
         }
-        assert_eq!(best.len(), 125);
+        assert_eq!(best.len(), 150);
         let worst = best.values().fold(0.0_f64, |a, b| a.max(*b));
         println!("{mode}: worst relative error {worst:.1e}");
-        assert!(worst < 1e-10, "{mode}: {worst:e}");
-        assert!(outcome.stderr.contains("elastica.csv:") && outcome.stderr.contains("not solved yet"));
+        assert!(worst < 1e-8, "{mode}: {worst:e}");
+        assert!(!outcome.stderr.contains("elastica.csv:"), "{}", outcome.stderr);
     }
 }
 
