@@ -23,6 +23,7 @@ mod force_mode;
 pub mod jacobi;
 mod load;
 mod moment_mode;
+pub mod normal;
 mod pendulum;
 mod point_mode;
 pub mod rod;
