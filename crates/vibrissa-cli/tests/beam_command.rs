@@ -55,6 +55,20 @@ fn no_equilibrium_is_an_answer() {
 }
 
 #[test]
+fn strain_is_reported_and_warned_of() {
+    let call = ["beam", "force", "--force", "0.1", "--s-a", "0.06", "--json"];
+    let solution = &json(&call)["solutions"][0];
+    // Under a normal load the base is bent the most: strain M0 / EI times the radius.
+    let strain = solution["moment"].as_f64().unwrap() / 2.8886e-4 * 0.29e-3;
+    assert!((solution["largest_strain"]["strain"].as_f64().unwrap() / strain - 1.0).abs() < 1e-9);
+    assert_eq!(solution["reaction"][2].as_f64().unwrap(), -solution["moment"].as_f64().unwrap());
+    let outcome = vibrissa(&[&call[..], &["--diameter", "5 mm", "--strain-limit", "0.02"]].concat());
+    assert!(outcome.stderr.contains("stay bent") && outcome.stderr.contains("limit of 2 %"), "{}", outcome.stderr);
+    assert!(!vibrissa(&call).stderr.contains("stay bent"));
+    assert_eq!(vibrissa(&[&call[..], &["--diameter", "0"]].concat()).code, Some(2));
+}
+
+#[test]
 fn faults_of_the_call() {
     for (args, word) in [
         (vec!["--s-a", "0.05"], "--force"),

@@ -18,6 +18,7 @@ mod point;
 mod scan;
 mod section;
 mod shot;
+mod tip;
 mod view;
 
 extern crate alloc;
@@ -133,6 +134,11 @@ impl Rod {
     /// `1 / EI` at arc length `s` (1/(N m²)).
     pub(super) fn compliance(&self, s: f64) -> f64 {
         self.piece(s, false).compliance(s)
+    }
+
+    /// How fast the radius falls from the base on, as a share of the radius there (1/m).
+    pub(super) fn narrowing(&self) -> f64 {
+        self.pieces[0].narrowing
     }
 
     /// The derivative of the slope (1/m).

@@ -18,6 +18,8 @@ pub(super) enum Goal {
     Moment(f64),
     /// The contact point, whisker frame (m).
     Point(Vec2),
+    /// The contact point (m, whisker frame) and its arc length, under a force of any direction.
+    Tip(Vec2),
 }
 
 /// A mode with its numbers.
@@ -45,6 +47,7 @@ impl Problem<'_> {
             Goal::Force => [false, false, fixed],
             Goal::Moment(_) => [true, false, fixed],
             Goal::Point(_) => [true, true, fixed],
+            Goal::Tip(_) => [true, false, true],
         }
     }
 
@@ -60,6 +63,10 @@ impl Problem<'_> {
             Goal::Point(point) => {
                 let off = (shot.contact - point) * (1.0 / point.norm());
                 [off.y, off.x, tilt]
+            }
+            Goal::Tip(point) => {
+                let off = (shot.contact - point) * (1.0 / point.norm());
+                [off.y, 0.0, off.x]
             }
         }
     }

@@ -167,7 +167,7 @@ impl Rod {
 }
 
 /// The trial between three nodes whose linear image is the origin, when it lies inside the triangle.
-fn inside(nodes: [(Trial, Option<Vec2>); 3]) -> Option<Trial> {
+pub(super) fn inside(nodes: [(Trial, Option<Vec2>); 3]) -> Option<Trial> {
     let [(a, Some(p)), (b, Some(q)), (c, Some(r))] = nodes else { return None };
     let weights = [q.cross(r), r.cross(p), p.cross(q)];
     let sum = weights[0] + weights[1] + weights[2];
@@ -176,7 +176,11 @@ fn inside(nodes: [(Trial, Option<Vec2>); 3]) -> Option<Trial> {
         return None;
     }
     let mean = |x: f64, y: f64, z: f64| (weights[0] * x + weights[1] * y + weights[2] * z) / sum;
-    Some(Trial { force: mean(a.force, b.force, c.force), s_a: mean(a.s_a, b.s_a, c.s_a), gap: a.gap })
+    Some(Trial {
+        force: mean(a.force, b.force, c.force),
+        s_a: mean(a.s_a, b.s_a, c.s_a),
+        gap: mean(a.gap, b.gap, c.gap),
+    })
 }
 
 fn same(a: &Shot, b: &Shot) -> bool {
