@@ -1,7 +1,6 @@
-//! What all commands understand.
+//! The command line as a whole.
 
 use clap::Parser;
-use std::path::PathBuf;
 
 /// Where a robot is, by touch: whisker mechanics and localization.
 ///
@@ -12,15 +11,4 @@ use std::path::PathBuf;
 pub(crate) struct Cli {
     #[command(subcommand)]
     pub(crate) command: crate::commands::Command,
-}
-
-/// Where results go.
-#[derive(Clone, Debug, Default, clap::Args)]
-pub(crate) struct OutputArgs {
-    /// Write the result files into this folder, made if missing; without it nothing is written
-    #[arg(long, value_name = "DIR")]
-    pub(crate) out: Option<PathBuf>,
-    /// Print the result as JSON instead of words
-    #[arg(long)]
-    pub(crate) json: bool,
 }

@@ -34,8 +34,14 @@ where
     match commands::run(&cli.command) {
         Ok(()) => DONE,
         Err(error) => {
-            output::complain("error", &error);
-            if error.is_usage() { USAGE } else { DATA }
+            let code = if error.is_usage() { USAGE } else { DATA };
+            let remedy = if error.is_usage() {
+                "correct the value; `vibrissa COMMAND --help` tells units and ranges"
+            } else {
+                "correct the file; docs/files.md tells columns, keys and units"
+            };
+            output::complain("error", &error.or_remedy(remedy));
+            code
         }
     }
 }

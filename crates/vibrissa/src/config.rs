@@ -10,6 +10,12 @@ pub mod limits {
     pub const ARC_TOLERANCE: f64 = 1e-9;
     /// Largest coordinate of a map (m): beyond it the file is in millimetres, degrees or a geographic grid.
     pub const LARGEST_COORDINATE: f64 = 1e5;
+    /// Largest odometry coordinate (m): any metric grid fits, and a micrometre is still resolved.
+    pub const LARGEST_ODOMETRY: f64 = 1e8;
+    /// Most boundary points at which whiskers are aligned: 100 m of walls at 1 mm, and at worst a GB of candidates.
+    pub const MOST_SAMPLES: f64 = 1e5;
+    /// Coarsest spacing of these points (m).
+    pub const COARSEST_SPACING: f64 = 0.1;
     /// Largest extent of a map that raises no doubt (m).
     pub const LARGEST_MAP: f64 = 200.0;
     /// Largest heading change between two rows of a log that raises no doubt (rad).
@@ -117,10 +123,18 @@ impl DeterministicOptions {
                 .value(value)
                 .allowed(format!("{lo} to {hi} {unit}")))
         };
-        within("boundary_spacing", self.boundary_spacing, 1e-5, 0.1, "m")?;
+        within("boundary_spacing", self.boundary_spacing, 1e-5, limits::COARSEST_SPACING, "m")?;
         within("history_shapes", self.history_shapes as f64, 2.0, 5.0, "shapes")?;
         within("history_travel", self.history_travel, 1e-5, 1.0, "m")?;
-        within("update_travel", self.update_travel, 0.0, self.history_travel, "m, at most history_travel")?;
+        // Shorter updates share all but a hundredth of their readings: time is spent, nothing is learned.
+        let least = 0.01 * self.history_travel;
+        within(
+            "update_travel",
+            self.update_travel,
+            least,
+            self.history_travel,
+            "m, a hundredth to all of history_travel",
+        )?;
         within("tolerance", self.tolerance, 0.1, 10.0, "standard deviations")?;
         within("heading_floor", self.heading_floor, 0.0, 1.0, "rad")?;
         within("position_floor", self.position_floor, 0.0, 0.1, "m")?;

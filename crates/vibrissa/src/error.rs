@@ -90,6 +90,13 @@ impl Error {
         self
     }
 
+    /// Adds the next step for the reader, unless one is already named: every error ends in one.
+    #[must_use]
+    pub fn or_remedy(mut self, remedy: &str) -> Self {
+        self.0.remedy.get_or_insert_with(|| remedy.to_owned());
+        self
+    }
+
     /// Whether the log, the map or another file is at fault (exit code 1 of the command line).
     #[must_use]
     pub fn is_data(&self) -> bool {

@@ -3,11 +3,12 @@
 //! [`crate::localize`] is the one-call door for whole logs; this is the same, row by row, for robots that are running.
 
 use crate::beam::{elastica, largest_tip_moment};
+use crate::config::limits::{COARSEST_SPACING, MOST_SAMPLES};
 use crate::config::{DeterministicOptions, TipLoad};
 use crate::flow::moment::{MomentHistory, MomentReading, MomentTrack};
 use crate::flow::pose::{self, Event, Localization, ShapeRecord, StampedPose, StepRecord};
 use crate::flow::preimage::Observation;
-use crate::flow::sensor_log::{Channel, LogRow, SensorLog};
+use crate::flow::sensor_log::{Channel, LogRow, Quantity, SensorLog};
 use crate::flow::state_set::{Candidate, StateSet};
 use crate::plane::Pose2;
 use crate::world::{BoundarySample, Map, MountedWhisker, Robot};
@@ -30,6 +31,9 @@ pub struct Localizer<'a> {
     samples: Vec<BoundarySample>,
     feelers: Vec<Feeler>,
     states: StateSet,
+    /// The robot at the first row, odometry frame: everything is told from there, so that the odometry may start
+    /// thousands of kilometres from its origin without costing digits.
+    start: Option<Pose2>,
     rows: Vec<(f64, Pose2)>,
     record: Record,
 }
@@ -40,7 +44,14 @@ struct Record {
     touched: bool,
     steps: Vec<StepRecord>,
     events: Vec<Event>,
+    /// Whisker and observation until the state set starts.
+    waiting: Vec<(usize, Observation)>,
+    /// Whisker and observation, for drawing: every `stride`-th, so that long logs do not fill the memory.
     observations: Vec<(usize, Observation)>,
+    /// Observations so far.
+    observed: usize,
+    /// The first power of two of which `observations` holds every multiple.
+    stride: usize,
     first_states: Vec<Pose2>,
     first_row: Option<usize>,
     /// The best candidate and the row of the last update before the set became empty.
@@ -58,20 +69,22 @@ impl<'a> Localizer<'a> {
     pub fn new(map: &'a Map, robot: &'a Robot, channels: &[Channel], options: DeterministicOptions) -> Result<Self> {
         options.check()?;
         let log = SensorLog { channels: channels.to_vec(), ..SensorLog::default() };
+        one_column_each(robot, channels)?;
         let feelers = robot.whiskers.iter().map(|w| Feeler::new(w, &log, &options)).collect::<Result<Vec<_>>>()?;
         Ok(Self {
             map,
             robot,
-            samples: map.samples(options.boundary_spacing),
+            samples: samples(map, options.boundary_spacing)?,
             options,
             feelers,
             states: StateSet::default(),
+            start: None,
             rows: Vec::new(),
             record: Record::default(),
         })
     }
 
-    /// The candidates so far.
+    /// The candidates so far; their odometry frame is moved to the robot's pose at the first row.
     #[must_use]
     pub fn states(&self) -> &StateSet {
         &self.states
@@ -83,6 +96,8 @@ impl<'a> Localizer<'a> {
     ///
     /// A moment that no whisker shape explains; the message names the line.
     pub fn step(&mut self, row: &LogRow) -> Result<()> {
+        let start = *self.start.get_or_insert(row.odom_from_robot);
+        let row = &LogRow { odom_from_robot: start.between(row.odom_from_robot), ..row.clone() };
         self.states.project(row.odom_from_robot, &self.robot.odometry);
         self.rows.push((row.t, row.odom_from_robot));
         for index in 0..self.feelers.len() {
@@ -97,34 +112,51 @@ impl<'a> Localizer<'a> {
     /// One update: history → contact sets → alignment → preimage → intersection.
     fn update(&mut self, feeler: usize, history: &MomentHistory, row: &LogRow) {
         let whisker = &self.feelers[feeler].whisker;
+        if self.record.empty_at.is_some() {
+            return;
+        }
         if !history.smooth {
-            let detail =
-                format!("{}: readings do not follow a smooth curve within their noise; not aligned", whisker.name);
+            let detail = format!(
+                "{}: the readings jump by more than their declared noise; this stretch of contact is not used",
+                whisker.name
+            );
             return self.record.event_once(row.t, "rough", detail);
         }
         let observation = Observation::new(whisker, history, self.options.tip_load);
-        if self.states.observations() == 0 && !observation.is_aligned() {
-            return;
+        if self.record.first_row.is_some() {
+            self.states.intersect(self.map, &observation, &self.options);
+            self.record.observe(feeler, observation);
+            return self.note(row);
         }
-        let had_states = !self.states.is_empty();
-        self.states.intersect(self.map, &self.samples, &observation, &self.options);
-        let now = self.rows.len() - 1;
-        if self.record.first_row.is_none() && !self.states.is_empty() {
-            self.record.first_row = Some(now);
-            self.record.first_states = self.states.states(Pose2::IDENTITY).collect();
+        self.record.waiting.push((feeler, observation));
+        let open = self.record.waiting.iter().map(|(_, o)| o.open_slopes()).fold(f64::INFINITY, f64::min);
+        match self.record.waiting.len() {
+            // Observations that cannot be aligned at all start nothing.
+            waiting if waiting >= LATEST_START && open.is_infinite() => drop(self.record.waiting.remove(0)),
+            waiting if waiting >= LATEST_START || (waiting >= EARLIEST_START && open <= NARROW_START) => {
+                self.start_set(row);
+            }
+            _ => {}
         }
+    }
+
+    /// Lets candidates in.
+    fn start_set(&mut self, row: &LogRow) {
+        let (feelers, waiting): (Vec<usize>, Vec<Observation>) = self.record.waiting.drain(..).unzip();
+        self.states.start(self.map, &self.samples, &waiting, &self.options);
+        self.record.first_row = Some(self.rows.len() - 1);
+        self.record.first_states = self.states.states(row.odom_from_robot).collect();
+        feelers.into_iter().zip(waiting).for_each(|(feeler, observation)| self.record.observe(feeler, observation));
+        self.note(row);
+    }
+
+    /// Writes down what the last update did.
+    fn note(&mut self, row: &LogRow) {
         self.record.steps.push(self.measure(row));
+        let now = self.rows.len() - 1;
         match self.states.best() {
-            Some(best) => {
-                self.record.last = Some((*best, now));
-                self.record.observations.push((feeler, observation));
-            }
-            None if had_states => {
-                self.record.empty_at = Some(now);
-                let detail = "no robot state explains the readings up to here on this map".to_owned();
-                self.record.events.push(Event { t: row.t, kind: "inconsistent", detail });
-            }
-            None => {}
+            Some(best) => self.record.last = Some((*best, now)),
+            None => self.record.emptied(row.t, now),
         }
     }
 
@@ -144,10 +176,15 @@ impl<'a> Localizer<'a> {
                 self.update(index, &history, &last);
             }
         }
+        if self.record.waiting.iter().any(|(_, o)| o.open_slopes().is_finite()) {
+            self.start_set(&last);
+        }
         let hypotheses = pose::choose(&self.states, odom_from_robot, &self.options);
         let status = pose::verdict(self.record.touched, self.record.empty_at.is_some(), &hypotheses);
         if self.record.touched && self.record.steps.is_empty() {
-            let detail = "the contact was too short or too rough to align a whisker shape with the map".to_owned();
+            let detail = "the contact was too short or too rough to align a whisker shape with the map; \
+                          keep the whisker on the wall for a longer, smoother sweep"
+                .to_owned();
             self.record.events.push(Event { t, kind: "too_short", detail });
         }
         self.record.events.sort_by(|a, b| a.t.total_cmp(&b.t));
@@ -158,7 +195,7 @@ impl<'a> Localizer<'a> {
             estimate: hypotheses.first().map(|h| h.pose),
             trajectory: self.trajectory(),
             states: self.states.states(odom_from_robot).map(crate::sets::StateBox::point).collect(),
-            first_states: self.record.first_states.iter().map(|s| s.compose(odom_from_robot)).collect(),
+            first_states: std::mem::take(&mut self.record.first_states),
             shapes: best.map_or_else(Vec::new, |best| self.shapes(&best)),
             steps: self.record.steps,
             events: self.record.events,
@@ -191,10 +228,78 @@ impl<'a> Localizer<'a> {
     }
 }
 
+/// The state set starts from this many observations at least, as the paper's does,
+const EARLIEST_START: usize = 3;
+/// as soon as one leaves no more slopes of the boundary open than this (rad),
+const NARROW_START: f64 = 0.8;
+/// and from this many in any case.
+const LATEST_START: usize = 8;
 /// Points of a drawn whisker.
 const SHAPE_POINTS: usize = 24;
+/// At least this many observations are kept for drawing, where there are as many.
+const SHAPES: usize = 512;
+
+/// Refuses a column without a name where several whiskers would share it.
+fn one_column_each(robot: &Robot, channels: &[Channel]) -> Result<()> {
+    let nameless = channels.iter().any(|c| c.quantity == Quantity::Moment && c.whisker.is_empty());
+    if robot.whiskers.len() < 2 || !nameless {
+        return Ok(());
+    }
+    let columns: Vec<String> = robot.whiskers.iter().map(|w| format!("{}.moment", w.name)).collect();
+    Err(Error::data("the robot has several whiskers, but the log's column `moment` does not say whose it is")
+        .value(format!("{} whiskers", robot.whiskers.len()))
+        .allowed(columns.join(", "))
+        .remedy("rename the column after its whisker, and take whiskers without a column out of the robot file"))
+}
+
+/// Points along the map's boundaries for whiskers to be laid against.
+fn samples(map: &Map, spacing: f64) -> Result<Vec<BoundarySample>> {
+    let length = |two_sided: bool| {
+        let these = map.boundaries().iter().filter(|b| b.is_two_sided() == two_sided);
+        these.map(|b| b.curve().length()).sum::<f64>()
+    };
+    let walked = length(false) + 2.0 * length(true);
+    if walked / spacing <= MOST_SAMPLES {
+        return Ok(map.samples(spacing));
+    }
+    let coarser = (walked / MOST_SAMPLES * 1e4).ceil() / 1e4;
+    let error = Error::data("the map has too much boundary for this boundary spacing")
+        .value(format!("{walked:.1} m at {spacing} m"))
+        .allowed(format!("up to {MOST_SAMPLES} points"));
+    Err(if coarser <= COARSEST_SPACING {
+        error.remedy(format!("use the part of the map that the robot can be in, or --boundary-spacing {coarser}"))
+    } else {
+        error.remedy("use the part of the map that the robot can be in, and check that its unit is metres")
+    })
+}
 
 impl Record {
+    /// Keeps an observation for drawing; when there are many, every second one is dropped, again and again.
+    fn observe(&mut self, feeler: usize, observation: Observation) {
+        let stride = self.stride.max(1);
+        if self.observed.is_multiple_of(stride) {
+            self.observations.push((feeler, observation));
+        }
+        self.observed += 1;
+        if self.observations.len() >= 2 * SHAPES {
+            let mut index = 0;
+            self.observations.retain(|_| {
+                index += 1;
+                index % 2 == 1
+            });
+            self.stride = 2 * stride;
+        }
+    }
+
+    /// Notes that no candidate is left.
+    fn emptied(&mut self, t: f64, row: usize) {
+        self.empty_at = Some(row);
+        let detail = "nowhere on this map explains the readings up to here; \
+                      is it the right map, and are whisker and noise bounds those of the robot?"
+            .to_owned();
+        self.events.push(Event { t, kind: "inconsistent", detail });
+    }
+
     /// Adds an event unless the same kind was the last one.
     fn event_once(&mut self, t: f64, kind: &'static str, detail: String) {
         if self.events.last().is_none_or(|e| e.kind != kind) {

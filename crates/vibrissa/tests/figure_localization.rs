@@ -147,6 +147,18 @@ fn one_place_is_shown_with_its_extent_and_the_truth() {
 }
 
 #[test]
+fn close_ups_appear_where_the_map_dwarfs_what_they_show() {
+    let mut answer = localized(&[(Pose2::new(0.0003, 0.0352, 1.752), 0.0012, 9)], Status::Localized);
+    let figure = draw("long_sweep", &answer, None);
+    assert!(figure.contains("Close up: the estimate") && !figure.contains("Close up: the sweep"));
+    answer.trajectory.truncate(20);
+    answer.shapes.truncate(10);
+    assert!(draw("short_sweep", &answer, None).contains("Close up: the sweep"));
+    answer.hypotheses[0].extent = StateBox { x: Interval::new(-0.2, 0.2), ..answer.hypotheses[0].extent };
+    assert!(!draw("wide", &answer, None).contains("Close up: the estimate"));
+}
+
+#[test]
 fn rivals_are_numbered_and_weighed() {
     let places = [
         (Pose2::new(0.0, 0.035, 1.75), 0.002, 5),
@@ -177,7 +189,7 @@ fn a_set_of_boxes_is_drawn_as_boxes() {
 fn no_answer_still_makes_a_figure_that_says_so() {
     let mut answer = empty(Status::Inconsistent);
     answer.events.push(Event { t: 0.25, kind: "inconsistent", detail: "row 76 removed the last candidate".into() });
-    assert!(draw("inconsistent", &answer, None).contains("t = 0.250 s: row 76 removed the last candidate"));
+    assert!(draw("inconsistent", &answer, None).contains("the last was ruled out at t = 0.250 s"));
     assert!(draw("no_contact", &empty(Status::NoContact), None).contains("never touched"));
 }
 

@@ -1,18 +1,19 @@
 //! What a command leaves: words or JSON on standard output, files under `--out`, complaints on standard error.
 
+mod args;
 mod csv;
 mod files;
 mod json;
 mod runtime;
 mod summary;
 
-use crate::args::OutputArgs;
 use std::io::Write;
 use vibrissa::figure::{LocalizationScene, Outline, localization_figure};
 use vibrissa::flow::pose::{Localization, StampedPose};
 use vibrissa::flow::trajectory::{format_tum, trajectory_error};
 use vibrissa::{Error, Result};
 
+pub(crate) use args::OutputArgs;
 pub(crate) use files::write_all;
 pub(crate) use runtime::{Runtime, Stopwatch};
 

@@ -1,11 +1,13 @@
 //! How long the updates took.
 
 use std::time::Instant;
+use vibrissa::flow::pose::StepRecord;
+use vibrissa::flow::sensor_log::LogRow;
 
 /// Times of the updates of one localization.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Runtime {
-    /// How many updates were timed.
+    /// How many rows updated the state set.
     pub(crate) updates: usize,
     /// From the start to the answer (s).
     pub(crate) total_s: f64,
@@ -15,7 +17,7 @@ pub(crate) struct Runtime {
     pub(crate) p99_us: f64,
 }
 
-/// Takes the time of each update.
+/// Takes the time of each row; most rows only lengthen the history and cost next to nothing.
 #[derive(Debug)]
 pub(crate) struct Stopwatch {
     begin: Instant,
@@ -30,21 +32,25 @@ impl Stopwatch {
         Self { begin: now, last: now, laps_us: Vec::new() }
     }
 
-    /// Ends an update and begins the next.
+    /// Ends a row and begins the next.
     pub(crate) fn lap(&mut self) {
         let now = Instant::now();
         self.laps_us.push(now.duration_since(self.last).as_secs_f64() * 1e6);
         self.last = now;
     }
 
-    /// The times so far.
-    pub(crate) fn stop(mut self) -> Runtime {
-        self.laps_us.sort_by(f64::total_cmp);
+    /// The times so far of the rows that updated the state set: those with the time of a step.
+    pub(crate) fn stop(self, rows: &[LogRow], steps: &[StepRecord]) -> Runtime {
+        let total_s = self.begin.elapsed().as_secs_f64();
+        let updated = |row: &LogRow| steps.binary_search_by(|step| step.t.total_cmp(&row.t)).is_ok();
+        let timed = rows.iter().zip(&self.laps_us).filter(|(row, _)| updated(row));
+        let mut laps_us: Vec<f64> = timed.map(|(_, lap)| *lap).collect();
+        laps_us.sort_by(f64::total_cmp);
         Runtime {
-            updates: self.laps_us.len(),
-            total_s: self.begin.elapsed().as_secs_f64(),
-            p50_us: percentile(&self.laps_us, 0.50),
-            p99_us: percentile(&self.laps_us, 0.99),
+            updates: laps_us.len(),
+            total_s,
+            p50_us: percentile(&laps_us, 0.50),
+            p99_us: percentile(&laps_us, 0.99),
         }
     }
 }

@@ -98,8 +98,11 @@ fn events(text: &mut String, events: &[Event]) {
 fn runtime(text: &mut String, rows: usize, runtime: &Runtime) {
     let _ = writeln!(
         text,
-        "\n{rows} rows, {} updates in {:.3} s; one update takes {:.0} µs (median), {:.0} µs (99th percentile)",
-        runtime.updates, runtime.total_s, runtime.p50_us, runtime.p99_us
+        "\n{rows} rows, {} updates in {:.3} s; one update takes {:.1} ms (median), {:.1} ms (99th percentile)",
+        runtime.updates,
+        runtime.total_s,
+        runtime.p50_us * 1e-3,
+        runtime.p99_us * 1e-3
     );
 }
 

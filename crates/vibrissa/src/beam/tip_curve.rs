@@ -7,10 +7,12 @@
 //! direction names the equilibrium.
 
 use super::pendulum::{Pendulum, Tilt};
-use core::f64::consts::FRAC_PI_2;
+use core::f64::consts::{FRAC_PI_2, PI};
 
 /// Tilts beyond this are left out (rad): the force then all but pulls or pushes along the whisker.
 const STEEPEST_TILT: f64 = 1.45;
+/// Slopes beyond this are left out (rad): a whisker that is wound up, and directions would repeat themselves.
+const STEEPEST_SLOPE: f64 = PI;
 /// Step along the curve in the plane of tilt and `t`; linear interpolation between steps errs by 2e-4 of the length.
 const STEP: f64 = 0.02;
 /// More steps than any curve takes; a guard, never reached.
@@ -70,7 +72,10 @@ fn by_beta(at: &Node) -> f64 {
 /// The equilibria with the dimensionless base moment `mu = M0 L / EI > 0` and the contact at the tip.
 ///
 /// One list for each piece of the curve on which the force's direction is monotone, the piece of least bending first,
-/// each in order of growing direction. Tilts within ±1.45 rad. Empty when `mu` is not positive and finite, or when no
+/// each in order of growing direction. Tilts within ±1.45 rad, slopes up to pi; the curve is followed from the least bent equilibrium at
+/// the tilt -1.45 rad on. Where a moment is so small that even the tilt +1.45 rad allows it, the curve leaves the range
+/// before it turns back, and its far side is left out: there the force all but runs through the base of a buckled
+/// whisker. Empty when `mu` is not positive and finite, or when no
 /// tip load causes so large a moment.
 #[must_use]
 pub fn tip_curve(mu: f64) -> Vec<Vec<TipEquilibrium>> {
@@ -85,21 +90,16 @@ pub fn tip_curve(mu: f64) -> Vec<Vec<TipEquilibrium>> {
 
 /// The least bent equilibrium at the steepest tilt, where the force pushes towards the base.
 fn first_node(mu: f64) -> Option<Node> {
-    let beta = -STEEPEST_TILT;
-    let end = MODE_END * node(beta, 1e-3).end;
-    let (mut lo, mut hi) = (0.0, 1e-3_f64.max(0.5 * mu.sqrt()));
-    while node(beta, hi).moment < mu {
-        lo = hi;
-        hi *= 1.1;
-        if hi > end {
-            return None;
-        }
+    let (peak, largest) = peak(STEEPEST_TILT);
+    if mu > largest {
+        return None;
     }
+    let (mut lo, mut hi) = (0.0, peak);
     for _ in 0..60 {
         let middle = 0.5 * (lo + hi);
-        if node(beta, middle).moment < mu { lo = middle } else { hi = middle }
+        if node(-STEEPEST_TILT, middle).moment < mu { lo = middle } else { hi = middle }
     }
-    Some(node(beta, hi))
+    Some(node(-STEEPEST_TILT, hi))
 }
 
 /// The curve from `first` on, until it leaves the range of tilts or the first mode.
@@ -115,7 +115,8 @@ fn follow(first: Node, mu: f64) -> Vec<TipEquilibrium> {
         // Small moments live at small t, where the step must not jump over the curve's bends.
         let step = STEP.min(0.2 * at.t);
         let next = correct(at.beta + step * heading.0, at.t + step * heading.1, mu, gradient);
-        if !(next.beta.abs() <= STEEPEST_TILT && next.t > 0.0 && next.t < MODE_END * next.end) {
+        let inside = next.beta.abs() <= STEEPEST_TILT && next.t > 0.0 && next.t < MODE_END * next.end;
+        if !(inside && next.equilibrium.slope <= STEEPEST_SLOPE) {
             break;
         }
         curve.push(next.equilibrium);
@@ -163,13 +164,20 @@ fn pieces(curve: &[TipEquilibrium]) -> Vec<Vec<TipEquilibrium>> {
 /// at least 0; steeper tilts than 1.45 rad are left out).
 #[must_use]
 pub fn largest_tip_moment(steepest: f64) -> f64 {
-    // The more the force pushes towards the base the larger the moment; over t the moment has one maximum.
-    let pendulum = Pendulum::new(Tilt::new((-steepest.min(STEEPEST_TILT)).sin(), steepest.min(STEEPEST_TILT).cos()));
-    let (mut lo, mut hi) = (0.0, pendulum.half_period());
+    peak(steepest.min(STEEPEST_TILT)).1
+}
+
+/// The `t` at which the moment is largest for a load tilted by `-tilt`, which pushes towards the base, and that moment; slopes up
+/// to pi.
+fn peak(tilt: f64) -> (f64, f64) {
+    let pendulum = Pendulum::new(Tilt::new(-tilt.sin(), tilt.cos()));
     let moment = |t: f64| t * pendulum.at(t).du;
+    // Over t the moment has one maximum: ternary search.
+    let (mut lo, mut hi) = (0.0, pendulum.time_of(STEEPEST_SLOPE));
     for _ in 0..100 {
         let (a, b) = (lo + (hi - lo) / 3.0, hi - (hi - lo) / 3.0);
         if moment(a) < moment(b) { lo = a } else { hi = b }
     }
-    moment(0.5 * (lo + hi))
+    let t = 0.5 * (lo + hi);
+    (t, moment(t))
 }

@@ -9,7 +9,7 @@ use crate::beam::{Whisker, tip_curve};
 use crate::config::TipLoad;
 use crate::plane::{Vec2, wrap_angle};
 use crate::sets::Interval;
-use core::f64::consts::FRAC_PI_2;
+use core::f64::consts::{FRAC_PI_2, TAU};
 
 /// One way in which the tip can touch: whisker frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,17 +49,14 @@ impl TipContactSet {
     #[must_use]
     pub fn branches(whisker: &Whisker, moment: f64, load: TipLoad) -> Vec<Self> {
         let mu = moment.abs() * whisker.length / whisker.flexural_rigidity;
-        let pieces = tip_curve(mu);
+        let curves = tip_curve(mu).into_iter().map(|piece| Self::from_curve(whisker, moment, &piece));
         match load {
-            TipLoad::BoundaryNormal => pieces
-                .into_iter()
-                .map(|piece| Self::from_curve(whisker, moment, &piece))
-                .filter(|set| set.contacts.len() > 1)
-                .collect(),
-            TipLoad::WhiskerNormal => pieces
-                .into_iter()
-                .filter_map(|piece| Self::from_curve(whisker, moment, &piece).whisker_normal())
-                .collect(),
+            TipLoad::BoundaryNormal => curves.filter(|set| set.contacts.len() > 1).collect(),
+            TipLoad::WhiskerNormal => {
+                let mut sets: Vec<Self> = curves.flat_map(Self::whisker_normal).collect();
+                sets.sort_by(|a, b| a.bending().total_cmp(&b.bending()));
+                sets
+            }
         }
     }
 
@@ -78,14 +75,19 @@ impl TipContactSet {
         Self { moment, contacts }
     }
 
-    /// The one contact of the curve whose force is normal to the whisker, if it is there.
-    fn whisker_normal(self) -> Option<Self> {
-        let tilt = |c: &TipContact| c.tilt();
-        let pair = self.contacts.windows(2).find(|w| tilt(&w[0]) * tilt(&w[1]) <= 0.0)?;
-        let (a, b) = (tilt(&pair[0]), tilt(&pair[1]));
-        let share = if a == b { 0.0 } else { a / (a - b) };
-        let contacts = vec![blend(&pair[0], &pair[1], share)];
-        Some(Self { moment: self.moment, contacts })
+    /// The contacts of the curve whose force is normal to the whisker, each a set of its own.
+    fn whisker_normal(self) -> Vec<Self> {
+        let normal = |pair: &[TipContact]| {
+            let (a, b) = (pair[0].tilt(), pair[1].tilt());
+            let crosses = (a <= 0.0) != (b <= 0.0);
+            crosses.then(|| Self { moment: self.moment, contacts: vec![blend(&pair[0], &pair[1], a / (a - b))] })
+        };
+        self.contacts.windows(2).filter_map(normal).collect()
+    }
+
+    /// How strongly the whisker is bent at the first contact: the size of its slope (rad).
+    fn bending(&self) -> f64 {
+        self.contacts.first().map_or(0.0, |c| c.slope.abs())
     }
 
     /// Whether the set is one point, whatever the direction of the force.
@@ -114,13 +116,18 @@ impl TipContactSet {
         if !self.directions().contains(direction) {
             return None;
         }
+        Some(self.interpolate(direction))
+    }
+
+    /// The contact at a direction on this branch's own turn of the circle; the nearest end beyond the branch.
+    fn interpolate(&self, direction: f64) -> TipContact {
         if self.is_point() {
-            return self.contacts.first().copied();
+            return self.contacts[0];
         }
         let after = self.contacts.partition_point(|c| c.direction < direction).clamp(1, self.contacts.len() - 1);
         let (a, b) = (&self.contacts[after - 1], &self.contacts[after]);
         let share = (direction - a.direction) / (b.direction - a.direction);
-        Some(blend(a, b, share))
+        blend(a, b, share.clamp(0.0, 1.0))
     }
 
     /// The contact nearest to `point` (m, whisker frame) among those whose force acts between `from` and `from + turn`
@@ -129,12 +136,25 @@ impl TipContactSet {
     /// None when no contact of this branch has such a direction, and for a set of one point.
     #[must_use]
     pub fn nearest(&self, point: Vec2, from: f64, turn: f64) -> Option<TipContact> {
-        let (start, range) = (self.unrolled(from + 0.5 * turn), self.directions());
-        let cone = range.intersection(Interval::new(start - 0.5 * turn, start + 0.5 * turn));
-        if cone.is_empty() || self.is_point() {
+        if self.is_point() {
             return None;
         }
-        let ends = [self.at_direction(cone.lo())?, self.at_direction(cone.hi())?];
+        let (middle, range) = (self.unrolled(from + 0.5 * turn), self.directions());
+        // The directions may span more than half a turn, so that the cone meets them on more than one turn.
+        let squared = |c: &TipContact| (c.position - point).norm_squared();
+        [middle - TAU, middle, middle + TAU]
+            .into_iter()
+            .map(|m| range.intersection(Interval::new(m - 0.5 * turn, m + 0.5 * turn)))
+            .filter_map(|cone| self.nearest_in(point, cone))
+            .min_by(|a, b| squared(a).total_cmp(&squared(b)))
+    }
+
+    /// The contact nearest to `point` among those with directions in `cone`, which lies in the range of directions.
+    fn nearest_in(&self, point: Vec2, cone: Interval) -> Option<TipContact> {
+        if cone.is_empty() {
+            return None;
+        }
+        let ends = [self.interpolate(cone.lo()), self.interpolate(cone.hi())];
         let inner = self.contacts.iter().filter(|c| cone.contains(c.direction)).copied();
         let chain: Vec<TipContact> = core::iter::once(ends[0]).chain(inner).chain([ends[1]]).collect();
         let on_link = |pair: &[TipContact]| {

@@ -10,7 +10,7 @@ use crate::sets::StateBox;
 pub enum Status {
     /// One place explains the log.
     Localized,
-    /// Several separate places explain the log.
+    /// Several separate places explain the log, or the contact was too short to tell any place.
     Ambiguous,
     /// No state explains this log on this map.
     Inconsistent,
@@ -93,7 +93,7 @@ pub struct Localization {
     pub trajectory: Vec<StampedPose>,
     /// The final state set; for the deterministic method its surviving points.
     pub states: Vec<StateBox>,
-    /// The candidates after the first observation, moved to the last row by the known motion.
+    /// The candidates after the first observation, at that time: the first row of the trajectory.
     pub first_states: Vec<Pose2>,
     /// The set's size after each update.
     pub steps: Vec<StepRecord>,
@@ -107,13 +107,14 @@ pub struct Localization {
 const LARGEST_PLACE: f64 = 0.02;
 const LARGEST_TURN: f64 = 0.35;
 /// Candidates less likely than the best by this factor stay in the state set, but nobody would bet on them.
-const LEAST_LIKELIHOOD: f64 = 1e-3;
+const LEAST_LIKELIHOOD: f64 = 1e-2;
 
 /// One hypothesis for each separate place that is worth a bet, at the odometry's `odom_from_robot`, the heaviest first.
 ///
 /// A candidate's likelihood is that of its misfit, if the tolerance is as many standard deviations as it says and a
-/// missed observation was missed by a whole tolerance. Candidates within a factor of 1000 of the best are grouped into
-/// separate places; each place stands for its best candidate, and is as wide as its group.
+/// missed observation was missed by a whole tolerance. Candidates within a factor of 100 of the best are grouped into
+/// separate places; each place stands for its best candidate, and is as wide as its group with the `tolerance` standard
+/// deviations of each.
 #[must_use]
 pub fn choose(states: &StateSet, odom_from_robot: Pose2, options: &DeterministicOptions) -> Vec<Hypothesis> {
     let Some(best) = states.best() else { return Vec::new() };
@@ -127,7 +128,9 @@ pub fn choose(states: &StateSet, odom_from_robot: Pose2, options: &Deterministic
         .map(|place| {
             let chosen = &likely[place.members[0]];
             let pose = chosen.map_from_odom.compose(odom_from_robot);
-            Hypothesis { pose, weight: likelihood(chosen), extent: place.extent }
+            let own = |&i: &usize| likely[i].extent(odom_from_robot, options.tolerance);
+            let extent = place.members.iter().map(own).fold(StateBox::EMPTY, |all, one| all.hull(&one));
+            Hypothesis { pose, weight: likelihood(chosen), extent }
         })
         .collect();
     let total: f64 = hypotheses.iter().map(|h| h.weight).sum();

@@ -93,6 +93,9 @@ impl SegmentTree {
     /// The nearest point of all edges that is no further than `reach`; the smaller the reach the faster the answer.
     #[must_use]
     pub fn nearest_within(&self, p: Vec2, reach: f64) -> Option<NearestEdge> {
+        if !p.is_finite() {
+            return None;
+        }
         let mut best: Option<NearestEdge> = None;
         let mut limit = reach * reach;
         let mut stack = Stack::new(self.nodes.len());

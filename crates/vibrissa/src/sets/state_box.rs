@@ -35,15 +35,19 @@ impl StateBox {
     /// The box grown to hold `state`, its heading taken on the turn nearest to the box.
     #[must_use]
     pub fn including(&self, state: Pose2) -> Self {
-        if self.is_empty() {
-            return Self::point(state);
+        self.hull(&Self::point(state))
+    }
+
+    /// The smallest box that holds both, the other's headings taken on the turn nearest to this one.
+    #[must_use]
+    pub fn hull(&self, other: &Self) -> Self {
+        if self.is_empty() || other.is_empty() {
+            return if self.is_empty() { *other } else { *self };
         }
-        let middle = 0.5 * (self.theta.lo() + self.theta.hi());
-        let theta = middle + wrap_angle(state.theta - middle);
-        Self {
-            x: self.x.hull(Interval::point(state.x)),
-            y: self.y.hull(Interval::point(state.y)),
-            theta: self.theta.hull(Interval::point(theta)),
-        }
+        let middle = |i: Interval| 0.5 * (i.lo() + i.hi());
+        let (own, there) = (middle(self.theta), middle(other.theta));
+        let shift = own + wrap_angle(there - own) - there;
+        let theta = Interval::new(other.theta.lo() + shift, other.theta.hi() + shift);
+        Self { x: self.x.hull(other.x), y: self.y.hull(other.y), theta: self.theta.hull(theta) }
     }
 }

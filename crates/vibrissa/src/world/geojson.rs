@@ -37,6 +37,10 @@ impl Map {
     ///
     /// What is not JSON or not such a map; the message names the line.
     pub fn from_geojson(text: &str, name: &str) -> Result<Self> {
+        Self::parse_geojson(text, name).map_err(|e| e.or_remedy("correct it there, or export the map again"))
+    }
+
+    fn parse_geojson(text: &str, name: &str) -> Result<Self> {
         let source = Source { text: text.strip_prefix('\u{feff}').unwrap_or(text), name };
         let root: &RawValue = serde_json::from_str(source.text).map_err(|e| source.not_json(&e))?;
         let mut boundaries = Vec::new();

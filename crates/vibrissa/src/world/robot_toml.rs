@@ -56,6 +56,11 @@ impl Robot {
     ///
     /// As [`Robot::read`].
     pub fn from_toml(text: &str, name: &str) -> Result<Self> {
+        Self::parse_toml(text, name)
+            .map_err(|e| e.or_remedy("correct the line; docs/files.md lists every key with its unit and range"))
+    }
+
+    fn parse_toml(text: &str, name: &str) -> Result<Self> {
         let source = Source { text: text.strip_prefix('\u{feff}').unwrap_or(text), name };
         let root = DeTable::parse(source.text).map_err(|e| {
             let line = e.span().map_or(1, |span| source.line(&span));

@@ -33,8 +33,11 @@ pub(super) fn report(
     json: bool,
     stored: bool,
 ) -> Result<Report> {
-    let text = std::fs::read_to_string(file)
-        .map_err(|error| Error::data(format!("cannot read the batch ({error})")).in_file(file))?;
+    let text = std::fs::read_to_string(file).map_err(|error| {
+        Error::data(format!("cannot read the batch ({error})"))
+            .in_file(file)
+            .remedy("check the path; the table is CSV in UTF-8")
+    })?;
     let solved = solve(&text, given, known, whisker).map_err(|error| error.in_file(file))?;
     let table = table(&solved, given)?;
     let text = if json {
@@ -54,7 +57,9 @@ fn solve(text: &str, given: Given, known: &Known, whisker: &Whisker) -> Result<S
     let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_bytes());
     let fault = |error: &csv::Error| {
         let line = error.position().map_or(1, |p| p.line() as usize);
-        Error::data(format!("broken table ({error})")).at_line(line)
+        Error::data(format!("broken table ({error})"))
+            .at_line(line)
+            .remedy("give each line as many fields as the header names, separated by commas")
     };
     let headers = reader.headers().map_err(|e| fault(&e))?.clone();
     let (mut rows, mut warnings) = (Vec::new(), Vec::new());

@@ -5,7 +5,7 @@ mod figure;
 mod input;
 mod single;
 
-use crate::args::OutputArgs;
+use crate::output::OutputArgs;
 use crate::output::{print, warn, write_all};
 use clap::Subcommand;
 use input::{Given, Known};

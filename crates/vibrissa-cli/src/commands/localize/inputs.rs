@@ -3,7 +3,7 @@
 use std::path::Path;
 use vibrissa::figure::{Outline, OutlineRole};
 use vibrissa::flow::pose::{Localization, StampedPose};
-use vibrissa::flow::sensor_log::SensorLog;
+use vibrissa::flow::sensor_log::{Channel, LogRow, Quantity, SensorLog};
 use vibrissa::flow::trajectory::read_tum;
 use vibrissa::world::{Boundary, Map, Robot, Role};
 use vibrissa::{LocalizeOptions, Result};
@@ -33,8 +33,13 @@ impl Inputs {
     }
 
     /// What looked wrong but could be read.
-    pub(super) fn warnings(&self) -> impl Iterator<Item = &str> {
-        self.map.warnings.iter().chain(&self.log.warnings).map(String::as_str)
+    pub(super) fn warnings(&self) -> Vec<String> {
+        let mounted = |name: &str| self.robot.whiskers.iter().any(|w| w.name == name);
+        let strange = |c: &&Channel| c.quantity == Quantity::Moment && !c.whisker.is_empty() && !mounted(&c.whisker);
+        let unused = self.log.channels.iter().filter(strange).map(|channel| {
+            format!("the column `{}` is not used: the robot has no whisker of this name", channel.column())
+        });
+        self.map.warnings.iter().chain(&self.log.warnings).cloned().chain(unused).collect()
     }
 
     /// The answer; `observer` is called after each row.
@@ -47,9 +52,9 @@ impl Inputs {
         self.title.clone()
     }
 
-    /// How many rows the log has.
-    pub(super) fn rows(&self) -> usize {
-        self.log.rows.len()
+    /// The rows of the log.
+    pub(super) fn rows(&self) -> &[LogRow] {
+        &self.log.rows
     }
 
     /// The map as lines to draw.
@@ -63,7 +68,7 @@ fn file_name(path: &Path) -> String {
 }
 
 /// The map's boundaries flattened finely enough for any screen.
-fn outlines(map: &Map) -> Vec<Outline> {
+pub(in crate::commands) fn outlines(map: &Map) -> Vec<Outline> {
     let one = |boundary: &Boundary| {
         let closed = boundary.curve().is_closed();
         let mut points = boundary.curve().flatten(DRAWING_TOLERANCE);

@@ -3,11 +3,12 @@
 mod deterministic;
 mod inputs;
 
-use crate::args::OutputArgs;
+use crate::output::OutputArgs;
 use crate::output::{Run, Stopwatch, deliver, warn};
 use clap::ValueEnum;
 use deterministic::DeterministicArgs;
 use inputs::Inputs;
+pub(super) use inputs::outlines;
 use std::path::PathBuf;
 use vibrissa::{Error, LocalizeOptions, Result};
 
@@ -54,15 +55,16 @@ enum MethodArg {
 pub(crate) fn run(args: &Args) -> Result<()> {
     let options = options(args)?;
     let inputs = Inputs::read(&args.log, &args.map, args.robot.as_deref(), args.truth.as_deref())?;
-    inputs.warnings().for_each(warn);
+    inputs.warnings().iter().for_each(|warning| warn(warning));
     let mut stopwatch = Stopwatch::start();
     let answer = inputs.localize(&options, &mut |_row| stopwatch.lap())?;
+    let runtime = stopwatch.stop(inputs.rows(), &answer.steps);
     deliver(
         &Run {
             title: inputs.title(),
             answer,
-            runtime: stopwatch.stop(),
-            rows: inputs.rows(),
+            runtime,
+            rows: inputs.rows().len(),
             map: inputs.outlines(),
             truth: inputs.truth,
         },

@@ -157,7 +157,7 @@ pub(super) fn legend_entries(scene: &LocalizationScene<'_>, canvas: &Canvas) -> 
     add(
         all > 0,
         Sample::Dots("candidate", "candidate-tick"),
-        format!("{} after first touch{every}", counted(all, "candidate")),
+        format!("{} at the first touch{every}", counted(all, "candidate")),
     );
     let sets = answer.states.iter().any(|state| !is_point(state));
     let survivor = if sets { Sample::Patch("survivor-box") } else { Sample::Dots("survivor", "survivor-tick") };

@@ -56,13 +56,13 @@ const MAP_WIDTH: f64 = 470.0;
 const MAP_HEIGHT: (f64, f64) = (280.0, 620.0);
 const SIDE_LEFT: f64 = 560.0;
 const DETAIL_SIZE: f64 = 200.0;
-/// The detail panel appears when it shows less than this share of the map.
+/// A close-up appears when it shows less than this share of the map.
 const DETAIL_SHARE: f64 = 0.3;
-/// The least that the detail panel shows (m).
+/// The least that the close-up of the estimate shows (m).
 const DETAIL_LEAST: f64 = 4e-3;
 const CAPTION_CHARACTERS: usize = 104;
 /// Where the second column of the legend starts, from the first.
-const LEGEND_COLUMN: f64 = 262.0;
+const LEGEND_COLUMN: f64 = 318.0;
 
 /// The figure as SVG text: map, path, whisker shapes, all candidates, the survivors, the estimate and how wide it is.
 ///
@@ -79,8 +79,11 @@ pub fn localization_figure(scene: &LocalizationScene<'_>) -> String {
 
     let side_top = detail.as_ref().map_or(top - 4.0, |canvas| canvas.frame().y + DETAIL_SIZE + 36.0);
     let legend_top = map.frame().y + map.frame().height + 52.0;
+    let side_bottom = side_top + LINE * side.len() as f64;
+    let sweep = sweep_canvas(scene, &map, side_bottom + 34.0);
+    let side_bottom = sweep.as_ref().map_or(side_bottom, |canvas| canvas.frame().y + DETAIL_SIZE + 24.0);
     let (left, right) = entries.split_at(entries.len().div_ceil(2));
-    let height = (legend_top + LINE * left.len() as f64).max(side_top + LINE * side.len() as f64) + MARGIN;
+    let height = (legend_top + LINE * left.len() as f64).max(side_bottom) + MARGIN;
 
     let mut document = Document::new(PAGE_WIDTH, height, scene.title, &caption);
     document.text(MARGIN, 34.0, "title", scene.title);
@@ -91,10 +94,25 @@ pub fn localization_figure(scene: &LocalizationScene<'_>) -> String {
     if let Some(canvas) = detail {
         draw_detail(&mut document, scene, canvas);
     }
+    if let Some(canvas) = sweep {
+        draw_sweep(&mut document, scene, canvas);
+    }
     readout::draw(&mut document, SIDE_LEFT, side_top, &side);
     legend(&mut document, MAP_LEFT, legend_top, left);
     legend(&mut document, MAP_LEFT + LEGEND_COLUMN, legend_top, right);
     document.finish()
+}
+
+fn draw_sweep(document: &mut Document, scene: &LocalizationScene<'_>, mut canvas: Canvas) {
+    layers::map(&mut canvas, scene.map);
+    layers::truth(&mut canvas, scene, 22.0);
+    layers::whiskers(&mut canvas, scene.answer);
+    layers::path(&mut canvas, scene.answer);
+    layers::estimate(&mut canvas, scene, false);
+    let frame = canvas.frame();
+    document.text(frame.x, frame.y - 8.0, "heading", "Close up: the sweep");
+    scale_bar(document, &canvas, 16.0);
+    canvas.place(document);
 }
 
 fn draw_map(document: &mut Document, scene: &LocalizationScene<'_>, mut canvas: Canvas, detail: Option<&Canvas>) {
@@ -140,6 +158,20 @@ fn map_canvas(scene: &LocalizationScene<'_>, top: f64) -> Canvas {
     let size = bounds.size();
     let height = (MAP_WIDTH * size.y / size.x).clamp(MAP_HEIGHT.0, MAP_HEIGHT.1);
     Canvas::new(Frame { x: MAP_LEFT, y: top, width: MAP_WIDTH, height }, bounds)
+}
+
+/// A square around the path and the whisker shapes, where that is small against the map.
+fn sweep_canvas(scene: &LocalizationScene<'_>, map: &Canvas, top: f64) -> Option<Canvas> {
+    let path = scene.answer.trajectory.iter().map(|row| row.map_from_robot.position());
+    let bounds = WorldBounds::of(path.chain(layers::placed_shapes(scene.answer).flatten()))?;
+    let (size, shown) = (bounds.size(), map.world().size());
+    let half = 0.58 * size.x.max(size.y);
+    if half <= 0.0 || 2.0 * half > DETAIL_SHARE * shown.x.max(shown.y) {
+        return None;
+    }
+    let world = WorldBounds { min: bounds.centre(), max: bounds.centre() }.grown(half);
+    let frame = Frame { x: SIDE_LEFT, y: top, width: DETAIL_SIZE, height: DETAIL_SIZE };
+    Some(Canvas::new(frame, world))
 }
 
 /// A square around the first hypothesis and the true end, where that is small against the map.

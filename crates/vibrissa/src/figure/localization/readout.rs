@@ -38,16 +38,16 @@ pub(super) fn draw(document: &mut Document, x: f64, y: f64, lines: &[Line]) {
 }
 
 fn estimate(only: &Hypothesis) -> Vec<Line> {
-    let row = |name: &str, value: f64, range: Interval, factor: f64, unit: &str| {
-        let [value, lo, hi] = [value, range.lo(), range.hi()].map(|number| fixed(number * factor, 1));
+    let row = |name: &str, value: f64, range: Interval, factor: f64, unit: &str, digits: usize| {
+        let [value, lo, hi] = [value, range.lo(), range.hi()].map(|number| fixed(number * factor, digits));
         ("label", format!("{name} = {value}{unit} [{lo}, {hi}]"))
     };
     let degrees = 1f64.to_degrees();
     vec![
         ("heading", "Estimate [extent of what is left]".into()),
-        row("x", only.pose.x, only.extent.x, 1e3, " mm"),
-        row("y", only.pose.y, only.extent.y, 1e3, " mm"),
-        row("heading", only.pose.theta, only.extent.theta, degrees, "°"),
+        row("x", only.pose.x, only.extent.x, 1e3, " mm", 2),
+        row("y", only.pose.y, only.extent.y, 1e3, " mm", 2),
+        row("heading", only.pose.theta, only.extent.theta, degrees, "°", 1),
     ]
 }
 

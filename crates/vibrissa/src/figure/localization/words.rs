@@ -7,6 +7,9 @@ use crate::plane::Pose2;
 /// The verdict in one sentence, with the estimate in millimetres and degrees.
 #[must_use]
 pub fn verdict(answer: &Localization) -> String {
+    if answer.status == Status::Ambiguous && answer.hypotheses.is_empty() {
+        return "ambiguous: the whisker touched, but too briefly or too roughly to tell where the robot is".into();
+    }
     let place = answer.estimate.map(place).unwrap_or_else(|| "nowhere".into());
     match answer.status {
         Status::Localized => format!("localized: {place}; {}", shrinkage(answer)),
@@ -21,7 +24,8 @@ pub fn verdict(answer: &Localization) -> String {
         }
         Status::Inconsistent => {
             let step = answer.events.iter().find(|event| event.kind == "inconsistent");
-            let step = step.map(|event| format!(" (t = {:.3} s: {})", event.t, event.detail)).unwrap_or_default();
+            let step =
+                step.map(|event| format!("; the last was ruled out at t = {:.3} s", event.t)).unwrap_or_default();
             format!("inconsistent: no state on this map explains the log{step}")
         }
         Status::NoContact => {
@@ -47,7 +51,12 @@ pub(super) fn fixed(value: f64, digits: usize) -> String {
 
 fn shrinkage(answer: &Localization) -> String {
     let (left, all) = (answer.states.len(), answer.first_states.len());
-    let candidates = if all > 0 { format!("{left} of {}", counted(all, "candidate")) } else { counted(left, "state") };
+    // The second observation may let in more candidates than the first.
+    let candidates = if all >= left && all > 0 {
+        format!("{left} of {}", counted(all, "candidate"))
+    } else {
+        counted(left, "candidate")
+    };
     let swept: f64 = answer
         .trajectory
         .windows(2)

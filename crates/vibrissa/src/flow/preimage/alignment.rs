@@ -2,8 +2,9 @@
 //!
 //! Each shape of the history puts the tip somewhere in the odometry frame; a parabola through these places has the
 //! slope of the boundary \[routray, section "Constructing a Preimage from Sensor Observation"\]. Where a shape lies
-//! depends on the direction of the contact force, which is normal to the boundary, whose slope is sought: a scalar
-//! equation in the slope at the centre, of which every root is an alignment.
+//! depends on the direction of the contact force, which is normal to the boundary, whose slope is sought. So every
+//! slope is tried: it is admissible if the parabola that it leads to agrees with it, give or take what the readings'
+//! errors leave open. While the contact hardly moves, that is everything.
 
 use crate::flow::contact_set::{TipContact, TipContactSet};
 use crate::flow::quadratic::Quadratic;
@@ -11,30 +12,37 @@ use crate::plane::{Pose2, Vec2, wrap_angle};
 use crate::sets::Interval;
 use core::f64::consts::{FRAC_PI_2, PI};
 
-/// How many force directions are tried before roots are refined.
+/// How many force directions are tried.
 const SCAN: usize = 96;
 /// Rounds in which the boundary's curvature within the history is refined.
 const CURVATURE_ROUNDS: usize = 3;
 /// Bisections of a root: from 3 degrees to a millionth.
-const BISECTIONS: usize = 24;
+const BISECTIONS: usize = 20;
 /// A boundary cannot bend more sharply than this within a history (1/m).
 const SHARPEST: f64 = 200.0;
 /// A change of slope between neighbouring trials beyond which a change of sign is a pole, not a root (rad).
 const POLE: f64 = 0.6;
+/// A stretch of more scanned directions than this is taken as it is; a narrower one is measured at its root.
+const NARROW: usize = 4;
+/// Disagreement up to which a slope is admissible, in standard deviations.
+const ADMISSIBLE: f64 = 3.0;
 
-/// One shape of the history: the tip contacts that its moment allows, and where the base was, seen from the centre's.
-#[derive(Clone, Debug)]
+/// The tip contacts that one shape's moment allows, and where the base was, seen from the centre's.
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct HistoryShape<'a> {
     pub(crate) center_from_whisker: Pose2,
     pub(crate) contacts: &'a TipContactSet,
 }
 
-/// How the whisker lies against the boundary: whisker frame of the centre.
+/// One range of ways in which the whisker can lie against the boundary: whisker frame of the centre.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Alignment {
-    /// Direction of the boundary at the contact, free space on its left (rad); the paper's `phi_E`.
+    /// Direction of the boundary at the contact, free space on its left (rad), where the history agrees best; the
+    /// paper's `phi_E`.
     pub boundary_slope: f64,
-    /// The tip contact.
+    /// The admissible slopes, as offsets from that (rad): from at most 0 to at least 0.
+    pub offsets: Interval,
+    /// The tip contact at the best slope.
     pub contact: TipContact,
     /// Standard deviation of the boundary's slope (rad).
     pub std: f64,
@@ -48,34 +56,52 @@ impl Alignment {
     pub fn gamma(&self) -> f64 {
         wrap_angle(self.contact.slope - self.boundary_slope)
     }
+
+    fn new(center: &TipContactSet, slope: f64, lo: f64, hi: f64) -> Option<Self> {
+        let contact = center.at_direction(slope + FRAC_PI_2)?;
+        let offsets = Interval::new(lo.min(slope) - slope, hi.max(slope) - slope);
+        let std = offsets.hi().max(-offsets.lo()) / ADMISSIBLE;
+        Some(Self { boundary_slope: wrap_angle(slope), offsets, contact, std })
+    }
 }
 
-/// The wall that a trial direction of the force implies.
-struct Trial {
-    /// Slope of the parabola at the centre against the assumed wall (rad): zero at a root.
-    fault: f64,
-}
-
-/// The history around one centre, ready to be tried.
+/// The shapes of a history on one branch: as the readings are, and with the readings off by a standard deviation in
+/// the ways that matter.
 pub(crate) struct History<'a> {
-    shapes: Vec<HistoryShape<'a>>,
-    center: &'a TipContactSet,
+    pub(crate) center: &'a TipContactSet,
+    pub(crate) shapes: Vec<HistoryShape<'a>>,
+    pub(crate) disturbed: [Vec<HistoryShape<'a>>; 2],
+    /// Standard deviation of each place across the boundary, for a force in this direction (m).
+    pub(crate) place_std: &'a dyn Fn(&TipContact) -> f64,
 }
 
-impl<'a> History<'a> {
-    pub(crate) fn new(center: &'a TipContactSet, shapes: Vec<HistoryShape<'a>>) -> Self {
-        Self { shapes, center }
+/// What the history says about one direction of the force.
+#[derive(Clone, Copy)]
+struct Trial {
+    /// Slope of the parabola at the centre against the assumed wall (rad): zero if they agree.
+    fault: f64,
+    /// Its standard deviation.
+    std: f64,
+}
+
+impl History<'_> {
+    /// All admissible slopes of the boundary, as separate ranges.
+    pub(crate) fn alignments(&self) -> Vec<Alignment> {
+        if self.center.is_point() { self.of_points().into_iter().collect() } else { self.of_scan() }
     }
 
-    /// The slopes of the boundary at the centre that agree with the history: centre frame, free space on the left (rad).
-    pub(crate) fn slopes(&self) -> Vec<f64> {
-        if self.center.is_point() { self.slope_of_points().into_iter().collect() } else { self.roots() }
+    /// Where shapes do not depend on the boundary: the paper's load normal to the whisker.
+    fn of_points(&self) -> Option<Alignment> {
+        let slope = self.slope_of_points(&self.shapes)?;
+        let off = |shapes: &[HistoryShape]| self.slope_of_points(shapes).map(|s| wrap_angle(s - slope));
+        let [a, b] = &self.disturbed;
+        let half = ADMISSIBLE * off(a)?.hypot(off(b)?);
+        Alignment::new(self.center, slope, slope - half, slope + half)
     }
 
-    /// The slope where shapes do not depend on the boundary: the paper's load normal to the whisker.
-    fn slope_of_points(&self) -> Option<f64> {
+    fn slope_of_points(&self, shapes: &[HistoryShape]) -> Option<f64> {
         let middle = self.center.contacts().first()?;
-        let places: Vec<Vec2> = self.shapes.iter().filter_map(|s| s.place(0.0, middle.direction)).collect();
+        let places: Vec<Vec2> = shapes.iter().filter_map(|s| s.place(0.0, middle.direction)).collect();
         let (first, last) = (places.first()?, places.last()?);
         let chord = (*last - *first).angle();
         let seen = places.iter().map(|p| (*p - middle.position).rotated(-chord)).map(|v| (v.x, v.y));
@@ -97,56 +123,107 @@ impl<'a> History<'a> {
         })
     }
 
-    fn roots(&self) -> Vec<f64> {
+    fn of_scan(&self) -> Vec<Alignment> {
         let range = self.directions();
         if range.is_empty() {
             return Vec::new();
         }
-        let at = |k: usize| range.lo() + range.width() * (k as f64 + 0.5) / SCAN as f64;
-        let faults: Vec<Option<Trial>> = (0..SCAN).map(|k| self.trial(at(k))).collect();
-        let mut roots = Vec::new();
-        for k in 1..SCAN {
-            let (Some(a), Some(b)) = (&faults[k - 1], &faults[k]) else { continue };
-            if (a.fault < 0.0) != (b.fault < 0.0) && (a.fault - b.fault).abs() < POLE {
-                roots.push(wrap_angle(self.refine(at(k - 1), at(k), a.fault < 0.0) - FRAC_PI_2));
+        let cell = range.width() / SCAN as f64;
+        let at = |k: usize| range.lo() + cell * (k as f64 + 0.5);
+        let trials: Vec<Option<Trial>> = (0..SCAN).map(|k| self.trial(at(k))).collect();
+        let fault = |k: usize| trials[k].map(|t| t.fault);
+        let crosses = |k: usize| match (fault(k), fault(k + 1)) {
+            (Some(a), Some(b)) => (a < 0.0) != (b < 0.0) && (a - b).abs() < POLE,
+            _ => false,
+        };
+        let agrees = |k: usize| trials[k].is_some_and(|t| t.fault.abs() <= ADMISSIBLE * t.std);
+        let mut found = Vec::new();
+        let mut k = 0;
+        while k < SCAN {
+            let start = k;
+            // A stretch of directions that agree, or that a root lies between.
+            while k + 1 < SCAN && ((agrees(k) && agrees(k + 1)) || crosses(k)) {
+                k += 1;
             }
+            if k > start || agrees(start) {
+                let (best, lo, hi) = if k > start + NARROW {
+                    (0.5 * (at(start) + at(k)), at(start), at(k))
+                } else {
+                    let root = (start..k).find(|&j| crosses(j));
+                    let best = root.map_or(at(start), |j| self.root(at(j), at(j + 1), fault(j) < Some(0.0)));
+                    self.narrow(best, at(start), at(k), cell)
+                };
+                found.extend(Alignment::new(self.center, best - FRAC_PI_2, lo - FRAC_PI_2, hi - FRAC_PI_2));
+            }
+            k += 1;
         }
-        roots
+        found
     }
 
-    fn refine(&self, mut lo: f64, mut hi: f64, negative_at_lo: bool) -> f64 {
+    /// The best direction of a narrow stretch and its ends, which a scan is too coarse to tell.
+    fn narrow(&self, best: f64, lo: f64, hi: f64, cell: f64) -> (f64, f64, f64) {
+        let step = 0.5 * cell;
+        let (Some(at), Some(after)) = (self.trial(best), self.trial(best + step)) else { return (best, lo, hi) };
+        let steepness = ((after.fault - at.fault) / step).abs();
+        let half = if steepness > 0.0 { (ADMISSIBLE * at.std / steepness).min(hi - lo + cell) } else { hi - lo };
+        (best, best - half, best + half)
+    }
+
+    /// The direction between `lo` and `hi` at which the fault changes its sign.
+    fn root(&self, mut lo: f64, mut hi: f64, negative_at_lo: bool) -> f64 {
         for _ in 0..BISECTIONS {
             let middle = 0.5 * (lo + hi);
-            match self.trial(middle) {
-                Some(trial) if (trial.fault < 0.0) == negative_at_lo => lo = middle,
+            match self.fault(&self.shapes, middle) {
+                Some(fault) if (fault < 0.0) == negative_at_lo => lo = middle,
                 _ => hi = middle,
             }
         }
         0.5 * (lo + hi)
     }
 
-    /// What the history says of the boundary if the force at the centre acts in `direction` (rad, centre frame).
+    /// What the history says about a direction; none where the centre has no contact with such a force.
     fn trial(&self, direction: f64) -> Option<Trial> {
+        let contact = self.center.at_direction(direction)?;
+        // Where the shapes show no wall at all, nothing can be said against the direction.
+        let Some(wall) = self.wall(&self.shapes, direction) else { return Some(Trial { fault: 0.0, std: PI }) };
+        let fault = wall.b.atan();
+        let own = (self.place_std)(&contact) * wall.variance_b.sqrt();
+        let off = |shapes: &[HistoryShape]| self.fault(shapes, direction).map_or(PI, |f| f - fault);
+        let [a, b] = &self.disturbed;
+        Some(Trial { fault, std: off(a).hypot(off(b)).hypot(own) })
+    }
+
+    /// Slope at the centre of the wall that the shapes show if the force at the centre acts in `direction` (rad,
+    /// centre frame), seen from the wall that this direction means.
+    fn fault(&self, shapes: &[HistoryShape], direction: f64) -> Option<f64> {
+        self.wall(shapes, direction).map(|wall| wall.b.atan())
+    }
+
+    /// That wall as a parabola over the wall that the direction means.
+    fn wall(&self, shapes: &[HistoryShape], direction: f64) -> Option<Quadratic> {
         let origin = self.center.at_direction(direction)?.position;
         let tangent = direction - FRAC_PI_2;
-        let mut along = vec![0.0; self.shapes.len()];
+        let mut along = [0.0; MOST_SHAPES];
+        let mut seen = [(0.0, 0.0); MOST_SHAPES];
         let mut curvature = 0.0;
-        let mut slope = 0.0;
+        let mut wall = None;
         for _ in 0..CURVATURE_ROUNDS {
-            let mut seen = Vec::with_capacity(self.shapes.len());
-            for (shape, along) in self.shapes.iter().zip(&mut along) {
-                let place = shape.place(direction, direction + curvature * *along)?;
+            for (k, shape) in shapes.iter().enumerate().take(MOST_SHAPES) {
+                let place = shape.place(direction, direction + curvature * along[k])?;
                 let local = (place - origin).rotated(-tangent);
-                *along = local.x;
-                seen.push((local.x, local.y));
+                along[k] = local.x;
+                seen[k] = (local.x, local.y);
             }
-            let fit = Quadratic::fit(seen.into_iter())?;
-            slope = fit.b;
+            let fit = Quadratic::fit(seen[..shapes.len().min(MOST_SHAPES)].iter().copied())?;
+            wall = Some(fit);
             curvature = (2.0 * fit.c / (1.0 + fit.b * fit.b).powf(1.5)).clamp(-SHARPEST, SHARPEST);
         }
-        Some(Trial { fault: slope.atan() })
+        wall
     }
 }
+
+/// The most shapes in a history.
+const MOST_SHAPES: usize = 5;
 
 impl HistoryShape<'_> {
     /// Where the tip is in the centre frame if the force acts in `direction` (rad, centre frame); directions that the

@@ -16,10 +16,10 @@ use core::f64::consts::FRAC_PI_2;
 
 /// Spacing of the headings that are tried where the boundary's slope is uncertain (rad).
 const HEADING_SPACING: f64 = 0.06;
-/// How far from the aligned heading states are laid out, in standard deviations.
-const HEADING_REACH: f64 = 2.0;
-/// A slope less certain than this (rad) aligns nothing.
-const WORST_SLOPE: f64 = 0.35;
+/// Least spread of a heading (rad): a wall is not quite a parabola.
+const LEAST_SPREAD: f64 = 0.02;
+/// In a range of slopes wider than this (rad) headings are laid out twice as far apart.
+const WIDE: f64 = 0.8;
 
 /// A robot state that explains an observation at one point of the boundary.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,7 +30,7 @@ pub struct AlignedState {
     pub contact: Vec2,
     /// Direction of the boundary's normal there, towards free space (rad), map frame.
     pub normal: f64,
-    /// Half the spacing to the next heading, or the standard deviation where there is one heading (rad).
+    /// The spacing to the next heading (rad), which this one stands for.
     pub heading_std: f64,
 }
 
@@ -39,18 +39,20 @@ pub struct AlignedState {
 /// With `T_k` the boundary's frame at a sample (x along the boundary, free space on its left), `phi_a` the whisker's
 /// slope at the contact and `gamma` the angle from boundary to whisker, the whisker base stands at
 /// `T_k R(gamma - phi_a) [-x(s_a), -y(s_a)]`, which is the paper's equation with its clockwise angles turned round.
-/// States whose whisker base is not in free space are left out.
+/// States whose whisker base is not in free space, or whose whisker crosses a boundary, are left out.
 #[must_use]
 pub fn aligned_states(map: &Map, samples: &[BoundarySample], observation: &Observation) -> Vec<AlignedState> {
     let mut states = Vec::new();
     for branch in &observation.branches {
-        for alignment in branch.alignments.iter().filter(|a| a.std <= WORST_SLOPE) {
-            for (offset, heading_std) in headings(alignment.std) {
+        for alignment in &branch.alignments {
+            for (offset, heading_std) in headings(alignment) {
                 let slope = alignment.boundary_slope + offset;
                 let Some(contact) = branch.contacts.at_direction(slope + FRAC_PI_2) else { continue };
+                let body = observation.body(&contact);
                 let place = |sample: &BoundarySample| {
                     let map_from_whisker = align(sample, slope, contact.position);
-                    map.is_free(map_from_whisker.position()).then(|| AlignedState {
+                    let possible = map.is_free(map_from_whisker.position()) && !crosses(map, map_from_whisker, &body);
+                    possible.then(|| AlignedState {
                         map_from_robot: map_from_whisker.compose(observation.robot_from_whisker.inverse()),
                         contact: sample.position,
                         normal: sample.tangent + FRAC_PI_2,
@@ -64,6 +66,12 @@ pub fn aligned_states(map: &Map, samples: &[BoundarySample], observation: &Obser
     states
 }
 
+/// Whether a chain of points in the whisker frame meets a boundary.
+fn crosses(map: &Map, map_from_whisker: Pose2, chain: &[Vec2]) -> bool {
+    let place = |p: &Vec2| map_from_whisker.transform_point(*p);
+    chain.windows(2).any(|link| map.crosses(place(&link[0]), place(&link[1])))
+}
+
 /// The whisker frame laid against one boundary point: `T_k R(-slope) (-tip)`, with `slope = phi_a - gamma`.
 fn align(sample: &BoundarySample, slope: f64, tip: Vec2) -> Pose2 {
     let boundary = Pose2::new(sample.position.x, sample.position.y, sample.tangent);
@@ -71,10 +79,11 @@ fn align(sample: &BoundarySample, slope: f64, tip: Vec2) -> Pose2 {
     turned.compose(Pose2::new(-tip.x, -tip.y, 0.0))
 }
 
-/// Offsets from the aligned heading and the spread that each stands for (rad).
-fn headings(std: f64) -> Vec<(f64, f64)> {
-    let each_side = (HEADING_REACH * std / HEADING_SPACING).ceil() as i32;
-    let spread = std.clamp(0.02, HEADING_SPACING);
-    let step = HEADING_REACH * std / f64::from(each_side.max(1));
-    (-each_side..=each_side).map(|k| (f64::from(k) * step, spread)).collect()
+/// Offsets from the best slope over all admissible ones, and the spread that each stands for (rad).
+fn headings(alignment: &Alignment) -> Vec<(f64, f64)> {
+    let (lo, width) = (alignment.offsets.lo(), alignment.offsets.width());
+    let spacing = if width > WIDE { 2.0 * HEADING_SPACING } else { HEADING_SPACING };
+    let steps = (width / spacing).ceil().max(1.0) as usize;
+    let step = width / steps as f64;
+    (0..=steps).map(|k| (lo + k as f64 * step, step.max(LEAST_SPREAD))).collect()
 }

@@ -3,10 +3,11 @@
 use super::columns::{Columns, ODOMETRY};
 use super::doubts::Doubts;
 use super::{LogRow, SensorLog};
+use crate::config::limits::LARGEST_ODOMETRY;
 use crate::plane::Pose2;
 use crate::world::cannot_open;
 use crate::{Error, Result};
-use csv::{ByteRecord, ReaderBuilder, Trim};
+use csv::{ByteRecord, ReaderBuilder, Terminator, Trim};
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
@@ -44,12 +45,13 @@ impl SensorLog {
     /// # Errors
     ///
     /// No header, a missing column, a line with too few or too many fields, a field that is not a finite number, a
-    /// clock that does not increase, no rows at all.
+    /// clock that does not increase, odometry beyond 1e8 m, no rows at all.
     pub fn from_reader(reader: impl Read, name: &str) -> Result<Self> {
         let mut ended_in_newline = true;
         let watched = Watched { inner: reader, ended_in_newline: &mut ended_in_newline };
-        let (log, cut) = read(watched, name).map_err(|e| e.in_file(name))?;
-        let log = finish(log, cut, ended_in_newline).map_err(|e| e.in_file(name))?;
+        let faulty = |e: Error| e.in_file(name).or_remedy("correct or remove the line, or record the log again");
+        let (log, cut) = read(watched, name).map_err(faulty)?;
+        let log = finish(log, cut, ended_in_newline).map_err(faulty)?;
         Ok(Self { source: Some(name.into()), ..log })
     }
 }
@@ -79,7 +81,13 @@ struct Pending {
 }
 
 fn read(reader: impl Read, name: &str) -> Result<(SensorLog, Option<Pending>)> {
-    let mut csv = ReaderBuilder::new().has_headers(false).flexible(true).trim(Trim::All).from_reader(reader);
+    let mut csv = ReaderBuilder::new()
+        .has_headers(false)
+        .flexible(true)
+        .trim(Trim::All)
+        // A carriage return is trimmed away; as part of the line end it would put the line numbers off by one.
+        .terminator(Terminator::Any(b'\n'))
+        .from_reader(reader);
     let mut record = ByteRecord::new();
     let mut next =
         |record: &mut ByteRecord| csv.read_byte_record(record).map_err(|e| Error::data("cannot read the log").value(e));
@@ -150,12 +158,14 @@ fn row(
         return Err(fault(error, short));
     }
     let number = |field: usize| number(&record[field], &columns.names[field]).map_err(|e| fault(e, false));
+    let metres =
+        |field: usize| number(field).and_then(|v| in_reach(v, &columns.names[field]).map_err(|e| fault(e, false)));
     let [t, x, y, theta] = columns.odometry;
     let (t, theta) = (number(t)?, number(theta)?);
     let row = LogRow {
         line,
         t,
-        odom_from_robot: Pose2::new(number(x)?, number(y)?, theta),
+        odom_from_robot: Pose2::new(metres(x)?, metres(y)?, theta),
         readings: columns.readings.iter().map(|&field| number(field)).collect::<core::result::Result<_, _>>()?,
         heading: columns.heading.map(number).transpose()?,
     };
@@ -169,6 +179,17 @@ fn row(
     doubts.look(line, &row, theta, previous, &columns.channels);
     log.rows.push(row);
     Ok(())
+}
+
+/// Refuses odometry that no robot on Earth has.
+fn in_reach(metres: f64, name: &str) -> Result<f64> {
+    if metres.abs() <= LARGEST_ODOMETRY {
+        return Ok(metres);
+    }
+    Err(Error::data(format!("{name} is out of range"))
+        .value(format!("{metres:e} m"))
+        .allowed(format!("-{LARGEST_ODOMETRY:e} to {LARGEST_ODOMETRY:e} m"))
+        .remedy("odometry is in metres; remove the row if the recording failed there"))
 }
 
 fn number(field: &[u8], name: &str) -> Result<f64> {

@@ -5,6 +5,7 @@ use crate::config::DeterministicOptions;
 use crate::flow::contact_set::TipContact;
 use crate::flow::preimage::{AlignedState, Observation};
 use crate::plane::{Pose2, Vec2};
+use crate::sets::{Interval, StateBox};
 use crate::world::Map;
 
 /// A symmetric matrix over (x, y, theta).
@@ -30,7 +31,7 @@ pub struct Candidate {
 
 impl Candidate {
     /// The candidate that a state of the first observation's preimage makes.
-    pub(super) fn at(state: &AlignedState, observation: &Observation, spacing: f64, missed: u32) -> Self {
+    pub(super) fn at(state: &AlignedState, observation: &Observation, spacing: f64) -> Self {
         let odom_from_robot = observation.odom_from_whisker.compose(observation.robot_from_whisker.inverse());
         let map_from_odom = state.map_from_robot.compose(odom_from_robot.inverse());
         // The whisker may stand half a spacing beside the sample, and turned about the contact.
@@ -42,7 +43,7 @@ impl Candidate {
         add_outer(&mut covariance, turn, state.heading_std.powi(2));
         Self {
             map_from_odom,
-            missed,
+            missed: 0,
             explained: 1,
             misfit: 0.0,
             normal: state.normal,
@@ -85,6 +86,23 @@ impl Candidate {
     #[must_use]
     pub fn rank(&self) -> f64 {
         f64::from(self.missed) + self.misfit
+    }
+
+    /// Where the robot may be by this candidate alone, with the odometry at `odom_from_robot`: its state, give or take
+    /// `std_devs` standard deviations of what it has explained.
+    #[must_use]
+    pub fn extent(&self, odom_from_robot: Pose2, std_devs: f64) -> StateBox {
+        let state = self.map_from_odom.compose(odom_from_robot);
+        let arm = (state.position() - self.map_from_odom.position()).perp();
+        let around = |value: f64, gradient: [f64; 3]| {
+            let half = std_devs * self.variance(gradient).max(0.0).sqrt();
+            Interval::new(value - half, value + half)
+        };
+        StateBox {
+            x: around(state.x, [1.0, 0.0, arm.x]),
+            y: around(state.y, [0.0, 1.0, arm.y]),
+            theta: around(state.theta, [0.0, 0.0, 1.0]),
+        }
     }
 
     /// Variance of a linear function of (x, y, theta).

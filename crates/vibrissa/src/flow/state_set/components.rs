@@ -59,5 +59,7 @@ fn cell(state: Pose2) -> [i64; 3] {
 
 fn neighbours(at: [i64; 3]) -> impl Iterator<Item = [i64; 3]> {
     let around = move |k: i64| [k % 3 - 1, (k / 3) % 3 - 1, k / 9 - 1];
-    (0..27).map(around).map(move |d| [at[0] + d[0], at[1] + d[1], (at[2] + d[2]).rem_euclid(headings())])
+    (0..27)
+        .map(around)
+        .map(move |d| [at[0].saturating_add(d[0]), at[1].saturating_add(d[1]), (at[2] + d[2]).rem_euclid(headings())])
 }

@@ -12,8 +12,9 @@ use crate::plane::{Pose2, Vec2, wrap_angle};
 use crate::world::{Map, MapPoint};
 use core::f64::consts::{FRAC_PI_2, PI};
 
-/// Rounds in which boundary point and force direction are brought into agreement.
-const ROUNDS: usize = 3;
+/// Most rounds in which boundary point and force direction are brought into agreement, and when they agree (rad).
+const ROUNDS: usize = 8;
+const AGREED: f64 = 1e-3;
 /// Furthest that a tip may lie beyond the end of a boundary's smooth piece (m): at corners the foot of the
 /// perpendicular does not exist.
 const ALONG: f64 = 3e-3;
@@ -77,7 +78,9 @@ pub(super) struct Match {
     pub(super) turn: Option<(f64, f64)>,
 }
 
-/// The state of the preimage nearest to the candidate, on the best branch; none within the tolerance.
+/// The state of the preimage nearest to the candidate, on the best branch.
+///
+/// None within the tolerance, or the whisker's base would stand in a wall.
 pub(super) fn nearest_state(
     map: &Map,
     candidate: &Candidate,
@@ -85,6 +88,9 @@ pub(super) fn nearest_state(
     tolerance: &Tolerance,
 ) -> Option<Match> {
     let map_from_whisker = candidate.map_from_odom.compose(observation.odom_from_whisker);
+    if !map.is_free(map_from_whisker.position()) {
+        return None;
+    }
     let on_branch = |branch| on_branch(map, candidate, map_from_whisker, branch, tolerance);
     observation.branches.iter().filter_map(on_branch).min_by(|a, b| a.cost.total_cmp(&b.cost))
 }
@@ -107,8 +113,13 @@ fn touch(map: &Map, pose: Pose2, branch: &Branch, mut normal: f64, mut near: Vec
         // No nearest point is further away than a known one; the margin covers the flattening of curves.
         let point = map.nearest_within(tip, tip.distance(near) + NEARBY)?;
         near = point.position;
-        normal = outward(map, &point, pose.position());
+        let outward = outward(map, &point, pose.position());
+        let agreed = wrap_angle(outward - normal).abs() < AGREED;
+        normal = outward;
         found = Some(Touch { tip, point, normal, contact });
+        if agreed {
+            break;
+        }
     }
     found
 }
@@ -193,14 +204,15 @@ fn turn(
     let nearest = branch
         .alignments
         .iter()
-        .map(|a| (wrap_angle(heading - a.boundary_slope), a.std))
-        .min_by(|a, b| (a.0.abs() / reach(a.1)).total_cmp(&(b.0.abs() / reach(b.1))));
-    let bounded = branch.determined && branch.alignments.iter().all(|a| a.std <= WORST_SLOPE);
+        .map(|a| (wrap_angle(heading - a.boundary_slope), a))
+        .min_by(|a, b| (a.0.abs() / reach(a.1.std)).total_cmp(&(b.0.abs() / reach(b.1.std))));
     match nearest {
-        Some((turn, std)) if turn.abs() <= reach(std) && std <= WORST_SLOPE => {
-            Some((turn.abs() / reach(std), Some((turn, std.hypot(LEAST_SLOPE)))))
+        _ if !branch.determined => Some((0.0, None)),
+        Some((turn, alignment)) => {
+            let share = turn.abs() / reach(alignment.std);
+            let telling = alignment.std <= WORST_SLOPE;
+            (share <= 1.0).then(|| (share, telling.then_some((turn, alignment.std.hypot(LEAST_SLOPE)))))
         }
-        _ if bounded => None,
-        _ => Some((0.0, None)),
+        None => None,
     }
 }

@@ -12,6 +12,8 @@
 mod candidate;
 mod components;
 mod membership;
+#[cfg(test)]
+mod tests;
 
 pub use candidate::Candidate;
 pub use components::{Component, components};
@@ -22,8 +24,8 @@ use crate::plane::Pose2;
 use crate::world::{BoundarySample, Map, Odometry};
 use membership::Tolerance;
 
-/// Observations from which new candidates still enter: the first one or two may lie at a corner and align with nothing.
-const ENTRY_OBSERVATIONS: u32 = 2;
+/// From how many observations candidates enter: one of them may lie at a corner and align with nothing.
+const ENTRIES: usize = 2;
 /// Fewest observations that a candidate may miss where any may be missed at all.
 const FEWEST_MISSES: u32 = 3;
 /// Candidates nearer to each other than this are one (m and rad): well below the boundary's sampling.
@@ -31,19 +33,13 @@ const SAME_PLACE: f64 = 0.5e-3;
 const SAME_HEADING: f64 = 6e-3;
 
 /// The candidates that explain the observations so far.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct StateSet {
     candidates: Vec<Candidate>,
     observations: u32,
     odom_from_robot: Pose2,
     travelled: f64,
     turned: f64,
-}
-
-impl Default for StateSet {
-    fn default() -> Self {
-        Self { candidates: Vec::new(), observations: 0, odom_from_robot: Pose2::IDENTITY, travelled: 0.0, turned: 0.0 }
-    }
 }
 
 impl StateSet {
@@ -78,14 +74,35 @@ impl StateSet {
         self.turned += (step.theta * odometry.rotation_relative).powi(2) / 3.0;
     }
 
-    /// Intersects the set with the preimage of an observation; the first observations also let candidates in.
-    pub fn intersect(
+    /// Starts the set from a few observations: the states that explain one of the two which leave the fewest slopes
+    /// open, intersected with the preimages of the others.
+    pub fn start(
         &mut self,
         map: &Map,
         samples: &[BoundarySample],
-        observation: &Observation,
+        observations: &[Observation],
         options: &DeterministicOptions,
     ) {
+        let mut order: Vec<usize> = (0..observations.len()).collect();
+        order.sort_by(|&a, &b| observations[a].open_slopes().total_cmp(&observations[b].open_slopes()));
+        for &entry in order.iter().take(ENTRIES) {
+            let enter = |state| Candidate::at(&state, &observations[entry], options.boundary_spacing);
+            let mut candidates: Vec<Candidate> =
+                aligned_states(map, samples, &observations[entry]).into_iter().map(enter).collect();
+            for (index, observation) in observations.iter().enumerate().filter(|&(index, _)| index != entry) {
+                let tolerance = Tolerance::new(observation, options);
+                candidates.iter_mut().for_each(|c| c.meet(map, observation, &tolerance));
+                let seen = index as u32 + 1;
+                candidates.retain(|c| c.missed <= allowed_misses(options.missed_share, seen));
+            }
+            self.candidates.extend(candidates);
+        }
+        self.observations = observations.len() as u32;
+        self.merge();
+    }
+
+    /// Intersects the set with the preimage of an observation.
+    pub fn intersect(&mut self, map: &Map, observation: &Observation, options: &DeterministicOptions) {
         self.observations += 1;
         let (travelled, turned) = (std::mem::take(&mut self.travelled), std::mem::take(&mut self.turned));
         let tolerance = Tolerance::new(observation, options);
@@ -93,21 +110,9 @@ impl StateSet {
             candidate.widen(self.odom_from_robot, travelled, turned);
             candidate.meet(map, observation, &tolerance);
         }
-        if self.observations <= ENTRY_OBSERVATIONS {
-            let enter = |state| Candidate::at(&state, observation, options.boundary_spacing, self.observations - 1);
-            self.candidates.extend(aligned_states(map, samples, observation).into_iter().map(enter));
-        }
-        let allowed = self.allowed_misses(options.missed_share);
+        let allowed = allowed_misses(options.missed_share, self.observations);
         self.candidates.retain(|c| c.missed <= allowed);
         self.merge();
-    }
-
-    /// How many of the observations so far a candidate may have missed.
-    fn allowed_misses(&self, share: f64) -> u32 {
-        if share <= 0.0 {
-            return 0;
-        }
-        FEWEST_MISSES.max((share * f64::from(self.observations)).floor() as u32)
     }
 
     /// Keeps the best of candidates that have run into each other.
@@ -148,4 +153,12 @@ impl StateSet {
     pub fn components(&self, odom_from_robot: Pose2) -> Vec<Component> {
         components(&self.candidates, odom_from_robot)
     }
+}
+
+/// How many of so many observations a candidate may have missed.
+fn allowed_misses(share: f64, observations: u32) -> u32 {
+    if share <= 0.0 {
+        return 0;
+    }
+    FEWEST_MISSES.max((share * f64::from(observations)).floor() as u32)
 }

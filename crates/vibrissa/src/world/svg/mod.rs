@@ -48,6 +48,11 @@ impl Map {
     /// What is not SVG, no shape with a role, open or self-crossing outlines, shapes that cannot be read; the message
     /// names line and element.
     pub fn from_svg(text: &str, name: &str) -> Result<Self> {
+        Self::parse_svg(text, name)
+            .map_err(|e| e.or_remedy("correct the shape in the drawing program and save it again"))
+    }
+
+    fn parse_svg(text: &str, name: &str) -> Result<Self> {
         let options = ParsingOptions { allow_dtd: true, ..ParsingOptions::default() };
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         if text.trim().is_empty() {

@@ -1,0 +1,41 @@
+//! A sweep as the text of files, in SI units, each number in the shortest form that reads back the same.
+
+use super::Sweep;
+use crate::flow::sensor_log::{Channel, SensorLog};
+use std::fmt::Write;
+
+/// The log as CSV: `t,x,y,theta` and one column for each channel (s, m, rad, N m).
+#[must_use]
+pub fn log_csv(log: &SensorLog) -> String {
+    let mut text = String::from("t,x,y,theta");
+    for column in log.channels.iter().map(Channel::column) {
+        text.push(',');
+        text.push_str(&column);
+    }
+    text.push('\n');
+    for row in &log.rows {
+        let pose = row.odom_from_robot;
+        // Writing into a string cannot fail.
+        let _ = write!(text, "{},{},{},{}", row.t, pose.x, pose.y, pose.theta);
+        for reading in &row.readings {
+            let _ = write!(text, ",{reading}");
+        }
+        text.push('\n');
+    }
+    text
+}
+
+/// The touches as CSV: `t,x,y`, the tip in the map frame (s, m); with several whiskers their index follows.
+#[must_use]
+pub fn contacts_csv(sweep: &Sweep) -> String {
+    let many = sweep.log.channels.len() > 1;
+    let mut text = String::from(if many { "t,x,y,whisker\n" } else { "t,x,y\n" });
+    for touch in &sweep.contacts {
+        let _ = write!(text, "{},{},{}", touch.t, touch.position.x, touch.position.y);
+        if many {
+            let _ = write!(text, ",{}", touch.whisker);
+        }
+        text.push('\n');
+    }
+    text
+}
