@@ -2,7 +2,9 @@
 //!
 //! With the slope's square dropped the whisker keeps its length along x, and every load is normal:
 //!
-//!     phi_a = F s_a² / (2 EI),   y = F s_a³ / (3 EI),   M0 = F s_a,   y(s) = F s² (3 s_a - s) / (6 EI)
+//! ```text
+//! phi_a = F s_a² / (2 EI),   y = F s_a³ / (3 EI),   M0 = F s_a,   y(s) = F s² (3 s_a - s) / (6 EI)
+//! ```
 //!
 //! The relative error grows like the square of the slope: about 1 % of the contact's distance at 13 degrees, and a
 //! quarter at 70.

@@ -3,11 +3,15 @@
 //! With `q = F s_a² / (2 EI)` and `y = q²` write slope, sine and cosine of the slope, and the contact seen along and across
 //! the tangent at the contact as
 //!
-//!     phi_a = q P,   cos(phi_a) = C,   sin(phi_a) = q S,   along = s_a A,   across = s_a q B,   S = A²
+//! ```text
+//! phi_a = q P,   cos(phi_a) = C,   sin(phi_a) = q S,   along = s_a A,   across = s_a q B,   S = A²
+//! ```
 //!
 //! From the pendulum `u'' = cos u` (see the module on it) follow equations with no root and no angle in them:
 //!
-//!     P + 2 y P' = A,   A + 4 y A' = C,   2 C' = -S A,   S + 2 y S' = C A,   3 B + 4 y B' = S
+//! ```text
+//! P + 2 y P' = A,   A + 4 y A' = C,   2 C' = -S A,   S + 2 y S' = C A,   3 B + 4 y B' = S
+//! ```
 //!
 //! with `P = A = C = S = 1, B = 1/3` at `y = 0`; that `S = A²` is the pendulum's energy, `u'²/2 = sin u`. The nearest singularity is at `y = -11.82`, so pieces of length 1 in `y`
 //! need eleven terms for 3e-14. Constant evaluation does all of it: there is no table of numbers to trust.
