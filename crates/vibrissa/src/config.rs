@@ -34,6 +34,8 @@ pub mod defaults {
     pub const YOUNG_MODULUS: f64 = 52e9;
     /// Wire diameter (m), \[routray, section "Sensor Fabrication"\].
     pub const DIAMETER: f64 = 0.58e-3;
+    /// Largest strain of the surface that raises no doubt: superelastic Nitinol springs back from about 6 %.
+    pub const STRAIN_LIMIT: f64 = 0.06;
     /// Flexural rigidity E I (N m²): 52 GPa times 5.555e-15 m⁴, rounded as the paper rounds it.
     pub const FLEXURAL_RIGIDITY: f64 = 2.8886e-4;
     /// Tip radius over base radius: the paper's wire does not taper.

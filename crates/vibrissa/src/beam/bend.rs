@@ -1,7 +1,11 @@
 //! One loaded whisker in equilibrium: everything that can be asked about it.
 
 use super::pendulum::{Pendulum, Swing, Tilt};
+use super::rod::Rod;
 use crate::plane::Vec2;
+use alloc::sync::Arc;
+
+extern crate alloc;
 
 /// A point of a bent whisker, whisker frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,10 +18,11 @@ pub struct ShapePoint {
     pub curvature: f64,
 }
 
-/// A uniform straight clamped whisker in equilibrium under one force.
+/// A whisker in equilibrium under one force.
 ///
 /// Guarantee: `moment = x F_y - y F_x` and `force_vector = force (-sin(phi_a + beta), cos(phi_a + beta))`, for every sign.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// The base's reaction is the opposite force and moment.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Bend {
     /// The force (N) along the load's direction; negative when it acts the other way.
     pub force: f64,
@@ -31,9 +36,24 @@ pub struct Bend {
     pub contact: Vec2,
     /// Moment of the contact force about the base (N m), counter-clockwise positive.
     pub moment: f64,
-    pub(super) flexural_rigidity: f64,
-    pub(super) tilt: Tilt,
-    pub(super) side: f64,
+    pub(super) body: Body,
+}
+
+/// What bends.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Body {
+    /// The closed form covers it.
+    Uniform(Uniform),
+    /// It is integrated.
+    Rod(Arc<Rod>),
+}
+
+/// A uniform straight clamped whisker, and how its closed form is posed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Uniform {
+    flexural_rigidity: f64,
+    tilt: Tilt,
+    side: f64,
 }
 
 /// What the three modes know when they have found an equilibrium.
@@ -59,9 +79,7 @@ impl Bend {
             beta,
             contact: Vec2::new(s_a, 0.0),
             moment: 0.0,
-            flexural_rigidity,
-            tilt: Tilt::new(sin, cos.abs()),
-            side: 1.0,
+            body: Body::Uniform(Uniform { flexural_rigidity, tilt: Tilt::new(sin, cos.abs()), side: 1.0 }),
         }
     }
 
@@ -78,9 +96,7 @@ impl Bend {
             beta: beta(phi_a),
             contact: Vec2::new(scale * x, side * scale * y),
             moment: side * flexural_rigidity / s_a * swing.t * swing.du,
-            flexural_rigidity,
-            tilt,
-            side,
+            body: Body::Uniform(Uniform { flexural_rigidity, tilt, side }),
         }
     }
 
@@ -90,33 +106,12 @@ impl Bend {
         self.force * Vec2::from_angle(self.phi_a + self.beta).perp()
     }
 
-    /// Dimensionless arc length per metre, `sqrt(|F| / EI)` (1/m).
-    fn rate(&self) -> f64 {
-        (self.force.abs() / self.flexural_rigidity).sqrt()
-    }
-
-    /// The whisker at arc length `s` (m) from the base; straight beyond the contact, and before the base.
+    /// The whisker at arc length `s` (m) from the base; at rest beyond the contact, straight before the base.
     #[must_use]
     pub fn point_at(&self, s: f64) -> ShapePoint {
-        self.point_with(&Pendulum::new(self.tilt), s)
-    }
-
-    fn point_with(&self, pendulum: &Pendulum, s: f64) -> ShapePoint {
-        let rate = self.rate();
-        if s >= self.s_a {
-            let position = self.contact + (s - self.s_a) * Vec2::from_angle(self.phi_a);
-            return ShapePoint { position, slope: self.phi_a, curvature: 0.0 };
-        }
-        if s <= 0.0 || rate <= 0.0 {
-            let curvature = if s < 0.0 { 0.0 } else { self.moment / self.flexural_rigidity };
-            return ShapePoint { position: Vec2::new(s, 0.0), slope: 0.0, curvature };
-        }
-        let swing = pendulum.at((self.s_a - s) * rate);
-        let back = Vec2::new(-swing.along, self.side * swing.across) * (1.0 / rate);
-        ShapePoint {
-            position: self.contact + back.rotated(self.phi_a),
-            slope: self.phi_a - self.side * swing.u,
-            curvature: self.side * rate * swing.du,
+        match &self.body {
+            Body::Uniform(uniform) => uniform.point_with(self, &Pendulum::new(uniform.tilt), s),
+            Body::Rod(rod) => rod.bent(self).point_at(s),
         }
     }
 
@@ -134,27 +129,80 @@ impl Bend {
         if n < 2 {
             return Vec::new();
         }
-        let pendulum = Pendulum::new(self.tilt);
         let at = |i: usize| length * (i as f64 / (n - 1) as f64);
-        (0..n).map(|i| (at(i), self.point_with(&pendulum, at(i)))).collect()
+        match &self.body {
+            Body::Uniform(uniform) => {
+                let pendulum = Pendulum::new(uniform.tilt);
+                (0..n).map(|i| (at(i), uniform.point_with(self, &pendulum, at(i)))).collect()
+            }
+            Body::Rod(rod) => {
+                let bent = rod.bent(self);
+                (0..n).map(|i| (at(i), bent.point_at(at(i)))).collect()
+            }
+        }
     }
 
-    /// The tip of a whisker of `length` (m), which is straight beyond the contact, whisker frame (m).
+    /// The tip of a whisker of `length` (m), which carries no load beyond the contact, whisker frame (m).
     #[must_use]
     pub fn tip(&self, length: f64) -> Vec2 {
-        self.contact + (length - self.s_a) * Vec2::from_angle(self.phi_a)
+        match &self.body {
+            Body::Uniform(_) => self.contact + (length - self.s_a) * Vec2::from_angle(self.phi_a),
+            Body::Rod(rod) => rod.bent(self).point_at(length).position,
+        }
     }
 
-    /// How far the tip moved from where the undeflected whisker has it (m), whisker frame.
+    /// How far the tip of a straight whisker of `length` (m) moved: from `(length, 0)` to [`Bend::tip`] (m).
     #[must_use]
     pub fn tip_displacement(&self, length: f64) -> Vec2 {
         self.tip(length) - Vec2::new(length, 0.0)
     }
 
-    /// The elastic energy (J): `∫ M(s)² / (2 EI) ds`.
+    /// The elastic energy (J): `∫ M(s)² / (2 EI) ds`, and the base's `M0² / (2 k_base)`.
     #[must_use]
     pub fn energy(&self) -> f64 {
-        let rate = self.rate();
-        self.flexural_rigidity * rate * Pendulum::new(self.tilt).at(self.s_a * rate).energy
+        match &self.body {
+            Body::Uniform(uniform) => uniform.energy(self),
+            Body::Rod(rod) => rod.bent(self).energy() + 0.5 * self.moment * rod.base_angle(self.moment),
+        }
+    }
+
+    /// How far the base has turned (rad); 0 when it is clamped.
+    #[must_use]
+    pub fn base_angle(&self) -> f64 {
+        match &self.body {
+            Body::Uniform(_) => 0.0,
+            Body::Rod(rod) => rod.base_angle(self.moment),
+        }
+    }
+}
+
+impl Uniform {
+    /// Dimensionless arc length per metre, `sqrt(|F| / EI)` (1/m).
+    fn rate(&self, force: f64) -> f64 {
+        (force.abs() / self.flexural_rigidity).sqrt()
+    }
+
+    fn point_with(&self, bend: &Bend, pendulum: &Pendulum, s: f64) -> ShapePoint {
+        let rate = self.rate(bend.force);
+        if s >= bend.s_a {
+            let position = bend.contact + (s - bend.s_a) * Vec2::from_angle(bend.phi_a);
+            return ShapePoint { position, slope: bend.phi_a, curvature: 0.0 };
+        }
+        if s <= 0.0 || rate <= 0.0 {
+            let curvature = if s < 0.0 { 0.0 } else { bend.moment / self.flexural_rigidity };
+            return ShapePoint { position: Vec2::new(s, 0.0), slope: 0.0, curvature };
+        }
+        let swing = pendulum.at((bend.s_a - s) * rate);
+        let back = Vec2::new(-swing.along, self.side * swing.across) * (1.0 / rate);
+        ShapePoint {
+            position: bend.contact + back.rotated(bend.phi_a),
+            slope: bend.phi_a - self.side * swing.u,
+            curvature: self.side * rate * swing.du,
+        }
+    }
+
+    fn energy(&self, bend: &Bend) -> f64 {
+        let rate = self.rate(bend.force);
+        self.flexural_rigidity * rate * Pendulum::new(self.tilt).at(bend.s_a * rate).energy
     }
 }

@@ -4,8 +4,9 @@ use super::bend::{Bend, Found};
 use super::elastica::{MAX_LENGTH, bend};
 use super::fixed_line::FixedLine;
 use super::load::{Line, Load};
+use super::rod::Rod;
 use super::whisker::Whisker;
-use super::{check_s_a, finite, sorted};
+use super::{check_arc_length, finite, sorted};
 use crate::error::{Error, Result};
 use core::f64::consts::PI;
 
@@ -17,11 +18,14 @@ use core::f64::consts::PI;
 /// shapes that curl over.
 ///
 /// # Errors
-/// Usage: `force` not finite, `s_a` outside (0, L], or a force beyond `62500 EI / s_a²`. Data: a whisker that is not solved yet.
+/// Usage: `force` not finite, `s_a` outside (0, L], or a force beyond `62500 EI / s_a²`. Data: a whisker that makes no sense, see [`Rod::new`].
 pub fn force_mode(whisker: &Whisker, force: f64, s_a: f64, load: Load) -> Result<Vec<Bend>> {
+    if !whisker.is_uniform() {
+        return Rod::new(whisker)?.force_mode(force, s_a, load);
+    }
     whisker.require_uniform()?;
     finite("force", force, "N")?;
-    check_s_a(whisker, s_a)?;
+    check_arc_length(whisker.length, s_a)?;
     let line = load.line()?;
     let ei = whisker.flexural_rigidity;
     let t = s_a * (force.abs() / ei).sqrt();

@@ -5,6 +5,7 @@
 //! | force | `F, s_a` | [`force_mode`] | one, or none for a force that turns with the whisker and is too large |
 //! | moment | `M0, s_a` | [`moment_mode`] | normal load: two below `M0 s_a / EI` = 2.944, none above |
 //! | point | `x, y` | [`point_mode`] | one; two or none for points far to the side |
+//! | tip | `x, y` of the tip | [`tip_mode`] | force and its direction; one, or several where the whisker can snap |
 //!
 //! All in SI, in the whisker frame: base at the origin, undeflected whisker along +x, angles counter-clockwise. A push towards
 //! +y bends the whisker towards +y and has a positive moment. Mirroring the whisker at its axis turns
@@ -14,6 +15,8 @@
 //! answer: no such equilibrium exists. Stability is not judged; a rod may pass through itself.
 //!
 //! The closed form covers the uniform, straight, clamped whisker; see [`elastica::bend`] for the inner loop without a search.
+//! Under a normal load [`normal`] is as exact and ten times as fast; [`small_angle`] is the model that it is not.
+//! Taper, rest curvature, several wires and elastic bases are integrated; see [`Rod`].
 
 mod bend;
 pub mod elastica;
@@ -22,10 +25,15 @@ mod force_mode;
 pub mod jacobi;
 mod load;
 mod moment_mode;
+pub mod normal;
 mod pendulum;
 mod point_mode;
+pub mod rod;
 mod root;
+pub mod small_angle;
+mod strain;
 mod tip_curve;
+mod tip_mode;
 mod whisker;
 
 pub use bend::{Bend, ShapePoint};
@@ -33,10 +41,15 @@ pub use force_mode::force_mode;
 pub use load::Load;
 pub use moment_mode::moment_mode;
 pub use point_mode::point_mode;
+pub use rod::{Rod, Segment};
+pub use small_angle::SmallAngle;
+pub use strain::Strain;
 pub use tip_curve::{TipEquilibrium, largest_tip_moment, tip_curve};
+pub use tip_mode::tip_mode;
 pub use whisker::Whisker;
 
 use crate::error::{Error, Result};
+use crate::plane::Vec2;
 
 /// Refuses a number that is not finite.
 fn finite(name: &str, value: f64, unit: &str) -> Result<()> {
@@ -46,15 +59,26 @@ fn finite(name: &str, value: f64, unit: &str) -> Result<()> {
     Err(Error::usage(name).value(value).allowed(format!("a finite number of {unit}")))
 }
 
-/// Refuses a contact that is not on the whisker.
-fn check_s_a(whisker: &Whisker, s_a: f64) -> Result<()> {
-    if s_a > 0.0 && s_a <= whisker.length {
+/// Refuses a contact that is not on a whisker of `length`.
+fn check_arc_length(length: f64, s_a: f64) -> Result<()> {
+    if s_a > 0.0 && s_a <= length {
         return Ok(());
     }
     Err(Error::usage("s_a")
         .value(s_a)
-        .allowed(format!("above 0 and up to the whisker's length {} m", whisker.length))
+        .allowed(format!("above 0 and up to the whisker's length {length} m"))
         .remedy("give the arc length from the base to the contact in metres"))
+}
+
+/// Refuses a contact point that is nowhere or at the base.
+fn check_contact(contact: Vec2) -> Result<()> {
+    let distance = contact.norm();
+    if distance.is_finite() && distance > 0.0 {
+        return Ok(());
+    }
+    Err(Error::usage("contact point")
+        .value(format!("({}, {})", contact.x, contact.y))
+        .allowed("finite, in metres, and away from the base"))
 }
 
 /// The equilibria, least slope first.

@@ -5,9 +5,10 @@ use super::elastica::canonical;
 use super::fixed_line::FixedLine;
 use super::load::{Line, Load};
 use super::pendulum::{Pendulum, Swing, Tilt};
+use super::rod::Rod;
 use super::root::{root, root_through};
 use super::whisker::Whisker;
-use super::{check_s_a, finite, sorted};
+use super::{check_arc_length, finite, sorted};
 use crate::error::Result;
 use core::f64::consts::PI;
 
@@ -22,11 +23,14 @@ use core::f64::consts::PI;
 /// | vertical, directed | one, up to the longest whisker that is solved (`s_a sqrt(F/EI)` = 250) |
 ///
 /// # Errors
-/// Usage: `moment` not finite or `s_a` outside (0, L]. Data: a whisker that is not solved yet.
+/// Usage: `moment` not finite or `s_a` outside (0, L]. Data: a whisker that makes no sense, see [`Rod::new`].
 pub fn moment_mode(whisker: &Whisker, moment: f64, s_a: f64, load: Load) -> Result<Vec<Bend>> {
+    if !whisker.is_uniform() {
+        return Rod::new(whisker)?.moment_mode(moment, s_a, load);
+    }
     whisker.require_uniform()?;
     finite("moment", moment, "N m")?;
-    check_s_a(whisker, s_a)?;
+    check_arc_length(whisker.length, s_a)?;
     let line = load.line()?;
     let flexural_rigidity = whisker.flexural_rigidity;
     let scaled = moment.abs() * s_a / flexural_rigidity;

@@ -6,10 +6,11 @@ use super::fixed_line::FixedLine;
 use super::load::{Line, Load};
 use super::moment_mode::pushing;
 use super::pendulum::{Pendulum, Swing, Tilt};
+use super::rod::Rod;
 use super::root::{root, root_through};
-use super::sorted;
 use super::whisker::Whisker;
-use crate::error::{Error, Result};
+use super::{check_contact, sorted};
+use crate::error::Result;
 use crate::plane::Vec2;
 use core::f64::consts::PI;
 
@@ -21,15 +22,14 @@ use core::f64::consts::PI;
 /// which the force's line meets the base (90 degrees for a normal load) there are two.
 ///
 /// # Errors
-/// Usage: a contact that is not finite or at the base. Data: a whisker that is not solved yet.
+/// Usage: a contact that is not finite or at the base. Data: a whisker that makes no sense, see [`Rod::new`].
 pub fn point_mode(whisker: &Whisker, contact: Vec2, load: Load) -> Result<Vec<Bend>> {
-    whisker.require_uniform()?;
-    let distance = contact.norm();
-    if !distance.is_finite() || distance <= 0.0 {
-        return Err(Error::usage("contact point")
-            .value(format!("({}, {})", contact.x, contact.y))
-            .allowed("finite, in metres, and away from the base"));
+    if !whisker.is_uniform() {
+        return Rod::new(whisker)?.point_mode(contact, load);
     }
+    whisker.require_uniform()?;
+    check_contact(contact)?;
+    let distance = contact.norm();
     let line = load.line()?;
     let mut bends = Vec::new();
     if contact.y.abs() <= 0.0 && contact.x > 0.0 && distance <= whisker.length {

@@ -33,6 +33,13 @@ impl Default for Whisker {
 }
 
 impl Whisker {
+    /// Whether the closed form covers this whisker: no taper, straight at rest, clamped.
+    #[must_use]
+    pub fn is_uniform(&self) -> bool {
+        let is = |value: f64, only: f64| value.partial_cmp(&only) == Some(Ordering::Equal);
+        is(self.tip_ratio, 1.0) && is(self.curvature, 0.0) && is(self.base_stiffness, f64::INFINITY)
+    }
+
     /// Checks that the closed form covers this whisker: uniform, straight, clamped, with positive length and rigidity.
     ///
     /// # Errors
@@ -46,13 +53,13 @@ impl Whisker {
             return Err(Error::data("flexural_rigidity").value(self.flexural_rigidity).allowed("above 0 N m²"));
         }
         let checks = [
-            ("tip_ratio", self.tip_ratio, 1.0, "tapered whiskers are not solved yet; use tip_ratio = 1"),
-            ("curvature", self.curvature, 0.0, "curved whiskers are not solved yet; use curvature = 0"),
+            ("tip_ratio", self.tip_ratio, 1.0, "tapered whiskers have no closed form; use tip_ratio = 1"),
+            ("curvature", self.curvature, 0.0, "curved whiskers have no closed form; use curvature = 0"),
             (
                 "base_stiffness",
                 self.base_stiffness,
                 f64::INFINITY,
-                "elastic bases are not solved yet; use base_stiffness = inf",
+                "whiskers on elastic bases have no closed form; use base_stiffness = inf",
             ),
         ];
         for (name, value, only, remedy) in checks {

@@ -11,6 +11,7 @@ use clap::Subcommand;
 use input::{Given, Known};
 use std::path::PathBuf;
 use vibrissa::beam::{Load, Whisker};
+use vibrissa::config::defaults;
 use vibrissa::world::{Dimension, Robot};
 use vibrissa::{Error, Result};
 
@@ -85,8 +86,23 @@ struct Common {
     /// or `M0`); what a row lacks comes from the options and the robot
     #[arg(long, value_name = "FILE")]
     batch: Option<PathBuf>,
+    /// Diameter at the base, for the strain of the surface (m) [default: the paper's 0.58 mm, for a whisker of its rigidity]
+    #[arg(long, value_name = "LENGTH")]
+    diameter: Option<String>,
+    /// Strain beyond which the whisker would stay bent, for a warning [default: 0.06, Nitinol's]
+    #[arg(long, value_name = "RATIO")]
+    strain_limit: Option<String>,
     #[command(flatten)]
     output: OutputArgs,
+}
+
+/// The wire, for what the surface bears.
+#[derive(Clone, Copy, Debug)]
+struct Wire {
+    /// Diameter at the base (m), where it is known.
+    diameter: Option<f64>,
+    /// Largest strain.
+    limit: f64,
 }
 
 /// What the command has to say and to write.
@@ -129,6 +145,27 @@ impl Args {
         Ok(known)
     }
 
+    /// The wire of `whisker` according to the options.
+    fn wire(&self, whisker: &Whisker) -> Result<Wire> {
+        let positive = |name: &str, dimension: Dimension, text: Option<&str>| {
+            let value = input::option(name, dimension, text)?;
+            match value {
+                Some(value) if value.is_nan() || value <= 0.0 => {
+                    Err(Error::usage(name).value(value).allowed("above 0"))
+                }
+                _ => Ok(value),
+            }
+        };
+        let common = self.common();
+        let diameter = positive("--diameter", Dimension::Length, common.diameter.as_deref())?;
+        let limit = positive("--strain-limit", Dimension::Ratio, common.strain_limit.as_deref())?;
+        let of_paper = (whisker.flexural_rigidity / defaults::FLEXURAL_RIGIDITY - 1.0).abs() < 1e-3;
+        Ok(Wire {
+            diameter: diameter.or(of_paper.then_some(defaults::DIAMETER)),
+            limit: limit.unwrap_or(defaults::STRAIN_LIMIT),
+        })
+    }
+
     fn given(&self) -> Given {
         match &self.mode {
             Mode::Force(_) => Given::Force,
@@ -160,6 +197,6 @@ fn report(args: &Args, robot: &Robot) -> Result<Report> {
     let output = &common.output;
     match &common.batch {
         Some(file) => batch::report(file, given, &known, &whisker, output.json, output.out.is_some()),
-        None => single::report(given, &known, &whisker, output.json),
+        None => single::report(given, &known, &whisker, args.wire(&whisker)?, output.json),
     }
 }

@@ -1,0 +1,87 @@
+//! Stiffness and rest curvature along a rod, as power series about any arc length.
+
+use super::march::{ORDER, ROOM};
+use crate::error::{Error, Result};
+
+/// A stretch of a rod made of one wire: its length, material and cross section.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Segment {
+    /// Arc length of the stretch (m), positive.
+    pub length: f64,
+    /// Young's modulus E (Pa), positive.
+    pub young_modulus: f64,
+    /// Second moment of area I (m⁴), positive.
+    pub second_moment: f64,
+}
+
+/// A stretch over which the flexural rigidity is `rigidity (1 - narrowing s)^4`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Piece {
+    /// Arc length at which the stretch ends (m).
+    pub(super) end: f64,
+    /// E I where `s = 0` (N m²).
+    pub(super) rigidity: f64,
+    /// How fast the radius falls, as a share of the radius at `s = 0` (1/m); 0 for a uniform stretch.
+    pub(super) narrowing: f64,
+}
+
+impl Piece {
+    /// `1 / EI` at arc length `s` (1/(N m²)).
+    pub(super) fn compliance(&self, s: f64) -> f64 {
+        let radius = 1.0 - self.narrowing * s;
+        1.0 / (self.rigidity * (radius * radius) * (radius * radius))
+    }
+
+    /// The series of `1 / EI` about arc length `s`; only the first term where the stretch is uniform.
+    pub(super) fn compliance_series(&self, s: f64, series: &mut [f64; ROOM]) {
+        let ratio = self.narrowing / (1.0 - self.narrowing * s);
+        let mut term = self.compliance(s);
+        for (k, slot) in series.iter_mut().take(ORDER).enumerate() {
+            *slot = term;
+            term *= ratio * (k + 4) as f64 / (k + 1) as f64;
+        }
+    }
+
+    pub(super) fn is_uniform(&self) -> bool {
+        self.narrowing.abs() <= 0.0
+    }
+}
+
+/// The coefficients of a polynomial in `s` about arc length `s`, the rest zero.
+pub(super) fn shifted(polynomial: &[f64], s: f64, series: &mut [f64; ORDER]) {
+    *series = [0.0; ORDER];
+    let n = polynomial.len().min(ORDER);
+    series[..n].copy_from_slice(&polynomial[..n]);
+    for start in 0..n.saturating_sub(1) {
+        for k in (start..n - 1).rev() {
+            series[k] += s * series[k + 1];
+        }
+    }
+}
+
+/// The stretches of a rod made of `segments`, joined in order from the base.
+pub(super) fn pieces(segments: &[Segment]) -> Result<Vec<Piece>> {
+    let positive = |value: f64| value > 0.0 && value.is_finite();
+    let mut end = 0.0;
+    let mut pieces = Vec::with_capacity(segments.len());
+    for (i, segment) in segments.iter().enumerate() {
+        let checks = [
+            ("length", segment.length, "m"),
+            ("young_modulus", segment.young_modulus, "Pa"),
+            ("second_moment", segment.second_moment, "m⁴"),
+        ];
+        for (name, value, unit) in checks {
+            if !positive(value) {
+                return Err(Error::data(format!("segment {i}: {name}"))
+                    .value(value)
+                    .allowed(format!("above 0 {unit}")));
+            }
+        }
+        end += segment.length;
+        pieces.push(Piece { end, rigidity: segment.young_modulus * segment.second_moment, narrowing: 0.0 });
+    }
+    if pieces.is_empty() {
+        return Err(Error::data("a rod needs at least one segment"));
+    }
+    Ok(pieces)
+}
