@@ -168,3 +168,18 @@ fn a_robot_value_out_of_range_is_named_with_the_range() {
     let words = &["robot.toml:2", "-0.075", "allowed: "];
     check(&Case { name: "robot-range", robot, words, ..Case::default() });
 }
+
+#[test]
+fn a_column_without_its_whisker_is_warned_about() {
+    let text = LOG.replace("moment", "w0.moment,w9.moment").replace("0.0\n", "0.0,0\n");
+    let text = ["0.0002", "0.0003", "0.0004"].iter().fold(text, |t, v| t.replace(v, &format!("{v},0")));
+    let outcome = run(&Case { name: "stray-column", log: Some(text), ..Case::default() });
+    assert_eq!(outcome.code, Some(0), "{outcome:?}");
+    assert!(outcome.stderr.contains("`w9.moment` is not used"), "{}", outcome.stderr);
+}
+
+#[test]
+fn a_map_of_kilometres_is_refused_with_a_spacing() {
+    let map = ("map.geojson", Some(MAP.replace("0.4", "400.0").replace("0.3", "300.0")));
+    check(&Case { name: "kilometres", map, words: &["1400", "--boundary-spacing"], ..Case::default() });
+}

@@ -139,3 +139,25 @@ fn a_broken_batch_names_file_and_line() {
     assert_eq!(outcome.code, Some(1));
     assert!(outcome.stderr.contains("none.csv"), "{}", outcome.stderr);
 }
+
+#[test]
+fn bad_numbers_end_in_a_next_step_and_print_nothing() {
+    let cases: &[&[&str]] = &[
+        &["force", "--force", "abc", "--s-a", "0.05"],
+        &["force", "--force", "inf", "--s-a", "0.05"],
+        &["force", "--force", "1e400", "--s-a", "0.05"],
+        &["force", "--force", "0.1", "--s-a", "3 furlong"],
+        &["force", "--force", "0.1", "--s-a", "0"],
+        &["point", "--x", "nan", "--y", "0.01"],
+        // The force would be beyond the largest number.
+        &["point", "--x", "1e-300", "--y=-1e-230"],
+        &["moment", "--moment", "4e10", "--s-a", "5e-324"],
+        &["force", "--batch", "no-such-file.csv"],
+    ];
+    for args in cases {
+        let outcome = vibrissa(&[&["beam"], *args].concat());
+        assert!(matches!(outcome.code, Some(1 | 2)), "{args:?}: {outcome:?}");
+        assert_eq!(outcome.stderr.matches("\n  help: ").count(), 1, "{args:?}: {}", outcome.stderr);
+        assert!(outcome.stdout.is_empty(), "{args:?}: {}", outcome.stdout);
+    }
+}

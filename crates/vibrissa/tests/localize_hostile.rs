@@ -122,3 +122,17 @@ fn absurd_odometry_is_refused_with_its_line() {
     }
     assert!(SensorLog::from_csv("t,x,y,theta,moment\n0,9e7,-9e7,0,0\n", "log.csv").is_ok());
 }
+
+#[test]
+fn a_drawing_of_endless_size_is_refused_at_once() {
+    let begin = std::time::Instant::now();
+    for shape in
+        ["<ellipse id=\"arena\" rx=\"1e-7\" ry=\"1e300\"/>", "<path id=\"wall\" d=\"M0 0 C 1e200 0 0 1e200 1 1\"/>"]
+    {
+        let text = format!("<svg xmlns=\"http://www.w3.org/2000/svg\">\n{shape}\n</svg>\n");
+        let error = Map::from_svg(&text, "map.svg").err().unwrap();
+        let message = error.to_string();
+        assert!(error.line() == Some(2) && message.contains("out of range") && message.len() < 400, "{message}");
+    }
+    assert!(begin.elapsed().as_secs() < 2);
+}

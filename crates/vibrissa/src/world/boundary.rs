@@ -1,7 +1,7 @@
 //! One boundary of a map: its curve, its role, and on which side it is free.
 
 use crate::config::limits::{FLATTEN_TOLERANCE, LARGEST_COORDINATE};
-use crate::plane::{Curve, SegmentTree, Vec2};
+use crate::plane::{Curve, Segment, SegmentTree, Vec2};
 use crate::{Error, Result};
 
 /// What a boundary means for the space beside it.
@@ -117,16 +117,21 @@ impl Boundary {
 
 fn show(p: Vec2) -> String {
     // To the nanometre: finer digits are roundings of the reader.
-    let short = |v: f64| (v * 1e9).round() / 1e9;
+    let short = |v: f64| if v.abs() < 1e12 { ((v * 1e9).round() / 1e9).to_string() } else { format!("{v:e}") };
     format!("({}, {})", short(p.x), short(p.y))
 }
 
 fn check_size(curve: &Curve) -> core::result::Result<(), CurveFault> {
-    let too_far = |p: &&Vec2| p.x.abs().max(p.y.abs()) > LARGEST_COORDINATE;
-    match curve.segments().iter().flat_map(|s| s.control_points()).find(too_far) {
-        Some(&p) => Err(CurveFault { place: Some(p), error: out_of_range(p) }),
+    match beyond_maps(curve.segments()) {
+        Some(p) => Err(CurveFault { place: Some(p), error: out_of_range(p) }),
         None => Ok(()),
     }
+}
+
+/// A control point that lies further out than maps go.
+pub(crate) fn beyond_maps(segments: &[Segment]) -> Option<Vec2> {
+    let too_far = |p: &&Vec2| p.x.abs().max(p.y.abs()) > LARGEST_COORDINATE;
+    segments.iter().flat_map(Segment::control_points).find(too_far).copied()
 }
 
 /// The error for a coordinate that no map in metres holds.

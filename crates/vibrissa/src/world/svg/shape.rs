@@ -1,5 +1,6 @@
 //! The outlines of one element, in metres.
 
+use super::super::boundary::{beyond_maps, out_of_range};
 use super::path::{Builder, path};
 use crate::plane::{Curve, Segment, Vec2};
 use crate::{Error, Result};
@@ -54,6 +55,10 @@ pub(super) fn outlines(node: Node<'_, '_>, map_from_user: Affine) -> Result<Vec<
     let all_finite = |s: &[Segment]| s.iter().flat_map(Segment::control_points).all(|p| p.is_finite());
     if !subpaths.iter().all(|(segments, _)| all_finite(segments)) {
         return Err(Error::data("has a coordinate that is not a finite number"));
+    }
+    // Lengths of curves far beyond any map are slow to find and mean nothing.
+    if let Some(p) = subpaths.iter().find_map(|(segments, _)| beyond_maps(segments)) {
+        return Err(out_of_range(p));
     }
     let curves = subpaths.into_iter().filter_map(|(segments, closed)| Curve::from_segments(segments, closed));
     Ok(curves.map(|curve| Outline { curve }).collect())
