@@ -4,6 +4,10 @@
 //! against a random stretch of wall, sweeps along it with 5 % noise, and localizes without a prior. Trials that the
 //! simulator refuses (contact with the whisker's side) are replaced.
 
+#[path = "../tests/data/random.rs"]
+mod random;
+
+use random::Random;
 use vibrissa::flow::pose::{Localization, Status};
 use vibrissa::plane::{Pose2, Vec2, wrap_angle};
 use vibrissa::tasks::demo;
@@ -11,18 +15,8 @@ use vibrissa::tasks::simulate::{Pace, Sweep, SweepNoise, path_through, simulate_
 use vibrissa::world::{Map, Robot};
 use vibrissa::{LocalizeOptions, Result, localize};
 
-/// Numbers in [0, 1) that are the same in every run.
-struct Draw(u64);
-
-impl Draw {
-    fn between(&mut self, lo: f64, hi: f64) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        lo + (hi - lo) * (self.0 >> 11) as f64 / (1u64 << 53) as f64
-    }
-}
-
 /// A sweep along a random stretch of wall, if it is one of tip contact all the way.
-fn sweep(map: &Map, draw: &mut Draw, seed: u64) -> Option<Sweep> {
+fn sweep(map: &Map, draw: &mut Random, seed: u64) -> Option<Sweep> {
     let samples = map.samples(1e-3);
     let start = samples[draw.between(0.0, samples.len() as f64) as usize];
     let (along, inward) = (Vec2::from_angle(start.tangent), Vec2::from_angle(start.tangent).perp());
@@ -36,7 +30,7 @@ fn sweep(map: &Map, draw: &mut Draw, seed: u64) -> Option<Sweep> {
         let p = start.position + along * (forward * s) + inward * off;
         Pose2::new(p.x, p.y, heading)
     };
-    let press = |draw: &mut Draw| reach - draw.between(0.004, 0.02);
+    let press = |draw: &mut Random| reach - draw.between(0.004, 0.02);
     let way = [
         place(0.0, reach + 0.004),
         place(draw.between(0.005, 0.02), press(draw)),
@@ -69,7 +63,7 @@ fn main() -> Result<()> {
     let mut seed = first;
     while run < trials {
         seed += 1;
-        let Some(sweep) = sweep(&map, &mut Draw(seed.wrapping_mul(0x9e37_79b9)), seed) else { continue };
+        let Some(sweep) = sweep(&map, &mut Random(seed.wrapping_mul(0x9e37_79b9)), seed) else { continue };
         run += 1;
         let answer = localize(&sweep.log, &map, &Robot::default(), &LocalizeOptions::default(), &mut |_| {})?;
         let truth = sweep.truth[sweep.truth.len() - 1].map_from_robot;

@@ -20,9 +20,6 @@ use random::Random;
 const EI: f64 = 2.8886e-4;
 
 impl Random {
-    fn between(&mut self, lo: f64, hi: f64) -> f64 {
-        lo + (hi - lo) * self.unit()
-    }
     fn sign(&mut self) -> f64 {
         if self.unit() < 0.5 { -1.0 } else { 1.0 }
     }

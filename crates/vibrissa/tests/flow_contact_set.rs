@@ -2,24 +2,14 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on must fail")]
 
+#[path = "data/random.rs"]
+mod random;
+
+use random::Random;
 use std::f64::consts::TAU;
 use vibrissa::beam::{Bend, Load, Whisker, elastica, largest_tip_moment, moment_mode, tip_curve};
 use vibrissa::config::TipLoad;
 use vibrissa::flow::contact_set::{TipContact, TipContactSet};
-
-/// Numbers in [0, 1) that are the same in every run.
-struct Draw(u64);
-
-impl Draw {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    fn between(&mut self, lo: f64, hi: f64) -> f64 {
-        lo + (hi - lo) * self.next()
-    }
-}
 
 /// The bend with exactly this moment and this direction of the force, by Newton steps from a contact.
 fn polished(whisker: &Whisker, moment: f64, contact: &TipContact) -> Bend {
@@ -50,7 +40,7 @@ fn polished(whisker: &Whisker, moment: f64, contact: &TipContact) -> Bend {
 
 #[test]
 fn every_contact_causes_the_moment() {
-    let mut draw = Draw(1);
+    let mut draw = Random(1);
     let (mut checked, mut worst): (usize, f64) = (0, 0.0);
     for _ in 0..400 {
         let whisker = Whisker {
@@ -59,14 +49,14 @@ fn every_contact_causes_the_moment() {
             ..Whisker::default()
         };
         let mu = 10f64.powf(draw.between(-4.0, 0.5)).min(2.9);
-        let side = if draw.next() < 0.5 { -1.0 } else { 1.0 };
+        let side = if draw.unit() < 0.5 { -1.0 } else { 1.0 };
         let moment = side * mu * whisker.flexural_rigidity / whisker.length;
         for set in TipContactSet::branches(&whisker, moment, TipLoad::BoundaryNormal) {
             let range = set.directions();
             for _ in 0..if range.width() > 0.1 { 5 } else { 0 } {
                 // At the ends of a branch two solutions meet and neither is defined well.
                 let inside = draw.between(range.lo() + 0.04, range.hi() - 0.04);
-                let direction = inside + TAU * (draw.next() * 5.0 - 2.5).round();
+                let direction = inside + TAU * (draw.unit() * 5.0 - 2.5).round();
                 let contact = set.at_direction(direction).expect("inside the range");
                 let truth = polished(&whisker, moment, &contact);
                 let miss = (truth.contact - contact.position).norm();
@@ -99,7 +89,7 @@ fn largest_moment_of_pulling_load() -> f64 {
 fn no_equilibrium_is_left_out() {
     // Every bend found by the moment mode for a tilted load lies on one of the branches.
     let whisker = Whisker::default();
-    let mut draw = Draw(7);
+    let mut draw = Random(7);
     let mut found = 0;
     for _ in 0..600 {
         let tilt = draw.between(-1.3, 1.3);
@@ -154,7 +144,7 @@ fn impossible_moments_have_no_contacts() {
 #[test]
 fn the_nearest_contact_is_the_nearest_of_many() {
     let whisker = Whisker::default();
-    let mut draw = Draw(3);
+    let mut draw = Random(3);
     for _ in 0..200 {
         let moment = draw.between(-6e-3, 6e-3);
         let Some(set) = TipContactSet::branches(&whisker, moment, TipLoad::BoundaryNormal).into_iter().next() else {

@@ -13,7 +13,14 @@ impl Random {
     }
 
     /// Uniform in [-size, size).
+    #[allow(dead_code, reason = "each test takes what it needs")]
     pub(crate) fn signed(&mut self, size: f64) -> f64 {
         (2.0 * self.unit() - 1.0) * size
+    }
+
+    /// Uniform in [lo, hi).
+    #[allow(dead_code, reason = "each test takes what it needs")]
+    pub(crate) fn between(&mut self, lo: f64, hi: f64) -> f64 {
+        lo + (hi - lo) * self.unit()
     }
 }

@@ -1,5 +1,8 @@
 //! The intersection against a brute-force search over the boundary, which lists the preimage point by point.
 
+#[path = "../../../tests/data/random.rs"]
+mod random;
+
 use super::candidate::Candidate;
 use super::membership::{Tolerance, nearest_state};
 use crate::config::{DeterministicOptions, TipLoad};
@@ -8,16 +11,7 @@ use crate::flow::preimage::{AlignedState, Observation, aligned_states};
 use crate::plane::{Curve, Pose2, Vec2, wrap_angle};
 use crate::world::{Boundary, Map, MountedWhisker, Role};
 use core::f64::consts::{FRAC_PI_2, PI};
-
-/// Numbers in [0, 1) that are the same in every run.
-struct Draw(u64);
-
-impl Draw {
-    fn between(&mut self, lo: f64, hi: f64) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        lo + (hi - lo) * (self.0 >> 11) as f64 / (1u64 << 53) as f64
-    }
-}
+use random::Random;
 
 /// A square room with a round pillar.
 fn room() -> Map {
@@ -72,7 +66,7 @@ fn brute_force(map: &Map, pose: Pose2, observation: &Observation) -> f64 {
 
 #[test]
 fn the_nearest_state_is_the_nearest_of_all() {
-    let (map, mut draw) = (room(), Draw(5));
+    let (map, mut draw) = (room(), Random(5));
     let whisker = MountedWhisker::default();
     let options = DeterministicOptions { tolerance: 2.0, ..DeterministicOptions::default() };
     let samples = map.samples(5e-3);
@@ -123,7 +117,7 @@ fn the_nearest_state_is_the_nearest_of_all() {
 
 #[test]
 fn aligned_states_touch_the_boundary_at_the_right_angle() {
-    let (map, mut draw) = (room(), Draw(11));
+    let (map, mut draw) = (room(), Random(11));
     let mount = Pose2::new(0.02, -0.01, 0.3);
     let whisker = MountedWhisker { robot_from_whisker: mount, ..MountedWhisker::default() };
     let samples = map.samples(20e-3);
