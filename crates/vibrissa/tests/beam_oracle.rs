@@ -4,28 +4,16 @@
 // Exact equality is what these tests promise: inputs repeated bit for bit, mirrors, exact zeros.
 #![allow(clippy::float_cmp)]
 
+#[path = "data/random.rs"]
+mod random;
+
+use random::Random;
 use std::f64::consts::{FRAC_PI_2, PI};
 use vibrissa::beam::elastica::bend;
 use vibrissa::beam::{Bend, Load, Whisker, force_mode, moment_mode, point_mode};
 use vibrissa::plane::Vec2;
 
 const EI: f64 = 2.8886e-4;
-
-/// Uniform numbers in [0, 1) that are the same on every machine.
-struct Random(u64);
-
-impl Random {
-    fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        ((self.0 >> 33) as f64 + 0.5) / (1u64 << 31) as f64
-    }
-    fn between(&mut self, lo: f64, hi: f64) -> f64 {
-        lo + (hi - lo) * self.unit()
-    }
-    fn sign(&mut self) -> f64 {
-        if self.unit() < 0.5 { -1.0 } else { 1.0 }
-    }
-}
 
 /// State (phi, x, y) after one Gragg step of `h`, extrapolated to order 16.
 fn extrapolated_step(f: &dyn Fn([f64; 3]) -> [f64; 3], y: [f64; 3], h: f64) -> [f64; 3] {

@@ -19,12 +19,6 @@ use random::Random;
 
 const EI: f64 = 2.8886e-4;
 
-impl Random {
-    fn sign(&mut self) -> f64 {
-        if self.unit() < 0.5 { -1.0 } else { 1.0 }
-    }
-}
-
 /// The physics of a rod, told to the oracle and to the library apart.
 struct Wire {
     length: f64,

@@ -23,4 +23,10 @@ impl Random {
     pub(crate) fn between(&mut self, lo: f64, hi: f64) -> f64 {
         lo + (hi - lo) * self.unit()
     }
+
+    /// -1 or 1.
+    #[allow(dead_code, reason = "each test takes what it needs")]
+    pub(crate) fn sign(&mut self) -> f64 {
+        if self.unit() < 0.5 { -1.0 } else { 1.0 }
+    }
 }

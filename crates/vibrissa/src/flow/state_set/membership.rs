@@ -7,7 +7,7 @@
 use super::Candidate;
 use crate::config::{DeterministicOptions, TipLoad};
 use crate::flow::contact_set::TipContact;
-use crate::flow::preimage::{Branch, Observation};
+use crate::flow::preimage::{Alignment, Branch, Observation};
 use crate::plane::{Pose2, Vec2, wrap_angle};
 use crate::world::{Map, MapPoint};
 use core::f64::consts::{FRAC_PI_2, PI};
@@ -95,10 +95,10 @@ pub(super) fn nearest_state(
     observation.branches.iter().filter_map(on_branch).min_by(|a, b| a.cost.total_cmp(&b.cost))
 }
 
-/// Where the tip lies and which boundary point is nearest.
+/// Where the tip lies and which boundary point it is held against, map frame.
 struct Touch {
     tip: Vec2,
-    point: MapPoint,
+    boundary: Vec2,
     normal: f64,
     contact: TipContact,
 }
@@ -116,7 +116,7 @@ fn touch(map: &Map, pose: Pose2, branch: &Branch, mut normal: f64, mut near: Vec
         let outward = outward(map, &point, pose.position());
         let agreed = wrap_angle(outward - normal).abs() < AGREED;
         normal = outward;
-        found = Some(Touch { tip, point, normal, contact });
+        found = Some(Touch { tip, boundary: point.position, normal, contact });
         if agreed {
             break;
         }
@@ -140,12 +140,12 @@ fn on_branch(map: &Map, candidate: &Candidate, pose: Pose2, branch: &Branch, tol
 fn on_wall(map: &Map, candidate: &Candidate, pose: Pose2, branch: &Branch, tolerance: &Tolerance) -> Option<Match> {
     let touch = touch(map, pose, branch, candidate.normal, candidate.touched)?;
     let across = Vec2::from_angle(touch.normal);
-    if (touch.point.position - touch.tip).dot(across.perp()).abs() > ALONG {
+    if (touch.boundary - touch.tip).dot(across.perp()).abs() > ALONG {
         return None;
     }
     let found = tolerance.place(candidate, branch, &touch, across)?;
-    let (turn_share, turn) = turn(candidate, pose, branch, touch.normal, tolerance)?;
-    Some(Match { cost: found.cost + turn_share * turn_share, turn, ..found })
+    let turn = turn(candidate, pose, branch, touch.normal, tolerance)?;
+    Some(Match { cost: found.cost + turn.share * turn.share, turn: turn.wanted, ..found })
 }
 
 /// The match with the tip caught in a concave corner, where the force may have any direction between the two normals.
@@ -160,14 +160,13 @@ fn in_corner(map: &Map, candidate: &Candidate, pose: Pose2, branch: &Branch, tol
     let normal = contact.direction + pose.theta;
     // Across the curve of possible tips; along it the direction of the force adapts.
     let across = if gap.norm() > 1e-9 { gap * (1.0 / gap.norm()) } else { Vec2::from_angle(normal) };
-    let point = MapPoint { position: corner.position, ..map.nearest_within(corner.position, NEARBY)? };
-    tolerance.place(candidate, branch, &Touch { tip, point, normal, contact }, across)
+    tolerance.place(candidate, branch, &Touch { tip, boundary: corner.position, normal, contact }, across)
 }
 
 impl Tolerance {
     /// The match of a tip with the boundary along the direction `across`, if the gap is within the tolerance.
     fn place(&self, candidate: &Candidate, branch: &Branch, touch: &Touch, across: Vec2) -> Option<Match> {
-        let offset = (touch.point.position - touch.tip).dot(across);
+        let offset = (touch.boundary - touch.tip).dot(across);
         let sensitivity = branch.sensitivity(&touch.contact);
         let std = (sensitivity * self.relative_std).hypot(LEAST_PLACE);
         let arm = (touch.tip - candidate.map_from_odom.position()).perp();
@@ -180,7 +179,7 @@ impl Tolerance {
             cost: share * share,
             normal: touch.normal,
             contact: touch.contact,
-            touched: touch.point.position,
+            touched: touch.boundary,
             offset,
             gradient,
             std,
@@ -189,30 +188,27 @@ impl Tolerance {
     }
 }
 
-/// How far the candidate's heading is from the nearest alignment, in units of the tolerance; none if beyond it.
-#[allow(clippy::type_complexity, reason = "a share and an optional turn with its spread, used once")]
-fn turn(
-    candidate: &Candidate,
-    pose: Pose2,
-    branch: &Branch,
-    normal: f64,
-    tolerance: &Tolerance,
-) -> Option<(f64, Option<(f64, f64)>)> {
+/// How a candidate's heading agrees with an observation.
+struct Turn {
+    /// Distance from the nearest alignment, in units of the tolerance.
+    share: f64,
+    /// How far to turn (rad), with the standard deviation, where the history bounds the heading.
+    wanted: Option<(f64, f64)>,
+}
+
+/// The turn to the nearest alignment; none if it is beyond the tolerance.
+fn turn(candidate: &Candidate, pose: Pose2, branch: &Branch, normal: f64, tolerance: &Tolerance) -> Option<Turn> {
+    if !branch.determined {
+        return Some(Turn { share: 0.0, wanted: None });
+    }
     let own = candidate.variance([0.0, 0.0, 1.0]);
     let reach = |std: f64| tolerance.std_devs * (std * std + own).sqrt() + tolerance.heading_floor;
     let heading = normal - FRAC_PI_2 - pose.theta;
-    let nearest = branch
-        .alignments
-        .iter()
-        .map(|a| (wrap_angle(heading - a.boundary_slope), a))
-        .min_by(|a, b| (a.0.abs() / reach(a.1.std)).total_cmp(&(b.0.abs() / reach(b.1.std))));
-    match nearest {
-        _ if !branch.determined => Some((0.0, None)),
-        Some((turn, alignment)) => {
-            let share = turn.abs() / reach(alignment.std);
-            let telling = alignment.std <= WORST_SLOPE;
-            (share <= 1.0).then(|| (share, telling.then_some((turn, alignment.std.hypot(LEAST_SLOPE)))))
-        }
-        None => None,
-    }
+    let to = |a: &Alignment| {
+        let turn = wrap_angle(heading - a.boundary_slope);
+        let telling = a.std <= WORST_SLOPE;
+        Turn { share: turn.abs() / reach(a.std), wanted: telling.then(|| (turn, a.std.hypot(LEAST_SLOPE))) }
+    };
+    let nearest = branch.alignments.iter().map(to).min_by(|a, b| a.share.total_cmp(&b.share))?;
+    (nearest.share <= 1.0).then_some(nearest)
 }

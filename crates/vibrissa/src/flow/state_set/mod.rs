@@ -49,12 +49,6 @@ impl StateSet {
         &self.candidates
     }
 
-    /// How many observations the set has seen.
-    #[must_use]
-    pub fn observations(&self) -> u32 {
-        self.observations
-    }
-
     /// Whether no state explains the observations.
     #[must_use]
     pub fn is_empty(&self) -> bool {
