@@ -4,9 +4,12 @@
 // Exact equality is what these tests promise: inputs repeated bit for bit, mirrors, exact zeros.
 #![allow(clippy::float_cmp)]
 
+#[path = "data/extrapolation.rs"]
+mod extrapolation;
 #[path = "data/random.rs"]
 mod random;
 
+use extrapolation::integrate;
 use random::Random;
 use std::f64::consts::{FRAC_PI_2, PI};
 use vibrissa::beam::elastica::bend;
@@ -15,43 +18,19 @@ use vibrissa::plane::Vec2;
 
 const EI: f64 = 2.8886e-4;
 
-/// State (phi, x, y) after one Gragg step of `h`, extrapolated to order 16.
-fn extrapolated_step(f: &dyn Fn([f64; 3]) -> [f64; 3], y: [f64; 3], h: f64) -> [f64; 3] {
-    let add = |a: [f64; 3], s: f64, b: [f64; 3]| [0, 1, 2].map(|i| a[i] + s * b[i]);
-    let mut table: Vec<[f64; 3]> = Vec::new();
-    for k in 1..=8 {
-        let n = 2 * k;
-        let d = h / f64::from(n);
-        let (mut before, mut now) = (y, add(y, d, f(y)));
-        for _ in 1..n {
-            (before, now) = (now, add(before, 2.0 * d, f(now)));
-        }
-        let smooth = add(add(before, 1.0, now), d, f(now)).map(|v| 0.5 * v);
-        let mut column = smooth;
-        for (j, slot) in table.iter_mut().rev().enumerate() {
-            let ratio = f64::from(k) / f64::from(k - 1 - j as i32);
-            let previous = *slot;
-            *slot = column;
-            column = add(column, 1.0 / (ratio * ratio - 1.0), add(column, -1.0, previous));
-        }
-        // Keep the diagonal: entry 0 is the newest highest order.
-        table.insert(0, column);
-    }
-    table[0]
-}
-
-fn integrate(b: &Bend, s: f64, steps: usize) -> [f64; 3] {
+/// State (phi, x, y) of the whisker at arc length `s`, integrated from its base.
+fn march(b: &Bend, s: f64, steps: usize) -> [f64; 3] {
     let force = b.force_vector();
-    let f = |v: [f64; 3]| {
+    let f = |_: f64, v: [f64; 3]| {
         let lever = b.contact - Vec2::new(v[1], v[2]);
         [lever.cross(force) / EI, v[0].cos(), v[0].sin()]
     };
-    (0..steps).fold([0.0; 3], |v, _| extrapolated_step(&f, v, s / steps as f64))
+    integrate(&f, [0.0; 3], 0.0, s, steps)
 }
 
 /// How far the whisker misses its contact, relative to slope and deflection.
 fn miss(b: &Bend) -> f64 {
-    let [phi, x, y] = integrate(b, b.s_a, 24);
+    let [phi, x, y] = march(b, b.s_a, 24);
     let scale = b.phi_a.abs().min(1.0);
     let error = (phi - b.phi_a).abs().max((y - b.contact.y).abs() / b.s_a).max((x - b.contact.x).abs() / b.s_a * scale);
     if scale > 0.0 { error / scale } else { error }
@@ -72,7 +51,7 @@ fn check_balance(b: &Bend) {
 fn the_oracle_itself_is_right() {
     // A weak load: phi_a = F s_a²/(2 EI) to first order, exact in the limit.
     let b = bend(EI, 1e-9, 0.05, 0.0).unwrap();
-    let [phi, _, y] = integrate(&b, 0.05, 4);
+    let [phi, _, y] = march(&b, 0.05, 4);
     assert!((phi / (1e-9 * 0.0025 / (2.0 * EI)) - 1.0).abs() < 1e-9);
     assert!((y / (1e-9 * 0.05f64.powi(3) / (3.0 * EI)) - 1.0).abs() < 1e-9);
     // It must notice a whisker that is slightly wrong.
