@@ -68,7 +68,7 @@ fn random_whisker(random: &mut Random) -> Whisker {
     let tip_ratio = if random.unit() < 0.3 { 1.0 } else { random.between(0.05, 1.0) };
     let curvature = if random.unit() < 0.3 { 0.0 } else { random.between(-12.0, 12.0) };
     let base_stiffness = if random.unit() < 0.3 { f64::INFINITY } else { 10f64.powf(random.between(-2.0, 1.0)) };
-    Whisker { tip_ratio, curvature, base_stiffness, flexural_rigidity: EI, length: 0.075 }
+    Whisker { tip_ratio, curvature, base_stiffness, flexural_rigidity: EI, ..Whisker::default() }
 }
 
 fn random_load(random: &mut Random, i: usize) -> Load {

@@ -161,8 +161,9 @@ impl Rod {
 
     /// How far beyond the tip a search reaches, at `most`, so that contacts at the tip lie inside it; as a share of the length.
     fn beyond_tip(&self, most: f64) -> f64 {
-        let narrowing = self.pieces[self.pieces.len() - 1].narrowing * self.length;
-        if narrowing > 0.0 { (0.3 * (1.0 - narrowing) / narrowing).min(most) } else { most }
+        let last = self.pieces[self.pieces.len() - 1];
+        let narrowing = last.narrowing * self.length;
+        if narrowing > 0.0 { (0.3 * last.radius(self.length) / narrowing).min(most) } else { most }
     }
 }
 

@@ -1,5 +1,6 @@
 //! Stiffness and rest curvature along a rod, as power series about any arc length.
 
+use super::super::stretch::Stretch;
 use super::march::{ORDER, ROOM};
 use crate::error::{Error, Result};
 
@@ -14,27 +15,34 @@ pub struct Segment {
     pub second_moment: f64,
 }
 
-/// A stretch over which the flexural rigidity is `rigidity (1 - narrowing s)^4`.
+/// A stretch over which the flexural rigidity is `rigidity (1 - narrowing (s - start))^4`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Piece {
+    /// Arc length at which the stretch starts (m).
+    pub(super) start: f64,
     /// Arc length at which the stretch ends (m).
     pub(super) end: f64,
-    /// E I where `s = 0` (N m²).
+    /// E I at the start (N m²).
     pub(super) rigidity: f64,
-    /// How fast the radius falls, as a share of the radius at `s = 0` (1/m); 0 for a uniform stretch.
+    /// How fast the radius falls, as a share of the radius at the start (1/m); 0 for a uniform stretch.
     pub(super) narrowing: f64,
 }
 
 impl Piece {
+    /// The radius at arc length `s` as a share of the radius at the start.
+    pub(super) fn radius(&self, s: f64) -> f64 {
+        1.0 - self.narrowing * (s - self.start)
+    }
+
     /// `1 / EI` at arc length `s` (1/(N m²)).
     pub(super) fn compliance(&self, s: f64) -> f64 {
-        let radius = 1.0 - self.narrowing * s;
+        let radius = self.radius(s);
         1.0 / (self.rigidity * (radius * radius) * (radius * radius))
     }
 
     /// The series of `1 / EI` about arc length `s`; only the first term where the stretch is uniform.
     pub(super) fn compliance_series(&self, s: f64, series: &mut [f64; ROOM]) {
-        let ratio = self.narrowing / (1.0 - self.narrowing * s);
+        let ratio = self.narrowing / self.radius(s);
         let mut term = self.compliance(s);
         for (k, slot) in series.iter_mut().take(ORDER).enumerate() {
             *slot = term;
@@ -59,6 +67,19 @@ pub(super) fn shifted(polynomial: &[f64], s: f64, series: &mut [f64; ORDER]) {
     }
 }
 
+/// Pieces of stretches that were checked.
+pub(super) fn tapered(stretches: &[Stretch]) -> Vec<Piece> {
+    let mut start = 0.0;
+    let piece = |stretch: &Stretch| {
+        let narrowing = (1.0 - stretch.tip_ratio) / stretch.length;
+        let end = start + stretch.length;
+        let piece = Piece { start, end, rigidity: stretch.flexural_rigidity, narrowing };
+        start = end;
+        piece
+    };
+    stretches.iter().map(piece).collect()
+}
+
 /// The stretches of a rod made of `segments`, joined in order from the base.
 pub(super) fn pieces(segments: &[Segment]) -> Result<Vec<Piece>> {
     let positive = |value: f64| value > 0.0 && value.is_finite();
@@ -77,8 +98,9 @@ pub(super) fn pieces(segments: &[Segment]) -> Result<Vec<Piece>> {
                     .allowed(format!("above 0 {unit}")));
             }
         }
+        let start = end;
         end += segment.length;
-        pieces.push(Piece { end, rigidity: segment.young_modulus * segment.second_moment, narrowing: 0.0 });
+        pieces.push(Piece { start, end, rigidity: segment.young_modulus * segment.second_moment, narrowing: 0.0 });
     }
     if pieces.is_empty() {
         return Err(Error::data("a rod needs at least one segment"));
