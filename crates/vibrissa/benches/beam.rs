@@ -141,6 +141,7 @@ fn general(c: &mut Criterion) {
     let whiskers = [
         ("tapered to one half", Whisker { tip_ratio: 0.5, ..plain }, 0.05),
         ("tapered to one tenth", Whisker { tip_ratio: 0.1, ..plain }, 0.01),
+        ("tapered to one twentieth", Whisker { tip_ratio: 0.05, ..plain }, 0.008),
         ("curved", Whisker { curvature: 6.0, ..plain }, 0.1),
         ("on an elastic base", Whisker { base_stiffness: 0.3, ..plain }, 0.1),
         ("all three", Whisker { tip_ratio: 0.4, curvature: 6.0, base_stiffness: 0.3, ..plain }, 0.04),

@@ -23,6 +23,8 @@ mod view;
 
 extern crate alloc;
 
+use alloc::sync::Arc;
+
 pub use follow::{Followed, Status};
 pub use section::Segment;
 
@@ -38,9 +40,10 @@ use section::{Piece, pieces, tapered};
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rod {
     length: f64,
-    pieces: Vec<Piece>,
+    /// Shared, since every equilibrium found keeps its rod.
+    pieces: Arc<[Piece]>,
     /// Coefficients of the rest curvature by rising power of `s`.
-    curvature: Vec<f64>,
+    curvature: Arc<[f64]>,
     /// `1 / k_base` (rad/(N m)); 0 when clamped.
     base_compliance: f64,
 }
@@ -79,7 +82,7 @@ impl Rod {
         }
         let piece =
             Piece { start: 0.0, end: length, rigidity: flexural_rigidity, narrowing: (1.0 - tip_ratio) / length };
-        Ok(Self { length, pieces: vec![piece], curvature: Vec::new(), base_compliance: 0.0 })
+        Ok(Self { length, pieces: Arc::new([piece]), curvature: Arc::new([]), base_compliance: 0.0 })
     }
 
     /// A straight clamped rod of stretches that may taper, joined in order from the base.
@@ -89,7 +92,7 @@ impl Rod {
     pub fn from_stretches(stretches: &[Stretch]) -> Result<Self> {
         let pieces = tapered(Stretches::new(stretches)?.as_slice());
         let length = pieces.last().map_or(0.0, |piece| piece.end);
-        Ok(Self { length, pieces, curvature: Vec::new(), base_compliance: 0.0 })
+        Ok(Self { length, pieces: pieces.into(), curvature: Arc::new([]), base_compliance: 0.0 })
     }
 
     /// A straight clamped rod of several wires, joined in order from the base; its length is theirs together.
@@ -99,7 +102,7 @@ impl Rod {
     pub fn from_segments(segments: &[Segment]) -> Result<Self> {
         let pieces = pieces(segments)?;
         let length = pieces.last().map_or(0.0, |piece| piece.end);
-        Ok(Self { length, pieces, curvature: Vec::new(), base_compliance: 0.0 })
+        Ok(Self { length, pieces: pieces.into(), curvature: Arc::new([]), base_compliance: 0.0 })
     }
 
     /// The rod with the rest curvature `sum_k coefficients[k] s^k` (1/m, s in m), counter-clockwise positive.
@@ -116,7 +119,7 @@ impl Rod {
                 .allowed(format!("up to {ORDER}")));
         }
         let used = coefficients.iter().rposition(|c| c.abs() > 0.0).map_or(0, |last| last + 1);
-        self.curvature = coefficients[..used].to_vec();
+        self.curvature = coefficients[..used].into();
         let turns = coefficients.iter().rev().fold(0.0, |sum, c| sum * self.length + c.abs()) * self.length;
         if turns > core::f64::consts::TAU {
             let error = Error::data("curvature").value(format!("{coefficients:?}"));
@@ -162,7 +165,7 @@ impl Rod {
 
     /// How fast the radius falls from the base on, as a share of the radius there (1/m); 0 for several wires.
     pub(super) fn narrowing(&self) -> f64 {
-        match self.pieces.as_slice() {
+        match &*self.pieces {
             [only] => only.narrowing,
             _ => 0.0,
         }
@@ -198,11 +201,18 @@ impl Rod {
         self.pieces.iter().map(|piece| piece.end).find(near).unwrap_or(s)
     }
 
+    /// At least [`Rod::softness`], and nearer to it than the largest and the smallest rigidity are to each other.
+    fn softness_at_most(&self, s_a: f64) -> f64 {
+        let ends = self.pieces.iter().filter(|piece| piece.start < s_a);
+        let softest = |piece: &Piece| piece.compliance(piece.start).max(piece.compliance(piece.end.min(s_a)));
+        0.5 * s_a * s_a * ends.map(softest).fold(0.0, f64::max)
+    }
+
     /// The slope at `s_a` that a unit normal force there causes by small-angle theory (rad/N): the scale of forces.
     fn softness(&self, s_a: f64) -> f64 {
         const PARTS: usize = 16;
         let (mut sum, mut start) = (0.0, 0.0);
-        for piece in &self.pieces {
+        for piece in self.pieces.iter() {
             let end = if piece.end >= self.length { s_a } else { piece.end.min(s_a) };
             let width = (end - start).max(0.0) / PARTS as f64;
             for i in 0..PARTS {

@@ -1,7 +1,7 @@
 //! Stiffness and rest curvature along a rod, as power series about any arc length.
 
 use super::super::stretch::Stretch;
-use super::march::{ORDER, ROOM};
+use super::march::ORDER;
 use crate::error::{Error, Result};
 
 /// A stretch of a rod made of one wire: its length, material and cross section.
@@ -39,19 +39,43 @@ impl Piece {
         let radius = self.radius(s);
         1.0 / (self.rigidity * (radius * radius) * (radius * radius))
     }
+}
 
-    /// The series of `1 / EI` about arc length `s`; only the first term where the stretch is uniform.
-    pub(super) fn compliance_series(&self, s: f64, series: &mut [f64; ROOM]) {
-        let ratio = self.narrowing / self.radius(s);
-        let mut term = self.compliance(s);
-        for (k, slot) in series.iter_mut().take(ORDER).enumerate() {
-            *slot = term;
-            term *= ratio * (k + 4) as f64 / (k + 1) as f64;
+/// The series of `M / EI` from that of `M`, coefficient by coefficient.
+///
+/// With the radius `r(tau) = r (1 - w tau)`, the quotient `Q` obeys `(1 - w tau)^4 Q = M / EI(s)`: each coefficient
+/// follows from the four before it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Elastic {
+    compliance: f64,
+    /// Binomial coefficients of `1 - (1 - w tau)^4`.
+    weights: [f64; 4],
+    /// The last four coefficients of the quotient, newest first.
+    last: [f64; 4],
+}
+
+impl Elastic {
+    /// About arc length `s` of `piece`.
+    #[inline]
+    pub(super) fn new(piece: &Piece, s: f64) -> Self {
+        let w = piece.narrowing / piece.radius(s);
+        let (square, last) = (w * w, [0.0; 4]);
+        Self {
+            compliance: piece.compliance(s),
+            weights: [4.0 * w, -6.0 * square, 4.0 * square * w, -square * square],
+            last,
         }
     }
 
-    pub(super) fn is_uniform(&self) -> bool {
-        self.narrowing.abs() <= 0.0
+    /// The next coefficient of the quotient from the next of the moment.
+    #[inline(always)]
+    pub(super) fn next(&mut self, moment: f64) -> f64 {
+        let [w1, w2, w3, w4] = self.weights;
+        let [a, b, c, d] = self.last;
+        // What is known early first: the newest comes last.
+        let next = (w2 * b + (w3 * c + w4 * d)) + w1 * a + self.compliance * moment;
+        self.last = [next, a, b, c];
+        next
     }
 }
 
