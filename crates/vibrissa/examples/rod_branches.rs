@@ -4,7 +4,7 @@
 //! dense scan over the force must cross a given one as often as moment mode has equilibria.
 
 use std::f64::consts::{FRAC_PI_2, PI};
-use vibrissa::beam::{Bend, CURVATURE_TERMS, Load, Rod, Whisker};
+use vibrissa::beam::{Bend, Load, Rod, Whisker};
 use vibrissa::tasks::batch::{all_cores, map};
 
 /// Forces of the dense scan.
@@ -33,13 +33,12 @@ struct Outcome {
 
 fn case(seed: u64) -> Option<Case> {
     let random = &mut Random(seed);
-    let mut whisker = Whisker::default();
-    whisker.tip_ratio = if random.unit() < 0.25 { 1.0 } else { random.between(0.05, 1.0) };
+    let tip_ratio = if random.unit() < 0.25 { 1.0 } else { random.between(0.05, 1.0) };
+    let mut whisker = Whisker { tip_ratio, ..Whisker::default() };
     if random.unit() < 0.7 {
         whisker.curvature = random.between(-12.0, 12.0);
     }
     if random.unit() < 0.3 {
-        whisker.curvature_rise = [0.0; CURVATURE_TERMS];
         whisker.curvature_rise[0] = random.between(-200.0, 200.0);
     }
     if random.unit() < 0.7 {
@@ -62,7 +61,7 @@ fn case(seed: u64) -> Option<Case> {
         1 => Load::Tilted(beta),
         _ => Load::Directed(psi),
     };
-    let shape = if seed % 3 == 0 { rod.force_mode(force, s_a, load).ok()?.pop()? } else { shape };
+    let shape = if seed.is_multiple_of(3) { rod.force_mode(force, s_a, load).ok()?.pop()? } else { shape };
     // By definition the inverse modes take the force that pushes to the side to which the moment bends.
     if matches!(load, Load::Directed(_)) && shape.force_vector().y * shape.moment < 0.0 {
         return None;

@@ -8,7 +8,7 @@ use vibrissa::beam::normal::{NormalBend, by_force, largest_moment};
 use vibrissa::beam::{Load, SmallAngle, Whisker, force_mode};
 use vibrissa::config::defaults;
 
-/// The shape under the `i`-th of `n` normal forces up to the end of the first mode, with E I = s_a = 1.
+/// The shape under the `i`-th of `n` normal forces up to the end of the first mode, where rigidity and arc length are 1.
 fn unit_shape(i: usize, n: usize) -> NormalBend {
     by_force(1.0, 6.87 * 2.0 * i as f64 / n as f64, 1.0).unwrap()
 }

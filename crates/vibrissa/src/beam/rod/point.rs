@@ -176,16 +176,15 @@ type Node = (Trial, Option<Vec2>);
 /// The nodes that no neighbour is nearer than: where the image of the grid folds over the contact, no triangle holds it.
 fn nearest(rows: &[Vec<Node>]) -> Vec<Trial> {
     let off = |i: usize, j: usize| rows.get(i).and_then(|row| row.get(j)?.1).map_or(f64::INFINITY, Vec2::norm);
+    let is_nearest = |i: usize, j: usize| {
+        let here = off(i, j);
+        let around = (0..9).map(|k| off((i + k / 3).wrapping_sub(1), (j + k % 3).wrapping_sub(1)));
+        here.is_finite() && around.into_iter().all(|there| here <= there)
+    };
     let mut list = Vec::new();
-    for i in 0..rows.len() {
-        for j in 0..rows[i].len() {
-            let here = off(i, j);
-            let neighbours =
-                [i.wrapping_sub(1), i, i + 1].into_iter().flat_map(|i| [j.wrapping_sub(1), j, j + 1].map(|j| (i, j)));
-            if here.is_finite() && neighbours.into_iter().all(|(i, j)| here <= off(i, j)) {
-                list.push(rows[i][j].0);
-            }
-        }
+    for (i, row) in rows.iter().enumerate() {
+        let chosen = row.iter().enumerate().filter(|(j, _)| is_nearest(i, *j));
+        list.extend(chosen.map(|(_, node)| node.0));
     }
     list
 }
