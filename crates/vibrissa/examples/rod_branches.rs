@@ -93,15 +93,18 @@ fn crossings(case: &Case) -> usize {
     count
 }
 
-fn judge(case: &Case) -> Outcome {
+/// One case in so many is scanned, which takes ten times as long as all else.
+const SCAN_EVERY: u64 = 8;
+
+fn judge(seed: u64, case: &Case) -> Outcome {
     let (rod, load, shape) = (&case.rod, case.load, &case.shape);
     let of_moments = rod.moment_mode(shape.moment, shape.s_a, load).unwrap_or_default();
     let of_points = rod.point_mode(shape.contact, load).unwrap_or_default();
-    let following = !matches!(load, Load::Directed(_));
+    let scanned = seed.is_multiple_of(SCAN_EVERY) && !matches!(load, Load::Directed(_));
     Outcome {
         of_moment: of_moments.iter().any(|b| same(b, shape)),
         of_point: of_points.iter().any(|b| same(b, shape)),
-        scan: following.then(|| [of_moments.len(), crossings(case)]),
+        scan: scanned.then(|| [of_moments.len(), crossings(case)]),
     }
 }
 
@@ -109,7 +112,7 @@ fn main() {
     let mut numbers = std::env::args().skip(1).filter_map(|text| text.parse::<u64>().ok());
     let (cases, seed) = (numbers.next().unwrap_or(300), numbers.next().unwrap_or(1));
     let seeds: Vec<u64> = (0..cases).map(|i| seed * 1_000_000 + i).collect();
-    let outcomes = map(&seeds, all_cores(), |&seed| case(seed).map(|case| (judge(&case), case)));
+    let outcomes = map(&seeds, all_cores(), |&seed| case(seed).map(|case| (judge(seed, &case), case)));
     let found: Vec<&(Outcome, Case)> = outcomes.iter().flatten().collect();
     let tell = |what: &str, (_, c): &&&(Outcome, Case)| {
         let Whisker { tip_ratio, curvature, curvature_rise, base_stiffness, .. } = c.whisker;
