@@ -161,3 +161,120 @@ fn bad_numbers_end_in_a_next_step_and_print_nothing() {
         assert!(outcome.stdout.is_empty(), "{args:?}: {}", outcome.stdout);
     }
 }
+
+/// Robots of every kind that the library solves.
+fn robots(folder: &Path) -> Vec<String> {
+    let kinds = [
+        ("uniform", ""),
+        ("tapered", "tip_ratio = 0.1"),
+        ("curved", "curvature = [3.0, -100.0]"),
+        ("elastic", "base_stiffness = 0.3"),
+        (
+            "jointed",
+            "segments = [{ length = 0.04, flexural_rigidity = 3e-4 }, { length = 0.035, flexural_rigidity = 1e-4, tip_ratio = 0.5 }]",
+        ),
+    ];
+    let write = |(name, text): &(&str, &str)| {
+        let path = folder.join(format!("{name}.toml"));
+        fs::write(&path, format!("[[whisker]]\n{text}\n")).unwrap();
+        path.to_string_lossy().into_owned()
+    };
+    kinds.iter().map(write).collect()
+}
+
+#[test]
+fn every_beam_refuses_what_makes_no_sense_under_every_load() {
+    let folder = folder("beam_refusals");
+    let faults: [(&[&str], &str); 9] = [
+        (&["force", "--force", "NaN", "--s-a", "0.05"], "--force"),
+        (&["force", "--force", "inf", "--s-a", "0.05"], "force"),
+        (&["force", "--force", "1e9", "--s-a", "0.05"], "force"),
+        (&["force", "--force", "0.1", "--s-a", "0.08"], "s_a: 0.08"),
+        (&["force", "--force", "0.1", "--s-a=-0.01"], "s_a: -0.01"),
+        (&["moment", "--moment", "inf", "--s-a", "0.05"], "moment"),
+        (&["moment", "--moment", "1e-3", "--s-a", "0"], "s_a: 0"),
+        (&["point", "--x", "0", "--y", "0"], "contact point"),
+        (&["point", "--x", "inf", "--y", "0.01"], "contact point"),
+    ];
+    for robot in robots(&folder) {
+        for load in ["normal", "vertical", "tilted:-0.4", "directed:2"] {
+            for (call, word) in faults {
+                let args = [&["beam"][..], call, &["--robot", &robot, "--load", load]].concat();
+                let outcome = vibrissa(&args);
+                assert!(matches!(outcome.code, Some(1 | 2)) && outcome.stdout.is_empty(), "{args:?} {outcome:?}");
+                assert!(outcome.stderr.contains(word) && !outcome.stderr.contains("panicked"), "{args:?} {outcome:?}");
+            }
+            // A push the other way is a push; what no shape reaches is an answer.
+            let pull =
+                vibrissa(&["beam", "force", "--force=-1e-4", "--s-a", "0.05", "--robot", &robot, "--load", load]);
+            assert_eq!((pull.code, pull.stdout.lines().count()), (Some(0), 3), "{pull:?}");
+            let far = vibrissa(&["beam", "point", "--x", "0.5", "--y", "0", "--robot", &robot, "--load", load]);
+            assert_eq!((far.code, far.stdout.as_str()), (Some(0), "no equilibrium\n"), "{far:?}");
+        }
+    }
+}
+
+#[test]
+fn batches_of_every_mode_and_beam_keep_their_good_rows() {
+    let folder = folder("beam_batches");
+    let tables = [
+        ("force", "F,s_a\n1e-3,0.05\n1e-3,0.09\n1e9,0.05\n", 1),
+        ("moment", "M0,s_a\n1e-5,0.05\n1e-5,-1\n1e-5,0.09\n", 1),
+        ("point", "x,y\n0.05,0.02\n0.5,0.0\n0,0\n", 1),
+    ];
+    for robot in robots(&folder) {
+        for (mode, table, good) in tables {
+            let file = folder.join("rows.csv");
+            fs::write(&file, table).unwrap();
+            let outcome = vibrissa(&["beam", mode, "--batch", file.to_str().unwrap(), "--robot", &robot]);
+            assert_eq!(outcome.code, Some(0), "{outcome:?}");
+            let solved = outcome.stdout.lines().skip(1).filter(|line| !line.ends_with(',')).count();
+            assert!(solved >= good, "{mode} {robot} {outcome:?}");
+            assert_eq!(outcome.stderr.lines().filter(|line| line.contains("rows.csv:")).count(), 2, "{outcome:?}");
+        }
+    }
+}
+
+#[test]
+fn a_batch_in_which_no_row_makes_sense_is_at_fault() {
+    let folder = folder("beam_all_wrong");
+    let file = folder.join("rows.csv");
+    fs::write(&file, "F,s_a\n0.1,0.09\n0.1,-1\n").unwrap();
+    let out = folder.join("out");
+    let call = ["beam", "force", "--batch", file.to_str().unwrap(), "--out", out.to_str().unwrap()];
+    let outcome = vibrissa(&call);
+    assert_eq!(outcome.code, Some(1), "{outcome:?}");
+    assert!(
+        outcome.stderr.contains("no row of the batch makes sense") && outcome.stderr.contains("line 2"),
+        "{outcome:?}"
+    );
+    assert!(!out.join("beam.csv").exists());
+    // Rows that make sense but have no equilibrium are answers.
+    fs::write(&file, "M0,s_a\n1,0.05\n").unwrap();
+    assert_eq!(vibrissa(&["beam", "moment", "--batch", file.to_str().unwrap()]).code, Some(0));
+}
+
+#[test]
+fn a_held_tip_tells_force_and_direction() {
+    let call = ["beam", "force", "--force", "0.05", "--s-a", "0.075", "--load", "tilted:0.3", "--json"];
+    let force = json(&call);
+    let [x, y] = ["x", "y"].map(|key| number(&force, key).to_string());
+    let tip = json(&["beam", "point", "--tip", "--x", &x, "--y", &y, "--json"]);
+    for key in ["moment", "phi_a", "energy"] {
+        assert!((number(&tip, key) / number(&force, key) - 1.0).abs() < 1e-7, "{key} {tip}");
+    }
+    for i in 0..2 {
+        let part = |value: &serde_json::Value| value["solutions"][0]["force_vector"][i].as_f64().unwrap();
+        assert!((part(&tip) - part(&force)).abs() < 1e-8);
+    }
+    let refused = vibrissa(&["beam", "point", "--tip", "--load", "normal", "--x", &x, "--y", &y]);
+    assert_eq!(refused.code, Some(2), "{refused:?}");
+    let file = folder("beam_tips").join("tips.csv");
+    fs::write(&file, format!("x,y\n{x},{y}\n0.2,0.0\n")).unwrap();
+    let batch = vibrissa(&["beam", "point", "--tip", "--batch", file.to_str().unwrap()]);
+    let lines: Vec<&str> = batch.stdout.lines().collect();
+    assert_eq!(lines[0], "x,y,phi_a,x,y,M0,F,s_a,beta,F_x,F_y");
+    let cells: Vec<&str> = lines[1].split(',').collect();
+    assert!((cells[5].parse::<f64>().unwrap() / number(&force, "moment") - 1.0).abs() < 1e-7, "{batch:?}");
+    assert_eq!(lines.last(), Some(&"0.2,0.0,,,,,,,,,"));
+}

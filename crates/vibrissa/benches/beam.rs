@@ -12,6 +12,7 @@ use vibrissa::beam::normal::{
 };
 use vibrissa::beam::{Load, Rod, Whisker, force_mode, moment_mode, point_mode};
 use vibrissa::plane::Vec2;
+use vibrissa::tasks::batch;
 
 const EI: f64 = 2.8886e-4;
 const LENGTH: f64 = 0.075;
@@ -141,6 +142,7 @@ fn general(c: &mut Criterion) {
     let whiskers = [
         ("tapered to one half", Whisker { tip_ratio: 0.5, ..plain }, 0.05),
         ("tapered to one tenth", Whisker { tip_ratio: 0.1, ..plain }, 0.01),
+        ("tapered to one twentieth", Whisker { tip_ratio: 0.05, ..plain }, 0.008),
         ("curved", Whisker { curvature: 6.0, ..plain }, 0.1),
         ("on an elastic base", Whisker { base_stiffness: 0.3, ..plain }, 0.1),
         ("all three", Whisker { tip_ratio: 0.4, curvature: 6.0, base_stiffness: 0.3, ..plain }, 0.04),
@@ -168,5 +170,29 @@ fn general(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, singles, batches, general);
+/// A million shapes on one thread, the baseline, and on two.
+fn cores(c: &mut Criterion) {
+    let l = loads();
+    let many = |list: &[f64]| list.iter().copied().cycle().take(1_000_000).collect::<Vec<f64>>();
+    let (forces, arcs) = (many(&l.force), many(&l.s_a));
+    let mut out = vec![NormalBend::default(); forces.len()];
+    let rod = Rod::new(&Whisker { tip_ratio: 0.1, ..Whisker::default() }).unwrap();
+    let weak: Vec<f64> = (0..20_000).map(|i| 5e-7 * f64::from(i)).collect();
+    let mut group = c.benchmark_group("cores");
+    group.sample_size(10);
+    for (name, threads) in [("baseline: one thread", 1), ("two threads", 2)] {
+        group.bench_function(format!("{name}: a million normal loads"), |b| {
+            b.iter(|| {
+                batch::by_force(EI, &forces, &arcs, &mut out, threads);
+                black_box(&mut out);
+            });
+        });
+        group.bench_function(format!("{name}: 20000 tapered rods"), |b| {
+            b.iter(|| batch::map(&weak, threads, |force| rod.force_mode(*force, 0.06, Load::Normal)));
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, singles, batches, general, cores);
 criterion_main!(benches);

@@ -18,6 +18,8 @@ pub mod limits {
     pub const COARSEST_SPACING: f64 = 0.1;
     /// Largest extent of a map that raises no doubt (m).
     pub const LARGEST_MAP: f64 = 200.0;
+    /// Largest strain limit of a whisker: no wire springs back from its own length.
+    pub const LARGEST_STRAIN: f64 = 1.0;
     /// Largest heading change between two rows of a log that raises no doubt (rad).
     pub const HEADING_JUMP: f64 = 1.0;
     /// Largest move between two rows of a log that raises no doubt (m): 30 m/s at 300 Hz.

@@ -37,6 +37,7 @@ fn rows() -> Option<Vec<Row>> {
                 base_stiffness: n(5),
                 flexural_rigidity: n(6),
                 length: n(7),
+                ..Whisker::default()
             },
             s_a: n(8),
             force: n(9),

@@ -135,3 +135,78 @@ fn a_calibration_is_found_beside_the_robot() {
     assert_eq!(robot.whiskers[0].calibration, Some(folder.join("cal.json")));
     std::fs::remove_dir_all(&folder).unwrap();
 }
+
+#[test]
+fn wires_in_a_row_and_curvature_that_changes() {
+    let text = r#"
+[[whisker]]
+name = "jointed"
+segments = [
+  { length = "25 mm", flexural_rigidity = 2.8886e-4 },
+  { length = 0.02, young_modulus = "52 GPa", diameter = "0.4 mm", tip_diameter = "0.2 mm" },
+  { length = 0.03, flexural_rigidity = "1e-5 N m^2", tip_ratio = 0.5 },
+]
+curvature = [2.0, -100, 500.0]
+strain_limit = "1 %"
+base_stiffness = 0.3
+"#;
+    let beam = Robot::from_toml(text, "robot.toml").unwrap().whiskers.remove(0).beam;
+    assert!((beam.length - 0.075).abs() < 1e-15 && (beam.flexural_rigidity - 2.8886e-4).abs() < 1e-18);
+    let [first, second, third] = beam.stretches.as_slice() else { panic!("three segments") };
+    assert!((first.tip_ratio - 1.0).abs() < 1e-15 && first.diameter.is_none());
+    assert!((second.tip_ratio - 0.5).abs() < 1e-15 && (third.tip_ratio - 0.5).abs() < 1e-15);
+    // 52 GPa times pi (0.4 mm)^4 / 64, by hand.
+    assert!((second.flexural_rigidity / 6.534_512_7e-5 - 1.0).abs() < 1e-7, "{}", second.flexural_rigidity);
+    assert!((beam.radius_at(0.035).unwrap() - 0.15e-3).abs() < 1e-15 && beam.radius_at(0.01).is_none());
+    assert!((beam.curvature_terms()[1] + 100.0).abs() < 1e-12 && (beam.curvature_terms()[2] - 500.0).abs() < 1e-12);
+    assert!((beam.strain_limit - 0.01).abs() < 1e-15 && (beam.base_stiffness - 0.3).abs() < 1e-15);
+    assert!(!beam.is_uniform() && beam.rod().is_ok());
+    assert!((beam.rod().unwrap().length() - 0.075).abs() < 1e-15);
+}
+
+#[test]
+fn faults_of_segments_name_line_value_and_range() {
+    let cases = [
+        ("segments = []", 2, "must be a list of wires"),
+        ("segments = 3", 2, "must be a list of wires: 3"),
+        ("segments = [1]", 2, "whisker.segments[0] must be a table: 1"),
+        ("segments = [{ length = 0.01 }]", 2, "segments[0].flexural_rigidity is missing"),
+        ("segments = [{ flexural_rigidity = 1e-4 }]", 2, "segments[0].length is missing"),
+        (
+            "segments = [\n{ length = 0.01, flexural_rigidity = 1e-4 },\n{ length = -1, flexural_rigidity = 1e-4 }]",
+            4,
+            "segments[1].length is out of range: -1 m",
+        ),
+        ("segments = [{ length = 0.01, flexural_rigidity = nan }]", 2, "flexural_rigidity is out of range: nan"),
+        ("segments = [{ length = 0.01, flexural_rigidity = 1e-4, tip_ratio = 0 }]", 2, "allowed: 0.001 to 1000"),
+        (
+            "segments = [{ length = 0.01, flexural_rigidity = 1e-4, tip_diameter = 1e-4 }]",
+            2,
+            "tip_diameter without diameter",
+        ),
+        (
+            "segments = [{ length = 0.01, flexural_rigidity = 1e-4, colour = 1 }]",
+            2,
+            "unknown key: whisker.segments[0].colour",
+        ),
+        ("length = 0.05\nsegments = [{ length = 0.01, flexural_rigidity = 1e-4 }]", 2, "whisker.length contradicts"),
+        (
+            "segments = [{ length = 9.0, flexural_rigidity = 1 }, { length = 9.0, flexural_rigidity = 1 }]",
+            2,
+            "too long: 18",
+        ),
+        ("curvature = []", 2, "curvature has too many or no values"),
+        ("curvature = [1, 2, 3, 4, 5, 6, 7]", 2, "too many or no values: 7"),
+        ("curvature = [1, \"2 1/m\"]", 2, "curvature[1] must be a bare number"),
+        ("curvature = [1, inf]", 2, "curvature[1] is out of range"),
+        ("name = \"a\"\ncurvature = [0, 1e6]", 3, "turns by less than 2 pi"),
+        ("curvature = 1000", 2, "turns by less than 2 pi"),
+        ("strain_limit = 0", 2, "strain_limit is out of range: 0"),
+        ("tip_ratio = 1e-4", 2, "allowed: 0.001 to 1"),
+    ];
+    for (text, line, word) in cases {
+        let error = Robot::from_toml(&format!("[[whisker]]\n{text}\n"), "robot.toml").unwrap_err();
+        assert!(error.is_data() && error.line() == Some(line), "{text}: {error}");
+        assert!(error.to_string().contains(word), "{text}: {error}");
+    }
+}

@@ -1,18 +1,20 @@
 //! The robot's TOML file.
 
+mod beam;
+
 use super::text::{did_you_mean, line_at, read_text};
 use super::units::{Dimension, parse_quantity};
 use super::{MomentNoise, MountedWhisker, Odometry, Robot};
-use crate::beam::Whisker;
 use crate::plane::Pose2;
 use crate::{Error, Result};
-use core::f64::consts::{PI, TAU};
+use beam::beam;
+use core::f64::consts::TAU;
 use core::ops::Range;
 use std::path::{Path, PathBuf};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-const WHISKER_KEYS: [&str; 12] = [
+const WHISKER_KEYS: [&str; 14] = [
     "name",
     "length",
     "flexural_rigidity",
@@ -20,7 +22,9 @@ const WHISKER_KEYS: [&str; 12] = [
     "diameter",
     "tip_ratio",
     "curvature",
+    "segments",
     "base_stiffness",
+    "strain_limit",
     "mount",
     "friction",
     "calibration",
@@ -103,8 +107,8 @@ const POSITIVE: Allowed = Allowed { holds: |v| v > 0.0 && v.is_finite(), text: "
 const FINITE: Allowed = Allowed { holds: f64::is_finite, text: "a finite number", remedy: "" };
 const NOT_NEGATIVE: Allowed = Allowed { holds: |v| v >= 0.0 && v.is_finite(), text: "0 or more", remedy: "" };
 const TIP_RATIO: Allowed = Allowed {
-    holds: |v| v > 0.0 && v <= 1.0,
-    text: "above 0, up to 1",
+    holds: |v| (1e-3..=1.0).contains(&v),
+    text: "0.001 to 1",
     remedy: "tip radius divided by base radius; a sharp tip needs a small number such as 0.05",
 };
 const STIFFNESS: Allowed = Allowed { holds: |v| v > 0.0, text: "above 0, or inf", remedy: "a clamped base is inf" };
@@ -283,19 +287,11 @@ fn whiskers(top: &Section<'_>) -> Result<Vec<MountedWhisker>> {
 
 fn whisker(section: &Section<'_>, index: usize) -> Result<MountedWhisker> {
     section.only(&WHISKER_KEYS)?;
-    let default = Whisker::default();
     let number = |key, dimension, allowed: &Allowed| section.number(key, dimension, allowed);
-    let beam = Whisker {
-        length: number("length", Dimension::Length, &LENGTH)?.unwrap_or(default.length),
-        flexural_rigidity: flexural_rigidity(section)?.unwrap_or(default.flexural_rigidity),
-        tip_ratio: number("tip_ratio", Dimension::Ratio, &TIP_RATIO)?.unwrap_or(default.tip_ratio),
-        curvature: number("curvature", Dimension::Curvature, &FINITE)?.unwrap_or(default.curvature),
-        base_stiffness: number("base_stiffness", Dimension::Stiffness, &STIFFNESS)?.unwrap_or(default.base_stiffness),
-    };
     let mounted = MountedWhisker::default();
     Ok(MountedWhisker {
         name: name(section, index)?,
-        beam,
+        beam: beam(section)?,
         robot_from_whisker: mount(section)?.unwrap_or(mounted.robot_from_whisker),
         friction: number("friction", Dimension::Ratio, &NOT_NEGATIVE)?.unwrap_or(mounted.friction),
         calibration: section.text("calibration")?.map(PathBuf::from),
@@ -327,41 +323,6 @@ fn noise(section: &Section<'_>) -> Result<MomentNoise> {
             .number("moment_absolute", Dimension::Moment, &NOT_NEGATIVE)?
             .unwrap_or(default.moment_absolute),
     })
-}
-
-/// E I of a round wire is E pi d⁴ / 64; given beside it, it must agree within 1 %.
-fn flexural_rigidity(section: &Section<'_>) -> Result<Option<f64>> {
-    let given = section.number("flexural_rigidity", Dimension::FlexuralRigidity, &POSITIVE)?;
-    let modulus = section.number("young_modulus", Dimension::Pressure, &POSITIVE)?;
-    let diameter = section.number("diameter", Dimension::Length, &DIAMETER)?;
-    let fault = |key: &str, what: String| {
-        let span = section.get(key).map_or(section.span.clone(), Spanned::span);
-        section.source.fault(&span, what)
-    };
-    let computed = match (modulus, diameter) {
-        (Some(e), Some(d)) => e * PI * d.powi(4) / 64.0,
-        (None, None) => return Ok(given),
-        (Some(_), None) if given.is_some() => return Ok(given),
-        (None, Some(_)) if given.is_some() => return Ok(given),
-        (Some(_), None) => {
-            return Err(fault("young_modulus", "young_modulus without diameter".into())
-                .remedy("add diameter = \"0.58 mm\", or give flexural_rigidity instead"));
-        }
-        (None, Some(_)) => {
-            return Err(fault("diameter", "diameter without young_modulus".into())
-                .remedy("add young_modulus = \"52 GPa\", or give flexural_rigidity instead"));
-        }
-    };
-    match given {
-        Some(ei) if (ei - computed).abs() > RIGIDITY_AGREEMENT * computed => {
-            Err(fault("flexural_rigidity", "flexural_rigidity contradicts young_modulus and diameter".into())
-                .value(format!("{ei} N m^2, but E pi d^4 / 64 = {computed:.5e} N m^2"))
-                .allowed("equal within 1 %")
-                .remedy("give one or the other"))
-        }
-        Some(ei) => Ok(Some(ei)),
-        None => Ok(Some(computed)),
-    }
 }
 
 fn mount(section: &Section<'_>) -> Result<Option<Pose2>> {

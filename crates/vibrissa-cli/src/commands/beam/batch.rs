@@ -6,6 +6,7 @@ use super::single::{solution, text_of};
 use serde_json::json;
 use std::path::Path;
 use vibrissa::beam::{Bend, Load, Whisker};
+use vibrissa::tasks::batch;
 use vibrissa::world::Dimension;
 use vibrissa::{Error, Result};
 
@@ -62,24 +63,37 @@ fn solve(text: &str, given: Given, known: &Known, whisker: &Whisker) -> Result<S
             .remedy("give each line as many fields as the header names, separated by commas")
     };
     let headers = reader.headers().map_err(|e| fault(&e))?.clone();
-    let (mut rows, mut warnings) = (Vec::new(), Vec::new());
+    let mut posed = Vec::new();
     for (index, record) in reader.records().enumerate() {
         let cells = record.map_err(|e| fault(&e))?;
         let line = cells.position().map_or(index + 2, |p| p.line() as usize);
         let cell = |name: &str| headers.iter().position(|h| h == name).and_then(|i| cells.get(i));
         let (known, whisker) = row(cell, known, whisker).map_err(|e| e.at_line(line))?;
+        posed.push((line, cells, known, whisker));
+    }
+    if posed.is_empty() {
+        return Err(Error::data("the batch has no rows").remedy("give a header line and at least one row"));
+    }
+    let answers = batch::map(&posed, batch::all_cores(), |(_, _, known, whisker)| known.solve(given, whisker));
+    let (mut rows, mut warnings, mut faults) = (Vec::new(), Vec::new(), 0);
+    for ((line, cells, _, whisker), answer) in posed.into_iter().zip(answers) {
         // A row that cannot be solved must not cost the others.
-        let bends = known.solve(given, &whisker).unwrap_or_else(|error| {
-            warnings.push(format!("{line}: {error}"));
-            Vec::new()
-        });
-        if bends.is_empty() && !warnings.last().is_some_and(|w| w.starts_with(&format!("{line}: "))) {
-            warnings.push(format!("{line}: no equilibrium: {}", given.why_none()));
-        }
+        let bends = match answer {
+            Ok(bends) if bends.is_empty() => {
+                warnings.push(format!("{line}: no equilibrium: {}", given.why_none()));
+                bends
+            }
+            Ok(bends) => bends,
+            Err(error) => {
+                faults += 1;
+                warnings.push(format!("{line}: {error}"));
+                Vec::new()
+            }
+        };
         rows.push(Row { line, cells, whisker, bends });
     }
-    if rows.is_empty() {
-        return Err(Error::data("the batch has no rows").remedy("give a header line and at least one row"));
+    if let (true, Some(first)) = (faults == rows.len(), warnings.first()) {
+        return Err(Error::data(format!("no row of the batch makes sense; the first: line {first}")));
     }
     Ok(Solved { headers, rows, warnings })
 }
@@ -101,14 +115,36 @@ fn row<'a>(cell: impl Fn(&str) -> Option<&'a str>, known: &Known, whisker: &Whis
         y: number("y", Dimension::Length)?.or(known.y),
         moment: number("M0", Dimension::Moment)?.or(known.moment),
     };
-    let whisker = Whisker {
-        length: number("L", Dimension::Length)?.unwrap_or(whisker.length),
-        flexural_rigidity: number("EI", Dimension::FlexuralRigidity)?.unwrap_or(whisker.flexural_rigidity),
-        tip_ratio: number("r_tip", Dimension::Ratio)?.unwrap_or(whisker.tip_ratio),
+    Ok((known, row_whisker(number, whisker)?))
+}
+
+/// The whisker of a row: the robot's, with what the columns change.
+fn row_whisker(number: impl Fn(&str, Dimension) -> Result<Option<f64>>, whisker: &Whisker) -> Result<Whisker> {
+    let (length, rigidity) = (number("L", Dimension::Length)?, number("EI", Dimension::FlexuralRigidity)?);
+    let tip_ratio = number("r_tip", Dimension::Ratio)?;
+    let wires = [("L", length), ("EI", rigidity), ("r_tip", tip_ratio)];
+    if let ([_, ..], Some((name, Some(value)))) =
+        (whisker.stretches.as_slice(), wires.into_iter().find(|(_, value)| value.is_some()))
+    {
+        return Err(Error::data(name)
+            .value(value)
+            .allowed("empty for a whisker of several segments")
+            .remedy("drop the column, or give a robot without segments"));
+    }
+    let mut curvature_rise = whisker.curvature_rise;
+    for (i, term) in curvature_rise.iter_mut().enumerate() {
+        // Their unit is 1/m², 1/m³, …; only bare numbers have one.
+        *term = number(&format!("kappa{}", i + 1), Dimension::Ratio)?.unwrap_or(*term);
+    }
+    Ok(Whisker {
+        length: length.unwrap_or(whisker.length),
+        flexural_rigidity: rigidity.unwrap_or(whisker.flexural_rigidity),
+        tip_ratio: tip_ratio.unwrap_or(whisker.tip_ratio),
         curvature: number("kappa0", Dimension::Curvature)?.unwrap_or(whisker.curvature),
+        curvature_rise,
         base_stiffness: number("k_base", Dimension::Stiffness)?.unwrap_or(whisker.base_stiffness),
-    };
-    Ok((known, whisker))
+        ..*whisker
+    })
 }
 
 /// The load of a row: its word, its tilt, or the option.
@@ -135,6 +171,7 @@ fn table(solved: &Solved, given: Given) -> Result<String> {
         Given::Force => &["phi_a", "x", "y", "M0"],
         Given::Moment => &["phi_a", "x", "y", "M0", "F"],
         Given::Point => &["phi_a", "x", "y", "M0", "F", "s_a"],
+        Given::Tip => &["phi_a", "x", "y", "M0", "F", "s_a", "beta", "F_x", "F_y"],
     };
     let mut writer = csv::Writer::from_writer(Vec::new());
     let mut write = |cells: &csv::StringRecord, more: Vec<String>| {
@@ -147,7 +184,9 @@ fn table(solved: &Solved, given: Given) -> Result<String> {
             write(&row.cells, vec![String::new(); appended.len()])?;
         }
         for b in &row.bends {
-            let values = [b.phi_a, b.contact.x, b.contact.y, b.moment, b.force, b.s_a];
+            let vector = b.force_vector();
+            let contact = [b.phi_a, b.contact.x, b.contact.y, b.moment];
+            let values = [&contact[..], &[b.force, b.s_a, b.beta, vector.x, vector.y]].concat();
             write(&row.cells, values[..appended.len()].iter().map(|v| format!("{v:?}")).collect())?;
         }
     }

@@ -1,6 +1,6 @@
 //! What the user gives: numbers, loads and the three ways to pose the problem.
 
-use vibrissa::beam::{Bend, Load, Whisker, force_mode, moment_mode, point_mode};
+use vibrissa::beam::{Bend, Load, Whisker, force_mode, moment_mode, point_mode, tip_mode};
 use vibrissa::plane::Vec2;
 use vibrissa::world::{Dimension, parse_quantity};
 use vibrissa::{Error, Result};
@@ -37,6 +37,7 @@ pub(super) fn parse_load(text: &str) -> Result<Load> {
 pub(super) enum Given {
     Force,
     Point,
+    Tip,
     Moment,
 }
 
@@ -79,6 +80,7 @@ impl Known {
         match given {
             Given::Force => force_mode(whisker, need(self.force, "F")?, need(self.s_a, "s_a")?, self.load),
             Given::Point => point_mode(whisker, Vec2::new(need(self.x, "x")?, need(self.y, "y")?), self.load),
+            Given::Tip => tip_mode(whisker, Vec2::new(need(self.x, "x")?, need(self.y, "y")?)),
             Given::Moment => moment_mode(whisker, need(self.moment, "M0")?, need(self.s_a, "s_a")?, self.load),
         }
     }
@@ -90,6 +92,9 @@ impl Given {
         match self {
             Self::Force => "the force is too large for a shape without an inflection between base and contact",
             Self::Point => "the whisker is too short for this point, or no shape reaches this side",
+            Self::Tip => {
+                "the whisker is too short for its tip to be there, or no shape without an inflection reaches it"
+            }
             Self::Moment => {
                 "the moment is larger than any shape with this arc length can have (2.944 EI/s_a, normal load)"
             }

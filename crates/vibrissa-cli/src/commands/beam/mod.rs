@@ -11,7 +11,6 @@ use clap::Subcommand;
 use input::{Given, Known};
 use std::path::PathBuf;
 use vibrissa::beam::{Load, Whisker};
-use vibrissa::config::defaults;
 use vibrissa::world::{Dimension, Robot};
 use vibrissa::{Error, Result};
 
@@ -57,6 +56,9 @@ struct PointArgs {
     /// Contact point, across the undeflected whisker (m)
     #[arg(long, allow_hyphen_values = true, required_unless_present = "batch")]
     y: Option<String>,
+    /// The point is where the tip is held: solves for the force and its direction, least energy first
+    #[arg(long, conflicts_with = "load")]
+    tip: bool,
     #[command(flatten)]
     common: Common,
 }
@@ -83,26 +85,19 @@ struct Common {
     #[arg(long, value_name = "ROBOT")]
     robot: Option<PathBuf>,
     /// Solve every row of a table with any of the columns `case,load,beta,r_tip,kappa0,k_base,EI,L,s_a,F` (or `x,y`;
-    /// or `M0`); what a row lacks comes from the options and the robot
+    /// or `M0`; `kappa1`, `kappa2`, … for a curvature that changes along the whisker); what a row lacks comes from the
+    /// options and the robot. Rows that make no sense are warned of; when no row does, nothing is written
     #[arg(long, value_name = "FILE")]
     batch: Option<PathBuf>,
-    /// Diameter at the base, for the strain of the surface (m) [default: the paper's 0.58 mm, for a whisker of its rigidity]
+    /// Diameter at the base, for the strain of the surface (m) [default: the robot's; the paper's 0.58 mm, for a whisker of
+    /// its rigidity]
     #[arg(long, value_name = "LENGTH")]
     diameter: Option<String>,
-    /// Strain beyond which the whisker would stay bent, for a warning [default: 0.06, Nitinol's]
+    /// Strain beyond which the whisker would stay bent, for a warning [default: the robot's, or 0.06, Nitinol's]
     #[arg(long, value_name = "RATIO")]
     strain_limit: Option<String>,
     #[command(flatten)]
     output: OutputArgs,
-}
-
-/// The wire, for what the surface bears.
-#[derive(Clone, Copy, Debug)]
-struct Wire {
-    /// Diameter at the base (m), where it is known.
-    diameter: Option<f64>,
-    /// Largest strain.
-    limit: f64,
 }
 
 /// What the command has to say and to write.
@@ -145,8 +140,11 @@ impl Args {
         Ok(known)
     }
 
-    /// The wire of `whisker` according to the options.
-    fn wire(&self, whisker: &Whisker) -> Result<Wire> {
+    /// The robot's whisker with the wire and the limit that the options name.
+    fn whisker(&self, robot: &Robot) -> Result<Whisker> {
+        let Some(mounted) = robot.whiskers.first() else {
+            return Err(Error::data("the robot has no whisker").remedy("add a [[whisker]] to the robot file"));
+        };
         let positive = |name: &str, dimension: Dimension, text: Option<&str>| {
             let value = input::option(name, dimension, text)?;
             match value {
@@ -156,19 +154,26 @@ impl Args {
                 _ => Ok(value),
             }
         };
-        let common = self.common();
-        let diameter = positive("--diameter", Dimension::Length, common.diameter.as_deref())?;
-        let limit = positive("--strain-limit", Dimension::Ratio, common.strain_limit.as_deref())?;
-        let of_paper = (whisker.flexural_rigidity / defaults::FLEXURAL_RIGIDITY - 1.0).abs() < 1e-3;
-        Ok(Wire {
-            diameter: diameter.or(of_paper.then_some(defaults::DIAMETER)),
-            limit: limit.unwrap_or(defaults::STRAIN_LIMIT),
-        })
+        let (mut whisker, common) = (mounted.beam, self.common());
+        if let Some(limit) = positive("--strain-limit", Dimension::Ratio, common.strain_limit.as_deref())? {
+            whisker.strain_limit = limit;
+        }
+        if let Some(diameter) = positive("--diameter", Dimension::Length, common.diameter.as_deref())? {
+            if !whisker.stretches.as_slice().is_empty() {
+                return Err(Error::usage("--diameter")
+                    .value(diameter)
+                    .allowed("a whisker of one wire")
+                    .remedy("give the diameter of each segment in the robot file"));
+            }
+            whisker.diameter = Some(diameter);
+        }
+        Ok(whisker)
     }
 
     fn given(&self) -> Given {
         match &self.mode {
             Mode::Force(_) => Given::Force,
+            Mode::Point(args) if args.tip => Given::Tip,
             Mode::Point(_) => Given::Point,
             Mode::Moment(_) => Given::Moment,
         }
@@ -189,14 +194,11 @@ pub(crate) fn run(args: &Args) -> Result<()> {
 
 /// Solves what was asked for; reads the batch file, writes nothing.
 fn report(args: &Args, robot: &Robot) -> Result<Report> {
-    let whisker: Whisker = match robot.whiskers.first() {
-        Some(mounted) => mounted.beam,
-        None => return Err(Error::data("the robot has no whisker").remedy("add a [[whisker]] to the robot file")),
-    };
+    let whisker = args.whisker(robot)?;
     let (known, given, common) = (args.known()?, args.given(), args.common());
     let output = &common.output;
     match &common.batch {
         Some(file) => batch::report(file, given, &known, &whisker, output.json, output.out.is_some()),
-        None => single::report(given, &known, &whisker, args.wire(&whisker)?, output.json),
+        None => single::report(given, &known, &whisker, output.json),
     }
 }

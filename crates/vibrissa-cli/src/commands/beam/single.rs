@@ -1,8 +1,8 @@
 //! One whisker: the table for people, the JSON, and the files.
 
+use super::Report;
 use super::figure::figure;
 use super::input::{Given, Known};
-use super::{Report, Wire};
 use serde_json::{Value, json};
 use std::fmt::Write;
 use vibrissa::beam::{Bend, Whisker};
@@ -11,16 +11,16 @@ use vibrissa::{Error, Result};
 /// Points along the whisker in `beam.csv` and in the JSON.
 const POINTS: usize = 101;
 
-pub(super) fn report(given: Given, known: &Known, whisker: &Whisker, wire: Wire, json: bool) -> Result<Report> {
+pub(super) fn report(given: Given, known: &Known, whisker: &Whisker, json: bool) -> Result<Report> {
     let bends = known.solve(given, whisker)?;
     let text = if json {
-        let solutions = bends.iter().map(|b| with_strain(solution(b, whisker), b, wire));
+        let solutions = bends.iter().map(|b| with_strain(solution(b, whisker), b, whisker));
         let value = json!({ "solutions": solutions.collect::<Vec<_>>() });
         format!("{value:#}\n")
     } else {
         table(&bends, whisker)
     };
-    let mut warnings: Vec<String> = bends.iter().enumerate().filter_map(|(i, b)| overstrained(i, b, wire)).collect();
+    let mut warnings: Vec<String> = bends.iter().enumerate().filter_map(|(i, b)| overstrained(i, b, whisker)).collect();
     if bends.is_empty() {
         warnings.push(format!("no equilibrium: {}", given.why_none()));
     }
@@ -29,23 +29,22 @@ pub(super) fn report(given: Given, known: &Known, whisker: &Whisker, wire: Wire,
 }
 
 /// Adds the largest curvature and strain to one equilibrium.
-fn with_strain(mut value: Value, bend: &Bend, wire: Wire) -> Value {
-    if let Some(diameter) = wire.diameter {
-        let largest = bend.largest_strain(diameter);
+fn with_strain(mut value: Value, bend: &Bend, whisker: &Whisker) -> Value {
+    if let Some(largest) = bend.largest_strain_of(whisker) {
         value["largest_strain"] = json!({ "s": largest.s, "curvature": largest.curvature, "strain": largest.strain });
     }
     value
 }
 
 /// The warning that a whisker would not spring back.
-fn overstrained(index: usize, bend: &Bend, wire: Wire) -> Option<String> {
-    let largest = bend.largest_strain(wire.diameter?);
-    (largest.strain > wire.limit).then(|| {
+fn overstrained(index: usize, bend: &Bend, whisker: &Whisker) -> Option<String> {
+    let largest = bend.largest_strain_of(whisker)?;
+    (largest.strain > whisker.strain_limit).then(|| {
         format!(
             "solution {index}: the surface is strained by {:.2} % at {:.1} mm from the base, beyond the limit of {} %: the whisker would stay bent",
             1e2 * largest.strain,
             1e3 * largest.s,
-            1e2 * wire.limit
+            1e2 * whisker.strain_limit
         )
     })
 }

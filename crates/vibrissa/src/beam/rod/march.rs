@@ -12,7 +12,7 @@
 //! The step is where the last coefficients fall below [`TOLERANCE`]; stretches end where stiffness jumps.
 
 use super::Rod;
-use super::section::shifted;
+use super::section::{Elastic, shifted};
 use crate::plane::Vec2;
 
 /// Order of the method: the highest power of the slope's series.
@@ -49,25 +49,65 @@ pub(super) struct Step {
     pub(super) h: f64,
     phi: [f64; ORDER + 1],
     moment: [f64; ORDER + 1],
-    cos: [f64; ORDER + 1],
-    sin: [f64; ORDER + 1],
+    /// Cosine and sine of the slope.
+    turn: Pairs,
 }
 
-/// Room for series in whole groups of four.
-pub(super) const ROOM: usize = 2 * ORDER + 4;
+/// Two series side by side, cosine and sine: what the processor multiplies in one go.
+type Pairs = [[f64; 2]; ORDER + 1];
 
-/// `sum_j a[j] b[k - j]` for `j <= k`, with `a` zero beyond `k` and `b[i]` stored at `reversed[ORDER - i]`.
+/// `sum_j a[j] b[k - j]` for `j <= k`, from the middle outwards, so that the newest coefficients come last and hold up least.
 #[inline(always)]
-fn convolve(a: &[f64; ROOM], reversed: &[f64; ROOM], k: usize) -> f64 {
-    let groups = k / 4 + 1;
-    let (a, b) = (&a[..4 * groups], &reversed[ORDER - k..ORDER - k + 4 * groups]);
-    let mut sums = [0.0; 4];
-    for (p, q) in a.chunks_exact(4).zip(b.chunks_exact(4)) {
-        for i in 0..4 {
-            sums[i] += p[i] * q[i];
+fn convolve<const K: usize>(a: &Pairs, b: &Pairs) -> [f64; 2] {
+    let middle = K / 2;
+    let mut down = [a[middle][0] * b[K - middle][0], a[middle][1] * b[K - middle][1]];
+    let mut up = [0.0; 2];
+    for d in 1..=K - middle {
+        for i in 0..2 {
+            up[i] += a[middle + d][i] * b[K - middle - d][i];
+        }
+        if d <= middle {
+            for i in 0..2 {
+                down[i] += a[middle - d][i] * b[K - middle + d][i];
+            }
         }
     }
-    (sums[0] + sums[1]) + (sums[2] + sums[3])
+    [up[0] + down[0], up[1] + down[1]]
+}
+
+/// The series of one step, coefficient by coefficient.
+struct Expansion<'a> {
+    force: Vec2,
+    rest: &'a [f64; ORDER],
+    elastic: Elastic,
+    phi: [f64; ORDER + 1],
+    moment: [f64; ORDER + 1],
+    /// The derivative of the slope, twice.
+    bend: Pairs,
+    turn: Pairs,
+}
+
+impl Expansion<'_> {
+    /// From the coefficients of order `K` to those of order `K + 1`.
+    #[inline(always)]
+    fn grow<const K: usize>(&mut self) {
+        let n = INVERSE[K + 1];
+        let bend = self.elastic.next(self.moment[K]) + self.rest[K];
+        self.bend[K] = [bend; 2];
+        self.phi[K + 1] = n * bend;
+        let [cos, sin] = self.turn[K];
+        self.moment[K + 1] = n * (self.force.x * sin - self.force.y * cos);
+        let [with_cos, with_sin] = convolve::<K>(&self.bend, &self.turn);
+        self.turn[K + 1] = [-n * with_sin, n * with_cos];
+    }
+
+    /// All coefficients. Written out, so that every length is known when this is compiled.
+    fn fill(&mut self) {
+        macro_rules! orders {
+            ($($k:literal)*) => { $(self.grow::<$k>();)* };
+        }
+        orders!(0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19);
+    }
 }
 
 impl Step {
@@ -75,15 +115,13 @@ impl Step {
     fn new(rod: &Rod, start: State, force: Vec2, to: f64) -> Self {
         let backwards = to < start.s;
         let piece = rod.piece(start.s, backwards);
-        let mut rest = [0.0; ORDER];
-        shifted(&rod.curvature, start.s, &mut rest);
-        let mut compliance = [0.0; ROOM];
-        if piece.is_uniform() {
-            compliance[0] = piece.compliance(start.s);
+        let mut step = if rod.curvature.is_empty() {
+            Self::expand(start, force, Elastic::new(&piece, start.s), &[0.0; ORDER])
         } else {
-            piece.compliance_series(start.s, &mut compliance);
-        }
-        let mut step = Self::expand(start, force, &compliance, &rest, piece.is_uniform());
+            let mut rest = [0.0; ORDER];
+            shifted(&rod.curvature, start.s, &mut rest);
+            Self::expand(start, force, Elastic::new(&piece, start.s), &rest)
+        };
         let before = if backwards { rod.piece_start(start.s) } else { piece.end };
         let reach = if backwards { to.max(before) } else { to.min(before) } - start.s;
         step.h = step.allowed(reach);
@@ -91,51 +129,33 @@ impl Step {
     }
 
     #[inline]
-    fn expand(start: State, force: Vec2, compliance: &[f64; ROOM], rest: &[f64; ORDER], uniform: bool) -> Self {
-        let (sin0, cos0) = start.phi.sin_cos();
-        let mut phi = [0.0; ORDER + 1];
-        let mut moment = [0.0; ORDER + 1];
-        let mut cos = [0.0; ORDER + 1];
-        let mut sin = [0.0; ORDER + 1];
-        let (mut cos_back, mut sin_back, mut compliance_back) = ([0.0; ROOM], [0.0; ROOM], [0.0; ROOM]);
-        let mut moment_front = [0.0; ROOM];
-        let mut bend = [0.0; ROOM];
-        // The compliance is known in full, so it is what is read backwards.
-        if !uniform {
-            for k in 0..=ORDER {
-                compliance_back[ORDER - k] = compliance[k];
-            }
-        }
-        (phi[0], moment[0], cos[0], sin[0]) = (start.phi, start.moment, cos0, sin0);
-        (cos_back[ORDER], sin_back[ORDER], moment_front[0]) = (cos0, sin0, start.moment);
-        for k in 0..ORDER {
-            let elastic =
-                if uniform { compliance[0] * moment[k] } else { convolve(&moment_front, &compliance_back, k) };
-            bend[k] = elastic + rest[k];
-            let n = INVERSE[k + 1];
-            phi[k + 1] = bend[k] * n;
-            cos[k + 1] = -n * convolve(&bend, &sin_back, k);
-            sin[k + 1] = n * convolve(&bend, &cos_back, k);
-            moment[k + 1] = n * (force.x * sin[k] - force.y * cos[k]);
-            let back = ORDER - k - 1;
-            (cos_back[back], sin_back[back], moment_front[k + 1]) = (cos[k + 1], sin[k + 1], moment[k + 1]);
-        }
-        Self { start, h: 0.0, phi, moment, cos, sin }
+    fn expand(start: State, force: Vec2, elastic: Elastic, rest: &[f64; ORDER]) -> Self {
+        let (zero, pairs) = ([0.0; ORDER + 1], [[0.0; 2]; ORDER + 1]);
+        let mut series = Expansion { force, rest, elastic, phi: zero, moment: zero, bend: pairs, turn: pairs };
+        let (sin, cos) = start.phi.sin_cos();
+        (series.phi[0], series.moment[0], series.turn[0]) = (start.phi, start.moment, [cos, sin]);
+        series.fill();
+        Self { start, h: 0.0, phi: series.phi, moment: series.moment, turn: series.turn }
     }
 
     /// The longest step towards `reach` (m, signed) whose last terms stay below the tolerance.
     fn allowed(&self, reach: f64) -> f64 {
-        let mut h = reach.abs();
-        for _ in 0..8 {
-            let high = h.powi(ORDER as i32 - 2);
-            let slope = (self.phi[1].abs() * h).max(self.phi[2].abs() * h * h).max(self.phi[3].abs() * h * h * h);
-            let last = |a: &[f64; ORDER + 1]| (a[ORDER].abs() * h).max(a[ORDER - 1].abs()) * high * h;
-            // What the slope misses is judged by the slope; sine and cosine by one.
-            let error = (last(&self.phi) / slope.max(1e-300)).max(last(&self.cos)).max(last(&self.sin));
-            if error <= 2.0 * TOLERANCE {
+        let most = |a: [f64; 2]| a[0].abs().max(a[1].abs());
+        // The last two terms of each series over the longest step, and what they may be: sine and cosine are judged by
+        // one, the slope by its own first terms. Terms grow by the last power of the step.
+        let h = reach.abs();
+        let turn = (most(self.turn[ORDER]) * h).max(most(self.turn[ORDER - 1]));
+        let phi = (self.phi[ORDER].abs() * h).max(self.phi[ORDER - 1].abs());
+        let high = h.powi(ORDER as i32 - 1);
+        let mut h = h;
+        let first = |h: f64| (self.phi[1].abs() * h).max(self.phi[2].abs() * h * h).max(self.phi[3].abs() * h * h * h);
+        for _ in 0..2 {
+            // A shorter step has a smaller slope, too: the second round is judged by that.
+            let error = high * (phi / first(h).max(1e-300)).max(turn);
+            if error <= TOLERANCE {
                 break;
             }
-            h *= (TOLERANCE / error).powf(1.0 / (ORDER as f64 - 1.0)).min(0.95);
+            h = reach.abs() * (TOLERANCE / error).powf(1.0 / (ORDER as f64 - 1.0)).min(1.0);
         }
         h.copysign(reach)
     }
@@ -147,8 +167,8 @@ impl Step {
         for k in (0..ORDER).rev() {
             phi = phi * tau + self.phi[k];
             moment = moment * tau + self.moment[k];
-            x = x * tau + self.cos[k] * INVERSE[k + 1];
-            y = y * tau + self.sin[k] * INVERSE[k + 1];
+            x = x * tau + self.turn[k][0] * INVERSE[k + 1];
+            y = y * tau + self.turn[k][1] * INVERSE[k + 1];
         }
         let start = &self.start;
         State { s: start.s + tau, phi, moment, position: start.position + tau * Vec2::new(x, y) }

@@ -23,13 +23,16 @@ mod view;
 
 extern crate alloc;
 
+use alloc::sync::Arc;
+
 pub use follow::{Followed, Status};
 pub use section::Segment;
 
+use super::stretch::{SHARPEST, Stretch, Stretches};
 use super::whisker::Whisker;
 use crate::error::{Error, Result};
 use march::{ORDER, State};
-use section::{Piece, pieces};
+use section::{Piece, pieces, tapered};
 
 /// A rod ready to be bent: checked, and independent of its load.
 ///
@@ -37,9 +40,10 @@ use section::{Piece, pieces};
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rod {
     length: f64,
-    pieces: Vec<Piece>,
+    /// Shared, since every equilibrium found keeps its rod.
+    pieces: Arc<[Piece]>,
     /// Coefficients of the rest curvature by rising power of `s`.
-    curvature: Vec<f64>,
+    curvature: Arc<[f64]>,
     /// `1 / k_base` (rad/(N m)); 0 when clamped.
     base_compliance: f64,
 }
@@ -48,10 +52,15 @@ impl Rod {
     /// The rod that a whisker describes.
     ///
     /// # Errors
-    /// Data: a length or rigidity that is not positive, a tip ratio outside (0, 1], a curvature that is not finite, a base
-    /// stiffness that is not positive.
+    /// Data: a length or rigidity that is not positive, a tip ratio outside [0.001, 1], a curvature that is not finite or
+    /// winds the whisker up, a base stiffness that is not positive, stretches that are not as long as the whisker.
     pub fn new(whisker: &Whisker) -> Result<Self> {
-        let Whisker { length, flexural_rigidity, tip_ratio, curvature, base_stiffness } = *whisker;
+        Self::of_wires(whisker)?.with_curvature(&whisker.curvature_terms())?.with_base_stiffness(whisker.base_stiffness)
+    }
+
+    /// The whisker's wires, straight and clamped.
+    fn of_wires(whisker: &Whisker) -> Result<Self> {
+        let Whisker { length, flexural_rigidity, tip_ratio, .. } = *whisker;
         let positive = |value: f64| value > 0.0 && value.is_finite();
         if !positive(length) {
             return Err(Error::data("whisker length").value(length).allowed("above 0 m"));
@@ -59,13 +68,31 @@ impl Rod {
         if !positive(flexural_rigidity) {
             return Err(Error::data("flexural_rigidity").value(flexural_rigidity).allowed("above 0 N m²"));
         }
-        if !(1e-3..=1.0).contains(&tip_ratio) {
+        if !whisker.stretches.as_slice().is_empty() {
+            let together = whisker.stretches.length();
+            if (together - length).abs() > 1e-9 * length {
+                let error = Error::data("whisker length").value(length);
+                return Err(error.allowed(format!("{together} m, the length of its segments together")));
+            }
+            return Self::from_stretches(whisker.stretches.as_slice());
+        }
+        if !(SHARPEST..=1.0).contains(&tip_ratio) {
             let error = Error::data("tip_ratio").value(tip_ratio).allowed("0.001 to 1");
             return Err(error.remedy("give the tip's radius over the base's; a point is no beam"));
         }
-        let piece = Piece { end: length, rigidity: flexural_rigidity, narrowing: (1.0 - tip_ratio) / length };
-        let rod = Self { length, pieces: vec![piece], curvature: Vec::new(), base_compliance: 0.0 };
-        rod.with_curvature(&[curvature])?.with_base_stiffness(base_stiffness)
+        let piece =
+            Piece { start: 0.0, end: length, rigidity: flexural_rigidity, narrowing: (1.0 - tip_ratio) / length };
+        Ok(Self { length, pieces: Arc::new([piece]), curvature: Arc::new([]), base_compliance: 0.0 })
+    }
+
+    /// A straight clamped rod of stretches that may taper, joined in order from the base.
+    ///
+    /// # Errors
+    /// Data: as [`Stretches::new`](super::Stretches::new).
+    pub fn from_stretches(stretches: &[Stretch]) -> Result<Self> {
+        let pieces = tapered(Stretches::new(stretches)?.as_slice());
+        let length = pieces.last().map_or(0.0, |piece| piece.end);
+        Ok(Self { length, pieces: pieces.into(), curvature: Arc::new([]), base_compliance: 0.0 })
     }
 
     /// A straight clamped rod of several wires, joined in order from the base; its length is theirs together.
@@ -75,7 +102,7 @@ impl Rod {
     pub fn from_segments(segments: &[Segment]) -> Result<Self> {
         let pieces = pieces(segments)?;
         let length = pieces.last().map_or(0.0, |piece| piece.end);
-        Ok(Self { length, pieces, curvature: Vec::new(), base_compliance: 0.0 })
+        Ok(Self { length, pieces: pieces.into(), curvature: Arc::new([]), base_compliance: 0.0 })
     }
 
     /// The rod with the rest curvature `sum_k coefficients[k] s^k` (1/m, s in m), counter-clockwise positive.
@@ -92,7 +119,7 @@ impl Rod {
                 .allowed(format!("up to {ORDER}")));
         }
         let used = coefficients.iter().rposition(|c| c.abs() > 0.0).map_or(0, |last| last + 1);
-        self.curvature = coefficients[..used].to_vec();
+        self.curvature = coefficients[..used].into();
         let turns = coefficients.iter().rev().fold(0.0, |sum, c| sum * self.length + c.abs()) * self.length;
         if turns > core::f64::consts::TAU {
             let error = Error::data("curvature").value(format!("{coefficients:?}"));
@@ -136,9 +163,17 @@ impl Rod {
         self.piece(s, false).compliance(s)
     }
 
-    /// How fast the radius falls from the base on, as a share of the radius there (1/m).
+    /// How fast the radius falls from the base on, as a share of the radius there (1/m); 0 for several wires.
     pub(super) fn narrowing(&self) -> f64 {
-        self.pieces[0].narrowing
+        match &*self.pieces {
+            [only] => only.narrowing,
+            _ => 0.0,
+        }
+    }
+
+    /// Where the wires are joined (m).
+    pub(super) fn joints(&self) -> impl Iterator<Item = f64> + '_ {
+        self.pieces.iter().map(|piece| piece.end).filter(|&end| end < self.length)
     }
 
     /// The derivative of the slope (1/m).
@@ -166,11 +201,18 @@ impl Rod {
         self.pieces.iter().map(|piece| piece.end).find(near).unwrap_or(s)
     }
 
+    /// At least [`Rod::softness`], and nearer to it than the largest and the smallest rigidity are to each other.
+    fn softness_at_most(&self, s_a: f64) -> f64 {
+        let ends = self.pieces.iter().filter(|piece| piece.start < s_a);
+        let softest = |piece: &Piece| piece.compliance(piece.start).max(piece.compliance(piece.end.min(s_a)));
+        0.5 * s_a * s_a * ends.map(softest).fold(0.0, f64::max)
+    }
+
     /// The slope at `s_a` that a unit normal force there causes by small-angle theory (rad/N): the scale of forces.
     fn softness(&self, s_a: f64) -> f64 {
         const PARTS: usize = 16;
         let (mut sum, mut start) = (0.0, 0.0);
-        for piece in &self.pieces {
+        for piece in self.pieces.iter() {
             let end = if piece.end >= self.length { s_a } else { piece.end.min(s_a) };
             let width = (end - start).max(0.0) / PARTS as f64;
             for i in 0..PARTS {

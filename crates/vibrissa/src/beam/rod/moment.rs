@@ -42,9 +42,10 @@ impl Rod {
         let mut grid = vec![f64::MIN_POSITIVE];
         grid.extend(geometric(0.05, 1.12, 80.0));
         let with_sign = |sign: f64| {
-            let shoot = |q: f64| Trial { force: sign * q * unit, s_a, gap: gap_of(beta) }.shoot(self);
-            let residual = |q: f64| shoot(q).map_or(f64::NAN, |shot| shot.moment / moment - 1.0);
-            roots(residual, &grid).into_iter().filter_map(shoot).collect::<Vec<_>>()
+            let trial = |q: f64| Trial { force: sign * q * unit, s_a, gap: gap_of(beta) };
+            // The scan runs on through higher modes, where the moment is as smooth, so that no root hides at their border.
+            let residual = |q: f64| trial(q).shoot_on(self).map_or(f64::NAN, |shot| shot.moment / moment - 1.0);
+            roots(residual, &grid).into_iter().filter_map(|q| trial(q).shoot(self)).collect::<Vec<_>>()
         };
         signs.into_iter().flat_map(with_sign).collect()
     }

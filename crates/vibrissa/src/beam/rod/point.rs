@@ -8,7 +8,7 @@ use super::Rod;
 use super::follow::Status;
 use super::march::{State, march};
 use super::newton::{Goal, Problem, refine};
-use super::scan::{geometric, roots};
+use super::scan::{dips, geometric, roots};
 use super::shot::{Shot, Trial, gap_of};
 use crate::error::Result;
 use crate::plane::Vec2;
@@ -67,7 +67,7 @@ impl Rod {
         let sides: Vec<f64> = forces.iter().rev().map(|q| -q).chain(forces[1..].iter().copied()).collect();
         let first = 0.97 * contact.norm().min(self.length);
         let last = self.length * (1.0 + self.beyond_tip(0.02));
-        let row = |s_a: f64| {
+        let row = |s_a: f64| -> Vec<Node> {
             let unit = 1.0 / self.softness(s_a);
             let node = move |q: &f64| Trial { force: q * unit, s_a, gap: gap_of(beta) };
             sides
@@ -76,15 +76,15 @@ impl Rod {
                 .map(|trial| (trial, trial.shoot_on(self).map(|shot| shot.contact - contact)))
                 .collect()
         };
-        let mut starts = Vec::new();
-        let mut below: Vec<(Trial, Option<Vec2>)> = row(first);
-        for s_a in self.arc_lengths(first, last) {
-            let above: Vec<(Trial, Option<Vec2>)> = row(s_a);
+        let mut rows: Vec<Vec<Node>> = vec![row(first)];
+        rows.extend(self.arc_lengths(first, last).into_iter().map(row));
+        let mut starts = nearest(&rows);
+        for pair in rows.windows(2) {
+            let (below, above) = (&pair[0], &pair[1]);
             for j in 1..sides.len() {
                 starts.extend(inside([below[j - 1], below[j], above[j]]));
                 starts.extend(inside([below[j - 1], above[j], above[j - 1]]));
             }
-            below = above;
         }
         starts
     }
@@ -122,7 +122,10 @@ impl Rod {
             let meet = |q: f64| self.meet_line(contact, q * unit * direction, direction, crossing);
             let residual = |q: f64| meet(q).map_or(f64::NAN, |state| (state.position - contact).dot(direction));
             let trial = |q: f64| meet(q).map(|state| Trial { force: q * unit, s_a: state.s, gap: psi - state.phi });
-            roots(residual, &grid).into_iter().filter_map(trial).collect::<Vec<_>>()
+            let found = roots(residual, &grid);
+            // Where the march meets the line elsewhere from one force to the next, a root may show as a dip only.
+            let dips = if self.curvature.is_empty() { Vec::new() } else { dips(residual, &grid) };
+            found.into_iter().chain(dips).filter_map(trial).collect::<Vec<_>>()
         };
         crossings.flat_map(on_crossing).collect()
     }
@@ -161,13 +164,33 @@ impl Rod {
 
     /// How far beyond the tip a search reaches, at `most`, so that contacts at the tip lie inside it; as a share of the length.
     fn beyond_tip(&self, most: f64) -> f64 {
-        let narrowing = self.pieces[self.pieces.len() - 1].narrowing * self.length;
-        if narrowing > 0.0 { (0.3 * (1.0 - narrowing) / narrowing).min(most) } else { most }
+        let last = self.pieces[self.pieces.len() - 1];
+        let narrowing = last.narrowing * self.length;
+        if narrowing > 0.0 { (0.3 * last.radius(self.length) / narrowing).min(most) } else { most }
     }
 }
 
+/// A trial of a grid, and where its contact lies seen from the one that is looked for.
+type Node = (Trial, Option<Vec2>);
+
+/// The nodes that no neighbour is nearer than: where the image of the grid folds over the contact, no triangle holds it.
+fn nearest(rows: &[Vec<Node>]) -> Vec<Trial> {
+    let off = |i: usize, j: usize| rows.get(i).and_then(|row| row.get(j)?.1).map_or(f64::INFINITY, Vec2::norm);
+    let is_nearest = |i: usize, j: usize| {
+        let here = off(i, j);
+        let around = (0..9).map(|k| off((i + k / 3).wrapping_sub(1), (j + k % 3).wrapping_sub(1)));
+        here.is_finite() && around.into_iter().all(|there| here <= there)
+    };
+    let mut list = Vec::new();
+    for (i, row) in rows.iter().enumerate() {
+        let chosen = row.iter().enumerate().filter(|(j, _)| is_nearest(i, *j));
+        list.extend(chosen.map(|(_, node)| node.0));
+    }
+    list
+}
+
 /// The trial between three nodes whose linear image is the origin, when it lies inside the triangle.
-pub(super) fn inside(nodes: [(Trial, Option<Vec2>); 3]) -> Option<Trial> {
+pub(super) fn inside(nodes: [Node; 3]) -> Option<Trial> {
     let [(a, Some(p)), (b, Some(q)), (c, Some(r))] = nodes else { return None };
     let weights = [q.cross(r), r.cross(p), p.cross(q)];
     let sum = weights[0] + weights[1] + weights[2];

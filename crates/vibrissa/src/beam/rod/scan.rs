@@ -41,6 +41,14 @@ pub(super) fn roots(f: impl Fn(f64) -> f64, at: &[f64]) -> Vec<f64> {
     found
 }
 
+/// The points of the grid `at` where `|f|` is smaller than at both neighbours; next to where `f` is not a number, too.
+pub(super) fn dips(f: impl Fn(f64) -> f64, at: &[f64]) -> Vec<f64> {
+    let sizes: Vec<f64> = at.iter().map(|&x| f(x).abs()).collect();
+    let size = |i: usize| sizes.get(i).filter(|v| !v.is_nan()).copied().unwrap_or(f64::INFINITY);
+    let is_dip = |i: &usize| size(*i).is_finite() && size(*i) <= size(i.wrapping_sub(1)) && size(*i) <= size(i + 1);
+    (0..at.len()).filter(is_dip).map(|i| at[i]).collect()
+}
+
 /// The last argument with a value on the way from `inside` to `outside`.
 fn edge(f: &impl Fn(f64) -> f64, inside: f64, outside: f64) -> f64 {
     let (mut good, mut bad) = (inside, outside);

@@ -1,6 +1,7 @@
 //! Stiffness and rest curvature along a rod, as power series about any arc length.
 
-use super::march::{ORDER, ROOM};
+use super::super::stretch::Stretch;
+use super::march::ORDER;
 use crate::error::{Error, Result};
 
 /// A stretch of a rod made of one wire: its length, material and cross section.
@@ -14,36 +15,67 @@ pub struct Segment {
     pub second_moment: f64,
 }
 
-/// A stretch over which the flexural rigidity is `rigidity (1 - narrowing s)^4`.
+/// A stretch over which the flexural rigidity is `rigidity (1 - narrowing (s - start))^4`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Piece {
+    /// Arc length at which the stretch starts (m).
+    pub(super) start: f64,
     /// Arc length at which the stretch ends (m).
     pub(super) end: f64,
-    /// E I where `s = 0` (N m²).
+    /// E I at the start (N m²).
     pub(super) rigidity: f64,
-    /// How fast the radius falls, as a share of the radius at `s = 0` (1/m); 0 for a uniform stretch.
+    /// How fast the radius falls, as a share of the radius at the start (1/m); 0 for a uniform stretch.
     pub(super) narrowing: f64,
 }
 
 impl Piece {
-    /// `1 / EI` at arc length `s` (1/(N m²)).
-    pub(super) fn compliance(&self, s: f64) -> f64 {
-        let radius = 1.0 - self.narrowing * s;
-        1.0 / (self.rigidity * (radius * radius) * (radius * radius))
+    /// The radius at arc length `s` as a share of the radius at the start.
+    pub(super) fn radius(&self, s: f64) -> f64 {
+        1.0 - self.narrowing * (s - self.start)
     }
 
-    /// The series of `1 / EI` about arc length `s`; only the first term where the stretch is uniform.
-    pub(super) fn compliance_series(&self, s: f64, series: &mut [f64; ROOM]) {
-        let ratio = self.narrowing / (1.0 - self.narrowing * s);
-        let mut term = self.compliance(s);
-        for (k, slot) in series.iter_mut().take(ORDER).enumerate() {
-            *slot = term;
-            term *= ratio * (k + 4) as f64 / (k + 1) as f64;
+    /// `1 / EI` at arc length `s` (1/(N m²)).
+    pub(super) fn compliance(&self, s: f64) -> f64 {
+        let radius = self.radius(s);
+        1.0 / (self.rigidity * (radius * radius) * (radius * radius))
+    }
+}
+
+/// The series of `M / EI` from that of `M`, coefficient by coefficient.
+///
+/// With the radius `r(tau) = r (1 - w tau)`, the quotient `Q` obeys `(1 - w tau)^4 Q = M / EI(s)`: each coefficient
+/// follows from the four before it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Elastic {
+    compliance: f64,
+    /// Binomial coefficients of `1 - (1 - w tau)^4`.
+    weights: [f64; 4],
+    /// The last four coefficients of the quotient, newest first.
+    last: [f64; 4],
+}
+
+impl Elastic {
+    /// About arc length `s` of `piece`.
+    #[inline]
+    pub(super) fn new(piece: &Piece, s: f64) -> Self {
+        let w = piece.narrowing / piece.radius(s);
+        let (square, last) = (w * w, [0.0; 4]);
+        Self {
+            compliance: piece.compliance(s),
+            weights: [4.0 * w, -6.0 * square, 4.0 * square * w, -square * square],
+            last,
         }
     }
 
-    pub(super) fn is_uniform(&self) -> bool {
-        self.narrowing.abs() <= 0.0
+    /// The next coefficient of the quotient from the next of the moment.
+    #[inline(always)]
+    pub(super) fn next(&mut self, moment: f64) -> f64 {
+        let [w1, w2, w3, w4] = self.weights;
+        let [a, b, c, d] = self.last;
+        // What is known early first: the newest comes last.
+        let next = (w2 * b + (w3 * c + w4 * d)) + w1 * a + self.compliance * moment;
+        self.last = [next, a, b, c];
+        next
     }
 }
 
@@ -57,6 +89,19 @@ pub(super) fn shifted(polynomial: &[f64], s: f64, series: &mut [f64; ORDER]) {
             series[k] += s * series[k + 1];
         }
     }
+}
+
+/// Pieces of stretches that were checked.
+pub(super) fn tapered(stretches: &[Stretch]) -> Vec<Piece> {
+    let mut start = 0.0;
+    let piece = |stretch: &Stretch| {
+        let narrowing = (1.0 - stretch.tip_ratio) / stretch.length;
+        let end = start + stretch.length;
+        let piece = Piece { start, end, rigidity: stretch.flexural_rigidity, narrowing };
+        start = end;
+        piece
+    };
+    stretches.iter().map(piece).collect()
 }
 
 /// The stretches of a rod made of `segments`, joined in order from the base.
@@ -77,8 +122,9 @@ pub(super) fn pieces(segments: &[Segment]) -> Result<Vec<Piece>> {
                     .allowed(format!("above 0 {unit}")));
             }
         }
+        let start = end;
         end += segment.length;
-        pieces.push(Piece { end, rigidity: segment.young_modulus * segment.second_moment, narrowing: 0.0 });
+        pieces.push(Piece { start, end, rigidity: segment.young_modulus * segment.second_moment, narrowing: 0.0 });
     }
     if pieces.is_empty() {
         return Err(Error::data("a rod needs at least one segment"));
