@@ -6,13 +6,19 @@ mod map;
 mod motion;
 mod robot;
 mod robot_toml;
+pub mod sensing;
 mod svg;
 mod text;
+mod toml_section;
 mod units;
 
 pub use boundary::{Boundary, Role};
 pub use map::{BoundarySample, ConcaveCorner, Map, MapPoint};
 pub use motion::increments;
 pub use robot::{MomentNoise, MountedWhisker, Odometry, Robot};
-pub(crate) use text::{cannot_open, did_you_mean};
+pub(crate) use robot_toml::{odometry as odometry_section, whiskers as whisker_entries};
+pub(crate) use text::{cannot_open, did_you_mean, read_text};
+pub(crate) use toml_section::{
+    Allowed, FINITE, FRACTION, HEADING, LENGTH, MOUNT, NOT_NEGATIVE, POSITIVE, Section, Source, show,
+};
 pub use units::{Dimension, parse_quantity};
