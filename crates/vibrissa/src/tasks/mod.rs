@@ -2,7 +2,9 @@
 
 pub mod demo;
 mod localize;
+pub mod scenario;
 pub mod simulate;
 
 pub use localize::{LocalizeOptions, localize};
+pub use scenario::{Scenario, Simulation};
 pub use simulate::{Sweep, SweepNoise, simulate_tip_sweep};

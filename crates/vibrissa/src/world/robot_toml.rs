@@ -6,7 +6,7 @@ use super::units::Dimension;
 use super::{MomentNoise, MountedWhisker, Odometry, Robot};
 use crate::beam::Whisker;
 use crate::plane::Pose2;
-use crate::{Error, Result};
+use crate::Result;
 use core::f64::consts::PI;
 use core::ops::Range;
 use std::path::{Path, PathBuf};
