@@ -93,7 +93,10 @@ fn sensitivities_and_times_are_the_data_sheets() {
         for (resolution, (across, along)) in (0u8..).zip(row) {
             let [x, y, z] = Chip::Mlx90393(Mlx90393 { gain, resolution, ..Mlx90393::default() }).per_count();
             for (found, told) in [(x, across), (y, across), (z, along)] {
-                assert!((found * 1e6 - told).abs() < 0.0008, "gain {gain}, resolution {resolution}: {found} and {told}");
+                assert!(
+                    (found * 1e6 - told).abs() < 0.0008,
+                    "gain {gain}, resolution {resolution}: {found} and {told}"
+                );
             }
         }
     }
@@ -101,7 +104,10 @@ fn sensitivities_and_times_are_the_data_sheets() {
         for (oversampling, told) in (0u8..).zip(row) {
             let chip = Chip::Mlx90393(Mlx90393 { filter, oversampling, ..Mlx90393::default() });
             let found = chip.conversion_time().unwrap() * 1e3;
-            assert!((found - told).abs() < 0.006, "filter {filter}, oversampling {oversampling}: {found} and {told} ms");
+            assert!(
+                (found - told).abs() < 0.006,
+                "filter {filter}, oversampling {oversampling}: {found} and {told} ms"
+            );
         }
     }
 }

@@ -18,7 +18,5 @@ pub use motion::increments;
 pub use robot::{MomentNoise, MountedWhisker, Odometry, Robot};
 pub(crate) use robot_toml::{odometry as odometry_section, whiskers as whisker_entries};
 pub(crate) use text::{cannot_open, did_you_mean, read_text};
-pub(crate) use toml_section::{
-    Allowed, FINITE, FRACTION, HEADING, LENGTH, MOUNT, NOT_NEGATIVE, POSITIVE, Section, Source, show,
-};
+pub(crate) use toml_section::{Allowed, FINITE, FRACTION, LENGTH, NOT_NEGATIVE, POSITIVE, Section, Source, show};
 pub use units::{Dimension, parse_quantity};

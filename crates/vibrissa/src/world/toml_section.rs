@@ -52,7 +52,8 @@ pub(crate) struct Allowed {
 
 pub(crate) const POSITIVE: Allowed = Allowed { holds: |v| v > 0.0 && v.is_finite(), text: "above 0", remedy: "" };
 pub(crate) const FINITE: Allowed = Allowed { holds: f64::is_finite, text: "a finite number", remedy: "" };
-pub(crate) const NOT_NEGATIVE: Allowed = Allowed { holds: |v| v >= 0.0 && v.is_finite(), text: "0 or more", remedy: "" };
+pub(crate) const NOT_NEGATIVE: Allowed =
+    Allowed { holds: |v| v >= 0.0 && v.is_finite(), text: "0 or more", remedy: "" };
 pub(crate) const FRACTION: Allowed =
     Allowed { holds: |v| (0.0..1.0).contains(&v), text: "0 or more, below 1", remedy: "5 % is 0.05 or \"5 %\"" };
 pub(crate) const LENGTH: Allowed = Allowed {
@@ -232,4 +233,3 @@ pub(crate) fn show(value: &DeValue<'_>) -> String {
         other => format!("{} here", other.type_str()),
     }
 }
-

@@ -1,6 +1,6 @@
 //! The answer to "where is the robot", drawn so that it explains itself.
 
-mod layers;
+pub(super) mod layers;
 mod readout;
 mod words;
 

@@ -37,7 +37,8 @@ type Met = Option<(String, Vec2)>;
 fn standing(scenario: &Scenario, here: Pose2) -> Met {
     scenario.robot.whiskers.iter().find_map(|whisker| {
         let base = here.transform_point(whisker.robot_from_whisker.position());
-        (!scenario.map.is_free(base)).then(|| (format!("the base of the whisker {} is inside a wall", whisker.name), base))
+        (!scenario.map.is_free(base))
+            .then(|| (format!("the base of the whisker {} is inside a wall", whisker.name), base))
     })
 }
 

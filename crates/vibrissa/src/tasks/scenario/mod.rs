@@ -80,7 +80,10 @@ impl Scenario {
     pub fn simulate(&self) -> Result<Simulation> {
         let in_file = |error: Error| {
             let error = error.into_data().in_file(&self.source);
-            self.legs.first().map_or(error.clone(), |leg| error.at_line(leg.line))
+            match self.legs.as_slice() {
+                [only] => error.at_line(only.line),
+                _ => error,
+            }
         };
         let exact = SweepNoise { seed: self.seed(), ..SweepNoise::none() };
         let sweep = simulate_tip_sweep(&self.map, &self.robot, &self.path, &exact).map_err(in_file)?;

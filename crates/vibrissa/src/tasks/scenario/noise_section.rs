@@ -1,8 +1,8 @@
 //! The errors of readings and odometry.
 
 use crate::Result;
-use crate::tasks::simulate::recorder::{Disturbances, OdometryErrors, Recorder, Slip, Stamps};
 use crate::tasks::simulate::SweepNoise;
+use crate::tasks::simulate::recorder::{Disturbances, OdometryErrors, Recorder, Slip, Stamps};
 use crate::world::{Allowed, Dimension, FINITE, FRACTION, MomentNoise, NOT_NEGATIVE, Section};
 
 const KEYS: [&str; 14] = [
@@ -21,7 +21,8 @@ const KEYS: [&str; 14] = [
     "late_by",
     "odometry",
 ];
-const SLIP: Allowed = Allowed { holds: |v| v > -1.0 && v.is_finite(), text: "above -1", remedy: "1 counts every way twice" };
+const SLIP: Allowed =
+    Allowed { holds: |v| v > -1.0 && v.is_finite(), text: "above -1", remedy: "1 counts every way twice" };
 
 /// The recorder with the errors of a `[noise]` section.
 pub(super) fn recorder(section: &Section<'_>) -> Result<Recorder> {

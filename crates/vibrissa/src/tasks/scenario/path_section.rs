@@ -41,12 +41,25 @@ pub(super) fn way(section: &Section<'_>, map: &Map) -> Result<Way> {
             .allowed("inside an arena, outside every obstacle")
             .remedy("move the start; the map frame has x to the right, y up, in metres"));
     }
-    let mut walk = Walk::new(start, pace);
-    let mut starts = Vec::new();
-    for leg in &legs {
-        starts.push(LegStart { t: walk.time(), line: leg.line });
-        leg.go(map, &mut walk).map_err(|e| e.in_file(section.source.name).at_line(leg.line))?;
-    }
+    let go = |start: Pose2, legs: &[Leg]| -> Result<(Walk, Vec<LegStart>)> {
+        let mut walk = Walk::new(start, pace);
+        let mut starts = Vec::new();
+        for leg in legs {
+            starts.push(LegStart { t: walk.time(), line: leg.line });
+            leg.go(map, &mut walk).map_err(|e| e.in_file(section.source.name).at_line(leg.line))?;
+        }
+        Ok((walk, starts))
+    };
+    let start = match (start.theta.is_nan(), legs.first()) {
+        // Without a heading the robot starts as its first leg goes on.
+        (true, Some(first)) => {
+            let level = Pose2 { theta: 0.0, ..start };
+            let (walk, _) = go(level, core::slice::from_ref(first))?;
+            Pose2 { theta: walk.first_heading(), ..start }
+        }
+        _ => start,
+    };
+    let (walk, starts) = go(start, &legs)?;
     if walk.time() * pace.rate < 1.0 {
         return Err(section
             .source
@@ -67,7 +80,8 @@ fn legs(section: &Section<'_>, speed: f64) -> Result<(Pose2, Vec<Leg>)> {
             ));
         }
         let legs = entries.iter().map(|entry| leg(entry, speed)).collect::<Result<_>>()?;
-        return Ok((start(section)?, legs));
+        let (point, theta) = start(section)?;
+        return Ok((Pose2::new(point.x, point.y, theta.unwrap_or(f64::NAN)), legs));
     };
     if let Some(other) = ["start", "leg"].into_iter().find(|key| section.get(key).is_some()) {
         return Err(section
@@ -93,15 +107,14 @@ fn legs(section: &Section<'_>, speed: f64) -> Result<(Pose2, Vec<Leg>)> {
     Ok((Pose2::new(first.0.x, first.0.y, theta), vec![leg]))
 }
 
-fn start(section: &Section<'_>) -> Result<Pose2> {
+fn start(section: &Section<'_>) -> Result<Place> {
     let Some(value) = section.get("start") else {
         return Err(section
             .source
             .fault(&section.span, "the path has no start")
             .remedy("add start = [x, y, theta] to [path], in the map frame"));
     };
-    let (point, theta) = place(section, "start", value, true)?;
-    Ok(Pose2::new(point.x, point.y, theta.unwrap_or(0.0)))
+    place(section, "start", value, true)
 }
 
 /// Points with headings are interpolated; others are driven along.

@@ -29,7 +29,10 @@ pub(super) type Place = (Vec2, Option<f64>);
 pub(super) fn place(section: &Section<'_>, key: &str, value: &Value<'_>, heading: bool) -> Result<Place> {
     let wrong = || -> Error {
         let (what, allowed) = if heading {
-            ("a point must be two or three values: x, y and perhaps theta", "[0.1, 0.2] or [\"100 mm\", 0.2, \"90 deg\"]")
+            (
+                "a point must be two or three values: x, y and perhaps theta",
+                "[0.1, 0.2] or [\"100 mm\", 0.2, \"90 deg\"]",
+            )
         } else {
             ("a point must be two values: x, y", "[0.1, 0.2] or [\"100 mm\", \"200 mm\"]")
         };
@@ -79,7 +82,12 @@ pub(super) fn is_nested(value: &Value<'_>) -> bool {
 }
 
 /// Three lengths or the like.
-pub(super) fn triple(section: &Section<'_>, key: &str, dimension: Dimension, allowed: &Allowed) -> Result<Option<[f64; 3]>> {
+pub(super) fn triple(
+    section: &Section<'_>,
+    key: &str,
+    dimension: Dimension,
+    allowed: &Allowed,
+) -> Result<Option<[f64; 3]>> {
     let Some(value) = section.get(key) else { return Ok(None) };
     let parts: Vec<&Value<'_>> = value.get_ref().as_array().into_iter().flat_map(|parts| parts.iter()).collect();
     let [x, y, z] = parts.as_slice() else {

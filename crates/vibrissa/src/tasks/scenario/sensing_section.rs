@@ -144,10 +144,7 @@ fn chip(section: &Section<'_>) -> Result<Chip> {
         None => false,
         Some((DeValue::Boolean(yes), _)) => *yes,
         Some((other, value)) => {
-            return Err(section
-                .source
-                .fault(&value.span(), "sensing.short_range is true or false")
-                .value(show(other)));
+            return Err(section.source.fault(&value.span(), "sensing.short_range is true or false").value(show(other)));
         }
     };
     Ok(Chip::Tle493d(Tle493d { short_range }))
@@ -175,7 +172,10 @@ fn in_time(section: &Section<'_>, chip: &Chip, serial: Option<SerialLayout>, rat
     match chip.conversion_time() {
         Some(time) if time > rows / rate => Err(section
             .source
-            .fault(&section.span_of("filter"), "the chip is too slow for the path's rate with this filter and oversampling")
+            .fault(
+                &section.span_of("filter"),
+                "the chip is too slow for the path's rate with this filter and oversampling",
+            )
             .value(format!("{:.2} ms a reading", time * 1e3))
             .allowed(format!("up to {:.2} ms", rows / rate * 1e3))
             .remedy("lower filter or oversampling, or the path's rate")),

@@ -22,7 +22,8 @@ pub(super) fn map(top: &Section<'_>, folder: &Path) -> Result<Map> {
         let file = top.text("map")?.unwrap_or_default();
         return Map::read(folder.join(file));
     }
-    let section = top.section("map")?.ok_or_else(|| top.source.fault(&value.span(), "map must be a file or a table"))?;
+    let section =
+        top.section("map")?.ok_or_else(|| top.source.fault(&value.span(), "map must be a file or a table"))?;
     section.only(&Role::WORDS)?;
     let mut boundaries = Vec::new();
     for role in [Role::Arena, Role::Obstacle, Role::Wall] {
@@ -73,7 +74,9 @@ pub(super) fn outline(top: &Section<'_>, robot: &Robot) -> Result<Vec<Vec2>> {
         let section = top.section("outline")?.ok_or_else(|| top.source.fault(&value.span(), "outline is no table"))?;
         section.only(&["radius"])?;
         let radius = section.number("radius", Dimension::Length, &LENGTH)?.ok_or_else(|| {
-            top.source.fault(&value.span(), "a round outline needs a radius").remedy("write outline = { radius = \"60 mm\" }")
+            top.source
+                .fault(&value.span(), "a round outline needs a radius")
+                .remedy("write outline = { radius = \"60 mm\" }")
         })?;
         (0..ROUND).map(|k| Vec2::from_angle(TAU * k as f64 / ROUND as f64) * radius).collect()
     } else {
@@ -94,7 +97,10 @@ pub(super) fn outline(top: &Section<'_>, robot: &Robot) -> Result<Vec<Vec2>> {
         if !inside.is_free(mount) && outside > MOUNT_SLACK {
             return Err(top
                 .source
-                .fault(&value.span(), format!("the mount of the whisker {} is outside the robot's outline", whisker.name))
+                .fault(
+                    &value.span(),
+                    format!("the mount of the whisker {} is outside the robot's outline", whisker.name),
+                )
                 .value(format!("({}, {}) m, {:.1} mm outside", mount.x, mount.y, outside * 1e3))
                 .allowed("inside or on it, to 1 mm")
                 .remedy("move the mount or widen the outline"));

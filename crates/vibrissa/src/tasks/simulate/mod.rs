@@ -27,8 +27,8 @@ mod touch;
 
 pub use files::{contacts_csv, log_csv};
 pub use noise::SweepNoise;
-pub(super) use path::{leg_time, sampled};
 pub use path::{Pace, path_through};
+pub(super) use path::{leg_time, sampled};
 pub use shapes::{SweptShape, shapes};
 
 use crate::flow::pose::{Event, StampedPose};

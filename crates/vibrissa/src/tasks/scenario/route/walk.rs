@@ -29,6 +29,12 @@ impl Walk {
         self.nodes.last().copied().unwrap_or(StampedPose { t: 0.0, map_from_robot: Pose2::IDENTITY })
     }
 
+    /// The heading with which the robot first leaves its place (rad); the present one if it never does.
+    pub(in crate::tasks::scenario) fn first_heading(&self) -> f64 {
+        let leaves = |w: &&[StampedPose]| w[1].map_from_robot.position() != w[0].map_from_robot.position();
+        self.nodes.windows(2).find(leaves).map_or(self.pose().theta, |w| w[0].map_from_robot.theta)
+    }
+
     /// Where the robot is now.
     pub(super) fn pose(&self) -> Pose2 {
         self.last().map_from_robot

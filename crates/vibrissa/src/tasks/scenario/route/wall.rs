@@ -13,7 +13,13 @@ const PATIENCE: usize = 200;
 ///
 /// The line is a level of the distance to all boundaries: it goes round convex corners in arcs and turns sharply in
 /// concave ones, and where a passage is narrower than twice the standoff it turns back.
-pub(super) fn at_standoff(map: &Map, from: Vec2, on_left: bool, standoff: f64, length: f64) -> Result<Vec<(Vec2, f64)>> {
+pub(super) fn at_standoff(
+    map: &Map,
+    from: Vec2,
+    on_left: bool,
+    standoff: f64,
+    length: f64,
+) -> Result<Vec<(Vec2, f64)>> {
     if length / CHORD > MOST_CHORDS {
         return Err(Error::data("the way along the wall is too long")
             .value(format!("{length} m"))
@@ -47,9 +53,10 @@ pub(super) fn at_standoff(map: &Map, from: Vec2, on_left: bool, standoff: f64, l
 
 /// The point at the standoff from the boundary nearest to `p`, and the normal there (rad), from the boundary to the robot.
 fn level(map: &Map, p: Vec2, standoff: f64) -> Result<(Vec2, f64)> {
-    let near = map.nearest(p).filter(|near| near.distance > 0.0).ok_or_else(|| {
-        Error::data("the robot stands on a boundary").value(format!("({:.4}, {:.4}) m", p.x, p.y))
-    })?;
+    let near = map
+        .nearest(p)
+        .filter(|near| near.distance > 0.0)
+        .ok_or_else(|| Error::data("the robot stands on a boundary").value(format!("({:.4}, {:.4}) m", p.x, p.y)))?;
     let normal = (p - near.position).angle();
     Ok((near.position + Vec2::from_angle(normal) * standoff, normal))
 }

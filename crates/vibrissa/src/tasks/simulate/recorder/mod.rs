@@ -175,7 +175,10 @@ impl Recorder {
         let range = self.magnetometer.chain.chip.range().map(|b| format!("{:.2}", b * 1e3)).join(", ");
         let warn = |(whisker, &count): (&crate::world::MountedWhisker, &usize)| {
             (count > 0).then(|| {
-                format!("{count} readings of {} are beyond the chip's range of ±{range} mT: they wrap or saturate", whisker.name)
+                format!(
+                    "{count} readings of {} are beyond the chip's range of ±{range} mT: they wrap or saturate",
+                    whisker.name
+                )
             })
         };
         robot.whiskers.iter().zip(beyond).filter_map(warn).collect()

@@ -34,9 +34,9 @@ impl OdometryErrors {
         in_range("heading_drift", self.heading_drift, f64::INFINITY)?;
         let odd = |s: &&Slip| !(s.t.is_finite() && s.duration >= 0.0 && s.share > -1.0 && s.share.is_finite());
         match self.slips.iter().find(odd) {
-            Some(slip) => Err(Error::usage("a slip of the wheels").value(format!("{slip:?}")).allowed(
-                "a finite time, a duration of at least 0 s and a share above -1",
-            )),
+            Some(slip) => Err(Error::usage("a slip of the wheels")
+                .value(format!("{slip:?}"))
+                .allowed("a finite time, a duration of at least 0 s and a share above -1")),
             None => Ok(()),
         }
     }

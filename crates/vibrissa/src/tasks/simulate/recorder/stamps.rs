@@ -31,7 +31,8 @@ impl Stamps {
         let mut kept: Vec<(usize, f64)> = Vec::with_capacity(truth.len());
         for (index, pose) in truth.iter().enumerate() {
             let lost = self.dropped_share > 0.0 && unit(&mut dropping) < self.dropped_share;
-            let (chance, share) = if self.late_share > 0.0 { (unit(&mut delaying), unit(&mut delaying)) } else { (1.0, 0.0) };
+            let (chance, share) =
+                if self.late_share > 0.0 { (unit(&mut delaying), unit(&mut delaying)) } else { (1.0, 0.0) };
             if lost && index > 0 {
                 continue;
             }
