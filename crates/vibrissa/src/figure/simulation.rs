@@ -5,7 +5,7 @@ use super::canvas::{Canvas, Frame, WorldBounds};
 use super::chart::Chart;
 use super::document::Document;
 use super::legend::{Entry, LINE, Sample, legend};
-use super::localization::{Outline, layers};
+use super::localization::{Outline, layers, words::wrapped};
 use crate::flow::pose::StampedPose;
 use crate::plane::Vec2;
 
@@ -50,6 +50,8 @@ const WIDTH: f64 = 748.0;
 const MAP_HEIGHT: (f64, f64) = (150.0, 560.0);
 const CHART_HEIGHT: f64 = 170.0;
 const TOP: f64 = 78.0;
+const TITLE_CHARACTERS: usize = 78;
+const TITLE_LINE: f64 = 24.0;
 /// At most this many touches are drawn, and this many points of a series; of more, every n-th.
 const TOUCHES: usize = 1500;
 const POINTS: usize = 1500;
@@ -60,15 +62,19 @@ const LEGEND_COLUMN: f64 = 380.0;
 /// The figure as SVG text; the same scene gives the same bytes.
 #[must_use]
 pub fn simulation_figure(scene: &SimulationScene<'_>) -> String {
-    let mut canvas = map_canvas(scene);
-    let chart_top = TOP + canvas.frame().height + 74.0;
+    let title = wrapped(scene.title, TITLE_CHARACTERS);
+    let top = TOP + TITLE_LINE * (title.len().max(1) - 1) as f64;
+    let mut canvas = map_canvas(scene, top);
+    let chart_top = top + canvas.frame().height + 74.0;
     let entries = entries(scene);
     let (left, right) = entries.split_at(entries.len().div_ceil(2));
     let legend_top = chart_top + CHART_HEIGHT + 46.0;
     let height = legend_top + LINE * left.len() as f64 + MARGIN;
     let mut document = Document::new(PAGE_WIDTH, height, scene.title, scene.caption);
-    document.text(MARGIN, 34.0, "title", scene.title);
-    document.text(MARGIN, 58.0, "caption", scene.caption);
+    for (index, line) in title.iter().enumerate() {
+        document.text(MARGIN, 34.0 + TITLE_LINE * index as f64, "title", line);
+    }
+    document.text(MARGIN, top - 20.0, "caption", scene.caption);
     draw_world(&mut canvas, scene);
     ticks(&mut document, &canvas);
     scale_bar(&mut document, &canvas, 30.0);
@@ -80,7 +86,7 @@ pub fn simulation_figure(scene: &SimulationScene<'_>) -> String {
     document.finish()
 }
 
-fn map_canvas(scene: &SimulationScene<'_>) -> Canvas {
+fn map_canvas(scene: &SimulationScene<'_>, top: f64) -> Canvas {
     let map = scene.map.iter().flat_map(|outline| outline.points.iter().copied());
     let way = scene.path.iter().map(|pose| pose.map_from_robot.position());
     let bounds = WorldBounds::of(map.chain(way).chain(scene.shapes.iter().flatten().copied()));
@@ -89,7 +95,7 @@ fn map_canvas(scene: &SimulationScene<'_>) -> Canvas {
     let bounds = bounds.grown((0.02 * size.x.max(size.y)).max(1e-3));
     let size = bounds.size();
     let height = (WIDTH * size.y / size.x).clamp(MAP_HEIGHT.0, MAP_HEIGHT.1);
-    Canvas::new(Frame { x: LEFT, y: TOP, width: WIDTH, height }, bounds)
+    Canvas::new(Frame { x: LEFT, y: top, width: WIDTH, height }, bounds)
 }
 
 fn draw_world(canvas: &mut Canvas, scene: &SimulationScene<'_>) {

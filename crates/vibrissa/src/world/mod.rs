@@ -5,6 +5,7 @@ mod geojson;
 mod map;
 mod motion;
 mod robot;
+mod robot_text;
 mod robot_toml;
 pub mod sensing;
 mod svg;

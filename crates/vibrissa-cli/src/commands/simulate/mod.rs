@@ -16,8 +16,8 @@ use vibrissa::{Error, Result};
 /// The scenario is a .toml file: a map, a robot, a path, its sensors and their errors; docs/scenarios.md has every key
 /// and scenarios/ has examples.
 ///
-/// With --out DIR: log.csv, truth.tum, contacts.csv and the figure simulate.svg; serial.txt where the scenario asks for
-/// it; with --dump also shapes.csv and exact.csv.
+/// With --out DIR: log.csv, truth.tum, contacts.csv, robot.toml and the figure simulate.svg; map.geojson where the map is
+/// written in the scenario, serial.txt where it asks for one; with --dump also shapes.csv and exact.csv.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// The scenario (.toml)
@@ -68,6 +68,10 @@ fn files(scenario: &Scenario, simulation: &Simulation, dump: bool) -> Vec<(&'sta
         ("contacts.csv", contacts_csv(sweep)),
         ("simulate.svg", report::figure(scenario, simulation, &outlines(&scenario.map))),
     ];
+    files.push(("robot.toml", scenario.robot.to_toml()));
+    if scenario.map_file.is_none() {
+        files.push(("map.geojson", report::map_geojson(&scenario.map)));
+    }
     files.extend(simulation.serial.clone().map(|text| ("serial.txt", text)));
     if dump {
         files.push(("shapes.csv", report::shapes_csv(scenario, sweep, &shapes(&scenario.robot, sweep, 1))));

@@ -5,11 +5,14 @@ use serde::Serialize;
 use std::fmt::Write;
 use std::path::PathBuf;
 use vibrissa::Result;
+use vibrissa::config::limits::FLATTEN_TOLERANCE;
 use vibrissa::figure::{Outline, Series, SimulationScene, simulation_figure};
 use vibrissa::flow::sensor_log::Quantity;
 use vibrissa::plane::Vec2;
+use vibrissa::tasks::simulate::recorder::Columns;
 use vibrissa::tasks::simulate::{Sweep, SweptShape, shapes};
 use vibrissa::tasks::{Scenario, Simulation};
+use vibrissa::world::{Boundary, Map};
 
 /// Whisker shapes in the figure, of all whiskers together.
 const SHAPES: usize = 90;
@@ -125,13 +128,27 @@ pub(super) fn text(scenario: &Scenario, simulation: &Simulation, written: Option
     match written {
         Some(paths) => {
             text.push_str("\nwritten\n");
-            paths.iter().for_each(|path| {
+            for path in paths {
                 let _ = writeln!(text, "  {}", path.display());
-            });
+            }
+            text.push_str(&next_step(scenario, paths));
         }
         None => text.push_str("\nNo files were written; add --out DIR for the log, the truth and a figure.\n"),
     }
     text
+}
+
+/// How to localize the robot from the files; nothing when no moments were logged.
+fn next_step(scenario: &Scenario, paths: &[PathBuf]) -> String {
+    let written = |name: &str| paths.iter().find(|path| path.ends_with(name)).cloned();
+    let map = scenario.map_file.clone().or_else(|| written("map.geojson"));
+    let files = [written("log.csv"), map, written("robot.toml"), written("truth.tum")];
+    match files.map(|file| file.map(|path| path.display().to_string())) {
+        [Some(log), Some(map), Some(robot), Some(truth)] if scenario.recorder.columns.contains(&Columns::Moment) => {
+            format!("\nNext, find the robot:\n  vibrissa localize {log} --map {map} --robot {robot} --truth {truth}\n")
+        }
+        _ => String::new(),
+    }
 }
 
 /// The shapes as CSV: `t,whisker,s,x,y` (s, name, m, m, m), map frame.
@@ -159,6 +176,28 @@ pub(super) fn exact_csv(scenario: &Scenario, sweep: &Sweep) -> String {
         let _ = writeln!(text, "{},{}", pose.t, moments.join(","));
     }
     text
+}
+
+/// A map of polygons and polylines as GeoJSON (m).
+pub(super) fn map_geojson(map: &Map) -> String {
+    let feature = |boundary: &Boundary| {
+        let mut points = boundary.curve().flatten(FLATTEN_TOLERANCE);
+        let closed = boundary.curve().is_closed();
+        if let (true, Some(first)) = (closed, points.first().copied()) {
+            points.pop();
+            points.push(first);
+        }
+        let points: Vec<String> = points.iter().map(|p| format!("[{}, {}]", p.x, p.y)).collect();
+        let (kind, open, close) = if closed { ("Polygon", "[[", "]]") } else { ("LineString", "[", "]") };
+        format!(
+            "{{\"type\": \"Feature\", \"properties\": {{\"role\": \"{}\"}}, \"geometry\": {{\"type\": \"{kind}\", \
+             \"coordinates\":\n{open}{}{close}}}}}",
+            boundary.role().word(),
+            points.join(", ")
+        )
+    };
+    let features: Vec<String> = map.boundaries().iter().map(feature).collect();
+    format!("{{\"type\": \"FeatureCollection\", \"features\": [\n{}\n]}}\n", features.join(",\n"))
 }
 
 /// The figure.

@@ -2,7 +2,7 @@
 
 pub(super) mod layers;
 mod readout;
-mod words;
+pub(super) mod words;
 
 use super::axes::{scale_bar, ticks};
 use super::canvas::{Canvas, Frame, WorldBounds};

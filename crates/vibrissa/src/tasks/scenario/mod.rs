@@ -35,6 +35,8 @@ pub struct Scenario {
     pub title: String,
     /// The map.
     pub map: Map,
+    /// The map's file; none when it is written in the scenario.
+    pub map_file: Option<PathBuf>,
     /// The robot with its whiskers.
     pub robot: Robot,
     /// The robot's outline in its own frame (m), counter-clockwise or clockwise; empty when it has none.

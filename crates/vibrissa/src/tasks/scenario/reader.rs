@@ -57,6 +57,7 @@ fn parse(text: &str, name: &str, folder: &Path) -> Result<Scenario> {
     let scenario = Scenario {
         title: top.text("title")?.map_or_else(|| stem(name), str::to_owned),
         map,
+        map_file: world_section::map_file(&top, folder)?,
         robot,
         outline,
         path: way.poses,

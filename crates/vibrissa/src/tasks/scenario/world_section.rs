@@ -6,7 +6,7 @@ use crate::plane::{Curve, Vec2};
 use crate::world::{Boundary, Dimension, LENGTH, Map, Robot, Role, Section, odometry_section, whisker_entries};
 use crate::{Error, Result};
 use core::f64::consts::TAU;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Corners of the polygon that stands for a round robot.
 const ROUND: usize = 48;
@@ -18,9 +18,8 @@ pub(super) fn map(top: &Section<'_>, folder: &Path) -> Result<Map> {
             .in_file(top.source.name)
             .remedy("add map = \"FILE.svg\" at the top, or a [map] section with polygons"));
     };
-    if value.get_ref().is_str() {
-        let file = top.text("map")?.unwrap_or_default();
-        return Map::read(folder.join(file));
+    if let Some(file) = map_file(top, folder)? {
+        return Map::read(file);
     }
     let section =
         top.section("map")?.ok_or_else(|| top.source.fault(&value.span(), "map must be a file or a table"))?;
@@ -37,6 +36,14 @@ pub(super) fn map(top: &Section<'_>, folder: &Path) -> Result<Map> {
         }
     }
     Map::new(boundaries).map_err(|e| e.in_file(top.source.name).at_line(top.line_of("map")))
+}
+
+/// The file of the map; none when it is written right here.
+pub(super) fn map_file(top: &Section<'_>, folder: &Path) -> Result<Option<PathBuf>> {
+    match top.get("map") {
+        Some(value) if value.get_ref().is_str() => Ok(top.text("map")?.map(|file| folder.join(file))),
+        _ => Ok(None),
+    }
 }
 
 fn boundary(section: &Section<'_>, role: Role, value: &Value<'_>) -> Result<Boundary> {

@@ -7,6 +7,8 @@ use crate::tasks::simulate::{Pace, leg_time};
 use crate::{Error, Result};
 use core::f64::consts::FRAC_PI_2;
 
+/// Places closer than this are the same (m).
+const SAME_PLACE: f64 = 1e-6;
 /// Headings closer than this are the same (rad).
 const SAME_HEADING: f64 = 1e-12;
 
@@ -77,7 +79,7 @@ impl Walk {
     pub(super) fn follow(&mut self, chain: &[(Vec2, f64)], heading: impl Fn(f64) -> f64) -> Result<()> {
         if let Some((point, direction)) = chain.first() {
             let start = self.pose();
-            if point.distance(start.position()) > 0.0 {
+            if point.distance(start.position()) > SAME_PLACE {
                 let towards = (*point - start.position()).angle();
                 self.turn_to(heading(towards))?;
                 self.go(Pose2::new(point.x, point.y, self.pose().theta))?;
