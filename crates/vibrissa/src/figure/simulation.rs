@@ -50,7 +50,7 @@ const WIDTH: f64 = 748.0;
 const MAP_HEIGHT: (f64, f64) = (150.0, 560.0);
 const CHART_HEIGHT: f64 = 170.0;
 const TOP: f64 = 78.0;
-const TITLE_CHARACTERS: usize = 78;
+const TITLE_CHARACTERS: usize = 70;
 const TITLE_LINE: f64 = 24.0;
 /// At most this many touches are drawn, and this many points of a series; of more, every n-th.
 const TOUCHES: usize = 1500;

@@ -78,11 +78,9 @@ impl Walk {
     /// Along a chain of points with the directions there (rad); `heading` makes headings of them.
     pub(super) fn follow(&mut self, chain: &[(Vec2, f64)], heading: impl Fn(f64) -> f64) -> Result<()> {
         if let Some((point, direction)) = chain.first() {
-            let start = self.pose();
-            if point.distance(start.position()) > SAME_PLACE {
-                let towards = (*point - start.position()).angle();
-                self.turn_to(heading(towards))?;
-                self.go(Pose2::new(point.x, point.y, self.pose().theta))?;
+            // To the chain's start without turning towards it: most often it is there already, or all but.
+            if point.distance(self.pose().position()) > SAME_PLACE {
+                self.go(Pose2::new(point.x, point.y, heading(*direction)))?;
             }
             self.turn_to(heading(*direction))?;
         }
