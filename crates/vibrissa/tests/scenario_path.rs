@@ -123,6 +123,25 @@ fn walls_are_followed_at_the_standoff_on_the_asked_side() {
 }
 
 #[test]
+fn a_wall_is_followed_through_an_acute_corner() {
+    // A right triangle with angles of 90, 45 and 45 degrees, once round on the inside.
+    let text = "map = { arena = [[0, 0], [1, 0], [0, 1]] }\n[path]\nstart = [0.3, 0.1, 0]\n[[path.leg]]\nkind = \"wall\"\n\
+                side = \"right\"\nstandoff = 0.1\nlength = 2.2\n";
+    let scenario = Scenario::from_toml(text, "test.toml", "").unwrap();
+    // The triangle within: legs of 1 - 0.1 (2 + sqrt 2), so once round is (2 + sqrt 2) times that.
+    let leg = 1.0 - 0.1 * (2.0 + 2f64.sqrt());
+    let round = leg * (2.0 + 2f64.sqrt());
+    let end = scenario.path.last().unwrap().map_from_robot.position();
+    let expected = Vec2::new(0.3 + 2.2 - round, 0.1);
+    assert!(end.distance(expected) < 2e-3, "{end:?} and {expected:?}");
+    for pose in &scenario.path {
+        let p = pose.map_from_robot.position();
+        let distance = p.x.min(p.y).min((1.0 - p.x - p.y) / 2f64.sqrt());
+        assert!((distance - 0.1).abs() < 1e-6, "{distance}");
+    }
+}
+
+#[test]
 fn turns_and_waits_keep_the_place() {
     let scenario = scenario(
         "start = [0.5, 0.5, 0]\nrate = 100\nturn_rate = 2\n[[path.leg]]\nkind = \"turn\"\nby = \"-270 deg\"\n\

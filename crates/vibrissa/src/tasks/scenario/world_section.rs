@@ -21,8 +21,12 @@ pub(super) fn map(top: &Section<'_>, folder: &Path) -> Result<Map> {
     if let Some(file) = map_file(top, folder)? {
         return Map::read(file);
     }
-    let section =
-        top.section("map")?.ok_or_else(|| top.source.fault(&value.span(), "map must be a file or a table"))?;
+    let neither = || {
+        top.source
+            .fault(&value.span(), "map must be a file or a table")
+            .allowed("\"FILE.svg\", or arena, obstacle and wall with points")
+    };
+    let section = if value.get_ref().is_table() { top.section("map")? } else { None }.ok_or_else(neither)?;
     section.only(&Role::WORDS)?;
     let mut boundaries = Vec::new();
     for role in [Role::Arena, Role::Obstacle, Role::Wall] {
@@ -98,19 +102,21 @@ pub(super) fn outline(top: &Section<'_>, robot: &Robot) -> Result<Vec<Vec2>> {
             .fault(&value.span(), "the robot's outline is no simple polygon")
             .remedy("give at least three points that go round once"));
     };
-    for whisker in &robot.whiskers {
+    for (index, whisker) in robot.whiskers.iter().enumerate() {
         let mount = whisker.robot_from_whisker.position();
         let outside = inside.nearest(mount).map_or(0.0, |near| near.distance);
         if !inside.is_free(mount) && outside > MOUNT_SLACK {
-            return Err(top
-                .source
-                .fault(
-                    &value.span(),
-                    format!("the mount of the whisker {} is outside the robot's outline", whisker.name),
-                )
-                .value(format!("({}, {}) m, {:.1} mm outside", mount.x, mount.y, outside * 1e3))
-                .allowed("inside or on it, to 1 mm")
-                .remedy("move the mount or widen the outline"));
+            let here =
+                top.entries("whisker")?.get(index).map_or(top.line_of("outline"), |entry| entry.line_of("mount"));
+            return Err(Error::data(format!(
+                "the mount of the whisker {} is outside the robot's outline",
+                whisker.name
+            ))
+            .in_file(top.source.name)
+            .at_line(here)
+            .value(format!("({}, {}) m, {:.1} mm outside", mount.x, mount.y, outside * 1e3))
+            .allowed("inside or on it, to 1 mm")
+            .remedy("move the mount or widen the outline"));
         }
     }
     Ok(points)

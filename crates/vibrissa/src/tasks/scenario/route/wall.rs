@@ -5,6 +5,10 @@ use crate::plane::Vec2;
 use crate::world::Map;
 use crate::{Error, Result};
 
+/// How far a point may be from the standoff (m): Bézier walls are looked up to about this.
+const LEVEL: f64 = 1e-8;
+/// Projections away from one wall after another before there is no room.
+const MOST_PROJECTIONS: usize = 100;
 /// Steps in a row that may gain less than a hundredth of a chord before the way counts as blocked.
 const PATIENCE: usize = 200;
 
@@ -12,7 +16,11 @@ const PATIENCE: usize = 200;
 /// wall is on the left or on the right.
 ///
 /// The line is a level of the distance to all boundaries: it goes round convex corners in arcs and turns sharply in
-/// concave ones, and where a passage is narrower than twice the standoff it turns back.
+/// concave ones.
+///
+/// # Errors
+///
+/// A passage narrower than twice the standoff, a way that gets stuck, or more chords than anybody needs.
 pub(super) fn at_standoff(
     map: &Map,
     from: Vec2,
@@ -51,14 +59,26 @@ pub(super) fn at_standoff(
     Ok(chain)
 }
 
-/// The point at the standoff from the boundary nearest to `p`, and the normal there (rad), from the boundary to the robot.
+/// The point near `p` at the standoff from the nearest boundary, and the normal there (rad), from the boundary to the
+/// robot.
 fn level(map: &Map, p: Vec2, standoff: f64) -> Result<(Vec2, f64)> {
-    let near = map
-        .nearest(p)
-        .filter(|near| near.distance > 0.0)
-        .ok_or_else(|| Error::data("the robot stands on a boundary").value(format!("({:.4}, {:.4}) m", p.x, p.y)))?;
-    let normal = (p - near.position).angle();
-    Ok((near.position + Vec2::from_angle(normal) * standoff, normal))
+    // In a concave corner two walls are equally near; the one that pushed last is the one to go on along.
+    let (mut here, mut pushed) = (p, None);
+    for _ in 0..MOST_PROJECTIONS {
+        let near = map.nearest(here).filter(|near| near.distance > 0.0).ok_or_else(|| {
+            Error::data("the robot stands on a boundary").value(format!("({:.4}, {:.4}) m", p.x, p.y))
+        })?;
+        let normal = (here - near.position).angle();
+        if (near.distance - standoff).abs() < LEVEL {
+            return Ok((here, pushed.unwrap_or(normal)));
+        }
+        here = near.position + Vec2::from_angle(normal) * standoff;
+        pushed = Some(normal);
+    }
+    // Away from one wall it comes too near to another.
+    Err(Error::data("there is no room for this standoff")
+        .value(format!("{standoff} m near ({:.4}, {:.4}) m", p.x, p.y))
+        .remedy("choose a standoff below half the width of the passage, or end the leg before it narrows"))
 }
 
 /// The direction of travel with the wall on this side (rad).
