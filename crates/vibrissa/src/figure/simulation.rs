@@ -52,9 +52,9 @@ const CHART_HEIGHT: f64 = 170.0;
 const TOP: f64 = 78.0;
 const TITLE_CHARACTERS: usize = 70;
 const TITLE_LINE: f64 = 24.0;
-/// At most this many touches are drawn, and this many points of a series; of more, every n-th.
+/// At most this many touches are drawn, and this many readings of all series together; of more, every n-th.
 const TOUCHES: usize = 1500;
-const POINTS: usize = 1500;
+const READINGS: usize = 3000;
 /// Colours for whiskers; more repeat.
 const HUES: usize = 8;
 const LEGEND_COLUMN: f64 = 380.0;
@@ -128,14 +128,15 @@ fn draw_chart(document: &mut Document, scene: &SimulationScene<'_>, frame: Frame
     let mut chart = Chart::new(frame, time, (lo - margin, hi + margin));
     for (index, series) in scene.series.iter().enumerate() {
         let hue = index % HUES;
-        chart.dots(&thinned(&series.read), &format!("reading hue{hue}"));
-        chart.line(&thinned(&series.exact), &format!("series hue{hue}"));
+        let most = READINGS / scene.series.len();
+        chart.dots(&thinned(&series.read, most), &format!("reading hue{hue}"));
+        chart.line(&thinned(&series.exact, most), &format!("series hue{hue}"));
     }
     chart.place(document, "time, s", scene.quantity);
 }
 
-fn thinned(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
-    points.iter().step_by(points.len().div_ceil(POINTS).max(1)).copied().collect()
+fn thinned(points: &[(f64, f64)], most: usize) -> Vec<(f64, f64)> {
+    points.iter().step_by(points.len().div_ceil(most.max(1)).max(1)).copied().collect()
 }
 
 fn entries(scene: &SimulationScene<'_>) -> Vec<Entry> {
