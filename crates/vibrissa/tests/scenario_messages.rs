@@ -4,6 +4,10 @@
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests may fail like tests")]
 
+#[path = "data/random.rs"]
+mod random;
+
+use random::Random;
 use std::fmt::Write as _;
 use std::path::Path;
 use vibrissa::tasks::Scenario;
@@ -103,6 +107,13 @@ fn messages() {
         ("chip in the magnet", plain("", "[sensing]\nchip_offset = [\"-3 mm\", 0, 0]\n")),
         ("magnet moment", plain("", "[sensing]\nmagnet_moment = [\"3 A m\", 0, 0]\n")),
         ("serial", plain("", "[sensing]\nserial = \"interleaved\"\n")),
+        (
+            "side contact on the third leg",
+            "map = { obstacle = [[0.3, 0], [0.34, 0], [0.34, 0.2], [0.3, 0.2]] }\n[[whisker]]\nmount = [0, 0, \"-128 deg\"]\n\
+             [path]\nstart = [0.1, 0.23, 0]\n[[path.leg]]\nkind = \"line\"\nto = [0.15, 0.23]\n\
+             [[path.leg]]\nkind = \"wait\"\ntime = 1\n[[path.leg]]\nkind = \"line\"\nto = [0.5, 0.23]\n"
+                .into(),
+        ),
         ("a whisker that starts in touch", format!("{MAP}{WAY}[[whisker]]\nmount = [0, 0, \"90 deg\"]\n")),
         ("no touch", format!("{MAP}[path]\nwaypoints = [[0.15, 0.2], [0.4, 0.2]]\n")),
     ];
@@ -119,4 +130,39 @@ fn messages() {
         assert_eq!(f, s);
     }
     assert_eq!(found, stored);
+}
+
+#[test]
+fn mutilated_scenarios_are_read_or_refused_with_their_file() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios");
+    let texts: Vec<String> = ["round_array.toml", "cluttered_room.toml", "square.toml"]
+        .map(|name| std::fs::read_to_string(folder.join(name)).unwrap())
+        .into();
+    let scraps = ["-", "9", "e9", "nan", "inf", "[", "]", "\"", "=", "\n", "0", ".", "[[path.leg]]\n", "deg", "{", "}"];
+    let mut random = Random(17);
+    let (mut read, mut refused) = (0, 0);
+    for round in 0..600 {
+        let mut text: Vec<char> = texts[round % texts.len()].chars().collect();
+        for _ in 0..1 + (random.unit() * 3.0) as usize {
+            let at = (random.unit() * text.len() as f64) as usize;
+            let scrap = scraps[(random.unit() * scraps.len() as f64) as usize];
+            match (random.unit() * 3.0) as usize {
+                0 => drop(text.splice(at..at, scrap.chars())),
+                1 => drop(text.splice(at..(at + 1).min(text.len()), scrap.chars())),
+                _ => drop(text.drain(at..(at + 3).min(text.len()))),
+            }
+        }
+        let text: String = text.into_iter().collect();
+        match Scenario::from_toml(&text, "scenario.toml", &folder) {
+            Ok(scenario) => {
+                assert!(scenario.path.iter().all(|pose| pose.map_from_robot.position().is_finite()));
+                read += 1;
+            }
+            Err(error) => {
+                assert!(error.is_data() && error.file().is_some() && error.to_string().contains("help: "), "{error}");
+                refused += 1;
+            }
+        }
+    }
+    assert!(read > 30 && refused > 200, "{read} read, {refused} refused");
 }

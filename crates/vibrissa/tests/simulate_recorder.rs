@@ -206,10 +206,9 @@ fn flux_and_counts_are_what_the_chip_makes_of_the_moment() {
     let chain = SensingChain::default();
     for (row, exact) in recording.log.rows.iter().zip(&sweep.exact_moments).step_by(97) {
         let field = chain.flux(exact[0]);
-        for k in 0..3 {
-            let per_count = chain.chip.per_count()[k];
-            assert!((row.readings[k] - field[k]).abs() <= per_count, "{} and {}", row.readings[k], field[k]);
-            assert!((row.readings[k] / per_count - row.readings[3 + k]).abs() < 1e-6, "counts times sensitivity");
+        for ((per_count, field), read) in chain.chip.per_count().iter().zip(field).zip(row.readings.windows(4)) {
+            assert!((read[0] - field).abs() <= *per_count, "{} and {field}", read[0]);
+            assert!((read[0] / per_count - read[3]).abs() < 1e-6, "counts times sensitivity");
         }
     }
     let noisy = Magnetometer { flux_noise: 2e-6, ..Magnetometer::default() };

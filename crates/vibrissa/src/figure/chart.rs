@@ -14,9 +14,13 @@ pub(super) struct Chart {
 }
 
 impl Chart {
-    /// A panel in `frame` that shows these ranges; an empty range is widened.
+    /// A panel in `frame` that shows these ranges; a range of one value is widened, and one of none is made up.
     pub(super) fn new(frame: Frame, x: (f64, f64), y: (f64, f64)) -> Self {
-        let wide = |(lo, hi): (f64, f64)| if hi > lo { (lo, hi) } else { (lo - 0.5, lo + 0.5) };
+        let wide = |(lo, hi): (f64, f64)| match (lo.is_finite() && hi.is_finite(), hi > lo) {
+            (true, true) => (lo, hi),
+            (true, false) => (lo - 0.5, lo + 0.5),
+            (false, _) => (0.0, 1.0),
+        };
         Self { frame, x: wide(x), y: wide(y), body: String::new() }
     }
 

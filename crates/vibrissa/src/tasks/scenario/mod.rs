@@ -80,15 +80,10 @@ impl Scenario {
     ///
     /// What the simulator cannot follow: the message says which whisker, when and where, and names the file.
     pub fn simulate(&self) -> Result<Simulation> {
-        let in_file = |error: Error| {
-            let error = error.into_data().in_file(&self.source);
-            match self.legs.as_slice() {
-                [only] => error.at_line(only.line),
-                _ => error,
-            }
-        };
         let exact = SweepNoise { seed: self.seed(), ..SweepNoise::none() };
-        let sweep = simulate_tip_sweep(&self.map, &self.robot, &self.path, &exact).map_err(in_file)?;
+        let sweep = |path: &[StampedPose]| simulate_tip_sweep(&self.map, &self.robot, path, &exact);
+        let in_file = |error: Error| error.into_data().in_file(&self.source);
+        let sweep = sweep(&self.path).map_err(|error| in_file(error).at_line(self.leg_at_fault(&sweep)))?;
         let recording = self.recorder.record(&self.robot, &sweep).map_err(in_file)?;
         let serial = self.serial.map(|layout| serial_text(&recording, layout)).transpose().map_err(in_file)?;
         let mut warnings = self.map.warnings.clone();
@@ -97,6 +92,15 @@ impl Scenario {
             warnings.push("no whisker touches anything along this path".into());
         }
         Ok(Simulation { sweep, recording, serial, warnings })
+    }
+
+    /// The line of the leg on which the sweep first fails: the legs before it can be followed.
+    fn leg_at_fault(&self, sweep: &dyn Fn(&[StampedPose]) -> Result<Sweep>) -> usize {
+        let until = |t: f64| &self.path[..self.path.partition_point(|pose| pose.t <= t)];
+        let followed = |pair: &[LegStart]| sweep(until(pair[1].t)).is_ok();
+        let pairs: Vec<&[LegStart]> = self.legs.windows(2).collect();
+        let leg = pairs.partition_point(|pair| followed(pair));
+        self.legs.get(leg).map_or(1, |leg| leg.line)
     }
 
     /// The seed of everything random.
