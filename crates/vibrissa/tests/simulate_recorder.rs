@@ -3,8 +3,10 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on must fail")]
 
 use vibrissa::flow::pose::StampedPose;
+use vibrissa::flow::sensor_log::SensorLog;
 use vibrissa::plane::Pose2;
 use vibrissa::tasks::demo;
+use vibrissa::tasks::simulate::log_csv;
 use vibrissa::tasks::simulate::recorder::{
     Columns, Disturbances, Magnetometer, OdometryErrors, Recorder, Recording, SerialLayout, Slip, Stamps, serial_text,
 };
@@ -218,6 +220,19 @@ fn flux_and_counts_are_what_the_chip_makes_of_the_moment() {
     // Quantization adds its own twelfth of a square count.
     let expected = (4e-12 + chain.chip.per_count()[1].powi(2) / 12.0).sqrt();
     assert!((deviation(&noise) / expected - 1.0).abs() < 0.03, "{} and {expected}", deviation(&noise));
+}
+
+#[test]
+fn a_compass_has_its_noise_and_is_written_and_read_back() {
+    let sweep = sweep();
+    let recorder =
+        Recorder { heading_noise: Some(0.02), stamps: Stamps { dropped_share: 0.1, ..Stamps::default() }, ..exact() };
+    let log = record(&recorder, &sweep).log;
+    let errors: Vec<f64> = log.rows.iter().map(|row| row.heading.unwrap()).collect();
+    assert!(mean(&errors).abs() < 1e-3 && (deviation(&errors) / 0.02 - 1.0).abs() < 0.03, "{}", deviation(&errors));
+    let again = SensorLog::from_csv(&log_csv(&log), "log.csv").unwrap();
+    assert_eq!(again.rows.len(), log.rows.len());
+    assert!(again.rows.iter().zip(&log.rows).all(|(a, b)| a.heading == b.heading && a.readings == b.readings));
 }
 
 #[test]

@@ -54,6 +54,7 @@ fn parse(text: &str, name: &str, folder: &Path) -> Result<Scenario> {
     };
     recorder.noise.seed = top.whole("seed")?.unwrap_or(1);
     (recorder.magnetometer, recorder.columns) = (sensing.magnetometer, sensing.columns);
+    recorder.heading_noise = sensing.heading_noise;
     let scenario = Scenario {
         title: top.text("title")?.map_or_else(|| stem(name), str::to_owned),
         map,

@@ -21,11 +21,17 @@ pub(super) struct Sensing {
     pub(super) magnetometer: Magnetometer,
     pub(super) columns: Vec<Columns>,
     pub(super) serial: Option<SerialLayout>,
+    pub(super) heading_noise: Option<f64>,
 }
 
 impl Default for Sensing {
     fn default() -> Self {
-        Self { magnetometer: Magnetometer::default(), columns: vec![Columns::Moment], serial: None }
+        Self {
+            magnetometer: Magnetometer::default(),
+            columns: vec![Columns::Moment],
+            serial: None,
+            heading_noise: None,
+        }
     }
 }
 
@@ -46,6 +52,7 @@ pub(super) fn sensing(section: &Section<'_>, robot: &Robot, rate: f64) -> Result
         "chip_offset",
         "ambient",
         "flux_noise",
+        "heading_noise",
     ])?;
     let default = SensingChain::default();
     let chain = SensingChain {
@@ -66,7 +73,9 @@ pub(super) fn sensing(section: &Section<'_>, robot: &Robot, rate: f64) -> Result
     let serial = serial(section, robot)?;
     in_time(section, &chain.chip, serial, rate)?;
     let flux_noise = section.number("flux_noise", Dimension::Flux, &NOT_NEGATIVE)?.unwrap_or(0.0);
-    Ok(Sensing { magnetometer: Magnetometer { chain, flux_noise }, columns: columns(section)?, serial })
+    let heading_noise = section.number("heading_noise", Dimension::Angle, &NOT_NEGATIVE)?;
+    let magnetometer = Magnetometer { chain, flux_noise };
+    Ok(Sensing { magnetometer, columns: columns(section)?, serial, heading_noise })
 }
 
 /// One of some words, whatever its case.

@@ -5,9 +5,9 @@ use super::Vec3;
 /// A three-axis magnetometer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Chip {
-    /// Melexis MLX90393: 16 of 19 bits.
+    /// Melexis MLX90393: 16 of 19 bits \[melexis2020mlx90393\].
     Mlx90393(Mlx90393),
-    /// Infineon TLE493D: 12 bits up to ±160 mT.
+    /// Infineon TLE493D: 12 bits up to ±160 mT \[infineon2019tle493d\].
     Tle493d(Tle493d),
 }
 

@@ -14,6 +14,7 @@ pub use stamps::Stamps;
 
 use super::{Sweep, SweepNoise};
 use crate::flow::sensor_log::{Channel, LogRow, Quantity, SensorLog};
+use crate::plane::wrap_angle;
 use crate::world::Robot;
 use crate::world::sensing::{SensingChain, Vec3};
 use crate::{Error, Result};
@@ -56,6 +57,8 @@ pub struct Recorder {
     pub magnetometer: Magnetometer,
     /// What the log holds, in this order.
     pub columns: Vec<Columns>,
+    /// Standard deviation of an absolute heading that is logged too (rad), at least 0; none logs none.
+    pub heading_noise: Option<f64>,
 }
 
 impl Default for Recorder {
@@ -68,6 +71,7 @@ impl Default for Recorder {
             stamps: Stamps::default(),
             magnetometer: Magnetometer::default(),
             columns: vec![Columns::Moment],
+            heading_noise: None,
         }
     }
 }
@@ -103,6 +107,7 @@ impl Recorder {
         let mut beyond = vec![0usize; robot.whiskers.len()];
         let kept = self.stamps.kept(seed, &sweep.truth);
         let mut next = kept.iter().peekable();
+        let mut compass = stream(seed, Stream::Heading, 0);
         for (index, (pose, exact)) in sweep.truth.iter().zip(&sweep.exact_moments).enumerate() {
             let (mut readings, mut fluxes) = (Vec::new(), Vec::new());
             for (w, (whisker, &h)) in robot.whiskers.iter().zip(exact).enumerate() {
@@ -118,8 +123,10 @@ impl Recorder {
                 }
                 fluxes.push(flux);
             }
+            let heading =
+                self.heading_noise.map(|noise| wrap_angle(pose.map_from_robot.theta + noise * normal(&mut compass)));
             if let Some((_, stamp)) = next.next_if(|(row, _)| *row == index) {
-                let row = LogRow { t: *stamp, odom_from_robot: odometry[index], readings, heading: None, line: 0 };
+                let row = LogRow { t: *stamp, odom_from_robot: odometry[index], readings, heading, line: 0 };
                 recording.log.rows.push(row);
                 recording.rows.push(index);
                 recording.flux.push(fluxes);
@@ -134,6 +141,7 @@ impl Recorder {
         self.disturbances.check()?;
         self.odometry.check()?;
         self.stamps.check()?;
+        in_range("heading_noise", self.heading_noise.unwrap_or(0.0), f64::INFINITY)?;
         in_range("flux_noise", self.magnetometer.flux_noise, f64::INFINITY)?;
         let stiffness = self.magnetometer.chain.stiffness;
         if !(stiffness > 0.0 && stiffness.is_finite()) {
@@ -195,6 +203,7 @@ enum Stream {
     Odometry,
     Dropped,
     Late,
+    Heading,
 }
 
 /// The stream of one purpose for one whisker.
