@@ -56,6 +56,36 @@ pub mod defaults {
     pub const ODOMETRY_RELATIVE: f64 = 0.0;
 }
 
+/// The magnet and the rubber disc at a whisker's base, where a scenario asks for flux or counts.
+pub mod sensing {
+    /// Rotational stiffness of the compliant element (N m/rad): a strong contact of 5 mN m turns the magnet by 6 deg.
+    pub const STIFFNESS: f64 = 0.05;
+    /// Dipole moment of the magnet (A m²): a neodymium disc of 2 mm diameter and 1 mm height.
+    pub const MAGNET_MOMENT: f64 = 3.6e-3;
+    /// Depth of the magnet below the pivot (m).
+    pub const MAGNET_DEPTH: f64 = 3e-3;
+    /// Distance from the magnet to the chip (m): the field along the whisker, 5.8 mT, is well inside the chip's range.
+    pub const CHIP_DISTANCE: f64 = 5e-3;
+}
+
+/// What a scenario leaves out, and its limits.
+pub mod scenario {
+    /// Speed of the robot (m/s): half a millimetre a row.
+    pub const SPEED: f64 = 0.15;
+    /// Largest turning rate (rad/s).
+    pub const TURN_RATE: f64 = 1.0;
+    /// Rows a second (Hz): the paper's sampling rate.
+    pub const RATE: f64 = 300.0;
+    /// Most rows: an hour and a half at 300 Hz, and about a GB of memory.
+    pub const MOST_ROWS: f64 = 2e6;
+    /// Curved legs are followed by chords of this length (m); the sagitta on a 10 mm radius is a micrometre.
+    pub const CHORD: f64 = 0.25e-3;
+    /// Most chords of one leg: 100 m of wall.
+    pub const MOST_CHORDS: f64 = 4e5;
+    /// How far outside the robot's outline a whisker's mount may lie (m): drawn outlines are rounded.
+    pub const MOUNT_SLACK: f64 = 1e-3;
+}
+
 /// Which way the contact force acts at a whisker's tip.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum TipLoad {

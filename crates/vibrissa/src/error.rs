@@ -97,6 +97,13 @@ impl Error {
         self
     }
 
+    /// The same error with a file at fault: what a call was told came from there.
+    #[must_use]
+    pub fn into_data(mut self) -> Self {
+        self.0.kind = Kind::Data;
+        self
+    }
+
     /// Whether the log, the map or another file is at fault (exit code 1 of the command line).
     #[must_use]
     pub fn is_data(&self) -> bool {

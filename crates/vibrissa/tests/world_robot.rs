@@ -8,7 +8,8 @@ use vibrissa::world::{Dimension, Robot, parse_quantity};
 #[test]
 fn quantities() {
     use Dimension::{
-        Angle, Curvature, FlexuralRigidity, Flux, Force, Length, Moment, Pressure, Ratio, Stiffness, Time,
+        Angle, Curvature, FlexuralRigidity, Flux, Force, Frequency, Length, MagneticMoment, Moment, MomentRate,
+        Pressure, Ratio, Speed, Stiffness, Time, TurnPerLength, TurnRate,
     };
     for (text, dimension, expected) in [
         ("75 mm", Length, 0.075),
@@ -20,6 +21,13 @@ fn quantities() {
         ("12 um", Length, 12e-6),
         ("3 in", Length, 0.0762),
         ("2 km", Length, 2000.0),
+        ("150 mm/s", Speed, 0.15),
+        ("90 deg / s", TurnRate, FRAC_PI_2),
+        ("1.2 kHz", Frequency, 1200.0),
+        ("3.6 mA m^2", MagneticMoment, 3.6e-3),
+        ("3.6 A·m²", MagneticMoment, 3.6),
+        ("5 uN m/s", MomentRate, 5e-6),
+        ("2 deg/m", TurnPerLength, 2.0 * PI / 180.0),
         ("52 GPa", Pressure, 52e9),
         ("3 N/mm^2", Pressure, 3e6),
         ("17 mN m", Moment, 0.017),
@@ -209,4 +217,20 @@ fn faults_of_segments_name_line_value_and_range() {
         assert!(error.is_data() && error.line() == Some(line), "{text}: {error}");
         assert!(error.to_string().contains(word), "{text}: {error}");
     }
+}
+
+#[test]
+fn a_robot_written_is_read_back_the_same() {
+    let text = "[[whisker]]\nname = \"a\"\nlength = \"61.3 mm\"\ntip_ratio = 0.3\ncurvature = -2.5\nbase_stiffness = 0.07\n\
+                mount = [0.1, -0.2, \"128 deg\"]\nfriction = 0.2\ncalibration = \"a \\\"b\\\\c.json\"\n\
+                noise = { moment_relative = \"3 %\", moment_absolute = \"7 uN m\" }\n[[whisker]]\nname = \"b\"\n\
+                [odometry]\ntranslation_relative = 0.01\nrotation_relative = 1e-7\n";
+    let robot = Robot::from_toml(text, "robot.toml").unwrap();
+    assert_eq!(Robot::from_toml(&robot.to_toml(), "again.toml").unwrap(), robot);
+    assert_eq!(Robot::from_toml(&Robot::default().to_toml(), "again.toml").unwrap(), Robot::default());
+    let jointed = "[[whisker]]\ncurvature = [1.5, -20.0]\nstrain_limit = 0.02\nsegments = [\n\
+                   { length = 0.03, flexural_rigidity = 3e-4, diameter = 5e-4, tip_diameter = 4e-4 },\n\
+                   { length = 0.02, flexural_rigidity = 1e-4 } ]\n";
+    let robot = Robot::from_toml(jointed, "robot.toml").unwrap();
+    assert_eq!(Robot::from_toml(&robot.to_toml(), "again.toml").unwrap(), robot);
 }

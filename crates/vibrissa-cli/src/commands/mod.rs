@@ -3,6 +3,7 @@
 mod beam;
 mod demo;
 mod localize;
+mod simulate;
 
 use clap::Subcommand;
 use vibrissa::Result;
@@ -15,6 +16,7 @@ pub(crate) enum Command {
     Demo(demo::Args),
     Beam(beam::Args),
     Localize(localize::Args),
+    Simulate(simulate::Args),
 }
 
 /// Runs a command.
@@ -23,5 +25,6 @@ pub(crate) fn run(command: &Command) -> Result<()> {
         Command::Beam(args) => beam::run(args),
         Command::Demo(args) => demo::run(args),
         Command::Localize(args) => localize::run(args),
+        Command::Simulate(args) => simulate::run(args),
     }
 }

@@ -4,12 +4,15 @@
 
 mod axes;
 mod canvas;
+mod chart;
 mod document;
 mod legend;
 pub mod localization;
+pub mod simulation;
 mod style;
 
 pub use canvas::{Canvas, Frame, WorldBounds};
 pub use document::{Document, escape};
 pub use legend::{Entry, Sample};
 pub use localization::{LocalizationScene, Outline, OutlineRole, localization_figure};
+pub use simulation::{Series, SimulationScene, simulation_figure};

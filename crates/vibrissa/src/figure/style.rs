@@ -39,5 +39,11 @@ text { font-family: system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neu
 .fan { fill: #0072b2; fill-opacity: 0.25; stroke: none; }
 .badge { fill: #fff; stroke: #0072b2; stroke-width: 1.4; }
 .badge-text { font-size: 11px; font-weight: 600; fill: #00507d; text-anchor: middle; }
+.series { fill: none; stroke-width: 1.5; stroke-linejoin: round; }
+.reading { fill: none; stroke-opacity: 0.45; stroke-width: 2.2; stroke-linecap: round; }
+.hue0 { stroke: #0072b2; } .hue1 { stroke: #d55e00; } .hue2 { stroke: #00795a; } .hue3 { stroke: #a64d85; }
+.hue4 { stroke: #b07a00; } .hue5 { stroke: #3f8fbf; } .hue6 { stroke: #1a1a1a; } .hue7 { stroke: #7a7a00; }
+.touch { fill: none; stroke: #e69f00; stroke-opacity: 0.8; stroke-width: 3.4; stroke-linecap: round; }
+.grid { stroke: #ddd; stroke-width: 1; fill: none; }
 .zoomed { fill: none; stroke: #555; stroke-width: 1; stroke-dasharray: 2 2; }
 ";

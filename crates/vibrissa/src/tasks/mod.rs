@@ -3,7 +3,9 @@
 pub mod batch;
 pub mod demo;
 mod localize;
+pub mod scenario;
 pub mod simulate;
 
 pub use localize::{LocalizeOptions, localize};
+pub use scenario::{Scenario, Simulation};
 pub use simulate::{Sweep, SweepNoise, simulate_tip_sweep};

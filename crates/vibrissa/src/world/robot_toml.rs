@@ -2,17 +2,18 @@
 
 mod beam;
 
-use super::text::{did_you_mean, line_at, read_text};
-use super::units::{Dimension, parse_quantity};
+use super::text::read_text;
+use super::toml_section::{
+    Allowed, FINITE, FRACTION, HEADING, LENGTH, MOUNT, NOT_NEGATIVE, POSITIVE, Section, Source, show,
+};
+use super::units::Dimension;
 use super::{MomentNoise, MountedWhisker, Odometry, Robot};
+use crate::Result;
 use crate::plane::Pose2;
-use crate::{Error, Result};
 use beam::beam;
-use core::f64::consts::TAU;
 use core::ops::Range;
 use std::path::{Path, PathBuf};
 use toml::Spanned;
-use toml::de::{DeTable, DeValue};
 
 const WHISKER_KEYS: [&str; 14] = [
     "name",
@@ -65,12 +66,9 @@ impl Robot {
     }
 
     fn parse_toml(text: &str, name: &str) -> Result<Self> {
-        let source = Source { text: text.strip_prefix('\u{feff}').unwrap_or(text), name };
-        let root = DeTable::parse(source.text).map_err(|e| {
-            let line = e.span().map_or(1, |span| source.line(&span));
-            Error::data("not valid TOML").in_file(name).at_line(line).value(e.message())
-        })?;
-        let top = Section { source: &source, table: root.get_ref(), path: String::new(), span: root.span() };
+        let source = Source::new(text, name);
+        let root = source.parse()?;
+        let top = Section::top(&source, &root);
         top.only(&["whisker", "odometry"])?;
         let odometry = match top.section("odometry")? {
             Some(section) => odometry(&section)?,
@@ -81,170 +79,19 @@ impl Robot {
     }
 }
 
-struct Source<'a> {
-    text: &'a str,
-    name: &'a str,
-}
-
-impl Source<'_> {
-    fn line(&self, span: &Range<usize>) -> usize {
-        line_at(self.text.as_bytes(), span.start)
-    }
-
-    fn fault(&self, span: &Range<usize>, what: impl Into<String>) -> Error {
-        Error::data(what).in_file(self.name).at_line(self.line(span))
-    }
-}
-
-/// Where a number must lie, and how to say so.
-struct Allowed {
-    holds: fn(f64) -> bool,
-    text: &'static str,
-    remedy: &'static str,
-}
-
-const POSITIVE: Allowed = Allowed { holds: |v| v > 0.0 && v.is_finite(), text: "above 0", remedy: "" };
-const FINITE: Allowed = Allowed { holds: f64::is_finite, text: "a finite number", remedy: "" };
-const NOT_NEGATIVE: Allowed = Allowed { holds: |v| v >= 0.0 && v.is_finite(), text: "0 or more", remedy: "" };
 const TIP_RATIO: Allowed = Allowed {
     holds: |v| (1e-3..=1.0).contains(&v),
     text: "0.001 to 1",
     remedy: "tip radius divided by base radius; a sharp tip needs a small number such as 0.05",
 };
 const STIFFNESS: Allowed = Allowed { holds: |v| v > 0.0, text: "above 0, or inf", remedy: "a clamped base is inf" };
-const FRACTION: Allowed =
-    Allowed { holds: |v| (0.0..1.0).contains(&v), text: "0 or more, below 1", remedy: "5 % is 0.05 or \"5 %\"" };
-const LENGTH: Allowed = Allowed {
-    holds: |v| v > 0.0 && v <= 10.0,
-    text: "above 0, up to 10 m",
-    remedy: "a bare number is in metres; write \"75 mm\" for millimetres",
-};
 const DIAMETER: Allowed = Allowed {
     holds: |v| v > 0.0 && v <= 0.1,
     text: "above 0, up to 0.1 m",
     remedy: "a bare number is in metres; write \"0.58 mm\" for millimetres",
 };
-const MOUNT: Allowed = Allowed {
-    holds: |v| v.abs() <= 100.0,
-    text: "-100 to 100 m",
-    remedy: "a bare number is in metres; write \"75 mm\" for millimetres",
-};
-const HEADING: Allowed = Allowed {
-    holds: |v| v.abs() <= TAU,
-    text: "-2 pi to 2 pi rad",
-    remedy: "a bare number is in radians; write \"90 deg\" for degrees",
-};
-
-/// One table of the file, with its path for messages.
-struct Section<'a> {
-    source: &'a Source<'a>,
-    table: &'a DeTable<'a>,
-    path: String,
-    span: Range<usize>,
-}
-
-impl<'a> Section<'a> {
-    fn key(&self, key: &str) -> String {
-        if self.path.is_empty() { key.to_owned() } else { format!("{}.{key}", self.path) }
-    }
-
-    fn get(&self, key: &str) -> Option<&'a Spanned<DeValue<'a>>> {
-        self.table.get(key)
-    }
-
-    /// Rejects every key but `known`, the first in the file first.
-    fn only(&self, known: &[&str]) -> Result<()> {
-        let unknown = |key: &&Spanned<_>| !known.contains(&Spanned::<std::borrow::Cow<'_, str>>::get_ref(key).as_ref());
-        match self.table.keys().filter(unknown).min_by_key(|key| key.span().start) {
-            Some(key) => {
-                let word = key.get_ref().as_ref();
-                Err(self
-                    .source
-                    .fault(&key.span(), "unknown key")
-                    .value(self.key(word))
-                    .remedy(did_you_mean(word, known)))
-            }
-            None => Ok(()),
-        }
-    }
-
-    fn section(&self, key: &str) -> Result<Option<Section<'a>>> {
-        let Some(value) = self.get(key) else { return Ok(None) };
-        match value.get_ref().as_table() {
-            Some(table) => Ok(Some(Section { source: self.source, table, path: self.key(key), span: value.span() })),
-            None => Err(self.source.fault(&value.span(), format!("{} must be a table", self.key(key)))),
-        }
-    }
-
-    fn text(&self, key: &str) -> Result<Option<&'a str>> {
-        let Some(value) = self.get(key) else { return Ok(None) };
-        match value.get_ref().as_str() {
-            Some(text) if !text.trim().is_empty() => Ok(Some(text.trim())),
-            _ => Err(self
-                .source
-                .fault(&value.span(), format!("{} must be a text in quotes", self.key(key)))
-                .value(show(value.get_ref()))),
-        }
-    }
-
-    fn number(&self, key: &str, dimension: Dimension, allowed: &Allowed) -> Result<Option<f64>> {
-        self.get(key).map(|value| self.quantity(&self.key(key), value, dimension, allowed)).transpose()
-    }
-
-    /// A number in SI or a text with a unit, checked.
-    fn quantity(
-        &self,
-        key: &str,
-        value: &Spanned<DeValue<'_>>,
-        dimension: Dimension,
-        allowed: &Allowed,
-    ) -> Result<f64> {
-        let raw = value.get_ref();
-        let fault = |what: String| self.source.fault(&value.span(), what);
-        let number = match raw {
-            DeValue::Float(f) => f.as_str().parse::<f64>().ok(),
-            DeValue::Integer(i) if i.radix() == 10 => i.as_str().parse::<f64>().ok(),
-            DeValue::String(text) => Some(
-                parse_quantity(text, dimension)
-                    .map_err(|e| e.about(key).in_file(self.source.name).at_line(self.source.line(&value.span())))?,
-            ),
-            _ => None,
-        };
-        let Some(number) = number else {
-            let example = format!("1.5 or \"1.5 {}\"", dimension.allowed()[0]);
-            return Err(fault(format!("{key} must be a number or a text with a unit"))
-                .value(show(raw))
-                .allowed(if dimension == Dimension::Ratio { "0.05 or \"5 %\"".to_owned() } else { example }));
-        };
-        if (allowed.holds)(number) {
-            return Ok(number);
-        }
-        let shown = match raw {
-            DeValue::String(_) => format!("{} = {number} {}", show(raw), dimension.unit()),
-            _ => format!("{} {}", show(raw), dimension.unit()),
-        };
-        let error = fault(format!("{key} is out of range")).value(shown.trim()).allowed(allowed.text);
-        // Remedies are about units and ranges; a negative number has neither mistaken.
-        Err(if allowed.remedy.is_empty() || number.is_nan() || number < 0.0 {
-            error
-        } else {
-            error.remedy(allowed.remedy)
-        })
-    }
-}
-
-/// A value as the file's author wrote it, roughly.
-fn show(value: &DeValue<'_>) -> String {
-    match value {
-        DeValue::String(s) => format!("\"{s}\""),
-        DeValue::Integer(i) => i.to_string(),
-        DeValue::Float(f) => f.as_str().to_owned(),
-        DeValue::Boolean(b) => b.to_string(),
-        other => format!("{} here", other.type_str()),
-    }
-}
-
-fn odometry(section: &Section<'_>) -> Result<Odometry> {
+/// The bounds in an `[odometry]` section.
+pub(crate) fn odometry(section: &Section<'_>) -> Result<Odometry> {
     section.only(&["translation_relative", "rotation_relative"])?;
     let default = Odometry::default();
     let ratio = |key| section.number(key, Dimension::Ratio, &FRACTION);
@@ -254,7 +101,8 @@ fn odometry(section: &Section<'_>) -> Result<Odometry> {
     })
 }
 
-fn whiskers(top: &Section<'_>) -> Result<Vec<MountedWhisker>> {
+/// The whiskers in the `[[whisker]]` entries of a file; the paper's where there are none.
+pub(crate) fn whiskers(top: &Section<'_>) -> Result<Vec<MountedWhisker>> {
     let Some(value) = top.get("whisker") else { return Ok(Robot::default().whiskers) };
     let fault = |span: &Range<usize>, what: &str| top.source.fault(span, what);
     let Some(list) = value.get_ref().as_array() else {

@@ -28,6 +28,18 @@ pub enum Dimension {
     Time,
     /// Magnetic flux density, in T.
     Flux,
+    /// Magnetic dipole moment, in A m².
+    MagneticMoment,
+    /// Speed, in m/s.
+    Speed,
+    /// Turning rate, in rad/s.
+    TurnRate,
+    /// Rate, in Hz.
+    Frequency,
+    /// Moment gained per time, in N m/s.
+    MomentRate,
+    /// Turn per length of way, in rad/m.
+    TurnPerLength,
 }
 
 impl Dimension {
@@ -46,6 +58,12 @@ impl Dimension {
             Self::Ratio => "",
             Self::Time => "s",
             Self::Flux => "T",
+            Self::MagneticMoment => "A m^2",
+            Self::Speed => "m/s",
+            Self::TurnRate => "rad/s",
+            Self::Frequency => "Hz",
+            Self::MomentRate => "N m/s",
+            Self::TurnPerLength => "rad/m",
         }
     }
 
@@ -64,6 +82,12 @@ impl Dimension {
             Self::Ratio => &["%", "no unit"],
             Self::Time => &["s", "ms", "us", "min"],
             Self::Flux => &["T", "mT", "uT", "nT", "G"],
+            Self::MagneticMoment => &["A m^2", "mA m^2", "uA m^2"],
+            Self::Speed => &["m/s", "cm/s", "mm/s"],
+            Self::TurnRate => &["rad/s", "deg/s"],
+            Self::Frequency => &["Hz", "kHz"],
+            Self::MomentRate => &["N m/s", "mN m/s", "uN m/s"],
+            Self::TurnPerLength => &["rad/m", "deg/m"],
         }
     }
 
@@ -80,6 +104,12 @@ impl Dimension {
             Self::Ratio => "a plain number",
             Self::Time => "a time",
             Self::Flux => "a magnetic flux density",
+            Self::MagneticMoment => "a magnetic dipole moment",
+            Self::Speed => "a speed",
+            Self::TurnRate => "a turning rate",
+            Self::Frequency => "a rate",
+            Self::MomentRate => "a moment per time",
+            Self::TurnPerLength => "a turn per length",
         }
     }
 }
@@ -246,7 +276,23 @@ fn factor(dimension: Dimension, unit: &str) -> Option<Scale> {
             Some("m") => Some(Scale::Over(1e7)),
             _ => prefixed(unit, "T"),
         },
+        Dimension::MagneticMoment => {
+            let current = unit.find('A')? + 1;
+            let side = length(unit[current..].trim().strip_suffix('2')?)?;
+            Some(prefixed(&unit[..current], "A")?.and(side).and(side))
+        }
+        Dimension::Frequency => prefixed(unit, "Hz"),
+        Dimension::Speed => per(unit, length, |time| prefixed(time, "s")),
+        Dimension::TurnRate => per(unit, angle, |time| prefixed(time, "s")),
+        Dimension::MomentRate => per(unit, moment, |time| prefixed(time, "s")),
+        Dimension::TurnPerLength => per(unit, angle, length),
     }
+}
+
+/// The factor of `above/below`.
+fn per(unit: &str, above: fn(&str) -> Option<Scale>, below: fn(&str) -> Option<Scale>) -> Option<Scale> {
+    let (numerator, denominator) = unit.rsplit_once('/')?;
+    Some(above(numerator)?.and(below(denominator)?.inverse()))
 }
 
 fn length(unit: &str) -> Option<Scale> {

@@ -1,8 +1,8 @@
 //! The answer to "where is the robot", drawn so that it explains itself.
 
-mod layers;
+pub(super) mod layers;
 mod readout;
-mod words;
+pub(super) mod words;
 
 use super::axes::{scale_bar, ticks};
 use super::canvas::{Canvas, Frame, WorldBounds};

@@ -66,7 +66,7 @@ fn shrinkage(answer: &Localization) -> String {
 }
 
 /// The text broken at spaces into lines of at most `limit` characters; a longer word keeps a line of its own.
-pub(super) fn wrapped(text: &str, limit: usize) -> Vec<String> {
+pub(in crate::figure) fn wrapped(text: &str, limit: usize) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in text.split_whitespace() {
         match lines.last_mut() {

@@ -4,7 +4,7 @@ use super::Sweep;
 use crate::flow::sensor_log::{Channel, SensorLog};
 use std::fmt::Write;
 
-/// The log as CSV: `t,x,y,theta` and one column for each channel (s, m, rad, N m).
+/// The log as CSV: `t,x,y,theta`, one column for each channel, and `heading` where the first row has one (SI).
 #[must_use]
 pub fn log_csv(log: &SensorLog) -> String {
     let mut text = String::from("t,x,y,theta");
@@ -12,13 +12,17 @@ pub fn log_csv(log: &SensorLog) -> String {
         text.push(',');
         text.push_str(&column);
     }
-    text.push('\n');
+    let headed = log.rows.first().is_some_and(|row| row.heading.is_some());
+    text.push_str(if headed { ",heading\n" } else { "\n" });
     for row in &log.rows {
         let pose = row.odom_from_robot;
         // Writing into a string cannot fail.
         let _ = write!(text, "{},{},{},{}", row.t, pose.x, pose.y, pose.theta);
         for reading in &row.readings {
             let _ = write!(text, ",{reading}");
+        }
+        if let (true, Some(heading)) = (headed, row.heading) {
+            let _ = write!(text, ",{heading}");
         }
         text.push('\n');
     }

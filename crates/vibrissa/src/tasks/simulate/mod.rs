@@ -10,7 +10,9 @@
 //! | `touch` | when a free whisker first meets a boundary; whether a bent one touches with its side |
 //! | `follow` | one whisker over time: onset, sliding, corners, lift-off, snap |
 //! | `noise` | readings and odometry from exact ones |
+//! | `recorder` | logs of moments, flux or counts with everything that disturbs them |
 //! | `path` | poses from waypoints |
+//! | `shapes` | the whiskers' shapes, for drawing |
 //! | `files` | logs and touches as text |
 
 mod equilibrium;
@@ -19,11 +21,15 @@ mod follow;
 mod foothold;
 mod noise;
 mod path;
+pub mod recorder;
+mod shapes;
 mod touch;
 
 pub use files::{contacts_csv, log_csv};
 pub use noise::SweepNoise;
 pub use path::{Pace, path_through};
+pub(super) use path::{leg_time, sampled};
+pub use shapes::{SweptShape, shapes};
 
 use crate::flow::pose::{Event, StampedPose};
 use crate::flow::sensor_log::{Channel, LogRow, Quantity, SensorLog};

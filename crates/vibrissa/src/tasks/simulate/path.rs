@@ -37,34 +37,46 @@ pub fn path_through(waypoints: &[Pose2], pace: &Pace) -> Result<Vec<StampedPose>
     if let Some(bad) = waypoints.iter().find(|w| !(w.position().is_finite() && w.theta.is_finite())) {
         return Err(Error::usage("a waypoint").value(format!("{bad:?}")).allowed("finite numbers"));
     }
-    let mut ends = vec![0.0];
-    for pair in waypoints.windows(2) {
-        let distance = pair[0].position().distance(pair[1].position());
-        let turn = wrap_angle(pair[1].theta - pair[0].theta).abs();
-        let start = ends[ends.len() - 1];
-        ends.push(start + (distance / pace.speed).max(turn / pace.turn_rate));
+    let mut nodes: Vec<StampedPose> = Vec::with_capacity(waypoints.len());
+    for &map_from_robot in waypoints {
+        let t = nodes.last().map_or(0.0, |last| last.t + leg_time(last.map_from_robot, map_from_robot, pace));
+        nodes.push(StampedPose { t, map_from_robot });
     }
-    let total = ends[ends.len() - 1];
-    let rows = total * pace.rate;
-    if !(total > 0.0 && rows <= MOST_ROWS) {
+    let rows = nodes.last().map_or(0.0, |last| last.t) * pace.rate;
+    if !(rows > 0.0 && rows <= MOST_ROWS) {
         return Err(Error::usage("the path's duration in rows")
             .value(rows)
             .allowed(format!("above 0 and up to {MOST_ROWS}"))
             .remedy("give at least two different waypoints in metres, and the pace in m/s, rad/s and Hz"));
     }
-    let at = |row: usize| {
-        let t = row as f64 / pace.rate;
-        StampedPose { t, map_from_robot: pose_at(waypoints, &ends, t) }
-    };
-    Ok((0..=(rows * (1.0 + 1e-12)).floor() as usize).map(at).collect())
+    Ok(sampled(&nodes, pace.rate))
 }
 
-/// The pose at the time `t`, where waypoint `i` is reached at `ends[i]`.
-fn pose_at(waypoints: &[Pose2], ends: &[f64], t: f64) -> Pose2 {
-    let leg = ends.partition_point(|&end| end < t).clamp(1, waypoints.len() - 1);
-    let (a, b) = (waypoints[leg - 1], waypoints[leg]);
-    let duration = ends[leg] - ends[leg - 1];
-    let share = if duration > 0.0 { ((t - ends[leg - 1]) / duration).clamp(0.0, 1.0) } else { 1.0 };
+/// How long the way from `a` to `b` takes (s).
+pub(crate) fn leg_time(a: Pose2, b: Pose2, pace: &Pace) -> f64 {
+    let distance = a.position().distance(b.position());
+    let turn = wrap_angle(b.theta - a.theta).abs();
+    (distance / pace.speed).max(turn / pace.turn_rate)
+}
+
+/// The poses every `1 / rate` seconds from time 0 on of a robot that is at `nodes`, between which the position goes
+/// straight and the heading turns evenly; at least two nodes, the first at time 0.
+pub(crate) fn sampled(nodes: &[StampedPose], rate: f64) -> Vec<StampedPose> {
+    let rows = nodes.last().map_or(0.0, |last| last.t) * rate;
+    let at = |row: usize| {
+        let t = row as f64 / rate;
+        StampedPose { t, map_from_robot: pose_at(nodes, t) }
+    };
+    (0..=(rows * (1.0 + 1e-12)).floor() as usize).map(at).collect()
+}
+
+/// The pose at the time `t`.
+fn pose_at(nodes: &[StampedPose], t: f64) -> Pose2 {
+    let leg = nodes.partition_point(|node| node.t < t).clamp(1, nodes.len() - 1);
+    let (from, to) = (nodes[leg - 1], nodes[leg]);
+    let (a, b) = (from.map_from_robot, to.map_from_robot);
+    let duration = to.t - from.t;
+    let share = if duration > 0.0 { ((t - from.t) / duration).clamp(0.0, 1.0) } else { 1.0 };
     let place = a.position() + (b.position() - a.position()) * share;
     Pose2::new(place.x, place.y, a.theta + share * wrap_angle(b.theta - a.theta))
 }

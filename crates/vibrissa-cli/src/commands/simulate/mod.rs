@@ -1,0 +1,112 @@
+//! `vibrissa simulate`: a sweep from a scenario file.
+
+mod report;
+
+use super::localize::outlines;
+use crate::output::{OutputArgs, print, warn, write_all};
+use std::io::{IsTerminal, Write};
+use std::path::PathBuf;
+use vibrissa::flow::trajectory::format_tum;
+use vibrissa::tasks::simulate::{contacts_csv, log_csv, shapes};
+use vibrissa::tasks::{Scenario, Simulation};
+use vibrissa::{Error, Result};
+
+/// Simulate a sweep: what a robot with whiskers feels along a path through a map.
+///
+/// The scenario is a .toml file: a map, a robot, a path, its sensors and their errors; docs/scenarios.md has every key
+/// and scenarios/ has examples.
+///
+/// With --out DIR: log.csv, truth.tum, contacts.csv, robot.toml and the figure simulate.svg; map.geojson where the map is
+/// written in the scenario, serial.txt where it asks for one; with --dump also shapes.csv and exact.csv.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Args {
+    /// The scenario (.toml)
+    scenario: PathBuf,
+    /// The seed of all noise, instead of the scenario's
+    #[arg(long, value_name = "N")]
+    seed: Option<u64>,
+    /// Write the shape of every whisker at every row (shapes.csv) and the moments without noise (exact.csv)
+    #[arg(long, requires = "out")]
+    dump: bool,
+    #[command(flatten)]
+    output: OutputArgs,
+}
+
+/// Runs the command.
+pub(crate) fn run(args: &Args) -> Result<()> {
+    let progress = Progress::new();
+    progress.say("reading the scenario");
+    let scenario = read(args)?;
+    progress.say(&format!("simulating {} rows", scenario.path.len()));
+    let simulation = scenario.simulate()?;
+    progress.say("");
+    simulation.warnings.iter().for_each(|warning| warn(warning));
+    let written = match &args.output.out {
+        Some(folder) => Some(write_all(folder, &files(&scenario, &simulation, args.dump))?),
+        None => None,
+    };
+    if args.output.json {
+        print(&report::json(&scenario, &simulation)?)
+    } else {
+        print(&report::text(&scenario, &simulation, written.as_deref()))
+    }
+}
+
+fn read(args: &Args) -> Result<Scenario> {
+    let scenario = Scenario::read(&args.scenario)?;
+    Ok(match args.seed {
+        Some(seed) => scenario.with_seed(seed),
+        None => scenario,
+    })
+}
+
+fn files(scenario: &Scenario, simulation: &Simulation, dump: bool) -> Vec<(&'static str, String)> {
+    let sweep = &simulation.sweep;
+    let mut files = vec![
+        ("log.csv", log_csv(&simulation.recording.log)),
+        ("truth.tum", format_tum(&sweep.truth)),
+        ("contacts.csv", contacts_csv(sweep)),
+        ("simulate.svg", report::figure(scenario, simulation, &outlines(&scenario.map))),
+    ];
+    files.push(("robot.toml", scenario.robot.to_toml()));
+    if scenario.map_file.is_none() {
+        files.push(("map.geojson", report::map_geojson(&scenario.map)));
+    }
+    files.extend(simulation.serial.clone().map(|text| ("serial.txt", text)));
+    if dump {
+        files.push(("shapes.csv", report::shapes_csv(scenario, sweep, &shapes(&scenario.robot, sweep, 1))));
+        files.push(("exact.csv", report::exact_csv(scenario, sweep)));
+    }
+    files
+}
+
+/// One line on standard error that is written over, when somebody sits there.
+struct Progress {
+    shown: bool,
+}
+
+impl Progress {
+    fn new() -> Self {
+        Self { shown: std::io::stderr().is_terminal() }
+    }
+
+    /// Shows what goes on; the empty text clears the line.
+    fn say(&self, what: &str) {
+        if self.shown {
+            let dots = if what.is_empty() { "" } else { " …" };
+            // If standard error is closed, nobody watches.
+            let _ = write!(std::io::stderr(), "\r\x1b[K{what}{dots}");
+        }
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        self.say("");
+    }
+}
+
+/// An error of serialization, which no scenario can cause.
+fn cannot_encode(error: &serde_json::Error) -> Error {
+    Error::data(format!("cannot write the result as JSON ({error})"))
+}
