@@ -20,6 +20,7 @@
 
 mod bend;
 pub mod elastica;
+pub mod field;
 mod fixed_line;
 mod force_mode;
 pub mod jacobi;

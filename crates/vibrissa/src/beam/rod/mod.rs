@@ -11,6 +11,7 @@
 
 mod follow;
 mod force;
+mod loaded;
 mod march;
 mod moment;
 mod newton;
@@ -24,6 +25,7 @@ mod view;
 extern crate alloc;
 
 pub use follow::{Followed, Status};
+pub(in crate::beam) use loaded::Loaded;
 pub use section::Segment;
 
 use super::whisker::Whisker;
