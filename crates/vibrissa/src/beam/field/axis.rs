@@ -31,14 +31,6 @@ impl Axis {
         self.knots.len() - 1
     }
 
-    pub(super) fn start(&self) -> f64 {
-        self.knots[0]
-    }
-
-    pub(super) fn end(&self) -> f64 {
-        self.knots[self.knots.len() - 1]
-    }
-
     pub(super) fn width(&self, cell: usize) -> f64 {
         self.knots[cell + 1] - self.knots[cell]
     }

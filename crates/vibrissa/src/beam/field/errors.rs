@@ -17,16 +17,16 @@ const MARGIN: f64 = 1.25;
 /// Every how many extrema of the last Chebyshev polynomial the beam itself is asked, along each side of a panel.
 const EVERY: usize = 3;
 
-/// The bounds, over the part of the chart where `inside` holds.
+/// The bounds, over the cells that are held.
 pub(super) fn measured(
     layout: &Layout,
     samples: &Samples,
     table: &Table,
-    inside: impl Fn(f64, f64) -> bool,
+    is_held: impl Fn(usize, usize) -> bool,
     exact: impl Fn(f64, f64) -> Option<Row>,
 ) -> FieldErrors {
-    let hermite = between_knots(layout, samples, table, &inside);
-    let polynomial = from_samples(layout, samples, &inside, exact);
+    let hermite = between_knots(layout, samples, table, &is_held);
+    let polynomial = from_samples(layout, samples, table, &is_held, exact);
     let mut bound = [0.0; QUANTITIES];
     for k in 0..QUANTITIES {
         bound[k] = MARGIN * (hermite[0][k] + hermite[1][k] + polynomial[k]);
@@ -41,14 +41,18 @@ fn widen(worst: &mut Row, a: &Row, b: &Row) {
 }
 
 /// The largest errors at the middles of cell edges along `u` and along `v`.
-fn between_knots(layout: &Layout, samples: &Samples, table: &Table, inside: impl Fn(f64, f64) -> bool) -> [Row; 2] {
+fn between_knots(
+    layout: &Layout,
+    samples: &Samples,
+    table: &Table,
+    is_held: impl Fn(usize, usize) -> bool,
+) -> [Row; 2] {
     let mut worst = [[0.0; QUANTITIES]; 2];
     for i in 0..table.u.cells() {
         for j in 0..table.v.cells() {
             let (u0, u1) = (table.u.knots[i], table.u.knots[i + 1]);
             let (v0, v1) = (table.v.knots[j], table.v.knots[j + 1]);
-            let held = [(u0, v0), (u0, v1), (u1, v0), (u1, v1)].iter().any(|&(u, v)| inside(u, v));
-            if !held {
+            if !is_held(i, j) {
                 continue;
             }
             for (direction, (u, v)) in [(0, (0.5 * (u0 + u1), v0)), (1, (u0, 0.5 * (v0 + v1)))] {
@@ -64,7 +68,8 @@ fn between_knots(layout: &Layout, samples: &Samples, table: &Table, inside: impl
 fn from_samples(
     layout: &Layout,
     samples: &Samples,
-    inside: impl Fn(f64, f64) -> bool,
+    table: &Table,
+    is_held: impl Fn(usize, usize) -> bool,
     exact: impl Fn(f64, f64) -> Option<Row>,
 ) -> Row {
     let mut worst = [0.0; QUANTITIES];
@@ -76,7 +81,10 @@ fn from_samples(
         for l in (0..=SIDE).step_by(EVERY) {
             for &u in &places(&layout.u_breaks, k) {
                 for &v in &places(&layout.v_breaks, l) {
-                    if let Some(want) = exact(u, v).filter(|_| inside(u, v)) {
+                    if !is_held(table.u.cell(u), table.v.cell(v)) {
+                        continue;
+                    }
+                    if let Some(want) = exact(u, v) {
                         widen(&mut worst, &layout.polynomial(samples, u, v)[0], &want);
                     }
                 }

@@ -6,12 +6,21 @@
 //! [`TipField`] tabulates it once for a whisker, with a bound on the error, and answers in nanoseconds.
 
 mod axis;
+mod bytes;
+mod cells;
 mod chart;
+mod enclosure;
 mod errors;
+mod image;
+mod index;
 mod panels;
+mod search;
+mod side;
 mod state;
 mod table;
 mod tip;
 
+pub use enclosure::TipBox;
+pub use side::{SideField, SideState};
 pub use state::{FieldErrors, PositionRates, Quantities, ReadingRates, TipState};
 pub use tip::TipField;

@@ -3,6 +3,8 @@
 extern crate alloc;
 use super::chart::{Bunched, Limits, reach};
 use super::errors;
+use super::image::Image;
+use super::index::Index;
 use super::panels::{Layout, Samples};
 use super::state::{FieldErrors, Quantities, TipState};
 use super::table::{Row, Table};
@@ -29,6 +31,16 @@ const PANELS: [usize; 2] = [6, 6];
 const CELLS: [usize; 2] = [16, 16];
 /// The same of a whisker that is curved at rest, whose shapes change faster with the tilt.
 const CELLS_CURVED: [usize; 2] = [32, 16];
+
+/// Cells are halved until the tip is known to this share of the length, and at most so often.
+const COARSEST: f64 = 1e-5;
+const MOST_REFINED: usize = 1;
+
+/// What is kept of a rod: the largest forces and the samples.
+pub(super) struct Measured {
+    pub(super) forces: Vec<[f64; 2]>,
+    pub(super) samples: Samples,
+}
 
 /// The tilt's coordinate, six times finer at the steepest tilts than at none: a force that all but pulls along the whisker
 /// bends it by an amount that changes with the tilt like `exp(L sqrt(F / EI))`.
@@ -57,6 +69,10 @@ pub struct TipField {
     pub(super) samples: Samples,
     pub(super) table: Table,
     pub(super) errors: FieldErrors,
+    /// How often the cells were halved.
+    pub(super) refinement: usize,
+    pub(super) positions: Index,
+    pub(super) readings: Index,
 }
 
 impl TipField {
@@ -73,24 +89,35 @@ impl TipField {
     /// # Errors
     /// Data: a rod too soft to be integrated.
     pub fn of_rod(rod: &Rod) -> Result<Self> {
-        let limits = limits(rod);
+        let forces = largest_forces(rod);
+        let limits = Limits { start: -STEEPEST_TILT, end: STEEPEST_TILT, forces };
         let load = Bunched { from: 1.0, to: limits.largest() };
-        let layout = layout(rod);
-        let sample = |u, v| rod.loaded(load.at(v), rod.length(), tilt_at(u)).map(row);
-        let samples = layout.sample(sample).filter(|_| load.to > 0.0).ok_or_else(too_soft)?;
-        let table = layout.table(&samples);
-        let mut field = Self {
-            rod: rod.clone(),
-            limits,
-            load,
-            mirrored: rod.is_straight(),
-            samples,
-            table,
-            errors: FieldErrors::default(),
-        };
-        let inside = |u: f64, v: f64| field.holds(tilt_at(u), field.load.at(v));
-        field.errors = errors::measured(&layout, &field.samples, &field.table, inside, sample);
-        Ok(field)
+        let exact = |u, v| rod.loaded(load.at(v), rod.length(), tilt_at(u)).map(row);
+        let samples = layout(rod, 0).sample(exact).filter(|_| load.to > 0.0).ok_or_else(too_soft)?;
+        let mut measured = Measured { forces: limits.forces, samples };
+        for refinement in 0..=MOST_REFINED {
+            let mut field = Self::from_measured(rod.clone(), measured, refinement)?;
+            let held = |i: usize, j: usize| is_held(&field.table, &field.limits, &field.load, i, j);
+            field.errors = errors::measured(&layout(rod, refinement), &field.samples, &field.table, held, exact);
+            if field.errors.position <= COARSEST * rod.length() || refinement == MOST_REFINED {
+                return Ok(field);
+            }
+            measured = Measured { forces: field.limits.forces, samples: field.samples };
+        }
+        Err(too_soft())
+    }
+
+    /// The field of what was measured on a rod, its errors still unknown, with `2^refinement` times as many cells along each side.
+    pub(super) fn from_measured(rod: Rod, measured: Measured, refinement: usize) -> Result<Self> {
+        let Measured { forces, samples } = measured;
+        let limits = Limits { start: -STEEPEST_TILT, end: STEEPEST_TILT, forces };
+        let load = Bunched { from: 1.0, to: limits.largest() };
+        let table = layout(&rod, refinement).table(&samples);
+        let held = |i: usize, j: usize| is_held(&table, &limits, &load, i, j);
+        let positions = Index::new(Image::Position, &table, held);
+        let readings = Index::new(Image::Reading, &table, held);
+        let (mirrored, errors) = (rod.is_straight(), FieldErrors::default());
+        Ok(Self { rod, limits, load, mirrored, samples, table, errors, refinement, positions, readings })
     }
 
     /// The whisker's length (m).
@@ -162,21 +189,28 @@ fn row(loaded: Loaded) -> Row {
     [slope, contact.x, contact.y, moment, energy]
 }
 
-/// How the chart of a rod is cut.
-pub(super) fn layout(rod: &Rod) -> Layout {
+/// How the chart of a rod is cut, each cell halved `refinement` times along both sides.
+pub(super) fn layout(rod: &Rod, refinement: usize) -> Layout {
     let even = |lo: f64, hi: f64, n: usize| (0..=n).map(|i| lo + (hi - lo) * (i as f64 / n as f64)).collect::<Vec<_>>();
     let (start, panels, cells) =
         if rod.is_straight() { (0.0, PANELS[1], CELLS) } else { (-1.0, 2 * PANELS[1], CELLS_CURVED) };
     Layout {
         u_breaks: even(-1.0, 1.0, PANELS[0]),
         v_breaks: even(start, 1.0, panels),
-        u_cells: cells[0],
-        v_cells: cells[1],
+        u_cells: cells[0] << refinement,
+        v_cells: cells[1] << refinement,
     }
 }
 
+/// Whether the cell `(i, j)` holds loads within the limits.
+fn is_held(table: &Table, limits: &Limits, load: &Bunched, i: usize, j: usize) -> bool {
+    let (u, v) = (&table.u.knots, &table.v.knots);
+    let (middle, nearest) = (v[j] + v[j + 1], v[j].abs().min(v[j + 1].abs()));
+    load.at(nearest) <= limits.largest_over(tilt_at(u[i]), tilt_at(u[i + 1]), middle)
+}
+
 /// The largest loads at each tilt.
-fn limits(rod: &Rod) -> Limits {
+fn largest_forces(rod: &Rod) -> Vec<[f64; 2]> {
     let unit = rod.unit_force(rod.length());
     let mut forces = vec![[0.0; 2]; LIMITS];
     for (i, pair) in forces.iter_mut().enumerate() {
@@ -189,7 +223,7 @@ fn limits(rod: &Rod) -> Limits {
                 });
         }
     }
-    Limits { start: -STEEPEST_TILT, end: STEEPEST_TILT, forces }
+    forces
 }
 
 /// Whether a shape is within the turn that is covered, and stable or, of a straight rod, of the first mode.

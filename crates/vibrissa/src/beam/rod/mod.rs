@@ -15,6 +15,7 @@ mod loaded;
 mod march;
 mod moment;
 mod newton;
+mod numbers;
 mod point;
 mod scan;
 mod section;
