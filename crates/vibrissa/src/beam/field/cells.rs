@@ -13,8 +13,8 @@ use alloc::vec::Vec;
 /// Bernstein coefficients of one quantity.
 type Net = [[f64; 4]; 4];
 
-/// Most quarterings of a cell: a fold is then told from a miss to 1e-6 of the image's size.
-const DEEPEST: usize = 10;
+/// Most quarterings of a cell: a fold is then told from a miss to 4e-6 of the cell's size in the image.
+const DEEPEST: usize = 9;
 /// Most Newton steps.
 const MOST_STEPS: usize = 24;
 /// A step below this share of a cell ends the search.

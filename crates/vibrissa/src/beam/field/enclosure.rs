@@ -73,6 +73,9 @@ impl TipField {
     #[must_use]
     pub fn enclosures_of_reading(&self, directions: Interval, moments: Interval) -> Vec<TipBox> {
         let mut boxes = Vec::new();
+        if !(directions.lo().is_finite() && directions.hi().is_finite()) {
+            return boxes;
+        }
         let flip = |i: Interval| Interval::new(-i.hi(), -i.lo());
         for force in [1.0, -1.0] {
             let mirror = self.mirrored && force < 0.0;
@@ -95,6 +98,9 @@ impl TipField {
     /// The hull over a box of loads in the tabulated half.
     fn over(&self, tilts: Interval, forces: Interval) -> TipBox {
         let mut hull = TipBox::EMPTY;
+        if tilts.is_empty() || forces.is_empty() {
+            return hull;
+        }
         let u = Interval::new(TILTS.at(tilts.lo().max(-TILTS.from)), TILTS.at(tilts.hi().min(TILTS.from)));
         let v = Interval::new(self.load.inverse(forces.lo()).max(-1.0), self.load.inverse(forces.hi()).min(1.0));
         if u.is_empty() || v.is_empty() {

@@ -35,6 +35,9 @@ impl TipField {
     #[must_use]
     pub fn by_direction_and_moment(&self, direction: f64, moment: f64) -> Vec<TipState> {
         let mut found = Vec::new();
+        if !(direction.is_finite() && moment.is_finite()) {
+            return Vec::new();
+        }
         for (force, mirror) in [(1.0, 1.0), (-1.0, if self.mirrored { -1.0 } else { 1.0 })] {
             let turned = mirror * (direction - FRAC_PI_2 * force);
             let (lo, hi) = self.readings.first_range();

@@ -25,7 +25,7 @@ const MOST_LOAD: f64 = 7.0;
 const TERMS: usize = 8;
 /// Panels along the whisker and over the load on one side; cells of a panel along each side.
 const PANELS: [usize; 2] = [4, 4];
-const CELLS: [usize; 2] = [12, 20];
+const CELLS: [usize; 2] = [24, 24];
 
 /// All first-mode equilibria of a whisker with one frictionless contact at its side, by the contact's arc length and the force.
 ///

@@ -99,7 +99,7 @@ impl TipState {
     pub fn by_position(&self) -> Option<PositionRates> {
         let (a, b) = (self.by_tilt.position, self.by_force.position);
         let det = a.cross(b);
-        if det.abs() <= 0.0 || !det.is_finite() {
+        if self.force.abs() <= 0.0 || det.abs() <= 0.0 || !det.is_finite() {
             return None;
         }
         // Rows of the inverse: tilt and force by position.
