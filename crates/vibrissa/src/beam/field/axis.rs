@@ -35,6 +35,12 @@ impl Axis {
         self.knots[cell + 1] - self.knots[cell]
     }
 
+    /// One over the cell's width.
+    #[inline]
+    pub(super) fn per_width(&self, cell: usize) -> f64 {
+        if self.per_length > 0.0 { self.per_length } else { 1.0 / self.width(cell) }
+    }
+
     /// The cell that holds `x`, or the nearest one.
     #[inline]
     pub(super) fn cell(&self, x: f64) -> usize {

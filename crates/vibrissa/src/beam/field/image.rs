@@ -60,7 +60,7 @@ impl Image {
         let aim = Aim { value: pick(&jet.value, tilt), by_u, by_v, rounding };
         match self {
             Self::Position => aim,
-            Self::Reading => Aim { by_u: [aim.by_u[0] + 1.0 / TILTS.rate(tilt), aim.by_u[1]], ..aim },
+            Self::Reading => Aim { by_u: [aim.by_u[0] + TILTS.slowness(tilt), aim.by_u[1]], ..aim },
         }
     }
 
@@ -71,7 +71,7 @@ impl Image {
             Self::Reading => {
                 let ends = [table.u.knots[i], table.u.knots[i + 1]].map(tilt_at);
                 let third = table.u.width(i) / 3.0;
-                let slopes = ends.map(|tilt| third / TILTS.rate(tilt));
+                let slopes = ends.map(|tilt| third * TILTS.slowness(tilt));
                 let tilts = [ends[0], ends[0] + slopes[0], ends[1] - slopes[1], ends[1]];
                 let mut turned = table.bernstein(i, j, SLOPE);
                 for (row, tilt) in turned.iter_mut().zip(tilts) {

@@ -100,7 +100,7 @@ impl Layout {
                 }
             }
         }
-        Table { u, v, nodes }
+        Table::new(u, v, nodes)
     }
 
     /// The polynomials through the samples at `(u, v)`, with the derivatives by `u` and `v`.

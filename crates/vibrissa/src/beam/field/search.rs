@@ -85,7 +85,7 @@ impl TipField {
             if u.abs() > 1.02 || v.abs() > 1.02 {
                 return None;
             }
-            let small = du.abs().max(dv.abs()) < 1e-7 || aim.is_at(target);
+            let small = du.abs().max(dv.abs()) < 1e-6 || aim.is_at(target);
             if small {
                 // Convergence is quadratic: the step just taken was the last that matters.
                 let state = self.state(u, v);

@@ -114,7 +114,7 @@ impl SideField {
         let places = 32;
         let limits: Vec<[f64; 2]> =
             (0..=places).map(|i| largest_loads(rod, &scale, place(i as f64 / f64::from(places)))).collect();
-        let load = Bunched { from: 1.0, to: limits.iter().flatten().fold(0.0, |a, b| a.max(*b)) };
+        let load = Bunched::new(1.0, limits.iter().flatten().fold(0.0, |a, b| a.max(*b)));
         let exact = |u: f64, v: f64| {
             let loaded = rod.loaded(load.at(v) * unit(&scale, u, length), u * length, 0.0)?;
             Some([loaded.slope, loaded.contact.x, loaded.contact.y, loaded.moment, loaded.energy])

@@ -29,24 +29,40 @@ pub(super) struct Jet {
     pub(super) by_v: Row,
 }
 
+/// Quantities of a patch, and one place more: whole pairs are added faster.
+const LANES: usize = QUANTITIES + 1;
+
+/// Coefficients of a cell by the powers of its two shares, those of `u` in rows.
+type Patch = [[[f64; LANES]; 4]; 4];
+
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Table {
     pub(super) u: Axis,
     pub(super) v: Axis,
     /// Knots, those of one `u` in a row.
-    pub(super) nodes: Vec<Node>,
+    nodes: Vec<Node>,
+    /// Cells, those of one `u` in a row.
+    patches: Vec<Patch>,
 }
 
-/// Hermite weights of (value, derivative) at the start and the end of a cell, and their derivatives.
-#[inline(always)]
-fn weights(s: f64, h: f64) -> ([f64; 4], [f64; 4]) {
-    let r = 1.0 - s;
-    let rs = r * s;
-    let one = s * s * (1.0 + 2.0 * r);
-    ([1.0 - one, h * rs * r, one, -h * rs * s], [-6.0 * rs / h, r * (r - 2.0 * s), 6.0 * rs / h, s * (s - 2.0 * r)])
+/// Coefficients by powers from (start, slope, end, slope), slopes per share of the cell.
+fn powers(a: f64, da: f64, b: f64, db: f64) -> [f64; 4] {
+    let rise = b - a;
+    [a, da, 3.0 * rise - 2.0 * da - db, da + db - 2.0 * rise]
 }
 
 impl Table {
+    /// The table over knots whose values and derivatives are known, those of one `u` in a row.
+    pub(super) fn new(u: Axis, v: Axis, nodes: Vec<Node>) -> Self {
+        let mut patches = Vec::with_capacity(u.cells() * v.cells());
+        for i in 0..u.cells() {
+            for j in 0..v.cells() {
+                patches.push(patch(&nodes, v.knots.len(), (i, j), (u.width(i), v.width(j))));
+            }
+        }
+        Self { u, v, nodes, patches }
+    }
+
     /// Everything at `(u, v)`, by the polynomial of the cell that holds it or, outside, of the nearest one.
     #[inline]
     pub(super) fn jet(&self, u: f64, v: f64) -> Jet {
@@ -56,25 +72,23 @@ impl Table {
     /// Everything at `(u, v)` by the polynomial of the cell `(i, j)`.
     #[inline]
     pub(super) fn jet_in(&self, i: usize, j: usize, u: f64, v: f64) -> Jet {
-        let (hu, hv) = (self.u.width(i), self.v.width(j));
-        let (a, da) = weights((u - self.u.knots[i]) / hu, hu);
-        let (b, db) = weights((v - self.v.knots[j]) / hv, hv);
-        let mut jet = Jet { value: [0.0; QUANTITIES], by_u: [0.0; QUANTITIES], by_v: [0.0; QUANTITIES] };
-        let stride = self.v.knots.len();
-        let start = i * stride + j;
-        for (p, column) in [start, start + stride].into_iter().enumerate() {
-            let Some(pair) = self.nodes.get(column..column + 2) else { continue };
-            for (q, node) in pair.iter().enumerate() {
-                for kind in 0..4 {
-                    let (m, n) = (2 * p + (kind & 1), 2 * q + (kind >> 1));
-                    let (w, wu, wv) = (a[m] * b[n], da[m] * b[n], a[m] * db[n]);
-                    for k in 0..QUANTITIES {
-                        jet.value[k] += w * node[kind][k];
-                        jet.by_u[k] += wu * node[kind][k];
-                        jet.by_v[k] += wv * node[kind][k];
-                    }
-                }
+        let (per_u, per_v) = (self.u.per_width(i), self.v.per_width(j));
+        let (s, t) = ((u - self.u.knots[i]) * per_u, (v - self.v.knots[j]) * per_v);
+        let patch = &self.patches[i * self.v.cells() + j];
+        let (mut value, mut by_t) = ([[0.0; LANES]; 4], [[0.0; LANES]; 4]);
+        for (p, row) in patch.iter().enumerate() {
+            for k in 0..LANES {
+                let (c1, c2, c3) = (row[1][k], row[2][k], row[3][k]);
+                value[p][k] = ((c3 * t + c2) * t + c1) * t + row[0][k];
+                by_t[p][k] = (c3 * (3.0 * t) + (c2 + c2)) * t + c1;
             }
+        }
+        let mut jet = Jet { value: [0.0; QUANTITIES], by_u: [0.0; QUANTITIES], by_v: [0.0; QUANTITIES] };
+        for k in 0..QUANTITIES {
+            let [a, b, c, d] = [value[0][k], value[1][k], value[2][k], value[3][k]];
+            jet.value[k] = ((d * s + c) * s + b) * s + a;
+            jet.by_u[k] = ((d * (3.0 * s) + (c + c)) * s + b) * per_u;
+            jet.by_v[k] = (((by_t[3][k] * s + by_t[2][k]) * s + by_t[1][k]) * s + by_t[0][k]) * per_v;
         }
         jet
     }
@@ -98,6 +112,26 @@ impl Table {
         }
         out
     }
+}
+
+/// The coefficients of one cell with sides `h`.
+fn patch(nodes: &[Node], stride: usize, (i, j): (usize, usize), h: (f64, f64)) -> Patch {
+    let mut patch = [[[0.0; LANES]; 4]; 4];
+    for k in 0..QUANTITIES {
+        // Along v first: values and derivatives by u, at both ends in u.
+        let line = |p: usize, kind: usize| {
+            let (a, b) = (&nodes[(i + p) * stride + j], &nodes[(i + p) * stride + j + 1]);
+            powers(a[kind][k], a[kind + 2][k] * h.1, b[kind][k], b[kind + 2][k] * h.1)
+        };
+        let (start, start_slope, end, end_slope) = (line(0, 0), line(0, 1), line(1, 0), line(1, 1));
+        for q in 0..4 {
+            let column = powers(start[q], start_slope[q] * h.0, end[q], end_slope[q] * h.0);
+            for (row, c) in patch.iter_mut().zip(column) {
+                row[q][k] = c;
+            }
+        }
+    }
+    patch
 }
 
 /// The coefficients over the part `[s0, s1] x [t0, t1]` of the cell, both in \[0, 1\].
@@ -141,7 +175,7 @@ mod tests {
                 nodes.push([f(*a, *b), fu(*a, *b), fv(*a, *b), fuv(*a, *b)].map(|x| [x; QUANTITIES]));
             }
         }
-        let table = Table { u, v, nodes };
+        let table = Table::new(u, v, nodes);
         for (a, b) in [(-0.9, 0.1), (0.3, 1.9), (1.4, 0.7), (-0.5, 2.0), (1.5, 0.0)] {
             let jet = table.jet(a, b);
             for (got, want) in [(jet.value, f(a, b)), (jet.by_u, fu(a, b)), (jet.by_v, fv(a, b))] {

@@ -44,7 +44,7 @@ pub(super) struct Measured {
 
 /// The tilt's coordinate, six times finer at the steepest tilts than at none: a force that all but pulls along the whisker
 /// bends it by an amount that changes with the tilt like `exp(L sqrt(F / EI))`.
-pub(super) const TILTS: Bunched = Bunched { from: STEEPEST_TILT, to: 1.0 };
+pub(super) const TILTS: Bunched = Bunched::new(STEEPEST_TILT, 1.0);
 
 /// The tilt (rad) at the coordinate `u` in \[-1, 1\].
 #[inline]
@@ -91,7 +91,7 @@ impl TipField {
     pub fn of_rod(rod: &Rod) -> Result<Self> {
         let forces = largest_forces(rod);
         let limits = Limits { start: -STEEPEST_TILT, end: STEEPEST_TILT, forces };
-        let load = Bunched { from: 1.0, to: limits.largest() };
+        let load = Bunched::new(1.0, limits.largest());
         let exact = |u, v| rod.loaded(load.at(v), rod.length(), tilt_at(u)).map(row);
         let samples = layout(rod, 0).sample(exact).filter(|_| load.to > 0.0).ok_or_else(too_soft)?;
         let mut measured = Measured { forces: limits.forces, samples };
@@ -111,7 +111,7 @@ impl TipField {
     pub(super) fn from_measured(rod: Rod, measured: Measured, refinement: usize) -> Result<Self> {
         let Measured { forces, samples } = measured;
         let limits = Limits { start: -STEEPEST_TILT, end: STEEPEST_TILT, forces };
-        let load = Bunched { from: 1.0, to: limits.largest() };
+        let load = Bunched::new(1.0, limits.largest());
         let table = layout(&rod, refinement).table(&samples);
         let held = |i: usize, j: usize| is_held(&table, &limits, &load, i, j);
         let positions = Index::new(Image::Position, &table, held);
@@ -173,7 +173,7 @@ impl TipField {
         let flip = self.mirrored && v < 0.0;
         let (u, v) = if flip { (-u, -v) } else { (u, v) };
         let tilt = tilt_at(u);
-        let rates = (TILTS.rate(tilt), 1.0 / self.load.rate(v));
+        let rates = (TILTS.rate(tilt), self.load.slowness(v));
         let state = TipState::new(tilt, self.load.at(v), &self.table.jet(u, v), rates);
         if flip { state.mirrored() } else { state }
     }
