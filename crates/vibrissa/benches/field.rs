@@ -34,6 +34,7 @@ fn look_ups(c: &mut Criterion) {
     for (name, whisker) in [("uniform", plain), ("tapered, curved, elastic base", tapered)] {
         let (field, rod) = (TipField::new(&whisker).unwrap(), Rod::new(&whisker).unwrap());
         let list = states(&field);
+        let loads: Vec<(f64, f64)> = list.iter().map(|s| (s.tilt, s.force)).collect();
         let mut i = 0;
         let mut next = || {
             i = (i + 1) % N;
@@ -53,10 +54,20 @@ fn look_ups(c: &mut Criterion) {
                 rod.force_mode(s.force, whisker.length, Load::Tilted(s.tilt)).unwrap()
             });
         });
-        group.bench_function(format!("{name}: at, with derivatives"), |b| {
+        let mut k = 0;
+        group.bench_function(format!("{name}: at, with derivatives, all over the field"), |b| {
             b.iter(|| {
-                let s = next();
-                field.at(s.tilt, s.force)
+                k = (k + 1) % N;
+                field.at(loads[k].0, loads[k].1)
+            });
+        });
+        // A search asks around one place.
+        let near: Vec<(f64, f64)> = (0..N).map(|i| (0.2 + 1e-5 * i as f64, list[0].force.abs())).collect();
+        let mut k = 0;
+        group.bench_function(format!("{name}: at, with derivatives, around one place"), |b| {
+            b.iter(|| {
+                k = (k + 1) % N;
+                field.at(near[k].0, near[k].1)
             });
         });
         group.bench_function(format!("{name}: direction and moment, from a neighbour"), |b| {

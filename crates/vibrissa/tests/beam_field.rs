@@ -68,14 +68,15 @@ fn share(errors: FieldErrors, state: &TipState, slope: f64, position: Vec2, mome
 #[test]
 fn the_closed_form_is_within_the_errors() {
     let (mut random, mut worst, mut seen) = (Random(1), 0.0_f64, 0);
-    for _ in 0..20_000 {
+    for _ in 0..130_000 {
         let (tilt, force) = load(uniform(), &mut random);
         let at = uniform().at(tilt, force).unwrap();
         let Some(b) = bend(plain().flexural_rigidity, force, plain().length, tilt) else { continue };
         worst = worst.max(share(uniform().errors(), &at, b.phi_a, b.contact, b.moment, b.energy()));
         seen += 1;
     }
-    assert!(seen > 8_000, "{seen}");
+    assert!(seen > 100_000, "{seen}");
+    println!("{worst} of the promised errors, {seen} shapes");
     assert!(worst < 1.0 && worst > 0.1, "{worst}");
 }
 
@@ -89,6 +90,7 @@ fn the_beam_is_within_the_errors_for_every_kind_of_whisker() {
             let at = field.at(tilt, force).unwrap();
             worst = worst.max(share(field.errors(), &at, exact.slope, exact.position, exact.moment, exact.energy));
         }
+        println!("{name}: {worst} of the promised errors");
         assert!(worst < 1.0, "{name}: {worst}");
         assert!(field.errors().position < 2e-5 * field.length(), "{name}: {:?}", field.errors());
     }
@@ -408,11 +410,13 @@ fn beyond_the_field_there_is_nothing() {
 }
 
 /// Rigid links with springs between them: how many ways there are, with both ends of the chain held in place, to lower the energy.
-fn falling_ways(angles: &[f64], tip_ratio: f64, force: Vec2) -> usize {
+fn falling_ways(angles: &[f64], (tip_ratio, base): (f64, f64), force: Vec2) -> usize {
     let n = angles.len();
-    // The spring between link i - 1 and link i; the first joins half a link to the base.
-    let spring =
-        |i: usize| (1.0 - (1.0 - tip_ratio) * i as f64 / n as f64).powi(4) * n as f64 * if i == 0 { 2.0 } else { 1.0 };
+    // The spring between link i - 1 and link i; the first joins half a link to the base, which is itself a spring.
+    let spring = |i: usize| match i {
+        0 => 1.0 / (0.5 / n as f64 + 1.0 / base),
+        _ => (1.0 - (1.0 - tip_ratio) * i as f64 / n as f64).powi(4) * n as f64,
+    };
     let h = 1.0 / n as f64;
     // The second variation, bordered by the two constraints that hold the tip.
     let size = n + 2;
@@ -435,6 +439,7 @@ fn falling_ways(angles: &[f64], tip_ratio: f64, force: Vec2) -> usize {
 }
 
 /// Negative eigenvalues of a symmetric matrix, by Jacobi's rotations.
+#[allow(clippy::needless_range_loop, reason = "two columns, then two rows, of one matrix")]
 fn negative(mut a: Vec<Vec<f64>>) -> usize {
     let n = a.len();
     for _ in 0..12 {
@@ -462,7 +467,7 @@ fn negative(mut a: Vec<Vec<f64>>) -> usize {
 }
 
 /// Slopes at the middles of `links` links, from the tip back by Runge and Kutta's method; lengths and base rigidity one.
-fn slopes(tilt: f64, force: f64, tip_ratio: f64, links: usize) -> Vec<f64> {
+fn slopes(tilt: f64, force: f64, (tip_ratio, base): (f64, f64), links: usize) -> Vec<f64> {
     const STEPS: usize = 40;
     let h = 0.5 / (links * STEPS) as f64;
     let rigidity = |s: f64| (1.0 - (1.0 - tip_ratio) * s).powi(4);
@@ -483,14 +488,16 @@ fn slopes(tilt: f64, force: f64, tip_ratio: f64, links: usize) -> Vec<f64> {
         s -= h;
     }
     middles.reverse();
-    middles.iter().map(|phi| phi - at.0).collect()
+    middles.iter().map(|phi| phi - at.0 + at.1 / base).collect()
 }
 
 #[test]
 fn stable_is_what_a_chain_of_links_calls_stable() {
     const LINKS: usize = 40;
     let tapered = TipField::new(&Whisker { tip_ratio: 0.3, ..plain() }).unwrap();
-    for (field, tip_ratio) in [(uniform(), 1.0), (&tapered, 0.3)] {
+    let soft = TipField::new(&Whisker { base_stiffness: 0.004, ..plain() }).unwrap();
+    let base = 0.004 * plain().length / plain().flexural_rigidity;
+    for (field, kind) in [(uniform(), (1.0, f64::INFINITY)), (&tapered, (0.3, f64::INFINITY)), (&soft, (1.0, base))] {
         let (mut random, mut stable, mut not) = (Random(11), 0, 0);
         for _ in 0..120 {
             let (tilt, force) = load(field, &mut random);
@@ -502,13 +509,13 @@ fn stable_is_what_a_chain_of_links_calls_stable() {
                 continue;
             }
             let scaled = force * plain().length.powi(2) / plain().flexural_rigidity;
-            let angles = slopes(tilt, scaled, tip_ratio, LINKS);
+            let angles = slopes(tilt, scaled, kind, LINKS);
             assert!((angles[LINKS - 1] - at.slope).abs() < 0.1, "{angles:?} {}", at.slope);
-            let ways = falling_ways(&angles, tip_ratio, scaled * Vec2::from_angle(at.direction()) * force.signum());
+            let ways = falling_ways(&angles, kind, scaled * Vec2::from_angle(at.direction()) * force.signum());
             assert_eq!(at.is_stable(), ways == 0, "{ways} {tilt} {force} {}", at.slope);
             if at.is_stable() { stable += 1 } else { not += 1 }
         }
-        println!("tip ratio {tip_ratio}: {stable} stable, {not} not");
-        assert!(stable > 60);
+        println!("{kind:?}: {stable} stable, {not} not");
+        assert!(stable > 40);
     }
 }

@@ -106,7 +106,8 @@ fn preconditioned(nets: &[Net; 2]) -> Option<[Net; 2]> {
     };
     let ((a, b), (c, d)) = (mean(&nets[0]), mean(&nets[1]));
     let det = a * d - b * c;
-    if !(det.abs() > 1e-12 * (a.abs() + b.abs()) * (c.abs() + d.abs())) {
+    let size = (a.abs() + b.abs()) * (c.abs() + d.abs());
+    if det.abs() <= 1e-12 * size || !size.is_finite() {
         return None;
     }
     let mut seen = *nets;
@@ -136,10 +137,14 @@ fn is_regular(nets: &[Net; 2]) -> bool {
     for (k, net) in nets.iter().enumerate() {
         let (mut along, mut across) = (0.0_f64, 0.0_f64);
         let (one, other) = if k == 0 { (1.0, 0.0) } else { (0.0, 1.0) };
-        for p in 0..4 {
-            for q in 0..3 {
-                along = along.max((3.0 * (net[q + 1][p] - net[q][p]) - one).abs());
-                across = across.max((3.0 * (net[p][q + 1] - net[p][q]) - other).abs());
+        for row in net {
+            for pair in row.windows(2) {
+                across = across.max((3.0 * (pair[1] - pair[0]) - other).abs());
+            }
+        }
+        for rows in net.windows(2) {
+            for (below, above) in rows[0].iter().zip(&rows[1]) {
+                along = along.max((3.0 * (above - below) - one).abs());
             }
         }
         worst[k] = along + across;

@@ -207,10 +207,10 @@ impl SideField {
             for cell in self.table.v.knots.windows(2) {
                 let (a, b) = (cell[0], cell[1]);
                 // A cubic that turns within the cell is cut where it turns.
-                let turn = if slope(a) * slope(b) < 0.0 { halved(&slope, a, b) } else { b };
+                let turn = if slope(a) * slope(b) < 0.0 { halved(slope, a, b) } else { b };
                 for (lo, hi) in [(a, turn), (turn, b)] {
                     if lo < hi && (off(lo) < 0.0) != (off(hi) < 0.0) {
-                        states.push(self.state(u, side * halved(&off, lo, hi)));
+                        states.push(self.state(u, side * halved(off, lo, hi)));
                     }
                 }
             }

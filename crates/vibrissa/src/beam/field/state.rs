@@ -128,21 +128,6 @@ impl TipState {
             by_moment: (direction.0 / det) * b - (direction.1 / det) * a,
         })
     }
-
-    /// The state of the mirrored whisker.
-    pub(super) fn mirrored(&self) -> Self {
-        Self {
-            tilt: -self.tilt,
-            force: -self.force,
-            slope: -self.slope,
-            position: flipped(self.position),
-            moment: -self.moment,
-            energy: self.energy,
-            // What is odd changes its sign, and so does what it is differentiated by.
-            by_tilt: self.by_tilt.of_mirrored(),
-            by_force: self.by_force.of_mirrored(),
-        }
-    }
 }
 
 impl Quantities {
@@ -163,17 +148,26 @@ impl Quantities {
 
 impl TipState {
     /// The state with this jet, with the derivatives of `u` by the tilt and of `v` by the force.
+    ///
+    /// With `side` -1 the jet is that of the mirrored whisker: what is odd changes its sign, and so does what it is
+    /// differentiated by.
     #[inline]
-    pub(super) fn new(tilt: f64, force: f64, jet: &Jet, rates: (f64, f64)) -> Self {
+    pub(super) fn new(tilt: f64, force: f64, jet: &Jet, rates: (f64, f64), side: f64) -> Self {
+        let rates_of = |row: &Row, rate: f64| Quantities {
+            slope: row[SLOPE] * rate,
+            position: Vec2::new(row[X] * (side * rate), row[Y] * rate),
+            moment: row[MOMENT] * rate,
+            energy: row[ENERGY] * (side * rate),
+        };
         Self {
             tilt,
             force,
-            slope: jet.value[SLOPE],
-            position: Vec2::new(jet.value[X], jet.value[Y]),
-            moment: jet.value[MOMENT],
+            slope: side * jet.value[SLOPE],
+            position: Vec2::new(jet.value[X], side * jet.value[Y]),
+            moment: side * jet.value[MOMENT],
             energy: jet.value[ENERGY],
-            by_tilt: Quantities::new(&jet.by_u, rates.0),
-            by_force: Quantities::new(&jet.by_v, rates.1),
+            by_tilt: rates_of(&jet.by_u, rates.0),
+            by_force: rates_of(&jet.by_v, rates.1),
         }
     }
 }

@@ -157,7 +157,7 @@ impl TipField {
     #[must_use]
     #[inline]
     pub fn at(&self, tilt: f64, force: f64) -> Option<TipState> {
-        self.holds(tilt, force).then(|| self.state(TILTS.at(tilt), self.load.inverse(force)))
+        self.holds(tilt, force).then(|| self.state_of(tilt, force, TILTS.at(tilt), self.load.inverse(force)))
     }
 
     /// As [`TipField::at`], by the beam itself: no table, no derivatives, thousands of times slower, any load.
@@ -170,12 +170,15 @@ impl TipField {
     /// The state at chart coordinates, whether held or not.
     #[inline]
     pub(super) fn state(&self, u: f64, v: f64) -> TipState {
-        let flip = self.mirrored && v < 0.0;
-        let (u, v) = if flip { (-u, -v) } else { (u, v) };
-        let tilt = tilt_at(u);
+        self.state_of(tilt_at(u), self.load.at(v), u, v)
+    }
+
+    /// The state at chart coordinates and the load that they stand for.
+    #[inline]
+    fn state_of(&self, tilt: f64, force: f64, u: f64, v: f64) -> TipState {
+        let side = if self.mirrored { 1.0_f64.copysign(v) } else { 1.0 };
         let rates = (TILTS.rate(tilt), self.load.slowness(v));
-        let state = TipState::new(tilt, self.load.at(v), &self.table.jet(u, v), rates);
-        if flip { state.mirrored() } else { state }
+        TipState::new(tilt, force, &self.table.jet(side * u, side * v), rates, side)
     }
 }
 
