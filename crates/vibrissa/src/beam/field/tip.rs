@@ -160,7 +160,7 @@ impl TipField {
         self.holds(tilt, force).then(|| self.state_of(tilt, force, TILTS.at(tilt), self.load.inverse(force)))
     }
 
-    /// As [`TipField::at`], by the beam itself: no table, no derivatives, thousands of times slower, any load.
+    /// As [`TipField::at`], by the beam itself: no table, no derivatives, twenty to a hundred times slower, any load.
     #[must_use]
     pub fn exact(&self, tilt: f64, force: f64) -> Option<Quantities> {
         let loaded = self.rod.loaded(force, self.rod.length(), tilt)?;
