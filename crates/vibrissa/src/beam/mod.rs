@@ -16,10 +16,12 @@
 //!
 //! The closed form covers the uniform, straight, clamped whisker; see [`elastica::bend`] for the inner loop without a search.
 //! Under a normal load [`normal`] is as exact and ten times as fast; [`small_angle`] is the model that it is not.
-//! Taper, rest curvature, several wires and elastic bases are integrated; see [`Rod`].
+//! Taper, rest curvature, several wires and elastic bases are integrated; see [`Rod`]. Those who ask for millions of shapes
+//! of one whisker tabulate it; see [`field`].
 
 mod bend;
 pub mod elastica;
+pub mod field;
 mod fixed_line;
 mod force_mode;
 pub mod jacobi;

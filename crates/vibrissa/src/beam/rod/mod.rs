@@ -11,9 +11,11 @@
 
 mod follow;
 mod force;
+mod loaded;
 mod march;
 mod moment;
 mod newton;
+mod numbers;
 mod point;
 mod scan;
 mod section;
@@ -26,6 +28,7 @@ extern crate alloc;
 use alloc::sync::Arc;
 
 pub use follow::{Followed, Status};
+pub(in crate::beam) use loaded::Loaded;
 pub use section::Segment;
 
 use super::stretch::{SHARPEST, Stretch, Stretches};

@@ -101,20 +101,22 @@ impl BentRod<'_> {
 
     /// `∫ M² / (2 EI) ds`, without the base's share (J).
     pub(in crate::beam) fn energy(&self) -> f64 {
-        let of_step = |step: &Step| {
-            let middle = 0.5 * step.h;
-            let at = |tau: f64| {
-                let state = step.at(tau);
-                state.moment * state.moment * self.rod.compliance_within(step, tau)
-            };
-            let pairs = GAUSS.iter().map(|[x, w]| w * (at(middle * (1.0 - x)) + at(middle * (1.0 + x))));
-            0.5 * middle.abs() * pairs.sum::<f64>()
-        };
-        self.loaded.iter().map(of_step).sum()
+        self.loaded.iter().map(|step| self.rod.strain_energy(step)).sum()
     }
 }
 
 impl Rod {
+    /// `∫ M² / (2 EI) ds` over a step (J).
+    pub(super) fn strain_energy(&self, step: &Step) -> f64 {
+        let middle = 0.5 * step.h;
+        let at = |tau: f64| {
+            let state = step.at(tau);
+            state.moment * state.moment * self.compliance_within(step, tau)
+        };
+        let pairs = GAUSS.iter().map(|[x, w]| w * (at(middle * (1.0 - x)) + at(middle * (1.0 + x))));
+        0.5 * middle.abs() * pairs.sum::<f64>()
+    }
+
     /// `1 / EI` inside a step, by the stretch that the step is in.
     fn compliance_within(&self, step: &Step, tau: f64) -> f64 {
         self.piece(step.start.s, step.h < 0.0).compliance(step.start.s + tau)

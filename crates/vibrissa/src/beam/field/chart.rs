@@ -1,0 +1,129 @@
+//! The chart of a field: a load coordinate that is finer near rest, and how far the loads go.
+
+extern crate alloc;
+use alloc::vec::Vec;
+
+/// A rising analytic map of `[-from, from]` to `[-to, to]` that is six times steeper at the ends than in the middle:
+/// `to w / (2 - w²)` with `w = x / from`.
+///
+/// As a force over its coordinate it makes cells finer near rest, as a coordinate over the tilt finer at the ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Bunched {
+    pub(super) from: f64,
+    pub(super) to: f64,
+    // Look-ups take nanoseconds, of which divisions are the most.
+    per_from: f64,
+    per_to: f64,
+}
+
+impl Bunched {
+    pub(super) const fn new(from: f64, to: f64) -> Self {
+        Self { from, to, per_from: 1.0 / from, per_to: 1.0 / to }
+    }
+
+    #[inline]
+    pub(super) fn at(&self, x: f64) -> f64 {
+        let w = x * self.per_from;
+        self.to * w / (2.0 - w * w)
+    }
+
+    /// The derivative of [`Bunched::at`].
+    #[inline]
+    pub(super) fn rate(&self, x: f64) -> f64 {
+        let w = x * self.per_from;
+        let below = 2.0 - w * w;
+        self.to * self.per_from * (2.0 + w * w) / (below * below)
+    }
+
+    /// One over [`Bunched::rate`].
+    #[inline]
+    pub(super) fn slowness(&self, x: f64) -> f64 {
+        let w = x * self.per_from;
+        let below = 2.0 - w * w;
+        self.from * self.per_to * (below * below) / (2.0 + w * w)
+    }
+
+    /// The inverse of [`Bunched::at`].
+    #[inline]
+    pub(super) fn inverse(&self, y: f64) -> f64 {
+        let q = y * self.per_to;
+        4.0 * self.from * q / (1.0 + (1.0 + 8.0 * q * q).sqrt())
+    }
+}
+
+/// The largest loads of a field, at equal steps of the other coordinate and linear between them.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Limits {
+    pub(super) start: f64,
+    pub(super) end: f64,
+    /// The largest positive force, and the size of the largest negative one (N).
+    pub(super) forces: Vec<[f64; 2]>,
+}
+
+impl Limits {
+    /// The largest load at `u` on the side of `sign`, as a size (N); 0 outside the chart.
+    #[inline]
+    pub(super) fn at(&self, u: f64, sign: f64) -> f64 {
+        if !(u >= self.start && u <= self.end) {
+            return 0.0;
+        }
+        let cells = self.forces.len() - 1;
+        let x = (u - self.start) * (cells as f64 / (self.end - self.start));
+        let i = (x as usize).min(cells - 1);
+        let k = usize::from(sign < 0.0);
+        let (a, b) = (self.forces[i][k], self.forces[i + 1][k]);
+        a + (b - a) * (x - i as f64)
+    }
+
+    /// The largest load anywhere on either side (N).
+    pub(super) fn largest(&self) -> f64 {
+        self.forces.iter().flatten().fold(0.0, |a, b| a.max(*b))
+    }
+
+    /// The largest load on the side of `sign` over `[lo, hi]`.
+    pub(super) fn largest_over(&self, lo: f64, hi: f64, sign: f64) -> f64 {
+        let step = (self.end - self.start) / (self.forces.len() - 1) as f64;
+        let mut best = self.at(lo, sign).max(self.at(hi, sign));
+        for i in 0..self.forces.len() {
+            let u = self.start + step * i as f64;
+            if u > lo && u < hi {
+                best = best.max(self.forces[i][usize::from(sign < 0.0)]);
+            }
+        }
+        best
+    }
+}
+
+/// The largest load up to `most` for which `ok` holds from rest on, by steps of a fifth and then by halving, to 5e-5.
+pub(super) fn reach(most: f64, ok: impl Fn(f64) -> bool) -> f64 {
+    let (mut good, mut bad) = (0.0, most * 0.003);
+    while ok(bad) {
+        if bad >= most {
+            return most;
+        }
+        (good, bad) = (bad, (1.2 * bad).min(most));
+    }
+    for _ in 0..12 {
+        let middle = 0.5 * (good + bad);
+        if ok(middle) { good = middle } else { bad = middle }
+    }
+    good
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_bunched_map_turns_back() {
+        let map = Bunched::new(0.5, 3.7);
+        for i in -100..=100 {
+            let x = f64::from(i) / 200.0;
+            assert!((map.inverse(map.at(x)) - x).abs() < 1e-14);
+            let rate = (map.at(x + 1e-6) - map.at(x - 1e-6)) / 2e-6;
+            assert!((rate * map.slowness(x) - 1.0).abs() < 1e-8 && (rate / map.rate(x) - 1.0).abs() < 1e-8);
+        }
+        assert!((map.at(0.5) - 3.7).abs() < 1e-14);
+        assert!((map.rate(0.5) / map.rate(0.0) - 6.0).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,98 @@
+//! What a chart is inverted for: the tip's position, or the direction of the force and the base moment.
+
+use super::table::{Jet, MOMENT, SLOPE, Table, X, Y};
+use super::tip::{TILTS, tilt_at};
+
+/// Residuals below this share of their scale are rounding.
+const ROUNDING: f64 = 1e-14;
+
+/// Two quantities that name an equilibrium up to its branch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Image {
+    /// x and y of the tip (m).
+    Position,
+    /// Tilt plus slope (rad), which is the direction of a positive force less a quarter turn, and base moment (N m).
+    Reading,
+}
+
+/// The two quantities and their derivatives by `u` and `v`.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Aim {
+    pub(super) value: [f64; 2],
+    pub(super) by_u: [f64; 2],
+    pub(super) by_v: [f64; 2],
+    /// Residuals below these are rounding.
+    rounding: [f64; 2],
+}
+
+impl Aim {
+    pub(super) fn det(&self) -> f64 {
+        self.by_u[0] * self.by_v[1] - self.by_u[1] * self.by_v[0]
+    }
+
+    /// Whether the image is `target` within rounding.
+    pub(super) fn is_at(&self, target: [f64; 2]) -> bool {
+        (0..2).all(|k| (target[k] - self.value[k]).abs() <= self.rounding[k])
+    }
+
+    /// The step in `(u, v)` that a linear image takes to `target`.
+    pub(super) fn step(&self, target: [f64; 2]) -> Option<[f64; 2]> {
+        let det = self.det();
+        let (a, b) = (target[0] - self.value[0], target[1] - self.value[1]);
+        let (du, dv) = ((a * self.by_v[1] - b * self.by_v[0]) / det, (b * self.by_u[0] - a * self.by_u[1]) / det);
+        (du.is_finite() && dv.is_finite()).then_some([du, dv])
+    }
+}
+
+impl Image {
+    #[inline]
+    pub(super) fn of(self, jet: &Jet, u: f64, scale: [f64; 2]) -> Aim {
+        let pick = |row: &[f64; 5], turn: f64| match self {
+            Self::Position => [row[X], row[Y]],
+            Self::Reading => [row[SLOPE] + turn, row[MOMENT]],
+        };
+        let tilt = tilt_at(u);
+        let rounding = match self {
+            Self::Position => [ROUNDING * scale[0]; 2],
+            Self::Reading => [ROUNDING, ROUNDING * scale[1]],
+        };
+        let (by_u, by_v) = (pick(&jet.by_u, 0.0), pick(&jet.by_v, 0.0));
+        let aim = Aim { value: pick(&jet.value, tilt), by_u, by_v, rounding };
+        match self {
+            Self::Position => aim,
+            Self::Reading => Aim { by_u: [aim.by_u[0] + TILTS.slowness(tilt), aim.by_u[1]], ..aim },
+        }
+    }
+
+    /// Bernstein coefficients of the two quantities in the cell `(i, j)`; the tilt is replaced by a cubic, 1e-9 rad off.
+    pub(super) fn nets(self, table: &Table, i: usize, j: usize) -> [[[f64; 4]; 4]; 2] {
+        match self {
+            Self::Position => [table.bernstein(i, j, X), table.bernstein(i, j, Y)],
+            Self::Reading => {
+                let ends = [table.u.knots[i], table.u.knots[i + 1]].map(tilt_at);
+                let third = table.u.width(i) / 3.0;
+                let slopes = ends.map(|tilt| third * TILTS.slowness(tilt));
+                let tilts = [ends[0], ends[0] + slopes[0], ends[1] - slopes[1], ends[1]];
+                let mut turned = table.bernstein(i, j, SLOPE);
+                for (row, tilt) in turned.iter_mut().zip(tilts) {
+                    for c in row {
+                        *c += tilt;
+                    }
+                }
+                [turned, table.bernstein(i, j, MOMENT)]
+            }
+        }
+    }
+
+    /// Bounds of the image of a cell: `[lo, lo, hi, hi]`, with a little slack.
+    pub(super) fn bounds(self, table: &Table, i: usize, j: usize) -> [f64; 4] {
+        let hull = |net: &[[f64; 4]; 4]| {
+            let fold = |(lo, hi): (f64, f64), x: &f64| (lo.min(*x), hi.max(*x));
+            let (lo, hi) = net.iter().flatten().fold((f64::INFINITY, f64::NEG_INFINITY), fold);
+            let slack = 1e-6 * (hi - lo);
+            (lo - slack, hi + slack)
+        };
+        let [a, b] = self.nets(table, i, j).map(|net| hull(&net));
+        [a.0, b.0, a.1, b.1]
+    }
+}

@@ -1,0 +1,335 @@
+//! The side field: the whisker as a table over the place of a frictionless contact and the force there.
+
+extern crate alloc;
+use super::cells::Search;
+use super::chart::{Bunched, reach};
+use super::errors;
+use super::image::Image;
+use super::index::Index;
+use super::panels::Layout;
+use super::state::{FieldErrors, Quantities};
+use super::table::{ENERGY, MOMENT, SLOPE, Table, X, Y};
+use crate::beam::rod::Rod;
+use crate::beam::whisker::Whisker;
+use crate::error::{Error, Result};
+use crate::plane::Vec2;
+use alloc::vec::Vec;
+use core::f64::consts::{FRAC_PI_2, PI};
+
+/// Contacts nearer to the base than this share of the length are left out: they hardly bend the whisker.
+const NEAREST: f64 = 0.1;
+/// Largest load, in those that bend the whisker at the contact by a radian in small-angle theory; the first mode of a uniform
+/// whisker ends at 6.9.
+const MOST_LOAD: f64 = 7.0;
+/// Coefficients of the logarithm of that load over the contact's place.
+const TERMS: usize = 8;
+/// Panels along the whisker and over the load on one side; cells of a panel along each side.
+const PANELS: [usize; 2] = [4, 4];
+const CELLS: [usize; 2] = [24, 24];
+
+/// All first-mode equilibria of a whisker with one frictionless contact at its side, by the contact's arc length and the force.
+///
+/// Covered are contacts from a tenth of the length on, and loads until the whisker has turned by pi at the contact or leaves the first
+/// mode. For a uniform whisker [`normal`](super::super::normal) is as fast and exact; this is for the others.
+#[derive(Clone, Debug)]
+pub struct SideField {
+    rod: Rod,
+    mirrored: bool,
+    /// `ln(unit force * s_a²)` as a polynomial in `2 s_a / L - 1`.
+    scale: [f64; TERMS],
+    load: Bunched,
+    /// Largest positive and negative load over places that are equally spaced, in the load's unit.
+    limits: Vec<[f64; 2]>,
+    table: Table,
+    errors: FieldErrors,
+    index: Index,
+}
+
+/// A whisker in equilibrium with its side in frictionless contact, and how it changes.
+///
+/// Where a rod's stiffness jumps, derivatives by arc length are one-sided on both sides of the joint's cell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SideState {
+    /// Arc length from the base to the contact (m).
+    pub s_a: f64,
+    /// The force (N), along the whisker's normal at the contact.
+    pub force: f64,
+    /// Slope at the contact (rad).
+    pub slope: f64,
+    /// The contact, whisker frame (m).
+    pub position: Vec2,
+    /// Base moment (N m).
+    pub moment: f64,
+    /// Elastic energy (J).
+    pub energy: f64,
+    /// Derivatives by the contact's arc length (per m), the force held.
+    pub by_arc_length: Quantities,
+    /// Derivatives by the force (per N), the contact held.
+    pub by_force: Quantities,
+}
+
+impl SideState {
+    /// The direction in which the force pushes the whisker, whisker frame (rad), not wrapped.
+    #[must_use]
+    pub fn direction(&self) -> f64 {
+        self.slope + FRAC_PI_2.copysign(self.force)
+    }
+
+    fn mirrored(&self) -> Self {
+        let flip = |v: Vec2| Vec2::new(v.x, -v.y);
+        let by_arc_length = Quantities {
+            slope: -self.by_arc_length.slope,
+            position: flip(self.by_arc_length.position),
+            moment: -self.by_arc_length.moment,
+            ..self.by_arc_length
+        };
+        Self {
+            force: -self.force,
+            slope: -self.slope,
+            position: flip(self.position),
+            moment: -self.moment,
+            by_arc_length,
+            by_force: self.by_force.of_mirrored(),
+            ..*self
+        }
+    }
+}
+
+impl SideField {
+    /// The field of a whisker.
+    ///
+    /// # Errors
+    /// Data: a whisker that makes no sense, see [`Rod::new`], or one too soft to be integrated.
+    pub fn new(whisker: &Whisker) -> Result<Self> {
+        Self::of_rod(&Rod::new(whisker)?)
+    }
+
+    /// The field of a rod.
+    ///
+    /// # Errors
+    /// Data: a rod too soft to be integrated.
+    pub fn of_rod(rod: &Rod) -> Result<Self> {
+        let (scale, mirrored, length) = (scale(rod), rod.is_straight(), rod.length());
+        let layout = layout(mirrored);
+        let places = 32;
+        let limits: Vec<[f64; 2]> =
+            (0..=places).map(|i| largest_loads(rod, &scale, place(i as f64 / f64::from(places)))).collect();
+        let load = Bunched::new(1.0, limits.iter().flatten().fold(0.0, |a, b| a.max(*b)));
+        let exact = |u: f64, v: f64| {
+            let loaded = rod.loaded(load.at(v) * unit(&scale, u, length), u * length, 0.0)?;
+            Some([loaded.slope, loaded.contact.x, loaded.contact.y, loaded.moment, loaded.energy])
+        };
+        let too_soft = || Error::data("the whisker is too soft to be tabulated").remedy("check its rigidities");
+        let samples = layout.sample(exact).filter(|_| load.to > 0.0).ok_or_else(too_soft)?;
+        let table = layout.table(&samples);
+        let held = |i: usize, j: usize| {
+            let (a, b) = (table.v.knots[j], table.v.knots[j + 1]);
+            let k = usize::from(a + b < 0.0);
+            let nearest = load.at(a.abs().min(b.abs()));
+            // Limits are linear between places: the ends of a cell and the places within it bound them.
+            let (u0, u1) = (table.u.knots[i], table.u.knots[i + 1]);
+            let within = limits.iter().enumerate().filter(|(n, _)| {
+                let u = place(*n as f64 / f64::from(places));
+                u > u0 && u < u1
+            });
+            let most = within.map(|(_, pair)| pair[k]).fold(limit(&limits, u0, k).max(limit(&limits, u1, k)), f64::max);
+            nearest <= most
+        };
+        let errors = errors::measured(&layout, &samples, &table, held, exact);
+        let index = Index::new(Image::Position, &table, held);
+        Ok(Self { rod: rod.clone(), mirrored, scale, load, limits, table, errors, index })
+    }
+
+    /// Bounds on the distance of every tabulated quantity from the beam, everywhere in the field.
+    ///
+    /// A rod with joints has them where the table's cells straddle one; the bounds are measured there, too, but only at the
+    /// middles of cells and where the samples' polynomials are expected to err most.
+    #[must_use]
+    pub fn errors(&self) -> FieldErrors {
+        self.errors
+    }
+
+    /// The largest force on the side of `sign` with the contact at `s_a` (m) (N); 0 where the field holds no contact.
+    #[must_use]
+    pub fn largest_force(&self, s_a: f64, sign: f64) -> f64 {
+        let u = s_a / self.rod.length();
+        let k = usize::from(sign < 0.0 && !self.mirrored);
+        limit(&self.limits, u, k) * unit(&self.scale, u, self.rod.length())
+    }
+
+    /// Whether the field holds this load.
+    #[must_use]
+    pub fn holds(&self, s_a: f64, force: f64) -> bool {
+        let u = s_a / self.rod.length();
+        (NEAREST..=1.0).contains(&u) && force.abs() <= self.largest_force(s_a, force)
+    }
+
+    /// The equilibrium under a normal force of `force` (N) at arc length `s_a` (m); `None` beyond the field.
+    #[must_use]
+    pub fn at(&self, s_a: f64, force: f64) -> Option<SideState> {
+        let u = s_a / self.rod.length();
+        let unit = unit(&self.scale, u, self.rod.length());
+        self.holds(s_a, force).then(|| self.state(u, self.load.inverse(force / unit)))
+    }
+
+    /// Every equilibrium of the field whose contact is at `position` (m, whisker frame), least energy first.
+    #[must_use]
+    pub fn by_position(&self, position: Vec2) -> Vec<SideState> {
+        let length = self.rod.length();
+        let scale = [length, self.load.to * unit(&self.scale, 1.0, length) * length];
+        let mut states = Vec::new();
+        for side in if self.mirrored { &[1.0, -1.0][..] } else { &[1.0] } {
+            let target = [position.x, side * position.y];
+            let search = Search { table: &self.table, image: Image::Position, target, scale };
+            let mut kept: Vec<[f64; 2]> = Vec::new();
+            for [u, v] in search.all(&self.index, |_| true) {
+                if !kept.iter().any(|[a, b]| (a - u).abs() < 1e-8 && (b - v).abs() < 1e-8) {
+                    kept.push([u, v]);
+                    states.push(self.state(u, side * v));
+                }
+            }
+        }
+        states.retain(|state| self.holds(state.s_a, state.force));
+        states.sort_by(|a, b| a.energy.total_cmp(&b.energy));
+        states
+    }
+
+    /// Every equilibrium of the field with the contact at `s_a` (m) and the base moment `moment` (N m), least energy first.
+    ///
+    /// Over `s_a` they are the contact set of a moment sensor.
+    #[must_use]
+    pub fn by_moment(&self, s_a: f64, moment: f64) -> Vec<SideState> {
+        let u = s_a / self.rod.length();
+        let mut states = Vec::new();
+        for side in if self.mirrored { &[1.0, -1.0][..] } else { &[1.0] } {
+            let off = |v: f64| self.table.jet(u, v).value[MOMENT] - side * moment;
+            let slope = |v: f64| self.table.jet(u, v).by_v[MOMENT];
+            for cell in self.table.v.knots.windows(2) {
+                let (a, b) = (cell[0], cell[1]);
+                // A cubic that turns within the cell is cut where it turns.
+                let turn = if slope(a) * slope(b) < 0.0 { halved(slope, a, b) } else { b };
+                for (lo, hi) in [(a, turn), (turn, b)] {
+                    if lo < hi && (off(lo) < 0.0) != (off(hi) < 0.0) {
+                        states.push(self.state(u, side * halved(off, lo, hi)));
+                    }
+                }
+            }
+        }
+        states.retain(|state| self.holds(state.s_a, state.force));
+        states.sort_by(|a, b| a.energy.total_cmp(&b.energy));
+        states
+    }
+
+    fn state(&self, u: f64, v: f64) -> SideState {
+        if self.mirrored && v < 0.0 {
+            return self.state(u, -v).mirrored();
+        }
+        let length = self.rod.length();
+        let (unit, load, rate) = (unit(&self.scale, u, length), self.load.at(v), self.load.rate(v));
+        let jet = self.table.jet(u, v);
+        // At constant force the load falls as its unit rises.
+        let stretch = load * log_slope(&self.scale, u) / rate;
+        let mut by_arc_length = jet.by_u;
+        for (x, y) in by_arc_length.iter_mut().zip(jet.by_v) {
+            *x -= y * stretch;
+        }
+        SideState {
+            s_a: u * length,
+            force: load * unit,
+            slope: jet.value[SLOPE],
+            position: Vec2::new(jet.value[X], jet.value[Y]),
+            moment: jet.value[MOMENT],
+            energy: jet.value[ENERGY],
+            by_arc_length: Quantities::new(&by_arc_length, 1.0 / length),
+            by_force: Quantities::new(&jet.by_v, 1.0 / (rate * unit)),
+        }
+    }
+}
+
+/// The root of `f` between `a` and `b`, by halving.
+fn halved(f: impl Fn(f64) -> f64, a: f64, b: f64) -> f64 {
+    let (mut lo, mut hi) = (a, b);
+    let below = f(lo) < 0.0;
+    for _ in 0..60 {
+        let middle = 0.5 * (lo + hi);
+        if (f(middle) < 0.0) == below { lo = middle } else { hi = middle }
+    }
+    0.5 * (lo + hi)
+}
+
+/// The place, as a share of the length, at a share of the field.
+fn place(share: f64) -> f64 {
+    NEAREST + (1.0 - NEAREST) * share
+}
+
+/// The limit at `u`, linear between places.
+fn limit(limits: &[[f64; 2]], u: f64, k: usize) -> f64 {
+    let cells = limits.len() - 1;
+    let x = ((u - NEAREST) / (1.0 - NEAREST)).clamp(0.0, 1.0) * cells as f64;
+    let i = (x as usize).min(cells - 1);
+    limits[i][k] + (limits[i + 1][k] - limits[i][k]) * (x - i as f64)
+}
+
+/// The unit of load (N) with the contact at `u` lengths.
+fn unit(scale: &[f64; TERMS], u: f64, length: f64) -> f64 {
+    let x = 2.0 * u - 1.0;
+    let s_a = u * length;
+    scale.iter().rev().fold(0.0, |sum, c| sum * x + c).exp() / (s_a * s_a)
+}
+
+/// The derivative of the unit's logarithm by `u`.
+fn log_slope(scale: &[f64; TERMS], u: f64) -> f64 {
+    let x = 2.0 * u - 1.0;
+    let slope = scale.iter().enumerate().skip(1).rev().fold(0.0, |sum, (k, c)| sum * x + k as f64 * c);
+    2.0 * slope - 2.0 / u
+}
+
+/// The polynomial of the load's unit: through the logarithm at Chebyshev points, by Newton's divided differences.
+fn scale(rod: &Rod) -> [f64; TERMS] {
+    let node = |i: usize| ((2 * i + 1) as f64 * PI / (2 * TERMS) as f64).cos();
+    let length = rod.length();
+    let mut differences: [f64; TERMS] = core::array::from_fn(|i| {
+        let s_a = (0.5 * (1.0 + node(i))).max(0.05) * length;
+        (rod.unit_force(s_a) * s_a * s_a).ln()
+    });
+    for k in 1..TERMS {
+        for i in (k..TERMS).rev() {
+            differences[i] = (differences[i] - differences[i - 1]) / (node(i) - node(i - k));
+        }
+    }
+    let mut power = [0.0; TERMS];
+    for i in (0..TERMS).rev() {
+        for k in (1..TERMS).rev() {
+            power[k] = power[k - 1] - node(i) * power[k];
+        }
+        power[0] = differences[i] - node(i) * power[0];
+    }
+    power
+}
+
+/// The largest loads with the contact at `u` lengths, in the load's unit there.
+fn largest_loads(rod: &Rod, scale: &[f64; TERMS], u: f64) -> [f64; 2] {
+    let (s_a, unit) = (u * rod.length(), unit(scale, u, rod.length()));
+    let side = |sign: f64| {
+        let force = |q: f64| sign * q * unit;
+        // A rod so curved that it is in no first mode even at rest is not asked for one.
+        let mode = rod.keeps_first_mode(force(1e-6), s_a, 0.0);
+        let Some((rest, _)) = rod.bent_under(0.0, s_a, 0.0) else { return 0.0 };
+        reach(MOST_LOAD, |q| {
+            let slope = rod.bent_under(force(q), s_a, 0.0).map(|bent| bent.0);
+            let turned = slope.is_some_and(|slope| (slope - rest).abs() <= PI);
+            turned && (!mode || rod.keeps_first_mode(force(q), s_a, 0.0))
+        })
+    };
+    [side(1.0), if rod.is_straight() { 0.0 } else { side(-1.0) }]
+}
+
+fn layout(mirrored: bool) -> Layout {
+    let even = |lo: f64, hi: f64, n: usize| (0..=n).map(|i| lo + (hi - lo) * (i as f64 / n as f64)).collect::<Vec<_>>();
+    Layout {
+        u_breaks: even(NEAREST, 1.0, PANELS[0]),
+        v_breaks: if mirrored { even(0.0, 1.0, PANELS[1]) } else { even(-1.0, 1.0, 2 * PANELS[1]) },
+        u_cells: CELLS[0],
+        v_cells: CELLS[1],
+    }
+}

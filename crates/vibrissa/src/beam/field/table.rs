@@ -1,0 +1,199 @@
+//! Bicubic tables: five smooth quantities over a chart, once continuously differentiable.
+//!
+//! Each knot keeps value, both first derivatives and the mixed one; between knots each quantity is the bicubic Hermite
+//! polynomial of the four corners. Its Bernstein coefficients enclose it.
+
+extern crate alloc;
+use super::axis::Axis;
+use alloc::vec::Vec;
+
+/// How many quantities a table holds: slope, x, y, moment, energy.
+pub(super) const QUANTITIES: usize = 5;
+pub(super) const SLOPE: usize = 0;
+pub(super) const X: usize = 1;
+pub(super) const Y: usize = 2;
+pub(super) const MOMENT: usize = 3;
+pub(super) const ENERGY: usize = 4;
+
+/// All quantities at once.
+pub(super) type Row = [f64; QUANTITIES];
+
+/// Value, derivative by `u`, derivative by `v`, mixed derivative, of each quantity.
+pub(super) type Node = [Row; 4];
+
+/// The quantities and their first derivatives by the chart's coordinates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Jet {
+    pub(super) value: Row,
+    pub(super) by_u: Row,
+    pub(super) by_v: Row,
+}
+
+/// Quantities of a patch, and one place more: whole pairs are added faster.
+const LANES: usize = QUANTITIES + 1;
+
+/// Coefficients of a cell by the powers of its two shares, those of `u` in rows.
+type Patch = [[[f64; LANES]; 4]; 4];
+
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Table {
+    pub(super) u: Axis,
+    pub(super) v: Axis,
+    /// Knots, those of one `u` in a row.
+    nodes: Vec<Node>,
+    /// Cells, those of one `u` in a row.
+    patches: Vec<Patch>,
+}
+
+/// Coefficients by powers from (start, slope, end, slope), slopes per share of the cell.
+fn powers(a: f64, da: f64, b: f64, db: f64) -> [f64; 4] {
+    let rise = b - a;
+    [a, da, 3.0 * rise - 2.0 * da - db, da + db - 2.0 * rise]
+}
+
+impl Table {
+    /// The table over knots whose values and derivatives are known, those of one `u` in a row.
+    pub(super) fn new(u: Axis, v: Axis, nodes: Vec<Node>) -> Self {
+        let mut patches = Vec::with_capacity(u.cells() * v.cells());
+        for i in 0..u.cells() {
+            for j in 0..v.cells() {
+                patches.push(patch(&nodes, v.knots.len(), (i, j), (u.width(i), v.width(j))));
+            }
+        }
+        Self { u, v, nodes, patches }
+    }
+
+    /// Everything at `(u, v)`, by the polynomial of the cell that holds it or, outside, of the nearest one.
+    #[inline]
+    pub(super) fn jet(&self, u: f64, v: f64) -> Jet {
+        self.jet_in(self.u.cell(u), self.v.cell(v), u, v)
+    }
+
+    /// Everything at `(u, v)` by the polynomial of the cell `(i, j)`.
+    #[inline]
+    pub(super) fn jet_in(&self, i: usize, j: usize, u: f64, v: f64) -> Jet {
+        let (per_u, per_v) = (self.u.per_width(i), self.v.per_width(j));
+        let (s, t) = ((u - self.u.knots[i]) * per_u, (v - self.v.knots[j]) * per_v);
+        let patch = &self.patches[i * self.v.cells() + j];
+        let (mut value, mut by_t) = ([[0.0; LANES]; 4], [[0.0; LANES]; 4]);
+        for (p, row) in patch.iter().enumerate() {
+            for k in 0..LANES {
+                let (c1, c2, c3) = (row[1][k], row[2][k], row[3][k]);
+                value[p][k] = ((c3 * t + c2) * t + c1) * t + row[0][k];
+                by_t[p][k] = (c3 * (3.0 * t) + (c2 + c2)) * t + c1;
+            }
+        }
+        let mut jet = Jet { value: [0.0; QUANTITIES], by_u: [0.0; QUANTITIES], by_v: [0.0; QUANTITIES] };
+        for k in 0..QUANTITIES {
+            let [a, b, c, d] = [value[0][k], value[1][k], value[2][k], value[3][k]];
+            jet.value[k] = ((d * s + c) * s + b) * s + a;
+            jet.by_u[k] = ((d * (3.0 * s) + (c + c)) * s + b) * per_u;
+            jet.by_v[k] = (((by_t[3][k] * s + by_t[2][k]) * s + by_t[1][k]) * s + by_t[0][k]) * per_v;
+        }
+        jet
+    }
+
+    /// The sixteen Bernstein coefficients of one quantity in the cell `(i, j)`: their hull holds all its values there.
+    pub(super) fn bernstein(&self, i: usize, j: usize, k: usize) -> [[f64; 4]; 4] {
+        let (hu, hv) = (self.u.width(i) / 3.0, self.v.width(j) / 3.0);
+        let stride = self.v.knots.len();
+        let mut out = [[0.0; 4]; 4];
+        for p in 0..2 {
+            for q in 0..2 {
+                let node = &self.nodes[(i + p) * stride + j + q];
+                let (su, sv) = (if p == 0 { hu } else { -hu }, if q == 0 { hv } else { -hv });
+                let [f, fu, fv, fuv] = [0, 1, 2, 3].map(|kind| node[kind][k]);
+                let (outer_u, inner_u, outer_v, inner_v) = (3 * p, 1 + p, 3 * q, 1 + q);
+                out[outer_u][outer_v] = f;
+                out[inner_u][outer_v] = f + su * fu;
+                out[outer_u][inner_v] = f + sv * fv;
+                out[inner_u][inner_v] = f + su * fu + sv * fv + su * sv * fuv;
+            }
+        }
+        out
+    }
+}
+
+/// The coefficients of one cell with sides `h`.
+fn patch(nodes: &[Node], stride: usize, (i, j): (usize, usize), h: (f64, f64)) -> Patch {
+    let mut patch = [[[0.0; LANES]; 4]; 4];
+    for k in 0..QUANTITIES {
+        // Along v first: values and derivatives by u, at both ends in u.
+        let line = |p: usize, kind: usize| {
+            let (a, b) = (&nodes[(i + p) * stride + j], &nodes[(i + p) * stride + j + 1]);
+            powers(a[kind][k], a[kind + 2][k] * h.1, b[kind][k], b[kind + 2][k] * h.1)
+        };
+        let (start, start_slope, end, end_slope) = (line(0, 0), line(0, 1), line(1, 0), line(1, 1));
+        for q in 0..4 {
+            let column = powers(start[q], start_slope[q] * h.0, end[q], end_slope[q] * h.0);
+            for (row, c) in patch.iter_mut().zip(column) {
+                row[q][k] = c;
+            }
+        }
+    }
+    patch
+}
+
+/// The coefficients over the part `[s0, s1] x [t0, t1]` of the cell, both in \[0, 1\].
+pub(super) fn restricted(c: [[f64; 4]; 4], s: (f64, f64), t: (f64, f64)) -> [[f64; 4]; 4] {
+    let mut rows = c.map(|row| cut(row, t));
+    for q in 0..4 {
+        let column = cut([rows[0][q], rows[1][q], rows[2][q], rows[3][q]], s);
+        for (row, value) in rows.iter_mut().zip(column) {
+            row[q] = value;
+        }
+    }
+    rows
+}
+
+/// A cubic's Bernstein coefficients over `[s0, s1]`, by its blossom.
+fn cut(c: [f64; 4], (s0, s1): (f64, f64)) -> [f64; 4] {
+    let blossom = |a: f64, b: f64, d: f64| {
+        let mix = |x: f64, y: f64, s: f64| (1.0 - s) * x + s * y;
+        let one = [mix(c[0], c[1], a), mix(c[1], c[2], a), mix(c[2], c[3], a)];
+        let two = [mix(one[0], one[1], b), mix(one[1], one[2], b)];
+        mix(two[0], two[1], d)
+    };
+    [blossom(s0, s0, s0), blossom(s0, s0, s1), blossom(s0, s1, s1), blossom(s1, s1, s1)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A bicubic is its own interpolant, with all derivatives and within its Bernstein hull.
+    #[test]
+    fn a_bicubic_is_reproduced() {
+        let f = |u: f64, v: f64| (1.0 + u - 2.0 * u * u + 3.0 * u * u * u) * (2.0 - v + v * v * v);
+        let fu = |u: f64, v: f64| (1.0 - 4.0 * u + 9.0 * u * u) * (2.0 - v + v * v * v);
+        let fv = |u: f64, v: f64| (1.0 + u - 2.0 * u * u + 3.0 * u * u * u) * (3.0 * v * v - 1.0);
+        let fuv = |u: f64, v: f64| (1.0 - 4.0 * u + 9.0 * u * u) * (3.0 * v * v - 1.0);
+        let (u, v) = (Axis::new(&[-1.0, 0.0, 1.5], 2), Axis::new(&[0.0, 2.0], 3));
+        let mut nodes = Vec::new();
+        for a in &u.knots {
+            for b in &v.knots {
+                nodes.push([f(*a, *b), fu(*a, *b), fv(*a, *b), fuv(*a, *b)].map(|x| [x; QUANTITIES]));
+            }
+        }
+        let table = Table::new(u, v, nodes);
+        for (a, b) in [(-0.9, 0.1), (0.3, 1.9), (1.4, 0.7), (-0.5, 2.0), (1.5, 0.0)] {
+            let jet = table.jet(a, b);
+            for (got, want) in [(jet.value, f(a, b)), (jet.by_u, fu(a, b)), (jet.by_v, fv(a, b))] {
+                assert!(got.iter().all(|g| (g - want).abs() < 1e-12), "{got:?} {want}");
+            }
+        }
+        let (i, j) = (table.u.cell(0.3), table.v.cell(1.9));
+        let part = restricted(table.bernstein(i, j, X), (0.2, 0.6), (0.5, 1.0));
+        let (lo, hi) =
+            part.iter().flatten().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(*x), h.max(*x)));
+        for a in 0..=20 {
+            for b in 0..=20 {
+                let s = table.u.knots[i] + table.u.width(i) * (0.2 + 0.4 * f64::from(a) / 20.0);
+                let t = table.v.knots[j] + table.v.width(j) * (0.5 + 0.5 * f64::from(b) / 20.0);
+                assert!(f(s, t) >= lo - 1e-12 && f(s, t) <= hi + 1e-12);
+            }
+        }
+        let corner = f(table.u.knots[i] + 0.6 * table.u.width(i), table.v.knots[j] + table.v.width(j));
+        assert!((part[3][3] - corner).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,249 @@
+//! The tip field: the whisker as a table over tilt and force at its tip.
+
+extern crate alloc;
+use super::chart::{Bunched, Limits, reach};
+use super::errors;
+use super::image::Image;
+use super::index::Index;
+use super::panels::{Layout, Samples};
+use super::state::{FieldErrors, Quantities, TipState};
+use super::table::{Row, Table};
+use crate::beam::rod::{Loaded, Rod};
+use crate::beam::whisker::Whisker;
+use crate::error::{Error, Result};
+use crate::plane::Vec2;
+use alloc::vec;
+use alloc::vec::Vec;
+use core::f64::consts::PI;
+
+/// Tilts beyond this are left out (rad): the force then all but pulls or pushes along the whisker.
+pub(super) const STEEPEST_TILT: f64 = 1.45;
+/// Slopes further from the slope at rest are left out (rad): a whisker that is wound up.
+const STEEPEST_SLOPE: f64 = PI;
+/// Loads beyond this many times the one that bends the whisker by a radian (small-angle theory) are left out: of straight
+/// whiskers, and of those that are curved at rest, whose shapes soon depend on the tilt beyond all use.
+const MOST_LOAD: f64 = 10.0;
+const MOST_LOAD_CURVED: f64 = 7.0;
+/// Tilts at which the largest load is found.
+const LIMITS: usize = 41;
+/// Panels over the tilt, and over the load on one side; cells of a panel along each side.
+const PANELS: [usize; 2] = [6, 6];
+const CELLS: [usize; 2] = [16, 16];
+/// The same of a whisker that is curved at rest, whose shapes change faster with the tilt.
+const CELLS_CURVED: [usize; 2] = [32, 16];
+
+/// Cells are halved until the tip is known to this share of the length, and at most so often.
+const COARSEST: f64 = 1e-5;
+const MOST_REFINED: usize = 1;
+
+/// What is kept of a rod: the largest forces and the samples.
+pub(super) struct Measured {
+    pub(super) forces: Vec<[f64; 2]>,
+    pub(super) samples: Samples,
+}
+
+/// The tilt's coordinate, six times finer at the steepest tilts than at none: a force that all but pulls along the whisker
+/// bends it by an amount that changes with the tilt like `exp(L sqrt(F / EI))`.
+pub(super) const TILTS: Bunched = Bunched::new(STEEPEST_TILT, 1.0);
+
+/// The tilt (rad) at the coordinate `u` in \[-1, 1\].
+#[inline]
+pub(super) fn tilt_at(u: f64) -> f64 {
+    TILTS.inverse(u)
+}
+
+/// All equilibria of a whisker with its tip in contact, by tilt and force: every branch is a region of this one chart.
+///
+/// Covered are tilts within ±1.45 rad. At each tilt loads grow from rest on until the tip has turned by pi, or until the
+/// shape is neither stable (see [`TipState::is_stable`]) nor, of a straight whisker, of the first mode, or to ten times the
+/// load that bends the tip by a radian in small-angle theory (seven times for a whisker that is curved at rest).
+///
+/// Reading it takes no search. [`TipField::errors`] bounds the distance from the beam.
+#[derive(Clone, Debug)]
+pub struct TipField {
+    pub(super) rod: Rod,
+    pub(super) limits: Limits,
+    pub(super) load: Bunched,
+    /// Only positive loads are tabulated; the others are mirrored.
+    pub(super) mirrored: bool,
+    pub(super) samples: Samples,
+    pub(super) table: Table,
+    pub(super) errors: FieldErrors,
+    /// How often the cells were halved.
+    pub(super) refinement: usize,
+    pub(super) positions: Index,
+    pub(super) readings: Index,
+}
+
+impl TipField {
+    /// The field of a whisker.
+    ///
+    /// # Errors
+    /// Data: a whisker that makes no sense, see [`Rod::new`], or one too soft to be integrated.
+    pub fn new(whisker: &Whisker) -> Result<Self> {
+        Self::of_rod(&Rod::new(whisker)?)
+    }
+
+    /// The field of a rod.
+    ///
+    /// # Errors
+    /// Data: a rod too soft to be integrated.
+    pub fn of_rod(rod: &Rod) -> Result<Self> {
+        let forces = largest_forces(rod);
+        let limits = Limits { start: -STEEPEST_TILT, end: STEEPEST_TILT, forces };
+        let load = Bunched::new(1.0, limits.largest());
+        let exact = |u, v| rod.loaded(load.at(v), rod.length(), tilt_at(u)).map(row);
+        let samples = layout(rod, 0).sample(exact).filter(|_| load.to > 0.0).ok_or_else(too_soft)?;
+        let mut measured = Measured { forces: limits.forces, samples };
+        for refinement in 0..=MOST_REFINED {
+            let mut field = Self::from_measured(rod.clone(), measured, refinement)?;
+            let held = |i: usize, j: usize| is_held(&field.table, &field.limits, &field.load, i, j);
+            field.errors = errors::measured(&layout(rod, refinement), &field.samples, &field.table, held, exact);
+            if field.errors.position <= COARSEST * rod.length() || refinement == MOST_REFINED {
+                return Ok(field);
+            }
+            measured = Measured { forces: field.limits.forces, samples: field.samples };
+        }
+        Err(too_soft())
+    }
+
+    /// The field of what was measured on a rod, its errors still unknown, with `2^refinement` times as many cells along each side.
+    pub(super) fn from_measured(rod: Rod, measured: Measured, refinement: usize) -> Result<Self> {
+        let Measured { forces, samples } = measured;
+        let limits = Limits { start: -STEEPEST_TILT, end: STEEPEST_TILT, forces };
+        let load = Bunched::new(1.0, limits.largest());
+        let table = layout(&rod, refinement).table(&samples);
+        let held = |i: usize, j: usize| is_held(&table, &limits, &load, i, j);
+        let positions = Index::new(Image::Position, &table, held);
+        let readings = Index::new(Image::Reading, &table, held);
+        let (mirrored, errors) = (rod.is_straight(), FieldErrors::default());
+        Ok(Self { rod, limits, load, mirrored, samples, table, errors, refinement, positions, readings })
+    }
+
+    /// The whisker's length (m).
+    #[must_use]
+    pub fn length(&self) -> f64 {
+        self.rod.length()
+    }
+
+    /// The rod that was tabulated.
+    #[must_use]
+    pub fn rod(&self) -> &Rod {
+        &self.rod
+    }
+
+    /// Bounds on the distance of every tabulated quantity from the beam, everywhere in the field.
+    #[must_use]
+    pub fn errors(&self) -> FieldErrors {
+        self.errors
+    }
+
+    /// The largest force on the side of `sign` that the field holds at `tilt` (N); 0 beyond the tilts it holds.
+    #[must_use]
+    pub fn largest_force(&self, tilt: f64, sign: f64) -> f64 {
+        if self.mirrored && sign < 0.0 { self.limits.at(-tilt, 1.0) } else { self.limits.at(tilt, sign) }
+    }
+
+    /// Whether the field holds this load: `tilt` (rad), `force` (N).
+    #[must_use]
+    #[inline]
+    pub fn holds(&self, tilt: f64, force: f64) -> bool {
+        tilt.abs() <= STEEPEST_TILT && force.abs() <= self.largest_force(tilt, force)
+    }
+
+    /// The equilibrium under a force of `force` (N) at the tip, tilted by `tilt` (rad) from the whisker's normal there.
+    ///
+    /// `None` beyond the field, see [`TipField::holds`].
+    #[must_use]
+    #[inline]
+    pub fn at(&self, tilt: f64, force: f64) -> Option<TipState> {
+        self.holds(tilt, force).then(|| self.state_of(tilt, force, TILTS.at(tilt), self.load.inverse(force)))
+    }
+
+    /// As [`TipField::at`], by the beam itself: no table, no derivatives, twenty to a hundred times slower, any load.
+    #[must_use]
+    pub fn exact(&self, tilt: f64, force: f64) -> Option<Quantities> {
+        let loaded = self.rod.loaded(force, self.rod.length(), tilt)?;
+        Some(Quantities { slope: loaded.slope, position: loaded.contact, moment: loaded.moment, energy: loaded.energy })
+    }
+
+    /// The state at chart coordinates, whether held or not.
+    #[inline]
+    pub(super) fn state(&self, u: f64, v: f64) -> TipState {
+        self.state_of(tilt_at(u), self.load.at(v), u, v)
+    }
+
+    /// The state at chart coordinates and the load that they stand for.
+    #[inline]
+    fn state_of(&self, tilt: f64, force: f64, u: f64, v: f64) -> TipState {
+        let side = if self.mirrored { 1.0_f64.copysign(v) } else { 1.0 };
+        let rates = (TILTS.rate(tilt), self.load.slowness(v));
+        TipState::new(tilt, force, &self.table.jet(side * u, side * v), rates, side)
+    }
+}
+
+fn too_soft() -> Error {
+    Error::data("the whisker is too soft at its tip to be tabulated")
+        .remedy("check tip_ratio, base_stiffness and the segments' rigidities")
+}
+
+fn row(loaded: Loaded) -> Row {
+    let Loaded { slope, contact, moment, energy } = loaded;
+    [slope, contact.x, contact.y, moment, energy]
+}
+
+/// How the chart of a rod is cut, each cell halved `refinement` times along both sides.
+pub(super) fn layout(rod: &Rod, refinement: usize) -> Layout {
+    let even = |lo: f64, hi: f64, n: usize| (0..=n).map(|i| lo + (hi - lo) * (i as f64 / n as f64)).collect::<Vec<_>>();
+    let (start, panels, cells) =
+        if rod.is_straight() { (0.0, PANELS[1], CELLS) } else { (-1.0, 2 * PANELS[1], CELLS_CURVED) };
+    Layout {
+        u_breaks: even(-1.0, 1.0, PANELS[0]),
+        v_breaks: even(start, 1.0, panels),
+        u_cells: cells[0] << refinement,
+        v_cells: cells[1] << refinement,
+    }
+}
+
+/// Whether the cell `(i, j)` holds loads within the limits.
+fn is_held(table: &Table, limits: &Limits, load: &Bunched, i: usize, j: usize) -> bool {
+    let (u, v) = (&table.u.knots, &table.v.knots);
+    let (middle, nearest) = (v[j] + v[j + 1], v[j].abs().min(v[j + 1].abs()));
+    load.at(nearest) <= limits.largest_over(tilt_at(u[i]), tilt_at(u[i + 1]), middle)
+}
+
+/// The largest loads at each tilt.
+fn largest_forces(rod: &Rod) -> Vec<[f64; 2]> {
+    let unit = rod.unit_force(rod.length());
+    let mut forces = vec![[0.0; 2]; LIMITS];
+    for (i, pair) in forces.iter_mut().enumerate() {
+        let tilt = STEEPEST_TILT * (2.0 * i as f64 / (LIMITS - 1) as f64 - 1.0);
+        let sides: &[f64] = if rod.is_straight() { &[1.0] } else { &[1.0, -1.0] };
+        for (k, sign) in sides.iter().enumerate() {
+            pair[k] = unit
+                * reach(if rod.is_straight() { MOST_LOAD } else { MOST_LOAD_CURVED }, |q| {
+                    is_covered(rod, tilt, sign * q * unit)
+                });
+        }
+    }
+    forces
+}
+
+/// Whether a shape is within the turn that is covered, and stable or, of a straight rod, of the first mode.
+fn is_covered(rod: &Rod, tilt: f64, force: f64) -> bool {
+    const H: f64 = 1e-4;
+    let length = rod.length();
+    let bent = |tilt: f64, force: f64| rod.bent_under(force, length, tilt);
+    let (Some((slope, _)), Some((rest, _))) = (bent(tilt, force), bent(tilt, 0.0)) else { return false };
+    if (slope - rest).abs() > STEEPEST_SLOPE {
+        return false;
+    }
+    if rod.is_straight() && rod.keeps_first_mode(force, length, tilt) {
+        return true;
+    }
+    let difference = |a: Option<(f64, Vec2)>, b: Option<(f64, Vec2)>| Some(a?.1 - b?.1);
+    let by_tilt = difference(bent(tilt + H, force), bent(tilt - H, force));
+    let by_force = difference(bent(tilt, force * (1.0 + H)), bent(tilt, force * (1.0 - H)));
+    // The sign that `TipState::is_stable` asks for.
+    by_tilt.zip(by_force).is_some_and(|(a, b)| a.cross(b) < 0.0)
+}
