@@ -4,6 +4,7 @@ extern crate alloc;
 use super::Rod;
 use super::section::Piece;
 use crate::error::{Error, Result};
+use alloc::sync::Arc;
 use alloc::vec;
 use alloc::vec::Vec;
 
@@ -12,7 +13,7 @@ impl Rod {
     pub(in crate::beam) fn to_numbers(&self) -> Vec<f64> {
         let mut list = vec![self.length, self.base_compliance, self.pieces.len() as f64];
         list.extend(self.pieces.iter().flat_map(|piece| [piece.end, piece.rigidity, piece.narrowing]));
-        list.extend(&self.curvature);
+        list.extend(self.curvature.iter());
         list
     }
 
@@ -27,15 +28,20 @@ impl Rod {
             return Err(bad());
         }
         let (stretches, curvature) = rest.split_at(3 * (*count as usize));
-        let pieces: Vec<Piece> =
-            stretches.chunks_exact(3).map(|p| Piece { end: p[0], rigidity: p[1], narrowing: p[2] }).collect();
+        let mut start = 0.0;
+        let piece = |p: &[f64]| {
+            let piece = Piece { start, end: p[0], rigidity: p[1], narrowing: p[2] };
+            start = piece.end;
+            piece
+        };
+        let pieces: Arc<[Piece]> = stretches.chunks_exact(3).map(piece).collect();
         let rising = pieces.windows(2).all(|pair| pair[0].end < pair[1].end);
-        let sound = pieces.iter().all(|p| p.end > 0.0 && p.rigidity > 0.0 && p.narrowing * length < 1.0);
+        let sound = pieces.iter().all(|p| p.end > 0.0 && p.rigidity > 0.0 && p.narrowing * (p.end - p.start) < 1.0);
         let finite = list.iter().all(|x| x.is_finite());
         if !(rising && sound && finite && *length > 0.0 && *base_compliance >= 0.0) {
             return Err(bad());
         }
-        let straight = Self { length: *length, pieces, curvature: Vec::new(), base_compliance: *base_compliance };
+        let straight = Self { length: *length, pieces, curvature: Arc::new([]), base_compliance: *base_compliance };
         straight.with_curvature(curvature)
     }
 }
