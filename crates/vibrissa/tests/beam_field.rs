@@ -199,8 +199,14 @@ fn every_vector_with_its_contact_at_the_tip() {
         // A whisker that ends at the contact: nothing beyond it carries a load.
         let (s_a, length) = (n(8), n(7));
         let tip_ratio = 1.0 - (1.0 - n(3)) * s_a / length;
-        let whisker =
-            Whisker { length: s_a, flexural_rigidity: n(6), tip_ratio, curvature: n(4), base_stiffness: n(5) };
+        let whisker = Whisker {
+            length: s_a,
+            flexural_rigidity: n(6),
+            tip_ratio,
+            curvature: n(4),
+            base_stiffness: n(5),
+            ..Whisker::default()
+        };
         let (beta, force) = (n(2), n(9));
         let field = TipField::new(&whisker).unwrap();
         let Some(at) = field.at(beta, force) else { continue };
