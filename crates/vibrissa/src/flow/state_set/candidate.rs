@@ -26,6 +26,8 @@ pub struct Candidate {
     pub(super) normal: f64,
     /// The point of the boundary touched last (m), map frame.
     pub(super) touched: Vec2,
+    /// The mount of the whisker that felt it.
+    pub(super) felt_with: Pose2,
     covariance: Covariance,
 }
 
@@ -48,6 +50,7 @@ impl Candidate {
             misfit: 0.0,
             normal: state.normal,
             touched: state.contact,
+            felt_with: observation.robot_from_whisker,
             covariance,
         }
     }
@@ -70,6 +73,7 @@ impl Candidate {
                 self.misfit += found.cost;
                 self.normal = found.normal;
                 self.touched = found.touched;
+                self.felt_with = observation.robot_from_whisker;
                 self.fuse(&found, tolerance);
             }
             None => self.missed += 1,

@@ -91,8 +91,40 @@ pub(super) fn nearest_state(
     if !map.is_free(map_from_whisker.position()) {
         return None;
     }
-    let on_branch = |branch| on_branch(map, candidate, map_from_whisker, branch, tolerance);
+    let on_branch = |branch| {
+        let match_from = |start| on_branch(map, candidate, map_from_whisker, branch, start, tolerance);
+        let starts = starts(map, candidate, observation, map_from_whisker, branch);
+        starts.into_iter().filter_map(match_from).min_by(|a, b| a.cost.total_cmp(&b.cost))
+    };
     observation.branches.iter().filter_map(on_branch).min_by(|a, b| a.cost.total_cmp(&b.cost))
+}
+
+/// A place on the boundary to look for the contact from.
+#[derive(Clone, Copy)]
+struct Start {
+    /// Direction of the boundary's normal (rad), map frame.
+    normal: f64,
+    /// A point of the boundary (m), map frame.
+    near: Vec2,
+}
+
+/// Where to look for the contact: at the last one of this whisker, or, when another one touched last, wherever the
+/// history's alignments put it.
+fn starts(map: &Map, candidate: &Candidate, observation: &Observation, pose: Pose2, branch: &Branch) -> Vec<Start> {
+    if candidate.felt_with == observation.robot_from_whisker {
+        return vec![Start { normal: candidate.normal, near: candidate.touched }];
+    }
+    let middle = || {
+        let range = branch.contacts.directions();
+        branch.contacts.at_direction(0.5 * (range.lo() + range.hi()))
+    };
+    let aligned: Vec<TipContact> = branch.alignments.iter().map(|a| a.contact).collect();
+    let contacts = if aligned.is_empty() { middle().into_iter().collect() } else { aligned };
+    let start = |contact: TipContact| {
+        let near = map.nearest(pose.transform_point(contact.position))?.position;
+        Some(Start { normal: pose.theta + contact.direction, near })
+    };
+    contacts.into_iter().filter_map(start).collect()
 }
 
 /// Where the tip lies and which boundary point it is held against, map frame.
@@ -103,8 +135,9 @@ struct Touch {
     contact: TipContact,
 }
 
-/// The tip for the boundary's own normal: found by alternating between the two, from the candidate's last contact on.
-fn touch(map: &Map, pose: Pose2, branch: &Branch, mut normal: f64, mut near: Vec2) -> Option<Touch> {
+/// The tip for the boundary's own normal: found by alternating between the two, from the start on.
+fn touch(map: &Map, pose: Pose2, branch: &Branch, start: Start) -> Option<Touch> {
+    let Start { mut normal, mut near } = start;
     let mut found = None;
     for _ in 0..ROUNDS {
         let direction = normal - pose.theta;
@@ -132,13 +165,28 @@ fn outward(map: &Map, point: &MapPoint, base: Vec2) -> f64 {
     if two_sided && behind { left + PI } else { left }
 }
 
-fn on_branch(map: &Map, candidate: &Candidate, pose: Pose2, branch: &Branch, tolerance: &Tolerance) -> Option<Match> {
-    on_wall(map, candidate, pose, branch, tolerance).or_else(|| in_corner(map, candidate, pose, branch, tolerance))
+fn on_branch(
+    map: &Map,
+    candidate: &Candidate,
+    pose: Pose2,
+    branch: &Branch,
+    start: Start,
+    tolerance: &Tolerance,
+) -> Option<Match> {
+    on_wall(map, candidate, pose, branch, start, tolerance)
+        .or_else(|| in_corner(map, candidate, pose, branch, start.near, tolerance))
 }
 
 /// The match with the tip on a smooth piece of the boundary.
-fn on_wall(map: &Map, candidate: &Candidate, pose: Pose2, branch: &Branch, tolerance: &Tolerance) -> Option<Match> {
-    let touch = touch(map, pose, branch, candidate.normal, candidate.touched)?;
+fn on_wall(
+    map: &Map,
+    candidate: &Candidate,
+    pose: Pose2,
+    branch: &Branch,
+    start: Start,
+    tolerance: &Tolerance,
+) -> Option<Match> {
+    let touch = touch(map, pose, branch, start)?;
     let across = Vec2::from_angle(touch.normal);
     if (touch.boundary - touch.tip).dot(across.perp()).abs() > ALONG {
         return None;
@@ -151,8 +199,15 @@ fn on_wall(map: &Map, candidate: &Candidate, pose: Pose2, branch: &Branch, toler
 /// The match with the tip caught in a concave corner, where the force may have any direction between the two normals.
 ///
 /// The history's slope is nobody's slope there and is not asked.
-fn in_corner(map: &Map, candidate: &Candidate, pose: Pose2, branch: &Branch, tolerance: &Tolerance) -> Option<Match> {
-    let corner = map.concave_corner(candidate.touched, CORNER)?;
+fn in_corner(
+    map: &Map,
+    candidate: &Candidate,
+    pose: Pose2,
+    branch: &Branch,
+    near: Vec2,
+    tolerance: &Tolerance,
+) -> Option<Match> {
+    let corner = map.concave_corner(near, CORNER)?;
     let seen = pose.inverse_transform_point(corner.position);
     let contact = branch.contacts.nearest(seen, corner.normal_before - pose.theta, corner.turn)?;
     let tip = pose.transform_point(contact.position);
