@@ -3,6 +3,7 @@
 mod columns;
 mod csv_reader;
 mod doubts;
+pub mod foreign;
 
 use crate::plane::Pose2;
 use crate::{Error, Result};
