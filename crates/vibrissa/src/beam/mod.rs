@@ -22,6 +22,7 @@ mod bend;
 pub mod elastica;
 mod fixed_line;
 mod force_mode;
+mod influence;
 pub mod jacobi;
 mod load;
 mod moment_mode;
@@ -38,6 +39,7 @@ mod whisker;
 
 pub use bend::{Bend, ShapePoint};
 pub use force_mode::force_mode;
+pub use influence::{deflection_per_force, moment_per_travel, moment_per_turn};
 pub use load::Load;
 pub use moment_mode::moment_mode;
 pub use point_mode::point_mode;

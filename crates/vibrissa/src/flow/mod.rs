@@ -8,6 +8,7 @@ pub mod preimage;
 mod quadratic;
 pub mod sensor_log;
 pub mod state_set;
+pub mod taps;
 pub(crate) mod thinned;
 pub mod trajectory;
 mod words;
