@@ -205,3 +205,18 @@ impl Default for StaircaseOptions {
         Self { before: [0.7, 0.98], after: [0.35, 0.6], same_distance: 1e-3, fewest_rows: 6 }
     }
 }
+
+/// How the curve from raw readings to moments is fitted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CurveOptions {
+    /// Highest degree of the polynomial: a magnet's field is bent, but not in waves.
+    pub most_degree: usize,
+    /// Fewest labelled contacts: blocks of eight in ten parts leave too little of less.
+    pub fewest_contacts: usize,
+}
+
+impl Default for CurveOptions {
+    fn default() -> Self {
+        Self { most_degree: 5, fewest_contacts: 20 }
+    }
+}

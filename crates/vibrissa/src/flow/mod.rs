@@ -1,6 +1,7 @@
 //! The corridor, door by door, in the order in which data flows:
 //! sensor log → moment → contact set → preimage → state set → pose.
 
+pub mod calibrated;
 pub mod contact_set;
 pub mod moment;
 pub mod pose;

@@ -127,7 +127,9 @@ impl SensorLog {
         Err(if moments().next().is_some() {
             error.remedy("name the columns after the robot's whiskers")
         } else {
-            error.remedy("only moments are used yet: convert the other readings to N m first")
+            error.remedy(
+                "flux and counts need `calibration = \"cal.json\"` in the robot file; other readings are not used yet",
+            )
         })
     }
 }

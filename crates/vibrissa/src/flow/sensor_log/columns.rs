@@ -109,9 +109,14 @@ fn warnings(channels: &[Channel], unknown: &[&str]) -> Vec<String> {
         }
     };
     let mut warnings: Vec<String> = unknown.iter().map(ignored).collect();
-    let unused: Vec<String> = channels.iter().filter(|c| c.quantity != Quantity::Moment).map(Channel::column).collect();
+    let unused: Vec<String> = channels.iter().filter(|c| !is_used(c.quantity)).map(Channel::column).collect();
     if !unused.is_empty() {
         warnings.push(format!("read but not used yet: {}", unused.join(", ")));
     }
     warnings
+}
+
+/// Moments are used as they are, flux and counts through a calibration.
+fn is_used(quantity: Quantity) -> bool {
+    !matches!(quantity, Quantity::Force | Quantity::Slope | Quantity::StripLo | Quantity::StripHi)
 }

@@ -7,6 +7,7 @@
 //! | `ratatouille` | counts of two axes, header optional | host stamps, smoothed | counts |
 //! | `openwhisker` | counts of three axes, distance from the tip, bend | host stamps | counts (16 bit, wrapping), mm |
 //! | `rostopic` | `rostopic echo` of odometry, wrench, magnetic field, twist | message stamps | m, rad, N m, N, T |
+//! | `csv` | named columns, SI; no odometry needed | column `t`, if there | as named |
 //! | `contour` | positions of a whisker's tip | none | m |
 //!
 //! A format is named by the caller, never guessed, and so are units. A reader drops what it cannot read and counts it;
@@ -20,6 +21,7 @@ mod repairs;
 mod rostopic;
 mod serial;
 mod stamps;
+mod table;
 mod yaml;
 
 use super::{Channel, LogRow, Quantity, SensorLog};
@@ -45,14 +47,16 @@ pub enum Format {
     /// What `rostopic echo` prints of `nav_msgs/Odometry`, `geometry_msgs/WrenchStamped`, `sensor_msgs/MagneticField`
     /// and `geometry_msgs/TwistStamped`.
     Rostopic,
+    /// A header line that names the columns, then numbers in SI units or counts.
+    Csv,
     /// Tip positions `x,y` in m, or the same as `rostopic echo` of a `geometry_msgs/TwistStamped`.
     Contour,
 }
 
 impl Format {
     /// Every format.
-    pub const ALL: [Self; 6] =
-        [Self::Serial, Self::Serial2, Self::Ratatouille, Self::Openwhisker, Self::Rostopic, Self::Contour];
+    pub const ALL: [Self; 7] =
+        [Self::Serial, Self::Serial2, Self::Ratatouille, Self::Openwhisker, Self::Rostopic, Self::Csv, Self::Contour];
 
     /// The word that names it on a command line.
     #[must_use]
@@ -63,6 +67,7 @@ impl Format {
             Self::Ratatouille => "ratatouille",
             Self::Openwhisker => "openwhisker",
             Self::Rostopic => "rostopic",
+            Self::Csv => "csv",
             Self::Contour => "contour",
         }
     }
@@ -131,6 +136,7 @@ impl Recording {
             Format::Ratatouille => ratatouille::read(bytes),
             Format::Openwhisker => openwhisker::read(bytes),
             Format::Rostopic => rostopic::read(bytes),
+            Format::Csv => table::read(bytes),
             Format::Contour => contour::read(bytes),
         };
         recording.source = name.to_owned();

@@ -1,0 +1,149 @@
+//! Constants of the whisker from labelled contacts, by least squares.
+
+use super::labelled::Labelled;
+use super::least_squares::minimise;
+use crate::beam::Whisker;
+use crate::world::calibration::WhiskerConstants;
+use crate::{Error, Result};
+
+/// A constant of the whisker that may be fitted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Constant {
+    /// Flexural rigidity at the base (N m²).
+    FlexuralRigidity,
+    /// Rotational compliance of the base, `1 / k_base` (rad/(N m)).
+    BaseCompliance,
+    /// Tip radius over base radius.
+    TipRatio,
+}
+
+impl Constant {
+    /// Every constant.
+    pub const ALL: [Self; 3] = [Self::FlexuralRigidity, Self::BaseCompliance, Self::TipRatio];
+
+    /// The word on the command line and in files.
+    #[must_use]
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::FlexuralRigidity => "flexural_rigidity",
+            Self::BaseCompliance => "base_compliance",
+            Self::TipRatio => "tip_ratio",
+        }
+    }
+
+    fn of(self, whisker: &Whisker) -> f64 {
+        match self {
+            Self::FlexuralRigidity => whisker.flexural_rigidity,
+            Self::BaseCompliance => 1.0 / whisker.base_stiffness,
+            Self::TipRatio => whisker.tip_ratio,
+        }
+    }
+
+    fn set(self, whisker: &mut Whisker, value: f64) {
+        match self {
+            Self::FlexuralRigidity => whisker.flexural_rigidity = value,
+            Self::BaseCompliance => whisker.base_stiffness = 1.0 / value,
+            Self::TipRatio => whisker.tip_ratio = value,
+        }
+    }
+
+    /// The size of a change that matters.
+    fn scale(self, whisker: &Whisker) -> f64 {
+        match self {
+            Self::FlexuralRigidity => whisker.flexural_rigidity,
+            Self::BaseCompliance => whisker.length / whisker.flexural_rigidity,
+            Self::TipRatio => 1.0,
+        }
+    }
+
+    fn allowed(self, value: f64) -> bool {
+        match self {
+            Self::FlexuralRigidity => value > 0.0,
+            Self::BaseCompliance => value >= 0.0,
+            Self::TipRatio => (0.01..=1.0).contains(&value),
+        }
+    }
+}
+
+/// Fits the constants `free` of a whisker to measured moments, or, without these, to a signal that follows the moment by an
+/// unknown gain; then the flexural rigidity cannot be told and must not be free.
+///
+/// The covariance assumes independent errors of equal size, which is estimated from the residuals.
+///
+/// # Errors
+///
+/// Usage: nothing free, or the rigidity without moments. Data: fewer contacts than constants, contacts that no whisker
+/// reaches, data that do not fix the constants.
+pub fn fit_constants(
+    labelled: &Labelled,
+    signal: &[f64],
+    start: &Whisker,
+    free: &[Constant],
+) -> Result<WhiskerConstants> {
+    let by_gain = labelled.moments.is_none();
+    if free.is_empty() || (by_gain && free.contains(&Constant::FlexuralRigidity)) {
+        return Err(Error::usage("the flexural rigidity cannot be told from raw readings")
+            .allowed("base_compliance and tip_ratio, or a log with a column moment"));
+    }
+    let targets: &[f64] = labelled.moments.as_deref().unwrap_or(signal);
+    let reached: Vec<usize> = labelled.explain(start)?.iter().map(|e| e.row).collect();
+    let fewest = free.len() + 3;
+    if reached.len() < fewest {
+        return Err(Error::data("too few contacts that the whisker can reach")
+            .in_file(&labelled.source)
+            .value(reached.len())
+            .allowed(format!("{fewest} or more")));
+    }
+    let chosen = Labelled { contacts: reached.iter().map(|&r| labelled.contacts[r]).collect(), ..labelled.clone() };
+    let targets: Vec<f64> = reached.iter().map(|&r| targets[r]).collect();
+    let whisker = |parameters: &[f64]| {
+        let mut whisker = *start;
+        let right = free.iter().zip(parameters).all(|(c, v)| c.allowed(*v));
+        free.iter().zip(parameters).for_each(|(constant, value)| constant.set(&mut whisker, *value));
+        right.then_some(whisker)
+    };
+    let residuals = |parameters: &[f64]| -> Option<Vec<f64>> {
+        let explained = chosen.explain(&whisker(parameters)?).ok()?;
+        if explained.len() != targets.len() {
+            return None;
+        }
+        let gain = if by_gain { gain(&targets, explained.iter().map(|e| e.moment))? } else { 1.0 };
+        Some(explained.iter().zip(&targets).map(|(e, target)| gain * e.moment - target).collect())
+    };
+    let scales: Vec<f64> = free.iter().map(|c| c.scale(start)).collect();
+    let mut begin: Vec<f64> = free.iter().map(|c| c.of(start)).collect();
+    for (value, (constant, scale)) in begin.iter_mut().zip(free.iter().zip(&scales)) {
+        // A step off the end of the range, so that both sides can be tried.
+        match constant {
+            Constant::BaseCompliance if *value <= 0.0 => *value = 0.02 * scale,
+            Constant::TipRatio if *value >= 1.0 => *value = 0.9,
+            _ => {}
+        }
+    }
+    let minimum = minimise(residuals, &begin, &scales).map_err(|e| e.in_file(&labelled.source))?;
+    let spare = targets.len() - free.len() - usize::from(by_gain);
+    let variance = minimum.residuals.iter().map(|r| r * r).sum::<f64>() / spare as f64;
+    if minimum.unit_covariance.is_empty() {
+        return Err(Error::data("the contacts do not fix these constants")
+            .in_file(&labelled.source)
+            .value(free.iter().map(|c| c.as_str()).collect::<Vec<_>>().join(", "))
+            .remedy("record contacts at several distances along the whisker, or free fewer constants"));
+    }
+    let fitted = whisker(&minimum.parameters).unwrap_or(*start);
+    Ok(WhiskerConstants {
+        flexural_rigidity: fitted.flexural_rigidity,
+        base_stiffness: fitted.base_stiffness,
+        tip_ratio: fitted.tip_ratio,
+        free: free.iter().map(|c| c.as_str().to_owned()).collect(),
+        covariance: minimum.unit_covariance.iter().map(|row| row.iter().map(|c| c * variance).collect()).collect(),
+        residual_rms: variance.sqrt(),
+        samples: targets.len(),
+    })
+}
+
+/// The gain from moments to the signal that leaves least.
+fn gain(targets: &[f64], moments: impl Iterator<Item = f64> + Clone) -> Option<f64> {
+    let square: f64 = moments.clone().map(|m| m * m).sum();
+    let product: f64 = moments.zip(targets).map(|(m, t)| m * t).sum();
+    (square > 0.0).then(|| product / square)
+}
