@@ -161,6 +161,8 @@ pub struct TapOptions {
     pub longest_ramp: f64,
     /// How many lengths are averaged.
     pub ramp_lengths: usize,
+    /// Most that the slopes over these lengths may differ, as a share: what bends more is no ramp.
+    pub most_spread: f64,
 }
 
 impl Default for TapOptions {
@@ -174,6 +176,7 @@ impl Default for TapOptions {
             shortest_ramp: 32.5e-3,
             longest_ramp: 45e-3,
             ramp_lengths: 6,
+            most_spread: 0.15,
         }
     }
 }

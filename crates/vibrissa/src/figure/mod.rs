@@ -3,12 +3,14 @@
 //! Data go in as plain geometry in metres; [`Canvas`] maps a piece of the world onto a panel of the page, y up.
 
 mod axes;
+pub mod calibration;
 mod canvas;
 mod document;
 mod legend;
 pub mod localization;
 mod style;
 
+pub use calibration::{Plot, calibration_figure};
 pub use canvas::{Canvas, Frame, WorldBounds};
 pub use document::{Document, escape};
 pub use legend::{Entry, Sample};

@@ -94,6 +94,9 @@ fn tap(
     let slope = ramps.iter().map(|r| r.slope).sum::<f64>() / count;
     let onset = ramps.iter().map(|r| r.onset).sum::<f64>() / count;
     let spread = (ramps.iter().map(|r| (r.slope - slope).powi(2)).sum::<f64>() / count).sqrt();
+    if spread > options.most_spread * slope.abs() {
+        return None;
+    }
     let peak = reading[event].iter().copied().max_by(|a, b| (sign * a).total_cmp(&(sign * b)))?;
     Some(Tap { t: onset, slope, spread, rest, peak })
 }

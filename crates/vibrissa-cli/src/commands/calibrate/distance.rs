@@ -1,11 +1,13 @@
 //! Distances: from taps of a turning base, or from a staircase of lateral travel.
 
 use super::{Report, file_name, pretty, read_taps, repairs_json, say_repairs};
+use crate::output::warn;
 use crate::quantity::option;
 use serde_json::json;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use vibrissa::config::StaircaseOptions;
+use vibrissa::figure::{Plot, calibration_figure};
 use vibrissa::flow::sensor_log::foreign::{Format, Recording, Repairs};
 use vibrissa::tasks::calibrate::{DistanceFit, DistanceSet, LeftOut, Shaft, fit_distance, leave_one_out, staircase};
 use vibrissa::world::calibration::{Calibration, Motion, Source};
@@ -78,6 +80,10 @@ pub(super) fn from_taps(
         let source = path.display().to_string();
         let samples: Vec<(f64, f64)> = found.iter().map(|tap| (distance, tap.slope)).collect();
         let rows = recording.lines.len();
+        if samples.is_empty() {
+            warn(&format!("{source}: no taps found, the file is left out; check --format and --channel"));
+            continue;
+        }
         data.push(Source { file: file_name(&path), rows, used: samples.len(), distance: Some(distance) });
         // Several files of one distance belong together: none of them may be judged by the others.
         match sets.iter_mut().find(|set| set.samples.first().is_some_and(|s| (s.0 - distance).abs() < 1e-9)) {
@@ -125,7 +131,55 @@ fn report(sets: &[DistanceSet], shaft: Shaft, channel: String, data: Vec<Source>
         "contacts": left_out.iter().map(|l| json!({ "truth": l.truth, "found": l.found })).collect::<Vec<_>>(),
         "leave_one_out": summary_json(&left_out),
     });
-    Ok(Report { text: text(sets, &fit, &left_out, &calibration.channel), json, files: vec![("cal.json", file)] })
+    let picture = figure(sets, &fit, &left_out, &calibration.channel);
+    Ok(Report {
+        text: text(sets, &fit, &left_out, &calibration.channel),
+        json,
+        files: vec![("cal.json", file), ("calibration.svg", picture)],
+    })
+}
+
+/// Slopes over distance with the model, and the errors of distances left out.
+fn figure(sets: &[DistanceSet], fit: &DistanceFit, left_out: &[LeftOut], channel: &str) -> String {
+    let model = &fit.model;
+    let (factor, unit) = match model.motion {
+        Motion::Turn => (1e-3, format!("{channel}, thousands per s")),
+        Motion::Travel => (1e-3, format!("{channel}, per mm")),
+    };
+    let [lo, hi] = model.fitted;
+    let air = 0.15 * (hi - lo);
+    let (from, to) = ((lo - air).max(0.05 * model.length), (hi + air).min(model.length));
+    let sample = |i: usize| from + (to - from) * i as f64 / 200.0;
+    let x_label = "distance from the base (mm)".to_owned();
+    let valid = Some([lo * 1e3, hi * 1e3]);
+    let slopes = sets.iter().flat_map(|set| &set.samples).map(|&(d, slope)| (d * 1e3, slope.abs() * factor)).collect();
+    let curve = (0..=200).map(sample).filter_map(|d| Some((d * 1e3, model.slope(d).ok()? * factor))).collect();
+    let errors = left_out.iter().filter_map(|l| Some((l.truth * 1e3, (l.found? - l.truth) * 1e3))).collect();
+    let plots = [
+        Plot {
+            x_label: x_label.clone(),
+            y_label: format!("slope of the reading ({unit}); calibrated distances are shaded"),
+            points: slopes,
+            curve,
+            valid,
+            levels: Vec::new(),
+        },
+        Plot {
+            x_label,
+            y_label: "error of the distance (mm), by a fit without it".to_owned(),
+            points: errors,
+            valid,
+            ..Plot::default()
+        },
+    ];
+    let shown = if left_out.is_empty() { 1 } else { 2 };
+    let notes = format!(
+        "tip ratio {:.3}, EI / k_base {:.2} mm, scatter of a slope {:.2} %",
+        model.tip_ratio,
+        model.base_compliance * 1e3,
+        model.scatter * 100.0
+    );
+    calibration_figure("Distance from the slope of the reading", &notes, &plots[..shown])
 }
 
 /// Mean, root mean square and largest error (m), and how many contacts fitted no distance.

@@ -1,15 +1,17 @@
 //! `vibrissa calibrate`: from recordings with known truth to `cal.json`.
 
+mod contacts;
 mod distance;
 mod recording;
 
 use crate::output::{OutputArgs, print, warn, write_all};
+use contacts::ContactArgs;
 use distance::DistanceArgs;
 pub(super) use recording::{read_taps, repairs_json, say_repairs};
 use std::path::PathBuf;
+use vibrissa::Result;
 use vibrissa::flow::sensor_log::foreign::Format;
 use vibrissa::world::Robot;
-use vibrissa::{Error, Result};
 
 /// Calibrate a whisker: raw readings to moments, slopes of taps to distances, constants of the whisker.
 ///
@@ -35,6 +37,8 @@ pub(crate) struct Args {
     #[arg(long, value_name = "ROBOT")]
     robot: Option<PathBuf>,
     #[command(flatten)]
+    contacts: ContactArgs,
+    #[command(flatten)]
     distance: DistanceArgs,
     #[command(flatten)]
     output: OutputArgs,
@@ -53,7 +57,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     let report = match (&args.log, args.format) {
         (None, format) => distance::from_taps(&args.taps, format, robot.as_ref(), &args.distance)?,
         (Some(log), Some(Format::Openwhisker)) => distance::from_staircase(log, robot.as_ref(), &args.distance)?,
-        (Some(_), _) => return Err(Error::usage("labelled contacts are not read yet")),
+        (Some(log), format) => contacts::from_contacts(log, format, robot.as_ref(), &args.contacts)?,
     };
     deliver(&report, &args.output)
 }

@@ -47,19 +47,19 @@ impl Repairs {
     #[must_use]
     pub fn words(&self) -> Vec<String> {
         let meanings = [
-            "lines without a reading were dropped",
-            "last line was cut short",
-            "times a 16-bit count wrapped and was carried on",
-            "host stamps were replaced by evenly spaced times",
-            "times were made from the nominal rate",
-            "rows out of order in time were dropped",
-            "readings are at the end of the sensor's range",
-            "rows had the reference sensor subtracted",
-            "times the order of the two sensors was found again",
-            "rows have odometry interpolated between messages",
+            "lines without a reading, dropped",
+            "last line, cut short",
+            "16-bit counts that wrapped, carried on",
+            "host stamps, replaced by evenly spaced times",
+            "times made from the nominal rate",
+            "rows out of order in time, dropped",
+            "readings at the end of the sensor's range",
+            "rows with the reference sensor subtracted",
+            "order of the two sensors, found again",
+            "rows with odometry interpolated between messages",
         ];
         let made = self.counts().into_iter().zip(meanings).filter(|((_, count), _)| *count > 0);
-        made.map(|((_, count), meaning)| format!("{count} {meaning}")).collect()
+        made.map(|((_, count), meaning)| format!("{meaning}: {count}")).collect()
     }
 
     /// The repairs of two files together.
