@@ -284,3 +284,15 @@ fn labelled_logs_need_contacts_and_one_kind_of_reading() {
         assert!(error.is_data() && error.to_string().contains(words), "{error}");
     }
 }
+
+#[test]
+fn a_base_is_told_from_raw_readings_through_a_bent_sensor() {
+    let truth = Whisker { base_stiffness: 0.02, ..Whisker::default() };
+    let (made, _) = labelled(&truth, 120, 2e-5, &mut Random(17));
+    let signal: Vec<f64> = made.readings.iter().map(|r| 0.6 * r[0] - 0.8 * r[1]).collect();
+    let fit = fit_constants(&made, &signal, &Whisker::default(), &[Constant::BaseCompliance]).unwrap();
+    let std = fit.covariance[0][0].sqrt();
+    let error = 1.0 / fit.base_stiffness - 50.0;
+    println!("{error} {std}");
+    assert!(error.abs() < 4.0 * std && std < 2.0, "{error} {std}");
+}

@@ -17,6 +17,8 @@ pub struct Plot {
     pub curve: Vec<(f64, f64)>,
     /// Where the curve holds, along x; shaded.
     pub valid: Option<[f64; 2]>,
+    /// A stretch of x that must be on the plot, so that plots below each other line up.
+    pub span: Option<[f64; 2]>,
     /// Levels to mark across, such as a bound and its opposite.
     pub levels: Vec<f64>,
 }
@@ -80,7 +82,7 @@ impl Scale {
 fn draw(document: &mut Document, plot: &Plot, top: f64, height: f64) {
     let (left, right, bottom) = (LEFT, WIDTH - RIGHT, top + height);
     let all = || plot.points.iter().chain(&plot.curve);
-    let x = Scale::around(all().map(|p| p.0), left, right);
+    let x = Scale::around(all().map(|p| p.0).chain(plot.span.into_iter().flatten()), left, right);
     let zero = plot.curve.is_empty().then_some(0.0);
     let y = Scale::around(all().map(|p| p.1).chain(plot.levels.iter().copied()).chain(zero), bottom, top);
     let mut body = String::new();

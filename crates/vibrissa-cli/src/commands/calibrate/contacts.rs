@@ -127,10 +127,6 @@ fn constants_text(text: &mut String, whisker: &WhiskerConstants) {
     }
 }
 
-fn rms_shown(whisker: &WhiskerConstants) -> f64 {
-    whisker.residual_rms * 1e6
-}
-
 fn curve_text(text: &mut String, curve: &MomentCurve) {
     let [lo, hi] = curve.valid();
     let _ = writeln!(
@@ -188,7 +184,7 @@ fn plots(labelled: &Labelled, explained: &[Explained], calibration: &Calibration
             points: explained.iter().map(|e| (signal(e) * factor, e.moment * 1e3)).collect(),
             curve: (0..=200).map(sample).map(|s| (s * factor, curve.at(s) * 1e3)).collect(),
             valid,
-            levels: Vec::new(),
+            ..Plot::default()
         });
         plots.push(Plot {
             x_label,
@@ -197,6 +193,7 @@ fn plots(labelled: &Labelled, explained: &[Explained], calibration: &Calibration
             curve: Vec::new(),
             valid,
             levels: vec![curve.bound * 1e3, -curve.bound * 1e3],
+            span: None,
         });
     }
     if let Some(tip) = &calibration.tip_deflection {

@@ -162,13 +162,14 @@ fn figure(sets: &[DistanceSet], fit: &DistanceFit, left_out: &[LeftOut], channel
             points: slopes,
             curve,
             valid,
-            levels: Vec::new(),
+            ..Plot::default()
         },
         Plot {
             x_label,
             y_label: "error of the distance (mm), by a fit without it".to_owned(),
             points: errors,
             valid,
+            span: Some([from * 1e3, to * 1e3]),
             ..Plot::default()
         },
     ];

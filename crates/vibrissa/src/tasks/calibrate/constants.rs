@@ -1,7 +1,7 @@
 //! Constants of the whisker from labelled contacts, by least squares.
 
 use super::labelled::Labelled;
-use super::least_squares::minimise;
+use super::least_squares::{linear, minimise};
 use crate::beam::Whisker;
 use crate::world::calibration::WhiskerConstants;
 use crate::{Error, Result};
@@ -66,7 +66,7 @@ impl Constant {
 }
 
 /// Fits the constants `free` of a whisker to measured moments, or, without these, to a signal that follows the moment by an
-/// unknown gain; then the flexural rigidity cannot be told and must not be free.
+/// unknown response of third degree; then the flexural rigidity cannot be told and must not be free.
 ///
 /// The covariance assumes independent errors of equal size, which is estimated from the residuals.
 ///
@@ -87,7 +87,8 @@ pub fn fit_constants(
     }
     let targets: &[f64] = labelled.moments.as_deref().unwrap_or(signal);
     let reached: Vec<usize> = labelled.explain(start)?.iter().map(|e| e.row).collect();
-    let fewest = free.len() + 3;
+    let nuisance = if by_gain { SENSOR } else { 0 };
+    let fewest = free.len() + nuisance + 3;
     if reached.len() < fewest {
         return Err(Error::data("too few contacts that the whisker can reach")
             .in_file(&labelled.source)
@@ -107,8 +108,9 @@ pub fn fit_constants(
         if explained.len() != targets.len() {
             return None;
         }
-        let gain = if by_gain { gain(&targets, explained.iter().map(|e| e.moment))? } else { 1.0 };
-        Some(explained.iter().zip(&targets).map(|(e, target)| gain * e.moment - target).collect())
+        let moments: Vec<f64> = explained.iter().map(|e| e.moment).collect();
+        let model = if by_gain { through_sensor(&moments, &targets)? } else { moments };
+        Some(model.iter().zip(&targets).map(|(model, target)| model - target).collect())
     };
     let scales: Vec<f64> = free.iter().map(|c| c.scale(start)).collect();
     let mut begin: Vec<f64> = free.iter().map(|c| c.of(start)).collect();
@@ -121,7 +123,7 @@ pub fn fit_constants(
         }
     }
     let minimum = minimise(residuals, &begin, &scales).map_err(|e| e.in_file(&labelled.source))?;
-    let spare = targets.len() - free.len() - usize::from(by_gain);
+    let spare = targets.len() - free.len() - nuisance;
     let variance = minimum.residuals.iter().map(|r| r * r).sum::<f64>() / spare as f64;
     if minimum.unit_covariance.is_empty() {
         return Err(Error::data("the contacts do not fix these constants")
@@ -141,9 +143,14 @@ pub fn fit_constants(
     })
 }
 
-/// The gain from moments to the signal that leaves least.
-fn gain(targets: &[f64], moments: impl Iterator<Item = f64> + Clone) -> Option<f64> {
-    let square: f64 = moments.clone().map(|m| m * m).sum();
-    let product: f64 = moments.zip(targets).map(|(m, t)| m * t).sum();
-    (square > 0.0).then(|| product / square)
+/// Constants of a sensor that is not known: offset, gain, and two that bend it.
+const SENSOR: usize = 4;
+
+/// The signal that a sensor with the best response of third degree makes of the moments.
+fn through_sensor(moments: &[f64], targets: &[f64]) -> Option<Vec<f64>> {
+    let scale = moments.iter().fold(0.0, |most: f64, m| most.max(m.abs()));
+    let rows: Vec<Vec<f64>> =
+        moments.iter().map(|m| m / scale).map(|z| (0..SENSOR).map(|k| z.powi(k as i32)).collect()).collect();
+    let response = linear(&rows, targets)?;
+    Some(rows.iter().map(|row| row.iter().zip(&response).map(|(power, c)| power * c).sum()).collect())
 }

@@ -104,7 +104,7 @@ pub struct WhiskerConstants {
     pub free: Vec<String>,
     /// Their covariance.
     pub covariance: Vec<Vec<f64>>,
-    /// Root mean square of the moment's residuals (N m).
+    /// Root mean square of the residuals (N m; of the raw signal where no moments were measured).
     pub residual_rms: f64,
     /// How many labelled contacts they rest on.
     pub samples: usize,
