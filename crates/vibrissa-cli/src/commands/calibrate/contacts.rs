@@ -18,7 +18,7 @@ use vibrissa::{Error, Result};
 #[derive(Debug, clap::Args)]
 #[command(next_help_heading = "Options of labelled contacts")]
 pub(super) struct ContactArgs {
-    /// Constants of the whisker to fit, separated by commas: flexural_rigidity, base_compliance, tip_ratio [default: all
+    /// Constants of the whisker to fit, separated by commas: `flexural_rigidity`, `base_compliance`, `tip_ratio` [default: all
     /// as the robot says]
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     free: Vec<String>,
@@ -106,8 +106,7 @@ fn text(calibration: &Calibration, used: usize) -> String {
 // Writing into a string cannot fail, so the results of `writeln!` are dropped throughout.
 
 fn constants_text(text: &mut String, whisker: &WhiskerConstants) {
-    let _ =
-        writeln!(text, "\nwhisker, fitted to {} contacts (residual {:.3} µN m)", whisker.samples, rms_shown(whisker));
+    let _ = writeln!(text, "\nwhisker, fitted to {} contacts (residual {:.3e})", whisker.samples, whisker.residual_rms);
     for (index, name) in whisker.free.iter().enumerate() {
         let std = whisker.covariance.get(index).and_then(|row| row.get(index)).map_or(f64::NAN, |v| v.sqrt());
         let _ = match name.as_str() {

@@ -35,6 +35,9 @@ pub(super) struct DistanceArgs {
     /// The column whose slope tells the distance [default: ax for taps, ay for a staircase]
     #[arg(long, value_name = "COLUMN")]
     channel: Option<String>,
+    /// The sensor that feels the ambient field alone, subtracted from the channel's: `--channel 1.bx --reference 2`
+    #[arg(long, value_name = "SENSOR")]
+    reference: Option<String>,
 }
 
 impl DistanceArgs {
@@ -75,7 +78,7 @@ pub(super) fn from_taps(
     let (mut sets, mut data, mut repairs) = (Vec::<DistanceSet>::new(), Vec::new(), Repairs::default());
     for pair in taps {
         let (distance, path) = labelled(pair, shaft.length)?;
-        let (recording, found) = read_taps(&path, format, &channel)?;
+        let (recording, found) = read_taps(&path, format, &channel, args.reference.as_deref())?;
         repairs = repairs.and(recording.repairs);
         let source = path.display().to_string();
         let samples: Vec<(f64, f64)> = found.iter().map(|tap| (distance, tap.slope)).collect();

@@ -26,7 +26,7 @@ pub(crate) struct Args {
     /// A log of labelled contacts (.csv), or a staircase with --format openwhisker
     #[arg(required_unless_present = "taps")]
     log: Option<PathBuf>,
-    /// Taps of known radial distance from the base, each with its unit: 60mm=deflection_60.csv
+    /// Taps of known radial distance from the base, each with its unit: `60mm=deflection_60.csv`
     #[arg(long, value_name = "DIST=FILE", num_args = 1.., conflicts_with = "log")]
     taps: Vec<String>,
     /// The format of the recordings: serial, serial2, ratatouille, openwhisker, rostopic, csv [default: csv for labelled

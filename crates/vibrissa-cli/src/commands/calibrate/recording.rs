@@ -13,8 +13,13 @@ pub(in crate::commands) fn read_taps(
     path: &Path,
     format: Option<Format>,
     channel: &str,
+    reference: Option<&str>,
 ) -> Result<(Recording, Vec<Tap>)> {
-    let recording = Recording::read(path, format.unwrap_or_else(|| tap_format(path)))?;
+    let mut recording = Recording::read(path, format.unwrap_or_else(|| tap_format(path)))?;
+    if let Some(reference) = reference {
+        let sensor = channel.rsplit_once('.').map_or("", |(sensor, _)| sensor);
+        recording.subtract_reference(sensor, reference)?;
+    }
     say_repairs(&recording);
     let reading = recording.require(channel)?;
     if recording.t.is_empty() {

@@ -24,6 +24,9 @@ pub(crate) struct Args {
     /// where the first line names a column t, else ratatouille]
     #[arg(long, value_name = "FORMAT")]
     format: Option<Format>,
+    /// The sensor that feels the ambient field alone, subtracted from the calibration's
+    #[arg(long, value_name = "SENSOR")]
+    reference: Option<String>,
     #[command(flatten)]
     output: OutputArgs,
 }
@@ -31,7 +34,9 @@ pub(crate) struct Args {
 /// Runs the command.
 pub(crate) fn run(args: &Args) -> Result<()> {
     match &args.calibration {
-        Some(calibration) if args.taps => taps::run(&args.log, calibration, args.format, &args.output),
+        Some(calibration) if args.taps => {
+            taps::run(&args.log, calibration, args.format, args.reference.as_deref(), &args.output)
+        }
         _ => Err(Error::usage("only taps are read yet")
             .allowed("vibrissa contact FILE --taps --calibration cal.json")
             .remedy("add --taps and --calibration")),

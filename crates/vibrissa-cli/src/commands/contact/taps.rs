@@ -11,10 +11,16 @@ use vibrissa::world::calibration::{Calibration, Distance, DistanceModel, Motion}
 use vibrissa::{Error, Result};
 
 /// Finds the taps of a recording and their distances.
-pub(super) fn run(log: &Path, calibration: &Path, format: Option<Format>, output: &OutputArgs) -> Result<()> {
+pub(super) fn run(
+    log: &Path,
+    calibration: &Path,
+    format: Option<Format>,
+    reference: Option<&str>,
+    output: &OutputArgs,
+) -> Result<()> {
     let calibrated = Calibration::read(calibration)?;
     let model = turning(&calibrated, calibration)?;
-    let (recording, found) = read_taps(log, format, &calibrated.channel)?;
+    let (recording, found) = read_taps(log, format, &calibrated.channel, reference)?;
     let taps: Vec<(Tap, Option<Distance>)> = found.iter().map(|tap| (*tap, model.distance(tap.slope))).collect();
     let outside = taps.iter().filter(|(_, d)| d.is_none_or(|d| !fitted(&model, d.distance))).count();
     if outside > 0 {
