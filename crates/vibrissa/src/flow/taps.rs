@@ -33,11 +33,12 @@ pub fn taps(t: &[f64], reading: &[f64], options: &TapOptions) -> Vec<Tap> {
     let mut sorted = reading.to_vec();
     let level = median(&mut sorted);
     let mut deviations: Vec<f64> = reading.iter().map(|y| (y - level).abs()).collect();
-    let noise = 1.4826 * median(&mut deviations.clone());
-    // The largest few samples may be glitches.
-    deviations.sort_by(f64::total_cmp);
-    let Some(&largest) = deviations.get((deviations.len() as f64 * 0.998) as usize) else { return Vec::new() };
-    if largest.is_nan() || largest <= options.prominence * noise {
+    // What is not held for a few samples is a glitch.
+    let held = deviations.windows(HELD).map(|w| w.iter().copied().fold(f64::INFINITY, f64::min));
+    let largest = held.fold(0.0, f64::max);
+    let noise = 1.4826 * median(&mut deviations);
+    // Written so that readings that are no numbers have no taps.
+    if largest.is_infinite() || noise.is_nan() || largest <= options.prominence * noise {
         return Vec::new();
     }
     let threshold = (options.threshold * largest).max(options.prominence * noise);
@@ -55,6 +56,9 @@ pub fn taps(t: &[f64], reading: &[f64], options: &TapOptions) -> Vec<Tap> {
     }
     found
 }
+
+/// Samples over which a tap is held.
+const HELD: usize = 5;
 
 /// The first sample after `start` from which on the reading stays within `limit` of `level` for the time `settle` (s).
 fn event_end(t: &[f64], reading: &[f64], start: usize, level: f64, limit: f64, settle: f64) -> usize {
