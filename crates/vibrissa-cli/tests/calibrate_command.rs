@@ -118,3 +118,40 @@ fn faulty_calls_and_data_say_what_to_do() {
         assert!(outcome.stderr.contains(words), "{args:?}: {}", outcome.stderr);
     }
 }
+
+#[test]
+fn an_echo_of_odometry_and_wrench_is_localized_like_our_own_log() {
+    let dir = folder("calibrate-rostopic");
+    let demo = text(&dir);
+    assert_eq!(vibrissa(&["demo", "--out", &demo, "--json"]).code, Some(0));
+    let log = fs::read_to_string(dir.join("log.csv")).unwrap();
+    let mut lines = log.lines();
+    let names: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let column = |name: &str| names.iter().position(|n| n.rsplit('.').next() == Some(name)).unwrap();
+    let [t, x, y, theta, moment] = ["t", "x", "y", "theta", "moment"].map(column);
+    let mut echo = String::new();
+    for line in lines {
+        let cells: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
+        let (secs, nsecs) = (cells[t].floor(), (cells[t].fract() * 1e9).round());
+        let header = format!("header: \n  seq: 1\n  stamp: \n    secs: {secs}\n    nsecs: {nsecs}\n  frame_id: ''\n");
+        let (z, w) = (0.5 * cells[theta]).sin_cos();
+        let _ = write!(
+            echo,
+            "{header}child_frame_id: ''\npose: \n  pose: \n    position: \n      x: {}\n      y: {}\n      z: 0.0\n    \
+             orientation: \n      x: 0.0\n      y: 0.0\n      z: {z}\n      w: {w}\n---\n\
+             {header}wrench: \n  force: \n    x: 0.0\n    y: 0.0\n    z: 0.0\n  torque: \n    x: 0.0\n    y: 0.0\n    z: {}\n---\n",
+            cells[x], cells[y], cells[moment]
+        );
+    }
+    fs::write(dir.join("echo.txt"), echo).unwrap();
+    let (map, truth, echo) = (text(&dir.join("map.svg")), text(&dir.join("truth.tum")), text(&dir.join("echo.txt")));
+    let outcome = vibrissa(&["localize", &echo, "--format", "rostopic", "--map", &map, "--truth", &truth, "--json"]);
+    assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
+    let json: serde_json::Value = serde_json::from_str(&outcome.stdout).unwrap();
+    let ours: serde_json::Value = serde_json::from_str(&fs::read_to_string(dir.join("result.json")).unwrap()).unwrap();
+    assert_eq!(json["status"], "localized");
+    for key in ["x", "y", "theta"] {
+        let difference = json["estimate"][key].as_f64().unwrap() - ours["estimate"][key].as_f64().unwrap();
+        assert!(difference.abs() < 1e-6, "{key}: {difference}");
+    }
+}

@@ -296,3 +296,38 @@ fn a_base_is_told_from_raw_readings_through_a_bent_sensor() {
     println!("{error} {std}");
     assert!(error.abs() < 4.0 * std && std < 2.0, "{error} {std}");
 }
+
+#[test]
+fn damaged_calibrations_never_panic() {
+    let shaft = Shaft { motion: Motion::Turn, length: 0.18, tip_ratio: Some(0.3), clamped: false };
+    let fit = fit_distance(&tapped(&cone(), 8400.0, 0.01, &mut Random(2)), shaft).unwrap();
+    let (made, _) = labelled(&Whisker::default(), 40, 1e-5, &mut Random(4));
+    let curve = fit_moment_curve(&made, &made.explain(&Whisker::default()).unwrap(), &CurveOptions::default()).unwrap();
+    let whole =
+        Calibration { moment: Some(curve), channel: "ax".into(), distance: Some(fit.model), ..Calibration::default() };
+    let text = whole.to_json().to_string();
+    assert_eq!(Calibration::from_json(&text, "cal.json").unwrap(), whole);
+    let mut random = Random(6);
+    let mut read = 0;
+    for _ in 0..3000 {
+        let mut bytes = text.clone().into_bytes();
+        for _ in 0..=(random.unit() * 3.0) as usize {
+            let at = (random.unit() * bytes.len() as f64) as usize;
+            match (random.unit() * 3.0) as usize {
+                0 => bytes[at] = b"0123456789-.e,[]{}\"n"[(random.unit() * 20.0) as usize],
+                1 => drop(bytes.remove(at)),
+                _ => bytes.insert(at, b"09-e,"[(random.unit() * 5.0) as usize]),
+            }
+        }
+        let Ok(calibration) = Calibration::from_json(&String::from_utf8_lossy(&bytes), "cal.json") else { continue };
+        read += 1;
+        if let Some(curve) = &calibration.moment {
+            let _ = curve.moment(&vec![1e-4; curve.inputs.len()]);
+        }
+        if let Some(model) = calibration.distance {
+            let found = model.distance(1e5);
+            assert!(found.is_none_or(|d| d.distance > 0.0 && d.distance <= model.length), "{model:?} {found:?}");
+        }
+    }
+    assert!(read > 100, "{read}");
+}

@@ -104,8 +104,8 @@ impl DistanceModel {
             if at(middle) > target { near = middle } else { far = middle }
         }
         let distance = 0.5 * (near + far);
-        let step = 1e-4 * distance;
-        let fall = (at(distance - step) / at((distance + step).min(self.length))).ln() / (2.0 * step);
+        let (before, after) = (distance * (1.0 - 1e-4), (distance * (1.0 + 1e-4)).min(self.length));
+        let fall = (at(before) / at(after)).ln() / (after - before);
         Some(Distance { distance, std: self.scatter / fall })
     }
 
