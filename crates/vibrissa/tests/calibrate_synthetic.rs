@@ -331,3 +331,18 @@ fn damaged_calibrations_never_panic() {
     }
     assert!(read > 100, "{read}");
 }
+
+#[test]
+fn taper_and_base_are_told_apart_also_at_the_ends_of_their_ranges() {
+    let cases = [(1.0, 0.02, 1.0), (0.6, 0.05, 1.0), (0.5, f64::INFINITY, 0.9), (1.0, f64::INFINITY, 0.5)];
+    for (tip_ratio, base_stiffness, begin) in cases {
+        let truth = Whisker { base_stiffness, tip_ratio, ..Whisker::default() };
+        let (made, moments) = labelled(&truth, 60, 0.0, &mut Random(19));
+        let made = Labelled { moments: Some(moments), ..made };
+        let start = Whisker { tip_ratio: begin, flexural_rigidity: 2.5e-4, ..Whisker::default() };
+        let fit = fit_constants(&made, &[], &start, &Constant::ALL).unwrap();
+        assert!((fit.tip_ratio - tip_ratio).abs() < 1e-4, "{fit:?}");
+        assert!((1.0 / fit.base_stiffness - 1.0 / base_stiffness).abs() < 0.02, "{fit:?}");
+        assert!((fit.flexural_rigidity / truth.flexural_rigidity - 1.0).abs() < 1e-4, "{fit:?}");
+    }
+}

@@ -1,7 +1,7 @@
 //! Constants of the whisker from labelled contacts, by least squares.
 
 use super::labelled::Labelled;
-use super::least_squares::{linear, minimise};
+use super::least_squares::{Scale, linear, minimise};
 use crate::beam::Whisker;
 use crate::world::calibration::WhiskerConstants;
 use crate::{Error, Result};
@@ -47,20 +47,16 @@ impl Constant {
         }
     }
 
-    /// The size of a change that matters.
-    fn scale(self, whisker: &Whisker) -> f64 {
+    fn scale(self, whisker: &Whisker) -> Scale {
+        let soft = whisker.length / whisker.flexural_rigidity;
         match self {
-            Self::FlexuralRigidity => whisker.flexural_rigidity,
-            Self::BaseCompliance => whisker.length / whisker.flexural_rigidity,
-            Self::TipRatio => 1.0,
-        }
-    }
-
-    fn allowed(self, value: f64) -> bool {
-        match self {
-            Self::FlexuralRigidity => value > 0.0,
-            Self::BaseCompliance => value >= 0.0,
-            Self::TipRatio => (0.01..=1.0).contains(&value),
+            Self::FlexuralRigidity => {
+                let size = whisker.flexural_rigidity;
+                Scale { lo: 1e-3 * size, hi: 1e3 * size, size }
+            }
+            // Beyond the upper end the base does all of the bending.
+            Self::BaseCompliance => Scale { lo: 0.0, hi: 1e3 * soft, size: soft },
+            Self::TipRatio => Scale { lo: 0.01, hi: 1.0, size: 1.0 },
         }
     }
 }
@@ -99,12 +95,11 @@ pub fn fit_constants(
     let targets: Vec<f64> = reached.iter().map(|&r| targets[r]).collect();
     let whisker = |parameters: &[f64]| {
         let mut whisker = *start;
-        let right = free.iter().zip(parameters).all(|(c, v)| c.allowed(*v));
         free.iter().zip(parameters).for_each(|(constant, value)| constant.set(&mut whisker, *value));
-        right.then_some(whisker)
+        whisker
     };
     let residuals = |parameters: &[f64]| -> Option<Vec<f64>> {
-        let explained = chosen.explain(&whisker(parameters)?).ok()?;
+        let explained = chosen.explain(&whisker(parameters)).ok()?;
         if explained.len() != targets.len() {
             return None;
         }
@@ -112,16 +107,8 @@ pub fn fit_constants(
         let model = if by_gain { through_sensor(&moments, &targets)? } else { moments };
         Some(model.iter().zip(&targets).map(|(model, target)| model - target).collect())
     };
-    let scales: Vec<f64> = free.iter().map(|c| c.scale(start)).collect();
-    let mut begin: Vec<f64> = free.iter().map(|c| c.of(start)).collect();
-    for (value, (constant, scale)) in begin.iter_mut().zip(free.iter().zip(&scales)) {
-        // A step off the end of the range, so that both sides can be tried.
-        match constant {
-            Constant::BaseCompliance if *value <= 0.0 => *value = 0.02 * scale,
-            Constant::TipRatio if *value >= 1.0 => *value = 0.9,
-            _ => {}
-        }
-    }
+    let scales: Vec<Scale> = free.iter().map(|c| c.scale(start)).collect();
+    let begin: Vec<f64> = free.iter().map(|c| c.of(start)).collect();
     let minimum = minimise(residuals, &begin, &scales).map_err(|e| e.in_file(&labelled.source))?;
     let spare = targets.len() - free.len() - nuisance;
     let variance = minimum.residuals.iter().map(|r| r * r).sum::<f64>() / spare as f64;
@@ -131,7 +118,7 @@ pub fn fit_constants(
             .value(free.iter().map(|c| c.as_str()).collect::<Vec<_>>().join(", "))
             .remedy("record contacts at several distances along the whisker, or free fewer constants"));
     }
-    let fitted = whisker(&minimum.parameters).unwrap_or(*start);
+    let fitted = whisker(&minimum.parameters);
     Ok(WhiskerConstants {
         flexural_rigidity: fitted.flexural_rigidity,
         base_stiffness: fitted.base_stiffness,

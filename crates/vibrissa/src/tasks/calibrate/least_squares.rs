@@ -18,47 +18,79 @@ pub struct Minimum {
 /// Most steps, successful or not.
 const MOST_STEPS: usize = 200;
 
-/// Minimises the sum of squared `residuals` from `start` on; `steps` are the scales of the parameters for differences.
+/// A parameter's range and the size of a change that matters.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scale {
+    /// Least value.
+    pub lo: f64,
+    /// Largest value.
+    pub hi: f64,
+    /// Size of a change that matters, positive.
+    pub size: f64,
+}
+
+/// Minimises the sum of squared `residuals` from `start` on, each parameter within its range.
+///
+/// A parameter at the end of its range that would leave it is held there while the others move.
 ///
 /// # Errors
 ///
 /// Data: residuals that cannot be computed at the start.
-pub fn minimise(residuals: impl Fn(&[f64]) -> Option<Vec<f64>>, start: &[f64], steps: &[f64]) -> Result<Minimum> {
+pub fn minimise(residuals: impl Fn(&[f64]) -> Option<Vec<f64>>, start: &[f64], scales: &[Scale]) -> Result<Minimum> {
     let fault = || Error::data("the model cannot be computed where the fit begins");
-    let mut parameters = start.to_vec();
-    let mut here = residuals(&parameters).filter(|r| r.iter().all(|v| v.is_finite())).ok_or_else(fault)?;
-    let mut cost = square(&here);
+    let finite = |parameters: &[f64]| residuals(parameters).filter(|r| r.iter().all(|v| v.is_finite()));
+    let mut parameters: Vec<f64> = start.iter().zip(scales).map(|(p, s)| p.clamp(s.lo, s.hi)).collect();
+    let mut here = finite(&parameters).ok_or_else(fault)?;
+    let mut jacobian = differences(&finite, &parameters, scales).ok_or_else(fault)?;
     let (mut damping, mut converged) = (1e-3, false);
-    let mut jacobian = differences(&residuals, &parameters, steps).ok_or_else(fault)?;
     for _ in 0..MOST_STEPS {
-        let Some(step) = damped_step(&jacobian, &here, damping) else { break };
-        let trial: Vec<f64> = parameters.iter().zip(&step).map(|(p, s)| p - s).collect();
-        let there = residuals(&trial).filter(|r| r.iter().all(|v| v.is_finite()));
-        let small = step.iter().zip(steps).all(|(s, scale)| s.abs() <= 1e-8 * scale.abs());
-        match there.filter(|r| square(r) <= cost) {
-            Some(there) => {
-                let gain = cost - square(&there);
-                (parameters, here) = (trial, there);
-                cost = square(&here);
-                damping = (damping * 0.2).max(1e-12);
-                if small || gain <= 1e-14 * cost {
-                    converged = true;
-                    break;
-                }
-                match differences(&residuals, &parameters, steps) {
-                    Some(new) => jacobian = new,
-                    None => break,
-                }
-            }
-            None if small || damping > 1e12 => {
-                converged = small;
-                break;
-            }
-            None => damping *= 10.0,
+        let Some(trial) = trial(&jacobian, &here, &parameters, scales, damping) else { break };
+        let small = trial.iter().zip(&parameters).zip(scales).all(|((t, p), s)| (t - p).abs() <= 1e-8 * s.size);
+        let there = finite(&trial).filter(|r| square(r) <= square(&here));
+        if let Some(there) = there {
+            let gain = square(&here) - square(&there);
+            (parameters, here) = (trial, there);
+            damping = (damping * 0.2).max(1e-12);
+            converged = small || gain <= 1e-14 * square(&here);
+            let Some(new) = differences(&finite, &parameters, scales) else { break };
+            jacobian = new;
+        } else {
+            converged = small;
+            damping *= 10.0;
+        }
+        if converged || damping > 1e15 {
+            break;
         }
     }
-    let jacobian = differences(&residuals, &parameters, steps).unwrap_or(jacobian);
     Ok(Minimum { unit_covariance: covariance(&jacobian, 1.0), parameters, residuals: here, converged })
+}
+
+/// The parameters after a damped step; those that would leave their range from its end are held.
+fn trial(
+    jacobian: &[Vec<f64>],
+    residuals: &[f64],
+    parameters: &[f64],
+    scales: &[Scale],
+    damping: f64,
+) -> Option<Vec<f64>> {
+    let mut free: Vec<usize> = (0..parameters.len()).collect();
+    loop {
+        let part: Vec<Vec<f64>> = jacobian.iter().map(|row| free.iter().map(|&i| row[i]).collect()).collect();
+        let step = if free.is_empty() { Vec::new() } else { damped_step(&part, residuals, damping)? };
+        let leaves = |(k, &i): (usize, &usize)| {
+            let Scale { lo, hi, .. } = scales[i];
+            (parameters[i] <= lo && step[k] > 0.0) || (parameters[i] >= hi && step[k] < 0.0)
+        };
+        if let Some(held) = free.iter().enumerate().position(leaves) {
+            free.remove(held);
+            continue;
+        }
+        let mut trial = parameters.to_vec();
+        for (&i, step) in free.iter().zip(&step) {
+            trial[i] = (parameters[i] - step).clamp(scales[i].lo, scales[i].hi);
+        }
+        return Some(trial);
+    }
 }
 
 /// `variance (J^T J)^-1`, by scaling first so that units do not matter; empty when the data do not fix the parameters.
@@ -91,27 +123,25 @@ fn normal(jacobian: &[Vec<f64>], n: usize) -> Vec<Vec<f64>> {
     (0..n).map(|i| (0..n).map(|j| jacobian.iter().map(|row| row[i] * row[j]).sum()).collect()).collect()
 }
 
-/// Central differences; one-sided where the model ends.
+/// Central differences; one-sided at the end of a range.
 fn differences(
     residuals: &impl Fn(&[f64]) -> Option<Vec<f64>>,
     parameters: &[f64],
-    steps: &[f64],
+    scales: &[Scale],
 ) -> Option<Vec<Vec<f64>>> {
-    let here = residuals(parameters)?;
     let mut columns = Vec::with_capacity(parameters.len());
-    for (index, scale) in steps.iter().enumerate() {
-        let step = 1e-5 * scale;
+    for (index, scale) in scales.iter().enumerate() {
         let moved = |by: f64| {
             let mut moved = parameters.to_vec();
-            moved[index] += by;
-            residuals(&moved).filter(|r| r.iter().all(|v| v.is_finite()))
+            moved[index] = (moved[index] + by).clamp(scale.lo, scale.hi);
+            residuals(&moved).map(|residuals| (moved[index], residuals))
         };
-        let (up, down) = (moved(step), moved(-step));
-        let width = step * f64::from(u8::from(up.is_some()) + u8::from(down.is_some()));
-        let (up, down) = (up.unwrap_or_else(|| here.clone()), down.unwrap_or_else(|| here.clone()));
-        columns.push(up.iter().zip(&down).map(|(u, d)| (u - d) / width).collect::<Vec<f64>>());
+        let (up, down) = (moved(1e-5 * scale.size)?, moved(-1e-5 * scale.size)?);
+        let width = up.0 - down.0;
+        columns.push(up.1.iter().zip(&down.1).map(|(u, d)| (u - d) / width).collect::<Vec<f64>>());
     }
-    Some((0..here.len()).map(|row| columns.iter().map(|column| column[row]).collect()).collect())
+    let rows = columns.first().map_or(0, Vec::len);
+    Some((0..rows).map(|row| columns.iter().map(|column| column[row]).collect()).collect())
 }
 
 fn damped_step(jacobian: &[Vec<f64>], residuals: &[f64], damping: f64) -> Option<Vec<f64>> {
