@@ -33,15 +33,15 @@ pub(crate) struct Args {
     /// contacts; for taps csv where the first line names a column t, else ratatouille]
     #[arg(long, value_name = "FORMAT")]
     format: Option<Format>,
-    /// The robot whose first whisker is calibrated (.toml) [default: the paper's whisker]
+    /// The robot whose first whisker is calibrated (.toml) [default: the paper's whisker for labelled contacts]
     #[arg(long, value_name = "ROBOT")]
     robot: Option<PathBuf>,
+    #[command(flatten)]
+    output: OutputArgs,
     #[command(flatten)]
     contacts: ContactArgs,
     #[command(flatten)]
     distance: DistanceArgs,
-    #[command(flatten)]
-    output: OutputArgs,
 }
 
 /// What a calibration has to say and to write.
