@@ -3,6 +3,7 @@
 mod args;
 mod commands;
 mod output;
+mod quantity;
 
 use args::Cli;
 use clap::Parser;

@@ -1,6 +1,8 @@
 //! One file or folder for each command.
 
 mod beam;
+mod calibrate;
+mod contact;
 mod demo;
 mod localize;
 mod simulate;
@@ -15,6 +17,8 @@ use vibrissa::Result;
 pub(crate) enum Command {
     Demo(demo::Args),
     Beam(beam::Args),
+    Calibrate(calibrate::Args),
+    Contact(contact::Args),
     Localize(localize::Args),
     Simulate(simulate::Args),
 }
@@ -23,6 +27,8 @@ pub(crate) enum Command {
 pub(crate) fn run(command: &Command) -> Result<()> {
     match command {
         Command::Beam(args) => beam::run(args),
+        Command::Calibrate(args) => calibrate::run(args),
+        Command::Contact(args) => contact::run(args),
         Command::Demo(args) => demo::run(args),
         Command::Localize(args) => localize::run(args),
         Command::Simulate(args) => simulate::run(args),

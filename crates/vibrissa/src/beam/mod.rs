@@ -24,6 +24,7 @@ pub mod elastica;
 pub mod field;
 mod fixed_line;
 mod force_mode;
+mod influence;
 pub mod jacobi;
 mod load;
 mod moment_mode;
@@ -41,6 +42,7 @@ mod whisker;
 
 pub use bend::{Bend, ShapePoint};
 pub use force_mode::force_mode;
+pub use influence::{deflection_per_force, moment_per_travel, moment_per_turn};
 pub use load::Load;
 pub use moment_mode::moment_mode;
 pub use point_mode::point_mode;

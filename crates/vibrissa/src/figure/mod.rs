@@ -3,6 +3,7 @@
 //! Data go in as plain geometry in metres; [`Canvas`] maps a piece of the world onto a panel of the page, y up.
 
 mod axes;
+pub mod calibration;
 mod canvas;
 mod chart;
 mod document;
@@ -11,6 +12,7 @@ pub mod localization;
 pub mod simulation;
 mod style;
 
+pub use calibration::{Plot, calibration_figure};
 pub use canvas::{Canvas, Frame, WorldBounds};
 pub use document::{Document, escape};
 pub use legend::{Entry, Sample};

@@ -1,6 +1,7 @@
 //! The corridor, door by door, in the order in which data flows:
 //! sensor log → moment → contact set → preimage → state set → pose.
 
+pub mod calibrated;
 pub mod contact_set;
 pub mod moment;
 pub mod pose;
@@ -8,6 +9,7 @@ pub mod preimage;
 mod quadratic;
 pub mod sensor_log;
 pub mod state_set;
+pub mod taps;
 pub(crate) mod thinned;
 pub mod trajectory;
 mod words;

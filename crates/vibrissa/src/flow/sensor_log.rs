@@ -3,6 +3,7 @@
 mod columns;
 mod csv_reader;
 mod doubts;
+pub mod foreign;
 
 use crate::plane::Pose2;
 use crate::{Error, Result};
@@ -126,7 +127,9 @@ impl SensorLog {
         Err(if moments().next().is_some() {
             error.remedy("name the columns after the robot's whiskers")
         } else {
-            error.remedy("only moments are used yet: convert the other readings to N m first")
+            error.remedy(
+                "flux and counts need `calibration = \"cal.json\"` in the robot file; other readings are not used yet",
+            )
         })
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::Result;
 use crate::config::DeterministicOptions;
+use crate::flow::calibrated::calibrated;
 use crate::flow::pose::{Localization, Method};
 use crate::flow::sensor_log::SensorLog;
 use crate::localizer::Localizer;
@@ -22,7 +23,7 @@ impl Default for LocalizeOptions {
     }
 }
 
-/// Localizes a robot from what it recorded; `observer` is called with the index of each row once it is used.
+/// Localizes a robot from what it recorded, raw readings through the calibration that the robot file names; `observer` is called with the index of each row once it is used.
 ///
 /// # Errors
 ///
@@ -39,7 +40,8 @@ pub fn localize(
         Some(file) if error.line().is_some() => error.in_file(file),
         _ => error,
     };
-    let mut localizer = Localizer::new(map, robot, &log.channels, options.deterministic)?;
+    let (log, robot) = calibrated(log, robot)?;
+    let mut localizer = Localizer::new(map, &robot, &log.channels, options.deterministic)?;
     for (index, row) in log.rows.iter().enumerate() {
         localizer.step(row).map_err(in_log)?;
         observer(index);

@@ -1,6 +1,7 @@
 //! What people do with the corridor, one call each.
 
 pub mod batch;
+pub mod calibrate;
 pub mod demo;
 mod localize;
 pub mod scenario;

@@ -1,6 +1,7 @@
 //! The known world: maps, robots, motion, and the readers of their files.
 
 mod boundary;
+pub mod calibration;
 mod geojson;
 mod map;
 mod motion;

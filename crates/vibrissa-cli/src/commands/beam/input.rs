@@ -1,25 +1,10 @@
 //! What the user gives: numbers, loads and the three ways to pose the problem.
 
+pub(super) use crate::quantity::{option, quantity};
 use vibrissa::beam::{Bend, Load, Whisker, force_mode, moment_mode, point_mode, tip_mode};
 use vibrissa::plane::Vec2;
-use vibrissa::world::{Dimension, parse_quantity};
+use vibrissa::world::Dimension;
 use vibrissa::{Error, Result};
-
-/// A number in SI units, or one that carries its unit.
-pub(super) fn quantity(text: &str, dimension: Dimension) -> Result<f64> {
-    match text.trim().parse::<f64>() {
-        Ok(value) if !value.is_nan() => Ok(value),
-        _ => parse_quantity(text, dimension),
-    }
-}
-
-/// The value of a command line option.
-pub(super) fn option(name: &str, dimension: Dimension, text: Option<&str>) -> Result<Option<f64>> {
-    let value = text.map(|text| quantity(text, dimension)).transpose();
-    value.map_err(|error| {
-        Error::usage(format!("{name}: {error}")).or_remedy("give a number in SI units, or one with its unit: \"75 mm\"")
-    })
-}
 
 /// The value of `--load`.
 pub(super) fn parse_load(text: &str) -> Result<Load> {

@@ -3,6 +3,7 @@
 use std::path::Path;
 use vibrissa::figure::{Outline, OutlineRole};
 use vibrissa::flow::pose::{Localization, StampedPose};
+use vibrissa::flow::sensor_log::foreign::{Format, Recording};
 use vibrissa::flow::sensor_log::{Channel, LogRow, Quantity, SensorLog};
 use vibrissa::flow::trajectory::read_tum;
 use vibrissa::world::{Boundary, Map, Robot, Role};
@@ -22,12 +23,21 @@ pub(super) struct Inputs {
 
 impl Inputs {
     /// Reads every file; the first fault ends it.
-    pub(super) fn read(log: &Path, map: &Path, robot: Option<&Path>, truth: Option<&Path>) -> Result<Self> {
+    pub(super) fn read(
+        log: &Path,
+        format: Option<Format>,
+        map: &Path,
+        robot: Option<&Path>,
+        truth: Option<&Path>,
+    ) -> Result<Self> {
         Ok(Self {
             title: format!("{} on {}", file_name(log), file_name(map)),
             map: Map::read(map)?,
             robot: robot.map_or_else(|| Ok(Robot::default()), Robot::read)?,
-            log: SensorLog::read(log)?,
+            log: match format {
+                Some(format) => Recording::read(log, format)?.to_log()?,
+                None => SensorLog::read(log)?,
+            },
             truth: truth.map(read_tum).transpose()?,
         })
     }

@@ -10,6 +10,7 @@ use deterministic::DeterministicArgs;
 use inputs::Inputs;
 pub(super) use inputs::outlines;
 use std::path::PathBuf;
+use vibrissa::flow::sensor_log::foreign::Format;
 use vibrissa::{Error, LocalizeOptions, Result};
 
 /// Find where the robot is from a sensor log and a map.
@@ -25,6 +26,9 @@ pub(crate) struct Args {
     /// The map (.geojson, .svg)
     #[arg(long, value_name = "MAP")]
     map: PathBuf,
+    /// The format of a log that is not ours: rostopic (odometry and wrench or magnetic field) [default: our .csv]
+    #[arg(long, value_name = "FORMAT")]
+    format: Option<Format>,
     /// The robot's whiskers and error bounds (.toml) [default: the paper's whisker at the robot's origin]
     #[arg(long, value_name = "ROBOT")]
     robot: Option<PathBuf>,
@@ -54,7 +58,7 @@ enum MethodArg {
 /// Runs the command.
 pub(crate) fn run(args: &Args) -> Result<()> {
     let options = options(args)?;
-    let inputs = Inputs::read(&args.log, &args.map, args.robot.as_deref(), args.truth.as_deref())?;
+    let inputs = Inputs::read(&args.log, args.format, &args.map, args.robot.as_deref(), args.truth.as_deref())?;
     inputs.warnings().iter().for_each(|warning| warn(warning));
     let mut stopwatch = Stopwatch::start();
     let answer = inputs.localize(&options, &mut |_row| stopwatch.lap())?;

@@ -109,9 +109,19 @@ fn warnings(channels: &[Channel], unknown: &[&str]) -> Vec<String> {
         }
     };
     let mut warnings: Vec<String> = unknown.iter().map(ignored).collect();
-    let unused: Vec<String> = channels.iter().filter(|c| c.quantity != Quantity::Moment).map(Channel::column).collect();
+    let unused: Vec<String> = channels.iter().filter(|c| !is_used(c, channels)).map(Channel::column).collect();
     if !unused.is_empty() {
         warnings.push(format!("read but not used yet: {}", unused.join(", ")));
     }
     warnings
+}
+
+/// Moments are used as they are, flux and counts through a calibration where there is no moment.
+fn is_used(channel: &Channel, channels: &[Channel]) -> bool {
+    let has_moment = || channels.iter().any(|c| c.quantity == Quantity::Moment && c.whisker == channel.whisker);
+    match channel.quantity {
+        Quantity::Moment => true,
+        Quantity::Force | Quantity::Slope | Quantity::StripLo | Quantity::StripHi => false,
+        _ => !has_moment(),
+    }
 }

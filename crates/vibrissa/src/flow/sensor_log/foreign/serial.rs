@@ -1,0 +1,95 @@
+//! The paper's own sensor over a serial line: `x,y,z` in µT, no time.
+
+use super::lines::{lines, numbers};
+use super::{Format, Recording};
+
+/// Readings a second of one sensor \[routray, section "Whisker Contact and Obstacle Shape Analysis"\] (Hz).
+const RATE: f64 = 300.0;
+/// Readings a second of each of two sensors that take turns (Hz).
+const RATE_OF_TWO: f64 = 150.0;
+/// One microtesla (T).
+const MICRO: f64 = 1e-6;
+/// End of the sensor's widest range, \[routray, section "Sensor Fabrication"\] (T).
+const RANGE: f64 = 50e-3;
+
+/// One sensor.
+pub(super) fn read_one(bytes: &[u8]) -> Recording {
+    let mut recording = Recording::new(Format::Serial, &[("bx", "T"), ("by", "T"), ("bz", "T")]);
+    let mut slots = Vec::new();
+    for (slot, (number, flux)) in slotted(bytes, &mut recording).into_iter().enumerate() {
+        if let Some(flux) = flux {
+            recording.push(number, flux);
+            slots.push(slot);
+        }
+    }
+    stamp(&mut recording, &slots, RATE);
+    recording
+}
+
+/// Two sensors, `1` and `2`, whose lines take turns.
+///
+/// A line lost between them would swap the two from there on; after a line without a reading the sensor is therefore the
+/// one whose last reading is nearer.
+pub(super) fn read_two(bytes: &[u8]) -> Recording {
+    let columns = ["1.bx", "1.by", "1.bz", "2.bx", "2.by", "2.bz"].map(|name| (name, "T"));
+    let mut recording = Recording::new(Format::Serial2, &columns);
+    let (mut last, mut turn, mut lost) = ([None::<[f64; 3]>; 2], 0, false);
+    let (mut fresh, mut slots) = ([false; 2], Vec::new());
+    for (slot, (number, flux)) in slotted(bytes, &mut recording).into_iter().enumerate() {
+        let Some(flux) = flux else {
+            (lost, turn) = (true, 1 - turn);
+            continue;
+        };
+        if let (true, [Some(first), Some(second)]) = (lost, last) {
+            let nearer = usize::from(distance(flux, second) < distance(flux, first));
+            recording.repairs.order_restored += usize::from(nearer != turn);
+            if nearer != turn {
+                fresh = [false; 2];
+            }
+            turn = nearer;
+        }
+        lost = false;
+        (last[turn], fresh[turn]) = (Some(flux), true);
+        if let ([true, true], [Some(first), Some(second)]) = (fresh, last) {
+            recording.push(number, first.into_iter().chain(second));
+            slots.push(slot / 2);
+            fresh = [false; 2];
+        }
+        turn = 1 - turn;
+    }
+    slots.dedup();
+    // Two pairs never share a slot unless lines were lost in between; then the later one waits for its turn.
+    let slots: Vec<usize> =
+        if slots.len() == recording.lines.len() { slots } else { (0..recording.lines.len()).collect() };
+    stamp(&mut recording, &slots, RATE_OF_TWO);
+    recording
+}
+
+/// A line that took the place of a reading, with the reading if it is one; the banner before the first is no such line.
+fn slotted(bytes: &[u8], recording: &mut Recording) -> Vec<(usize, Option<[f64; 3]>)> {
+    let mut slots = Vec::new();
+    for line in lines(bytes) {
+        if line.text.is_empty() {
+            continue;
+        }
+        let flux = numbers::<3>(line.text).map(|b| b.map(|v| v * MICRO));
+        match flux {
+            Some(flux) => recording.repairs.saturated += flux.iter().filter(|b| b.abs() >= RANGE).count(),
+            None => recording.repairs.drop_line(&line),
+        }
+        if flux.is_some() || !slots.is_empty() {
+            slots.push((line.number, flux));
+        }
+    }
+    slots
+}
+
+fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum()
+}
+
+/// Time by place: each slot is one period, whether its line could be read or not.
+fn stamp(recording: &mut Recording, slots: &[usize], rate: f64) {
+    recording.t = slots.iter().map(|&slot| slot as f64 / rate).collect();
+    recording.repairs.stamps_made = recording.t.len();
+}

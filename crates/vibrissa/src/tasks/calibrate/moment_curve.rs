@@ -1,0 +1,164 @@
+//! From raw readings to moments, and from moments to the tip's retreat.
+
+use super::labelled::{Explained, Labelled};
+use super::least_squares::linear;
+use crate::config::CurveOptions;
+use crate::world::calibration::{MomentCurve, TipDeflection};
+use crate::{Error, Result};
+
+/// One labelled contact on its way to a curve: signal and moment, in the order of recording.
+type Pair = (f64, f64);
+
+/// Fits the moment as a polynomial of the readings' excursion along the direction in which contact moves them.
+///
+/// The degree is the least whose error on rows left out is within 5 % of the best, up to
+/// [`CurveOptions::most_degree`], among those that are monotone over the range.
+///
+/// # Errors
+///
+/// Data: no raw readings, fewer contacts than [`CurveOptions::fewest_contacts`], readings that do not follow the moment.
+pub fn fit_moment_curve(labelled: &Labelled, explained: &[Explained], options: &CurveOptions) -> Result<MomentCurve> {
+    let fault = |what: &str| Error::data(what.to_owned()).in_file(&labelled.source);
+    let inputs = labelled.inputs.len();
+    if inputs == 0 {
+        return Err(fault("there are no raw readings to calibrate").allowed("bx,by,bz (T) or ax,ay,az (counts)"));
+    }
+    if explained.len() < options.fewest_contacts {
+        return Err(fault("too few contacts that the whisker can reach")
+            .value(explained.len())
+            .allowed(format!("{} or more; 1000 represent a sensor well", options.fewest_contacts))
+            .remedy("check that x,y are in m in the whisker frame, and the whisker's length"));
+    }
+    let (rest, direction) = direction(labelled, explained).ok_or_else(|| {
+        fault("the readings do not change with the moment").remedy("check the columns' order and units")
+    })?;
+    let signal = |row: usize| -> f64 {
+        labelled.readings[row].iter().zip(&rest).zip(&direction).map(|((b, rest), d)| (b - rest) * d).sum()
+    };
+    let pairs: Vec<Pair> = explained.iter().map(|e| (signal(e.row), e.moment)).collect();
+    let (lo, hi) = pairs.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), p| (lo.min(p.0), hi.max(p.0)));
+    let range = [0.5 * (lo + hi), 0.5 * (hi - lo)];
+    let mut curve = MomentCurve {
+        inputs: labelled.inputs.clone(),
+        rest,
+        direction,
+        range,
+        coefficients: Vec::new(),
+        residual_rms: 0.0,
+        hysteresis: 0.0,
+        bound: 0.0,
+        samples: pairs.len(),
+    };
+    let tried: Vec<(Vec<f64>, Vec<f64>)> = (1..=options.most_degree)
+        .filter_map(|degree| Some((polynomial(&pairs, range, degree)?, left_out(&pairs, range, degree)?)))
+        .filter(|(coefficients, _)| monotone(coefficients))
+        .collect();
+    let best = tried.iter().map(|(_, errors)| rms(errors)).fold(f64::INFINITY, f64::min);
+    let Some((coefficients, errors)) = tried.into_iter().find(|(_, errors)| rms(errors) <= 1.05 * best) else {
+        return Err(fault("no monotone curve fits the readings"));
+    };
+    curve.coefficients = coefficients;
+    let residuals: Vec<f64> = pairs.iter().map(|&(s, m)| m - curve.at(s)).collect();
+    curve.residual_rms = rms(&residuals);
+    curve.bound = errors.iter().fold(0.0, |most, e| e.abs().max(most));
+    curve.hysteresis = hysteresis(&pairs, &residuals);
+    Ok(curve)
+}
+
+/// Readings at zero moment, and the unit vector along which they move with it: a straight line for each input.
+fn direction(labelled: &Labelled, explained: &[Explained]) -> Option<(Vec<f64>, Vec<f64>)> {
+    let scale = explained.iter().map(|e| e.moment.abs()).fold(0.0, f64::max);
+    let rows: Vec<Vec<f64>> = explained.iter().map(|e| vec![1.0, e.moment / scale]).collect();
+    let fit = |input: usize| {
+        let targets: Vec<f64> = explained.iter().map(|e| labelled.readings[e.row][input]).collect();
+        linear(&rows, &targets)
+    };
+    let lines: Vec<Vec<f64>> = (0..labelled.inputs.len()).map(fit).collect::<Option<_>>()?;
+    let norm = lines.iter().map(|line| line[1] * line[1]).sum::<f64>().sqrt();
+    (norm > 0.0 && norm.is_finite())
+        .then(|| (lines.iter().map(|line| line[0]).collect(), lines.iter().map(|line| line[1] / norm).collect()))
+}
+
+/// Coefficients of the polynomial in `(signal - middle) / half width`.
+fn polynomial(pairs: &[Pair], range: [f64; 2], degree: usize) -> Option<Vec<f64>> {
+    let powers = |z: f64| (0..=degree).map(|k| z.powi(k as i32)).collect();
+    let rows: Vec<Vec<f64>> = pairs.iter().map(|p| powers((p.0 - range[0]) / range[1])).collect();
+    let targets: Vec<f64> = pairs.iter().map(|p| p.1).collect();
+    linear(&rows, &targets)
+}
+
+fn value(coefficients: &[f64], z: f64) -> f64 {
+    coefficients.iter().rev().fold(0.0, |sum, c| sum * z + c)
+}
+
+fn monotone(coefficients: &[f64]) -> bool {
+    let values: Vec<f64> = (0..=200).map(|i| value(coefficients, f64::from(i) * 0.01 - 1.0)).collect();
+    values.windows(2).all(|w| w[1] > w[0]) || values.windows(2).all(|w| w[1] < w[0])
+}
+
+/// Rows in one block that is left out together: neighbours in time share their errors.
+const BLOCK: usize = 8;
+/// How many parts the blocks are dealt into.
+const FOLDS: usize = 10;
+
+/// Errors of all rows, each by a curve without its block and every tenth of the others.
+fn left_out(pairs: &[Pair], range: [f64; 2], degree: usize) -> Option<Vec<f64>> {
+    let fold = |row: usize| row / BLOCK % FOLDS;
+    let mut errors = vec![0.0; pairs.len()];
+    for part in 0..FOLDS {
+        let others: Vec<Pair> =
+            pairs.iter().enumerate().filter(|(row, _)| fold(*row) != part).map(|(_, p)| *p).collect();
+        let coefficients = polynomial(&others, range, degree)?;
+        for (row, pair) in pairs.iter().enumerate().filter(|(row, _)| fold(*row) == part) {
+            errors[row] = pair.1 - value(&coefficients, (pair.0 - range[0]) / range[1]);
+        }
+    }
+    Some(errors)
+}
+
+/// Widest gap between the mean residuals of rising and of falling load, over eighths of the range.
+fn hysteresis(pairs: &[Pair], residuals: &[f64]) -> f64 {
+    const BINS: usize = 8;
+    const FEWEST: usize = 4;
+    let most = pairs.iter().map(|p| p.1.abs()).fold(0.0, f64::max);
+    let mut sums = [[(0.0, 0usize); 2]; BINS];
+    let mut rising = None;
+    for row in 1..pairs.len() {
+        let (before, now) = (pairs[row - 1].1.abs(), pairs[row].1.abs());
+        if (now - before).abs() > 1e-6 * most {
+            rising = Some(now > before);
+        }
+        if let Some(rising) = rising {
+            let bin = ((now / most * BINS as f64) as usize).min(BINS - 1);
+            let cell = &mut sums[bin][usize::from(rising)];
+            *cell = (cell.0 + residuals[row] * pairs[row].1.signum(), cell.1 + 1);
+        }
+    }
+    let gap = |[down, up]: &[(f64, usize); 2]| match (down.1.min(up.1) >= FEWEST, down, up) {
+        (true, down, up) => (down.0 / down.1 as f64 - up.0 / up.1 as f64).abs(),
+        _ => 0.0,
+    };
+    sums.iter().map(gap).fold(0.0, f64::max)
+}
+
+fn rms(values: &[f64]) -> f64 {
+    (values.iter().map(|v| v * v).sum::<f64>() / values.len().max(1) as f64).sqrt()
+}
+
+/// Fits the tip's retreat as an even polynomial of the moment \[routray, section "Sensor Calibration"\]; none when fewer
+/// than two contacts bend the whisker.
+#[must_use]
+pub fn fit_tip_deflection(explained: &[Explained]) -> Option<TipDeflection> {
+    let largest = explained.iter().map(|e| e.moment.abs()).fold(0.0, f64::max);
+    let bent: Vec<&Explained> = explained.iter().filter(|e| e.moment.abs() > 1e-6 * largest).collect();
+    let rows: Vec<Vec<f64>> = bent.iter().map(|e| (e.moment / largest).powi(2)).map(|z| vec![z, z * z]).collect();
+    let targets: Vec<f64> = bent.iter().map(|e| e.retreat).collect();
+    let fitted = linear(&rows, &targets)?;
+    let residuals: Vec<f64> =
+        rows.iter().zip(&targets).map(|(row, y)| y - row[0] * fitted[0] - row[1] * fitted[1]).collect();
+    Some(TipDeflection {
+        coefficients: [fitted[0] / largest.powi(2), fitted[1] / largest.powi(4)],
+        largest_moment: largest,
+        residual_rms: rms(&residuals),
+    })
+}
