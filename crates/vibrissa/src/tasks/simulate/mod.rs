@@ -13,6 +13,7 @@
 //! | `path` | poses from waypoints |
 //! | `files` | logs and touches as text |
 
+pub mod discrete;
 mod equilibrium;
 mod files;
 mod follow;

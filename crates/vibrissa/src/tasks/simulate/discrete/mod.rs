@@ -1,0 +1,227 @@
+//! The discrete rod: a chain of links and torsional springs pressed against a map, by minimising its energy.
+//!
+//! It knows nothing of the elastica: no shape is assumed, any number of contacts may act, and taper, rest curvature and an
+//! elastic base are just springs. So it solves what one contact cannot describe, and it is the oracle of what one
+//! contact can. Its error falls with the square of the number of links.
+//!
+//! Nodes and links keep off the map by a barrier that acts within [`REACH`] of a boundary and turns infinite on it; every
+//! step is cut before a node would pass an edge or a link a vertex \[li2020ipc\]. A whisker can therefore never be on the wrong
+//! side of a boundary, however thin, pointed or tangled the map is. Links are kept at their length by multipliers.
+//!
+//! | file | what it knows |
+//! | --- | --- |
+//! | `near` | distances of points and segments, and when moving ones meet |
+//! | `energy` | energy, gradient, Hessian |
+//! | `banded` | the solution of the linear equations |
+//! | `relax` | Newton's method with line search |
+
+mod banded;
+mod energy;
+mod near;
+mod relax;
+
+use crate::beam::Whisker;
+use crate::plane::{Bounds, Pose2, Vec2};
+use crate::world::Map;
+use crate::{Error, Result};
+use energy::{Barrier, Base, Springs};
+use near::{Pair, distance};
+
+/// Distance from boundaries at which contact forces act at last, over the whisker's length.
+pub const REACH: f64 = 1e-6;
+/// Stiffness of the links against stretching, over `EI / L²`; multipliers take the rest of the force.
+const STRETCH: f64 = 1e6;
+/// Stiffness that holds the first node at the base, over that of a link.
+const ANCHOR: f64 = 1e4;
+/// Turn of the whole rod at rest that lets a whisker pushed along its axis choose a side (rad).
+const IMPERFECTION: f64 = 1e-6;
+/// Presses closer along the whisker than so many links are one contact.
+const ONE_CONTACT: f64 = 1.5;
+
+/// How a search for the nearest equilibrium ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Relaxed {
+    /// At a minimum of the energy.
+    Converged,
+    /// Still moving after the most steps: the shape is the best one reached.
+    Unfinished,
+    /// The base could not follow: it runs into a boundary.
+    Blocked,
+}
+
+/// One contact of the discrete rod.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Press {
+    /// Arc length from the base to the contact (m).
+    pub s_a: f64,
+    /// The place on the whisker, map frame (m).
+    pub position: Vec2,
+    /// The force on the whisker, map frame (N).
+    pub force: Vec2,
+}
+
+/// A chain of links in a map.
+#[derive(Clone, Debug)]
+pub struct DiscreteRod {
+    springs: Springs,
+    length: f64,
+    /// `EI / L²` (N): the scale of forces.
+    unit: f64,
+    base: Base,
+    nodes: Vec<Vec2>,
+    pairs: Vec<Pair>,
+}
+
+impl DiscreteRod {
+    /// The unloaded rod of so many links.
+    ///
+    /// # Errors
+    ///
+    /// Usage: fewer than 4 or more than 2000 links. Data: a length, rigidity or base stiffness that is not positive, a tip
+    /// ratio outside (0, 1], a curvature that is not finite.
+    pub fn new(whisker: &Whisker, links: usize, map_from_whisker: Pose2) -> Result<Self> {
+        if !(4..=2000).contains(&links) {
+            return Err(Error::usage("links of the discrete rod").value(links).allowed("4 to 2000"));
+        }
+        let Whisker { length, flexural_rigidity, tip_ratio, curvature, base_stiffness } = *whisker;
+        let sound = length > 0.0 && flexural_rigidity > 0.0 && base_stiffness > 0.0 && tip_ratio > 0.0;
+        if !(sound && tip_ratio <= 1.0 && curvature.is_finite() && (length * flexural_rigidity).is_finite()) {
+            return Err(Error::data("whisker").value(format!("{whisker:?}")).allowed("positive, finite numbers"));
+        }
+        let h = length / links as f64;
+        let rigidity = |s: f64| flexural_rigidity * (1.0 - (1.0 - tip_ratio) * s / length).powi(4);
+        let joint = |i: usize| match i {
+            0 => 1.0 / (0.5 * h / rigidity(0.25 * h) + 1.0 / base_stiffness),
+            _ => rigidity(i as f64 * h) / h,
+        };
+        let rest = |i: usize| (curvature * h + IMPERFECTION / links as f64) * if i == 0 { 0.5 } else { 1.0 };
+        let unit = flexural_rigidity / (length * length);
+        let stretch = STRETCH * unit / h;
+        let springs = Springs {
+            h,
+            joints: (0..links).map(joint).collect(),
+            rest: (0..links).map(rest).collect(),
+            stretch,
+            tension: vec![0.0; links],
+            anchor: ANCHOR * stretch,
+        };
+        let base = Base { position: map_from_whisker.position(), heading: map_from_whisker.theta };
+        let mut rod = Self { springs, length, unit, base, nodes: Vec::new(), pairs: Vec::new() };
+        rod.straighten(map_from_whisker);
+        Ok(rod)
+    }
+
+    /// Takes the shape without load.
+    fn straighten(&mut self, map_from_whisker: Pose2) {
+        self.base = Base { position: map_from_whisker.position(), heading: map_from_whisker.theta };
+        let mut nodes = vec![self.base.position];
+        let mut heading = self.base.heading;
+        let mut place = self.base.position;
+        for rest in &self.springs.rest {
+            heading += rest;
+            place = place + Vec2::from_angle(heading) * self.springs.h;
+            nodes.push(place);
+        }
+        self.nodes = nodes;
+        self.springs.tension.fill(0.0);
+    }
+
+    /// Takes the shape of these points (map frame), one for each node from the base on, at this base.
+    pub(super) fn pose(&mut self, map_from_whisker: Pose2, nodes: Vec<Vec2>) {
+        self.base = Base { position: map_from_whisker.position(), heading: map_from_whisker.theta };
+        if nodes.len() == self.nodes.len() {
+            self.nodes = nodes;
+        }
+        self.springs.tension.fill(0.0);
+    }
+
+    /// The nodes from base to tip, map frame (m).
+    #[must_use]
+    pub fn nodes(&self) -> &[Vec2] {
+        &self.nodes
+    }
+
+    /// The moment of the contact forces about the base (N m), counter-clockwise.
+    #[must_use]
+    pub fn moment(&self) -> f64 {
+        self.springs.base_moment(self.base, &self.nodes)
+    }
+
+    /// The elastic energy, the base's included (J).
+    #[must_use]
+    pub fn energy(&self) -> f64 {
+        self.springs.bending(self.base, &self.nodes)
+    }
+
+    /// The contacts from base to tip; what touches within a link and a half is one.
+    #[must_use]
+    pub fn presses(&self) -> Vec<Press> {
+        let barrier = self.barrier(REACH);
+        let mut all: Vec<Press> = self.pairs.iter().filter_map(|pair| self.press(pair, barrier)).collect();
+        all.sort_by(|a, b| a.s_a.total_cmp(&b.s_a));
+        let mut merged: Vec<Press> = Vec::new();
+        for press in all {
+            match merged.last_mut() {
+                Some(last) if press.s_a - last.s_a < ONE_CONTACT * self.springs.h => {
+                    let (a, b) = (last.force.norm(), press.force.norm());
+                    let share = b / (a + b);
+                    last.s_a += (press.s_a - last.s_a) * share;
+                    last.position = last.position + (press.position - last.position) * share;
+                    last.force = last.force + press.force;
+                }
+                _ => merged.push(press),
+            }
+        }
+        merged.retain(|press| press.force.norm() > 1e-9 * self.unit);
+        merged
+    }
+
+    fn press(&self, pair: &Pair, barrier: Barrier) -> Option<Press> {
+        let figure = pair.figure(&self.nodes);
+        let (d, at, n) = distance(figure);
+        let size = -barrier.slopes(d).0;
+        if size <= 0.0 {
+            return None;
+        }
+        let press = match *pair {
+            Pair::Node { node, .. } => {
+                Press { s_a: node as f64 * self.springs.h, position: figure.0, force: n * size }
+            }
+            Pair::Vertex { link, .. } => Press {
+                s_a: (link as f64 + at) * self.springs.h,
+                position: figure.1 + (figure.2 - figure.1) * at,
+                force: n * -size,
+            },
+        };
+        Some(press)
+    }
+
+    fn barrier(&self, reach: f64) -> Barrier {
+        let reach = reach * self.length;
+        Barrier { reach, scale: self.unit / reach }
+    }
+
+    /// Pairs of rod and map that are within `margin` (m) of each other, or nearly so.
+    fn gather(&mut self, map: &Map, margin: f64) {
+        self.pairs.clear();
+        for link in 0..self.nodes.len() - 1 {
+            let ends = [self.nodes[link], self.nodes[link + 1]];
+            let pairs = &mut self.pairs;
+            map.for_each_edge_in(inflated(&ends, margin), |edge| {
+                if link == 0 {
+                    pairs.push(Pair::Node { node: 0, edge });
+                }
+                pairs.push(Pair::Node { node: link + 1, edge });
+                pairs.extend(edge.map(|vertex| Pair::Vertex { vertex, link }));
+                false
+            });
+        }
+    }
+}
+
+/// The rectangle around points, larger by `margin` on all sides.
+pub(super) fn inflated(points: &[Vec2], margin: f64) -> Bounds {
+    let bounds = Bounds::of(points);
+    let by = Vec2::new(margin, margin);
+    Bounds { min: bounds.min - by, max: bounds.max + by }
+}
