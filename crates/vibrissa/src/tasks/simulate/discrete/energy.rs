@@ -1,4 +1,8 @@
 //! The energy of the discrete rod, with its first and second derivatives.
+//!
+//! Where a node is nearest to a vertex, two edges, two links and their pairs all see the same distance. Pairs of node and
+//! vertex take away what is counted too often, so that the repulsion is that of one pair everywhere and no vertex
+//! stands out as a bump that would hold a sliding tip.
 
 use super::banded::Banded;
 use super::near::{Pair, distance};
@@ -87,7 +91,7 @@ impl Springs {
             (0.5 * self.stretch * longer + tension) * longer
         };
         let links: f64 = self.tension.iter().enumerate().map(link).sum();
-        let repelled: f64 = pairs.iter().map(|pair| barrier.energy(distance(pair.figure(nodes)).0)).sum();
+        let repelled: f64 = pairs.iter().map(|pair| pair.weight() * barrier.energy(distance(pair.figure(nodes)).0)).sum();
         let anchored = 0.5 * self.anchor * (nodes[0] - base.position).norm_squared();
         self.bending(base, nodes) + links + repelled + anchored
     }
@@ -169,10 +173,15 @@ fn repulsion(pair: &Pair, nodes: &[Vec2], barrier: Barrier, out: &mut Derivative
         return;
     }
     let (first, second) = barrier.slopes(d);
+    let (first, second) = (pair.weight() * first, pair.weight() * second);
     match *pair {
-        Pair::Node { node, .. } => {
+        Pair::Node { node, .. } | Pair::Corner { node, .. } => {
             out.push(node, n * first);
             out.outer(&[(node, n)], second);
+            if !(at > 0.0 && at < 1.0) {
+                // About a vertex the normal turns with the node: without this a pointed vertex would seem to hold it.
+                out.outer(&[(node, n.perp())], first / d);
+            }
         }
         Pair::Vertex { link, .. } => {
             let parts = [(link, n * (at - 1.0)), (link + 1, n * -at)];
@@ -187,6 +196,9 @@ fn repulsion(pair: &Pair, nodes: &[Vec2], barrier: Barrier, out: &mut Derivative
                 let turn = [(link, n * -1.0), (link + 1, n)];
                 let slide = [(link, t * (1.0 - at)), (link + 1, t * at)];
                 out.product(&turn, &slide, first / length);
+            } else {
+                let end = link + usize::from(at > 0.5);
+                out.outer(&[(end, n.perp())], first / d);
             }
         }
     }

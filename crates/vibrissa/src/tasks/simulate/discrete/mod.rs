@@ -157,43 +157,34 @@ impl DiscreteRod {
     #[must_use]
     pub fn presses(&self) -> Vec<Press> {
         let barrier = self.barrier(REACH);
-        let mut all: Vec<Press> = self.pairs.iter().filter_map(|pair| self.press(pair, barrier)).collect();
+        let mut all: Vec<Push> = self.pairs.iter().filter_map(|pair| self.push(pair, barrier)).collect();
         all.sort_by(|a, b| a.s_a.total_cmp(&b.s_a));
-        let mut merged: Vec<Press> = Vec::new();
-        for press in all {
-            match merged.last_mut() {
-                Some(last) if press.s_a - last.s_a < ONE_CONTACT * self.springs.h => {
-                    let (a, b) = (last.force.norm(), press.force.norm());
-                    let share = b / (a + b);
-                    last.s_a += (press.s_a - last.s_a) * share;
-                    last.position = last.position + (press.position - last.position) * share;
-                    last.force = last.force + press.force;
-                }
-                _ => merged.push(press),
-            }
-        }
-        merged.retain(|press| press.force.norm() > 1e-9 * self.unit);
-        merged
+        let groups = all.chunk_by(|a, b| b.s_a - a.s_a < ONE_CONTACT * self.springs.h);
+        let mut presses: Vec<Press> = groups.map(together).collect();
+        presses.retain(|press| press.force.norm() > 1e-9 * self.unit);
+        presses
     }
 
-    fn press(&self, pair: &Pair, barrier: Barrier) -> Option<Press> {
+    /// What one pair contributes.
+    fn push(&self, pair: &Pair, barrier: Barrier) -> Option<Push> {
         let figure = pair.figure(&self.nodes);
         let (d, at, n) = distance(figure);
-        let size = -barrier.slopes(d).0;
-        if size <= 0.0 {
+        let size = -barrier.slopes(d).0 * pair.weight();
+        if size.abs() <= 0.0 {
             return None;
         }
-        let press = match *pair {
-            Pair::Node { node, .. } => {
-                Press { s_a: node as f64 * self.springs.h, position: figure.0, force: n * size }
+        let push = match *pair {
+            Pair::Node { node, .. } | Pair::Corner { node, .. } => {
+                Push { size, s_a: node as f64 * self.springs.h, position: figure.0, force: n * size }
             }
-            Pair::Vertex { link, .. } => Press {
+            Pair::Vertex { link, .. } => Push {
+                size,
                 s_a: (link as f64 + at) * self.springs.h,
                 position: figure.1 + (figure.2 - figure.1) * at,
                 force: n * -size,
             },
         };
-        Some(press)
+        Some(push)
     }
 
     fn barrier(&self, reach: f64) -> Barrier {
@@ -204,19 +195,49 @@ impl DiscreteRod {
     /// Pairs of rod and map that are within `margin` (m) of each other, or nearly so.
     fn gather(&mut self, map: &Map, margin: f64) {
         self.pairs.clear();
-        for link in 0..self.nodes.len() - 1 {
+        let links = self.nodes.len() - 1;
+        let (mut edges, mut vertices) = (Vec::new(), Vec::new());
+        for link in 0..links {
             let ends = [self.nodes[link], self.nodes[link + 1]];
-            let pairs = &mut self.pairs;
+            edges.clear();
             map.for_each_edge_in(inflated(&ends, margin), |edge| {
-                if link == 0 {
-                    pairs.push(Pair::Node { node: 0, edge });
-                }
-                pairs.push(Pair::Node { node: link + 1, edge });
-                pairs.extend(edge.map(|vertex| Pair::Vertex { vertex, link }));
+                edges.push(edge);
                 false
             });
+            vertices.clear();
+            vertices.extend(edges.iter().flatten().copied());
+            vertices.sort_by(|a: &Vec2, b: &Vec2| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
+            let nodes = if link == 0 { 0..2 } else { link + 1..link + 2 };
+            for node in nodes {
+                self.pairs.extend(edges.iter().map(|&edge| Pair::Node { node, edge }));
+                let inside = if node == 0 || node == links { 0.0 } else { 1.0 };
+                let corner = |same: &[Vec2]| Pair::Corner { node, vertex: same[0], excess: same.len() as f64 + inside };
+                self.pairs.extend(vertices.chunk_by(|a, b| a == b).map(corner));
+            }
+            self.pairs.extend(vertices.chunk_by(|a, b| a == b).map(|same| Pair::Vertex { vertex: same[0], link }));
         }
     }
+}
+
+/// The share of one pair in a contact.
+struct Push {
+    size: f64,
+    s_a: f64,
+    position: Vec2,
+    force: Vec2,
+}
+
+/// Pushes that are one contact.
+fn together(pushes: &[Push]) -> Press {
+    let total: f64 = pushes.iter().map(|push| push.size).sum();
+    let mut press = Press { s_a: 0.0, position: Vec2::ZERO, force: Vec2::ZERO };
+    for push in pushes {
+        let share = push.size / total;
+        press.s_a += push.s_a * share;
+        press.position = press.position + push.position * share;
+        press.force = press.force + push.force;
+    }
+    press
 }
 
 /// The rectangle around points, larger by `margin` on all sides.

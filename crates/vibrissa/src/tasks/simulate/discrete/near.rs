@@ -9,6 +9,8 @@ pub(super) enum Pair {
     Node { node: usize, edge: [Vec2; 2] },
     /// A vertex of the map beside a link of the rod, from the node of this index on.
     Vertex { vertex: Vec2, link: usize },
+    /// A node of the rod beside a vertex of the map, which the others have counted so many times too often.
+    Corner { node: usize, vertex: Vec2, excess: f64 },
 }
 
 /// A point and a segment: the point, the segment's ends.
@@ -21,7 +23,14 @@ impl Pair {
         match *self {
             Self::Node { node, edge } => (nodes[node], edge[0], edge[1]),
             Self::Vertex { vertex, link } => (vertex, nodes[link], nodes[link + 1]),
+            Self::Corner { node, vertex, .. } => (nodes[node], vertex, vertex),
         }
+    }
+
+    /// How often its energy counts.
+    #[inline]
+    pub(super) fn weight(&self) -> f64 {
+        if let Self::Corner { excess, .. } = *self { -excess } else { 1.0 }
     }
 
     /// The same when the nodes have moved by `share` of `step`.
@@ -31,6 +40,7 @@ impl Pair {
         match *self {
             Self::Node { node, edge } => (at(node), edge[0], edge[1]),
             Self::Vertex { vertex, link } => (vertex, at(link), at(link + 1)),
+            Self::Corner { node, vertex, .. } => (at(node), vertex, vertex),
         }
     }
 
@@ -38,7 +48,7 @@ impl Pair {
     #[inline]
     fn travel(&self, step: &[Vec2]) -> f64 {
         match *self {
-            Self::Node { node, .. } => step[node].norm(),
+            Self::Node { node, .. } | Self::Corner { node, .. } => step[node].norm(),
             Self::Vertex { link, .. } => step[link].norm().max(step[link + 1].norm()),
         }
     }
@@ -67,6 +77,9 @@ const KEPT: f64 = 0.1;
 /// The largest share of `step`, up to `most`, for which the pair keeps a tenth of its distance and the point does not pass
 /// through the segment.
 pub(super) fn safe_share(pair: &Pair, nodes: &[Vec2], step: &[Vec2], most: f64) -> f64 {
+    if matches!(pair, Pair::Corner { .. }) {
+        return most;
+    }
     let start = distance(pair.figure(nodes)).0;
     if pair.travel(step) * most < (1.0 - KEPT) * start {
         return most;
