@@ -5,4 +5,4 @@ mod localize;
 pub mod simulate;
 
 pub use localize::{LocalizeOptions, localize};
-pub use simulate::{Sweep, SweepNoise, simulate_tip_sweep};
+pub use simulate::{SimulateOptions, Sweep, SweepNoise, simulate, simulate_tip_sweep};

@@ -15,6 +15,7 @@ mod march;
 mod moment;
 mod newton;
 mod point;
+mod pushed;
 mod scan;
 mod section;
 mod shot;

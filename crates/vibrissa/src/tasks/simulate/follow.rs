@@ -1,305 +1,484 @@
-//! One whisker over time: onset, sliding, corners, lift-off, snap.
+//! One whisker over time: free, in one contact, or as a discrete rod where one contact does not say it all.
 
-use super::TipTouch;
-use super::equilibrium::{OnPiece, Stance, TipLoadState};
-use super::foothold::{Foothold, Joint};
-use super::touch::{FreeWay, between, first_touch, side_touch};
+use super::contact::{Contact, Hold, Next, Step, WALL_END};
+use super::discrete::{DiscreteRod, REACH, Relaxed};
+use super::equilibrium::Stance;
+use super::flex::{Flex, Load};
+use super::foothold::Foothold;
+use super::report::{Grip, Part, Touch};
+use super::touch::{between, blocked, first_touch, meets, onset, side_hold};
+use super::{SimulateOptions, Solver};
 use crate::flow::pose::{Event, StampedPose};
 use crate::plane::{Pose2, Vec2, wrap_angle};
 use crate::world::{Map, MountedWhisker};
 use crate::{Error, Result};
-use core::f64::consts::FRAC_PI_2;
+use core::f64::consts::{FRAC_PI_2, PI};
 
 /// The smallest share of a row's motion that is tried before the branch is said to end.
 const LEAST_SHARE: f64 = 1.0 / 65536.0;
-/// Largest travel of the tip along the boundary in one step of the continuation, over the whisker's length.
-const LARGEST_SLIDE: f64 = 0.03;
-/// Largest turn of the tip in one step of the continuation (rad).
-const LARGEST_TURN: f64 = 0.2;
-/// Pieces of a boundary that one step may pass.
-const MOST_PIECES: usize = 200;
+/// Share of a row in which a whisker that has lost its equilibrium finds another.
+const SNAP_SHARE: f64 = 1e-3;
 /// Changes between free and touching, grazes among them, that one row may see.
 const MOST_CHANGES: usize = 100;
-/// How far beyond its ends a piece still counts (share of the piece).
-const END_SLACK: f64 = 1e-9;
+/// Longest way of the base (over L) and largest turn (rad) in one step.
+const LARGEST_STEP: (f64, f64) = (0.05, 0.05);
+/// Distance at which a discrete rod starts beside what it touches, over L.
+const APART: f64 = 3.0 * REACH;
+/// How far one contact may differ from the discrete rod that it replaces: place and slope (over L, rad), and moment relative.
+const ALIKE: (f64, f64) = (0.03, 0.03);
 
-/// What holds the tip.
-#[derive(Clone, Copy, Debug)]
-enum Hold {
-    Piece(Foothold),
-    Corner(Joint),
+/// What the whisker does.
+#[derive(Debug)]
+enum Body {
+    Free,
+    Held(Contact),
+    Chain(Box<DiscreteRod>),
+    /// The base has run into a boundary; the last moment (N m) stays.
+    Lost(f64),
 }
 
-/// A whisker in contact.
-#[derive(Clone, Copy, Debug)]
-struct Contact {
-    load: TipLoadState,
-    hold: Hold,
-    tip: Vec2,
-    slope: f64,
-}
-
-/// What a step of the continuation found.
-enum Next {
-    Touching(Contact),
-    /// The boundary would have to pull, or the tip slid off the end of a wall.
-    LiftOff(&'static str),
-    None,
-}
+/// What happened: kind and detail.
+type Happened = Option<(&'static str, String)>;
 
 /// One whisker on its way.
 pub(super) struct Follower<'a> {
     map: &'a Map,
     whisker: &'a MountedWhisker,
+    flex: &'a Flex,
+    options: &'a SimulateOptions,
     t: f64,
     map_from_whisker: Pose2,
-    contact: Option<Contact>,
+    body: Body,
+    unsolved: bool,
 }
 
 impl<'a> Follower<'a> {
     /// The whisker at its first pose, where it must be free.
-    pub(super) fn start(map: &'a Map, whisker: &'a MountedWhisker, at: StampedPose) -> Result<Self> {
+    pub(super) fn start(
+        map: &'a Map,
+        whisker: &'a MountedWhisker,
+        flex: &'a Flex,
+        options: &'a SimulateOptions,
+        at: StampedPose,
+    ) -> Result<Self> {
         let map_from_whisker = at.map_from_robot.compose(whisker.robot_from_whisker);
-        let follower = Self { map, whisker, t: at.t, map_from_whisker, contact: None };
-        let (base, tip) = (map_from_whisker.position(), follower.straight_tip(map_from_whisker));
-        if map.crosses(base, tip) || !map.is_free(base) || !map.is_free(tip) {
-            return Err(Error::usage(format!("the whisker {} does not start in free space", whisker.name))
-                .value(format!("base {}, tip {}", show(base), show(tip)))
-                .remedy("start the path where the straight whisker touches nothing"));
+        let tip = map_from_whisker.transform_point(flex.rest[flex.rest.len() - 1]);
+        let base = map_from_whisker.position();
+        let refused = |why: String| {
+            Err(Error::usage(format!("the whisker {} does not start in free space", whisker.name))
+                .value(why)
+                .remedy("start the path where the unloaded whisker touches nothing"))
+        };
+        if let Some(place) = meets(map, &flex.rest, map_from_whisker) {
+            return refused(format!("it meets a boundary at {}; base {}, tip {}", show(place), show(base), show(tip)));
         }
-        Ok(follower)
-    }
-
-    fn straight_tip(&self, map_from_whisker: Pose2) -> Vec2 {
-        map_from_whisker.transform_point(Vec2::new(self.whisker.beam.length, 0.0))
+        for (name, point) in [("base", base), ("tip", tip)] {
+            if !map.is_free(point) {
+                return refused(format!("its {name} {} is inside something solid", show(point)));
+            }
+        }
+        let body = match options.solver {
+            Solver::Auto => Body::Free,
+            Solver::DiscreteRod => {
+                Body::Chain(Box::new(DiscreteRod::new(&whisker.beam, options.links, map_from_whisker)?))
+            }
+        };
+        Ok(Self { map, whisker, flex, options, t: at.t, map_from_whisker, body, unsolved: false })
     }
 
     fn stance(&self, map_from_whisker: Pose2) -> Stance<'a> {
-        Stance { map: self.map, beam: &self.whisker.beam, map_from_whisker }
+        Stance { map: self.map, flex: self.flex, map_from_whisker }
+    }
+
+    fn step(&self, map_from_whisker: Pose2) -> Step<'a> {
+        Step { stance: self.stance(map_from_whisker), cone: self.whisker.friction.atan() }
     }
 
     /// Moves on to the next pose.
     pub(super) fn advance(&mut self, to: StampedPose, events: &mut Vec<Event>) -> Result<()> {
         let (from, start) = (self.map_from_whisker, self.t);
         let target = to.map_from_robot.compose(self.whisker.robot_from_whisker);
-        let mut share = 0.0;
+        let way = from.position().distance(target.position()) / (LARGEST_STEP.0 * self.flex.beam.length);
+        let most = 1.0 / way.max(wrap_angle(target.theta - from.theta).abs() / LARGEST_STEP.1).max(1.0);
+        let mut leg = Leg { from, to: target, share: 0.0, most };
         let mut changes = 0;
-        while share < 1.0 {
-            self.t = start + share * (to.t - start);
-            let event = if self.contact.is_some() {
-                self.slide(from, target, &mut share)
-            } else {
-                self.wander(from, target, &mut share)?
+        while leg.share < 1.0 {
+            let happened = match self.body {
+                Body::Free => self.wander(&mut leg)?,
+                Body::Held(contact) => self.slide(contact, &mut leg)?,
+                Body::Chain(_) => self.drag(&mut leg)?,
+                Body::Lost(_) => self.wait(&mut leg),
             };
-            if let Some((kind, what)) = event {
-                let t = start + share * (to.t - start);
+            if let Some((kind, what)) = happened {
+                let t = start + leg.share * (to.t - start);
                 events.push(Event { t, kind, detail: format!("{} {what}", self.whisker.name) });
+                changes += 1;
             }
             changes += 1;
-            if changes > MOST_CHANGES {
-                return Err(self.fault("keeps touching and leaving within one row", self.tip()));
+            if changes > MOST_CHANGES + (1.0 / most) as usize {
+                // Something chatters within one row; the next row starts from here.
+                leg.share = 1.0;
+                self.unsolved(events, to.t, "keeps touching and leaving within one row");
             }
         }
         (self.map_from_whisker, self.t) = (target, to.t);
-        self.check_side()
+        Ok(())
+    }
+
+    fn unsolved(&mut self, events: &mut Vec<Event>, t: f64, what: &str) {
+        events.push(Event { t, kind: "unsolved", detail: format!("{} {what}", self.whisker.name) });
     }
 
     /// The free whisker until it touches or the row ends.
-    fn wander(&mut self, from: Pose2, to: Pose2, share: &mut f64) -> Result<Option<(&'static str, &'static str)>> {
-        let here = between(from, to, *share);
-        let there = |part: f64, share: f64| if part >= 1.0 { 1.0 } else { share + part * (1.0 - share) };
-        match first_touch(self.map, self.whisker.beam.length, here, to) {
-            FreeWay::Clear => *share = 1.0,
-            FreeWay::Side(part) => {
-                let pose = between(from, to, there(part, *share));
-                return Err(self.fault("touches with its side", self.straight_tip(pose)));
-            }
-            FreeWay::Tip(part, foothold) => {
-                *share = there(part, *share);
-                let stance = self.stance(between(from, to, *share));
-                let load = stance.untouched(&foothold);
-                let tip = foothold.ground(self.map).position;
-                self.contact = Some(Contact { load, hold: Hold::Piece(foothold), tip, slope: 0.0 });
-                return Ok(self.press(from, to, share)?.then_some(("onset", "touches with its tip")));
-            }
+    fn wander(&mut self, leg: &mut Leg) -> Result<Happened> {
+        let here = leg.at(leg.share);
+        let Some((free, touching)) = first_touch(self.map, &self.flex.rest, here, leg.to) else {
+            leg.share = 1.0;
+            return Ok(None);
+        };
+        let before = leg.within(free);
+        leg.share = leg.within(touching);
+        let pose = leg.at(leg.share);
+        let Some(contact) = onset(&self.stance(pose)) else {
+            return self.relax(self.unloaded(leg.at(before))?, leg, "touches");
+        };
+        let what = if contact.load.s >= 1.0 { "touches with its tip" } else { "touches with its side" };
+        let step = leg.most.min(1.0 - leg.share);
+        if step <= 0.0 {
+            // The touch came with the very end of the row: the next row presses on.
+            return Ok(None);
         }
-        Ok(None)
-    }
-
-    /// The first step in contact: whether the tip stays on the boundary. If not, it goes on free a little further.
-    fn press(&mut self, from: Pose2, to: Pose2, share: &mut f64) -> Result<bool> {
-        let Some(contact) = self.contact.take() else { return Ok(false) };
-        let mut step = 1.0 - *share;
-        while step > LEAST_SHARE * (1.0 - *share) {
-            match self.next(&contact, between(from, to, *share + step)) {
-                Next::Touching(next) => {
-                    *share = if step >= 1.0 - *share { 1.0 } else { *share + step };
-                    self.contact = Some(next);
-                    return Ok(true);
+        let mut part = step;
+        while part > LEAST_SHARE * step {
+            match self.step(leg.at(leg.share + part)).next(&contact) {
+                Next::Touching(next) if !self.is_blocked(&next, leg.at(leg.share + part)) => {
+                    leg.share = leg.reached(part);
+                    self.body = Body::Held(next);
+                    return Ok(Some(("onset", what.into())));
                 }
                 // It grazes: within the tolerance of the look-up it has not touched yet, or has left again.
-                Next::LiftOff(_) => {
-                    *share += step;
-                    return Ok(false);
+                Next::LiftOff => {
+                    leg.share = leg.reached(part);
+                    return Ok(None);
                 }
-                Next::None => step *= 0.5,
+                Next::Touching(_) | Next::Ends(_) => part *= 0.5,
             }
         }
-        if *share >= 1.0 {
-            // The touch came with the very end of the row: the next row presses on.
-            return Ok(false);
-        }
-        Err(self.fault("meets a boundary head-on and finds no equilibrium", contact.tip))
+        let rod = self.unloaded(leg.at(before))?;
+        self.relax(rod, leg, "touches")
     }
 
-    /// The touching whisker until it is free or the row ends.
-    fn slide(&mut self, from: Pose2, to: Pose2, share: &mut f64) -> Option<(&'static str, &'static str)> {
-        let mut contact = self.contact?;
-        let mut step = 1.0 - *share;
-        while *share < 1.0 {
-            let target = if *share + step >= 1.0 { 1.0 } else { *share + step };
-            match self.next(&contact, between(from, to, target)) {
+    /// The touching whisker until something happens or the row ends.
+    fn slide(&mut self, mut contact: Contact, leg: &mut Leg) -> Result<Happened> {
+        let mut step = leg.most.min(1.0 - leg.share);
+        while leg.share < 1.0 {
+            let target = leg.reached(step);
+            match self.step(leg.at(target)).next(&contact) {
                 Next::Touching(next) => {
+                    if self.is_blocked(&next, leg.at(target)) {
+                        let rod = self.chain(&contact, leg.at(leg.share))?;
+                        return self.relax(rod, leg, "touches a second time");
+                    }
                     contact = next;
-                    *share = target;
-                    step *= 2.0;
+                    leg.share = target;
+                    step = (2.0 * step).min(leg.most);
                 }
-                Next::LiftOff(what) => {
-                    *share = target;
-                    self.contact = None;
-                    return Some(("lift_off", what));
+                Next::LiftOff => {
+                    leg.share = target;
+                    self.body = Body::Free;
+                    return Ok(Some(("lift_off", "leaves the boundary".into())));
                 }
-                Next::None => {
+                Next::Ends(why) => {
                     step *= 0.5;
                     if step < LEAST_SHARE {
-                        self.contact = None;
-                        return Some(("snap", "loses its equilibrium and snaps free"));
+                        let rod = self.chain(&contact, leg.at(leg.share))?;
+                        return self.relax(rod, leg, why);
                     }
                 }
             }
         }
-        self.contact = Some(contact);
-        None
-    }
-
-    /// The equilibrium after a small motion to `map_from_whisker`, near enough to the one before to be its continuation.
-    fn next(&self, contact: &Contact, map_from_whisker: Pose2) -> Next {
-        let stance = self.stance(map_from_whisker);
-        let next = match contact.hold {
-            Hold::Piece(foothold) => self.along(&stance, contact.load, foothold),
-            Hold::Corner(joint) => self.caught(&stance, contact.load, &joint),
+        let before = match self.body {
+            Body::Held(before) => before.load.s >= 1.0,
+            _ => contact.load.s >= 1.0,
         };
-        match next {
-            Next::Touching(next)
-                if next.tip.distance(contact.tip) > LARGEST_SLIDE * self.whisker.beam.length
-                    || (next.slope - contact.slope).abs() > LARGEST_TURN =>
-            {
-                Next::None
-            }
-            other => other,
-        }
+        self.body = Body::Held(contact);
+        let now = contact.load.s >= 1.0;
+        Ok(match (before, now) {
+            (true, false) => Some(("side_contact", "goes over from its tip to its side".into())),
+            (false, true) => Some(("tip_contact", "goes over from its side to its tip".into())),
+            _ => None,
+        })
     }
 
-    /// From piece to piece until one holds the tip.
-    fn along(&self, stance: &Stance<'_>, load: TipLoadState, start: Foothold) -> Next {
-        let mut foothold = start;
-        let mut came: Option<bool> = None;
-        for _ in 0..MOST_PIECES {
-            let found = match stance.on_piece(load, foothold) {
-                OnPiece::Found { stable: true, load, foothold } => (Some(load), foothold),
-                OnPiece::Found { stable: false, .. } | OnPiece::Failed => return Next::None,
-                OnPiece::Lost(foothold) => (None, foothold),
-            };
-            let (solution, at) = (found.0, found.1.at);
-            if (-END_SLACK..=1.0 + END_SLACK).contains(&at) {
-                return solution.map_or(Next::None, |load| self.settle(stance, load, Hold::Piece(found.1)));
-            }
-            let forward = at > 0.5;
-            let Some(joint) = foothold.joint(self.map, forward) else {
-                return Next::LiftOff("slides off the end of a wall");
-            };
-            if came.is_some_and(|came| came != forward) {
-                return Next::None;
-            }
-            // Coming from one side, the corner is met before the other side. A weak force all but cannot be caught:
-            // its direction turns at once, and the corner may find no solution at all.
-            if joint.is_concave()
-                && let Some((held, lean)) = stance.in_corner(load, &joint)
-            {
-                match lean {
-                    0.0..=1.0 => return self.settle(stance, held, Hold::Corner(joint)),
-                    _ if (lean > 1.0) != forward => return Next::None,
-                    _ => {}
-                }
-            }
-            came = Some(forward);
-            foothold = if forward { joint.after } else { joint.before };
-        }
-        Next::None
+    /// Whether the bent whisker meets a boundary elsewhere.
+    fn is_blocked(&self, contact: &Contact, pose: Pose2) -> bool {
+        let stance = self.stance(pose);
+        let Some(bend) = self.flex.bend(contact.load) else { return true };
+        let lay = if contact.load.beta.cos() >= 0.0 { 0.0 } else { PI };
+        blocked(&stance, &bend, lay).is_some()
     }
 
-    /// In the corner, or out of it along one of its sides.
-    fn caught(&self, stance: &Stance<'_>, load: TipLoadState, joint: &Joint) -> Next {
-        match stance.in_corner(load, joint) {
-            Some((_, lean)) if lean < 0.0 => self.along(stance, load, joint.before),
-            Some((_, lean)) if lean > 1.0 => self.along(stance, load, joint.after),
-            Some((held, _)) => self.settle(stance, held, Hold::Corner(*joint)),
-            None => Next::None,
-        }
-    }
-
-    fn settle(&self, stance: &Stance<'_>, load: TipLoadState, hold: Hold) -> Next {
-        if load.q < 0.0 {
-            return Next::LiftOff("leaves the boundary");
-        }
-        match stance.bend(load) {
-            Some(bend) => {
-                let tip = stance.map_from_whisker.transform_point(bend.contact);
-                Next::Touching(Contact { load, hold, tip, slope: bend.phi_a })
-            }
-            None => Next::None,
-        }
-    }
-
-    /// Refuses contact with the whisker's side at the present pose.
-    fn check_side(&self) -> Result<()> {
-        let Some(contact) = self.contact else { return Ok(()) };
-        let stance = self.stance(self.map_from_whisker);
-        let Some(bend) = stance.bend(contact.load) else { return Ok(()) };
-        let normal = match contact.hold {
-            Hold::Piece(foothold) => foothold.ground(self.map).normal,
-            Hold::Corner(joint) => joint.normal + 0.5 * joint.turn,
+    /// The discrete rod without load at this pose, a little away from what it is about to touch.
+    fn unloaded(&self, pose: Pose2) -> Result<DiscreteRod> {
+        let mut rod = DiscreteRod::new(&self.whisker.beam, self.options.links, pose)?;
+        let tip = rod.nodes()[rod.nodes().len() - 1];
+        let near = meets(self.map, &self.flex.rest, pose).unwrap_or(tip);
+        let Some((foothold, _)) = Foothold::nearest(self.map, near, pose.position() - near, f64::INFINITY) else {
+            return Ok(rod);
         };
-        match side_touch(&stance, &bend, normal) {
-            Some(place) => Err(self.fault("touches with its side", place)),
-            None => Ok(()),
+        let away = Vec2::from_angle(foothold.ground(self.map).normal);
+        let nodes = rod.nodes().to_vec();
+        rod.pose(pose, pushed_off(nodes, away * (APART * self.flex.beam.length)));
+        Ok(rod)
+    }
+
+    /// The discrete rod in the shape of a contact.
+    fn chain(&self, contact: &Contact, pose: Pose2) -> Result<DiscreteRod> {
+        let mut rod = DiscreteRod::new(&self.whisker.beam, self.options.links, pose)?;
+        if let Some(bend) = self.flex.bend(contact.load) {
+            let shape = bend.shape(self.flex.beam.length, rod.nodes().len());
+            let away = Vec2::from_angle(self.stance(pose).direction(contact.load, &contact.state));
+            let nodes = shape.into_iter().map(|p| pose.transform_point(p)).collect();
+            rod.pose(pose, pushed_off(nodes, away * (APART * self.flex.beam.length)));
         }
+        Ok(rod)
     }
 
-    fn fault(&self, what: &str, place: Vec2) -> Error {
-        Error::usage(format!("the whisker {} {what} at t = {:.6} s", self.whisker.name, self.t))
-            .value(format!("near {}", show(place)))
-            .remedy("this simulator handles tip contact only; choose another path")
+    /// Lets a discrete rod find the next equilibrium, and one contact that says the same if there is one.
+    fn relax(&mut self, mut rod: DiscreteRod, leg: &mut Leg, why: &str) -> Result<Happened> {
+        let target = leg.reached(SNAP_SHARE.min(1.0 - leg.share));
+        let pose = leg.at(target);
+        let how = rod.advance(self.map, pose);
+        leg.share = target;
+        self.unsolved = how == Relaxed::Unfinished;
+        let was_free = matches!(self.body, Body::Free);
+        if how == Relaxed::Blocked {
+            self.body = Body::Lost(rod.moment());
+            return Ok(Some(("lost", format!("{why}, and its base is stopped by a boundary at {}", show(pose.position())))));
+        }
+        let simple = self.simplified(&rod, pose);
+        let kind = if was_free { "onset" } else { "snap" };
+        let happened = match &simple {
+            Some(Body::Free) if was_free => None,
+            Some(Body::Free) if why == WALL_END => Some(("lift_off", why.to_owned())),
+            Some(Body::Free) => Some(("snap", format!("{why} and snaps free"))),
+            Some(Body::Held(contact)) => {
+                let part = if contact.load.s >= 1.0 { "tip" } else { "side" };
+                let there = show(contact.place);
+                Some((kind, format!("{why} and comes to rest with its {part} at {there}")))
+            }
+            _ => {
+                let places: Vec<String> = rod.presses().iter().map(|press| show(press.position)).collect();
+                Some(("multi_contact", format!("{why} and touches at {}{}", places.join(" and "), self.neglect())))
+            }
+        };
+        self.body = simple.unwrap_or_else(|| Body::Chain(Box::new(rod)));
+        Ok(happened)
     }
 
-    fn tip(&self) -> Vec2 {
-        self.contact.map_or_else(|| self.straight_tip(self.map_from_whisker), |contact| contact.tip)
+    fn neglect(&self) -> &'static str {
+        if self.whisker.friction > 0.0 { "; friction is left out meanwhile" } else { "" }
+    }
+
+    /// The discrete rod for one step of its base.
+    fn drag(&mut self, leg: &mut Leg) -> Result<Happened> {
+        let Body::Chain(rod) = &mut self.body else { return Ok(None) };
+        let target = leg.reached(leg.most.min(1.0 - leg.share));
+        let pose = leg.at(target);
+        leg.share = target;
+        let how = rod.advance(self.map, pose);
+        if how == Relaxed::Blocked {
+            self.body = Body::Lost(rod.moment());
+            return Ok(Some(("lost", format!("is stopped by a boundary at its base {}", show(pose.position())))));
+        }
+        let fresh = how == Relaxed::Unfinished && !self.unsolved;
+        self.unsolved = how == Relaxed::Unfinished;
+        if fresh {
+            return Ok(Some(("unsolved", "is still moving; the best shape reached goes on".into())));
+        }
+        if self.options.solver == Solver::DiscreteRod || self.unsolved {
+            return Ok(None);
+        }
+        let Body::Chain(rod) = &self.body else { return Ok(None) };
+        let Some(simple) = self.simplified(rod, pose) else { return Ok(None) };
+        self.body = simple;
+        Ok(Some(match self.body {
+            Body::Free => ("lift_off", "leaves all boundaries".into()),
+            _ => ("single_contact", "touches at one place again".into()),
+        }))
+    }
+
+    /// What says the same as the rod with less: no contact or one; none when there is no such thing.
+    fn simplified(&self, rod: &DiscreteRod, pose: Pose2) -> Option<Body> {
+        let presses = rod.presses();
+        let stance = self.stance(pose);
+        let length = self.flex.beam.length;
+        let [press] = presses.as_slice() else {
+            let tip = pose.transform_point(self.flex.rest[self.flex.rest.len() - 1]);
+            let same = rod.nodes().last().is_some_and(|node| node.distance(tip) < ALIKE.0 * length);
+            let free = presses.is_empty() && same && meets(self.map, &self.flex.rest, pose).is_none();
+            return free.then_some(Body::Free);
+        };
+        let node = ((press.s_a / length * self.options.links as f64) as usize).min(self.options.links - 1);
+        let heading = (rod.nodes()[node + 1] - rod.nodes()[node]).angle();
+        let beta = wrap_angle(press.force.angle() - heading - FRAC_PI_2);
+        let (foothold, _) = Foothold::nearest(self.map, press.position, press.force, ALIKE.0 * length)?;
+        let load = Load { q: press.force.norm() / self.flex.unit(), s: press.s_a / length, beta };
+        let joint = foothold.joint(self.map, foothold.at > 0.5);
+        let near_joint = joint.position.distance(press.position) < 1e-4 * length;
+        let at_tip = press.s_a > length * (1.0 - 0.5 / self.options.links as f64);
+        let lay = if beta.cos() > 0.0 { 0.0 } else { PI };
+        let mut holds = Vec::new();
+        if at_tip {
+            if near_joint && joint.is_concave() {
+                holds.push(Hold::Corner(joint));
+            }
+            holds.push(Hold::Tip(foothold));
+        }
+        holds.extend(side_hold(&stance, foothold, lay, heading));
+        if near_joint && !joint.is_concave() && !joint.is_smooth() {
+            holds.push(Hold::Vertex(joint, lay));
+        }
+        holds.push(Hold::Flank(foothold, lay));
+        let step = Step { cone: 0.0, ..self.step(pose) };
+        holds.into_iter().find_map(|hold| {
+            let s = if matches!(hold, Hold::Tip(_) | Hold::Corner(_)) { 1.0 } else { load.s };
+            let Next::Touching(contact) = step.run(hold, Load { s, ..load }, 0.0) else { return None };
+            let moment = contact.state.m * self.flex.unit() * length;
+            let alike = contact.place.distance(press.position) < ALIKE.0 * length
+                && (contact.load.s - load.s).abs() < ALIKE.0
+                && (moment - rod.moment()).abs() < ALIKE.1 * rod.moment().abs() + 1e-3 * self.flex.unit() * length;
+            (alike && !self.is_blocked(&contact, pose)).then_some(Body::Held(contact))
+        })
+    }
+
+    /// A whisker that was lost until it is clear of everything again.
+    fn wait(&mut self, leg: &mut Leg) -> Happened {
+        leg.share = leg.reached(1.0 - leg.share);
+        let pose = leg.to;
+        let clear = meets(self.map, &self.flex.rest, pose).is_none() && self.map.is_free(pose.position());
+        if !clear {
+            return None;
+        }
+        self.body = Body::Free;
+        Some(("found", "is free again".into()))
     }
 
     /// The moment at the base now (N m).
     pub(super) fn moment(&self) -> f64 {
-        let stance = self.stance(self.map_from_whisker);
-        self.contact.and_then(|contact| stance.bend(contact.load)).map_or(0.0, |bend| bend.moment)
+        match &self.body {
+            Body::Free => 0.0,
+            Body::Held(contact) => contact.state.m * self.flex.unit() * self.flex.beam.length,
+            Body::Chain(rod) => rod.moment(),
+            Body::Lost(moment) => *moment,
+        }
     }
 
-    /// The contact now.
-    pub(super) fn touch(&self, row: usize, whisker: usize) -> Option<TipTouch> {
-        let contact = self.contact?;
-        let bend = self.stance(self.map_from_whisker).bend(contact.load)?;
-        let direction = wrap_angle(self.map_from_whisker.theta + bend.phi_a + bend.beta + FRAC_PI_2);
-        let force = bend.force * Vec2::from_angle(direction);
-        Some(TipTouch { t: self.t, row, whisker, position: contact.tip, force, energy: bend.energy() })
+    /// The contacts now, from base to tip.
+    pub(super) fn touches(&self, row: usize, whisker: usize) -> Vec<Touch> {
+        match &self.body {
+            Body::Free | Body::Lost(_) => Vec::new(),
+            Body::Held(contact) => self.held_touch(contact, row, whisker).into_iter().collect(),
+            Body::Chain(rod) => self.chain_touches(rod, row, whisker),
+        }
     }
+
+    fn held_touch(&self, contact: &Contact, row: usize, whisker: usize) -> Option<Touch> {
+        let bend = self.flex.bend(contact.load)?;
+        let stance = self.stance(self.map_from_whisker);
+        let direction = stance.direction(contact.load, &contact.state);
+        let (part, normal) = match contact.hold {
+            Hold::Tip(foothold) => (Part::Tip, foothold.ground(self.map).normal),
+            Hold::Corner(joint) => {
+                let lean = joint.lean(direction).clamp(0.0, 1.0);
+                (Part::Tip, joint.normal + lean * joint.turn)
+            }
+            Hold::Vertex(_, lay) | Hold::Flank(_, lay) => {
+                (Part::Side, stance.heading(&contact.state) + lay + FRAC_PI_2)
+            }
+        };
+        let grip = match (self.whisker.friction > 0.0, contact.stuck) {
+            (false, _) => Grip::Frictionless,
+            (true, true) => Grip::Sticks,
+            (true, false) => Grip::Slips,
+        };
+        Some(Touch {
+            t: self.t,
+            row,
+            whisker,
+            position: contact.place,
+            force: contact.load.q * self.flex.unit() * Vec2::from_angle(direction),
+            energy: bend.energy(),
+            s_a: contact.load.s * self.flex.beam.length,
+            part,
+            normal: Vec2::from_angle(normal),
+            grip,
+        })
+    }
+
+    fn chain_touches(&self, rod: &DiscreteRod, row: usize, whisker: usize) -> Vec<Touch> {
+        let energy = rod.energy();
+        let tip = self.flex.beam.length * (1.0 - 0.5 / self.options.links as f64);
+        let touch = |press: super::discrete::Press| Touch {
+            t: self.t,
+            row,
+            whisker,
+            position: press.position,
+            force: press.force,
+            energy,
+            s_a: press.s_a,
+            part: if press.s_a > tip { Part::Tip } else { Part::Side },
+            normal: press.force * (1.0 / press.force.norm()),
+            grip: Grip::Frictionless,
+        };
+        rod.presses().into_iter().map(touch).collect()
+    }
+
+    /// `n` points of the whisker from base to tip, map frame (m).
+    pub(super) fn shape(&self, n: usize) -> Vec<Vec2> {
+        let length = self.flex.beam.length;
+        let placed = |points: Vec<Vec2>| points.iter().map(|&p| self.map_from_whisker.transform_point(p)).collect();
+        match &self.body {
+            Body::Held(contact) => self.flex.bend(contact.load).map_or_else(Vec::new, |b| placed(b.shape(length, n))),
+            Body::Chain(rod) => rod.nodes().to_vec(),
+            Body::Free | Body::Lost(_) => placed(self.flex.rest.clone()),
+        }
+    }
+}
+
+/// The way of a whisker from one row to the next.
+struct Leg {
+    from: Pose2,
+    to: Pose2,
+    /// How much of it is done.
+    share: f64,
+    /// The most that one step takes.
+    most: f64,
+}
+
+impl Leg {
+    fn at(&self, share: f64) -> Pose2 {
+        between(self.from, self.to, share)
+    }
+
+    /// The share after a step, the whole where rounding would leave a rest.
+    fn reached(&self, step: f64) -> f64 {
+        if step >= 1.0 - self.share { 1.0 } else { self.share + step }
+    }
+
+    /// The share at a part of the rest.
+    fn within(&self, part: f64) -> f64 {
+        if part >= 1.0 { 1.0 } else { self.share + part * (1.0 - self.share) }
+    }
+}
+
+/// All nodes but the first moved a little, the more the further from the base.
+fn pushed_off(mut nodes: Vec<Vec2>, by: Vec2) -> Vec<Vec2> {
+    let last = (nodes.len() - 1) as f64;
+    for (i, node) in nodes.iter_mut().enumerate() {
+        *node = *node + by * (2.0 * i as f64 / last).min(1.0);
+    }
+    nodes
 }
 
 fn show(p: Vec2) -> String {

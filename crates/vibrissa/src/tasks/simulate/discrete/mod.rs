@@ -201,7 +201,10 @@ impl DiscreteRod {
             let ends = [self.nodes[link], self.nodes[link + 1]];
             edges.clear();
             map.for_each_edge_in(inflated(&ends, margin), |edge| {
-                edges.push(edge);
+                // An edge without length is its neighbours' vertex.
+                if edge[0] != edge[1] {
+                    edges.push(edge);
+                }
                 false
             });
             vertices.clear();
