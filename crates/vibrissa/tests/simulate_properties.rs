@@ -105,7 +105,7 @@ fn energy_is_the_work_done_on_the_tip() {
     let (map, ..) = reference();
     let path = path_through(&waypoints(), &Pace { rate: 6000.0, ..PACE }).unwrap();
     let sweep = sweep(&map, &path);
-    let seen = |touch: &vibrissa::tasks::simulate::TipTouch| {
+    let seen = |touch: &vibrissa::tasks::simulate::Touch| {
         let pose = path[touch.row].map_from_robot;
         (pose.inverse_transform_point(touch.position), touch.force.rotated(-pose.theta))
     };

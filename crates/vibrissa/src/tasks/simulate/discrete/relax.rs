@@ -1,7 +1,7 @@
 //! The way to the nearest minimum of the energy.
 
 use super::energy::{Barrier, Base, Derivatives};
-use super::near::{distance, safe_share};
+use super::near::safe_share;
 use super::{DiscreteRod, REACH, Relaxed};
 use crate::plane::{Pose2, Vec2};
 use crate::world::Map;
@@ -118,12 +118,6 @@ impl DiscreteRod {
             share *= 0.5;
         }
         0.0
-    }
-
-    /// The least distance between rod and map within the pairs' margin (m).
-    pub(in super::super) fn clearance(&mut self, map: &Map) -> f64 {
-        self.gather(map, MARGIN * self.length);
-        self.pairs.iter().map(|pair| distance(pair.figure(&self.nodes)).0).fold(f64::INFINITY, f64::min)
     }
 }
 
