@@ -44,7 +44,7 @@ fn main() {
         let touching = fast.exact_moments.iter().filter(|m| m[0] != 0.0).count();
         rows_all += touching; odd_all += odd.len(); worst_all = worst_all.max(worst);
         let mut inchain = false; let mut ev = fast.events.iter().peekable();
-        for p in &path { while ev.peek().is_some_and(|e| e.t <= p.t) { let k = ev.next().unwrap().kind; inchain = match k { "multi_contact" => true, "single_contact" | "snap" | "lift_off" | "onset" | "lost" => false, _ => inchain }; } if inchain { chain_rows += 1; } }
+        for p in &path { while ev.peek().is_some_and(|e| e.t <= p.t) { let k = ev.next().unwrap().kind; inchain = match k { "discrete_rod" => true, "single_contact" | "snap" | "lift_off" | "onset" | "lost" => false, _ => inchain }; } if inchain { chain_rows += 1; } }
         if odd.len() > 0 || verbose {
             println!("{seed}: touching {touching} odd {} worst {worst:.1e} t {:.1} {:.1} ms", odd.len(), tf*1e3, ts*1e3);
             for e in &fast.events { println!("   F {:.4} {} {}", e.t, e.kind, e.detail); }

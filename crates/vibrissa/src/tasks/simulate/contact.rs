@@ -177,7 +177,7 @@ impl Step<'_> {
         {
             let over = if forward { joint.after } else { joint.before };
             if (stance.heading(&state) - over.ground(stance.map).normal).cos() > 0.0 {
-                return self.slips_past(&joint, forward, load, offset);
+                return self.slips_past(&joint, load, offset);
             }
         }
         let next = Hold::Tip(if forward { joint.after } else { joint.before });
@@ -188,16 +188,13 @@ impl Step<'_> {
     }
 
     /// The tip goes past a convex corner, and the side comes to lie on it if it can.
-    fn slips_past(&self, joint: &Joint, forward: bool, load: Load, offset: f64) -> Tried {
+    fn slips_past(&self, joint: &Joint, load: Load, offset: f64) -> Tried {
         let lay = if (load.beta - offset).cos() > 0.0 { 0.0 } else { PI };
         let load = Load { beta: lay + offset, ..load };
         match self.vertex(joint, lay, load, offset) {
             Tried::Is(Next::Touching(contact)) => Tried::Is(Next::Touching(contact)),
-            _ if joint.before.is_other_side_of(&joint.after) => Tried::Is(Next::Ends(WALL_END)),
-            _ => {
-                let _ = forward;
-                Tried::Is(Next::Ends(SLIPS))
-            }
+            _ if joint.is_end() => Tried::Is(Next::Ends(WALL_END)),
+            _ => Tried::Is(Next::Ends(SLIPS)),
         }
     }
 

@@ -132,15 +132,14 @@ impl<'a> Follower<'a> {
     /// The free whisker until it touches or the row ends.
     fn wander(&mut self, leg: &mut Leg) -> Result<Happened> {
         let here = leg.at(leg.share);
-        let Some((free, touching)) = first_touch(self.map, &self.flex.rest, here, leg.to) else {
+        let Some(touching) = first_touch(self.map, &self.flex.rest, here, leg.to) else {
             leg.share = 1.0;
             return Ok(None);
         };
-        let before = leg.within(free);
         leg.share = leg.within(touching);
         let pose = leg.at(leg.share);
         let Some(contact) = onset(&self.stance(pose)) else {
-            return self.relax(self.unloaded(leg.at(before))?, leg, "touches");
+            return self.relax(self.unloaded(here)?, leg, "touches");
         };
         let what = if contact.load.s >= 1.0 { "touches with its tip" } else { "touches with its side" };
         let step = leg.most.min(1.0 - leg.share);
@@ -164,7 +163,7 @@ impl<'a> Follower<'a> {
                 Next::Touching(_) | Next::Ends(_) => part *= 0.5,
             }
         }
-        let rod = self.unloaded(leg.at(before))?;
+        let rod = self.unloaded(here)?;
         self.relax(rod, leg, "touches")
     }
 
@@ -218,17 +217,22 @@ impl<'a> Follower<'a> {
         blocked(&stance, &bend, lay).is_some()
     }
 
-    /// The discrete rod without load at this pose, a little away from what it is about to touch.
+    /// The discrete rod without load at this pose, a little away from what it touches.
     fn unloaded(&self, pose: Pose2) -> Result<DiscreteRod> {
         let mut rod = DiscreteRod::new(&self.whisker.beam, self.options.links, pose)?;
-        let tip = rod.nodes()[rod.nodes().len() - 1];
-        let near = meets(self.map, &self.flex.rest, pose).unwrap_or(tip);
-        let Some((foothold, _)) = Foothold::nearest(self.map, near, pose.position() - near, f64::INFINITY) else {
+        let apart = APART * self.flex.beam.length;
+        if rod.clearance(self.map, apart) >= 0.5 * apart {
             return Ok(rod);
-        };
-        let away = Vec2::from_angle(foothold.ground(self.map).normal);
+        }
         let nodes = rod.nodes().to_vec();
-        rod.pose(pose, pushed_off(nodes, away * (APART * self.flex.beam.length)));
+        // The free side is where the base is; a boundary beside the whisker may be on either.
+        for turn in [PI, FRAC_PI_2, -FRAC_PI_2] {
+            let away = Vec2::from_angle(pose.theta + turn) * apart;
+            rod.pose(pose, pushed_off(nodes.clone(), away));
+            if rod.clearance(self.map, apart) >= 0.3 * apart {
+                break;
+            }
+        }
         Ok(rod)
     }
 
@@ -269,7 +273,7 @@ impl<'a> Follower<'a> {
             }
             _ => {
                 let places: Vec<String> = rod.presses().iter().map(|press| show(press.position)).collect();
-                Some(("multi_contact", format!("{why} and touches at {}{}", places.join(" and "), self.neglect())))
+                Some(("discrete_rod", format!("{why} and touches at {}{}", places.join(" and "), self.neglect())))
             }
         };
         self.body = simple.unwrap_or_else(|| Body::Chain(Box::new(rod)));

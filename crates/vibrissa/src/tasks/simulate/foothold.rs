@@ -43,7 +43,12 @@ pub(super) struct Joint {
 impl Joint {
     /// Whether a tip can be caught: free space closes in.
     pub(super) fn is_concave(&self) -> bool {
-        self.turn * self.before.side > SMOOTH
+        !self.is_end() && self.turn * self.before.side > SMOOTH
+    }
+
+    /// Whether it is the end of a wall.
+    pub(super) fn is_end(&self) -> bool {
+        self.before.side * self.after.side < 0.0
     }
 
     /// Whether the boundary goes on without a corner.
@@ -117,10 +122,5 @@ impl Foothold {
         // Which way round: the normal turns over the far side of the end.
         let turn = -PI * here.side;
         Joint { position: ground.position, before, after, normal: ground.normal, turn }
-    }
-
-    /// Whether this is the joint of a wall's end with its other side.
-    pub(super) fn is_other_side_of(&self, other: &Self) -> bool {
-        self.segment == other.segment && self.boundary == other.boundary && self.side * other.side < 0.0
     }
 }

@@ -110,8 +110,8 @@ pub struct Sweep {
 /// | `lift_off` | a whisker is free again, without a jump or off the end of a wall |
 /// | `side_contact`, `tip_contact` | the contact went over from tip to side, or back |
 /// | `snap` | the equilibrium vanished; the detail says where the whisker came to rest |
-/// | `multi_contact` | one contact is not enough: the discrete rod goes on |
-/// | `single_contact` | one contact is enough again |
+/// | `discrete_rod` | one contact of the first mode is not enough: the discrete rod goes on; the detail says where it touches |
+/// | `single_contact` | it is enough again |
 /// | `unsolved` | the discrete rod was still moving after the most steps; the best shape reached is used |
 /// | `lost`, `found` | a boundary stopped the base; the whisker is clear again. In between the last moment stays |
 ///

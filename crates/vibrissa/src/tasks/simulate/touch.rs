@@ -53,9 +53,9 @@ pub(super) fn meets(map: &Map, rest: &[Vec2], map_from_whisker: Pose2) -> Option
     })
 }
 
-/// Looks for the first touch of the unloaded whisker from `from` to `to`, both `map_from_whisker`: the last share of the
-/// way that is known to be free and the first that is known to touch; none when the way is clear.
-pub(super) fn first_touch(map: &Map, rest: &[Vec2], from: Pose2, to: Pose2) -> Option<(f64, f64)> {
+/// The share of the way from `from` to `to`, both `map_from_whisker`, at which the unloaded whisker first touches; none
+/// when the way is clear.
+pub(super) fn first_touch(map: &Map, rest: &[Vec2], from: Pose2, to: Pose2) -> Option<f64> {
     let touches = |share: f64| {
         let pose = between(from, to, share);
         rest.windows(2).any(|chord| map.crosses(pose.transform_point(chord[0]), pose.transform_point(chord[1])))
@@ -71,7 +71,7 @@ pub(super) fn first_touch(map: &Map, rest: &[Vec2], from: Pose2, to: Pose2) -> O
         let middle = 0.5 * (free + touching);
         if touches(middle) { touching = middle } else { free = middle }
     }
-    Some((free, touching))
+    Some(touching)
 }
 
 /// The contact, still without force, of the unloaded whisker that touches at this pose; none where its place is not

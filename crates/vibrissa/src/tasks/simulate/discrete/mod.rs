@@ -192,6 +192,12 @@ impl DiscreteRod {
         Barrier { reach, scale: self.unit / reach }
     }
 
+    /// The least distance between rod and map (m), if it is below `margin` (m); else infinite or some larger number.
+    pub(super) fn clearance(&mut self, map: &Map, margin: f64) -> f64 {
+        self.gather(map, margin);
+        self.pairs.iter().map(|pair| distance(pair.figure(&self.nodes)).0).fold(f64::INFINITY, f64::min)
+    }
+
     /// Pairs of rod and map that are within `margin` (m) of each other, or nearly so.
     fn gather(&mut self, map: &Map, margin: f64) {
         self.pairs.clear();
