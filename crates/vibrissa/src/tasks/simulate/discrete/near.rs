@@ -112,7 +112,7 @@ fn first_meeting(pair: &Pair, nodes: &[Vec2], step: &[Vec2], most: f64) -> Optio
         let along = b - a;
         let squared = along.norm_squared();
         let at = if squared > 0.0 { (p - a).dot(along) / squared } else { 0.0 };
-        (-1e-6..=1.0 + 1e-6).contains(&at)
+        (-1e-12..=1.0 + 1e-12).contains(&at)
     })
 }
 
