@@ -20,6 +20,8 @@ const LEAST_SHARE: f64 = 1.0 / 65536.0;
 const SNAP_SHARE: f64 = 1e-3;
 /// Changes between free and touching, grazes among them, that one row may see.
 const MOST_CHANGES: usize = 100;
+/// How often a discrete rod that is still moving after a snap is given more time.
+const MORE_TIME: usize = 3;
 /// Longest way of the base (over L) and largest turn (rad) in one step.
 const LARGEST_STEP: (f64, f64) = (0.05, 0.05);
 /// Distance at which a discrete rod starts beside what it touches, over L.
@@ -172,28 +174,25 @@ impl<'a> Follower<'a> {
         let mut step = leg.most.min(1.0 - leg.share);
         while leg.share < 1.0 {
             let target = leg.reached(step);
-            match self.step(leg.at(target)).next(&contact) {
-                Next::Touching(next) => {
-                    if self.is_blocked(&next, leg.at(target)) {
-                        let rod = self.chain(&contact, leg.at(leg.share))?;
-                        return self.relax(rod, leg, "touches a second time");
-                    }
+            let why = match self.step(leg.at(target)).next(&contact) {
+                Next::Touching(next) if !self.is_blocked(&next, leg.at(target)) => {
                     contact = next;
                     leg.share = target;
                     step = (2.0 * step).min(leg.most);
+                    continue;
                 }
+                Next::Touching(_) => "touches a second time",
                 Next::LiftOff => {
                     leg.share = target;
                     self.body = Body::Free;
                     return Ok(Some(("lift_off", "leaves the boundary".into())));
                 }
-                Next::Ends(why) => {
-                    step *= 0.5;
-                    if step < LEAST_SHARE {
-                        let rod = self.chain(&contact, leg.at(leg.share))?;
-                        return self.relax(rod, leg, why);
-                    }
-                }
+                Next::Ends(why) => why,
+            };
+            step *= 0.5;
+            if step < LEAST_SHARE {
+                let rod = self.chain(&contact, leg.at(leg.share))?;
+                return self.relax(rod, leg, why);
             }
         }
         let before = match self.body {
@@ -252,7 +251,12 @@ impl<'a> Follower<'a> {
     fn relax(&mut self, mut rod: DiscreteRod, leg: &mut Leg, why: &str) -> Result<Happened> {
         let target = leg.reached(SNAP_SHARE.min(1.0 - leg.share));
         let pose = leg.at(target);
-        let how = rod.advance(self.map, pose);
+        let mut how = rod.advance(self.map, pose);
+        for _ in 0..MORE_TIME {
+            if how == Relaxed::Unfinished {
+                how = rod.advance(self.map, pose);
+            }
+        }
         leg.share = target;
         self.unsolved = how == Relaxed::Unfinished;
         let was_free = matches!(self.body, Body::Free);
