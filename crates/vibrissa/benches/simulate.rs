@@ -58,7 +58,7 @@ fn rows(c: &mut Criterion) {
         ("side", post(2000, 0.003), SIDE, 0.0),
         ("tip with friction", wavy(2000), TIP, 0.3),
         ("side with friction", post(2000, 0.003), SIDE, 0.3),
-        ("two contacts", wavy(2000), [[0.0, 0.03, 2.2], [0.05, 0.045, 2.6]], 0.0),
+        ("two contacts", post(2000, 0.003), [[-0.045, -0.01, 1.3], [0.01, 0.005, 1.1]], 0.0),
     ];
     for (name, map, ends, friction) in cases {
         let (path, robot) = (path(ends), whiskers(1, friction));

@@ -50,6 +50,21 @@ pub(super) struct Contact {
     pub(super) stuck: bool,
 }
 
+impl Contact {
+    /// Where the contact comes to if it goes on as it did from `before`; none across a change of hold.
+    fn extrapolated(&self, before: &Self, ratio: f64) -> Option<Self> {
+        let on = |now: f64, then: f64| now + ratio * (now - then);
+        let hold = match (self.hold, before.hold) {
+            (Hold::Tip(a), Hold::Tip(b)) => Hold::Tip(Foothold { at: on(a.at, b.at), ..a }),
+            (Hold::Flank(a, lay), Hold::Flank(b, _)) => Hold::Flank(Foothold { at: on(a.at, b.at), ..a }, lay),
+            (hold, _) => hold,
+        };
+        let (a, b) = (self.load, before.load);
+        let load = Load { q: on(a.q, b.q).max(0.0), s: on(a.s, b.s).min(1.0), beta: on(a.beta, b.beta) };
+        self.hold.is_same(&before.hold).then_some(Self { load, hold, ..*self })
+    }
+}
+
 /// What a step found.
 pub(super) enum Next {
     Touching(Contact),
@@ -94,6 +109,19 @@ enum Tried {
 }
 
 impl Step<'_> {
+    /// As [`Step::next`], looked for first where a motion like the last one would lead; `ratio` says how long this one is
+    /// over that one.
+    pub(super) fn next_after(&self, before: Option<&Contact>, contact: &Contact, ratio: f64) -> Next {
+        if let Some(guess) = before.and_then(|before| contact.extrapolated(before, ratio))
+            && self.cone <= 0.0
+            && let Next::Touching(next) = self.run(guess.hold, guess.load, 0.0)
+            && self.is_near(contact, &next)
+        {
+            return Next::Touching(next);
+        }
+        self.next(contact)
+    }
+
     /// The equilibrium after a small motion, near enough to the one before to be its continuation.
     pub(super) fn next(&self, contact: &Contact) -> Next {
         let next = if self.cone > 0.0 { self.stick_or_slip(contact) } else { self.run(contact.hold, contact.load, 0.0) };

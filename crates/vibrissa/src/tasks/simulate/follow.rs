@@ -52,6 +52,8 @@ pub(super) struct Follower<'a> {
     map_from_whisker: Pose2,
     body: Body,
     unsolved: bool,
+    /// The contact one step earlier, and how large that step was.
+    earlier: Option<(Contact, f64)>,
 }
 
 impl<'a> Follower<'a> {
@@ -85,7 +87,7 @@ impl<'a> Follower<'a> {
                 Body::Chain(Box::new(DiscreteRod::new(&whisker.beam, options.links, map_from_whisker)?))
             }
         };
-        Ok(Self { map, whisker, flex, options, t: at.t, map_from_whisker, body, unsolved: false })
+        Ok(Self { map, whisker, flex, options, t: at.t, map_from_whisker, body, unsolved: false, earlier: None })
     }
 
     fn stance(&self, map_from_whisker: Pose2) -> Stance<'a> {
@@ -174,8 +176,10 @@ impl<'a> Follower<'a> {
         let mut step = leg.most.min(1.0 - leg.share);
         while leg.share < 1.0 {
             let target = leg.reached(step);
-            let why = match self.step(leg.at(target)).next(&contact) {
+            let (before, last) = self.earlier.as_ref().map_or((None, 1.0), |(before, last)| (Some(before), *last));
+            let why = match self.step(leg.at(target)).next_after(before, &contact, step / last) {
                 Next::Touching(next) if !self.is_blocked(&next, leg.at(target)) => {
+                    self.earlier = Some((contact, step));
                     contact = next;
                     leg.share = target;
                     step = (2.0 * step).min(leg.most);
@@ -249,22 +253,33 @@ impl<'a> Follower<'a> {
 
     /// Lets a discrete rod find the next equilibrium, and one contact that says the same if there is one.
     fn relax(&mut self, mut rod: DiscreteRod, leg: &mut Leg, why: &str) -> Result<Happened> {
-        let target = leg.reached(SNAP_SHARE.min(1.0 - leg.share));
-        let pose = leg.at(target);
-        let mut how = rod.advance(self.map, pose);
-        for _ in 0..MORE_TIME {
-            if how == Relaxed::Unfinished {
-                how = rod.advance(self.map, pose);
-            }
-        }
-        leg.share = target;
-        self.unsolved = how == Relaxed::Unfinished;
         let was_free = matches!(self.body, Body::Free);
-        if how == Relaxed::Blocked {
-            self.body = Body::Lost(rod.moment());
-            return Ok(Some(("lost", format!("{why}, and its base is stopped by a boundary at {}", show(pose.position())))));
+        self.earlier = None;
+        let mut part = SNAP_SHARE;
+        let simple;
+        // Near a fold the rod holds on a little longer than the exact whisker: it is moved on until it lets go.
+        loop {
+            leg.share = leg.reached(part);
+            let pose = leg.at(leg.share);
+            let mut how = rod.advance(self.map, pose);
+            for _ in 0..MORE_TIME {
+                if how == Relaxed::Unfinished {
+                    how = rod.advance(self.map, pose);
+                }
+            }
+            self.unsolved = how == Relaxed::Unfinished;
+            if how == Relaxed::Blocked {
+                self.body = Body::Lost(rod.moment());
+                let place = show(pose.position());
+                return Ok(Some(("lost", format!("{why}, and its base is stopped by a boundary at {place}"))));
+            }
+            let found = self.simplified(&rod, pose);
+            if found.is_some() || rod.presses().len() > 1 || leg.share >= 1.0 {
+                simple = found;
+                break;
+            }
+            part *= 4.0;
         }
-        let simple = self.simplified(&rod, pose);
         let kind = if was_free { "onset" } else { "snap" };
         let happened = match &simple {
             Some(Body::Free) if was_free => None,

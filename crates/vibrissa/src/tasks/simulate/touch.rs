@@ -137,52 +137,52 @@ fn along(line: &[Vec2], point: Vec2) -> f64 {
 
 /// Where the bent whisker meets a boundary elsewhere than at its contact, map frame; none when it does not.
 ///
-/// Looked at `ASIDE` to the side to which `lay` pushes it.
+/// Looked at `ASIDE` to the side to which `lay` pushes it. Between the ends of the chords the whisker is a cubic with
+/// their directions, within 0.1 µm of the true one.
 pub(super) fn blocked(stance: &Stance<'_>, bend: &Bend, lay: f64) -> Option<Vec2> {
     let length = stance.flex.beam.length;
     let aside = ASIDE * lay.cos();
-    let place = |s: f64| {
-        let point = bend.point_at(s);
-        stance.map_from_whisker.transform_point(point.position + aside * Vec2::from_angle(point.slope).perp())
-    };
     let skip = AT_CONTACT * length;
     let (low, high) = (bend.s_a - skip, bend.s_a + skip);
-    let clear = |a: f64, b: f64| (a >= low && b <= high) || b <= a;
-    let points = chord_ends(bend, length);
-    let (mut s, mut here) = (0.0, points.first().copied().map_or(Vec2::ZERO, |p| offset(stance, p, aside)));
-    for (k, point) in points.iter().enumerate().skip(1) {
-        let (next, there) = (length * k as f64 / CHORDS as f64, offset(stance, *point, aside));
+    let ends: Vec<(f64, Vec2, Vec2)> = bend
+        .shape_points(length, CHORDS + 1)
+        .into_iter()
+        .map(|(s, point)| {
+            let along = Vec2::from_angle(point.slope + stance.map_from_whisker.theta);
+            (s, stance.map_from_whisker.transform_point(point.position) + along.perp() * aside, along)
+        })
+        .collect();
+    ends.windows(2).find_map(|pair| {
+        let ((s0, p0, t0), (s1, p1, t1)) = (pair[0], pair[1]);
         // The arc stays within an eighth of its turn times the chord; a quarter is safe.
-        let turn = (points[k].slope - points[k - 1].slope).abs();
-        let sag = 0.25 * turn * (next - s) + ASIDE;
+        let sag = 0.25 * t0.distance(t1) * (s1 - s0) + ASIDE;
         let mut near = false;
-        stance.map.for_each_edge_in(inflated(&[here, there], sag), |edge| {
-            near = passes(edge, here, there, sag);
+        stance.map.for_each_edge_in(inflated(&[p0, p1], sag), |edge| {
+            near = passes(edge, p0, p1, sag);
             near
         });
-        if near {
-            let part = |i: usize| s + (next - s) * i as f64 / PARTS as f64;
-            for i in 0..PARTS {
-                let (a, b) = (part(i), part(i + 1));
-                // Only what lies outside the neighbourhood of the contact.
-                for (a, b) in [(a, b.min(low)), (a.max(high), b)] {
-                    if !clear(a, b) && stance.map.crosses(place(a), place(b)) {
-                        return Some(place(a));
-                    }
-                }
-            }
+        if !near {
+            return None;
         }
-        (s, here) = (next, there);
-    }
-    None
-}
-
-fn chord_ends(bend: &Bend, length: f64) -> Vec<crate::beam::ShapePoint> {
-    bend.shape_points(length, CHORDS + 1).into_iter().map(|(_, point)| point).collect()
-}
-
-fn offset(stance: &Stance<'_>, point: crate::beam::ShapePoint, aside: f64) -> Vec2 {
-    stance.map_from_whisker.transform_point(point.position + aside * Vec2::from_angle(point.slope).perp())
+        let width = s1 - s0;
+        let place = |s: f64| {
+            let u = (s - s0) / width;
+            let (v, uv) = (1.0 - u, u * (1.0 - u) * width);
+            p0 * (v * v * (1.0 + 2.0 * u)) + t0 * (uv * v) + p1 * (u * u * (1.0 + 2.0 * v)) - t1 * (uv * u)
+        };
+        let crossed = |from: f64, to: f64| {
+            if to <= from {
+                return None;
+            }
+            let parts = (PARTS as f64 * (to - from) / width).ceil().max(1.0);
+            let at = |i: f64| place(from + (to - from) * i / parts);
+            (0..parts as usize).find_map(|i| {
+                let (a, b) = (at(i as f64), at(i as f64 + 1.0));
+                stance.map.crosses(a, b).then_some(a)
+            })
+        };
+        crossed(s0, s1.min(low)).or_else(|| crossed(s0.max(high), s1))
+    })
 }
 
 /// Whether an edge comes within `reach` of the line through the chord: cheap, and never wrong when it says no.
