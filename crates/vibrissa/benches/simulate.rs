@@ -48,9 +48,9 @@ fn whiskers(count: usize, friction: f64) -> Robot {
 }
 
 /// The tip drags along the wavy wall.
-const TIP: [[f64; 3]; 2] = [[0.0, -0.006, 1.9], [0.2, 0.012, 1.9]];
+const TIP: [[f64; 3]; 2] = [[0.0, -0.0032, 1.9], [0.2, 0.012, 1.9]];
 /// The side is pushed against the post.
-const SIDE: [[f64; 3]; 2] = [[-0.02, -0.01, 1.5], [0.03, -0.01, 1.5]];
+const SIDE: [[f64; 3]; 2] = [[-0.0075, -0.01, 1.5], [0.03, -0.01, 1.5]];
 
 fn rows(c: &mut Criterion) {
     let cases = [

@@ -112,19 +112,26 @@ impl Step<'_> {
     /// As [`Step::next`], looked for first where a motion like the last one would lead; `ratio` says how long this one is
     /// over that one.
     pub(super) fn next_after(&self, before: Option<&Contact>, contact: &Contact, ratio: f64) -> Next {
-        if let Some(guess) = before.and_then(|before| contact.extrapolated(before, ratio))
-            && self.cone <= 0.0
-            && let Next::Touching(next) = self.run(guess.hold, guess.load, 0.0)
-            && self.is_near(contact, &next)
-        {
-            return Next::Touching(next);
+        let Some(guess) = before.and_then(|before| contact.extrapolated(before, ratio)) else {
+            return self.next(contact);
+        };
+        match self.from(contact, &guess) {
+            Next::Touching(next) => Next::Touching(next),
+            _ => self.next(contact),
         }
-        self.next(contact)
     }
 
     /// The equilibrium after a small motion, near enough to the one before to be its continuation.
     pub(super) fn next(&self, contact: &Contact) -> Next {
-        let next = if self.cone > 0.0 { self.stick_or_slip(contact) } else { self.run(contact.hold, contact.load, 0.0) };
+        self.from(contact, contact)
+    }
+
+    fn from(&self, contact: &Contact, guess: &Contact) -> Next {
+        let next = if self.cone > 0.0 {
+            self.stick_or_slip(contact, guess)
+        } else {
+            self.run(guess.hold, guess.load, 0.0)
+        };
         match next {
             Next::Touching(next) if !self.is_near(contact, &next) => Next::Ends(LOST),
             other => other,
@@ -337,10 +344,11 @@ impl Step<'_> {
     }
 
     /// With friction: the contact where it is if the cone allows it, else sliding with the force on the cone's edge.
-    fn stick_or_slip(&self, contact: &Contact) -> Next {
-        match self.stuck(contact) {
+    fn stick_or_slip(&self, contact: &Contact, guess: &Contact) -> Next {
+        let start = Load { s: contact.load.s, ..guess.load };
+        match self.stuck(&Contact { load: start, ..*contact }) {
             Some((Next::Touching(_) | Next::LiftOff, off)) if off.abs() > self.cone => {
-                self.run(contact.hold, contact.load, self.cone.copysign(off))
+                self.run(guess.hold, guess.load, self.cone.copysign(off))
             }
             Some((next, _)) => next,
             None => self.slip(contact),
