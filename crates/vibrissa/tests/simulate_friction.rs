@@ -77,12 +77,11 @@ fn the_force_stays_in_the_cone_and_opposes_sliding() {
                         assert!((off.abs() - friction.atan()).abs() < 1e-9, "{friction}: {off} rad, {now:?}");
                         // How the whisker's material moves over the ground.
                         let along = now.normal.perp() * now.normal.perp().dot(now.position - before.position);
-                        let heading = -now.normal.perp() * now.force.cross(now.normal).signum();
                         if now.part == Part::Tip && along.norm() > 1e-9 {
-                            assert!(along.dot(now.force) <= 0.0, "{friction}: {now:?}, {heading:?}");
+                            assert!(along.dot(now.force) <= 0.0, "{friction}: {now:?}");
                         }
                     }
-                    Grip::Frictionless => panic!("friction {friction} and yet {now:?}"),
+                    Grip::Frictionless => panic!("friction {friction} and yet {now:?}; {:?}", sweep.events),
                 }
             }
             println!("{friction}: {sticks} stuck, {slips} slipping; {:?}", sweep.events.iter().map(|e| e.kind).collect::<Vec<_>>());
@@ -94,7 +93,7 @@ fn the_force_stays_in_the_cone_and_opposes_sliding() {
 #[test]
 fn a_stuck_tip_is_tip_mode() {
     // Aslant to the wall and with much friction the tip stays where it first touched.
-    let path = path(&[[0.0, -0.002, 1.9], [0.012, -0.0015, 1.9]], 100.0);
+    let path = path(&[[0.0, -0.002, 1.9], [0.008, 0.003, 1.9]], 150.0);
     let sweep = run(&wall(), 2.0, &path);
     let stuck: Vec<_> = sweep.contacts.iter().filter(|c| c.grip == Grip::Sticks).collect();
     println!("{} contacts, {} stuck; {:?}", sweep.contacts.len(), stuck.len(), sweep.events);

@@ -13,6 +13,8 @@ use core::f64::consts::PI;
 const WEAK: f64 = 1e-8;
 /// Step of the differences by tilt (rad), and relative step of the others.
 const STEP: f64 = 1e-7;
+/// Beyond the first mode, with an inflection, shapes are marched up to this force (over `EI / L²`).
+const STRONGEST: f64 = 400.0;
 /// Points of the rest shape.
 const REST_POINTS: usize = 33;
 
@@ -49,16 +51,16 @@ pub(super) struct Rate {
 #[derive(Clone, Debug)]
 pub(super) struct Flex {
     pub(super) beam: Whisker,
-    rod: Option<Rod>,
+    rod: Rod,
+    uniform: bool,
     /// The whisker without load, whisker frame (m): two points when it is straight.
     pub(super) rest: Vec<Vec2>,
 }
 
 impl Flex {
     pub(super) fn new(beam: &Whisker) -> Result<Self> {
-        let checked = Rod::new(beam)?;
-        let rod = (!beam.is_uniform()).then_some(checked);
-        let mut flex = Self { beam: *beam, rod, rest: vec![Vec2::ZERO, Vec2::new(beam.length, 0.0)] };
+        let rod = Rod::new(beam)?;
+        let mut flex = Self { beam: *beam, rod, uniform: beam.is_uniform(), rest: vec![Vec2::ZERO, Vec2::new(beam.length, 0.0)] };
         if beam.curvature.abs() > 0.0
             && let Some(bend) = flex.bend(Load { q: 0.0, s: 1.0, beta: 0.0 })
         {
@@ -69,7 +71,7 @@ impl Flex {
 
     /// How small a residual rounding leaves.
     pub(super) fn accuracy(&self) -> f64 {
-        if self.rod.is_some() { 1e-9 } else { 1e-11 }
+        if self.uniform { 1e-11 } else { 1e-9 }
     }
 
     /// `EI / L²` (N).
@@ -80,19 +82,32 @@ impl Flex {
     /// The whisker in full; none where the closed form ends.
     pub(super) fn bend(&self, load: Load) -> Option<Bend> {
         let (force, s_a) = (load.q * self.unit(), load.s * self.beam.length);
-        match &self.rod {
-            None => elastica::bend(self.beam.flexural_rigidity, force, s_a, load.beta),
-            Some(rod) => rod.pushed(force, s_a, load.beta),
+        if self.uniform
+            && let Some(bend) = elastica::bend(self.beam.flexural_rigidity, force, s_a, load.beta)
+        {
+            return Some(bend);
         }
+        (load.q < STRONGEST).then(|| self.rod.pushed(force, s_a, load.beta)).flatten()
     }
 
     /// Contact, slope and moment.
     pub(super) fn at(&self, load: Load) -> Option<State> {
-        if let Some(rod) = &self.rod {
-            let (contact, slope, moment) = rod.contact_under(load.q * self.unit(), load.s * self.beam.length, load.beta)?;
-            let scale = 1.0 / self.beam.length;
-            return Some(State { p: contact * scale, slope, m: moment * scale / self.unit() });
+        if self.uniform
+            && let Some(state) = Self::closed_form(load)
+        {
+            return Some(state);
         }
+        if load.q > STRONGEST {
+            return None;
+        }
+        let (force, s_a) = (load.q * self.unit(), load.s * self.beam.length);
+        let (contact, slope, moment) = self.rod.contact_under(force, s_a, load.beta)?;
+        let scale = 1.0 / self.beam.length;
+        Some(State { p: contact * scale, slope, m: moment * scale / self.unit() })
+    }
+
+    /// The same for the uniform whisker, within the first mode.
+    fn closed_form(load: Load) -> Option<State> {
         let straight = load.beta.abs() <= 0.0;
         if straight || (load.beta - PI).abs() <= 0.0 {
             let bend = normal::by_force(1.0, if straight { load.q } else { -load.q }, load.s)?;
@@ -104,7 +119,7 @@ impl Flex {
 
     /// The side contact at `p` without friction where the closed form has it, nearest to the given slope.
     pub(super) fn touched_at(&self, p: Vec2, slope: f64) -> Option<Option<(Load, State)>> {
-        if self.rod.is_some() {
+        if !self.uniform {
             return None;
         }
         let found = [normal::Branch::Least, normal::Branch::Curled]
@@ -120,7 +135,7 @@ impl Flex {
 
     /// Derivatives by the force.
     pub(super) fn by_force(&self, load: Load, here: &State) -> Option<Rate> {
-        if self.rod.is_some() {
+        if !self.uniform {
             let step = STEP * (1.0 + load.q.abs());
             return self.difference(here, Load { q: load.q + step, ..load }, step);
         }
@@ -135,7 +150,7 @@ impl Flex {
 
     /// Derivatives by the arc length.
     pub(super) fn by_arc_length(&self, load: Load, here: &State) -> Option<Rate> {
-        if self.rod.is_some() {
+        if !self.uniform {
             return self.difference(here, Load { s: load.s - STEP, ..load }, -STEP);
         }
         Some(Self::longer(here))

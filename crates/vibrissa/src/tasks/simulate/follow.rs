@@ -20,7 +20,7 @@ const LEAST_SHARE: f64 = 1.0 / 65536.0;
 const SNAP_SHARE: f64 = 1e-3;
 /// Changes between free and touching, grazes among them, that one row may see.
 const MOST_CHANGES: usize = 100;
-/// How often a discrete rod that is still moving after a snap is given more time.
+/// How often a discrete rod that is still moving is given more time.
 const MORE_TIME: usize = 3;
 /// Longest way of the base (over L) and largest turn (rad) in one step.
 const LARGEST_STEP: (f64, f64) = (0.05, 0.05);
@@ -261,12 +261,7 @@ impl<'a> Follower<'a> {
         loop {
             leg.share = leg.reached(part);
             let pose = leg.at(leg.share);
-            let mut how = rod.advance(self.map, pose);
-            for _ in 0..MORE_TIME {
-                if how == Relaxed::Unfinished {
-                    how = rod.advance(self.map, pose);
-                }
-            }
+            let how = patiently(&mut rod, self.map, pose);
             self.unsolved = how == Relaxed::Unfinished;
             if how == Relaxed::Blocked {
                 self.body = Body::Lost(rod.moment());
@@ -309,7 +304,7 @@ impl<'a> Follower<'a> {
         let target = leg.reached(leg.most.min(1.0 - leg.share));
         let pose = leg.at(target);
         leg.share = target;
-        let how = rod.advance(self.map, pose);
+        let how = patiently(rod, self.map, pose);
         if how == Relaxed::Blocked {
             self.body = Body::Lost(rod.moment());
             return Ok(Some(("lost", format!("is stopped by a boundary at its base {}", show(pose.position())))));
@@ -467,6 +462,17 @@ impl<'a> Follower<'a> {
             Body::Free | Body::Lost(_) => placed(self.flex.rest.clone()),
         }
     }
+}
+
+/// Lets the rod find its equilibrium at this pose, with more time where it is still moving.
+fn patiently(rod: &mut DiscreteRod, map: &Map, pose: Pose2) -> Relaxed {
+    let mut how = rod.advance(map, pose);
+    for _ in 0..MORE_TIME {
+        if how == Relaxed::Unfinished {
+            how = rod.advance(map, pose);
+        }
+    }
+    how
 }
 
 /// The way of a whisker from one row to the next.

@@ -240,11 +240,14 @@ struct Push {
 fn together(pushes: &[Push]) -> Press {
     let total: f64 = pushes.iter().map(|push| push.size).sum();
     let mut press = Press { s_a: 0.0, position: Vec2::ZERO, force: Vec2::ZERO };
+    let mut strongest = 0.0;
     for push in pushes {
-        let share = push.size / total;
-        press.s_a += push.s_a * share;
-        press.position = press.position + push.position * share;
+        press.s_a += push.s_a * push.size / total;
         press.force = press.force + push.force;
+        // The place is one that does touch; the middle of two may not.
+        if push.size > strongest {
+            (strongest, press.position) = (push.size, push.position);
+        }
     }
     press
 }

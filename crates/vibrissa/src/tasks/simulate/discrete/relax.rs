@@ -36,10 +36,11 @@ impl DiscreteRod {
         }
         // With the multipliers known, once more.
         finished &= matches!(self.stage(map, self.barrier(REACH), STAGES[2].1), Stage::Done);
-        if self.nodes[0].distance(self.base.position) > 1e-3 * self.springs.h {
+        let arrived = self.nodes[0].distance(self.base.position) <= 1e-3 * self.springs.h;
+        if !arrived && map.crosses(self.nodes[0], self.base.position) {
             return Relaxed::Blocked;
         }
-        if finished { Relaxed::Converged } else { Relaxed::Unfinished }
+        if finished && arrived { Relaxed::Converged } else { Relaxed::Unfinished }
     }
 
     /// Hands the force of stretched links over to their multipliers.
