@@ -93,7 +93,7 @@ fn the_force_stays_in_the_cone_and_opposes_sliding() {
 #[test]
 fn a_stuck_tip_is_tip_mode() {
     // Aslant to the wall and with much friction the tip stays where it first touched.
-    let path = path(&[[0.0, -0.002, 1.9], [0.008, 0.003, 1.9]], 150.0);
+    let path = path(&[[0.0, 0.05, 0.2], [0.004, 0.053, 0.5]], 150.0);
     let sweep = run(&wall(), 2.0, &path);
     let stuck: Vec<_> = sweep.contacts.iter().filter(|c| c.grip == Grip::Sticks).collect();
     println!("{} contacts, {} stuck; {:?}", sweep.contacts.len(), stuck.len(), sweep.events);

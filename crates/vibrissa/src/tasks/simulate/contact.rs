@@ -348,26 +348,34 @@ impl Step<'_> {
         let start = Load { s: contact.load.s, ..guess.load };
         match self.stuck(&Contact { load: start, ..*contact }) {
             Some((Next::Touching(_) | Next::LiftOff, off)) if off.abs() > self.cone => {
-                self.run(guess.hold, guess.load, self.cone.copysign(off))
+                self.slip(contact, guess, self.cone.copysign(off))
             }
             Some((next, _)) => next,
-            None => self.slip(contact),
+            None => self.slip(contact, guess, self.cone),
         }
     }
 
-    /// Where a stuck contact would not solve: the slide whose friction opposes it.
-    fn slip(&self, contact: &Contact) -> Next {
-        for offset in [self.cone, -self.cone] {
-            let Next::Touching(next) = self.run(contact.hold, contact.load, offset) else { continue };
-            let across = Vec2::from_angle(self.stance.direction(next.load, &next.state) - offset).perp();
-            let moved = (next.place - contact.place).dot(across);
-            let passed = (contact.load.s - next.load.s) * self.stance.flex.beam.length
-                * Vec2::from_angle(self.stance.heading(&next.state)).dot(across);
-            if (moved + passed) * offset <= 0.0 {
-                return Next::Touching(next);
+    /// The slide whose friction opposes it, tried first with the force this far off the frictionless direction (rad).
+    fn slip(&self, contact: &Contact, guess: &Contact, first: f64) -> Next {
+        let mut end = Next::Ends(LOST);
+        for offset in [first, -first] {
+            match self.run(guess.hold, guess.load, offset) {
+                Next::Touching(next) if self.opposes(contact, &next, offset) => return Next::Touching(next),
+                Next::LiftOff => end = Next::LiftOff,
+                _ => {}
             }
         }
-        Next::Ends(LOST)
+        end
+    }
+
+    /// Whether friction with the force this far off acts against the way that the whisker slid.
+    fn opposes(&self, before: &Contact, after: &Contact, offset: f64) -> bool {
+        let across = Vec2::from_angle(self.stance.direction(after.load, &after.state) - offset).perp();
+        // The contact moves over the boundary, and the whisker's material over the contact.
+        let along = Vec2::from_angle(self.stance.heading(&after.state));
+        let passed = (before.load.s - after.load.s) * self.stance.flex.beam.length;
+        let slid = (after.place - before.place + along * passed).dot(across);
+        slid * offset.signum() <= 1e-9 * self.stance.flex.beam.length
     }
 
     /// The contact stuck where it is, and the force's angle off the frictionless direction (rad).

@@ -244,9 +244,15 @@ impl<'a> Follower<'a> {
         let mut rod = DiscreteRod::new(&self.whisker.beam, self.options.links, pose)?;
         if let Some(bend) = self.flex.bend(contact.load) {
             let shape = bend.shape(self.flex.beam.length, rod.nodes().len());
+            let nodes: Vec<Vec2> = shape.into_iter().map(|p| pose.transform_point(p)).collect();
             let away = Vec2::from_angle(self.stance(pose).direction(contact.load, &contact.state));
-            let nodes = shape.into_iter().map(|p| pose.transform_point(p)).collect();
-            rod.pose(pose, pushed_off(nodes, away * (APART * self.flex.beam.length)));
+            for times in [1.0, 0.3, 3.0, 10.0, 30.0] {
+                let by = away * (times * APART * self.flex.beam.length);
+                rod.pose(pose, pushed_off(nodes.clone(), by));
+                if rod.is_clear(self.map) {
+                    break;
+                }
+            }
         }
         Ok(rod)
     }

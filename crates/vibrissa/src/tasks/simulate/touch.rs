@@ -18,8 +18,8 @@ const AT_TIP: f64 = 3.0 * FLATTEN_TOLERANCE;
 /// Chords of the bent whisker that are looked at, and parts of those that come close to a boundary.
 const CHORDS: usize = 12;
 const PARTS: usize = 8;
-/// Share of the length on either side of the contact that is not looked at, for it touches.
-const AT_CONTACT: f64 = 0.01;
+/// Share of the length before a tip in contact that is not looked at, for it touches.
+const AT_CONTACT: f64 = 2e-3;
 /// The bent whisker is looked at this far to the free side (m), so that what it lies on does not count.
 const ASIDE: f64 = 2.0 * FLATTEN_TOLERANCE;
 /// Force with which the search for the first equilibrium starts, over `EI / L²`.
@@ -142,8 +142,7 @@ fn along(line: &[Vec2], point: Vec2) -> f64 {
 pub(super) fn blocked(stance: &Stance<'_>, bend: &Bend, lay: f64) -> Option<Vec2> {
     let length = stance.flex.beam.length;
     let aside = ASIDE * lay.cos();
-    let skip = AT_CONTACT * length;
-    let (low, high) = (bend.s_a - skip, bend.s_a + skip);
+    let last = if bend.s_a < length { length } else { (1.0 - AT_CONTACT) * length };
     let ends: Vec<(f64, Vec2, Vec2)> = bend
         .shape_points(length, CHORDS + 1)
         .into_iter()
@@ -181,7 +180,7 @@ pub(super) fn blocked(stance: &Stance<'_>, bend: &Bend, lay: f64) -> Option<Vec2
                 stance.map.crosses(a, b).then_some(a)
             })
         };
-        crossed(s0, s1.min(low)).or_else(|| crossed(s0.max(high), s1))
+        crossed(s0, s1.min(last))
     })
 }
 

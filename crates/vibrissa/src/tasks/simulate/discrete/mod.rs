@@ -198,6 +198,11 @@ impl DiscreteRod {
         self.pairs.iter().map(|pair| distance(pair.figure(&self.nodes)).0).fold(f64::INFINITY, f64::min)
     }
 
+    /// Whether no link meets a boundary.
+    pub(super) fn is_clear(&self, map: &Map) -> bool {
+        !self.nodes.windows(2).any(|link| map.crosses(link[0], link[1]))
+    }
+
     /// Pairs of rod and map that are within `margin` (m) of each other, or nearly so.
     fn gather(&mut self, map: &Map, margin: f64) {
         self.pairs.clear();
