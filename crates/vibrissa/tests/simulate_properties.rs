@@ -178,7 +178,8 @@ fn random_discs_are_followed_or_refused_with_a_place() {
             Ok(sweep) => {
                 followed += 1;
                 for touch in &sweep.contacts {
-                    assert!(map.nearest(touch.position).unwrap().distance < 1e-10);
+                    // The discrete rod keeps its distance, and sees the disc as a polygon.
+                    assert!(map.nearest(touch.position).unwrap().distance < 2e-6);
                 }
                 assert!(sweep.exact_moments.iter().all(|m| m[0].is_finite()));
             }
