@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on must fail")]
 
 use core::f64::consts::TAU;
-use vibrissa::beam::{Whisker, tip_mode};
+use vibrissa::beam::{Whisker, elastica, tip_mode};
 use vibrissa::flow::pose::StampedPose;
 use vibrissa::plane::{Curve, Pose2, Vec2};
 use vibrissa::tasks::simulate::{Grip, Pace, Part, SimulateOptions, Sweep, SweepNoise, path_through, simulate};
@@ -94,13 +94,20 @@ fn the_force_stays_in_the_cone_and_opposes_sliding() {
 #[test]
 fn a_stuck_tip_is_tip_mode() {
     // Aslant to the wall and with friction the tip stays where it first touched.
+    // The base goes where the tip can stay under a force that is a tenth of a radian off the whisker's normal.
     let heading = core::f64::consts::FRAC_PI_4;
-    let (along, across) = (Vec2::from_angle(heading), Vec2::from_angle(heading).perp());
-    let touching = Vec2::new(0.0, 0.07 - 0.075 * heading.sin());
-    // Across the whisker, and along it by a little more than its bow shortens it.
-    let at = |d: f64| touching + across * d + along * (0.7 * d * d.max(0.0) / 0.075);
-    let legs: Vec<[f64; 3]> = (0..=16).map(|k| at(5e-4 * (f64::from(k) - 1.0))).map(|p| [p.x, p.y, heading]).collect();
-    let path = path(&legs, 300.0);
+    let place = Vec2::new(0.0, 0.07);
+    let beam = Whisker::default();
+    let pose = |t: f64, p: Vec2| {
+        let base = place - p.rotated(heading);
+        StampedPose { t, map_from_robot: Pose2::new(base.x, base.y, heading) }
+    };
+    let mut path = vec![pose(0.0, Vec2::new(beam.length - 1e-4, 1e-3))];
+    for k in 0..20 {
+        let force = -0.004 * f64::from(k);
+        let bend = elastica::bend(beam.flexural_rigidity, force, beam.length, 0.1).unwrap();
+        path.push(pose(0.01 * f64::from(k + 1), bend.contact));
+    }
     let sweep = run(&wall(), 1.5, &path);
     let stuck: Vec<_> = sweep.contacts.iter().filter(|c| c.grip == Grip::Sticks).collect();
     println!("{} contacts, {} stuck; {:?}", sweep.contacts.len(), stuck.len(), sweep.events);

@@ -24,6 +24,8 @@ const MOST_MOVES: usize = 100;
 const END_SLACK: f64 = 1e-9;
 /// Arc length beyond the tip that is still the tip, over L.
 const TIP_SLACK: f64 = 1e-12;
+/// Force below which a stuck contact starts afresh, over `EI / L²`.
+const WEAK: f64 = 1e-3;
 /// Largest travel of the contact along the boundary or the whisker in one step, over L.
 const LARGEST_SLIDE: f64 = 0.03;
 /// Largest turn of the whisker at the contact in one step (rad).
@@ -384,7 +386,8 @@ impl Step<'_> {
         if let Hold::Flank(foothold, lay) = contact.hold {
             return self.rolled(contact, foothold, lay);
         }
-        let (load, state, _) = stance.at_place(Unknown::Tilt, contact.load, contact.place)?;
+        let solve = |start: Load| stance.at_place(Unknown::Tilt, start, contact.place);
+        let (load, state, _) = solve(self.first_push(contact)).or_else(|| solve(contact.load))?;
         let direction = stance.direction(load, &state);
         let off = match contact.hold {
             Hold::Tip(foothold) => wrap_angle(direction - foothold.ground(stance.map).normal),
@@ -416,6 +419,16 @@ impl Step<'_> {
             return Some((Next::LiftOff, 0.0));
         }
         Some((Next::Touching(next), off))
+    }
+
+    /// Where the search for a stuck contact starts: at its load, or at the small push across the whisker that brings an
+    /// unloaded one to its place.
+    fn first_push(&self, contact: &Contact) -> Load {
+        let rest = Load { q: 0.0, ..contact.load };
+        let Some(state) = self.stance.flex.at(rest).filter(|_| contact.load.q < WEAK) else { return contact.load };
+        let across = (self.stance.seen(contact.place) - state.p).rotated(-state.slope).y;
+        let s = contact.load.s;
+        Load { q: 3.0 * across.abs() / (s * s * s), beta: if across < 0.0 { PI } else { 0.0 }, s }
     }
 
     /// The side rolled on along a piece without sliding.

@@ -69,7 +69,7 @@ impl Stance<'_> {
     }
 
     /// A place of the map as the whisker sees it, over its length.
-    fn seen(&self, place: Vec2) -> Vec2 {
+    pub(super) fn seen(&self, place: Vec2) -> Vec2 {
         self.map_from_whisker.inverse_transform_point(place) * (1.0 / self.flex.beam.length)
     }
 

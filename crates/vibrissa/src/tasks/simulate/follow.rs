@@ -293,7 +293,8 @@ impl<'a> Follower<'a> {
             }
             _ => {
                 let places: Vec<String> = rod.presses().iter().map(|press| show(press.position)).collect();
-                Some(("discrete_rod", format!("{why} and touches at {}{}", places.join(" and "), self.neglect())))
+                let places = if places.is_empty() { "nowhere for now".into() } else { places.join(" and ") };
+                Some(("discrete_rod", format!("{why}; it touches at {places}{}", self.neglect())))
             }
         };
         self.body = simple.unwrap_or_else(|| Body::Chain(Box::new(rod)));
