@@ -349,10 +349,11 @@ impl Step<'_> {
     fn stick_or_slip(&self, contact: &Contact, guess: &Contact) -> Next {
         let start = Load { s: contact.load.s, ..guess.load };
         match self.stuck(&Contact { load: start, ..*contact }) {
-            Some((Next::Touching(_) | Next::LiftOff, off)) if off.abs() > self.cone => {
-                self.slip(contact, guess, self.cone.copysign(off))
+            Some((Next::Touching(next), off)) if off.abs() <= self.cone && self.is_near(contact, &next) => {
+                Next::Touching(next)
             }
-            Some((next, _)) => next,
+            Some((Next::LiftOff, off)) if off.abs() <= self.cone => Next::LiftOff,
+            Some((_, off)) => self.slip(contact, guess, self.cone.copysign(off)),
             None => self.slip(contact, guess, self.cone),
         }
     }

@@ -224,16 +224,14 @@ impl<'a> Follower<'a> {
     fn unloaded(&self, pose: Pose2) -> Result<DiscreteRod> {
         let mut rod = DiscreteRod::new(&self.whisker.beam, self.options.links, pose)?;
         let apart = APART * self.flex.beam.length;
-        if rod.clearance(self.map, apart) >= 0.5 * apart {
-            return Ok(rod);
-        }
         let nodes = rod.nodes().to_vec();
-        // The free side is where the base is; a boundary beside the whisker may be on either.
-        for turn in [PI, FRAC_PI_2, -FRAC_PI_2] {
-            let away = Vec2::from_angle(pose.theta + turn) * apart;
-            rod.pose(pose, pushed_off(nodes.clone(), away));
-            if rod.clearance(self.map, apart) >= 0.3 * apart {
-                break;
+        for times in [0.0, 1.0, 10.0, 100.0, 1000.0] {
+            // The free side is where the base is; a boundary beside the whisker may be on either.
+            for turn in [PI, FRAC_PI_2, -FRAC_PI_2] {
+                rod.pose(pose, pushed_off(nodes.clone(), Vec2::from_angle(pose.theta + turn) * (times * apart)));
+                if rod.is_clear(self.map) && rod.clearance(self.map, apart) >= 0.3 * apart {
+                    return Ok(rod);
+                }
             }
         }
         Ok(rod)
