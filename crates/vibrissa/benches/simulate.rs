@@ -71,7 +71,11 @@ fn rows(c: &mut Criterion) {
             let sweep = run();
             let touching = sweep.exact_moments.iter().filter(|m| m[0].abs() > 0.0).count();
             let kinds: Vec<_> = sweep.events.iter().map(|event| event.kind).collect();
-            println!("{name}, {label}: {touching} of {} rows in contact, {} contacts; {kinds:?}", path.len(), sweep.contacts.len());
+            println!(
+                "{name}, {label}: {touching} of {} rows in contact, {} contacts; {kinds:?}",
+                path.len(),
+                sweep.contacts.len()
+            );
             group.bench_function(label, |b| b.iter(|| black_box(run())));
         }
         group.finish();

@@ -85,7 +85,10 @@ fn the_force_stays_in_the_cone_and_opposes_sliding() {
                     Grip::Frictionless => panic!("friction {friction} and yet {now:?}; {:?}", sweep.events),
                 }
             }
-            println!("{friction}: {sticks} stuck, {slips} slipping; {:?}", sweep.events.iter().map(|e| e.kind).collect::<Vec<_>>());
+            println!(
+                "{friction}: {sticks} stuck, {slips} slipping; {:?}",
+                sweep.events.iter().map(|e| e.kind).collect::<Vec<_>>()
+            );
             assert!(sticks + slips > 20);
         }
     }
@@ -134,7 +137,9 @@ fn friction_makes_a_wall_and_back_differ() {
     let last = path.len() - 1;
     let loop_gap = |friction: f64| {
         let sweep = run(&wall(), friction, &path);
-        (1..60).map(|k| (sweep.exact_moments[last - k][0] - sweep.exact_moments[last - 160 + k][0]).abs()).fold(0.0, f64::max)
+        (1..60)
+            .map(|k| (sweep.exact_moments[last - k][0] - sweep.exact_moments[last - 160 + k][0]).abs())
+            .fold(0.0, f64::max)
     };
     let (none, some) = (loop_gap(0.0), loop_gap(0.3));
     println!("{none:e} without, {some:e} with friction");

@@ -50,13 +50,20 @@ fn tangles_of_walls_are_survived() {
                 let last = points[points.len() - 1];
                 // Now and then straight back along itself.
                 let back = points.len() > 1 && random.unit() < 0.2;
-                points.push(if back { points[points.len() - 2] } else { last + Vec2::new(random.signed(size), random.signed(size)) });
+                points.push(if back {
+                    points[points.len() - 2]
+                } else {
+                    last + Vec2::new(random.signed(size), random.signed(size))
+                });
             }
             boundaries.extend(wall(&points));
         }
         let Ok(map) = Map::new(boundaries) else { continue };
         let heading = 1.57 + random.signed(1.0);
-        let ends = [Pose2::new(-0.1, random.signed(0.02), heading), Pose2::new(0.1, random.signed(0.02), heading + random.signed(0.5))];
+        let ends = [
+            Pose2::new(-0.1, random.signed(0.02), heading),
+            Pose2::new(0.1, random.signed(0.02), heading + random.signed(0.5)),
+        ];
         let friction = if round % 3 == 0 { random.between(0.0, 1.0) } else { 0.0 };
         if let Some(happened) = run(&map, ends, friction) {
             ran += 1;
@@ -74,8 +81,10 @@ fn spikes_slots_and_head_on_runs_are_survived() {
     let p = |x: f64, y: f64| Vec2::new(x, y);
     let spike = vec![wall(&[p(-0.1, 0.07), p(-1e-6, 0.07), p(0.0, 0.02), p(1e-6, 0.07), p(0.1, 0.07)]).unwrap()];
     // Two walls a hundredth of a millimetre apart.
-    let thin = vec![wall(&[p(-0.02, 0.05), p(0.02, 0.05)]).unwrap(), wall(&[p(-0.02, 0.05001), p(0.02, 0.05001)]).unwrap()];
-    let slot = vec![wall(&[p(-0.001, 0.03), p(-0.001, 0.09)]).unwrap(), wall(&[p(0.001, 0.03), p(0.001, 0.09)]).unwrap()];
+    let thin =
+        vec![wall(&[p(-0.02, 0.05), p(0.02, 0.05)]).unwrap(), wall(&[p(-0.02, 0.05001), p(0.02, 0.05001)]).unwrap()];
+    let slot =
+        vec![wall(&[p(-0.001, 0.03), p(-0.001, 0.09)]).unwrap(), wall(&[p(0.001, 0.03), p(0.001, 0.09)]).unwrap()];
     let pocket = vec![wall(&[p(-0.02, 0.03), p(-0.02, 0.08), p(0.02, 0.08), p(0.02, 0.03)]).unwrap()];
     for boundaries in [spike, thin, slot, pocket] {
         let map = Map::new(boundaries).unwrap();

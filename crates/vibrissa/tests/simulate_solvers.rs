@@ -125,7 +125,8 @@ fn tapered_curved_and_elastically_held_whiskers_agree() {
     let post = map(Role::Obstacle, polygon(Vec2::new(0.0, 0.045), 0.008, 4, 0.2));
     let mut touched = 0;
     for beam in beams {
-        for (map, ends) in [(&wall, [[0.0, -0.02, 1.9], [0.03, 0.012, 1.9]]), (&post, [[-0.06, 0.0, 1.5], [0.02, 0.0, 1.5]])]
+        for (map, ends) in
+            [(&wall, [[0.0, -0.02, 1.9], [0.03, 0.012, 1.9]]), (&post, [[-0.06, 0.0, 1.5], [0.02, 0.0, 1.5]])]
         {
             let path = path(&ends, 40.0);
             let ours = run(map, beam, &path, Solver::Auto, 90);
@@ -133,7 +134,10 @@ fn tapered_curved_and_elastically_held_whiskers_agree() {
             let strongest = ours.exact_moments.iter().map(|m| m[0].abs()).fold(0.0, f64::max);
             let worst = ours.exact_moments.iter().zip(&rod.exact_moments).map(|(a, b)| (a[0] - b[0]).abs());
             let worst = worst.fold(0.0, f64::max);
-            println!("{beam:?}: {worst:.1e} of {strongest:.1e}; {:?}", ours.events.iter().map(|e| e.kind).collect::<Vec<_>>());
+            println!(
+                "{beam:?}: {worst:.1e} of {strongest:.1e}; {:?}",
+                ours.events.iter().map(|e| e.kind).collect::<Vec<_>>()
+            );
             assert!(worst < 1e-3 * strongest + 1e-6, "{beam:?}: {worst} of {strongest}; {:?}", ours.events);
             touched += usize::from(strongest > 4e-4);
         }

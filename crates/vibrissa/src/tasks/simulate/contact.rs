@@ -93,9 +93,8 @@ impl Hold {
 
     /// Whether this is the same piece or corner, held in the same way.
     fn is_same(&self, other: &Self) -> bool {
-        let piece = |a: &Foothold, b: &Foothold| {
-            a.segment == b.segment && a.boundary == b.boundary && a.side * b.side > 0.0
-        };
+        let piece =
+            |a: &Foothold, b: &Foothold| a.segment == b.segment && a.boundary == b.boundary && a.side * b.side > 0.0;
         match (self, other) {
             (Self::Tip(a), Self::Tip(b)) | (Self::Flank(a, _), Self::Flank(b, _)) => piece(a, b),
             (Self::Corner(a), Self::Corner(b)) | (Self::Vertex(a, _), Self::Vertex(b, _)) => piece(&a.after, &b.after),
@@ -129,11 +128,8 @@ impl Step<'_> {
     }
 
     fn from(&self, contact: &Contact, guess: &Contact) -> Next {
-        let next = if self.cone > 0.0 {
-            self.stick_or_slip(contact, guess)
-        } else {
-            self.run(guess.hold, guess.load, 0.0)
-        };
+        let next =
+            if self.cone > 0.0 { self.stick_or_slip(contact, guess) } else { self.run(guess.hold, guess.load, 0.0) };
         match next {
             Next::Touching(next) if !self.is_near(contact, &next) => Next::Ends(LOST),
             other => other,
@@ -263,9 +259,9 @@ impl Step<'_> {
             stance.flex.touched_at(p, slope)
         };
         let solved = match closed {
-            Some(found) => found.map(|(load, state)| {
-                (Load { q: load.q * lay.cos().signum(), beta: lay, ..load }, state)
-            }),
+            Some(found) => {
+                found.map(|(load, state)| (Load { q: load.q * lay.cos().signum(), beta: lay, ..load }, state))
+            }
             None => stance
                 .at_place(Unknown::ArcLength, start, joint.position)
                 .filter(|(.., stable)| *stable)

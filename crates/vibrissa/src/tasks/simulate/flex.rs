@@ -60,7 +60,8 @@ pub(super) struct Flex {
 impl Flex {
     pub(super) fn new(beam: &Whisker) -> Result<Self> {
         let rod = Rod::new(beam)?;
-        let mut flex = Self { beam: *beam, rod, uniform: beam.is_uniform(), rest: vec![Vec2::ZERO, Vec2::new(beam.length, 0.0)] };
+        let mut flex =
+            Self { beam: *beam, rod, uniform: beam.is_uniform(), rest: vec![Vec2::ZERO, Vec2::new(beam.length, 0.0)] };
         if beam.curvature.abs() > 0.0
             && let Some(bend) = flex.bend(Load { q: 0.0, s: 1.0, beta: 0.0 })
         {

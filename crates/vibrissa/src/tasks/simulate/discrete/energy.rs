@@ -91,7 +91,8 @@ impl Springs {
             (0.5 * self.stretch * longer + tension) * longer
         };
         let links: f64 = self.tension.iter().enumerate().map(link).sum();
-        let repelled: f64 = pairs.iter().map(|pair| pair.weight() * barrier.energy(distance(pair.figure(nodes)).0)).sum();
+        let repelled: f64 =
+            pairs.iter().map(|pair| pair.weight() * barrier.energy(distance(pair.figure(nodes)).0)).sum();
         let anchored = 0.5 * self.anchor * (nodes[0] - base.position).norm_squared();
         self.bending(base, nodes) + links + repelled + anchored
     }
