@@ -50,6 +50,8 @@ pub(super) struct Contact {
     /// The contact, map frame (m).
     pub(super) place: Vec2,
     pub(super) stuck: bool,
+    /// The force's angle off the frictionless direction while it slides with friction (rad), else 0.
+    pub(super) sliding: f64,
 }
 
 impl Contact {
@@ -338,33 +340,46 @@ impl Step<'_> {
         if load.q < 0.0 {
             return Next::LiftOff;
         }
-        Next::Touching(Contact { load, state, hold, place: self.stance.place(&state), stuck })
+        Next::Touching(Contact { load, state, hold, place: self.stance.place(&state), stuck, sliding: 0.0 })
     }
 
     /// With friction: the contact where it is if the cone allows it, else sliding with the force on the cone's edge.
     fn stick_or_slip(&self, contact: &Contact, guess: &Contact) -> Next {
-        let start = Load { s: contact.load.s, ..guess.load };
-        match self.stuck(&Contact { load: start, ..*contact }) {
-            Some((Next::Touching(next), off)) if off.abs() <= self.cone && self.is_near(contact, &next) => {
-                Next::Touching(next)
-            }
-            Some((Next::LiftOff, off)) if off.abs() <= self.cone => Next::LiftOff,
-            Some((_, off)) => self.slip(contact, guess, self.cone.copysign(off)),
-            None => self.slip(contact, guess, self.cone),
+        // What slides goes on sliding as long as friction opposes it.
+        if contact.sliding.abs() > 0.0
+            && let Some(next) = self.slide(contact, guess, contact.sliding)
+        {
+            return next;
         }
-    }
-
-    /// The slide whose friction opposes it, tried first with the force this far off the frictionless direction (rad).
-    fn slip(&self, contact: &Contact, guess: &Contact, first: f64) -> Next {
+        let start = Load { s: contact.load.s, ..guess.load };
+        let off = match self.stuck(&Contact { load: start, sliding: 0.0, ..*contact }) {
+            Some((Next::Touching(next), off)) if off.abs() <= self.cone && self.is_near(contact, &next) => {
+                return Next::Touching(next);
+            }
+            Some((_, off)) => off,
+            None => self.cone,
+        };
+        let first = self.cone.copysign(off);
         let mut end = Next::Ends(LOST);
         for offset in [first, -first] {
-            match self.run(guess.hold, guess.load, offset) {
-                Next::Touching(next) if self.opposes(contact, &next, offset) => return Next::Touching(next),
-                Next::LiftOff => end = Next::LiftOff,
-                _ => {}
+            match self.slide(contact, guess, offset) {
+                Some(Next::LiftOff) => end = Next::LiftOff,
+                Some(next) => return next,
+                None => {}
             }
         }
         end
+    }
+
+    /// The slide with the force this far off the frictionless direction (rad), if friction then opposes it.
+    fn slide(&self, contact: &Contact, guess: &Contact, offset: f64) -> Option<Next> {
+        match self.run(guess.hold, guess.load, offset) {
+            Next::Touching(next) if self.opposes(contact, &next, offset) && self.is_near(contact, &next) => {
+                Some(Next::Touching(Contact { sliding: if next.stuck { 0.0 } else { offset }, ..next }))
+            }
+            Next::LiftOff => Some(Next::LiftOff),
+            _ => None,
+        }
     }
 
     /// Whether friction with the force this far off acts against the way that the whisker slid.

@@ -8,6 +8,8 @@ use core::f64::consts::FRAC_PI_2;
 
 /// Newton steps before it is given up.
 const MOST_STEPS: usize = 40;
+/// The same for a contact whose place is given: what sticks is found at once or not at all.
+const MOST_STEPS_AT_PLACE: usize = 20;
 /// Residual (whisker lengths, rad) at which an equilibrium is found.
 const FOUND: f64 = 2e-13;
 /// Largest change of the tilt in one Newton step (rad).
@@ -142,7 +144,7 @@ impl Stance<'_> {
     pub(super) fn at_place(&self, unknown: Unknown, mut load: Load, place: Vec2) -> Option<(Load, State, bool)> {
         let target = self.seen(place);
         let mut last = f64::INFINITY;
-        for _ in 0..MOST_STEPS {
+        for _ in 0..MOST_STEPS_AT_PLACE {
             let state = self.flex.at(load)?;
             let gap = state.p - target;
             let residual = gap.norm();

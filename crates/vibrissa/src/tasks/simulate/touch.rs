@@ -86,7 +86,14 @@ pub(super) fn onset(stance: &Stance<'_>) -> Option<Contact> {
         let beta = crate::plane::wrap_angle(ground.normal - pose.theta - slope - FRAC_PI_2);
         let load = Load { q: 0.0, s: 1.0, beta };
         let state = flex.at(load)?;
-        return Some(Contact { load, state, hold: Hold::Tip(foothold), place: ground.position, stuck: true });
+        return Some(Contact {
+            load,
+            state,
+            hold: Hold::Tip(foothold),
+            place: ground.position,
+            stuck: true,
+            sliding: 0.0,
+        });
     }
     let place = meets(map, &flex.rest, pose)?;
     let s = along(&flex.rest, pose.inverse_transform_point(place)) / length;
@@ -100,7 +107,7 @@ pub(super) fn onset(stance: &Stance<'_>) -> Option<Contact> {
             let load = Load { q: FIRST_FORCE, s, beta: lay };
             let Some(state) = flex.at(load) else { continue };
             if let Some(hold) = side_hold(stance, foothold, lay, stance.heading(&state)) {
-                return Some(Contact { load, state, hold, place, stuck: true });
+                return Some(Contact { load, state, hold, place, stuck: true, sliding: 0.0 });
             }
         }
     }
