@@ -510,7 +510,7 @@ impl Leg {
 fn pushed_off(mut nodes: Vec<Vec2>, by: Vec2) -> Vec<Vec2> {
     let last = (nodes.len() - 1) as f64;
     for (i, node) in nodes.iter_mut().enumerate() {
-        *node = *node + by * (2.0 * i as f64 / last).min(1.0);
+        *node += by * (2.0 * i as f64 / last).min(1.0);
     }
     nodes
 }

@@ -41,8 +41,7 @@ impl Banded {
                     sum -= factor.rows[i][BAND + k - i] * factor.rows[j][BAND + k - j];
                 }
                 if i == j {
-                    // Written so that what is not a number fails, too.
-                    if !(sum > 0.0) {
+                    if sum.is_nan() || sum <= 0.0 {
                         return false;
                     }
                     factor.rows[i][BAND] = sum.sqrt();

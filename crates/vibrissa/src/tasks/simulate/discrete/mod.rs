@@ -119,7 +119,7 @@ impl DiscreteRod {
         let mut place = self.base.position;
         for rest in &self.springs.rest {
             heading += rest;
-            place = place + Vec2::from_angle(heading) * self.springs.h;
+            place += Vec2::from_angle(heading) * self.springs.h;
             nodes.push(place);
         }
         self.nodes = nodes;
@@ -248,7 +248,7 @@ fn together(pushes: &[Push]) -> Press {
     let mut strongest = 0.0;
     for push in pushes {
         press.s_a += push.s_a * push.size / total;
-        press.force = press.force + push.force;
+        press.force += push.force;
         // The place is one that does touch; the middle of two may not.
         if push.size > strongest {
             (strongest, press.position) = (push.size, push.position);
