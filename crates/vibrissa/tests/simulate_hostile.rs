@@ -5,6 +5,7 @@
 #[path = "data/random.rs"]
 mod random;
 
+use core::f64::consts::FRAC_PI_2 as UP;
 use random::Random;
 use vibrissa::plane::{Curve, Pose2, Vec2};
 use vibrissa::tasks::simulate::{Pace, SimulateOptions, SweepNoise, path_through, simulate};
@@ -90,8 +91,8 @@ fn spikes_slots_and_head_on_runs_are_survived() {
         let map = Map::new(boundaries).unwrap();
         for ends in [
             [Pose2::new(-0.05, 0.0, 1.3), Pose2::new(0.05, 0.0, 1.3)],
-            [Pose2::new(0.0, -0.06, 1.570_796), Pose2::new(0.0, 0.06, 1.570_796)],
-            [Pose2::new(0.0, -0.06, 1.570_796_326_794_896_6), Pose2::new(0.0, 0.0, 1.570_796_326_794_896_6)],
+            [Pose2::new(0.0, -0.06, UP + 1e-6), Pose2::new(0.0, 0.06, UP + 1e-6)],
+            [Pose2::new(0.0, -0.06, UP), Pose2::new(0.0, 0.0, UP)],
             [Pose2::new(0.0, 0.0, -1.5), Pose2::new(0.0, 0.01, 1.5)],
         ] {
             if let Some(happened) = run(&map, ends, 0.0) {
@@ -104,9 +105,8 @@ fn spikes_slots_and_head_on_runs_are_survived() {
 #[test]
 fn a_whisker_pushed_head_on_buckles_to_one_side() {
     let map = Map::new(vec![wall(&[Vec2::new(-0.3, 0.08), Vec2::new(0.3, 0.08)]).unwrap()]).unwrap();
-    let up = core::f64::consts::FRAC_PI_2;
     let path = path_through(
-        &[Pose2::new(0.0, 0.0, up), Pose2::new(0.0, 0.02, up)],
+        &[Pose2::new(0.0, 0.0, UP), Pose2::new(0.0, 0.02, UP)],
         &Pace { speed: 0.15, turn_rate: 1.0, rate: 100.0 },
     )
     .unwrap();

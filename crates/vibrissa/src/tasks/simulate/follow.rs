@@ -22,6 +22,8 @@ const SNAP_SHARE: f64 = 1e-3;
 const MOST_CHANGES: usize = 100;
 /// How often a discrete rod that is still moving is given more time.
 const MORE_TIME: usize = 3;
+/// The discrete rod stays for up to two to this power steps when it keeps taking over.
+const LONGEST_STAY: u32 = 6;
 /// Longest way of the base (over L) and largest turn (rad) in one step.
 const LARGEST_STEP: (f64, f64) = (0.05, 0.05);
 /// Distance at which a discrete rod starts beside what it touches, over L.
@@ -54,6 +56,9 @@ pub(super) struct Follower<'a> {
     unsolved: bool,
     /// The contact one step earlier, and how large that step was.
     earlier: Option<(Contact, f64)>,
+    /// How often the discrete rod has taken over since the whisker was free, and steps for which it now stays.
+    takeovers: u32,
+    patience: u32,
 }
 
 impl<'a> Follower<'a> {
@@ -87,7 +92,19 @@ impl<'a> Follower<'a> {
                 Body::Chain(Box::new(DiscreteRod::new(&whisker.beam, options.links, map_from_whisker)?))
             }
         };
-        Ok(Self { map, whisker, flex, options, t: at.t, map_from_whisker, body, unsolved: false, earlier: None })
+        Ok(Self {
+            map,
+            whisker,
+            flex,
+            options,
+            t: at.t,
+            map_from_whisker,
+            body,
+            unsolved: false,
+            earlier: None,
+            takeovers: 0,
+            patience: 0,
+        })
     }
 
     fn stance(&self, map_from_whisker: Pose2) -> Stance<'a> {
@@ -136,6 +153,7 @@ impl<'a> Follower<'a> {
     /// The free whisker until it touches or the row ends.
     fn wander(&mut self, leg: &mut Leg) -> Result<Happened> {
         let here = leg.at(leg.share);
+        self.takeovers = 0;
         let Some(touching) = first_touch(self.map, &self.flex.rest, here, leg.to) else {
             leg.share = 1.0;
             return Ok(None);
@@ -295,6 +313,11 @@ impl<'a> Follower<'a> {
                 Some(("discrete_rod", format!("{why}; it touches at {places}{}", self.neglect())))
             }
         };
+        if simple.is_none() {
+            // On the verge of two descriptions the rod stays longer each time.
+            self.patience = (1 << self.takeovers.min(LONGEST_STAY)) - 1;
+            self.takeovers += 1;
+        }
         self.body = simple.unwrap_or_else(|| Body::Chain(Box::new(rod)));
         Ok(happened)
     }
@@ -323,6 +346,10 @@ impl<'a> Follower<'a> {
             return Ok(None);
         }
         let Body::Chain(rod) = &self.body else { return Ok(None) };
+        if self.patience > 0 && !rod.presses().is_empty() {
+            self.patience -= 1;
+            return Ok(None);
+        }
         let Some(simple) = self.simplified(rod, pose) else { return Ok(None) };
         self.body = simple;
         Ok(Some(match self.body {
