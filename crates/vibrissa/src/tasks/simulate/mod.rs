@@ -10,7 +10,7 @@
 //! | `contact` | tip, corner, side: which hold follows which, stick and slip |
 //! | `touch` | when a free whisker first meets a boundary; whether a bent one meets another |
 //! | `discrete/` | any number of contacts: a chain of links whose energy is minimised |
-//! | `follow` | one whisker over time: onset, contact, snap, lift-off |
+//! | `follow/` | one whisker over time: onset, contact, snap, lift-off; which solver is in charge |
 //! | `report` | what a contact is, for the caller |
 //! | `noise` | readings and odometry from exact ones |
 //! | `path` | poses from waypoints |
