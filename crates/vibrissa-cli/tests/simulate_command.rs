@@ -33,7 +33,7 @@ fn a_scenario_leaves_its_files_and_they_are_localized() {
         let rows = read(&folder, "log.csv").lines().count() - 1;
         assert_eq!(header(&read(&folder, "log.csv")), "t,x,y,theta,moment");
         assert_eq!(read(&folder, "truth.tum").lines().count(), rows);
-        assert_eq!(header(&read(&folder, "contacts.csv")), "t,x,y");
+        assert_eq!(header(&read(&folder, "contacts.csv")), "t,x,y,s_a,part,grip");
         let figure = read(&folder, "simulate.svg");
         assert!(figure.starts_with("<svg") && figure.contains("moment at the base, mN m") && !figure.contains("NaN"));
 
@@ -73,7 +73,7 @@ fn the_dump_holds_shapes_and_exact_moments() {
     let exact = read(&folder, "exact.csv");
     assert_eq!((header(&exact), exact.lines().count()), ("t,outer.moment,inner.moment", rows + 1));
     assert_eq!(header(&read(&folder, "log.csv")), "t,x,y,theta,outer.moment,inner.moment");
-    assert_eq!(header(&read(&folder, "contacts.csv")), "t,x,y,whisker");
+    assert_eq!(header(&read(&folder, "contacts.csv")), "t,x,y,whisker,s_a,part,grip");
 }
 
 #[test]

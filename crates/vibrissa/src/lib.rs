@@ -14,7 +14,7 @@
 //! | pose | a state set | a verdict, places, an estimate and its extent | [`flow::pose`] |
 //!
 //! [`localize`] is the one-call door for whole logs, [`Localizer`] the same row by row. [`beam`] stands on its own for
-//! whisker mechanics, [`tasks::simulate`] makes sweeps to try things on.
+//! whisker mechanics, [`tasks::simulate`](mod@tasks::simulate) makes sweeps to try things on.
 //!
 //! SI everywhere: m, rad, s, N, N m. Frames are right-handed, x forward, y left, angles counter-clockwise (REP 103);
 //! `world_from_robot` takes robot coordinates to world coordinates. The undeflected whisker points along +x of its own

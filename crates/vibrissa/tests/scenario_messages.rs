@@ -107,13 +107,6 @@ fn messages() {
         ("chip in the magnet", plain("", "[sensing]\nchip_offset = [\"-3 mm\", 0, 0]\n")),
         ("magnet moment", plain("", "[sensing]\nmagnet_moment = [\"3 A m\", 0, 0]\n")),
         ("serial", plain("", "[sensing]\nserial = \"interleaved\"\n")),
-        (
-            "side contact on the third leg",
-            "map = { obstacle = [[0.3, 0], [0.34, 0], [0.34, 0.2], [0.3, 0.2]] }\n[[whisker]]\nmount = [0, 0, \"-128 deg\"]\n\
-             [path]\nstart = [0.1, 0.23, 0]\n[[path.leg]]\nkind = \"line\"\nto = [0.15, 0.23]\n\
-             [[path.leg]]\nkind = \"wait\"\ntime = 1\n[[path.leg]]\nkind = \"line\"\nto = [0.5, 0.23]\n"
-                .into(),
-        ),
         ("a whisker that starts in touch", format!("{MAP}{WAY}[[whisker]]\nmount = [0, 0, \"90 deg\"]\n")),
         ("no touch", format!("{MAP}[path]\nwaypoints = [[0.15, 0.2], [0.4, 0.2]]\n")),
     ];

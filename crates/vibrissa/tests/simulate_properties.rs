@@ -105,7 +105,7 @@ fn energy_is_the_work_done_on_the_tip() {
     let (map, ..) = reference();
     let path = path_through(&waypoints(), &Pace { rate: 6000.0, ..PACE }).unwrap();
     let sweep = sweep(&map, &path);
-    let seen = |touch: &vibrissa::tasks::simulate::TipTouch| {
+    let seen = |touch: &vibrissa::tasks::simulate::Touch| {
         let pose = path[touch.row].map_from_robot;
         (pose.inverse_transform_point(touch.position), touch.force.rotated(-pose.theta))
     };
@@ -178,7 +178,8 @@ fn random_discs_are_followed_or_refused_with_a_place() {
             Ok(sweep) => {
                 followed += 1;
                 for touch in &sweep.contacts {
-                    assert!(map.nearest(touch.position).unwrap().distance < 1e-10);
+                    // The discrete rod keeps its distance, and sees the disc as a polygon.
+                    assert!(map.nearest(touch.position).unwrap().distance < 2e-6);
                 }
                 assert!(sweep.exact_moments.iter().all(|m| m[0].is_finite()));
             }

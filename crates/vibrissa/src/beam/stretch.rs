@@ -60,12 +60,23 @@ impl Stretches {
     /// The radius at arc length `s` (m), where the diameter there is known; at a joint that of the outer wire.
     #[must_use]
     pub fn radius_at(&self, s: f64) -> Option<f64> {
+        let (stretch, share) = self.at(s)?;
+        stretch.diameter.map(|diameter| 0.5 * diameter * share)
+    }
+
+    /// The flexural rigidity at arc length `s` (N m²); at a joint that of the outer wire, 0 where there is no wire.
+    #[must_use]
+    pub fn rigidity_at(&self, s: f64) -> f64 {
+        self.at(s).map_or(0.0, |(stretch, share)| stretch.flexural_rigidity * share.powi(4))
+    }
+
+    /// The wire at arc length `s` and its radius there as a share of that at its beginning.
+    fn at(&self, s: f64) -> Option<(&Stretch, f64)> {
         let (mut start, last) = (0.0, self.as_slice().len().checked_sub(1)?);
         for (i, stretch) in self.as_slice().iter().enumerate() {
             if s < start + stretch.length || i == last {
                 let along = ((s - start) / stretch.length).clamp(0.0, 1.0);
-                let share = 1.0 - (1.0 - stretch.tip_ratio) * along;
-                return stretch.diameter.map(|diameter| 0.5 * diameter * share);
+                return Some((stretch, 1.0 - (1.0 - stretch.tip_ratio) * along));
             }
             start += stretch.length;
         }

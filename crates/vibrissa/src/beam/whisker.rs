@@ -104,6 +104,21 @@ impl Whisker {
         self.stretches.radius_at(s)
     }
 
+    /// The flexural rigidity at arc length `s` (N m²); at a joint that of the outer wire.
+    #[must_use]
+    pub fn rigidity_at(&self, s: f64) -> f64 {
+        if self.stretches.as_slice().is_empty() {
+            return self.flexural_rigidity * (1.0 - (1.0 - self.tip_ratio) * s / self.length).powi(4);
+        }
+        self.stretches.rigidity_at(s)
+    }
+
+    /// The rest curvature at arc length `s` (1/m).
+    #[must_use]
+    pub fn curvature_at(&self, s: f64) -> f64 {
+        self.curvature_terms().iter().rev().fold(0.0, |sum, term| sum * s + term)
+    }
+
     /// Checks that the closed form covers this whisker: uniform, straight, clamped, with positive length and rigidity.
     ///
     /// # Errors

@@ -147,6 +147,17 @@ impl SegmentTree {
         hit
     }
 
+    /// Calls `visit(edge, ends)` for each edge whose own rectangle overlaps `bounds`, until it answers true.
+    pub fn for_each_in(&self, bounds: Bounds, mut visit: impl FnMut(usize, [Vec2; 2]) -> bool) {
+        self.visit(
+            |node| node.overlaps(bounds),
+            |slot| {
+                let ends = self.edges[slot];
+                Bounds::of(&ends).overlaps(bounds) && visit(self.ids[slot] as usize, ends)
+            },
+        );
+    }
+
     /// How many edges the ray from `p` towards +x crosses; odd inside a closed polygon.
     ///
     /// An edge counts when exactly one of its ends lies above the ray, so a corner on the ray counts once.

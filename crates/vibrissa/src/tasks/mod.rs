@@ -9,4 +9,4 @@ pub mod simulate;
 
 pub use localize::{LocalizeOptions, localize};
 pub use scenario::{Scenario, Simulation};
-pub use simulate::{Sweep, SweepNoise, simulate_tip_sweep};
+pub use simulate::{SimulateOptions, Sweep, SweepNoise, simulate, simulate_tip_sweep};

@@ -190,6 +190,19 @@ impl Map {
         })
     }
 
+    /// The piece of a boundary nearest to `point` (m) if it is no further than `reach` (m): index of the boundary, index of
+    /// the piece and distance, within the flattening tolerance.
+    pub(crate) fn nearest_piece(&self, point: Vec2, reach: f64) -> Option<(usize, usize, f64)> {
+        let hit = self.tree.nearest_within(point, reach)?;
+        let Origin { boundary, segment } = self.origins[hit.edge];
+        Some((boundary as usize, segment as usize, hit.distance))
+    }
+
+    /// Calls `visit` with the ends of each flattened edge whose rectangle overlaps `bounds`, until it answers true.
+    pub(crate) fn for_each_edge_in(&self, bounds: Bounds, mut visit: impl FnMut([Vec2; 2]) -> bool) {
+        self.tree.for_each_in(bounds, |_, ends| visit(ends));
+    }
+
     /// The concave corner nearest to `point` if it is no further than `reach` (m).
     ///
     /// Corners turn by at least 20 degrees; weaker ones are taken for the polygons of smooth curves. Corners between

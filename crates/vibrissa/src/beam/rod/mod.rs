@@ -17,6 +17,7 @@ mod moment;
 mod newton;
 mod numbers;
 mod point;
+mod pushed;
 mod scan;
 mod section;
 mod shot;

@@ -1,130 +1,111 @@
-//! The whisker whose tip stands on a boundary: Newton's method on the closed form.
-//!
-//! Unknowns are the dimensionless force `q = F L² / EI`, the tilt `beta` and, on a smooth piece, the place along it;
-//! equations are that the tip is there and that the force is normal there. With `p` the tip over the length and
-//! `m = M0 L / EI`, the derivatives by force at fixed tilt are `dp/dq = (1 - x - m y, m x - y) / 2q` and
-//! `dphi/dq = m / 2q`; the derivatives by tilt are differences.
+//! The whisker in contact at one place: Newton's method on its response.
 
-use super::foothold::{Foothold, Joint};
-use crate::beam::{Bend, Whisker, elastica};
+use super::flex::{Flex, Load, Rate, State};
+use super::foothold::Foothold;
 use crate::plane::{Pose2, Vec2, wrap_angle};
 use crate::world::Map;
 use core::f64::consts::FRAC_PI_2;
 
 /// Newton steps before it is given up.
 const MOST_STEPS: usize = 40;
+/// The same for a contact whose place is given: what sticks is found at once or not at all.
+const MOST_STEPS_AT_PLACE: usize = 20;
 /// Residual (whisker lengths, rad) at which an equilibrium is found.
 const FOUND: f64 = 2e-13;
-/// Residual that is good enough when rounding stops the descent.
-const GOOD: f64 = 1e-11;
-/// Step of the differences by tilt (rad).
-const TILT_STEP: f64 = 1e-6;
-/// Below this force the derivatives by force are replaced by their limits.
-const WEAK: f64 = 1e-8;
 /// Largest change of the tilt in one Newton step (rad).
 const LARGEST_TURN: f64 = 0.3;
-
-/// The load of a tip: dimensionless force and tilt.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct TipLoadState {
-    /// `F L² / EI`; negative would pull the tip towards the boundary.
-    pub(super) q: f64,
-    /// Tilt from the whisker's normal at the tip (rad).
-    pub(super) beta: f64,
-}
+/// Largest change of the arc length in one Newton step, over L.
+const LARGEST_SHIFT: f64 = 0.1;
 
 /// One whisker on its base: what all equilibria share.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stance<'a> {
     pub(super) map: &'a Map,
-    pub(super) beam: &'a Whisker,
+    pub(super) flex: &'a Flex,
     pub(super) map_from_whisker: Pose2,
 }
 
-/// A whisker and its derivatives by force and tilt, lengths over L.
-struct Tip {
-    p: Vec2,
-    slope: f64,
-    p_q: Vec2,
-    slope_q: f64,
-    p_beta: Vec2,
-    slope_beta: f64,
+/// What must hold on a piece of a boundary besides the contact being there.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Rule {
+    /// The tip slides: the force is this far off the normal (rad).
+    Slide { offset: f64 },
+    /// The side slides along the piece, tangent to it; `lay` is 0 when the force is along the whisker's left normal, pi
+    /// when along its right one, and the load's tilt stays as it is.
+    Flank { lay: f64 },
+    /// The side rolls on the piece: arc lengths along whisker and piece change together from these values on.
+    Roll { lay: f64, s: f64, at: f64 },
 }
 
 /// Where Newton's method on a piece ended.
 pub(super) enum OnPiece {
     /// An equilibrium, maybe on the continuation of the piece; stable when the flag is set.
-    Found { load: TipLoadState, foothold: Foothold, stable: bool },
+    Found { load: Load, state: State, foothold: Foothold, stable: bool },
     /// The place left the piece before an equilibrium was found.
     Lost(Foothold),
     /// No equilibrium near.
     Failed,
 }
 
+/// Which of two unknowns joins the force.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Unknown {
+    Tilt,
+    ArcLength,
+}
+
 impl Stance<'_> {
-    /// The whisker under this load; none beyond the first mode.
-    pub(super) fn bend(&self, load: TipLoadState) -> Option<Bend> {
-        let Whisker { length, flexural_rigidity, .. } = *self.beam;
-        elastica::bend(flexural_rigidity, load.q * flexural_rigidity / (length * length), length, load.beta)
+    /// The direction of a force on the whisker (rad, map frame).
+    pub(super) fn direction(&self, load: Load, state: &State) -> f64 {
+        wrap_angle(self.map_from_whisker.theta + state.slope + load.beta + FRAC_PI_2)
     }
 
-    fn tip(&self, load: TipLoadState) -> Option<Tip> {
-        let here = self.bend(load)?;
-        let scale = 1.0 / self.beam.length;
-        let p = here.contact * scale;
-        let m = here.moment * self.beam.length / self.beam.flexural_rigidity;
-        let (p_q, slope_q) = if load.q.abs() < WEAK {
-            let across = load.beta.cos();
-            (Vec2::new(0.0, across / 3.0), 0.5 * across)
-        } else {
-            let half = 0.5 / load.q;
-            (Vec2::new(1.0 - p.x - m * p.y, m * p.x - p.y) * half, m * half)
-        };
-        let turned = |by: f64| self.bend(TipLoadState { beta: load.beta + by, ..load });
-        let (more, less) = (turned(TILT_STEP)?, turned(-TILT_STEP)?);
-        let per = 0.5 / TILT_STEP;
-        Some(Tip {
-            p,
-            slope: here.phi_a,
-            p_q,
-            slope_q,
-            p_beta: (more.contact - less.contact) * (scale * per),
-            slope_beta: (more.phi_a - less.phi_a) * per,
-        })
+    /// The direction of the whisker at the contact (rad, map frame).
+    pub(super) fn heading(&self, state: &State) -> f64 {
+        self.map_from_whisker.theta + state.slope
     }
 
-    /// The unloaded whisker about to be pushed along the normal at `foothold`.
-    pub(super) fn untouched(&self, foothold: &Foothold) -> TipLoadState {
-        let normal = foothold.ground(self.map).normal - self.map_from_whisker.theta;
-        TipLoadState { q: 0.0, beta: wrap_angle(normal - FRAC_PI_2) }
+    /// The contact, map frame (m).
+    pub(super) fn place(&self, state: &State) -> Vec2 {
+        self.map_from_whisker.transform_point(state.p * self.flex.beam.length)
     }
 
-    /// The equilibrium with the tip on the piece of `foothold`, from this start.
-    pub(super) fn on_piece(&self, mut load: TipLoadState, mut foothold: Foothold) -> OnPiece {
+    /// A place of the map as the whisker sees it, over its length.
+    pub(super) fn seen(&self, place: Vec2) -> Vec2 {
+        self.map_from_whisker.inverse_transform_point(place) * (1.0 / self.flex.beam.length)
+    }
+
+    /// The equilibrium on the piece of `foothold` under this rule, from this start.
+    pub(super) fn on_piece(&self, rule: Rule, mut load: Load, mut foothold: Foothold) -> OnPiece {
         let heading = self.map_from_whisker.theta;
-        let per_length = 1.0 / self.beam.length;
+        let per_length = 1.0 / self.flex.beam.length;
         let mut last = f64::INFINITY;
         for _ in 0..MOST_STEPS {
-            let Some(tip) = self.tip(load) else { return OnPiece::Failed };
             let ground = foothold.ground(self.map);
-            let target = self.map_from_whisker.inverse_transform_point(ground.position) * per_length;
             let velocity = ground.velocity.rotated(-heading) * per_length;
-            let gap = tip.p - target;
-            let aslant = wrap_angle(heading + tip.slope + load.beta + FRAC_PI_2 - ground.normal);
-            let rows = [
-                [tip.p_q.x, tip.p_beta.x, -velocity.x],
-                [tip.p_q.y, tip.p_beta.y, -velocity.y],
-                [tip.slope_q, 1.0 + tip.slope_beta, -ground.turning],
-            ];
-            let residual = gap.norm().max(aslant.abs());
-            if residual < FOUND || (residual < GOOD && residual >= 0.5 * last) {
-                // Weak forces have a negative determinant and are stable; the sign changes where the branch folds.
-                let stable = determinant(rows) * foothold.side < 0.0;
-                return OnPiece::Found { load, foothold, stable };
+            if let Rule::Roll { s, at, .. } = rule {
+                load.s = s + (foothold.at - at) * self.rolling(rule, load, velocity).unwrap_or(0.0);
             }
-            let Some([dq, dbeta, dat]) = solve(rows, [gap.x, gap.y, aslant]) else { return OnPiece::Failed };
-            let damp = (LARGEST_TURN / dbeta.abs()).min((0.5 + 0.5 * load.q.abs()) / dq.abs()).min(1.0);
-            load = TipLoadState { q: load.q - damp * dq, beta: load.beta - damp * dbeta };
+            let Some(state) = self.flex.at(load) else { return OnPiece::Failed };
+            let gap = state.p - self.seen(ground.position);
+            let tilt = match rule {
+                Rule::Slide { offset } => load.beta - offset,
+                Rule::Flank { lay } | Rule::Roll { lay, .. } => lay,
+            };
+            let aslant = wrap_angle(heading + state.slope + tilt + FRAC_PI_2 - ground.normal);
+            let Some(columns) = self.columns(rule, load, &state, velocity, ground.turning) else {
+                return OnPiece::Failed;
+            };
+            let rows = [columns.map(|c| c.p.x), columns.map(|c| c.p.y), columns.map(|c| c.slope)];
+            let residual = gap.norm().max(aslant.abs());
+            if residual < FOUND || (residual < self.flex.accuracy() && residual >= 0.5 * last) {
+                // Weak forces have a negative determinant and are stable; the sign changes where the branch folds.
+                let stable = !matches!(rule, Rule::Slide { .. }) || determinant(rows) * foothold.side < 0.0;
+                return OnPiece::Found { load, state, foothold, stable };
+            }
+            let Some([dq, d2, dat]) = solve(rows, [gap.x, gap.y, aslant]) else { return OnPiece::Failed };
+            let unknown = if matches!(rule, Rule::Flank { .. }) { Unknown::ArcLength } else { Unknown::Tilt };
+            let damp = moved(&mut load, unknown, dq, d2);
             foothold.at -= damp * dat;
             if foothold.is_lost(self.map) {
                 return OnPiece::Lost(foothold);
@@ -134,30 +115,70 @@ impl Stance<'_> {
         OnPiece::Failed
     }
 
-    /// The equilibrium with the tip in a corner, from this start, and where its force points within the corner: 0 along
-    /// the normal before, 1 along the normal after.
-    pub(super) fn in_corner(&self, mut load: TipLoadState, joint: &Joint) -> Option<(TipLoadState, f64)> {
-        let target = self.map_from_whisker.inverse_transform_point(joint.position) * (1.0 / self.beam.length);
-        let mut last = f64::INFINITY;
-        for _ in 0..MOST_STEPS {
-            let tip = self.tip(load)?;
-            let gap = tip.p - target;
-            let residual = gap.norm();
-            if residual < FOUND || (residual < GOOD && residual >= 0.5 * last) {
-                let direction = self.map_from_whisker.theta + tip.slope + load.beta + FRAC_PI_2;
-                return Some((load, wrap_angle(direction - joint.normal) / joint.turn));
+    /// How fast the contact moves along a rolling whisker, over L for each unit of the piece's parameter.
+    fn rolling(&self, rule: Rule, load: Load, velocity: Vec2) -> Option<f64> {
+        let Rule::Roll { .. } = rule else { return None };
+        let state = self.flex.at(load)?;
+        Some(velocity.norm().copysign(velocity.dot(Vec2::from_angle(state.slope))))
+    }
+
+    fn columns(&self, rule: Rule, load: Load, state: &State, velocity: Vec2, turning: f64) -> Option<[Rate; 3]> {
+        let by_force = self.flex.by_force(load, state)?;
+        let ground = Rate { p: -velocity, slope: -turning };
+        let columns = match rule {
+            Rule::Slide { .. } => {
+                let by_tilt = self.flex.by_tilt(load, state)?;
+                [by_force, Rate { slope: by_tilt.slope + 1.0, ..by_tilt }, ground]
             }
-            let det = tip.p_q.cross(tip.p_beta);
-            let (dq, dbeta) = (gap.cross(tip.p_beta) / det, tip.p_q.cross(gap) / det);
-            let damp = (LARGEST_TURN / dbeta.abs()).min((0.5 + 0.5 * load.q.abs()) / dq.abs()).min(1.0);
-            load = TipLoadState { q: load.q - damp * dq, beta: load.beta - damp * dbeta };
-            if !(load.q.is_finite() && load.beta.is_finite()) {
+            Rule::Flank { .. } => [by_force, self.flex.by_arc_length(load, state)?, ground],
+            Rule::Roll { .. } => {
+                let (longer, rolls) = (self.flex.by_arc_length(load, state)?, self.rolling(rule, load, velocity)?);
+                let along = Rate { p: ground.p + longer.p * rolls, slope: ground.slope + longer.slope * rolls };
+                [by_force, self.flex.by_tilt(load, state)?, along]
+            }
+        };
+        Some(columns)
+    }
+
+    /// The equilibrium with the contact at this place of the map, from this start; stable when the flag is set.
+    pub(super) fn at_place(&self, unknown: Unknown, mut load: Load, place: Vec2) -> Option<(Load, State, bool)> {
+        let target = self.seen(place);
+        let mut last = f64::INFINITY;
+        for _ in 0..MOST_STEPS_AT_PLACE {
+            let state = self.flex.at(load)?;
+            let gap = state.p - target;
+            let residual = gap.norm();
+            let a = self.flex.by_force(load, &state)?.p;
+            let b = match unknown {
+                Unknown::Tilt => self.flex.by_tilt(load, &state)?.p,
+                Unknown::ArcLength => self.flex.by_arc_length(load, &state)?.p,
+            };
+            let det = a.cross(b);
+            if residual < FOUND || (residual < self.flex.accuracy() && residual >= 0.5 * last) {
+                let push = load.beta.cos();
+                return Some((load, state, unknown == Unknown::Tilt || det * push < 0.0));
+            }
+            moved(&mut load, unknown, gap.cross(b) / det, a.cross(gap) / det);
+            if !(load.q.is_finite() && load.beta.is_finite() && load.s > 0.0 && load.s < 3.0) {
                 return None;
             }
             last = residual;
         }
         None
     }
+}
+
+/// Takes a Newton step off the load, cut to where the linear picture may hold; returns the share taken.
+fn moved(load: &mut Load, unknown: Unknown, dq: f64, d2: f64) -> f64 {
+    let most = if unknown == Unknown::Tilt { LARGEST_TURN } else { LARGEST_SHIFT };
+    // Division by a zero step gives infinity, which leaves 1.
+    let damp = (most / d2.abs()).min((0.5 + 0.5 * load.q.abs()) / dq.abs()).min(1.0);
+    load.q -= damp * dq;
+    match unknown {
+        Unknown::Tilt => load.beta -= damp * d2,
+        Unknown::ArcLength => load.s -= damp * d2,
+    }
+    damp
 }
 
 fn determinant(m: [[f64; 3]; 3]) -> f64 {

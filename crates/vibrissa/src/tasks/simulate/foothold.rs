@@ -2,7 +2,7 @@
 
 use crate::plane::{Segment, Vec2, wrap_angle};
 use crate::world::Map;
-use core::f64::consts::FRAC_PI_2;
+use core::f64::consts::{FRAC_PI_2, PI};
 
 /// A place on one piece of a boundary, touched from one side.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,7 +43,22 @@ pub(super) struct Joint {
 impl Joint {
     /// Whether a tip can be caught: free space closes in.
     pub(super) fn is_concave(&self) -> bool {
-        self.turn * self.before.side > SMOOTH
+        !self.is_end() && self.turn * self.before.side > SMOOTH
+    }
+
+    /// Whether it is the end of a wall.
+    pub(super) fn is_end(&self) -> bool {
+        self.before.side * self.after.side < 0.0
+    }
+
+    /// Whether the boundary goes on without a corner.
+    pub(super) fn is_smooth(&self) -> bool {
+        self.turn.abs() <= SMOOTH
+    }
+
+    /// Where a direction of the force (rad) points within the corner: 0 along the normal before, 1 along the normal after.
+    pub(super) fn lean(&self, direction: f64) -> f64 {
+        0.5 + wrap_angle(direction - self.normal - 0.5 * self.turn) / self.turn
     }
 }
 
@@ -51,17 +66,14 @@ impl Joint {
 const SMOOTH: f64 = 1e-9;
 
 impl Foothold {
-    /// The foothold nearest to `point`, reached from `base`, and its distance; none for an empty map.
-    pub(super) fn nearest(map: &Map, point: Vec2, base: Vec2) -> Option<(Self, f64)> {
-        let near = map.nearest(point)?;
-        let boundary = &map.boundaries()[near.boundary];
-        let curve = boundary.curve();
-        let after = (1..curve.segments().len()).find(|&i| curve.segment_start(i) > near.arc_length);
-        let segment = after.map_or(curve.segments().len(), |i| i) - 1;
-        let at = curve.segments()[segment].nearest(point);
-        let left = Vec2::from_angle(near.tangent).cross(base - near.position) >= 0.0;
-        let side = if boundary.is_two_sided() && !left { -1.0 } else { 1.0 };
-        Some((Self { boundary: near.boundary, segment, at, side }, near.distance))
+    /// The foothold nearest to `point` within `reach` (m), touched from the side to which `away` points, and its distance.
+    pub(super) fn nearest(map: &Map, point: Vec2, away: Vec2, reach: f64) -> Option<(Self, f64)> {
+        let (boundary, segment, distance) = map.nearest_piece(point, reach)?;
+        let piece = &map.boundaries()[boundary].curve().segments()[segment];
+        let at = piece.nearest(point);
+        let left = Vec2::from_angle(piece.tangent(at)).cross(away) >= 0.0;
+        let side = if map.boundaries()[boundary].is_two_sided() && !left { -1.0 } else { 1.0 };
+        Some((Self { boundary, segment, at, side }, distance))
     }
 
     fn piece<'m>(&self, map: &'m Map) -> &'m Segment {
@@ -83,8 +95,8 @@ impl Foothold {
         !matches!(self.piece(map), Segment::Line(_)) && !(-0.5..=1.5).contains(&self.at)
     }
 
-    /// The joint at the start (`forward` false) or the end of the piece; none at the end of an open wall.
-    pub(super) fn joint(&self, map: &Map, forward: bool) -> Option<Joint> {
+    /// The joint at the start (`forward` false) or the end of the piece; at the end of an open wall the other side follows.
+    pub(super) fn joint(&self, map: &Map, forward: bool) -> Joint {
         let curve = map.boundaries()[self.boundary].curve();
         let count = curve.segments().len();
         let (before, after) = match (forward, self.segment) {
@@ -92,12 +104,23 @@ impl Foothold {
             (true, s) if curve.is_closed() => (s, 0),
             (false, s) if s > 0 => (s - 1, s),
             (false, 0) if curve.is_closed() => (count - 1, 0),
-            _ => return None,
+            _ => return self.end(map, forward),
         };
         let before = Self { segment: before, at: 1.0, ..*self };
         let after = Self { segment: after, at: 0.0, ..*self };
         let (a, b) = (before.ground(map), after.ground(map));
         let turn = wrap_angle(b.normal - a.normal);
-        Some(Joint { position: a.position, before, after, normal: a.normal, turn })
+        Joint { position: a.position, before, after, normal: a.normal, turn }
+    }
+
+    /// The end of a wall: a convex corner of half a turn.
+    fn end(&self, map: &Map, forward: bool) -> Joint {
+        let here = Self { at: if forward { 1.0 } else { 0.0 }, ..*self };
+        let there = Self { side: -here.side, ..here };
+        let (before, after) = if forward { (here, there) } else { (there, here) };
+        let ground = before.ground(map);
+        // Which way round: the normal turns over the far side of the end.
+        let turn = -PI * here.side;
+        Joint { position: ground.position, before, after, normal: ground.normal, turn }
     }
 }

@@ -1,27 +1,34 @@
-//! What a robot would record: a quasi-static sweep of whiskers whose tips touch a map.
+//! What a robot would record: a quasi-static sweep of whiskers that touch a map.
 //!
-//! Slow motion, no friction: the force on a tip is normal to the boundary, and the whisker is in equilibrium at every
-//! instant. Each room of this folder knows one thing:
+//! Slow motion: every whisker is in equilibrium at every instant. Each room of this folder knows one thing:
 //!
 //! | file | what it knows |
 //! | --- | --- |
-//! | `foothold` | where on a boundary the tip stands, and what comes next along it |
-//! | `equilibrium` | the whisker whose tip stands there |
-//! | `touch` | when a free whisker first meets a boundary; whether a bent one touches with its side |
-//! | `follow` | one whisker over time: onset, sliding, corners, lift-off, snap |
+//! | `flex` | the whisker under one force, and its derivatives |
+//! | `foothold` | places on a boundary, and what comes next along it |
+//! | `equilibrium` | the whisker in contact there |
+//! | `contact` | tip, corner, side: which hold follows which, stick and slip |
+//! | `touch` | when a free whisker first meets a boundary; whether a bent one meets another |
+//! | `discrete/` | any number of contacts: a chain of links whose energy is minimised |
+//! | `follow/` | one whisker over time: onset, contact, snap, lift-off; which solver is in charge |
+//! | `report` | what a contact is, for the caller |
 //! | `noise` | readings and odometry from exact ones |
 //! | `recorder` | logs of moments, flux or counts with everything that disturbs them |
 //! | `path` | poses from waypoints |
 //! | `shapes` | the whiskers' shapes, for drawing |
 //! | `files` | logs and touches as text |
 
+mod contact;
+pub mod discrete;
 mod equilibrium;
 mod files;
+mod flex;
 mod follow;
 mod foothold;
 mod noise;
 mod path;
 pub mod recorder;
+mod report;
 mod shapes;
 mod touch;
 
@@ -37,22 +44,47 @@ use crate::plane::Vec2;
 use crate::world::{Map, Robot};
 use crate::{Error, Result};
 use follow::Follower;
+pub use report::{Grip, Part, Touch};
 
-/// One whisker in contact at one row.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TipTouch {
-    /// When (s).
-    pub t: f64,
+/// The links of the discrete rod unless said otherwise: its moments are then right to 6e-5 of themselves.
+const LINKS: usize = 90;
+
+/// Which solver finds the equilibria.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Solver {
+    /// One contact by the elastica, exact and fast; the discrete rod where one contact does not say it all.
+    #[default]
+    Auto,
+    /// The discrete rod throughout: slow, without friction, independent of all formulas.
+    DiscreteRod,
+}
+
+/// How a sweep is simulated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SimulateOptions {
+    /// Which solver finds the equilibria.
+    pub solver: Solver,
+    /// Links of the discrete rod, 4 to 2000.
+    pub links: usize,
+    /// Points of each whisker's shape that are kept for every row; 0 keeps none.
+    pub shape_points: usize,
+}
+
+impl Default for SimulateOptions {
+    fn default() -> Self {
+        Self { solver: Solver::default(), links: LINKS, shape_points: 0 }
+    }
+}
+
+/// The shape of a whisker at one row.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Shape {
     /// Index of the row.
     pub row: usize,
     /// Index of the whisker.
     pub whisker: usize,
-    /// The tip, map frame (m).
-    pub position: Vec2,
-    /// The force on the tip, map frame (N).
-    pub force: Vec2,
-    /// The elastic energy of the whisker (J).
-    pub energy: f64,
+    /// Points from base to tip, map frame (m); a free straight whisker has two, a discrete rod its nodes.
+    pub points: Vec<Vec2>,
 }
 
 /// A simulated sweep: what the robot records, and the truth behind it.
@@ -62,25 +94,46 @@ pub struct Sweep {
     pub log: SensorLog,
     /// The robot in the map frame, one pose for each row.
     pub truth: Vec<StampedPose>,
-    /// Every touch, in row order.
-    pub contacts: Vec<TipTouch>,
+    /// Every touch, in order of rows, whiskers and from base to tip.
+    pub contacts: Vec<Touch>,
     /// The moments without noise (N m): for each row one for each whisker.
     pub exact_moments: Vec<Vec<f64>>,
-    /// Onsets, lift-offs and snaps, in time order.
+    /// What happened to the whiskers, in time order; see [`simulate`].
     pub events: Vec<Event>,
+    /// The whiskers' shapes, in order of rows and whiskers; empty unless asked for.
+    pub shapes: Vec<Shape>,
 }
 
 /// Sweeps `robot` along `path` (map frame, increasing time) on `map` and records what it feels.
 ///
-/// The whiskers' tips touch the boundary without friction, in equilibrium at every instant; the branch of solutions is
-/// followed by continuation, and where it ends the whisker snaps free. In corners the tip is caught as long as the
-/// force points between the two normals. A fixed seed gives a fixed answer. Moments are exact to about 1e-10 relative.
+/// Every whisker is in equilibrium at every instant, at its tip, its side or both; the branch of solutions is followed by
+/// continuation. A fixed seed gives a fixed answer. Moments of one contact are exact to about 1e-10 relative for uniform
+/// whiskers and 1e-8 for others, those of several contacts to about 1e-4 (by the discrete rod).
+///
+/// | event | means |
+/// | --- | --- |
+/// | `onset` | a free whisker touches |
+/// | `lift_off` | a whisker is free again, without a jump or off the end of a wall |
+/// | `side_contact`, `tip_contact` | the contact went over from tip to side, or back |
+/// | `snap` | the equilibrium vanished; the detail says where the whisker came to rest |
+/// | `discrete_rod` | one contact of the first mode is not enough: the discrete rod goes on; the detail says where it touches |
+/// | `single_contact` | it is enough again |
+/// | `unsolved` | the discrete rod was still moving after the most steps; the best shape reached is used |
+/// | `lost`, `found` | a boundary stopped the base; the whisker is clear again. In between the last moment stays |
+///
+/// Friction is Coulomb's, with the whisker's bound as its coefficient. It acts on single contacts only.
 ///
 /// # Errors
 ///
-/// Robots that are not covered (tapered, curved, elastic base, friction), an empty path, a start in contact, and
-/// contact with the side of a whisker: the message says which whisker, when and where.
-pub fn simulate_tip_sweep(map: &Map, robot: &Robot, path: &[StampedPose], noise: &SweepNoise) -> Result<Sweep> {
+/// Whiskers that make no sense, an empty path, options out of range, and a start in contact: the message says which
+/// whisker and where.
+pub fn simulate(
+    map: &Map,
+    robot: &Robot,
+    path: &[StampedPose],
+    noise: &SweepNoise,
+    options: &SimulateOptions,
+) -> Result<Sweep> {
     noise.check()?;
     path::check(path)?;
     let mut sweep = Sweep {
@@ -89,25 +142,39 @@ pub fn simulate_tip_sweep(map: &Map, robot: &Robot, path: &[StampedPose], noise:
         contacts: Vec::new(),
         exact_moments: vec![Vec::with_capacity(robot.whiskers.len()); path.len()],
         events: Vec::new(),
+        shapes: Vec::new(),
     };
     for (index, whisker) in robot.whiskers.iter().enumerate() {
-        whisker.beam.require_uniform()?;
-        if whisker.friction > 0.0 {
-            return Err(Error::data(format!("the whisker {} has friction", whisker.name))
+        if !(whisker.friction >= 0.0 && whisker.friction.is_finite()) {
+            return Err(Error::data(format!("the friction of the whisker {}", whisker.name))
                 .value(whisker.friction)
-                .allowed("0: this simulator knows frictionless contact only"));
+                .allowed("0 or more"));
         }
-        let mut follower = Follower::start(map, whisker, path[0])?;
+        let flex = flex::Flex::new(&whisker.beam)?;
+        let mut follower = Follower::start(map, whisker, &flex, options, path[0])?;
         for (row, pose) in path.iter().enumerate() {
             follower.advance(*pose, &mut sweep.events)?;
             sweep.exact_moments[row].push(follower.moment());
-            sweep.contacts.extend(follower.touch(row, index));
+            sweep.contacts.extend(follower.touches(row, index));
+            if options.shape_points > 0 {
+                sweep.shapes.push(Shape { row, whisker: index, points: follower.shape(options.shape_points.max(2)) });
+            }
         }
     }
     sweep.contacts.sort_by_key(|touch| (touch.row, touch.whisker));
+    sweep.shapes.sort_by_key(|shape| (shape.row, shape.whisker));
     sweep.events.sort_by(|a, b| a.t.total_cmp(&b.t));
     sweep.log.rows = record(robot, &sweep, noise);
     Ok(sweep)
+}
+
+/// [`simulate`] with the default options.
+///
+/// # Errors
+///
+/// As [`simulate`].
+pub fn simulate_tip_sweep(map: &Map, robot: &Robot, path: &[StampedPose], noise: &SweepNoise) -> Result<Sweep> {
+    simulate(map, robot, path, noise, &SimulateOptions::default())
 }
 
 fn channels(robot: &Robot) -> Vec<Channel> {

@@ -1,6 +1,6 @@
 //! The shapes of touching whiskers from their contacts, for drawing.
 
-use super::{Sweep, TipTouch};
+use super::{Sweep, Touch};
 use crate::beam::Whisker;
 use crate::plane::Vec2;
 use crate::world::Robot;
@@ -35,7 +35,7 @@ pub fn shapes(robot: &Robot, sweep: &Sweep, every: usize) -> Vec<SweptShape> {
         let here = &touches[..touches.partition_point(|touch| touch.row == row)];
         for (index, mounted) in robot.whiskers.iter().enumerate() {
             let map_from_whisker = sweep.truth[row].map_from_robot.compose(mounted.robot_from_whisker);
-            let seen = |touch: &TipTouch| Push {
+            let seen = |touch: &Touch| Push {
                 place: map_from_whisker.inverse_transform_point(touch.position),
                 force: touch.force.rotated(-map_from_whisker.theta),
             };
@@ -63,8 +63,7 @@ fn marched(beam: &Whisker, pushes: &[Push]) -> Vec<Vec2> {
         // What lies behind bends no more: a push ends where the march has passed its place.
         let ahead = pushes.iter().filter(|push| (push.place - here).dot(along) > 0.0);
         let moment: f64 = ahead.map(|push| (push.place - here).cross(push.force)).sum();
-        let radius = 1.0 - (1.0 - beam.tip_ratio) * s / beam.length;
-        [along.x, along.y, moment / (beam.flexural_rigidity * radius.powi(4)) + beam.curvature]
+        [along.x, along.y, moment / beam.rigidity_at(s) + beam.curvature_at(s)]
     };
     let add = |a: [f64; 3], b: [f64; 3], h: f64| [0, 1, 2].map(|k| a[k] + h * b[k]);
     let moment: f64 = pushes.iter().map(|push| push.place.cross(push.force)).sum();

@@ -1,74 +1,200 @@
-//! Where a whisker meets boundaries: the straight one on its way, the bent one with its side.
+//! Where a whisker meets boundaries: the unloaded one on its way, the bent one elsewhere than at its contact.
 
+use super::contact::{Contact, Hold};
+use super::discrete::inflated;
 use super::equilibrium::Stance;
+use super::flex::Load;
 use super::foothold::Foothold;
 use crate::beam::Bend;
 use crate::config::limits::FLATTEN_TOLERANCE;
-use crate::plane::{Pose2, Twist2, Vec2};
+use crate::plane::{Pose2, Twist2, Vec2, segment_contact};
 use crate::world::Map;
+use core::f64::consts::{FRAC_PI_2, PI};
 
 /// The free whisker is looked at every so much of its tip's travel (m).
 const LOOK_EVERY: f64 = 1e-4;
 /// A boundary no further from the tip than this is met by the tip (m).
 const AT_TIP: f64 = 3.0 * FLATTEN_TOLERANCE;
-/// Points of the bent whisker that are looked at.
-const SHAPE_POINTS: usize = 60;
-/// Share of the length before the tip that is not looked at, for it ends on the boundary.
-const TIP_SHARE: f64 = 0.01;
+/// Chords of the bent whisker that are looked at, and parts of those that come close to a boundary.
+const CHORDS: usize = 12;
+const PARTS: usize = 8;
+/// Share of the length before a tip in contact that is not looked at, for it touches.
+const AT_CONTACT: f64 = 2e-3;
+/// The bent whisker is looked at this far to the free side (m), so that what it lies on does not count.
+const ASIDE: f64 = 2.0 * FLATTEN_TOLERANCE;
+/// Force with which the search for the first equilibrium starts, over `EI / L²`.
+const FIRST_FORCE: f64 = 1e-6;
 
 /// The pose a share of the way from `a` to `b`, on the geodesic of SE(2).
 pub(super) fn between(a: Pose2, b: Pose2, share: f64) -> Pose2 {
+    if share >= 1.0 {
+        return b;
+    }
     let step = a.between(b).log();
     a.compose(Pose2::exp(Twist2 { x: share * step.x, y: share * step.y, theta: share * step.theta }))
 }
 
-/// How a free whisker ends a stretch of its way.
-pub(super) enum FreeWay {
-    /// Without touching.
-    Clear,
-    /// With its tip at a foothold, this share of the way.
-    Tip(f64, Foothold),
-    /// With its side or its base, this share of the way.
-    Side(f64),
+/// Where the unloaded whisker at this pose meets a boundary, map frame; none when it is clear of all.
+pub(super) fn meets(map: &Map, rest: &[Vec2], map_from_whisker: Pose2) -> Option<Vec2> {
+    rest.windows(2).find_map(|chord| {
+        let (a, b) = (map_from_whisker.transform_point(chord[0]), map_from_whisker.transform_point(chord[1]));
+        if !map.crosses(a, b) {
+            return None;
+        }
+        let mut place = a;
+        map.for_each_edge_in(inflated(&[a, b], 0.0), |[c, d]| match segment_contact(a, b, c, d) {
+            Some(point) => {
+                place = point;
+                true
+            }
+            None => false,
+        });
+        Some(place)
+    })
 }
 
-/// Looks for the first touch of the straight whisker from `from` to `to`, both `map_from_whisker`.
-pub(super) fn first_touch(map: &Map, length: f64, from: Pose2, to: Pose2) -> FreeWay {
-    let tip = |pose: Pose2| pose.transform_point(Vec2::new(length, 0.0));
+/// The share of the way from `from` to `to`, both `map_from_whisker`, at which the unloaded whisker first touches; none
+/// when the way is clear.
+pub(super) fn first_touch(map: &Map, rest: &[Vec2], from: Pose2, to: Pose2) -> Option<f64> {
     let touches = |share: f64| {
         let pose = between(from, to, share);
-        map.crosses(pose.position(), tip(pose))
+        rest.windows(2).any(|chord| map.crosses(pose.transform_point(chord[0]), pose.transform_point(chord[1])))
     };
-    let travel = tip(from).distance(tip(to)).max(from.position().distance(to.position()));
+    let tip = rest[rest.len() - 1];
+    let travel = from.transform_point(tip).distance(to.transform_point(tip));
+    let travel = travel.max(from.position().distance(to.position()));
     let looks = ((travel / LOOK_EVERY).ceil() as usize).max(1);
     let share_of = |look: usize| look as f64 / looks as f64;
-    let Some(hit) = (0..=looks).find(|&look| touches(share_of(look))) else { return FreeWay::Clear };
+    let hit = (0..=looks).find(|&look| touches(share_of(look)))?;
     let (mut free, mut touching) = (share_of(hit.saturating_sub(1)), share_of(hit));
     for _ in 0..50 {
         let middle = 0.5 * (free + touching);
         if touches(middle) { touching = middle } else { free = middle }
     }
-    let pose = between(from, to, touching);
-    match Foothold::nearest(map, tip(pose), pose.position()) {
-        Some((foothold, distance)) if distance <= AT_TIP => FreeWay::Tip(touching, foothold),
-        _ => FreeWay::Side(touching),
-    }
+    Some(touching)
 }
 
-/// Where the bent whisker touches a boundary elsewhere than with its tip, map frame; none when it does not.
+/// The contact, still without force, of the unloaded whisker that touches at this pose; none where its place is not
+/// understood.
+pub(super) fn onset(stance: &Stance<'_>) -> Option<Contact> {
+    let (map, flex, pose) = (stance.map, stance.flex, stance.map_from_whisker);
+    let length = flex.beam.length;
+    let tip = pose.transform_point(flex.rest[flex.rest.len() - 1]);
+    if let Some((foothold, _)) = Foothold::nearest(map, tip, pose.position() - tip, AT_TIP) {
+        let ground = foothold.ground(map);
+        let slope = flex.at(Load { q: 0.0, s: 1.0, beta: 0.0 })?.slope;
+        let beta = crate::plane::wrap_angle(ground.normal - pose.theta - slope - FRAC_PI_2);
+        let load = Load { q: 0.0, s: 1.0, beta };
+        let state = flex.at(load)?;
+        return Some(Contact {
+            load,
+            state,
+            hold: Hold::Tip(foothold),
+            place: ground.position,
+            stuck: true,
+            sliding: 0.0,
+        });
+    }
+    let place = meets(map, &flex.rest, pose)?;
+    let s = along(&flex.rest, pose.inverse_transform_point(place)) / length;
+    for side in [1.0, -1.0] {
+        let Some((near, _)) = Foothold::nearest(map, place, Vec2::ZERO, 2.0 * AT_TIP) else { continue };
+        let foothold = Foothold { side: side * near.side, ..near };
+        if side < 0.0 && !map.boundaries()[near.boundary].is_two_sided() {
+            continue;
+        }
+        for lay in [0.0, PI] {
+            let load = Load { q: FIRST_FORCE, s, beta: lay };
+            let Some(state) = flex.at(load) else { continue };
+            if let Some(hold) = side_hold(stance, foothold, lay, stance.heading(&state)) {
+                return Some(Contact { load, state, hold, place, stuck: true, sliding: 0.0 });
+            }
+        }
+    }
+    None
+}
+
+/// What a side that points along `heading` touches at a foothold: a corner whose normals it fits, or the piece itself.
+pub(super) fn side_hold(stance: &Stance<'_>, foothold: Foothold, lay: f64, heading: f64) -> Option<Hold> {
+    let across = heading + lay + FRAC_PI_2;
+    let ground = foothold.ground(stance.map);
+    let joint = foothold.joint(stance.map, foothold.at > 0.5);
+    let at_joint = joint.position.distance(ground.position) <= AT_TIP;
+    if at_joint && !joint.is_concave() && !joint.is_smooth() {
+        return (0.0..=1.0).contains(&joint.lean(across)).then_some(Hold::Vertex(joint, lay));
+    }
+    ((across - ground.normal).cos() > 0.999).then_some(Hold::Flank(foothold, lay))
+}
+
+/// Arc length of the point of a polyline nearest to `point` (m).
+fn along(line: &[Vec2], point: Vec2) -> f64 {
+    let (mut best, mut found, mut start) = (f64::INFINITY, 0.0, 0.0);
+    for chord in line.windows(2) {
+        let way = chord[1] - chord[0];
+        let length = way.norm();
+        let at = ((point - chord[0]).dot(way) / (length * length)).clamp(0.0, 1.0);
+        let off = (chord[0] + way * at).distance(point);
+        if off < best {
+            (best, found) = (off, start + at * length);
+        }
+        start += length;
+    }
+    found
+}
+
+/// Where the bent whisker meets a boundary elsewhere than at its contact, map frame; none when it does not.
 ///
-/// The whisker must also come to the tip from the free side of the boundary.
-pub(super) fn side_touch(stance: &Stance<'_>, bend: &Bend, normal: f64) -> Option<Vec2> {
-    let length = stance.beam.length;
-    let place = |p: Vec2| stance.map_from_whisker.transform_point(p);
-    let along = Vec2::from_angle(stance.map_from_whisker.theta + bend.phi_a);
-    if along.dot(Vec2::from_angle(normal)) >= 0.0 {
-        return Some(place(bend.contact));
-    }
-    let mut points = bend.shape(length, SHAPE_POINTS);
-    if let Some(last) = points.last_mut() {
-        *last = bend.point_at((1.0 - TIP_SHARE) * length).position;
-    }
-    let crossing = points.windows(2).find(|w| stance.map.crosses(place(w[0]), place(w[1])));
-    crossing.map(|w| place(w[0]))
+/// Looked at `ASIDE` to the side to which `lay` pushes it. Between the ends of the chords the whisker is a cubic with
+/// their directions, within 0.1 µm of the true one.
+pub(super) fn blocked(stance: &Stance<'_>, bend: &Bend, lay: f64) -> Option<Vec2> {
+    let length = stance.flex.beam.length;
+    let aside = ASIDE * lay.cos();
+    let last = if bend.s_a < length { length } else { (1.0 - AT_CONTACT) * length };
+    let ends: Vec<(f64, Vec2, Vec2)> = bend
+        .shape_points(length, CHORDS + 1)
+        .into_iter()
+        .map(|(s, point)| {
+            let along = Vec2::from_angle(point.slope + stance.map_from_whisker.theta);
+            (s, stance.map_from_whisker.transform_point(point.position) + along.perp() * aside, along)
+        })
+        .collect();
+    ends.windows(2).find_map(|pair| {
+        let ((s0, p0, t0), (s1, p1, t1)) = (pair[0], pair[1]);
+        // The arc stays within an eighth of its turn times the chord; a quarter is safe.
+        let sag = 0.25 * t0.distance(t1) * (s1 - s0) + ASIDE;
+        let mut near = false;
+        stance.map.for_each_edge_in(inflated(&[p0, p1], sag), |edge| {
+            near = passes(edge, p0, p1, sag);
+            near
+        });
+        if !near {
+            return None;
+        }
+        let width = s1 - s0;
+        let place = |s: f64| {
+            let u = (s - s0) / width;
+            let (v, uv) = (1.0 - u, u * (1.0 - u) * width);
+            p0 * (v * v * (1.0 + 2.0 * u)) + t0 * (uv * v) + p1 * (u * u * (1.0 + 2.0 * v)) - t1 * (uv * u)
+        };
+        let crossed = |from: f64, to: f64| {
+            if to <= from {
+                return None;
+            }
+            let parts = (PARTS as f64 * (to - from) / width).ceil().max(1.0);
+            let at = |i: f64| place(from + (to - from) * i / parts);
+            (0..parts as usize).find_map(|i| {
+                let (a, b) = (at(i as f64), at(i as f64 + 1.0));
+                stance.map.crosses(a, b).then_some(a)
+            })
+        };
+        crossed(s0, s1.min(last))
+    })
+}
+
+/// Whether an edge comes within `reach` of the line through the chord: cheap, and never wrong when it says no.
+fn passes([c, d]: [Vec2; 2], a: Vec2, b: Vec2, reach: f64) -> bool {
+    let along = b - a;
+    let limit = reach * along.norm();
+    let (left, right) = (along.cross(c - a), along.cross(d - a));
+    !((left > limit && right > limit) || (left < -limit && right < -limit))
 }

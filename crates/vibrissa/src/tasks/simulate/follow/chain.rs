@@ -1,0 +1,210 @@
+//! The discrete rod in charge: how it takes over, goes on, and hands back.
+
+use super::super::Solver;
+use super::super::contact::{Contact, Hold, Next, Step, WALL_END};
+use super::super::discrete::{DiscreteRod, REACH, Relaxed};
+use super::super::flex::Load;
+use super::super::foothold::Foothold;
+use super::super::touch::{meets, side_hold};
+use super::{Body, Follower, Happened, Leg, show};
+use crate::Result;
+use crate::plane::{Pose2, Vec2, wrap_angle};
+use crate::world::Map;
+use core::f64::consts::{FRAC_PI_2, PI};
+
+/// Share of a row in which a whisker that has lost its equilibrium finds another.
+const SNAP_SHARE: f64 = 1e-3;
+/// Distance at which a discrete rod starts beside what it touches, over L.
+const APART: f64 = 3.0 * REACH;
+/// How far one contact may differ from the discrete rod that it replaces: place and slope (over L, rad), and moment relative.
+const ALIKE: (f64, f64) = (0.03, 0.03);
+/// How often a discrete rod that is still moving is given more time.
+const MORE_TIME: usize = 3;
+/// The discrete rod stays for up to two to this power steps when it keeps taking over.
+const LONGEST_STAY: u32 = 6;
+
+impl Follower<'_> {
+    /// The discrete rod without load at this pose, a little away from what it touches.
+    pub(super) fn unloaded(&self, pose: Pose2) -> Result<DiscreteRod> {
+        let mut rod = DiscreteRod::new(&self.whisker.beam, self.options.links, pose)?;
+        let apart = APART * self.flex.beam.length;
+        let nodes = rod.nodes().to_vec();
+        for times in [0.0, 1.0, 10.0, 100.0, 1000.0] {
+            // The free side is where the base is; a boundary beside the whisker may be on either.
+            for turn in [PI, FRAC_PI_2, -FRAC_PI_2] {
+                rod.pose(pose, pushed_off(nodes.clone(), Vec2::from_angle(pose.theta + turn) * (times * apart)));
+                if rod.is_clear(self.map) && rod.clearance(self.map, apart) >= 0.3 * apart {
+                    return Ok(rod);
+                }
+            }
+        }
+        Ok(rod)
+    }
+
+    /// The discrete rod in the shape of a contact.
+    pub(super) fn chain(&self, contact: &Contact, pose: Pose2) -> Result<DiscreteRod> {
+        let mut rod = DiscreteRod::new(&self.whisker.beam, self.options.links, pose)?;
+        if let Some(bend) = self.flex.bend(contact.load) {
+            let shape = bend.shape(self.flex.beam.length, rod.nodes().len());
+            let nodes: Vec<Vec2> = shape.into_iter().map(|p| pose.transform_point(p)).collect();
+            let away = Vec2::from_angle(self.stance(pose).direction(contact.load, &contact.state));
+            for times in [1.0, 0.3, 3.0, 10.0, 30.0] {
+                let by = away * (times * APART * self.flex.beam.length);
+                rod.pose(pose, pushed_off(nodes.clone(), by));
+                if rod.is_clear(self.map) {
+                    break;
+                }
+            }
+        }
+        Ok(rod)
+    }
+
+    /// Lets a discrete rod find the next equilibrium, and one contact that says the same if there is one.
+    pub(super) fn relax(&mut self, mut rod: DiscreteRod, leg: &mut Leg, why: &str) -> Result<Happened> {
+        let was_free = matches!(self.body, Body::Free);
+        self.earlier = None;
+        let mut part = SNAP_SHARE;
+        let simple;
+        // Near a fold the rod holds on a little longer than the exact whisker: it is moved on until it lets go.
+        loop {
+            leg.share = leg.reached(part);
+            let pose = leg.at(leg.share);
+            let how = patiently(&mut rod, self.map, pose);
+            self.unsolved = how == Relaxed::Unfinished;
+            if how == Relaxed::Blocked {
+                self.body = Body::Lost(rod.moment());
+                let place = show(pose.position());
+                return Ok(Some(("lost", format!("{why}, and its base is stopped by a boundary at {place}"))));
+            }
+            let found = self.simplified(&rod, pose);
+            if found.is_some() || rod.presses().len() > 1 || leg.share >= 1.0 {
+                simple = found;
+                break;
+            }
+            part *= 4.0;
+        }
+        let kind = if was_free { "onset" } else { "snap" };
+        let happened = match &simple {
+            Some(Body::Free) if was_free => None,
+            Some(Body::Free) if why == WALL_END => Some(("lift_off", why.to_owned())),
+            Some(Body::Free) => Some(("snap", format!("{why} and snaps free"))),
+            Some(Body::Held(contact)) => {
+                let part = if contact.load.s >= 1.0 { "tip" } else { "side" };
+                let there = show(contact.place);
+                Some((kind, format!("{why} and comes to rest with its {part} at {there}")))
+            }
+            _ => {
+                let places: Vec<String> = rod.presses().iter().map(|press| show(press.position)).collect();
+                let places = if places.is_empty() { "nowhere for now".into() } else { places.join(" and ") };
+                Some(("discrete_rod", format!("{why}; it touches at {places}{}", self.neglect())))
+            }
+        };
+        if simple.is_none() {
+            // On the verge of two descriptions the rod stays longer each time.
+            self.patience = (1 << self.takeovers.min(LONGEST_STAY)) - 1;
+            self.takeovers += 1;
+        }
+        self.body = simple.unwrap_or_else(|| Body::Chain(Box::new(rod)));
+        Ok(happened)
+    }
+
+    fn neglect(&self) -> &'static str {
+        if self.whisker.friction > 0.0 { "; friction is left out meanwhile" } else { "" }
+    }
+
+    /// The discrete rod for one step of its base.
+    pub(super) fn drag(&mut self, leg: &mut Leg) -> Result<Happened> {
+        let Body::Chain(rod) = &mut self.body else { return Ok(None) };
+        let target = leg.reached(leg.most.min(1.0 - leg.share));
+        let pose = leg.at(target);
+        leg.share = target;
+        let how = patiently(rod, self.map, pose);
+        if how == Relaxed::Blocked {
+            self.body = Body::Lost(rod.moment());
+            return Ok(Some(("lost", format!("is stopped by a boundary at its base {}", show(pose.position())))));
+        }
+        let fresh = how == Relaxed::Unfinished && !self.unsolved;
+        self.unsolved = how == Relaxed::Unfinished;
+        if fresh {
+            return Ok(Some(("unsolved", "is still moving; the best shape reached goes on".into())));
+        }
+        if self.options.solver == Solver::DiscreteRod || self.unsolved {
+            return Ok(None);
+        }
+        let Body::Chain(rod) = &self.body else { return Ok(None) };
+        if self.patience > 0 && !rod.presses().is_empty() {
+            self.patience -= 1;
+            return Ok(None);
+        }
+        let Some(simple) = self.simplified(rod, pose) else { return Ok(None) };
+        self.body = simple;
+        Ok(Some(match self.body {
+            Body::Free => ("lift_off", "leaves all boundaries".into()),
+            _ => ("single_contact", "touches at one place again".into()),
+        }))
+    }
+
+    /// What says the same as the rod with less: no contact or one; none when there is no such thing.
+    fn simplified(&self, rod: &DiscreteRod, pose: Pose2) -> Option<Body> {
+        let presses = rod.presses();
+        let stance = self.stance(pose);
+        let length = self.flex.beam.length;
+        let [press] = presses.as_slice() else {
+            let tip = pose.transform_point(self.flex.rest[self.flex.rest.len() - 1]);
+            let same = rod.nodes().last().is_some_and(|node| node.distance(tip) < ALIKE.0 * length);
+            let free = presses.is_empty() && same && meets(self.map, &self.flex.rest, pose).is_none();
+            return free.then_some(Body::Free);
+        };
+        let node = ((press.s_a / length * self.options.links as f64) as usize).min(self.options.links - 1);
+        let heading = (rod.nodes()[node + 1] - rod.nodes()[node]).angle();
+        let beta = wrap_angle(press.force.angle() - heading - FRAC_PI_2);
+        let (foothold, _) = Foothold::nearest(self.map, press.position, press.force, ALIKE.0 * length)?;
+        let load = Load { q: press.force.norm() / self.flex.unit(), s: press.s_a / length, beta };
+        let joint = foothold.joint(self.map, foothold.at > 0.5);
+        let near_joint = joint.position.distance(press.position) < 1e-4 * length;
+        let at_tip = press.s_a > length * (1.0 - 0.5 / self.options.links as f64);
+        let lay = if beta.cos() > 0.0 { 0.0 } else { PI };
+        let mut holds = Vec::new();
+        if at_tip {
+            if near_joint && joint.is_concave() {
+                holds.push(Hold::Corner(joint));
+            }
+            holds.push(Hold::Tip(foothold));
+        }
+        holds.extend(side_hold(&stance, foothold, lay, heading));
+        if near_joint && !joint.is_concave() && !joint.is_smooth() {
+            holds.push(Hold::Vertex(joint, lay));
+        }
+        holds.push(Hold::Flank(foothold, lay));
+        let step = Step { cone: 0.0, ..self.step(pose) };
+        holds.into_iter().find_map(|hold| {
+            let s = if matches!(hold, Hold::Tip(_) | Hold::Corner(_)) { 1.0 } else { load.s };
+            let Next::Touching(contact) = step.run(hold, Load { s, ..load }, 0.0) else { return None };
+            let moment = contact.state.m * self.flex.unit() * length;
+            let alike = contact.place.distance(press.position) < ALIKE.0 * length
+                && (contact.load.s - load.s).abs() < ALIKE.0
+                && (moment - rod.moment()).abs() < ALIKE.1 * rod.moment().abs() + 1e-3 * self.flex.unit() * length;
+            (alike && !self.is_blocked(&contact, pose)).then_some(Body::Held(contact))
+        })
+    }
+}
+
+/// Lets the rod find its equilibrium at this pose, with more time where it is still moving.
+fn patiently(rod: &mut DiscreteRod, map: &Map, pose: Pose2) -> Relaxed {
+    let mut how = rod.advance(map, pose);
+    for _ in 0..MORE_TIME {
+        if how == Relaxed::Unfinished {
+            how = rod.advance(map, pose);
+        }
+    }
+    how
+}
+
+/// All nodes but the first moved a little, the more the further from the base.
+fn pushed_off(mut nodes: Vec<Vec2>, by: Vec2) -> Vec<Vec2> {
+    let last = (nodes.len() - 1) as f64;
+    for (i, node) in nodes.iter_mut().enumerate() {
+        *node += by * (2.0 * i as f64 / last).min(1.0);
+    }
+    nodes
+}

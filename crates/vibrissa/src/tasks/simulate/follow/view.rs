@@ -1,0 +1,91 @@
+//! The whisker as its caller sees it: moment, contacts, shape.
+
+use super::super::contact::{Contact, Hold};
+use super::super::discrete::{DiscreteRod, Press};
+use super::super::report::{Grip, Part, Touch};
+use super::{Body, Follower};
+use crate::plane::Vec2;
+use core::f64::consts::FRAC_PI_2;
+
+impl Follower<'_> {
+    /// The moment at the base now (N m).
+    pub(in super::super) fn moment(&self) -> f64 {
+        match &self.body {
+            Body::Free => 0.0,
+            Body::Held(contact) => contact.state.m * self.flex.unit() * self.flex.beam.length,
+            Body::Chain(rod) => rod.moment(),
+            Body::Lost(moment) => *moment,
+        }
+    }
+
+    /// The contacts now, from base to tip.
+    pub(in super::super) fn touches(&self, row: usize, whisker: usize) -> Vec<Touch> {
+        match &self.body {
+            Body::Free | Body::Lost(_) => Vec::new(),
+            Body::Held(contact) => self.held_touch(contact, row, whisker).into_iter().collect(),
+            Body::Chain(rod) => self.chain_touches(rod, row, whisker),
+        }
+    }
+
+    fn held_touch(&self, contact: &Contact, row: usize, whisker: usize) -> Option<Touch> {
+        let bend = self.flex.bend(contact.load)?;
+        let stance = self.stance(self.map_from_whisker);
+        let direction = stance.direction(contact.load, &contact.state);
+        let (part, normal) = match contact.hold {
+            Hold::Tip(foothold) => (Part::Tip, foothold.ground(self.map).normal),
+            Hold::Corner(joint) => {
+                let lean = joint.lean(direction).clamp(0.0, 1.0);
+                (Part::Tip, joint.normal + lean * joint.turn)
+            }
+            Hold::Vertex(_, lay) | Hold::Flank(_, lay) => {
+                (Part::Side, stance.heading(&contact.state) + lay + FRAC_PI_2)
+            }
+        };
+        let grip = match (self.whisker.friction > 0.0, contact.stuck) {
+            (false, _) => Grip::Frictionless,
+            (true, true) => Grip::Sticks,
+            (true, false) => Grip::Slips,
+        };
+        Some(Touch {
+            t: self.t,
+            row,
+            whisker,
+            position: contact.place,
+            force: contact.load.q * self.flex.unit() * Vec2::from_angle(direction),
+            energy: bend.energy(),
+            s_a: contact.load.s * self.flex.beam.length,
+            part,
+            normal: Vec2::from_angle(normal),
+            grip,
+        })
+    }
+
+    fn chain_touches(&self, rod: &DiscreteRod, row: usize, whisker: usize) -> Vec<Touch> {
+        let energy = rod.energy();
+        let tip = self.flex.beam.length * (1.0 - 0.5 / self.options.links as f64);
+        let touch = |press: Press| Touch {
+            t: self.t,
+            row,
+            whisker,
+            position: press.position,
+            force: press.force,
+            energy,
+            s_a: press.s_a,
+            part: if press.s_a > tip { Part::Tip } else { Part::Side },
+            normal: press.force * (1.0 / press.force.norm()),
+            grip: Grip::Frictionless,
+        };
+        rod.presses().into_iter().map(touch).collect()
+    }
+
+    /// `n` points of the whisker from base to tip, map frame (m).
+    pub(in super::super) fn shape(&self, n: usize) -> Vec<Vec2> {
+        let length = self.flex.beam.length;
+        let placed = |points: Vec<Vec2>| points.iter().map(|&p| self.map_from_whisker.transform_point(p)).collect();
+        match &self.body {
+            Body::Held(contact) => self.flex.bend(contact.load).map_or_else(Vec::new, |b| placed(b.shape(length, n))),
+            Body::Chain(rod) => rod.nodes().to_vec(),
+            Body::Free | Body::Lost(_) => placed(self.flex.rest.clone()),
+        }
+    }
+}
