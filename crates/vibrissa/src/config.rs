@@ -141,3 +141,22 @@ impl DeterministicOptions {
         within("missed_share", self.missed_share, 0.0, 0.9, "of the observations")
     }
 }
+
+/// The knobs of the probabilistic method.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ProbabilisticOptions {
+    /// Spacing along the boundary of the first hypotheses (m): a few of them lie within the reach of one linearisation.
+    pub seed_spacing: f64,
+    /// Spacing of their headings (rad).
+    pub seed_turn: f64,
+    /// Base travel after the first touch before hypotheses start (m): enough to tell most headings apart.
+    pub seed_travel: f64,
+    /// Base travel between the readings that judge them first (m).
+    pub seed_step: f64,
+}
+
+impl Default for ProbabilisticOptions {
+    fn default() -> Self {
+        Self { seed_spacing: 2e-3, seed_turn: 0.05, seed_travel: 8e-3, seed_step: 1.3e-3 }
+    }
+}

@@ -35,6 +35,8 @@ const MOST_HALVINGS: u32 = 6;
 const WEAK: f64 = 0.02;
 /// Halvings that find where a free whisker began to touch.
 const MEET_HALVINGS: usize = 12;
+/// Over how large a gap a whisker is glued, over its length.
+const GLUE: f64 = 0.02;
 /// Pull (dimensionless force) at which a glued whisker lets go: a gap of about 2.5 mm for the paper's whisker.
 const LET_GO: f64 = -0.1;
 
@@ -145,7 +147,9 @@ impl Forward<'_> {
     }
 
     /// Moves a whisker from one base pose to another (`map_from_whisker`) and tells what it feels there.
-    pub(super) fn advance(&self, state: &mut State, from: Pose2, to: Pose2) -> Felt {
+    ///
+    /// A free whisker that is `wanted` in contact is glued to a boundary just out of its reach.
+    pub(super) fn advance(&self, state: &mut State, from: Pose2, to: Pose2, wanted: bool) -> Felt {
         let felt = match *state {
             State::Touching(touch) => self.slide(touch, from, to),
             State::Free | State::Unknown => None,
@@ -154,7 +158,7 @@ impl Forward<'_> {
             *state = State::Touching(touch);
             return felt;
         }
-        let met = self.meet(from, to);
+        let met = self.meet(from, to).or_else(|| if wanted { self.glue(to) } else { None });
         *state = met.map_or(State::Free, |(state, _)| state);
         met.map_or(Felt::default(), |(_, felt)| felt)
     }
@@ -184,6 +188,16 @@ impl Forward<'_> {
         let slid = onset.and_then(|(piece, at, _)| self.slide(self.untouched(piece, at, pose.theta), pose, to));
         let met = slid.map(|(touch, felt)| (State::Touching(touch), felt));
         Some(met.unwrap_or((State::Unknown, Felt::default())))
+    }
+
+    /// The free whisker at `to` glued to the boundary that its tip almost reaches.
+    fn glue(&self, to: Pose2) -> Option<(State, Felt)> {
+        let tip = to.transform_point(Vec2::new(self.length, 0.0));
+        let (piece, at, _) = self.ground.nearest(self.map, tip, to.position(), GLUE * self.length)?;
+        match self.next(&self.untouched(piece, at, to.theta), to) {
+            Next::Touching(touch, felt) => Some((State::Touching(touch), felt)),
+            _ => None,
+        }
     }
 
     /// The touching whisker moved in steps that the continuation can take; none when it let go or snapped.

@@ -1,7 +1,17 @@
 //! The probabilistic method's hypotheses: Gaussians around single places, each refined by all readings so far.
 
+mod bank;
 mod contact;
 mod ground;
+mod history;
+mod hypothesis;
+mod normal;
+mod places;
+mod seeds;
+mod set;
+
+pub use places::{Fit, Place};
+pub use set::{Happened, ProbabilisticSet};
 
 use crate::beam::Whisker;
 use crate::plane::Pose2;
@@ -32,7 +42,7 @@ pub fn predicted_moments(map: &Map, whisker: &Whisker, path: &[Pose2]) -> Vec<Pr
     let mut state = State::Free;
     let mut last = path.first().copied().unwrap_or_default();
     let mut predict = |&pose: &Pose2| {
-        let felt = forward.advance(&mut state, last, pose);
+        let felt = forward.advance(&mut state, last, pose, false);
         last = pose;
         let pressed = matches!(state, State::Touching(touch) if touch.q > 0.0);
         let moment = if pressed { felt.moment * scale } else { 0.0 };
