@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used)]
 
-use vibrissa::beam::{TipChart, elastica::bend, tip_chart};
+use vibrissa::beam::{TipChart, TipTable, elastica::bend, tip_chart};
 
 #[allow(dead_code)]
 #[path = "data/random.rs"]
@@ -75,4 +75,31 @@ fn the_chart_is_smooth_through_its_seams() {
     }
     assert!(tip_chart(f64::NAN, 0.1).is_none() && tip_chart(0.1, f64::NAN).is_none());
     assert!(tip_chart(1e4, 0.0).is_none() && tip_chart(1.0, core::f64::consts::FRAC_PI_2).is_none());
+}
+
+#[test]
+fn the_table_says_what_the_chart_says() {
+    let table = TipTable::new();
+    let mut random = Random(5);
+    let (mut ordinary, mut steep) = (0.0_f64, 0.0_f64);
+    for _ in 0..20_000 {
+        let (q, beta) = (random.between(-0.25, 12.0), random.signed(3.1));
+        let (Some(a), Some(b)) = (table.at(q, beta), tip_chart(q, beta)) else {
+            assert_eq!(table.at(q, beta).is_none(), tip_chart(q, beta).is_none(), "q {q} beta {beta}");
+            continue;
+        };
+        let off = (0..4).map(|k| (values(&a)[k] - values(&b)[k]).abs()).fold(0.0, f64::max);
+        let rate = |c: &TipChart| {
+            [c.by_force, c.by_tilt].map(|r| [r.position.x, r.position.y, r.slope, r.moment]).concat()
+        };
+        let off_rate = rate(&a).iter().zip(rate(&b)).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        if beta.cos() > 0.5 {
+            ordinary = ordinary.max(off);
+            assert!(off_rate < 1e-3, "q {q} beta {beta}: {off_rate}");
+        } else {
+            steep = steep.max(off);
+        }
+    }
+    println!("table off by {ordinary:.1e}, at steep tilts {steep:.1e}");
+    assert!(ordinary < 1e-5 && steep < 2e-2, "{ordinary} {steep}");
 }

@@ -35,6 +35,7 @@ mod strain;
 mod tip_chart;
 mod tip_curve;
 mod tip_mode;
+mod tip_table;
 mod whisker;
 
 pub use bend::{Bend, ShapePoint};
@@ -48,6 +49,7 @@ pub use strain::Strain;
 pub use tip_chart::{TipChart, TipRate, tip_chart};
 pub use tip_curve::{TipEquilibrium, largest_tip_moment, tip_curve};
 pub use tip_mode::tip_mode;
+pub use tip_table::TipTable;
 pub use whisker::Whisker;
 
 use crate::error::{Error, Result};

@@ -1,10 +1,11 @@
 //! All hypotheses together: started at a first contact, carried on, linearised anew, merged, dropped, weighed.
 
-use super::contact::State;
+use super::contact::{Solver, State};
 use super::ground::Ground;
 use super::history::{Feeler, History, Judge};
 use super::hypothesis::{Hypothesis, Scene, difference, moved};
 use super::seeds::{Onset, seeds};
+use crate::beam::TipTable;
 use crate::config::ProbabilisticOptions;
 use crate::plane::{Pose2, Vec2};
 use crate::world::{Map, Robot};
@@ -43,6 +44,7 @@ pub(super) struct Bank {
 pub(super) struct Field<'a> {
     pub(super) map: &'a Map,
     pub(super) ground: &'a Ground,
+    pub(super) table: &'a TipTable,
     pub(super) robot: &'a Robot,
     pub(super) feelers: &'a [Feeler],
     pub(super) options: &'a ProbabilisticOptions,
@@ -50,7 +52,9 @@ pub(super) struct Field<'a> {
 
 impl<'a> Field<'a> {
     pub(super) fn scene(&self, history: &'a History, pivot: Vec2, judge: Judge) -> Scene<'a> {
-        Scene { map: self.map, ground: self.ground, feelers: self.feelers, history, pivot, judge }
+        Scene {
+            solver: Solver::Quick(self.table),
+            map: self.map, ground: self.ground, feelers: self.feelers, history, pivot, judge }
     }
 }
 
@@ -208,7 +212,7 @@ impl Bank {
 
     /// Moves every hypothesis to its least cost and joins those that end at the same place.
     pub(super) fn settle(&mut self, field: &Field<'_>, history: &History, rounds: usize) {
-        let scene = field.scene(history, self.pivot, Judge::FAIR);
+        let scene = Scene { solver: Solver::Exact, ..field.scene(history, self.pivot, Judge::FAIR) };
         for h in &mut self.hypotheses {
             let mut kept: Option<Hypothesis> = None;
             for _ in 0..rounds {

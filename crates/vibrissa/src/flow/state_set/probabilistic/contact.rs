@@ -7,15 +7,13 @@
 //! kept: they tell in which direction a contact that should be there is to be looked for.
 
 use super::ground::Ground;
-use crate::beam::{TipChart, tip_chart};
+use crate::beam::{TipChart, TipTable, tip_chart};
 use crate::plane::{Pose2, Vec2, wrap_angle};
 use crate::world::Map;
 use core::f64::consts::FRAC_PI_2;
 
 /// Newton steps before an equilibrium is given up.
 const MOST_STEPS: usize = 12;
-/// Residual (whisker lengths, rad) from which one more Newton step is exact enough (its square).
-const NEAR: f64 = 2e-5;
 /// Largest change of the tilt in one Newton step (rad).
 const LARGEST_TURN: f64 = 0.3;
 /// Forces nearer than this to the whisker's own direction are not followed (rad): it buckles.
@@ -90,6 +88,33 @@ enum Next {
     None,
 }
 
+/// How exactly equilibria are solved.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Solver<'a> {
+    /// In closed form, to rounding.
+    Exact,
+    /// From a table, to about 1e-4 of a moment.
+    Quick(&'a TipTable),
+}
+
+impl Solver<'_> {
+    fn chart(&self, q: f64, beta: f64) -> Option<TipChart> {
+        match self {
+            Self::Exact => tip_chart(q, beta),
+            Self::Quick(table) => table.at(q, beta),
+        }
+    }
+
+    /// Residual (whisker lengths, rad) from which one more Newton step ends the search; the error left is about its
+    /// square.
+    fn near(&self) -> f64 {
+        match self {
+            Self::Exact => 2e-5,
+            Self::Quick(_) => 1e-2,
+        }
+    }
+}
+
 /// A whisker of known length on a map.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Forward<'a> {
@@ -97,6 +122,8 @@ pub(super) struct Forward<'a> {
     pub(super) ground: &'a Ground,
     /// The whisker's length (m).
     pub(super) length: f64,
+    /// How exactly equilibria are solved.
+    pub(super) solver: Solver<'a>,
 }
 
 /// A base pose with its sine and cosine.
@@ -255,9 +282,13 @@ impl Forward<'_> {
     /// From piece to piece until one holds the tip.
     fn along(&self, stance: &Stance, start: &Touch, mut piece: u32, mut at: f64) -> Next {
         let mut came: Option<bool> = None;
+        let mut load = (start.q, start.beta);
         for _ in 0..MOST_PIECES {
-            let (end, found) = match self.on_piece(stance, start.q, start.beta, piece, at) {
-                OnPiece::Found { at, touch, felt } => (at, Some((touch, felt))),
+            let (end, found) = match self.on_piece(stance, load.0, load.1, piece, at) {
+                OnPiece::Found { at, touch, felt } => {
+                    load = (touch.q, touch.beta);
+                    (at, Some((touch, felt)))
+                }
                 OnPiece::Lost(at) => (at, None),
                 OnPiece::Failed => return Next::None,
             };
@@ -305,7 +336,7 @@ impl Forward<'_> {
     fn on_piece(&self, stance: &Stance, mut q: f64, mut beta: f64, piece: u32, mut at: f64) -> OnPiece {
         let ground = &self.ground.pieces[piece as usize];
         for _ in 0..MOST_STEPS {
-            let Some(tip) = tip_chart(q, beta) else { return OnPiece::Failed };
+            let Some(tip) = self.solver.chart(q, beta) else { return OnPiece::Failed };
             let spot = ground.spot(at);
             let target = stance.seen(spot.position - stance.base);
             let velocity = stance.seen(spot.velocity);
@@ -325,7 +356,7 @@ impl Forward<'_> {
             if !q.is_finite() || is_head_on(beta) {
                 return OnPiece::Failed;
             }
-            if gap.norm().max(aslant.abs()) < NEAR && damp >= 1.0 {
+            if gap.norm_squared().sqrt().max(aslant.abs()) < self.solver.near() && damp >= 1.0 {
                 // Weak forces have a negative determinant and are stable; the sign changes where the branch folds.
                 if system.determinant * ground.side >= 0.0 {
                     return OnPiece::Failed;
@@ -352,7 +383,7 @@ impl Forward<'_> {
             q = 3.0 * target.y / beta.cos();
         }
         for _ in 0..MOST_STEPS {
-            let tip = tip_chart(q, beta)?;
+            let tip = self.solver.chart(q, beta)?;
             let gap = tip.position - target;
             let (a, b) = (tip.by_force.position, tip.by_tilt.position);
             let det = a.cross(b);
@@ -362,7 +393,7 @@ impl Forward<'_> {
             if !q.is_finite() || is_head_on(beta) {
                 return None;
             }
-            if gap.norm() < NEAR && damp >= 1.0 {
+            if gap.norm_squared().sqrt() < self.solver.near() && damp >= 1.0 {
                 let (m, n) = (tip.by_force.moment, tip.by_tilt.moment);
                 let adjoint = [(m * b.y - n * a.y) / det, (n * a.x - m * b.x) / det, 0.0];
                 let settled = settled(&tip, q, beta, dq, dbeta);

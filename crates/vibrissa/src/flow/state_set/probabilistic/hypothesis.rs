@@ -5,7 +5,7 @@
 //! linearising again runs the whole history through the forward model, so that the estimate is that of a batch, not of
 //! a filter that cannot take back its first steps.
 
-use super::contact::{Forward, State};
+use super::contact::{Forward, Solver, State};
 use super::ground::Ground;
 use super::history::{Feeler, History, Judge};
 use super::normal::Normal;
@@ -21,6 +21,8 @@ pub(super) struct Scene<'a> {
     /// The place that turns leave where it is, odometry frame (m).
     pub(super) pivot: Vec2,
     pub(super) judge: Judge,
+    /// How exactly the forward model is solved.
+    pub(super) solver: Solver<'a>,
 }
 
 /// One place that may be the true one.
@@ -86,7 +88,7 @@ impl Hypothesis {
             let z = scene.history.readings(row)[index];
             let place = |odom: Pose2| self.map_from_odom.compose(odom).compose(feeler.robot_from_whisker);
             let there = place(to);
-            let forward = Forward { map: scene.map, ground: scene.ground, length: feeler.length };
+            let forward = Forward { map: scene.map, ground: scene.ground, length: feeler.length, solver: scene.solver };
             let felt = forward.advance(&mut self.states[index], place(from), there, feeler.is_contact(z));
             let misfit = match self.states[index] {
                 State::Unknown => Feeler::unknown(),
@@ -109,7 +111,7 @@ impl Hypothesis {
         let first = scene.history.pose(self.start_row);
         for (state, feeler) in self.start.iter_mut().zip(scene.feelers) {
             let place = |frame: Pose2| frame.compose(first).compose(feeler.robot_from_whisker);
-            let forward = Forward { map: scene.map, ground: scene.ground, length: feeler.length };
+            let forward = Forward { map: scene.map, ground: scene.ground, length: feeler.length, solver: scene.solver };
             forward.advance(state, place(self.start_at), place(map_from_odom), false);
         }
         self.prior = self.prior.moved(difference(self.start_at, map_from_odom, scene.pivot));

@@ -16,7 +16,7 @@ pub use set::{Happened, ProbabilisticSet};
 use crate::beam::Whisker;
 use crate::plane::Pose2;
 use crate::world::Map;
-use contact::{Forward, State};
+use contact::{Forward, Solver, State};
 use ground::Ground;
 
 /// What a whisker feels at one pose of a path.
@@ -37,7 +37,7 @@ pub struct PredictedMoment {
 #[must_use]
 pub fn predicted_moments(map: &Map, whisker: &Whisker, path: &[Pose2]) -> Vec<PredictedMoment> {
     let ground = Ground::new(map);
-    let forward = Forward { map, ground: &ground, length: whisker.length };
+    let forward = Forward { map, ground: &ground, length: whisker.length, solver: Solver::Exact };
     let scale = whisker.flexural_rigidity / whisker.length;
     let mut state = State::Free;
     let mut last = path.first().copied().unwrap_or_default();

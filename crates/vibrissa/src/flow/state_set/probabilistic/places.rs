@@ -1,9 +1,9 @@
 //! What the hypotheses say at the end: places with weights and extents, and how well the best one fits.
 
 use super::bank::{Bank, Field};
-use super::contact::State;
+use super::contact::{Solver, State};
 use super::history::{History, Judge};
-use super::hypothesis::{Hypothesis, difference, moved};
+use super::hypothesis::{Hypothesis, Scene, difference, moved};
 use super::normal::{Matrix, determinant, dot, inverse, times};
 use crate::plane::Pose2;
 
@@ -140,7 +140,7 @@ fn at_robot(h: &Hypothesis, bank: &Bank, own: &Matrix, odom_from_robot: Pose2) -
 
 /// Runs the history once more and looks at the residuals.
 fn fit(h: &Hypothesis, bank: &Bank, field: &Field<'_>, history: &History) -> Fit {
-    let scene = field.scene(history, bank.pivot, Judge::FAIR);
+    let scene = Scene { solver: Solver::Exact, ..field.scene(history, bank.pivot, Judge::FAIR) };
     let mut again = h.clone();
     let mut fit = Fit::default();
     let (mut sum, mut count, mut beyond, mut rows) = (0.0, 0, 0, 0);

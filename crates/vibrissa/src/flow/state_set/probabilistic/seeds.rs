@@ -105,7 +105,7 @@ fn touching(
     if scene.map.crosses(base, base + along * (CLEAR * feeler.length)) || !scene.map.is_free(base) {
         return None;
     }
-    let forward = Forward { map: scene.map, ground: scene.ground, length: feeler.length };
+    let forward = Forward { map: scene.map, ground: scene.ground, length: feeler.length, solver: scene.solver };
     let state = State::Touching(forward.untouched(piece, at, heading));
     judged(scene, onset, Pose2::new(base.x, base.y, heading), state)
 }
@@ -131,7 +131,7 @@ fn loaded(
     }
     let q = contact.force.abs() * feeler.length * feeler.per_moment;
     let beta = wrap_angle(spot.normal - heading - contact.slope - FRAC_PI_2);
-    let forward = Forward { map: scene.map, ground: scene.ground, length: feeler.length };
+    let forward = Forward { map: scene.map, ground: scene.ground, length: feeler.length, solver: scene.solver };
     let state = State::Touching(forward.loaded(piece, at, q, beta, contact.slope));
     judged(scene, onset, Pose2::new(base.x, base.y, heading), state)
 }

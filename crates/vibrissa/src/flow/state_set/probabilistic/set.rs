@@ -4,6 +4,7 @@ use super::bank::{Bank, Field};
 use super::ground::Ground;
 use super::history::{Feeler, History};
 use super::places::{self, Fit, Place};
+use crate::beam::TipTable;
 use crate::config::ProbabilisticOptions;
 use crate::plane::Pose2;
 use crate::world::{Map, Robot};
@@ -51,6 +52,7 @@ pub struct ProbabilisticSet<'a> {
     robot: &'a Robot,
     options: ProbabilisticOptions,
     ground: Ground,
+    table: TipTable,
     feelers: Vec<Feeler>,
     history: History,
     phase: Phase,
@@ -73,6 +75,7 @@ impl<'a> ProbabilisticSet<'a> {
             robot,
             options,
             ground: Ground::new(map),
+            table: TipTable::new(),
             history: History::new(feelers.len()),
             touching: vec![0; feelers.len()],
             feelers,
@@ -103,6 +106,7 @@ impl<'a> ProbabilisticSet<'a> {
         Field {
             map: self.map,
             ground: &self.ground,
+            table: &self.table,
             robot: self.robot,
             feelers: &self.feelers,
             options: &self.options,
@@ -187,10 +191,10 @@ impl<'a> ProbabilisticSet<'a> {
 
     /// Hands the row to the hypotheses and watches how they fare.
     fn track(&mut self) -> Happened {
-        let Self { map, robot, options, ground, feelers, history, phase, .. } = self;
+        let Self { map, robot, options, ground, table, feelers, history, phase, .. } = self;
         let Phase::Tracking(bank) = phase else { return Happened::Nothing };
         let used = bank.used.len();
-        let field = Field { map, ground, robot, feelers, options };
+        let field = Field { map, ground, table, robot, feelers, options };
         bank.step(&field, history);
         if bank.used.len() == used {
             return Happened::Nothing;
@@ -241,9 +245,24 @@ impl<'a> ProbabilisticSet<'a> {
         if matches!(self.phase, Phase::Pressing { .. }) {
             self.press(true);
         }
-        let Self { map, robot, options, ground, feelers, history, phase, .. } = self;
+        let Self { map, robot, options, ground, table, feelers, history, phase, .. } = self;
         let Phase::Tracking(bank) = phase else { return (Vec::new(), None) };
-        let field = Field { map, ground, robot, feelers, options };
+        let field = Field { map, ground, table, robot, feelers, options };
         places::choose(bank, &field, history)
+    }
+}
+impl ProbabilisticSet<'_> {
+    /// dev
+    pub fn dev_cost(&self, q: Pose2) -> (f64, f64, f64, [f64;3]) {
+        let Phase::Tracking(bank) = &self.phase else { return (0.,0.,0.,[0.;3]) };
+        let scene = self.field().scene(&self.history, bank.pivot, super::history::Judge::FAIR);
+        let b = &bank.hypotheses[0];
+        let mut h = super::hypothesis::Hypothesis::new(q, vec![super::contact::State::Free; self.feelers.len()], 0);
+        h.run(&scene, q, bank.used.iter().copied());
+        let c0 = h.normal.cost;
+        let mut c = c0; let mut hh = h.clone();
+        for _ in 0..10 { let (_, d) = hh.best([1.0,1.0,1.0]); let mut n = hh.clone(); n.run(&scene, super::hypothesis::moved(hh.map_from_odom, bank.pivot, super::bank::cut(d)), bank.used.iter().copied()); hh = n; c = c.min(hh.normal.cost); }
+        let d = super::hypothesis::difference(hh.map_from_odom, q, bank.pivot);
+        (b.normal.cost, c0, c, d)
     }
 }
