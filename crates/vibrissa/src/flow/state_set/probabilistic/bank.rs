@@ -10,8 +10,10 @@ use crate::config::ProbabilisticOptions;
 use crate::plane::{Pose2, Vec2};
 use crate::world::{Map, Robot};
 
-/// A hypothesis this much less likely than the best (nats) is dropped.
-const DROP: f64 = 40.0;
+/// A hypothesis less likely than the best by this (nats) is dropped; the second part shrinks with the share of the rows
+/// that are used.
+const DROP: f64 = 20.0;
+const DROP_MORE: f64 = 20.0;
 /// Inverse variances that keep a step finite where the readings leave a direction open (5 mm, 5°).
 const LOOSE: [f64; 3] = [4e4, 4e4, 131.0];
 /// Longest step of one linearisation (m, rad).
@@ -19,14 +21,20 @@ const LONGEST: [f64; 2] = [3e-3, 0.06];
 /// A step longer than this (m, rad) asks for a new linearisation.
 const STALE: [f64; 2] = [1e-4, 2e-3];
 /// Readings that may be run again for each new row.
-const BUDGET: usize = 300;
-/// Hypotheses this near to each other are one (m, rad).
+const BUDGET: usize = 600;
+/// Hypotheses this near to each other are one (m, rad),
 const SAME_PLACE: f64 = 1.2e-3;
 const SAME_HEADING: f64 = 0.015;
+/// and while there are more than this many, those this near: the rest is left to their least squares.
+const MANY: usize = 300;
+const ROUGH_PLACE: f64 = 2.5e-3;
+const ROUGH_HEADING: f64 = 0.04;
 /// Rows between two merges.
 const MERGE_EVERY: usize = 8;
 /// With no more hypotheses than this, every row is used.
-const FEW: usize = 60;
+const FEW: usize = 120;
+/// So many hypotheses share one row; twice as many take every second one, and so on.
+const LOAD: usize = 250;
 
 /// The hypotheses and the rows that they have seen.
 pub(super) struct Bank {
@@ -119,7 +127,7 @@ impl Bank {
     /// Takes in the history's last row, if it is one to be used.
     pub(super) fn step(&mut self, field: &Field<'_>, history: &History) {
         let row = history.len() - 1;
-        let stride = (self.hypotheses.len() / FEW).clamp(1, 8);
+        let stride = (self.hypotheses.len() / LOAD).clamp(1, 8);
         let last = self.used.last().copied().unwrap_or(0);
         if row < last + stride {
             return;
@@ -141,6 +149,11 @@ impl Bank {
         }
     }
 
+    /// How many readings one run of all hypotheses over all rows takes.
+    pub(super) fn whole(&self, history: &History) -> usize {
+        self.hypotheses.len() * history.len()
+    }
+
     /// Uses every row from now on.
     pub(super) fn use_all(&mut self, field: &Field<'_>, history: &History) {
         if self.used.len() < history.len() {
@@ -160,10 +173,12 @@ impl Bank {
             self.turn = (self.turn + 1) % self.hypotheses.len();
             let h = &mut self.hypotheses[self.turn];
             let (_, d) = h.best(LOOSE);
+            if h.age == 0 {
+                continue;
+            }
             if d[0].hypot(d[1]) > STALE[0] || d[2].abs() > STALE[1] {
-                let to = moved(h.map_from_odom, self.pivot, cut(d));
-                h.run(&scene, to, self.used.iter().copied());
-                self.credit -= self.used.len();
+                let runs = h.improve(&scene, cut(d), &self.used);
+                self.credit = self.credit.saturating_sub(runs * self.used.len());
             }
         }
     }
@@ -176,25 +191,33 @@ impl Bank {
     /// Drops what is much less likely than the best; each gets one more chance at its best place.
     fn drop_unlikely(&mut self, field: &Field<'_>, history: &History) {
         let least = self.least();
+        let drop = DROP + DROP_MORE * self.used.len() as f64 / history.len() as f64;
         let scene = field.scene(history, self.pivot, Judge::FAIR);
-        let (pivot, used) = (self.pivot, &self.used);
+        let used = &self.used;
+        let mut credit = self.credit;
         self.hypotheses.retain_mut(|h| {
             let (cost, d) = h.best(LOOSE);
-            if cost <= least + DROP {
+            if cost <= least + drop {
                 return true;
             }
-            if cost > least + 3.0 * DROP || d[0].hypot(d[1]) + d[2].abs() < 1e-5 {
+            let fresh = h.age * 6 <= used.len();
+            if cost > least + 2.0 * drop || fresh || d[0].hypot(d[1]) < STALE[0] && d[2].abs() < STALE[1] {
                 return false;
             }
-            let to = moved(h.map_from_odom, pivot, cut(d));
-            h.run(&scene, to, used.iter().copied());
-            h.best(LOOSE).0 <= least + DROP
+            if credit < used.len() {
+                return true;
+            }
+            credit = credit.saturating_sub(used.len() * h.improve(&scene, cut(d), used));
+            h.best(LOOSE).0 <= least + drop
         });
+        self.credit = credit;
     }
 
     /// Keeps the best of hypotheses that have run into each other.
     pub(super) fn merge(&mut self, history: &History) {
         let Some(last) = history.len().checked_sub(1) else { return };
+        let many = self.hypotheses.len() > MANY;
+        let size = if many { [ROUGH_PLACE, ROUGH_HEADING] } else { [SAME_PLACE, SAME_HEADING] };
         let odom_from_robot = history.pose(last);
         let mut keyed: Vec<_> = self
             .hypotheses
@@ -202,7 +225,7 @@ impl Bank {
             .map(|h| {
                 let (cost, d) = h.best(LOOSE);
                 let at = moved(h.map_from_odom, self.pivot, cut(d));
-                (cell(at, self.pivot, odom_from_robot), cost, h)
+                (cell(at, self.pivot, odom_from_robot, size), cost, h)
             })
             .collect();
         keyed.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
@@ -211,9 +234,11 @@ impl Bank {
     }
 
     /// Moves every hypothesis to its least cost and joins those that end at the same place.
-    pub(super) fn settle(&mut self, field: &Field<'_>, history: &History, rounds: usize) {
-        let scene = Scene { solver: Solver::Exact, ..field.scene(history, self.pivot, Judge::FAIR) };
-        for h in &mut self.hypotheses {
+    pub(super) fn settle(&mut self, field: &Field<'_>, history: &History, rounds: usize, exact: usize) {
+        let quick = field.scene(history, self.pivot, Judge::FAIR);
+        let closed = Scene { solver: Solver::Exact, ..field.scene(history, self.pivot, Judge::FAIR) };
+        for (index, h) in self.hypotheses.iter_mut().enumerate() {
+            let scene = if index < exact { &closed } else { &quick };
             let mut kept: Option<Hypothesis> = None;
             for _ in 0..rounds {
                 let from = kept.as_ref().unwrap_or(h);
@@ -222,10 +247,10 @@ impl Bank {
                     break;
                 }
                 let mut next = from.clone();
-                next.run(&scene, moved(from.map_from_odom, self.pivot, cut(d)), self.used.iter().copied());
+                next.run(scene, moved(from.map_from_odom, self.pivot, cut(d)), self.used.iter().copied());
                 if next.normal.cost > from.normal.cost + 1e-3 {
                     // Half the way where the whole does not go down.
-                    next.run(&scene, moved(from.map_from_odom, self.pivot, cut(d).map(|v| 0.3 * v)), self.used.iter().copied());
+                    next.run(scene, moved(from.map_from_odom, self.pivot, cut(d).map(|v| 0.3 * v)), self.used.iter().copied());
                     if next.normal.cost > from.normal.cost {
                         break;
                     }
@@ -265,11 +290,11 @@ impl Bank {
 const SEED_TEMPER: f64 = 1.5;
 
 /// The cell of a frame's pose of the pivot and of the robot.
-fn cell(at: Pose2, pivot: Vec2, odom_from_robot: Pose2) -> [i64; 5] {
+fn cell(at: Pose2, pivot: Vec2, odom_from_robot: Pose2, size: [f64; 2]) -> [i64; 5] {
     let (a, b) = (at.transform_point(pivot), at.compose(odom_from_robot));
     let round = |v: f64, by: f64| (v / by).round() as i64;
-    let place = |v: f64| round(v, SAME_PLACE);
-    [place(a.x), place(a.y), place(b.x), place(b.y), round(at.theta, SAME_HEADING)]
+    let place = |v: f64| round(v, size[0]);
+    [place(a.x), place(a.y), place(b.x), place(b.y), round(at.theta, size[1])]
 }
 
 /// The rows that judge seeds: the onset, then one for every `step` of the base's travel; of three neighbours always

@@ -25,6 +25,10 @@ pub(super) struct Scene<'a> {
     pub(super) solver: Solver<'a>,
 }
 
+/// The parts of a step that are tried, and by how much each may make things worse (nats).
+const SHARES: [f64; 2] = [1.0, 0.25];
+const WORSE: f64 = 0.5;
+
 /// One place that may be the true one.
 #[derive(Clone, Debug)]
 pub(super) struct Hypothesis {
@@ -32,6 +36,8 @@ pub(super) struct Hypothesis {
     pub(super) map_from_odom: Pose2,
     /// What the readings up to `row` say.
     pub(super) normal: Normal,
+    /// How many rows it has taken since it was linearised.
+    pub(super) age: usize,
     /// The last row used.
     pub(super) row: usize,
     /// How each whisker stands to the map there.
@@ -65,6 +71,7 @@ impl Hypothesis {
         Self {
             map_from_odom,
             normal: Normal::default(),
+            age: 0,
             row,
             start: states.clone(),
             start_row: row,
@@ -104,6 +111,7 @@ impl Hypothesis {
             }
         }
         self.row = row;
+        self.age += 1;
     }
 
     /// Runs the history anew with the odometry frame at `map_from_odom`, row by row as listed.
@@ -123,6 +131,21 @@ impl Hypothesis {
         rows.for_each(|row| {
             self.take(scene, row);
         });
+        self.age = 0;
+    }
+
+    /// Linearises anew a step `d` away, or a part of it where the whole makes things worse; gives the number of runs.
+    pub(super) fn improve(&mut self, scene: &Scene<'_>, d: [f64; 3], rows: &[usize]) -> usize {
+        for (index, share) in SHARES.into_iter().enumerate() {
+            let mut next = self.clone();
+            next.run(scene, moved(self.map_from_odom, scene.pivot, d.map(|v| share * v)), rows.iter().copied());
+            if next.normal.cost <= self.normal.cost + WORSE {
+                *self = next;
+                return index + 1;
+            }
+        }
+        self.age = 0;
+        SHARES.len()
     }
 
     /// The least cost that the linearisation promises, and the step to it.

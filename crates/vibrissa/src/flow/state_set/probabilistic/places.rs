@@ -7,10 +7,15 @@ use super::hypothesis::{Hypothesis, Scene, difference, moved};
 use super::normal::{Matrix, determinant, dot, inverse, times};
 use crate::plane::Pose2;
 
-/// Hypotheses that are refined to the end, the best first.
-const MOST: usize = 120;
-/// Gauss-Newton steps for each.
-const ROUNDS: usize = 10;
+/// Hypotheses that are refined to the end in closed form, the best first.
+const EXACT: usize = 24;
+/// Gauss-Newton steps for all, and for those.
+const ROUNDS: usize = 4;
+const LAST_ROUNDS: usize = 8;
+/// Readings, times hypotheses, that are run again at the end; beyond, the rows used so far must do.
+const MOST_TAKES: usize = 150_000;
+/// Slack for those that are not at their least yet (nats).
+const SLACK: f64 = 6.0;
 /// A hypothesis this much less likely than the best (nats) is not told.
 const TOLD: f64 = 12.0;
 /// Inverse variances that keep covariances finite (20 mm, 20°).
@@ -59,9 +64,16 @@ pub(super) fn best(bank: &Bank) -> Option<Pose2> {
 /// Settles the hypotheses, weighs and groups them.
 pub(super) fn choose(bank: &mut Bank, field: &Field<'_>, history: &History) -> (Vec<Place>, Option<Fit>) {
     bank.hypotheses.sort_by(|a, b| a.best(OPEN).0.total_cmp(&b.best(OPEN).0));
-    bank.hypotheses.truncate(MOST);
-    bank.use_all(field, history);
-    bank.settle(field, history, ROUNDS);
+    if bank.whole(history) < MOST_TAKES {
+        bank.use_all(field, history);
+    }
+    bank.settle(field, history, ROUNDS, 0);
+    let least = bank.hypotheses.iter().map(|h| h.normal.cost).fold(f64::INFINITY, f64::min);
+    bank.hypotheses.retain(|h| h.normal.cost <= least + TOLD + SLACK);
+    if bank.whole(history) < MOST_TAKES {
+        bank.use_all(field, history);
+    }
+    bank.settle(field, history, LAST_ROUNDS, EXACT);
     let least = bank.hypotheses.iter().map(|h| h.normal.cost).fold(f64::INFINITY, f64::min);
     bank.hypotheses.retain(|h| h.normal.cost <= least + TOLD);
     let fit = bank.hypotheses.first().map(|h| fit(h, bank, field, history));
