@@ -115,14 +115,6 @@ impl DeterministicOptions {
     ///
     /// Usage: names the knob, its value and the allowed range.
     pub fn check(&self) -> Result<()> {
-        let within = |name: &str, value: f64, lo: f64, hi: f64, unit: &str| {
-            if value >= lo && value <= hi {
-                return Ok(());
-            }
-            Err(Error::usage(format!("the option {name} is out of range"))
-                .value(value)
-                .allowed(format!("{lo} to {hi} {unit}")))
-        };
         within("boundary_spacing", self.boundary_spacing, 1e-5, limits::COARSEST_SPACING, "m")?;
         within("history_shapes", self.history_shapes as f64, 2.0, 5.0, "shapes")?;
         within("history_travel", self.history_travel, 1e-5, 1.0, "m")?;
@@ -142,6 +134,13 @@ impl DeterministicOptions {
     }
 }
 
+fn within(name: &str, value: f64, lo: f64, hi: f64, unit: &str) -> Result<()> {
+    if value >= lo && value <= hi {
+        return Ok(());
+    }
+    Err(Error::usage(format!("the option {name} is out of range")).value(value).allowed(format!("{lo} to {hi} {unit}")))
+}
+
 /// The knobs of the probabilistic method.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ProbabilisticOptions {
@@ -158,5 +157,19 @@ pub struct ProbabilisticOptions {
 impl Default for ProbabilisticOptions {
     fn default() -> Self {
         Self { seed_spacing: 2e-3, seed_turn: 0.05, seed_travel: 8e-3, seed_step: 1.3e-3 }
+    }
+}
+
+impl ProbabilisticOptions {
+    /// Checks that every knob is in its range.
+    ///
+    /// # Errors
+    ///
+    /// Usage: names the knob, its value and the allowed range.
+    pub fn check(&self) -> Result<()> {
+        within("seed_spacing", self.seed_spacing, 5e-4, 2e-2, "m")?;
+        within("seed_turn", self.seed_turn, 5e-3, 0.2, "rad")?;
+        within("seed_travel", self.seed_travel, 2e-3, 1.0, "m")?;
+        within("seed_step", self.seed_step, 2e-4, self.seed_travel, "m, up to seed_travel")
     }
 }

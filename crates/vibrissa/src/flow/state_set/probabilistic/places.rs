@@ -25,6 +25,10 @@ const LINKED: f64 = 9.0;
 /// or nearer than this (m, rad).
 const LINK_PLACE: f64 = 4e-3;
 const LINK_TURN: f64 = 0.04;
+/// Area and volume of the regions that hold 95 % of a Gaussian, per root of its covariance's determinant: `pi chi²` and
+/// `4/3 pi chi³` with the 95 % points of chi² for two and three degrees of freedom.
+const AREA_95: f64 = 18.82;
+const VOLUME_95: f64 = 91.5;
 /// Rows whose mean residual is looked at together, and where single residuals are cut (standard deviations).
 const BLOCK: usize = 8;
 const CUT: f64 = 2.5;
@@ -59,6 +63,16 @@ pub struct Fit {
 pub(super) fn best(bank: &Bank) -> Option<Pose2> {
     let one = bank.hypotheses.iter().min_by(|a, b| a.best(OPEN).0.total_cmp(&b.best(OPEN).0))?;
     Some(moved(one.map_from_odom, bank.pivot, super::bank::cut(one.best(OPEN).1)))
+}
+
+/// Area and volume of all hypotheses' 95 % regions, overlaps counted twice.
+pub(super) fn size(bank: &Bank) -> (f64, f64) {
+    let one = |h: &Hypothesis| {
+        let c = covariance(h);
+        let area = (c[0][0] * c[1][1] - c[0][1] * c[1][0]).max(0.0).sqrt();
+        (AREA_95 * area, VOLUME_95 * determinant(&c).max(0.0).sqrt())
+    };
+    bank.hypotheses.iter().map(one).fold((0.0, 0.0), |a, b| (a.0 + b.0, a.1 + b.1))
 }
 
 /// Settles the hypotheses, weighs and groups them.

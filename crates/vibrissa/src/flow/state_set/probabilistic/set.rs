@@ -231,6 +231,26 @@ impl<'a> ProbabilisticSet<'a> {
         };
     }
 
+    /// The robot's pose by each hypothesis, with the odometry at `odom_from_robot`.
+    #[must_use]
+    pub fn states(&self, odom_from_robot: Pose2) -> Vec<Pose2> {
+        match &self.phase {
+            Phase::Tracking(bank) => {
+                bank.hypotheses.iter().map(|h| h.map_from_odom.compose(odom_from_robot)).collect()
+            }
+            _ => Vec::new(),
+        }
+    }
+
+    /// Area of the hypotheses' projection onto the plane (m²) and their volume (m² rad): ellipses that hold 95 %.
+    #[must_use]
+    pub fn size(&self) -> (f64, f64) {
+        match &self.phase {
+            Phase::Tracking(bank) => places::size(bank),
+            _ => (0.0, 0.0),
+        }
+    }
+
     /// The best hypothesis now: the odometry frame in the map frame.
     #[must_use]
     pub fn best(&self) -> Option<Pose2> {
@@ -249,20 +269,5 @@ impl<'a> ProbabilisticSet<'a> {
         let Phase::Tracking(bank) = phase else { return (Vec::new(), None) };
         let field = Field { map, ground, table, robot, feelers, options };
         places::choose(bank, &field, history)
-    }
-}
-impl ProbabilisticSet<'_> {
-    /// dev
-    pub fn dev_cost(&self, q: Pose2) -> (f64, f64, f64, [f64;3]) {
-        let Phase::Tracking(bank) = &self.phase else { return (0.,0.,0.,[0.;3]) };
-        let scene = self.field().scene(&self.history, bank.pivot, super::history::Judge::FAIR);
-        let b = &bank.hypotheses[0];
-        let mut h = super::hypothesis::Hypothesis::new(q, vec![super::contact::State::Free; self.feelers.len()], 0);
-        h.run(&scene, q, bank.used.iter().copied());
-        let c0 = h.normal.cost;
-        let mut c = c0; let mut hh = h.clone();
-        for _ in 0..10 { let (_, d) = hh.best([1.0,1.0,1.0]); let mut n = hh.clone(); n.run(&scene, super::hypothesis::moved(hh.map_from_odom, bank.pivot, super::bank::cut(d)), bank.used.iter().copied()); hh = n; c = c.min(hh.normal.cost); }
-        let d = super::hypothesis::difference(hh.map_from_odom, q, bank.pivot);
-        (b.normal.cost, c0, c, d)
     }
 }
