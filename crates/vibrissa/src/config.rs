@@ -152,11 +152,16 @@ pub struct ProbabilisticOptions {
     pub seed_travel: f64,
     /// Base travel between the readings that judge them first (m).
     pub seed_step: f64,
+    /// Standard deviation of a relative error that all readings share (gain, stiffness), estimated along; 0 for none.
+    ///
+    /// None takes a quarter of the declared relative bound: a bound is seldom noise alone, and readings enough show how
+    /// large the shared part is.
+    pub shared_gain: Option<f64>,
 }
 
 impl Default for ProbabilisticOptions {
     fn default() -> Self {
-        Self { seed_spacing: 2e-3, seed_turn: 0.05, seed_travel: 8e-3, seed_step: 1.3e-3 }
+        Self { seed_spacing: 2e-3, seed_turn: 0.05, seed_travel: 8e-3, seed_step: 1.3e-3, shared_gain: None }
     }
 }
 
@@ -170,6 +175,7 @@ impl ProbabilisticOptions {
         within("seed_spacing", self.seed_spacing, 5e-4, 2e-2, "m")?;
         within("seed_turn", self.seed_turn, 5e-3, 0.2, "rad")?;
         within("seed_travel", self.seed_travel, 2e-3, 1.0, "m")?;
+        within("shared_gain", self.shared_gain.unwrap_or(0.0), 0.0, 0.5, "(relative)")?;
         within("seed_step", self.seed_step, 2e-4, self.seed_travel, "m, up to seed_travel")
     }
 }

@@ -1,6 +1,6 @@
 //! All hypotheses together: started at a first contact, carried on, linearised anew, merged, dropped, weighed.
 
-use super::contact::{Solver, State};
+use super::contact::Solver;
 use super::ground::Ground;
 use super::history::{Feeler, History, Judge};
 use super::hypothesis::{Hypothesis, Scene, difference, moved};
@@ -42,6 +42,8 @@ pub(super) struct Bank {
     /// The rows of the history that are used, in order.
     pub(super) used: Vec<usize>,
     pub(super) pivot: Vec2,
+    /// Standard deviation of a relative error that all readings share.
+    pub(super) shared: f64,
     credit: usize,
     turn: usize,
     since_merge: usize,
@@ -59,10 +61,10 @@ pub(super) struct Field<'a> {
 }
 
 impl<'a> Field<'a> {
-    pub(super) fn scene(&self, history: &'a History, pivot: Vec2, judge: Judge) -> Scene<'a> {
+    pub(super) fn scene(&self, history: &'a History, pivot: Vec2, judge: Judge, shared: f64) -> Scene<'a> {
         Scene {
             solver: Solver::Quick(self.table),
-            map: self.map, ground: self.ground, feelers: self.feelers, history, pivot, judge }
+            map: self.map, ground: self.ground, feelers: self.feelers, history, pivot, judge, shared, blur: false }
     }
 }
 
@@ -91,7 +93,7 @@ impl Bank {
         let before = history.pose(onset.saturating_sub(3)).compose(own.robot_from_whisker);
         let approach = tip - odom_from_whisker.inverse_transform_point(before.transform_point(tip));
         let judge = Judge { temper: SEED_TEMPER, outlier_cost: f64::INFINITY };
-        let scene = field.scene(history, pivot, judge);
+        let scene = field.scene(history, pivot, judge, 0.0);
         let onset_of = Onset {
             feeler,
             beam: &field.robot.whiskers[feeler].beam,
@@ -103,11 +105,13 @@ impl Bank {
             turn: options.seed_turn,
         };
         let mut hypotheses = seeds(&scene, &onset_of, admits);
+        hypotheses.sort_by(|a, b| a.normal.cost.total_cmp(&b.normal.cost));
+        hypotheses.truncate(MOST_SEEDS);
         if from_free {
             hypotheses.iter_mut().for_each(|h| *h = h.from_free_start());
         }
         let used = (0..onset).chain(rows).collect();
-        let mut bank = Self { hypotheses, used, pivot, credit: 0, turn: 0, since_merge: 0 };
+        let mut bank = Self { hypotheses, used, pivot, shared: options.shared_gain.unwrap_or(own.shared_share()), credit: 0, turn: 0, since_merge: 0 };
         bank.rerun(field, history);
         bank.merge(history);
         bank.drop_unlikely(field, history);
@@ -116,9 +120,9 @@ impl Bank {
 
     /// Runs all hypotheses anew, each moved to its best place.
     pub(super) fn rerun(&mut self, field: &Field<'_>, history: &History) {
-        let scene = field.scene(history, self.pivot, Judge::FAIR);
+        let scene = field.scene(history, self.pivot, Judge::FAIR, self.shared);
         for h in &mut self.hypotheses {
-            let (_, d) = h.best(LOOSE);
+            let (_, d) = h.best(LOOSE, self.shared);
             let to = moved(h.map_from_odom, self.pivot, cut(d));
             h.run(&scene, to, self.used.iter().copied());
         }
@@ -132,7 +136,7 @@ impl Bank {
         if row < last + stride {
             return;
         }
-        let scene = field.scene(history, self.pivot, Judge::FAIR);
+        let scene = field.scene(history, self.pivot, Judge::FAIR, self.shared);
         self.used.push(row);
         self.hypotheses.iter_mut().for_each(|h| {
             h.take(&scene, row);
@@ -164,7 +168,7 @@ impl Bank {
 
     /// Linearises in turn those whose estimate has moved, as far as the budget goes.
     fn linearise(&mut self, field: &Field<'_>, history: &History) {
-        let scene = field.scene(history, self.pivot, Judge::FAIR);
+        let scene = field.scene(history, self.pivot, Judge::FAIR, self.shared);
         self.credit = (self.credit + BUDGET).min(self.used.len().max(4 * BUDGET));
         for _ in 0..self.hypotheses.len() {
             if self.credit < self.used.len() {
@@ -172,7 +176,7 @@ impl Bank {
             }
             self.turn = (self.turn + 1) % self.hypotheses.len();
             let h = &mut self.hypotheses[self.turn];
-            let (_, d) = h.best(LOOSE);
+            let (_, d) = h.best(LOOSE, self.shared);
             if h.age == 0 {
                 continue;
             }
@@ -185,18 +189,18 @@ impl Bank {
 
     /// The least cost of any hypothesis.
     pub(super) fn least(&self) -> f64 {
-        self.hypotheses.iter().map(|h| h.best(LOOSE).0).fold(f64::INFINITY, f64::min)
+        self.hypotheses.iter().map(|h| h.best(LOOSE, self.shared).0).fold(f64::INFINITY, f64::min)
     }
 
     /// Drops what is much less likely than the best; each gets one more chance at its best place.
     fn drop_unlikely(&mut self, field: &Field<'_>, history: &History) {
         let least = self.least();
         let drop = DROP + DROP_MORE * self.used.len() as f64 / history.len() as f64;
-        let scene = field.scene(history, self.pivot, Judge::FAIR);
-        let used = &self.used;
+        let scene = field.scene(history, self.pivot, Judge::FAIR, self.shared);
+        let (used, shared) = (&self.used, self.shared);
         let mut credit = self.credit;
         self.hypotheses.retain_mut(|h| {
-            let (cost, d) = h.best(LOOSE);
+            let (cost, d) = h.best(LOOSE, shared);
             if cost <= least + drop {
                 return true;
             }
@@ -208,7 +212,7 @@ impl Bank {
                 return true;
             }
             credit = credit.saturating_sub(used.len() * h.improve(&scene, cut(d), used));
-            h.best(LOOSE).0 <= least + drop
+            h.best(LOOSE, shared).0 <= least + drop
         });
         self.credit = credit;
     }
@@ -223,7 +227,7 @@ impl Bank {
             .hypotheses
             .drain(..)
             .map(|h| {
-                let (cost, d) = h.best(LOOSE);
+                let (cost, d) = h.best(LOOSE, self.shared);
                 let at = moved(h.map_from_odom, self.pivot, cut(d));
                 (cell(at, self.pivot, odom_from_robot, size), cost, h)
             })
@@ -235,23 +239,23 @@ impl Bank {
 
     /// Moves every hypothesis to its least cost and joins those that end at the same place.
     pub(super) fn settle(&mut self, field: &Field<'_>, history: &History, rounds: usize, exact: usize) {
-        let quick = field.scene(history, self.pivot, Judge::FAIR);
-        let closed = Scene { solver: Solver::Exact, ..field.scene(history, self.pivot, Judge::FAIR) };
+        let quick = field.scene(history, self.pivot, Judge::FAIR, self.shared);
+        let closed = Scene { solver: Solver::Exact, ..field.scene(history, self.pivot, Judge::FAIR, self.shared) };
         for (index, h) in self.hypotheses.iter_mut().enumerate() {
             let scene = if index < exact { &closed } else { &quick };
             let mut kept: Option<Hypothesis> = None;
             for _ in 0..rounds {
                 let from = kept.as_ref().unwrap_or(h);
-                let (_, d) = from.best(LOOSE);
+                let (_, d) = from.best(LOOSE, self.shared);
                 if d[0].hypot(d[1]) < 1e-6 && d[2].abs() < 1e-5 {
                     break;
                 }
                 let mut next = from.clone();
                 next.run(scene, moved(from.map_from_odom, self.pivot, cut(d)), self.used.iter().copied());
-                if next.normal.cost > from.normal.cost + 1e-3 {
+                if next.cost(self.shared) > from.cost(self.shared) + 1e-3 {
                     // Half the way where the whole does not go down.
                     next.run(scene, moved(from.map_from_odom, self.pivot, cut(d).map(|v| 0.3 * v)), self.used.iter().copied());
-                    if next.normal.cost > from.normal.cost {
+                    if next.cost(self.shared) > from.cost(self.shared) {
                         break;
                     }
                 }
@@ -266,7 +270,8 @@ impl Bank {
 
     /// Keeps the best of hypotheses within each other's reach.
     fn join(&mut self) {
-        self.hypotheses.sort_by(|a, b| a.normal.cost.total_cmp(&b.normal.cost));
+        let shared = self.shared;
+        self.hypotheses.sort_by(|a, b| a.cost(shared).total_cmp(&b.cost(shared)));
         let mut kept: Vec<Hypothesis> = Vec::new();
         for h in self.hypotheses.drain(..) {
             let near = |k: &Hypothesis| {
@@ -280,12 +285,10 @@ impl Bank {
         self.hypotheses = kept;
     }
 
-    /// Whether a hypothesis holds the whiskers on boundaries now.
-    pub(super) fn touches(h: &Hypothesis) -> bool {
-        h.states.iter().any(|s| matches!(s, State::Touching(touch) if touch.q > 0.0))
-    }
 }
 
+/// More hypotheses than this are not carried on.
+const MOST_SEEDS: usize = 4000;
 /// Standard deviations are enlarged by this while cells are judged.
 const SEED_TEMPER: f64 = 1.5;
 

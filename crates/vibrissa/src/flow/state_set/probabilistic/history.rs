@@ -74,9 +74,15 @@ impl Feeler {
         (mean.copysign(h), (self.relative * h.abs() + self.absolute) * per / SQRT_3)
     }
 
-    /// The bound on the error of a reading.
-    pub(super) fn bound(&self, z: f64) -> f64 {
-        self.relative * z.abs() + self.absolute
+    /// Standard deviation of the relative error that all readings share, where nothing is said: a quarter of the bound.
+    pub(super) fn shared_share(&self) -> f64 {
+        0.25 * self.relative
+    }
+
+    /// The residual of a reading in standard deviations, once a shared relative error has been taken out.
+    pub(super) fn sigmas_without(&self, h: f64, gain: f64, z: f64) -> f64 {
+        let (mean, std) = self.expected(h);
+        (mean + gain * h - z) / std
     }
 
     /// A reading against a moment; `pressed` where the whisker is held by

@@ -21,6 +21,10 @@ pub(super) struct Scene<'a> {
     /// The place that turns leave where it is, odometry frame (m).
     pub(super) pivot: Vec2,
     pub(super) judge: Judge,
+    /// Standard deviation of a relative error that all readings share.
+    pub(super) shared: f64,
+    /// Whether steep readings are trusted less, for covariances that hold over more than a facet of the map.
+    pub(super) blur: bool,
     /// How exactly the forward model is solved.
     pub(super) solver: Solver<'a>,
 }
@@ -28,6 +32,9 @@ pub(super) struct Scene<'a> {
 /// The parts of a step that are tried, and by how much each may make things worse (nats).
 const SHARES: [f64; 2] = [1.0, 0.25];
 const WORSE: f64 = 0.5;
+
+/// How exactly the model is believed to know where the whisker stands (m, rad).
+const BLUR: [f64; 2] = [5e-5, 5e-4];
 
 /// One place that may be the true one.
 #[derive(Clone, Debug)]
@@ -44,6 +51,8 @@ pub(super) struct Hypothesis {
     pub(super) states: Vec<State>,
     /// The residual of each whisker's last reading, in standard deviations.
     pub(super) sigmas: Vec<f64>,
+    /// The moment that each is predicted to feel there.
+    pub(super) felt: Vec<f64>,
     /// How each stood at the row from which on this is judged, when the odometry frame was at `start_at`.
     start: Vec<State>,
     start_row: usize,
@@ -78,6 +87,7 @@ impl Hypothesis {
             start_at: map_from_odom,
             prior: Normal::default(),
             sigmas: vec![0.0; states.len()],
+            felt: vec![0.0; states.len()],
             states,
         }
     }
@@ -104,10 +114,14 @@ impl Hypothesis {
             };
             self.normal.cost += misfit.cost;
             self.sigmas[index] = misfit.sigmas;
+            self.felt[index] = felt.moment;
             if misfit.weight > 0.0 {
                 let arm = (there.position() - pivot).perp();
                 let [gx, gy, turn] = felt.gradient;
-                self.normal.add(misfit.residual, [gx, gy, turn + gx * arm.x + gy * arm.y], misfit.weight);
+                // Where the moment is steep, near a snap or in a slight corner, it is so over a tiny range only.
+                let steep = BLUR[0].powi(2) * (gx * gx + gy * gy) + BLUR[1].powi(2) * turn * turn;
+                let weight = if scene.blur { misfit.weight / (1.0 + misfit.weight * steep) } else { misfit.weight };
+                self.normal.add(misfit.residual, [gx, gy, turn + gx * arm.x + gy * arm.y], felt.moment, weight);
             }
         }
         self.row = row;
@@ -139,7 +153,7 @@ impl Hypothesis {
         for (index, share) in SHARES.into_iter().enumerate() {
             let mut next = self.clone();
             next.run(scene, moved(self.map_from_odom, scene.pivot, d.map(|v| share * v)), rows.iter().copied());
-            if next.normal.cost <= self.normal.cost + WORSE {
+            if next.cost(scene.shared) <= self.cost(scene.shared) + WORSE {
                 *self = next;
                 return index + 1;
             }
@@ -148,11 +162,23 @@ impl Hypothesis {
         SHARES.len()
     }
 
-    /// The least cost that the linearisation promises, and the step to it.
-    pub(super) fn best(&self, damping: [f64; 3]) -> (f64, [f64; 3]) {
-        match self.normal.step(damping) {
-            Some(d) => (self.normal.moved(d).cost, d),
-            None => (self.normal.cost, [0.0; 3]),
+    /// The cost where it is linearised.
+    pub(super) fn cost(&self, shared: f64) -> f64 {
+        self.normal.marginal(shared).cost
+    }
+
+    /// The relative error that all readings share, as they estimate it.
+    pub(super) fn gain(&self, shared: f64) -> f64 {
+        if shared > 0.0 { -self.normal.shared[1] / (self.normal.shared[0] + 1.0 / (shared * shared)) } else { 0.0 }
+    }
+
+    /// The least cost that the linearisation promises, and the step to it, when all readings share a relative error of
+    /// this standard deviation.
+    pub(super) fn best(&self, damping: [f64; 3], shared: f64) -> (f64, [f64; 3]) {
+        let normal = self.normal.marginal(shared);
+        match normal.step(damping) {
+            Some(d) => (normal.moved(d).cost, d),
+            None => (normal.cost, [0.0; 3]),
         }
     }
 }

@@ -9,13 +9,19 @@ pub(super) struct Normal {
     pub(super) curvature: Matrix,
     pub(super) gradient: [f64; 3],
     pub(super) cost: f64,
+    /// The same for a relative error that all readings share: mixed, own curvature, own gradient.
+    pub(super) mixed: [f64; 3],
+    pub(super) shared: [f64; 2],
 }
 
 impl Normal {
     /// Adds a residual (in standard deviations times `weight`'s root) with its derivatives.
-    pub(super) fn add(&mut self, residual: f64, by: [f64; 3], weight: f64) {
+    pub(super) fn add(&mut self, residual: f64, by: [f64; 3], by_shared: f64, weight: f64) {
+        self.shared[0] += weight * by_shared * by_shared;
+        self.shared[1] += weight * by_shared * residual;
         for i in 0..3 {
             let scaled = weight * by[i];
+            self.mixed[i] += scaled * by_shared;
             self.gradient[i] += scaled * residual;
             for j in 0..3 {
                 self.curvature[i][j] += scaled * by[j];
@@ -23,24 +29,32 @@ impl Normal {
         }
     }
 
-    /// The sum of two costs around the same point.
-    pub(super) fn plus(&self, other: &Self) -> Self {
-        let mut sum = *self;
-        sum.cost += other.cost;
-        for i in 0..3 {
-            sum.gradient[i] += other.gradient[i];
-            for j in 0..3 {
-                sum.curvature[i][j] += other.curvature[i][j];
-            }
-        }
-        sum
-    }
-
     /// The same cost around the point moved by `d`.
     pub(super) fn moved(&self, d: [f64; 3]) -> Self {
         let along = times(&self.curvature, d);
         let gradient = [0, 1, 2].map(|i| self.gradient[i] + along[i]);
-        Self { curvature: self.curvature, gradient, cost: self.cost + dot(self.gradient, d) + 0.5 * dot(along, d) }
+        let cost = self.cost + dot(self.gradient, d) + 0.5 * dot(along, d);
+        let shared = [self.shared[0], self.shared[1] + dot(self.mixed, d)];
+        Self { gradient, cost, shared, ..*self }
+    }
+
+    /// The cost with the shared error, of this standard deviation before any reading, at its best for every move: as if
+    /// it were a correlated part of the noise.
+    pub(super) fn marginal(&self, std: f64) -> Self {
+        if std <= 0.0 {
+            return Self { mixed: [0.0; 3], shared: [0.0; 2], ..*self };
+        }
+        let per = 1.0 / (self.shared[0] + 1.0 / (std * std));
+        let mut out = Self { mixed: [0.0; 3], shared: [0.0; 2], ..*self };
+        // Half the logarithm of the determinant that integrating over it leaves.
+        out.cost += 0.5 * (1.0 + self.shared[0] * std * std).ln() - 0.5 * self.shared[1] * self.shared[1] * per;
+        for i in 0..3 {
+            out.gradient[i] -= self.mixed[i] * self.shared[1] * per;
+            for j in 0..3 {
+                out.curvature[i][j] -= self.mixed[i] * self.mixed[j] * per;
+            }
+        }
+        out
     }
 
     /// The step to the least cost when `damping` is added to the diagonal.
@@ -105,7 +119,7 @@ mod tests {
         // Three planes meet at (1e-3, -2e-3, 0.5) by hand.
         let at = [1e-3, -2e-3, 0.5];
         for by in [[1e3, 0.0, 2.0], [0.0, 2e3, -1.0], [5e2, 5e2, 1.0]] {
-            normal.add(-dot(by, at), by, 1.0);
+            normal.add(-dot(by, at), by, 0.0, 1.0);
             normal.cost += 0.5 * dot(by, at).powi(2);
         }
         let step = normal.step([0.0; 3]).unwrap_or_default();

@@ -14,6 +14,9 @@ const ROUNDS: usize = 4;
 const LAST_ROUNDS: usize = 8;
 /// Readings, times hypotheses, that are run again at the end; beyond, the rows used so far must do.
 const MOST_TAKES: usize = 150_000;
+/// Fewest and most hypotheses that are looked at in the end.
+const FEWEST: usize = 50;
+const MOST: usize = 1000;
 /// Slack for those that are not at their least yet (nats).
 const SLACK: f64 = 6.0;
 /// A hypothesis this much less likely than the best (nats) is not told.
@@ -25,6 +28,8 @@ const LINKED: f64 = 9.0;
 /// or nearer than this (m, rad).
 const LINK_PLACE: f64 = 4e-3;
 const LINK_TURN: f64 = 0.04;
+/// Hypotheses further apart than this are not compared (m).
+const FARTHEST: f64 = 0.05;
 /// Area and volume of the regions that hold 95 % of a Gaussian, per root of its covariance's determinant: `pi chi²` and
 /// `4/3 pi chi³` with the 95 % points of chi² for two and three degrees of freedom.
 const AREA_95: f64 = 18.82;
@@ -61,14 +66,14 @@ pub struct Fit {
 
 /// The pose of the odometry frame that the best hypothesis estimates.
 pub(super) fn best(bank: &Bank) -> Option<Pose2> {
-    let one = bank.hypotheses.iter().min_by(|a, b| a.best(OPEN).0.total_cmp(&b.best(OPEN).0))?;
-    Some(moved(one.map_from_odom, bank.pivot, super::bank::cut(one.best(OPEN).1)))
+    let one = bank.hypotheses.iter().min_by(|a, b| a.best(OPEN, bank.shared).0.total_cmp(&b.best(OPEN, bank.shared).0))?;
+    Some(moved(one.map_from_odom, bank.pivot, super::bank::cut(one.best(OPEN, bank.shared).1)))
 }
 
 /// Area and volume of all hypotheses' 95 % regions, overlaps counted twice.
 pub(super) fn size(bank: &Bank) -> (f64, f64) {
     let one = |h: &Hypothesis| {
-        let c = covariance(h);
+        let c = covariance(h, bank);
         let area = (c[0][0] * c[1][1] - c[0][1] * c[1][0]).max(0.0).sqrt();
         (AREA_95 * area, VOLUME_95 * determinant(&c).max(0.0).sqrt())
     };
@@ -77,32 +82,39 @@ pub(super) fn size(bank: &Bank) -> (f64, f64) {
 
 /// Settles the hypotheses, weighs and groups them.
 pub(super) fn choose(bank: &mut Bank, field: &Field<'_>, history: &History) -> (Vec<Place>, Option<Fit>) {
-    bank.hypotheses.sort_by(|a, b| a.best(OPEN).0.total_cmp(&b.best(OPEN).0));
+    let shared = bank.shared;
+    bank.hypotheses.sort_by(|a, b| a.best(OPEN, shared).0.total_cmp(&b.best(OPEN, shared).0));
+    bank.hypotheses.truncate((MOST_TAKES / bank.used.len().max(1)).clamp(FEWEST, MOST));
     if bank.whole(history) < MOST_TAKES {
         bank.use_all(field, history);
     }
     bank.settle(field, history, ROUNDS, 0);
-    let least = bank.hypotheses.iter().map(|h| h.normal.cost).fold(f64::INFINITY, f64::min);
-    bank.hypotheses.retain(|h| h.normal.cost <= least + TOLD + SLACK);
+    let least = bank.hypotheses.iter().map(|h| h.cost(bank.shared)).fold(f64::INFINITY, f64::min);
+    bank.hypotheses.retain(|h| h.cost(shared) <= least + TOLD + SLACK);
     if bank.whole(history) < MOST_TAKES {
         bank.use_all(field, history);
     }
     bank.settle(field, history, LAST_ROUNDS, EXACT);
-    let least = bank.hypotheses.iter().map(|h| h.normal.cost).fold(f64::INFINITY, f64::min);
-    bank.hypotheses.retain(|h| h.normal.cost <= least + TOLD);
+    let least = bank.hypotheses.iter().map(|h| h.cost(bank.shared)).fold(f64::INFINITY, f64::min);
+    bank.hypotheses.retain(|h| h.cost(shared) <= least + TOLD);
     let fit = bank.hypotheses.first().map(|h| fit(h, bank, field, history));
-    (group(bank, history, least), fit)
+    let blurred = Scene { blur: true, ..field.scene(history, bank.pivot, Judge::FAIR, bank.shared) };
+    let own: Vec<Matrix> = bank.hypotheses.iter().map(|h| {
+        let mut again = h.clone();
+        again.run(&blurred, h.map_from_odom, bank.used.iter().copied());
+        covariance(&again, bank)
+    }).collect();
+    (group(bank, &own, history, least), fit)
 }
 
 /// The covariance of the estimate about the pivot.
-fn covariance(h: &Hypothesis) -> Matrix {
-    inverse(&h.normal.damped(OPEN)).unwrap_or([[OPEN[0].recip(), 0.0, 0.0], [0.0, OPEN[1].recip(), 0.0], [0.0, 0.0, OPEN[2].recip()]])
+fn covariance(h: &Hypothesis, bank: &Bank) -> Matrix {
+    inverse(&h.normal.marginal(bank.shared).damped(OPEN)).unwrap_or([[OPEN[0].recip(), 0.0, 0.0], [0.0, OPEN[1].recip(), 0.0], [0.0, 0.0, OPEN[2].recip()]])
 }
 
 /// Hypotheses that cannot be told apart, as places, the heaviest first.
-fn group(bank: &Bank, history: &History, least: f64) -> Vec<Place> {
+fn group(bank: &Bank, own: &[Matrix], history: &History, least: f64) -> Vec<Place> {
     let last = history.pose(history.len() - 1);
-    let own: Vec<Matrix> = bank.hypotheses.iter().map(covariance).collect();
     let mut open: Vec<usize> = (0..bank.hypotheses.len()).collect();
     let mut places = Vec::new();
     while !open.is_empty() {
@@ -110,7 +122,7 @@ fn group(bank: &Bank, history: &History, least: f64) -> Vec<Place> {
         let mut next = 0;
         while next < members.len() {
             let at = members[next];
-            let near = |&i: &usize| linked(bank, &own, at, i);
+            let near = |&i: &usize| linked(bank, own, at, i);
             members.extend(open.iter().copied().filter(near));
             open.retain(|i| !members.contains(i));
             next += 1;
@@ -120,8 +132,11 @@ fn group(bank: &Bank, history: &History, least: f64) -> Vec<Place> {
             let h = &bank.hypotheses[i];
             // Neighbours on a ridge share its length among them.
             let narrow = LINK_PLACE.powi(-2) * 4.0;
-            let damping = if alone { OPEN } else { [narrow, narrow, OPEN[2]] };
-            (least - h.normal.cost).exp() / determinant(&h.normal.damped(damping)).max(f64::MIN_POSITIVE).sqrt()
+            let mut curvature = inverse(&own[i]).unwrap_or_default();
+            if !alone {
+                (0..2).for_each(|k| curvature[k][k] += narrow);
+            }
+            (least - h.cost(bank.shared)).exp() / determinant(&curvature).max(f64::MIN_POSITIVE).sqrt()
         };
         let weight = members.iter().map(mass).sum();
         let poses = members.iter().map(|&i| at_robot(&bank.hypotheses[i], bank, &own[i], last)).collect::<Vec<_>>();
@@ -142,6 +157,9 @@ fn group(bank: &Bank, history: &History, least: f64) -> Vec<Place> {
 /// Whether two hypotheses are one place.
 fn linked(bank: &Bank, own: &[Matrix], a: usize, b: usize) -> bool {
     let d = difference(bank.hypotheses[a].map_from_odom, bank.hypotheses[b].map_from_odom, bank.pivot);
+    if d[0].hypot(d[1]) > FARTHEST {
+        return false;
+    }
     if d[0].hypot(d[1]) < LINK_PLACE && d[2].abs() < LINK_TURN {
         return true;
     }
@@ -166,17 +184,25 @@ fn at_robot(h: &Hypothesis, bank: &Bank, own: &Matrix, odom_from_robot: Pose2) -
 
 /// Runs the history once more and looks at the residuals.
 fn fit(h: &Hypothesis, bank: &Bank, field: &Field<'_>, history: &History) -> Fit {
-    let scene = Scene { solver: Solver::Exact, ..field.scene(history, bank.pivot, Judge::FAIR) };
+    let scene = Scene { solver: Solver::Exact, ..field.scene(history, bank.pivot, Judge::FAIR, bank.shared) };
     let mut again = h.clone();
     let mut fit = Fit::default();
+    let gain = h.gain(bank.shared);
     let (mut sum, mut count, mut beyond, mut rows) = (0.0, 0, 0, 0);
     again.run(&scene, h.map_from_odom, core::iter::empty());
     for &row in &bank.used {
         again.take(&scene, row);
-        for (state, sigmas) in again.states.iter().zip(&again.sigmas) {
+        for (index, state) in again.states.iter().enumerate() {
+            let held = matches!(state, State::Touching(touch) if touch.q > 0.0);
+            let z = history.readings(row)[index];
+            let sigmas = if held {
+                field.feelers[index].sigmas_without(again.felt[index], gain, z)
+            } else {
+                again.sigmas[index]
+            };
             rows += 1;
             beyond += usize::from(sigmas.abs() > CUT);
-            if matches!(state, State::Touching(touch) if touch.q > 0.0) {
+            if held {
                 fit.touching += 1;
                 sum += sigmas.clamp(-CUT, CUT);
                 count += 1;

@@ -153,7 +153,7 @@ fn judged(scene: &Scene<'_>, onset: &Onset<'_>, map_from_whisker: Pose2, state: 
     for &row in onset.rows {
         hypothesis.take(scene, row);
         let held = matches!(hypothesis.states[onset.feeler], State::Touching(_));
-        if !held || hypothesis.best(cell(onset)).0 > CELL_COST {
+        if !held || hypothesis.best(cell(onset), 0.0).0 > CELL_COST {
             return None;
         }
     }
@@ -165,10 +165,10 @@ fn refine(scene: &Scene<'_>, onset: &Onset<'_>, found: &mut Vec<Hypothesis>) {
     for round in 0..ROUNDS {
         let limit = if round + 1 == ROUNDS { REFINED_COST } else { CELL_COST };
         found.retain_mut(|h| {
-            let (_, d) = h.best(cell(onset));
+            let (_, d) = h.best(cell(onset), 0.0);
             let to = moved(h.map_from_odom, scene.pivot, d);
             h.run(scene, to, onset.rows.iter().copied());
-            h.best(cell(onset)).0 <= limit
+            h.best(cell(onset), 0.0).0 <= limit
         });
     }
 }
