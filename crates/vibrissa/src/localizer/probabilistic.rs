@@ -18,9 +18,9 @@ const LARGEST_TURN: f64 = 0.35;
 /// Places with less weight are told, but do not make a verdict ambiguous.
 const LEAST_RIVAL: f64 = 0.02;
 /// Share of readings beyond 2.5 standard deviations that outliers alone do not explain, and the mean square of block
-/// means (1 for independent errors) that declared errors do not explain.
+/// means (1 for independent errors) that declared errors do not explain, in standard deviations of that mean.
 const MOST_BEYOND: f64 = 0.15;
-const MOST_DRIFT: f64 = 3.0;
+const MOST_DRIFT: f64 = 4.0;
 /// Fewest blocks that speak about drift.
 const FEWEST_BLOCKS: usize = 6;
 
@@ -225,7 +225,8 @@ fn misfit(fit: &Fit) -> Option<String> {
             100.0 * fit.beyond
         ));
     }
-    (fit.blocks >= FEWEST_BLOCKS && fit.drift > MOST_DRIFT).then(|| {
+    let most = 1.0 + MOST_DRIFT * (2.0 / fit.blocks.max(1) as f64).sqrt();
+    (fit.blocks >= FEWEST_BLOCKS && fit.drift > most).then(|| {
         format!(
             "the readings stray from the best place for many rows on end ({:.1} times what noise does); is it the right \
              map, and is the whisker's stiffness right?",

@@ -17,6 +17,9 @@ const MOST_TAKES: usize = 150_000;
 /// Fewest and most hypotheses that are looked at in the end.
 const FEWEST: usize = 50;
 const MOST: usize = 1000;
+/// How many of the best hypotheses are started anew from around them, and from where (m, m, rad).
+const SHAKEN: usize = 3;
+const SHAKES: [[f64; 3]; 3] = [[7e-4, 7e-4, 0.0], [7e-4, -7e-4, 0.0], [0.0, 0.0, 0.012]];
 /// Slack for those that are not at their least yet (nats).
 const SLACK: f64 = 6.0;
 /// A hypothesis this much less likely than the best (nats) is not told.
@@ -95,6 +98,7 @@ pub(super) fn choose(bank: &mut Bank, field: &Field<'_>, history: &History) -> (
         bank.use_all(field, history);
     }
     bank.settle(field, history, LAST_ROUNDS, EXACT);
+    shake(bank, field, history);
     let least = bank.hypotheses.iter().map(|h| h.cost(bank.shared)).fold(f64::INFINITY, f64::min);
     bank.hypotheses.retain(|h| h.cost(shared) <= least + TOLD);
     let fit = bank.hypotheses.first().map(|h| fit(h, bank, field, history));
@@ -105,6 +109,27 @@ pub(super) fn choose(bank: &mut Bank, field: &Field<'_>, history: &History) -> (
         covariance(&again, bank)
     }).collect();
     (group(bank, &own, history, least), fit)
+}
+
+/// Starts the best few anew from places around them: a map of facets has many shallow minima.
+fn shake(bank: &mut Bank, field: &Field<'_>, history: &History) {
+    let scene = field.scene(history, bank.pivot, Judge::FAIR, bank.shared);
+    if bank.used.len() * SHAKEN * 2 * SHAKES.len() > MOST_TAKES {
+        return;
+    }
+    let around: Vec<Hypothesis> = bank
+        .hypotheses
+        .iter()
+        .take(SHAKEN)
+        .flat_map(|h| SHAKES.into_iter().flat_map(move |d| [(h, d), (h, d.map(|v| -v))]))
+        .map(|(h, d)| {
+            let mut next = h.clone();
+            next.run(&scene, moved(h.map_from_odom, scene.pivot, d), bank.used.iter().copied());
+            next
+        })
+        .collect();
+    bank.hypotheses.extend(around);
+    bank.settle(field, history, LAST_ROUNDS, EXACT);
 }
 
 /// The covariance of the estimate about the pivot.
