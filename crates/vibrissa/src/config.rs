@@ -161,7 +161,7 @@ pub struct ProbabilisticOptions {
 
 impl Default for ProbabilisticOptions {
     fn default() -> Self {
-        Self { seed_spacing: 2e-3, seed_turn: 0.05, seed_travel: 8e-3, seed_step: 1.3e-3, shared_gain: None }
+        Self { seed_spacing: 2e-3, seed_turn: 0.05, seed_travel: 12e-3, seed_step: 2e-3, shared_gain: None }
     }
 }
 

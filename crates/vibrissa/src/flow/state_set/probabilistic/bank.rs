@@ -12,7 +12,7 @@ use crate::world::{Map, Robot};
 
 /// A hypothesis less likely than the best by this (nats) is dropped; the second part shrinks with the share of the rows
 /// that are used.
-const DROP: f64 = 20.0;
+const DROP: f64 = 30.0;
 const DROP_MORE: f64 = 20.0;
 /// Inverse variances that keep a step finite where the readings leave a direction open (5 mm, 5°).
 const LOOSE: [f64; 3] = [4e4, 4e4, 131.0];
@@ -105,13 +105,17 @@ impl Bank {
             turn: options.seed_turn,
         };
         let mut hypotheses = seeds(&scene, &onset_of, admits);
-        hypotheses.sort_by(|a, b| a.normal.cost.total_cmp(&b.normal.cost));
-        hypotheses.truncate(MOST_SEEDS);
         if from_free {
-            hypotheses.iter_mut().for_each(|h| *h = h.from_free_start());
+            hypotheses.iter_mut().for_each(|h| {
+                h.map_from_odom = moved(h.map_from_odom, pivot, cut(h.best(LOOSE, 0.0).1));
+                *h = h.from_free_start();
+            });
         }
         let used = (0..onset).chain(rows).collect();
         let mut bank = Self { hypotheses, used, pivot, shared: options.shared_gain.unwrap_or(own.shared_share()), credit: 0, turn: 0, since_merge: 0 };
+        bank.merge(history);
+        bank.hypotheses.sort_by(|a, b| a.normal.cost.total_cmp(&b.normal.cost));
+        bank.hypotheses.truncate(MOST_SEEDS);
         bank.rerun(field, history);
         bank.merge(history);
         bank.drop_unlikely(field, history);
@@ -205,7 +209,7 @@ impl Bank {
                 return true;
             }
             let fresh = h.age * 6 <= used.len();
-            if cost > least + 2.0 * drop || fresh || d[0].hypot(d[1]) < STALE[0] && d[2].abs() < STALE[1] {
+            if cost > least + 1.4 * drop || fresh || d[0].hypot(d[1]) < STALE[0] && d[2].abs() < STALE[1] {
                 return false;
             }
             if credit < used.len() {
@@ -288,7 +292,7 @@ impl Bank {
 }
 
 /// More hypotheses than this are not carried on.
-const MOST_SEEDS: usize = 4000;
+const MOST_SEEDS: usize = 8000;
 /// Standard deviations are enlarged by this while cells are judged.
 const SEED_TEMPER: f64 = 1.5;
 

@@ -23,6 +23,12 @@ const MOST_STARTS: u32 = 6;
 /// Fewest rows of contact to seed from.
 const FEWEST_ROWS: usize = 5;
 
+/// With more hypotheses than this after seeding, and as long as a contact has not been followed for this many times the
+/// usual travel, it is followed for longer, by this factor.
+const MANY_STARTS: usize = 1500;
+const MOST_PATIENCE: f64 = 4.0;
+const PATIENCE: f64 = 2.0;
+
 /// What a row did.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Happened {
@@ -62,6 +68,7 @@ pub struct ProbabilisticSet<'a> {
     /// Least costs after each used row, the last few.
     costs: Vec<f64>,
     starts: u32,
+    patience: f64,
     last: Option<Pose2>,
 }
 
@@ -83,6 +90,7 @@ impl<'a> ProbabilisticSet<'a> {
             free: 0,
             costs: Vec::new(),
             starts: 0,
+            patience: 1.0,
             last: None,
         }
     }
@@ -164,7 +172,7 @@ impl<'a> ProbabilisticSet<'a> {
     fn press(&mut self, at_end: bool) -> Happened {
         let Phase::Pressing { feeler, onset, from_free, travelled } = self.phase else { return Happened::Nothing };
         let ended = at_end || self.free >= STREAK;
-        if travelled < self.options.seed_travel && !ended {
+        if travelled < self.options.seed_travel * self.patience && !ended {
             return Happened::Nothing;
         }
         if self.history.len() < onset + FEWEST_ROWS + if ended { STREAK } else { 0 } {
@@ -173,13 +181,18 @@ impl<'a> ProbabilisticSet<'a> {
             }
             return Happened::Nothing;
         }
-        self.starts += 1;
         if !from_free && onset > 0 {
             self.history.forget(onset);
         }
         let onset = if from_free { onset } else { 0 };
         let bank = Bank::start(&self.field(), &self.history, feeler, onset, from_free, &|_| true);
         let count = bank.hypotheses.len();
+        // A contact too weak or too short to tell headings apart is followed for longer before anything is decided.
+        if count > MANY_STARTS && !ended && self.patience < MOST_PATIENCE {
+            self.patience *= PATIENCE;
+            return Happened::Nothing;
+        }
+        self.starts += 1;
         self.costs.clear();
         if count == 0 {
             self.begin_again();
@@ -222,6 +235,7 @@ impl<'a> ProbabilisticSet<'a> {
     fn begin_again(&mut self) {
         let rows = self.history.len();
         self.history.forget(rows.saturating_sub(1));
+        self.patience = 1.0;
         self.costs.clear();
         self.phase = match self.touching.iter().position(|&rows| rows >= STREAK) {
             Some(feeler) if self.starts < MOST_STARTS => {
