@@ -20,9 +20,8 @@ const CHI2_95: f64 = 7.815;
 
 /// A closed arena whose radius is a random sum of waves.
 fn arena(draw: &mut Random) -> Result<Map> {
-    let waves: Vec<(f64, f64, f64)> = (2..9)
-        .map(|k| (f64::from(k), draw.signed(0.018) / (f64::from(k) * 0.4).max(1.0), draw.signed(3.2)))
-        .collect();
+    let waves: Vec<(f64, f64, f64)> =
+        (2..9).map(|k| (f64::from(k), draw.signed(0.018) / (f64::from(k) * 0.4).max(1.0), draw.signed(3.2))).collect();
     let radius = draw.between(0.18, 0.28);
     let point = |i: usize| {
         let angle = i as f64 / 1200.0 * core::f64::consts::TAU;
@@ -49,7 +48,12 @@ fn sweep(map: &Map, draw: &mut Random, seed: u64) -> Option<Sweep> {
         Pose2::new(p.x, p.y, heading)
     };
     let press = |draw: &mut Random| reach - draw.between(0.006, 0.02);
-    let way = [place(0.0, reach + 0.006), place(0.01, press(draw)), place(0.5 * length, press(draw)), place(length, press(draw))];
+    let way = [
+        place(0.0, reach + 0.006),
+        place(0.01, press(draw)),
+        place(0.5 * length, press(draw)),
+        place(length, press(draw)),
+    ];
     if way.iter().any(|p| !map.is_free(p.position())) {
         return None;
     }
@@ -118,8 +122,16 @@ fn main() -> Result<()> {
     }
     let count = run as f64;
     println!("{run} sweeps: localized {}, ambiguous {}, inconsistent {}", verdicts[0], verdicts[1], verdicts[2]);
-    println!("truth in a place's 95 % region: {:.1} %; within 5 mm of a place: {:.1} %", 100.0 * held as f64 / count, 100.0 * near as f64 / count);
-    println!("heaviest place true: {:.1} %, by its weight {:.1} %", 100.0 * kept as f64 / count, 100.0 * promised / count);
+    println!(
+        "truth in a place's 95 % region: {:.1} %; within 5 mm of a place: {:.1} %",
+        100.0 * held as f64 / count,
+        100.0 * near as f64 / count
+    );
+    println!(
+        "heaviest place true: {:.1} %, by its weight {:.1} %",
+        100.0 * kept as f64 / count,
+        100.0 * promised / count
+    );
     [&mut errors, &mut turns, &mut bounds].into_iter().for_each(|values| values.sort_by(f64::total_cmp));
     println!(
         "localized, {wrong} of them wrong: median {:.3} mm, 95 % {:.3} mm; heading {:.3} deg, 95 % {:.3} deg; median bound {:.3} mm",

@@ -89,9 +89,8 @@ fn the_table_says_what_the_chart_says() {
             continue;
         };
         let off = (0..4).map(|k| (values(&a)[k] - values(&b)[k]).abs()).fold(0.0, f64::max);
-        let rate = |c: &TipChart| {
-            [c.by_force, c.by_tilt].map(|r| [r.position.x, r.position.y, r.slope, r.moment]).concat()
-        };
+        let rate =
+            |c: &TipChart| [c.by_force, c.by_tilt].map(|r| [r.position.x, r.position.y, r.slope, r.moment]).concat();
         let off_rate = rate(&a).iter().zip(rate(&b)).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         if beta.cos() > 0.5 {
             ordinary = ordinary.max(off);

@@ -37,9 +37,7 @@ impl TipTable {
     /// Fills the table; takes a few milliseconds.
     #[must_use]
     pub fn new() -> Self {
-        let at = |i: usize, j: usize| {
-            node(LEAST_FORCE + i as f64 * FORCE_STEP, -STEEPEST + j as f64 * TILT_STEP)
-        };
+        let at = |i: usize, j: usize| node(LEAST_FORCE + i as f64 * FORCE_STEP, -STEEPEST + j as f64 * TILT_STEP);
         let nodes = (0..=FORCES).flat_map(|i| (0..=TILTS).map(move |j| at(i, j))).collect();
         Self { nodes }
     }
@@ -73,12 +71,7 @@ fn node(q: f64, beta: f64) -> Option<Node> {
     let (left, right) = (tip_chart(q, beta - DIFFERENCE)?, tip_chart(q, beta + DIFFERENCE)?);
     let mixed = |of: fn(&TipRate) -> f64| (of(&right.by_force) - of(&left.by_force)) / (2.0 * DIFFERENCE);
     let entry = |value: f64, of: fn(&TipRate) -> f64| {
-        [
-            value,
-            of(&here.by_force) * FORCE_STEP,
-            of(&here.by_tilt) * TILT_STEP,
-            mixed(of) * FORCE_STEP * TILT_STEP,
-        ]
+        [value, of(&here.by_force) * FORCE_STEP, of(&here.by_tilt) * TILT_STEP, mixed(of) * FORCE_STEP * TILT_STEP]
     };
     Some([
         entry(here.position.x, |r| r.position.x),
@@ -91,12 +84,10 @@ fn node(q: f64, beta: f64) -> Option<Node> {
 /// Hermite's cubics for value and derivative at both ends, and their derivatives.
 fn hermite(s: f64) -> ([f64; 4], [f64; 4]) {
     let r = 1.0 - s;
-    ([(1.0 + 2.0 * s) * r * r, s * r * r, s * s * (3.0 - 2.0 * s), -s * s * r], [
-        -6.0 * s * r,
-        r * (1.0 - 3.0 * s),
-        6.0 * s * r,
-        s * (3.0 * s - 2.0),
-    ])
+    (
+        [(1.0 + 2.0 * s) * r * r, s * r * r, s * s * (3.0 - 2.0 * s), -s * s * r],
+        [-6.0 * s * r, r * (1.0 - 3.0 * s), 6.0 * s * r, s * (3.0 * s - 2.0)],
+    )
 }
 
 /// Bicubic in the cell of these nodes: (force, tilt) = (0, 0), (0, 1), (1, 0), (1, 1).

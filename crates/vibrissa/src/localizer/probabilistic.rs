@@ -1,6 +1,7 @@
 //! The probabilistic method row by row: rows in, hypotheses that fit all of them, weighed places at the end.
 
 use super::{LimitCheck, one_column_each};
+use crate::Result;
 use crate::config::ProbabilisticOptions;
 use crate::flow::pose::{Event, Hypothesis, Localization, Method, StampedPose, Status, StepRecord};
 use crate::flow::sensor_log::{Channel, LogRow, SensorLog};
@@ -8,7 +9,6 @@ use crate::flow::state_set::probabilistic::{Fit, Happened, Place, ProbabilisticS
 use crate::plane::Pose2;
 use crate::sets::{Interval, StateBox};
 use crate::world::{Map, Robot};
-use crate::Result;
 
 /// Half the side of the box around the region that holds 95 % of a Gaussian in three dimensions (standard deviations).
 const HALF_BOX: f64 = 2.795;

@@ -64,7 +64,15 @@ impl<'a> Field<'a> {
     pub(super) fn scene(&self, history: &'a History, pivot: Vec2, judge: Judge, shared: f64) -> Scene<'a> {
         Scene {
             solver: Solver::Quick(self.table),
-            map: self.map, ground: self.ground, feelers: self.feelers, history, pivot, judge, shared, blur: false }
+            map: self.map,
+            ground: self.ground,
+            feelers: self.feelers,
+            history,
+            pivot,
+            judge,
+            shared,
+            blur: false,
+        }
     }
 }
 
@@ -108,11 +116,19 @@ impl Bank {
         if from_free {
             hypotheses.iter_mut().for_each(|h| {
                 h.map_from_odom = moved(h.map_from_odom, pivot, cut(h.best(LOOSE, 0.0).1));
-                *h = h.from_free_start();
+                *h = h.restarted_free();
             });
         }
         let used = (0..onset).chain(rows).collect();
-        let mut bank = Self { hypotheses, used, pivot, shared: options.shared_gain.unwrap_or(own.shared_share()), credit: 0, turn: 0, since_merge: 0 };
+        let mut bank = Self {
+            hypotheses,
+            used,
+            pivot,
+            shared: options.shared_gain.unwrap_or(own.shared_share()),
+            credit: 0,
+            turn: 0,
+            since_merge: 0,
+        };
         bank.merge(history);
         bank.hypotheses.sort_by(|a, b| a.normal.cost.total_cmp(&b.normal.cost));
         bank.hypotheses.truncate(MOST_SEEDS);
@@ -258,7 +274,11 @@ impl Bank {
                 next.run(scene, moved(from.map_from_odom, self.pivot, cut(d)), self.used.iter().copied());
                 if next.cost(self.shared) > from.cost(self.shared) + 1e-3 {
                     // Half the way where the whole does not go down.
-                    next.run(scene, moved(from.map_from_odom, self.pivot, cut(d).map(|v| 0.3 * v)), self.used.iter().copied());
+                    next.run(
+                        scene,
+                        moved(from.map_from_odom, self.pivot, cut(d).map(|v| 0.3 * v)),
+                        self.used.iter().copied(),
+                    );
                     if next.cost(self.shared) > from.cost(self.shared) {
                         break;
                     }
@@ -288,7 +308,6 @@ impl Bank {
         }
         self.hypotheses = kept;
     }
-
 }
 
 /// More hypotheses than this are not carried on.

@@ -151,11 +151,7 @@ impl Stance {
     fn gradient(&self, l: [f64; 3], target: Vec2) -> [f64; 3] {
         let (a, b) = (l[0] * self.per_length, l[1] * self.per_length);
         let turned = target.perp();
-        [
-            -(a * self.cos - b * self.sin),
-            -(a * self.sin + b * self.cos),
-            -(l[0] * turned.x + l[1] * turned.y + l[2]),
-        ]
+        [-(a * self.cos - b * self.sin), -(a * self.sin + b * self.cos), -(l[0] * turned.x + l[1] * turned.y + l[2])]
     }
 }
 
@@ -425,7 +421,7 @@ fn damping(q: f64, dq: f64, dbeta: f64) -> f64 {
 /// Whether the force all but runs along the whisker at its tip.
 fn is_head_on(beta: f64) -> bool {
     let off = (wrap_angle(beta).abs() - FRAC_PI_2).abs();
-    !(off > HEAD_ON)
+    off.is_nan() || off <= HEAD_ON
 }
 
 /// The moment after the last Newton step.

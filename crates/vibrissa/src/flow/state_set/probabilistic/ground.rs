@@ -99,6 +99,11 @@ impl Ground {
         Self { pieces, first }
     }
 
+    /// The length of all pieces (m).
+    pub(super) fn length(&self) -> f64 {
+        self.pieces.iter().map(|piece| piece.length).sum()
+    }
+
     /// The place nearest to `point` within `reach` (m), on the side on which `base` is: piece, parameter, distance.
     pub(super) fn nearest(&self, map: &Map, point: Vec2, base: Vec2, reach: f64) -> Option<(u32, f64, f64)> {
         let near = map.nearest_within(point, reach)?;
@@ -131,6 +136,13 @@ fn add_side(pieces: &mut Vec<Piece>, segments: &[Segment], closed: bool, side: f
             Joint { next, position: segment.end(), normal: before, turn, concave }
         });
         let before = neighbour(i > 0, i + count - 1);
-        pieces.push(Piece { segment: *segment, side, normal: normal(segment, 0.0), length: segment.length(), before, joint });
+        pieces.push(Piece {
+            segment: *segment,
+            side,
+            normal: normal(segment, 0.0),
+            length: segment.length(),
+            before,
+            joint,
+        });
     }
 }

@@ -93,7 +93,7 @@ impl Hypothesis {
     }
 
     /// The same place, to be judged from the history's first row on, where all whiskers were free.
-    pub(super) fn from_free_start(&self) -> Self {
+    pub(super) fn restarted_free(&self) -> Self {
         Self::new(self.map_from_odom, vec![State::Free; self.states.len()], 0)
     }
 

@@ -23,9 +23,7 @@ impl Normal {
             let scaled = weight * by[i];
             self.mixed[i] += scaled * by_shared;
             self.gradient[i] += scaled * residual;
-            for j in 0..3 {
-                self.curvature[i][j] += scaled * by[j];
-            }
+            (0..3).for_each(|j| self.curvature[i][j] += scaled * by[j]);
         }
     }
 
@@ -93,7 +91,7 @@ pub(super) fn inverse(m: &Matrix) -> Option<Matrix> {
     let mut n = *m;
     (0..3).for_each(|i| (0..3).for_each(|j| n[i][j] *= scale[i] * scale[j]));
     let det = determinant(&n);
-    if !(det > 1e-15) {
+    if det.is_nan() || det <= 1e-15 {
         return None;
     }
     let cofactor = |i: usize, j: usize| {

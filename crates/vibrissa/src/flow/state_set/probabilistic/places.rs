@@ -69,7 +69,8 @@ pub struct Fit {
 
 /// The pose of the odometry frame that the best hypothesis estimates.
 pub(super) fn best(bank: &Bank) -> Option<Pose2> {
-    let one = bank.hypotheses.iter().min_by(|a, b| a.best(OPEN, bank.shared).0.total_cmp(&b.best(OPEN, bank.shared).0))?;
+    let one =
+        bank.hypotheses.iter().min_by(|a, b| a.best(OPEN, bank.shared).0.total_cmp(&b.best(OPEN, bank.shared).0))?;
     Some(moved(one.map_from_odom, bank.pivot, super::bank::cut(one.best(OPEN, bank.shared).1)))
 }
 
@@ -103,11 +104,15 @@ pub(super) fn choose(bank: &mut Bank, field: &Field<'_>, history: &History) -> (
     bank.hypotheses.retain(|h| h.cost(shared) <= least + TOLD);
     let fit = bank.hypotheses.first().map(|h| fit(h, bank, field, history));
     let blurred = Scene { blur: true, ..field.scene(history, bank.pivot, Judge::FAIR, bank.shared) };
-    let own: Vec<Matrix> = bank.hypotheses.iter().map(|h| {
-        let mut again = h.clone();
-        again.run(&blurred, h.map_from_odom, bank.used.iter().copied());
-        covariance(&again, bank)
-    }).collect();
+    let own: Vec<Matrix> = bank
+        .hypotheses
+        .iter()
+        .map(|h| {
+            let mut again = h.clone();
+            again.run(&blurred, h.map_from_odom, bank.used.iter().copied());
+            covariance(&again, bank)
+        })
+        .collect();
     (group(bank, &own, history, least), fit)
 }
 
@@ -134,7 +139,11 @@ fn shake(bank: &mut Bank, field: &Field<'_>, history: &History) {
 
 /// The covariance of the estimate about the pivot.
 fn covariance(h: &Hypothesis, bank: &Bank) -> Matrix {
-    inverse(&h.normal.marginal(bank.shared).damped(OPEN)).unwrap_or([[OPEN[0].recip(), 0.0, 0.0], [0.0, OPEN[1].recip(), 0.0], [0.0, 0.0, OPEN[2].recip()]])
+    inverse(&h.normal.marginal(bank.shared).damped(OPEN)).unwrap_or([
+        [OPEN[0].recip(), 0.0, 0.0],
+        [0.0, OPEN[1].recip(), 0.0],
+        [0.0, 0.0, OPEN[2].recip()],
+    ])
 }
 
 /// Hypotheses that cannot be told apart, as places, the heaviest first.

@@ -43,7 +43,7 @@ pub(super) struct Onset<'a> {
     pub(super) turn: f64,
 }
 
-/// The hypotheses that explain the first readings; `admits` says whether a map_from_odom is in the prior's region.
+/// The hypotheses that explain the first readings; `admits` says whether a `map_from_odom` is in the prior's region.
 pub(super) fn seeds(scene: &Scene<'_>, onset: &Onset<'_>, admits: &dyn Fn(Pose2) -> bool) -> Vec<Hypothesis> {
     let mut found = Vec::new();
     let z = scene.history.readings(onset.row)[onset.feeler];
@@ -85,14 +85,7 @@ fn for_each_place(pieces: &[Piece], spacing: f64, mut visit: impl FnMut(u32, f64
 }
 
 /// The hypothesis that the straight whisker's tip touched here, if the first readings allow it.
-fn touching(
-    scene: &Scene<'_>,
-    onset: &Onset<'_>,
-    piece: u32,
-    at: f64,
-    heading: f64,
-    z: f64,
-) -> Option<Hypothesis> {
+fn touching(scene: &Scene<'_>, onset: &Onset<'_>, piece: u32, at: f64, heading: f64, z: f64) -> Option<Hypothesis> {
     let feeler = &scene.feelers[onset.feeler];
     let spot = scene.ground.pieces[piece as usize].spot(at);
     let push = (spot.normal - heading).sin();

@@ -23,9 +23,9 @@ const MOST_STARTS: u32 = 6;
 /// Fewest rows of contact to seed from.
 const FEWEST_ROWS: usize = 5;
 
-/// With more hypotheses than this after seeding, and as long as a contact has not been followed for this many times the
+/// With more hypotheses than this for each place of the boundary that was tried, and as long as a contact has not been followed for this many times the
 /// usual travel, it is followed for longer, by this factor.
-const MANY_STARTS: usize = 1500;
+const MANY_STARTS: f64 = 1.5;
 const MOST_PATIENCE: f64 = 4.0;
 const PATIENCE: f64 = 2.0;
 
@@ -188,7 +188,8 @@ impl<'a> ProbabilisticSet<'a> {
         let bank = Bank::start(&self.field(), &self.history, feeler, onset, from_free, &|_| true);
         let count = bank.hypotheses.len();
         // A contact too weak or too short to tell headings apart is followed for longer before anything is decided.
-        if count > MANY_STARTS && !ended && self.patience < MOST_PATIENCE {
+        let places = self.ground.length() / self.options.seed_spacing;
+        if count as f64 > MANY_STARTS * places && !ended && self.patience < MOST_PATIENCE {
             self.patience *= PATIENCE;
             return Happened::Nothing;
         }
@@ -249,9 +250,7 @@ impl<'a> ProbabilisticSet<'a> {
     #[must_use]
     pub fn states(&self, odom_from_robot: Pose2) -> Vec<Pose2> {
         match &self.phase {
-            Phase::Tracking(bank) => {
-                bank.hypotheses.iter().map(|h| h.map_from_odom.compose(odom_from_robot)).collect()
-            }
+            Phase::Tracking(bank) => bank.hypotheses.iter().map(|h| h.map_from_odom.compose(odom_from_robot)).collect(),
             _ => Vec::new(),
         }
     }
