@@ -147,14 +147,6 @@ impl DeterministicOptions {
     ///
     /// Usage: names the knob, its value and the allowed range.
     pub fn check(&self) -> Result<()> {
-        let within = |name: &str, value: f64, lo: f64, hi: f64, unit: &str| {
-            if value >= lo && value <= hi {
-                return Ok(());
-            }
-            Err(Error::usage(format!("the option {name} is out of range"))
-                .value(value)
-                .allowed(format!("{lo} to {hi} {unit}")))
-        };
         within("boundary_spacing", self.boundary_spacing, 1e-5, limits::COARSEST_SPACING, "m")?;
         within("history_shapes", self.history_shapes as f64, 2.0, 5.0, "shapes")?;
         within("history_travel", self.history_travel, 1e-5, 1.0, "m")?;
@@ -253,5 +245,51 @@ pub struct CurveOptions {
 impl Default for CurveOptions {
     fn default() -> Self {
         Self { most_degree: 5, fewest_contacts: 20 }
+    }
+}
+
+fn within(name: &str, value: f64, lo: f64, hi: f64, unit: &str) -> Result<()> {
+    if value >= lo && value <= hi {
+        return Ok(());
+    }
+    Err(Error::usage(format!("the option {name} is out of range")).value(value).allowed(format!("{lo} to {hi} {unit}")))
+}
+
+/// The knobs of the probabilistic method.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ProbabilisticOptions {
+    /// Spacing along the boundary of the first hypotheses (m): a few of them lie within the reach of one linearisation.
+    pub seed_spacing: f64,
+    /// Spacing of their headings (rad).
+    pub seed_turn: f64,
+    /// Base travel after the first touch before hypotheses start (m): enough to tell most headings apart.
+    pub seed_travel: f64,
+    /// Base travel between the readings that judge them first (m).
+    pub seed_step: f64,
+    /// Standard deviation of a relative error that all readings share (gain, stiffness), estimated along; 0 for none.
+    ///
+    /// None takes a quarter of the declared relative bound: a bound is seldom noise alone, and readings enough show how
+    /// large the shared part is.
+    pub shared_gain: Option<f64>,
+}
+
+impl Default for ProbabilisticOptions {
+    fn default() -> Self {
+        Self { seed_spacing: 2e-3, seed_turn: 0.05, seed_travel: 12e-3, seed_step: 2e-3, shared_gain: None }
+    }
+}
+
+impl ProbabilisticOptions {
+    /// Checks that every knob is in its range.
+    ///
+    /// # Errors
+    ///
+    /// Usage: names the knob, its value and the allowed range.
+    pub fn check(&self) -> Result<()> {
+        within("seed_spacing", self.seed_spacing, 5e-4, 2e-2, "m")?;
+        within("seed_turn", self.seed_turn, 5e-3, 0.2, "rad")?;
+        within("seed_travel", self.seed_travel, 2e-3, 1.0, "m")?;
+        within("shared_gain", self.shared_gain.unwrap_or(0.0), 0.0, 0.5, "(relative)")?;
+        within("seed_step", self.seed_step, 2e-4, self.seed_travel, "m, up to seed_travel")
     }
 }

@@ -2,6 +2,10 @@
 //!
 //! [`crate::localize`] is the one-call door for whole logs; this is the same, row by row, for robots that are running.
 
+mod probabilistic;
+
+pub use probabilistic::ProbabilisticLocalizer;
+
 use crate::beam::{elastica, largest_tip_moment};
 use crate::config::limits::{COARSEST_SPACING, MOST_SAMPLES};
 use crate::config::{DeterministicOptions, TipLoad};
@@ -12,7 +16,7 @@ use crate::flow::sensor_log::{Channel, LogRow, Quantity, SensorLog};
 use crate::flow::state_set::{Candidate, StateSet};
 use crate::flow::thinned::Thinned;
 use crate::plane::Pose2;
-use crate::world::{BoundarySample, Map, MountedWhisker, Robot};
+use crate::world::{BoundarySample, Map, MomentNoise, MountedWhisker, Robot};
 use crate::{Error, Result};
 
 /// One whisker's way from its column of the log to its histories.
@@ -21,7 +25,7 @@ struct Feeler {
     channel: usize,
     track: MomentTrack,
     in_contact: bool,
-    limit: f64,
+    limit: LimitCheck,
 }
 
 /// The deterministic localizer \[routray, section "Robot Localization"\]: rows in, a state set that shrinks.
@@ -291,15 +295,15 @@ impl Record {
 impl Feeler {
     fn new(whisker: &MountedWhisker, log: &SensorLog, options: &DeterministicOptions) -> Result<Self> {
         whisker.beam.require_uniform()?;
-        let mu = match options.tip_load {
-            TipLoad::BoundaryNormal => largest_tip_moment(f64::INFINITY),
-            TipLoad::WhiskerNormal => largest_tip_moment(0.0),
+        let limit = match options.tip_load {
+            TipLoad::BoundaryNormal => LimitCheck::any_tilt(whisker),
+            TipLoad::WhiskerNormal => LimitCheck::new(whisker, 0.0),
         };
         Ok(Self {
             channel: log.moment_channel(&whisker.name)?,
             track: MomentTrack::new(whisker, options),
             in_contact: false,
-            limit: mu * whisker.beam.flexural_rigidity / whisker.beam.length,
+            limit,
             whisker: whisker.clone(),
         })
     }
@@ -307,7 +311,7 @@ impl Feeler {
     /// The first two doors: reading → moment → history.
     fn feel(&mut self, row: &LogRow, record: &mut Record) -> Result<Option<MomentHistory>> {
         let moment = row.readings.get(self.channel).copied().unwrap_or(0.0);
-        self.check(moment, row)?;
+        self.limit.check(moment, row)?;
         let touching = self.track.is_contact(moment);
         if touching != self.in_contact {
             let (kind, what) = if touching { ("contact", "touches") } else { ("lift_off", "is free") };
@@ -321,15 +325,33 @@ impl Feeler {
         let odom_from_whisker = row.odom_from_robot.compose(self.whisker.robot_from_whisker);
         Ok(self.track.push(MomentReading { t: row.t, odom_from_whisker, moment }))
     }
+}
+
+/// The largest moment that a whisker can feel at its tip.
+struct LimitCheck {
+    whisker: String,
+    noise: MomentNoise,
+    limit: f64,
+}
+
+impl LimitCheck {
+    /// Whatever the tilt of the load.
+    fn any_tilt(whisker: &MountedWhisker) -> Self {
+        Self::new(whisker, f64::INFINITY)
+    }
+
+    fn new(whisker: &MountedWhisker, steepest: f64) -> Self {
+        let limit = largest_tip_moment(steepest) * whisker.beam.flexural_rigidity / whisker.beam.length;
+        Self { whisker: whisker.name.clone(), noise: whisker.noise, limit }
+    }
 
     /// Refuses what no shape of this whisker can cause, even at the edge of the declared noise.
     fn check(&self, moment: f64, row: &LogRow) -> Result<()> {
-        let noise = &self.whisker.noise;
-        let least = moment.abs() * (1.0 - noise.moment_relative) - noise.moment_absolute;
+        let least = moment.abs() * (1.0 - self.noise.moment_relative) - self.noise.moment_absolute;
         if least <= self.limit {
             return Ok(());
         }
-        let error = Error::data(format!("a moment that no shape of the whisker {} causes", self.whisker.name))
+        let error = Error::data(format!("a moment that no shape of the whisker {} causes", self.whisker))
             .value(format!("{moment} N m"))
             .allowed(format!("at most {:.3e} N m with the contact at its tip", self.limit))
             .remedy("check the unit (N m, not mN m), and the whisker's length and stiffness in the robot file");

@@ -38,6 +38,17 @@ struct HypothesisJson {
     y_max: f64,
     theta_min: f64,
     theta_max: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    covariance: Option<[[f64; 3]; 3]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    bound: Option<BoundJson>,
+}
+
+/// The Cramér-Rao bound of the declared noise: standard deviations that no unbiased estimate can beat.
+#[derive(Serialize)]
+struct BoundJson {
+    position_m: f64,
+    heading_rad: f64,
 }
 
 #[derive(Serialize)]
@@ -108,6 +119,8 @@ fn hypotheses(answer: &Localization) -> Vec<HypothesisJson> {
         y_max: h.extent.y.hi(),
         theta_min: h.extent.theta.lo(),
         theta_max: h.extent.theta.hi(),
+        covariance: h.covariance,
+        bound: h.bound().map(|(position_m, heading_rad)| BoundJson { position_m, heading_rad }),
     };
     answer.hypotheses.iter().map(one).collect()
 }

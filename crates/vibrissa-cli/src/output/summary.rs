@@ -46,6 +46,10 @@ fn estimate(text: &mut String, only: &Hypothesis) {
     ] {
         let _ = writeln!(text, "  {name:<8}{:>10.2} {unit:<12} {}", value * factor, interval(range, factor, unit));
     }
+    if let Some((position, heading)) = only.bound() {
+        let (position, heading) = (position * 1e3, heading * degrees);
+        let _ = writeln!(text, "  Cramér-Rao bound of the declared noise: {position:.3} mm, {heading:.3} deg");
+    }
 }
 
 fn places(text: &mut String, many: &[Hypothesis]) {

@@ -36,8 +36,10 @@ mod root;
 pub mod small_angle;
 mod strain;
 mod stretch;
+mod tip_chart;
 mod tip_curve;
 mod tip_mode;
+mod tip_table;
 mod whisker;
 
 pub use bend::{Bend, ShapePoint};
@@ -50,8 +52,10 @@ pub use rod::{Rod, Segment};
 pub use small_angle::SmallAngle;
 pub use strain::Strain;
 pub use stretch::{MOST_STRETCHES, Stretch, Stretches};
+pub use tip_chart::{TipChart, TipRate, tip_chart};
 pub use tip_curve::{TipEquilibrium, largest_tip_moment, tip_curve};
 pub use tip_mode::tip_mode;
+pub use tip_table::TipTable;
 pub use whisker::{CURVATURE_TERMS, Whisker};
 
 use crate::error::{Error, Result};

@@ -23,6 +23,8 @@ pub enum Status {
 pub enum Method {
     /// The paper's intersection of discretised preimages.
     Deterministic,
+    /// Least squares over all readings at every place that explains them, with calibrated weights.
+    Probabilistic,
 }
 
 /// One place that explains the log, kept apart from every other.
@@ -34,6 +36,18 @@ pub struct Hypothesis {
     pub weight: f64,
     /// The extent of the component that it stands for.
     pub extent: StateBox,
+    /// Covariance of (x, y, heading) in the map frame (m², m rad, rad²), where the method gives one: the Cramér-Rao bound
+    /// of the declared noise at this place.
+    pub covariance: Option<[[f64; 3]; 3]>,
+}
+
+impl Hypothesis {
+    /// The Cramér-Rao bound on the error: root mean square of the position (m) and of the heading (rad), where the method
+    /// gives a covariance.
+    #[must_use]
+    pub fn bound(&self) -> Option<(f64, f64)> {
+        self.covariance.map(|c| ((c[0][0] + c[1][1]).max(0.0).sqrt(), c[2][2].max(0.0).sqrt()))
+    }
 }
 
 /// Something that happened at one time.
@@ -130,7 +144,7 @@ pub fn choose(states: &StateSet, odom_from_robot: Pose2, options: &Deterministic
             let pose = chosen.map_from_odom.compose(odom_from_robot);
             let own = |&i: &usize| likely[i].extent(odom_from_robot, options.tolerance);
             let extent = place.members.iter().map(own).fold(StateBox::EMPTY, |all, one| all.hull(&one));
-            Hypothesis { pose, weight: likelihood(chosen), extent }
+            Hypothesis { pose, weight: likelihood(chosen), extent, covariance: None }
         })
         .collect();
     let total: f64 = hypotheses.iter().map(|h| h.weight).sum();

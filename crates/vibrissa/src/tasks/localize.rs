@@ -1,11 +1,11 @@
 //! Where the robot is: the one-call door to the whole corridor.
 
 use crate::Result;
-use crate::config::DeterministicOptions;
+use crate::config::{DeterministicOptions, ProbabilisticOptions};
 use crate::flow::calibrated::calibrated;
 use crate::flow::pose::{Localization, Method};
 use crate::flow::sensor_log::SensorLog;
-use crate::localizer::Localizer;
+use crate::localizer::{Localizer, ProbabilisticLocalizer};
 use crate::world::{Map, Robot};
 
 /// What can be chosen about a localization.
@@ -15,11 +15,17 @@ pub struct LocalizeOptions {
     pub method: Method,
     /// The knobs of the deterministic method.
     pub deterministic: DeterministicOptions,
+    /// The knobs of the probabilistic method.
+    pub probabilistic: ProbabilisticOptions,
 }
 
 impl Default for LocalizeOptions {
     fn default() -> Self {
-        Self { method: Method::Deterministic, deterministic: DeterministicOptions::default() }
+        Self {
+            method: Method::Deterministic,
+            deterministic: DeterministicOptions::default(),
+            probabilistic: ProbabilisticOptions::default(),
+        }
     }
 }
 
@@ -41,10 +47,22 @@ pub fn localize(
         _ => error,
     };
     let (log, robot) = calibrated(log, robot)?;
-    let mut localizer = Localizer::new(map, &robot, &log.channels, options.deterministic)?;
-    for (index, row) in log.rows.iter().enumerate() {
-        localizer.step(row).map_err(in_log)?;
-        observer(index);
+    match options.method {
+        Method::Deterministic => {
+            let mut localizer = Localizer::new(map, &robot, &log.channels, options.deterministic)?;
+            for (index, row) in log.rows.iter().enumerate() {
+                localizer.step(row).map_err(in_log)?;
+                observer(index);
+            }
+            Ok(localizer.finish())
+        }
+        Method::Probabilistic => {
+            let mut localizer = ProbabilisticLocalizer::new(map, &robot, &log.channels, options.probabilistic)?;
+            for (index, row) in log.rows.iter().enumerate() {
+                localizer.step(row).map_err(in_log)?;
+                observer(index);
+            }
+            Ok(localizer.finish())
+        }
     }
-    Ok(localizer.finish())
 }

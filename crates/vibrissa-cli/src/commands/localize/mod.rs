@@ -10,6 +10,7 @@ use deterministic::DeterministicArgs;
 use inputs::Inputs;
 pub(super) use inputs::outlines;
 use std::path::PathBuf;
+use vibrissa::flow::pose::Method;
 use vibrissa::flow::sensor_log::foreign::Format;
 use vibrissa::{Error, LocalizeOptions, Result};
 
@@ -51,7 +52,7 @@ enum MethodArg {
     Deterministic,
     /// Guaranteed bounds on the state (not available yet)
     Possibilistic,
-    /// The most accurate estimate with calibrated weights (not available yet)
+    /// The most accurate estimate with calibrated weights
     Probabilistic,
 }
 
@@ -79,12 +80,13 @@ pub(crate) fn run(args: &Args) -> Result<()> {
 fn options(args: &Args) -> Result<LocalizeOptions> {
     match args.method {
         MethodArg::Deterministic => args.deterministic.options(),
-        later @ (MethodArg::Possibilistic | MethodArg::Probabilistic) => {
+        MethodArg::Probabilistic => Ok(LocalizeOptions { method: Method::Probabilistic, ..LocalizeOptions::default() }),
+        later @ MethodArg::Possibilistic => {
             let name = later.to_possible_value().map(|value| value.get_name().to_owned()).unwrap_or_default();
             Err(Error::usage("this --method is not available yet")
                 .value(name)
-                .allowed("deterministic")
-                .remedy("leave --method out, or pass --method deterministic"))
+                .allowed("deterministic, probabilistic")
+                .remedy("leave --method out, or pass --method probabilistic"))
         }
     }
 }

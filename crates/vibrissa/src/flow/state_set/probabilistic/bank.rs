@@ -1,0 +1,344 @@
+//! All hypotheses together: started at a first contact, carried on, linearised anew, merged, dropped, weighed.
+
+use super::contact::Solver;
+use super::ground::Ground;
+use super::history::{Feeler, History, Judge};
+use super::hypothesis::{Hypothesis, Scene, difference, moved};
+use super::seeds::{Onset, seeds};
+use crate::beam::TipTable;
+use crate::config::ProbabilisticOptions;
+use crate::plane::{Pose2, Vec2};
+use crate::world::{Map, Robot};
+
+/// A hypothesis less likely than the best by this (nats) is dropped; the second part shrinks with the share of the rows
+/// that are used.
+const DROP: f64 = 30.0;
+const DROP_MORE: f64 = 20.0;
+/// Inverse variances that keep a step finite where the readings leave a direction open (5 mm, 5°).
+const LOOSE: [f64; 3] = [4e4, 4e4, 131.0];
+/// Longest step of one linearisation (m, rad).
+const LONGEST: [f64; 2] = [3e-3, 0.06];
+/// A step longer than this (m, rad) asks for a new linearisation.
+const STALE: [f64; 2] = [1e-4, 2e-3];
+/// Readings that may be run again for each new row.
+const BUDGET: usize = 600;
+/// Hypotheses this near to each other are one (m, rad),
+const SAME_PLACE: f64 = 1.2e-3;
+const SAME_HEADING: f64 = 0.015;
+/// and while there are more than this many, those this near: the rest is left to their least squares.
+const MANY: usize = 300;
+const ROUGH_PLACE: f64 = 2.5e-3;
+const ROUGH_HEADING: f64 = 0.04;
+/// Rows between two merges.
+const MERGE_EVERY: usize = 8;
+/// With no more hypotheses than this, every row is used.
+const FEW: usize = 120;
+/// So many hypotheses share one row; twice as many take every second one, and so on.
+const LOAD: usize = 250;
+
+/// The hypotheses and the rows that they have seen.
+pub(super) struct Bank {
+    pub(super) hypotheses: Vec<Hypothesis>,
+    /// The rows of the history that are used, in order.
+    pub(super) used: Vec<usize>,
+    pub(super) pivot: Vec2,
+    /// Standard deviation of a relative error that all readings share.
+    pub(super) shared: f64,
+    credit: usize,
+    turn: usize,
+    since_merge: usize,
+}
+
+/// What the bank works with.
+#[derive(Clone, Copy)]
+pub(super) struct Field<'a> {
+    pub(super) map: &'a Map,
+    pub(super) ground: &'a Ground,
+    pub(super) table: &'a TipTable,
+    pub(super) robot: &'a Robot,
+    pub(super) feelers: &'a [Feeler],
+    pub(super) options: &'a ProbabilisticOptions,
+}
+
+impl<'a> Field<'a> {
+    pub(super) fn scene(&self, history: &'a History, pivot: Vec2, judge: Judge, shared: f64) -> Scene<'a> {
+        Scene {
+            solver: Solver::Quick(self.table),
+            map: self.map,
+            ground: self.ground,
+            feelers: self.feelers,
+            history,
+            pivot,
+            judge,
+            shared,
+            blur: false,
+        }
+    }
+}
+
+/// A step cut to a length that linearisations can be trusted for.
+pub(super) fn cut(d: [f64; 3]) -> [f64; 3] {
+    let share = (LONGEST[0] / d[0].hypot(d[1])).min(LONGEST[1] / d[2].abs()).min(1.0);
+    d.map(|v| v * share)
+}
+
+impl Bank {
+    /// Seeds from the contact that began at row `onset` of the history with this whisker.
+    pub(super) fn start(
+        field: &Field<'_>,
+        history: &History,
+        feeler: usize,
+        onset: usize,
+        from_free: bool,
+        admits: &dyn Fn(Pose2) -> bool,
+    ) -> Self {
+        let options = field.options;
+        let own = &field.feelers[feeler];
+        let odom_from_whisker = history.pose(onset).compose(own.robot_from_whisker);
+        let tip = Vec2::new(own.length, 0.0);
+        let pivot = odom_from_whisker.transform_point(tip);
+        let rows = judging_rows(history, feeler, onset, options.seed_step);
+        let before = history.pose(onset.saturating_sub(3)).compose(own.robot_from_whisker);
+        let approach = tip - odom_from_whisker.inverse_transform_point(before.transform_point(tip));
+        let judge = Judge { temper: SEED_TEMPER, outlier_cost: f64::INFINITY };
+        let scene = field.scene(history, pivot, judge, 0.0);
+        let onset_of = Onset {
+            feeler,
+            beam: &field.robot.whiskers[feeler].beam,
+            row: onset,
+            from_free,
+            approach,
+            rows: &rows,
+            spacing: options.seed_spacing,
+            turn: options.seed_turn,
+        };
+        let mut hypotheses = seeds(&scene, &onset_of, admits);
+        if from_free {
+            hypotheses.iter_mut().for_each(|h| {
+                h.map_from_odom = moved(h.map_from_odom, pivot, cut(h.best(LOOSE, 0.0).1));
+                *h = h.restarted_free();
+            });
+        }
+        let used = (0..onset).chain(rows).collect();
+        let mut bank = Self {
+            hypotheses,
+            used,
+            pivot,
+            shared: options.shared_gain.unwrap_or(own.shared_share()),
+            credit: 0,
+            turn: 0,
+            since_merge: 0,
+        };
+        bank.merge(history);
+        bank.hypotheses.sort_by(|a, b| a.normal.cost.total_cmp(&b.normal.cost));
+        bank.hypotheses.truncate(MOST_SEEDS);
+        bank.rerun(field, history);
+        bank.merge(history);
+        bank.drop_unlikely(field, history);
+        bank
+    }
+
+    /// Runs all hypotheses anew, each moved to its best place.
+    pub(super) fn rerun(&mut self, field: &Field<'_>, history: &History) {
+        let scene = field.scene(history, self.pivot, Judge::FAIR, self.shared);
+        for h in &mut self.hypotheses {
+            let (_, d) = h.best(LOOSE, self.shared);
+            let to = moved(h.map_from_odom, self.pivot, cut(d));
+            h.run(&scene, to, self.used.iter().copied());
+        }
+    }
+
+    /// Takes in the history's last row, if it is one to be used.
+    pub(super) fn step(&mut self, field: &Field<'_>, history: &History) {
+        let row = history.len() - 1;
+        let stride = (self.hypotheses.len() / LOAD).clamp(1, 8);
+        let last = self.used.last().copied().unwrap_or(0);
+        if row < last + stride {
+            return;
+        }
+        let scene = field.scene(history, self.pivot, Judge::FAIR, self.shared);
+        self.used.push(row);
+        self.hypotheses.iter_mut().for_each(|h| {
+            h.take(&scene, row);
+        });
+        self.drop_unlikely(field, history);
+        self.linearise(field, history);
+        self.since_merge += 1;
+        if self.since_merge >= MERGE_EVERY {
+            self.since_merge = 0;
+            self.merge(history);
+            if self.hypotheses.len() <= FEW && self.used.len() + 1 < history.len() {
+                self.use_all(field, history);
+            }
+        }
+    }
+
+    /// How many readings one run of all hypotheses over all rows takes.
+    pub(super) fn whole(&self, history: &History) -> usize {
+        self.hypotheses.len() * history.len()
+    }
+
+    /// Uses every row from now on.
+    pub(super) fn use_all(&mut self, field: &Field<'_>, history: &History) {
+        if self.used.len() < history.len() {
+            self.used = (0..history.len()).collect();
+            self.rerun(field, history);
+        }
+    }
+
+    /// Linearises in turn those whose estimate has moved, as far as the budget goes.
+    fn linearise(&mut self, field: &Field<'_>, history: &History) {
+        let scene = field.scene(history, self.pivot, Judge::FAIR, self.shared);
+        self.credit = (self.credit + BUDGET).min(self.used.len().max(4 * BUDGET));
+        for _ in 0..self.hypotheses.len() {
+            if self.credit < self.used.len() {
+                return;
+            }
+            self.turn = (self.turn + 1) % self.hypotheses.len();
+            let h = &mut self.hypotheses[self.turn];
+            let (_, d) = h.best(LOOSE, self.shared);
+            if h.age == 0 {
+                continue;
+            }
+            if d[0].hypot(d[1]) > STALE[0] || d[2].abs() > STALE[1] {
+                let runs = h.improve(&scene, cut(d), &self.used);
+                self.credit = self.credit.saturating_sub(runs * self.used.len());
+            }
+        }
+    }
+
+    /// The least cost of any hypothesis.
+    pub(super) fn least(&self) -> f64 {
+        self.hypotheses.iter().map(|h| h.best(LOOSE, self.shared).0).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Drops what is much less likely than the best; each gets one more chance at its best place.
+    fn drop_unlikely(&mut self, field: &Field<'_>, history: &History) {
+        let least = self.least();
+        let drop = DROP + DROP_MORE * self.used.len() as f64 / history.len() as f64;
+        let scene = field.scene(history, self.pivot, Judge::FAIR, self.shared);
+        let (used, shared) = (&self.used, self.shared);
+        let mut credit = self.credit;
+        self.hypotheses.retain_mut(|h| {
+            let (cost, d) = h.best(LOOSE, shared);
+            if cost <= least + drop {
+                return true;
+            }
+            let fresh = h.age * 6 <= used.len();
+            if cost > least + 1.4 * drop || fresh || d[0].hypot(d[1]) < STALE[0] && d[2].abs() < STALE[1] {
+                return false;
+            }
+            if credit < used.len() {
+                return true;
+            }
+            credit = credit.saturating_sub(used.len() * h.improve(&scene, cut(d), used));
+            h.best(LOOSE, shared).0 <= least + drop
+        });
+        self.credit = credit;
+    }
+
+    /// Keeps the best of hypotheses that have run into each other.
+    pub(super) fn merge(&mut self, history: &History) {
+        let Some(last) = history.len().checked_sub(1) else { return };
+        let many = self.hypotheses.len() > MANY;
+        let size = if many { [ROUGH_PLACE, ROUGH_HEADING] } else { [SAME_PLACE, SAME_HEADING] };
+        let odom_from_robot = history.pose(last);
+        let mut keyed: Vec<_> = self
+            .hypotheses
+            .drain(..)
+            .map(|h| {
+                let (cost, d) = h.best(LOOSE, self.shared);
+                let at = moved(h.map_from_odom, self.pivot, cut(d));
+                (cell(at, self.pivot, odom_from_robot, size), cost, h)
+            })
+            .collect();
+        keyed.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+        keyed.dedup_by(|later, kept| later.0 == kept.0);
+        self.hypotheses = keyed.into_iter().map(|(.., h)| h).collect();
+    }
+
+    /// Moves every hypothesis to its least cost and joins those that end at the same place.
+    pub(super) fn settle(&mut self, field: &Field<'_>, history: &History, rounds: usize, exact: usize) {
+        let quick = field.scene(history, self.pivot, Judge::FAIR, self.shared);
+        let closed = Scene { solver: Solver::Exact, ..field.scene(history, self.pivot, Judge::FAIR, self.shared) };
+        for (index, h) in self.hypotheses.iter_mut().enumerate() {
+            let scene = if index < exact { &closed } else { &quick };
+            let mut kept: Option<Hypothesis> = None;
+            for _ in 0..rounds {
+                let from = kept.as_ref().unwrap_or(h);
+                let (_, d) = from.best(LOOSE, self.shared);
+                if d[0].hypot(d[1]) < 1e-6 && d[2].abs() < 1e-5 {
+                    break;
+                }
+                let mut next = from.clone();
+                next.run(scene, moved(from.map_from_odom, self.pivot, cut(d)), self.used.iter().copied());
+                if next.cost(self.shared) > from.cost(self.shared) + 1e-3 {
+                    // Half the way where the whole does not go down.
+                    next.run(
+                        scene,
+                        moved(from.map_from_odom, self.pivot, cut(d).map(|v| 0.3 * v)),
+                        self.used.iter().copied(),
+                    );
+                    if next.cost(self.shared) > from.cost(self.shared) {
+                        break;
+                    }
+                }
+                kept = Some(next);
+            }
+            if let Some(kept) = kept {
+                *h = kept;
+            }
+        }
+        self.join();
+    }
+
+    /// Keeps the best of hypotheses within each other's reach.
+    fn join(&mut self) {
+        let shared = self.shared;
+        self.hypotheses.sort_by(|a, b| a.cost(shared).total_cmp(&b.cost(shared)));
+        let mut kept: Vec<Hypothesis> = Vec::new();
+        for h in self.hypotheses.drain(..) {
+            let near = |k: &Hypothesis| {
+                let d = difference(k.map_from_odom, h.map_from_odom, self.pivot);
+                d[0].hypot(d[1]) < 0.5 * SAME_PLACE && d[2].abs() < 0.5 * SAME_HEADING
+            };
+            if !kept.iter().any(near) {
+                kept.push(h);
+            }
+        }
+        self.hypotheses = kept;
+    }
+}
+
+/// More hypotheses than this are not carried on.
+const MOST_SEEDS: usize = 8000;
+/// Standard deviations are enlarged by this while cells are judged.
+const SEED_TEMPER: f64 = 1.5;
+
+/// The cell of a frame's pose of the pivot and of the robot.
+fn cell(at: Pose2, pivot: Vec2, odom_from_robot: Pose2, size: [f64; 2]) -> [i64; 5] {
+    let (a, b) = (at.transform_point(pivot), at.compose(odom_from_robot));
+    let round = |v: f64, by: f64| (v / by).round() as i64;
+    let place = |v: f64| round(v, size[0]);
+    [place(a.x), place(a.y), place(b.x), place(b.y), round(at.theta, size[1])]
+}
+
+/// The rows that judge seeds: the onset, then one for every `step` of the base's travel; of three neighbours always
+/// that with the middle reading, so that no single false one is taken.
+fn judging_rows(history: &History, feeler: usize, onset: usize, step: f64) -> Vec<usize> {
+    let last = history.len() - 1;
+    let mut rows = vec![onset];
+    let mut travelled = 0.0;
+    for row in onset + 1..last {
+        travelled += history.pose(row).position().distance(history.pose(row - 1).position());
+        if travelled >= step {
+            let mut three = [row - 1, row, row + 1];
+            three.sort_by(|&a, &b| history.readings(a)[feeler].total_cmp(&history.readings(b)[feeler]));
+            if three[1] > rows[rows.len() - 1] {
+                rows.push(three[1]);
+                travelled = 0.0;
+            }
+        }
+    }
+    rows
+}

@@ -1,0 +1,148 @@
+//! A map's boundaries as a chain of pieces that a tip slides along: what a step of the forward model asks, precomputed.
+
+use crate::plane::{Segment, Vec2, wrap_angle};
+use crate::world::Map;
+use core::f64::consts::{FRAC_PI_2, PI};
+
+/// A turn below this is no corner (rad).
+const SMOOTH: f64 = 1e-9;
+
+/// Where one piece ends and the next begins.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Joint {
+    /// The piece after.
+    pub(super) next: u32,
+    /// The corner, map frame (m).
+    pub(super) position: Vec2,
+    /// Normal of the piece before at its end (rad), and how far it turns to the one after (rad).
+    pub(super) normal: f64,
+    pub(super) turn: f64,
+    /// Whether a tip can be caught: free space closes in.
+    pub(super) concave: bool,
+}
+
+/// One smooth piece of a boundary, seen from the side on which a whisker is.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Piece {
+    segment: Segment,
+    /// 1 when the whisker is left of the direction of travel, -1 on a wall's right.
+    pub(super) side: f64,
+    normal: f64,
+    pub(super) length: f64,
+    pub(super) before: Option<u32>,
+    pub(super) joint: Option<Joint>,
+}
+
+/// The boundary at a place of a piece, map frame.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Spot {
+    pub(super) position: Vec2,
+    /// Derivative of the position by the parameter (m).
+    pub(super) velocity: Vec2,
+    /// Direction of the normal towards the whisker (rad).
+    pub(super) normal: f64,
+    /// Derivative of the normal by the parameter (rad).
+    pub(super) turning: f64,
+}
+
+impl Piece {
+    /// The boundary at the parameter `at`, on the piece's continuation beyond \[0, 1\].
+    pub(super) fn spot(&self, at: f64) -> Spot {
+        if let Segment::Line([a, b]) = self.segment {
+            let velocity = b - a;
+            return Spot { position: a + velocity * at, velocity, normal: self.normal, turning: 0.0 };
+        }
+        let (velocity, second) = self.segment.derivatives(at);
+        let square = velocity.norm_squared();
+        let turning = if square > 0.0 { velocity.cross(second) / square } else { 0.0 };
+        let normal = wrap_angle(self.segment.tangent(at) + self.side * FRAC_PI_2);
+        Spot { position: self.segment.point(at), velocity, normal, turning }
+    }
+
+    /// Whether the parameter has left what the piece can be continued to: anywhere for lines, little for Béziers.
+    pub(super) fn is_lost(&self, at: f64) -> bool {
+        !matches!(self.segment, Segment::Line(_)) && !(-0.5..=1.5).contains(&at)
+    }
+
+    /// The parameter nearest to `point`.
+    pub(super) fn nearest(&self, point: Vec2) -> f64 {
+        self.segment.nearest(point)
+    }
+
+    /// The parameter at the arc length `s` from the piece's start.
+    pub(super) fn parameter_at(&self, s: f64) -> f64 {
+        self.segment.parameter_at(s)
+    }
+}
+
+/// All pieces of a map; walls are there twice, once for each side.
+#[derive(Clone, Debug)]
+pub(super) struct Ground {
+    pub(super) pieces: Vec<Piece>,
+    /// For each boundary its first piece, and for walls the first of their right side.
+    first: Vec<(u32, u32)>,
+}
+
+impl Ground {
+    /// The pieces of a map.
+    pub(super) fn new(map: &Map) -> Self {
+        let (mut pieces, mut first) = (Vec::new(), Vec::new());
+        for boundary in map.boundaries() {
+            let left = pieces.len() as u32;
+            add_side(&mut pieces, boundary.curve().segments(), boundary.curve().is_closed(), 1.0);
+            let right = if boundary.is_two_sided() { pieces.len() as u32 } else { left };
+            if boundary.is_two_sided() {
+                add_side(&mut pieces, boundary.curve().segments(), boundary.curve().is_closed(), -1.0);
+            }
+            first.push((left, right));
+        }
+        Self { pieces, first }
+    }
+
+    /// The length of all pieces (m).
+    pub(super) fn length(&self) -> f64 {
+        self.pieces.iter().map(|piece| piece.length).sum()
+    }
+
+    /// The place nearest to `point` within `reach` (m), on the side on which `base` is: piece, parameter, distance.
+    pub(super) fn nearest(&self, map: &Map, point: Vec2, base: Vec2, reach: f64) -> Option<(u32, f64, f64)> {
+        let near = map.nearest_within(point, reach)?;
+        let boundary = &map.boundaries()[near.boundary];
+        let curve = boundary.curve();
+        let count = curve.segments().len();
+        let (mut low, mut high) = (0, count);
+        while high - low > 1 {
+            let middle = usize::midpoint(low, high);
+            if curve.segment_start(middle) <= near.arc_length { low = middle } else { high = middle }
+        }
+        let left = Vec2::from_angle(near.tangent).cross(base - near.position) >= 0.0;
+        let (left_first, right_first) = self.first[near.boundary];
+        let piece = low as u32 + if left { left_first } else { right_first };
+        Some((piece, self.pieces[piece as usize].nearest(point), near.distance))
+    }
+}
+
+/// Appends one side of a curve.
+fn add_side(pieces: &mut Vec<Piece>, segments: &[Segment], closed: bool, side: f64) {
+    let (start, count) = (pieces.len(), segments.len());
+    let normal = |segment: &Segment, at: f64| wrap_angle(segment.tangent(at) + side * FRAC_PI_2);
+    for (i, segment) in segments.iter().enumerate() {
+        let neighbour = |inside: bool, index: usize| (inside || closed).then_some((start + index % count) as u32);
+        let next = neighbour(i + 1 < count, i + 1);
+        let joint = next.map(|next| {
+            let before = normal(segment, 1.0);
+            let turn = wrap_angle(normal(&segments[(i + 1) % count], 0.0) - before);
+            let concave = turn * side > SMOOTH && turn.abs() < PI;
+            Joint { next, position: segment.end(), normal: before, turn, concave }
+        });
+        let before = neighbour(i > 0, i + count - 1);
+        pieces.push(Piece {
+            segment: *segment,
+            side,
+            normal: normal(segment, 0.0),
+            length: segment.length(),
+            before,
+            joint,
+        });
+    }
+}

@@ -1,0 +1,168 @@
+//! What was felt, and how likely it is: rows of odometry with readings, and their noise.
+
+use crate::plane::Pose2;
+use crate::world::MountedWhisker;
+
+/// The most that one reading can speak against a place: a false reading costs this, not more.
+pub(super) const OUTLIER_COST: f64 = 6.0;
+/// What a reading costs while the whisker is in a contact that the model does not cover.
+const UNKNOWN_COST: f64 = 3.0;
+
+/// A whisker as the estimator needs it; moments are dimensionless, `M0 L / EI`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Feeler {
+    pub(super) robot_from_whisker: Pose2,
+    /// Length (m).
+    pub(super) length: f64,
+    /// Dimensionless moment per N m.
+    pub(super) per_moment: f64,
+    relative: f64,
+    absolute: f64,
+}
+
+/// How readings are judged.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Judge {
+    /// Standard deviations are enlarged by this.
+    pub(super) temper: f64,
+    /// The most that one reading costs.
+    pub(super) outlier_cost: f64,
+}
+
+impl Judge {
+    /// As declared.
+    pub(super) const FAIR: Self = Self { temper: 1.0, outlier_cost: OUTLIER_COST };
+}
+
+/// A reading against a prediction.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Misfit {
+    /// Cost: minus the logarithm of the likelihood.
+    pub(super) cost: f64,
+    /// Residual (dimensionless moment).
+    pub(super) residual: f64,
+    /// Weight of its square in the normal equations.
+    pub(super) weight: f64,
+    /// The residual in standard deviations.
+    pub(super) sigmas: f64,
+}
+
+impl Feeler {
+    pub(super) fn new(whisker: &MountedWhisker) -> Self {
+        let per_moment = whisker.beam.length / whisker.beam.flexural_rigidity;
+        Self {
+            robot_from_whisker: whisker.robot_from_whisker,
+            length: whisker.beam.length,
+            per_moment,
+            relative: whisker.noise.moment_relative,
+            absolute: (whisker.noise.moment_absolute * per_moment).max(LEAST_ABSOLUTE),
+        }
+    }
+
+    /// Whether a reading is more than noise on a free whisker.
+    pub(super) fn is_contact(&self, z: f64) -> bool {
+        z.abs() * (1.0 - self.relative) > self.absolute
+    }
+
+    /// Mean and standard deviation of the readings of a moment: they lie evenly where `|h - z| <= r |z| + a`.
+    pub(super) fn expected(&self, h: f64) -> (f64, f64) {
+        let per = 1.0 / (1.0 - self.relative * self.relative);
+        if h.abs() < self.absolute {
+            return (h, self.absolute * per / SQRT_3);
+        }
+        let mean = (h.abs() + self.relative * self.absolute) * per;
+        (mean.copysign(h), (self.relative * h.abs() + self.absolute) * per / SQRT_3)
+    }
+
+    /// Standard deviation of the relative error that all readings share, where nothing is said: a quarter of the bound.
+    pub(super) fn shared_share(&self) -> f64 {
+        0.25 * self.relative
+    }
+
+    /// The residual of a reading in standard deviations, once a shared relative error has been taken out.
+    pub(super) fn sigmas_without(&self, h: f64, gain: f64, z: f64) -> f64 {
+        let (mean, std) = self.expected(h);
+        (mean + gain * h - z) / std
+    }
+
+    /// A reading against a moment; `pressed` where the whisker is held by
+    /// a boundary, `glued` where it almost is and `h` is what a pull would make.
+    pub(super) fn misfit(&self, h: f64, z: f64, pressed: bool, glued: bool, judge: Judge) -> Misfit {
+        let wanted = glued && self.is_contact(z);
+        let (mean, std) = if pressed {
+            self.expected(h)
+        } else if wanted {
+            (h, self.expected(z).1)
+        } else {
+            (0.0, self.expected(0.0).1)
+        };
+        let std = std * judge.temper;
+        let residual = mean - z;
+        let sigmas = residual / std;
+        let (cost, trust) = robust(sigmas, judge.outlier_cost);
+        let weight = if pressed || wanted { trust / (std * std) } else { 0.0 };
+        Misfit { cost, residual, weight, sigmas }
+    }
+
+    /// The cost of a reading that the model cannot predict.
+    pub(super) fn unknown() -> Misfit {
+        Misfit { cost: UNKNOWN_COST, sigmas: f64::INFINITY, ..Misfit::default() }
+    }
+}
+
+const SQRT_3: f64 = 1.732_050_807_568_877_2;
+/// Readings are never taken to be more exact than this (dimensionless moment): a tip known to about a micrometre.
+const LEAST_ABSOLUTE: f64 = 2e-5;
+
+/// Cost and weight of a residual in standard deviations: Gaussian with a floor for false readings.
+fn robust(sigmas: f64, outlier_cost: f64) -> (f64, f64) {
+    if outlier_cost.is_infinite() {
+        return (0.5 * sigmas * sigmas, 1.0);
+    }
+    let kernel = (-0.5 * sigmas * sigmas).exp();
+    let floor = (-outlier_cost).exp();
+    (-((kernel + floor) / (1.0 + floor)).ln(), kernel / (kernel + floor))
+}
+
+/// Rows that were kept, each with one reading for each whisker (dimensionless).
+#[derive(Clone, Debug, Default)]
+pub(super) struct History {
+    whiskers: usize,
+    poses: Vec<Pose2>,
+    readings: Vec<f64>,
+}
+
+impl History {
+    pub(super) fn new(whiskers: usize) -> Self {
+        Self { whiskers, poses: Vec::new(), readings: Vec::new() }
+    }
+
+    pub(super) fn push(&mut self, odom_from_robot: Pose2, readings: &[f64]) {
+        self.poses.push(odom_from_robot);
+        self.readings.extend_from_slice(readings);
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.poses.len()
+    }
+
+    pub(super) fn pose(&self, row: usize) -> Pose2 {
+        self.poses[row]
+    }
+
+    pub(super) fn readings(&self, row: usize) -> &[f64] {
+        &self.readings[row * self.whiskers..(row + 1) * self.whiskers]
+    }
+
+    /// Forgets the rows before `row`.
+    pub(super) fn forget(&mut self, row: usize) {
+        self.poses.drain(..row);
+        self.readings.drain(..row * self.whiskers);
+    }
+
+    /// Forgets one row.
+    pub(super) fn drop_row(&mut self, row: usize) {
+        self.poses.remove(row);
+        self.readings.drain(row * self.whiskers..(row + 1) * self.whiskers);
+    }
+}

@@ -1,0 +1,184 @@
+//! One hypothesis: a place, and what all readings say about small moves of it.
+//!
+//! With the odometry given, the unknown is the pose of the odometry frame in the map, three numbers. Each reading adds
+//! one line to the normal equations of a Gauss-Newton step around the point where the hypothesis was last linearised;
+//! linearising again runs the whole history through the forward model, so that the estimate is that of a batch, not of
+//! a filter that cannot take back its first steps.
+
+use super::contact::{Forward, Solver, State};
+use super::ground::Ground;
+use super::history::{Feeler, History, Judge};
+use super::normal::Normal;
+use crate::plane::{Pose2, Vec2};
+use crate::world::Map;
+
+/// What all hypotheses share.
+pub(super) struct Scene<'a> {
+    pub(super) map: &'a Map,
+    pub(super) ground: &'a Ground,
+    pub(super) feelers: &'a [Feeler],
+    pub(super) history: &'a History,
+    /// The place that turns leave where it is, odometry frame (m).
+    pub(super) pivot: Vec2,
+    pub(super) judge: Judge,
+    /// Standard deviation of a relative error that all readings share.
+    pub(super) shared: f64,
+    /// Whether steep readings are trusted less, for covariances that hold over more than a facet of the map.
+    pub(super) blur: bool,
+    /// How exactly the forward model is solved.
+    pub(super) solver: Solver<'a>,
+}
+
+/// The parts of a step that are tried, and by how much each may make things worse (nats).
+const SHARES: [f64; 2] = [1.0, 0.25];
+const WORSE: f64 = 0.5;
+
+/// How exactly the model is believed to know where the whisker stands (m, rad).
+const BLUR: [f64; 2] = [5e-5, 5e-4];
+
+/// One place that may be the true one.
+#[derive(Clone, Debug)]
+pub(super) struct Hypothesis {
+    /// Where it is linearised: the odometry frame in the map frame.
+    pub(super) map_from_odom: Pose2,
+    /// What the readings up to `row` say.
+    pub(super) normal: Normal,
+    /// How many rows it has taken since it was linearised.
+    pub(super) age: usize,
+    /// The last row used.
+    pub(super) row: usize,
+    /// How each whisker stands to the map there.
+    pub(super) states: Vec<State>,
+    /// The residual of each whisker's last reading, in standard deviations.
+    pub(super) sigmas: Vec<f64>,
+    /// The moment that each is predicted to feel there.
+    pub(super) felt: Vec<f64>,
+    /// How each stood at the row from which on this is judged, when the odometry frame was at `start_at`.
+    start: Vec<State>,
+    start_row: usize,
+    start_at: Pose2,
+    /// What readings before that row said, around `start_at`.
+    prior: Normal,
+}
+
+/// The frame moved by `d`: shifted by (x, y) and turned about the pivot.
+pub(super) fn moved(map_from_odom: Pose2, pivot: Vec2, d: [f64; 3]) -> Pose2 {
+    let center = map_from_odom.transform_point(pivot);
+    let place = center + (map_from_odom.position() - center).rotated(d[2]) + Vec2::new(d[0], d[1]);
+    Pose2::new(place.x, place.y, map_from_odom.theta + d[2])
+}
+
+/// The move that takes one frame to another.
+pub(super) fn difference(from: Pose2, to: Pose2, pivot: Vec2) -> [f64; 3] {
+    let shift = to.transform_point(pivot) - from.transform_point(pivot);
+    [shift.x, shift.y, crate::plane::wrap_angle(to.theta - from.theta)]
+}
+
+impl Hypothesis {
+    /// A hypothesis whose whiskers stand so at `row`, from which on it is judged.
+    pub(super) fn new(map_from_odom: Pose2, states: Vec<State>, row: usize) -> Self {
+        Self {
+            map_from_odom,
+            normal: Normal::default(),
+            age: 0,
+            row,
+            start: states.clone(),
+            start_row: row,
+            start_at: map_from_odom,
+            prior: Normal::default(),
+            sigmas: vec![0.0; states.len()],
+            felt: vec![0.0; states.len()],
+            states,
+        }
+    }
+
+    /// The same place, to be judged from the history's first row on, where all whiskers were free.
+    pub(super) fn restarted_free(&self) -> Self {
+        Self::new(self.map_from_odom, vec![State::Free; self.states.len()], 0)
+    }
+
+    /// Takes in the row `row`, which must not be before the last one.
+    pub(super) fn take(&mut self, scene: &Scene<'_>, row: usize) {
+        let (from, to) = (scene.history.pose(self.row), scene.history.pose(row));
+        let pivot = self.map_from_odom.transform_point(scene.pivot);
+        for (index, feeler) in scene.feelers.iter().enumerate() {
+            let z = scene.history.readings(row)[index];
+            let place = |odom: Pose2| self.map_from_odom.compose(odom).compose(feeler.robot_from_whisker);
+            let there = place(to);
+            let forward = Forward { map: scene.map, ground: scene.ground, length: feeler.length, solver: scene.solver };
+            let felt = forward.advance(&mut self.states[index], place(from), there, feeler.is_contact(z));
+            let misfit = match self.states[index] {
+                State::Unknown => Feeler::unknown(),
+                State::Free => feeler.misfit(0.0, z, false, false, scene.judge),
+                State::Touching(touch) => feeler.misfit(felt.moment, z, touch.q > 0.0, true, scene.judge),
+            };
+            self.normal.cost += misfit.cost;
+            self.sigmas[index] = misfit.sigmas;
+            self.felt[index] = felt.moment;
+            if misfit.weight > 0.0 {
+                let arm = (there.position() - pivot).perp();
+                let [gx, gy, turn] = felt.gradient;
+                // Where the moment is steep, near a snap or in a slight corner, it is so over a tiny range only.
+                let steep = BLUR[0].powi(2) * (gx * gx + gy * gy) + BLUR[1].powi(2) * turn * turn;
+                let weight = if scene.blur { misfit.weight / (1.0 + misfit.weight * steep) } else { misfit.weight };
+                self.normal.add(misfit.residual, [gx, gy, turn + gx * arm.x + gy * arm.y], felt.moment, weight);
+            }
+        }
+        self.row = row;
+        self.age += 1;
+    }
+
+    /// Runs the history anew with the odometry frame at `map_from_odom`, row by row as listed.
+    pub(super) fn run(&mut self, scene: &Scene<'_>, map_from_odom: Pose2, rows: impl Iterator<Item = usize>) {
+        let first = scene.history.pose(self.start_row);
+        for (state, feeler) in self.start.iter_mut().zip(scene.feelers) {
+            let place = |frame: Pose2| frame.compose(first).compose(feeler.robot_from_whisker);
+            let forward = Forward { map: scene.map, ground: scene.ground, length: feeler.length, solver: scene.solver };
+            forward.advance(state, place(self.start_at), place(map_from_odom), false);
+        }
+        self.prior = self.prior.moved(difference(self.start_at, map_from_odom, scene.pivot));
+        self.start_at = map_from_odom;
+        self.map_from_odom = map_from_odom;
+        self.normal = self.prior;
+        self.states.clone_from(&self.start);
+        self.row = self.start_row;
+        rows.for_each(|row| {
+            self.take(scene, row);
+        });
+        self.age = 0;
+    }
+
+    /// Linearises anew a step `d` away, or a part of it where the whole makes things worse; gives the number of runs.
+    pub(super) fn improve(&mut self, scene: &Scene<'_>, d: [f64; 3], rows: &[usize]) -> usize {
+        for (index, share) in SHARES.into_iter().enumerate() {
+            let mut next = self.clone();
+            next.run(scene, moved(self.map_from_odom, scene.pivot, d.map(|v| share * v)), rows.iter().copied());
+            if next.cost(scene.shared) <= self.cost(scene.shared) + WORSE {
+                *self = next;
+                return index + 1;
+            }
+        }
+        self.age = 0;
+        SHARES.len()
+    }
+
+    /// The cost where it is linearised.
+    pub(super) fn cost(&self, shared: f64) -> f64 {
+        self.normal.marginal(shared).cost
+    }
+
+    /// The relative error that all readings share, as they estimate it.
+    pub(super) fn gain(&self, shared: f64) -> f64 {
+        if shared > 0.0 { -self.normal.shared[1] / (self.normal.shared[0] + 1.0 / (shared * shared)) } else { 0.0 }
+    }
+
+    /// The least cost that the linearisation promises, and the step to it, when all readings share a relative error of
+    /// this standard deviation.
+    pub(super) fn best(&self, damping: [f64; 3], shared: f64) -> (f64, [f64; 3]) {
+        let normal = self.normal.marginal(shared);
+        match normal.step(damping) {
+            Some(d) => (normal.moved(d).cost, d),
+            None => (normal.cost, [0.0; 3]),
+        }
+    }
+}

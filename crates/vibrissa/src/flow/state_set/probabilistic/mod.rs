@@ -1,0 +1,52 @@
+//! The probabilistic method's hypotheses: Gaussians around single places, each refined by all readings so far.
+
+mod bank;
+mod contact;
+mod ground;
+mod history;
+mod hypothesis;
+mod normal;
+mod places;
+mod seeds;
+mod set;
+
+pub use places::{Fit, Place};
+pub use set::{Happened, ProbabilisticSet};
+
+use crate::beam::Whisker;
+use crate::plane::Pose2;
+use crate::world::Map;
+use contact::{Forward, Solver, State};
+use ground::Ground;
+
+/// What a whisker feels at one pose of a path.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PredictedMoment {
+    /// Moment at the base (N m); 0 where the whisker is free.
+    pub moment: f64,
+    /// Derivatives by the base's x and y (N, map frame) and by its heading (N m/rad).
+    pub gradient: [f64; 3],
+    /// Whether the tip is held by a boundary.
+    pub touching: bool,
+}
+
+/// The moments along a path of base poses `map_from_whisker`, the first of which is free of contact.
+///
+/// Contact of the tip without friction; the branch of solutions is followed from pose to pose, so these must be no
+/// further apart than a few millimetres. The whisker must be uniform, straight and clamped.
+#[must_use]
+pub fn predicted_moments(map: &Map, whisker: &Whisker, path: &[Pose2]) -> Vec<PredictedMoment> {
+    let ground = Ground::new(map);
+    let forward = Forward { map, ground: &ground, length: whisker.length, solver: Solver::Exact };
+    let scale = whisker.flexural_rigidity / whisker.length;
+    let mut state = State::Free;
+    let mut last = path.first().copied().unwrap_or_default();
+    let mut predict = |&pose: &Pose2| {
+        let felt = forward.advance(&mut state, last, pose, false);
+        last = pose;
+        let pressed = matches!(state, State::Touching(touch) if touch.q > 0.0);
+        let moment = if pressed { felt.moment * scale } else { 0.0 };
+        PredictedMoment { moment, gradient: felt.gradient.map(|g| g * scale), touching: pressed }
+    };
+    path.iter().map(&mut predict).collect()
+}

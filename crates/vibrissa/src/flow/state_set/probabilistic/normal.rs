@@ -1,0 +1,128 @@
+//! Normal equations in three unknowns: what readings say about a small move of the odometry frame.
+
+/// A symmetric matrix over (x, y, theta).
+pub(super) type Matrix = [[f64; 3]; 3];
+
+/// A quadratic cost around a point: `cost + gradient·d + d·curvature·d / 2`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Normal {
+    pub(super) curvature: Matrix,
+    pub(super) gradient: [f64; 3],
+    pub(super) cost: f64,
+    /// The same for a relative error that all readings share: mixed, own curvature, own gradient.
+    pub(super) mixed: [f64; 3],
+    pub(super) shared: [f64; 2],
+}
+
+impl Normal {
+    /// Adds a residual (in standard deviations times `weight`'s root) with its derivatives.
+    pub(super) fn add(&mut self, residual: f64, by: [f64; 3], by_shared: f64, weight: f64) {
+        self.shared[0] += weight * by_shared * by_shared;
+        self.shared[1] += weight * by_shared * residual;
+        for i in 0..3 {
+            let scaled = weight * by[i];
+            self.mixed[i] += scaled * by_shared;
+            self.gradient[i] += scaled * residual;
+            (0..3).for_each(|j| self.curvature[i][j] += scaled * by[j]);
+        }
+    }
+
+    /// The same cost around the point moved by `d`.
+    pub(super) fn moved(&self, d: [f64; 3]) -> Self {
+        let along = times(&self.curvature, d);
+        let gradient = [0, 1, 2].map(|i| self.gradient[i] + along[i]);
+        let cost = self.cost + dot(self.gradient, d) + 0.5 * dot(along, d);
+        let shared = [self.shared[0], self.shared[1] + dot(self.mixed, d)];
+        Self { gradient, cost, shared, ..*self }
+    }
+
+    /// The cost with the shared error, of this standard deviation before any reading, at its best for every move: as if
+    /// it were a correlated part of the noise.
+    pub(super) fn marginal(&self, std: f64) -> Self {
+        if std <= 0.0 {
+            return Self { mixed: [0.0; 3], shared: [0.0; 2], ..*self };
+        }
+        let per = 1.0 / (self.shared[0] + 1.0 / (std * std));
+        let mut out = Self { mixed: [0.0; 3], shared: [0.0; 2], ..*self };
+        // Half the logarithm of the determinant that integrating over it leaves.
+        out.cost += 0.5 * (1.0 + self.shared[0] * std * std).ln() - 0.5 * self.shared[1] * self.shared[1] * per;
+        for i in 0..3 {
+            out.gradient[i] -= self.mixed[i] * self.shared[1] * per;
+            for j in 0..3 {
+                out.curvature[i][j] -= self.mixed[i] * self.mixed[j] * per;
+            }
+        }
+        out
+    }
+
+    /// The step to the least cost when `damping` is added to the diagonal.
+    pub(super) fn step(&self, damping: [f64; 3]) -> Option<[f64; 3]> {
+        let inverse = inverse(&self.damped(damping))?;
+        Some(times(&inverse, self.gradient).map(|v| -v))
+    }
+
+    /// The curvature with `damping` added to its diagonal.
+    pub(super) fn damped(&self, damping: [f64; 3]) -> Matrix {
+        let mut matrix = self.curvature;
+        (0..3).for_each(|i| matrix[i][i] += damping[i]);
+        matrix
+    }
+}
+
+pub(super) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+pub(super) fn times(m: &Matrix, v: [f64; 3]) -> [f64; 3] {
+    m.map(|row| dot(row, v))
+}
+
+pub(super) fn determinant(m: &Matrix) -> f64 {
+    m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0])
+        + m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0])
+}
+
+/// The inverse of a symmetric positive matrix, scaled first so that metres and radians do not spoil it.
+pub(super) fn inverse(m: &Matrix) -> Option<Matrix> {
+    let scale = [0, 1, 2].map(|i: usize| m[i][i].sqrt().recip());
+    if !scale.iter().all(|s| s.is_finite() && *s > 0.0) {
+        return None;
+    }
+    let mut n = *m;
+    (0..3).for_each(|i| (0..3).for_each(|j| n[i][j] *= scale[i] * scale[j]));
+    let det = determinant(&n);
+    if det.is_nan() || det <= 1e-15 {
+        return None;
+    }
+    let cofactor = |i: usize, j: usize| {
+        let (a, b, c, d) = ((i + 1) % 3, (i + 2) % 3, (j + 1) % 3, (j + 2) % 3);
+        n[a][c] * n[b][d] - n[a][d] * n[b][c]
+    };
+    let mut out = [[0.0; 3]; 3];
+    for (i, row) in out.iter_mut().enumerate() {
+        for (j, value) in row.iter_mut().enumerate() {
+            *value = cofactor(j, i) / det * scale[i] * scale[j];
+        }
+    }
+    Some(out)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_step_goes_to_the_least_cost() {
+        let mut normal = Normal::default();
+        // Three planes meet at (1e-3, -2e-3, 0.5) by hand.
+        let at = [1e-3, -2e-3, 0.5];
+        for by in [[1e3, 0.0, 2.0], [0.0, 2e3, -1.0], [5e2, 5e2, 1.0]] {
+            normal.add(-dot(by, at), by, 0.0, 1.0);
+            normal.cost += 0.5 * dot(by, at).powi(2);
+        }
+        let step = normal.step([0.0; 3]).unwrap_or_default();
+        (0..3).for_each(|i| assert!((step[i] - at[i]).abs() < 1e-12, "{step:?}"));
+        assert!(normal.moved(at).cost.abs() < 1e-12);
+        assert!(Normal::default().step([0.0; 3]).is_none());
+    }
+}

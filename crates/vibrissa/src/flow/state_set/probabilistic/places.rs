@@ -1,0 +1,254 @@
+//! What the hypotheses say at the end: places with weights and extents, and how well the best one fits.
+
+use super::bank::{Bank, Field};
+use super::contact::{Solver, State};
+use super::history::{History, Judge};
+use super::hypothesis::{Hypothesis, Scene, difference, moved};
+use super::normal::{Matrix, determinant, dot, inverse, times};
+use crate::plane::Pose2;
+
+/// Hypotheses that are refined to the end in closed form, the best first.
+const EXACT: usize = 24;
+/// Gauss-Newton steps for all, and for those.
+const ROUNDS: usize = 4;
+const LAST_ROUNDS: usize = 8;
+/// Readings, times hypotheses, that are run again at the end; beyond, the rows used so far must do.
+const MOST_TAKES: usize = 150_000;
+/// Fewest and most hypotheses that are looked at in the end.
+const FEWEST: usize = 50;
+const MOST: usize = 1000;
+/// How many of the best hypotheses are started anew from around them, and from where (m, m, rad).
+const SHAKEN: usize = 3;
+const SHAKES: [[f64; 3]; 3] = [[7e-4, 7e-4, 0.0], [7e-4, -7e-4, 0.0], [0.0, 0.0, 0.012]];
+/// Slack for those that are not at their least yet (nats).
+const SLACK: f64 = 6.0;
+/// A hypothesis this much less likely than the best (nats) is not told.
+const TOLD: f64 = 12.0;
+/// Inverse variances that keep covariances finite (20 mm, 20°).
+const OPEN: [f64; 3] = [2.5e3, 2.5e3, 8.2];
+/// Hypotheses nearer than so many standard deviations are one place,
+const LINKED: f64 = 9.0;
+/// or nearer than this (m, rad).
+const LINK_PLACE: f64 = 4e-3;
+const LINK_TURN: f64 = 0.04;
+/// Hypotheses further apart than this are not compared (m).
+const FARTHEST: f64 = 0.05;
+/// Area and volume of the regions that hold 95 % of a Gaussian, per root of its covariance's determinant: `pi chi²` and
+/// `4/3 pi chi³` with the 95 % points of chi² for two and three degrees of freedom.
+const AREA_95: f64 = 18.82;
+const VOLUME_95: f64 = 91.5;
+/// Rows whose mean residual is looked at together, and where single residuals are cut (standard deviations).
+const BLOCK: usize = 8;
+const CUT: f64 = 2.5;
+
+/// One place that explains the readings.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Place {
+    /// The odometry frame in the map frame, of the place's best hypothesis.
+    pub map_from_odom: Pose2,
+    /// Its share among all places.
+    pub weight: f64,
+    /// Covariance of the robot's pose (x, y, heading; map frame) at the last row: the Cramér-Rao bound at this place.
+    pub covariance: [[f64; 3]; 3],
+    /// The robot's poses at the last row, of all hypotheses of this place, the best first, each with its covariance.
+    pub members: Vec<(Pose2, [[f64; 3]; 3])>,
+}
+
+/// How well the best hypothesis explains the readings.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Fit {
+    /// Rows with a whisker held by a boundary.
+    pub touching: usize,
+    /// Share of all rows whose reading lies beyond 2.5 standard deviations or is not explained.
+    pub beyond: f64,
+    /// Mean square of the residuals' block means, in units of what independent errors give.
+    pub drift: f64,
+    /// How many blocks that is of.
+    pub blocks: usize,
+}
+
+/// The pose of the odometry frame that the best hypothesis estimates.
+pub(super) fn best(bank: &Bank) -> Option<Pose2> {
+    let one =
+        bank.hypotheses.iter().min_by(|a, b| a.best(OPEN, bank.shared).0.total_cmp(&b.best(OPEN, bank.shared).0))?;
+    Some(moved(one.map_from_odom, bank.pivot, super::bank::cut(one.best(OPEN, bank.shared).1)))
+}
+
+/// Area and volume of all hypotheses' 95 % regions, overlaps counted twice.
+pub(super) fn size(bank: &Bank) -> (f64, f64) {
+    let one = |h: &Hypothesis| {
+        let c = covariance(h, bank);
+        let area = (c[0][0] * c[1][1] - c[0][1] * c[1][0]).max(0.0).sqrt();
+        (AREA_95 * area, VOLUME_95 * determinant(&c).max(0.0).sqrt())
+    };
+    bank.hypotheses.iter().map(one).fold((0.0, 0.0), |a, b| (a.0 + b.0, a.1 + b.1))
+}
+
+/// Settles the hypotheses, weighs and groups them.
+pub(super) fn choose(bank: &mut Bank, field: &Field<'_>, history: &History) -> (Vec<Place>, Option<Fit>) {
+    let shared = bank.shared;
+    bank.hypotheses.sort_by(|a, b| a.best(OPEN, shared).0.total_cmp(&b.best(OPEN, shared).0));
+    bank.hypotheses.truncate((MOST_TAKES / bank.used.len().max(1)).clamp(FEWEST, MOST));
+    if bank.whole(history) < MOST_TAKES {
+        bank.use_all(field, history);
+    }
+    bank.settle(field, history, ROUNDS, 0);
+    let least = bank.hypotheses.iter().map(|h| h.cost(bank.shared)).fold(f64::INFINITY, f64::min);
+    bank.hypotheses.retain(|h| h.cost(shared) <= least + TOLD + SLACK);
+    if bank.whole(history) < MOST_TAKES {
+        bank.use_all(field, history);
+    }
+    bank.settle(field, history, LAST_ROUNDS, EXACT);
+    shake(bank, field, history);
+    let least = bank.hypotheses.iter().map(|h| h.cost(bank.shared)).fold(f64::INFINITY, f64::min);
+    bank.hypotheses.retain(|h| h.cost(shared) <= least + TOLD);
+    let fit = bank.hypotheses.first().map(|h| fit(h, bank, field, history));
+    let blurred = Scene { blur: true, ..field.scene(history, bank.pivot, Judge::FAIR, bank.shared) };
+    let own: Vec<Matrix> = bank
+        .hypotheses
+        .iter()
+        .map(|h| {
+            let mut again = h.clone();
+            again.run(&blurred, h.map_from_odom, bank.used.iter().copied());
+            covariance(&again, bank)
+        })
+        .collect();
+    (group(bank, &own, history, least), fit)
+}
+
+/// Starts the best few anew from places around them: a map of facets has many shallow minima.
+fn shake(bank: &mut Bank, field: &Field<'_>, history: &History) {
+    let scene = field.scene(history, bank.pivot, Judge::FAIR, bank.shared);
+    if bank.used.len() * SHAKEN * 2 * SHAKES.len() > MOST_TAKES {
+        return;
+    }
+    let around: Vec<Hypothesis> = bank
+        .hypotheses
+        .iter()
+        .take(SHAKEN)
+        .flat_map(|h| SHAKES.into_iter().flat_map(move |d| [(h, d), (h, d.map(|v| -v))]))
+        .map(|(h, d)| {
+            let mut next = h.clone();
+            next.run(&scene, moved(h.map_from_odom, scene.pivot, d), bank.used.iter().copied());
+            next
+        })
+        .collect();
+    bank.hypotheses.extend(around);
+    bank.settle(field, history, LAST_ROUNDS, EXACT);
+}
+
+/// The covariance of the estimate about the pivot.
+fn covariance(h: &Hypothesis, bank: &Bank) -> Matrix {
+    inverse(&h.normal.marginal(bank.shared).damped(OPEN)).unwrap_or([
+        [OPEN[0].recip(), 0.0, 0.0],
+        [0.0, OPEN[1].recip(), 0.0],
+        [0.0, 0.0, OPEN[2].recip()],
+    ])
+}
+
+/// Hypotheses that cannot be told apart, as places, the heaviest first.
+fn group(bank: &Bank, own: &[Matrix], history: &History, least: f64) -> Vec<Place> {
+    let last = history.pose(history.len() - 1);
+    let mut open: Vec<usize> = (0..bank.hypotheses.len()).collect();
+    let mut places = Vec::new();
+    while !open.is_empty() {
+        let mut members = vec![open.remove(0)];
+        let mut next = 0;
+        while next < members.len() {
+            let at = members[next];
+            let near = |&i: &usize| linked(bank, own, at, i);
+            members.extend(open.iter().copied().filter(near));
+            open.retain(|i| !members.contains(i));
+            next += 1;
+        }
+        let alone = members.len() == 1;
+        let mass = |&i: &usize| {
+            let h = &bank.hypotheses[i];
+            // Neighbours on a ridge share its length among them.
+            let narrow = LINK_PLACE.powi(-2) * 4.0;
+            let mut curvature = inverse(&own[i]).unwrap_or_default();
+            if !alone {
+                (0..2).for_each(|k| curvature[k][k] += narrow);
+            }
+            (least - h.cost(bank.shared)).exp() / determinant(&curvature).max(f64::MIN_POSITIVE).sqrt()
+        };
+        let weight = members.iter().map(mass).sum();
+        let poses = members.iter().map(|&i| at_robot(&bank.hypotheses[i], bank, &own[i], last)).collect::<Vec<_>>();
+        let covariance = poses[0].1;
+        places.push(Place {
+            map_from_odom: bank.hypotheses[members[0]].map_from_odom,
+            weight,
+            covariance,
+            members: poses,
+        });
+    }
+    let total: f64 = places.iter().map(|p| p.weight).sum();
+    places.iter_mut().for_each(|p| p.weight /= total);
+    places.sort_by(|a, b| b.weight.total_cmp(&a.weight));
+    places
+}
+
+/// Whether two hypotheses are one place.
+fn linked(bank: &Bank, own: &[Matrix], a: usize, b: usize) -> bool {
+    let d = difference(bank.hypotheses[a].map_from_odom, bank.hypotheses[b].map_from_odom, bank.pivot);
+    if d[0].hypot(d[1]) > FARTHEST {
+        return false;
+    }
+    if d[0].hypot(d[1]) < LINK_PLACE && d[2].abs() < LINK_TURN {
+        return true;
+    }
+    let mut sum = own[a];
+    (0..3).for_each(|i| (0..3).for_each(|j| sum[i][j] += own[b][i][j]));
+    inverse(&sum).is_some_and(|i| dot(times(&i, d), d) < LINKED)
+}
+
+/// The robot's pose at the last row and its covariance there.
+fn at_robot(h: &Hypothesis, bank: &Bank, own: &Matrix, odom_from_robot: Pose2) -> (Pose2, Matrix) {
+    let pose = h.map_from_odom.compose(odom_from_robot);
+    let arm = (pose.position() - h.map_from_odom.transform_point(bank.pivot)).perp();
+    let turn = [[1.0, 0.0, arm.x], [0.0, 1.0, arm.y], [0.0, 0.0, 1.0]];
+    let mut out = [[0.0; 3]; 3];
+    for (i, row) in out.iter_mut().enumerate() {
+        for (j, value) in row.iter_mut().enumerate() {
+            *value = dot(times(own, turn[j]), turn[i]);
+        }
+    }
+    (pose, out)
+}
+
+/// Runs the history once more and looks at the residuals.
+fn fit(h: &Hypothesis, bank: &Bank, field: &Field<'_>, history: &History) -> Fit {
+    let scene = Scene { solver: Solver::Exact, ..field.scene(history, bank.pivot, Judge::FAIR, bank.shared) };
+    let mut again = h.clone();
+    let mut fit = Fit::default();
+    let gain = h.gain(bank.shared);
+    let (mut sum, mut count, mut beyond, mut rows) = (0.0, 0, 0, 0);
+    again.run(&scene, h.map_from_odom, core::iter::empty());
+    for &row in &bank.used {
+        again.take(&scene, row);
+        for (index, state) in again.states.iter().enumerate() {
+            let held = matches!(state, State::Touching(touch) if touch.q > 0.0);
+            let z = history.readings(row)[index];
+            let sigmas = if held {
+                field.feelers[index].sigmas_without(again.felt[index], gain, z)
+            } else {
+                again.sigmas[index]
+            };
+            rows += 1;
+            beyond += usize::from(sigmas.abs() > CUT);
+            if held {
+                fit.touching += 1;
+                sum += sigmas.clamp(-CUT, CUT);
+                count += 1;
+            }
+            if count == BLOCK {
+                fit.drift += sum * sum / BLOCK as f64;
+                fit.blocks += 1;
+                (sum, count) = (0.0, 0);
+            }
+        }
+    }
+    fit.beyond = f64::from(beyond as u32) / f64::from(rows.max(1) as u32);
+    fit.drift /= f64::from(fit.blocks.max(1) as u32);
+    fit
+}

@@ -1,0 +1,167 @@
+//! Hypotheses from no prior: every place of the boundary, every heading, every branch, judged by the first contact.
+//!
+//! Where the whisker was free before, the row at which it began to touch puts the straight whisker's tip on the
+//! boundary; otherwise a reading gives the tip for each direction of the force and each branch. Either way two numbers
+//! are open, the place along the boundary and the heading. Each cell of them is run through a few well separated
+//! readings as a Gaussian as wide as the cell, and most die at the first.
+
+use super::contact::{Forward, State};
+use super::ground::Piece;
+use super::hypothesis::{Hypothesis, Scene, moved};
+use crate::beam::Whisker;
+use crate::config::TipLoad;
+use crate::flow::contact_set::TipContactSet;
+use crate::plane::{Pose2, Vec2, wrap_angle};
+use core::f64::consts::{FRAC_PI_2, PI, TAU};
+
+/// Headings further than this from the boundary's normal are left out (rad).
+const WIDEST: f64 = 1.45;
+/// Cost above which a cell is dropped, and the same once it has been refined.
+const CELL_COST: f64 = 18.0;
+const REFINED_COST: f64 = 14.0;
+/// Rounds of refinement.
+const ROUNDS: usize = 3;
+/// Share of the whisker that is kept clear of the boundaries when it begins to touch.
+const CLEAR: f64 = 0.98;
+
+/// What seeds are made from.
+pub(super) struct Onset<'a> {
+    /// Index of the whisker that touches.
+    pub(super) feeler: usize,
+    /// The beam of that whisker.
+    pub(super) beam: &'a Whisker,
+    /// The row of the first touch.
+    pub(super) row: usize,
+    /// Whether the whisker was free before.
+    pub(super) from_free: bool,
+    /// How the tip moved before the touch, whisker frame (m).
+    pub(super) approach: Vec2,
+    /// The rows that judge, in order, after the first.
+    pub(super) rows: &'a [usize],
+    /// Spacing along the boundary (m) and of headings (rad).
+    pub(super) spacing: f64,
+    pub(super) turn: f64,
+}
+
+/// The hypotheses that explain the first readings; `admits` says whether a `map_from_odom` is in the prior's region.
+pub(super) fn seeds(scene: &Scene<'_>, onset: &Onset<'_>, admits: &dyn Fn(Pose2) -> bool) -> Vec<Hypothesis> {
+    let mut found = Vec::new();
+    let z = scene.history.readings(onset.row)[onset.feeler];
+    let moment = z / scene.feelers[onset.feeler].per_moment;
+    let branches =
+        if onset.from_free { Vec::new() } else { TipContactSet::branches(onset.beam, moment, TipLoad::BoundaryNormal) };
+    for_each_place(&scene.ground.pieces, onset.spacing, |piece, at| {
+        let normal = scene.ground.pieces[piece as usize].spot(at).normal;
+        if onset.from_free {
+            let count = (2.0 * WIDEST / onset.turn).ceil();
+            (0..count as usize).for_each(|k| {
+                let heading = normal + PI - WIDEST + (k as f64 + 0.5) * (2.0 * WIDEST / count);
+                found.extend(touching(scene, onset, piece, at, heading, z).filter(|h| admits(h.map_from_odom)));
+            });
+        } else {
+            let count = (TAU / onset.turn).ceil();
+            for set in &branches {
+                (0..count as usize).for_each(|k| {
+                    let heading = wrap_angle(k as f64 * TAU / count);
+                    found.extend(loaded(scene, onset, set, piece, at, heading).filter(|h| admits(h.map_from_odom)));
+                });
+            }
+        }
+    });
+    refine(scene, onset, &mut found);
+    found
+}
+
+/// Calls `visit(piece, parameter)` every `spacing` metres along all pieces.
+fn for_each_place(pieces: &[Piece], spacing: f64, mut visit: impl FnMut(u32, f64)) {
+    let mut next = 0.5 * spacing;
+    for (index, piece) in pieces.iter().enumerate() {
+        while next < piece.length {
+            visit(index as u32, piece.parameter_at(next));
+            next += spacing;
+        }
+        next -= piece.length;
+    }
+}
+
+/// The hypothesis that the straight whisker's tip touched here, if the first readings allow it.
+fn touching(scene: &Scene<'_>, onset: &Onset<'_>, piece: u32, at: f64, heading: f64, z: f64) -> Option<Hypothesis> {
+    let feeler = &scene.feelers[onset.feeler];
+    let spot = scene.ground.pieces[piece as usize].spot(at);
+    let push = (spot.normal - heading).sin();
+    let along = Vec2::from_angle(heading);
+    let normal = Vec2::from_angle(spot.normal);
+    if push * z < 0.0 || onset.approach.rotated(heading).dot(normal) > 0.0 {
+        return None;
+    }
+    let base = spot.position - along * feeler.length;
+    if scene.map.crosses(base, base + along * (CLEAR * feeler.length)) || !scene.map.is_free(base) {
+        return None;
+    }
+    let forward = Forward { map: scene.map, ground: scene.ground, length: feeler.length, solver: scene.solver };
+    let state = State::Touching(forward.untouched(piece, at, heading));
+    judged(scene, onset, Pose2::new(base.x, base.y, heading), state)
+}
+
+/// The hypothesis that the tip was pressed here with the moment of the first reading.
+fn loaded(
+    scene: &Scene<'_>,
+    onset: &Onset<'_>,
+    set: &TipContactSet,
+    piece: u32,
+    at: f64,
+    heading: f64,
+) -> Option<Hypothesis> {
+    let feeler = &scene.feelers[onset.feeler];
+    let spot = scene.ground.pieces[piece as usize].spot(at);
+    let contact = set.at_direction(spot.normal - heading)?;
+    let base = spot.position - contact.position.rotated(heading);
+    let chord = spot.position - base;
+    // The whisker comes to the boundary from its free side.
+    let aslant = Vec2::from_angle(heading + contact.slope).dot(Vec2::from_angle(spot.normal));
+    if aslant >= 0.0 || !scene.map.is_free(base) || scene.map.crosses(base, base + chord * 0.5) {
+        return None;
+    }
+    let q = contact.force.abs() * feeler.length * feeler.per_moment;
+    let beta = wrap_angle(spot.normal - heading - contact.slope - FRAC_PI_2);
+    let forward = Forward { map: scene.map, ground: scene.ground, length: feeler.length, solver: scene.solver };
+    let state = State::Touching(forward.loaded(piece, at, q, beta, contact.slope));
+    judged(scene, onset, Pose2::new(base.x, base.y, heading), state)
+}
+
+/// The inverse variances of a cell: place along and across the boundary, heading.
+fn cell(onset: &Onset<'_>) -> [f64; 3] {
+    let place = (0.6 * onset.spacing).powi(-2);
+    [place, place, (0.6 * onset.turn).powi(-2)]
+}
+
+/// The hypothesis after the first readings, unless they kill its whole cell.
+fn judged(scene: &Scene<'_>, onset: &Onset<'_>, map_from_whisker: Pose2, state: State) -> Option<Hypothesis> {
+    let feeler = &scene.feelers[onset.feeler];
+    let odom_from_whisker = scene.history.pose(onset.row).compose(feeler.robot_from_whisker);
+    let map_from_odom = map_from_whisker.compose(odom_from_whisker.inverse());
+    let mut states = vec![State::Free; scene.feelers.len()];
+    states[onset.feeler] = state;
+    let mut hypothesis = Hypothesis::new(map_from_odom, states, onset.row);
+    for &row in onset.rows {
+        hypothesis.take(scene, row);
+        let held = matches!(hypothesis.states[onset.feeler], State::Touching(_));
+        if !held || hypothesis.best(cell(onset), 0.0).0 > CELL_COST {
+            return None;
+        }
+    }
+    Some(hypothesis)
+}
+
+/// Moves each hypothesis to its best place and drops those that stay bad.
+fn refine(scene: &Scene<'_>, onset: &Onset<'_>, found: &mut Vec<Hypothesis>) {
+    for round in 0..ROUNDS {
+        let limit = if round + 1 == ROUNDS { REFINED_COST } else { CELL_COST };
+        found.retain_mut(|h| {
+            let (_, d) = h.best(cell(onset), 0.0);
+            let to = moved(h.map_from_odom, scene.pivot, d);
+            h.run(scene, to, onset.rows.iter().copied());
+            h.best(cell(onset), 0.0).0 <= limit
+        });
+    }
+}

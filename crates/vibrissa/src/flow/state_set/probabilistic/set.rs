@@ -1,0 +1,286 @@
+//! The state set of the probabilistic method, row by row: waiting, pressing, tracking, and starting anew when lost.
+
+use super::bank::{Bank, Field};
+use super::ground::Ground;
+use super::history::{Feeler, History};
+use super::places::{self, Fit, Place};
+use crate::beam::TipTable;
+use crate::config::ProbabilisticOptions;
+use crate::plane::Pose2;
+use crate::world::{Map, Robot};
+
+/// Free rows that are kept before a contact: what the whisker did not touch.
+const LEAD_ROWS: usize = 24;
+/// Travel between them (m).
+const LEAD_STEP: f64 = 1.5e-3;
+/// So many readings in a row begin or end a contact; fewer are taken for false ones.
+const STREAK: usize = 3;
+/// Over so many used rows the fit is watched, and a mean cost above this says that no hypothesis explains them.
+const WATCHED: usize = 40;
+const LOST_COST: f64 = 2.2;
+/// More seedings than this are not tried.
+const MOST_STARTS: u32 = 6;
+/// Fewest rows of contact to seed from.
+const FEWEST_ROWS: usize = 5;
+
+/// With more hypotheses than this for each place of the boundary that was tried, and as long as a contact has not been followed for this many times the
+/// usual travel, it is followed for longer, by this factor.
+const MANY_STARTS: f64 = 1.5;
+const MOST_PATIENCE: f64 = 4.0;
+const PATIENCE: f64 = 2.0;
+
+/// What a row did.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Happened {
+    /// Nothing that changes the set.
+    Nothing,
+    /// Hypotheses were made, this many.
+    Started(usize),
+    /// The hypotheses took in the reading.
+    Updated,
+    /// No hypothesis explains the readings any more.
+    Lost,
+}
+
+/// Where the corridor stands.
+enum Phase {
+    /// No contact yet.
+    Waiting,
+    /// In a first contact, which began at this row of the history.
+    Pressing { feeler: usize, onset: usize, from_free: bool, travelled: f64 },
+    /// With hypotheses.
+    Tracking(Bank),
+}
+
+/// The hypotheses of one robot on one map.
+pub struct ProbabilisticSet<'a> {
+    map: &'a Map,
+    robot: &'a Robot,
+    options: ProbabilisticOptions,
+    ground: Ground,
+    table: TipTable,
+    feelers: Vec<Feeler>,
+    history: History,
+    phase: Phase,
+    /// Contact readings in a row for each whisker, and free ones.
+    touching: Vec<usize>,
+    free: usize,
+    /// Least costs after each used row, the last few.
+    costs: Vec<f64>,
+    starts: u32,
+    patience: f64,
+    last: Option<Pose2>,
+}
+
+impl<'a> ProbabilisticSet<'a> {
+    /// An empty set.
+    #[must_use]
+    pub fn new(map: &'a Map, robot: &'a Robot, options: ProbabilisticOptions) -> Self {
+        let feelers: Vec<Feeler> = robot.whiskers.iter().map(Feeler::new).collect();
+        Self {
+            map,
+            robot,
+            options,
+            ground: Ground::new(map),
+            table: TipTable::new(),
+            history: History::new(feelers.len()),
+            touching: vec![0; feelers.len()],
+            feelers,
+            phase: Phase::Waiting,
+            free: 0,
+            costs: Vec::new(),
+            starts: 0,
+            patience: 1.0,
+            last: None,
+        }
+    }
+
+    /// How many hypotheses there are.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        match &self.phase {
+            Phase::Tracking(bank) => bank.hypotheses.len(),
+            _ => 0,
+        }
+    }
+
+    /// Whether there is no hypothesis.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    fn field(&self) -> Field<'_> {
+        Field {
+            map: self.map,
+            ground: &self.ground,
+            table: &self.table,
+            robot: self.robot,
+            feelers: &self.feelers,
+            options: &self.options,
+        }
+    }
+
+    /// Takes in one row: the robot in the odometry frame and one moment for each whisker (N m).
+    pub fn step(&mut self, odom_from_robot: Pose2, moments: &[f64]) -> Happened {
+        let readings: Vec<f64> = moments.iter().zip(&self.feelers).map(|(m, f)| m * f.per_moment).collect();
+        self.history.push(odom_from_robot, &readings);
+        let travel = self.last.map_or(0.0, |last| last.position().distance(odom_from_robot.position()));
+        let turn = self.last.map_or(0.0, |last| last.between(odom_from_robot).theta.abs());
+        self.last = Some(odom_from_robot);
+        let mut any = false;
+        for (index, feeler) in self.feelers.iter().enumerate() {
+            let contact = feeler.is_contact(readings[index]);
+            any |= contact;
+            self.touching[index] = if contact { self.touching[index] + 1 } else { 0 };
+        }
+        self.free = if any { 0 } else { self.free + 1 };
+        let lever = self.feelers.iter().map(|f| f.length).fold(0.0, f64::max);
+        match &mut self.phase {
+            Phase::Waiting => self.wait(any),
+            Phase::Pressing { travelled, .. } => {
+                *travelled += travel.max(turn * lever);
+                self.press(false)
+            }
+            Phase::Tracking(_) => self.track(),
+        }
+    }
+
+    /// Looks for a contact that lasts.
+    fn wait(&mut self, any: bool) -> Happened {
+        let last = self.history.len() - 1;
+        if let Some(feeler) = self.touching.iter().position(|&rows| rows >= STREAK) {
+            let onset = last + 1 - STREAK;
+            self.phase = Phase::Pressing { feeler, onset, from_free: onset > 0, travelled: 0.0 };
+            return Happened::Nothing;
+        }
+        if !any && last >= 2 {
+            // The row before the last stays only if it is far enough from the one before it.
+            let (before, middle) = (self.history.pose(last - 2), self.history.pose(last - 1));
+            let turned = before.between(middle).theta.abs() * 0.1;
+            if before.position().distance(middle.position()).max(turned) < LEAD_STEP {
+                self.history.drop_row(last - 1);
+            }
+        }
+        if self.history.len() > LEAD_ROWS + STREAK {
+            self.history.forget(1);
+        }
+        Happened::Nothing
+    }
+
+    /// Waits until the contact tells enough, or has ended.
+    fn press(&mut self, at_end: bool) -> Happened {
+        let Phase::Pressing { feeler, onset, from_free, travelled } = self.phase else { return Happened::Nothing };
+        let ended = at_end || self.free >= STREAK;
+        if travelled < self.options.seed_travel * self.patience && !ended {
+            return Happened::Nothing;
+        }
+        if self.history.len() < onset + FEWEST_ROWS + if ended { STREAK } else { 0 } {
+            if ended {
+                self.begin_again();
+            }
+            return Happened::Nothing;
+        }
+        if !from_free && onset > 0 {
+            self.history.forget(onset);
+        }
+        let onset = if from_free { onset } else { 0 };
+        let bank = Bank::start(&self.field(), &self.history, feeler, onset, from_free, &|_| true);
+        let count = bank.hypotheses.len();
+        // A contact too weak or too short to tell headings apart is followed for longer before anything is decided.
+        let places = self.ground.length() / self.options.seed_spacing;
+        if count as f64 > MANY_STARTS * places && !ended && self.patience < MOST_PATIENCE {
+            self.patience *= PATIENCE;
+            return Happened::Nothing;
+        }
+        self.starts += 1;
+        self.costs.clear();
+        if count == 0 {
+            self.begin_again();
+            return Happened::Lost;
+        }
+        self.phase = Phase::Tracking(bank);
+        Happened::Started(count)
+    }
+
+    /// Hands the row to the hypotheses and watches how they fare.
+    fn track(&mut self) -> Happened {
+        let Self { map, robot, options, ground, table, feelers, history, phase, .. } = self;
+        let Phase::Tracking(bank) = phase else { return Happened::Nothing };
+        let used = bank.used.len();
+        let field = Field { map, ground, table, robot, feelers, options };
+        bank.step(&field, history);
+        if bank.used.len() == used {
+            return Happened::Nothing;
+        }
+        if bank.used.len() != used + 1 {
+            self.costs.clear();
+        }
+        self.costs.push(bank.least());
+        if self.costs.len() > WATCHED {
+            let spent = self.costs[self.costs.len() - 1] - self.costs[0];
+            self.costs.remove(0);
+            if spent > LOST_COST * WATCHED as f64 {
+                self.begin_again();
+                return Happened::Lost;
+            }
+        }
+        if self.is_empty() {
+            self.begin_again();
+            return Happened::Lost;
+        }
+        Happened::Updated
+    }
+
+    /// Forgets everything and starts from the present contact, or waits for the next.
+    fn begin_again(&mut self) {
+        let rows = self.history.len();
+        self.history.forget(rows.saturating_sub(1));
+        self.patience = 1.0;
+        self.costs.clear();
+        self.phase = match self.touching.iter().position(|&rows| rows >= STREAK) {
+            Some(feeler) if self.starts < MOST_STARTS => {
+                Phase::Pressing { feeler, onset: 0, from_free: false, travelled: 0.0 }
+            }
+            _ => Phase::Waiting,
+        };
+    }
+
+    /// The robot's pose by each hypothesis, with the odometry at `odom_from_robot`.
+    #[must_use]
+    pub fn states(&self, odom_from_robot: Pose2) -> Vec<Pose2> {
+        match &self.phase {
+            Phase::Tracking(bank) => bank.hypotheses.iter().map(|h| h.map_from_odom.compose(odom_from_robot)).collect(),
+            _ => Vec::new(),
+        }
+    }
+
+    /// Area of the hypotheses' projection onto the plane (m²) and their volume (m² rad): ellipses that hold 95 %.
+    #[must_use]
+    pub fn size(&self) -> (f64, f64) {
+        match &self.phase {
+            Phase::Tracking(bank) => places::size(bank),
+            _ => (0.0, 0.0),
+        }
+    }
+
+    /// The best hypothesis now: the odometry frame in the map frame.
+    #[must_use]
+    pub fn best(&self) -> Option<Pose2> {
+        match &self.phase {
+            Phase::Tracking(bank) => places::best(bank),
+            _ => None,
+        }
+    }
+
+    /// Ends the log: every hypothesis moved to its least cost over all rows that are kept, weighed and grouped.
+    pub fn finish(&mut self) -> (Vec<Place>, Option<Fit>) {
+        if matches!(self.phase, Phase::Pressing { .. }) {
+            self.press(true);
+        }
+        let Self { map, robot, options, ground, table, feelers, history, phase, .. } = self;
+        let Phase::Tracking(bank) = phase else { return (Vec::new(), None) };
+        let field = Field { map, ground, table, robot, feelers, options };
+        places::choose(bank, &field, history)
+    }
+}

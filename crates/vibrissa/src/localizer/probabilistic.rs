@@ -1,0 +1,255 @@
+//! The probabilistic method row by row: rows in, hypotheses that fit all of them, weighed places at the end.
+
+use super::{LimitCheck, one_column_each};
+use crate::Result;
+use crate::config::ProbabilisticOptions;
+use crate::flow::pose::{Event, Hypothesis, Localization, Method, StampedPose, Status, StepRecord};
+use crate::flow::sensor_log::{Channel, LogRow, SensorLog};
+use crate::flow::state_set::probabilistic::{Fit, Happened, Place, ProbabilisticSet};
+use crate::plane::Pose2;
+use crate::sets::{Interval, StateBox};
+use crate::world::{Map, Robot};
+
+/// Half the side of the box around the region that holds 95 % of a Gaussian in three dimensions (standard deviations).
+const HALF_BOX: f64 = 2.795;
+/// A place larger than this (m, rad) is not called localized.
+const LARGEST_PLACE: f64 = 0.02;
+const LARGEST_TURN: f64 = 0.35;
+/// Places with less weight are told, but do not make a verdict ambiguous.
+const LEAST_RIVAL: f64 = 0.02;
+/// Share of readings beyond 2.5 standard deviations that outliers alone do not explain, and the mean square of block
+/// means (1 for independent errors) that declared errors do not explain, in standard deviations of that mean.
+const MOST_BEYOND: f64 = 0.15;
+const MOST_DRIFT: f64 = 4.0;
+/// Fewest blocks that speak about drift.
+const FEWEST_BLOCKS: usize = 6;
+
+/// The probabilistic localizer: hypotheses from no prior, each a least-squares fit of all readings.
+pub struct ProbabilisticLocalizer<'a> {
+    robot: &'a Robot,
+    channels: Vec<usize>,
+    limits: Vec<LimitCheck>,
+    /// For each whisker the last possible reading, and how many impossible ones came since.
+    last: Vec<(f64, usize)>,
+    set: ProbabilisticSet<'a>,
+    start: Option<Pose2>,
+    rows: Vec<(f64, Pose2)>,
+    in_contact: Vec<bool>,
+    touched: bool,
+    steps: Vec<StepRecord>,
+    events: Vec<Event>,
+    first_row: Option<usize>,
+    first_states: Vec<Pose2>,
+    lost: usize,
+}
+
+impl<'a> ProbabilisticLocalizer<'a> {
+    /// A localizer for logs with these channels.
+    ///
+    /// # Errors
+    ///
+    /// Options out of range, a whisker without a moment channel, or a whisker that the method does not cover (tapered,
+    /// curved, on an elastic base).
+    pub fn new(map: &'a Map, robot: &'a Robot, channels: &[Channel], options: ProbabilisticOptions) -> Result<Self> {
+        options.check()?;
+        one_column_each(robot, channels)?;
+        let log = SensorLog { channels: channels.to_vec(), ..SensorLog::default() };
+        robot.whiskers.iter().try_for_each(|w| w.beam.require_uniform())?;
+        let columns = robot.whiskers.iter().map(|w| log.moment_channel(&w.name)).collect::<Result<Vec<_>>>()?;
+        Ok(Self {
+            robot,
+            channels: columns,
+            limits: robot.whiskers.iter().map(LimitCheck::any_tilt).collect(),
+            last: vec![(0.0, 0); robot.whiskers.len()],
+            set: ProbabilisticSet::new(map, robot, options),
+            start: None,
+            rows: Vec::new(),
+            in_contact: vec![false; robot.whiskers.len()],
+            touched: false,
+            steps: Vec::new(),
+            events: Vec::new(),
+            first_row: None,
+            first_states: Vec::new(),
+            lost: 0,
+        })
+    }
+
+    /// Takes in one row.
+    ///
+    /// # Errors
+    ///
+    /// A moment that no shape of the whisker causes; the message names the line.
+    pub fn step(&mut self, row: &LogRow) -> Result<()> {
+        let start = *self.start.get_or_insert(row.odom_from_robot);
+        let odom = start.between(row.odom_from_robot);
+        let mut moments: Vec<f64> =
+            self.channels.iter().map(|&c| row.readings.get(c).copied().unwrap_or(0.0)).collect();
+        self.screen(&mut moments, row)?;
+        self.watch(row.t, &moments);
+        self.rows.push((row.t, odom));
+        match self.set.step(odom, &moments) {
+            Happened::Nothing => {}
+            Happened::Started(_) => {
+                self.first_row.get_or_insert(self.rows.len() - 1);
+                if self.first_states.is_empty() {
+                    self.first_states = self.set.states(odom);
+                }
+                self.note(row.t);
+            }
+            Happened::Updated => self.note(row.t),
+            Happened::Lost => self.note_loss(row.t),
+        }
+        Ok(())
+    }
+
+    /// Puts the last possible reading in the place of an impossible one; many on end are refused.
+    fn screen(&mut self, moments: &mut [f64], row: &LogRow) -> Result<()> {
+        for (index, moment) in moments.iter_mut().enumerate() {
+            let (last, impossible) = &mut self.last[index];
+            match self.limits[index].check(*moment, row) {
+                Ok(()) => (*last, *impossible) = (*moment, 0),
+                Err(error) if *impossible + 1 >= MOST_IMPOSSIBLE => return Err(error),
+                Err(_) => (*moment, *impossible) = (*last, *impossible + 1),
+            }
+        }
+        Ok(())
+    }
+
+    /// Notes contacts that begin and end.
+    fn watch(&mut self, t: f64, moments: &[f64]) {
+        for (index, whisker) in self.robot.whiskers.iter().enumerate() {
+            let noise = &whisker.noise;
+            let touching = moments[index].abs() * (1.0 - noise.moment_relative) > noise.moment_absolute;
+            if touching != self.in_contact[index] {
+                let (kind, what) = if touching { ("contact", "touches") } else { ("lift_off", "is free") };
+                self.events.push(Event { t, kind, detail: format!("{} {what}", whisker.name) });
+            }
+            self.in_contact[index] = touching;
+            self.touched |= touching;
+        }
+    }
+
+    fn note(&mut self, t: f64) {
+        let (area_m2, volume) = self.set.size();
+        self.steps.push(StepRecord { t, components: self.set.len(), area_m2, volume });
+    }
+
+    fn note_loss(&mut self, t: f64) {
+        self.lost += 1;
+        let detail = if self.first_row.is_some() {
+            "no place explains the readings up to here: the robot was moved by hand, the whisker slipped or touched with \
+             its side, or the map, the whisker or the noise bounds are not the robot's; starting anew"
+        } else {
+            "nowhere on this map explains this contact; is it the right map, and does the whisker touch with its tip?"
+        };
+        self.events.push(Event { t, kind: "inconsistent", detail: detail.to_owned() });
+    }
+
+    /// Ends the log, fits every hypothesis to all rows and chooses.
+    #[must_use]
+    pub fn finish(mut self) -> Localization {
+        let t = self.rows.last().map_or(0.0, |row| row.0);
+        let before = self.first_row;
+        let (places, fit) = self.set.finish();
+        if !places.is_empty() {
+            self.first_row.get_or_insert(self.rows.len().saturating_sub(1));
+        }
+        if before.is_none() && !places.is_empty() {
+            self.note(t);
+        }
+        let hypotheses: Vec<Hypothesis> = places.iter().map(hypothesis).collect();
+        let status = self.verdict(t, &hypotheses, fit.as_ref());
+        let keep = status != Status::Inconsistent;
+        let estimate = hypotheses.first().map(|h| h.pose).filter(|_| keep);
+        let trajectory = places.first().map_or_else(Vec::new, |place| self.trajectory(place));
+        let states = places.iter().flat_map(|p| p.members.iter().map(|(pose, c)| state_box(*pose, c))).collect();
+        Localization {
+            method: Method::Probabilistic,
+            status,
+            estimate,
+            hypotheses: if keep { hypotheses } else { Vec::new() },
+            trajectory: if keep { trajectory } else { Vec::new() },
+            states: if keep { states } else { Vec::new() },
+            first_states: self.first_states,
+            steps: self.steps,
+            events: self.events,
+            shapes: Vec::new(),
+        }
+    }
+
+    /// The verdict, with an event where the readings speak against every place.
+    fn verdict(&mut self, t: f64, hypotheses: &[Hypothesis], fit: Option<&Fit>) -> Status {
+        let rivals = hypotheses.iter().filter(|h| h.weight >= LEAST_RIVAL).count();
+        let small = |e: &StateBox| e.x.width().hypot(e.y.width()) <= LARGEST_PLACE && e.theta.width() <= LARGEST_TURN;
+        if !self.touched {
+            return Status::NoContact;
+        }
+        let Some(first) = hypotheses.first() else {
+            if self.lost > 0 {
+                return Status::Inconsistent;
+            }
+            let detail = "the contact was too short to tell any place; keep the whisker on the wall for a longer sweep";
+            self.events.push(Event { t, kind: "too_short", detail: detail.to_owned() });
+            return Status::Ambiguous;
+        };
+        if let Some(detail) = fit.and_then(misfit) {
+            self.events.push(Event { t, kind: "inconsistent", detail });
+            return Status::Inconsistent;
+        }
+        // A set that died once has to explain much before it is believed again.
+        if self.lost > 0 && !(rivals == 1 && fit.is_some_and(|f| f.touching >= RECOVERED)) {
+            return Status::Inconsistent;
+        }
+        if rivals == 1 && small(&first.extent) { Status::Localized } else { Status::Ambiguous }
+    }
+
+    /// The best place along the rows, from the first estimate on.
+    fn trajectory(&self, place: &Place) -> Vec<StampedPose> {
+        let first = self.first_row.unwrap_or(0);
+        let stamped = |&(t, odom): &(f64, Pose2)| StampedPose { t, map_from_robot: place.map_from_odom.compose(odom) };
+        self.rows[first..].iter().map(stamped).collect()
+    }
+}
+
+/// So many impossible readings on end are no false readings any more.
+const MOST_IMPOSSIBLE: usize = 4;
+/// Rows of contact that a set which was lost has to explain anew.
+const RECOVERED: usize = 150;
+
+/// Why the readings speak against the best place, if they do.
+fn misfit(fit: &Fit) -> Option<String> {
+    if fit.beyond > MOST_BEYOND {
+        return Some(format!(
+            "{:.0} % of the readings lie beyond their declared noise even at the best place; is it the right map, and \
+             does the whisker touch with its tip?",
+            100.0 * fit.beyond
+        ));
+    }
+    let most = 1.0 + MOST_DRIFT * (2.0 / fit.blocks.max(1) as f64).sqrt();
+    (fit.blocks >= FEWEST_BLOCKS && fit.drift > most).then(|| {
+        format!(
+            "the readings stray from the best place for many rows on end ({:.1} times what noise does); is it the right \
+             map, and is the whisker's stiffness right?",
+            fit.drift.sqrt()
+        )
+    })
+}
+
+fn hypothesis(place: &Place) -> Hypothesis {
+    let boxes = place.members.iter().map(|(pose, covariance)| state_box(*pose, covariance));
+    Hypothesis {
+        pose: place.members[0].0,
+        weight: place.weight,
+        extent: boxes.fold(StateBox::EMPTY, |all, one| all.hull(&one)),
+        covariance: Some(place.covariance),
+    }
+}
+
+/// The box around the region that holds the state with 95 %.
+fn state_box(pose: Pose2, covariance: &[[f64; 3]; 3]) -> StateBox {
+    let around = |value: f64, i: usize| {
+        let half = HALF_BOX * covariance[i][i].max(0.0).sqrt();
+        Interval::new(value - half, value + half)
+    };
+    StateBox { x: around(pose.x, 0), y: around(pose.y, 1), theta: around(pose.theta, 2) }
+}

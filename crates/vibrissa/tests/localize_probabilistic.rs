@@ -1,0 +1,111 @@
+//! The probabilistic method: sharp where the answer is unique, honest where it is not.
+
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on must fail")]
+
+use std::path::{Path, PathBuf};
+use vibrissa::flow::pose::{Localization, Method, Status};
+use vibrissa::flow::sensor_log::SensorLog;
+use vibrissa::flow::trajectory::read_tum;
+use vibrissa::plane::{Pose2, wrap_angle};
+use vibrissa::tasks::demo;
+use vibrissa::world::{Map, Robot};
+use vibrissa::{LocalizeOptions, localize};
+
+fn options() -> LocalizeOptions {
+    LocalizeOptions { method: Method::Probabilistic, ..LocalizeOptions::default() }
+}
+
+fn sweeps() -> Option<PathBuf> {
+    let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/sweeps"));
+    if folder.is_dir() {
+        return Some(folder.to_path_buf());
+    }
+    println!("skipped: no shared folder with sweeps");
+    None
+}
+
+fn run(folder: &Path, name: &str, map: &str) -> (Localization, Pose2) {
+    let map = Map::read(folder.join(format!("{map}.geojson"))).unwrap();
+    let log = SensorLog::read(folder.join(format!("{name}.csv"))).unwrap();
+    let truth = read_tum(folder.join(format!("{name}.truth.tum"))).unwrap();
+    let mut robot = Robot::default();
+    if name.ends_with("bias") {
+        robot.whiskers[0].noise.moment_relative = 0.055;
+    }
+    (localize(&log, &map, &robot, &options(), &mut |_| {}).unwrap(), truth.last().unwrap().map_from_robot)
+}
+
+/// Distance (m) and turn (rad).
+fn off(a: Pose2, b: Pose2) -> (f64, f64) {
+    (a.position().distance(b.position()), wrap_angle(a.theta - b.theta).abs())
+}
+
+#[test]
+fn unique_places_are_found_within_half_a_millimetre() {
+    let Some(folder) = sweeps() else { return };
+    for (name, map) in
+        [("rough0-02", "rough0"), ("rough0-03", "rough0"), ("rough0-03-bias", "rough0"), ("bays-00", "bays")]
+    {
+        let (answer, truth) = run(&folder, name, map);
+        assert_eq!(answer.status, Status::Localized, "{name}");
+        let (distance, turn) = off(answer.estimate.unwrap(), truth);
+        println!("{name}: {:.3} mm, {:.3} deg", 1e3 * distance, turn.to_degrees());
+        assert!(distance < 0.6e-3 && turn < 0.3_f64.to_radians(), "{name}: {distance} {turn}");
+        let (bound, heading) = answer.hypotheses[0].bound().unwrap();
+        assert!(bound > 1e-5 && bound < 1e-3 && heading > 1e-4 && heading < 1e-2, "{name}: {bound} {heading}");
+    }
+}
+
+#[test]
+fn a_square_has_four_equal_places() {
+    let Some(folder) = sweeps() else { return };
+    let (answer, truth) = run(&folder, "square-01", "square");
+    assert_eq!(answer.status, Status::Ambiguous);
+    assert_eq!(answer.hypotheses.len(), 4);
+    assert!(answer.hypotheses.iter().all(|h| (h.weight - 0.25).abs() < 0.1), "{:?}", answer.hypotheses);
+    let holds = answer.hypotheses.iter().any(|h| {
+        let middle = 0.5 * (h.extent.theta.lo() + h.extent.theta.hi());
+        h.extent.x.contains(truth.x)
+            && h.extent.y.contains(truth.y)
+            && h.extent.theta.contains(middle + wrap_angle(truth.theta - middle))
+    });
+    assert!(holds);
+}
+
+#[test]
+fn a_wrong_map_is_not_believed() {
+    let Some(folder) = sweeps() else { return };
+    let (answer, _) = run(&folder, "rough0-02", "bays");
+    assert_eq!(answer.status, Status::Inconsistent, "{:?}", answer.events);
+    assert!(answer.estimate.is_none() && answer.events.iter().any(|e| e.kind == "inconsistent"));
+}
+
+#[test]
+fn the_same_log_gives_the_same_answer_and_false_readings_do_not_move_it() {
+    let (map, sweep) = (demo::arena().unwrap(), demo::sweep(1).unwrap());
+    let truth = sweep.truth.last().unwrap().map_from_robot;
+    let mut log = sweep.log;
+    let plain = localize(&log, &map, &Robot::default(), &options(), &mut |_| {}).unwrap();
+    let again = localize(&log, &map, &Robot::default(), &options(), &mut |_| {}).unwrap();
+    assert_eq!(plain, again);
+    // Every twentieth reading is false: gone, doubled, or beyond what any whisker feels.
+    for (index, row) in log.rows.iter_mut().enumerate().skip(7).step_by(20) {
+        row.readings[0] *= [0.0, 2.0, -1.0, 1e3][index / 20 % 4];
+    }
+    let noisy = localize(&log, &map, &Robot::default(), &options(), &mut |_| {}).unwrap();
+    for answer in [&plain, &noisy] {
+        let (distance, turn) = off(answer.estimate.unwrap(), truth);
+        println!("{} {:.3} mm, {:.3} deg", answer.status, 1e3 * distance, turn.to_degrees());
+        assert!(answer.status == Status::Localized && distance < 1e-3 && turn < 0.01, "{distance} {turn}");
+    }
+}
+
+#[test]
+fn a_log_without_contact_says_so() {
+    let (map, mut log) = (demo::arena().unwrap(), demo::sweep(1).unwrap().log);
+    log.rows.iter_mut().for_each(|row| row.readings[0] = 0.0);
+    let answer = localize(&log, &map, &Robot::default(), &options(), &mut |_| {}).unwrap();
+    assert_eq!(answer.status, Status::NoContact);
+    log.rows.truncate(0);
+    assert_eq!(localize(&log, &map, &Robot::default(), &options(), &mut |_| {}).unwrap().status, Status::NoContact);
+}
