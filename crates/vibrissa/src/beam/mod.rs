@@ -26,6 +26,7 @@ pub mod jacobi;
 mod load;
 mod moment_mode;
 pub mod normal;
+pub mod press;
 mod pendulum;
 mod point_mode;
 pub mod rod;
