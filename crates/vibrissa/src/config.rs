@@ -141,3 +141,61 @@ impl DeterministicOptions {
         within("missed_share", self.missed_share, 0.0, 0.9, "of the observations")
     }
 }
+
+/// The knobs of the possibilistic method \[routray, section "Possibilistic Method"\]: they trade time for tightness,
+/// never for soundness.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PossibilisticOptions {
+    /// Most cells that are halved into; the first reading may take more.
+    pub most_cells: usize,
+    /// How often a cell meets a reading in one update, at most, over all cells.
+    pub work: usize,
+    /// The same once more at the end of the log, when nobody waits for the next row.
+    pub last_work: usize,
+    /// Cells smaller than this are not halved (m; headings count by an arm of 0.1 m).
+    pub resolution: f64,
+    /// How many readings the true state may violate.
+    pub tolerate: usize,
+    /// Bound on the error of an absolute heading in the log (rad).
+    pub heading_error: f64,
+    /// Where the robot is at the first row, map frame, where that is known: least and largest x (m), y (m), heading (rad).
+    pub prior: Option<[[f64; 2]; 3]>,
+}
+
+impl Default for PossibilisticOptions {
+    fn default() -> Self {
+        Self {
+            most_cells: 2000,
+            work: 600,
+            last_work: 100_000,
+            resolution: 0.4e-3,
+            tolerate: 0,
+            heading_error: 0.05,
+            prior: None,
+        }
+    }
+}
+
+impl PossibilisticOptions {
+    /// Checks that every knob is in its range.
+    ///
+    /// # Errors
+    ///
+    /// Usage: names the knob, its value and the allowed range.
+    pub fn check(&self) -> Result<()> {
+        let within = |name: &str, value: f64, lo: f64, hi: f64, unit: &str| {
+            if value >= lo && value <= hi {
+                return Ok(());
+            }
+            Err(Error::usage(format!("the option {name} is out of range"))
+                .value(value)
+                .allowed(format!("{lo} to {hi} {unit}")))
+        };
+        within("most_cells", self.most_cells as f64, 1.0, 1e6, "cells")?;
+        within("work", self.work as f64, 1.0, 1e7, "meetings a row")?;
+        within("last_work", self.last_work as f64, 0.0, 1e9, "meetings")?;
+        within("resolution", self.resolution, 1e-5, 0.1, "m")?;
+        within("tolerate", self.tolerate as f64, 0.0, 100.0, "readings")?;
+        within("heading_error", self.heading_error, 0.0, core::f64::consts::PI, "rad")
+    }
+}

@@ -147,6 +147,19 @@ impl SegmentTree {
         hit
     }
 
+    /// Calls `visit(edge)` for every edge whose own rectangle meets `bounds`.
+    pub fn for_each_overlapping(&self, bounds: Bounds, mut visit: impl FnMut(usize)) {
+        self.visit(
+            |node| node.overlaps(bounds),
+            |slot| {
+                if Bounds::of(&self.edges[slot]).overlaps(bounds) {
+                    visit(self.ids[slot] as usize);
+                }
+                false
+            },
+        );
+    }
+
     /// How many edges the ray from `p` towards +x crosses; odd inside a closed polygon.
     ///
     /// An edge counts when exactly one of its ends lies above the ray, so a corner on the ray counts once.

@@ -217,3 +217,17 @@ impl PressTable {
         }
     }
 }
+
+impl PressSlice {
+    /// The same with lengths in metres, for a whisker of this length (m).
+    #[must_use]
+    pub fn scaled(mut self, length: f64) -> Self {
+        for entry in &mut self.entries {
+            entry.center = entry.center * length;
+            entry.by_direction = entry.by_direction * length;
+            entry.by_moment = entry.by_moment * length;
+            entry.radius *= length;
+        }
+        self
+    }
+}

@@ -12,6 +12,7 @@
 mod candidate;
 mod components;
 mod membership;
+pub mod possibilistic;
 #[cfg(test)]
 mod tests;
 

@@ -1,0 +1,265 @@
+//! Whether a cell can explain a reading, and which part of it.
+//!
+//! A piece of boundary with normal `n` explains the reading if the whisker touches it there with the force along `n`: on
+//! an edge, base and contact differ along the normal by the whisker's reach `u(psi) · p(psi)` with `psi = n - heading`;
+//! at a vertex they differ by the contact itself. Both are linear over a small cell up to bounds, so that each piece and
+//! each entry of the reading's slice cut a slanted strip out of the cell. What the strips leave together is kept.
+
+use super::cell::{Cell, Form, narrowed};
+use super::piece::{Edge, Piece, Pieces, Vertex};
+use super::record::{Bending, Touch};
+use crate::beam::press::PressEntry;
+use crate::plane::{Bounds, Pose2, Vec2, wrap_angle};
+use core::f64::consts::{PI, TAU};
+
+type Part = [(f64, f64); 3];
+
+/// A cell as a whisker's base at one record.
+pub(super) struct View {
+    /// The base, map frame, and the whisker's heading.
+    pub(super) base: Vec2,
+    pub(super) heading: f64,
+    /// How base and heading depend on the cell's sides.
+    pub(super) moves: [Vec2; 3],
+    pub(super) turns: Form,
+    /// Half the range of headings, and half the rectangle around the bases.
+    pub(super) turn: f64,
+    pub(super) reach: Vec2,
+    /// What place and heading may be off beyond that: odometry, and what the linear model leaves.
+    pub(super) slop: f64,
+    pub(super) slop_turn: f64,
+}
+
+impl View {
+    /// The cell seen after the robot moved by `step` (known to `place` m and `turn` rad) for a whisker mounted so.
+    pub(super) fn new(cell: &Cell, step: Pose2, (place, off): (f64, f64), robot_from_whisker: Pose2) -> Self {
+        let to_base = step.compose(robot_from_whisker);
+        let arm = to_base.position().rotated(cell.center.theta);
+        let lever = arm.perp();
+        let moves = cell.sides.map(|s| Vec2::new(s[0], s[1]) + lever * s[2]);
+        let turns = cell.sides.map(|s| s[2]);
+        let turn = turns.iter().map(|t| t.abs()).sum::<f64>();
+        let slop = place + off * robot_from_whisker.position().norm() + 0.5 * arm.norm() * turn * turn + 1e-9;
+        let wide = moves.iter().fold(Vec2::ZERO, |sum, m| sum + Vec2::new(m.x.abs(), m.y.abs()));
+        Self {
+            base: cell.place() + arm,
+            heading: cell.center.theta + to_base.theta,
+            moves,
+            turns,
+            turn,
+            reach: wide + Vec2::new(slop, slop),
+            slop,
+            slop_turn: off,
+        }
+    }
+
+    /// The form of a displacement along `direction` plus `by_turn` times the turn.
+    fn form(&self, direction: Vec2, by_turn: f64) -> Form {
+        [0, 1, 2].map(|j| direction.dot(self.moves[j]) + by_turn * self.turns[j])
+    }
+}
+
+/// What is left of a cell.
+pub(super) struct Left {
+    pub(super) part: Part,
+    /// A strip that holds all that is left.
+    pub(super) form: Form,
+    pub(super) range: (f64, f64),
+}
+
+const WHOLE: Part = [(-1.0, 1.0); 3];
+
+impl Left {
+    /// The union with another strip and part.
+    fn join(left: &mut Option<Self>, part: Part, form: Form, (lo, hi): (f64, f64)) {
+        match left {
+            None => *left = Some(Self { part, form, range: (lo, hi) }),
+            Some(all) => {
+                for (a, b) in all.part.iter_mut().zip(part) {
+                    *a = (a.0.min(b.0), a.1.max(b.1));
+                }
+                let off = all.form.iter().zip(form).map(|(a, b)| (a - b).abs()).sum::<f64>();
+                all.range = (all.range.0.min(lo - off), all.range.1.max(hi + off));
+            }
+        }
+    }
+}
+
+/// What of the cell explains the reading by some contact; none if nothing does.
+pub(super) fn by_contact(view: &View, touch: &Touch, pieces: &Pieces) -> Option<Left> {
+    let mut left = None;
+    for bending in &touch.sides {
+        let bounds = rectangle(view, bending);
+        pieces.near(bounds, |piece| match piece {
+            Piece::Edge(edge) => on_edge(view, touch, bending, edge, &mut left),
+            Piece::Vertex(vertex) => at_vertex(view, touch, bending, vertex, &mut left),
+        });
+    }
+    left
+}
+
+/// The rectangle in the map around all places where the whisker can touch.
+fn rectangle(view: &View, bending: &Bending) -> Bounds {
+    let Bounds { min, max } = bending.bounds;
+    let (center, half) = ((min + max) * 0.5, (max - min) * 0.5);
+    let (sin, cos) = view.heading.sin_cos();
+    let swing = (view.turn + view.slop_turn) * min.norm().max(max.norm()).max(center.norm() + half.norm());
+    let wide = Vec2::new(
+        cos.abs() * half.x + sin.abs() * half.y + swing + view.reach.x,
+        sin.abs() * half.x + cos.abs() * half.y + swing + view.reach.y,
+    );
+    let middle = view.base + Vec2::new(cos * center.x - sin * center.y, sin * center.x + cos * center.y);
+    Bounds { min: middle - wide, max: middle + wide }
+}
+
+/// An entry of a slice as it is, mirrored where the whisker bends to the right.
+#[derive(Clone, Copy)]
+pub(super) struct Contact {
+    /// From the direction asked for to the entry's middle (rad).
+    pub(super) ahead: f64,
+    pub(super) half: f64,
+    pub(super) center: Vec2,
+    pub(super) by_direction: Vec2,
+    pub(super) by_moment: Vec2,
+    pub(super) radius: f64,
+}
+
+/// Calls `visit` for each entry that meets the directions within `wide` of `psi` (rad, whisker frame, any turn).
+pub(super) fn contacts(bending: &Bending, psi: f64, wide: f64, mut visit: impl FnMut(&Contact)) {
+    let side = bending.side;
+    // The table's directions lie around the half turn.
+    let asked = PI + wrap_angle(side * psi - PI);
+    let known = bending.slice.directions();
+    for asked in [asked - TAU, asked, asked + TAU] {
+        if asked + wide < known.lo() || asked - wide > known.hi() {
+            continue;
+        }
+        for entry in bending.slice.between(asked - wide, asked + wide) {
+            visit(&mirrored(entry, side, asked));
+        }
+    }
+}
+
+/// The entry seen from the direction `asked`, on its side.
+pub(super) fn mirrored(entry: &PressEntry, side: f64, asked: f64) -> Contact {
+    Contact {
+        ahead: side * (entry.middle - asked),
+        half: entry.half,
+        center: Vec2::new(entry.center.x, side * entry.center.y),
+        by_direction: Vec2::new(side * entry.by_direction.x, entry.by_direction.y),
+        by_moment: Vec2::new(entry.by_moment.x, side * entry.by_moment.y),
+        radius: entry.radius,
+    }
+}
+
+/// Contacts on an edge.
+fn on_edge(view: &View, touch: &Touch, bending: &Bending, edge: &Edge, left: &mut Option<Left>) {
+    let normal = edge.along.perp();
+    let offset = view.base - edge.start;
+    let distance = normal.dot(offset);
+    let across: f64 = view.moves.iter().map(|m| normal.dot(*m).abs()).sum::<f64>() + view.slop + edge.bow;
+    // The contact lies on the edge, and no contact is further from the base than the whisker is long.
+    if distance.abs() > 1.01 * touch.length + across {
+        return;
+    }
+    let psi = edge.normal - view.heading;
+    let lean = edge.slack + touch.friction_angle;
+    contacts(bending, psi, view.turn + view.slop_turn + lean, |contact| {
+        let strip = Strip::on_edge(view, contact, edge, psi, lean);
+        // The headings that this entry serves.
+        let serves = contact.half + lean + view.slop_turn;
+        let part = narrowed(&WHOLE, &strip.across, strip.across_range)
+            .and_then(|part| narrowed(&part, &strip.along, strip.along_range))
+            .and_then(|part| narrowed(&part, &view.turns, (-contact.ahead - serves, -contact.ahead + serves)));
+        if let Some(part) = part {
+            Left::join(left, part, strip.across, strip.across_range);
+        }
+    });
+}
+
+/// Two slanted strips of a cell whose meet holds every explanation of one kind.
+struct Strip {
+    across: Form,
+    across_range: (f64, f64),
+    along: Form,
+    along_range: (f64, f64),
+}
+
+impl Strip {
+    fn on_edge(view: &View, contact: &Contact, edge: &Edge, psi: f64, lean: f64) -> Self {
+        let (sin, cos) = psi.sin_cos();
+        let (u, side) = (Vec2::new(cos, sin), Vec2::new(sin, -cos));
+        let normal = edge.along.perp();
+        let offset = view.base - edge.start;
+        // The contact at psi itself, by the entry's own line.
+        let p = contact.center - contact.by_direction * contact.ahead;
+        // The headings of the cell that this entry can serve: psi falls as the heading grows.
+        let far = contact.ahead.abs() + contact.half + lean;
+        let turn = view.turn.min(far);
+        let (size, slope, thick) = (p.norm(), contact.by_direction.norm(), contact.by_moment.norm());
+        let wide = turn + view.slop_turn;
+        let second = wide * (0.5 * size * wide + slope * (wide + lean) + thick + contact.radius);
+        let error = contact.radius + second + edge.bow + view.slop;
+        let reach_turn = -side.dot(p) + u.dot(contact.by_direction);
+        let place_turn = u.dot(p) + side.dot(contact.by_direction);
+        let half = |direction: Vec2, by_turn: f64| {
+            error
+                + direction.dot(contact.by_moment).abs()
+                + direction.dot(contact.by_direction).abs() * lean
+                + by_turn.abs() * view.slop_turn
+        };
+        let (gap, half_gap) = (normal.dot(offset) + u.dot(p), half(u, reach_turn));
+        let (place, half_place) = (edge.along.dot(offset) + side.dot(p), half(side, place_turn));
+        Self {
+            across: view.form(normal, -reach_turn),
+            across_range: (-gap - half_gap, -gap + half_gap),
+            along: view.form(edge.along, -place_turn),
+            along_range: (-place - half_place, edge.length - place + half_place),
+        }
+    }
+
+    /// With the contact at a point: across and along the line on which the contact moves with the direction.
+    fn at_point(view: &View, contact: &Contact, target: Vec2) -> Self {
+        // The point in the whisker frame, and how it moves as base and heading do.
+        let (sin, cos) = view.heading.sin_cos();
+        let to_whisker = |v: Vec2| Vec2::new(cos * v.x + sin * v.y, cos * v.y - sin * v.x);
+        let w = to_whisker(target - view.base);
+        let sweep = contact.by_direction.norm();
+        let line = if sweep > 1e-6 {
+            contact.by_direction * (1.0 / sweep)
+        } else {
+            let thick = contact.by_moment.norm();
+            if thick > 0.0 { contact.by_moment.perp() * (1.0 / thick) } else { Vec2::new(1.0, 0.0) }
+        };
+        let turned = view.turn + view.slop_turn;
+        let moved = view.reach.norm();
+        let second = turned * (0.5 * w.norm() * turned + moved);
+        let error = contact.radius + second + view.slop + w.norm() * view.slop_turn;
+        let strip = |direction: Vec2| {
+            let in_map = Vec2::new(cos * direction.x - sin * direction.y, sin * direction.x + cos * direction.y);
+            let at = direction.dot(w - contact.center);
+            let half = error
+                + direction.dot(contact.by_moment).abs()
+                + direction.dot(contact.by_direction).abs() * contact.half;
+            (view.form(-in_map, -direction.dot(w.perp())), (-at - half, -at + half))
+        };
+        let (across, across_range) = strip(line.perp());
+        let (along, along_range) = strip(line);
+        Self { across, across_range, along, along_range }
+    }
+}
+
+/// Contacts at a vertex.
+fn at_vertex(view: &View, touch: &Touch, bending: &Bending, vertex: &Vertex, left: &mut Option<Left>) {
+    let lean = vertex.slack + touch.friction_angle;
+    let psi = vertex.normal - view.heading;
+    // Cones of half a turn and more meet everything.
+    contacts(bending, wrap_angle(psi), (view.turn + view.slop_turn + lean).min(PI), |contact| {
+        let strip = Strip::at_point(view, contact, vertex.point);
+        let part = narrowed(&WHOLE, &strip.across, strip.across_range)
+            .and_then(|part| narrowed(&part, &strip.along, strip.along_range));
+        if let Some(part) = part {
+            Left::join(left, part, strip.across, strip.across_range);
+        }
+    });
+}

@@ -1,0 +1,145 @@
+//! Which cell meets which reading when: a bounded amount of work for each row.
+
+use super::cell::Cell;
+use super::PossibleSet;
+use super::LOOK_EVERY;
+use crate::world::Map;
+
+/// Most of the kept readings that a new half meets at once.
+const RECALLED: usize = 6;
+/// Halving is worth its while when the halves together are smaller than the whole by this.
+const GAIN: f64 = 0.8;
+/// Cells longer than this are halved in any case (m).
+const COARSE: f64 = 6e-3;
+/// Longest rest between two attempts at halving (records).
+const LONGEST_REST: u32 = 512;
+
+impl PossibleSet {
+    /// Lets the newest record meet the cells, in turn, as far as the row's work goes; what is left is spent on halving.
+    pub(super) fn meet_newest(&mut self, map: &Map) {
+        let newest = self.records.len() as u32 - 1;
+        let mut work = self.options.work;
+        let mut left = self.cells.len();
+        let mut cells = std::mem::take(&mut self.cells);
+        self.cursor = if cells.is_empty() { 0 } else { self.cursor % cells.len() };
+        while left > 0 && work > 0 {
+            left -= 1;
+            work -= 1;
+            let cell = cells[self.cursor];
+            let look = (newest / LOOK_EVERY) != (cell.seen / LOOK_EVERY);
+            match self.meet(map, cell, newest, look) {
+                Some(kept) => {
+                    cells[self.cursor] = kept;
+                    self.cursor += 1;
+                }
+                None => {
+                    cells.remove(self.cursor);
+                }
+            }
+            if self.cursor >= cells.len() {
+                self.cursor = 0;
+            }
+        }
+        self.cells = cells;
+        if left == 0 {
+            self.halve(map, work);
+        }
+    }
+
+    /// Halves the longest cells and lets the halves meet some of what is remembered.
+    pub(super) fn halve(&mut self, map: &Map, mut work: usize) {
+        let newest = self.records.len() as u32 - 1;
+        let cost = 2 * (RECALLED + 1);
+        let mut order: Vec<usize> = (0..self.cells.len()).filter(|&i| self.may_halve(&self.cells[i], newest)).collect();
+        order.sort_by(|&a, &b| longest(&self.cells[b]).1.total_cmp(&longest(&self.cells[a]).1).then(a.cmp(&b)));
+        let mut gone = Vec::new();
+        let mut born = Vec::new();
+        for index in order {
+            if work < cost || self.cells.len() + born.len() >= self.options.most_cells + gone.len() {
+                break;
+            }
+            work -= cost;
+            let cell = self.cells[index];
+            let (side, length) = longest(&cell);
+            let halves: Vec<Cell> =
+                cell.halves(side).into_iter().filter_map(|half| self.recall(map, half, newest)).collect();
+            let volume: f64 = halves.iter().map(Cell::volume).sum();
+            if halves.len() < 2 || length > COARSE || volume < GAIN * cell.volume() {
+                gone.push(index);
+                born.extend(halves);
+            } else {
+                let rest = &mut self.cells[index];
+                rest.rest_until = newest + rest.patience;
+                rest.patience = (2 * rest.patience).min(LONGEST_REST);
+            }
+        }
+        gone.sort_unstable();
+        for index in gone.into_iter().rev() {
+            self.cells.swap_remove(index);
+        }
+        self.cells.extend(born);
+    }
+
+    fn may_halve(&self, cell: &Cell, newest: u32) -> bool {
+        cell.rest_until <= newest && longest(cell).1 > self.options.resolution
+    }
+
+    /// A half that meets the newest record and some of those that are kept, the latest first.
+    fn recall(&self, map: &Map, half: Cell, newest: u32) -> Option<Cell> {
+        let mut cell = self.meet(map, half, newest, true)?;
+        let every = (self.kept.len() / RECALLED).max(1);
+        for &k in self.kept.iter().rev().step_by(every).take(RECALLED) {
+            cell = self.meet(map, cell, k, false)?;
+        }
+        Some(cell)
+    }
+
+    /// The last effort, when no more rows come: every cell meets all that is remembered, and is halved as far as the
+    /// work goes.
+    pub fn finish(&mut self, map: &Map) {
+        let Some(newest) = self.records.len().checked_sub(1) else { return };
+        let mut work = self.options.last_work;
+        loop {
+            let meetings = self.cells.len() * (self.kept.len() + 1);
+            if meetings == 0 || meetings > work {
+                return;
+            }
+            work -= meetings;
+            let before: f64 = self.cells.iter().map(Cell::volume).sum();
+            let cells = std::mem::take(&mut self.cells);
+            self.cells = cells.into_iter().filter_map(|cell| self.recall_all(map, cell, newest as u32)).collect();
+            let after: f64 = self.cells.iter().map(Cell::volume).sum();
+            let share = work / 4;
+            let count = self.cells.len();
+            self.cells.iter_mut().for_each(|cell| cell.rest_until = 0);
+            if after < 0.7 * before {
+                continue;
+            }
+            self.halve(map, share);
+            work -= share;
+            if self.cells.len() == count && after > 0.9 * before {
+                return;
+            }
+        }
+    }
+
+    fn recall_all(&self, map: &Map, cell: Cell, newest: u32) -> Option<Cell> {
+        let mut cell = self.meet(map, cell, newest, true)?;
+        for &k in self.kept.iter().rev() {
+            cell = self.meet(map, cell, k, false)?;
+        }
+        Some(cell)
+    }
+}
+
+/// The longest side of a cell and its length (m).
+fn longest(cell: &Cell) -> (usize, f64) {
+    let mut best = (0, cell.length(0));
+    for side in 1..3 {
+        let length = cell.length(side);
+        if length > best.1 {
+            best = (side, length);
+        }
+    }
+    best
+}
