@@ -2,6 +2,10 @@
 //!
 //! [`crate::localize`] is the one-call door for whole logs; this is the same, row by row, for robots that are running.
 
+mod possibilistic;
+
+pub use possibilistic::PossibilisticLocalizer;
+
 use crate::beam::{elastica, largest_tip_moment};
 use crate::config::limits::{COARSEST_SPACING, MOST_SAMPLES};
 use crate::config::{DeterministicOptions, TipLoad};

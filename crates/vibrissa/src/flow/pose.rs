@@ -23,6 +23,8 @@ pub enum Status {
 pub enum Method {
     /// The paper's intersection of discretised preimages.
     Deterministic,
+    /// Guaranteed bounds on the state: what is outside is ruled out.
+    Possibilistic,
 }
 
 /// One place that explains the log, kept apart from every other.

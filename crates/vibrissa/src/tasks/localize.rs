@@ -1,10 +1,10 @@
 //! Where the robot is: the one-call door to the whole corridor.
 
 use crate::Result;
-use crate::config::DeterministicOptions;
+use crate::config::{DeterministicOptions, PossibilisticOptions};
 use crate::flow::pose::{Localization, Method};
 use crate::flow::sensor_log::SensorLog;
-use crate::localizer::Localizer;
+use crate::localizer::{Localizer, PossibilisticLocalizer};
 use crate::world::{Map, Robot};
 
 /// What can be chosen about a localization.
@@ -14,11 +14,17 @@ pub struct LocalizeOptions {
     pub method: Method,
     /// The knobs of the deterministic method.
     pub deterministic: DeterministicOptions,
+    /// The knobs of the possibilistic method.
+    pub possibilistic: PossibilisticOptions,
 }
 
 impl Default for LocalizeOptions {
     fn default() -> Self {
-        Self { method: Method::Deterministic, deterministic: DeterministicOptions::default() }
+        Self {
+            method: Method::Deterministic,
+            deterministic: DeterministicOptions::default(),
+            possibilistic: PossibilisticOptions::default(),
+        }
     }
 }
 
@@ -39,10 +45,22 @@ pub fn localize(
         Some(file) if error.line().is_some() => error.in_file(file),
         _ => error,
     };
-    let mut localizer = Localizer::new(map, robot, &log.channels, options.deterministic)?;
-    for (index, row) in log.rows.iter().enumerate() {
-        localizer.step(row).map_err(in_log)?;
-        observer(index);
+    match options.method {
+        Method::Deterministic => {
+            let mut localizer = Localizer::new(map, robot, &log.channels, options.deterministic)?;
+            for (index, row) in log.rows.iter().enumerate() {
+                localizer.step(row).map_err(in_log)?;
+                observer(index);
+            }
+            Ok(localizer.finish())
+        }
+        Method::Possibilistic => {
+            let mut localizer = PossibilisticLocalizer::new(map, robot, &log.channels, options.possibilistic)?;
+            for (index, row) in log.rows.iter().enumerate() {
+                localizer.step(row).map_err(in_log)?;
+                observer(index);
+            }
+            Ok(localizer.finish())
+        }
     }
-    Ok(localizer.finish())
 }

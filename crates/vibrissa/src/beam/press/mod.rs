@@ -14,7 +14,7 @@
 
 mod slice;
 
-pub use slice::{PressEntry, PressSlice};
+pub use slice::{PressEntry, PressSlice, Span};
 
 use super::pendulum::{Pendulum, Tilt};
 use crate::plane::Vec2;
@@ -56,6 +56,8 @@ pub struct PressTable {
     rows: usize,
     nodes: Vec<Node>,
     gaps: Vec<Gap>,
+    /// Least and largest moment of each cell.
+    ranges: Vec<(f64, f64)>,
     sides: Vec<Side>,
     side_gaps: Vec<Gap>,
     /// The largest deviation of a side contact by friction, for each column.
@@ -79,6 +81,7 @@ impl PressTable {
             rows,
             nodes: Vec::with_capacity(directions.len() * (rows + 1)),
             gaps: Vec::with_capacity(2 * columns * rows),
+            ranges: Vec::with_capacity(2 * columns * rows),
             sides: directions.iter().map(|&d| side(d, 0.0)).collect(),
             side_gaps: Vec::new(),
             side_slack: directions.iter().map(|&d| side_slack(d, slack)).collect(),
@@ -92,6 +95,9 @@ impl PressTable {
             for row in 0..rows {
                 let gap = table.measure(column, row, middle, &share);
                 table.gaps.push(gap);
+                let corners = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(c, r)| table.node(column + c, row + r).moment);
+                let (least, most) = corners.iter().fold((f64::INFINITY, 0.0_f64), |(a, b), &m| (a.min(m), b.max(m)));
+                table.ranges.push((least - gap.moment, most + gap.moment));
             }
             let at = side(middle, 0.0);
             let (a, b) = (table.sides[column], table.sides[column + 1]);

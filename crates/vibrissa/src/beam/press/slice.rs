@@ -31,6 +31,41 @@ pub struct PressSlice {
     width: f64,
     starts: Vec<u32>,
     entries: Vec<PressEntry>,
+    spans: Vec<Span>,
+}
+
+/// Where all contacts of one bucket lie, seen along the wall's normal and along the wall.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Span {
+    /// Least and largest `u(psi) · p`: how far the contact lies along the normal.
+    pub reach: (f64, f64),
+    /// Least and largest coordinate along the wall, which has free space on its left.
+    pub place: (f64, f64),
+}
+
+impl Span {
+    const EMPTY: Self =
+        Self { reach: (f64::INFINITY, f64::NEG_INFINITY), place: (f64::INFINITY, f64::NEG_INFINITY) };
+
+    fn hull(self, other: Self) -> Self {
+        let join = |a: (f64, f64), b: (f64, f64)| (a.0.min(b.0), a.1.max(b.1));
+        Self { reach: join(self.reach, other.reach), place: join(self.place, other.place) }
+    }
+
+    fn of(entry: &PressEntry) -> Self {
+        let (sin, cos) = entry.middle.sin_cos();
+        let (u, side) = (Vec2::new(cos, sin), Vec2::new(sin, -cos));
+        let (p, slope, half) = (entry.center, entry.by_direction, entry.half);
+        let second = half * (0.5 * p.norm() * half + slope.norm() * half + entry.by_moment.norm() + entry.radius);
+        let around = |direction: Vec2, turned: f64| {
+            let off = (turned + direction.dot(slope)).abs() * half
+                + direction.dot(entry.by_moment).abs()
+                + entry.radius
+                + second;
+            (direction.dot(p) - off, direction.dot(p) + off)
+        };
+        Self { reach: around(u, -side.dot(p)), place: around(side, u.dot(p)) }
+    }
 }
 
 impl PressSlice {
@@ -50,14 +85,27 @@ impl PressSlice {
     /// The entries whose ranges meet the directions from `lo` to `hi` (rad).
     #[must_use]
     pub fn between(&self, lo: f64, hi: f64) -> &[PressEntry] {
+        let (first, end) = self.buckets(lo, hi);
+        if first < end { &self.entries[self.starts[first] as usize..self.starts[end] as usize] } else { &[] }
+    }
+
+    /// Where all contacts lie whose walls have directions from `lo` to `hi` (rad); empty ranges when there is none.
+    #[must_use]
+    pub fn span(&self, lo: f64, hi: f64) -> Span {
+        let (first, end) = self.buckets(lo, hi);
+        let spans = if first < end { &self.spans[first..end] } else { &[] };
+        spans.iter().fold(Span::EMPTY, |all, one| all.hull(*one))
+    }
+
+    /// The buckets that meet the directions from `lo` to `hi`: the first and the one after the last.
+    fn buckets(&self, lo: f64, hi: f64) -> (usize, usize) {
         let last = self.starts.len().saturating_sub(1) as f64;
         let first = ((lo - self.lo) / self.width - 1e-9).floor();
         let end = ((hi - self.lo) / self.width + 1e-9).floor() + 1.0;
         if !(first < last && end > 0.0) {
-            return &[];
+            return (0, 0);
         }
-        let (first, end) = (first.max(0.0) as usize, end.min(last) as usize);
-        &self.entries[self.starts[first] as usize..self.starts[end] as usize]
+        (first.max(0.0) as usize, end.min(last) as usize)
     }
 }
 
@@ -71,11 +119,14 @@ impl PressTable {
             width: (self.directions[columns] - self.directions[0]) / columns as f64,
             starts: Vec::with_capacity(columns + 1),
             entries: Vec::with_capacity(2 * columns),
+            spans: Vec::with_capacity(columns),
         };
         for column in 0..columns {
-            slice.starts.push(slice.entries.len() as u32);
+            let start = slice.entries.len();
+            slice.starts.push(start as u32);
             self.tips(column, lo, hi, &mut slice.entries);
             slice.entries.extend(self.side(column, lo, hi));
+            slice.spans.push(slice.entries[start..].iter().fold(Span::EMPTY, |all, e| all.hull(Span::of(e))));
         }
         slice.starts.push(slice.entries.len() as u32);
         slice
@@ -104,13 +155,8 @@ impl PressTable {
 
     /// Whether a cell may hold a moment of the interval.
     fn reaches(&self, column: usize, row: usize, lo: f64, hi: f64) -> bool {
-        let gap = self.gaps[column * self.rows + row].moment;
-        let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
-        for (c, r) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
-            let moment = self.node(column + c, row + r).moment;
-            (least, most) = (least.min(moment), most.max(moment));
-        }
-        least - gap <= hi && most + gap >= lo
+        let (least, most) = self.ranges[column * self.rows + row];
+        least <= hi && most >= lo
     }
 
     /// The linear model over the cells from `first` to before `end`.
@@ -227,6 +273,10 @@ impl PressSlice {
             entry.by_direction = entry.by_direction * length;
             entry.by_moment = entry.by_moment * length;
             entry.radius *= length;
+        }
+        for span in &mut self.spans {
+            span.reach = (span.reach.0 * length, span.reach.1 * length);
+            span.place = (span.place.0 * length, span.place.1 * length);
         }
         self
     }

@@ -17,7 +17,7 @@ const TOGETHER: f64 = 4e-3;
 /// Cells that hold every state in which the map explains the reading by contact; `touch` is sliced from a coarse table.
 pub(super) fn cells(pieces: &Pieces, touch: &Touch, record: u32) -> Vec<Cell> {
     let mut cells = Vec::new();
-    for bending in &touch.sides {
+    for bending in &touch.coarse_sides {
         for piece in &pieces.all {
             match piece {
                 Piece::Edge(edge) => along_edge(edge, touch, bending, record, &mut cells),

@@ -14,6 +14,22 @@ use core::f64::consts::{PI, TAU};
 
 type Part = [(f64, f64); 3];
 
+/// Cells wider than this in heading (rad) or place (m) are compared with the coarse pieces.
+const WIDE_TURN: f64 = 0.02;
+const WIDE_REACH: f64 = 8e-3;
+
+/// The map's pieces, fine and coarse.
+#[derive(Clone, Debug)]
+pub(super) struct Ground {
+    pub(super) fine: Pieces,
+    pub(super) coarse: Pieces,
+}
+
+/// The length of a vector, without the care for overflow that maps do not need.
+fn size(v: Vec2) -> f64 {
+    v.norm_squared().sqrt()
+}
+
 /// A cell as a whisker's base at one record.
 pub(super) struct View {
     /// The base, map frame, and the whisker's heading.
@@ -86,9 +102,13 @@ impl Left {
 }
 
 /// What of the cell explains the reading by some contact; none if nothing does.
-pub(super) fn by_contact(view: &View, touch: &Touch, pieces: &Pieces) -> Option<Left> {
+pub(super) fn by_contact(view: &View, touch: &Touch, ground: &Ground) -> Option<Left> {
+    // A wide cell gains nothing from fine detail.
+    let wide = view.turn > WIDE_TURN || view.reach.x + view.reach.y > WIDE_REACH;
+    let (sides, pieces) =
+        if wide { (&touch.coarse_sides, &ground.coarse) } else { (&touch.sides, &ground.fine) };
     let mut left = None;
-    for bending in &touch.sides {
+    for bending in sides {
         let bounds = rectangle(view, bending);
         pieces.near(bounds, |piece| match piece {
             Piece::Edge(edge) => on_edge(view, touch, bending, edge, &mut left),
@@ -157,15 +177,18 @@ fn on_edge(view: &View, touch: &Touch, bending: &Bending, edge: &Edge, left: &mu
     let normal = edge.along.perp();
     let offset = view.base - edge.start;
     let distance = normal.dot(offset);
-    let across: f64 = view.moves.iter().map(|m| normal.dot(*m).abs()).sum::<f64>() + view.slop + edge.bow;
-    // The contact lies on the edge, and no contact is further from the base than the whisker is long.
-    if distance.abs() > 1.01 * touch.length + across {
+    let across = normal.x.abs() * view.reach.x + normal.y.abs() * view.reach.y + edge.bow;
+    if distance - across > touch.length || distance + across < -touch.length {
         return;
     }
-    let psi = edge.normal - view.heading;
+    let psi = wrap_angle(edge.normal - view.heading);
     let lean = edge.slack + touch.friction_angle;
-    contacts(bending, psi, view.turn + view.slop_turn + lean, |contact| {
-        let strip = Strip::on_edge(view, contact, edge, psi, lean);
+    let wide = view.turn + view.slop_turn + lean;
+    if !may_touch(view, touch, bending, edge, (psi, wide, lean), (distance, across)) {
+        return;
+    }
+    contacts(bending, psi, wide, |contact| {
+        let Some(strip) = Strip::on_edge(view, contact, edge, psi, lean) else { return };
         // The headings that this entry serves.
         let serves = contact.half + lean + view.slop_turn;
         let part = narrowed(&WHOLE, &strip.across, strip.across_range)
@@ -177,6 +200,34 @@ fn on_edge(view: &View, touch: &Touch, bending: &Bending, edge: &Edge, left: &mu
     });
 }
 
+/// A quick look whether base and edge can be as far apart, along the normal and along the edge, as contacts are.
+fn may_touch(
+    view: &View,
+    touch: &Touch,
+    bending: &Bending,
+    edge: &Edge,
+    (psi, wide, lean): (f64, f64, f64),
+    (distance, across): (f64, f64),
+) -> bool {
+    let ahead = edge.along.dot(view.base - edge.start);
+    let beside = edge.along.x.abs() * view.reach.x + edge.along.y.abs() * view.reach.y + edge.bow;
+    // The force leans from the normal along which the distance is counted.
+    let more = touch.length * lean;
+    let asked = PI + wrap_angle(bending.side * psi - PI);
+    for asked in [asked - TAU, asked, asked + TAU] {
+        let span = bending.slice.span(asked - wide, asked + wide);
+        let place = if bending.side > 0.0 { span.place } else { (-span.place.1, -span.place.0) };
+        if distance + span.reach.0 - across - more <= 0.0
+            && distance + span.reach.1 + across + more >= 0.0
+            && ahead + place.0 - beside - more <= edge.length
+            && ahead + place.1 + beside + more >= 0.0
+        {
+            return true;
+        }
+    }
+    false
+}
+
 /// Two slanted strips of a cell whose meet holds every explanation of one kind.
 struct Strip {
     across: Form,
@@ -186,7 +237,7 @@ struct Strip {
 }
 
 impl Strip {
-    fn on_edge(view: &View, contact: &Contact, edge: &Edge, psi: f64, lean: f64) -> Self {
+    fn on_edge(view: &View, contact: &Contact, edge: &Edge, psi: f64, lean: f64) -> Option<Self> {
         let (sin, cos) = psi.sin_cos();
         let (u, side) = (Vec2::new(cos, sin), Vec2::new(sin, -cos));
         let normal = edge.along.perp();
@@ -196,9 +247,9 @@ impl Strip {
         // The headings of the cell that this entry can serve: psi falls as the heading grows.
         let far = contact.ahead.abs() + contact.half + lean;
         let turn = view.turn.min(far);
-        let (size, slope, thick) = (p.norm(), contact.by_direction.norm(), contact.by_moment.norm());
+        let (arm, slope, thick) = (size(p), size(contact.by_direction), size(contact.by_moment));
         let wide = turn + view.slop_turn;
-        let second = wide * (0.5 * size * wide + slope * (wide + lean) + thick + contact.radius);
+        let second = wide * (0.5 * arm * wide + slope * (wide + lean) + thick + contact.radius);
         let error = contact.radius + second + edge.bow + view.slop;
         let reach_turn = -side.dot(p) + u.dot(contact.by_direction);
         let place_turn = u.dot(p) + side.dot(contact.by_direction);
@@ -209,13 +260,17 @@ impl Strip {
                 + by_turn.abs() * view.slop_turn
         };
         let (gap, half_gap) = (normal.dot(offset) + u.dot(p), half(u, reach_turn));
+        let across = view.form(normal, -reach_turn);
+        if gap.abs() > half_gap + across.iter().map(|k| k.abs()).sum::<f64>() {
+            return None;
+        }
         let (place, half_place) = (edge.along.dot(offset) + side.dot(p), half(side, place_turn));
-        Self {
-            across: view.form(normal, -reach_turn),
+        Some(Self {
+            across,
             across_range: (-gap - half_gap, -gap + half_gap),
             along: view.form(edge.along, -place_turn),
             along_range: (-place - half_place, edge.length - place + half_place),
-        }
+        })
     }
 
     /// With the contact at a point: across and along the line on which the contact moves with the direction.
@@ -224,7 +279,7 @@ impl Strip {
         let (sin, cos) = view.heading.sin_cos();
         let to_whisker = |v: Vec2| Vec2::new(cos * v.x + sin * v.y, cos * v.y - sin * v.x);
         let w = to_whisker(target - view.base);
-        let sweep = contact.by_direction.norm();
+        let sweep = size(contact.by_direction);
         let line = if sweep > 1e-6 {
             contact.by_direction * (1.0 / sweep)
         } else {
@@ -232,9 +287,9 @@ impl Strip {
             if thick > 0.0 { contact.by_moment.perp() * (1.0 / thick) } else { Vec2::new(1.0, 0.0) }
         };
         let turned = view.turn + view.slop_turn;
-        let moved = view.reach.norm();
-        let second = turned * (0.5 * w.norm() * turned + moved);
-        let error = contact.radius + second + view.slop + w.norm() * view.slop_turn;
+        let moved = size(view.reach);
+        let second = turned * (0.5 * size(w) * turned + moved);
+        let error = contact.radius + second + view.slop + size(w) * view.slop_turn;
         let strip = |direction: Vec2| {
             let in_map = Vec2::new(cos * direction.x - sin * direction.y, sin * direction.x + cos * direction.y);
             let at = direction.dot(w - contact.center);

@@ -22,13 +22,14 @@ use crate::plane::{Pose2, wrap_angle};
 use crate::sets::{Interval, StateBox};
 use crate::world::{Map, MountedWhisker, Odometry};
 use cell::{Cell, narrowed};
-use explain::View;
+use explain::{Ground, View};
 pub use measure::Place;
 use piece::Pieces;
 use record::{Stand, Touch};
 
 /// Columns (a quarter turn) and rows of the tables that cells meet, and of those that they are born from.
 const FINE: (usize, usize) = (96, 64);
+const MEDIUM: (usize, usize) = (32, 32);
 const COARSE: (usize, usize) = (16, 24);
 /// Odometry may be off by this much before a cell is moved to the present row (m).
 const STALE: f64 = 5e-5;
@@ -45,6 +46,7 @@ const LOOK_EVERY: u32 = 8;
 struct Probe {
     whisker: MountedWhisker,
     fine: PressTable,
+    medium: PressTable,
     coarse: PressTable,
 }
 
@@ -62,7 +64,7 @@ struct Record {
 pub struct PossibleSet {
     options: PossibilisticOptions,
     odometry: Odometry,
-    pieces: Pieces,
+    ground: Ground,
     probes: Vec<Probe>,
     records: Vec<Record>,
     /// Records that still have their readings, but for the newest.
@@ -80,12 +82,13 @@ impl PossibleSet {
         let probe = |whisker: &MountedWhisker| Probe {
             whisker: whisker.clone(),
             fine: PressTable::new(FINE.0, FINE.1, whisker.friction.atan()),
+            medium: PressTable::new(MEDIUM.0, MEDIUM.1, whisker.friction.atan()),
             coarse: PressTable::new(COARSE.0, COARSE.1, whisker.friction.atan()),
         };
         Self {
             options,
             odometry,
-            pieces: Pieces::new(map),
+            ground: Ground { fine: Pieces::new(map, piece::FINE), coarse: Pieces::new(map, piece::COARSE) },
             probes: whiskers.iter().map(probe).collect(),
             records: Vec::new(),
             kept: Vec::new(),
@@ -108,6 +111,18 @@ impl PossibleSet {
         self.has_started() && self.cells.is_empty()
     }
 
+    /// The middles of the cells at the newest row.
+    #[must_use]
+    pub fn middles(&self) -> Vec<Pose2> {
+        self.now().iter().map(|(cell, _)| cell.center).collect()
+    }
+
+    /// An upper bound of the volume (m² rad).
+    #[must_use]
+    pub fn volume(&self) -> f64 {
+        self.cells.iter().map(Cell::volume).sum()
+    }
+
     /// How many cells enclose the set.
     #[must_use]
     pub fn len(&self) -> usize {
@@ -120,9 +135,17 @@ impl PossibleSet {
             Some(last) => last.stand.next(odom_from_robot, &self.odometry),
             None => Stand::first(odom_from_robot),
         };
-        let touch = |(probe, m): (&Probe, &Interval)| Touch::new(&probe.whisker, &probe.fine, m.lo(), m.hi());
-        let touches = self.probes.iter().zip(moments).map(touch).collect();
+        let touch = |(probe, m): (&Probe, &Interval)| {
+            Touch::new(&probe.whisker, &probe.fine, &probe.medium, m.lo(), m.hi())
+        };
         self.forget();
+        // Readings that may be none are worth nothing before the set starts, unless they are remembered.
+        let idle = !self.has_started() && moments.iter().all(|m| m.contains(0.0));
+        let touches = if idle && !self.is_apart(stand.path()) {
+            Vec::new()
+        } else {
+            self.probes.iter().zip(moments).map(touch).collect()
+        };
         self.records.push(Record { stand, touches, heading });
         if !self.has_started() {
             self.start(map, moments);
@@ -134,9 +157,7 @@ impl PossibleSet {
     /// Forgets the readings of the last record unless they are worth keeping.
     fn forget(&mut self) {
         let Some(last) = self.records.len().checked_sub(1) else { return };
-        let way = |index: u32| self.records[index as usize].stand.path();
-        let apart = self.kept.last().is_none_or(|&k| self.records[last].stand.path() - way(k) >= self.kept_every);
-        if apart {
+        if self.is_apart(self.records[last].stand.path()) {
             self.kept.push(last as u32);
         } else {
             self.records[last].touches = Vec::new();
@@ -155,6 +176,12 @@ impl PossibleSet {
         }
     }
 
+    /// Whether a record this far along the way is worth keeping.
+    fn is_apart(&self, way: f64) -> bool {
+        let last = self.kept.last();
+        last.is_none_or(|&k| way - self.records[k as usize].stand.path() >= self.kept_every)
+    }
+
     /// Lays cells if the newest reading needs a contact. Of any `tolerate + 1` readings one is true.
     fn start(&mut self, map: &Map, moments: &[Interval]) {
         let record = self.records.len() as u32 - 1;
@@ -162,8 +189,8 @@ impl PossibleSet {
             if moment.contains(0.0) || self.births > self.options.tolerate {
                 continue;
             }
-            let coarse = Touch::new(&probe.whisker, &probe.coarse, moment.lo(), moment.hi());
-            self.cells.extend(birth::cells(&self.pieces, &coarse, record));
+            let coarse = Touch::new(&probe.whisker, &probe.coarse, &probe.coarse, moment.lo(), moment.hi());
+            self.cells.extend(birth::cells(&self.ground.coarse, &coarse, record));
             self.births += 1;
         }
         if self.births == 0 {
@@ -208,10 +235,10 @@ impl PossibleSet {
             if look && !room::base_may_be_free(&view, map) {
                 return None;
             }
-            if touch.free && room::whisker_may_be_free(&view, touch.length, &self.pieces) {
+            if touch.free && room::whisker_may_be_free(&view, touch.length, &self.ground.coarse) {
                 continue;
             }
-            match explain::by_contact(&view, touch, &self.pieces) {
+            match explain::by_contact(&view, touch, &self.ground) {
                 // With misses left, the part that does not explain the reading stays possible, too.
                 Some(_) if (cell.missed as usize) < self.options.tolerate => {}
                 Some(left) => cell.keep(&left),

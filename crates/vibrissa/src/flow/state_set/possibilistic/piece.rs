@@ -4,13 +4,23 @@ use crate::plane::{Bounds, Segment, SegmentTree, Vec2, wrap_angle};
 use crate::world::{Boundary, Map};
 use core::f64::consts::{FRAC_PI_2, PI};
 
-/// Largest turn within an edge (rad), and how far it may leave its chord (m).
-const TURN: f64 = 0.04;
-const BOW: f64 = 3e-5;
+/// How coarsely the map is cut: the largest turn within an edge (rad), and how far it may leave its chord (m).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Grain {
+    turn: f64,
+    bow: f64,
+}
+
+/// For cells that are small already.
+pub(super) const FINE: Grain = Grain { turn: 0.04, bow: 3e-5 };
+/// For cells that are wider than what it leaves open.
+pub(super) const COARSE: Grain = Grain { turn: 0.2, bow: 2.5e-4 };
 /// Edges no longer than this (m) may turn and leave their chord by more: tight curves are not cut any finer.
 const SHORT: f64 = 1.5e-3;
 const SHORT_TURN: f64 = 0.4;
 const SHORT_BOW: f64 = 1e-4;
+/// No edge leaves its chord by more (m).
+const MOST_BOW: f64 = 3e-4;
 /// A turn between edges beyond this makes a vertex (rad).
 const CORNER: f64 = 0.06;
 /// What rounding and the readers' tolerance for arcs may add (m).
@@ -60,10 +70,10 @@ pub(super) struct Pieces {
 }
 
 impl Pieces {
-    pub(super) fn new(map: &Map) -> Self {
+    pub(super) fn new(map: &Map, grain: Grain) -> Self {
         let mut all = Vec::new();
         for boundary in map.boundaries() {
-            add_boundary(boundary, &mut all);
+            add_boundary(boundary, grain, &mut all);
         }
         let chord = |piece: &Piece| match piece {
             Piece::Edge(e) => [e.start, e.start + e.along * e.length],
@@ -75,22 +85,22 @@ impl Pieces {
 
     /// Calls `visit` for every piece that may have a point in the rectangle.
     pub(super) fn near(&self, bounds: Bounds, mut visit: impl FnMut(&Piece)) {
-        let margin = Vec2::new(SHORT_BOW, SHORT_BOW);
+        let margin = Vec2::new(MOST_BOW, MOST_BOW);
         let grown = Bounds { min: bounds.min - margin, max: bounds.max + margin };
         self.tree.for_each_overlapping(grown, |edge| visit(&self.all[edge]));
     }
 }
 
-fn add_boundary(boundary: &Boundary, all: &mut Vec<Piece>) {
+fn add_boundary(boundary: &Boundary, grain: Grain, all: &mut Vec<Piece>) {
     let mut links = Vec::new();
     for segment in boundary.curve().segments() {
         add_links(segment, &mut links);
     }
     let closed = boundary.curve().is_closed();
-    add_side(&links, closed, all);
+    add_side(&links, closed, grain, all);
     if boundary.is_two_sided() {
         let back: Vec<Link> = links.iter().rev().map(Link::reversed).collect();
-        add_side(&back, closed, all);
+        add_side(&back, closed, grain, all);
         if let (false, Some(first), Some(last)) = (closed, links.first(), links.last()) {
             let end = |point, normal| Piece::Vertex(Vertex { point, normal, slack: FRAC_PI_2 });
             all.push(end(first.from, wrap_angle(first.tangent.0 + PI)));
@@ -119,7 +129,7 @@ fn add_links(segment: &Segment, links: &mut Vec<Link>) {
         let away = |p: &Vec2| if chord.norm() > 0.0 { chord.cross(*p - from).abs() / chord.norm() } else { 0.0 };
         let bow = points.iter().map(away).fold(0.0, f64::max);
         let size = legs.iter().map(|l| l.norm()).sum::<f64>();
-        let fine = hi - lo <= 0.5 * TURN && bow <= 0.3 * BOW;
+        let fine = hi - lo <= 0.5 * FINE.turn && bow <= 0.3 * FINE.bow;
         if points.len() == 2 || fine || size < 1e-5 {
             links.push(Link { from, to, bow: bow + ROUNDING, tangent: (middle + lo, middle + hi) });
         } else {
@@ -144,7 +154,7 @@ fn halved(points: &[Vec2]) -> (Vec<Vec2>, Vec<Vec2>) {
 }
 
 /// Groups the links of one side into edges, with vertices where they turn sharply.
-fn add_side(links: &[Link], closed: bool, all: &mut Vec<Piece>) {
+fn add_side(links: &[Link], closed: bool, grain: Grain, all: &mut Vec<Piece>) {
     let mut start = 0;
     let mut entering = match (closed, links.first(), links.last()) {
         (true, Some(first), Some(last)) => joint(last, first, all),
@@ -155,7 +165,7 @@ fn add_side(links: &[Link], closed: bool, all: &mut Vec<Piece>) {
         let mut end = start + 1;
         while end < links.len() && is_smooth(&links[end - 1], &links[end]) {
             let longer = chord(&links[start..=end], entering);
-            if !is_fine(&longer) {
+            if !is_fine(&longer, grain) {
                 break;
             }
             edge = longer;
@@ -177,8 +187,8 @@ fn is_smooth(before: &Link, after: &Link) -> bool {
     turn(before, after).abs() <= CORNER
 }
 
-fn is_fine(edge: &Edge) -> bool {
-    let (slack, bow) = if edge.length <= SHORT { (SHORT_TURN, SHORT_BOW) } else { (TURN, BOW) };
+fn is_fine(edge: &Edge, grain: Grain) -> bool {
+    let (slack, bow) = if edge.length <= SHORT { (SHORT_TURN, SHORT_BOW.max(grain.bow)) } else { (grain.turn, grain.bow) };
     edge.slack <= 0.5 * slack && edge.bow <= bow
 }
 

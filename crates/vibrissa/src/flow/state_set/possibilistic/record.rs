@@ -59,8 +59,9 @@ pub(super) struct Touch {
     pub(super) length: f64,
     /// How far the force may lean from the normal (rad).
     pub(super) friction_angle: f64,
-    /// Contacts that bend the whisker to the left (1) or to the right (-1), in metres.
+    /// Contacts that bend the whisker to the left (1) or to the right (-1), in metres; from a fine and a coarse table.
     pub(super) sides: Vec<Bending>,
+    pub(super) coarse_sides: Vec<Bending>,
     /// Whether the whisker may be free.
     pub(super) free: bool,
 }
@@ -77,23 +78,29 @@ pub(super) struct Bending {
 
 impl Touch {
     /// What a moment in `[lo, hi]` (N m) allows.
-    pub(super) fn new(whisker: &MountedWhisker, table: &PressTable, lo: f64, hi: f64) -> Self {
-        let scale = whisker.beam.length / whisker.beam.flexural_rigidity;
-        let mut sides = Vec::new();
-        for (side, least, most) in [(1.0, lo, hi), (-1.0, -hi, -lo)] {
-            if most > 0.0 {
-                let slice = table.slice(least.max(0.0) * scale, most * scale).scaled(whisker.beam.length);
-                sides.push(Bending { side, bounds: around(&slice, side), slice });
-            }
-        }
+    pub(super) fn new(whisker: &MountedWhisker, fine: &PressTable, coarse: &PressTable, lo: f64, hi: f64) -> Self {
         Self {
             robot_from_whisker: whisker.robot_from_whisker,
             length: whisker.beam.length,
-            friction_angle: table.friction_angle(),
-            sides,
+            friction_angle: fine.friction_angle(),
+            sides: bendings(whisker, fine, lo, hi),
+            coarse_sides: bendings(whisker, coarse, lo, hi),
             free: lo <= 0.0 && hi >= 0.0,
         }
     }
+}
+
+/// What a moment in `[lo, hi]` (N m) allows on either side.
+fn bendings(whisker: &MountedWhisker, table: &PressTable, lo: f64, hi: f64) -> Vec<Bending> {
+    let scale = whisker.beam.length / whisker.beam.flexural_rigidity;
+    let mut sides = Vec::new();
+    for (side, least, most) in [(1.0, lo, hi), (-1.0, -hi, -lo)] {
+        if most > 0.0 {
+            let slice = table.slice(least.max(0.0) * scale, most * scale).scaled(whisker.beam.length);
+            sides.push(Bending { side, bounds: around(&slice, side), slice });
+        }
+    }
+    sides
 }
 
 /// The rectangle around the contacts of a slice.

@@ -5,8 +5,8 @@ mod random;
 
 use super::birth;
 use super::cell::Cell;
-use super::explain::{self, View};
-use super::piece::{Piece, Pieces};
+use super::explain::{self, Ground, View};
+use super::piece::{COARSE, FINE, Piece, Pieces};
 use super::record::Touch;
 use crate::beam::elastica;
 use crate::beam::press::PressTable;
@@ -115,15 +115,16 @@ fn holds(cell: &Cell, state: Pose2) -> bool {
 
 fn no_true_state_is_ruled_out(friction: f64, seed: u64, trials: usize) {
     let map = map();
-    let pieces = Pieces::new(&map);
+    let ground = Ground { fine: Pieces::new(&map, FINE), coarse: Pieces::new(&map, COARSE) };
     let table = PressTable::new(96, 64, friction.atan());
+    let medium = PressTable::new(32, 32, friction.atan());
     let mut draw = Random(seed);
     let mut cut = 0;
     let mut tried = 0;
     while tried < trials {
         let Some(case) = case(&map, &mut draw, friction) else { continue };
         tried += 1;
-        let touch = Touch::new(&case.whisker, &table, case.moment.0, case.moment.1);
+        let touch = Touch::new(&case.whisker, &table, &medium, case.moment.0, case.moment.1);
         for _ in 0..3 {
             // The state at another row, with the odometry in between off by as much as it may.
             let step = Pose2::new(draw.signed(0.1), draw.signed(0.1), draw.signed(1.0));
@@ -135,7 +136,7 @@ fn no_true_state_is_ruled_out(friction: f64, seed: u64, trials: usize) {
             assert!(holds(&cell, then));
             let before = cell.volume();
             let view = View::new(&cell, felt, (place, turn), case.whisker.robot_from_whisker);
-            let left = explain::by_contact(&view, &touch, &pieces);
+            let left = explain::by_contact(&view, &touch, &ground);
             let left = left.unwrap_or_else(|| panic!("lost: {case:?} {cell:?}"));
             cell.keep(&left);
             assert!(holds(&cell, then), "cut away: {case:?} {cell:?}");
@@ -165,7 +166,7 @@ fn no_true_state_is_ruled_out_with_friction() {
 #[test]
 fn every_true_state_is_born() {
     let map = map();
-    let pieces = Pieces::new(&map);
+    let pieces = Pieces::new(&map, COARSE);
     for (friction, seed) in [(0.0, 3), (0.2, 4)] {
         let table = PressTable::new(16, 24, f64::atan(friction));
         let mut draw = Random(seed);
@@ -173,7 +174,7 @@ fn every_true_state_is_born() {
         while tried < 20 {
             let Some(case) = case(&map, &mut draw, friction) else { continue };
             tried += 1;
-            let touch = Touch::new(&case.whisker, &table, case.moment.0, case.moment.1);
+            let touch = Touch::new(&case.whisker, &table, &table, case.moment.0, case.moment.1);
             let cells = birth::cells(&pieces, &touch, 0);
             assert!(cells.iter().any(|cell| holds(cell, case.robot)), "{case:?}");
         }
@@ -200,13 +201,18 @@ fn growing_and_moving_keep_what_they_must() {
 #[test]
 fn pieces_cover_the_map() {
     let map = map();
-    let pieces = Pieces::new(&map);
+    for grain in [FINE, COARSE] {
+        pieces_cover(&map, &Pieces::new(&map, grain));
+    }
+}
+
+fn pieces_cover(map: &Map, pieces: &Pieces) {
     let edges = pieces.all.iter().filter(|p| matches!(p, Piece::Edge(_))).count();
     println!("{edges} edges, {} vertices", pieces.all.len() - edges);
     let mut draw = Random(12);
     for _ in 0..5000 {
         let corners = draw.unit() < 0.5;
-        let (place, normal) = foothold(&map, &mut draw, corners);
+        let (place, normal) = foothold(map, &mut draw, corners);
         let covered = pieces.all.iter().any(|piece| match piece {
             Piece::Edge(e) => {
                 let (along, off) = (e.along.dot(place - e.start), e.along.cross(place - e.start));
