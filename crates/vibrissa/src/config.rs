@@ -154,6 +154,8 @@ pub struct PossibilisticOptions {
     pub last_work: usize,
     /// Cells smaller than this are not halved (m; headings count by an arm of 0.1 m).
     pub resolution: f64,
+    /// Largest slope of a whisker at its contact (rad): what is bent further is ruled out, not searched.
+    pub largest_slope: f64,
     /// How many readings the true state may violate.
     pub tolerate: usize,
     /// Bound on the error of an absolute heading in the log (rad).
@@ -166,9 +168,10 @@ impl Default for PossibilisticOptions {
     fn default() -> Self {
         Self {
             most_cells: 2000,
-            work: 600,
+            work: 150,
             last_work: 100_000,
             resolution: 0.4e-3,
+            largest_slope: 2.2,
             tolerate: 0,
             heading_error: 0.05,
             prior: None,
@@ -195,6 +198,7 @@ impl PossibilisticOptions {
         within("work", self.work as f64, 1.0, 1e7, "meetings a row")?;
         within("last_work", self.last_work as f64, 0.0, 1e9, "meetings")?;
         within("resolution", self.resolution, 1e-5, 0.1, "m")?;
+        within("largest_slope", self.largest_slope, 0.1, core::f64::consts::PI, "rad")?;
         within("tolerate", self.tolerate as f64, 0.0, 100.0, "readings")?;
         within("heading_error", self.heading_error, 0.0, core::f64::consts::PI, "rad")
     }

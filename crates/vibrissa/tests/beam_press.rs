@@ -34,8 +34,9 @@ fn around(draw: &mut Random, mu: f64) -> (f64, f64) {
     }
 }
 
-fn no_contact_is_left_out(columns: usize, rows: usize, friction: f64, seed: u64, trials: usize) {
-    let table = PressTable::new(columns, rows, friction);
+fn no_contact_is_left_out(columns: usize, rows: usize, friction: f64, steepest: f64, seed: u64) {
+    let trials = 15_000;
+    let table = PressTable::new(columns, rows, friction, steepest);
     let mut draw = Random(seed);
     let (mut tips, mut sides) = (0, 0);
     for _ in 0..trials {
@@ -51,7 +52,7 @@ fn no_contact_is_left_out(columns: usize, rows: usize, friction: f64, seed: u64,
         };
         let t = draw.between(0.0, 6.0);
         let Some(bend) = elastica::bend(1.0, (t / s_a).powi(2), s_a, beta) else { continue };
-        if bend.moment <= 0.0 || bend.phi_a > PI {
+        if bend.moment <= 0.0 || bend.phi_a > steepest {
             continue;
         }
         let (lo, hi) = around(&mut draw, bend.moment);
@@ -73,23 +74,23 @@ fn no_contact_is_left_out(columns: usize, rows: usize, friction: f64, seed: u64,
 
 #[test]
 fn no_contact_is_left_out_without_friction() {
-    no_contact_is_left_out(96, 64, 0.0, 1, 30_000);
+    no_contact_is_left_out(96, 64, 0.0, PI, 1);
 }
 
 #[test]
 fn no_contact_is_left_out_with_friction() {
-    no_contact_is_left_out(96, 64, 0.3, 2, 20_000);
+    no_contact_is_left_out(96, 64, 0.3, 2.2, 2);
 }
 
 #[test]
 fn coarse_tables_leave_out_nothing_either() {
-    no_contact_is_left_out(16, 16, 0.0, 3, 20_000);
-    no_contact_is_left_out(12, 12, 0.5, 4, 20_000);
+    no_contact_is_left_out(16, 16, 0.0, 2.2, 3);
+    no_contact_is_left_out(12, 12, 0.5, 1.5, 4);
 }
 
 #[test]
 fn little_is_added() {
-    let table = PressTable::new(96, 64, 0.0);
+    let table = PressTable::new(96, 64, 0.0, 2.2);
     for (mu, most) in [(0.02, 2e-3), (0.2, 2e-3), (0.7, 2e-3), (1.4, 4e-3)] {
         let slice = table.slice(0.95 * mu, 1.05 * mu);
         let mut radii: Vec<f64> = slice.entries().iter().map(|e| e.radius).collect();

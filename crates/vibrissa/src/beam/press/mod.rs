@@ -51,6 +51,8 @@ struct Side {
 pub struct PressTable {
     /// Friction angle (rad).
     slack: f64,
+    /// Largest slope (rad).
+    steepest: f64,
     /// Columns of the table: directions (rad).
     directions: Vec<f64>,
     rows: usize,
@@ -66,31 +68,33 @@ pub struct PressTable {
 
 impl PressTable {
     /// The table with `columns` directions for each quarter turn and `rows` steps of bending, for walls with this
-    /// friction angle (rad, below 1).
+    /// friction angle (rad, below 1) and contacts with slopes up to `steepest` (rad, up to pi).
     #[must_use]
-    pub fn new(columns: usize, rows: usize, friction_angle: f64) -> Self {
-        let slack = friction_angle.clamp(0.0, 1.0);
+    pub fn new(columns: usize, rows: usize, friction_angle: f64, steepest: f64) -> Self {
+        let (slack, steepest) = (friction_angle.clamp(0.0, 1.0), steepest.clamp(0.1, PI));
         let step = (FRAC_PI_2 + slack) / columns as f64;
-        // The middle column is the half turn, where the sheet has an edge.
-        let directions: Vec<f64> =
-            (0..=2 * columns).map(|i| PI + (i as f64 - columns as f64) * step).collect();
+        // The half turn, where the sheet has an edge, is a column; beyond it the slope is twice the turn at least.
+        let beyond = (0.5 * steepest / step).ceil().max((steepest - FRAC_PI_2) / step).ceil() as usize;
+        let all = columns + beyond;
+        let directions: Vec<f64> = (0..=all).map(|i| PI + (i as f64 - columns as f64) * step).collect();
         // The moment grows like the root of the slope where it starts from nothing.
         let share = |row: f64| (row / rows as f64).powi(2);
         let mut table = Self {
             slack,
+            steepest,
             rows,
             nodes: Vec::with_capacity(directions.len() * (rows + 1)),
-            gaps: Vec::with_capacity(2 * columns * rows),
-            ranges: Vec::with_capacity(2 * columns * rows),
+            gaps: Vec::with_capacity(all * rows),
+            ranges: Vec::with_capacity(all * rows),
             sides: directions.iter().map(|&d| side(d, 0.0)).collect(),
             side_gaps: Vec::new(),
             side_slack: directions.iter().map(|&d| side_slack(d, slack)).collect(),
             directions,
         };
         for &direction in &table.directions {
-            table.nodes.extend((0..=rows).map(|row| tip(direction, share(row as f64), slack)));
+            table.nodes.extend((0..=rows).map(|row| tip(direction, share(row as f64), slack, steepest)));
         }
-        for column in 0..2 * columns {
+        for column in 0..all {
             let middle = 0.5 * (table.directions[column] + table.directions[column + 1]);
             for row in 0..rows {
                 let gap = table.measure(column, row, middle, &share);
@@ -133,7 +137,7 @@ impl PressTable {
         ];
         let mut gap = Gap { moment: 0.0, tip: 0.0 };
         for (direction, share, weights) in probes {
-            let at = tip(direction, share, self.slack);
+            let at = tip(direction, share, self.slack, self.steepest);
             let moment: f64 = corners.iter().zip(weights).map(|(n, w)| w * n.moment).sum();
             let place = corners.iter().zip(weights).fold(Vec2::ZERO, |sum, (n, w)| sum + n.tip * w);
             gap.moment = gap.moment.max((at.moment - moment).abs());
@@ -144,9 +148,9 @@ impl PressTable {
 }
 
 /// The tip contact with the force in `direction` (rad), at this share of the range of slopes.
-fn tip(direction: f64, share: f64, slack: f64) -> Node {
+fn tip(direction: f64, share: f64, slack: f64, steepest: f64) -> Node {
     let least = (2.0 * (direction - PI)).max(0.0);
-    let most = (direction - FRAC_PI_2 + slack).max(least);
+    let most = (direction - FRAC_PI_2 + slack).min(steepest).max(least);
     let u = least + share * (most - least);
     swing(direction - FRAC_PI_2 - u, u)
 }

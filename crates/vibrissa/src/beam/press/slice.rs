@@ -76,6 +76,12 @@ impl PressSlice {
         if buckets == 0 { Interval::EMPTY } else { Interval::new(self.lo, self.lo + buckets as f64 * self.width) }
     }
 
+    /// How wide its buckets are (rad).
+    #[must_use]
+    pub fn width(&self) -> f64 {
+        self.width
+    }
+
     /// All entries, by growing direction.
     #[must_use]
     pub fn entries(&self) -> &[PressEntry] {
@@ -209,7 +215,7 @@ impl PressTable {
         let tip_slack = gap.tip + slack[0].tip.max(slack[1].tip);
         // The contact is on the whisker: reach / mu <= 1.
         let least = (a.reach.min(b.reach) - moment_slack).max(0.0);
-        if hi <= 0.0 || least > hi || self.directions[column + 1] < core::f64::consts::FRAC_PI_2 {
+        if hi <= 0.0 || least > hi || !self.has_sides(column) {
             return None;
         }
         let most = a.reach.max(b.reach) + moment_slack;
@@ -234,6 +240,12 @@ impl PressTable {
             by_moment: center * spread,
             radius: along.norm() * half * spread + tip_slack * far,
         })
+    }
+
+    /// Whether the whisker's normal can have the directions of a column.
+    fn has_sides(&self, column: usize) -> bool {
+        let slopes = [self.directions[column], self.directions[column + 1]].map(|d| d - core::f64::consts::FRAC_PI_2);
+        slopes[1] >= 0.0 && slopes[0] <= self.steepest
     }
 
     /// Side contacts with arc lengths in a range, over the whisker's.

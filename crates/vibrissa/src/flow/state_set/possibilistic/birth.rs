@@ -17,7 +17,7 @@ const TOGETHER: f64 = 4e-3;
 /// Cells that hold every state in which the map explains the reading by contact; `touch` is sliced from a coarse table.
 pub(super) fn cells(pieces: &Pieces, touch: &Touch, record: u32) -> Vec<Cell> {
     let mut cells = Vec::new();
-    for bending in &touch.coarse_sides {
+    for bending in &touch.sides {
         for piece in &pieces.all {
             match piece {
                 Piece::Edge(edge) => along_edge(edge, touch, bending, record, &mut cells),
@@ -40,7 +40,7 @@ fn along_edge(edge: &Edge, touch: &Touch, bending: &Bending, record: u32, cells:
     let half_length = 0.5 * edge.length / pieces;
     let normal = edge.along.perp();
     let lean = edge.slack + touch.friction_angle;
-    for entry in bending.slice.entries() {
+    for entry in bending.slices[0].entries() {
         let psi = bending.side * entry.middle;
         let heading = edge.normal - psi;
         let contact = mirrored(entry, bending.side, entry.middle);
@@ -48,23 +48,24 @@ fn along_edge(edge: &Edge, touch: &Touch, bending: &Bending, record: u32, cells:
         let (p, slope, thick) = (turned(contact.center), turned(contact.by_direction), turned(contact.by_moment));
         let half = contact.half;
         let size = [p.norm(), slope.norm(), thick.norm()];
+        // The wall's normal may lean from the chord's: heading and base turn about the contact as they do with psi.
+        let turn = half + lean;
         let rest = contact.radius
-            + half * (0.5 * size[0] * half + size[1] * half + size[2] + contact.radius)
+            + turn * (0.5 * size[0] * turn + size[1] * half + size[2] + contact.radius)
+            + 2.0 * size[1] * half.min(lean)
             + edge.bow;
         let across = normal.dot(thick).abs() + rest;
         let along = half_length + edge.along.dot(thick).abs() + rest;
-        let swing = (p.perp() - slope) * half;
+        let swing = p.perp() * turn - slope * half;
         let sides = [
             [edge.along.x * along, edge.along.y * along, 0.0],
             [normal.x * across, normal.y * across, 0.0],
-            [swing.x, swing.y, -half],
+            [swing.x, swing.y, -turn],
         ];
         for k in 0..pieces as usize {
             let touched = edge.start + edge.along * ((2 * k + 1) as f64 * half_length);
             let base = touched - p;
-            let mut cell = new_cell(Pose2::new(base.x, base.y, heading), sides, touch, record);
-            let reach = size[0] + size[1] * half + size[2] + contact.radius;
-            cell.grow(lean * reach, lean);
+            let cell = new_cell(Pose2::new(base.x, base.y, heading), sides, touch, record);
             cells.push(cell);
         }
     }
@@ -76,7 +77,7 @@ fn around_vertex(vertex: &Vertex, touch: &Touch, bending: &Bending, record: u32,
         let heading = (2 * k + 1) as f64 * half;
         let wide = (vertex.slack + touch.friction_angle + half).min(core::f64::consts::PI);
         let mut boxes: Vec<Bounds> = Vec::new();
-        contacts(bending, vertex.normal - heading, wide, |contact| gather(contact, &mut boxes));
+        contacts(bending.side, &bending.slices[0], vertex.normal - heading, wide, |contact| gather(contact, &mut boxes));
         for bounds in boxes {
             let (center, wide) = ((bounds.min + bounds.max) * 0.5, (bounds.max - bounds.min) * 0.5);
             let rest = 0.5 * center.norm() * half * half + wide.norm() * half + 1e-9;

@@ -142,13 +142,14 @@ impl Cell {
             let normal = [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]];
             *more = (place * normal[0].hypot(normal[1]) + turn * normal[2].abs()) / det;
         }
-        if more.iter().all(|&m| m < 1.0) {
+        let [x, y, theta] = self.reach();
+        let wide = [(x + place).max(LEAST), (y + place).max(LEAST), (theta + turn).max(LEAST / ARM)];
+        let slanted = det * more.iter().map(|m| 1.0 + m).product::<f64>();
+        if slanted <= wide.iter().product() && slanted.is_finite() {
             (0..3).for_each(|j| self.sides[j] = self.sides[j].map(|v| v * (1.0 + more[j])));
         } else {
             // Too slanted or too thin for that: the box around it.
-            let [x, y, theta] = self.reach();
-            self.sides = [[x + place, 0.0, 0.0], [0.0, y + place, 0.0], [0.0, 0.0, theta + turn]];
-            (0..3).for_each(|j| self.sides[j][j] = self.sides[j][j].max(if j < 2 { LEAST } else { LEAST / ARM }));
+            self.sides = [[wide[0], 0.0, 0.0], [0.0, wide[1], 0.0], [0.0, 0.0, wide[2]]];
         }
     }
 
@@ -180,6 +181,13 @@ fn determinant(s: &[[f64; 3]; 3]) -> f64 {
 /// The part of the cell `|w_j| <= 1` in which a form can lie in an interval; none when there is none.
 pub(super) fn narrowed(part: &[(f64, f64); 3], form: &Form, (lo, hi): (f64, f64)) -> Option<[(f64, f64); 3]> {
     let mut part = *part;
+    let total = form[0].abs() + form[1].abs() + form[2].abs();
+    if lo <= -total && hi >= total {
+        return Some(part);
+    }
+    if lo > total || hi < -total {
+        return None;
+    }
     let ends = |k: f64, (a, b): (f64, f64)| if k >= 0.0 { (k * a, k * b) } else { (k * b, k * a) };
     for j in 0..3 {
         let (mut least, mut most) = (0.0, 0.0);

@@ -8,7 +8,7 @@
 use super::cell::{Cell, Form, narrowed};
 use super::piece::{Edge, Piece, Pieces, Vertex};
 use super::record::{Bending, Touch};
-use crate::beam::press::PressEntry;
+use crate::beam::press::{PressEntry, PressSlice};
 use crate::plane::{Bounds, Pose2, Vec2, wrap_angle};
 use core::f64::consts::{PI, TAU};
 
@@ -105,10 +105,9 @@ impl Left {
 pub(super) fn by_contact(view: &View, touch: &Touch, ground: &Ground) -> Option<Left> {
     // A wide cell gains nothing from fine detail.
     let wide = view.turn > WIDE_TURN || view.reach.x + view.reach.y > WIDE_REACH;
-    let (sides, pieces) =
-        if wide { (&touch.coarse_sides, &ground.coarse) } else { (&touch.sides, &ground.fine) };
+    let pieces = if wide { &ground.coarse } else { &ground.fine };
     let mut left = None;
-    for bending in sides {
+    for bending in &touch.sides {
         let bounds = rectangle(view, bending);
         pieces.near(bounds, |piece| match piece {
             Piece::Edge(edge) => on_edge(view, touch, bending, edge, &mut left),
@@ -145,16 +144,15 @@ pub(super) struct Contact {
 }
 
 /// Calls `visit` for each entry that meets the directions within `wide` of `psi` (rad, whisker frame, any turn).
-pub(super) fn contacts(bending: &Bending, psi: f64, wide: f64, mut visit: impl FnMut(&Contact)) {
-    let side = bending.side;
+pub(super) fn contacts(side: f64, slice: &PressSlice, psi: f64, wide: f64, mut visit: impl FnMut(&Contact)) {
     // The table's directions lie around the half turn.
     let asked = PI + wrap_angle(side * psi - PI);
-    let known = bending.slice.directions();
+    let known = slice.directions();
     for asked in [asked - TAU, asked, asked + TAU] {
         if asked + wide < known.lo() || asked - wide > known.hi() {
             continue;
         }
-        for entry in bending.slice.between(asked - wide, asked + wide) {
+        for entry in slice.between(asked - wide, asked + wide) {
             visit(&mirrored(entry, side, asked));
         }
     }
@@ -184,16 +182,18 @@ fn on_edge(view: &View, touch: &Touch, bending: &Bending, edge: &Edge, left: &mu
     let psi = wrap_angle(edge.normal - view.heading);
     let lean = edge.slack + touch.friction_angle;
     let wide = view.turn + view.slop_turn + lean;
-    if !may_touch(view, touch, bending, edge, (psi, wide, lean), (distance, across)) {
+    let slice = bending.level(wide);
+    if !may_touch(view, touch, (bending.side, slice), edge, (psi, wide, lean), (distance, across)) {
         return;
     }
-    contacts(bending, psi, wide, |contact| {
+    contacts(bending.side, slice, psi, wide, |contact| {
         let Some(strip) = Strip::on_edge(view, contact, edge, psi, lean) else { return };
         // The headings that this entry serves.
         let serves = contact.half + lean + view.slop_turn;
+        let turns = (-contact.ahead - serves, -contact.ahead + serves);
         let part = narrowed(&WHOLE, &strip.across, strip.across_range)
             .and_then(|part| narrowed(&part, &strip.along, strip.along_range))
-            .and_then(|part| narrowed(&part, &view.turns, (-contact.ahead - serves, -contact.ahead + serves)));
+            .and_then(|part| narrowed(&part, &view.turns, turns));
         if let Some(part) = part {
             Left::join(left, part, strip.across, strip.across_range);
         }
@@ -204,7 +204,7 @@ fn on_edge(view: &View, touch: &Touch, bending: &Bending, edge: &Edge, left: &mu
 fn may_touch(
     view: &View,
     touch: &Touch,
-    bending: &Bending,
+    (side, slice): (f64, &PressSlice),
     edge: &Edge,
     (psi, wide, lean): (f64, f64, f64),
     (distance, across): (f64, f64),
@@ -213,10 +213,14 @@ fn may_touch(
     let beside = edge.along.x.abs() * view.reach.x + edge.along.y.abs() * view.reach.y + edge.bow;
     // The force leans from the normal along which the distance is counted.
     let more = touch.length * lean;
-    let asked = PI + wrap_angle(bending.side * psi - PI);
+    let asked = PI + wrap_angle(side * psi - PI);
+    let known = slice.directions();
     for asked in [asked - TAU, asked, asked + TAU] {
-        let span = bending.slice.span(asked - wide, asked + wide);
-        let place = if bending.side > 0.0 { span.place } else { (-span.place.1, -span.place.0) };
+        if asked + wide < known.lo() || asked - wide > known.hi() {
+            continue;
+        }
+        let span = slice.span(asked - wide, asked + wide);
+        let place = if side > 0.0 { span.place } else { (-span.place.1, -span.place.0) };
         if distance + span.reach.0 - across - more <= 0.0
             && distance + span.reach.1 + across + more >= 0.0
             && ahead + place.0 - beside - more <= edge.length
@@ -309,7 +313,8 @@ fn at_vertex(view: &View, touch: &Touch, bending: &Bending, vertex: &Vertex, lef
     let lean = vertex.slack + touch.friction_angle;
     let psi = vertex.normal - view.heading;
     // Cones of half a turn and more meet everything.
-    contacts(bending, wrap_angle(psi), (view.turn + view.slop_turn + lean).min(PI), |contact| {
+    let wide = (view.turn + view.slop_turn + lean).min(PI);
+    contacts(bending.side, bending.level(view.turn), wrap_angle(psi), wide, |contact| {
         let strip = Strip::at_point(view, contact, vertex.point);
         let part = narrowed(&WHOLE, &strip.across, strip.across_range)
             .and_then(|part| narrowed(&part, &strip.along, strip.along_range));

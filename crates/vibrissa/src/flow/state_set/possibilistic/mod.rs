@@ -27,10 +27,10 @@ pub use measure::Place;
 use piece::Pieces;
 use record::{Stand, Touch};
 
-/// Columns (a quarter turn) and rows of the tables that cells meet, and of those that they are born from.
-const FINE: (usize, usize) = (96, 64);
-const MEDIUM: (usize, usize) = (32, 32);
-const COARSE: (usize, usize) = (16, 24);
+/// Columns (a quarter turn) and rows of the tables that cells meet, from fine to coarse, and of those that they are
+/// born from.
+const TABLES: [(usize, usize); 4] = [(64, 48), (32, 32), (16, 24), (8, 16)];
+const BIRTH: (usize, usize) = (24, 24);
 /// Odometry may be off by this much before a cell is moved to the present row (m).
 const STALE: f64 = 5e-5;
 /// And a cell that is wide in heading is moved when the robot is this far away (m).
@@ -45,9 +45,8 @@ const LOOK_EVERY: u32 = 8;
 #[derive(Clone, Debug)]
 struct Probe {
     whisker: MountedWhisker,
-    fine: PressTable,
-    medium: PressTable,
-    coarse: PressTable,
+    tables: Vec<PressTable>,
+    birth: Vec<PressTable>,
 }
 
 /// One row of the log.
@@ -72,6 +71,8 @@ pub struct PossibleSet {
     kept_every: f64,
     cells: Vec<Cell>,
     births: usize,
+    /// The record of the first contact.
+    born_at: u32,
     cursor: usize,
 }
 
@@ -79,12 +80,14 @@ impl PossibleSet {
     /// The set of everything: no reading yet.
     #[must_use]
     pub fn new(map: &Map, whiskers: &[MountedWhisker], odometry: Odometry, options: PossibilisticOptions) -> Self {
-        let probe = |whisker: &MountedWhisker| Probe {
+        let probe = |whisker: &MountedWhisker| {
+            let lean = whisker.friction.atan();
+            let table = |(columns, rows)| PressTable::new(columns, rows, lean, options.largest_slope);
+            Probe {
             whisker: whisker.clone(),
-            fine: PressTable::new(FINE.0, FINE.1, whisker.friction.atan()),
-            medium: PressTable::new(MEDIUM.0, MEDIUM.1, whisker.friction.atan()),
-            coarse: PressTable::new(COARSE.0, COARSE.1, whisker.friction.atan()),
-        };
+            tables: TABLES.iter().map(|t| table(*t)).collect(),
+            birth: vec![table(BIRTH)],
+        }};
         Self {
             options,
             odometry,
@@ -95,6 +98,7 @@ impl PossibleSet {
             kept_every: KEPT_EVERY,
             cells: Vec::new(),
             births: 0,
+            born_at: 0,
             cursor: 0,
         }
     }
@@ -117,6 +121,11 @@ impl PossibleSet {
         self.now().iter().map(|(cell, _)| cell.center).collect()
     }
 
+    /// DEBUG
+    pub fn debug_cells(&self) -> Vec<(Pose2, [[f64; 3]; 3], f64)> {
+        self.cells.iter().map(|c| (c.center, c.sides, c.volume())).collect()
+    }
+
     /// An upper bound of the volume (m² rad).
     #[must_use]
     pub fn volume(&self) -> f64 {
@@ -135,9 +144,7 @@ impl PossibleSet {
             Some(last) => last.stand.next(odom_from_robot, &self.odometry),
             None => Stand::first(odom_from_robot),
         };
-        let touch = |(probe, m): (&Probe, &Interval)| {
-            Touch::new(&probe.whisker, &probe.fine, &probe.medium, m.lo(), m.hi())
-        };
+        let touch = |(probe, m): (&Probe, &Interval)| Touch::new(&probe.whisker, &probe.tables, m.lo(), m.hi());
         self.forget();
         // Readings that may be none are worth nothing before the set starts, unless they are remembered.
         let idle = !self.has_started() && moments.iter().all(|m| m.contains(0.0));
@@ -189,9 +196,10 @@ impl PossibleSet {
             if moment.contains(0.0) || self.births > self.options.tolerate {
                 continue;
             }
-            let coarse = Touch::new(&probe.whisker, &probe.coarse, &probe.coarse, moment.lo(), moment.hi());
+            let coarse = Touch::new(&probe.whisker, &probe.birth, moment.lo(), moment.hi());
             self.cells.extend(birth::cells(&self.ground.coarse, &coarse, record));
             self.births += 1;
+            self.born_at = record;
         }
         if self.births == 0 {
             return;

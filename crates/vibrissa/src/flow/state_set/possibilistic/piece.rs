@@ -14,7 +14,7 @@ pub(super) struct Grain {
 /// For cells that are small already.
 pub(super) const FINE: Grain = Grain { turn: 0.04, bow: 3e-5 };
 /// For cells that are wider than what it leaves open.
-pub(super) const COARSE: Grain = Grain { turn: 0.2, bow: 2.5e-4 };
+pub(super) const COARSE: Grain = Grain { turn: 0.1, bow: 1.5e-4 };
 /// Edges no longer than this (m) may turn and leave their chord by more: tight curves are not cut any finer.
 const SHORT: f64 = 1.5e-3;
 const SHORT_TURN: f64 = 0.4;

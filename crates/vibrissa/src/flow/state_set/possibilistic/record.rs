@@ -59,9 +59,8 @@ pub(super) struct Touch {
     pub(super) length: f64,
     /// How far the force may lean from the normal (rad).
     pub(super) friction_angle: f64,
-    /// Contacts that bend the whisker to the left (1) or to the right (-1), in metres; from a fine and a coarse table.
+    /// Contacts that bend the whisker to the left (1) or to the right (-1), in metres.
     pub(super) sides: Vec<Bending>,
-    pub(super) coarse_sides: Vec<Bending>,
     /// Whether the whisker may be free.
     pub(super) free: bool,
 }
@@ -71,37 +70,53 @@ pub(super) struct Touch {
 pub(super) struct Bending {
     /// 1 for bending towards +y, -1 for the mirror image.
     pub(super) side: f64,
-    pub(super) slice: PressSlice,
+    /// The same contacts by directions of the wall, from fine to coarse.
+    pub(super) slices: Vec<PressSlice>,
     /// The rectangle around all contacts, whisker frame.
     pub(super) bounds: Bounds,
 }
 
 impl Touch {
     /// What a moment in `[lo, hi]` (N m) allows.
-    pub(super) fn new(whisker: &MountedWhisker, fine: &PressTable, coarse: &PressTable, lo: f64, hi: f64) -> Self {
+    pub(super) fn new(whisker: &MountedWhisker, tables: &[PressTable], lo: f64, hi: f64) -> Self {
         Self {
             robot_from_whisker: whisker.robot_from_whisker,
             length: whisker.beam.length,
-            friction_angle: fine.friction_angle(),
-            sides: bendings(whisker, fine, lo, hi),
-            coarse_sides: bendings(whisker, coarse, lo, hi),
+            friction_angle: tables.first().map_or(0.0, PressTable::friction_angle),
+            sides: bendings(whisker, tables, lo, hi),
             free: lo <= 0.0 && hi >= 0.0,
         }
     }
 }
 
 /// What a moment in `[lo, hi]` (N m) allows on either side.
-fn bendings(whisker: &MountedWhisker, table: &PressTable, lo: f64, hi: f64) -> Vec<Bending> {
+fn bendings(whisker: &MountedWhisker, tables: &[PressTable], lo: f64, hi: f64) -> Vec<Bending> {
     let scale = whisker.beam.length / whisker.beam.flexural_rigidity;
     let mut sides = Vec::new();
     for (side, least, most) in [(1.0, lo, hi), (-1.0, -hi, -lo)] {
         if most > 0.0 {
-            let slice = table.slice(least.max(0.0) * scale, most * scale).scaled(whisker.beam.length);
-            sides.push(Bending { side, bounds: around(&slice, side), slice });
+            let cut = |table: &PressTable| table.slice(least.max(0.0) * scale, most * scale).scaled(whisker.beam.length);
+            let slices: Vec<PressSlice> = tables.iter().map(cut).collect();
+            let bounds = slices.first().map_or(Bounds::EMPTY, |finest| around(finest, side));
+            sides.push(Bending { side, bounds, slices });
         }
     }
     sides
 }
+
+impl Bending {
+    /// The slice for a range of directions of `2 wide` (rad): as coarse as that needs.
+    pub(super) fn level(&self, wide: f64) -> &PressSlice {
+        let fits = |slice: &&PressSlice| slice.width() >= FILLED * wide;
+        let Some(at) = self.slices.iter().position(|s| fits(&s)) else {
+            return &self.slices[self.slices.len() - 1];
+        };
+        &self.slices[at]
+    }
+}
+
+/// A range of directions fills this share of a bucket at least, or less than two.
+const FILLED: f64 = 1.0;
 
 /// The rectangle around the contacts of a slice.
 fn around(slice: &PressSlice, side: f64) -> Bounds {

@@ -6,44 +6,73 @@ use super::LOOK_EVERY;
 use crate::world::Map;
 
 /// Most of the kept readings that a new half meets at once.
-const RECALLED: usize = 6;
+const RECALLED: usize = 4;
 /// Halving is worth its while when the halves together are smaller than the whole by this.
 const GAIN: f64 = 0.8;
 /// Cells longer than this are halved in any case (m).
 const COARSE: f64 = 6e-3;
+/// A cell that a reading leaves larger than this share of it is stuck.
+const STUCK: f64 = 0.9;
+/// Cells are halved once the robot has moved this far from the first contact (m): before, readings tell little apart.
+const FIRST_WAY: f64 = 5e-3;
 /// Longest rest between two attempts at halving (records).
 const LONGEST_REST: u32 = 512;
 
 impl PossibleSet {
-    /// Lets the newest record meet the cells, in turn, as far as the row's work goes; what is left is spent on halving.
+    /// Lets the newest record meet the cells, in turn, as far as the row's work goes; wide cells are halved at once,
+    /// and what is left is spent on halving the others.
     pub(super) fn meet_newest(&mut self, map: &Map) {
         let newest = self.records.len() as u32 - 1;
         let mut work = self.options.work;
-        let mut left = self.cells.len();
+        let mut turns = self.cells.len();
         let mut cells = std::mem::take(&mut self.cells);
-        self.cursor = if cells.is_empty() { 0 } else { self.cursor % cells.len() };
-        while left > 0 && work > 0 {
-            left -= 1;
+        while turns > 0 && work > 0 {
+            turns -= 1;
             work -= 1;
-            let cell = cells[self.cursor];
-            let look = (newest / LOOK_EVERY) != (cell.seen / LOOK_EVERY);
-            match self.meet(map, cell, newest, look) {
-                Some(kept) => {
-                    cells[self.cursor] = kept;
-                    self.cursor += 1;
-                }
-                None => {
-                    cells.remove(self.cursor);
-                }
-            }
             if self.cursor >= cells.len() {
                 self.cursor = 0;
             }
+            let cell = cells[self.cursor];
+            let look = (newest / LOOK_EVERY) != (cell.seen / LOOK_EVERY);
+            let Some(kept) = self.meet(map, cell, newest, look) else {
+                self.drop(&mut cells);
+                continue;
+            };
+            cells[self.cursor] = kept;
+            let (side, length) = longest(&kept);
+            let stuck = length > COARSE && kept.volume() > STUCK * cell.volume();
+            if stuck && cells.len() < self.options.most_cells && self.way_since_birth() > FIRST_WAY {
+                let [a, b] = kept.halves(side).map(|half| self.recall(map, half, newest));
+                work = work.saturating_sub(2 * RECALLED);
+                match (a, b) {
+                    (Some(a), Some(b)) => {
+                        cells[self.cursor] = a;
+                        cells.push(b);
+                    }
+                    (Some(one), None) | (None, Some(one)) => cells[self.cursor] = one,
+                    (None, None) => {
+                        self.drop(&mut cells);
+                        continue;
+                    }
+                }
+            }
+            self.cursor += 1;
         }
         self.cells = cells;
-        if left == 0 {
+        if turns == 0 {
             self.halve(map, work);
         }
+    }
+
+    /// Drops the cell whose turn it is; the last cell takes its place.
+    fn drop(&self, cells: &mut Vec<Cell>) {
+        cells.swap_remove(self.cursor);
+    }
+
+    /// The robot's way since the first cells (m).
+    fn way_since_birth(&self) -> f64 {
+        let at = |record: usize| self.records[record].stand.path();
+        at(self.records.len() - 1) - at(self.born_at as usize)
     }
 
     /// Halves the longest cells and lets the halves meet some of what is remembered.
@@ -84,12 +113,14 @@ impl PossibleSet {
         cell.rest_until <= newest && longest(cell).1 > self.options.resolution
     }
 
-    /// A half that meets the newest record and some of those that are kept, the latest first.
+    /// A half that meets the newest record and some of those since the first contact, as far apart as can be.
     fn recall(&self, map: &Map, half: Cell, newest: u32) -> Option<Cell> {
         let mut cell = self.meet(map, half, newest, true)?;
-        let every = (self.kept.len() / RECALLED).max(1);
-        for &k in self.kept.iter().rev().step_by(every).take(RECALLED) {
-            cell = self.meet(map, cell, k, false)?;
+        let first = self.kept.partition_point(|&k| k < self.born_at);
+        let since = &self.kept[first..];
+        for k in 0..RECALLED.min(since.len()) {
+            let at = k * (since.len() - 1) / (RECALLED - 1);
+            cell = self.meet(map, cell, since[at], false)?;
         }
         Some(cell)
     }

@@ -53,6 +53,9 @@ fn foothold(map: &Map, draw: &mut Random, corners: bool) -> (Vec2, f64) {
     (here.point(t), here.tangent(t) + FRAC_PI_2 + flip)
 }
 
+/// Largest slope of the whisker at the contact (rad).
+const SLOPE: f64 = 2.2;
+
 struct Case {
     whisker: MountedWhisker,
     robot: Pose2,
@@ -76,7 +79,7 @@ fn case(map: &Map, draw: &mut Random, friction: f64) -> Option<Case> {
     let t = draw.between(0.05, 4.0);
     let force = (t / s_a).powi(2) * beam.flexural_rigidity;
     let bend = elastica::bend(beam.flexural_rigidity, force, s_a, beta)?;
-    if bend.phi_a > PI || bend.moment <= 0.0 {
+    if bend.phi_a > SLOPE || bend.moment <= 0.0 {
         return None;
     }
     let side = draw.sign();
@@ -116,15 +119,14 @@ fn holds(cell: &Cell, state: Pose2) -> bool {
 fn no_true_state_is_ruled_out(friction: f64, seed: u64, trials: usize) {
     let map = map();
     let ground = Ground { fine: Pieces::new(&map, FINE), coarse: Pieces::new(&map, COARSE) };
-    let table = PressTable::new(96, 64, friction.atan());
-    let medium = PressTable::new(32, 32, friction.atan());
+    let tables = super::TABLES.map(|t| PressTable::new(t.0, t.1, friction.atan(), SLOPE));
     let mut draw = Random(seed);
     let mut cut = 0;
     let mut tried = 0;
     while tried < trials {
         let Some(case) = case(&map, &mut draw, friction) else { continue };
         tried += 1;
-        let touch = Touch::new(&case.whisker, &table, &medium, case.moment.0, case.moment.1);
+        let touch = Touch::new(&case.whisker, &tables, case.moment.0, case.moment.1);
         for _ in 0..3 {
             // The state at another row, with the odometry in between off by as much as it may.
             let step = Pose2::new(draw.signed(0.1), draw.signed(0.1), draw.signed(1.0));
@@ -168,13 +170,13 @@ fn every_true_state_is_born() {
     let map = map();
     let pieces = Pieces::new(&map, COARSE);
     for (friction, seed) in [(0.0, 3), (0.2, 4)] {
-        let table = PressTable::new(16, 24, f64::atan(friction));
+        let table = [PressTable::new(24, 24, f64::atan(friction), SLOPE)];
         let mut draw = Random(seed);
         let mut tried = 0;
         while tried < 20 {
             let Some(case) = case(&map, &mut draw, friction) else { continue };
             tried += 1;
-            let touch = Touch::new(&case.whisker, &table, &table, case.moment.0, case.moment.1);
+            let touch = Touch::new(&case.whisker, &table, case.moment.0, case.moment.1);
             let cells = birth::cells(&pieces, &touch, 0);
             assert!(cells.iter().any(|cell| holds(cell, case.robot)), "{case:?}");
         }
