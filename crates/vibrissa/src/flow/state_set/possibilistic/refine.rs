@@ -15,6 +15,9 @@ const COARSE: f64 = 6e-3;
 const STUCK: f64 = 0.9;
 /// Cells are halved once the robot has moved this far from the first contact (m): before, readings tell little apart.
 const FIRST_WAY: f64 = 5e-3;
+/// Rounds of the last effort, and when they stop: a round that leaves more of the volume than this.
+const ROUNDS: usize = 12;
+const DONE: f64 = 0.97;
 /// Longest rest between two attempts at halving (records).
 const LONGEST_REST: u32 = 512;
 
@@ -42,7 +45,7 @@ impl PossibleSet {
             let (side, length) = longest(&kept);
             let stuck = length > COARSE && kept.volume() > STUCK * cell.volume();
             if stuck && cells.len() < self.options.most_cells && self.way_since_birth() > FIRST_WAY {
-                let [a, b] = kept.halves(side).map(|half| self.recall(map, half, newest));
+                let [a, b] = kept.halves(side).map(|half| self.recall(map, half, newest, RECALLED));
                 work = work.saturating_sub(2 * RECALLED);
                 match (a, b) {
                     (Some(a), Some(b)) => {
@@ -91,7 +94,7 @@ impl PossibleSet {
             let cell = self.cells[index];
             let (side, length) = longest(&cell);
             let halves: Vec<Cell> =
-                cell.halves(side).into_iter().filter_map(|half| self.recall(map, half, newest)).collect();
+                cell.halves(side).into_iter().filter_map(|half| self.recall(map, half, newest, RECALLED)).collect();
             let volume: f64 = halves.iter().map(Cell::volume).sum();
             if halves.len() < 2 || length > COARSE || volume < GAIN * cell.volume() {
                 gone.push(index);
@@ -114,52 +117,36 @@ impl PossibleSet {
     }
 
     /// A half that meets the newest record and some of those since the first contact, as far apart as can be.
-    fn recall(&self, map: &Map, half: Cell, newest: u32) -> Option<Cell> {
+    fn recall(&self, map: &Map, half: Cell, newest: u32, most: usize) -> Option<Cell> {
         let mut cell = self.meet(map, half, newest, true)?;
         let first = self.kept.partition_point(|&k| k < self.born_at);
         let since = &self.kept[first..];
-        for k in 0..RECALLED.min(since.len()) {
-            let at = k * (since.len() - 1) / (RECALLED - 1);
+        let count = most.min(since.len());
+        for k in 0..count {
+            let at = k * (since.len() - 1) / (count - 1).max(1);
             cell = self.meet(map, cell, since[at], false)?;
         }
         Some(cell)
     }
 
-    /// The last effort, when no more rows come: every cell meets all that is remembered, and is halved as far as the
-    /// work goes.
+    /// The last effort, when no more rows come: cells meet what is remembered and are halved, as far as the work goes.
     pub fn finish(&mut self, map: &Map) {
         let Some(newest) = self.records.len().checked_sub(1) else { return };
-        let mut work = self.options.last_work;
-        loop {
-            let meetings = self.cells.len() * (self.kept.len() + 1);
-            if meetings == 0 || meetings > work {
+        let share = self.options.last_work / ROUNDS;
+        for _ in 0..ROUNDS {
+            if self.cells.is_empty() || share == 0 {
                 return;
             }
-            work -= meetings;
-            let before: f64 = self.cells.iter().map(Cell::volume).sum();
+            let (count, before) = (self.cells.len(), self.volume());
+            let each = (share / count).clamp(1, self.kept.len().max(1));
             let cells = std::mem::take(&mut self.cells);
-            self.cells = cells.into_iter().filter_map(|cell| self.recall_all(map, cell, newest as u32)).collect();
-            let after: f64 = self.cells.iter().map(Cell::volume).sum();
-            let share = work / 4;
-            let count = self.cells.len();
+            self.cells = cells.into_iter().filter_map(|cell| self.recall(map, cell, newest as u32, each)).collect();
             self.cells.iter_mut().for_each(|cell| cell.rest_until = 0);
-            if after < 0.7 * before {
-                continue;
-            }
             self.halve(map, share);
-            work -= share;
-            if self.cells.len() == count && after > 0.9 * before {
+            if self.cells.len() == count && self.volume() > DONE * before {
                 return;
             }
         }
-    }
-
-    fn recall_all(&self, map: &Map, cell: Cell, newest: u32) -> Option<Cell> {
-        let mut cell = self.meet(map, cell, newest, true)?;
-        for &k in self.kept.iter().rev() {
-            cell = self.meet(map, cell, k, false)?;
-        }
-        Some(cell)
     }
 }
 
