@@ -10,7 +10,7 @@ pub(super) const ARM: f64 = 0.1;
 /// A cut that would replace a side must make the cell smaller by this factor.
 const WORTHWHILE: f64 = 1.03;
 /// How much wider a cut may make the rectangle around the cell.
-const WIDER: f64 = 1.05;
+const WIDER: f64 = 1.3;
 
 /// A linear form over a cell's three sides.
 pub(super) type Form = [f64; 3];

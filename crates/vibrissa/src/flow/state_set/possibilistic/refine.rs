@@ -18,6 +18,8 @@ const FIRST_WAY: f64 = 5e-3;
 /// Rounds of the last effort, and when they stop: a round that leaves more of the volume than this.
 const ROUNDS: usize = 12;
 const DONE: f64 = 0.97;
+/// Cells that are halved in one row when there is little work for each.
+const AT_ONCE: usize = 4;
 /// Longest rest between two attempts at halving (records).
 const LONGEST_REST: u32 = 512;
 
@@ -81,9 +83,11 @@ impl PossibleSet {
     /// Halves the longest cells and lets the halves meet some of what is remembered.
     pub(super) fn halve(&mut self, map: &Map, mut work: usize) {
         let newest = self.records.len() as u32 - 1;
-        let cost = 2 * (RECALLED + 1);
         let mut order: Vec<usize> = (0..self.cells.len()).filter(|&i| self.may_halve(&self.cells[i], newest)).collect();
         order.sort_by(|&a, &b| longest(&self.cells[b]).1.total_cmp(&longest(&self.cells[a]).1).then(a.cmp(&b)));
+        // Few cells can be compared with much that is remembered, many with little.
+        let recalled = (work / 2 / order.len().clamp(1, AT_ONCE)).clamp(RECALLED, self.kept.len().max(RECALLED));
+        let cost = 2 * (recalled + 1);
         let mut gone = Vec::new();
         let mut born = Vec::new();
         for index in order {
@@ -94,7 +98,7 @@ impl PossibleSet {
             let cell = self.cells[index];
             let (side, length) = longest(&cell);
             let halves: Vec<Cell> =
-                cell.halves(side).into_iter().filter_map(|half| self.recall(map, half, newest, RECALLED)).collect();
+                cell.halves(side).into_iter().filter_map(|half| self.recall(map, half, newest, recalled)).collect();
             let volume: f64 = halves.iter().map(Cell::volume).sum();
             if halves.len() < 2 || length > COARSE || volume < GAIN * cell.volume() {
                 gone.push(index);
