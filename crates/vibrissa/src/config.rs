@@ -168,7 +168,7 @@ impl Default for PossibilisticOptions {
     fn default() -> Self {
         Self {
             most_cells: 2000,
-            work: 150,
+            work: 80,
             last_work: 100_000,
             resolution: 0.4e-3,
             largest_slope: 2.2,
@@ -194,6 +194,13 @@ impl PossibilisticOptions {
                 .value(value)
                 .allowed(format!("{lo} to {hi} {unit}")))
         };
+        if let Some(bounds) = self.prior
+            && let Some([lo, hi]) = bounds.iter().find(|[lo, hi]| !(lo <= hi && lo.is_finite() && hi.is_finite()))
+        {
+            return Err(Error::usage("the prior region is empty")
+                .value(format!("{lo} to {hi}"))
+                .allowed("a finite least value, and a largest that is no smaller"));
+        }
         within("most_cells", self.most_cells as f64, 1.0, 1e6, "cells")?;
         within("work", self.work as f64, 1.0, 1e7, "meetings a row")?;
         within("last_work", self.last_work as f64, 0.0, 1e9, "meetings")?;

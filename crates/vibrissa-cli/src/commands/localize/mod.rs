@@ -2,6 +2,7 @@
 
 mod deterministic;
 mod inputs;
+mod possibilistic;
 
 use crate::output::OutputArgs;
 use crate::output::{Run, Stopwatch, deliver, warn};
@@ -9,6 +10,7 @@ use clap::ValueEnum;
 use deterministic::DeterministicArgs;
 use inputs::Inputs;
 pub(super) use inputs::outlines;
+use possibilistic::PossibilisticArgs;
 use std::path::PathBuf;
 use vibrissa::{Error, LocalizeOptions, Result};
 
@@ -38,6 +40,8 @@ pub(crate) struct Args {
     output: OutputArgs,
     #[command(flatten)]
     deterministic: DeterministicArgs,
+    #[command(flatten)]
+    possibilistic: PossibilisticArgs,
 }
 
 /// The estimators by name.
@@ -45,7 +49,7 @@ pub(crate) struct Args {
 enum MethodArg {
     /// The paper's intersection of discretised preimages
     Deterministic,
-    /// Guaranteed bounds on the state (not available yet)
+    /// Guaranteed bounds on the state: what is outside is ruled out
     Possibilistic,
     /// The most accurate estimate with calibrated weights (not available yet)
     Probabilistic,
@@ -75,12 +79,13 @@ pub(crate) fn run(args: &Args) -> Result<()> {
 fn options(args: &Args) -> Result<LocalizeOptions> {
     match args.method {
         MethodArg::Deterministic => args.deterministic.options(),
-        later @ (MethodArg::Possibilistic | MethodArg::Probabilistic) => {
+        MethodArg::Possibilistic => args.possibilistic.options(),
+        later @ MethodArg::Probabilistic => {
             let name = later.to_possible_value().map(|value| value.get_name().to_owned()).unwrap_or_default();
             Err(Error::usage("this --method is not available yet")
                 .value(name)
-                .allowed("deterministic")
-                .remedy("leave --method out, or pass --method deterministic"))
+                .allowed("deterministic, possibilistic")
+                .remedy("leave --method out, or pass one that is available"))
         }
     }
 }

@@ -9,7 +9,7 @@ use super::cell::{Cell, Form, narrowed};
 use super::piece::{Edge, Piece, Pieces, Vertex};
 use super::record::{Bending, Touch};
 use crate::beam::press::{PressEntry, PressSlice};
-use crate::plane::{Bounds, Pose2, Vec2, wrap_angle};
+use crate::plane::{Bounds, Pose2, Vec2};
 use core::f64::consts::{PI, TAU};
 
 type Part = [(f64, f64); 3];
@@ -25,6 +25,11 @@ pub(super) struct Ground {
     pub(super) coarse: Pieces,
 }
 
+/// The angle brought within half a turn of the half turn (rad).
+fn around_half_turn(angle: f64) -> f64 {
+    angle - TAU * ((angle - PI) / TAU).round()
+}
+
 /// The length of a vector, without the care for overflow that maps do not need.
 fn size(v: Vec2) -> f64 {
     v.norm_squared().sqrt()
@@ -35,6 +40,9 @@ pub(super) struct View {
     /// The base, map frame, and the whisker's heading.
     pub(super) base: Vec2,
     pub(super) heading: f64,
+    /// Sine and cosine of the heading.
+    sin: f64,
+    cos: f64,
     /// How base and heading depend on the cell's sides.
     pub(super) moves: [Vec2; 3],
     pub(super) turns: Form,
@@ -55,11 +63,15 @@ impl View {
         let moves = cell.sides.map(|s| Vec2::new(s[0], s[1]) + lever * s[2]);
         let turns = cell.sides.map(|s| s[2]);
         let turn = turns.iter().map(|t| t.abs()).sum::<f64>();
-        let slop = place + off * robot_from_whisker.position().norm() + 0.5 * arm.norm() * turn * turn + 1e-9;
+        let slop = place + off * size(robot_from_whisker.position()) + 0.5 * size(arm) * turn * turn + 1e-9;
+        let heading = cell.center.theta + to_base.theta;
+        let (sin, cos) = heading.sin_cos();
         let wide = moves.iter().fold(Vec2::ZERO, |sum, m| sum + Vec2::new(m.x.abs(), m.y.abs()));
         Self {
             base: cell.place() + arm,
-            heading: cell.center.theta + to_base.theta,
+            heading,
+            sin,
+            cos,
             moves,
             turns,
             turn,
@@ -67,6 +79,11 @@ impl View {
             slop,
             slop_turn: off,
         }
+    }
+
+    /// A direction of the map in the whisker frame.
+    fn to_whisker(&self, v: Vec2) -> Vec2 {
+        Vec2::new(self.cos * v.x + self.sin * v.y, self.cos * v.y - self.sin * v.x)
     }
 
     /// The form of a displacement along `direction` plus `by_turn` times the turn.
@@ -121,7 +138,7 @@ pub(super) fn by_contact(view: &View, touch: &Touch, ground: &Ground) -> Option<
 fn rectangle(view: &View, bending: &Bending) -> Bounds {
     let Bounds { min, max } = bending.bounds;
     let (center, half) = ((min + max) * 0.5, (max - min) * 0.5);
-    let (sin, cos) = view.heading.sin_cos();
+    let (sin, cos) = (view.sin, view.cos);
     let swing = (view.turn + view.slop_turn) * min.norm().max(max.norm()).max(center.norm() + half.norm());
     let wide = Vec2::new(
         cos.abs() * half.x + sin.abs() * half.y + swing + view.reach.x,
@@ -146,7 +163,7 @@ pub(super) struct Contact {
 /// Calls `visit` for each entry that meets the directions within `wide` of `psi` (rad, whisker frame, any turn).
 pub(super) fn contacts(side: f64, slice: &PressSlice, psi: f64, wide: f64, mut visit: impl FnMut(&Contact)) {
     // The table's directions lie around the half turn.
-    let asked = PI + wrap_angle(side * psi - PI);
+    let asked = around_half_turn(side * psi);
     let known = slice.directions();
     for asked in [asked - TAU, asked, asked + TAU] {
         if asked + wide < known.lo() || asked - wide > known.hi() {
@@ -179,7 +196,7 @@ fn on_edge(view: &View, touch: &Touch, bending: &Bending, edge: &Edge, left: &mu
     if distance - across > touch.length || distance + across < -touch.length {
         return;
     }
-    let psi = wrap_angle(edge.normal - view.heading);
+    let psi = edge.normal - view.heading;
     let lean = edge.slack + touch.friction_angle;
     let wide = view.turn + view.slop_turn + lean;
     let slice = bending.level(wide);
@@ -187,7 +204,7 @@ fn on_edge(view: &View, touch: &Touch, bending: &Bending, edge: &Edge, left: &mu
         return;
     }
     contacts(bending.side, slice, psi, wide, |contact| {
-        let Some(strip) = Strip::on_edge(view, contact, edge, psi, lean) else { return };
+        let Some(strip) = Strip::on_edge(view, contact, edge, lean) else { return };
         // The headings that this entry serves.
         let serves = contact.half + lean + view.slop_turn;
         let turns = (-contact.ahead - serves, -contact.ahead + serves);
@@ -213,7 +230,7 @@ fn may_touch(
     let beside = edge.along.x.abs() * view.reach.x + edge.along.y.abs() * view.reach.y + edge.bow;
     // The force leans from the normal along which the distance is counted.
     let more = touch.length * lean;
-    let asked = PI + wrap_angle(side * psi - PI);
+    let asked = around_half_turn(side * psi);
     let known = slice.directions();
     for asked in [asked - TAU, asked, asked + TAU] {
         if asked + wide < known.lo() || asked - wide > known.hi() {
@@ -241,10 +258,10 @@ struct Strip {
 }
 
 impl Strip {
-    fn on_edge(view: &View, contact: &Contact, edge: &Edge, psi: f64, lean: f64) -> Option<Self> {
-        let (sin, cos) = psi.sin_cos();
-        let (u, side) = (Vec2::new(cos, sin), Vec2::new(sin, -cos));
+    fn on_edge(view: &View, contact: &Contact, edge: &Edge, lean: f64) -> Option<Self> {
         let normal = edge.along.perp();
+        let u = view.to_whisker(normal);
+        let side = -u.perp();
         let offset = view.base - edge.start;
         // The contact at psi itself, by the entry's own line.
         let p = contact.center - contact.by_direction * contact.ahead;
@@ -280,9 +297,8 @@ impl Strip {
     /// With the contact at a point: across and along the line on which the contact moves with the direction.
     fn at_point(view: &View, contact: &Contact, target: Vec2) -> Self {
         // The point in the whisker frame, and how it moves as base and heading do.
-        let (sin, cos) = view.heading.sin_cos();
-        let to_whisker = |v: Vec2| Vec2::new(cos * v.x + sin * v.y, cos * v.y - sin * v.x);
-        let w = to_whisker(target - view.base);
+        let (sin, cos) = (view.sin, view.cos);
+        let w = view.to_whisker(target - view.base);
         let sweep = size(contact.by_direction);
         let line = if sweep > 1e-6 {
             contact.by_direction * (1.0 / sweep)
@@ -314,7 +330,7 @@ fn at_vertex(view: &View, touch: &Touch, bending: &Bending, vertex: &Vertex, lef
     let psi = vertex.normal - view.heading;
     // Cones of half a turn and more meet everything.
     let wide = (view.turn + view.slop_turn + lean).min(PI);
-    contacts(bending.side, bending.level(view.turn), wrap_angle(psi), wide, |contact| {
+    contacts(bending.side, bending.level(view.turn), psi, wide, |contact| {
         let strip = Strip::at_point(view, contact, vertex.point);
         let part = narrowed(&WHOLE, &strip.across, strip.across_range)
             .and_then(|part| narrowed(&part, &strip.along, strip.along_range));

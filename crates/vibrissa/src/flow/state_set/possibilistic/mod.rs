@@ -121,34 +121,6 @@ impl PossibleSet {
         self.now().iter().map(|(cell, _)| cell.center).collect()
     }
 
-    /// DEBUG
-    pub fn debug_full(&self, map: &Map) -> (usize, usize) {
-        let mut seed = 7u64;
-        let mut rnd = || { seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407); ((seed >> 11) as f64) / ((1u64<<53) as f64) * 2.0 - 1.0 };
-        let total = self.volume();
-        let mut acc = 0.0;
-        let (mut n, mut k) = (0, 0);
-        for c in &self.cells {
-            acc += c.volume() / total * 2000.0;
-            while acc > 1.0 {
-                acc -= 1.0;
-                n += 1;
-                let w = [rnd(), rnd(), rnd()];
-                let at = |a: usize| (0..3).map(|j| w[j] * c.sides[j][a]).sum::<f64>();
-                let p = Cell { center: Pose2::new(c.center.x + at(0), c.center.y + at(1), c.center.theta + at(2)), sides: [[1e-7,0.0,0.0],[0.0,1e-7,0.0],[0.0,0.0,1e-6]], ..*c };
-                let mut alive = Some(p);
-                for &r in self.kept.iter() { alive = alive.and_then(|p| self.meet(map, p, r, true)); }
-                if alive.is_some() { k += 1; }
-            }
-        }
-        (n, k)
-    }
-
-    /// DEBUG
-    pub fn debug_cells(&self) -> Vec<(Pose2, [[f64; 3]; 3], f64)> {
-        self.cells.iter().map(|c| (c.center, c.sides, c.volume())).collect()
-    }
-
     /// An upper bound of the volume (m² rad).
     #[must_use]
     pub fn volume(&self) -> f64 {
