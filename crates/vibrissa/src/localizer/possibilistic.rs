@@ -139,7 +139,7 @@ impl<'a> PossibilisticLocalizer<'a> {
             self.first_row = Some(now);
             self.first_states = self.set.middles();
         }
-        let many = self.set.len() > MEASURED_AT_ONCE && now % MEASURED_EVERY != 0;
+        let many = self.set.len() > MEASURED_AT_ONCE && !now.is_multiple_of(MEASURED_EVERY);
         let measured = match self.steps.last() {
             Some(last) if many => StepRecord { t, volume: self.set.volume(), ..*last },
             _ => self.measure(t, now),

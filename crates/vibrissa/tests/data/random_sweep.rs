@@ -29,11 +29,7 @@ fn random_map(draw: &mut Random) -> Option<Map> {
     let outline: Vec<Vec2> = (0..points)
         .map(|k| {
             let angle = TAU * k as f64 / points as f64;
-            let wave = if smooth {
-                b * (2.0 * angle + a).sin() + c * (5.0 * angle).sin()
-            } else {
-                draw.signed(0.3)
-            };
+            let wave = if smooth { b * (2.0 * angle + a).sin() + c * (5.0 * angle).sin() } else { draw.signed(0.3) };
             Vec2::from_angle(angle) * (radius * (1.0 + wave))
         })
         .collect();
@@ -172,8 +168,6 @@ pub(crate) fn contains(answer: &Localization, truth: Pose2) -> bool {
     }
     answer.states.iter().any(|b| {
         let middle = 0.5 * (b.theta.lo() + b.theta.hi());
-        b.x.contains(truth.x)
-            && b.y.contains(truth.y)
-            && b.theta.contains(middle + wrap_angle(truth.theta - middle))
+        b.x.contains(truth.x) && b.y.contains(truth.y) && b.theta.contains(middle + wrap_angle(truth.theta - middle))
     }) || (answer.states.is_empty() && answer.hypotheses.is_empty() && answer.status == Status::NoContact)
 }

@@ -44,8 +44,7 @@ pub struct Span {
 }
 
 impl Span {
-    const EMPTY: Self =
-        Self { reach: (f64::INFINITY, f64::NEG_INFINITY), place: (f64::INFINITY, f64::NEG_INFINITY) };
+    const EMPTY: Self = Self { reach: (f64::INFINITY, f64::NEG_INFINITY), place: (f64::INFINITY, f64::NEG_INFINITY) };
 
     fn hull(self, other: Self) -> Self {
         let join = |a: (f64, f64), b: (f64, f64)| (a.0.min(b.0), a.1.max(b.1));
@@ -249,12 +248,7 @@ impl PressTable {
     }
 
     /// Side contacts with arc lengths in a range, over the whisker's.
-    fn short_side(
-        &self,
-        column: usize,
-        (least, most): (f64, f64),
-        (middle, half): (f64, f64),
-    ) -> PressEntry {
+    fn short_side(&self, column: usize, (least, most): (f64, f64), (middle, half): (f64, f64)) -> PressEntry {
         // The contact over its arc length: smooth where the moment vanishes, too.
         let shape = |direction: f64, beta: f64| {
             super::swing(beta, (direction - core::f64::consts::FRAC_PI_2).clamp(0.0, core::f64::consts::PI)).tip

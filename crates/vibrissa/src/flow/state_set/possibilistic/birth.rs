@@ -77,7 +77,9 @@ fn around_vertex(vertex: &Vertex, touch: &Touch, bending: &Bending, record: u32,
         let heading = (2 * k + 1) as f64 * half;
         let wide = (vertex.slack + touch.friction_angle + half).min(core::f64::consts::PI);
         let mut boxes: Vec<Bounds> = Vec::new();
-        contacts(bending.side, &bending.slices[0], vertex.normal - heading, wide, |contact| gather(contact, &mut boxes));
+        contacts(bending.side, &bending.slices[0], vertex.normal - heading, wide, |contact| {
+            gather(contact, &mut boxes)
+        });
         for bounds in boxes {
             let (center, wide) = ((bounds.min + bounds.max) * 0.5, (bounds.max - bounds.min) * 0.5);
             let rest = 0.5 * center.norm() * half * half + wide.norm() * half + 1e-9;

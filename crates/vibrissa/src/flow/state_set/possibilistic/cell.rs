@@ -44,11 +44,7 @@ impl Cell {
     pub(super) fn hull(&self) -> StateBox {
         let [x, y, theta] = self.reach();
         let around = |at: f64, by: f64| Interval::new(at - by, at + by);
-        StateBox {
-            x: around(self.center.x, x),
-            y: around(self.center.y, y),
-            theta: around(self.center.theta, theta),
-        }
+        StateBox { x: around(self.center.x, x), y: around(self.center.y, y), theta: around(self.center.theta, theta) }
     }
 
     /// The volume (m² rad).

@@ -87,9 +87,7 @@ fn root(parent: &mut [usize], mut at: usize) -> usize {
 fn touch(a: &Cell, hull_a: &StateBox, b: &Cell, hull_b: &StateBox) -> bool {
     let apart = wrap_angle(a.center.theta - b.center.theta).abs();
     let turn = 0.5 * (hull_a.theta.width() + hull_b.theta.width());
-    hull_a.y.lo() <= hull_b.y.hi() + LINK
-        && hull_b.y.lo() <= hull_a.y.hi() + LINK
-        && apart <= turn + LINK_TURN
+    hull_a.y.lo() <= hull_b.y.hi() + LINK && hull_b.y.lo() <= hull_a.y.hi() + LINK && apart <= turn + LINK_TURN
 }
 
 struct Group {
@@ -102,8 +100,7 @@ struct Group {
 
 impl Group {
     fn new(cell: &Cell, volume: f64, hull: &StateBox) -> Self {
-        let mut group =
-            Self { first: cell.center, sum: [0.0; 3], weight: 0.0, volume: 0.0, extent: StateBox::EMPTY };
+        let mut group = Self { first: cell.center, sum: [0.0; 3], weight: 0.0, volume: 0.0, extent: StateBox::EMPTY };
         group.add(cell, volume, hull);
         group
     }

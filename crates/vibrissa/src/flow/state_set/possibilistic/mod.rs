@@ -84,10 +84,11 @@ impl PossibleSet {
             let lean = whisker.friction.atan();
             let table = |(columns, rows)| PressTable::new(columns, rows, lean, options.largest_slope);
             Probe {
-            whisker: whisker.clone(),
-            tables: TABLES.iter().map(|t| table(*t)).collect(),
-            birth: vec![table(BIRTH)],
-        }};
+                whisker: whisker.clone(),
+                tables: TABLES.iter().map(|t| table(*t)).collect(),
+                birth: vec![table(BIRTH)],
+            }
+        };
         Self {
             options,
             odometry,

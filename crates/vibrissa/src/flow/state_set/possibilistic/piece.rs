@@ -188,7 +188,8 @@ fn is_smooth(before: &Link, after: &Link) -> bool {
 }
 
 fn is_fine(edge: &Edge, grain: Grain) -> bool {
-    let (slack, bow) = if edge.length <= SHORT { (SHORT_TURN, SHORT_BOW.max(grain.bow)) } else { (grain.turn, grain.bow) };
+    let (slack, bow) =
+        if edge.length <= SHORT { (SHORT_TURN, SHORT_BOW.max(grain.bow)) } else { (grain.turn, grain.bow) };
     edge.slack <= 0.5 * slack && edge.bow <= bow
 }
 

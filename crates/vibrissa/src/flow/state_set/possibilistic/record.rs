@@ -95,7 +95,8 @@ fn bendings(whisker: &MountedWhisker, tables: &[PressTable], lo: f64, hi: f64) -
     let mut sides = Vec::new();
     for (side, least, most) in [(1.0, lo, hi), (-1.0, -hi, -lo)] {
         if most > 0.0 {
-            let cut = |table: &PressTable| table.slice(least.max(0.0) * scale, most * scale).scaled(whisker.beam.length);
+            let cut =
+                |table: &PressTable| table.slice(least.max(0.0) * scale, most * scale).scaled(whisker.beam.length);
             let slices: Vec<PressSlice> = tables.iter().map(cut).collect();
             let bounds = slices.first().map_or(Bounds::EMPTY, |finest| around(finest, side));
             sides.push(Bending { side, bounds, slices });

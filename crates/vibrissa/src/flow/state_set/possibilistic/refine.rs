@@ -1,8 +1,8 @@
 //! Which cell meets which reading when: a bounded amount of work for each row.
 
-use super::cell::Cell;
-use super::PossibleSet;
 use super::LOOK_EVERY;
+use super::PossibleSet;
+use super::cell::Cell;
 use crate::world::Map;
 
 /// Most of the kept readings that a new half meets at once.

@@ -1,8 +1,6 @@
 //! Random contacts from the closed form: the state in which they happen is never ruled out.
 
-#[path = "../../../../tests/data/random.rs"]
-mod random;
-
+use super::super::tests::random::Random;
 use super::birth;
 use super::cell::Cell;
 use super::explain::{self, Ground, View};
@@ -13,7 +11,6 @@ use crate::beam::press::PressTable;
 use crate::plane::{Curve, Pose2, Vec2, wrap_angle};
 use crate::world::{Boundary, Map, MountedWhisker, Role};
 use core::f64::consts::{FRAC_PI_2, PI};
-use random::Random;
 
 /// A room with sharp corners both ways, an ellipse-like blob of many short lines, and an open wall.
 fn map() -> Map {
