@@ -17,7 +17,7 @@ pub(crate) struct PossibilisticArgs {
     /// Largest slope of the whisker at its contact, in rad [default: 2.2]
     #[arg(long, value_name = "RAD")]
     largest_slope: Option<f64>,
-    /// Where the robot is at the first row, in m and rad: X_MIN,X_MAX,Y_MIN,Y_MAX,THETA_MIN,THETA_MAX
+    /// Where the robot is at the first row, in m and rad: least and largest x, y and heading, six numbers
     #[arg(long, value_name = "BOX", value_delimiter = ',', num_args = 6, allow_hyphen_values = true)]
     within: Option<Vec<f64>>,
     /// Meetings of cells and readings in one row: more is tighter and slower, never less sound [default: 80]
