@@ -207,7 +207,7 @@ fn pieces_cover_the_map() {
 
 fn pieces_cover(map: &Map, pieces: &Pieces) {
     let edges = pieces.all.iter().filter(|p| matches!(p, Piece::Edge(_))).count();
-    println!("{edges} edges, {} vertices", pieces.all.len() - edges);
+    assert!(edges > 50, "{edges} edges, {} vertices", pieces.all.len() - edges);
     let mut draw = Random(12);
     for _ in 0..5000 {
         let corners = draw.unit() < 0.5;
