@@ -56,13 +56,11 @@ fn usage_errors_exit_2_and_say_what_is_wrong() {
 
 #[test]
 fn methods_to_come_are_refused_with_what_is_there() {
-    {
-        let method = "probabilistic";
-        let outcome = vibrissa(&["localize", "no.csv", "--map", "no.svg", "--method", method]);
-        assert_eq!(outcome.code, Some(2), "{outcome:?}");
-        for word in ["error: ", method, "(allowed: deterministic, possibilistic)", "\n  help: "] {
-            assert!(outcome.stderr.contains(word), "{word}: {}", outcome.stderr);
-        }
+    let method = "probabilistic";
+    let outcome = vibrissa(&["localize", "no.csv", "--map", "no.svg", "--method", method]);
+    assert_eq!(outcome.code, Some(2), "{outcome:?}");
+    for word in ["error: ", method, "(allowed: deterministic, possibilistic)", "\n  help: "] {
+        assert!(outcome.stderr.contains(word), "{word}: {}", outcome.stderr);
     }
 }
 
