@@ -221,6 +221,10 @@ impl PossibleSet {
 
     /// What is left of a cell after one record; none when it cannot explain it.
     fn meet(&self, map: &Map, cell: Cell, record: u32, look: bool) -> Option<Cell> {
+        // Where misses are counted, no reading may count twice.
+        if self.options.tolerate > 0 && record <= cell.seen {
+            return Some(cell);
+        }
         let there = &self.records[record as usize];
         let mut cell = cell;
         let (mut step, mut place, mut turn) = self.records[cell.anchor as usize].stand.until(&there.stand);
