@@ -47,5 +47,5 @@ pub mod tasks;
 pub mod world;
 
 pub use error::{Error, Result};
-pub use localizer::Localizer;
+pub use localizer::{Localizer, PossibilisticLocalizer};
 pub use tasks::{LocalizeOptions, localize};

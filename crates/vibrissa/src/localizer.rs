@@ -2,8 +2,10 @@
 //!
 //! [`crate::localize`] is the one-call door for whole logs; this is the same, row by row, for robots that are running.
 
+mod possibilistic;
 mod probabilistic;
 
+pub use possibilistic::PossibilisticLocalizer;
 pub use probabilistic::ProbabilisticLocalizer;
 
 use crate::beam::{elastica, largest_tip_moment};

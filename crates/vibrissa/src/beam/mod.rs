@@ -31,6 +31,7 @@ mod moment_mode;
 pub mod normal;
 mod pendulum;
 mod point_mode;
+pub mod press;
 pub mod rod;
 mod root;
 pub mod small_angle;

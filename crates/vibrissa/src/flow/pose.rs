@@ -23,6 +23,8 @@ pub enum Status {
 pub enum Method {
     /// The paper's intersection of discretised preimages.
     Deterministic,
+    /// Guaranteed bounds on the state: what is outside is ruled out.
+    Possibilistic,
     /// Least squares over all readings at every place that explains them, with calibrated weights.
     Probabilistic,
 }

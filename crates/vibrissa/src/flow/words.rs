@@ -22,6 +22,7 @@ impl Method {
     pub fn as_str(self) -> &'static str {
         match self {
             Self::Deterministic => "deterministic",
+            Self::Possibilistic => "possibilistic",
             Self::Probabilistic => "probabilistic",
         }
     }

@@ -1,11 +1,11 @@
 //! Where the robot is: the one-call door to the whole corridor.
 
 use crate::Result;
-use crate::config::{DeterministicOptions, ProbabilisticOptions};
+use crate::config::{DeterministicOptions, PossibilisticOptions, ProbabilisticOptions};
 use crate::flow::calibrated::calibrated;
 use crate::flow::pose::{Localization, Method};
-use crate::flow::sensor_log::SensorLog;
-use crate::localizer::{Localizer, ProbabilisticLocalizer};
+use crate::flow::sensor_log::{LogRow, SensorLog};
+use crate::localizer::{Localizer, PossibilisticLocalizer, ProbabilisticLocalizer};
 use crate::world::{Map, Robot};
 
 /// What can be chosen about a localization.
@@ -15,6 +15,8 @@ pub struct LocalizeOptions {
     pub method: Method,
     /// The knobs of the deterministic method.
     pub deterministic: DeterministicOptions,
+    /// The knobs of the possibilistic method.
+    pub possibilistic: PossibilisticOptions,
     /// The knobs of the probabilistic method.
     pub probabilistic: ProbabilisticOptions,
 }
@@ -24,12 +26,13 @@ impl Default for LocalizeOptions {
         Self {
             method: Method::Deterministic,
             deterministic: DeterministicOptions::default(),
+            possibilistic: PossibilisticOptions::default(),
             probabilistic: ProbabilisticOptions::default(),
         }
     }
 }
 
-/// Localizes a robot from what it recorded, raw readings through the calibration that the robot file names; `observer` is called with the index of each row once it is used.
+/// Localizes a robot from what it recorded; `observer` is called with the index of each row once it is used.
 ///
 /// # Errors
 ///
@@ -42,27 +45,39 @@ pub fn localize(
     options: &LocalizeOptions,
     observer: &mut dyn FnMut(usize),
 ) -> Result<Localization> {
-    let in_log = |error: crate::Error| match &log.source {
-        Some(file) if error.line().is_some() => error.in_file(file),
-        _ => error,
-    };
     let (log, robot) = calibrated(log, robot)?;
+    let channels = &log.channels;
     match options.method {
         Method::Deterministic => {
-            let mut localizer = Localizer::new(map, &robot, &log.channels, options.deterministic)?;
-            for (index, row) in log.rows.iter().enumerate() {
-                localizer.step(row).map_err(in_log)?;
-                observer(index);
-            }
+            let mut localizer = Localizer::new(map, &robot, channels, options.deterministic)?;
+            each_row(&log, observer, |row| localizer.step(row))?;
+            Ok(localizer.finish())
+        }
+        Method::Possibilistic => {
+            let mut localizer = PossibilisticLocalizer::new(map, &robot, channels, options.possibilistic)?;
+            each_row(&log, observer, |row| localizer.step(row))?;
             Ok(localizer.finish())
         }
         Method::Probabilistic => {
-            let mut localizer = ProbabilisticLocalizer::new(map, &robot, &log.channels, options.probabilistic)?;
-            for (index, row) in log.rows.iter().enumerate() {
-                localizer.step(row).map_err(in_log)?;
-                observer(index);
-            }
+            let mut localizer = ProbabilisticLocalizer::new(map, &robot, channels, options.probabilistic)?;
+            each_row(&log, observer, |row| localizer.step(row))?;
             Ok(localizer.finish())
         }
     }
+}
+
+/// Takes every row of the log; errors name the file.
+fn each_row(
+    log: &SensorLog,
+    observer: &mut dyn FnMut(usize),
+    mut step: impl FnMut(&LogRow) -> Result<()>,
+) -> Result<()> {
+    for (index, row) in log.rows.iter().enumerate() {
+        step(row).map_err(|error| match &log.source {
+            Some(file) if error.line().is_some() => error.in_file(file),
+            _ => error,
+        })?;
+        observer(index);
+    }
+    Ok(())
 }

@@ -2,6 +2,7 @@
 
 mod deterministic;
 mod inputs;
+mod possibilistic;
 
 use crate::output::OutputArgs;
 use crate::output::{Run, Stopwatch, deliver, warn};
@@ -9,10 +10,11 @@ use clap::ValueEnum;
 use deterministic::DeterministicArgs;
 use inputs::Inputs;
 pub(super) use inputs::outlines;
+use possibilistic::PossibilisticArgs;
 use std::path::PathBuf;
 use vibrissa::flow::pose::Method;
 use vibrissa::flow::sensor_log::foreign::Format;
-use vibrissa::{Error, LocalizeOptions, Result};
+use vibrissa::{LocalizeOptions, Result};
 
 /// Find where the robot is from a sensor log and a map.
 ///
@@ -43,6 +45,8 @@ pub(crate) struct Args {
     output: OutputArgs,
     #[command(flatten)]
     deterministic: DeterministicArgs,
+    #[command(flatten)]
+    possibilistic: PossibilisticArgs,
 }
 
 /// The estimators by name.
@@ -50,7 +54,7 @@ pub(crate) struct Args {
 enum MethodArg {
     /// The paper's intersection of discretised preimages
     Deterministic,
-    /// Guaranteed bounds on the state (not available yet)
+    /// Guaranteed bounds on the state: what is outside is ruled out
     Possibilistic,
     /// The most accurate estimate with calibrated weights
     Probabilistic,
@@ -80,13 +84,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
 fn options(args: &Args) -> Result<LocalizeOptions> {
     match args.method {
         MethodArg::Deterministic => args.deterministic.options(),
+        MethodArg::Possibilistic => args.possibilistic.options(),
         MethodArg::Probabilistic => Ok(LocalizeOptions { method: Method::Probabilistic, ..LocalizeOptions::default() }),
-        later @ MethodArg::Possibilistic => {
-            let name = later.to_possible_value().map(|value| value.get_name().to_owned()).unwrap_or_default();
-            Err(Error::usage("this --method is not available yet")
-                .value(name)
-                .allowed("deterministic, probabilistic")
-                .remedy("leave --method out, or pass --method probabilistic"))
-        }
     }
 }

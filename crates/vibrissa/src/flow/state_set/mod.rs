@@ -12,6 +12,7 @@
 mod candidate;
 mod components;
 mod membership;
+pub mod possibilistic;
 pub mod probabilistic;
 #[cfg(test)]
 mod tests;

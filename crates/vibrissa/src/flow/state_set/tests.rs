@@ -1,7 +1,7 @@
 //! The intersection against a brute-force search over the boundary, which lists the preimage point by point.
 
 #[path = "../../../tests/data/random.rs"]
-mod random;
+pub(super) mod random;
 
 use super::candidate::Candidate;
 use super::membership::{Tolerance, nearest_state};

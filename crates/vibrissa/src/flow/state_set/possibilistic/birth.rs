@@ -1,0 +1,108 @@
+//! The first cells: every state that one reading allows, anywhere on the map.
+
+use super::cell::Cell;
+use super::explain::{Contact, contacts, mirrored};
+use super::piece::{Edge, Piece, Pieces, Vertex};
+use super::record::{Bending, Touch};
+use crate::plane::{Bounds, Pose2, Vec2};
+use core::f64::consts::TAU;
+
+/// Longest stretch of an edge that one cell takes (m).
+const STRETCH: f64 = 0.03;
+/// Headings between neighbouring cells at a vertex.
+const VERTEX_HEADINGS: usize = 60;
+/// Contacts at a vertex are taken together up to this size (m).
+const TOGETHER: f64 = 4e-3;
+
+/// Cells that hold every state in which the map explains the reading by contact; `touch` is sliced from a coarse table.
+pub(super) fn cells(pieces: &Pieces, touch: &Touch, record: u32) -> Vec<Cell> {
+    let mut cells = Vec::new();
+    for bending in &touch.sides {
+        for piece in &pieces.all {
+            match piece {
+                Piece::Edge(edge) => along_edge(edge, touch, bending, record, &mut cells),
+                Piece::Vertex(vertex) => around_vertex(vertex, touch, bending, record, &mut cells),
+            }
+        }
+    }
+    cells
+}
+
+fn new_cell(center: Pose2, sides: [[f64; 3]; 3], touch: &Touch, record: u32) -> Cell {
+    let mut cell = Cell { center, sides, anchor: record, seen: record, missed: 0, rest_until: 0, patience: 8 };
+    // So far it is the whisker's base.
+    cell.moved(touch.robot_from_whisker.inverse(), record);
+    cell
+}
+
+fn along_edge(edge: &Edge, touch: &Touch, bending: &Bending, record: u32, cells: &mut Vec<Cell>) {
+    let pieces = (edge.length / STRETCH).ceil().max(1.0);
+    let half_length = 0.5 * edge.length / pieces;
+    let normal = edge.along.perp();
+    let lean = edge.slack + touch.friction_angle;
+    for entry in bending.slices[0].entries() {
+        let psi = bending.side * entry.middle;
+        let heading = edge.normal - psi;
+        let contact = mirrored(entry, bending.side, entry.middle);
+        let turned = |v: Vec2| v.rotated(heading);
+        let (p, slope, thick) = (turned(contact.center), turned(contact.by_direction), turned(contact.by_moment));
+        let half = contact.half;
+        let size = [p.norm(), slope.norm(), thick.norm()];
+        // The wall's normal may lean from the chord's: heading and base turn about the contact as they do with psi.
+        let turn = half + lean;
+        let rest = contact.radius
+            + turn * (0.5 * size[0] * turn + size[1] * half + size[2] + contact.radius)
+            + 2.0 * size[1] * half.min(lean)
+            + edge.bow;
+        let across = normal.dot(thick).abs() + rest;
+        let along = half_length + edge.along.dot(thick).abs() + rest;
+        let swing = p.perp() * turn - slope * half;
+        let sides = [
+            [edge.along.x * along, edge.along.y * along, 0.0],
+            [normal.x * across, normal.y * across, 0.0],
+            [swing.x, swing.y, -turn],
+        ];
+        for k in 0..pieces as usize {
+            let touched = edge.start + edge.along * ((2 * k + 1) as f64 * half_length);
+            let base = touched - p;
+            let cell = new_cell(Pose2::new(base.x, base.y, heading), sides, touch, record);
+            cells.push(cell);
+        }
+    }
+}
+
+fn around_vertex(vertex: &Vertex, touch: &Touch, bending: &Bending, record: u32, cells: &mut Vec<Cell>) {
+    let half = 0.5 * TAU / VERTEX_HEADINGS as f64;
+    for k in 0..VERTEX_HEADINGS {
+        let heading = (2 * k + 1) as f64 * half;
+        let wide = (vertex.slack + touch.friction_angle + half).min(core::f64::consts::PI);
+        let mut boxes: Vec<Bounds> = Vec::new();
+        contacts(bending.side, &bending.slices[0], vertex.normal - heading, wide, |contact| {
+            gather(contact, &mut boxes)
+        });
+        for bounds in boxes {
+            let (center, wide) = ((bounds.min + bounds.max) * 0.5, (bounds.max - bounds.min) * 0.5);
+            let rest = 0.5 * center.norm() * half * half + wide.norm() * half + 1e-9;
+            let turned = |v: Vec2| v.rotated(heading);
+            let (x, y) = (turned(Vec2::new(wide.x + rest, 0.0)), turned(Vec2::new(0.0, wide.y + rest)));
+            let p = turned(center);
+            let swing = -p.perp() * half;
+            let base = vertex.point - p;
+            let sides = [[x.x, x.y, 0.0], [y.x, y.y, 0.0], [swing.x, swing.y, half]];
+            cells.push(new_cell(Pose2::new(base.x, base.y, heading), sides, touch, record));
+        }
+    }
+}
+
+/// Adds the contacts of an entry to a rectangle that stays small, or to a new one.
+fn gather(contact: &Contact, boxes: &mut Vec<Bounds>) {
+    let of = |a: f64, b: f64| a.abs() * contact.half + b.abs() + contact.radius;
+    let half =
+        Vec2::new(of(contact.by_direction.x, contact.by_moment.x), of(contact.by_direction.y, contact.by_moment.y));
+    let own = Bounds { min: contact.center - half, max: contact.center + half };
+    let small = |b: Bounds| b.size().x.max(b.size().y) <= TOGETHER;
+    match boxes.iter_mut().find(|b| small(b.hull(own))) {
+        Some(near) => *near = near.hull(own),
+        None => boxes.push(own),
+    }
+}

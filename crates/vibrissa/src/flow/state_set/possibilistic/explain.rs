@@ -1,0 +1,341 @@
+//! Whether a cell can explain a reading, and which part of it.
+//!
+//! A piece of boundary with normal `n` explains the reading if the whisker touches it there with the force along `n`: on
+//! an edge, base and contact differ along the normal by the whisker's reach `u(psi) · p(psi)` with `psi = n - heading`;
+//! at a vertex they differ by the contact itself. Both are linear over a small cell up to bounds, so that each piece and
+//! each entry of the reading's slice cut a slanted strip out of the cell. What the strips leave together is kept.
+
+use super::cell::{Cell, Form, narrowed};
+use super::piece::{Edge, Piece, Pieces, Vertex};
+use super::record::{Bending, Touch};
+use crate::beam::press::{PressEntry, PressSlice};
+use crate::plane::{Bounds, Pose2, Vec2};
+use core::f64::consts::{PI, TAU};
+
+type Part = [(f64, f64); 3];
+
+/// Cells wider than this in heading (rad) or place (m) are compared with the coarse pieces.
+const WIDE_TURN: f64 = 0.02;
+const WIDE_REACH: f64 = 8e-3;
+
+/// The map's pieces, fine and coarse.
+#[derive(Clone, Debug)]
+pub(super) struct Ground {
+    pub(super) fine: Pieces,
+    pub(super) coarse: Pieces,
+}
+
+/// The angle brought within half a turn of the half turn (rad).
+fn around_half_turn(angle: f64) -> f64 {
+    angle - TAU * ((angle - PI) / TAU).round()
+}
+
+/// The length of a vector, without the care for overflow that maps do not need.
+fn size(v: Vec2) -> f64 {
+    v.norm_squared().sqrt()
+}
+
+/// A cell as a whisker's base at one record.
+pub(super) struct View {
+    /// The base, map frame, and the whisker's heading.
+    pub(super) base: Vec2,
+    pub(super) heading: f64,
+    /// Sine and cosine of the heading.
+    sin: f64,
+    cos: f64,
+    /// How base and heading depend on the cell's sides.
+    pub(super) moves: [Vec2; 3],
+    pub(super) turns: Form,
+    /// Half the range of headings, and half the rectangle around the bases.
+    pub(super) turn: f64,
+    pub(super) reach: Vec2,
+    /// What place and heading may be off beyond that: odometry, and what the linear model leaves.
+    pub(super) slop: f64,
+    pub(super) slop_turn: f64,
+}
+
+impl View {
+    /// The cell seen after the robot moved by `step` (known to `place` m and `turn` rad) for a whisker mounted so.
+    pub(super) fn new(cell: &Cell, step: Pose2, (place, off): (f64, f64), robot_from_whisker: Pose2) -> Self {
+        let to_base = step.compose(robot_from_whisker);
+        let arm = to_base.position().rotated(cell.center.theta);
+        let lever = arm.perp();
+        let moves = cell.sides.map(|s| Vec2::new(s[0], s[1]) + lever * s[2]);
+        let turns = cell.sides.map(|s| s[2]);
+        let turn = turns.iter().map(|t| t.abs()).sum::<f64>();
+        let slop = place + off * size(robot_from_whisker.position()) + 0.5 * size(arm) * turn * turn + 1e-9;
+        let heading = cell.center.theta + to_base.theta;
+        let (sin, cos) = heading.sin_cos();
+        let wide = moves.iter().fold(Vec2::ZERO, |sum, m| sum + Vec2::new(m.x.abs(), m.y.abs()));
+        Self {
+            base: cell.place() + arm,
+            heading,
+            sin,
+            cos,
+            moves,
+            turns,
+            turn,
+            reach: wide + Vec2::new(slop, slop),
+            slop,
+            slop_turn: off,
+        }
+    }
+
+    /// A direction of the map in the whisker frame.
+    fn to_whisker(&self, v: Vec2) -> Vec2 {
+        Vec2::new(self.cos * v.x + self.sin * v.y, self.cos * v.y - self.sin * v.x)
+    }
+
+    /// The form of a displacement along `direction` plus `by_turn` times the turn.
+    fn form(&self, direction: Vec2, by_turn: f64) -> Form {
+        [0, 1, 2].map(|j| direction.dot(self.moves[j]) + by_turn * self.turns[j])
+    }
+}
+
+/// What is left of a cell.
+pub(super) struct Left {
+    pub(super) part: Part,
+    /// A strip that holds all that is left.
+    pub(super) form: Form,
+    pub(super) range: (f64, f64),
+}
+
+const WHOLE: Part = [(-1.0, 1.0); 3];
+
+impl Left {
+    /// The union with another strip and part.
+    fn join(left: &mut Option<Self>, part: Part, form: Form, (lo, hi): (f64, f64)) {
+        match left {
+            None => *left = Some(Self { part, form, range: (lo, hi) }),
+            Some(all) => {
+                for (a, b) in all.part.iter_mut().zip(part) {
+                    *a = (a.0.min(b.0), a.1.max(b.1));
+                }
+                let off = all.form.iter().zip(form).map(|(a, b)| (a - b).abs()).sum::<f64>();
+                all.range = (all.range.0.min(lo - off), all.range.1.max(hi + off));
+            }
+        }
+    }
+}
+
+/// What of the cell explains the reading by some contact; none if nothing does.
+pub(super) fn by_contact(view: &View, touch: &Touch, ground: &Ground) -> Option<Left> {
+    // A wide cell gains nothing from fine detail.
+    let wide = view.turn > WIDE_TURN || view.reach.x + view.reach.y > WIDE_REACH;
+    let pieces = if wide { &ground.coarse } else { &ground.fine };
+    let mut left = None;
+    for bending in &touch.sides {
+        let bounds = rectangle(view, bending);
+        pieces.near(bounds, |piece| match piece {
+            Piece::Edge(edge) => on_edge(view, touch, bending, edge, &mut left),
+            Piece::Vertex(vertex) => at_vertex(view, touch, bending, vertex, &mut left),
+        });
+    }
+    left
+}
+
+/// The rectangle in the map around all places where the whisker can touch.
+fn rectangle(view: &View, bending: &Bending) -> Bounds {
+    let Bounds { min, max } = bending.bounds;
+    let (center, half) = ((min + max) * 0.5, (max - min) * 0.5);
+    let (sin, cos) = (view.sin, view.cos);
+    let swing = (view.turn + view.slop_turn) * min.norm().max(max.norm()).max(center.norm() + half.norm());
+    let wide = Vec2::new(
+        cos.abs() * half.x + sin.abs() * half.y + swing + view.reach.x,
+        sin.abs() * half.x + cos.abs() * half.y + swing + view.reach.y,
+    );
+    let middle = view.base + Vec2::new(cos * center.x - sin * center.y, sin * center.x + cos * center.y);
+    Bounds { min: middle - wide, max: middle + wide }
+}
+
+/// An entry of a slice as it is, mirrored where the whisker bends to the right.
+#[derive(Clone, Copy)]
+pub(super) struct Contact {
+    /// From the direction asked for to the entry's middle (rad).
+    pub(super) ahead: f64,
+    pub(super) half: f64,
+    pub(super) center: Vec2,
+    pub(super) by_direction: Vec2,
+    pub(super) by_moment: Vec2,
+    pub(super) radius: f64,
+}
+
+/// Calls `visit` for each entry that meets the directions within `wide` of `psi` (rad, whisker frame, any turn).
+pub(super) fn contacts(side: f64, slice: &PressSlice, psi: f64, wide: f64, mut visit: impl FnMut(&Contact)) {
+    // The table's directions lie around the half turn.
+    let asked = around_half_turn(side * psi);
+    let known = slice.directions();
+    for asked in [asked - TAU, asked, asked + TAU] {
+        if asked + wide < known.lo() || asked - wide > known.hi() {
+            continue;
+        }
+        for entry in slice.between(asked - wide, asked + wide) {
+            visit(&mirrored(entry, side, asked));
+        }
+    }
+}
+
+/// The entry seen from the direction `asked`, on its side.
+pub(super) fn mirrored(entry: &PressEntry, side: f64, asked: f64) -> Contact {
+    Contact {
+        ahead: side * (entry.middle - asked),
+        half: entry.half,
+        center: Vec2::new(entry.center.x, side * entry.center.y),
+        by_direction: Vec2::new(side * entry.by_direction.x, entry.by_direction.y),
+        by_moment: Vec2::new(entry.by_moment.x, side * entry.by_moment.y),
+        radius: entry.radius,
+    }
+}
+
+/// Contacts on an edge.
+fn on_edge(view: &View, touch: &Touch, bending: &Bending, edge: &Edge, left: &mut Option<Left>) {
+    let normal = edge.along.perp();
+    let offset = view.base - edge.start;
+    let distance = normal.dot(offset);
+    let across = normal.x.abs() * view.reach.x + normal.y.abs() * view.reach.y + edge.bow;
+    if distance - across > touch.length || distance + across < -touch.length {
+        return;
+    }
+    let psi = edge.normal - view.heading;
+    let lean = edge.slack + touch.friction_angle;
+    let wide = view.turn + view.slop_turn + lean;
+    let slice = bending.level(wide);
+    if !may_touch(view, touch, (bending.side, slice), edge, (psi, wide, lean), (distance, across)) {
+        return;
+    }
+    contacts(bending.side, slice, psi, wide, |contact| {
+        let Some(strip) = Strip::on_edge(view, contact, edge, lean) else { return };
+        // The headings that this entry serves.
+        let serves = contact.half + lean + view.slop_turn;
+        let turns = (-contact.ahead - serves, -contact.ahead + serves);
+        let part = narrowed(&WHOLE, &strip.across, strip.across_range)
+            .and_then(|part| narrowed(&part, &strip.along, strip.along_range))
+            .and_then(|part| narrowed(&part, &view.turns, turns));
+        if let Some(part) = part {
+            Left::join(left, part, strip.across, strip.across_range);
+        }
+    });
+}
+
+/// A quick look whether base and edge can be as far apart, along the normal and along the edge, as contacts are.
+fn may_touch(
+    view: &View,
+    touch: &Touch,
+    (side, slice): (f64, &PressSlice),
+    edge: &Edge,
+    (psi, wide, lean): (f64, f64, f64),
+    (distance, across): (f64, f64),
+) -> bool {
+    let ahead = edge.along.dot(view.base - edge.start);
+    let beside = edge.along.x.abs() * view.reach.x + edge.along.y.abs() * view.reach.y + edge.bow;
+    // The force leans from the normal along which the distance is counted.
+    let more = touch.length * lean;
+    let asked = around_half_turn(side * psi);
+    let known = slice.directions();
+    for asked in [asked - TAU, asked, asked + TAU] {
+        if asked + wide < known.lo() || asked - wide > known.hi() {
+            continue;
+        }
+        let span = slice.span(asked - wide, asked + wide);
+        let place = if side > 0.0 { span.place } else { (-span.place.1, -span.place.0) };
+        if distance + span.reach.0 - across - more <= 0.0
+            && distance + span.reach.1 + across + more >= 0.0
+            && ahead + place.0 - beside - more <= edge.length
+            && ahead + place.1 + beside + more >= 0.0
+        {
+            return true;
+        }
+    }
+    false
+}
+
+/// Two slanted strips of a cell whose meet holds every explanation of one kind.
+struct Strip {
+    across: Form,
+    across_range: (f64, f64),
+    along: Form,
+    along_range: (f64, f64),
+}
+
+impl Strip {
+    fn on_edge(view: &View, contact: &Contact, edge: &Edge, lean: f64) -> Option<Self> {
+        let normal = edge.along.perp();
+        let u = view.to_whisker(normal);
+        let side = -u.perp();
+        let offset = view.base - edge.start;
+        // The contact at psi itself, by the entry's own line.
+        let p = contact.center - contact.by_direction * contact.ahead;
+        // The headings of the cell that this entry can serve: psi falls as the heading grows.
+        let far = contact.ahead.abs() + contact.half + lean;
+        let turn = view.turn.min(far);
+        let (arm, slope, thick) = (size(p), size(contact.by_direction), size(contact.by_moment));
+        let wide = turn + view.slop_turn;
+        let second = wide * (0.5 * arm * wide + slope * (wide + lean) + thick + contact.radius);
+        let error = contact.radius + second + edge.bow + view.slop;
+        let reach_turn = -side.dot(p) + u.dot(contact.by_direction);
+        let place_turn = u.dot(p) + side.dot(contact.by_direction);
+        let half = |direction: Vec2, by_turn: f64| {
+            error
+                + direction.dot(contact.by_moment).abs()
+                + direction.dot(contact.by_direction).abs() * lean
+                + by_turn.abs() * view.slop_turn
+        };
+        let (gap, half_gap) = (normal.dot(offset) + u.dot(p), half(u, reach_turn));
+        let across = view.form(normal, -reach_turn);
+        if gap.abs() > half_gap + across.iter().map(|k| k.abs()).sum::<f64>() {
+            return None;
+        }
+        let (place, half_place) = (edge.along.dot(offset) + side.dot(p), half(side, place_turn));
+        Some(Self {
+            across,
+            across_range: (-gap - half_gap, -gap + half_gap),
+            along: view.form(edge.along, -place_turn),
+            along_range: (-place - half_place, edge.length - place + half_place),
+        })
+    }
+
+    /// With the contact at a point: across and along the line on which the contact moves with the direction.
+    fn at_point(view: &View, contact: &Contact, target: Vec2) -> Self {
+        // The point in the whisker frame, and how it moves as base and heading do.
+        let (sin, cos) = (view.sin, view.cos);
+        let w = view.to_whisker(target - view.base);
+        let sweep = size(contact.by_direction);
+        let line = if sweep > 1e-6 {
+            contact.by_direction * (1.0 / sweep)
+        } else {
+            let thick = contact.by_moment.norm();
+            if thick > 0.0 { contact.by_moment.perp() * (1.0 / thick) } else { Vec2::new(1.0, 0.0) }
+        };
+        let turned = view.turn + view.slop_turn;
+        let moved = size(view.reach);
+        let second = turned * (0.5 * size(w) * turned + moved);
+        let error = contact.radius + second + view.slop + size(w) * view.slop_turn;
+        let strip = |direction: Vec2| {
+            let in_map = Vec2::new(cos * direction.x - sin * direction.y, sin * direction.x + cos * direction.y);
+            let at = direction.dot(w - contact.center);
+            let half = error
+                + direction.dot(contact.by_moment).abs()
+                + direction.dot(contact.by_direction).abs() * contact.half;
+            (view.form(-in_map, -direction.dot(w.perp())), (-at - half, -at + half))
+        };
+        let (across, across_range) = strip(line.perp());
+        let (along, along_range) = strip(line);
+        Self { across, across_range, along, along_range }
+    }
+}
+
+/// Contacts at a vertex.
+fn at_vertex(view: &View, touch: &Touch, bending: &Bending, vertex: &Vertex, left: &mut Option<Left>) {
+    let lean = vertex.slack + touch.friction_angle;
+    let psi = vertex.normal - view.heading;
+    // Cones of half a turn and more meet everything.
+    let wide = (view.turn + view.slop_turn + lean).min(PI);
+    contacts(bending.side, bending.level(view.turn), psi, wide, |contact| {
+        let strip = Strip::at_point(view, contact, vertex.point);
+        let part = narrowed(&WHOLE, &strip.across, strip.across_range)
+            .and_then(|part| narrowed(&part, &strip.along, strip.along_range));
+        if let Some(part) = part {
+            Left::join(left, part, strip.across, strip.across_range);
+        }
+    });
+}

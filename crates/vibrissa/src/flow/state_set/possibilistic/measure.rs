@@ -1,0 +1,164 @@
+//! How large the set is, and into which separate places it falls.
+
+use super::cell::{ARM, Cell};
+use crate::plane::{Bounds, Pose2, Vec2, wrap_angle};
+use crate::sets::StateBox;
+
+/// Cells nearer than this belong together (m, rad).
+const LINK: f64 = 1e-4;
+const LINK_TURN: f64 = 1e-3;
+/// The area is counted on a raster of this many cells across.
+const RASTER: usize = 256;
+/// Long cells are cut into pieces for their boxes: at most this many along a side.
+const PIECES: usize = 8;
+
+/// One separate place of a set.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Place {
+    /// The middle of its cells, weighed by volume.
+    pub pose: Pose2,
+    /// Its share of the volume.
+    pub share: f64,
+    /// The box around it.
+    pub extent: StateBox,
+}
+
+/// The boxes around the cells, long slanted ones cut.
+pub(super) fn boxes(cells: &[(Cell, f64)]) -> Vec<StateBox> {
+    let limit = if cells.len() > 400 { 1 } else { PIECES };
+    let mut boxes = Vec::new();
+    for (cell, _) in cells {
+        let longest = (0..3).max_by(|&a, &b| cell.length(a).total_cmp(&cell.length(b))).unwrap_or(0);
+        let others = (0..3).filter(|&j| j != longest).map(|j| cell.length(j)).fold(1e-4, f64::max);
+        let pieces = ((cell.length(longest) / others).ceil() as usize).clamp(1, limit);
+        let side = cell.sides[longest];
+        let mut piece = *cell;
+        piece.sides[longest] = side.map(|v| v / pieces as f64);
+        for k in 0..pieces {
+            let at = (2 * k + 1) as f64 / pieces as f64 - 1.0;
+            let Pose2 { x, y, theta } = cell.center;
+            piece.center = Pose2::new(x + at * side[0], y + at * side[1], theta + at * side[2]);
+            boxes.push(piece.hull());
+        }
+    }
+    boxes
+}
+
+/// The groups of cells whose boxes touch.
+pub(super) fn places(cells: &[(Cell, f64)]) -> Vec<Place> {
+    let hulls: Vec<StateBox> = cells.iter().map(|(cell, _)| cell.hull()).collect();
+    let mut order: Vec<usize> = (0..cells.len()).collect();
+    order.sort_by(|&a, &b| hulls[a].x.lo().total_cmp(&hulls[b].x.lo()).then(a.cmp(&b)));
+    let mut parent: Vec<usize> = (0..cells.len()).collect();
+    for (rank, &a) in order.iter().enumerate() {
+        for &b in &order[rank + 1..] {
+            if hulls[b].x.lo() > hulls[a].x.hi() + LINK {
+                break;
+            }
+            if touch(&cells[a].0, &hulls[a], &cells[b].0, &hulls[b]) {
+                let (p, q) = (root(&mut parent, a), root(&mut parent, b));
+                parent[p.max(q)] = p.min(q);
+            }
+        }
+    }
+    let total: f64 = cells.iter().map(|(_, v)| v).sum();
+    let mut groups: Vec<(usize, Group)> = Vec::new();
+    for index in 0..cells.len() {
+        let group = root(&mut parent, index);
+        let (cell, volume) = &cells[index];
+        match groups.iter_mut().find(|(g, _)| *g == group) {
+            Some((_, all)) => all.add(cell, *volume, &hulls[index]),
+            None => groups.push((group, Group::new(cell, *volume, &hulls[index]))),
+        }
+    }
+    let mut places: Vec<Place> = groups.into_iter().map(|(_, group)| group.place(total)).collect();
+    places.sort_by(|a, b| b.share.total_cmp(&a.share));
+    places
+}
+
+fn root(parent: &mut [usize], mut at: usize) -> usize {
+    while parent[at] != at {
+        parent[at] = parent[parent[at]];
+        at = parent[at];
+    }
+    at
+}
+
+fn touch(a: &Cell, hull_a: &StateBox, b: &Cell, hull_b: &StateBox) -> bool {
+    let apart = wrap_angle(a.center.theta - b.center.theta).abs();
+    let turn = 0.5 * (hull_a.theta.width() + hull_b.theta.width());
+    hull_a.y.lo() <= hull_b.y.hi() + LINK && hull_b.y.lo() <= hull_a.y.hi() + LINK && apart <= turn + LINK_TURN
+}
+
+struct Group {
+    first: Pose2,
+    sum: [f64; 3],
+    weight: f64,
+    volume: f64,
+    extent: StateBox,
+}
+
+impl Group {
+    fn new(cell: &Cell, volume: f64, hull: &StateBox) -> Self {
+        let mut group = Self { first: cell.center, sum: [0.0; 3], weight: 0.0, volume: 0.0, extent: StateBox::EMPTY };
+        group.add(cell, volume, hull);
+        group
+    }
+
+    fn add(&mut self, cell: &Cell, volume: f64, hull: &StateBox) {
+        // Places without any volume have a middle as well.
+        let weight = volume + 1e-300;
+        let off = [
+            cell.center.x - self.first.x,
+            cell.center.y - self.first.y,
+            wrap_angle(cell.center.theta - self.first.theta),
+        ];
+        (0..3).for_each(|i| self.sum[i] += weight * off[i]);
+        self.weight += weight;
+        self.volume += volume;
+        self.extent = self.extent.hull(hull);
+    }
+
+    fn place(&self, total: f64) -> Place {
+        let [x, y, theta] = self.sum.map(|s| s / self.weight);
+        let pose = Pose2::new(self.first.x + x, self.first.y + y, self.first.theta + theta);
+        Place { pose, share: if total > 0.0 { self.volume / total } else { 1.0 }, extent: self.extent }
+    }
+}
+
+/// Upper bounds of area (m²) and volume (m² rad).
+pub(super) fn size(cells: &[(Cell, f64)]) -> (f64, f64) {
+    let volume = cells.iter().map(|(_, v)| v).sum();
+    let shadows: f64 = cells.iter().map(|(cell, _)| shadow(cell)).sum();
+    (shadows.min(raster(cells)), volume)
+}
+
+/// The area of a cell's projection: a hexagon.
+fn shadow(cell: &Cell) -> f64 {
+    let [a, b, c] = cell.sides.map(|s| Vec2::new(s[0], s[1]));
+    4.0 * (a.cross(b).abs() + b.cross(c).abs() + c.cross(a).abs())
+}
+
+/// The area by counting the squares of a raster that the cells' rectangles touch.
+fn raster(cells: &[(Cell, f64)]) -> f64 {
+    let rectangle = |cell: &Cell| {
+        let [x, y, _] = cell.reach();
+        let half = Vec2::new(x, y);
+        Bounds { min: cell.place() - half, max: cell.place() + half }
+    };
+    let all = cells.iter().fold(Bounds::EMPTY, |b, (cell, _)| b.hull(rectangle(cell)));
+    if all.is_empty() {
+        return 0.0;
+    }
+    let square = (all.size().x.max(all.size().y) / RASTER as f64).max(1e-3 * ARM);
+    let mut hit = vec![false; (RASTER + 1) * (RASTER + 1)];
+    for (cell, _) in cells {
+        let Bounds { min, max } = rectangle(cell);
+        let index = |v: f64, from: f64| (((v - from) / square) as usize).min(RASTER);
+        let (x0, x1) = (index(min.x, all.min.x), index(max.x, all.min.x));
+        for y in index(min.y, all.min.y)..=index(max.y, all.min.y) {
+            hit[y * (RASTER + 1) + x0..=y * (RASTER + 1) + x1].fill(true);
+        }
+    }
+    hit.iter().filter(|&&h| h).count() as f64 * square * square
+}

@@ -1,0 +1,337 @@
+//! The set of all states that the readings allow, enclosed by slanted cells: what it leaves out is ruled out.
+//!
+//! A state explains a reading if some single contact of the whisker with the map does, history or not. The first
+//! reading that needs a contact lays cells along every boundary; from then on each reading cuts the cells that it
+//! meets, and cells that do not explain it die. Work is bounded for each row: cells that had no turn yet stay as they
+//! are, which is never wrong. `docs/possibilistic.md` gives the reasons why nothing true is lost.
+
+mod birth;
+mod cell;
+mod explain;
+mod measure;
+mod piece;
+mod record;
+mod refine;
+mod room;
+#[cfg(test)]
+mod tests;
+
+use crate::beam::press::PressTable;
+use crate::config::PossibilisticOptions;
+use crate::plane::{Pose2, wrap_angle};
+use crate::sets::{Interval, StateBox};
+use crate::world::{Map, MountedWhisker, Odometry};
+use cell::{Cell, narrowed};
+use explain::{Ground, View};
+pub use measure::Place;
+use piece::Pieces;
+use record::{Stand, Touch};
+
+/// Columns (a quarter turn) and rows of the tables that cells meet, from fine to coarse, and of those that they are
+/// born from.
+const TABLES: [(usize, usize); 4] = [(64, 48), (32, 32), (16, 24), (8, 16)];
+const BIRTH: (usize, usize) = (24, 24);
+/// Odometry may be off by this much before a cell is moved to the present row (m).
+const STALE: f64 = 5e-5;
+/// And a cell that is wide in heading is moved when the robot is this far away (m).
+const FAR: f64 = 0.03;
+/// Readings are kept for cells that come late at least this far apart (m of the robot's way), and at most so many.
+const KEPT_EVERY: f64 = 1e-3;
+const MOST_KEPT: usize = 160;
+/// The place of a base is checked once in so many records.
+const LOOK_EVERY: u32 = 8;
+
+/// A whisker with its tables.
+#[derive(Clone, Debug)]
+struct Probe {
+    whisker: MountedWhisker,
+    tables: Vec<PressTable>,
+    birth: Vec<PressTable>,
+}
+
+/// One row of the log.
+#[derive(Clone, Debug)]
+struct Record {
+    stand: Stand,
+    /// What each whisker felt; empty once it is forgotten.
+    touches: Vec<Touch>,
+    heading: Option<Interval>,
+}
+
+/// The states that explain the readings so far.
+#[derive(Clone, Debug)]
+pub struct PossibleSet {
+    options: PossibilisticOptions,
+    odometry: Odometry,
+    ground: Ground,
+    probes: Vec<Probe>,
+    records: Vec<Record>,
+    /// Records that still have their readings, but for the newest.
+    kept: Vec<u32>,
+    kept_every: f64,
+    cells: Vec<Cell>,
+    births: usize,
+    /// The record of the first contact.
+    born_at: u32,
+    cursor: usize,
+}
+
+impl PossibleSet {
+    /// The set of everything: no reading yet.
+    #[must_use]
+    pub fn new(map: &Map, whiskers: &[MountedWhisker], odometry: Odometry, options: PossibilisticOptions) -> Self {
+        let probe = |whisker: &MountedWhisker| {
+            let lean = whisker.friction.atan();
+            let table = |(columns, rows)| PressTable::new(columns, rows, lean, options.largest_slope);
+            Probe {
+                whisker: whisker.clone(),
+                tables: TABLES.iter().map(|t| table(*t)).collect(),
+                birth: vec![table(BIRTH)],
+            }
+        };
+        Self {
+            options,
+            odometry,
+            ground: Ground { fine: Pieces::new(map, piece::FINE), coarse: Pieces::new(map, piece::COARSE) },
+            probes: whiskers.iter().map(probe).collect(),
+            records: Vec::new(),
+            kept: Vec::new(),
+            kept_every: KEPT_EVERY,
+            cells: Vec::new(),
+            births: 0,
+            born_at: 0,
+            cursor: 0,
+        }
+    }
+
+    /// Whether a contact has laid the first cells.
+    #[must_use]
+    pub fn has_started(&self) -> bool {
+        self.births > self.options.tolerate
+    }
+
+    /// Whether no state explains the readings.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.has_started() && self.cells.is_empty()
+    }
+
+    /// The middles of the cells at the newest row.
+    #[must_use]
+    pub fn middles(&self) -> Vec<Pose2> {
+        self.now().iter().map(|(cell, _)| cell.center).collect()
+    }
+
+    /// An upper bound of the volume (m² rad).
+    #[must_use]
+    pub fn volume(&self) -> f64 {
+        self.cells.iter().map(Cell::volume).sum()
+    }
+
+    /// How many cells enclose the set.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.cells.len()
+    }
+
+    /// Takes one row: the odometry, each whisker's interval of moments (N m), and an absolute heading (rad).
+    pub fn update(&mut self, map: &Map, odom_from_robot: Pose2, moments: &[Interval], heading: Option<Interval>) {
+        let stand = match self.records.last() {
+            Some(last) => last.stand.next(odom_from_robot, &self.odometry),
+            None => Stand::first(odom_from_robot),
+        };
+        let touch = |(probe, m): (&Probe, &Interval)| Touch::new(&probe.whisker, &probe.tables, m.lo(), m.hi());
+        self.forget();
+        // Readings that may be none are worth nothing before the set starts, unless they are remembered.
+        let idle = !self.has_started() && moments.iter().all(|m| m.contains(0.0));
+        let touches = if idle && !self.is_apart(stand.path()) {
+            Vec::new()
+        } else {
+            self.probes.iter().zip(moments).map(touch).collect()
+        };
+        self.records.push(Record { stand, touches, heading });
+        if !self.has_started() {
+            self.start(map, moments);
+            return;
+        }
+        self.meet_newest(map);
+    }
+
+    /// Forgets the readings of the last record unless they are worth keeping.
+    fn forget(&mut self) {
+        let Some(last) = self.records.len().checked_sub(1) else { return };
+        if self.is_apart(self.records[last].stand.path()) {
+            self.kept.push(last as u32);
+        } else {
+            self.records[last].touches = Vec::new();
+        }
+        if self.kept.len() > MOST_KEPT {
+            self.kept_every *= 2.0;
+            let (mut index, kept) = (0, std::mem::take(&mut self.kept));
+            for record in kept {
+                if index % 2 == 0 {
+                    self.kept.push(record);
+                } else {
+                    self.records[record as usize].touches = Vec::new();
+                }
+                index += 1;
+            }
+        }
+    }
+
+    /// Whether a record this far along the way is worth keeping.
+    fn is_apart(&self, way: f64) -> bool {
+        let last = self.kept.last();
+        last.is_none_or(|&k| way - self.records[k as usize].stand.path() >= self.kept_every)
+    }
+
+    /// Lays cells if the newest reading needs a contact. Of any `tolerate + 1` readings one is true.
+    fn start(&mut self, map: &Map, moments: &[Interval]) {
+        let record = self.records.len() as u32 - 1;
+        for (probe, moment) in self.probes.iter().zip(moments) {
+            if moment.contains(0.0) || self.births > self.options.tolerate {
+                continue;
+            }
+            let coarse = Touch::new(&probe.whisker, &probe.birth, moment.lo(), moment.hi());
+            self.cells.extend(birth::cells(&self.ground.coarse, &coarse, record));
+            self.births += 1;
+            self.born_at = record;
+        }
+        if self.births == 0 {
+            return;
+        }
+        let cells = std::mem::take(&mut self.cells);
+        self.cells = cells.into_iter().filter_map(|cell| self.entering(map, cell, record)).collect();
+    }
+
+    /// What is left of a new cell after the reading that it was born from and all that is known from before.
+    fn entering(&self, map: &Map, cell: Cell, record: u32) -> Option<Cell> {
+        let mut cell = self.meet(map, cell, record, true)?;
+        if let Some(prior) = self.options.prior {
+            let first = &self.records[0].stand;
+            let (step, place, turn) = self.records[cell.anchor as usize].stand.until(first);
+            cell = within(cell, step, (place, turn), &prior)?;
+        }
+        let earlier = self.kept.iter().rev().filter(|&&k| k < record).step_by(4).take(4);
+        for &k in earlier {
+            cell = self.meet(map, cell, k, false)?;
+        }
+        Some(cell)
+    }
+
+    /// What is left of a cell after one record; none when it cannot explain it.
+    fn meet(&self, map: &Map, cell: Cell, record: u32, look: bool) -> Option<Cell> {
+        // Where misses are counted, no reading may count twice.
+        if self.options.tolerate > 0 && record <= cell.seen {
+            return Some(cell);
+        }
+        let there = &self.records[record as usize];
+        let mut cell = cell;
+        let (mut step, mut place, mut turn) = self.records[cell.anchor as usize].stand.until(&there.stand);
+        let bends = step.position().norm() > FAR;
+        if record > cell.anchor && (place > STALE || bends) {
+            cell.moved(step, record);
+            cell.grow(place, turn);
+            (step, place, turn) = (Pose2::IDENTITY, 0.0, 0.0);
+        }
+        cell.seen = cell.seen.max(record);
+        if let Some(heading) = there.heading {
+            cell = turned_within(cell, step.theta, turn, heading)?;
+        }
+        for touch in &there.touches {
+            let view = View::new(&cell, step, (place, turn), touch.robot_from_whisker);
+            if look && !room::base_may_be_free(&view, map) {
+                return None;
+            }
+            if touch.free && room::whisker_may_be_free(&view, touch.length, &self.ground.coarse) {
+                continue;
+            }
+            match explain::by_contact(&view, touch, &self.ground) {
+                // With misses left, the part that does not explain the reading stays possible, too.
+                Some(_) if (cell.missed as usize) < self.options.tolerate => {}
+                Some(left) => cell.keep(&left),
+                None if (cell.missed as usize) < self.options.tolerate => cell.missed += 1,
+                None => return None,
+            }
+        }
+        Some(cell)
+    }
+
+    /// The boxes around the cells at the newest row, and the cells' volumes.
+    fn now(&self) -> Vec<(Cell, f64)> {
+        let Some(last) = self.records.last() else { return Vec::new() };
+        let newest = self.records.len() as u32 - 1;
+        let present = |cell: &Cell| {
+            let (step, place, turn) = self.records[cell.anchor as usize].stand.until(&last.stand);
+            let mut cell = *cell;
+            cell.moved(step, newest);
+            cell.grow(place, turn);
+            (cell, cell.volume())
+        };
+        self.cells.iter().map(present).collect()
+    }
+}
+
+impl Cell {
+    /// Keeps what explains a reading.
+    fn keep(&mut self, left: &explain::Left) {
+        let (mut form, mut middle) = (left.form, 0.0);
+        for (k, &(lo, hi)) in form.iter_mut().zip(&left.part) {
+            middle += *k * 0.5 * (lo + hi);
+            *k *= 0.5 * (hi - lo);
+        }
+        self.shrink(&left.part);
+        self.cut(&form, (left.range.0 - middle, left.range.1 - middle));
+    }
+}
+
+/// The part of the cell from which the robot, after `step`, is in a box.
+fn within(cell: Cell, step: Pose2, (place, turn): (f64, f64), bounds: &[[f64; 2]; 3]) -> Option<Cell> {
+    let view = View::new(&cell, step, (place, turn), Pose2::IDENTITY);
+    let mut part = [(-1.0, 1.0); 3];
+    let at = [view.base.x, view.base.y, wrap_near(view.heading, 0.5 * (bounds[2][0] + bounds[2][1]))];
+    let slop = [view.slop, view.slop, turn];
+    for axis in 0..3 {
+        let form = [0, 1, 2].map(|j| [view.moves[j].x, view.moves[j].y, view.turns[j]][axis]);
+        let [lo, hi] = bounds[axis];
+        part = narrowed(&part, &form, (lo - at[axis] - slop[axis], hi - at[axis] + slop[axis]))?;
+    }
+    let mut cell = cell;
+    cell.shrink(&part);
+    Some(cell)
+}
+
+/// The part of the cell whose heading, after a turn known to `off`, is in an interval.
+fn turned_within(cell: Cell, turn: f64, off: f64, heading: Interval) -> Option<Cell> {
+    let middle = 0.5 * (heading.lo() + heading.hi());
+    let at = wrap_near(cell.center.theta + turn, middle);
+    let form = cell.sides.map(|s| s[2]);
+    let part = narrowed(&[(-1.0, 1.0); 3], &form, (heading.lo() - at - off, heading.hi() - at + off))?;
+    let mut cell = cell;
+    cell.shrink(&part);
+    Some(cell)
+}
+
+fn wrap_near(angle: f64, middle: f64) -> f64 {
+    middle + wrap_angle(angle - middle)
+}
+
+impl PossibleSet {
+    /// The boxes that hold every possible state at the newest row, map frame; long cells are cut into several.
+    #[must_use]
+    pub fn boxes(&self) -> Vec<StateBox> {
+        measure::boxes(&self.now())
+    }
+
+    /// The separate places at the newest row, the largest share of the volume first.
+    #[must_use]
+    pub fn places(&self) -> Vec<Place> {
+        measure::places(&self.now())
+    }
+
+    /// Upper bounds of the area that the set covers (m²) and of its volume (m² rad), at the newest row.
+    #[must_use]
+    pub fn size(&self) -> (f64, f64) {
+        measure::size(&self.now())
+    }
+}

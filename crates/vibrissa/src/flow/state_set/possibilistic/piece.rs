@@ -1,0 +1,230 @@
+//! The map as a whisker feels it: all but straight edges, and points with a cone of normals.
+
+use crate::plane::{Bounds, Segment, SegmentTree, Vec2, wrap_angle};
+use crate::world::{Boundary, Map};
+use core::f64::consts::{FRAC_PI_2, PI};
+
+/// How coarsely the map is cut: the largest turn within an edge (rad), and how far it may leave its chord (m).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Grain {
+    turn: f64,
+    bow: f64,
+}
+
+/// For cells that are small already.
+pub(super) const FINE: Grain = Grain { turn: 0.04, bow: 3e-5 };
+/// For cells that are wider than what it leaves open.
+pub(super) const COARSE: Grain = Grain { turn: 0.1, bow: 1.5e-4 };
+/// Edges no longer than this (m) may turn and leave their chord by more: tight curves are not cut any finer.
+const SHORT: f64 = 1.5e-3;
+const SHORT_TURN: f64 = 0.4;
+const SHORT_BOW: f64 = 1e-4;
+/// No edge leaves its chord by more (m).
+const MOST_BOW: f64 = 3e-4;
+/// A turn between edges beyond this makes a vertex (rad).
+const CORNER: f64 = 0.06;
+/// What rounding and the readers' tolerance for arcs may add (m).
+const ROUNDING: f64 = 1e-8;
+
+/// A stretch of boundary that a whisker can touch, map frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Piece {
+    Edge(Edge),
+    Vertex(Vertex),
+}
+
+/// All points within `bow` of a chord, with normals within `slack` of the chord's; free space on the left.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Edge {
+    pub(super) start: Vec2,
+    pub(super) along: Vec2,
+    pub(super) length: f64,
+    /// Direction of the normal towards free space (rad).
+    pub(super) normal: f64,
+    pub(super) slack: f64,
+    pub(super) bow: f64,
+}
+
+/// A point with every normal within `slack` of `normal`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Vertex {
+    pub(super) point: Vec2,
+    pub(super) normal: f64,
+    pub(super) slack: f64,
+}
+
+/// A link of a chain: its ends, how far the curve leaves the chord, and the range of tangents (rad, unrolled).
+#[derive(Clone, Copy, Debug)]
+struct Link {
+    from: Vec2,
+    to: Vec2,
+    bow: f64,
+    tangent: (f64, f64),
+}
+
+/// The pieces with a tree over their chords.
+#[derive(Clone, Debug)]
+pub(super) struct Pieces {
+    pub(super) all: Vec<Piece>,
+    tree: SegmentTree,
+}
+
+impl Pieces {
+    pub(super) fn new(map: &Map, grain: Grain) -> Self {
+        let mut all = Vec::new();
+        for boundary in map.boundaries() {
+            add_boundary(boundary, grain, &mut all);
+        }
+        let chord = |piece: &Piece| match piece {
+            Piece::Edge(e) => [e.start, e.start + e.along * e.length],
+            Piece::Vertex(v) => [v.point; 2],
+        };
+        let chords: Vec<_> = all.iter().map(chord).collect();
+        Self { tree: SegmentTree::new(&chords), all }
+    }
+
+    /// Calls `visit` for every piece that may have a point in the rectangle.
+    pub(super) fn near(&self, bounds: Bounds, mut visit: impl FnMut(&Piece)) {
+        let margin = Vec2::new(MOST_BOW, MOST_BOW);
+        let grown = Bounds { min: bounds.min - margin, max: bounds.max + margin };
+        self.tree.for_each_in(grown, |edge, _| {
+            visit(&self.all[edge]);
+            false
+        });
+    }
+}
+
+fn add_boundary(boundary: &Boundary, grain: Grain, all: &mut Vec<Piece>) {
+    let mut links = Vec::new();
+    for segment in boundary.curve().segments() {
+        add_links(segment, &mut links);
+    }
+    let closed = boundary.curve().is_closed();
+    add_side(&links, closed, grain, all);
+    if boundary.is_two_sided() {
+        let back: Vec<Link> = links.iter().rev().map(Link::reversed).collect();
+        add_side(&back, closed, grain, all);
+        if let (false, Some(first), Some(last)) = (closed, links.first(), links.last()) {
+            let end = |point, normal| Piece::Vertex(Vertex { point, normal, slack: FRAC_PI_2 });
+            all.push(end(first.from, wrap_angle(first.tangent.0 + PI)));
+            all.push(end(last.to, wrap_angle(last.tangent.1)));
+        }
+    }
+}
+
+impl Link {
+    fn reversed(&self) -> Self {
+        Self { from: self.to, to: self.from, tangent: (self.tangent.0 + PI, self.tangent.1 + PI), ..*self }
+    }
+}
+
+/// A smooth piece as links; Béziers are halved until their control polygon bounds them well enough.
+fn add_links(segment: &Segment, links: &mut Vec<Link>) {
+    let mut stack = vec![segment.control_points().to_vec()];
+    while let Some(points) = stack.pop() {
+        let (from, to) = (points[0], points[points.len() - 1]);
+        let legs: Vec<Vec2> = points.windows(2).map(|w| w[1] - w[0]).filter(|l| l.norm() > 0.0).collect();
+        let chord = to - from;
+        let Some(first) = legs.first() else { continue };
+        let middle = if chord.norm() > 0.0 { chord.angle() } else { first.angle() };
+        let turns = legs.iter().map(|l| wrap_angle(l.angle() - middle));
+        let (lo, hi) = turns.fold((0.0_f64, 0.0_f64), |(lo, hi), t| (lo.min(t), hi.max(t)));
+        let away = |p: &Vec2| if chord.norm() > 0.0 { chord.cross(*p - from).abs() / chord.norm() } else { 0.0 };
+        let bow = points.iter().map(away).fold(0.0, f64::max);
+        let size = legs.iter().map(|l| l.norm()).sum::<f64>();
+        let fine = hi - lo <= 0.5 * FINE.turn && bow <= 0.3 * FINE.bow;
+        if points.len() == 2 || fine || size < 1e-5 {
+            links.push(Link { from, to, bow: bow + ROUNDING, tangent: (middle + lo, middle + hi) });
+        } else {
+            let (left, right) = halved(&points);
+            stack.push(right);
+            stack.push(left);
+        }
+    }
+}
+
+/// The two halves of a Bézier by de Casteljau.
+fn halved(points: &[Vec2]) -> (Vec<Vec2>, Vec<Vec2>) {
+    let (mut left, mut right) = (vec![points[0]], vec![points[points.len() - 1]]);
+    let mut level = points.to_vec();
+    while level.len() > 1 {
+        level = level.windows(2).map(|w| (w[0] + w[1]) * 0.5).collect();
+        left.push(level[0]);
+        right.push(level[level.len() - 1]);
+    }
+    right.reverse();
+    (left, right)
+}
+
+/// Groups the links of one side into edges, with vertices where they turn sharply.
+fn add_side(links: &[Link], closed: bool, grain: Grain, all: &mut Vec<Piece>) {
+    let mut start = 0;
+    let mut entering = match (closed, links.first(), links.last()) {
+        (true, Some(first), Some(last)) => joint(last, first, all),
+        _ => None,
+    };
+    while start < links.len() {
+        let mut edge = chord(&links[start..=start], entering);
+        let mut end = start + 1;
+        while end < links.len() && is_smooth(&links[end - 1], &links[end]) {
+            let longer = chord(&links[start..=end], entering);
+            if !is_fine(&longer, grain) {
+                break;
+            }
+            edge = longer;
+            end += 1;
+        }
+        all.push(Piece::Edge(edge));
+        if end < links.len() {
+            entering = joint(&links[end - 1], &links[end], all);
+        }
+        start = end;
+    }
+}
+
+fn turn(before: &Link, after: &Link) -> f64 {
+    wrap_angle(after.tangent.0 - before.tangent.1)
+}
+
+fn is_smooth(before: &Link, after: &Link) -> bool {
+    turn(before, after).abs() <= CORNER
+}
+
+fn is_fine(edge: &Edge, grain: Grain) -> bool {
+    let (slack, bow) =
+        if edge.length <= SHORT { (SHORT_TURN, SHORT_BOW.max(grain.bow)) } else { (grain.turn, grain.bow) };
+    edge.slack <= 0.5 * slack && edge.bow <= bow
+}
+
+/// What stands between two links: a vertex, or the last tangents for the next edge to include.
+fn joint(before: &Link, after: &Link, all: &mut Vec<Piece>) -> Option<[f64; 2]> {
+    let turn = turn(before, after);
+    if turn.abs() <= CORNER {
+        return Some([before.tangent.0, before.tangent.1]);
+    }
+    let spread = (before.tangent.1 - before.tangent.0).abs() + (after.tangent.1 - after.tangent.0).abs();
+    let normal = wrap_angle(before.tangent.1 + 0.5 * turn + FRAC_PI_2);
+    all.push(Piece::Vertex(Vertex { point: after.from, normal, slack: 0.5 * turn.abs() + spread }));
+    None
+}
+
+/// One edge over some links.
+fn chord(links: &[Link], entering: Option<[f64; 2]>) -> Edge {
+    let (start, end) = (links[0].from, links[links.len() - 1].to);
+    let length = start.distance(end);
+    let direction = if length > 0.0 { (end - start).angle() } else { links[0].tangent.0 };
+    let along = Vec2::from_angle(direction);
+    let off = |tangent: f64| wrap_angle(tangent - direction).abs();
+    let mut slack = entering.map_or(0.0, |[a, b]| off(a).max(off(b)));
+    let mut bow = 0.0_f64;
+    for link in links {
+        slack = slack.max(off(link.tangent.0)).max(off(link.tangent.1));
+        let away = |p: Vec2| {
+            let rest = p - start;
+            let ahead = rest.dot(along);
+            along.cross(rest).abs().max(-ahead).max(ahead - length)
+        };
+        bow = bow.max(link.bow + away(link.from).max(away(link.to)));
+    }
+    Edge { start, along, length, normal: wrap_angle(direction + FRAC_PI_2), slack: slack + 1e-9, bow }
+}

@@ -1,0 +1,135 @@
+//! What the set remembers of each row: where the odometry stood, and what a whisker's reading allows.
+
+use crate::beam::press::{PressEntry, PressSlice, PressTable};
+use crate::plane::{Bounds, Pose2, Vec2};
+use crate::world::{MountedWhisker, Odometry};
+
+/// Where the odometry stood, with the bounds on its errors summed up from the start.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Stand {
+    pub(super) odom_from_robot: Pose2,
+    path: f64,
+    translation: f64,
+    rotation: f64,
+}
+
+impl Stand {
+    /// The first stand.
+    pub(super) fn first(odom_from_robot: Pose2) -> Self {
+        Self { odom_from_robot, ..Self::default() }
+    }
+
+    /// The next stand, with the odometry at `odom_from_robot`.
+    pub(super) fn next(&self, odom_from_robot: Pose2, bounds: &Odometry) -> Self {
+        let step = self.odom_from_robot.between(odom_from_robot);
+        let (way, turn) = (step.position().norm(), step.theta.abs());
+        Self {
+            odom_from_robot,
+            // Bounds are relative to what the odometry says or to the truth: take the larger.
+            path: self.path + way / (1.0 - bounds.translation_relative),
+            translation: self.translation + way * larger(bounds.translation_relative),
+            rotation: self.rotation + turn * larger(bounds.rotation_relative),
+        }
+    }
+
+    /// The way so far (m).
+    pub(super) fn path(&self) -> f64 {
+        self.path
+    }
+
+    /// How the robot moved until `later` (or, for an earlier stand, from there), and how far that may be off: place (m)
+    /// and turn (rad).
+    pub(super) fn until(&self, later: &Self) -> (Pose2, f64, f64) {
+        let step = self.odom_from_robot.between(later.odom_from_robot);
+        let turn = (later.rotation - self.rotation).abs();
+        let place = (later.translation - self.translation).abs() + turn * (later.path - self.path).abs();
+        (step, place, turn)
+    }
+}
+
+/// A bound relative to the true increment, made one relative to the measured increment; never smaller.
+fn larger(relative: f64) -> f64 {
+    if relative > 0.0 { relative / (1.0 - relative) } else { 0.0 }
+}
+
+/// What one reading of one whisker allows.
+#[derive(Clone, Debug)]
+pub(super) struct Touch {
+    pub(super) robot_from_whisker: Pose2,
+    pub(super) length: f64,
+    /// How far the force may lean from the normal (rad).
+    pub(super) friction_angle: f64,
+    /// Contacts that bend the whisker to the left (1) or to the right (-1), in metres.
+    pub(super) sides: Vec<Bending>,
+    /// Whether the whisker may be free.
+    pub(super) free: bool,
+}
+
+/// The contacts on one side.
+#[derive(Clone, Debug)]
+pub(super) struct Bending {
+    /// 1 for bending towards +y, -1 for the mirror image.
+    pub(super) side: f64,
+    /// The same contacts by directions of the wall, from fine to coarse.
+    pub(super) slices: Vec<PressSlice>,
+    /// The rectangle around all contacts, whisker frame.
+    pub(super) bounds: Bounds,
+}
+
+impl Touch {
+    /// What a moment in `[lo, hi]` (N m) allows.
+    pub(super) fn new(whisker: &MountedWhisker, tables: &[PressTable], lo: f64, hi: f64) -> Self {
+        Self {
+            robot_from_whisker: whisker.robot_from_whisker,
+            length: whisker.beam.length,
+            friction_angle: tables.first().map_or(0.0, PressTable::friction_angle),
+            sides: bendings(whisker, tables, lo, hi),
+            free: lo <= 0.0 && hi >= 0.0,
+        }
+    }
+}
+
+/// What a moment in `[lo, hi]` (N m) allows on either side.
+fn bendings(whisker: &MountedWhisker, tables: &[PressTable], lo: f64, hi: f64) -> Vec<Bending> {
+    let scale = whisker.beam.length / whisker.beam.flexural_rigidity;
+    let mut sides = Vec::new();
+    for (side, least, most) in [(1.0, lo, hi), (-1.0, -hi, -lo)] {
+        if most > 0.0 {
+            let cut =
+                |table: &PressTable| table.slice(least.max(0.0) * scale, most * scale).scaled(whisker.beam.length);
+            let slices: Vec<PressSlice> = tables.iter().map(cut).collect();
+            let bounds = slices.first().map_or(Bounds::EMPTY, |finest| around(finest, side));
+            sides.push(Bending { side, bounds, slices });
+        }
+    }
+    sides
+}
+
+impl Bending {
+    /// The slice for a range of directions of `2 wide` (rad): as coarse as that needs.
+    pub(super) fn level(&self, wide: f64) -> &PressSlice {
+        let fits = |slice: &&PressSlice| slice.width() >= FILLED * wide;
+        let Some(at) = self.slices.iter().position(|s| fits(&s)) else {
+            return &self.slices[self.slices.len() - 1];
+        };
+        &self.slices[at]
+    }
+}
+
+/// A range of directions fills this share of a bucket at least, or less than two.
+const FILLED: f64 = 1.0;
+
+/// The rectangle around the contacts of a slice.
+fn around(slice: &PressSlice, side: f64) -> Bounds {
+    slice.entries().iter().fold(Bounds::EMPTY, |bounds, entry| {
+        let half = spread(entry);
+        let center = Vec2::new(entry.center.x, side * entry.center.y);
+        bounds.including(center + half).including(center - half)
+    })
+}
+
+/// Half the rectangle around the contacts of an entry.
+pub(super) fn spread(entry: &PressEntry) -> Vec2 {
+    let of = |a: f64, b: f64| a.abs() * entry.half + b.abs() + entry.radius;
+    Vec2::new(of(entry.by_direction.x, entry.by_moment.x), of(entry.by_direction.y, entry.by_moment.y))
+}

@@ -1,0 +1,44 @@
+//! Where a robot cannot be because something stands there.
+
+use super::explain::View;
+use super::piece::{Edge, Piece, Pieces};
+use crate::plane::{Bounds, Vec2};
+use crate::world::Map;
+
+/// What rounding and flattening may add (m).
+const MARGIN: f64 = 5e-6;
+
+/// Whether the whisker's base can be in free space in some state of the cell.
+pub(super) fn base_may_be_free(view: &View, map: &Map) -> bool {
+    map.is_free(view.base) || map.nearest_within(view.base, view.reach.norm() + MARGIN).is_some()
+}
+
+/// Whether the unbent whisker of this length (m) can lie in free space in some state of the cell.
+pub(super) fn whisker_may_be_free(view: &View, length: f64, pieces: &Pieces) -> bool {
+    let tip = view.base + Vec2::from_angle(view.heading) * length;
+    let off = view.reach.norm() + length * (view.turn + view.slop_turn) + MARGIN;
+    let mut free = true;
+    pieces.near(Bounds::of(&[view.base, tip]), |piece| {
+        if let Piece::Edge(edge) = piece {
+            free &= !surely_crosses(view.base, tip, off, edge);
+        }
+    });
+    free
+}
+
+/// Whether every segment with ends within `off` of `a` and `b` crosses the edge from its free side.
+fn surely_crosses(a: Vec2, b: Vec2, off: f64, edge: &Edge) -> bool {
+    let normal = edge.along.perp();
+    let off = off + edge.bow;
+    let (before, behind) = (normal.dot(a - edge.start), normal.dot(b - edge.start));
+    if before <= off || behind >= -off {
+        return false;
+    }
+    // Where it crosses, the unmoved segment is within `off` of the edge's line.
+    let at = |distance: f64| {
+        let share = ((before - distance) / (before - behind)).clamp(0.0, 1.0);
+        edge.along.dot(a + (b - a) * share - edge.start)
+    };
+    let (p, q) = (at(off), at(-off));
+    p.min(q) - off > 0.0 && p.max(q) + off < edge.length
+}

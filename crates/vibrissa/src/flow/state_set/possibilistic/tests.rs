@@ -1,0 +1,226 @@
+//! Random contacts from the closed form: the state in which they happen is never ruled out.
+
+use super::super::tests::random::Random;
+use super::birth;
+use super::cell::Cell;
+use super::explain::{self, Ground, View};
+use super::piece::{COARSE, FINE, Piece, Pieces};
+use super::record::Touch;
+use crate::beam::elastica;
+use crate::beam::press::PressTable;
+use crate::plane::{Curve, Pose2, Vec2, wrap_angle};
+use crate::world::{Boundary, Map, MountedWhisker, Role};
+use core::f64::consts::{FRAC_PI_2, PI};
+
+/// A room with sharp corners both ways, an ellipse-like blob of many short lines, and an open wall.
+fn map() -> Map {
+    let room = [(0.0, 0.0), (0.5, 0.0), (0.5, 0.2), (0.42, 0.24), (0.5, 0.4), (0.2, 0.4), (0.2, 0.35), (0.0, 0.4)];
+    let room: Vec<Vec2> = room.iter().map(|&(x, y)| Vec2::new(x, y)).collect();
+    let blob: Vec<Vec2> = (0..300)
+        .map(|k| {
+            let a = f64::from(k) / 300.0 * 2.0 * PI;
+            Vec2::new(0.15 + 0.05 * a.cos(), 0.15 + (0.03 + 0.004 * (5.0 * a).sin()) * a.sin())
+        })
+        .collect();
+    let wall = [(0.3, 0.1), (0.4, 0.15), (0.35, 0.25)].map(|(x, y)| Vec2::new(x, y));
+    let make = |role, curve: Option<Curve>| Boundary::new(role, curve.unwrap(), None).unwrap();
+    Map::new(vec![
+        make(Role::Arena, Curve::polyline(&room, true)),
+        make(Role::Obstacle, Curve::polyline(&blob, true)),
+        make(Role::Obstacle, Curve::circle(Vec2::new(0.3, 0.32), 0.03)),
+        make(Role::Wall, Curve::polyline(&wall, false)),
+    ])
+    .unwrap()
+}
+
+/// A boundary point with a normal that friction and corners allow, from the map's own curves.
+fn foothold(map: &Map, draw: &mut Random, corners: bool) -> (Vec2, f64) {
+    let boundary = &map.boundaries()[(draw.unit() * map.boundaries().len() as f64) as usize];
+    let flip = if boundary.is_two_sided() && draw.unit() < 0.5 { PI } else { 0.0 };
+    let curve = boundary.curve();
+    let segments = curve.segments();
+    let index = (draw.unit() * segments.len() as f64) as usize;
+    let here = &segments[index];
+    if corners && index > 0 {
+        let before = segments[index - 1].tangent(1.0);
+        let turn = wrap_angle(here.tangent(0.0) - before);
+        return (here.start(), before + draw.unit() * turn + FRAC_PI_2 + flip);
+    }
+    let t = draw.unit();
+    (here.point(t), here.tangent(t) + FRAC_PI_2 + flip)
+}
+
+/// Largest slope of the whisker at the contact (rad).
+const SLOPE: f64 = 2.2;
+
+struct Case {
+    whisker: MountedWhisker,
+    robot: Pose2,
+    moment: (f64, f64),
+}
+
+/// A robot whose whisker touches the map in a random single contact, and an interval that holds its moment.
+fn case(map: &Map, draw: &mut Random, friction: f64) -> Option<Case> {
+    let mount = Pose2::new(draw.signed(0.05), draw.signed(0.05), draw.signed(PI));
+    let whisker = MountedWhisker { robot_from_whisker: mount, friction, ..MountedWhisker::default() };
+    let (lean, beam) = (friction.atan(), &whisker.beam);
+    let corners = draw.unit() < 0.4;
+    let (place, normal) = foothold(map, draw, corners);
+    let tip = draw.unit() < 0.6;
+    let (s_a, beta, off) = if tip {
+        let beta = draw.between(-lean, FRAC_PI_2);
+        (beam.length, beta, draw.signed(lean))
+    } else {
+        (beam.length * draw.between(0.02, 1.0), draw.signed(lean), 0.0)
+    };
+    let t = draw.between(0.05, 4.0);
+    let force = (t / s_a).powi(2) * beam.flexural_rigidity;
+    let bend = elastica::bend(beam.flexural_rigidity, force, s_a, beta)?;
+    if bend.phi_a > SLOPE || bend.moment <= 0.0 {
+        return None;
+    }
+    let side = draw.sign();
+    // The wall's normal in the whisker frame: the force's direction less its lean, or the whisker's own normal.
+    let psi = bend.phi_a + FRAC_PI_2 + if tip { beta - off } else { 0.0 };
+    let heading = normal - side * psi;
+    let contact = Vec2::new(bend.contact.x, side * bend.contact.y);
+    let base = place - contact.rotated(heading);
+    let moment = side * bend.moment;
+    let (below, above) = (draw.between(0.0, 0.1), draw.between(0.0, 0.1));
+    let (a, b) = (moment * (1.0 - below), moment * (1.0 + above));
+    let robot = Pose2::new(base.x, base.y, heading).compose(mount.inverse());
+    Some(Case { whisker, robot, moment: (a.min(b), a.max(b)) })
+}
+
+/// A cell of random shape with the state inside, sometimes in its very corner.
+fn cell_around(state: Pose2, draw: &mut Random) -> Cell {
+    let size = 10f64.powf(draw.between(-3.8, -1.2));
+    let sides = [0; 3].map(|_| [draw.signed(size), draw.signed(size), draw.signed(size * 6.0)]);
+    let w = [0; 3].map(|_| if draw.unit() < 0.3 { draw.sign() } else { draw.signed(1.0) });
+    let at = |a: usize| (0..3).map(|j| w[j] * sides[j][a]).sum::<f64>();
+    let center = Pose2::new(state.x - at(0), state.y - at(1), state.theta - at(2));
+    Cell { center, sides, anchor: 0, seen: 0, missed: 0, rest_until: 0, patience: 8 }
+}
+
+/// Whether the state is in the cell, up to rounding.
+fn holds(cell: &Cell, state: Pose2) -> bool {
+    let [a, b, c] = cell.sides;
+    let d = [state.x - cell.center.x, state.y - cell.center.y, wrap_angle(state.theta - cell.center.theta)];
+    let det = |p: [f64; 3], q: [f64; 3], r: [f64; 3]| {
+        p[0] * (q[1] * r[2] - q[2] * r[1]) - p[1] * (q[0] * r[2] - q[2] * r[0]) + p[2] * (q[0] * r[1] - q[1] * r[0])
+    };
+    let all = det(a, b, c);
+    [det(d, b, c), det(a, d, c), det(a, b, d)].iter().all(|w| (w / all).abs() <= 1.0 + 1e-6)
+}
+
+fn no_true_state_is_ruled_out(friction: f64, seed: u64, trials: usize) {
+    let map = map();
+    let ground = Ground { fine: Pieces::new(&map, FINE), coarse: Pieces::new(&map, COARSE) };
+    let tables = super::TABLES.map(|t| PressTable::new(t.0, t.1, friction.atan(), SLOPE));
+    let mut draw = Random(seed);
+    let mut cut = 0;
+    let mut tried = 0;
+    while tried < trials {
+        let Some(case) = case(&map, &mut draw, friction) else { continue };
+        tried += 1;
+        let touch = Touch::new(&case.whisker, &tables, case.moment.0, case.moment.1);
+        for _ in 0..3 {
+            // The state at another row, with the odometry in between off by as much as it may.
+            let step = Pose2::new(draw.signed(0.1), draw.signed(0.1), draw.signed(1.0));
+            let (place, turn) = (draw.between(0.0, 1e-3), draw.between(0.0, 1e-2));
+            let wrong = Vec2::from_angle(draw.signed(PI)) * place;
+            let then = case.robot.compose(step.inverse());
+            let felt = Pose2::new(step.x + wrong.x, step.y + wrong.y, step.theta + draw.sign() * turn);
+            let mut cell = cell_around(then, &mut draw);
+            assert!(holds(&cell, then));
+            let before = cell.volume();
+            let view = View::new(&cell, felt, (place, turn), case.whisker.robot_from_whisker);
+            let left = explain::by_contact(&view, &touch, &ground);
+            let left = left.unwrap_or_else(|| panic!("lost: {case:?} {cell:?}"));
+            cell.keep(&left);
+            assert!(holds(&cell, then), "cut away: {case:?} {cell:?}");
+            cut += usize::from(cell.volume() < 0.5 * before);
+        }
+    }
+    // Friction leaves little to cut for a single reading.
+    assert!(cut > if friction > 0.0 { 10 } else { trials / 10 }, "{cut}");
+}
+
+impl core::fmt::Debug for Case {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        write!(f, "{:?} {:?} {:?}", self.robot, self.moment, self.whisker.robot_from_whisker)
+    }
+}
+
+#[test]
+fn no_true_state_is_ruled_out_without_friction() {
+    no_true_state_is_ruled_out(0.0, 1, 4000);
+}
+
+#[test]
+fn no_true_state_is_ruled_out_with_friction() {
+    no_true_state_is_ruled_out(0.3, 2, 2000);
+}
+
+#[test]
+fn every_true_state_is_born() {
+    let map = map();
+    let pieces = Pieces::new(&map, COARSE);
+    for (friction, seed) in [(0.0, 3), (0.2, 4)] {
+        let table = [PressTable::new(24, 24, f64::atan(friction), SLOPE)];
+        let mut draw = Random(seed);
+        let mut tried = 0;
+        while tried < 20 {
+            let Some(case) = case(&map, &mut draw, friction) else { continue };
+            tried += 1;
+            let touch = Touch::new(&case.whisker, &table, case.moment.0, case.moment.1);
+            let cells = birth::cells(&pieces, &touch, 0);
+            assert!(cells.iter().any(|cell| holds(cell, case.robot)), "{case:?}");
+        }
+    }
+}
+
+#[test]
+fn growing_and_moving_keep_what_they_must() {
+    let mut draw = Random(9);
+    for _ in 0..20_000 {
+        let state = Pose2::new(draw.signed(1.0), draw.signed(1.0), draw.signed(PI));
+        let mut cell = cell_around(state, &mut draw);
+        let (place, turn) = (draw.between(0.0, 1e-3), draw.between(0.0, 1e-2));
+        let off = Vec2::from_angle(draw.signed(PI)) * place;
+        let moved = Pose2::new(state.x + off.x, state.y + off.y, state.theta + draw.sign() * turn);
+        cell.grow(place, turn);
+        assert!(holds(&cell, moved), "{cell:?}");
+        let step = Pose2::new(draw.signed(0.1), draw.signed(0.1), draw.signed(PI));
+        cell.moved(step, 1);
+        assert!(holds(&cell, moved.compose(step)), "{cell:?}");
+    }
+}
+
+#[test]
+fn pieces_cover_the_map() {
+    let map = map();
+    for grain in [FINE, COARSE] {
+        pieces_cover(&map, &Pieces::new(&map, grain));
+    }
+}
+
+fn pieces_cover(map: &Map, pieces: &Pieces) {
+    let edges = pieces.all.iter().filter(|p| matches!(p, Piece::Edge(_))).count();
+    assert!(edges > 50, "{edges} edges, {} vertices", pieces.all.len() - edges);
+    let mut draw = Random(12);
+    for _ in 0..5000 {
+        let corners = draw.unit() < 0.5;
+        let (place, normal) = foothold(map, &mut draw, corners);
+        let covered = pieces.all.iter().any(|piece| match piece {
+            Piece::Edge(e) => {
+                let (along, off) = (e.along.dot(place - e.start), e.along.cross(place - e.start));
+                off.abs() <= e.bow
+                    && (-e.bow..=e.length + e.bow).contains(&along)
+                    && wrap_angle(normal - e.normal).abs() <= e.slack
+            }
+            Piece::Vertex(v) => v.point.distance(place) < 1e-9 && wrap_angle(normal - v.normal).abs() <= v.slack + 1e-9,
+        });
+        assert!(covered, "{place:?} {normal}");
+    }
+}

@@ -1,0 +1,222 @@
+//! The possibilistic localizer: rows in, a set of states that holds the true one as long as the declared bounds hold.
+
+use super::one_column_each;
+use crate::config::PossibilisticOptions;
+use crate::flow::pose::{self, Event, Hypothesis, Localization, StampedPose, StepRecord};
+use crate::flow::sensor_log::{Channel, LogRow, SensorLog};
+use crate::flow::state_set::possibilistic::{Place, PossibleSet};
+use crate::plane::{Pose2, wrap_angle};
+use crate::sets::Interval;
+use crate::world::{Map, MountedWhisker, Robot};
+use crate::{Error, Result};
+
+/// Sets of more cells than this are measured every so many rows only.
+const MEASURED_AT_ONCE: usize = 200;
+const MEASURED_EVERY: usize = 32;
+/// Largest friction coefficient: its angle is a right angle less half a degree more than the tables hold.
+const LARGEST_FRICTION: f64 = 1.5;
+
+/// The possibilistic localizer \[routray, section "Localization: Possibilistic Method"\], sound instead of sampled.
+pub struct PossibilisticLocalizer<'a> {
+    map: &'a Map,
+    robot: &'a Robot,
+    options: PossibilisticOptions,
+    channels: Vec<usize>,
+    set: PossibleSet,
+    start: Option<Pose2>,
+    rows: Vec<(f64, Pose2)>,
+    in_contact: Vec<bool>,
+    touched: bool,
+    first_row: Option<usize>,
+    first_states: Vec<Pose2>,
+    steps: Vec<StepRecord>,
+    events: Vec<Event>,
+    /// The best place when it was last looked for, and the row.
+    last: Option<(Pose2, usize)>,
+    empty: bool,
+}
+
+impl<'a> PossibilisticLocalizer<'a> {
+    /// A localizer for logs with these channels.
+    ///
+    /// # Errors
+    ///
+    /// Options out of range, a whisker without a moment channel, or a whisker that the method does not cover yet
+    /// (tapered, curved, on an elastic base, with a friction coefficient above 1.5).
+    pub fn new(map: &'a Map, robot: &'a Robot, channels: &[Channel], options: PossibilisticOptions) -> Result<Self> {
+        options.check()?;
+        one_column_each(robot, channels)?;
+        let log = SensorLog { channels: channels.to_vec(), ..SensorLog::default() };
+        for whisker in &robot.whiskers {
+            whisker.beam.require_uniform()?;
+            if whisker.friction > LARGEST_FRICTION {
+                return Err(Error::data(format!("the friction coefficient of the whisker {}", whisker.name))
+                    .value(whisker.friction)
+                    .allowed(format!("0 to {LARGEST_FRICTION}")));
+            }
+        }
+        Ok(Self {
+            channels: robot.whiskers.iter().map(|w| log.moment_channel(&w.name)).collect::<Result<_>>()?,
+            set: PossibleSet::new(map, &robot.whiskers, robot.odometry, options),
+            in_contact: vec![false; robot.whiskers.len()],
+            map,
+            robot,
+            options,
+            start: None,
+            rows: Vec::new(),
+            touched: false,
+            first_row: None,
+            first_states: Vec::new(),
+            steps: Vec::new(),
+            events: Vec::new(),
+            last: None,
+            empty: false,
+        })
+    }
+
+    /// The set so far; its odometry starts at the first row.
+    #[must_use]
+    pub fn set(&self) -> &PossibleSet {
+        &self.set
+    }
+
+    /// Takes one row through the doors.
+    ///
+    /// # Errors
+    ///
+    /// A reading that is not a number; the message names the line.
+    pub fn step(&mut self, row: &LogRow) -> Result<()> {
+        let start = *self.start.get_or_insert(row.odom_from_robot);
+        let odom_from_robot = start.between(row.odom_from_robot);
+        self.rows.push((row.t, odom_from_robot));
+        let moments = self.moments(row)?;
+        self.note_contacts(row.t, &moments);
+        if self.empty {
+            return Ok(());
+        }
+        let off = self.options.heading_error;
+        let heading = row.heading.filter(|h| h.is_finite()).map(|h| Interval::new(h - off, h + off));
+        let had_started = self.set.has_started();
+        self.set.update(self.map, odom_from_robot, &moments, heading);
+        if self.set.has_started() {
+            self.note(row.t, had_started);
+        }
+        Ok(())
+    }
+
+    /// The intervals that hold the true moments.
+    fn moments(&self, row: &LogRow) -> Result<Vec<Interval>> {
+        let of = |(whisker, &channel): (&MountedWhisker, &usize)| {
+            let z = row.readings.get(channel).copied().unwrap_or(0.0);
+            if !z.is_finite() {
+                let error = Error::data("a moment that is not a number").value(z).allowed("a finite number of N m");
+                return Err(if row.line > 0 { error.at_line(row.line) } else { error });
+            }
+            let off = whisker.noise.moment_relative * z.abs() + whisker.noise.moment_absolute;
+            Ok(Interval::new(z - off, z + off))
+        };
+        self.robot.whiskers.iter().zip(&self.channels).map(of).collect()
+    }
+
+    fn note_contacts(&mut self, t: f64, moments: &[Interval]) {
+        for (index, moment) in moments.iter().enumerate() {
+            let touching = !moment.contains(0.0);
+            if touching != self.in_contact[index] {
+                let (kind, what) =
+                    if touching { ("contact", "touches for certain") } else { ("lift_off", "may be free") };
+                let detail = format!("{} {what}", self.robot.whiskers[index].name);
+                self.events.push(Event { t, kind, detail });
+            }
+            self.in_contact[index] = touching;
+            self.touched |= touching;
+        }
+    }
+
+    /// Writes down what the last update did.
+    fn note(&mut self, t: f64, had_started: bool) {
+        let now = self.rows.len() - 1;
+        if !had_started {
+            self.first_row = Some(now);
+            self.first_states = self.set.middles();
+        }
+        let many = self.set.len() > MEASURED_AT_ONCE && !now.is_multiple_of(MEASURED_EVERY);
+        let measured = match self.steps.last() {
+            Some(last) if many => StepRecord { t, volume: self.set.volume(), ..*last },
+            _ => self.measure(t, now),
+        };
+        self.steps.push(measured);
+        if self.set.is_empty() {
+            self.empty = true;
+            let detail = "no state on this map explains the readings up to here within the declared bounds; \
+                          is it the right map, and are whisker, noise and odometry bounds those of the robot?"
+                .to_owned();
+            self.events.push(Event { t, kind: "inconsistent", detail });
+        }
+    }
+
+    fn measure(&mut self, t: f64, row: usize) -> StepRecord {
+        let places = self.set.places();
+        let (area_m2, volume) = self.set.size();
+        if let Some(best) = places.first() {
+            self.last = Some((best.pose, row));
+        }
+        StepRecord { t, components: places.len(), area_m2, volume }
+    }
+
+    /// Ends the log.
+    #[must_use]
+    pub fn finish(mut self) -> Localization {
+        if !self.empty && self.set.has_started() {
+            self.set.finish(self.map);
+            let (t, row) = (self.rows.last().map_or(0.0, |r| r.0), self.rows.len().saturating_sub(1));
+            let last = self.measure(t, row);
+            if let Some(step) = self.steps.last_mut() {
+                *step = last;
+            }
+            if self.set.is_empty() {
+                self.empty = true;
+                let detail = "all readings together rule out every state on this map".to_owned();
+                self.events.push(Event { t, kind: "inconsistent", detail });
+            }
+        }
+        let places = if self.empty { Vec::new() } else { self.set.places() };
+        let hypotheses: Vec<Hypothesis> = places.iter().map(hypothesis).collect();
+        if self.touched && !self.set.has_started() {
+            let t = self.rows.last().map_or(0.0, |r| r.0);
+            let detail = "fewer contacts than the readings that may be wrong".to_owned();
+            self.events.push(Event { t, kind: "too_short", detail });
+        }
+        Localization {
+            method: pose::Method::Possibilistic,
+            status: pose::verdict(self.touched, self.empty, &hypotheses),
+            estimate: hypotheses.first().map(|h| h.pose),
+            trajectory: self.trajectory(),
+            states: if self.empty { Vec::new() } else { self.set.boxes() },
+            first_states: std::mem::take(&mut self.first_states),
+            shapes: Vec::new(),
+            steps: self.steps,
+            events: self.events,
+            hypotheses,
+        }
+    }
+
+    /// The best place along the rows, from the first estimate to the last row that any state explains.
+    fn trajectory(&self) -> Vec<StampedPose> {
+        let (Some(first), Some((pose, row))) = (self.first_row, self.last) else { return Vec::new() };
+        let map_from_odom = pose.compose(self.rows[row].1.inverse());
+        let end = if self.empty { row + 1 } else { self.rows.len() };
+        let stamped = |&(t, odom_from_robot): &(f64, Pose2)| StampedPose {
+            t,
+            map_from_robot: map_from_odom.compose(odom_from_robot),
+        };
+        self.rows[first.min(end)..end].iter().map(stamped).collect()
+    }
+}
+
+fn hypothesis(place: &Place) -> Hypothesis {
+    let theta = place.extent.theta;
+    let middle = 0.5 * (theta.lo() + theta.hi());
+    let turn = middle - wrap_angle(middle);
+    let extent = crate::sets::StateBox { theta: Interval::new(theta.lo() - turn, theta.hi() - turn), ..place.extent };
+    Hypothesis { pose: place.pose, weight: place.share, extent, covariance: None }
+}

@@ -1,0 +1,145 @@
+//! The possibilistic method never loses the truth: random sweeps at the edge of the declared bounds, and sweeps of an
+//! independent simulator.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on must fail")]
+
+#[path = "data/random_sweep.rs"]
+mod random_sweep;
+
+use random_sweep::{Trial, contains, random_sweep};
+use std::path::Path;
+use vibrissa::config::PossibilisticOptions;
+use vibrissa::flow::pose::{Localization, Method, Status};
+use vibrissa::flow::sensor_log::{Channel, Quantity, SensorLog};
+use vibrissa::flow::trajectory::read_tum;
+use vibrissa::world::{Map, Robot};
+use vibrissa::{LocalizeOptions, localize};
+
+/// Little work, for speed: soundness does not depend on it.
+fn quick() -> PossibilisticOptions {
+    PossibilisticOptions { work: 30, last_work: 0, ..PossibilisticOptions::default() }
+}
+
+fn run(trial: &Trial, possibilistic: PossibilisticOptions) -> Localization {
+    let options = LocalizeOptions { method: Method::Possibilistic, possibilistic, ..LocalizeOptions::default() };
+    localize(&trial.log, &trial.map, &trial.robot, &options, &mut |_| {}).unwrap()
+}
+
+/// The first trials from a seed on.
+fn trials(first: u64, count: usize) -> impl Iterator<Item = (u64, Trial)> {
+    (first..).filter_map(|seed| Some((seed, random_sweep(seed)?))).take(count)
+}
+
+#[test]
+fn the_truth_is_never_lost() {
+    for (seed, trial) in trials(1, 24) {
+        let answer = run(&trial, quick());
+        assert!(contains(&answer, trial.truth), "seed {seed}: {} {:?}", answer.status, answer.events);
+    }
+}
+
+#[test]
+fn headings_and_a_prior_only_help() {
+    for (seed, mut trial) in trials(500, 6) {
+        let plain = run(&trial, quick());
+        // The truth along the log is not kept, but its odometry differs from it by one motion at the last row.
+        let last = trial.log.rows[trial.log.rows.len() - 1].odom_from_robot;
+        let exact = trial.robot.odometry.translation_relative == 0.0;
+        for row in &mut trial.log.rows {
+            row.heading = Some(trial.truth.theta + (row.odom_from_robot.theta - last.theta) + 0.05);
+        }
+        let heading_error = if exact { 0.051 } else { 0.2 };
+        let helped = run(&trial, PossibilisticOptions { heading_error, ..quick() });
+        assert!(contains(&helped, trial.truth), "seed {seed}: {:?}", helped.events);
+        assert!(helped.steps[0].volume < 0.5 * plain.steps[0].volume, "seed {seed}");
+        if exact {
+            let first = trial.truth.compose(last.between(trial.log.rows[0].odom_from_robot));
+            let around = |v: f64, by: f64| [v - by, v + 0.1 * by];
+            let prior = Some([around(first.x, 0.05), around(first.y, 0.05), around(first.theta, 0.5)]);
+            trial.log.rows.iter_mut().for_each(|row| row.heading = None);
+            let helped = run(&trial, PossibilisticOptions { prior, ..quick() });
+            assert!(contains(&helped, trial.truth), "seed {seed}: {:?}", helped.events);
+            assert!(helped.steps[0].volume < 0.5 * plain.steps[0].volume, "seed {seed}");
+        }
+    }
+}
+
+#[test]
+fn a_wrong_reading_can_be_tolerated() {
+    let mut ruled_out = 0;
+    for (seed, mut trial) in trials(700, 4) {
+        // The first reading that is a contact for certain is a strong one to the other side.
+        let noise = trial.robot.whiskers[0].noise;
+        let certain = |z: f64| z.abs() * (1.0 - noise.moment_relative) > noise.moment_absolute;
+        let touching = trial.log.rows.iter().position(|row| certain(row.readings[0]));
+        let Some(index) = touching else { continue };
+        let beam = &trial.robot.whiskers[0].beam;
+        let strong = 1.2 * beam.flexural_rigidity / beam.length;
+        trial.log.rows[index].readings[0] = -strong.copysign(trial.log.rows[index].readings[0]);
+        let strict = run(&trial, quick());
+        ruled_out += usize::from(!contains(&strict, trial.truth));
+        let tolerant = run(&trial, PossibilisticOptions { tolerate: 1, ..quick() });
+        assert!(contains(&tolerant, trial.truth), "seed {seed}: {:?}", tolerant.events);
+    }
+    assert!(ruled_out > 0, "the wrong reading rules out nothing");
+}
+
+#[test]
+fn each_whisker_is_one_more_constraint() {
+    for (seed, mut trial) in trials(900, 4) {
+        let alone = run(&trial, quick());
+        let mut second = trial.robot.whiskers[0].clone();
+        second.name = "w1".into();
+        trial.robot.whiskers.push(second);
+        let channel = |name: &str| Channel { whisker: name.into(), quantity: Quantity::Moment };
+        trial.log.channels = vec![channel("w0"), channel("w1")];
+        trial.log.rows.iter_mut().for_each(|row| row.readings = vec![row.readings[0]; 2]);
+        let both = run(&trial, quick());
+        assert!(contains(&both, trial.truth), "seed {seed}: {:?}", both.events);
+        let volume = |answer: &Localization| answer.steps.last().unwrap().volume;
+        assert!(volume(&both) < 3.0 * volume(&alone), "{} {}", volume(&both), volume(&alone));
+    }
+}
+
+#[test]
+fn same_input_same_answer() {
+    let (_, trial) = trials(40, 1).next().unwrap();
+    assert_eq!(run(&trial, quick()), run(&trial, quick()));
+}
+
+/// Another physics code, 5 % noise or gain and odometry errors.
+fn check_sweeps(names: &[&str]) {
+    let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/sweeps"));
+    if !folder.is_dir() {
+        println!("skipped: no shared folder with sweeps");
+        return;
+    }
+    for name in names {
+        let map = Map::read(folder.join(format!("{}.geojson", name.split('-').next().unwrap()))).unwrap();
+        let log = SensorLog::read(folder.join(format!("{name}.csv"))).unwrap();
+        let truth = read_tum(folder.join(format!("{name}.truth.tum"))).unwrap().last().unwrap().map_from_robot;
+        let mut robot = Robot::default();
+        if name.ends_with("bias") {
+            robot.whiskers[0].noise.moment_relative = 0.055;
+            robot.odometry.translation_relative = 0.0101;
+            robot.odometry.rotation_relative = 0.0101;
+        }
+        let options = PossibilisticOptions { last_work: 0, ..PossibilisticOptions::default() };
+        let answer = run(&Trial { map, robot, log, truth }, options);
+        let (first, last) = (answer.steps[0], answer.steps[answer.steps.len() - 1]);
+        println!("{name}: {}, {:.1e} to {:.1e} m2 rad", answer.status, first.volume, last.volume);
+        assert!(contains(&answer, truth), "{name}: {} {:?}", answer.status, answer.events);
+        assert!(last.volume < 0.8 * first.volume, "{first:?} {last:?}");
+        assert_ne!(answer.status, Status::NoContact);
+    }
+}
+
+#[test]
+fn sweeps_of_another_simulator_are_kept() {
+    check_sweeps(&["rough0-02", "bays-01", "square-01"]);
+}
+
+#[test]
+fn biased_sweeps_of_another_simulator_are_kept() {
+    check_sweeps(&["rough0-03-bias", "obstacle-00-bias"]);
+}
