@@ -11,6 +11,7 @@
 
 mod follow;
 mod force;
+mod forward;
 mod march;
 mod moment;
 mod newton;
@@ -24,6 +25,7 @@ mod view;
 extern crate alloc;
 
 pub use follow::{Followed, Status};
+pub(crate) use forward::Touched;
 pub use section::Segment;
 
 use super::whisker::Whisker;
