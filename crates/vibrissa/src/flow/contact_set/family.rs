@@ -3,7 +3,7 @@
 use super::model::{LAST_NORMAL_LOAD, Mechanics};
 use super::trace::traced;
 use super::{Contact, ContactModel, VirtualSensor};
-use crate::beam::normal::{by_force, by_moment, largest_moment, Branch};
+use crate::beam::normal::{Branch, by_force, by_moment};
 
 /// Parameters that are looked at for pieces within whisker and limits.
 const PROBES: usize = 48;
@@ -51,9 +51,16 @@ fn normal_moment(model: &ContactModel, ei: f64, moment: f64, nodes: usize) -> Ve
         let contact = Contact { force, s_a, phi_a: shape.phi_a, position: s_a * shape.contact, moment };
         model.limits().admit(&contact).then_some(contact)
     };
-    // Where the moment is largest the contact is furthest out: the fold, and what is left when the whisker is short.
-    let fold = by_moment(1.0, largest_moment(), 1.0, Branch::Least).map(|shape| 0.5 * shape.force);
-    along([0.0, LAST_NORMAL_LOAD], fold.as_slice(), nodes, &at)
+    // The load numbers at which either branch is at the base, or as far out as the whisker or the fold lets it.
+    let number = |s_a: f64, branch: Branch| by_moment(1.0, moment.abs() / ei, s_a, branch).map(|b| 0.5 * b.force * s_a * s_a);
+    let inner = [Branch::Least, Branch::Curled].map(|branch| number(first, branch));
+    let outer = [Branch::Least, Branch::Curled].map(|branch| number(model.length(), branch));
+    let ranges = match (inner, outer) {
+        ([Some(start), Some(end)], [Some(least), Some(curled)]) => vec![[start, least], [curled, end]],
+        ([Some(start), Some(end)], _) => vec![[start, end]],
+        _ => Vec::new(),
+    };
+    ranges.into_iter().flat_map(|range| along(range, &[], nodes, &at)).collect()
 }
 
 /// The load number at which a uniform whisker under a normal load has slope `phi_a`; `None` beyond half a turn.

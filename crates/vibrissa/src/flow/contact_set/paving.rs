@@ -9,11 +9,11 @@ use crate::plane::{ConvexPolygon, Vec2};
 use crate::sets::Interval;
 
 /// Cuts after which a piece is kept as it is.
-const MOST_CUTS: usize = 40;
+const MOST_CUTS: usize = 24;
 /// Arc lengths and load numbers of the pieces at the start: fine enough for the nodes to see each fold.
 const START: [usize; 2] = [4, 16];
 /// Below this share of a starting piece nothing is cut that has no image.
-const NO_IMAGE: f64 = 1.0 / 256.0;
+const NO_IMAGE: f64 = 1.0 / 32.0;
 
 /// What a contact must fulfil: quantity and range.
 pub(super) type Demand = (fn(&Contact) -> f64, Interval);
@@ -137,9 +137,11 @@ impl Piece {
         let [by_s, by_v] = self.extents();
         let limit = if inside { resolution.inner } else { resolution.rim };
         let slope = self.range(&|c| c.phi_a).width();
+        if self.is_whole() {
+            return by_s + by_v <= limit && slope <= resolution.slope;
+        }
         // A rod near the end of its first mode may show no extent; then the piece itself must be small.
-        let known = by_s + by_v <= limit && slope <= resolution.slope;
-        known || (!self.is_whole() && self.v[1] - self.v[0] < NO_IMAGE && self.s[1] - self.s[0] < NO_IMAGE * self.s[1])
+        by_s.max(by_v) <= limit && slope <= resolution.slope || (self.v[1] - self.v[0] < NO_IMAGE && self.s[1] - self.s[0] < NO_IMAGE * self.s[1])
     }
 
     /// The piece cut across its longer image.
@@ -149,7 +151,10 @@ impl Piece {
         let lever = model.length();
         let by_s = by_s.max(lever * slopes(self.nodes[0][1], self.nodes[2][1]));
         let by_v = by_v.max(lever * slopes(self.nodes[1][0], self.nodes[1][2]));
-        let across_s = self.s[1] > self.s[0] && (by_s > by_v || by_v.is_nan() && self.cuts % 2 == 0);
+        // Where images are unknown the piece's own proportions decide.
+        let own = [(self.s[1] - self.s[0]) / self.s[1], self.v[1] - self.v[0]];
+        let longer = if self.is_whole() { by_s > by_v } else { own[0] > own[1] };
+        let across_s = self.s[1] > self.s[0] && longer;
         let half = |upper: usize| {
             let mut piece = Self { cuts: self.cuts + 1, ..self.clone() };
             let range = if across_s { &mut piece.s } else { &mut piece.v };

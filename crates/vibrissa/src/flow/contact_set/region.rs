@@ -87,21 +87,26 @@ impl ContactRegion {
         let mut arc_lengths = Interval::new(first, own.length());
         let limit = |value: f64| Interval::new(-value * (1.0 + 1e-12), value * (1.0 + 1e-12));
         let limits = *own.limits();
-        let mut demands: Vec<Demand> = vec![
+        let mut demands: [Demand; 3] = [
             (|c| c.force, limit(limits.force)),
             (|c| c.moment, limit(limits.moment)),
             (|c| c.phi_a, limit(limits.slope)),
         ];
         for Reading { sensor, value } in readings {
-            match sensor {
-                VirtualSensor::Strip => arc_lengths = arc_lengths.intersection(*value),
-                VirtualSensor::Load => demands.push((|c| c.force, *value)),
-                VirtualSensor::Slope => demands.push((|c| c.phi_a, *value)),
-                VirtualSensor::Moment(_) => demands.push((|c| c.moment, *value)),
-            }
+            let range = match sensor {
+                VirtualSensor::Strip => &mut arc_lengths,
+                VirtualSensor::Load => &mut demands[0].1,
+                VirtualSensor::Moment(_) => &mut demands[1].1,
+                VirtualSensor::Slope => &mut demands[2].1,
+            };
+            *range = range.intersection(*value);
         }
-        demands.retain(|(_, range)| range.lo().is_finite() || range.hi().is_finite());
-        let pieces = if arc_lengths.is_empty() { Vec::new() } else { pave(&own, arc_lengths, &demands, resolution) };
+        if arc_lengths.is_empty() || demands.iter().any(|(_, range)| range.is_empty()) {
+            return Ok(Self { cells: Vec::new(), model: own });
+        }
+        let bounded = |demand: &Demand| demand.1.lo().is_finite() || demand.1.hi().is_finite();
+        let demands: Vec<Demand> = demands.into_iter().filter(bounded).collect();
+        let pieces = pave(&own, arc_lengths, &demands, resolution);
         let mut cells: Vec<ContactCell> = pieces.iter().filter_map(|piece| cell(&own, piece)).collect();
         cells.extend(base_cell(&own, &pieces, readings));
         Ok(Self { cells, model: own })
