@@ -203,6 +203,12 @@ impl ContactModel {
         }
     }
 
+    /// Whether exact readings have curves in closed form: uniform whiskers under a normal load.
+    #[must_use]
+    pub fn has_closed_family(&self) -> bool {
+        self.normal_family().is_some()
+    }
+
     /// The flexural rigidity, where the closed family of normal loads covers this model.
     pub(super) fn normal_family(&self) -> Option<f64> {
         match (&self.mechanics, self.load) {

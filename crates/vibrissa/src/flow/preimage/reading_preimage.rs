@@ -3,7 +3,9 @@
 use super::solid::Solid;
 use super::state_grid::{Raster, StateGrid};
 use super::touch::{Touch, touches};
-use crate::flow::contact_set::{ContactCell, ContactModel, ContactRegion, Reading, Resolution};
+use crate::flow::contact_set::{
+    ContactCell, ContactModel, ContactRegion, ContactSet, MomentRegime, Reading, Resolution, VirtualSensor,
+};
 use crate::plane::{Bounds, Pose2, Vec2};
 use crate::sets::Interval;
 use crate::world::{Map, Role};
@@ -11,7 +13,9 @@ use crate::{Error, Result};
 use core::f64::consts::{PI, TAU};
 
 /// Points of the whisker that are kept out of solids.
-const BODY_POINTS: usize = 24;
+const BODY_POINTS: usize = 16;
+/// Nodes of the curves of exact readings.
+const NODES: usize = 800;
 /// Largest memory of a set (bytes): 1 GB.
 const LARGEST_SET: f64 = 1e9;
 /// How the tolerance of one cell is shared out: extent of a contact cell, and what its slopes move the base.
@@ -107,7 +111,17 @@ pub fn reading_preimage(
 ) -> Result<ReadingPreimage> {
     options.check()?;
     let resolution = options.resolution(model.length() + robot_from_whisker.position().norm());
-    let region = ContactRegion::new(model, readings, &resolution)?;
+    let region = match readings {
+        // Where the curve is written down, it is taken as it is.
+        [Reading { sensor, value }] if model.has_closed_family() && value.width() <= 0.0 => {
+            let sensor = match sensor {
+                VirtualSensor::Moment(MomentRegime::Auto) => VirtualSensor::Moment(MomentRegime::LargeAngle),
+                other => *other,
+            };
+            ContactRegion::along(&ContactSet::new(model, sensor, value.lo(), NODES)?, &resolution)
+        }
+        _ => ContactRegion::new(model, readings, &resolution)?,
+    };
     region_preimage(map, &region, robot_from_whisker, options)
 }
 
@@ -125,7 +139,8 @@ pub fn region_preimage(
     let mount = robot_from_whisker.position().norm();
     let farthest = |cell: &ContactCell| cell.contact.position.norm() + cell.radius;
     let reach = region.cells.iter().map(farthest).fold(options.cell, f64::max) + mount;
-    let mut states = StateGrid::empty(raster(map, reach, mount, options)?, options.headings);
+    // The same grid for every reading of a whisker, so that preimages can be compared.
+    let mut states = StateGrid::empty(raster(map, region.model().length() + mount, mount, options)?, options.headings);
     let places = match options.construction {
         Construction::Alignment => touches(map, options.cell, reach),
         Construction::Distance => touches(map, options.cell, 0.01 * options.cell),
@@ -191,6 +206,7 @@ impl Painter<'_> {
         let frames: Vec<Vec2> = self.places.iter().map(|t| Vec2::from_angle(t.tangent)).collect();
         for cell in &self.region.cells {
             let body = self.body(cell);
+            let mut turned = body.clone();
             let half = 0.5 * cell.slope.width();
             let slope = cell.slope.lo() + half;
             for (side, pushes) in [(0.0, cell.force.hi() >= 0.0), (PI, cell.force.lo() <= 0.0)] {
@@ -200,9 +216,14 @@ impl Painter<'_> {
                 // The whisker's heading is the boundary's direction less the slope; pushed to the right it lies the other way.
                 let turn = Vec2::from_angle(side - slope);
                 let offset = side - slope - self.robot_from_whisker.theta;
+                let mut last = Vec2::ZERO;
                 for (touch, frame) in self.places.iter().zip(&frames) {
-                    let heading = Vec2::new(frame.x * turn.x - frame.y * turn.y, frame.y * turn.x + frame.x * turn.y);
-                    if let Some(index) = self.place(states.raster(), touch.position, heading, &body) {
+                    // Along a straight wall only the place changes.
+                    if *frame != last {
+                        last = *frame;
+                        rotate(&body, Vec2::new(frame.x * turn.x - frame.y * turn.y, frame.y * turn.x + frame.x * turn.y), &mut turned);
+                    }
+                    if let Some(index) = self.place(states.raster(), touch.position, &turned) {
                         let (theta, spread) = (touch.tangent + offset, half + touch.half_turn);
                         states.add(index, theta - spread, theta + spread);
                     }
@@ -215,12 +236,13 @@ impl Painter<'_> {
     fn turn(&self, states: &mut StateGrid, headings: usize) {
         for cell in &self.region.cells {
             let body = self.body(cell);
+            let mut turned = body.clone();
             for bin in 0..headings {
                 let theta = (bin as f64 + 0.5) * TAU / headings as f64;
-                let heading = Vec2::from_angle(theta + self.robot_from_whisker.theta);
+                rotate(&body, Vec2::from_angle(theta + self.robot_from_whisker.theta), &mut turned);
                 for touch in self.places {
-                    if let Some(index) = self.place(states.raster(), touch.position, heading, &body) {
-                        states.add(index, theta, theta);
+                    if let Some(index) = self.place(states.raster(), touch.position, &turned) {
+                        states.add_bin(index, bin);
                     }
                 }
             }
@@ -239,15 +261,19 @@ impl Painter<'_> {
         points
     }
 
-    /// The cell of the robot when the contact lies at `place` and the whisker points along `heading`; none where it cannot be.
+    /// The cell of the robot when the contact lies at `place` and the whisker is turned; none where it cannot be.
     #[inline]
-    fn place(&self, raster: &Raster, place: Vec2, heading: Vec2, body: &[Vec2]) -> Option<usize> {
-        let at = |p: Vec2| {
-            place + Vec2::new(heading.x * p.x - heading.y * p.y, heading.y * p.x + heading.x * p.y)
-        };
-        let index = raster.index(at(body[0]))?;
-        let free = self.solid.is_none_or(|solid| !body[1..].iter().any(|&p| solid.is_deep(at(p))));
+    fn place(&self, raster: &Raster, place: Vec2, turned: &[Vec2]) -> Option<usize> {
+        let index = raster.index(place + turned[0])?;
+        let free = self.solid.is_none_or(|solid| !turned[1..].iter().any(|&p| solid.is_deep(place + p)));
         free.then_some(index)
+    }
+}
+
+/// The points turned to `heading`, a unit vector.
+fn rotate(points: &[Vec2], heading: Vec2, turned: &mut [Vec2]) {
+    for (to, p) in turned.iter_mut().zip(points) {
+        *to = Vec2::new(heading.x * p.x - heading.y * p.y, heading.y * p.x + heading.x * p.y);
     }
 }
 

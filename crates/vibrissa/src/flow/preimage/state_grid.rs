@@ -29,8 +29,9 @@ impl Raster {
     #[inline]
     #[must_use]
     pub fn index(&self, point: Vec2) -> Option<usize> {
-        let (x, y) = ((point.x - self.origin.x) / self.cell, (point.y - self.origin.y) / self.cell);
-        // What is negative or not a number is not below the count once it is cast from a shifted value.
+        // The same for every point of a loop, so that it is divided once.
+        let per_cell = 1.0 / self.cell;
+        let (x, y) = ((point.x - self.origin.x) * per_cell, (point.y - self.origin.y) * per_cell);
         let inside = x >= 0.0 && y >= 0.0 && x < self.columns as f64 && y < self.rows as f64;
         inside.then(|| y as usize * self.columns + x as usize)
     }
@@ -92,24 +93,23 @@ impl StateGrid {
         }
     }
 
+    /// Adds one heading at the cell `index`.
+    #[inline]
+    pub(super) fn add_bin(&mut self, index: usize, bin: usize) {
+        self.bits[index * self.words + bin / 64] |= 1 << (bin % 64);
+    }
+
     /// The set grown by `cells` in x and y.
     pub(super) fn grown(&mut self, cells: usize) {
         let (w, stride) = (self.words, self.raster.columns * self.words);
         for _ in 0..cells {
+            let mut own = vec![0; stride];
             for row in self.bits.chunks_exact_mut(stride) {
-                // Rightward then leftward, each word from its neighbour as it was.
-                let mut before = vec![0; w];
-                for i in (0..stride).step_by(w) {
-                    for k in 0..w {
-                        let own = row[i + k];
-                        let next = if i + w < stride { row[i + w + k] } else { 0 };
-                        row[i + k] = own | before[k] | next;
-                        before[k] = own;
-                    }
-                }
+                own.copy_from_slice(row);
+                row[w..].iter_mut().zip(&own).for_each(|(h, left)| *h |= left);
+                row.iter_mut().zip(&own[w..]).for_each(|(h, right)| *h |= right);
             }
             let mut before = vec![0; stride];
-            let mut own = vec![0; stride];
             for start in (0..self.bits.len()).step_by(stride) {
                 own.copy_from_slice(&self.bits[start..start + stride]);
                 let (here, rest) = self.bits[start..].split_at_mut(stride);
