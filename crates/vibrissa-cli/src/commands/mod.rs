@@ -1,8 +1,11 @@
 //! One file or folder for each command.
 
 mod beam;
+mod contact_set;
 mod demo;
 mod localize;
+mod preimage;
+mod readings;
 
 use clap::Subcommand;
 use vibrissa::Result;
@@ -15,12 +18,16 @@ pub(crate) enum Command {
     Demo(demo::Args),
     Beam(beam::Args),
     Localize(localize::Args),
+    ContactSet(contact_set::Args),
+    Preimage(preimage::Args),
 }
 
 /// Runs a command.
 pub(crate) fn run(command: &Command) -> Result<()> {
     match command {
         Command::Beam(args) => beam::run(args),
+        Command::ContactSet(args) => contact_set::run(args),
+        Command::Preimage(args) => preimage::run(args),
         Command::Demo(args) => demo::run(args),
         Command::Localize(args) => localize::run(args),
     }

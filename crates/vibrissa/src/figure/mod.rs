@@ -4,12 +4,16 @@
 
 mod axes;
 mod canvas;
+mod contacts;
 mod document;
 mod legend;
 pub mod localization;
+mod states;
 mod style;
 
 pub use canvas::{Canvas, Frame, WorldBounds};
+pub use contacts::{ContactFigure, contact_figure, contact_legend, contact_panel};
 pub use document::{Document, escape};
-pub use legend::{Entry, Sample};
+pub use legend::{Entry, Sample, legend};
+pub use states::{PreimageFigure, preimage_figure, preimage_legend, preimage_panel};
 pub use localization::{LocalizationScene, Outline, OutlineRole, localization_figure};

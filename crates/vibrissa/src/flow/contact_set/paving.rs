@@ -10,6 +10,11 @@ use crate::sets::Interval;
 
 /// Cuts after which a piece is kept as it is.
 const MOST_CUTS: usize = 24;
+/// As many where images are small because the base is near, and only the readings tell contacts apart.
+const MOST_CUTS_AT_BASE: usize = 60;
+/// The share of the length that counts as near the base, and how well readings are told apart there.
+const AT_BASE: f64 = 0.05;
+const DISCERNED: f64 = 0.1;
 /// Arc lengths and load numbers of the pieces at the start: fine enough for the nodes to see each fold.
 const START: [usize; 2] = [4, 16];
 /// Below this share of a starting piece nothing is cut that has no image.
@@ -52,11 +57,13 @@ fn cell(lo: f64, hi: f64, index: usize, count: usize) -> [f64; 2] {
 
 fn refine(model: &ContactModel, piece: Piece, demands: &[Demand], resolution: &Resolution, kept: &mut Vec<Piece>) {
     let Some(verdict) = piece.verdict(demands) else { return };
-    if piece.cuts >= MOST_CUTS || piece.is_small(verdict, resolution) {
+    let small = piece.is_small(verdict, resolution);
+    let at_base = small && !verdict && piece.is_blurred(model, demands);
+    if piece.cuts >= MOST_CUTS_AT_BASE || (piece.cuts >= MOST_CUTS && !at_base) || (small && !at_base) {
         kept.push(piece);
         return;
     }
-    for half in piece.halves(model) {
+    for half in piece.halves(model, at_base) {
         refine(model, half, demands, resolution, kept);
     }
 }
@@ -144,8 +151,17 @@ impl Piece {
         by_s.max(by_v) <= limit && slope <= resolution.slope || (self.v[1] - self.v[0] < NO_IMAGE && self.s[1] - self.s[0] < NO_IMAGE * self.s[1])
     }
 
-    /// The piece cut across its longer image.
-    fn halves(&self, model: &ContactModel) -> [Self; 2] {
+    /// Whether the piece is near the base and its readings are wider than what is demanded.
+    fn is_blurred(&self, model: &ContactModel, demands: &[Demand]) -> bool {
+        let wide = |(quantity, demanded): &Demand| {
+            let size = demanded.lo().abs().max(demanded.hi().abs());
+            size.is_finite() && self.range(quantity).width() > demanded.width() + DISCERNED * size
+        };
+        self.is_whole() && self.s[1] < AT_BASE * model.length() && demands.iter().any(wide)
+    }
+
+    /// The piece cut across its longer image, or across its longer side where images do not count.
+    fn halves(&self, model: &ContactModel, at_base: bool) -> [Self; 2] {
         let [by_s, by_v] = self.extents();
         let slopes = |a: Option<Contact>, b: Option<Contact>| a.zip(b).map_or(0.0, |(a, b)| (a.phi_a - b.phi_a).abs());
         let lever = model.length();
@@ -153,7 +169,12 @@ impl Piece {
         let by_v = by_v.max(lever * slopes(self.nodes[1][0], self.nodes[1][2]));
         // Where images are unknown the piece's own proportions decide.
         let own = [(self.s[1] - self.s[0]) / self.s[1], self.v[1] - self.v[0]];
-        let longer = if self.is_whole() { by_s > by_v } else { own[0] > own[1] };
+        let relative = own[1] / self.v[0].abs().max(self.v[1].abs());
+        let longer = match (at_base, self.is_whole()) {
+            (true, _) => 2.0 * own[0] > relative,
+            (_, true) => by_s > by_v,
+            _ => own[0] > own[1],
+        };
         let across_s = self.s[1] > self.s[0] && longer;
         let half = |upper: usize| {
             let mut piece = Self { cuts: self.cuts + 1, ..self.clone() };
