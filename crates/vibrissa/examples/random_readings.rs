@@ -21,7 +21,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let region_trials = numbers.next().transpose()?.unwrap_or(curve_trials / 50);
     let kinds = kinds();
     let worth: usize = kinds.iter().map(|(_, _, w)| w).sum();
-    println!("| whisker | curves: trials | lost | worst gap beyond tolerance (m) | regions: trials | lost | ms a region |");
+    println!(
+        "| whisker | curves: trials | lost | worst gap beyond tolerance (m) | regions: trials | lost | ms a region |"
+    );
     println!("| --- | --- | --- | --- | --- | --- | --- |");
     let mut random = Random(20);
     for (name, model, weight) in &kinds {

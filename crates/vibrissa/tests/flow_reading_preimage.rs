@@ -63,7 +63,8 @@ fn true_states_are_in_their_preimage() {
             }
             let sensor = SENSORS[(trial + index) % 4];
             let value = sensor.read(&contact);
-            let reading = Reading { sensor, value: Interval::new(value - 0.02 * value.abs(), value + 0.01 * value.abs()) };
+            let reading =
+                Reading { sensor, value: Interval::new(value - 0.02 * value.abs(), value + 0.01 * value.abs()) };
             let any = coarse(Construction::Alignment);
             let options = PreimageOptions { collision_free: true, ..any };
             let found = [any, options].map(|o| reading_preimage(&arena, &model, mount, &[reading], &o).unwrap());
@@ -109,8 +110,10 @@ fn any_angle_is_in_the_distance_preimage_and_it_holds_the_aligned_one() {
 fn the_strip_of_distances_has_the_area_of_a_grown_wall() {
     let wall = map(Role::Wall, &[(0.0, 0.0), (0.5, 0.0)]);
     for (sensor, value, shortest) in [(VirtualSensor::Load, 0.1, 0.0), (VirtualSensor::Slope, 0.8, 0.0)] {
-        let options = PreimageOptions { cell: 1e-3, headings: 180, construction: Construction::Distance, collision_free: false };
-        let found = reading_preimage(&wall, &paper(), Pose2::IDENTITY, &[Reading::exact(sensor, value)], &options).unwrap();
+        let options =
+            PreimageOptions { cell: 1e-3, headings: 180, construction: Construction::Distance, collision_free: false };
+        let found =
+            reading_preimage(&wall, &paper(), Pose2::IDENTITY, &[Reading::exact(sensor, value)], &options).unwrap();
         let reach = match sensor {
             VirtualSensor::Load => paper().contact(value, 0.075).unwrap().position.norm(),
             _ => {
@@ -122,7 +125,11 @@ fn the_strip_of_distances_has_the_area_of_a_grown_wall() {
         assert!(shortest == 0.0 && reach < 0.075);
         let expected = 2.0 * reach * 0.5 + PI * reach * reach;
         let rim = (1.0 + 2.0 * PI * reach) * (found.deviation + 2e-3);
-        assert!(found.states.area() >= expected && found.states.area() < expected + rim, "{sensor:?} {} {expected}", found.states.area());
+        assert!(
+            found.states.area() >= expected && found.states.area() < expected + rim,
+            "{sensor:?} {} {expected}",
+            found.states.area()
+        );
         assert!(found.sampled_area > expected - rim && found.sampled_area < expected + rim);
     }
 }
@@ -163,7 +170,8 @@ fn fused_readings_leave_a_smaller_preimage() {
     let truth = paper().contact(0.08, 0.06).unwrap();
     let options = coarse(Construction::Alignment);
     let solve = |readings: &[Reading]| reading_preimage(&arena, &paper(), Pose2::IDENTITY, readings, &options).unwrap();
-    let (load, strip) = (Reading::exact(VirtualSensor::Load, truth.force), Reading::exact(VirtualSensor::Strip, truth.s_a));
+    let (load, strip) =
+        (Reading::exact(VirtualSensor::Load, truth.force), Reading::exact(VirtualSensor::Strip, truth.s_a));
     let (one, other, both) = (solve(&[load]), solve(&[strip]), solve(&[load, strip]));
     assert!(both.states.volume() < 0.3 * one.states.volume().min(other.states.volume()));
     let apart = one.states.intersection(&other.states).unwrap();

@@ -68,7 +68,13 @@ fn every_node_of_a_curve_has_the_reading_by_the_beams_own_inverse() {
         for contact in set.curves.iter().flat_map(|c| c.contacts()).filter(|c| c.phi_a.abs() < 2.5).step_by(7) {
             let bends = point_mode(&whisker, contact.position, Load::Normal).unwrap();
             let readings = bends.iter().map(|b| {
-                sensor.read(&Contact { force: b.force, s_a: b.s_a, phi_a: b.phi_a, position: b.contact, moment: b.moment })
+                sensor.read(&Contact {
+                    force: b.force,
+                    s_a: b.s_a,
+                    phi_a: b.phi_a,
+                    position: b.contact,
+                    moment: b.moment,
+                })
             });
             let off = readings.map(|r| (r - value).abs()).fold(f64::INFINITY, f64::min);
             assert!(off <= 1e-6 * value.abs(), "{sensor:?} {contact:?}: {off}");
@@ -82,7 +88,11 @@ fn traced_curves_agree_with_the_closed_families() {
     // The same whisker once in closed form and once as a rod that is integrated and traced.
     let rod = ContactModel::of_rod(Rod::new(&Whisker::default()).unwrap(), Load::Normal).unwrap();
     for (sensor, value) in SENSORS.into_iter().zip([0.1, 0.05, -0.7, 4e-3]) {
-        let sensor = if let VirtualSensor::Moment(_) = sensor { VirtualSensor::Moment(MomentRegime::LargeAngle) } else { sensor };
+        let sensor = if let VirtualSensor::Moment(_) = sensor {
+            VirtualSensor::Moment(MomentRegime::LargeAngle)
+        } else {
+            sensor
+        };
         let (closed, traced) = (set(&paper(), sensor, value), set(&rod, sensor, value));
         assert!(!closed.is_empty() && !traced.is_empty(), "{sensor:?}");
         for contact in traced.curves.iter().flat_map(|c| c.contacts()) {
@@ -163,7 +173,11 @@ fn limits_and_impossible_readings_cut_the_sets() {
         let length = |set: &ContactSet| set.curves.iter().map(|c| c.length()).sum::<f64>();
         assert!(length(&cut) < length(&all) && !cut.is_empty(), "{sensor:?}");
         let nodes = cut.curves.iter().flat_map(|c| c.contacts());
-        assert!(nodes.clone().all(|c| c.force.abs() <= 0.2 + 1e-9 && c.moment.abs() <= 8e-3 + 1e-9 && c.phi_a.abs() <= 1.2 + 1e-9));
+        assert!(
+            nodes
+                .clone()
+                .all(|c| c.force.abs() <= 0.2 + 1e-9 && c.moment.abs() <= 8e-3 + 1e-9 && c.phi_a.abs() <= 1.2 + 1e-9)
+        );
     }
     for (sensor, value) in SENSORS.into_iter().zip([0.25, 0.08, 1.3, 9e-3]) {
         assert!(set(&limited, sensor, value).is_empty(), "{sensor:?}");
@@ -172,7 +186,9 @@ fn limits_and_impossible_readings_cut_the_sets() {
         assert!(ContactSet::new(&limited, sensor, f64::NAN, 50).is_err());
         assert!(ContactSet::new(&limited, sensor, f64::INFINITY, 50).is_err());
     }
-    assert!(set(&paper(), VirtualSensor::Strip, 0.0).is_empty() && set(&paper(), VirtualSensor::Strip, -0.01).is_empty());
+    assert!(
+        set(&paper(), VirtualSensor::Strip, 0.0).is_empty() && set(&paper(), VirtualSensor::Strip, -0.01).is_empty()
+    );
     assert!(set(&paper(), VirtualSensor::Slope, 3.3).is_empty());
     assert!(ContactModel::new(&Whisker::default(), Load::Directed(0.3)).is_err());
     assert!(paper().with_limits(Limits { force: -1.0, ..Limits::default() }).is_err());
@@ -280,7 +296,11 @@ fn areas_agree_with_a_brute_force_grid() {
         }
         let (expected, error) = (truth as f64 * step * step, rim as f64 * step * step);
         assert_eq!(missed, 0, "{reading:?}");
-        assert!((region.area() - expected).abs() < 0.06 * expected + 0.5 * error, "{reading:?}: {} {expected} {error}", region.area());
+        assert!(
+            (region.area() - expected).abs() < 0.06 * expected + 0.5 * error,
+            "{reading:?}: {} {expected} {error}",
+            region.area()
+        );
         assert!(region.area() > 0.97 * expected - 0.2 * error, "{reading:?}");
     }
 }

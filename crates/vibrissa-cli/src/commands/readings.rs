@@ -62,8 +62,11 @@ impl ReadingArgs {
                 .remedy("repeat them in pairs: --sensor load --value \"0.1 N\" --sensor strip --value \"60 mm\""));
         }
         if !self.whisker.is_empty() && self.whisker.len() != self.sensor.len() {
-            return Err(Error::usage("--whisker must be given for each reading or for none")
-                .value(format!("{} whiskers and {} readings", self.whisker.len(), self.sensor.len())));
+            return Err(Error::usage("--whisker must be given for each reading or for none").value(format!(
+                "{} whiskers and {} readings",
+                self.whisker.len(),
+                self.sensor.len()
+            )));
         }
         let mut owners: Vec<(usize, Reading)> = Vec::new();
         for (i, (sensor, value)) in self.sensor.iter().zip(&self.value).enumerate() {
@@ -118,7 +121,9 @@ impl ReadingArgs {
             Some((lo, hi)) => {
                 let (lo, hi) = (number(lo)?, number(hi)?);
                 if lo > hi {
-                    return Err(Error::usage("--value").value(value).allowed("an interval lo..hi with lo not above hi"));
+                    return Err(Error::usage("--value")
+                        .value(value)
+                        .allowed("an interval lo..hi with lo not above hi"));
                 }
                 Interval::new(lo, hi)
             }

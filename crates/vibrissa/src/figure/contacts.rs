@@ -32,7 +32,8 @@ const SIZE: f64 = 460.0;
 pub fn contact_figure(figure: &ContactFigure) -> String {
     let entries = contact_legend(figure).len() as f64;
     let height = 64.0 + SIZE + 60.0 + LINE * entries + 16.0;
-    let mut document = Document::new(SIZE + 90.0, height, &figure.title, "contact points and whisker shapes in the whisker frame");
+    let mut document =
+        Document::new(SIZE + 90.0, height, &figure.title, "contact points and whisker shapes in the whisker frame");
     document.text(20.0, 32.0, "heading", &figure.title);
     contact_panel(&mut document, Frame { x: 64.0, y: 50.0, width: SIZE, height: SIZE }, figure);
     legend(&mut document, 64.0, 50.0 + SIZE + 48.0, &contact_legend(figure));

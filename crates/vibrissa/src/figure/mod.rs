@@ -15,5 +15,5 @@ pub use canvas::{Canvas, Frame, WorldBounds};
 pub use contacts::{ContactFigure, contact_figure, contact_legend, contact_panel};
 pub use document::{Document, escape};
 pub use legend::{Entry, Sample, legend};
-pub use states::{PreimageFigure, preimage_figure, preimage_legend, preimage_panel};
 pub use localization::{LocalizationScene, Outline, OutlineRole, localization_figure};
+pub use states::{PreimageFigure, preimage_figure, preimage_legend, preimage_panel};

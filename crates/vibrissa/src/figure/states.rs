@@ -57,8 +57,8 @@ pub fn preimage_panel(document: &mut Document, frame: Frame, figure: &PreimageFi
         let slice: Vec<[Vec2; 4]> = states.runs(Some(states.bin(theta))).iter().map(rectangle).collect();
         canvas.polygons(&slice, "slice");
         let world = canvas.world();
-        let place = world.min + Vec2::new(0.08 * world.size().x, 0.1 * world.size().y);
-        canvas.arrow(Pose2::new(place.x, place.y, theta), 34.0, "estimate-line", "estimate");
+        let place = world.min + Vec2::new(0.04 * world.size().x, 0.04 * world.size().y);
+        canvas.arrow(Pose2::new(place.x, place.y, theta), 26.0, "estimate-line", "estimate");
     }
     for outline in figure.map {
         let mut points = outline.points.clone();

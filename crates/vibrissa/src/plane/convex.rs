@@ -40,7 +40,8 @@ impl ConvexPolygon {
     #[must_use]
     pub fn grown(&self, margin: f64) -> Self {
         let margin = margin.max(0.0);
-        let around = |p: &Vec2| [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(i, j)| *p + Vec2::new(i, j) * margin);
+        let around =
+            |p: &Vec2| [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(i, j)| *p + Vec2::new(i, j) * margin);
         let points: Vec<Vec2> = self.corners.iter().flat_map(around).collect();
         Self::hull(&points).unwrap_or_else(|| self.clone())
     }

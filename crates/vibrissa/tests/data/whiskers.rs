@@ -4,12 +4,8 @@ use super::random::Random;
 use vibrissa::beam::{Load, Rod, Segment, Whisker};
 use vibrissa::flow::contact_set::{Contact, ContactModel, MomentRegime, VirtualSensor};
 
-pub(crate) const SENSORS: [VirtualSensor; 4] = [
-    VirtualSensor::Load,
-    VirtualSensor::Strip,
-    VirtualSensor::Slope,
-    VirtualSensor::Moment(MomentRegime::LargeAngle),
-];
+pub(crate) const SENSORS: [VirtualSensor; 4] =
+    [VirtualSensor::Load, VirtualSensor::Strip, VirtualSensor::Slope, VirtualSensor::Moment(MomentRegime::LargeAngle)];
 
 /// A name, the model, and how many trials it is worth.
 pub(crate) fn kinds() -> Vec<(&'static str, ContactModel, usize)> {

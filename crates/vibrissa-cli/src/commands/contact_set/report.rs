@@ -50,7 +50,8 @@ impl<'a> Found<'a> {
                 frame_from_whisker: first.robot_from_whisker.between(whiskers[*w].robot_from_whisker),
             })
             .collect();
-        let meetings = if curves.len() == readings && readings > 1 { intersect_all(&placed, MEETING) } else { Vec::new() };
+        let meetings =
+            if curves.len() == readings && readings > 1 { intersect_all(&placed, MEETING) } else { Vec::new() };
         Ok(Self { whiskers, meetings, region, curves })
     }
 
@@ -73,7 +74,8 @@ impl<'a> Found<'a> {
 
     fn title(&self) -> String {
         let many = self.whiskers.len() > 1;
-        let one = |(w, r): (&WhiskerReadings, &Reading)| if many { format!("{}: {}", w.name, words(r)) } else { words(r) };
+        let one =
+            |(w, r): (&WhiskerReadings, &Reading)| if many { format!("{}: {}", w.name, words(r)) } else { words(r) };
         self.readings().map(one).collect::<Vec<_>>().join(", ")
     }
 
@@ -94,9 +96,15 @@ impl<'a> Found<'a> {
             return text;
         }
         let components = self.region.components();
-        let _ = writeln!(text, "{} components, {:.4} mm² in all, covered by cells", components.len(), self.region.area() * 1e6);
+        let _ = writeln!(
+            text,
+            "{} components, {:.4} mm² in all, covered by cells",
+            components.len(),
+            self.region.area() * 1e6
+        );
         for component in &components {
-            let places: Vec<Vec2> = component.iter().flat_map(|&i| self.region.cells[i].cover.corners().to_vec()).collect();
+            let places: Vec<Vec2> =
+                component.iter().flat_map(|&i| self.region.cells[i].cover.corners().to_vec()).collect();
             let [x, y] = [|p: &Vec2| p.x, |p: &Vec2| p.y].map(|of| {
                 let values = || places.iter().map(of);
                 (values().fold(f64::INFINITY, f64::min) * 1e3, values().fold(f64::NEG_INFINITY, f64::max) * 1e3)
@@ -104,23 +112,28 @@ impl<'a> Found<'a> {
             let _ = writeln!(text, "  x {:.3} to {:.3} mm, y {:.3} to {:.3} mm", x.0, x.1, y.0, y.1);
         }
         for meeting in &self.meetings {
-            let kind = if meeting.is_crossing { "the curves cross at" } else { "the curves touch or share a stretch around" };
+            let kind =
+                if meeting.is_crossing { "the curves cross at" } else { "the curves touch or share a stretch around" };
             let _ = writeln!(
                 text,
                 "{kind} ({:.6}, {:.6}) mm, extent {:.3} mm{}",
                 meeting.position.x * 1e3,
                 meeting.position.y * 1e3,
                 meeting.extent * 1e3,
-                if self.whiskers.len() == 1 && !meeting.is_one_shape() { ", but with two different shapes" } else { "" }
+                if self.whiskers.len() == 1 && !meeting.is_one_shape() {
+                    ", but with two different shapes"
+                } else {
+                    ""
+                }
             );
         }
         text
     }
 
     pub(super) fn json(&self) -> String {
-        let readings = self.readings().map(|(w, r)| {
-            json!({ "whisker": w.name, "sensor": r.sensor.word(), "lo": r.value.lo(), "hi": r.value.hi() })
-        });
+        let readings = self.readings().map(
+            |(w, r)| json!({ "whisker": w.name, "sensor": r.sensor.word(), "lo": r.value.lo(), "hi": r.value.hi() }),
+        );
         let curves = self.curves.iter().map(|(w, set)| {
             let branches: Vec<Vec<_>> = set.curves.iter().map(|c| c.contacts().iter().map(contact).collect()).collect();
             json!({
@@ -164,7 +177,9 @@ impl<'a> Found<'a> {
         }
         if !self.is_one_curve() {
             for (branch, component) in self.region.components().iter().enumerate() {
-                component.iter().for_each(|&i| row("region", branch, &self.region.cells[i].contact, self.region.cells[i].radius));
+                component
+                    .iter()
+                    .for_each(|&i| row("region", branch, &self.region.cells[i].contact, self.region.cells[i].radius));
             }
         }
         text

@@ -4,17 +4,15 @@ use super::localize::outlines;
 use super::readings::{ReadingArgs, WhiskerReadings, quantity, words};
 use crate::output::{OutputArgs, print, warn, write_all};
 use clap::ValueEnum;
+use core::f64::consts::TAU;
 use serde_json::json;
 use std::fmt::Write;
 use std::path::PathBuf;
 use vibrissa::figure::{PreimageFigure, preimage_figure};
 use vibrissa::flow::contact_set::ContactRegion;
-use vibrissa::flow::preimage::{
-    Construction, PreimageOptions, ReadingPreimage, reading_preimage, region_preimage,
-};
+use vibrissa::flow::preimage::{Construction, PreimageOptions, ReadingPreimage, reading_preimage, region_preimage};
 use vibrissa::world::{Dimension, Map};
 use vibrissa::{Error, Result};
-use core::f64::consts::TAU;
 
 /// Tell which robot states explain a reading of a virtual sensor, or several at once, on a map.
 ///

@@ -50,9 +50,11 @@ impl Limits {
     /// # Errors
     /// Usage: names the limit and its value.
     pub fn check(&self) -> Result<()> {
-        for (name, value, unit) in
-            [("largest force", self.force, "N"), ("largest moment", self.moment, "N m"), ("largest slope", self.slope, "rad")]
-        {
+        for (name, value, unit) in [
+            ("largest force", self.force, "N"),
+            ("largest moment", self.moment, "N m"),
+            ("largest slope", self.slope, "rad"),
+        ] {
             if value.is_nan() || value <= 0.0 {
                 return Err(Error::usage(name).value(value).allowed(format!("above 0 {unit}, or inf for no limit")));
             }

@@ -52,7 +52,8 @@ fn normal_moment(model: &ContactModel, ei: f64, moment: f64, nodes: usize) -> Ve
         model.limits().admit(&contact).then_some(contact)
     };
     // The load numbers at which either branch is at the base, or as far out as the whisker or the fold lets it.
-    let number = |s_a: f64, branch: Branch| by_moment(1.0, moment.abs() / ei, s_a, branch).map(|b| 0.5 * b.force * s_a * s_a);
+    let number =
+        |s_a: f64, branch: Branch| by_moment(1.0, moment.abs() / ei, s_a, branch).map(|b| 0.5 * b.force * s_a * s_a);
     let inner = [Branch::Least, Branch::Curled].map(|branch| number(first, branch));
     let outer = [Branch::Least, Branch::Curled].map(|branch| number(model.length(), branch));
     let ranges = match (inner, outer) {
@@ -75,7 +76,11 @@ fn load_number_of_slope(phi_a: f64) -> Option<f64> {
     let mut u = size.min(hi);
     for _ in 0..100 {
         let gap = slope(u)? - size;
-        if gap > 0.0 { hi = u } else { lo = u }
+        if gap > 0.0 {
+            hi = u
+        } else {
+            lo = u
+        }
         let step = (1e-6 * u).max(1e-12);
         let rate = slope((u - step).max(0.0)).map_or(1.0, |low| (gap + size - low) / step.min(u));
         let next = u - gap / rate;

@@ -76,7 +76,9 @@ pub fn intersect(a: PlacedSet<'_>, b: PlacedSet<'_>, tolerance: f64) -> Vec<Meet
         let moved: Vec<Vec2> = second
             .contacts()
             .iter()
-            .map(|c| shift + Vec2::new(cos * c.position.x - sin * c.position.y, sin * c.position.x + cos * c.position.y))
+            .map(|c| {
+                shift + Vec2::new(cos * c.position.x - sin * c.position.y, sin * c.position.x + cos * c.position.y)
+            })
             .collect();
         for first in &a.set.curves {
             let pair = Pair { first, second, moved: &moved, reach };
@@ -159,7 +161,12 @@ impl Pair<'_> {
         let (from, to) = (on_first(stretch.from), on_first(stretch.to));
         let steps = (stretch.to.floor() - stretch.from.ceil()).max(0.0) as usize;
         let chain = core::iter::once(from.position)
-            .chain((0..=steps).map(|k| stretch.from.ceil() + k as f64).filter(|&t| t < stretch.to).map(|t| on_first(t).position))
+            .chain(
+                (0..=steps)
+                    .map(|k| stretch.from.ceil() + k as f64)
+                    .filter(|&t| t < stretch.to)
+                    .map(|t| on_first(t).position),
+            )
             .chain([to.position]);
         let chain: Vec<Vec2> = chain.collect();
         let extent: f64 = chain.windows(2).map(|w| w[0].distance(w[1])).sum();
@@ -278,7 +285,9 @@ impl Side<'_> {
         let here = at(u, s)?;
         let (mut du, mut ds) = (1e-6 * u.abs().max(1e-3), 1e-6 * s);
         // One-sided steps away from the ends of whisker and first mode.
-        if u > 0.0 { du = -du }
+        if u > 0.0 {
+            du = -du
+        }
         ds = -ds;
         let (by_u, by_s) = (at(u + du, s)?, at(u, s + ds)?);
         let rate = |there: [f64; 3], step: f64| [0, 1, 2].map(|i| (there[i] - here[i]) / step);
@@ -287,7 +296,13 @@ impl Side<'_> {
 }
 
 /// The crossing of two smooth curves next to two contacts; `None` when Newton's method finds none.
-fn crossing(a: &ContactSet, b: &ContactSet, a_from_b: Pose2, first: Contact, second: Contact) -> Option<(Contact, Contact)> {
+fn crossing(
+    a: &ContactSet,
+    b: &ContactSet,
+    a_from_b: Pose2,
+    first: Contact,
+    second: Contact,
+) -> Option<(Contact, Contact)> {
     let sides = [a, b].map(|set| Side { model: set.model(), sensor: set.sensor, value: set.value });
     let starts = [first, second];
     let mut x = [0.0; 4];

@@ -52,7 +52,8 @@ impl ContactModel {
     /// Data: a whisker that makes no sense. Usage: a load directed in the plane, or tilted by a right angle or more.
     pub fn new(whisker: &Whisker, load: Load) -> Result<Self> {
         let rod = Rod::new(whisker)?;
-        let mechanics = if whisker.is_uniform() { Mechanics::Uniform(whisker.flexural_rigidity) } else { Mechanics::Rod(rod) };
+        let mechanics =
+            if whisker.is_uniform() { Mechanics::Uniform(whisker.flexural_rigidity) } else { Mechanics::Rod(rod) };
         let small = SmallBeam::new(whisker);
         Ok(Self { length: whisker.length, mechanics, load: checked(load)?, limits: Limits::default(), small })
     }
@@ -63,7 +64,13 @@ impl ContactModel {
     /// Usage: as [`ContactModel::new`].
     pub fn of_rod(rod: Rod, load: Load) -> Result<Self> {
         let length = rod.length();
-        Ok(Self { length, mechanics: Mechanics::Rod(rod), load: checked(load)?, limits: Limits::default(), small: None })
+        Ok(Self {
+            length,
+            mechanics: Mechanics::Rod(rod),
+            load: checked(load)?,
+            limits: Limits::default(),
+            small: None,
+        })
     }
 
     /// The same whisker with declared maxima.

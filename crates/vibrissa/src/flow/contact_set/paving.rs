@@ -33,7 +33,12 @@ pub(super) struct Piece {
 }
 
 /// The pieces of the plane that may explain all `demands`, in order.
-pub(super) fn pave(model: &ContactModel, arc_lengths: Interval, demands: &[Demand], resolution: &Resolution) -> Vec<Piece> {
+pub(super) fn pave(
+    model: &ContactModel,
+    arc_lengths: Interval,
+    demands: &[Demand],
+    resolution: &Resolution,
+) -> Vec<Piece> {
     let last = (2.0 * model.last_load_number()).asinh();
     let [rows, columns] = START;
     let mut kept = Vec::new();
@@ -63,7 +68,7 @@ fn refine(model: &ContactModel, piece: Piece, demands: &[Demand], resolution: &R
         kept.push(piece);
         return;
     }
-    for half in piece.halves(model, at_base) {
+    for half in piece.halves(model, at_base.then_some(demands)) {
         refine(model, half, demands, resolution, kept);
     }
 }
@@ -148,20 +153,37 @@ impl Piece {
             return by_s + by_v <= limit && slope <= resolution.slope;
         }
         // A rod near the end of its first mode may show no extent; then the piece itself must be small.
-        by_s.max(by_v) <= limit && slope <= resolution.slope || (self.v[1] - self.v[0] < NO_IMAGE && self.s[1] - self.s[0] < NO_IMAGE * self.s[1])
+        by_s.max(by_v) <= limit && slope <= resolution.slope
+            || (self.v[1] - self.v[0] < NO_IMAGE && self.s[1] - self.s[0] < NO_IMAGE * self.s[1])
     }
 
     /// Whether the piece is near the base and its readings are wider than what is demanded.
     fn is_blurred(&self, model: &ContactModel, demands: &[Demand]) -> bool {
         let wide = |(quantity, demanded): &Demand| {
             let size = demanded.lo().abs().max(demanded.hi().abs());
-            size.is_finite() && self.range(quantity).width() > demanded.width() + DISCERNED * size
+            size > 0.0 && size.is_finite() && self.range(quantity).width() > demanded.width() + DISCERNED * size
         };
         self.is_whole() && self.s[1] < AT_BASE * model.length() && demands.iter().any(wide)
     }
 
-    /// The piece cut across its longer image, or across its longer side where images do not count.
-    fn halves(&self, model: &ContactModel, at_base: bool) -> [Self; 2] {
+    /// Whether the readings change more by arc length than by load, each as a share of what is demanded.
+    fn reads_by_s(&self, demands: &[Demand]) -> bool {
+        let (mut by_s, mut by_v) = (0.0f64, 0.0f64);
+        for (quantity, demanded) in demands {
+            let size = demanded.lo().abs().max(demanded.hi().abs());
+            let change = |a: Option<Contact>, b: Option<Contact>| {
+                a.zip(b).map_or(0.0, |(a, b)| (quantity(&a) - quantity(&b)).abs() / size)
+            };
+            for k in 0..3 {
+                by_s = by_s.max(change(self.nodes[0][k], self.nodes[2][k]));
+                by_v = by_v.max(change(self.nodes[k][0], self.nodes[k][2]));
+            }
+        }
+        by_s > by_v
+    }
+
+    /// The piece cut across its longer image, or where images do not count as the readings ask.
+    fn halves(&self, model: &ContactModel, at_base: Option<&[Demand]>) -> [Self; 2] {
         let [by_s, by_v] = self.extents();
         let slopes = |a: Option<Contact>, b: Option<Contact>| a.zip(b).map_or(0.0, |(a, b)| (a.phi_a - b.phi_a).abs());
         let lever = model.length();
@@ -169,9 +191,8 @@ impl Piece {
         let by_v = by_v.max(lever * slopes(self.nodes[1][0], self.nodes[1][2]));
         // Where images are unknown the piece's own proportions decide.
         let own = [(self.s[1] - self.s[0]) / self.s[1], self.v[1] - self.v[0]];
-        let relative = own[1] / self.v[0].abs().max(self.v[1].abs());
         let longer = match (at_base, self.is_whole()) {
-            (true, _) => 2.0 * own[0] > relative,
+            (Some(demands), _) => self.reads_by_s(demands),
             (_, true) => by_s > by_v,
             _ => own[0] > own[1],
         };

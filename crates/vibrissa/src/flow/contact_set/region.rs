@@ -219,7 +219,9 @@ impl ContactRegion {
             .map(|cover| (cover.bounds(), cover))
             .collect();
         let touches = |cell: &ContactCell| {
-            moved.iter().any(|(bounds, cover)| bounds.overlaps(cell.bounds) && cover.intersection(&cell.cover).is_some())
+            moved
+                .iter()
+                .any(|(bounds, cover)| bounds.overlaps(cell.bounds) && cover.intersection(&cell.cover).is_some())
         };
         Self { cells: self.cells.iter().filter(|cell| touches(cell)).cloned().collect(), model: self.model.clone() }
     }
@@ -295,7 +297,11 @@ fn base_cell(model: &ContactModel, pieces: &[Piece], readings: &[Reading]) -> Op
         radius: 2.0 * first,
         slope: Interval::new(slope.lo().min(0.0).max(-TAU), slope.hi().max(0.0).min(TAU)),
         arc_length: Interval::new(0.0, first),
-        force: if force.lo() < 0.0 && force.hi() > 0.0 { Interval::new(f64::NEG_INFINITY, f64::INFINITY) } else { force },
+        force: if force.lo() < 0.0 && force.hi() > 0.0 {
+            Interval::new(f64::NEG_INFINITY, f64::INFINITY)
+        } else {
+            force
+        },
         bounds: cover.bounds(),
         cover,
     })

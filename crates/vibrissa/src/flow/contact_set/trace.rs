@@ -153,7 +153,9 @@ impl Grid<'_> {
             s = (s - excess * by_s / square * length).clamp(self.model.first_arc_length(), length);
             v -= excess * by_v / square;
         }
-        self.at(s, v).map(|(contact, _)| contact).filter(|c| (self.sensor.read(c) - self.value).abs() <= 1e-9 * self.scale())
+        self.at(s, v)
+            .map(|(contact, _)| contact)
+            .filter(|c| (self.sensor.read(c) - self.value).abs() <= 1e-9 * self.scale())
     }
 }
 

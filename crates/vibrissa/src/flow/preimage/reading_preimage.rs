@@ -167,6 +167,11 @@ pub fn region_preimage(
     }
     let sampled_area = states.area();
     states.grown((deviation / options.cell - 1e-9).ceil().max(0.0) as usize);
+    if options.collision_free && mount <= 0.0 {
+        // The robot's origin is the whisker's base, which is never inside something solid.
+        let solid = Solid::new(map, *states.raster(), 0.0);
+        states.retain(|index| !solid.is_deep_cell(index));
+    }
     Ok(ReadingPreimage { states, sampled_area, deviation })
 }
 
@@ -221,7 +226,11 @@ impl Painter<'_> {
                     // Along a straight wall only the place changes.
                     if *frame != last {
                         last = *frame;
-                        rotate(&body, Vec2::new(frame.x * turn.x - frame.y * turn.y, frame.y * turn.x + frame.x * turn.y), &mut turned);
+                        rotate(
+                            &body,
+                            Vec2::new(frame.x * turn.x - frame.y * turn.y, frame.y * turn.x + frame.x * turn.y),
+                            &mut turned,
+                        );
                     }
                     if let Some(index) = self.place(states.raster(), touch.position, &turned) {
                         let (theta, spread) = (touch.tangent + offset, half + touch.half_turn);

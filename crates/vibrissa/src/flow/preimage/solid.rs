@@ -38,6 +38,13 @@ impl Solid {
     }
 }
 
+impl Solid {
+    /// Whether a whole cell of the raster is deep in something solid.
+    pub(super) fn is_deep_cell(&self, index: usize) -> bool {
+        self.deep[index]
+    }
+}
+
 /// The cells whose middle is free, and those that a boundary passes through.
 fn free_cells(map: &Map, raster: &Raster) -> Vec<bool> {
     let mut free = vec![false; raster.columns * raster.rows];
@@ -60,7 +67,11 @@ fn free_cells(map: &Map, raster: &Raster) -> Vec<bool> {
             while let Some(&(at, turn, arena)) = list.get(next).filter(|c| c.0 <= x) {
                 debug_assert!(at.is_finite());
                 // Outlines have free space on their left: what goes down opens an arena to its right.
-                if arena { arenas -= turn } else { obstacles -= turn }
+                if arena {
+                    arenas -= turn
+                } else {
+                    obstacles -= turn
+                }
                 next += 1;
             }
             if (arenas > 0 || !has_arena) && obstacles >= 0 {

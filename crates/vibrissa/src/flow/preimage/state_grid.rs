@@ -99,6 +99,16 @@ impl StateGrid {
         self.bits[index * self.words + bin / 64] |= 1 << (bin % 64);
     }
 
+    /// Drops the cells for which `keep` is false.
+    pub(super) fn retain(&mut self, keep: impl Fn(usize) -> bool) {
+        let words = self.words;
+        for (index, headings) in self.bits.chunks_exact_mut(words).enumerate() {
+            if !keep(index) {
+                headings.fill(0);
+            }
+        }
+    }
+
     /// The set grown by `cells` in x and y.
     pub(super) fn grown(&mut self, cells: usize) {
         let (w, stride) = (self.words, self.raster.columns * self.words);
