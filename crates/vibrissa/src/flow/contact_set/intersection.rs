@@ -361,9 +361,8 @@ fn solve(mut m: [[f64; 4]; 4], mut r: [f64; 4]) -> Option<[f64; 4]> {
         }
         for i in k + 1..4 {
             let factor = m[i][k] / m[k][k];
-            for j in k..4 {
-                m[i][j] -= factor * m[k][j];
-            }
+            let pivot_row = m[k];
+            m[i].iter_mut().zip(pivot_row).for_each(|(to, from)| *to -= factor * from);
             r[i] -= factor * r[k];
         }
     }

@@ -295,7 +295,7 @@ fn base_cell(model: &ContactModel, pieces: &[Piece], readings: &[Reading]) -> Op
     Some(ContactCell {
         contact: Contact { phi_a: 0.5 * (slope.lo() + slope.hi()), ..contact },
         radius: 2.0 * first,
-        slope: Interval::new(slope.lo().min(0.0).max(-TAU), slope.hi().max(0.0).min(TAU)),
+        slope: Interval::new(slope.lo().clamp(-TAU, 0.0), slope.hi().clamp(0.0, TAU)),
         arc_length: Interval::new(0.0, first),
         force: if force.lo() < 0.0 && force.hi() > 0.0 {
             Interval::new(f64::NEG_INFINITY, f64::INFINITY)

@@ -164,10 +164,10 @@ fn walk(joined: &mut BTreeMap<Edge, Vec<Edge>>, start: Edge) -> Vec<Edge> {
     let mut chain = vec![start];
     let mut here = start;
     while let Some(next) = joined.get_mut(&here).and_then(Vec::pop) {
-        if let Some(back) = joined.get_mut(&next) {
-            if let Some(i) = back.iter().position(|&e| e == here) {
-                back.swap_remove(i);
-            }
+        if let Some(back) = joined.get_mut(&next)
+            && let Some(i) = back.iter().position(|&e| e == here)
+        {
+            back.swap_remove(i);
         }
         chain.push(next);
         here = next;

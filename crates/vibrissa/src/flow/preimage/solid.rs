@@ -154,7 +154,8 @@ struct Envelope {
 
 impl Envelope {
     fn of(&mut self, heights: &[f32]) {
-        (self.peaks.clear(), self.starts.clear());
+        self.peaks.clear();
+        self.starts.clear();
         self.at = 0;
         let lift = |q: usize| f64::from(heights[q]) + (q * q) as f64;
         for q in 0..heights.len() {
@@ -164,10 +165,12 @@ impl Envelope {
                 if start > from {
                     break;
                 }
-                (self.peaks.pop(), self.starts.pop());
+                self.peaks.pop();
+                self.starts.pop();
                 start = f64::NEG_INFINITY;
             }
-            (self.peaks.push(q), self.starts.push(start));
+            self.peaks.push(q);
+            self.starts.push(start);
         }
     }
 
