@@ -96,7 +96,7 @@ fn nothing_is_an_answer_and_faults_are_told() {
         (vec!["contact-set", "--sensor", "load", "--value", "2..1"], "lo not above hi"),
         (vec!["contact-set", "--sensor", "load", "--value", "inf"], "finite"),
         (vec!["contact-set", "--sensor", "load", "--sensor", "strip", "--value", "1"], "pairs"),
-        (vec!["contact-set", "--sensor", "load", "--value", "1", "--tolerance", "-1"], "--tolerance"),
+        (vec!["contact-set", "--sensor", "load", "--value", "1", "--tolerance=-1"], "--tolerance"),
         (vec!["contact-set", "--sensor", "load", "--value", "1", "--whisker", "w9"], "w0"),
         (vec!["preimage", "--map", "x.geojson", "--sensor", "load", "--value", "1", "--cell", "0"], "1e-5"),
     ] {
