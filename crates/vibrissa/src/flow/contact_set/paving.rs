@@ -7,11 +7,15 @@
 use super::{Contact, ContactModel, Resolution};
 use crate::plane::{ConvexPolygon, Vec2};
 use crate::sets::Interval;
+use std::collections::VecDeque;
 
 /// Cuts after which a piece is kept as it is.
 const MOST_CUTS: usize = 24;
 /// As many where images are small because the base is near, and only the readings tell contacts apart.
 const MOST_CUTS_AT_BASE: usize = 60;
+/// Cuts in all: what is left then stays coarse, which is sound. Rods take microseconds where the closed family takes tens of nanoseconds.
+const MOST_PIECES: usize = 300_000;
+const MOST_ROD_PIECES: usize = 12_000;
 /// The share of the length that counts as near the base, and how well readings are told apart there.
 const AT_BASE: f64 = 0.05;
 const DISCERNED: f64 = 0.1;
@@ -41,18 +45,18 @@ pub(super) fn pave(
 ) -> Vec<Piece> {
     let last = (2.0 * model.last_load_number()).asinh();
     let [rows, columns] = START;
-    let mut kept = Vec::new();
+    let mut start = Vec::new();
     for row in 0..rows {
         for column in 0..columns {
             let s = cell(arc_lengths.lo(), arc_lengths.hi(), row, rows);
             let v = cell(-last, last, column, columns);
             // An arc length that is known exactly needs one row.
             if row == 0 || s[1] > s[0] {
-                refine(model, Piece::new(model, s, v), demands, resolution, &mut kept);
+                start.push(Piece::new(model, s, v));
             }
         }
     }
-    kept
+    refine(model, start, demands, resolution)
 }
 
 fn cell(lo: f64, hi: f64, index: usize, count: usize) -> [f64; 2] {
@@ -60,17 +64,23 @@ fn cell(lo: f64, hi: f64, index: usize, count: usize) -> [f64; 2] {
     [at(index), at(index + 1)]
 }
 
-fn refine(model: &ContactModel, piece: Piece, demands: &[Demand], resolution: &Resolution, kept: &mut Vec<Piece>) {
-    let Some(verdict) = piece.verdict(demands) else { return };
-    let small = piece.is_small(verdict, resolution);
-    let at_base = small && !verdict && piece.is_blurred(model, demands);
-    if piece.cuts >= MOST_CUTS_AT_BASE || (piece.cuts >= MOST_CUTS && !at_base) || (small && !at_base) {
-        kept.push(piece);
-        return;
+/// Cuts pieces, the oldest first, until each is dropped or small, or the work allowed is done; then all that are left are kept.
+fn refine(model: &ContactModel, start: Vec<Piece>, demands: &[Demand], resolution: &Resolution) -> Vec<Piece> {
+    let mut left = if model.has_closed_family() { MOST_PIECES } else { MOST_ROD_PIECES };
+    let (mut queue, mut kept) = (VecDeque::from(start), Vec::new());
+    while let Some(piece) = queue.pop_front() {
+        let Some(verdict) = piece.verdict(demands) else { continue };
+        let small = piece.is_small(verdict, resolution);
+        let at_base = small && !verdict && piece.is_blurred(model, demands);
+        let most = if at_base { MOST_CUTS_AT_BASE } else { MOST_CUTS };
+        if piece.cuts >= most || left == 0 || (small && !at_base) {
+            kept.push(piece);
+            continue;
+        }
+        left -= 1;
+        queue.extend(piece.halves(model, at_base.then_some(demands)));
     }
-    for half in piece.halves(model, at_base.then_some(demands)) {
-        refine(model, half, demands, resolution, kept);
-    }
+    kept
 }
 
 fn at(model: &ContactModel, s: f64, v: f64) -> Option<Contact> {
