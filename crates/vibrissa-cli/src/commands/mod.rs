@@ -3,8 +3,11 @@
 mod beam;
 mod calibrate;
 mod contact;
+mod contact_set;
 mod demo;
 mod localize;
+mod preimage;
+mod readings;
 mod simulate;
 
 use clap::Subcommand;
@@ -20,6 +23,8 @@ pub(crate) enum Command {
     Calibrate(calibrate::Args),
     Contact(contact::Args),
     Localize(localize::Args),
+    ContactSet(contact_set::Args),
+    Preimage(preimage::Args),
     Simulate(simulate::Args),
 }
 
@@ -29,6 +34,8 @@ pub(crate) fn run(command: &Command) -> Result<()> {
         Command::Beam(args) => beam::run(args),
         Command::Calibrate(args) => calibrate::run(args),
         Command::Contact(args) => contact::run(args),
+        Command::ContactSet(args) => contact_set::run(args),
+        Command::Preimage(args) => preimage::run(args),
         Command::Demo(args) => demo::run(args),
         Command::Localize(args) => localize::run(args),
         Command::Simulate(args) => simulate::run(args),

@@ -124,6 +124,12 @@ impl Canvas {
         self.path(&data, class);
     }
 
+    /// Draws many closed rings as one shape.
+    pub fn polygons(&mut self, rings: &[[Vec2; 4]], class: &str) {
+        let data: String = rings.iter().map(|ring| self.path_data(ring, true)).collect();
+        self.path(&data, class);
+    }
+
     /// Draws a round dot at each visible point; the class's stroke width is the diameter.
     pub fn dots(&mut self, points: impl IntoIterator<Item = Vec2>, class: &str) {
         let mut data = String::new();

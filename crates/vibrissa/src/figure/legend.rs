@@ -30,7 +30,7 @@ pub struct Entry {
 pub(crate) const LINE: f64 = 21.0;
 
 /// Draws a legend with its upper left corner at `(x, y)`.
-pub(crate) fn legend(document: &mut Document, x: f64, y: f64, entries: &[Entry]) {
+pub fn legend(document: &mut Document, x: f64, y: f64, entries: &[Entry]) {
     for (index, entry) in entries.iter().enumerate() {
         let middle = y + LINE * (index as f64 + 0.5);
         document.raw(&sample(entry.sample, x, middle));

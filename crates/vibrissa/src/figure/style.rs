@@ -45,5 +45,16 @@ text { font-family: system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neu
 .hue4 { stroke: #b07a00; } .hue5 { stroke: #3f8fbf; } .hue6 { stroke: #1a1a1a; } .hue7 { stroke: #7a7a00; }
 .touch { fill: none; stroke: #e69f00; stroke-opacity: 0.8; stroke-width: 3.4; stroke-linecap: round; }
 .grid { stroke: #ddd; stroke-width: 1; fill: none; }
+.undeflected { fill: none; stroke: #777; stroke-width: 1.2; stroke-dasharray: 5 4; }
+.shape { fill: none; stroke: #d55e00; stroke-opacity: 0.75; stroke-width: 1.1; stroke-linejoin: round; }
+.base { fill: #222; stroke: none; }
+.contact-a { fill: none; stroke: #009e73; stroke-width: 3.2; stroke-linecap: round; stroke-linejoin: round; }
+.contact-b { fill: none; stroke: #0072b2; stroke-width: 3.2; stroke-dasharray: 9 5; stroke-linejoin: round; }
+.contact-c { fill: none; stroke: #a64d85; stroke-width: 3.2; stroke-dasharray: 2 4; stroke-linejoin: round; }
+.contact-d { fill: none; stroke: #222; stroke-width: 2.4; stroke-dasharray: 9 4 2 4; stroke-linejoin: round; }
+.region { fill: #009e73; fill-opacity: 0.55; stroke: #009e73; stroke-width: 0.6; }
+.meeting { fill: none; stroke: #222; stroke-width: 2; }
+.strip { fill: #56b4e9; fill-opacity: 0.65; stroke: none; }
+.slice { fill: #d55e00; fill-opacity: 0.8; stroke: none; }
 .zoomed { fill: none; stroke: #555; stroke-width: 1; stroke-dasharray: 2 2; }
 ";

@@ -2,6 +2,7 @@
 
 mod arc;
 mod bounds;
+mod convex;
 mod curve;
 mod intersect;
 mod pose2;
@@ -11,6 +12,7 @@ mod vec2;
 
 pub use arc::arc_to_cubics;
 pub use bounds::Bounds;
+pub use convex::{ConvexPolygon, union_area};
 pub use curve::{Curve, CurvePoint};
 pub use intersect::segment_contact;
 pub use pose2::{Pose2, Twist2, wrap_angle};

@@ -11,6 +11,7 @@
 
 mod follow;
 mod force;
+mod forward;
 mod loaded;
 mod march;
 mod moment;
@@ -29,6 +30,7 @@ extern crate alloc;
 use alloc::sync::Arc;
 
 pub use follow::{Followed, Status};
+pub(crate) use forward::Touched;
 pub(in crate::beam) use loaded::Loaded;
 pub use section::Segment;
 

@@ -16,7 +16,7 @@ const CANDIDATES: usize = 4000;
 const NUMBERED: usize = 30;
 
 /// Draws solid ground, arenas, obstacles and walls.
-pub(in crate::figure) fn map(canvas: &mut Canvas, outlines: &[Outline]) {
+pub(crate) fn map(canvas: &mut Canvas, outlines: &[Outline]) {
     let of = |role: OutlineRole| outlines.iter().filter(move |outline| outline.role == role);
     if of(OutlineRole::Arena).next().is_some() {
         let WorldBounds { min, max } = canvas.world();

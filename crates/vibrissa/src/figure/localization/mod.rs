@@ -10,6 +10,7 @@ use super::document::Document;
 use super::legend::{Entry, LINE, legend};
 use crate::flow::pose::{Localization, StampedPose};
 use crate::plane::{Pose2, Vec2};
+pub(crate) use layers::map as draw_outlines;
 pub use words::verdict;
 
 /// What a line of the map bounds.

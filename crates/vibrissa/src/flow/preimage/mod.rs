@@ -6,9 +6,17 @@
 
 mod alignment;
 mod observation;
+mod reading_preimage;
+mod solid;
+mod state_grid;
+mod touch;
 
 pub use alignment::Alignment;
 pub use observation::{Branch, Observation};
+pub use reading_preimage::{
+    Construction, PreimageOptions, ReadingPreimage, distances, reading_preimage, region_preimage,
+};
+pub use state_grid::{Raster, StateGrid};
 
 use crate::plane::{Pose2, Vec2};
 use crate::world::{BoundarySample, Map};

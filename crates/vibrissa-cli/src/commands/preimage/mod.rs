@@ -1,0 +1,169 @@
+//! `vibrissa preimage`: which robot states explain readings.
+
+use super::localize::outlines;
+use super::readings::{ReadingArgs, WhiskerReadings, quantity, words};
+use crate::output::{OutputArgs, print, warn, write_all};
+use clap::ValueEnum;
+use core::f64::consts::TAU;
+use serde_json::json;
+use std::fmt::Write;
+use std::path::PathBuf;
+use vibrissa::figure::{PreimageFigure, preimage_figure};
+use vibrissa::flow::contact_set::ContactRegion;
+use vibrissa::flow::preimage::{Construction, PreimageOptions, ReadingPreimage, reading_preimage, region_preimage};
+use vibrissa::world::{Dimension, Map};
+use vibrissa::{Error, Result};
+
+/// Tell which robot states explain a reading of a virtual sensor, or several at once, on a map.
+///
+/// The heading is unknown: a state counts when some contact that explains the readings, seen from there, lies on the
+/// boundary. The set is covered by cells of places and headings, never less than all.
+///
+/// With --out DIR: preimage.csv (boxes of states) and the figure preimage.svg.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Args {
+    /// The map (.geojson, .svg)
+    #[arg(long, value_name = "MAP")]
+    map: PathBuf,
+    #[command(flatten)]
+    readings: ReadingArgs,
+    /// Which states count: `alignment` lays the whisker's side along the boundary, `distance` takes every heading
+    #[arg(long, value_enum, default_value_t)]
+    construction: Word,
+    /// Keep states whose whisker or base is inside something solid, as the paper does
+    #[arg(long)]
+    ignore_collisions: bool,
+    /// Side of the cells of places (m)
+    #[arg(long, value_name = "LENGTH", default_value = "1 mm")]
+    cell: String,
+    /// Width of the cells of headings (rad)
+    #[arg(long, value_name = "ANGLE", default_value = "1 deg")]
+    heading_step: String,
+    /// Show the slice at this heading in the figure, too (rad)
+    #[arg(long, value_name = "ANGLE", allow_hyphen_values = true)]
+    heading: Option<String>,
+    #[command(flatten)]
+    output: OutputArgs,
+}
+
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+enum Word {
+    #[default]
+    Alignment,
+    Distance,
+}
+
+impl Args {
+    fn options(&self) -> Result<PreimageOptions> {
+        let step = quantity("--heading-step", &self.heading_step, Dimension::Angle)?;
+        if !(step > 0.0 && step.is_finite()) {
+            return Err(Error::usage("--heading-step").value(&self.heading_step).allowed("above 0 rad"));
+        }
+        let construction = match self.construction {
+            Word::Alignment => Construction::Alignment,
+            Word::Distance => Construction::Distance,
+        };
+        let options = PreimageOptions {
+            cell: quantity("--cell", &self.cell, Dimension::Length)?,
+            headings: (TAU / step).round().clamp(0.0, 1e6) as usize,
+            construction,
+            collision_free: !self.ignore_collisions,
+        };
+        options.check()?;
+        Ok(options)
+    }
+}
+
+/// Runs the command.
+pub(crate) fn run(args: &Args) -> Result<()> {
+    let (options, whiskers) = (args.options()?, args.readings.read()?);
+    let heading = args.heading.as_deref().map(|text| quantity("--heading", text, Dimension::Angle)).transpose()?;
+    let map = Map::read(&args.map)?;
+    map.warnings.iter().for_each(|warning| warn(warning));
+    let found = solve(&map, &whiskers, &options)?;
+    if found.states.is_empty() {
+        warn("no state explains the readings: they contradict each other, the whisker's limits or the map");
+    }
+    let title = whiskers.iter().flat_map(|w| &w.readings).map(words).collect::<Vec<_>>().join(", ");
+    if let Some(folder) = &args.output.out {
+        let figure = PreimageFigure {
+            title: format!("Robot states that explain {title}"),
+            map: &outlines(&map),
+            states: &found.states,
+            heading,
+        };
+        write_all(folder, &[("preimage.csv", boxes(&found)), ("preimage.svg", preimage_figure(&figure))])?;
+    }
+    print(&if args.output.json { as_json(&found, &options) } else { text(&found, &title, &options) })
+}
+
+/// The states that explain the readings of all whiskers.
+fn solve(map: &Map, whiskers: &[WhiskerReadings], options: &PreimageOptions) -> Result<ReadingPreimage> {
+    let [first, others @ ..] = whiskers else { return Err(Error::usage("no reading").allowed("one or more")) };
+    if others.is_empty() {
+        return reading_preimage(map, &first.model, first.robot_from_whisker, &first.readings, options);
+    }
+    let region = |w: &WhiskerReadings| {
+        let reach = w.model.length() + w.robot_from_whisker.position().norm();
+        ContactRegion::new(&w.model, &w.readings, &options.resolution(reach))
+    };
+    let mut shared = region(first)?;
+    for other in others {
+        shared = shared.shared_with(&region(other)?, first.robot_from_whisker.between(other.robot_from_whisker));
+    }
+    region_preimage(map, &shared, first.robot_from_whisker, options)
+}
+
+fn text(found: &ReadingPreimage, title: &str, options: &PreimageOptions) -> String {
+    let states = &found.states;
+    format!(
+        "robot states that explain {title}\n\
+         places    {:.2} to {:.2} cm² (sampled, covered)\n\
+         volume    {:.3} cm² rad, at most\n\
+         grid      {} mm, {:.3} deg; true states are up to {:.2} mm from sampled ones\n",
+        found.sampled_area * 1e4,
+        states.area() * 1e4,
+        states.volume() * 1e4,
+        options.cell * 1e3,
+        360.0 / options.headings as f64,
+        found.deviation * 1e3
+    )
+}
+
+fn as_json(found: &ReadingPreimage, options: &PreimageOptions) -> String {
+    let value = json!({
+        "empty": found.states.is_empty(),
+        "area": found.states.area(),
+        "sampled_area": found.sampled_area,
+        "volume": found.states.volume(),
+        "deviation": found.deviation,
+        "cell": options.cell,
+        "headings": options.headings,
+    });
+    format!("{value:#}\n")
+}
+
+/// Boxes of states (m, m, rad): cells, cells with the same headings along x in one.
+fn boxes(found: &ReadingPreimage) -> String {
+    let states = &found.states;
+    let raster = *states.raster();
+    let step = TAU / states.bins() as f64;
+    let mut text = String::from("x_min,x_max,y_min,y_max,theta_min,theta_max\n");
+    for row in 0..raster.rows {
+        let mut column = 0;
+        while column < raster.columns {
+            let headings = states.heading_runs(column, row);
+            let mut end = column + 1;
+            while end < raster.columns && states.heading_runs(end, row) == headings {
+                end += 1;
+            }
+            let (lo, hi) = (raster.corner(column, row), raster.corner(end, row + 1));
+            for (first, last) in headings {
+                let theta = [first as f64 * step, last as f64 * step];
+                let _ = writeln!(text, "{},{},{},{},{},{}", lo.x, hi.x, lo.y, hi.y, theta[0], theta[1]);
+            }
+            column = end;
+        }
+    }
+    text
+}

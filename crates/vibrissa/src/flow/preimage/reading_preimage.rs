@@ -1,0 +1,297 @@
+//! The robot states that explain readings: contact sets laid against the whole boundary.
+
+use super::solid::Solid;
+use super::state_grid::{Raster, StateGrid};
+use super::touch::{Touch, touches};
+use crate::flow::contact_set::{
+    ContactCell, ContactModel, ContactRegion, ContactSet, MomentRegime, Reading, Resolution, VirtualSensor,
+};
+use crate::plane::{Bounds, Pose2, Vec2};
+use crate::sets::Interval;
+use crate::world::{Map, Role};
+use crate::{Error, Result};
+use core::f64::consts::{PI, TAU};
+
+/// Points of the whisker that are kept out of solids.
+const BODY_POINTS: usize = 16;
+/// Nodes of the curves of exact readings.
+const NODES: usize = 800;
+/// Largest memory of a set (bytes): 1 GB.
+const LARGEST_SET: f64 = 1e9;
+/// How the tolerance of one cell is shared out: extent of a contact cell, and what its slopes move the base.
+const SHARES: [f64; 2] = [0.45, 0.4];
+
+/// Which states count as explaining a contact \[routray, section "Preimages of a Load Sensor"\].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Construction {
+    /// The whisker's shape is laid along the boundary: its tangent at the contact is the boundary's, as it is at
+    /// frictionless contact of the whisker's side; at corners it lies between both sides' tangents.
+    #[default]
+    Alignment,
+    /// Directional distance: for every heading the base is as far from the boundary as the contact is from the base, at whatever angle
+    /// the whisker meets the boundary. Holds for tips and with friction too, and is larger.
+    Distance,
+}
+
+/// How a preimage is computed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PreimageOptions {
+    /// Side of the cells of places (m).
+    pub cell: f64,
+    /// How many headings make a turn.
+    pub headings: usize,
+    /// Which states count.
+    pub construction: Construction,
+    /// Whether whisker and base must be out of solids, which the paper does not ask.
+    pub collision_free: bool,
+}
+
+impl Default for PreimageOptions {
+    /// The paper's millimetre, and a degree.
+    fn default() -> Self {
+        Self { cell: 1e-3, headings: 360, construction: Construction::default(), collision_free: true }
+    }
+}
+
+impl PreimageOptions {
+    /// Checks that cells and headings are in their ranges.
+    ///
+    /// # Errors
+    /// Usage: names the option, its value and the allowed range.
+    pub fn check(&self) -> Result<()> {
+        if !(self.cell >= 1e-5 && self.cell <= 1.0) {
+            return Err(Error::usage("the cell of a preimage").value(self.cell).allowed("1e-5 to 1 m"));
+        }
+        if !(4..=3600).contains(&self.headings) {
+            return Err(Error::usage("the headings of a preimage").value(self.headings).allowed("4 to 3600 in a turn"));
+        }
+        Ok(())
+    }
+
+    /// The resolution of contact regions that suits a preimage of a whisker whose base is up to `reach` (m) from the contact.
+    #[must_use]
+    pub fn resolution(&self, reach: f64) -> Resolution {
+        match self.construction {
+            Construction::Alignment => Resolution::even(SHARES[0] * self.cell, SHARES[1] * self.cell / reach),
+            Construction::Distance => Resolution::even(SHARES[0] * self.cell, 0.5),
+        }
+    }
+}
+
+/// The robot states that explain readings, covered by cells of a grid.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ReadingPreimage {
+    /// The states; never fewer than all.
+    pub states: StateGrid,
+    /// The area of the places before they are grown to cover (m²): between this and the cover's lies the true area, up to
+    /// what a cell cannot show.
+    pub sampled_area: f64,
+    /// How far a true state can be from a sampled one (m).
+    pub deviation: f64,
+}
+
+/// The robot states on `map` that explain `readings` of one whisker on the robot: the paper's `h^-1(z)` without the shape.
+///
+/// ```text
+/// { (x, y, theta) : some contact of the region, placed at (x, y, theta), lies on the boundary and touches it as the construction says }
+/// ```
+///
+/// The heading is unknown: every heading counts at which some contact fits. With [`PreimageOptions::collision_free`] states are left
+/// out whose base or whisker is inside something solid by more than the grid's tolerance (about four cells); thin
+/// walls are not solid, so that a whisker through a wall stays.
+///
+/// # Errors
+/// Usage: readings or options out of range; a grid beyond a gigabyte.
+pub fn reading_preimage(
+    map: &Map,
+    model: &ContactModel,
+    robot_from_whisker: Pose2,
+    readings: &[Reading],
+    options: &PreimageOptions,
+) -> Result<ReadingPreimage> {
+    options.check()?;
+    let resolution = options.resolution(model.length() + robot_from_whisker.position().norm());
+    let region = match readings {
+        // Where the curve is written down, it is taken as it is.
+        [Reading { sensor, value }] if model.has_closed_family() && value.width() <= 0.0 => {
+            let sensor = match sensor {
+                VirtualSensor::Moment(MomentRegime::Auto) => VirtualSensor::Moment(MomentRegime::LargeAngle),
+                other => *other,
+            };
+            ContactRegion::along(&ContactSet::new(model, sensor, value.lo(), NODES)?, &resolution)
+        }
+        _ => ContactRegion::new(model, readings, &resolution)?,
+    };
+    region_preimage(map, &region, robot_from_whisker, options)
+}
+
+/// The robot states on `map` that explain a contact region, as [`reading_preimage`]; for regions that several whiskers share.
+///
+/// # Errors
+/// Usage: options out of range; a grid beyond a gigabyte.
+pub fn region_preimage(
+    map: &Map,
+    region: &ContactRegion,
+    robot_from_whisker: Pose2,
+    options: &PreimageOptions,
+) -> Result<ReadingPreimage> {
+    options.check()?;
+    let mount = robot_from_whisker.position().norm();
+    let farthest = |cell: &ContactCell| cell.contact.position.norm() + cell.radius;
+    let reach = region.cells.iter().map(farthest).fold(options.cell, f64::max) + mount;
+    // The same grid for every reading of a whisker, so that preimages can be compared.
+    let mut states = StateGrid::empty(raster(map, region.model().length() + mount, mount, options)?, options.headings);
+    let places = match options.construction {
+        Construction::Alignment => touches(map, options.cell, reach),
+        Construction::Distance => touches(map, options.cell, 0.01 * options.cell),
+    };
+    let half_bin = 0.5 * TAU / options.headings as f64;
+    let largest = |value: &dyn Fn(&Touch) -> f64| places.iter().map(value).fold(0.0, f64::max);
+    let of_cells = |value: &dyn Fn(&ContactCell) -> f64| region.cells.iter().map(value).fold(0.0, f64::max);
+    let deviation = match options.construction {
+        Construction::Alignment => {
+            let turned = of_cells(&|c| c.radius + 0.5 * c.slope.width() * (farthest(c) + mount));
+            turned + largest(&|t| t.spread + reach * t.half_turn)
+        }
+        Construction::Distance => of_cells(&|c| c.radius) + reach * half_bin + largest(&|t| t.spread),
+    };
+    let solid = options.collision_free.then(|| {
+        let bounds = map.bounds();
+        let margin = region.model().length() + 2.0 * options.cell;
+        Solid::new(map, Raster::over(grown(bounds, margin), options.cell), 2.0 * deviation)
+    });
+    let painter = Painter { region, places: &places, solid: solid.as_ref(), robot_from_whisker };
+    match options.construction {
+        Construction::Alignment => painter.align(&mut states),
+        Construction::Distance => painter.turn(&mut states, options.headings),
+    }
+    let sampled_area = states.area();
+    states.grown((deviation / options.cell - 1e-9).ceil().max(0.0) as usize);
+    if options.collision_free && mount <= 0.0 {
+        // The robot's origin is the whisker's base, which is never inside something solid.
+        let solid = Solid::new(map, *states.raster(), 0.0);
+        states.retain(|index| !solid.is_deep_cell(index));
+    }
+    Ok(ReadingPreimage { states, sampled_area, deviation })
+}
+
+fn grown(bounds: Bounds, margin: f64) -> Bounds {
+    let corner = Vec2::new(margin, margin);
+    Bounds { min: bounds.min - corner, max: bounds.max + corner }
+}
+
+/// The places that robots can have: around the whole map, or in its arena where bases must be free.
+fn raster(map: &Map, reach: f64, mount: f64, options: &PreimageOptions) -> Result<Raster> {
+    let arena = map.boundaries().iter().any(|b| b.role() == Role::Arena) && options.collision_free;
+    let margin = if arena { mount } else { reach } + 4.0 * options.cell;
+    let bounds = grown(map.bounds(), margin);
+    let size = bounds.size();
+    let bytes = size.x / options.cell * (size.y / options.cell) * options.headings.div_ceil(64) as f64 * 8.0;
+    if bytes > LARGEST_SET {
+        let coarser = options.cell * (bytes / LARGEST_SET).sqrt() * 1.01;
+        return Err(Error::usage("the cell of a preimage is too small for this map")
+            .value(format!("{} m, which takes {:.0} GB", options.cell, bytes / 1e9))
+            .allowed(format!("from {:.1} mm on", coarser * 1e3))
+            .remedy("take larger cells, fewer headings, or a smaller map"));
+    }
+    Ok(Raster::over(bounds, options.cell))
+}
+
+/// What is laid where.
+struct Painter<'a> {
+    region: &'a ContactRegion,
+    places: &'a [Touch],
+    solid: Option<&'a Solid>,
+    robot_from_whisker: Pose2,
+}
+
+impl Painter<'_> {
+    /// Lays every contact along every stretch of the boundary.
+    fn align(&self, states: &mut StateGrid) {
+        let frames: Vec<Vec2> = self.places.iter().map(|t| Vec2::from_angle(t.tangent)).collect();
+        for cell in &self.region.cells {
+            let body = self.body(cell);
+            let mut turned = body.clone();
+            let half = 0.5 * cell.slope.width();
+            let slope = cell.slope.lo() + half;
+            for (side, pushes) in [(0.0, cell.force.hi() >= 0.0), (PI, cell.force.lo() <= 0.0)] {
+                if !pushes {
+                    continue;
+                }
+                // The whisker's heading is the boundary's direction less the slope; pushed to the right it lies the other way.
+                let turn = Vec2::from_angle(side - slope);
+                let offset = side - slope - self.robot_from_whisker.theta;
+                let mut last = Vec2::ZERO;
+                for (touch, frame) in self.places.iter().zip(&frames) {
+                    // Along a straight wall only the place changes.
+                    if *frame != last {
+                        last = *frame;
+                        rotate(
+                            &body,
+                            Vec2::new(frame.x * turn.x - frame.y * turn.y, frame.y * turn.x + frame.x * turn.y),
+                            &mut turned,
+                        );
+                    }
+                    if let Some(index) = self.place(states.raster(), touch.position, &turned) {
+                        let (theta, spread) = (touch.tangent + offset, half + touch.half_turn);
+                        states.add(index, theta - spread, theta + spread);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Lays every contact on every stretch of the boundary at every heading.
+    fn turn(&self, states: &mut StateGrid, headings: usize) {
+        for cell in &self.region.cells {
+            let body = self.body(cell);
+            let mut turned = body.clone();
+            for bin in 0..headings {
+                let theta = (bin as f64 + 0.5) * TAU / headings as f64;
+                rotate(&body, Vec2::from_angle(theta + self.robot_from_whisker.theta), &mut turned);
+                for touch in self.places {
+                    if let Some(index) = self.place(states.raster(), touch.position, &turned) {
+                        states.add_bin(index, bin);
+                    }
+                }
+            }
+        }
+    }
+
+    /// The robot's and the whisker's points seen from the contact, whisker axes: robot, base, tip, then the rest.
+    fn body(&self, cell: &ContactCell) -> Vec<Vec2> {
+        let contact = cell.contact.position;
+        let robot = self.robot_from_whisker.inverse().position();
+        let mut points = vec![robot - contact, -contact];
+        if self.solid.is_some() {
+            let shape = self.region.model().shape(&cell.contact, BODY_POINTS);
+            points.extend(shape.iter().rev().map(|&p| p - contact));
+        }
+        points
+    }
+
+    /// The cell of the robot when the contact lies at `place` and the whisker is turned; none where it cannot be.
+    #[inline]
+    fn place(&self, raster: &Raster, place: Vec2, turned: &[Vec2]) -> Option<usize> {
+        let index = raster.index(place + turned[0])?;
+        let free = self.solid.is_none_or(|solid| !turned[1..].iter().any(|&p| solid.is_deep(place + p)));
+        free.then_some(index)
+    }
+}
+
+/// The points turned to `heading`, a unit vector.
+fn rotate(points: &[Vec2], heading: Vec2, turned: &mut [Vec2]) {
+    for (to, p) in turned.iter_mut().zip(points) {
+        *to = Vec2::new(heading.x * p.x - heading.y * p.y, heading.y * p.x + heading.x * p.y);
+    }
+}
+
+/// The interval of distances from the base at which the contacts lie (m): the widths of the strip around the boundary.
+#[must_use]
+pub fn distances(region: &ContactRegion) -> Interval {
+    let of = |cell: &ContactCell| {
+        let middle = cell.contact.position.norm();
+        Interval::new((middle - cell.radius).max(0.0), middle + cell.radius)
+    };
+    region.cells.iter().map(of).fold(Interval::EMPTY, Interval::hull)
+}

@@ -1,0 +1,186 @@
+//! Which places lie deep in something solid, by look-up.
+
+use super::state_grid::Raster;
+use crate::plane::Vec2;
+use crate::world::{Map, Role};
+
+/// Largest distance between a boundary and the chain that stands for it here (m).
+const CHAIN_TOLERANCE: f64 = 1e-5;
+
+/// A raster of the places that are deeper in something solid than a given depth: no free whisker has a point there.
+#[derive(Clone, Debug)]
+pub(super) struct Solid {
+    raster: Raster,
+    deep: Vec<bool>,
+    /// Whether all beyond the raster is solid.
+    beyond: bool,
+}
+
+impl Solid {
+    /// The places of `map` that are further than `depth` (m) from everything free, for certain.
+    pub(super) fn new(map: &Map, raster: Raster, depth: f64) -> Self {
+        let free = free_cells(map, &raster);
+        let distance = squared_distance(&free, raster.columns, raster.rows);
+        // From anywhere in a cell to its middle, and the same at the free end.
+        let limit = depth / raster.cell + core::f64::consts::SQRT_2;
+        let deep = distance.iter().map(|&d| f64::from(d) > limit * limit).collect();
+        let beyond = map.boundaries().iter().any(|b| b.role() == Role::Arena);
+        Self { raster, deep, beyond }
+    }
+
+    /// Whether `point` (m) is deep in something solid.
+    #[inline]
+    pub(super) fn is_deep(&self, point: Vec2) -> bool {
+        match self.raster.index(point) {
+            Some(index) => self.deep[index],
+            None => self.beyond,
+        }
+    }
+}
+
+impl Solid {
+    /// Whether a whole cell of the raster is deep in something solid.
+    pub(super) fn is_deep_cell(&self, index: usize) -> bool {
+        self.deep[index]
+    }
+}
+
+/// The cells whose middle is free, and those that a boundary passes through.
+fn free_cells(map: &Map, raster: &Raster) -> Vec<bool> {
+    let mut free = vec![false; raster.columns * raster.rows];
+    let has_arena = map.boundaries().iter().any(|b| b.role() == Role::Arena);
+    let mut crossings: Vec<Vec<(f64, i32, bool)>> = vec![Vec::new(); raster.rows];
+    for boundary in map.boundaries() {
+        let chain = boundary.curve().flatten(CHAIN_TOLERANCE);
+        for link in chain.windows(2) {
+            mark(raster, link[0], link[1], &mut free);
+            if boundary.role() != Role::Wall {
+                cross(raster, link[0], link[1], boundary.role() == Role::Arena, &mut crossings);
+            }
+        }
+    }
+    for (row, list) in crossings.iter_mut().enumerate() {
+        list.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+        let (mut arenas, mut obstacles, mut next) = (0, 0, 0);
+        for column in 0..raster.columns {
+            let x = raster.origin.x + (column as f64 + 0.5) * raster.cell;
+            while let Some(&(at, turn, arena)) = list.get(next).filter(|c| c.0 <= x) {
+                debug_assert!(at.is_finite());
+                // Outlines have free space on their left: what goes down opens an arena to its right.
+                if arena {
+                    arenas -= turn
+                } else {
+                    obstacles -= turn
+                }
+                next += 1;
+            }
+            if (arenas > 0 || !has_arena) && obstacles >= 0 {
+                free[row * raster.columns + column] = true;
+            }
+        }
+    }
+    free
+}
+
+/// Marks the cells that a link passes through.
+fn mark(raster: &Raster, a: Vec2, b: Vec2, free: &mut [bool]) {
+    let steps = (a.distance(b) / (0.5 * raster.cell)).ceil().max(1.0) as usize;
+    for k in 0..=steps {
+        if let Some(index) = raster.index(a + (b - a) * (k as f64 / steps as f64)) {
+            free[index] = true;
+        }
+    }
+}
+
+/// Notes where a link crosses the middles of rows: place and +1 for going up.
+fn cross(raster: &Raster, a: Vec2, b: Vec2, arena: bool, crossings: &mut [Vec<(f64, i32, bool)>]) {
+    let row_of = |y: f64| (y - raster.origin.y) / raster.cell - 0.5;
+    let (lo, hi, turn) = if a.y < b.y { (a, b, 1) } else { (b, a, -1) };
+    let first = row_of(lo.y).ceil().max(0.0);
+    let last = row_of(hi.y).min(raster.rows as f64 - 1.0);
+    let mut row = first;
+    // A row through the upper end belongs to the next link.
+    while row <= last && row < row_of(hi.y) {
+        let y = raster.origin.y + (row + 0.5) * raster.cell;
+        let x = lo.x + (hi.x - lo.x) * ((y - lo.y) / (hi.y - lo.y));
+        crossings[row as usize].push((x, turn, arena));
+        row += 1.0;
+    }
+}
+
+/// The squared distance from each cell to the nearest marked one, in cells, by lower envelopes of parabolas
+/// \[felzenszwalb2012\]; at most a thousand cells' squared.
+fn squared_distance(marked: &[bool], columns: usize, rows: usize) -> Vec<f32> {
+    const FAR: f32 = 1e6;
+    let mut distance = vec![FAR; marked.len()];
+    for row in 0..rows {
+        let line = &mut distance[row * columns..(row + 1) * columns];
+        let here = &marked[row * columns..(row + 1) * columns];
+        let mut last = 1e3f32;
+        for (d, &m) in line.iter_mut().zip(here) {
+            last = if m { 0.0 } else { (last + 1.0).min(1e3) };
+            *d = last;
+        }
+        last = 1e3;
+        for (d, &m) in line.iter_mut().zip(here).rev() {
+            last = if m { 0.0 } else { (last + 1.0).min(1e3) };
+            *d = d.min(last) * d.min(last);
+        }
+    }
+    let mut envelope = Envelope::default();
+    let mut line = vec![0.0; rows];
+    for column in 0..columns {
+        for row in 0..rows {
+            line[row] = distance[row * columns + column];
+        }
+        if line.iter().all(|&d| d <= 0.0) {
+            continue;
+        }
+        envelope.of(&line);
+        for row in 0..rows {
+            distance[row * columns + column] = envelope.next(row, &line);
+        }
+    }
+    distance
+}
+
+/// The lower envelope of the parabolas over one column.
+#[derive(Default)]
+struct Envelope {
+    peaks: Vec<usize>,
+    starts: Vec<f64>,
+    at: usize,
+}
+
+impl Envelope {
+    fn of(&mut self, heights: &[f32]) {
+        self.peaks.clear();
+        self.starts.clear();
+        self.at = 0;
+        let lift = |q: usize| f64::from(heights[q]) + (q * q) as f64;
+        for q in 0..heights.len() {
+            let mut start = f64::NEG_INFINITY;
+            while let (Some(&p), Some(&from)) = (self.peaks.last(), self.starts.last()) {
+                start = (lift(q) - lift(p)) / (2 * (q - p)) as f64;
+                if start > from {
+                    break;
+                }
+                self.peaks.pop();
+                self.starts.pop();
+                start = f64::NEG_INFINITY;
+            }
+            self.peaks.push(q);
+            self.starts.push(start);
+        }
+    }
+
+    /// The height over `place`; places are asked for in order.
+    fn next(&mut self, place: usize, heights: &[f32]) -> f32 {
+        while self.starts.get(self.at + 1).is_some_and(|&s| s < place as f64) {
+            self.at += 1;
+        }
+        let peak = self.peaks[self.at];
+        let away = place.abs_diff(peak) as f32;
+        away * away + heights[peak]
+    }
+}
