@@ -2,6 +2,7 @@
 
 pub mod demo;
 mod localize;
+pub mod profile;
 pub mod simulate;
 
 pub use localize::{LocalizeOptions, localize};
