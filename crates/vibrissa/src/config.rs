@@ -92,6 +92,43 @@ pub struct DeterministicOptions {
     pub tip_load: TipLoad,
 }
 
+/// The knobs of contact points and outlines.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactOptions {
+    /// Travel of the whisker's base over which readings are merged into one step (m): finer than any wall of interest.
+    pub spacing: f64,
+    /// How far a step of a sliding tip may miss the wall's direction (m); walls are smooth at 10 µm.
+    pub step_std: f64,
+    /// How much a wall turns along the way (rad per root of a metre): 0.03 rad over a millimetre.
+    pub turn: f64,
+}
+
+impl Default for ContactOptions {
+    fn default() -> Self {
+        Self { spacing: 0.1e-3, step_std: 1e-5, turn: 1.0 }
+    }
+}
+
+impl ContactOptions {
+    /// Checks that every knob is in its range.
+    ///
+    /// # Errors
+    ///
+    /// Usage: names the knob, its value and the allowed range.
+    pub fn check(&self) -> Result<()> {
+        for (name, value, lo, hi) in
+            [("spacing", self.spacing, 0.0, 0.01), ("step_std", self.step_std, 1e-7, 1e-2), ("turn", self.turn, 1e-3, 1e3)]
+        {
+            if !(value >= lo && value <= hi) {
+                return Err(Error::usage(format!("the option {name} is out of range"))
+                    .value(value)
+                    .allowed(format!("{lo} to {hi}")));
+            }
+        }
+        Ok(())
+    }
+}
+
 impl Default for DeterministicOptions {
     fn default() -> Self {
         Self {

@@ -1,5 +1,6 @@
 //! What people do with the corridor, one call each.
 
+pub mod contact;
 pub mod demo;
 mod localize;
 pub mod profile;

@@ -34,6 +34,10 @@ const STEEPEST_TILT: f64 = 1.5;
 const FEWEST: usize = 5;
 /// Mean square of the newest residuals from which on the contact is taken to have jumped.
 const JUMP: f64 = 6.0;
+/// Largest residual of a new node, in standard deviations, before the contact is taken to have jumped.
+const LARGEST_FAULT: f64 = 4.0;
+/// How straight, in units of [`TraceOptions::turn`], the wall is first taken to be on the way around local minima.
+const STRAIGHT: f64 = 0.3;
 /// Most rounds of Levenberg and Marquardt.
 const MOST_ROUNDS: usize = 60;
 
@@ -118,10 +122,11 @@ pub fn tip_traces(whisker: &Whisker, nodes: &[TraceNode], options: TraceOptions)
     let mut rest = nodes;
     while rest.len() >= FEWEST {
         let problem = Problem { whisker, nodes: rest, options, unit };
-        let best = STARTS
-            .iter()
-            .map(|&tilt| problem.grown(tilt))
-            .filter_map(|start| problem.part(0, start.len() / UNKNOWNS).descend(start))
+        let best = (0..2)
+            .flat_map(|branch| STARTS.map(|tilt| (branch, tilt)))
+            .map(|(branch, tilt)| problem.grown(branch, tilt))
+            .filter(|start| start.len() >= FEWEST * UNKNOWNS)
+            .flat_map(|start| problem.part(0, start.len() / UNKNOWNS).settled(start))
             .max_by(|a, b| a.tips.len().cmp(&b.tips.len()).then(b.cost.total_cmp(&a.cost)));
         let used = best.as_ref().map_or(0, |descent| descent.tips.len());
         let points = best.filter(|_| used >= FEWEST).and_then(|descent| problem.part(0, used).points(&descent));
@@ -137,11 +142,19 @@ impl Problem<'_> {
         Problem { nodes: &self.nodes[from..to], ..*self }
     }
 
+    /// Where a start settles: directly, and by way of a wall that is all but straight.
+    fn settled(&self, start: Unknowns) -> Vec<Descent> {
+        let straight = TraceOptions { turn: STRAIGHT * self.options.turn, ..self.options };
+        let around = Problem { options: straight, ..*self }.descend(start.clone());
+        let around = around.and_then(|descent| self.descend(descent.unknowns));
+        self.descend(start).into_iter().chain(around).collect()
+    }
+
     /// A start, grown node by node from the first on until the readings jump.
-    fn grown(&self, tilt: f64) -> Unknowns {
+    fn grown(&self, branch: usize, tilt: f64) -> Unknowns {
         let mut unknowns: Unknowns = Vec::with_capacity(UNKNOWNS * self.nodes.len());
         for i in 0..self.nodes.len() {
-            let Some(next) = self.guess(i, &unknowns, tilt) else { break };
+            let Some(next) = self.guess(i, &unknowns, branch, tilt) else { break };
             unknowns.extend(next);
             let last = i + 1 == self.nodes.len();
             if i % GROWTH == GROWTH - 1 || last {
@@ -160,18 +173,20 @@ impl Problem<'_> {
         unknowns
     }
 
-    /// Mean square of the last residuals of the moment.
+    /// Mean square of the last residuals of the moment; infinite when one alone is beyond chance.
     fn newest_fault(&self, descent: &Descent, count: usize) -> f64 {
         let square = |(node, tip): (&TraceNode, &Tip)| ((tip.bend.moment - node.moment) / node.std).powi(2);
-        self.nodes.iter().zip(&descent.tips).rev().take(count).map(square).sum::<f64>() / count as f64
+        let squares = self.nodes.iter().zip(&descent.tips).rev().take(count).map(square);
+        let (sum, largest) = squares.fold((0.0, 0.0_f64), |(sum, largest), s| (sum + s, largest.max(s)));
+        if largest > LARGEST_FAULT * LARGEST_FAULT { f64::INFINITY } else { sum / count as f64 }
     }
 
     /// Where a node begins: the wall goes on as it was at the node before.
-    fn guess(&self, i: usize, unknowns: &[f64], tilt: f64) -> Option<[f64; UNKNOWNS]> {
+    fn guess(&self, i: usize, unknowns: &[f64], branch: usize, tilt: f64) -> Option<[f64; UNKNOWNS]> {
         let node = &self.nodes[i];
         let solve = |load| moment_mode(self.whisker, node.moment, self.whisker.length, load).unwrap_or_default();
         let Some(last) = i.checked_sub(1) else {
-            return solve(Load::Tilted(tilt)).first().map(|b| [b.force / self.unit, b.beta]);
+            return solve(Load::Tilted(tilt)).get(branch).map(|b| [b.force / self.unit, b.beta]);
         };
         let (force, tilt) = (unknowns[UNKNOWNS * last], unknowns[UNKNOWNS * last + 1]);
         let tip = self.tip(&self.nodes[last], force, tilt)?;
