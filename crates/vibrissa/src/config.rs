@@ -116,9 +116,11 @@ impl ContactOptions {
     ///
     /// Usage: names the knob, its value and the allowed range.
     pub fn check(&self) -> Result<()> {
-        for (name, value, lo, hi) in
-            [("spacing", self.spacing, 0.0, 0.01), ("step_std", self.step_std, 1e-7, 1e-2), ("turn", self.turn, 1e-3, 1e3)]
-        {
+        for (name, value, lo, hi) in [
+            ("spacing", self.spacing, 0.0, 0.01),
+            ("step_std", self.step_std, 1e-7, 1e-2),
+            ("turn", self.turn, 1e-3, 1e3),
+        ] {
             if !(value >= lo && value <= hi) {
                 return Err(Error::usage(format!("the option {name} is out of range"))
                     .value(value)
@@ -148,14 +150,7 @@ pub struct ProfileOptions {
 
 impl Default for ProfileOptions {
     fn default() -> Self {
-        Self {
-            resolution: 0.5e-3,
-            reach: 2e-3,
-            largest_std: 1e-3,
-            largest_gap: 5e-3,
-            fewest: 8,
-            shortest: 2e-3,
-        }
+        Self { resolution: 0.5e-3, reach: 2e-3, largest_std: 1e-3, largest_gap: 5e-3, fewest: 8, shortest: 2e-3 }
     }
 }
 

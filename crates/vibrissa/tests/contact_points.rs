@@ -30,7 +30,8 @@ fn peg_and_bases(random: &mut Random, turn: bool, count: usize) -> (Vec2, Vec<Po
     let base = |i: usize| {
         let far = 4e-3 * i as f64 / (count - 1) as f64;
         // The base moves away from the peg's side, or turns towards it.
-        let step = if turn { Pose2::new(0.0, 0.0, -side * far / distance) } else { Pose2::new(along * far, -side * far, 0.0) };
+        let step =
+            if turn { Pose2::new(0.0, 0.0, -side * far / distance) } else { Pose2::new(along * far, -side * far, 0.0) };
         start.compose(step)
     };
     (peg, (0..count).map(base).collect())
@@ -119,14 +120,8 @@ fn the_true_point_is_in_every_region() {
 #[test]
 fn regions_are_refused_for_other_whiskers() {
     let whisker = Whisker { tip_ratio: 0.5, ..Whisker::default() };
-    let r = ContactReading {
-        t: 0.0,
-        whisker,
-        odom_from_whisker: Pose2::IDENTITY,
-        moment: 1e-4,
-        noise: NOISE,
-        count: 1,
-    };
+    let r =
+        ContactReading { t: 0.0, whisker, odom_from_whisker: Pose2::IDENTITY, moment: 1e-4, noise: NOISE, count: 1 };
     assert!(contact_region(&[r], 1e-3).is_none());
 }
 

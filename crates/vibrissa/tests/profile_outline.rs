@@ -15,9 +15,9 @@ use vibrissa::tasks::profile::*;
 use vibrissa::world::{Map, MomentNoise, MountedWhisker, Robot};
 
 fn sweeps() -> Option<PathBuf> {
-    let sweeps = std::env::var_os("VIBRISSA_SWEEPS").map(PathBuf::from).unwrap_or_else(|| {
-        Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/sweeps")
-    });
+    let sweeps = std::env::var_os("VIBRISSA_SWEEPS")
+        .map(PathBuf::from)
+        .unwrap_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/sweeps"));
     let found = sweeps.is_dir();
     if !found {
         eprintln!("skipped: no folder of sweeps at {}", sweeps.display());
@@ -52,8 +52,16 @@ fn check(names: &[&str], map: &str, most_mean: f64) {
     let (absolute, shape) = (compared.absolute, compared.shape);
     println!(
         "{names:?}: {} outlines, {} points, {} of {} left out, {} pegs, absolute {:.3} p95 {:.3} max {:.3} mm, shape {:.3} mm, scale {:?}",
-        found.outlines.len(), points.len(), found.left_out, found.contacts, found.pegs.len(),
-        1e3 * absolute.mean, 1e3 * absolute.p95, 1e3 * absolute.max, 1e3 * shape.mean, compared.scaled
+        found.outlines.len(),
+        points.len(),
+        found.left_out,
+        found.contacts,
+        found.pegs.len(),
+        1e3 * absolute.mean,
+        1e3 * absolute.p95,
+        1e3 * absolute.max,
+        1e3 * shape.mean,
+        compared.scaled
     );
     assert!(absolute.mean < most_mean, "{names:?}: {absolute:?}");
     assert!(shape.rms <= absolute.rms * 1.0001, "a rigid motion cannot make it worse");
@@ -94,7 +102,10 @@ fn rounded_polygons_and_circles_are_found_again() {
         };
         let points: Vec<Vec2> = (0..300).map(|i| ray(f64::from(i) * 0.021)).collect();
         let known = fit_shape(&points, shape, FreeSize::None).unwrap();
-        assert!(known.place.position().distance(place.position()) < 1e-6 && known.misfit.max < 1e-6, "{sides}: {known:?}");
+        assert!(
+            known.place.position().distance(place.position()) < 1e-6 && known.misfit.max < 1e-6,
+            "{sides}: {known:?}"
+        );
         let wrong = RoundedPolygon { apothem: 0.076, corner_radius: if sides == 0 { 0.076 } else { 0.03 }, ..shape };
         let free = fit_shape(&points, wrong, FreeSize::All).unwrap();
         assert!((free.shape.apothem - apothem).abs() < 1e-6, "{sides}: {free:?}");

@@ -1,8 +1,10 @@
 //! One file or folder for each command.
 
 mod beam;
+mod contact;
 mod demo;
 mod localize;
+mod profile;
 
 use clap::Subcommand;
 use vibrissa::Result;
@@ -14,6 +16,8 @@ use vibrissa::Result;
 pub(crate) enum Command {
     Demo(demo::Args),
     Beam(beam::Args),
+    Contact(contact::Args),
+    Profile(profile::Args),
     Localize(localize::Args),
 }
 
@@ -21,6 +25,8 @@ pub(crate) enum Command {
 pub(crate) fn run(command: &Command) -> Result<()> {
     match command {
         Command::Beam(args) => beam::run(args),
+        Command::Contact(args) => contact::run(args),
+        Command::Profile(args) => profile::run(args),
         Command::Demo(args) => demo::run(args),
         Command::Localize(args) => localize::run(args),
     }

@@ -7,9 +7,11 @@ mod canvas;
 mod document;
 mod legend;
 pub mod localization;
+mod scene;
 mod style;
 
 pub use canvas::{Canvas, Frame, WorldBounds};
 pub use document::{Document, escape};
 pub use legend::{Entry, Sample};
+pub use scene::{Geometry, Layer, scene_figure};
 pub use localization::{LocalizationScene, Outline, OutlineRole, localization_figure};

@@ -134,7 +134,8 @@ pub fn fixed_point(readings: &[ContactReading], start: Vec2) -> Option<FixedPoin
 fn linear(readings: &[ContactReading], point: Vec2, touched: &[Touched]) -> Option<Linear> {
     let step = 1e-7;
     let slope = |reading: &ContactReading| {
-        let by = |d: Vec2| Some((reading.touched(point + d)?.moment - reading.touched(point - d)?.moment) / (2.0 * step));
+        let by =
+            |d: Vec2| Some((reading.touched(point + d)?.moment - reading.touched(point - d)?.moment) / (2.0 * step));
         Some(Vec2::new(by(Vec2::new(step, 0.0))?, by(Vec2::new(0.0, step))?))
     };
     let slopes = readings.iter().map(slope).collect::<Option<Vec<Vec2>>>()?;

@@ -32,5 +32,5 @@ pub use fixed_point::{FixedPoint, fixed_point, fixed_points};
 pub use meeting::{Meeting, MeetingKind, meetings};
 pub use reading::ContactReading;
 pub use region::{ContactRegion, contact_region};
-pub use tip_trace::{TraceNode, TraceOptions, TracePoint, tip_traces};
 pub use report::{ContactKind, ContactReport, ContactStep, contacts};
+pub use tip_trace::{TraceNode, TraceOptions, TracePoint, tip_traces};

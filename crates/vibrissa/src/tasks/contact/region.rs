@@ -33,9 +33,10 @@ impl ContactRegion {
     #[must_use]
     pub fn distances(&self, odom_from_whisker: Pose2) -> Interval {
         let one = |&[x, y]: &[Interval; 2]| polar(odom_from_whisker, x, y).map_or(Interval::EMPTY, |(r, _)| r);
-        self.boxes.iter().map(one).fold(Interval::EMPTY, |all, next| {
-            Interval::new(all.lo().min(next.lo()), all.hi().max(next.hi()))
-        })
+        self.boxes
+            .iter()
+            .map(one)
+            .fold(Interval::EMPTY, |all, next| Interval::new(all.lo().min(next.lo()), all.hi().max(next.hi())))
     }
 
     /// The area (m²).

@@ -8,6 +8,7 @@ use super::segment::{Part, parts};
 use super::stretch::{Stretch, stretches};
 use super::tip_trace::{TraceNode, TraceOptions, TracePoint, tip_traces};
 use crate::Result;
+use crate::beam::Bend;
 use crate::config::ContactOptions;
 use crate::flow::pose::Event;
 use crate::flow::sensor_log::SensorLog;
@@ -66,6 +67,8 @@ pub struct ContactStep {
     pub normal: Option<f64>,
     /// Bounds of the distance from the base, if the declared error bounds hold and the contact stands still (m).
     pub bounds: Option<Interval>,
+    /// The bent whisker, for a tip.
+    pub bend: Option<Bend>,
     /// The closed forms of earlier work.
     pub baseline: Baseline,
     /// Number of the uninterrupted piece that this step belongs to.
@@ -116,7 +119,7 @@ impl ContactReport {
         let [first, ..] = stretch.readings.as_slice() else { return };
         self.tell(first.t, "contact", format!("whisker {}", stretch.whisker));
         let mut before: Option<Vec2> = None;
-        for part in parts(&stretch.readings) {
+        for part in parts(&stretch.readings, stretch.onset) {
             match part.still {
                 Some(point) => {
                     self.side(stretch, part, &point, before);
@@ -200,7 +203,11 @@ impl ContactReport {
         }
         let piece = self.next_piece();
         if let Some(reading) = rest.peek() {
-            self.tell(reading.t, "no_point", "in contact, but neither a point nor a sliding tip explains it".to_owned());
+            self.tell(
+                reading.t,
+                "no_point",
+                "in contact, but neither a point nor a sliding tip explains it".to_owned(),
+            );
         }
         let unknown = rest.map(|reading| ContactStep { piece, ..step(stretch, reading, ContactKind::Unknown) });
         self.steps.extend(unknown);
@@ -213,6 +220,7 @@ fn tip_step(stretch: &Stretch, reading: &ContactReading, point: &TracePoint, pie
         s_a: Some(point.bend.s_a),
         std: Some(point.std),
         normal: Some(point.normal),
+        bend: Some(point.bend.clone()),
         piece,
         ..step(stretch, reading, ContactKind::Tip)
     }
@@ -231,6 +239,7 @@ fn step(stretch: &Stretch, reading: &ContactReading, kind: ContactKind) -> Conta
         std: None,
         normal: None,
         bounds: None,
+        bend: None,
         baseline: stretch.onset.map(|onset| Baseline::since(onset, reading)).unwrap_or_default(),
         piece: 0,
     }

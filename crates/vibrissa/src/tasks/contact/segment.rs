@@ -3,14 +3,17 @@
 use super::fixed_point::{FixedPoint, fixed_point, fixed_points};
 use super::reading::ContactReading;
 use super::stretch::travel;
+use crate::plane::{Pose2, Vec2};
 
 /// Travel of the base over which a fixed point is first tried (m).
 const FIRST: f64 = 3e-3;
 /// Travel of the base over which a fixed point must explain the readings before it is believed (m): a sliding tip can look
 /// like one for a while.
 const CLEAR: f64 = 6e-3;
-/// Travel of the base by which the search moves on when nothing stands still (m).
-const STRIDE: f64 = 1e-3;
+/// Largest standard deviation of a fixed point's distance that is a find (m).
+const VAGUE: f64 = 3e-3;
+/// How far off the straight whisker a point may have been when the contact began (m), beside its uncertainty.
+const OFF_AXIS: f64 = 1e-3;
 /// Fewest readings of a window.
 const FEWEST: usize = 4;
 
@@ -23,26 +26,21 @@ pub(super) struct Part {
     pub(super) still: Option<FixedPoint>,
 }
 
-/// The parts of a stretch, in order, without gaps.
-pub(super) fn parts(readings: &[ContactReading]) -> Vec<Part> {
+/// The parts of a stretch, in order, without gaps; `onset` is the base when the whisker was last free.
+pub(super) fn parts(readings: &[ContactReading], onset: Option<Pose2>) -> Vec<Part> {
     let along = cumulated(readings);
     let reach = |from: usize, far: f64| along.partition_point(|s| *s < along[from] + far).clamp(from + 1, along.len());
     let mut found: Vec<Part> = Vec::new();
     let mut from = 0;
     while from < readings.len() {
-        let still = longest(readings, from, &reach);
-        let whole = |to: usize| from == 0 && to == readings.len();
-        let clear = still.filter(|&(to, _)| along[to - 1] - along[from] >= CLEAR || whole(to));
-        if let Some((to, point)) = clear {
-            found.push(Part { from, to, still: Some(point) });
-            from = to;
-            continue;
-        }
-        let to = reach(from, STRIDE);
-        match found.last_mut() {
-            Some(last) if last.still.is_none() => last.to = to,
-            _ => found.push(Part { from, to, still: None }),
-        }
+        let begun = |point: &FixedPoint| from > 0 || onset.is_none_or(|onset| on_axis(point, onset, &readings[0]));
+        let clear = longest(readings, from, &reach).filter(|(to, point)| {
+            let whole = from == 0 && *to == readings.len();
+            (whole || along[to - 1] - along[from] >= CLEAR) && begun(point) && off_tip(point, &readings[from])
+        });
+        // What slides once is left to the tip: amid a slide, many a stretch looks like a fixed point and is none.
+        let (to, still) = clear.map_or((readings.len(), None), |(to, point)| (to, Some(point)));
+        found.push(Part { from, to, still });
         from = to;
     }
     found
@@ -89,6 +87,24 @@ fn longest(
         }
     }
     Some((to, point))
+}
+
+/// Whether the point was on the straight whisker when the contact began.
+fn on_axis(point: &FixedPoint, onset: Pose2, first: &ContactReading) -> bool {
+    let local = onset.inverse_transform_point(point.position);
+    let std = point.std_along(Vec2::from_angle(onset.theta).perp());
+    local.y.abs() <= OFF_AXIS + travel_between(onset, first) + 3.0 * std
+}
+
+fn travel_between(onset: Pose2, first: &ContactReading) -> f64 {
+    travel(&ContactReading { odom_from_whisker: onset, ..*first }, first)
+}
+
+/// Whether the point is well known, and on the whisker's side rather than at its tip.
+fn off_tip(point: &FixedPoint, reading: &ContactReading) -> bool {
+    let away = point.position - reading.odom_from_whisker.position();
+    let std = point.std_along(away * (1.0 / away.norm().max(1e-12)));
+    std <= VAGUE && point.s_a.iter().all(|s_a| s_a + 2.0 * std < reading.whisker.length)
 }
 
 /// Whether the point explains the readings, on the whisker.

@@ -36,6 +36,11 @@ const FEWEST: usize = 5;
 const JUMP: f64 = 6.0;
 /// Largest residual of a new node, in standard deviations, before the contact is taken to have jumped.
 const LARGEST_FAULT: f64 = 4.0;
+/// A fall of the moment from one node to the next is a snap when it is beyond what the errors and this many times the
+/// stiffness of a hardly bent whisker explain; onsets reach 3, but they rise.
+const SNAP: f64 = 3.0;
+/// Share of a curled trace's length below which one that is less bent is taken to be wrong.
+const CURLED: f64 = 0.7;
 /// How straight, in units of [`TraceOptions::turn`], the wall is first taken to be on the way around local minima.
 const STRAIGHT: f64 = 0.3;
 /// Most rounds of Levenberg and Marquardt.
@@ -117,29 +122,57 @@ type Unknowns = Vec<f64>;
 /// Nodes that fit no trace are left out; empty when there is none at all.
 #[must_use]
 pub fn tip_traces(whisker: &Whisker, nodes: &[TraceNode], options: TraceOptions) -> Vec<Vec<TracePoint>> {
-    let unit = whisker.flexural_rigidity / (whisker.length * whisker.length);
     let mut traces = Vec::new();
+    let mut from = 0;
+    while from < nodes.len() {
+        let snap = (from + 1..nodes.len()).find(|&i| snaps(whisker, &nodes[i - 1], &nodes[i]));
+        let to = snap.unwrap_or(nodes.len());
+        without_snap(whisker, &nodes[from..to], options, &mut traces);
+        from = to;
+    }
+    traces
+}
+
+/// Whether the moment falls by more than errors and the motion of the base explain.
+fn snaps(whisker: &Whisker, a: &TraceNode, b: &TraceNode) -> bool {
+    let step = a.odom_from_whisker.between(b.odom_from_whisker);
+    let travel = step.position().norm() + whisker.length * step.theta.abs();
+    let stiffness = 3.0 * whisker.flexural_rigidity / (whisker.length * whisker.length);
+    a.moment.abs() - b.moment.abs() > 2.0 * (a.std + b.std) + SNAP * stiffness * travel
+}
+
+/// The traces through nodes of one sign, added to those before.
+fn without_snap(whisker: &Whisker, nodes: &[TraceNode], options: TraceOptions, traces: &mut Vec<Vec<TracePoint>>) {
+    let unit = whisker.flexural_rigidity / (whisker.length * whisker.length);
     let mut rest = nodes;
     while rest.len() >= FEWEST {
         let problem = Problem { whisker, nodes: rest, options, unit };
-        let best = (0..2)
-            .flat_map(|branch| STARTS.map(|tilt| (branch, tilt)))
-            .map(|(branch, tilt)| problem.grown(branch, tilt))
-            .filter(|start| start.len() >= FEWEST * UNKNOWNS)
-            .flat_map(|start| problem.part(0, start.len() / UNKNOWNS).settled(start))
-            .max_by(|a, b| a.tips.len().cmp(&b.tips.len()).then(b.cost.total_cmp(&a.cost)));
+        let least = problem.best(0);
+        // The less bent branch, unless it ends much earlier: that the whisker is curled has to be shown.
+        let curled = if traces.is_empty() { None } else { problem.best(1) };
+        let nodes_of = |best: &Option<Descent>| best.as_ref().map_or(0, |descent| descent.tips.len());
+        let short = CURLED * (nodes_of(&curled) as f64) > nodes_of(&least) as f64;
+        let best = if short { curled } else { least };
         let used = best.as_ref().map_or(0, |descent| descent.tips.len());
         let points = best.filter(|_| used >= FEWEST).and_then(|descent| problem.part(0, used).points(&descent));
         traces.extend(points);
         rest = &rest[used.max(1)..];
     }
-    traces
 }
 
 impl Problem<'_> {
     /// A part of the trace.
     fn part(&self, from: usize, to: usize) -> Problem<'_> {
         Problem { nodes: &self.nodes[from..to], ..*self }
+    }
+
+    /// The longest trace, and of those the cheapest, from every tilt on one branch of the first reading.
+    fn best(&self, branch: usize) -> Option<Descent> {
+        let starts = STARTS.map(|tilt| self.grown(branch, tilt));
+        let longest = starts.iter().map(Vec::len).max().unwrap_or(0);
+        let long = |start: &Unknowns| start.len() == longest && longest >= FEWEST * UNKNOWNS;
+        let settled = starts.into_iter().filter(long).flat_map(|start| self.part(0, longest / UNKNOWNS).settled(start));
+        settled.min_by(|a, b| a.cost.total_cmp(&b.cost))
     }
 
     /// Where a start settles: directly, and by way of a wall that is all but straight.

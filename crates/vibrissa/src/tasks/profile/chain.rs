@@ -52,7 +52,9 @@ fn close(line: &mut Vec<Sample>, reach: f64) -> bool {
     let back = line.iter().position(|sample| {
         along += last.distance(sample.position);
         last = sample.position;
-        along > SHORTEST_RING && sample.position.distance(first.position) < reach && sample.normal.dot(first.normal) > 0.5
+        along > SHORTEST_RING
+            && sample.position.distance(first.position) < reach
+            && sample.normal.dot(first.normal) > 0.5
     });
     if let Some(back) = back {
         line.truncate(back + 1);
@@ -61,10 +63,8 @@ fn close(line: &mut Vec<Sample>, reach: f64) -> bool {
 }
 
 fn beside(line: &[Sample], point: Vec2) -> Option<Beside> {
-    let (index, nearest) = line
-        .iter()
-        .enumerate()
-        .min_by(|a, b| a.1.position.distance(point).total_cmp(&b.1.position.distance(point)))?;
+    let (index, nearest) =
+        line.iter().enumerate().min_by(|a, b| a.1.position.distance(point).total_cmp(&b.1.position.distance(point)))?;
     let ahead = |a: usize, b: usize| (point - line[a].position).dot(line[a].position - line[b].position) > 0.0;
     let last = line.len() - 1;
     let end = match index {
@@ -77,9 +77,8 @@ fn beside(line: &[Sample], point: Vec2) -> Option<Beside> {
 
 /// Whether a run passes along the line: near it and facing the same way.
 fn touches(line: &[Sample], run: &[Sample], reach: f64) -> bool {
-    let near = |s: &&Sample| {
-        beside(line, s.position).is_some_and(|b| b.distance < reach && b.normal.dot(s.normal) > 0.5)
-    };
+    let near =
+        |s: &&Sample| beside(line, s.position).is_some_and(|b| b.distance < reach && b.normal.dot(s.normal) > 0.5);
     run.iter().filter(near).count() >= 3
 }
 

@@ -137,12 +137,7 @@ fn averaged(sample: &Sample, runs: &[Vec<Sample>], options: &ProfileOptions) -> 
     let weight: f64 = beside.iter().map(|(_, std)| 1.0 / (std * std)).sum();
     let sum: f64 = beside.iter().map(|(offset, std)| offset / (std * std)).sum();
     let (offset, std) = if weight > 0.0 { (sum / weight, 1.0 / weight.sqrt()) } else { (0.0, sample.std) };
-    OutlinePoint {
-        position: sample.position + sample.normal * offset,
-        normal: sample.normal,
-        std,
-        runs: beside.len(),
-    }
+    OutlinePoint { position: sample.position + sample.normal * offset, normal: sample.normal, std, runs: beside.len() }
 }
 
 /// Drops runs that contradict the middle one of at least three.

@@ -76,11 +76,7 @@ pub fn fit_shape(points: &[Vec2], shape: RoundedPolygon, free: FreeSize) -> Opti
         FreeSize::None => shape,
         FreeSize::Scale => {
             let scale = x[3].exp();
-            RoundedPolygon {
-                apothem: scale * shape.apothem,
-                corner_radius: scale * shape.corner_radius,
-                ..shape
-            }
+            RoundedPolygon { apothem: scale * shape.apothem, corner_radius: scale * shape.corner_radius, ..shape }
         }
         FreeSize::All if shape.sides == 0 => RoundedPolygon::circle(shape.apothem * x[3].exp()),
         FreeSize::All => {
