@@ -13,5 +13,5 @@ mod style;
 pub use canvas::{Canvas, Frame, WorldBounds};
 pub use document::{Document, escape};
 pub use legend::{Entry, Sample};
-pub use scene::{Geometry, Layer, scene_figure};
 pub use localization::{LocalizationScene, Outline, OutlineRole, localization_figure};
+pub use scene::{Geometry, Layer, scene_figure};

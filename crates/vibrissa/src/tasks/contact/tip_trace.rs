@@ -43,6 +43,9 @@ const SNAP: f64 = 3.0;
 const CURLED: f64 = 0.7;
 /// How straight, in units of [`TraceOptions::turn`], the wall is first taken to be on the way around local minima.
 const STRAIGHT: f64 = 0.3;
+/// Largest slope of the tip on the branch that grows from the straight whisker (rad): near the fold, and beyond it the
+/// moment alone would lead on to the curled shapes, to which a whisker comes by a snap only.
+const LARGEST_SLOPE: f64 = 2.0;
 /// Most rounds of Levenberg and Marquardt.
 const MOST_ROUNDS: usize = 60;
 
@@ -105,6 +108,8 @@ struct Problem<'a> {
     options: TraceOptions,
     /// The unit of the force: EI / L² (N).
     unit: f64,
+    /// Largest slope of the tip (rad).
+    largest_slope: f64,
 }
 
 /// Where a descent ended.
@@ -146,15 +151,16 @@ fn without_snap(whisker: &Whisker, nodes: &[TraceNode], options: TraceOptions, t
     let unit = whisker.flexural_rigidity / (whisker.length * whisker.length);
     let mut rest = nodes;
     while rest.len() >= FEWEST {
-        let problem = Problem { whisker, nodes: rest, options, unit };
+        let problem = Problem { whisker, nodes: rest, options, unit, largest_slope: LARGEST_SLOPE };
         let least = problem.best(0);
         // The less bent branch, unless it ends much earlier: that the whisker is curled has to be shown.
-        let curled = if traces.is_empty() { None } else { problem.best(1) };
+        let curled = if traces.is_empty() { None } else { Problem { largest_slope: f64::INFINITY, ..problem }.best(1) };
         let nodes_of = |best: &Option<Descent>| best.as_ref().map_or(0, |descent| descent.tips.len());
         let short = CURLED * (nodes_of(&curled) as f64) > nodes_of(&least) as f64;
         let best = if short { curled } else { least };
         let used = best.as_ref().map_or(0, |descent| descent.tips.len());
-        let points = best.filter(|_| used >= FEWEST).and_then(|descent| problem.part(0, used).points(&descent));
+        let part = Problem { largest_slope: f64::INFINITY, ..problem.part(0, used) };
+        let points = best.filter(|_| used >= FEWEST).and_then(|descent| part.points(&descent));
         traces.extend(points);
         rest = &rest[used.max(1)..];
     }
@@ -235,7 +241,8 @@ impl Problem<'_> {
         if tilt.abs() > STEEPEST_TILT {
             return None;
         }
-        force_mode(self.whisker, force * self.unit, self.whisker.length, Load::Tilted(tilt)).ok()?.into_iter().next()
+        let bends = force_mode(self.whisker, force * self.unit, self.whisker.length, Load::Tilted(tilt)).ok()?;
+        bends.into_iter().next().filter(|bend| bend.phi_a.abs() <= self.largest_slope)
     }
 
     fn tip(&self, node: &TraceNode, force: f64, tilt: f64) -> Option<Tip> {

@@ -47,6 +47,11 @@ pub struct Alignment {
     pub scaled: Option<(Misfit, f64)>,
 }
 
+/// A scale between a half and three halves: a short arc shrunk to a point would fit anything.
+fn scale(unknown: f64) -> f64 {
+    1.0 + 0.5 * unknown.tanh()
+}
+
 /// Compares points (odometry frame, taken for the map's) with a map's boundaries; a free scale only when asked for.
 ///
 /// None without points or boundaries.
@@ -55,7 +60,7 @@ pub fn compare(points: &[Vec2], map: &Map, free_scale: bool) -> Option<Alignment
     map.nearest(*points.first()?)?;
     let middle = points.iter().fold(Vec2::ZERO, |sum, p| sum + *p) * (1.0 / points.len() as f64);
     let moved = |x: &[f64], p: Vec2| {
-        let scale = x.get(3).map_or(1.0, |s| s.exp());
+        let scale = x.get(3).map_or(1.0, |s| scale(*s));
         middle + Vec2::new(x[0], x[1]) + (scale * (p - middle)).rotated(x[2])
     };
     let signed = |p: Vec2| {
@@ -67,7 +72,7 @@ pub fn compare(points: &[Vec2], map: &Map, free_scale: bool) -> Option<Alignment
     let rigid = least_squares(&[0.0; 3], &steps[..3], &residuals);
     let scaled = free_scale.then(|| {
         let x = least_squares(&[rigid[0], rigid[1], rigid[2], 0.0], &steps, &residuals);
-        (Misfit::of(residuals(&x)), x[3].exp())
+        (Misfit::of(residuals(&x)), scale(x[3]))
     });
     let origin = moved(&rigid, Vec2::ZERO);
     Some(Alignment {
