@@ -63,6 +63,11 @@ fn check(names: &[&str], map: &str, most_mean: f64) {
         1e3 * shape.mean,
         compared.scaled
     );
+    let shortest = names.len() as f64 * 0.03;
+    let total: f64 =
+        found.outlines.iter().flat_map(|o| o.points.windows(2)).map(|p| p[0].position.distance(p[1].position)).sum();
+    println!("   {:.1} mm, closed {:?}", 1e3 * total, found.outlines.iter().map(|o| o.closed).collect::<Vec<bool>>());
+    assert!(total > shortest && found.outlines.iter().all(|o| !o.closed), "{names:?}: {total}");
     assert!(absolute.mean < most_mean, "{names:?}: {absolute:?}");
     assert!(shape.rms <= absolute.rms * 1.0001, "a rigid motion cannot make it worse");
     assert!(compared.scaled.unwrap().0.rms <= shape.rms * 1.0001);

@@ -45,7 +45,7 @@ const CURLED: f64 = 0.7;
 const STRAIGHT: f64 = 0.3;
 /// Largest slope of the tip on the branch that grows from the straight whisker (rad): near the fold, and beyond it the
 /// moment alone would lead on to the curled shapes, to which a whisker comes by a snap only.
-const LARGEST_SLOPE: f64 = 2.0;
+const LARGEST_SLOPE: f64 = 1.7;
 /// Most rounds of Levenberg and Marquardt.
 const MOST_ROUNDS: usize = 60;
 

@@ -4,6 +4,9 @@ use crate::config::ProfileOptions;
 use crate::plane::Vec2;
 use crate::tasks::contact::{ContactKind, ContactReport, ContactStep};
 
+/// How far a tip goes back along the wall before it is taken to have turned (m).
+const BACK: f64 = 1e-3;
+
 /// A contact point of a sliding tip.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Sample {
@@ -33,8 +36,41 @@ pub(super) fn runs(report: &ContactReport, options: &ProfileOptions) -> Vec<Vec<
         }
         last = Some((step.piece, sample.position));
     }
+    let mut found: Vec<Vec<Sample>> = found.into_iter().flat_map(one_way).collect();
     found.retain(|run| run.len() >= options.fewest && length(run) >= options.shortest);
     found
+}
+
+/// A run cut where the tip turns back along the wall.
+fn one_way(run: Vec<Sample>) -> Vec<Vec<Sample>> {
+    let mut along = vec![0.0; run.len()];
+    for (i, pair) in run.windows(2).enumerate() {
+        let tangent = (pair[0].normal + pair[1].normal).perp();
+        along[i + 1] = along[i] + 0.5 * (pair[1].position - pair[0].position).dot(tangent);
+    }
+    // The farthest point so far either way; the cut is where the tip has come back from one of them.
+    let (mut cuts, mut lowest, mut highest, mut way) = (vec![0], 0, 0, 0);
+    for (i, s) in along.iter().enumerate() {
+        if *s > along[highest] {
+            highest = i;
+        }
+        if *s < along[lowest] {
+            lowest = i;
+        }
+        if way >= 0 && along[highest] - s > BACK {
+            if way > 0 || along[highest] > BACK {
+                cuts.push(highest);
+            }
+            (way, lowest) = (-1, i);
+        } else if way <= 0 && s - along[lowest] > BACK {
+            if way < 0 || along[lowest] < -BACK {
+                cuts.push(lowest);
+            }
+            (way, highest) = (1, i);
+        }
+    }
+    cuts.push(run.len());
+    cuts.windows(2).map(|cut| run[cut[0]..cut[1]].to_vec()).collect()
 }
 
 fn sample(step: &ContactStep) -> Option<Sample> {
