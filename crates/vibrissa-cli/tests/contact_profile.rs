@@ -45,7 +45,8 @@ fn a_peg_is_found_and_written() {
         let number = |name: &str| cells[column(name)].parse::<f64>().unwrap();
         assert!((number("x_odom") - 0.05).abs() < 1e-4 && (number("y_odom") - 0.002).abs() < 1e-4, "{line}");
         assert!(number("distance_min") <= number("distance") && number("distance") <= number("distance_max"));
-        assert!((number("solomon") - 0.05).abs() < 4e-3, "{line}");
+        // The onset is known to a row or two: early on that is much of the base's motion.
+        assert!(number("y") < 2e-3 || (number("solomon") - 0.05).abs() < 3e-3, "{line}");
         assert_eq!(cells.len(), header.len());
     }
     assert!(std::fs::read_to_string(out.join("contacts.svg")).unwrap().starts_with("<svg"));

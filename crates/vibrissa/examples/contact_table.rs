@@ -114,11 +114,11 @@ fn main() {
     columns.iter().for_each(|c| println!("{}", c.row()));
     println!("\n| mean / worst (%) | 70 mm | 65 mm | 55 mm | 45 mm | 35 mm |\n| --- | --- | --- | --- | --- | --- |");
     columns.iter().for_each(|c| println!("{}", c.cases()));
-    if let Some(path) = args.next() {
-        if let Err(error) = std::fs::write(&path, figure(&columns)) {
-            eprintln!("cannot write {path}: {error}");
-            std::process::exit(1);
-        }
+    if let Some(path) = args.next()
+        && let Err(error) = std::fs::write(&path, figure(&columns))
+    {
+        eprintln!("cannot write {path}: {error}");
+        std::process::exit(1);
     }
     let main = &columns[5].errors.concat();
     let mean = 100.0 * main.iter().sum::<f64>() / main.len() as f64;
@@ -129,26 +129,27 @@ fn main() {
 /// The share of trials below each error, one line for each way to measure.
 fn figure(columns: &[Column]) -> String {
     let mut page = Document::new(
-        760.0,
+        880.0,
         440.0,
         "Error of the contact distance",
         "Share of trials with an error below the one on the axis, for several base motions and gain errors",
     );
-    let (left, top, width, height, most) = (60.0, 50.0, 420.0, 320.0, 5.0);
+    let (left, top, width, height, most) = (60.0, 50.0, 480.0, 320.0, 4.0);
     page.text(20.0, 28.0, "title", "Share of trials below an error of the contact distance");
     page.rectangle((left, top), (width, height), "panel");
     for i in 0..=5 {
-        let x = left + width * f64::from(i) / most;
+        let x = left + width * 0.2 * f64::from(i);
         page.line((x, top + height), (x, top + height + 4.0), "tick");
-        page.text(x, top + height + 18.0, "small middle", &format!("{i}"));
+        page.text(x, top + height + 18.0, "small middle", &format!("{:.1}", 0.2 * most * f64::from(i)));
         let y = top + height * (1.0 - 0.2 * f64::from(i));
         page.line((left - 4.0, y), (left, y), "tick");
         page.text(left - 8.0, y + 4.0, "small end", &format!("{}", 20 * i));
     }
     page.text(left + 0.5 * width, top + height + 38.0, "small middle", "error of the distance (%)");
     page.text(left, top - 6.0, "small", "share (%)");
-    let classes = ["wall", "path", "whisker-last", "bar", "estimate-line", "truth-mark", "survivor-tick"];
-    for ((i, column), class) in columns.iter().enumerate().zip(classes) {
+    let drawn = [(0, "wall"), (1, "path"), (2, "whisker-last"), (5, "truth-mark"), (6, "survivor-tick")];
+    for (i, (index, class)) in drawn.into_iter().enumerate() {
+        let column = &columns[index];
         let mut all: Vec<f64> = column.errors.concat();
         all.sort_by(f64::total_cmp);
         let place = |k: usize| {

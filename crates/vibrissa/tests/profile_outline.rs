@@ -80,6 +80,31 @@ fn the_papers_obstacle_from_each_sweep() {
     }
 }
 
+/// Fresh noise on the exact readings: the mean error does not hang on one draw.
+#[test]
+fn the_papers_obstacle_with_other_noise() {
+    let Some(folder) = sweeps() else { return };
+    let map = Map::read(folder.join("obstacle.geojson")).unwrap();
+    let mut means = Vec::new();
+    for (name, seed) in ["obstacle-00", "obstacle-01", "obstacle-02"].into_iter().flat_map(|n| [(n, 1), (n, 2), (n, 3)])
+    {
+        let mut log = sweep(&folder, name);
+        let exact = std::fs::read_to_string(folder.join(format!("{name}.exact.csv"))).unwrap();
+        let mut random = Random(seed);
+        for (row, line) in log.rows.iter_mut().zip(exact.lines().skip(1)) {
+            let moment: f64 = line.split(',').nth(1).unwrap().parse().unwrap();
+            // |h - z| <= 0.05 |z|
+            row.readings[0] = moment * (1.0 + random.signed(0.0476));
+        }
+        let found = profile(&[log], &robot(), &ContactOptions::default(), &ProfileOptions::default()).unwrap();
+        let points: Vec<Vec2> = found.outlines.iter().flat_map(|o| o.points.iter().map(|p| p.position)).collect();
+        means.push(compare(&points, &map, false).unwrap().absolute.mean);
+    }
+    println!("mean errors (mm): {:?}", means.iter().map(|m| (1e6 * m).round() / 1e3).collect::<Vec<f64>>());
+    let mean = means.iter().sum::<f64>() / means.len() as f64;
+    assert!(mean < 0.3e-3, "{means:?}");
+}
+
 #[test]
 fn the_papers_obstacle_from_all_sweeps() {
     check(&["obstacle-00", "obstacle-01", "obstacle-02"], "obstacle", 0.25e-3);
