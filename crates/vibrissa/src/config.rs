@@ -95,8 +95,10 @@ pub struct DeterministicOptions {
 /// The knobs of contact points and outlines.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactOptions {
-    /// Travel of the whisker's base over which readings are merged into one step (m): finer than any wall of interest.
+    /// Readings are merged into one step while the base is nearer than this to their mean (m): finer than any wall of interest.
     pub spacing: f64,
+    /// The same for whiskers that are integrated (m): each of their shapes takes thousands of times as long.
+    pub rod_spacing: f64,
     /// How far a step of a sliding tip may miss the wall's direction (m); walls are smooth at 10 µm.
     pub step_std: f64,
     /// How much a wall turns along the way (rad per root of a metre): 0.03 rad over a millimetre.
@@ -105,7 +107,7 @@ pub struct ContactOptions {
 
 impl Default for ContactOptions {
     fn default() -> Self {
-        Self { spacing: 0.1e-3, step_std: 1e-5, turn: 1.0 }
+        Self { spacing: 0.1e-3, rod_spacing: 0.75e-3, step_std: 1e-5, turn: 1.0 }
     }
 }
 
@@ -118,6 +120,7 @@ impl ContactOptions {
     pub fn check(&self) -> Result<()> {
         for (name, value, lo, hi) in [
             ("spacing", self.spacing, 0.0, 0.01),
+            ("rod_spacing", self.rod_spacing, 0.0, 0.01),
             ("step_std", self.step_std, 1e-7, 1e-2),
             ("turn", self.turn, 1e-3, 1e3),
         ] {

@@ -190,6 +190,57 @@ fn a_log_past_a_peg() {
     }
 }
 
+/// The same with a tapered whisker on an elastic base, which is integrated: in seconds, not minutes.
+#[test]
+fn a_log_past_a_peg_with_a_tapered_whisker() {
+    let beam = Whisker { tip_ratio: 0.6, base_stiffness: 0.05, ..Whisker::default() };
+    let robot = Robot {
+        whiskers: vec![MountedWhisker { beam, noise: NOISE, ..MountedWhisker::default() }],
+        ..Robot::default()
+    };
+    let (peg, mut random) = (Vec2::new(0.05, -0.002), Random(16));
+    let rows = (0..90).map(|i| {
+        let base = Pose2::new(0.0, 1e-4 * f64::from(i) - 2.5e-3, 0.0);
+        let touched = base.inverse_transform_point(peg).y < 0.0;
+        let moment = if touched { reading(beam, base, peg).map_or(0.0, |r| r.moment) } else { 0.0 };
+        (base, moment * (1.0 + random.signed(0.045)))
+    });
+    let report = contacts(&log_of(rows.collect()), &robot, &ContactOptions::default()).unwrap();
+    let sides: Vec<&ContactStep> = report.steps.iter().filter(|s| s.kind == ContactKind::Side).collect();
+    assert!(sides.len() >= 4, "{:?}", report.events);
+    for side in sides {
+        let error = side.position().unwrap().distance(peg);
+        assert!(error < 1e-3, "{error}, std {:?}", side.std);
+        assert!(side.bounds.is_none(), "bounds are for uniform whiskers");
+    }
+}
+
+/// A base that turns past a peg: the same point, and Kaneko's closed form beside it.
+#[test]
+fn a_log_of_a_turn_past_a_peg() {
+    let robot =
+        Robot { whiskers: vec![MountedWhisker { noise: NOISE, ..MountedWhisker::default() }], ..Robot::default() };
+    let mut random = Random(17);
+    for side in [1.0, -1.0] {
+        let peg = Vec2::new(0.045, side * 1e-3);
+        let rows = (0..300).map(|i| {
+            let base = Pose2::new(0.0, 0.0, side * (1e-3 * f64::from(i) - 0.02));
+            let touched = side * base.inverse_transform_point(peg).y < 0.0;
+            let moment = if touched { reading(Whisker::default(), base, peg).map_or(0.0, |r| r.moment) } else { 0.0 };
+            (base, moment * (1.0 + random.signed(0.045)))
+        });
+        let report = contacts(&log_of(rows.collect()), &robot, &ContactOptions::default()).unwrap();
+        let sides: Vec<&ContactStep> = report.steps.iter().filter(|s| s.kind == ContactKind::Side).collect();
+        assert!(sides.len() > 50, "{:?}", report.events);
+        for step in &sides {
+            assert!(step.position().unwrap().distance(peg) < 4e-4, "{:?} {:?}", step.position(), step.std);
+            assert!(step.baseline.translation.is_none());
+        }
+        let last = sides.last().unwrap().baseline.rotation.unwrap();
+        assert!((last - 0.045).abs() < 6e-3, "{last}");
+    }
+}
+
 #[test]
 fn a_log_without_moments_or_with_wild_options_is_refused() {
     let mut log = log_of(vec![(Pose2::IDENTITY, 0.0)]);

@@ -2,7 +2,7 @@
 
 use super::meeting::{MeetingKind, meetings};
 use super::reading::{ContactReading, Touched};
-use crate::beam::{Load, moment_mode};
+use crate::beam::{Load, Whisker, moment_mode};
 use crate::plane::Vec2;
 
 /// Arc lengths on the strongest reading's curve from which a search starts, as shares of the whisker.
@@ -52,6 +52,9 @@ impl FixedPoint {
 #[must_use]
 pub fn fixed_points(readings: &[ContactReading]) -> Vec<FixedPoint> {
     let [first, .., last] = readings else { return Vec::new() };
+    if readings.iter().any(|reading| !reading.whisker.is_uniform()) {
+        return by_uniform(readings);
+    }
     let mut starts: Vec<Vec2> = meetings(first, last)
         .into_iter()
         .filter(|meeting| meeting.kind == MeetingKind::Contact)
@@ -59,6 +62,21 @@ pub fn fixed_points(readings: &[ContactReading]) -> Vec<FixedPoint> {
         .collect();
     let strongest = readings.iter().max_by(|a, b| a.moment.abs().total_cmp(&b.moment.abs())).unwrap_or(first);
     starts.extend(curve(strongest));
+    distinct(readings, starts)
+}
+
+/// For whiskers that are integrated: from where uniform ones of the same stiffness at the base would be touched.
+fn by_uniform(readings: &[ContactReading]) -> Vec<FixedPoint> {
+    let plain = |r: &ContactReading| {
+        let (length, flexural_rigidity) = (r.whisker.length, r.whisker.flexural_rigidity);
+        ContactReading { whisker: Whisker { length, flexural_rigidity, ..Whisker::default() }, ..*r }
+    };
+    let uniform: Vec<ContactReading> = readings.iter().map(plain).collect();
+    distinct(readings, fixed_points(&uniform).into_iter().take(2).map(|point| point.position).collect())
+}
+
+/// Where the search ends from each start, each place once, the best first.
+fn distinct(readings: &[ContactReading], starts: Vec<Vec2>) -> Vec<FixedPoint> {
     let mut found: Vec<FixedPoint> = Vec::new();
     for start in starts {
         let Some(point) = fixed_point(readings, start) else { continue };

@@ -103,7 +103,7 @@ pub struct ContactReport {
 pub fn contacts(log: &SensorLog, robot: &Robot, options: &ContactOptions) -> Result<ContactReport> {
     options.check()?;
     let mut report = ContactReport::default();
-    for stretch in stretches(log, robot, options.spacing)? {
+    for stretch in stretches(log, robot, [options.spacing, options.rod_spacing])? {
         report.add(&stretch, options);
     }
     report.events.sort_by(|a, b| a.t.total_cmp(&b.t));

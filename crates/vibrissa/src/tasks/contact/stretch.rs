@@ -22,16 +22,17 @@ pub(super) struct Stretch {
     pub(super) lift_off: Option<f64>,
 }
 
-/// The stretches of every whisker that the log holds moments of, in order of time; `spacing` (m) is how far the base moves
-/// between two of their readings.
+/// The stretches of every whisker that the log holds moments of, in order of time; `spacings` (m) are how far the base
+/// moves between two of their readings, for uniform whiskers and for others.
 ///
 /// # Errors
 ///
 /// A robot's whisker without a moment column.
-pub(super) fn stretches(log: &SensorLog, robot: &Robot, spacing: f64) -> Result<Vec<Stretch>> {
+pub(super) fn stretches(log: &SensorLog, robot: &Robot, spacings: [f64; 2]) -> Result<Vec<Stretch>> {
     let mut all = Vec::new();
     for (index, whisker) in robot.whiskers.iter().enumerate() {
         let channel = log.moment_channel(&whisker.name)?;
+        let spacing = spacings[usize::from(!whisker.beam.is_uniform())];
         all.extend(of_whisker(&log.rows, index, whisker, channel, spacing));
     }
     let start = |s: &Stretch| s.readings.first().map_or(f64::NEG_INFINITY, |r| r.t);
