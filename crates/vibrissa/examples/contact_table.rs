@@ -47,7 +47,7 @@ impl Column {
 
 /// The relative error of the contact's distance: a peg at `distance`, the base moved by `steps` mm while it is felt.
 ///
-/// The base stands 2 mm before the peg at first, so that the touch itself is not given.
+/// The readings begin with the touch, but that is not told: both coordinates of the peg are unknown.
 fn error(distance: f64, steps: usize, gain_bound: f64, dice: &mut ChaCha8Rng) -> (f64, f64) {
     let whisker = Whisker::default();
     let peg = Vec2::new(distance, 0.0);
