@@ -7,6 +7,7 @@ mod contact_set;
 mod demo;
 mod localize;
 mod preimage;
+mod profile;
 mod readings;
 mod simulate;
 
@@ -22,6 +23,7 @@ pub(crate) enum Command {
     Beam(beam::Args),
     Calibrate(calibrate::Args),
     Contact(contact::Args),
+    Profile(profile::Args),
     Localize(localize::Args),
     ContactSet(contact_set::Args),
     Preimage(preimage::Args),
@@ -36,6 +38,7 @@ pub(crate) fn run(command: &Command) -> Result<()> {
         Command::Contact(args) => contact::run(args),
         Command::ContactSet(args) => contact_set::run(args),
         Command::Preimage(args) => preimage::run(args),
+        Command::Profile(args) => profile::run(args),
         Command::Demo(args) => demo::run(args),
         Command::Localize(args) => localize::run(args),
         Command::Simulate(args) => simulate::run(args),

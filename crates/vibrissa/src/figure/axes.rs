@@ -43,13 +43,9 @@ pub(crate) fn scale_bar(document: &mut Document, canvas: &Canvas, drop: f64) {
     document.text(left - 8.0, base + 4.0, "small end", &length_label(length));
 }
 
-/// Draws ticks with map coordinates in millimetres or metres along the lower and the left edge of a panel.
-pub(crate) fn ticks(document: &mut Document, canvas: &Canvas) {
-    ticks_in(document, canvas, "map frame");
-}
-
-/// As [`ticks`], in the frame of this name.
-pub(crate) fn ticks_in(document: &mut Document, canvas: &Canvas, frame_name: &str) {
+/// Draws ticks with the coordinates of a frame, of this name, in millimetres or metres along the lower and the left edge
+/// of a panel.
+pub(crate) fn ticks(document: &mut Document, canvas: &Canvas, name: &str) {
     let (frame, world) = (canvas.frame(), canvas.world());
     let step = round_length(90.0 / canvas.scale());
     let in_metres = world.min.norm().max(world.max.norm()) >= 10.0;
@@ -65,7 +61,7 @@ pub(crate) fn ticks_in(document: &mut Document, canvas: &Canvas, frame_name: &st
         document.line((frame.x - 4.0, y), (frame.x, y), "tick");
         document.text(frame.x - 7.0, y + 4.0, "small end", &short(value * factor));
     }
-    document.text(frame.x, bottom + 34.0, "small", &format!("{frame_name}, x to the right, y up, {unit}"));
+    document.text(frame.x, bottom + 34.0, "small", &format!("{name}, x to the right, y up, {unit}"));
 }
 
 fn multiples(min: f64, max: f64, step: f64) -> impl Iterator<Item = f64> {

@@ -1,6 +1,6 @@
 //! Contact sets, drawn as the paper draws them: where contacts can be, and the shapes that the whisker has there.
 
-use super::axes::ticks_in;
+use super::axes::ticks;
 use super::canvas::{Canvas, Frame, WorldBounds};
 use super::document::Document;
 use super::legend::{Entry, LINE, Sample, legend};
@@ -60,7 +60,7 @@ pub fn contact_panel(document: &mut Document, frame: Frame, figure: &ContactFigu
         canvas.circle(point, 5.0, "meeting");
     }
     canvas.circle(Vec2::ZERO, 4.0, "base");
-    ticks_in(document, &canvas, "whisker frame");
+    ticks(document, &canvas, "whisker frame");
     canvas.place(document);
 }
 

@@ -10,6 +10,7 @@ mod contacts;
 mod document;
 mod legend;
 pub mod localization;
+mod scene;
 pub mod simulation;
 mod states;
 mod style;
@@ -20,5 +21,6 @@ pub use contacts::{ContactFigure, contact_figure, contact_legend, contact_panel}
 pub use document::{Document, escape};
 pub use legend::{Entry, Sample, legend};
 pub use localization::{LocalizationScene, Outline, OutlineRole, localization_figure};
+pub use scene::{Geometry, Layer, scene_figure};
 pub use simulation::{Series, SimulationScene, simulation_figure};
 pub use states::{PreimageFigure, preimage_figure, preimage_legend, preimage_panel};

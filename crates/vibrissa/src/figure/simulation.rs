@@ -78,7 +78,7 @@ pub fn simulation_figure(scene: &SimulationScene<'_>) -> String {
     }
     document.text(MARGIN, top - 20.0, "caption", scene.caption);
     draw_world(&mut canvas, scene);
-    ticks(&mut document, &canvas);
+    ticks(&mut document, &canvas, "map frame");
     scale_bar(&mut document, &canvas, 30.0);
     canvas.place(&mut document);
     let frame = Frame { x: LEFT, y: chart_top, width: WIDTH, height: CHART_HEIGHT };

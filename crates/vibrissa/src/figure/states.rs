@@ -65,7 +65,7 @@ pub fn preimage_panel(document: &mut Document, frame: Frame, figure: &PreimageFi
         points.extend(outline.points.first().filter(|_| outline.closed));
         canvas.polyline(&points, "wall");
     }
-    ticks(document, &canvas);
+    ticks(document, &canvas, "map frame");
     scale_bar(document, &canvas, 30.0);
     canvas.place(document);
 }

@@ -31,6 +31,11 @@ text { font-family: system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neu
 .path { fill: none; stroke: #0072b2; stroke-width: 1.8; stroke-linejoin: round; }
 .whisker { fill: none; stroke: #a64d85; stroke-opacity: 0.55; stroke-width: 0.9; stroke-linecap: round; stroke-linejoin: round; }
 .whisker-last { fill: none; stroke: #a64d85; stroke-width: 2.2; stroke-linecap: round; stroke-linejoin: round; }
+.tip-contact { fill: none; stroke: #d55e00; stroke-width: 3.4; stroke-linecap: round; }
+.side-contact { fill: none; stroke: #0072b2; stroke-width: 5; stroke-linecap: round; }
+.closed-form { fill: none; stroke: #999; stroke-width: 2.6; stroke-linecap: round; }
+.band { fill: #e69f00; fill-opacity: 0.35; stroke: none; }
+.outline { fill: none; stroke: #d55e00; stroke-width: 1.6; stroke-linejoin: round; }
 .robot { fill: #0072b2; fill-opacity: 0.1; stroke: #0072b2; stroke-width: 1; }
 .estimate { fill: #0072b2; stroke: #fff; stroke-width: 1.2; }
 .estimate-line { fill: none; stroke: #0072b2; stroke-width: 2.4; stroke-linecap: round; }

@@ -2,8 +2,10 @@
 
 pub mod batch;
 pub mod calibrate;
+pub mod contact;
 pub mod demo;
 mod localize;
+pub mod profile;
 pub mod scenario;
 pub mod simulate;
 

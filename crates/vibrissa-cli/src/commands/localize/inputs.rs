@@ -34,10 +34,7 @@ impl Inputs {
             title: format!("{} on {}", file_name(log), file_name(map)),
             map: Map::read(map)?,
             robot: robot.map_or_else(|| Ok(Robot::default()), Robot::read)?,
-            log: match format {
-                Some(format) => Recording::read(log, format)?.to_log()?,
-                None => SensorLog::read(log)?,
-            },
+            log: read_log(log, format)?,
             truth: truth.map(read_tum).transpose()?,
         })
     }
@@ -70,6 +67,14 @@ impl Inputs {
     /// The map as lines to draw.
     pub(super) fn outlines(&self) -> Vec<Outline> {
         outlines(&self.map)
+    }
+}
+
+/// A log in our own format, or in a foreign one with a warning of what was repaired.
+pub(in crate::commands) fn read_log(path: &Path, format: Option<Format>) -> Result<SensorLog> {
+    match format {
+        Some(format) => Recording::read(path, format)?.to_log(),
+        None => SensorLog::read(path),
     }
 }
 

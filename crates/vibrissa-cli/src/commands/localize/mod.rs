@@ -9,7 +9,7 @@ use crate::output::{Run, Stopwatch, deliver, warn};
 use clap::ValueEnum;
 use deterministic::DeterministicArgs;
 use inputs::Inputs;
-pub(super) use inputs::outlines;
+pub(super) use inputs::{outlines, read_log};
 use possibilistic::PossibilisticArgs;
 use std::path::PathBuf;
 use vibrissa::flow::pose::Method;

@@ -127,7 +127,7 @@ fn draw_map(document: &mut Document, scene: &LocalizationScene<'_>, mut canvas: 
         layers::zoomed(&mut canvas, detail.world());
     }
     layers::estimate(&mut canvas, scene, false);
-    ticks(document, &canvas);
+    ticks(document, &canvas, "map frame");
     scale_bar(document, &canvas, 30.0);
     canvas.place(document);
 }

@@ -1,0 +1,228 @@
+//! A log's contacts as words, JSON, table and figure.
+
+use crate::commands::localize::read_log;
+use crate::output::{OutputArgs, print, warn, write_all};
+use serde::Serialize;
+use std::fmt::Write;
+use std::path::Path;
+use vibrissa::beam::{Load, point_mode};
+use vibrissa::config::ContactOptions;
+use vibrissa::figure::{Geometry, Layer, scene_figure};
+use vibrissa::flow::sensor_log::foreign::Format;
+use vibrissa::plane::Vec2;
+use vibrissa::tasks::contact::{Baseline, ContactKind, ContactReading, ContactReport, ContactStep, contacts};
+use vibrissa::world::Robot;
+use vibrissa::{Error, Result};
+
+/// Bent whiskers in the figure.
+const DRAWN: usize = 14;
+/// Events that are told in words.
+const TOLD: usize = 20;
+
+#[derive(Serialize)]
+struct Answer<'a> {
+    steps: usize,
+    side: usize,
+    tip: usize,
+    unknown: usize,
+    contacts: Vec<ContactJson>,
+    events: Vec<EventJson<'a>>,
+}
+
+#[derive(Serialize)]
+struct ContactJson {
+    t: f64,
+    whisker: String,
+    kind: &'static str,
+    x: Option<f64>,
+    y: Option<f64>,
+    x_odom: Option<f64>,
+    y_odom: Option<f64>,
+    s_a: Option<f64>,
+    std: Option<f64>,
+}
+
+#[derive(Serialize)]
+struct EventJson<'a> {
+    t: f64,
+    kind: &'a str,
+    detail: &'a str,
+}
+
+/// Reads, finds, writes and prints.
+pub(super) fn run(log: &Path, robot: Option<&Path>, format: Option<Format>, output: &OutputArgs) -> Result<()> {
+    let robot = robot.map_or_else(|| Ok(Robot::default()), Robot::read)?;
+    let read = read_log(log, format)?;
+    read.warnings.iter().for_each(|warning| warn(warning));
+    let report = contacts(&read, &robot, &ContactOptions::default()).map_err(|error| error.in_file(log))?;
+    let written = match &output.out {
+        Some(folder) => {
+            let title = format!("Contacts of {}", log.file_name().unwrap_or(log.as_os_str()).to_string_lossy());
+            let files = [("contacts.csv", csv(&report, &robot)), ("contacts.svg", figure(&report, &robot, &title))];
+            write_all(folder, &files)?
+        }
+        None => Vec::new(),
+    };
+    if output.json {
+        return print(&json(&report, &robot)?);
+    }
+    let mut text = words(&report);
+    for path in written {
+        let _ = writeln!(text, "  wrote {}", path.display());
+    }
+    print(&text)
+}
+
+fn count(report: &ContactReport, kind: ContactKind) -> usize {
+    report.steps.iter().filter(|step| step.kind == kind).count()
+}
+
+fn name(robot: &Robot, step: &ContactStep) -> String {
+    robot.whiskers.get(step.whisker).map_or_else(String::new, |whisker| whisker.name.clone())
+}
+
+fn cell(value: Option<f64>) -> String {
+    value.filter(|v| v.is_finite()).map_or_else(String::new, |v| v.to_string())
+}
+
+fn csv(report: &ContactReport, robot: &Robot) -> String {
+    let mut text = String::from(
+        "t,whisker,kind,x,y,x_odom,y_odom,s_a,distance,std,distance_min,distance_max,moment,kaneko,solomon,small_angle\n",
+    );
+    for step in &report.steps {
+        let odom = step.position();
+        let Baseline { rotation, translation, both } = step.baseline;
+        let cells = [
+            cell(step.contact.map(|c| c.x)),
+            cell(step.contact.map(|c| c.y)),
+            cell(odom.map(|c| c.x)),
+            cell(odom.map(|c| c.y)),
+            cell(step.s_a),
+            cell(step.contact.map(Vec2::norm)),
+            cell(step.std),
+            cell(step.bounds.map(|b| b.lo())),
+            cell(step.bounds.map(|b| b.hi())),
+            cell(Some(step.moment)),
+            cell(rotation),
+            cell(translation),
+            cell(both),
+        ];
+        let _ = writeln!(text, "{},{},{},{}", step.t, name(robot, step), step.kind.word(), cells.join(","));
+    }
+    text
+}
+
+fn json(report: &ContactReport, robot: &Robot) -> Result<String> {
+    let contact = |step: &ContactStep| {
+        let odom = step.position();
+        ContactJson {
+            t: step.t,
+            whisker: name(robot, step),
+            kind: step.kind.word(),
+            x: step.contact.map(|c| c.x),
+            y: step.contact.map(|c| c.y),
+            x_odom: odom.map(|c| c.x),
+            y_odom: odom.map(|c| c.y),
+            s_a: step.s_a,
+            std: step.std.filter(|std| std.is_finite()),
+        }
+    };
+    let answer = Answer {
+        steps: report.steps.len(),
+        side: count(report, ContactKind::Side),
+        tip: count(report, ContactKind::Tip),
+        unknown: count(report, ContactKind::Unknown),
+        contacts: report.steps.iter().map(contact).collect(),
+        events: report.events.iter().map(|e| EventJson { t: e.t, kind: e.kind, detail: &e.detail }).collect(),
+    };
+    let text = serde_json::to_string_pretty(&answer);
+    text.map(|text| text + "\n").map_err(|error| Error::data(format!("cannot write the result as JSON ({error})")))
+}
+
+fn words(report: &ContactReport) -> String {
+    if report.steps.is_empty() {
+        return "no contact: no reading rises above the declared noise\n".to_owned();
+    }
+    let [side, tip, unknown] =
+        [ContactKind::Side, ContactKind::Tip, ContactKind::Unknown].map(|kind| count(report, kind));
+    let mut text = format!(
+        "{} steps in contact: {side} with the side, {tip} with the tip, {unknown} not found\n",
+        report.steps.len()
+    );
+    let mut last = None;
+    for step in report.steps.iter().filter(|step| step.kind == ContactKind::Side) {
+        if let (Some(contact), Some(position), Some(std)) = (step.contact, step.position(), step.std)
+            && last != Some(step.piece)
+        {
+            last = Some(step.piece);
+            let _ = writeln!(
+                text,
+                "  side contact at ({:.2}, {:.2}) mm in the odometry frame, {:.2} ± {:.2} mm from the base at t = {:.3} s",
+                1e3 * position.x,
+                1e3 * position.y,
+                1e3 * contact.norm(),
+                1e3 * std,
+                step.t
+            );
+        }
+    }
+    for event in report.events.iter().take(TOLD) {
+        let _ = writeln!(text, "  {:.3} s  {}: {}", event.t, event.kind, event.detail);
+    }
+    if report.events.len() > TOLD {
+        let _ = writeln!(text, "  and {} more events", report.events.len() - TOLD);
+    }
+    text
+}
+
+fn figure(report: &ContactReport, robot: &Robot, title: &str) -> String {
+    let of = |kind: ContactKind| -> Vec<Vec2> {
+        report.steps.iter().filter(|s| s.kind == kind).filter_map(ContactStep::position).collect()
+    };
+    let layer = |geometry, class, label: &str, framed| Layer { geometry, class, label: label.to_owned(), framed };
+    let base = report.steps.iter().map(|s| s.odom_from_whisker.position()).collect();
+    let layers = [
+        layer(Geometry::Lines(shapes(report, robot)), "whisker", "bent whiskers", true),
+        layer(Geometry::Dots(closed_forms(report, robot)), "closed-form", "small-angle closed form", false),
+        layer(Geometry::Lines(vec![base]), "path", "the whisker's base", true),
+        layer(Geometry::Dots(of(ContactKind::Tip)), "tip-contact", "contact of the sliding tip", true),
+        layer(Geometry::Dots(of(ContactKind::Side)), "side-contact", "contact of the side, standing still", true),
+    ];
+    let [side, tip, unknown] =
+        [ContactKind::Side, ContactKind::Tip, ContactKind::Unknown].map(|kind| count(report, kind));
+    let caption = format!("{} steps in contact: side {side}, tip {tip}, not found {unknown}", report.steps.len());
+    scene_figure(title, &[caption], "odometry frame", &layers)
+}
+
+/// Some of the bent whiskers, odometry frame.
+fn shapes(report: &ContactReport, robot: &Robot) -> Vec<Vec<Vec2>> {
+    let known: Vec<&ContactStep> = report.steps.iter().filter(|step| step.contact.is_some()).collect();
+    let stride = known.len().div_ceil(DRAWN).max(1);
+    let shape = |step: &&ContactStep| {
+        let (beam, contact) = (robot.whiskers.get(step.whisker)?.beam, step.contact?);
+        let points = match &step.bend {
+            Some(bend) => bend.shape(beam.length, 60),
+            None => point_mode(&beam, contact, Load::Normal).ok()?.first()?.shape(beam.length, 60),
+        };
+        Some(points.into_iter().map(|p| step.odom_from_whisker.transform_point(p)).collect())
+    };
+    known.iter().step_by(stride).filter_map(shape).collect()
+}
+
+/// Where the small-angle formula puts the contacts that stood still, odometry frame.
+fn closed_forms(report: &ContactReport, robot: &Robot) -> Vec<Vec2> {
+    let one = |step: &ContactStep| {
+        let whisker = robot.whiskers.get(step.whisker)?;
+        let reading = ContactReading {
+            t: step.t,
+            whisker: whisker.beam,
+            odom_from_whisker: step.odom_from_whisker,
+            moment: step.moment,
+            noise: whisker.noise,
+            count: 1,
+        };
+        let distance = step.baseline.both.filter(|d| *d < 2.0 * whisker.beam.length)?;
+        Some(step.odom_from_whisker.transform_point(Baseline::contact(&reading, distance)))
+    };
+    report.steps.iter().filter(|step| step.kind == ContactKind::Side).filter_map(one).collect()
+}

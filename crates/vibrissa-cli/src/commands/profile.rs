@@ -1,0 +1,223 @@
+//! `vibrissa profile`: the outline of what was swept.
+
+use super::localize::{outlines, read_log};
+use crate::output::{OutputArgs, print, warn, write_all};
+use serde_json::{Value, json};
+use std::fmt::Write;
+use std::path::PathBuf;
+use vibrissa::config::{ContactOptions, ProfileOptions};
+use vibrissa::figure::{Geometry, Layer, scene_figure};
+use vibrissa::flow::sensor_log::SensorLog;
+use vibrissa::flow::sensor_log::foreign::Format;
+use vibrissa::plane::Vec2;
+use vibrissa::tasks::profile::{Alignment, Misfit, Outline, Profile, compare, profile};
+use vibrissa::world::{Map, Robot};
+use vibrissa::{Error, Result};
+
+/// The band's half width, in standard deviations.
+const BAND: f64 = 2.0;
+
+/// Find the outline of what one or more sweeps touched.
+///
+/// The logs are CSV files with the columns `t,x,y,theta,moment` (s, m, rad, N m), all in one odometry frame. With a truth
+/// (.geojson in m, .svg in mm, in that frame) the absolute error and, after the best rigid motion, the shape error are told.
+///
+/// With --out DIR: profile.geojson (outlines, bands of two standard deviations, pegs) and the figure profile.svg.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Args {
+    /// The sensor logs (.csv)
+    #[arg(required = true)]
+    logs: Vec<PathBuf>,
+    /// The true shape (.geojson, .svg), to report errors against
+    #[arg(long, value_name = "MAP")]
+    truth: Option<PathBuf>,
+    /// Also fit a scale, and say how well the shape fits with it
+    #[arg(long, requires = "truth")]
+    free_scale: bool,
+    /// The robot's whiskers and error bounds (.toml) [default: the paper's whisker at the robot's origin]
+    #[arg(long, value_name = "ROBOT")]
+    robot: Option<PathBuf>,
+    /// The format of the logs: rostopic, csv [default: csv]
+    #[arg(long, value_name = "FORMAT")]
+    format: Option<Format>,
+    #[command(flatten)]
+    output: OutputArgs,
+}
+
+/// Runs the command.
+pub(crate) fn run(args: &Args) -> Result<()> {
+    let robot = args.robot.as_deref().map_or_else(|| Ok(Robot::default()), Robot::read)?;
+    let map = args.truth.as_deref().map(Map::read).transpose()?;
+    let logs = args.logs.iter().map(|log| read_log(log, args.format)).collect::<Result<Vec<SensorLog>>>()?;
+    let warnings = map.iter().flat_map(|map| &map.warnings).chain(logs.iter().flat_map(|log| &log.warnings));
+    warnings.for_each(|warning| warn(warning));
+    let found = profile(&logs, &robot, &ContactOptions::default(), &ProfileOptions::default())?;
+    let points: Vec<Vec2> = found.outlines.iter().flat_map(|o| o.points.iter().map(|p| p.position)).collect();
+    let compared = map.as_ref().and_then(|map| compare(&points, map, args.free_scale));
+    let mut written = Vec::new();
+    if let Some(folder) = &args.output.out {
+        let files = [
+            ("profile.geojson", pretty(&geojson(&found))?),
+            ("profile.svg", figure(&found, map.as_ref(), &caption(&found, compared.as_ref()))),
+        ];
+        written = write_all(folder, &files)?;
+    }
+    if args.output.json {
+        return print(&pretty(&summary(&found, compared.as_ref()))?);
+    }
+    let mut text: String = caption(&found, compared.as_ref()).iter().map(|line| format!("{line}\n")).collect();
+    for path in written {
+        let _ = writeln!(text, "  wrote {}", path.display());
+    }
+    print(&text)
+}
+
+fn pretty(value: &Value) -> Result<String> {
+    let text = serde_json::to_string_pretty(value);
+    text.map(|text| text + "\n").map_err(|error| Error::data(format!("cannot write the result as JSON ({error})")))
+}
+
+fn length(outline: &Outline) -> f64 {
+    outline.points.windows(2).map(|pair| pair[0].position.distance(pair[1].position)).sum()
+}
+
+fn mean_std(outline: &Outline) -> f64 {
+    outline.points.iter().map(|p| p.std).sum::<f64>() / outline.points.len().max(1) as f64
+}
+
+fn caption(found: &Profile, compared: Option<&Alignment>) -> Vec<String> {
+    let total: f64 = found.outlines.iter().map(length).sum();
+    let mut lines = vec![format!(
+        "{} outline(s), {:.1} mm in all; {} point(s) felt with the side; {} of {} steps on no outline",
+        found.outlines.len(),
+        1e3 * total,
+        found.pegs.len(),
+        found.left_out,
+        found.contacts
+    )];
+    let Some(compared) = compared else { return lines };
+    let line = |name: &str, m: &Misfit| {
+        format!("{name}: mean {:.3} mm, 95 % below {:.3} mm, largest {:.3} mm", 1e3 * m.mean, 1e3 * m.p95, 1e3 * m.max)
+    };
+    lines.push(line("absolute error", &compared.absolute));
+    lines.push(line("shape error (best rigid motion)", &compared.shape));
+    if let Some((misfit, scale)) = &compared.scaled {
+        lines.push(line(&format!("with a free scale of {scale:.4}"), misfit));
+    }
+    lines
+}
+
+fn misfit(m: &Misfit) -> Value {
+    json!({ "mean_m": m.mean, "rms_m": m.rms, "p95_m": m.p95, "max_m": m.max })
+}
+
+fn summary(found: &Profile, compared: Option<&Alignment>) -> Value {
+    let outline = |o: &Outline| {
+        json!({
+            "length_m": length(o), "points": o.points.len(), "closed": o.closed, "mean_std_m": mean_std(o),
+        })
+    };
+    let events: Vec<Vec<Value>> = found
+        .events
+        .iter()
+        .map(|log| log.iter().map(|e| json!({ "t": e.t, "kind": e.kind, "detail": e.detail })).collect())
+        .collect();
+    let mut answer = json!({
+        "outlines": found.outlines.iter().map(outline).collect::<Vec<Value>>(),
+        "pegs": found.pegs.iter().map(|(p, std)| json!({ "x": p.x, "y": p.y, "std_m": std })).collect::<Vec<Value>>(),
+        "steps": found.contacts,
+        "left_out": found.left_out,
+        "events": events,
+    });
+    if let Some(compared) = compared {
+        let pose = compared.map_from_outline;
+        answer["truth"] = json!({
+            "absolute": misfit(&compared.absolute),
+            "shape": misfit(&compared.shape),
+            "map_from_outline": { "x": pose.x, "y": pose.y, "theta": pose.theta },
+            "scaled": compared.scaled.as_ref().map(|(m, scale)| json!({ "scale": scale, "misfit": misfit(m) })),
+        });
+    }
+    answer
+}
+
+fn geojson(found: &Profile) -> Value {
+    let at = |p: &Vec2| json!([p.x, p.y]);
+    let mut features = Vec::new();
+    for (index, outline) in found.outlines.iter().enumerate() {
+        let mut line: Vec<Value> = outline.points.iter().map(|p| at(&p.position)).collect();
+        let geometry = if outline.closed {
+            line.extend(line.first().cloned());
+            json!({ "type": "Polygon", "coordinates": [line] })
+        } else {
+            json!({ "type": "LineString", "coordinates": line })
+        };
+        let role = if outline.closed { "obstacle" } else { "wall" };
+        features.push(json!({
+            "type": "Feature",
+            "properties": {
+                "role": role, "outline": index, "mean_std_m": mean_std(outline), "closed": outline.closed,
+                "std_m": outline.points.iter().map(|p| p.std).collect::<Vec<f64>>(),
+                "runs": outline.points.iter().map(|p| p.runs).collect::<Vec<usize>>(),
+            },
+            "geometry": geometry,
+        }));
+        features.push(json!({
+            "type": "Feature",
+            "properties": { "role": "band", "outline": index, "standard_deviations": BAND },
+            "geometry": { "type": "Polygon", "coordinates": band(outline).iter().map(|r| r.iter().map(at).collect::<Vec<Value>>()).collect::<Vec<Vec<Value>>>() },
+        }));
+    }
+    for (point, std) in &found.pegs {
+        features.push(json!({
+            "type": "Feature",
+            "properties": { "role": "peg", "std_m": std },
+            "geometry": { "type": "Point", "coordinates": at(point) },
+        }));
+    }
+    json!({ "type": "FeatureCollection", "features": features })
+}
+
+/// The band as rings, each with its first point repeated at the end: one around a line, two around a ring.
+fn band(outline: &Outline) -> Vec<Vec<Vec2>> {
+    let [mut outer, mut inner] = outline.band(BAND);
+    inner.reverse();
+    let close = |mut ring: Vec<Vec2>| {
+        ring.extend(ring.first().copied());
+        ring
+    };
+    if outline.closed {
+        return vec![close(outer), close(inner)];
+    }
+    outer.extend(inner);
+    vec![close(outer)]
+}
+
+fn figure(found: &Profile, map: Option<&Map>, captions: &[String]) -> String {
+    let layer = |geometry, class, label: &str, framed| Layer { geometry, class, label: label.to_owned(), framed };
+    let truth = map.map(outlines).unwrap_or_default();
+    let truth: Vec<Vec<Vec2>> = truth
+        .into_iter()
+        .map(|o| {
+            let first = o.points.first().copied().filter(|_| o.closed);
+            o.points.into_iter().chain(first).collect()
+        })
+        .collect();
+    let lines = |o: &Outline| -> Vec<Vec2> {
+        let first = o.points.first().filter(|_| o.closed);
+        o.points.iter().chain(first).map(|p| p.position).collect()
+    };
+    let bands = found.outlines.iter().flat_map(band).collect();
+    let layers = [
+        layer(Geometry::Lines(truth), "truth", "the true shape", false),
+        layer(Geometry::Rings(bands), "band", "two standard deviations", true),
+        layer(Geometry::Lines(found.outlines.iter().map(lines).collect()), "outline", "the outline felt", true),
+        layer(
+            Geometry::Dots(found.pegs.iter().map(|(p, _)| *p).collect()),
+            "side-contact",
+            "points felt with the side",
+            true,
+        ),
+    ];
+    scene_figure("The outline that was felt", captions, "odometry frame", &layers)
+}

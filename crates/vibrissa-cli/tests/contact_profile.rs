@@ -1,0 +1,120 @@
+//! `vibrissa contact` and `vibrissa profile` through the real binary.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on must fail")]
+
+mod common;
+
+use common::{folder, vibrissa};
+use std::fmt::Write;
+use std::path::Path;
+use vibrissa::beam::{Load, Whisker, point_mode};
+use vibrissa::plane::Vec2;
+
+/// A base that moves across the whisker past a peg at (50, 2) mm: 8 mm of contact.
+fn peg_log() -> String {
+    let mut text = String::from("t,x,y,theta,moment\n");
+    for i in 0..200 {
+        let y = 4e-3 - 5e-5 * f64::from(i);
+        let local = Vec2::new(0.05, 2e-3 - y);
+        let bends = point_mode(&Whisker::default(), local, Load::Normal).unwrap();
+        let moment = if local.y > 0.0 { bends.first().map_or(0.0, |b| b.moment) } else { 0.0 };
+        writeln!(text, "{},0,{y},0,{moment}", f64::from(i) / 300.0).unwrap();
+    }
+    text
+}
+
+fn put(folder: &Path, name: &str, text: &str) -> String {
+    let path = folder.join(name);
+    std::fs::write(&path, text).unwrap();
+    path.to_str().unwrap().to_owned()
+}
+
+#[test]
+fn a_peg_is_found_and_written() {
+    let folder = folder("contact_peg");
+    let log = put(&folder, "log.csv", &peg_log());
+    let out = folder.join("out");
+    let ran = vibrissa(&["contact", &log, "--out", out.to_str().unwrap()]);
+    assert_eq!(ran.code, Some(0), "{ran:?}");
+    assert!(ran.stdout.contains("side contact at (50.0"), "{}", ran.stdout);
+    let table = std::fs::read_to_string(out.join("contacts.csv")).unwrap();
+    let header: Vec<&str> = table.lines().next().unwrap().split(',').collect();
+    let column = |name: &str| header.iter().position(|h| *h == name).unwrap();
+    for line in table.lines().skip(1).filter(|line| line.contains(",side,")) {
+        let cells: Vec<&str> = line.split(',').collect();
+        let number = |name: &str| cells[column(name)].parse::<f64>().unwrap();
+        assert!((number("x_odom") - 0.05).abs() < 1e-4 && (number("y_odom") - 0.002).abs() < 1e-4, "{line}");
+        assert!(number("distance_min") <= number("distance") && number("distance") <= number("distance_max"));
+        // The onset is known to a row or two: early on that is much of the base's motion.
+        assert!(number("y") < 2e-3 || (number("solomon") - 0.05).abs() < 3e-3, "{line}");
+        assert_eq!(cells.len(), header.len());
+    }
+    assert!(std::fs::read_to_string(out.join("contacts.svg")).unwrap().starts_with("<svg"));
+    let ran = vibrissa(&["contact", &log, "--json"]);
+    let json: serde_json::Value = serde_json::from_str(&ran.stdout).unwrap();
+    assert!(json["side"].as_u64().unwrap() > 40 && json["events"][0]["kind"] == "contact", "{}", ran.stdout);
+}
+
+#[test]
+fn an_outline_is_written_and_compared() {
+    let folder = folder("profile_demo");
+    let demo = folder.join("demo");
+    assert_eq!(vibrissa(&["demo", "--out", demo.to_str().unwrap(), "--json"]).code, Some(0));
+    let out = folder.join("out");
+    let [log, map] = ["log.csv", "map.svg"].map(|name| demo.join(name).to_str().unwrap().to_owned());
+    let ran = vibrissa(&["profile", &log, "--truth", &map, "--json", "--out", out.to_str().unwrap()]);
+    assert_eq!(ran.code, Some(0), "{ran:?}");
+    let json: serde_json::Value = serde_json::from_str(&ran.stdout).unwrap();
+    let error = |kind: &str| json["truth"][kind]["mean_m"].as_f64().unwrap();
+    // The demo's odometry begins at the origin, so that the outline is the map's only up to a motion.
+    assert!(error("shape") <= error("absolute"), "{}", ran.stdout);
+    assert!(json["truth"]["scaled"].is_null());
+    let text = std::fs::read_to_string(out.join("profile.geojson")).unwrap();
+    let outline: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let features = outline["features"].as_array().unwrap();
+    assert_eq!(features[0]["geometry"]["type"], "LineString");
+    assert_eq!(features[1]["properties"]["role"], "band");
+    assert!(std::fs::read_to_string(out.join("profile.svg")).unwrap().starts_with("<svg"));
+}
+
+#[test]
+fn broken_logs_are_named_with_line_and_next_step() {
+    let folder = folder("contact_broken");
+    let rows = peg_log();
+    let cases = [
+        ("empty.csv", String::new(), 1, "help:"),
+        ("short.csv", rows.replacen("t,x,y,theta,moment", "t,x,y,theta,slope", 1), 1, "moment"),
+        ("words.csv", rows.replacen(",0,0.004,", ",0,high,", 1), 1, ":2"),
+        (
+            "late.csv",
+            rows.lines().take(3).chain(rows.lines().skip(1)).fold(String::new(), |t, l| t + l + "\n"),
+            1,
+            ":4",
+        ),
+    ];
+    for (name, text, code, word) in cases {
+        let path = put(&folder, name, &text);
+        for command in ["contact", "profile"] {
+            let ran = vibrissa(&[command, &path]);
+            assert_eq!(ran.code, Some(code), "{command} {name}: {ran:?}");
+            assert!(ran.stderr.contains(name) || name == "short.csv", "{command} {name}: {}", ran.stderr);
+            assert!(ran.stderr.contains(word) && ran.stderr.contains("help:"), "{command} {name}: {}", ran.stderr);
+        }
+    }
+    let ran = vibrissa(&["contact", folder.join("none.csv").to_str().unwrap()]);
+    assert_eq!(ran.code, Some(1), "{ran:?}");
+    assert_eq!(vibrissa(&["profile"]).code, Some(2));
+    let log = put(&folder, "log.csv", &rows);
+    assert_eq!(vibrissa(&["profile", &log, "--free-scale"]).code, Some(2), "a scale needs a truth");
+}
+
+#[test]
+fn a_log_without_contact_is_no_error() {
+    let folder = folder("contact_none");
+    let log = put(&folder, "log.csv", "t,x,y,theta,moment\n0,0,0,0,0\n0.1,0.001,0,0,1e-6\n");
+    for command in ["contact", "profile"] {
+        let out = folder.join(command);
+        let ran = vibrissa(&[command, &log, "--out", out.to_str().unwrap()]);
+        assert_eq!(ran.code, Some(0), "{ran:?}");
+    }
+}

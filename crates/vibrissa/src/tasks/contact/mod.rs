@@ -1,0 +1,36 @@
+//! Where a whisker was touched: contact points of a log, step by step.
+//!
+//! A moment leaves a curve of contact points open; the curves of several readings, moved into one frame by the known
+//! motion of the base, meet at the contact if it stood still \[routray, section "Contact Uncertainty Reduction via
+//! Filtering"\]. Where they do not meet, the tip is sliding, or the contact slipped.
+//!
+//! | file | what it knows |
+//! | --- | --- |
+//! | `reading` | one reading with its base and its error |
+//! | `meeting` | every point that explains two readings, the base told apart |
+//! | `fixed_point` | the one point that explains many readings of any whiskers, with its covariance |
+//! | `region` | every point that explains readings with bounded errors |
+//! | `baseline` | the closed forms of earlier work |
+//! | `stretch` | the log's stretches of contact, thinned |
+//! | `segment` | the parts of a stretch during which the contact stood still |
+//! | `tip_trace` | where the tip went while it slid along a wall, by one least-squares problem |
+//! | `report` | the whole log: a contact for each step, and what happened |
+
+mod band;
+mod baseline;
+mod fixed_point;
+mod meeting;
+mod reading;
+mod region;
+mod report;
+mod segment;
+mod stretch;
+mod tip_trace;
+
+pub use baseline::Baseline;
+pub use fixed_point::{FixedPoint, fixed_point, fixed_points};
+pub use meeting::{Meeting, MeetingKind, meetings};
+pub use reading::ContactReading;
+pub use region::{ContactRegion, contact_region};
+pub use report::{ContactKind, ContactReport, ContactStep, contacts};
+pub use tip_trace::{TraceNode, TraceOptions, TracePoint, tip_traces};

@@ -1,0 +1,248 @@
+//! The whole log: a contact for each step, and what happened.
+
+use super::baseline::Baseline;
+use super::fixed_point::FixedPoint;
+use super::reading::ContactReading;
+use super::region::contact_region;
+use super::segment::{Part, parts};
+use super::stretch::{Stretch, stretches};
+use super::tip_trace::{TraceNode, TraceOptions, TracePoint, tip_traces};
+use crate::Result;
+use crate::beam::Bend;
+use crate::config::ContactOptions;
+use crate::flow::calibrated::calibrated;
+use crate::flow::pose::Event;
+use crate::flow::sensor_log::SensorLog;
+use crate::plane::{Pose2, Vec2};
+use crate::sets::Interval;
+use crate::world::Robot;
+
+/// Most readings whose bounds are intersected.
+const MOST_BOUNDED: usize = 40;
+/// Side of the boxes of a region (m).
+const RESOLUTION: f64 = 2e-4;
+
+/// How the whisker touches.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ContactKind {
+    /// With its side, at a point that stands still.
+    Side,
+    /// With its tip, which slides.
+    Tip,
+    /// In contact, but no point is found.
+    Unknown,
+}
+
+impl ContactKind {
+    /// The word for it in files.
+    #[must_use]
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Side => "side",
+            Self::Tip => "tip",
+            Self::Unknown => "none",
+        }
+    }
+}
+
+/// One step of a contact.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ContactStep {
+    /// When (s).
+    pub t: f64,
+    /// Index of the whisker.
+    pub whisker: usize,
+    /// How it touches.
+    pub kind: ContactKind,
+    /// The moment (N m), the mean of the readings of this step.
+    pub moment: f64,
+    /// The whisker's base, odometry frame.
+    pub odom_from_whisker: Pose2,
+    /// The contact, whisker frame (m).
+    pub contact: Option<Vec2>,
+    /// Arc length of the contact (m).
+    pub s_a: Option<f64>,
+    /// Standard deviation of the contact (m): of its distance from the base (side), across the wall (tip).
+    pub std: Option<f64>,
+    /// Direction of the surface's normal, on the whisker's side of it, odometry frame (rad), for a tip.
+    pub normal: Option<f64>,
+    /// Bounds of the distance from the base, if the declared error bounds hold and the contact stands still (m).
+    pub bounds: Option<Interval>,
+    /// The bent whisker, for a tip.
+    pub bend: Option<Bend>,
+    /// The closed forms of earlier work.
+    pub baseline: Baseline,
+    /// Number of the uninterrupted piece that this step belongs to.
+    pub piece: usize,
+}
+
+impl ContactStep {
+    /// The contact, odometry frame (m).
+    #[must_use]
+    pub fn position(&self) -> Option<Vec2> {
+        self.contact.map(|contact| self.odom_from_whisker.transform_point(contact))
+    }
+}
+
+/// What was touched.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ContactReport {
+    /// One entry for each step in contact, by whisker and stretch in order of time.
+    pub steps: Vec<ContactStep>,
+    /// `contact`, `lift_off`, `tip_contact`, `slip_whisker`, `slip_obstacle`, `jump`, `no_point`, in order of time.
+    pub events: Vec<Event>,
+}
+
+/// Finds the contact of every step of a log.
+///
+/// A contact that stands still is found from all the readings during which it does; where none does, the tip is taken to
+/// slide along a smooth wall.
+///
+/// # Errors
+///
+/// Options out of range, and a whisker of the robot without a moment column.
+pub fn contacts(log: &SensorLog, robot: &Robot, options: &ContactOptions) -> Result<ContactReport> {
+    options.check()?;
+    let (log, robot) = calibrated(log, robot)?;
+    let mut report = ContactReport::default();
+    for stretch in stretches(&log, &robot, [options.spacing, options.rod_spacing])? {
+        report.add(&stretch, options);
+    }
+    report.events.sort_by(|a, b| a.t.total_cmp(&b.t));
+    Ok(report)
+}
+
+impl ContactReport {
+    fn tell(&mut self, t: f64, kind: &'static str, detail: String) {
+        self.events.push(Event { t, kind, detail });
+    }
+
+    fn add(&mut self, stretch: &Stretch, options: &ContactOptions) {
+        let [first, ..] = stretch.readings.as_slice() else { return };
+        self.tell(first.t, "contact", format!("whisker {}", stretch.whisker));
+        let mut before: Option<Vec2> = None;
+        for part in parts(&stretch.readings, stretch.onset) {
+            match part.still {
+                Some(point) => {
+                    self.side(stretch, part, &point, before);
+                    before = Some(point.position);
+                }
+                None => {
+                    self.sliding(stretch, part, options);
+                    before = None;
+                }
+            }
+        }
+        if let Some(t) = stretch.lift_off {
+            self.tell(t, "lift_off", format!("whisker {}", stretch.whisker));
+        }
+    }
+
+    fn next_piece(&self) -> usize {
+        self.steps.iter().map(|step| step.piece + 1).max().unwrap_or(0)
+    }
+
+    /// A contact that stands still.
+    fn side(&mut self, stretch: &Stretch, part: Part, point: &FixedPoint, before: Option<Vec2>) {
+        let readings = &stretch.readings[part.from..part.to];
+        let moved = before.map_or(0.0, |before| before.distance(point.position));
+        if before.is_some() {
+            let detail = format!("the contact moved by {:.2} mm along the obstacle", 1e3 * moved);
+            self.tell(readings[0].t, "slip_obstacle", detail);
+        }
+        let slid = point.s_a[1] - point.s_a[0];
+        if slid.abs() > 1e-3 {
+            let [from, to] = point.s_a.map(|s| 1e3 * s);
+            let detail = format!("the contact slid along the whisker from {from:.1} to {to:.1} mm");
+            self.tell(readings[readings.len() - 1].t, "slip_whisker", detail);
+        }
+        let stride = readings.len().div_ceil(MOST_BOUNDED);
+        let thinned: Vec<ContactReading> = readings.iter().step_by(stride).copied().collect();
+        let region = contact_region(&thinned, RESOLUTION);
+        let piece = self.next_piece();
+        for reading in readings {
+            let base = reading.odom_from_whisker;
+            let contact = base.inverse_transform_point(point.position);
+            let outward = (point.position - base.position()) * (1.0 / contact.norm().max(1e-12));
+            let bounds = region.as_ref().map(|r| r.distances(base)).filter(|b| !b.is_empty());
+            self.steps.push(ContactStep {
+                contact: Some(contact),
+                s_a: reading.touched(point.position).map(|touched| touched.s_a),
+                std: Some(point.std_along(outward)),
+                bounds,
+                piece,
+                ..step(stretch, reading, ContactKind::Side)
+            });
+        }
+    }
+
+    /// A sliding tip, or nothing that is understood.
+    fn sliding(&mut self, stretch: &Stretch, part: Part, options: &ContactOptions) {
+        let readings = &stretch.readings[part.from..part.to];
+        let node = |r: &ContactReading| TraceNode {
+            t: r.t,
+            odom_from_whisker: r.odom_from_whisker,
+            moment: r.moment,
+            std: r.std(r.moment),
+        };
+        let trace = TraceOptions { step_std: options.step_std, turn: options.turn };
+        let nodes: Vec<TraceNode> = readings.iter().map(node).collect();
+        let traces = tip_traces(&readings[0].whisker, &nodes, trace);
+        let mut rest = readings.iter().peekable();
+        for (index, trace) in traces.iter().enumerate() {
+            let piece = self.next_piece();
+            let kind = if index == 0 { "tip_contact" } else { "jump" };
+            let detail = if index == 0 { "the tip slides" } else { "the contact jumps; a new trace begins" };
+            self.tell(trace.first().map_or(readings[0].t, |p| p.t), kind, detail.to_owned());
+            for point in trace {
+                while let Some(reading) = rest.next_if(|r| r.t < point.t) {
+                    self.steps.push(ContactStep { piece, ..step(stretch, reading, ContactKind::Unknown) });
+                }
+                if let Some(reading) = rest.next() {
+                    self.steps.push(tip_step(stretch, reading, point, piece));
+                }
+            }
+        }
+        let piece = self.next_piece();
+        if let Some(reading) = rest.peek() {
+            self.tell(
+                reading.t,
+                "no_point",
+                "in contact, but neither a point nor a sliding tip explains it".to_owned(),
+            );
+        }
+        let unknown = rest.map(|reading| ContactStep { piece, ..step(stretch, reading, ContactKind::Unknown) });
+        self.steps.extend(unknown);
+    }
+}
+
+fn tip_step(stretch: &Stretch, reading: &ContactReading, point: &TracePoint, piece: usize) -> ContactStep {
+    ContactStep {
+        contact: Some(point.bend.contact),
+        s_a: Some(point.bend.s_a),
+        std: Some(point.std),
+        normal: Some(point.normal),
+        bend: Some(point.bend.clone()),
+        piece,
+        ..step(stretch, reading, ContactKind::Tip)
+    }
+}
+
+/// What is known before any contact is found.
+fn step(stretch: &Stretch, reading: &ContactReading, kind: ContactKind) -> ContactStep {
+    ContactStep {
+        t: reading.t,
+        whisker: stretch.whisker,
+        kind,
+        moment: reading.moment,
+        odom_from_whisker: reading.odom_from_whisker,
+        contact: None,
+        s_a: None,
+        std: None,
+        normal: None,
+        bounds: None,
+        bend: None,
+        baseline: stretch.onset.map(|onset| Baseline::since(onset, reading)).unwrap_or_default(),
+        piece: 0,
+    }
+}

@@ -1,0 +1,95 @@
+//! The log's stretches of contact, thinned.
+
+use super::reading::ContactReading;
+use crate::Result;
+use crate::flow::sensor_log::{LogRow, SensorLog};
+use crate::plane::Pose2;
+use crate::world::{MountedWhisker, Robot};
+
+/// Rows without contact that end a stretch: fewer are noise.
+const PATIENCE: usize = 3;
+
+/// One whisker in contact, its readings of one sign.
+#[derive(Clone, Debug)]
+pub(super) struct Stretch {
+    /// Index of the whisker.
+    pub(super) whisker: usize,
+    /// The base when the whisker was last free (odometry frame); none when the log begins in contact.
+    pub(super) onset: Option<Pose2>,
+    /// Readings, neighbours merged while the base all but stands.
+    pub(super) readings: Vec<ContactReading>,
+    /// When the whisker was free again (s); none when the log ends in contact.
+    pub(super) lift_off: Option<f64>,
+}
+
+/// The stretches of every whisker that the log holds moments of, in order of time; `spacings` (m) are how far the base
+/// moves between two of their readings, for uniform whiskers and for others.
+///
+/// # Errors
+///
+/// A robot's whisker without a moment column.
+pub(super) fn stretches(log: &SensorLog, robot: &Robot, spacings: [f64; 2]) -> Result<Vec<Stretch>> {
+    let mut all = Vec::new();
+    for (index, whisker) in robot.whiskers.iter().enumerate() {
+        let channel = log.moment_channel(&whisker.name)?;
+        let spacing = spacings[usize::from(!whisker.beam.is_uniform())];
+        all.extend(of_whisker(&log.rows, index, whisker, channel, spacing));
+    }
+    let start = |s: &Stretch| s.readings.first().map_or(f64::NEG_INFINITY, |r| r.t);
+    all.sort_by(|a, b| start(a).total_cmp(&start(b)));
+    Ok(all)
+}
+
+fn of_whisker(rows: &[LogRow], index: usize, whisker: &MountedWhisker, channel: usize, spacing: f64) -> Vec<Stretch> {
+    let mut found: Vec<Stretch> = Vec::new();
+    let (mut open, mut quiet, mut free): (Option<Stretch>, usize, Option<Pose2>) = (None, 0, None);
+    for row in rows {
+        let (moment, base) = (row.readings[channel], row.odom_from_robot.compose(whisker.robot_from_whisker));
+        let touches = moment.abs() > whisker.noise.moment_absolute;
+        let turned = |s: &Stretch| s.readings.last().is_some_and(|r| (r.moment > 0.0) != (moment > 0.0));
+        quiet = if touches { 0 } else { quiet + 1 };
+        if quiet >= PATIENCE || (touches && open.as_ref().is_some_and(turned)) {
+            found.extend(open.take().map(|s| Stretch { lift_off: Some(row.t), ..s }));
+        }
+        if touches {
+            let reading = ContactReading {
+                t: row.t,
+                whisker: whisker.beam,
+                odom_from_whisker: base,
+                moment,
+                noise: whisker.noise,
+                count: 1,
+            };
+            let stretch = open.get_or_insert_with(|| Stretch {
+                whisker: index,
+                onset: free,
+                readings: Vec::new(),
+                lift_off: None,
+            });
+            add(&mut stretch.readings, reading, spacing);
+        } else {
+            free = Some(base);
+        }
+    }
+    found.extend(open);
+    found
+}
+
+/// Adds a reading, or merges it into the last one while the base has not moved on.
+fn add(readings: &mut Vec<ContactReading>, new: ContactReading, spacing: f64) {
+    let near = |last: &&mut ContactReading| travel(last, &new) < spacing;
+    let Some(last) = readings.last_mut().filter(near) else { return readings.push(new) };
+    let share = 1.0 / (last.count + 1) as f64;
+    let step = last.odom_from_whisker.between(new.odom_from_whisker);
+    last.odom_from_whisker =
+        last.odom_from_whisker.compose(Pose2::new(share * step.x, share * step.y, share * step.theta));
+    last.moment += share * (new.moment - last.moment);
+    last.t += share * (new.t - last.t);
+    last.count += 1;
+}
+
+/// How far the base moved between two readings: a turn counts at the whisker's tip (m).
+pub(super) fn travel(a: &ContactReading, b: &ContactReading) -> f64 {
+    let step = a.odom_from_whisker.between(b.odom_from_whisker);
+    step.position().norm() + b.whisker.length * step.theta.abs()
+}

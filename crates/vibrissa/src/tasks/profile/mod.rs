@@ -1,0 +1,22 @@
+//! The outline of what whiskers swept along: the union of contact points over sweeps \[routray, section "Experiment:
+//! Obstacle Profile Estimation"\], and how it compares with a known shape.
+//!
+//! | file | what it knows |
+//! | --- | --- |
+//! | `run` | contact points in a row, good enough to be drawn |
+//! | `chain` | a line through several runs |
+//! | `outline` | the line with its uncertainty, from all sweeps |
+//! | `alignment` | shape error and absolute error against a map |
+//! | `shape` | rounded polygons and circles fitted to points |
+//! | `least_squares` | small problems, solved |
+
+mod alignment;
+mod chain;
+mod least_squares;
+mod outline;
+mod run;
+mod shape;
+
+pub use alignment::{Alignment, Misfit, compare};
+pub use outline::{Outline, OutlinePoint, Profile, profile};
+pub use shape::{FittedShape, FreeSize, RoundedPolygon, fit_shape};

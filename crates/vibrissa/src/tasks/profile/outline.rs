@@ -1,0 +1,152 @@
+//! The line with its uncertainty, from all sweeps.
+
+use super::chain::{Chain, chains};
+use super::run::{Sample, pegs, runs};
+use crate::config::{ContactOptions, ProfileOptions};
+use crate::flow::pose::Event;
+use crate::flow::sensor_log::SensorLog;
+use crate::plane::Vec2;
+use crate::tasks::contact::contacts;
+use crate::world::Robot;
+use crate::{Error, Result};
+
+/// Smallest standard deviation that a run is believed (m).
+const LEAST_STD: f64 = 1e-5;
+/// How far from the middle of at least three runs one of them may lie, in standard deviations.
+const OUTLIER: f64 = 5.0;
+
+/// A point of an outline, odometry frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OutlinePoint {
+    /// Where (m).
+    pub position: Vec2,
+    /// The unit normal, away from the wall.
+    pub normal: Vec2,
+    /// Standard deviation across the wall (m).
+    pub std: f64,
+    /// How many runs it is from.
+    pub runs: usize,
+}
+
+/// A line along a wall.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outline {
+    /// Its points, evenly spaced.
+    pub points: Vec<OutlinePoint>,
+    /// Whether the last point comes before the first.
+    pub closed: bool,
+}
+
+impl Outline {
+    /// The edges of the band of `width` standard deviations on either side (m): outer first.
+    #[must_use]
+    pub fn band(&self, width: f64) -> [Vec<Vec2>; 2] {
+        [1.0, -1.0].map(|side| self.points.iter().map(|p| p.position + p.normal * (side * width * p.std)).collect())
+    }
+}
+
+/// What sweeps found.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Profile {
+    /// Lines that tips slid along, the longest first.
+    pub outlines: Vec<Outline>,
+    /// Points that the whiskers' sides leant on, with their standard deviations (m).
+    pub pegs: Vec<(Vec2, f64)>,
+    /// What happened in each log.
+    pub events: Vec<Vec<Event>>,
+    /// Sliding contacts, and how many of them are on no outline since they are not known well enough.
+    pub contacts: usize,
+    /// See `contacts`.
+    pub left_out: usize,
+}
+
+/// The outline that one or more sweeps in one odometry frame felt.
+///
+/// # Errors
+///
+/// No log, options out of range, or a log without moments, with its name.
+pub fn profile(
+    logs: &[SensorLog],
+    robot: &Robot,
+    contact: &ContactOptions,
+    options: &ProfileOptions,
+) -> Result<Profile> {
+    options.check()?;
+    if logs.is_empty() {
+        return Err(Error::usage("no log").remedy("give one or more logs"));
+    }
+    let mut profile = Profile::default();
+    let mut all: Vec<Vec<Sample>> = Vec::new();
+    for log in logs {
+        let name = |error: Error| match &log.source {
+            Some(file) => error.in_file(file),
+            None => error,
+        };
+        let report = contacts(log, robot, contact).map_err(name)?;
+        profile.contacts += report.steps.len();
+        profile.pegs.extend(pegs(&report));
+        let found = runs(&report, options);
+        profile.left_out += report.steps.len() - found.iter().map(Vec::len).sum::<usize>();
+        all.extend(found);
+        profile.events.push(report.events);
+    }
+    profile.outlines = chains(all, options.reach).iter().map(|chain| outline(chain, options)).collect();
+    profile.outlines.retain(|outline| outline.points.len() > 1);
+    profile.outlines.sort_by_key(|outline| core::cmp::Reverse(outline.points.len()));
+    Ok(profile)
+}
+
+/// Evenly spaced points of a line, each moved to the mean of the runs beside it.
+fn outline(chain: &Chain, options: &ProfileOptions) -> Outline {
+    let mut points = Vec::new();
+    let (mut along, mut due) = (0.0, 0.0);
+    let mut last: Option<Vec2> = None;
+    for sample in &chain.line {
+        along += last.map_or(0.0, |last| last.distance(sample.position));
+        last = Some(sample.position);
+        if along >= due {
+            points.push(averaged(sample, &chain.runs, options));
+            due = along + options.resolution;
+        }
+    }
+    Outline { points, closed: chain.closed }
+}
+
+/// The mean of all runs beside a sample, weighted by what each is worth.
+fn averaged(sample: &Sample, runs: &[Vec<Sample>], options: &ProfileOptions) -> OutlinePoint {
+    let tangent = sample.normal.perp();
+    let mut beside: Vec<(f64, f64)> = Vec::new();
+    for run in runs {
+        let near = run.iter().filter(|s| {
+            let d = s.position - sample.position;
+            d.dot(tangent).abs() <= options.resolution
+                && d.dot(sample.normal).abs() <= options.reach
+                && s.normal.dot(sample.normal) > 0.5
+        });
+        let (mut count, mut offset, mut std) = (0.0, 0.0, 0.0);
+        for s in near {
+            count += 1.0;
+            offset += (s.position - sample.position).dot(sample.normal);
+            std += s.std;
+        }
+        if count > 0.0 {
+            beside.push((offset / count, (std / count).max(LEAST_STD)));
+        }
+    }
+    reject(&mut beside);
+    let weight: f64 = beside.iter().map(|(_, std)| 1.0 / (std * std)).sum();
+    let sum: f64 = beside.iter().map(|(offset, std)| offset / (std * std)).sum();
+    let (offset, std) = if weight > 0.0 { (sum / weight, 1.0 / weight.sqrt()) } else { (0.0, sample.std) };
+    OutlinePoint { position: sample.position + sample.normal * offset, normal: sample.normal, std, runs: beside.len() }
+}
+
+/// Drops runs that contradict the middle one of at least three.
+fn reject(beside: &mut Vec<(f64, f64)>) {
+    if beside.len() < 3 {
+        return;
+    }
+    let mut offsets: Vec<f64> = beside.iter().map(|(offset, _)| *offset).collect();
+    offsets.sort_by(f64::total_cmp);
+    let middle = offsets[offsets.len() / 2];
+    beside.retain(|(offset, std)| (offset - middle).abs() <= OUTLIER * std);
+}
