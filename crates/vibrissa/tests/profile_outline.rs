@@ -175,3 +175,22 @@ fn shape_error_and_absolute_error_are_apart() {
     assert!((compared.scaled.unwrap().1 - 1.0).abs() < 1e-4);
     assert!(compare(&[], &map, false).is_none());
 }
+
+/// A stretch of a boundary in a frame of its own, turned and far away: the shape error does not depend on frames.
+#[test]
+fn shapes_are_found_from_any_frame() {
+    let text = r#"{"type":"FeatureCollection","features":[{"type":"Feature","properties":{"role":"obstacle"},
+        "geometry":{"type":"Polygon","coordinates":[[[0,0],[0.2,0],[0.2,0.05],[0.12,0.09],[0.07,0.07],[0,0.16],[0,0]]]}}]}"#;
+    let map = Map::from_geojson(text, "map").unwrap();
+    for (from, moved) in
+        [(20, Pose2::new(0.3, -0.2, 2.0)), (230, Pose2::new(-1.0, 0.4, -2.6)), (330, Pose2::new(0.0, 5.0, 0.4))]
+    {
+        let stretch = map.samples(1e-3);
+        let points: Vec<Vec2> = stretch[from..from + 180].iter().map(|s| moved.transform_point(s.position)).collect();
+        let compared = compare(&points, &map, false).unwrap();
+        assert!(compared.shape.max < 1e-5, "{from}: {compared:?}");
+        let back = compared.map_from_outline.compose(moved);
+        assert!(back.position().norm() < 1e-4 && back.theta.abs() < 1e-3, "{from}: {back:?}");
+        assert!(compared.absolute.mean > 0.05, "{from}: {compared:?}");
+    }
+}

@@ -52,7 +52,50 @@ fn scale(unknown: f64) -> f64 {
     1.0 + 0.5 * unknown.tanh()
 }
 
+/// Points that judge a start.
+const FEW: usize = 40;
+/// Starts that are refined.
+const REFINED: usize = 12;
+/// Places along the map's boundaries where a start is laid.
+const PLACES: f64 = 400.0;
+/// Densest spacing of these places (m).
+const DENSEST: f64 = 1e-3;
+
+/// A fit must be better by this factor than the one from where the points are,
+const CLEARLY: f64 = 0.9;
+/// and by more than this sum of squares (m²): a micrometre on every point.
+const EQUAL: f64 = 40.0 * 1e-12;
+
+/// At most so many of the points, evenly picked.
+fn thinned(points: &[Vec2], count: usize) -> Vec<Vec2> {
+    points.iter().step_by(points.len().div_ceil(count).max(1)).copied().collect()
+}
+
+/// Motions about `middle` that lay the points along the map's boundaries, wherever and either way round: a quarter, the
+/// half and three quarters of the way along the points are put onto places of the boundaries with the same direction.
+fn starts(points: &[Vec2], middle: Vec2, map: &Map) -> Vec<[f64; 3]> {
+    let reach = points.len() / 8;
+    let mut starts = Vec::new();
+    if reach == 0 {
+        return starts;
+    }
+    let places = map.samples((map.total_length() / PLACES).max(DENSEST));
+    for anchor in [1, 2, 3].map(|quarter| quarter * points.len() / 4) {
+        let along = points[(anchor + reach).min(points.len() - 1)] - points[anchor - reach];
+        for place in &places {
+            for half_turn in [0.0, core::f64::consts::PI] {
+                let turn = place.tangent + half_turn - along.angle();
+                let shift = place.position - (middle + (points[anchor] - middle).rotated(turn));
+                starts.push([shift.x, shift.y, turn]);
+            }
+        }
+    }
+    starts
+}
+
 /// Compares points (odometry frame, taken for the map's) with a map's boundaries; a free scale only when asked for.
+///
+/// The rigid motion is the best of all: starts are laid everywhere along the boundaries, so that the frames need not agree.
 ///
 /// None without points or boundaries.
 #[must_use]
@@ -69,7 +112,18 @@ pub fn compare(points: &[Vec2], map: &Map, free_scale: bool) -> Option<Alignment
     };
     let residuals = |x: &[f64]| -> Vec<f64> { points.iter().map(|p| signed(moved(x, *p))).collect() };
     let steps = [0.01, 0.01, 0.1, 0.1];
-    let rigid = least_squares(&[0.0; 3], &steps[..3], &residuals);
+    let few = thinned(points, FEW);
+    let coarse = |x: &[f64]| -> Vec<f64> { few.iter().map(|p| signed(moved(x, *p))).collect() };
+    let square = |x: &[f64]| coarse(x).iter().map(|d| d * d).sum::<f64>();
+    let mut starts: Vec<(f64, [f64; 3])> =
+        starts(points, middle, map).into_iter().map(|start| (square(&start), start)).collect();
+    starts.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let refined = |(_, start): &(f64, [f64; 3])| least_squares(start, &steps[..3], &coarse);
+    let near = least_squares(&[0.0; 3], &steps[..3], &coarse);
+    let best = starts.iter().take(REFINED).map(refined).min_by(|a, b| square(a).total_cmp(&square(b)));
+    // Of equal fits the nearest motion: a square's outline fits four ways.
+    let clear = |x: &Vec<f64>| square(x) + EQUAL < CLEARLY * (square(&near) + EQUAL);
+    let rigid = least_squares(&best.filter(clear).unwrap_or_else(|| near.clone()), &steps[..3], &residuals);
     let scaled = free_scale.then(|| {
         let x = least_squares(&[rigid[0], rigid[1], rigid[2], 0.0], &steps, &residuals);
         (Misfit::of(residuals(&x)), scale(x[3]))
