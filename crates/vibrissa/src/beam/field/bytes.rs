@@ -3,6 +3,8 @@
 //! All numbers are little-endian. The table itself is not kept: it follows from the samples, bit for bit, in milliseconds.
 
 extern crate alloc;
+use super::chart::Bunched;
+use super::errors::Bounds;
 use super::state::FieldErrors;
 use super::table::QUANTITIES;
 use super::tip::{Measured, TipField, layout};
@@ -12,7 +14,7 @@ use alloc::format;
 use alloc::vec::Vec;
 
 /// What a file of this kind starts with; the last byte is the version.
-const MAGIC: &[u8; 16] = b"vibrissa field\n\x01";
+const MAGIC: &[u8; 16] = b"vibrissa field\n\x02";
 /// Most numbers in a list: a field has some ten thousand.
 const MOST: usize = 10_000_000;
 
@@ -20,11 +22,12 @@ impl TipField {
     /// The field as bytes, for [`TipField::from_bytes`].
     #[must_use]
     pub fn to_bytes(&self) -> Vec<u8> {
-        let e = self.errors;
+        let errors = [self.errors.value, self.errors.by_u, self.errors.by_v];
+        let errors = errors.iter().flat_map(|e| [e.slope, e.position, e.moment, e.energy]);
         let lists: [Vec<f64>; 4] = [
             self.rod.to_numbers(),
             self.limits.forces.iter().flatten().copied().collect(),
-            [e.slope, e.position, e.moment, e.energy, self.refinement as f64].to_vec(),
+            errors.chain([self.refinement as f64]).collect(),
             self.samples.iter().flatten().copied().collect(),
         ];
         let mut bytes = MAGIC.to_vec();
@@ -43,13 +46,12 @@ impl TipField {
     pub fn from_bytes(bytes: &[u8]) -> Result<Self> {
         let [rod, limits, errors, samples] = lists(bytes)?;
         let rod = Rod::from_numbers(&rod)?;
-        let whole = samples.len() == layout(&rod, 0).count() * QUANTITIES && limits.len() % 2 == 0 && limits.len() >= 4;
-        let ([slope, position, moment, energy, refinement], true) =
-            (<[f64; 5]>::try_from(errors).unwrap_or_default(), whole)
+        let whole = samples.len() == layout(&rod, 0, Bunched::new(1.0, 1.0)).count() * QUANTITIES && limits.len() % 2 == 0 && limits.len() >= 4;
+        let (Ok::<[f64; 13], _>(errors), true) = (errors.try_into(), whole)
         else {
             return Err(damaged("its lists have the wrong lengths"));
         };
-        let all_finite = samples.iter().chain(&limits).all(|x| x.is_finite()) && (0.0..8.0).contains(&refinement);
+        let all_finite = samples.iter().chain(&limits).all(|x| x.is_finite()) && (0.0..8.0).contains(&errors[12]);
         if !all_finite {
             return Err(damaged("it holds numbers that are not finite"));
         }
@@ -64,8 +66,14 @@ impl TipField {
                 })
                 .collect(),
         };
-        let mut field = Self::from_measured(rod, measured, refinement as usize)?;
-        field.errors = FieldErrors { slope, position, moment, energy };
+        let mut field = Self::from_measured(rod, measured, errors[12] as usize)?;
+        let [value, by_u, by_v] = [0, 4, 8].map(|k| FieldErrors {
+            slope: errors[k],
+            position: errors[k + 1],
+            moment: errors[k + 2],
+            energy: errors[k + 3],
+        });
+        field.errors = Bounds { value, by_u, by_v };
         Ok(field)
     }
 }

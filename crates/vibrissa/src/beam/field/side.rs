@@ -2,8 +2,8 @@
 
 extern crate alloc;
 use super::cells::Search;
-use super::chart::{Bunched, reach};
-use super::errors;
+use super::chart::{Bend, Bunched, reach};
+use super::errors::{self, Bounds};
 use super::image::Image;
 use super::index::Index;
 use super::panels::Layout;
@@ -41,7 +41,7 @@ pub struct SideField {
     /// Largest positive and negative load over places that are equally spaced, in the load's unit.
     limits: Vec<[f64; 2]>,
     table: Table,
-    errors: FieldErrors,
+    errors: Bounds,
     index: Index,
 }
 
@@ -146,7 +146,7 @@ impl SideField {
     /// middles of cells and where the samples' polynomials are expected to err most.
     #[must_use]
     pub fn errors(&self) -> FieldErrors {
-        self.errors
+        self.errors.value
     }
 
     /// The largest force on the side of `sign` with the contact at `s_a` (m) (N); 0 where the field holds no contact.
@@ -331,5 +331,6 @@ fn layout(mirrored: bool) -> Layout {
         v_breaks: if mirrored { even(0.0, 1.0, PANELS[1]) } else { even(-1.0, 1.0, 2 * PANELS[1]) },
         u_cells: CELLS[0],
         v_cells: CELLS[1],
+        bends: [Bend::Same; 2],
     }
 }

@@ -1,6 +1,6 @@
 //! What a field says about one contact.
 
-use super::table::{ENERGY, Jet, MOMENT, Row, SLOPE, X, Y};
+use super::table::{ENERGY, Jet, Lanes, MOMENT, SLOPE, X, Y};
 use crate::plane::Vec2;
 use core::f64::consts::FRAC_PI_2;
 
@@ -131,7 +131,7 @@ impl TipState {
 }
 
 impl Quantities {
-    pub(super) fn new(row: &Row, factor: f64) -> Self {
+    pub(super) fn new(row: &Lanes, factor: f64) -> Self {
         Self {
             slope: row[SLOPE] * factor,
             position: Vec2::new(row[X] * factor, row[Y] * factor),
@@ -147,17 +147,17 @@ impl Quantities {
 }
 
 impl TipState {
-    /// The state with this jet, with the derivatives of `u` by the tilt and of `v` by the force.
+    /// The state with this jet.
     ///
     /// With `side` -1 the jet is that of the mirrored whisker: what is odd changes its sign, and so does what it is
     /// differentiated by.
     #[inline]
-    pub(super) fn new(tilt: f64, force: f64, jet: &Jet, rates: (f64, f64), side: f64) -> Self {
-        let rates_of = |row: &Row, rate: f64| Quantities {
-            slope: row[SLOPE] * rate,
-            position: Vec2::new(row[X] * (side * rate), row[Y] * rate),
-            moment: row[MOMENT] * rate,
-            energy: row[ENERGY] * (side * rate),
+    pub(super) fn new(tilt: f64, force: f64, jet: &Jet, side: f64) -> Self {
+        let rates_of = |row: &Lanes| Quantities {
+            slope: row[SLOPE],
+            position: Vec2::new(side * row[X], row[Y]),
+            moment: row[MOMENT],
+            energy: side * row[ENERGY],
         };
         Self {
             tilt,
@@ -166,8 +166,8 @@ impl TipState {
             position: Vec2::new(jet.value[X], side * jet.value[Y]),
             moment: side * jet.value[MOMENT],
             energy: jet.value[ENERGY],
-            by_tilt: rates_of(&jet.by_u, rates.0),
-            by_force: rates_of(&jet.by_v, rates.1),
+            by_tilt: rates_of(&jet.by_u),
+            by_force: rates_of(&jet.by_v),
         }
     }
 }

@@ -1,10 +1,10 @@
 //! Bicubic tables: five smooth quantities over a chart, once continuously differentiable.
 //!
 //! Each knot keeps value, both first derivatives and the mixed one; between knots each quantity is the bicubic Hermite
-//! polynomial of the four corners. Its Bernstein coefficients enclose it.
+//! polynomial of the four corners, summed with Hermite's own weights: as quick as by powers, from a fifth of the memory. Its Bernstein coefficients enclose it.
 
 extern crate alloc;
-use super::axis::Axis;
+use super::axis::{Axis, Place};
 use alloc::vec::Vec;
 
 /// How many quantities a table holds: slope, x, y, moment, energy.
@@ -21,74 +21,100 @@ pub(super) type Row = [f64; QUANTITIES];
 /// Value, derivative by `u`, derivative by `v`, mixed derivative, of each quantity.
 pub(super) type Node = [Row; 4];
 
-/// The quantities and their first derivatives by the chart's coordinates.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Jet {
-    pub(super) value: Row,
-    pub(super) by_u: Row,
-    pub(super) by_v: Row,
-}
-
-/// Quantities of a patch, and one place more: whole pairs are added faster.
+/// Quantities of a knot, and one place more: whole pairs are added faster.
 const LANES: usize = QUANTITIES + 1;
 
-/// Coefficients of a cell by the powers of its two shares, those of `u` in rows.
-type Patch = [[[f64; LANES]; 4]; 4];
+/// The quantities, or their derivatives by one coordinate.
+pub(super) type Lanes = [f64; LANES];
+
+/// The quantities and their first derivatives by the table's coordinates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Jet {
+    pub(super) value: Lanes,
+    pub(super) by_u: Lanes,
+    pub(super) by_v: Lanes,
+}
 
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Table {
     pub(super) u: Axis,
     pub(super) v: Axis,
-    /// Knots, those of one `u` in a row.
-    nodes: Vec<Node>,
-    /// Cells, those of one `u` in a row.
-    patches: Vec<Patch>,
+    /// Knots, those of one `u` in a row: a cell's corners are two pairs of neighbours in memory.
+    nodes: Vec<[Lanes; 4]>,
 }
 
-/// Coefficients by powers from (start, slope, end, slope), slopes per share of the cell.
-fn powers(a: f64, da: f64, b: f64, db: f64) -> [f64; 4] {
-    let rise = b - a;
-    [a, da, 3.0 * rise - 2.0 * da - db, da + db - 2.0 * rise]
+/// What the rise over a cell and the slopes at both its ends weigh in a cubic's value and in its slope.
+struct Weights {
+    value: [f64; 3],
+    slope: [f64; 3],
+}
+
+impl Weights {
+    #[inline]
+    fn at(place: &Place) -> Self {
+        let (s, h) = (place.share, place.width);
+        let (rest, square) = (1.0 - s, s * s);
+        let bump = s * rest;
+        Self {
+            value: [square * (3.0 - 2.0 * s), bump * rest * h, -(bump * s) * h],
+            slope: [6.0 * bump * place.per_width, rest * (1.0 - 3.0 * s), s * (3.0 * s - 2.0)],
+        }
+    }
+
+    /// Value and slope of the cubic from `a`, slope `da`, to `b`, slope `db`.
+    #[inline]
+    fn cubic(&self, a: f64, da: f64, b: f64, db: f64) -> (f64, f64) {
+        (a + self.sum(&self.value, a, da, b, db), self.sum(&self.slope, a, da, b, db))
+    }
+
+    #[inline]
+    fn sum(&self, w: &[f64; 3], a: f64, da: f64, b: f64, db: f64) -> f64 {
+        w[0] * (b - a) + (w[1] * da + w[2] * db)
+    }
 }
 
 impl Table {
     /// The table over knots whose values and derivatives are known, those of one `u` in a row.
-    pub(super) fn new(u: Axis, v: Axis, nodes: Vec<Node>) -> Self {
-        let mut patches = Vec::with_capacity(u.cells() * v.cells());
-        for i in 0..u.cells() {
-            for j in 0..v.cells() {
-                patches.push(patch(&nodes, v.knots.len(), (i, j), (u.width(i), v.width(j))));
-            }
-        }
-        Self { u, v, nodes, patches }
+    pub(super) fn new(u: Axis, v: Axis, nodes: &[Node]) -> Self {
+        let padded = |row: &Row| {
+            let mut lanes = [0.0; LANES];
+            lanes[..QUANTITIES].copy_from_slice(row);
+            lanes
+        };
+        let nodes = nodes.iter().map(|node| [0, 1, 2, 3].map(|kind: usize| padded(&node[kind]))).collect();
+        Self { u, v, nodes }
     }
 
     /// Everything at `(u, v)`, by the polynomial of the cell that holds it or, outside, of the nearest one.
     #[inline]
     pub(super) fn jet(&self, u: f64, v: f64) -> Jet {
-        self.jet_in(self.u.cell(u), self.v.cell(v), u, v)
+        self.jet_at(&self.u.place(u), &self.v.place(v))
     }
 
     /// Everything at `(u, v)` by the polynomial of the cell `(i, j)`.
     #[inline]
     pub(super) fn jet_in(&self, i: usize, j: usize, u: f64, v: f64) -> Jet {
-        let (per_u, per_v) = (self.u.per_width(i), self.v.per_width(j));
-        let (s, t) = ((u - self.u.knots[i]) * per_u, (v - self.v.knots[j]) * per_v);
-        let patch = &self.patches[i * self.v.cells() + j];
-        let (mut value, mut by_t) = ([[0.0; LANES]; 4], [[0.0; LANES]; 4]);
-        for (p, row) in patch.iter().enumerate() {
-            for k in 0..LANES {
-                let (c1, c2, c3) = (row[1][k], row[2][k], row[3][k]);
-                value[p][k] = ((c3 * t + c2) * t + c1) * t + row[0][k];
-                by_t[p][k] = (c3 * (3.0 * t) + (c2 + c2)) * t + c1;
-            }
-        }
-        let mut jet = Jet { value: [0.0; QUANTITIES], by_u: [0.0; QUANTITIES], by_v: [0.0; QUANTITIES] };
-        for k in 0..QUANTITIES {
-            let [a, b, c, d] = [value[0][k], value[1][k], value[2][k], value[3][k]];
-            jet.value[k] = ((d * s + c) * s + b) * s + a;
-            jet.by_u[k] = ((d * (3.0 * s) + (c + c)) * s + b) * per_u;
-            jet.by_v[k] = (((by_t[3][k] * s + by_t[2][k]) * s + by_t[1][k]) * s + by_t[0][k]) * per_v;
+        self.jet_at(&self.u.place_in(i, u), &self.v.place_in(j, v))
+    }
+
+    #[inline]
+    fn jet_at(&self, u: &Place, v: &Place) -> Jet {
+        let mut jet = Jet { value: [0.0; LANES], by_u: [0.0; LANES], by_v: [0.0; LANES] };
+        let (stride, first) = (self.v.knots.len(), u.cell * self.v.knots.len() + v.cell);
+        let (Some([a, b]), Some([c, d])) =
+            (self.nodes[first..].first_chunk::<2>(), self.nodes[first + stride..].first_chunk::<2>())
+        else {
+            return jet;
+        };
+        let (along, across) = (Weights::at(u), Weights::at(v));
+        for k in 0..LANES {
+            // Along v at both ends in u: the quantity and its derivative by u, each with its slope.
+            let (start, start_v) = across.cubic(a[0][k], a[2][k], b[0][k], b[2][k]);
+            let (rate, rate_v) = across.cubic(a[1][k], a[3][k], b[1][k], b[3][k]);
+            let (end, end_v) = across.cubic(c[0][k], c[2][k], d[0][k], d[2][k]);
+            let (last, last_v) = across.cubic(c[1][k], c[3][k], d[1][k], d[3][k]);
+            (jet.value[k], jet.by_u[k]) = along.cubic(start, rate, end, last);
+            jet.by_v[k] = start_v + along.sum(&along.value, start_v, rate_v, end_v, last_v);
         }
         jet
     }
@@ -112,26 +138,6 @@ impl Table {
         }
         out
     }
-}
-
-/// The coefficients of one cell with sides `h`.
-fn patch(nodes: &[Node], stride: usize, (i, j): (usize, usize), h: (f64, f64)) -> Patch {
-    let mut patch = [[[0.0; LANES]; 4]; 4];
-    for k in 0..QUANTITIES {
-        // Along v first: values and derivatives by u, at both ends in u.
-        let line = |p: usize, kind: usize| {
-            let (a, b) = (&nodes[(i + p) * stride + j], &nodes[(i + p) * stride + j + 1]);
-            powers(a[kind][k], a[kind + 2][k] * h.1, b[kind][k], b[kind + 2][k] * h.1)
-        };
-        let (start, start_slope, end, end_slope) = (line(0, 0), line(0, 1), line(1, 0), line(1, 1));
-        for q in 0..4 {
-            let column = powers(start[q], start_slope[q] * h.0, end[q], end_slope[q] * h.0);
-            for (row, c) in patch.iter_mut().zip(column) {
-                row[q][k] = c;
-            }
-        }
-    }
-    patch
 }
 
 /// The coefficients over the part `[s0, s1] x [t0, t1]` of the cell, both in \[0, 1\].
@@ -168,18 +174,18 @@ mod tests {
         let fu = |u: f64, v: f64| (1.0 - 4.0 * u + 9.0 * u * u) * (2.0 - v + v * v * v);
         let fv = |u: f64, v: f64| (1.0 + u - 2.0 * u * u + 3.0 * u * u * u) * (3.0 * v * v - 1.0);
         let fuv = |u: f64, v: f64| (1.0 - 4.0 * u + 9.0 * u * u) * (3.0 * v * v - 1.0);
-        let (u, v) = (Axis::new(&[-1.0, 0.0, 1.5], 2), Axis::new(&[0.0, 2.0], 3));
+        let (u, v) = (Axis::new([-1.0, -0.5, 0.0, 0.75, 1.5].into()), Axis::new([0.0, 0.5, 1.1, 2.0].into()));
         let mut nodes = Vec::new();
         for a in &u.knots {
             for b in &v.knots {
                 nodes.push([f(*a, *b), fu(*a, *b), fv(*a, *b), fuv(*a, *b)].map(|x| [x; QUANTITIES]));
             }
         }
-        let table = Table::new(u, v, nodes);
+        let table = Table::new(u, v, &nodes);
         for (a, b) in [(-0.9, 0.1), (0.3, 1.9), (1.4, 0.7), (-0.5, 2.0), (1.5, 0.0)] {
             let jet = table.jet(a, b);
             for (got, want) in [(jet.value, f(a, b)), (jet.by_u, fu(a, b)), (jet.by_v, fv(a, b))] {
-                assert!(got.iter().all(|g| (g - want).abs() < 1e-12), "{got:?} {want}");
+                assert!(got[..QUANTITIES].iter().all(|g| (g - want).abs() < 1e-12), "{got:?} {want}");
             }
         }
         let (i, j) = (table.u.cell(0.3), table.v.cell(1.9));
