@@ -108,6 +108,30 @@ fn point_and_moment_mode_agree() {
 }
 
 #[test]
+fn a_neighbour_leads_to_the_same_branch() {
+    for (whisker, field) in FIELDS.iter() {
+        let (mut random, mut found) = (Random(26), 0);
+        for _ in 0..300 {
+            let at = state(field, whisker.length, &mut random);
+            let (s_a, force) = (at.s_a * (1.0 + random.signed(0.03)), at.force * (1.0 + random.signed(0.03)));
+            let Some(want) = field.at(s_a, force) else { continue };
+            let Some(got) = field.by_position_from(want.position, &at) else { continue };
+            found += 1;
+            assert!(got.position.distance(want.position) < 1e-9 * whisker.length, "{at:?} {want:?} {got:?}");
+            // Near a fold two states share a place.
+            let same = (got.s_a - want.s_a).abs() < 1e-6 * whisker.length && (got.slope - want.slope).abs() < 1e-5;
+            let listed = field.by_position(want.position).iter().any(|s| (s.slope - got.slope).abs() < 1e-6);
+            assert!(same || listed, "{at:?} {want:?} {got:?}");
+        }
+        println!("taper {}, curvature {}: {found}", whisker.tip_ratio, whisker.curvature);
+        assert!(found > 200, "{whisker:?}: {found}");
+        let at = field.at(0.5 * whisker.length, 0.1 * field.largest_force(0.5 * whisker.length, 1.0)).unwrap();
+        assert!(field.by_position_from(Vec2::new(-0.2, 0.3), &at).is_none());
+        assert!(field.by_position_from(Vec2::new(f64::NAN, 0.0), &at).is_none());
+    }
+}
+
+#[test]
 fn joints_cost_little() {
     let wire = |length: f64, second_moment: f64| Segment { length, young_modulus: 52e9, second_moment };
     let rod = Rod::from_segments(&[wire(0.03, 5.555e-15), wire(0.045, 2e-15)]).unwrap();

@@ -13,7 +13,9 @@ pub(super) struct Axis {
     pub(super) knots: Vec<f64>,
     /// Start, width and one over the width of each cell; the start of a last, endless one is infinite.
     spans: Vec<Span>,
+    first: f64,
     per_bin: f64,
+    last_bin: u32,
     /// The cell of each bin's start.
     bins: Vec<u32>,
 }
@@ -50,7 +52,7 @@ impl Axis {
         let cell = |x: f64| knots.partition_point(|knot| *knot <= x).saturating_sub(1).min(spans.len().max(1) - 1);
         let bins = (0..count).map(|bin| cell(start(bin)) as u32).collect();
         spans.push(Span { start: f64::INFINITY, width: 1.0, per_width: 1.0 });
-        Self { knots, spans, per_bin, bins }
+        Self { first: knots[0], knots, spans, per_bin, last_bin: count as u32 - 1, bins }
     }
 
     /// Number of cells.
@@ -65,8 +67,8 @@ impl Axis {
     /// The cell that holds `x`, or the nearest one.
     #[inline]
     pub(super) fn cell(&self, x: f64) -> usize {
-        // The conversion saturates: what lies before the start becomes 0.
-        let bin = (((x - self.spans[0].start) * self.per_bin) as usize).min(self.bins.len() - 1);
+        // The conversion saturates: what lies before the start becomes 0. To 32 bits it takes a third of the instructions.
+        let bin = (((x - self.first) * self.per_bin) as u32).min(self.last_bin) as usize;
         let cell = self.bins[bin] as usize;
         // A bin holds one knot at most.
         cell + usize::from(x >= self.spans[cell + 1].start)
@@ -102,7 +104,9 @@ mod tests {
                 let want = knots.iter().rposition(|knot| *knot <= x).unwrap_or(0).min(last);
                 assert_eq!(axis.cell(x), want, "{x} {knots:?}");
                 let place = axis.place(x);
-                assert!(!x.is_finite() || (knots[want] + place.share * place.width - x).abs() <= 1e-12 * (1.0 + x.abs()));
+                assert!(
+                    !x.is_finite() || (knots[want] + place.share * place.width - x).abs() <= 1e-12 * (1.0 + x.abs())
+                );
             }
             assert_eq!(axis.cell(f64::NAN), 0);
         }

@@ -46,9 +46,10 @@ impl TipField {
     pub fn from_bytes(bytes: &[u8]) -> Result<Self> {
         let [rod, limits, errors, samples] = lists(bytes)?;
         let rod = Rod::from_numbers(&rod)?;
-        let whole = samples.len() == layout(&rod, 0, Bunched::new(1.0, 1.0)).count() * QUANTITIES && limits.len() % 2 == 0 && limits.len() >= 4;
-        let (Ok::<[f64; 13], _>(errors), true) = (errors.try_into(), whole)
-        else {
+        let whole = samples.len() == layout(&rod, 0, Bunched::new(1.0, 1.0)).count() * QUANTITIES
+            && limits.len() % 2 == 0
+            && limits.len() >= 4;
+        let (Ok::<[f64; 13], _>(errors), true) = (errors.try_into(), whole) else {
             return Err(damaged("its lists have the wrong lengths"));
         };
         let all_finite = samples.iter().chain(&limits).all(|x| x.is_finite()) && (0.0..8.0).contains(&errors[12]);

@@ -61,14 +61,14 @@ impl Limits {
     }
 
     /// The largest load at `u` on the side of `sign`, as a size (N); 0 outside the chart.
-    #[inline]
+    #[inline(always)]
     pub(super) fn at(&self, u: f64, sign: f64) -> f64 {
         if !(u >= self.start && u <= self.end) {
             return 0.0;
         }
         let cells = self.forces.len() - 1;
         let x = (u - self.start) * self.per_step;
-        let i = (x as usize).min(cells - 1);
+        let i = (x as u32 as usize).min(cells - 1);
         let k = usize::from(sign < 0.0);
         let (a, b) = (self.forces[i][k], self.forces[i + 1][k]);
         a + (b - a) * (x - i as f64)

@@ -85,7 +85,8 @@ impl TipField {
             let mut turn = ((lo - turned.hi()) / TAU).ceil();
             while turned.lo() + TAU * turn <= hi {
                 let low = [turned.lo() + TAU * turn - self.errors.value.slope, moments.lo() - self.errors.value.moment];
-                let high = [turned.hi() + TAU * turn + self.errors.value.slope, moments.hi() + self.errors.value.moment];
+                let high =
+                    [turned.hi() + TAU * turn + self.errors.value.slope, moments.hi() + self.errors.value.moment];
                 let side = if mirror { 1.0 } else { force };
                 let found = self.groups(low, high, side);
                 boxes.extend(found.into_iter().map(|b| if mirror { b.mirrored() } else { b }));

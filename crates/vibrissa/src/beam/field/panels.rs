@@ -111,7 +111,7 @@ impl Layout {
                 }
             }
         }
-        Table::new(u, v, &nodes)
+        Table::new(u, v, nodes)
     }
 
     /// Calls `f` with cell, numbers of the shares, the table's `(u, v)` and the polynomials there (value, derivatives by `u` and `v`)
@@ -132,7 +132,8 @@ impl Layout {
         let v_panels = self.v_breaks.len() - 1;
         for (number, ((pu, pv), panel)) in self.panels().zip(samples.chunks_exact(SIDE * SIDE)).enumerate() {
             let first = (number / v_panels * self.u_cells, number % v_panels * self.v_cells);
-            for (i, (a, u_weights)) in u_basis.iter().enumerate().flat_map(|(i, list)| list.iter().map(move |w| (i, w))) {
+            for (i, (a, u_weights)) in u_basis.iter().enumerate().flat_map(|(i, list)| list.iter().map(move |w| (i, w)))
+            {
                 let u = self.bends[0].at(between(pu[0], pu[1], at(self.u_cells, i, *a)));
                 let by_u = 2.0 / (pu[1] - pu[0]) * self.bends[0].back_rate(u);
                 let (along, across) = (rows(panel, &u_weights.0), rows(panel, &u_weights.1));

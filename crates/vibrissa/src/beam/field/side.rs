@@ -27,6 +27,10 @@ const TERMS: usize = 8;
 const PANELS: [usize; 2] = [4, 4];
 const CELLS: [usize; 2] = [24, 24];
 
+/// Most Newton steps along a branch, and the largest step, as a share of the length and of the largest force.
+const MOST_STEPS: usize = 24;
+const LONGEST: f64 = 0.15;
+
 /// All first-mode equilibria of a whisker with one frictionless contact at its side, by the contact's arc length and the force.
 ///
 /// Covered are contacts from a tenth of the length on, and loads until the whisker has turned by pi at the contact or leaves the first
@@ -192,6 +196,38 @@ impl SideField {
         states.retain(|state| self.holds(state.s_a, state.force));
         states.sort_by(|a, b| a.energy.total_cmp(&b.energy));
         states
+    }
+
+    /// The equilibrium whose contact is at `position` (m) on the branch of `hint`, a state of this field nearby.
+    ///
+    /// `None` when the branch ends on the way: at a fold, or at the limits of the field.
+    #[must_use]
+    pub fn by_position_from(&self, position: Vec2, hint: &SideState) -> Option<SideState> {
+        let mut at = *hint;
+        let det = |state: &SideState| state.by_arc_length.position.cross(state.by_force.position);
+        for _ in 0..MOST_STEPS {
+            let off = position - at.position;
+            let det_here = det(&at);
+            let along = off.cross(at.by_force.position) / det_here;
+            let more = at.by_arc_length.position.cross(off) / det_here;
+            if !(along.is_finite() && more.is_finite()) {
+                return None;
+            }
+            let most = self.largest_force(at.s_a, at.force);
+            let size = (along / self.rod.length()).abs().max((more / most).abs());
+            let share = if size > LONGEST { LONGEST / size } else { 1.0 };
+            // A step beyond the field's edge goes to the edge, from where the next may lead back.
+            let s_a = (at.s_a + share * along).clamp(NEAREST * self.rod.length(), self.rod.length());
+            let limit = 1.0_f64.copysign(at.force + share * more);
+            let force = limit * (at.force + share * more).abs().min(self.largest_force(s_a, limit));
+            at = self.at(s_a, force)?;
+            if size < 1e-6 {
+                // Convergence is quadratic: the step just taken was the last that matters.
+                let arrived = position.distance(at.position) < 1e-9 * self.rod.length();
+                return (arrived && (det(&at) > 0.0) == (det(hint) > 0.0)).then_some(at);
+            }
+        }
+        None
     }
 
     /// Every equilibrium of the field with the contact at `s_a` (m) and the base moment `moment` (N m), least energy first.

@@ -140,6 +140,17 @@ impl Quantities {
         }
     }
 
+    /// Derivatives by tilt or force where the jet is that of the mirrored whisker.
+    #[inline(always)]
+    fn of_side(row: &Lanes, side: f64) -> Self {
+        Self {
+            slope: row[SLOPE],
+            position: Vec2::new(side * row[X], row[Y]),
+            moment: row[MOMENT],
+            energy: side * row[ENERGY],
+        }
+    }
+
     /// The derivatives of the mirrored whisker by the mirrored number.
     pub(super) fn of_mirrored(&self) -> Self {
         Self { position: -flipped(self.position), energy: -self.energy, ..*self }
@@ -151,14 +162,8 @@ impl TipState {
     ///
     /// With `side` -1 the jet is that of the mirrored whisker: what is odd changes its sign, and so does what it is
     /// differentiated by.
-    #[inline]
+    #[inline(always)]
     pub(super) fn new(tilt: f64, force: f64, jet: &Jet, side: f64) -> Self {
-        let rates_of = |row: &Lanes| Quantities {
-            slope: row[SLOPE],
-            position: Vec2::new(side * row[X], row[Y]),
-            moment: row[MOMENT],
-            energy: side * row[ENERGY],
-        };
         Self {
             tilt,
             force,
@@ -166,8 +171,8 @@ impl TipState {
             position: Vec2::new(jet.value[X], side * jet.value[Y]),
             moment: side * jet.value[MOMENT],
             energy: jet.value[ENERGY],
-            by_tilt: rates_of(&jet.by_u),
-            by_force: rates_of(&jet.by_v),
+            by_tilt: Quantities::of_side(&jet.by_u, side),
+            by_force: Quantities::of_side(&jet.by_v, side),
         }
     }
 }

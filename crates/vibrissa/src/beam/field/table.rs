@@ -21,7 +21,7 @@ pub(super) type Row = [f64; QUANTITIES];
 /// Value, derivative by `u`, derivative by `v`, mixed derivative, of each quantity.
 pub(super) type Node = [Row; 4];
 
-/// Quantities of a knot, and one place more: whole pairs are added faster.
+/// Quantities of a cell, and one place more: whole pairs are added faster.
 const LANES: usize = QUANTITIES + 1;
 
 /// The quantities, or their derivatives by one coordinate.
@@ -35,58 +35,47 @@ pub(super) struct Jet {
     pub(super) by_v: Lanes,
 }
 
+/// Coefficients of a cell by the powers of its two shares, those of `u` in rows: twelve lines of cache.
+type Patch = [[Lanes; 4]; 4];
+
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Table {
     pub(super) u: Axis,
     pub(super) v: Axis,
-    /// Knots, those of one `u` in a row: a cell's corners are two pairs of neighbours in memory.
-    nodes: Vec<[Lanes; 4]>,
+    /// Knots, those of one `u` in a row.
+    nodes: Vec<Node>,
+    /// Cells, those of one `u` in a row.
+    patches: Vec<Patch>,
 }
 
-/// What the rise over a cell and the slopes at both its ends weigh in a cubic's value and in its slope.
-struct Weights {
-    value: [f64; 3],
-    slope: [f64; 3],
+/// Coefficients by powers from (start, slope, end, slope), slopes per share of the cell.
+fn powers(a: f64, da: f64, b: f64, db: f64) -> [f64; 4] {
+    let rise = b - a;
+    [a, da, 3.0 * rise - 2.0 * da - db, da + db - 2.0 * rise]
 }
 
-impl Weights {
-    #[inline]
-    fn at(place: &Place) -> Self {
-        let (s, h) = (place.share, place.width);
-        let (rest, square) = (1.0 - s, s * s);
-        let bump = s * rest;
-        Self {
-            value: [square * (3.0 - 2.0 * s), bump * rest * h, -(bump * s) * h],
-            slope: [6.0 * bump * place.per_width, rest * (1.0 - 3.0 * s), s * (3.0 * s - 2.0)],
-        }
-    }
-
-    /// Value and slope of the cubic from `a`, slope `da`, to `b`, slope `db`.
-    #[inline]
-    fn cubic(&self, a: f64, da: f64, b: f64, db: f64) -> (f64, f64) {
-        (a + self.sum(&self.value, a, da, b, db), self.sum(&self.slope, a, da, b, db))
-    }
-
-    #[inline]
-    fn sum(&self, w: &[f64; 3], a: f64, da: f64, b: f64, db: f64) -> f64 {
-        w[0] * (b - a) + (w[1] * da + w[2] * db)
-    }
+/// Value and slope of a cubic by Horner's scheme.
+#[inline(always)]
+fn slide(x: f64, c0: f64, c1: f64, c2: f64, c3: f64) -> (f64, f64) {
+    let two = c3 * x + c2;
+    let one = two * x + c1;
+    (one * x + c0, (c3 * x + two) * x + one)
 }
 
 impl Table {
     /// The table over knots whose values and derivatives are known, those of one `u` in a row.
-    pub(super) fn new(u: Axis, v: Axis, nodes: &[Node]) -> Self {
-        let padded = |row: &Row| {
-            let mut lanes = [0.0; LANES];
-            lanes[..QUANTITIES].copy_from_slice(row);
-            lanes
-        };
-        let nodes = nodes.iter().map(|node| [0, 1, 2, 3].map(|kind: usize| padded(&node[kind]))).collect();
-        Self { u, v, nodes }
+    pub(super) fn new(u: Axis, v: Axis, nodes: Vec<Node>) -> Self {
+        let mut patches = Vec::with_capacity(u.cells() * v.cells());
+        for i in 0..u.cells() {
+            for j in 0..v.cells() {
+                patches.push(patch(&nodes, v.knots.len(), (i, j), (u.width(i), v.width(j))));
+            }
+        }
+        Self { u, v, nodes, patches }
     }
 
     /// Everything at `(u, v)`, by the polynomial of the cell that holds it or, outside, of the nearest one.
-    #[inline]
+    #[inline(always)]
     pub(super) fn jet(&self, u: f64, v: f64) -> Jet {
         self.jet_at(&self.u.place(u), &self.v.place(v))
     }
@@ -97,24 +86,21 @@ impl Table {
         self.jet_at(&self.u.place_in(i, u), &self.v.place_in(j, v))
     }
 
-    #[inline]
+    /// Horner's scheme for values and slopes at once, row by row: it needs two registers beside the sums, and no weights.
+    #[inline(always)]
     fn jet_at(&self, u: &Place, v: &Place) -> Jet {
         let mut jet = Jet { value: [0.0; LANES], by_u: [0.0; LANES], by_v: [0.0; LANES] };
-        let (stride, first) = (self.v.knots.len(), u.cell * self.v.knots.len() + v.cell);
-        let (Some([a, b]), Some([c, d])) =
-            (self.nodes[first..].first_chunk::<2>(), self.nodes[first + stride..].first_chunk::<2>())
-        else {
-            return jet;
-        };
-        let (along, across) = (Weights::at(u), Weights::at(v));
+        let Some(patch) = self.patches.get(u.cell * self.v.cells() + v.cell) else { return jet };
+        let (s, t) = (u.share, v.share);
         for k in 0..LANES {
-            // Along v at both ends in u: the quantity and its derivative by u, each with its slope.
-            let (start, start_v) = across.cubic(a[0][k], a[2][k], b[0][k], b[2][k]);
-            let (rate, rate_v) = across.cubic(a[1][k], a[3][k], b[1][k], b[3][k]);
-            let (end, end_v) = across.cubic(c[0][k], c[2][k], d[0][k], d[2][k]);
-            let (last, last_v) = across.cubic(c[1][k], c[3][k], d[1][k], d[3][k]);
-            (jet.value[k], jet.by_u[k]) = along.cubic(start, rate, end, last);
-            jet.by_v[k] = start_v + along.sum(&along.value, start_v, rate_v, end_v, last_v);
+            let (a, a_t) = slide(t, patch[0][0][k], patch[0][1][k], patch[0][2][k], patch[0][3][k]);
+            let (b, b_t) = slide(t, patch[1][0][k], patch[1][1][k], patch[1][2][k], patch[1][3][k]);
+            let (c, c_t) = slide(t, patch[2][0][k], patch[2][1][k], patch[2][2][k], patch[2][3][k]);
+            let (d, d_t) = slide(t, patch[3][0][k], patch[3][1][k], patch[3][2][k], patch[3][3][k]);
+            let (value, slope) = slide(s, a, b, c, d);
+            jet.value[k] = value;
+            jet.by_u[k] = slope * u.per_width;
+            jet.by_v[k] = (((d_t * s + c_t) * s + b_t) * s + a_t) * v.per_width;
         }
         jet
     }
@@ -138,6 +124,26 @@ impl Table {
         }
         out
     }
+}
+
+/// The coefficients of one cell with sides `h`.
+fn patch(nodes: &[Node], stride: usize, (i, j): (usize, usize), h: (f64, f64)) -> Patch {
+    let mut patch = [[[0.0; LANES]; 4]; 4];
+    for k in 0..QUANTITIES {
+        // Along v first: values and derivatives by u, at both ends in u.
+        let line = |p: usize, kind: usize| {
+            let (a, b) = (&nodes[(i + p) * stride + j], &nodes[(i + p) * stride + j + 1]);
+            powers(a[kind][k], a[kind + 2][k] * h.1, b[kind][k], b[kind + 2][k] * h.1)
+        };
+        let (start, start_slope, end, end_slope) = (line(0, 0), line(0, 1), line(1, 0), line(1, 1));
+        for q in 0..4 {
+            let column = powers(start[q], start_slope[q] * h.0, end[q], end_slope[q] * h.0);
+            for (row, c) in patch.iter_mut().zip(column) {
+                row[q][k] = c;
+            }
+        }
+    }
+    patch
 }
 
 /// The coefficients over the part `[s0, s1] x [t0, t1]` of the cell, both in \[0, 1\].
@@ -181,7 +187,7 @@ mod tests {
                 nodes.push([f(*a, *b), fu(*a, *b), fv(*a, *b), fuv(*a, *b)].map(|x| [x; QUANTITIES]));
             }
         }
-        let table = Table::new(u, v, &nodes);
+        let table = Table::new(u, v, nodes);
         for (a, b) in [(-0.9, 0.1), (0.3, 1.9), (1.4, 0.7), (-0.5, 2.0), (1.5, 0.0)] {
             let jet = table.jet(a, b);
             for (got, want) in [(jet.value, f(a, b)), (jet.by_u, fu(a, b)), (jet.by_v, fv(a, b))] {

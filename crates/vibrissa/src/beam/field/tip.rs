@@ -113,7 +113,19 @@ impl TipField {
         let positions = Index::new(Image::Position, &table, held);
         let readings = Index::new(Image::Reading, &table, held);
         let (mirrored, errors) = (rod.is_straight(), Bounds::default());
-        Ok(Self { rod, limits, load, per_load: 1.0 / load.to, mirrored, samples, table, errors, refinement, positions, readings })
+        Ok(Self {
+            rod,
+            limits,
+            load,
+            per_load: 1.0 / load.to,
+            mirrored,
+            samples,
+            table,
+            errors,
+            refinement,
+            positions,
+            readings,
+        })
     }
 
     /// The whisker's length (m).
@@ -142,6 +154,7 @@ impl TipField {
 
     /// The largest force on the side of `sign` that the field holds at `tilt` (N); 0 beyond the tilts it holds.
     #[must_use]
+    #[inline]
     pub fn largest_force(&self, tilt: f64, sign: f64) -> f64 {
         if self.mirrored && sign < 0.0 { self.limits.at(-tilt, 1.0) } else { self.limits.at(tilt, sign) }
     }
@@ -170,7 +183,7 @@ impl TipField {
     }
 
     /// The state under a load, whether held or not.
-    #[inline]
+    #[inline(always)]
     pub(super) fn state(&self, tilt: f64, force: f64) -> TipState {
         let side = if self.mirrored { 1.0_f64.copysign(force) } else { 1.0 };
         TipState::new(tilt, force, &self.table.jet(side * tilt, side * force), side)
