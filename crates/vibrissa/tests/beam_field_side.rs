@@ -8,7 +8,7 @@ mod random;
 
 use random::Random;
 use std::sync::LazyLock;
-use vibrissa::beam::field::{SideField, SideState};
+use vibrissa::beam::field::{SideField, SideState, TipField};
 use vibrissa::beam::normal::by_force;
 use vibrissa::beam::{Load, Rod, Segment, Whisker, force_mode, moment_mode, point_mode};
 use vibrissa::plane::Vec2;
@@ -128,6 +128,34 @@ fn a_neighbour_leads_to_the_same_branch() {
         let at = field.at(0.5 * whisker.length, 0.1 * field.largest_force(0.5 * whisker.length, 1.0)).unwrap();
         assert!(field.by_position_from(Vec2::new(-0.2, 0.3), &at).is_none());
         assert!(field.by_position_from(Vec2::new(f64::NAN, 0.0), &at).is_none());
+    }
+}
+
+#[test]
+fn a_stored_field_comes_back_bit_for_bit_and_damage_is_told() {
+    for (whisker, field) in FIELDS.iter() {
+        let bytes = field.to_bytes();
+        let back = SideField::from_bytes(&bytes).unwrap();
+        assert_eq!((back.to_bytes(), back.errors()), (bytes, field.errors()));
+        let mut random = Random(27);
+        for _ in 0..100 {
+            let at = state(field, whisker.length, &mut random);
+            assert_eq!(back.at(at.s_a, at.force), field.at(at.s_a, at.force));
+            assert_eq!(back.by_position(at.position), field.by_position(at.position));
+        }
+    }
+    let bytes = FIELDS[0].1.to_bytes();
+    let mut flipped = bytes.clone();
+    flipped[5_000] ^= 1;
+    let tip = TipField::new(&plain()).unwrap().to_bytes();
+    for (bytes, start) in [
+        (&flipped[..], "a stored whisker field is damaged: its checksum does not match"),
+        (&bytes[..1000], "a stored whisker field is damaged: its checksum does not match"),
+        (&tip, "this is no stored whisker field"),
+        (&[], "this is no stored whisker field"),
+    ] {
+        let error = SideField::from_bytes(bytes).err().unwrap();
+        assert!(error.is_data() && error.to_string().starts_with(start), "{error}");
     }
 }
 

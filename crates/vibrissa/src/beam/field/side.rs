@@ -6,7 +6,7 @@ use super::chart::{Bend, Bunched, reach};
 use super::errors::{self, Bounds};
 use super::image::Image;
 use super::index::Index;
-use super::panels::Layout;
+use super::panels::{Layout, Samples};
 use super::state::{FieldErrors, Quantities};
 use super::table::{ENERGY, MOMENT, SLOPE, Table, X, Y};
 use crate::beam::rod::Rod;
@@ -23,6 +23,8 @@ const NEAREST: f64 = 0.1;
 const MOST_LOAD: f64 = 7.0;
 /// Coefficients of the logarithm of that load over the contact's place.
 const TERMS: usize = 8;
+/// Stretches at whose ends the largest loads are found.
+const PLACES: usize = 32;
 /// Panels along the whisker and over the load on one side; cells of a panel along each side.
 const PANELS: [usize; 2] = [4, 4];
 const CELLS: [usize; 2] = [24, 24];
@@ -37,15 +39,16 @@ const LONGEST: f64 = 0.15;
 /// mode. For a uniform whisker [`normal`](super::super::normal) is as fast and exact; this is for the others.
 #[derive(Clone, Debug)]
 pub struct SideField {
-    rod: Rod,
+    pub(super) rod: Rod,
     mirrored: bool,
     /// `ln(unit force * s_a²)` as a polynomial in `2 s_a / L - 1`.
     scale: [f64; TERMS],
     load: Bunched,
     /// Largest positive and negative load over places that are equally spaced, in the load's unit.
-    limits: Vec<[f64; 2]>,
+    pub(super) limits: Vec<[f64; 2]>,
+    pub(super) samples: Samples,
     table: Table,
-    errors: Bounds,
+    pub(super) errors: Bounds,
     index: Index,
 }
 
@@ -115,33 +118,28 @@ impl SideField {
     pub fn of_rod(rod: &Rod) -> Result<Self> {
         let (scale, mirrored, length) = (scale(rod), rod.is_straight(), rod.length());
         let layout = layout(mirrored);
-        let places = 32;
         let limits: Vec<[f64; 2]> =
-            (0..=places).map(|i| largest_loads(rod, &scale, place(i as f64 / f64::from(places)))).collect();
-        let load = Bunched::new(1.0, limits.iter().flatten().fold(0.0, |a, b| a.max(*b)));
+            (0..=PLACES).map(|i| largest_loads(rod, &scale, place(i as f64 / PLACES as f64))).collect();
+        let load = largest(&limits);
         let exact = |u: f64, v: f64| {
             let loaded = rod.loaded(load.at(v) * unit(&scale, u, length), u * length, 0.0)?;
             Some([loaded.slope, loaded.contact.x, loaded.contact.y, loaded.moment, loaded.energy])
         };
         let too_soft = || Error::data("the whisker is too soft to be tabulated").remedy("check its rigidities");
         let samples = layout.sample(exact).filter(|_| load.to > 0.0).ok_or_else(too_soft)?;
-        let table = layout.table(&samples);
-        let held = |i: usize, j: usize| {
-            let (a, b) = (table.v.knots[j], table.v.knots[j + 1]);
-            let k = usize::from(a + b < 0.0);
-            let nearest = load.at(a.abs().min(b.abs()));
-            // Limits are linear between places: the ends of a cell and the places within it bound them.
-            let (u0, u1) = (table.u.knots[i], table.u.knots[i + 1]);
-            let within = limits.iter().enumerate().filter(|(n, _)| {
-                let u = place(*n as f64 / f64::from(places));
-                u > u0 && u < u1
-            });
-            let most = within.map(|(_, pair)| pair[k]).fold(limit(&limits, u0, k).max(limit(&limits, u1, k)), f64::max);
-            nearest <= most
-        };
-        let errors = errors::measured(&layout, &samples, &table, held, exact);
-        let index = Index::new(Image::Position, &table, held);
-        Ok(Self { rod: rod.clone(), mirrored, scale, load, limits, table, errors, index })
+        let mut field = Self::from_measured(rod.clone(), limits, samples);
+        let held = |i: usize, j: usize| is_held(&field.table, &field.limits, &field.load, i, j);
+        field.errors = errors::measured(&layout, &field.samples, &field.table, held, exact);
+        Ok(field)
+    }
+
+    /// The field of what was measured on a rod, its errors still unknown.
+    pub(super) fn from_measured(rod: Rod, limits: Vec<[f64; 2]>, samples: Samples) -> Self {
+        let (scale, mirrored) = (scale(&rod), rod.is_straight());
+        let load = largest(&limits);
+        let table = layout(mirrored).table(&samples);
+        let index = Index::new(Image::Position, &table, |i, j| is_held(&table, &limits, &load, i, j));
+        Self { rod, mirrored, scale, load, limits, samples, table, errors: Bounds::default(), index }
     }
 
     /// Bounds on the distance of every tabulated quantity from the beam, everywhere in the field.
@@ -151,6 +149,12 @@ impl SideField {
     #[must_use]
     pub fn errors(&self) -> FieldErrors {
         self.errors.value
+    }
+
+    /// The whisker's length (m).
+    #[must_use]
+    pub fn length(&self) -> f64 {
+        self.rod.length()
     }
 
     /// The largest force on the side of `sign` with the contact at `s_a` (m) (N); 0 where the field holds no contact.
@@ -298,6 +302,26 @@ fn place(share: f64) -> f64 {
     NEAREST + (1.0 - NEAREST) * share
 }
 
+/// The load's coordinate up to the largest of `limits`.
+fn largest(limits: &[[f64; 2]]) -> Bunched {
+    Bunched::new(1.0, limits.iter().flatten().fold(0.0, |a, b| a.max(*b)))
+}
+
+/// Whether the cell `(i, j)` holds loads within the limits.
+fn is_held(table: &Table, limits: &[[f64; 2]], load: &Bunched, i: usize, j: usize) -> bool {
+    let (a, b) = (table.v.knots[j], table.v.knots[j + 1]);
+    let k = usize::from(a + b < 0.0);
+    let nearest = load.at(a.abs().min(b.abs()));
+    // Limits are linear between places: the ends of a cell and the places within it bound them.
+    let (u0, u1) = (table.u.knots[i], table.u.knots[i + 1]);
+    let places = (limits.len() - 1) as f64;
+    let within = limits.iter().enumerate().filter(|(n, _)| {
+        let u = place(*n as f64 / places);
+        u > u0 && u < u1
+    });
+    nearest <= within.map(|(_, pair)| pair[k]).fold(limit(limits, u0, k).max(limit(limits, u1, k)), f64::max)
+}
+
 /// The limit at `u`, linear between places.
 fn limit(limits: &[[f64; 2]], u: f64, k: usize) -> f64 {
     let cells = limits.len() - 1;
@@ -360,7 +384,7 @@ fn largest_loads(rod: &Rod, scale: &[f64; TERMS], u: f64) -> [f64; 2] {
     [side(1.0), if rod.is_straight() { 0.0 } else { side(-1.0) }]
 }
 
-fn layout(mirrored: bool) -> Layout {
+pub(super) fn layout(mirrored: bool) -> Layout {
     let even = |lo: f64, hi: f64, n: usize| (0..=n).map(|i| lo + (hi - lo) * (i as f64 / n as f64)).collect::<Vec<_>>();
     Layout {
         u_breaks: even(NEAREST, 1.0, PANELS[0]),
