@@ -5,9 +5,9 @@
 extern crate alloc;
 use super::chart::Bunched;
 use super::errors::Bounds;
+use super::side::{self, SideField};
 use super::state::FieldErrors;
 use super::table::QUANTITIES;
-use super::side::{self, SideField};
 use super::tip::{Measured, TipField, layout};
 use crate::beam::rod::Rod;
 use crate::error::{Error, Result};
@@ -79,9 +79,8 @@ impl SideField {
     pub fn from_bytes(bytes: &[u8]) -> Result<Self> {
         let [rod, limits, errors, samples] = lists(SIDE_MAGIC, bytes)?;
         let rod = Rod::from_numbers(&rod)?;
-        let whole = samples.len() == side::layout(rod.is_straight()).count() * QUANTITIES
-            && limits.len() % 2 == 0
-            && limits.len() >= 4;
+        let whole =
+            samples.len() == side::layout(&rod).count() * QUANTITIES && limits.len() % 2 == 0 && limits.len() >= 4;
         let (Ok::<[f64; 12], _>(errors), true) = (errors.try_into(), whole) else {
             return Err(damaged("its lists have the wrong lengths"));
         };
@@ -102,12 +101,8 @@ impl Bounds {
 
     /// Of at least twelve numbers.
     fn from_numbers(n: &[f64]) -> Self {
-        let [value, by_u, by_v] = [0, 4, 8].map(|k| FieldErrors {
-            slope: n[k],
-            position: n[k + 1],
-            moment: n[k + 2],
-            energy: n[k + 3],
-        });
+        let [value, by_u, by_v] =
+            [0, 4, 8].map(|k| FieldErrors { slope: n[k], position: n[k + 1], moment: n[k + 2], energy: n[k + 3] });
         Self { value, by_u, by_v }
     }
 }
@@ -131,7 +126,8 @@ fn damaged(what: &str) -> Error {
 fn lists(magic: &[u8; 16], bytes: &[u8]) -> Result<[Vec<f64>; 4]> {
     let (head, version) = (magic.len() - 1, magic[magic.len() - 1]);
     if bytes.len() < magic.len() + 8 || bytes[..head] != magic[..head] {
-        return Err(Error::data("this is no stored whisker field").remedy("give bytes that to_bytes of the same kind of field wrote"));
+        return Err(Error::data("this is no stored whisker field")
+            .remedy("give bytes that to_bytes of the same kind of field wrote"));
     }
     if bytes[head] != version {
         return Err(Error::data("version of a stored whisker field")

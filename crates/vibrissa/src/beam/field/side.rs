@@ -23,6 +23,8 @@ const NEAREST: f64 = 0.1;
 const MOST_LOAD: f64 = 7.0;
 /// Coefficients of the logarithm of that load over the contact's place.
 const TERMS: usize = 8;
+/// Panels thinner than this share of the length are joined to a neighbour.
+const THINNEST: f64 = 0.02;
 /// Stretches at whose ends the largest loads are found.
 const PLACES: usize = 32;
 /// Panels along the whisker and over the load on one side; cells of a panel along each side.
@@ -54,7 +56,6 @@ pub struct SideField {
 
 /// A whisker in equilibrium with its side in frictionless contact, and how it changes.
 ///
-/// Where a rod's stiffness jumps, derivatives by arc length are one-sided on both sides of the joint's cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SideState {
     /// Arc length from the base to the contact (m).
@@ -116,8 +117,8 @@ impl SideField {
     /// # Errors
     /// Data: a rod too soft to be integrated.
     pub fn of_rod(rod: &Rod) -> Result<Self> {
-        let (scale, mirrored, length) = (scale(rod), rod.is_straight(), rod.length());
-        let layout = layout(mirrored);
+        let (scale, length) = (scale(rod), rod.length());
+        let layout = layout(rod);
         let limits: Vec<[f64; 2]> =
             (0..=PLACES).map(|i| largest_loads(rod, &scale, place(i as f64 / PLACES as f64))).collect();
         let load = largest(&limits);
@@ -137,15 +138,14 @@ impl SideField {
     pub(super) fn from_measured(rod: Rod, limits: Vec<[f64; 2]>, samples: Samples) -> Self {
         let (scale, mirrored) = (scale(&rod), rod.is_straight());
         let load = largest(&limits);
-        let table = layout(mirrored).table(&samples);
+        let table = layout(&rod).table(&samples);
         let index = Index::new(Image::Position, &table, |i, j| is_held(&table, &limits, &load, i, j));
         Self { rod, mirrored, scale, load, limits, samples, table, errors: Bounds::default(), index }
     }
 
     /// Bounds on the distance of every tabulated quantity from the beam, everywhere in the field.
     ///
-    /// A rod with joints has them where the table's cells straddle one; the bounds are measured there, too, but only at the
-    /// middles of cells and where the samples' polynomials are expected to err most.
+    /// Panels end at a rod's joints, so that joints cost no accuracy; two that are closer than 2 % of the length do.
     #[must_use]
     pub fn errors(&self) -> FieldErrors {
         self.errors.value
@@ -384,11 +384,19 @@ fn largest_loads(rod: &Rod, scale: &[f64; TERMS], u: f64) -> [f64; 2] {
     [side(1.0), if rod.is_straight() { 0.0 } else { side(-1.0) }]
 }
 
-pub(super) fn layout(mirrored: bool) -> Layout {
+/// How the chart of a rod is cut. What is tabulated has a jump in a second derivative where the contact passes a joint: there a
+/// panel ends.
+pub(super) fn layout(rod: &Rod) -> Layout {
     let even = |lo: f64, hi: f64, n: usize| (0..=n).map(|i| lo + (hi - lo) * (i as f64 / n as f64)).collect::<Vec<_>>();
+    let mut u_breaks = even(NEAREST, 1.0, PANELS[0]);
+    for joint in rod.joints().map(|s| s / rod.length()).filter(|u| *u > NEAREST + THINNEST && *u < 1.0 - THINNEST) {
+        u_breaks.retain(|u| *u <= NEAREST || *u >= 1.0 || (u - joint).abs() > THINNEST);
+        u_breaks.push(joint);
+    }
+    u_breaks.sort_by(f64::total_cmp);
     Layout {
-        u_breaks: even(NEAREST, 1.0, PANELS[0]),
-        v_breaks: if mirrored { even(0.0, 1.0, PANELS[1]) } else { even(-1.0, 1.0, 2 * PANELS[1]) },
+        u_breaks,
+        v_breaks: if rod.is_straight() { even(0.0, 1.0, PANELS[1]) } else { even(-1.0, 1.0, 2 * PANELS[1]) },
         u_cells: CELLS[0],
         v_cells: CELLS[1],
         bends: [Bend::Same; 2],

@@ -1,7 +1,7 @@
 //! Bicubic tables: five smooth quantities over a chart, once continuously differentiable.
 //!
 //! Each knot keeps value, both first derivatives and the mixed one; between knots each quantity is the bicubic Hermite
-//! polynomial of the four corners, summed with Hermite's own weights: as quick as by powers, from a fifth of the memory. Its Bernstein coefficients enclose it.
+//! polynomial of the four corners, kept by powers for look-ups. Its Bernstein coefficients enclose it.
 
 extern crate alloc;
 use super::axis::{Axis, Place};
@@ -88,6 +88,7 @@ impl Table {
 
     /// Horner's scheme for values and slopes at once, row by row: it needs two registers beside the sums, and no weights.
     #[inline(always)]
+    #[allow(clippy::needless_range_loop, reason = "a plain loop over the lanes is added in pairs")]
     fn jet_at(&self, u: &Place, v: &Place) -> Jet {
         let mut jet = Jet { value: [0.0; LANES], by_u: [0.0; LANES], by_v: [0.0; LANES] };
         let Some(patch) = self.patches.get(u.cell * self.v.cells() + v.cell) else { return jet };
