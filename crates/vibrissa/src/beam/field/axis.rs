@@ -11,7 +11,7 @@ const MOST_BINS: usize = 1 << 17;
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Axis {
     pub(super) knots: Vec<f64>,
-    /// Start, width and one over the width of each cell; the start of a last, endless one is infinite.
+    /// Start, width and one over the width of each cell; a last start that nothing reaches.
     spans: Vec<Span>,
     first: f64,
     per_bin: f64,
@@ -51,7 +51,8 @@ impl Axis {
         let start = |bin: usize| knots[0] + bin as f64 / per_bin;
         let cell = |x: f64| knots.partition_point(|knot| *knot <= x).saturating_sub(1).min(spans.len().max(1) - 1);
         let bins = (0..count).map(|bin| cell(start(bin)) as u32).collect();
-        spans.push(Span { start: f64::INFINITY, width: 1.0, per_width: 1.0 });
+        // No place is beyond this start, not even an infinite one.
+        spans.push(Span { start: f64::NAN, width: 1.0, per_width: 1.0 });
         Self { first: knots[0], knots, spans, per_bin, last_bin: count as u32 - 1, bins }
     }
 
