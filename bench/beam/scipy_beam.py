@@ -100,6 +100,10 @@ def main():
         "moment single": nanoseconds(lambda: moment(m, 0.06)),
         "point single": nanoseconds(lambda: point(x, y)),
         "taper single": nanoseconds(lambda: by_march(0.05, 0.06, 1e-8, 0.5)),
+        "taper 0.1 single": nanoseconds(lambda: by_march(0.01, 0.06, 1e-8, 0.1)),
+        "taper 0.05 single": nanoseconds(lambda: by_march(0.008, 0.06, 1e-8, 0.05)),
+        "taper 0.1 tip": nanoseconds(lambda: by_march(0.003, LENGTH, 1e-8, 0.1)),
+        "taper 0.05 tip": nanoseconds(lambda: by_march(0.0008, LENGTH, 1e-8, 0.05)),
     }
     for name, value in rows.items():
         print(f"{name}\t{value:.1f}")

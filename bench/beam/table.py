@@ -13,6 +13,18 @@ ROWS = [
     ("batch/point: force, arc length, slope, tip", 1024, "point single"),
     ("single/baseline: elliptic functions, force mode", 1, "force single"),
     ("general/tapered to one half: force mode", 1, "taper single"),
+    ("general/tapered to one tenth: force mode", 1, "taper 0.1 single"),
+    ("general/tapered to one twentieth: force mode", 1, "taper 0.05 single"),
+    ("general/tip of a whisker tapered to one tenth", 1, "taper 0.1 tip"),
+    ("general/tip of a whisker tapered to one twentieth", 1, "taper 0.05 tip"),
+    ("field/uniform: at, with derivatives, all over the field", 1, "force single"),
+    ("field/uniform: at, with derivatives, around one place", 1, "force single"),
+    ("field/uniform: position, from a neighbour", 1, "point single"),
+    ("field/uniform: direction and moment, from a neighbour", 1, "moment single"),
+    ("cores/baseline: one thread: a million normal loads", 1_000_000, "force batch"),
+    ("cores/two threads: a million normal loads", 1_000_000, "force batch"),
+    ("cores/baseline: one thread: 20000 tapered rods", 20_000, "taper 0.1 single"),
+    ("cores/two threads: 20000 tapered rods", 20_000, "taper 0.1 single"),
 ]
 
 

@@ -161,6 +161,13 @@ fn general(c: &mut Criterion) {
             b.iter(|| rod.moment_mode(black_box(start.moment), 0.06, Load::Normal).unwrap());
         });
     }
+    // The sharp end itself, turned by about a radian.
+    for (name, tip_ratio, force) in [("one tenth", 0.1, 0.003), ("one twentieth", 0.05, 0.0008)] {
+        let rod = Rod::new(&Whisker { tip_ratio, ..plain }).unwrap();
+        group.bench_function(format!("tip of a whisker tapered to {name}"), |b| {
+            b.iter(|| rod.force_mode(black_box(force), plain.length, Load::Normal).unwrap());
+        });
+    }
     group.bench_function("closed form, moment mode, every branch", |b| {
         b.iter(|| moment_mode(&plain, black_box(5e-3), 0.06, Load::Normal).unwrap());
     });

@@ -8,7 +8,7 @@ mod random;
 
 use random::Random;
 use std::sync::LazyLock;
-use vibrissa::beam::field::{SideField, SideState};
+use vibrissa::beam::field::{SideField, SideState, TipField};
 use vibrissa::beam::normal::by_force;
 use vibrissa::beam::{Load, Rod, Segment, Whisker, force_mode, moment_mode, point_mode};
 use vibrissa::plane::Vec2;
@@ -108,6 +108,58 @@ fn point_and_moment_mode_agree() {
 }
 
 #[test]
+fn a_neighbour_leads_to_the_same_branch() {
+    for (whisker, field) in FIELDS.iter() {
+        let (mut random, mut found) = (Random(26), 0);
+        for _ in 0..300 {
+            let at = state(field, whisker.length, &mut random);
+            let (s_a, force) = (at.s_a * (1.0 + random.signed(0.03)), at.force * (1.0 + random.signed(0.03)));
+            let Some(want) = field.at(s_a, force) else { continue };
+            let Some(got) = field.by_position_from(want.position, &at) else { continue };
+            found += 1;
+            assert!(got.position.distance(want.position) < 1e-9 * whisker.length, "{at:?} {want:?} {got:?}");
+            // Near a fold two states share a place.
+            let same = (got.s_a - want.s_a).abs() < 1e-6 * whisker.length && (got.slope - want.slope).abs() < 1e-5;
+            let listed = field.by_position(want.position).iter().any(|s| (s.slope - got.slope).abs() < 1e-6);
+            assert!(same || listed, "{at:?} {want:?} {got:?}");
+        }
+        println!("taper {}, curvature {}: {found}", whisker.tip_ratio, whisker.curvature);
+        assert!(found > 200, "{whisker:?}: {found}");
+        let at = field.at(0.5 * whisker.length, 0.1 * field.largest_force(0.5 * whisker.length, 1.0)).unwrap();
+        assert!(field.by_position_from(Vec2::new(-0.2, 0.3), &at).is_none());
+        assert!(field.by_position_from(Vec2::new(f64::NAN, 0.0), &at).is_none());
+    }
+}
+
+#[test]
+fn a_stored_field_comes_back_bit_for_bit_and_damage_is_told() {
+    for (whisker, field) in FIELDS.iter() {
+        let bytes = field.to_bytes();
+        let back = SideField::from_bytes(&bytes).unwrap();
+        assert_eq!((back.to_bytes(), back.errors()), (bytes, field.errors()));
+        let mut random = Random(27);
+        for _ in 0..100 {
+            let at = state(field, whisker.length, &mut random);
+            assert_eq!(back.at(at.s_a, at.force), field.at(at.s_a, at.force));
+            assert_eq!(back.by_position(at.position), field.by_position(at.position));
+        }
+    }
+    let bytes = FIELDS[0].1.to_bytes();
+    let mut flipped = bytes.clone();
+    flipped[5_000] ^= 1;
+    let tip = TipField::new(&plain()).unwrap().to_bytes();
+    for (bytes, start) in [
+        (&flipped[..], "a stored whisker field is damaged: its checksum does not match"),
+        (&bytes[..1000], "a stored whisker field is damaged: its checksum does not match"),
+        (&tip, "this is no stored whisker field"),
+        (&[], "this is no stored whisker field"),
+    ] {
+        let error = SideField::from_bytes(bytes).err().unwrap();
+        assert!(error.is_data() && error.to_string().starts_with(start), "{error}");
+    }
+}
+
+#[test]
 fn joints_cost_little() {
     let wire = |length: f64, second_moment: f64| Segment { length, young_modulus: 52e9, second_moment };
     let rod = Rod::from_segments(&[wire(0.03, 5.555e-15), wire(0.045, 2e-15)]).unwrap();
@@ -120,7 +172,7 @@ fn joints_cost_little() {
         worst = worst.max(at.position.distance(want.contact));
     }
     println!("worst {worst:e}, promised {:e}", field.errors().position);
-    assert!(worst < 1e-2 * 0.075 && worst < 1.5 * field.errors().position, "{worst} {:?}", field.errors());
+    assert!(worst < field.errors().position && field.errors().position < 2e-5 * 0.075, "{worst} {:?}", field.errors());
 }
 
 #[test]

@@ -4,7 +4,6 @@
 mod random;
 
 use random::Random;
-use std::time::Instant;
 use vibrissa::plane::{SegmentTree, Vec2, segment_contact};
 
 type Edge = [Vec2; 2];
@@ -146,32 +145,4 @@ fn inside_a_polygon() {
     assert_eq!(diamond.ray_crossings(Vec2::ZERO), 1);
     assert_eq!(diamond.ray_crossings(Vec2::new(-2.0, 0.0)), 2);
     assert_eq!(diamond.ray_crossings(Vec2::new(-2.0, 1.0)) % 2, 0);
-}
-
-/// Prints how the cost of a look-up grows; it must not grow like the number of edges.
-#[test]
-fn cost_grows_slowly() {
-    let mut per_query = Vec::new();
-    for count in [1_000, 1_000_000] {
-        let edges = star(count);
-        let start = Instant::now();
-        let tree = SegmentTree::new(&edges);
-        let built = start.elapsed();
-        let mut random = Random(2);
-        let start = Instant::now();
-        let mut sum = 0.0;
-        for _ in 0..2000 {
-            let angle = random.signed(3.0);
-            let p = Vec2::from_angle(angle) * (1.0 + 0.3 * (7.0 * angle).sin() + random.signed(0.05));
-            sum += tree.nearest(p).map_or(0.0, |n| n.distance);
-            sum += tree.ray_crossings(p) as f64;
-            sum += f64::from(u8::from(tree.crosses(p, p + Vec2::new(0.02, 0.01))));
-        }
-        per_query.push(start.elapsed().as_secs_f64() / 2000.0);
-        println!(
-            "{count} edges: built in {built:?}, three look-ups in {:.2} us ({sum:.1})",
-            per_query.last().unwrap() * 1e6
-        );
-    }
-    assert!(per_query[1] < 30.0 * per_query[0], "{per_query:?}");
 }

@@ -296,3 +296,44 @@ fn build(edges: &[[Vec2; 2]], order: &mut [u32], first: u32, nodes: &mut Vec<Nod
     nodes[me].first = second;
     nodes[me].count = 0;
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use core::cell::Cell;
+    use core::f64::consts::TAU;
+
+    /// Nodes that look-ups must enter: those within the distance of the nearest edge, and those that meet a small box.
+    fn entered(count: usize) -> [f64; 2] {
+        let star = |angle: f64| Vec2::from_angle(angle) * (1.0 + 0.3 * (7.0 * angle).sin());
+        let corner = |k: usize| star(TAU * (k % count) as f64 / count as f64);
+        let tree = SegmentTree::new(&(0..count).map(|k| [corner(k), corner(k + 1)]).collect::<Vec<_>>());
+        let (seen, queries) = (Cell::new([0, 0]), 500);
+        for n in 0..queries {
+            // Golden angles, now inside and now outside.
+            let p = star(2.399_963_229_728_653 * n as f64) * (0.96 + 0.02 * (n % 5) as f64);
+            let reach = tree.nearest(p).map_or(0.0, |found| found.distance * (1.0 + 1e-9));
+            let near = |b: &Bounds| b.distance_squared(p) <= reach * reach;
+            let corners = Bounds::of(&[p, p + Vec2::new(0.5, 0.25) * (1.0 / count as f64)]);
+            let counted = |kind: usize, yes: bool| {
+                let mut now = seen.get();
+                now[kind] += 1;
+                seen.set(now);
+                yes
+            };
+            tree.visit(|b| counted(0, near(b)), |_| false);
+            tree.visit(|b| counted(1, b.overlaps(corners)), |_| false);
+        }
+        seen.get().map(|nodes| f64::from(nodes) / queries as f64)
+    }
+
+    /// A hundred times as many edges are seven more levels: the work of a look-up must grow far less than the edges.
+    #[test]
+    fn look_ups_enter_few_nodes() {
+        let (few, many) = (entered(1_000), entered(100_000));
+        for (few, many) in few.into_iter().zip(many) {
+            println!("{few} nodes, then {many}");
+            assert!(many < 10.0 * few, "{few} nodes, then {many}");
+        }
+    }
+}

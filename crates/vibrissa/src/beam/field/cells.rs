@@ -17,8 +17,8 @@ type Net = [[f64; 4]; 4];
 const DEEPEST: usize = 9;
 /// Most Newton steps.
 const MOST_STEPS: usize = 24;
-/// A step below this share of a cell ends the search.
-const LAST_STEP: f64 = 1e-12;
+/// A step below this share of a cell is the last: what it leaves is its square.
+const LAST_STEP: f64 = 1e-7;
 /// How far outside its cell a solution may lie, as a share of the cell: neighbours find it, too.
 const SLACK: f64 = 1e-7;
 /// How much the preconditioned derivative may differ from one where a single solution is taken for granted.
@@ -61,7 +61,7 @@ impl Search<'_> {
         }
         let regular = seen.is_some_and(|nets| is_regular(&nets));
         if regular || depth == DEEPEST {
-            found.extend(self.newton(cell, part));
+            found.extend(self.newton(cell, part, seen.as_ref().map_or([0.5; 2], linear_root)));
             return;
         }
         let (s, t) = (0.5 * (part.s.0 + part.s.1), 0.5 * (part.t.0 + part.t.1));
@@ -76,22 +76,26 @@ impl Search<'_> {
         }
     }
 
-    /// Newton's method from the middle of a part; chart coordinates, when it ends inside the part.
-    fn newton(&self, cell: &Held, part: Part) -> Option<[f64; 2]> {
+    /// Newton's method from a place in a part, in shares of the part; the table's coordinates, when it ends inside the part.
+    fn newton(&self, cell: &Held, part: Part, start: [f64; 2]) -> Option<[f64; 2]> {
         let (hu, hv) = (self.table.u.width(cell.i), self.table.v.width(cell.j));
         let (u0, v0) = (self.table.u.knots[cell.i], self.table.v.knots[cell.j]);
         let clamp = |x: f64, (lo, hi): (f64, f64)| x.clamp(lo - 0.5 * (hi - lo), hi + 0.5 * (hi - lo));
         let inside = |x: f64, (lo, hi): (f64, f64)| x >= lo - SLACK && x <= hi + SLACK;
-        let [mut s, mut t] = [0.5 * (part.s.0 + part.s.1), 0.5 * (part.t.0 + part.t.1)];
+        let from = |x: f64, (lo, hi): (f64, f64)| lo + (hi - lo) * x;
+        let (mut s, mut t) = (from(start[0], part.s), from(start[1], part.t));
         for _ in 0..MOST_STEPS {
             let (u, v) = (u0 + s * hu, v0 + t * hv);
             let here = self.image.of(&self.table.jet_in(cell.i, cell.j, u, v), u, self.scale);
             let [du, dv] = here.step(self.target)?;
-            let done = (du / hu).abs().max((dv / hv).abs()) < LAST_STEP || here.is_at(self.target);
-            if done {
+            let (ds, dt) = (du / hu, dv / hv);
+            if here.is_at(self.target) {
                 return (inside(s, part.s) && inside(t, part.t)).then_some([u, v]);
             }
-            (s, t) = (clamp(s + du / hu, part.s), clamp(t + dv / hv, part.t));
+            if ds.abs().max(dt.abs()) < LAST_STEP {
+                return (inside(s + ds, part.s) && inside(t + dt, part.t)).then_some([u + du, v + dv]);
+            }
+            (s, t) = (clamp(s + ds, part.s), clamp(t + dt, part.t));
         }
         None
     }
@@ -119,6 +123,15 @@ fn preconditioned(nets: &[Net; 2]) -> Option<[Net; 2]> {
         }
     }
     Some(seen)
+}
+
+/// Where preconditioned nets, taken for linear, vanish: shares of their part.
+fn linear_root(nets: &[Net; 2]) -> [f64; 2] {
+    const MIDDLE: [f64; 4] = [0.125, 0.375, 0.375, 0.125];
+    let middle = |net: &Net| -> f64 {
+        net.iter().zip(MIDDLE).map(|(row, w)| w * row.iter().zip(MIDDLE).map(|(c, w)| w * c).sum::<f64>()).sum()
+    };
+    [0, 1].map(|k| (0.5 - middle(&nets[k])).clamp(0.0, 1.0))
 }
 
 /// Whether both nets have coefficients on both sides of zero, a little slack given.

@@ -35,14 +35,6 @@ impl Bunched {
         self.to * self.per_from * (2.0 + w * w) / (below * below)
     }
 
-    /// One over [`Bunched::rate`].
-    #[inline]
-    pub(super) fn slowness(&self, x: f64) -> f64 {
-        let w = x * self.per_from;
-        let below = 2.0 - w * w;
-        self.from * self.per_to * (below * below) / (2.0 + w * w)
-    }
-
     /// The inverse of [`Bunched::at`].
     #[inline]
     pub(super) fn inverse(&self, y: f64) -> f64 {
@@ -54,22 +46,29 @@ impl Bunched {
 /// The largest loads of a field, at equal steps of the other coordinate and linear between them.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Limits {
-    pub(super) start: f64,
-    pub(super) end: f64,
+    start: f64,
+    end: f64,
+    per_step: f64,
     /// The largest positive force, and the size of the largest negative one (N).
     pub(super) forces: Vec<[f64; 2]>,
 }
 
 impl Limits {
+    /// Limits at equal steps from `start` to `end`; at least two.
+    pub(super) fn new(start: f64, end: f64, forces: Vec<[f64; 2]>) -> Self {
+        let per_step = (forces.len().max(2) - 1) as f64 / (end - start);
+        Self { start, end, per_step, forces }
+    }
+
     /// The largest load at `u` on the side of `sign`, as a size (N); 0 outside the chart.
-    #[inline]
+    #[inline(always)]
     pub(super) fn at(&self, u: f64, sign: f64) -> f64 {
         if !(u >= self.start && u <= self.end) {
             return 0.0;
         }
         let cells = self.forces.len() - 1;
-        let x = (u - self.start) * (cells as f64 / (self.end - self.start));
-        let i = (x as usize).min(cells - 1);
+        let x = (u - self.start) * self.per_step;
+        let i = (x as u32 as usize).min(cells - 1);
         let k = usize::from(sign < 0.0);
         let (a, b) = (self.forces[i][k], self.forces[i + 1][k]);
         a + (b - a) * (x - i as f64)
@@ -82,7 +81,7 @@ impl Limits {
 
     /// The largest load on the side of `sign` over `[lo, hi]`.
     pub(super) fn largest_over(&self, lo: f64, hi: f64, sign: f64) -> f64 {
-        let step = (self.end - self.start) / (self.forces.len() - 1) as f64;
+        let step = 1.0 / self.per_step;
         let mut best = self.at(lo, sign).max(self.at(hi, sign));
         for i in 0..self.forces.len() {
             let u = self.start + step * i as f64;
@@ -110,6 +109,44 @@ pub(super) fn reach(most: f64, ok: impl Fn(f64) -> bool) -> f64 {
     good
 }
 
+/// How a table's coordinate follows from that of the samples: samples are spread by the smoothness of what is sampled, while a table
+/// is read in the caller's own numbers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Bend {
+    Same,
+    At(Bunched),
+    Inverse(Bunched),
+}
+
+impl Bend {
+    /// The table's coordinate.
+    pub(super) fn at(&self, x: f64) -> f64 {
+        match self {
+            Self::Same => x,
+            Self::At(map) => map.at(x),
+            Self::Inverse(map) => map.inverse(x),
+        }
+    }
+
+    /// The samples' coordinate.
+    pub(super) fn back(&self, y: f64) -> f64 {
+        match self {
+            Self::Same => y,
+            Self::At(map) => map.inverse(y),
+            Self::Inverse(map) => map.at(y),
+        }
+    }
+
+    /// The derivative of [`Bend::back`] at `y`.
+    pub(super) fn back_rate(&self, y: f64) -> f64 {
+        match self {
+            Self::Same => 1.0,
+            Self::At(map) => 1.0 / map.rate(map.inverse(y)),
+            Self::Inverse(map) => map.rate(y),
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -121,7 +158,12 @@ mod tests {
             let x = f64::from(i) / 200.0;
             assert!((map.inverse(map.at(x)) - x).abs() < 1e-14);
             let rate = (map.at(x + 1e-6) - map.at(x - 1e-6)) / 2e-6;
-            assert!((rate * map.slowness(x) - 1.0).abs() < 1e-8 && (rate / map.rate(x) - 1.0).abs() < 1e-8);
+            assert!((rate / map.rate(x) - 1.0).abs() < 1e-8);
+            for bend in [Bend::Same, Bend::At(map), Bend::Inverse(map)] {
+                let y = bend.at(x);
+                let slope = (bend.back(y + 1e-6) - bend.back(y - 1e-6)) / 2e-6;
+                assert!((bend.back(y) - x).abs() < 1e-13 && (slope / bend.back_rate(y) - 1.0).abs() < 1e-8);
+            }
         }
         assert!((map.at(0.5) - 3.7).abs() < 1e-14);
         assert!((map.rate(0.5) / map.rate(0.0) - 6.0).abs() < 1e-12);

@@ -4,7 +4,7 @@ extern crate alloc;
 use super::image::Image;
 use super::index::Held;
 use super::table::{ENERGY, MOMENT, SLOPE, X, Y, restricted};
-use super::tip::{TILTS, TipField};
+use super::tip::{STEEPEST_TILT, TipField};
 use crate::sets::Interval;
 use alloc::vec::Vec;
 use core::f64::consts::{FRAC_PI_2, TAU};
@@ -84,8 +84,9 @@ impl TipField {
             let (lo, hi) = self.readings.first_range();
             let mut turn = ((lo - turned.hi()) / TAU).ceil();
             while turned.lo() + TAU * turn <= hi {
-                let low = [turned.lo() + TAU * turn - self.errors.slope, moments.lo() - self.errors.moment];
-                let high = [turned.hi() + TAU * turn + self.errors.slope, moments.hi() + self.errors.moment];
+                let low = [turned.lo() + TAU * turn - self.errors.value.slope, moments.lo() - self.errors.value.moment];
+                let high =
+                    [turned.hi() + TAU * turn + self.errors.value.slope, moments.hi() + self.errors.value.moment];
                 let side = if mirror { 1.0 } else { force };
                 let found = self.groups(low, high, side);
                 boxes.extend(found.into_iter().map(|b| if mirror { b.mirrored() } else { b }));
@@ -101,8 +102,8 @@ impl TipField {
         if tilts.is_empty() || forces.is_empty() {
             return hull;
         }
-        let u = Interval::new(TILTS.at(tilts.lo().max(-TILTS.from)), TILTS.at(tilts.hi().min(TILTS.from)));
-        let v = Interval::new(self.load.inverse(forces.lo()).max(-1.0), self.load.inverse(forces.hi()).min(1.0));
+        let u = tilts.intersection(Interval::new(-STEEPEST_TILT, STEEPEST_TILT));
+        let v = forces.intersection(Interval::new(-self.load.to, self.load.to));
         if u.is_empty() || v.is_empty() {
             return hull;
         }
@@ -125,7 +126,7 @@ impl TipField {
             let (lo, hi) = range(&restricted(self.table.bernstein(i, j, k), s, t));
             Interval::new(lo - error, hi + error)
         };
-        let e = &self.errors;
+        let e = &self.errors.value;
         TipBox {
             x: hull(X, e.position),
             y: hull(Y, e.position),
@@ -170,7 +171,7 @@ impl TipField {
                 let (s, t) = (piece(p as usize), piece(q as usize));
                 let meets = (0..2).all(|k| {
                     let (low, high) = range(&restricted(nets[k], s, t));
-                    // The tilt's cubic is a little off.
+                    // Rounding is a little off.
                     low - 1e-7 * (high - low) <= hi[k] && high + 1e-7 * (high - low) >= lo[k]
                 });
                 if meets {

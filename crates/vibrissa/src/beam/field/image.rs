@@ -1,7 +1,7 @@
 //! What a chart is inverted for: the tip's position, or the direction of the force and the base moment.
 
+use super::state::TipState;
 use super::table::{Jet, MOMENT, SLOPE, Table, X, Y};
-use super::tip::{TILTS, tilt_at};
 
 /// Residuals below this share of their scale are rounding.
 const ROUNDING: f64 = 1e-14;
@@ -45,36 +45,61 @@ impl Aim {
 }
 
 impl Image {
+    /// Of a table over tilt and force, at the tilt `u`; of a table over other numbers, only [`Image::Position`].
     #[inline]
     pub(super) fn of(self, jet: &Jet, u: f64, scale: [f64; 2]) -> Aim {
-        let pick = |row: &[f64; 5], turn: f64| match self {
-            Self::Position => [row[X], row[Y]],
-            Self::Reading => [row[SLOPE] + turn, row[MOMENT]],
-        };
-        let tilt = tilt_at(u);
-        let rounding = match self {
-            Self::Position => [ROUNDING * scale[0]; 2],
-            Self::Reading => [ROUNDING, ROUNDING * scale[1]],
-        };
-        let (by_u, by_v) = (pick(&jet.by_u, 0.0), pick(&jet.by_v, 0.0));
-        let aim = Aim { value: pick(&jet.value, tilt), by_u, by_v, rounding };
         match self {
-            Self::Position => aim,
-            Self::Reading => Aim { by_u: [aim.by_u[0] + TILTS.slowness(tilt), aim.by_u[1]], ..aim },
+            Self::Position => Aim {
+                value: [jet.value[X], jet.value[Y]],
+                by_u: [jet.by_u[X], jet.by_u[Y]],
+                by_v: [jet.by_v[X], jet.by_v[Y]],
+                rounding: self.rounding(scale),
+            },
+            Self::Reading => Aim {
+                value: [u + jet.value[SLOPE], jet.value[MOMENT]],
+                by_u: [1.0 + jet.by_u[SLOPE], jet.by_u[MOMENT]],
+                by_v: [jet.by_v[SLOPE], jet.by_v[MOMENT]],
+                rounding: self.rounding(scale),
+            },
         }
     }
 
-    /// Bernstein coefficients of the two quantities in the cell `(i, j)`; the tilt is replaced by a cubic, 1e-9 rad off.
+    /// As [`Image::of`], of a state.
+    #[inline]
+    pub(super) fn of_state(self, state: &TipState, scale: [f64; 2]) -> Aim {
+        let (u, v) = (&state.by_tilt, &state.by_force);
+        match self {
+            Self::Position => Aim {
+                value: [state.position.x, state.position.y],
+                by_u: [u.position.x, u.position.y],
+                by_v: [v.position.x, v.position.y],
+                rounding: self.rounding(scale),
+            },
+            Self::Reading => Aim {
+                value: [state.tilt + state.slope, state.moment],
+                by_u: [1.0 + u.slope, u.moment],
+                by_v: [v.slope, v.moment],
+                rounding: self.rounding(scale),
+            },
+        }
+    }
+
+    #[inline]
+    fn rounding(self, scale: [f64; 2]) -> [f64; 2] {
+        match self {
+            Self::Position => [ROUNDING * scale[0]; 2],
+            Self::Reading => [ROUNDING, ROUNDING * scale[1]],
+        }
+    }
+
+    /// Bernstein coefficients of the two quantities in the cell `(i, j)`.
     pub(super) fn nets(self, table: &Table, i: usize, j: usize) -> [[[f64; 4]; 4]; 2] {
         match self {
             Self::Position => [table.bernstein(i, j, X), table.bernstein(i, j, Y)],
             Self::Reading => {
-                let ends = [table.u.knots[i], table.u.knots[i + 1]].map(tilt_at);
-                let third = table.u.width(i) / 3.0;
-                let slopes = ends.map(|tilt| third * TILTS.slowness(tilt));
-                let tilts = [ends[0], ends[0] + slopes[0], ends[1] - slopes[1], ends[1]];
                 let mut turned = table.bernstein(i, j, SLOPE);
-                for (row, tilt) in turned.iter_mut().zip(tilts) {
+                for (p, row) in turned.iter_mut().enumerate() {
+                    let tilt = table.u.knots[i] + table.u.width(i) * (p as f64 / 3.0);
                     for c in row {
                         *c += tilt;
                     }

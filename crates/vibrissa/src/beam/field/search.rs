@@ -4,15 +4,14 @@ extern crate alloc;
 use super::cells::Search;
 use super::image::Image;
 use super::state::TipState;
-use super::table::{ENERGY, Jet, QUANTITIES, X};
-use super::tip::{TILTS, TipField};
+use super::tip::{STEEPEST_TILT, TipField};
 use crate::plane::Vec2;
 use alloc::vec::Vec;
 use core::f64::consts::{FRAC_PI_2, TAU};
 
 /// Most Newton steps along a branch.
 const MOST_STEPS: usize = 24;
-/// Largest step along a branch, in the chart's coordinates.
+/// Largest step along a branch, as a share of the steepest tilt and of the largest load.
 const LONGEST: f64 = 0.15;
 
 impl TipField {
@@ -75,43 +74,29 @@ impl TipField {
 
     /// Newton's method over the whole chart.
     fn along(&self, image: Image, target: [f64; 2], hint: &TipState) -> Option<TipState> {
-        let (mut u, mut v) = (TILTS.at(hint.tilt), self.load.inverse(hint.force));
-        let first = image.of(&self.signed_jet(u, v), u, self.scale());
-        let mut aim = first;
+        let (scale, most) = (self.scale(), self.load.to);
+        let mut state = *hint;
+        // The hint knows its own derivatives.
+        let mut aim = image.of_state(hint, scale);
+        let first = aim.det();
         for _ in 0..MOST_STEPS {
-            let [du, dv] = aim.step(target)?;
-            let shorten = (LONGEST / du.abs().max(dv.abs())).min(1.0);
-            (u, v) = (u + shorten * du, v + shorten * dv);
-            if u.abs() > 1.02 || v.abs() > 1.02 {
+            let [turn, more] = aim.step(target)?;
+            let size = (turn.abs() * (1.0 / STEEPEST_TILT)).max(more.abs() * self.per_load);
+            let share = if size > LONGEST { LONGEST / size } else { 1.0 };
+            let (tilt, force) = (state.tilt + share * turn, state.force + share * more);
+            if tilt.abs() > 1.02 * STEEPEST_TILT || force.abs() > 1.02 * most {
                 return None;
             }
-            let small = du.abs().max(dv.abs()) < 1e-6 || aim.is_at(target);
-            if small {
+            let last = size < 1e-6 || aim.is_at(target);
+            state = self.state(tilt, force);
+            if last {
                 // Convergence is quadratic: the step just taken was the last that matters.
-                let state = self.state(u, v);
-                let held = self.holds(state.tilt, state.force) && (aim.det() > 0.0) == (first.det() > 0.0);
+                let held = self.holds(tilt, force) && (aim.det() > 0.0) == (first > 0.0);
                 return held.then_some(state);
             }
-            aim = image.of(&self.signed_jet(u, v), u, self.scale());
+            aim = image.of_state(&state, scale);
         }
         None
-    }
-
-    /// The table on both sides, mirrored where only one is kept.
-    #[inline]
-    pub(super) fn signed_jet(&self, u: f64, v: f64) -> Jet {
-        if !(self.mirrored && v < 0.0) {
-            return self.table.jet(u, v);
-        }
-        let mut jet = self.table.jet(-u, -v);
-        for k in 0..QUANTITIES {
-            if k == X || k == ENERGY {
-                (jet.by_u[k], jet.by_v[k]) = (-jet.by_u[k], -jet.by_v[k]);
-            } else {
-                jet.value[k] = -jet.value[k];
-            }
-        }
-        jet
     }
 
     /// Sizes by which residuals are judged: length (m) and moment (N m).
@@ -119,11 +104,11 @@ impl TipField {
         [self.rod.length(), self.load.to * self.rod.length()]
     }
 
-    /// The states at chart coordinates, those beyond the field left out, none twice, least energy first.
+    /// The states at tilts and forces, those beyond the field left out, none twice, least energy first.
     fn states(&self, found: Vec<[f64; 2]>) -> Vec<TipState> {
         let mut kept: Vec<[f64; 2]> = Vec::with_capacity(found.len());
         for [u, v] in found {
-            if !kept.iter().any(|[a, b]| (a - u).abs() < 1e-8 && (b - v).abs() < 1e-8) {
+            if !kept.iter().any(|[a, b]| (a - u).abs() < 1e-8 && (b - v).abs() * self.per_load < 1e-8) {
                 kept.push([u, v]);
             }
         }
@@ -133,7 +118,7 @@ impl TipField {
         states
     }
 
-    /// The chart coordinates, in the tabulated half, at which the image is `target`.
+    /// The tilts and forces, in the tabulated half, at which the image is `target`.
     fn solutions(&self, image: Image, target: [f64; 2], of_side: impl Fn(f64) -> bool) -> Vec<[f64; 2]> {
         let index = match image {
             Image::Position => &self.positions,

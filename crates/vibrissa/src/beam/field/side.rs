@@ -2,11 +2,11 @@
 
 extern crate alloc;
 use super::cells::Search;
-use super::chart::{Bunched, reach};
-use super::errors;
+use super::chart::{Bend, Bunched, reach};
+use super::errors::{self, Bounds};
 use super::image::Image;
 use super::index::Index;
-use super::panels::Layout;
+use super::panels::{Layout, Samples};
 use super::state::{FieldErrors, Quantities};
 use super::table::{ENERGY, MOMENT, SLOPE, Table, X, Y};
 use crate::beam::rod::Rod;
@@ -23,9 +23,17 @@ const NEAREST: f64 = 0.1;
 const MOST_LOAD: f64 = 7.0;
 /// Coefficients of the logarithm of that load over the contact's place.
 const TERMS: usize = 8;
+/// Panels thinner than this share of the length are joined to a neighbour.
+const THINNEST: f64 = 0.02;
+/// Stretches at whose ends the largest loads are found.
+const PLACES: usize = 32;
 /// Panels along the whisker and over the load on one side; cells of a panel along each side.
 const PANELS: [usize; 2] = [4, 4];
 const CELLS: [usize; 2] = [24, 24];
+
+/// Most Newton steps along a branch, and the largest step, as a share of the length and of the largest force.
+const MOST_STEPS: usize = 24;
+const LONGEST: f64 = 0.15;
 
 /// All first-mode equilibria of a whisker with one frictionless contact at its side, by the contact's arc length and the force.
 ///
@@ -33,21 +41,21 @@ const CELLS: [usize; 2] = [24, 24];
 /// mode. For a uniform whisker [`normal`](super::super::normal) is as fast and exact; this is for the others.
 #[derive(Clone, Debug)]
 pub struct SideField {
-    rod: Rod,
+    pub(super) rod: Rod,
     mirrored: bool,
     /// `ln(unit force * s_a²)` as a polynomial in `2 s_a / L - 1`.
     scale: [f64; TERMS],
     load: Bunched,
     /// Largest positive and negative load over places that are equally spaced, in the load's unit.
-    limits: Vec<[f64; 2]>,
+    pub(super) limits: Vec<[f64; 2]>,
+    pub(super) samples: Samples,
     table: Table,
-    errors: FieldErrors,
+    pub(super) errors: Bounds,
     index: Index,
 }
 
 /// A whisker in equilibrium with its side in frictionless contact, and how it changes.
 ///
-/// Where a rod's stiffness jumps, derivatives by arc length are one-sided on both sides of the joint's cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SideState {
     /// Arc length from the base to the contact (m).
@@ -109,44 +117,44 @@ impl SideField {
     /// # Errors
     /// Data: a rod too soft to be integrated.
     pub fn of_rod(rod: &Rod) -> Result<Self> {
-        let (scale, mirrored, length) = (scale(rod), rod.is_straight(), rod.length());
-        let layout = layout(mirrored);
-        let places = 32;
+        let (scale, length) = (scale(rod), rod.length());
+        let layout = layout(rod);
         let limits: Vec<[f64; 2]> =
-            (0..=places).map(|i| largest_loads(rod, &scale, place(i as f64 / f64::from(places)))).collect();
-        let load = Bunched::new(1.0, limits.iter().flatten().fold(0.0, |a, b| a.max(*b)));
+            (0..=PLACES).map(|i| largest_loads(rod, &scale, place(i as f64 / PLACES as f64))).collect();
+        let load = largest(&limits);
         let exact = |u: f64, v: f64| {
             let loaded = rod.loaded(load.at(v) * unit(&scale, u, length), u * length, 0.0)?;
             Some([loaded.slope, loaded.contact.x, loaded.contact.y, loaded.moment, loaded.energy])
         };
         let too_soft = || Error::data("the whisker is too soft to be tabulated").remedy("check its rigidities");
         let samples = layout.sample(exact).filter(|_| load.to > 0.0).ok_or_else(too_soft)?;
-        let table = layout.table(&samples);
-        let held = |i: usize, j: usize| {
-            let (a, b) = (table.v.knots[j], table.v.knots[j + 1]);
-            let k = usize::from(a + b < 0.0);
-            let nearest = load.at(a.abs().min(b.abs()));
-            // Limits are linear between places: the ends of a cell and the places within it bound them.
-            let (u0, u1) = (table.u.knots[i], table.u.knots[i + 1]);
-            let within = limits.iter().enumerate().filter(|(n, _)| {
-                let u = place(*n as f64 / f64::from(places));
-                u > u0 && u < u1
-            });
-            let most = within.map(|(_, pair)| pair[k]).fold(limit(&limits, u0, k).max(limit(&limits, u1, k)), f64::max);
-            nearest <= most
-        };
-        let errors = errors::measured(&layout, &samples, &table, held, exact);
-        let index = Index::new(Image::Position, &table, held);
-        Ok(Self { rod: rod.clone(), mirrored, scale, load, limits, table, errors, index })
+        let mut field = Self::from_measured(rod.clone(), limits, samples);
+        let held = |i: usize, j: usize| is_held(&field.table, &field.limits, &field.load, i, j);
+        field.errors = errors::measured(&layout, &field.samples, &field.table, held, exact);
+        Ok(field)
+    }
+
+    /// The field of what was measured on a rod, its errors still unknown.
+    pub(super) fn from_measured(rod: Rod, limits: Vec<[f64; 2]>, samples: Samples) -> Self {
+        let (scale, mirrored) = (scale(&rod), rod.is_straight());
+        let load = largest(&limits);
+        let table = layout(&rod).table(&samples);
+        let index = Index::new(Image::Position, &table, |i, j| is_held(&table, &limits, &load, i, j));
+        Self { rod, mirrored, scale, load, limits, samples, table, errors: Bounds::default(), index }
     }
 
     /// Bounds on the distance of every tabulated quantity from the beam, everywhere in the field.
     ///
-    /// A rod with joints has them where the table's cells straddle one; the bounds are measured there, too, but only at the
-    /// middles of cells and where the samples' polynomials are expected to err most.
+    /// Panels end at a rod's joints, so that joints cost no accuracy; two that are closer than 2 % of the length do.
     #[must_use]
     pub fn errors(&self) -> FieldErrors {
-        self.errors
+        self.errors.value
+    }
+
+    /// The whisker's length (m).
+    #[must_use]
+    pub fn length(&self) -> f64 {
+        self.rod.length()
     }
 
     /// The largest force on the side of `sign` with the contact at `s_a` (m) (N); 0 where the field holds no contact.
@@ -192,6 +200,38 @@ impl SideField {
         states.retain(|state| self.holds(state.s_a, state.force));
         states.sort_by(|a, b| a.energy.total_cmp(&b.energy));
         states
+    }
+
+    /// The equilibrium whose contact is at `position` (m) on the branch of `hint`, a state of this field nearby.
+    ///
+    /// `None` when the branch ends on the way: at a fold, or at the limits of the field.
+    #[must_use]
+    pub fn by_position_from(&self, position: Vec2, hint: &SideState) -> Option<SideState> {
+        let mut at = *hint;
+        let det = |state: &SideState| state.by_arc_length.position.cross(state.by_force.position);
+        for _ in 0..MOST_STEPS {
+            let off = position - at.position;
+            let det_here = det(&at);
+            let along = off.cross(at.by_force.position) / det_here;
+            let more = at.by_arc_length.position.cross(off) / det_here;
+            if !(along.is_finite() && more.is_finite()) {
+                return None;
+            }
+            let most = self.largest_force(at.s_a, at.force);
+            let size = (along / self.rod.length()).abs().max((more / most).abs());
+            let share = if size > LONGEST { LONGEST / size } else { 1.0 };
+            // A step beyond the field's edge goes to the edge, from where the next may lead back.
+            let s_a = (at.s_a + share * along).clamp(NEAREST * self.rod.length(), self.rod.length());
+            let limit = 1.0_f64.copysign(at.force + share * more);
+            let force = limit * (at.force + share * more).abs().min(self.largest_force(s_a, limit));
+            at = self.at(s_a, force)?;
+            if size < 1e-6 {
+                // Convergence is quadratic: the step just taken was the last that matters.
+                let arrived = position.distance(at.position) < 1e-9 * self.rod.length();
+                return (arrived && (det(&at) > 0.0) == (det(hint) > 0.0)).then_some(at);
+            }
+        }
+        None
     }
 
     /// Every equilibrium of the field with the contact at `s_a` (m) and the base moment `moment` (N m), least energy first.
@@ -262,6 +302,26 @@ fn place(share: f64) -> f64 {
     NEAREST + (1.0 - NEAREST) * share
 }
 
+/// The load's coordinate up to the largest of `limits`.
+fn largest(limits: &[[f64; 2]]) -> Bunched {
+    Bunched::new(1.0, limits.iter().flatten().fold(0.0, |a, b| a.max(*b)))
+}
+
+/// Whether the cell `(i, j)` holds loads within the limits.
+fn is_held(table: &Table, limits: &[[f64; 2]], load: &Bunched, i: usize, j: usize) -> bool {
+    let (a, b) = (table.v.knots[j], table.v.knots[j + 1]);
+    let k = usize::from(a + b < 0.0);
+    let nearest = load.at(a.abs().min(b.abs()));
+    // Limits are linear between places: the ends of a cell and the places within it bound them.
+    let (u0, u1) = (table.u.knots[i], table.u.knots[i + 1]);
+    let places = (limits.len() - 1) as f64;
+    let within = limits.iter().enumerate().filter(|(n, _)| {
+        let u = place(*n as f64 / places);
+        u > u0 && u < u1
+    });
+    nearest <= within.map(|(_, pair)| pair[k]).fold(limit(limits, u0, k).max(limit(limits, u1, k)), f64::max)
+}
+
 /// The limit at `u`, linear between places.
 fn limit(limits: &[[f64; 2]], u: f64, k: usize) -> f64 {
     let cells = limits.len() - 1;
@@ -324,12 +384,21 @@ fn largest_loads(rod: &Rod, scale: &[f64; TERMS], u: f64) -> [f64; 2] {
     [side(1.0), if rod.is_straight() { 0.0 } else { side(-1.0) }]
 }
 
-fn layout(mirrored: bool) -> Layout {
+/// How the chart of a rod is cut. What is tabulated has a jump in a second derivative where the contact passes a joint: there a
+/// panel ends.
+pub(super) fn layout(rod: &Rod) -> Layout {
     let even = |lo: f64, hi: f64, n: usize| (0..=n).map(|i| lo + (hi - lo) * (i as f64 / n as f64)).collect::<Vec<_>>();
+    let mut u_breaks = even(NEAREST, 1.0, PANELS[0]);
+    for joint in rod.joints().map(|s| s / rod.length()).filter(|u| *u > NEAREST + THINNEST && *u < 1.0 - THINNEST) {
+        u_breaks.retain(|u| *u <= NEAREST || *u >= 1.0 || (u - joint).abs() > THINNEST);
+        u_breaks.push(joint);
+    }
+    u_breaks.sort_by(f64::total_cmp);
     Layout {
-        u_breaks: even(NEAREST, 1.0, PANELS[0]),
-        v_breaks: if mirrored { even(0.0, 1.0, PANELS[1]) } else { even(-1.0, 1.0, 2 * PANELS[1]) },
+        u_breaks,
+        v_breaks: if rod.is_straight() { even(0.0, 1.0, PANELS[1]) } else { even(-1.0, 1.0, 2 * PANELS[1]) },
         u_cells: CELLS[0],
         v_cells: CELLS[1],
+        bends: [Bend::Same; 2],
     }
 }

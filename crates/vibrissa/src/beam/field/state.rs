@@ -1,6 +1,6 @@
 //! What a field says about one contact.
 
-use super::table::{ENERGY, Jet, MOMENT, Row, SLOPE, X, Y};
+use super::table::{ENERGY, Jet, Lanes, MOMENT, SLOPE, X, Y};
 use crate::plane::Vec2;
 use core::f64::consts::FRAC_PI_2;
 
@@ -131,12 +131,23 @@ impl TipState {
 }
 
 impl Quantities {
-    pub(super) fn new(row: &Row, factor: f64) -> Self {
+    pub(super) fn new(row: &Lanes, factor: f64) -> Self {
         Self {
             slope: row[SLOPE] * factor,
             position: Vec2::new(row[X] * factor, row[Y] * factor),
             moment: row[MOMENT] * factor,
             energy: row[ENERGY] * factor,
+        }
+    }
+
+    /// Derivatives by tilt or force where the jet is that of the mirrored whisker.
+    #[inline(always)]
+    fn of_side(row: &Lanes, side: f64) -> Self {
+        Self {
+            slope: row[SLOPE],
+            position: Vec2::new(side * row[X], row[Y]),
+            moment: row[MOMENT],
+            energy: side * row[ENERGY],
         }
     }
 
@@ -147,18 +158,12 @@ impl Quantities {
 }
 
 impl TipState {
-    /// The state with this jet, with the derivatives of `u` by the tilt and of `v` by the force.
+    /// The state with this jet.
     ///
     /// With `side` -1 the jet is that of the mirrored whisker: what is odd changes its sign, and so does what it is
     /// differentiated by.
-    #[inline]
-    pub(super) fn new(tilt: f64, force: f64, jet: &Jet, rates: (f64, f64), side: f64) -> Self {
-        let rates_of = |row: &Row, rate: f64| Quantities {
-            slope: row[SLOPE] * rate,
-            position: Vec2::new(row[X] * (side * rate), row[Y] * rate),
-            moment: row[MOMENT] * rate,
-            energy: row[ENERGY] * (side * rate),
-        };
+    #[inline(always)]
+    pub(super) fn new(tilt: f64, force: f64, jet: &Jet, side: f64) -> Self {
         Self {
             tilt,
             force,
@@ -166,8 +171,8 @@ impl TipState {
             position: Vec2::new(jet.value[X], side * jet.value[Y]),
             moment: side * jet.value[MOMENT],
             energy: jet.value[ENERGY],
-            by_tilt: rates_of(&jet.by_u, rates.0),
-            by_force: rates_of(&jet.by_v, rates.1),
+            by_tilt: Quantities::of_side(&jet.by_u, side),
+            by_force: Quantities::of_side(&jet.by_v, side),
         }
     }
 }

@@ -1,8 +1,8 @@
 //! The tip field: the whisker as a table over tilt and force at its tip.
 
 extern crate alloc;
-use super::chart::{Bunched, Limits, reach};
-use super::errors;
+use super::chart::{Bend, Bunched, Limits, reach};
+use super::errors::{self, Bounds};
 use super::image::Image;
 use super::index::Index;
 use super::panels::{Layout, Samples};
@@ -42,15 +42,9 @@ pub(super) struct Measured {
     pub(super) samples: Samples,
 }
 
-/// The tilt's coordinate, six times finer at the steepest tilts than at none: a force that all but pulls along the whisker
+/// The tilt's coordinate for the samples and the knots, six times finer at the steepest tilts than at none: a force that all but pulls along the whisker
 /// bends it by an amount that changes with the tilt like `exp(L sqrt(F / EI))`.
 pub(super) const TILTS: Bunched = Bunched::new(STEEPEST_TILT, 1.0);
-
-/// The tilt (rad) at the coordinate `u` in \[-1, 1\].
-#[inline]
-pub(super) fn tilt_at(u: f64) -> f64 {
-    TILTS.inverse(u)
-}
 
 /// All equilibria of a whisker with its tip in contact, by tilt and force: every branch is a region of this one chart.
 ///
@@ -64,11 +58,13 @@ pub struct TipField {
     pub(super) rod: Rod,
     pub(super) limits: Limits,
     pub(super) load: Bunched,
+    /// One over the largest load (1/N).
+    pub(super) per_load: f64,
     /// Only positive loads are tabulated; the others are mirrored.
     pub(super) mirrored: bool,
     pub(super) samples: Samples,
     pub(super) table: Table,
-    pub(super) errors: FieldErrors,
+    pub(super) errors: Bounds,
     /// How often the cells were halved.
     pub(super) refinement: usize,
     pub(super) positions: Index,
@@ -90,16 +86,16 @@ impl TipField {
     /// Data: a rod too soft to be integrated.
     pub fn of_rod(rod: &Rod) -> Result<Self> {
         let forces = largest_forces(rod);
-        let limits = Limits { start: -STEEPEST_TILT, end: STEEPEST_TILT, forces };
+        let limits = Limits::new(-STEEPEST_TILT, STEEPEST_TILT, forces);
         let load = Bunched::new(1.0, limits.largest());
-        let exact = |u, v| rod.loaded(load.at(v), rod.length(), tilt_at(u)).map(row);
-        let samples = layout(rod, 0).sample(exact).filter(|_| load.to > 0.0).ok_or_else(too_soft)?;
+        let exact = |tilt, force| rod.loaded(force, rod.length(), tilt).map(row);
+        let samples = layout(rod, 0, load).sample(exact).filter(|_| load.to > 0.0).ok_or_else(too_soft)?;
         let mut measured = Measured { forces: limits.forces, samples };
         for refinement in 0..=MOST_REFINED {
             let mut field = Self::from_measured(rod.clone(), measured, refinement)?;
-            let held = |i: usize, j: usize| is_held(&field.table, &field.limits, &field.load, i, j);
-            field.errors = errors::measured(&layout(rod, refinement), &field.samples, &field.table, held, exact);
-            if field.errors.position <= COARSEST * rod.length() || refinement == MOST_REFINED {
+            let held = |i: usize, j: usize| is_held(&field.table, &field.limits, i, j);
+            field.errors = errors::measured(&layout(rod, refinement, load), &field.samples, &field.table, held, exact);
+            if field.errors.value.position <= COARSEST * rod.length() || refinement == MOST_REFINED {
                 return Ok(field);
             }
             measured = Measured { forces: field.limits.forces, samples: field.samples };
@@ -110,14 +106,26 @@ impl TipField {
     /// The field of what was measured on a rod, its errors still unknown, with `2^refinement` times as many cells along each side.
     pub(super) fn from_measured(rod: Rod, measured: Measured, refinement: usize) -> Result<Self> {
         let Measured { forces, samples } = measured;
-        let limits = Limits { start: -STEEPEST_TILT, end: STEEPEST_TILT, forces };
+        let limits = Limits::new(-STEEPEST_TILT, STEEPEST_TILT, forces);
         let load = Bunched::new(1.0, limits.largest());
-        let table = layout(&rod, refinement).table(&samples);
-        let held = |i: usize, j: usize| is_held(&table, &limits, &load, i, j);
+        let table = layout(&rod, refinement, load).table(&samples);
+        let held = |i: usize, j: usize| is_held(&table, &limits, i, j);
         let positions = Index::new(Image::Position, &table, held);
         let readings = Index::new(Image::Reading, &table, held);
-        let (mirrored, errors) = (rod.is_straight(), FieldErrors::default());
-        Ok(Self { rod, limits, load, mirrored, samples, table, errors, refinement, positions, readings })
+        let (mirrored, errors) = (rod.is_straight(), Bounds::default());
+        Ok(Self {
+            rod,
+            limits,
+            load,
+            per_load: 1.0 / load.to,
+            mirrored,
+            samples,
+            table,
+            errors,
+            refinement,
+            positions,
+            readings,
+        })
     }
 
     /// The whisker's length (m).
@@ -135,11 +143,18 @@ impl TipField {
     /// Bounds on the distance of every tabulated quantity from the beam, everywhere in the field.
     #[must_use]
     pub fn errors(&self) -> FieldErrors {
-        self.errors
+        self.errors.value
+    }
+
+    /// Bounds on the distance of every derivative from the beam's, everywhere in the field: by the tilt (per rad), by the force (per N).
+    #[must_use]
+    pub fn rate_errors(&self) -> [FieldErrors; 2] {
+        [self.errors.by_u, self.errors.by_v]
     }
 
     /// The largest force on the side of `sign` that the field holds at `tilt` (N); 0 beyond the tilts it holds.
     #[must_use]
+    #[inline]
     pub fn largest_force(&self, tilt: f64, sign: f64) -> f64 {
         if self.mirrored && sign < 0.0 { self.limits.at(-tilt, 1.0) } else { self.limits.at(tilt, sign) }
     }
@@ -157,7 +172,7 @@ impl TipField {
     #[must_use]
     #[inline]
     pub fn at(&self, tilt: f64, force: f64) -> Option<TipState> {
-        self.holds(tilt, force).then(|| self.state_of(tilt, force, TILTS.at(tilt), self.load.inverse(force)))
+        self.holds(tilt, force).then(|| self.state(tilt, force))
     }
 
     /// As [`TipField::at`], by the beam itself: no table, no derivatives, twenty to a hundred times slower, any load.
@@ -167,18 +182,11 @@ impl TipField {
         Some(Quantities { slope: loaded.slope, position: loaded.contact, moment: loaded.moment, energy: loaded.energy })
     }
 
-    /// The state at chart coordinates, whether held or not.
-    #[inline]
-    pub(super) fn state(&self, u: f64, v: f64) -> TipState {
-        self.state_of(tilt_at(u), self.load.at(v), u, v)
-    }
-
-    /// The state at chart coordinates and the load that they stand for.
-    #[inline]
-    fn state_of(&self, tilt: f64, force: f64, u: f64, v: f64) -> TipState {
-        let side = if self.mirrored { 1.0_f64.copysign(v) } else { 1.0 };
-        let rates = (TILTS.rate(tilt), self.load.slowness(v));
-        TipState::new(tilt, force, &self.table.jet(side * u, side * v), rates, side)
+    /// The state under a load, whether held or not.
+    #[inline(always)]
+    pub(super) fn state(&self, tilt: f64, force: f64) -> TipState {
+        let side = if self.mirrored { 1.0_f64.copysign(force) } else { 1.0 };
+        TipState::new(tilt, force, &self.table.jet(side * tilt, side * force), side)
     }
 }
 
@@ -193,7 +201,7 @@ fn row(loaded: Loaded) -> Row {
 }
 
 /// How the chart of a rod is cut, each cell halved `refinement` times along both sides.
-pub(super) fn layout(rod: &Rod, refinement: usize) -> Layout {
+pub(super) fn layout(rod: &Rod, refinement: usize, load: Bunched) -> Layout {
     let even = |lo: f64, hi: f64, n: usize| (0..=n).map(|i| lo + (hi - lo) * (i as f64 / n as f64)).collect::<Vec<_>>();
     let (start, panels, cells) =
         if rod.is_straight() { (0.0, PANELS[1], CELLS) } else { (-1.0, 2 * PANELS[1], CELLS_CURVED) };
@@ -202,14 +210,15 @@ pub(super) fn layout(rod: &Rod, refinement: usize) -> Layout {
         v_breaks: even(start, 1.0, panels),
         u_cells: cells[0] << refinement,
         v_cells: cells[1] << refinement,
+        bends: [Bend::Inverse(TILTS), Bend::At(load)],
     }
 }
 
 /// Whether the cell `(i, j)` holds loads within the limits.
-fn is_held(table: &Table, limits: &Limits, load: &Bunched, i: usize, j: usize) -> bool {
+fn is_held(table: &Table, limits: &Limits, i: usize, j: usize) -> bool {
     let (u, v) = (&table.u.knots, &table.v.knots);
     let (middle, nearest) = (v[j] + v[j + 1], v[j].abs().min(v[j + 1].abs()));
-    load.at(nearest) <= limits.largest_over(tilt_at(u[i]), tilt_at(u[i + 1]), middle)
+    nearest <= limits.largest_over(u[i], u[i + 1], middle)
 }
 
 /// The largest loads at each tilt.
