@@ -10,7 +10,7 @@ mod whiskers;
 use core::f64::consts::{FRAC_PI_2, PI};
 use random::Random;
 use vibrissa::beam::{Load, Whisker};
-use vibrissa::flow::contact_set::{Contact, ContactModel, Reading, VirtualSensor};
+use vibrissa::flow::contact_set::{Contact, ContactModel, Parts, Reading, VirtualSensor};
 use vibrissa::flow::preimage::{Construction, PreimageOptions, reading_preimage};
 use vibrissa::plane::{Curve, Pose2, Vec2};
 use vibrissa::sets::Interval;
@@ -29,7 +29,7 @@ fn map(role: Role, points: &[(f64, f64)]) -> Map {
 }
 
 fn coarse(construction: Construction) -> PreimageOptions {
-    PreimageOptions { cell: 2e-3, headings: 180, construction, collision_free: false }
+    PreimageOptions { cell: 2e-3, headings: 180, construction, contacts: Parts::Side, collision_free: false }
 }
 
 /// The whisker of `contact` with its side against the boundary: normals agree.
@@ -111,7 +111,7 @@ fn the_strip_of_distances_has_the_area_of_a_grown_wall() {
     let wall = map(Role::Wall, &[(0.0, 0.0), (0.5, 0.0)]);
     for (sensor, value, shortest) in [(VirtualSensor::Load, 0.1, 0.0), (VirtualSensor::Slope, 0.8, 0.0)] {
         let options =
-            PreimageOptions { cell: 1e-3, headings: 180, construction: Construction::Distance, collision_free: false };
+            PreimageOptions { cell: 1e-3, headings: 180, construction: Construction::Distance, contacts: Parts::Side, collision_free: false };
         let found =
             reading_preimage(&wall, &paper(), Pose2::IDENTITY, &[Reading::exact(sensor, value)], &options).unwrap();
         let reach = match sensor {
@@ -138,7 +138,7 @@ fn the_strip_of_distances_has_the_area_of_a_grown_wall() {
 fn a_straight_wall_has_the_aligned_preimage_that_geometry_gives() {
     // Along a wall the base's distance from it, seen from the contact's tangent, is a function of the contact alone.
     let wall = map(Role::Arena, &[(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]);
-    let options = PreimageOptions { cell: 2e-3, ..PreimageOptions::default() };
+    let options = PreimageOptions { cell: 2e-3, contacts: Parts::Side, ..PreimageOptions::default() };
     let reading = Reading::exact(VirtualSensor::Load, 0.1);
     let found = reading_preimage(&wall, &paper(), Pose2::IDENTITY, &[reading], &options).unwrap();
     let height = |s_a: f64| {

@@ -139,6 +139,7 @@ impl ContactModel {
                 phi_a: b.phi_a,
                 position: b.contact,
                 moment: b.moment,
+                tilt: 0.0,
             }),
             (Mechanics::Uniform(ei), Load::Tilted(beta)) => bend(*ei, force, s_a, beta).map(|b| of_bend(&b)),
             (Mechanics::Uniform(ei), _) => {
@@ -146,6 +147,27 @@ impl ContactModel {
                 force_mode(&whisker, force, s_a.min(self.length), self.load).ok()?.first().map(of_bend)
             }
             (Mechanics::Rod(rod), load) => on_rod(rod, load, force, s_a),
+        }
+    }
+
+    /// The contact at the tip under `force` (N), tilted by `tilt` (rad) from the whisker's normal there, whatever the
+    /// model's load; `None` beyond the first mode, for tilts beyond a right angle and for numbers that are not finite.
+    ///
+    /// A smooth wall without friction pushes along its own normal: it lies in the direction `phi_a + tilt`. The
+    /// small-angle model counts the force across the whisker only.
+    #[must_use]
+    pub fn tip_contact(&self, force: f64, tilt: f64) -> Option<Contact> {
+        if !(force.is_finite() && tilt.abs() <= FRAC_PI_2) {
+            return None;
+        }
+        match &self.mechanics {
+            Mechanics::Small(beam) => {
+                Some(Contact { force, tilt, ..beam.contact(force * tilt.cos(), self.length) })
+            }
+            Mechanics::Uniform(ei) => bend(*ei, force, self.length, tilt).map(|b| of_bend(&b)),
+            Mechanics::Rod(rod) => {
+                rod.touched(force, self.length, tilt).map(|t| of_touched(&t, force, self.length, tilt))
+            }
         }
     }
 
@@ -162,22 +184,12 @@ impl ContactModel {
         match &self.mechanics {
             Mechanics::Small(beam) => beam.shape(contact, n),
             Mechanics::Uniform(ei) => {
-                let beta = self.tilt(contact);
-                bend(*ei, contact.force, s_a, beta).map_or_else(Vec::new, |b| b.shape(self.length, n))
+                bend(*ei, contact.force, s_a, contact.tilt).map_or_else(Vec::new, |b| b.shape(self.length, n))
             }
             Mechanics::Rod(rod) => {
-                let bends = rod.force_mode(contact.force, s_a, Load::Tilted(self.tilt(contact))).unwrap_or_default();
+                let bends = rod.force_mode(contact.force, s_a, Load::Tilted(contact.tilt)).unwrap_or_default();
                 bends.first().map_or_else(Vec::new, |b| b.shape(self.length, n))
             }
-        }
-    }
-
-    /// Tilt of the load from the whisker's normal (rad).
-    fn tilt(&self, contact: &Contact) -> f64 {
-        match self.load {
-            Load::Tilted(beta) => beta,
-            Load::Vertical => -contact.phi_a,
-            _ => 0.0,
         }
     }
 
@@ -237,7 +249,7 @@ fn checked(load: Load) -> Result<Load> {
 }
 
 fn of_bend(b: &crate::beam::Bend) -> Contact {
-    Contact { force: b.force, s_a: b.s_a, phi_a: b.phi_a, position: b.contact, moment: b.moment }
+    Contact { force: b.force, s_a: b.s_a, phi_a: b.phi_a, position: b.contact, moment: b.moment, tilt: b.beta }
 }
 
 fn on_rod(rod: &Rod, load: Load, force: f64, s_a: f64) -> Option<Contact> {
@@ -247,7 +259,16 @@ fn on_rod(rod: &Rod, load: Load, force: f64, s_a: f64) -> Option<Contact> {
         Load::Vertical => vertical(&tilted),
         _ => tilted(0.0),
     }?;
-    Some(Contact { force, s_a, phi_a: touched.phi_a, position: touched.contact, moment: touched.moment })
+    let tilt = match load {
+        Load::Tilted(beta) => beta,
+        Load::Vertical => -touched.phi_a,
+        _ => 0.0,
+    };
+    Some(of_touched(&touched, force, s_a, tilt))
+}
+
+fn of_touched(touched: &crate::beam::rod::Touched, force: f64, s_a: f64, tilt: f64) -> Contact {
+    Contact { force, s_a, phi_a: touched.phi_a, position: touched.contact, moment: touched.moment, tilt }
 }
 
 /// The shape whose force is vertical: the tilt that undoes the slope, found between no tilt and a right angle.

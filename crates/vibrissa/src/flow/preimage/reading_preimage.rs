@@ -4,7 +4,7 @@ use super::solid::Solid;
 use super::state_grid::{Raster, StateGrid};
 use super::touch::{Touch, touches};
 use crate::flow::contact_set::{
-    ContactCell, ContactModel, ContactRegion, ContactSet, MomentRegime, Reading, Resolution, VirtualSensor,
+    ContactCell, ContactModel, ContactRegion, ContactSet, MomentRegime, Parts, Reading, Resolution, VirtualSensor,
 };
 use crate::plane::{Bounds, Pose2, Vec2};
 use crate::sets::Interval;
@@ -24,12 +24,13 @@ const SHARES: [f64; 2] = [0.45, 0.4];
 /// Which states count as explaining a contact \[routray, section "Preimages of a Load Sensor"\].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Construction {
-    /// The whisker's shape is laid along the boundary: its tangent at the contact is the boundary's, as it is at
-    /// frictionless contact of the whisker's side; at corners it lies between both sides' tangents.
+    /// The whisker's shape is laid along the boundary as it is at frictionless contact: with its side, whose tangent is
+    /// the boundary's there, or with its tip, pushed along the boundary's normal; at corners directions lie between both
+    /// walls'.
     #[default]
     Alignment,
     /// Directional distance: for every heading the base is as far from the boundary as the contact is from the base, at whatever angle
-    /// the whisker meets the boundary. Holds for tips and with friction too, and is larger.
+    /// the whisker meets the boundary. Holds with friction too, and is larger.
     Distance,
 }
 
@@ -42,6 +43,8 @@ pub struct PreimageOptions {
     pub headings: usize,
     /// Which states count.
     pub construction: Construction,
+    /// Which parts of the whisker may touch.
+    pub contacts: Parts,
     /// Whether whisker and base must be out of solids, which the paper does not ask.
     pub collision_free: bool,
 }
@@ -49,7 +52,7 @@ pub struct PreimageOptions {
 impl Default for PreimageOptions {
     /// The paper's millimetre, and a degree.
     fn default() -> Self {
-        Self { cell: 1e-3, headings: 360, construction: Construction::default(), collision_free: true }
+        Self { cell: 1e-3, headings: 360, construction: Construction::default(), contacts: Parts::default(), collision_free: true }
     }
 }
 
@@ -112,15 +115,20 @@ pub fn reading_preimage(
     options.check()?;
     let resolution = options.resolution(model.length() + robot_from_whisker.position().norm());
     let region = match readings {
-        // Where the curve is written down, it is taken as it is.
-        [Reading { sensor, value }] if model.has_closed_family() && value.width() <= 0.0 => {
+        // Where the curve of the side is written down, it is taken as it is.
+        [Reading { sensor, value }] if options.contacts.side() && model.has_closed_family() && value.width() <= 0.0 => {
             let sensor = match sensor {
                 VirtualSensor::Moment(MomentRegime::Auto) => VirtualSensor::Moment(MomentRegime::LargeAngle),
                 other => *other,
             };
-            ContactRegion::along(&ContactSet::new(model, sensor, value.lo(), NODES)?, &resolution)
+            let side = ContactRegion::along(&ContactSet::new(model, sensor, value.lo(), NODES)?, &resolution);
+            if options.contacts.tip() {
+                side.joined(ContactRegion::of_parts(model, readings, Parts::Tip, &resolution)?)
+            } else {
+                side
+            }
         }
-        _ => ContactRegion::new(model, readings, &resolution)?,
+        _ => ContactRegion::of_parts(model, readings, options.contacts, &resolution)?,
     };
     region_preimage(map, &region, robot_from_whisker, options)
 }
@@ -150,7 +158,7 @@ pub fn region_preimage(
     let of_cells = |value: &dyn Fn(&ContactCell) -> f64| region.cells.iter().map(value).fold(0.0, f64::max);
     let deviation = match options.construction {
         Construction::Alignment => {
-            let turned = of_cells(&|c| c.radius + 0.5 * c.slope.width() * (farthest(c) + mount));
+            let turned = of_cells(&|c| c.radius + 0.5 * c.wall.width() * (farthest(c) + mount));
             turned + largest(&|t| t.spread + reach * t.half_turn)
         }
         Construction::Distance => of_cells(&|c| c.radius) + reach * half_bin + largest(&|t| t.spread),
@@ -212,17 +220,20 @@ impl Painter<'_> {
         for cell in &self.region.cells {
             let body = self.body(cell);
             let mut turned = body.clone();
-            let half = 0.5 * cell.slope.width();
-            let slope = cell.slope.lo() + half;
+            let half = 0.5 * cell.wall.width();
+            let wall = cell.wall.lo() + half;
             for (side, pushes) in [(0.0, cell.force.hi() >= 0.0), (PI, cell.force.lo() <= 0.0)] {
                 if !pushes {
                     continue;
                 }
-                // The whisker's heading is the boundary's direction less the slope; pushed to the right it lies the other way.
-                let turn = Vec2::from_angle(side - slope);
-                let offset = side - slope - self.robot_from_whisker.theta;
+                // The whisker's heading is the boundary's direction less the wall's; pushed to the right it lies the other way.
+                let turn = Vec2::from_angle(side - wall);
+                let offset = side - wall - self.robot_from_whisker.theta;
                 let mut last = Vec2::ZERO;
                 for (touch, frame) in self.places.iter().zip(&frames) {
+                    if touch.inner && !cell.is_tip {
+                        continue;
+                    }
                     // Along a straight wall only the place changes.
                     if *frame != last {
                         last = *frame;
