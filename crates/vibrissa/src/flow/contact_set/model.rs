@@ -7,7 +7,7 @@ use crate::beam::normal::by_force;
 use crate::beam::{Load, Rod, Whisker, force_mode};
 use crate::plane::Vec2;
 use crate::{Error, Result};
-use core::f64::consts::FRAC_PI_2;
+use core::f64::consts::{FRAC_PI_2, PI};
 
 /// Contacts nearer to the base than this share of the length are not told apart from the base.
 pub(super) const BASE_SHARE: f64 = 1e-3;
@@ -220,6 +220,19 @@ impl ContactModel {
             (Mechanics::Uniform(_), Load::Normal) => LAST_NORMAL_LOAD,
             _ => LAST_LOAD,
         }
+    }
+
+    /// The force at which the first mode of a tilted load at the tip ends (N), where that is known in closed form:
+    /// `EI (2 K(m) / L)²` with `m = (1 - sin |tilt|) / 2`, for tilts of the force's sign.
+    pub(super) fn last_tip_force(&self, tilt: f64) -> Option<f64> {
+        let Mechanics::Uniform(ei) = &self.mechanics else { return None };
+        let (mut a, mut b) = (1.0, (0.5 * (1.0 + tilt.abs().sin())).sqrt());
+        // K = pi / (2 agm(1, sqrt(1 - m))); from 0.7 on, four rounds are exact.
+        for _ in 0..4 {
+            (a, b) = (0.5 * (a + b), (a * b).sqrt());
+        }
+        let end = PI / (a * self.length);
+        Some(ei * end * end * (1.0 - 1e-14))
     }
 
     /// Whether exact readings have curves in closed form: uniform whiskers under a normal load.

@@ -24,6 +24,8 @@ const DISCERNED: f64 = 0.1;
 const START: [usize; 2] = [4, 16];
 /// Below this share of a starting piece nothing is cut that has no image.
 const NO_IMAGE: f64 = 1.0 / 32.0;
+/// The same at the tip, where the last loads have no moment, as the first have, but move the tip far.
+const NO_IMAGE_AT_TIP: f64 = 1.0 / 512.0;
 
 /// What a contact must fulfil: quantity and range.
 pub(super) type Demand = (fn(&Contact) -> f64, Interval);
@@ -124,7 +126,12 @@ fn at(model: &ContactModel, chart: Chart, s: f64, v: f64) -> Option<Contact> {
     let force = |s_a: f64| model.force_of((0.5 * v.sinh()).clamp(-last, last), s_a);
     match chart {
         Chart::Side => model.contact(force(s), s),
-        Chart::Tip => model.tip_contact(force(model.length()), s),
+        Chart::Tip => {
+            // Where the end of the first mode is known, loads are shares of it, so that pieces are whole.
+            let share = (v / (2.0 * last).asinh()).clamp(-1.0, 1.0);
+            let load = model.last_tip_force(s).map_or_else(|| force(model.length()), |end| end * share * share.abs());
+            model.tip_contact(load, s)
+        }
     }
 }
 
@@ -202,9 +209,10 @@ impl Piece {
         if self.is_whole() {
             return by_s + by_v <= limit && slope <= resolution.slope;
         }
+        let limit_of_image = if self.chart == Chart::Tip { NO_IMAGE_AT_TIP } else { NO_IMAGE };
         // A rod near the end of its first mode may show no extent; then the piece itself must be small.
         by_s.max(by_v) <= limit && slope <= resolution.slope
-            || (self.v[1] - self.v[0] < NO_IMAGE && self.s[1] - self.s[0] < NO_IMAGE * self.scale())
+            || (self.v[1] - self.v[0] < limit_of_image && self.s[1] - self.s[0] < limit_of_image * self.scale())
     }
 
     /// What counts as one across the loads: the arc length itself (m), a right angle.
