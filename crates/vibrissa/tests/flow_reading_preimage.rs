@@ -184,6 +184,30 @@ fn fused_readings_leave_a_smaller_preimage() {
 }
 
 #[test]
+fn a_whisker_through_a_thin_wall_is_left_out_and_one_past_its_end_stays() {
+    let walls = |points: [[(f64, f64); 2]; 2]| {
+        let of = |p: [(f64, f64); 2]| Curve::polyline(&p.map(|p| Vec2::new(p.0, p.1)), false).unwrap();
+        Map::new(points.map(|p| Boundary::new(Role::Wall, of(p), None).unwrap()).to_vec()).unwrap()
+    };
+    // The whisker lies against the upper wall from below, its base at x = 0; the other wall stands across its way.
+    let contact = paper().contact(-0.1, 0.07).unwrap();
+    let state = laid(&contact, Vec2::new(0.065, 0.1), 0.0 + PI);
+    let readings = [Reading::exact(VirtualSensor::Load, -0.1), Reading::exact(VirtualSensor::Strip, 0.07)];
+    let holds = |across: [(f64, f64); 2], collision_free: bool| {
+        let options = PreimageOptions { collision_free, ..coarse(Construction::Alignment) };
+        let map = walls([[(-0.1, 0.1), (0.3, 0.1)], across]);
+        reading_preimage(&map, &paper(), Pose2::IDENTITY, &readings, &options).unwrap().states.contains(state)
+    };
+    let middle = paper().shape(&contact, 31)[15];
+    let place = state.transform_point(middle);
+    assert!(place.y < 0.099 && state.y < 0.1, "{state:?} {place:?}");
+    let across = |from: f64, to: f64| [(place.x, place.y + from), (place.x, place.y + to)];
+    assert!(holds(across(-0.05, 0.05), false) && !holds(across(-0.05, 0.05), true));
+    // Beside it, past its end, and so near to its end that the grid cannot tell.
+    assert!(holds(across(0.03, 0.05), true) && holds(across(-0.05, -0.02), true) && holds(across(-0.05, 1e-3), true));
+}
+
+#[test]
 fn options_out_of_range_are_refused() {
     let wall = map(Role::Wall, &[(0.0, 0.0), (500.0, 400.0)]);
     let reading = Reading::exact(VirtualSensor::Load, 0.1);

@@ -4,7 +4,7 @@
 
 use core::f64::consts::FRAC_PI_2;
 use vibrissa::beam::{Load, Whisker};
-use vibrissa::flow::contact_set::{ContactModel, ContactRegion, MomentRegime, Parts, Reading, Resolution, VirtualSensor};
+use vibrissa::flow::contact_set::{ContactCell, ContactModel, ContactRegion, MomentRegime, Parts, Reading, Resolution, VirtualSensor};
 use vibrissa::flow::pose::StampedPose;
 use vibrissa::flow::preimage::{PreimageOptions, reading_preimage};
 use vibrissa::plane::{Curve, Pose2, Vec2, wrap_angle};
@@ -81,7 +81,7 @@ fn the_true_contact_is_in_the_region_of_its_reading() {
         let robot = robot(beam, Pose2::IDENTITY);
         let model = ContactModel::new(&beam, Load::Normal).unwrap();
         // Rods take microseconds a shape.
-        let step = if beam.is_uniform() { 2 } else { 40 };
+        let step = if beam.is_uniform() { 1 } else { 60 };
         for (_, sweep) in sweeps(&robot) {
             for (touch, state, moment) in single(&sweep).into_iter().step_by(step) {
                 let place = state.inverse().transform_point(touch.position);
@@ -102,10 +102,8 @@ fn the_true_contact_is_in_the_region_of_its_reading() {
                     let tip = touch.part == Part::Tip;
                     assert!(holds(tip), "{sensor:?} {touch:?} {state:?} {moment}");
                     // Teeth: cells are small, so that hardly any other direction is explained at the place.
-                    if let Some(c) = region.cells.iter().filter(|c| c.arc_length.lo() > 1e-3).max_by(|a, b| a.radius.total_cmp(&b.radius)) {
-                        if c.radius > 3e-3 { println!("{sensor:?} {moment} {} {c:?}", region.cells.len()); } }
-                    if let Some(c) = region.cells.iter().filter(|c| c.arc_length.lo() > 1e-3).max_by(|a, b| a.wall.width().total_cmp(&b.wall.width())) {
-                        if c.wall.width() > 0.06 { println!("W {sensor:?} {moment} {} {c:?}", region.cells.len()); } }
+                    let small = |c: &ContactCell| c.radius < 2e-3 && c.wall.width() < 0.05;
+                    assert!(!beam.is_uniform() || region.cells.iter().all(|c| small(c) || c.arc_length.lo() < 1e-3));
                     if tip {
                         tips += 1;
                     } else {
@@ -116,7 +114,7 @@ fn the_true_contact_is_in_the_region_of_its_reading() {
         }
     }
     println!("{tips} tips, {sides} sides");
-    assert!(tips > 200 && sides > 40, "{tips} {sides}");
+    assert!(tips > 150 && sides > 80, "{tips} {sides}");
 }
 
 #[test]
@@ -127,14 +125,13 @@ fn swept_states_are_in_the_preimage_of_their_moment() {
     let (mut tips, mut sides, mut only) = (0, 0, 0);
     for (map, sweep) in sweeps(&robot(Whisker::default(), mount)) {
         let rows = single(&sweep);
-        for (touch, state, moment) in rows.iter().step_by(rows.len().div_ceil(14)) {
+        for (touch, state, moment) in rows.iter().step_by(rows.len().div_ceil(9)) {
             let solve = |contacts| {
                 let exact = [Reading::exact(MOMENT, *moment)];
                 reading_preimage(&map, &model, mount, &exact, &PreimageOptions { contacts, ..options }).unwrap()
             };
             let [all, side] = [Parts::All, Parts::Side].map(solve);
             assert!(all.states.contains(*state), "{touch:?} {state:?} {moment}");
-            println!("{moment} {} {} {}", all.deviation, side.deviation, all.states.volume()/side.states.volume());
             assert!(all.states.volume() > side.states.volume());
             match touch.part {
                 Part::Tip => tips += 1,
@@ -145,7 +142,7 @@ fn swept_states_are_in_the_preimage_of_their_moment() {
         }
     }
     println!("{tips} tips, {only} of them not in the side's preimage; {sides} sides");
-    assert!(tips > 20 && sides > 3 && 2 * only > tips, "{tips} {sides} {only}");
+    assert!(tips > 12 && sides > 3 && 2 * only > tips, "{tips} {sides} {only}");
 }
 
 #[test]

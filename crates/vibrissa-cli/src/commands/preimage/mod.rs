@@ -11,7 +11,7 @@ use std::fmt::Write;
 use std::path::PathBuf;
 use vibrissa::figure::{PreimageFigure, preimage_figure};
 use vibrissa::flow::contact_set::{ContactRegion, Parts};
-use vibrissa::flow::preimage::{Construction, PreimageOptions, ReadingPreimage, reading_preimage, region_preimage};
+use vibrissa::flow::preimage::{Construction, PreimageOptions, ReadingPreimage, fused_preimage, reading_preimage};
 use vibrissa::world::{Dimension, Map};
 use vibrissa::{Error, Result};
 
@@ -122,19 +122,15 @@ pub(crate) fn run(args: &Args) -> Result<()> {
 
 /// The states that explain the readings of all whiskers.
 fn solve(map: &Map, whiskers: &[WhiskerReadings], options: &PreimageOptions) -> Result<ReadingPreimage> {
-    let [first, others @ ..] = whiskers else { return Err(Error::usage("no reading").allowed("one or more")) };
-    if others.is_empty() {
-        return reading_preimage(map, &first.model, first.robot_from_whisker, &first.readings, options);
+    if let [only] = whiskers {
+        return reading_preimage(map, &only.model, only.robot_from_whisker, &only.readings, options);
     }
     let region = |w: &WhiskerReadings| {
         let reach = w.model.length() + w.robot_from_whisker.position().norm();
         ContactRegion::of_parts(&w.model, &w.readings, options.contacts, &options.resolution(reach))
     };
-    let mut shared = region(first)?;
-    for other in others {
-        shared = shared.shared_with(&region(other)?, first.robot_from_whisker.between(other.robot_from_whisker));
-    }
-    region_preimage(map, &shared, first.robot_from_whisker, options)
+    let regions: Result<Vec<_>> = whiskers.iter().map(|w| Ok((region(w)?, w.robot_from_whisker))).collect();
+    fused_preimage(map, &regions?, options)
 }
 
 fn text(found: &ReadingPreimage, title: &str, options: &PreimageOptions) -> String {

@@ -2,6 +2,7 @@
 
 use super::solid::Solid;
 use super::state_grid::{Raster, StateGrid};
+use super::thin::ThinWalls;
 use super::touch::{Touch, touches};
 use crate::flow::contact_set::{
     ContactCell, ContactModel, ContactRegion, ContactSet, MomentRegime, Parts, Reading, Resolution, VirtualSensor,
@@ -14,6 +15,8 @@ use core::f64::consts::{PI, TAU};
 
 /// Points of the whisker that are kept out of solids.
 const BODY_POINTS: usize = 16;
+/// How far a whisker may be from the chords between these points, as a share of their distance.
+const CHORD_SLACK: f64 = 0.1;
 /// Nodes of the curves of exact readings.
 const NODES: usize = 800;
 /// Largest memory of a set (bytes): 1 GB.
@@ -100,8 +103,8 @@ pub struct ReadingPreimage {
 /// ```
 ///
 /// The heading is unknown: every heading counts at which some contact fits. With [`PreimageOptions::collision_free`] states are left
-/// out whose base or whisker is inside something solid by more than the grid's tolerance (about four cells); thin
-/// walls are not solid, so that a whisker through a wall stays.
+/// out whose base or whisker is inside something solid, or through a thin wall, by more than the grid's tolerance (about
+/// four cells).
 ///
 /// # Errors
 /// Usage: readings or options out of range; a grid beyond a gigabyte.
@@ -133,7 +136,7 @@ pub fn reading_preimage(
     region_preimage(map, &region, robot_from_whisker, options)
 }
 
-/// The robot states on `map` that explain a contact region, as [`reading_preimage`]; for regions that several whiskers share.
+/// The robot states on `map` that explain a contact region, as [`reading_preimage`].
 ///
 /// # Errors
 /// Usage: options out of range; a grid beyond a gigabyte.
@@ -143,12 +146,57 @@ pub fn region_preimage(
     robot_from_whisker: Pose2,
     options: &PreimageOptions,
 ) -> Result<ReadingPreimage> {
+    fused_preimage(map, &[(region.clone(), robot_from_whisker)], options)
+}
+
+/// The robot states on `map` that explain the contact regions of several whiskers that touch one and the same point.
+///
+/// Each region comes with `robot_from_whisker`. A region keeps the contacts that every other whisker can make at the same
+/// place; states stay that each whisker allows by itself, its body included.
+///
+/// # Errors
+/// Usage: no region, options out of range; a grid beyond a gigabyte.
+pub fn fused_preimage(
+    map: &Map,
+    regions: &[(ContactRegion, Pose2)],
+    options: &PreimageOptions,
+) -> Result<ReadingPreimage> {
     options.check()?;
+    let largest = |value: &dyn Fn(&(ContactRegion, Pose2)) -> f64| regions.iter().map(value).fold(0.0, f64::max);
+    let mount = largest(&|r| r.1.position().norm());
+    // The same grid for every reading of a whisker, so that preimages can be compared.
+    let raster = raster(map, largest(&|r| r.0.model().length() + r.1.position().norm()), mount, options)?;
+    let mut found: Option<ReadingPreimage> = None;
+    for (i, (region, robot_from_whisker)) in regions.iter().enumerate() {
+        let others = regions.iter().enumerate().filter(|(j, _)| *j != i);
+        let shared = others.fold(region.clone(), |own, (_, (other, robot_from_other))| {
+            own.shared_with(other, robot_from_whisker.between(*robot_from_other))
+        });
+        let next = laid(map, &shared, *robot_from_whisker, raster, options);
+        found = Some(match found {
+            None => next,
+            Some(before) => ReadingPreimage {
+                states: before.states.intersection(&next.states).unwrap_or(next.states),
+                sampled_area: before.sampled_area.min(next.sampled_area),
+                deviation: before.deviation.max(next.deviation),
+            },
+        });
+    }
+    found.ok_or_else(|| Error::usage("no contact region").allowed("one or more"))
+}
+
+/// The states on a grid at which the contacts of one whisker fit.
+fn laid(
+    map: &Map,
+    region: &ContactRegion,
+    robot_from_whisker: Pose2,
+    raster: Raster,
+    options: &PreimageOptions,
+) -> ReadingPreimage {
     let mount = robot_from_whisker.position().norm();
     let farthest = |cell: &ContactCell| cell.contact.position.norm() + cell.radius;
     let reach = region.cells.iter().map(farthest).fold(options.cell, f64::max) + mount;
-    // The same grid for every reading of a whisker, so that preimages can be compared.
-    let mut states = StateGrid::empty(raster(map, region.model().length() + mount, mount, options)?, options.headings);
+    let mut states = StateGrid::empty(raster, options.headings);
     let places = match options.construction {
         Construction::Alignment => touches(map, options.cell, reach),
         Construction::Distance => touches(map, options.cell, 0.01 * options.cell),
@@ -168,7 +216,9 @@ pub fn region_preimage(
         let margin = region.model().length() + 2.0 * options.cell;
         Solid::new(map, Raster::over(grown(bounds, margin), options.cell), 2.0 * deviation)
     });
-    let painter = Painter { region, places: &places, solid: solid.as_ref(), robot_from_whisker };
+    let chords = CHORD_SLACK * region.model().length() / (BODY_POINTS - 1) as f64;
+    let thin = if options.collision_free { ThinWalls::new(map, 2.0 * deviation + options.cell + chords) } else { None };
+    let painter = Painter { region, places: &places, solid: solid.as_ref(), thin: thin.as_ref(), robot_from_whisker };
     match options.construction {
         Construction::Alignment => painter.align(&mut states),
         Construction::Distance => painter.turn(&mut states, options.headings),
@@ -180,7 +230,7 @@ pub fn region_preimage(
         let solid = Solid::new(map, *states.raster(), 0.0);
         states.retain(|index| !solid.is_deep_cell(index));
     }
-    Ok(ReadingPreimage { states, sampled_area, deviation })
+    ReadingPreimage { states, sampled_area, deviation }
 }
 
 fn grown(bounds: Bounds, margin: f64) -> Bounds {
@@ -210,6 +260,7 @@ struct Painter<'a> {
     region: &'a ContactRegion,
     places: &'a [Touch],
     solid: Option<&'a Solid>,
+    thin: Option<&'a ThinWalls>,
     robot_from_whisker: Pose2,
 }
 
@@ -285,7 +336,8 @@ impl Painter<'_> {
     #[inline]
     fn place(&self, raster: &Raster, place: Vec2, turned: &[Vec2]) -> Option<usize> {
         let index = raster.index(place + turned[0])?;
-        let free = self.solid.is_none_or(|solid| !turned[1..].iter().any(|&p| solid.is_deep(place + p)));
+        let free = self.solid.is_none_or(|solid| !turned[1..].iter().any(|&p| solid.is_deep(place + p)))
+            && self.thin.is_none_or(|thin| !thin.stop(place, &turned[2..]));
         free.then_some(index)
     }
 }
