@@ -10,8 +10,8 @@ mod whiskers;
 use core::f64::consts::{FRAC_PI_2, PI};
 use random::Random;
 use vibrissa::beam::{Load, Whisker};
-use vibrissa::flow::contact_set::{Contact, ContactModel, Parts, Reading, VirtualSensor};
-use vibrissa::flow::preimage::{Construction, PreimageOptions, reading_preimage};
+use vibrissa::flow::contact_set::{Contact, ContactModel, ContactRegion, Parts, Reading, VirtualSensor};
+use vibrissa::flow::preimage::{Construction, PreimageOptions, fused_preimage, reading_preimage};
 use vibrissa::plane::{Curve, Pose2, Vec2};
 use vibrissa::sets::Interval;
 use vibrissa::tasks::demo;
@@ -110,8 +110,13 @@ fn any_angle_is_in_the_distance_preimage_and_it_holds_the_aligned_one() {
 fn the_strip_of_distances_has_the_area_of_a_grown_wall() {
     let wall = map(Role::Wall, &[(0.0, 0.0), (0.5, 0.0)]);
     for (sensor, value, shortest) in [(VirtualSensor::Load, 0.1, 0.0), (VirtualSensor::Slope, 0.8, 0.0)] {
-        let options =
-            PreimageOptions { cell: 1e-3, headings: 180, construction: Construction::Distance, contacts: Parts::Side, collision_free: false };
+        let options = PreimageOptions {
+            cell: 1e-3,
+            headings: 180,
+            construction: Construction::Distance,
+            contacts: Parts::Side,
+            collision_free: false,
+        };
         let found =
             reading_preimage(&wall, &paper(), Pose2::IDENTITY, &[Reading::exact(sensor, value)], &options).unwrap();
         let reach = match sensor {
@@ -205,6 +210,31 @@ fn a_whisker_through_a_thin_wall_is_left_out_and_one_past_its_end_stays() {
     assert!(holds(across(-0.05, 0.05), false) && !holds(across(-0.05, 0.05), true));
     // Beside it, past its end, and so near to its end that the grid cannot tell.
     assert!(holds(across(0.03, 0.05), true) && holds(across(-0.05, -0.02), true) && holds(across(-0.05, 1e-3), true));
+}
+
+#[test]
+fn the_body_of_every_fused_whisker_is_checked() {
+    // Two whiskers touch one point of a wall from both sides; a second wall stands in the way of one or the other.
+    let (point, readings) = (Vec2::new(0.0, 0.1), [-0.2, 0.2]);
+    let contacts = readings.map(|force| paper().contact(force, 0.07).unwrap());
+    let [first, second] = contacts.map(|contact| laid(&contact, point, PI));
+    let mounts = [Pose2::IDENTITY, first.between(second)];
+    let options = PreimageOptions { cell: 1e-3, collision_free: true, ..coarse(Construction::Alignment) };
+    let regions = [0, 1].map(|i| {
+        let own = [Reading::exact(VirtualSensor::Load, readings[i]), Reading::exact(VirtualSensor::Strip, 0.07)];
+        (ContactRegion::new(&paper(), &own, &options.resolution(0.2)).unwrap(), mounts[i])
+    });
+    let holds = |x: f64| {
+        let of = |points: &[Vec2]| Boundary::new(Role::Wall, Curve::polyline(points, false).unwrap(), None).unwrap();
+        let wall = of(&[Vec2::new(-0.2, 0.1), Vec2::new(0.2, 0.1)]);
+        let across = of(&[Vec2::new(x, -0.1), Vec2::new(x, 0.098)]);
+        let map = Map::new(vec![wall, across]).unwrap();
+        fused_preimage(&map, &regions, &options).unwrap().states.contains(first)
+    };
+    let middles = [0, 1].map(|i| [first, second][i].transform_point(paper().shape(&contacts[i], 31)[7]));
+    assert!(middles[0].x * middles[1].x < 0.0, "{middles:?}");
+    assert!(!holds(middles[0].x) && !holds(middles[1].x));
+    assert!(holds(0.15));
 }
 
 #[test]

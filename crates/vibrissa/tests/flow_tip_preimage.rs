@@ -4,13 +4,15 @@
 
 use core::f64::consts::FRAC_PI_2;
 use vibrissa::beam::{Load, Whisker};
-use vibrissa::flow::contact_set::{ContactCell, ContactModel, ContactRegion, MomentRegime, Parts, Reading, Resolution, VirtualSensor};
+use vibrissa::flow::contact_set::{
+    ContactCell, ContactModel, ContactRegion, MomentRegime, Parts, Reading, Resolution, VirtualSensor,
+};
 use vibrissa::flow::pose::StampedPose;
 use vibrissa::flow::preimage::{PreimageOptions, reading_preimage};
 use vibrissa::plane::{Curve, Pose2, Vec2, wrap_angle};
 use vibrissa::sets::Interval;
-use vibrissa::tasks::simulate::{Pace, Part, Sweep, SweepNoise, Touch, path_through, simulate_tip_sweep};
 use vibrissa::tasks::demo;
+use vibrissa::tasks::simulate::{Pace, Part, Sweep, SweepNoise, Touch, path_through, simulate_tip_sweep};
 use vibrissa::world::{Boundary, Map, Robot, Role};
 
 const MOMENT: VirtualSensor = VirtualSensor::Moment(MomentRegime::LargeAngle);
@@ -155,7 +157,8 @@ fn the_demos_states_are_in_the_preimages_of_bounded_readings() {
         for sensor in [MOMENT, VirtualSensor::Load] {
             let value = reading(sensor, touch, *moment);
             let bound = Interval::new(value - 0.03 * value.abs(), value + 0.01 * value.abs());
-            let found = reading_preimage(&arena, &model, Pose2::IDENTITY, &[Reading { sensor, value: bound }], &options);
+            let found =
+                reading_preimage(&arena, &model, Pose2::IDENTITY, &[Reading { sensor, value: bound }], &options);
             assert!(found.unwrap().states.contains(*state), "{sensor:?} {touch:?}");
         }
     }

@@ -286,7 +286,14 @@ fn areas_agree_with_a_brute_force_grid() {
         let (mut truth, mut rim, mut missed) = (0usize, 0usize, 0usize);
         let explained = |p: Vec2| {
             point_mode(&whisker, p, Load::Normal).unwrap().iter().any(|b| {
-                let c = Contact { force: b.force, s_a: b.s_a, phi_a: b.phi_a, position: b.contact, moment: b.moment, tilt: 0.0 };
+                let c = Contact {
+                    force: b.force,
+                    s_a: b.s_a,
+                    phi_a: b.phi_a,
+                    position: b.contact,
+                    moment: b.moment,
+                    tilt: 0.0,
+                };
                 reading.value.contains(reading.sensor.read(&c)) && limits.admit(&c)
             })
         };

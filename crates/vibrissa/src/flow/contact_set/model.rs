@@ -161,9 +161,7 @@ impl ContactModel {
             return None;
         }
         match &self.mechanics {
-            Mechanics::Small(beam) => {
-                Some(Contact { force, tilt, ..beam.contact(force * tilt.cos(), self.length) })
-            }
+            Mechanics::Small(beam) => Some(Contact { force, tilt, ..beam.contact(force * tilt.cos(), self.length) }),
             Mechanics::Uniform(ei) => bend(*ei, force, self.length, tilt).map(|b| of_bend(&b)),
             Mechanics::Rod(rod) => {
                 rod.touched(force, self.length, tilt).map(|t| of_touched(&t, force, self.length, tilt))

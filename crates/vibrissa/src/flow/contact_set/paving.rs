@@ -249,7 +249,8 @@ impl Piece {
     fn halves(&self, model: &ContactModel, at_base: Option<&[Demand]>) -> [Self; 2] {
         let [by_s, by_v] = self.extents();
         let wall = self.chart.wall();
-        let slopes = |a: Option<Contact>, b: Option<Contact>| a.zip(b).map_or(0.0, |(a, b)| (wall(&a) - wall(&b)).abs());
+        let slopes =
+            |a: Option<Contact>, b: Option<Contact>| a.zip(b).map_or(0.0, |(a, b)| (wall(&a) - wall(&b)).abs());
         let lever = model.length();
         let by_s = by_s.max(lever * slopes(self.nodes[0][1], self.nodes[2][1]));
         let by_v = by_v.max(lever * slopes(self.nodes[1][0], self.nodes[1][2]));

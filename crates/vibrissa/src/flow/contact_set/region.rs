@@ -95,12 +95,7 @@ impl ContactRegion {
     ///
     /// # Errors
     /// Usage: as [`ContactRegion::new`].
-    pub fn of_parts(
-        model: &ContactModel,
-        readings: &[Reading],
-        parts: Parts,
-        resolution: &Resolution,
-    ) -> Result<Self> {
+    pub fn of_parts(model: &ContactModel, readings: &[Reading], parts: Parts, resolution: &Resolution) -> Result<Self> {
         let mut own = model.clone();
         for reading in readings {
             reading.check()?;

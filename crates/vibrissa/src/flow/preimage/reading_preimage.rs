@@ -55,7 +55,13 @@ pub struct PreimageOptions {
 impl Default for PreimageOptions {
     /// The paper's millimetre, and a degree.
     fn default() -> Self {
-        Self { cell: 1e-3, headings: 360, construction: Construction::default(), contacts: Parts::default(), collision_free: true }
+        Self {
+            cell: 1e-3,
+            headings: 360,
+            construction: Construction::default(),
+            contacts: Parts::default(),
+            collision_free: true,
+        }
     }
 }
 

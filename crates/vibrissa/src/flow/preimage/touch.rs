@@ -79,7 +79,13 @@ fn stretches(segment: &Segment, spacing: f64, reach: f64, found: &mut Vec<Touch>
         let (position, tangent) = (segment.point(middle), segment.tangent(middle));
         let turn = |t: f64| wrap_angle(segment.tangent(t) - tangent).abs();
         let way = |t: f64| segment.point(t).distance(position);
-        found.push(Touch { position, tangent, half_turn: turn(from).max(turn(to)), spread: way(from).max(way(to)), inner: false });
+        found.push(Touch {
+            position,
+            tangent,
+            half_turn: turn(from).max(turn(to)),
+            spread: way(from).max(way(to)),
+            inner: false,
+        });
     }
 }
 
