@@ -11,10 +11,14 @@ pub(crate) fn quantity(text: &str, dimension: Dimension) -> Result<f64> {
     }
 }
 
-/// The value of a command line option.
-pub(crate) fn option(name: &str, dimension: Dimension, text: Option<&str>) -> Result<Option<f64>> {
-    let value = text.map(|text| quantity(text, dimension)).transpose();
-    value.map_err(|error| {
+/// The value that an option was given, named in errors.
+pub(crate) fn of_option(name: &str, text: &str, dimension: Dimension) -> Result<f64> {
+    quantity(text, dimension).map_err(|error| {
         Error::usage(format!("{name}: {error}")).or_remedy("give a number in SI units, or one with its unit: \"75 mm\"")
     })
+}
+
+/// The value of a command line option, if it was given.
+pub(crate) fn option(name: &str, dimension: Dimension, text: Option<&str>) -> Result<Option<f64>> {
+    text.map(|text| of_option(name, text, dimension)).transpose()
 }

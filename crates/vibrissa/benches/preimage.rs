@@ -9,7 +9,8 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use std::hint::black_box;
 use vibrissa::beam::{Load, Whisker};
 use vibrissa::flow::contact_set::{
-    ContactModel, ContactRegion, ContactSet, MomentRegime, PlacedSet, Reading, Resolution, VirtualSensor, intersect,
+    ContactModel, ContactRegion, ContactSet, MomentRegime, Parts, PlacedSet, Reading, Resolution, VirtualSensor,
+    intersect,
 };
 use vibrissa::flow::preimage::{Construction, PreimageOptions, reading_preimage};
 use vibrissa::plane::{Curve, Pose2, Vec2, segment_contact};
@@ -82,10 +83,12 @@ fn preimages(c: &mut Criterion) {
     let solve = |map: &Map, options: &PreimageOptions| {
         reading_preimage(map, &model, Pose2::IDENTITY, &[black_box(reading)], options).unwrap()
     };
-    let aligned = PreimageOptions::default();
+    let tips = PreimageOptions::default();
+    let aligned = PreimageOptions { contacts: Parts::Side, ..tips };
     let all = PreimageOptions { collision_free: false, ..aligned };
     let distance = PreimageOptions { construction: Construction::Distance, ..all };
     group.bench_function("2 m boundary, aligned, collision-free", |b| b.iter(|| solve(&room, &aligned)));
+    group.bench_function("2 m boundary, aligned, collision-free, tips too", |b| b.iter(|| solve(&room, &tips)));
     group.bench_function("2 m boundary, aligned, collisions ignored", |b| b.iter(|| solve(&room, &all)));
     group.bench_function("2 m boundary, every heading (distance)", |b| b.iter(|| solve(&room, &distance)));
     group.bench_function("the demo arena, aligned, collision-free", |b| b.iter(|| solve(&arena, &aligned)));

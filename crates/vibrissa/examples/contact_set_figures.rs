@@ -10,7 +10,7 @@ use vibrissa::figure::{
     preimage_legend, preimage_panel,
 };
 use vibrissa::flow::contact_set::{
-    ContactModel, ContactSet, Limits, MomentRegime, PlacedSet, Reading, VirtualSensor, intersect,
+    ContactModel, ContactSet, Limits, MomentRegime, Parts, PlacedSet, Reading, VirtualSensor, intersect,
 };
 use vibrissa::flow::preimage::{Construction, PreimageOptions, Raster, StateGrid, reading_preimage};
 use vibrissa::plane::Pose2;
@@ -108,13 +108,15 @@ fn main() -> std::result::Result<(), Box<dyn std::error::Error>> {
 
     let arena = demo::arena()?;
     let map = outlines(&arena);
-    let options = PreimageOptions { construction: Construction::Distance, ..PreimageOptions::default() };
+    // The paper's: the force is normal to the whisker.
+    let side = PreimageOptions { contacts: Parts::Side, ..PreimageOptions::default() };
+    let options = PreimageOptions { construction: Construction::Distance, ..side };
     let solve = |readings: &[Reading], options: &PreimageOptions| {
         reading_preimage(&arena, &model, Pose2::IDENTITY, readings, options)
     };
     let exact = |reading: (VirtualSensor, f64, &str)| Reading::exact(reading.0, reading.1);
     let wide = solve(&[exact(load)], &options)?;
-    let aligned = solve(&[exact(load)], &PreimageOptions::default())?;
+    let aligned = solve(&[exact(load)], &side)?;
     let none = StateGrid::empty(Raster::over(arena.bounds(), 0.01), 4);
     let states = |states| PreimageFigure { title: String::new(), map: &map, states, heading: None };
 
@@ -129,7 +131,7 @@ fn main() -> std::result::Result<(), Box<dyn std::error::Error>> {
     put_states(&mut document, RIGHT, "(b) One heading of it", &slice);
     write("preimage-aligned.svg", document)?;
 
-    let fused = solve(&[exact(load), exact(strip)], &PreimageOptions::default())?;
+    let fused = solve(&[exact(load), exact(strip)], &side)?;
     let mut document = page("Load and contact strip combined");
     put_contacts(&mut document, LEFT, "(a) Their contacts", &contacts(&model, &[load, strip])?);
     put_states(&mut document, RIGHT, "(b) The states that explain both", &states(&fused.states));

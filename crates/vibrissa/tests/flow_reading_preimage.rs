@@ -10,8 +10,8 @@ mod whiskers;
 use core::f64::consts::{FRAC_PI_2, PI};
 use random::Random;
 use vibrissa::beam::{Load, Whisker};
-use vibrissa::flow::contact_set::{Contact, ContactModel, Reading, VirtualSensor};
-use vibrissa::flow::preimage::{Construction, PreimageOptions, reading_preimage};
+use vibrissa::flow::contact_set::{Contact, ContactModel, ContactRegion, Parts, Reading, VirtualSensor};
+use vibrissa::flow::preimage::{Construction, PreimageOptions, fused_preimage, reading_preimage};
 use vibrissa::plane::{Curve, Pose2, Vec2};
 use vibrissa::sets::Interval;
 use vibrissa::tasks::demo;
@@ -29,7 +29,7 @@ fn map(role: Role, points: &[(f64, f64)]) -> Map {
 }
 
 fn coarse(construction: Construction) -> PreimageOptions {
-    PreimageOptions { cell: 2e-3, headings: 180, construction, collision_free: false }
+    PreimageOptions { cell: 2e-3, headings: 180, construction, contacts: Parts::Side, collision_free: false }
 }
 
 /// The whisker of `contact` with its side against the boundary: normals agree.
@@ -110,8 +110,13 @@ fn any_angle_is_in_the_distance_preimage_and_it_holds_the_aligned_one() {
 fn the_strip_of_distances_has_the_area_of_a_grown_wall() {
     let wall = map(Role::Wall, &[(0.0, 0.0), (0.5, 0.0)]);
     for (sensor, value, shortest) in [(VirtualSensor::Load, 0.1, 0.0), (VirtualSensor::Slope, 0.8, 0.0)] {
-        let options =
-            PreimageOptions { cell: 1e-3, headings: 180, construction: Construction::Distance, collision_free: false };
+        let options = PreimageOptions {
+            cell: 1e-3,
+            headings: 180,
+            construction: Construction::Distance,
+            contacts: Parts::Side,
+            collision_free: false,
+        };
         let found =
             reading_preimage(&wall, &paper(), Pose2::IDENTITY, &[Reading::exact(sensor, value)], &options).unwrap();
         let reach = match sensor {
@@ -138,7 +143,7 @@ fn the_strip_of_distances_has_the_area_of_a_grown_wall() {
 fn a_straight_wall_has_the_aligned_preimage_that_geometry_gives() {
     // Along a wall the base's distance from it, seen from the contact's tangent, is a function of the contact alone.
     let wall = map(Role::Arena, &[(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]);
-    let options = PreimageOptions { cell: 2e-3, ..PreimageOptions::default() };
+    let options = PreimageOptions { cell: 2e-3, contacts: Parts::Side, ..PreimageOptions::default() };
     let reading = Reading::exact(VirtualSensor::Load, 0.1);
     let found = reading_preimage(&wall, &paper(), Pose2::IDENTITY, &[reading], &options).unwrap();
     let height = |s_a: f64| {
@@ -181,6 +186,55 @@ fn fused_readings_leave_a_smaller_preimage() {
     // Readings that contradict each other leave nothing.
     let none = solve(&[load, Reading::exact(VirtualSensor::Moment(Default::default()), -1e-3)]);
     assert!(none.states.is_empty() && none.states.area() == 0.0 && none.states.volume() == 0.0);
+}
+
+#[test]
+fn a_whisker_through_a_thin_wall_is_left_out_and_one_past_its_end_stays() {
+    let walls = |points: [[(f64, f64); 2]; 2]| {
+        let of = |p: [(f64, f64); 2]| Curve::polyline(&p.map(|p| Vec2::new(p.0, p.1)), false).unwrap();
+        Map::new(points.map(|p| Boundary::new(Role::Wall, of(p), None).unwrap()).to_vec()).unwrap()
+    };
+    // The whisker lies against the upper wall from below, its base at x = 0; the other wall stands across its way.
+    let contact = paper().contact(-0.1, 0.07).unwrap();
+    let state = laid(&contact, Vec2::new(0.065, 0.1), 0.0 + PI);
+    let readings = [Reading::exact(VirtualSensor::Load, -0.1), Reading::exact(VirtualSensor::Strip, 0.07)];
+    let holds = |across: [(f64, f64); 2], collision_free: bool| {
+        let options = PreimageOptions { collision_free, ..coarse(Construction::Alignment) };
+        let map = walls([[(-0.1, 0.1), (0.3, 0.1)], across]);
+        reading_preimage(&map, &paper(), Pose2::IDENTITY, &readings, &options).unwrap().states.contains(state)
+    };
+    let middle = paper().shape(&contact, 31)[15];
+    let place = state.transform_point(middle);
+    assert!(place.y < 0.099 && state.y < 0.1, "{state:?} {place:?}");
+    let across = |from: f64, to: f64| [(place.x, place.y + from), (place.x, place.y + to)];
+    assert!(holds(across(-0.05, 0.05), false) && !holds(across(-0.05, 0.05), true));
+    // Beside it, past its end, and so near to its end that the grid cannot tell.
+    assert!(holds(across(0.03, 0.05), true) && holds(across(-0.05, -0.02), true) && holds(across(-0.05, 1e-3), true));
+}
+
+#[test]
+fn the_body_of_every_fused_whisker_is_checked() {
+    // Two whiskers touch one point of a wall from both sides; a second wall stands in the way of one or the other.
+    let (point, readings) = (Vec2::new(0.0, 0.1), [-0.2, 0.2]);
+    let contacts = readings.map(|force| paper().contact(force, 0.07).unwrap());
+    let [first, second] = contacts.map(|contact| laid(&contact, point, PI));
+    let mounts = [Pose2::IDENTITY, first.between(second)];
+    let options = PreimageOptions { cell: 1e-3, collision_free: true, ..coarse(Construction::Alignment) };
+    let regions = [0, 1].map(|i| {
+        let own = [Reading::exact(VirtualSensor::Load, readings[i]), Reading::exact(VirtualSensor::Strip, 0.07)];
+        (ContactRegion::new(&paper(), &own, &options.resolution(0.2)).unwrap(), mounts[i])
+    });
+    let holds = |x: f64| {
+        let of = |points: &[Vec2]| Boundary::new(Role::Wall, Curve::polyline(points, false).unwrap(), None).unwrap();
+        let wall = of(&[Vec2::new(-0.2, 0.1), Vec2::new(0.2, 0.1)]);
+        let across = of(&[Vec2::new(x, -0.1), Vec2::new(x, 0.098)]);
+        let map = Map::new(vec![wall, across]).unwrap();
+        fused_preimage(&map, &regions, &options).unwrap().states.contains(first)
+    };
+    let middles = [0, 1].map(|i| [first, second][i].transform_point(paper().shape(&contacts[i], 31)[7]));
+    assert!(middles[0].x * middles[1].x < 0.0, "{middles:?}");
+    assert!(!holds(middles[0].x) && !holds(middles[1].x));
+    assert!(holds(0.15));
 }
 
 #[test]

@@ -76,6 +76,7 @@ fn every_node_of_a_curve_has_the_reading_by_the_beams_own_inverse() {
                     phi_a: b.phi_a,
                     position: b.contact,
                     moment: b.moment,
+                    tilt: 0.0,
                 })
             });
             let off = readings.map(|r| (r - value).abs()).fold(f64::INFINITY, f64::min);
@@ -285,7 +286,14 @@ fn areas_agree_with_a_brute_force_grid() {
         let (mut truth, mut rim, mut missed) = (0usize, 0usize, 0usize);
         let explained = |p: Vec2| {
             point_mode(&whisker, p, Load::Normal).unwrap().iter().any(|b| {
-                let c = Contact { force: b.force, s_a: b.s_a, phi_a: b.phi_a, position: b.contact, moment: b.moment };
+                let c = Contact {
+                    force: b.force,
+                    s_a: b.s_a,
+                    phi_a: b.phi_a,
+                    position: b.contact,
+                    moment: b.moment,
+                    tilt: 0.0,
+                };
                 reading.value.contains(reading.sensor.read(&c)) && limits.admit(&c)
             })
         };

@@ -1,11 +1,12 @@
 //! Readings of virtual sensors and the whisker they belong to, as options of several commands.
 
+use crate::quantity::of_option as quantity;
 use std::path::PathBuf;
 use vibrissa::beam::Load;
 use vibrissa::flow::contact_set::{ContactModel, Limits, MomentRegime, Reading, VirtualSensor};
 use vibrissa::plane::Pose2;
 use vibrissa::sets::Interval;
-use vibrissa::world::{Dimension, MountedWhisker, Robot, parse_quantity};
+use vibrissa::world::{Dimension, MountedWhisker, Robot};
 use vibrissa::{Error, Result};
 
 /// What was read, and by which whisker.
@@ -150,17 +151,6 @@ impl ReadingArgs {
             return Ok(error);
         }
         Err(Error::usage("--tolerance").value(text).allowed("a finite number, not negative"))
-    }
-}
-
-/// A number in SI units, or one that carries its unit.
-pub(crate) fn quantity(name: &str, text: &str, dimension: Dimension) -> Result<f64> {
-    match text.trim().parse::<f64>() {
-        Ok(value) if !value.is_nan() => Ok(value),
-        _ => parse_quantity(text, dimension).map_err(|error| {
-            Error::usage(format!("{name}: {error}"))
-                .or_remedy("give a number in SI units, or one with its unit: \"75 mm\"")
-        }),
     }
 }
 

@@ -1,16 +1,17 @@
 //! `vibrissa preimage`: which robot states explain readings.
 
 use super::localize::outlines;
-use super::readings::{ReadingArgs, WhiskerReadings, quantity, words};
+use super::readings::{ReadingArgs, WhiskerReadings, words};
 use crate::output::{OutputArgs, print, warn, write_all};
+use crate::quantity::of_option as quantity;
 use clap::ValueEnum;
 use core::f64::consts::TAU;
 use serde_json::json;
 use std::fmt::Write;
 use std::path::PathBuf;
 use vibrissa::figure::{PreimageFigure, preimage_figure};
-use vibrissa::flow::contact_set::ContactRegion;
-use vibrissa::flow::preimage::{Construction, PreimageOptions, ReadingPreimage, reading_preimage, region_preimage};
+use vibrissa::flow::contact_set::{ContactRegion, Parts};
+use vibrissa::flow::preimage::{Construction, PreimageOptions, ReadingPreimage, fused_preimage, reading_preimage};
 use vibrissa::world::{Dimension, Map};
 use vibrissa::{Error, Result};
 
@@ -27,9 +28,12 @@ pub(crate) struct Args {
     map: PathBuf,
     #[command(flatten)]
     readings: ReadingArgs,
-    /// Which states count: `alignment` lays the whisker's side along the boundary, `distance` takes every heading
+    /// Which states count: `alignment` lays the whisker against the boundary, `distance` takes every heading
     #[arg(long, value_enum, default_value_t)]
     construction: Word,
+    /// Which parts of the whisker may touch: its side, its tip (pushed along the wall's normal) or all
+    #[arg(long, value_enum, default_value_t)]
+    contacts: PartsWord,
     /// Keep states whose whisker or base is inside something solid, as the paper does
     #[arg(long)]
     ignore_collisions: bool,
@@ -53,6 +57,24 @@ enum Word {
     Distance,
 }
 
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+enum PartsWord {
+    Side,
+    Tip,
+    #[default]
+    All,
+}
+
+impl PartsWord {
+    fn parts(self) -> Parts {
+        match self {
+            Self::Side => Parts::Side,
+            Self::Tip => Parts::Tip,
+            Self::All => Parts::All,
+        }
+    }
+}
+
 impl Args {
     fn options(&self) -> Result<PreimageOptions> {
         let step = quantity("--heading-step", &self.heading_step, Dimension::Angle)?;
@@ -67,6 +89,7 @@ impl Args {
             cell: quantity("--cell", &self.cell, Dimension::Length)?,
             headings: (TAU / step).round().clamp(0.0, 1e6) as usize,
             construction,
+            contacts: self.contacts.parts(),
             collision_free: !self.ignore_collisions,
         };
         options.check()?;
@@ -99,19 +122,15 @@ pub(crate) fn run(args: &Args) -> Result<()> {
 
 /// The states that explain the readings of all whiskers.
 fn solve(map: &Map, whiskers: &[WhiskerReadings], options: &PreimageOptions) -> Result<ReadingPreimage> {
-    let [first, others @ ..] = whiskers else { return Err(Error::usage("no reading").allowed("one or more")) };
-    if others.is_empty() {
-        return reading_preimage(map, &first.model, first.robot_from_whisker, &first.readings, options);
+    if let [only] = whiskers {
+        return reading_preimage(map, &only.model, only.robot_from_whisker, &only.readings, options);
     }
     let region = |w: &WhiskerReadings| {
         let reach = w.model.length() + w.robot_from_whisker.position().norm();
-        ContactRegion::new(&w.model, &w.readings, &options.resolution(reach))
+        ContactRegion::of_parts(&w.model, &w.readings, options.contacts, &options.resolution(reach))
     };
-    let mut shared = region(first)?;
-    for other in others {
-        shared = shared.shared_with(&region(other)?, first.robot_from_whisker.between(other.robot_from_whisker));
-    }
-    region_preimage(map, &shared, first.robot_from_whisker, options)
+    let regions: Result<Vec<_>> = whiskers.iter().map(|w| Ok((region(w)?, w.robot_from_whisker))).collect();
+    fused_preimage(map, &regions?, options)
 }
 
 fn text(found: &ReadingPreimage, title: &str, options: &PreimageOptions) -> String {

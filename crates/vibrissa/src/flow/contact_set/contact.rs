@@ -16,6 +16,39 @@ pub struct Contact {
     pub position: Vec2,
     /// Moment of the contact force about the base (N m), counter-clockwise positive.
     pub moment: f64,
+    /// Tilt of the force from the whisker's normal at the contact (rad): 0 under a normal load.
+    pub tilt: f64,
+}
+
+/// Which parts of a whisker may touch.
+///
+/// | part | direction of the force | two numbers name a contact |
+/// | --- | --- | --- |
+/// | side | the whisker's normal (the model's load) | force and arc length |
+/// | tip | the wall's own normal, so at any tilt at which the whisker lies in front of the wall | force and tilt |
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Parts {
+    /// Any place before the tip, and the tip under a normal load.
+    Side,
+    /// The tip.
+    Tip,
+    /// Both.
+    #[default]
+    All,
+}
+
+impl Parts {
+    /// Whether the side may touch.
+    #[must_use]
+    pub fn side(self) -> bool {
+        self != Self::Tip
+    }
+
+    /// Whether the tip may touch.
+    #[must_use]
+    pub fn tip(self) -> bool {
+        self != Self::Side
+    }
 }
 
 /// Declared maxima beyond which a whisker is not loaded; the paper's `F_max` and `M_max`, sizes of either sign.

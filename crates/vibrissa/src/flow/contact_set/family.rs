@@ -48,7 +48,7 @@ fn normal_moment(model: &ContactModel, ei: f64, moment: f64, nodes: usize) -> Ve
             return None;
         }
         let force = 2.0 * ei * u.copysign(moment) / (s_a * s_a);
-        let contact = Contact { force, s_a, phi_a: shape.phi_a, position: s_a * shape.contact, moment };
+        let contact = Contact { force, s_a, phi_a: shape.phi_a, position: s_a * shape.contact, moment, tilt: 0.0 };
         model.limits().admit(&contact).then_some(contact)
     };
     // The load numbers at which either branch is at the base, or as far out as the whisker or the fold lets it.

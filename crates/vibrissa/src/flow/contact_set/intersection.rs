@@ -198,6 +198,7 @@ fn between(curve: &ContactCurve, t: f64) -> Contact {
         phi_a: mix(a.phi_a, b.phi_a),
         position: a.position + (b.position - a.position) * (t - i as f64),
         moment: mix(a.moment, b.moment),
+        tilt: mix(a.tilt, b.tilt),
     }
 }
 

@@ -25,7 +25,7 @@ pub mod tip;
 mod trace;
 mod virtual_sensor;
 
-pub use contact::{Contact, Limits};
+pub use contact::{Contact, Limits, Parts};
 pub use curve::{ContactCurve, ContactSet};
 pub use intersection::{Meeting, PlacedSet, intersect, intersect_all};
 pub use model::ContactModel;

@@ -7,7 +7,7 @@ use crate::beam::normal::by_force;
 use crate::beam::{Load, Rod, Whisker, force_mode};
 use crate::plane::Vec2;
 use crate::{Error, Result};
-use core::f64::consts::FRAC_PI_2;
+use core::f64::consts::{FRAC_PI_2, PI};
 
 /// Contacts nearer to the base than this share of the length are not told apart from the base.
 pub(super) const BASE_SHARE: f64 = 1e-3;
@@ -139,6 +139,7 @@ impl ContactModel {
                 phi_a: b.phi_a,
                 position: b.contact,
                 moment: b.moment,
+                tilt: 0.0,
             }),
             (Mechanics::Uniform(ei), Load::Tilted(beta)) => bend(*ei, force, s_a, beta).map(|b| of_bend(&b)),
             (Mechanics::Uniform(ei), _) => {
@@ -146,6 +147,25 @@ impl ContactModel {
                 force_mode(&whisker, force, s_a.min(self.length), self.load).ok()?.first().map(of_bend)
             }
             (Mechanics::Rod(rod), load) => on_rod(rod, load, force, s_a),
+        }
+    }
+
+    /// The contact at the tip under `force` (N), tilted by `tilt` (rad) from the whisker's normal there, whatever the
+    /// model's load; `None` beyond the first mode, for tilts beyond a right angle and for numbers that are not finite.
+    ///
+    /// A smooth wall without friction pushes along its own normal: it lies in the direction `phi_a + tilt`. The
+    /// small-angle model counts the force across the whisker only.
+    #[must_use]
+    pub fn tip_contact(&self, force: f64, tilt: f64) -> Option<Contact> {
+        if !(force.is_finite() && tilt.abs() <= FRAC_PI_2) {
+            return None;
+        }
+        match &self.mechanics {
+            Mechanics::Small(beam) => Some(Contact { force, tilt, ..beam.contact(force * tilt.cos(), self.length) }),
+            Mechanics::Uniform(ei) => bend(*ei, force, self.length, tilt).map(|b| of_bend(&b)),
+            Mechanics::Rod(rod) => {
+                rod.touched(force, self.length, tilt).map(|t| of_touched(&t, force, self.length, tilt))
+            }
         }
     }
 
@@ -162,22 +182,12 @@ impl ContactModel {
         match &self.mechanics {
             Mechanics::Small(beam) => beam.shape(contact, n),
             Mechanics::Uniform(ei) => {
-                let beta = self.tilt(contact);
-                bend(*ei, contact.force, s_a, beta).map_or_else(Vec::new, |b| b.shape(self.length, n))
+                bend(*ei, contact.force, s_a, contact.tilt).map_or_else(Vec::new, |b| b.shape(self.length, n))
             }
             Mechanics::Rod(rod) => {
-                let bends = rod.force_mode(contact.force, s_a, Load::Tilted(self.tilt(contact))).unwrap_or_default();
+                let bends = rod.force_mode(contact.force, s_a, Load::Tilted(contact.tilt)).unwrap_or_default();
                 bends.first().map_or_else(Vec::new, |b| b.shape(self.length, n))
             }
-        }
-    }
-
-    /// Tilt of the load from the whisker's normal (rad).
-    fn tilt(&self, contact: &Contact) -> f64 {
-        match self.load {
-            Load::Tilted(beta) => beta,
-            Load::Vertical => -contact.phi_a,
-            _ => 0.0,
         }
     }
 
@@ -210,6 +220,19 @@ impl ContactModel {
         }
     }
 
+    /// The force at which the first mode of a tilted load at the tip ends (N), where that is known in closed form:
+    /// `EI (2 K(m) / L)²` with `m = (1 - sin |tilt|) / 2`, for tilts of the force's sign.
+    pub(super) fn last_tip_force(&self, tilt: f64) -> Option<f64> {
+        let Mechanics::Uniform(ei) = &self.mechanics else { return None };
+        let (mut a, mut b) = (1.0, (0.5 * (1.0 + tilt.abs().sin())).sqrt());
+        // K = pi / (2 agm(1, sqrt(1 - m))); from 0.7 on, four rounds are exact.
+        for _ in 0..4 {
+            (a, b) = (0.5 * (a + b), (a * b).sqrt());
+        }
+        let end = PI / (a * self.length);
+        Some(ei * end * end * (1.0 - 1e-14))
+    }
+
     /// Whether exact readings have curves in closed form: uniform whiskers under a normal load.
     #[must_use]
     pub fn has_closed_family(&self) -> bool {
@@ -237,7 +260,7 @@ fn checked(load: Load) -> Result<Load> {
 }
 
 fn of_bend(b: &crate::beam::Bend) -> Contact {
-    Contact { force: b.force, s_a: b.s_a, phi_a: b.phi_a, position: b.contact, moment: b.moment }
+    Contact { force: b.force, s_a: b.s_a, phi_a: b.phi_a, position: b.contact, moment: b.moment, tilt: b.beta }
 }
 
 fn on_rod(rod: &Rod, load: Load, force: f64, s_a: f64) -> Option<Contact> {
@@ -247,7 +270,16 @@ fn on_rod(rod: &Rod, load: Load, force: f64, s_a: f64) -> Option<Contact> {
         Load::Vertical => vertical(&tilted),
         _ => tilted(0.0),
     }?;
-    Some(Contact { force, s_a, phi_a: touched.phi_a, position: touched.contact, moment: touched.moment })
+    let tilt = match load {
+        Load::Tilted(beta) => beta,
+        Load::Vertical => -touched.phi_a,
+        _ => 0.0,
+    };
+    Some(of_touched(&touched, force, s_a, tilt))
+}
+
+fn of_touched(touched: &crate::beam::rod::Touched, force: f64, s_a: f64, tilt: f64) -> Contact {
+    Contact { force, s_a, phi_a: touched.phi_a, position: touched.contact, moment: touched.moment, tilt }
 }
 
 /// The shape whose force is vertical: the tilt that undoes the slope, found between no tilt and a right angle.

@@ -7,6 +7,7 @@
 use super::{Contact, ContactModel, Resolution};
 use crate::plane::{ConvexPolygon, Vec2};
 use crate::sets::Interval;
+use core::f64::consts::FRAC_PI_2;
 use std::collections::VecDeque;
 
 /// Cuts after which a piece is kept as it is.
@@ -23,13 +24,35 @@ const DISCERNED: f64 = 0.1;
 const START: [usize; 2] = [4, 16];
 /// Below this share of a starting piece nothing is cut that has no image.
 const NO_IMAGE: f64 = 1.0 / 32.0;
+/// The same at the tip, where the last loads have no moment, as the first have, but move the tip far.
+const NO_IMAGE_AT_TIP: f64 = 1.0 / 512.0;
 
 /// What a contact must fulfil: quantity and range.
 pub(super) type Demand = (fn(&Contact) -> f64, Interval);
 
-/// A rectangle of arc length and stretched load number, with the contacts at its nine nodes, arc length first.
+/// Which plane of contacts is cut: what stands beside the stretched load number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Chart {
+    /// Arc length (m): contacts of the side.
+    Side,
+    /// Tilt of the force (rad): contacts of the tip.
+    Tip,
+}
+
+impl Chart {
+    /// The direction of the touched wall, or the opposite where the force is negative (rad, whisker frame).
+    pub(super) fn wall(self) -> fn(&Contact) -> f64 {
+        match self {
+            Self::Side => |c| c.phi_a,
+            Self::Tip => |c| c.phi_a + c.tilt,
+        }
+    }
+}
+
+/// A rectangle of arc length (or tilt) and stretched load number, with the contacts at its nine nodes, arc length first.
 #[derive(Clone, Debug)]
 pub(super) struct Piece {
+    pub(super) chart: Chart,
     pub(super) s: [f64; 2],
     pub(super) v: [f64; 2],
     nodes: [[Option<Contact>; 3]; 3],
@@ -52,8 +75,23 @@ pub(super) fn pave(
             let v = cell(-last, last, column, columns);
             // An arc length that is known exactly needs one row.
             if row == 0 || s[1] > s[0] {
-                start.push(Piece::new(model, s, v));
+                start.push(Piece::new(model, Chart::Side, s, v));
             }
+        }
+    }
+    refine(model, start, demands, resolution)
+}
+
+/// As [`pave`] for contacts of the tip: the tilts at which the whisker leaves the wall on its free side, which have the force's sign.
+pub(super) fn pave_tip(model: &ContactModel, demands: &[Demand], resolution: &Resolution) -> Vec<Piece> {
+    let last = (2.0 * model.last_load_number()).asinh();
+    let [rows, columns] = START;
+    let mut start = Vec::new();
+    for row in 0..rows {
+        for column in 0..columns {
+            let (tilt, v) = (cell(0.0, FRAC_PI_2, row, rows), cell(-last, last, column, columns));
+            let tilt = if v[1] <= 0.0 { [-tilt[1], -tilt[0]] } else { tilt };
+            start.push(Piece::new(model, Chart::Tip, tilt, v));
         }
     }
     refine(model, start, demands, resolution)
@@ -83,16 +121,25 @@ fn refine(model: &ContactModel, start: Vec<Piece>, demands: &[Demand], resolutio
     kept
 }
 
-fn at(model: &ContactModel, s: f64, v: f64) -> Option<Contact> {
+fn at(model: &ContactModel, chart: Chart, s: f64, v: f64) -> Option<Contact> {
     let last = model.last_load_number();
-    model.contact(model.force_of((0.5 * v.sinh()).clamp(-last, last), s), s)
+    let force = |s_a: f64| model.force_of((0.5 * v.sinh()).clamp(-last, last), s_a);
+    match chart {
+        Chart::Side => model.contact(force(s), s),
+        Chart::Tip => {
+            // Where the end of the first mode is known, loads are shares of it, so that pieces are whole.
+            let share = (v / (2.0 * last).asinh()).clamp(-1.0, 1.0);
+            let load = model.last_tip_force(s).map_or_else(|| force(model.length()), |end| end * share * share.abs());
+            model.tip_contact(load, s)
+        }
+    }
 }
 
 impl Piece {
-    fn new(model: &ContactModel, s: [f64; 2], v: [f64; 2]) -> Self {
+    fn new(model: &ContactModel, chart: Chart, s: [f64; 2], v: [f64; 2]) -> Self {
         let third = |range: [f64; 2]| [range[0], 0.5 * (range[0] + range[1]), range[1]];
         let (ss, vs) = (third(s), third(v));
-        Self { s, v, nodes: ss.map(|s| vs.map(|v| at(model, s, v))), cuts: 0 }
+        Self { chart, s, v, nodes: ss.map(|s| vs.map(|v| at(model, chart, s, v))), cuts: 0 }
     }
 
     fn known(&self) -> impl Iterator<Item = &Contact> + '_ {
@@ -158,13 +205,19 @@ impl Piece {
     fn is_small(&self, inside: bool, resolution: &Resolution) -> bool {
         let [by_s, by_v] = self.extents();
         let limit = if inside { resolution.inner } else { resolution.rim };
-        let slope = self.range(&|c| c.phi_a).width();
+        let slope = self.range(&self.chart.wall()).width();
         if self.is_whole() {
             return by_s + by_v <= limit && slope <= resolution.slope;
         }
+        let limit_of_image = if self.chart == Chart::Tip { NO_IMAGE_AT_TIP } else { NO_IMAGE };
         // A rod near the end of its first mode may show no extent; then the piece itself must be small.
         by_s.max(by_v) <= limit && slope <= resolution.slope
-            || (self.v[1] - self.v[0] < NO_IMAGE && self.s[1] - self.s[0] < NO_IMAGE * self.s[1])
+            || (self.v[1] - self.v[0] < limit_of_image && self.s[1] - self.s[0] < limit_of_image * self.scale())
+    }
+
+    /// What counts as one across the loads: the arc length itself (m), a right angle.
+    fn scale(&self) -> f64 {
+        if self.chart == Chart::Tip { FRAC_PI_2 } else { self.s[1] }
     }
 
     /// Whether the piece is near the base and its readings are wider than what is demanded.
@@ -173,7 +226,7 @@ impl Piece {
             let size = demanded.lo().abs().max(demanded.hi().abs());
             size > 0.0 && size.is_finite() && self.range(quantity).width() > demanded.width() + DISCERNED * size
         };
-        self.is_whole() && self.s[1] < AT_BASE * model.length() && demands.iter().any(wide)
+        self.chart == Chart::Side && self.is_whole() && self.s[1] < AT_BASE * model.length() && demands.iter().any(wide)
     }
 
     /// Whether the readings change more by arc length than by load, each as a share of what is demanded.
@@ -195,12 +248,14 @@ impl Piece {
     /// The piece cut across its longer image, or where images do not count as the readings ask.
     fn halves(&self, model: &ContactModel, at_base: Option<&[Demand]>) -> [Self; 2] {
         let [by_s, by_v] = self.extents();
-        let slopes = |a: Option<Contact>, b: Option<Contact>| a.zip(b).map_or(0.0, |(a, b)| (a.phi_a - b.phi_a).abs());
+        let wall = self.chart.wall();
+        let slopes =
+            |a: Option<Contact>, b: Option<Contact>| a.zip(b).map_or(0.0, |(a, b)| (wall(&a) - wall(&b)).abs());
         let lever = model.length();
         let by_s = by_s.max(lever * slopes(self.nodes[0][1], self.nodes[2][1]));
         let by_v = by_v.max(lever * slopes(self.nodes[1][0], self.nodes[1][2]));
         // Where images are unknown the piece's own proportions decide.
-        let own = [(self.s[1] - self.s[0]) / self.s[1], self.v[1] - self.v[0]];
+        let own = [(self.s[1] - self.s[0]) / self.scale(), self.v[1] - self.v[0]];
         let longer = match (at_base, self.is_whole()) {
             (Some(demands), _) => self.reads_by_s(demands),
             (_, true) => by_s > by_v,
@@ -216,9 +271,9 @@ impl Piece {
                 let old = |i: usize| if across_s { self.nodes[i][k] } else { self.nodes[k][i] };
                 let third = |range: [f64; 2]| [range[0], 0.5 * (range[0] + range[1]), range[1]][k];
                 let new = if across_s {
-                    at(model, 0.5 * (s[0] + s[1]), third(v))
+                    at(model, self.chart, 0.5 * (s[0] + s[1]), third(v))
                 } else {
-                    at(model, third(s), 0.5 * (v[0] + v[1]))
+                    at(model, self.chart, third(s), 0.5 * (v[0] + v[1]))
                 };
                 for (i, contact) in [old(upper), new, old(1 + upper)].into_iter().enumerate() {
                     if across_s { piece.nodes[i][k] = contact } else { piece.nodes[k][i] = contact }

@@ -1,7 +1,7 @@
 //! Regions: all contacts that explain readings with bounds on their errors, covered.
 
-use super::paving::{Demand, Piece, pave};
-use super::{Contact, ContactCurve, ContactModel, ContactSet, Reading, VirtualSensor};
+use super::paving::{Chart, Demand, Piece, pave, pave_tip};
+use super::{Contact, ContactCurve, ContactModel, ContactSet, Parts, Reading, VirtualSensor};
 use crate::Result;
 use crate::plane::{Bounds, ConvexPolygon, Pose2, Vec2, union_area};
 use crate::sets::Interval;
@@ -9,6 +9,8 @@ use core::f64::consts::TAU;
 
 /// Lines along which an area is measured.
 const AREA_COLUMNS: usize = 1500;
+/// Arc lengths this close to the length are the tip's, as a share.
+const ROUNDING: f64 = 1e-9;
 
 /// How finely a region is covered.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,6 +49,11 @@ pub struct ContactCell {
     pub radius: f64,
     /// The slopes at the contacts (rad).
     pub slope: Interval,
+    /// The directions of the touched wall where the force is positive, the opposite ones where it is negative (rad): the
+    /// slopes at the side, at the tip the slopes and the tilts.
+    pub wall: Interval,
+    /// Whether the tip touches, at any tilt.
+    pub is_tip: bool,
     /// The arc lengths of the contacts (m).
     pub arc_length: Interval,
     /// The forces at the contacts (N).
@@ -69,13 +76,26 @@ pub struct ContactRegion {
 }
 
 impl ContactRegion {
-    /// The contacts of `model` that explain all `readings`; without any, all contacts within whisker and limits.
+    /// The contacts of the side of `model` that explain all `readings`; without any, all contacts within whisker and limits.
+    ///
+    /// [`ContactRegion::of_parts`] takes those of the tip, too.
     ///
     /// Moments are read by the elastica unless the small-angle regime is asked for by name: a region is to keep the truth.
     ///
     /// # Errors
     /// Usage: a reading that is not finite; the small-angle regime of a whisker that has none.
     pub fn new(model: &ContactModel, readings: &[Reading], resolution: &Resolution) -> Result<Self> {
+        Self::of_parts(model, readings, Parts::Side, resolution)
+    }
+
+    /// As [`ContactRegion::new`], with the contacts of the `parts` of the whisker that may touch.
+    ///
+    /// At the tip the force may have any tilt up to a right angle at which the whisker lies in front of the wall; a tip
+    /// reads its whole length as arc length, and the size of its force as load.
+    ///
+    /// # Errors
+    /// Usage: as [`ContactRegion::new`].
+    pub fn of_parts(model: &ContactModel, readings: &[Reading], parts: Parts, resolution: &Resolution) -> Result<Self> {
         let mut own = model.clone();
         for reading in readings {
             reading.check()?;
@@ -106,9 +126,16 @@ impl ContactRegion {
         }
         let bounded = |demand: &Demand| demand.1.lo().is_finite() || demand.1.hi().is_finite();
         let demands: Vec<Demand> = demands.into_iter().filter(bounded).collect();
-        let pieces = pave(&own, arc_lengths, &demands, resolution);
-        let mut cells: Vec<ContactCell> = pieces.iter().filter_map(|piece| cell(&own, piece)).collect();
-        cells.extend(base_cell(&own, &pieces, readings));
+        let mut cells = Vec::new();
+        if parts.side() {
+            let pieces = pave(&own, arc_lengths, &demands, resolution);
+            cells.extend(pieces.iter().filter_map(|piece| cell(&own, piece)));
+            cells.extend(base_cell(&own, &pieces, readings));
+        }
+        if parts.tip() && arc_lengths.hi() >= own.length() * (1.0 - ROUNDING) {
+            let pieces = pave_tip(&own, &demands, resolution);
+            cells.extend(pieces.iter().filter_map(|piece| cell(&own, piece)));
+        }
         Ok(Self { cells, model: own })
     }
 
@@ -140,9 +167,16 @@ impl ContactRegion {
             && let Some(cover) = ConvexPolygon::hull(&[Vec2::ZERO]).map(|p| p.grown(first))
         {
             let slope = Interval::new(near.slope.lo().min(0.0), near.slope.hi().max(0.0));
-            cells.push(ContactCell { bounds: cover.bounds(), cover, radius: 2.0 * first, slope, ..near });
+            cells.push(ContactCell { bounds: cover.bounds(), cover, radius: 2.0 * first, slope, wall: slope, ..near });
         }
         Self { cells, model: set.model().clone() }
+    }
+
+    /// Both regions' cells in one: of one whisker, say its side's and its tip's.
+    #[must_use]
+    pub fn joined(mut self, other: Self) -> Self {
+        self.cells.extend(other.cells);
+        self
     }
 
     /// The model whose contacts these are.
@@ -243,7 +277,12 @@ fn cell(model: &ContactModel, piece: &Piece) -> Option<ContactCell> {
         contact,
         radius,
         slope: piece.range(&|c| c.phi_a),
-        arc_length: Interval::new(piece.s[0], piece.s[1]),
+        wall: piece.range(&piece.chart.wall()),
+        is_tip: piece.chart == Chart::Tip,
+        arc_length: match piece.chart {
+            Chart::Side => Interval::new(piece.s[0], piece.s[1]),
+            Chart::Tip => Interval::point(model.length()),
+        },
         // The load number's sign is the force's, exactly.
         force: force.intersection(Interval::new(
             if piece.v[0] >= 0.0 { 0.0 } else { -f64::INFINITY },
@@ -267,10 +306,13 @@ fn run_cell(run: &[Contact], tolerance: f64) -> Option<ContactCell> {
     let slope = span(run, &|c| c.phi_a);
     // Between nodes a slope may pass its ends by a second difference: a hundredth is ample for hundreds of nodes.
     let slack = 0.01 * slope.width() + 1e-12;
+    let slope = Interval::new(slope.lo() - slack, slope.hi() + slack);
     Some(ContactCell {
         contact,
         radius: cover.corners().iter().map(|p| p.distance(contact.position)).fold(0.0, f64::max),
-        slope: Interval::new(slope.lo() - slack, slope.hi() + slack),
+        slope,
+        wall: slope,
+        is_tip: false,
         arc_length: span(run, &|c| c.s_a),
         force: span(run, &|c| c.force),
         bounds: cover.bounds(),
@@ -292,10 +334,14 @@ fn base_cell(model: &ContactModel, pieces: &[Piece], readings: &[Reading]) -> Op
         near().map(|piece| piece.range(quantity)).fold(Interval::EMPTY, Interval::hull)
     };
     let (slope, force) = (hull_of(&|c| c.phi_a), hull_of(&|c| c.force));
+    let middle = 0.5 * (slope.lo() + slope.hi());
+    let slope = Interval::new(slope.lo().clamp(-TAU, 0.0), slope.hi().clamp(0.0, TAU));
     Some(ContactCell {
-        contact: Contact { phi_a: 0.5 * (slope.lo() + slope.hi()), ..contact },
+        contact: Contact { phi_a: middle, ..contact },
         radius: 2.0 * first,
-        slope: Interval::new(slope.lo().clamp(-TAU, 0.0), slope.hi().clamp(0.0, TAU)),
+        slope,
+        wall: slope,
+        is_tip: false,
         arc_length: Interval::new(0.0, first),
         force: if force.lo() < 0.0 && force.hi() > 0.0 {
             Interval::new(f64::NEG_INFINITY, f64::INFINITY)

@@ -54,6 +54,7 @@ impl SmallBeam {
             phi_a: force * self.slope_compliance(s_a),
             position: Vec2::new(s_a, force * self.deflection_compliance(s_a)),
             moment: force * s_a,
+            tilt: 0.0,
         }
     }
 
@@ -71,9 +72,10 @@ impl SmallBeam {
     pub(super) fn shape(&self, contact: &Contact, n: usize) -> Vec<Vec2> {
         let (mut slope, mut y) = (contact.moment * self.base_compliance, 0.0);
         let step = self.length / (n.max(2) - 1) as f64;
+        let across = contact.force * contact.tilt.cos();
         let curvature = |s: f64| {
             let w = 1.0 - self.narrowing * s;
-            contact.force * (contact.s_a - s).max(0.0) / (self.flexural_rigidity * w * w * w * w)
+            across * (contact.s_a - s).max(0.0) / (self.flexural_rigidity * w * w * w * w)
         };
         let mut points = vec![Vec2::ZERO];
         for i in 1..n {

@@ -9,12 +9,13 @@ mod observation;
 mod reading_preimage;
 mod solid;
 mod state_grid;
+mod thin;
 mod touch;
 
 pub use alignment::Alignment;
 pub use observation::{Branch, Observation};
 pub use reading_preimage::{
-    Construction, PreimageOptions, ReadingPreimage, distances, reading_preimage, region_preimage,
+    Construction, PreimageOptions, ReadingPreimage, distances, fused_preimage, reading_preimage, region_preimage,
 };
 pub use state_grid::{Raster, StateGrid};
 

@@ -2,9 +2,10 @@
 
 use super::solid::Solid;
 use super::state_grid::{Raster, StateGrid};
+use super::thin::ThinWalls;
 use super::touch::{Touch, touches};
 use crate::flow::contact_set::{
-    ContactCell, ContactModel, ContactRegion, ContactSet, MomentRegime, Reading, Resolution, VirtualSensor,
+    ContactCell, ContactModel, ContactRegion, ContactSet, MomentRegime, Parts, Reading, Resolution, VirtualSensor,
 };
 use crate::plane::{Bounds, Pose2, Vec2};
 use crate::sets::Interval;
@@ -14,6 +15,8 @@ use core::f64::consts::{PI, TAU};
 
 /// Points of the whisker that are kept out of solids.
 const BODY_POINTS: usize = 16;
+/// How far a whisker may be from the chords between these points, as a share of their distance.
+const CHORD_SLACK: f64 = 0.1;
 /// Nodes of the curves of exact readings.
 const NODES: usize = 800;
 /// Largest memory of a set (bytes): 1 GB.
@@ -24,12 +27,13 @@ const SHARES: [f64; 2] = [0.45, 0.4];
 /// Which states count as explaining a contact \[routray, section "Preimages of a Load Sensor"\].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Construction {
-    /// The whisker's shape is laid along the boundary: its tangent at the contact is the boundary's, as it is at
-    /// frictionless contact of the whisker's side; at corners it lies between both sides' tangents.
+    /// The whisker's shape is laid along the boundary as it is at frictionless contact: with its side, whose tangent is
+    /// the boundary's there, or with its tip, pushed along the boundary's normal; at corners directions lie between both
+    /// walls'.
     #[default]
     Alignment,
     /// Directional distance: for every heading the base is as far from the boundary as the contact is from the base, at whatever angle
-    /// the whisker meets the boundary. Holds for tips and with friction too, and is larger.
+    /// the whisker meets the boundary. Holds with friction too, and is larger.
     Distance,
 }
 
@@ -42,6 +46,8 @@ pub struct PreimageOptions {
     pub headings: usize,
     /// Which states count.
     pub construction: Construction,
+    /// Which parts of the whisker may touch.
+    pub contacts: Parts,
     /// Whether whisker and base must be out of solids, which the paper does not ask.
     pub collision_free: bool,
 }
@@ -49,7 +55,13 @@ pub struct PreimageOptions {
 impl Default for PreimageOptions {
     /// The paper's millimetre, and a degree.
     fn default() -> Self {
-        Self { cell: 1e-3, headings: 360, construction: Construction::default(), collision_free: true }
+        Self {
+            cell: 1e-3,
+            headings: 360,
+            construction: Construction::default(),
+            contacts: Parts::default(),
+            collision_free: true,
+        }
     }
 }
 
@@ -97,8 +109,8 @@ pub struct ReadingPreimage {
 /// ```
 ///
 /// The heading is unknown: every heading counts at which some contact fits. With [`PreimageOptions::collision_free`] states are left
-/// out whose base or whisker is inside something solid by more than the grid's tolerance (about four cells); thin
-/// walls are not solid, so that a whisker through a wall stays.
+/// out whose base or whisker is inside something solid, or through a thin wall, by more than the grid's tolerance (about
+/// four cells).
 ///
 /// # Errors
 /// Usage: readings or options out of range; a grid beyond a gigabyte.
@@ -112,20 +124,25 @@ pub fn reading_preimage(
     options.check()?;
     let resolution = options.resolution(model.length() + robot_from_whisker.position().norm());
     let region = match readings {
-        // Where the curve is written down, it is taken as it is.
-        [Reading { sensor, value }] if model.has_closed_family() && value.width() <= 0.0 => {
+        // Where the curve of the side is written down, it is taken as it is.
+        [Reading { sensor, value }] if options.contacts.side() && model.has_closed_family() && value.width() <= 0.0 => {
             let sensor = match sensor {
                 VirtualSensor::Moment(MomentRegime::Auto) => VirtualSensor::Moment(MomentRegime::LargeAngle),
                 other => *other,
             };
-            ContactRegion::along(&ContactSet::new(model, sensor, value.lo(), NODES)?, &resolution)
+            let side = ContactRegion::along(&ContactSet::new(model, sensor, value.lo(), NODES)?, &resolution);
+            if options.contacts.tip() {
+                side.joined(ContactRegion::of_parts(model, readings, Parts::Tip, &resolution)?)
+            } else {
+                side
+            }
         }
-        _ => ContactRegion::new(model, readings, &resolution)?,
+        _ => ContactRegion::of_parts(model, readings, options.contacts, &resolution)?,
     };
     region_preimage(map, &region, robot_from_whisker, options)
 }
 
-/// The robot states on `map` that explain a contact region, as [`reading_preimage`]; for regions that several whiskers share.
+/// The robot states on `map` that explain a contact region, as [`reading_preimage`].
 ///
 /// # Errors
 /// Usage: options out of range; a grid beyond a gigabyte.
@@ -135,12 +152,57 @@ pub fn region_preimage(
     robot_from_whisker: Pose2,
     options: &PreimageOptions,
 ) -> Result<ReadingPreimage> {
+    fused_preimage(map, &[(region.clone(), robot_from_whisker)], options)
+}
+
+/// The robot states on `map` that explain the contact regions of several whiskers that touch one and the same point.
+///
+/// Each region comes with `robot_from_whisker`. A region keeps the contacts that every other whisker can make at the same
+/// place; states stay that each whisker allows by itself, its body included.
+///
+/// # Errors
+/// Usage: no region, options out of range; a grid beyond a gigabyte.
+pub fn fused_preimage(
+    map: &Map,
+    regions: &[(ContactRegion, Pose2)],
+    options: &PreimageOptions,
+) -> Result<ReadingPreimage> {
     options.check()?;
+    let largest = |value: &dyn Fn(&(ContactRegion, Pose2)) -> f64| regions.iter().map(value).fold(0.0, f64::max);
+    let mount = largest(&|r| r.1.position().norm());
+    // The same grid for every reading of a whisker, so that preimages can be compared.
+    let raster = raster(map, largest(&|r| r.0.model().length() + r.1.position().norm()), mount, options)?;
+    let mut found: Option<ReadingPreimage> = None;
+    for (i, (region, robot_from_whisker)) in regions.iter().enumerate() {
+        let others = regions.iter().enumerate().filter(|(j, _)| *j != i);
+        let shared = others.fold(region.clone(), |own, (_, (other, robot_from_other))| {
+            own.shared_with(other, robot_from_whisker.between(*robot_from_other))
+        });
+        let next = laid(map, &shared, *robot_from_whisker, raster, options);
+        found = Some(match found {
+            None => next,
+            Some(before) => ReadingPreimage {
+                states: before.states.intersection(&next.states).unwrap_or(next.states),
+                sampled_area: before.sampled_area.min(next.sampled_area),
+                deviation: before.deviation.max(next.deviation),
+            },
+        });
+    }
+    found.ok_or_else(|| Error::usage("no contact region").allowed("one or more"))
+}
+
+/// The states on a grid at which the contacts of one whisker fit.
+fn laid(
+    map: &Map,
+    region: &ContactRegion,
+    robot_from_whisker: Pose2,
+    raster: Raster,
+    options: &PreimageOptions,
+) -> ReadingPreimage {
     let mount = robot_from_whisker.position().norm();
     let farthest = |cell: &ContactCell| cell.contact.position.norm() + cell.radius;
     let reach = region.cells.iter().map(farthest).fold(options.cell, f64::max) + mount;
-    // The same grid for every reading of a whisker, so that preimages can be compared.
-    let mut states = StateGrid::empty(raster(map, region.model().length() + mount, mount, options)?, options.headings);
+    let mut states = StateGrid::empty(raster, options.headings);
     let places = match options.construction {
         Construction::Alignment => touches(map, options.cell, reach),
         Construction::Distance => touches(map, options.cell, 0.01 * options.cell),
@@ -150,7 +212,7 @@ pub fn region_preimage(
     let of_cells = |value: &dyn Fn(&ContactCell) -> f64| region.cells.iter().map(value).fold(0.0, f64::max);
     let deviation = match options.construction {
         Construction::Alignment => {
-            let turned = of_cells(&|c| c.radius + 0.5 * c.slope.width() * (farthest(c) + mount));
+            let turned = of_cells(&|c| c.radius + 0.5 * c.wall.width() * (farthest(c) + mount));
             turned + largest(&|t| t.spread + reach * t.half_turn)
         }
         Construction::Distance => of_cells(&|c| c.radius) + reach * half_bin + largest(&|t| t.spread),
@@ -160,7 +222,9 @@ pub fn region_preimage(
         let margin = region.model().length() + 2.0 * options.cell;
         Solid::new(map, Raster::over(grown(bounds, margin), options.cell), 2.0 * deviation)
     });
-    let painter = Painter { region, places: &places, solid: solid.as_ref(), robot_from_whisker };
+    let chords = CHORD_SLACK * region.model().length() / (BODY_POINTS - 1) as f64;
+    let thin = if options.collision_free { ThinWalls::new(map, 2.0 * deviation + options.cell + chords) } else { None };
+    let painter = Painter { region, places: &places, solid: solid.as_ref(), thin: thin.as_ref(), robot_from_whisker };
     match options.construction {
         Construction::Alignment => painter.align(&mut states),
         Construction::Distance => painter.turn(&mut states, options.headings),
@@ -172,7 +236,7 @@ pub fn region_preimage(
         let solid = Solid::new(map, *states.raster(), 0.0);
         states.retain(|index| !solid.is_deep_cell(index));
     }
-    Ok(ReadingPreimage { states, sampled_area, deviation })
+    ReadingPreimage { states, sampled_area, deviation }
 }
 
 fn grown(bounds: Bounds, margin: f64) -> Bounds {
@@ -202,6 +266,7 @@ struct Painter<'a> {
     region: &'a ContactRegion,
     places: &'a [Touch],
     solid: Option<&'a Solid>,
+    thin: Option<&'a ThinWalls>,
     robot_from_whisker: Pose2,
 }
 
@@ -212,17 +277,20 @@ impl Painter<'_> {
         for cell in &self.region.cells {
             let body = self.body(cell);
             let mut turned = body.clone();
-            let half = 0.5 * cell.slope.width();
-            let slope = cell.slope.lo() + half;
+            let half = 0.5 * cell.wall.width();
+            let wall = cell.wall.lo() + half;
             for (side, pushes) in [(0.0, cell.force.hi() >= 0.0), (PI, cell.force.lo() <= 0.0)] {
                 if !pushes {
                     continue;
                 }
-                // The whisker's heading is the boundary's direction less the slope; pushed to the right it lies the other way.
-                let turn = Vec2::from_angle(side - slope);
-                let offset = side - slope - self.robot_from_whisker.theta;
+                // The whisker's heading is the boundary's direction less the wall's; pushed to the right it lies the other way.
+                let turn = Vec2::from_angle(side - wall);
+                let offset = side - wall - self.robot_from_whisker.theta;
                 let mut last = Vec2::ZERO;
                 for (touch, frame) in self.places.iter().zip(&frames) {
+                    if touch.inner && !cell.is_tip {
+                        continue;
+                    }
                     // Along a straight wall only the place changes.
                     if *frame != last {
                         last = *frame;
@@ -274,7 +342,8 @@ impl Painter<'_> {
     #[inline]
     fn place(&self, raster: &Raster, place: Vec2, turned: &[Vec2]) -> Option<usize> {
         let index = raster.index(place + turned[0])?;
-        let free = self.solid.is_none_or(|solid| !turned[1..].iter().any(|&p| solid.is_deep(place + p)));
+        let free = self.solid.is_none_or(|solid| !turned[1..].iter().any(|&p| solid.is_deep(place + p)))
+            && self.thin.is_none_or(|thin| !thin.stop(place, &turned[2..]));
         free.then_some(index)
     }
 }

@@ -20,13 +20,15 @@ pub(super) struct Touch {
     pub(super) half_turn: f64,
     /// How far the stretch reaches from its middle (m).
     pub(super) spread: f64,
+    /// Whether it is a corner that turns towards free space, where only a tip finds room.
+    pub(super) inner: bool,
 }
 
-/// All of the boundary that the side of a whisker can touch, in stretches over which a body with its contact within
+/// All of the boundary that a whisker can touch, in stretches over which a body with its contact within
 /// `reach` (m) moves by at most half of `spacing` (m) from its middle position.
 ///
 /// Corners at which the boundary turns away from free space are touched at every direction in between, ends of walls over half a
-/// turn. In corners that turn towards free space only a tip finds room.
+/// turn. In corners that turn towards free space only a tip finds room, held by both walls.
 pub(super) fn touches(map: &Map, spacing: f64, reach: f64) -> Vec<Touch> {
     let mut found = Vec::new();
     for boundary in map.boundaries() {
@@ -54,6 +56,10 @@ fn along(segments: &[Segment], closed: bool, spacing: f64, reach: f64, found: &m
             let turn = wrap_angle(segment.tangent(0.0) - before.tangent(1.0));
             if turn < -NO_TURN {
                 cone(segment.start(), before.tangent(1.0), -turn, spacing, reach, found);
+            } else if turn > NO_TURN {
+                let from = found.len();
+                cone(segment.start(), segment.tangent(0.0), turn, spacing, reach, found);
+                found[from..].iter_mut().for_each(|touch| touch.inner = true);
             }
         }
         stretches(segment, spacing, reach, found);
@@ -73,7 +79,13 @@ fn stretches(segment: &Segment, spacing: f64, reach: f64, found: &mut Vec<Touch>
         let (position, tangent) = (segment.point(middle), segment.tangent(middle));
         let turn = |t: f64| wrap_angle(segment.tangent(t) - tangent).abs();
         let way = |t: f64| segment.point(t).distance(position);
-        found.push(Touch { position, tangent, half_turn: turn(from).max(turn(to)), spread: way(from).max(way(to)) });
+        found.push(Touch {
+            position,
+            tangent,
+            half_turn: turn(from).max(turn(to)),
+            spread: way(from).max(way(to)),
+            inner: false,
+        });
     }
 }
 
@@ -87,5 +99,6 @@ fn cone(position: Vec2, tangent: f64, turn: f64, spacing: f64, reach: f64, found
         tangent: tangent - (2.0 * i as f64 + 1.0) * half,
         half_turn: half,
         spread: 0.0,
+        inner: false,
     }));
 }
