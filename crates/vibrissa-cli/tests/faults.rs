@@ -149,7 +149,7 @@ fn an_interrupt_leaves_earlier_results_whole() {
 #[test]
 fn a_run_that_is_killed_at_any_time_leaves_whole_files() {
     let good = files(&DEMO);
-    for delay in [0, 40, 200, 500, 900, 1400, 2000] {
+    for delay in [0, 300, 900, 1600] {
         let out = with_results("killed");
         let mut command = Command::new(env!("CARGO_BIN_EXE_vibrissa"));
         command.args(["demo", "--out", text(&out)]).stdout(Stdio::null()).stderr(Stdio::null());
@@ -177,7 +177,7 @@ fn two_runs_into_one_folder_leave_the_results_of_one() {
     };
     let logs = [demo("log.csv"), text(&other).to_owned()];
     let single = [alone("faults-two-a", &logs[0]), alone("faults-two-b", &logs[1])];
-    for round in 0..3 {
+    for round in 0..2 {
         let out = folder("faults-two");
         let start = |log: &String| {
             let mut command = Command::new(env!("CARGO_BIN_EXE_vibrissa"));
@@ -250,7 +250,7 @@ fn a_dead_sensor_localizes_nothing() {
 fn a_saturated_sensor_never_makes_a_wrong_place_certain() {
     let truth = fs::read_to_string(DEMO.join("truth.tum")).unwrap();
     let last: Vec<f64> = truth.lines().last().unwrap().split(' ').map(|v| v.parse().unwrap()).collect();
-    for limit in [1e-3, 2e-3] {
+    for limit in [1e-3] {
         let outcome = localize("saturated", &changed(|_, moment| moment.clamp(-limit, limit).to_string()));
         assert_eq!(outcome.code, Some(0), "{outcome:?}");
         if status(&outcome) == "localized" {
