@@ -137,18 +137,54 @@ impl fmt::Display for Error {
             (None, Some(line)) => write!(f, "line {line}: ")?,
             (None, None) => {}
         }
-        f.write_str(&self.0.what)?;
+        write!(f, "{}", Told(&self.0.what))?;
         if let Some(value) = &self.0.value {
-            write!(f, ": {value}")?;
+            write!(f, ": {}", Told(value))?;
         }
         if let Some(allowed) = &self.0.allowed {
-            write!(f, " (allowed: {allowed})")?;
+            write!(f, " (allowed: {})", Told(allowed))?;
         }
         if let Some(remedy) = &self.0.remedy {
-            write!(f, "\n  help: {remedy}")?;
+            write!(f, "\n  help: {}", Told(remedy))?;
         }
         Ok(())
     }
 }
 
+/// Longest part of a message (characters): a few lines of a terminal.
+const LONGEST: usize = 600;
+
+/// A part of a message, which may quote a damaged file: cut where it would flood the terminal, and without the control
+/// characters that would steer it.
+struct Told<'a>(&'a str);
+
+impl fmt::Display for Told<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for character in self.0.chars().take(LONGEST) {
+            if character.is_control() && !matches!(character, '\n' | '\t') {
+                write!(f, "{}", character.escape_default())?;
+            } else {
+                write!(f, "{character}")?;
+            }
+        }
+        let left_out = self.0.chars().skip(LONGEST).count();
+        if left_out > 0 { write!(f, "… ({left_out} more characters)") } else { Ok(()) }
+    }
+}
+
 impl std::error::Error for Error {}
+
+#[cfg(test)]
+mod tests {
+    use super::{Error, LONGEST};
+
+    #[test]
+    fn what_a_damaged_file_holds_neither_floods_nor_steers_the_terminal() {
+        let error = Error::data("not a number").value("9".repeat(65_000)).remedy("x\u{1b}]0;title\u{7}\nend");
+        let message = error.to_string();
+        assert!(message.len() < 2 * LONGEST && message.contains("9… (64400 more characters)"), "{message}");
+        assert!(!message.contains('\u{1b}') && message.contains("\\u{1b}]0;title\\u{7}\nend"), "{message}");
+        let whole = Error::data("größe").value("ü".repeat(LONGEST)).to_string();
+        assert_eq!(whole, format!("größe: {}", "ü".repeat(LONGEST)));
+    }
+}

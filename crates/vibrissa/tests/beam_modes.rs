@@ -244,3 +244,17 @@ fn faults_are_named_and_nothing_panics() {
         }
     }
 }
+
+#[test]
+fn a_moment_at_the_very_base_is_refused_where_no_finite_force_causes_it() {
+    for load in [Load::Normal, Load::Vertical, Load::Tilted(0.3)] {
+        let error = moment_mode(&Whisker::default(), 1e8, 1e-301, load).unwrap_err();
+        assert!(error.is_usage() && error.to_string().contains("s_a"), "{error}");
+        let near = moment_mode(&Whisker::default(), 1e-3, 1e-12, load).unwrap();
+        // The lever arm is the arc length there, and the force's share across it the cosine of the tilt.
+        assert!(
+            near.iter().any(|bend| (bend.contact.cross(bend.force_vector()) / 1e-3 - 1.0).abs() < 1e-6),
+            "{near:?}"
+        );
+    }
+}

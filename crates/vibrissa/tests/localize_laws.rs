@@ -107,6 +107,88 @@ fn a_mirrored_world_mirrors_the_answer() {
     assert_eq!(found.status, other.status);
 }
 
+/// The options for a world in which every length is `k` times as long.
+fn scaled_options(k: f64) -> LocalizeOptions {
+    let mut options = LocalizeOptions::default();
+    let lengths = &mut options.deterministic;
+    lengths.boundary_spacing *= k;
+    lengths.history_travel *= k;
+    lengths.update_travel *= k;
+    lengths.position_floor *= k;
+    options
+}
+
+#[test]
+fn a_world_of_another_size_gives_the_answer_in_that_size() {
+    let (sweep, found) = demo_answer(2);
+    let k = 2.0;
+    // M L / EI has no unit: with EI as many times larger as lengths are, moments stay.
+    let mut robot = Robot::default();
+    robot.whiskers[0].beam.length *= k;
+    robot.whiskers[0].beam.flexural_rigidity *= k;
+    let larger = |p: Pose2| Pose2::new(k * p.x, k * p.y, p.theta);
+    let rows = sweep.log.rows.iter().map(|r| (r.t, larger(r.odom_from_robot), r.readings[0]));
+    let map = moved(&demo::arena().unwrap(), |p| p * k);
+    let other = localize(&log(rows), &map, &robot, &scaled_options(k), &mut |_| {}).unwrap();
+    let (distance, turn) = apart(larger(found.estimate.unwrap()), other.estimate.unwrap());
+    assert_eq!(found.status, other.status, "{k}");
+    assert!(distance < 0.5e-3 * k && turn < 5e-3, "{k}: {distance} {turn}");
+}
+
+#[test]
+fn where_an_outline_starts_and_which_way_it_is_drawn_does_not_matter() {
+    let (sweep, found) = demo_answer(2);
+    let arena = demo::arena().unwrap();
+    let mut boundaries: Vec<Boundary> = arena.boundaries().iter().rev().cloned().collect();
+    for (index, boundary) in boundaries.iter_mut().enumerate() {
+        let mut segments = boundary.curve().segments().to_vec();
+        if boundary.curve().is_closed() {
+            let third = segments.len() / 3;
+            segments.rotate_left(third);
+        }
+        if index % 2 == 0 {
+            segments = segments.iter().rev().map(Segment::reversed).collect();
+        }
+        let curve = Curve::from_segments(segments, boundary.curve().is_closed()).unwrap();
+        *boundary = Boundary::new(boundary.role(), curve, None).unwrap();
+    }
+    let other = answer(&sweep.log, &Map::new(boundaries).unwrap());
+    let (distance, turn) = apart(found.estimate.unwrap(), other.estimate.unwrap());
+    assert_eq!(found.status, other.status);
+    assert!(distance < 0.5e-3 && turn < 5e-3, "{distance} {turn}");
+}
+
+#[test]
+fn the_order_of_whiskers_and_columns_does_not_matter() {
+    let mut sweep = demo::sweep(2).unwrap();
+    sweep.log.rows.truncate(250);
+    let mut robot = Robot::default();
+    let mut idle = robot.whiskers[0].clone();
+    robot.whiskers[0].name = "feels".into();
+    idle.name = "idle".into();
+    robot.whiskers.push(idle);
+    let two = |names: [&str; 2]| {
+        let channel = |name: &str| Channel { whisker: name.into(), quantity: Quantity::Moment };
+        let mut log = log(sweep.log.rows.iter().map(|r| (r.t, r.odom_from_robot, r.readings[0])));
+        log.channels = names.map(channel).to_vec();
+        for row in &mut log.rows {
+            let moment = row.readings[0];
+            row.readings = names.map(|name| if name == "feels" { moment } else { 0.0 }).to_vec();
+        }
+        log
+    };
+    let arena = demo::arena().unwrap();
+    let run = |log: &SensorLog, robot: &Robot| {
+        localize(log, &arena, robot, &LocalizeOptions::default(), &mut |_| {}).unwrap()
+    };
+    let first = run(&two(["feels", "idle"]), &robot);
+    assert_eq!(first, run(&two(["idle", "feels"]), &robot));
+    robot.whiskers.reverse();
+    assert_eq!(first, run(&two(["feels", "idle"]), &robot));
+    let alone = answer(&sweep.log, &arena);
+    assert_eq!(first.estimate, alone.estimate, "a whisker that touches nothing tells nothing");
+}
+
 fn square_room() -> Map {
     let corners = [(-0.25, -0.25), (0.25, -0.25), (0.25, 0.25), (-0.25, 0.25)].map(|(x, y)| Vec2::new(x, y));
     Map::new(vec![Boundary::new(Role::Arena, Curve::polyline(&corners, true).unwrap(), None).unwrap()]).unwrap()

@@ -145,3 +145,23 @@ fn degenerate_input_is_refused() {
     let cubic = Segment::Cubic([Vec2::ZERO, Vec2::ZERO, Vec2::new(1.0, 1.0), Vec2::new(1.0, 1.0)]);
     assert!((cubic.tangent(0.0) - PI / 4.0).abs() < 1e-12 && (cubic.tangent(1.0) - PI / 4.0).abs() < 1e-12);
 }
+
+#[test]
+fn a_small_curve_far_from_the_origin_is_measured_as_well_as_one_at_home() {
+    // Powers of two, so that moving the curve rounds nothing.
+    let unit = 2.0_f64.powi(-32);
+    let shape = [(0.0, 0.0), (8.0, 3.0), (5.0, -7.0), (16.0, 2.0)];
+    let at = |x: f64, y: f64| {
+        let points = shape.map(|(a, b)| Vec2::new(x + a * unit, y + b * unit));
+        Curve::from_segments(vec![Segment::Cubic(points)], false).unwrap()
+    };
+    let (home, far) = (at(0.0, 0.0), at(65536.0, -65536.0));
+    assert!((far.length() - home.length()).abs() <= 1e-10 * home.length(), "{} {}", far.length(), home.length());
+    for share in [0.1, 0.5, 0.8] {
+        let (a, b) = (home.at(share * home.length()), far.at(share * home.length()));
+        assert!((a.tangent - b.tangent).abs() < 1e-6, "{a:?} {b:?}");
+        let near = far.nearest(b.position + Vec2::new(unit, -unit));
+        let same = home.nearest(b.position - Vec2::new(65536.0, -65536.0) + Vec2::new(unit, -unit));
+        assert!((near.arc_length - same.arc_length).abs() < 1e-6 * home.length(), "{near:?} {same:?}");
+    }
+}

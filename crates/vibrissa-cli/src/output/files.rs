@@ -1,14 +1,15 @@
 //! Result files that are whole or not there.
 
-use std::fs::{self, File};
+use std::fs::{self, File, TryLockError};
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 use vibrissa::{Error, Result};
 
 /// Writes `(name, content)` files into `folder`, which is made if missing, and gives their paths.
 ///
 /// All are written under temporary names first and renamed at the end, so that earlier results stay whole when the disk
-/// fills up or the program is stopped.
+/// fills up or the program is stopped. Runs that share a folder rename one after the other.
 pub(crate) fn write_all(folder: &Path, files: &[(&str, String)]) -> Result<Vec<PathBuf>> {
     fs::create_dir_all(folder).map_err(|error| fault("cannot make the folder", folder, &error))?;
     let staged: Vec<(PathBuf, PathBuf)> = files
@@ -29,11 +30,32 @@ fn stage_and_rename(staged: &[(PathBuf, PathBuf)], files: &[(&str, String)]) -> 
     for ((temporary, path), (_, content)) in staged.iter().zip(files) {
         write_one(temporary, content).map_err(|error| fault("cannot write", path, &error))?;
     }
+    let _turn = staged.first().and_then(|(_, path)| take_turn(path.parent()?));
     for (temporary, path) in staged {
         fs::rename(temporary, path).map_err(|error| fault("cannot replace", path, &error))?;
     }
     Ok(())
 }
+
+/// Waits until no other run renames its results in this folder, so that they are not mixed; the turn ends with the value.
+///
+/// None where the system has no locks on folders, or where another run does not end its turn.
+fn take_turn(folder: &Path) -> Option<File> {
+    let handle = File::open(folder).ok()?;
+    for _ in 0..LONGEST_WAIT {
+        match handle.try_lock() {
+            Ok(()) => return Some(handle),
+            Err(TryLockError::WouldBlock) => std::thread::sleep(LOOK_AGAIN),
+            Err(TryLockError::Error(_)) => return None,
+        }
+    }
+    None
+}
+
+/// How often another run's turn is looked at,
+const LONGEST_WAIT: usize = 500;
+/// and the time between two looks: five seconds in all, where renaming takes a millisecond.
+const LOOK_AGAIN: Duration = Duration::from_millis(10);
 
 fn write_one(path: &Path, content: &str) -> std::io::Result<()> {
     let mut file = File::create(path)?;

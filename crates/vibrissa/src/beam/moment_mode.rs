@@ -9,7 +9,7 @@ use super::rod::Rod;
 use super::root::{root, root_through};
 use super::whisker::Whisker;
 use super::{check_arc_length, finite, sorted};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use core::f64::consts::PI;
 
 /// Every first-mode equilibrium with `moment` (N m) about the base and contact at arc length `s_a` (m), least slope first.
@@ -53,7 +53,13 @@ pub fn moment_mode(whisker: &Whisker, moment: f64, s_a: f64, load: Load) -> Resu
         let found = Found { flexural_rigidity, force, s_a, side, tilt, swing };
         Bend { moment, ..Bend::new(found, |phi_a| line.beta(phi_a)) }
     });
-    Ok(sorted(bends.collect()))
+    let bends = sorted(bends.collect());
+    if bends.iter().all(|bend| bend.force.is_finite()) {
+        return Ok(bends);
+    }
+    Err(Error::usage("s_a: no finite force causes this moment so near to the base")
+        .value(format!("{s_a} m for {moment} N m"))
+        .remedy("give the arc length from the base to the contact in metres"))
 }
 
 /// The sign of the force along `psi` that pushes to `side`, and its direction seen from there, in (0, pi].

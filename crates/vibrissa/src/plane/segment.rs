@@ -122,6 +122,18 @@ impl Segment {
         self.control_points().windows(2).map(|w| w[0].distance(w[1])).sum()
     }
 
+    /// The piece with its start at the origin: far from the origin, differences of points would have no digits left for
+    /// the accuracy that is asked of them, and the subdivision for it would hardly end.
+    fn at_origin(self) -> PathSeg {
+        let start = self.start();
+        match self {
+            Self::Line(p) => Self::Line(p.map(|q| q - start)),
+            Self::Quadratic(p) => Self::Quadratic(p.map(|q| q - start)),
+            Self::Cubic(p) => Self::Cubic(p.map(|q| q - start)),
+        }
+        .to_kurbo()
+    }
+
     fn accuracy(&self) -> f64 {
         (RELATIVE_ACCURACY * self.polygon_length()).max(f64::MIN_POSITIVE)
     }
@@ -138,7 +150,7 @@ impl Segment {
         match *self {
             Self::Line([a, b]) => t * a.distance(b),
             _ if t <= 0.0 || self.polygon_length() <= 0.0 => 0.0,
-            _ => self.to_kurbo().subsegment(0.0..t.min(1.0)).arclen(self.accuracy()),
+            _ => self.at_origin().subsegment(0.0..t.min(1.0)).arclen(self.accuracy()),
         }
     }
 
@@ -152,7 +164,7 @@ impl Segment {
         let t = match self {
             Self::Line(_) => s / polygon,
             _ if s >= polygon => 1.0,
-            _ => self.to_kurbo().inv_arclen(s, self.accuracy()),
+            _ => self.at_origin().inv_arclen(s, self.accuracy()),
         };
         t.clamp(0.0, 1.0)
     }
@@ -162,7 +174,7 @@ impl Segment {
     pub fn nearest(&self, p: Vec2) -> f64 {
         match *self {
             Self::Line([a, b]) => nearest_on_line(a, b, p),
-            _ => self.to_kurbo().nearest(point(p), self.accuracy()).t.clamp(0.0, 1.0),
+            _ => self.at_origin().nearest(point(p - self.start()), self.accuracy()).t.clamp(0.0, 1.0),
         }
     }
 

@@ -18,10 +18,11 @@ impl Interval {
     /// The empty set.
     pub const EMPTY: Self = Self { lo: f64::INFINITY, hi: f64::NEG_INFINITY };
 
-    /// The interval `[lo, hi]`; empty when `lo > hi` or either bound is not a number.
+    /// The interval `[lo, hi]`; empty when `lo > hi`, when either bound is not a number, and when both are the same
+    /// infinity, which no number reaches.
     #[must_use]
     pub fn new(lo: f64, hi: f64) -> Self {
-        if lo <= hi { Self { lo, hi } } else { Self::EMPTY }
+        if lo <= hi && lo < f64::INFINITY && hi > f64::NEG_INFINITY { Self { lo, hi } } else { Self::EMPTY }
     }
 
     /// The interval of one number; empty when it is not a number.

@@ -1,0 +1,290 @@
+//! What goes wrong in the field and at the desk, through the real binary: cut logs, full disks, interruptions, dead sensors.
+
+#![cfg(unix)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on must fail")]
+
+mod common;
+
+use common::{Outcome, folder, vibrissa};
+use std::collections::BTreeMap;
+use std::fs::{self, File};
+use std::io::Write;
+use std::os::unix::process::ExitStatusExt;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::sync::LazyLock;
+use std::time::Duration;
+
+/// The demo's log, map and results, made once.
+static DEMO: LazyLock<PathBuf> = LazyLock::new(|| {
+    let folder = folder("faults-demo");
+    let outcome = vibrissa(&["demo", "--out", folder.to_str().unwrap()]);
+    assert_eq!(outcome.code, Some(0), "{outcome:?}");
+    folder
+});
+
+fn demo(name: &str) -> String {
+    DEMO.join(name).to_str().unwrap().to_owned()
+}
+
+fn demo_log() -> Vec<String> {
+    fs::read_to_string(DEMO.join("log.csv")).unwrap().lines().map(str::to_owned).collect()
+}
+
+/// The demo's log with each reading changed by `reading(row, moment)`.
+fn changed(reading: impl Fn(usize, f64) -> String) -> String {
+    let mut lines = demo_log();
+    for (index, line) in lines.iter_mut().enumerate().skip(1) {
+        let (rest, moment) = line.rsplit_once(',').unwrap();
+        *line = format!("{rest},{}", reading(index, moment.parse().unwrap()));
+    }
+    lines.join("\n") + "\n"
+}
+
+fn text(path: &Path) -> &str {
+    path.to_str().unwrap()
+}
+
+/// Localizes `log` on the demo's map.
+fn localize(name: &str, log: &str) -> Outcome {
+    let path = folder(&format!("faults-{name}")).join("log.csv");
+    fs::write(&path, log).unwrap();
+    vibrissa(&["localize", text(&path), "--map", &demo("map.svg"), "--json"])
+}
+
+/// The word behind `"status":` of a JSON answer.
+fn status(outcome: &Outcome) -> String {
+    let rest = outcome.stdout.split("\"status\":").nth(1).unwrap_or_else(|| panic!("no status: {outcome:?}"));
+    rest.split('"').nth(1).unwrap().to_owned()
+}
+
+fn estimate(outcome: &Outcome) -> String {
+    let rest = outcome.stdout.split("\"estimate\":").nth(1).unwrap_or_else(|| panic!("no estimate: {outcome:?}"));
+    rest.split('}').next().unwrap().to_owned()
+}
+
+/// The files of a folder with their content, hidden ones too.
+fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    let entry = |e: fs::DirEntry| (e.file_name().into_string().unwrap(), fs::read(e.path()).unwrap());
+    fs::read_dir(folder).unwrap().map(|e| entry(e.unwrap())).collect()
+}
+
+/// A folder with results of an earlier run.
+fn with_results(name: &str) -> PathBuf {
+    let folder = folder(&format!("faults-{name}"));
+    for file in ["trajectory.tum", "result.json", "states.csv", "steps.csv", "localization.svg"] {
+        fs::write(folder.join(file), format!("the earlier {file}\n")).unwrap();
+    }
+    folder
+}
+
+/// A run of the shell line `script`, in which `$1` is the program and `$2 …` are `args`.
+fn shell(script: &str, args: &[&str]) -> Outcome {
+    let mut command = Command::new("sh");
+    command.args(["-c", script, "sh", env!("CARGO_BIN_EXE_vibrissa")]).args(args);
+    let output = command.output().unwrap();
+    Outcome {
+        code: output.status.code(),
+        stdout: String::from_utf8(output.stdout).unwrap(),
+        stderr: String::from_utf8(output.stderr).unwrap(),
+    }
+}
+
+/// A localization that waits for its log at a pipe; its map is read by the time that the pipe is open.
+fn waiting(log: &Path, map: &str, out: &Path) -> (Child, File) {
+    assert!(Command::new("mkfifo").arg(log).status().unwrap().success());
+    let mut command = Command::new(env!("CARGO_BIN_EXE_vibrissa"));
+    command.args(["localize", text(log), "--map", map, "--out", text(out)]);
+    let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    (child, File::options().write(true).open(log).unwrap())
+}
+
+#[test]
+fn a_log_that_ends_in_mid_line_is_used_up_to_there() {
+    let whole = demo_log();
+    let cut = whole[..400].join("\n") + "\n" + &whole[400][..whole[400].len() / 2];
+    let outcome = localize("mid-line", &cut);
+    assert_eq!(outcome.code, Some(0), "{outcome:?}");
+    assert!(outcome.stderr.contains("the last line is cut off"), "{}", outcome.stderr);
+    let shorter = localize("before-mid-line", &(whole[..400].join("\n") + "\n"));
+    assert_eq!(estimate(&outcome), estimate(&shorter));
+}
+
+#[test]
+fn a_full_disk_leaves_earlier_results_whole_and_no_litter() {
+    let out = with_results("disk-full");
+    let before = files(&out);
+    // A limit on the size of files is a disk that fills up in the middle of a file.
+    let script = "trap '' XFSZ; ulimit -f 8; exec \"$@\"";
+    let outcome = shell(script, &["localize", &demo("log.csv"), "--map", &demo("map.svg"), "--out", text(&out)]);
+    assert_eq!(outcome.code, Some(1), "{outcome:?}");
+    assert!(outcome.stderr.contains("cannot write") && outcome.stderr.contains("help: "), "{}", outcome.stderr);
+    assert_eq!(files(&out), before);
+}
+
+#[test]
+fn a_full_standard_output_is_an_error() {
+    if !Path::new("/dev/full").exists() {
+        return println!("skipped: no /dev/full");
+    }
+    let outcome = shell("exec \"$@\" > /dev/full", &["localize", &demo("log.csv"), "--map", &demo("map.svg")]);
+    assert_eq!(outcome.code, Some(1), "{outcome:?}");
+    assert!(outcome.stderr.contains("cannot write to standard output"), "{}", outcome.stderr);
+}
+
+#[test]
+fn an_interrupt_leaves_earlier_results_whole() {
+    let out = with_results("interrupt");
+    let before = files(&out);
+    let log = folder("faults-interrupt-log").join("log.csv");
+    let (mut child, mut pipe) = waiting(&log, &demo("map.svg"), &out);
+    pipe.write_all(demo_log()[..200].join("\n").as_bytes()).unwrap();
+    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    let status = child.wait().unwrap();
+    // A shell tells 128 + 2 = 130.
+    assert_eq!(status.signal(), Some(2), "{status:?}");
+    assert_eq!(files(&out), before);
+}
+
+#[test]
+fn a_run_that_is_killed_at_any_time_leaves_whole_files() {
+    let good = files(&DEMO);
+    for delay in [0, 300, 900, 1600] {
+        let out = with_results("killed");
+        let mut command = Command::new(env!("CARGO_BIN_EXE_vibrissa"));
+        command.args(["demo", "--out", text(&out)]).stdout(Stdio::null()).stderr(Stdio::null());
+        let mut child = command.spawn().unwrap();
+        std::thread::sleep(Duration::from_millis(delay));
+        let _ = child.kill();
+        child.wait().unwrap();
+        for (name, content) in files(&out).iter().filter(|(name, _)| !name.starts_with('.') && *name != "result.json") {
+            let earlier = format!("the earlier {name}\n");
+            assert!(content == earlier.as_bytes() || content == &good[name], "{name} is torn after {delay} ms");
+        }
+    }
+}
+
+#[test]
+fn two_runs_into_one_folder_leave_the_results_of_one() {
+    let other = folder("faults-two-log").join("log.csv");
+    // Half of the log ends elsewhere.
+    fs::write(&other, demo_log()[..350].join("\n") + "\n").unwrap();
+    let alone = |name: &str, log: &str| {
+        let out = folder(name);
+        let outcome = vibrissa(&["localize", log, "--map", &demo("map.svg"), "--out", text(&out)]);
+        assert_eq!(outcome.code, Some(0), "{outcome:?}");
+        files(&out)
+    };
+    let logs = [demo("log.csv"), text(&other).to_owned()];
+    let single = [alone("faults-two-a", &logs[0]), alone("faults-two-b", &logs[1])];
+    for round in 0..2 {
+        let out = folder("faults-two");
+        let start = |log: &String| {
+            let mut command = Command::new(env!("CARGO_BIN_EXE_vibrissa"));
+            command.args(["localize", log, "--map", &demo("map.svg"), "--out", text(&out)]);
+            command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap()
+        };
+        for child in logs.iter().map(start).collect::<Vec<_>>() {
+            let output = child.wait_with_output().unwrap();
+            assert_eq!(output.status.code(), Some(0), "{output:?}");
+        }
+        let mut found = files(&out);
+        found.remove("result.json").expect("results");
+        let same = |alone: &BTreeMap<String, Vec<u8>>| {
+            alone.len() == found.len() + 1 && found.iter().all(|(name, content)| &alone[name] == content)
+        };
+        assert!(single.iter().any(same), "a mixture of two runs in round {round}");
+    }
+}
+
+#[test]
+fn a_map_that_is_replaced_in_mid_run_changes_nothing() {
+    let here = folder("faults-map");
+    let (map, log, out) = (here.join("map.svg"), here.join("log.csv"), here.join("out"));
+    fs::copy(DEMO.join("map.svg"), &map).unwrap();
+    let (child, mut pipe) = waiting(&log, text(&map), &out);
+    fs::write(&map, "<svg").unwrap();
+    pipe.write_all((demo_log().join("\n") + "\n").as_bytes()).unwrap();
+    drop(pipe);
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    assert_eq!(fs::read(out.join("states.csv")).unwrap(), fs::read(DEMO.join("states.csv")).unwrap());
+}
+
+#[test]
+fn a_clock_that_jumps_forward_moves_no_place() {
+    let mut lines = demo_log();
+    for line in lines.iter_mut().skip(250) {
+        let (t, rest) = line.split_once(',').unwrap();
+        *line = format!("{},{rest}", t.parse::<f64>().unwrap() + 3600.0);
+    }
+    let outcome = localize("clock-forward", &(lines.join("\n") + "\n"));
+    assert_eq!(outcome.code, Some(0), "{outcome:?}");
+    let steady = localize("clock-steady", &(demo_log().join("\n") + "\n"));
+    assert_eq!(estimate(&outcome), estimate(&steady));
+}
+
+#[test]
+fn a_clock_that_jumps_back_is_told_with_its_line() {
+    let mut lines = demo_log();
+    lines.swap(250, 260);
+    let outcome = localize("clock-back", &(lines.join("\n") + "\n"));
+    assert_eq!(outcome.code, Some(1), "{outcome:?}");
+    assert!(outcome.stderr.contains("log.csv:252") && outcome.stderr.contains("help: "), "{}", outcome.stderr);
+}
+
+#[test]
+fn a_dead_sensor_localizes_nothing() {
+    let zero = localize("dead-zero", &changed(|_, _| "0".into()));
+    assert_eq!((zero.code, status(&zero).as_str()), (Some(0), "no_contact"), "{zero:?}");
+    for stuck in ["0.002", "-0.004"] {
+        let outcome = localize("dead-stuck", &changed(|_, _| stuck.into()));
+        assert_eq!(outcome.code, Some(0), "{outcome:?}");
+        assert_ne!(status(&outcome), "localized", "{outcome:?}");
+    }
+    let died = localize("died", &changed(|row, moment| if row > 150 { "0".into() } else { moment.to_string() }));
+    assert_eq!(died.code, Some(0), "{died:?}");
+}
+
+#[test]
+fn a_saturated_sensor_never_makes_a_wrong_place_certain() {
+    let truth = fs::read_to_string(DEMO.join("truth.tum")).unwrap();
+    let last: Vec<f64> = truth.lines().last().unwrap().split(' ').map(|v| v.parse().unwrap()).collect();
+    let limit = 1e-3;
+    let outcome = localize("saturated", &changed(|_, moment| moment.clamp(-limit, limit).to_string()));
+    assert_eq!(outcome.code, Some(0), "{outcome:?}");
+    if status(&outcome) == "localized" {
+        let number = |key: &str| -> f64 {
+            let text = estimate(&outcome);
+            let rest = text.split(&format!("\"{key}\":")).nth(1).unwrap().to_owned();
+            rest.split(',').next().unwrap().trim().parse().unwrap()
+        };
+        let distance = (number("x") - last[1]).hypot(number("y") - last[2]);
+        assert!(distance < 0.02, "limit {limit} N m: {distance} m off, {outcome:?}");
+    }
+}
+
+#[test]
+fn a_burst_of_not_a_number_is_told_with_its_first_line() {
+    let burst = |row: usize, moment: f64| if (200..240).contains(&row) { "NaN".into() } else { moment.to_string() };
+    let outcome = localize("burst", &changed(burst));
+    assert_eq!(outcome.code, Some(1), "{outcome:?}");
+    assert!(outcome.stderr.contains("log.csv:201") && outcome.stderr.contains("moment"), "{}", outcome.stderr);
+}
+
+#[test]
+fn a_million_identical_readings_fit_into_a_gigabyte() {
+    let here = folder("faults-million");
+    let path = here.join("log.csv");
+    let mut log = String::from("t,x,y,theta,moment\n");
+    for row in 0..1_000_000 {
+        log += &format!("{row},0,0,0,0.001\n");
+    }
+    fs::write(&path, log).unwrap();
+    let args = ["localize", text(&path), "--map", &demo("map.svg"), "--json"];
+    let outcome = shell("ulimit -v 1000000; exec \"$@\"", &args);
+    assert_eq!(outcome.code, Some(0), "{} {}", outcome.stderr, outcome.stdout.len());
+    assert_eq!(status(&outcome), "ambiguous");
+    assert!(outcome.stdout.len() < 100_000, "{} bytes", outcome.stdout.len());
+    fs::remove_file(&path).unwrap();
+}

@@ -1,0 +1,124 @@
+//! Damaged input for every reader, degenerate shapes for the geometry: no panic, no hang, bounded memory.
+//!
+//!     cargo run --release -p vibrissa-fuzz -- --seconds 60 --target geojson
+//!
+//! Without `--target` every target takes its turn of `--seconds`. `--seed N` gives other inputs. A finding is shortened
+//! and kept under `target/fuzz`; `--replay FILE --target NAME` tries it again. Where a try ends the whole process, as an
+//! exhausted stack does, `--trace` keeps each input before it is tried.
+
+mod campaign;
+mod mutate;
+mod random;
+mod targets;
+mod watch;
+
+use campaign::{LAST_PANIC, Plan, Tally, attempt, run};
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::sync::PoisonError;
+use std::time::Duration;
+use targets::{ALL, Target};
+use watch::Watch;
+
+/// What the command line asks for.
+struct Call {
+    plan: Plan,
+    targets: Vec<&'static Target>,
+    replay: Option<PathBuf>,
+}
+
+fn main() -> ExitCode {
+    match parse(std::env::args().skip(1)) {
+        // A thread of its own, because its stack is as small as a caller's may be.
+        Ok(call) => std::thread::spawn(move || work(&call)).join().unwrap_or(ExitCode::FAILURE),
+        Err(message) => {
+            let names: Vec<&str> = ALL.iter().map(|target| target.name).collect();
+            eprintln!("error: {message}\n  --seconds S --target NAME --seed N --replay FILE --trace");
+            eprintln!("  targets: {}", names.join(", "));
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn parse(mut words: impl Iterator<Item = String>) -> Result<Call, String> {
+    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../target/fuzz");
+    // Unoptimized builds are several times slower.
+    let limit = Duration::from_secs(if cfg!(debug_assertions) { 5 } else { 1 });
+    let mut call =
+        Call { plan: Plan { seconds: 10.0, seed: 1, limit, folder, trace: false }, targets: Vec::new(), replay: None };
+    while let Some(word) = words.next() {
+        let mut value = || words.next().ok_or(format!("{word} needs a value"));
+        match word.as_str() {
+            "--seconds" => call.plan.seconds = value()?.parse().map_err(|e| format!("--seconds: {e}"))?,
+            "--seed" => call.plan.seed = value()?.parse().map_err(|e| format!("--seed: {e}"))?,
+            "--target" => {
+                let name = value()?;
+                let found = ALL.iter().find(|target| target.name == name);
+                call.targets.push(found.ok_or(format!("no target is called {name}"))?);
+            }
+            "--replay" => call.replay = Some(value()?.into()),
+            "--trace" => call.plan.trace = true,
+            _ => return Err(format!("unknown word {word}")),
+        }
+    }
+    if call.targets.is_empty() {
+        call.targets = ALL.iter().collect();
+    }
+    Ok(call)
+}
+
+fn work(call: &Call) -> ExitCode {
+    std::panic::set_hook(Box::new(|info| {
+        *LAST_PANIC.lock().unwrap_or_else(PoisonError::into_inner) = info.to_string();
+    }));
+    let watch = Watch::start(call.plan.folder.clone());
+    if let Some(path) = &call.replay {
+        return replay(call, path, &watch);
+    }
+    let (mut tries, mut findings) = (0, 0);
+    for target in &call.targets {
+        let tally = run(target, &call.plan, &watch);
+        report(target, &tally);
+        tries += tally.tries;
+        findings += tally.findings.len();
+    }
+    println!("fuzzing: {tries} inputs, {findings} findings");
+    if findings == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}
+
+fn report(target: &Target, tally: &Tally) {
+    println!(
+        "{:12} {:8} inputs  {:8} read  {:4} kinds of outcome  slowest {:6.1} ms  {} findings",
+        target.name,
+        tally.tries,
+        tally.read,
+        tally.marks.len(),
+        tally.slowest.as_secs_f64() * 1e3,
+        tally.findings.len()
+    );
+    for (finding, path) in &tally.findings {
+        println!("  {finding}\n  kept in {}", path.display());
+    }
+}
+
+fn replay(call: &Call, path: &std::path::Path, watch: &Watch) -> ExitCode {
+    let input = match std::fs::read(path) {
+        Ok(input) => input,
+        Err(error) => {
+            eprintln!("cannot read {} ({error})", path.display());
+            return ExitCode::from(2);
+        }
+    };
+    let mut code = ExitCode::SUCCESS;
+    for target in &call.targets {
+        let (verdict, time) = attempt(target, &input, call.plan.limit, watch);
+        match verdict {
+            Ok(outcome) => println!("{}: {} in {time:?}", target.name, if outcome.read { "read" } else { "refused" }),
+            Err(finding) => {
+                println!("{}: {finding}", target.name);
+                code = ExitCode::FAILURE;
+            }
+        }
+    }
+    code
+}

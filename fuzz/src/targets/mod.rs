@@ -1,0 +1,122 @@
+//! What is fed: a table with one row for each reader and each piece of geometry.
+
+mod beam;
+mod corridor;
+mod geometry;
+mod readers;
+
+use crate::random::Random;
+use std::hash::{DefaultHasher, Hash, Hasher};
+
+/// What one input came to: read or refused, and a mark that is new when the code did something new.
+pub(crate) struct Outcome {
+    /// Whether it was read.
+    pub(crate) read: bool,
+    /// Inputs with a mark that was not seen before are damaged further.
+    pub(crate) mark: u64,
+}
+
+/// What a target says of one input; the error tells which promise is broken.
+pub(crate) type Verdict = Result<Outcome, String>;
+
+/// Where a target's inputs come from.
+#[derive(Clone, Copy)]
+pub(crate) enum Source {
+    /// The files of these folders of the repository, damaged; the words are the format's own.
+    Damaged(&'static [&'static str], &'static [&'static str]),
+    /// Drawn from nothing.
+    Drawn(fn(&mut Random) -> Vec<u8>),
+}
+
+/// One thing to feed.
+pub(crate) struct Target {
+    pub(crate) name: &'static str,
+    pub(crate) source: Source,
+    pub(crate) check: fn(&[u8]) -> Verdict,
+}
+
+/// Every target; a new reader is a new row, with its seeds in a folder.
+pub(crate) const ALL: &[Target] = &[
+    Target { name: "log", source: Source::Damaged(&["fuzz/seeds/log"], readers::LOG_WORDS), check: readers::log },
+    Target {
+        name: "foreign",
+        source: Source::Damaged(&["fuzz/seeds/foreign"], readers::FOREIGN_WORDS),
+        check: readers::foreign,
+    },
+    Target {
+        name: "geojson",
+        source: Source::Damaged(&["fuzz/seeds/geojson"], readers::GEOJSON_WORDS),
+        check: readers::geojson,
+    },
+    Target {
+        name: "svg",
+        source: Source::Damaged(&["fuzz/seeds/svg", "scenarios/maps", "crates/vibrissa/data"], readers::SVG_WORDS),
+        check: readers::svg,
+    },
+    Target {
+        name: "robot",
+        source: Source::Damaged(&["fuzz/seeds/robot"], readers::TOML_WORDS),
+        check: readers::robot,
+    },
+    Target { name: "scenario", source: Source::Damaged(&["scenarios"], readers::TOML_WORDS), check: readers::scenario },
+    Target {
+        name: "calibration",
+        source: Source::Damaged(&["fuzz/seeds/calibration"], &[]),
+        check: readers::calibration,
+    },
+    Target { name: "tum", source: Source::Damaged(&["fuzz/seeds/tum"], &["# ", "nan", "-0"]), check: readers::tum },
+    Target {
+        name: "quantity",
+        source: Source::Damaged(&["fuzz/seeds/quantity"], readers::UNIT_WORDS),
+        check: readers::quantity,
+    },
+    Target { name: "outline", source: Source::Drawn(geometry::draw_points), check: geometry::outline },
+    Target { name: "edges", source: Source::Drawn(geometry::draw_points), check: geometry::edges },
+    Target { name: "curve", source: Source::Drawn(geometry::draw_points), check: geometry::curve },
+    Target { name: "whisker", source: Source::Drawn(beam::draw), check: beam::modes },
+    Target {
+        name: "localize",
+        source: Source::Damaged(&["fuzz/seeds/log"], readers::LOG_WORDS),
+        check: corridor::localize,
+    },
+];
+
+/// The outcome of a reader that refused: its message must help, and must neither flood nor steer the terminal.
+fn refused(error: &vibrissa::Error) -> Verdict {
+    let message = error.to_string();
+    promise(!message.is_empty() && message.len() < 10_000, || format!("a message of {} bytes", message.len()))?;
+    let steers = message.chars().any(|c| c.is_control() && !matches!(c, '\n' | '\t'));
+    promise(!steers, || format!("control characters in the message {message:?}"))?;
+    Ok(Outcome { read: false, mark: mark(&words(&message)) })
+}
+
+/// The first words of a message without what it quotes of the file: they tell which check spoke.
+fn words(message: &str) -> String {
+    let mut quoted = false;
+    let told = message.chars().filter(|c| {
+        quoted ^= matches!(c, '"' | '`');
+        !quoted && (c.is_alphabetic() || *c == ' ')
+    });
+    told.collect::<String>().split_whitespace().take(7).collect()
+}
+
+/// The outcome of a reader that read something with these features.
+fn read(features: impl Hash) -> Verdict {
+    Ok(Outcome { read: true, mark: mark(&(true, features)) })
+}
+
+fn mark(what: &impl Hash) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    what.hash(&mut hasher);
+    hasher.finish()
+}
+
+/// A size as a feature: its number of binary digits.
+fn size(n: usize) -> u32 {
+    usize::BITS - n.leading_zeros()
+}
+
+/// Breaks the verdict with `what` unless `holds`.
+fn promise(holds: bool, what: impl FnOnce() -> String) -> Result<(), String> {
+    if holds { Ok(()) } else { Err(what()) }
+}

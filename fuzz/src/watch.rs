@@ -1,0 +1,69 @@
+//! The guard beside the tries: it ends the program when an input hangs or fills the memory, and keeps that input.
+
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+/// A try that takes longer than this hangs (s).
+const HANG: u64 = 60;
+/// Most memory that the program may hold (kB).
+const MEMORY: u64 = 3 << 20;
+/// Time between two looks.
+const LOOK: Duration = Duration::from_millis(50);
+
+/// What is being tried now.
+#[derive(Clone, Default)]
+pub(crate) struct Watch(Arc<Mutex<Option<Try>>>);
+
+struct Try {
+    target: &'static str,
+    input: Vec<u8>,
+    since: Instant,
+}
+
+impl Watch {
+    /// A watch whose guard runs until the program ends; inputs are kept in `folder`.
+    pub(crate) fn start(folder: PathBuf) -> Self {
+        let watch = Self::default();
+        let seen = watch.clone();
+        std::thread::spawn(move || {
+            loop {
+                std::thread::sleep(LOOK);
+                seen.look(&folder);
+            }
+        });
+        watch
+    }
+
+    /// Says what is tried from now on.
+    pub(crate) fn begin(&self, target: &'static str, input: &[u8]) {
+        let now = Try { target, input: input.to_vec(), since: Instant::now() };
+        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Some(now);
+    }
+
+    /// Says that nothing is tried.
+    pub(crate) fn end(&self) {
+        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = None;
+    }
+
+    fn look(&self, folder: &std::path::Path) {
+        let guard = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let Some(now) = guard.as_ref() else { return };
+        let (hangs, held) = (now.since.elapsed().as_secs() >= HANG, memory());
+        if !hangs && held <= MEMORY {
+            return;
+        }
+        let path = folder.join(format!("{}-stopped.input", now.target));
+        let kept = std::fs::create_dir_all(folder).and_then(|()| std::fs::write(&path, &now.input));
+        let why = if hangs { format!("hangs for {HANG} s") } else { format!("holds {held} kB of memory") };
+        eprintln!("{}: an input {why}; it is in {} ({kept:?})", now.target, path.display());
+        std::process::exit(1);
+    }
+}
+
+/// What the program holds (kB); 0 where the system does not tell.
+fn memory() -> u64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"));
+    line.and_then(|line| line.split_whitespace().next()?.parse().ok()).unwrap_or(0)
+}
