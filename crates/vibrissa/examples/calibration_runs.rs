@@ -116,7 +116,7 @@ fn main() -> Result<()> {
             bounds.extend(best.bound().map(|b| 1e3 * b.0));
             wrong += u64::from(off(best) > 5e-3);
         }
-        if nearest > 30.0 {
+        if nearest > CHI2_95 {
             println!("seed {seed}: {}, best {:.2} mm off, chi² {nearest:.1}", answer.status, 1e3 * off(best));
         }
     }

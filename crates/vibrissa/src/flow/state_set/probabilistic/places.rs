@@ -4,7 +4,8 @@ use super::bank::{Bank, Field};
 use super::contact::{Solver, State};
 use super::history::{History, Judge};
 use super::hypothesis::{Hypothesis, Scene, difference, moved};
-use super::normal::{Matrix, determinant, dot, inverse, times};
+use super::normal::{Matrix, add, determinant, dot, inverse, times};
+use super::spread::{SAMPLES, Spread, spread};
 use crate::plane::Pose2;
 
 /// Hypotheses that are refined to the end in closed form, the best first.
@@ -37,6 +38,11 @@ const FARTHEST: f64 = 0.05;
 /// `4/3 pi chi³` with the 95 % points of chi² for two and three degrees of freedom.
 const AREA_95: f64 = 18.82;
 const VOLUME_95: f64 = 91.5;
+/// Places that are sampled: so many, with more than this share of the heaviest one's weight, and no more readings for all
+/// samples than this.
+const MOST_SAMPLED: usize = 8;
+const SAMPLED_ABOVE: f64 = 1e-3;
+const MOST_SAMPLED_TAKES: usize = 600_000;
 /// Rows whose mean residual is looked at together, and where single residuals are cut (standard deviations).
 const BLOCK: usize = 8;
 const CUT: f64 = 2.5;
@@ -104,16 +110,19 @@ pub(super) fn choose(bank: &mut Bank, field: &Field<'_>, history: &History) -> (
     bank.hypotheses.retain(|h| h.cost(shared) <= least + TOLD);
     let fit = bank.hypotheses.first().map(|h| fit(h, bank, field, history));
     let blurred = Scene { blur: true, ..field.scene(history, bank.pivot, Judge::FAIR, bank.shared) };
-    let own: Vec<Matrix> = bank
-        .hypotheses
-        .iter()
-        .map(|h| {
-            let mut again = h.clone();
-            again.run(&blurred, h.map_from_odom, bank.used.iter().copied());
-            covariance(&again, bank)
-        })
-        .collect();
-    (group(bank, &own, history, least), fit)
+    let last = history.pose(history.len() - 1);
+    let (mut own, mut drifts) = (Vec::new(), Vec::new());
+    for h in &bank.hypotheses {
+        let mut again = h.clone();
+        again.run(&blurred, h.map_from_odom, bank.used.iter().copied());
+        let arm = h.map_from_odom.transform_point(last.position()) - h.map_from_odom.transform_point(bank.pivot);
+        let (turn, bounds) = (h.map_from_odom.theta, &field.robot.odometry);
+        own.push(covariance(&again, bank));
+        drifts.push(again.drift.covariance(&again.normal, bank.shared, OPEN, turn, arm, bounds));
+    }
+    let quick = field.scene(history, bank.pivot, Judge::FAIR, bank.shared);
+    let settled = Settled { bank, own: &own, drifts: &drifts, last, least };
+    (settled.places(&quick), fit)
 }
 
 /// Starts the best few anew from places around them: a map of facets has many shallow minima.
@@ -146,46 +155,100 @@ fn covariance(h: &Hypothesis, bank: &Bank) -> Matrix {
     ])
 }
 
-/// Hypotheses that cannot be told apart, as places, the heaviest first.
-fn group(bank: &Bank, own: &[Matrix], history: &History, least: f64) -> Vec<Place> {
-    let last = history.pose(history.len() - 1);
-    let mut open: Vec<usize> = (0..bank.hypotheses.len()).collect();
-    let mut places = Vec::new();
-    while !open.is_empty() {
-        let mut members = vec![open.remove(0)];
-        let mut next = 0;
-        while next < members.len() {
-            let at = members[next];
-            let near = |&i: &usize| linked(bank, own, at, i);
-            members.extend(open.iter().copied().filter(near));
-            open.retain(|i| !members.contains(i));
-            next += 1;
+/// The hypotheses at the end, each with its own covariance.
+struct Settled<'a> {
+    bank: &'a Bank,
+    own: &'a [Matrix],
+    /// What errors of the odometry add to it at the last row.
+    drifts: &'a [Matrix],
+    /// The odometry at the last row.
+    last: Pose2,
+    /// The least cost of all.
+    least: f64,
+}
+
+impl Settled<'_> {
+    /// Places of hypotheses that overlap, weighed by their shares of the likelihood.
+    fn places(&self, scene: &Scene<'_>) -> Vec<Place> {
+        let mut groups: Vec<(f64, Vec<usize>)> =
+            self.groups().into_iter().map(|members| (self.mass(&members), members)).collect();
+        groups.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let most = groups.first().map_or(0.0, |g| g.0);
+        let afford = MOST_SAMPLED_TAKES / (SAMPLES * self.bank.used.len()).max(1);
+        let mut places: Vec<Place> = groups
+            .iter()
+            .enumerate()
+            .map(|(index, (mass, members))| {
+                let near = index < afford.min(MOST_SAMPLED) && *mass > SAMPLED_ABOVE * most;
+                let spread = if near { self.spread(scene, members) } else { None };
+                self.place(members, *mass, spread)
+            })
+            .collect();
+        let total: f64 = places.iter().map(|p| p.weight).sum();
+        places.iter_mut().for_each(|p| p.weight /= total);
+        places.sort_by(|a, b| b.weight.total_cmp(&a.weight));
+        places
+    }
+
+    /// Hypotheses that are linked, directly or through others, the best first.
+    fn groups(&self) -> Vec<Vec<usize>> {
+        let mut open: Vec<usize> = (0..self.bank.hypotheses.len()).collect();
+        let mut groups = Vec::new();
+        while !open.is_empty() {
+            let mut members = vec![open.remove(0)];
+            let mut next = 0;
+            while next < members.len() {
+                let at = members[next];
+                let near = |&i: &usize| linked(self.bank, self.own, at, i);
+                members.extend(open.iter().copied().filter(near));
+                open.retain(|i| !members.contains(i));
+                next += 1;
+            }
+            groups.push(members);
         }
-        let alone = members.len() == 1;
-        let mass = |&i: &usize| {
-            let h = &bank.hypotheses[i];
+        groups
+    }
+
+    /// The share of the likelihood as the linearisations say it.
+    fn mass(&self, members: &[usize]) -> f64 {
+        let one = |&i: &usize| {
+            let h = &self.bank.hypotheses[i];
             // Neighbours on a ridge share its length among them.
             let narrow = LINK_PLACE.powi(-2) * 4.0;
-            let mut curvature = inverse(&own[i]).unwrap_or_default();
-            if !alone {
+            let mut curvature = inverse(&self.own[i]).unwrap_or_default();
+            if members.len() > 1 {
                 (0..2).for_each(|k| curvature[k][k] += narrow);
             }
-            (least - h.cost(bank.shared)).exp() / determinant(&curvature).max(f64::MIN_POSITIVE).sqrt()
+            (self.least - h.cost(self.bank.shared)).exp() / determinant(&curvature).max(f64::MIN_POSITIVE).sqrt()
         };
-        let weight = members.iter().map(mass).sum();
-        let poses = members.iter().map(|&i| at_robot(&bank.hypotheses[i], bank, &own[i], last)).collect::<Vec<_>>();
-        let covariance = poses[0].1;
-        places.push(Place {
-            map_from_odom: bank.hypotheses[members[0]].map_from_odom,
-            weight,
-            covariance,
-            members: poses,
-        });
+        members.iter().map(one).sum()
     }
-    let total: f64 = places.iter().map(|p| p.weight).sum();
-    places.iter_mut().for_each(|p| p.weight /= total);
-    places.sort_by(|a, b| b.weight.total_cmp(&a.weight));
-    places
+
+    /// What sampling says about a place.
+    fn spread(&self, scene: &Scene<'_>, members: &[usize]) -> Option<Spread> {
+        let with: Vec<_> = members.iter().map(|&i| (&self.bank.hypotheses[i], &self.own[i])).collect();
+        spread(scene, &with, &self.bank.used, self.least)
+    }
+
+    fn place(&self, members: &[usize], mass: f64, spread: Option<Spread>) -> Place {
+        let first = &self.bank.hypotheses[members[0]];
+        let at = |frame: Pose2, own: &Matrix, index: usize| {
+            let (pose, mut covariance) = at_robot(frame, self.bank, own, self.last);
+            add(&mut covariance, &self.drifts[index]);
+            (pose, covariance)
+        };
+        let (map_from_odom, weight, members) = match spread {
+            Some(spread) => {
+                let mean = moved(first.map_from_odom, self.bank.pivot, spread.mean);
+                (mean, spread.mass, vec![at(mean, &spread.covariance, members[0])])
+            }
+            None => {
+                let linear = members.iter().map(|&i| at(self.bank.hypotheses[i].map_from_odom, &self.own[i], i));
+                (first.map_from_odom, mass, linear.collect())
+            }
+        };
+        Place { map_from_odom, weight, covariance: members[0].1, members }
+    }
 }
 
 /// Whether two hypotheses are one place.
@@ -198,14 +261,14 @@ fn linked(bank: &Bank, own: &[Matrix], a: usize, b: usize) -> bool {
         return true;
     }
     let mut sum = own[a];
-    (0..3).for_each(|i| (0..3).for_each(|j| sum[i][j] += own[b][i][j]));
+    add(&mut sum, &own[b]);
     inverse(&sum).is_some_and(|i| dot(times(&i, d), d) < LINKED)
 }
 
 /// The robot's pose at the last row and its covariance there.
-fn at_robot(h: &Hypothesis, bank: &Bank, own: &Matrix, odom_from_robot: Pose2) -> (Pose2, Matrix) {
-    let pose = h.map_from_odom.compose(odom_from_robot);
-    let arm = (pose.position() - h.map_from_odom.transform_point(bank.pivot)).perp();
+fn at_robot(map_from_odom: Pose2, bank: &Bank, own: &Matrix, odom_from_robot: Pose2) -> (Pose2, Matrix) {
+    let pose = map_from_odom.compose(odom_from_robot);
+    let arm = (pose.position() - map_from_odom.transform_point(bank.pivot)).perp();
     let turn = [[1.0, 0.0, arm.x], [0.0, 1.0, arm.y], [0.0, 0.0, 1.0]];
     let mut out = [[0.0; 3]; 3];
     for (i, row) in out.iter_mut().enumerate() {
