@@ -87,7 +87,7 @@ impl<'a> ProbabilisticLocalizer<'a> {
         self.screen(&mut moments, row)?;
         self.watch(row.t, &moments);
         self.rows.push((row.t, odom));
-        match self.set.step(odom, &moments) {
+        match self.set.step(odom, &moments, row.heading.filter(|h| h.is_finite())) {
             Happened::Nothing => {}
             Happened::Started(_) => {
                 self.first_row.get_or_insert(self.rows.len() - 1);

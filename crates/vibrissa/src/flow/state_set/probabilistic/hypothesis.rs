@@ -26,6 +26,8 @@ pub(super) struct Scene<'a> {
     pub(super) shared: f64,
     /// Whether steep readings are trusted less, for covariances that hold over more than a facet of the map.
     pub(super) blur: bool,
+    /// Standard deviation of the absolute headings' one error (rad).
+    pub(super) heading_std: f64,
     /// How exactly the forward model is solved.
     pub(super) solver: Solver<'a>,
 }
@@ -153,6 +155,12 @@ impl Hypothesis {
         self.start_at = map_from_odom;
         self.map_from_odom = map_from_odom;
         self.normal = self.prior;
+        if let Some(heading) = scene.history.heading() {
+            let off = crate::plane::wrap_angle(map_from_odom.theta - heading);
+            let weight = scene.heading_std.powi(-2);
+            self.normal.add(off, [0.0, 0.0, 1.0], 0.0, weight);
+            self.normal.cost += 0.5 * weight * off * off;
+        }
         self.drift = Drift::default();
         self.states.clone_from(&self.start);
         self.row = self.start_row;

@@ -106,6 +106,7 @@ pub(super) fn choose(bank: &mut Bank, field: &Field<'_>, history: &History) -> (
     }
     bank.settle(field, history, LAST_ROUNDS, EXACT);
     shake(bank, field, history);
+    bank.hypotheses.retain(|h| field.admits(history, h.map_from_odom));
     let least = bank.hypotheses.iter().map(|h| h.cost(bank.shared)).fold(f64::INFINITY, f64::min);
     bank.hypotheses.retain(|h| h.cost(shared) <= least + TOLD);
     let fit = bank.hypotheses.first().map(|h| fit(h, bank, field, history));

@@ -121,10 +121,14 @@ impl<'a> ProbabilisticSet<'a> {
         }
     }
 
-    /// Takes in one row: the robot in the odometry frame and one moment for each whisker (N m).
-    pub fn step(&mut self, odom_from_robot: Pose2, moments: &[f64]) -> Happened {
+    /// Takes in one row: the robot in the odometry frame, one moment for each whisker (N m), and the absolute heading
+    /// (map frame, rad) where there is one.
+    pub fn step(&mut self, odom_from_robot: Pose2, moments: &[f64], heading: Option<f64>) -> Happened {
         let readings: Vec<f64> = moments.iter().zip(&self.feelers).map(|(m, f)| m * f.per_moment).collect();
         self.history.push(odom_from_robot, &readings);
+        if let Some(heading) = heading {
+            self.history.point(heading);
+        }
         let travel = self.last.map_or(0.0, |last| last.position().distance(odom_from_robot.position()));
         let turn = self.last.map_or(0.0, |last| last.between(odom_from_robot).theta.abs());
         self.last = Some(odom_from_robot);
@@ -185,7 +189,7 @@ impl<'a> ProbabilisticSet<'a> {
             self.history.forget(onset);
         }
         let onset = if from_free { onset } else { 0 };
-        let bank = Bank::start(&self.field(), &self.history, feeler, onset, from_free, &|_| true);
+        let bank = Bank::start(&self.field(), &self.history, feeler, onset, from_free);
         let count = bank.hypotheses.len();
         // A contact too weak or too short to tell headings apart is followed for longer before anything is decided.
         let places = self.ground.length() / self.options.seed_spacing;
