@@ -22,6 +22,8 @@ pub(super) struct Drift {
     /// For each way: the mixed part of the normal equations, with moves and with a shared relative error.
     mixed: [[f64; 3]; WAYS],
     by_shared: [f64; WAYS],
+    /// The weighted squares of what they do to the readings.
+    squares: [f64; WAYS],
 }
 
 impl Drift {
@@ -46,9 +48,16 @@ impl Drift {
         for (way, error) in self.errors(theta).into_iter().enumerate() {
             let base = [error[0] + error[2] * turned.x, error[1] + error[2] * turned.y, error[2]];
             let change = weight * dot(at_base, base);
+            self.squares[way] += change * dot(at_base, base);
             (0..3).for_each(|i| self.mixed[way][i] += by[i] * change);
             self.by_shared[way] += by_shared * change;
         }
+    }
+
+    /// The sum of squares, in standard deviations of the readings' noise, that the declared bounds may add to the residuals.
+    pub(super) fn squares(&self, bounds: &Odometry) -> f64 {
+        let std = stds(bounds);
+        (0..WAYS).map(|way| std[way] * std[way] * self.squares[way]).sum()
     }
 
     /// What the declared bounds add to the covariance of the robot's pose at the last row; `arm` goes from the pivot to
@@ -64,7 +73,7 @@ impl Drift {
     ) -> Matrix {
         let per = if shared > 0.0 { 1.0 / (normal.shared[0] + 1.0 / (shared * shared)) } else { 0.0 };
         let inverse = inverse(&normal.marginal(shared).damped(open)).unwrap_or_default();
-        let std = [0.5 * bounds.translation_relative, 0.5 * bounds.translation_relative, bounds.rotation_relative / SQRT_3];
+        let std = stds(bounds);
         let mut out = [[0.0; 3]; 3];
         for (way, error) in self.errors(theta).into_iter().enumerate() {
             let pull = [0, 1, 2].map(|i| self.mixed[way][i] - normal.mixed[i] * self.by_shared[way] * per);
@@ -76,6 +85,12 @@ impl Drift {
         }
         out
     }
+}
+
+/// Standard deviations of the three shares: errors spread evenly over a disc, and between two bounds.
+fn stds(bounds: &Odometry) -> [f64; WAYS] {
+    let place = 0.5 * bounds.translation_relative;
+    [place, place, bounds.rotation_relative / SQRT_3]
 }
 
 const SQRT_3: f64 = 1.732_050_807_568_877_2;

@@ -46,6 +46,8 @@ const MOST_SAMPLED_TAKES: usize = 600_000;
 /// Rows whose mean residual is looked at together, and where single residuals are cut (standard deviations).
 const BLOCK: usize = 8;
 const CUT: f64 = 2.5;
+/// The declared bound of a reading, with a hair for the model (standard deviations of an even law).
+const BOUND: f64 = 1.76;
 
 /// One place that explains the readings.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,10 +56,12 @@ pub struct Place {
     pub map_from_odom: Pose2,
     /// Its share among all places.
     pub weight: f64,
-    /// Covariance of the robot's pose (x, y, heading; map frame) at the last row: the Cramér-Rao bound at this place.
+    /// Covariance of the robot's pose (x, y, heading; map frame) at the last row.
     pub covariance: [[f64; 3]; 3],
     /// The robot's poses at the last row, of all hypotheses of this place, the best first, each with its covariance.
     pub members: Vec<(Pose2, [[f64; 3]; 3])>,
+    /// Share of the rows whose reading breaks its declared bound at the best hypothesis.
+    pub broken: f64,
 }
 
 /// How well the best hypothesis explains the readings.
@@ -67,6 +71,13 @@ pub struct Fit {
     pub touching: usize,
     /// Share of all rows whose reading lies beyond 2.5 standard deviations or is not explained.
     pub beyond: f64,
+    /// Share of all rows whose reading breaks its declared bound.
+    pub broken: f64,
+    /// Mean square of the residuals within 2.5 standard deviations of rows with a whisker held by a boundary, and what the
+    /// declared odometry errors may have added to it.
+    pub square: f64,
+    /// See `square`.
+    pub odometry: f64,
     /// Mean square of the residuals' block means, in units of what independent errors give.
     pub drift: f64,
     /// How many blocks that is of.
@@ -109,7 +120,7 @@ pub(super) fn choose(bank: &mut Bank, field: &Field<'_>, history: &History) -> (
     bank.hypotheses.retain(|h| field.admits(history, h.map_from_odom));
     let least = bank.hypotheses.iter().map(|h| h.cost(bank.shared)).fold(f64::INFINITY, f64::min);
     bank.hypotheses.retain(|h| h.cost(shared) <= least + TOLD);
-    let fit = bank.hypotheses.first().map(|h| fit(h, bank, field, history));
+    let mut fit = bank.hypotheses.first().map(|h| fit(h, bank, field, history));
     let blurred = Scene { blur: true, ..field.scene(history, bank.pivot, Judge::FAIR, bank.shared) };
     let last = history.pose(history.len() - 1);
     let (mut own, mut drifts) = (Vec::new(), Vec::new());
@@ -118,11 +129,15 @@ pub(super) fn choose(bank: &mut Bank, field: &Field<'_>, history: &History) -> (
         again.run(&blurred, h.map_from_odom, bank.used.iter().copied());
         let arm = h.map_from_odom.transform_point(last.position()) - h.map_from_odom.transform_point(bank.pivot);
         let (turn, bounds) = (h.map_from_odom.theta, &field.robot.odometry);
+        if let Some(fit) = fit.as_mut().filter(|_| own.is_empty()) {
+            fit.odometry = again.drift.squares(bounds) / f64::from(fit.touching.max(1) as u32);
+        }
         own.push(covariance(&again, bank));
         drifts.push(again.drift.covariance(&again.normal, bank.shared, OPEN, turn, arm, bounds));
     }
     let quick = field.scene(history, bank.pivot, Judge::FAIR, bank.shared);
-    let settled = Settled { bank, own: &own, drifts: &drifts, last, least };
+    let broken: Vec<f64> = bank.hypotheses.iter().map(|h| self::fit(h, bank, field, history).broken).collect();
+    let settled = Settled { bank, broken: &broken, own: &own, drifts: &drifts, last, least };
     (settled.places(&quick), fit)
 }
 
@@ -162,6 +177,8 @@ struct Settled<'a> {
     own: &'a [Matrix],
     /// What errors of the odometry add to it at the last row.
     drifts: &'a [Matrix],
+    /// Shares of the readings that break their bounds.
+    broken: &'a [f64],
     /// The odometry at the last row.
     last: Pose2,
     /// The least cost of all.
@@ -238,6 +255,7 @@ impl Settled<'_> {
             add(&mut covariance, &self.drifts[index]);
             (pose, covariance)
         };
+        let broken = members.iter().map(|&i| self.broken[i]).fold(1.0, f64::min);
         let (map_from_odom, weight, members) = match spread {
             Some(spread) => {
                 let mean = moved(first.map_from_odom, self.bank.pivot, spread.mean);
@@ -248,7 +266,7 @@ impl Settled<'_> {
                 (first.map_from_odom, mass, linear.collect())
             }
         };
-        Place { map_from_odom, weight, covariance: members[0].1, members }
+        Place { map_from_odom, weight, covariance: members[0].1, members, broken }
     }
 }
 
@@ -286,7 +304,8 @@ fn fit(h: &Hypothesis, bank: &Bank, field: &Field<'_>, history: &History) -> Fit
     let mut again = h.clone();
     let mut fit = Fit::default();
     let gain = h.gain(bank.shared);
-    let (mut sum, mut count, mut beyond, mut rows) = (0.0, 0, 0, 0);
+    let (mut squares, mut within) = (0.0, 0);
+    let (mut sum, mut count, mut beyond, mut broken, mut rows) = (0.0, 0, 0, 0, 0);
     again.run(&scene, h.map_from_odom, core::iter::empty());
     for &row in &bank.used {
         again.take(&scene, row);
@@ -300,9 +319,14 @@ fn fit(h: &Hypothesis, bank: &Bank, field: &Field<'_>, history: &History) -> Fit
             };
             rows += 1;
             beyond += usize::from(sigmas.abs() > CUT);
+            broken += usize::from(again.sigmas[index].abs() > BOUND);
             if held {
                 fit.touching += 1;
                 sum += sigmas.clamp(-CUT, CUT);
+                if sigmas.abs() <= CUT {
+                    squares += sigmas * sigmas;
+                    within += 1;
+                }
                 count += 1;
             }
             if count == BLOCK {
@@ -312,7 +336,9 @@ fn fit(h: &Hypothesis, bank: &Bank, field: &Field<'_>, history: &History) -> Fit
             }
         }
     }
-    fit.beyond = f64::from(beyond as u32) / f64::from(rows.max(1) as u32);
+    let share = |count: u32| f64::from(count) / f64::from(rows.max(1) as u32);
+    (fit.beyond, fit.broken) = (share(beyond as u32), share(broken as u32));
+    fit.square = squares / f64::from(within.max(1));
     fit.drift /= f64::from(fit.blocks.max(1) as u32);
     fit
 }

@@ -153,8 +153,11 @@ impl<'a> ProbabilisticSet<'a> {
     /// Looks for a contact that lasts.
     fn wait(&mut self, any: bool) -> Happened {
         let last = self.history.len() - 1;
-        if let Some(feeler) = self.touching.iter().position(|&rows| rows >= STREAK) {
-            let onset = last + 1 - STREAK;
+        if let Some(feeler) = self.touching.iter().position(|&rows| rows >= STREAK)
+            && self.starts < MOST_STARTS
+        {
+            // After a loss the rows before this one are forgotten, although the whisker touched there, too.
+            let onset = (last + 1).saturating_sub(STREAK);
             self.phase = Phase::Pressing { feeler, onset, from_free: onset > 0, travelled: 0.0 };
             return Happened::Nothing;
         }
