@@ -165,10 +165,6 @@ impl<'a> ProbabilisticLocalizer<'a> {
         let hypotheses: Vec<Hypothesis> = places.iter().map(hypothesis).collect();
         let broken = places.first().map_or(0.0, |p| p.broken);
         let rivals = places.iter().filter(|p| p.weight >= LEAST_RIVAL || p.broken <= broken + OBEYED).count();
-        if std::env::var_os("DBG").is_some() {
-            places.iter().for_each(|p| eprintln!("DBG w {:.5} broken {:.4}", p.weight, p.broken));
-            eprintln!("DBG {fit:?}");
-        }
         let status = self.verdict(t, &hypotheses, rivals, fit.as_ref());
         let keep = status != Status::Inconsistent;
         let estimate = hypotheses.first().map(|h| h.pose).filter(|_| keep);
