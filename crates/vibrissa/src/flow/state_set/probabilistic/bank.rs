@@ -88,7 +88,8 @@ impl Field<'_> {
                 && (c - place..=d + place).contains(&map_from_odom.y)
                 && off <= 0.5 * (f - e) + turn
         };
-        let points = |heading: f64| wrap_angle(map_from_odom.theta - heading).abs() <= 1.5 * self.options.heading_error + turn;
+        let points =
+            |heading: f64| wrap_angle(map_from_odom.theta - heading).abs() <= 1.5 * self.options.heading_error + turn;
         self.options.prior.is_none_or(within) && history.heading().is_none_or(points)
     }
 }
@@ -101,13 +102,7 @@ pub(super) fn cut(d: [f64; 3]) -> [f64; 3] {
 
 impl Bank {
     /// Seeds from the contact that began at row `onset` of the history with this whisker.
-    pub(super) fn start(
-        field: &Field<'_>,
-        history: &History,
-        feeler: usize,
-        onset: usize,
-        from_free: bool,
-    ) -> Self {
+    pub(super) fn start(field: &Field<'_>, history: &History, feeler: usize, onset: usize, from_free: bool) -> Self {
         let options = field.options;
         let own = &field.feelers[feeler];
         let odom_from_whisker = history.pose(onset).compose(own.robot_from_whisker);

@@ -106,7 +106,10 @@ mod tests {
         let (mut drift, mut normal) = (Drift::default(), Normal::default());
         for row in 0..5 {
             if row > 0 {
-                drift.travel(Pose2::new(0.25 * f64::from(row - 1), 0.0, 0.0), Pose2::new(0.25 * f64::from(row), 0.0, 0.0));
+                drift.travel(
+                    Pose2::new(0.25 * f64::from(row - 1), 0.0, 0.0),
+                    Pose2::new(0.25 * f64::from(row), 0.0, 0.0),
+                );
             }
             normal.add(0.0, [1.0, 0.0, 0.0], 0.0, 1.0);
             drift.add(0.0, Vec2::ZERO, [1.0, 0.0, 0.0], [1.0, 0.0, 0.0], 0.0, 1.0);

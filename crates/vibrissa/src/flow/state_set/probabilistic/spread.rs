@@ -50,7 +50,12 @@ impl Centre {
 
 /// The spread of the place of these hypotheses, each with its covariance, the best first; `least` is the cost that
 /// masses are relative to. None where it cannot be sampled.
-pub(super) fn spread(scene: &Scene<'_>, members: &[(&Hypothesis, &Matrix)], rows: &[usize], least: f64) -> Option<Spread> {
+pub(super) fn spread(
+    scene: &Scene<'_>,
+    members: &[(&Hypothesis, &Matrix)],
+    rows: &[usize],
+    least: f64,
+) -> Option<Spread> {
     let (first, own) = *members.first()?;
     let centres: Vec<Centre> = members
         .iter()
