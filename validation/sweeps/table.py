@@ -1,5 +1,6 @@
-"""One line for each sweep: verdict, error of the best place, error of the place nearest to the truth."""
+"""One line for each sweep: verdict, error of the best place, the place that holds the truth, updates until one is left."""
 
+import csv
 import json
 import math
 import statistics
@@ -37,9 +38,18 @@ def inside(place: dict, truth: tuple[float, float, float]) -> bool:
     return all(place[f"{k}_min"] <= v <= place[f"{k}_max"] for k, v in zip(("x", "y", "theta"), values))
 
 
+def alone(steps: Path) -> str:
+    """After how many updates the set came down to one component for good."""
+    with steps.open() as file:
+        counts = [int(row["components"]) for row in csv.DictReader(file)]
+    if not counts or counts[-1] != 1:
+        return "never"
+    return str(max((i + 1 for i, count in enumerate(counts) if count != 1), default=0) + 1)
+
+
 def main(vibrissa: str, folder: Path, options: list[str]) -> None:
     """Prints the table."""
-    print(f"{'sweep':18}{'unique':8}{'verdict':14}{'best, mm':>10}{'deg':>8}{'places':>8}{'truth in':>10}{'time, s':>9}")
+    print(f"{'sweep':18}{'unique':8}{'verdict':14}{'best, mm':>10}{'deg':>8}{'places':>8}{'truth in':>10}{'alone after':>13}{'time, s':>9}")
     unique = []
     with tempfile.TemporaryDirectory() as scratch:
         robot = Path(scratch, "biased.toml")
@@ -49,7 +59,7 @@ def main(vibrissa: str, folder: Path, options: list[str]) -> None:
             log, about = folder / f"{name}.csv", folder / f"{name}.json"
             facts = json.loads(about.read_text()) if about.exists() else {}
             map_file = folder / f"{facts.get('map', name.split('-')[0])}.geojson"
-            call = [vibrissa, "localize", str(log), "--map", str(map_file), "--json", *options]
+            call = [vibrissa, "localize", str(log), "--map", str(map_file), "--json", "--out", scratch, *options]
             if name.endswith("-bias"):
                 call += ["--robot", str(robot)]
             done = subprocess.run(call, capture_output=True, text=True, check=False)
@@ -64,7 +74,8 @@ def main(vibrissa: str, folder: Path, options: list[str]) -> None:
                 unique.append(best)
             print(
                 f"{name:18}{str(facts.get('unique')):8}{answer['status']:14}{best[0]:10.2f}{best[1]:8.2f}"
-                f"{len(places):8}{','.join(holding) or 'none':>10}{answer['runtime']['total_s']:9.2f}"
+                f"{len(places):8}{','.join(holding) or 'none':>10}"
+                f"{alone(Path(scratch, 'steps.csv')):>13}{answer['runtime']['total_s']:9.2f}"
             )
     if unique:
         mm, deg = zip(*unique)

@@ -360,11 +360,23 @@ pub struct ProbabilisticOptions {
     /// None takes a quarter of the declared relative bound: a bound is seldom noise alone, and readings enough show how
     /// large the shared part is.
     pub shared_gain: Option<f64>,
+    /// Bound on the error of the log's absolute headings (rad), taken as one error of the whole log.
+    pub heading_error: f64,
+    /// Where the robot is at the first row, map frame, where that is known: least and largest x (m), y (m), heading (rad).
+    pub prior: Option<[[f64; 2]; 3]>,
 }
 
 impl Default for ProbabilisticOptions {
     fn default() -> Self {
-        Self { seed_spacing: 2e-3, seed_turn: 0.05, seed_travel: 12e-3, seed_step: 2e-3, shared_gain: None }
+        Self {
+            seed_spacing: 2e-3,
+            seed_turn: 0.05,
+            seed_travel: 12e-3,
+            seed_step: 2e-3,
+            shared_gain: None,
+            heading_error: 0.05,
+            prior: None,
+        }
     }
 }
 
@@ -375,11 +387,24 @@ impl ProbabilisticOptions {
     ///
     /// Usage: names the knob, its value and the allowed range.
     pub fn check(&self) -> Result<()> {
+        check_region(self.prior)?;
+        within("heading_error", self.heading_error, 1e-4, core::f64::consts::PI, "rad")?;
         within("seed_spacing", self.seed_spacing, 5e-4, 2e-2, "m")?;
         within("seed_turn", self.seed_turn, 5e-3, 0.2, "rad")?;
         within("seed_travel", self.seed_travel, 2e-3, 1.0, "m")?;
         within("shared_gain", self.shared_gain.unwrap_or(0.0), 0.0, 0.5, "(relative)")?;
         within("seed_step", self.seed_step, 2e-4, self.seed_travel, "m, up to seed_travel")
+    }
+}
+
+/// Checks a prior region.
+fn check_region(region: Option<[[f64; 2]; 3]>) -> Result<()> {
+    let wrong = |[lo, hi]: &&[f64; 2]| !(lo <= hi && lo.is_finite() && hi.is_finite());
+    match region.as_ref().and_then(|bounds| bounds.iter().find(wrong)) {
+        Some([lo, hi]) => Err(Error::usage("the prior region is empty")
+            .value(format!("{lo} to {hi}"))
+            .allowed("a finite least value, and a largest that is no smaller")),
+        None => Ok(()),
     }
 }
 
@@ -427,13 +452,7 @@ impl PossibilisticOptions {
     ///
     /// Usage: names the knob, its value and the allowed range.
     pub fn check(&self) -> Result<()> {
-        if let Some(bounds) = self.prior
-            && let Some([lo, hi]) = bounds.iter().find(|[lo, hi]| !(lo <= hi && lo.is_finite() && hi.is_finite()))
-        {
-            return Err(Error::usage("the prior region is empty")
-                .value(format!("{lo} to {hi}"))
-                .allowed("a finite least value, and a largest that is no smaller"));
-        }
+        check_region(self.prior)?;
         within("most_cells", self.most_cells as f64, 1.0, 1e6, "cells")?;
         within("work", self.work as f64, 1.0, 1e7, "meetings a row")?;
         within("last_work", self.last_work as f64, 0.0, 1e9, "meetings")?;

@@ -109,3 +109,61 @@ fn a_log_without_contact_says_so() {
     log.rows.truncate(0);
     assert_eq!(localize(&log, &map, &Robot::default(), &options(), &mut |_| {}).unwrap().status, Status::NoContact);
 }
+
+#[test]
+fn a_region_or_a_compass_tells_the_places_of_a_square_apart() {
+    let Some(folder) = sweeps() else { return };
+    let map = Map::read(folder.join("square.geojson")).unwrap();
+    let mut log = SensorLog::read(folder.join("square-01.csv")).unwrap();
+    let truth = read_tum(folder.join("square-01.truth.tum")).unwrap();
+    let (first, last) = (truth.first().unwrap().map_from_robot, truth.last().unwrap().map_from_robot);
+    let mut within = options();
+    let around = |v: f64, half: f64| [v - half, v + half];
+    within.probabilistic.prior = Some([around(first.x, 0.03), around(first.y, 0.03), around(first.theta, 0.3)]);
+    let region = localize(&log, &map, &Robot::default(), &within, &mut |_| {}).unwrap();
+    // A compass that is off by the same angle all the time, as they are.
+    for (row, true_row) in log.rows.iter_mut().zip(&truth) {
+        row.heading = Some(true_row.map_from_robot.theta + 0.03);
+    }
+    let compass = localize(&log, &map, &Robot::default(), &options(), &mut |_| {}).unwrap();
+    for answer in [region, compass] {
+        assert_eq!(answer.hypotheses.len(), 1, "{:?}", answer.hypotheses);
+        let (distance, turn) = off(answer.estimate.unwrap(), last);
+        println!("{:.3} mm, {:.3} deg", 1e3 * distance, turn.to_degrees());
+        assert!(distance < 5e-3 && turn < 0.02, "{distance} {turn}");
+    }
+}
+
+#[test]
+fn declared_odometry_errors_widen_the_place() {
+    let Some(folder) = sweeps() else { return };
+    let map = Map::read(folder.join("bays.geojson")).unwrap();
+    let log = SensorLog::read(folder.join("bays-00-bias.csv")).unwrap();
+    let truth = read_tum(folder.join("bays-00-bias.truth.tum")).unwrap().last().unwrap().map_from_robot;
+    let answer = |share: f64| {
+        let mut robot = Robot::default();
+        robot.whiskers[0].noise.moment_relative = 0.055;
+        robot.odometry.translation_relative = share;
+        robot.odometry.rotation_relative = share;
+        localize(&log, &map, &robot, &options(), &mut |_| {}).unwrap()
+    };
+    let (exact, rough) = (answer(0.0), answer(0.0101));
+    let (narrow, wide) = (exact.hypotheses[0].bound().unwrap(), rough.hypotheses[0].bound().unwrap());
+    assert!(wide.0 > 1.2 * narrow.0 && wide.0 < 3e-3, "{narrow:?} {wide:?}");
+    let extent = rough.hypotheses[0].extent;
+    assert!(extent.x.contains(truth.x) && extent.y.contains(truth.y), "{extent:?}");
+    assert!(off(rough.estimate.unwrap(), truth).0 < 2e-3);
+}
+
+#[test]
+fn nonsense_ends_in_a_verdict() {
+    let (map, mut log) = (demo::arena().unwrap(), demo::sweep(1).unwrap().log);
+    log.rows.truncate(120);
+    let mut seed = 7_u64;
+    for row in &mut log.rows {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        row.readings[0] = 0.01 * ((seed >> 40) as f64 / 16_777_216.0 - 0.5);
+    }
+    let answer = localize(&log, &map, &Robot::default(), &options(), &mut |_| {}).unwrap();
+    assert!(matches!(answer.status, Status::Inconsistent | Status::Ambiguous), "{:?}", answer.status);
+}

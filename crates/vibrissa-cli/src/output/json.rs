@@ -44,7 +44,7 @@ struct HypothesisJson {
     bound: Option<BoundJson>,
 }
 
-/// The Cramér-Rao bound of the declared noise: standard deviations that no unbiased estimate can beat.
+/// The error to be expected by the declared noise and odometry bounds: root mean squares.
 #[derive(Serialize)]
 struct BoundJson {
     position_m: f64,

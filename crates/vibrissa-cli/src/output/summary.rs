@@ -48,7 +48,7 @@ fn estimate(text: &mut String, only: &Hypothesis) {
     }
     if let Some((position, heading)) = only.bound() {
         let (position, heading) = (position * 1e3, heading * degrees);
-        let _ = writeln!(text, "  Cramér-Rao bound of the declared noise: {position:.3} mm, {heading:.3} deg");
+        let _ = writeln!(text, "  expected error by the declared noise: {position:.3} mm, {heading:.3} deg (rms)");
     }
 }
 

@@ -38,14 +38,14 @@ pub struct Hypothesis {
     pub weight: f64,
     /// The extent of the component that it stands for.
     pub extent: StateBox,
-    /// Covariance of (x, y, heading) in the map frame (m², m rad, rad²), where the method gives one: the Cramér-Rao bound
-    /// of the declared noise at this place.
+    /// Covariance of (x, y, heading) in the map frame (m², m rad, rad²), where the method gives one: what the declared
+    /// noise and odometry bounds leave open at this place.
     pub covariance: Option<[[f64; 3]; 3]>,
 }
 
 impl Hypothesis {
-    /// The Cramér-Rao bound on the error: root mean square of the position (m) and of the heading (rad), where the method
-    /// gives a covariance.
+    /// The error to be expected: root mean square of the position (m) and of the heading (rad), where the method gives a
+    /// covariance.
     #[must_use]
     pub fn bound(&self) -> Option<(f64, f64)> {
         self.covariance.map(|c| ((c[0][0] + c[1][1]).max(0.0).sqrt(), c[2][2].max(0.0).sqrt()))

@@ -15,12 +15,17 @@ const HALF_BOX: f64 = 2.795;
 /// A place larger than this (m, rad) is not called localized.
 const LARGEST_PLACE: f64 = 0.02;
 const LARGEST_TURN: f64 = 0.35;
-/// Places with less weight are told, but do not make a verdict ambiguous.
+/// Places with less weight are told, but do not make a verdict ambiguous,
 const LEAST_RIVAL: f64 = 0.02;
+/// unless no more of the readings than this break their bounds there, beyond the share that does at the best place: bounds
+/// say nothing about which of two places that obey them is the more likely.
+const OBEYED: f64 = 0.02;
 /// Share of readings beyond 2.5 standard deviations that outliers alone do not explain, and the mean square of block
 /// means (1 for independent errors) that declared errors do not explain, in standard deviations of that mean.
 const MOST_BEYOND: f64 = 0.15;
 const MOST_DRIFT: f64 = 4.0;
+/// The same for the mean square of single residuals.
+const MOST_SQUARE: f64 = 3.5;
 /// Fewest blocks that speak about drift.
 const FEWEST_BLOCKS: usize = 6;
 
@@ -87,7 +92,7 @@ impl<'a> ProbabilisticLocalizer<'a> {
         self.screen(&mut moments, row)?;
         self.watch(row.t, &moments);
         self.rows.push((row.t, odom));
-        match self.set.step(odom, &moments) {
+        match self.set.step(odom, &moments, row.heading.filter(|h| h.is_finite())) {
             Happened::Nothing => {}
             Happened::Started(_) => {
                 self.first_row.get_or_insert(self.rows.len() - 1);
@@ -158,7 +163,9 @@ impl<'a> ProbabilisticLocalizer<'a> {
             self.note(t);
         }
         let hypotheses: Vec<Hypothesis> = places.iter().map(hypothesis).collect();
-        let status = self.verdict(t, &hypotheses, fit.as_ref());
+        let broken = places.first().map_or(0.0, |p| p.broken);
+        let rivals = places.iter().filter(|p| p.weight >= LEAST_RIVAL || p.broken <= broken + OBEYED).count();
+        let status = self.verdict(t, &hypotheses, rivals, fit.as_ref());
         let keep = status != Status::Inconsistent;
         let estimate = hypotheses.first().map(|h| h.pose).filter(|_| keep);
         let trajectory = places.first().map_or_else(Vec::new, |place| self.trajectory(place));
@@ -178,8 +185,7 @@ impl<'a> ProbabilisticLocalizer<'a> {
     }
 
     /// The verdict, with an event where the readings speak against every place.
-    fn verdict(&mut self, t: f64, hypotheses: &[Hypothesis], fit: Option<&Fit>) -> Status {
-        let rivals = hypotheses.iter().filter(|h| h.weight >= LEAST_RIVAL).count();
+    fn verdict(&mut self, t: f64, hypotheses: &[Hypothesis], rivals: usize, fit: Option<&Fit>) -> Status {
         let small = |e: &StateBox| e.x.width().hypot(e.y.width()) <= LARGEST_PLACE && e.theta.width() <= LARGEST_TURN;
         if !self.touched {
             return Status::NoContact;
@@ -225,7 +231,15 @@ fn misfit(fit: &Fit) -> Option<String> {
             100.0 * fit.beyond
         ));
     }
-    let most = 1.0 + MOST_DRIFT * (2.0 / fit.blocks.max(1) as f64).sqrt();
+    let most = 1.0 + fit.odometry + MOST_SQUARE / f64::from(fit.touching.max(1) as u32).sqrt();
+    if fit.square > most {
+        return Some(format!(
+            "the readings scatter {:.2} times as far from the best place as their declared noise does; is it the right map, \
+             and are the noise bounds right?",
+            fit.square.sqrt()
+        ));
+    }
+    let most = 1.0 + 8.0 * fit.odometry + MOST_DRIFT * (2.0 / fit.blocks.max(1) as f64).sqrt();
     (fit.blocks >= FEWEST_BLOCKS && fit.drift > most).then(|| {
         format!(
             "the readings stray from the best place for many rows on end ({:.1} times what noise does); is it the right \

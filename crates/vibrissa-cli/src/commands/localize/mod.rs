@@ -2,7 +2,9 @@
 
 mod deterministic;
 mod inputs;
+mod known;
 mod possibilistic;
+mod probabilistic;
 
 use crate::output::OutputArgs;
 use crate::output::{Run, Stopwatch, deliver, warn};
@@ -10,9 +12,10 @@ use clap::ValueEnum;
 use deterministic::DeterministicArgs;
 use inputs::Inputs;
 pub(super) use inputs::{outlines, read_log};
+use known::KnownArgs;
 use possibilistic::PossibilisticArgs;
+use probabilistic::ProbabilisticArgs;
 use std::path::PathBuf;
-use vibrissa::flow::pose::Method;
 use vibrissa::flow::sensor_log::foreign::Format;
 use vibrissa::{LocalizeOptions, Result};
 
@@ -46,7 +49,11 @@ pub(crate) struct Args {
     #[command(flatten)]
     deterministic: DeterministicArgs,
     #[command(flatten)]
+    known: KnownArgs,
+    #[command(flatten)]
     possibilistic: PossibilisticArgs,
+    #[command(flatten)]
+    probabilistic: ProbabilisticArgs,
 }
 
 /// The estimators by name.
@@ -84,7 +91,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
 fn options(args: &Args) -> Result<LocalizeOptions> {
     match args.method {
         MethodArg::Deterministic => args.deterministic.options(),
-        MethodArg::Possibilistic => args.possibilistic.options(),
-        MethodArg::Probabilistic => Ok(LocalizeOptions { method: Method::Probabilistic, ..LocalizeOptions::default() }),
+        MethodArg::Possibilistic => args.possibilistic.options(&args.known),
+        MethodArg::Probabilistic => args.probabilistic.options(&args.known),
     }
 }

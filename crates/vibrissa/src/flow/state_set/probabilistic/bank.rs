@@ -7,7 +7,7 @@ use super::hypothesis::{Hypothesis, Scene, difference, moved};
 use super::seeds::{Onset, seeds};
 use crate::beam::TipTable;
 use crate::config::ProbabilisticOptions;
-use crate::plane::{Pose2, Vec2};
+use crate::plane::{Pose2, Vec2, wrap_angle};
 use crate::world::{Map, Robot};
 
 /// A hypothesis less likely than the best by this (nats) is dropped; the second part shrinks with the share of the rows
@@ -72,7 +72,25 @@ impl<'a> Field<'a> {
             judge,
             shared,
             blur: false,
+            heading_std: self.options.heading_error / SQRT_3,
         }
+    }
+}
+
+impl Field<'_> {
+    /// Whether a place is in the prior's region and near the absolute headings, give or take a cell of the search. The
+    /// odometry frame is the robot's at the first row.
+    pub(super) fn admits(&self, history: &History, map_from_odom: Pose2) -> bool {
+        let (place, turn) = (self.options.seed_spacing, self.options.seed_turn);
+        let within = |[[a, b], [c, d], [e, f]]: [[f64; 2]; 3]| {
+            let off = wrap_angle(map_from_odom.theta - 0.5 * (e + f)).abs();
+            (a - place..=b + place).contains(&map_from_odom.x)
+                && (c - place..=d + place).contains(&map_from_odom.y)
+                && off <= 0.5 * (f - e) + turn
+        };
+        let points =
+            |heading: f64| wrap_angle(map_from_odom.theta - heading).abs() <= 1.5 * self.options.heading_error + turn;
+        self.options.prior.is_none_or(within) && history.heading().is_none_or(points)
     }
 }
 
@@ -84,14 +102,7 @@ pub(super) fn cut(d: [f64; 3]) -> [f64; 3] {
 
 impl Bank {
     /// Seeds from the contact that began at row `onset` of the history with this whisker.
-    pub(super) fn start(
-        field: &Field<'_>,
-        history: &History,
-        feeler: usize,
-        onset: usize,
-        from_free: bool,
-        admits: &dyn Fn(Pose2) -> bool,
-    ) -> Self {
+    pub(super) fn start(field: &Field<'_>, history: &History, feeler: usize, onset: usize, from_free: bool) -> Self {
         let options = field.options;
         let own = &field.feelers[feeler];
         let odom_from_whisker = history.pose(onset).compose(own.robot_from_whisker);
@@ -112,7 +123,8 @@ impl Bank {
             spacing: options.seed_spacing,
             turn: options.seed_turn,
         };
-        let mut hypotheses = seeds(&scene, &onset_of, admits);
+        let admits = |map_from_odom: Pose2| field.admits(history, map_from_odom);
+        let mut hypotheses = seeds(&scene, &onset_of, &admits);
         if from_free {
             hypotheses.iter_mut().for_each(|h| {
                 h.map_from_odom = moved(h.map_from_odom, pivot, cut(h.best(LOOSE, 0.0).1));
@@ -310,6 +322,8 @@ impl Bank {
     }
 }
 
+/// The standard deviation of an even law is its bound over this.
+const SQRT_3: f64 = 1.732_050_807_568_877_2;
 /// More hypotheses than this are not carried on.
 const MOST_SEEDS: usize = 8000;
 /// Standard deviations are enlarged by this while cells are judged.

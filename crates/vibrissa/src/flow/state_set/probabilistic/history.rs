@@ -1,6 +1,6 @@
 //! What was felt, and how likely it is: rows of odometry with readings, and their noise.
 
-use crate::plane::Pose2;
+use crate::plane::{Pose2, Vec2};
 use crate::world::MountedWhisker;
 
 /// The most that one reading can speak against a place: a false reading costs this, not more.
@@ -130,16 +130,30 @@ pub(super) struct History {
     whiskers: usize,
     poses: Vec<Pose2>,
     readings: Vec<f64>,
+    /// Sum of unit vectors: the heading of the odometry frame by each absolute heading.
+    compass: Vec2,
 }
 
 impl History {
     pub(super) fn new(whiskers: usize) -> Self {
-        Self { whiskers, poses: Vec::new(), readings: Vec::new() }
+        Self { whiskers, poses: Vec::new(), readings: Vec::new(), compass: Vec2::ZERO }
     }
 
     pub(super) fn push(&mut self, odom_from_robot: Pose2, readings: &[f64]) {
         self.poses.push(odom_from_robot);
         self.readings.extend_from_slice(readings);
+    }
+
+    /// Takes in the absolute heading of the last row (map frame).
+    pub(super) fn point(&mut self, map_heading: f64) {
+        if let Some(last) = self.poses.last() {
+            self.compass = self.compass + Vec2::from_angle(map_heading - last.theta);
+        }
+    }
+
+    /// The heading of the odometry frame in the map by all absolute headings so far.
+    pub(super) fn heading(&self) -> Option<f64> {
+        (self.compass.norm_squared() > 0.0).then(|| self.compass.angle())
     }
 
     pub(super) fn len(&self) -> usize {

@@ -6,6 +6,7 @@
 //! a filter that cannot take back its first steps.
 
 use super::contact::{Forward, Solver, State};
+use super::drift::Drift;
 use super::ground::Ground;
 use super::history::{Feeler, History, Judge};
 use super::normal::Normal;
@@ -25,6 +26,8 @@ pub(super) struct Scene<'a> {
     pub(super) shared: f64,
     /// Whether steep readings are trusted less, for covariances that hold over more than a facet of the map.
     pub(super) blur: bool,
+    /// Standard deviation of the absolute headings' one error (rad).
+    pub(super) heading_std: f64,
     /// How exactly the forward model is solved.
     pub(super) solver: Solver<'a>,
 }
@@ -59,6 +62,8 @@ pub(super) struct Hypothesis {
     start_at: Pose2,
     /// What readings before that row said, around `start_at`.
     prior: Normal,
+    /// What errors of the odometry do; only followed where covariances are wanted (`blur`).
+    pub(super) drift: Drift,
 }
 
 /// The frame moved by `d`: shifted by (x, y) and turned about the pivot.
@@ -86,6 +91,7 @@ impl Hypothesis {
             start_row: row,
             start_at: map_from_odom,
             prior: Normal::default(),
+            drift: Drift::default(),
             sigmas: vec![0.0; states.len()],
             felt: vec![0.0; states.len()],
             states,
@@ -101,6 +107,9 @@ impl Hypothesis {
     pub(super) fn take(&mut self, scene: &Scene<'_>, row: usize) {
         let (from, to) = (scene.history.pose(self.row), scene.history.pose(row));
         let pivot = self.map_from_odom.transform_point(scene.pivot);
+        if scene.blur {
+            self.drift.travel(from, to);
+        }
         for (index, feeler) in scene.feelers.iter().enumerate() {
             let z = scene.history.readings(row)[index];
             let place = |odom: Pose2| self.map_from_odom.compose(odom).compose(feeler.robot_from_whisker);
@@ -121,7 +130,13 @@ impl Hypothesis {
                 // Where the moment is steep, near a snap or in a slight corner, it is so over a tiny range only.
                 let steep = BLUR[0].powi(2) * (gx * gx + gy * gy) + BLUR[1].powi(2) * turn * turn;
                 let weight = if scene.blur { misfit.weight / (1.0 + misfit.weight * steep) } else { misfit.weight };
-                self.normal.add(misfit.residual, [gx, gy, turn + gx * arm.x + gy * arm.y], felt.moment, weight);
+                let by = [gx, gy, turn + gx * arm.x + gy * arm.y];
+                self.normal.add(misfit.residual, by, felt.moment, weight);
+                if scene.blur {
+                    let robot = self.map_from_odom.transform_point(to.position());
+                    let arm = there.position() - robot;
+                    self.drift.add(self.map_from_odom.theta, arm, felt.gradient, by, felt.moment, weight);
+                }
             }
         }
         self.row = row;
@@ -140,6 +155,13 @@ impl Hypothesis {
         self.start_at = map_from_odom;
         self.map_from_odom = map_from_odom;
         self.normal = self.prior;
+        if let Some(heading) = scene.history.heading() {
+            let off = crate::plane::wrap_angle(map_from_odom.theta - heading);
+            let weight = scene.heading_std.powi(-2);
+            self.normal.add(off, [0.0, 0.0, 1.0], 0.0, weight);
+            self.normal.cost += 0.5 * weight * off * off;
+        }
+        self.drift = Drift::default();
         self.states.clone_from(&self.start);
         self.row = self.start_row;
         rows.for_each(|row| {

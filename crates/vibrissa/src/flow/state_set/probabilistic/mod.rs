@@ -2,6 +2,7 @@
 
 mod bank;
 mod contact;
+mod drift;
 mod ground;
 mod history;
 mod hypothesis;
@@ -9,6 +10,7 @@ mod normal;
 mod places;
 mod seeds;
 mod set;
+mod spread;
 
 pub use places::{Fit, Place};
 pub use set::{Happened, ProbabilisticSet};

@@ -77,6 +77,11 @@ pub(super) fn times(m: &Matrix, v: [f64; 3]) -> [f64; 3] {
     m.map(|row| dot(row, v))
 }
 
+/// Adds a matrix to another.
+pub(super) fn add(to: &mut Matrix, more: &Matrix) {
+    (0..3).for_each(|i| (0..3).for_each(|j| to[i][j] += more[i][j]));
+}
+
 pub(super) fn determinant(m: &Matrix) -> f64 {
     m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0])
         + m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0])

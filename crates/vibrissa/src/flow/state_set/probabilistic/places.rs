@@ -4,7 +4,8 @@ use super::bank::{Bank, Field};
 use super::contact::{Solver, State};
 use super::history::{History, Judge};
 use super::hypothesis::{Hypothesis, Scene, difference, moved};
-use super::normal::{Matrix, determinant, dot, inverse, times};
+use super::normal::{Matrix, add, determinant, dot, inverse, times};
+use super::spread::{SAMPLES, Spread, spread};
 use crate::plane::Pose2;
 
 /// Hypotheses that are refined to the end in closed form, the best first.
@@ -37,9 +38,16 @@ const FARTHEST: f64 = 0.05;
 /// `4/3 pi chi³` with the 95 % points of chi² for two and three degrees of freedom.
 const AREA_95: f64 = 18.82;
 const VOLUME_95: f64 = 91.5;
+/// Places that are sampled: so many, with more than this share of the heaviest one's weight, and no more readings for all
+/// samples than this.
+const MOST_SAMPLED: usize = 8;
+const SAMPLED_ABOVE: f64 = 1e-3;
+const MOST_SAMPLED_TAKES: usize = 600_000;
 /// Rows whose mean residual is looked at together, and where single residuals are cut (standard deviations).
 const BLOCK: usize = 8;
 const CUT: f64 = 2.5;
+/// The declared bound of a reading, with a hair for the model (standard deviations of an even law).
+const BOUND: f64 = 1.76;
 
 /// One place that explains the readings.
 #[derive(Clone, Debug, PartialEq)]
@@ -48,10 +56,12 @@ pub struct Place {
     pub map_from_odom: Pose2,
     /// Its share among all places.
     pub weight: f64,
-    /// Covariance of the robot's pose (x, y, heading; map frame) at the last row: the Cramér-Rao bound at this place.
+    /// Covariance of the robot's pose (x, y, heading; map frame) at the last row.
     pub covariance: [[f64; 3]; 3],
     /// The robot's poses at the last row, of all hypotheses of this place, the best first, each with its covariance.
     pub members: Vec<(Pose2, [[f64; 3]; 3])>,
+    /// Share of the rows whose reading breaks its declared bound at the best hypothesis.
+    pub broken: f64,
 }
 
 /// How well the best hypothesis explains the readings.
@@ -61,6 +71,13 @@ pub struct Fit {
     pub touching: usize,
     /// Share of all rows whose reading lies beyond 2.5 standard deviations or is not explained.
     pub beyond: f64,
+    /// Share of all rows whose reading breaks its declared bound.
+    pub broken: f64,
+    /// Mean square of the residuals within 2.5 standard deviations of rows with a whisker held by a boundary, and what the
+    /// declared odometry errors may have added to it.
+    pub square: f64,
+    /// See `square`.
+    pub odometry: f64,
     /// Mean square of the residuals' block means, in units of what independent errors give.
     pub drift: f64,
     /// How many blocks that is of.
@@ -100,20 +117,28 @@ pub(super) fn choose(bank: &mut Bank, field: &Field<'_>, history: &History) -> (
     }
     bank.settle(field, history, LAST_ROUNDS, EXACT);
     shake(bank, field, history);
+    bank.hypotheses.retain(|h| field.admits(history, h.map_from_odom));
     let least = bank.hypotheses.iter().map(|h| h.cost(bank.shared)).fold(f64::INFINITY, f64::min);
     bank.hypotheses.retain(|h| h.cost(shared) <= least + TOLD);
-    let fit = bank.hypotheses.first().map(|h| fit(h, bank, field, history));
+    let mut fit = bank.hypotheses.first().map(|h| fit(h, bank, field, history));
     let blurred = Scene { blur: true, ..field.scene(history, bank.pivot, Judge::FAIR, bank.shared) };
-    let own: Vec<Matrix> = bank
-        .hypotheses
-        .iter()
-        .map(|h| {
-            let mut again = h.clone();
-            again.run(&blurred, h.map_from_odom, bank.used.iter().copied());
-            covariance(&again, bank)
-        })
-        .collect();
-    (group(bank, &own, history, least), fit)
+    let last = history.pose(history.len() - 1);
+    let (mut own, mut drifts) = (Vec::new(), Vec::new());
+    for h in &bank.hypotheses {
+        let mut again = h.clone();
+        again.run(&blurred, h.map_from_odom, bank.used.iter().copied());
+        let arm = h.map_from_odom.transform_point(last.position()) - h.map_from_odom.transform_point(bank.pivot);
+        let (turn, bounds) = (h.map_from_odom.theta, &field.robot.odometry);
+        if let Some(fit) = fit.as_mut().filter(|_| own.is_empty()) {
+            fit.odometry = again.drift.squares(bounds) / f64::from(fit.touching.max(1) as u32);
+        }
+        own.push(covariance(&again, bank));
+        drifts.push(again.drift.covariance(&again.normal, bank.shared, OPEN, turn, arm, bounds));
+    }
+    let quick = field.scene(history, bank.pivot, Judge::FAIR, bank.shared);
+    let broken: Vec<f64> = bank.hypotheses.iter().map(|h| self::fit(h, bank, field, history).broken).collect();
+    let settled = Settled { bank, broken: &broken, own: &own, drifts: &drifts, last, least };
+    (settled.places(&quick), fit)
 }
 
 /// Starts the best few anew from places around them: a map of facets has many shallow minima.
@@ -146,46 +171,103 @@ fn covariance(h: &Hypothesis, bank: &Bank) -> Matrix {
     ])
 }
 
-/// Hypotheses that cannot be told apart, as places, the heaviest first.
-fn group(bank: &Bank, own: &[Matrix], history: &History, least: f64) -> Vec<Place> {
-    let last = history.pose(history.len() - 1);
-    let mut open: Vec<usize> = (0..bank.hypotheses.len()).collect();
-    let mut places = Vec::new();
-    while !open.is_empty() {
-        let mut members = vec![open.remove(0)];
-        let mut next = 0;
-        while next < members.len() {
-            let at = members[next];
-            let near = |&i: &usize| linked(bank, own, at, i);
-            members.extend(open.iter().copied().filter(near));
-            open.retain(|i| !members.contains(i));
-            next += 1;
+/// The hypotheses at the end, each with its own covariance.
+struct Settled<'a> {
+    bank: &'a Bank,
+    own: &'a [Matrix],
+    /// What errors of the odometry add to it at the last row.
+    drifts: &'a [Matrix],
+    /// Shares of the readings that break their bounds.
+    broken: &'a [f64],
+    /// The odometry at the last row.
+    last: Pose2,
+    /// The least cost of all.
+    least: f64,
+}
+
+impl Settled<'_> {
+    /// Places of hypotheses that overlap, weighed by their shares of the likelihood.
+    fn places(&self, scene: &Scene<'_>) -> Vec<Place> {
+        let mut groups: Vec<(f64, Vec<usize>)> =
+            self.groups().into_iter().map(|members| (self.mass(&members), members)).collect();
+        groups.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let most = groups.first().map_or(0.0, |g| g.0);
+        let afford = MOST_SAMPLED_TAKES / (SAMPLES * self.bank.used.len()).max(1);
+        let mut places: Vec<Place> = groups
+            .iter()
+            .enumerate()
+            .map(|(index, (mass, members))| {
+                let near = index < afford.min(MOST_SAMPLED) && *mass > SAMPLED_ABOVE * most;
+                let spread = if near { self.spread(scene, members) } else { None };
+                self.place(members, *mass, spread)
+            })
+            .collect();
+        let total: f64 = places.iter().map(|p| p.weight).sum();
+        places.iter_mut().for_each(|p| p.weight /= total);
+        places.sort_by(|a, b| b.weight.total_cmp(&a.weight));
+        places
+    }
+
+    /// Hypotheses that are linked, directly or through others, the best first.
+    fn groups(&self) -> Vec<Vec<usize>> {
+        let mut open: Vec<usize> = (0..self.bank.hypotheses.len()).collect();
+        let mut groups = Vec::new();
+        while !open.is_empty() {
+            let mut members = vec![open.remove(0)];
+            let mut next = 0;
+            while next < members.len() {
+                let at = members[next];
+                let near = |&i: &usize| linked(self.bank, self.own, at, i);
+                members.extend(open.iter().copied().filter(near));
+                open.retain(|i| !members.contains(i));
+                next += 1;
+            }
+            groups.push(members);
         }
-        let alone = members.len() == 1;
-        let mass = |&i: &usize| {
-            let h = &bank.hypotheses[i];
+        groups
+    }
+
+    /// The share of the likelihood as the linearisations say it.
+    fn mass(&self, members: &[usize]) -> f64 {
+        let one = |&i: &usize| {
+            let h = &self.bank.hypotheses[i];
             // Neighbours on a ridge share its length among them.
             let narrow = LINK_PLACE.powi(-2) * 4.0;
-            let mut curvature = inverse(&own[i]).unwrap_or_default();
-            if !alone {
+            let mut curvature = inverse(&self.own[i]).unwrap_or_default();
+            if members.len() > 1 {
                 (0..2).for_each(|k| curvature[k][k] += narrow);
             }
-            (least - h.cost(bank.shared)).exp() / determinant(&curvature).max(f64::MIN_POSITIVE).sqrt()
+            (self.least - h.cost(self.bank.shared)).exp() / determinant(&curvature).max(f64::MIN_POSITIVE).sqrt()
         };
-        let weight = members.iter().map(mass).sum();
-        let poses = members.iter().map(|&i| at_robot(&bank.hypotheses[i], bank, &own[i], last)).collect::<Vec<_>>();
-        let covariance = poses[0].1;
-        places.push(Place {
-            map_from_odom: bank.hypotheses[members[0]].map_from_odom,
-            weight,
-            covariance,
-            members: poses,
-        });
+        members.iter().map(one).sum()
     }
-    let total: f64 = places.iter().map(|p| p.weight).sum();
-    places.iter_mut().for_each(|p| p.weight /= total);
-    places.sort_by(|a, b| b.weight.total_cmp(&a.weight));
-    places
+
+    /// What sampling says about a place.
+    fn spread(&self, scene: &Scene<'_>, members: &[usize]) -> Option<Spread> {
+        let with: Vec<_> = members.iter().map(|&i| (&self.bank.hypotheses[i], &self.own[i])).collect();
+        spread(scene, &with, &self.bank.used, self.least)
+    }
+
+    fn place(&self, members: &[usize], mass: f64, spread: Option<Spread>) -> Place {
+        let first = &self.bank.hypotheses[members[0]];
+        let at = |frame: Pose2, own: &Matrix, index: usize| {
+            let (pose, mut covariance) = at_robot(frame, self.bank, own, self.last);
+            add(&mut covariance, &self.drifts[index]);
+            (pose, covariance)
+        };
+        let broken = members.iter().map(|&i| self.broken[i]).fold(1.0, f64::min);
+        let (map_from_odom, weight, members) = match spread {
+            Some(spread) => {
+                let mean = moved(first.map_from_odom, self.bank.pivot, spread.mean);
+                (mean, spread.mass, vec![at(mean, &spread.covariance, members[0])])
+            }
+            None => {
+                let linear = members.iter().map(|&i| at(self.bank.hypotheses[i].map_from_odom, &self.own[i], i));
+                (first.map_from_odom, mass, linear.collect())
+            }
+        };
+        Place { map_from_odom, weight, covariance: members[0].1, members, broken }
+    }
 }
 
 /// Whether two hypotheses are one place.
@@ -198,14 +280,14 @@ fn linked(bank: &Bank, own: &[Matrix], a: usize, b: usize) -> bool {
         return true;
     }
     let mut sum = own[a];
-    (0..3).for_each(|i| (0..3).for_each(|j| sum[i][j] += own[b][i][j]));
+    add(&mut sum, &own[b]);
     inverse(&sum).is_some_and(|i| dot(times(&i, d), d) < LINKED)
 }
 
 /// The robot's pose at the last row and its covariance there.
-fn at_robot(h: &Hypothesis, bank: &Bank, own: &Matrix, odom_from_robot: Pose2) -> (Pose2, Matrix) {
-    let pose = h.map_from_odom.compose(odom_from_robot);
-    let arm = (pose.position() - h.map_from_odom.transform_point(bank.pivot)).perp();
+fn at_robot(map_from_odom: Pose2, bank: &Bank, own: &Matrix, odom_from_robot: Pose2) -> (Pose2, Matrix) {
+    let pose = map_from_odom.compose(odom_from_robot);
+    let arm = (pose.position() - map_from_odom.transform_point(bank.pivot)).perp();
     let turn = [[1.0, 0.0, arm.x], [0.0, 1.0, arm.y], [0.0, 0.0, 1.0]];
     let mut out = [[0.0; 3]; 3];
     for (i, row) in out.iter_mut().enumerate() {
@@ -222,7 +304,8 @@ fn fit(h: &Hypothesis, bank: &Bank, field: &Field<'_>, history: &History) -> Fit
     let mut again = h.clone();
     let mut fit = Fit::default();
     let gain = h.gain(bank.shared);
-    let (mut sum, mut count, mut beyond, mut rows) = (0.0, 0, 0, 0);
+    let (mut squares, mut within) = (0.0, 0);
+    let (mut sum, mut count, mut beyond, mut broken, mut rows) = (0.0, 0, 0, 0, 0);
     again.run(&scene, h.map_from_odom, core::iter::empty());
     for &row in &bank.used {
         again.take(&scene, row);
@@ -236,9 +319,14 @@ fn fit(h: &Hypothesis, bank: &Bank, field: &Field<'_>, history: &History) -> Fit
             };
             rows += 1;
             beyond += usize::from(sigmas.abs() > CUT);
+            broken += usize::from(again.sigmas[index].abs() > BOUND);
             if held {
                 fit.touching += 1;
                 sum += sigmas.clamp(-CUT, CUT);
+                if sigmas.abs() <= CUT {
+                    squares += sigmas * sigmas;
+                    within += 1;
+                }
                 count += 1;
             }
             if count == BLOCK {
@@ -248,7 +336,9 @@ fn fit(h: &Hypothesis, bank: &Bank, field: &Field<'_>, history: &History) -> Fit
             }
         }
     }
-    fit.beyond = f64::from(beyond as u32) / f64::from(rows.max(1) as u32);
+    let share = |count: u32| f64::from(count) / f64::from(rows.max(1) as u32);
+    (fit.beyond, fit.broken) = (share(beyond as u32), share(broken as u32));
+    fit.square = squares / f64::from(within.max(1));
     fit.drift /= f64::from(fit.blocks.max(1) as u32);
     fit
 }

@@ -121,10 +121,14 @@ impl<'a> ProbabilisticSet<'a> {
         }
     }
 
-    /// Takes in one row: the robot in the odometry frame and one moment for each whisker (N m).
-    pub fn step(&mut self, odom_from_robot: Pose2, moments: &[f64]) -> Happened {
+    /// Takes in one row: the robot in the odometry frame, one moment for each whisker (N m), and the absolute heading
+    /// (map frame, rad) where there is one.
+    pub fn step(&mut self, odom_from_robot: Pose2, moments: &[f64], heading: Option<f64>) -> Happened {
         let readings: Vec<f64> = moments.iter().zip(&self.feelers).map(|(m, f)| m * f.per_moment).collect();
         self.history.push(odom_from_robot, &readings);
+        if let Some(heading) = heading {
+            self.history.point(heading);
+        }
         let travel = self.last.map_or(0.0, |last| last.position().distance(odom_from_robot.position()));
         let turn = self.last.map_or(0.0, |last| last.between(odom_from_robot).theta.abs());
         self.last = Some(odom_from_robot);
@@ -149,8 +153,11 @@ impl<'a> ProbabilisticSet<'a> {
     /// Looks for a contact that lasts.
     fn wait(&mut self, any: bool) -> Happened {
         let last = self.history.len() - 1;
-        if let Some(feeler) = self.touching.iter().position(|&rows| rows >= STREAK) {
-            let onset = last + 1 - STREAK;
+        if let Some(feeler) = self.touching.iter().position(|&rows| rows >= STREAK)
+            && self.starts < MOST_STARTS
+        {
+            // After a loss the rows before this one are forgotten, although the whisker touched there, too.
+            let onset = (last + 1).saturating_sub(STREAK);
             self.phase = Phase::Pressing { feeler, onset, from_free: onset > 0, travelled: 0.0 };
             return Happened::Nothing;
         }
@@ -185,7 +192,7 @@ impl<'a> ProbabilisticSet<'a> {
             self.history.forget(onset);
         }
         let onset = if from_free { onset } else { 0 };
-        let bank = Bank::start(&self.field(), &self.history, feeler, onset, from_free, &|_| true);
+        let bank = Bank::start(&self.field(), &self.history, feeler, onset, from_free);
         let count = bank.hypotheses.len();
         // A contact too weak or too short to tell headings apart is followed for longer before anything is decided.
         let places = self.ground.length() / self.options.seed_spacing;
