@@ -64,6 +64,8 @@ pub struct PressTable {
     steepest: f64,
     /// Columns of the table: directions (rad).
     directions: Vec<f64>,
+    /// The direction in the middle of each column, as a vector.
+    middles: Vec<Vec2>,
     rows: usize,
     nodes: Vec<Node>,
     gaps: Vec<Gap>,
@@ -100,6 +102,7 @@ impl PressTable {
             side_gaps: Vec::new(),
             side_slack: directions.iter().map(|&d| side_slack(d, slack)).collect(),
             outlines: directions.windows(2).map(|d| outline(d[0], d[1], slack)).collect(),
+            middles: directions.windows(2).map(|d| Vec2::from_angle(0.5 * (d[0] + d[1]))).collect(),
             directions,
         };
         for &direction in &table.directions {

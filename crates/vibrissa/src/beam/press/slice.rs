@@ -51,11 +51,15 @@ impl Span {
         Self { reach: join(self.reach, other.reach), place: join(self.place, other.place) }
     }
 
-    fn of(entry: &PressEntry) -> Self {
-        let (sin, cos) = entry.middle.sin_cos();
-        let (u, side) = (Vec2::new(cos, sin), Vec2::new(sin, -cos));
+    /// The span of an entry whose middle direction is `u`.
+    fn of(entry: &PressEntry, u: Vec2) -> Self {
+        let side = Vec2::new(u.y, -u.x);
         let (p, slope, half) = (entry.center, entry.by_direction, entry.half);
-        let second = half * (0.5 * p.norm() * half + slope.norm() * half + entry.by_moment.norm() + entry.radius);
+        let second = half
+            * (0.5 * p.norm_squared().sqrt() * half
+                + slope.norm_squared().sqrt() * half
+                + entry.by_moment.norm_squared().sqrt()
+                + entry.radius);
         let around = |direction: Vec2, turned: f64| {
             let off = (turned + direction.dot(slope)).abs() * half
                 + direction.dot(entry.by_moment).abs()
@@ -133,7 +137,9 @@ impl PressTable {
             slice.starts.push(start as u32);
             self.tips(column, lo, hi, &mut slice.entries);
             slice.entries.extend(self.side(column, lo, hi));
-            slice.spans.push(slice.entries[start..].iter().fold(Span::EMPTY, |all, e| all.hull(Span::of(e))));
+            slice.spans.push(
+                slice.entries[start..].iter().fold(Span::EMPTY, |all, e| all.hull(Span::of(e, self.middles[column]))),
+            );
         }
         slice.starts.push(slice.entries.len() as u32);
         slice
@@ -197,14 +203,14 @@ impl PressTable {
             }
         }
         let gaps = &self.gaps[column * self.rows + first..column * self.rows + end];
-        let gap = gaps.iter().map(|g| g.tip + by_mu.norm() * g.moment).fold(0.0, f64::max);
+        let gap = gaps.iter().map(|g| g.tip + by_mu.norm_squared().sqrt() * g.moment).fold(0.0, f64::max);
         PressEntry {
             middle,
             half,
             center: (least + most) * 0.5 + by_mu * (0.5 * (lo + hi)),
             by_direction,
             by_moment: by_mu * (0.5 * (hi - lo)),
-            radius: 0.5 * (most - least).norm() + gap,
+            radius: 0.5 * (most - least).norm_squared().sqrt() + gap,
         }
     }
 
@@ -239,7 +245,7 @@ impl PressTable {
             center: center * inverse,
             by_direction: along * inverse,
             by_moment: center * spread,
-            radius: along.norm() * half * spread + tip_slack * far,
+            radius: along.norm_squared().sqrt() * half * spread + tip_slack * far,
         })
     }
 
@@ -259,7 +265,7 @@ impl PressTable {
             center: center * arc,
             by_direction: along * arc,
             by_moment: center * spread,
-            radius: along.norm() * half * spread + gap * most + super::ROUNDING,
+            radius: along.norm_squared().sqrt() * half * spread + gap * most + super::ROUNDING,
         }
     }
 }

@@ -90,7 +90,8 @@ impl View {
 
     /// The form of a displacement along `direction` plus `by_turn` times the turn.
     fn form(&self, direction: Vec2, by_turn: f64) -> Form {
-        [0, 1, 2].map(|j| direction.dot(self.moves[j]) + by_turn * self.turns[j])
+        let of = |j: usize| direction.dot(self.moves[j]) + by_turn * self.turns[j];
+        [of(0), of(1), of(2)]
     }
 }
 
@@ -188,9 +189,14 @@ pub(super) fn mirrored(entry: &PressEntry, side: f64, asked: f64) -> Contact {
         by_direction: Vec2::new(side * entry.by_direction.x, entry.by_direction.y),
         by_moment: Vec2::new(entry.by_moment.x, side * entry.by_moment.y),
         radius: entry.radius,
-        sizes: [entry.center, entry.by_direction, entry.by_moment]
-            .map(|v| v.x.abs().max(v.y.abs()) + 0.415 * v.x.abs().min(v.y.abs())),
+        sizes: [about(entry.center), about(entry.by_direction), about(entry.by_moment)],
     }
+}
+
+/// No less than the length of a vector, and at most a twelfth more: the octagon around its circle.
+fn about(v: Vec2) -> f64 {
+    let (x, y) = (v.x.abs(), v.y.abs());
+    x.max(y) + 0.415 * x.min(y)
 }
 
 /// Contacts on an edge.
