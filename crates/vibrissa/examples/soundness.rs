@@ -8,7 +8,7 @@
 #[path = "../tests/data/random_sweep.rs"]
 mod random_sweep;
 
-use random_sweep::{contains, random_sweep};
+use random_sweep::{Trial, contains, random_sweep};
 use vibrissa::config::PossibilisticOptions;
 use vibrissa::flow::pose::{Method, Status};
 use vibrissa::{LocalizeOptions, Result, localize};
@@ -37,6 +37,7 @@ fn main() -> Result<()> {
         if answer.status != Status::NoContact && !contains(&answer, trial.truth) {
             lost += 1;
             println!("seed {seed}: {} lost {:?}, {:?}", answer.status, trial.truth, answer.events.last());
+            show_loss(&trial, &options)?;
         }
     }
     let [localized, ambiguous, inconsistent, no_contact] = verdicts;
@@ -48,5 +49,26 @@ fn main() -> Result<()> {
     println!(
         "rows: {side} with the side, {left} bent to the left, {right} to the right; {rubbing} trials with friction"
     );
+    Ok(())
+}
+
+/// Prints a row at which the truth goes, by halving the log, and the touches there.
+fn show_loss(trial: &Trial, options: &LocalizeOptions) -> Result<()> {
+    let whisker = &trial.robot.whiskers[0];
+    let (mut kept, mut gone) = (0, trial.log.rows.len());
+    while gone > kept + 1 {
+        let rows = (kept + gone) / 2;
+        let mut log = trial.log.clone();
+        log.rows.truncate(rows);
+        let answer = localize(&log, &trial.map, &trial.robot, options, &mut |_| {})?;
+        let lost = answer.status != Status::NoContact && !contains(&answer, trial.path[rows - 1]);
+        if lost { gone = rows } else { kept = rows }
+    }
+    println!("  lost after {gone} of {} rows; {whisker:?}", trial.log.rows.len());
+    for touch in &trial.touches {
+        if touch.row.abs_diff(gone) < 4 {
+            println!("  reads {:.3e}: {touch:?}", trial.log.rows[touch.row].readings[0]);
+        }
+    }
     Ok(())
 }

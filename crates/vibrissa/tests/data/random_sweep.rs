@@ -8,7 +8,7 @@ use random::Random;
 use vibrissa::flow::pose::{Localization, StampedPose, Status};
 use vibrissa::flow::sensor_log::{Channel, LogRow, Quantity, SensorLog};
 use vibrissa::plane::{Curve, Pose2, Vec2, wrap_angle};
-use vibrissa::tasks::simulate::{Pace, Part, SimulateOptions, Sweep, SweepNoise, path_through, simulate};
+use vibrissa::tasks::simulate::{Pace, Part, SimulateOptions, Sweep, SweepNoise, Touch, path_through, simulate};
 use vibrissa::world::{Boundary, Map, MomentNoise, MountedWhisker, Odometry, Robot, Role};
 
 /// One trial.
@@ -20,6 +20,11 @@ pub(crate) struct Trial {
     /// Rows in which a side touches, and rows in which something bends the whisker to the left and to the right.
     #[allow(dead_code, reason = "counted by the example")]
     pub(crate) kinds: [usize; 3],
+    /// The robot along the log, and every touch.
+    #[allow(dead_code, reason = "shown by the example")]
+    pub(crate) path: Vec<Pose2>,
+    #[allow(dead_code, reason = "shown by the example")]
+    pub(crate) touches: Vec<Touch>,
 }
 
 /// An arena with a wavy or polygonal outline and an obstacle or two.
@@ -133,15 +138,30 @@ fn covered(map: &Map, robot: &Robot, path: &mut Vec<StampedPose>) -> Option<Swee
             continue;
         };
         let beyond = |kind: &str| matches!(kind, "discrete_rod" | "unsolved" | "lost");
-        if let Some(event) = sweep.events.iter().find(|event| beyond(event.kind)) {
-            let rows = path.iter().take_while(|pose| pose.t < event.t - 1e-9).count().saturating_sub(1);
-            path.truncate(rows);
-            sweep.exact_moments.truncate(rows);
-            sweep.contacts.retain(|touch| touch.row < rows);
-        }
+        let event = sweep.events.iter().find(|event| beyond(event.kind)).map_or(f64::INFINITY, |event| event.t - 1e-9);
+        let before = path.iter().take_while(|pose| pose.t < event).count();
+        let rows = if before < path.len() { before.saturating_sub(1) } else { before };
+        let first = sweep.contacts.iter().find(|touch| !is_covered(touch, robot, path)).map_or(rows, |touch| touch.row);
+        let rows = rows.min(first);
+        path.truncate(rows);
+        sweep.exact_moments.truncate(rows);
+        sweep.contacts.retain(|touch| touch.row < rows);
         return (path.len() > 30).then_some(sweep);
     }
     None
+}
+
+/// Whether the whisker bends one way only, by no more than the method's largest slope: by the energy that the pendulum
+/// keeps.
+fn is_covered(touch: &Touch, robot: &Robot, path: &[StampedPose]) -> bool {
+    let whisker = &robot.whiskers[touch.whisker];
+    let base = path[touch.row].map_from_robot.compose(whisker.robot_from_whisker);
+    let contact = base.inverse().transform_point(touch.position);
+    let moment = (touch.position - base.position()).cross(touch.force);
+    let start = wrap_angle(base.theta - touch.force.angle());
+    let kept = moment * moment / (2.0 * whisker.beam.flexural_rigidity * touch.force.norm());
+    let slope = start.abs() - (start.cos() + kept).clamp(-1.0, 1.0).acos();
+    contact.y * moment >= 0.0 && slope < 2.2
 }
 
 /// The trial of a seed, if there is one.
@@ -191,7 +211,15 @@ pub(crate) fn random_sweep(seed: u64) -> Option<Trial> {
         sweep.contacts.iter().filter(|touch| touch.part == Part::Side).map(|touch| touch.row).collect();
     let moment = |k: usize| sweep.exact_moments[k][0];
     let kinds = [side.len(), count(&|k| moment(k) > 0.0), count(&|k| moment(k) < 0.0)];
-    Some(Trial { kinds, map, robot, log: SensorLog { channels, rows, ..SensorLog::default() }, truth })
+    Some(Trial {
+        kinds,
+        path: path.iter().map(|pose| pose.map_from_robot).collect(),
+        touches: sweep.contacts,
+        map,
+        robot,
+        log: SensorLog { channels, rows, ..SensorLog::default() },
+        truth,
+    })
 }
 
 /// Whether the answer's set holds the truth at the last row.
