@@ -30,8 +30,8 @@ impl Drift {
     /// Goes on from one odometry pose to the next.
     pub(super) fn travel(&mut self, from: Pose2, to: Pose2) {
         let step = to.position() - from.position();
-        self.swept = self.swept + step.perp() * (self.turned + 0.5 * from.between(to).theta);
-        self.reach = self.reach + step;
+        self.swept += step.perp() * (self.turned + 0.5 * from.between(to).theta);
+        self.reach += step;
         self.turned += from.between(to).theta;
     }
 

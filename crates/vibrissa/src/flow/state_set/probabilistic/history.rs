@@ -147,7 +147,7 @@ impl History {
     /// Takes in the absolute heading of the last row (map frame).
     pub(super) fn point(&mut self, map_heading: f64) {
         if let Some(last) = self.poses.last() {
-            self.compass = self.compass + Vec2::from_angle(map_heading - last.theta);
+            self.compass += Vec2::from_angle(map_heading - last.theta);
         }
     }
 
