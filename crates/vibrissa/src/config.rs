@@ -435,7 +435,7 @@ impl Default for PossibilisticOptions {
         Self {
             most_cells: 2000,
             work: 80,
-            last_work: 300_000,
+            last_work: 100_000,
             resolution: 0.4e-3,
             largest_slope: 2.2,
             tolerate: 0,

@@ -18,7 +18,7 @@ pub(crate) struct PossibilisticArgs {
     /// Meetings of cells and readings in one row: more is tighter and slower, never less sound [default: 80]
     #[arg(long, value_name = "N")]
     work: Option<usize>,
-    /// The same once more at the end of the log [default: 300000]
+    /// The same once more at the end of the log [default: 100000]
     #[arg(long, value_name = "N")]
     last_work: Option<usize>,
 }
