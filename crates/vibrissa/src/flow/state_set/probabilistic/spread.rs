@@ -6,6 +6,7 @@
 
 use super::hypothesis::{Hypothesis, Scene, difference, moved};
 use super::normal::{Matrix, determinant, dot, inverse, times};
+use crate::plane::Pose2;
 
 /// Samples of one place, and hypotheses at most that they are drawn around.
 pub(super) const SAMPLES: usize = 160;
@@ -49,12 +50,13 @@ impl Centre {
 }
 
 /// The spread of the place of these hypotheses, each with its covariance, the best first; `least` is the cost that
-/// masses are relative to. None where it cannot be sampled.
+/// masses are relative to, and what is not admitted counts nothing. None where it cannot be sampled.
 pub(super) fn spread(
     scene: &Scene<'_>,
     members: &[(&Hypothesis, &Matrix)],
     rows: &[usize],
     least: f64,
+    admits: &dyn Fn(Pose2) -> bool,
 ) -> Option<Spread> {
     let (first, own) = *members.first()?;
     let centres: Vec<Centre> = members
@@ -69,8 +71,13 @@ pub(super) fn spread(
         let width = WIDTHS[index / centres.len() % WIDTHS.len()];
         let step = times(&centre.root, normal_point(index));
         let d = [0, 1, 2].map(|i| centre.at[i] + width * step[i]);
+        let frame = moved(first.map_from_odom, scene.pivot, d);
+        if !admits(frame) {
+            samples.push((d, 0.0));
+            continue;
+        }
         let mut there = first.clone();
-        there.run(scene, moved(first.map_from_odom, scene.pivot, d), rows.iter().copied());
+        there.run(scene, frame, rows.iter().copied());
         let drawn: f64 = centres.iter().flat_map(|c| WIDTHS.map(|w| c.density(d, w))).sum();
         let drawn = drawn / (centres.len() * WIDTHS.len()) as f64;
         samples.push((d, (least - there.cost(scene.shared)).exp() / drawn));
