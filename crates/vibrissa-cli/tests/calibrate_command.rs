@@ -109,7 +109,7 @@ fn faulty_calls_and_data_say_what_to_do() {
         (&["calibrate", "--taps", &format!("60mm={flat}")], 1, "too few known distances"),
         (&["calibrate", &plain], 1, "no readings"),
         (&["calibrate", &plain, "--format", "serail"], 2, "did you mean `serial`?"),
-        (&["contact", &flat], 2, "--taps"),
+        (&["contact", &flat, "--calibration", &cal], 2, "--taps"),
         (&["contact", &flat, "--taps", "--calibration", &cal], 1, "does not tell distances"),
     ];
     for (args, code, words) in cases {
