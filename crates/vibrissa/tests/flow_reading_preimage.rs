@@ -238,6 +238,18 @@ fn the_body_of_every_fused_whisker_is_checked() {
 }
 
 #[test]
+fn sampled_places_are_never_more_than_the_cover() {
+    let map = map(Role::Arena, &[(0.0, 0.0), (0.3, 0.02), (0.28, 0.2), (0.12, 0.15), (0.02, 0.22)]);
+    let options = PreimageOptions { contacts: Parts::All, collision_free: true, ..coarse(Construction::Alignment) };
+    for force in [-0.3, -0.05, 0.02, 0.1, 0.4] {
+        let reading = Reading::exact(VirtualSensor::Load, force);
+        let found = reading_preimage(&map, &paper(), Pose2::IDENTITY, &[reading], &options).unwrap();
+        let (sampled, cover) = (found.sampled_area, found.states.area());
+        assert!(sampled > 0.5 * cover && sampled <= cover, "{force} N: {sampled} of {cover} m²");
+    }
+}
+
+#[test]
 fn options_out_of_range_are_refused() {
     let wall = map(Role::Wall, &[(0.0, 0.0), (500.0, 400.0)]);
     let reading = Reading::exact(VirtualSensor::Load, 0.1);

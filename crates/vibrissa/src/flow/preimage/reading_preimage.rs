@@ -229,13 +229,12 @@ fn laid(
         Construction::Alignment => painter.align(&mut states),
         Construction::Distance => painter.turn(&mut states, options.headings),
     }
-    let sampled_area = states.area();
+    // The robot's origin is the whisker's base, which is never inside something solid.
+    let based = (options.collision_free && mount <= 0.0).then(|| Solid::new(map, *states.raster(), 0.0));
+    let possible = |index: usize| based.as_ref().is_none_or(|solid| !solid.is_deep_cell(index));
+    let sampled_area = states.area_of(possible);
     states.grown((deviation / options.cell - 1e-9).ceil().max(0.0) as usize);
-    if options.collision_free && mount <= 0.0 {
-        // The robot's origin is the whisker's base, which is never inside something solid.
-        let solid = Solid::new(map, *states.raster(), 0.0);
-        states.retain(|index| !solid.is_deep_cell(index));
-    }
+    states.retain(possible);
     ReadingPreimage { states, sampled_area, deviation }
 }
 
@@ -274,6 +273,7 @@ impl Painter<'_> {
     /// Lays every contact along every stretch of the boundary.
     fn align(&self, states: &mut StateGrid) {
         let frames: Vec<Vec2> = self.places.iter().map(|t| Vec2::from_angle(t.tangent)).collect();
+        let steps = self.steps();
         for cell in &self.region.cells {
             let body = self.body(cell);
             let mut turned = body.clone();
@@ -286,27 +286,41 @@ impl Painter<'_> {
                 // The whisker's heading is the boundary's direction less the wall's; pushed to the right it lies the other way.
                 let turn = Vec2::from_angle(side - wall);
                 let offset = side - wall - self.robot_from_whisker.theta;
-                let mut last = Vec2::ZERO;
-                for (touch, frame) in self.places.iter().zip(&frames) {
+                let mut walk = Walk::default();
+                let mut bins = (0, 0);
+                let mut same = f64::NAN;
+                for ((touch, frame), step) in self.places.iter().zip(&frames).zip(&steps) {
                     if touch.inner && !cell.is_tip {
+                        walk = Walk::default();
                         continue;
                     }
                     // Along a straight wall only the place changes.
-                    if *frame != last {
-                        last = *frame;
-                        rotate(
-                            &body,
-                            Vec2::new(frame.x * turn.x - frame.y * turn.y, frame.y * turn.x + frame.x * turn.y),
-                            &mut turned,
-                        );
+                    if step.is_none() {
+                        walk = Walk::default();
+                        let turned_by =
+                            Vec2::new(frame.x * turn.x - frame.y * turn.y, frame.y * turn.x + frame.x * turn.y);
+                        rotate(&body, turned_by, &mut turned);
                     }
-                    if let Some(index) = self.place(states.raster(), touch.position, &turned) {
+                    if step.is_none() || touch.half_turn.to_bits() != same.to_bits() {
                         let (theta, spread) = (touch.tangent + offset, half + touch.half_turn);
-                        states.add(index, theta - spread, theta + spread);
+                        (bins, same) = (states.bins_of(theta - spread, theta + spread), touch.half_turn);
+                    }
+                    let free = self.walk(&mut walk, step.unwrap_or_default(), touch.position, &turned);
+                    if let Some(index) = states.raster().index(touch.position + turned[0]).filter(|_| free) {
+                        states.add_bins(index, bins);
                     }
                 }
             }
         }
+    }
+
+    /// How far each place is from the one before, where both lie on the same straight wall (m).
+    fn steps(&self) -> Vec<Option<f64>> {
+        let straight = |w: &[Touch]| {
+            let same = w[0].tangent.to_bits() == w[1].tangent.to_bits() && w[0].inner == w[1].inner;
+            same.then(|| w[0].position.distance(w[1].position))
+        };
+        core::iter::once(None).chain(self.places.windows(2).map(straight)).collect()
     }
 
     /// Lays every contact on every stretch of the boundary at every heading.
@@ -342,9 +356,47 @@ impl Painter<'_> {
     #[inline]
     fn place(&self, raster: &Raster, place: Vec2, turned: &[Vec2]) -> Option<usize> {
         let index = raster.index(place + turned[0])?;
-        let free = self.solid.is_none_or(|solid| !turned[1..].iter().any(|&p| solid.is_deep(place + p)))
-            && self.thin.is_none_or(|thin| !thin.stop(place, &turned[2..]));
-        free.then_some(index)
+        self.walk(&mut Walk::default(), 0.0, place, turned).then_some(index)
+    }
+
+    /// Whether the turned whisker is free with its contact at `place`, `step` (m) on from the place before.
+    #[inline]
+    fn walk(&self, walk: &mut Walk, step: f64, place: Vec2, turned: &[Vec2]) -> bool {
+        if let Some(solid) = self.solid {
+            walk.room -= step as f32;
+            if walk.room <= 0.0 {
+                *walk = Walk::at(solid, place, &turned[1..]);
+            }
+        }
+        walk.free && self.thin.is_none_or(|thin| !thin.stop(place, &turned[2..]))
+    }
+}
+
+/// A whisker on its way along a straight wall: whether it is out of solids, and how far that stays as it is.
+struct Walk {
+    free: bool,
+    /// (m); nothing is known without.
+    room: f32,
+}
+
+impl Default for Walk {
+    fn default() -> Self {
+        Self { free: true, room: 0.0 }
+    }
+}
+
+impl Walk {
+    #[inline]
+    fn at(solid: &Solid, place: Vec2, points: &[Vec2]) -> Self {
+        let mut room = f32::INFINITY;
+        for &p in points {
+            let here = solid.room(place + p);
+            if here < 0.0 {
+                return Self { free: false, room: -here };
+            }
+            room = room.min(here);
+        }
+        Self { free: true, room }
     }
 }
 

@@ -11,10 +11,14 @@ const CHAIN_TOLERANCE: f64 = 1e-5;
 #[derive(Clone, Debug)]
 pub(super) struct Solid {
     raster: Raster,
-    deep: Vec<bool>,
+    /// How far a point of each cell can move and stay what it is, deep or not (m); negative for deep cells.
+    room: Vec<f32>,
     /// Whether all beyond the raster is solid.
     beyond: bool,
 }
+
+/// What stands for no room, so that deep and not deep have different signs.
+const LEAST_ROOM: f32 = 1e-9;
 
 impl Solid {
     /// The places of `map` that are further than `depth` (m) from everything free, for certain.
@@ -23,26 +27,34 @@ impl Solid {
         let distance = squared_distance(&free, raster.columns, raster.rows);
         // From anywhere in a cell to its middle, and the same at the free end.
         let limit = depth / raster.cell + core::f64::consts::SQRT_2;
-        let deep = distance.iter().map(|&d| f64::from(d) > limit * limit).collect();
+        let deep: Vec<bool> = distance.iter().map(|&d| f64::from(d) > limit * limit).collect();
         let beyond = map.boundaries().iter().any(|b| b.role() == Role::Arena);
-        Self { raster, deep, beyond }
+        Self { room: room(&deep, &raster), raster, beyond }
     }
 
-    /// Whether `point` (m) is deep in something solid.
+    /// How far a point at `point` (m) can move without a change of whether it is deep in something solid; negative where it is.
     #[inline]
-    pub(super) fn is_deep(&self, point: Vec2) -> bool {
+    pub(super) fn room(&self, point: Vec2) -> f32 {
         match self.raster.index(point) {
-            Some(index) => self.deep[index],
-            None => self.beyond,
+            Some(index) => self.room[index],
+            None if self.beyond => -LEAST_ROOM,
+            None => LEAST_ROOM,
         }
+    }
+
+    /// Whether a whole cell of the raster is deep in something solid.
+    pub(super) fn is_deep_cell(&self, index: usize) -> bool {
+        self.room[index] < 0.0
     }
 }
 
-impl Solid {
-    /// Whether a whole cell of the raster is deep in something solid.
-    pub(super) fn is_deep_cell(&self, index: usize) -> bool {
-        self.deep[index]
-    }
+/// The room of each cell: to the nearest cell of the other kind, less what two points can be off their cells' middles.
+fn room(deep: &[bool], raster: &Raster) -> Vec<f32> {
+    let free: Vec<bool> = deep.iter().map(|d| !d).collect();
+    let to = |marked: &[bool]| squared_distance(marked, raster.columns, raster.rows);
+    let least = |square: f32| (((square.sqrt() - 1.42) * raster.cell as f32) * 0.999).max(LEAST_ROOM);
+    let pairs = to(deep).into_iter().zip(to(&free)).zip(deep);
+    pairs.map(|((to_deep, to_free), &deep)| if deep { -least(to_free) } else { least(to_deep) }).collect()
 }
 
 /// The cells whose middle is free, and those that a boundary passes through.
@@ -182,5 +194,40 @@ impl Envelope {
         let peak = self.peaks[self.at];
         let away = place.abs_diff(peak) as f32;
         away * away + heights[peak]
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "a test that cannot go on must fail")]
+mod tests {
+    use super::*;
+    use crate::plane::{Bounds, Curve};
+    use crate::world::Boundary;
+    use core::f64::consts::TAU;
+
+    fn triangle(role: Role) -> Map {
+        let corners = [(0.0, 0.0), (0.09, 0.02), (0.03, 0.08)].map(|(x, y)| Vec2::new(x, y));
+        Map::new(vec![Boundary::new(role, Curve::polyline(&corners, true).unwrap(), None).unwrap()]).unwrap()
+    }
+
+    #[test]
+    fn points_stay_what_they_are_within_their_room() {
+        for (role, beyond) in [(Role::Arena, true), (Role::Obstacle, false)] {
+            let bounds = Bounds { min: Vec2::new(-0.05, -0.05), max: Vec2::new(0.15, 0.15) };
+            let solid = Solid::new(&triangle(role), Raster::over(bounds, 1e-3), 2e-3);
+            assert_eq!(solid.room(Vec2::new(5.0, 5.0)) < 0.0, beyond);
+            let (mut deep, mut far) = (0, 0);
+            for i in 0..40 * 40 {
+                let from = Vec2::new(0.0051 * f64::from(i % 40) - 0.05, 0.0049 * f64::from(i / 40) - 0.05);
+                let room = solid.room(from);
+                deep += u32::from(room < 0.0);
+                far += u32::from(room.abs() > 5e-3);
+                for k in (0..24).filter(|_| room.abs() > LEAST_ROOM) {
+                    let to = from + Vec2::from_angle(TAU * f64::from(k) / 24.0) * (0.999 * f64::from(room.abs()));
+                    assert_eq!(solid.room(to) < 0.0, room < 0.0, "{role:?}: from {from:?} to {to:?}, room {room}");
+                }
+            }
+            assert!(deep > 30 && far > 100, "{role:?}: {deep} deep, {far} with room");
+        }
     }
 }

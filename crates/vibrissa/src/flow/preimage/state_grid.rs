@@ -79,16 +79,21 @@ impl StateGrid {
         (((turns - turns.floor()) * self.bins as f64) as usize).min(self.bins - 1)
     }
 
-    /// Adds the headings from `lo` to `hi` (rad, any turn) at the cell `index`.
-    #[inline]
-    pub(super) fn add(&mut self, index: usize, lo: f64, hi: f64) {
+    /// The bins of the headings from `lo` to `hi` (rad, any turn): the first, and how many.
+    pub(super) fn bins_of(&self, lo: f64, hi: f64) -> (usize, usize) {
         let scale = self.bins as f64 / TAU;
         let (first, last) = ((lo * scale).floor(), (hi * scale).floor());
         let count = ((last - first) as usize + 1).min(self.bins);
-        let mut bin = first.rem_euclid(self.bins as f64) as usize % self.bins;
-        let base = index * self.words;
+        (first.rem_euclid(self.bins as f64) as usize % self.bins, count)
+    }
+
+    /// Adds `count` headings from the bin `first` on at the cell `index`.
+    #[inline]
+    pub(super) fn add_bins(&mut self, index: usize, (first, count): (usize, usize)) {
+        let cell = &mut self.bits[index * self.words..(index + 1) * self.words];
+        let mut bin = first;
         for _ in 0..count {
-            self.bits[base + bin / 64] |= 1 << (bin % 64);
+            cell[bin / 64] |= 1 << (bin % 64);
             bin = if bin + 1 == self.bins { 0 } else { bin + 1 };
         }
     }
@@ -172,7 +177,14 @@ impl StateGrid {
     /// The area of the projection to places (m²).
     #[must_use]
     pub fn area(&self) -> f64 {
-        self.cells() as f64 * self.raster.cell * self.raster.cell
+        self.area_of(|_| true)
+    }
+
+    /// The area of the places among the cells that count (m²).
+    pub(super) fn area_of(&self, counts: impl Fn(usize) -> bool) -> f64 {
+        let held = |(index, cell): (usize, &[u64])| cell.iter().any(|&w| w != 0) && counts(index);
+        let cells = self.bits.chunks_exact(self.words).enumerate().filter(|&c| held(c)).count();
+        cells as f64 * self.raster.cell * self.raster.cell
     }
 
     /// The volume (m² rad).
