@@ -36,6 +36,8 @@
 //! ```
 
 pub mod beam;
+#[cfg(doctest)]
+mod book;
 pub mod config;
 pub mod error;
 pub mod figure;
