@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 
 /// Each room and the rooms that it may use; a room may always use itself.
 const ROOMS: &[(&str, &[&str])] = &[
+    ("book", &[]),
     ("error", &[]),
     ("config", &[]),
     ("plane", &["config", "error"]),
