@@ -1,8 +1,8 @@
 //! From raw readings to moments, and from moments to the tip's retreat.
 
 use super::labelled::{Explained, Labelled};
-use super::least_squares::linear;
 use crate::config::CurveOptions;
+use crate::least_squares::linear;
 use crate::world::calibration::{MomentCurve, TipDeflection};
 use crate::{Error, Result};
 

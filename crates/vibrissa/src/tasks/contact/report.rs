@@ -1,10 +1,11 @@
 //! The whole log: a contact for each step, and what happened.
 
 use super::baseline::Baseline;
-use super::fixed_point::FixedPoint;
+use super::fixed_point::{FixedPoint, fixed_point, fixed_point_since};
 use super::reading::ContactReading;
 use super::region::contact_region;
 use super::segment::{Part, parts};
+use super::sharpened::sharpened;
 use super::stretch::{Stretch, stretches};
 use super::tip_trace::{TraceNode, TraceOptions, TracePoint, tip_traces};
 use crate::Result;
@@ -19,6 +20,8 @@ use crate::world::Robot;
 
 /// Most readings whose bounds are intersected.
 const MOST_BOUNDED: usize = 40;
+/// By how much the beginning of a contact may add to the squares of its readings: three standard deviations.
+const ASTRAY: f64 = 9.0;
 /// Side of the boxes of a region (m).
 const RESOLUTION: f64 = 2e-4;
 
@@ -124,6 +127,7 @@ impl ContactReport {
         for part in parts(&stretch.readings, stretch.onset) {
             match part.still {
                 Some(point) => {
+                    let point = refined(stretch, part, point);
                     self.side(stretch, part, &point, before);
                     before = Some(point.position);
                 }
@@ -214,6 +218,22 @@ impl ContactReport {
         let unknown = rest.map(|reading| ContactStep { piece, ..step(stretch, reading, ContactKind::Unknown) });
         self.steps.extend(unknown);
     }
+}
+
+/// The fixed point of a part once more, from its single readings and from when the contact began.
+fn refined(stretch: &Stretch, part: Part, point: FixedPoint) -> FixedPoint {
+    let uniform = stretch.readings[part.from].whisker.is_uniform();
+    let readings =
+        if uniform { stretch.single(part.from, part.to) } else { &stretch.readings[part.from..part.to] };
+    let Some(alone) = fixed_point(readings, point.position) else { return point };
+    let touch = stretch.touch().filter(|_| part.from == 0);
+    let since = touch.and_then(|touch| fixed_point_since(readings, Some(touch), alone.position));
+    // What was touched first need not be what stood still afterwards.
+    let (touch, refined) = match since.filter(|since| since.chi2 <= alone.chi2 + ASTRAY) {
+        Some(since) => (touch, since),
+        None => (None, alone),
+    };
+    if uniform { sharpened(readings, touch, refined) } else { refined }
 }
 
 fn tip_step(stretch: &Stretch, reading: &ContactReading, point: &TracePoint, piece: usize) -> ContactStep {
