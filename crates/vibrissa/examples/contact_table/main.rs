@@ -85,8 +85,13 @@ fn closed_forms() {
 
 /// What normal errors of the same variance would allow any unbiased estimator.
 fn bounds(seeds: u64) {
-    println!("\nBound of Cramér and Rao for normal errors of the same variance, standard deviation of the distance (%):");
-    println!("| base motion, gain | 70 mm | 65 mm | 55 mm | 45 mm | 35 mm | chance that all {} are below 1 % |", 5 * seeds);
+    println!(
+        "\nBound of Cramér and Rao for normal errors of the same variance, standard deviation of the distance (%):"
+    );
+    println!(
+        "| base motion, gain | 70 mm | 65 mm | 55 mm | 45 mm | 35 mm | chance that all {} are below 1 % |",
+        5 * seeds
+    );
     println!("| --- | --- | --- | --- | --- | --- | --- |");
     for steps in [1, 2, 4] {
         for gain in [0.0, 0.01] {
@@ -113,11 +118,16 @@ fn main() {
     println!("\n{}", chain.summary());
     let experiment = |steps, gain, law| Experiment { steps, gain, law };
     let calibrated = experiment(1, Gain::Calibrated, Law::Uniform);
-    let mut all = columns(&chain, calibrated, seeds, &[
-        (Way::ClosedForm, "closed form, last reading, 1 mm, calibrated"),
-        (Way::LeastSquares, "1 mm, calibrated, least squares alone"),
-        (Way::Contact, "1 mm, calibrated"),
-    ]);
+    let mut all = columns(
+        &chain,
+        calibrated,
+        seeds,
+        &[
+            (Way::ClosedForm, "closed form, last reading, 1 mm, calibrated"),
+            (Way::LeastSquares, "1 mm, calibrated, least squares alone"),
+            (Way::Contact, "1 mm, calibrated"),
+        ],
+    );
     for (steps, gain, law, name) in [
         (1, Gain::Within(0.0), Law::Uniform, "1 mm, no gain error"),
         (1, Gain::Within(0.01), Law::Uniform, "1 mm, gain ±1 %"),

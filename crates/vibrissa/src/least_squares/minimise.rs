@@ -46,7 +46,11 @@ const DIFFERENCE: f64 = 1e-5;
 /// # Errors
 ///
 /// Data: residuals that cannot be computed at the start or next to it.
-pub(crate) fn minimise(residuals: impl Fn(&[f64]) -> Option<Vec<f64>>, start: &[f64], scales: &[Scale]) -> Result<Minimum> {
+pub(crate) fn minimise(
+    residuals: impl Fn(&[f64]) -> Option<Vec<f64>>,
+    start: &[f64],
+    scales: &[Scale],
+) -> Result<Minimum> {
     let fault = || Error::data("the model cannot be computed where the fit begins");
     let finite = |parameters: &[f64]| residuals(parameters).filter(|r| r.iter().all(|v| v.is_finite()));
     let start: Vec<f64> = start.iter().zip(scales).map(|(p, s)| p.clamp(s.lo, s.hi)).collect();
@@ -61,11 +65,7 @@ pub(crate) fn minimise(residuals: impl Fn(&[f64]) -> Option<Vec<f64>>, start: &[
         return Err(fault());
     }
     let jacobian = differences(&finite, &end.unknowns, scales).unwrap_or_default();
-    Ok(Minimum {
-        unit_covariance: covariance(&jacobian, 1.0),
-        parameters: end.unknowns,
-        residuals: end.state,
-    })
+    Ok(Minimum { unit_covariance: covariance(&jacobian, 1.0), parameters: end.unknowns, residuals: end.state })
 }
 
 /// The parameters after a damped step; those that would leave their range from its end are held.

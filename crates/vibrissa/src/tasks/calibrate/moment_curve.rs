@@ -80,11 +80,27 @@ fn direction(labelled: &Labelled, explained: &[Explained]) -> Option<(Vec<f64>, 
 }
 
 /// Coefficients of the polynomial in `(signal - middle) / half width`.
+///
+/// The readings have errors and the labels all but none: plain least squares of moments by readings would make every
+/// moment too small. The readings' powers are therefore first replaced by what the labels tell of them (instrumental
+/// variables).
 fn polynomial(pairs: &[Pair], range: [f64; 2], degree: usize) -> Option<Vec<f64>> {
-    let powers = |z: f64| (0..=degree).map(|k| z.powi(k as i32)).collect();
-    let rows: Vec<Vec<f64>> = pairs.iter().map(|p| powers((p.0 - range[0]) / range[1])).collect();
+    let powers = |z: f64| -> Vec<f64> { (0..=degree).map(|k| z.powi(k as i32)).collect() };
+    let scale = pairs.iter().fold(0.0, |most: f64, p| most.max(p.1.abs()));
+    let labels: Vec<Vec<f64>> = pairs.iter().map(|p| powers(p.1 / scale)).collect();
+    let readings: Vec<Vec<f64>> = pairs.iter().map(|p| powers((p.0 - range[0]) / range[1])).collect();
+    let told = |k: usize| {
+        let column: Vec<f64> = readings.iter().map(|row| row[k]).collect();
+        linear(&labels, &column)
+    };
+    let told: Vec<Vec<f64>> = (0..=degree).map(told).collect::<Option<_>>()?;
+    let rows: Vec<Vec<f64>> = labels.iter().map(|label| told.iter().map(|by| dot(by, label)).collect()).collect();
     let targets: Vec<f64> = pairs.iter().map(|p| p.1).collect();
     linear(&rows, &targets)
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 fn value(coefficients: &[f64], z: f64) -> f64 {

@@ -75,11 +75,8 @@ pub(super) fn sharpened(readings: &[ContactReading], touch: Option<Touch>, point
     };
     let position = point.position + moved;
     let common = common(&lines, point.covariance, share);
-    let covariance = [
-        covariance[0] + common.x * common.x,
-        covariance[1] + common.x * common.y,
-        covariance[2] + common.y * common.y,
-    ];
+    let covariance =
+        [covariance[0] + common.x * common.x, covariance[1] + common.x * common.y, covariance[2] + common.y * common.y];
     let s_a = |r: Option<&ContactReading>| r.and_then(|r| r.touched(position)).map(|t| t.s_a);
     let ends = s_a(readings.first()).zip(s_a(readings.last()));
     FixedPoint { position, covariance, s_a: ends.map_or(point.s_a, |(a, b)| [a, b]), ..point }
@@ -106,6 +103,11 @@ fn posterior(lines: &[Line], touch: Option<Touch>, origin: Vec2, root: [Vec2; 2]
     found
 }
 
+/// The logarithm of one and a small change, without the cost of one for each reading and point.
+fn range(change: f64) -> f64 {
+    change * (1.0 - 0.5 * change)
+}
+
 fn grid(lines: &[Line], touch: Option<Touch>, origin: Vec2, middle: Vec2, root: [Vec2; 2]) -> Posterior {
     let spacing = REACH / f64::from(HALF);
     let mut points: Vec<(Vec2, f64, f64)> = Vec::new();
@@ -114,7 +116,7 @@ fn grid(lines: &[Line], touch: Option<Touch>, origin: Vec2, middle: Vec2, root: 
             let d = middle + root[0] * (spacing * f64::from(i)) + root[1] * (spacing * f64::from(j));
             // The errors' size integrated out: the power of the largest share; and each error's own range.
             let share = lines.iter().map(|l| l.share(d).abs()).fold(1e-12, f64::max);
-            let ranges: f64 = lines.iter().map(|l| (l.bound(d) / l.bound(Vec2::ZERO)).ln()).sum();
+            let ranges: f64 = lines.iter().map(|l| range(l.bound(d) / l.bound(Vec2::ZERO) - 1.0)).sum();
             let prior = touch.map_or(0.0, |touch| 0.5 * touch.residual(origin + d).powi(2));
             points.push((d, -(lines.len() as f64) * share.ln() - ranges - prior, share));
         }
