@@ -11,7 +11,7 @@ type Pair = (f64, f64);
 
 /// Fits the moment as a polynomial of the readings' excursion along the direction in which contact moves them.
 ///
-/// The degree is the least whose error on rows left out is within 5 % of the best, up to
+/// The degree is the least whose error on rows left out is within one standard error of the best, up to
 /// [`CurveOptions::most_degree`], among those that are monotone over the range.
 ///
 /// # Errors
@@ -54,7 +54,9 @@ pub fn fit_moment_curve(labelled: &Labelled, explained: &[Explained], options: &
         .filter(|(coefficients, _)| monotone(coefficients))
         .collect();
     let best = tried.iter().map(|(_, errors)| rms(errors)).fold(f64::INFINITY, f64::min);
-    let Some((coefficients, errors)) = tried.into_iter().find(|(_, errors)| rms(errors) <= 1.05 * best) else {
+    // How well the root of a mean square is known: a bend that large errors hide would be lost to a fixed margin.
+    let margin = 1.0 + 1.0 / (2.0 * pairs.len() as f64).sqrt();
+    let Some((coefficients, errors)) = tried.into_iter().find(|(_, errors)| rms(errors) <= margin * best) else {
         return Err(fault("no monotone curve fits the readings"));
     };
     curve.coefficients = coefficients;
