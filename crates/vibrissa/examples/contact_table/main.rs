@@ -56,7 +56,16 @@ fn columns(chain: &Chain, experiment: Experiment, seeds: u64, ways: &[(Way, &str
     let trial = |(case, distance): (usize, f64)| -> Vec<Outcome> {
         (0..seeds).map(|seed| chain.trial(experiment, distance, 1000 * case as u64 + seed, seed)).collect()
     };
-    let outcomes: Vec<Vec<Outcome>> = CASES.iter().map(|case| case.0).enumerate().map(trial).collect();
+    // Each distance has seeds of its own, so that the threads' order does not matter.
+    let outcomes: Vec<Vec<Outcome>> = std::thread::scope(|scope| {
+        let trial = &trial;
+        let run = |(index, case): (usize, &(f64, f64, f64))| {
+            let distance = case.0;
+            scope.spawn(move || trial((index, distance)))
+        };
+        let threads: Vec<_> = CASES.iter().enumerate().map(run).collect();
+        threads.into_iter().filter_map(|thread| thread.join().ok()).collect()
+    });
     let column = |&(way, name): &(Way, &str)| {
         let error = |outcome: &Outcome| match way {
             Way::ClosedForm => outcome.closed_form,
@@ -116,6 +125,10 @@ fn main() {
         }
     };
     println!("\n{}", chain.summary());
+    let printed = CASES.iter().map(|case| case.2).sum::<f64>() / CASES.len() as f64;
+    println!("\nThe paper's errors: mean {printed:.2} %, worst 2.1 %. Simulated, {seeds} seeds a distance:\n");
+    println!("| relative error of the distance (%) | mean | median | 90th | 99th | worst | RMS in stds told |");
+    println!("| --- | --- | --- | --- | --- | --- | --- |");
     let experiment = |steps, gain, law| Experiment { steps, gain, law };
     let calibrated = experiment(1, Gain::Calibrated, Law::Uniform);
     let mut all = columns(
@@ -128,22 +141,18 @@ fn main() {
             (Way::Contact, "1 mm, calibrated"),
         ],
     );
+    all.iter().for_each(|c| println!("{}", c.row()));
     for (steps, gain, law, name) in [
         (1, Gain::Within(0.0), Law::Uniform, "1 mm, no gain error"),
         (1, Gain::Within(0.01), Law::Uniform, "1 mm, gain ±1 %"),
         (4, Gain::Calibrated, Law::Uniform, "4 mm, calibrated"),
         (4, Gain::Within(0.01), Law::Uniform, "4 mm, gain ±1 %"),
-        (4, Gain::Within(0.02), Law::Uniform, "4 mm, gain ±2 %"),
         (1, Gain::Calibrated, Law::Normal, "1 mm, calibrated, normal errors"),
-        (4, Gain::Calibrated, Law::Normal, "4 mm, calibrated, normal errors"),
     ] {
-        all.extend(columns(&chain, experiment(steps, gain, law), seeds, &[(Way::Contact, name)]));
+        let more = columns(&chain, experiment(steps, gain, law), seeds, &[(Way::Contact, name)]);
+        more.iter().for_each(|c| println!("{}", c.row()));
+        all.extend(more);
     }
-    let printed = CASES.iter().map(|case| case.2).sum::<f64>() / CASES.len() as f64;
-    println!("\nThe paper's errors: mean {printed:.2} %, worst 2.1 %. Simulated, {seeds} seeds a distance:\n");
-    println!("| relative error of the distance (%) | mean | median | 90th | 99th | worst | RMS in stds told |");
-    println!("| --- | --- | --- | --- | --- | --- | --- |");
-    all.iter().for_each(|c| println!("{}", c.row()));
     println!("\n| mean / worst (%) | 70 mm | 65 mm | 55 mm | 45 mm | 35 mm |\n| --- | --- | --- | --- | --- | --- |");
     all.iter().for_each(|c| println!("{}", c.cases()));
     if let Some(path) = args.next()
@@ -179,7 +188,7 @@ fn figure(columns: &[Column]) -> String {
     }
     page.text(left + 0.5 * width, top + height + 38.0, "small middle", "error of the distance (%)");
     page.text(left, top - 6.0, "small", "share (%)");
-    let drawn = [(0, "wall"), (1, "path"), (3, "whisker-last"), (4, "truth-mark"), (5, "survivor-tick")];
+    let drawn = [(0, "wall"), (1, "path"), (2, "whisker-last"), (4, "truth-mark"), (7, "survivor-tick")];
     for (i, (index, class)) in drawn.into_iter().enumerate() {
         let column = &columns[index];
         let mut all: Vec<f64> = column.errors.concat();

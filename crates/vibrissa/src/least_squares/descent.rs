@@ -17,6 +17,11 @@ impl Normal {
         }
         Self { matrix: Band::of_rows(size, rows.iter().map(Vec::as_slice)), gradient }
     }
+
+    /// By how much a step lowers the cost as far as the gradient tells.
+    fn promise(&self, from: &[f64], to: &[f64]) -> f64 {
+        0.5 * self.gradient.iter().zip(from.iter().zip(to)).map(|(g, (from, to))| g * (from - to)).sum::<f64>()
+    }
 }
 
 /// When a descent ends.
@@ -65,6 +70,9 @@ pub(crate) fn descend<S>(
         let mut better = None;
         while damping < MOST {
             let next = bounded(&linear, damping, &best.unknowns);
+            if next.as_ref().is_some_and(|next| linear.promise(&best.unknowns, next) <= rules.gain * best.cost) {
+                break;
+            }
             let tried = next.and_then(|next| evaluate(&next).map(|(state, cost)| (next, state, cost)));
             better = tried.filter(|(.., cost)| *cost <= best.cost);
             if better.is_some() {
@@ -73,7 +81,7 @@ pub(crate) fn descend<S>(
             damping *= RAISE;
         }
         let Some((unknowns, state, cost)) = better else {
-            // Not even the shortest step leads down.
+            // No step promises more, or not even the shortest leads down.
             best.converged = true;
             break;
         };
