@@ -40,6 +40,10 @@ def table(result, what):
     print(", ".join(names) if len(names) < 3 else f"{len(names)} recordings, {names[0]} to {names[-1]}")
     print(f"fit to all: tip ratio {model['tip_ratio']:.4f}, EI/k_base {1e3 * model['base_compliance']:.2f} mm, "
           f"scatter of a slope {100 * model['scatter']:.2f} %")
+    if not contacts:
+        known = ", ".join(f"{1e3 * source['distance']:.1f}" for source in result["data"] if source["distance"])
+        print(f"too few distances to leave one out{': ' + known + ' mm' if known else ''}")
+        return
     print(f"{'distance':>10} {what:>7} {'bias':>9} {'mean':>9} {'RMS':>9} {'largest':>9}")
     for distance, group in groups(contacts).items():
         numbers = figures(group)
@@ -55,16 +59,17 @@ def main():
     what, baseline = sys.argv[1:3]
     contacts, distances = [], 0
     for result in results(sys.stdin.read()):
+        table(result, what)
         if result["report"]["contacts"]:
-            table(result, what)
             contacts += result["report"]["contacts"]
             distances += len(groups(result["report"]["contacts"]))
     numbers = figures(contacts)
+    print(f"to beat: {baseline}")
     if numbers is None:
-        sys.exit("no recording had enough distances to leave one out")
+        print(f"leave one distance out, 0 {what} at 0 distances: no recording had enough distances to leave one out")
+        return
     lost = sum(c["found"] is None for c in contacts)
     mean, rms, worst = numbers
-    print(f"to beat: {baseline}")
     print(f"leave one distance out, {len(contacts)} {what} at {distances} distances ({lost} without answer): "
           f"mean {mean:.2f} mm, RMS {rms:.2f} mm, largest {worst:.2f} mm")
 

@@ -21,16 +21,20 @@ fn object(name: &str) -> Option<RoundedPolygon> {
     }
 }
 
-/// `x,y` lines in m, or the echo of a twist whose linear part is the position; what is no number is counted.
+/// `x,y` lines in m (or separated by blanks), or the echo of a twist whose linear part is the position; what is no number is counted.
 fn points(text: &str) -> (Vec<Vec2>, usize) {
     if text.trim_start().starts_with("header:") {
         return (echoed(text), 0);
     }
     let (mut points, mut dropped) = (Vec::new(), 0);
     for line in text.lines().filter(|line| !line.trim().is_empty() && !line.starts_with('#')) {
-        let mut cells = line.split(',').map(|cell| cell.trim().parse::<f64>());
+        let cells = line.split([',', ';', ' ', '\t']).filter(|cell| !cell.trim().is_empty());
+        // A third number is a height.
+        let mut cells = cells.map(|cell| cell.trim().parse::<f64>());
         match (cells.next(), cells.next(), cells.next()) {
-            (Some(Ok(x)), Some(Ok(y)), None) if x.abs() <= 100.0 && y.abs() <= 100.0 => points.push(Vec2::new(x, y)),
+            (Some(Ok(x)), Some(Ok(y)), None | Some(Ok(_))) if x.abs() <= 100.0 && y.abs() <= 100.0 => {
+                points.push(Vec2::new(x, y))
+            }
             _ => dropped += 1,
         }
     }
@@ -65,7 +69,7 @@ fn main() {
             println!("| {name} | skipped: no object is known under this name | | | | | |");
             continue;
         };
-        let Ok(text) = std::fs::read_to_string(&path) else {
+        let Ok(text) = std::fs::read(&path).map(|bytes| String::from_utf8_lossy(&bytes).into_owned()) else {
             println!("| {name} | skipped: cannot be read | | | | | |");
             continue;
         };

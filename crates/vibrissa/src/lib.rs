@@ -42,6 +42,7 @@ pub mod config;
 pub mod error;
 pub mod figure;
 pub mod flow;
+mod least_squares;
 pub mod localizer;
 pub mod plane;
 pub mod sets;

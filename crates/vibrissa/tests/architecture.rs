@@ -11,6 +11,7 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("book", &[]),
     ("error", &[]),
     ("config", &[]),
+    ("least_squares", &["config", "error"]),
     ("plane", &["config", "error"]),
     ("sets", &["config", "error", "plane"]),
     ("beam", &["config", "error", "plane", "sets"]),
@@ -18,7 +19,7 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("flow", &["config", "error", "plane", "sets", "beam", "world"]),
     ("localizer", &["config", "error", "plane", "sets", "beam", "world", "flow"]),
     ("figure", &["config", "error", "plane", "sets", "beam", "world", "flow"]),
-    ("tasks", &["config", "error", "plane", "sets", "beam", "world", "flow", "localizer"]),
+    ("tasks", &["config", "error", "least_squares", "plane", "sets", "beam", "world", "flow", "localizer"]),
 ];
 
 /// Rooms that must build where there is no operating system, and what they may not name.

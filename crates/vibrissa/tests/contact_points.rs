@@ -6,7 +6,7 @@
 mod random;
 
 use random::Random;
-use vibrissa::beam::{Load, Whisker, point_mode};
+use vibrissa::beam::{Load, Whisker, force_mode, point_mode};
 use vibrissa::config::ContactOptions;
 use vibrissa::flow::sensor_log::{Channel, LogRow, Quantity, SensorLog};
 use vibrissa::plane::{Pose2, Vec2};
@@ -213,6 +213,82 @@ fn a_log_past_a_peg_with_a_tapered_whisker() {
         assert!(error < 1e-3, "{error}, std {:?}", side.std);
         assert!(side.bounds.is_none(), "bounds are for uniform whiskers");
     }
+}
+
+/// The tip slides along a wall across its way until the wall ends; then the side leans on a peg, without a free row between.
+#[test]
+fn a_peg_after_a_slide_is_felt_with_the_side() {
+    let robot =
+        Robot { whiskers: vec![MountedWhisker { noise: NOISE, ..MountedWhisker::default() }], ..Robot::default() };
+    let mut random = Random(18);
+    for side in [1.0, -1.0] {
+        // The wall stands across the whisker, 70 mm off: the tip's force is along -x, and stays while the base goes on.
+        let whisker = Whisker::default();
+        let tip = |force: f64| force_mode(&whisker, force, whisker.length, Load::Directed(3.0)).unwrap().remove(0);
+        let (mut lo, mut hi) = (1e-3, 0.3);
+        for _ in 0..60 {
+            let middle = 0.5 * (lo + hi);
+            if tip(middle).contact.x > 0.07 { lo = middle } else { hi = middle }
+        }
+        let sliding = side * tip(lo).moment.abs();
+        let peg = Vec2::new(0.045, -side * 0.0148);
+        let rows = (0..600).map(|i| {
+            let base = Pose2::new(0.0, -side * 5e-5 * f64::from(i), 0.0);
+            let moment = if i < 300 { sliding } else { reading(whisker, base, peg).map_or(0.0, |r| r.moment) };
+            (base, moment * (1.0 + random.signed(0.045)))
+        });
+        let report = contacts(&log_of(rows.collect()), &robot, &ContactOptions::default()).unwrap();
+        let sides: Vec<&ContactStep> = report.steps.iter().filter(|s| s.kind == ContactKind::Side).collect();
+        assert!(sides.len() > 60, "{side}: {} of {}: {:?}", sides.len(), report.steps.len(), report.events);
+        for step in &sides {
+            assert!(step.position().unwrap().distance(peg) < 5e-4, "{:?}", step.position());
+            assert!(step.t > 0.99, "the tip slid until 1 s: {}", step.t);
+        }
+        let tips = report.steps.iter().filter(|s| s.kind == ContactKind::Tip).count();
+        assert!(tips > 60, "{side}: {tips}: {:?}", report.events);
+        assert!(report.events.iter().any(|event| event.kind == "jump"), "{:?}", report.events);
+    }
+}
+
+/// One millimetre past a peg, as in the paper's table: errors that fill their bound, and the beginning of the contact, tell
+/// the distance to a percent; normal errors of the same size are no worse than by least squares.
+#[test]
+fn a_single_millimetre_tells_the_distance() {
+    let noise = MomentNoise { moment_relative: 0.05, moment_absolute: 2e-6 };
+    let robot = Robot { whiskers: vec![MountedWhisker { noise, ..MountedWhisker::default() }], ..Robot::default() };
+    let (mut random, mut square, mut count) = (Random(19), 0.0, 0.0);
+    for uniform in [true, false] {
+        let mut sum = 0.0;
+        for case in 0..25 {
+            let (distance, side) = (0.035 + 0.035 * f64::from(case) / 25.0, random.sign());
+            let rows = (-30..=60).map(|i| {
+                let base = Pose2::new(0.0, -side * f64::from(i) * 1e-3 / 60.0, 0.0);
+                let exact = if i > 0 {
+                    reading(Whisker::default(), base, Vec2::new(distance, 0.0)).unwrap().moment
+                } else {
+                    0.0
+                };
+                let error = if uniform {
+                    random.signed(1.0)
+                } else {
+                    // Twelve uniform ones make one that is all but normal, here with the variance of the uniform one.
+                    (0..12).map(|_| random.signed(1.0)).sum::<f64>() / 12f64.sqrt()
+                };
+                (base, exact + error * (0.05 * exact.abs() + 1.9e-6))
+            });
+            let report = contacts(&log_of(rows.collect()), &robot, &ContactOptions::default()).unwrap();
+            let step = report.steps.iter().rev().find(|s| s.kind == ContactKind::Side).unwrap();
+            let error = step.position().unwrap().x / distance - 1.0;
+            sum += error.abs() / 25.0;
+            if uniform {
+                square += (error * distance / step.std.unwrap()).powi(2);
+                count += 1.0;
+            }
+        }
+        assert!(sum < if uniform { 2e-3 } else { 4e-3 }, "mean error {sum}, uniform {uniform}");
+    }
+    let rms = f64::sqrt(square / count);
+    assert!((0.4..1.4).contains(&rms), "errors are {rms} of the standard deviations told");
 }
 
 /// A base that turns past a peg: the same point, and Kaneko's closed form beside it.

@@ -86,7 +86,10 @@ fn mean_std(outline: &Outline) -> f64 {
 }
 
 fn caption(found: &Profile, compared: Option<&Alignment>) -> Vec<String> {
-    let total: f64 = found.outlines.iter().map(length).sum();
+    if found.contacts == 0 {
+        return vec!["no contact: no reading rises above the declared noise".to_owned()];
+    }
+    let total: f64 = found.outlines.iter().map(length).fold(0.0, |sum, l| sum + l);
     let mut lines = vec![format!(
         "{} outline(s), {:.1} mm in all; {} point(s) felt with the side; {} of {} steps on no outline",
         found.outlines.len(),

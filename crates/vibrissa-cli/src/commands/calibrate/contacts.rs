@@ -73,6 +73,13 @@ pub(super) fn from_contacts(
         whisker: constants,
         ..Calibration::default()
     };
+    if calibration.moment.is_none() && calibration.tip_deflection.is_none() && calibration.whisker.is_none() {
+        return Err(Error::data(
+            "there is nothing to calibrate: no contact bends the whisker, and there are no raw readings",
+        )
+        .in_file(file_name(log))
+        .remedy("give contact points x,y in m in the whisker frame beside bx,by,bz or ax,ay,az; docs/calibration.md"));
+    }
     let mut json = calibration.to_json();
     let file = pretty(&json);
     json["report"] = json!({ "repairs": repairs_json(recording.repairs), "out_of_reach": lost });

@@ -1,8 +1,8 @@
 //! Constants of the whisker from labelled contacts, by least squares.
 
 use super::labelled::Labelled;
-use super::least_squares::{Scale, linear, minimise};
 use crate::beam::Whisker;
+use crate::least_squares::{Scale, linear, minimise};
 use crate::world::calibration::WhiskerConstants;
 use crate::{Error, Result};
 

@@ -1,6 +1,7 @@
 //! From slopes at known distances to the constants of the shaft.
 
 use crate::beam::{Whisker, deflection_per_force};
+use crate::least_squares::covariance as covariance_of;
 use crate::world::calibration::{DistanceModel, Motion};
 use crate::{Error, Result};
 
@@ -219,5 +220,5 @@ fn covariance(model: &DistanceModel, medians: &[(f64, f64)], free: &[&'static st
     let jacobian: Vec<Vec<f64>> =
         medians.iter().map(|(distance, _)| free.iter().map(|name| derivative(name, *distance)).collect()).collect();
     let residual: f64 = medians.iter().map(|(distance, slope)| (slope.ln() - log(model, *distance)).powi(2)).sum();
-    super::least_squares::covariance(&jacobian, residual / spare as f64)
+    covariance_of(&jacobian, residual / spare as f64)
 }

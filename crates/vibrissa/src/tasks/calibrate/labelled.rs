@@ -39,6 +39,12 @@ impl Labelled {
     ///
     /// A recording without these columns.
     pub fn from_recording(recording: &Recording) -> Result<Self> {
+        if recording.column("theta").is_some() {
+            return Err(Error::data("the log has a column `theta`: it is a robot's way, not contact points")
+                .in_file(&recording.source)
+                .allowed("x,y of the contact in the whisker frame (m), beside its readings")
+                .remedy("record contacts at known points, or calibrate from taps with --taps"));
+        }
         let (x, y) = (recording.require("x")?, recording.require("y")?);
         let raw = [["bx", "by", "bz"], ["ax", "ay", "az"]];
         let held =

@@ -3,7 +3,6 @@
 mod constants;
 mod distance;
 mod labelled;
-pub mod least_squares;
 mod moment_curve;
 mod staircase;
 

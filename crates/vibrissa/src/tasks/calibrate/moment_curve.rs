@@ -1,8 +1,8 @@
 //! From raw readings to moments, and from moments to the tip's retreat.
 
 use super::labelled::{Explained, Labelled};
-use super::least_squares::linear;
 use crate::config::CurveOptions;
+use crate::least_squares::linear;
 use crate::world::calibration::{MomentCurve, TipDeflection};
 use crate::{Error, Result};
 
@@ -11,7 +11,7 @@ type Pair = (f64, f64);
 
 /// Fits the moment as a polynomial of the readings' excursion along the direction in which contact moves them.
 ///
-/// The degree is the least whose error on rows left out is within 5 % of the best, up to
+/// The degree is the least whose error on rows left out is within one standard error of the best, up to
 /// [`CurveOptions::most_degree`], among those that are monotone over the range.
 ///
 /// # Errors
@@ -54,7 +54,9 @@ pub fn fit_moment_curve(labelled: &Labelled, explained: &[Explained], options: &
         .filter(|(coefficients, _)| monotone(coefficients))
         .collect();
     let best = tried.iter().map(|(_, errors)| rms(errors)).fold(f64::INFINITY, f64::min);
-    let Some((coefficients, errors)) = tried.into_iter().find(|(_, errors)| rms(errors) <= 1.05 * best) else {
+    // How well the root of a mean square is known: a bend that large errors hide would be lost to a fixed margin.
+    let margin = 1.0 + 1.0 / (2.0 * pairs.len() as f64).sqrt();
+    let Some((coefficients, errors)) = tried.into_iter().find(|(_, errors)| rms(errors) <= margin * best) else {
         return Err(fault("no monotone curve fits the readings"));
     };
     curve.coefficients = coefficients;
@@ -80,11 +82,27 @@ fn direction(labelled: &Labelled, explained: &[Explained]) -> Option<(Vec<f64>, 
 }
 
 /// Coefficients of the polynomial in `(signal - middle) / half width`.
+///
+/// The readings have errors and the labels all but none: plain least squares of moments by readings would make every
+/// moment too small. The readings' powers are therefore first replaced by what the labels tell of them (instrumental
+/// variables).
 fn polynomial(pairs: &[Pair], range: [f64; 2], degree: usize) -> Option<Vec<f64>> {
-    let powers = |z: f64| (0..=degree).map(|k| z.powi(k as i32)).collect();
-    let rows: Vec<Vec<f64>> = pairs.iter().map(|p| powers((p.0 - range[0]) / range[1])).collect();
+    let powers = |z: f64| -> Vec<f64> { (0..=degree).map(|k| z.powi(k as i32)).collect() };
+    let scale = pairs.iter().fold(0.0, |most: f64, p| most.max(p.1.abs()));
+    let labels: Vec<Vec<f64>> = pairs.iter().map(|p| powers(p.1 / scale)).collect();
+    let readings: Vec<Vec<f64>> = pairs.iter().map(|p| powers((p.0 - range[0]) / range[1])).collect();
+    let told = |k: usize| {
+        let column: Vec<f64> = readings.iter().map(|row| row[k]).collect();
+        linear(&labels, &column)
+    };
+    let told: Vec<Vec<f64>> = (0..=degree).map(told).collect::<Option<_>>()?;
+    let rows: Vec<Vec<f64>> = labels.iter().map(|label| told.iter().map(|by| dot(by, label)).collect()).collect();
     let targets: Vec<f64> = pairs.iter().map(|p| p.1).collect();
     linear(&rows, &targets)
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 fn value(coefficients: &[f64], z: f64) -> f64 {

@@ -3,14 +3,14 @@
 use super::meeting::{MeetingKind, meetings};
 use super::reading::{ContactReading, Touched};
 use crate::beam::{Load, Whisker, moment_mode};
-use crate::plane::Vec2;
+use crate::least_squares::{Normal, Rules, descend, unbounded};
+use crate::plane::{Pose2, Vec2};
 
 /// Arc lengths on the strongest reading's curve from which a search starts, as shares of the whisker.
 const STARTS: [f64; 7] = [0.2, 0.35, 0.5, 0.65, 0.8, 0.9, 0.99];
 /// Two answers nearer than this are one (m).
 const SAME: f64 = 2e-5;
-/// Rounds of Levenberg and Marquardt, and rounds of new weights around them.
-const ROUNDS: usize = 40;
+/// Rounds of new weights.
 const WEIGHTINGS: usize = 3;
 
 /// A contact that stood still, by least squares.
@@ -97,84 +97,110 @@ fn curve(reading: &ContactReading) -> Vec<Vec2> {
     STARTS.into_iter().flat_map(bends).map(|bend| place(bend.contact)).collect()
 }
 
-/// What the readings would be, and how that changes with the point.
-struct Linear {
-    touched: Vec<Touched>,
-    slopes: Vec<Vec2>,
+/// What is known of a contact beside its readings: it was on the straight whisker when it began.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Touch {
+    /// The base at that instant, odometry frame.
+    pub odom_from_whisker: Pose2,
+    /// Standard deviation of the contact across the straight whisker then (m), positive.
+    pub std: f64,
 }
+
+impl Touch {
+    /// How far off the straight whisker a point is, in standard deviations.
+    pub(super) fn residual(&self, point: Vec2) -> f64 {
+        self.odom_from_whisker.inverse_transform_point(point).y / self.std
+    }
+
+    /// How that changes with the point.
+    fn slope(&self) -> Vec2 {
+        Vec2::from_angle(self.odom_from_whisker.theta).perp() * (1.0 / self.std)
+    }
+}
+
+/// Rounds around one set of weights, and a gain that is none.
+const RULES: Rules = Rules { rounds: 40, gain: 1e-9, damping: 1e-4 };
 
 /// The fixed point next to `start` (odometry frame, m); none where no shape reaches it or nothing was read.
 #[must_use]
 pub fn fixed_point(readings: &[ContactReading], start: Vec2) -> Option<FixedPoint> {
+    fixed_point_since(readings, None, start)
+}
+
+/// As [`fixed_point`], where it is known when the contact began.
+///
+/// Without it, where the touch was has to be told from the first readings, which are weak: over short ways it is worth more
+/// than they are.
+#[must_use]
+pub fn fixed_point_since(readings: &[ContactReading], touch: Option<Touch>, start: Vec2) -> Option<FixedPoint> {
     let all = |point: Vec2| readings.iter().map(|r| r.touched(point)).collect::<Option<Vec<Touched>>>();
-    let cost = |touched: &[Touched], std: &[f64]| -> f64 {
-        readings.iter().zip(touched).zip(std).map(|((r, t), s)| ((t.moment - r.moment) / s).powi(2)).sum()
-    };
     let (mut point, mut touched) = (start, all(start)?);
-    let mut std = Vec::new();
+    let (mut cost, mut square) = (0.0, [0.0; 3]);
     for _ in 0..WEIGHTINGS {
         // The error belongs to the true moment: weights by the readings themselves would favour those that read low.
-        std = readings.iter().zip(&touched).map(|(r, t)| r.std(t.moment)).collect();
-        let (mut now, mut damping) = (cost(&touched, &std), 1e-4);
-        for _ in 0..ROUNDS {
-            let (square, gradient) = normal(readings, &linear(readings, point, &touched)?, &std);
-            let step = solve(square, gradient, damping)?;
-            let Some(moved) = all(point - step) else {
-                damping *= 10.0;
-                continue;
-            };
-            let new = cost(&moved, &std);
-            if new > now {
-                damping *= 10.0;
-                if damping > 1e12 {
-                    break;
-                }
-                continue;
-            }
-            (point, touched, damping) = (point - step, moved, damping * 0.1);
-            let gain = now - new;
-            now = new;
-            if gain <= 1e-9 * now || step.norm() < 1e-12 {
-                break;
-            }
-        }
+        let std: Vec<f64> = readings.iter().zip(&touched).map(|(r, t)| r.std(t.moment)).collect();
+        let problem = Problem { readings, touch, std: &std };
+        let evaluate = |x: &[f64]| {
+            let point = Vec2::new(x[0], x[1]);
+            all(point).map(|touched| (problem.cost(point, &touched), touched)).map(|(cost, touched)| (touched, cost))
+        };
+        let normal = |x: &[f64], touched: &Vec<Touched>| problem.normal(Vec2::new(x[0], x[1]), touched);
+        let end = descend(vec![point.x, point.y], RULES, evaluate, normal, unbounded)?;
+        point = Vec2::new(end.unknowns[0], end.unknowns[1]);
+        (touched, cost) = (end.state, 2.0 * end.cost);
+        square = problem.square(point)?;
     }
-    let (square, _) = normal(readings, &linear(readings, point, &touched)?, &std);
     Some(FixedPoint {
         position: point,
         covariance: inverse(square),
-        chi2: cost(&touched, &std),
-        freedom: readings.len().saturating_sub(2),
+        chi2: cost,
+        freedom: (readings.len() + usize::from(touch.is_some())).saturating_sub(2),
         s_a: [touched.first()?.s_a, touched.last()?.s_a],
     })
 }
 
-fn linear(readings: &[ContactReading], point: Vec2, touched: &[Touched]) -> Option<Linear> {
-    let step = 1e-7;
-    let slope = |reading: &ContactReading| {
-        let by =
-            |d: Vec2| Some((reading.touched(point + d)?.moment - reading.touched(point - d)?.moment) / (2.0 * step));
-        Some(Vec2::new(by(Vec2::new(step, 0.0))?, by(Vec2::new(0.0, step))?))
-    };
-    let slopes = readings.iter().map(slope).collect::<Option<Vec<Vec2>>>()?;
-    Some(Linear { touched: touched.to_vec(), slopes })
+/// One set of weights.
+struct Problem<'a> {
+    readings: &'a [ContactReading],
+    touch: Option<Touch>,
+    std: &'a [f64],
 }
 
-/// The normal matrix (xx, xy, yy) and the gradient.
-fn normal(readings: &[ContactReading], linear: &Linear, std: &[f64]) -> ([f64; 3], Vec2) {
-    let (mut square, mut gradient) = ([0.0; 3], Vec2::ZERO);
-    for (((reading, touched), slope), s) in readings.iter().zip(&linear.touched).zip(&linear.slopes).zip(std) {
-        let (d, residual) = (*slope * (1.0 / s), (touched.moment - reading.moment) / s);
-        square = [square[0] + d.x * d.x, square[1] + d.x * d.y, square[2] + d.y * d.y];
-        gradient += d * residual;
+impl Problem<'_> {
+    /// Half the sum of the squares.
+    fn cost(&self, point: Vec2, touched: &[Touched]) -> f64 {
+        let each = self.readings.iter().zip(touched).zip(self.std);
+        let sum: f64 = each.map(|((r, t), s)| ((t.moment - r.moment) / s).powi(2)).sum();
+        0.5 * (sum + self.touch.map_or(0.0, |touch| touch.residual(point).powi(2)))
     }
-    (square, gradient)
+
+    /// The Jacobian, row by row.
+    fn jacobian(&self, point: Vec2) -> Option<Vec<Vec<f64>>> {
+        let row = |(reading, s): (&ContactReading, &f64)| slope(reading, point).map(|d| vec![d.x / s, d.y / s]);
+        let mut rows = self.readings.iter().zip(self.std).map(row).collect::<Option<Vec<_>>>()?;
+        rows.extend(self.touch.map(|touch| vec![touch.slope().x, touch.slope().y]));
+        Some(rows)
+    }
+
+    fn normal(&self, point: Vec2, touched: &[Touched]) -> Option<Normal> {
+        let each = self.readings.iter().zip(touched).zip(self.std);
+        let mut residuals: Vec<f64> = each.map(|((r, t), s)| (t.moment - r.moment) / s).collect();
+        residuals.extend(self.touch.map(|touch| touch.residual(point)));
+        Some(Normal::of_rows(2, &self.jacobian(point)?, &residuals))
+    }
+
+    /// The normal matrix: xx, xy, yy.
+    fn square(&self, point: Vec2) -> Option<[f64; 3]> {
+        let add = |sum: [f64; 3], d: &Vec<f64>| [sum[0] + d[0] * d[0], sum[1] + d[0] * d[1], sum[2] + d[1] * d[1]];
+        Some(self.jacobian(point)?.iter().fold([0.0; 3], add))
+    }
 }
 
-fn solve([xx, xy, yy]: [f64; 3], gradient: Vec2, damping: f64) -> Option<Vec2> {
-    let (xx, yy) = (xx * (1.0 + damping), yy * (1.0 + damping));
-    let det = xx * yy - xy * xy;
-    (det > 0.0).then(|| Vec2::new(yy * gradient.x - xy * gradient.y, xx * gradient.y - xy * gradient.x) * (1.0 / det))
+/// How the moment changes with the point (N m / m).
+pub(super) fn slope(reading: &ContactReading, point: Vec2) -> Option<Vec2> {
+    let step = 1e-7;
+    let by = |d: Vec2| Some((reading.touched(point + d)?.moment - reading.touched(point - d)?.moment) / (2.0 * step));
+    Some(Vec2::new(by(Vec2::new(step, 0.0))?, by(Vec2::new(0.0, step))?))
 }
 
 fn inverse([xx, xy, yy]: [f64; 3]) -> [f64; 3] {

@@ -11,12 +11,12 @@
 //! | `fixed_point` | the one point that explains many readings of any whiskers, with its covariance |
 //! | `region` | every point that explains readings with bounded errors |
 //! | `baseline` | the closed forms of earlier work |
+//! | `sharpened` | the same from errors that fill a bound |
 //! | `stretch` | the log's stretches of contact, thinned |
 //! | `segment` | the parts of a stretch during which the contact stood still |
 //! | `tip_trace` | where the tip went while it slid along a wall, by one least-squares problem |
 //! | `report` | the whole log: a contact for each step, and what happened |
 
-mod band;
 mod baseline;
 mod fixed_point;
 mod meeting;
@@ -24,11 +24,12 @@ mod reading;
 mod region;
 mod report;
 mod segment;
+mod sharpened;
 mod stretch;
 mod tip_trace;
 
 pub use baseline::Baseline;
-pub use fixed_point::{FixedPoint, fixed_point, fixed_points};
+pub use fixed_point::{FixedPoint, Touch, fixed_point, fixed_point_since, fixed_points};
 pub use meeting::{Meeting, MeetingKind, meetings};
 pub use reading::ContactReading;
 pub use region::{ContactRegion, contact_region};

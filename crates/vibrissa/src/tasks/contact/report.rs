@@ -1,10 +1,11 @@
 //! The whole log: a contact for each step, and what happened.
 
 use super::baseline::Baseline;
-use super::fixed_point::FixedPoint;
+use super::fixed_point::{FixedPoint, fixed_point, fixed_point_since};
 use super::reading::ContactReading;
 use super::region::contact_region;
-use super::segment::{Part, parts};
+use super::segment::{Part, parts, side_from};
+use super::sharpened::sharpened;
 use super::stretch::{Stretch, stretches};
 use super::tip_trace::{TraceNode, TraceOptions, TracePoint, tip_traces};
 use crate::Result;
@@ -19,6 +20,8 @@ use crate::world::Robot;
 
 /// Most readings whose bounds are intersected.
 const MOST_BOUNDED: usize = 40;
+/// By how much the beginning of a contact may add to the squares of its readings: three standard deviations.
+const ASTRAY: f64 = 9.0;
 /// Side of the boxes of a region (m).
 const RESOLUTION: f64 = 2e-4;
 
@@ -124,11 +127,12 @@ impl ContactReport {
         for part in parts(&stretch.readings, stretch.onset) {
             match part.still {
                 Some(point) => {
+                    let point = refined(stretch, part, point);
                     self.side(stretch, part, &point, before);
                     before = Some(point.position);
                 }
                 None => {
-                    self.sliding(stretch, part, options);
+                    self.slides(stretch, part, options);
                     before = None;
                 }
             }
@@ -176,18 +180,30 @@ impl ContactReport {
         }
     }
 
-    /// A sliding tip, or nothing that is understood.
-    fn sliding(&mut self, stretch: &Stretch, part: Part, options: &ContactOptions) {
+    /// A sliding tip; where its trace breaks off, the side may have met a point that stands still.
+    fn slides(&mut self, stretch: &Stretch, part: Part, options: &ContactOptions) {
+        let mut from = part.from;
+        while from < part.to {
+            let rest = Part { from, ..part };
+            let traces = traces(stretch, rest, options);
+            let Some((side, point)) = side_after(stretch, rest, &traces) else {
+                return self.sliding(stretch, rest, &traces);
+            };
+            let before = Part { to: side.from, ..rest };
+            self.sliding(stretch, before, &self::traces(stretch, before, options));
+            let t = stretch.readings[side.from].t;
+            self.tell(t, "jump", "the tip's slide ends; the side touches a point that stands still".to_owned());
+            self.side(stretch, side, &refined(stretch, side, point), None);
+            from = side.to;
+        }
+    }
+
+    /// What is known of a sliding tip, or nothing that is understood.
+    fn sliding(&mut self, stretch: &Stretch, part: Part, traces: &[Vec<TracePoint>]) {
         let readings = &stretch.readings[part.from..part.to];
-        let node = |r: &ContactReading| TraceNode {
-            t: r.t,
-            odom_from_whisker: r.odom_from_whisker,
-            moment: r.moment,
-            std: r.std(r.moment),
-        };
-        let trace = TraceOptions { step_std: options.step_std, turn: options.turn };
-        let nodes: Vec<TraceNode> = readings.iter().map(node).collect();
-        let traces = tip_traces(&readings[0].whisker, &nodes, trace);
+        if readings.is_empty() {
+            return;
+        }
         let mut rest = readings.iter().peekable();
         for (index, trace) in traces.iter().enumerate() {
             let piece = self.next_piece();
@@ -214,6 +230,43 @@ impl ContactReport {
         let unknown = rest.map(|reading| ContactStep { piece, ..step(stretch, reading, ContactKind::Unknown) });
         self.steps.extend(unknown);
     }
+}
+
+/// The tip's traces over a part.
+fn traces(stretch: &Stretch, part: Part, options: &ContactOptions) -> Vec<Vec<TracePoint>> {
+    let readings = &stretch.readings[part.from..part.to];
+    let Some(first) = readings.first() else { return Vec::new() };
+    let node = |r: &ContactReading| TraceNode {
+        t: r.t,
+        odom_from_whisker: r.odom_from_whisker,
+        moment: r.moment,
+        std: r.std(r.moment),
+    };
+    let nodes: Vec<TraceNode> = readings.iter().map(node).collect();
+    tip_traces(&first.whisker, &nodes, TraceOptions { step_std: options.step_std, turn: options.turn })
+}
+
+/// The first contact with the side that begins where one of the traces ends.
+fn side_after(stretch: &Stretch, part: Part, traces: &[Vec<TracePoint>]) -> Option<(Part, FixedPoint)> {
+    let readings = &stretch.readings[..part.to];
+    let end = |trace: &Vec<TracePoint>| trace.last().map(|last| readings.partition_point(|r| r.t <= last.t));
+    let breaks = traces.iter().filter_map(end).filter(|end| *end > part.from && *end < part.to);
+    breaks.filter_map(|end| side_from(readings, end)).find_map(|side| side.still.map(|point| (side, point)))
+}
+
+/// The fixed point of a part once more, from its single readings and from when the contact began.
+fn refined(stretch: &Stretch, part: Part, point: FixedPoint) -> FixedPoint {
+    let uniform = stretch.readings[part.from].whisker.is_uniform();
+    let readings = if uniform { stretch.single(part.from, part.to) } else { &stretch.readings[part.from..part.to] };
+    let Some(alone) = fixed_point(readings, point.position) else { return point };
+    let touch = stretch.touch().filter(|_| part.from == 0);
+    let since = touch.and_then(|touch| fixed_point_since(readings, Some(touch), alone.position));
+    // What was touched first need not be what stood still afterwards.
+    let (touch, refined) = match since.filter(|since| since.chi2 <= alone.chi2 + ASTRAY) {
+        Some(since) => (touch, since),
+        None => (None, alone),
+    };
+    if uniform { sharpened(readings, touch, refined) } else { refined }
 }
 
 fn tip_step(stretch: &Stretch, reading: &ContactReading, point: &TracePoint, piece: usize) -> ContactStep {

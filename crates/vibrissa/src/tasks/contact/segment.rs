@@ -14,6 +14,8 @@ const CLEAR: f64 = 6e-3;
 const VAGUE: f64 = 3e-3;
 /// How far off the straight whisker a point may have been when the contact began (m), beside its uncertainty.
 const OFF_AXIS: f64 = 1e-3;
+/// A break is found at most so many readings early.
+const LATE: usize = 4;
 /// Fewest readings of a window.
 const FEWEST: usize = 4;
 
@@ -44,6 +46,19 @@ pub(super) fn parts(readings: &[ContactReading], onset: Option<Pose2>) -> Vec<Pa
         from = to;
     }
     found
+}
+
+/// The contact with the side that begins at reading `from` or just after it, where a sliding tip broke off; none where no
+/// point explains the readings over a clear way.
+pub(super) fn side_from(readings: &[ContactReading], from: usize) -> Option<Part> {
+    let along = cumulated(readings);
+    let reach = |from: usize, far: f64| along.partition_point(|s| *s < along[from] + far).clamp(from + 1, along.len());
+    let begins = |from: usize| {
+        let (to, point) = longest(readings, from, &reach)?;
+        let clear = along[to - 1] - along[from] >= CLEAR && off_tip(&point, &readings[from]);
+        clear.then_some(Part { from, to, still: Some(point) })
+    };
+    (from..(from + LATE).min(readings.len())).find_map(begins)
 }
 
 fn cumulated(readings: &[ContactReading]) -> Vec<f64> {

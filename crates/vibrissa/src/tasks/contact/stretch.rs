@@ -1,13 +1,18 @@
 //! The log's stretches of contact, thinned.
 
+use super::fixed_point::Touch;
 use super::reading::ContactReading;
 use crate::Result;
+use crate::beam::deflection_per_force;
 use crate::flow::sensor_log::{LogRow, SensorLog};
 use crate::plane::Pose2;
 use crate::world::{MountedWhisker, Robot};
 
 /// Rows without contact that end a stretch: fewer are noise.
 const PATIENCE: usize = 3;
+
+/// Smallest standard deviation of a touch (m): odometry is no better.
+const LEAST_STD: f64 = 3e-6;
 
 /// One whisker in contact, its readings of one sign.
 #[derive(Clone, Debug)]
@@ -18,8 +23,32 @@ pub(super) struct Stretch {
     pub(super) onset: Option<Pose2>,
     /// Readings, neighbours merged while the base all but stands.
     pub(super) readings: Vec<ContactReading>,
+    /// The same, one by one.
+    pub(super) single: Vec<ContactReading>,
     /// When the whisker was free again (s); none when the log ends in contact.
     pub(super) lift_off: Option<f64>,
+}
+
+impl Stretch {
+    /// When the contact began, as well as it is known: between the last free row and the first that was felt, or a little
+    /// earlier, as long as the moment was lost in the noise.
+    pub(super) fn touch(&self) -> Option<Touch> {
+        let (onset, first) = (self.onset?, self.single.first()?);
+        let (length, absolute) = (first.whisker.length, first.noise.moment_absolute);
+        let way = travel(&ContactReading { odom_from_whisker: onset, ..*first }, first);
+        let unfelt = absolute * deflection_per_force(&first.whisker, length).ok()? / length;
+        let step = onset.between(first.odom_from_whisker);
+        let middle = onset.compose(Pose2::new(0.5 * step.x, 0.5 * step.y, 0.5 * step.theta));
+        let std = (way * way / 12.0 + unfelt * unfelt / 3.0).sqrt().max(LEAST_STD);
+        Some(Touch { odom_from_whisker: middle, std })
+    }
+
+    /// The single readings of a part.
+    pub(super) fn single(&self, from: usize, to: usize) -> &[ContactReading] {
+        let count = |readings: &[ContactReading]| readings.iter().map(|r| r.count).sum::<usize>();
+        let first = count(&self.readings[..from]);
+        &self.single[first..first + count(&self.readings[from..to])]
+    }
 }
 
 /// The stretches of every whisker that the log holds moments of, in order of time; `spacings` (m) are how far the base
@@ -64,8 +93,10 @@ fn of_whisker(rows: &[LogRow], index: usize, whisker: &MountedWhisker, channel: 
                 whisker: index,
                 onset: free,
                 readings: Vec::new(),
+                single: Vec::new(),
                 lift_off: None,
             });
+            stretch.single.push(reading);
             add(&mut stretch.readings, reading, spacing);
         } else {
             free = Some(base);

@@ -14,8 +14,8 @@
 //!
 //! Neighbours alone are coupled, so the normal equations are a band, and a sweep is solved in milliseconds.
 
-use super::band::{Band, Factor};
 use crate::beam::{Bend, Load, Whisker, force_mode, moment_mode};
+use crate::least_squares::{Band, Descent, Factor, Normal, Rules, descend, unbounded};
 use crate::plane::{Pose2, Vec2};
 
 /// Standard deviation of the force's tilt from the whisker's normal (rad): wide, it only speaks where nothing else does.
@@ -46,8 +46,8 @@ const STRAIGHT: f64 = 0.3;
 /// Largest slope of the tip on the branch that grows from the straight whisker (rad): near the fold, and beyond it the
 /// moment alone would lead on to the curled shapes, to which a whisker comes by a snap only.
 const LARGEST_SLOPE: f64 = 1.7;
-/// Most rounds of Levenberg and Marquardt.
-const MOST_ROUNDS: usize = 60;
+/// Most rounds, and a gain that is none: the wall's turns settle slowly.
+const RULES: Rules = Rules { rounds: 60, gain: 1e-6, damping: 1e-3 };
 
 /// One node: a reading, or the mean of neighbouring ones.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -112,13 +112,6 @@ struct Problem<'a> {
     largest_slope: f64,
 }
 
-/// Where a descent ended.
-struct Descent {
-    unknowns: Unknowns,
-    tips: Vec<Tip>,
-    cost: f64,
-}
-
 /// The unknowns of all nodes: force over its unit, tilt (rad).
 type Unknowns = Vec<f64>;
 
@@ -155,10 +148,10 @@ fn without_snap(whisker: &Whisker, nodes: &[TraceNode], options: TraceOptions, t
         let least = problem.best(0);
         // The less bent branch, unless it ends much earlier: that the whisker is curled has to be shown.
         let curled = if traces.is_empty() { None } else { Problem { largest_slope: f64::INFINITY, ..problem }.best(1) };
-        let nodes_of = |best: &Option<Descent>| best.as_ref().map_or(0, |descent| descent.tips.len());
+        let nodes_of = |best: &Option<Descent<Vec<Tip>>>| best.as_ref().map_or(0, |descent| descent.state.len());
         let short = CURLED * (nodes_of(&curled) as f64) > nodes_of(&least) as f64;
         let best = if short { curled } else { least };
-        let used = best.as_ref().map_or(0, |descent| descent.tips.len());
+        let used = best.as_ref().map_or(0, |descent| descent.state.len());
         let part = Problem { largest_slope: f64::INFINITY, ..problem.part(0, used) };
         let points = best.filter(|_| used >= FEWEST).and_then(|descent| part.points(&descent));
         traces.extend(points);
@@ -173,7 +166,7 @@ impl Problem<'_> {
     }
 
     /// The longest trace, and of those the cheapest, from every tilt on one branch of the first reading.
-    fn best(&self, branch: usize) -> Option<Descent> {
+    fn best(&self, branch: usize) -> Option<Descent<Vec<Tip>>> {
         let starts = STARTS.map(|tilt| self.grown(branch, tilt));
         let longest = starts.iter().map(Vec::len).max().unwrap_or(0);
         let long = |start: &Unknowns| start.len() == longest && longest >= FEWEST * UNKNOWNS;
@@ -182,7 +175,7 @@ impl Problem<'_> {
     }
 
     /// Where a start settles: directly, and by way of a wall that is all but straight.
-    fn settled(&self, start: Unknowns) -> Vec<Descent> {
+    fn settled(&self, start: Unknowns) -> Vec<Descent<Vec<Tip>>> {
         let straight = TraceOptions { turn: STRAIGHT * self.options.turn, ..self.options };
         let around = Problem { options: straight, ..*self }.descend(start.clone());
         let around = around.and_then(|descent| self.descend(descent.unknowns));
@@ -213,9 +206,9 @@ impl Problem<'_> {
     }
 
     /// Mean square of the last residuals of the moment; infinite when one alone is beyond chance.
-    fn newest_fault(&self, descent: &Descent, count: usize) -> f64 {
+    fn newest_fault(&self, descent: &Descent<Vec<Tip>>, count: usize) -> f64 {
         let square = |(node, tip): (&TraceNode, &Tip)| ((tip.bend.moment - node.moment) / node.std).powi(2);
-        let squares = self.nodes.iter().zip(&descent.tips).rev().take(count).map(square);
+        let squares = self.nodes.iter().zip(&descent.state).rev().take(count).map(square);
         let (sum, largest) = squares.fold((0.0, 0.0_f64), |(sum, largest), s| (sum + s, largest.max(s)));
         if largest > LARGEST_FAULT * LARGEST_FAULT { f64::INFINITY } else { sum / count as f64 }
     }
@@ -302,7 +295,7 @@ impl Problem<'_> {
     }
 
     /// Normal matrix and gradient.
-    fn normal_equations(&self, tips: &[Tip], unknowns: &[f64]) -> (Band, Vec<f64>) {
+    fn normal_equations(&self, tips: &[Tip], unknowns: &[f64]) -> Normal {
         let mut band = Band::zeros(unknowns.len(), 2 * UNKNOWNS - 1);
         let mut gradient = vec![0.0; unknowns.len()];
         let mut add = |first: usize, row: &[f64], residual: f64| {
@@ -334,52 +327,22 @@ impl Problem<'_> {
             let robust = 1.0 / (1.0 + turn * turn).sqrt();
             add(first, &turning.map(|d| d * robust / std), turn * robust);
         }
-        (band, gradient)
+        Normal { matrix: band, gradient }
     }
 
-    fn descend(&self, mut unknowns: Unknowns) -> Option<Descent> {
-        let mut tips = self.tips(&unknowns)?;
-        let mut cost = self.cost(&tips, &unknowns);
-        let mut damping = 1e-3;
-        for _ in 0..MOST_ROUNDS {
-            let (band, gradient) = self.normal_equations(&tips, &unknowns);
-            let mut better = None;
-            while damping < 1e12 {
-                if let Some((next, moved)) = self.damped(&band, &gradient, damping, &unknowns) {
-                    let new_cost = self.cost(&moved, &next);
-                    if new_cost <= cost {
-                        better = Some((next, moved, new_cost));
-                        break;
-                    }
-                }
-                damping *= 4.0;
-            }
-            let Some((next, moved, new_cost)) = better else { break };
-            let gain = cost - new_cost;
-            (unknowns, tips, cost) = (next, moved, new_cost);
-            damping = (damping / 8.0).max(1e-12);
-            if gain <= 1e-6 * cost {
-                break;
-            }
-        }
-        Some(Descent { unknowns, tips, cost })
+    fn descend(&self, unknowns: Unknowns) -> Option<Descent<Vec<Tip>>> {
+        let evaluate = |unknowns: &[f64]| {
+            let tips = self.tips(unknowns)?;
+            let cost = self.cost(&tips, unknowns);
+            Some((tips, cost))
+        };
+        let normal = |unknowns: &[f64], tips: &Vec<Tip>| Some(self.normal_equations(tips, unknowns));
+        descend(unknowns, RULES, evaluate, normal, unbounded)
     }
 
-    /// A damped step; none when it leads nowhere.
-    fn damped(&self, band: &Band, gradient: &[f64], damping: f64, unknowns: &[f64]) -> Option<(Unknowns, Vec<Tip>)> {
-        let mut damped = band.clone();
-        for i in 0..unknowns.len() {
-            *damped.diagonal(i) *= 1.0 + damping;
-        }
-        let step = damped.factor()?.solve(gradient.to_vec());
-        let next: Unknowns = unknowns.iter().zip(&step).map(|(u, s)| u - s).collect();
-        let tips = self.tips(&next)?;
-        Some((next, tips))
-    }
-
-    fn points(&self, descent: &Descent) -> Option<Vec<TracePoint>> {
-        let factor = self.normal_equations(&descent.tips, &descent.unknowns).0.factor()?;
-        Some(self.points_of(&descent.tips, &factor))
+    fn points(&self, descent: &Descent<Vec<Tip>>) -> Option<Vec<TracePoint>> {
+        let factor = self.normal_equations(&descent.state, &descent.unknowns).matrix.factor()?;
+        Some(self.points_of(&descent.state, &factor))
     }
 
     fn points_of(&self, tips: &[Tip], factor: &Factor) -> Vec<TracePoint> {

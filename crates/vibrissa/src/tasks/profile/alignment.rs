@@ -1,6 +1,6 @@
 //! Shape error and absolute error against a map.
 
-use super::least_squares::least_squares;
+use crate::least_squares::{Scale, minimise};
 use crate::plane::{Pose2, Vec2};
 use crate::world::Map;
 
@@ -111,21 +111,25 @@ pub fn compare(points: &[Vec2], map: &Map, free_scale: bool) -> Option<Alignment
         (p - foot.0).norm().copysign(Vec2::from_angle(foot.1).cross(p - foot.0))
     };
     let residuals = |x: &[f64]| -> Vec<f64> { points.iter().map(|p| signed(moved(x, *p))).collect() };
-    let steps = [0.01, 0.01, 0.1, 0.1];
+    let sizes = [0.01, 0.01, 0.1, 0.1].map(Scale::free);
+    let fit = |start: &[f64], residuals: &dyn Fn(&[f64]) -> Vec<f64>| -> Vec<f64> {
+        let minimum = minimise(|x| Some(residuals(x)), start, &sizes[..start.len()]);
+        minimum.map_or_else(|_| start.to_vec(), |minimum| minimum.parameters)
+    };
     let few = thinned(points, FEW);
     let coarse = |x: &[f64]| -> Vec<f64> { few.iter().map(|p| signed(moved(x, *p))).collect() };
     let square = |x: &[f64]| coarse(x).iter().map(|d| d * d).sum::<f64>();
     let mut starts: Vec<(f64, [f64; 3])> =
         starts(points, middle, map).into_iter().map(|start| (square(&start), start)).collect();
     starts.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let refined = |(_, start): &(f64, [f64; 3])| least_squares(start, &steps[..3], &coarse);
-    let near = least_squares(&[0.0; 3], &steps[..3], &coarse);
+    let refined = |(_, start): &(f64, [f64; 3])| fit(start, &coarse);
+    let near = fit(&[0.0; 3], &coarse);
     let best = starts.iter().take(REFINED).map(refined).min_by(|a, b| square(a).total_cmp(&square(b)));
     // Of equal fits the nearest motion: a square's outline fits four ways.
     let clear = |x: &Vec<f64>| square(x) + EQUAL < CLEARLY * (square(&near) + EQUAL);
-    let rigid = least_squares(&best.filter(clear).unwrap_or_else(|| near.clone()), &steps[..3], &residuals);
+    let rigid = fit(&best.filter(clear).unwrap_or_else(|| near.clone()), &residuals);
     let scaled = free_scale.then(|| {
-        let x = least_squares(&[rigid[0], rigid[1], rigid[2], 0.0], &steps, &residuals);
+        let x = fit(&[rigid[0], rigid[1], rigid[2], 0.0], &residuals);
         (Misfit::of(residuals(&x)), scale(x[3]))
     });
     let origin = moved(&rigid, Vec2::ZERO);

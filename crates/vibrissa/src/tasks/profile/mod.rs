@@ -8,11 +8,9 @@
 //! | `outline` | the line with its uncertainty, from all sweeps |
 //! | `alignment` | shape error and absolute error against a map |
 //! | `shape` | rounded polygons and circles fitted to points |
-//! | `least_squares` | small problems, solved |
 
 mod alignment;
 mod chain;
-mod least_squares;
 mod outline;
 mod run;
 mod shape;

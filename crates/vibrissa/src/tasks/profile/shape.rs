@@ -1,7 +1,7 @@
 //! Circles and regular polygons with rounded corners, fitted to points.
 
 use super::alignment::Misfit;
-use super::least_squares::least_squares;
+use crate::least_squares::{Scale, minimise};
 use crate::plane::{Pose2, Vec2};
 use core::f64::consts::PI;
 
@@ -94,16 +94,16 @@ pub fn fit_shape(points: &[Vec2], shape: RoundedPolygon, free: FreeSize) -> Opti
         FreeSize::Scale => 4,
         FreeSize::All => 5,
     };
-    let steps = [0.01, 0.01, 0.1, 0.1, 0.1];
+    let sizes = [0.01, 0.01, 0.1, 0.1, 0.1].map(Scale::free);
     let starts = if shape.sides == 0 { 1 } else { 6 };
     let best = (0..starts)
         .map(|i| {
             let mut start = vec![0.0; unknowns];
             start[2] = 2.0 * PI / shape.sides.max(1) as f64 * f64::from(i) / f64::from(starts);
-            let x = least_squares(&start, &steps[..unknowns], &residuals);
-            let cost: f64 = residuals(&x).iter().map(|r| r * r).sum();
-            (cost, x)
+            start
         })
+        .filter_map(|start| minimise(|x| Some(residuals(x)), &start, &sizes[..unknowns]).ok())
+        .map(|minimum| (minimum.residuals.iter().map(|r| r * r).sum::<f64>(), minimum.parameters))
         .min_by(|a, b| a.0.total_cmp(&b.0))?;
     let x = best.1;
     Some(FittedShape { shape: sized(&x), place: place(&x), misfit: Misfit::of(residuals(&x)) })

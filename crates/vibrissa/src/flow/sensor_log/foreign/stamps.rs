@@ -29,21 +29,23 @@ fn days_since_1970(year: i64, month: i64, day: i64) -> i64 {
 /// Longest pause that jitter explains (s); a longer one is a pause of the recording.
 const PAUSE: f64 = 0.1;
 
-/// Evenly spaced times through jittering stamps (s), from the first on; a pause stays a pause.
+/// Times through jittering stamps (s), from the first on, even in the `places` of the readings in the stream, which grow;
+/// a pause stays a pause.
 ///
 /// The sensor's clock is steadier than the host's: the times are a straight line through the stamps of each stretch,
 /// and a later stretch never begins before an earlier one ends.
-pub(super) fn even_times(stamps: &[f64]) -> Vec<f64> {
+pub(super) fn even_times(stamps: &[f64], places: &[usize]) -> Vec<f64> {
     let Some(&origin) = stamps.first() else { return Vec::new() };
     let mut times: Vec<f64> = Vec::with_capacity(stamps.len());
     let mut start = 0;
     while start < stamps.len() {
         let more = stamps[start..].windows(2).take_while(|w| (0.0..PAUSE).contains(&(w[1] - w[0]))).count();
         let stretch = &stamps[start..=start + more];
-        let (offset, period) = line(stretch);
+        let from_first = |i: usize| (places[start + i] - places[start]) as f64;
+        let (offset, period) = line(stretch, &from_first);
         let first = offset - origin;
         let after = times.last().map_or(first, |last| first.max(last + period.max(1e-6)));
-        times.extend((0..stretch.len()).map(|i| after + period * i as f64));
+        times.extend((0..stretch.len()).map(|i| after + period * from_first(i)));
         start += more + 1;
     }
     let first = times[0];
@@ -51,17 +53,17 @@ pub(super) fn even_times(stamps: &[f64]) -> Vec<f64> {
     times
 }
 
-/// Offset and step of the least-squares line through evenly numbered values.
-fn line(values: &[f64]) -> (f64, f64) {
+/// Offset and step of the least-squares line through values at the places `at(index)`.
+fn line(values: &[f64], at: &impl Fn(usize) -> f64) -> (f64, f64) {
     let n = values.len() as f64;
     if values.len() < 2 {
         return (values[0], 0.0);
     }
     let origin = values[0];
-    let middle = 0.5 * (n - 1.0);
+    let middle = (0..values.len()).map(at).sum::<f64>() / n;
     let mean = values.iter().map(|v| v - origin).sum::<f64>() / n;
-    let weighted: f64 = values.iter().enumerate().map(|(i, v)| (i as f64 - middle) * (v - origin)).sum();
-    let step = weighted / (n * (n * n - 1.0) / 12.0);
+    let weighted: f64 = values.iter().enumerate().map(|(i, v)| (at(i) - middle) * (v - origin)).sum();
+    let step = weighted / (0..values.len()).map(|i| (at(i) - middle).powi(2)).sum::<f64>();
     (origin + mean - step * middle, step)
 }
 
@@ -84,9 +86,20 @@ mod tests {
         let jitter = |i: usize| ((i * 7919) % 13) as f64 * 1e-4;
         let mut stamps: Vec<f64> = (0..500).map(|i| 5.0 + i as f64 / 800.0 + jitter(i)).collect();
         stamps.extend((0..500).map(|i| 9.0 + i as f64 / 800.0 + jitter(i)));
-        let times = even_times(&stamps);
+        let places: Vec<usize> = (0..1000).collect();
+        let times = even_times(&stamps, &places);
         assert!((times[499] - 499.0 / 800.0).abs() < 5e-4, "{}", times[499]);
         assert!((times[500] - 4.0).abs() < 5e-4, "{}", times[500]);
         assert!(times.windows(2).all(|w| w[1] > w[0]));
+    }
+
+    /// Of 500 even readings every seventh line is lost: the others keep their times.
+    #[test]
+    fn lost_lines_keep_their_places() {
+        let places: Vec<usize> = (0..500).filter(|i| i % 7 != 3).collect();
+        let stamps: Vec<f64> = places.iter().map(|&i| 5.0 + i as f64 / 800.0 + ((i * 31) % 11) as f64 * 1e-4).collect();
+        for (time, place) in even_times(&stamps, &places).iter().zip(&places) {
+            assert!((time - *place as f64 / 800.0).abs() < 2e-4, "{time} at {place}");
+        }
     }
 }

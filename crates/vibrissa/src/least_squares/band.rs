@@ -1,19 +1,23 @@
 //! Symmetric positive definite systems whose unknowns know only their neighbours.
 
+/// Share of a diagonal entry below which what elimination leaves of it is rounding.
+const SINGULAR: f64 = 1e-13;
+
 /// A symmetric matrix of which only the diagonal and `width` diagonals below it are not zero, row by row.
 #[derive(Clone, Debug)]
-pub(super) struct Band {
+pub(crate) struct Band {
     width: usize,
     rows: Vec<f64>,
 }
 
 impl Band {
     /// Zeros, for `size` unknowns.
-    pub(super) fn zeros(size: usize, width: usize) -> Self {
+    pub(crate) fn zeros(size: usize, width: usize) -> Self {
         Self { width, rows: vec![0.0; size * (width + 1)] }
     }
 
-    fn size(&self) -> usize {
+    /// Number of unknowns.
+    pub(crate) fn size(&self) -> usize {
         self.rows.len() / (self.width + 1)
     }
 
@@ -26,7 +30,7 @@ impl Band {
     }
 
     /// Adds the square of a row of the Jacobian: `first` is its first unknown, `row` the derivatives from there on.
-    pub(super) fn add_square(&mut self, first: usize, row: &[f64]) {
+    pub(crate) fn add_square(&mut self, first: usize, row: &[f64]) {
         for (a, &left) in row.iter().enumerate() {
             for (b, &right) in row.iter().enumerate().take(a + 1) {
                 let index = self.index(first + a, first + b);
@@ -36,13 +40,43 @@ impl Band {
     }
 
     /// The diagonal entry of an unknown.
-    pub(super) fn diagonal(&mut self, i: usize) -> &mut f64 {
+    pub(crate) fn diagonal(&mut self, i: usize) -> &mut f64 {
         let index = self.index(i, i);
         &mut self.rows[index]
     }
 
-    /// The Cholesky factor; none when the matrix is not positive definite.
-    pub(super) fn factor(mut self) -> Option<Factor> {
+    /// The normal matrix of a dense Jacobian, row by row: all unknowns are neighbours.
+    pub(crate) fn of_rows<'a>(size: usize, rows: impl Iterator<Item = &'a [f64]>) -> Self {
+        let mut band = Self::zeros(size, size.saturating_sub(1));
+        rows.for_each(|row| band.add_square(0, row));
+        band
+    }
+
+    /// The matrix of some of the unknowns alone.
+    pub(crate) fn part(&self, unknowns: &[usize]) -> Self {
+        let mut part = Self::zeros(unknowns.len(), unknowns.len().saturating_sub(1));
+        for (a, &i) in unknowns.iter().enumerate() {
+            for (b, &j) in unknowns.iter().enumerate().take(a + 1) {
+                let index = part.index(a, b);
+                part.rows[index] = self.get(i.max(j), i.min(j));
+            }
+        }
+        part
+    }
+
+    /// The same system with the diagonal raised by the share `damping`; unknowns on which nothing depends stay where they are.
+    pub(crate) fn damped(mut self, damping: f64) -> Self {
+        for i in 0..self.size() {
+            let entry = self.diagonal(i);
+            *entry = if *entry > 0.0 { *entry * (1.0 + damping) } else { 1.0 };
+        }
+        self
+    }
+
+    /// The Cholesky factor; none when the matrix is not positive definite in double precision.
+    ///
+    /// A pivot is compared with its own diagonal entry, so that the unknowns' units do not matter.
+    pub(crate) fn factor(mut self) -> Option<Factor> {
         for i in 0..self.size() {
             let first = i.saturating_sub(self.width);
             for j in first..=i {
@@ -52,7 +86,7 @@ impl Band {
                 let index = self.index(i, j);
                 self.rows[index] = if i > j {
                     rest / self.get(j, j)
-                } else if rest > 0.0 && rest.is_finite() {
+                } else if rest.is_finite() && rest > SINGULAR * self.get(i, i) {
                     rest.sqrt()
                 } else {
                     return None;
@@ -65,13 +99,13 @@ impl Band {
 
 /// The lower triangular factor of a [`Band`].
 #[derive(Clone, Debug)]
-pub(super) struct Factor {
+pub(crate) struct Factor {
     lower: Band,
 }
 
 impl Factor {
     /// The solution for this right side.
-    pub(super) fn solve(&self, mut right: Vec<f64>) -> Vec<f64> {
+    pub(crate) fn solve(&self, mut right: Vec<f64>) -> Vec<f64> {
         let (size, width) = (self.lower.size(), self.lower.width);
         for i in 0..size {
             let sum: f64 = (i.saturating_sub(width)..i).map(|k| self.lower.get(i, k) * right[k]).sum();
@@ -83,6 +117,14 @@ impl Factor {
             right[i] = (right[i] - sum) / self.lower.get(i, i);
         }
         right
+    }
+}
+
+impl Factor {
+    /// The inverse of the matrix.
+    pub(crate) fn inverse(&self) -> Vec<Vec<f64>> {
+        let size = self.lower.size();
+        (0..size).map(|i| self.solve((0..size).map(|j| if i == j { 1.0 } else { 0.0 }).collect())).collect()
     }
 }
 
