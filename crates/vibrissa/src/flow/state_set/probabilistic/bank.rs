@@ -141,11 +141,11 @@ impl Bank {
             turn: 0,
             since_merge: 0,
         };
-        bank.merge(history);
+        bank.merge(field, history);
         bank.hypotheses.sort_by(|a, b| a.normal.cost.total_cmp(&b.normal.cost));
         bank.hypotheses.truncate(MOST_SEEDS);
         bank.rerun(field, history);
-        bank.merge(history);
+        bank.merge(field, history);
         bank.drop_unlikely(field, history);
         bank
     }
@@ -178,7 +178,7 @@ impl Bank {
         self.since_merge += 1;
         if self.since_merge >= MERGE_EVERY {
             self.since_merge = 0;
-            self.merge(history);
+            self.merge(field, history);
             if self.hypotheses.len() <= FEW && self.used.len() + 1 < history.len() {
                 self.use_all(field, history);
             }
@@ -250,23 +250,14 @@ impl Bank {
     }
 
     /// Keeps the best of hypotheses that have run into each other.
-    pub(super) fn merge(&mut self, history: &History) {
+    pub(super) fn merge(&mut self, field: &Field<'_>, history: &History) {
         let Some(last) = history.len().checked_sub(1) else { return };
-        let many = self.hypotheses.len() > MANY;
-        let size = if many { [ROUGH_PLACE, ROUGH_HEADING] } else { [SAME_PLACE, SAME_HEADING] };
-        let odom_from_robot = history.pose(last);
-        let mut keyed: Vec<_> = self
-            .hypotheses
-            .drain(..)
-            .map(|h| {
-                let (cost, d) = h.best(LOOSE, self.shared);
-                let at = moved(h.map_from_odom, self.pivot, cut(d));
-                (cell(at, self.pivot, odom_from_robot, size), cost, h)
-            })
-            .collect();
-        keyed.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
-        keyed.dedup_by(|later, kept| later.0 == kept.0);
-        self.hypotheses = keyed.into_iter().map(|(.., h)| h).collect();
+        let scene = field.scene(history, self.pivot, Judge::FAIR, self.shared);
+        let best = |h: &Hypothesis| {
+            let (cost, d) = h.best(LOOSE, self.shared);
+            (cost, cut(d))
+        };
+        self.hypotheses = merged(core::mem::take(&mut self.hypotheses), &scene, history.pose(last), best);
     }
 
     /// Moves every hypothesis to its least cost and joins those that end at the same place.
@@ -328,6 +319,30 @@ const SQRT_3: f64 = 1.732_050_807_568_877_2;
 const MOST_SEEDS: usize = 8000;
 /// Standard deviations are enlarged by this while cells are judged.
 const SEED_TEMPER: f64 = 1.5;
+
+/// The hypotheses without all but the best of those that meet, as `best` tells their cost and step to it; the robot is at
+/// `odom_from_robot`.
+pub(super) fn merged(
+    hypotheses: Vec<Hypothesis>,
+    scene: &Scene<'_>,
+    odom_from_robot: Pose2,
+    best: impl Fn(&Hypothesis) -> (f64, [f64; 3]),
+) -> Vec<Hypothesis> {
+    let size = if hypotheses.len() > MANY { [ROUGH_PLACE, ROUGH_HEADING] } else { [SAME_PLACE, SAME_HEADING] };
+    let mut keyed: Vec<_> = hypotheses
+        .iter()
+        .enumerate()
+        .map(|(index, h)| {
+            let (cost, d) = best(h);
+            (cell(moved(h.map_from_odom, scene.pivot, d), scene.pivot, odom_from_robot, size), cost, index)
+        })
+        .collect();
+    keyed.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    keyed.dedup_by(|later, kept| later.0 == kept.0);
+    let mut kept = vec![false; hypotheses.len()];
+    keyed.iter().for_each(|&(.., index)| kept[index] = true);
+    hypotheses.into_iter().zip(kept).filter_map(|(h, kept)| kept.then_some(h)).collect()
+}
 
 /// The cell of a frame's pose of the pivot and of the robot.
 fn cell(at: Pose2, pivot: Vec2, odom_from_robot: Pose2, size: [f64; 2]) -> [i64; 5] {

@@ -105,17 +105,25 @@ impl Hypothesis {
 
     /// Takes in the row `row`, which must not be before the last one.
     pub(super) fn take(&mut self, scene: &Scene<'_>, row: usize) {
-        let (from, to) = (scene.history.pose(self.row), scene.history.pose(row));
+        let (sin, cos) = self.map_from_odom.theta.sin_cos();
         let pivot = self.map_from_odom.transform_point(scene.pivot);
         if scene.blur {
-            self.drift.travel(from, to);
+            self.drift.travel(scene.history.pose(self.row), scene.history.pose(row));
         }
         for (index, feeler) in scene.feelers.iter().enumerate() {
             let z = scene.history.readings(row)[index];
-            let place = |odom: Pose2| self.map_from_odom.compose(odom).compose(feeler.robot_from_whisker);
-            let there = place(to);
+            let place = |odom: Pose2| {
+                let (x, y) = (cos * odom.x - sin * odom.y, sin * odom.x + cos * odom.y);
+                Pose2 { x: self.map_from_odom.x + x, y: self.map_from_odom.y + y, theta: self.map_from_odom.theta + odom.theta }
+            };
+            let there = place(scene.history.base(row, index));
             let forward = Forward { map: scene.map, ground: scene.ground, length: feeler.length, solver: scene.solver };
-            let felt = forward.advance(&mut self.states[index], place(from), there, feeler.is_contact(z));
+            let felt = forward.advance(
+                &mut self.states[index],
+                place(scene.history.base(self.row, index)),
+                there,
+                feeler.is_contact(z),
+            );
             let misfit = match self.states[index] {
                 State::Unknown => Feeler::unknown(),
                 State::Free => feeler.misfit(0.0, z, false, false, scene.judge),
@@ -133,7 +141,7 @@ impl Hypothesis {
                 let by = [gx, gy, turn + gx * arm.x + gy * arm.y];
                 self.normal.add(misfit.residual, by, felt.moment, weight);
                 if scene.blur {
-                    let robot = self.map_from_odom.transform_point(to.position());
+                    let robot = self.map_from_odom.transform_point(scene.history.pose(row).position());
                     let arm = there.position() - robot;
                     self.drift.add(self.map_from_odom.theta, arm, felt.gradient, by, felt.moment, weight);
                 }

@@ -83,7 +83,7 @@ impl<'a> ProbabilisticSet<'a> {
             options,
             ground: Ground::new(map),
             table: TipTable::new(),
-            history: History::new(feelers.len()),
+            history: History::new(&feelers),
             touching: vec![0; feelers.len()],
             feelers,
             phase: Phase::Waiting,
