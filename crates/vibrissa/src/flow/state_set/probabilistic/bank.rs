@@ -5,6 +5,7 @@ use super::ground::Ground;
 use super::history::{Feeler, History, Judge};
 use super::hypothesis::{Hypothesis, Scene, difference, moved};
 use super::seeds::{Onset, seeds};
+use super::normal::{Matrix, dot, times};
 use crate::beam::TipTable;
 use crate::config::ProbabilisticOptions;
 use crate::plane::{Pose2, Vec2, wrap_angle};
@@ -18,10 +19,11 @@ const DROP_MORE: f64 = 20.0;
 const LOOSE: [f64; 3] = [4e4, 4e4, 131.0];
 /// Longest step of one linearisation (m, rad).
 const LONGEST: [f64; 2] = [3e-3, 0.06];
-/// A step longer than this (m, rad) asks for a new linearisation.
+/// A step longer than this (m, rad) asks for a new linearisation, if it promises so much (nats).
 const STALE: [f64; 2] = [1e-4, 2e-3];
+const PROMISE: f64 = 0.1;
 /// Readings that may be run again for each new row.
-const BUDGET: usize = 600;
+const BUDGET: usize = 200;
 /// Hypotheses this near to each other are one (m, rad),
 const SAME_PLACE: f64 = 1.2e-3;
 const SAME_HEADING: f64 = 0.015;
@@ -29,10 +31,16 @@ const SAME_HEADING: f64 = 0.015;
 const MANY: usize = 300;
 const ROUGH_PLACE: f64 = 2.5e-3;
 const ROUGH_HEADING: f64 = 0.04;
+/// In the end so are those that lie within another's region (squared standard deviations) and no further away (m).
+const OVERLAP: f64 = 0.5;
+const FARTHEST: f64 = 0.05;
+/// Inverse variances that keep covariances finite (20 mm, 20°).
+pub(super) const OPEN: [f64; 3] = [2.5e3, 2.5e3, 8.2];
+/// So many of the best are linearised anew, this often, before all are given up.
+const RESCUED: usize = 12;
+const RESCUES: usize = 3;
 /// Rows between two merges.
 const MERGE_EVERY: usize = 8;
-/// With no more hypotheses than this, every row is used.
-const FEW: usize = 120;
 /// So many hypotheses share one row; twice as many take every second one, and so on.
 const LOAD: usize = 250;
 
@@ -98,6 +106,11 @@ impl Field<'_> {
 pub(super) fn cut(d: [f64; 3]) -> [f64; 3] {
     let share = (LONGEST[0] / d[0].hypot(d[1])).min(LONGEST[1] / d[2].abs()).min(1.0);
     d.map(|v| v * share)
+}
+
+/// Whether a step is longer than a linearisation is trusted for.
+fn is_stale(d: [f64; 3]) -> bool {
+    d[0] * d[0] + d[1] * d[1] > STALE[0] * STALE[0] || d[2].abs() > STALE[1]
 }
 
 impl Bank {
@@ -179,43 +192,56 @@ impl Bank {
         if self.since_merge >= MERGE_EVERY {
             self.since_merge = 0;
             self.merge(field, history);
-            if self.hypotheses.len() <= FEW && self.used.len() + 1 < history.len() {
-                self.use_all(field, history);
-            }
         }
     }
 
-    /// How many readings one run of all hypotheses over all rows takes.
-    pub(super) fn whole(&self, history: &History) -> usize {
-        self.hypotheses.len() * history.len()
+    /// Uses every row from now on, or so many that are evenly spread.
+    pub(super) fn use_rows(&mut self, field: &Field<'_>, history: &History, most: usize) {
+        let stride = history.len().div_ceil(most.max(1)).max(1);
+        self.used = (0..history.len()).rev().step_by(stride).collect();
+        self.used.reverse();
+        self.rerun(field, history);
     }
 
-    /// Uses every row from now on.
-    pub(super) fn use_all(&mut self, field: &Field<'_>, history: &History) {
-        if self.used.len() < history.len() {
-            self.used = (0..history.len()).collect();
-            self.rerun(field, history);
-        }
-    }
-
-    /// Linearises in turn those whose estimate has moved, as far as the budget goes.
+    /// Linearises those whose estimate has moved, as far as the budget goes: the best one first, then in turn.
     fn linearise(&mut self, field: &Field<'_>, history: &History) {
         let scene = field.scene(history, self.pivot, Judge::FAIR, self.shared);
         self.credit = (self.credit + BUDGET).min(self.used.len().max(4 * BUDGET));
-        for _ in 0..self.hypotheses.len() {
+        let costs = self.hypotheses.iter().enumerate().map(|(index, h)| (h.best(LOOSE, self.shared).0, index));
+        let Some((_, best)) = costs.min_by(|a, b| a.0.total_cmp(&b.0)) else { return };
+        for visit in 0..=self.hypotheses.len() {
             if self.credit < self.used.len() {
                 return;
             }
-            self.turn = (self.turn + 1) % self.hypotheses.len();
-            let h = &mut self.hypotheses[self.turn];
-            let (_, d) = h.best(LOOSE, self.shared);
-            if h.age == 0 {
-                continue;
+            if visit > 0 {
+                self.turn = (self.turn + 1) % self.hypotheses.len();
             }
-            if d[0].hypot(d[1]) > STALE[0] || d[2].abs() > STALE[1] {
-                let runs = h.improve(&scene, cut(d), &self.used);
-                self.credit = self.credit.saturating_sub(runs * self.used.len());
-            }
+            let index = if visit == 0 { best } else { self.turn };
+            self.freshen(&scene, index);
+        }
+    }
+
+    /// Linearises one hypothesis anew if its estimate has moved.
+    fn freshen(&mut self, scene: &Scene<'_>, index: usize) {
+        let h = &mut self.hypotheses[index];
+        if h.age == 0 {
+            return;
+        }
+        let (cost, d) = h.best(LOOSE, self.shared);
+        if is_stale(d) && h.cost(self.shared) > cost + PROMISE {
+            let runs = h.improve(scene, cut(d), &self.used);
+            self.credit = self.credit.saturating_sub(runs * self.used.len());
+        }
+    }
+
+    /// Linearises the best few anew, before they are given up.
+    pub(super) fn rescue(&mut self, field: &Field<'_>, history: &History) {
+        let scene = field.scene(history, self.pivot, Judge::FAIR, self.shared);
+        let mut order: Vec<(f64, usize)> =
+            self.hypotheses.iter().enumerate().map(|(index, h)| (h.best(LOOSE, self.shared).0, index)).collect();
+        order.sort_by(|a, b| a.0.total_cmp(&b.0));
+        for &(_, index) in order.iter().take(RESCUED) {
+            (0..RESCUES).for_each(|_| self.freshen(&scene, index));
         }
     }
 
@@ -237,7 +263,7 @@ impl Bank {
                 return true;
             }
             let fresh = h.age * 6 <= used.len();
-            if cost > least + 1.4 * drop || fresh || d[0].hypot(d[1]) < STALE[0] && d[2].abs() < STALE[1] {
+            if cost > least + 1.4 * drop || fresh || !is_stale(d) {
                 return false;
             }
             if credit < used.len() {
@@ -299,17 +325,19 @@ impl Bank {
     fn join(&mut self) {
         let shared = self.shared;
         self.hypotheses.sort_by(|a, b| a.cost(shared).total_cmp(&b.cost(shared)));
-        let mut kept: Vec<Hypothesis> = Vec::new();
+        let mut kept: Vec<(Hypothesis, Matrix)> = Vec::new();
         for h in self.hypotheses.drain(..) {
-            let near = |k: &Hypothesis| {
+            let near = |(k, curvature): &(Hypothesis, Matrix)| {
                 let d = difference(k.map_from_odom, h.map_from_odom, self.pivot);
                 d[0].hypot(d[1]) < 0.5 * SAME_PLACE && d[2].abs() < 0.5 * SAME_HEADING
+                    || d[0].hypot(d[1]) < FARTHEST && dot(times(curvature, d), d) < OVERLAP
             };
             if !kept.iter().any(near) {
-                kept.push(h);
+                let curvature = h.normal.marginal(shared).damped(OPEN);
+                kept.push((h, curvature));
             }
         }
-        self.hypotheses = kept;
+        self.hypotheses = kept.into_iter().map(|(h, _)| h).collect();
     }
 }
 

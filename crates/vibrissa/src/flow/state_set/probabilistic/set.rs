@@ -225,9 +225,14 @@ impl<'a> ProbabilisticSet<'a> {
         }
         self.costs.push(bank.least());
         if self.costs.len() > WATCHED {
-            let spent = self.costs[self.costs.len() - 1] - self.costs[0];
-            self.costs.remove(0);
-            if spent > LOST_COST * WATCHED as f64 {
+            let before = self.costs.remove(0);
+            let most = before + LOST_COST * WATCHED as f64;
+            let mut now = bank.least();
+            if now > most {
+                bank.rescue(&field, history);
+                now = bank.least();
+            }
+            if now > most {
                 self.begin_again();
                 return Happened::Lost;
             }
