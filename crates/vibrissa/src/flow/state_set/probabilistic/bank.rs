@@ -36,9 +36,12 @@ const OVERLAP: f64 = 0.5;
 const FARTHEST: f64 = 0.05;
 /// Inverse variances that keep covariances finite (20 mm, 20°).
 pub(super) const OPEN: [f64; 3] = [2.5e3, 2.5e3, 8.2];
-/// So many of the best are linearised anew, this often, before all are given up.
+/// So many of the best are pulled back by readings that seem false, in steps with standard deviations enlarged so much,
+/// when so many rows have cost so much each (nats), and not again for as many rows.
 const RESCUED: usize = 12;
-const RESCUES: usize = 3;
+const TEMPERS: [f64; 5] = [8.0, 8.0, 8.0, 4.0, 2.0];
+pub(super) const RESCUE_ROWS: usize = 8;
+const RESCUE_COST: f64 = 2.5;
 /// Rows between two merges.
 const MERGE_EVERY: usize = 8;
 /// So many hypotheses share one row; twice as many take every second one, and so on.
@@ -55,6 +58,8 @@ pub(super) struct Bank {
     credit: usize,
     turn: usize,
     since_merge: usize,
+    /// The least costs after the last few rows.
+    recent: Vec<f64>,
 }
 
 /// What the bank works with.
@@ -153,6 +158,7 @@ impl Bank {
             credit: 0,
             turn: 0,
             since_merge: 0,
+            recent: Vec::new(),
         };
         bank.merge(field, history);
         bank.hypotheses.sort_by(|a, b| a.normal.cost.total_cmp(&b.normal.cost));
@@ -188,6 +194,15 @@ impl Bank {
         });
         self.drop_unlikely(field, history);
         self.linearise(field, history);
+        self.recent.push(self.least());
+        if self.recent.len() > RESCUE_ROWS {
+            if self.recent[RESCUE_ROWS] - self.recent[0] > RESCUE_COST * RESCUE_ROWS as f64 {
+                self.rescue(field, history);
+                self.recent.clear();
+            } else {
+                self.recent.remove(0);
+            }
+        }
         self.since_merge += 1;
         if self.since_merge >= MERGE_EVERY {
             self.since_merge = 0;
@@ -234,15 +249,30 @@ impl Bank {
         }
     }
 
-    /// Linearises the best few anew, before they are given up.
+    /// Fits the best few anew with all readings believed, before they are given up.
+    ///
+    /// A reading that is many standard deviations off counts as a false one and pulls no more; when all new readings are,
+    /// since the estimate has crept along a ridge that earlier readings left open, it has to be pulled back by them first.
     pub(super) fn rescue(&mut self, field: &Field<'_>, history: &History) {
-        let scene = field.scene(history, self.pivot, Judge::FAIR, self.shared);
         let mut order: Vec<(f64, usize)> =
             self.hypotheses.iter().enumerate().map(|(index, h)| (h.best(LOOSE, self.shared).0, index)).collect();
         order.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let fair = field.scene(history, self.pivot, Judge::FAIR, self.shared);
+        let mut pulled: Vec<Hypothesis> = Vec::new();
         for &(_, index) in order.iter().take(RESCUED) {
-            (0..RESCUES).for_each(|_| self.freshen(&scene, index));
+            let mut h = self.hypotheses[index].clone();
+            for temper in TEMPERS {
+                let judge = Judge { temper, outlier_cost: f64::INFINITY };
+                let scene = field.scene(history, self.pivot, judge, self.shared);
+                h.run(&scene, h.map_from_odom, self.used.iter().copied());
+                let (_, d) = h.best(LOOSE, self.shared);
+                h.run(&fair, moved(h.map_from_odom, self.pivot, cut(d)), self.used.iter().copied());
+                if h.cost(self.shared) < self.hypotheses[index].cost(self.shared) - PROMISE {
+                    pulled.push(h.clone());
+                }
+            }
         }
+        self.hypotheses.extend(pulled);
     }
 
     /// The least cost of any hypothesis.
