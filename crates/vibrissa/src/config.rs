@@ -364,6 +364,8 @@ pub struct ProbabilisticOptions {
     pub heading_error: f64,
     /// Where the robot is at the first row, map frame, where that is known: least and largest x (m), y (m), heading (rad).
     pub prior: Option<[[f64; 2]; 3]>,
+    /// Rows that are kept and fitted again; what older ones say is summed up as a Gaussian for each hypothesis.
+    pub window: usize,
 }
 
 impl Default for ProbabilisticOptions {
@@ -376,6 +378,7 @@ impl Default for ProbabilisticOptions {
             shared_gain: None,
             heading_error: 0.05,
             prior: None,
+            window: 1000,
         }
     }
 }
@@ -388,6 +391,7 @@ impl ProbabilisticOptions {
     /// Usage: names the knob, its value and the allowed range.
     pub fn check(&self) -> Result<()> {
         check_region(self.prior)?;
+        within("window", self.window as f64, 200.0, 1e6, "rows")?;
         within("heading_error", self.heading_error, 1e-4, core::f64::consts::PI, "rad")?;
         within("seed_spacing", self.seed_spacing, 5e-4, 2e-2, "m")?;
         within("seed_turn", self.seed_turn, 5e-3, 0.2, "rad")?;

@@ -60,6 +60,8 @@ pub(super) struct Bank {
     since_merge: usize,
     /// The least costs after the last few rows.
     recent: Vec<f64>,
+    /// Whether rows have been summed up, the history's first among them.
+    folded: bool,
 }
 
 /// What the bank works with.
@@ -109,7 +111,7 @@ impl Field<'_> {
 
 /// A step cut to a length that linearisations can be trusted for.
 pub(super) fn cut(d: [f64; 3]) -> [f64; 3] {
-    let share = (LONGEST[0] / d[0].hypot(d[1])).min(LONGEST[1] / d[2].abs()).min(1.0);
+    let share = (LONGEST[0] / (d[0] * d[0] + d[1] * d[1]).sqrt()).min(LONGEST[1] / d[2].abs()).min(1.0);
     d.map(|v| v * share)
 }
 
@@ -159,6 +161,7 @@ impl Bank {
             turn: 0,
             since_merge: 0,
             recent: Vec::new(),
+            folded: false,
         };
         bank.merge(field, history);
         bank.hypotheses.sort_by(|a, b| a.normal.cost.total_cmp(&b.normal.cost));
@@ -213,7 +216,9 @@ impl Bank {
     /// Uses every row from now on, or so many that are evenly spread.
     pub(super) fn use_rows(&mut self, field: &Field<'_>, history: &History, most: usize) {
         let stride = history.len().div_ceil(most.max(1)).max(1);
-        self.used = (0..history.len()).rev().step_by(stride).collect();
+        // The first row has been summed up where anything has.
+        let folded = usize::from(self.folded);
+        self.used = (folded..history.len()).rev().step_by(stride).collect();
         self.used.reverse();
         self.rerun(field, history);
     }
@@ -273,6 +278,36 @@ impl Bank {
             }
         }
         self.hypotheses.extend(pulled);
+    }
+
+    /// Sums up the first `count` rows, so that no more than a window of them is kept.
+    pub(super) fn fold(&mut self, field: &Field<'_>, history: &mut History, count: usize) {
+        let early = self.used.partition_point(|&row| row < count);
+        let Some(&last) = self.used[..early].last() else { return };
+        let scene = field.scene(history, self.pivot, Judge::FAIR, self.shared);
+        let odometry = &field.robot.odometry;
+        let (mut way, mut turn) = (0.0, 0.0);
+        for row in 0..last {
+            let (a, b) = (history.pose(row), history.pose(row + 1));
+            way += a.position().distance(b.position());
+            turn += a.between(b).theta.abs();
+        }
+        let place = (0.5 * odometry.translation_relative * way).powi(2);
+        let heading = (odometry.rotation_relative / SQRT_3 * turn).powi(2);
+        for h in &mut self.hypotheses {
+            let robot = h.map_from_odom.transform_point(history.pose(last).position());
+            let arm = (h.map_from_odom.transform_point(self.pivot) - robot).perp();
+            let loose = [
+                [place + heading * arm.x * arm.x, heading * arm.x * arm.y, heading * arm.x],
+                [heading * arm.x * arm.y, place + heading * arm.y * arm.y, heading * arm.y],
+                [heading * arm.x, heading * arm.y, heading],
+            ];
+            h.fold(&scene, &self.used[..early], &loose);
+        }
+        self.folded = true;
+        self.used.drain(..early);
+        self.used.iter_mut().for_each(|row| *row -= last);
+        history.forget(last);
     }
 
     /// The least cost of any hypothesis.

@@ -9,7 +9,7 @@ use super::contact::{Forward, Solver, State};
 use super::drift::Drift;
 use super::ground::Ground;
 use super::history::{Feeler, History, Judge};
-use super::normal::Normal;
+use super::normal::{Matrix, Normal};
 use crate::plane::{Pose2, Vec2};
 use crate::world::Map;
 
@@ -153,6 +153,21 @@ impl Hypothesis {
 
     /// Runs the history anew with the odometry frame at `map_from_odom`, row by row as listed.
     pub(super) fn run(&mut self, scene: &Scene<'_>, map_from_odom: Pose2, rows: impl Iterator<Item = usize>) {
+        self.restart(scene, map_from_odom);
+        if let Some(heading) = scene.history.heading() {
+            let off = crate::plane::wrap_angle(map_from_odom.theta - heading);
+            let weight = scene.heading_std.powi(-2);
+            self.normal.add(off, [0.0, 0.0, 1.0], 0.0, weight);
+            self.normal.cost += 0.5 * weight * off * off;
+        }
+        rows.for_each(|row| {
+            self.take(scene, row);
+        });
+        self.age = 0;
+    }
+
+    /// Puts the odometry frame to `map_from_odom` and goes back to the first row, before any reading.
+    fn restart(&mut self, scene: &Scene<'_>, map_from_odom: Pose2) {
         let first = scene.history.pose(self.start_row);
         for (state, feeler) in self.start.iter_mut().zip(scene.feelers) {
             let place = |frame: Pose2| frame.compose(first).compose(feeler.robot_from_whisker);
@@ -163,19 +178,21 @@ impl Hypothesis {
         self.start_at = map_from_odom;
         self.map_from_odom = map_from_odom;
         self.normal = self.prior;
-        if let Some(heading) = scene.history.heading() {
-            let off = crate::plane::wrap_angle(map_from_odom.theta - heading);
-            let weight = scene.heading_std.powi(-2);
-            self.normal.add(off, [0.0, 0.0, 1.0], 0.0, weight);
-            self.normal.cost += 0.5 * weight * off * off;
-        }
         self.drift = Drift::default();
         self.states.clone_from(&self.start);
         self.row = self.start_row;
-        rows.for_each(|row| {
-            self.take(scene, row);
-        });
-        self.age = 0;
+    }
+
+    /// Sums up what these rows say, the last of which is to become the first that is kept; `loose` is what odometry may
+    /// have added since then, as a covariance.
+    pub(super) fn fold(&mut self, scene: &Scene<'_>, rows: &[usize], loose: &Matrix) {
+        let Some(&last) = rows.last() else { return };
+        let mut early = self.clone();
+        early.restart(scene, self.map_from_odom);
+        rows.iter().for_each(|&row| early.take(scene, row));
+        self.prior = early.normal.loosened(loose);
+        (self.start, self.start_row, self.start_at) = (early.states, 0, self.map_from_odom);
+        self.row -= last;
     }
 
     /// Linearises anew a step `d` away, or a part of it where the whole makes things worse; gives the number of runs.
