@@ -219,8 +219,7 @@ fn memory_does_not_grow_and_the_place_stays_known() {
     let mut small = options().probabilistic;
     small.window = 400;
     let robot = Robot::default();
-    let mut localizer =
-        ProbabilisticLocalizer::new(&map, &robot, &sweep.log.channels, small).unwrap().without_record();
+    let mut localizer = ProbabilisticLocalizer::new(&map, &robot, &sweep.log.channels, small).unwrap().without_record();
     let mut draw = Random(11);
     let (mut worst, mut most, mut last): (f64, usize, usize) = (0.0, 0, 0);
     for step in 0..12_000_usize {

@@ -114,7 +114,11 @@ impl Hypothesis {
             let z = scene.history.readings(row)[index];
             let place = |odom: Pose2| {
                 let (x, y) = (cos * odom.x - sin * odom.y, sin * odom.x + cos * odom.y);
-                Pose2 { x: self.map_from_odom.x + x, y: self.map_from_odom.y + y, theta: self.map_from_odom.theta + odom.theta }
+                Pose2 {
+                    x: self.map_from_odom.x + x,
+                    y: self.map_from_odom.y + y,
+                    theta: self.map_from_odom.theta + odom.theta,
+                }
             };
             let there = place(scene.history.base(row, index));
             let forward = Forward { map: scene.map, ground: scene.ground, length: feeler.length, solver: scene.solver };

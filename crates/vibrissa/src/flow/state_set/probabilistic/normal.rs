@@ -146,17 +146,22 @@ mod tests {
         // Knowledge of x, y and heading with a shared error; by hand: covariance of the marginal plus that of the move,
         // least cost where it was.
         let mut normal = Normal::default();
-        for (by, shared) in [([1e3, 2e2, 5.0], 0.3), ([0.0, 8e2, -9.0], -0.2), ([3e2, -5e2, 20.0], 0.5), ([5e2, 1e2, 1.0], 0.1)] {
+        for (by, shared) in
+            [([1e3, 2e2, 5.0], 0.3), ([0.0, 8e2, -9.0], -0.2), ([3e2, -5e2, 20.0], 0.5), ([5e2, 1e2, 1.0], 0.1)]
+        {
             normal.add(0.4 - shared, by, shared, 1.0);
         }
         let q = [[4e-6, 1e-6, 0.0], [1e-6, 9e-6, 2e-5], [0.0, 2e-5, 4e-4]];
         let (before, after) = (normal.marginal(0.5), normal.loosened(&q).marginal(0.5));
-        let (mut wanted, found) = (inverse(&before.curvature).unwrap_or_default(), inverse(&after.curvature).unwrap_or_default());
+        let (mut wanted, found) =
+            (inverse(&before.curvature).unwrap_or_default(), inverse(&after.curvature).unwrap_or_default());
         add(&mut wanted, &q);
-        (0..3).for_each(|i| (0..3).for_each(|j| {
-            let scale = (wanted[i][i] * wanted[j][j]).sqrt();
-            assert!((found[i][j] - wanted[i][j]).abs() < 1e-6 * scale, "{found:?} {wanted:?}");
-        }));
+        (0..3).for_each(|i| {
+            (0..3).for_each(|j| {
+                let scale = (wanted[i][i] * wanted[j][j]).sqrt();
+                assert!((found[i][j] - wanted[i][j]).abs() < 1e-6 * scale, "{found:?} {wanted:?}");
+            })
+        });
         let (a, b) = (before.step([0.0; 3]).unwrap_or_default(), after.step([0.0; 3]).unwrap_or_default());
         (0..3).for_each(|i| assert!((a[i] - b[i]).abs() < 1e-5 * wanted[i][i].sqrt(), "{a:?} {b:?}"));
     }

@@ -5,9 +5,9 @@
 //! are open, the place along the boundary and the heading. Each cell of them is run through a few well separated
 //! readings as a Gaussian as wide as the cell, and most die at the first.
 
+use super::bank::merged;
 use super::contact::{Forward, State};
 use super::ground::Piece;
-use super::bank::merged;
 use super::hypothesis::{Hypothesis, Scene, moved};
 use crate::beam::Whisker;
 use crate::config::TipLoad;
