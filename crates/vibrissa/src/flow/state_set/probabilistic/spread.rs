@@ -117,7 +117,9 @@ fn summary(samples: &[([f64; 3], f64)], own: &Matrix) -> Option<Spread> {
     for (i, row) in covariance.iter_mut().enumerate() {
         for (j, value) in row.iter_mut().enumerate() {
             let sampled = samples.iter().map(|(d, w)| w * (d[i] - mean[i]) * (d[j] - mean[j])).sum::<f64>() / total;
-            *value = share * sampled + (1.0 - share) * own[i][j];
+            // The mean is that of the same few samples: they lie too near to it, and it is off itself.
+            let fair = sampled / (1.0 - 1.0 / effective.max(2.0));
+            *value = (share * fair + (1.0 - share) * own[i][j]) * (1.0 + 1.0 / effective);
         }
     }
     Some(Spread { mean, covariance, mass: total / samples.len() as f64 })
