@@ -108,6 +108,9 @@ fn main() -> Result<()> {
         let truth = sweep.truth[sweep.truth.len() - 1].map_from_robot;
         let nearest = answer.hypotheses.iter().map(|h| distance(h, truth)).fold(f64::INFINITY, f64::min);
         held += u64::from(nearest <= CHI2_95);
+        if run.is_multiple_of(50) {
+            println!("{run} sweeps so far, up to seed {seed}: truth in a region {held}");
+        }
         let off = |h: &Hypothesis| h.pose.position().distance(truth.position());
         near += u64::from(answer.hypotheses.iter().any(|h| off(h) < 5e-3));
         verdicts[answer.status as usize] += 1;

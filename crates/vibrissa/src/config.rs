@@ -364,18 +364,21 @@ pub struct ProbabilisticOptions {
     pub heading_error: f64,
     /// Where the robot is at the first row, map frame, where that is known: least and largest x (m), y (m), heading (rad).
     pub prior: Option<[[f64; 2]; 3]>,
+    /// Rows that are kept and fitted again; what older ones say is summed up as a Gaussian for each hypothesis.
+    pub window: usize,
 }
 
 impl Default for ProbabilisticOptions {
     fn default() -> Self {
         Self {
-            seed_spacing: 2e-3,
-            seed_turn: 0.05,
+            seed_spacing: 3e-3,
+            seed_turn: 0.08,
             seed_travel: 12e-3,
             seed_step: 2e-3,
             shared_gain: None,
             heading_error: 0.05,
             prior: None,
+            window: 1000,
         }
     }
 }
@@ -388,6 +391,7 @@ impl ProbabilisticOptions {
     /// Usage: names the knob, its value and the allowed range.
     pub fn check(&self) -> Result<()> {
         check_region(self.prior)?;
+        within("window", self.window as f64, 200.0, 1e6, "rows")?;
         within("heading_error", self.heading_error, 1e-4, core::f64::consts::PI, "rad")?;
         within("seed_spacing", self.seed_spacing, 5e-4, 2e-2, "m")?;
         within("seed_turn", self.seed_turn, 5e-3, 0.2, "rad")?;

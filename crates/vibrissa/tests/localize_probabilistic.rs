@@ -2,10 +2,15 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on must fail")]
 
+#[path = "data/random.rs"]
+mod random;
+
+use random::Random;
 use std::path::{Path, PathBuf};
 use vibrissa::flow::pose::{Localization, Method, Status};
 use vibrissa::flow::sensor_log::SensorLog;
 use vibrissa::flow::trajectory::read_tum;
+use vibrissa::localizer::ProbabilisticLocalizer;
 use vibrissa::plane::{Pose2, wrap_angle};
 use vibrissa::tasks::demo;
 use vibrissa::world::{Map, Robot};
@@ -167,4 +172,76 @@ fn nonsense_ends_in_a_verdict() {
     }
     let answer = localize(&log, &map, &Robot::default(), &options(), &mut |_| {}).unwrap();
     assert!(matches!(answer.status, Status::Inconsistent | Status::Ambiguous), "{:?}", answer.status);
+}
+
+/// The demo's sweep up to a row, and then the same sweep from another row on, as if the robot had been carried there
+/// without its odometry noticing; with the truth at the end and the row of the change.
+fn carried(until: usize, from: usize) -> (SensorLog, Pose2, usize) {
+    let (first, second) = (demo::sweep(1).unwrap(), demo::sweep(2).unwrap());
+    let mut log = first.log;
+    log.rows.truncate(until);
+    let last = log.rows.last().unwrap().clone();
+    let start = second.log.rows[from].odom_from_robot;
+    for row in &second.log.rows[from + 1..] {
+        let mut row = row.clone();
+        row.odom_from_robot = last.odom_from_robot.compose(start.between(row.odom_from_robot));
+        row.t += last.t - second.log.rows[from].t;
+        log.rows.push(row);
+    }
+    (log, second.truth.last().unwrap().map_from_robot, until)
+}
+
+#[test]
+fn a_robot_that_was_carried_away_is_found_again() {
+    let map = demo::arena().unwrap();
+    let rows = demo::sweep(1).unwrap().log.rows.len();
+    for (until, from) in [(rows, 0), (2 * rows / 3, rows / 6)] {
+        let (log, truth, change) = carried(until, from);
+        let answer = localize(&log, &map, &Robot::default(), &options(), &mut |_| {}).unwrap();
+        let kinds: Vec<&str> = answer.events.iter().map(|e| e.kind).collect();
+        println!("{until} {from}: {} {kinds:?}", answer.status);
+        assert_eq!(answer.status, Status::Localized, "{:?}", answer.events);
+        assert!(kinds.contains(&"inconsistent") && kinds.contains(&"recovered"), "{kinds:?}");
+        let (distance, turn) = off(answer.estimate.unwrap(), truth);
+        assert!(distance < 1e-3 && turn < 0.01, "{distance} {turn}");
+        // The way before was another one, and stays so.
+        let there = demo::sweep(1).unwrap().truth[until - 1].map_from_robot;
+        let at = |t: f64| answer.trajectory.iter().find(|p| (p.t - t).abs() < 1e-9).unwrap().map_from_robot;
+        assert!(off(at(log.rows[change - 1].t), there).0 < 5e-3);
+    }
+}
+
+#[test]
+fn memory_does_not_grow_and_the_place_stays_known() {
+    // Forth and back along the demo's sweep, with new noise each time.
+    let (map, sweep) = (demo::arena().unwrap(), demo::sweep(1).unwrap());
+    let rows = &sweep.log.rows;
+    let mut small = options().probabilistic;
+    small.window = 400;
+    let robot = Robot::default();
+    let mut localizer = ProbabilisticLocalizer::new(&map, &robot, &sweep.log.channels, small).unwrap().without_record();
+    let mut draw = Random(11);
+    let (mut worst, mut most, mut last): (f64, usize, usize) = (0.0, 0, 0);
+    for step in 0..12_000_usize {
+        let (way, at) = (step / (rows.len() - 1), step % (rows.len() - 1));
+        let k = if way.is_multiple_of(2) { at } else { rows.len() - 1 - at };
+        let mut row = rows[k].clone();
+        row.t = step as f64 / 300.0;
+        let exact = sweep.exact_moments[k][0];
+        row.readings[0] = exact + draw.signed(1.0) * (0.045 * exact.abs() + 1.9e-5);
+        localizer.step(&row).unwrap();
+        most = most.max(localizer.rows_kept());
+        if step > 2000 {
+            let truth = sweep.truth[k].map_from_robot;
+            worst = worst.max(localizer.estimate().map_or(1.0, |e| off(e, truth).0));
+        }
+        last = k;
+    }
+    println!("{most} rows kept, worst {:.3} mm", 1e3 * worst);
+    assert!(most <= 401, "{most}");
+    assert!(worst < 0.3e-3, "{worst}");
+    let answer = localizer.finish();
+    assert!(answer.trajectory.is_empty() && answer.steps.is_empty() && answer.events.len() < 200);
+    assert_eq!(answer.status, Status::Localized, "{:?}", answer.events);
+    assert!(off(answer.estimate.unwrap(), sweep.truth[last].map_from_robot).0 < 0.2e-3);
 }

@@ -46,6 +46,13 @@ pub struct ProbabilisticLocalizer<'a> {
     first_row: Option<usize>,
     first_states: Vec<Pose2>,
     lost: usize,
+    /// What has been told of the way before each loss: the row after it, and the odometry frame in the map frame.
+    before: Vec<(usize, Option<Pose2>)>,
+    /// Rows taken in, and rows that touched since the set last started anew after a loss.
+    taken: usize,
+    since: Option<usize>,
+    /// Whether the way is recorded.
+    recording: bool,
 }
 
 impl<'a> ProbabilisticLocalizer<'a> {
@@ -76,7 +83,31 @@ impl<'a> ProbabilisticLocalizer<'a> {
             first_row: None,
             first_states: Vec::new(),
             lost: 0,
+            before: Vec::new(),
+            taken: 0,
+            since: None,
+            recording: true,
         })
+    }
+
+    /// The same without a record of the way, for robots that never stop: the answer has no trajectory, no steps and only
+    /// the last few events, and memory does not grow with the rows.
+    #[must_use]
+    pub fn without_record(mut self) -> Self {
+        self.recording = false;
+        self
+    }
+
+    /// The robot's pose at the last row by the best hypothesis so far (map frame); none before the first contact has told.
+    #[must_use]
+    pub fn estimate(&self) -> Option<Pose2> {
+        self.set.best().zip(self.rows.last()).map(|(map_from_odom, &(_, odom))| map_from_odom.compose(odom))
+    }
+
+    /// How many rows are kept to be fitted again.
+    #[must_use]
+    pub fn rows_kept(&self) -> usize {
+        self.set.rows_kept()
     }
 
     /// Takes in one row.
@@ -91,17 +122,27 @@ impl<'a> ProbabilisticLocalizer<'a> {
             self.channels.iter().map(|&c| row.readings.get(c).copied().unwrap_or(0.0)).collect();
         self.screen(&mut moments, row)?;
         self.watch(row.t, &moments);
+        if !self.recording {
+            self.rows.clear();
+            self.events.drain(..self.events.len().saturating_sub(LAST_EVENTS));
+            self.before.drain(..self.before.len().saturating_sub(1));
+        }
         self.rows.push((row.t, odom));
+        self.taken += 1;
         match self.set.step(odom, &moments, row.heading.filter(|h| h.is_finite())) {
             Happened::Nothing => {}
             Happened::Started(_) => {
-                self.first_row.get_or_insert(self.rows.len() - 1);
+                self.first_row.get_or_insert(self.taken - 1);
+                self.since = (self.lost > 0).then_some(0);
                 if self.first_states.is_empty() {
                     self.first_states = self.set.states(odom);
                 }
                 self.note(row.t);
             }
-            Happened::Updated => self.note(row.t),
+            Happened::Updated => {
+                self.note(row.t);
+                self.believe_again(row.t);
+            }
             Happened::Lost => self.note_loss(row.t),
         }
         Ok(())
@@ -134,13 +175,28 @@ impl<'a> ProbabilisticLocalizer<'a> {
         }
     }
 
+    /// Tells when a set that was started after a loss has explained enough.
+    fn believe_again(&mut self, t: f64) {
+        let Some(rows) = self.since.as_mut().filter(|_| self.in_contact.contains(&true)) else { return };
+        *rows += 1;
+        if *rows == RECOVERED {
+            let detail = format!("{RECOVERED} rows of contact agree with where the robot is now; it had been lost");
+            self.events.push(Event { t, kind: "recovered", detail });
+        }
+    }
+
     fn note(&mut self, t: f64) {
+        if !self.recording {
+            return;
+        }
         let (area_m2, volume) = self.set.size();
         self.steps.push(StepRecord { t, components: self.set.len(), area_m2, volume });
     }
 
     fn note_loss(&mut self, t: f64) {
         self.lost += 1;
+        self.since = None;
+        self.before.push((self.taken, self.set.abandoned()));
         let detail = if self.first_row.is_some() {
             "no place explains the readings up to here: the robot was moved by hand, the whisker slipped or touched with \
              its side, or the map, the whisker or the noise bounds are not the robot's; starting anew"
@@ -157,7 +213,7 @@ impl<'a> ProbabilisticLocalizer<'a> {
         let before = self.first_row;
         let (places, fit) = self.set.finish();
         if !places.is_empty() {
-            self.first_row.get_or_insert(self.rows.len().saturating_sub(1));
+            self.first_row.get_or_insert(self.taken.saturating_sub(1));
         }
         if before.is_none() && !places.is_empty() {
             self.note(t);
@@ -209,16 +265,22 @@ impl<'a> ProbabilisticLocalizer<'a> {
         if rivals == 1 && small(&first.extent) { Status::Localized } else { Status::Ambiguous }
     }
 
-    /// The best place along the rows, from the first estimate on.
+    /// The best place along the rows, from the first estimate on; before a loss it is what was believed then.
     fn trajectory(&self, place: &Place) -> Vec<StampedPose> {
-        let first = self.first_row.unwrap_or(0);
-        let stamped = |&(t, odom): &(f64, Pose2)| StampedPose { t, map_from_robot: place.map_from_odom.compose(odom) };
-        self.rows[first..].iter().map(stamped).collect()
+        let Some(first) = self.first_row.filter(|_| self.recording) else { return Vec::new() };
+        let frame = |row: usize| {
+            let then = self.before.iter().find(|(end, frame)| row < *end && frame.is_some());
+            then.and_then(|(_, frame)| *frame).unwrap_or(place.map_from_odom)
+        };
+        let rows = self.rows.iter().enumerate().skip(first);
+        rows.map(|(row, &(t, odom))| StampedPose { t, map_from_robot: frame(row).compose(odom) }).collect()
     }
 }
 
 /// So many impossible readings on end are no false readings any more.
 const MOST_IMPOSSIBLE: usize = 4;
+/// Events that are kept where the way is not recorded.
+const LAST_EVENTS: usize = 100;
 /// Rows of contact that a set which was lost has to explain anew.
 const RECOVERED: usize = 150;
 

@@ -4,6 +4,7 @@ use super::contact::Solver;
 use super::ground::Ground;
 use super::history::{Feeler, History, Judge};
 use super::hypothesis::{Hypothesis, Scene, difference, moved};
+use super::normal::{Matrix, dot, times};
 use super::seeds::{Onset, seeds};
 use crate::beam::TipTable;
 use crate::config::ProbabilisticOptions;
@@ -18,10 +19,11 @@ const DROP_MORE: f64 = 20.0;
 const LOOSE: [f64; 3] = [4e4, 4e4, 131.0];
 /// Longest step of one linearisation (m, rad).
 const LONGEST: [f64; 2] = [3e-3, 0.06];
-/// A step longer than this (m, rad) asks for a new linearisation.
+/// A step longer than this (m, rad) asks for a new linearisation, if it promises so much (nats).
 const STALE: [f64; 2] = [1e-4, 2e-3];
+const PROMISE: f64 = 0.1;
 /// Readings that may be run again for each new row.
-const BUDGET: usize = 600;
+const BUDGET: usize = 200;
 /// Hypotheses this near to each other are one (m, rad),
 const SAME_PLACE: f64 = 1.2e-3;
 const SAME_HEADING: f64 = 0.015;
@@ -29,10 +31,19 @@ const SAME_HEADING: f64 = 0.015;
 const MANY: usize = 300;
 const ROUGH_PLACE: f64 = 2.5e-3;
 const ROUGH_HEADING: f64 = 0.04;
+/// In the end so are those that lie within another's region (squared standard deviations) and no further away (m).
+const OVERLAP: f64 = 0.5;
+const FARTHEST: f64 = 0.05;
+/// Inverse variances that keep covariances finite (20 mm, 20°).
+pub(super) const OPEN: [f64; 3] = [2.5e3, 2.5e3, 8.2];
+/// So many of the best are pulled back by readings that seem false, in steps with standard deviations enlarged so much,
+/// when so many rows have cost so much each (nats), and not again for as many rows.
+const RESCUED: usize = 12;
+const TEMPERS: [f64; 5] = [8.0, 8.0, 8.0, 4.0, 2.0];
+pub(super) const RESCUE_ROWS: usize = 8;
+const RESCUE_COST: f64 = 2.5;
 /// Rows between two merges.
 const MERGE_EVERY: usize = 8;
-/// With no more hypotheses than this, every row is used.
-const FEW: usize = 120;
 /// So many hypotheses share one row; twice as many take every second one, and so on.
 const LOAD: usize = 250;
 
@@ -47,6 +58,10 @@ pub(super) struct Bank {
     credit: usize,
     turn: usize,
     since_merge: usize,
+    /// The least costs after the last few rows.
+    recent: Vec<f64>,
+    /// Whether rows have been summed up, the history's first among them.
+    folded: bool,
 }
 
 /// What the bank works with.
@@ -96,8 +111,13 @@ impl Field<'_> {
 
 /// A step cut to a length that linearisations can be trusted for.
 pub(super) fn cut(d: [f64; 3]) -> [f64; 3] {
-    let share = (LONGEST[0] / d[0].hypot(d[1])).min(LONGEST[1] / d[2].abs()).min(1.0);
+    let share = (LONGEST[0] / (d[0] * d[0] + d[1] * d[1]).sqrt()).min(LONGEST[1] / d[2].abs()).min(1.0);
     d.map(|v| v * share)
+}
+
+/// Whether a step is longer than a linearisation is trusted for.
+fn is_stale(d: [f64; 3]) -> bool {
+    d[0] * d[0] + d[1] * d[1] > STALE[0] * STALE[0] || d[2].abs() > STALE[1]
 }
 
 impl Bank {
@@ -140,12 +160,14 @@ impl Bank {
             credit: 0,
             turn: 0,
             since_merge: 0,
+            recent: Vec::new(),
+            folded: false,
         };
-        bank.merge(history);
+        bank.merge(field, history);
         bank.hypotheses.sort_by(|a, b| a.normal.cost.total_cmp(&b.normal.cost));
         bank.hypotheses.truncate(MOST_SEEDS);
         bank.rerun(field, history);
-        bank.merge(history);
+        bank.merge(field, history);
         bank.drop_unlikely(field, history);
         bank
     }
@@ -175,48 +197,117 @@ impl Bank {
         });
         self.drop_unlikely(field, history);
         self.linearise(field, history);
+        self.recent.push(self.least());
+        if self.recent.len() > RESCUE_ROWS {
+            if self.recent[RESCUE_ROWS] - self.recent[0] > RESCUE_COST * RESCUE_ROWS as f64 {
+                self.rescue(field, history);
+                self.recent.clear();
+            } else {
+                self.recent.remove(0);
+            }
+        }
         self.since_merge += 1;
         if self.since_merge >= MERGE_EVERY {
             self.since_merge = 0;
-            self.merge(history);
-            if self.hypotheses.len() <= FEW && self.used.len() + 1 < history.len() {
-                self.use_all(field, history);
-            }
+            self.merge(field, history);
         }
     }
 
-    /// How many readings one run of all hypotheses over all rows takes.
-    pub(super) fn whole(&self, history: &History) -> usize {
-        self.hypotheses.len() * history.len()
+    /// Uses every row from now on, or so many that are evenly spread.
+    pub(super) fn use_rows(&mut self, field: &Field<'_>, history: &History, most: usize) {
+        let stride = history.len().div_ceil(most.max(1)).max(1);
+        // The first row has been summed up where anything has.
+        let folded = usize::from(self.folded);
+        self.used = (folded..history.len()).rev().step_by(stride).collect();
+        self.used.reverse();
+        self.rerun(field, history);
     }
 
-    /// Uses every row from now on.
-    pub(super) fn use_all(&mut self, field: &Field<'_>, history: &History) {
-        if self.used.len() < history.len() {
-            self.used = (0..history.len()).collect();
-            self.rerun(field, history);
-        }
-    }
-
-    /// Linearises in turn those whose estimate has moved, as far as the budget goes.
+    /// Linearises those whose estimate has moved, as far as the budget goes: the best one first, then in turn.
     fn linearise(&mut self, field: &Field<'_>, history: &History) {
         let scene = field.scene(history, self.pivot, Judge::FAIR, self.shared);
         self.credit = (self.credit + BUDGET).min(self.used.len().max(4 * BUDGET));
-        for _ in 0..self.hypotheses.len() {
+        let costs = self.hypotheses.iter().enumerate().map(|(index, h)| (h.best(LOOSE, self.shared).0, index));
+        let Some((_, best)) = costs.min_by(|a, b| a.0.total_cmp(&b.0)) else { return };
+        for visit in 0..=self.hypotheses.len() {
             if self.credit < self.used.len() {
                 return;
             }
-            self.turn = (self.turn + 1) % self.hypotheses.len();
-            let h = &mut self.hypotheses[self.turn];
-            let (_, d) = h.best(LOOSE, self.shared);
-            if h.age == 0 {
-                continue;
+            if visit > 0 {
+                self.turn = (self.turn + 1) % self.hypotheses.len();
             }
-            if d[0].hypot(d[1]) > STALE[0] || d[2].abs() > STALE[1] {
-                let runs = h.improve(&scene, cut(d), &self.used);
-                self.credit = self.credit.saturating_sub(runs * self.used.len());
+            let index = if visit == 0 { best } else { self.turn };
+            self.freshen(&scene, index);
+        }
+    }
+
+    /// Linearises one hypothesis anew if its estimate has moved.
+    fn freshen(&mut self, scene: &Scene<'_>, index: usize) {
+        let h = &mut self.hypotheses[index];
+        if h.age == 0 {
+            return;
+        }
+        let (cost, d) = h.best(LOOSE, self.shared);
+        if is_stale(d) && h.cost(self.shared) > cost + PROMISE {
+            let runs = h.improve(scene, cut(d), &self.used);
+            self.credit = self.credit.saturating_sub(runs * self.used.len());
+        }
+    }
+
+    /// Fits the best few anew with all readings believed, before they are given up.
+    ///
+    /// A reading that is many standard deviations off counts as a false one and pulls no more; when all new readings are,
+    /// since the estimate has crept along a ridge that earlier readings left open, it has to be pulled back by them first.
+    pub(super) fn rescue(&mut self, field: &Field<'_>, history: &History) {
+        let mut order: Vec<(f64, usize)> =
+            self.hypotheses.iter().enumerate().map(|(index, h)| (h.best(LOOSE, self.shared).0, index)).collect();
+        order.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let fair = field.scene(history, self.pivot, Judge::FAIR, self.shared);
+        let mut pulled: Vec<Hypothesis> = Vec::new();
+        for &(_, index) in order.iter().take(RESCUED) {
+            let mut h = self.hypotheses[index].clone();
+            for temper in TEMPERS {
+                let judge = Judge { temper, outlier_cost: f64::INFINITY };
+                let scene = field.scene(history, self.pivot, judge, self.shared);
+                h.run(&scene, h.map_from_odom, self.used.iter().copied());
+                let (_, d) = h.best(LOOSE, self.shared);
+                h.run(&fair, moved(h.map_from_odom, self.pivot, cut(d)), self.used.iter().copied());
+                if h.cost(self.shared) < self.hypotheses[index].cost(self.shared) - PROMISE {
+                    pulled.push(h.clone());
+                }
             }
         }
+        self.hypotheses.extend(pulled);
+    }
+
+    /// Sums up the first `count` rows, so that no more than a window of them is kept.
+    pub(super) fn fold(&mut self, field: &Field<'_>, history: &mut History, count: usize) {
+        let early = self.used.partition_point(|&row| row < count);
+        let Some(&last) = self.used[..early].last() else { return };
+        let scene = field.scene(history, self.pivot, Judge::FAIR, self.shared);
+        let odometry = &field.robot.odometry;
+        let (mut way, mut turn) = (0.0, 0.0);
+        for row in 0..last {
+            let (a, b) = (history.pose(row), history.pose(row + 1));
+            way += a.position().distance(b.position());
+            turn += a.between(b).theta.abs();
+        }
+        let place = (0.5 * odometry.translation_relative * way).powi(2);
+        let heading = (odometry.rotation_relative / SQRT_3 * turn).powi(2);
+        for h in &mut self.hypotheses {
+            let robot = h.map_from_odom.transform_point(history.pose(last).position());
+            let arm = (h.map_from_odom.transform_point(self.pivot) - robot).perp();
+            let loose = [
+                [place + heading * arm.x * arm.x, heading * arm.x * arm.y, heading * arm.x],
+                [heading * arm.x * arm.y, place + heading * arm.y * arm.y, heading * arm.y],
+                [heading * arm.x, heading * arm.y, heading],
+            ];
+            h.fold(&scene, &self.used[..early], &loose);
+        }
+        self.folded = true;
+        self.used.drain(..early);
+        self.used.iter_mut().for_each(|row| *row -= last);
+        history.forget(last);
     }
 
     /// The least cost of any hypothesis.
@@ -237,7 +328,7 @@ impl Bank {
                 return true;
             }
             let fresh = h.age * 6 <= used.len();
-            if cost > least + 1.4 * drop || fresh || d[0].hypot(d[1]) < STALE[0] && d[2].abs() < STALE[1] {
+            if cost > least + 1.4 * drop || fresh || !is_stale(d) {
                 return false;
             }
             if credit < used.len() {
@@ -250,23 +341,14 @@ impl Bank {
     }
 
     /// Keeps the best of hypotheses that have run into each other.
-    pub(super) fn merge(&mut self, history: &History) {
+    pub(super) fn merge(&mut self, field: &Field<'_>, history: &History) {
         let Some(last) = history.len().checked_sub(1) else { return };
-        let many = self.hypotheses.len() > MANY;
-        let size = if many { [ROUGH_PLACE, ROUGH_HEADING] } else { [SAME_PLACE, SAME_HEADING] };
-        let odom_from_robot = history.pose(last);
-        let mut keyed: Vec<_> = self
-            .hypotheses
-            .drain(..)
-            .map(|h| {
-                let (cost, d) = h.best(LOOSE, self.shared);
-                let at = moved(h.map_from_odom, self.pivot, cut(d));
-                (cell(at, self.pivot, odom_from_robot, size), cost, h)
-            })
-            .collect();
-        keyed.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
-        keyed.dedup_by(|later, kept| later.0 == kept.0);
-        self.hypotheses = keyed.into_iter().map(|(.., h)| h).collect();
+        let scene = field.scene(history, self.pivot, Judge::FAIR, self.shared);
+        let best = |h: &Hypothesis| {
+            let (cost, d) = h.best(LOOSE, self.shared);
+            (cost, cut(d))
+        };
+        self.hypotheses = merged(core::mem::take(&mut self.hypotheses), &scene, history.pose(last), best);
     }
 
     /// Moves every hypothesis to its least cost and joins those that end at the same place.
@@ -308,17 +390,19 @@ impl Bank {
     fn join(&mut self) {
         let shared = self.shared;
         self.hypotheses.sort_by(|a, b| a.cost(shared).total_cmp(&b.cost(shared)));
-        let mut kept: Vec<Hypothesis> = Vec::new();
+        let mut kept: Vec<(Hypothesis, Matrix)> = Vec::new();
         for h in self.hypotheses.drain(..) {
-            let near = |k: &Hypothesis| {
+            let near = |(k, curvature): &(Hypothesis, Matrix)| {
                 let d = difference(k.map_from_odom, h.map_from_odom, self.pivot);
                 d[0].hypot(d[1]) < 0.5 * SAME_PLACE && d[2].abs() < 0.5 * SAME_HEADING
+                    || d[0].hypot(d[1]) < FARTHEST && dot(times(curvature, d), d) < OVERLAP
             };
             if !kept.iter().any(near) {
-                kept.push(h);
+                let curvature = h.normal.marginal(shared).damped(OPEN);
+                kept.push((h, curvature));
             }
         }
-        self.hypotheses = kept;
+        self.hypotheses = kept.into_iter().map(|(h, _)| h).collect();
     }
 }
 
@@ -328,6 +412,30 @@ const SQRT_3: f64 = 1.732_050_807_568_877_2;
 const MOST_SEEDS: usize = 8000;
 /// Standard deviations are enlarged by this while cells are judged.
 const SEED_TEMPER: f64 = 1.5;
+
+/// The hypotheses without all but the best of those that meet, as `best` tells their cost and step to it; the robot is at
+/// `odom_from_robot`.
+pub(super) fn merged(
+    hypotheses: Vec<Hypothesis>,
+    scene: &Scene<'_>,
+    odom_from_robot: Pose2,
+    best: impl Fn(&Hypothesis) -> (f64, [f64; 3]),
+) -> Vec<Hypothesis> {
+    let size = if hypotheses.len() > MANY { [ROUGH_PLACE, ROUGH_HEADING] } else { [SAME_PLACE, SAME_HEADING] };
+    let mut keyed: Vec<_> = hypotheses
+        .iter()
+        .enumerate()
+        .map(|(index, h)| {
+            let (cost, d) = best(h);
+            (cell(moved(h.map_from_odom, scene.pivot, d), scene.pivot, odom_from_robot, size), cost, index)
+        })
+        .collect();
+    keyed.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    keyed.dedup_by(|later, kept| later.0 == kept.0);
+    let mut kept = vec![false; hypotheses.len()];
+    keyed.iter().for_each(|&(.., index)| kept[index] = true);
+    hypotheses.into_iter().zip(kept).filter_map(|(h, kept)| kept.then_some(h)).collect()
+}
 
 /// The cell of a frame's pose of the pivot and of the robot.
 fn cell(at: Pose2, pivot: Vec2, odom_from_robot: Pose2, size: [f64; 2]) -> [i64; 5] {

@@ -20,6 +20,8 @@ const LARGEST_TURN: f64 = 0.3;
 const HEAD_ON: f64 = 0.07;
 /// Pieces that one step may pass.
 const MOST_PIECES: usize = 40;
+/// Newton steps that may lead from piece to piece without an equilibrium on those between.
+const HOPS: usize = 2;
 /// How far beyond its ends a piece still counts (share of the piece).
 const END_SLACK: f64 = 1e-9;
 /// Largest travel of the base (whisker lengths, rad) in one step of the continuation.
@@ -226,7 +228,7 @@ impl Forward<'_> {
     /// The touching whisker moved in steps that the continuation can take; none when it let go or snapped.
     fn slide(&self, mut touch: Touch, from: Pose2, to: Pose2) -> Option<(Touch, Felt)> {
         let turn = wrap_angle(to.theta - from.theta);
-        let way = (to.position().distance(from.position()) / self.length).max(turn.abs());
+        let way = ((to.position() - from.position()).norm_squared().sqrt() / self.length).max(turn.abs());
         let steps = (way / LARGEST_STEP).ceil().clamp(1.0, 1e4);
         let least = 1.0 / (steps * f64::from(1_u32 << MOST_HALVINGS));
         let (mut share, mut step) = (0.0, 1.0 / steps);
@@ -265,7 +267,7 @@ impl Forward<'_> {
         };
         match next {
             Next::Touching(next, _)
-                if next.tip.distance(touch.tip) > LARGEST_SLIDE * self.length
+                if (next.tip - touch.tip).norm_squared() > (LARGEST_SLIDE * self.length).powi(2)
                     || (next.slope - touch.slope).abs() > LARGEST_BEND =>
             {
                 Next::None
@@ -280,12 +282,16 @@ impl Forward<'_> {
         let mut came: Option<bool> = None;
         let mut load = (start.q, start.beta);
         for _ in 0..MOST_PIECES {
-            let (end, found) = match self.on_piece(stance, load.0, load.1, piece, at) {
-                OnPiece::Found { at, touch, felt } => {
+            let (end, found) = match self.on_piece(stance, load.0, load.1, piece, at, came.is_none()) {
+                OnPiece::Found { piece: on, at, touch, felt } => {
                     load = (touch.q, touch.beta);
+                    piece = on;
                     (at, Some((touch, felt)))
                 }
-                OnPiece::Lost(at) => (at, None),
+                OnPiece::Lost(on, at) => {
+                    piece = on;
+                    (at, None)
+                }
                 OnPiece::Failed => return Next::None,
             };
             if (-END_SLACK..=1.0 + END_SLACK).contains(&end) {
@@ -328,10 +334,19 @@ impl Forward<'_> {
         }
     }
 
-    /// The equilibrium with the tip on a piece, from this load and place on.
-    fn on_piece(&self, stance: &Stance, mut q: f64, mut beta: f64, piece: u32, mut at: f64) -> OnPiece {
-        let ground = &self.ground.pieces[piece as usize];
-        for _ in 0..MOST_STEPS {
+    /// The equilibrium with the tip on a piece, from this load and place on; where `hopping`, on the piece to which the
+    /// first steps lead over slight corners.
+    fn on_piece(
+        &self,
+        stance: &Stance,
+        mut q: f64,
+        mut beta: f64,
+        mut piece: u32,
+        mut at: f64,
+        hopping: bool,
+    ) -> OnPiece {
+        let mut ground = &self.ground.pieces[piece as usize];
+        for step in 0..MOST_STEPS {
             let Some(tip) = self.solver.chart(q, beta) else { return OnPiece::Failed };
             let spot = ground.spot(at);
             let target = stance.seen(spot.position - stance.base);
@@ -346,8 +361,16 @@ impl Forward<'_> {
             let Some([dq, dbeta, dat]) = system.solve([gap.x, gap.y, aslant]) else { return OnPiece::Failed };
             let damp = damping(q, dq, dbeta);
             (q, beta, at) = (q - damp * dq, beta - damp * dbeta, at - damp * dat);
+            if hopping && step < HOPS && !(0.0..=1.0).contains(&at) && damp >= 1.0 {
+                let (on, there) = self.ground.hop(piece, at);
+                if on != piece {
+                    (piece, at) = (on, there);
+                    ground = &self.ground.pieces[piece as usize];
+                    continue;
+                }
+            }
             if ground.is_lost(at) {
-                return OnPiece::Lost(at);
+                return OnPiece::Lost(piece, at);
             }
             if !q.is_finite() || is_head_on(beta) {
                 return OnPiece::Failed;
@@ -361,7 +384,7 @@ impl Forward<'_> {
                 let tip_now = spot.position - spot.velocity * dat;
                 let touch = Touch { hold: Hold::Piece(piece, at), tip: tip_now, ..settled(&tip, q, beta, dq, dbeta) };
                 let felt = Felt { moment: corrected(&tip, dq, dbeta), gradient: stance.gradient(adjoint, target) };
-                return OnPiece::Found { at, touch, felt };
+                return OnPiece::Found { piece, at, touch, felt };
             }
         }
         OnPiece::Failed
@@ -407,9 +430,9 @@ impl Forward<'_> {
 /// Where Newton's method on a piece ended.
 enum OnPiece {
     /// An equilibrium, maybe on the continuation of the piece.
-    Found { at: f64, touch: Touch, felt: Felt },
+    Found { piece: u32, at: f64, touch: Touch, felt: Felt },
     /// The place left the piece before an equilibrium was found.
-    Lost(f64),
+    Lost(u32, f64),
     /// No stable equilibrium near.
     Failed,
 }

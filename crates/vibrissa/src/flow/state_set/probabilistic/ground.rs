@@ -7,6 +7,11 @@ use core::f64::consts::{FRAC_PI_2, PI};
 /// A turn below this is no corner (rad).
 const SMOOTH: f64 = 1e-9;
 
+/// Corners that turn by no more than this are hopped over while an equilibrium is still looked for (rad).
+const SLIGHT: f64 = 0.2;
+/// Pieces that one hop may pass.
+const MOST_HOPPED: usize = 16;
+
 /// Where one piece ends and the next begins.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Joint {
@@ -102,6 +107,29 @@ impl Ground {
     /// The length of all pieces (m).
     pub(super) fn length(&self) -> f64 {
         self.pieces.iter().map(|piece| piece.length).sum()
+    }
+
+    /// The place that lies beyond an end of a piece by as much as the parameter `at` says, if only slight corners lie
+    /// between: piece and parameter.
+    pub(super) fn hop(&self, mut piece: u32, mut at: f64) -> (u32, f64) {
+        for _ in 0..MOST_HOPPED {
+            let here = &self.pieces[piece as usize];
+            let forward = at > 1.0;
+            let across = if forward { Some(piece) } else { here.before };
+            let joint = across.and_then(|before| self.pieces[before as usize].joint);
+            let (Some(before), Some(joint)) = (across, joint) else { break };
+            if joint.turn.abs() > SLIGHT || !at.is_finite() {
+                break;
+            }
+            let over = here.length * if forward { at - 1.0 } else { -at };
+            let next = if forward { joint.next } else { before };
+            let share = over / self.pieces[next as usize].length;
+            (piece, at) = (next, if forward { share } else { 1.0 - share });
+            if (0.0..=1.0).contains(&at) {
+                break;
+            }
+        }
+        (piece, at)
     }
 
     /// The place nearest to `point` within `reach` (m), on the side on which `base` is: piece, parameter, distance.

@@ -127,20 +127,23 @@ fn robust(sigmas: f64, outlier_cost: f64) -> (f64, f64) {
 /// Rows that were kept, each with one reading for each whisker (dimensionless).
 #[derive(Clone, Debug, Default)]
 pub(super) struct History {
-    whiskers: usize,
+    mounts: Vec<Pose2>,
     poses: Vec<Pose2>,
+    /// The bases of all whiskers, odometry frame.
+    bases: Vec<Pose2>,
     readings: Vec<f64>,
     /// Sum of unit vectors: the heading of the odometry frame by each absolute heading.
     compass: Vec2,
 }
 
 impl History {
-    pub(super) fn new(whiskers: usize) -> Self {
-        Self { whiskers, poses: Vec::new(), readings: Vec::new(), compass: Vec2::ZERO }
+    pub(super) fn new(feelers: &[Feeler]) -> Self {
+        Self { mounts: feelers.iter().map(|f| f.robot_from_whisker).collect(), ..Self::default() }
     }
 
     pub(super) fn push(&mut self, odom_from_robot: Pose2, readings: &[f64]) {
         self.poses.push(odom_from_robot);
+        self.bases.extend(self.mounts.iter().map(|mount| odom_from_robot.compose(*mount)));
         self.readings.extend_from_slice(readings);
     }
 
@@ -165,18 +168,26 @@ impl History {
     }
 
     pub(super) fn readings(&self, row: usize) -> &[f64] {
-        &self.readings[row * self.whiskers..(row + 1) * self.whiskers]
+        &self.readings[row * self.mounts.len()..(row + 1) * self.mounts.len()]
+    }
+
+    /// The base of a whisker, `odom_from_whisker`.
+    pub(super) fn base(&self, row: usize, feeler: usize) -> Pose2 {
+        self.bases[row * self.mounts.len() + feeler]
     }
 
     /// Forgets the rows before `row`.
     pub(super) fn forget(&mut self, row: usize) {
         self.poses.drain(..row);
-        self.readings.drain(..row * self.whiskers);
+        self.bases.drain(..row * self.mounts.len());
+        self.readings.drain(..row * self.mounts.len());
     }
 
     /// Forgets one row.
     pub(super) fn drop_row(&mut self, row: usize) {
         self.poses.remove(row);
-        self.readings.drain(row * self.whiskers..(row + 1) * self.whiskers);
+        let these = row * self.mounts.len()..(row + 1) * self.mounts.len();
+        self.bases.drain(these.clone());
+        self.readings.drain(these);
     }
 }

@@ -9,7 +9,7 @@ use super::contact::{Forward, Solver, State};
 use super::drift::Drift;
 use super::ground::Ground;
 use super::history::{Feeler, History, Judge};
-use super::normal::Normal;
+use super::normal::{Matrix, Normal};
 use crate::plane::{Pose2, Vec2};
 use crate::world::Map;
 
@@ -105,17 +105,29 @@ impl Hypothesis {
 
     /// Takes in the row `row`, which must not be before the last one.
     pub(super) fn take(&mut self, scene: &Scene<'_>, row: usize) {
-        let (from, to) = (scene.history.pose(self.row), scene.history.pose(row));
+        let (sin, cos) = self.map_from_odom.theta.sin_cos();
         let pivot = self.map_from_odom.transform_point(scene.pivot);
         if scene.blur {
-            self.drift.travel(from, to);
+            self.drift.travel(scene.history.pose(self.row), scene.history.pose(row));
         }
         for (index, feeler) in scene.feelers.iter().enumerate() {
             let z = scene.history.readings(row)[index];
-            let place = |odom: Pose2| self.map_from_odom.compose(odom).compose(feeler.robot_from_whisker);
-            let there = place(to);
+            let place = |odom: Pose2| {
+                let (x, y) = (cos * odom.x - sin * odom.y, sin * odom.x + cos * odom.y);
+                Pose2 {
+                    x: self.map_from_odom.x + x,
+                    y: self.map_from_odom.y + y,
+                    theta: self.map_from_odom.theta + odom.theta,
+                }
+            };
+            let there = place(scene.history.base(row, index));
             let forward = Forward { map: scene.map, ground: scene.ground, length: feeler.length, solver: scene.solver };
-            let felt = forward.advance(&mut self.states[index], place(from), there, feeler.is_contact(z));
+            let felt = forward.advance(
+                &mut self.states[index],
+                place(scene.history.base(self.row, index)),
+                there,
+                feeler.is_contact(z),
+            );
             let misfit = match self.states[index] {
                 State::Unknown => Feeler::unknown(),
                 State::Free => feeler.misfit(0.0, z, false, false, scene.judge),
@@ -133,7 +145,7 @@ impl Hypothesis {
                 let by = [gx, gy, turn + gx * arm.x + gy * arm.y];
                 self.normal.add(misfit.residual, by, felt.moment, weight);
                 if scene.blur {
-                    let robot = self.map_from_odom.transform_point(to.position());
+                    let robot = self.map_from_odom.transform_point(scene.history.pose(row).position());
                     let arm = there.position() - robot;
                     self.drift.add(self.map_from_odom.theta, arm, felt.gradient, by, felt.moment, weight);
                 }
@@ -145,6 +157,21 @@ impl Hypothesis {
 
     /// Runs the history anew with the odometry frame at `map_from_odom`, row by row as listed.
     pub(super) fn run(&mut self, scene: &Scene<'_>, map_from_odom: Pose2, rows: impl Iterator<Item = usize>) {
+        self.restart(scene, map_from_odom);
+        if let Some(heading) = scene.history.heading() {
+            let off = crate::plane::wrap_angle(map_from_odom.theta - heading);
+            let weight = scene.heading_std.powi(-2);
+            self.normal.add(off, [0.0, 0.0, 1.0], 0.0, weight);
+            self.normal.cost += 0.5 * weight * off * off;
+        }
+        rows.for_each(|row| {
+            self.take(scene, row);
+        });
+        self.age = 0;
+    }
+
+    /// Puts the odometry frame to `map_from_odom` and goes back to the first row, before any reading.
+    fn restart(&mut self, scene: &Scene<'_>, map_from_odom: Pose2) {
         let first = scene.history.pose(self.start_row);
         for (state, feeler) in self.start.iter_mut().zip(scene.feelers) {
             let place = |frame: Pose2| frame.compose(first).compose(feeler.robot_from_whisker);
@@ -155,19 +182,21 @@ impl Hypothesis {
         self.start_at = map_from_odom;
         self.map_from_odom = map_from_odom;
         self.normal = self.prior;
-        if let Some(heading) = scene.history.heading() {
-            let off = crate::plane::wrap_angle(map_from_odom.theta - heading);
-            let weight = scene.heading_std.powi(-2);
-            self.normal.add(off, [0.0, 0.0, 1.0], 0.0, weight);
-            self.normal.cost += 0.5 * weight * off * off;
-        }
         self.drift = Drift::default();
         self.states.clone_from(&self.start);
         self.row = self.start_row;
-        rows.for_each(|row| {
-            self.take(scene, row);
-        });
-        self.age = 0;
+    }
+
+    /// Sums up what these rows say, the last of which is to become the first that is kept; `loose` is what odometry may
+    /// have added since then, as a covariance.
+    pub(super) fn fold(&mut self, scene: &Scene<'_>, rows: &[usize], loose: &Matrix) {
+        let Some(&last) = rows.last() else { return };
+        let mut early = self.clone();
+        early.restart(scene, self.map_from_odom);
+        rows.iter().for_each(|&row| early.take(scene, row));
+        self.prior = early.normal.loosened(loose);
+        (self.start, self.start_row, self.start_at) = (early.states, 0, self.map_from_odom);
+        self.row -= last;
     }
 
     /// Linearises anew a step `d` away, or a part of it where the whole makes things worse; gives the number of runs.

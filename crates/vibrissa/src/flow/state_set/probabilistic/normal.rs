@@ -3,6 +3,9 @@
 /// A symmetric matrix over (x, y, theta).
 pub(super) type Matrix = [[f64; 3]; 3];
 
+/// Variances of a frame that does not move at all (m², rad²).
+const STILL: [f64; 3] = [1e-14, 1e-14, 1e-12];
+
 /// A quadratic cost around a point: `cost + gradient·d + d·curvature·d / 2`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Normal {
@@ -34,6 +37,28 @@ impl Normal {
         let cost = self.cost + dot(self.gradient, d) + 0.5 * dot(along, d);
         let shared = [self.shared[0], self.shared[1] + dot(self.mixed, d)];
         Self { gradient, cost, shared, ..*self }
+    }
+
+    /// The same knowledge after the frame has made a random move of this covariance.
+    pub(super) fn loosened(&self, covariance: &Matrix) -> Self {
+        // (Q⁻¹ + A)⁻¹, with something added to each for the sake of directions that are known too well or not at all.
+        let mut own = *covariance;
+        (0..3).for_each(|i| own[i][i] += STILL[i]);
+        let Some(mut sum) = inverse(&own) else { return *self };
+        add(&mut sum, &self.curvature);
+        let Some(w) = inverse(&sum) else { return *self };
+        let (wg, wm) = (times(&w, self.gradient), times(&w, self.mixed));
+        let wa = [0, 1, 2].map(|j| times(&w, [self.curvature[0][j], self.curvature[1][j], self.curvature[2][j]]));
+        let mut out = *self;
+        for i in 0..3 {
+            out.gradient[i] -= dot(self.curvature[i], wg);
+            out.mixed[i] -= dot(self.curvature[i], wm);
+            (0..3).for_each(|j| out.curvature[i][j] -= dot(self.curvature[i], wa[j]));
+        }
+        out.shared[0] -= dot(self.mixed, wm);
+        out.shared[1] -= dot(self.mixed, wg);
+        out.cost -= 0.5 * dot(self.gradient, wg);
+        out
     }
 
     /// The cost with the shared error, of this standard deviation before any reading, at its best for every move: as if
@@ -115,6 +140,31 @@ pub(super) fn inverse(m: &Matrix) -> Option<Matrix> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_random_move_adds_to_the_covariance() {
+        // Knowledge of x, y and heading with a shared error; by hand: covariance of the marginal plus that of the move,
+        // least cost where it was.
+        let mut normal = Normal::default();
+        for (by, shared) in
+            [([1e3, 2e2, 5.0], 0.3), ([0.0, 8e2, -9.0], -0.2), ([3e2, -5e2, 20.0], 0.5), ([5e2, 1e2, 1.0], 0.1)]
+        {
+            normal.add(0.4 - shared, by, shared, 1.0);
+        }
+        let q = [[4e-6, 1e-6, 0.0], [1e-6, 9e-6, 2e-5], [0.0, 2e-5, 4e-4]];
+        let (before, after) = (normal.marginal(0.5), normal.loosened(&q).marginal(0.5));
+        let (mut wanted, found) =
+            (inverse(&before.curvature).unwrap_or_default(), inverse(&after.curvature).unwrap_or_default());
+        add(&mut wanted, &q);
+        (0..3).for_each(|i| {
+            (0..3).for_each(|j| {
+                let scale = (wanted[i][i] * wanted[j][j]).sqrt();
+                assert!((found[i][j] - wanted[i][j]).abs() < 1e-6 * scale, "{found:?} {wanted:?}");
+            })
+        });
+        let (a, b) = (before.step([0.0; 3]).unwrap_or_default(), after.step([0.0; 3]).unwrap_or_default());
+        (0..3).for_each(|i| assert!((a[i] - b[i]).abs() < 1e-5 * wanted[i][i].sqrt(), "{a:?} {b:?}"));
+    }
 
     #[test]
     fn the_step_goes_to_the_least_cost() {

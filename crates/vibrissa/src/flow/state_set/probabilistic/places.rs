@@ -1,6 +1,6 @@
 //! What the hypotheses say at the end: places with weights and extents, and how well the best one fits.
 
-use super::bank::{Bank, Field};
+use super::bank::{Bank, Field, OPEN};
 use super::contact::{Solver, State};
 use super::history::{History, Judge};
 use super::hypothesis::{Hypothesis, Scene, difference, moved};
@@ -9,14 +9,15 @@ use super::spread::{SAMPLES, Spread, spread};
 use crate::plane::Pose2;
 
 /// Hypotheses that are refined to the end in closed form, the best first.
-const EXACT: usize = 24;
-/// Gauss-Newton steps for all, and for those.
-const ROUNDS: usize = 4;
+const EXACT: usize = 4;
+/// Rows that the first Gauss-Newton steps of all hypotheses take, and how many steps there are; then those over all rows.
+const FIRST_ROWS: usize = 48;
+const FIRST_ROUNDS: usize = 3;
+const ROUNDS: usize = 3;
 const LAST_ROUNDS: usize = 8;
-/// Readings, times hypotheses, that are run again at the end; beyond, the rows used so far must do.
+/// Readings, times hypotheses, that are run again at the end; beyond, every second, every third … row must do.
 const MOST_TAKES: usize = 150_000;
-/// Fewest and most hypotheses that are looked at in the end.
-const FEWEST: usize = 50;
+/// Most hypotheses that are looked at in the end.
 const MOST: usize = 1000;
 /// How many of the best hypotheses are started anew from around them, and from where (m, m, rad).
 const SHAKEN: usize = 3;
@@ -25,13 +26,13 @@ const SHAKES: [[f64; 3]; 3] = [[7e-4, 7e-4, 0.0], [7e-4, -7e-4, 0.0], [0.0, 0.0,
 const SLACK: f64 = 6.0;
 /// A hypothesis this much less likely than the best (nats) is not told.
 const TOLD: f64 = 12.0;
-/// Inverse variances that keep covariances finite (20 mm, 20°).
-const OPEN: [f64; 3] = [2.5e3, 2.5e3, 8.2];
 /// Hypotheses nearer than so many standard deviations are one place,
 const LINKED: f64 = 9.0;
 /// or nearer than this (m, rad).
 const LINK_PLACE: f64 = 4e-3;
 const LINK_TURN: f64 = 0.04;
+/// The share of a ridge that one of its hypotheses stands for: the standard deviation of a Gaussian as wide (m).
+const RIDGE: f64 = 5.6e-3;
 /// Hypotheses further apart than this are not compared (m).
 const FARTHEST: f64 = 0.05;
 /// Area and volume of the regions that hold 95 % of a Gaussian, per root of its covariance's determinant: `pi chi²` and
@@ -105,15 +106,16 @@ pub(super) fn size(bank: &Bank) -> (f64, f64) {
 pub(super) fn choose(bank: &mut Bank, field: &Field<'_>, history: &History) -> (Vec<Place>, Option<Fit>) {
     let shared = bank.shared;
     bank.hypotheses.sort_by(|a, b| a.best(OPEN, shared).0.total_cmp(&b.best(OPEN, shared).0));
-    bank.hypotheses.truncate((MOST_TAKES / bank.used.len().max(1)).clamp(FEWEST, MOST));
-    if bank.whole(history) < MOST_TAKES {
-        bank.use_all(field, history);
+    bank.hypotheses.truncate(MOST);
+    for (rows, rounds) in [(FIRST_ROWS, FIRST_ROUNDS), (MOST_TAKES / bank.hypotheses.len().max(1), ROUNDS)] {
+        bank.use_rows(field, history, rows);
+        bank.settle(field, history, rounds, 0);
+        let least = bank.hypotheses.iter().map(|h| h.cost(shared)).fold(f64::INFINITY, f64::min);
+        bank.hypotheses.retain(|h| h.cost(shared) <= least + TOLD + SLACK);
     }
-    bank.settle(field, history, ROUNDS, 0);
-    let least = bank.hypotheses.iter().map(|h| h.cost(bank.shared)).fold(f64::INFINITY, f64::min);
-    bank.hypotheses.retain(|h| h.cost(shared) <= least + TOLD + SLACK);
-    if bank.whole(history) < MOST_TAKES {
-        bank.use_all(field, history);
+    let afford = MOST_TAKES / bank.hypotheses.len().max(1);
+    if bank.used.len() < history.len() && afford > bank.used.len() {
+        bank.use_rows(field, history, afford);
     }
     bank.settle(field, history, LAST_ROUNDS, EXACT);
     shake(bank, field, history);
@@ -234,7 +236,7 @@ impl Settled<'_> {
         let one = |&i: &usize| {
             let h = &self.bank.hypotheses[i];
             // Neighbours on a ridge share its length among them.
-            let narrow = LINK_PLACE.powi(-2) * 4.0;
+            let narrow = RIDGE.powi(-2);
             let mut curvature = inverse(&self.own[i]).unwrap_or_default();
             if members.len() > 1 {
                 (0..2).for_each(|k| curvature[k][k] += narrow);

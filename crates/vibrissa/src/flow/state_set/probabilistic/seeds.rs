@@ -5,6 +5,7 @@
 //! are open, the place along the boundary and the heading. Each cell of them is run through a few well separated
 //! readings as a Gaussian as wide as the cell, and most die at the first.
 
+use super::bank::merged;
 use super::contact::{Forward, State};
 use super::ground::Piece;
 use super::hypothesis::{Hypothesis, Scene, moved};
@@ -153,9 +154,11 @@ fn judged(scene: &Scene<'_>, onset: &Onset<'_>, map_from_whisker: Pose2, state: 
     Some(hypothesis)
 }
 
-/// Moves each hypothesis to its best place and drops those that stay bad.
+/// Moves each hypothesis to its best place and drops those that stay bad, and all but the best of those that meet.
 fn refine(scene: &Scene<'_>, onset: &Onset<'_>, found: &mut Vec<Hypothesis>) {
+    let last = onset.rows.last().copied().unwrap_or(onset.row);
     for round in 0..ROUNDS {
+        *found = merged(core::mem::take(found), scene, scene.history.pose(last), |h| h.best(cell(onset), 0.0));
         let limit = if round + 1 == ROUNDS { REFINED_COST } else { CELL_COST };
         found.retain_mut(|h| {
             let (_, d) = h.best(cell(onset), 0.0);

@@ -18,8 +18,9 @@ const STREAK: usize = 3;
 /// Over so many used rows the fit is watched, and a mean cost above this says that no hypothesis explains them.
 const WATCHED: usize = 40;
 const LOST_COST: f64 = 2.2;
-/// More seedings than this are not tried.
+/// More seedings than this are not tried, unless one has held for so many rows.
 const MOST_STARTS: u32 = 6;
+const TRUSTED: usize = 300;
 /// Fewest rows of contact to seed from.
 const FEWEST_ROWS: usize = 5;
 
@@ -70,6 +71,9 @@ pub struct ProbabilisticSet<'a> {
     starts: u32,
     patience: f64,
     last: Option<Pose2>,
+    /// Used rows since the set was started, and its best hypothesis when it was last given up.
+    tracked: usize,
+    abandoned: Option<Pose2>,
 }
 
 impl<'a> ProbabilisticSet<'a> {
@@ -83,7 +87,7 @@ impl<'a> ProbabilisticSet<'a> {
             options,
             ground: Ground::new(map),
             table: TipTable::new(),
-            history: History::new(feelers.len()),
+            history: History::new(&feelers),
             touching: vec![0; feelers.len()],
             feelers,
             phase: Phase::Waiting,
@@ -92,7 +96,21 @@ impl<'a> ProbabilisticSet<'a> {
             starts: 0,
             patience: 1.0,
             last: None,
+            tracked: 0,
+            abandoned: None,
         }
+    }
+
+    /// How many rows are kept: as many as the window, and a few.
+    #[must_use]
+    pub fn rows_kept(&self) -> usize {
+        self.history.len()
+    }
+
+    /// The odometry frame in the map frame by the best hypothesis of the set that was last given up.
+    #[must_use]
+    pub fn abandoned(&self) -> Option<Pose2> {
+        self.abandoned
     }
 
     /// How many hypotheses there are.
@@ -144,6 +162,11 @@ impl<'a> ProbabilisticSet<'a> {
             Phase::Waiting => self.wait(any),
             Phase::Pressing { travelled, .. } => {
                 *travelled += travel.max(turn * lever);
+                // A robot that rests with its whisker on a wall says the same again and again.
+                if self.history.len() > self.options.window {
+                    let newest = self.history.len() - 2;
+                    self.history.drop_row(newest);
+                }
                 self.press(false)
             }
             Phase::Tracking(_) => self.track(),
@@ -217,6 +240,12 @@ impl<'a> ProbabilisticSet<'a> {
         let used = bank.used.len();
         let field = Field { map, ground, table, robot, feelers, options };
         bank.step(&field, history);
+        if history.len() > options.window {
+            let taken = bank.used.len() > used;
+            bank.fold(&field, history, options.window / 4);
+            self.tracked += usize::from(taken);
+            return if taken { Happened::Updated } else { Happened::Nothing };
+        }
         if bank.used.len() == used {
             return Happened::Nothing;
         }
@@ -225,9 +254,14 @@ impl<'a> ProbabilisticSet<'a> {
         }
         self.costs.push(bank.least());
         if self.costs.len() > WATCHED {
-            let spent = self.costs[self.costs.len() - 1] - self.costs[0];
-            self.costs.remove(0);
-            if spent > LOST_COST * WATCHED as f64 {
+            let before = self.costs.remove(0);
+            let most = before + LOST_COST * WATCHED as f64;
+            let mut now = bank.least();
+            if now > most {
+                bank.rescue(&field, history);
+                now = bank.least();
+            }
+            if now > most {
                 self.begin_again();
                 return Happened::Lost;
             }
@@ -236,11 +270,17 @@ impl<'a> ProbabilisticSet<'a> {
             self.begin_again();
             return Happened::Lost;
         }
+        self.tracked += 1;
+        if self.tracked > TRUSTED {
+            self.starts = 1;
+        }
         Happened::Updated
     }
 
     /// Forgets everything and starts from the present contact, or waits for the next.
     fn begin_again(&mut self) {
+        self.abandoned = self.best().or(self.abandoned);
+        self.tracked = 0;
         let rows = self.history.len();
         self.history.forget(rows.saturating_sub(1));
         self.patience = 1.0;

@@ -9,8 +9,12 @@ use super::normal::{Matrix, determinant, dot, inverse, times};
 use crate::plane::Pose2;
 
 /// Samples of one place, and hypotheses at most that they are drawn around.
-pub(super) const SAMPLES: usize = 160;
-const MOST_CENTRES: usize = 6;
+pub(super) const SAMPLES: usize = 144;
+const MOST_CENTRES: usize = 12;
+/// The share of them that is drawn around the hypotheses; the rest is drawn from the Gaussian that those have found, so
+/// much wider.
+const FIRST: usize = 72;
+const WIDER: f64 = 1.3;
 /// Half of the samples are drawn from Gaussians this much wider than the linearisation says, half from the other.
 const WIDTHS: [f64; 2] = [1.2, 2.5];
 /// The linearisation counts like so many effective samples.
@@ -64,25 +68,41 @@ pub(super) fn spread(
         .take(MOST_CENTRES)
         .filter_map(|(h, c)| Centre::new(difference(first.map_from_odom, h.map_from_odom, scene.pivot), c))
         .collect();
-    let count = SAMPLES / centres.len().max(1) * centres.len();
-    let mut samples = Vec::with_capacity(count);
-    for index in 0..count {
+    let cost = |d: [f64; 3]| {
+        let frame = moved(first.map_from_odom, scene.pivot, d);
+        admits(frame).then(|| {
+            let mut there = first.clone();
+            there.run(scene, frame, rows.iter().copied());
+            there.cost(scene.shared)
+        })
+    };
+    let around = |d: [f64; 3]| {
+        let drawn: f64 = centres.iter().flat_map(|c| WIDTHS.map(|w| c.density(d, w))).sum();
+        drawn / (centres.len() * WIDTHS.len()) as f64
+    };
+    let weight = |cost: Option<f64>, drawn: f64| cost.map_or(0.0, |cost| (least - cost).exp() / drawn);
+    let mut drawn: Vec<([f64; 3], Option<f64>)> = Vec::with_capacity(SAMPLES);
+    for index in 0..FIRST / centres.len().max(1) * centres.len() {
         let centre = &centres[index % centres.len()];
         let width = WIDTHS[index / centres.len() % WIDTHS.len()];
         let step = times(&centre.root, normal_point(index));
         let d = [0, 1, 2].map(|i| centre.at[i] + width * step[i]);
-        let frame = moved(first.map_from_odom, scene.pivot, d);
-        if !admits(frame) {
-            samples.push((d, 0.0));
-            continue;
-        }
-        let mut there = first.clone();
-        there.run(scene, frame, rows.iter().copied());
-        let drawn: f64 = centres.iter().flat_map(|c| WIDTHS.map(|w| c.density(d, w))).sum();
-        let drawn = drawn / (centres.len() * WIDTHS.len()) as f64;
-        samples.push((d, (least - there.cost(scene.shared)).exp() / drawn));
+        drawn.push((d, cost(d)));
     }
-    summary(&samples, own)
+    let early = drawn.len();
+    let weighed: Vec<_> = drawn.iter().map(|&(d, c)| (d, weight(c, around(d)))).collect();
+    let found = summary(&weighed, own)?;
+    let Some(centre) = Centre::new(found.mean, &found.covariance) else { return Some(found) };
+    for index in early..SAMPLES {
+        let step = times(&centre.root, normal_point(index));
+        let d = [0, 1, 2].map(|i| centre.at[i] + WIDER * step[i]);
+        drawn.push((d, cost(d)));
+    }
+    // Each sample is weighed as one of the mixture that all were drawn from.
+    let share = early as f64 / SAMPLES as f64;
+    let mixture = |d: [f64; 3]| share * around(d) + (1.0 - share) * centre.density(d, WIDER);
+    let weighed: Vec<_> = drawn.iter().map(|&(d, c)| (d, weight(c, mixture(d)))).collect();
+    summary(&weighed, own)
 }
 
 /// Mean, covariance and mass of weighted samples; where few of them count, the linearisation's covariance does.
@@ -97,7 +117,9 @@ fn summary(samples: &[([f64; 3], f64)], own: &Matrix) -> Option<Spread> {
     for (i, row) in covariance.iter_mut().enumerate() {
         for (j, value) in row.iter_mut().enumerate() {
             let sampled = samples.iter().map(|(d, w)| w * (d[i] - mean[i]) * (d[j] - mean[j])).sum::<f64>() / total;
-            *value = share * sampled + (1.0 - share) * own[i][j];
+            // The mean is that of the same few samples: they lie too near to it, and it is off itself.
+            let fair = sampled / (1.0 - 1.0 / effective.max(2.0));
+            *value = (share * fair + (1.0 - share) * own[i][j]) * (1.0 + 1.0 / effective);
         }
     }
     Some(Spread { mean, covariance, mass: total / samples.len() as f64 })

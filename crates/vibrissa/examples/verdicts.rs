@@ -1,0 +1,123 @@
+//! Whether verdicts can be trusted: the demo's arena under conditions that are and are not as declared.
+//!
+//! `cargo run --release --example verdicts -- [RUNS]` prints for each condition and method how many runs ended in which
+//! verdict, and whether the truth (within 5 mm and 5°) was the one place or among the places.
+
+#[path = "../tests/data/random.rs"]
+mod random;
+
+use random::Random;
+use vibrissa::flow::pose::{Localization, Method, Status};
+use vibrissa::flow::sensor_log::SensorLog;
+use vibrissa::plane::{Curve, Pose2, Vec2, wrap_angle};
+use vibrissa::tasks::demo;
+use vibrissa::tasks::simulate::Sweep;
+use vibrissa::world::{Boundary, Map, Robot, Role};
+use vibrissa::{Error, LocalizeOptions, Result, localize};
+
+/// How near a place is to the truth to be the true one (m, rad).
+const NEAR: [f64; 2] = [5e-3, 0.09];
+
+/// What is done to a clean log; gives the truth at its end.
+type Change = fn(&mut SensorLog, &Sweep, &mut Random) -> Result<Pose2>;
+
+/// The conditions: name, whether the map is the right one, and what is done.
+const CONDITIONS: [(&str, bool, Change); 6] = [
+    ("as declared", true, |_, sweep, _| Ok(end(sweep))),
+    ("wrong map", false, |_, sweep, _| Ok(end(sweep))),
+    ("gain 20 % off", true, |log, sweep, draw| {
+        let gain = 1.0 + 0.2 * draw.sign();
+        log.rows.iter_mut().for_each(|row| row.readings[0] *= gain);
+        Ok(end(sweep))
+    }),
+    ("carried away in mid-log", true, carried),
+    ("5 % false readings", true, |log, sweep, draw| {
+        log.rows.iter_mut().filter(|_| draw.unit() < 0.05).for_each(|row| row.readings[0] = 0.0);
+        Ok(end(sweep))
+    }),
+    ("no contact", true, |log, sweep, _| {
+        log.rows.iter_mut().for_each(|row| row.readings[0] = 0.0);
+        Ok(end(sweep))
+    }),
+];
+
+fn end(sweep: &Sweep) -> Pose2 {
+    sweep.truth.last().map_or(Pose2::IDENTITY, |t| t.map_from_robot)
+}
+
+/// Goes back to an earlier part of the sweep without the odometry noticing.
+fn carried(log: &mut SensorLog, sweep: &Sweep, draw: &mut Random) -> Result<Pose2> {
+    let count = log.rows.len();
+    let part = |lo: f64, hi: f64, draw: &mut Random| (draw.between(lo, hi) * count as f64) as usize;
+    let (until, from) = (part(0.5, 0.9, draw), part(0.0, 0.25, draw));
+    let again = demo::sweep(1000 + from as u64)?.log;
+    let (last, start) = (log.rows[until].clone(), log.rows[from].clone());
+    log.rows.truncate(until + 1);
+    for row in &again.rows[from + 1..] {
+        let mut row = row.clone();
+        row.odom_from_robot = last.odom_from_robot.compose(start.odom_from_robot.between(row.odom_from_robot));
+        row.t += last.t - start.t;
+        log.rows.push(row);
+    }
+    Ok(end(sweep))
+}
+
+/// An arena of the same size with other bays.
+fn elsewhere(draw: &mut Random) -> Result<Map> {
+    let waves: Vec<(f64, f64, f64)> =
+        (2..8).map(|k| (f64::from(k), draw.signed(0.02) / f64::from(k).sqrt(), draw.signed(3.2))).collect();
+    let point = |i: u32| {
+        let angle = f64::from(i) / 720.0 * core::f64::consts::TAU;
+        let r = 0.25 + waves.iter().map(|(k, a, phase)| a * (k * angle + phase).sin()).sum::<f64>();
+        r * Vec2::from_angle(angle)
+    };
+    let points: Vec<Vec2> = (0..720).map(point).collect();
+    let curve = Curve::polyline(&points, true).ok_or_else(|| Error::data("a degenerate arena"))?;
+    Map::new(vec![Boundary::new(Role::Arena, curve, None)?])
+}
+
+/// The column of an answer: localized right, wrong, ambiguous with the truth, without, inconsistent, no contact.
+fn column(answer: &Localization, truth: Pose2, right_map: bool) -> usize {
+    let near = |p: Pose2| {
+        right_map
+            && p.position().distance(truth.position()) < NEAR[0]
+            && wrap_angle(p.theta - truth.theta).abs() < NEAR[1]
+    };
+    let held = answer.hypotheses.iter().any(|h| near(h.pose));
+    match answer.status {
+        Status::Localized if answer.estimate.is_some_and(near) => 0,
+        Status::Localized => 1,
+        Status::Ambiguous if held => 2,
+        Status::Ambiguous => 3,
+        Status::Inconsistent => 4,
+        Status::NoContact => 5,
+    }
+}
+
+fn main() -> Result<()> {
+    let runs = std::env::args().nth(1).and_then(|a| a.parse().ok()).unwrap_or(20);
+    let arena = demo::arena()?;
+    println!(
+        "{:14} {:24} {:>10} {:>8} {:>11} {:>10} {:>13} {:>11}",
+        "method", "condition", "localized", "wrong", "amb. with", "without", "inconsistent", "no contact"
+    );
+    for method in [Method::Probabilistic, Method::Deterministic, Method::Possibilistic] {
+        let options = LocalizeOptions { method, ..LocalizeOptions::default() };
+        for (name, right_map, change) in CONDITIONS {
+            let mut counts = [0; 6];
+            for seed in 1..=runs {
+                let mut draw = Random(seed);
+                let sweep = demo::sweep(seed)?;
+                let mut log = sweep.log.clone();
+                let truth = change(&mut log, &sweep, &mut draw)?;
+                let other = if right_map { None } else { Some(elsewhere(&mut draw)?) };
+                let map = other.as_ref().unwrap_or(&arena);
+                let answer = localize(&log, map, &Robot::default(), &options, &mut |_| {})?;
+                counts[column(&answer, truth, right_map)] += 1;
+            }
+            let [a, b, c, d, e, f] = counts;
+            println!("{method:14} {name:24} {a:>10} {b:>8} {c:>11} {d:>10} {e:>13} {f:>11}");
+        }
+    }
+    Ok(())
+}
