@@ -108,9 +108,13 @@ pub(crate) fn attempt(
     // A busy machine may delay one try, but hardly three.
     for _ in 0..3 {
         watch.begin(target.name, input);
-        let begin = Instant::now();
+        let (begin, worked) = (Instant::now(), worked());
         let verdict = catch_unwind(AssertUnwindSafe(|| (target.check)(input)));
         time = time.min(begin.elapsed());
+        if time > limit {
+            // A busy machine lets a try wait; what counts is its own work.
+            time = time.min(self::worked().zip(worked).map_or(time, |(now, then)| now.saturating_sub(then)));
+        }
         watch.end();
         let verdict = verdict
             .unwrap_or_else(|_| Err(format!("panic at {}", LAST_PANIC.lock().unwrap_or_else(PoisonError::into_inner))));
@@ -119,6 +123,12 @@ pub(crate) fn attempt(
         }
     }
     (Err("slow: more than the allowed time for one input".to_owned()), time)
+}
+
+/// How long this thread has worked since it began, where the system tells.
+fn worked() -> Option<Duration> {
+    let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
+    text.split(' ').next()?.parse().ok().map(Duration::from_nanos)
 }
 
 /// The finding without the numbers of the input.
