@@ -24,7 +24,7 @@ const PATHS: [(&str, Prepare); 10] = [
     ("log: rows of CSV", rows),
     ("simulate: rows of a sweep", sweep),
     ("localize: deterministic rows", || method(Method::Deterministic, 150)),
-    ("localize: possibilistic rows", || method(Method::Possibilistic, 90)),
+    ("localize: possibilistic rows", || method(Method::Possibilistic, 45)),
     ("localize: probabilistic rows", || method(Method::Probabilistic, 150)),
 ];
 
@@ -126,7 +126,7 @@ fn method(method: Method, rows: usize) -> Result<()> {
     log.rows.truncate(rows);
     let options = LocalizeOptions {
         method,
-        deterministic: DeterministicOptions { boundary_spacing: 5e-3, ..DeterministicOptions::default() },
+        deterministic: DeterministicOptions { boundary_spacing: 1e-2, ..DeterministicOptions::default() },
         possibilistic: PossibilisticOptions { work: 20, last_work: 0, ..PossibilisticOptions::default() },
         probabilistic: ProbabilisticOptions { seed_spacing: 0.02, seed_turn: 0.2, ..ProbabilisticOptions::default() },
     };
