@@ -107,7 +107,7 @@ fn a_state_is_in_the_preimage_exactly_where_it_feels_the_reading() {
         let (found, contacts) = (preimage(&arena, reading), contacts(reading));
         // A cover is grown by how far samples lie apart, by cells, and by what a bin of headings moves the tip.
         let reach = found.deviation + 2.0 * CELL + 0.075 * TAU / HEADINGS as f64;
-        for index in 0..3000 {
+        for index in 0..1500 {
             let state = anywhere(&arena, &mut random);
             let contained = found.states.contains(state);
             let feels = felt(&samples, state).iter().any(|m| reading.contains(*m));
@@ -119,7 +119,7 @@ fn a_state_is_in_the_preimage_exactly_where_it_feels_the_reading() {
             if contained && apart {
                 inside += 1;
                 explained += usize::from(fits(&coarse, &contacts, state, reach));
-            } else if !contained && index % 30 == 0 {
+            } else if !contained && index % 15 == 0 {
                 outside += 1;
                 chance += usize::from(fits(&coarse, &contacts, state, reach));
             }
@@ -128,7 +128,7 @@ fn a_state_is_in_the_preimage_exactly_where_it_feels_the_reading() {
     println!(
         "{feeling} of {all} states feel, all inside; {explained} of {inside} inside fit; {chance} of {outside} outside"
     );
-    assert!(feeling > 20 && inside > 100, "{feeling} {inside}");
+    assert!(feeling > 8 && inside > 50, "{feeling} {inside}");
     assert!(explained == inside, "{} inside fit nowhere", inside - explained);
     // The check of the second direction must be able to fail.
     assert!(3 * chance < outside, "{chance} of {outside} outside fit");

@@ -41,8 +41,8 @@ fn options(method: Method, k: f64) -> LocalizeOptions {
     LocalizeOptions {
         method,
         possibilistic: PossibilisticOptions {
-            work: 60,
-            last_work: 3000,
+            work: 30,
+            last_work: 0,
             resolution: k * possibilistic.resolution,
             ..possibilistic
         },
@@ -135,10 +135,9 @@ fn the_plain_world_is_localized() {
 
 #[test]
 fn a_moved_world_moves_the_answer() {
-    for motion in [Pose2::new(0.3, -2.0, 0.7), Pose2::new(-5.0, 1.0, -2.9)] {
-        let world = changed(|p| motion.transform_point(p), motion.compose(DEMO.truth), |p| p, |m| m);
-        same("moved", &world, |p| motion.compose(p), 1.0);
-    }
+    let motion = Pose2::new(-5.0, 1.0, -2.9);
+    let world = changed(|p| motion.transform_point(p), motion.compose(DEMO.truth), |p| p, |m| m);
+    same("moved", &world, |p| motion.compose(p), 1.0);
 }
 
 #[test]

@@ -68,8 +68,8 @@ fn a_log_cut_anywhere_never_gains_rows_or_panics() {
 #[test]
 fn files_that_are_no_logs_are_refused_before_they_fill_the_memory() {
     // A gigabyte without a line end, made as it is read.
-    let endless = std::io::Read::take(std::io::repeat(b'7'), 1 << 30);
+    let endless = std::io::repeat(b'7').take(1 << 30);
     let begin = "t,x,y,theta,moment\n".as_bytes();
-    let error = SensorLog::from_reader(std::io::Read::chain(begin, endless), "log.csv").unwrap_err();
+    let error = SensorLog::from_reader(begin.chain(endless), "log.csv").unwrap_err();
     assert!(error.to_string().contains("more than a megabyte"), "{error}");
 }
