@@ -41,7 +41,7 @@ fn felt(samples: &[BoundarySample], state: Pose2) -> Vec<f64> {
         let near = pair[0].boundary == pair[1].boundary && pair[0].position.distance(pair[1].position) < 1e-3;
         let ((a, off_a), (b, off_b)) = (laid(&pair[0], state)?, laid(&pair[1], state)?);
         // Smooth pieces only: corners belong to other samples.
-        let smooth = near && (off_a - off_b).abs() < 0.1 && off_a * off_b <= 0.0 && off_a != off_b;
+        let smooth = near && (off_a - off_b).abs() < 0.1 && (off_a < 0.0) != (off_b < 0.0);
         smooth.then(|| a.moment + (b.moment - a.moment) * off_a / (off_a - off_b))
     };
     samples.windows(2).filter_map(between).collect()
