@@ -2,7 +2,7 @@
 //!
 //!     cargo run --release -p vibrissa-fuzz -- --seconds 60 --target geojson
 //!
-//! Without `--target` every target takes its turn of `--seconds`. `--seed N` gives other inputs. A finding is shortened
+//! Without `--target` every target takes its turn of `--seconds`; `--long` is `--seconds 60`. `--seed N` gives other inputs. A finding is shortened
 //! and kept under `target/fuzz`; `--replay FILE --target NAME` tries it again. Where a try ends the whole process, as an
 //! exhausted stack does, `--trace` keeps each input before it is tried.
 
@@ -20,6 +20,9 @@ use std::time::Duration;
 use targets::{ALL, Target};
 use watch::Watch;
 
+/// Time for each target in a long run (s).
+const LONG: f64 = 60.0;
+
 /// What the command line asks for.
 struct Call {
     plan: Plan,
@@ -33,7 +36,7 @@ fn main() -> ExitCode {
         Ok(call) => std::thread::spawn(move || work(&call)).join().unwrap_or(ExitCode::FAILURE),
         Err(message) => {
             let names: Vec<&str> = ALL.iter().map(|target| target.name).collect();
-            eprintln!("error: {message}\n  --seconds S --target NAME --seed N --replay FILE --trace");
+            eprintln!("error: {message}\n  --seconds S --long --target NAME --seed N --replay FILE --trace");
             eprintln!("  targets: {}", names.join(", "));
             ExitCode::from(2)
         }
@@ -56,6 +59,7 @@ fn parse(mut words: impl Iterator<Item = String>) -> Result<Call, String> {
                 let found = ALL.iter().find(|target| target.name == name);
                 call.targets.push(found.ok_or(format!("no target is called {name}"))?);
             }
+            "--long" => call.plan.seconds = LONG,
             "--replay" => call.replay = Some(value()?.into()),
             "--trace" => call.plan.trace = true,
             _ => return Err(format!("unknown word {word}")),

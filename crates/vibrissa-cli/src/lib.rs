@@ -2,6 +2,7 @@
 
 mod args;
 mod commands;
+mod interrupt;
 mod output;
 mod quantity;
 
@@ -9,14 +10,18 @@ use args::Cli;
 use clap::Parser;
 use std::ffi::OsString;
 
+pub use interrupt::interrupt;
+
 /// Exit code: the command did what it was asked.
 pub const DONE: u8 = 0;
 /// Exit code: the data or the map is at fault, or a result could not be written.
 pub const DATA: u8 = 1;
 /// Exit code: the call is at fault.
 pub const USAGE: u8 = 2;
+/// Exit code: an interrupt (Ctrl-C) ended the command early, as shells tell it.
+pub const INTERRUPTED: u8 = 130;
 
-/// Runs the command line `args`, the program's name first, and gives its exit code: 0 done, 1 data, 2 usage.
+/// Runs the command line `args`, the program's name first, and gives its exit code: 0 done, 1 data, 2 usage, 130 [interrupted](interrupt()).
 ///
 /// Results go to standard output; warnings and errors go to standard error. Never panics on input.
 pub fn run<I, T>(args: I) -> u8
@@ -32,7 +37,9 @@ where
             return if error.use_stderr() { USAGE } else { DONE };
         }
     };
+    interrupt::reset();
     match commands::run(&cli.command) {
+        Ok(()) if interrupt::stopped() => INTERRUPTED,
         Ok(()) => DONE,
         Err(error) => {
             let code = if error.is_usage() { USAGE } else { DATA };

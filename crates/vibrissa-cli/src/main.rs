@@ -1,7 +1,14 @@
 //! The command `vibrissa`.
 
 use std::process::ExitCode;
+use vibrissa_cli::{INTERRUPTED, interrupt, run};
 
 fn main() -> ExitCode {
-    ExitCode::from(vibrissa_cli::run(std::env::args_os()))
+    // Where no handler can be had, an interrupt ends the program at once, which leaves earlier results whole, too.
+    let _ = ctrlc::set_handler(|| {
+        if !interrupt() {
+            std::process::exit(INTERRUPTED.into());
+        }
+    });
+    ExitCode::from(run(std::env::args_os()))
 }

@@ -8,8 +8,7 @@ mod common;
 use common::{Outcome, folder, vibrissa};
 use std::collections::BTreeMap;
 use std::fs::{self, File};
-use std::io::Write;
-use std::os::unix::process::ExitStatusExt;
+use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::sync::LazyLock;
@@ -141,9 +140,53 @@ fn an_interrupt_leaves_earlier_results_whole() {
     pipe.write_all(demo_log()[..200].join("\n").as_bytes()).unwrap();
     assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
     let status = child.wait().unwrap();
-    // A shell tells 128 + 2 = 130.
-    assert_eq!(status.signal(), Some(2), "{status:?}");
+    // As shells tell the signal: 128 + 2.
+    assert_eq!(status.code(), Some(130), "{status:?}");
     assert_eq!(files(&out), before);
+}
+
+/// Sends SIGINT to a localization once it works on its rows; its exit code and what it wrote.
+fn interrupted(name: &str, method: &str) -> (Option<i32>, PathBuf, String) {
+    let (here, out) = (folder(&format!("faults-{name}-log")), with_results(name));
+    // A column that no whisker has is warned of when the log is read and the work begins.
+    let widened: Vec<String> = demo_log().iter().enumerate().map(|(row, line)| widen(row, line)).collect();
+    let log = here.join("log.csv");
+    fs::write(&log, widened.join("\n") + "\n").unwrap();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_vibrissa"));
+    command.args(["localize", text(&log), "--map", &demo("map.svg"), "--method", method, "--out", text(&out)]);
+    let mut child = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+    let mut stderr = BufReader::new(child.stderr.take().unwrap());
+    let mut told = String::new();
+    stderr.read_line(&mut told).unwrap();
+    assert!(told.contains("other.moment"), "{told}");
+    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    for line in stderr.lines() {
+        told += &line.unwrap();
+    }
+    (child.wait().unwrap().code(), out, told)
+}
+
+/// A line of a log with one more column.
+fn widen(row: usize, line: &str) -> String {
+    format!("{line},{}", if row == 0 { "other.moment" } else { "0" })
+}
+
+#[test]
+fn an_interrupt_in_mid_run_keeps_what_is_known_and_marks_it() {
+    for method in ["deterministic", "possibilistic", "probabilistic"] {
+        let (code, out, told) = interrupted(&format!("stopped-{method}"), method);
+        assert_eq!(code, Some(130), "{method}: {told}");
+        assert!(told.contains("interrupted after"), "{method}: {told}");
+        let found = files(&out);
+        assert_eq!(found.len(), 5, "{:?}", found.keys());
+        let result = String::from_utf8_lossy(&found["result.json"]);
+        assert!(result.contains("\"interrupted\": true"), "{result}");
+        assert!(found.values().all(|content| !content.starts_with(b"the earlier")), "{method}: a mixture of two runs");
+    }
+    assert!(
+        !fs::read_to_string(DEMO.join("result.json")).unwrap().contains("interrupted"),
+        "a whole run is not marked"
+    );
 }
 
 #[test]

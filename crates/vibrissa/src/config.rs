@@ -12,6 +12,10 @@ pub mod limits {
     pub const LARGEST_COORDINATE: f64 = 1e5;
     /// Largest odometry coordinate (m): any metric grid fits, and a micrometre is still resolved.
     pub const LARGEST_ODOMETRY: f64 = 1e8;
+    /// Most rows of a log: 4.6 hours at 300 Hz, and about a GB with all that is remembered of each.
+    pub const MOST_LOG_ROWS: usize = 5_000_000;
+    /// Longest line of a log (bytes): hundreds of whiskers fit, a file that is no log is refused at once.
+    pub const LONGEST_LOG_LINE: usize = 1 << 20;
     /// Most boundary points at which whiskers are aligned: 100 m of walls at 1 mm, and at worst a GB of candidates.
     pub const MOST_SAMPLES: f64 = 1e5;
     /// Coarsest spacing of these points (m).

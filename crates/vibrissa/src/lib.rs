@@ -51,4 +51,4 @@ pub mod world;
 
 pub use error::{Error, Result};
 pub use localizer::{Localizer, PossibilisticLocalizer};
-pub use tasks::{LocalizeOptions, localize};
+pub use tasks::{LocalizeOptions, localize, localize_while};

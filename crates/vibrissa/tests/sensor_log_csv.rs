@@ -64,3 +64,12 @@ fn a_log_cut_anywhere_never_gains_rows_or_panics() {
     let bad = b"t,x,y,theta,moment\n0,0,0,0,\xff\xfe\n1,0,0,0,0\n";
     assert_eq!(SensorLog::from_reader(&bad[..], "log.csv").unwrap_err().line(), Some(2));
 }
+
+#[test]
+fn files_that_are_no_logs_are_refused_before_they_fill_the_memory() {
+    // A gigabyte without a line end, made as it is read.
+    let endless = std::io::repeat(b'7').take(1 << 30);
+    let begin = "t,x,y,theta,moment\n".as_bytes();
+    let error = SensorLog::from_reader(begin.chain(endless), "log.csv").unwrap_err();
+    assert!(error.to_string().contains("more than a megabyte"), "{error}");
+}

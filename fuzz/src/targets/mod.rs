@@ -74,12 +74,17 @@ pub(crate) const ALL: &[Target] = &[
     Target { name: "edges", source: Source::Drawn(geometry::draw_points), check: geometry::edges },
     Target { name: "curve", source: Source::Drawn(geometry::draw_points), check: geometry::curve },
     Target { name: "whisker", source: Source::Drawn(beam::draw), check: beam::modes },
-    Target {
-        name: "localize",
-        source: Source::Damaged(&["fuzz/seeds/log"], readers::LOG_WORDS),
-        check: corridor::localize,
-    },
+    on_logs("localize", corridor::deterministic),
+    on_logs("possibilistic", corridor::possibilistic),
+    on_logs("probabilistic", corridor::probabilistic),
+    on_logs("contact", corridor::contact),
+    on_logs("profile", corridor::outline),
 ];
+
+/// A target that works on damaged logs.
+const fn on_logs(name: &'static str, check: fn(&[u8]) -> Verdict) -> Target {
+    Target { name, source: Source::Damaged(&["fuzz/seeds/log"], readers::LOG_WORDS), check }
+}
 
 /// The outcome of a reader that refused: its message must help, and must neither flood nor steer the terminal.
 fn refused(error: &vibrissa::Error) -> Verdict {

@@ -50,6 +50,7 @@ fn localized(sweep: &Sweep, seed: u64) -> Result<Run> {
         answer,
         runtime,
         rows: sweep.log.rows.len(),
+        interrupted: false,
         map: outlines(&map),
         truth: Some(sweep.truth.clone()),
     })

@@ -1,6 +1,6 @@
 //! `result.json`: the keys are a promise; what is not finite is `null`.
 
-use super::runtime::Runtime;
+use super::Run;
 use serde::Serialize;
 use vibrissa::flow::pose::Localization;
 use vibrissa::flow::trajectory::TrajectoryError;
@@ -11,6 +11,8 @@ use vibrissa::{Error, Result};
 struct ResultJson<'a> {
     status: &'static str,
     method: &'static str,
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    interrupted: bool,
     estimate: Option<PoseJson>,
     hypotheses: Vec<HypothesisJson>,
     events: Vec<EventJson<'a>>,
@@ -76,10 +78,12 @@ struct TruthJson {
 }
 
 /// The answer as pretty JSON with a line end; `truth` is there only when an error is given.
-pub(crate) fn result(answer: &Localization, runtime: &Runtime, error: Option<&TrajectoryError>) -> Result<String> {
+pub(crate) fn result(run: &Run, error: Option<&TrajectoryError>) -> Result<String> {
+    let (answer, runtime) = (&run.answer, &run.runtime);
     let value = ResultJson {
         status: answer.status.as_str(),
         method: answer.method.as_str(),
+        interrupted: run.interrupted,
         estimate: answer.estimate.map(pose),
         hypotheses: hypotheses(answer),
         events: answer.events.iter().map(|e| EventJson { t: e.t, kind: e.kind, detail: &e.detail }).collect(),

@@ -25,8 +25,10 @@ pub(crate) struct Run {
     pub(crate) answer: Localization,
     /// How long it took.
     pub(crate) runtime: Runtime,
-    /// How many rows the log has.
+    /// How many rows of the log it is made of.
     pub(crate) rows: usize,
+    /// Whether it was interrupted before the end of the log.
+    pub(crate) interrupted: bool,
     /// The map as lines to draw.
     pub(crate) map: Vec<Outline>,
     /// The true trajectory, where known.
@@ -41,13 +43,13 @@ pub(crate) fn deliver(run: &Run, output: &OutputArgs) -> Result<()> {
     }
     let written = match &output.out {
         Some(folder) => {
-            let json = json::result(&run.answer, &run.runtime, None)?;
+            let json = json::result(run, None)?;
             Some(write_all(folder, &result_files(run, json))?)
         }
         None => None,
     };
     if output.json {
-        print(&json::result(&run.answer, &run.runtime, error.as_ref())?)
+        print(&json::result(run, error.as_ref())?)
     } else {
         print(&summary::text(run, error.as_ref(), written.as_deref()))
     }

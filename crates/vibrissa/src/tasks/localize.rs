@@ -7,6 +7,7 @@ use crate::flow::pose::{Localization, Method};
 use crate::flow::sensor_log::{LogRow, SensorLog};
 use crate::localizer::{Localizer, PossibilisticLocalizer, ProbabilisticLocalizer};
 use crate::world::{Map, Robot};
+use core::ops::ControlFlow;
 
 /// What can be chosen about a localization.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,6 +46,27 @@ pub fn localize(
     options: &LocalizeOptions,
     observer: &mut dyn FnMut(usize),
 ) -> Result<Localization> {
+    let mut go_on = |row| {
+        observer(row);
+        ControlFlow::Continue(())
+    };
+    localize_while(log, map, robot, options, &mut go_on)
+}
+
+/// Localizes a robot until the log ends or `observer`, called with the index of each row once it is used, breaks off.
+///
+/// What was broken off is answered as a log that ends with that row.
+///
+/// # Errors
+///
+/// As [`localize`].
+pub fn localize_while(
+    log: &SensorLog,
+    map: &Map,
+    robot: &Robot,
+    options: &LocalizeOptions,
+    observer: &mut dyn FnMut(usize) -> ControlFlow<()>,
+) -> Result<Localization> {
     let (log, robot) = calibrated(log, robot)?;
     let channels = &log.channels;
     match options.method {
@@ -66,10 +88,10 @@ pub fn localize(
     }
 }
 
-/// Takes every row of the log; errors name the file.
+/// Takes the rows of the log until the observer breaks off; errors name the file.
 fn each_row(
     log: &SensorLog,
-    observer: &mut dyn FnMut(usize),
+    observer: &mut dyn FnMut(usize) -> ControlFlow<()>,
     mut step: impl FnMut(&LogRow) -> Result<()>,
 ) -> Result<()> {
     for (index, row) in log.rows.iter().enumerate() {
@@ -77,7 +99,9 @@ fn each_row(
             Some(file) if error.line().is_some() => error.in_file(file),
             _ => error,
         })?;
-        observer(index);
+        if observer(index).is_break() {
+            break;
+        }
     }
     Ok(())
 }

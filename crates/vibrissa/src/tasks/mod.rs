@@ -9,6 +9,6 @@ pub mod profile;
 pub mod scenario;
 pub mod simulate;
 
-pub use localize::{LocalizeOptions, localize};
+pub use localize::{LocalizeOptions, localize, localize_while};
 pub use scenario::{Scenario, Simulation};
 pub use simulate::{SimulateOptions, Sweep, SweepNoise, simulate, simulate_tip_sweep};

@@ -1,5 +1,6 @@
 //! The files that a localization reads.
 
+use std::ops::ControlFlow;
 use std::path::Path;
 use vibrissa::figure::{Outline, OutlineRole};
 use vibrissa::flow::pose::{Localization, StampedPose};
@@ -49,9 +50,13 @@ impl Inputs {
         self.map.warnings.iter().chain(&self.log.warnings).cloned().chain(unused).collect()
     }
 
-    /// The answer; `observer` is called after each row.
-    pub(super) fn localize(&self, options: &LocalizeOptions, observer: &mut dyn FnMut(usize)) -> Result<Localization> {
-        vibrissa::localize(&self.log, &self.map, &self.robot, options, observer)
+    /// The answer; `observer` is called after each row and may break off.
+    pub(super) fn localize(
+        &self,
+        options: &LocalizeOptions,
+        observer: &mut dyn FnMut(usize) -> ControlFlow<()>,
+    ) -> Result<Localization> {
+        vibrissa::localize_while(&self.log, &self.map, &self.robot, options, observer)
     }
 
     /// The headline of the figure.

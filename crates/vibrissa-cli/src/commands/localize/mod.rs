@@ -6,6 +6,7 @@ mod known;
 mod possibilistic;
 mod probabilistic;
 
+use crate::interrupt::{Heedful, stopped};
 use crate::output::OutputArgs;
 use crate::output::{Run, Stopwatch, deliver, warn};
 use clap::ValueEnum;
@@ -15,7 +16,9 @@ pub(super) use inputs::{outlines, read_log};
 use known::KnownArgs;
 use possibilistic::PossibilisticArgs;
 use probabilistic::ProbabilisticArgs;
+use std::ops::ControlFlow;
 use std::path::PathBuf;
+use vibrissa::flow::pose::Localization;
 use vibrissa::flow::sensor_log::foreign::Format;
 use vibrissa::{LocalizeOptions, Result};
 
@@ -71,21 +74,38 @@ enum MethodArg {
 pub(crate) fn run(args: &Args) -> Result<()> {
     let options = options(args)?;
     let inputs = Inputs::read(&args.log, args.format, &args.map, args.robot.as_deref(), args.truth.as_deref())?;
-    inputs.warnings().iter().for_each(|warning| warn(warning));
     let mut stopwatch = Stopwatch::start();
-    let answer = inputs.localize(&options, &mut |_row| stopwatch.lap())?;
+    let (answer, used) = heedful(&inputs, &options, &mut stopwatch)?;
     let runtime = stopwatch.stop(inputs.rows(), &answer.steps);
     deliver(
         &Run {
             title: inputs.title(),
             answer,
             runtime,
-            rows: inputs.rows().len(),
+            rows: used,
+            interrupted: used < inputs.rows().len(),
             map: inputs.outlines(),
             truth: inputs.truth,
         },
         &args.output,
     )
+}
+
+/// Warns of doubtful inputs, then the answer and how many rows it is made of: an interrupt keeps what is known by then.
+fn heedful(inputs: &Inputs, options: &LocalizeOptions, stopwatch: &mut Stopwatch) -> Result<(Localization, usize)> {
+    let _heeds = Heedful::begin();
+    inputs.warnings().iter().for_each(|warning| warn(warning));
+    let mut used = 0;
+    let answer = inputs.localize(options, &mut |row| {
+        stopwatch.lap();
+        used = row + 1;
+        if stopped() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    })?;
+    let rows = inputs.rows().len();
+    if used < rows {
+        warn(&format!("interrupted after {used} of {rows} rows: the results are those of a log that ends there"));
+    }
+    Ok((answer, used))
 }
 
 fn options(args: &Args) -> Result<LocalizeOptions> {

@@ -3,7 +3,7 @@
 use super::columns::{Columns, ODOMETRY};
 use super::doubts::Doubts;
 use super::{LogRow, SensorLog};
-use crate::config::limits::LARGEST_ODOMETRY;
+use crate::config::limits::{LARGEST_ODOMETRY, LONGEST_LOG_LINE, MOST_LOG_ROWS};
 use crate::plane::Pose2;
 use crate::world::cannot_open;
 use crate::{Error, Result};
@@ -45,10 +45,11 @@ impl SensorLog {
     /// # Errors
     ///
     /// No header, a missing column, a line with too few or too many fields, a field that is not a finite number, a
-    /// clock that does not increase, odometry beyond 1e8 m, no rows at all.
+    /// clock that does not increase, odometry beyond 1e8 m, no rows at all; a line of more
+    /// than a megabyte, more than five million rows.
     pub fn from_reader(reader: impl Read, name: &str) -> Result<Self> {
         let mut ended_in_newline = true;
-        let watched = Watched { inner: reader, ended_in_newline: &mut ended_in_newline };
+        let watched = Watched { inner: reader, line: 0, ended_in_newline: &mut ended_in_newline };
         let faulty = |e: Error| e.in_file(name).or_remedy("correct or remove the line, or record the log again");
         let (log, cut) = read(watched, name).map_err(faulty)?;
         let log = finish(log, cut, ended_in_newline).map_err(faulty)?;
@@ -56,9 +57,11 @@ impl SensorLog {
     }
 }
 
-/// A reader that remembers whether its last byte was a line end.
+/// A reader that remembers whether its last byte was a line end, and that ends at a line without end.
 struct Watched<'a, R> {
     inner: R,
+    /// Bytes since the last line end.
+    line: usize,
     ended_in_newline: &'a mut bool,
 }
 
@@ -67,6 +70,11 @@ impl<R: Read> Read for Watched<'_, R> {
         let count = self.inner.read(buffer)?;
         if count > 0 {
             *self.ended_in_newline = matches!(buffer[count - 1], b'\n' | b'\r');
+            let end = buffer[..count].iter().rposition(|byte| *byte == b'\n');
+            self.line = end.map_or(self.line + count, |at| count - 1 - at);
+            if self.line > LONGEST_LOG_LINE {
+                return Err(std::io::Error::other("a line of more than a megabyte: is it a log?"));
+            }
         }
         Ok(count)
     }
@@ -169,6 +177,12 @@ fn row(
         readings: columns.readings.iter().map(|&field| number(field)).collect::<core::result::Result<_, _>>()?,
         heading: columns.heading.map(number).transpose()?,
     };
+    if log.rows.len() >= MOST_LOG_ROWS {
+        let error = Error::data("the log has too many rows")
+            .allowed(format!("up to {MOST_LOG_ROWS}"))
+            .remedy("cut the log into parts, or keep every tenth row");
+        return Err(fault(error, false));
+    }
     let previous = log.rows.last();
     if let Some(before) = previous.filter(|before| before.t >= t) {
         let error = Error::data(format!("{} does not increase", ODOMETRY[0]))
