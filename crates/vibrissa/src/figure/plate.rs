@@ -1,6 +1,6 @@
 //! Small figures for a page that holds many: one panel, no wider than a phone, with its legend below.
 
-use super::axes::{scale_bar, ticks};
+use super::axes::ticks;
 use super::canvas::{Canvas, Frame, WorldBounds};
 use super::chart::Chart;
 use super::contacts::{ContactFigure, contact_legend, contact_panel};
@@ -53,6 +53,13 @@ pub struct ChartSeries {
     pub joined: bool,
 }
 
+impl ChartSeries {
+    fn sample(&self) -> Sample {
+        // Dots of a chart have no heading: their ticks take a class without a stroke.
+        if self.joined { Sample::Line(self.class) } else { Sample::Dots(self.class, "free") }
+    }
+}
+
 /// A contact set as a plate.
 #[must_use]
 pub fn contact_plate(figure: &ContactFigure) -> String {
@@ -98,7 +105,6 @@ pub fn map_plate(figure: &MapPlate<'_>) -> String {
         draw_outlines(&mut canvas, figure.map);
         layers.iter().for_each(|layer| layer.draw(&mut canvas));
         ticks(document, &canvas, figure.frame);
-        scale_bar(document, &canvas, 30.0);
         canvas.place(document);
     })
 }
@@ -106,8 +112,7 @@ pub fn map_plate(figure: &MapPlate<'_>) -> String {
 /// A chart as a plate.
 #[must_use]
 pub fn chart_plate(title: &str, x_words: &str, y_words: &str, series: &[ChartSeries]) -> String {
-    let entries: Vec<Entry> =
-        series.iter().map(|s| Entry { sample: Sample::Line(s.class), words: s.label.clone() }).collect();
+    let entries: Vec<Entry> = series.iter().map(|s| Entry { sample: s.sample(), words: s.label.clone() }).collect();
     let range = |pick: fn(&(f64, f64)) -> f64, air: f64| {
         let values = series.iter().flat_map(|s| &s.points).map(pick).filter(|v| v.is_finite());
         let (lo, hi) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), v| (lo.min(v), hi.max(v)));

@@ -79,7 +79,9 @@ impl Layer {
     pub(super) fn entry(&self) -> Entry {
         let sample = match &self.geometry {
             Geometry::Lines(_) => Sample::Line(self.class),
-            Geometry::Dots(_) | Geometry::States(_) => Sample::Dots(self.class, self.class),
+            // Only states have a heading; other ticks take a class without a stroke.
+            Geometry::Dots(_) => Sample::Dots(self.class, "free"),
+            Geometry::States(_) => Sample::Dots(self.class, self.class),
             Geometry::Rings(_) => Sample::Patch(self.class),
             Geometry::Circles(_) | Geometry::Arrow(_) => Sample::Circle(self.class),
         };

@@ -82,7 +82,7 @@ impl Page<'_> {
             }
             rest = left;
         }
-        text + &escape(rest)
+        kept_together(&(text + &escape(rest)))
     }
 
     fn table(&self, table: &Table) -> String {
@@ -123,19 +123,27 @@ impl Page<'_> {
 
     fn figure(&self, figure: &Figure) -> String {
         let panels: String =
-            figure.panels.iter().map(|panel| format!("<div class=\"panel\">{}</div>\n", inline(panel))).collect();
+            figure.panels.iter().map(|panel| format!("<div class=\"plate\">{}</div>\n", inline(panel))).collect();
         let difference = if figure.difference.is_empty() {
             String::new()
         } else {
             format!("<p><b>Difference.</b> {}</p>\n", self.prose(&figure.difference))
         };
         format!(
-            "<figure id=\"figure-{}\">\n<div class=\"panels\">\n{panels}</div>\n<figcaption>\n<p><b>Paper.</b> {}</p>\n<p><b>Ours.</b> {}</p>\n{difference}</figcaption>\n</figure>\n",
+            "<figure id=\"figure-{}\">\n<div class=\"plates\">\n{panels}</div>\n<figcaption>\n<p><b>Paper.</b> {}</p>\n<p><b>Ours.</b> {}</p>\n{difference}</figcaption>\n</figure>\n",
             figure.key,
             self.prose(&figure.paper),
             self.prose(&figure.ours)
         )
     }
+}
+
+/// Numbers and their units on one line.
+fn kept_together(html: &str) -> String {
+    html.replace(" mm", "\u{a0}mm")
+        .replace(" mN m", "\u{a0}mN\u{a0}m")
+        .replace(" N m", "\u{a0}N\u{a0}m")
+        .replace(" %", "\u{a0}%")
 }
 
 /// A number that says where it is found.

@@ -5,7 +5,7 @@ use super::ground::{self, SWEEPS, layer};
 use crate::config::{DeterministicOptions, TipLoad};
 use crate::figure::{Geometry, Layer, MapPlate, Outline, map_plate};
 use crate::flow::moment::{MomentReading, MomentTrack};
-use crate::flow::preimage::{Observation, aligned_states};
+use crate::flow::preimage::Observation;
 use crate::flow::state_set::{StateSet, components};
 use crate::flow::trajectory::pose_at;
 use crate::plane::Pose2;
@@ -43,14 +43,13 @@ pub(super) fn section() -> Result<Section> {
         return Err(Error::data("the built-in sweep is too short for four observations"));
     };
     let samples = map.samples(options.boundary_spacing);
-    let one: Vec<Pose2> =
-        aligned_states(&map, &samples, &first.observation).iter().map(|state| state.map_from_robot).collect();
-    let moved = first.odom_from_robot.between(second.odom_from_robot);
-    let projected: Vec<Pose2> = one.iter().map(|state| state.compose(moved)).collect();
     let mut set = StateSet::default();
-    let both = [first.observation.clone(), second.observation.clone()];
+    set.project(first.odom_from_robot, &robot.odometry);
+    set.start(&map, &samples, core::slice::from_ref(&first.observation), &options);
+    let one: Vec<Pose2> = set.states(first.odom_from_robot).collect();
     set.project(second.odom_from_robot, &robot.odometry);
-    set.start(&map, &samples, &both, &options);
+    let projected: Vec<Pose2> = set.states(second.odom_from_robot).collect();
+    set.intersect(&map, &second.observation, &options);
     let two: Vec<Pose2> = set.states(second.odom_from_robot).collect();
     let places_two = set.components(second.odom_from_robot).len();
     let (area_two, _) = set.size(second.odom_from_robot, options.boundary_spacing);

@@ -134,10 +134,23 @@ pub(super) fn spaced(log: &SensorLog, touching: f64, spacing: f64) -> SensorLog 
     SensorLog { rows, ..log.clone() }
 }
 
+/// Indices of the rows at which the base has gone another `step` (m), from the first of `from` on.
+pub(super) fn rows_by_step(path: &[StampedPose], from: impl Iterator<Item = usize>, step: f64) -> Vec<usize> {
+    let mut found: Vec<usize> = Vec::new();
+    for row in from {
+        let base = |row: usize| path[row].map_from_robot.position();
+        if found.last().is_none_or(|&last| base(last).distance(base(row)) >= step * (1.0 - 1e-9)) {
+            found.push(row);
+        }
+    }
+    found
+}
+
 /// Mean and standard deviation (of the sample); not numbers where there are too few.
 pub(super) fn mean_and_std(values: &[f64]) -> (f64, f64) {
     let count = values.len() as f64;
+    let others = if values.len() > 1 { count - 1.0 } else { f64::NAN };
     let mean = values.iter().sum::<f64>() / count;
     let square: f64 = values.iter().map(|v| (v - mean) * (v - mean)).sum();
-    (mean, (square / (count - 1.0)).sqrt())
+    (mean, (square / others).sqrt())
 }

@@ -21,6 +21,9 @@ const START: [f64; 2] = [0.03, 0.26];
 const OFF: [Vec2; 4] =
     [Vec2::new(0.012, -0.009), Vec2::new(-0.014, 0.006), Vec2::new(-0.005, -0.013), Vec2::new(0.010, 0.011)];
 
+/// Half of what the pictures of the methods show (m).
+const WINDOW: Vec2 = Vec2::new(1.8e-3, 1.1e-3);
+
 /// A method with its key and its words.
 #[derive(Clone, Copy)]
 struct Contender {
@@ -312,7 +315,7 @@ fn picture(map: &Map, contender: &Contender, answer: &Localization, run: &Run) -
     ];
     layers
         .extend(taken(answer, contender, run).map(|place| layer(Geometry::Arrow(place.pose), "estimate", "estimate")));
-    let around = WorldBounds { min: truth.position(), max: truth.position() }.grown(4e-3);
+    let around = WorldBounds { min: truth.position() - WINDOW, max: truth.position() + WINDOW };
     map_plate(&MapPlate {
         title: contender.words,
         map: &outlines,

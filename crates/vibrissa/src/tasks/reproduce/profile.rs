@@ -2,7 +2,6 @@
 
 use super::Section;
 use super::ground::{self, layer};
-use crate::beam::Whisker;
 use crate::config::{ContactOptions, ProfileOptions};
 use crate::figure::{Geometry, Layer, MapPlate, WorldBounds, map_plate};
 use crate::flow::pose::StampedPose;
@@ -18,7 +17,7 @@ const SWEEPS: u64 = 5;
 /// A post that the whisker meets with its side (m), and the base's way along -y (m).
 const POST: Vec2 = Vec2::new(0.058, 0.0);
 const RADIUS: f64 = 0.010;
-const DOWN: [f64; 2] = [0.012, -0.032];
+const DOWN: [f64; 2] = [0.012, -0.075];
 /// The stage's way over the obstacle (mm).
 const WAY: [[f64; 2]; 8] = [
     [110.0, 268.0],
@@ -104,14 +103,9 @@ fn slip(section: &mut Section) -> Result<String> {
 
 /// The touch at every step of the base.
 fn stepped(sweep: &Sweep) -> Vec<Touch> {
-    let mut found: Vec<Touch> = Vec::new();
-    for touch in &sweep.contacts {
-        let base = |row: usize| sweep.truth[row].map_from_robot.position();
-        if found.last().is_none_or(|last| base(last.row).distance(base(touch.row)) >= STEP * (1.0 - 1e-9)) {
-            found.push(*touch);
-        }
-    }
-    found
+    let touched = sweep.contacts.iter().map(|touch| touch.row);
+    let rows = ground::rows_by_step(&sweep.truth, touched, STEP);
+    rows.iter().filter_map(|row| sweep.contacts.iter().find(|touch| touch.row == *row)).copied().collect()
 }
 
 /// The outline from five sweeps.
@@ -165,8 +159,10 @@ fn outline(section: &mut Section) -> Result<(String, String)> {
 }
 
 fn along(map: &Map, robot: &Robot, sweep: &Sweep, path: &[StampedPose], title: &str) -> String {
-    let every = (STEP / (Whisker::default().length * 0.0067)).round().max(1.0) as usize;
-    let drawn: Vec<Vec<Vec2>> = shapes(robot, sweep, every).into_iter().map(|shape| shape.points).collect();
+    let all = shapes(robot, sweep, 1);
+    let touched = sweep.contacts.iter().map(|touch| touch.row);
+    let rows = ground::rows_by_step(path, touched, STEP);
+    let drawn: Vec<Vec<Vec2>> = rows.iter().filter_map(|row| all.get(*row)).map(|shape| shape.points.clone()).collect();
     let layers: [Layer; 2] = [
         layer(Geometry::Lines(drawn), "whisker", "whisker every 4.2 mm"),
         layer(Geometry::Lines(vec![ground::positions(path)]), "path", "the base's way"),
