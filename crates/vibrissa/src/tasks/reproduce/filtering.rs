@@ -137,7 +137,7 @@ fn virtual_sensors(section: &mut Section, model: &ContactModel) -> Result<()> {
     section.say(
         "With exact readings the four curves cross in the true contact, to {filtering.load.exact}, {filtering.strip.exact}, \
          {filtering.slope.exact} and {filtering.moment.exact} mm. Crossings found: load {filtering.load.crossings}, strip {filtering.strip.crossings}, end slope \
-         {filtering.slope.crossings}, moment {filtering.moment.crossings}. All of them are kept.",
+         {filtering.slope.crossings}, moment {filtering.moment.crossings} (small angles {filtering.moment_small_angle.crossings}). All of them are kept.",
     );
     Ok(())
 }
