@@ -5,9 +5,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 use vibrissa::config::ReproduceOptions;
-use vibrissa::tasks::reproduce::{
-    ARENA_SVG, Cell, OBSTACLE_SVG, Reproduction, SECTIONS, Section, contact_table, reproduce,
-};
+use vibrissa::tasks::reproduce::{ARENA_SVG, OBSTACLE_SVG, Reproduction, SECTIONS, Section, contact_table, reproduce};
 
 /// A few sections with little repetition.
 fn quick(only: &[&str], threads: usize) -> Reproduction {
@@ -232,14 +230,7 @@ fn the_errata_are_those_of_the_documentation() {
     let numbered =
         text.lines().filter(|line| line.starts_with("| ") && line[2..].starts_with(|c: char| c.is_ascii_digit()));
     let documented: Vec<f64> = numbered.map(|line| line[2..].split(' ').next().unwrap().parse().unwrap()).collect();
-    let here: Vec<f64> = errata.tables[0]
-        .rows
-        .iter()
-        .filter_map(|row| match &row[0] {
-            Cell::Number(number) => Some(number.value),
-            Cell::Words(_) => None,
-        })
-        .collect();
+    let here: Vec<f64> = errata.tables[0].rows.iter().filter_map(|row| Some(row[0].number()?.value)).collect();
     assert_eq!(here, documented);
     close(&errata, "largest_moment", largest_moment(), 1e-5);
 }

@@ -14,7 +14,8 @@ use super::states::{PreimageFigure, preimage_legend, preimage_panel};
 pub const PLATE_WIDTH: f64 = 420.0;
 
 const LEFT: f64 = 48.0;
-const RIGHT: f64 = 12.0;
+/// Room for half of a tick's label.
+const RIGHT: f64 = 20.0;
 const PANEL: f64 = PLATE_WIDTH - LEFT - RIGHT;
 const TITLE_CHARACTERS: usize = 54;
 const LEGEND_CHARACTERS: usize = 56;

@@ -8,7 +8,7 @@ use crate::flow::contact_set::{
     Contact, ContactModel, ContactSet, Limits, MomentRegime, PlacedSet, VirtualSensor, intersect,
 };
 
-/// The largest load that is believed (N): the paper has an F_max without a value.
+/// The largest load that is believed (N): the paper has a largest one, without a value.
 const LARGEST_FORCE: f64 = 0.5;
 /// Nodes of a curve, and whisker shapes that are drawn along it.
 const NODES: usize = 120;
@@ -72,7 +72,10 @@ pub(super) fn section() -> Result<Section> {
             "An end slope's contacts lie on a straight ray, as the paper's do. A moment has a second, strongly bent branch, \
              which the paper's small-angle figure leaves out.",
         ],
-        vec![one("(a) End-slope sensor, 0.7 rad", &slope, "end slope 0.7 rad"), one("(b) Moment sensor, 1.1 mN m, small angles", &moment, "moment 1.1 mN m")],
+        vec![
+            one("(a) End-slope sensor, 0.7 rad", &slope, "end slope 0.7 rad"),
+            one("(b) Moment sensor, 1.1 mN m, small angles", &moment, "moment 1.1 mN m"),
+        ],
     );
     numbers(&mut section, [&load, &strip, &slope, &moment]);
     Ok(section)

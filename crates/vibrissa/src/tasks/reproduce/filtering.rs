@@ -135,9 +135,10 @@ fn virtual_sensors(section: &mut Section, model: &ContactModel) -> Result<()> {
         pictures,
     );
     section.say(
-        "With exact readings the four curves cross in the true contact, to {filtering.load.exact}, {filtering.strip.exact}, \
-         {filtering.slope.exact} and {filtering.moment.exact} mm. Crossings found: load {filtering.load.crossings}, strip {filtering.strip.crossings}, end slope \
-         {filtering.slope.crossings}, moment {filtering.moment.crossings} (small angles {filtering.moment_small_angle.crossings}). All of them are kept.",
+        "With exact readings the four curves cross in the true contact, to {filtering.load.exact}, \
+         {filtering.strip.exact}, {filtering.slope.exact} and {filtering.moment.exact} mm. Crossings found: load \
+         {filtering.load.crossings}, strip {filtering.strip.crossings}, end slope {filtering.slope.crossings}, moment \
+         {filtering.moment.crossings} (small angles {filtering.moment_small_angle.crossings}). All of them are kept.",
     );
     Ok(())
 }

@@ -52,9 +52,13 @@ pub(super) fn section() -> Result<Section> {
             "Boxes that hold every state which explains the measurements so far, 10 mm apart, with the same 5 %, and what is \
              left after eight.",
             "The paper draws regions of the plane by sampling. Ours are boxes in place and heading that keep the true state as \
-             long as the bounds hold.",
+             long as the bounds hold; after few measurements they are coarse and reach beyond the walls.",
         ],
-        [("(a) After the second measurement", 1), ("(b) After the third measurement", 2), ("(c) After the eighth measurement", LAST - 1)]
+        [
+            ("(a) After the second measurement", 1),
+            ("(b) After the third measurement", 2),
+            ("(c) After the eighth measurement", LAST - 1),
+        ]
             .into_iter()
             .filter_map(|(title, index)| picture(title, index))
             .collect(),
@@ -72,7 +76,7 @@ pub(super) fn section() -> Result<Section> {
     section.find(
         "Measurements, of eight, after which the true state is in the set",
         "held",
-        "should be all of them",
+        "implied by its bound",
         (held as f64, 0, ""),
         "A guarantee, as long as the declared bounds hold.",
     );

@@ -118,6 +118,17 @@ impl Number {
     }
 }
 
+impl Cell {
+    /// The number, if it is one.
+    #[must_use]
+    pub fn number(&self) -> Option<&Number> {
+        match self {
+            Self::Number(number) => Some(number),
+            Self::Words(_) => None,
+        }
+    }
+}
+
 impl From<&str> for Cell {
     fn from(words: &str) -> Self {
         Self::Words(words.to_owned())
@@ -161,11 +172,7 @@ impl Section {
     pub fn all_numbers(&self) -> Vec<&Number> {
         let cells = self.tables.iter().flat_map(|table| table.rows.iter().flatten());
         let compared = self.comparisons.iter().flat_map(|c| [&c.paper, &c.ours, &c.difference]);
-        let numbered = |cell| match cell {
-            &Cell::Number(ref number) => Some(number),
-            Cell::Words(_) => None,
-        };
-        self.numbers.iter().chain(cells.chain(compared).filter_map(numbered)).collect()
+        self.numbers.iter().chain(cells.chain(compared).filter_map(Cell::number)).collect()
     }
 
     /// A number of this section.
