@@ -19,7 +19,7 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("flow", &["config", "error", "plane", "sets", "beam", "world"]),
     ("localizer", &["config", "error", "plane", "sets", "beam", "world", "flow"]),
     ("figure", &["config", "error", "plane", "sets", "beam", "world", "flow"]),
-    ("tasks", &["config", "error", "least_squares", "plane", "sets", "beam", "world", "flow", "localizer"]),
+    ("tasks", &["config", "error", "least_squares", "plane", "sets", "beam", "world", "flow", "localizer", "figure"]),
 ];
 
 /// Rooms that must build where there is no operating system, and what they may not name.

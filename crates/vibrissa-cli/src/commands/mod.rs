@@ -9,6 +9,7 @@ mod localize;
 mod preimage;
 mod profile;
 mod readings;
+mod reproduce;
 mod simulate;
 
 use clap::Subcommand;
@@ -28,6 +29,7 @@ pub(crate) enum Command {
     ContactSet(contact_set::Args),
     Preimage(preimage::Args),
     Simulate(simulate::Args),
+    Reproduce(reproduce::Args),
 }
 
 /// Runs a command.
@@ -42,5 +44,6 @@ pub(crate) fn run(command: &Command) -> Result<()> {
         Command::Demo(args) => demo::run(args),
         Command::Localize(args) => localize::run(args),
         Command::Simulate(args) => simulate::run(args),
+        Command::Reproduce(args) => reproduce::run(args),
     }
 }

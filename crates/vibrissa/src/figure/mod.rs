@@ -10,6 +10,7 @@ mod contacts;
 mod document;
 mod legend;
 pub mod localization;
+pub mod plate;
 mod scene;
 pub mod simulation;
 mod states;
@@ -21,6 +22,13 @@ pub use contacts::{ContactFigure, contact_figure, contact_legend, contact_panel}
 pub use document::{Document, escape};
 pub use legend::{Entry, Sample, legend};
 pub use localization::{LocalizationScene, Outline, OutlineRole, localization_figure};
+pub use plate::{ChartSeries, MapPlate, chart_plate, contact_plate, map_plate, preimage_plate};
 pub use scene::{Geometry, Layer, scene_figure};
 pub use simulation::{Series, SimulationScene, simulation_figure};
 pub use states::{PreimageFigure, preimage_figure, preimage_legend, preimage_panel};
+
+/// The stylesheet that stands in every figure, for pages that hold many of them inline and need it once.
+#[must_use]
+pub fn stylesheet() -> &'static str {
+    style::SHEET
+}

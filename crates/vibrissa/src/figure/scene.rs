@@ -4,7 +4,7 @@ use super::axes::{scale_bar, ticks};
 use super::canvas::{Canvas, Frame, WorldBounds};
 use super::document::Document;
 use super::legend::{Entry, LINE, Sample, legend};
-use crate::plane::Vec2;
+use crate::plane::{Pose2, Vec2};
 
 const WIDTH: f64 = 900.0;
 const LEFT: f64 = 64.0;
@@ -15,6 +15,9 @@ const TALLEST: f64 = 760.0;
 const LOWEST: f64 = 220.0;
 /// Least that a panel shows (m).
 const LEAST: f64 = 5e-3;
+/// Length of a state's tick and of an arrow (px).
+const TICK: f64 = 6.0;
+const ARROW: f64 = 24.0;
 
 /// What a layer holds (m).
 #[derive(Clone, Debug, PartialEq)]
@@ -25,6 +28,12 @@ pub enum Geometry {
     Rings(Vec<Vec<Vec2>>),
     /// Dots; the class's stroke width is the diameter.
     Dots(Vec<Vec2>),
+    /// Circles of 5 px.
+    Circles(Vec<Vec2>),
+    /// States: a dot with a tick along the heading.
+    States(Vec<Pose2>),
+    /// A disc with an arrow along the heading; the arrow's shaft has the class with `-line` behind it.
+    Arrow(Pose2),
 }
 
 /// Geometry of one kind in one style.
@@ -41,27 +50,41 @@ pub struct Layer {
 }
 
 impl Layer {
-    fn points(&self) -> Vec<Vec2> {
+    pub(super) fn points(&self) -> Vec<Vec2> {
         match &self.geometry {
             Geometry::Lines(lines) | Geometry::Rings(lines) => lines.concat(),
-            Geometry::Dots(dots) => dots.clone(),
+            Geometry::Dots(dots) | Geometry::Circles(dots) => dots.clone(),
+            Geometry::States(states) => states.iter().map(|state| state.position()).collect(),
+            Geometry::Arrow(pose) => vec![pose.position()],
         }
     }
 
-    fn draw(&self, canvas: &mut Canvas) {
+    pub(super) fn draw(&self, canvas: &mut Canvas) {
         match &self.geometry {
             Geometry::Lines(lines) => lines.iter().for_each(|line| canvas.polyline(line, self.class)),
             Geometry::Rings(rings) => rings.iter().for_each(|ring| canvas.polygon(ring, self.class)),
             Geometry::Dots(dots) => canvas.dots(dots.iter().copied(), self.class),
+            Geometry::Circles(centres) => centres.iter().for_each(|centre| canvas.circle(*centre, 5.0, self.class)),
+            Geometry::States(states) => {
+                canvas.heading_ticks(states.iter().copied(), TICK, &format!("{}-tick", self.class));
+                canvas.dots(states.iter().map(|state| state.position()), self.class);
+            }
+            Geometry::Arrow(pose) => {
+                canvas.arrow(*pose, ARROW, &format!("{}-line", self.class), self.class);
+                canvas.circle(pose.position(), 4.5, self.class);
+            }
         }
     }
 
-    fn entry(&self) -> Entry {
+    pub(super) fn entry(&self) -> Entry {
         let sample = match &self.geometry {
-            Geometry::Lines(_) | Geometry::Dots(_) => Sample::Line(self.class),
+            Geometry::Lines(_) => Sample::Line(self.class),
+            // Only states have a heading; other ticks take a class without a stroke.
+            Geometry::Dots(_) => Sample::Dots(self.class, "free"),
+            Geometry::States(_) => Sample::Dots(self.class, self.class),
             Geometry::Rings(_) => Sample::Patch(self.class),
+            Geometry::Circles(_) | Geometry::Arrow(_) => Sample::Circle(self.class),
         };
-        let sample = if let Geometry::Dots(_) = self.geometry { Sample::Dots(self.class, self.class) } else { sample };
         Entry { sample, words: self.label.clone() }
     }
 }

@@ -6,6 +6,7 @@ pub mod contact;
 pub mod demo;
 mod localize;
 pub mod profile;
+pub mod reproduce;
 pub mod scenario;
 pub mod simulate;
 

@@ -83,7 +83,9 @@ pub fn localization_figure(scene: &LocalizationScene<'_>) -> String {
     let side_bottom = side_top + LINE * side.len() as f64;
     let sweep = sweep_canvas(scene, &map, side_bottom + 34.0);
     let side_bottom = sweep.as_ref().map_or(side_bottom, |canvas| canvas.frame().y + DETAIL_SIZE + 24.0);
-    let (left, right) = entries.split_at(entries.len().div_ceil(2));
+    // The second column would run under the side: beside a long side the legend is one column.
+    let crowded = side_bottom > legend_top;
+    let (left, right) = entries.split_at(if crowded { entries.len() } else { entries.len().div_ceil(2) });
     let height = (legend_top + LINE * left.len() as f64).max(side_bottom) + MARGIN;
 
     let mut document = Document::new(PAGE_WIDTH, height, scene.title, &caption);
@@ -135,9 +137,10 @@ fn draw_map(document: &mut Document, scene: &LocalizationScene<'_>, mut canvas: 
 fn draw_detail(document: &mut Document, scene: &LocalizationScene<'_>, mut canvas: Canvas) {
     layers::map(&mut canvas, scene.map);
     layers::candidates(&mut canvas, scene.answer, 9.0);
-    layers::truth(&mut canvas, scene, 46.0);
     layers::path(&mut canvas, scene.answer);
     layers::survivors(&mut canvas, scene.answer, 14.0);
+    // Over the survivors, which may cover all of the close-up.
+    layers::truth(&mut canvas, scene, 46.0);
     layers::estimate(&mut canvas, scene, true);
     let frame = canvas.frame();
     let heading = if scene.answer.hypotheses.len() > 1 { "Close up: place 1" } else { "Close up: the estimate" };
@@ -155,7 +158,8 @@ fn map_canvas(scene: &LocalizationScene<'_>, top: f64) -> Canvas {
     let bounds = WorldBounds::of(corners.chain(poses.map(Pose2::position)).chain(shapes))
         .unwrap_or(WorldBounds { min: Vec2::ZERO, max: Vec2::new(1.0, 1.0) });
     let size = bounds.size();
-    let bounds = bounds.grown((0.04 * size.x.max(size.y)).max(1e-3));
+    // Room for the arrow of an estimate at the rim.
+    let bounds = bounds.grown((0.07 * size.x.max(size.y)).max(1e-3));
     let size = bounds.size();
     let height = (MAP_WIDTH * size.y / size.x).clamp(MAP_HEIGHT.0, MAP_HEIGHT.1);
     Canvas::new(Frame { x: MAP_LEFT, y: top, width: MAP_WIDTH, height }, bounds)

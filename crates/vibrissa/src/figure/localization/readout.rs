@@ -47,7 +47,7 @@ fn estimate(only: &Hypothesis) -> Vec<Line> {
         ("heading", "Estimate [extent of the place]".into()),
         row("x", only.pose.x, only.extent.x, 1e3, " mm", 2),
         row("y", only.pose.y, only.extent.y, 1e3, " mm", 2),
-        row("heading", only.pose.theta, only.extent.theta, degrees, "°", 1),
+        row("heading", only.pose.theta, only.extent.theta, degrees, "°", 2),
     ]
 }
 
