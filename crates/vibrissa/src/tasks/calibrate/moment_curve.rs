@@ -11,8 +11,10 @@ type Pair = (f64, f64);
 
 /// Fits the moment as a polynomial of the readings' excursion along the direction in which contact moves them.
 ///
-/// The degree is the least whose error on rows left out is within one standard error of the best, up to
-/// [`CurveOptions::most_degree`], among those that are monotone over the range.
+/// Sensors err by a share of what they read as well as by a floor, so that strong contacts scatter most. How much they
+/// do is estimated from the residuals, and each contact counts by it: weak contacts are as exact, relative to what they
+/// are, as strong ones. The degree is the least whose errors on rows left out, by the same measure, are within one standard
+/// error of the best ones, row by row, up to [`CurveOptions::most_degree`], among those that are monotone over the range.
 ///
 /// # Errors
 ///
@@ -49,14 +51,11 @@ pub fn fit_moment_curve(labelled: &Labelled, explained: &[Explained], options: &
         bound: 0.0,
         samples: pairs.len(),
     };
-    let tried: Vec<(Vec<f64>, Vec<f64>)> = (1..=options.most_degree)
-        .filter_map(|degree| Some((polynomial(&pairs, range, degree)?, left_out(&pairs, range, degree)?)))
-        .filter(|(coefficients, _)| monotone(coefficients))
-        .collect();
-    let best = tried.iter().map(|(_, errors)| rms(errors)).fold(f64::INFINITY, f64::min);
-    // How well the root of a mean square is known: a bend that large errors hide would be lost to a fixed margin.
-    let margin = 1.0 + 1.0 / (2.0 * pairs.len() as f64).sqrt();
-    let Some((coefficients, errors)) = tried.into_iter().find(|(_, errors)| rms(errors) <= margin * best) else {
+    let fit = |scatter: &Scatter| chosen(&pairs, range, scatter, options.most_degree);
+    // The first fit tells how readings scatter, the second one heeds it.
+    let first = fit(&Scatter::EVEN).map(|(coefficients, _)| residuals(&pairs, range, &coefficients));
+    let scatter = first.map_or(Scatter::EVEN, |residuals| Scatter::of(&pairs, &residuals));
+    let Some((coefficients, errors)) = fit(&scatter) else {
         return Err(fault("no monotone curve fits the readings"));
     };
     curve.coefficients = coefficients;
@@ -81,24 +80,100 @@ fn direction(labelled: &Labelled, explained: &[Explained]) -> Option<(Vec<f64>, 
         .then(|| (lines.iter().map(|line| line[0]).collect(), lines.iter().map(|line| line[1] / norm).collect()))
 }
 
-/// Coefficients of the polynomial in `(signal - middle) / half width`.
+/// How readings scatter about the curve: the variance at a moment `m` is `floor + share * m²`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Scatter {
+    floor: f64,
+    share: f64,
+}
+
+/// Rounds of the fit of the scatter.
+const ROUNDS: usize = 20;
+/// The least floor, as a share of the variance at the largest moment: no contact outweighs another by more than its root.
+const LEAST_FLOOR: f64 = 1e-4;
+
+impl Scatter {
+    /// The same everywhere.
+    const EVEN: Self = Self { floor: 1.0, share: 0.0 };
+
+    /// What explains the squares of the residuals best, each weighed by its own variance.
+    fn of(pairs: &[Pair], residuals: &[f64]) -> Self {
+        let largest = pairs.iter().fold(0.0, |most: f64, p| most.max(p.1 * p.1));
+        let mean = residuals.iter().map(|r| r * r).sum::<f64>() / residuals.len().max(1) as f64;
+        if !(mean > 0.0 && largest > 0.0) {
+            return Self::EVEN;
+        }
+        let mut scatter = Self { floor: mean, share: 0.0 };
+        for _ in 0..ROUNDS {
+            let row = |m: f64| vec![1.0 / scatter.variance(m), m * m / scatter.variance(m)];
+            let rows: Vec<Vec<f64>> = pairs.iter().map(|p| row(p.1)).collect();
+            let targets: Vec<f64> = pairs.iter().zip(residuals).map(|(p, r)| r * r / scatter.variance(p.1)).collect();
+            let Some(fitted) = linear(&rows, &targets) else { break };
+            let (floor, share) = (fitted[0], fitted[1].max(0.0));
+            scatter = Self { floor: floor.max(LEAST_FLOOR * (share * largest).max(mean)), share };
+        }
+        scatter
+    }
+
+    fn variance(&self, moment: f64) -> f64 {
+        self.floor + self.share * moment * moment
+    }
+
+    fn std(&self, moment: f64) -> f64 {
+        self.variance(moment).sqrt()
+    }
+}
+
+/// The coefficients of the least degree that will do, and its errors on rows left out.
+fn chosen(pairs: &[Pair], range: [f64; 2], scatter: &Scatter, most_degree: usize) -> Option<(Vec<f64>, Vec<f64>)> {
+    let tried: Vec<(Vec<f64>, Vec<f64>)> = (1..=most_degree)
+        .filter_map(|degree| {
+            Some((polynomial(pairs, range, scatter, degree)?, left_out(pairs, range, scatter, degree)?))
+        })
+        .filter(|(coefficients, _)| monotone(coefficients))
+        .collect();
+    let squares = |errors: &[f64]| pairs.iter().zip(errors).map(|(p, e)| e * e / scatter.variance(p.1)).collect();
+    let squares: Vec<Vec<f64>> = tried.iter().map(|(_, errors)| squares(errors)).collect();
+    let best = squares.iter().min_by(|a, b| a.iter().sum::<f64>().total_cmp(&b.iter().sum()))?;
+    let chosen = squares.iter().position(|own| is_as_good(own, best))?;
+    tried.into_iter().nth(chosen)
+}
+
+/// Whether squared errors are no larger than others of the same rows by more than one standard error of the difference.
+fn is_as_good(own: &[f64], best: &[f64]) -> bool {
+    let n = own.len().max(1) as f64;
+    let mean = own.iter().zip(best).map(|(a, b)| a - b).sum::<f64>() / n;
+    let spread = own.iter().zip(best).map(|(a, b)| (a - b - mean).powi(2)).sum::<f64>() / n;
+    mean <= (spread / n).sqrt()
+}
+
+fn residuals(pairs: &[Pair], range: [f64; 2], coefficients: &[f64]) -> Vec<f64> {
+    pairs.iter().map(|&(s, m)| m - value(coefficients, (s - range[0]) / range[1])).collect()
+}
+
+/// Coefficients of the polynomial in `(signal - middle) / half width`, each pair weighed by its scatter.
 ///
 /// The readings have errors and the labels all but none: plain least squares of moments by readings would make every
 /// moment too small. The readings' powers are therefore first replaced by what the labels tell of them (instrumental
 /// variables).
-fn polynomial(pairs: &[Pair], range: [f64; 2], degree: usize) -> Option<Vec<f64>> {
+fn polynomial(pairs: &[Pair], range: [f64; 2], scatter: &Scatter, degree: usize) -> Option<Vec<f64>> {
+    let weights: Vec<f64> = pairs.iter().map(|p| 1.0 / scatter.std(p.1)).collect();
+    let weighed = |rows: &[Vec<f64>]| -> Vec<Vec<f64>> {
+        rows.iter().zip(&weights).map(|(row, w)| row.iter().map(|v| v * w).collect()).collect()
+    };
     let powers = |z: f64| -> Vec<f64> { (0..=degree).map(|k| z.powi(k as i32)).collect() };
     let scale = pairs.iter().fold(0.0, |most: f64, p| most.max(p.1.abs()));
     let labels: Vec<Vec<f64>> = pairs.iter().map(|p| powers(p.1 / scale)).collect();
     let readings: Vec<Vec<f64>> = pairs.iter().map(|p| powers((p.0 - range[0]) / range[1])).collect();
+    let weighed_labels = weighed(&labels);
     let told = |k: usize| {
-        let column: Vec<f64> = readings.iter().map(|row| row[k]).collect();
-        linear(&labels, &column)
+        let column: Vec<f64> = readings.iter().zip(&weights).map(|(row, w)| row[k] * w).collect();
+        linear(&weighed_labels, &column)
     };
     let told: Vec<Vec<f64>> = (0..=degree).map(told).collect::<Option<_>>()?;
     let rows: Vec<Vec<f64>> = labels.iter().map(|label| told.iter().map(|by| dot(by, label)).collect()).collect();
-    let targets: Vec<f64> = pairs.iter().map(|p| p.1).collect();
-    linear(&rows, &targets)
+    let targets: Vec<f64> = pairs.iter().zip(&weights).map(|(p, w)| p.1 * w).collect();
+    linear(&weighed(&rows), &targets)
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
@@ -120,13 +195,13 @@ const BLOCK: usize = 8;
 const FOLDS: usize = 10;
 
 /// Errors of all rows, each by a curve without its block and every tenth of the others.
-fn left_out(pairs: &[Pair], range: [f64; 2], degree: usize) -> Option<Vec<f64>> {
+fn left_out(pairs: &[Pair], range: [f64; 2], scatter: &Scatter, degree: usize) -> Option<Vec<f64>> {
     let fold = |row: usize| row / BLOCK % FOLDS;
     let mut errors = vec![0.0; pairs.len()];
     for part in 0..FOLDS {
         let others: Vec<Pair> =
             pairs.iter().enumerate().filter(|(row, _)| fold(*row) != part).map(|(_, p)| *p).collect();
-        let coefficients = polynomial(&others, range, degree)?;
+        let coefficients = polynomial(&others, range, scatter, degree)?;
         for (row, pair) in pairs.iter().enumerate().filter(|(row, _)| fold(*row) == part) {
             errors[row] = pair.1 - value(&coefficients, (pair.0 - range[0]) / range[1]);
         }
