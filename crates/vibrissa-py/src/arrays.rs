@@ -1,7 +1,10 @@
 //! Our numbers as NumPy arrays.
 
 use crate::error::OrRaise;
-use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray2, PyUntypedArrayMethods};
+use numpy::{
+    AllowTypeChange, PyArray1, PyArray2, PyArray3, PyArrayLike1, PyArrayLike2, PyArrayMethods, PyReadonlyArray1,
+    PyReadonlyArray2, PyUntypedArrayMethods,
+};
 use pyo3::prelude::*;
 use vibrissa::flow::pose::{Event, StampedPose};
 use vibrissa::plane::{Pose2, Vec2};
@@ -9,15 +12,24 @@ use vibrissa::plane::{Pose2, Vec2};
 pub(crate) type Column<'py> = Bound<'py, PyArray1<f64>>;
 pub(crate) type Table<'py> = Bound<'py, PyArray2<f64>>;
 
-/// The rows of an array of shape (n, N).
+/// What NumPy makes an array of shape (n) of: lists, arrays of other types and strides.
+pub(crate) type Like1<'py> = PyArrayLike1<'py, f64, AllowTypeChange>;
+/// The same of shape (n, m).
+pub(crate) type Like2<'py> = PyArrayLike2<'py, f64, AllowTypeChange>;
+
+/// The numbers of an array of shape (n), whatever its strides.
+pub(crate) fn numbers(array: &PyReadonlyArray1<'_, f64>) -> Vec<f64> {
+    array.as_array().iter().copied().collect()
+}
+
+/// The rows of an array of shape (n, N), whatever its strides.
 pub(crate) fn rows<const N: usize>(array: &PyReadonlyArray2<'_, f64>) -> PyResult<Vec<[f64; N]>> {
-    let columns = array.shape()[1];
+    let (view, columns) = (array.as_array(), array.shape()[1]);
     if columns != N {
         let error = vibrissa::Error::usage("the number of columns").value(columns).allowed(N.to_string());
         return Err(error).or_raise(array.py());
     }
-    let row = |chunk: &[f64]| core::array::from_fn(|i| chunk[i]);
-    Ok(array.as_slice()?.chunks_exact(N).map(row).collect())
+    Ok(view.rows().into_iter().map(|row| core::array::from_fn(|i| row[i])).collect())
 }
 
 /// One number for each item.

@@ -1,11 +1,11 @@
 //! Calibrations: made, read, written, and used.
 
-use crate::arrays::{column, table};
+use crate::arrays::{Like1, Like2, column, table};
 use crate::error::{OrRaise, warn};
 use crate::inputs::WhiskerIn;
 use crate::log::{columns_of, csv, format};
 use crate::long::run;
-use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
+use numpy::{PyArray1, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::{Path, PathBuf};
@@ -46,6 +46,12 @@ impl PyCalibration {
         format!("{:#}\n", self.0.to_json())
     }
 
+    /// Writes the file (cal.json).
+    fn write(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        let told = |error| Error::data(format!("cannot write the calibration ({error})")).in_file(&path);
+        std::fs::write(&path, self.to_json()).map_err(told).or_raise(py)
+    }
+
     /// The columns that `moment` reads ("bx", ...), in order; none where moments are not calibrated.
     #[getter]
     fn inputs(&self) -> Vec<String> {
@@ -58,8 +64,8 @@ impl PyCalibration {
         self.0.moment.as_ref().map(|curve| curve.bound)
     }
 
-    /// Moments (N m) of readings of shape (n, inputs).
-    fn _moment<'py>(&self, py: Python<'py>, readings: PyReadonlyArray2<'_, f64>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    /// Moments (N m), shape (n), of readings of shape (n, inputs).
+    fn moment<'py>(&self, py: Python<'py>, readings: Like2<'_>) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let missing = || Error::data("the calibration does not tell moments from readings");
         let curve = self.0.moment.as_ref().ok_or_else(missing).or_raise(py)?;
         let (columns, inputs) = (readings.shape()[1], curve.inputs.len());
@@ -67,20 +73,21 @@ impl PyCalibration {
             let error = Error::usage("the number of inputs").value(columns);
             return Err(error.allowed(format!("{inputs}: {}", curve.inputs.join(", ")))).or_raise(py);
         }
-        let rows = readings.as_slice()?.chunks_exact(inputs.max(1));
-        let moments: Result<Vec<f64>> = rows.map(|row| curve.moment(row)).collect();
+        let rows = readings.as_array();
+        let moments: Result<Vec<f64>> = rows.rows().into_iter().map(|row| curve.moment(&row.to_vec())).collect();
         Ok(PyArray1::from_vec(py, moments.or_raise(py)?))
     }
 
-    /// Distances (m) and standard deviations (m) for slopes of shape (n); NaN where no distance fits.
-    fn _distance<'py>(
+    /// Distances (m) and their standard deviations (m), shape (n), for slopes of shape (n) (readings per s of a tap, per m of
+    /// travel); NaN where no distance fits.
+    fn distance<'py>(
         &self,
         py: Python<'py>,
-        slopes: PyReadonlyArray1<'_, f64>,
+        slopes: Like1<'_>,
     ) -> PyResult<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>)> {
         let model = self.0.distance.ok_or_else(|| Error::data("the calibration does not tell distances from slopes"));
         let model = model.or_raise(py)?;
-        let found: Vec<_> = slopes.as_slice()?.iter().map(|&slope| model.distance(slope)).collect();
+        let found: Vec<_> = slopes.as_array().iter().map(|&slope| model.distance(slope)).collect();
         let of = |value: Option<f64>| value.unwrap_or(f64::NAN);
         Ok((column(py, &found, |d| of(d.map(|d| d.distance))), column(py, &found, |d| of(d.map(|d| d.std)))))
     }
@@ -112,18 +119,19 @@ fn file_name(path: &Path) -> String {
 pub(crate) fn calibrate_labelled(
     py: Python<'_>,
     path: Option<PathBuf>,
-    columns: Vec<(String, PyReadonlyArray1<'_, f64>)>,
+    columns: Option<&Bound<'_, PyAny>>,
     word: Option<&str>,
     whisker: WhiskerIn,
     free: Vec<String>,
 ) -> PyResult<(PyCalibration, usize)> {
     let (format, whisker) = (format(py, word)?.unwrap_or(Format::Csv), whisker.whisker().or_raise(py)?);
     let free = free.iter().map(|name| constant(name)).collect::<Result<Vec<_>>>().or_raise(py)?;
-    let (recording, name) = match path {
-        Some(path) => (Recording::read(&path, format).or_raise(py)?, file_name(&path)),
-        None => {
-            let text = csv(&columns_of(&columns)?);
-            (Recording::from_bytes(text.as_bytes(), format, "columns").or_raise(py)?, "columns".to_owned())
+    let (recording, name) = match (path, columns) {
+        (Some(path), _) => (Recording::read(&path, format).or_raise(py)?, file_name(&path)),
+        (None, columns) => {
+            let text = columns.map(|columns| columns_of(py, columns)).transpose()?.map(|columns| csv(&columns));
+            let bytes = text.unwrap_or_default().into_bytes();
+            (Recording::from_bytes(&bytes, format, "columns").or_raise(py)?, "columns".to_owned())
         }
     };
     tell(py, &recording)?;

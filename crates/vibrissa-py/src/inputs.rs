@@ -118,9 +118,18 @@ impl RobotIn {
                 rotation_relative: self.rotation_relative,
             },
         };
-        Robot::from_toml(&robot.to_toml(), "Robot")?;
+        Robot::from_toml(&robot.to_toml(), CHECKED).map_err(without_line)?;
         Ok(robot)
     }
+}
+
+/// What stands for the file while a robot is checked.
+const CHECKED: &str = "Robot";
+
+/// The error without the line of a text that nobody has seen.
+fn without_line(error: vibrissa::Error) -> vibrissa::Error {
+    let place = error.line().map(|line| format!("{CHECKED}:{line}: ")).unwrap_or_default();
+    vibrissa::Error::data(error.to_string().replacen(&place, "", 1))
 }
 
 fn whisker_out<'py>(py: Python<'py>, whisker: &Whisker) -> PyResult<Bound<'py, PyDict>> {

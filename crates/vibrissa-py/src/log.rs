@@ -1,10 +1,10 @@
 //! Sensor logs.
 
-use crate::arrays::{Table, column, poses};
+use crate::arrays::{Like1, Like2, Table, column, numbers, poses, rows};
 use crate::error::{OrRaise, exception, warn};
-use numpy::{PyArray1, PyReadonlyArray1};
+use numpy::PyArray1;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyMapping};
 use std::path::PathBuf;
 use std::sync::Arc;
 use vibrissa::flow::sensor_log::foreign::{Format, Recording};
@@ -13,6 +13,11 @@ use vibrissa::tasks::simulate::log_csv;
 use vibrissa::{Error, Result};
 
 /// What a robot recorded: times, odometry and readings.
+///
+/// t: time stamps (s), shape (rows). odometry: x (m), y (m), theta (rad) of the robot from any origin, shape (rows, 3).
+/// readings: the moments (N m) of shape (rows), or columns by name as a file's header has them ("moment", "w0.moment",
+/// "bx", ...). heading: absolute headings in the map frame (rad), shape (rows). The checks and warnings are those that files go
+/// through.
 #[pyclass(frozen, module = "vibrissa", name = "SensorLog")]
 #[derive(Debug)]
 pub(crate) struct PySensorLog(pub(crate) Arc<SensorLog>);
@@ -31,10 +36,22 @@ impl PySensorLog {
 
 #[pymethods]
 impl PySensorLog {
-    /// A log from columns of equal length, with the checks that files go through.
-    #[staticmethod]
-    fn _from_columns(py: Python<'_>, columns: Vec<(String, PyReadonlyArray1<'_, f64>)>) -> PyResult<Self> {
-        let columns = columns_of(&columns)?;
+    #[new]
+    #[pyo3(signature = (t, odometry, readings, heading=None))]
+    fn of_arrays(
+        py: Python<'_>,
+        t: Like1<'_>,
+        odometry: Like2<'_>,
+        readings: &Bound<'_, PyAny>,
+        heading: Option<Like1<'_>>,
+    ) -> PyResult<Self> {
+        let poses = rows::<3>(&odometry)?;
+        let pose = |k: usize| poses.iter().map(|pose| pose[k]).collect();
+        let mut columns: Vec<(String, Vec<f64>)> =
+            vec![("t".into(), numbers(&t)), ("x".into(), pose(0)), ("y".into(), pose(1)), ("theta".into(), pose(2))];
+        columns.extend(named(readings)?);
+        columns.extend(heading.map(|heading| ("heading".into(), numbers(&heading))));
+        equally_long(&columns).or_raise(py)?;
         let read = py.detach(|| {
             let text = csv(&columns);
             SensorLog::from_csv(&text, ARRAYS)
@@ -114,9 +131,34 @@ fn read(path: PathBuf, format: Option<Format>) -> Result<SensorLog> {
     }
 }
 
-/// Columns by name, copied.
-pub(crate) fn columns_of(columns: &[(String, PyReadonlyArray1<'_, f64>)]) -> PyResult<Vec<(String, Vec<f64>)>> {
-    columns.iter().map(|(name, values)| Ok((name.clone(), values.as_slice()?.to_vec()))).collect()
+/// Columns by name, of a mapping or of the moments alone.
+fn named(readings: &Bound<'_, PyAny>) -> PyResult<Vec<(String, Vec<f64>)>> {
+    let Ok(mapping) = readings.cast::<PyMapping>() else {
+        let moments: Like1<'_> = readings.extract()?;
+        return Ok(vec![("moment".into(), numbers(&moments))]);
+    };
+    let mut columns = Vec::new();
+    for item in mapping.items()?.iter() {
+        let (name, values) = item.extract::<(String, Like1<'_>)>()?;
+        columns.push((name, numbers(&values)));
+    }
+    Ok(columns)
+}
+
+/// Refuses columns of different lengths.
+fn equally_long(columns: &[(String, Vec<f64>)]) -> Result<()> {
+    if columns.windows(2).all(|pair| pair[0].1.len() == pair[1].1.len()) {
+        return Ok(());
+    }
+    let told: Vec<String> = columns.iter().map(|(name, values)| format!("{name} {}", values.len())).collect();
+    Err(Error::usage("the columns have different lengths").value(told.join(", ")))
+}
+
+/// Columns of equal length of a mapping by name.
+pub(crate) fn columns_of(py: Python<'_>, mapping: &Bound<'_, PyAny>) -> PyResult<Vec<(String, Vec<f64>)>> {
+    let columns = named(mapping)?;
+    equally_long(&columns).or_raise(py)?;
+    Ok(columns)
 }
 
 /// Columns as CSV, in the shortest form that reads back the same.
@@ -139,5 +181,5 @@ fn in_rows(py: Python<'_>, error: &Error) -> PyErr {
         Some(line) if line > 1 => text.replacen(&format!("{ARRAYS}:{line}:"), &format!("row {}:", line - 2), 1),
         _ => text.replacen(&format!("{ARRAYS}:1:"), "columns:", 1),
     };
-    exception(py, error, told)
+    exception(py, &Error::data(""), told)
 }

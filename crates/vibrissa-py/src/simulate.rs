@@ -57,7 +57,7 @@ impl PyScenario {
     }
 
     /// The robot as the text of its file.
-    fn _robot_toml(&self) -> String {
+    fn robot_toml(&self) -> String {
         self.0.robot.to_toml()
     }
 

@@ -1,8 +1,8 @@
 //! Maps.
 
-use crate::arrays::{Table, column, points, rows, table};
+use crate::arrays::{Table, column, Like2, points, rows, table};
 use crate::error::{OrRaise, warn};
-use numpy::{PyArray1, PyReadonlyArray2};
+use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::PathBuf;
@@ -17,9 +17,6 @@ use vibrissa::{Error, Result};
 #[pyclass(frozen, module = "vibrissa", name = "Map")]
 #[derive(Debug)]
 pub(crate) struct PyMap(pub(crate) Arc<vibrissa::world::Map>);
-
-/// Points of shape (n, 2).
-type Points<'py> = PyReadonlyArray2<'py, f64>;
 
 impl PyMap {
     fn new(py: Python<'_>, map: vibrissa::world::Map) -> PyResult<Self> {
@@ -61,12 +58,15 @@ impl PyMap {
     }
 
     /// The map of corner points (m): lists of arrays of shape (n, 2).
+    ///
+    /// Free space is inside the arenas and outside the obstacles; a wall is thin and solid on both sides.
     #[staticmethod]
-    fn _from_points(
+    #[pyo3(signature = (arenas=Vec::new(), obstacles=Vec::new(), walls=Vec::new()))]
+    fn from_points(
         py: Python<'_>,
-        arenas: Vec<Points<'_>>,
-        obstacles: Vec<Points<'_>>,
-        walls: Vec<Points<'_>>,
+        arenas: Vec<Like2<'_>>,
+        obstacles: Vec<Like2<'_>>,
+        walls: Vec<Like2<'_>>,
     ) -> PyResult<Self> {
         let mut boundaries = Vec::new();
         for (role, lines) in [(Role::Arena, arenas), (Role::Obstacle, obstacles), (Role::Wall, walls)] {
@@ -121,15 +121,16 @@ impl PyMap {
         self.0.boundaries().iter().map(line).collect()
     }
 
-    /// Whether each point of shape (n, 2) lies in free space.
-    fn _is_free<'py>(&self, py: Python<'py>, points: Points<'_>) -> PyResult<Bound<'py, PyArray1<bool>>> {
+    /// Whether each point of shape (n, 2) (m) lies in free space; shape (n).
+    fn is_free<'py>(&self, py: Python<'py>, points: Like2<'_>) -> PyResult<Bound<'py, PyArray1<bool>>> {
         let (map, points) = (&self.0, rows(&points)?);
         let free: Vec<bool> = py.detach(|| points.iter().map(|&[x, y]| map.is_free(Vec2::new(x, y))).collect());
         Ok(PyArray1::from_vec(py, free))
     }
 
-    /// The nearest boundary point to each point of shape (n, 2).
-    fn _nearest<'py>(&self, py: Python<'py>, points: Points<'_>) -> PyResult<Bound<'py, PyDict>> {
+    /// The boundary point nearest to each point of shape (n, 2) (m): "point" (n, 2) (m), "distance" (n) (m), "tangent" (n)
+    /// (rad), free space on its left, and "curvature" (n) (1/m).
+    fn nearest<'py>(&self, py: Python<'py>, points: Like2<'_>) -> PyResult<Bound<'py, PyDict>> {
         let (map, points) = (&self.0, rows(&points)?);
         let found: Vec<_> = py.detach(|| points.iter().filter_map(|&[x, y]| map.nearest(Vec2::new(x, y))).collect());
         let out = PyDict::new(py);

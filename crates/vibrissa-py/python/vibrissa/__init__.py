@@ -11,18 +11,18 @@ names thing, value, allowed range and the next step.
 """
 
 from ._beam import Bend, Bends, Load, force_mode, moment_mode, point_mode, tip_mode
-from ._calibrate import Calibration, CalibrationReport, Taps, calibrate, taps
+from ._calibrate import CalibrationReport, Taps, calibrate, taps
 from ._command import run
 from ._contact import Alignment, Contacts, Misfit, Outline, Profile, contact, profile
 from ._errors import DataError, DataWarning, Error, UsageError
 from ._localize import Demo, Hypothesis, Localization, Steps, demo, localize
 from ._readings import ContactCurves, ContactSets, Meeting, Preimage, Reading, contact_set, preimage
 from ._robot import MountedWhisker, Robot, Segment, Whisker
-from ._simulate import Scenario, Simulation, Touches, simulate, sweep, waypoints
+from ._simulate import Simulation, Touches, simulate, sweep, waypoints
 from ._trajectory import Trajectory, TrajectoryError
 from ._types import Event
-from ._vibrissa import __version__
-from ._world import Map, SensorLog, arena, log, map_of
+from ._vibrissa import Calibration, Map, Scenario, SensorLog, __version__
+from ._world import arena
 
 __all__ = [
     "Alignment",
@@ -69,8 +69,6 @@ __all__ = [
     "demo",
     "force_mode",
     "localize",
-    "log",
-    "map_of",
     "moment_mode",
     "point_mode",
     "preimage",

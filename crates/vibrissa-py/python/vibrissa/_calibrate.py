@@ -14,7 +14,6 @@ from ._arrays import Floats
 from ._errors import UsageError
 from ._robot import RobotLike, Whisker, robot_of
 from ._vibrissa import Calibration
-from ._world import equal_columns
 
 PathLike = str | os.PathLike[str]
 
@@ -76,11 +75,11 @@ def calibrate(
     if log is None:
         raise UsageError("nothing to calibrate from\n  help: give a log of labelled contacts, or taps")
     if isinstance(log, Mapping):
-        found, lost = _vibrissa.calibrate_labelled(None, equal_columns(log), format, whisker, list(free))
+        found, lost = _vibrissa.calibrate_labelled(None, log, format, whisker, list(free))
         return CalibrationReport(found, out_of_reach=lost)
     if format == "openwhisker":
         return _distances(*_vibrissa.calibrate_staircase(log, known, shaft))
-    found, lost = _vibrissa.calibrate_labelled(log, [], format, whisker, list(free))
+    found, lost = _vibrissa.calibrate_labelled(log, None, format, whisker, list(free))
     return CalibrationReport(found, out_of_reach=lost)
 
 

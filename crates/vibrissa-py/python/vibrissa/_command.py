@@ -16,7 +16,7 @@ def run(args: Sequence[str | os.PathLike[str]]) -> int:
     What it prints goes to the process's standard output and error. Result files are as those of the command.
     """
     _flush()
-    return _vibrissa.run_command(["vibrissa", *map(os.fspath, args)])
+    return _vibrissa.run_command(["vibrissa", *(os.fspath(arg) for arg in args)])
 
 
 def main() -> None:

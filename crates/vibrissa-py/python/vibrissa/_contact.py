@@ -13,7 +13,8 @@ from . import _vibrissa
 from ._arrays import Floats, Ints
 from ._robot import RobotLike, robot_of
 from ._types import Event
-from ._world import LogLike, MapLike, SensorLog, read_log, read_map
+from ._vibrissa import SensorLog
+from ._world import LogLike, MapLike, read_log, read_map
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,7 +12,8 @@ from ._robot import RobotLike, robot_of
 from ._simulate import Simulation
 from ._trajectory import Trajectory, TrajectoryError, TrajectoryLike, read_trajectory
 from ._types import Event
-from ._world import LogLike, Map, MapLike, arena, read_log, read_map
+from ._vibrissa import Map
+from ._world import LogLike, MapLike, arena, read_log, read_map
 
 Method = Literal["deterministic", "possibilistic", "probabilistic"]
 Status = Literal["localized", "ambiguous", "inconsistent", "no_contact"]
