@@ -61,16 +61,16 @@ impl PyMap {
     ///
     /// Free space is inside the arenas and outside the obstacles; a wall is thin and solid on both sides.
     #[staticmethod]
-    #[pyo3(signature = (arenas=Vec::new(), obstacles=Vec::new(), walls=Vec::new()))]
+    #[pyo3(signature = (arenas=None, obstacles=None, walls=None))]
     fn from_points(
         py: Python<'_>,
-        arenas: Vec<Like2<'_>>,
-        obstacles: Vec<Like2<'_>>,
-        walls: Vec<Like2<'_>>,
+        arenas: Option<Vec<Like2<'_>>>,
+        obstacles: Option<Vec<Like2<'_>>>,
+        walls: Option<Vec<Like2<'_>>>,
     ) -> PyResult<Self> {
         let mut boundaries = Vec::new();
         for (role, lines) in [(Role::Arena, arenas), (Role::Obstacle, obstacles), (Role::Wall, walls)] {
-            for line in lines {
+            for line in lines.unwrap_or_default() {
                 boundaries.push(boundary(role, &rows(&line)?).or_raise(py)?);
             }
         }
@@ -155,7 +155,7 @@ fn boundary(role: Role, corners: &[[f64; 2]]) -> Result<Boundary> {
         corners.pop();
     }
     let curve = Curve::polyline(&corners, closed).ok_or_else(|| {
-        Error::usage(format!("the corners of an {}", role.word()))
+        Error::usage(format!("the corners of {} {}", if role == Role::Wall { "a" } else { "an" }, role.word()))
             .value(format!("{} points", corners.len()))
             .allowed("different finite points, at least 3 of a polygon and 2 of a wall (m)")
     })?;

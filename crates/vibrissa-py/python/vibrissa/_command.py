@@ -31,6 +31,3 @@ def _flush() -> None:
     sys.stdout.flush()
     sys.stderr.flush()
 
-
-if __name__ == "__main__":
-    main()

@@ -9,6 +9,39 @@ import numpy.typing as npt
 from ._arrays import Bools, Floats, Ints
 from ._robot import Robot, Whisker
 
+__all__ = [
+    "run_command",
+    "run_command_here",
+    "Bend",
+    "Bends",
+    "bends",
+    "Calibration",
+    "calibrate_labelled",
+    "calibrate_staircase",
+    "calibrate_taps",
+    "find_taps",
+    "contact",
+    "profile",
+    "robot_default",
+    "robot_parse",
+    "robot_read",
+    "robot_toml",
+    "whisker_is_uniform",
+    "demo_sweep",
+    "localize",
+    "tum_error",
+    "tum_format",
+    "tum_read",
+    "SensorLog",
+    "contact_set",
+    "preimage",
+    "Scenario",
+    "path",
+    "sweep",
+    "Map",
+    "__version__",
+]
+
 __version__: str
 _Path = str | os.PathLike[str]
 _Poses = tuple[Floats, Floats]
@@ -130,9 +163,9 @@ class Map:
         """The map of an SVG text (mm unless it says otherwise); `name` stands for the file in messages."""
     @staticmethod
     def from_points(
-        arenas: Sequence[npt.ArrayLike] = (),
-        obstacles: Sequence[npt.ArrayLike] = (),
-        walls: Sequence[npt.ArrayLike] = (),
+        arenas: Sequence[npt.ArrayLike] | None = None,
+        obstacles: Sequence[npt.ArrayLike] | None = None,
+        walls: Sequence[npt.ArrayLike] | None = None,
     ) -> Map:
         """The map of corner points (m): lists of arrays of shape (n, 2).
 
