@@ -7,6 +7,7 @@ use crate::long::{Watch, run};
 use numpy::{PyArray1, PyArray3, PyReadonlyArray1};
 use pyo3::exceptions::PyIndexError;
 use pyo3::prelude::*;
+use pyo3::types::PyIterator;
 use std::sync::Arc;
 use vibrissa::beam::{Load, ShapePoint, Whisker, force_mode, moment_mode, point_mode, tip_mode};
 use vibrissa::plane::Vec2;
@@ -49,7 +50,9 @@ impl Problems {
             ("normal" | "vertical", Some(_)) => {
                 Err(Error::usage("angle").allowed("with the loads tilted and directed only"))
             }
-            ("tilted" | "directed", None) => Err(Error::usage("the load's angle is missing").remedy("give angle (rad)")),
+            ("tilted" | "directed", None) => {
+                Err(Error::usage("the load's angle is missing").remedy("give angle (rad)"))
+            }
             (other, _) => Err(Error::usage("the load").value(other).allowed("normal, vertical, tilted, directed")),
         }
     }
@@ -82,14 +85,15 @@ impl Problems {
     /// The equilibria in the order of the problems, and the problems that make no sense.
     fn solve_all(self, threads: usize, watch: &Watch) -> Bends {
         let order: Vec<usize> = (0..self.first.len()).collect();
-        let answers = batch::map(&order, threads, |&i| {
-            if watch.is_cancelled() { Ok(Vec::new()) } else { self.solve(i) }
-        });
+        let answers =
+            batch::map(&order, threads, |&i| if watch.is_cancelled() { Ok(Vec::new()) } else { self.solve(i) });
         let mut solved = Bends { problems: order.len(), ..Bends::default() };
         solved.rows.reserve(answers.len());
         for (case, answer) in answers.into_iter().enumerate() {
             match answer {
-                Ok(bends) => solved.rows.extend(bends.into_iter().enumerate().map(|(b, bend)| Row { case, branch: b, bend })),
+                Ok(bends) => {
+                    solved.rows.extend(bends.into_iter().enumerate().map(|(b, bend)| Row { case, branch: b, bend }))
+                }
                 Err(error) => solved.faults.push((case, error)),
             }
         }
@@ -257,6 +261,11 @@ impl Bends {
         let row = usize::try_from(at).ok().and_then(|at| self.rows.get(at));
         let row = row.ok_or_else(|| PyIndexError::new_err("no such equilibrium"))?;
         Ok(Bend { row: row.clone(), whisker: *self.whisker(row) })
+    }
+
+    fn __iter__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyIterator>> {
+        let one = |row: &Row| Bend { row: row.clone(), whisker: *self.whisker(row) };
+        self.rows.iter().map(one).collect::<Vec<_>>().into_pyobject(py)?.try_iter()
     }
 
     fn __repr__(&self) -> String {

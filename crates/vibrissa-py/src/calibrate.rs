@@ -1,6 +1,6 @@
 //! Calibrations: made, read, written, and used.
 
-use crate::arrays::{Like1, Like2, column, table};
+use crate::arrays::{Column, Like1, Like2, column, table};
 use crate::error::{OrRaise, warn};
 use crate::inputs::WhiskerIn;
 use crate::log::{columns_of, csv, format};
@@ -65,7 +65,7 @@ impl PyCalibration {
     }
 
     /// Moments (N m), shape (n), of readings of shape (n, inputs).
-    fn moment<'py>(&self, py: Python<'py>, readings: Like2<'_>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    fn moment<'py>(&self, py: Python<'py>, readings: Like2<'_>) -> PyResult<Column<'py>> {
         let missing = || Error::data("the calibration does not tell moments from readings");
         let curve = self.0.moment.as_ref().ok_or_else(missing).or_raise(py)?;
         let (columns, inputs) = (readings.shape()[1], curve.inputs.len());
@@ -80,11 +80,7 @@ impl PyCalibration {
 
     /// Distances (m) and their standard deviations (m), shape (n), for slopes of shape (n) (readings per s of a tap, per m of
     /// travel); NaN where no distance fits.
-    fn distance<'py>(
-        &self,
-        py: Python<'py>,
-        slopes: Like1<'_>,
-    ) -> PyResult<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>)> {
+    fn distance<'py>(&self, py: Python<'py>, slopes: Like1<'_>) -> PyResult<(Column<'py>, Column<'py>)> {
         let model = self.0.distance.ok_or_else(|| Error::data("the calibration does not tell distances from slopes"));
         let model = model.or_raise(py)?;
         let found: Vec<_> = slopes.as_array().iter().map(|&slope| model.distance(slope)).collect();
@@ -167,7 +163,12 @@ impl ShaftIn {
 }
 
 /// The taps of a recording.
-fn read_taps(path: &Path, format: Option<Format>, channel: &str, reference: Option<&str>) -> Result<(Recording, Vec<Tap>)> {
+fn read_taps(
+    path: &Path,
+    format: Option<Format>,
+    channel: &str,
+    reference: Option<&str>,
+) -> Result<(Recording, Vec<Tap>)> {
     let mut recording = Recording::read(path, format.unwrap_or_else(|| Format::of_taps(path)))?;
     if let Some(reference) = reference {
         let sensor = channel.rsplit_once('.').map_or("", |(sensor, _)| sensor);

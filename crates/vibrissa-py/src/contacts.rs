@@ -16,6 +16,9 @@ use vibrissa::tasks::contact::{ContactReport, ContactStep, contacts};
 use vibrissa::tasks::profile::{Alignment, Misfit, Outline, Profile, compare, profile as outlines_of};
 use vibrissa::world::Robot;
 
+/// One number of a step.
+type Number = fn(&ContactStep) -> f64;
+
 /// Contact points of a log; gives the fields of `vibrissa.Contacts`.
 #[pyfunction]
 pub(crate) fn contact<'py>(
@@ -55,7 +58,7 @@ fn place<'py>(
 fn steps<'py>(py: Python<'py>, report: &ContactReport, names: &[String]) -> PyResult<Bound<'py, PyDict>> {
     let steps = &report.steps;
     let out = PyDict::new(py);
-    let numbers: [(&str, fn(&ContactStep) -> f64); 8] = [
+    let numbers: [(&str, Number); 8] = [
         ("t", |s| s.t),
         ("moment", |s| s.moment),
         ("s_a", |s| or_nan(s.s_a)),

@@ -1,12 +1,12 @@
 //! Where the robot is.
 
 use crate::arrays::{column, counts, events, points, poses, rows, stamped, table, trajectory};
-use numpy::{PyReadonlyArray1, PyReadonlyArray2};
 use crate::error::{OrRaise, warn};
 use crate::inputs::RobotIn;
 use crate::log::PySensorLog;
 use crate::long::run;
 use crate::world::PyMap;
+use numpy::{PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::PathBuf;
@@ -163,9 +163,7 @@ pub(crate) fn localize<'py>(
         channel.quantity == Quantity::Moment && !channel.whisker.is_empty() && !mounted(&channel.whisker)
     });
     let unused: Vec<String> = unused
-        .map(|channel| {
-            format!("the column `{}` is not used: the robot has no whisker of this name", channel.column())
-        })
+        .map(|channel| format!("the column `{}` is not used: the robot has no whisker of this name", channel.column()))
         .collect();
     warn(py, &unused)?;
     let (log, map, total) = (Arc::clone(&log.0), Arc::clone(&map.0), log.0.rows.len());
@@ -226,6 +224,9 @@ pub(crate) fn tum_format(t: PyReadonlyArray1<'_, f64>, poses: PyReadonlyArray2<'
     Ok(format_tum(&stamped(t.as_slice()?, &rows(&poses)?)))
 }
 
+/// Rows, final position (m) and heading (rad), mean position (m) and heading (rad).
+type Told = (usize, f64, f64, f64, f64);
+
 /// How far an estimate is from the truth: rows, final position and heading, mean position and heading.
 #[pyfunction]
 pub(crate) fn tum_error(
@@ -233,7 +234,7 @@ pub(crate) fn tum_error(
     poses: PyReadonlyArray2<'_, f64>,
     true_t: PyReadonlyArray1<'_, f64>,
     true_poses: PyReadonlyArray2<'_, f64>,
-) -> PyResult<Option<(usize, f64, f64, f64, f64)>> {
+) -> PyResult<Option<Told>> {
     let estimate = stamped(t.as_slice()?, &rows(&poses)?);
     let truth = stamped(true_t.as_slice()?, &rows(&true_poses)?);
     let told = trajectory_error(&estimate, &truth);

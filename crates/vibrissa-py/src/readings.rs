@@ -14,9 +14,7 @@ use vibrissa::flow::contact_set::{
     Contact, ContactModel, ContactRegion, ContactSet, Limits, Meeting, MomentRegime, Parts, PlacedSet, Reading,
     Resolution, VirtualSensor, intersect_all,
 };
-use vibrissa::flow::preimage::{
-    Construction, PreimageOptions, ReadingPreimage, fused_preimage, reading_preimage,
-};
+use vibrissa::flow::preimage::{Construction, PreimageOptions, ReadingPreimage, fused_preimage, reading_preimage};
 use vibrissa::plane::Pose2;
 use vibrissa::sets::Interval;
 use vibrissa::world::{Map, MountedWhisker, Robot};
@@ -138,8 +136,7 @@ impl Found {
         let placed = |(set, frame)| PlacedSet { set, frame_from_whisker: frame };
         let placed: Vec<PlacedSet<'_>> = curves.iter().zip(frames).map(placed).collect();
         let all_exact = curves.len() == readings && readings > 1;
-        let meetings =
-            if all_exact { intersect_all(&placed, config::contact_set::MEETING) } else { Vec::new() };
+        let meetings = if all_exact { intersect_all(&placed, config::contact_set::MEETING) } else { Vec::new() };
         Ok(Self { curves, meetings, region })
     }
 }

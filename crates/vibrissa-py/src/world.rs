@@ -1,6 +1,6 @@
 //! Maps.
 
-use crate::arrays::{Table, column, Like2, points, rows, table};
+use crate::arrays::{Like2, Table, column, points, rows, table};
 use crate::error::{OrRaise, warn};
 use numpy::PyArray1;
 use pyo3::prelude::*;
@@ -100,11 +100,7 @@ impl PyMap {
     /// The boundaries as polylines within `tolerance` (m) of their curves: a list of role ("arena", "obstacle" or "wall")
     /// and points of shape (n, 2); a closed line repeats its first point.
     #[pyo3(signature = (tolerance=None))]
-    fn boundaries<'py>(
-        &self,
-        py: Python<'py>,
-        tolerance: Option<f64>,
-    ) -> PyResult<Vec<(&'static str, Table<'py>)>> {
+    fn boundaries<'py>(&self, py: Python<'py>, tolerance: Option<f64>) -> PyResult<Vec<(&'static str, Table<'py>)>> {
         let tolerance = tolerance.unwrap_or(FLATTEN_TOLERANCE);
         if !(tolerance >= 1e-9 && tolerance.is_finite()) {
             return Err(Error::usage("tolerance").value(tolerance).allowed("1e-9 m or more")).or_raise(py);

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -117,14 +118,15 @@ def test_faults_name_the_problem_or_are_listed() -> None:
     assert bends.faults[2][1].startswith("s_a: 0.09 (allowed: above 0 and up to the whisker's length 0.075 m)")
     with pytest.raises(vibrissa.DataError, match="tip_ratio"):
         vibrissa.force_mode(0.1, 0.05, whisker=vibrissa.Whisker(tip_ratio=0.0))
-    for call in (
+    refused: list[Callable[[], object]] = [
         lambda: vibrissa.force_mode(0.1, 0.05, load="diagonal"),  # type: ignore[arg-type]
         lambda: vibrissa.force_mode(0.1, 0.05, load="tilted"),
         lambda: vibrissa.force_mode(0.1, 0.05, angle=0.1),
         lambda: vibrissa.force_mode([0.1, 0.2], [0.05, 0.06, 0.07]),
         lambda: vibrissa.force_mode([0.1, 0.2, 0.3], 0.05, whisker=[vibrissa.Whisker(), vibrissa.Whisker()]),
         lambda: vibrissa.force_mode(0.1, 0.05, errors="ignore"),  # type: ignore[arg-type]
-    ):
+    ]
+    for call in refused:
         with pytest.raises(vibrissa.UsageError):
             call()
 

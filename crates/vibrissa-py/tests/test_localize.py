@@ -7,6 +7,7 @@ import subprocess
 import sys
 import threading
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -66,12 +67,13 @@ def test_options_reach_the_method_and_strangers_are_refused(demo: vibrissa.Demo)
     last = demo.sweep.truth.poses[-1]
     assert boxed.status != "inconsistent"
     assert ((inside[:, 0] <= last[0]) & (last[0] <= inside[:, 1]) & (inside[:, 2] <= last[1]) & (last[1] <= inside[:, 3])).any()
-    for call, words in (
+    refused: list[tuple[Callable[[], object], str]] = [
         (lambda: vibrissa.localize(demo.sweep.log, demo.map, tolerate=1), "tolerate is none of the method deterministic"),
         (lambda: vibrissa.localize(demo.sweep.log, demo.map, history_shapes=9), "history_shapes"),
         (lambda: vibrissa.localize(demo.sweep.log, demo.map, method="magic"), "allowed: deterministic"),  # type: ignore[arg-type]
         (lambda: vibrissa.localize(demo.sweep.log, demo.map, tip_load="x"), "boundary-normal"),  # type: ignore[arg-type]
-    ):
+    ]
+    for call, words in refused:
         with pytest.raises(vibrissa.UsageError, match=words):
             call()
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -165,20 +166,22 @@ def test_taps_are_those_of_the_command(tmp_path: Path) -> None:
     assert found.calibration.to_json() == (tmp_path / "cal.json").read_text()
     assert found.left_out is not None and np.nanmean(np.abs(np.diff(found.left_out, axis=1))) < 1.5e-3
     one = next(iter(known.values()))
-    words = ["contact", one, "--taps", "--calibration", tmp_path / "cal.json", "--out", tmp_path]
+    words: list[str | os.PathLike[str]] = ["contact", one, "--taps", "--calibration", tmp_path / "cal.json", "--out", tmp_path]
     assert vibrissa.run(words) == 0
     assert np.array_equal(vibrissa.taps(one, found.calibration).distance, numbers(table(tmp_path / "taps.csv")["distance"]), equal_nan=True)
 
 
 def test_errors_have_the_texts_and_codes_of_the_command(capfd: pytest.CaptureFixture[str], demo_files: Path) -> None:
     log = demo_files / "log.csv"
-    for args, call, code in (
-        (["localize", "nowhere.csv", "--map", demo_files / "map.svg"], lambda: vibrissa.localize("nowhere.csv", demo_files / "map.svg"), 1),
+    arena = demo_files / "map.svg"
+    cases: list[tuple[list[str | os.PathLike[str]], Callable[[], object], int]] = [
+        (["localize", "nowhere.csv", "--map", arena], lambda: vibrissa.localize("nowhere.csv", arena), 1),
         (["localize", log, "--map", log], lambda: vibrissa.localize(log, log), 1),
-        (["localize", log, "--map", demo_files / "map.svg", "--tolerance", "99"], lambda: vibrissa.localize(log, demo_files / "map.svg", tolerance=99), 2),
+        (["localize", log, "--map", arena, "--tolerance", "99"], lambda: vibrissa.localize(log, arena, tolerance=99), 2),
         (["beam", "force", "--force", "0.1", "--s-a", "0.08"], lambda: vibrissa.force_mode(0.1, 0.08), 2),
-    ):
-        assert vibrissa.run([os.fspath(arg) for arg in args]) == code
+    ]
+    for args, call, code in cases:
+        assert vibrissa.run(args) == code
         told = capfd.readouterr().err
         with pytest.raises(vibrissa.DataError if code == 1 else vibrissa.UsageError) as fault:
             call()

@@ -1,7 +1,7 @@
 """The extension module of the package vibrissa."""
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, final
 
 import numpy.typing as npt
@@ -147,6 +147,7 @@ class Bends:
         diameter."""
     def __len__(self) -> int: ...
     def __getitem__(self, index: int, /) -> Bend: ...
+    def __iter__(self) -> Iterator[Bend]: ...
 
 @final
 class Map:

@@ -9,7 +9,9 @@ use std::path::{Path, PathBuf};
 use vibrissa::config::StaircaseOptions;
 use vibrissa::figure::{Plot, calibration_figure};
 use vibrissa::flow::sensor_log::foreign::{Format, Recording, Repairs};
-use vibrissa::tasks::calibrate::{DistanceFit, DistanceSet, LeftOut, Shaft, Taper, fit_distance, leave_one_out, staircase};
+use vibrissa::tasks::calibrate::{
+    DistanceFit, DistanceSet, LeftOut, Shaft, Taper, fit_distance, leave_one_out, staircase,
+};
 use vibrissa::world::calibration::{Calibration, Motion, Source};
 use vibrissa::world::{Dimension, Robot};
 use vibrissa::{Error, Result};

@@ -54,8 +54,7 @@ pub fn calibrate_contacts(
     };
     let moment =
         if labelled.inputs.is_empty() { None } else { Some(fit_moment_curve(&labelled, &explained, &options)?) };
-    let source =
-        Source { file: file.to_owned(), rows: recording.lines.len(), used: explained.len(), distance: None };
+    let source = Source { file: file.to_owned(), rows: recording.lines.len(), used: explained.len(), distance: None };
     let calibration = Calibration {
         data: vec![source],
         moment,
