@@ -72,6 +72,24 @@ pub mod sensing {
     pub const CHIP_DISTANCE: f64 = 5e-3;
 }
 
+/// The shafts whose distances are calibrated, where a call does not describe them.
+pub mod shaft {
+    /// Length of the rat-like whisker whose taps are public (m).
+    pub const TAPPED_LENGTH: f64 = 0.18;
+    /// Its tip radius over its base radius.
+    pub const TAPPED_TIP_RATIO: f64 = 1.0 / 3.0;
+    /// Length of the shaft whose staircase of contacts is public (m); its taper is fitted.
+    pub const STAIRCASE_LENGTH: f64 = 0.15;
+}
+
+/// How finely the contacts that explain a reading are told.
+pub mod contact_set {
+    /// Contacts on each branch of an exact reading's curve: smooth on any screen.
+    pub const NODES: usize = 200;
+    /// How close curves must come to meet (m), beyond what their chords leave out: rounding.
+    pub const MEETING: f64 = 1e-9;
+}
+
 /// What a scenario leaves out, and its limits.
 pub mod scenario {
     /// Speed of the robot (m/s): half a millimetre a row.

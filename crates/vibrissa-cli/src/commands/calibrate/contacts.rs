@@ -6,12 +6,11 @@ use serde_json::json;
 use std::fmt::Write;
 use std::path::Path;
 use vibrissa::beam::Whisker;
-use vibrissa::config::CurveOptions;
 use vibrissa::figure::{Plot, calibration_figure};
 use vibrissa::flow::sensor_log::foreign::{Format, Recording};
-use vibrissa::tasks::calibrate::{Constant, Explained, Labelled, fit_constants, fit_moment_curve, fit_tip_deflection};
+use vibrissa::tasks::calibrate::{Constant, ContactCalibration, Explained, Labelled, calibrate_contacts};
 use vibrissa::world::Robot;
-use vibrissa::world::calibration::{Calibration, MomentCurve, Source, TipDeflection, WhiskerConstants};
+use vibrissa::world::calibration::{Calibration, MomentCurve, TipDeflection, WhiskerConstants};
 use vibrissa::{Error, Result};
 
 /// What is fitted beside the curves.
@@ -45,41 +44,13 @@ pub(super) fn from_contacts(
     let free = args.constants()?;
     let recording = Recording::read(log, format.unwrap_or(Format::Csv))?;
     say_repairs(&recording);
-    let labelled = Labelled::from_recording(&recording)?;
-    let mut whisker = robot.and_then(|r| r.whiskers.first()).map_or_else(Whisker::default, |w| w.beam);
-    let options = CurveOptions::default();
-    let mut explained = labelled.explain(&whisker)?;
-    let constants = if free.is_empty() {
-        None
-    } else {
-        let constants = fit_constants(&labelled, &signal(&labelled, &explained, &options)?, &whisker, &free)?;
-        whisker.flexural_rigidity = constants.flexural_rigidity;
-        whisker.base_stiffness = constants.base_stiffness;
-        whisker.tip_ratio = constants.tip_ratio;
-        explained = labelled.explain(&whisker)?;
-        Some(constants)
-    };
-    let lost = labelled.contacts.len() - explained.len();
+    let whisker = robot.and_then(|r| r.whiskers.first()).map_or_else(Whisker::default, |w| w.beam);
+    let found = calibrate_contacts(&recording, &file_name(log), &whisker, &free)?;
+    let lost = found.out_of_reach();
     if lost > 0 {
         warn(&format!("{}: {lost} contacts are out of the whisker's reach and were left out", log.display()));
     }
-    let moment =
-        if labelled.inputs.is_empty() { None } else { Some(fit_moment_curve(&labelled, &explained, &options)?) };
-    let source = Source { file: file_name(log), rows: recording.lines.len(), used: explained.len(), distance: None };
-    let calibration = Calibration {
-        data: vec![source],
-        moment,
-        tip_deflection: fit_tip_deflection(&explained),
-        whisker: constants,
-        ..Calibration::default()
-    };
-    if calibration.moment.is_none() && calibration.tip_deflection.is_none() && calibration.whisker.is_none() {
-        return Err(Error::data(
-            "there is nothing to calibrate: no contact bends the whisker, and there are no raw readings",
-        )
-        .in_file(file_name(log))
-        .remedy("give contact points x,y in m in the whisker frame beside bx,by,bz or ax,ay,az; docs/calibration.md"));
-    }
+    let ContactCalibration { calibration, labelled, explained } = found;
     let mut json = calibration.to_json();
     let file = pretty(&json);
     json["report"] = json!({ "repairs": repairs_json(recording.repairs), "out_of_reach": lost });
@@ -91,15 +62,6 @@ pub(super) fn from_contacts(
         json,
         files: vec![("cal.json", file), ("calibration.svg", figure)],
     })
-}
-
-/// The readings' excursion for each contact; nothing where moments are measured.
-fn signal(labelled: &Labelled, explained: &[Explained], options: &CurveOptions) -> Result<Vec<f64>> {
-    if labelled.moments.is_some() {
-        return Ok(Vec::new());
-    }
-    let curve = fit_moment_curve(labelled, explained, options)?;
-    Ok(labelled.readings.iter().map(|readings| curve.signal(readings)).collect())
 }
 
 fn text(calibration: &Calibration, used: usize) -> String {

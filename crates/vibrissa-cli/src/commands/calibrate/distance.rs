@@ -9,13 +9,12 @@ use std::path::{Path, PathBuf};
 use vibrissa::config::StaircaseOptions;
 use vibrissa::figure::{Plot, calibration_figure};
 use vibrissa::flow::sensor_log::foreign::{Format, Recording, Repairs};
-use vibrissa::tasks::calibrate::{DistanceFit, DistanceSet, LeftOut, Shaft, fit_distance, leave_one_out, staircase};
+use vibrissa::tasks::calibrate::{
+    DistanceFit, DistanceSet, LeftOut, Shaft, Taper, fit_distance, leave_one_out, staircase,
+};
 use vibrissa::world::calibration::{Calibration, Motion, Source};
 use vibrissa::world::{Dimension, Robot};
 use vibrissa::{Error, Result};
-
-/// Length of the shaft of the rat-like whisker whose taps are public (m), and its tip over its base radius.
-const TAPPED: (f64, f64) = (0.18, 1.0 / 3.0);
 
 /// What is known of the shaft.
 #[derive(Debug, clap::Args)]
@@ -43,26 +42,12 @@ pub(super) struct DistanceArgs {
 impl DistanceArgs {
     fn shaft(&self, motion: Motion, robot: Option<&Robot>) -> Result<Shaft> {
         let beam = robot.and_then(|robot| robot.whiskers.first()).map(|whisker| whisker.beam);
-        let usual = match motion {
-            Motion::Turn => (TAPPED.0, Some(TAPPED.1)),
-            Motion::Travel => (0.15, None),
-        };
         let length = option("--length", Dimension::Length, self.length.as_deref())?;
-        let tip_ratio = match self.tip_ratio.as_deref() {
-            Some("free") => None,
-            Some(ratio) => option("--tip-ratio", Dimension::Ratio, Some(ratio))?,
-            None => beam.map_or(usual.1, |beam| Some(beam.tip_ratio)),
+        let taper = match self.tip_ratio.as_deref() {
+            Some("free") => Taper::Free,
+            ratio => option("--tip-ratio", Dimension::Ratio, ratio)?.map_or(Taper::Usual, Taper::Given),
         };
-        let length = length.or(beam.map(|beam| beam.length)).unwrap_or(usual.0);
-        if !(length > 0.0 && length <= 10.0) {
-            return Err(Error::usage("--length").value(length).allowed("above 0, up to 10 m"));
-        }
-        if tip_ratio.is_some_and(|ratio| !(1e-3..=1.0).contains(&ratio)) {
-            return Err(Error::usage("--tip-ratio")
-                .value(tip_ratio.unwrap_or_default())
-                .allowed("0.001 to 1, or free"));
-        }
-        Ok(Shaft { motion, length, tip_ratio, clamped: self.clamped || tip_ratio.is_none() })
+        Shaft::described(motion, beam.as_ref(), length, taper, self.clamped)
     }
 }
 

@@ -1,7 +1,6 @@
 //! Reading recordings for calibrations and taps.
 
 use super::tell;
-use std::io::Read;
 use std::path::Path;
 use vibrissa::Result;
 use vibrissa::config::TapOptions;
@@ -15,7 +14,7 @@ pub(in crate::commands) fn read_taps(
     channel: &str,
     reference: Option<&str>,
 ) -> Result<(Recording, Vec<Tap>)> {
-    let mut recording = Recording::read(path, format.unwrap_or_else(|| tap_format(path)))?;
+    let mut recording = Recording::read(path, format.unwrap_or_else(|| Format::of_taps(path)))?;
     if let Some(reference) = reference {
         let sensor = channel.rsplit_once('.').map_or("", |(sensor, _)| sensor);
         recording.subtract_reference(sensor, reference)?;
@@ -29,18 +28,6 @@ pub(in crate::commands) fn read_taps(
     }
     let found = taps(&recording.t, reading, &TapOptions::default());
     Ok((recording, found))
-}
-
-/// A first line that names a column `t` is our own header.
-fn tap_format(path: &Path) -> Format {
-    let mut start = Vec::new();
-    if let Ok(file) = std::fs::File::open(path) {
-        // A file that cannot be read is told by the reader.
-        let _ = file.take(4096).read_to_end(&mut start);
-    }
-    let first = start.split(|b| *b == b'\n').next().unwrap_or_default();
-    let named = String::from_utf8_lossy(first).split(',').any(|name| name.trim() == "t");
-    if named { Format::Csv } else { Format::Ratatouille }
 }
 
 /// Tells on standard error what was mended.

@@ -4,18 +4,15 @@ use crate::commands::readings::{WhiskerReadings, words};
 use serde_json::json;
 use std::fmt::Write;
 use vibrissa::Result;
+use vibrissa::config::contact_set::{MEETING, NODES};
 use vibrissa::figure::{ContactFigure, contact_figure};
 use vibrissa::flow::contact_set::{
     Contact, ContactRegion, ContactSet, Meeting, PlacedSet, Reading, Resolution, intersect_all,
 };
 use vibrissa::plane::Vec2;
 
-/// Nodes on each branch.
-const NODES: usize = 200;
 /// Shapes in the figure.
 const SHAPES: usize = 14;
-/// How close curves must come to meet (m), beyond what their chords leave out.
-const MEETING: f64 = 1e-9;
 
 /// The answer.
 pub(super) struct Found<'a> {

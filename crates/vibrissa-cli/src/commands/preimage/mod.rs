@@ -162,27 +162,11 @@ fn as_json(found: &ReadingPreimage, options: &PreimageOptions) -> String {
     format!("{value:#}\n")
 }
 
-/// Boxes of states (m, m, rad): cells, cells with the same headings along x in one.
+/// Boxes of states (m, m, rad).
 fn boxes(found: &ReadingPreimage) -> String {
-    let states = &found.states;
-    let raster = *states.raster();
-    let step = TAU / states.bins() as f64;
     let mut text = String::from("x_min,x_max,y_min,y_max,theta_min,theta_max\n");
-    for row in 0..raster.rows {
-        let mut column = 0;
-        while column < raster.columns {
-            let headings = states.heading_runs(column, row);
-            let mut end = column + 1;
-            while end < raster.columns && states.heading_runs(end, row) == headings {
-                end += 1;
-            }
-            let (lo, hi) = (raster.corner(column, row), raster.corner(end, row + 1));
-            for (first, last) in headings {
-                let theta = [first as f64 * step, last as f64 * step];
-                let _ = writeln!(text, "{},{},{},{},{},{}", lo.x, hi.x, lo.y, hi.y, theta[0], theta[1]);
-            }
-            column = end;
-        }
+    for state in found.states.boxes() {
+        let _ = writeln!(text, "{}", state.map(|side| side.to_string()).join(","));
     }
     text
 }

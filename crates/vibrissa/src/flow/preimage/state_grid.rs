@@ -216,6 +216,30 @@ impl StateGrid {
         Some(Self { bits, ..self.clone() })
     }
 
+    /// The states as boxes `x_min, x_max, y_min, y_max` (m), `theta_min, theta_max` (rad), row by row: cells along x that hold
+    /// the same headings are one.
+    #[must_use]
+    pub fn boxes(&self) -> Vec<[f64; 6]> {
+        let (raster, step) = (*self.raster(), TAU / self.bins() as f64);
+        let mut boxes = Vec::new();
+        for row in 0..raster.rows {
+            let mut column = 0;
+            while column < raster.columns {
+                let headings = self.heading_runs(column, row);
+                let mut end = column + 1;
+                while end < raster.columns && self.heading_runs(end, row) == headings {
+                    end += 1;
+                }
+                let (lo, hi) = (raster.corner(column, row), raster.corner(end, row + 1));
+                for (first, last) in headings {
+                    boxes.push([lo.x, hi.x, lo.y, hi.y, first as f64 * step, last as f64 * step]);
+                }
+                column = end;
+            }
+        }
+        boxes
+    }
+
     /// Runs of cells along x that have any heading (or one bin): row, first column, one past the last column.
     #[must_use]
     pub fn runs(&self, bin: Option<usize>) -> Vec<(usize, usize, usize)> {

@@ -29,6 +29,7 @@ use crate::plane::Pose2;
 use crate::world::{cannot_open, did_you_mean};
 use crate::{Error, Result};
 use core::str::FromStr;
+use std::io::Read;
 use std::path::Path;
 
 pub use repairs::Repairs;
@@ -70,6 +71,22 @@ impl Format {
             Self::Csv => "csv",
             Self::Contour => "contour",
         }
+    }
+}
+
+impl Format {
+    /// The format of a recording of taps that nobody named: [`Format::Csv`] where the first line names a column `t`, else
+    /// [`Format::Ratatouille`].
+    #[must_use]
+    pub fn of_taps(path: &Path) -> Self {
+        let mut start = Vec::new();
+        if let Ok(file) = std::fs::File::open(path) {
+            // A file that cannot be read is told by the reader.
+            let _ = file.take(4096).read_to_end(&mut start);
+        }
+        let first = start.split(|b| *b == b'\n').next().unwrap_or_default();
+        let named = String::from_utf8_lossy(first).split(',').any(|name| name.trim() == "t");
+        if named { Self::Csv } else { Self::Ratatouille }
     }
 }
 

@@ -1,0 +1,85 @@
+"""Where a robot is, by touch: whisker mechanics and localization on NumPy arrays.
+
+SI everywhere: m, rad, s, N, N m. Frames are right-handed, x forward, y left, angles counter-clockwise. The undeflected
+whisker points along +x of its own frame; a push towards +y is a positive moment.
+
+    answer = vibrissa.localize("sweep.csv", "arena.svg", method="possibilistic")
+    bends = vibrissa.force_mode(force=[0.05, 0.1, 0.2], s_a=0.06)
+
+Defaults are the library's own: None, or an argument left out, takes them. Every fault is a ``vibrissa.Error`` whose text
+names thing, value, allowed range and the next step.
+"""
+
+from ._beam import Bend, Bends, Load, force_mode, moment_mode, point_mode, tip_mode
+from ._calibrate import CalibrationReport, Taps, calibrate, taps
+from ._command import run
+from ._contact import Alignment, Contacts, Misfit, Outline, Profile, contact, profile
+from ._errors import DataError, DataWarning, Error, UsageError
+from ._localize import Demo, Hypothesis, Localization, Method, Progress, Status, Steps, demo, localize
+from ._readings import ContactCurves, ContactSets, Meeting, Preimage, Reading, contact_set, preimage
+from ._robot import MountedWhisker, Robot, Segment, Whisker
+from ._simulate import Simulation, Touches, simulate, sweep, waypoints
+from ._trajectory import Trajectory, TrajectoryError
+from ._types import Event
+from ._vibrissa import Calibration, Map, Scenario, SensorLog, __version__
+from ._world import arena
+
+__all__ = [
+    "Alignment",
+    "Bend",
+    "Bends",
+    "Calibration",
+    "CalibrationReport",
+    "ContactCurves",
+    "ContactSets",
+    "Contacts",
+    "DataError",
+    "DataWarning",
+    "Demo",
+    "Error",
+    "Event",
+    "Hypothesis",
+    "Load",
+    "Localization",
+    "Map",
+    "Meeting",
+    "Method",
+    "Misfit",
+    "MountedWhisker",
+    "Outline",
+    "Preimage",
+    "Profile",
+    "Progress",
+    "Reading",
+    "Robot",
+    "Scenario",
+    "Segment",
+    "SensorLog",
+    "Simulation",
+    "Status",
+    "Steps",
+    "Taps",
+    "Touches",
+    "Trajectory",
+    "TrajectoryError",
+    "UsageError",
+    "Whisker",
+    "__version__",
+    "arena",
+    "calibrate",
+    "contact",
+    "contact_set",
+    "demo",
+    "force_mode",
+    "localize",
+    "moment_mode",
+    "point_mode",
+    "preimage",
+    "profile",
+    "run",
+    "simulate",
+    "sweep",
+    "taps",
+    "tip_mode",
+    "waypoints",
+]

@@ -1,0 +1,165 @@
+"""Where whiskers were touched, and the outline of what they swept along."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from os import PathLike
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from . import _vibrissa
+from ._arrays import Floats, Ints
+from ._robot import RobotLike, robot_of
+from ._types import Event
+from ._vibrissa import SensorLog
+from ._world import LogLike, MapLike, read_log, read_map
+
+
+@dataclass(frozen=True, eq=False)
+class Contacts:
+    """The contacts of a log, one step each; columns of shape (steps), NaN where a number is not known."""
+
+    t: Floats
+    """When (s)."""
+    whisker: list[str]
+    """The whisker's name."""
+    kind: list[str]
+    """"side": a point that stands still; "tip": it slides; "none": no point is found."""
+    contact: Floats
+    """The contact, whisker frame (m), shape (steps, 2)."""
+    position: Floats
+    """The contact, odometry frame (m), shape (steps, 2)."""
+    odom_from_whisker: Floats
+    """The whisker's base, odometry frame: x (m), y (m), theta (rad), shape (steps, 3)."""
+    s_a: Floats
+    """Arc length of the contact (m)."""
+    distance: Floats
+    """Distance from the base (m)."""
+    std: Floats
+    """Standard deviation of the contact (m): of its distance (side), across the wall (tip)."""
+    distance_bounds: Floats
+    """Bounds of the distance if the declared error bounds hold (m), shape (steps, 2)."""
+    moment: Floats
+    """The moment (N m), mean of the step's readings."""
+    piece: Ints
+    """Number of the uninterrupted piece that the step belongs to."""
+    kaneko: Floats
+    """Distance by an earlier closed form, from rotation (m)."""
+    solomon: Floats
+    """Distance by an earlier closed form, from translation (m)."""
+    small_angle: Floats
+    """Distance by the small-angle form of both (m)."""
+    events: list[Event]
+    """contact, lift_off, tip_contact, slip_whisker, slip_obstacle, jump, no_point."""
+
+
+def contact(
+    log: LogLike, robot: RobotLike = None, *, format: str | None = None, spacing: float | None = None
+) -> Contacts:
+    """Finds where a whisker was touched, step by step.
+
+    spacing: readings are merged into one step while the base is nearer than this to their mean (m).
+    """
+    found = _vibrissa.contact(read_log(log, format), robot_of(robot), spacing)
+    return Contacts(**{**found, "events": [Event(*one) for one in found["events"]]})
+
+
+@dataclass(frozen=True, eq=False)
+class Outline:
+    """A line along a wall, odometry frame; columns of shape (points)."""
+
+    points: Floats
+    """Its points, evenly spaced (m), shape (points, 2)."""
+    normals: Floats
+    """Unit normals, away from the wall, shape (points, 2)."""
+    std: Floats
+    """Standard deviation across the wall (m)."""
+    runs: Ints
+    """How many runs each point is from."""
+    closed: bool
+    """Whether the last point comes before the first."""
+
+    @property
+    def length(self) -> float:
+        """Length of the line (m)."""
+        return float(np.linalg.norm(np.diff(self.points, axis=0), axis=1).sum())
+
+    def band(self, width: float = 2.0) -> tuple[Floats, Floats]:
+        """The edges of the band of ``width`` standard deviations on either side (m): outer, inner; (points, 2) each."""
+        offset = self.normals * (width * self.std)[:, None]
+        return self.points + offset, self.points - offset
+
+
+class Misfit(NamedTuple):
+    """Distances of an outline's points from the true shape (m)."""
+
+    mean: float
+    rms: float
+    p95: float
+    max: float
+
+
+@dataclass(frozen=True, eq=False)
+class Alignment:
+    """An outline against a known shape."""
+
+    absolute: Misfit
+    """As it lies."""
+    shape: Misfit
+    """After the best rigid motion."""
+    map_from_outline: tuple[float, float, float]
+    """That motion: x (m), y (m), theta (rad)."""
+    scaled: tuple[Misfit, float] | None
+    """With the best scale, too, and that scale, when asked for."""
+
+    @classmethod
+    def _of(cls, fields: dict[str, Any]) -> Alignment:
+        scaled = fields["scaled"]
+        free = None if scaled is None else (Misfit(*scaled[0]), scaled[1])
+        return cls(Misfit(*fields["absolute"]), Misfit(*fields["shape"]), fields["map_from_outline"], free)
+
+
+@dataclass(frozen=True, eq=False)
+class Profile:
+    """What sweeps found of the shapes that they touched."""
+
+    outlines: list[Outline]
+    """Lines that tips slid along, the longest first."""
+    pegs: Floats
+    """Points that sides leant on and their standard deviations: x, y, std (m), shape (pegs, 3)."""
+    steps: int
+    """Steps in contact."""
+    left_out: int
+    """How many of them are on no outline."""
+    events: list[list[Event]]
+    """What happened in each log."""
+    alignment: Alignment | None
+    """Against the truth, where one was given."""
+
+
+def profile(
+    logs: LogLike | Sequence[LogLike],
+    robot: RobotLike = None,
+    *,
+    truth: MapLike | None = None,
+    free_scale: bool = False,
+    format: str | None = None,
+) -> Profile:
+    """Finds the outline of what one or more sweeps touched, all in one odometry frame.
+
+    truth: the true shape in that frame, to report errors against. free_scale: also fit a scale.
+    """
+    several = [logs] if isinstance(logs, (str, PathLike, SensorLog)) else list(logs)
+    read = [read_log(one, format) for one in several]
+    shape = None if truth is None else read_map(truth)
+    found = _vibrissa.profile(read, robot_of(robot), shape, free_scale)
+    alignment = found["alignment"]
+    made = {
+        **found,
+        "outlines": [Outline(**one) for one in found["outlines"]],
+        "events": [[Event(*one) for one in events] for events in found["events"]],
+        "alignment": None if alignment is None else Alignment._of(alignment),
+    }
+    return Profile(**made)

@@ -1,0 +1,29 @@
+"""What can go wrong."""
+
+from __future__ import annotations
+
+
+class Error(Exception):
+    """A fault in a file, a value or a call; the text names thing, value, allowed range and the next step."""
+
+    file: str | None
+    """The file at fault, where there is one."""
+    line: int | None
+    """The line at fault, counted from 1, where there is one."""
+
+    def __init__(self, message: str, file: str | None = None, line: int | None = None) -> None:
+        super().__init__(message)
+        self.file = file
+        self.line = line
+
+
+class DataError(Error, ValueError):
+    """The log, the map or another input is at fault (exit code 1 of the command)."""
+
+
+class UsageError(Error, ValueError):
+    """The call is at fault (exit code 2 of the command)."""
+
+
+class DataWarning(UserWarning):
+    """Something looked wrong but could be used."""

@@ -1,0 +1,129 @@
+"""Robots and their whiskers."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from typing import Any
+
+from . import _vibrissa
+
+_DEFAULT = _vibrissa.robot_default()
+_MOUNTED: dict[str, Any] = _DEFAULT["whiskers"][0]
+_BEAM: dict[str, Any] = _MOUNTED["beam"]
+
+
+@dataclass(frozen=True)
+class Segment:
+    """A stretch of a whisker: one wire, which may narrow linearly."""
+
+    length: float
+    """Arc length (m)."""
+    flexural_rigidity: float
+    """Flexural rigidity E I where it begins, seen from the base (N m²)."""
+    tip_ratio: float = 1.0
+    """Radius at its end over radius at its beginning."""
+    diameter: float | None = None
+    """Diameter where it begins (m), for strains only."""
+
+
+@dataclass(frozen=True)
+class Whisker:
+    """A thin elastic beam on a base; the default is the paper's: 75 mm of straight Nitinol wire, clamped."""
+
+    length: float = _BEAM["length"]
+    """Arc length from base to tip (m)."""
+    flexural_rigidity: float = _BEAM["flexural_rigidity"]
+    """Flexural rigidity E I at the base (N m²)."""
+    tip_ratio: float = _BEAM["tip_ratio"]
+    """Tip radius over base radius, 0.001 to 1."""
+    curvature: float = _BEAM["curvature"]
+    """Curvature at rest at the base (1/m)."""
+    curvature_rise: tuple[float, ...] = ()
+    """Coefficients of s, s², … of the curvature at rest (1/m², 1/m³, …)."""
+    base_stiffness: float = _BEAM["base_stiffness"]
+    """Rotational stiffness of the base (N m/rad); infinite when clamped."""
+    segments: tuple[Segment, ...] = ()
+    """Several wires in a row; when there are any, they say length, rigidity and taper."""
+    diameter: float | None = _BEAM["diameter"]
+    """Diameter of the wire at the base (m), for strains only."""
+    strain_limit: float = _BEAM["strain_limit"]
+    """Strain of the surface up to which the whisker springs back."""
+
+    @property
+    def is_uniform(self) -> bool:
+        """Whether the closed form covers it: one wire, no taper, straight at rest, clamped."""
+        return _vibrissa.whisker_is_uniform(self)
+
+    @classmethod
+    def _of(cls, fields: dict[str, Any]) -> Whisker:
+        segments = tuple(Segment(*segment) for segment in fields["segments"])
+        return cls(**{**fields, "segments": segments, "curvature_rise": tuple(fields["curvature_rise"])})
+
+
+@dataclass(frozen=True)
+class MountedWhisker:
+    """A whisker on a robot; the default is the paper's at the robot's origin, pointing forward."""
+
+    name: str = _MOUNTED["name"]
+    """The name that prefixes the log's columns where there are several."""
+    beam: Whisker = Whisker()
+    """The beam."""
+    mount: tuple[float, float, float] = _MOUNTED["mount"]
+    """robot_from_whisker: x (m), y (m), theta (rad)."""
+    friction: float = _MOUNTED["friction"]
+    """Bound on the Coulomb coefficient at the contact."""
+    calibration: str | None = None
+    """The calibration file that turns flux or counts into moments, for logs that hold those."""
+    moment_relative: float = _MOUNTED["moment_relative"]
+    """Bound on a moment's error relative to the reading."""
+    moment_absolute: float = _MOUNTED["moment_absolute"]
+    """Bound on a moment's error at zero (N m)."""
+
+    @classmethod
+    def _of(cls, fields: dict[str, Any]) -> MountedWhisker:
+        return cls(**{**fields, "beam": Whisker._of(fields["beam"])})
+
+
+@dataclass(frozen=True)
+class Robot:
+    """A robot: whiskers, and bounds on its odometry's errors; the default is the paper's sensor on its stage."""
+
+    whiskers: tuple[MountedWhisker, ...] = (MountedWhisker(),)
+    """The whiskers, at least one."""
+    translation_relative: float = _DEFAULT["translation_relative"]
+    """Bound on the error of each translation increment, relative to it."""
+    rotation_relative: float = _DEFAULT["rotation_relative"]
+    """Bound on the error of each rotation increment, relative to it."""
+
+    @classmethod
+    def read(cls, path: str | os.PathLike[str]) -> Robot:
+        """The robot of a .toml file."""
+        return cls._of(_vibrissa.robot_read(path))
+
+    @classmethod
+    def from_toml(cls, text: str, name: str = "robot.toml") -> Robot:
+        """The robot of a TOML text; ``name`` stands for the file in messages."""
+        return cls._of(_vibrissa.robot_parse(text, name))
+
+    def to_toml(self) -> str:
+        """The robot as the text of its file, which reads back the same."""
+        return _vibrissa.robot_toml(self)
+
+    @classmethod
+    def _of(cls, fields: dict[str, Any]) -> Robot:
+        return cls(**{**fields, "whiskers": tuple(MountedWhisker._of(one) for one in fields["whiskers"])})
+
+
+RobotLike = Robot | Whisker | str | os.PathLike[str] | None
+
+
+def robot_of(robot: RobotLike) -> Robot:
+    """A robot, the file of one, a whisker alone, or the paper's robot for None."""
+    if robot is None:
+        return Robot()
+    if isinstance(robot, Robot):
+        return robot
+    if isinstance(robot, Whisker):
+        return Robot(whiskers=(MountedWhisker(beam=robot),))
+    return Robot.read(robot)

@@ -1,0 +1,348 @@
+"""The extension module of the package vibrissa."""
+
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, final
+
+import numpy.typing as npt
+
+from ._arrays import Bools, Floats, Ints
+from ._robot import Robot, Whisker
+
+__all__ = [
+    "run_command",
+    "run_command_here",
+    "Bend",
+    "Bends",
+    "bends",
+    "Calibration",
+    "calibrate_labelled",
+    "calibrate_staircase",
+    "calibrate_taps",
+    "find_taps",
+    "contact",
+    "profile",
+    "robot_default",
+    "robot_parse",
+    "robot_read",
+    "robot_toml",
+    "whisker_is_uniform",
+    "demo_sweep",
+    "localize",
+    "tum_error",
+    "tum_format",
+    "tum_read",
+    "SensorLog",
+    "contact_set",
+    "preimage",
+    "Scenario",
+    "path",
+    "sweep",
+    "Map",
+    "__version__",
+]
+
+__version__: str
+_Path = str | os.PathLike[str]
+_Poses = tuple[Floats, Floats]
+
+@final
+class Bend:
+    """One loaded whisker in equilibrium; units and frame as in `Bends`."""
+
+    @property
+    def case(self) -> int:
+        """Which problem it solves."""
+    @property
+    def branch(self) -> int:
+        """Which solution of its problem it is, least slope first."""
+    @property
+    def force(self) -> float:
+        """Force along the load's direction (N)."""
+    @property
+    def s_a(self) -> float:
+        """Arc length from the base to the contact (m)."""
+    @property
+    def phi_a(self) -> float:
+        """Slope at the contact (rad)."""
+    @property
+    def beta(self) -> float:
+        """Rotation from the whisker's normal at the contact to the load (rad)."""
+    @property
+    def x(self) -> float:
+        """The contact along the undeflected whisker (m)."""
+    @property
+    def y(self) -> float:
+        """The contact across the undeflected whisker (m)."""
+    @property
+    def moment(self) -> float:
+        """Moment about the base (N m)."""
+    @property
+    def energy(self) -> float:
+        """Elastic energy (J)."""
+    @property
+    def tip(self) -> tuple[float, float]:
+        """The tip (m)."""
+    def shape(self, n: int = 101) -> Floats:
+        """Points from base to tip, evenly spaced in arc length (m); shape (n, 2)."""
+
+@final
+class Bends:
+    """Equilibria of loaded whiskers, one row each: every branch of every problem, in order.
+
+    All columns have shape (rows). Whisker frame: base at the origin, undeflected along +x, a push towards +y positive.
+    """
+
+    @property
+    def case(self) -> Ints:
+        """Which problem each row solves, from 0 on in the order of the (flattened) inputs; int64."""
+    @property
+    def branch(self) -> Ints:
+        """Which solution of its problem each row is, least slope first; int64."""
+    @property
+    def force(self) -> Floats:
+        """Force along the load's direction (N)."""
+    @property
+    def s_a(self) -> Floats:
+        """Arc length from the base to the contact (m)."""
+    @property
+    def phi_a(self) -> Floats:
+        """Slope at the contact (rad)."""
+    @property
+    def beta(self) -> Floats:
+        """Rotation from the whisker's normal at the contact to the load (rad)."""
+    @property
+    def x(self) -> Floats:
+        """The contact along the undeflected whisker (m)."""
+    @property
+    def y(self) -> Floats:
+        """The contact across the undeflected whisker (m)."""
+    @property
+    def moment(self) -> Floats:
+        """Moment about the base (N m)."""
+    @property
+    def energy(self) -> Floats:
+        """Elastic energy (J)."""
+    @property
+    def base_angle(self) -> Floats:
+        """How far the base has turned (rad); 0 when it is clamped."""
+    @property
+    def force_vector(self) -> Floats:
+        """The force as vectors (N), shape (rows, 2)."""
+    @property
+    def tip(self) -> Floats:
+        """The tips (m), shape (rows, 2)."""
+    @property
+    def problems(self) -> int:
+        """How many problems there were, with and without a solution."""
+    @property
+    def faults(self) -> list[tuple[int, str]]:
+        """The problems that made no sense, with their errors' texts; filled with errors="skip"."""
+    def shape(self, n: int = 101) -> Floats:
+        """Points from base to tip, evenly spaced in arc length (m); shape (rows, n, 2)."""
+    def shape_points(self, n: int = 101) -> Floats:
+        """As `shape` with arc length, place, slope and curvature (m, m, m, rad, 1/m); shape (rows, n, 5)."""
+    def largest_strain(self) -> Floats:
+        """Where the surface is strained the most: arc length (m), curvature (1/m), strain; shape (rows, 3), NaN without a
+        diameter."""
+    def __len__(self) -> int: ...
+    def __getitem__(self, index: int, /) -> Bend: ...
+    def __iter__(self) -> Iterator[Bend]: ...
+
+@final
+class Map:
+    """A map of the plane: arena, obstacles and walls (m), x right and y up as drawn."""
+
+    @staticmethod
+    def read(path: _Path) -> Map:
+        """The map of a file: .geojson (m) or .svg (mm)."""
+    @staticmethod
+    def from_geojson(text: str, name: str = "map.geojson") -> Map:
+        """The map of a GeoJSON text (m); `name` stands for the file in messages."""
+    @staticmethod
+    def from_svg(text: str, name: str = "map.svg") -> Map:
+        """The map of an SVG text (mm unless it says otherwise); `name` stands for the file in messages."""
+    @staticmethod
+    def from_points(
+        arenas: Sequence[npt.ArrayLike] | None = None,
+        obstacles: Sequence[npt.ArrayLike] | None = None,
+        walls: Sequence[npt.ArrayLike] | None = None,
+    ) -> Map:
+        """The map of corner points (m): lists of arrays of shape (n, 2).
+
+        Free space is inside the arenas and outside the obstacles; a wall is thin and solid on both sides.
+        """
+    @staticmethod
+    def demo() -> Map:
+        """The built-in arena of the demo."""
+    @property
+    def warnings(self) -> list[str]:
+        """What looked wrong but could be read, for people."""
+    @property
+    def bounds(self) -> tuple[float, float, float, float]:
+        """Least and largest x, least and largest y (m)."""
+    @property
+    def total_length(self) -> float:
+        """Length of all boundaries together (m)."""
+    def boundaries(self, tolerance: float | None = None) -> list[tuple[str, Floats]]:
+        """The boundaries as polylines within `tolerance` (m) of their curves: a list of role ("arena", "obstacle" or "wall")
+        and points of shape (n, 2); a closed line repeats its first point."""
+    def is_free(self, points: npt.ArrayLike) -> Bools:
+        """Whether each point of shape (n, 2) (m) lies in free space; shape (n)."""
+    def nearest(self, points: npt.ArrayLike) -> dict[str, Floats]:
+        """The boundary point nearest to each point of shape (n, 2) (m): "point" (n, 2) (m), "distance" (n) (m), "tangent"
+        (n) (rad), free space on its left, and "curvature" (n) (1/m)."""
+
+@final
+class SensorLog:
+    """What a robot recorded: times, odometry and readings.
+
+    t: time stamps (s), shape (rows). odometry: x (m), y (m), theta (rad) of the robot from any origin, shape (rows, 3).
+    readings: the moments (N m) of shape (rows), or columns by name as a file's header has them ("moment", "w0.moment",
+    "bx", ...). heading: absolute headings in the map frame (rad), shape (rows). The checks and warnings are those that files go
+    through.
+    """
+
+    def __new__(
+        cls,
+        t: npt.ArrayLike,
+        odometry: npt.ArrayLike,
+        readings: Mapping[str, npt.ArrayLike] | npt.ArrayLike,
+        heading: npt.ArrayLike | None = None,
+    ) -> SensorLog: ...
+    @staticmethod
+    def read(path: _Path, format: str | None = None) -> SensorLog:
+        """The log of a file: .csv, or a foreign `format` ("rostopic", ...)."""
+    @property
+    def t(self) -> Floats:
+        """Time stamps (s), shape (rows)."""
+    @property
+    def odometry(self) -> Floats:
+        """The robot in the odometry frame: x (m), y (m), theta (rad); shape (rows, 3)."""
+    @property
+    def readings(self) -> dict[str, Floats]:
+        """The readings by column name ("moment", "w0.moment", "bx", ...), each of shape (rows), SI or counts."""
+    @property
+    def heading(self) -> Floats | None:
+        """Absolute headings in the map frame (rad), shape (rows), NaN where there is none; None when none was logged."""
+    @property
+    def warnings(self) -> list[str]:
+        """What looked wrong but could be read, for people."""
+    def to_csv(self) -> str:
+        """The log as CSV, every number with all its digits."""
+    def __len__(self) -> int: ...
+
+@final
+class Scenario:
+    """A scenario: map, robot, path and errors, ready to be simulated."""
+
+    @staticmethod
+    def read(path: _Path) -> Scenario:
+        """The scenario of a .toml file."""
+    @property
+    def title(self) -> str:
+        """What it is for, in a line."""
+    @property
+    def seed(self) -> int:
+        """The seed of everything random."""
+    @property
+    def map(self) -> Map:
+        """The map."""
+    @property
+    def path(self) -> _Poses:
+        """The true path: t of shape (rows) and poses of shape (rows, 3), map frame (s; m, m, rad)."""
+    def robot_toml(self) -> str:
+        """The robot as the text of its file."""
+    def _simulate(self, seed: int | None) -> tuple[SensorLog, dict[str, Any], str | None]: ...
+
+@final
+class Calibration:
+    """A calibration: raw readings to moments, slopes of taps to distances, constants of the whisker."""
+
+    @staticmethod
+    def read(path: _Path) -> Calibration:
+        """The calibration of a file (cal.json)."""
+    @staticmethod
+    def from_json(text: str, name: str = "cal.json") -> Calibration:
+        """The calibration in a JSON text; `name` stands for the file in messages."""
+    def to_json(self) -> str:
+        """The calibration as the text of its file."""
+    def write(self, path: _Path) -> None:
+        """Writes the file (cal.json)."""
+    @property
+    def inputs(self) -> list[str]:
+        """The columns that `moment` reads ("bx", ...), in order; none where moments are not calibrated."""
+    @property
+    def moment_bound(self) -> float | None:
+        """Bound on the error of a moment (N m), where moments are calibrated."""
+    def moment(self, readings: npt.ArrayLike) -> Floats:
+        """Moments (N m), shape (n), of readings of shape (n, inputs)."""
+    def distance(self, slopes: npt.ArrayLike) -> tuple[Floats, Floats]:
+        """Distances (m) and their standard deviations (m), shape (n), for slopes of shape (n) (readings per s of a tap, per
+        m of travel); NaN where no distance fits."""
+
+def bends(
+    given: str,
+    first: Floats,
+    second: Floats,
+    load: str,
+    angles: Floats | None,
+    whiskers: Sequence[Whisker],
+    skip_faults: bool,
+    threads: int | None,
+) -> Bends: ...
+def calibrate_labelled(
+    path: _Path | None,
+    columns: Mapping[str, npt.ArrayLike] | None,
+    word: str | None,
+    whisker: Whisker,
+    free: Sequence[str],
+) -> tuple[Calibration, int]: ...
+def calibrate_staircase(
+    path: _Path, whisker: Whisker | None, shaft: dict[str, Any]
+) -> tuple[Calibration, dict[str, Any]]: ...
+def calibrate_taps(
+    files: Sequence[tuple[float, _Path]], word: str | None, whisker: Whisker | None, shaft: dict[str, Any]
+) -> tuple[Calibration, dict[str, Any]]: ...
+def contact(log: SensorLog, robot: Robot, spacing: float | None) -> dict[str, Any]: ...
+def contact_set(readings: Sequence[Any], robot: Robot, model: Any) -> dict[str, Any]: ...
+def demo_sweep(seed: int) -> tuple[SensorLog, dict[str, Any]]: ...
+def find_taps(
+    path: _Path, calibration: Calibration, word: str | None, reference: str | None
+) -> dict[str, Any]: ...
+def localize(log: SensorLog, map: Map, robot: Robot, options: dict[str, Any], progress: Any) -> dict[str, Any]: ...
+def path(
+    waypoints: Floats, speed: float | None, turn_rate: float | None, rate: float | None
+) -> _Poses: ...
+def preimage(
+    map: Map,
+    readings: Sequence[Any],
+    robot: Robot,
+    model: Any,
+    construction: str,
+    contacts: str,
+    collision_free: bool,
+    cell: float | None,
+    heading_step: float | None,
+) -> dict[str, Any]: ...
+def profile(logs: Sequence[SensorLog], robot: Robot, truth: Map | None, free_scale: bool) -> dict[str, Any]: ...
+def robot_default() -> dict[str, Any]: ...
+def robot_parse(text: str, name: str) -> dict[str, Any]: ...
+def robot_read(path: _Path) -> dict[str, Any]: ...
+def robot_toml(robot: Robot) -> str: ...
+def run_command(args: Sequence[str]) -> int: ...
+def run_command_here(args: Sequence[str]) -> int: ...
+def sweep(
+    map: Map,
+    robot: Robot,
+    t: Floats,
+    poses: Floats,
+    seed: int | None,
+    moment: tuple[float, float] | None,
+    odometry: tuple[float, float],
+    discrete: bool,
+) -> tuple[SensorLog, dict[str, Any]]: ...
+def tum_error(t: Floats, poses: Floats, true_t: Floats, true_poses: Floats) -> tuple[int, float, float, float, float] | None: ...
+def tum_format(t: Floats, poses: Floats) -> str: ...
+def tum_read(path: _Path) -> _Poses: ...
+def whisker_is_uniform(whisker: Whisker) -> bool: ...

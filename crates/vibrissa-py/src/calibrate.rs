@@ -1,0 +1,287 @@
+//! Calibrations: made, read, written, and used.
+
+use crate::arrays::{Column, Like1, Like2, column, table};
+use crate::error::{OrRaise, warn};
+use crate::inputs::WhiskerIn;
+use crate::log::{columns_of, csv, format};
+use crate::long::run;
+use numpy::{PyArray1, PyUntypedArrayMethods};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use vibrissa::beam::Whisker;
+use vibrissa::config::{StaircaseOptions, TapOptions};
+use vibrissa::flow::sensor_log::foreign::{Format, Recording};
+use vibrissa::flow::taps::{Tap, taps};
+use vibrissa::tasks::calibrate::{
+    Constant, DistanceFit, DistanceSet, LeftOut, Shaft, Taper, calibrate_contacts, fit_distance, leave_one_out,
+    staircase,
+};
+use vibrissa::world::calibration::{Calibration, Motion, Source};
+use vibrissa::{Error, Result};
+
+/// A calibration: raw readings to moments, slopes of taps to distances, constants of the whisker.
+#[pyclass(frozen, module = "vibrissa", name = "Calibration")]
+#[derive(Debug)]
+pub(crate) struct PyCalibration(Arc<Calibration>);
+
+#[pymethods]
+impl PyCalibration {
+    /// The calibration of a file (cal.json).
+    #[staticmethod]
+    fn read(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
+        Ok(Self(Arc::new(Calibration::read(path).or_raise(py)?)))
+    }
+
+    /// The calibration in a JSON text; `name` stands for the file in messages.
+    #[staticmethod]
+    #[pyo3(signature = (text, name="cal.json"))]
+    fn from_json(py: Python<'_>, text: &str, name: &str) -> PyResult<Self> {
+        Ok(Self(Arc::new(Calibration::from_json(text, name).or_raise(py)?)))
+    }
+
+    /// The calibration as the text of its file.
+    fn to_json(&self) -> String {
+        format!("{:#}\n", self.0.to_json())
+    }
+
+    /// Writes the file (cal.json).
+    fn write(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        let told = |error| Error::data(format!("cannot write the calibration ({error})")).in_file(&path);
+        std::fs::write(&path, self.to_json()).map_err(told).or_raise(py)
+    }
+
+    /// The columns that `moment` reads ("bx", ...), in order; none where moments are not calibrated.
+    #[getter]
+    fn inputs(&self) -> Vec<String> {
+        self.0.moment.as_ref().map_or_else(Vec::new, |curve| curve.inputs.clone())
+    }
+
+    /// Bound on the error of a moment (N m), where moments are calibrated.
+    #[getter]
+    fn moment_bound(&self) -> Option<f64> {
+        self.0.moment.as_ref().map(|curve| curve.bound)
+    }
+
+    /// Moments (N m), shape (n), of readings of shape (n, inputs).
+    fn moment<'py>(&self, py: Python<'py>, readings: Like2<'_>) -> PyResult<Column<'py>> {
+        let missing = || Error::data("the calibration does not tell moments from readings");
+        let curve = self.0.moment.as_ref().ok_or_else(missing).or_raise(py)?;
+        let (columns, inputs) = (readings.shape()[1], curve.inputs.len());
+        if columns != inputs {
+            let error = Error::usage("the number of inputs").value(columns);
+            return Err(error.allowed(format!("{inputs}: {}", curve.inputs.join(", ")))).or_raise(py);
+        }
+        let rows = readings.as_array();
+        let moments: Result<Vec<f64>> = rows.rows().into_iter().map(|row| curve.moment(&row.to_vec())).collect();
+        Ok(PyArray1::from_vec(py, moments.or_raise(py)?))
+    }
+
+    /// Distances (m) and their standard deviations (m), shape (n), for slopes of shape (n) (readings per s of a tap, per m of
+    /// travel); NaN where no distance fits.
+    fn distance<'py>(&self, py: Python<'py>, slopes: Like1<'_>) -> PyResult<(Column<'py>, Column<'py>)> {
+        let model = self.0.distance.ok_or_else(|| Error::data("the calibration does not tell distances from slopes"));
+        let model = model.or_raise(py)?;
+        let found: Vec<_> = slopes.as_array().iter().map(|&slope| model.distance(slope)).collect();
+        let of = |value: Option<f64>| value.unwrap_or(f64::NAN);
+        Ok((column(py, &found, |d| of(d.map(|d| d.distance))), column(py, &found, |d| of(d.map(|d| d.std)))))
+    }
+
+    fn __repr__(&self) -> String {
+        let parts = [
+            ("moment", self.0.moment.is_some()),
+            ("tip_deflection", self.0.tip_deflection.is_some()),
+            ("whisker", self.0.whisker.is_some()),
+            ("distance", self.0.distance.is_some()),
+        ];
+        let held: Vec<&str> = parts.into_iter().filter(|(_, held)| *held).map(|(name, _)| name).collect();
+        format!("<vibrissa.Calibration: {}>", held.join(", "))
+    }
+}
+
+/// Says what was mended in a recording.
+fn tell(py: Python<'_>, recording: &Recording) -> PyResult<()> {
+    let words = recording.repairs.words();
+    warn(py, &words.iter().map(|word| format!("{}: {word}", recording.source)).collect::<Vec<_>>())
+}
+
+fn file_name(path: &Path) -> String {
+    path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+}
+
+/// A calibration from labelled contacts: of a file, or of columns.
+#[pyfunction]
+pub(crate) fn calibrate_labelled(
+    py: Python<'_>,
+    path: Option<PathBuf>,
+    columns: Option<&Bound<'_, PyAny>>,
+    word: Option<&str>,
+    whisker: WhiskerIn,
+    free: Vec<String>,
+) -> PyResult<(PyCalibration, usize)> {
+    let (format, whisker) = (format(py, word)?.unwrap_or(Format::Csv), whisker.whisker().or_raise(py)?);
+    let free = free.iter().map(|name| constant(name)).collect::<Result<Vec<_>>>().or_raise(py)?;
+    let (recording, name) = match (path, columns) {
+        (Some(path), _) => (Recording::read(&path, format).or_raise(py)?, file_name(&path)),
+        (None, columns) => {
+            let text = columns.map(|columns| columns_of(py, columns)).transpose()?.map(|columns| csv(&columns));
+            let bytes = text.unwrap_or_default().into_bytes();
+            (Recording::from_bytes(&bytes, format, "columns").or_raise(py)?, "columns".to_owned())
+        }
+    };
+    tell(py, &recording)?;
+    let found = run(py, None, 0, move |_| calibrate_contacts(&recording, &name, &whisker, &free))?;
+    let lost = found.out_of_reach();
+    Ok((PyCalibration(Arc::new(found.calibration)), lost))
+}
+
+fn constant(name: &str) -> Result<Constant> {
+    let known = Constant::ALL.map(Constant::as_str).join(", ");
+    let found = Constant::ALL.into_iter().find(|constant| constant.as_str() == name);
+    found.ok_or_else(|| Error::usage("free").value(name).allowed(known))
+}
+
+/// The attributes that describe a shaft; the taper is a number, "free" or nothing.
+#[derive(Debug, FromPyObject)]
+#[pyo3(from_item_all)]
+pub(crate) struct ShaftIn {
+    length: Option<f64>,
+    tip_ratio: Option<f64>,
+    free_taper: bool,
+    clamped: bool,
+    channel: Option<String>,
+    reference: Option<String>,
+}
+
+impl ShaftIn {
+    fn shaft(&self, motion: Motion, whisker: Option<&Whisker>) -> Result<Shaft> {
+        let given = self.tip_ratio.map_or(Taper::Usual, Taper::Given);
+        let taper = if self.free_taper { Taper::Free } else { given };
+        Shaft::described(motion, whisker, self.length, taper, self.clamped)
+    }
+}
+
+/// The taps of a recording.
+fn read_taps(
+    path: &Path,
+    format: Option<Format>,
+    channel: &str,
+    reference: Option<&str>,
+) -> Result<(Recording, Vec<Tap>)> {
+    let mut recording = Recording::read(path, format.unwrap_or_else(|| Format::of_taps(path)))?;
+    if let Some(reference) = reference {
+        let sensor = channel.rsplit_once('.').map_or("", |(sensor, _)| sensor);
+        recording.subtract_reference(sensor, reference)?;
+    }
+    if recording.t.is_empty() {
+        return Err(Error::data("the recording has no time")
+            .in_file(path)
+            .remedy("taps need a column t, or a format that knows its rate"));
+    }
+    let found = taps(&recording.t, recording.require(channel)?, &TapOptions::default());
+    Ok((recording, found))
+}
+
+/// A calibration of distances from taps at known distances (m).
+#[pyfunction]
+pub(crate) fn calibrate_taps<'py>(
+    py: Python<'py>,
+    files: Vec<(f64, PathBuf)>,
+    word: Option<&str>,
+    whisker: Option<WhiskerIn>,
+    shaft: ShaftIn,
+) -> PyResult<(PyCalibration, Bound<'py, PyDict>)> {
+    let format = format(py, word)?;
+    let whisker = whisker.map(|whisker| whisker.whisker()).transpose().or_raise(py)?;
+    let channel = shaft.channel.clone().unwrap_or_else(|| "ax".to_owned());
+    let shape = shaft.shaft(Motion::Turn, whisker.as_ref()).or_raise(py)?;
+    let (mut sets, mut data) = (Vec::<DistanceSet>::new(), Vec::new());
+    for (distance, path) in files {
+        if !(distance > 0.0 && distance <= shape.length) {
+            let error = Error::usage("a distance off the shaft").value(format!("{distance} m"));
+            return Err(error.allowed(format!("above 0, up to the length {} m", shape.length))).or_raise(py);
+        }
+        let read = py.detach(|| read_taps(&path, format, &channel, shaft.reference.as_deref()));
+        let (recording, found) = read.or_raise(py)?;
+        tell(py, &recording)?;
+        let samples: Vec<(f64, f64)> = found.iter().map(|tap| (distance, tap.slope)).collect();
+        if samples.is_empty() {
+            let text = format!("{}: no taps found, the file is left out; check format and channel", path.display());
+            warn(py, &[text])?;
+            continue;
+        }
+        let rows = recording.lines.len();
+        data.push(Source { file: file_name(&path), rows, used: samples.len(), distance: Some(distance) });
+        // Several files of one distance belong together: none of them may be judged by the others.
+        match sets.iter_mut().find(|set| set.samples.first().is_some_and(|s| (s.0 - distance).abs() < 1e-9)) {
+            Some(set) => set.samples.extend(samples),
+            None => sets.push(DistanceSet { source: path.display().to_string(), samples }),
+        }
+    }
+    fitted(py, sets, shape, channel, data)
+}
+
+/// A calibration of distances from a staircase of lateral travel.
+#[pyfunction]
+pub(crate) fn calibrate_staircase<'py>(
+    py: Python<'py>,
+    path: PathBuf,
+    whisker: Option<WhiskerIn>,
+    shaft: ShaftIn,
+) -> PyResult<(PyCalibration, Bound<'py, PyDict>)> {
+    let whisker = whisker.map(|whisker| whisker.whisker()).transpose().or_raise(py)?;
+    let channel = shaft.channel.clone().unwrap_or_else(|| "ay".to_owned());
+    let shape = shaft.shaft(Motion::Travel, whisker.as_ref()).or_raise(py)?;
+    let recording = py.detach(|| Recording::read(&path, Format::Openwhisker)).or_raise(py)?;
+    tell(py, &recording)?;
+    let sets = staircase(&recording, &channel, shape.length, &StaircaseOptions::default()).or_raise(py)?;
+    let used = sets.iter().map(|set| set.samples.len()).sum();
+    let data = vec![Source { file: file_name(&path), rows: recording.lines.len(), used, distance: None }];
+    fitted(py, sets, shape, channel, data)
+}
+
+fn fitted(
+    py: Python<'_>,
+    sets: Vec<DistanceSet>,
+    shaft: Shaft,
+    channel: String,
+    data: Vec<Source>,
+) -> PyResult<(PyCalibration, Bound<'_, PyDict>)> {
+    let work = move |_: &crate::long::Watch| Ok((fit_distance(&sets, shaft)?, leave_one_out(&sets, shaft)?));
+    let (fit, left_out): (DistanceFit, Vec<LeftOut>) = run(py, None, 0, work)?;
+    let calibration = Calibration { data, channel, distance: Some(fit.model), ..Calibration::default() };
+    let out = PyDict::new(py);
+    out.set_item("free", &fit.free)?;
+    out.set_item("covariance", &fit.covariance)?;
+    out.set_item("left_out", table(py, &left_out, |l| [l.truth, l.found.unwrap_or(f64::NAN)])?)?;
+    Ok((PyCalibration(Arc::new(calibration)), out))
+}
+
+/// The taps of a recording and their distances; gives the fields of `vibrissa.Taps`.
+#[pyfunction]
+pub(crate) fn find_taps<'py>(
+    py: Python<'py>,
+    path: PathBuf,
+    calibration: &PyCalibration,
+    word: Option<&str>,
+    reference: Option<&str>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let format = format(py, word)?;
+    let model = calibration.0.distance.filter(|model| model.motion == Motion::Turn).ok_or_else(|| {
+        Error::data("the calibration does not tell distances from taps")
+            .remedy("make one with `vibrissa calibrate --taps DIST=FILE … --out DIR`")
+    });
+    let model = model.or_raise(py)?;
+    let read = py.detach(|| read_taps(&path, format, &calibration.0.channel, reference));
+    let (recording, found) = read.or_raise(py)?;
+    tell(py, &recording)?;
+    let distances: Vec<_> = found.iter().map(|tap| model.distance(tap.slope)).collect();
+    let of = |value: Option<f64>| value.unwrap_or(f64::NAN);
+    let out = PyDict::new(py);
+    out.set_item("t", column(py, &found, |tap| tap.t))?;
+    out.set_item("distance", column(py, &distances, |d| of(d.map(|d| d.distance))))?;
+    out.set_item("distance_std", column(py, &distances, |d| of(d.map(|d| d.std))))?;
+    out.set_item("slope", column(py, &found, |tap| tap.slope))?;
+    Ok(out)
+}

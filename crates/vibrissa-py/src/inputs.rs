@@ -1,0 +1,199 @@
+//! Whiskers and robots as Python describes them.
+
+use crate::error::OrRaise;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::path::PathBuf;
+use vibrissa::Result;
+use vibrissa::beam::{CURVATURE_TERMS, Stretch, Whisker};
+use vibrissa::plane::Pose2;
+use vibrissa::world::{MomentNoise, MountedWhisker, Odometry, Robot};
+
+/// The attributes of `vibrissa.Segment`.
+#[derive(Debug, FromPyObject)]
+pub(crate) struct SegmentIn {
+    length: f64,
+    flexural_rigidity: f64,
+    tip_ratio: f64,
+    diameter: Option<f64>,
+}
+
+/// The attributes of `vibrissa.Whisker`.
+#[derive(Debug, FromPyObject)]
+pub(crate) struct WhiskerIn {
+    length: f64,
+    flexural_rigidity: f64,
+    tip_ratio: f64,
+    curvature: f64,
+    curvature_rise: Vec<f64>,
+    base_stiffness: f64,
+    segments: Vec<SegmentIn>,
+    diameter: Option<f64>,
+    strain_limit: f64,
+}
+
+/// The attributes of `vibrissa.MountedWhisker`.
+#[derive(Debug, FromPyObject)]
+pub(crate) struct MountedIn {
+    name: String,
+    beam: WhiskerIn,
+    mount: [f64; 3],
+    friction: f64,
+    calibration: Option<PathBuf>,
+    moment_relative: f64,
+    moment_absolute: f64,
+}
+
+/// The attributes of `vibrissa.Robot`.
+#[derive(Debug, FromPyObject)]
+pub(crate) struct RobotIn {
+    whiskers: Vec<MountedIn>,
+    translation_relative: f64,
+    rotation_relative: f64,
+}
+
+impl WhiskerIn {
+    pub(crate) fn whisker(&self) -> Result<Whisker> {
+        let stretches: Vec<Stretch> = self.segments.iter().map(SegmentIn::stretch).collect();
+        if self.curvature_rise.len() > CURVATURE_TERMS {
+            return Err(vibrissa::Error::usage("the number of terms of curvature_rise")
+                .value(self.curvature_rise.len())
+                .allowed(format!("up to {CURVATURE_TERMS}")));
+        }
+        let mut curvature_rise = [0.0; CURVATURE_TERMS];
+        curvature_rise.iter_mut().zip(&self.curvature_rise).for_each(|(to, from)| *to = *from);
+        let wire = if stretches.is_empty() {
+            Whisker {
+                length: self.length,
+                flexural_rigidity: self.flexural_rigidity,
+                tip_ratio: self.tip_ratio,
+                diameter: self.diameter,
+                ..Whisker::default()
+            }
+        } else {
+            Whisker::of_stretches(&stretches)?
+        };
+        Ok(Whisker {
+            curvature: self.curvature,
+            curvature_rise,
+            base_stiffness: self.base_stiffness,
+            strain_limit: self.strain_limit,
+            ..wire
+        })
+    }
+}
+
+impl SegmentIn {
+    fn stretch(&self) -> Stretch {
+        Stretch {
+            length: self.length,
+            flexural_rigidity: self.flexural_rigidity,
+            tip_ratio: self.tip_ratio,
+            diameter: self.diameter,
+        }
+    }
+}
+
+impl RobotIn {
+    /// The robot, checked as its file would be.
+    pub(crate) fn robot(&self) -> Result<Robot> {
+        let one = |mounted: &MountedIn| {
+            let [x, y, theta] = mounted.mount;
+            Ok(MountedWhisker {
+                name: mounted.name.clone(),
+                beam: mounted.beam.whisker()?,
+                robot_from_whisker: Pose2 { x, y, theta },
+                friction: mounted.friction,
+                calibration: mounted.calibration.clone(),
+                noise: MomentNoise {
+                    moment_relative: mounted.moment_relative,
+                    moment_absolute: mounted.moment_absolute,
+                },
+            })
+        };
+        let robot = Robot {
+            whiskers: self.whiskers.iter().map(one).collect::<Result<_>>()?,
+            odometry: Odometry {
+                translation_relative: self.translation_relative,
+                rotation_relative: self.rotation_relative,
+            },
+        };
+        Robot::from_toml(&robot.to_toml(), CHECKED).map_err(without_line)?;
+        Ok(robot)
+    }
+}
+
+/// What stands for the file while a robot is checked.
+const CHECKED: &str = "Robot";
+
+/// The error without the line of a text that nobody has seen.
+fn without_line(error: vibrissa::Error) -> vibrissa::Error {
+    let place = error.line().map(|line| format!("{CHECKED}:{line}: ")).unwrap_or_default();
+    vibrissa::Error::data(error.to_string().replacen(&place, "", 1))
+}
+
+fn whisker_out<'py>(py: Python<'py>, whisker: &Whisker) -> PyResult<Bound<'py, PyDict>> {
+    let out = PyDict::new(py);
+    out.set_item("length", whisker.length)?;
+    out.set_item("flexural_rigidity", whisker.flexural_rigidity)?;
+    out.set_item("tip_ratio", whisker.tip_ratio)?;
+    out.set_item("curvature", whisker.curvature)?;
+    let terms = whisker.curvature_rise.iter().rposition(|term| term.abs() > 0.0).map_or(0, |last| last + 1);
+    out.set_item("curvature_rise", whisker.curvature_rise[..terms].to_vec())?;
+    out.set_item("base_stiffness", whisker.base_stiffness)?;
+    let segment = |s: &Stretch| (s.length, s.flexural_rigidity, s.tip_ratio, s.diameter);
+    out.set_item("segments", whisker.stretches.as_slice().iter().map(segment).collect::<Vec<_>>())?;
+    out.set_item("diameter", whisker.diameter)?;
+    out.set_item("strain_limit", whisker.strain_limit)?;
+    Ok(out)
+}
+
+fn robot_out<'py>(py: Python<'py>, robot: &Robot) -> PyResult<Bound<'py, PyDict>> {
+    let whiskers = robot.whiskers.iter().map(|mounted| {
+        let one = PyDict::new(py);
+        let mount = mounted.robot_from_whisker;
+        one.set_item("name", &mounted.name)?;
+        one.set_item("beam", whisker_out(py, &mounted.beam)?)?;
+        one.set_item("mount", (mount.x, mount.y, mount.theta))?;
+        one.set_item("friction", mounted.friction)?;
+        one.set_item("calibration", mounted.calibration.as_ref().map(|path| path.to_string_lossy().into_owned()))?;
+        one.set_item("moment_relative", mounted.noise.moment_relative)?;
+        one.set_item("moment_absolute", mounted.noise.moment_absolute)?;
+        Ok(one)
+    });
+    let out = PyDict::new(py);
+    out.set_item("whiskers", whiskers.collect::<PyResult<Vec<_>>>()?)?;
+    out.set_item("translation_relative", robot.odometry.translation_relative)?;
+    out.set_item("rotation_relative", robot.odometry.rotation_relative)?;
+    Ok(out)
+}
+
+/// The robot of a file, as nested dicts.
+#[pyfunction]
+pub(crate) fn robot_read(py: Python<'_>, path: PathBuf) -> PyResult<Bound<'_, PyDict>> {
+    robot_out(py, &Robot::read(path).or_raise(py)?)
+}
+
+/// The robot of a TOML text, as nested dicts.
+#[pyfunction]
+pub(crate) fn robot_parse<'py>(py: Python<'py>, text: &str, name: &str) -> PyResult<Bound<'py, PyDict>> {
+    robot_out(py, &Robot::from_toml(text, name).or_raise(py)?)
+}
+
+/// A robot as the text of its file.
+#[pyfunction]
+pub(crate) fn robot_toml(py: Python<'_>, robot: RobotIn) -> PyResult<String> {
+    Ok(robot.robot().or_raise(py)?.to_toml())
+}
+
+/// The paper's robot: the default of everything that is left out.
+#[pyfunction]
+pub(crate) fn robot_default(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
+    robot_out(py, &Robot::default())
+}
+
+/// Whether the closed form covers a whisker.
+#[pyfunction]
+pub(crate) fn whisker_is_uniform(py: Python<'_>, whisker: WhiskerIn) -> PyResult<bool> {
+    Ok(whisker.whisker().or_raise(py)?.is_uniform())
+}

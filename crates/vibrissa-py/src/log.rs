@@ -1,0 +1,185 @@
+//! Sensor logs.
+
+use crate::arrays::{Like1, Like2, Table, column, numbers, poses, rows};
+use crate::error::{OrRaise, exception, warn};
+use numpy::PyArray1;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyMapping};
+use std::path::PathBuf;
+use std::sync::Arc;
+use vibrissa::flow::sensor_log::foreign::{Format, Recording};
+use vibrissa::flow::sensor_log::{Channel, SensorLog};
+use vibrissa::tasks::simulate::log_csv;
+use vibrissa::{Error, Result};
+
+/// What a robot recorded: times, odometry and readings.
+///
+/// t: time stamps (s), shape (rows). odometry: x (m), y (m), theta (rad) of the robot from any origin, shape (rows, 3).
+/// readings: the moments (N m) of shape (rows), or columns by name as a file's header has them ("moment", "w0.moment",
+/// "bx", ...). heading: absolute headings in the map frame (rad), shape (rows). The checks and warnings are those that files go
+/// through.
+#[pyclass(frozen, module = "vibrissa", name = "SensorLog")]
+#[derive(Debug)]
+pub(crate) struct PySensorLog(pub(crate) Arc<SensorLog>);
+
+/// The format of a word.
+pub(crate) fn format(py: Python<'_>, word: Option<&str>) -> PyResult<Option<Format>> {
+    word.map(|word| word.parse::<Format>().or_raise(py)).transpose()
+}
+
+impl PySensorLog {
+    pub(crate) fn new(py: Python<'_>, log: SensorLog) -> PyResult<Self> {
+        warn(py, &log.warnings)?;
+        Ok(Self(Arc::new(log)))
+    }
+}
+
+#[pymethods]
+impl PySensorLog {
+    #[new]
+    #[pyo3(signature = (t, odometry, readings, heading=None))]
+    fn of_arrays(
+        py: Python<'_>,
+        t: Like1<'_>,
+        odometry: Like2<'_>,
+        readings: &Bound<'_, PyAny>,
+        heading: Option<Like1<'_>>,
+    ) -> PyResult<Self> {
+        let poses = rows::<3>(&odometry)?;
+        let pose = |k: usize| poses.iter().map(|pose| pose[k]).collect();
+        let mut columns: Vec<(String, Vec<f64>)> =
+            vec![("t".into(), numbers(&t)), ("x".into(), pose(0)), ("y".into(), pose(1)), ("theta".into(), pose(2))];
+        columns.extend(named(readings)?);
+        columns.extend(heading.map(|heading| ("heading".into(), numbers(&heading))));
+        equally_long(&columns).or_raise(py)?;
+        let read = py.detach(|| {
+            let text = csv(&columns);
+            SensorLog::from_csv(&text, ARRAYS)
+        });
+        let log = read.map_err(|error| in_rows(py, &error))?;
+        Self::new(py, SensorLog { source: None, ..log })
+    }
+
+    /// The log of a file: .csv, or a foreign `format` ("rostopic", ...).
+    #[staticmethod]
+    #[pyo3(signature = (path, format=None))]
+    fn read(py: Python<'_>, path: PathBuf, format: Option<&str>) -> PyResult<Self> {
+        let format = self::format(py, format)?;
+        let log = py.detach(|| read(path, format)).or_raise(py)?;
+        Self::new(py, log)
+    }
+
+    /// Time stamps (s), shape (rows).
+    #[getter]
+    fn t<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        column(py, &self.0.rows, |row| row.t)
+    }
+
+    /// The robot in the odometry frame: x (m), y (m), theta (rad); shape (rows, 3).
+    #[getter]
+    fn odometry<'py>(&self, py: Python<'py>) -> PyResult<Table<'py>> {
+        poses(py, self.0.rows.iter().map(|row| row.odom_from_robot))
+    }
+
+    /// The readings by column name ("moment", "w0.moment", "bx", ...), each of shape (rows), SI or counts.
+    #[getter]
+    fn readings<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let out = PyDict::new(py);
+        for (index, channel) in self.0.channels.iter().enumerate() {
+            let values = column(py, &self.0.rows, |row| row.readings.get(index).copied().unwrap_or(f64::NAN));
+            out.set_item(Channel::column(channel), values)?;
+        }
+        Ok(out)
+    }
+
+    /// Absolute headings in the map frame (rad), shape (rows), NaN where there is none; None when none was logged.
+    #[getter]
+    fn heading<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
+        let any = self.0.rows.iter().any(|row| row.heading.is_some());
+        any.then(|| column(py, &self.0.rows, |row| row.heading.unwrap_or(f64::NAN)))
+    }
+
+    /// What looked wrong but could be read, for people.
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.0.warnings.clone()
+    }
+
+    /// The log as CSV, every number with all its digits.
+    fn to_csv(&self, py: Python<'_>) -> String {
+        py.detach(|| log_csv(&self.0))
+    }
+
+    fn __len__(&self) -> usize {
+        self.0.rows.len()
+    }
+
+    fn __repr__(&self) -> String {
+        let names: Vec<String> = self.0.channels.iter().map(Channel::column).collect();
+        let span = self.0.rows.last().zip(self.0.rows.first()).map_or(0.0, |(last, first)| last.t - first.t);
+        format!("<vibrissa.SensorLog: {} rows in {span:.3} s, {}>", self.0.rows.len(), names.join(", "))
+    }
+}
+
+/// What stands for the file when a log is made of arrays.
+const ARRAYS: &str = "SensorLog";
+
+fn read(path: PathBuf, format: Option<Format>) -> Result<SensorLog> {
+    match format {
+        Some(format) => Recording::read(path, format)?.to_log(),
+        None => SensorLog::read(path),
+    }
+}
+
+/// Columns by name, of a mapping or of the moments alone.
+fn named(readings: &Bound<'_, PyAny>) -> PyResult<Vec<(String, Vec<f64>)>> {
+    let Ok(mapping) = readings.cast::<PyMapping>() else {
+        let moments: Like1<'_> = readings.extract()?;
+        return Ok(vec![("moment".into(), numbers(&moments))]);
+    };
+    let mut columns = Vec::new();
+    for item in mapping.items()?.iter() {
+        let (name, values) = item.extract::<(String, Like1<'_>)>()?;
+        columns.push((name, numbers(&values)));
+    }
+    Ok(columns)
+}
+
+/// Refuses columns of different lengths.
+fn equally_long(columns: &[(String, Vec<f64>)]) -> Result<()> {
+    if columns.windows(2).all(|pair| pair[0].1.len() == pair[1].1.len()) {
+        return Ok(());
+    }
+    let told: Vec<String> = columns.iter().map(|(name, values)| format!("{name} {}", values.len())).collect();
+    Err(Error::usage("the columns have different lengths").value(told.join(", ")))
+}
+
+/// Columns of equal length of a mapping by name.
+pub(crate) fn columns_of(py: Python<'_>, mapping: &Bound<'_, PyAny>) -> PyResult<Vec<(String, Vec<f64>)>> {
+    let columns = named(mapping)?;
+    equally_long(&columns).or_raise(py)?;
+    Ok(columns)
+}
+
+/// Columns as CSV, in the shortest form that reads back the same.
+pub(crate) fn csv(columns: &[(String, Vec<f64>)]) -> String {
+    let names: Vec<&str> = columns.iter().map(|(name, _)| name.as_str()).collect();
+    let mut text = names.join(",") + "\n";
+    let rows = columns.iter().map(|(_, values)| values.len()).min().unwrap_or(0);
+    for row in 0..rows {
+        let cells: Vec<String> = columns.iter().map(|(_, values)| values[row].to_string()).collect();
+        text += &cells.join(",");
+        text.push('\n');
+    }
+    text
+}
+
+/// The exception for a fault in arrays: it counts rows from 0, not lines of a file.
+fn in_rows(py: Python<'_>, error: &Error) -> PyErr {
+    let text = error.to_string();
+    let told = match error.line() {
+        Some(line) if line > 1 => text.replacen(&format!("{ARRAYS}:{line}:"), &format!("row {}:", line - 2), 1),
+        _ => text.replacen(&format!("{ARRAYS}:1:"), "columns:", 1),
+    };
+    exception(py, &Error::data(""), told)
+}

@@ -1,0 +1,159 @@
+//! Maps.
+
+use crate::arrays::{Like2, Table, column, points, rows, table};
+use crate::error::{OrRaise, warn};
+use numpy::PyArray1;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::path::PathBuf;
+use std::sync::Arc;
+use vibrissa::config::limits::FLATTEN_TOLERANCE;
+use vibrissa::plane::{Curve, Vec2};
+use vibrissa::tasks::demo;
+use vibrissa::world::{Boundary, Role};
+use vibrissa::{Error, Result};
+
+/// A map of the plane: arena, obstacles and walls (m), x right and y up as drawn.
+#[pyclass(frozen, module = "vibrissa", name = "Map")]
+#[derive(Debug)]
+pub(crate) struct PyMap(pub(crate) Arc<vibrissa::world::Map>);
+
+impl PyMap {
+    fn new(py: Python<'_>, map: vibrissa::world::Map) -> PyResult<Self> {
+        warn(py, &map.warnings)?;
+        Ok(Self(Arc::new(map)))
+    }
+}
+
+#[pymethods]
+impl PyMap {
+    /// The map of a file: .geojson (m) or .svg (mm).
+    #[staticmethod]
+    fn read(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
+        let map = py.detach(|| vibrissa::world::Map::read(path)).or_raise(py)?;
+        Self::new(py, map)
+    }
+
+    /// The map of a GeoJSON text (m); `name` stands for the file in messages.
+    #[staticmethod]
+    #[pyo3(signature = (text, name="map.geojson"))]
+    fn from_geojson(py: Python<'_>, text: &str, name: &str) -> PyResult<Self> {
+        let map = vibrissa::world::Map::from_geojson(text, name).or_raise(py)?;
+        Self::new(py, map)
+    }
+
+    /// The map of an SVG text (mm unless it says otherwise); `name` stands for the file in messages.
+    #[staticmethod]
+    #[pyo3(signature = (text, name="map.svg"))]
+    fn from_svg(py: Python<'_>, text: &str, name: &str) -> PyResult<Self> {
+        let map = vibrissa::world::Map::from_svg(text, name).or_raise(py)?;
+        Self::new(py, map)
+    }
+
+    /// The built-in arena of the demo.
+    #[staticmethod]
+    fn demo(py: Python<'_>) -> PyResult<Self> {
+        let map = demo::arena().or_raise(py)?;
+        Self::new(py, map)
+    }
+
+    /// The map of corner points (m): lists of arrays of shape (n, 2).
+    ///
+    /// Free space is inside the arenas and outside the obstacles; a wall is thin and solid on both sides.
+    #[staticmethod]
+    #[pyo3(signature = (arenas=None, obstacles=None, walls=None))]
+    fn from_points(
+        py: Python<'_>,
+        arenas: Option<Vec<Like2<'_>>>,
+        obstacles: Option<Vec<Like2<'_>>>,
+        walls: Option<Vec<Like2<'_>>>,
+    ) -> PyResult<Self> {
+        let mut boundaries = Vec::new();
+        for (role, lines) in [(Role::Arena, arenas), (Role::Obstacle, obstacles), (Role::Wall, walls)] {
+            for line in lines.unwrap_or_default() {
+                boundaries.push(boundary(role, &rows(&line)?).or_raise(py)?);
+            }
+        }
+        let map = vibrissa::world::Map::new(boundaries).or_raise(py)?;
+        Self::new(py, map)
+    }
+
+    /// What looked wrong but could be read, for people.
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.0.warnings.clone()
+    }
+
+    /// Least and largest x, least and largest y (m).
+    #[getter]
+    fn bounds(&self) -> (f64, f64, f64, f64) {
+        let bounds = self.0.bounds();
+        (bounds.min.x, bounds.max.x, bounds.min.y, bounds.max.y)
+    }
+
+    /// Length of all boundaries together (m).
+    #[getter]
+    fn total_length(&self) -> f64 {
+        self.0.total_length()
+    }
+
+    /// The boundaries as polylines within `tolerance` (m) of their curves: a list of role ("arena", "obstacle" or "wall")
+    /// and points of shape (n, 2); a closed line repeats its first point.
+    #[pyo3(signature = (tolerance=None))]
+    fn boundaries<'py>(&self, py: Python<'py>, tolerance: Option<f64>) -> PyResult<Vec<(&'static str, Table<'py>)>> {
+        let tolerance = tolerance.unwrap_or(FLATTEN_TOLERANCE);
+        if !(tolerance >= 1e-9 && tolerance.is_finite()) {
+            return Err(Error::usage("tolerance").value(tolerance).allowed("1e-9 m or more")).or_raise(py);
+        }
+        let line = |boundary: &Boundary| {
+            let mut chain = boundary.curve().flatten(tolerance);
+            let open = chain.len() > 1 && boundary.curve().is_closed();
+            if let (true, Some(&first)) = (open, chain.first()) {
+                chain.pop();
+                chain.push(first);
+            }
+            Ok((boundary.role().word(), points(py, &chain)?))
+        };
+        self.0.boundaries().iter().map(line).collect()
+    }
+
+    /// Whether each point of shape (n, 2) (m) lies in free space; shape (n).
+    fn is_free<'py>(&self, py: Python<'py>, points: Like2<'_>) -> PyResult<Bound<'py, PyArray1<bool>>> {
+        let (map, points) = (&self.0, rows(&points)?);
+        let free: Vec<bool> = py.detach(|| points.iter().map(|&[x, y]| map.is_free(Vec2::new(x, y))).collect());
+        Ok(PyArray1::from_vec(py, free))
+    }
+
+    /// The boundary point nearest to each point of shape (n, 2) (m): "point" (n, 2) (m), "distance" (n) (m), "tangent" (n)
+    /// (rad), free space on its left, and "curvature" (n) (1/m).
+    fn nearest<'py>(&self, py: Python<'py>, points: Like2<'_>) -> PyResult<Bound<'py, PyDict>> {
+        let (map, points) = (&self.0, rows(&points)?);
+        let found: Vec<_> = py.detach(|| points.iter().filter_map(|&[x, y]| map.nearest(Vec2::new(x, y))).collect());
+        let out = PyDict::new(py);
+        out.set_item("point", table(py, &found, |p| [p.position.x, p.position.y])?)?;
+        out.set_item("distance", column(py, &found, |p| p.distance))?;
+        out.set_item("tangent", column(py, &found, |p| p.tangent))?;
+        out.set_item("curvature", column(py, &found, |p| p.curvature))?;
+        Ok(out)
+    }
+
+    fn __repr__(&self) -> String {
+        let bounds = self.0.bounds();
+        let (width, height) = (bounds.max.x - bounds.min.x, bounds.max.y - bounds.min.y);
+        format!("<vibrissa.Map: {} boundaries, {width:.3} m by {height:.3} m>", self.0.boundaries().len())
+    }
+}
+
+fn boundary(role: Role, corners: &[[f64; 2]]) -> Result<Boundary> {
+    let mut corners: Vec<Vec2> = corners.iter().map(|&[x, y]| Vec2::new(x, y)).collect();
+    let closed = role != Role::Wall;
+    if closed && corners.len() > 1 && corners.first() == corners.last() {
+        corners.pop();
+    }
+    let curve = Curve::polyline(&corners, closed).ok_or_else(|| {
+        Error::usage(format!("the corners of {} {}", if role == Role::Wall { "a" } else { "an" }, role.word()))
+            .value(format!("{} points", corners.len()))
+            .allowed("different finite points, at least 3 of a polygon and 2 of a wall (m)")
+    })?;
+    Boundary::new(role, curve, None)
+}

@@ -1,0 +1,150 @@
+"""Localization: the answers of the command, progress, and Ctrl-C."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import Command, numbers, table
+
+import vibrissa
+
+METHODS = ["deterministic", "possibilistic", "probabilistic"]
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_answers_are_those_of_the_command_to_the_bit(
+    method: vibrissa.Method, demo_files: Path, tmp_path: Path, command: Command
+) -> None:
+    log, arena, truth = (demo_files / name for name in ("log.csv", "map.svg", "truth.tum"))
+    told = command("localize", log, "--map", arena, "--truth", truth, "--method", method, "--out", tmp_path)
+    answer = vibrissa.localize(log, arena, method=method, truth=truth)
+    assert answer.status == told["status"] == "localized" and answer.method == method
+    assert answer.estimate == tuple(told["estimate"][key] for key in ("x", "y", "theta"))
+    assert len(answer.hypotheses) == len(told["hypotheses"])
+    for mine, theirs in zip(answer.hypotheses, told["hypotheses"], strict=True):
+        for key in ("x", "y", "theta", "weight", "x_min", "x_max", "theta_min", "theta_max"):
+            assert getattr(mine, key) == theirs[key], key
+        if mine.covariance is not None:
+            assert mine.covariance.tolist() == theirs["covariance"]
+    assert [(e.t, e.kind, e.detail) for e in answer.events] == [(e["t"], e["kind"], e["detail"]) for e in told["events"]]
+    assert answer.error is not None and answer.error.final_position == told["truth"]["final_position_m"]
+    states, steps = table(tmp_path / "states.csv"), table(tmp_path / "steps.csv")
+    assert np.array_equal(answer.states, np.column_stack([numbers(cells) for cells in states.values()]))
+    assert np.array_equal(answer.steps.t, numbers(steps["t"]))
+    assert np.array_equal(answer.steps.volume, numbers(steps["volume"]))
+    answer.trajectory.write(tmp_path / "mine.tum")
+    assert (tmp_path / "mine.tum").read_text() == (tmp_path / "trajectory.tum").read_text()
+    # The truth is where the answer says, by the truth's own file.
+    last = vibrissa.Trajectory.read(truth).poses[-1]
+    assert answer.estimate is not None and np.hypot(*(np.array(answer.estimate) - last)[:2]) < 1e-3
+
+
+def test_arrays_in_memory_give_the_same_answer(demo: vibrissa.Demo, demo_files: Path) -> None:
+    from_files = vibrissa.localize(demo_files / "log.csv", demo_files / "map.svg")
+    assert demo.answer.estimate == from_files.estimate
+    log = demo.sweep.log
+    again = vibrissa.SensorLog(log.t, log.odometry, log.readings)
+    assert vibrissa.localize(again, demo.map, vibrissa.Whisker()).estimate == from_files.estimate
+    assert demo.answer.trajectory.poses.shape == (len(demo.answer.trajectory), 3)
+    assert demo.answer.first_states.shape[1] == 3 and demo.answer.states.shape[1] == 6
+
+
+def test_options_reach_the_method_and_strangers_are_refused(demo: vibrissa.Demo) -> None:
+    coarse = vibrissa.localize(demo.sweep.log, demo.map, boundary_spacing=0.004)
+    assert len(coarse.first_states) < len(demo.answer.first_states) / 2
+    x, y, _ = demo.sweep.truth.poses[0]
+    near = (x - 0.02, x + 0.02, y - 0.02, y + 0.02, -3.2, 3.2)
+    boxed = vibrissa.localize(demo.sweep.log, demo.map, method="possibilistic", within=near, work=20, last_work=0)
+    inside = boxed.states
+    last = demo.sweep.truth.poses[-1]
+    assert boxed.status != "inconsistent"
+    assert ((inside[:, 0] <= last[0]) & (last[0] <= inside[:, 1]) & (inside[:, 2] <= last[1]) & (last[1] <= inside[:, 3])).any()
+    refused: list[tuple[Callable[[], object], str]] = [
+        (lambda: vibrissa.localize(demo.sweep.log, demo.map, tolerate=1), "tolerate is none of the method deterministic"),
+        (lambda: vibrissa.localize(demo.sweep.log, demo.map, history_shapes=9), "history_shapes"),
+        (lambda: vibrissa.localize(demo.sweep.log, demo.map, method="magic"), "allowed: deterministic"),  # type: ignore[arg-type]
+        (lambda: vibrissa.localize(demo.sweep.log, demo.map, tip_load="x"), "boundary-normal"),  # type: ignore[arg-type]
+    ]
+    for call, words in refused:
+        with pytest.raises(vibrissa.UsageError, match=words):
+            call()
+
+
+def test_progress_is_told_in_this_thread_and_rises_to_the_end(demo: vibrissa.Demo) -> None:
+    seen: list[tuple[int, int]] = []
+    threads = set()
+
+    def progress(done: int, total: int) -> None:
+        seen.append((done, total))
+        threads.add(threading.get_ident())
+
+    vibrissa.localize(demo.sweep.log, demo.map, method="probabilistic", progress=progress)
+    rows = len(demo.sweep.log)
+    assert seen[-1] == (rows, rows) and [done for done, _ in seen] == sorted(done for done, _ in seen)
+    assert threads == {threading.get_ident()}
+
+
+def test_a_fault_of_the_callback_ends_the_work(demo: vibrissa.Demo) -> None:
+    def progress(done: int, total: int) -> None:
+        raise LookupError("enough")
+
+    with pytest.raises(LookupError, match="enough"):
+        vibrissa.localize(demo.sweep.log, demo.map, method="possibilistic", progress=progress)
+
+
+def test_other_threads_run_on_meanwhile(demo: vibrissa.Demo) -> None:
+    counted = 0
+    over = threading.Event()
+
+    def count() -> None:
+        nonlocal counted
+        while not over.is_set():
+            counted += 1
+            time.sleep(0.001)
+
+    thread = threading.Thread(target=count)
+    thread.start()
+    vibrissa.localize(demo.sweep.log, demo.map, method="possibilistic")
+    over.set()
+    thread.join()
+    assert counted > 5
+
+
+INTERRUPTED = """
+import sys, vibrissa, numpy as np
+demo = vibrissa.demo()
+work = {
+    "localize": lambda: vibrissa.localize(demo.sweep.log, demo.map, method="possibilistic", work=10**6),
+    "beam": lambda: vibrissa.point_mode(np.full(10**6, 0.05), 0.02, whisker=vibrissa.Whisker(tip_ratio=0.3)),
+    "preimage": lambda: vibrissa.preimage(demo.map, vibrissa.Reading("moment", 5e-3, 2e-4), cell=1e-4),
+}[sys.argv[1]]
+print("ready", flush=True)
+try:
+    work()
+except KeyboardInterrupt:
+    print("interrupted", flush=True)
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals are sent otherwise there")
+@pytest.mark.parametrize("work", ["localize", "beam", "preimage"])
+def test_ctrl_c_ends_long_work(work: str) -> None:
+    process = subprocess.Popen([sys.executable, "-c", INTERRUPTED, work], stdout=subprocess.PIPE, text=True)
+    assert process.stdout is not None
+    try:
+        assert process.stdout.readline() == "ready\n"
+        time.sleep(0.3)
+        process.send_signal(signal.SIGINT)
+        # Each of these would take minutes.
+        output, _ = process.communicate(timeout=20)
+    finally:
+        process.kill()
+    assert output == "interrupted\n" and process.returncode == 0
