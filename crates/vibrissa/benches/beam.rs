@@ -162,8 +162,15 @@ fn general(c: &mut Criterion) {
         });
     }
     // The sharp end itself, turned by about a radian.
-    for (name, tip_ratio, force) in [("one tenth", 0.1, 0.003), ("one twentieth", 0.05, 0.0008)] {
-        let rod = Rod::new(&Whisker { tip_ratio, ..plain }).unwrap();
+    let sharp = |tip_ratio| Whisker { tip_ratio, ..plain };
+    let all_three = Whisker { curvature: 6.0, base_stiffness: 0.3, ..sharp(0.05) };
+    let tips = [
+        ("one tenth", sharp(0.1), 0.003),
+        ("one twentieth", sharp(0.05), 0.0008),
+        ("one twentieth, curved, on an elastic base", all_three, 0.0008),
+    ];
+    for (name, whisker, force) in tips {
+        let rod = Rod::new(&whisker).unwrap();
         group.bench_function(format!("tip of a whisker tapered to {name}"), |b| {
             b.iter(|| rod.force_mode(black_box(force), plain.length, Load::Normal).unwrap());
         });
