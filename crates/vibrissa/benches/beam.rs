@@ -162,12 +162,15 @@ fn general(c: &mut Criterion) {
         });
     }
     // The sharp end itself, turned by about a radian.
-    let sharp = |tip_ratio| Whisker { tip_ratio, ..plain };
-    let all_three = Whisker { curvature: 6.0, base_stiffness: 0.3, ..sharp(0.05) };
+    let (tenth, twentieth) = (Whisker { tip_ratio: 0.1, ..plain }, Whisker { tip_ratio: 0.05, ..plain });
     let tips = [
-        ("one tenth", sharp(0.1), 0.003),
-        ("one twentieth", sharp(0.05), 0.0008),
-        ("one twentieth, curved, on an elastic base", all_three, 0.0008),
+        ("one tenth", tenth, 0.003),
+        ("one twentieth", twentieth, 0.0008),
+        (
+            "one twentieth, curved, on an elastic base",
+            Whisker { curvature: 6.0, base_stiffness: 0.3, ..twentieth },
+            0.0008,
+        ),
     ];
     for (name, whisker, force) in tips {
         let rod = Rod::new(&whisker).unwrap();
