@@ -72,7 +72,7 @@ def main():
         if name not in ours:
             raise SystemExit(f"the benches did not measure {name!r}; they measured {sorted(ours)}")
         median, spread, least = (value / shapes for value in ours[name])
-        base = f"{ours[baseline][2] / shapes_of(baseline) / least:.2f}x" if baseline else ""
+        base = f"{ours[baseline][2] / shapes_of(baseline) / least:.3g}x" if baseline else ""
         peers = (f"{scipy[peer][1]:.0f}", f"{scipy[peer][1] / least:.0f}x") if peer else ("", "")
         print(f"| {name} | {least:.1f} | {median:.1f} | {spread:.1f} | {base} | {peers[0]} | {peers[1]} |")
 
