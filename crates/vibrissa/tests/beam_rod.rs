@@ -391,7 +391,7 @@ type Rare = (f64, f64, f64, f64, f64, f64, f64, Load);
 fn rare_branches_are_found_from_their_contact() {
     let inf = f64::INFINITY;
     let directed = Load::Directed;
-    let cases: [Rare; 5] = [
+    let cases: [Rare; 6] = [
         // The line of the force meets the rod twice before the contact.
         (0.09163966533, 2.9870771419, 0.0, inf, -0.024867390538, 0.07268681818, -1.223971433, directed(0.144737994708)),
         (
@@ -416,6 +416,17 @@ fn rare_branches_are_found_from_their_contact() {
             Load::Tilted(-2.8870979),
         ),
         (0.69240733638, 4.24699718678, -2.89484676728, 0.00355452661, 14.6551578787, 0.01484511865, 0.0, Load::Normal),
+        // Many equilibria of higher modes and beyond the tip surround this one.
+        (
+            0.2969465740450612,
+            -5.3966389,
+            0.0,
+            inf,
+            0.0094006256623,
+            0.0730765787905,
+            -0.752759569511,
+            Load::Tilted(-0.752759569511),
+        ),
         // The search ends beyond the tip.
         (0.7748283532820007, 0.0, 0.0, 1.2628488803, -0.25350884769, 0.07433248049, 0.0, Load::Normal),
     ];

@@ -17,6 +17,10 @@ use crate::plane::Vec2;
 const RATIOS: [f64; 2] = [1.12, 1.5];
 /// Shares of a force from which the partner of a shape beyond a fold is looked for.
 const FOLD_STEPS: [f64; 4] = [0.8, 0.95, 1.05, 1.2];
+/// After so many equilibria, ours or not, no more are looked for beside them.
+const MOST_MET: usize = 40;
+/// As far out on the whisker's continuation, as a share of its length, equilibria lead to others.
+const FARTHEST: f64 = 1.1;
 /// Cells of the grid whose image is larger than this share of the contact's distance are quartered, at most so often.
 const LARGEST_CELL: f64 = 0.4;
 const MOST_QUARTERED: usize = 3;
@@ -51,17 +55,25 @@ impl Rod {
             let Some(shot) = refined.shot.filter(|_| refined.status == Status::Converged) else { continue };
             if !met.iter().any(|s| same(s, &shot)) {
                 met.push(shot);
-                waiting.extend(self.beside(&shot.trial));
+                // Where equilibria that are none of ours lie densely, one would lead to the next without end.
+                if met.len() < MOST_MET && shot.trial.s_a < FARTHEST * self.length {
+                    waiting.extend(self.beside(&shot.trial));
+                }
             }
         }
         met.retain(|shot| self.is_first_mode(shot));
         Ok(sorted(self.bends(met, line)))
     }
 
+    /// Whether the contact is beyond the tip, and not far.
+    fn is_just_beyond(&self, trial: &Trial) -> bool {
+        trial.s_a > self.length * (1.0 + TIP_ROUNDING) && trial.s_a < FARTHEST * self.length
+    }
+
     /// Where to look from beside a shape: next to a fold lies a second one in the same cell of the grid, and one whose contact is
     /// beyond the tip may hide one on the whisker.
     fn beside(&self, trial: &Trial) -> impl Iterator<Item = Trial> + use<> {
-        let (trial, beyond) = (*trial, trial.s_a > self.length * (1.0 + TIP_ROUNDING));
+        let (trial, beyond) = (*trial, self.is_just_beyond(trial));
         let arcs = if beyond { vec![trial.s_a, 2.0 * self.length - trial.s_a] } else { vec![trial.s_a] };
         arcs.into_iter().flat_map(move |s_a| FOLD_STEPS.map(|step| Trial { force: trial.force * step, s_a, ..trial }))
     }
