@@ -162,8 +162,18 @@ fn general(c: &mut Criterion) {
         });
     }
     // The sharp end itself, turned by about a radian.
-    for (name, tip_ratio, force) in [("one tenth", 0.1, 0.003), ("one twentieth", 0.05, 0.0008)] {
-        let rod = Rod::new(&Whisker { tip_ratio, ..plain }).unwrap();
+    let (tenth, twentieth) = (Whisker { tip_ratio: 0.1, ..plain }, Whisker { tip_ratio: 0.05, ..plain });
+    let tips = [
+        ("one tenth", tenth, 0.003),
+        ("one twentieth", twentieth, 0.0008),
+        (
+            "one twentieth, curved, on an elastic base",
+            Whisker { curvature: 6.0, base_stiffness: 0.3, ..twentieth },
+            0.0008,
+        ),
+    ];
+    for (name, whisker, force) in tips {
+        let rod = Rod::new(&whisker).unwrap();
         group.bench_function(format!("tip of a whisker tapered to {name}"), |b| {
             b.iter(|| rod.force_mode(black_box(force), plain.length, Load::Normal).unwrap());
         });

@@ -450,6 +450,13 @@ fn beyond_the_field_there_is_nothing() {
     for (direction, moment) in [(1.0, 1e3), (f64::NAN, 1e-3), (1.0, f64::NAN), (f64::INFINITY, 1e-3)] {
         assert!(f.by_direction_and_moment(direction, moment).is_empty());
     }
+    // Answers end where the field says, on both sides, also where limits have corners.
+    let mut random = Random(23);
+    for _ in 0..20_000 {
+        let (tilt, sign) = (random.signed(1.46), random.sign());
+        let force = sign * f.largest_force(tilt, sign) * (1.0 + random.signed(1.0).powi(9));
+        assert_eq!(f.at(tilt, force).is_some(), f.holds(tilt, force), "{tilt} {force}");
+    }
     assert!(TipField::new(&Whisker { length: -1.0, ..plain() }).is_err());
     let rest = f.at(0.3, 0.0).unwrap();
     assert!(rest.position.distance(Vec2::new(0.075, 0.0)) < 1e-9 && rest.moment.abs() < 1e-9 && rest.is_stable());

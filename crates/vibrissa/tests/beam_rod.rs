@@ -383,3 +383,97 @@ fn faults_are_named_and_nothing_panics() {
         }
     }
 }
+
+/// Taper, curvature, its rise, base stiffness, force, arc length, tilt, load.
+type Rare = (f64, f64, f64, f64, f64, f64, f64, Load);
+
+#[test]
+fn rare_branches_are_found_from_their_contact() {
+    let inf = f64::INFINITY;
+    let directed = Load::Directed;
+    let cases: [Rare; 6] = [
+        // The line of the force meets the rod twice before the contact.
+        (0.09163966533, 2.9870771419, 0.0, inf, -0.024867390538, 0.07268681818, -1.223971433, directed(0.144737994708)),
+        (
+            0.22610316107,
+            -2.5178624895,
+            -36.65298667,
+            0.01087415952,
+            -0.0801773552,
+            0.07402372121,
+            -1.81878824,
+            directed(-0.0972),
+        ),
+        // A soft base turns the whisker by radians from one force of the grid to the next.
+        (
+            0.64324810026,
+            5.19413394357,
+            -87.6155118593,
+            0.00343078548,
+            -28.514115184,
+            0.01052816474,
+            -2.8870979,
+            Load::Tilted(-2.8870979),
+        ),
+        (0.69240733638, 4.24699718678, -2.89484676728, 0.00355452661, 14.6551578787, 0.01484511865, 0.0, Load::Normal),
+        // Many equilibria of higher modes and beyond the tip surround this one.
+        (
+            0.2969465740450612,
+            -5.3966389,
+            0.0,
+            inf,
+            0.0094006256623,
+            0.0730765787905,
+            -0.752759569511,
+            Load::Tilted(-0.752759569511),
+        ),
+        // The search ends beyond the tip.
+        (0.7748283532820007, 0.0, 0.0, 1.2628488803, -0.25350884769, 0.07433248049, 0.0, Load::Normal),
+    ];
+    for (tip_ratio, curvature, rise, base_stiffness, force, s_a, beta, load) in cases {
+        let whisker = Whisker {
+            tip_ratio,
+            curvature,
+            curvature_rise: [rise, 0.0, 0.0, 0.0, 0.0],
+            base_stiffness,
+            flexural_rigidity: EI,
+            ..Whisker::default()
+        };
+        let rod = Rod::new(&whisker).unwrap();
+        let made = rod.force_mode(force, s_a, Load::Tilted(beta)).unwrap().remove(0);
+        // The load that has the tilt: the direction comes from the shape.
+        let load = match load {
+            Load::Directed(_) => Load::Directed(made.phi_a + beta + PI / 2.0),
+            _ => Load::Tilted(beta),
+        };
+        let found = rod.point_mode(made.contact, load).unwrap();
+        let near = |b: &Bend| (b.phi_a - made.phi_a).abs() < 1e-6 && (b.s_a / made.s_a - 1.0).abs() < 1e-6;
+        assert!(found.iter().any(near), "{whisker:?} {made:?}");
+    }
+}
+
+#[test]
+fn a_sharp_tip_bends_a_little_as_the_integrals_say() {
+    // Small angles: slope and travel are integrals of (s_a - s) / EI and (s_a - s)² / EI, here by Simpson's rule.
+    for tip_ratio in [0.05, 0.1, 0.4, 0.9, 1.0] {
+        let whisker = Whisker { tip_ratio, flexural_rigidity: EI, ..Whisker::default() };
+        let rod = Rod::new(&whisker).unwrap();
+        for share in [0.3, 0.8, 0.99, 1.0] {
+            let s_a = share * whisker.length;
+            let at = |s: f64, power: i32| {
+                (s_a - s).powi(power) / (EI * (1.0 - (1.0 - tip_ratio) * s / whisker.length).powi(4))
+            };
+            let n = 20_000;
+            let simpson = |power: i32| {
+                let node = |i: i32| at(s_a * f64::from(i) / f64::from(n), power);
+                let inner: f64 = (1..n).map(|i| f64::from(2 + 2 * (i % 2)) * node(i)).sum();
+                (inner + node(0) + node(n)) * s_a / f64::from(3 * n)
+            };
+            let (softness, travel) = (simpson(1), simpson(2));
+            let force = -1e-8 / softness;
+            let bend = rod.force_mode(force, s_a, Load::Normal).unwrap().remove(0);
+            let (slope, across) = (bend.phi_a / (force * softness) - 1.0, bend.contact.y / (force * travel) - 1.0);
+            assert!(slope.abs() < 1e-9 && across.abs() < 1e-9, "taper {tip_ratio} at {share}: {slope:e} {across:e}");
+        }
+    }
+}

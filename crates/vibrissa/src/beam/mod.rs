@@ -29,6 +29,7 @@ pub mod jacobi;
 mod load;
 mod moment_mode;
 pub mod normal;
+mod pair;
 mod pendulum;
 mod point_mode;
 pub mod press;

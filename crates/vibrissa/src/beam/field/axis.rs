@@ -11,13 +11,18 @@ const MOST_BINS: usize = 1 << 17;
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Axis {
     pub(super) knots: Vec<f64>,
-    /// Start, width and one over the width of each cell; a last start that nothing reaches.
     spans: Vec<Span>,
     first: f64,
     per_bin: f64,
-    last_bin: u32,
-    /// The cell of each bin's start.
-    bins: Vec<u32>,
+    bins: Vec<Bin>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Bin {
+    /// The cell of the bin's start.
+    cell: u32,
+    /// Where that cell ends.
+    end: f64,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,7 +45,7 @@ pub(super) struct Place {
 impl Axis {
     /// The axis with these knots, which rise; at least two.
     pub(super) fn new(knots: Vec<f64>) -> Self {
-        let mut spans: Vec<Span> = knots
+        let spans: Vec<Span> = knots
             .windows(2)
             .map(|w| Span { start: w[0], width: w[1] - w[0], per_width: 1.0 / (w[1] - w[0]) })
             .collect();
@@ -50,10 +55,12 @@ impl Axis {
         let per_bin = count as f64 / length;
         let start = |bin: usize| knots[0] + bin as f64 / per_bin;
         let cell = |x: f64| knots.partition_point(|knot| *knot <= x).saturating_sub(1).min(spans.len().max(1) - 1);
-        let bins = (0..count).map(|bin| cell(start(bin)) as u32).collect();
-        // No place is beyond this start, not even an infinite one.
-        spans.push(Span { start: f64::NAN, width: 1.0, per_width: 1.0 });
-        Self { first: knots[0], knots, spans, per_bin, last_bin: count as u32 - 1, bins }
+        let end = |cell: usize| if cell + 1 < spans.len() { knots[cell + 1] } else { f64::NAN };
+        let mut bins: Vec<Bin> =
+            (0..count).map(|bin| cell(start(bin))).map(|cell| Bin { cell: cell as u32, end: end(cell) }).collect();
+        // What lies beyond the last bin belongs to the last cell, which no place is beyond, not even an infinite one.
+        bins.push(Bin { cell: spans.len() as u32 - 1, end: f64::NAN });
+        Self { first: knots[0], knots, spans, per_bin, bins }
     }
 
     /// Number of cells.
@@ -69,10 +76,10 @@ impl Axis {
     #[inline]
     pub(super) fn cell(&self, x: f64) -> usize {
         // The conversion saturates: what lies before the start becomes 0. To 32 bits it takes a third of the instructions.
-        let bin = (((x - self.first) * self.per_bin) as u32).min(self.last_bin) as usize;
-        let cell = self.bins[bin] as usize;
+        let bin = ((x - self.first) * self.per_bin) as u32 as usize;
+        let Some(Bin { cell, end }) = self.bins.get(bin) else { return self.spans.len() - 1 };
         // A bin holds one knot at most.
-        cell + usize::from(x >= self.spans[cell + 1].start)
+        *cell as usize + usize::from(x >= *end)
     }
 
     /// The place of `x` in the cell that holds it, or in the nearest one.

@@ -74,6 +74,27 @@ impl Limits {
         a + (b - a) * (x - i as f64)
     }
 
+    /// Loads that are within the limits all over a cell of the other coordinate, on both sides; for each cell between `knots`.
+    pub(super) fn sure(&self, knots: &[f64]) -> Vec<[f64; 2]> {
+        let inside = |u: f64| u.clamp(self.start, self.end);
+        let least = |w: &[f64], k: usize| {
+            let sign = if k == 0 { 1.0 } else { -1.0 };
+            let (lo, hi) = (inside(w[0]), inside(w[1]));
+            (1.0 - 1e-12) * self.corners(lo, hi, k).fold(self.at(lo, sign).min(self.at(hi, sign)), f64::min)
+        };
+        knots.windows(2).map(|w| [least(w, 0), least(w, 1)]).collect()
+    }
+
+    /// The limits on side `k` at the steps within `(lo, hi)`.
+    fn corners(&self, lo: f64, hi: f64, k: usize) -> impl Iterator<Item = f64> + '_ {
+        let step = 1.0 / self.per_step;
+        let within = move |i: &usize| {
+            let u = self.start + step * *i as f64;
+            u > lo && u < hi
+        };
+        (0..self.forces.len()).filter(within).map(move |i| self.forces[i][k])
+    }
+
     /// The largest load anywhere on either side (N).
     pub(super) fn largest(&self) -> f64 {
         self.forces.iter().flatten().fold(0.0, |a, b| a.max(*b))
@@ -81,15 +102,7 @@ impl Limits {
 
     /// The largest load on the side of `sign` over `[lo, hi]`.
     pub(super) fn largest_over(&self, lo: f64, hi: f64, sign: f64) -> f64 {
-        let step = 1.0 / self.per_step;
-        let mut best = self.at(lo, sign).max(self.at(hi, sign));
-        for i in 0..self.forces.len() {
-            let u = self.start + step * i as f64;
-            if u > lo && u < hi {
-                best = best.max(self.forces[i][usize::from(sign < 0.0)]);
-            }
-        }
-        best
+        self.corners(lo, hi, usize::from(sign < 0.0)).fold(self.at(lo, sign).max(self.at(hi, sign)), f64::max)
     }
 }
 

@@ -73,10 +73,11 @@ fn between_knots(
     let shares = [0.0, 0.5, GAUSS[0], GAUSS[1]];
     layout.visit(samples, &shares, is_held, |(i, j), (a, b), (u, v), want| {
         let jet = table.jet_in(i, j, u, v);
-        for (kind, got) in [jet.value, jet.by_u, jet.by_v].iter().enumerate() {
+        for kind in 0..3 {
+            let got = jet.row(kind);
             // Along u only what stands at a > 0 counts, along v what stands at b > 0; corners are exact.
             if (a == 0) != (b == 0) {
-                widen(&mut worst[usize::from(a == 0)][kind], got, &want[kind], 1.0);
+                widen(&mut worst[usize::from(a == 0)][kind], &got, &want[kind], 1.0);
             }
         }
     });

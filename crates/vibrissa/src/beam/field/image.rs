@@ -48,17 +48,18 @@ impl Image {
     /// Of a table over tilt and force, at the tilt `u`; of a table over other numbers, only [`Image::Position`].
     #[inline]
     pub(super) fn of(self, jet: &Jet, u: f64, scale: [f64; 2]) -> Aim {
+        let [value, by_u, by_v] = [0, 1, 2].map(|kind| jet.row(kind));
         match self {
             Self::Position => Aim {
-                value: [jet.value[X], jet.value[Y]],
-                by_u: [jet.by_u[X], jet.by_u[Y]],
-                by_v: [jet.by_v[X], jet.by_v[Y]],
+                value: [value[X], value[Y]],
+                by_u: [by_u[X], by_u[Y]],
+                by_v: [by_v[X], by_v[Y]],
                 rounding: self.rounding(scale),
             },
             Self::Reading => Aim {
-                value: [u + jet.value[SLOPE], jet.value[MOMENT]],
-                by_u: [1.0 + jet.by_u[SLOPE], jet.by_u[MOMENT]],
-                by_v: [jet.by_v[SLOPE], jet.by_v[MOMENT]],
+                value: [u + value[SLOPE], value[MOMENT]],
+                by_u: [1.0 + by_u[SLOPE], by_u[MOMENT]],
+                by_v: [by_v[SLOPE], by_v[MOMENT]],
                 rounding: self.rounding(scale),
             },
         }

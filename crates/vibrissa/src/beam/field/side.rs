@@ -242,8 +242,8 @@ impl SideField {
         let u = s_a / self.rod.length();
         let mut states = Vec::new();
         for side in if self.mirrored { &[1.0, -1.0][..] } else { &[1.0] } {
-            let off = |v: f64| self.table.jet(u, v).value[MOMENT] - side * moment;
-            let slope = |v: f64| self.table.jet(u, v).by_v[MOMENT];
+            let off = |v: f64| self.table.jet(u, v).row(0)[MOMENT] - side * moment;
+            let slope = |v: f64| self.table.jet(u, v).row(2)[MOMENT];
             for cell in self.table.v.knots.windows(2) {
                 let (a, b) = (cell[0], cell[1]);
                 // A cubic that turns within the cell is cut where it turns.
@@ -269,19 +269,19 @@ impl SideField {
         let jet = self.table.jet(u, v);
         // At constant force the load falls as its unit rises.
         let stretch = load * log_slope(&self.scale, u) / rate;
-        let mut by_arc_length = jet.by_u;
-        for (x, y) in by_arc_length.iter_mut().zip(jet.by_v) {
+        let [value, mut by_arc_length, by_v] = [0, 1, 2].map(|kind| jet.row(kind));
+        for (x, y) in by_arc_length.iter_mut().zip(by_v) {
             *x -= y * stretch;
         }
         SideState {
             s_a: u * length,
             force: load * unit,
-            slope: jet.value[SLOPE],
-            position: Vec2::new(jet.value[X], jet.value[Y]),
-            moment: jet.value[MOMENT],
-            energy: jet.value[ENERGY],
+            slope: value[SLOPE],
+            position: Vec2::new(value[X], value[Y]),
+            moment: value[MOMENT],
+            energy: value[ENERGY],
             by_arc_length: Quantities::new(&by_arc_length, 1.0 / length),
-            by_force: Quantities::new(&jet.by_v, 1.0 / (rate * unit)),
+            by_force: Quantities::new(&by_v, 1.0 / (rate * unit)),
         }
     }
 }

@@ -1,20 +1,22 @@
 //! What a field says about one contact.
 
-use super::table::{ENERGY, Jet, Lanes, MOMENT, SLOPE, X, Y};
+use super::table::{ENERGY, Jet, MOMENT, Row, SLOPE, X, Y};
 use crate::plane::Vec2;
 use core::f64::consts::FRAC_PI_2;
 
 /// The quantities of a loaded whisker, or their derivatives by one number.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+// In this order, which is a table's: two numbers are copied at once.
+#[repr(C)]
 pub struct Quantities {
     /// Slope of the whisker at the contact (rad), not wrapped.
     pub slope: f64,
-    /// The contact, whisker frame (m).
-    pub position: Vec2,
     /// Moment of the contact force about the base (N m).
     pub moment: f64,
     /// Elastic energy, the base's share included (J).
     pub energy: f64,
+    /// The contact, whisker frame (m).
+    pub position: Vec2,
 }
 
 /// Bounds on how far a field's quantities are from those of the beam.
@@ -34,6 +36,7 @@ pub struct FieldErrors {
 ///
 /// Guarantee: `moment = x F_y - y F_x` and `d energy = force_vector . d position`, both within the field's errors.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
 pub struct TipState {
     /// Rotation (rad, counter-clockwise) from the whisker's normal at the tip to the direction of a positive force.
     pub tilt: f64,
@@ -41,12 +44,12 @@ pub struct TipState {
     pub force: f64,
     /// Slope at the tip (rad), not wrapped.
     pub slope: f64,
-    /// The tip, whisker frame (m).
-    pub position: Vec2,
     /// Moment of the force about the base (N m).
     pub moment: f64,
     /// Elastic energy (J).
     pub energy: f64,
+    /// The tip, whisker frame (m).
+    pub position: Vec2,
     /// Derivatives by the tilt (per rad), the force held.
     pub by_tilt: Quantities,
     /// Derivatives by the force (per N), the tilt held.
@@ -131,23 +134,13 @@ impl TipState {
 }
 
 impl Quantities {
-    pub(super) fn new(row: &Lanes, factor: f64) -> Self {
+    #[inline(always)]
+    pub(super) fn new(row: &Row, factor: f64) -> Self {
         Self {
             slope: row[SLOPE] * factor,
             position: Vec2::new(row[X] * factor, row[Y] * factor),
             moment: row[MOMENT] * factor,
             energy: row[ENERGY] * factor,
-        }
-    }
-
-    /// Derivatives by tilt or force where the jet is that of the mirrored whisker.
-    #[inline(always)]
-    fn of_side(row: &Lanes, side: f64) -> Self {
-        Self {
-            slope: row[SLOPE],
-            position: Vec2::new(side * row[X], row[Y]),
-            moment: row[MOMENT],
-            energy: side * row[ENERGY],
         }
     }
 
@@ -159,21 +152,11 @@ impl Quantities {
 
 impl TipState {
     /// The state with this jet.
-    ///
-    /// With `side` -1 the jet is that of the mirrored whisker: what is odd changes its sign, and so does what it is
-    /// differentiated by.
     #[inline(always)]
-    pub(super) fn new(tilt: f64, force: f64, jet: &Jet, side: f64) -> Self {
-        Self {
-            tilt,
-            force,
-            slope: side * jet.value[SLOPE],
-            position: Vec2::new(jet.value[X], side * jet.value[Y]),
-            moment: side * jet.value[MOMENT],
-            energy: jet.value[ENERGY],
-            by_tilt: Quantities::of_side(&jet.by_u, side),
-            by_force: Quantities::of_side(&jet.by_v, side),
-        }
+    pub(super) fn new(tilt: f64, force: f64, jet: &Jet) -> Self {
+        let Quantities { slope, position, moment, energy } = Quantities::new(&jet.row(0), 1.0);
+        let (by_tilt, by_force) = (Quantities::new(&jet.row(1), 1.0), Quantities::new(&jet.row(2), 1.0));
+        Self { tilt, force, slope, position, moment, energy, by_tilt, by_force }
     }
 }
 

@@ -5,6 +5,7 @@
 
 extern crate alloc;
 use super::axis::{Axis, Place};
+use crate::beam::pair::Pair;
 use alloc::vec::Vec;
 
 /// How many quantities a table holds: slope, x, y, moment, energy.
@@ -21,22 +22,26 @@ pub(super) type Row = [f64; QUANTITIES];
 /// Value, derivative by `u`, derivative by `v`, mixed derivative, of each quantity.
 pub(super) type Node = [Row; 4];
 
-/// Quantities of a cell, and one place more: whole pairs are added faster.
-const LANES: usize = QUANTITIES + 1;
-
-/// The quantities, or their derivatives by one coordinate.
-pub(super) type Lanes = [f64; LANES];
-
-/// The quantities and their first derivatives by the table's coordinates.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// The quantities (0), their derivatives by `u` (1) and their derivatives by `v` (2), paired by parity.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Jet {
-    pub(super) value: Lanes,
-    pub(super) by_u: Lanes,
-    pub(super) by_v: Lanes,
+    /// Slope and moment, which the mirrored whisker has with the opposite sign.
+    odd: [Pair; 3],
+    /// Energy and x, which it shares.
+    even: [Pair; 3],
+    /// y, which is odd.
+    last: [f64; 3],
 }
 
-/// Coefficients of a cell by the powers of its two shares, those of `u` in rows: twelve lines of cache.
-type Patch = [[Lanes; 4]; 4];
+/// Coefficients of a cell by the powers of its two shares, those of `u` in rows: ten lines of cache.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(align(64))]
+pub(super) struct Patch {
+    /// Slope and moment, energy and x.
+    pairs: [[[Pair; 4]; 4]; 2],
+    /// y, which is alone: rows 0 and 1, rows 2 and 3.
+    last: [[Pair; 4]; 2],
+}
 
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Table {
@@ -56,10 +61,62 @@ fn powers(a: f64, da: f64, b: f64, db: f64) -> [f64; 4] {
 
 /// Value and slope of a cubic by Horner's scheme.
 #[inline(always)]
-fn slide(x: f64, c0: f64, c1: f64, c2: f64, c3: f64) -> (f64, f64) {
-    let two = c3 * x + c2;
+fn slide(x: f64, [c0, c1, c2, c3]: [f64; 4]) -> (f64, f64) {
+    let three = c3 * x;
+    let two = three + c2;
     let one = two * x + c1;
-    (one * x + c0, (c3 * x + two) * x + one)
+    (one * x + c0, (three + two) * x + one)
+}
+
+/// As [`slide`], of two cubics.
+#[inline(always)]
+fn slide_pair(x: f64, [c0, c1, c2, c3]: [Pair; 4]) -> (Pair, Pair) {
+    let three = c3.times(x);
+    let two = three.plus(c2);
+    let one = two.times(x).plus(c1);
+    (one.times(x).plus(c0), three.plus(two).times(x).plus(one))
+}
+
+/// Value and both slopes of two bicubics, times `by`. Not inlined: in a larger function the compiler pairs other numbers, and shuffles.
+#[inline(never)]
+fn jet_of_pair(rows: &[[Pair; 4]; 4], s: f64, t: f64, by: f64, by_u: f64, by_v: f64) -> [Pair; 3] {
+    let ((a, a_t), (b, b_t)) = (slide_pair(t, rows[0]), slide_pair(t, rows[1]));
+    let ((c, c_t), (d, d_t)) = (slide_pair(t, rows[2]), slide_pair(t, rows[3]));
+    let (value, slope) = slide_pair(s, [a, b, c, d]);
+    let across = d_t.times(s).plus(c_t).times(s).plus(b_t).times(s).plus(a_t);
+    [value.times(by), slope.times(by_u), across.times(by_v)]
+}
+
+/// Value and both slopes of a bicubic that stands alone.
+#[inline(never)]
+fn jet_of_last(rows: &[[Pair; 4]; 2], s: f64, t: f64, by: f64, by_u: f64, by_v: f64) -> [f64; 3] {
+    let (Pair([a, b]), Pair([a_t, b_t])) = slide_pair(t, rows[0]);
+    let (Pair([c, d]), Pair([c_t, d_t])) = slide_pair(t, rows[1]);
+    let (value, slope) = slide(s, [a, b, c, d]);
+    [value * by, slope * by_u, (((d_t * s + c_t) * s + b_t) * s + a_t) * by_v]
+}
+
+impl Patch {
+    /// Everything at a place, or, with `side` -1, that of the mirrored whisker: what is odd changes its sign, and so does what
+    /// it is differentiated by. Horner's scheme for values and slopes at once, row by row, which needs no weights.
+    #[inline(always)]
+    pub(super) fn jet(&self, s: f64, t: f64, by_u: f64, by_v: f64, side: f64) -> Jet {
+        // What is differentiated by changes its sign, too.
+        Jet {
+            odd: jet_of_pair(&self.pairs[0], s, t, side, by_u, by_v),
+            even: jet_of_pair(&self.pairs[1], s, t, 1.0, side * by_u, side * by_v),
+            last: jet_of_last(&self.last, s, t, side, by_u, by_v),
+        }
+    }
+}
+
+impl Jet {
+    /// The quantities or their derivatives, in the order of a row.
+    #[inline(always)]
+    pub(super) fn row(&self, kind: usize) -> Row {
+        let (Pair([slope, moment]), Pair([energy, x])) = (self.odd[kind], self.even[kind]);
+        [slope, x, self.last[kind], moment, energy]
+    }
 }
 
 impl Table {
@@ -75,7 +132,7 @@ impl Table {
     }
 
     /// Everything at `(u, v)`, by the polynomial of the cell that holds it or, outside, of the nearest one.
-    #[inline(always)]
+    #[inline]
     pub(super) fn jet(&self, u: f64, v: f64) -> Jet {
         self.jet_at(&self.u.place(u), &self.v.place(v))
     }
@@ -86,24 +143,14 @@ impl Table {
         self.jet_at(&self.u.place_in(i, u), &self.v.place_in(j, v))
     }
 
-    /// Horner's scheme for values and slopes at once, row by row: it needs two registers beside the sums, and no weights.
-    #[inline(always)]
-    #[allow(clippy::needless_range_loop, reason = "a plain loop over the lanes is added in pairs")]
     fn jet_at(&self, u: &Place, v: &Place) -> Jet {
-        let mut jet = Jet { value: [0.0; LANES], by_u: [0.0; LANES], by_v: [0.0; LANES] };
-        let Some(patch) = self.patches.get(u.cell * self.v.cells() + v.cell) else { return jet };
-        let (s, t) = (u.share, v.share);
-        for k in 0..LANES {
-            let (a, a_t) = slide(t, patch[0][0][k], patch[0][1][k], patch[0][2][k], patch[0][3][k]);
-            let (b, b_t) = slide(t, patch[1][0][k], patch[1][1][k], patch[1][2][k], patch[1][3][k]);
-            let (c, c_t) = slide(t, patch[2][0][k], patch[2][1][k], patch[2][2][k], patch[2][3][k]);
-            let (d, d_t) = slide(t, patch[3][0][k], patch[3][1][k], patch[3][2][k], patch[3][3][k]);
-            let (value, slope) = slide(s, a, b, c, d);
-            jet.value[k] = value;
-            jet.by_u[k] = slope * u.per_width;
-            jet.by_v[k] = (((d_t * s + c_t) * s + b_t) * s + a_t) * v.per_width;
-        }
-        jet
+        self.patch(u, v).map_or(Jet::default(), |patch| patch.jet(u.share, v.share, u.per_width, v.per_width, 1.0))
+    }
+
+    /// The polynomials of the cell.
+    #[inline(always)]
+    pub(super) fn patch(&self, u: &Place, v: &Place) -> Option<&Patch> {
+        self.patches.get(u.cell * self.v.cells() + v.cell)
     }
 
     /// The sixteen Bernstein coefficients of one quantity in the cell `(i, j)`: their hull holds all its values there.
@@ -129,7 +176,7 @@ impl Table {
 
 /// The coefficients of one cell with sides `h`.
 fn patch(nodes: &[Node], stride: usize, (i, j): (usize, usize), h: (f64, f64)) -> Patch {
-    let mut patch = [[[0.0; LANES]; 4]; 4];
+    let mut patch = Patch::default();
     for k in 0..QUANTITIES {
         // Along v first: values and derivatives by u, at both ends in u.
         let line = |p: usize, kind: usize| {
@@ -139,8 +186,14 @@ fn patch(nodes: &[Node], stride: usize, (i, j): (usize, usize), h: (f64, f64)) -
         let (start, start_slope, end, end_slope) = (line(0, 0), line(0, 1), line(1, 0), line(1, 1));
         for q in 0..4 {
             let column = powers(start[q], start_slope[q] * h.0, end[q], end_slope[q] * h.0);
-            for (row, c) in patch.iter_mut().zip(column) {
-                row[q][k] = c;
+            for (p, c) in column.into_iter().enumerate() {
+                match k {
+                    SLOPE => patch.pairs[0][p][q].0[0] = c,
+                    MOMENT => patch.pairs[0][p][q].0[1] = c,
+                    ENERGY => patch.pairs[1][p][q].0[0] = c,
+                    X => patch.pairs[1][p][q].0[1] = c,
+                    _ => patch.last[p / 2][q].0[p % 2] = c,
+                }
             }
         }
     }
@@ -191,8 +244,9 @@ mod tests {
         let table = Table::new(u, v, nodes);
         for (a, b) in [(-0.9, 0.1), (0.3, 1.9), (1.4, 0.7), (-0.5, 2.0), (1.5, 0.0)] {
             let jet = table.jet(a, b);
-            for (got, want) in [(jet.value, f(a, b)), (jet.by_u, fu(a, b)), (jet.by_v, fv(a, b))] {
-                assert!(got[..QUANTITIES].iter().all(|g| (g - want).abs() < 1e-12), "{got:?} {want}");
+            for (kind, want) in [f(a, b), fu(a, b), fv(a, b)].into_iter().enumerate() {
+                let got = jet.row(kind);
+                assert!(got.iter().all(|g| (g - want).abs() < 1e-12), "{got:?} {want}");
             }
         }
         let (i, j) = (table.u.cell(0.3), table.v.cell(1.9));

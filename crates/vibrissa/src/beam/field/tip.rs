@@ -7,7 +7,7 @@ use super::image::Image;
 use super::index::Index;
 use super::panels::{Layout, Samples};
 use super::state::{FieldErrors, Quantities, TipState};
-use super::table::{Row, Table};
+use super::table::{Jet, Patch, Row, Table};
 use crate::beam::rod::{Loaded, Rod};
 use crate::beam::whisker::Whisker;
 use crate::error::{Error, Result};
@@ -57,6 +57,8 @@ pub(super) const TILTS: Bunched = Bunched::new(STEEPEST_TILT, 1.0);
 pub struct TipField {
     pub(super) rod: Rod,
     pub(super) limits: Limits,
+    /// Of each cell of tilts: loads on both sides that are within the limits all over it (N).
+    sure: Vec<[f64; 2]>,
     pub(super) load: Bunched,
     /// One over the largest load (1/N).
     pub(super) per_load: f64,
@@ -115,6 +117,7 @@ impl TipField {
         let (mirrored, errors) = (rod.is_straight(), Bounds::default());
         Ok(Self {
             rod,
+            sure: limits.sure(&table.u.knots),
             limits,
             load,
             per_load: 1.0 / load.to,
@@ -172,7 +175,16 @@ impl TipField {
     #[must_use]
     #[inline]
     pub fn at(&self, tilt: f64, force: f64) -> Option<TipState> {
-        self.holds(tilt, force).then(|| self.state(tilt, force))
+        let side = self.side(force);
+        let (u, v) = (self.table.u.place(side * tilt), side * force);
+        // Far from the limits a cell knows that it is.
+        let [most, least] = self.sure[u.cell];
+        let within = v <= most && -v <= least && tilt.abs() <= STEEPEST_TILT;
+        if !within && !self.holds(tilt, force) {
+            return None;
+        }
+        let v = self.table.v.place(v);
+        state_of(self.table.patch(&u, &v)?, u.share, v.share, u.per_width, v.per_width, side, tilt, force)
     }
 
     /// As [`TipField::at`], by the beam itself: no table, no derivatives, twenty to a hundred times slower, any load.
@@ -182,12 +194,30 @@ impl TipField {
         Some(Quantities { slope: loaded.slope, position: loaded.contact, moment: loaded.moment, energy: loaded.energy })
     }
 
+    /// -1 where the mirrored whisker is looked up.
+    #[inline(always)]
+    fn side(&self, force: f64) -> f64 {
+        if self.mirrored { 1.0_f64.copysign(force) } else { 1.0 }
+    }
+
     /// The state under a load, whether held or not.
     #[inline(always)]
     pub(super) fn state(&self, tilt: f64, force: f64) -> TipState {
-        let side = if self.mirrored { 1.0_f64.copysign(force) } else { 1.0 };
-        TipState::new(tilt, force, &self.table.jet(side * tilt, side * force), side)
+        let side = self.side(force);
+        let (u, v) = (self.table.u.place(side * tilt), self.table.v.place(side * force));
+        let jet = self
+            .table
+            .patch(&u, &v)
+            .map_or(Jet::default(), |patch| patch.jet(u.share, v.share, u.per_width, v.per_width, side));
+        TipState::new(tilt, force, &jet)
     }
+}
+
+/// The state at a place. Apart, so that the answer is written once and where it is wanted.
+#[inline(never)]
+#[allow(clippy::too_many_arguments, reason = "eight numbers fit the registers; in memory they take nanoseconds")]
+fn state_of(patch: &Patch, s: f64, t: f64, by_u: f64, by_v: f64, side: f64, tilt: f64, force: f64) -> Option<TipState> {
+    Some(TipState::new(tilt, force, &patch.jet(s, t, by_u, by_v, side)))
 }
 
 fn too_soft() -> Error {

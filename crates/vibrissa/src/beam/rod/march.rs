@@ -8,21 +8,38 @@
 //! | `M` | `F_x sin(phi) - F_y cos(phi)` |
 //! | `x, y` | `cos(phi), sin(phi)` |
 //!
-//! Every right side is a product of series, so that all coefficients follow from one recurrence \[jorba2005software\].
-//! The step is where the last coefficients fall below [`TOLERANCE`]; stretches end where stiffness jumps.
+//! Towards a sharp tip the rigidity falls with the fourth power of the radius, and shapes change over ever shorter lengths.
+//! A step therefore counts length by the radius: with `r` the radius over that at the step's start, `r = 1 - w (s - s_0)`, and
+//! `dt = ds / r`, so that `r = exp(-w t)`, the unknowns
+//!
+//! | unknown | derivative by `t` |
+//! | --- | --- |
+//! | `phi` | `m + r kappa_0` |
+//! | `m = M / (EI(s_0) r^3)` | `3 w m + (F_x S - F_y C) / EI(s_0)` |
+//! | `C, S = cos(phi) / r^2, sin(phi) / r^2` | `2 w C - phi' S, 2 w S + phi' C` |
+//! | `X, Y = (x - x_0) / r^3, (y - y_0) / r^3` | `3 w X + C, 3 w Y + S` |
+//!
+//! obey equations in which neither the radius nor the place occurs: only the pendulum's own poles limit the step, and a
+//! taper to one twentieth takes four steps. Every right side is a product of series, so that all coefficients follow from
+//! one recurrence \[jorba2005software\]. The step is where the last coefficients fall below [`TOLERANCE`]; stretches end where
+//! stiffness jumps.
 
+use super::super::pair::Pair;
 use super::Rod;
-use super::section::{Elastic, shifted};
+use super::section::{rest_series, shifted};
 use crate::plane::Vec2;
 
 /// Order of the method: the highest power of the slope's series.
 pub(super) const ORDER: usize = 20;
 /// Truncation error of one step, relative.
-const TOLERANCE: f64 = 1e-11;
+const TOLERANCE: f64 = 5e-11;
+/// Longest step in `w t`: the radius at most doubles, for what is divided by its powers must not lose digits.
+const LONGEST: f64 = 0.8;
 /// More steps than any shape within the limits takes.
 const MOST_STEPS: usize = 4000;
 
-const INVERSE: [f64; ORDER + 1] = {
+/// One over the index.
+pub(super) const INVERSE: [f64; ORDER + 1] = {
     let mut table = [1.0; ORDER + 1];
     let mut k = 2;
     while k <= ORDER {
@@ -47,58 +64,82 @@ pub(super) struct Step {
     pub(super) start: State,
     /// Signed length of the step (m).
     pub(super) h: f64,
-    phi: [f64; ORDER + 1],
-    moment: [f64; ORDER + 1],
-    /// Cosine and sine of the slope.
-    turn: Pairs,
-}
-
-/// Two series side by side, cosine and sine: what the processor multiplies in one go.
-type Pairs = [[f64; 2]; ORDER + 1];
-
-/// `sum_j a[j] b[k - j]` for `j <= k`, from the middle outwards, so that the newest coefficients come last and hold up least.
-#[inline(always)]
-fn convolve<const K: usize>(a: &Pairs, b: &Pairs) -> [f64; 2] {
-    let middle = K / 2;
-    let mut down = [a[middle][0] * b[K - middle][0], a[middle][1] * b[K - middle][1]];
-    let mut up = [0.0; 2];
-    for d in 1..=K - middle {
-        for i in 0..2 {
-            up[i] += a[middle + d][i] * b[K - middle - d][i];
-        }
-        if d <= middle {
-            for i in 0..2 {
-                down[i] += a[middle - d][i] * b[K - middle + d][i];
-            }
-        }
-    }
-    [up[0] + down[0], up[1] + down[1]]
-}
-
-/// The series of one step, coefficient by coefficient.
-struct Expansion<'a> {
+    /// How fast the radius falls, as a share of that at the start (1/m).
+    narrowing: f64,
+    /// EI at the start (N m²).
+    rigidity: f64,
+    /// The force over the rigidity at the start (1/m²).
     force: Vec2,
-    rest: &'a [f64; ORDER],
-    elastic: Elastic,
+    /// `r kappa_0`.
+    rest: [f64; ORDER],
     phi: [f64; ORDER + 1],
+    /// `m`.
     moment: [f64; ORDER + 1],
     /// The derivative of the slope, twice.
     bend: Pairs,
+    /// `C` and `S`.
     turn: Pairs,
+    /// `X` and `Y`.
+    place: Pairs,
 }
 
-impl Expansion<'_> {
+/// Two series side by side: what the processor multiplies in one go.
+type Pairs = [Pair; ORDER + 1];
+
+/// `sum_j a[j] b[k - j]` for `0 < j < k`, from the middle outwards, so that the newest coefficients come last and hold up least.
+#[inline(always)]
+fn convolve_inner<const K: usize>(a: &Pairs, b: &Pairs) -> Pair {
+    let (mut down, mut up) = (Pair([0.0; 2]), Pair([0.0; 2]));
+    let middle = K / 2;
+    if middle > 0 {
+        down = a[middle].by(b[K - middle]);
+        for d in 1..K - middle {
+            up = up.plus(a[middle + d].by(b[K - middle - d]));
+            if d < middle {
+                down = down.plus(a[middle - d].by(b[K - middle + d]));
+            }
+        }
+    }
+    up.plus(down)
+}
+
+impl Step {
+    /// A step that leads nowhere yet.
+    fn at_rest(start: State) -> Self {
+        let (zero, pairs) = ([0.0; ORDER + 1], [Pair::default(); ORDER + 1]);
+        Self {
+            start,
+            h: 0.0,
+            narrowing: 0.0,
+            rigidity: 1.0,
+            force: Vec2::ZERO,
+            rest: [0.0; ORDER],
+            phi: zero,
+            moment: zero,
+            bend: pairs,
+            turn: pairs,
+            place: pairs,
+        }
+    }
+
     /// From the coefficients of order `K` to those of order `K + 1`.
     #[inline(always)]
     fn grow<const K: usize>(&mut self) {
         let n = INVERSE[K + 1];
-        let bend = self.elastic.next(self.moment[K]) + self.rest[K];
-        self.bend[K] = [bend; 2];
+        let (turn, place) = (self.turn[K], self.place[K]);
+        // The newest coefficients hold up all that follows: they are multiplied once and added last.
+        let inner = convolve_inner::<K>(&self.bend, &self.turn).times(n);
+        let oldest = if K > 0 { self.bend[0].times(n).by(turn) } else { Pair([0.0; 2]) };
+        let bend = self.moment[K] + self.rest[K];
+        self.bend[K] = Pair([bend; 2]);
         self.phi[K + 1] = n * bend;
-        let [cos, sin] = self.turn[K];
-        self.moment[K + 1] = n * (self.force.x * sin - self.force.y * cos);
-        let [with_cos, with_sin] = convolve::<K>(&self.bend, &self.turn);
-        self.turn[K + 1] = [-n * with_sin, n * with_cos];
+        let Pair([with_cos, with_sin]) = inner.plus(oldest).plus(self.turn[0].times(n).times(bend));
+        let turned = Pair([-with_sin, with_cos]);
+        let push = (n * self.force.x) * turn.0[1] - (n * self.force.y) * turn.0[0];
+        let (two, three) = (n * 2.0 * self.narrowing, n * 3.0 * self.narrowing);
+        self.moment[K + 1] = three * self.moment[K] + push;
+        self.turn[K + 1] = turn.times(two).plus(turned);
+        self.place[K + 1] = place.times(three).plus(turn.times(n));
     }
 
     /// All coefficients. Written out, so that every length is known when this is compiled.
@@ -108,54 +149,67 @@ impl Expansion<'_> {
         }
         orders!(0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19);
     }
-}
 
-impl Step {
-    /// The series about `start`, and the step that they allow towards arc length `to`.
-    fn new(rod: &Rod, start: State, force: Vec2, to: f64) -> Self {
+    /// Becomes the series about `start`, and the step that they allow towards arc length `to`, which is returned as the step
+    /// counts it. In place, since copies take longer than sums.
+    fn lead(&mut self, rod: &Rod, start: State, force: Vec2, to: f64) -> f64 {
         let backwards = to < start.s;
         let piece = rod.piece(start.s, backwards);
-        let mut step = if rod.curvature.is_empty() {
-            Self::expand(start, force, Elastic::new(&piece, start.s), &[0.0; ORDER])
-        } else {
-            let mut rest = [0.0; ORDER];
-            shifted(&rod.curvature, start.s, &mut rest);
-            Self::expand(start, force, Elastic::new(&piece, start.s), &rest)
-        };
+        let compliance = piece.compliance(start.s);
+        self.start = start;
+        self.narrowing = piece.narrowing / piece.radius(start.s);
+        self.rigidity = 1.0 / compliance;
+        self.force = compliance * force;
+        if !rod.curvature.is_empty() {
+            shifted(&rod.curvature, start.s, &mut self.rest);
+            rest_series(&mut self.rest, rod.curvature.len(), self.narrowing);
+        }
+        let (sin, cos) = start.phi.sin_cos();
+        (self.phi[0], self.moment[0], self.turn[0]) = (start.phi, compliance * start.moment, Pair([cos, sin]));
+        self.fill();
         let before = if backwards { rod.piece_start(start.s) } else { piece.end };
         let reach = if backwards { to.max(before) } else { to.min(before) } - start.s;
-        step.h = step.allowed(reach);
-        step
+        let whole = self.counted(reach);
+        let t = self.allowed(whole);
+        // All the way is all the way, whatever is lost in between.
+        self.h = if t.abs() < whole.abs() { self.length_of(t) } else { reach };
+        t
     }
 
+    /// Signed length from the start as the step counts it.
     #[inline]
-    fn expand(start: State, force: Vec2, elastic: Elastic, rest: &[f64; ORDER]) -> Self {
-        let (zero, pairs) = ([0.0; ORDER + 1], [[0.0; 2]; ORDER + 1]);
-        let mut series = Expansion { force, rest, elastic, phi: zero, moment: zero, bend: pairs, turn: pairs };
-        let (sin, cos) = start.phi.sin_cos();
-        (series.phi[0], series.moment[0], series.turn[0]) = (start.phi, start.moment, [cos, sin]);
-        series.fill();
-        Self { start, h: 0.0, phi: series.phi, moment: series.moment, turn: series.turn }
+    fn counted(&self, length: f64) -> f64 {
+        let w = self.narrowing;
+        if w.abs() > 0.0 { -(-w * length).ln_1p() / w } else { length }
     }
 
-    /// The longest step towards `reach` (m, signed) whose last terms stay below the tolerance.
+    /// The inverse of [`Step::counted`].
+    #[inline]
+    fn length_of(&self, t: f64) -> f64 {
+        let w = self.narrowing;
+        if w.abs() > 0.0 { -(-w * t).exp_m1() / w } else { t }
+    }
+
+    /// The longest step towards `reach` (counted, signed) whose last terms stay below the tolerance.
     fn allowed(&self, reach: f64) -> f64 {
-        let most = |a: [f64; 2]| a[0].abs().max(a[1].abs());
-        // The last two terms of each series over the longest step, and what they may be: sine and cosine are judged by
-        // one, the slope by its own first terms. Terms grow by the last power of the step.
-        let h = reach.abs();
-        let turn = (most(self.turn[ORDER]) * h).max(most(self.turn[ORDER - 1]));
-        let phi = (self.phi[ORDER].abs() * h).max(self.phi[ORDER - 1].abs());
+        // The last two terms of each series over the longest step, and what they may be: the cosine is judged by one, slope and
+        // sine by the slope where that is small, so that all but straight shapes keep their digits, too. Terms grow by the last
+        // power of the step.
+        let longest = reach.abs().min(LONGEST / self.narrowing.abs());
+        let mut h = longest;
+        let tail = |a: f64, b: f64| (a.abs() * longest).max(b.abs());
+        let (Pair(last), Pair(before)) = (self.turn[ORDER], self.turn[ORDER - 1]);
+        let along = tail(last[0], before[0]);
+        let slope = tail(last[1], before[1]).max(tail(self.phi[ORDER], self.phi[ORDER - 1]));
         let high = h.powi(ORDER as i32 - 1);
-        let mut h = h;
         let first = |h: f64| (self.phi[1].abs() * h).max(self.phi[2].abs() * h * h).max(self.phi[3].abs() * h * h * h);
         for _ in 0..2 {
             // A shorter step has a smaller slope, too: the second round is judged by that.
-            let error = high * (phi / first(h).max(1e-300)).max(turn);
+            let error = high * (slope / first(h).max(self.phi[0].abs()).clamp(1e-300, 1.0)).max(along);
             if error <= TOLERANCE {
                 break;
             }
-            h = reach.abs() * (TOLERANCE / error).powf(1.0 / (ORDER as f64 - 1.0)).min(1.0);
+            h = longest * rough_root(TOLERANCE / error);
         }
         h.copysign(reach)
     }
@@ -163,21 +217,45 @@ impl Step {
     /// The state at signed distance `tau` (m) from the start of the step.
     #[inline]
     pub(super) fn at(&self, tau: f64) -> State {
-        let (mut phi, mut moment, mut x, mut y) = (self.phi[ORDER], self.moment[ORDER], 0.0, 0.0);
-        for k in (0..ORDER).rev() {
-            phi = phi * tau + self.phi[k];
-            moment = moment * tau + self.moment[k];
-            x = x * tau + self.turn[k][0] * INVERSE[k + 1];
-            y = y * tau + self.turn[k][1] * INVERSE[k + 1];
+        self.at_both(tau, self.counted(tau))
+    }
+
+    /// The state at a distance, given as a length (m) and as the step counts it.
+    #[inline]
+    fn at_both(&self, length: f64, t: f64) -> State {
+        // Even and odd powers apart: half as many sums wait for one another.
+        let square = t * t;
+        let all = |k: usize| [self.phi[k], self.moment[k], self.place[k].0[0], self.place[k].0[1]];
+        let (mut even, mut odd) = (all(ORDER), all(ORDER - 1));
+        for k in (0..ORDER / 2).rev() {
+            let (more, less) = (all(2 * k), if k > 0 { all(2 * k - 1) } else { [0.0; 4] });
+            for i in 0..4 {
+                even[i] = even[i] * square + more[i];
+                if k > 0 {
+                    odd[i] = odd[i] * square + less[i];
+                }
+            }
         }
+        let [phi, moment, x, y] = [0, 1, 2, 3].map(|i| even[i] + t * odd[i]);
         let start = &self.start;
-        State { s: start.s + tau, phi, moment, position: start.position + tau * Vec2::new(x, y) }
+        let r = 1.0 - self.narrowing * length;
+        let cube = r * r * r;
+        let moment = moment * (self.rigidity * cube);
+        State { s: start.s + length, phi, moment, position: start.position + cube * Vec2::new(x, y) }
     }
 
     /// Whether the step holds arc length `s`.
     pub(super) fn holds(&self, s: f64) -> bool {
         (s - self.start.s) * self.h.signum() <= self.h.abs()
     }
+}
+
+/// At most the root of degree `ORDER - 1` of a number between 0 and 1, and at least 0.9 of it: by the exponent, whose linear
+/// continuation is never further than 6 % from the power of two.
+fn rough_root(x: f64) -> f64 {
+    const ONE: u64 = 1.0_f64.to_bits();
+    let below = ONE.saturating_sub(x.to_bits());
+    0.94 * f64::from_bits(ONE - below / (ORDER as u64 - 1))
 }
 
 /// Marches from `start` to arc length `to` under `force` (N, frame of the state), showing each step to `look`, which may stop
@@ -191,13 +269,14 @@ pub(super) fn march(
     mut look: impl FnMut(&Step, &State) -> bool,
 ) -> Option<State> {
     let mut state = start;
+    let mut step = Step::at_rest(start);
     for _ in 0..MOST_STEPS {
-        let step = Step::new(rod, state, force, to);
+        let t = step.lead(rod, state, force, to);
         if step.h.abs() <= 0.0 || !step.h.is_finite() {
             return None;
         }
         let whole = step.h + state.s;
-        state = step.at(step.h);
+        state = step.at_both(step.h, t);
         let arrived = (to - whole).abs() <= 1e-14 * to.abs().max(start.s.abs());
         if arrived {
             state.s = to;

@@ -17,6 +17,15 @@ use crate::plane::Vec2;
 const RATIOS: [f64; 2] = [1.12, 1.5];
 /// Shares of a force from which the partner of a shape beyond a fold is looked for.
 const FOLD_STEPS: [f64; 4] = [0.8, 0.95, 1.05, 1.2];
+/// After so many equilibria, ours or not, no more are looked for beside them.
+const MOST_MET: usize = 40;
+/// As far out on the whisker's continuation, as a share of its length, equilibria lead to others.
+const FARTHEST: f64 = 1.1;
+/// Cells of the grid whose image is larger than this share of the contact's distance are quartered, at most so often.
+const LARGEST_CELL: f64 = 0.4;
+const MOST_QUARTERED: usize = 3;
+/// How often a rod that is curved at rest may meet the line of the force, the contact included.
+const MOST_CROSSINGS: usize = 4;
 /// Slope (rad) beyond which a march from the base is given up.
 pub(super) const MOST_TURNING: f64 = 9.0;
 /// A contact this far beyond the tip, relative to the length, is the tip.
@@ -39,18 +48,34 @@ impl Rod {
             Line::Fixed(psi) => self.starts_on_line(contact, psi),
         };
         let problem = Problem { rod: self, line, goal: Goal::Point(contact) };
-        let mut shots: Vec<Shot> = Vec::new();
+        let mut met: Vec<Shot> = Vec::new();
         let mut waiting = starts;
         while let Some(start) = waiting.pop() {
             let refined = refine(&problem, start);
             let Some(shot) = refined.shot.filter(|_| refined.status == Status::Converged) else { continue };
-            if self.is_first_mode(&shot) && !shots.iter().any(|s| same(s, &shot)) {
-                shots.push(shot);
-                // Next to a fold lies a second shape, in the same cell of the grid.
-                waiting.extend(FOLD_STEPS.map(|step| Trial { force: shot.trial.force * step, ..shot.trial }));
+            if !met.iter().any(|s| same(s, &shot)) {
+                met.push(shot);
+                // Where equilibria that are none of ours lie densely, one would lead to the next without end.
+                if met.len() < MOST_MET && shot.trial.s_a < FARTHEST * self.length {
+                    waiting.extend(self.beside(&shot.trial));
+                }
             }
         }
-        Ok(sorted(self.bends(shots, line)))
+        met.retain(|shot| self.is_first_mode(shot));
+        Ok(sorted(self.bends(met, line)))
+    }
+
+    /// Whether the contact is beyond the tip, and not far.
+    fn is_just_beyond(&self, trial: &Trial) -> bool {
+        trial.s_a > self.length * (1.0 + TIP_ROUNDING) && trial.s_a < FARTHEST * self.length
+    }
+
+    /// Where to look from beside a shape: next to a fold lies a second one in the same cell of the grid, and one whose contact is
+    /// beyond the tip may hide one on the whisker.
+    fn beside(&self, trial: &Trial) -> impl Iterator<Item = Trial> + use<> {
+        let (trial, beyond) = (*trial, self.is_just_beyond(trial));
+        let arcs = if beyond { vec![trial.s_a, 2.0 * self.length - trial.s_a] } else { vec![trial.s_a] };
+        arcs.into_iter().flat_map(move |s_a| FOLD_STEPS.map(|step| Trial { force: trial.force * step, s_a, ..trial }))
     }
 
     fn is_first_mode(&self, shot: &Shot) -> bool {
@@ -82,11 +107,47 @@ impl Rod {
         for pair in rows.windows(2) {
             let (below, above) = (&pair[0], &pair[1]);
             for j in 1..sides.len() {
-                starts.extend(inside([below[j - 1], below[j], above[j]]));
-                starts.extend(inside([below[j - 1], above[j], above[j - 1]]));
+                self.starts_in_cell(
+                    [below[j - 1], below[j], above[j], above[j - 1]],
+                    contact,
+                    MOST_QUARTERED,
+                    &mut starts,
+                );
             }
         }
         starts
+    }
+
+    /// Triangles of a cell, given by its corners in turn, whose image holds the contact.
+    ///
+    /// A soft base turns the whole whisker by radians from one node to the next, and the image of a cell is no triangle any more:
+    /// such cells are quartered, unless the contact is far from them.
+    fn starts_in_cell(&self, cell: [Node; 4], contact: Vec2, left: usize, starts: &mut Vec<Trial>) {
+        let [a, b, c, d] = cell;
+        let [Some(pa), Some(pb), Some(pc), Some(pd)] = cell.map(|node| node.1) else {
+            starts.extend(inside([a, b, c]));
+            starts.extend(inside([a, c, d]));
+            return;
+        };
+        let reach = [pb, pc, pd].into_iter().map(|p| (p - pa).norm()).fold(0.0, f64::max);
+        let nearest = [pa, pb, pc, pd].into_iter().map(Vec2::norm).fold(f64::INFINITY, f64::min);
+        // As seen from the base, whose distance from the contact is the yardstick of a turn.
+        if left == 0 || reach < LARGEST_CELL * contact.norm() || nearest > 2.0 * reach {
+            starts.extend(inside([a, b, c]));
+            starts.extend(inside([a, c, d]));
+            return;
+        }
+        let node = |p: &Node, q: &Node| {
+            let (p, q) = (&p.0, &q.0);
+            let trial =
+                Trial { force: 0.5 * (p.force + q.force), s_a: 0.5 * (p.s_a + q.s_a), gap: 0.5 * (p.gap + q.gap) };
+            (trial, trial.shoot_on(self).map(|shot| shot.contact - contact))
+        };
+        let (ab, bc, cd, da) = (node(&a, &b), node(&b, &c), node(&c, &d), node(&d, &a));
+        let middle = node(&ab, &cd);
+        for part in [[a, ab, middle, da], [ab, b, bc, middle], [middle, bc, c, cd], [da, middle, cd, d]] {
+            self.starts_in_cell(part, contact, left - 1, starts);
+        }
     }
 
     /// Arc lengths from after `first` to `last`, dense where the rod is soft.
@@ -117,7 +178,7 @@ impl Rod {
         let up = geometric(0.02, if self.curvature.is_empty() { 1.15 } else { 1.03 }, 300.0);
         let grid: Vec<f64> = up.iter().rev().map(|q| -q).chain([0.0]).chain(up.iter().copied()).collect();
         // A rod that is curved at rest may cross the line before it ends there.
-        let crossings = if self.curvature.is_empty() { 1..=1 } else { 1..=2 };
+        let crossings = if self.curvature.is_empty() { 1..=1 } else { 1..=MOST_CROSSINGS };
         let on_crossing = |crossing: usize| {
             let meet = |q: f64| self.meet_line(contact, q * unit * direction, direction, crossing);
             let residual = |q: f64| meet(q).map_or(f64::NAN, |state| (state.position - contact).dot(direction));

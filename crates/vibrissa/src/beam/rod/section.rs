@@ -1,7 +1,7 @@
 //! Stiffness and rest curvature along a rod, as power series about any arc length.
 
 use super::super::stretch::Stretch;
-use super::march::ORDER;
+use super::march::{INVERSE, ORDER};
 use crate::error::{Error, Result};
 
 /// A stretch of a rod made of one wire: its length, material and cross section.
@@ -41,44 +41,6 @@ impl Piece {
     }
 }
 
-/// The series of `M / EI` from that of `M`, coefficient by coefficient.
-///
-/// With the radius `r(tau) = r (1 - w tau)`, the quotient `Q` obeys `(1 - w tau)^4 Q = M / EI(s)`: each coefficient
-/// follows from the four before it.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Elastic {
-    compliance: f64,
-    /// Binomial coefficients of `1 - (1 - w tau)^4`.
-    weights: [f64; 4],
-    /// The last four coefficients of the quotient, newest first.
-    last: [f64; 4],
-}
-
-impl Elastic {
-    /// About arc length `s` of `piece`.
-    #[inline]
-    pub(super) fn new(piece: &Piece, s: f64) -> Self {
-        let w = piece.narrowing / piece.radius(s);
-        let (square, last) = (w * w, [0.0; 4]);
-        Self {
-            compliance: piece.compliance(s),
-            weights: [4.0 * w, -6.0 * square, 4.0 * square * w, -square * square],
-            last,
-        }
-    }
-
-    /// The next coefficient of the quotient from the next of the moment.
-    #[inline(always)]
-    pub(super) fn next(&mut self, moment: f64) -> f64 {
-        let [w1, w2, w3, w4] = self.weights;
-        let [a, b, c, d] = self.last;
-        // What is known early first: the newest comes last.
-        let next = (w2 * b + (w3 * c + w4 * d)) + w1 * a + self.compliance * moment;
-        self.last = [next, a, b, c];
-        next
-    }
-}
-
 /// The coefficients of a polynomial in `s` about arc length `s`, the rest zero.
 pub(super) fn shifted(polynomial: &[f64], s: f64, series: &mut [f64; ORDER]) {
     *series = [0.0; ORDER];
@@ -87,6 +49,29 @@ pub(super) fn shifted(polynomial: &[f64], s: f64, series: &mut [f64; ORDER]) {
     for start in 0..n.saturating_sub(1) {
         for k in (start..n - 1).rev() {
             series[k] += s * series[k + 1];
+        }
+    }
+}
+
+/// The series of `r kappa_0` by `t` from that of `kappa_0` by `s`, a polynomial of `terms` terms; `r` and `t` as a step counts.
+///
+/// With `P_j = r^(j+1) times the j-th derivative of kappa_0` by `s`, `P_j' = P_(j+1) - (j + 1) w P_j`.
+pub(super) fn rest_series(series: &mut [f64; ORDER], terms: usize, w: f64) {
+    if w.abs() <= 0.0 {
+        return;
+    }
+    let mut p = *series;
+    let mut factorial = 1.0;
+    for (j, p) in p.iter_mut().enumerate().take(terms) {
+        factorial *= j.max(1) as f64;
+        *p *= factorial;
+    }
+    for (k, coefficient) in series.iter_mut().enumerate() {
+        *coefficient = p[0];
+        let (n, nw) = (INVERSE[k + 1], INVERSE[k + 1] * w);
+        for j in 0..terms {
+            let next = if j + 1 < terms { n * p[j + 1] } else { 0.0 };
+            p[j] = next - ((j + 1) as f64 * nw) * p[j];
         }
     }
 }
