@@ -52,6 +52,7 @@ fn localized(sweep: &Sweep, seed: u64) -> Result<Run> {
         rows: sweep.log.rows.len(),
         map: outlines(&map),
         truth: Some(sweep.truth.clone()),
+        recording: None,
     })
 }
 

@@ -1,5 +1,7 @@
 //! What people do with the corridor, one call each.
 
+#[cfg(feature = "mcap")]
+pub mod bag;
 pub mod batch;
 pub mod calibrate;
 pub mod contact;
@@ -9,6 +11,6 @@ pub mod profile;
 pub mod scenario;
 pub mod simulate;
 
-pub use localize::{LocalizeOptions, localize};
+pub use localize::{LocalizeOptions, localize, localize_watched};
 pub use scenario::{Scenario, Simulation};
 pub use simulate::{SimulateOptions, Sweep, SweepNoise, simulate, simulate_tip_sweep};

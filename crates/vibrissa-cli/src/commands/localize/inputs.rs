@@ -6,6 +6,10 @@ use vibrissa::flow::pose::{Localization, StampedPose};
 use vibrissa::flow::sensor_log::foreign::{Format, Recording};
 use vibrissa::flow::sensor_log::{Channel, LogRow, Quantity, SensorLog};
 use vibrissa::flow::trajectory::read_tum;
+#[cfg(feature = "mcap")]
+use vibrissa::plane::Pose2;
+#[cfg(feature = "mcap")]
+use vibrissa::tasks::bag::{StampedStates, localization_mcap};
 use vibrissa::world::{Boundary, Map, Robot, Role};
 use vibrissa::{LocalizeOptions, Result};
 
@@ -52,6 +56,22 @@ impl Inputs {
     /// The answer; `observer` is called after each row.
     pub(super) fn localize(&self, options: &LocalizeOptions, observer: &mut dyn FnMut(usize)) -> Result<Localization> {
         vibrissa::localize(&self.log, &self.map, &self.robot, options, observer)
+    }
+
+    /// The same; `observer` may ask for the states so far.
+    #[cfg(feature = "mcap")]
+    pub(super) fn localize_watched(
+        &self,
+        options: &LocalizeOptions,
+        observer: &mut dyn FnMut(usize, &dyn Fn() -> Vec<Pose2>),
+    ) -> Result<Localization> {
+        vibrissa::tasks::localize_watched(&self.log, &self.map, &self.robot, options, observer)
+    }
+
+    /// The recording of an answer and the states along the way (MCAP).
+    #[cfg(feature = "mcap")]
+    pub(super) fn recording(&self, answer: &Localization, states: &[StampedStates]) -> Result<Vec<u8>> {
+        localization_mcap(&self.log, &self.map, answer, states, self.truth.as_deref())
     }
 
     /// The headline of the figure.

@@ -7,7 +7,7 @@ mod possibilistic;
 mod probabilistic;
 
 use crate::output::OutputArgs;
-use crate::output::{Run, Stopwatch, deliver, warn};
+use crate::output::{Run, Runtime, Stopwatch, deliver, warn};
 use clap::ValueEnum;
 use deterministic::DeterministicArgs;
 use inputs::Inputs;
@@ -16,20 +16,25 @@ use known::KnownArgs;
 use possibilistic::PossibilisticArgs;
 use probabilistic::ProbabilisticArgs;
 use std::path::PathBuf;
+use vibrissa::flow::pose::Localization;
 use vibrissa::flow::sensor_log::foreign::Format;
+#[cfg(feature = "mcap")]
+use vibrissa::tasks::bag::StatesWatch;
 use vibrissa::{LocalizeOptions, Result};
 
 /// Find where the robot is from a sensor log and a map.
 ///
-/// The log is a CSV file with the columns `t,x,y,theta,moment` (s, m, rad, N m); the map is a .geojson (m) or .svg (mm)
-/// file; the robot is a .toml file and defaults to the paper's whisker.
+/// The log is a CSV file with the columns `t,x,y,theta,moment` (s, m, rad, N m) or an MCAP recording with ROS 2 messages;
+/// the map is a .geojson (m), .svg (mm) or .yaml file (ROS map_server), or a recording that holds one; the robot is a .toml
+/// file and defaults to the paper's whisker.
 ///
-/// With --out DIR: trajectory.tum, result.json, states.csv, steps.csv and the figure localization.svg.
+/// With --out DIR: trajectory.tum, result.json, states.csv, steps.csv and the figure localization.svg; with --mcap also
+/// localization.mcap, which RViz, Foxglove and Rerun show on the log's timeline.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
-    /// The sensor log (.csv)
+    /// The sensor log (.csv, .mcap)
     log: PathBuf,
-    /// The map (.geojson, .svg)
+    /// The map (.geojson, .svg, .yaml, .mcap)
     #[arg(long, value_name = "MAP")]
     map: PathBuf,
     /// The format of a log that is not ours: rostopic (odometry and wrench or magnetic field) [default: our .csv]
@@ -44,6 +49,10 @@ pub(crate) struct Args {
     /// The estimator
     #[arg(long, value_enum, default_value_t = MethodArg::Deterministic)]
     method: MethodArg,
+    /// Also write localization.mcap: map, readings, whisker, states and estimate as ROS 2 messages
+    #[cfg(feature = "mcap")]
+    #[arg(long, requires = "out")]
+    mcap: bool,
     #[command(flatten)]
     output: OutputArgs,
     #[command(flatten)]
@@ -72,9 +81,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     let options = options(args)?;
     let inputs = Inputs::read(&args.log, args.format, &args.map, args.robot.as_deref(), args.truth.as_deref())?;
     inputs.warnings().iter().for_each(|warning| warn(warning));
-    let mut stopwatch = Stopwatch::start();
-    let answer = inputs.localize(&options, &mut |_row| stopwatch.lap())?;
-    let runtime = stopwatch.stop(inputs.rows(), &answer.steps);
+    let (answer, runtime, recording) = localized(args, &inputs, &options)?;
     deliver(
         &Run {
             title: inputs.title(),
@@ -83,9 +90,43 @@ pub(crate) fn run(args: &Args) -> Result<()> {
             rows: inputs.rows().len(),
             map: inputs.outlines(),
             truth: inputs.truth,
+            recording,
         },
         &args.output,
     )
+}
+
+/// The answer, how long it took, and the recording where it is asked for.
+#[cfg(feature = "mcap")]
+fn localized(
+    args: &Args,
+    inputs: &Inputs,
+    options: &LocalizeOptions,
+) -> Result<(Localization, Runtime, Option<Vec<u8>>)> {
+    if !args.mcap {
+        return timed(inputs, options);
+    }
+    let mut watch = StatesWatch::new(inputs.rows().len());
+    let mut stopwatch = Stopwatch::start();
+    let answer = inputs.localize_watched(options, &mut |row, states| {
+        stopwatch.lap();
+        watch.look(row, inputs.rows()[row].t, states);
+    })?;
+    let runtime = stopwatch.stop(inputs.rows(), &answer.steps);
+    let recording = inputs.recording(&answer, &watch.finish())?;
+    Ok((answer, runtime, Some(recording)))
+}
+
+#[cfg(not(feature = "mcap"))]
+fn localized(_: &Args, inputs: &Inputs, options: &LocalizeOptions) -> Result<(Localization, Runtime, Option<Vec<u8>>)> {
+    timed(inputs, options)
+}
+
+fn timed(inputs: &Inputs, options: &LocalizeOptions) -> Result<(Localization, Runtime, Option<Vec<u8>>)> {
+    let mut stopwatch = Stopwatch::start();
+    let answer = inputs.localize(options, &mut |_row| stopwatch.lap())?;
+    let runtime = stopwatch.stop(inputs.rows(), &answer.steps);
+    Ok((answer, runtime, None))
 }
 
 fn options(args: &Args) -> Result<LocalizeOptions> {

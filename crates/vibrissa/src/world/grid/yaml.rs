@@ -132,7 +132,7 @@ impl MapServerFile {
     ///
     /// As `map_server` has it, a cell is solid above `occupied_thresh`, free below `free_thresh` and unknown between. But
     /// a cell between that has both a solid and a free neighbour is partly solid, as its shade says: it is the grey of a
-    /// smooth drawing. The shade 205, by which `map_saver` marks unknown cells, stays unknown.
+    /// smooth drawing. The shade 205, by which `map_saver` marks unknown cells, stays unknown beside another such cell.
     ///
     /// # Errors
     ///
@@ -180,18 +180,19 @@ impl MapServerFile {
             let (x, y) = (index % width, index / width);
             let (xs, ys) = (x.saturating_sub(1)..(x + 2).min(width), y.saturating_sub(1)..(y + 2).min(height));
             let around = ys.flat_map(|y| xs.clone().map(move |x| y * width + x));
-            let (mut solid, mut free, mut between) = (false, false, false);
+            let shade = pixels[index][0];
+            let (mut solid, mut free, mut between, mut unknown) = (false, false, false, false);
             for neighbour in around {
+                unknown |= neighbour != index && shade == UNKNOWN_SHADE && pixels[neighbour][0] == UNKNOWN_SHADE;
                 match class(pixels[neighbour][0]) {
                     Some(true) => solid = true,
                     Some(false) => free = true,
                     None => between = true,
                 }
             }
-            let shade = pixels[index][0];
             let grey = Cell::Solid(self.occupancy(shade) as f32);
             match class(shade) {
-                None if shade != UNKNOWN_SHADE && solid && free => grey,
+                None if !unknown && solid && free => grey,
                 None => Cell::Unknown,
                 Some(true) => {
                     if free || between {

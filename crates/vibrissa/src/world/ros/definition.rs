@@ -21,6 +21,8 @@ pub enum Kind {
     Markers,
     /// `sensor_msgs/msg/PointCloud2`.
     Cloud,
+    /// `sensor_msgs/msg/JointState`.
+    Joints,
     /// `std_msgs/msg/String`.
     Text,
 }
@@ -42,7 +44,7 @@ const POSE_COVARIANCE: (&str, &str) =
 
 impl Kind {
     /// Every kind.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Odometry,
         Self::Wrench,
         Self::Field,
@@ -52,6 +54,7 @@ impl Kind {
         Self::Grid,
         Self::Markers,
         Self::Cloud,
+        Self::Joints,
         Self::Text,
     ];
 
@@ -68,6 +71,7 @@ impl Kind {
             Self::Grid => "nav_msgs/msg/OccupancyGrid",
             Self::Markers => "visualization_msgs/msg/MarkerArray",
             Self::Cloud => "sensor_msgs/msg/PointCloud2",
+            Self::Joints => "sensor_msgs/msg/JointState",
             Self::Text => "std_msgs/msg/String",
         }
     }
@@ -132,6 +136,7 @@ impl Kind {
                  uint32 row_step\nuint8[] data\nbool is_dense\n",
                 vec![&[("sensor_msgs/PointField", "string name\nuint32 offset\nuint8 datatype\nuint32 count\n")]],
             ),
+            Self::Joints => ("string[] name\nfloat64[] position\nfloat64[] velocity\nfloat64[] effort\n", Vec::new()),
             Self::Text => return "string data\n".to_owned(),
         };
         let mut text = match self {

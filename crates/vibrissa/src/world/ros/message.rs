@@ -261,6 +261,19 @@ pub fn encode_cloud(header: Header, points: impl IntoIterator<Item = (Vec2, f64,
     writer.finish()
 }
 
+/// A `sensor_msgs/JointState` with an effort (N m) for each name.
+#[must_use]
+pub fn encode_effort(header: Header, names: &[String], efforts: &[f64]) -> Vec<u8> {
+    let mut writer = begin(header);
+    writer.u32(names.len() as u32);
+    names.iter().for_each(|name| {
+        writer.text(name);
+    });
+    // Neither positions nor velocities.
+    writer.u32(0).u32(0).u32(efforts.len() as u32).f64s(efforts);
+    writer.finish()
+}
+
 /// A `std_msgs/String`.
 #[must_use]
 pub fn encode_text(text: &str) -> Vec<u8> {

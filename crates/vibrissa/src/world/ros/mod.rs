@@ -23,6 +23,6 @@ pub use definition::Kind;
 pub use drawing::{Line, LineSet};
 pub(crate) use map::read_grid;
 pub use message::{
-    Header, Stamp, decode_field, decode_grid, decode_odometry, decode_pose, decode_wrench, encode_cloud, encode_field,
-    encode_grid, encode_lines, encode_odometry, encode_path, encode_pose, encode_text, encode_wrench,
+    Header, Stamp, decode_field, decode_grid, decode_odometry, decode_pose, decode_wrench, encode_cloud, encode_effort,
+    encode_field, encode_grid, encode_lines, encode_odometry, encode_path, encode_pose, encode_text, encode_wrench,
 };
