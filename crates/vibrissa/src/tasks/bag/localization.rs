@@ -33,7 +33,7 @@ pub struct StatesWatch {
 
 /// Most times at which states are kept, and most states at each.
 const MOST_TIMES: usize = 150;
-const MOST_STATES: usize = 1500;
+const MOST_STATES: usize = 800;
 /// How long a state is drawn (m).
 const STATE_LENGTH: f64 = 6e-3;
 

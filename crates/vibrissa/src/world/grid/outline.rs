@@ -123,13 +123,17 @@ impl Fitted {
         let all = Self::best(points);
         let inner: Vec<Vec2> =
             points.iter().filter(|p| p.distance(from) >= END && p.distance(to) >= END).copied().collect();
-        if inner.len() < 2 || inner[0].distance(inner[inner.len() - 1]) < 0.5 {
-            return all;
+        if inner.len() > 2 && inner.len() * 2 >= points.len() {
+            return Self { from, to, ..Self::best(&inner) };
         }
-        let core = Self { from, to, ..Self::best(&inner) };
         let worst = |line: &Self, points: &[Vec2]| points.iter().map(|p| line.misses(*p)).fold(0.0, f64::max);
-        let long = inner.len() * 2 >= points.len() && inner.len() > 2;
-        if long || worst(&core, &inner) < BETTER * worst(&all, points) { core } else { all }
+        match points {
+            [_, inner @ .., _] if inner.len() > 1 => {
+                let core = Self { from, to, ..Self::best(inner) };
+                if worst(&core, inner) < BETTER * worst(&all, points) { core } else { all }
+            }
+            _ => all,
+        }
     }
 
     /// The line with the least squares of distances.

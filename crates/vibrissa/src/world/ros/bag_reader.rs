@@ -6,6 +6,7 @@ use crate::{Error, Result};
 use mcap::records::{ChunkHeader, Record};
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use mcap::{McapError, parse_record};
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::io::Read;
 
@@ -188,31 +189,11 @@ impl Bag {
         data: &[u8],
         visit: &mut impl FnMut(&Topic, u64, &[u8]) -> Result<()>,
     ) -> core::result::Result<(), Fault> {
-        if header.uncompressed_size > LARGEST_CHUNK as u64 {
-            return Err(too_large("a chunk", header.uncompressed_size).into());
+        let whole = whole_chunk(header, data)?;
+        if header.uncompressed_crc != 0 && crc32fast::hash(&whole) != header.uncompressed_crc {
+            return Err(not_inflated(&"its checksum is wrong").into());
         }
-        let size = header.uncompressed_size as usize;
-        let whole;
-        let records = match header.compression.as_str() {
-            "" => data,
-            "lz4" => {
-                whole = inflated(lz4_flex::frame::FrameDecoder::new(data), size)?;
-                &whole
-            }
-            "zstd" => {
-                let decoder = ruzstd::decoding::StreamingDecoder::new(data).map_err(|e| not_inflated(&e))?;
-                whole = inflated(decoder, size)?;
-                &whole
-            }
-            other => {
-                let error = Error::data("the recording is compressed in a way that is not read")
-                    .value(other)
-                    .allowed("none, lz4 or zstd")
-                    .remedy("`mcap compress --compression zstd IN.mcap -o OUT.mcap` changes it");
-                return Err(error.into());
-            }
-        };
-        let mut rest = records;
+        let mut rest = &whole[..];
         while let Some((head, body)) = rest.split_at_checked(9) {
             let length = head[1..].iter().rev().fold(0, |n: u64, &b| n << 8 | u64::from(b));
             let Some((record, next)) = usize::try_from(length).ok().and_then(|n| body.split_at_checked(n)) else {
@@ -228,6 +209,26 @@ impl Bag {
     }
 }
 
+/// The records of a chunk, decompressed.
+fn whole_chunk<'a>(header: &ChunkHeader, data: &'a [u8]) -> Result<Cow<'a, [u8]>> {
+    if header.uncompressed_size > LARGEST_CHUNK as u64 {
+        return Err(too_large("a chunk", header.uncompressed_size));
+    }
+    let size = header.uncompressed_size as usize;
+    match header.compression.as_str() {
+        "" => Ok(Cow::Borrowed(data)),
+        "lz4" => inflated(lz4_flex::frame::FrameDecoder::new(data), size).map(Cow::Owned),
+        "zstd" => {
+            let decoder = ruzstd::decoding::StreamingDecoder::new(data).map_err(|e| not_inflated(&e))?;
+            inflated(decoder, size).map(Cow::Owned)
+        }
+        other => Err(Error::data("the recording is compressed in a way that is not read")
+            .value(other)
+            .allowed("none, lz4 or zstd")
+            .remedy("`mcap compress --compression zstd IN.mcap -o OUT.mcap` changes it")),
+    }
+}
+
 /// All that a decoder gives, which must be as much as the chunk says.
 fn inflated(decoder: impl Read, size: usize) -> Result<Vec<u8>> {
     let mut whole = Vec::new();
@@ -236,7 +237,7 @@ fn inflated(decoder: impl Read, size: usize) -> Result<Vec<u8>> {
 }
 
 fn not_inflated(why: &dyn core::fmt::Display) -> Error {
-    Error::data("a compressed chunk of the recording is damaged")
+    Error::data("a chunk of the recording is damaged")
         .value(why)
         .remedy("`mcap recover` saves what is whole; or record again")
 }
