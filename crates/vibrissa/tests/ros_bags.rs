@@ -42,6 +42,18 @@ fn recordings_of_other_programs_are_read_plain_and_compressed() {
 }
 
 #[test]
+fn a_folder_around_one_recording_stands_for_it() {
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("bag_folder");
+    std::fs::create_dir_all(&folder).unwrap();
+    let _ = std::fs::remove_file(folder.join("b.mcap"));
+    std::fs::copy(file("lz4.mcap"), folder.join("a.mcap")).unwrap();
+    std::fs::write(folder.join("metadata.yaml"), "rosbag2_bagfile_information:").unwrap();
+    assert_eq!(SensorLog::read(&folder).unwrap().rows, SensorLog::read(file("lz4.mcap")).unwrap().rows);
+    std::fs::copy(file("lz4.mcap"), folder.join("b.mcap")).unwrap();
+    assert!(SensorLog::read(&folder).unwrap_err().to_string().contains("it is a folder"));
+}
+
+#[test]
 fn a_cut_recording_is_read_up_to_the_cut_and_a_damaged_one_is_refused() {
     let whole = std::fs::read(file("none.mcap")).unwrap();
     let cut = SensorLog::from_mcap(&whole[..whole.len() / 2], "cut.mcap").unwrap();

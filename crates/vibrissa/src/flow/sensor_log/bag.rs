@@ -12,7 +12,7 @@ use crate::{Error, Result};
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::Read;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// The messages of one topic in order of time: stamps and numbers.
 #[derive(Clone, Debug, Default)]
@@ -28,6 +28,15 @@ struct Tracks {
     odometry: BTreeMap<String, Track>,
     readings: BTreeMap<(String, bool), Track>,
     damaged: usize,
+}
+
+/// The recording in a folder that holds exactly one.
+pub(super) fn only_recording(folder: &Path) -> Option<PathBuf> {
+    let is_recording = |path: &PathBuf| path.extension().is_some_and(|extension| extension == "mcap");
+    let mut recordings =
+        std::fs::read_dir(folder).ok()?.filter_map(|entry| Some(entry.ok()?.path())).filter(is_recording);
+    let only = recordings.next()?;
+    recordings.next().is_none().then_some(only)
 }
 
 impl SensorLog {

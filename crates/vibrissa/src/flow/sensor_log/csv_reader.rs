@@ -13,7 +13,8 @@ use std::io::Read;
 use std::path::Path;
 
 impl SensorLog {
-    /// Reads a log file: `.mcap` is a recording with ROS 2 messages, all else CSV.
+    /// Reads a log file: `.mcap`, or the folder of `ros2 bag record` around one, is a recording with ROS 2 messages, all
+    /// else CSV.
     ///
     /// # Errors
     ///
@@ -21,6 +22,10 @@ impl SensorLog {
     pub fn read(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
         if path.is_dir() {
+            #[cfg(feature = "mcap")]
+            if let Some(only) = super::bag::only_recording(path) {
+                return Self::read_mcap(&only);
+            }
             return Err(cannot_open(path, "log", &std::io::ErrorKind::IsADirectory.into()));
         }
         match path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase().as_str() {
