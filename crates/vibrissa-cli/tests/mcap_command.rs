@@ -22,7 +22,8 @@ fn a_recorded_sweep_is_localized_as_its_csv_and_the_answer_is_recorded() {
     assert!(made.stdout.contains("log.mcap"), "{}", made.stdout);
     let map = scenario("maps/paper_arena.svg");
     let localized = |log: &str, more: &[&str]| {
-        let call = [&["localize", &path(log), "--map", &map, "--robot", &path("robot.toml"), "--json"], more].concat();
+        let (log, robot) = (path(log), path("robot.toml"));
+        let call = [&["localize", &log, "--map", &map, "--robot", &robot, "--json"], more].concat();
         let outcome = vibrissa(&call);
         assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
         serde_json::from_str::<Value>(&outcome.stdout).unwrap()

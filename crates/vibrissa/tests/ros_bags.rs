@@ -62,9 +62,16 @@ fn a_cut_recording_is_read_up_to_the_cut_and_a_damaged_one_is_refused() {
     let mut damaged = std::fs::read(file("zstd.mcap")).unwrap();
     let middle = damaged.len() / 3;
     damaged[middle..middle + 40].fill(0x55);
-    for (bytes, word) in
-        [(damaged.as_slice(), "damaged"), (b"t,x,y,theta,moment\n", "not an MCAP recording"), (b"", "ends before")]
-    {
+    // One bit of a reading: only the checksum tells.
+    let mut flipped = std::fs::read(file("none.mcap")).unwrap();
+    let place = flipped.windows(8).position(|w| w == 4e-5f64.to_le_bytes()).unwrap();
+    flipped[place] ^= 1;
+    for (bytes, word) in [
+        (damaged.as_slice(), "damaged"),
+        (&flipped, "checksum"),
+        (b"t,x,y,theta,moment\n", "not an MCAP recording"),
+        (b"", "no topics"),
+    ] {
         let error = SensorLog::from_mcap(bytes, "log.mcap").unwrap_err().to_string();
         println!("{error}\n");
         assert!(error.starts_with("log.mcap: ") && error.contains(word) && error.contains("help:"), "{error}");
@@ -198,7 +205,7 @@ fn a_localizations_recording_holds_its_poses_and_a_shrinking_set() {
     let truth = sweep.truth.as_slice();
     let bytes = localization_mcap(&sweep.log, &map, &answer, &states, Some(truth)).unwrap();
     println!("{} bytes", bytes.len());
-    assert!(bytes.len() < 3_000_000, "{}", bytes.len());
+    assert!(bytes.len() < 4_000_000, "{}", bytes.len());
     std::fs::write(PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("localization.mcap"), &bytes).unwrap();
     let mut poses: Vec<(f64, Vec2)> = Vec::new();
     let mut logged = 0;

@@ -76,7 +76,7 @@ impl SensorLog {
 
 impl Track {
     fn push(&mut self, header: Header, logged: u64, values: [f64; 3]) {
-        let t = if header.stamp == Stamp::default() {
+        let t = if header.stamp == Stamp::default() && logged > 0 {
             self.unstamped = true;
             logged as f64 * 1e-9
         } else {
