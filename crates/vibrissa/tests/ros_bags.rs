@@ -104,7 +104,11 @@ fn readings_outside_the_odometry_are_left_out_and_gaps_are_told() {
     assert_eq!(log.channels, [Channel { whisker: String::new(), quantity: Quantity::Moment }]);
     // 0.9 and 0.95 are before the odometry, 2.15 to 2.35 after it.
     assert_eq!(log.rows.len(), 23);
-    assert!((log.rows[1].odom_from_robot.x - 0.05).abs() < 1e-6 && log.rows[0].t == 1.0, "{:?}", log.rows[1]);
+    assert!(
+        (log.rows[1].odom_from_robot.x - 0.05).abs() < 1e-6 && (log.rows[0].t - 1.0).abs() < 1e-12,
+        "{:?}",
+        log.rows[1]
+    );
     let told = log.warnings.join("\n");
     println!("{told}");
     assert!(told.contains("7 readings left out") && told.contains("gaps of more than 0.25 s"), "{told}");

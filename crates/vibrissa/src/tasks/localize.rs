@@ -49,6 +49,9 @@ pub fn localize(
     localize_watched(log, map, robot, options, &mut |row, _| observer(row))
 }
 
+/// What is called after each row with its index, and with a way to ask for the states that explain the log so far.
+pub type StatesObserver<'a> = dyn FnMut(usize, &dyn Fn() -> Vec<Pose2>) + 'a;
+
 /// As [`localize`], and the observer may ask for the states that explain the log up to that row (map frame): candidates,
 /// middles of cells, or best fits, as the method has them.
 ///
@@ -60,7 +63,7 @@ pub fn localize_watched(
     map: &Map,
     robot: &Robot,
     options: &LocalizeOptions,
-    observer: &mut dyn FnMut(usize, &dyn Fn() -> Vec<Pose2>),
+    observer: &mut StatesObserver,
 ) -> Result<Localization> {
     let (log, robot) = calibrated(log, robot)?;
     let channels = &log.channels;
@@ -88,7 +91,7 @@ pub fn localize_watched(
 /// Takes every row of the log; errors name the file.
 fn each_row<L>(
     log: &SensorLog,
-    observer: &mut dyn FnMut(usize, &dyn Fn() -> Vec<Pose2>),
+    observer: &mut StatesObserver,
     localizer: &mut L,
     step: impl Fn(&mut L, &LogRow) -> Result<()>,
     states: impl Fn(&L) -> Vec<Pose2>,

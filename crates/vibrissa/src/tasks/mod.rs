@@ -11,6 +11,6 @@ pub mod profile;
 pub mod scenario;
 pub mod simulate;
 
-pub use localize::{LocalizeOptions, localize, localize_watched};
+pub use localize::{LocalizeOptions, StatesObserver, localize, localize_watched};
 pub use scenario::{Scenario, Simulation};
 pub use simulate::{SimulateOptions, Sweep, SweepNoise, simulate, simulate_tip_sweep};

@@ -7,7 +7,7 @@ use vibrissa::flow::sensor_log::foreign::{Format, Recording};
 use vibrissa::flow::sensor_log::{Channel, LogRow, Quantity, SensorLog};
 use vibrissa::flow::trajectory::read_tum;
 #[cfg(feature = "mcap")]
-use vibrissa::plane::Pose2;
+use vibrissa::tasks::StatesObserver;
 #[cfg(feature = "mcap")]
 use vibrissa::tasks::bag::{StampedStates, localization_mcap};
 use vibrissa::world::{Boundary, Map, Robot, Role};
@@ -63,7 +63,7 @@ impl Inputs {
     pub(super) fn localize_watched(
         &self,
         options: &LocalizeOptions,
-        observer: &mut dyn FnMut(usize, &dyn Fn() -> Vec<Pose2>),
+        observer: &mut StatesObserver,
     ) -> Result<Localization> {
         vibrissa::tasks::localize_watched(&self.log, &self.map, &self.robot, options, observer)
     }

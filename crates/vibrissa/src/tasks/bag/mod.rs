@@ -1,4 +1,4 @@
-//! Recordings with ROS 2 messages (MCAP) of what was simulated or found, for RViz, Foxglove, Rerun and `ros2 bag play`.
+//! Recordings with ROS 2 messages (MCAP) of what was simulated or found, for `RViz`, Foxglove, Rerun and `ros2 bag play`.
 //!
 //! | topic | kind | what |
 //! | --- | --- | --- |

@@ -179,7 +179,8 @@ pub fn encode_path(header: Header, poses: &[(Stamp, Pose2)]) -> Vec<u8> {
 pub fn decode_grid(bytes: &[u8]) -> Option<(Header<'_>, OccupancyGrid)> {
     let mut reader = CdrReader::new(bytes)?;
     let header = read_header(&mut reader)?;
-    (reader.i32()?, reader.u32()?);
+    reader.i32()?;
+    reader.u32()?;
     // A width told in single precision is meant as the shortest decimal that it stands for.
     let resolution = reader.f32()?.to_string().parse().ok()?;
     let (width, height) = (reader.u32()? as usize, reader.u32()? as usize);
