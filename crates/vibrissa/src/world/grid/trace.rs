@@ -247,8 +247,9 @@ mod tests {
     fn rooms_islands_and_holes_are_told_apart() {
         use LoopKind::{Hole, Island, Room};
         let nested = ["0000000", "0#####0", "0#000#0", "0#0#0#0", "0#000#0", "0#####0", "0000000"];
-        assert_eq!(kinds(&nested, 1.0), [Room, Island, Hole, Island]);
-        assert_eq!(kinds(&nested, 0.0), [Island, Hole, Island]);
+        // In order of their lowest side with the free cell above it.
+        assert_eq!(kinds(&nested, 1.0), [Room, Hole, Island, Island]);
+        assert_eq!(kinds(&nested, 0.0), [Hole, Island, Island]);
         assert_eq!(kinds(&["###", "#0#", "###"], 1.0), [Room]);
         assert_eq!(kinds(&["###", "###"], 1.0), []);
         assert_eq!(kinds(&["00", "00"], 0.0), []);
