@@ -30,6 +30,14 @@ pub mod limits {
     pub const POSITION_JUMP: f64 = 0.1;
     /// Largest moment of a whisker that raises no doubt (N m): hundreds of times the paper's readings.
     pub const LARGEST_MOMENT: f64 = 1.0;
+    /// Most cells of a grid map: a quarter of a square kilometre at 5 cm, and 200 MB while it is traced.
+    pub const MOST_CELLS: usize = 1 << 24;
+    /// Most borders between solid and free cells of a grid map: more is noise, not walls.
+    pub const MOST_CROSSINGS: usize = 1 << 20;
+    /// Longest gap between two messages of odometry that is bridged without a word (s): robots send some ten a second.
+    pub const ODOMETRY_GAP: f64 = 0.25;
+    /// Largest chunk or record of an MCAP recording (bytes): recorders make chunks of a few megabytes.
+    pub const LARGEST_CHUNK: usize = 1 << 28;
 }
 
 /// The paper's whisker and the constants of the method.
@@ -144,6 +152,23 @@ pub struct DeterministicOptions {
     pub missed_share: f64,
     /// Which way the force acts at the tip.
     pub tip_load: TipLoad,
+}
+
+/// How boundaries are traced from grid maps.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GridOptions {
+    /// How far lines may miss the boundary points of grey cells (cells): a few times what 8 bits of grey leave open.
+    pub grey_tolerance: f64,
+    /// The same where cells are all solid or all free (cells): the stairs of a slanting wall, from crest to crest.
+    pub sharp_tolerance: f64,
+    /// Whether unknown cells are free: the robot may have been where nobody looked, and walls then have two sides.
+    pub unknown_is_free: bool,
+}
+
+impl Default for GridOptions {
+    fn default() -> Self {
+        Self { grey_tolerance: 0.05, sharp_tolerance: 0.8, unknown_is_free: false }
+    }
 }
 
 /// The knobs of contact points and outlines.

@@ -93,6 +93,12 @@ impl<'a> Localizer<'a> {
         &self.states
     }
 
+    /// The robot states of all candidates at the last row, map frame; empty before the set starts.
+    #[must_use]
+    pub fn states_now(&self) -> Vec<Pose2> {
+        self.rows.last().map_or_else(Vec::new, |&(_, odom)| self.states.states(odom).collect())
+    }
+
     /// Takes one row through the doors.
     ///
     /// # Errors

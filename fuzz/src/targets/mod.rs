@@ -4,6 +4,7 @@ mod beam;
 mod corridor;
 mod geometry;
 mod readers;
+mod ros;
 
 use crate::random::Random;
 use std::hash::{DefaultHasher, Hash, Hasher};
@@ -53,6 +54,13 @@ pub(crate) const ALL: &[Target] = &[
         source: Source::Damaged(&["fuzz/seeds/svg", "scenarios/maps", "crates/vibrissa/data"], readers::SVG_WORDS),
         check: readers::svg,
     },
+    Target {
+        name: "map_server",
+        source: Source::Damaged(&["fuzz/seeds/map_server"], ros::YAML_WORDS),
+        check: ros::map_server,
+    },
+    Target { name: "grid", source: Source::Drawn(ros::draw_grid), check: ros::grid },
+    Target { name: "mcap", source: Source::Damaged(&["fuzz/seeds/mcap"], ros::MCAP_WORDS), check: ros::mcap },
     Target {
         name: "robot",
         source: Source::Damaged(&["fuzz/seeds/robot"], readers::TOML_WORDS),

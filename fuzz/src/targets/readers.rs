@@ -201,7 +201,7 @@ pub(crate) fn svg(bytes: &[u8]) -> Verdict {
 }
 
 /// A map that was read answers every question of the localizer.
-fn map(found: vibrissa::Result<Map>) -> Verdict {
+pub(super) fn map(found: vibrissa::Result<Map>) -> Verdict {
     let map = match found {
         Err(error) => return refused(&error),
         Ok(map) => map,

@@ -53,6 +53,7 @@ fn localized(sweep: &Sweep, seed: u64) -> Result<Run> {
         interrupted: false,
         map: outlines(&map),
         truth: Some(sweep.truth.clone()),
+        recording: None,
     })
 }
 

@@ -6,11 +6,17 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 use vibrissa::{Error, Result};
 
+/// Writes `(name, text)` files into `folder`; see [`write_bytes`].
+pub(crate) fn write_all(folder: &Path, files: &[(&str, String)]) -> Result<Vec<PathBuf>> {
+    let files: Vec<(&str, &[u8])> = files.iter().map(|(name, text)| (*name, text.as_bytes())).collect();
+    write_bytes(folder, &files)
+}
+
 /// Writes `(name, content)` files into `folder`, which is made if missing, and gives their paths.
 ///
 /// All are written under temporary names first and renamed at the end, so that earlier results stay whole when the disk
 /// fills up or the program is stopped. Runs that share a folder rename one after the other.
-pub(crate) fn write_all(folder: &Path, files: &[(&str, String)]) -> Result<Vec<PathBuf>> {
+pub(crate) fn write_bytes(folder: &Path, files: &[(&str, &[u8])]) -> Result<Vec<PathBuf>> {
     fs::create_dir_all(folder).map_err(|error| fault("cannot make the folder", folder, &error))?;
     let staged: Vec<(PathBuf, PathBuf)> = files
         .iter()
@@ -26,7 +32,7 @@ pub(crate) fn write_all(folder: &Path, files: &[(&str, String)]) -> Result<Vec<P
     result.map(|()| staged.into_iter().map(|(_, path)| path).collect())
 }
 
-fn stage_and_rename(staged: &[(PathBuf, PathBuf)], files: &[(&str, String)]) -> Result<()> {
+fn stage_and_rename(staged: &[(PathBuf, PathBuf)], files: &[(&str, &[u8])]) -> Result<()> {
     for ((temporary, path), (_, content)) in staged.iter().zip(files) {
         write_one(temporary, content).map_err(|error| fault("cannot write", path, &error))?;
     }
@@ -57,9 +63,9 @@ const LONGEST_WAIT: usize = 500;
 /// and the time between two looks: five seconds in all, where renaming takes a millisecond.
 const LOOK_AGAIN: Duration = Duration::from_millis(10);
 
-fn write_one(path: &Path, content: &str) -> std::io::Result<()> {
+fn write_one(path: &Path, content: &[u8]) -> std::io::Result<()> {
     let mut file = File::create(path)?;
-    file.write_all(content.as_bytes())?;
+    file.write_all(content)?;
     file.sync_all()
 }
 

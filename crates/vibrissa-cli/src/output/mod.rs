@@ -14,7 +14,7 @@ use vibrissa::flow::trajectory::{format_tum, trajectory_error};
 use vibrissa::{Error, Result};
 
 pub(crate) use args::OutputArgs;
-pub(crate) use files::write_all;
+pub(crate) use files::{write_all, write_bytes};
 pub(crate) use runtime::{Runtime, Stopwatch};
 
 /// A localization that is done, with all that its reports need.
@@ -33,6 +33,8 @@ pub(crate) struct Run {
     pub(crate) map: Vec<Outline>,
     /// The true trajectory, where known.
     pub(crate) truth: Option<Vec<StampedPose>>,
+    /// The recording for viewers (MCAP), where it is asked for.
+    pub(crate) recording: Option<Vec<u8>>,
 }
 
 /// Writes the files, if a folder is given, then prints the answer.
@@ -44,7 +46,10 @@ pub(crate) fn deliver(run: &Run, output: &OutputArgs) -> Result<()> {
     let written = match &output.out {
         Some(folder) => {
             let json = json::result(run, None)?;
-            Some(write_all(folder, &result_files(run, json))?)
+            let texts = result_files(run, json);
+            let mut files: Vec<(&str, &[u8])> = texts.iter().map(|(name, text)| (*name, text.as_bytes())).collect();
+            files.extend(run.recording.as_deref().map(|bytes| ("localization.mcap", bytes)));
+            Some(write_bytes(folder, &files)?)
         }
         None => None,
     };

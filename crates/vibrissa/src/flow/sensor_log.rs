@@ -1,5 +1,7 @@
 //! The first door: what the robot recorded.
 
+#[cfg(feature = "mcap")]
+mod bag;
 mod columns;
 mod csv_reader;
 mod doubts;

@@ -110,6 +110,12 @@ impl<'a> ProbabilisticLocalizer<'a> {
         self.set.rows_kept()
     }
 
+    /// The robot states of all hypotheses at the last row, map frame; empty before they start.
+    #[must_use]
+    pub fn states_now(&self) -> Vec<Pose2> {
+        self.rows.last().map_or_else(Vec::new, |&(_, odom)| self.set.states(odom))
+    }
+
     /// Takes in one row.
     ///
     /// # Errors

@@ -1,5 +1,7 @@
 //! What people do with the corridor, one call each.
 
+#[cfg(feature = "mcap")]
+pub mod bag;
 pub mod batch;
 pub mod calibrate;
 pub mod contact;
@@ -10,6 +12,6 @@ pub mod reproduce;
 pub mod scenario;
 pub mod simulate;
 
-pub use localize::{LocalizeOptions, localize, localize_while};
+pub use localize::{LocalizeOptions, StatesObserver, localize, localize_watched, localize_while};
 pub use scenario::{Scenario, Simulation};
 pub use simulate::{SimulateOptions, Sweep, SweepNoise, simulate, simulate_tip_sweep};

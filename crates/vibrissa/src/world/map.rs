@@ -1,7 +1,11 @@
 //! The map: boundaries, and the questions that localization asks of them.
 
+#[cfg(any(feature = "mcap", feature = "ros-map"))]
+use super::grid::OccupancyGrid;
 use super::text::{read_text, suggestion};
 use super::{Boundary, Role};
+#[cfg(any(feature = "mcap", feature = "ros-map"))]
+use crate::config::GridOptions;
 use crate::config::limits::{FLATTEN_TOLERANCE, LARGEST_MAP};
 use crate::plane::{Bounds, SegmentTree, Vec2, wrap_angle};
 use crate::{Error, Result};
@@ -111,7 +115,8 @@ impl Map {
         Ok(Self { boundaries, tree, origins, corners, corner_tree, has_arena, warnings })
     }
 
-    /// Reads a map file; its extension says the format: `.geojson` (or `.json`) or `.svg`.
+    /// Reads a map file; its extension says the format: `.geojson` (or `.json`), `.svg`, `.yaml` (ROS `map_server`, see
+    /// [`Map::from_grid`]) or `.mcap` (the last `nav_msgs/OccupancyGrid` of a recording).
     ///
     /// # Errors
     ///
@@ -122,9 +127,18 @@ impl Map {
         let reader = match extension.as_str() {
             "geojson" | "json" => Self::from_geojson,
             "svg" => Self::from_svg,
+            #[cfg(feature = "ros-map")]
+            "yaml" | "yml" => return Self::from_grid_file(&OccupancyGrid::read_map_server(path)?, path),
+            #[cfg(feature = "mcap")]
+            "mcap" => return Self::from_grid_file(&super::ros::read_grid(path)?, path),
             _ => return Err(unknown_format(path, &extension)),
         };
         reader(&read_text(path, "map")?, &path.to_string_lossy())
+    }
+
+    #[cfg(any(feature = "mcap", feature = "ros-map"))]
+    fn from_grid_file(grid: &OccupancyGrid, path: &Path) -> Result<Self> {
+        Self::from_grid(grid, &GridOptions::default()).map_err(|error| error.in_file(path))
     }
 
     /// The boundaries.
@@ -262,18 +276,19 @@ fn concave_corners(boundary: &Boundary) -> Vec<ConcaveCorner> {
 }
 
 fn unknown_format(path: &Path, extension: &str) -> Error {
-    let readable = ".geojson, .svg";
+    let readable = ".geojson, .svg, .yaml, .mcap";
     let convert = "draw or export the outline as SVG or GeoJSON";
     let error = match extension {
-        "yaml" | "yml" | "pgm" | "png" => {
-            Error::data("occupancy-grid maps (ROS map_server) are not read yet").remedy(convert)
-        }
+        "pgm" | "png" => Error::data("an image alone is no map: its scale and place are not known")
+            .remedy("give the .yaml file beside it; docs/ros.md shows one"),
+        "yaml" | "yml" | "mcap" => Error::data(format!("this build does not read `.{extension}`"))
+            .remedy("build it with the features `ros-map` and `mcap`"),
         "dxf" => Error::data("DXF maps are not read yet").remedy(convert),
         "" => Error::data("the map file has no extension, so its format is unknown")
-            .remedy("rename it to end in .geojson or .svg"),
+            .remedy("rename it to end in .geojson, .svg, .yaml or .mcap"),
         _ => {
             let error = Error::data(format!("maps in the format `.{extension}` are not read"));
-            match suggestion(extension, ["geojson", "svg"]) {
+            match suggestion(extension, ["geojson", "svg", "yaml", "mcap"]) {
                 Some(near) => error.remedy(format!("did you mean `.{near}`?")),
                 None => error.remedy(convert),
             }

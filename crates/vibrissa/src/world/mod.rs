@@ -3,11 +3,14 @@
 mod boundary;
 pub mod calibration;
 mod geojson;
+pub mod grid;
 mod map;
 mod motion;
 mod robot;
 mod robot_text;
 mod robot_toml;
+#[cfg(feature = "mcap")]
+pub mod ros;
 pub mod sensing;
 mod svg;
 mod text;

@@ -7,6 +7,10 @@ use vibrissa::flow::pose::{Localization, StampedPose};
 use vibrissa::flow::sensor_log::foreign::{Format, Recording};
 use vibrissa::flow::sensor_log::{Channel, LogRow, Quantity, SensorLog};
 use vibrissa::flow::trajectory::read_tum;
+#[cfg(feature = "mcap")]
+use vibrissa::tasks::StatesObserver;
+#[cfg(feature = "mcap")]
+use vibrissa::tasks::bag::{StampedStates, localization_mcap};
 use vibrissa::world::{Boundary, Map, Robot, Role};
 use vibrissa::{LocalizeOptions, Result};
 
@@ -57,6 +61,22 @@ impl Inputs {
         observer: &mut dyn FnMut(usize) -> ControlFlow<()>,
     ) -> Result<Localization> {
         vibrissa::localize_while(&self.log, &self.map, &self.robot, options, observer)
+    }
+
+    /// The same; `observer` may ask for the states so far.
+    #[cfg(feature = "mcap")]
+    pub(super) fn localize_watched(
+        &self,
+        options: &LocalizeOptions,
+        observer: &mut StatesObserver,
+    ) -> Result<Localization> {
+        vibrissa::tasks::localize_watched(&self.log, &self.map, &self.robot, options, observer)
+    }
+
+    /// The recording of an answer and the states along the way (MCAP).
+    #[cfg(feature = "mcap")]
+    pub(super) fn recording(&self, answer: &Localization, states: &[StampedStates]) -> Result<Vec<u8>> {
+        localization_mcap(&self.log, &self.map, answer, states, self.truth.as_deref())
     }
 
     /// The headline of the figure.

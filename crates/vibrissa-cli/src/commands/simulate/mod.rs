@@ -3,10 +3,12 @@
 mod report;
 
 use super::localize::outlines;
-use crate::output::{OutputArgs, print, warn, write_all};
+use crate::output::{OutputArgs, print, warn, write_bytes};
 use std::io::{IsTerminal, Write};
 use std::path::PathBuf;
 use vibrissa::flow::trajectory::format_tum;
+#[cfg(feature = "mcap")]
+use vibrissa::tasks::bag::sweep_mcap;
 use vibrissa::tasks::simulate::{contacts_csv, log_csv, shapes};
 use vibrissa::tasks::{Scenario, Simulation};
 use vibrissa::{Error, Result};
@@ -17,7 +19,8 @@ use vibrissa::{Error, Result};
 /// and scenarios/ has examples.
 ///
 /// With --out DIR: log.csv, truth.tum, contacts.csv, robot.toml and the figure simulate.svg; map.geojson where the map is
-/// written in the scenario, serial.txt where it asks for one; with --dump also shapes.csv and exact.csv.
+/// written in the scenario, serial.txt where it asks for one; with --dump also shapes.csv and exact.csv; with --mcap also
+/// log.mcap, the log as ROS 2 messages with map, truth and whisker shapes.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// The scenario (.toml)
@@ -28,6 +31,10 @@ pub(crate) struct Args {
     /// Write the shape of every whisker at every row (shapes.csv) and the moments without noise (exact.csv)
     #[arg(long, requires = "out")]
     dump: bool,
+    /// Write the log as ROS 2 messages too, with map, truth and whisker shapes (log.mcap)
+    #[cfg(feature = "mcap")]
+    #[arg(long, requires = "out")]
+    mcap: bool,
     #[command(flatten)]
     output: OutputArgs,
 }
@@ -42,7 +49,13 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     progress.say("");
     simulation.warnings.iter().for_each(|warning| warn(warning));
     let written = match &args.output.out {
-        Some(folder) => Some(write_all(folder, &files(&scenario, &simulation, args.dump))?),
+        Some(folder) => {
+            let texts = files(&scenario, &simulation, args.dump);
+            let mut files: Vec<(&str, &[u8])> = texts.iter().map(|(name, text)| (*name, text.as_bytes())).collect();
+            let recording = recording(args, &scenario, &simulation)?;
+            files.extend(recording.as_deref().map(|bytes| ("log.mcap", bytes)));
+            Some(write_bytes(folder, &files)?)
+        }
         None => None,
     };
     if args.output.json {
@@ -50,6 +63,18 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     } else {
         print(&report::text(&scenario, &simulation, written.as_deref()))
     }
+}
+
+/// The log as a recording, where it is asked for.
+#[cfg(feature = "mcap")]
+fn recording(args: &Args, scenario: &Scenario, simulation: &Simulation) -> Result<Option<Vec<u8>>> {
+    let made = || sweep_mcap(&scenario.map, &scenario.robot, &simulation.sweep, &simulation.recording.log);
+    args.mcap.then(made).transpose()
+}
+
+#[cfg(not(feature = "mcap"))]
+fn recording(_: &Args, _: &Scenario, _: &Simulation) -> Result<Option<Vec<u8>>> {
+    Ok(None)
 }
 
 fn read(args: &Args) -> Result<Scenario> {

@@ -13,7 +13,8 @@ use std::io::Read;
 use std::path::Path;
 
 impl SensorLog {
-    /// Reads a log file (`.csv`).
+    /// Reads a log file: `.mcap`, or the folder of `ros2 bag record` around one, is a recording with ROS 2 messages, all
+    /// else CSV.
     ///
     /// # Errors
     ///
@@ -21,7 +22,19 @@ impl SensorLog {
     pub fn read(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
         if path.is_dir() {
+            #[cfg(feature = "mcap")]
+            if let Some(only) = super::bag::only_recording(path) {
+                return Self::read_mcap(&only);
+            }
             return Err(cannot_open(path, "log", &std::io::ErrorKind::IsADirectory.into()));
+        }
+        match path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase().as_str() {
+            #[cfg(feature = "mcap")]
+            "mcap" => return Self::read_mcap(path),
+            #[cfg(not(feature = "mcap"))]
+            "mcap" => return Err(other_recording(path)),
+            "bag" | "db3" => return Err(other_recording(path)),
+            _ => {}
         }
         let file = File::open(path).map_err(|e| cannot_open(path, "log", &e))?;
         Self::from_reader(file, &path.to_string_lossy())
@@ -55,6 +68,14 @@ impl SensorLog {
         let log = finish(log, cut, ended_in_newline).map_err(faulty)?;
         Ok(Self { source: Some(name.into()), ..log })
     }
+}
+
+/// The error for recordings in other containers, and for MCAP in builds without it.
+fn other_recording(path: &Path) -> Error {
+    Error::data("a recording in a format that is not read here")
+        .in_file(path)
+        .allowed(".mcap, .csv")
+        .remedy("`ros2 bag convert` makes MCAP of other recordings; MCAP itself needs a build with the feature `mcap`")
 }
 
 /// A reader that remembers whether its last byte was a line end, and that ends at a line without end.
