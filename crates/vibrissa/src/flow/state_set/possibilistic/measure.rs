@@ -3,12 +3,16 @@
 use super::cell::{ARM, Cell};
 use crate::plane::{Bounds, Pose2, Vec2, wrap_angle};
 use crate::sets::StateBox;
+use core::f64::consts::TAU;
 
 /// Cells nearer than this belong together (m, rad).
 const LINK: f64 = 1e-4;
 const LINK_TURN: f64 = 1e-3;
 /// The area is counted on a raster of this many cells across.
 const RASTER: usize = 256;
+/// Many cells are sorted into stripes and sectors before they are compared: at most so many, and fewer of few cells.
+const CROWD: usize = 64;
+const STRIPES: usize = 32;
 /// Long cells are cut into pieces for their boxes: at most this many along a side.
 const PIECES: usize = 8;
 
@@ -50,30 +54,54 @@ pub(super) fn places(cells: &[(Cell, f64)]) -> Vec<Place> {
     let mut order: Vec<usize> = (0..cells.len()).collect();
     order.sort_by(|&a, &b| hulls[a].x.lo().total_cmp(&hulls[b].x.lo()).then(a.cmp(&b)));
     let mut parent: Vec<usize> = (0..cells.len()).collect();
-    for (rank, &a) in order.iter().enumerate() {
-        for &b in &order[rank + 1..] {
-            if hulls[b].x.lo() > hulls[a].x.hi() + LINK {
-                break;
-            }
-            if touch(&cells[a].0, &hulls[a], &cells[b].0, &hulls[b]) {
-                let (p, q) = (root(&mut parent, a), root(&mut parent, b));
-                parent[p.max(q)] = p.min(q);
-            }
+    let mut join = |a: usize, b: usize| {
+        if touch(&cells[a].0, &hulls[a], &cells[b].0, &hulls[b]) {
+            let (p, q) = (root(&mut parent, a), root(&mut parent, b));
+            parent[p.max(q)] = p.min(q);
+        }
+    };
+    for stripe in stripes(&hulls, &order) {
+        for (rank, &a) in stripe.iter().enumerate() {
+            let near = |&&b: &&usize| hulls[b].x.lo() <= hulls[a].x.hi() + LINK;
+            stripe[rank + 1..].iter().take_while(near).for_each(|&b| join(a, b));
         }
     }
     let total: f64 = cells.iter().map(|(_, v)| v).sum();
-    let mut groups: Vec<(usize, Group)> = Vec::new();
-    for index in 0..cells.len() {
-        let group = root(&mut parent, index);
-        let (cell, volume) = &cells[index];
-        match groups.iter_mut().find(|(g, _)| *g == group) {
-            Some((_, all)) => all.add(cell, *volume, &hulls[index]),
-            None => groups.push((group, Group::new(cell, *volume, &hulls[index]))),
+    let (mut groups, mut group_of): (Vec<Group>, Vec<Option<usize>>) = (Vec::new(), vec![None; cells.len()]);
+    for (index, (cell, volume)) in cells.iter().enumerate() {
+        let root = root(&mut parent, index);
+        match group_of[root] {
+            Some(group) => groups[group].add(cell, *volume, &hulls[index]),
+            None => {
+                group_of[root] = Some(groups.len());
+                groups.push(Group::new(cell, *volume, &hulls[index]));
+            }
         }
     }
-    let mut places: Vec<Place> = groups.into_iter().map(|(_, group)| group.place(total)).collect();
+    let mut places: Vec<Place> = groups.iter().map(|group| group.place(total)).collect();
     places.sort_by(|a, b| b.share.total_cmp(&a.share));
     places
+}
+
+/// The cells by stripes of y and sectors of the heading, in the given order: cells that touch share one of each.
+fn stripes(hulls: &[StateBox], order: &[usize]) -> Vec<Vec<usize>> {
+    let (lo, hi) =
+        hulls.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), h| (a.min(h.y.lo()), b.max(h.y.hi())));
+    let count = (hulls.len() / CROWD).clamp(1, STRIPES);
+    let sectors = count as i64;
+    let per_metre = count as f64 / (hi - lo + LINK).max(LINK);
+    let stripe = |y: f64| (((y - lo) * per_metre).max(0.0) as usize).min(count - 1);
+    let sector = |theta: f64| (theta * (sectors as f64 / TAU)).floor() as i64;
+    let mut stripes = vec![Vec::new(); count * count];
+    for &index in order {
+        let StateBox { y, theta, .. } = hulls[index];
+        let (first, last) = (sector(theta.lo() - LINK_TURN), sector(theta.hi() + LINK_TURN));
+        for at in first..=last.min(first + sectors - 1) {
+            let row = at.rem_euclid(sectors) as usize * count;
+            (stripe(y.lo() - LINK)..=stripe(y.hi() + LINK)).for_each(|k| stripes[row + k].push(index));
+        }
+    }
+    stripes
 }
 
 fn root(parent: &mut [usize], mut at: usize) -> usize {
