@@ -16,6 +16,8 @@ const MEASURED_AT_ONCE: usize = 24;
 const MEASURED_CHANGE: f64 = 0.5;
 const MEASURED_WITHIN: usize = 300;
 const MEASURED_ROWS: usize = 4;
+/// Sets of more cells than this keep their volume from one measurement to the next, too.
+const SUMMED: usize = 20_000;
 /// Largest friction coefficient: its angle is a right angle less half a degree more than the tables hold.
 const LARGEST_FRICTION: f64 = 1.5;
 
@@ -146,7 +148,10 @@ impl<'a> PossibilisticLocalizer<'a> {
             self.first_states = self.set.middles();
         }
         let measured = match self.steps.last() {
-            Some(last) if !self.is_due(now) => StepRecord { t, volume: self.set.volume(), ..*last },
+            Some(last) if !self.is_due(now) => {
+                let volume = if self.set.len() > SUMMED { last.volume } else { self.set.volume() };
+                StepRecord { t, volume, ..*last }
+            }
             _ => self.measure(t, now),
         };
         self.steps.push(measured);

@@ -10,9 +10,9 @@ const LINK: f64 = 1e-4;
 const LINK_TURN: f64 = 1e-3;
 /// The area is counted on a raster of this many cells across.
 const RASTER: usize = 256;
-/// Many cells are sorted into stripes and sectors before they are compared: at most so many, and fewer of few cells.
-const CROWD: usize = 64;
-const STRIPES: usize = 32;
+/// Cells are sorted into stripes and sectors before they are compared: so many for each pair of both, at most so many.
+const CROWD: f64 = 8.0;
+const STRIPES: f64 = 512.0;
 /// Long cells are cut into pieces for their boxes: at most this many along a side.
 const PIECES: usize = 8;
 
@@ -87,7 +87,7 @@ pub(super) fn places(cells: &[(Cell, f64)]) -> Vec<Place> {
 fn stripes(hulls: &[StateBox], order: &[usize]) -> Vec<Vec<usize>> {
     let (lo, hi) =
         hulls.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), h| (a.min(h.y.lo()), b.max(h.y.hi())));
-    let count = (hulls.len() / CROWD).clamp(1, STRIPES);
+    let count = (hulls.len() as f64 / CROWD).sqrt().clamp(1.0, STRIPES) as usize;
     let sectors = count as i64;
     let per_metre = count as f64 / (hi - lo + LINK).max(LINK);
     let stripe = |y: f64| (((y - lo) * per_metre).max(0.0) as usize).min(count - 1);
