@@ -66,8 +66,8 @@ fn headings_and_a_prior_only_help() {
 
 #[test]
 fn a_wrong_reading_can_be_tolerated() {
-    // Enough work that all that is left at the end has met the wrong reading's neighbours.
-    let patient = PossibilisticOptions { work: 60, last_work: 20_000, ..PossibilisticOptions::default() };
+    // Enough work that most of what is left at the end has met the wrong reading's neighbours.
+    let patient = PossibilisticOptions { work: 60, last_work: 100_000, ..PossibilisticOptions::default() };
     let mut ruled_out = 0;
     for (seed, mut trial) in trials(700, 4) {
         // The first reading that is a contact for certain is a strong one to the other side.

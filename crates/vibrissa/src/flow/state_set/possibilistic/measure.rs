@@ -10,9 +10,9 @@ const LINK: f64 = 1e-4;
 const LINK_TURN: f64 = 1e-3;
 /// The area is counted on a raster of this many cells across.
 const RASTER: usize = 256;
-/// Cells are sorted into stripes and sectors before they are compared: so many for each pair of both, at most so many.
-const CROWD: f64 = 8.0;
-const STRIPES: f64 = 512.0;
+/// More cells than this are not compared one by one, but joined where they share a bin: so many for each axis.
+const CROWD: usize = 1000;
+const BINS: usize = 64;
 /// Long cells are cut into pieces for their boxes: at most this many along a side.
 const PIECES: usize = 8;
 
@@ -48,23 +48,14 @@ pub(super) fn boxes(cells: &[(Cell, f64)]) -> Vec<StateBox> {
     boxes
 }
 
-/// The groups of cells whose boxes touch.
+/// The groups of cells whose boxes touch; of many cells also those that nearly do, within a 64th of the set.
 pub(super) fn places(cells: &[(Cell, f64)]) -> Vec<Place> {
     let hulls: Vec<StateBox> = cells.iter().map(|(cell, _)| cell.hull()).collect();
-    let mut order: Vec<usize> = (0..cells.len()).collect();
-    order.sort_by(|&a, &b| hulls[a].x.lo().total_cmp(&hulls[b].x.lo()).then(a.cmp(&b)));
     let mut parent: Vec<usize> = (0..cells.len()).collect();
-    let mut join = |a: usize, b: usize| {
-        if touch(&cells[a].0, &hulls[a], &cells[b].0, &hulls[b]) {
-            let (p, q) = (root(&mut parent, a), root(&mut parent, b));
-            parent[p.max(q)] = p.min(q);
-        }
-    };
-    for stripe in stripes(&hulls, &order) {
-        for (rank, &a) in stripe.iter().enumerate() {
-            let near = |&&b: &&usize| hulls[b].x.lo() <= hulls[a].x.hi() + LINK;
-            stripe[rank + 1..].iter().take_while(near).for_each(|&b| join(a, b));
-        }
+    if cells.len() <= CROWD {
+        join_pairs(cells, &hulls, &mut parent)
+    } else {
+        join_bins(&hulls, &mut parent)
     }
     let total: f64 = cells.iter().map(|(_, v)| v).sum();
     let (mut groups, mut group_of): (Vec<Group>, Vec<Option<usize>>) = (Vec::new(), vec![None; cells.len()]);
@@ -83,25 +74,53 @@ pub(super) fn places(cells: &[(Cell, f64)]) -> Vec<Place> {
     places
 }
 
-/// The cells by stripes of y and sectors of the heading, in the given order: cells that touch share one of each.
-fn stripes(hulls: &[StateBox], order: &[usize]) -> Vec<Vec<usize>> {
-    let (lo, hi) =
-        hulls.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), h| (a.min(h.y.lo()), b.max(h.y.hi())));
-    let count = (hulls.len() as f64 / CROWD).sqrt().clamp(1.0, STRIPES) as usize;
-    let sectors = count as i64;
-    let per_metre = count as f64 / (hi - lo + LINK).max(LINK);
-    let stripe = |y: f64| (((y - lo) * per_metre).max(0.0) as usize).min(count - 1);
-    let sector = |theta: f64| (theta * (sectors as f64 / TAU)).floor() as i64;
-    let mut stripes = vec![Vec::new(); count * count];
-    for &index in order {
-        let StateBox { y, theta, .. } = hulls[index];
-        let (first, last) = (sector(theta.lo() - LINK_TURN), sector(theta.hi() + LINK_TURN));
-        for at in first..=last.min(first + sectors - 1) {
-            let row = at.rem_euclid(sectors) as usize * count;
-            (stripe(y.lo() - LINK)..=stripe(y.hi() + LINK)).for_each(|k| stripes[row + k].push(index));
+fn join(parent: &mut [usize], a: usize, b: usize) {
+    let (p, q) = (root(parent, a), root(parent, b));
+    parent[p.max(q)] = p.min(q);
+}
+
+/// Joins the boxes that touch, pair by pair.
+fn join_pairs(cells: &[(Cell, f64)], hulls: &[StateBox], parent: &mut [usize]) {
+    let mut order: Vec<usize> = (0..cells.len()).collect();
+    order.sort_by(|&a, &b| hulls[a].x.lo().total_cmp(&hulls[b].x.lo()).then(a.cmp(&b)));
+    for (rank, &a) in order.iter().enumerate() {
+        let near = |&&b: &&usize| hulls[b].x.lo() <= hulls[a].x.hi() + LINK;
+        for &b in order[rank + 1..].iter().take_while(near) {
+            if touch(&cells[a].0, &hulls[a], &cells[b].0, &hulls[b]) {
+                join(parent, a, b);
+            }
         }
     }
-    stripes
+}
+
+/// Joins the boxes that share a bin of a raster over the set: what touches does, and what is nearer than a bin may.
+fn join_bins(hulls: &[StateBox], parent: &mut [usize]) {
+    let axis = |of: &dyn Fn(&StateBox) -> (f64, f64)| {
+        let (lo, hi) =
+            hulls.iter().map(of).fold((f64::INFINITY, f64::NEG_INFINITY), |a, b| (a.0.min(b.0), a.1.max(b.1)));
+        let per_metre = BINS as f64 / (hi - lo + LINK);
+        move |(a, b): (f64, f64)| {
+            let bin = |v: f64| (((v - lo) * per_metre).max(0.0) as usize).min(BINS - 1);
+            bin(a - LINK)..=bin(b + LINK)
+        }
+    };
+    let x = |h: &StateBox| (h.x.lo(), h.x.hi());
+    let y = |h: &StateBox| (h.y.lo(), h.y.hi());
+    let (columns, rows) = (axis(&x), axis(&y));
+    let sector = |theta: f64| (theta * (BINS as f64 / TAU)).floor() as i64;
+    let mut first = vec![usize::MAX; BINS * BINS * BINS];
+    for (index, hull) in hulls.iter().enumerate() {
+        let (lo, hi) = (sector(hull.theta.lo() - LINK_TURN), sector(hull.theta.hi() + LINK_TURN));
+        for at in lo..=hi.min(lo + BINS as i64 - 1) {
+            let layer = at.rem_euclid(BINS as i64) as usize * BINS;
+            for row in rows(y(hull)) {
+                for column in columns(x(hull)) {
+                    let bin = &mut first[(layer + row) * BINS + column];
+                    if *bin == usize::MAX { *bin = index } else { join(parent, *bin, index) }
+                }
+            }
+        }
+    }
 }
 
 fn root(parent: &mut [usize], mut at: usize) -> usize {
