@@ -520,8 +520,8 @@ impl Default for PossibilisticOptions {
     fn default() -> Self {
         Self {
             most_cells: 2000,
-            work: 80,
-            last_work: 100_000,
+            work: 130,
+            last_work: 5_000_000,
             resolution: 0.4e-3,
             largest_slope: 2.2,
             tolerate: 0,

@@ -10,9 +10,14 @@ use crate::sets::Interval;
 use crate::world::{Map, MountedWhisker, Robot};
 use crate::{Error, Result};
 
-/// Sets of more cells than this are measured every so many rows only.
-const MEASURED_AT_ONCE: usize = 200;
-const MEASURED_EVERY: usize = 32;
+/// Sets of more cells than this are measured once in a while: when their number has changed by this share, or, up to a
+/// size, after as many rows as a share of their number.
+const MEASURED_AT_ONCE: usize = 24;
+const MEASURED_CHANGE: f64 = 0.5;
+const MEASURED_WITHIN: usize = 300;
+const MEASURED_ROWS: usize = 4;
+/// Sets of more cells than this keep their volume from one measurement to the next, too.
+const SUMMED: usize = 20_000;
 /// Largest friction coefficient: its angle is a right angle less half a degree more than the tables hold.
 const LARGEST_FRICTION: f64 = 1.5;
 
@@ -33,6 +38,8 @@ pub struct PossibilisticLocalizer<'a> {
     events: Vec<Event>,
     /// The best place when it was last looked for, and the row.
     last: Option<(Pose2, usize)>,
+    /// The row in which the set was last measured, and how many cells it had.
+    measured: (usize, usize),
     empty: bool,
 }
 
@@ -70,6 +77,7 @@ impl<'a> PossibilisticLocalizer<'a> {
             steps: Vec::new(),
             events: Vec::new(),
             last: None,
+            measured: (0, 0),
             empty: false,
         })
     }
@@ -139,9 +147,11 @@ impl<'a> PossibilisticLocalizer<'a> {
             self.first_row = Some(now);
             self.first_states = self.set.middles();
         }
-        let many = self.set.len() > MEASURED_AT_ONCE && !now.is_multiple_of(MEASURED_EVERY);
         let measured = match self.steps.last() {
-            Some(last) if many => StepRecord { t, volume: self.set.volume(), ..*last },
+            Some(last) if !self.is_due(now) => {
+                let volume = if self.set.len() > SUMMED { last.volume } else { self.set.volume() };
+                StepRecord { t, volume, ..*last }
+            }
             _ => self.measure(t, now),
         };
         self.steps.push(measured);
@@ -154,7 +164,17 @@ impl<'a> PossibilisticLocalizer<'a> {
         }
     }
 
+    /// Whether the set is to be measured anew, which costs more than a row where there are many cells.
+    fn is_due(&self, now: usize) -> bool {
+        let (row, cells) = self.measured;
+        let count = self.set.len();
+        count <= MEASURED_AT_ONCE
+            || (count as f64 - cells as f64).abs() > MEASURED_CHANGE * cells as f64
+            || (count <= MEASURED_WITHIN && now >= row + count / MEASURED_ROWS)
+    }
+
     fn measure(&mut self, t: f64, row: usize) -> StepRecord {
+        self.measured = (row, self.set.len());
         let places = self.set.places();
         let (area_m2, volume) = self.set.size();
         if let Some(best) = places.first() {

@@ -5,10 +5,10 @@ mod random;
 
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 use random::Random;
-use vibrissa::flow::pose::{Localization, Status};
+use vibrissa::flow::pose::{Localization, StampedPose, Status};
 use vibrissa::flow::sensor_log::{Channel, LogRow, Quantity, SensorLog};
 use vibrissa::plane::{Curve, Pose2, Vec2, wrap_angle};
-use vibrissa::tasks::simulate::{Pace, SweepNoise, path_through, simulate_tip_sweep};
+use vibrissa::tasks::simulate::{Pace, Part, SimulateOptions, Sweep, SweepNoise, Touch, path_through, simulate};
 use vibrissa::world::{Boundary, Map, MomentNoise, MountedWhisker, Odometry, Robot, Role};
 
 /// One trial.
@@ -17,6 +17,14 @@ pub(crate) struct Trial {
     pub(crate) robot: Robot,
     pub(crate) log: SensorLog,
     pub(crate) truth: Pose2,
+    /// Rows in which a side touches, and rows in which something bends the whisker to the left and to the right.
+    #[allow(dead_code, reason = "counted by the example")]
+    pub(crate) kinds: [usize; 3],
+    /// The robot along the log, and every touch.
+    #[allow(dead_code, reason = "shown by the example")]
+    pub(crate) path: Vec<Pose2>,
+    #[allow(dead_code, reason = "shown by the example")]
+    pub(crate) touches: Vec<Touch>,
 }
 
 /// An arena with a wavy or polygonal outline and an obstacle or two.
@@ -48,6 +56,17 @@ fn random_map(draw: &mut Random) -> Option<Map> {
     if let Some(curve) = obstacle {
         boundaries.push(Boundary::new(Role::Obstacle, curve, None).ok()?);
     }
+    // Posts thinner than a whisker is long, which its side slides along, and a thin wall with two ends.
+    for _ in 0..draw.between(0.0, 4.0) as u32 {
+        let center = Vec2::from_angle(draw.signed(PI)) * (0.65 * radius * draw.unit());
+        let post = Boundary::new(Role::Obstacle, Curve::circle(center, draw.between(0.002, 0.012))?, None).ok()?;
+        boundaries.push(post);
+    }
+    if draw.unit() < 0.25 {
+        let start = Vec2::from_angle(draw.signed(PI)) * (0.4 * radius);
+        let wall = [start, start + Vec2::from_angle(draw.signed(PI)) * draw.between(0.02, 0.1)];
+        boundaries.push(Boundary::new(Role::Wall, Curve::polyline(&wall, false)?, None).ok()?);
+    }
     Map::new(boundaries).ok()
 }
 
@@ -60,6 +79,9 @@ fn random_robot(draw: &mut Random) -> Robot {
     }
     whisker.noise =
         MomentNoise { moment_relative: draw.between(0.005, 0.08), moment_absolute: draw.between(1e-6, 4e-5) };
+    if draw.unit() < 0.35 {
+        whisker.friction = draw.between(0.0, 0.6);
+    }
     let odometry = if draw.unit() < 0.5 {
         Odometry { translation_relative: draw.between(0.0, 0.03), rotation_relative: draw.between(0.0, 0.03) }
     } else {
@@ -108,6 +130,50 @@ fn reading(h: f64, noise: &MomentNoise, share: f64) -> f64 {
     (low + share * (high - low)) * if h < 0.0 { -1.0 } else { 1.0 }
 }
 
+/// The sweep as far as the simulator goes and single contacts explain it; the path is cut there.
+fn covered(map: &Map, robot: &Robot, path: &mut Vec<StampedPose>) -> Option<Sweep> {
+    while path.len() > 30 {
+        let Ok(mut sweep) = simulate(map, robot, path, &SweepNoise::none(), &SimulateOptions::default()) else {
+            path.truncate(path.len() * 3 / 4);
+            continue;
+        };
+        let beyond = |kind: &str| matches!(kind, "discrete_rod" | "unsolved" | "lost");
+        let event = sweep.events.iter().find(|event| beyond(event.kind)).map_or(f64::INFINITY, |event| event.t - 1e-9);
+        let before = path.iter().take_while(|pose| pose.t < event).count();
+        let rows = if before < path.len() { before.saturating_sub(1) } else { before };
+        let first = sweep.contacts.iter().find(|touch| !is_covered(touch, robot, path)).map_or(rows, |touch| touch.row);
+        let rows = rows.min(first);
+        path.truncate(rows);
+        sweep.exact_moments.truncate(rows);
+        sweep.contacts.retain(|touch| touch.row < rows);
+        return (path.len() > 30).then_some(sweep);
+    }
+    None
+}
+
+/// Whether the whisker bends one way only, by no more than the method's largest slope. Curvature and slope along it are
+/// speed and angle of a pendulum that starts from rest at the contact: its energy tells the angle there, and it comes to
+/// rest again, where the curvature changes sign, after half a period.
+fn is_covered(touch: &Touch, robot: &Robot, path: &[StampedPose]) -> bool {
+    let whisker = &robot.whiskers[touch.whisker];
+    let base = path[touch.row].map_from_robot.compose(whisker.robot_from_whisker);
+    let moment = (touch.position - base.position()).cross(touch.force);
+    let start = wrap_angle(base.theta - touch.force.angle()).abs();
+    let (stiffness, force) = (whisker.beam.flexural_rigidity, touch.force.norm());
+    let rest = (start.cos() + moment * moment / (2.0 * stiffness * force)).clamp(-1.0, 1.0).acos();
+    let time = touch.s_a * (force / stiffness).sqrt();
+    time <= half_period(rest) && start - rest < 2.2
+}
+
+/// From rest to rest, at the angle `rest` (rad) from where the pendulum would balance: by the arithmetic-geometric mean.
+fn half_period(rest: f64) -> f64 {
+    let (mut a, mut b) = (1.0, (0.5 * rest).sin());
+    for _ in 0..40 {
+        (a, b) = (0.5 * (a + b), f64::sqrt(a * b));
+    }
+    PI / a
+}
+
 /// The trial of a seed, if there is one.
 pub(crate) fn random_sweep(seed: u64) -> Option<Trial> {
     let mut draw = Random(seed.wrapping_mul(0x9e37_79b9_97f4_a7c1));
@@ -120,15 +186,7 @@ pub(crate) fn random_sweep(seed: u64) -> Option<Trial> {
     }
     let pace = Pace { speed: 0.3, turn_rate: 1.0, rate: draw.between(100.0, 400.0) };
     let mut path = path_through(&way, &pace).ok()?;
-    // As far as the simulator goes along.
-    let mut sweep = None;
-    while path.len() > 30 && sweep.is_none() {
-        sweep = simulate_tip_sweep(&map, &robot, &path, &SweepNoise::none()).ok();
-        if sweep.is_none() {
-            path.truncate(path.len() * 3 / 4);
-        }
-    }
-    let sweep = sweep?;
+    let sweep = covered(&map, &robot, &mut path)?;
     if sweep.contacts.len() < 10 {
         return None;
     }
@@ -158,7 +216,20 @@ pub(crate) fn random_sweep(seed: u64) -> Option<Trial> {
     }
     let channels = vec![Channel { whisker: String::new(), quantity: Quantity::Moment }];
     let truth = path[path.len() - 1].map_from_robot;
-    Some(Trial { map, robot, log: SensorLog { channels, rows, ..SensorLog::default() }, truth })
+    let count = |keep: &dyn Fn(usize) -> bool| (0..path.len()).filter(|&k| keep(k)).count();
+    let side: std::collections::BTreeSet<usize> =
+        sweep.contacts.iter().filter(|touch| touch.part == Part::Side).map(|touch| touch.row).collect();
+    let moment = |k: usize| sweep.exact_moments[k][0];
+    let kinds = [side.len(), count(&|k| moment(k) > 0.0), count(&|k| moment(k) < 0.0)];
+    Some(Trial {
+        kinds,
+        path: path.iter().map(|pose| pose.map_from_robot).collect(),
+        touches: sweep.contacts,
+        map,
+        robot,
+        log: SensorLog { channels, rows, ..SensorLog::default() },
+        truth,
+    })
 }
 
 /// Whether the answer's set holds the truth at the last row.

@@ -15,10 +15,10 @@ pub(crate) struct PossibilisticArgs {
     /// Largest slope of the whisker at its contact, in rad [default: 2.2]
     #[arg(long, value_name = "RAD")]
     largest_slope: Option<f64>,
-    /// Meetings of cells and readings in one row: more is tighter and slower, never less sound [default: 80]
+    /// Meetings of cells and readings in one row: more is tighter and slower, never less sound [default: 130]
     #[arg(long, value_name = "N")]
     work: Option<usize>,
-    /// The same once more at the end of the log [default: 100000]
+    /// The same once more at the end of the log [default: 5000000]
     #[arg(long, value_name = "N")]
     last_work: Option<usize>,
 }

@@ -46,6 +46,15 @@ struct Side {
     scaled: Vec2,
 }
 
+/// The side contacts of one column over their arc length: `center + along (psi - middle)` up to `gap`; smooth where the
+/// moment vanishes, too.
+#[derive(Clone, Copy, Debug)]
+struct Outline {
+    center: Vec2,
+    along: Vec2,
+    gap: f64,
+}
+
 /// One whisker's contacts with walls of every direction.
 #[derive(Clone, Debug)]
 pub struct PressTable {
@@ -55,6 +64,8 @@ pub struct PressTable {
     steepest: f64,
     /// Columns of the table: directions (rad).
     directions: Vec<f64>,
+    /// The direction in the middle of each column, as a vector.
+    middles: Vec<Vec2>,
     rows: usize,
     nodes: Vec<Node>,
     gaps: Vec<Gap>,
@@ -64,6 +75,7 @@ pub struct PressTable {
     side_gaps: Vec<Gap>,
     /// The largest deviation of a side contact by friction, for each column.
     side_slack: Vec<Gap>,
+    outlines: Vec<Outline>,
 }
 
 impl PressTable {
@@ -89,6 +101,8 @@ impl PressTable {
             sides: directions.iter().map(|&d| side(d, 0.0)).collect(),
             side_gaps: Vec::new(),
             side_slack: directions.iter().map(|&d| side_slack(d, slack)).collect(),
+            outlines: directions.windows(2).map(|d| outline(d[0], d[1], slack)).collect(),
+            middles: directions.windows(2).map(|d| Vec2::from_angle(0.5 * (d[0] + d[1]))).collect(),
             directions,
         };
         for &direction in &table.directions {
@@ -174,6 +188,16 @@ fn side(direction: f64, beta: f64) -> Side {
     let u = (direction - FRAC_PI_2).clamp(0.0, PI);
     let Node { moment, tip } = swing(beta, u);
     Side { reach: moment, scaled: tip * moment }
+}
+
+fn outline(left: f64, right: f64, slack: f64) -> Outline {
+    let shape = |direction: f64, beta: f64| swing(beta, (direction - FRAC_PI_2).clamp(0.0, PI)).tip;
+    let (middle, half) = (0.5 * (left + right), 0.5 * (right - left));
+    let (a, b) = (shape(left, 0.0), shape(right, 0.0));
+    let (center, along) = ((a + b) * 0.5, (b - a) * (0.5 / half));
+    let off = [left, middle, right].into_iter().flat_map(|d| [-1.0, -0.5, 0.0, 0.5, 1.0].map(|s| (d, s * slack)));
+    let gap = off.map(|(d, beta)| (shape(d, beta) - center - along * (d - middle)).norm()).fold(0.0, f64::max);
+    Outline { center, along, gap: SAFETY * gap }
 }
 
 fn side_slack(direction: f64, slack: f64) -> Gap {

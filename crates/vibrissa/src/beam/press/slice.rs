@@ -1,6 +1,6 @@
 //! The contacts that explain one interval of moments, by the direction of the wall.
 
-use super::PressTable;
+use super::{Outline, PressTable};
 use crate::plane::Vec2;
 use crate::sets::Interval;
 
@@ -51,11 +51,15 @@ impl Span {
         Self { reach: join(self.reach, other.reach), place: join(self.place, other.place) }
     }
 
-    fn of(entry: &PressEntry) -> Self {
-        let (sin, cos) = entry.middle.sin_cos();
-        let (u, side) = (Vec2::new(cos, sin), Vec2::new(sin, -cos));
+    /// The span of an entry whose middle direction is `u`.
+    fn of(entry: &PressEntry, u: Vec2) -> Self {
+        let side = Vec2::new(u.y, -u.x);
         let (p, slope, half) = (entry.center, entry.by_direction, entry.half);
-        let second = half * (0.5 * p.norm() * half + slope.norm() * half + entry.by_moment.norm() + entry.radius);
+        let second = half
+            * (0.5 * p.norm_squared().sqrt() * half
+                + slope.norm_squared().sqrt() * half
+                + entry.by_moment.norm_squared().sqrt()
+                + entry.radius);
         let around = |direction: Vec2, turned: f64| {
             let off = (turned + direction.dot(slope)).abs() * half
                 + direction.dot(entry.by_moment).abs()
@@ -105,12 +109,14 @@ impl PressSlice {
     /// The buckets that meet the directions from `lo` to `hi`: the first and the one after the last.
     fn buckets(&self, lo: f64, hi: f64) -> (usize, usize) {
         let last = self.starts.len().saturating_sub(1) as f64;
-        let first = ((lo - self.lo) / self.width - 1e-9).floor();
-        let end = ((hi - self.lo) / self.width + 1e-9).floor() + 1.0;
-        if !(first < last && end > 0.0) {
+        let per_width = 1.0 / self.width;
+        let first = (lo - self.lo) * per_width - 1e-9;
+        let end = (hi - self.lo) * per_width + 1e-9;
+        if !(first < last && end >= 0.0) {
             return (0, 0);
         }
-        (first.max(0.0) as usize, end.min(last) as usize)
+        // Casts cut towards zero: the floor, for what is not negative.
+        (first.max(0.0) as usize, (end + 1.0).min(last) as usize)
     }
 }
 
@@ -131,7 +137,9 @@ impl PressTable {
             slice.starts.push(start as u32);
             self.tips(column, lo, hi, &mut slice.entries);
             slice.entries.extend(self.side(column, lo, hi));
-            slice.spans.push(slice.entries[start..].iter().fold(Span::EMPTY, |all, e| all.hull(Span::of(e))));
+            slice.spans.push(
+                slice.entries[start..].iter().fold(Span::EMPTY, |all, e| all.hull(Span::of(e, self.middles[column]))),
+            );
         }
         slice.starts.push(slice.entries.len() as u32);
         slice
@@ -195,14 +203,14 @@ impl PressTable {
             }
         }
         let gaps = &self.gaps[column * self.rows + first..column * self.rows + end];
-        let gap = gaps.iter().map(|g| g.tip + by_mu.norm() * g.moment).fold(0.0, f64::max);
+        let gap = gaps.iter().map(|g| g.tip + by_mu.norm_squared().sqrt() * g.moment).fold(0.0, f64::max);
         PressEntry {
             middle,
             half,
             center: (least + most) * 0.5 + by_mu * (0.5 * (lo + hi)),
             by_direction,
             by_moment: by_mu * (0.5 * (hi - lo)),
-            radius: 0.5 * (most - least).norm() + gap,
+            radius: 0.5 * (most - least).norm_squared().sqrt() + gap,
         }
     }
 
@@ -237,7 +245,7 @@ impl PressTable {
             center: center * inverse,
             by_direction: along * inverse,
             by_moment: center * spread,
-            radius: along.norm() * half * spread + tip_slack * far,
+            radius: along.norm_squared().sqrt() * half * spread + tip_slack * far,
         })
     }
 
@@ -249,15 +257,7 @@ impl PressTable {
 
     /// Side contacts with arc lengths in a range, over the whisker's.
     fn short_side(&self, column: usize, (least, most): (f64, f64), (middle, half): (f64, f64)) -> PressEntry {
-        // The contact over its arc length: smooth where the moment vanishes, too.
-        let shape = |direction: f64, beta: f64| {
-            super::swing(beta, (direction - core::f64::consts::FRAC_PI_2).clamp(0.0, core::f64::consts::PI)).tip
-        };
-        let (a, b) = (shape(self.directions[column], 0.0), shape(self.directions[column + 1], 0.0));
-        let (center, along) = ((a + b) * 0.5, (b - a) * (0.5 / half));
-        let at = [middle - half, middle, middle + half];
-        let off = at.iter().flat_map(|&d| [-1.0, -0.5, 0.0, 0.5, 1.0].map(|s| (d, s * self.slack)));
-        let gap = off.map(|(d, beta)| (shape(d, beta) - center - along * (d - middle)).norm()).fold(0.0, f64::max);
+        let Outline { center, along, gap } = self.outlines[column];
         let (arc, spread) = (0.5 * (least + most), 0.5 * (most - least).max(0.0));
         PressEntry {
             middle,
@@ -265,7 +265,7 @@ impl PressTable {
             center: center * arc,
             by_direction: along * arc,
             by_moment: center * spread,
-            radius: along.norm() * half * spread + super::SAFETY * gap * most + super::ROUNDING,
+            radius: along.norm_squared().sqrt() * half * spread + gap * most + super::ROUNDING,
         }
     }
 }

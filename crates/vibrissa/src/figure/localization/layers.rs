@@ -3,7 +3,7 @@
 use super::{LocalizationScene, Outline, OutlineRole, counted, entry};
 use crate::figure::canvas::{Canvas, WorldBounds};
 use crate::figure::legend::{Entry, Sample};
-use crate::flow::pose::{Hypothesis, Localization, StampedPose};
+use crate::flow::pose::{Hypothesis, Localization, Method, StampedPose};
 use crate::flow::trajectory::pose_at;
 use crate::plane::{Pose2, Vec2};
 use crate::sets::StateBox;
@@ -162,11 +162,16 @@ pub(super) fn legend_entries(scene: &LocalizationScene<'_>, canvas: &Canvas) -> 
     add(
         all > 0,
         Sample::Dots("candidate", "candidate-tick"),
-        format!("{} at the first touch{}", counted(all, "candidate"), every(all)),
+        format!("{} at the first touch{}", counted(all, super::words::part(answer)), every(all)),
     );
     let sets = answer.states.iter().any(|state| !is_point(state));
     let survivor = if sets { Sample::Patch("survivor-box") } else { Sample::Dots("survivor", "survivor-tick") };
-    add(left > 0, survivor, format!("{left} left at the end, likely or not{}", every(left)));
+    let kept = if answer.method == Method::Possibilistic {
+        "boxes around what is left of the cells"
+    } else {
+        "left at the end, likely or not"
+    };
+    add(left > 0, survivor, format!("{left} {kept}{}", every(left)));
     add(
         answer.estimate.is_some() && !several,
         Sample::Heading("estimate", "estimate-line"),

@@ -1,7 +1,7 @@
 //! The figure's sentences.
 
 use super::counted;
-use crate::flow::pose::{Localization, Status};
+use crate::flow::pose::{Localization, Method, Status};
 use crate::plane::Pose2;
 
 /// The verdict in one sentence, with the estimate in millimetres and degrees.
@@ -53,9 +53,9 @@ fn shrinkage(answer: &Localization) -> String {
     let (left, all) = (answer.states.len(), answer.first_states.len());
     // The second observation may let in more candidates than the first.
     let candidates = if all >= left && all > 0 {
-        format!("{left} of {}", counted(all, "candidate"))
+        format!("{left} of {}", counted(all, part(answer)))
     } else {
-        counted(left, "candidate")
+        counted(left, part(answer))
     };
     let swept: f64 = answer
         .trajectory
@@ -63,6 +63,11 @@ fn shrinkage(answer: &Localization) -> String {
         .map(|pair| pair[0].map_from_robot.position().distance(pair[1].map_from_robot.position()))
         .sum();
     format!("{candidates} left after {} mm of sweep", fixed(swept * 1e3, 0))
+}
+
+/// What an answer's state set consists of.
+pub(super) fn part(answer: &Localization) -> &'static str {
+    if answer.method == Method::Possibilistic { "cell" } else { "candidate" }
 }
 
 /// The text broken at spaces into lines of at most `limit` characters; a longer word keeps a line of its own.

@@ -55,7 +55,7 @@ impl Cell {
     /// How long a side is (m), headings by their arm.
     pub(super) fn length(&self, side: usize) -> f64 {
         let [x, y, theta] = self.sides[side];
-        x.hypot(y).hypot(ARM * theta)
+        (x * x + y * y + ARM * ARM * theta * theta).sqrt()
     }
 
     /// Keeps the part with each `w_j` in its interval.
@@ -136,7 +136,7 @@ impl Cell {
         for (more, (p, q)) in more.iter_mut().zip([(b, c), (c, a), (a, b)]) {
             // The row of the inverse that belongs to this side.
             let normal = [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]];
-            *more = (place * normal[0].hypot(normal[1]) + turn * normal[2].abs()) / det;
+            *more = (place * (normal[0] * normal[0] + normal[1] * normal[1]).sqrt() + turn * normal[2].abs()) / det;
         }
         let [x, y, theta] = self.reach();
         let wide = [(x + place).max(LEAST), (y + place).max(LEAST), (theta + turn).max(LEAST / ARM)];
@@ -174,38 +174,35 @@ fn determinant(s: &[[f64; 3]; 3]) -> f64 {
         + s[0][2] * (s[1][0] * s[2][1] - s[1][1] * s[2][0])
 }
 
-/// The part of the cell `|w_j| <= 1` in which a form can lie in an interval; none when there is none.
-pub(super) fn narrowed(part: &[(f64, f64); 3], form: &Form, (lo, hi): (f64, f64)) -> Option<[(f64, f64); 3]> {
-    let mut part = *part;
-    let total = form[0].abs() + form[1].abs() + form[2].abs();
-    if lo <= -total && hi >= total {
-        return Some(part);
+/// Keeps the part of a box in which a form can lie in an interval, as tight as can be; false when there is none.
+#[inline]
+pub(super) fn narrow(part: &mut [(f64, f64); 3], form: &Form, (lo, hi): (f64, f64)) -> bool {
+    let (mut least, mut most) = (0.0, 0.0);
+    for (&(a, b), &k) in part.iter().zip(form) {
+        let (a, b) = (k * a, k * b);
+        (least, most) = (least + a.min(b), most + a.max(b));
     }
-    if lo > total || hi < -total {
-        return None;
+    if lo > most || hi < least {
+        return false;
     }
-    let ends = |k: f64, (a, b): (f64, f64)| if k >= 0.0 { (k * a, k * b) } else { (k * b, k * a) };
-    for j in 0..3 {
-        let (mut least, mut most) = (0.0, 0.0);
-        for i in 0..3 {
-            if i != j {
-                let (a, b) = ends(form[i], part[i]);
-                (least, most) = (least + a, most + b);
-            }
+    // How far the form may rise from its least value, and fall from its largest.
+    let (up, down) = (hi - least, most - lo);
+    if up >= most - least && down >= most - least {
+        return true;
+    }
+    for (side, &k) in part.iter_mut().zip(form) {
+        let (a, b) = *side;
+        let range = k.abs() * (b - a);
+        if up < range {
+            if k > 0.0 { side.1 = a + up / k } else { side.0 = b + up / k }
         }
-        let k = form[j];
-        if k.abs() < 1e-300 {
-            if least > hi || most < lo {
-                return None;
-            }
-            continue;
+        if down < range {
+            if k > 0.0 { side.0 = b - down / k } else { side.1 = a - down / k }
         }
-        let (a, b) = ((lo - most) / k, (hi - least) / k);
-        let (a, b) = if k > 0.0 { (a, b) } else { (b, a) };
-        part[j] = (part[j].0.max(a), part[j].1.min(b));
-        if part[j].0 > part[j].1 {
-            return None;
+        if side.0 > side.1 {
+            // By rounding only: the interval is not empty.
+            *side = (side.1, side.0);
         }
     }
-    Some(part)
+    true
 }

@@ -5,10 +5,10 @@
 //! at a vertex they differ by the contact itself. Both are linear over a small cell up to bounds, so that each piece and
 //! each entry of the reading's slice cut a slanted strip out of the cell. What the strips leave together is kept.
 
-use super::cell::{Cell, Form, narrowed};
+use super::cell::{Cell, Form, narrow};
 use super::piece::{Edge, Piece, Pieces, Vertex};
 use super::record::{Bending, Touch};
-use crate::beam::press::{PressEntry, PressSlice};
+use crate::beam::press::{PressEntry, PressSlice, Span};
 use crate::plane::{Bounds, Pose2, Vec2};
 use core::f64::consts::{PI, TAU};
 
@@ -27,11 +27,13 @@ pub(super) struct Ground {
 
 /// The angle brought within half a turn of the half turn (rad).
 fn around_half_turn(angle: f64) -> f64 {
-    angle - TAU * ((angle - PI) / TAU).round()
+    let turns = (angle - PI) * (1.0 / TAU);
+    // To the nearest, ties away from zero; a cast is cheaper than a call.
+    angle - TAU * (turns + 0.5_f64.copysign(turns)) as i64 as f64
 }
 
 /// The length of a vector, without the care for overflow that maps do not need.
-fn size(v: Vec2) -> f64 {
+pub(super) fn size(v: Vec2) -> f64 {
     v.norm_squared().sqrt()
 }
 
@@ -88,7 +90,8 @@ impl View {
 
     /// The form of a displacement along `direction` plus `by_turn` times the turn.
     fn form(&self, direction: Vec2, by_turn: f64) -> Form {
-        [0, 1, 2].map(|j| direction.dot(self.moves[j]) + by_turn * self.turns[j])
+        let of = |j: usize| direction.dot(self.moves[j]) + by_turn * self.turns[j];
+        [of(0), of(1), of(2)]
     }
 }
 
@@ -118,8 +121,8 @@ impl Left {
     }
 }
 
-/// What of the cell explains the reading by some contact; none if nothing does.
-pub(super) fn by_contact(view: &View, touch: &Touch, ground: &Ground) -> Option<Left> {
+/// What of the cell explains the reading by some contact; none if nothing does. Pieces and entries looked at are counted.
+pub(super) fn by_contact(view: &View, touch: &Touch, ground: &Ground, looks: &mut usize) -> Option<Left> {
     // A wide cell gains nothing from fine detail.
     let wide = view.turn > WIDE_TURN || view.reach.x + view.reach.y > WIDE_REACH;
     let pieces = if wide { &ground.coarse } else { &ground.fine };
@@ -127,8 +130,8 @@ pub(super) fn by_contact(view: &View, touch: &Touch, ground: &Ground) -> Option<
     for bending in &touch.sides {
         let bounds = rectangle(view, bending);
         pieces.near(bounds, |piece| match piece {
-            Piece::Edge(edge) => on_edge(view, touch, bending, edge, &mut left),
-            Piece::Vertex(vertex) => at_vertex(view, touch, bending, vertex, &mut left),
+            Piece::Edge(edge) => *looks += 1 + on_edge(view, touch, bending, edge, &mut left),
+            Piece::Vertex(vertex) => *looks += 1 + at_vertex(view, touch, bending, vertex, &mut left),
         });
     }
     left
@@ -139,7 +142,7 @@ fn rectangle(view: &View, bending: &Bending) -> Bounds {
     let Bounds { min, max } = bending.bounds;
     let (center, half) = ((min + max) * 0.5, (max - min) * 0.5);
     let (sin, cos) = (view.sin, view.cos);
-    let swing = (view.turn + view.slop_turn) * min.norm().max(max.norm()).max(center.norm() + half.norm());
+    let swing = (view.turn + view.slop_turn) * bending.farthest;
     let wide = Vec2::new(
         cos.abs() * half.x + sin.abs() * half.y + swing + view.reach.x,
         sin.abs() * half.x + cos.abs() * half.y + swing + view.reach.y,
@@ -158,6 +161,8 @@ pub(super) struct Contact {
     pub(super) by_direction: Vec2,
     pub(super) by_moment: Vec2,
     pub(super) radius: f64,
+    /// No less than the lengths of the three vectors.
+    sizes: [f64; 3],
 }
 
 /// Calls `visit` for each entry that meets the directions within `wide` of `psi` (rad, whisker frame, any turn).
@@ -184,158 +189,186 @@ pub(super) fn mirrored(entry: &PressEntry, side: f64, asked: f64) -> Contact {
         by_direction: Vec2::new(side * entry.by_direction.x, entry.by_direction.y),
         by_moment: Vec2::new(entry.by_moment.x, side * entry.by_moment.y),
         radius: entry.radius,
+        sizes: [about(entry.center), about(entry.by_direction), about(entry.by_moment)],
     }
 }
 
-/// Contacts on an edge.
-fn on_edge(view: &View, touch: &Touch, bending: &Bending, edge: &Edge, left: &mut Option<Left>) {
-    let normal = edge.along.perp();
-    let offset = view.base - edge.start;
-    let distance = normal.dot(offset);
-    let across = normal.x.abs() * view.reach.x + normal.y.abs() * view.reach.y + edge.bow;
-    if distance - across > touch.length || distance + across < -touch.length {
-        return;
-    }
+/// No less than the length of a vector, and at most a twelfth more: the octagon around its circle.
+fn about(v: Vec2) -> f64 {
+    let (x, y) = (v.x.abs(), v.y.abs());
+    x.max(y) + 0.415 * x.min(y)
+}
+
+/// Contacts on an edge; how many entries were looked at.
+fn on_edge(view: &View, touch: &Touch, bending: &Bending, edge: &Edge, left: &mut Option<Left>) -> usize {
+    let Some(facing) = Facing::new(view, touch.length, edge) else { return 0 };
+    let mut looks = 0;
     let psi = edge.normal - view.heading;
     let lean = edge.slack + touch.friction_angle;
     let wide = view.turn + view.slop_turn + lean;
     let slice = bending.level(wide);
-    if !may_touch(view, touch, (bending.side, slice), edge, (psi, wide, lean), (distance, across)) {
-        return;
-    }
-    contacts(bending.side, slice, psi, wide, |contact| {
-        let Some(strip) = Strip::on_edge(view, contact, edge, lean) else { return };
-        // The headings that this entry serves.
-        let serves = contact.half + lean + view.slop_turn;
-        let turns = (-contact.ahead - serves, -contact.ahead + serves);
-        let part = narrowed(&WHOLE, &strip.across, strip.across_range)
-            .and_then(|part| narrowed(&part, &strip.along, strip.along_range))
-            .and_then(|part| narrowed(&part, &view.turns, turns));
-        if let Some(part) = part {
-            Left::join(left, part, strip.across, strip.across_range);
-        }
-    });
-}
-
-/// A quick look whether base and edge can be as far apart, along the normal and along the edge, as contacts are.
-fn may_touch(
-    view: &View,
-    touch: &Touch,
-    (side, slice): (f64, &PressSlice),
-    edge: &Edge,
-    (psi, wide, lean): (f64, f64, f64),
-    (distance, across): (f64, f64),
-) -> bool {
-    let ahead = edge.along.dot(view.base - edge.start);
-    let beside = edge.along.x.abs() * view.reach.x + edge.along.y.abs() * view.reach.y + edge.bow;
-    // The force leans from the normal along which the distance is counted.
-    let more = touch.length * lean;
-    let asked = around_half_turn(side * psi);
+    let asked = around_half_turn(bending.side * psi);
     let known = slice.directions();
     for asked in [asked - TAU, asked, asked + TAU] {
         if asked + wide < known.lo() || asked - wide > known.hi() {
             continue;
         }
         let span = slice.span(asked - wide, asked + wide);
-        let place = if side > 0.0 { span.place } else { (-span.place.1, -span.place.0) };
-        if distance + span.reach.0 - across - more <= 0.0
-            && distance + span.reach.1 + across + more >= 0.0
-            && ahead + place.0 - beside - more <= edge.length
-            && ahead + place.1 + beside + more >= 0.0
-        {
-            return true;
+        // The force leans from the normal along which the distance is counted.
+        if !facing.may_touch(span, bending.side, touch.length * lean) {
+            continue;
+        }
+        for entry in slice.between(asked - wide, asked + wide) {
+            looks += 1;
+            if let Some((part, across)) = facing.part(&mirrored(entry, bending.side, asked), lean) {
+                Left::join(left, part, across.form, across.range);
+            }
         }
     }
-    false
+    looks
 }
 
-/// Two slanted strips of a cell whose meet holds every explanation of one kind.
+/// An edge as a cell's base sees it.
+struct Facing<'a> {
+    view: &'a View,
+    edge: &'a Edge,
+    /// The edge's normal and direction in the whisker frame.
+    normal: Vec2,
+    along: Vec2,
+    /// Where the base stands: above the edge's line, and along it from the start (m); how far it may be off.
+    distance: f64,
+    ahead: f64,
+    across: f64,
+    beside: f64,
+}
+
+/// Most and least of a linear form over the states that matter.
 struct Strip {
-    across: Form,
-    across_range: (f64, f64),
-    along: Form,
-    along_range: (f64, f64),
+    form: Form,
+    range: (f64, f64),
 }
 
-impl Strip {
-    fn on_edge(view: &View, contact: &Contact, edge: &Edge, lean: f64) -> Option<Self> {
+impl<'a> Facing<'a> {
+    /// None if the edge is out of reach.
+    fn new(view: &'a View, length: f64, edge: &'a Edge) -> Option<Self> {
         let normal = edge.along.perp();
-        let u = view.to_whisker(normal);
-        let side = -u.perp();
         let offset = view.base - edge.start;
-        // The contact at psi itself, by the entry's own line.
-        let p = contact.center - contact.by_direction * contact.ahead;
-        // The headings of the cell that this entry can serve: psi falls as the heading grows.
-        let far = contact.ahead.abs() + contact.half + lean;
-        let turn = view.turn.min(far);
-        let (arm, slope, thick) = (size(p), size(contact.by_direction), size(contact.by_moment));
-        let wide = turn + view.slop_turn;
-        let second = wide * (0.5 * arm * wide + slope * (wide + lean) + thick + contact.radius);
-        let error = contact.radius + second + edge.bow + view.slop;
-        let reach_turn = -side.dot(p) + u.dot(contact.by_direction);
-        let place_turn = u.dot(p) + side.dot(contact.by_direction);
-        let half = |direction: Vec2, by_turn: f64| {
-            error
-                + direction.dot(contact.by_moment).abs()
-                + direction.dot(contact.by_direction).abs() * lean
-                + by_turn.abs() * view.slop_turn
-        };
-        let (gap, half_gap) = (normal.dot(offset) + u.dot(p), half(u, reach_turn));
-        let across = view.form(normal, -reach_turn);
-        if gap.abs() > half_gap + across.iter().map(|k| k.abs()).sum::<f64>() {
+        let distance = normal.dot(offset);
+        let across = normal.x.abs() * view.reach.x + normal.y.abs() * view.reach.y + edge.bow;
+        if distance - across > length || distance + across < -length {
             return None;
         }
-        let (place, half_place) = (edge.along.dot(offset) + side.dot(p), half(side, place_turn));
-        Some(Self {
-            across,
-            across_range: (-gap - half_gap, -gap + half_gap),
-            along: view.form(edge.along, -place_turn),
-            along_range: (-place - half_place, edge.length - place + half_place),
-        })
+        let ahead = edge.along.dot(offset);
+        let beside = edge.along.x.abs() * view.reach.x + edge.along.y.abs() * view.reach.y + edge.bow;
+        if ahead - beside > edge.length + length || ahead + beside < -length {
+            return None;
+        }
+        let (normal, along) = (view.to_whisker(normal), view.to_whisker(edge.along));
+        Some(Self { view, edge, normal, along, distance, ahead, across, beside })
     }
 
-    /// With the contact at a point: across and along the line on which the contact moves with the direction.
-    fn at_point(view: &View, contact: &Contact, target: Vec2) -> Self {
-        // The point in the whisker frame, and how it moves as base and heading do.
-        let (sin, cos) = (view.sin, view.cos);
-        let w = view.to_whisker(target - view.base);
-        let sweep = size(contact.by_direction);
-        let line = if sweep > 1e-6 {
-            contact.by_direction * (1.0 / sweep)
-        } else {
-            let thick = contact.by_moment.norm();
-            if thick > 0.0 { contact.by_moment.perp() * (1.0 / thick) } else { Vec2::new(1.0, 0.0) }
+    /// A quick look whether base and edge can be as far apart, along the normal and along the edge, as contacts are.
+    fn may_touch(&self, span: Span, side: f64, more: f64) -> bool {
+        let place = if side > 0.0 { span.place } else { (-span.place.1, -span.place.0) };
+        self.distance + span.reach.0 - self.across - more <= 0.0
+            && self.distance + span.reach.1 + self.across + more >= 0.0
+            && self.ahead + place.0 - self.beside - more <= self.edge.length
+            && self.ahead + place.1 + self.beside + more >= 0.0
+    }
+
+    /// The part of the cell in which one entry explains the reading, with the strip across the edge.
+    fn part(&self, contact: &Contact, lean: f64) -> Option<(Part, Strip)> {
+        let view = self.view;
+        // The headings that this entry serves: psi falls as the heading grows.
+        let serves = contact.half + lean + view.slop_turn;
+        let turns = (-contact.ahead - serves, -contact.ahead + serves);
+        if turns.0 > view.turn || turns.1 < -view.turn {
+            return None;
+        }
+        // The contact at psi itself, by the entry's own line.
+        let p = contact.center - contact.by_direction * contact.ahead;
+        let [arm, slope, thick] = contact.sizes;
+        let arm = arm + slope * contact.ahead.abs();
+        let turn = view.turn.min(contact.ahead.abs() + contact.half + lean);
+        let wide = turn + view.slop_turn;
+        let second = wide * (0.5 * arm * wide + slope * (wide + lean) + thick + contact.radius);
+        let error = contact.radius + second + self.edge.bow + view.slop;
+        let half = |direction: Vec2, leaning: f64, by_turn: f64| {
+            error + direction.dot(contact.by_moment).abs() + leaning.abs() * lean + by_turn.abs() * view.slop_turn
         };
-        let turned = view.turn + view.slop_turn;
-        let moved = size(view.reach);
-        let second = turned * (0.5 * size(w) * turned + moved);
-        let error = contact.radius + second + view.slop + size(w) * view.slop_turn;
-        let strip = |direction: Vec2| {
-            let in_map = Vec2::new(cos * direction.x - sin * direction.y, sin * direction.x + cos * direction.y);
-            let at = direction.dot(w - contact.center);
-            let half = error
-                + direction.dot(contact.by_moment).abs()
-                + direction.dot(contact.by_direction).abs() * contact.half;
-            (view.form(-in_map, -direction.dot(w.perp())), (-at - half, -at + half))
-        };
-        let (across, across_range) = strip(line.perp());
-        let (along, along_range) = strip(line);
-        Self { across, across_range, along, along_range }
+        let (u, side) = (self.normal, self.along);
+        let leaning = u.dot(contact.by_direction);
+        let by_turn = -side.dot(p) + leaning;
+        let (gap, off) = (self.distance + u.dot(p), half(u, leaning, by_turn));
+        if gap.abs() > off + self.across + by_turn.abs() * view.turn {
+            return None;
+        }
+        let form = view.form(self.edge.along.perp(), -by_turn);
+        let across = Strip { form, range: (-gap - off, -gap + off) };
+        let mut part = WHOLE;
+        if !narrow(&mut part, &across.form, across.range) {
+            return None;
+        }
+        let leaning = side.dot(contact.by_direction);
+        let by_turn = u.dot(p) + leaning;
+        let (place, off) = (self.ahead + side.dot(p), half(side, leaning, by_turn));
+        let form = view.form(self.edge.along, -by_turn);
+        let kept = narrow(&mut part, &form, (-place - off, self.edge.length - place + off))
+            && narrow(&mut part, &view.turns, turns);
+        kept.then_some((part, across))
     }
 }
 
-/// Contacts at a vertex.
-fn at_vertex(view: &View, touch: &Touch, bending: &Bending, vertex: &Vertex, left: &mut Option<Left>) {
+/// The strips with the contact at a point: across and along the line on which the contact moves with the direction.
+fn at_point(view: &View, contact: &Contact, target: Vec2) -> [Strip; 2] {
+    // The point in the whisker frame, and how it moves as base and heading do.
+    let (sin, cos) = (view.sin, view.cos);
+    let w = view.to_whisker(target - view.base);
+    let sweep = size(contact.by_direction);
+    let line = if sweep > 1e-6 {
+        contact.by_direction * (1.0 / sweep)
+    } else {
+        let thick = contact.by_moment.norm();
+        if thick > 0.0 { contact.by_moment.perp() * (1.0 / thick) } else { Vec2::new(1.0, 0.0) }
+    };
+    let turned = view.turn + view.slop_turn;
+    let moved = size(view.reach);
+    let second = turned * (0.5 * size(w) * turned + moved);
+    let error = contact.radius + second + view.slop + size(w) * view.slop_turn;
+    [line.perp(), line].map(|direction| {
+        let in_map = Vec2::new(cos * direction.x - sin * direction.y, sin * direction.x + cos * direction.y);
+        let at = direction.dot(w - contact.center);
+        let half =
+            error + direction.dot(contact.by_moment).abs() + direction.dot(contact.by_direction).abs() * contact.half;
+        Strip { form: view.form(-in_map, -direction.dot(w.perp())), range: (-at - half, -at + half) }
+    })
+}
+
+/// Contacts at a vertex; how many entries were looked at.
+fn at_vertex(view: &View, touch: &Touch, bending: &Bending, vertex: &Vertex, left: &mut Option<Left>) -> usize {
+    let mut looks = 0;
     let lean = vertex.slack + touch.friction_angle;
     let psi = vertex.normal - view.heading;
     // Cones of half a turn and more meet everything.
     let wide = (view.turn + view.slop_turn + lean).min(PI);
     contacts(bending.side, bending.level(view.turn), psi, wide, |contact| {
-        let strip = Strip::at_point(view, contact, vertex.point);
-        let part = narrowed(&WHOLE, &strip.across, strip.across_range)
-            .and_then(|part| narrowed(&part, &strip.along, strip.along_range));
-        if let Some(part) = part {
-            Left::join(left, part, strip.across, strip.across_range);
+        looks += 1;
+        // Out of reach of all contacts of this entry: no need for strips.
+        let reach = contact.sizes.iter().sum::<f64>() + contact.radius;
+        if out_of_reach(view, vertex.point, reach) {
+            return;
+        }
+        let [across, along] = at_point(view, contact, vertex.point);
+        let mut part = WHOLE;
+        if narrow(&mut part, &across.form, across.range) && narrow(&mut part, &along.form, along.range) {
+            Left::join(left, part, across.form, across.range);
         }
     });
+    looks
+}
+
+/// Whether a point is farther from every base of the cell than `reach` (m).
+fn out_of_reach(view: &View, point: Vec2, reach: f64) -> bool {
+    let off = point - view.base;
+    off.x.abs() > reach + view.reach.x || off.y.abs() > reach + view.reach.y
 }

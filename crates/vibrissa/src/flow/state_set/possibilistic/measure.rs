@@ -3,12 +3,16 @@
 use super::cell::{ARM, Cell};
 use crate::plane::{Bounds, Pose2, Vec2, wrap_angle};
 use crate::sets::StateBox;
+use core::f64::consts::TAU;
 
 /// Cells nearer than this belong together (m, rad).
 const LINK: f64 = 1e-4;
 const LINK_TURN: f64 = 1e-3;
 /// The area is counted on a raster of this many cells across.
 const RASTER: usize = 256;
+/// More cells than this are not compared one by one, but joined where they share a bin: so many for each axis.
+const CROWD: usize = 1000;
+const BINS: usize = 64;
 /// Long cells are cut into pieces for their boxes: at most this many along a side.
 const PIECES: usize = 8;
 
@@ -44,36 +48,79 @@ pub(super) fn boxes(cells: &[(Cell, f64)]) -> Vec<StateBox> {
     boxes
 }
 
-/// The groups of cells whose boxes touch.
+/// The groups of cells whose boxes touch; of many cells also those that nearly do, within a 64th of the set.
 pub(super) fn places(cells: &[(Cell, f64)]) -> Vec<Place> {
     let hulls: Vec<StateBox> = cells.iter().map(|(cell, _)| cell.hull()).collect();
-    let mut order: Vec<usize> = (0..cells.len()).collect();
-    order.sort_by(|&a, &b| hulls[a].x.lo().total_cmp(&hulls[b].x.lo()).then(a.cmp(&b)));
     let mut parent: Vec<usize> = (0..cells.len()).collect();
-    for (rank, &a) in order.iter().enumerate() {
-        for &b in &order[rank + 1..] {
-            if hulls[b].x.lo() > hulls[a].x.hi() + LINK {
-                break;
-            }
-            if touch(&cells[a].0, &hulls[a], &cells[b].0, &hulls[b]) {
-                let (p, q) = (root(&mut parent, a), root(&mut parent, b));
-                parent[p.max(q)] = p.min(q);
-            }
-        }
+    if cells.len() <= CROWD {
+        join_pairs(cells, &hulls, &mut parent)
+    } else {
+        join_bins(&hulls, &mut parent)
     }
     let total: f64 = cells.iter().map(|(_, v)| v).sum();
-    let mut groups: Vec<(usize, Group)> = Vec::new();
-    for index in 0..cells.len() {
-        let group = root(&mut parent, index);
-        let (cell, volume) = &cells[index];
-        match groups.iter_mut().find(|(g, _)| *g == group) {
-            Some((_, all)) => all.add(cell, *volume, &hulls[index]),
-            None => groups.push((group, Group::new(cell, *volume, &hulls[index]))),
+    let (mut groups, mut group_of): (Vec<Group>, Vec<Option<usize>>) = (Vec::new(), vec![None; cells.len()]);
+    for (index, (cell, volume)) in cells.iter().enumerate() {
+        let root = root(&mut parent, index);
+        match group_of[root] {
+            Some(group) => groups[group].add(cell, *volume, &hulls[index]),
+            None => {
+                group_of[root] = Some(groups.len());
+                groups.push(Group::new(cell, *volume, &hulls[index]));
+            }
         }
     }
-    let mut places: Vec<Place> = groups.into_iter().map(|(_, group)| group.place(total)).collect();
+    let mut places: Vec<Place> = groups.iter().map(|group| group.place(total)).collect();
     places.sort_by(|a, b| b.share.total_cmp(&a.share));
     places
+}
+
+fn join(parent: &mut [usize], a: usize, b: usize) {
+    let (p, q) = (root(parent, a), root(parent, b));
+    parent[p.max(q)] = p.min(q);
+}
+
+/// Joins the boxes that touch, pair by pair.
+fn join_pairs(cells: &[(Cell, f64)], hulls: &[StateBox], parent: &mut [usize]) {
+    let mut order: Vec<usize> = (0..cells.len()).collect();
+    order.sort_by(|&a, &b| hulls[a].x.lo().total_cmp(&hulls[b].x.lo()).then(a.cmp(&b)));
+    for (rank, &a) in order.iter().enumerate() {
+        let near = |&&b: &&usize| hulls[b].x.lo() <= hulls[a].x.hi() + LINK;
+        for &b in order[rank + 1..].iter().take_while(near) {
+            if touch(&cells[a].0, &hulls[a], &cells[b].0, &hulls[b]) {
+                join(parent, a, b);
+            }
+        }
+    }
+}
+
+/// Joins the boxes that share a bin of a raster over the set: what touches does, and what is nearer than a bin may.
+fn join_bins(hulls: &[StateBox], parent: &mut [usize]) {
+    let axis = |of: &dyn Fn(&StateBox) -> (f64, f64)| {
+        let (lo, hi) =
+            hulls.iter().map(of).fold((f64::INFINITY, f64::NEG_INFINITY), |a, b| (a.0.min(b.0), a.1.max(b.1)));
+        let per_metre = BINS as f64 / (hi - lo + LINK);
+        move |(a, b): (f64, f64)| {
+            let bin = |v: f64| (((v - lo) * per_metre).max(0.0) as usize).min(BINS - 1);
+            bin(a - LINK)..=bin(b + LINK)
+        }
+    };
+    let x = |h: &StateBox| (h.x.lo(), h.x.hi());
+    let y = |h: &StateBox| (h.y.lo(), h.y.hi());
+    let (columns, rows) = (axis(&x), axis(&y));
+    let sector = |theta: f64| (theta * (BINS as f64 / TAU)).floor() as i64;
+    let mut first = vec![usize::MAX; BINS * BINS * BINS];
+    for (index, hull) in hulls.iter().enumerate() {
+        let (lo, hi) = (sector(hull.theta.lo() - LINK_TURN), sector(hull.theta.hi() + LINK_TURN));
+        for at in lo..=hi.min(lo + BINS as i64 - 1) {
+            let layer = at.rem_euclid(BINS as i64) as usize * BINS;
+            for row in rows(y(hull)) {
+                for column in columns(x(hull)) {
+                    let bin = &mut first[(layer + row) * BINS + column];
+                    if *bin == usize::MAX { *bin = index } else { join(parent, *bin, index) }
+                }
+            }
+        }
+    }
 }
 
 fn root(parent: &mut [usize], mut at: usize) -> usize {

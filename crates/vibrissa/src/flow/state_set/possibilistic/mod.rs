@@ -21,7 +21,7 @@ use crate::config::PossibilisticOptions;
 use crate::plane::{Pose2, wrap_angle};
 use crate::sets::{Interval, StateBox};
 use crate::world::{Map, MountedWhisker, Odometry};
-use cell::{Cell, narrowed};
+use cell::{Cell, narrow};
 use explain::{Ground, View};
 pub use measure::Place;
 use piece::Pieces;
@@ -38,6 +38,8 @@ const FAR: f64 = 0.03;
 /// Readings are kept for cells that come late at least this far apart (m of the robot's way), and at most so many.
 const KEPT_EVERY: f64 = 1e-3;
 const MOST_KEPT: usize = 160;
+/// So many looks at pieces of boundary and contacts are one more piece of work.
+const LOOKS: usize = 12;
 /// The place of a base is checked once in so many records.
 const LOOK_EVERY: u32 = 8;
 
@@ -206,7 +208,8 @@ impl PossibleSet {
 
     /// What is left of a new cell after the reading that it was born from and all that is known from before.
     fn entering(&self, map: &Map, cell: Cell, record: u32) -> Option<Cell> {
-        let mut cell = self.meet(map, cell, record, true)?;
+        let mut free = usize::MAX;
+        let mut cell = self.meet(map, cell, record, true, &mut free)?;
         if let Some(prior) = self.options.prior {
             let first = &self.records[0].stand;
             let (step, place, turn) = self.records[cell.anchor as usize].stand.until(first);
@@ -214,13 +217,20 @@ impl PossibleSet {
         }
         let earlier = self.kept.iter().rev().filter(|&&k| k < record).step_by(4).take(4);
         for &k in earlier {
-            cell = self.meet(map, cell, k, false)?;
+            cell = self.meet(map, cell, k, false, &mut free)?;
         }
         Some(cell)
     }
 
-    /// What is left of a cell after one record; none when it cannot explain it.
-    fn meet(&self, map: &Map, cell: Cell, record: u32, look: bool) -> Option<Cell> {
+    /// What is left of a cell after one record; none when it cannot explain it. The work grows with the boundary around.
+    fn meet(&self, map: &Map, cell: Cell, record: u32, look: bool, work: &mut usize) -> Option<Cell> {
+        let mut looks = 0;
+        let met = self.met(map, cell, record, look, &mut looks);
+        *work = work.saturating_sub(1 + looks / LOOKS);
+        met
+    }
+
+    fn met(&self, map: &Map, cell: Cell, record: u32, look: bool, looks: &mut usize) -> Option<Cell> {
         // Where misses are counted, no reading may count twice.
         if self.options.tolerate > 0 && record <= cell.seen {
             return Some(cell);
@@ -228,7 +238,7 @@ impl PossibleSet {
         let there = &self.records[record as usize];
         let mut cell = cell;
         let (mut step, mut place, mut turn) = self.records[cell.anchor as usize].stand.until(&there.stand);
-        let bends = step.position().norm() > FAR;
+        let bends = step.position().norm_squared() > FAR * FAR;
         if record > cell.anchor && (place > STALE || bends) {
             cell.moved(step, record);
             cell.grow(place, turn);
@@ -246,7 +256,7 @@ impl PossibleSet {
             if touch.free && room::whisker_may_be_free(&view, touch.length, &self.ground.coarse) {
                 continue;
             }
-            match explain::by_contact(&view, touch, &self.ground) {
+            match explain::by_contact(&view, touch, &self.ground, looks) {
                 // With misses left, the part that does not explain the reading stays possible, too.
                 Some(_) if (cell.missed as usize) < self.options.tolerate => {}
                 Some(left) => cell.keep(&left),
@@ -294,7 +304,9 @@ fn within(cell: Cell, step: Pose2, (place, turn): (f64, f64), bounds: &[[f64; 2]
     for axis in 0..3 {
         let form = [0, 1, 2].map(|j| [view.moves[j].x, view.moves[j].y, view.turns[j]][axis]);
         let [lo, hi] = bounds[axis];
-        part = narrowed(&part, &form, (lo - at[axis] - slop[axis], hi - at[axis] + slop[axis]))?;
+        if !narrow(&mut part, &form, (lo - at[axis] - slop[axis], hi - at[axis] + slop[axis])) {
+            return None;
+        }
     }
     let mut cell = cell;
     cell.shrink(&part);
@@ -306,7 +318,10 @@ fn turned_within(cell: Cell, turn: f64, off: f64, heading: Interval) -> Option<C
     let middle = 0.5 * (heading.lo() + heading.hi());
     let at = wrap_near(cell.center.theta + turn, middle);
     let form = cell.sides.map(|s| s[2]);
-    let part = narrowed(&[(-1.0, 1.0); 3], &form, (heading.lo() - at - off, heading.hi() - at + off))?;
+    let mut part = [(-1.0, 1.0); 3];
+    if !narrow(&mut part, &form, (heading.lo() - at - off, heading.hi() - at + off)) {
+        return None;
+    }
     let mut cell = cell;
     cell.shrink(&part);
     Some(cell)

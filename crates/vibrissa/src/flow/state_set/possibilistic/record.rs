@@ -72,8 +72,9 @@ pub(super) struct Bending {
     pub(super) side: f64,
     /// The same contacts by directions of the wall, from fine to coarse.
     pub(super) slices: Vec<PressSlice>,
-    /// The rectangle around all contacts, whisker frame.
+    /// The rectangle around all contacts, whisker frame, and the largest distance from the base in it (m).
     pub(super) bounds: Bounds,
+    pub(super) farthest: f64,
 }
 
 impl Touch {
@@ -99,7 +100,9 @@ fn bendings(whisker: &MountedWhisker, tables: &[PressTable], lo: f64, hi: f64) -
                 |table: &PressTable| table.slice(least.max(0.0) * scale, most * scale).scaled(whisker.beam.length);
             let slices: Vec<PressSlice> = tables.iter().map(cut).collect();
             let bounds = slices.first().map_or(Bounds::EMPTY, |finest| around(finest, side));
-            sides.push(Bending { side, bounds, slices });
+            let Bounds { min, max } = bounds;
+            let farthest = min.x.abs().max(max.x.abs()).hypot(min.y.abs().max(max.y.abs()));
+            sides.push(Bending { side, slices, bounds, farthest });
         }
     }
     sides

@@ -15,9 +15,14 @@ const COARSE: f64 = 6e-3;
 const STUCK: f64 = 0.9;
 /// Cells are halved once the robot has moved this far from the first contact (m): before, readings tell little apart.
 const FIRST_WAY: f64 = 5e-3;
-/// Rounds of the last effort, and when they stop: a round that leaves more of the volume than this.
-const ROUNDS: usize = 12;
-const DONE: f64 = 0.97;
+/// In the last effort cells longer than this share of the longest are halved in one go: the large ones come first.
+const LARGE: f64 = 0.7;
+/// Stages of the last effort: how many times more of the kept readings a half meets, and the share of the work left.
+const STAGES: [(usize, f64); 3] = [(2, 0.5), (8, 0.5), (64, 1.0)];
+/// Most cells of the last effort: a few MB.
+const LAST_CELLS: usize = 20_000;
+/// Kept readings are met in steps of this share of all of them, which spreads any number of them.
+const STRIDE: f64 = 0.618_033_988_75;
 /// Cells that are halved in one row when there is little work for each.
 const AT_ONCE: usize = 4;
 /// Longest rest between two attempts at halving (records).
@@ -33,13 +38,12 @@ impl PossibleSet {
         let mut cells = std::mem::take(&mut self.cells);
         while turns > 0 && work > 0 {
             turns -= 1;
-            work -= 1;
             if self.cursor >= cells.len() {
                 self.cursor = 0;
             }
             let cell = cells[self.cursor];
             let look = (newest / LOOK_EVERY) != (cell.seen / LOOK_EVERY);
-            let Some(kept) = self.meet(map, cell, newest, look) else {
+            let Some(kept) = self.meet(map, cell, newest, look, &mut work) else {
                 self.drop(&mut cells);
                 continue;
             };
@@ -47,8 +51,7 @@ impl PossibleSet {
             let (side, length) = longest(&kept);
             let stuck = length > COARSE && kept.volume() > STUCK * cell.volume();
             if stuck && cells.len() < self.options.most_cells && self.way_since_birth() > FIRST_WAY {
-                let [a, b] = kept.halves(side).map(|half| self.recall(map, half, newest, RECALLED));
-                work = work.saturating_sub(2 * RECALLED);
+                let [a, b] = kept.halves(side).map(|half| self.recall(map, half, RECALLED, &mut work));
                 match (a, b) {
                     (Some(a), Some(b)) => {
                         cells[self.cursor] = a;
@@ -94,13 +97,11 @@ impl PossibleSet {
             if work < cost || self.cells.len() + born.len() >= self.options.most_cells + gone.len() {
                 break;
             }
-            work -= cost;
             let cell = self.cells[index];
             let (side, length) = longest(&cell);
             let halves: Vec<Cell> =
-                cell.halves(side).into_iter().filter_map(|half| self.recall(map, half, newest, recalled)).collect();
-            let volume: f64 = halves.iter().map(Cell::volume).sum();
-            if halves.len() < 2 || length > COARSE || volume < GAIN * cell.volume() {
+                cell.halves(side).into_iter().filter_map(|half| self.recall(map, half, recalled, &mut work)).collect();
+            if length > COARSE || is_gain(&cell, &halves) {
                 gone.push(index);
                 born.extend(halves);
             } else {
@@ -120,38 +121,90 @@ impl PossibleSet {
         cell.rest_until <= newest && longest(cell).1 > self.options.resolution
     }
 
-    /// A half that meets the newest record and some of those since the first contact, as far apart as can be.
-    fn recall(&self, map: &Map, half: Cell, newest: u32, most: usize) -> Option<Cell> {
-        let mut cell = self.meet(map, half, newest, true)?;
+    /// A half that meets the newest record and some of those since the first contact, spread over all of them; what it
+    /// meets is taken from the work.
+    fn recall(&self, map: &Map, half: Cell, most: usize, work: &mut usize) -> Option<Cell> {
+        let newest = self.records.len() as u32 - 1;
         let first = self.kept.partition_point(|&k| k < self.born_at);
         let since = &self.kept[first..];
-        let count = most.min(since.len());
-        for k in 0..count {
-            let at = k * (since.len() - 1) / (count - 1).max(1);
-            cell = self.meet(map, cell, since[at], false)?;
+        let stride = stride(since.len());
+        // What is left of the work starts the row of readings: each half meets others.
+        let start = *work;
+        let mut cell = self.meet(map, half, newest, true, work)?;
+        for k in 0..most.min(since.len()) {
+            cell = self.meet(map, cell, since[(start + k * stride) % since.len()], false, work)?;
         }
         Some(cell)
     }
 
     /// The last effort, when no more rows come: cells meet what is remembered and are halved, as far as the work goes.
     pub fn finish(&mut self, map: &Map) {
-        let Some(newest) = self.records.len().checked_sub(1) else { return };
-        let share = self.options.last_work / ROUNDS;
-        for _ in 0..ROUNDS {
-            if self.cells.is_empty() || share == 0 {
-                return;
-            }
-            let (count, before) = (self.cells.len(), self.volume());
-            let each = (share / count).clamp(1, self.kept.len().max(1));
-            let cells = std::mem::take(&mut self.cells);
-            self.cells = cells.into_iter().filter_map(|cell| self.recall(map, cell, newest as u32, each)).collect();
-            self.cells.iter_mut().for_each(|cell| cell.rest_until = 0);
-            self.halve(map, share);
-            if self.cells.len() == count && self.volume() > DONE * before {
-                return;
-            }
+        if self.records.is_empty() {
+            return;
+        }
+        let mut work = self.options.last_work;
+        for (times, share) in STAGES {
+            let mut own = (work as f64 * share) as usize;
+            work -= own;
+            self.pave(map, times * RECALLED, &mut own);
+            work += own;
         }
     }
+
+    /// Lets every cell and every half meet `most` of the kept readings; the longest cells are halved first.
+    fn pave(&mut self, map: &Map, most: usize, work: &mut usize) {
+        self.cells.iter_mut().for_each(|cell| cell.rest_until = 0);
+        let all = std::mem::take(&mut self.cells);
+        let met = |cell: Cell| if *work > 0 { self.recall(map, cell, most, work) } else { Some(cell) };
+        self.cells = all.into_iter().filter_map(met).collect();
+        while *work > 0 {
+            let waiting = self.cells.iter().filter(|cell| cell.rest_until == 0);
+            let longest_side = waiting.map(|cell| longest(cell).1).fold(0.0, f64::max);
+            if longest_side <= self.options.resolution {
+                return;
+            }
+            self.pave_once(map, (LARGE * longest_side).max(self.options.resolution), most, work);
+        }
+    }
+
+    /// Halves every cell longer than this, as far as the work goes, gain or not: what two halvings rule out, one may not.
+    fn pave_once(&mut self, map: &Map, limit: f64, most: usize, work: &mut usize) {
+        let all = std::mem::take(&mut self.cells);
+        let mut room = self.options.most_cells.max(LAST_CELLS).saturating_sub(all.len());
+        let mut cells = Vec::with_capacity(all.len());
+        for mut cell in all {
+            let (side, length) = longest(&cell);
+            if *work == 0 || cell.rest_until > 0 || length <= limit {
+                cells.push(cell);
+            } else if room == 0 {
+                cell.rest_until = u32::MAX;
+                cells.push(cell);
+            } else {
+                let before = cells.len();
+                cells.extend(cell.halves(side).into_iter().filter_map(|half| self.recall(map, half, most, work)));
+                room = room + 1 - (cells.len() - before).min(room + 1);
+            }
+        }
+        self.cells = cells;
+    }
+}
+
+/// Whether what is left of the halves is worth taking the place of the whole.
+fn is_gain(whole: &Cell, halves: &[Cell]) -> bool {
+    halves.len() < 2 || halves.iter().map(Cell::volume).sum::<f64>() < GAIN * whole.volume()
+}
+
+/// A step that visits all of so many readings before it comes back.
+fn stride(count: usize) -> usize {
+    let share = |a: usize, b: usize| {
+        let (mut a, mut b) = (a, b);
+        while b > 0 {
+            (a, b) = (b, a % b);
+        }
+        a
+    };
+    let least = ((count as f64 * STRIDE) as usize).max(1);
+    (least..least + count).find(|&step| share(step, count) == 1).unwrap_or(1)
 }
 
 /// The longest side of a cell and its length (m).

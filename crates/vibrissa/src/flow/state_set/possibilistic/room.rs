@@ -1,6 +1,6 @@
 //! Where a robot cannot be because something stands there.
 
-use super::explain::View;
+use super::explain::{View, size};
 use super::piece::{Edge, Piece, Pieces};
 use crate::plane::{Bounds, Vec2};
 use crate::world::Map;
@@ -10,13 +10,13 @@ const MARGIN: f64 = 5e-6;
 
 /// Whether the whisker's base can be in free space in some state of the cell.
 pub(super) fn base_may_be_free(view: &View, map: &Map) -> bool {
-    map.is_free(view.base) || map.nearest_within(view.base, view.reach.norm() + MARGIN).is_some()
+    map.is_free(view.base) || map.nearest_within(view.base, size(view.reach) + MARGIN).is_some()
 }
 
 /// Whether the unbent whisker of this length (m) can lie in free space in some state of the cell.
 pub(super) fn whisker_may_be_free(view: &View, length: f64, pieces: &Pieces) -> bool {
     let tip = view.base + Vec2::from_angle(view.heading) * length;
-    let off = view.reach.norm() + length * (view.turn + view.slop_turn) + MARGIN;
+    let off = size(view.reach) + length * (view.turn + view.slop_turn) + MARGIN;
     let mut free = true;
     pieces.near(Bounds::of(&[view.base, tip]), |piece| {
         if let Piece::Edge(edge) = piece {

@@ -135,7 +135,7 @@ fn no_true_state_is_ruled_out(friction: f64, seed: u64, trials: usize) {
             assert!(holds(&cell, then));
             let before = cell.volume();
             let view = View::new(&cell, felt, (place, turn), case.whisker.robot_from_whisker);
-            let left = explain::by_contact(&view, &touch, &ground);
+            let left = explain::by_contact(&view, &touch, &ground, &mut 0);
             let left = left.unwrap_or_else(|| panic!("lost: {case:?} {cell:?}"));
             cell.keep(&left);
             assert!(holds(&cell, then), "cut away: {case:?} {cell:?}");
