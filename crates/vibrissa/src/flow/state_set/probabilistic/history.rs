@@ -96,10 +96,13 @@ impl Feeler {
         } else {
             (0.0, self.expected(0.0).1)
         };
+        // The law's height: without it larger moments, whose errors are larger, would explain every reading better, and a
+        // shared error would give way to them.
+        let height = self.expected(z).1 / std;
         let std = std * judge.temper;
         let residual = mean - z;
         let sigmas = residual / std;
-        let (cost, trust) = robust(sigmas, judge.outlier_cost);
+        let (cost, trust) = robust(sigmas, height, judge.outlier_cost);
         let weight = if pressed || wanted { trust / (std * std) } else { 0.0 };
         Misfit { cost, residual, weight, sigmas }
     }
@@ -114,12 +117,12 @@ const SQRT_3: f64 = 1.732_050_807_568_877_2;
 /// Readings are never taken to be more exact than this (dimensionless moment): a tip known to about a micrometre.
 const LEAST_ABSOLUTE: f64 = 2e-5;
 
-/// Cost and weight of a residual in standard deviations: Gaussian with a floor for false readings.
-fn robust(sigmas: f64, outlier_cost: f64) -> (f64, f64) {
+/// Cost and weight of a residual in standard deviations: a Gaussian of this height with a floor for false readings.
+fn robust(sigmas: f64, height: f64, outlier_cost: f64) -> (f64, f64) {
     if outlier_cost.is_infinite() {
-        return (0.5 * sigmas * sigmas, 1.0);
+        return (0.5 * sigmas * sigmas - height.ln(), 1.0);
     }
-    let kernel = (-0.5 * sigmas * sigmas).exp();
+    let kernel = height * (-0.5 * sigmas * sigmas).exp();
     let floor = (-outlier_cost).exp();
     (-((kernel + floor) / (1.0 + floor)).ln(), kernel / (kernel + floor))
 }
