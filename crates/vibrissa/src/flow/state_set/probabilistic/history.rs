@@ -74,6 +74,23 @@ impl Feeler {
         (mean.copysign(h), (self.relative * h.abs() + self.absolute) * per / SQRT_3)
     }
 
+    /// The residual in standard deviations as a logarithm's, for a moment of this sign, above the absolute error.
+    ///
+    /// Errors grow with the moment, so that in plain residuals a larger moment explains all readings better, all the more
+    /// where a shared gain makes up for it. The ratio of the bound's width at the reading to that at the moment lies evenly
+    /// between `1 - r` and `1 + r` whatever the moment, so its logarithm has the same law everywhere; its mean is taken
+    /// off, and what is far below is continued in a straight line.
+    fn evened(&self, sigmas: f64, sign: f64) -> f64 {
+        let r = self.relative;
+        if r < LEAST_RELATIVE {
+            return sigmas;
+        }
+        let ratio = 1.0 - r * sign * sigmas / SQRT_3;
+        let log = if ratio > 0.5 { ratio.ln() } else { 0.5_f64.ln() + 2.0 * ratio - 1.0 };
+        let mean = ((1.0 + r) * r.ln_1p() - (1.0 - r) * (-r).ln_1p()) / (2.0 * r) - 1.0;
+        sign * SQRT_3 / r * (mean - log)
+    }
+
     /// Standard deviation of the relative error that all readings share, where nothing is said: a quarter of the bound.
     pub(super) fn shared_share(&self) -> f64 {
         0.25 * self.relative
@@ -96,13 +113,12 @@ impl Feeler {
         } else {
             (0.0, self.expected(0.0).1)
         };
-        // The law's height: without it larger moments, whose errors are larger, would explain every reading better, and a
-        // shared error would give way to them.
-        let height = self.expected(z).1 / std;
+        let sigmas = (mean - z) / std;
+        let even = if pressed && h.abs() >= self.absolute { self.evened(sigmas, h.signum()) } else { sigmas };
         let std = std * judge.temper;
-        let residual = mean - z;
-        let sigmas = residual / std;
-        let (cost, trust) = robust(sigmas, height, judge.outlier_cost);
+        let residual = even * std / judge.temper;
+        let sigmas = sigmas / judge.temper;
+        let (cost, trust) = robust(even / judge.temper, judge.outlier_cost);
         let weight = if pressed || wanted { trust / (std * std) } else { 0.0 };
         Misfit { cost, residual, weight, sigmas }
     }
@@ -117,12 +133,15 @@ const SQRT_3: f64 = 1.732_050_807_568_877_2;
 /// Readings are never taken to be more exact than this (dimensionless moment): a tip known to about a micrometre.
 const LEAST_ABSOLUTE: f64 = 2e-5;
 
-/// Cost and weight of a residual in standard deviations: a Gaussian of this height with a floor for false readings.
-fn robust(sigmas: f64, height: f64, outlier_cost: f64) -> (f64, f64) {
+/// Below this relative bound residuals are taken plain: the logarithm's are the same, but for rounding.
+const LEAST_RELATIVE: f64 = 1e-5;
+
+/// Cost and weight of a residual in standard deviations: Gaussian with a floor for false readings.
+fn robust(sigmas: f64, outlier_cost: f64) -> (f64, f64) {
     if outlier_cost.is_infinite() {
-        return (0.5 * sigmas * sigmas - height.ln(), 1.0);
+        return (0.5 * sigmas * sigmas, 1.0);
     }
-    let kernel = height * (-0.5 * sigmas * sigmas).exp();
+    let kernel = (-0.5 * sigmas * sigmas).exp();
     let floor = (-outlier_cost).exp();
     (-((kernel + floor) / (1.0 + floor)).ln(), kernel / (kernel + floor))
 }
