@@ -310,6 +310,7 @@ fn fit(h: &Hypothesis, bank: &Bank, field: &Field<'_>, history: &History) -> Fit
     let gain = h.gain(bank.shared);
     let (mut squares, mut within) = (0.0, 0);
     let (mut sum, mut count, mut beyond, mut broken, mut rows) = (0.0, 0, 0, 0, 0);
+    let mut strange = 0;
     again.run(&scene, h.map_from_odom, core::iter::empty());
     for &row in &bank.used {
         again.take(&scene, row);
@@ -330,13 +331,18 @@ fn fit(h: &Hypothesis, bank: &Bank, field: &Field<'_>, history: &History) -> Fit
                 if sigmas.abs() <= CUT {
                     squares += sigmas * sigmas;
                     within += 1;
+                } else {
+                    strange += 1;
                 }
                 count += 1;
             }
             if count == BLOCK {
-                fit.drift += sum * sum / BLOCK as f64;
-                fit.blocks += 1;
-                (sum, count) = (0.0, 0);
+                // A whisker on its side is no drift; how often that may be is for `beyond` to say.
+                if 2 * strange <= BLOCK {
+                    fit.drift += sum * sum / BLOCK as f64;
+                    fit.blocks += 1;
+                }
+                (sum, count, strange) = (0.0, 0, 0);
             }
         }
     }

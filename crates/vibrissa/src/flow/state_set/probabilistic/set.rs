@@ -253,9 +253,12 @@ impl<'a> ProbabilisticSet<'a> {
             self.costs.clear();
         }
         self.costs.push(bank.least());
-        if self.costs.len() > WATCHED {
-            let before = self.costs.remove(0);
-            let most = before + LOST_COST * WATCHED as f64;
+        // A whisker on its side is explained by no place for a while; a tolerated share of the rows is waited for.
+        let watched = WATCHED + (options.tolerated_share * self.tracked.min(options.window) as f64) as usize;
+        if self.costs.len() > watched {
+            let stale = self.costs.len() - watched;
+            let before = self.costs.drain(..stale).next_back().unwrap_or(0.0);
+            let most = before + LOST_COST * watched as f64;
             let mut now = bank.least();
             if now > most {
                 bank.rescue(&field, history);
