@@ -439,7 +439,7 @@ impl Default for ProbabilisticOptions {
             heading_error: 0.05,
             prior: None,
             window: 1000,
-            tolerated_share: 0.2,
+            tolerated_share: 0.15,
         }
     }
 }

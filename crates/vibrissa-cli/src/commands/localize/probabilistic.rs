@@ -22,7 +22,7 @@ pub(crate) struct ProbabilisticArgs {
     #[arg(long, value_name = "SHARE")]
     shared_gain: Option<f64>,
     /// Share of the rows that no contact of the tip needs to explain, since the whisker lies on its side or has snapped
-    /// [default: 0.2]
+    /// [default: 0.15]
     #[arg(long, value_name = "SHARE")]
     tolerated_share: Option<f64>,
 }

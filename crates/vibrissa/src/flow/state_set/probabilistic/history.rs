@@ -213,3 +213,50 @@ impl History {
         self.readings.drain(these);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn feeler(relative: f64, absolute: f64) -> Feeler {
+        Feeler { robot_from_whisker: Pose2::IDENTITY, length: 0.075, per_moment: 1.0, relative, absolute }
+    }
+
+    /// The readings that the declared bound allows, evenly: from `|h - z| <= r |z| + a` by hand, for `z` of `h`'s sign.
+    fn readings(h: f64, r: f64, a: f64) -> impl Iterator<Item = f64> {
+        let (low, high) = ((h.abs() - a) / (1.0 + r), (h.abs() + a) / (1.0 - r));
+        (0..2000).map(move |i| (low + (f64::from(i) + 0.5) / 2000.0 * (high - low)).copysign(h))
+    }
+
+    #[test]
+    fn residuals_have_one_law_whatever_the_moment() {
+        for (r, a) in [(0.05, 1e-3), (0.2, 1e-4), (1e-3, 2e-2), (0.0, 1e-2), (0.4, 0.0)] {
+            for h in [0.03, -0.3, 2.5] {
+                let feeler = feeler(r, a);
+                let all: Vec<Misfit> =
+                    readings(h, r, a).map(|z| feeler.misfit(h, z, true, true, Judge::FAIR)).collect();
+                let std = feeler.expected(h).1;
+                let mean = all.iter().map(|m| m.residual / std).sum::<f64>() / all.len() as f64;
+                let square = all.iter().map(|m| (m.residual / std).powi(2)).sum::<f64>() / all.len() as f64;
+                assert!(mean.abs() < 1e-3, "{r} {a} {h}: {mean}");
+                assert!((square - 1.0).abs() < 1e-3 + r * r, "{r} {a} {h}: {square}");
+            }
+        }
+    }
+
+    #[test]
+    fn moments_that_are_all_too_large_explain_no_better() {
+        // With relative errors alone, moments and readings that are larger by the same share cost the same: nothing is won
+        // by scaling both, as a shared gain does. Moments that are too large and too small by as much cost alike.
+        let feeler = feeler(0.05, 1e-9);
+        let cost = |h: f64, scale: f64| {
+            readings(h, 0.05, 0.0).map(|z| feeler.misfit(h * scale, z, true, true, Judge::FAIR).cost).sum::<f64>()
+                / 2000.0
+        };
+        for h in [0.1, -1.0] {
+            assert!((cost(h, 1.0) - cost(2.0 * h, 1.0)).abs() < 1e-6);
+            let (more, less) = (cost(h, 1.02), cost(h, 1.0 / 1.02));
+            assert!(more > cost(h, 1.0) + 0.1 && (more - less).abs() < 0.02, "{more} {less}");
+        }
+    }
+}
