@@ -11,17 +11,12 @@ use crate::plane::Pose2;
 /// Samples of one place, and hypotheses at most that they are drawn around.
 pub(super) const SAMPLES: usize = 144;
 const MOST_CENTRES: usize = 12;
-/// So many of them are drawn around the hypotheses; the rest is drawn from the Gaussian that those have found, so much
-/// wider.
+/// The share of them that is drawn around the hypotheses; the rest is drawn from the Gaussian that those have found, so
+/// much wider.
 const FIRST: usize = 72;
 const WIDER: f64 = 1.3;
-/// As long as the volume grows by this factor, more are drawn from what has been found, so often at most: the samples
-/// have not seen all of the place yet.
-const GROWN: f64 = 1.25;
-const MOST_ROUNDS: usize = 4;
-/// A third of the samples are drawn from Gaussians this much wider than the linearisation says, and a third from each
-/// other: on a facet of the map it may say far too little.
-const WIDTHS: [f64; 3] = [1.2, 2.5, 6.0];
+/// Half of the samples are drawn from Gaussians this much wider than the linearisation says, half from the other.
+const WIDTHS: [f64; 2] = [1.2, 2.5];
 /// The linearisation counts like so many effective samples.
 const PRIOR_SAMPLES: f64 = 6.0;
 
@@ -96,30 +91,18 @@ pub(super) fn spread(
     }
     let early = drawn.len();
     let weighed: Vec<_> = drawn.iter().map(|&(d, c)| (d, weight(c, around(d)))).collect();
-    let mut found = summary(&weighed, own)?;
-    let mut wider: Vec<Centre> = Vec::new();
-    for _ in 0..MOST_ROUNDS {
-        let Some(centre) = Centre::new(found.mean, &found.covariance) else { return Some(found) };
-        let volume = 1.0 / centre.per_volume;
-        for _ in 0..SAMPLES - FIRST {
-            let step = times(&centre.root, normal_point(drawn.len()));
-            let d = [0, 1, 2].map(|i| centre.at[i] + WIDER * step[i]);
-            drawn.push((d, cost(d)));
-        }
-        wider.push(centre);
-        // Each sample is weighed as one of the mixture that all were drawn from.
-        let (each, total) = ((SAMPLES - FIRST) as f64, drawn.len() as f64);
-        let mixture = |d: [f64; 3]| {
-            let later: f64 = wider.iter().map(|c| each * c.density(d, WIDER)).sum();
-            (early as f64 * around(d) + later) / total
-        };
-        let weighed: Vec<_> = drawn.iter().map(|&(d, c)| (d, weight(c, mixture(d)))).collect();
-        found = summary(&weighed, own)?;
-        if determinant(&found.covariance).sqrt() < GROWN * volume {
-            break;
-        }
+    let found = summary(&weighed, own)?;
+    let Some(centre) = Centre::new(found.mean, &found.covariance) else { return Some(found) };
+    for index in early..SAMPLES {
+        let step = times(&centre.root, normal_point(index));
+        let d = [0, 1, 2].map(|i| centre.at[i] + WIDER * step[i]);
+        drawn.push((d, cost(d)));
     }
-    Some(found)
+    // Each sample is weighed as one of the mixture that all were drawn from.
+    let share = early as f64 / SAMPLES as f64;
+    let mixture = |d: [f64; 3]| share * around(d) + (1.0 - share) * centre.density(d, WIDER);
+    let weighed: Vec<_> = drawn.iter().map(|&(d, c)| (d, weight(c, mixture(d)))).collect();
+    summary(&weighed, own)
 }
 
 /// Mean, covariance and mass of weighted samples; where few of them count, the linearisation's covariance does.
@@ -180,10 +163,10 @@ mod tests {
         let precise = inverse(&target).unwrap_or_default();
         let samples: Vec<_> = (0..4000)
             .map(|index| {
-                let width = WIDTHS[index % WIDTHS.len()];
+                let width = WIDTHS[index % 2];
                 let d = times(&centre.root, normal_point(index)).map(|v| width * v);
                 let off = [0, 1, 2].map(|i| d[i] - at[i]);
-                let drawn = WIDTHS.map(|w| centre.density(d, w)).iter().sum::<f64>() / WIDTHS.len() as f64;
+                let drawn = WIDTHS.map(|w| centre.density(d, w)).iter().sum::<f64>() / 2.0;
                 (d, (-0.5 * dot(times(&precise, off), off)).exp() / drawn)
             })
             .collect();
