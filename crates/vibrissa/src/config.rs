@@ -448,6 +448,9 @@ pub struct ProbabilisticOptions {
     pub prior: Option<[[f64; 2]; 3]>,
     /// Rows that are kept and fitted again; what older ones say is summed up as a Gaussian for each hypothesis.
     pub window: usize,
+    /// Share of the rows that no equilibrium at the tip needs to explain, 0 to 0.5: while the whisker touches with its side
+    /// or has snapped, even the true place explains nothing.
+    pub tolerated_share: f64,
 }
 
 impl Default for ProbabilisticOptions {
@@ -461,6 +464,7 @@ impl Default for ProbabilisticOptions {
             heading_error: 0.05,
             prior: None,
             window: 1000,
+            tolerated_share: 0.15,
         }
     }
 }
@@ -474,6 +478,7 @@ impl ProbabilisticOptions {
     pub fn check(&self) -> Result<()> {
         check_region(self.prior)?;
         within("window", self.window as f64, 200.0, 1e6, "rows")?;
+        within("tolerated_share", self.tolerated_share, 0.0, 0.5, "(share of the rows)")?;
         within("heading_error", self.heading_error, 1e-4, core::f64::consts::PI, "rad")?;
         within("seed_spacing", self.seed_spacing, 5e-4, 2e-2, "m")?;
         within("seed_turn", self.seed_turn, 5e-3, 0.2, "rad")?;

@@ -245,3 +245,21 @@ fn memory_does_not_grow_and_the_place_stays_known() {
     assert_eq!(answer.status, Status::Localized, "{:?}", answer.events);
     assert!(off(answer.estimate.unwrap(), sweep.truth[last].map_from_robot).0 < 0.2e-3);
 }
+
+#[test]
+fn a_whisker_that_feels_something_else_for_a_while_is_no_contradiction() {
+    let (map, sweep) = (demo::arena().unwrap(), demo::sweep(3).unwrap());
+    let truth = sweep.truth.last().unwrap().map_from_robot;
+    let mut log = sweep.log;
+    // As on its side: for 45 rows on end the moment is not that of the tip.
+    let from = log.rows.len() * 3 / 5;
+    log.rows[from..from + 45].iter_mut().for_each(|row| row.readings[0] *= 1.5);
+    let answer = localize(&log, &map, &Robot::default(), &options(), &mut |_| {}).unwrap();
+    assert_ne!(answer.status, Status::Inconsistent, "{:?}", answer.events);
+    let nearest = answer.hypotheses.iter().map(|h| off(h.pose, truth).0).fold(f64::INFINITY, f64::min);
+    assert!(nearest < 1e-3, "{nearest} {}", answer.status);
+    let mut strict = options();
+    strict.probabilistic.tolerated_share = 0.0;
+    let answer = localize(&log, &map, &Robot::default(), &strict, &mut |_| {}).unwrap();
+    assert_eq!(answer.status, Status::Inconsistent, "{:?}", answer.events);
+}

@@ -20,9 +20,10 @@ const LEAST_RIVAL: f64 = 0.02;
 /// unless no more of the readings than this break their bounds there, beyond the share that does at the best place: bounds
 /// say nothing about which of two places that obey them is the more likely.
 const OBEYED: f64 = 0.02;
-/// Share of readings beyond 2.5 standard deviations that outliers alone do not explain, and the mean square of block
+/// Share of readings beyond 2.5 standard deviations that single false readings explain, on top of the tolerated share, and
+/// the mean square of block
 /// means (1 for independent errors) that declared errors do not explain, in standard deviations of that mean.
-const MOST_BEYOND: f64 = 0.15;
+const FALSE_SHARE: f64 = 0.1;
 const MOST_DRIFT: f64 = 4.0;
 /// The same for the mean square of single residuals.
 const MOST_SQUARE: f64 = 3.5;
@@ -53,6 +54,7 @@ pub struct ProbabilisticLocalizer<'a> {
     since: Option<usize>,
     /// Whether the way is recorded.
     recording: bool,
+    tolerated_share: f64,
 }
 
 impl<'a> ProbabilisticLocalizer<'a> {
@@ -73,6 +75,7 @@ impl<'a> ProbabilisticLocalizer<'a> {
             channels: columns,
             limits: robot.whiskers.iter().map(LimitCheck::any_tilt).collect(),
             last: vec![(0.0, 0); robot.whiskers.len()],
+            tolerated_share: options.tolerated_share,
             set: ProbabilisticSet::new(map, robot, options),
             start: None,
             rows: Vec::new(),
@@ -260,13 +263,19 @@ impl<'a> ProbabilisticLocalizer<'a> {
             self.events.push(Event { t, kind: "too_short", detail: detail.to_owned() });
             return Status::Ambiguous;
         };
-        if let Some(detail) = fit.and_then(misfit) {
+        if let Some(detail) = fit.and_then(|fit| misfit(fit, self.tolerated_share)) {
             self.events.push(Event { t, kind: "inconsistent", detail });
             return Status::Inconsistent;
         }
         // A set that died once has to explain much before it is believed again.
         if self.lost > 0 && !(rivals == 1 && fit.is_some_and(|f| f.touching >= RECOVERED)) {
             return Status::Inconsistent;
+        }
+        // A place that leaves as much unexplained as side contact may can be wrong: it is told, but not believed alone.
+        if let Some(detail) = fit.and_then(|fit| misfit(fit, 0.0)) {
+            let detail = format!("told all the same, since side contact or a snap may be why: {detail}");
+            self.events.push(Event { t, kind: "tolerated", detail });
+            return Status::Ambiguous;
         }
         if rivals == 1 && small(&first.extent) { Status::Localized } else { Status::Ambiguous }
     }
@@ -290,9 +299,9 @@ const LAST_EVENTS: usize = 100;
 /// Rows of contact that a set which was lost has to explain anew.
 const RECOVERED: usize = 150;
 
-/// Why the readings speak against the best place, if they do.
-fn misfit(fit: &Fit) -> Option<String> {
-    if fit.beyond > MOST_BEYOND {
+/// Why the readings speak against the best place, if they do even when a share of them is tolerated.
+fn misfit(fit: &Fit, tolerated_share: f64) -> Option<String> {
+    if fit.beyond > FALSE_SHARE + tolerated_share {
         return Some(format!(
             "{:.0} % of the readings lie beyond their declared noise even at the best place; is it the right map, and \
              does the whisker touch with its tip?",
@@ -308,11 +317,12 @@ fn misfit(fit: &Fit) -> Option<String> {
         ));
     }
     let most = 1.0 + 8.0 * fit.odometry + MOST_DRIFT * (2.0 / fit.blocks.max(1) as f64).sqrt();
-    (fit.blocks >= FEWEST_BLOCKS && fit.drift > most).then(|| {
+    let drift = if tolerated_share > 0.0 { fit.tolerant_drift } else { fit.drift };
+    (fit.blocks >= FEWEST_BLOCKS && drift > most).then(|| {
         format!(
             "the readings stray from the best place for many rows on end ({:.1} times what noise does); is it the right \
              map, and is the whisker's stiffness right?",
-            fit.drift.sqrt()
+            drift.sqrt()
         )
     })
 }

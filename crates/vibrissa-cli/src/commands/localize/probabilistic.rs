@@ -21,6 +21,10 @@ pub(crate) struct ProbabilisticArgs {
     /// Standard deviation of a relative error that all readings share [default: a quarter of the noise bound]
     #[arg(long, value_name = "SHARE")]
     shared_gain: Option<f64>,
+    /// Share of the rows that no contact of the tip needs to explain, since the whisker lies on its side or has snapped
+    /// [default: 0.15]
+    #[arg(long, value_name = "SHARE")]
+    tolerated_share: Option<f64>,
 }
 
 impl ProbabilisticArgs {
@@ -32,6 +36,7 @@ impl ProbabilisticArgs {
             seed_turn: self.seed_turn.unwrap_or(default.seed_turn),
             seed_travel: self.seed_travel.unwrap_or(default.seed_travel),
             shared_gain: self.shared_gain,
+            tolerated_share: self.tolerated_share.unwrap_or(default.tolerated_share),
             heading_error: known.heading_error.unwrap_or(default.heading_error),
             prior: known.region(),
             ..default

@@ -74,6 +74,23 @@ impl Feeler {
         (mean.copysign(h), (self.relative * h.abs() + self.absolute) * per / SQRT_3)
     }
 
+    /// The residual in standard deviations as a logarithm's, for a moment of this sign, above the absolute error.
+    ///
+    /// Errors grow with the moment, so that in plain residuals a larger moment explains all readings better, all the more
+    /// where a shared gain makes up for it. The ratio of the bound's width at the reading to that at the moment lies evenly
+    /// between `1 - r` and `1 + r` whatever the moment, so its logarithm has the same law everywhere; its mean is taken
+    /// off, and what is far below is continued in a straight line.
+    fn evened(&self, sigmas: f64, sign: f64) -> f64 {
+        let r = self.relative;
+        if r < LEAST_RELATIVE {
+            return sigmas;
+        }
+        let ratio = 1.0 - r * sign * sigmas / SQRT_3;
+        let log = if ratio > 0.5 { ratio.ln() } else { 0.5_f64.ln() + 2.0 * ratio - 1.0 };
+        let mean = ((1.0 + r) * r.ln_1p() - (1.0 - r) * (-r).ln_1p()) / (2.0 * r) - 1.0;
+        sign * SQRT_3 / r * (mean - log)
+    }
+
     /// Standard deviation of the relative error that all readings share, where nothing is said: a quarter of the bound.
     pub(super) fn shared_share(&self) -> f64 {
         0.25 * self.relative
@@ -96,10 +113,12 @@ impl Feeler {
         } else {
             (0.0, self.expected(0.0).1)
         };
+        let sigmas = (mean - z) / std;
+        let even = if pressed && h.abs() >= self.absolute { self.evened(sigmas, h.signum()) } else { sigmas };
         let std = std * judge.temper;
-        let residual = mean - z;
-        let sigmas = residual / std;
-        let (cost, trust) = robust(sigmas, judge.outlier_cost);
+        let residual = even * std / judge.temper;
+        let sigmas = sigmas / judge.temper;
+        let (cost, trust) = robust(even / judge.temper, judge.outlier_cost);
         let weight = if pressed || wanted { trust / (std * std) } else { 0.0 };
         Misfit { cost, residual, weight, sigmas }
     }
@@ -113,6 +132,9 @@ impl Feeler {
 const SQRT_3: f64 = 1.732_050_807_568_877_2;
 /// Readings are never taken to be more exact than this (dimensionless moment): a tip known to about a micrometre.
 const LEAST_ABSOLUTE: f64 = 2e-5;
+
+/// Below this relative bound residuals are taken plain: the logarithm's are the same, but for rounding.
+const LEAST_RELATIVE: f64 = 1e-5;
 
 /// Cost and weight of a residual in standard deviations: Gaussian with a floor for false readings.
 fn robust(sigmas: f64, outlier_cost: f64) -> (f64, f64) {
@@ -189,5 +211,52 @@ impl History {
         let these = row * self.mounts.len()..(row + 1) * self.mounts.len();
         self.bases.drain(these.clone());
         self.readings.drain(these);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn feeler(relative: f64, absolute: f64) -> Feeler {
+        Feeler { robot_from_whisker: Pose2::IDENTITY, length: 0.075, per_moment: 1.0, relative, absolute }
+    }
+
+    /// The readings that the declared bound allows, evenly: from `|h - z| <= r |z| + a` by hand, for `z` of `h`'s sign.
+    fn readings(h: f64, r: f64, a: f64) -> impl Iterator<Item = f64> {
+        let (low, high) = ((h.abs() - a) / (1.0 + r), (h.abs() + a) / (1.0 - r));
+        (0..2000).map(move |i| (low + (f64::from(i) + 0.5) / 2000.0 * (high - low)).copysign(h))
+    }
+
+    #[test]
+    fn residuals_have_one_law_whatever_the_moment() {
+        for (r, a) in [(0.05, 1e-3), (0.2, 1e-4), (1e-3, 2e-2), (0.0, 1e-2), (0.4, 0.0)] {
+            for h in [0.03, -0.3, 2.5] {
+                let feeler = feeler(r, a);
+                let all: Vec<Misfit> =
+                    readings(h, r, a).map(|z| feeler.misfit(h, z, true, true, Judge::FAIR)).collect();
+                let std = feeler.expected(h).1;
+                let mean = all.iter().map(|m| m.residual / std).sum::<f64>() / all.len() as f64;
+                let square = all.iter().map(|m| (m.residual / std).powi(2)).sum::<f64>() / all.len() as f64;
+                assert!(mean.abs() < 1e-3, "{r} {a} {h}: {mean}");
+                assert!((square - 1.0).abs() < 1e-3 + r * r, "{r} {a} {h}: {square}");
+            }
+        }
+    }
+
+    #[test]
+    fn moments_that_are_all_too_large_explain_no_better() {
+        // With relative errors alone, moments and readings that are larger by the same share cost the same: nothing is won
+        // by scaling both, as a shared gain does. Moments that are too large and too small by as much cost alike.
+        let feeler = feeler(0.05, 1e-9);
+        let cost = |h: f64, scale: f64| {
+            readings(h, 0.05, 0.0).map(|z| feeler.misfit(h * scale, z, true, true, Judge::FAIR).cost).sum::<f64>()
+                / 2000.0
+        };
+        for h in [0.1, -1.0] {
+            assert!((cost(h, 1.0) - cost(2.0 * h, 1.0)).abs() < 1e-6);
+            let (more, less) = (cost(h, 1.02), cost(h, 1.0 / 1.02));
+            assert!(more > cost(h, 1.0) + 0.1 && (more - less).abs() < 0.02, "{more} {less}");
+        }
     }
 }

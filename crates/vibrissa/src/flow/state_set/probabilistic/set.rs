@@ -2,7 +2,7 @@
 
 use super::bank::{Bank, Field};
 use super::ground::Ground;
-use super::history::{Feeler, History};
+use super::history::{Feeler, History, OUTLIER_COST};
 use super::places::{self, Fit, Place};
 use crate::beam::TipTable;
 use crate::config::ProbabilisticOptions;
@@ -15,7 +15,8 @@ const LEAD_ROWS: usize = 24;
 const LEAD_STEP: f64 = 1.5e-3;
 /// So many readings in a row begin or end a contact; fewer are taken for false ones.
 const STREAK: usize = 3;
-/// Over so many used rows the fit is watched, and a mean cost above this says that no hypothesis explains them.
+/// Over so many used rows the fit is watched, and a mean cost above this says that no hypothesis explains them, those
+/// that are tolerated left out.
 const WATCHED: usize = 40;
 const LOST_COST: f64 = 2.2;
 /// More seedings than this are not tried, unless one has held for so many rows.
@@ -254,8 +255,11 @@ impl<'a> ProbabilisticSet<'a> {
         }
         self.costs.push(bank.least());
         if self.costs.len() > WATCHED {
-            let before = self.costs.remove(0);
-            let most = before + LOST_COST * WATCHED as f64;
+            // A whisker on its side is explained by no place: a share of the rows may count as false, in twice as many.
+            let tolerated = (options.tolerated_share * self.tracked.min(options.window) as f64) as usize;
+            let stale = self.costs.len().saturating_sub(WATCHED + 2 * tolerated + 1);
+            self.costs.drain(..stale);
+            let most = self.costs[0] + LOST_COST * WATCHED as f64 + OUTLIER_COST * tolerated as f64;
             let mut now = bank.least();
             if now > most {
                 bank.rescue(&field, history);
