@@ -58,7 +58,7 @@ impl OptionsIn {
             ("tolerance", self.tolerance.is_some(), det),
             ("missed_share", self.missed_share.is_some(), det),
             ("heading_error", self.heading_error.is_some(), &METHODS[1..]),
-            ("within", self.within.is_some(), &METHODS[1..]),
+            ("within", self.within.is_some(), &METHODS[..]),
             ("tolerate", self.tolerate.is_some(), pos),
             ("largest_slope", self.largest_slope.is_some(), pos),
             ("work", self.work.is_some(), pos),

@@ -144,6 +144,8 @@ pub struct DeterministicOptions {
     pub missed_share: f64,
     /// Which way the force acts at the tip.
     pub tip_load: TipLoad,
+    /// Where the robot is at the first row, map frame, where that is known: least and largest x (m), y (m), heading (rad).
+    pub prior: Option<[[f64; 2]; 3]>,
 }
 
 /// The knobs of contact points and outlines.
@@ -247,6 +249,7 @@ impl Default for DeterministicOptions {
             position_floor: 0.7e-3,
             missed_share: 0.25,
             tip_load: TipLoad::default(),
+            prior: None,
         }
     }
 }
@@ -258,6 +261,7 @@ impl DeterministicOptions {
     ///
     /// Usage: names the knob, its value and the allowed range.
     pub fn check(&self) -> Result<()> {
+        check_region(self.prior)?;
         within("boundary_spacing", self.boundary_spacing, 1e-5, limits::COARSEST_SPACING, "m")?;
         within("history_shapes", self.history_shapes as f64, 2.0, 5.0, "shapes")?;
         within("history_travel", self.history_travel, 1e-5, 1.0, "m")?;

@@ -164,7 +164,7 @@ impl<'a> Localizer<'a> {
     }
 
     fn measure(&self, row: &LogRow) -> StepRecord {
-        let components = self.states.components(row.odom_from_robot).len();
+        let components = self.states.places(row.odom_from_robot);
         let (area_m2, volume) = self.states.size(row.odom_from_robot, self.options.boundary_spacing);
         StepRecord { t: row.t, components, area_m2, volume }
     }

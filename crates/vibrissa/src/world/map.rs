@@ -3,7 +3,7 @@
 use super::text::{read_text, suggestion};
 use super::{Boundary, Role};
 use crate::config::limits::{FLATTEN_TOLERANCE, LARGEST_MAP};
-use crate::plane::{Bounds, SegmentTree, Vec2, wrap_angle};
+use crate::plane::{Bounds, SegmentTree, Vec2, WindingTree, wrap_angle};
 use crate::{Error, Result};
 use core::f64::consts::{FRAC_PI_2, PI};
 use std::path::Path;
@@ -65,6 +65,9 @@ pub struct Map {
     boundaries: Vec<Boundary>,
     tree: SegmentTree,
     origins: Vec<Origin>,
+    /// The outlines of arenas, and of obstacles with their holes.
+    arenas: WindingTree,
+    obstacles: WindingTree,
     corners: Vec<ConcaveCorner>,
     corner_tree: SegmentTree,
     has_arena: bool,
@@ -96,6 +99,8 @@ impl Map {
             }
         }
         let has_arena = boundaries.iter().any(|b| b.role() == Role::Arena);
+        let of_role = |role| WindingTree::new(&outlines(&boundaries, &edges, &origins, role));
+        let (arenas, obstacles) = (of_role(Role::Arena), of_role(Role::Obstacle));
         let tree = SegmentTree::new(&edges);
         let size = tree.bounds().size();
         let mut warnings = Vec::new();
@@ -108,7 +113,7 @@ impl Map {
         let corners: Vec<_> = boundaries.iter().filter(|b| !b.is_two_sided()).flat_map(concave_corners).collect();
         let corner_points: Vec<_> = corners.iter().map(|c| [c.position; 2]).collect();
         let corner_tree = SegmentTree::new(&corner_points);
-        Ok(Self { boundaries, tree, origins, corners, corner_tree, has_arena, warnings })
+        Ok(Self { boundaries, tree, origins, arenas, obstacles, corners, corner_tree, has_arena, warnings })
     }
 
     /// Reads a map file; its extension says the format: `.geojson` (or `.json`) or `.svg`.
@@ -144,15 +149,7 @@ impl Map {
         }
         // Outlines are travelled with free space on the left: arenas wind +1 and obstacles -1 around what they enclose,
         // and a hole in an obstacle takes its -1 back.
-        let (mut arenas, mut obstacles) = (0, 0);
-        self.tree.for_each_ray_crossing(point, |edge, turn| {
-            match self.boundaries[self.origins[edge].boundary as usize].role() {
-                Role::Arena => arenas += turn,
-                Role::Obstacle => obstacles += turn,
-                Role::Wall => {}
-            }
-        });
-        (arenas > 0 || !self.has_arena) && obstacles >= 0
+        (!self.has_arena || self.arenas.winding(point) > 0) && self.obstacles.winding(point) >= 0
     }
 
     /// Whether the closed segment from `a` to `b` meets any boundary; touching counts.
@@ -241,6 +238,23 @@ impl Map {
         }
         samples
     }
+}
+
+/// The flattened outlines of the boundaries of a role, the first corner repeated at the end.
+fn outlines(boundaries: &[Boundary], edges: &[[Vec2; 2]], origins: &[Origin], role: Role) -> Vec<Vec<Vec2>> {
+    let mut chains: Vec<Vec<Vec2>> = Vec::new();
+    let mut last = None;
+    for (edge, origin) in edges.iter().zip(origins) {
+        if boundaries[origin.boundary as usize].role() != role {
+            continue;
+        }
+        if last.replace(origin.boundary) != Some(origin.boundary) {
+            chains.push(Vec::new());
+        }
+        chains.last_mut().into_iter().for_each(|chain| chain.push(edge[0]));
+    }
+    chains.iter_mut().for_each(|chain| chain.extend(chain.first().copied()));
+    chains
 }
 
 /// Least turn of a corner that is meant as one (rad): 20 degrees.

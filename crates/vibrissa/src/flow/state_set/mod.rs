@@ -144,6 +144,12 @@ impl StateSet {
         (keys.len() as f64 * cell * cell, volume)
     }
 
+    /// How many separate places the set has, with the odometry at `odom_from_robot`.
+    #[must_use]
+    pub fn places(&self, odom_from_robot: Pose2) -> usize {
+        components::count(&self.candidates, odom_from_robot)
+    }
+
     /// The separate places of the set, with the odometry at `odom_from_robot`.
     #[must_use]
     pub fn components(&self, odom_from_robot: Pose2) -> Vec<Component> {
