@@ -54,6 +54,19 @@ pub struct ConcaveCorner {
 struct Origin {
     boundary: u32,
     segment: u32,
+    /// Direction of travel, where the piece is a line (rad).
+    tangent: Option<f64>,
+}
+
+/// What a tip is held against: the boundary's nearest point.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Foot {
+    /// The point, map frame (m).
+    pub(crate) position: Vec2,
+    /// Direction of the boundary, free space on its left (rad).
+    pub(crate) tangent: f64,
+    /// Whether both sides are free.
+    pub(crate) two_sided: bool,
 }
 
 /// A map of boundaries, in metres, never empty.
@@ -90,10 +103,11 @@ impl Map {
             for (segment, piece) in b.curve().segments().iter().enumerate() {
                 let parts = piece.flat_parts(FLATTEN_TOLERANCE);
                 let mut from = piece.start();
+                let tangent = (parts == 1 && piece.control_points().len() == 2).then(|| piece.tangent(0.0));
                 for k in 1..=parts {
                     let to = if k == parts { piece.end() } else { piece.point(k as f64 / parts as f64) };
                     edges.push([from, to]);
-                    origins.push(Origin { boundary: boundary as u32, segment: segment as u32 });
+                    origins.push(Origin { boundary: boundary as u32, segment: segment as u32, tangent });
                     from = to;
                 }
             }
@@ -175,7 +189,7 @@ impl Map {
     #[must_use]
     pub fn nearest_within(&self, point: Vec2, reach: f64) -> Option<MapPoint> {
         let hit = self.tree.nearest_within(point, reach)?;
-        let Origin { boundary, segment } = self.origins[hit.edge];
+        let Origin { boundary, segment, .. } = self.origins[hit.edge];
         let on = self.boundaries[boundary as usize].curve().nearest_near_segment(segment as usize, point);
         Some(MapPoint {
             boundary: boundary as usize,
@@ -187,11 +201,24 @@ impl Map {
         })
     }
 
+    /// As [`Map::nearest_within`], without what a tip that looks for its contact does not ask.
+    pub(crate) fn foot(&self, point: Vec2, reach: f64) -> Option<Foot> {
+        let hit = self.tree.nearest_within(point, reach)?;
+        let Origin { boundary, segment, tangent } = self.origins[hit.edge];
+        let boundary = &self.boundaries[boundary as usize];
+        let two_sided = boundary.is_two_sided();
+        if let Some(tangent) = tangent {
+            return Some(Foot { position: hit.point, tangent, two_sided });
+        }
+        let on = boundary.curve().nearest_near_segment(segment as usize, point);
+        Some(Foot { position: on.position, tangent: on.tangent, two_sided })
+    }
+
     /// The piece of a boundary nearest to `point` (m) if it is no further than `reach` (m): index of the boundary, index of
     /// the piece and distance, within the flattening tolerance.
     pub(crate) fn nearest_piece(&self, point: Vec2, reach: f64) -> Option<(usize, usize, f64)> {
         let hit = self.tree.nearest_within(point, reach)?;
-        let Origin { boundary, segment } = self.origins[hit.edge];
+        let Origin { boundary, segment, .. } = self.origins[hit.edge];
         Some((boundary as usize, segment as usize, hit.distance))
     }
 
@@ -221,14 +248,39 @@ impl Map {
         self.boundaries.iter().map(|b| b.curve().length()).sum()
     }
 
+    /// The length of boundary to walk along in `bounds`, in steps of at most `spacing` (m), and how many points
+    /// [`Map::samples`] has there, both give or take a piece that leaves the rectangle; a wall counts twice.
+    pub(crate) fn walk_in(&self, bounds: Bounds, spacing: f64) -> (f64, f64) {
+        let (mut length, mut points) = (0.0, 0.0);
+        // Of a line no more than the rectangle's diagonal is in there.
+        let most = bounds.size().norm();
+        for boundary in &self.boundaries {
+            let sides = if boundary.is_two_sided() { 2.0 } else { 1.0 };
+            for segment in boundary.curve().segments().iter().filter(|s| s.bounds().overlaps(bounds)) {
+                let line = segment.control_points().len() == 2;
+                let own = if line { segment.length().min(most) } else { segment.length() };
+                length += sides * own;
+                points += sides * (own / spacing).ceil().max(1.0);
+            }
+        }
+        (length, points)
+    }
+
     /// Points along all boundaries, each with free space on the left, at most `spacing` (m) apart within each piece.
     ///
     /// Walls give every point twice, once for each side. See [`crate::plane::Curve::samples`].
     #[must_use]
     pub fn samples(&self, spacing: f64) -> Vec<BoundarySample> {
+        let everywhere = Vec2::new(f64::INFINITY, f64::INFINITY);
+        self.samples_in(Bounds { min: -everywhere, max: everywhere }, spacing)
+    }
+
+    /// Those of [`Map::samples`] that lie in `bounds`.
+    pub(crate) fn samples_in(&self, bounds: Bounds, spacing: f64) -> Vec<BoundarySample> {
         let mut samples = Vec::new();
         for (boundary, b) in self.boundaries.iter().enumerate() {
-            let points = b.curve().samples(spacing);
+            let mut points = b.curve().samples_of(spacing, |segment| segment.bounds().overlaps(bounds));
+            points.retain(|point| bounds.contains(point.position));
             let sample = |arc_length, position, tangent| BoundarySample { boundary, arc_length, position, tangent };
             samples.extend(points.iter().map(|p| sample(p.arc_length, p.position, p.tangent)));
             if b.is_two_sided() {
