@@ -259,6 +259,18 @@ fn one_column_each(robot: &Robot, channels: &[Channel]) -> Result<()> {
         .remedy("rename the column after its whisker, and take whiskers without a column out of the robot file"))
 }
 
+/// Refuses a map with more boundary than a search without a region goes through in a time that anybody waits.
+fn searchable(map: &Map, prior: Option<[[f64; 2]; 3]>, most: f64) -> Result<()> {
+    let (walked, _) = map.walk_in(map.bounds(), COARSEST_SPACING);
+    if prior.is_some() || walked <= most {
+        return Ok(());
+    }
+    Err(Error::data("the map has too much boundary to search all of it for the robot")
+        .value(format!("{walked:.1} m"))
+        .allowed(format!("up to {most} m, or a region for the first pose"))
+        .remedy("say where the robot is at the first row (--within), or use the part of the map that it can be in"))
+}
+
 /// Points along the map's boundaries for whiskers to be laid against; with a region for the first pose they are chosen
 /// when the first candidates enter, and only counted here.
 fn samples(map: &Map, robot: &Robot, options: &DeterministicOptions) -> Result<Vec<BoundarySample>> {

@@ -254,14 +254,14 @@ fn line_misses(a: Vec2, b: Vec2, bounds: Bounds) -> bool {
     along.cross(center - a).abs() > reach + 1e-12 * scale
 }
 
-/// The nodes still to visit; a balanced tree over 2³² edges is less than 64 deep.
+/// The nodes still to visit; a balanced tree over 2³² edges is less than 40 deep.
 pub(super) struct Stack {
     nodes: [u32; Self::DEPTH],
     len: usize,
 }
 
 impl Stack {
-    const DEPTH: usize = 64;
+    const DEPTH: usize = 40;
 
     /// A stack that holds the root, if there is one.
     pub(super) fn new(nodes: usize) -> Self {

@@ -12,7 +12,7 @@ use super::hypothesis::{Hypothesis, Scene, moved};
 use crate::beam::Whisker;
 use crate::config::TipLoad;
 use crate::flow::contact_set::TipContactSet;
-use crate::plane::{Pose2, Vec2, wrap_angle};
+use crate::plane::{Bounds, Pose2, Vec2, wrap_angle};
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// Headings further than this from the boundary's normal are left out (rad).
@@ -42,6 +42,8 @@ pub(super) struct Onset<'a> {
     /// Spacing along the boundary (m) and of headings (rad).
     pub(super) spacing: f64,
     pub(super) turn: f64,
+    /// Where the tip can be with the first pose in the prior's region.
+    pub(super) near: Option<Bounds>,
 }
 
 /// The hypotheses that explain the first readings; `admits` says whether a `map_from_odom` is in the prior's region.
@@ -52,7 +54,11 @@ pub(super) fn seeds(scene: &Scene<'_>, onset: &Onset<'_>, admits: &dyn Fn(Pose2)
     let branches =
         if onset.from_free { Vec::new() } else { TipContactSet::branches(onset.beam, moment, TipLoad::BoundaryNormal) };
     for_each_place(&scene.ground.pieces, onset.spacing, |piece, at| {
-        let normal = scene.ground.pieces[piece as usize].spot(at).normal;
+        let spot = scene.ground.pieces[piece as usize].spot(at);
+        if onset.near.is_some_and(|near| !near.contains(spot.position)) {
+            return;
+        }
+        let normal = spot.normal;
         if onset.from_free {
             let count = (2.0 * WIDEST / onset.turn).ceil();
             (0..count as usize).for_each(|k| {
