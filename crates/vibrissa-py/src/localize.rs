@@ -112,6 +112,7 @@ impl OptionsIn {
             update_travel: self.update_travel.unwrap_or(default.update_travel),
             tolerance: self.tolerance.unwrap_or(default.tolerance),
             missed_share: self.missed_share.unwrap_or(default.missed_share),
+            prior: self.region(),
             ..default
         })
     }
