@@ -29,7 +29,7 @@ where
     I: IntoIterator<Item = T>,
     T: Into<OsString> + Clone,
 {
-    let cli = match Cli::try_parse_from(args) {
+    let cli = match Cli::try_parse_from(commands::joined(args.into_iter().map(Into::into))) {
         Ok(cli) => cli,
         Err(error) => {
             // A closed pipe is the reader's choice.

@@ -71,3 +71,37 @@ fn a_failed_call_leaves_no_folder() {
     assert!(outcome.stderr.starts_with("error: ") && outcome.stderr.contains("help: "), "{}", outcome.stderr);
     assert!(!out.exists());
 }
+
+#[test]
+fn a_region_takes_commas_or_spaces() {
+    let region = |words: &[&str]| {
+        let mut args = vec!["localize", "--map", "no.svg", "--within"];
+        args.extend(words);
+        args.push("no.csv");
+        vibrissa(&args)
+    };
+    let good: &[&[&str]] = &[
+        &["-1,1,0,2.5,-0.1,1e-1"],
+        &["-1", "1", "0", "2.5", "-0.1", "1e-1"],
+        &["-1,", "1,", "0,", "2.5,", "-0.1,", "1e-1"],
+        &["-1 1 0 2.5 -0.1 1e-1"],
+        &["-1,1", "0,2.5", "-0.1,1e-1"],
+    ];
+    for words in good {
+        let outcome = region(words);
+        // The call is right; the files are not there.
+        assert_eq!(outcome.code, Some(1), "{words:?}: {}", outcome.stderr);
+        assert!(outcome.stderr.contains("no.svg"), "{words:?}: {}", outcome.stderr);
+    }
+    let bad: &[(&[&str], &str)] = &[
+        (&["1,2,3,4,5"], "got 5"),
+        (&["1,2,3,4,5,6,7"], "got 7"),
+        (&["1,2,3,4,5,x"], "six numbers"),
+        (&["2,1,0,1,0,1"], "region is empty"),
+    ];
+    for (words, told) in bad {
+        let outcome = region(words);
+        assert_eq!(outcome.code, Some(2), "{words:?}: {}", outcome.stderr);
+        assert!(outcome.stderr.contains(told), "{words:?}: {}", outcome.stderr);
+    }
+}

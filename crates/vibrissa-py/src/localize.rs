@@ -58,7 +58,7 @@ impl OptionsIn {
             ("tolerance", self.tolerance.is_some(), det),
             ("missed_share", self.missed_share.is_some(), det),
             ("heading_error", self.heading_error.is_some(), &METHODS[1..]),
-            ("within", self.within.is_some(), &METHODS[1..]),
+            ("within", self.within.is_some(), &METHODS[..]),
             ("tolerate", self.tolerate.is_some(), pos),
             ("largest_slope", self.largest_slope.is_some(), pos),
             ("work", self.work.is_some(), pos),
@@ -112,6 +112,7 @@ impl OptionsIn {
             update_travel: self.update_travel.unwrap_or(default.update_travel),
             tolerance: self.tolerance.unwrap_or(default.tolerance),
             missed_share: self.missed_share.unwrap_or(default.missed_share),
+            prior: self.region(),
             ..default
         })
     }

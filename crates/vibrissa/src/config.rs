@@ -18,6 +18,9 @@ pub mod limits {
     pub const LONGEST_LOG_LINE: usize = 1 << 20;
     /// Most boundary points at which whiskers are aligned: 100 m of walls at 1 mm, and at worst a GB of candidates.
     pub const MOST_SAMPLES: f64 = 1e5;
+    /// Most boundary that the possibilistic and the probabilistic method search without a region for the first pose (m):
+    /// the first contact takes a second for every few metres.
+    pub const MOST_SEARCHED: f64 = 100.0;
     /// Coarsest spacing of these points (m).
     pub const COARSEST_SPACING: f64 = 0.1;
     /// Largest extent of a map that raises no doubt (m).
@@ -152,6 +155,8 @@ pub struct DeterministicOptions {
     pub missed_share: f64,
     /// Which way the force acts at the tip.
     pub tip_load: TipLoad,
+    /// Where the robot is at the first row, map frame, where that is known: least and largest x (m), y (m), heading (rad).
+    pub prior: Option<[[f64; 2]; 3]>,
 }
 
 /// How boundaries are traced from grid maps.
@@ -272,6 +277,7 @@ impl Default for DeterministicOptions {
             position_floor: 0.7e-3,
             missed_share: 0.25,
             tip_load: TipLoad::default(),
+            prior: None,
         }
     }
 }
@@ -283,6 +289,7 @@ impl DeterministicOptions {
     ///
     /// Usage: names the knob, its value and the allowed range.
     pub fn check(&self) -> Result<()> {
+        check_region(self.prior)?;
         within("boundary_spacing", self.boundary_spacing, 1e-5, limits::COARSEST_SPACING, "m")?;
         within("history_shapes", self.history_shapes as f64, 2.0, 5.0, "shapes")?;
         within("history_travel", self.history_travel, 1e-5, 1.0, "m")?;

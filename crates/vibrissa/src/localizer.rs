@@ -14,10 +14,11 @@ use crate::config::{DeterministicOptions, TipLoad};
 use crate::flow::moment::{MomentHistory, MomentReading, MomentTrack};
 use crate::flow::pose::{self, Event, Localization, ShapeRecord, StampedPose, StepRecord};
 use crate::flow::preimage::Observation;
+use crate::flow::prior;
 use crate::flow::sensor_log::{Channel, LogRow, Quantity, SensorLog};
 use crate::flow::state_set::{Candidate, StateSet};
 use crate::flow::thinned::Thinned;
-use crate::plane::Pose2;
+use crate::plane::{Bounds, Pose2, Vec2};
 use crate::world::{BoundarySample, Map, MomentNoise, MountedWhisker, Robot};
 use crate::{Error, Result};
 
@@ -77,7 +78,7 @@ impl<'a> Localizer<'a> {
         Ok(Self {
             map,
             robot,
-            samples: samples(map, options.boundary_spacing)?,
+            samples: samples(map, robot, &options)?,
             options,
             feelers,
             states: StateSet::default(),
@@ -152,6 +153,9 @@ impl<'a> Localizer<'a> {
     /// Lets candidates in.
     fn start_set(&mut self, row: &LogRow) {
         let (feelers, waiting): (Vec<usize>, Vec<Observation>) = self.record.waiting.drain(..).unzip();
+        if let Some(region) = self.options.prior {
+            self.samples = near(self.map, self.robot, region, &waiting, &self.options);
+        }
         self.states.start(self.map, &self.samples, &waiting, &self.options);
         self.record.first_row = Some(self.rows.len() - 1);
         self.record.first_states = self.states.states(row.odom_from_robot).collect();
@@ -170,7 +174,7 @@ impl<'a> Localizer<'a> {
     }
 
     fn measure(&self, row: &LogRow) -> StepRecord {
-        let components = self.states.components(row.odom_from_robot).len();
+        let components = self.states.places(row.odom_from_robot);
         let (area_m2, volume) = self.states.size(row.odom_from_robot, self.options.boundary_spacing);
         StepRecord { t: row.t, components, area_m2, volume }
     }
@@ -261,25 +265,92 @@ fn one_column_each(robot: &Robot, channels: &[Channel]) -> Result<()> {
         .remedy("rename the column after its whisker, and take whiskers without a column out of the robot file"))
 }
 
-/// Points along the map's boundaries for whiskers to be laid against.
-fn samples(map: &Map, spacing: f64) -> Result<Vec<BoundarySample>> {
-    let length = |two_sided: bool| {
-        let these = map.boundaries().iter().filter(|b| b.is_two_sided() == two_sided);
-        these.map(|b| b.curve().length()).sum::<f64>()
-    };
-    let walked = length(false) + 2.0 * length(true);
-    if walked / spacing <= MOST_SAMPLES {
-        return Ok(map.samples(spacing));
+/// Refuses a map with more boundary than a search without a region goes through in a time that anybody waits.
+fn searchable(map: &Map, prior: Option<[[f64; 2]; 3]>, most: f64) -> Result<()> {
+    let (walked, _) = map.walk_in(map.bounds(), COARSEST_SPACING);
+    if prior.is_some() || walked <= most {
+        return Ok(());
     }
+    Err(Error::data("the map has too much boundary to search all of it for the robot")
+        .value(format!("{walked:.1} m"))
+        .allowed(format!("up to {most} m, or a region for the first pose"))
+        .remedy("say where the robot is at the first row (--within), or use the part of the map that it can be in"))
+}
+
+/// Points along the map's boundaries for whiskers to be laid against; with a region for the first pose they are chosen
+/// when the first candidates enter, and only counted here.
+fn samples(map: &Map, robot: &Robot, options: &DeterministicOptions) -> Result<Vec<BoundarySample>> {
+    let reach = robot.whiskers.iter().map(reach).fold(0.0, f64::max);
+    let bounds = options.prior.map_or(map.bounds(), |region| prior::around(region, Vec2::ZERO, 0.0, reach));
+    let spacing = options.boundary_spacing;
+    let (walked, points) = map.walk_in(bounds, spacing);
+    if walked / spacing > MOST_SAMPLES {
+        return Err(too_much(walked, options));
+    }
+    if options.prior.is_some() {
+        return Ok(Vec::new());
+    }
+    let samples = map.samples(spacing);
+    Ok(if points > MOST_SAMPLES { thinned(samples, spacing) } else { samples })
+}
+
+/// How far a whisker's tip can be from the robot's origin (m).
+fn reach(whisker: &MountedWhisker) -> f64 {
+    whisker.robot_from_whisker.position().norm() + whisker.beam.length
+}
+
+fn too_much(walked: f64, options: &DeterministicOptions) -> Error {
+    let spacing = options.boundary_spacing;
     let coarser = (walked / MOST_SAMPLES * 1e4).ceil() / 1e4;
-    let error = Error::data("the map has too much boundary for this boundary spacing")
+    let place = if options.prior.is_some() { "region" } else { "map" };
+    let error = Error::data(format!("the {place} has too much boundary for this boundary spacing"))
         .value(format!("{walked:.1} m at {spacing} m"))
         .allowed(format!("up to {MOST_SAMPLES} points"));
-    Err(if coarser <= COARSEST_SPACING {
-        error.remedy(format!("use the part of the map that the robot can be in, or --boundary-spacing {coarser}"))
+    let smaller = if options.prior.is_some() {
+        "give a smaller region (--within)"
     } else {
-        error.remedy("use the part of the map that the robot can be in, and check that its unit is metres")
-    })
+        "say where the robot is at the first row (--within), use the part of the map that it can be in"
+    };
+    if coarser <= COARSEST_SPACING {
+        error.remedy(format!("{smaller}, or --boundary-spacing {coarser}"))
+    } else {
+        error.remedy(format!("{smaller}, and check that the map's unit is metres"))
+    }
+}
+
+/// The points that the whiskers of these observations can touch with the first pose in the region.
+fn near(
+    map: &Map,
+    robot: &Robot,
+    region: [[f64; 2]; 3],
+    waiting: &[Observation],
+    options: &DeterministicOptions,
+) -> Vec<BoundarySample> {
+    let longest = robot.whiskers.iter().map(|w| w.beam.length).fold(0.0, f64::max);
+    let around = |o: &Observation| {
+        prior::around(region, o.odom_from_whisker.position(), 0.0, longest + 2.0 * options.boundary_spacing)
+    };
+    let bounds = waiting.iter().map(around).fold(Bounds::EMPTY, Bounds::hull);
+    let (walked, points) = map.walk_in(bounds, options.boundary_spacing);
+    // A long way to the first contact with an open heading can end beside any wall: those far apart must do.
+    let spacing = options.boundary_spacing.max(walked / MOST_SAMPLES);
+    let samples = map.samples_in(bounds, spacing);
+    if points > MOST_SAMPLES { thinned(samples, spacing) } else { samples }
+}
+
+/// The samples of boundaries of many short pieces, without those that are much nearer to the one before than `spacing` (m).
+fn thinned(mut samples: Vec<BoundarySample>, spacing: f64) -> Vec<BoundarySample> {
+    let mut last: Option<BoundarySample> = None;
+    samples.retain(|sample| {
+        let far = last.is_none_or(|last| {
+            last.boundary != sample.boundary || (last.arc_length - sample.arc_length).abs() >= 0.5 * spacing
+        });
+        if far {
+            last = Some(*sample);
+        }
+        far
+    });
+    samples
 }
 
 impl Record {

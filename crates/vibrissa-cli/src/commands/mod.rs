@@ -13,6 +13,7 @@ mod reproduce;
 mod simulate;
 
 use clap::Subcommand;
+pub(crate) use localize::joined;
 use vibrissa::Result;
 
 /// The commands, described by their own arguments.

@@ -148,8 +148,8 @@ def localize(
     a log file that is not ours. truth: the true trajectory, to report errors against. progress: see ``Progress``.
 
     Deterministic method: tip_load, boundary_spacing (m), history_shapes (2 to 5), history_travel (m), update_travel (m),
-    tolerance (standard deviations), missed_share. Possibilistic and probabilistic: heading_error (rad); within, where the
-    robot is at the first row: least and largest x, y (m) and heading (rad), six numbers. Possibilistic: tolerate
+    tolerance (standard deviations), missed_share. Possibilistic and probabilistic: heading_error (rad). All: within, where
+    the robot is at the first row: least and largest x, y (m) and heading (rad), six numbers. Possibilistic: tolerate
     (readings), largest_slope (rad), work, last_work. Probabilistic: seed_spacing (m), seed_turn (rad), seed_travel (m),
     shared_gain. ``vibrissa localize --help`` explains each; None takes the default.
 

@@ -97,11 +97,13 @@ impl Jacobi {
             let (upper, lower) = (self.levels[n], self.levels[n + 1]);
             let (at, gt) = (lower.a * tangent, lower.g * tangent);
             tangent *= (1.0 + at * at).sqrt() / (1.0 + gt * gt).sqrt();
-            let sn_lower = at / at.hypot(1.0);
-            let cn_upper = sign / (upper.a * tangent).hypot(1.0);
+            let sn_lower = at / (1.0 + at * at).sqrt();
+            let ut = upper.a * tangent;
+            let cn_upper = sign / (1.0 + ut * ut).sqrt();
             integral = 2.0 * integral + upper.gap * (upper.g * t + sn_lower * cn_upper);
         }
-        let h = tangent.hypot(1.0);
+        // Tangents of doubles are far from where squares overflow.
+        let h = (1.0 + tangent * tangent).sqrt();
         let (sn, cn) = (tangent / h, sign / h);
         let dn = (1.0 + self.m1 * tangent * tangent).sqrt() / h;
         let one_minus_cn = if sign > 0.0 { sn * sn / (1.0 + cn) } else { 1.0 - cn };

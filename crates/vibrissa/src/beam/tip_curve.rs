@@ -90,14 +90,15 @@ pub fn tip_curve(mu: f64) -> Vec<Vec<TipEquilibrium>> {
 
 /// The least bent equilibrium at the steepest tilt, where the force pushes towards the base.
 fn first_node(mu: f64) -> Option<Node> {
-    let (peak, largest) = peak(STEEPEST_TILT);
+    let (peak, largest) = STEEPEST_PEAK;
     if mu > largest {
         return None;
     }
+    let pendulum = Pendulum::new(Tilt::new((-STEEPEST_TILT).sin(), STEEPEST_TILT.cos()));
     let (mut lo, mut hi) = (0.0, peak);
     for _ in 0..60 {
         let middle = 0.5 * (lo + hi);
-        if node(-STEEPEST_TILT, middle).moment < mu { lo = middle } else { hi = middle }
+        if middle * pendulum.at(middle).du < mu { lo = middle } else { hi = middle }
     }
     Some(node(-STEEPEST_TILT, hi))
 }
@@ -160,6 +161,9 @@ fn pieces(curve: &[TipEquilibrium]) -> Vec<Vec<TipEquilibrium>> {
     pieces
 }
 
+/// [`peak`] at the steepest tilt, which every curve begins from.
+const STEEPEST_PEAK: (f64, f64) = (4.257_159_188_155_496, 8.483_239_697_979_752);
+
 /// The largest dimensionless moment `M0 L / EI` that a load at the tip causes when its tilt is at most `steepest` (rad,
 /// at least 0; steeper tilts than 1.45 rad are left out).
 #[must_use]
@@ -180,4 +184,16 @@ fn peak(tilt: f64) -> (f64, f64) {
     }
     let t = 0.5 * (lo + hi);
     (t, moment(t))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_steepest_peak_is_what_the_search_finds() {
+        let found = peak(STEEPEST_TILT);
+        println!("{found:?}");
+        assert!((found.0 - STEEPEST_PEAK.0).abs() < 1e-7 && (found.1 - STEEPEST_PEAK.1).abs() < 1e-14, "{found:?}");
+    }
 }

@@ -4,8 +4,10 @@
 pub mod calibrated;
 pub mod contact_set;
 pub mod moment;
+mod parallel;
 pub mod pose;
 pub mod preimage;
+pub(crate) mod prior;
 mod quadratic;
 pub mod sensor_log;
 pub mod state_set;

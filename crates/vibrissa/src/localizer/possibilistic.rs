@@ -1,7 +1,8 @@
 //! The possibilistic localizer: rows in, a set of states that holds the true one as long as the declared bounds hold.
 
-use super::one_column_each;
+use super::{one_column_each, searchable};
 use crate::config::PossibilisticOptions;
+use crate::config::limits::MOST_SEARCHED;
 use crate::flow::pose::{self, Event, Hypothesis, Localization, StampedPose, StepRecord};
 use crate::flow::sensor_log::{Channel, LogRow, SensorLog};
 use crate::flow::state_set::possibilistic::{Place, PossibleSet};
@@ -53,6 +54,7 @@ impl<'a> PossibilisticLocalizer<'a> {
     pub fn new(map: &'a Map, robot: &'a Robot, channels: &[Channel], options: PossibilisticOptions) -> Result<Self> {
         options.check()?;
         one_column_each(robot, channels)?;
+        searchable(map, options.prior, MOST_SEARCHED)?;
         let log = SensorLog { channels: channels.to_vec(), ..SensorLog::default() };
         for whisker in &robot.whiskers {
             whisker.beam.require_uniform()?;

@@ -1,8 +1,9 @@
 //! The probabilistic method row by row: rows in, hypotheses that fit all of them, weighed places at the end.
 
-use super::{LimitCheck, one_column_each};
+use super::{LimitCheck, one_column_each, searchable};
 use crate::Result;
 use crate::config::ProbabilisticOptions;
+use crate::config::limits::MOST_SEARCHED;
 use crate::flow::pose::{Event, Hypothesis, Localization, Method, StampedPose, Status, StepRecord};
 use crate::flow::sensor_log::{Channel, LogRow, SensorLog};
 use crate::flow::state_set::probabilistic::{Fit, Happened, Place, ProbabilisticSet};
@@ -67,6 +68,7 @@ impl<'a> ProbabilisticLocalizer<'a> {
     pub fn new(map: &'a Map, robot: &'a Robot, channels: &[Channel], options: ProbabilisticOptions) -> Result<Self> {
         options.check()?;
         one_column_each(robot, channels)?;
+        searchable(map, options.prior, MOST_SEARCHED)?;
         let log = SensorLog { channels: channels.to_vec(), ..SensorLog::default() };
         robot.whiskers.iter().try_for_each(|w| w.beam.require_uniform())?;
         let columns = robot.whiskers.iter().map(|w| log.moment_channel(&w.name)).collect::<Result<Vec<_>>>()?;

@@ -138,8 +138,13 @@ impl Curve {
     /// no segment gives more than a million.
     #[must_use]
     pub fn samples(&self, spacing: f64) -> Vec<CurvePoint> {
+        self.samples_of(spacing, |_| true)
+    }
+
+    /// The same on the segments that `wanted` admits only.
+    pub(crate) fn samples_of(&self, spacing: f64, wanted: impl Fn(&Segment) -> bool) -> Vec<CurvePoint> {
         let mut samples = Vec::new();
-        for (index, segment) in self.segments.iter().enumerate() {
+        for (index, segment) in self.segments.iter().enumerate().filter(|(_, segment)| wanted(segment)) {
             let start = self.segment_start(index);
             let length = self.ends[index] - start;
             let cells = if spacing > 0.0 { (length / spacing - 1e-9).ceil().clamp(1.0, 1e6) } else { 1.0 };

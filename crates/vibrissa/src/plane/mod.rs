@@ -9,6 +9,7 @@ mod pose2;
 mod segment;
 mod segment_tree;
 mod vec2;
+mod winding;
 
 pub use arc::arc_to_cubics;
 pub use bounds::Bounds;
@@ -19,3 +20,4 @@ pub use pose2::{Pose2, Twist2, wrap_angle};
 pub use segment::Segment;
 pub use segment_tree::{Intersection, NearestEdge, SegmentTree};
 pub use vec2::Vec2;
+pub use winding::WindingTree;

@@ -96,35 +96,41 @@ impl SegmentTree {
         if !p.is_finite() {
             return None;
         }
-        let mut best: Option<NearestEdge> = None;
+        let mut best: Option<(usize, f64, Vec2)> = None;
         let mut limit = reach * reach;
         let mut stack = Stack::new(self.nodes.len());
-        while let Some(index) = stack.pop() {
-            let node = self.nodes[index];
-            if node.bounds.distance_squared(p) > limit {
-                continue;
-            }
-            if node.count == 0 {
-                let (left, right) = (index + 1, node.first as usize);
-                let (dl, dr) = (self.box_distance(left, p), self.box_distance(right, p));
-                // The nearer child is pushed last and so looked at first.
-                let (far, near) = if dl <= dr { (right, left) } else { (left, right) };
-                stack.push(far);
-                stack.push(near);
-                continue;
-            }
-            for slot in node.first as usize..(node.first + node.count) as usize {
-                let [a, b] = self.edges[slot];
-                let t = nearest_on_line(a, b, p);
-                let point = a + (b - a) * t;
-                let squared = (point - p).norm_squared();
-                if squared < limit || (best.is_none() && squared <= limit) {
-                    limit = squared;
-                    best = Some(NearestEdge { edge: self.ids[slot] as usize, t, point, distance: 0.0 });
+        let mut farther = [0.0; Stack::DEPTH];
+        farther[0] = self.nodes.first().map_or(0.0, |root| root.bounds.distance_squared(p));
+        while let Some(mut index) = stack.pop() {
+            // The way down to the nearer children; the others wait with their distance.
+            let mut distance = farther[stack.len];
+            while distance <= limit {
+                let node = &self.nodes[index];
+                if node.count == 0 {
+                    let (left, right) = (index + 1, node.first as usize);
+                    let (dl, dr) = (self.box_distance(left, p), self.box_distance(right, p));
+                    let (far, near) = if dl <= dr { (right, left) } else { (left, right) };
+                    farther[stack.len] = dl.max(dr);
+                    if dl.max(dr) <= limit {
+                        stack.push(far);
+                    }
+                    (index, distance) = (near, dl.min(dr));
+                    continue;
                 }
+                for slot in node.first as usize..(node.first + node.count) as usize {
+                    let [a, b] = self.edges[slot];
+                    let t = nearest_on_line(a, b, p);
+                    let point = a + (b - a) * t;
+                    let squared = (point - p).norm_squared();
+                    if squared < limit || (best.is_none() && squared <= limit) {
+                        limit = squared;
+                        best = Some((slot, t, point));
+                    }
+                }
+                break;
             }
         }
-        best.map(|edge| NearestEdge { distance: edge.point.distance(p), ..edge })
+        best.map(|(slot, t, point)| NearestEdge { edge: self.ids[slot] as usize, t, point, distance: limit.sqrt() })
     }
 
     fn box_distance(&self, node: usize, p: Vec2) -> f64 {
@@ -248,24 +254,26 @@ fn line_misses(a: Vec2, b: Vec2, bounds: Bounds) -> bool {
     along.cross(center - a).abs() > reach + 1e-12 * scale
 }
 
-/// The nodes still to visit; a balanced tree over 2³² edges is less than 64 deep.
-struct Stack {
-    nodes: [u32; 64],
+/// The nodes still to visit; a balanced tree over 2³² edges is less than 40 deep.
+pub(super) struct Stack {
+    nodes: [u32; Self::DEPTH],
     len: usize,
 }
 
 impl Stack {
+    const DEPTH: usize = 40;
+
     /// A stack that holds the root, if there is one.
-    fn new(nodes: usize) -> Self {
-        Self { nodes: [0; 64], len: usize::from(nodes > 0) }
+    pub(super) fn new(nodes: usize) -> Self {
+        Self { nodes: [0; Self::DEPTH], len: usize::from(nodes > 0) }
     }
 
-    fn push(&mut self, node: usize) {
+    pub(super) fn push(&mut self, node: usize) {
         self.nodes[self.len] = node as u32;
         self.len += 1;
     }
 
-    fn pop(&mut self) -> Option<usize> {
+    pub(super) fn pop(&mut self) -> Option<usize> {
         self.len = self.len.checked_sub(1)?;
         Some(self.nodes[self.len] as usize)
     }

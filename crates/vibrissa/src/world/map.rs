@@ -7,7 +7,7 @@ use super::{Boundary, Role};
 #[cfg(any(feature = "mcap", feature = "ros-map"))]
 use crate::config::GridOptions;
 use crate::config::limits::{FLATTEN_TOLERANCE, LARGEST_MAP};
-use crate::plane::{Bounds, SegmentTree, Vec2, wrap_angle};
+use crate::plane::{Bounds, SegmentTree, Vec2, WindingTree, wrap_angle};
 use crate::{Error, Result};
 use core::f64::consts::{FRAC_PI_2, PI};
 use std::path::Path;
@@ -58,6 +58,19 @@ pub struct ConcaveCorner {
 struct Origin {
     boundary: u32,
     segment: u32,
+    /// Direction of travel, where the piece is a line (rad).
+    tangent: Option<f64>,
+}
+
+/// What a tip is held against: the boundary's nearest point.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Foot {
+    /// The point, map frame (m).
+    pub(crate) position: Vec2,
+    /// Direction of the boundary, free space on its left (rad).
+    pub(crate) tangent: f64,
+    /// Whether both sides are free.
+    pub(crate) two_sided: bool,
 }
 
 /// A map of boundaries, in metres, never empty.
@@ -69,6 +82,9 @@ pub struct Map {
     boundaries: Vec<Boundary>,
     tree: SegmentTree,
     origins: Vec<Origin>,
+    /// The outlines of arenas, and of obstacles with their holes.
+    arenas: WindingTree,
+    obstacles: WindingTree,
     corners: Vec<ConcaveCorner>,
     corner_tree: SegmentTree,
     has_arena: bool,
@@ -91,15 +107,18 @@ impl Map {
             for (segment, piece) in b.curve().segments().iter().enumerate() {
                 let parts = piece.flat_parts(FLATTEN_TOLERANCE);
                 let mut from = piece.start();
+                let tangent = (parts == 1 && piece.control_points().len() == 2).then(|| piece.tangent(0.0));
                 for k in 1..=parts {
                     let to = if k == parts { piece.end() } else { piece.point(k as f64 / parts as f64) };
                     edges.push([from, to]);
-                    origins.push(Origin { boundary: boundary as u32, segment: segment as u32 });
+                    origins.push(Origin { boundary: boundary as u32, segment: segment as u32, tangent });
                     from = to;
                 }
             }
         }
         let has_arena = boundaries.iter().any(|b| b.role() == Role::Arena);
+        let of_role = |role| WindingTree::new(&outlines(&boundaries, &edges, &origins, role));
+        let (arenas, obstacles) = (of_role(Role::Arena), of_role(Role::Obstacle));
         let tree = SegmentTree::new(&edges);
         let size = tree.bounds().size();
         let mut warnings = Vec::new();
@@ -112,7 +131,7 @@ impl Map {
         let corners: Vec<_> = boundaries.iter().filter(|b| !b.is_two_sided()).flat_map(concave_corners).collect();
         let corner_points: Vec<_> = corners.iter().map(|c| [c.position; 2]).collect();
         let corner_tree = SegmentTree::new(&corner_points);
-        Ok(Self { boundaries, tree, origins, corners, corner_tree, has_arena, warnings })
+        Ok(Self { boundaries, tree, origins, arenas, obstacles, corners, corner_tree, has_arena, warnings })
     }
 
     /// Reads a map file; its extension says the format: `.geojson` (or `.json`), `.svg`, `.yaml` (ROS `map_server`, see
@@ -158,15 +177,7 @@ impl Map {
         }
         // Outlines are travelled with free space on the left: arenas wind +1 and obstacles -1 around what they enclose,
         // and a hole in an obstacle takes its -1 back.
-        let (mut arenas, mut obstacles) = (0, 0);
-        self.tree.for_each_ray_crossing(point, |edge, turn| {
-            match self.boundaries[self.origins[edge].boundary as usize].role() {
-                Role::Arena => arenas += turn,
-                Role::Obstacle => obstacles += turn,
-                Role::Wall => {}
-            }
-        });
-        (arenas > 0 || !self.has_arena) && obstacles >= 0
+        (!self.has_arena || self.arenas.winding(point) > 0) && self.obstacles.winding(point) >= 0
     }
 
     /// Whether the closed segment from `a` to `b` meets any boundary; touching counts.
@@ -192,7 +203,7 @@ impl Map {
     #[must_use]
     pub fn nearest_within(&self, point: Vec2, reach: f64) -> Option<MapPoint> {
         let hit = self.tree.nearest_within(point, reach)?;
-        let Origin { boundary, segment } = self.origins[hit.edge];
+        let Origin { boundary, segment, .. } = self.origins[hit.edge];
         let on = self.boundaries[boundary as usize].curve().nearest_near_segment(segment as usize, point);
         Some(MapPoint {
             boundary: boundary as usize,
@@ -204,11 +215,24 @@ impl Map {
         })
     }
 
+    /// As [`Map::nearest_within`], without what a tip that looks for its contact does not ask.
+    pub(crate) fn foot(&self, point: Vec2, reach: f64) -> Option<Foot> {
+        let hit = self.tree.nearest_within(point, reach)?;
+        let Origin { boundary, segment, tangent } = self.origins[hit.edge];
+        let boundary = &self.boundaries[boundary as usize];
+        let two_sided = boundary.is_two_sided();
+        if let Some(tangent) = tangent {
+            return Some(Foot { position: hit.point, tangent, two_sided });
+        }
+        let on = boundary.curve().nearest_near_segment(segment as usize, point);
+        Some(Foot { position: on.position, tangent: on.tangent, two_sided })
+    }
+
     /// The piece of a boundary nearest to `point` (m) if it is no further than `reach` (m): index of the boundary, index of
     /// the piece and distance, within the flattening tolerance.
     pub(crate) fn nearest_piece(&self, point: Vec2, reach: f64) -> Option<(usize, usize, f64)> {
         let hit = self.tree.nearest_within(point, reach)?;
-        let Origin { boundary, segment } = self.origins[hit.edge];
+        let Origin { boundary, segment, .. } = self.origins[hit.edge];
         Some((boundary as usize, segment as usize, hit.distance))
     }
 
@@ -238,14 +262,39 @@ impl Map {
         self.boundaries.iter().map(|b| b.curve().length()).sum()
     }
 
+    /// The length of boundary to walk along in `bounds`, in steps of at most `spacing` (m), and how many points
+    /// [`Map::samples`] has there, both give or take a piece that leaves the rectangle; a wall counts twice.
+    pub(crate) fn walk_in(&self, bounds: Bounds, spacing: f64) -> (f64, f64) {
+        let (mut length, mut points) = (0.0, 0.0);
+        // Of a line no more than the rectangle's diagonal is in there.
+        let most = bounds.size().norm();
+        for boundary in &self.boundaries {
+            let sides = if boundary.is_two_sided() { 2.0 } else { 1.0 };
+            for segment in boundary.curve().segments().iter().filter(|s| s.bounds().overlaps(bounds)) {
+                let line = segment.control_points().len() == 2;
+                let own = if line { segment.length().min(most) } else { segment.length() };
+                length += sides * own;
+                points += sides * (own / spacing).ceil().max(1.0);
+            }
+        }
+        (length, points)
+    }
+
     /// Points along all boundaries, each with free space on the left, at most `spacing` (m) apart within each piece.
     ///
     /// Walls give every point twice, once for each side. See [`crate::plane::Curve::samples`].
     #[must_use]
     pub fn samples(&self, spacing: f64) -> Vec<BoundarySample> {
+        let everywhere = Vec2::new(f64::INFINITY, f64::INFINITY);
+        self.samples_in(Bounds { min: -everywhere, max: everywhere }, spacing)
+    }
+
+    /// Those of [`Map::samples`] that lie in `bounds`.
+    pub(crate) fn samples_in(&self, bounds: Bounds, spacing: f64) -> Vec<BoundarySample> {
         let mut samples = Vec::new();
         for (boundary, b) in self.boundaries.iter().enumerate() {
-            let points = b.curve().samples(spacing);
+            let mut points = b.curve().samples_of(spacing, |segment| segment.bounds().overlaps(bounds));
+            points.retain(|point| bounds.contains(point.position));
             let sample = |arc_length, position, tangent| BoundarySample { boundary, arc_length, position, tangent };
             samples.extend(points.iter().map(|p| sample(p.arc_length, p.position, p.tangent)));
             if b.is_two_sided() {
@@ -255,6 +304,23 @@ impl Map {
         }
         samples
     }
+}
+
+/// The flattened outlines of the boundaries of a role, the first corner repeated at the end.
+fn outlines(boundaries: &[Boundary], edges: &[[Vec2; 2]], origins: &[Origin], role: Role) -> Vec<Vec<Vec2>> {
+    let mut chains: Vec<Vec<Vec2>> = Vec::new();
+    let mut last = None;
+    for (edge, origin) in edges.iter().zip(origins) {
+        if boundaries[origin.boundary as usize].role() != role {
+            continue;
+        }
+        if last.replace(origin.boundary) != Some(origin.boundary) {
+            chains.push(Vec::new());
+        }
+        chains.last_mut().into_iter().for_each(|chain| chain.push(edge[0]));
+    }
+    chains.iter_mut().for_each(|chain| chain.extend(chain.first().copied()));
+    chains
 }
 
 /// Least turn of a corner that is meant as one (rad): 20 degrees.

@@ -18,6 +18,7 @@ mod toml_section;
 mod units;
 
 pub use boundary::{Boundary, Role};
+pub(crate) use map::Foot;
 pub use map::{BoundarySample, ConcaveCorner, Map, MapPoint};
 pub use motion::increments;
 pub use robot::{MomentNoise, MountedWhisker, Odometry, Robot};

@@ -1,5 +1,6 @@
 //! Options of the deterministic method.
 
+use super::known::KnownArgs;
 use clap::ValueEnum;
 use vibrissa::config::{DeterministicOptions, TipLoad};
 use vibrissa::{LocalizeOptions, Result};
@@ -42,7 +43,7 @@ enum TipLoadArg {
 
 impl DeterministicArgs {
     /// The library's options.
-    pub(crate) fn options(&self) -> Result<LocalizeOptions> {
+    pub(crate) fn options(&self, known: &KnownArgs) -> Result<LocalizeOptions> {
         let default = DeterministicOptions::default();
         let tip_load = self.tip_load.map_or(default.tip_load, |load| match load {
             TipLoadArg::BoundaryNormal => TipLoad::BoundaryNormal,
@@ -56,6 +57,7 @@ impl DeterministicArgs {
             update_travel: self.update_travel.unwrap_or(default.update_travel),
             tolerance: self.tolerance.unwrap_or(default.tolerance),
             missed_share: self.missed_share.unwrap_or(default.missed_share),
+            prior: known.region(),
             ..default
         };
         deterministic.check()?;

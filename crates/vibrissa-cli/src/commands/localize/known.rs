@@ -1,23 +1,97 @@
 //! What is known about the robot's place besides its touch.
 
-/// Options of the methods that use it; each default lives in `vibrissa::config`.
+use std::ffi::OsString;
+
+/// Least and largest x, y (m) and heading (rad).
+type Region = [[f64; 2]; 3];
+
+/// Options that say it; each default lives in `vibrissa::config`.
 #[derive(Clone, Debug, Default, clap::Args)]
 #[command(next_help_heading = "Options of the possibilistic and the probabilistic method")]
 pub(crate) struct KnownArgs {
     /// Bound on the error of the log's absolute headings, in rad [default: 0.05]
     #[arg(long, value_name = "RAD")]
     pub(super) heading_error: Option<f64>,
-    /// Where the robot is at the first row, in m and rad: least and largest x, y and heading, six numbers
-    #[arg(long, value_name = "BOX", value_delimiter = ',', num_args = 6, allow_hyphen_values = true)]
-    within: Option<Vec<f64>>,
+    /// Where the robot is at the first row, in m and rad: least and largest x, y and heading, six numbers with commas or
+    /// spaces between them. Large maps need it
+    #[arg(
+        long,
+        value_name = "BOX",
+        value_parser = region,
+        allow_hyphen_values = true,
+        help_heading = "Options of all methods"
+    )]
+    within: Option<Region>,
 }
 
 impl KnownArgs {
     /// The region that holds the first pose: least and largest x, y (m) and heading (rad).
-    pub(super) fn region(&self) -> Option<[[f64; 2]; 3]> {
-        match *self.within.as_deref()? {
-            [a, b, c, d, e, f] => Some([[a, b], [c, d], [e, f]]),
-            _ => None,
+    pub(super) fn region(&self) -> Option<Region> {
+        self.within
+    }
+}
+
+/// The numbers of a text with commas or spaces between them; none if something else is in there.
+fn numbers(text: &str) -> Option<Vec<f64>> {
+    let words = text.split([',', ' ', '\t']).filter(|word| !word.is_empty());
+    words.map(|word| word.parse().ok()).collect()
+}
+
+fn region(text: &str) -> Result<Region, String> {
+    let wanted = "six numbers are due, with commas or spaces between them: least x, largest x, least y, largest y (m), \
+                  least heading, largest heading (rad)";
+    match numbers(text).as_deref() {
+        Some(&[a, b, c, d, e, f]) => Ok([[a, b], [c, d], [e, f]]),
+        Some(other) => Err(format!("{wanted}; got {}", other.len())),
+        None => Err(wanted.to_owned()),
+    }
+}
+
+/// The command line with the numbers that follow `--within` joined to one argument, so that they may stand apart.
+pub(crate) fn joined(args: impl Iterator<Item = OsString>) -> Vec<OsString> {
+    let mut joined: Vec<OsString> = Vec::new();
+    let mut wanted = 0;
+    for arg in args {
+        let found = arg.to_str().and_then(numbers).filter(|found| !found.is_empty() && found.len() <= wanted);
+        match (found, joined.last_mut()) {
+            // The first numbers stand for themselves.
+            (Some(found), Some(last)) if wanted < COUNT => {
+                wanted -= found.len();
+                last.push(",");
+                last.push(&arg);
+            }
+            (found, _) => {
+                wanted = if arg == "--within" { COUNT } else { found.map_or(0, |found| wanted - found.len()) };
+                joined.push(arg);
+            }
+        }
+    }
+    joined
+}
+
+/// How many numbers make a region.
+const COUNT: usize = 6;
+
+#[cfg(test)]
+mod tests {
+    use super::joined;
+
+    #[test]
+    fn only_the_numbers_of_a_region_are_joined() {
+        let cases = [
+            ("a --within 0 1 -2 3 4 5 log.csv", "a|--within|0,1,-2,3,4,5|log.csv"),
+            ("a --within 0,1,2,3,4,5 7 8", "a|--within|0,1,2,3,4,5|7|8"),
+            ("a --within 0 1 2 3 4 5 6", "a|--within|0,1,2,3,4,5|6"),
+            ("a --within 0, 1, 2,3 4,5 6", "a|--within|0,,1,,2,3,4,5|6"),
+            ("a --within log.csv 1 2", "a|--within|log.csv|1|2"),
+            ("a --within 1 2 --json 3 4", "a|--within|1,2|--json|3|4"),
+            ("a --within=1,2,3,4,5,6 7", "a|--within=1,2,3,4,5,6|7"),
+            ("a 1 2 --within", "a|1|2|--within"),
+        ];
+        for (line, expected) in cases {
+            let args = joined(line.split(' ').map(Into::into));
+            let words: Vec<&str> = args.iter().filter_map(|a| a.to_str()).collect();
+            assert_eq!(words.join("|"), expected, "{line}");
         }
     }
 }

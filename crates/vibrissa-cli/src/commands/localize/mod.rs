@@ -14,6 +14,7 @@ use deterministic::DeterministicArgs;
 use inputs::Inputs;
 pub(super) use inputs::{outlines, read_log};
 use known::KnownArgs;
+pub(crate) use known::joined;
 use possibilistic::PossibilisticArgs;
 use probabilistic::ProbabilisticArgs;
 use std::ops::ControlFlow;
@@ -155,7 +156,7 @@ fn answered(
 
 fn options(args: &Args) -> Result<LocalizeOptions> {
     match args.method {
-        MethodArg::Deterministic => args.deterministic.options(),
+        MethodArg::Deterministic => args.deterministic.options(&args.known),
         MethodArg::Possibilistic => args.possibilistic.options(&args.known),
         MethodArg::Probabilistic => args.probabilistic.options(&args.known),
     }

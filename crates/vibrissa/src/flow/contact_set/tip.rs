@@ -39,6 +39,8 @@ pub struct TipContactSet {
     /// The base moment (N m).
     pub moment: f64,
     contacts: Vec<TipContact>,
+    /// For each of as many equal parts of the directions the first contact past its beginning.
+    parts: Vec<u16>,
 }
 
 impl TipContactSet {
@@ -60,6 +62,18 @@ impl TipContactSet {
         }
     }
 
+    fn new(moment: f64, contacts: Vec<TipContact>) -> Self {
+        let parts = match (contacts.first(), contacts.last()) {
+            (Some(a), Some(b)) if b.direction > a.direction => {
+                let part = (b.direction - a.direction) / contacts.len() as f64;
+                let first = |k: usize| contacts.partition_point(|c| c.direction < a.direction + k as f64 * part);
+                (0..contacts.len()).map(|k| first(k) as u16).collect()
+            }
+            _ => Vec::new(),
+        };
+        Self { moment, contacts, parts }
+    }
+
     fn from_curve(whisker: &Whisker, moment: f64, piece: &[crate::beam::TipEquilibrium]) -> Self {
         let side = 1.0_f64.copysign(moment);
         let contact = |e: &crate::beam::TipEquilibrium| TipContact {
@@ -72,7 +86,7 @@ impl TipContactSet {
         if side < 0.0 {
             contacts.reverse();
         }
-        Self { moment, contacts }
+        Self::new(moment, contacts)
     }
 
     /// The contacts of the curve whose force is normal to the whisker, each a set of its own.
@@ -80,7 +94,7 @@ impl TipContactSet {
         let normal = |pair: &[TipContact]| {
             let (a, b) = (pair[0].tilt(), pair[1].tilt());
             let crosses = (a <= 0.0) != (b <= 0.0);
-            crosses.then(|| Self { moment: self.moment, contacts: vec![blend(&pair[0], &pair[1], a / (a - b))] })
+            crosses.then(|| Self::new(self.moment, vec![blend(&pair[0], &pair[1], a / (a - b))]))
         };
         self.contacts.windows(2).filter_map(normal).collect()
     }
@@ -124,10 +138,28 @@ impl TipContactSet {
         if self.is_point() {
             return self.contacts[0];
         }
-        let after = self.contacts.partition_point(|c| c.direction < direction).clamp(1, self.contacts.len() - 1);
+        let after = self.first_from(direction).clamp(1, self.contacts.len() - 1);
         let (a, b) = (&self.contacts[after - 1], &self.contacts[after]);
         let share = (direction - a.direction) / (b.direction - a.direction);
         blend(a, b, share.clamp(0.0, 1.0))
+    }
+
+    /// The index of the first contact whose direction is not below this one.
+    fn first_from(&self, direction: f64) -> usize {
+        let (count, range) = (self.parts.len(), self.directions());
+        if count == 0 || !range.contains(direction) {
+            return self.contacts.partition_point(|c| c.direction < direction);
+        }
+        let part = (direction - range.lo()) * (count as f64 / range.width());
+        let mut index = usize::from(self.parts[(part as usize).min(count - 1)]);
+        // Rounding may put the direction into the part after its own.
+        while index > 0 && self.contacts[index - 1].direction >= direction {
+            index -= 1;
+        }
+        while index < self.contacts.len() && self.contacts[index].direction < direction {
+            index += 1;
+        }
+        index
     }
 
     /// The contact nearest to `point` (m, whisker frame) among those whose force acts between `from` and `from + turn`

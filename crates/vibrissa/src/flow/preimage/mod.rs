@@ -19,12 +19,13 @@ pub use reading_preimage::{
 };
 pub use state_grid::{Raster, StateGrid};
 
+use crate::flow::parallel;
 use crate::plane::{Pose2, Vec2};
 use crate::world::{BoundarySample, Map};
 use core::f64::consts::FRAC_PI_2;
 
 /// Spacing of the headings that are tried where the boundary's slope is uncertain (rad).
-const HEADING_SPACING: f64 = 0.06;
+pub(crate) const HEADING_SPACING: f64 = 0.06;
 /// Least spread of a heading (rad): a wall is not quite a parabola.
 const LEAST_SPREAD: f64 = 0.02;
 /// In a range of slopes wider than this (rad) headings are laid out twice as far apart.
@@ -68,7 +69,7 @@ pub fn aligned_states(map: &Map, samples: &[BoundarySample], observation: &Obser
                         heading_std,
                     })
                 };
-                states.extend(samples.iter().filter_map(place));
+                states.extend(parallel::filter_map(samples, place));
             }
         }
     }
@@ -77,8 +78,10 @@ pub fn aligned_states(map: &Map, samples: &[BoundarySample], observation: &Obser
 
 /// Whether a chain of points in the whisker frame meets a boundary.
 fn crosses(map: &Map, map_from_whisker: Pose2, chain: &[Vec2]) -> bool {
-    let place = |p: &Vec2| map_from_whisker.transform_point(*p);
-    chain.windows(2).any(|link| map.crosses(place(&link[0]), place(&link[1])))
+    let (sin, cos) = map_from_whisker.theta.sin_cos();
+    let place = |p: &Vec2| map_from_whisker.position() + Vec2::new(cos * p.x - sin * p.y, sin * p.x + cos * p.y);
+    let mut from = chain.first().map(place);
+    chain.iter().skip(1).map(place).any(|to| from.replace(to).is_some_and(|from| map.crosses(from, to)))
 }
 
 /// The whisker frame laid against one boundary point: `T_k R(-slope) (-tip)`, with `slope = phi_a - gamma`.

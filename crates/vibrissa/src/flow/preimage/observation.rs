@@ -7,6 +7,7 @@ use crate::flow::contact_set::{TipContact, TipContactSet};
 use crate::flow::moment::{MomentHistory, MomentReading};
 use crate::plane::{Pose2, Vec2};
 use crate::world::MountedWhisker;
+use core::cell::RefCell;
 
 /// Relative step of the moment in the difference quotient of the contact's place.
 const MOMENT_STEP: f64 = 0.01;
@@ -55,7 +56,17 @@ impl Observation {
     #[must_use]
     pub fn new(whisker: &MountedWhisker, history: &MomentHistory, load: TipLoad) -> Self {
         let moment = history.center.moment;
-        let branches = |moment: f64| TipContactSet::branches(&whisker.beam, moment, load);
+        // The same moments come again: at the centre, and where nothing is tilted or bent.
+        let known: RefCell<Vec<(u64, Vec<TipContactSet>)>> = RefCell::default();
+        let branches = |moment: f64| {
+            let mut known = known.borrow_mut();
+            if let Some((_, sets)) = known.iter().find(|(bits, _)| *bits == moment.to_bits()) {
+                return sets.clone();
+            }
+            let sets = TipContactSet::branches(&whisker.beam, moment, load);
+            known.push((moment.to_bits(), sets.clone()));
+            sets
+        };
         let center = branches(moment);
         let relative_std = history.center_std / moment.abs();
         let mut larger = branches(moment * (1.0 + MOMENT_STEP)).into_iter();

@@ -9,7 +9,7 @@ use crate::config::{DeterministicOptions, TipLoad};
 use crate::flow::contact_set::TipContact;
 use crate::flow::preimage::{Alignment, Branch, Observation};
 use crate::plane::{Pose2, Vec2, wrap_angle};
-use crate::world::{Map, MapPoint};
+use crate::world::{Foot, Map};
 use core::f64::consts::{FRAC_PI_2, PI};
 
 /// Most rounds in which boundary point and force direction are brought into agreement, and when they agree (rad).
@@ -91,9 +91,14 @@ pub(super) fn nearest_state(
     if !map.is_free(map_from_whisker.position()) {
         return None;
     }
+    let base = Base::new(map_from_whisker);
+    let same = candidate.felt_with == observation.robot_from_whisker;
     let on_branch = |branch| {
-        let match_from = |start| on_branch(map, candidate, map_from_whisker, branch, start, tolerance);
-        let starts = starts(map, candidate, observation, map_from_whisker, branch);
+        let match_from = |start| on_branch(map, candidate, &base, branch, start, tolerance);
+        if same {
+            return match_from(Start { normal: candidate.normal, near: candidate.touched });
+        }
+        let starts = starts(map, map_from_whisker, branch);
         starts.into_iter().filter_map(match_from).min_by(|a, b| a.cost.total_cmp(&b.cost))
     };
     observation.branches.iter().filter_map(on_branch).min_by(|a, b| a.cost.total_cmp(&b.cost))
@@ -108,12 +113,28 @@ struct Start {
     near: Vec2,
 }
 
-/// Where to look for the contact: at the last one of this whisker, or, when another one touched last, wherever the
-/// history's alignments put it.
-fn starts(map: &Map, candidate: &Candidate, observation: &Observation, pose: Pose2, branch: &Branch) -> Vec<Start> {
-    if candidate.felt_with == observation.robot_from_whisker {
-        return vec![Start { normal: candidate.normal, near: candidate.touched }];
+/// A whisker's base in the map, with the sine and cosine of its heading.
+struct Base {
+    pose: Pose2,
+    sin: f64,
+    cos: f64,
+}
+
+impl Base {
+    fn new(pose: Pose2) -> Self {
+        let (sin, cos) = pose.theta.sin_cos();
+        Self { pose, sin, cos }
     }
+
+    /// A point of the whisker in the map (m).
+    fn place(&self, p: Vec2) -> Vec2 {
+        self.pose.position() + Vec2::new(self.cos * p.x - self.sin * p.y, self.sin * p.x + self.cos * p.y)
+    }
+}
+
+/// Where to look for the contact when another whisker touched last: wherever the history's alignments put it. Otherwise
+/// it is looked for at the last one.
+fn starts(map: &Map, pose: Pose2, branch: &Branch) -> Vec<Start> {
     let middle = || {
         let range = branch.contacts.directions();
         branch.contacts.at_direction(0.5 * (range.lo() + range.hi()))
@@ -136,17 +157,17 @@ struct Touch {
 }
 
 /// The tip for the boundary's own normal: found by alternating between the two, from the start on.
-fn touch(map: &Map, pose: Pose2, branch: &Branch, start: Start) -> Option<Touch> {
+fn touch(map: &Map, base: &Base, branch: &Branch, start: Start) -> Option<Touch> {
     let Start { mut normal, mut near } = start;
     let mut found = None;
     for _ in 0..ROUNDS {
-        let direction = normal - pose.theta;
+        let direction = normal - base.pose.theta;
         let contact = branch.contacts.at_direction(direction)?;
-        let tip = pose.transform_point(contact.position);
+        let tip = base.place(contact.position);
         // No nearest point is further away than a known one; the margin covers the flattening of curves.
-        let point = map.nearest_within(tip, tip.distance(near) + NEARBY)?;
+        let point = map.foot(tip, (tip - near).norm_squared().sqrt() + NEARBY)?;
         near = point.position;
-        let outward = outward(map, &point, pose.position());
+        let outward = outward(&point, base.pose.position());
         let agreed = wrap_angle(outward - normal).abs() < AGREED;
         normal = outward;
         found = Some(Touch { tip, boundary: point.position, normal, contact });
@@ -158,41 +179,40 @@ fn touch(map: &Map, pose: Pose2, branch: &Branch, start: Start) -> Option<Touch>
 }
 
 /// The boundary's normal towards free space; towards the whisker's base for walls, which are free on both sides.
-fn outward(map: &Map, point: &MapPoint, base: Vec2) -> f64 {
+fn outward(point: &Foot, base: Vec2) -> f64 {
     let left = point.tangent + FRAC_PI_2;
-    let two_sided = map.boundaries()[point.boundary].is_two_sided();
-    let behind = (base - point.position).dot(Vec2::from_angle(left)) < 0.0;
-    if two_sided && behind { left + PI } else { left }
+    let behind = || (base - point.position).dot(Vec2::from_angle(left)) < 0.0;
+    if point.two_sided && behind() { left + PI } else { left }
 }
 
 fn on_branch(
     map: &Map,
     candidate: &Candidate,
-    pose: Pose2,
+    base: &Base,
     branch: &Branch,
     start: Start,
     tolerance: &Tolerance,
 ) -> Option<Match> {
-    on_wall(map, candidate, pose, branch, start, tolerance)
-        .or_else(|| in_corner(map, candidate, pose, branch, start.near, tolerance))
+    on_wall(map, candidate, base, branch, start, tolerance)
+        .or_else(|| in_corner(map, candidate, base.pose, branch, start.near, tolerance))
 }
 
 /// The match with the tip on a smooth piece of the boundary.
 fn on_wall(
     map: &Map,
     candidate: &Candidate,
-    pose: Pose2,
+    base: &Base,
     branch: &Branch,
     start: Start,
     tolerance: &Tolerance,
 ) -> Option<Match> {
-    let touch = touch(map, pose, branch, start)?;
+    let touch = touch(map, base, branch, start)?;
     let across = Vec2::from_angle(touch.normal);
     if (touch.boundary - touch.tip).dot(across.perp()).abs() > ALONG {
         return None;
     }
     let found = tolerance.place(candidate, branch, &touch, across)?;
-    let turn = turn(candidate, pose, branch, touch.normal, tolerance)?;
+    let turn = turn(candidate, base.pose, branch, touch.normal, tolerance)?;
     Some(Match { cost: found.cost + turn.share * turn.share, turn: turn.wanted, ..found })
 }
 
@@ -223,7 +243,8 @@ impl Tolerance {
     fn place(&self, candidate: &Candidate, branch: &Branch, touch: &Touch, across: Vec2) -> Option<Match> {
         let offset = (touch.boundary - touch.tip).dot(across);
         let sensitivity = branch.sensitivity(&touch.contact);
-        let std = (sensitivity * self.relative_std).hypot(LEAST_PLACE);
+        let own = sensitivity * self.relative_std;
+        let std = (own * own + LEAST_PLACE * LEAST_PLACE).sqrt();
         let arm = (touch.tip - candidate.map_from_odom.position()).perp();
         let gradient = [across.x, across.y, across.dot(arm)];
         let reach = self.std_devs * (std * std + candidate.variance(gradient)).sqrt()

@@ -21,8 +21,9 @@ pub use candidate::Candidate;
 pub use components::{Component, components};
 
 use crate::config::DeterministicOptions;
-use crate::flow::preimage::{Observation, aligned_states};
-use crate::plane::Pose2;
+use crate::flow::parallel;
+use crate::flow::preimage::{HEADING_SPACING, Observation, aligned_states};
+use crate::plane::{Pose2, wrap_angle};
 use crate::world::{BoundarySample, Map, Odometry};
 use membership::Tolerance;
 
@@ -83,11 +84,11 @@ impl StateSet {
         order.sort_by(|&a, &b| observations[a].open_slopes().total_cmp(&observations[b].open_slopes()));
         for &entry in order.iter().take(ENTRIES) {
             let enter = |state| Candidate::at(&state, &observations[entry], options.boundary_spacing);
-            let mut candidates: Vec<Candidate> =
-                aligned_states(map, samples, &observations[entry]).into_iter().map(enter).collect();
+            let entering = aligned_states(map, samples, &observations[entry]).into_iter().map(enter);
+            let mut candidates: Vec<Candidate> = entering.filter(|c| admits(options, c.map_from_odom)).collect();
             for (index, observation) in observations.iter().enumerate().filter(|&(index, _)| index != entry) {
                 let tolerance = Tolerance::new(observation, options);
-                candidates.iter_mut().for_each(|c| c.meet(map, observation, &tolerance));
+                parallel::for_each(&mut candidates, |c| c.meet(map, observation, &tolerance));
                 let seen = index as u32 + 1;
                 candidates.retain(|c| c.missed <= allowed_misses(options.missed_share, seen));
             }
@@ -102,10 +103,11 @@ impl StateSet {
         self.observations += 1;
         let (travelled, turned) = (std::mem::take(&mut self.travelled), std::mem::take(&mut self.turned));
         let tolerance = Tolerance::new(observation, options);
-        for candidate in &mut self.candidates {
-            candidate.widen(self.odom_from_robot, travelled, turned);
+        let odom_from_robot = self.odom_from_robot;
+        parallel::for_each(&mut self.candidates, |candidate| {
+            candidate.widen(odom_from_robot, travelled, turned);
             candidate.meet(map, observation, &tolerance);
-        }
+        });
         let allowed = allowed_misses(options.missed_share, self.observations);
         self.candidates.retain(|c| c.missed <= allowed);
         self.merge();
@@ -118,10 +120,11 @@ impl StateSet {
             let round = |v: f64, by: f64| (v / by).round() as i64;
             (round(state.x, SAME_PLACE), round(state.y, SAME_PLACE), round(state.theta, SAME_HEADING))
         };
-        let mut keyed: Vec<_> = self.candidates.drain(..).map(|c| (cell(&c), c)).collect();
-        keyed.sort_by(|(a, p), (b, q)| a.cmp(b).then(p.rank().total_cmp(&q.rank())));
-        keyed.dedup_by(|later, kept| later.0 == kept.0);
-        self.candidates = keyed.into_iter().map(|(_, c)| c).collect();
+        let key = |(index, c): (usize, &Candidate)| (cell(c), ordered(c.rank()), index as u32);
+        let mut keyed: Vec<_> = self.candidates.iter().enumerate().map(key).collect();
+        keyed.sort_unstable();
+        keyed.dedup_by_key(|k| k.0);
+        self.candidates = keyed.into_iter().map(|(.., index)| self.candidates[index as usize]).collect();
     }
 
     /// The candidate that explains the observations best.
@@ -144,11 +147,35 @@ impl StateSet {
         (keys.len() as f64 * cell * cell, volume)
     }
 
+    /// How many separate places the set has, with the odometry at `odom_from_robot`.
+    #[must_use]
+    pub fn places(&self, odom_from_robot: Pose2) -> usize {
+        components::count(&self.candidates, odom_from_robot)
+    }
+
     /// The separate places of the set, with the odometry at `odom_from_robot`.
     #[must_use]
     pub fn components(&self, odom_from_robot: Pose2) -> Vec<Component> {
         components(&self.candidates, odom_from_robot)
     }
+}
+
+/// Whether the robot is in the prior's region at the first row, where its frame is the odometry's, give or take a step
+/// of the sampling.
+fn admits(options: &DeterministicOptions, map_from_robot: Pose2) -> bool {
+    options.prior.is_none_or(|[[a, b], [c, d], [e, f]]| {
+        let place = options.boundary_spacing;
+        let off = wrap_angle(map_from_robot.theta - 0.5 * (e + f)).abs();
+        (a - place..=b + place).contains(&map_from_robot.x)
+            && (c - place..=d + place).contains(&map_from_robot.y)
+            && off <= 0.5 * (f - e) + HEADING_SPACING
+    })
+}
+
+/// A number that grows with `value`, in the order of `total_cmp`.
+fn ordered(value: f64) -> i64 {
+    let bits = value.to_bits() as i64;
+    bits ^ (((bits >> 63) as u64) >> 1) as i64
 }
 
 /// How many of so many observations a candidate may have missed.

@@ -14,15 +14,18 @@ const VERTEX_HEADINGS: usize = 60;
 /// Contacts at a vertex are taken together up to this size (m).
 const TOGETHER: f64 = 4e-3;
 
-/// Cells that hold every state in which the map explains the reading by contact; `touch` is sliced from a coarse table.
-pub(super) fn cells(pieces: &Pieces, touch: &Touch, record: u32) -> Vec<Cell> {
+/// Cells that hold every state in which the map explains the reading by contact within `near`, where that is known;
+/// `touch` is sliced from a coarse table.
+pub(super) fn cells(pieces: &Pieces, near: Option<Bounds>, touch: &Touch, record: u32) -> Vec<Cell> {
     let mut cells = Vec::new();
     for bending in &touch.sides {
-        for piece in &pieces.all {
-            match piece {
-                Piece::Edge(edge) => along_edge(edge, touch, bending, record, &mut cells),
-                Piece::Vertex(vertex) => around_vertex(vertex, touch, bending, record, &mut cells),
-            }
+        let mut lay = |piece: &Piece| match piece {
+            Piece::Edge(edge) => along_edge(edge, touch, bending, record, &mut cells),
+            Piece::Vertex(vertex) => around_vertex(vertex, touch, bending, record, &mut cells),
+        };
+        match near {
+            Some(bounds) => pieces.near(bounds, lay),
+            None => pieces.all.iter().for_each(&mut lay),
         }
     }
     cells

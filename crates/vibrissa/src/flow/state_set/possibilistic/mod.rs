@@ -18,7 +18,8 @@ mod tests;
 
 use crate::beam::press::PressTable;
 use crate::config::PossibilisticOptions;
-use crate::plane::{Pose2, wrap_angle};
+use crate::flow::prior;
+use crate::plane::{Bounds, Pose2, wrap_angle};
 use crate::sets::{Interval, StateBox};
 use crate::world::{Map, MountedWhisker, Odometry};
 use cell::{Cell, narrow};
@@ -195,7 +196,8 @@ impl PossibleSet {
                 continue;
             }
             let coarse = Touch::new(&probe.whisker, &probe.birth, moment.lo(), moment.hi());
-            self.cells.extend(birth::cells(&self.ground.coarse, &coarse, record));
+            let near = self.near(&probe.whisker);
+            self.cells.extend(birth::cells(&self.ground.coarse, near, &coarse, record));
             self.births += 1;
             self.born_at = record;
         }
@@ -204,6 +206,15 @@ impl PossibleSet {
         }
         let cells = std::mem::take(&mut self.cells);
         self.cells = cells.into_iter().filter_map(|cell| self.entering(map, cell, record)).collect();
+    }
+
+    /// Where on the map a whisker can touch at the newest row, with the first pose in the prior's region.
+    fn near(&self, whisker: &MountedWhisker) -> Option<Bounds> {
+        let (first, last) = (&self.records.first()?.stand, &self.records.last()?.stand);
+        let (step, place, turn) = first.until(last);
+        let arm = step.compose(whisker.robot_from_whisker).position();
+        let slack = place + arm.norm() * turn;
+        Some(prior::around(self.options.prior?, arm, slack, whisker.beam.length))
     }
 
     /// What is left of a new cell after the reading that it was born from and all that is known from before.

@@ -156,6 +156,9 @@ fn halved(points: &[Vec2]) -> (Vec<Vec2>, Vec<Vec2>) {
     (left, right)
 }
 
+/// An edge of more links than this grows by more than one at a time.
+const MANY: usize = 64;
+
 /// Groups the links of one side into edges, with vertices where they turn sharply.
 fn add_side(links: &[Link], closed: bool, grain: Grain, all: &mut Vec<Piece>) {
     let mut start = 0;
@@ -173,6 +176,16 @@ fn add_side(links: &[Link], closed: bool, grain: Grain, all: &mut Vec<Piece>) {
             }
             edge = longer;
             end += 1;
+            // A chord looks at all its links: over very many they are taken by the share.
+            let more = (end - start) / MANY;
+            let ahead = (end..(end + more).min(links.len())).find(|&k| !is_smooth(&links[k - 1], &links[k]));
+            let far = ahead.unwrap_or((end + more).min(links.len()));
+            if far > end {
+                let longer = chord(&links[start..far], entering);
+                if is_fine(&longer, grain) {
+                    (edge, end) = (longer, far);
+                }
+            }
         }
         all.push(Piece::Edge(edge));
         if end < links.len() {

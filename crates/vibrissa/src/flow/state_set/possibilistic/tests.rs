@@ -174,7 +174,7 @@ fn every_true_state_is_born() {
             let Some(case) = case(&map, &mut draw, friction) else { continue };
             tried += 1;
             let touch = Touch::new(&case.whisker, &table, case.moment.0, case.moment.1);
-            let cells = birth::cells(&pieces, &touch, 0);
+            let cells = birth::cells(&pieces, None, &touch, 0);
             assert!(cells.iter().any(|cell| holds(cell, case.robot)), "{case:?}");
         }
     }

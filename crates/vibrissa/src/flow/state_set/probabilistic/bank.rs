@@ -8,6 +8,7 @@ use super::normal::{Matrix, dot, times};
 use super::seeds::{Onset, seeds};
 use crate::beam::TipTable;
 use crate::config::ProbabilisticOptions;
+use crate::flow::prior;
 use crate::plane::{Pose2, Vec2, wrap_angle};
 use crate::world::{Map, Robot};
 
@@ -142,6 +143,11 @@ impl Bank {
             rows: &rows,
             spacing: options.seed_spacing,
             turn: options.seed_turn,
+            near: options.prior.map(|region| {
+                let arm = odom_from_whisker.position();
+                let slack = 2.0 * options.seed_spacing + arm.norm() * options.seed_turn;
+                prior::around(region, arm, slack, own.length)
+            }),
         };
         let admits = |map_from_odom: Pose2| field.admits(history, map_from_odom);
         let mut hypotheses = seeds(&scene, &onset_of, &admits);

@@ -12,7 +12,7 @@ use super::hypothesis::{Hypothesis, Scene, moved};
 use crate::beam::Whisker;
 use crate::config::TipLoad;
 use crate::flow::contact_set::TipContactSet;
-use crate::plane::{Pose2, Vec2, wrap_angle};
+use crate::plane::{Bounds, Pose2, Vec2, wrap_angle};
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// Headings further than this from the boundary's normal are left out (rad).
@@ -42,6 +42,8 @@ pub(super) struct Onset<'a> {
     /// Spacing along the boundary (m) and of headings (rad).
     pub(super) spacing: f64,
     pub(super) turn: f64,
+    /// Where the tip can be with the first pose in the prior's region.
+    pub(super) near: Option<Bounds>,
 }
 
 /// The hypotheses that explain the first readings; `admits` says whether a `map_from_odom` is in the prior's region.
@@ -52,19 +54,23 @@ pub(super) fn seeds(scene: &Scene<'_>, onset: &Onset<'_>, admits: &dyn Fn(Pose2)
     let branches =
         if onset.from_free { Vec::new() } else { TipContactSet::branches(onset.beam, moment, TipLoad::BoundaryNormal) };
     for_each_place(&scene.ground.pieces, onset.spacing, |piece, at| {
-        let normal = scene.ground.pieces[piece as usize].spot(at).normal;
+        let spot = scene.ground.pieces[piece as usize].spot(at);
+        if onset.near.is_some_and(|near| !near.contains(spot.position)) {
+            return;
+        }
+        let normal = spot.normal;
         if onset.from_free {
             let count = (2.0 * WIDEST / onset.turn).ceil();
             (0..count as usize).for_each(|k| {
                 let heading = normal + PI - WIDEST + (k as f64 + 0.5) * (2.0 * WIDEST / count);
-                found.extend(touching(scene, onset, piece, at, heading, z).filter(|h| admits(h.map_from_odom)));
+                found.extend(touching(scene, onset, piece, at, heading, z, admits));
             });
         } else {
             let count = (TAU / onset.turn).ceil();
             for set in &branches {
                 (0..count as usize).for_each(|k| {
                     let heading = wrap_angle(k as f64 * TAU / count);
-                    found.extend(loaded(scene, onset, set, piece, at, heading).filter(|h| admits(h.map_from_odom)));
+                    found.extend(loaded(scene, onset, set, piece, at, heading, admits));
                 });
             }
         }
@@ -86,7 +92,15 @@ fn for_each_place(pieces: &[Piece], spacing: f64, mut visit: impl FnMut(u32, f64
 }
 
 /// The hypothesis that the straight whisker's tip touched here, if the first readings allow it.
-fn touching(scene: &Scene<'_>, onset: &Onset<'_>, piece: u32, at: f64, heading: f64, z: f64) -> Option<Hypothesis> {
+fn touching(
+    scene: &Scene<'_>,
+    onset: &Onset<'_>,
+    piece: u32,
+    at: f64,
+    heading: f64,
+    z: f64,
+    admits: &dyn Fn(Pose2) -> bool,
+) -> Option<Hypothesis> {
     let feeler = &scene.feelers[onset.feeler];
     let spot = scene.ground.pieces[piece as usize].spot(at);
     let push = (spot.normal - heading).sin();
@@ -96,12 +110,17 @@ fn touching(scene: &Scene<'_>, onset: &Onset<'_>, piece: u32, at: f64, heading: 
         return None;
     }
     let base = spot.position - along * feeler.length;
+    let pose = Pose2::new(base.x, base.y, heading);
+    // The region is asked first: on a large map little is left.
+    if !admits(from_odom(scene, onset, pose)) {
+        return None;
+    }
     if scene.map.crosses(base, base + along * (CLEAR * feeler.length)) || !scene.map.is_free(base) {
         return None;
     }
     let forward = Forward { map: scene.map, ground: scene.ground, length: feeler.length, solver: scene.solver };
     let state = State::Touching(forward.untouched(piece, at, heading));
-    judged(scene, onset, Pose2::new(base.x, base.y, heading), state)
+    judged(scene, onset, pose, state)
 }
 
 /// The hypothesis that the tip was pressed here with the moment of the first reading.
@@ -112,6 +131,7 @@ fn loaded(
     piece: u32,
     at: f64,
     heading: f64,
+    admits: &dyn Fn(Pose2) -> bool,
 ) -> Option<Hypothesis> {
     let feeler = &scene.feelers[onset.feeler];
     let spot = scene.ground.pieces[piece as usize].spot(at);
@@ -120,14 +140,25 @@ fn loaded(
     let chord = spot.position - base;
     // The whisker comes to the boundary from its free side.
     let aslant = Vec2::from_angle(heading + contact.slope).dot(Vec2::from_angle(spot.normal));
-    if aslant >= 0.0 || !scene.map.is_free(base) || scene.map.crosses(base, base + chord * 0.5) {
+    let pose = Pose2::new(base.x, base.y, heading);
+    if aslant >= 0.0
+        || !admits(from_odom(scene, onset, pose))
+        || !scene.map.is_free(base)
+        || scene.map.crosses(base, base + chord * 0.5)
+    {
         return None;
     }
     let q = contact.force.abs() * feeler.length * feeler.per_moment;
     let beta = wrap_angle(spot.normal - heading - contact.slope - FRAC_PI_2);
     let forward = Forward { map: scene.map, ground: scene.ground, length: feeler.length, solver: scene.solver };
     let state = State::Touching(forward.loaded(piece, at, q, beta, contact.slope));
-    judged(scene, onset, Pose2::new(base.x, base.y, heading), state)
+    judged(scene, onset, pose, state)
+}
+
+/// The odometry frame in the map when the whisker's base is there at the first touch.
+fn from_odom(scene: &Scene<'_>, onset: &Onset<'_>, map_from_whisker: Pose2) -> Pose2 {
+    let odom_from_whisker = scene.history.pose(onset.row).compose(scene.feelers[onset.feeler].robot_from_whisker);
+    map_from_whisker.compose(odom_from_whisker.inverse())
 }
 
 /// The inverse variances of a cell: place along and across the boundary, heading.
@@ -138,9 +169,7 @@ fn cell(onset: &Onset<'_>) -> [f64; 3] {
 
 /// The hypothesis after the first readings, unless they kill its whole cell.
 fn judged(scene: &Scene<'_>, onset: &Onset<'_>, map_from_whisker: Pose2, state: State) -> Option<Hypothesis> {
-    let feeler = &scene.feelers[onset.feeler];
-    let odom_from_whisker = scene.history.pose(onset.row).compose(feeler.robot_from_whisker);
-    let map_from_odom = map_from_whisker.compose(odom_from_whisker.inverse());
+    let map_from_odom = from_odom(scene, onset, map_from_whisker);
     let mut states = vec![State::Free; scene.feelers.len()];
     states[onset.feeler] = state;
     let mut hypothesis = Hypothesis::new(map_from_odom, states, onset.row);
