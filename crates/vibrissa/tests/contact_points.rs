@@ -13,6 +13,8 @@ use vibrissa::plane::{Pose2, Vec2};
 use vibrissa::tasks::contact::*;
 use vibrissa::world::{MomentNoise, MountedWhisker, Robot};
 
+/// Degrees of freedom, and what a sum of squares exceeds with the chance of 2.326e-4.
+const QUANTILES: [(usize, f64); 4] = [(4, 21.674645594), (10, 33.407070845), (30, 64.800276530), (100, 157.118128553)];
 const NOISE: MomentNoise = MomentNoise { moment_relative: 0.05, moment_absolute: 2e-6 };
 
 /// What the whisker reads at `base` when its side leans on `peg`; none when it does not reach.
@@ -95,6 +97,22 @@ fn covariances_are_honest() {
     }
     let rms = (square / f64::from(count)).sqrt();
     assert!((0.75..1.3).contains(&rms), "errors are {rms} of the standard deviations said");
+}
+
+/// Sums of squares are held against their law: the quantiles of chi squared for a chance of 2.326e-4, from its incomplete gamma
+/// function (Wilson's and Hilferty's approximation is good to 2.3 % for four degrees of freedom).
+#[test]
+fn sums_of_squares_are_held_against_their_law() {
+    for (freedom, quantile) in QUANTILES {
+        let at = |share: f64| FixedPoint {
+            position: Vec2::ZERO,
+            covariance: [0.0; 3],
+            chi2: share * quantile,
+            freedom,
+            s_a: [0.05; 2],
+        };
+        assert!(at(0.97).fits() && !at(1.03).fits(), "{freedom}");
+    }
 }
 
 #[test]

@@ -10,6 +10,8 @@ use crate::plane::{Pose2, Vec2};
 const STARTS: [f64; 7] = [0.2, 0.35, 0.5, 0.65, 0.8, 0.9, 0.99];
 /// Two answers nearer than this are one (m).
 const SAME: f64 = 2e-5;
+/// How many standard deviations a sum of squares may be above its mean: 1 in 4300 is.
+const CHANCE: f64 = 3.5;
 /// Rounds of new weights.
 const WEIGHTINGS: usize = 3;
 
@@ -29,11 +31,15 @@ pub struct FixedPoint {
 }
 
 impl FixedPoint {
-    /// Whether the residuals are as large as the errors explain, at four standard deviations of their sum.
+    /// Whether the residuals are as large as the errors explain, but for a chance of 1 in 4300.
+    ///
+    /// The bound is Wilson's and Hilferty's: the cube root of a sum of squares is all but normal for few readings as well, where the
+    /// sum itself is not.
     #[must_use]
     pub fn fits(&self) -> bool {
         let freedom = self.freedom.max(1) as f64;
-        self.chi2 <= freedom + 4.0 * (2.0 * freedom).sqrt()
+        let variance = 2.0 / (9.0 * freedom);
+        self.chi2 <= freedom * (1.0 - variance + CHANCE * variance.sqrt()).powi(3)
     }
 
     /// Standard deviation of the position along a unit vector of the odometry frame (m).

@@ -26,8 +26,12 @@ const UNKNOWNS: usize = 2;
 const STARTS: [f64; 5] = [0.0, -0.5, 0.5, -1.0, 1.0];
 /// A start is solved each time it has grown by this many nodes,
 const GROWTH: usize = 5;
-/// over this many of its last ones.
-const WINDOW: usize = 30;
+/// over this many of its last ones, and over more where that tears the way. A short window is quick; but where the whisker is
+/// strongly bent, windows that are free at their beginning slide off, each a little, to another shape.
+const WINDOWS: [usize; 3] = [30, 90, 270];
+/// A step of the tip that misses the wall's direction by more standard deviations tears the way: where all is well none misses by
+/// one, and where the way changes from one shape to another, hundreds do.
+const TORN: f64 = 5.0;
 /// Largest tilt of the force (rad): beyond, it all but pulls or pushes along the whisker.
 const STEEPEST_TILT: f64 = 1.5;
 /// Fewest nodes of a trace.
@@ -117,7 +121,7 @@ type Unknowns = Vec<f64>;
 
 /// The tip's ways through `nodes`: one trace, or several where the contact jumps in between.
 ///
-/// Nodes that fit no trace are left out; empty when there is none at all.
+/// No step of a trace misses the direction of the wall: where one would, the trace ends. Nodes that fit no trace are left out; empty when there is none at all.
 #[must_use]
 pub fn tip_traces(whisker: &Whisker, nodes: &[TraceNode], options: TraceOptions) -> Vec<Vec<TracePoint>> {
     let mut traces = Vec::new();
@@ -150,11 +154,12 @@ fn without_snap(whisker: &Whisker, nodes: &[TraceNode], options: TraceOptions, t
         let curled = if traces.is_empty() { None } else { Problem { largest_slope: f64::INFINITY, ..problem }.best(1) };
         let nodes_of = |best: &Option<Descent<Vec<Tip>>>| best.as_ref().map_or(0, |descent| descent.state.len());
         let short = CURLED * (nodes_of(&curled) as f64) > nodes_of(&least) as f64;
-        let best = if short { curled } else { least };
+        let (best, largest_slope) = if short { (curled, f64::INFINITY) } else { (least, LARGEST_SLOPE) };
+        let best = best.map(|descent| Problem { largest_slope, ..problem.part(0, rest.len()) }.until_torn(descent));
         let used = best.as_ref().map_or(0, |descent| descent.state.len());
         let part = Problem { largest_slope: f64::INFINITY, ..problem.part(0, used) };
-        let points = best.filter(|_| used >= FEWEST).and_then(|descent| part.points(&descent));
-        traces.extend(points);
+        let whole = best.filter(|descent| used >= FEWEST && part.torn(&descent.state).is_none());
+        traces.extend(whole.and_then(|descent| part.points(&descent)));
         rest = &rest[used.max(1)..];
     }
 }
@@ -167,11 +172,38 @@ impl Problem<'_> {
 
     /// The longest trace, and of those the cheapest, from every tilt on one branch of the first reading.
     fn best(&self, branch: usize) -> Option<Descent<Vec<Tip>>> {
-        let starts = STARTS.map(|tilt| self.grown(branch, tilt));
+        let mut best = None;
+        for window in WINDOWS {
+            best = self.best_by(branch, window);
+            if best.as_ref().is_none_or(|best| self.torn(&best.state).is_none()) {
+                break;
+            }
+        }
+        best
+    }
+
+    fn best_by(&self, branch: usize, window: usize) -> Option<Descent<Vec<Tip>>> {
+        let starts = STARTS.map(|tilt| self.grown(branch, tilt, window));
         let longest = starts.iter().map(Vec::len).max().unwrap_or(0);
         let long = |start: &Unknowns| start.len() == longest && longest >= FEWEST * UNKNOWNS;
         let settled = starts.into_iter().filter(long).flat_map(|start| self.part(0, longest / UNKNOWNS).settled(start));
         settled.min_by(|a, b| a.cost.total_cmp(&b.cost))
+    }
+
+    /// The first node after which the tip takes a step that no wall explains.
+    fn torn(&self, tips: &[Tip]) -> Option<usize> {
+        let misses = |i: &usize| {
+            let (step, _, normal) = Self::step(tips, *i);
+            step.dot(normal).abs() > TORN * self.options.step_std
+        };
+        (0..tips.len().saturating_sub(1)).find(misses)
+    }
+
+    /// A way up to where it is torn, settled anew; as it is where it is whole.
+    fn until_torn(&self, way: Descent<Vec<Tip>>) -> Descent<Vec<Tip>> {
+        let Some(torn) = self.torn(&way.state) else { return way };
+        let first = way.unknowns[..UNKNOWNS * (torn + 1)].to_vec();
+        self.part(0, torn + 1).descend(first).unwrap_or(way)
     }
 
     /// Where a start settles: directly, and by way of a wall that is all but straight.
@@ -183,14 +215,14 @@ impl Problem<'_> {
     }
 
     /// A start, grown node by node from the first on until the readings jump.
-    fn grown(&self, branch: usize, tilt: f64) -> Unknowns {
+    fn grown(&self, branch: usize, tilt: f64, window: usize) -> Unknowns {
         let mut unknowns: Unknowns = Vec::with_capacity(UNKNOWNS * self.nodes.len());
         for i in 0..self.nodes.len() {
             let Some(next) = self.guess(i, &unknowns, branch, tilt) else { break };
             unknowns.extend(next);
             let last = i + 1 == self.nodes.len();
             if i % GROWTH == GROWTH - 1 || last {
-                let from = (i + 1).saturating_sub(WINDOW);
+                let from = (i + 1).saturating_sub(window);
                 let newest = GROWTH.min(i + 1);
                 let part = self.part(from, i + 1);
                 let solved = part.descend(unknowns[UNKNOWNS * from..].to_vec());
