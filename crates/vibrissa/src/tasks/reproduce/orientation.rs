@@ -80,7 +80,7 @@ pub(super) fn section() -> Result<Section> {
         "end_compass",
         "no number",
         (end(&with), 2, "mm²"),
-        "Likewise.",
+        "Likewise. Both are covers that end at the size of a cell, some mm²; which of them is smaller there means nothing.",
     );
     Ok(section)
 }
