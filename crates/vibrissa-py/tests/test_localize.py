@@ -119,7 +119,9 @@ def test_other_threads_run_on_meanwhile(demo: vibrissa.Demo) -> None:
 
 
 INTERRUPTED = """
-import sys, vibrissa, numpy as np
+import signal, sys, vibrissa, numpy as np
+# Jobs in the background inherit that interrupts are ignored.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 demo = vibrissa.demo()
 work = {
     "localize": lambda: vibrissa.localize(demo.sweep.log, demo.map, method="possibilistic", work=10**6),
