@@ -194,9 +194,15 @@ fn the_stages_of_localization() {
     close(possibilistic, "held", 8.0, 0.0);
     below(possibilistic, "share", 1.0 + 1e-9);
     assert!(orientation.number("compass").unwrap() <= orientation.number("alone").unwrap());
-    // Covers of one place, down to the size of a cell.
     below(orientation, "end_alone", 4.0);
     below(orientation, "end_compass", 4.0);
+}
+
+#[test]
+#[ignore = "known to fail: 1.83 mm² with the compass, 0.62 mm² without; the last refinement is not understood there"]
+fn a_compass_leaves_no_larger_cover() {
+    let orientation = section("orientation");
+    assert!(orientation.number("end_compass").unwrap() <= orientation.number("end_alone").unwrap());
 }
 
 #[test]

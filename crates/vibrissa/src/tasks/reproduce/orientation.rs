@@ -80,7 +80,7 @@ pub(super) fn section() -> Result<Section> {
         "end_compass",
         "no number",
         (end(&with), 2, "mm²"),
-        "Likewise. Both are covers that end at the size of a cell, some mm²; which of them is smaller there means nothing.",
+        "Likewise. A cover from outside need not shrink in step: this one may end larger than that of touch alone.",
     );
     Ok(section)
 }
