@@ -8,7 +8,7 @@ mod probabilistic;
 pub use possibilistic::PossibilisticLocalizer;
 pub use probabilistic::ProbabilisticLocalizer;
 
-use crate::beam::{elastica, largest_tip_moment};
+use crate::beam::TipModel;
 use crate::config::limits::{COARSEST_SPACING, MOST_SAMPLES};
 use crate::config::{DeterministicOptions, TipLoad};
 use crate::flow::moment::{MomentHistory, MomentReading, MomentTrack};
@@ -25,6 +25,7 @@ use crate::{Error, Result};
 /// One whisker's way from its column of the log to its histories.
 struct Feeler {
     whisker: MountedWhisker,
+    tip: TipModel,
     channel: usize,
     track: MomentTrack,
     in_contact: bool,
@@ -68,8 +69,7 @@ impl<'a> Localizer<'a> {
     ///
     /// # Errors
     ///
-    /// Options out of range, a whisker without a moment channel, or a whisker that the method does not cover yet
-    /// (tapered, curved, on an elastic base).
+    /// Options out of range, a whisker without a moment channel, or a whisker that is curved at rest.
     pub fn new(map: &'a Map, robot: &'a Robot, channels: &[Channel], options: DeterministicOptions) -> Result<Self> {
         options.check()?;
         let log = SensorLog { channels: channels.to_vec(), ..SensorLog::default() };
@@ -132,7 +132,7 @@ impl<'a> Localizer<'a> {
             );
             return self.record.event_once(row.t, "rough", detail);
         }
-        let observation = Observation::new(whisker, history, self.options.tip_load);
+        let observation = Observation::new(whisker, &self.feelers[feeler].tip, history, self.options.tip_load);
         if self.record.first_row.is_some() {
             self.states.intersect(self.map, &observation, &self.options);
             self.record.observations.push((feeler, observation));
@@ -230,10 +230,9 @@ impl<'a> Localizer<'a> {
     /// The whisker's shapes as the best candidate sees them.
     fn shapes(&self, best: &Candidate) -> Vec<ShapeRecord> {
         let shape = |(feeler, observation): &(usize, Observation)| {
-            let beam = &self.feelers[*feeler].whisker.beam;
+            let tip = &self.feelers[*feeler].tip;
             let contact = best.contact(self.map, observation, &self.options)?;
-            let bend = elastica::bend(beam.flexural_rigidity, contact.force, beam.length, contact.tilt())?;
-            let points = bend.shape(beam.length, SHAPE_POINTS);
+            let points = tip.bend(contact.force, contact.tilt())?.shape(tip.whisker().length, SHAPE_POINTS);
             let place = |p| observation.robot_from_whisker.transform_point(p);
             Some(ShapeRecord { t: observation.t, points: points.into_iter().map(place).collect() })
         };
@@ -373,16 +372,17 @@ impl Record {
 
 impl Feeler {
     fn new(whisker: &MountedWhisker, log: &SensorLog, options: &DeterministicOptions) -> Result<Self> {
-        whisker.beam.require_uniform()?;
+        let tip = TipModel::new(&whisker.beam)?;
         let limit = match options.tip_load {
-            TipLoad::BoundaryNormal => LimitCheck::any_tilt(whisker),
-            TipLoad::WhiskerNormal => LimitCheck::new(whisker, 0.0),
+            TipLoad::BoundaryNormal => LimitCheck::any_tilt(whisker, &tip),
+            TipLoad::WhiskerNormal => LimitCheck::new(whisker, &tip, 0.0),
         };
         Ok(Self {
             channel: log.moment_channel(&whisker.name)?,
             track: MomentTrack::new(whisker, options),
             in_contact: false,
             limit,
+            tip,
             whisker: whisker.clone(),
         })
     }
@@ -415,13 +415,12 @@ struct LimitCheck {
 
 impl LimitCheck {
     /// Whatever the tilt of the load.
-    fn any_tilt(whisker: &MountedWhisker) -> Self {
-        Self::new(whisker, f64::INFINITY)
+    fn any_tilt(whisker: &MountedWhisker, tip: &TipModel) -> Self {
+        Self::new(whisker, tip, f64::INFINITY)
     }
 
-    fn new(whisker: &MountedWhisker, steepest: f64) -> Self {
-        let limit = largest_tip_moment(steepest) * whisker.beam.flexural_rigidity / whisker.beam.length;
-        Self { whisker: whisker.name.clone(), noise: whisker.noise, limit }
+    fn new(whisker: &MountedWhisker, tip: &TipModel, steepest: f64) -> Self {
+        Self { whisker: whisker.name.clone(), noise: whisker.noise, limit: tip.largest_moment(steepest) }
     }
 
     /// Refuses what no shape of this whisker can cause, even at the edge of the declared noise.

@@ -4,7 +4,7 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use vibrissa::beam::Whisker;
+use vibrissa::beam::{TipModel, Whisker};
 use vibrissa::flow::state_set::probabilistic::predicted_moments;
 use vibrissa::flow::trajectory::read_tum;
 use vibrissa::plane::{Pose2, Vec2};
@@ -43,7 +43,7 @@ fn moments_agree_with_a_discrete_rod() {
         let truth = read_tum(folder.join(format!("{name}.truth.tum"))).unwrap();
         let path: Vec<Pose2> = truth.iter().map(|p| p.map_from_robot).collect();
         let begin = std::time::Instant::now();
-        let ours = predicted_moments(&map, &Whisker::default(), &path);
+        let ours = predicted_moments(&map, &TipModel::new(&Whisker::default()).unwrap(), &path);
         let per_row = begin.elapsed().as_secs_f64() / path.len() as f64;
         let text = fs::read_to_string(folder.join(format!("{name}.exact.csv"))).unwrap();
         let rod: Vec<f64> = text.lines().skip(1).map(|l| l.split(',').nth(1).unwrap().parse().unwrap()).collect();
@@ -71,7 +71,7 @@ fn derivatives_are_those_of_the_simulator() {
         simulate_tip_sweep(&map, &robot, &path, &SweepNoise::none()).unwrap().exact_moments
     };
     let poses: Vec<Pose2> = path.iter().map(|p| p.map_from_robot).collect();
-    let ours = predicted_moments(&map, &robot.whiskers[0].beam, &poses);
+    let ours = predicted_moments(&map, &TipModel::new(&robot.whiskers[0].beam).unwrap(), &poses);
     let exact = moved(0.0, 0.0, 0.0);
     let h = 2e-6;
     let steps = [(h, 0.0, 0.0), (0.0, h, 0.0), (0.0, 0.0, 10.0 * h)];

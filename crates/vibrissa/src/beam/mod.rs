@@ -41,6 +41,7 @@ mod stretch;
 mod tip_chart;
 mod tip_curve;
 mod tip_mode;
+mod tip_model;
 mod tip_table;
 mod whisker;
 
@@ -57,6 +58,7 @@ pub use stretch::{MOST_STRETCHES, Stretch, Stretches};
 pub use tip_chart::{TipChart, TipRate, tip_chart};
 pub use tip_curve::{TipEquilibrium, largest_tip_moment, tip_curve};
 pub use tip_mode::tip_mode;
+pub use tip_model::TipModel;
 pub use tip_table::TipTable;
 pub use whisker::{CURVATURE_TERMS, Whisker};
 

@@ -6,15 +6,18 @@
 //! are nothing special, and cut where the direction of the force stops growing or shrinking: on each piece the
 //! direction names the equilibrium.
 
+use super::TipChart;
 use super::pendulum::{Pendulum, Tilt};
 use core::f64::consts::{FRAC_PI_2, PI};
 
 /// Tilts beyond this are left out (rad): the force then all but pulls or pushes along the whisker.
-const STEEPEST_TILT: f64 = 1.45;
+pub(super) const STEEPEST_TILT: f64 = 1.45;
 /// Slopes beyond this are left out (rad): a whisker that is wound up, and directions would repeat themselves.
 const STEEPEST_SLOPE: f64 = PI;
 /// Step along the curve in the plane of tilt and `t`; linear interpolation between steps errs by 2e-4 of the length.
 const STEP: f64 = 0.02;
+/// Sharp tips turn and travel further in such a step, so that for other whiskers it is cut: travel over the length, turn (rad).
+const TRAVEL: f64 = 0.03;
 /// More steps than any curve takes; a guard, never reached.
 const MOST_STEPS: usize = 2000;
 /// The end of the first mode is approached to this fraction: beyond, the moment changes sign.
@@ -54,6 +57,21 @@ struct Node {
     equilibrium: TipEquilibrium,
 }
 
+/// A whisker whose curves are followed.
+struct Course<'a, N> {
+    /// The load of this tilt and root; none beyond what is known.
+    node: &'a N,
+    /// The load of the largest moment at the steepest tilt, which every curve begins from: `t` and that moment.
+    peak: (f64, f64),
+    /// Largest travel of the tip over the length, and of its slope (rad), from one equilibrium to the next.
+    travel: f64,
+}
+
+/// The uniform whisker.
+fn uniform(beta: f64, t: f64) -> Option<Node> {
+    Some(node(beta, t))
+}
+
 fn node(beta: f64, t: f64) -> Node {
     let pendulum = Pendulum::new(Tilt::new(beta.sin(), beta.cos()));
     let swing = pendulum.at(t);
@@ -61,12 +79,6 @@ fn node(beta: f64, t: f64) -> Node {
     let equilibrium = TipEquilibrium { direction: beta + swing.u + FRAC_PI_2, slope: swing.u, x: x / t, y: y / t, t };
     let by_t = swing.du + t * (swing.u + beta).cos();
     Node { beta, t, moment: t * swing.du, by_t, end: pendulum.half_period(), equilibrium }
-}
-
-/// The derivative of the moment by the tilt, by a difference: it only steers the continuation.
-fn by_beta(at: &Node) -> f64 {
-    const H: f64 = 1e-6;
-    (node(at.beta + H, at.t).moment - at.moment) / H
 }
 
 /// The equilibria with the dimensionless base moment `mu = M0 L / EI > 0` and the contact at the tip.
@@ -82,64 +94,96 @@ pub fn tip_curve(mu: f64) -> Vec<Vec<TipEquilibrium>> {
     if !(mu > 0.0 && mu.is_finite()) {
         return Vec::new();
     }
-    match first_node(mu) {
-        Some(first) => pieces(&follow(first, mu)),
-        None => Vec::new(),
-    }
+    Course { node: &uniform, peak: STEEPEST_PEAK, travel: f64::INFINITY }.pieces(mu)
 }
 
-/// The least bent equilibrium at the steepest tilt, where the force pushes towards the base.
-fn first_node(mu: f64) -> Option<Node> {
-    let (peak, largest) = STEEPEST_PEAK;
-    if mu > largest {
-        return None;
+/// As [`tip_curve`], of a whisker that is known by a chart: `chart(q, beta)`, and `most(beta)` the root of the largest force that it
+/// holds; `peak` as [`steepest_peak`] finds it.
+pub(super) fn table_curve(
+    mu: f64,
+    peak: (f64, f64),
+    chart: &dyn Fn(f64, f64) -> Option<TipChart>,
+    most: &dyn Fn(f64) -> f64,
+) -> Vec<Vec<TipEquilibrium>> {
+    if !(mu > 0.0 && mu.is_finite()) {
+        return Vec::new();
     }
-    let pendulum = Pendulum::new(Tilt::new((-STEEPEST_TILT).sin(), STEEPEST_TILT.cos()));
-    let (mut lo, mut hi) = (0.0, peak);
-    for _ in 0..60 {
-        let middle = 0.5 * (lo + hi);
-        if middle * pendulum.at(middle).du < mu { lo = middle } else { hi = middle }
-    }
-    Some(node(-STEEPEST_TILT, hi))
+    let node = |beta: f64, t: f64| {
+        let tip = chart(t * t, beta)?;
+        let direction = beta + tip.slope + FRAC_PI_2;
+        let equilibrium = TipEquilibrium { direction, slope: tip.slope, x: tip.position.x, y: tip.position.y, t };
+        Some(Node { beta, t, moment: tip.moment, by_t: 2.0 * t * tip.by_force.moment, end: most(beta), equilibrium })
+    };
+    Course { node: &node, peak, travel: TRAVEL }.pieces(mu)
 }
 
-/// The curve from `first` on, until it leaves the range of tilts or the first mode.
-fn follow(first: Node, mu: f64) -> Vec<TipEquilibrium> {
-    let mut curve = vec![first.equilibrium];
-    let mut at = first;
-    let mut heading = (1.0, 0.0);
-    while curve.len() < MOST_STEPS {
-        let gradient = (by_beta(&at), at.by_t);
-        let norm = gradient.0.hypot(gradient.1);
-        let sign = if -gradient.1 * heading.0 + gradient.0 * heading.1 > 0.0 { 1.0 } else { -1.0 };
-        heading = (-sign * gradient.1 / norm, sign * gradient.0 / norm);
-        // Small moments live at small t, where the step must not jump over the curve's bends.
-        let step = STEP.min(0.2 * at.t);
-        let next = correct(at.beta + step * heading.0, at.t + step * heading.1, mu, gradient);
-        let inside = next.beta.abs() <= STEEPEST_TILT && next.t > 0.0 && next.t < MODE_END * next.end;
-        if !(inside && next.equilibrium.slope <= STEEPEST_SLOPE) {
-            break;
+impl<N: Fn(f64, f64) -> Option<Node>> Course<'_, N> {
+    fn pieces(&self, mu: f64) -> Vec<Vec<TipEquilibrium>> {
+        self.first(mu).map_or_else(Vec::new, |first| pieces(&self.follow(first, mu)))
+    }
+
+    /// The least bent equilibrium at the steepest tilt, where the force pushes towards the base.
+    fn first(&self, mu: f64) -> Option<Node> {
+        let (peak, largest) = self.peak;
+        if mu > largest {
+            return None;
         }
-        curve.push(next.equilibrium);
-        at = next;
-    }
-    curve
-}
-
-/// The nearest point of the curve, by Newton steps along a gradient taken one step before.
-fn correct(mut beta: f64, mut t: f64, mu: f64, gradient: (f64, f64)) -> Node {
-    let square = gradient.0 * gradient.0 + gradient.1 * gradient.1;
-    let mut at = node(beta, t);
-    for _ in 0..20 {
-        let fault = mu - at.moment;
-        if fault.abs() <= 1e-10 * mu {
-            break;
+        let (mut lo, mut hi) = (0.0, peak);
+        for _ in 0..60 {
+            let middle = 0.5 * (lo + hi);
+            if (self.node)(-STEEPEST_TILT, middle)?.moment < mu { lo = middle } else { hi = middle }
         }
-        beta += fault * gradient.0 / square;
-        t += fault * gradient.1 / square;
-        at = node(beta, t);
+        (self.node)(-STEEPEST_TILT, hi)
     }
-    at
+
+    /// The derivative of the moment by the tilt, by a difference towards the middle: it only steers the continuation.
+    fn by_beta(&self, at: &Node) -> Option<f64> {
+        let h = if at.beta > 0.0 { -1e-6 } else { 1e-6 };
+        Some(((self.node)(at.beta + h, at.t)?.moment - at.moment) / h)
+    }
+
+    /// The curve from `first` on, until it leaves the range of tilts or the first mode.
+    fn follow(&self, first: Node, mu: f64) -> Vec<TipEquilibrium> {
+        let mut curve = vec![first.equilibrium];
+        let mut at = first;
+        let (mut heading, mut speed) = ((1.0, 0.0), 0.0);
+        while curve.len() < MOST_STEPS {
+            let Some(by_beta) = self.by_beta(&at) else { break };
+            let gradient = (by_beta, at.by_t);
+            let norm = gradient.0.hypot(gradient.1);
+            let sign = if -gradient.1 * heading.0 + gradient.0 * heading.1 > 0.0 { 1.0 } else { -1.0 };
+            heading = (-sign * gradient.1 / norm, sign * gradient.0 / norm);
+            // Small moments live at small t, where the step must not jump over the curve's bends.
+            let step = STEP.min(0.2 * at.t).min(self.travel / speed);
+            let next = self.correct(at.beta + step * heading.0, at.t + step * heading.1, mu, gradient);
+            let Some(next) = next else { break };
+            let inside = next.beta.abs() <= STEEPEST_TILT && next.t > 0.0 && next.t < MODE_END * next.end;
+            if !(inside && next.equilibrium.slope <= STEEPEST_SLOPE) {
+                break;
+            }
+            let (a, b) = (&at.equilibrium, &next.equilibrium);
+            speed = (a.x - b.x).hypot(a.y - b.y).max((a.slope - b.slope).abs()) / step;
+            curve.push(next.equilibrium);
+            at = next;
+        }
+        curve
+    }
+
+    /// The nearest point of the curve, by Newton steps along a gradient taken one step before.
+    fn correct(&self, mut beta: f64, mut t: f64, mu: f64, gradient: (f64, f64)) -> Option<Node> {
+        let square = gradient.0 * gradient.0 + gradient.1 * gradient.1;
+        let mut at = (self.node)(beta, t)?;
+        for _ in 0..20 {
+            let fault = mu - at.moment;
+            if fault.abs() <= 1e-10 * mu {
+                break;
+            }
+            beta += fault * gradient.0 / square;
+            t += fault * gradient.1 / square;
+            at = (self.node)(beta, t)?;
+        }
+        Some(at)
+    }
 }
 
 /// The curve cut at the turning points of the direction.
@@ -175,9 +219,12 @@ pub fn largest_tip_moment(steepest: f64) -> f64 {
 /// to pi.
 fn peak(tilt: f64) -> (f64, f64) {
     let pendulum = Pendulum::new(Tilt::new(-tilt.sin(), tilt.cos()));
-    let moment = |t: f64| t * pendulum.at(t).du;
-    // Over t the moment has one maximum: ternary search.
-    let (mut lo, mut hi) = (0.0, pendulum.time_of(STEEPEST_SLOPE));
+    steepest_peak(pendulum.time_of(STEEPEST_SLOPE), &|t: f64| t * pendulum.at(t).du)
+}
+
+/// Where a moment over `t` is largest up to `most`, and that moment: it has one maximum, found by ternary search.
+pub(super) fn steepest_peak(most: f64, moment: &dyn Fn(f64) -> f64) -> (f64, f64) {
+    let (mut lo, mut hi) = (0.0, most);
     for _ in 0..100 {
         let (a, b) = (lo + (hi - lo) / 3.0, hi - (hi - lo) / 3.0);
         if moment(a) < moment(b) { lo = a } else { hi = b }

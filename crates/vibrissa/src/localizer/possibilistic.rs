@@ -11,6 +11,10 @@ use crate::sets::Interval;
 use crate::world::{Map, MountedWhisker, Robot};
 use crate::{Error, Result};
 
+/// What to do with a whisker that is not uniform.
+const OTHER_METHODS: &str = "this method covers uniform, straight, clamped whiskers only; --method probabilistic and deterministic take \
+                             tapered and jointed ones and elastic bases, too";
+
 /// Sets of more cells than this are measured once in a while: when their number has changed by this share, or, up to a
 /// size, after as many rows as a share of their number.
 const MEASURED_AT_ONCE: usize = 24;
@@ -57,7 +61,7 @@ impl<'a> PossibilisticLocalizer<'a> {
         searchable(map, options.prior, MOST_SEARCHED)?;
         let log = SensorLog { channels: channels.to_vec(), ..SensorLog::default() };
         for whisker in &robot.whiskers {
-            whisker.beam.require_uniform()?;
+            whisker.beam.require_uniform().map_err(|error| error.remedy(OTHER_METHODS))?;
             if whisker.friction > LARGEST_FRICTION {
                 return Err(Error::data(format!("the friction coefficient of the whisker {}", whisker.name))
                     .value(whisker.friction)

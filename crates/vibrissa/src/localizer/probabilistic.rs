@@ -2,6 +2,7 @@
 
 use super::{LimitCheck, one_column_each, searchable};
 use crate::Result;
+use crate::beam::TipModel;
 use crate::config::ProbabilisticOptions;
 use crate::config::limits::MOST_SEARCHED;
 use crate::flow::pose::{Event, Hypothesis, Localization, Method, StampedPose, Status, StepRecord};
@@ -63,22 +64,21 @@ impl<'a> ProbabilisticLocalizer<'a> {
     ///
     /// # Errors
     ///
-    /// Options out of range, a whisker without a moment channel, or a whisker that the method does not cover (tapered,
-    /// curved, on an elastic base).
+    /// Options out of range, a whisker without a moment channel, or a whisker that is curved at rest.
     pub fn new(map: &'a Map, robot: &'a Robot, channels: &[Channel], options: ProbabilisticOptions) -> Result<Self> {
         options.check()?;
         one_column_each(robot, channels)?;
         searchable(map, options.prior, MOST_SEARCHED)?;
         let log = SensorLog { channels: channels.to_vec(), ..SensorLog::default() };
-        robot.whiskers.iter().try_for_each(|w| w.beam.require_uniform())?;
+        let tips = robot.whiskers.iter().map(|w| TipModel::new(&w.beam)).collect::<Result<Vec<_>>>()?;
         let columns = robot.whiskers.iter().map(|w| log.moment_channel(&w.name)).collect::<Result<Vec<_>>>()?;
         Ok(Self {
             robot,
             channels: columns,
-            limits: robot.whiskers.iter().map(LimitCheck::any_tilt).collect(),
+            limits: robot.whiskers.iter().zip(&tips).map(|(w, tip)| LimitCheck::any_tilt(w, tip)).collect(),
             last: vec![(0.0, 0); robot.whiskers.len()],
             tolerated_share: options.tolerated_share,
-            set: ProbabilisticSet::new(map, robot, options),
+            set: ProbabilisticSet::new(map, robot, tips, options),
             start: None,
             rows: Vec::new(),
             in_contact: vec![false; robot.whiskers.len()],

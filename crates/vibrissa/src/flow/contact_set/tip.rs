@@ -5,7 +5,7 @@
 //! one point of the curve \[routray, section "Contact Point Estimation via Bending Moment"; departures in
 //! `docs/departures.md`\].
 
-use crate::beam::{Whisker, tip_curve};
+use crate::beam::{TipEquilibrium, TipModel};
 use crate::config::TipLoad;
 use crate::plane::{Vec2, wrap_angle};
 use crate::sets::Interval;
@@ -46,12 +46,11 @@ pub struct TipContactSet {
 impl TipContactSet {
     /// Every branch of the tip contacts that cause `moment` (N m), the least bent first.
     ///
-    /// Empty when no tip load causes such a moment, and for a moment of zero. The whisker must be uniform, straight and
-    /// clamped; others are refused when a robot is checked.
+    /// Empty when no tip load causes such a moment, and for a moment of zero.
     #[must_use]
-    pub fn branches(whisker: &Whisker, moment: f64, load: TipLoad) -> Vec<Self> {
-        let mu = moment.abs() * whisker.length / whisker.flexural_rigidity;
-        let curves = tip_curve(mu).into_iter().map(|piece| Self::from_curve(whisker, moment, &piece));
+    pub fn branches(tip: &TipModel, moment: f64, load: TipLoad) -> Vec<Self> {
+        let mu = moment.abs() * tip.whisker().length / tip.rigidity();
+        let curves = tip.curve(mu).into_iter().map(|piece| Self::from_curve(tip, moment, &piece));
         match load {
             TipLoad::BoundaryNormal => curves.filter(|set| set.contacts.len() > 1).collect(),
             TipLoad::WhiskerNormal => {
@@ -74,13 +73,14 @@ impl TipContactSet {
         Self { moment, contacts, parts }
     }
 
-    fn from_curve(whisker: &Whisker, moment: f64, piece: &[crate::beam::TipEquilibrium]) -> Self {
+    fn from_curve(tip: &TipModel, moment: f64, piece: &[TipEquilibrium]) -> Self {
         let side = 1.0_f64.copysign(moment);
-        let contact = |e: &crate::beam::TipEquilibrium| TipContact {
+        let length = tip.whisker().length;
+        let contact = |e: &TipEquilibrium| TipContact {
             direction: side * e.direction,
             slope: side * e.slope,
-            position: Vec2::new(e.x, side * e.y) * whisker.length,
-            force: side * whisker.flexural_rigidity * (e.t / whisker.length).powi(2),
+            position: Vec2::new(e.x, side * e.y) * length,
+            force: side * tip.rigidity() * (e.t / length).powi(2),
         };
         let mut contacts: Vec<_> = piece.iter().map(contact).collect();
         if side < 0.0 {

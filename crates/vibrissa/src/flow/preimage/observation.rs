@@ -1,7 +1,7 @@
 //! One observation: what a short history of moments says about the contact, on every branch.
 
 use super::alignment::{Alignment, History, HistoryShape};
-use crate::beam::{Whisker, elastica};
+use crate::beam::TipModel;
 use crate::config::TipLoad;
 use crate::flow::contact_set::{TipContact, TipContactSet};
 use crate::flow::moment::{MomentHistory, MomentReading};
@@ -46,15 +46,15 @@ pub struct Observation {
     pub relative_bound: f64,
     /// Every branch of shapes.
     pub branches: Vec<Branch>,
-    beam: Whisker,
+    tip: TipModel,
 }
 
 impl Observation {
-    /// What this history says about the contact.
+    /// What this history says about the contact; `tip` is the whisker's model.
     ///
     /// Without branches when no tip load causes such a moment.
     #[must_use]
-    pub fn new(whisker: &MountedWhisker, history: &MomentHistory, load: TipLoad) -> Self {
+    pub fn new(whisker: &MountedWhisker, tip: &TipModel, history: &MomentHistory, load: TipLoad) -> Self {
         let moment = history.center.moment;
         // The same moments come again: at the centre, and where nothing is tilted or bent.
         let known: RefCell<Vec<(u64, Vec<TipContactSet>)>> = RefCell::default();
@@ -63,7 +63,7 @@ impl Observation {
             if let Some((_, sets)) = known.iter().find(|(bits, _)| *bits == moment.to_bits()) {
                 return sets.clone();
             }
-            let sets = TipContactSet::branches(&whisker.beam, moment, load);
+            let sets = TipContactSet::branches(tip, moment, load);
             known.push((moment.to_bits(), sets.clone()));
             sets
         };
@@ -101,15 +101,15 @@ impl Observation {
             robot_from_whisker: whisker.robot_from_whisker,
             relative_std,
             relative_bound: history.bound / moment.abs(),
-            beam: whisker.beam,
+            tip: tip.clone(),
             branches: center.into_iter().enumerate().map(branch).collect(),
         }
     }
 
     /// Points along the whisker from its base to just before the contact, whisker frame (m).
     pub(super) fn body(&self, contact: &TipContact) -> Vec<Vec2> {
-        let length = self.beam.length;
-        let bend = elastica::bend(self.beam.flexural_rigidity, contact.force, length, contact.tilt());
+        let length = self.tip.whisker().length;
+        let bend = self.tip.bend(contact.force, contact.tilt());
         let at = |k: usize| k as f64 / BODY_LINKS as f64 * BODY_END * length;
         bend.map_or_else(Vec::new, |bend| (0..=BODY_LINKS).map(|k| bend.point_at(at(k)).position).collect())
     }

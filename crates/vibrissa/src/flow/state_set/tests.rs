@@ -5,6 +5,7 @@ pub(super) mod random;
 
 use super::candidate::Candidate;
 use super::membership::{Tolerance, nearest_state};
+use crate::beam::TipModel;
 use crate::config::{DeterministicOptions, TipLoad};
 use crate::flow::moment::{MomentHistory, MomentReading};
 use crate::flow::preimage::{AlignedState, Observation, aligned_states};
@@ -68,13 +69,14 @@ fn brute_force(map: &Map, pose: Pose2, observation: &Observation) -> f64 {
 fn the_nearest_state_is_the_nearest_of_all() {
     let (map, mut draw) = (room(), Random(5));
     let whisker = MountedWhisker::default();
+    let tip = TipModel::new(&whisker.beam).unwrap();
     let options = DeterministicOptions { tolerance: 2.0, ..DeterministicOptions::default() };
     let samples = map.samples(5e-3);
     let (mut accepted, mut refused, mut elsewhere) = (0, 0, 0);
     for _ in 0..25 {
         let moment = draw.between(0.5e-3, 6e-3) * if draw.between(0.0, 1.0) < 0.5 { -1.0 } else { 1.0 };
         let odom = Pose2::new(draw.between(-1.0, 1.0), draw.between(-1.0, 1.0), draw.between(-PI, PI));
-        let mut observation = Observation::new(&whisker, &history(moment, odom), TipLoad::BoundaryNormal);
+        let mut observation = Observation::new(&whisker, &tip, &history(moment, odom), TipLoad::BoundaryNormal);
         let states = aligned_states(&map, &samples, &observation);
         // The alignments have done their part; from here on only the place counts.
         observation.branches.iter_mut().for_each(|b| b.determined = false);
@@ -120,12 +122,13 @@ fn aligned_states_touch_the_boundary_at_the_right_angle() {
     let (map, mut draw) = (room(), Random(11));
     let mount = Pose2::new(0.02, -0.01, 0.3);
     let whisker = MountedWhisker { robot_from_whisker: mount, ..MountedWhisker::default() };
+    let tip = TipModel::new(&whisker.beam).unwrap();
     let samples = map.samples(20e-3);
     let mut checked = 0;
     for _ in 0..20 {
         let moment = draw.between(-6e-3, 6e-3);
         let odom = Pose2::new(draw.between(-1.0, 1.0), draw.between(-1.0, 1.0), draw.between(-PI, PI));
-        let observation = Observation::new(&whisker, &history(moment, odom), TipLoad::BoundaryNormal);
+        let observation = Observation::new(&whisker, &tip, &history(moment, odom), TipLoad::BoundaryNormal);
         for state in aligned_states(&map, &samples, &observation) {
             let base = state.map_from_robot.compose(mount);
             assert!(map.is_free(base.position()));

@@ -2,6 +2,7 @@
 
 use super::Section;
 use super::ground::{self, SWEEPS, layer};
+use crate::beam::TipModel;
 use crate::config::{DeterministicOptions, TipLoad};
 use crate::figure::{Geometry, Layer, MapPlate, Outline, map_plate};
 use crate::flow::moment::{MomentReading, MomentTrack};
@@ -38,7 +39,7 @@ pub(super) fn section() -> Result<Section> {
         tip_load: TipLoad::BoundaryNormal,
         ..DeterministicOptions::default()
     };
-    let felt = observations(&sweep, &robot, &options);
+    let felt = observations(&sweep, &robot, &options)?;
     let [first, second, third, fourth, ..] = felt.as_slice() else {
         return Err(Error::data("the built-in sweep is too short for four observations"));
     };
@@ -125,8 +126,9 @@ pub(super) fn section() -> Result<Section> {
 }
 
 /// The observations of the sweep's first contact.
-fn observations(sweep: &Sweep, robot: &Robot, options: &DeterministicOptions) -> Vec<Felt> {
+fn observations(sweep: &Sweep, robot: &Robot, options: &DeterministicOptions) -> Result<Vec<Felt>> {
     let whisker = &robot.whiskers[0];
+    let tip = TipModel::new(&whisker.beam)?;
     let mut track = MomentTrack::new(whisker, options);
     let mut felt = Vec::new();
     for row in &sweep.log.rows {
@@ -137,13 +139,13 @@ fn observations(sweep: &Sweep, robot: &Robot, options: &DeterministicOptions) ->
         let odom_from_whisker = row.odom_from_robot.compose(whisker.robot_from_whisker);
         let history = track.push(MomentReading { t: row.t, odom_from_whisker, moment });
         if let Some(history) = history.filter(|history| history.smooth) {
-            let observation = Observation::new(whisker, &history, options.tip_load);
+            let observation = Observation::new(whisker, &tip, &history, options.tip_load);
             let odom_from_robot = observation.odom_from_whisker.compose(whisker.robot_from_whisker.inverse());
             felt.push(Felt { observation, odom_from_robot });
         }
     }
     // While the whisker is pressed into the wall nothing is known of the wall's slope.
-    felt.into_iter().skip_while(|felt| felt.observation.open_slopes() > 0.5).collect()
+    Ok(felt.into_iter().skip_while(|felt| felt.observation.open_slopes() > 0.5).collect())
 }
 
 fn stage(title: &str, map: &[Outline], states: &[Pose2], class: &'static str, truth: Option<Pose2>) -> String {

@@ -136,7 +136,6 @@ impl Bank {
         let scene = field.scene(history, pivot, judge, 0.0);
         let onset_of = Onset {
             feeler,
-            beam: &field.robot.whiskers[feeler].beam,
             row: onset,
             from_free,
             approach,

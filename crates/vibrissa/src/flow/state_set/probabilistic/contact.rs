@@ -7,7 +7,7 @@
 //! kept: they tell in which direction a contact that should be there is to be looked for.
 
 use super::ground::Ground;
-use crate::beam::{TipChart, TipTable, tip_chart};
+use crate::beam::{TipChart, TipModel, TipTable, tip_chart};
 use crate::plane::{Pose2, Vec2, wrap_angle};
 use crate::world::Map;
 use core::f64::consts::FRAC_PI_2;
@@ -97,6 +97,8 @@ pub(super) enum Solver<'a> {
     Exact,
     /// From a table, to about 1e-4 of a moment.
     Quick(&'a TipTable),
+    /// From the table of a whisker that is not uniform.
+    Table(&'a TipModel),
 }
 
 impl Solver<'_> {
@@ -104,6 +106,7 @@ impl Solver<'_> {
         match self {
             Self::Exact => tip_chart(q, beta),
             Self::Quick(table) => table.at(q, beta),
+            Self::Table(tip) => tip.chart(q, beta),
         }
     }
 
@@ -111,7 +114,7 @@ impl Solver<'_> {
     /// square.
     fn near(&self) -> f64 {
         match self {
-            Self::Exact => 2e-5,
+            Self::Exact | Self::Table(_) => 2e-5,
             Self::Quick(_) => 1e-2,
         }
     }

@@ -1,5 +1,7 @@
 //! What was felt, and how likely it is: rows of odometry with readings, and their noise.
 
+use super::contact::Solver;
+use crate::beam::TipModel;
 use crate::plane::{Pose2, Vec2};
 use crate::world::MountedWhisker;
 
@@ -8,9 +10,10 @@ pub(super) const OUTLIER_COST: f64 = 6.0;
 /// What a reading costs while the whisker is in a contact that the model does not cover.
 const UNKNOWN_COST: f64 = 3.0;
 
-/// A whisker as the estimator needs it; moments are dimensionless, `M0 L / EI`.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// A whisker as the estimator needs it; moments are dimensionless, `M0 L / EI`, as [`TipModel`] has them.
+#[derive(Clone, Debug)]
 pub(super) struct Feeler {
+    pub(super) tip: TipModel,
     pub(super) robot_from_whisker: Pose2,
     /// Length (m).
     pub(super) length: f64,
@@ -48,15 +51,21 @@ pub(super) struct Misfit {
 }
 
 impl Feeler {
-    pub(super) fn new(whisker: &MountedWhisker) -> Self {
-        let per_moment = whisker.beam.length / whisker.beam.flexural_rigidity;
+    pub(super) fn new(whisker: &MountedWhisker, tip: TipModel) -> Self {
+        let per_moment = whisker.beam.length / tip.rigidity();
         Self {
+            tip,
             robot_from_whisker: whisker.robot_from_whisker,
             length: whisker.beam.length,
             per_moment,
             relative: whisker.noise.moment_relative,
             absolute: (whisker.noise.moment_absolute * per_moment).max(LEAST_ABSOLUTE),
         }
+    }
+
+    /// How its equilibria are solved, if those of a uniform whisker are solved like this.
+    pub(super) fn solver<'a>(&'a self, uniform: Solver<'a>) -> Solver<'a> {
+        if self.tip.is_uniform() { uniform } else { Solver::Table(&self.tip) }
     }
 
     /// Whether a reading is more than noise on a free whisker.
@@ -216,10 +225,14 @@ impl History {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used, reason = "a test that cannot go on must fail")]
+
     use super::*;
+    use crate::beam::Whisker;
 
     fn feeler(relative: f64, absolute: f64) -> Feeler {
-        Feeler { robot_from_whisker: Pose2::IDENTITY, length: 0.075, per_moment: 1.0, relative, absolute }
+        let tip = TipModel::new(&Whisker::default()).unwrap();
+        Feeler { tip, robot_from_whisker: Pose2::IDENTITY, length: 0.075, per_moment: 1.0, relative, absolute }
     }
 
     /// The readings that the declared bound allows, evenly: from `|h - z| <= r |z| + a` by hand, for `z` of `h`'s sign.

@@ -121,7 +121,12 @@ impl Hypothesis {
                 }
             };
             let there = place(scene.history.base(row, index));
-            let forward = Forward { map: scene.map, ground: scene.ground, length: feeler.length, solver: scene.solver };
+            let forward = Forward {
+                map: scene.map,
+                ground: scene.ground,
+                length: feeler.length,
+                solver: feeler.solver(scene.solver),
+            };
             let felt = forward.advance(
                 &mut self.states[index],
                 place(scene.history.base(self.row, index)),
@@ -175,7 +180,12 @@ impl Hypothesis {
         let first = scene.history.pose(self.start_row);
         for (state, feeler) in self.start.iter_mut().zip(scene.feelers) {
             let place = |frame: Pose2| frame.compose(first).compose(feeler.robot_from_whisker);
-            let forward = Forward { map: scene.map, ground: scene.ground, length: feeler.length, solver: scene.solver };
+            let forward = Forward {
+                map: scene.map,
+                ground: scene.ground,
+                length: feeler.length,
+                solver: feeler.solver(scene.solver),
+            };
             forward.advance(state, place(self.start_at), place(map_from_odom), false);
         }
         self.prior = self.prior.moved(difference(self.start_at, map_from_odom, scene.pivot));

@@ -15,7 +15,7 @@ mod spread;
 pub use places::{Fit, Place};
 pub use set::{Happened, ProbabilisticSet};
 
-use crate::beam::Whisker;
+use crate::beam::TipModel;
 use crate::plane::Pose2;
 use crate::world::Map;
 use contact::{Forward, Solver, State};
@@ -35,12 +35,14 @@ pub struct PredictedMoment {
 /// The moments along a path of base poses `map_from_whisker`, the first of which is free of contact.
 ///
 /// Contact of the tip without friction; the branch of solutions is followed from pose to pose, so these must be no
-/// further apart than a few millimetres. The whisker must be uniform, straight and clamped.
+/// further apart than a few millimetres.
 #[must_use]
-pub fn predicted_moments(map: &Map, whisker: &Whisker, path: &[Pose2]) -> Vec<PredictedMoment> {
+pub fn predicted_moments(map: &Map, tip: &TipModel, path: &[Pose2]) -> Vec<PredictedMoment> {
     let ground = Ground::new(map);
-    let forward = Forward { map, ground: &ground, length: whisker.length, solver: Solver::Exact };
-    let scale = whisker.flexural_rigidity / whisker.length;
+    let length = tip.whisker().length;
+    let solver = if tip.is_uniform() { Solver::Exact } else { Solver::Table(tip) };
+    let forward = Forward { map, ground: &ground, length, solver };
+    let scale = tip.rigidity() / length;
     let mut state = State::Free;
     let mut last = path.first().copied().unwrap_or_default();
     let mut predict = |&pose: &Pose2| {

@@ -9,7 +9,6 @@ use super::bank::merged;
 use super::contact::{Forward, State};
 use super::ground::Piece;
 use super::hypothesis::{Hypothesis, Scene, moved};
-use crate::beam::Whisker;
 use crate::config::TipLoad;
 use crate::flow::contact_set::TipContactSet;
 use crate::plane::{Bounds, Pose2, Vec2, wrap_angle};
@@ -29,8 +28,6 @@ const CLEAR: f64 = 0.98;
 pub(super) struct Onset<'a> {
     /// Index of the whisker that touches.
     pub(super) feeler: usize,
-    /// The beam of that whisker.
-    pub(super) beam: &'a Whisker,
     /// The row of the first touch.
     pub(super) row: usize,
     /// Whether the whisker was free before.
@@ -51,8 +48,11 @@ pub(super) fn seeds(scene: &Scene<'_>, onset: &Onset<'_>, admits: &dyn Fn(Pose2)
     let mut found = Vec::new();
     let z = scene.history.readings(onset.row)[onset.feeler];
     let moment = z / scene.feelers[onset.feeler].per_moment;
-    let branches =
-        if onset.from_free { Vec::new() } else { TipContactSet::branches(onset.beam, moment, TipLoad::BoundaryNormal) };
+    let branches = if onset.from_free {
+        Vec::new()
+    } else {
+        TipContactSet::branches(&scene.feelers[onset.feeler].tip, moment, TipLoad::BoundaryNormal)
+    };
     for_each_place(&scene.ground.pieces, onset.spacing, |piece, at| {
         let spot = scene.ground.pieces[piece as usize].spot(at);
         if onset.near.is_some_and(|near| !near.contains(spot.position)) {
@@ -118,7 +118,8 @@ fn touching(
     if scene.map.crosses(base, base + along * (CLEAR * feeler.length)) || !scene.map.is_free(base) {
         return None;
     }
-    let forward = Forward { map: scene.map, ground: scene.ground, length: feeler.length, solver: scene.solver };
+    let forward =
+        Forward { map: scene.map, ground: scene.ground, length: feeler.length, solver: feeler.solver(scene.solver) };
     let state = State::Touching(forward.untouched(piece, at, heading));
     judged(scene, onset, pose, state)
 }
@@ -150,7 +151,8 @@ fn loaded(
     }
     let q = contact.force.abs() * feeler.length * feeler.per_moment;
     let beta = wrap_angle(spot.normal - heading - contact.slope - FRAC_PI_2);
-    let forward = Forward { map: scene.map, ground: scene.ground, length: feeler.length, solver: scene.solver };
+    let forward =
+        Forward { map: scene.map, ground: scene.ground, length: feeler.length, solver: feeler.solver(scene.solver) };
     let state = State::Touching(forward.loaded(piece, at, q, beta, contact.slope));
     judged(scene, onset, pose, state)
 }

@@ -4,7 +4,7 @@ use super::bank::{Bank, Field};
 use super::ground::Ground;
 use super::history::{Feeler, History, OUTLIER_COST};
 use super::places::{self, Fit, Place};
-use crate::beam::TipTable;
+use crate::beam::{TipModel, TipTable};
 use crate::config::ProbabilisticOptions;
 use crate::plane::Pose2;
 use crate::world::{Map, Robot};
@@ -78,10 +78,10 @@ pub struct ProbabilisticSet<'a> {
 }
 
 impl<'a> ProbabilisticSet<'a> {
-    /// An empty set.
+    /// An empty set; `tips` are the models of the robot's whiskers, in order.
     #[must_use]
-    pub fn new(map: &'a Map, robot: &'a Robot, options: ProbabilisticOptions) -> Self {
-        let feelers: Vec<Feeler> = robot.whiskers.iter().map(Feeler::new).collect();
+    pub fn new(map: &'a Map, robot: &'a Robot, tips: Vec<TipModel>, options: ProbabilisticOptions) -> Self {
+        let feelers: Vec<Feeler> = robot.whiskers.iter().zip(tips).map(|(w, tip)| Feeler::new(w, tip)).collect();
         Self {
             map,
             robot,
