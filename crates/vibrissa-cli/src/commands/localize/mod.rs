@@ -37,7 +37,7 @@ use vibrissa::{LocalizeOptions, Result};
 pub(crate) struct Args {
     /// The sensor log (.csv, .mcap)
     log: PathBuf,
-    /// The map (.geojson, .svg, .yaml, .mcap)
+    /// The map (.geojson, .svg, .dxf, .yaml, .mcap)
     #[arg(long, value_name = "MAP")]
     map: PathBuf,
     /// The format of a log that is not ours: rostopic (odometry and wrench or magnetic field) [default: our .csv]
