@@ -49,7 +49,7 @@ impl Rows {
     pub(super) fn column<'py, R: Element + Copy + Send>(
         &self,
         py: Python<'py>,
-        value: impl Fn(&Row) -> R + Sync,
+        value: impl Fn(&Row) -> R + Send + Sync,
     ) -> PyResult<Bound<'py, PyArray1<R>>> {
         let array = PyArray1::zeros(py, self.len, false);
         let mut ours = array.readwrite();

@@ -5,6 +5,7 @@ mod inputs;
 mod known;
 mod possibilistic;
 mod probabilistic;
+mod robot;
 
 use crate::interrupt::{Heedful, stopped};
 use crate::output::OutputArgs;
