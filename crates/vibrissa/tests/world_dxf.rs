@@ -95,7 +95,7 @@ fn lengths_and_areas_are_those_of_the_closed_forms() {
         let map = draw(entities);
         assert_eq!(map.boundaries().len(), 1, "{entities:?}");
         let found = curve(&map);
-        assert!((found.signed_area().abs() - area).abs() < 1e-8 * area.max(1e-4), "{entities:?} {}", found.signed_area());
+        assert!((found.signed_area().abs() - area).abs() < 2e-7 * area, "{entities:?} {}", found.signed_area());
         if !length.is_nan() {
             assert!((found.length() - length).abs() < 1e-7 * length, "{entities:?} {}", found.length());
         }
@@ -208,8 +208,8 @@ fn layers_give_roles_and_nesting_gives_holes() {
 fn faults_name_line_and_remedy() {
     let line_of = |text: &str| Map::from_dxf(text, "map.dxf").unwrap_err();
     for (entities, told) in [
-        (vec!["0=CIRCLE 8=arena 10=0 20=0 40=-1"], "map.dxf:26: CIRCLE on layer \"arena\": the radius: -1 (allowed: above 0)"),
-        (vec!["0=CIRCLE 8=arena 10=0 20=zero 40=1"], "map.dxf:32: CIRCLE on layer \"arena\": the group 20 cannot be read"),
+        (vec!["0=CIRCLE 8=arena 10=0 20=0 40=-1"], "map.dxf:22: CIRCLE on layer \"arena\": the radius: -1 (allowed: above 0)"),
+        (vec!["0=CIRCLE 8=arena 10=0 20=zero 40=1"], "map.dxf:28: CIRCLE on layer \"arena\": the group 20 cannot be read"),
         (vec!["0=CIRCLE 8=arena 10=0 40=1"], "the group 20 is missing"),
         (vec!["0=CIRCLE 8=arena 10=0 20=1e9 40=1"], "coordinate out of range"),
         (vec!["0=CIRCLE 8=arena 10=0 20=0 40=1 210=1 230=0"], "does not lie in the drawing plane"),
@@ -226,7 +226,7 @@ fn faults_name_line_and_remedy() {
     }
     let whole = drawing(Some(4), &[SQUARE]);
     assert!(line_of(&whole.replace("  0\nEOF\n", "")).to_string().contains("ends too early"));
-    assert_eq!(line_of(&whole.replace(" 90\n4", "x90\n4")).line(), Some(29));
+    assert_eq!(line_of(&whole.replace(" 90\n4", "x90\n4")).line(), Some(25));
     assert!(line_of("").to_string().contains("the map file is empty"));
     let folder = std::env::temp_dir().join(format!("vibrissa_dxf_{}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();
