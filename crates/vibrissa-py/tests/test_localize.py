@@ -72,7 +72,7 @@ def test_options_reach_the_method_and_strangers_are_refused(demo: vibrissa.Demo)
     refused: list[tuple[Callable[[], object], str]] = [
         (lambda: vibrissa.localize(demo.sweep.log, demo.map, tolerate=1), "tolerate is none of the method deterministic"),
         (lambda: vibrissa.localize(demo.sweep.log, demo.map, history_shapes=9), "history_shapes"),
-        (lambda: vibrissa.localize(demo.sweep.log, demo.map, "probabilistic", tolerated_share=0.9), "tolerated_share"),
+        (lambda: vibrissa.localize(demo.sweep.log, demo.map, method="probabilistic", tolerated_share=0.9), "tolerated_share"),
         (lambda: vibrissa.localize(demo.sweep.log, demo.map, method="magic"), "allowed: deterministic"),  # type: ignore[arg-type]
         (lambda: vibrissa.localize(demo.sweep.log, demo.map, tip_load="x"), "boundary-normal"),  # type: ignore[arg-type]
     ]
