@@ -29,7 +29,7 @@ use vibrissa::{LocalizeOptions, Result};
 /// Find where the robot is from a sensor log and a map.
 ///
 /// The log is a CSV file with the columns `t,x,y,theta,moment` (s, m, rad, N m) or an MCAP recording with ROS 2 messages;
-/// the map is a .geojson (m), .svg (mm) or .yaml file (of ROS), or a recording that holds one; the robot is a .toml
+/// the map is a .geojson (m), .svg (mm), .dxf or .yaml file (of ROS), or a recording that holds one; the robot is a .toml
 /// file and defaults to the paper's whisker.
 ///
 /// With --out DIR: trajectory.tum, result.json, states.csv, steps.csv and the figure localization.svg; with --mcap also
