@@ -105,7 +105,8 @@ fn lengths_and_areas_are_those_of_the_closed_forms() {
 #[test]
 fn old_polylines_are_light_ones() {
     let vertices = [[0.0, 0.0, 0.3], [40.0, 0.0, -0.7], [40.0, 30.0, 0.0], [0.0, 30.0, 2.0]];
-    let (mut light, mut heavy) = (String::from("0=LWPOLYLINE 8=arena 70=1"), vec!["0=POLYLINE 8=arena 66=1 70=1".to_owned()]);
+    let (mut light, mut heavy) =
+        (String::from("0=LWPOLYLINE 8=arena 70=1"), vec!["0=POLYLINE 8=arena 66=1 70=1".to_owned()]);
     for [x, y, bulge] in vertices {
         write!(light, " 10={x} 20={y} 42={bulge}").unwrap();
         heavy.push(format!("0=VERTEX 8=arena 10={x} 20={y} 30=0 42={bulge}"));
@@ -133,8 +134,7 @@ fn splines_lie_on_their_definition() {
             let n = degree + 5;
             let mut knots: Vec<f64> = (0..=n + degree).map(|_| random.between(0.0, 9.0)).collect();
             knots.sort_by(f64::total_cmp);
-            let points: Vec<Vec2> =
-                (0..n).map(|i| Vec2::new(20.0 * i as f64, random.between(-30.0, 30.0))).collect();
+            let points: Vec<Vec2> = (0..n).map(|i| Vec2::new(20.0 * i as f64, random.between(-30.0, 30.0))).collect();
             let weights: Vec<f64> = (0..n).map(|_| if weighted { random.between(0.5, 2.0) } else { 1.0 }).collect();
             let mut text = format!("0=SPLINE 8=wall 70=8 71={degree}");
             knots.iter().for_each(|k| write!(text, " 40={k}").unwrap());
@@ -171,7 +171,10 @@ fn pieces_in_any_order_and_direction_are_one_outline() {
                     std::mem::swap(&mut a, &mut b);
                 }
                 // Coordinates as programs round them.
-                (random.between(0.0, 1.0), format!("0=LINE 8=Arena_outline 10={:.5} 20={:.5} 11={:.5} 21={:.5}", a.x, a.y, b.x, b.y))
+                (
+                    random.between(0.0, 1.0),
+                    format!("0=LINE 8=Arena_outline 10={:.5} 20={:.5} 11={:.5} 21={:.5}", a.x, a.y, b.x, b.y),
+                )
             })
             .collect();
         lines.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -187,8 +190,13 @@ fn pieces_in_any_order_and_direction_are_one_outline() {
 #[test]
 fn layers_give_roles_and_nesting_gives_holes() {
     let ring = |layer: &str, r: f64| format!("0=CIRCLE 8={layer} 10=0 20=0 40={r}");
-    let entities =
-        [ring("arena", 100.0), ring("OBSTACLES", 40.0), ring("OBSTACLES", 20.0), "0=LINE 8=wall-3 10=50 20=0 11=60 21=0".into(), ring("Bemassung", 9.0)];
+    let entities = [
+        ring("arena", 100.0),
+        ring("OBSTACLES", 40.0),
+        ring("OBSTACLES", 20.0),
+        "0=LINE 8=wall-3 10=50 20=0 11=60 21=0".into(),
+        ring("Bemassung", 9.0),
+    ];
     let entities: Vec<&str> = entities.iter().map(String::as_str).collect();
     let map = draw(&entities);
     let roles: Vec<Role> = map.boundaries().iter().map(|b| b.role()).collect();
@@ -208,8 +216,14 @@ fn layers_give_roles_and_nesting_gives_holes() {
 fn faults_name_line_and_remedy() {
     let line_of = |text: &str| Map::from_dxf(text, "map.dxf").unwrap_err();
     for (entities, told) in [
-        (vec!["0=CIRCLE 8=arena 10=0 20=0 40=-1"], "map.dxf:22: CIRCLE on layer \"arena\": the radius: -1 (allowed: above 0)"),
-        (vec!["0=CIRCLE 8=arena 10=0 20=zero 40=1"], "map.dxf:28: CIRCLE on layer \"arena\": the group 20 cannot be read"),
+        (
+            vec!["0=CIRCLE 8=arena 10=0 20=0 40=-1"],
+            "map.dxf:22: CIRCLE on layer \"arena\": the radius: -1 (allowed: above 0)",
+        ),
+        (
+            vec!["0=CIRCLE 8=arena 10=0 20=zero 40=1"],
+            "map.dxf:28: CIRCLE on layer \"arena\": the group 20 cannot be read",
+        ),
         (vec!["0=CIRCLE 8=arena 10=0 40=1"], "the group 20 is missing"),
         (vec!["0=CIRCLE 8=arena 10=0 20=1e9 40=1"], "coordinate out of range"),
         (vec!["0=CIRCLE 8=arena 10=0 20=0 40=1 210=1 230=0"], "does not lie in the drawing plane"),

@@ -104,7 +104,9 @@ impl Problems {
                 break;
             }
             match self.equilibria(case).and_then(finite) {
-                Ok(bends) => rows.extend(bends.into_iter().enumerate().map(|(branch, bend)| Row { case, branch, bend })),
+                Ok(bends) => {
+                    rows.extend(bends.into_iter().enumerate().map(|(branch, bend)| Row { case, branch, bend }))
+                }
                 Err(error) => faults.push((case, error)),
             }
         }

@@ -152,7 +152,9 @@ fn next_step(scenario: &Scenario, paths: &[PathBuf]) -> String {
     let files = [written("log.csv"), map, written("robot.toml"), written("truth.tum")];
     match files.map(|file| file.map(|path| path.display().to_string())) {
         [Some(log), _, Some(robot), _] if scenario.robot.whiskers.iter().any(|w| !w.beam.is_uniform()) => {
-            format!("\nNext, see where it was touched (localize takes uniform whiskers only):\n  vibrissa contact {log} --robot {robot}\n")
+            format!(
+                "\nNext, see where it was touched (localize takes uniform whiskers only):\n  vibrissa contact {log} --robot {robot}\n"
+            )
         }
         [Some(log), Some(map), Some(robot), Some(truth)] if scenario.recorder.columns.contains(&Columns::Moment) => {
             format!("\nNext, find the robot:\n  vibrissa localize {log} --map {map} --robot {robot} --truth {truth}\n")

@@ -29,9 +29,10 @@ pub(super) fn groups(text: &str) -> Result<Vec<Group<'_>>> {
             if code.is_empty() && lines.all(|(_, rest)| rest.is_empty()) {
                 break;
             }
-            return Err(Error::data("not DXF: a group code is due here").at_line(line).value(excerpt(code)).allowed(
-                "a whole number, with its value in the next line",
-            ));
+            return Err(Error::data("not DXF: a group code is due here")
+                .at_line(line)
+                .value(excerpt(code))
+                .allowed("a whole number, with its value in the next line"));
         };
         let Some((line, value)) = lines.next() else { return Err(cut_off(line)) };
         if number == 0 && value == "EOF" {

@@ -76,9 +76,10 @@ impl Map {
     pub(super) fn read_dxf(path: &Path) -> Result<Self> {
         let bytes = std::fs::read(path).map_err(|error| cannot_open(path, "map", &error))?;
         if bytes.starts_with(BINARY) {
-            return Err(Error::data("a binary DXF drawing").in_file(path).allowed("DXF as text (ASCII)").remedy(
-                "save it as ASCII DXF",
-            ));
+            return Err(Error::data("a binary DXF drawing")
+                .in_file(path)
+                .allowed("DXF as text (ASCII)")
+                .remedy("save it as ASCII DXF"));
         }
         // Old drawings name layers in the code pages of their time; coordinates are plain digits in all of them.
         Self::from_dxf(&String::from_utf8_lossy(&bytes), &path.to_string_lossy())
@@ -112,7 +113,9 @@ fn unit(header: &[Group<'_>]) -> Result<(f64, Option<String>)> {
 }
 
 fn assumed(what: &str) -> String {
-    format!("the drawing {what} ($INSUNITS), so millimetres are assumed; set the unit in the CAD program if that is wrong")
+    format!(
+        "the drawing {what} ($INSUNITS), so millimetres are assumed; set the unit in the CAD program if that is wrong"
+    )
 }
 
 /// The role whose word the layer's name starts with, in any case.
@@ -129,7 +132,8 @@ impl<'a> Found<'a> {
                 continue;
             }
             let Some(role) = role(entity.layer()) else {
-                if (shape::is_shape(entity.kind) || entity.kind == "INSERT") && !self.ignored.contains(&entity.layer()) {
+                if (shape::is_shape(entity.kind) || entity.kind == "INSERT") && !self.ignored.contains(&entity.layer())
+                {
                     self.ignored.push(entity.layer());
                 }
                 continue;
