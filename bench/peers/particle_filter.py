@@ -29,7 +29,10 @@ def field():
 
 
 class Touched(particles.FeynmanKac):
-    """The state is the pose at the first touch; every touch is a point of the walls."""
+    """The state is the pose at the first touch; every touch is a point of the walls.
+
+    The touches are sharp for so few particles, so that likelihood and jitter are wide at first and narrow as touches come in.
+    """
 
     def __init__(self, points, walls):
         super().__init__(T=len(points))
@@ -42,14 +45,18 @@ class Touched(particles.FeynmanKac):
         return np.c_[self.x[k] + shift[0], self.y[k] + shift[1], np.random.uniform(-np.pi, np.pi, N)]
 
     def M(self, t, xp):
-        return xp + np.random.normal(size=xp.shape) * [1e-3, 1e-3, 0.02]
+        return xp + np.random.normal(size=xp.shape) * 0.2 * self.width(t) * [1.0, 1.0, 5.0]
 
     def logG(self, t, xp, x):
         u, v = self.points[t]
         cos, sin = np.cos(x[:, 2]), np.sin(x[:, 2])
         column = np.clip(((x[:, 0] + cos * u - sin * v + 0.02) / CELL).astype(int), 0, COLUMNS - 1)
         row = np.clip(((x[:, 1] + sin * u + cos * v + 0.02) / CELL).astype(int), 0, ROWS - 1)
-        return -0.5 * (self.far[row * COLUMNS + column] / (2 * ERROR)) ** 2
+        return -0.5 * (self.far[row * COLUMNS + column] / self.width(t)) ** 2
+
+    def width(self, t):
+        """Standard deviation of a touch (m)."""
+        return max(2 * ERROR, 0.03 * 0.97**t)
 
 
 def ours(sweep, count):
