@@ -42,7 +42,7 @@ fn words(line: &str) -> Vec<String> {
         .collect()
 }
 
-/// Writes the files that a page shows after `This is `NAME``.
+/// Writes the files that a page shows in a block after the words "This is" and their name.
 fn write_files(text: &str, place: &Path) {
     for part in text.split("This is `").skip(1) {
         let Some((name, rest)) = part.split_once('`') else { continue };
