@@ -1,14 +1,28 @@
-"""Writes bench/reports/DATE.md and DATE.svg from what the benches (bencher format) and the peers printed."""
+"""Writes bench/reports/DATE.md and its pictures from criterion's files and the peers' lines.
+
+Usage: report.py CRITERION START PEERS FOLDER [--short]
+"""
 
 import datetime
-import math
+import json
 import os
+import pathlib
 import platform
-import re
 import subprocess
 import sys
 
-LINE = re.compile(r"test (.*?)\s+\.\.\. bench:\s+([\d,.]+) ns/iter \(\+/- ([\d,.]+)\)")
+from pictures import dots, scaling
+
+# The bench of ours that does a peer's work, by the table's name.
+OURS = {
+    "One bent whisker": ("single/force: contact, slope, moment, tip", "vibrissa, force mode"),
+    "Intersection of two": ("intersection of two curves of 200 points/ours, refined to the smooth crossing", "vibrissa, refined to the smooth crossing"),
+    "Where a robot may be": ("preimage at 1 mm and 1 degree/2 m boundary, aligned, collision-free", "vibrissa, preimage at 1 mm and 1 degree with headings and collisions"),
+}
+SCALING = {
+    "contacts": ("Localization with guarantees, by the number of touches", "touches"),
+    "edges": ("Time by the size of the map", "edges of the map"),
+}
 
 
 def machine():
@@ -18,97 +32,106 @@ def machine():
             model = next((line.split(":")[1].strip() for line in info if line.startswith("model name")), model)
     except OSError:
         pass
-    rustc = subprocess.run(["rustc", "--version"], capture_output=True, text=True, check=False).stdout.strip()
-    commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True, check=False).stdout.strip()
+    told = lambda *words: subprocess.run(words, capture_output=True, text=True, check=False).stdout.strip()
     load = os.getloadavg()[0] if hasattr(os, "getloadavg") else float("nan")
-    return f"{model}, {os.cpu_count()} cores, {platform.system()}; {rustc}; commit {commit}; load {load:.1f} at the end"
+    cores = os.cpu_count() or 1
+    busy = " The machine was busy with other work: medians are long, the least of many batches hardly." if load > cores else ""
+    return (f"{model}, {cores} cores, {platform.system()}, Python {platform.python_version()}; {told('rustc', '--version')}; "
+            f"commit {told('git', 'rev-parse', '--short', 'HEAD')}; load {load:.1f} at the end.{busy}")
 
 
-def ours(path):
-    """[(bench, name, ns, spread)]"""
-    bench, rows = "", []
+def measured(folder, start):
+    """{bench: (median, least, largest)} in seconds an iteration, of what ran since `start`."""
+    begun, found = pathlib.Path(start).stat().st_mtime, {}
+    for path in pathlib.Path(folder).rglob("new/benchmark.json"):
+        if path.stat().st_mtime >= begun:
+            sample = json.loads((path.parent / "sample.json").read_text(encoding="utf-8"))
+            each = sorted(1e-9 * time / count for time, count in zip(sample["times"], sample["iters"]))
+            found[json.loads(path.read_text(encoding="utf-8"))["full_id"]] = (each[len(each) // 2], each[0], each[-1])
+    return dict(sorted(found.items()))
+
+
+def shown(seconds):
+    for unit, size in (("s", 1.0), ("ms", 1e-3), ("µs", 1e-6)):
+        if seconds >= size:
+            return f"{seconds / size:.3g} {unit}"
+    return f"{seconds * 1e9:.3g} ns"
+
+
+def read_peers(path):
+    """Tables {name: [(peer, times, remark)]}, pictures {name: {series: [(x, seconds)]}}, and what was skipped."""
+    tables, pictures, skipped = {}, {}, []
     for line in open(path, encoding="utf-8"):
-        if line.startswith("bench: "):
-            bench = line[7:].strip()
-        elif found := LINE.match(line):
-            rows.append((bench, found[1], *(float(found[i].replace(",", "")) for i in (2, 3))))
-    return rows
+        cells = line.rstrip("\n").split("\t")
+        if cells[0] == "row" and len(cells) == 7:
+            tables.setdefault(cells[1], []).append((cells[2], tuple(map(float, cells[3:6])), cells[6]))
+        elif cells[0] == "point" and len(cells) == 5:
+            pictures.setdefault(cells[1], {}).setdefault(cells[2], []).append((float(cells[3]), float(cells[4])))
+        elif line.startswith("SKIPPED"):
+            skipped.append(line.strip())
+    return tables, pictures, skipped
 
 
-def shown(ns):
-    for unit, size in (("s", 1e9), ("ms", 1e6), ("µs", 1e3)):
-        if ns >= size:
-            return f"{ns / size:.3g} {unit}"
-    return f"{ns:.3g} ns"
+def peer_table(name, rows, benches):
+    """One table; ratios are of the least, to our row above."""
+    for start, (bench, called) in OURS.items():
+        if name.startswith(start) and bench in benches:
+            rows = [(called, benches[bench], "wall time")] + rows
+    text = [f"## {name}", "", "| who | median | least | largest | takes | remark |", "| --- | ---: | ---: | ---: | ---: | --- |"]
+    own = None
+    for who, (median, least, largest), remark in rows:
+        if who.startswith("vibrissa"):
+            own, ratio = least, ""
+        else:
+            ratio = f"{least / own:.3g}x" if own else ""
+        text.append(f"| {who} | {shown(median)} | {shown(least)} | {shown(largest)} | {ratio} | {remark} |")
+    return text + [""]
 
 
-def baselines(rows):
-    """The baseline of each group: the row whose name says so."""
-    return {(bench, name.split("/")[0]): ns for bench, name, ns, _ in rows if "baseline" in name}
+def bench_table(benches):
+    base = {name.split("/")[0]: least for name, (_, least, _) in benches.items() if "baseline" in name}
+    text = ["## Our benches", "", "Wall time of an iteration; the ratio is the group's baseline over it, least by least.", "",
+            "| bench | median | least | largest | ratio |", "| --- | ---: | ---: | ---: | ---: |"]
+    for name, (median, least, largest) in benches.items():
+        ratio = base.get(name.split("/")[0])
+        told = f"{ratio / least:.3g}" if ratio and "baseline" not in name else ""
+        text.append(f"| {name} | {shown(median)} | {shown(least)} | {shown(largest)} | {told} |")
+    return text
 
 
-def page(rows, peers, date, short):
-    text = [f"# Benches of {date}", "", machine() + ".", ""]
+def page(date, benches, peers, short):
+    tables, pictures, skipped = peers
+    text = [f"# Ours and its peers, {date}", "", machine(), ""]
     if short:
         text += ["The short form: few samples, so read orders of magnitude only.", ""]
-    text += [f"![Times of every bench]({date}.svg)", "", "Median and spread of an iteration; the ratio is to the group's",
-             "baseline in the same run (above 1: that many times as fast as the baseline).", "",
-             "| bench | what | median | +/- | ratio |", "| --- | --- | --- | --- | --- |"]
-    base = baselines(rows)
-    for bench, name, ns, spread in rows:
-        ratio = base.get((bench, name.split("/")[0]))
-        told = f"{ratio / ns:.3g}" if ratio and ns and "baseline" not in name else ""
-        text.append(f"| {bench} | {name} | {shown(ns)} | {shown(spread)} | {told} |")
-    text += ["", "## Peers, in the same run", "", "They are told where the whisker was touched, which ours finds from moments.", "",
-             "| peer | median | least | largest | remark |", "| --- | --- | --- | --- | --- |"]
-    for line in peers:
-        cells = line.rstrip("\n").split("\t")
-        if len(cells) == 5:
-            text.append("| " + " | ".join([cells[0], *(shown(1e9 * float(c)) for c in cells[1:4]), cells[4]]) + " |")
-        elif len(cells) == 2:
-            text.append(f"| SciPy: {cells[0]} | {shown(float(cells[1]))} | | | a shape |")
-    skipped = [line.strip() for line in peers if line.startswith("SKIPPED")]
-    text += [""] + [f"* {line}" for line in skipped]
-    return "\n".join(text).rstrip() + "\n"
-
-
-def picture(rows, date):
-    """Every bench as a dot on a logarithmic axis of time, with its spread."""
-    left, width, step, top = 470, 560, 17, 62
-    values = [ns for *_, ns, _ in rows]
-    lo, hi = math.floor(math.log10(min(values))), math.ceil(math.log10(max(values)))
-    place = lambda ns: left + width * (math.log10(max(ns, 10.0**lo)) - lo) / max(1, hi - lo)
-    height = top + step * len(rows) + 20
-    svg = [f'<svg xmlns="http://www.w3.org/2000/svg" width="{left + width + 60}" height="{height}" font-family="sans-serif" font-size="11">',
-           '<rect width="100%" height="100%" fill="white"/>',
-           f'<text x="12" y="20" font-size="14">Time of an iteration, {date} (median, spread as a bar; logarithmic)</text>']
-    for decade in range(lo, hi + 1):
-        x = place(10.0**decade)
-        svg.append(f'<line x1="{x:.1f}" y1="{top - 14}" x2="{x:.1f}" y2="{height - 14}" stroke="#ddd"/>')
-        svg.append(f'<text x="{x:.1f}" y="{top - 20}" text-anchor="middle">{shown(10.0**decade)}</text>')
-    for index, (bench, name, ns, spread) in enumerate(rows):
-        y = top + step * index
-        label = f"{bench}: {name}"
-        label = (label if len(label) < 78 else label[:76] + "…").replace("&", "&amp;").replace("<", "&lt;")
-        color = "#888" if "baseline" in name else "#1f5fa8"
-        a, b = place(max(ns - spread, ns * 0.01)), place(ns + spread)
-        svg.append(f'<text x="{left - 10}" y="{y + 4}" text-anchor="end">{label}</text>')
-        svg.append(f'<line x1="{a:.1f}" y1="{y}" x2="{b:.1f}" y2="{y}" stroke="{color}" stroke-width="2"/>')
-        svg.append(f'<circle cx="{place(ns):.1f}" cy="{y}" r="3.5" fill="{color}"/>')
-    return "\n".join(svg + ["</svg>"]) + "\n"
+    text += ["Peers' times, and those of our whole command, are processor times of one thread; our benches are wall times. A peer",
+             "*takes* so many times as long as the row of ours above it, least by least.", ""]
+    for name, rows in tables.items():
+        text += peer_table(name, rows, benches)
+        if name.startswith("Localization with guarantees"):
+            text += ["Codac bounds the pose at the first touch from places told within 2 mm, ours the one at the last from moments with",
+                     "their bounds (5 % and 0.02 mN m).", ""]
+    for name in pictures:
+        text += [f"![{SCALING[name][0]}]({date}-{name}.svg)", ""]
+    if skipped:
+        text += ["Skipped:", ""] + [f"* {line}" for line in skipped] + [""]
+    text += bench_table(benches) + ["", f"![Times of every bench]({date}.svg)"]
+    return "\n".join(text) + "\n"
 
 
 def main():
-    rows, folder, short = ours(sys.argv[1]), sys.argv[3], "--short" in sys.argv
-    if not rows:
-        raise SystemExit("the benches printed nothing")
-    peers = open(sys.argv[2], encoding="utf-8").readlines()
-    date = datetime.date.today().isoformat()
-    os.makedirs(folder, exist_ok=True)
-    for name, content in ((f"{date}.md", page(rows, peers, date, short)), (f"{date}.svg", picture(rows, date))):
-        with open(os.path.join(folder, name), "w", encoding="utf-8") as file:
-            file.write(content)
-        print(f"wrote {os.path.join(folder, name)}")
+    short = "--short" in sys.argv
+    benches, peers = measured(sys.argv[1], sys.argv[2]), read_peers(sys.argv[3])
+    if not benches:
+        raise SystemExit("the benches measured nothing")
+    folder, date = pathlib.Path(sys.argv[4]), datetime.date.today().isoformat()
+    folder.mkdir(parents=True, exist_ok=True)
+    files = {f"{date}.md": page(date, benches, peers, short), f"{date}.svg": dots(benches, f"Time of an iteration, {date}", shown)}
+    for name, series in peers[1].items():
+        files[f"{date}-{name}.svg"] = scaling(series, *SCALING[name], shown)
+    for name, content in files.items():
+        (folder / name).write_text(content, encoding="utf-8")
+        print(f"wrote {folder / name}")
 
 
 if __name__ == "__main__":

@@ -42,9 +42,20 @@ fn words(line: &str) -> Vec<String> {
         .collect()
 }
 
+/// Writes the files that a page shows in a block after the words "This is" and their name.
+fn write_files(text: &str, place: &Path) {
+    for part in text.split("This is `").skip(1) {
+        let Some((name, rest)) = part.split_once('`') else { continue };
+        let block = rest.split("```").nth(1).unwrap_or_default();
+        let content = block.strip_prefix("json\n").or(block.strip_prefix("toml\n"));
+        fs::write(place.join(name), content.unwrap_or_else(|| panic!("{name} is not shown"))).unwrap();
+    }
+}
+
 /// Runs every command of a page in `place`, where `scenarios/` lies; gives how many.
 fn run_page(page: &str, place: &Path) -> usize {
     let text = fs::read_to_string(root().join("docs").join(page)).unwrap();
+    write_files(&text, place);
     let commands: Vec<&str> = text.lines().filter_map(|line| line.strip_prefix("$ vibrissa ")).collect();
     for command in &commands {
         let run =
@@ -86,6 +97,8 @@ fn the_how_to_pages_commands_run() {
         run_page(&page.to_string_lossy(), &place);
     }
     assert!(place.join("answer/result.json").exists());
+    let found = fs::read_to_string(place.join("found/result.json")).unwrap();
+    assert!(found.contains("\"status\": \"localized\""), "{found}");
 }
 
 #[test]

@@ -43,6 +43,7 @@ pub(crate) struct OptionsIn {
     seed_turn: Option<f64>,
     seed_travel: Option<f64>,
     shared_gain: Option<f64>,
+    tolerated_share: Option<f64>,
 }
 
 impl OptionsIn {
@@ -67,6 +68,7 @@ impl OptionsIn {
             ("seed_turn", self.seed_turn.is_some(), pro),
             ("seed_travel", self.seed_travel.is_some(), pro),
             ("shared_gain", self.shared_gain.is_some(), pro),
+            ("tolerated_share", self.tolerated_share.is_some(), pro),
         ];
         all.into_iter().filter(|(_, given, _)| *given).map(|(name, _, methods)| (name, methods)).collect()
     }
@@ -137,6 +139,7 @@ impl OptionsIn {
             seed_turn: self.seed_turn.unwrap_or(default.seed_turn),
             seed_travel: self.seed_travel.unwrap_or(default.seed_travel),
             shared_gain: self.shared_gain,
+            tolerated_share: self.tolerated_share.unwrap_or(default.tolerated_share),
             heading_error: self.heading_error.unwrap_or(default.heading_error),
             prior: self.region(),
             ..default

@@ -27,7 +27,7 @@ impl PyMap {
 
 #[pymethods]
 impl PyMap {
-    /// The map of a file: .geojson (m) or .svg (mm).
+    /// The map of a file: .geojson (m), .svg (mm), .dxf, .yaml or .mcap.
     #[staticmethod]
     fn read(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
         let map = py.detach(|| vibrissa::world::Map::read(path)).or_raise(py)?;
@@ -47,6 +47,14 @@ impl PyMap {
     #[pyo3(signature = (text, name="map.svg"))]
     fn from_svg(py: Python<'_>, text: &str, name: &str) -> PyResult<Self> {
         let map = vibrissa::world::Map::from_svg(text, name).or_raise(py)?;
+        Self::new(py, map)
+    }
+
+    /// The map of a DXF text (layers say the roles); `name` stands for the file in messages.
+    #[staticmethod]
+    #[pyo3(signature = (text, name="map.dxf"))]
+    fn from_dxf(py: Python<'_>, text: &str, name: &str) -> PyResult<Self> {
+        let map = vibrissa::world::Map::from_dxf(text, name).or_raise(py)?;
         Self::new(py, map)
     }
 

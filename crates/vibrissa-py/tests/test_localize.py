@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import inspect
+import re
 import signal
 import subprocess
 import sys
@@ -70,12 +72,21 @@ def test_options_reach_the_method_and_strangers_are_refused(demo: vibrissa.Demo)
     refused: list[tuple[Callable[[], object], str]] = [
         (lambda: vibrissa.localize(demo.sweep.log, demo.map, tolerate=1), "tolerate is none of the method deterministic"),
         (lambda: vibrissa.localize(demo.sweep.log, demo.map, history_shapes=9), "history_shapes"),
+        (lambda: vibrissa.localize(demo.sweep.log, demo.map, method="probabilistic", tolerated_share=0.9), "tolerated_share"),
         (lambda: vibrissa.localize(demo.sweep.log, demo.map, method="magic"), "allowed: deterministic"),  # type: ignore[arg-type]
         (lambda: vibrissa.localize(demo.sweep.log, demo.map, tip_load="x"), "boundary-normal"),  # type: ignore[arg-type]
     ]
     for call, words in refused:
         with pytest.raises(vibrissa.UsageError, match=words):
             call()
+
+
+def test_every_option_of_the_command_is_an_argument() -> None:
+    told = subprocess.run([sys.executable, "-m", "vibrissa", "localize", "--help"], capture_output=True, text=True, check=True)
+    options = {name.replace("-", "_") for name in re.findall(r"^ +(?:-\w, )?--([a-z-]+)", told.stdout, re.M)}
+    arguments = set(inspect.signature(vibrissa.localize).parameters)
+    # What is written where is the command's own business.
+    assert len(options) > 20 and options - arguments == {"out", "json", "mcap", "help"}, options - arguments
 
 
 def test_progress_is_told_in_this_thread_and_rises_to_the_end(demo: vibrissa.Demo) -> None:
@@ -126,6 +137,7 @@ demo = vibrissa.demo()
 work = {
     "localize": lambda: vibrissa.localize(demo.sweep.log, demo.map, method="possibilistic", work=10**6),
     "beam": lambda: vibrissa.point_mode(np.full(10**6, 0.05), 0.02, whisker=vibrissa.Whisker(tip_ratio=0.3)),
+    "sweep": lambda: vibrissa.sweep(demo.map, demo.sweep.truth, discrete_rod=True),
     "preimage": lambda: vibrissa.preimage(demo.map, vibrissa.Reading("moment", 5e-3, 2e-4), cell=1e-4),
 }[sys.argv[1]]
 print("ready", flush=True)
@@ -137,7 +149,7 @@ except KeyboardInterrupt:
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals are sent otherwise there")
-@pytest.mark.parametrize("work", ["localize", "beam", "preimage"])
+@pytest.mark.parametrize("work", ["localize", "beam", "sweep", "preimage"])
 def test_ctrl_c_ends_long_work(work: str) -> None:
     process = subprocess.Popen([sys.executable, "-c", INTERRUPTED, work], stdout=subprocess.PIPE, text=True)
     assert process.stdout is not None

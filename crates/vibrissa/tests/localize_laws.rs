@@ -121,18 +121,32 @@ fn scaled_options(k: f64) -> LocalizeOptions {
 #[test]
 fn a_world_of_another_size_gives_the_answer_in_that_size() {
     let (sweep, found) = demo_answer(2);
-    let k = 2.0;
     // M L / EI has no unit: with EI as many times larger as lengths are, moments stay.
-    let mut robot = Robot::default();
-    robot.whiskers[0].beam.length *= k;
-    robot.whiskers[0].beam.flexural_rigidity *= k;
-    let larger = |p: Pose2| Pose2::new(k * p.x, k * p.y, p.theta);
-    let rows = sweep.log.rows.iter().map(|r| (r.t, larger(r.odom_from_robot), r.readings[0]));
-    let map = moved(&demo::arena().unwrap(), |p| p * k);
-    let other = localize(&log(rows), &map, &robot, &scaled_options(k), &mut |_| {}).unwrap();
-    let (distance, turn) = apart(larger(found.estimate.unwrap()), other.estimate.unwrap());
-    assert_eq!(found.status, other.status, "{k}");
-    assert!(distance < 0.5e-3 * k && turn < 5e-3, "{k}: {distance} {turn}");
+    for k in [2.0, 10.0] {
+        let mut robot = Robot::default();
+        robot.whiskers[0].beam.length *= k;
+        robot.whiskers[0].beam.flexural_rigidity *= k;
+        let larger = |p: Pose2| Pose2::new(k * p.x, k * p.y, p.theta);
+        let rows = sweep.log.rows.iter().map(|r| (r.t, larger(r.odom_from_robot), r.readings[0]));
+        let map = moved(&demo::arena().unwrap(), |p| p * k);
+        let other = localize(&log(rows), &map, &robot, &scaled_options(k), &mut |_| {}).unwrap();
+        let (distance, turn) = apart(larger(found.estimate.unwrap()), other.estimate.unwrap());
+        assert_eq!(found.status, other.status, "{k}");
+        assert!(distance < 0.5e-3 * k && turn < 5e-3, "{k}: {distance} {turn}");
+    }
+}
+
+#[test]
+fn a_log_played_backwards_ends_where_it_began() {
+    // Nothing rubs and nothing slips, so that readings depend on places alone, whichever way time runs.
+    let (sweep, _) = demo_answer(2);
+    let rows = &sweep.log.rows;
+    let end = rows[rows.len() - 1].t;
+    let back = log(rows.iter().rev().map(|r| (end - r.t, r.odom_from_robot, r.readings[0])));
+    let found = answer(&back, &demo::arena().unwrap());
+    let (distance, turn) = apart(found.estimate.unwrap(), sweep.truth[0].map_from_robot);
+    assert_eq!(found.status, Status::Localized, "{:?}", found.hypotheses);
+    assert!(distance < 2e-3 && turn < 1.0_f64.to_radians(), "{distance} m, {turn} rad");
 }
 
 #[test]

@@ -54,6 +54,7 @@ pub(crate) const ALL: &[Target] = &[
         source: Source::Damaged(&["fuzz/seeds/svg", "scenarios/maps", "crates/vibrissa/data"], readers::SVG_WORDS),
         check: readers::svg,
     },
+    Target { name: "dxf", source: Source::Damaged(&["fuzz/seeds/dxf"], readers::DXF_WORDS), check: readers::dxf },
     Target {
         name: "map_server",
         source: Source::Damaged(&["fuzz/seeds/map_server"], ros::YAML_WORDS),

@@ -150,6 +150,39 @@ pub(crate) const TOML_WORDS: &[&str] = &[
     "\\u0000",
 ];
 
+pub(crate) const DXF_WORDS: &[&str] = &[
+    "  0\n",
+    "SECTION\n",
+    "ENTITIES\n",
+    "ENDSEC\n",
+    "EOF\n",
+    "  8\n",
+    "arena\n",
+    "obstacle\n",
+    "wall\n",
+    " 10\n",
+    " 20\n",
+    " 40\n",
+    " 41\n",
+    " 42\n",
+    " 70\n",
+    " 71\n",
+    "230\n",
+    "-1\n",
+    "1e300\n",
+    "0.0\n",
+    "LINE\n",
+    "ARC\n",
+    "CIRCLE\n",
+    "SPLINE\n",
+    "LWPOLYLINE\n",
+    "POLYLINE\n",
+    "VERTEX\n",
+    "ELLIPSE\n",
+    "INSERT\n",
+    "$INSUNITS\n",
+];
+
 pub(crate) const UNIT_WORDS: &[&str] = &[
     "mm", "µm", "GPa", "N m", "N·m", "m^2", "m²", "/", "deg", "°", "%", "1/", "rad", "s^-1", "k", " ", "·", "*", "e",
     "-", "inf",
@@ -198,6 +231,10 @@ pub(crate) fn geojson(bytes: &[u8]) -> Verdict {
 
 pub(crate) fn svg(bytes: &[u8]) -> Verdict {
     map(Map::from_svg(&text(bytes), "map.svg"))
+}
+
+pub(crate) fn dxf(bytes: &[u8]) -> Verdict {
+    map(Map::from_dxf(&text(bytes), "map.dxf"))
 }
 
 /// A map that was read answers every question of the localizer.

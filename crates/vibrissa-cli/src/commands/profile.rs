@@ -28,7 +28,7 @@ pub(crate) struct Args {
     /// The sensor logs (.csv)
     #[arg(required = true)]
     logs: Vec<PathBuf>,
-    /// The true shape (.geojson, .svg, .yaml, .mcap), to report errors against
+    /// The true shape (.geojson, .svg, .dxf, .yaml, .mcap), to report errors against
     #[arg(long, value_name = "MAP")]
     truth: Option<PathBuf>,
     /// Also fit a scale, and say how well the shape fits with it

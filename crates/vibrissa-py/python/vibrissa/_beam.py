@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Literal
 
@@ -33,19 +34,24 @@ def _solve(
     if errors not in ("raise", "skip"):
         raise UsageError(f"errors: {errors!r} (allowed: 'raise', 'skip')")
     whiskers = [whisker or Whisker()] if whisker is None or isinstance(whisker, Whisker) else list(whisker)
-    shared = [np.asarray(first, dtype=np.float64), np.asarray(second, dtype=np.float64)]
+    columns = [np.asarray(first, dtype=np.float64), np.asarray(second, dtype=np.float64)]
     if angle is not None:
-        shared.append(np.asarray(angle, dtype=np.float64))
+        columns.append(np.asarray(angle, dtype=np.float64))
+    shapes = [values.shape for values in columns]
     if len(whiskers) != 1:
-        shared.append(np.empty(len(whiskers)))
+        shapes.append((len(whiskers),))
     try:
-        a, b, *more = np.broadcast_arrays(*shared)
+        shape = np.broadcast_shapes(*shapes)
     except ValueError as fault:
         raise UsageError(f"the arguments' shapes do not fit together: {fault}") from None
-    if len(whiskers) not in (1, a.size):
-        raise UsageError(f"number of whiskers: {len(whiskers)} (allowed: 1 or {a.size}, one for each problem)")
-    angles = None if angle is None else column(more[0])
-    return _vibrissa.bends(given, column(a), column(b), load, angles, whiskers, errors == "skip", threads)
+    count = math.prod(shape)
+    if len(whiskers) not in (1, count):
+        raise UsageError(f"number of whiskers: {len(whiskers)} (allowed: 1 or {count}, one for each problem)")
+    # One number for all problems crosses as one.
+    a, b, *angles = (column(v if v.size == 1 else np.broadcast_to(v, shape)) for v in columns)
+    return _vibrissa.bends(
+        given, count, a, b, load, angles[0] if angles else None, whiskers, errors == "skip", threads
+    )
 
 
 def force_mode(

@@ -141,6 +141,7 @@ def localize(
     seed_turn: float | None = None,
     seed_travel: float | None = None,
     shared_gain: float | None = None,
+    tolerated_share: float | None = None,
 ) -> Localization:
     """Finds where the robot is from a sensor log and a map; files may stand for each of them.
 
@@ -151,7 +152,7 @@ def localize(
     tolerance (standard deviations), missed_share. Possibilistic and probabilistic: heading_error (rad). All: within, where
     the robot is at the first row: least and largest x, y (m) and heading (rad), six numbers. Possibilistic: tolerate
     (readings), largest_slope (rad), work, last_work. Probabilistic: seed_spacing (m), seed_turn (rad), seed_travel (m),
-    shared_gain. ``vibrissa localize --help`` explains each; None takes the default.
+    shared_gain, tolerated_share. ``vibrissa localize --help`` explains each; None takes the default.
 
     Ctrl-C ends it within a second.
     """
@@ -174,6 +175,7 @@ def localize(
         "seed_turn": seed_turn,
         "seed_travel": seed_travel,
         "shared_gain": shared_gain,
+        "tolerated_share": tolerated_share,
     }
     known = None if truth is None else read_trajectory(truth)
     found = _vibrissa.localize(read_log(log, format), read_map(map), robot_of(robot), options, progress)

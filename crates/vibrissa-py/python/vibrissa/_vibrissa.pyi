@@ -155,13 +155,16 @@ class Map:
 
     @staticmethod
     def read(path: _Path) -> Map:
-        """The map of a file: .geojson (m) or .svg (mm)."""
+        """The map of a file: .geojson (m), .svg (mm), .dxf, .yaml or .mcap."""
     @staticmethod
     def from_geojson(text: str, name: str = "map.geojson") -> Map:
         """The map of a GeoJSON text (m); `name` stands for the file in messages."""
     @staticmethod
     def from_svg(text: str, name: str = "map.svg") -> Map:
         """The map of an SVG text (mm unless it says otherwise); `name` stands for the file in messages."""
+    @staticmethod
+    def from_dxf(text: str, name: str = "map.dxf") -> Map:
+        """The map of a DXF text (layers say the roles); `name` stands for the file in messages."""
     @staticmethod
     def from_points(
         arenas: Sequence[npt.ArrayLike] | None = None,
@@ -283,6 +286,7 @@ class Calibration:
 
 def bends(
     given: str,
+    count: int,
     first: Floats,
     second: Floats,
     load: str,

@@ -134,8 +134,8 @@ impl Map {
         Ok(Self { boundaries, tree, origins, arenas, obstacles, corners, corner_tree, has_arena, warnings })
     }
 
-    /// Reads a map file; its extension says the format: `.geojson` (or `.json`), `.svg`, `.yaml` (ROS `map_server`, see
-    /// [`Map::from_grid`]) or `.mcap` (the last `nav_msgs/OccupancyGrid` of a recording).
+    /// Reads a map file; its extension says the format: `.geojson` (or `.json`), `.svg`, `.dxf`, `.yaml` (ROS `map_server`,
+    /// see [`Map::from_grid`]) or `.mcap` (the last `nav_msgs/OccupancyGrid` of a recording).
     ///
     /// # Errors
     ///
@@ -146,6 +146,7 @@ impl Map {
         let reader = match extension.as_str() {
             "geojson" | "json" => Self::from_geojson,
             "svg" => Self::from_svg,
+            "dxf" => return Self::read_dxf(path),
             #[cfg(feature = "ros-map")]
             "yaml" | "yml" => return Self::from_grid_file(&OccupancyGrid::read_map_server(path)?, path),
             #[cfg(feature = "mcap")]
@@ -342,19 +343,19 @@ fn concave_corners(boundary: &Boundary) -> Vec<ConcaveCorner> {
 }
 
 fn unknown_format(path: &Path, extension: &str) -> Error {
-    let readable = ".geojson, .svg, .yaml, .mcap";
+    let readable = ".geojson, .svg, .dxf, .yaml, .mcap";
     let convert = "draw or export the outline as SVG or GeoJSON";
     let error = match extension {
         "pgm" | "png" => Error::data("an image alone is no map: its scale and place are not known")
             .remedy("give the .yaml file beside it; docs/ros.md shows one"),
         "yaml" | "yml" | "mcap" => Error::data(format!("this build does not read `.{extension}`"))
             .remedy("build it with the features `ros-map` and `mcap`"),
-        "dxf" => Error::data("DXF maps are not read yet").remedy(convert),
+        "dwg" => Error::data("DWG drawings are not read").remedy("save the drawing as DXF"),
         "" => Error::data("the map file has no extension, so its format is unknown")
-            .remedy("rename it to end in .geojson, .svg, .yaml or .mcap"),
+            .remedy("rename it to end in .geojson, .svg, .dxf, .yaml or .mcap"),
         _ => {
             let error = Error::data(format!("maps in the format `.{extension}` are not read"));
-            match suggestion(extension, ["geojson", "svg", "yaml", "mcap"]) {
+            match suggestion(extension, ["geojson", "svg", "dxf", "yaml", "mcap"]) {
                 Some(near) => error.remedy(format!("did you mean `.{near}`?")),
                 None => error.remedy(convert),
             }

@@ -2,6 +2,7 @@
 
 mod boundary;
 pub mod calibration;
+mod dxf;
 mod geojson;
 pub mod grid;
 mod map;

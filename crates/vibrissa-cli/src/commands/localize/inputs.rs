@@ -38,7 +38,7 @@ impl Inputs {
         Ok(Self {
             title: format!("{} on {}", file_name(log), file_name(map)),
             map: Map::read(map)?,
-            robot: robot.map_or_else(|| Ok(Robot::default()), Robot::read)?,
+            robot: super::robot::read(robot)?,
             log: read_log(log, format)?,
             truth: truth.map(read_tum).transpose()?,
         })

@@ -5,6 +5,7 @@ mod inputs;
 mod known;
 mod possibilistic;
 mod probabilistic;
+mod robot;
 
 use crate::interrupt::{Heedful, stopped};
 use crate::output::OutputArgs;
@@ -28,7 +29,7 @@ use vibrissa::{LocalizeOptions, Result};
 /// Find where the robot is from a sensor log and a map.
 ///
 /// The log is a CSV file with the columns `t,x,y,theta,moment` (s, m, rad, N m) or an MCAP recording with ROS 2 messages;
-/// the map is a .geojson (m), .svg (mm) or .yaml file (of ROS), or a recording that holds one; the robot is a .toml
+/// the map is a .geojson (m), .svg (mm), .dxf or .yaml file (of ROS), or a recording that holds one; the robot is a .toml
 /// file and defaults to the paper's whisker.
 ///
 /// With --out DIR: trajectory.tum, result.json, states.csv, steps.csv and the figure localization.svg; with --mcap also
@@ -37,7 +38,7 @@ use vibrissa::{LocalizeOptions, Result};
 pub(crate) struct Args {
     /// The sensor log (.csv, .mcap)
     log: PathBuf,
-    /// The map (.geojson, .svg, .yaml, .mcap)
+    /// The map (.geojson, .svg, .dxf, .yaml, .mcap)
     #[arg(long, value_name = "MAP")]
     map: PathBuf,
     /// The format of a log that is not ours: rostopic (odometry and wrench or magnetic field) [default: our .csv]

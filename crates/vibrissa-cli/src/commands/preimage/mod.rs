@@ -23,7 +23,7 @@ use vibrissa::{Error, Result};
 /// With --out DIR: preimage.csv (boxes of states) and the figure preimage.svg.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
-    /// The map (.geojson, .svg, .yaml, .mcap)
+    /// The map (.geojson, .svg, .dxf, .yaml, .mcap)
     #[arg(long, value_name = "MAP")]
     map: PathBuf,
     #[command(flatten)]

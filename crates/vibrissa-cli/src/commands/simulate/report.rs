@@ -132,11 +132,18 @@ pub(super) fn text(scenario: &Scenario, simulation: &Simulation, written: Option
                 let _ = writeln!(text, "  {}", path.display());
             }
             text.push_str(&next_step(scenario, paths));
+            if sweep.events.iter().any(|event| event.kind == "discrete_rod") {
+                text.push_str(TRAIL);
+            }
         }
         None => text.push_str("\nNo files were written; add --out DIR for the log, the truth and a figure.\n"),
     }
     text
 }
+
+/// What helps against contacts that no method takes.
+const TRAIL: &str = "A whisker touched at two places at once, which `localize` does not take: let the tip trail (mount the \
+                     whisker so that it points backwards) or keep a larger distance.\n";
 
 /// How to localize the robot from the files; nothing when no moments were logged.
 fn next_step(scenario: &Scenario, paths: &[PathBuf]) -> String {
@@ -144,6 +151,11 @@ fn next_step(scenario: &Scenario, paths: &[PathBuf]) -> String {
     let map = scenario.map_file.clone().or_else(|| written("map.geojson"));
     let files = [written("log.csv"), map, written("robot.toml"), written("truth.tum")];
     match files.map(|file| file.map(|path| path.display().to_string())) {
+        [Some(log), _, Some(robot), _] if scenario.robot.whiskers.iter().any(|w| !w.beam.is_uniform()) => {
+            format!(
+                "\nNext, see where it was touched (localize takes uniform whiskers only):\n  vibrissa contact {log} --robot {robot}\n"
+            )
+        }
         [Some(log), Some(map), Some(robot), Some(truth)] if scenario.recorder.columns.contains(&Columns::Moment) => {
             format!("\nNext, find the robot:\n  vibrissa localize {log} --map {map} --robot {robot} --truth {truth}\n")
         }

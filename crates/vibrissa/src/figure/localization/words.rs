@@ -15,12 +15,13 @@ pub fn verdict(answer: &Localization) -> String {
         Status::Localized => format!("localized: {place}; {}", shrinkage(answer)),
         Status::Ambiguous => {
             let weight = answer.hypotheses.first().map_or(0.0, |first| first.weight);
-            let places = answer.hypotheses.len();
-            format!(
-                "ambiguous: {places} separate places explain the log; number 1 ({:.0} %) is {place}; {}",
-                100.0 * weight,
-                shrinkage(answer)
-            )
+            let found = match answer.hypotheses.len() {
+                1 => format!("one place explains the log, too wide or too doubtful to settle on: {place}"),
+                places => {
+                    format!("{places} separate places explain the log; number 1 ({:.0} %) is {place}", 100.0 * weight)
+                }
+            };
+            format!("ambiguous: {found}; {}", shrinkage(answer))
         }
         Status::Inconsistent => {
             let step = answer.events.iter().find(|event| event.kind == "inconsistent");

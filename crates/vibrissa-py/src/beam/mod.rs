@@ -1,113 +1,25 @@
 //! Loaded whiskers: arrays of problems in, arrays of equilibria out.
 
-use crate::arrays::{Column, Table, block, column, counts, points, table};
+mod problems;
+mod rows;
+
+use crate::arrays::{Column, Table, block, points, table};
 use crate::error::{OrRaise, exception};
 use crate::inputs::WhiskerIn;
 use crate::long::{Watch, run};
 use numpy::{PyArray1, PyArray3, PyReadonlyArray1};
+use problems::{Given, Problems};
 use pyo3::exceptions::PyIndexError;
 use pyo3::prelude::*;
 use pyo3::types::PyIterator;
+use rows::{Row, Rows};
 use std::sync::Arc;
-use vibrissa::beam::{Load, ShapePoint, Whisker, force_mode, moment_mode, point_mode, tip_mode};
-use vibrissa::plane::Vec2;
+use vibrissa::beam::{ShapePoint, Whisker};
 use vibrissa::tasks::batch;
 use vibrissa::{Error, Result};
 
 /// Problems that are solved on the spot; more of them get a thread of their own, so that Ctrl-C works.
 const AT_ONCE: usize = 64;
-
-/// Which quantities are known.
-#[derive(Clone, Copy, Debug)]
-enum Given {
-    Force,
-    Point,
-    Tip,
-    Moment,
-}
-
-/// Every problem of one call.
-#[derive(Debug)]
-struct Problems {
-    given: Given,
-    first: Vec<f64>,
-    second: Vec<f64>,
-    load: String,
-    /// One for all, one for each, or none.
-    angles: Vec<f64>,
-    /// One for all, or one for each.
-    whiskers: Vec<Whisker>,
-}
-
-impl Problems {
-    fn load(&self, i: usize) -> Result<Load> {
-        let angle = self.angles.get(i).or(self.angles.first()).copied();
-        match (self.load.as_str(), angle) {
-            ("normal", None) => Ok(Load::Normal),
-            ("vertical", None) => Ok(Load::Vertical),
-            ("tilted", Some(angle)) => Ok(Load::Tilted(angle)),
-            ("directed", Some(angle)) => Ok(Load::Directed(angle)),
-            ("normal" | "vertical", Some(_)) => {
-                Err(Error::usage("angle").allowed("with the loads tilted and directed only"))
-            }
-            ("tilted" | "directed", None) => {
-                Err(Error::usage("the load's angle is missing").remedy("give angle (rad)"))
-            }
-            (other, _) => Err(Error::usage("the load").value(other).allowed("normal, vertical, tilted, directed")),
-        }
-    }
-
-    fn whisker(&self, i: usize) -> &Whisker {
-        &self.whiskers[if self.whiskers.len() == 1 { 0 } else { i }]
-    }
-
-    fn solve(&self, i: usize) -> Result<Vec<vibrissa::beam::Bend>> {
-        let bends = self.equilibria(i)?;
-        let finite = |b: &vibrissa::beam::Bend| {
-            [b.force, b.s_a, b.phi_a, b.beta, b.contact.x, b.contact.y, b.moment].into_iter().all(f64::is_finite)
-        };
-        if bends.iter().all(finite) {
-            return Ok(bends);
-        }
-        Err(Error::usage("the force is beyond all numbers").remedy("check the units: lengths are in m, moments in N m"))
-    }
-
-    fn equilibria(&self, i: usize) -> Result<Vec<vibrissa::beam::Bend>> {
-        let (whisker, a, b) = (self.whisker(i), self.first[i], self.second[i]);
-        match self.given {
-            Given::Force => force_mode(whisker, a, b, self.load(i)?),
-            Given::Moment => moment_mode(whisker, a, b, self.load(i)?),
-            Given::Point => point_mode(whisker, Vec2::new(a, b), self.load(i)?),
-            Given::Tip => tip_mode(whisker, Vec2::new(a, b)),
-        }
-    }
-
-    /// The equilibria in the order of the problems, and the problems that make no sense.
-    fn solve_all(self, threads: usize, watch: &Watch) -> Bends {
-        let order: Vec<usize> = (0..self.first.len()).collect();
-        let answers =
-            batch::map(&order, threads, |&i| if watch.is_cancelled() { Ok(Vec::new()) } else { self.solve(i) });
-        let mut solved = Bends { problems: order.len(), ..Bends::default() };
-        solved.rows.reserve(answers.len());
-        for (case, answer) in answers.into_iter().enumerate() {
-            match answer {
-                Ok(bends) => {
-                    solved.rows.extend(bends.into_iter().enumerate().map(|(b, bend)| Row { case, branch: b, bend }))
-                }
-                Err(error) => solved.faults.push((case, error)),
-            }
-        }
-        solved.whiskers = self.whiskers;
-        solved
-    }
-}
-
-#[derive(Clone, Debug)]
-struct Row {
-    case: usize,
-    branch: usize,
-    bend: vibrissa::beam::Bend,
-}
 
 /// Equilibria of loaded whiskers, one row each: every branch of every problem, in order.
 ///
@@ -116,7 +28,7 @@ struct Row {
 #[derive(Debug, Default)]
 pub(crate) struct Bends {
     problems: usize,
-    rows: Vec<Row>,
+    rows: Rows,
     faults: Vec<(usize, Error)>,
     whiskers: Vec<Whisker>,
 }
@@ -136,81 +48,81 @@ impl Bends {
 impl Bends {
     /// Which problem each row solves, from 0 on in the order of the (flattened) inputs; int64.
     #[getter]
-    fn case<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
-        counts(py, &self.rows, |row| row.case)
+    fn case<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<i64>>> {
+        self.rows.column(py, |row| row.case as i64)
     }
 
     /// Which solution of its problem each row is, least slope first; int64.
     #[getter]
-    fn branch<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
-        counts(py, &self.rows, |row| row.branch)
+    fn branch<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<i64>>> {
+        self.rows.column(py, |row| row.branch as i64)
     }
 
     /// Force along the load's direction (N).
     #[getter]
-    fn force<'py>(&self, py: Python<'py>) -> Column<'py> {
-        column(py, &self.rows, |row| row.bend.force)
+    fn force<'py>(&self, py: Python<'py>) -> PyResult<Column<'py>> {
+        self.rows.column(py, |row| row.bend.force)
     }
 
     /// Arc length from the base to the contact (m).
     #[getter]
-    fn s_a<'py>(&self, py: Python<'py>) -> Column<'py> {
-        column(py, &self.rows, |row| row.bend.s_a)
+    fn s_a<'py>(&self, py: Python<'py>) -> PyResult<Column<'py>> {
+        self.rows.column(py, |row| row.bend.s_a)
     }
 
     /// Slope at the contact (rad).
     #[getter]
-    fn phi_a<'py>(&self, py: Python<'py>) -> Column<'py> {
-        column(py, &self.rows, |row| row.bend.phi_a)
+    fn phi_a<'py>(&self, py: Python<'py>) -> PyResult<Column<'py>> {
+        self.rows.column(py, |row| row.bend.phi_a)
     }
 
     /// Rotation from the whisker's normal at the contact to the load (rad).
     #[getter]
-    fn beta<'py>(&self, py: Python<'py>) -> Column<'py> {
-        column(py, &self.rows, |row| row.bend.beta)
+    fn beta<'py>(&self, py: Python<'py>) -> PyResult<Column<'py>> {
+        self.rows.column(py, |row| row.bend.beta)
     }
 
     /// The contact along the undeflected whisker (m).
     #[getter]
-    fn x<'py>(&self, py: Python<'py>) -> Column<'py> {
-        column(py, &self.rows, |row| row.bend.contact.x)
+    fn x<'py>(&self, py: Python<'py>) -> PyResult<Column<'py>> {
+        self.rows.column(py, |row| row.bend.contact.x)
     }
 
     /// The contact across the undeflected whisker (m).
     #[getter]
-    fn y<'py>(&self, py: Python<'py>) -> Column<'py> {
-        column(py, &self.rows, |row| row.bend.contact.y)
+    fn y<'py>(&self, py: Python<'py>) -> PyResult<Column<'py>> {
+        self.rows.column(py, |row| row.bend.contact.y)
     }
 
     /// Moment about the base (N m).
     #[getter]
-    fn moment<'py>(&self, py: Python<'py>) -> Column<'py> {
-        column(py, &self.rows, |row| row.bend.moment)
+    fn moment<'py>(&self, py: Python<'py>) -> PyResult<Column<'py>> {
+        self.rows.column(py, |row| row.bend.moment)
     }
 
     /// Elastic energy (J).
     #[getter]
-    fn energy<'py>(&self, py: Python<'py>) -> Column<'py> {
-        column(py, &self.rows, |row| row.bend.energy())
+    fn energy<'py>(&self, py: Python<'py>) -> PyResult<Column<'py>> {
+        self.rows.column(py, |row| row.bend.energy())
     }
 
     /// How far the base has turned (rad); 0 when it is clamped.
     #[getter]
-    fn base_angle<'py>(&self, py: Python<'py>) -> Column<'py> {
-        column(py, &self.rows, |row| row.bend.base_angle())
+    fn base_angle<'py>(&self, py: Python<'py>) -> PyResult<Column<'py>> {
+        self.rows.column(py, |row| row.bend.base_angle())
     }
 
     /// The force as vectors (N), shape (rows, 2).
     #[getter]
     fn force_vector<'py>(&self, py: Python<'py>) -> PyResult<Table<'py>> {
-        table(py, &self.rows, |row| [row.bend.force_vector().x, row.bend.force_vector().y])
+        table(py, self.rows.iter(), |row| [row.bend.force_vector().x, row.bend.force_vector().y])
     }
 
     /// The tips (m), shape (rows, 2).
     #[getter]
     fn tip<'py>(&self, py: Python<'py>) -> PyResult<Table<'py>> {
-        let tips: Vec<Vec2> = self.rows.iter().map(|row| row.bend.tip(self.whisker(row).length)).collect();
-        points(py, &tips)
+        let tip = |row: &Row| row.bend.tip(self.whisker(row).length);
+        table(py, self.rows.iter().map(tip), |tip| [tip.x, tip.y])
     }
 
     /// How many problems there were, with and without a solution.
@@ -370,15 +282,16 @@ impl Bend {
     }
 }
 
-/// Solves problems given by two columns of equal length; see `vibrissa._beam`.
+/// Solves `count` problems; each column holds one number for all of them, or one for each; see `vibrissa._beam`.
 #[pyfunction]
 #[allow(clippy::too_many_arguments)] // Called from one place, by name.
 pub(crate) fn bends(
     py: Python<'_>,
     given: &str,
+    count: usize,
     first: PyReadonlyArray1<'_, f64>,
     second: PyReadonlyArray1<'_, f64>,
-    load: String,
+    load: &str,
     angles: Option<PyReadonlyArray1<'_, f64>>,
     whiskers: Vec<WhiskerIn>,
     skip_faults: bool,
@@ -390,21 +303,17 @@ pub(crate) fn bends(
         "point" => Given::Point,
         _ => Given::Tip,
     };
-    let problems = Problems {
-        given,
-        first: first.as_slice()?.to_vec(),
-        second: second.as_slice()?.to_vec(),
-        load,
-        angles: angles.map(|angles| angles.as_slice().map(<[f64]>::to_vec)).transpose()?.unwrap_or_default(),
-        whiskers: whiskers.iter().map(WhiskerIn::whisker).collect::<Result<_>>().or_raise(py)?,
-    };
-    if problems.first.is_empty() {
-        return Ok(Bends { whiskers: problems.whiskers, ..Bends::default() });
+    let numbers = |column: &PyReadonlyArray1<'_, f64>| column.as_slice().map(<[f64]>::to_vec);
+    let angles = angles.as_ref().map(numbers).transpose()?.unwrap_or_default();
+    let whiskers = whiskers.iter().map(WhiskerIn::whisker).collect::<Result<Vec<_>>>().or_raise(py)?;
+    if count == 0 {
+        return Ok(Bends { whiskers, ..Bends::default() });
     }
+    let columns = [numbers(&first)?, numbers(&second)?, angles];
     // What every problem shares is at fault even where faults are skipped.
-    problems.load(0).or_raise(py)?;
+    let problems = Problems::new(given, count, columns, load, whiskers).or_raise(py)?;
     let threads = threads.unwrap_or_else(batch::all_cores).max(1);
-    let solved = if problems.first.len() <= AT_ONCE {
+    let solved = if problems.count() <= AT_ONCE {
         let watch = Arc::new(Watch::default());
         py.detach(|| problems.solve_all(1, &watch))
     } else {
