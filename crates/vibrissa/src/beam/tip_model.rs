@@ -45,12 +45,7 @@ impl TipModel {
     /// # Errors
     /// Data: a whisker that is curved at rest or makes no sense; the message names the property.
     pub fn new(whisker: &Whisker) -> Result<Self> {
-        if let Some(term) = whisker.curvature_terms().into_iter().find(|term| *term != 0.0) {
-            return Err(Error::data("curvature")
-                .value(term)
-                .allowed("0")
-                .remedy("whiskers that are curved at rest are not localized with; use a straight one"));
-        }
+        whisker.require_straight()?;
         if whisker.is_uniform() {
             whisker.require_uniform()?;
             return Ok(Self { whisker: *whisker, rigidity: whisker.flexural_rigidity, table: None });

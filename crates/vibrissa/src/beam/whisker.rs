@@ -119,6 +119,20 @@ impl Whisker {
         self.curvature_terms().iter().rev().fold(0.0, |sum, term| sum * s + term)
     }
 
+    /// Checks that the whisker is straight at rest.
+    ///
+    /// # Errors
+    /// Data: a term of the rest curvature that is not 0.
+    pub fn require_straight(&self) -> Result<()> {
+        match self.curvature_terms().into_iter().find(|term| term.partial_cmp(&0.0) != Some(Ordering::Equal)) {
+            Some(term) => Err(Error::data("curvature")
+                .value(term)
+                .allowed("0")
+                .remedy("whiskers that are curved at rest are not localized with; use a straight one")),
+            None => Ok(()),
+        }
+    }
+
     /// Checks that the closed form covers this whisker: uniform, straight, clamped, with positive length and rigidity.
     ///
     /// # Errors

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 use std::path::Path;
 use vibrissa::figure::{Outline, OutlineRole};
-use vibrissa::flow::pose::{Localization, StampedPose};
+use vibrissa::flow::pose::{Localization, Method, StampedPose};
 use vibrissa::flow::sensor_log::foreign::{Format, Recording};
 use vibrissa::flow::sensor_log::{Channel, LogRow, Quantity, SensorLog};
 use vibrissa::flow::trajectory::read_tum;
@@ -34,11 +34,12 @@ impl Inputs {
         map: &Path,
         robot: Option<&Path>,
         truth: Option<&Path>,
+        method: Method,
     ) -> Result<Self> {
         Ok(Self {
             title: format!("{} on {}", file_name(log), file_name(map)),
             map: Map::read(map)?,
-            robot: super::robot::read(robot)?,
+            robot: super::robot::read(robot, method)?,
             log: read_log(log, format)?,
             truth: truth.map(read_tum).transpose()?,
         })

@@ -83,7 +83,8 @@ enum MethodArg {
 /// Runs the command.
 pub(crate) fn run(args: &Args) -> Result<()> {
     let options = options(args)?;
-    let inputs = Inputs::read(&args.log, args.format, &args.map, args.robot.as_deref(), args.truth.as_deref())?;
+    let inputs =
+        Inputs::read(&args.log, args.format, &args.map, args.robot.as_deref(), args.truth.as_deref(), options.method)?;
     let mut stopwatch = Stopwatch::start();
     let (answer, recording, used) = heedful(args, &inputs, &options, &mut stopwatch)?;
     let runtime = stopwatch.stop(inputs.rows(), &answer.steps);

@@ -151,9 +151,11 @@ fn next_step(scenario: &Scenario, paths: &[PathBuf]) -> String {
     let map = scenario.map_file.clone().or_else(|| written("map.geojson"));
     let files = [written("log.csv"), map, written("robot.toml"), written("truth.tum")];
     match files.map(|file| file.map(|path| path.display().to_string())) {
-        [Some(log), _, Some(robot), _] if scenario.robot.whiskers.iter().any(|w| !w.beam.is_uniform()) => {
+        [Some(log), _, Some(robot), _]
+            if scenario.robot.whiskers.iter().any(|w| w.beam.require_straight().is_err()) =>
+        {
             format!(
-                "\nNext, see where it was touched (localize takes uniform whiskers only):\n  vibrissa contact {log} --robot {robot}\n"
+                "\nNext, see where it was touched (localize takes whiskers that are straight at rest):\n  vibrissa contact {log} --robot {robot}\n"
             )
         }
         [Some(log), Some(map), Some(robot), Some(truth)] if scenario.recorder.columns.contains(&Columns::Moment) => {
