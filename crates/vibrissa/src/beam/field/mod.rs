@@ -15,12 +15,14 @@ mod image;
 mod index;
 mod panels;
 mod search;
+mod sheet;
 mod side;
 mod state;
 mod table;
 mod tip;
 
 pub use enclosure::TipBox;
+pub(crate) use sheet::{BLOCK, Cell, Read, Sheet, Spot};
 pub use side::{SideField, SideState};
 pub use state::{FieldErrors, PositionRates, Quantities, ReadingRates, TipState};
 pub use tip::TipField;

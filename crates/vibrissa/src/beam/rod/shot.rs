@@ -48,9 +48,8 @@ impl Trial {
         let (mut moment_kept, mut bend_kept) = (true, true);
         self.shoot_while(rod, |state| {
             moment_kept &= moment_sign * state.moment >= 0.0;
-            if !moment_kept {
-                bend_kept &= bend_sign * rod.curvature_of(state) >= 0.0;
-            }
+            // Of a rod that is straight at rest the curvature has the moment's sign.
+            bend_kept &= if rod.is_straight() { moment_kept } else { bend_sign * rod.curvature_of(state) >= 0.0 };
             moment_kept || bend_kept
         })
         .filter(|shot| rod.base_angle(shot.moment).abs() <= PI)

@@ -17,6 +17,7 @@ mod contact;
 mod curve;
 mod family;
 mod intersection;
+mod level;
 mod model;
 mod paving;
 mod region;
