@@ -77,7 +77,8 @@ fn slide_pair(x: f64, [c0, c1, c2, c3]: [Pair; 4]) -> (Pair, Pair) {
     (one.times(x).plus(c0), three.plus(two).times(x).plus(one))
 }
 
-/// Value and both slopes of two bicubics. Not inlined: in a larger function the compiler pairs other numbers, and shuffles.
+/// Value and both slopes of two bicubics. What calls it is not inlined: in a larger function the compiler pairs other numbers, and
+/// shuffles.
 #[inline(always)]
 fn jet_of_pair(rows: &[[Pair; 4]; 4], s: f64, t: f64) -> [Pair; 3] {
     let ((a, a_t), (b, b_t)) = (slide_pair(t, rows[0]), slide_pair(t, rows[1]));

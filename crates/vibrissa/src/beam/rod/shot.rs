@@ -48,11 +48,27 @@ impl Trial {
         let (mut moment_kept, mut bend_kept) = (true, true);
         self.shoot_while(rod, |state| {
             moment_kept &= moment_sign * state.moment >= 0.0;
-            // Of a rod that is straight at rest the curvature has the moment's sign.
-            bend_kept &= if rod.is_straight() { moment_kept } else { bend_sign * rod.curvature_of(state) >= 0.0 };
+            if !moment_kept {
+                bend_kept &= bend_sign * rod.curvature_of(state) >= 0.0;
+            }
             moment_kept || bend_kept
         })
         .filter(|shot| rod.base_angle(shot.moment).abs() <= PI)
+    }
+
+    /// Whether the moment, or else the curvature, has one sign at every step from the contact to the base. [`Trial::shoot`] asks the
+    /// curvature only from where the moment has changed its sign.
+    pub(super) fn keeps_one_sign(&self, rod: &Rod) -> bool {
+        let push = self.vector().y;
+        let rest = rod.rest_curvature(self.s_a);
+        let bend_sign = if rest.abs() > 0.0 { rest } else { push };
+        let (mut moment_kept, mut bend_kept) = (true, true);
+        let shot = self.shoot_while(rod, |state| {
+            moment_kept &= push * state.moment >= 0.0;
+            bend_kept &= bend_sign * rod.curvature_of(state) >= 0.0;
+            moment_kept || bend_kept
+        });
+        shot.is_some()
     }
 
     /// As [`Trial::shoot`], whatever the mode: for searches that pass through such shapes.

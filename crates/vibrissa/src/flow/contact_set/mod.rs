@@ -21,6 +21,7 @@ mod level;
 mod model;
 mod paving;
 mod region;
+mod runs;
 mod small_beam;
 pub mod tip;
 mod trace;
