@@ -211,7 +211,16 @@ impl Sheet {
 
     /// The contact at the place with these shares of a cell; `None` beyond the first mode.
     #[inline]
-    pub(crate) fn spot(&self, (i, j): Cell, [a, b]: [f64; 2]) -> Option<Spot> {
+    pub(crate) fn spot(&self, cell: Cell, at: [f64; 2]) -> Option<Spot> {
+        let ([wu, _], w) = (weights(at[0], self.u.width(cell.0)), self.w.knots[cell.1] + at[1] * self.w.width(cell.1));
+        let s_a = (self.u.knots[cell.0] + at[0] * self.u.width(cell.0)) * self.rod.length();
+        let (gain, end) = (between(&self.gains, cell.0, wu), between(&self.ends, cell.0, wu));
+        self.spot_under(force(gain, s_a, w * end), cell, at)
+    }
+
+    /// As [`Sheet::spot`], the force there known.
+    #[inline]
+    fn spot_under(&self, force: f64, (i, j): Cell, [a, b]: [f64; 2]) -> Option<Spot> {
         let ([wu, _], [wv, _]) = (weights(a, self.u.width(i)), weights(b, self.w.width(j)));
         let mut sum = [0.0; KEPT];
         for (p, q) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
@@ -242,7 +251,7 @@ impl Sheet {
                 return None;
             }
         }
-        Some(Spot { force: force(gain, s_a, w * between(&self.ends, i, wu)), s_a, phi_a, contact, moment })
+        Some(Spot { force, s_a, phi_a, contact, moment })
     }
 
     /// The contact under `force` (N) at `s_a` (m); `None` beyond the first mode and off the sheet.
@@ -250,21 +259,21 @@ impl Sheet {
         let place = self.u.place(s_a / self.rod.length());
         let [at, _] = weights(place.share, place.width);
         let (gain, end) = (between(&self.gains, place.cell, at), between(&self.ends, place.cell, at));
-        let load = (2.0 * force * gain * s_a).asinh() / end;
-        self.loaded(place.cell, place.share, load).map(|spot| Spot { force, s_a, ..spot })
+        let doubled = 2.0 * (force * gain * s_a).abs();
+        // The inverse of the hyperbolic sine, as well as a place on the chart needs it.
+        let load = (doubled + (1.0 + doubled * doubled).sqrt()).ln().copysign(force) / end;
+        let column = self.w.place(load);
+        let inside = load.abs() <= 1.0 && (-1e-9..=1.0 + 1e-9).contains(&place.share);
+        let spot = inside.then(|| self.spot_under(force, (place.cell, column.cell), [place.share, column.share]))?;
+        spot.map(|spot| Spot { s_a, ..spot })
     }
 
     /// The contact at `s_a` (m) and at the place `w` along the loads, which go from -1 to 1.
     pub(crate) fn contact_at(&self, s_a: f64, w: f64) -> Option<Spot> {
-        let place = self.u.place(s_a / self.rod.length());
-        self.loaded(place.cell, place.share, w).map(|spot| Spot { s_a, ..spot })
-    }
-
-    fn loaded(&self, row: usize, share: f64, w: f64) -> Option<Spot> {
-        let place = self.w.place(w);
-        (w.abs() <= 1.0 && (-1e-9..=1.0 + 1e-9).contains(&share))
-            .then(|| self.spot((row, place.cell), [share, place.share]))
-            .flatten()
+        let (place, column) = (self.u.place(s_a / self.rod.length()), self.w.place(w));
+        let inside = w.abs() <= 1.0 && (-1e-9..=1.0 + 1e-9).contains(&place.share);
+        let spot = inside.then(|| self.spot((place.cell, column.cell), [place.share, column.share]))?;
+        spot.map(|spot| Spot { s_a, ..spot })
     }
 }
 

@@ -40,7 +40,10 @@ fn on_sheet(
     let by_load = |s: f64| admitted(sheet.contact(value, s));
     let by_strip = |w: f64| admitted(sheet.contact_at(value, w));
     let pieces = match sensor {
-        VirtualSensor::Load => along([first, length], &[], nodes, &by_load),
+        VirtualSensor::Load => match sampled([first, length], nodes, &by_load) {
+            whole if whole.len() == nodes => vec![whole],
+            _ => along([first, length], &[], nodes, &by_load),
+        },
         VirtualSensor::Strip if value >= first && value <= length => along([-1.0, 1.0], &[0.0], nodes, &by_strip),
         VirtualSensor::Strip => return (by_beam(model, sensor, value, nodes), 0.0),
         VirtualSensor::Slope => return level(model, sheet, Read::Slope, value, nodes),
