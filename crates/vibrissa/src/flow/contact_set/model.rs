@@ -49,8 +49,15 @@ pub struct ContactModel {
 }
 
 /// The sheet of a model, made when it is first asked for and shared by the model's copies. It follows from the rest of the model.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Default)]
 struct Late(Arc<OnceLock<Option<Sheet>>>);
+
+// A hundred thousand numbers help nobody.
+impl core::fmt::Debug for Late {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(if self.0.get().is_some() { "made" } else { "to be made" })
+    }
+}
 
 impl PartialEq for Late {
     fn eq(&self, _: &Self) -> bool {
