@@ -35,11 +35,30 @@ fn contact_sets(c: &mut Criterion) {
             b.iter(|| ContactSet::new(&model, sensor, black_box(value), 200).unwrap());
         });
     }
-    let tapered = ContactModel::new(&Whisker { tip_ratio: 0.5, ..Whisker::default() }, Load::Normal).unwrap();
-    group.sample_size(10).bench_function("moment, tapered, traced", |b| {
-        let sensor = VirtualSensor::Moment(MomentRegime::LargeAngle);
-        b.iter(|| ContactSet::new(&tapered, sensor, black_box(4e-3), 200).unwrap());
-    });
+    let plain = Whisker::default();
+    for (name, whisker) in [
+        ("tapered", Whisker { tip_ratio: 0.5, ..plain }),
+        ("curved", Whisker { curvature: 6.0, ..plain }),
+        ("elastic base", Whisker { base_stiffness: 0.1, ..plain }),
+    ] {
+        let model = || ContactModel::new(&whisker, Load::Normal).unwrap();
+        let other = model();
+        for (sensor, value) in [
+            (VirtualSensor::Load, 0.1),
+            (VirtualSensor::Strip, 0.06),
+            (VirtualSensor::Slope, 0.9),
+            (VirtualSensor::Moment(MomentRegime::LargeAngle), 4e-3),
+        ] {
+            group.bench_function(format!("{}, {name}", sensor.word()), |b| {
+                b.iter(|| ContactSet::new(&other, sensor, black_box(value), 200).unwrap());
+            });
+        }
+        group.sample_size(10).bench_function(format!("the first one, {name}"), |b| {
+            b.iter(|| ContactSet::new(&model(), VirtualSensor::Slope, black_box(0.9), 200).unwrap());
+        });
+        group.sample_size(100);
+    }
+    group.sample_size(10);
     group.bench_function("region of a load of 5 %", |b| {
         let reading = Reading { sensor: VirtualSensor::Load, value: Interval::new(0.095, 0.105) };
         b.iter(|| ContactRegion::new(&model, &[black_box(reading)], &Resolution::default()).unwrap());

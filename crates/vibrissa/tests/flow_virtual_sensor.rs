@@ -88,7 +88,7 @@ fn every_node_of_a_curve_has_the_reading_by_the_beams_own_inverse() {
 
 #[test]
 fn traced_curves_agree_with_the_closed_families() {
-    // The same whisker once in closed form and once as a rod that is integrated and traced.
+    // The same whisker once in closed form and once as a rod that is integrated and tabulated.
     let rod = ContactModel::of_rod(Rod::new(&Whisker::default()).unwrap(), Load::Normal).unwrap();
     for (sensor, value) in SENSORS.into_iter().zip([0.1, 0.05, -0.7, 4e-3]) {
         let sensor = if let VirtualSensor::Moment(_) = sensor {
@@ -99,7 +99,9 @@ fn traced_curves_agree_with_the_closed_families() {
         let (closed, traced) = (set(&paper(), sensor, value), set(&rod, sensor, value));
         assert!(!closed.is_empty() && !traced.is_empty(), "{sensor:?}");
         for contact in traced.curves.iter().flat_map(|c| c.contacts()) {
-            assert!(closed.distance(contact.position) <= closed.tolerance + 1e-9, "{sensor:?} {contact:?}");
+            // The nodes are on the curve as far as the table knows them.
+            let known = closed.tolerance + traced.tolerance.min(1e-6);
+            assert!(closed.distance(contact.position) <= known, "{sensor:?} {contact:?}");
         }
         // A rod's first mode is cut where the grid ends; away from there the curves are as long.
         for contact in closed.curves.iter().flat_map(|c| c.contacts()).filter(|c| c.phi_a.abs() < 2.8) {

@@ -16,13 +16,13 @@ pub(crate) fn kinds() -> Vec<(&'static str, ContactModel, usize)> {
     let jointed = Rod::from_segments(&[wire(0.03, 9e-15), wire(0.04, 2e-15)]).unwrap();
     vec![
         ("uniform", normal(plain), 2000),
-        ("uniform, tilted load", loaded(Load::Tilted(0.3)), 24),
+        ("uniform, tilted load", loaded(Load::Tilted(0.3)), 400),
         ("uniform, vertical load", loaded(Load::Vertical), 24),
-        ("tapered", normal(Whisker { tip_ratio: 0.4, ..plain }), 24),
-        ("curved", normal(Whisker { curvature: 6.0, ..plain }), 24),
-        ("elastic base", normal(Whisker { base_stiffness: 0.1, ..plain }), 24),
-        ("all three", normal(Whisker { tip_ratio: 0.5, curvature: -5.0, base_stiffness: 0.3, ..plain }), 24),
-        ("jointed", ContactModel::of_rod(jointed, Load::Normal).unwrap(), 24),
+        ("tapered", normal(Whisker { tip_ratio: 0.4, ..plain }), 400),
+        ("curved", normal(Whisker { curvature: 6.0, ..plain }), 400),
+        ("elastic base", normal(Whisker { base_stiffness: 0.1, ..plain }), 400),
+        ("all three", normal(Whisker { tip_ratio: 0.5, curvature: -5.0, base_stiffness: 0.3, ..plain }), 400),
+        ("jointed", ContactModel::of_rod(jointed, Load::Normal).unwrap(), 400),
     ]
 }
 

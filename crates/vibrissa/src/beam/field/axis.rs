@@ -38,8 +38,9 @@ pub(super) struct Place {
     pub(super) cell: usize,
     /// The way through the cell, 0 at its start and 1 at its end.
     pub(super) share: f64,
+    /// The same as a distance.
+    pub(super) along: f64,
     pub(super) width: f64,
-    pub(super) per_width: f64,
 }
 
 impl Axis {
@@ -92,7 +93,8 @@ impl Axis {
     #[inline]
     pub(super) fn place_in(&self, cell: usize, x: f64) -> Place {
         let Span { start, width, per_width } = self.spans[cell];
-        Place { cell, share: (x - start) * per_width, width, per_width }
+        let along = x - start;
+        Place { cell, share: along * per_width, along, width }
     }
 }
 

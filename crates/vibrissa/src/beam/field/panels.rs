@@ -83,6 +83,12 @@ impl Layout {
 
     /// The table of what was sampled, over the coordinates that `bends` make of the samples'.
     pub(super) fn table(&self, samples: &Samples) -> Table {
+        let (u, v, nodes) = self.knots(samples);
+        Table::new(u, v, nodes)
+    }
+
+    /// Both axes of the table and what it holds at its knots, those of one `u` in a row.
+    pub(super) fn knots(&self, samples: &Samples) -> (Axis, Axis, Vec<Node>) {
         let axis = |breaks: &[f64], cells: usize, bend: Bend| {
             let knots = cut(breaks, cells).into_iter().map(|x| bend.at(x)).collect::<Vec<_>>();
             let rates = knots.iter().map(|y| bend.back_rate(*y)).collect::<Vec<_>>();
@@ -111,7 +117,7 @@ impl Layout {
                 }
             }
         }
-        Table::new(u, v, nodes)
+        (u, v, nodes)
     }
 
     /// Calls `f` with cell, numbers of the shares, the table's `(u, v)` and the polynomials there (value, derivatives by `u` and `v`)

@@ -9,6 +9,7 @@ use super::index::Index;
 use super::panels::{Layout, Samples};
 use super::state::{FieldErrors, Quantities};
 use super::table::{ENERGY, MOMENT, SLOPE, Table, X, Y};
+use super::unit::{TERMS, log_slope, scale, unit};
 use crate::beam::rod::Rod;
 use crate::beam::whisker::Whisker;
 use crate::error::{Error, Result};
@@ -21,8 +22,6 @@ const NEAREST: f64 = 0.1;
 /// Largest load, in those that bend the whisker at the contact by a radian in small-angle theory; the first mode of a uniform
 /// whisker ends at 6.9.
 const MOST_LOAD: f64 = 7.0;
-/// Coefficients of the logarithm of that load over the contact's place.
-const TERMS: usize = 8;
 /// Panels thinner than this share of the length are joined to a neighbour.
 const THINNEST: f64 = 0.02;
 /// Stretches at whose ends the largest loads are found.
@@ -328,43 +327,6 @@ fn limit(limits: &[[f64; 2]], u: f64, k: usize) -> f64 {
     let x = ((u - NEAREST) / (1.0 - NEAREST)).clamp(0.0, 1.0) * cells as f64;
     let i = (x as usize).min(cells - 1);
     limits[i][k] + (limits[i + 1][k] - limits[i][k]) * (x - i as f64)
-}
-
-/// The unit of load (N) with the contact at `u` lengths.
-fn unit(scale: &[f64; TERMS], u: f64, length: f64) -> f64 {
-    let x = 2.0 * u - 1.0;
-    let s_a = u * length;
-    scale.iter().rev().fold(0.0, |sum, c| sum * x + c).exp() / (s_a * s_a)
-}
-
-/// The derivative of the unit's logarithm by `u`.
-fn log_slope(scale: &[f64; TERMS], u: f64) -> f64 {
-    let x = 2.0 * u - 1.0;
-    let slope = scale.iter().enumerate().skip(1).rev().fold(0.0, |sum, (k, c)| sum * x + k as f64 * c);
-    2.0 * slope - 2.0 / u
-}
-
-/// The polynomial of the load's unit: through the logarithm at Chebyshev points, by Newton's divided differences.
-fn scale(rod: &Rod) -> [f64; TERMS] {
-    let node = |i: usize| ((2 * i + 1) as f64 * PI / (2 * TERMS) as f64).cos();
-    let length = rod.length();
-    let mut differences: [f64; TERMS] = core::array::from_fn(|i| {
-        let s_a = (0.5 * (1.0 + node(i))).max(0.05) * length;
-        (rod.unit_force(s_a) * s_a * s_a).ln()
-    });
-    for k in 1..TERMS {
-        for i in (k..TERMS).rev() {
-            differences[i] = (differences[i] - differences[i - 1]) / (node(i) - node(i - k));
-        }
-    }
-    let mut power = [0.0; TERMS];
-    for i in (0..TERMS).rev() {
-        for k in (1..TERMS).rev() {
-            power[k] = power[k - 1] - node(i) * power[k];
-        }
-        power[0] = differences[i] - node(i) * power[0];
-    }
-    power
 }
 
 /// The largest loads with the contact at `u` lengths, in the load's unit there.

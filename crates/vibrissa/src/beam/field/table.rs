@@ -33,7 +33,7 @@ pub(super) struct Jet {
     last: [f64; 3],
 }
 
-/// Coefficients of a cell by the powers of its two shares, those of `u` in rows: ten lines of cache.
+/// Coefficients of a cell by the powers of the distances from its least corner, those of `u` in rows: ten lines of cache.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(align(64))]
 pub(super) struct Patch {
@@ -77,35 +77,49 @@ fn slide_pair(x: f64, [c0, c1, c2, c3]: [Pair; 4]) -> (Pair, Pair) {
     (one.times(x).plus(c0), three.plus(two).times(x).plus(one))
 }
 
-/// Value and both slopes of two bicubics, times `by`. Not inlined: in a larger function the compiler pairs other numbers, and shuffles.
-#[inline(never)]
-fn jet_of_pair(rows: &[[Pair; 4]; 4], s: f64, t: f64, by: f64, by_u: f64, by_v: f64) -> [Pair; 3] {
+/// Value and both slopes of two bicubics. What calls it is not inlined: in a larger function the compiler pairs other numbers, and
+/// shuffles.
+#[inline(always)]
+fn jet_of_pair(rows: &[[Pair; 4]; 4], s: f64, t: f64) -> [Pair; 3] {
     let ((a, a_t), (b, b_t)) = (slide_pair(t, rows[0]), slide_pair(t, rows[1]));
     let ((c, c_t), (d, d_t)) = (slide_pair(t, rows[2]), slide_pair(t, rows[3]));
     let (value, slope) = slide_pair(s, [a, b, c, d]);
-    let across = d_t.times(s).plus(c_t).times(s).plus(b_t).times(s).plus(a_t);
-    [value.times(by), slope.times(by_u), across.times(by_v)]
+    [value, slope, d_t.times(s).plus(c_t).times(s).plus(b_t).times(s).plus(a_t)]
 }
 
-/// Value and both slopes of a bicubic that stands alone.
+/// What is odd under mirroring, for the whisker on one `side` (1) or the mirrored one (-1): slopes are even.
 #[inline(never)]
-fn jet_of_last(rows: &[[Pair; 4]; 2], s: f64, t: f64, by: f64, by_u: f64, by_v: f64) -> [f64; 3] {
+fn odd_pair(rows: &[[Pair; 4]; 4], s: f64, t: f64, side: f64) -> [Pair; 3] {
+    let [value, by_u, by_v] = jet_of_pair(rows, s, t);
+    [value.times(side), by_u, by_v]
+}
+
+/// What is even under mirroring: slopes are odd.
+#[inline(never)]
+fn even_pair(rows: &[[Pair; 4]; 4], s: f64, t: f64, side: f64) -> [Pair; 3] {
+    let [value, by_u, by_v] = jet_of_pair(rows, s, t);
+    [value, by_u.times(side), by_v.times(side)]
+}
+
+/// Value and both slopes of an odd bicubic that stands alone.
+#[inline(never)]
+fn odd_alone(rows: &[[Pair; 4]; 2], s: f64, t: f64, side: f64) -> [f64; 3] {
     let (Pair([a, b]), Pair([a_t, b_t])) = slide_pair(t, rows[0]);
     let (Pair([c, d]), Pair([c_t, d_t])) = slide_pair(t, rows[1]);
     let (value, slope) = slide(s, [a, b, c, d]);
-    [value * by, slope * by_u, (((d_t * s + c_t) * s + b_t) * s + a_t) * by_v]
+    [value * side, slope, ((d_t * s + c_t) * s + b_t) * s + a_t]
 }
 
 impl Patch {
-    /// Everything at a place, or, with `side` -1, that of the mirrored whisker: what is odd changes its sign, and so does what
-    /// it is differentiated by. Horner's scheme for values and slopes at once, row by row, which needs no weights.
+    /// Everything at distances from the least corner, or, with `side` -1, that of the mirrored whisker: what is odd changes its
+    /// sign, and so does what it is differentiated by. Horner's scheme for values and slopes at once, row by row, which needs no
+    /// weights, and by distances, which need no scales.
     #[inline(always)]
-    pub(super) fn jet(&self, s: f64, t: f64, by_u: f64, by_v: f64, side: f64) -> Jet {
-        // What is differentiated by changes its sign, too.
+    pub(super) fn jet(&self, s: f64, t: f64, side: f64) -> Jet {
         Jet {
-            odd: jet_of_pair(&self.pairs[0], s, t, side, by_u, by_v),
-            even: jet_of_pair(&self.pairs[1], s, t, 1.0, side * by_u, side * by_v),
-            last: jet_of_last(&self.last, s, t, side, by_u, by_v),
+            odd: odd_pair(&self.pairs[0], s, t, side),
+            even: even_pair(&self.pairs[1], s, t, side),
+            last: odd_alone(&self.last, s, t, side),
         }
     }
 }
@@ -144,7 +158,7 @@ impl Table {
     }
 
     fn jet_at(&self, u: &Place, v: &Place) -> Jet {
-        self.patch(u, v).map_or(Jet::default(), |patch| patch.jet(u.share, v.share, u.per_width, v.per_width, 1.0))
+        self.patch(u, v).map_or(Jet::default(), |patch| patch.jet(u.along, v.along, 1.0))
     }
 
     /// The polynomials of the cell.
@@ -187,6 +201,7 @@ fn patch(nodes: &[Node], stride: usize, (i, j): (usize, usize), h: (f64, f64)) -
         for q in 0..4 {
             let column = powers(start[q], start_slope[q] * h.0, end[q], end_slope[q] * h.0);
             for (p, c) in column.into_iter().enumerate() {
+                let c = c / (h.0.powi(p as i32) * h.1.powi(q as i32));
                 match k {
                     SLOPE => patch.pairs[0][p][q].0[0] = c,
                     MOMENT => patch.pairs[0][p][q].0[1] = c,

@@ -184,7 +184,7 @@ impl TipField {
             return None;
         }
         let v = self.table.v.place(v);
-        state_of(self.table.patch(&u, &v)?, u.share, v.share, u.per_width, v.per_width, side, tilt, force)
+        state_of(self.table.patch(&u, &v)?, u.along, v.along, side, tilt, force)
     }
 
     /// As [`TipField::at`], by the beam itself: no table, no derivatives, twenty to a hundred times slower, any load.
@@ -205,19 +205,15 @@ impl TipField {
     pub(super) fn state(&self, tilt: f64, force: f64) -> TipState {
         let side = self.side(force);
         let (u, v) = (self.table.u.place(side * tilt), self.table.v.place(side * force));
-        let jet = self
-            .table
-            .patch(&u, &v)
-            .map_or(Jet::default(), |patch| patch.jet(u.share, v.share, u.per_width, v.per_width, side));
+        let jet = self.table.patch(&u, &v).map_or(Jet::default(), |patch| patch.jet(u.along, v.along, side));
         TipState::new(tilt, force, &jet)
     }
 }
 
 /// The state at a place. Apart, so that the answer is written once and where it is wanted.
 #[inline(never)]
-#[allow(clippy::too_many_arguments, reason = "eight numbers fit the registers; in memory they take nanoseconds")]
-fn state_of(patch: &Patch, s: f64, t: f64, by_u: f64, by_v: f64, side: f64, tilt: f64, force: f64) -> Option<TipState> {
-    Some(TipState::new(tilt, force, &patch.jet(s, t, by_u, by_v, side)))
+fn state_of(patch: &Patch, s: f64, t: f64, side: f64, tilt: f64, force: f64) -> Option<TipState> {
+    Some(TipState::new(tilt, force, &patch.jet(s, t, side)))
 }
 
 fn too_soft() -> Error {

@@ -28,6 +28,11 @@ impl Rod {
         Some(Touched { phi_a: shot.phi_a, contact: shot.contact, moment: shot.moment })
     }
 
+    /// Whether the shape under that load has a moment, or else a curvature, of one sign; so has the rod without a force.
+    pub(crate) fn keeps_one_sign(&self, force: f64, s_a: f64, beta: f64) -> bool {
+        force.abs() <= 0.0 || Trial { force, s_a, gap: gap_of(beta) }.keeps_one_sign(self)
+    }
+
     /// The slope at `s_a` (m) that a unit force across it causes by small-angle theory, the base's share included (rad/N).
     pub(crate) fn slope_compliance(&self, s_a: f64) -> f64 {
         self.softness(s_a) + self.base_angle(1.0) * s_a

@@ -56,6 +56,21 @@ impl Trial {
         .filter(|shot| rod.base_angle(shot.moment).abs() <= PI)
     }
 
+    /// Whether the moment, or else the curvature, has one sign at every step from the contact to the base. [`Trial::shoot`] asks the
+    /// curvature only from where the moment has changed its sign.
+    pub(super) fn keeps_one_sign(&self, rod: &Rod) -> bool {
+        let push = self.vector().y;
+        let rest = rod.rest_curvature(self.s_a);
+        let bend_sign = if rest.abs() > 0.0 { rest } else { push };
+        let (mut moment_kept, mut bend_kept) = (true, true);
+        let shot = self.shoot_while(rod, |state| {
+            moment_kept &= push * state.moment >= 0.0;
+            bend_kept &= bend_sign * rod.curvature_of(state) >= 0.0;
+            moment_kept || bend_kept
+        });
+        shot.is_some()
+    }
+
     /// As [`Trial::shoot`], whatever the mode: for searches that pass through such shapes.
     pub(super) fn shoot_on(&self, rod: &Rod) -> Option<Shot> {
         self.shoot_while(rod, |_| true)

@@ -47,7 +47,7 @@ impl ContactCurve {
     }
 
     /// How far the smooth curve can be from its chords (m), measured by second differences.
-    fn sag(&self) -> f64 {
+    pub(super) fn sag(&self) -> f64 {
         let bend = |w: &[Contact]| (w[0].position - 2.0 * w[1].position + w[2].position).norm() / 8.0;
         // A curve of two nodes shows no second difference; it is as straight as it is known to be.
         SAFETY * self.contacts.windows(3).map(bend).fold(0.0, f64::max)
@@ -65,8 +65,8 @@ pub struct ContactSet {
     pub value: f64,
     /// The branches; each is compact and connected.
     pub curves: Vec<ContactCurve>,
-    /// How far a true contact can be from the chords (m): what the chords leave out, and in the small-angle regime how far that model
-    /// is from the elastica.
+    /// How far a true contact can be from the chords (m): what the chords leave out, the error of the table where there is one, and
+    /// in the small-angle regime how far that model is from the elastica.
     pub tolerance: f64,
     model: ContactModel,
 }
@@ -79,6 +79,9 @@ impl ContactSet {
     /// | uniform, normal | by arc length | by load | a ray | by shape, both branches in one loop |
     /// | any other | by arc length | by load | traced | traced |
     ///
+    /// Of the others, those whose load does not keep one direction are read from a table of their contacts. The first set of a model makes
+    /// it, in a tenth of a second; copies of the model share it.
+    ///
     /// Contacts nearer to the base than a thousandth of the length are left out.
     ///
     /// # Errors
@@ -90,11 +93,11 @@ impl ContactSet {
             VirtualSensor::Moment(regime) => model.in_regime(regime, value)?,
             _ => model.clone(),
         };
-        let curves: Vec<ContactCurve> =
-            exact_curves(&model, sensor, value, nodes.max(8)).into_iter().map(ContactCurve::new).collect();
+        let (curves, error) = exact_curves(&model, sensor, value, nodes.max(8));
+        let curves: Vec<ContactCurve> = curves.into_iter().map(ContactCurve::new).collect();
         let sag = curves.iter().map(ContactCurve::sag).fold(0.0, f64::max);
         let small = if model.is_small_angle() { small_angle_error(large, &curves) } else { 0.0 };
-        Ok(Self { sensor, value, curves, tolerance: sag + small, model })
+        Ok(Self { sensor, value, curves, tolerance: sag + small + error, model })
     }
 
     /// The model whose contacts these are; small-angle where that regime was chosen.

@@ -1,8 +1,10 @@
 //! Contacts along one parameter: where a reading leaves a curve that can be written down.
 
+use super::level::{contact, level};
 use super::model::{LAST_NORMAL_LOAD, Mechanics};
 use super::trace::traced;
 use super::{Contact, ContactModel, VirtualSensor};
+use crate::beam::field::{Read, Sheet, Spot};
 use crate::beam::normal::{Branch, by_force, by_moment};
 
 /// Parameters that are looked at for pieces within whisker and limits.
@@ -10,8 +12,48 @@ const PROBES: usize = 48;
 /// Bisections of a piece's end: to rounding.
 const BISECTIONS: usize = 52;
 
-/// The branches of an exact reading, each in order.
-pub(super) fn exact_curves(model: &ContactModel, sensor: VirtualSensor, value: f64, nodes: usize) -> Vec<Vec<Contact>> {
+/// The branches of an exact reading, each in order, and how far they may be from the beam's (m).
+pub(super) fn exact_curves(
+    model: &ContactModel,
+    sensor: VirtualSensor,
+    value: f64,
+    nodes: usize,
+) -> (Vec<Vec<Contact>>, f64) {
+    match model.sheet() {
+        Some(sheet) => on_sheet(model, sheet, sensor, value, nodes),
+        None => (by_beam(model, sensor, value, nodes), 0.0),
+    }
+}
+
+/// The branches as a sheet has them.
+fn on_sheet(
+    model: &ContactModel,
+    sheet: &Sheet,
+    sensor: VirtualSensor,
+    value: f64,
+    nodes: usize,
+) -> (Vec<Vec<Contact>>, f64) {
+    let (first, length) = (model.first_arc_length(), model.length());
+    let admitted = |spot: Option<Spot>| {
+        spot.map(|spot| contact(&spot, model.sheet_tilt())).filter(|contact| model.limits().admit(contact))
+    };
+    let by_load = |s: f64| admitted(sheet.contact(value, s));
+    let by_strip = |w: f64| admitted(sheet.contact_at(value, w));
+    let pieces = match sensor {
+        VirtualSensor::Load => match sampled([first, length], nodes, &by_load) {
+            whole if whole.len() == nodes => vec![whole],
+            _ => along([first, length], &[], nodes, &by_load),
+        },
+        VirtualSensor::Strip if value >= first && value <= length => along([-1.0, 1.0], &[0.0], nodes, &by_strip),
+        VirtualSensor::Strip => return (by_beam(model, sensor, value, nodes), 0.0),
+        VirtualSensor::Slope => return level(model, sheet, Read::Slope, value, nodes),
+        VirtualSensor::Moment(_) => return level(model, sheet, Read::Moment, value, nodes),
+    };
+    (pieces, sheet.position_error())
+}
+
+/// The branches by the beam itself.
+fn by_beam(model: &ContactModel, sensor: VirtualSensor, value: f64, nodes: usize) -> Vec<Vec<Contact>> {
     let (first, length) = (model.first_arc_length(), model.length());
     let at_rest = value.abs() <= 0.0 && !matches!(model.mechanics, Mechanics::Rod(_));
     match (sensor, model.normal_family()) {

@@ -3,11 +3,13 @@
 use super::small_beam::SmallBeam;
 use super::{Contact, Limits, MomentRegime};
 use crate::beam::elastica::bend;
+use crate::beam::field::Sheet;
 use crate::beam::normal::by_force;
 use crate::beam::{Load, Rod, Whisker, force_mode};
 use crate::plane::Vec2;
 use crate::{Error, Result};
 use core::f64::consts::{FRAC_PI_2, PI};
+use std::sync::{Arc, OnceLock};
 
 /// Contacts nearer to the base than this share of the length are not told apart from the base.
 pub(super) const BASE_SHARE: f64 = 1e-3;
@@ -43,6 +45,24 @@ pub struct ContactModel {
     load: Load,
     limits: Limits,
     small: Option<SmallBeam>,
+    sheet: Late,
+}
+
+/// The sheet of a model, made when it is first asked for and shared by the model's copies. It follows from the rest of the model.
+#[derive(Clone, Default)]
+struct Late(Arc<OnceLock<Option<Sheet>>>);
+
+// A hundred thousand numbers help nobody.
+impl core::fmt::Debug for Late {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(if self.0.get().is_some() { "made" } else { "to be made" })
+    }
+}
+
+impl PartialEq for Late {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
 }
 
 impl ContactModel {
@@ -55,7 +75,14 @@ impl ContactModel {
         let mechanics =
             if whisker.is_uniform() { Mechanics::Uniform(whisker.flexural_rigidity) } else { Mechanics::Rod(rod) };
         let small = SmallBeam::new(whisker);
-        Ok(Self { length: whisker.length, mechanics, load: checked(load)?, limits: Limits::default(), small })
+        Ok(Self {
+            length: whisker.length,
+            mechanics,
+            load: checked(load)?,
+            limits: Limits::default(),
+            small,
+            sheet: Late::default(),
+        })
     }
 
     /// The model of a rod of any make; it has no small-angle regime.
@@ -70,6 +97,7 @@ impl ContactModel {
             load: checked(load)?,
             limits: Limits::default(),
             small: None,
+            sheet: Late::default(),
         })
     }
 
@@ -188,6 +216,30 @@ impl ContactModel {
                 let bends = rod.force_mode(contact.force, s_a, Load::Tilted(contact.tilt)).unwrap_or_default();
                 bends.first().map_or_else(Vec::new, |b| b.shape(self.length, n))
             }
+        }
+    }
+
+    /// The contacts as a sheet, where it serves: anything but the closed family, small angles and vertical loads.
+    ///
+    /// The first call takes a tenth of a second.
+    pub(super) fn sheet(&self) -> Option<&Sheet> {
+        let uniform = |ei: f64| Whisker { length: self.length, flexural_rigidity: ei, ..Whisker::default() };
+        if self.has_closed_family() || self.load == Load::Vertical {
+            return None;
+        }
+        let made = || match &self.mechanics {
+            Mechanics::Rod(rod) => Sheet::new(rod, self.sheet_tilt(), LAST_LOAD),
+            Mechanics::Uniform(ei) => Sheet::new(&Rod::new(&uniform(*ei)).ok()?, self.sheet_tilt(), LAST_LOAD),
+            Mechanics::Small(_) => None,
+        };
+        if self.is_small_angle() { None } else { self.sheet.0.get_or_init(made).as_ref() }
+    }
+
+    /// The tilt of a load that turns with the whisker (rad).
+    pub(super) fn sheet_tilt(&self) -> f64 {
+        match self.load {
+            Load::Tilted(beta) => beta,
+            _ => 0.0,
         }
     }
 

@@ -1,6 +1,7 @@
 //! Regions: all contacts that explain readings with bounds on their errors, covered.
 
 use super::paving::{Chart, Demand, Piece, pave, pave_tip};
+use super::runs::{run_cells, tips_of_load};
 use super::{Contact, ContactCurve, ContactModel, ContactSet, Parts, Reading, VirtualSensor};
 use crate::Result;
 use crate::plane::{Bounds, ConvexPolygon, Pose2, Vec2, union_area};
@@ -58,7 +59,7 @@ pub struct ContactCell {
     pub arc_length: Interval,
     /// The forces at the contacts (N).
     pub force: Interval,
-    bounds: Bounds,
+    pub(super) bounds: Bounds,
 }
 
 /// All contacts that explain one or several readings of one whisker, covered by cells; never less than all.
@@ -133,8 +134,16 @@ impl ContactRegion {
             cells.extend(base_cell(&own, &pieces, readings));
         }
         if parts.tip() && arc_lengths.hi() >= own.length() * (1.0 - ROUNDING) {
-            let pieces = pave_tip(&own, &demands, resolution);
-            cells.extend(pieces.iter().filter_map(|piece| cell(&own, piece)));
+            match readings {
+                // At a known load one tilt after the other is a contact.
+                [Reading { sensor: VirtualSensor::Load, value }] if value.width() <= 0.0 && value.lo().abs() > 0.0 => {
+                    cells.extend(tips_of_load(&own, value.lo(), resolution));
+                }
+                _ => {
+                    let pieces = pave_tip(&own, &demands, resolution);
+                    cells.extend(pieces.iter().filter_map(|piece| cell(&own, piece)));
+                }
+            }
         }
         Ok(Self { cells, model: own })
     }
@@ -143,25 +152,9 @@ impl ContactRegion {
     /// in closed form this takes fewer cells than a search.
     #[must_use]
     pub fn along(set: &ContactSet, resolution: &Resolution) -> Self {
-        let mut cells = Vec::new();
-        for contacts in set.curves.iter().map(ContactCurve::contacts) {
-            let mut start = 0;
-            while start < contacts.len() {
-                let fits = |end: usize| {
-                    let run = &contacts[start..=end];
-                    let chord: f64 = run.windows(2).map(|w| w[0].position.distance(w[1].position)).sum();
-                    let slopes = span(run, &|c| c.phi_a).width();
-                    chord <= resolution.rim && slopes <= 0.98 * resolution.slope
-                };
-                let mut end = (start + 1).min(contacts.len() - 1);
-                while end + 1 < contacts.len() && fits(end + 1) {
-                    end += 1;
-                }
-                cells.extend(run_cell(&contacts[start..=end], set.tolerance));
-                // The next run begins with the node at which this one ends, so that nothing is left between them.
-                start = if end + 1 < contacts.len() { end } else { contacts.len() };
-            }
-        }
+        let curves = set.curves.iter().map(ContactCurve::contacts);
+        let mut cells: Vec<ContactCell> =
+            curves.flat_map(|contacts| run_cells(contacts, set.tolerance, Chart::Side, resolution)).collect();
         let first = set.model().first_arc_length();
         if let Some(near) = cells.iter().find(|c: &&ContactCell| c.arc_length.lo() <= 1.001 * first).cloned()
             && let Some(cover) = ConvexPolygon::hull(&[Vec2::ZERO]).map(|p| p.grown(first))
@@ -292,32 +285,6 @@ fn cell(model: &ContactModel, piece: &Piece) -> Option<ContactCell> {
         cover,
     })
     .filter(|cell| cell.radius <= 2.0 * model.length())
-}
-
-fn span(contacts: &[Contact], quantity: &dyn Fn(&Contact) -> f64) -> Interval {
-    contacts.iter().map(|c| Interval::point(quantity(c))).fold(Interval::EMPTY, Interval::hull)
-}
-
-/// The cell of a run of nodes along a curve.
-fn run_cell(run: &[Contact], tolerance: f64) -> Option<ContactCell> {
-    let places: Vec<Vec2> = run.iter().map(|c| c.position).collect();
-    let cover = ConvexPolygon::hull(&places)?.grown(tolerance + 1e-12);
-    let contact = run[run.len() / 2];
-    let slope = span(run, &|c| c.phi_a);
-    // Between nodes a slope may pass its ends by a second difference: a hundredth is ample for hundreds of nodes.
-    let slack = 0.01 * slope.width() + 1e-12;
-    let slope = Interval::new(slope.lo() - slack, slope.hi() + slack);
-    Some(ContactCell {
-        contact,
-        radius: cover.corners().iter().map(|p| p.distance(contact.position)).fold(0.0, f64::max),
-        slope,
-        wall: slope,
-        is_tip: false,
-        arc_length: span(run, &|c| c.s_a),
-        force: span(run, &|c| c.force),
-        bounds: cover.bounds(),
-        cover,
-    })
 }
 
 /// The contacts nearer to the base than the first arc length: one cell around the base, when the region reaches there.

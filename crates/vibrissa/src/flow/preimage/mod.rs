@@ -6,6 +6,7 @@
 
 mod alignment;
 mod observation;
+mod painter;
 mod reading_preimage;
 mod solid;
 mod state_grid;

@@ -1,0 +1,314 @@
+//! Curves of equal reading on a contact sheet.
+//!
+//! A curve passes between knots that read less and knots that read more. It is followed from cell to cell, every branch and
+//! every loop that the knots can see; then contacts at equal distances along it are brought to the reading by Newton's method
+//! on the sheet's own polynomials.
+
+use super::family::along;
+use super::{Contact, ContactModel};
+use crate::beam::field::{BLOCK, Cell, Read, Sheet, Spot};
+use crate::plane::Vec2;
+use std::cell::Cell as Slot;
+
+/// Newton steps to the reading, and the last one, as a share of a cell.
+const STEPS: usize = 10;
+const LAST_STEP: f64 = 0.01;
+/// How far out of its cell a place may be, as a share, before the next cell takes it.
+const OUT: f64 = 0.1;
+
+/// The piece of a curve within one cell: its ends, in shares of the cell, and how far along the curve it starts (m).
+#[derive(Clone, Copy, Debug)]
+struct Link {
+    cell: Cell,
+    from: [f64; 2],
+    to: [f64; 2],
+    start: f64,
+    length: f64,
+}
+
+/// Where a value lies between knots: bits for each row of knots.
+struct Crossings<'a> {
+    sheet: &'a Sheet,
+    readings: &'a [f64],
+    read: Read,
+    value: f64,
+    /// Between a knot and the next one along the loads; bit `j` is the edge from column `j`.
+    across: Vec<u128>,
+    /// Between a knot and the next one along the whisker.
+    along: Vec<u128>,
+}
+
+/// An edge of a cell by its number around it: 0 at the start of the whisker's share, 1 at the end of the load's, 2 and 3 opposite.
+type Side = usize;
+
+/// All branches on which a sheet's contacts read `value`, within the limits, and how far they may be from the beam's (m).
+pub(super) fn level(
+    model: &ContactModel,
+    sheet: &Sheet,
+    read: Read,
+    value: f64,
+    nodes: usize,
+) -> (Vec<Vec<Contact>>, f64) {
+    let error = Slot::new(0.0_f64);
+    let mut pieces = Vec::new();
+    for chain in Crossings::new(sheet, read, value).chains() {
+        let Some(last) = chain.last().map(|link| link.start + link.length) else { continue };
+        let near = Slot::new(0);
+        let at = |d: f64| {
+            let (spot, off) = on_curve(sheet, read, value, (&chain, &near), d)?;
+            let contact = Some(contact(&spot, model.sheet_tilt())).filter(|c| model.limits().admit(c))?;
+            error.set(error.get().max(off));
+            Some(contact)
+        };
+        let step = last / (nodes - 1) as f64;
+        match (0..nodes).map(|i| at(step * i as f64)).collect::<Option<Vec<_>>>() {
+            Some(whole) => pieces.push(whole),
+            None => pieces.extend(along([0.0, last], &[], nodes, &at)),
+        }
+    }
+    (pieces, sheet.position_error() + error.get())
+}
+
+/// A sheet's spot as a contact.
+pub(super) fn contact(spot: &Spot, tilt: f64) -> Contact {
+    let Spot { force, s_a, phi_a, contact, moment } = *spot;
+    Contact { force, s_a, phi_a, position: contact, moment, tilt }
+}
+
+/// The contact at distance `d` along a chain, looked for from the link `near` on, and how far the beam's own curve may be from it (m).
+fn on_curve(
+    sheet: &Sheet,
+    read: Read,
+    value: f64,
+    (chain, near): (&[Link], &Slot<usize>),
+    d: f64,
+) -> Option<(Spot, f64)> {
+    let mut i = if chain[near.get()].start <= d { near.get() } else { 0 };
+    while i + 1 < chain.len() && chain[i + 1].start <= d {
+        i += 1;
+    }
+    near.set(i);
+    let Link { cell, from, to, start, length } = chain[i];
+    let share = if length > 0.0 { ((d - start) / length).clamp(0.0, 1.0) } else { 0.0 };
+    let at = [from[0] + share * (to[0] - from[0]), from[1] + share * (to[1] - from[1])];
+    // At the chart's ends only the load is free.
+    let at_base = cell.0 == 0 && at[0] <= 0.0;
+    let at_tip = cell.0 + 2 == sheet.rows() && at[0] >= 1.0;
+    let (cell, at, slope, step) = corrected(sheet, read, value, cell, at, at_base || at_tip)?;
+    let spot = sheet.spot(cell, at)?;
+    Some((spot, sheet.level_error(read, value, slope, step, cell.0)))
+}
+
+/// The place next to `at` that reads the value, how fast the reading rises there, by shares of the cell, and the last step.
+fn corrected(
+    sheet: &Sheet,
+    read: Read,
+    value: f64,
+    mut cell: Cell,
+    mut at: [f64; 2],
+    mut pinned: bool,
+) -> Option<(Cell, [f64; 2], f64, f64)> {
+    for _ in 0..STEPS {
+        let [excess, by_a, by_b] = sheet.excess(read, value, cell, at);
+        let slope = if pinned { by_b.abs() } else { (by_a * by_a + by_b * by_b).sqrt() };
+        let size = excess / slope;
+        if !size.is_finite() {
+            return None;
+        }
+        let most = size.clamp(-1.0, 1.0) / slope;
+        if !pinned {
+            at[0] -= most * by_a;
+        }
+        at[1] -= most * by_b;
+        let ends = (cell.0 == 0 && at[0] < 0.0, cell.0 + 2 == sheet.rows() && at[0] > 1.0);
+        if ends.0 || ends.1 {
+            at[0] = f64::from(u8::from(ends.1));
+            pinned = true;
+        } else if size.abs() < LAST_STEP {
+            return Some((cell, at, slope, size));
+        }
+        (cell, at) = sheet.settled(cell, at, OUT);
+    }
+    None
+}
+
+impl<'a> Crossings<'a> {
+    fn new(sheet: &'a Sheet, read: Read, value: f64) -> Self {
+        let (rows, readings) = (sheet.rows(), sheet.readings(read));
+        let above = above(sheet, read, value);
+        let mut own = Self { sheet, readings, read, value, across: vec![0; rows], along: vec![0; rows] };
+        for row in 0..rows {
+            let (before, after) = (own.live(row.wrapping_sub(1)), own.live(row));
+            own.across[row] = (above[row] ^ above[row] >> 1) & (before | after);
+            if row + 1 < rows {
+                own.along[row] = (above[row] ^ above[row + 1]) & (after | after << 1);
+            }
+        }
+        own
+    }
+
+    fn live(&self, row: usize) -> u128 {
+        if row < self.sheet.rows() - 1 { self.sheet.live(row) } else { 0 }
+    }
+
+    /// The curves: those that end, from their ends, then those that close, from anywhere.
+    fn chains(mut self) -> Vec<Vec<Link>> {
+        let mut chains = Vec::new();
+        for ends_only in [true, false] {
+            for row in 0..self.sheet.rows() {
+                let (before, after) = (self.live(row.wrapping_sub(1)), self.live(row));
+                let (across, along) =
+                    if ends_only { (before ^ after, after ^ after << 1) } else { (before & after, after & after << 1) };
+                while let Some(column) = first(self.across[row] & across) {
+                    let enters_after = after >> column & 1 == 1;
+                    let (cell, side) = if enters_after { ((row, column), 0) } else { ((row - 1, column), 2) };
+                    chains.push(self.walk(cell, side));
+                }
+                while let Some(column) = first(self.along[row] & along) {
+                    let enters_after = after >> column & 1 == 1;
+                    let (cell, side) = if enters_after { ((row, column), 3) } else { ((row, column - 1), 1) };
+                    chains.push(self.walk(cell, side));
+                }
+            }
+        }
+        chains
+    }
+
+    /// Takes the chain that enters `cell` by `side` out of the crossings.
+    fn walk(&mut self, cell: Cell, side: Side) -> Vec<Link> {
+        let (mut chain, mut cell, mut side, mut start): (Vec<Link>, _, _, _) =
+            (Vec::with_capacity(256), cell, side, 0.0);
+        let (mut from, mut place) = self.crossing(cell, side);
+        let first = (cell, side, from, place);
+        self.take(cell, side);
+        loop {
+            let exit = self.exit(cell, side);
+            // A loop ends at the edge by which it began, in the cell on its other side.
+            let back = (exit.is_none() && chain.len() > 1).then(|| next(first.0, first.1)).filter(|end| end.0 == cell);
+            let (to, end_place) = match (exit, back) {
+                (Some(exit), _) => self.crossing(cell, exit),
+                (None, Some((_, own))) => (on_side(own, along_side(first.1, first.2)), first.3),
+                (None, None) => return chain,
+            };
+            let length = place.distance(end_place);
+            chain.push(Link { cell, from, to, start, length });
+            start += length;
+            let Some(exit) = exit else { return chain };
+            self.take(cell, exit);
+            let (ahead, entry) = next(cell, exit);
+            if ahead.1 >= self.sheet.columns() || self.live(ahead.0) >> ahead.1 & 1 == 0 {
+                return chain;
+            }
+            (from, place) = (on_side(entry, along_side(exit, to)), end_place);
+            (cell, side) = (ahead, entry);
+        }
+    }
+
+    /// The side by which a curve that entered by `side` leaves; `None` where none is left.
+    fn exit(&self, cell: Cell, side: Side) -> Option<Side> {
+        let mut open = [1, 2, 3].map(|k| (side + k) % 4).into_iter().filter(|k| self.is_crossed(cell, *k));
+        let first = open.next()?;
+        if open.next().is_none() {
+            return Some(first);
+        }
+        // A saddle: the curve turns about the corner of its own side that the middle does not agree with.
+        let middle = self.sheet.excess(self.read, self.value, cell, [0.5; 2])[0] > 0.0;
+        let corner = self.reading(cell, side) > self.value;
+        Some(if corner == middle { (side + 1) % 4 } else { (side + 3) % 4 })
+    }
+
+    /// The reading at the corner at which a side starts, going around the cell.
+    fn reading(&self, (i, j): Cell, corner: usize) -> f64 {
+        let (p, q) = CORNERS[corner % 4];
+        self.readings[(i + p) * self.sheet.columns() + j + q]
+    }
+
+    /// Where the value lies on a side: shares of the cell and place, both between corners.
+    fn crossing(&self, (i, j): Cell, side: Side) -> ([f64; 2], Vec2) {
+        let (a, b) = (self.reading((i, j), side), self.reading((i, j), side + 1));
+        let share = ((self.value - a) / (b - a)).clamp(0.0, 1.0);
+        let (p, q) = (CORNERS[side], CORNERS[(side + 1) % 4]);
+        let (from, to) = (self.sheet.place(i + p.0, j + p.1), self.sheet.place(i + q.0, j + q.1));
+        let mix = |p: usize, q: usize| p as f64 + share * (q as f64 - p as f64);
+        ([mix(p.0, q.0), mix(p.1, q.1)], from + share * (to - from))
+    }
+
+    fn word(&mut self, (i, j): Cell, side: Side) -> (&mut u128, usize) {
+        match side {
+            0 => (&mut self.across[i], j),
+            2 => (&mut self.across[i + 1], j),
+            1 => (&mut self.along[i], j + 1),
+            _ => (&mut self.along[i], j),
+        }
+    }
+
+    fn is_crossed(&self, (i, j): Cell, side: Side) -> bool {
+        let (word, bit) = match side {
+            0 => (self.across[i], j),
+            2 => (self.across[i + 1], j),
+            1 => (self.along[i], j + 1),
+            _ => (self.along[i], j),
+        };
+        word >> bit & 1 == 1
+    }
+
+    fn take(&mut self, cell: Cell, side: Side) {
+        let (word, bit) = self.word(cell, side);
+        *word &= !(1 << bit);
+    }
+}
+
+/// The corners around a cell; side `k` runs from corner `k` to the next.
+const CORNERS: [(usize, usize); 4] = [(0, 0), (0, 1), (1, 1), (1, 0)];
+
+fn first(word: u128) -> Option<usize> {
+    (word != 0).then(|| word.trailing_zeros() as usize)
+}
+
+/// The cell beyond a side, and that side as it is there; beyond the chart's start a cell that no row has.
+fn next((i, j): Cell, side: Side) -> (Cell, Side) {
+    match side {
+        0 => ((i.wrapping_sub(1), j), 2),
+        1 => ((i, j + 1), 3),
+        2 => ((i + 1, j), 0),
+        _ => ((i, j.wrapping_sub(1)), 1),
+    }
+}
+
+/// The share of the load's side, or of the whisker's, at which a place on a side is.
+fn along_side(side: Side, at: [f64; 2]) -> f64 {
+    if side.is_multiple_of(2) { at[1] } else { at[0] }
+}
+
+fn on_side(side: Side, share: f64) -> [f64; 2] {
+    match side {
+        0 => [0.0, share],
+        1 => [share, 1.0],
+        2 => [1.0, share],
+        _ => [share, 0.0],
+    }
+}
+
+/// Which knots read more than the value. Blocks of knots that all do, or all do not, are not looked into.
+fn above(sheet: &Sheet, read: Read, value: f64) -> Vec<u128> {
+    let (rows, columns, readings) = (sheet.rows(), sheet.columns(), sheet.readings(read));
+    let ranges = sheet.blocks(read);
+    let mut words = vec![0u128; rows];
+    let across = columns.div_ceil(BLOCK);
+    for (number, [lo, hi]) in ranges.iter().enumerate() {
+        let (row, column) = (number / across * BLOCK, number % across * BLOCK);
+        if *hi <= value {
+            continue;
+        }
+        for r in row..(row + BLOCK).min(rows) {
+            let line = &readings[r * columns + column..r * columns + (column + BLOCK).min(columns)];
+            let byte = if *lo > value {
+                0xff
+            } else {
+                line.iter().enumerate().fold(0u128, |byte, (k, x)| byte | u128::from(*x > value) << k)
+            };
+            words[r] |= byte << column;
+        }
+    }
+    words
+}
