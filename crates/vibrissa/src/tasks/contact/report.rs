@@ -24,8 +24,8 @@ const MOST_BOUNDED: usize = 40;
 const ASTRAY: f64 = 9.0;
 /// Side of the boxes of a region (m).
 const RESOLUTION: f64 = 2e-4;
-/// Share of the whisker from which on a sliding contact is one of the tip.
-const AT_TIP: f64 = 1.0 - 1e-6;
+/// Share of the whisker from which on a sliding contact is told as one of the tip: nearer, readings do not tell.
+const AT_TIP: f64 = 0.99;
 /// Share of the whisker from which on a corner that the side has slid along is taken to have come to the tip.
 const ENDS: f64 = 0.96;
 /// How far a trace may be from a point that stood still, beside its uncertainty, to be the same contact (m).

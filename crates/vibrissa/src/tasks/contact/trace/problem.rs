@@ -14,7 +14,7 @@ const TURN_SHARE: f64 = 0.1;
 /// Rounds in which what the wall's turns leave open is taken from the way before.
 const LOOSENINGS: usize = 2;
 /// Travel of the base over which a lean is asked to be moderate once (m): readings may be as dense as they are.
-const LEAN_TRAVEL: f64 = 1e-3;
+const LEAN_TRAVEL: f64 = 0.8e-3;
 /// How far a side slides along the whisker, over the travel of the base (standard deviation): a corner's contact keeps up with it.
 const SLIDE: f64 = 1.5;
 
