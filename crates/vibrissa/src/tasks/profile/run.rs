@@ -74,9 +74,6 @@ fn one_way(run: Vec<Sample>) -> Vec<Vec<Sample>> {
 }
 
 fn sample(step: &ContactStep) -> Option<Sample> {
-    if step.normal.is_none() {
-        return None;
-    }
     Some(Sample { position: step.position()?, normal: Vec2::from_angle(step.normal?), std: step.std? })
 }
 
