@@ -32,6 +32,7 @@ text { font-family: system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neu
 .whisker { fill: none; stroke: #a64d85; stroke-opacity: 0.55; stroke-width: 0.9; stroke-linecap: round; stroke-linejoin: round; }
 .whisker-last { fill: none; stroke: #a64d85; stroke-width: 2.2; stroke-linecap: round; stroke-linejoin: round; }
 .tip-contact { fill: none; stroke: #d55e00; stroke-width: 3.4; stroke-linecap: round; }
+.sliding-side { fill: none; stroke: #009e73; stroke-width: 3.4; stroke-linecap: round; }
 .side-contact { fill: none; stroke: #0072b2; stroke-width: 5; stroke-linecap: round; }
 .closed-form { fill: none; stroke: #999; stroke-width: 2.6; stroke-linecap: round; }
 .band { fill: #e69f00; fill-opacity: 0.35; stroke: none; }

@@ -1,7 +1,7 @@
 //! Random sweeps with bounded errors, and whether an answer holds the truth.
 
 #[path = "random.rs"]
-mod random;
+pub(crate) mod random;
 
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 use random::Random;

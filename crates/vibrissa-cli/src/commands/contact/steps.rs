@@ -77,6 +77,11 @@ fn count(report: &ContactReport, kind: ContactKind) -> usize {
     report.steps.iter().filter(|step| step.kind == kind).count()
 }
 
+/// Whether the side leaned on a point that stood still.
+fn stands(step: &ContactStep) -> bool {
+    step.kind == ContactKind::Side && step.normal.is_none()
+}
+
 fn name(robot: &Robot, step: &ContactStep) -> String {
     robot.whiskers.get(step.whisker).map_or_else(String::new, |whisker| whisker.name.clone())
 }
@@ -150,7 +155,7 @@ fn words(report: &ContactReport) -> String {
         report.steps.len()
     );
     let mut last = None;
-    for step in report.steps.iter().filter(|step| step.kind == ContactKind::Side) {
+    for step in report.steps.iter().filter(|step| stands(step)) {
         if let (Some(contact), Some(position), Some(std)) = (step.contact, step.position(), step.std)
             && last != Some(step.piece)
         {
@@ -176,17 +181,24 @@ fn words(report: &ContactReport) -> String {
 }
 
 fn figure(report: &ContactReport, robot: &Robot, title: &str) -> String {
-    let of = |kind: ContactKind| -> Vec<Vec2> {
-        report.steps.iter().filter(|s| s.kind == kind).filter_map(ContactStep::position).collect()
+    let of = |keep: &dyn Fn(&ContactStep) -> bool| -> Vec<Vec2> {
+        report.steps.iter().filter(|step| keep(step)).filter_map(ContactStep::position).collect()
     };
+    let slides = |step: &ContactStep| step.kind == ContactKind::Side && !stands(step);
     let layer = |geometry, class, label: &str, framed| Layer { geometry, class, label: label.to_owned(), framed };
     let base = report.steps.iter().map(|s| s.odom_from_whisker.position()).collect();
     let layers = [
         layer(Geometry::Lines(shapes(report, robot)), "whisker", "bent whiskers", true),
         layer(Geometry::Dots(closed_forms(report, robot)), "closed-form", "small-angle closed form", false),
         layer(Geometry::Lines(vec![base]), "path", "the whisker's base", true),
-        layer(Geometry::Dots(of(ContactKind::Tip)), "tip-contact", "contact of the sliding tip", true),
-        layer(Geometry::Dots(of(ContactKind::Side)), "side-contact", "contact of the side, standing still", true),
+        layer(
+            Geometry::Dots(of(&|step| step.kind == ContactKind::Tip)),
+            "tip-contact",
+            "contact of the sliding tip",
+            true,
+        ),
+        layer(Geometry::Dots(of(&slides)), "sliding-side", "contact of the sliding side", true),
+        layer(Geometry::Dots(of(&stands)), "side-contact", "contact of the side, standing still", true),
     ];
     let [side, tip, unknown] =
         [ContactKind::Side, ContactKind::Tip, ContactKind::Unknown].map(|kind| count(report, kind));
@@ -224,5 +236,5 @@ fn closed_forms(report: &ContactReport, robot: &Robot) -> Vec<Vec2> {
         let distance = step.baseline.both.filter(|d| *d < 2.0 * whisker.beam.length)?;
         Some(step.odom_from_whisker.transform_point(Baseline::contact(&reading, distance)))
     };
-    report.steps.iter().filter(|step| step.kind == ContactKind::Side).filter_map(one).collect()
+    report.steps.iter().filter(|step| stands(step)).filter_map(one).collect()
 }

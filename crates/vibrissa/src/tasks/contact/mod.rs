@@ -14,7 +14,7 @@
 //! | `sharpened` | the same from errors that fill a bound |
 //! | `stretch` | the log's stretches of contact, thinned |
 //! | `segment` | the parts of a stretch during which the contact stood still |
-//! | `tip_trace` | where the tip went while it slid along a wall, by one least-squares problem |
+//! | `trace/` | where tip or side went while they slid along a wall, by one least-squares problem |
 //! | `report` | the whole log: a contact for each step, and what happened |
 
 mod baseline;
@@ -26,7 +26,7 @@ mod report;
 mod segment;
 mod sharpened;
 mod stretch;
-mod tip_trace;
+mod trace;
 
 pub use baseline::Baseline;
 pub use fixed_point::{FixedPoint, Touch, fixed_point, fixed_point_since, fixed_points};
@@ -34,4 +34,4 @@ pub use meeting::{Meeting, MeetingKind, meetings};
 pub use reading::ContactReading;
 pub use region::{ContactRegion, contact_region};
 pub use report::{ContactKind, ContactReport, ContactStep, contacts};
-pub use tip_trace::{TraceNode, TraceOptions, TracePoint, tip_traces};
+pub use trace::{Trace, TraceNode, TraceOptions, TracePoint, contact_traces};

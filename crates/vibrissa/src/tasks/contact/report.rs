@@ -4,10 +4,10 @@ use super::baseline::Baseline;
 use super::fixed_point::{FixedPoint, fixed_point, fixed_point_since};
 use super::reading::ContactReading;
 use super::region::contact_region;
-use super::segment::{Part, parts, side_from};
+use super::segment::{Part, side_from, still_from};
 use super::sharpened::sharpened;
 use super::stretch::{Stretch, stretches};
-use super::tip_trace::{TraceNode, TraceOptions, TracePoint, tip_traces};
+use super::trace::{Trace, TraceNode, TraceOptions, TracePoint, contact_traces};
 use crate::Result;
 use crate::beam::Bend;
 use crate::config::ContactOptions;
@@ -24,11 +24,19 @@ const MOST_BOUNDED: usize = 40;
 const ASTRAY: f64 = 9.0;
 /// Side of the boxes of a region (m).
 const RESOLUTION: f64 = 2e-4;
+/// Share of the whisker from which on a sliding contact is told as one of the tip: nearer, readings do not tell.
+const AT_TIP: f64 = 0.99;
+/// Share of the whisker from which on a corner that the side has slid along is taken to have come to the tip.
+const ENDS: f64 = 0.96;
+/// How far a trace may be from a point that stood still, beside its uncertainty, to be the same contact (m).
+const AGREES: f64 = 1e-3;
+/// How far other explanations are before they are told of (m).
+const DOUBTFUL: f64 = 0.5e-3;
 
 /// How the whisker touches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ContactKind {
-    /// With its side, at a point that stands still.
+    /// With its side: at a point that stands still, or, where the step has a normal, along a wall on which it slides.
     Side,
     /// With its tip, which slides.
     Tip,
@@ -65,13 +73,13 @@ pub struct ContactStep {
     pub contact: Option<Vec2>,
     /// Arc length of the contact (m).
     pub s_a: Option<f64>,
-    /// Standard deviation of the contact (m): of its distance from the base (side), across the wall (tip).
+    /// Standard deviation of the contact (m): of its distance from the base where it stands still, across the wall where it slides.
     pub std: Option<f64>,
-    /// Direction of the surface's normal, on the whisker's side of it, odometry frame (rad), for a tip.
+    /// Direction of the surface's normal, on the whisker's side of it, odometry frame (rad), for what slides.
     pub normal: Option<f64>,
     /// Bounds of the distance from the base, if the declared error bounds hold and the contact stands still (m).
     pub bounds: Option<Interval>,
-    /// The bent whisker, for a tip.
+    /// The bent whisker, for what slides.
     pub bend: Option<Bend>,
     /// The closed forms of earlier work.
     pub baseline: Baseline,
@@ -92,13 +100,14 @@ impl ContactStep {
 pub struct ContactReport {
     /// One entry for each step in contact, by whisker and stretch in order of time.
     pub steps: Vec<ContactStep>,
-    /// `contact`, `lift_off`, `tip_contact`, `slip_whisker`, `slip_obstacle`, `jump`, `no_point`, in order of time.
+    /// `contact`, `lift_off`, `tip_contact`, `side_contact`, `slip_whisker`, `slip_obstacle`, `jump`, `ambiguous`, `no_point`, in order
+    /// of time.
     pub events: Vec<Event>,
 }
 
 /// Finds the contact of every step of a log.
 ///
-/// A contact that stands still is found from all the readings during which it does; where none does, the tip is taken to
+/// A contact that stands still is found from all the readings during which it does; where none does, tip or side are taken to
 /// slide along a smooth wall.
 ///
 /// # Errors
@@ -123,16 +132,24 @@ impl ContactReport {
     fn add(&mut self, stretch: &Stretch, options: &ContactOptions) {
         let [first, ..] = stretch.readings.as_slice() else { return };
         self.tell(first.t, "contact", format!("whisker {}", stretch.whisker));
-        let mut before: Option<Vec2> = None;
-        for part in parts(&stretch.readings, stretch.onset) {
-            match part.still {
-                Some(point) => {
+        let (mut from, mut before) = (0, None);
+        while from < stretch.readings.len() {
+            let rest = Part { from, to: stretch.readings.len(), still: None };
+            let still = still_from(&stretch.readings, from, stretch.onset);
+            let whole = still.is_some_and(|part| part.from == 0 && part.to == rest.to);
+            let traces = if whole { Vec::new() } else { traces(stretch, rest, options) };
+            match still
+                .filter(|part| whole || stands(stretch, part, &traces))
+                .and_then(|part| Some((part, part.still?)))
+            {
+                Some((part, point)) => {
                     let point = refined(stretch, part, point);
                     self.side(stretch, part, &point, before);
                     before = Some(point.position);
+                    from = part.to;
                 }
                 None => {
-                    self.slides(stretch, part, options);
+                    from = self.slides(stretch, rest, &traces, options);
                     before = None;
                 }
             }
@@ -180,26 +197,23 @@ impl ContactReport {
         }
     }
 
-    /// A sliding tip; where its trace breaks off, the side may have met a point that stands still.
-    fn slides(&mut self, stretch: &Stretch, part: Part, options: &ContactOptions) {
-        let mut from = part.from;
-        while from < part.to {
-            let rest = Part { from, ..part };
-            let traces = traces(stretch, rest, options);
-            let Some((side, point)) = side_after(stretch, rest, &traces) else {
-                return self.sliding(stretch, rest, &traces);
-            };
-            let before = Part { to: side.from, ..rest };
-            self.sliding(stretch, before, &self::traces(stretch, before, options));
-            let t = stretch.readings[side.from].t;
-            self.tell(t, "jump", "the tip's slide ends; the side touches a point that stands still".to_owned());
-            self.side(stretch, side, &refined(stretch, side, point), None);
-            from = side.to;
-        }
+    /// A sliding contact up to the end of a part, or to where a trace breaks off and the side meets a point that stands still:
+    /// where it ends.
+    fn slides(&mut self, stretch: &Stretch, part: Part, traces: &[Trace], options: &ContactOptions) -> usize {
+        let Some((side, point)) = side_after(stretch, part, traces) else {
+            self.sliding(stretch, part, traces);
+            return part.to;
+        };
+        let before = Part { to: side.from, ..part };
+        self.sliding(stretch, before, &self::traces(stretch, before, options));
+        let t = stretch.readings[side.from].t;
+        self.tell(t, "jump", "the slide ends; the side touches a point that stands still".to_owned());
+        self.side(stretch, side, &refined(stretch, side, point), None);
+        side.to
     }
 
-    /// What is known of a sliding tip, or nothing that is understood.
-    fn sliding(&mut self, stretch: &Stretch, part: Part, traces: &[Vec<TracePoint>]) {
+    /// What is known of a sliding contact, or nothing that is understood.
+    fn sliding(&mut self, stretch: &Stretch, part: Part, traces: &[Trace]) {
         let readings = &stretch.readings[part.from..part.to];
         if readings.is_empty() {
             return;
@@ -207,33 +221,74 @@ impl ContactReport {
         let mut rest = readings.iter().peekable();
         for (index, trace) in traces.iter().enumerate() {
             let piece = self.next_piece();
-            let kind = if index == 0 { "tip_contact" } else { "jump" };
-            let detail = if index == 0 { "the tip slides" } else { "the contact jumps; a new trace begins" };
-            self.tell(trace.first().map_or(readings[0].t, |p| p.t), kind, detail.to_owned());
-            for point in trace {
+            let (t, on_side) = trace.points.first().map_or((readings[0].t, false), |p| (p.t, on_side(stretch, p)));
+            match (index, on_side) {
+                (0, false) => self.tell(t, "tip_contact", "the tip slides".to_owned()),
+                (0, true) => self.tell(t, "side_contact", "the side slides".to_owned()),
+                _ => self.tell(t, "jump", "the contact jumps; a new trace begins".to_owned()),
+            }
+            if trace.doubt > DOUBTFUL {
+                let detail =
+                    format!("other ways of the contact explain the readings as well, {:.1} mm off", 1e3 * trace.doubt);
+                self.tell(t, "ambiguous", detail);
+            }
+            let mut before = on_side;
+            for point in &trace.points {
+                self.tell_change(stretch, point, &mut before);
                 while let Some(reading) = rest.next_if(|r| r.t < point.t) {
                     self.steps.push(ContactStep { piece, ..step(stretch, reading, ContactKind::Unknown) });
                 }
                 if let Some(reading) = rest.next() {
-                    self.steps.push(tip_step(stretch, reading, point, piece));
+                    self.steps.push(sliding_step(stretch, reading, point, piece));
                 }
             }
         }
         let piece = self.next_piece();
         if let Some(reading) = rest.peek() {
-            self.tell(
-                reading.t,
-                "no_point",
-                "in contact, but neither a point nor a sliding tip explains it".to_owned(),
-            );
+            self.tell(reading.t, "no_point", "in contact, but neither a point nor a slide explains it".to_owned());
         }
         let unknown = rest.map(|reading| ContactStep { piece, ..step(stretch, reading, ContactKind::Unknown) });
         self.steps.extend(unknown);
     }
+
+    /// Tells where a slide goes from side to tip or back.
+    fn tell_change(&mut self, stretch: &Stretch, point: &TracePoint, before: &mut bool) {
+        let on_side = on_side(stretch, point);
+        match (*before, on_side) {
+            (true, false) => self.tell(point.t, "tip_contact", "the contact comes to the tip".to_owned()),
+            (false, true) => self.tell(point.t, "side_contact", "the contact goes over to the side".to_owned()),
+            _ => {}
+        }
+        *before = on_side;
+    }
 }
 
-/// The tip's traces over a part.
-fn traces(stretch: &Stretch, part: Part, options: &ContactOptions) -> Vec<Vec<TracePoint>> {
+/// Whether a sliding contact is with the side.
+fn on_side(stretch: &Stretch, point: &TracePoint) -> bool {
+    stretch.readings.first().is_some_and(|reading| point.bend.s_a < reading.whisker.length * AT_TIP)
+}
+
+/// Whether the contact with the side of a part stood still although traces may explain its readings as well: only what ends at
+/// the tip, or with the log's stretch, or where every trace breaks off as well; or what the trace agrees with. A corner does not
+/// leave the middle of a whisker otherwise.
+fn stands(stretch: &Stretch, part: &Part, traces: &[Trace]) -> bool {
+    let (Some(point), [first, .., last]) = (part.still, &stretch.readings[part.from..part.to]) else { return false };
+    let length = last.whisker.length;
+    let away = point.position - last.odom_from_whisker.position();
+    let std = point.std_along(away * (1.0 / away.norm().max(1e-12)));
+    let through = |trace: &&Trace| {
+        let within = trace.points.iter().filter(|p| p.t >= first.t && p.t <= last.t).count();
+        2 * within > part.to - part.from && trace.points.last().is_some_and(|p| p.t > last.t)
+    };
+    let Some(trace) = traces.iter().find(through) else { return true };
+    let off =
+        trace.points.iter().filter(|p| p.t >= first.t && p.t <= last.t).map(|p| p.position.distance(point.position));
+    let agrees = off.fold(0.0, f64::max) <= AGREES + 3.0 * std;
+    agrees || point.s_a[1] + 2.0 * std >= ENDS * length
+}
+
+/// The traces over a part.
+fn traces(stretch: &Stretch, part: Part, options: &ContactOptions) -> Vec<Trace> {
     let readings = &stretch.readings[part.from..part.to];
     let Some(first) = readings.first() else { return Vec::new() };
     let node = |r: &ContactReading| TraceNode {
@@ -243,15 +298,16 @@ fn traces(stretch: &Stretch, part: Part, options: &ContactOptions) -> Vec<Vec<Tr
         std: r.std(r.moment),
     };
     let nodes: Vec<TraceNode> = readings.iter().map(node).collect();
-    tip_traces(&first.whisker, &nodes, TraceOptions { step_std: options.step_std, turn: options.turn })
+    contact_traces(&first.whisker, &nodes, TraceOptions { step_std: options.step_std, turn: options.turn })
 }
 
 /// The first contact with the side that begins where one of the traces ends.
-fn side_after(stretch: &Stretch, part: Part, traces: &[Vec<TracePoint>]) -> Option<(Part, FixedPoint)> {
+fn side_after(stretch: &Stretch, part: Part, traces: &[Trace]) -> Option<(Part, FixedPoint)> {
     let readings = &stretch.readings[..part.to];
-    let end = |trace: &Vec<TracePoint>| trace.last().map(|last| readings.partition_point(|r| r.t <= last.t));
+    let end = |trace: &Trace| trace.points.last().map(|last| readings.partition_point(|r| r.t <= last.t));
     let breaks = traces.iter().filter_map(end).filter(|end| *end > part.from && *end < part.to);
-    breaks.filter_map(|end| side_from(readings, end)).find_map(|side| side.still.map(|point| (side, point)))
+    let mut sides = breaks.filter_map(|end| side_from(readings, end)).filter(|side| stands(stretch, side, traces));
+    sides.find_map(|side| side.still.map(|point| (side, point)))
 }
 
 /// The fixed point of a part once more, from its single readings and from when the contact began.
@@ -269,7 +325,8 @@ fn refined(stretch: &Stretch, part: Part, point: FixedPoint) -> FixedPoint {
     if uniform { sharpened(readings, touch, refined) } else { refined }
 }
 
-fn tip_step(stretch: &Stretch, reading: &ContactReading, point: &TracePoint, piece: usize) -> ContactStep {
+fn sliding_step(stretch: &Stretch, reading: &ContactReading, point: &TracePoint, piece: usize) -> ContactStep {
+    let kind = if on_side(stretch, point) { ContactKind::Side } else { ContactKind::Tip };
     ContactStep {
         contact: Some(point.bend.contact),
         s_a: Some(point.bend.s_a),
@@ -277,7 +334,7 @@ fn tip_step(stretch: &Stretch, reading: &ContactReading, point: &TracePoint, pie
         normal: Some(point.normal),
         bend: Some(point.bend.clone()),
         piece,
-        ..step(stretch, reading, ContactKind::Tip)
+        ..step(stretch, reading, kind)
     }
 }
 

@@ -28,24 +28,16 @@ pub(super) struct Part {
     pub(super) still: Option<FixedPoint>,
 }
 
-/// The parts of a stretch, in order, without gaps; `onset` is the base when the whisker was last free.
-pub(super) fn parts(readings: &[ContactReading], onset: Option<Pose2>) -> Vec<Part> {
+/// The contact with the side that stood still from reading `from` on; `onset` is the base when the whisker was last free.
+pub(super) fn still_from(readings: &[ContactReading], from: usize, onset: Option<Pose2>) -> Option<Part> {
     let along = cumulated(readings);
     let reach = |from: usize, far: f64| along.partition_point(|s| *s < along[from] + far).clamp(from + 1, along.len());
-    let mut found: Vec<Part> = Vec::new();
-    let mut from = 0;
-    while from < readings.len() {
-        let begun = |point: &FixedPoint| from > 0 || onset.is_none_or(|onset| on_axis(point, onset, &readings[0]));
-        let clear = longest(readings, from, &reach).filter(|(to, point)| {
-            let whole = from == 0 && *to == readings.len();
-            (whole || along[to - 1] - along[from] >= CLEAR) && begun(point) && off_tip(point, &readings[from])
-        });
-        // What slides once is left to the tip: amid a slide, many a stretch looks like a fixed point and is none.
-        let (to, still) = clear.map_or((readings.len(), None), |(to, point)| (to, Some(point)));
-        found.push(Part { from, to, still });
-        from = to;
-    }
-    found
+    let begun = |point: &FixedPoint| from > 0 || onset.is_none_or(|onset| on_axis(point, onset, &readings[0]));
+    let (to, point) = longest(readings, from, &reach)?;
+    let whole = from == 0 && to == readings.len();
+    let clear = (whole || along[to - 1] - along[from] >= CLEAR) && begun(&point) && off_tip(&point, &readings[from]);
+    // What slides once is left to the traces: amid a slide, many a stretch looks like a fixed point and is none.
+    clear.then_some(Part { from, to, still: Some(point) })
 }
 
 /// The contact with the side that begins at reading `from` or just after it, where a sliding tip broke off; none where no

@@ -7,7 +7,7 @@ use crate::tasks::contact::{ContactKind, ContactReport, ContactStep};
 /// How far a tip goes back along the wall before it is taken to have turned (m).
 const BACK: f64 = 1e-3;
 
-/// A contact point of a sliding tip.
+/// A sliding contact, of the tip or of the side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Sample {
     /// Odometry frame (m).
@@ -74,9 +74,6 @@ fn one_way(run: Vec<Sample>) -> Vec<Vec<Sample>> {
 }
 
 fn sample(step: &ContactStep) -> Option<Sample> {
-    if step.kind != ContactKind::Tip {
-        return None;
-    }
     Some(Sample { position: step.position()?, normal: Vec2::from_angle(step.normal?), std: step.std? })
 }
 
@@ -87,7 +84,7 @@ fn length(run: &[Sample]) -> f64 {
 /// Contacts that stood still: each with its standard deviation (m).
 pub(super) fn pegs(report: &ContactReport) -> Vec<(Vec2, f64)> {
     let mut found: Vec<(usize, Vec2, f64)> = Vec::new();
-    for step in report.steps.iter().filter(|step| step.kind == ContactKind::Side) {
+    for step in report.steps.iter().filter(|step| step.kind == ContactKind::Side && step.normal.is_none()) {
         if let (Some(position), Some(std)) = (step.position(), step.std)
             && found.last().is_none_or(|(piece, ..)| *piece != step.piece)
         {
