@@ -128,7 +128,7 @@ fn check_sweeps(names: &[&str]) {
         }
         let options = PossibilisticOptions { last_work: 20_000, ..PossibilisticOptions::default() };
         let answer =
-            run(&Trial { map, robot, log, truth, kinds: [0; 3], path: Vec::new(), touches: Vec::new() }, options);
+            run(&Trial { map, robot, log, truth, kinds: [0; 4], path: Vec::new(), touches: Vec::new() }, options);
         let (first, last) = (answer.steps[0], answer.steps[answer.steps.len() - 1]);
         println!("{name}: {}, {:.1e} to {:.1e} m2 rad", answer.status, first.volume, last.volume);
         assert!(contains(&answer, truth), "{name}: {} {:?}", answer.status, answer.events);

@@ -6,6 +6,7 @@
 //! are, which is never wrong. `docs/possibilistic.md` gives the reasons why nothing true is lost.
 
 mod birth;
+mod bundle;
 mod cell;
 mod explain;
 mod measure;
@@ -25,7 +26,6 @@ use crate::world::{Map, MountedWhisker, Odometry};
 use cell::{Cell, narrow};
 use explain::{Ground, View};
 pub use measure::Place;
-use piece::Pieces;
 use record::{Stand, Touch};
 
 /// Columns (a quarter turn) and rows of the tables that cells meet, from fine to coarse, and of those that they are
@@ -95,7 +95,7 @@ impl PossibleSet {
         Self {
             options,
             odometry,
-            ground: Ground { fine: Pieces::new(map, piece::FINE), coarse: Pieces::new(map, piece::COARSE) },
+            ground: Ground::new(map),
             probes: whiskers.iter().map(probe).collect(),
             records: Vec::new(),
             kept: Vec::new(),
@@ -197,7 +197,7 @@ impl PossibleSet {
             }
             let coarse = Touch::new(&probe.whisker, &probe.birth, moment.lo(), moment.hi());
             let near = self.near(&probe.whisker);
-            self.cells.extend(birth::cells(&self.ground.coarse, near, &coarse, record));
+            self.cells.extend(birth::cells(&self.ground.bundled, near, &coarse, record));
             self.births += 1;
             self.born_at = record;
         }
