@@ -124,7 +124,7 @@ fn no_inflection_is_left_out(columns: usize, rows: usize, friction: f64, steepes
     let table = PressTable::new(columns, rows, friction, steepest);
     let mut draw = Random(seed);
     let (mut tips, mut sides) = (0, 0);
-    while tips < 1500 {
+    while tips < 800 {
         let tip = friction == 0.0 || draw.unit() < 0.6;
         let beta = if tip { draw.between(-friction, FRAC_PI_2) } else { draw.signed(friction) };
         let s_a = if tip { 1.0 } else { draw.between(0.01, 1.0) };
@@ -143,7 +143,7 @@ fn no_inflection_is_left_out(columns: usize, rows: usize, friction: f64, steepes
         assert!(held, "psi {psi} beta {beta} s_a {s_a} t {t} moment {}: {contact:?}", speed * t / s_a);
         if tip { tips += 1 } else { sides += 1 }
     }
-    assert!(friction == 0.0 || sides > 300, "{sides}");
+    assert!(friction == 0.0 || sides > 150, "{sides}");
 }
 
 #[test]

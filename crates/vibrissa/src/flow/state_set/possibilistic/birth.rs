@@ -1,8 +1,8 @@
 //! The first cells: every state that one reading allows, anywhere on the map.
 
 use super::cell::Cell;
-use super::explain::{Contact, contacts, mirrored};
-use super::piece::{Edge, Piece, Pieces, Vertex};
+use super::explain::{Contact, Level, contacts, mirrored};
+use super::piece::{Edge, Piece, Vertex};
 use super::record::{Bending, Touch};
 use crate::plane::{Bounds, Pose2, Vec2};
 use core::f64::consts::TAU;
@@ -11,15 +11,16 @@ use core::f64::consts::TAU;
 const STRETCH: f64 = 0.03;
 /// Headings between neighbouring cells at a vertex, and at one that stands for more than a few millimetres.
 const VERTEX_HEADINGS: usize = 60;
-const BUNDLE_HEADINGS: usize = 30;
+const BUNDLE_HEADINGS: usize = 24;
 /// Contacts at a vertex are taken together up to this size (m), or up to its own.
 const TOGETHER: f64 = 4e-3;
 
 /// Cells that hold every state in which the map explains the reading by contact within `near`, where that is known;
 /// `touch` is sliced from a coarse table.
-pub(super) fn cells(pieces: &Pieces, near: Option<Bounds>, touch: &Touch, record: u32) -> Vec<Cell> {
+pub(super) fn cells(level: &Level, near: Option<Bounds>, touch: &Touch, record: u32) -> Vec<Cell> {
     let mut cells = Vec::new();
     for bending in &touch.sides {
+        let pieces = level.pieces(touch, bending);
         let mut lay = |piece: &Piece| match piece {
             Piece::Edge(edge) => along_edge(edge, touch, bending, record, &mut cells),
             Piece::Vertex(vertex) => around_vertex(vertex, touch, bending, record, &mut cells),

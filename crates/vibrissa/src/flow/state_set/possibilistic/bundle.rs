@@ -7,10 +7,10 @@ use super::piece::{Piece, Vertex};
 use crate::plane::{Bounds, wrap_angle};
 
 /// Largest extent of a stretch that is taken together (m), and its widest range of normals (rad).
-const EXTENT: f64 = 0.016;
+const EXTENT: f64 = 0.03;
 const NORMALS: f64 = 1.6;
 /// So many pieces within that are worth it.
-const FEWEST: usize = 8;
+const FEWEST: usize = 20;
 
 /// The pieces in their order, runs of many short ones as one vertex each.
 pub(super) fn bundled(pieces: &[Piece]) -> Vec<Piece> {

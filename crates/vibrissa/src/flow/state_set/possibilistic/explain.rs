@@ -25,19 +25,41 @@ const WIDEST_REACH: f64 = 0.03;
 /// The map's pieces, from fine to coarse.
 #[derive(Clone, Debug)]
 pub(super) struct Ground {
-    pub(super) fine: Pieces,
-    pub(super) coarse: Pieces,
-    pub(super) bundled: Pieces,
+    pub(super) fine: Level,
+    pub(super) coarse: Level,
+    pub(super) bundled: Level,
+}
+
+/// All pieces, and those that curve towards free space.
+#[derive(Clone, Debug)]
+pub(super) struct Level {
+    pub(super) all: Pieces,
+    pub(super) hollow: Pieces,
+}
+
+impl Level {
+    fn new(all: Pieces) -> Self {
+        Self { hollow: all.hollow(), all }
+    }
+
+    /// The pieces on which these contacts can be.
+    pub(super) fn pieces(&self, touch: &Touch, bending: &Bending) -> &Pieces {
+        if bending.all_inflected && touch.holding > 0.0 { &self.hollow } else { &self.all }
+    }
 }
 
 impl Ground {
     pub(super) fn new(map: &Map) -> Self {
         let coarse = Pieces::new(map, COARSE);
-        Self { fine: Pieces::new(map, FINE), bundled: coarse.bundled(), coarse }
+        Self {
+            fine: Level::new(Pieces::new(map, FINE)),
+            bundled: Level::new(coarse.bundled()),
+            coarse: Level::new(coarse),
+        }
     }
 
-    /// The pieces for a cell: a wide one gains nothing from fine detail.
-    fn pieces(&self, view: &View) -> &Pieces {
+    /// The level for a cell: a wide one gains nothing from fine detail.
+    fn level(&self, view: &View) -> &Level {
         let reach = view.reach.x + view.reach.y;
         if view.turn > WIDEST_TURN || reach > WIDEST_REACH {
             &self.bundled
@@ -147,9 +169,10 @@ impl Left {
 
 /// What of the cell explains the reading by some contact; none if nothing does. Pieces and entries looked at are counted.
 pub(super) fn by_contact(view: &View, touch: &Touch, ground: &Ground, looks: &mut usize) -> Option<Left> {
-    let pieces = ground.pieces(view);
+    let level = ground.level(view);
     let mut left = None;
     for bending in &touch.sides {
+        let pieces = level.pieces(touch, bending);
         let bounds = rectangle(view, bending);
         pieces.near(bounds, |piece| match piece {
             Piece::Edge(edge) => *looks += 1 + on_edge(view, touch, bending, edge, &mut left),

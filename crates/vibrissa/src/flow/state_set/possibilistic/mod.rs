@@ -31,7 +31,7 @@ use record::{Stand, Touch};
 /// Columns (a quarter turn) and rows of the tables that cells meet, from fine to coarse, and of those that they are
 /// born from.
 const TABLES: [(usize, usize); 4] = [(64, 48), (32, 32), (16, 24), (8, 16)];
-const BIRTH: (usize, usize) = (24, 24);
+const BIRTH: (usize, usize) = (16, 24);
 /// Odometry may be off by this much before a cell is moved to the present row (m).
 const STALE: f64 = 5e-5;
 /// And a cell that is wide in heading is moved when the robot is this far away (m).
@@ -264,7 +264,7 @@ impl PossibleSet {
             if look && !room::base_may_be_free(&view, map) {
                 return None;
             }
-            if touch.free && room::whisker_may_be_free(&view, touch.length, &self.ground.coarse) {
+            if touch.free && room::whisker_may_be_free(&view, touch.length, &self.ground.coarse.all) {
                 continue;
             }
             match explain::by_contact(&view, touch, &self.ground, looks) {
@@ -358,6 +358,11 @@ impl PossibleSet {
     /// Upper bounds of the area that the set covers (m²) and of its volume (m² rad), at the newest row.
     #[must_use]
     pub fn size(&self) -> (f64, f64) {
-        measure::size(&self.now())
+        measure::size(&self.now(), true)
+    }
+
+    /// As [`Self::size`], quickly: the area may be told larger.
+    pub(crate) fn rough_size(&self) -> (f64, f64) {
+        measure::size(&self.now(), false)
     }
 }

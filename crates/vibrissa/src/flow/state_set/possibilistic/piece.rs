@@ -94,6 +94,15 @@ impl Pieces {
         Self::of(bundle::bundled(&self.all))
     }
 
+    /// Those of them that curve towards free space anywhere.
+    pub(super) fn hollow(&self) -> Self {
+        let curves = |piece: &&Piece| match piece {
+            Piece::Edge(e) => e.hollow > 0.0,
+            Piece::Vertex(v) => v.hollow > 0.0,
+        };
+        Self::of(self.all.iter().filter(curves).copied().collect())
+    }
+
     fn of(all: Vec<Piece>) -> Self {
         let chords: Vec<_> = all.iter().map(Piece::chord).collect();
         let bow = |piece: &Piece| match piece {

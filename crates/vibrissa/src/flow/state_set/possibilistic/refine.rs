@@ -23,8 +23,10 @@ const STAGES: [(usize, f64); 3] = [(2, 0.5), (8, 0.5), (64, 1.0)];
 const LAST_CELLS: usize = 20_000;
 /// Beyond the resolution all cells are halved as long as that leaves less than this share of their volume, down to this
 /// share of the resolution: how large the cover is must be the set's doing, not that of the way to it.
-const PAYS: f64 = 0.92;
+const PAYS: f64 = 0.97;
 const FINEST: f64 = 1.0 / 32.0;
+/// One part in so many of the last work may go into that.
+const POLISH: usize = 8;
 /// Kept readings are met in steps of this share of all of them, which spreads any number of them.
 const STRIDE: f64 = 0.618_033_988_75;
 /// Cells that are halved in one row when there is little work for each.
@@ -153,7 +155,7 @@ impl PossibleSet {
             self.pave(map, times * RECALLED, &mut own);
             work += own;
         }
-        self.polish(map, &mut work);
+        self.polish(map, &mut work.min(self.options.last_work / POLISH));
     }
 
     /// Halves all cells, whatever their size, as long as it pays.
