@@ -1,11 +1,13 @@
 //! The possibilistic localizer: rows in, a set of states that holds the true one as long as the declared bounds hold.
 
-use super::{one_column_each, searchable};
+use super::drawn::{self, Felt};
+use super::{SHAPES, one_column_each, searchable};
 use crate::config::PossibilisticOptions;
 use crate::config::limits::MOST_SEARCHED;
-use crate::flow::pose::{self, Event, Hypothesis, Localization, StampedPose, StepRecord};
+use crate::flow::pose::{self, Event, Hypothesis, Localization, ShapeRecord, StampedPose, StepRecord};
 use crate::flow::sensor_log::{Channel, LogRow, SensorLog};
 use crate::flow::state_set::possibilistic::{Place, PossibleSet};
+use crate::flow::thinned::Thinned;
 use crate::plane::{Pose2, wrap_angle};
 use crate::sets::Interval;
 use crate::world::{Map, MountedWhisker, Robot};
@@ -32,6 +34,8 @@ pub struct PossibilisticLocalizer<'a> {
     start: Option<Pose2>,
     rows: Vec<(f64, Pose2)>,
     in_contact: Vec<bool>,
+    /// Contacts for drawing: not all of long logs.
+    felt: Thinned<Felt, SHAPES>,
     touched: bool,
     first_row: Option<usize>,
     first_states: Vec<Pose2>,
@@ -68,6 +72,7 @@ impl<'a> PossibilisticLocalizer<'a> {
             channels: robot.whiskers.iter().map(|w| log.moment_channel(&w.name)).collect::<Result<_>>()?,
             set: PossibleSet::new(map, &robot.whiskers, robot.odometry, options),
             in_contact: vec![false; robot.whiskers.len()],
+            felt: Thinned::default(),
             map,
             robot,
             options,
@@ -106,6 +111,9 @@ impl<'a> PossibilisticLocalizer<'a> {
         }
         let off = self.options.heading_error;
         let heading = row.heading.filter(|h| h.is_finite()).map(|h| Interval::new(h - off, h + off));
+        for (whisker, moment) in moments.iter().enumerate().filter(|(_, moment)| !moment.contains(0.0)) {
+            self.felt.push(Felt { t: row.t, odom_from_robot, whisker, moment: 0.5 * (moment.lo() + moment.hi()) });
+        }
         let had_started = self.set.has_started();
         self.set.update(self.map, odom_from_robot, &moments, heading);
         if self.set.has_started() {
@@ -215,11 +223,19 @@ impl<'a> PossibilisticLocalizer<'a> {
             trajectory: self.trajectory(),
             states: if self.empty { Vec::new() } else { self.set.boxes() },
             first_states: std::mem::take(&mut self.first_states),
-            shapes: Vec::new(),
+            shapes: self.shapes(),
             steps: self.steps,
             events: self.events,
             hypotheses,
         }
+    }
+
+    /// The whisker's shapes as the best place sees them.
+    fn shapes(&self) -> Vec<ShapeRecord> {
+        let Some((pose, row)) = self.last else { return Vec::new() };
+        let map_from_odom = pose.compose(self.rows[row].1.inverse());
+        let shape = |felt: &Felt| drawn::shape(self.map, &self.robot.whiskers[felt.whisker], felt, map_from_odom);
+        self.felt.iter().filter_map(shape).collect()
     }
 
     /// The best place along the rows, from the first estimate to the last row that any state explains.

@@ -258,3 +258,20 @@ fn pieces_cover(map: &Map, pieces: &Pieces) {
         assert!(covered, "{place:?} {normal}");
     }
 }
+
+#[test]
+fn finely_cut_boundary_is_searched_by_its_length() {
+    // A rough circle of 1.26 m, cut into edges of 0.6 mm and of 0.08 mm.
+    let bundles = |edges: usize| {
+        let edge = 2.0 * PI * 0.2 / edges as f64;
+        let corner =
+            |k: usize| Vec2::from_angle(k as f64 / edges as f64 * 2.0 * PI) * (0.2 + 0.2 * edge * (k % 2) as f64);
+        let corners: Vec<Vec2> = (0..edges).map(corner).collect();
+        let outline = Boundary::new(Role::Arena, Curve::polyline(&corners, true).unwrap(), None).unwrap();
+        let level = Ground::new(&Map::new(vec![outline]).unwrap());
+        assert!(level.coarse.all.all.len() > edges);
+        level.bundled.all.all.len()
+    };
+    let (coarse, fine) = (bundles(2000), bundles(16_000));
+    assert!(coarse < 80 && fine < 80, "{coarse} {fine}");
+}
