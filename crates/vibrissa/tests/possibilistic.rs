@@ -126,7 +126,8 @@ fn check_sweeps(names: &[&str]) {
             robot.odometry.translation_relative = 0.0101;
             robot.odometry.rotation_relative = 0.0101;
         }
-        let options = PossibilisticOptions { last_work: 20_000, ..PossibilisticOptions::default() };
+        // With a drifting odometry and shapes with an inflection the rows alone tighten little.
+        let options = PossibilisticOptions { last_work: 400_000, ..PossibilisticOptions::default() };
         let answer =
             run(&Trial { map, robot, log, truth, kinds: [0; 4], path: Vec::new(), touches: Vec::new() }, options);
         let (first, last) = (answer.steps[0], answer.steps[answer.steps.len() - 1]);
