@@ -113,7 +113,7 @@ fn with_inflection(amplitude: f64, t: f64) -> Option<(f64, f64, Vec2)> {
         let half = w + 0.5 * h * speed;
         let faster = speed - h * half.sin();
         rests += usize::from(speed * faster < 0.0);
-        sum = sum + Vec2::from_angle(half) * (h / t);
+        sum += Vec2::from_angle(half) * (h / t);
         (w, speed) = (half + 0.5 * h * faster, faster);
     }
     let (sin, cos) = w.sin_cos();
