@@ -37,6 +37,8 @@ struct Call {
 struct Outcome {
     seed: u64,
     rows: usize,
+    /// Rows in which the whisker has an inflection.
+    inflected: usize,
     status: Option<Status>,
     /// What to tell of it, if the truth is lost or there is no answer.
     loss: Option<String>,
@@ -118,14 +120,14 @@ fn answer(trial: &Trial) -> vibrissa::Result<Localization> {
 /// The world of a seed, if there is one.
 fn world(seed: u64) -> Option<Outcome> {
     let trial = random_sweep(seed)?;
-    let rows = trial.log.rows.len();
+    let (rows, inflected) = (trial.log.rows.len(), trial.kinds[3]);
     Some(match answer(&trial) {
         Ok(found) => {
             let lost = found.status != Status::NoContact && !contains(&found, trial.truth);
             let loss = || format!("seed {seed}: {}, lost {:?}; {:?}", found.status, trial.truth, found.events.last());
-            Outcome { seed, rows, status: Some(found.status), loss: lost.then(loss) }
+            Outcome { seed, rows, inflected, status: Some(found.status), loss: lost.then(loss) }
         }
-        Err(error) => Outcome { seed, rows, status: None, loss: Some(format!("seed {seed}: {error}")) },
+        Err(error) => Outcome { seed, rows, inflected, status: None, loss: Some(format!("seed {seed}: {error}")) },
     })
 }
 
@@ -137,7 +139,7 @@ fn report(outcomes: &[Outcome], call: &Call) -> ExitCode {
     }
     println!(
         "soundness: {} worlds (seeds {} to {}) of {} rows: truth lost in {}; localized {}, ambiguous {}, \
-         inconsistent {}, no contact {}",
+         inconsistent {}, no contact {}; {} rows with an inflection in {} worlds",
         outcomes.len(),
         call.first,
         outcomes.last().map_or(call.first, |o| o.seed),
@@ -146,7 +148,9 @@ fn report(outcomes: &[Outcome], call: &Call) -> ExitCode {
         of(Status::Localized),
         of(Status::Ambiguous),
         of(Status::Inconsistent),
-        of(Status::NoContact)
+        of(Status::NoContact),
+        outcomes.iter().map(|o| o.inflected).sum::<usize>(),
+        outcomes.iter().filter(|o| o.inflected > 0).count()
     );
     if lost.is_empty() && !outcomes.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }

@@ -19,7 +19,7 @@ fn main() -> Result<()> {
     let possibilistic = PossibilisticOptions { last_work: 5_000, ..PossibilisticOptions::default() };
     let options = LocalizeOptions { method: Method::Possibilistic, possibilistic, ..LocalizeOptions::default() };
     let (mut run, mut lost, mut rows, mut verdicts, mut seed) = (0, 0, 0, [0; 4], first);
-    let (mut kinds, mut rubbing) = ([0; 3], 0);
+    let (mut kinds, mut rubbing) = ([0; 4], 0);
     while run < trials {
         seed += 1;
         let Some(trial) = random_sweep(seed) else { continue };
@@ -48,9 +48,10 @@ fn main() -> Result<()> {
         "{run} trials of {rows} rows: truth lost in {lost}; localized {localized}, ambiguous {ambiguous}, \
          inconsistent {inconsistent}, no contact {no_contact}; seeds {first} to {seed}"
     );
-    let [side, left, right] = kinds;
+    let [side, left, right, inflected] = kinds;
     println!(
-        "rows: {side} with the side, {left} bent to the left, {right} to the right; {rubbing} trials with friction"
+        "rows: {side} with the side, {left} bent to the left, {right} to the right, {inflected} with an inflection; \
+         {rubbing} trials with friction"
     );
     Ok(())
 }

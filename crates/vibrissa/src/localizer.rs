@@ -2,6 +2,7 @@
 //!
 //! [`crate::localize`] is the one-call door for whole logs; this is the same, row by row, for robots that are running.
 
+mod drawn;
 mod possibilistic;
 mod probabilistic;
 

@@ -126,9 +126,10 @@ fn check_sweeps(names: &[&str]) {
             robot.odometry.translation_relative = 0.0101;
             robot.odometry.rotation_relative = 0.0101;
         }
-        let options = PossibilisticOptions { last_work: 20_000, ..PossibilisticOptions::default() };
+        // With a drifting odometry and shapes with an inflection the rows alone tighten little.
+        let options = PossibilisticOptions { last_work: 400_000, ..PossibilisticOptions::default() };
         let answer =
-            run(&Trial { map, robot, log, truth, kinds: [0; 3], path: Vec::new(), touches: Vec::new() }, options);
+            run(&Trial { map, robot, log, truth, kinds: [0; 4], path: Vec::new(), touches: Vec::new() }, options);
         let (first, last) = (answer.steps[0], answer.steps[answer.steps.len() - 1]);
         println!("{name}: {}, {:.1e} to {:.1e} m2 rad", answer.status, first.volume, last.volume);
         assert!(contains(&answer, truth), "{name}: {} {:?}", answer.status, answer.events);

@@ -4,7 +4,6 @@
 pub mod calibrated;
 pub mod contact_set;
 pub mod moment;
-mod parallel;
 pub mod pose;
 pub mod preimage;
 pub(crate) mod prior;

@@ -1,11 +1,13 @@
 //! The possibilistic localizer: rows in, a set of states that holds the true one as long as the declared bounds hold.
 
-use super::{one_column_each, searchable};
+use super::drawn::{self, Felt};
+use super::{SHAPES, one_column_each, searchable};
 use crate::config::PossibilisticOptions;
 use crate::config::limits::MOST_SEARCHED;
-use crate::flow::pose::{self, Event, Hypothesis, Localization, StampedPose, StepRecord};
+use crate::flow::pose::{self, Event, Hypothesis, Localization, ShapeRecord, StampedPose, StepRecord};
 use crate::flow::sensor_log::{Channel, LogRow, SensorLog};
 use crate::flow::state_set::possibilistic::{Place, PossibleSet};
+use crate::flow::thinned::Thinned;
 use crate::plane::{Pose2, wrap_angle};
 use crate::sets::Interval;
 use crate::world::{Map, MountedWhisker, Robot};
@@ -36,6 +38,8 @@ pub struct PossibilisticLocalizer<'a> {
     start: Option<Pose2>,
     rows: Vec<(f64, Pose2)>,
     in_contact: Vec<bool>,
+    /// Contacts for drawing: not all of long logs.
+    felt: Thinned<Felt, SHAPES>,
     touched: bool,
     first_row: Option<usize>,
     first_states: Vec<Pose2>,
@@ -72,6 +76,7 @@ impl<'a> PossibilisticLocalizer<'a> {
             channels: robot.whiskers.iter().map(|w| log.moment_channel(&w.name)).collect::<Result<_>>()?,
             set: PossibleSet::new(map, &robot.whiskers, robot.odometry, options),
             in_contact: vec![false; robot.whiskers.len()],
+            felt: Thinned::default(),
             map,
             robot,
             options,
@@ -110,6 +115,9 @@ impl<'a> PossibilisticLocalizer<'a> {
         }
         let off = self.options.heading_error;
         let heading = row.heading.filter(|h| h.is_finite()).map(|h| Interval::new(h - off, h + off));
+        for (whisker, moment) in moments.iter().enumerate().filter(|(_, moment)| !moment.contains(0.0)) {
+            self.felt.push(Felt { t: row.t, odom_from_robot, whisker, moment: 0.5 * (moment.lo() + moment.hi()) });
+        }
         let had_started = self.set.has_started();
         self.set.update(self.map, odom_from_robot, &moments, heading);
         if self.set.has_started() {
@@ -158,7 +166,7 @@ impl<'a> PossibilisticLocalizer<'a> {
                 let volume = if self.set.len() > SUMMED { last.volume } else { self.set.volume() };
                 StepRecord { t, volume, ..*last }
             }
-            _ => self.measure(t, now),
+            _ => self.measure(t, now, PossibleSet::rough_size),
         };
         self.steps.push(measured);
         if self.set.is_empty() {
@@ -179,10 +187,10 @@ impl<'a> PossibilisticLocalizer<'a> {
             || (count <= MEASURED_WITHIN && now >= row + count / MEASURED_ROWS)
     }
 
-    fn measure(&mut self, t: f64, row: usize) -> StepRecord {
+    fn measure(&mut self, t: f64, row: usize, size: fn(&PossibleSet) -> (f64, f64)) -> StepRecord {
         self.measured = (row, self.set.len());
         let places = self.set.places();
-        let (area_m2, volume) = self.set.size();
+        let (area_m2, volume) = size(&self.set);
         if let Some(best) = places.first() {
             self.last = Some((best.pose, row));
         }
@@ -195,7 +203,7 @@ impl<'a> PossibilisticLocalizer<'a> {
         if !self.empty && self.set.has_started() {
             self.set.finish(self.map);
             let (t, row) = (self.rows.last().map_or(0.0, |r| r.0), self.rows.len().saturating_sub(1));
-            let last = self.measure(t, row);
+            let last = self.measure(t, row, PossibleSet::size);
             if let Some(step) = self.steps.last_mut() {
                 *step = last;
             }
@@ -219,11 +227,19 @@ impl<'a> PossibilisticLocalizer<'a> {
             trajectory: self.trajectory(),
             states: if self.empty { Vec::new() } else { self.set.boxes() },
             first_states: std::mem::take(&mut self.first_states),
-            shapes: Vec::new(),
+            shapes: self.shapes(),
             steps: self.steps,
             events: self.events,
             hypotheses,
         }
+    }
+
+    /// The whisker's shapes as the best place sees them.
+    fn shapes(&self) -> Vec<ShapeRecord> {
+        let Some((pose, row)) = self.last else { return Vec::new() };
+        let map_from_odom = pose.compose(self.rows[row].1.inverse());
+        let shape = |felt: &Felt| drawn::shape(self.map, &self.robot.whiskers[felt.whisker], felt, map_from_odom);
+        self.felt.iter().filter_map(shape).collect()
     }
 
     /// The best place along the rows, from the first estimate to the last row that any state explains.

@@ -17,9 +17,10 @@ pub(crate) struct Trial {
     pub(crate) robot: Robot,
     pub(crate) log: SensorLog,
     pub(crate) truth: Pose2,
-    /// Rows in which a side touches, and rows in which something bends the whisker to the left and to the right.
-    #[allow(dead_code, reason = "counted by the example")]
-    pub(crate) kinds: [usize; 3],
+    /// Rows in which a side touches, rows in which something bends the whisker to the left and to the right, and rows in
+    /// which it has an inflection.
+    #[allow(dead_code, reason = "counted by the soundness program")]
+    pub(crate) kinds: [usize; 4],
     /// The robot along the log, and every touch.
     #[allow(dead_code, reason = "shown by the example")]
     pub(crate) path: Vec<Pose2>,
@@ -151,18 +152,35 @@ fn covered(map: &Map, robot: &Robot, path: &mut Vec<StampedPose>) -> Option<Swee
     None
 }
 
-/// Whether the whisker bends one way only, by no more than the method's largest slope. Curvature and slope along it are
-/// speed and angle of a pendulum that starts from rest at the contact: its energy tells the angle there, and it comes to
-/// rest again, where the curvature changes sign, after half a period.
+/// Whether the whisker has at most one inflection between base and contact, and a slope at the contact below the method's
+/// largest. Curvature and slope along it are speed and angle of a pendulum that starts from rest at the contact: its
+/// energy tells the angle there, and it comes to rest again, where the curvature changes sign, after half a period.
 fn is_covered(touch: &Touch, robot: &Robot, path: &[StampedPose]) -> bool {
+    let Swing { half_swings, slope } = swing(touch, robot, path);
+    half_swings < 2.0 && slope < 2.2
+}
+
+/// The whisker as a pendulum.
+struct Swing {
+    /// How many half periods lie between base and contact.
+    half_swings: f64,
+    /// The slope at the contact (rad).
+    slope: f64,
+}
+
+fn swing(touch: &Touch, robot: &Robot, path: &[StampedPose]) -> Swing {
     let whisker = &robot.whiskers[touch.whisker];
     let base = path[touch.row].map_from_robot.compose(whisker.robot_from_whisker);
     let moment = (touch.position - base.position()).cross(touch.force);
-    let start = wrap_angle(base.theta - touch.force.angle()).abs();
+    let direction = wrap_angle(touch.force.angle() - base.theta);
     let (stiffness, force) = (whisker.beam.flexural_rigidity, touch.force.norm());
-    let rest = (start.cos() + moment * moment / (2.0 * stiffness * force)).clamp(-1.0, 1.0).acos();
+    let rest = (direction.cos() + moment * moment / (2.0 * stiffness * force)).clamp(-1.0, 1.0).acos();
     let time = touch.s_a * (force / stiffness).sqrt();
-    time <= half_period(rest) && start - rest < 2.2
+    let half_swings = time / half_period(rest);
+    // Past an inflection the moment has the other sign than the slope; the pendulum balances at half a turn.
+    let side = if half_swings > 1.0 { -moment.signum() } else { moment.signum() };
+    let slope = (side * direction).rem_euclid(TAU) - rest;
+    Swing { half_swings, slope }
 }
 
 /// From rest to rest, at the angle `rest` (rad) from where the pendulum would balance: by the arithmetic-geometric mean.
@@ -220,7 +238,8 @@ pub(crate) fn random_sweep(seed: u64) -> Option<Trial> {
     let side: std::collections::BTreeSet<usize> =
         sweep.contacts.iter().filter(|touch| touch.part == Part::Side).map(|touch| touch.row).collect();
     let moment = |k: usize| sweep.exact_moments[k][0];
-    let kinds = [side.len(), count(&|k| moment(k) > 0.0), count(&|k| moment(k) < 0.0)];
+    let inflected = sweep.contacts.iter().filter(|touch| swing(touch, &robot, &path).half_swings > 1.0).count();
+    let kinds = [side.len(), count(&|k| moment(k) > 0.0), count(&|k| moment(k) < 0.0), inflected];
     Some(Trial {
         kinds,
         path: path.iter().map(|pose| pose.map_from_robot).collect(),

@@ -1,6 +1,8 @@
 //! The contacts that explain one interval of moments, by the direction of the wall.
 
-use super::{Outline, PressTable};
+use super::PressTable;
+use super::sheet::Sheet;
+use super::side::Sides;
 use crate::plane::Vec2;
 use crate::sets::Interval;
 
@@ -22,9 +24,11 @@ pub struct PressEntry {
     pub by_moment: Vec2,
     /// What the linear model leaves.
     pub radius: f64,
+    /// Whether the whisker has an inflection: stable only where the contact is held.
+    pub inflected: bool,
 }
 
-/// The contacts that explain an interval of moments; bending towards +y, dimensionless.
+/// The contacts that explain an interval of moments; slopes at the contact towards +y, dimensionless.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PressSlice {
     lo: f64,
@@ -121,7 +125,8 @@ impl PressSlice {
 }
 
 impl PressTable {
-    /// The contacts that cause a dimensionless moment between `lo` and `hi` (both at least 0).
+    /// The contacts that cause a dimensionless moment between `lo` and `hi`: shapes that bend one way cause those that
+    /// are not negative, shapes with an inflection those that are not positive.
     #[must_use]
     pub fn slice(&self, lo: f64, hi: f64) -> PressSlice {
         let columns = self.directions.len() - 1;
@@ -135,8 +140,16 @@ impl PressTable {
         for column in 0..columns {
             let start = slice.entries.len();
             slice.starts.push(start as u32);
-            self.tips(column, lo, hi, &mut slice.entries);
-            slice.entries.extend(self.side(column, lo, hi));
+            if hi >= 0.0 {
+                self.tips(&self.plain, column, (lo.max(0.0), hi), &mut slice.entries);
+                slice.entries.extend(self.side(&self.sides, column, (lo.max(0.0), hi)));
+            }
+            if lo <= 0.0 {
+                let (first, range) = (slice.entries.len(), ((-hi).max(0.0), -lo));
+                self.tips(&self.inflected, column, range, &mut slice.entries);
+                slice.entries.extend(self.inflected_sides.as_ref().and_then(|sides| self.side(sides, column, range)));
+                slice.entries[first..].iter_mut().for_each(|entry| entry.inflected = true);
+            }
             slice.spans.push(
                 slice.entries[start..].iter().fold(Span::EMPTY, |all, e| all.hull(Span::of(e, self.middles[column]))),
             );
@@ -146,18 +159,18 @@ impl PressTable {
     }
 
     /// One entry for each run of cells that reach the interval and along which the moment keeps rising or falling.
-    fn tips(&self, column: usize, lo: f64, hi: f64, entries: &mut Vec<PressEntry>) {
+    fn tips(&self, sheet: &Sheet, column: usize, range: (f64, f64), entries: &mut Vec<PressEntry>) {
         let rising = |row: usize| {
-            let mean = |r: usize| self.node(column, r).moment + self.node(column + 1, r).moment;
+            let mean = |r: usize| sheet.node(column, r).moment + sheet.node(column + 1, r).moment;
             mean(row + 1) > mean(row)
         };
         let mut start: Option<usize> = None;
-        for row in 0..=self.rows {
-            let inside = row < self.rows && self.reaches(column, row, lo, hi);
+        for row in 0..=sheet.rows {
+            let inside = row < sheet.rows && sheet.reaches(column, row, range);
             if let Some(first) = start
                 && (!inside || rising(row) != rising(first))
             {
-                entries.push(self.run(column, first, row, lo, hi));
+                entries.push(self.run(sheet, column, (first, row), range));
                 start = None;
             }
             if inside && start.is_none() {
@@ -166,33 +179,27 @@ impl PressTable {
         }
     }
 
-    /// Whether a cell may hold a moment of the interval.
-    fn reaches(&self, column: usize, row: usize, lo: f64, hi: f64) -> bool {
-        let (least, most) = self.ranges[column * self.rows + row];
-        least <= hi && most >= lo
-    }
-
     /// The linear model over the cells from `first` to before `end`.
     ///
     /// Moment and tip are bilinear within each cell up to their gaps, so the model's deviation, bilinear as well, is
     /// largest at a node.
-    fn run(&self, column: usize, first: usize, end: usize, lo: f64, hi: f64) -> PressEntry {
+    fn run(&self, sheet: &Sheet, column: usize, (first, end): (usize, usize), (lo, hi): (f64, f64)) -> PressEntry {
         let (left, right) = (self.directions[column], self.directions[column + 1]);
         let (middle, half) = (0.5 * (left + right), 0.5 * (right - left));
         let mean = |row: usize| {
-            let (a, b) = (self.node(column, row), self.node(column + 1, row));
+            let (a, b) = (sheet.node(column, row), sheet.node(column + 1, row));
             (0.5 * (a.moment + b.moment), (a.tip + b.tip) * 0.5)
         };
         let (low, high) = (mean(first), mean(end));
         let steep = (high.0 - low.0).abs() > 1e-6;
         let by_mu = if steep { (high.1 - low.1) * (1.0 / (high.0 - low.0)) } else { Vec2::ZERO };
         let across = |row: usize| {
-            let (a, b) = (self.node(column, row), self.node(column + 1, row));
+            let (a, b) = (sheet.node(column, row), sheet.node(column + 1, row));
             (b.tip - a.tip - by_mu * (b.moment - a.moment)) * (0.5 / half)
         };
         let by_direction = (across(first) + across(end)) * 0.5;
         let deviation = |c: usize, row: usize| {
-            let (node, side) = (self.node(column + c, row), if c == 0 { -half } else { half });
+            let (node, side) = (sheet.node(column + c, row), if c == 0 { -half } else { half });
             node.tip - by_mu * node.moment - by_direction * side
         };
         let (mut least, mut most) = (deviation(0, first), deviation(0, first));
@@ -202,7 +209,7 @@ impl PressTable {
                 most = Vec2::new(most.x.max(at.x), most.y.max(at.y));
             }
         }
-        let gaps = &self.gaps[column * self.rows + first..column * self.rows + end];
+        let gaps = sheet.gaps(column, first, end);
         let gap = gaps.iter().map(|g| g.tip + by_mu.norm_squared().sqrt() * g.moment).fold(0.0, f64::max);
         PressEntry {
             middle,
@@ -211,62 +218,21 @@ impl PressTable {
             by_direction,
             by_moment: by_mu * (0.5 * (hi - lo)),
             radius: 0.5 * (most - least).norm_squared().sqrt() + gap,
+            inflected: false,
         }
     }
 
     /// The side contacts of one column.
-    fn side(&self, column: usize, lo: f64, hi: f64) -> Option<PressEntry> {
-        let (a, b) = (self.sides[column], self.sides[column + 1]);
-        let (gap, slack) = (self.side_gaps[column], [self.side_slack[column], self.side_slack[column + 1]]);
-        let moment_slack = gap.moment + slack[0].moment.max(slack[1].moment);
-        let tip_slack = gap.tip + slack[0].tip.max(slack[1].tip);
-        // The contact is on the whisker: reach / mu <= 1.
-        let least = (a.reach.min(b.reach) - moment_slack).max(0.0);
-        if hi <= 0.0 || least > hi || !self.has_sides(column) {
-            return None;
-        }
-        let most = a.reach.max(b.reach) + moment_slack;
-        let lo = lo.max(least).max(1e-12);
-        let (middle, half) = (
-            0.5 * (self.directions[column] + self.directions[column + 1]),
-            0.5 * (self.directions[column + 1] - self.directions[column]),
-        );
-        if most > lo || moment_slack > 0.1 * lo {
-            // Cut at the tip, or all but no moment at all: by arc length.
-            return Some(self.short_side(column, (least / hi, (most / lo).min(1.0)), (middle, half)));
-        }
-        let (near, far) = (1.0 / hi, 1.0 / lo);
-        let (inverse, spread) = (0.5 * (near + far), 0.5 * (far - near));
-        let center = (a.scaled + b.scaled) * 0.5;
-        let along = (b.scaled - a.scaled) * (0.5 / half);
-        Some(PressEntry {
-            middle,
-            half,
-            center: center * inverse,
-            by_direction: along * inverse,
-            by_moment: center * spread,
-            radius: along.norm_squared().sqrt() * half * spread + tip_slack * far,
-        })
+    fn side(&self, sides: &Sides, column: usize, range: (f64, f64)) -> Option<PressEntry> {
+        let (left, right) = (self.directions[column], self.directions[column + 1]);
+        let of_column = (0.5 * (left + right), 0.5 * (right - left));
+        if self.has_sides(column) { sides.entry(column, range, of_column) } else { None }
     }
 
     /// Whether the whisker's normal can have the directions of a column.
     fn has_sides(&self, column: usize) -> bool {
         let slopes = [self.directions[column], self.directions[column + 1]].map(|d| d - core::f64::consts::FRAC_PI_2);
         slopes[1] >= 0.0 && slopes[0] <= self.steepest
-    }
-
-    /// Side contacts with arc lengths in a range, over the whisker's.
-    fn short_side(&self, column: usize, (least, most): (f64, f64), (middle, half): (f64, f64)) -> PressEntry {
-        let Outline { center, along, gap } = self.outlines[column];
-        let (arc, spread) = (0.5 * (least + most), 0.5 * (most - least).max(0.0));
-        PressEntry {
-            middle,
-            half,
-            center: center * arc,
-            by_direction: along * arc,
-            by_moment: center * spread,
-            radius: along.norm_squared().sqrt() * half * spread + gap * most + super::ROUNDING,
-        }
     }
 }
 

@@ -20,7 +20,6 @@ pub use reading_preimage::{
 };
 pub use state_grid::{Raster, StateGrid};
 
-use crate::flow::parallel;
 use crate::plane::{Pose2, Vec2};
 use crate::world::{BoundarySample, Map};
 use core::f64::consts::FRAC_PI_2;
@@ -70,7 +69,7 @@ pub fn aligned_states(map: &Map, samples: &[BoundarySample], observation: &Obser
                         heading_std,
                     })
                 };
-                states.extend(parallel::filter_map(samples, place));
+                states.extend(samples.iter().filter_map(place));
             }
         }
     }

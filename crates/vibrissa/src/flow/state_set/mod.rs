@@ -21,7 +21,6 @@ pub use candidate::Candidate;
 pub use components::{Component, components};
 
 use crate::config::DeterministicOptions;
-use crate::flow::parallel;
 use crate::flow::preimage::{HEADING_SPACING, Observation, aligned_states};
 use crate::plane::{Pose2, wrap_angle};
 use crate::world::{BoundarySample, Map, Odometry};
@@ -31,9 +30,10 @@ use membership::Tolerance;
 const ENTRIES: usize = 2;
 /// Fewest observations that a candidate may miss where any may be missed at all.
 const FEWEST_MISSES: u32 = 3;
-/// Candidates nearer to each other than this are one (m and rad): well below the boundary's sampling.
-const SAME_PLACE: f64 = 0.5e-3;
-const SAME_HEADING: f64 = 6e-3;
+/// Candidates nearer to each other than this are one (m and rad): no more than the boundary's sampling, as a whisker's
+/// base moves by a millimetre when it turns by so much.
+const SAME_PLACE: f64 = 1e-3;
+const SAME_HEADING: f64 = 0.02;
 
 /// The candidates that explain the observations so far.
 #[derive(Clone, Debug, Default)]
@@ -88,7 +88,7 @@ impl StateSet {
             let mut candidates: Vec<Candidate> = entering.filter(|c| admits(options, c.map_from_odom)).collect();
             for (index, observation) in observations.iter().enumerate().filter(|&(index, _)| index != entry) {
                 let tolerance = Tolerance::new(observation, options);
-                parallel::for_each(&mut candidates, |c| c.meet(map, observation, &tolerance));
+                candidates.iter_mut().for_each(|c| c.meet(map, observation, &tolerance));
                 let seen = index as u32 + 1;
                 candidates.retain(|c| c.missed <= allowed_misses(options.missed_share, seen));
             }
@@ -104,10 +104,10 @@ impl StateSet {
         let (travelled, turned) = (std::mem::take(&mut self.travelled), std::mem::take(&mut self.turned));
         let tolerance = Tolerance::new(observation, options);
         let odom_from_robot = self.odom_from_robot;
-        parallel::for_each(&mut self.candidates, |candidate| {
+        for candidate in &mut self.candidates {
             candidate.widen(odom_from_robot, travelled, turned);
             candidate.meet(map, observation, &tolerance);
-        });
+        }
         let allowed = allowed_misses(options.missed_share, self.observations);
         self.candidates.retain(|c| c.missed <= allowed);
         self.merge();

@@ -1,24 +1,26 @@
 //! The first cells: every state that one reading allows, anywhere on the map.
 
 use super::cell::Cell;
-use super::explain::{Contact, contacts, mirrored};
-use super::piece::{Edge, Piece, Pieces, Vertex};
+use super::explain::{Contact, Level, contacts, mirrored};
+use super::piece::{Edge, Piece, Vertex};
 use super::record::{Bending, Touch};
 use crate::plane::{Bounds, Pose2, Vec2};
 use core::f64::consts::TAU;
 
 /// Longest stretch of an edge that one cell takes (m).
 const STRETCH: f64 = 0.03;
-/// Headings between neighbouring cells at a vertex.
+/// Headings between neighbouring cells at a vertex, and at one that stands for more than a few millimetres.
 const VERTEX_HEADINGS: usize = 60;
-/// Contacts at a vertex are taken together up to this size (m).
+const BUNDLE_HEADINGS: usize = 24;
+/// Contacts at a vertex are taken together up to this size (m), or up to its own.
 const TOGETHER: f64 = 4e-3;
 
 /// Cells that hold every state in which the map explains the reading by contact within `near`, where that is known;
 /// `touch` is sliced from a coarse table.
-pub(super) fn cells(pieces: &Pieces, near: Option<Bounds>, touch: &Touch, record: u32) -> Vec<Cell> {
+pub(super) fn cells(level: &Level, near: Option<Bounds>, touch: &Touch, record: u32) -> Vec<Cell> {
     let mut cells = Vec::new();
     for bending in &touch.sides {
+        let pieces = level.pieces(touch, bending);
         let mut lay = |piece: &Piece| match piece {
             Piece::Edge(edge) => along_edge(edge, touch, bending, record, &mut cells),
             Piece::Vertex(vertex) => around_vertex(vertex, touch, bending, record, &mut cells),
@@ -43,7 +45,8 @@ fn along_edge(edge: &Edge, touch: &Touch, bending: &Bending, record: u32, cells:
     let half_length = 0.5 * edge.length / pieces;
     let normal = edge.along.perp();
     let lean = edge.slack + touch.friction_angle;
-    for entry in bending.slices[0].entries() {
+    let held = edge.hollow >= touch.holding;
+    for entry in bending.slices[0].entries().iter().filter(|entry| held || !entry.inflected) {
         let psi = bending.side * entry.middle;
         let heading = edge.normal - psi;
         let contact = mirrored(entry, bending.side, entry.middle);
@@ -75,17 +78,22 @@ fn along_edge(edge: &Edge, touch: &Touch, bending: &Bending, record: u32, cells:
 }
 
 fn around_vertex(vertex: &Vertex, touch: &Touch, bending: &Bending, record: u32, cells: &mut Vec<Cell>) {
-    let half = 0.5 * TAU / VERTEX_HEADINGS as f64;
-    for k in 0..VERTEX_HEADINGS {
+    let held = vertex.hollow >= touch.holding;
+    let together = TOGETHER.max(2.0 * vertex.spread);
+    let headings = if vertex.spread > 0.5 * TOGETHER { BUNDLE_HEADINGS } else { VERTEX_HEADINGS };
+    let half = 0.5 * TAU / headings as f64;
+    for k in 0..headings {
         let heading = (2 * k + 1) as f64 * half;
         let wide = (vertex.slack + touch.friction_angle + half).min(core::f64::consts::PI);
         let mut boxes: Vec<Bounds> = Vec::new();
         contacts(bending.side, &bending.slices[0], vertex.normal - heading, wide, |contact| {
-            gather(contact, &mut boxes)
+            if held || !contact.inflected {
+                gather(contact, together, &mut boxes)
+            }
         });
         for bounds in boxes {
             let (center, wide) = ((bounds.min + bounds.max) * 0.5, (bounds.max - bounds.min) * 0.5);
-            let rest = 0.5 * center.norm() * half * half + wide.norm() * half + 1e-9;
+            let rest = 0.5 * center.norm() * half * half + wide.norm() * half + vertex.spread + 1e-9;
             let turned = |v: Vec2| v.rotated(heading);
             let (x, y) = (turned(Vec2::new(wide.x + rest, 0.0)), turned(Vec2::new(0.0, wide.y + rest)));
             let p = turned(center);
@@ -98,12 +106,12 @@ fn around_vertex(vertex: &Vertex, touch: &Touch, bending: &Bending, record: u32,
 }
 
 /// Adds the contacts of an entry to a rectangle that stays small, or to a new one.
-fn gather(contact: &Contact, boxes: &mut Vec<Bounds>) {
+fn gather(contact: &Contact, together: f64, boxes: &mut Vec<Bounds>) {
     let of = |a: f64, b: f64| a.abs() * contact.half + b.abs() + contact.radius;
     let half =
         Vec2::new(of(contact.by_direction.x, contact.by_moment.x), of(contact.by_direction.y, contact.by_moment.y));
     let own = Bounds { min: contact.center - half, max: contact.center + half };
-    let small = |b: Bounds| b.size().x.max(b.size().y) <= TOGETHER;
+    let small = |b: Bounds| b.size().x.max(b.size().y) <= together;
     match boxes.iter_mut().find(|b| small(b.hull(own))) {
         Some(near) => *near = near.hull(own),
         None => boxes.push(own),

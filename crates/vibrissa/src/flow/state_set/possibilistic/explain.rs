@@ -6,23 +6,69 @@
 //! each entry of the reading's slice cut a slanted strip out of the cell. What the strips leave together is kept.
 
 use super::cell::{Cell, Form, narrow};
-use super::piece::{Edge, Piece, Pieces, Vertex};
+use super::piece::{COARSE, Edge, FINE, Piece, Pieces, Vertex};
 use super::record::{Bending, Touch};
 use crate::beam::press::{PressEntry, PressSlice, Span};
 use crate::plane::{Bounds, Pose2, Vec2};
+use crate::world::Map;
 use core::f64::consts::{PI, TAU};
 
 type Part = [(f64, f64); 3];
 
-/// Cells wider than this in heading (rad) or place (m) are compared with the coarse pieces.
+/// Cells wider than this in heading (rad) or place (m) are compared with the coarse pieces,
 const WIDE_TURN: f64 = 0.02;
 const WIDE_REACH: f64 = 8e-3;
+/// and those wider than this with bundles of pieces.
+const WIDEST_TURN: f64 = 0.12;
+const WIDEST_REACH: f64 = 0.03;
 
-/// The map's pieces, fine and coarse.
+/// The map's pieces, from fine to coarse.
 #[derive(Clone, Debug)]
 pub(super) struct Ground {
-    pub(super) fine: Pieces,
-    pub(super) coarse: Pieces,
+    pub(super) fine: Level,
+    pub(super) coarse: Level,
+    pub(super) bundled: Level,
+}
+
+/// All pieces, and those that curve towards free space.
+#[derive(Clone, Debug)]
+pub(super) struct Level {
+    pub(super) all: Pieces,
+    pub(super) hollow: Pieces,
+}
+
+impl Level {
+    fn new(all: Pieces) -> Self {
+        Self { hollow: all.hollow(), all }
+    }
+
+    /// The pieces on which these contacts can be.
+    pub(super) fn pieces(&self, touch: &Touch, bending: &Bending) -> &Pieces {
+        if bending.all_inflected && touch.holding > 0.0 { &self.hollow } else { &self.all }
+    }
+}
+
+impl Ground {
+    pub(super) fn new(map: &Map) -> Self {
+        let coarse = Pieces::new(map, COARSE);
+        Self {
+            fine: Level::new(Pieces::new(map, FINE)),
+            bundled: Level::new(coarse.bundled()),
+            coarse: Level::new(coarse),
+        }
+    }
+
+    /// The level for a cell: a wide one gains nothing from fine detail.
+    fn level(&self, view: &View) -> &Level {
+        let reach = view.reach.x + view.reach.y;
+        if view.turn > WIDEST_TURN || reach > WIDEST_REACH {
+            &self.bundled
+        } else if view.turn > WIDE_TURN || reach > WIDE_REACH {
+            &self.coarse
+        } else {
+            &self.fine
+        }
+    }
 }
 
 /// The angle brought within half a turn of the half turn (rad).
@@ -123,11 +169,10 @@ impl Left {
 
 /// What of the cell explains the reading by some contact; none if nothing does. Pieces and entries looked at are counted.
 pub(super) fn by_contact(view: &View, touch: &Touch, ground: &Ground, looks: &mut usize) -> Option<Left> {
-    // A wide cell gains nothing from fine detail.
-    let wide = view.turn > WIDE_TURN || view.reach.x + view.reach.y > WIDE_REACH;
-    let pieces = if wide { &ground.coarse } else { &ground.fine };
+    let level = ground.level(view);
     let mut left = None;
     for bending in &touch.sides {
+        let pieces = level.pieces(touch, bending);
         let bounds = rectangle(view, bending);
         pieces.near(bounds, |piece| match piece {
             Piece::Edge(edge) => *looks += 1 + on_edge(view, touch, bending, edge, &mut left),
@@ -163,6 +208,7 @@ pub(super) struct Contact {
     pub(super) radius: f64,
     /// No less than the lengths of the three vectors.
     sizes: [f64; 3],
+    pub(super) inflected: bool,
 }
 
 /// Calls `visit` for each entry that meets the directions within `wide` of `psi` (rad, whisker frame, any turn).
@@ -190,6 +236,7 @@ pub(super) fn mirrored(entry: &PressEntry, side: f64, asked: f64) -> Contact {
         by_moment: Vec2::new(entry.by_moment.x, side * entry.by_moment.y),
         radius: entry.radius,
         sizes: [about(entry.center), about(entry.by_direction), about(entry.by_moment)],
+        inflected: entry.inflected,
     }
 }
 
@@ -201,6 +248,10 @@ fn about(v: Vec2) -> f64 {
 
 /// Contacts on an edge; how many entries were looked at.
 fn on_edge(view: &View, touch: &Touch, bending: &Bending, edge: &Edge, left: &mut Option<Left>) -> usize {
+    let held = edge.hollow >= touch.holding;
+    if bending.all_inflected && !held {
+        return 0;
+    }
     let Some(facing) = Facing::new(view, touch.length, edge) else { return 0 };
     let mut looks = 0;
     let psi = edge.normal - view.heading;
@@ -219,6 +270,9 @@ fn on_edge(view: &View, touch: &Touch, bending: &Bending, edge: &Edge, left: &mu
             continue;
         }
         for entry in slice.between(asked - wide, asked + wide) {
+            if entry.inflected && !held {
+                continue;
+            }
             looks += 1;
             if let Some((part, across)) = facing.part(&mirrored(entry, bending.side, asked), lean) {
                 Left::join(left, part, across.form, across.range);
@@ -319,8 +373,8 @@ impl<'a> Facing<'a> {
     }
 }
 
-/// The strips with the contact at a point: across and along the line on which the contact moves with the direction.
-fn at_point(view: &View, contact: &Contact, target: Vec2) -> [Strip; 2] {
+/// The strips with the contact within `spread` of a point: across and along the line on which the contact moves with the direction.
+fn at_point(view: &View, contact: &Contact, target: Vec2, spread: f64) -> [Strip; 2] {
     // The point in the whisker frame, and how it moves as base and heading do.
     let (sin, cos) = (view.sin, view.cos);
     let w = view.to_whisker(target - view.base);
@@ -334,7 +388,7 @@ fn at_point(view: &View, contact: &Contact, target: Vec2) -> [Strip; 2] {
     let turned = view.turn + view.slop_turn;
     let moved = size(view.reach);
     let second = turned * (0.5 * size(w) * turned + moved);
-    let error = contact.radius + second + view.slop + size(w) * view.slop_turn;
+    let error = contact.radius + second + view.slop + size(w) * view.slop_turn + spread;
     [line.perp(), line].map(|direction| {
         let in_map = Vec2::new(cos * direction.x - sin * direction.y, sin * direction.x + cos * direction.y);
         let at = direction.dot(w - contact.center);
@@ -346,19 +400,26 @@ fn at_point(view: &View, contact: &Contact, target: Vec2) -> [Strip; 2] {
 
 /// Contacts at a vertex; how many entries were looked at.
 fn at_vertex(view: &View, touch: &Touch, bending: &Bending, vertex: &Vertex, left: &mut Option<Left>) -> usize {
+    let held = vertex.hollow >= touch.holding;
+    if bending.all_inflected && !held {
+        return 0;
+    }
     let mut looks = 0;
     let lean = vertex.slack + touch.friction_angle;
     let psi = vertex.normal - view.heading;
     // Cones of half a turn and more meet everything.
     let wide = (view.turn + view.slop_turn + lean).min(PI);
     contacts(bending.side, bending.level(view.turn), psi, wide, |contact| {
+        if contact.inflected && !held {
+            return;
+        }
         looks += 1;
         // Out of reach of all contacts of this entry: no need for strips.
-        let reach = contact.sizes.iter().sum::<f64>() + contact.radius;
+        let reach = contact.sizes.iter().sum::<f64>() + contact.radius + vertex.spread;
         if out_of_reach(view, vertex.point, reach) {
             return;
         }
-        let [across, along] = at_point(view, contact, vertex.point);
+        let [across, along] = at_point(view, contact, vertex.point, vertex.spread);
         let mut part = WHOLE;
         if narrow(&mut part, &across.form, across.range) && narrow(&mut part, &along.form, along.range) {
             Left::join(left, part, across.form, across.range);

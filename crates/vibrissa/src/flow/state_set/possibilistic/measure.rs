@@ -10,6 +10,9 @@ const LINK: f64 = 1e-4;
 const LINK_TURN: f64 = 1e-3;
 /// The area is counted on a raster of this many cells across.
 const RASTER: usize = 256;
+/// And on this one when it matters, with squares no smaller than this (m).
+const SHARP_RASTER: usize = 1024;
+const LEAST_SQUARE: f64 = 1e-6;
 /// More cells than this are not compared one by one, but joined where they share a bin: so many for each axis.
 const CROWD: usize = 1000;
 const BINS: usize = 64;
@@ -173,11 +176,11 @@ impl Group {
     }
 }
 
-/// Upper bounds of area (m²) and volume (m² rad).
-pub(super) fn size(cells: &[(Cell, f64)]) -> (f64, f64) {
+/// Upper bounds of area (m²) and volume (m² rad); `sharp` takes longer and counts less beside the cells.
+pub(super) fn size(cells: &[(Cell, f64)], sharp: bool) -> (f64, f64) {
     let volume = cells.iter().map(|(_, v)| v).sum();
     let shadows: f64 = cells.iter().map(|(cell, _)| shadow(cell)).sum();
-    (shadows.min(raster(cells)), volume)
+    (shadows.min(raster(cells, sharp)), volume)
 }
 
 /// The area of a cell's projection: a hexagon.
@@ -186,8 +189,37 @@ fn shadow(cell: &Cell) -> f64 {
     4.0 * (a.cross(b).abs() + b.cross(c).abs() + c.cross(a).abs())
 }
 
-/// The area by counting the squares of a raster that the cells' rectangles touch.
-fn raster(cells: &[(Cell, f64)]) -> f64 {
+/// The corners of that hexagon.
+fn hexagon(cell: &Cell) -> [Vec2; 6] {
+    let upward = |v: Vec2| if v.y < 0.0 || (v.y == 0.0 && v.x < 0.0) { -v } else { v };
+    let mut sides = cell.sides.map(|s| upward(Vec2::new(s[0], s[1])));
+    sides.sort_by(|a, b| b.cross(*a).total_cmp(&0.0));
+    let [a, b, c] = sides;
+    let first = -(a + b + c);
+    let (second, third) = (first + a * 2.0, first + (a + b) * 2.0);
+    [first, second, third, -first, -second, -third].map(|corner| cell.place() + corner)
+}
+
+/// The least and largest x that a polygon has between two heights; none where it has no point there.
+fn between(polygon: &[Vec2; 6], low: f64, high: f64) -> Option<(f64, f64)> {
+    let mut range: Option<(f64, f64)> = None;
+    for k in 0..6 {
+        let (p, q) = (polygon[k], polygon[(k + 1) % 6]);
+        let (bottom, top) = if p.y <= q.y { (p, q) } else { (q, p) };
+        if top.y < low || bottom.y > high {
+            continue;
+        }
+        let rise = top.y - bottom.y;
+        let at = |y: f64| if rise > 0.0 { bottom.x + (top.x - bottom.x) * ((y - bottom.y) / rise) } else { top.x };
+        let ends = (at(low.max(bottom.y)), if rise > 0.0 { at(high.min(top.y)) } else { bottom.x });
+        let own = (ends.0.min(ends.1), ends.0.max(ends.1));
+        range = Some(range.map_or(own, |all| (all.0.min(own.0), all.1.max(own.1))));
+    }
+    range
+}
+
+/// The area by counting the squares of a raster that the cells' projections touch, or the rectangles around these.
+fn raster(cells: &[(Cell, f64)], sharp: bool) -> f64 {
     let rectangle = |cell: &Cell| {
         let [x, y, _] = cell.reach();
         let half = Vec2::new(x, y);
@@ -197,14 +229,20 @@ fn raster(cells: &[(Cell, f64)]) -> f64 {
     if all.is_empty() {
         return 0.0;
     }
-    let square = (all.size().x.max(all.size().y) / RASTER as f64).max(1e-3 * ARM);
-    let mut hit = vec![false; (RASTER + 1) * (RASTER + 1)];
+    let across = if sharp { SHARP_RASTER } else { RASTER };
+    let square = (all.size().x.max(all.size().y) / across as f64).max(if sharp { LEAST_SQUARE } else { 1e-3 * ARM });
+    let mut hit = vec![false; (across + 1) * (across + 1)];
     for (cell, _) in cells {
         let Bounds { min, max } = rectangle(cell);
-        let index = |v: f64, from: f64| (((v - from) / square) as usize).min(RASTER);
-        let (x0, x1) = (index(min.x, all.min.x), index(max.x, all.min.x));
+        let corners = hexagon(cell);
+        let index = |v: f64, from: f64| (((v - from) / square) as usize).min(across);
         for y in index(min.y, all.min.y)..=index(max.y, all.min.y) {
-            hit[y * (RASTER + 1) + x0..=y * (RASTER + 1) + x1].fill(true);
+            let low = all.min.y + y as f64 * square;
+            // A little more than the row, for rounding.
+            let touched = || between(&corners, low - 1e-6 * square, low + square * (1.0 + 1e-6));
+            let Some((left, right)) = (if sharp { touched() } else { Some((min.x, max.x)) }) else { continue };
+            let (x0, x1) = (index(left, all.min.x), index(right, all.min.x));
+            hit[y * (across + 1) + x0..=y * (across + 1) + x1].fill(true);
         }
     }
     hit.iter().filter(|&&h| h).count() as f64 * square * square

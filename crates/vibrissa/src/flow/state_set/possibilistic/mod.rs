@@ -6,6 +6,7 @@
 //! are, which is never wrong. `docs/possibilistic.md` gives the reasons why nothing true is lost.
 
 mod birth;
+mod bundle;
 mod cell;
 mod explain;
 mod measure;
@@ -25,13 +26,12 @@ use crate::world::{Map, MountedWhisker, Odometry};
 use cell::{Cell, narrow};
 use explain::{Ground, View};
 pub use measure::Place;
-use piece::Pieces;
 use record::{Stand, Touch};
 
 /// Columns (a quarter turn) and rows of the tables that cells meet, from fine to coarse, and of those that they are
 /// born from.
 const TABLES: [(usize, usize); 4] = [(64, 48), (32, 32), (16, 24), (8, 16)];
-const BIRTH: (usize, usize) = (24, 24);
+const BIRTH: (usize, usize) = (16, 24);
 /// Odometry may be off by this much before a cell is moved to the present row (m).
 const STALE: f64 = 5e-5;
 /// And a cell that is wide in heading is moved when the robot is this far away (m).
@@ -95,7 +95,7 @@ impl PossibleSet {
         Self {
             options,
             odometry,
-            ground: Ground { fine: Pieces::new(map, piece::FINE), coarse: Pieces::new(map, piece::COARSE) },
+            ground: Ground::new(map),
             probes: whiskers.iter().map(probe).collect(),
             records: Vec::new(),
             kept: Vec::new(),
@@ -197,7 +197,7 @@ impl PossibleSet {
             }
             let coarse = Touch::new(&probe.whisker, &probe.birth, moment.lo(), moment.hi());
             let near = self.near(&probe.whisker);
-            self.cells.extend(birth::cells(&self.ground.coarse, near, &coarse, record));
+            self.cells.extend(birth::cells(&self.ground.bundled, near, &coarse, record));
             self.births += 1;
             self.born_at = record;
         }
@@ -264,7 +264,7 @@ impl PossibleSet {
             if look && !room::base_may_be_free(&view, map) {
                 return None;
             }
-            if touch.free && room::whisker_may_be_free(&view, touch.length, &self.ground.coarse) {
+            if touch.free && room::whisker_may_be_free(&view, touch.length, &self.ground.coarse.all) {
                 continue;
             }
             match explain::by_contact(&view, touch, &self.ground, looks) {
@@ -358,6 +358,11 @@ impl PossibleSet {
     /// Upper bounds of the area that the set covers (m²) and of its volume (m² rad), at the newest row.
     #[must_use]
     pub fn size(&self) -> (f64, f64) {
-        measure::size(&self.now())
+        measure::size(&self.now(), true)
+    }
+
+    /// As [`Self::size`], quickly: the area may be told larger.
+    pub(crate) fn rough_size(&self) -> (f64, f64) {
+        measure::size(&self.now(), false)
     }
 }

@@ -1,5 +1,6 @@
 //! The map as a whisker feels it: all but straight edges, and points with a cone of normals.
 
+use super::bundle;
 use crate::plane::{Bounds, Segment, SegmentTree, Vec2, wrap_angle};
 use crate::world::{Boundary, Map};
 use core::f64::consts::{FRAC_PI_2, PI};
@@ -19,10 +20,10 @@ pub(super) const COARSE: Grain = Grain { turn: 0.1, bow: 1.5e-4 };
 const SHORT: f64 = 1.5e-3;
 const SHORT_TURN: f64 = 0.4;
 const SHORT_BOW: f64 = 1e-4;
-/// No edge leaves its chord by more (m).
-const MOST_BOW: f64 = 3e-4;
 /// A turn between edges beyond this makes a vertex (rad).
 const CORNER: f64 = 0.06;
+/// Turns smaller than this are rounding (rad).
+const NO_TURN: f64 = 1e-6;
 /// What rounding and the readers' tolerance for arcs may add (m).
 const ROUNDING: f64 = 1e-8;
 
@@ -43,14 +44,18 @@ pub(super) struct Edge {
     pub(super) normal: f64,
     pub(super) slack: f64,
     pub(super) bow: f64,
+    /// Curvature towards free space (1/m), which can hold a tip; infinite where a vertex was smoothed.
+    pub(super) hollow: f64,
 }
 
-/// A point with every normal within `slack` of `normal`.
+/// Every point within `spread` of one, with every normal within `slack` of `normal`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Vertex {
     pub(super) point: Vec2,
+    pub(super) spread: f64,
     pub(super) normal: f64,
     pub(super) slack: f64,
+    pub(super) hollow: f64,
 }
 
 /// A link of a chain: its ends, how far the curve leaves the chord, and the range of tangents (rad, unrolled).
@@ -60,6 +65,10 @@ struct Link {
     to: Vec2,
     bow: f64,
     tangent: (f64, f64),
+    /// Its tangents at the ends (rad).
+    ends: (f64, f64),
+    /// No less than its curvature to the left and to the right (1/m).
+    curvature: (f64, f64),
 }
 
 /// The pieces with a tree over their chords.
@@ -67,6 +76,8 @@ struct Link {
 pub(super) struct Pieces {
     pub(super) all: Vec<Piece>,
     tree: SegmentTree,
+    /// No piece leaves its chord by more (m).
+    margin: f64,
 }
 
 impl Pieces {
@@ -75,22 +86,50 @@ impl Pieces {
         for boundary in map.boundaries() {
             add_boundary(boundary, grain, &mut all);
         }
-        let chord = |piece: &Piece| match piece {
-            Piece::Edge(e) => [e.start, e.start + e.along * e.length],
-            Piece::Vertex(v) => [v.point; 2],
+        Self::of(all)
+    }
+
+    /// The same, with finely cut stretches taken together.
+    pub(super) fn bundled(&self) -> Self {
+        Self::of(bundle::bundled(&self.all))
+    }
+
+    /// Those of them that curve towards free space anywhere.
+    pub(super) fn hollow(&self) -> Self {
+        let curves = |piece: &&Piece| match piece {
+            Piece::Edge(e) => e.hollow > 0.0,
+            Piece::Vertex(v) => v.hollow > 0.0,
         };
-        let chords: Vec<_> = all.iter().map(chord).collect();
-        Self { tree: SegmentTree::new(&chords), all }
+        Self::of(self.all.iter().filter(curves).copied().collect())
+    }
+
+    fn of(all: Vec<Piece>) -> Self {
+        let chords: Vec<_> = all.iter().map(Piece::chord).collect();
+        let bow = |piece: &Piece| match piece {
+            Piece::Edge(e) => e.bow,
+            Piece::Vertex(v) => v.spread,
+        };
+        Self { tree: SegmentTree::new(&chords), margin: all.iter().map(bow).fold(0.0, f64::max), all }
     }
 
     /// Calls `visit` for every piece that may have a point in the rectangle.
     pub(super) fn near(&self, bounds: Bounds, mut visit: impl FnMut(&Piece)) {
-        let margin = Vec2::new(MOST_BOW, MOST_BOW);
+        let margin = Vec2::new(self.margin, self.margin);
         let grown = Bounds { min: bounds.min - margin, max: bounds.max + margin };
         self.tree.for_each_in(grown, |edge, _| {
             visit(&self.all[edge]);
             false
         });
+    }
+}
+
+impl Piece {
+    /// Its ends.
+    pub(super) fn chord(&self) -> [Vec2; 2] {
+        match self {
+            Self::Edge(e) => [e.start, e.start + e.along * e.length],
+            Self::Vertex(v) => [v.point; 2],
+        }
     }
 }
 
@@ -105,7 +144,8 @@ fn add_boundary(boundary: &Boundary, grain: Grain, all: &mut Vec<Piece>) {
         let back: Vec<Link> = links.iter().rev().map(Link::reversed).collect();
         add_side(&back, closed, grain, all);
         if let (false, Some(first), Some(last)) = (closed, links.first(), links.last()) {
-            let end = |point, normal| Piece::Vertex(Vertex { point, normal, slack: FRAC_PI_2 });
+            let end =
+                |point, normal| Piece::Vertex(Vertex { point, spread: 0.0, normal, slack: FRAC_PI_2, hollow: 0.0 });
             all.push(end(first.from, wrap_angle(first.tangent.0 + PI)));
             all.push(end(last.to, wrap_angle(last.tangent.1)));
         }
@@ -114,7 +154,17 @@ fn add_boundary(boundary: &Boundary, grain: Grain, all: &mut Vec<Piece>) {
 
 impl Link {
     fn reversed(&self) -> Self {
-        Self { from: self.to, to: self.from, tangent: (self.tangent.0 + PI, self.tangent.1 + PI), ..*self }
+        let back = |(a, b): (f64, f64)| (a + PI, b + PI);
+        let (first, last) = self.ends;
+        let (left, right) = self.curvature;
+        Self {
+            from: self.to,
+            to: self.from,
+            tangent: back(self.tangent),
+            ends: back((last, first)),
+            curvature: (right, left),
+            ..*self
+        }
     }
 }
 
@@ -134,13 +184,27 @@ fn add_links(segment: &Segment, links: &mut Vec<Link>) {
         let size = legs.iter().map(|l| l.norm()).sum::<f64>();
         let fine = hi - lo <= 0.5 * FINE.turn && bow <= 0.3 * FINE.bow;
         if points.len() == 2 || fine || size < 1e-5 {
-            links.push(Link { from, to, bow: bow + ROUNDING, tangent: (middle + lo, middle + hi) });
+            links.push(Link {
+                from,
+                to,
+                bow: bow + ROUNDING,
+                tangent: (middle + lo, middle + hi),
+                ends: (first.angle(), legs[legs.len() - 1].angle()),
+                curvature: bends(&legs, (hi - lo) / size),
+            });
         } else {
             let (left, right) = halved(&points);
             stack.push(right);
             stack.push(left);
         }
     }
+}
+
+/// How sharply a fine link turns to the left and to the right (1/m), at most: twice its mean where it does at all.
+fn bends(legs: &[Vec2], mean: f64) -> (f64, f64) {
+    let turns = || legs.windows(2).map(|w| wrap_angle(w[1].angle() - w[0].angle()));
+    let if_any = |any: bool| if any { 2.0 * mean } else { 0.0 };
+    (if_any(turns().any(|t| t > NO_TURN)), if_any(turns().any(|t| t < -NO_TURN)))
 }
 
 /// The two halves of a Bézier by de Casteljau.
@@ -209,26 +273,42 @@ fn is_fine(edge: &Edge, grain: Grain) -> bool {
     edge.slack <= 0.5 * slack && edge.bow <= bow
 }
 
+/// What an edge takes over from the link before it, across a joint that is no vertex.
+#[derive(Clone, Copy, Debug)]
+struct Entering {
+    tangents: (f64, f64),
+    hollow: f64,
+}
+
+/// The curvature of a joint towards free space: none or infinite.
+fn hollow_joint(before: &Link, after: &Link) -> f64 {
+    if wrap_angle(after.ends.0 - before.ends.1) > NO_TURN { f64::INFINITY } else { 0.0 }
+}
+
 /// What stands between two links: a vertex, or the last tangents for the next edge to include.
-fn joint(before: &Link, after: &Link, all: &mut Vec<Piece>) -> Option<[f64; 2]> {
+fn joint(before: &Link, after: &Link, all: &mut Vec<Piece>) -> Option<Entering> {
     let turn = turn(before, after);
     if turn.abs() <= CORNER {
-        return Some([before.tangent.0, before.tangent.1]);
+        return Some(Entering { tangents: before.tangent, hollow: hollow_joint(before, after) });
     }
     let spread = (before.tangent.1 - before.tangent.0).abs() + (after.tangent.1 - after.tangent.0).abs();
     let normal = wrap_angle(before.tangent.1 + 0.5 * turn + FRAC_PI_2);
-    all.push(Piece::Vertex(Vertex { point: after.from, normal, slack: 0.5 * turn.abs() + spread }));
+    let hollow = hollow_joint(before, after);
+    let slack = 0.5 * turn.abs() + spread;
+    all.push(Piece::Vertex(Vertex { point: after.from, spread: 0.0, normal, slack, hollow }));
     None
 }
 
 /// One edge over some links.
-fn chord(links: &[Link], entering: Option<[f64; 2]>) -> Edge {
+fn chord(links: &[Link], entering: Option<Entering>) -> Edge {
     let (start, end) = (links[0].from, links[links.len() - 1].to);
     let length = start.distance(end);
     let direction = if length > 0.0 { (end - start).angle() } else { links[0].tangent.0 };
     let along = Vec2::from_angle(direction);
     let off = |tangent: f64| wrap_angle(tangent - direction).abs();
-    let mut slack = entering.map_or(0.0, |[a, b]| off(a).max(off(b)));
+    let mut slack = entering.map_or(0.0, |e| off(e.tangents.0).max(off(e.tangents.1)));
+    let hollow = links.iter().map(|link| link.curvature.0).fold(entering.map_or(0.0, |e| e.hollow), f64::max);
+    let hollow = links.windows(2).map(|w| hollow_joint(&w[0], &w[1])).fold(hollow, f64::max);
     let mut bow = 0.0_f64;
     for link in links {
         slack = slack.max(off(link.tangent.0)).max(off(link.tangent.1));
@@ -239,5 +319,5 @@ fn chord(links: &[Link], entering: Option<[f64; 2]>) -> Edge {
         };
         bow = bow.max(link.bow + away(link.from).max(away(link.to)));
     }
-    Edge { start, along, length, normal: wrap_angle(direction + FRAC_PI_2), slack: slack + 1e-9, bow }
+    Edge { start, along, length, normal: wrap_angle(direction + FRAC_PI_2), slack: slack + 1e-9, bow, hollow }
 }

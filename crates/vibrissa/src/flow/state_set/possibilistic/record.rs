@@ -52,6 +52,11 @@ fn larger(relative: f64) -> f64 {
     if relative > 0.0 { relative / (1.0 - relative) } else { 0.0 }
 }
 
+/// Without friction only a boundary with a radius below three lengths of the whisker holds a shape with an inflection
+/// (the least eigenvalue of the second variation, all amplitudes); this is its curvature over the whisker's length, with
+/// a margin.
+const HOLDING: f64 = 0.28;
+
 /// What one reading of one whisker allows.
 #[derive(Clone, Debug)]
 pub(super) struct Touch {
@@ -59,22 +64,26 @@ pub(super) struct Touch {
     pub(super) length: f64,
     /// How far the force may lean from the normal (rad).
     pub(super) friction_angle: f64,
-    /// Contacts that bend the whisker to the left (1) or to the right (-1), in metres.
+    /// Contacts where the whisker slopes to the left (1) or to the right (-1), in metres.
     pub(super) sides: Vec<Bending>,
     /// Whether the whisker may be free.
     pub(super) free: bool,
+    /// Boundaries that curve towards free space by no less than this (1/m) can hold a whisker with an inflection.
+    pub(super) holding: f64,
 }
 
 /// The contacts on one side.
 #[derive(Clone, Debug)]
 pub(super) struct Bending {
-    /// 1 for bending towards +y, -1 for the mirror image.
+    /// 1 for slopes towards +y at the contact, -1 for the mirror image.
     pub(super) side: f64,
     /// The same contacts by directions of the wall, from fine to coarse.
     pub(super) slices: Vec<PressSlice>,
     /// The rectangle around all contacts, whisker frame, and the largest distance from the base in it (m).
     pub(super) bounds: Bounds,
     pub(super) farthest: f64,
+    /// Whether all these contacts have an inflection.
+    pub(super) all_inflected: bool,
 }
 
 impl Touch {
@@ -86,6 +95,7 @@ impl Touch {
             friction_angle: tables.first().map_or(0.0, PressTable::friction_angle),
             sides: bendings(whisker, tables, lo, hi),
             free: lo <= 0.0 && hi >= 0.0,
+            holding: if whisker.friction > 0.0 { 0.0 } else { HOLDING / whisker.beam.length },
         }
     }
 }
@@ -95,14 +105,16 @@ fn bendings(whisker: &MountedWhisker, tables: &[PressTable], lo: f64, hi: f64) -
     let scale = whisker.beam.length / whisker.beam.flexural_rigidity;
     let mut sides = Vec::new();
     for (side, least, most) in [(1.0, lo, hi), (-1.0, -hi, -lo)] {
-        if most > 0.0 {
-            let cut =
-                |table: &PressTable| table.slice(least.max(0.0) * scale, most * scale).scaled(whisker.beam.length);
-            let slices: Vec<PressSlice> = tables.iter().map(cut).collect();
-            let bounds = slices.first().map_or(Bounds::EMPTY, |finest| around(finest, side));
+        let cut = |table: &PressTable| table.slice(least * scale, most * scale).scaled(whisker.beam.length);
+        let Some(finest) = tables.first().map(cut) else { continue };
+        // A table that knows no contact is right, however fine the others are.
+        if !finest.entries().is_empty() {
+            let bounds = around(&finest, side);
+            let all_inflected = finest.entries().iter().all(|entry| entry.inflected);
+            let slices: Vec<PressSlice> = core::iter::once(finest).chain(tables[1..].iter().map(cut)).collect();
             let Bounds { min, max } = bounds;
             let farthest = min.x.abs().max(max.x.abs()).hypot(min.y.abs().max(max.y.abs()));
-            sides.push(Bending { side, slices, bounds, farthest });
+            sides.push(Bending { side, slices, bounds, farthest, all_inflected });
         }
     }
     sides

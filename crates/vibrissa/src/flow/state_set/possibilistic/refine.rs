@@ -21,6 +21,12 @@ const LARGE: f64 = 0.7;
 const STAGES: [(usize, f64); 3] = [(2, 0.5), (8, 0.5), (64, 1.0)];
 /// Most cells of the last effort: a few MB.
 const LAST_CELLS: usize = 20_000;
+/// Beyond the resolution all cells are halved as long as that leaves less than this share of their volume, down to this
+/// share of the resolution: how large the cover is must be the set's doing, not that of the way to it.
+const PAYS: f64 = 0.97;
+const FINEST: f64 = 1.0 / 32.0;
+/// One part in so many of the last work may go into that.
+const POLISH: usize = 8;
 /// Kept readings are met in steps of this share of all of them, which spreads any number of them.
 const STRIDE: f64 = 0.618_033_988_75;
 /// Cells that are halved in one row when there is little work for each.
@@ -148,6 +154,30 @@ impl PossibleSet {
             work -= own;
             self.pave(map, times * RECALLED, &mut own);
             work += own;
+        }
+        self.polish(map, &mut work.min(self.options.last_work / POLISH));
+    }
+
+    /// Halves all cells, whatever their size, as long as it pays.
+    fn polish(&mut self, map: &Map, work: &mut usize) {
+        let (finest, all_kept) = (FINEST * self.options.resolution, self.kept.len());
+        while *work > 0 && 2 * self.cells.len() <= LAST_CELLS {
+            let before = self.volume();
+            let mut cells = Vec::with_capacity(2 * self.cells.len());
+            for cell in std::mem::take(&mut self.cells) {
+                let (side, length) = longest(&cell);
+                if *work == 0 || length <= finest {
+                    cells.push(cell);
+                } else {
+                    cells.extend(
+                        cell.halves(side).into_iter().filter_map(|half| self.recall(map, half, all_kept, work)),
+                    );
+                }
+            }
+            self.cells = cells;
+            if self.volume() > PAYS * before {
+                return;
+            }
         }
     }
 

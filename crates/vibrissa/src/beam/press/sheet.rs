@@ -1,0 +1,136 @@
+//! One sheet of tip contacts over the wall's direction and the share of the range of slopes, with bounds between the nodes.
+
+use super::{Gap, Node, ROUNDING, SAFETY, STRAIGHT, swing};
+use crate::beam::pendulum::{Pendulum, Tilt};
+use crate::plane::Vec2;
+use core::f64::consts::{FRAC_PI_2, PI};
+
+/// Below this swing (rad) a whisker is straight.
+const STILL: f64 = 1e-9;
+
+/// How the whisker is bent between base and tip.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Bend {
+    /// One way: the base lies within the pendulum's first half swing.
+    Plain,
+    /// With one inflection: within its second. The moment has the other sign.
+    Inflected,
+}
+
+impl Bend {
+    /// The tip contact with the tilt `beta` and the slope `u`.
+    pub(super) fn tip(self, beta: f64, u: f64) -> Node {
+        match self {
+            Self::Plain => swing(beta, u),
+            Self::Inflected => swing_back(beta, u),
+        }
+    }
+}
+
+/// A sheet: nodes for every direction and every step of the slope, by columns.
+#[derive(Clone, Debug)]
+pub(super) struct Sheet {
+    pub(super) rows: usize,
+    nodes: Vec<Node>,
+    gaps: Vec<Gap>,
+    /// Least and largest moment of each cell.
+    ranges: Vec<(f64, f64)>,
+}
+
+/// Friction angle and largest slope (rad).
+type Limits = (f64, f64);
+
+impl Sheet {
+    pub(super) fn new(directions: &[f64], rows: usize, bend: Bend, limits: Limits) -> Self {
+        let columns = directions.len() - 1;
+        // The moment grows like the root of the slope where it starts from nothing.
+        let share = |row: f64| (row / rows as f64).powi(2);
+        let mut sheet = Self {
+            rows,
+            nodes: Vec::with_capacity(directions.len() * (rows + 1)),
+            gaps: Vec::with_capacity(columns * rows),
+            ranges: Vec::with_capacity(columns * rows),
+        };
+        for &direction in directions {
+            sheet.nodes.extend((0..=rows).map(|row| tip(bend, direction, share(row as f64), limits)));
+        }
+        for column in 0..columns {
+            let ends = (directions[column], directions[column + 1]);
+            for row in 0..rows {
+                let shares = [0.0, 0.5, 1.0].map(|more| share(row as f64 + more));
+                let gap = sheet.measure(column, row, |direction, k| tip(bend, direction, shares[k], limits), ends);
+                let corners = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(c, r)| sheet.node(column + c, row + r).moment);
+                let (least, most) = corners.iter().fold((f64::INFINITY, 0.0_f64), |(a, b), &m| (a.min(m), b.max(m)));
+                sheet.gaps.push(gap);
+                sheet.ranges.push((least - gap.moment, most + gap.moment));
+            }
+        }
+        sheet
+    }
+
+    pub(super) fn node(&self, column: usize, row: usize) -> Node {
+        self.nodes[column * (self.rows + 1) + row]
+    }
+
+    /// The gaps of some cells of a column.
+    pub(super) fn gaps(&self, column: usize, first: usize, end: usize) -> &[Gap] {
+        &self.gaps[column * self.rows + first..column * self.rows + end]
+    }
+
+    /// Whether a cell may hold a moment of the interval.
+    pub(super) fn reaches(&self, column: usize, row: usize, (lo, hi): (f64, f64)) -> bool {
+        let (least, most) = self.ranges[column * self.rows + row];
+        least <= hi && most >= lo
+    }
+
+    /// The gap of one cell, from the sheet at the cell's middle and at the middles of its edges; `at` takes a direction
+    /// and which of the cell's three shares.
+    fn measure(&self, column: usize, row: usize, at: impl Fn(f64, usize) -> Node, (left, right): (f64, f64)) -> Gap {
+        let corners = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(c, r)| self.node(column + c, row + r));
+        let middle = 0.5 * (left + right);
+        let probes = [
+            (middle, 1, [0.25; 4]),
+            (middle, 0, [0.5, 0.5, 0.0, 0.0]),
+            (middle, 2, [0.0, 0.0, 0.5, 0.5]),
+            (left, 1, [0.5, 0.0, 0.5, 0.0]),
+            (right, 1, [0.0, 0.5, 0.0, 0.5]),
+        ];
+        let mut gap = Gap { moment: 0.0, tip: 0.0 };
+        for (direction, share, weights) in probes {
+            let at = at(direction, share);
+            let moment: f64 = corners.iter().zip(weights).map(|(n, w)| w * n.moment).sum();
+            let place = corners.iter().zip(weights).fold(Vec2::ZERO, |sum, (n, w)| sum + n.tip * w);
+            gap.moment = gap.moment.max((at.moment - moment).abs());
+            gap.tip = gap.tip.max(at.tip.distance(place));
+        }
+        Gap { moment: SAFETY * gap.moment + ROUNDING, tip: SAFETY * gap.tip + ROUNDING }
+    }
+}
+
+/// The tip contact with the force in `direction` (rad), at this share of the range of slopes.
+fn tip(bend: Bend, direction: f64, share: f64, (slack, steepest): Limits) -> Node {
+    let least = (2.0 * (direction - PI)).max(0.0);
+    let most = (direction - FRAC_PI_2 + slack).min(steepest).max(least);
+    let u = least + share * (most - least);
+    bend.tip(direction - FRAC_PI_2 - u, u)
+}
+
+/// The tip contact with the tilt `beta` and the slope `u` at the second time that the pendulum comes by.
+fn swing_back(beta: f64, u: f64) -> Node {
+    let beta = beta.clamp(-FRAC_PI_2, FRAC_PI_2);
+    if FRAC_PI_2 - beta < STILL {
+        return STRAIGHT;
+    }
+    let u = u.clamp(0.0, PI - 2.0 * beta);
+    let pendulum = Pendulum::new(Tilt::from_gap(beta + FRAC_PI_2));
+    let half = pendulum.half_period();
+    // The way back mirrors the way there.
+    let (there, turn) = (pendulum.at(pendulum.time_of(u).clamp(0.0, half)), pendulum.at(half));
+    let t = 2.0 * half - there.t;
+    let (along, across) = (2.0 * turn.along - there.along, 2.0 * turn.across - there.across);
+    let (sin, cos) = u.sin_cos();
+    Node {
+        moment: t * there.du.max(0.0),
+        tip: Vec2::new(along * cos + across * sin, along * sin - across * cos) * (1.0 / t),
+    }
+}

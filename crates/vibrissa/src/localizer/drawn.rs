@@ -1,0 +1,49 @@
+//! The whisker's shapes along the log as one place of the robot sees them, for drawing.
+
+use crate::beam::elastica;
+use crate::config::TipLoad;
+use crate::flow::contact_set::{TipContact, TipContactSet};
+use crate::flow::pose::ShapeRecord;
+use crate::plane::{Pose2, Vec2, wrap_angle};
+use crate::world::{Map, MountedWhisker};
+use core::f64::consts::{FRAC_PI_2, PI};
+
+/// How far a drawn tip may be from the boundary (m), and its force from the normal there (rad): place and reading have
+/// errors, and a reading that the side felt is not drawn.
+const NEAR: f64 = 2e-3;
+const ASLANT: f64 = 0.25;
+/// Points of a drawn whisker.
+const POINTS: usize = 24;
+
+/// What a whisker felt once.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Felt {
+    pub(super) t: f64,
+    pub(super) odom_from_robot: Pose2,
+    pub(super) whisker: usize,
+    pub(super) moment: f64,
+}
+
+/// The whisker with its tip on the boundary, robot frame; none where no tip contact agrees with the place.
+pub(super) fn shape(map: &Map, whisker: &MountedWhisker, felt: &Felt, map_from_odom: Pose2) -> Option<ShapeRecord> {
+    let beam = &whisker.beam;
+    let map_from_whisker = map_from_odom.compose(felt.odom_from_robot).compose(whisker.robot_from_whisker);
+    let branches = TipContactSet::branches(beam, felt.moment, TipLoad::BoundaryNormal);
+    let agreeing = |contact: &TipContact| misfit(map, map_from_whisker, contact).map(|misfit| (misfit, *contact));
+    let contacts = branches.iter().flat_map(TipContactSet::contacts);
+    let (_, contact) = contacts.filter_map(agreeing).min_by(|a, b| a.0.total_cmp(&b.0))?;
+    let bend = elastica::bend(beam.flexural_rigidity, contact.force, beam.length, contact.tilt())?;
+    let points = bend.shape(beam.length, POINTS).into_iter();
+    Some(ShapeRecord { t: felt.t, points: points.map(|p| whisker.robot_from_whisker.transform_point(p)).collect() })
+}
+
+/// How badly the boundary near the tip fits a contact; none beyond the limits.
+fn misfit(map: &Map, map_from_whisker: Pose2, contact: &TipContact) -> Option<f64> {
+    let tip = map_from_whisker.transform_point(contact.position);
+    let foot = map.foot(tip, NEAR)?;
+    let left = foot.tangent + FRAC_PI_2;
+    let behind = (map_from_whisker.position() - foot.position).dot(Vec2::from_angle(left)) < 0.0;
+    let normal = if foot.two_sided && behind { left + PI } else { left };
+    let off = wrap_angle(contact.direction + map_from_whisker.theta - normal) / ASLANT;
+    (off.abs() <= 1.0).then(|| off * off + (tip.distance(foot.position) / NEAR).powi(2))
+}
