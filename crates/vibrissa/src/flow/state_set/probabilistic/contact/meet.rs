@@ -16,13 +16,13 @@ impl Forward<'_> {
     pub(in super::super) fn untouched(&self, piece: u32, at: f64, heading: f64) -> Touch {
         let spot = self.ground.pieces[piece as usize].spot(at);
         let beta = wrap_angle(spot.normal - heading - FRAC_PI_2);
-        Touch { q: 0.0, beta, s: 1.0, hold: Hold::Piece(piece, at), place: spot.position, slope: 0.0 }
+        Touch { q: 0.0, beta, s: 1.0, hold: Hold::Piece(piece, at), place: spot.position, slope: 0.0, clear: 0.0 }
     }
 
     /// The tip loaded at a place of a piece, as another computation found it.
     pub(in super::super) fn loaded(&self, piece: u32, at: f64, q: f64, beta: f64, slope: f64) -> Touch {
         let place = self.ground.pieces[piece as usize].spot(at).position;
-        Touch { q, beta, s: 1.0, hold: Hold::Piece(piece, at), place, slope }
+        Touch { q, beta, s: 1.0, hold: Hold::Piece(piece, at), place, slope, clear: 0.0 }
     }
 
     /// The free whisker at `to`: a tip contact if it crosses a boundary near its tip, an unknown one elsewhere.
@@ -75,7 +75,7 @@ impl Forward<'_> {
             }
         };
         let beta = if (normal - map_from_whisker.theta - FRAC_PI_2).cos() > 0.0 { 0.0 } else { PI };
-        Some(Touch { q: 0.0, beta, s: crossing, hold, place, slope: 0.0 })
+        Some(Touch { q: 0.0, beta, s: crossing, hold, place, slope: 0.0, clear: 0.0 })
     }
 
     /// The free whisker at `to` glued to the boundary that its tip almost reaches.

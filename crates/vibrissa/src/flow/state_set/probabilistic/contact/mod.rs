@@ -5,8 +5,11 @@
 //! price of one more solution of the same linear system. Slightly negative forces, a whisker glued to the boundary, are
 //! kept: they tell in which direction a contact that should be there is to be looked for.
 
+mod body;
+mod both;
 mod meet;
 mod side;
+mod span;
 mod system;
 mod tip;
 
@@ -14,6 +17,8 @@ use super::ground::Ground;
 use crate::beam::{TipChart, TipTable, tip_chart};
 use crate::plane::{Pose2, Vec2, wrap_angle};
 use crate::world::Map;
+use body::Body;
+use both::Both;
 use core::f64::consts::PI;
 
 /// Largest travel of the base (whisker lengths, rad) in one step of the continuation.
@@ -23,6 +28,8 @@ const LARGEST_SLIDE: f64 = 0.08;
 const LARGEST_BEND: f64 = 0.35;
 /// Largest change of the place along the whisker, over its length.
 const LARGEST_PASS: f64 = 0.2;
+/// How far any place of a whisker moves at most, over how far its base does and turns it.
+const MOTION: f64 = 2.0;
 /// A step is halved this often before the whisker is said to have snapped.
 const MOST_HALVINGS: u32 = 6;
 /// Pull (dimensionless force) at which a glued whisker lets go: a gap of about 2.5 mm for the paper's whisker.
@@ -39,6 +46,8 @@ enum Hold {
     Vertex(u32),
     /// The side: a place on a piece, tangent to it.
     Flank(u32, f64),
+    /// Tip and side.
+    Both(Both),
 }
 
 /// A whisker on a boundary.
@@ -55,6 +64,8 @@ pub(super) struct Touch {
     place: Vec2,
     /// The slope of the whisker there (rad).
     slope: f64,
+    /// How far it may still move (m) before the rest of the whisker can have come to a boundary.
+    clear: f64,
 }
 
 impl Touch {
@@ -108,6 +119,11 @@ impl Solver<'_> {
         }
     }
 
+    /// One of two tolerances.
+    fn pick(&self, quick: f64, exact: f64) -> f64 {
+        if matches!(self, Self::Exact) { exact } else { quick }
+    }
+
     /// Residual (whisker lengths, rad) from which one more Newton step ends the search; the error left is about its
     /// square.
     fn near(&self) -> f64 {
@@ -148,6 +164,12 @@ impl Stance {
     /// A vector of the map in the whisker's frame, over the length.
     fn seen(&self, v: Vec2) -> Vec2 {
         Vec2::new(self.cos * v.x + self.sin * v.y, self.cos * v.y - self.sin * v.x) * self.per_length
+    }
+
+    /// A place in the whisker's frame, over the length, in the map (m).
+    fn placed(&self, p: Vec2) -> Vec2 {
+        let length = 1.0 / self.per_length;
+        self.base + Vec2::new(self.cos * p.x - self.sin * p.y, self.sin * p.x + self.cos * p.y) * length
     }
 
     /// The derivatives of the equations `gap`, `aslant` by the base, dotted with the adjoint `l`, negated.
@@ -192,6 +214,7 @@ impl Forward<'_> {
                 let place = from.position() + (to.position() - from.position()) * target;
                 Pose2 { x: place.x, y: place.y, theta: from.theta + target * turn }
             };
+            touch.clear -= MOTION * (target - share) * way * self.length;
             match self.next(&touch, pose) {
                 Next::Touching(next, now) => {
                     (touch, felt, share) = (next, now, target);
@@ -216,17 +239,36 @@ impl Forward<'_> {
             Hold::Piece(piece, at) => self.along(&stance, touch, piece, at, false),
             Hold::Corner(piece) => self.caught(&stance, touch, piece),
             Hold::Vertex(_) | Hold::Flank(..) => self.on_side(&stance, *touch),
+            Hold::Both(both) => self.on_both(&stance, both),
+        };
+        let near = |next: &Touch| {
+            let tip_let_go = matches!(touch.hold, Hold::Both(_)) && next.s < 1.0;
+            tip_let_go
+                || (next.place - touch.place).norm_squared() <= (LARGEST_SLIDE * self.length).powi(2)
+                    && (next.s - touch.s).abs() <= LARGEST_PASS
+                    && (next.slope - touch.slope).abs() <= LARGEST_BEND
         };
         match next {
-            Next::Touching(next, _)
-                if (next.place - touch.place).norm_squared() > (LARGEST_SLIDE * self.length).powi(2)
-                    || (next.s - touch.s).abs() > LARGEST_PASS
-                    || (next.slope - touch.slope).abs() > LARGEST_BEND =>
-            {
-                Next::None
-            }
+            Next::Touching(next, _) if !near(&next) => Next::None,
             Next::Touching(next, _) if next.q < LET_GO => Next::LetGo,
+            Next::Touching(next, felt) => self.cleared(&stance, Touch { clear: touch.clear, ..next }, felt),
             other => other,
+        }
+    }
+
+    /// The contact, or two where the rest of the whisker has come to a boundary.
+    fn cleared(&self, stance: &Stance, touch: Touch, felt: Felt) -> Next {
+        if touch.clear > 0.0 || touch.q <= 0.0 || matches!(touch.hold, Hold::Both(_)) {
+            return Next::Touching(touch, felt);
+        }
+        let two = match self.body(stance, &touch) {
+            Body::Clear(clear) => return Next::Touching(Touch { clear, ..touch }, felt),
+            Body::Before(share) => self.propped(stance, &touch, share),
+            Body::Beyond => self.stopped(stance, &touch),
+        };
+        match two {
+            Next::Touching(both, felt) => Next::Touching(both, felt),
+            _ => Next::Touching(touch, felt),
         }
     }
 }

@@ -90,7 +90,7 @@ impl Forward<'_> {
                         (None, _) => return Next::LetGo,
                     }
                 }
-                Hold::Piece(..) | Hold::Corner(_) => return Next::None,
+                Hold::Piece(..) | Hold::Corner(_) | Hold::Both(_) => return Next::None,
             }
         }
         Next::None
@@ -113,7 +113,7 @@ impl Forward<'_> {
         let adjoint = [(m * b.y - n * a.y) / det, (n * a.x - m * b.x) / det, 0.0];
         let felt = Felt { moment: bend.moment, gradient: stance.gradient(adjoint, target) };
         let touch =
-            Touch { q, beta: from.beta, s, hold: Hold::Vertex(id), place: corner.position, slope: bend.phi_a };
+            Touch { q, beta: from.beta, s, hold: Hold::Vertex(id), place: corner.position, slope: bend.phi_a, clear: 0.0 };
         let lean = corner.lean(stance.theta + bend.phi_a + from.beta + FRAC_PI_2);
         felt.gradient.iter().all(|g| g.is_finite()).then_some((touch, felt, lean))
     }
@@ -151,7 +151,7 @@ impl Forward<'_> {
                 };
                 let slope = chart.slope - chart.by_force.slope * dq;
                 let place = spot.position - spot.velocity * dat;
-                let touch = Touch { q, beta, s, hold: Hold::Flank(piece, at), place, slope };
+                let touch = Touch { q, beta, s, hold: Hold::Flank(piece, at), place, slope, clear: 0.0 };
                 return felt.gradient.iter().all(|g| g.is_finite()).then_some((touch, felt, at));
             }
         }

@@ -224,6 +224,6 @@ fn corrected(tip: &TipChart, dq: f64, dbeta: f64) -> f64 {
 /// Load and slope after the last Newton step; the caller says what holds the tip.
 fn settled(tip: &TipChart, q: f64, beta: f64, dq: f64, dbeta: f64) -> Touch {
     let slope = tip.slope - tip.by_force.slope * dq - tip.by_tilt.slope * dbeta;
-    Touch { q, beta, s: 1.0, hold: Hold::Piece(0, 0.0), place: Vec2::ZERO, slope }
+    Touch { q, beta, s: 1.0, hold: Hold::Piece(0, 0.0), place: Vec2::ZERO, slope, clear: 0.0 }
 }
 

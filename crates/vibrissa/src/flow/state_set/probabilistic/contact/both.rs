@@ -1,0 +1,396 @@
+//! Tip and side on boundaries at once: a bump that rises under a whisker whose tip is in a bay.
+//!
+//! The unknowns are the load of [`super::span`], the place of the tip on its piece (in a concave corner it is given) and
+//! that of the side on a curved piece (on a corner it is given). Newton's method solves for both places, the direction of
+//! the tip's force and the free end. Where one of the two forces would have to pull, that contact ends.
+
+use super::span::{self, Shape, UNKNOWNS};
+use super::{Felt, Forward, Hold, Next, Stance, Touch};
+use crate::plane::{Vec2, wrap_angle};
+use core::f64::consts::FRAC_PI_2;
+
+/// Newton steps before an equilibrium is given up, and where one more ends the search (lengths, rad, curvature).
+const MOST_STEPS: usize = 12;
+const NEAR: f64 = 1e-3;
+const NEAR_EXACT: f64 = 1e-5;
+/// Largest change of a force or moment, and of the arc length, in one step.
+const LARGEST_PUSH: f64 = 1.0;
+const LARGEST_SHIFT: f64 = 0.08;
+/// Contacts that one step may pass.
+const MOST_MOVES: usize = 12;
+/// A corner whose normals are left by less than this is still the one that holds (rad).
+const SLIGHT: f64 = 0.02;
+/// Unknowns and equations at most.
+const MOST: usize = UNKNOWNS + 2;
+
+/// Two contacts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Both {
+    /// Moment at the base, sum of the forces, arc length of the side contact, force there.
+    load: [f64; UNKNOWNS],
+    tip: Rest,
+    side: Rest,
+}
+
+/// Where something rests.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Rest {
+    Piece(u32, f64),
+    Corner(u32),
+}
+
+/// What a contact rests on: place, velocity and turning by the parameter, normal.
+struct Under {
+    position: Vec2,
+    velocity: Vec2,
+    normal: f64,
+    turning: f64,
+}
+
+/// An equilibrium.
+struct Solved {
+    both: Both,
+    felt: Felt,
+    shape: Shape,
+}
+
+type Rows = [[f64; MOST + 1]; MOST];
+
+impl Forward<'_> {
+    /// A whisker with its tip on a boundary, crossed by another at this share of its length: both hold it.
+    pub(super) fn propped(&self, stance: &Stance, touch: &Touch, share: f64) -> Next {
+        let Some(chart) = self.solver.chart(touch.q, touch.beta) else { return Next::None };
+        let tip = match touch.hold {
+            Hold::Piece(piece, at) => Rest::Piece(piece, at),
+            Hold::Corner(id) => Rest::Corner(id),
+            _ => return Next::None,
+        };
+        let force = Vec2::from_angle(touch.slope + touch.beta + FRAC_PI_2) * touch.q;
+        let load = [chart.moment, force.x, force.y, share, 0.0];
+        let crossed = stance.placed(span::shape(load).side.position);
+        let reach = REACH * self.length;
+        let Some((piece, at, _)) = self.ground.nearest(self.map, crossed, stance.base, reach) else { return Next::None };
+        let Some(side) = self.bump(piece, at, crossed) else { return Next::None };
+        self.on_both(stance, Both { load, tip, side })
+    }
+
+    /// A whisker with its side on a boundary whose tip has come to another: both hold it.
+    pub(super) fn stopped(&self, stance: &Stance, touch: &Touch) -> Next {
+        let side = match touch.hold {
+            Hold::Vertex(id) => Rest::Corner(id),
+            Hold::Flank(piece, at) => match self.bump(piece, at, touch.place) {
+                Some(rest) => rest,
+                None => return Next::None,
+            },
+            _ => return Next::None,
+        };
+        let per = 1.0 / touch.s;
+        let Some(chart) = self.solver.chart(touch.q, touch.beta) else { return Next::None };
+        let push = touch.q * per * per * touch.beta.cos();
+        let force = Vec2::from_angle(touch.slope + FRAC_PI_2) * push;
+        let end = touch.place + Vec2::from_angle(stance.theta + touch.slope) * ((1.0 - touch.s) * self.length);
+        let reach = REACH * self.length;
+        let Some((piece, at, _)) = self.ground.nearest(self.map, end, stance.base, reach) else { return Next::None };
+        let load = [chart.moment * per, force.x, force.y, touch.s, push];
+        self.on_both(stance, Both { load, tip: Rest::Piece(piece, at.clamp(0.0, 1.0)), side })
+    }
+
+    /// What holds a side at a place of a piece: the nearer convex corner of a straight one, the place of a curved one.
+    fn bump(&self, piece: u32, at: f64, place: Vec2) -> Option<Rest> {
+        if !self.ground.pieces[piece as usize].is_straight() {
+            return Some(Rest::Piece(piece, at));
+        }
+        let corners = [false, true].into_iter().filter_map(|forward| self.ground.corner_of(piece, forward));
+        let far = |position: Vec2| position.distance(place);
+        let near = corners
+            .filter(|(_, corner)| corner.is_convex())
+            .min_by(|a, b| far(a.1.position).total_cmp(&far(b.1.position)))?;
+        Some(Rest::Corner(near.0))
+    }
+
+    /// The equilibrium with both, from these contacts on.
+    pub(super) fn on_both(&self, stance: &Stance, mut both: Both) -> Next {
+        let mut left: Option<u32> = None;
+        for _ in 0..MOST_MOVES {
+            let Some(solved) = self.solve(stance, &both) else { return Next::None };
+            let Solved { both: found, felt, shape } = solved;
+            // The side first: does it hold, and where?
+            match self.side_next(stance, &found, &shape, &mut left) {
+                Step::Stay => {}
+                Step::Go(rest) => {
+                    both = Both { side: rest, ..found };
+                    continue;
+                }
+                Step::Off => return self.one(stance, &found, &shape, true),
+                Step::Fail => return Next::None,
+            }
+            match self.tip_next(stance, &found, &shape) {
+                Step::Stay => {
+                    let side = stance.placed(shape.tip.position);
+                    let touch = Touch {
+                        q: shape.force.norm(),
+                        beta: 0.0,
+                        s: 1.0,
+                        hold: Hold::Both(found),
+                        place: side,
+                        slope: shape.tip.slope,
+                        clear: 0.0,
+                    };
+                    return Next::Touching(touch, felt);
+                }
+                Step::Go(rest) => both = Both { tip: rest, ..found },
+                Step::Off => return self.one(stance, &found, &shape, false),
+                Step::Fail => return Next::None,
+            }
+        }
+        Next::None
+    }
+
+    /// Where the side goes.
+    fn side_next(&self, stance: &Stance, both: &Both, shape: &Shape, left: &mut Option<u32>) -> Step {
+        let [.., s, push] = both.load;
+        if !(0.02..0.999).contains(&s) {
+            return Step::Fail;
+        }
+        let Some(under) = self.under(both.side) else { return Step::Fail };
+        let lay = if push > 0.0 { 0.0 } else { core::f64::consts::PI };
+        let across = stance.theta + shape.side.slope + FRAC_PI_2;
+        // The force must push from the boundary's side.
+        match both.side {
+            Rest::Piece(..) => {
+                if push * (across - under.normal).cos() < 0.0 {
+                    return Step::Off;
+                }
+                Step::Stay
+            }
+            Rest::Corner(id) => {
+                let Some(corner) = self.ground.corner(id) else { return Step::Fail };
+                if push * (across - corner.normal - 0.5 * corner.turn).cos() < 0.0 {
+                    return Step::Off;
+                }
+                let lean = corner.lean(across + lay);
+                if (0.0..=1.0).contains(&lean) {
+                    return Step::Stay;
+                }
+                let over = if lean < 0.0 { -lean } else { lean - 1.0 } * corner.turn.abs();
+                let (piece, at) = if lean < 0.0 { corner.before } else { corner.after };
+                if !self.ground.pieces[piece as usize].is_straight() {
+                    return Step::Go(Rest::Piece(piece, at));
+                }
+                match self.ground.corner_of(piece, at < 0.5).filter(|(_, next)| next.is_convex()) {
+                    // Between two corners of a polygon: the one is as good as the other.
+                    Some((next, _)) if *left == Some(next) => Step::Stay,
+                    Some((next, _)) => {
+                        *left = Some(id);
+                        Step::Go(Rest::Corner(next))
+                    }
+                    None if over < SLIGHT => Step::Stay,
+                    None => Step::Fail,
+                }
+            }
+        }
+    }
+
+    /// Where the tip goes.
+    fn tip_next(&self, stance: &Stance, both: &Both, shape: &Shape) -> Step {
+        let direction = stance.theta + shape.force.angle();
+        match both.tip {
+            Rest::Piece(piece, at) => {
+                let ground = &self.ground.pieces[piece as usize];
+                if shape.force.dot(Vec2::from_angle(ground.spot(at).normal - stance.theta)) < 0.0 {
+                    return Step::Off;
+                }
+                if (0.0..=1.0).contains(&at) {
+                    return Step::Stay;
+                }
+                let Some((id, corner)) = self.ground.corner_of(piece, at > 0.5) else { return Step::Fail };
+                if corner.is_concave() {
+                    return Step::Go(Rest::Corner(id));
+                }
+                let (next, there) = if at > 0.5 { corner.after } else { corner.before };
+                Step::Go(Rest::Piece(next, there))
+            }
+            Rest::Corner(id) => {
+                let Some(corner) = self.ground.corner(id) else { return Step::Fail };
+                if (direction - corner.normal - 0.5 * corner.turn).cos() < 0.0 {
+                    return Step::Off;
+                }
+                let lean = corner.lean(direction);
+                if lean < 0.0 {
+                    return Step::Go(Rest::Piece(corner.before.0, corner.before.1));
+                }
+                if lean > 1.0 {
+                    return Step::Go(Rest::Piece(corner.after.0, corner.after.1));
+                }
+                Step::Stay
+            }
+        }
+    }
+
+    /// One of the contacts has ended; the other goes on.
+    fn one(&self, stance: &Stance, both: &Both, shape: &Shape, tip_stays: bool) -> Next {
+        let [_, x, y, s, push] = both.load;
+        if tip_stays {
+            let force = Vec2::new(x, y);
+            let q = force.norm();
+            let beta = wrap_angle(force.angle() - shape.tip.slope - FRAC_PI_2);
+            let place = stance.placed(shape.tip.position);
+            let touch = Touch { q, beta, s: 1.0, hold: Hold::Piece(0, 0.0), place, slope: shape.tip.slope, clear: 0.0 };
+            return match both.tip {
+                Rest::Piece(piece, at) => self.along(stance, &touch, piece, at.clamp(0.0, 1.0), false),
+                Rest::Corner(id) => self.caught(stance, &touch, id),
+            };
+        }
+        let beta = if push > 0.0 { 0.0 } else { core::f64::consts::PI };
+        let hold = match both.side {
+            Rest::Piece(piece, at) => Hold::Flank(piece, at),
+            Rest::Corner(id) => Hold::Vertex(id),
+        };
+        let place = stance.placed(shape.side.position);
+        self.on_side(stance, Touch { q: push.abs() * s * s, beta, s, hold, place, slope: shape.side.slope, clear: 0.0 })
+    }
+
+    fn under(&self, rest: Rest) -> Option<Under> {
+        Some(match rest {
+            Rest::Piece(piece, at) => {
+                let spot = self.ground.pieces[piece as usize].spot(at);
+                Under { position: spot.position, velocity: spot.velocity, normal: spot.normal, turning: spot.turning }
+            }
+            Rest::Corner(id) => {
+                let corner = self.ground.corner(id)?;
+                Under { position: corner.position, velocity: Vec2::ZERO, normal: corner.normal, turning: 0.0 }
+            }
+        })
+    }
+
+    /// Newton's method on these contacts, wherever it leads along their pieces.
+    fn solve(&self, stance: &Stance, from: &Both) -> Option<Solved> {
+        let mut both = *from;
+        let near = self.solver.pick(NEAR, NEAR_EXACT);
+        for _ in 0..MOST_STEPS {
+            let shape = span::shape(both.load);
+            let (under_side, under_tip) = (self.under(both.side)?, self.under(both.tip)?);
+            let (rows, residual) = equations(stance, &both, &shape, &under_side, &under_tip);
+            let (mut steps, mut adjoint) = (rows, [0.0; MOST]);
+            let d = solved(&mut steps)?;
+            let damp = d[..3]
+                .iter()
+                .chain(&d[4..5])
+                .map(|v| LARGEST_PUSH / v.abs())
+                .fold((LARGEST_SHIFT / d[3].abs()).min(1.0), f64::min);
+            (0..UNKNOWNS).for_each(|k| both.load[k] -= damp * d[k]);
+            for (rest, step) in [(&mut both.tip, d[5]), (&mut both.side, d[6])] {
+                if let Rest::Piece(piece, at) = rest {
+                    *at -= damp * step;
+                    if self.ground.pieces[*piece as usize].is_lost(*at) {
+                        return None;
+                    }
+                }
+            }
+            if !(both.load[3] > 0.01 && both.load[3] < 1.0 && both.load[4].is_finite()) {
+                return None;
+            }
+            if residual < near && damp >= 1.0 {
+                let mut transposed = [[0.0; MOST + 1]; MOST];
+                (0..MOST).for_each(|i| (0..MOST).for_each(|j| transposed[i][j] = rows[j][i]));
+                transposed[0][MOST] = 1.0;
+                adjoint.copy_from_slice(&solved(&mut transposed)?);
+                let felt = Felt { moment: both.load[0], gradient: gradient(stance, &adjoint, &shape, &under_side, &under_tip) };
+                return felt.gradient.iter().all(|g| g.is_finite()).then_some(Solved { both, felt, shape });
+            }
+        }
+        None
+    }
+}
+
+/// What becomes of a contact.
+enum Step {
+    Stay,
+    Go(Rest),
+    Off,
+    Fail,
+}
+
+/// How far a boundary may be from where a whisker crosses it or its tip comes to it, over the length.
+const REACH: f64 = 0.1;
+
+/// The linear equations of a step, residuals in the last column, and the largest residual.
+///
+/// | rows | equation | unknowns |
+/// | --- | --- | --- |
+/// | 0, 1 | the side is at its place | load, place of the side |
+/// | 2 | no moment at the tip | load |
+/// | 3, 4 | the tip is at its place | load, place of the tip |
+/// | 5 | the tip's force is along the normal; in a corner the place is given | load, place of the tip |
+/// | 6 | the side is tangent; on a corner the place is given | load, place of the side |
+fn equations(stance: &Stance, both: &Both, shape: &Shape, side: &Under, tip: &Under) -> (Rows, f64) {
+    let mut rows = [[0.0; MOST + 1]; MOST];
+    let (at_side, at_tip) = (stance.seen(side.position - stance.base), stance.seen(tip.position - stance.base));
+    let (side_on, tip_on) = (stance.seen(side.velocity), stance.seen(tip.velocity));
+    let facing = Vec2::from_angle(tip.normal - stance.theta);
+    let on_piece = |rest: Rest| matches!(rest, Rest::Piece(..));
+    for k in 0..UNKNOWNS {
+        rows[0][k] = shape.side.by[k][2];
+        rows[1][k] = shape.side.by[k][3];
+        rows[2][k] = shape.tip.by[k][1];
+        rows[3][k] = shape.tip.by[k][2];
+        rows[4][k] = shape.tip.by[k][3];
+        if on_piece(both.tip) {
+            rows[5][k] = shape.force_by[k].cross(facing);
+        }
+        if on_piece(both.side) {
+            rows[6][k] = shape.side.by[k][0];
+        }
+    }
+    (rows[3][5], rows[4][5]) = (-tip_on.x, -tip_on.y);
+    (rows[0][6], rows[1][6]) = (-side_on.x, -side_on.y);
+    let (off_side, off_tip) = (shape.side.position - at_side, shape.tip.position - at_tip);
+    let mut residuals = [off_side.x, off_side.y, shape.tip.curvature, off_tip.x, off_tip.y, 0.0, 0.0];
+    if on_piece(both.tip) {
+        rows[5][5] = shape.force.dot(facing) * tip.turning;
+        residuals[5] = shape.force.cross(facing);
+    } else {
+        (rows[3][5], rows[4][5], rows[5][5]) = (0.0, 0.0, 1.0);
+    }
+    if on_piece(both.side) {
+        let lay = if both.load[4] > 0.0 { 0.0 } else { core::f64::consts::PI };
+        rows[6][6] = -side.turning;
+        residuals[6] = wrap_angle(stance.theta + shape.side.slope + lay + FRAC_PI_2 - side.normal);
+    } else {
+        (rows[0][6], rows[1][6], rows[6][6]) = (0.0, 0.0, 1.0);
+    }
+    for (row, residual) in rows.iter_mut().zip(residuals) {
+        row[MOST] = residual;
+    }
+    (rows, residuals.iter().map(|r| r.abs()).fold(0.0, f64::max))
+}
+
+/// The derivatives of the moment by the base's pose, from the adjoint of the equations.
+fn gradient(stance: &Stance, l: &[f64; MOST], shape: &Shape, side: &Under, tip: &Under) -> [f64; 3] {
+    let (at_side, at_tip) = (stance.seen(side.position - stance.base), stance.seen(tip.position - stance.base));
+    let a = stance.gradient([l[0], l[1], l[6]], at_side);
+    let b = stance.gradient([l[3], l[4], 0.0], at_tip);
+    let turned = l[5] * shape.force.dot(Vec2::from_angle(tip.normal - stance.theta));
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2] + turned]
+}
+
+/// The solution of the equations whose right side is the last column, by elimination; none when it is not finite.
+fn solved(m: &mut Rows) -> Option<[f64; MOST]> {
+    for k in 0..MOST {
+        let pivot = (k..MOST).max_by(|&a, &b| m[a][k].abs().total_cmp(&m[b][k].abs()))?;
+        m.swap(k, pivot);
+        let per = 1.0 / m[k][k];
+        for i in k + 1..MOST {
+            let factor = m[i][k] * per;
+            for j in k..=MOST {
+                m[i][j] -= factor * m[k][j];
+            }
+        }
+    }
+    let mut x = [0.0; MOST];
+    for k in (0..MOST).rev() {
+        let rest: f64 = (k + 1..MOST).map(|j| m[k][j] * x[j]).sum();
+        x[k] = (m[k][MOST] - rest) / m[k][k];
+    }
+    x.iter().all(|v| v.is_finite()).then_some(x)
+}

@@ -1,0 +1,155 @@
+//! A whisker under two forces, one at its side and one at its tip: its shape by integration, with all derivatives.
+//!
+//! In units of `L` and `EI / L²`, with the sum of the forces beyond `s` as `N`, the curvature obeys
+//! `k' = N_x sin(theta) - N_y cos(theta)`; `N` jumps at the side contact by the force there, which is normal to the whisker.
+
+use crate::plane::Vec2;
+
+/// Steps of Runge and Kutta's method for a whole whisker, and fewest on either side of the contact.
+const STEPS: f64 = 24.0;
+const FEWEST: f64 = 4.0;
+
+/// What is chosen: moment at the base, sum of the forces, arc length of the side contact, force there (to the left).
+pub(super) const UNKNOWNS: usize = 5;
+
+/// A place along the whisker and its derivatives by the unknowns.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Place {
+    pub(super) slope: f64,
+    pub(super) curvature: f64,
+    pub(super) position: Vec2,
+    /// For each unknown: slope, curvature, x, y.
+    pub(super) by: [[f64; 4]; UNKNOWNS],
+}
+
+/// The contact at the side, the tip, and the force on the tip with its derivatives.
+pub(super) struct Shape {
+    pub(super) side: Place,
+    pub(super) tip: Place,
+    pub(super) force: Vec2,
+    pub(super) force_by: [Vec2; UNKNOWNS],
+}
+
+/// The shape for `[moment, force x, force y, arc length, side force]`.
+pub(super) fn shape(load: [f64; UNKNOWNS]) -> Shape {
+    let [moment, x, y, s, push] = load;
+    let root = Place { curvature: moment, by: core::array::from_fn(first), ..Place::default() };
+    let whole = Vec2::new(x, y);
+    let unit = [Vec2::ZERO, Vec2::new(1.0, 0.0), Vec2::new(0.0, 1.0), Vec2::ZERO, Vec2::ZERO];
+    let mut side = along(root, s, whole, &unit);
+    side.by[3] = rates(&side, whole);
+    let (sin, cos) = side.slope.sin_cos();
+    let (normal, tangent) = (Vec2::new(-sin, cos), Vec2::new(cos, sin));
+    let force = whole - normal * push;
+    let mut force_by: [Vec2; UNKNOWNS] = core::array::from_fn(|k| unit[k] + tangent * (push * side.by[k][0]));
+    force_by[4] = force_by[4] - normal;
+    let mut tip = along(side, 1.0 - s, force, &force_by);
+    let end = rates(&tip, force);
+    (0..4).for_each(|i| tip.by[3][i] -= end[i]);
+    Shape { side, tip, force, force_by }
+}
+
+fn first(unknown: usize) -> [f64; 4] {
+    [0.0, if unknown == 0 { 1.0 } else { 0.0 }, 0.0, 0.0]
+}
+
+/// Derivatives by the arc length.
+fn rates(at: &Place, force: Vec2) -> [f64; 4] {
+    let (sin, cos) = at.slope.sin_cos();
+    [at.curvature, force.x * sin - force.y * cos, cos, sin]
+}
+
+/// All that is integrated, and its derivatives by the arc length.
+type State = [[f64; 4]; UNKNOWNS + 1];
+
+fn derivative(y: &State, force: Vec2, by: &[Vec2; UNKNOWNS]) -> State {
+    let (sin, cos) = y[0][0].sin_cos();
+    let mut out = [[0.0; 4]; UNKNOWNS + 1];
+    out[0] = [y[0][1], force.x * sin - force.y * cos, cos, sin];
+    let stiff = force.x * cos + force.y * sin;
+    for k in 0..UNKNOWNS {
+        let d = &y[k + 1];
+        out[k + 1] = [d[1], stiff * d[0] + by[k].x * sin - by[k].y * cos, -sin * d[0], cos * d[0]];
+    }
+    out
+}
+
+fn plus(y: &State, d: &State, step: f64) -> State {
+    core::array::from_fn(|k| core::array::from_fn(|i| y[k][i] + step * d[k][i]))
+}
+
+/// From a place on by `length` under this force.
+fn along(from: Place, length: f64, force: Vec2, by: &[Vec2; UNKNOWNS]) -> Place {
+    let count = (STEPS * length.abs()).clamp(FEWEST, STEPS).ceil();
+    let step = length / count;
+    let mut y = [[0.0; 4]; UNKNOWNS + 1];
+    y[0] = [from.slope, from.curvature, from.position.x, from.position.y];
+    y[1..].copy_from_slice(&from.by);
+    for _ in 0..count as usize {
+        let a = derivative(&y, force, by);
+        let b = derivative(&plus(&y, &a, 0.5 * step), force, by);
+        let c = derivative(&plus(&y, &b, 0.5 * step), force, by);
+        let d = derivative(&plus(&y, &c, step), force, by);
+        for (k, row) in y.iter_mut().enumerate() {
+            for (i, value) in row.iter_mut().enumerate() {
+                *value += step / 6.0 * (a[k][i] + 2.0 * (b[k][i] + c[k][i]) + d[k][i]);
+            }
+        }
+    }
+    let mut place = Place { slope: y[0][0], curvature: y[0][1], position: Vec2::new(y[0][2], y[0][3]), ..from };
+    place.by.copy_from_slice(&y[1..]);
+    place
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::beam::tip_chart;
+
+    #[test]
+    fn one_force_at_the_tip_gives_the_closed_form() {
+        for (q, beta) in [(0.5, 0.2), (2.0, -0.6), (-1.0, 0.3), (3.0, 2.8)] {
+            let Some(chart) = tip_chart(q, beta) else { unreachable!() };
+            let force = Vec2::from_angle(chart.slope + beta + core::f64::consts::FRAC_PI_2) * q;
+            let found = shape([chart.moment, force.x, force.y, 0.4, 0.0]);
+            assert!((found.tip.position - chart.position).norm() < 1e-5, "{q} {beta}: {:?}", found.tip);
+            assert!((found.tip.slope - chart.slope).abs() < 1e-5 && found.tip.curvature.abs() < 1e-4);
+        }
+    }
+
+    #[test]
+    fn small_forces_add_up_as_in_a_beam_table() {
+        // Deflections of a cantilever by hand: a load P at a gives P a² (3 - a) / 6 at the tip and P a³ / 3 at a.
+        let (s, push, tip) = (0.6, 1e-3, -4e-4);
+        let found = shape([push * s + tip, 0.0, push + tip, s, push]);
+        let at_tip = push * s * s * (3.0 - s) / 6.0 + tip / 3.0;
+        let at_side = push * s * s * s / 3.0 + tip * s * s * (3.0 - s) / 6.0;
+        assert!((found.tip.position.y - at_tip).abs() < 1e-9, "{} {at_tip}", found.tip.position.y);
+        assert!((found.side.position.y - at_side).abs() < 1e-9 && found.tip.curvature.abs() < 1e-9);
+    }
+
+    #[test]
+    fn derivatives_are_those_of_differences() {
+        let load = [1.8, -0.7, 2.1, 0.55, 3.0];
+        let here = shape(load);
+        for k in 0..UNKNOWNS {
+            let (mut more, mut less) = (load, load);
+            (more[k], less[k]) = (load[k] + 1e-5, load[k] - 1e-5);
+            let (a, b) = (shape(more), shape(less));
+            for (own, x, y) in [(here.side, a.side, b.side), (here.tip, a.tip, b.tip)] {
+                let difference = [
+                    x.slope - y.slope,
+                    x.curvature - y.curvature,
+                    x.position.x - y.position.x,
+                    x.position.y - y.position.y,
+                ];
+                for i in 0..4 {
+                    let d = difference[i] / 2e-5;
+                    assert!((own.by[k][i] - d).abs() < 1e-3 * (1.0 + d.abs()), "{k} {i}: {} {d}", own.by[k][i]);
+                }
+            }
+            let d = (a.force - b.force) * (1.0 / 2e-5);
+            assert!((here.force_by[k] - d).norm() < 1e-4 * (1.0 + d.norm()), "{k}");
+        }
+    }
+}
