@@ -43,7 +43,7 @@ fn main() -> Result<()> {
             let time = |row: usize| sweep.truth[row].t;
             let words: Vec<String> =
                 sweep.events.iter().map(|e| format!("{:.3} {} {}", e.t, e.kind, e.detail)).collect();
-            if std::env::var("ROWS").is_ok() { for row in these[0].saturating_sub(3)..(these[these.len()-1]+2).min(ours.len()) { let c: Vec<String> = sweep.contacts.iter().filter(|c| c.row==row).map(|c| format!("{c:?}")).collect(); println!("{row} exact {:.6} ours {:.6} {} {}", sweep.exact_moments[row][0], ours[row].moment, ours[row].touching, c.join(" ")); } }
+            if std::env::var("ROWS").is_ok() { for row in these[0].saturating_sub(3)..(these[these.len()-1]+2).min(ours.len()) { let c: Vec<String> = sweep.contacts.iter().filter(|c| c.row==row).map(|c| format!("[s {:.4} f {:.4} x {:.4} {:.4}]", c.s_a, c.force.norm(), c.position.x, c.position.y)).collect(); println!("{row} exact {:.6} ours {:.6} {} {}", sweep.exact_moments[row][0], ours[row].moment, ours[row].touching, c.join(" ")); } }
             println!(
                 "seed {seed}: {} of {} odd, {:.3} to {:.3} s; {}",
                 these.len(),

@@ -75,7 +75,7 @@ impl<'a> ProbabilisticLocalizer<'a> {
         Ok(Self {
             robot,
             channels: columns,
-            limits: robot.whiskers.iter().map(LimitCheck::any_tilt).collect(),
+            limits: robot.whiskers.iter().map(LimitCheck::any_place).collect(),
             last: vec![(0.0, 0); robot.whiskers.len()],
             tolerated_share: options.tolerated_share,
             set: ProbabilisticSet::new(map, robot, options),

@@ -7,7 +7,7 @@ use vibrissa::world::{Boundary, Map, Robot, Role};
 use vibrissa::{Error, Result};
 
 /// A closed arena whose radius is a random sum of waves.
-pub fn arena(draw: &mut Random) -> Result<Map> {
+pub(crate) fn arena(draw: &mut Random) -> Result<Map> {
     let waves: Vec<(f64, f64, f64)> =
         (2..9).map(|k| (f64::from(k), draw.signed(0.018) / (f64::from(k) * 0.4).max(1.0), draw.signed(3.2))).collect();
     let radius = draw.between(0.18, 0.28);
@@ -22,7 +22,7 @@ pub fn arena(draw: &mut Random) -> Result<Map> {
 }
 
 /// A sweep along a random stretch of wall, if the robot can go there and touches for long.
-pub fn sweep(map: &Map, draw: &mut Random, seed: u64) -> Option<Sweep> {
+pub(crate) fn sweep(map: &Map, draw: &mut Random, seed: u64) -> Option<Sweep> {
     let samples = map.samples(1e-3);
     let start = samples[draw.between(0.0, samples.len() as f64) as usize];
     let (along, inward) = (Vec2::from_angle(start.tangent), Vec2::from_angle(start.tangent).perp());

@@ -366,8 +366,8 @@ impl Bank {
             let mut kept: Option<Hypothesis> = None;
             for _ in 0..rounds {
                 let from = kept.as_ref().unwrap_or(h);
-                let (_, d) = from.best(LOOSE, self.shared);
-                if d[0].hypot(d[1]) < 1e-6 && d[2].abs() < 1e-5 {
+                let (least, d) = from.best(LOOSE, self.shared);
+                if from.cost(self.shared) - least < SETTLED {
                     break;
                 }
                 let mut next = from.clone();
@@ -414,6 +414,8 @@ impl Bank {
 
 /// The standard deviation of an even law is its bound over this.
 const SQRT_3: f64 = 1.732_050_807_568_877_2;
+/// A step that promises less than this (nats) is not taken: a few hundredths of a standard deviation.
+const SETTLED: f64 = 1e-3;
 /// More hypotheses than this are not carried on.
 const MOST_SEEDS: usize = 8000;
 /// Standard deviations are enlarged by this while cells are judged.

@@ -1,58 +1,100 @@
 //! Whether the rest of the whisker is clear of the boundaries.
 //!
-//! The contact holds one place; a bump may rise under another. The whisker's shape is taken from the cubic through its
-//! ends, which is good to about a hundredth of the deflection; what it crosses is then solved for. How far it is clear of
-//! everything is kept, so that it is not looked at again before it has moved as far.
+//! The contact holds one place; a bump may rise under another. How far the whisker is clear of everything is kept, so that
+//! it is not looked at again before it can have moved as far. Where a bump is near, both contacts are solved for, and the
+//! sign of the force tells whether it touches.
 
-use super::{Forward, Hold, Stance, Touch};
-use crate::plane::Vec2;
+use super::{Forward, Hold, Stance, Touch, span};
+use crate::plane::{Pose2, Vec2};
+use core::f64::consts::FRAC_PI_2;
 
-/// Where along the whisker (share of the length to the contact) it is compared with the boundaries.
-const KNOTS: [f64; 7] = [0.0, 0.2, 0.4, 0.56, 0.7, 0.82, 0.93];
-/// How far beyond a contact of the side its straight end is looked at (share of that end).
-const BEYOND: f64 = 0.4;
-/// Of the distance to the nearest boundary, the share that motion may use up.
-const SAFE: f64 = 0.4;
+/// Pieces into which the whisker is cut up to its contact, and the share that is looked at for clearance: nearer to the
+/// contact its boundary is near anyway.
+const CUTS: usize = 12;
+const LOOKED: usize = 9;
 /// Distances are looked for up to this (m).
 const FARTHEST: f64 = 0.02;
+/// A bump nearer than this (m) is tried.
+const BUMP: f64 = 4e-4;
+/// How far behind a tip that points out of the boundary the side is looked for (share of the length).
+const BEHIND: f64 = 0.04;
+/// A straight end beyond the contact shorter than this (share of the length) is not looked at.
+const SHORT: f64 = 0.03;
 
 /// What the whisker runs into besides its contact.
 pub(super) enum Body {
     /// Nothing within this (m).
     Clear(f64),
-    /// Something before its contact, at this share of its length.
-    Before(f64),
-    /// Something beyond its contact.
-    Beyond,
+    /// Something before its contact: at this share of its length, near this place of a piece.
+    Before(f64, (u32, f64)),
+    /// Something beyond its contact, near this place of a piece.
+    Beyond((u32, f64)),
+}
+
+/// How far a place is on the free side of the nearest boundary.
+struct Gap {
+    distance: f64,
+    at: (u32, f64),
 }
 
 impl Forward<'_> {
     /// What a whisker that stands so runs into.
     pub(super) fn body(&self, stance: &Stance, touch: &Touch) -> Body {
-        let end = stance.seen(touch.place - stance.base);
-        let (sin, cos) = touch.slope.sin_cos();
-        let point = |u: f64| {
-            let (a, b, c) = (u * (1.0 - u) * (1.0 - u), u * u * (3.0 - 2.0 * u), -u * u * (1.0 - u));
-            let s = touch.s;
-            stance.placed(Vec2::new(a * s + b * end.x + c * s * cos, b * end.y + c * s * sin))
-        };
-        let points = KNOTS.map(point);
-        for (k, pair) in points.windows(2).enumerate() {
-            if self.map.crosses(pair[0], pair[1]) {
-                return Body::Before(0.5 * (KNOTS[k] + KNOTS[k + 1]) * touch.s);
+        let Some(chart) = self.solver.chart(touch.q, touch.beta) else { return Body::Clear(0.0) };
+        let per = 1.0 / touch.s;
+        let force = Vec2::from_angle(touch.slope + touch.beta + FRAC_PI_2) * (touch.q * per * per);
+        let mut outline = [Pose2::IDENTITY; CUTS];
+        span::outline(chart.moment * per, force, touch.s, &mut outline);
+        let mut clear = FARTHEST;
+        let mut least: Option<(usize, Gap)> = None;
+        let mut before = f64::INFINITY;
+        for (k, at) in outline[..CUTS - 1].iter().enumerate() {
+            let gap = self.gap(stance, stance.placed(at.position()));
+            let distance = gap.as_ref().map_or(FARTHEST, |gap| gap.distance);
+            if k < LOOKED {
+                clear = clear.min(distance);
+            }
+            // A place nearer than its neighbours, or on the wrong side.
+            let rises = least.as_ref().is_some_and(|(j, l)| *j + 1 == k && l.distance < before && distance > l.distance);
+            if let Some((j, gap)) = least.as_ref().filter(|(_, l)| rises && l.distance < BUMP) {
+                return Body::Before((*j as f64 + 1.0) / CUTS as f64 * touch.s, gap.at);
+            }
+            if let Some(last) = &least {
+                before = last.1.distance;
+            }
+            least = gap.map(|gap| (k, gap));
+            if least.is_none() {
+                before = FARTHEST;
             }
         }
-        let free = (1.0 - touch.s) * self.length;
-        if matches!(touch.hold, Hold::Vertex(_) | Hold::Flank(..)) && free > 0.0 {
-            let along = Vec2::from_angle(stance.theta + touch.slope) * free;
-            if self.map.crosses(touch.place + along * BEYOND, touch.place + along) {
-                return Body::Beyond;
-            }
-            return Body::Clear(0.0);
+        if let Some((j, gap)) = least.filter(|(_, l)| l.distance < 0.0) {
+            return Body::Before((j as f64 + 1.0) / CUTS as f64 * touch.s, gap.at);
         }
-        let near = points[1..].iter().map(|&p| {
-            self.map.nearest_within(p, FARTHEST).map_or(FARTHEST, |near| near.distance)
-        });
-        Body::Clear(SAFE * near.fold(FARTHEST, f64::min))
+        if let Hold::Piece(piece, at) = touch.hold {
+            // A tip that points out of the boundary has come through it from behind.
+            let heading = stance.theta + touch.slope;
+            if (heading - self.ground.pieces[piece as usize].spot(at).normal).cos() > 0.0
+                && let Some(gap) = self.gap(stance, touch.place - Vec2::from_angle(heading) * (BEHIND * self.length))
+            {
+                return Body::Before(1.0 - BEHIND, gap.at);
+            }
+        }
+        let free = 1.0 - touch.s;
+        if matches!(touch.hold, Hold::Vertex(_) | Hold::Flank(..)) && free > SHORT {
+            let tip = touch.place + Vec2::from_angle(stance.theta + touch.slope) * (free * self.length);
+            match self.gap(stance, tip) {
+                Some(gap) if gap.distance < 0.0 => return Body::Beyond(gap.at),
+                Some(gap) => clear = clear.min(gap.distance),
+                None => {}
+            }
+        }
+        Body::Clear(clear.max(0.0))
+    }
+
+    fn gap(&self, stance: &Stance, place: Vec2) -> Option<Gap> {
+        let (piece, at, distance) = self.ground.nearest(self.map, place, stance.base, FARTHEST)?;
+        let spot = self.ground.pieces[piece as usize].spot(at);
+        let inside = (place - spot.position).dot(Vec2::from_angle(spot.normal)) < 0.0;
+        Some(Gap { distance: if inside { -distance } else { distance }, at: (piece, at) })
     }
 }

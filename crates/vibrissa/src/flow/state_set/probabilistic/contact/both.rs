@@ -7,19 +7,21 @@
 use super::span::{self, Shape, UNKNOWNS};
 use super::{Felt, Forward, Hold, Next, Stance, Touch};
 use crate::plane::{Vec2, wrap_angle};
-use core::f64::consts::FRAC_PI_2;
+use core::f64::consts::{FRAC_PI_2, PI};
 
 /// Newton steps before an equilibrium is given up, and where one more ends the search (lengths, rad, curvature).
 const MOST_STEPS: usize = 12;
 const NEAR: f64 = 1e-3;
 const NEAR_EXACT: f64 = 1e-5;
-/// Largest change of a force or moment, and of the arc length, in one step.
-const LARGEST_PUSH: f64 = 1.0;
+/// Largest change of the moment, of a force, and of the arc length, in one step: along an all but straight whisker forces
+/// are large.
+const LARGEST_MOMENT: f64 = 1.0;
+const LARGEST_PUSH: f64 = 20.0;
 const LARGEST_SHIFT: f64 = 0.08;
 /// Contacts that one step may pass.
 const MOST_MOVES: usize = 12;
-/// A corner whose normals are left by less than this is still the one that holds (rad).
-const SLIGHT: f64 = 0.02;
+/// Corners that turn by no more than this are passed over by a tip (rad).
+const SLIGHT: f64 = 0.1;
 /// Unknowns and equations at most.
 const MOST: usize = UNKNOWNS + 2;
 
@@ -57,8 +59,8 @@ struct Solved {
 type Rows = [[f64; MOST + 1]; MOST];
 
 impl Forward<'_> {
-    /// A whisker with its tip on a boundary, crossed by another at this share of its length: both hold it.
-    pub(super) fn propped(&self, stance: &Stance, touch: &Touch, share: f64) -> Next {
+    /// A whisker with its tip on a boundary and this share of its length near another place: both hold it.
+    pub(super) fn propped(&self, stance: &Stance, touch: &Touch, share: f64, (piece, at): (u32, f64)) -> Next {
         let Some(chart) = self.solver.chart(touch.q, touch.beta) else { return Next::None };
         let tip = match touch.hold {
             Hold::Piece(piece, at) => Rest::Piece(piece, at),
@@ -67,162 +69,142 @@ impl Forward<'_> {
         };
         let force = Vec2::from_angle(touch.slope + touch.beta + FRAC_PI_2) * touch.q;
         let load = [chart.moment, force.x, force.y, share, 0.0];
-        let crossed = stance.placed(span::shape(load).side.position);
-        let reach = REACH * self.length;
-        let Some((piece, at, _)) = self.ground.nearest(self.map, crossed, stance.base, reach) else { return Next::None };
-        let Some(side) = self.bump(piece, at, crossed) else { return Next::None };
+        let side = Rest::Piece(piece, at.clamp(0.0, 1.0));
         self.on_both(stance, Both { load, tip, side })
     }
 
-    /// A whisker with its side on a boundary whose tip has come to another: both hold it.
-    pub(super) fn stopped(&self, stance: &Stance, touch: &Touch) -> Next {
+    /// A whisker with its side on a boundary whose tip has come to another place: both hold it.
+    pub(super) fn stopped(&self, stance: &Stance, touch: &Touch, (piece, at): (u32, f64)) -> Next {
         let side = match touch.hold {
             Hold::Vertex(id) => Rest::Corner(id),
-            Hold::Flank(piece, at) => match self.bump(piece, at, touch.place) {
-                Some(rest) => rest,
-                None => return Next::None,
-            },
+            Hold::Flank(piece, at) => Rest::Piece(piece, at),
             _ => return Next::None,
         };
         let per = 1.0 / touch.s;
         let Some(chart) = self.solver.chart(touch.q, touch.beta) else { return Next::None };
         let push = touch.q * per * per * touch.beta.cos();
         let force = Vec2::from_angle(touch.slope + FRAC_PI_2) * push;
-        let end = touch.place + Vec2::from_angle(stance.theta + touch.slope) * ((1.0 - touch.s) * self.length);
-        let reach = REACH * self.length;
-        let Some((piece, at, _)) = self.ground.nearest(self.map, end, stance.base, reach) else { return Next::None };
         let load = [chart.moment * per, force.x, force.y, touch.s, push];
         self.on_both(stance, Both { load, tip: Rest::Piece(piece, at.clamp(0.0, 1.0)), side })
     }
 
-    /// What holds a side at a place of a piece: the nearer convex corner of a straight one, the place of a curved one.
-    fn bump(&self, piece: u32, at: f64, place: Vec2) -> Option<Rest> {
-        if !self.ground.pieces[piece as usize].is_straight() {
-            return Some(Rest::Piece(piece, at));
+    /// What goes on where the two contacts cannot: the stronger of them, or the other.
+    pub(super) fn on_either(&self, stance: &Stance, both: &Both) -> Next {
+        let shape = span::shape(both.load);
+        let tip_first = shape.force.norm() > both.load[4].abs();
+        match self.one(stance, both, &shape, tip_first) {
+            Next::Touching(touch, felt) => Next::Touching(touch, felt),
+            _ => self.one(stance, both, &shape, !tip_first),
         }
-        let corners = [false, true].into_iter().filter_map(|forward| self.ground.corner_of(piece, forward));
-        let far = |position: Vec2| position.distance(place);
-        let near = corners
-            .filter(|(_, corner)| corner.is_convex())
-            .min_by(|a, b| far(a.1.position).total_cmp(&far(b.1.position)))?;
-        Some(Rest::Corner(near.0))
     }
 
     /// The equilibrium with both, from these contacts on.
     pub(super) fn on_both(&self, stance: &Stance, mut both: Both) -> Next {
-        let mut left: Option<u32> = None;
+        let (mut side_left, mut tip_left) = (None, None);
         for _ in 0..MOST_MOVES {
-            let Some(solved) = self.solve(stance, &both) else { return Next::None };
-            let Solved { both: found, felt, shape } = solved;
-            // The side first: does it hold, and where?
-            match self.side_next(stance, &found, &shape, &mut left) {
-                Step::Stay => {}
-                Step::Go(rest) => {
-                    both = Both { side: rest, ..found };
+            let Some(Solved { both: found, felt, shape }) = self.solve(stance, &both) else { return Next::None };
+            let across = stance.theta + shape.side.slope + FRAC_PI_2;
+            let (side, held) = match self.side_next(&found, across) {
+                Some(next) => next,
+                None => return Next::None,
+            };
+            match side.filter(|&next| !is_back(next, side_left)) {
+                Some(next) => {
+                    side_left = Some(found.side);
+                    both = Both { side: next, ..found };
                     continue;
                 }
-                Step::Off => return self.one(stance, &found, &shape, true),
-                Step::Fail => return Next::None,
+                None if !held => return self.one(stance, &found, &shape, true),
+                None => {}
             }
-            match self.tip_next(stance, &found, &shape) {
-                Step::Stay => {
-                    let side = stance.placed(shape.tip.position);
+            let Some((tip, held)) = self.tip_next(&found, stance.theta + shape.force.angle()) else { return Next::None };
+            match tip.filter(|&next| !is_back(next, tip_left)) {
+                Some(next) => {
+                    tip_left = Some(found.tip);
+                    both = Both { tip: next, ..found };
+                }
+                None if !held => return self.one(stance, &found, &shape, false),
+                None => {
                     let touch = Touch {
                         q: shape.force.norm(),
                         beta: 0.0,
                         s: 1.0,
                         hold: Hold::Both(found),
-                        place: side,
+                        place: stance.placed(shape.tip.position),
                         slope: shape.tip.slope,
                         clear: 0.0,
                     };
                     return Next::Touching(touch, felt);
                 }
-                Step::Go(rest) => both = Both { tip: rest, ..found },
-                Step::Off => return self.one(stance, &found, &shape, false),
-                Step::Fail => return Next::None,
             }
         }
         Next::None
     }
 
-    /// Where the side goes.
-    fn side_next(&self, stance: &Stance, both: &Both, shape: &Shape, left: &mut Option<u32>) -> Step {
+    /// What the side rests on next, if not on this, and whether the boundary pushes it; `across` is the direction to the
+    /// whisker's left there (rad, map frame). None where the side leaves the whisker or the boundary.
+    fn side_next(&self, both: &Both, across: f64) -> Option<(Option<Rest>, bool)> {
         let [.., s, push] = both.load;
-        if !(0.02..0.999).contains(&s) {
-            return Step::Fail;
+        if !(0.02..0.9995).contains(&s) {
+            return None;
         }
-        let Some(under) = self.under(both.side) else { return Step::Fail };
-        let lay = if push > 0.0 { 0.0 } else { core::f64::consts::PI };
-        let across = stance.theta + shape.side.slope + FRAC_PI_2;
-        // The force must push from the boundary's side.
+        let to = |(piece, at): (u32, f64)| Some(Rest::Piece(piece, at));
         match both.side {
-            Rest::Piece(..) => {
-                if push * (across - under.normal).cos() < 0.0 {
-                    return Step::Off;
+            Rest::Piece(piece, at) => {
+                let held = push * (across - self.ground.pieces[piece as usize].spot(at).normal).cos() > 0.0;
+                if (0.0..=1.0).contains(&at) {
+                    return Some((None, held));
                 }
-                Step::Stay
+                let (id, corner) = self.ground.corner_of(piece, at > 0.5)?;
+                let over = to(if at > 0.5 { corner.after } else { corner.before });
+                Some((if corner.is_convex() { Some(Rest::Corner(id)) } else { over }, held))
             }
             Rest::Corner(id) => {
-                let Some(corner) = self.ground.corner(id) else { return Step::Fail };
-                if push * (across - corner.normal - 0.5 * corner.turn).cos() < 0.0 {
-                    return Step::Off;
-                }
-                let lean = corner.lean(across + lay);
-                if (0.0..=1.0).contains(&lean) {
-                    return Step::Stay;
-                }
-                let over = if lean < 0.0 { -lean } else { lean - 1.0 } * corner.turn.abs();
-                let (piece, at) = if lean < 0.0 { corner.before } else { corner.after };
-                if !self.ground.pieces[piece as usize].is_straight() {
-                    return Step::Go(Rest::Piece(piece, at));
-                }
-                match self.ground.corner_of(piece, at < 0.5).filter(|(_, next)| next.is_convex()) {
-                    // Between two corners of a polygon: the one is as good as the other.
-                    Some((next, _)) if *left == Some(next) => Step::Stay,
-                    Some((next, _)) => {
-                        *left = Some(id);
-                        Step::Go(Rest::Corner(next))
-                    }
-                    None if over < SLIGHT => Step::Stay,
-                    None => Step::Fail,
-                }
+                let corner = self.ground.corner(id)?;
+                let facing = (across - corner.normal - 0.5 * corner.turn).cos();
+                let lean = corner.lean(if facing > 0.0 { across } else { across + PI });
+                let next = if lean < 0.0 {
+                    to(corner.before)
+                } else if lean > 1.0 {
+                    to(corner.after)
+                } else {
+                    None
+                };
+                Some((next, push * facing > 0.0))
             }
         }
     }
 
-    /// Where the tip goes.
-    fn tip_next(&self, stance: &Stance, both: &Both, shape: &Shape) -> Step {
-        let direction = stance.theta + shape.force.angle();
+    /// The same for the tip, whose force points in this direction (rad, map frame).
+    fn tip_next(&self, both: &Both, direction: f64) -> Option<(Option<Rest>, bool)> {
+        let to = |(piece, at): (u32, f64)| Some(Rest::Piece(piece, at));
         match both.tip {
             Rest::Piece(piece, at) => {
-                let ground = &self.ground.pieces[piece as usize];
-                if shape.force.dot(Vec2::from_angle(ground.spot(at).normal - stance.theta)) < 0.0 {
-                    return Step::Off;
-                }
+                let held = (direction - self.ground.pieces[piece as usize].spot(at).normal).cos() > 0.0;
                 if (0.0..=1.0).contains(&at) {
-                    return Step::Stay;
+                    return Some((None, held));
                 }
-                let Some((id, corner)) = self.ground.corner_of(piece, at > 0.5) else { return Step::Fail };
-                if corner.is_concave() {
-                    return Step::Go(Rest::Corner(id));
+                let (id, corner) = self.ground.corner_of(piece, at > 0.5)?;
+                if corner.is_end() {
+                    return None;
                 }
-                let (next, there) = if at > 0.5 { corner.after } else { corner.before };
-                Step::Go(Rest::Piece(next, there))
+                // Slight corners are those of polygons of round boundaries: they do not catch the tip for long.
+                let caught = corner.is_concave() && corner.turn.abs() > SLIGHT;
+                let over = to(if at > 0.5 { corner.after } else { corner.before });
+                Some((if caught { Some(Rest::Corner(id)) } else { over }, held))
             }
             Rest::Corner(id) => {
-                let Some(corner) = self.ground.corner(id) else { return Step::Fail };
-                if (direction - corner.normal - 0.5 * corner.turn).cos() < 0.0 {
-                    return Step::Off;
-                }
+                let corner = self.ground.corner(id)?;
+                let held = (direction - corner.normal - 0.5 * corner.turn).cos() > 0.0;
                 let lean = corner.lean(direction);
-                if lean < 0.0 {
-                    return Step::Go(Rest::Piece(corner.before.0, corner.before.1));
-                }
-                if lean > 1.0 {
-                    return Step::Go(Rest::Piece(corner.after.0, corner.after.1));
-                }
-                Step::Stay
+                let next = if lean < 0.0 {
+                    to(corner.before)
+                } else if lean > 1.0 {
+                    to(corner.after)
+                } else {
+                    None
+                };
+                Some((next, held))
             }
         }
     }
@@ -241,7 +223,7 @@ impl Forward<'_> {
                 Rest::Corner(id) => self.caught(stance, &touch, id),
             };
         }
-        let beta = if push > 0.0 { 0.0 } else { core::f64::consts::PI };
+        let beta = if push > 0.0 { 0.0 } else { PI };
         let hold = match both.side {
             Rest::Piece(piece, at) => Hold::Flank(piece, at),
             Rest::Corner(id) => Hold::Vertex(id),
@@ -273,11 +255,10 @@ impl Forward<'_> {
             let (rows, residual) = equations(stance, &both, &shape, &under_side, &under_tip);
             let (mut steps, mut adjoint) = (rows, [0.0; MOST]);
             let d = solved(&mut steps)?;
-            let damp = d[..3]
-                .iter()
-                .chain(&d[4..5])
-                .map(|v| LARGEST_PUSH / v.abs())
-                .fold((LARGEST_SHIFT / d[3].abs()).min(1.0), f64::min);
+                let damp = (LARGEST_SHIFT / d[3].abs())
+                .min(LARGEST_MOMENT / d[0].abs())
+                .min(LARGEST_PUSH / d[1].abs().max(d[2].abs()).max(d[4].abs()))
+                .min(1.0);
             (0..UNKNOWNS).for_each(|k| both.load[k] -= damp * d[k]);
             for (rest, step) in [(&mut both.tip, d[5]), (&mut both.side, d[6])] {
                 if let Rest::Piece(piece, at) = rest {
@@ -303,16 +284,13 @@ impl Forward<'_> {
     }
 }
 
-/// What becomes of a contact.
-enum Step {
-    Stay,
-    Go(Rest),
-    Off,
-    Fail,
+/// Whether this is what was left: where each of two says the other, one is as good as the other.
+fn is_back(next: Rest, left: Option<Rest>) -> bool {
+    match (next, left) {
+        (Rest::Piece(a, _), Some(Rest::Piece(b, _))) | (Rest::Corner(a), Some(Rest::Corner(b))) => a == b,
+        _ => false,
+    }
 }
-
-/// How far a boundary may be from where a whisker crosses it or its tip comes to it, over the length.
-const REACH: f64 = 0.1;
 
 /// The linear equations of a step, residuals in the last column, and the largest residual.
 ///
@@ -353,7 +331,7 @@ fn equations(stance: &Stance, both: &Both, shape: &Shape, side: &Under, tip: &Un
         (rows[3][5], rows[4][5], rows[5][5]) = (0.0, 0.0, 1.0);
     }
     if on_piece(both.side) {
-        let lay = if both.load[4] > 0.0 { 0.0 } else { core::f64::consts::PI };
+        let lay = if both.load[4] > 0.0 { 0.0 } else { PI };
         rows[6][6] = -side.turning;
         residuals[6] = wrap_angle(stance.theta + shape.side.slope + lay + FRAC_PI_2 - side.normal);
     } else {

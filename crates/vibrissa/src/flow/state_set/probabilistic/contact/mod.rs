@@ -29,7 +29,7 @@ const LARGEST_BEND: f64 = 0.35;
 /// Largest change of the place along the whisker, over its length.
 const LARGEST_PASS: f64 = 0.2;
 /// How far any place of a whisker moves at most, over how far its base does and turns it.
-const MOTION: f64 = 2.0;
+const MOTION: f64 = 1.5;
 /// A step is halved this often before the whisker is said to have snapped.
 const MOST_HALVINGS: u32 = 6;
 /// Pull (dimensionless force) at which a glued whisker lets go: a gap of about 2.5 mm for the paper's whisker.
@@ -239,7 +239,10 @@ impl Forward<'_> {
             Hold::Piece(piece, at) => self.along(&stance, touch, piece, at, false),
             Hold::Corner(piece) => self.caught(&stance, touch, piece),
             Hold::Vertex(_) | Hold::Flank(..) => self.on_side(&stance, *touch),
-            Hold::Both(both) => self.on_both(&stance, both),
+            Hold::Both(both) => match self.on_both(&stance, both) {
+                Next::None => self.on_either(&stance, &both),
+                other => other,
+            },
         };
         let near = |next: &Touch| {
             let tip_let_go = matches!(touch.hold, Hold::Both(_)) && next.s < 1.0;
@@ -251,7 +254,7 @@ impl Forward<'_> {
         match next {
             Next::Touching(next, _) if !near(&next) => Next::None,
             Next::Touching(next, _) if next.q < LET_GO => Next::LetGo,
-            Next::Touching(next, felt) => self.cleared(&stance, Touch { clear: touch.clear, ..next }, felt),
+            Next::Touching(next, felt) => self.cleared(&stance, Touch { clear: touch.clear + next.clear, ..next }, felt),
             other => other,
         }
     }
@@ -263,8 +266,8 @@ impl Forward<'_> {
         }
         let two = match self.body(stance, &touch) {
             Body::Clear(clear) => return Next::Touching(Touch { clear, ..touch }, felt),
-            Body::Before(share) => self.propped(stance, &touch, share),
-            Body::Beyond => self.stopped(stance, &touch),
+            Body::Before(share, at) => self.propped(stance, &touch, share, at),
+            Body::Beyond(at) => self.stopped(stance, &touch, at),
         };
         match two {
             Next::Touching(both, felt) => Next::Touching(both, felt),

@@ -3,7 +3,7 @@
 //! In units of `L` and `EI / L²`, with the sum of the forces beyond `s` as `N`, the curvature obeys
 //! `k' = N_x sin(theta) - N_y cos(theta)`; `N` jumps at the side contact by the force there, which is normal to the whisker.
 
-use crate::plane::Vec2;
+use crate::plane::{Pose2, Vec2};
 
 /// Steps of Runge and Kutta's method for a whole whisker, and fewest on either side of the contact.
 const STEPS: f64 = 24.0;
@@ -47,6 +47,26 @@ pub(super) fn shape(load: [f64; UNKNOWNS]) -> Shape {
     let end = rates(&tip, force);
     (0..4).for_each(|i| tip.by[3][i] -= end[i]);
     Shape { side, tip, force, force_by }
+}
+
+/// Places along a whisker under one force, evenly spaced up to it: position and slope, the last one where it acts.
+pub(super) fn outline(moment: f64, force: Vec2, length: f64, places: &mut [Pose2]) {
+    let h = length / places.len() as f64;
+    let (mut slope, mut curvature, mut position) = (0.0_f64, moment, Vec2::ZERO);
+    let bend = |slope: f64| force.x * slope.sin() - force.y * slope.cos();
+    for place in places {
+        // Nyström's method of fourth order; the position by Simpson's rule.
+        let a = bend(slope);
+        let middle = slope + 0.5 * h * curvature + 0.125 * h * h * a;
+        let b = bend(middle);
+        let end = slope + h * curvature + 0.5 * h * h * b;
+        let c = bend(end);
+        let next = slope + h * curvature + h * h / 6.0 * (a + 2.0 * b);
+        position = position
+            + (Vec2::from_angle(slope) + Vec2::from_angle(middle) * 4.0 + Vec2::from_angle(next)) * (h / 6.0);
+        (slope, curvature) = (next, curvature + h / 6.0 * (a + 4.0 * b + c));
+        *place = Pose2 { x: position.x, y: position.y, theta: slope };
+    }
 }
 
 fn first(unknown: usize) -> [f64; 4] {
@@ -114,6 +134,9 @@ mod tests {
             let found = shape([chart.moment, force.x, force.y, 0.4, 0.0]);
             assert!((found.tip.position - chart.position).norm() < 1e-5, "{q} {beta}: {:?}", found.tip);
             assert!((found.tip.slope - chart.slope).abs() < 1e-5 && found.tip.curvature.abs() < 1e-4);
+            let mut places = [Pose2::IDENTITY; 10];
+            outline(chart.moment, force, 1.0, &mut places);
+            assert!((places[9].position() - chart.position).norm() < 2e-4, "{q} {beta}: {:?}", places[9]);
         }
     }
 

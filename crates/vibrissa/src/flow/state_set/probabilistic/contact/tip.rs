@@ -48,7 +48,10 @@ impl Forward<'_> {
                 let Some((touch, felt)) = found else { return Next::None };
                 let normal = self.ground.pieces[piece as usize].spot(end).normal;
                 if !from_side && touch.q > 0.0 && points_out(stance, &touch, normal) {
-                    return self.on_side(stance, touch.laid(Hold::Flank(piece, end)));
+                    if let Next::Touching(touch, felt) = self.on_side(stance, touch.laid(Hold::Flank(piece, end))) {
+                        return Next::Touching(touch, felt);
+                    }
+                    return Next::Touching(Touch { clear: -1.0, ..touch }, felt);
                 }
                 return Next::Touching(touch, felt);
             }
