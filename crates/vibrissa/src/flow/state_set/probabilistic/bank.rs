@@ -88,6 +88,7 @@ impl<'a> Field<'a> {
             judge,
             shared,
             blur: false,
+            whole: true,
             heading_std: self.options.heading_error / SQRT_3,
         }
     }
@@ -133,7 +134,7 @@ impl Bank {
         let before = history.pose(onset.saturating_sub(3)).compose(own.robot_from_whisker);
         let approach = tip - odom_from_whisker.inverse_transform_point(before.transform_point(tip));
         let judge = Judge { temper: SEED_TEMPER, outlier_cost: f64::INFINITY };
-        let scene = field.scene(history, pivot, judge, 0.0);
+        let scene = Scene { whole: false, ..field.scene(history, pivot, judge, 0.0) };
         let onset_of = Onset {
             feeler,
             beam: &field.robot.whiskers[feeler].beam,

@@ -107,11 +107,6 @@ impl Piece {
         !matches!(self.segment, Segment::Line(_)) && !(-0.5..=1.5).contains(&at)
     }
 
-    /// Whether it is a line.
-    pub(super) fn is_straight(&self) -> bool {
-        matches!(self.segment, Segment::Line(_))
-    }
-
     /// The parameter nearest to `point`.
     pub(super) fn nearest(&self, point: Vec2) -> f64 {
         self.segment.nearest(point)

@@ -30,6 +30,15 @@ pub(super) struct Scene<'a> {
     pub(super) heading_std: f64,
     /// How exactly the forward model is solved.
     pub(super) solver: Solver<'a>,
+    /// Whether it looks at the whole whisker, not only at its contact.
+    pub(super) whole: bool,
+}
+
+impl Scene<'_> {
+    /// The forward model of a whisker of this length (m).
+    pub(super) fn forward(&self, length: f64) -> Forward<'_> {
+        Forward { map: self.map, ground: self.ground, length, solver: self.solver, whole: self.whole }
+    }
 }
 
 /// The parts of a step that are tried, and by how much each may make things worse (nats).
@@ -121,7 +130,7 @@ impl Hypothesis {
                 }
             };
             let there = place(scene.history.base(row, index));
-            let forward = Forward { map: scene.map, ground: scene.ground, length: feeler.length, solver: scene.solver };
+            let forward = scene.forward(feeler.length);
             let felt = forward.advance(
                 &mut self.states[index],
                 place(scene.history.base(self.row, index)),
@@ -175,7 +184,7 @@ impl Hypothesis {
         let first = scene.history.pose(self.start_row);
         for (state, feeler) in self.start.iter_mut().zip(scene.feelers) {
             let place = |frame: Pose2| frame.compose(first).compose(feeler.robot_from_whisker);
-            let forward = Forward { map: scene.map, ground: scene.ground, length: feeler.length, solver: scene.solver };
+            let forward = scene.forward(feeler.length);
             forward.advance(state, place(self.start_at), place(map_from_odom), false);
         }
         self.prior = self.prior.moved(difference(self.start_at, map_from_odom, scene.pivot));

@@ -39,7 +39,7 @@ pub struct PredictedMoment {
 #[must_use]
 pub fn predicted_moments(map: &Map, whisker: &Whisker, path: &[Pose2]) -> Vec<PredictedMoment> {
     let ground = Ground::new(map);
-    let forward = Forward { map, ground: &ground, length: whisker.length, solver: Solver::Exact };
+    let forward = Forward { map, ground: &ground, length: whisker.length, solver: Solver::Exact, whole: true };
     let scale = whisker.flexural_rigidity / whisker.length;
     let mut state = State::Free;
     let mut last = path.first().copied().unwrap_or_default();

@@ -6,7 +6,7 @@
 //! readings as a Gaussian as wide as the cell, and most die at the first.
 
 use super::bank::merged;
-use super::contact::{Forward, State};
+use super::contact::State;
 use super::ground::Piece;
 use super::hypothesis::{Hypothesis, Scene, moved};
 use crate::beam::Whisker;
@@ -118,7 +118,7 @@ fn touching(
     if scene.map.crosses(base, base + along * (CLEAR * feeler.length)) || !scene.map.is_free(base) {
         return None;
     }
-    let forward = Forward { map: scene.map, ground: scene.ground, length: feeler.length, solver: scene.solver };
+    let forward = scene.forward(feeler.length);
     let state = State::Touching(forward.untouched(piece, at, heading));
     judged(scene, onset, pose, state)
 }
@@ -150,7 +150,7 @@ fn loaded(
     }
     let q = contact.force.abs() * feeler.length * feeler.per_moment;
     let beta = wrap_angle(spot.normal - heading - contact.slope - FRAC_PI_2);
-    let forward = Forward { map: scene.map, ground: scene.ground, length: feeler.length, solver: scene.solver };
+    let forward = scene.forward(feeler.length);
     let state = State::Touching(forward.loaded(piece, at, q, beta, contact.slope));
     judged(scene, onset, pose, state)
 }

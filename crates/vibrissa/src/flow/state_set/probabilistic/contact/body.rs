@@ -15,7 +15,9 @@ const LOOKED: usize = 9;
 /// Distances are looked for up to this (m).
 const FARTHEST: f64 = 0.02;
 /// A bump nearer than this (m) is tried.
-const BUMP: f64 = 4e-4;
+const BUMP: f64 = 1.5e-4;
+/// However near something is, the whisker is not looked at again before it may have moved so far (m).
+const LEAST_CLEAR: f64 = 1e-3;
 /// How far behind a tip that points out of the boundary the side is looked for (share of the length).
 const BEHIND: f64 = 0.04;
 /// A straight end beyond the contact shorter than this (share of the length) is not looked at.
@@ -88,7 +90,7 @@ impl Forward<'_> {
                 None => {}
             }
         }
-        Body::Clear(clear.max(0.0))
+        Body::Clear(clear.max(LEAST_CLEAR))
     }
 
     fn gap(&self, stance: &Stance, place: Vec2) -> Option<Gap> {

@@ -18,6 +18,8 @@ const NEAR_EXACT: f64 = 1e-5;
 const LARGEST_MOMENT: f64 = 1.0;
 const LARGEST_PUSH: f64 = 20.0;
 const LARGEST_SHIFT: f64 = 0.08;
+/// A side contact this near to the tip may become one of the tip (arc length over the length).
+const ALMOST_TIP: f64 = 0.9;
 /// Contacts that one step may pass.
 const MOST_MOVES: usize = 12;
 /// Corners that turn by no more than this are passed over by a tip (rad).
@@ -65,12 +67,31 @@ impl Forward<'_> {
         let tip = match touch.hold {
             Hold::Piece(piece, at) => Rest::Piece(piece, at),
             Hold::Corner(id) => Rest::Corner(id),
+            // What has only just lain down counts as its tip.
+            Hold::Flank(piece, at) if touch.s > ALMOST_TIP => Rest::Piece(piece, at),
+            Hold::Vertex(id) if touch.s > ALMOST_TIP => match self.ground.corner(id) {
+                Some(corner) => Rest::Piece(corner.before.0, corner.before.1),
+                None => return Next::None,
+            },
             _ => return Next::None,
         };
-        let force = Vec2::from_angle(touch.slope + touch.beta + FRAC_PI_2) * touch.q;
-        let load = [chart.moment, force.x, force.y, share, 0.0];
+        let per = 1.0 / touch.s;
+        let force = Vec2::from_angle(touch.slope + touch.beta + FRAC_PI_2) * (touch.q * per * per);
+        let load = [chart.moment * per, force.x, force.y, share, 0.0];
         let side = Rest::Piece(piece, at.clamp(0.0, 1.0));
-        self.on_both(stance, Both { load, tip, side })
+        let first = self.on_both(stance, Both { load, tip, side });
+        if matches!(&first, Next::Touching(touch, _) if matches!(touch.hold, Hold::Both(_))) {
+            return first;
+        }
+        // A whisker that bends the other way touches corners alone.
+        let convex = |forward: bool| self.ground.corner_of(piece, forward).filter(|(_, corner)| corner.is_convex());
+        match convex(at > 0.5).or_else(|| convex(at <= 0.5)) {
+            Some((id, _)) => match self.on_both(stance, Both { load, tip, side: Rest::Corner(id) }) {
+                Next::Touching(touch, felt) => Next::Touching(touch, felt),
+                _ => first,
+            },
+            None => first,
+        }
     }
 
     /// A whisker with its side on a boundary whose tip has come to another place: both hold it.
@@ -101,27 +122,33 @@ impl Forward<'_> {
     /// The equilibrium with both, from these contacts on.
     pub(super) fn on_both(&self, stance: &Stance, mut both: Both) -> Next {
         let (mut side_left, mut tip_left) = (None, None);
+        let mut last: Option<Solved> = None;
         for _ in 0..MOST_MOVES {
-            let Some(Solved { both: found, felt, shape }) = self.solve(stance, &both) else { return Next::None };
+            let solved = self.solve(stance, &both);
+            // Where it cannot go on it stays.
+            let stuck = solved.is_none();
+            let Some(Solved { both: found, felt, shape }) = solved.or(last.take()) else { return Next::None };
             let across = stance.theta + shape.side.slope + FRAC_PI_2;
             let (side, held) = match self.side_next(&found, across) {
                 Some(next) => next,
                 None => return Next::None,
             };
-            match side.filter(|&next| !is_back(next, side_left)) {
+            match side.filter(|&next| !stuck && !is_back(next, side_left)) {
                 Some(next) => {
                     side_left = Some(found.side);
                     both = Both { side: next, ..found };
+                    last = Some(Solved { both: found, felt, shape });
                     continue;
                 }
                 None if !held => return self.one(stance, &found, &shape, true),
                 None => {}
             }
             let Some((tip, held)) = self.tip_next(&found, stance.theta + shape.force.angle()) else { return Next::None };
-            match tip.filter(|&next| !is_back(next, tip_left)) {
+            match tip.filter(|&next| !stuck && !is_back(next, tip_left)) {
                 Some(next) => {
                     tip_left = Some(found.tip);
                     both = Both { tip: next, ..found };
+                    last = Some(Solved { both: found, felt, shape });
                 }
                 None if !held => return self.one(stance, &found, &shape, false),
                 None => {
@@ -331,9 +358,10 @@ fn equations(stance: &Stance, both: &Both, shape: &Shape, side: &Under, tip: &Un
         (rows[3][5], rows[4][5], rows[5][5]) = (0.0, 0.0, 1.0);
     }
     if on_piece(both.side) {
-        let lay = if both.load[4] > 0.0 { 0.0 } else { PI };
+        let across = stance.theta + shape.side.slope + FRAC_PI_2 - side.normal;
         rows[6][6] = -side.turning;
-        residuals[6] = wrap_angle(stance.theta + shape.side.slope + lay + FRAC_PI_2 - side.normal);
+        // To the whisker's left or to its right, whichever is nearer.
+        residuals[6] = wrap_angle(if across.cos() > 0.0 { across } else { across + PI });
     } else {
         (rows[0][6], rows[1][6], rows[6][6]) = (0.0, 0.0, 1.0);
     }

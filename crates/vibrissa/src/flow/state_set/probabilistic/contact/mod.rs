@@ -30,6 +30,8 @@ const LARGEST_BEND: f64 = 0.35;
 const LARGEST_PASS: f64 = 0.2;
 /// How far any place of a whisker moves at most, over how far its base does and turns it.
 const MOTION: f64 = 1.5;
+/// How far a whisker moves (m) before a bump that does not touch it is tried again.
+const RETRY: f64 = 3e-4;
 /// A step is halved this often before the whisker is said to have snapped.
 const MOST_HALVINGS: u32 = 6;
 /// Pull (dimensionless force) at which a glued whisker lets go: a gap of about 2.5 mm for the paper's whisker.
@@ -143,6 +145,8 @@ pub(super) struct Forward<'a> {
     pub(super) length: f64,
     /// How exactly equilibria are solved.
     pub(super) solver: Solver<'a>,
+    /// Whether the whole whisker is looked at, not only its contact.
+    pub(super) whole: bool,
 }
 
 /// A base pose with its sine and cosine.
@@ -261,7 +265,7 @@ impl Forward<'_> {
 
     /// The contact, or two where the rest of the whisker has come to a boundary.
     fn cleared(&self, stance: &Stance, touch: Touch, felt: Felt) -> Next {
-        if touch.clear > 0.0 || touch.q <= 0.0 || matches!(touch.hold, Hold::Both(_)) {
+        if !self.whole || touch.clear > 0.0 || touch.q <= 0.0 || matches!(touch.hold, Hold::Both(_)) {
             return Next::Touching(touch, felt);
         }
         let two = match self.body(stance, &touch) {
@@ -270,8 +274,9 @@ impl Forward<'_> {
             Body::Beyond(at) => self.stopped(stance, &touch, at),
         };
         match two {
-            Next::Touching(both, felt) => Next::Touching(both, felt),
-            _ => Next::Touching(touch, felt),
+            Next::Touching(next, felt) => Next::Touching(Touch { clear: next.clear.max(RETRY), ..next }, felt),
+            // Tried again once it has moved on.
+            _ => Next::Touching(Touch { clear: RETRY, ..touch }, felt),
         }
     }
 }

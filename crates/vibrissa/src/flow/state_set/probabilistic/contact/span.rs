@@ -6,8 +6,8 @@
 use crate::plane::{Pose2, Vec2};
 
 /// Steps of Runge and Kutta's method for a whole whisker, and fewest on either side of the contact.
-const STEPS: f64 = 24.0;
-const FEWEST: f64 = 4.0;
+const STEPS: f64 = 16.0;
+const FEWEST: f64 = 3.0;
 
 /// What is chosen: moment at the base, sum of the forces, arc length of the side contact, force there (to the left).
 pub(super) const UNKNOWNS: usize = 5;
@@ -79,46 +79,49 @@ fn rates(at: &Place, force: Vec2) -> [f64; 4] {
     [at.curvature, force.x * sin - force.y * cos, cos, sin]
 }
 
-/// All that is integrated, and its derivatives by the arc length.
-type State = [[f64; 4]; UNKNOWNS + 1];
+/// All that is integrated: the derivatives by the unknowns, and slope, curvature, x and y with sine and cosine of the
+/// slope, which are cheaper to carry along than to ask for.
+#[derive(Clone, Copy)]
+struct State {
+    own: [f64; 6],
+    by: [[f64; 4]; UNKNOWNS],
+}
 
 fn derivative(y: &State, force: Vec2, by: &[Vec2; UNKNOWNS]) -> State {
-    let (sin, cos) = y[0][0].sin_cos();
-    let mut out = [[0.0; 4]; UNKNOWNS + 1];
-    out[0] = [y[0][1], force.x * sin - force.y * cos, cos, sin];
+    let [_, curvature, _, _, sin, cos] = y.own;
+    let own = [curvature, force.x * sin - force.y * cos, cos, sin, cos * curvature, -sin * curvature];
     let stiff = force.x * cos + force.y * sin;
-    for k in 0..UNKNOWNS {
-        let d = &y[k + 1];
-        out[k + 1] = [d[1], stiff * d[0] + by[k].x * sin - by[k].y * cos, -sin * d[0], cos * d[0]];
-    }
-    out
+    let one = |k: usize| {
+        let d = &y.by[k];
+        [d[1], stiff * d[0] + by[k].x * sin - by[k].y * cos, -sin * d[0], cos * d[0]]
+    };
+    State { own, by: core::array::from_fn(one) }
 }
 
 fn plus(y: &State, d: &State, step: f64) -> State {
-    core::array::from_fn(|k| core::array::from_fn(|i| y[k][i] + step * d[k][i]))
+    State {
+        own: core::array::from_fn(|i| y.own[i] + step * d.own[i]),
+        by: core::array::from_fn(|k| core::array::from_fn(|i| y.by[k][i] + step * d.by[k][i])),
+    }
 }
 
 /// From a place on by `length` under this force.
 fn along(from: Place, length: f64, force: Vec2, by: &[Vec2; UNKNOWNS]) -> Place {
     let count = (STEPS * length.abs()).clamp(FEWEST, STEPS).ceil();
     let step = length / count;
-    let mut y = [[0.0; 4]; UNKNOWNS + 1];
-    y[0] = [from.slope, from.curvature, from.position.x, from.position.y];
-    y[1..].copy_from_slice(&from.by);
+    let (sin, cos) = from.slope.sin_cos();
+    let own = [from.slope, from.curvature, from.position.x, from.position.y, sin, cos];
+    let mut y = State { own, by: from.by };
     for _ in 0..count as usize {
         let a = derivative(&y, force, by);
         let b = derivative(&plus(&y, &a, 0.5 * step), force, by);
         let c = derivative(&plus(&y, &b, 0.5 * step), force, by);
         let d = derivative(&plus(&y, &c, step), force, by);
-        for (k, row) in y.iter_mut().enumerate() {
-            for (i, value) in row.iter_mut().enumerate() {
-                *value += step / 6.0 * (a[k][i] + 2.0 * (b[k][i] + c[k][i]) + d[k][i]);
-            }
+        for (share, part) in [(1.0, a), (2.0, b), (2.0, c), (1.0, d)] {
+            y = plus(&y, &part, share * step / 6.0);
         }
     }
-    let mut place = Place { slope: y[0][0], curvature: y[0][1], position: Vec2::new(y[0][2], y[0][3]), ..from };
-    place.by.copy_from_slice(&y[1..]);
-    place
+    Place { slope: y.own[0], curvature: y.own[1], position: Vec2::new(y.own[2], y.own[3]), by: y.by }
 }
 
 #[cfg(test)]
