@@ -29,7 +29,8 @@ fn main() -> Result<()> {
         let map = arena(&mut draw)?;
         let Some(sweep) = sweep(&map, &mut draw, seed) else { continue };
         run += 1;
-        let path: Vec<Pose2> = sweep.truth.iter().map(|p| p.map_from_robot.compose(whisker.robot_from_whisker)).collect();
+        let path: Vec<Pose2> =
+            sweep.truth.iter().map(|p| p.map_from_robot.compose(whisker.robot_from_whisker)).collect();
         let ours = predicted_moments(&map, &whisker.beam, &path);
         let far = |(row, exact): (usize, &Vec<f64>)| {
             let bound = whisker.noise.moment_relative * exact[0].abs() + whisker.noise.moment_absolute;
@@ -41,9 +42,7 @@ fn main() -> Result<()> {
         if let (Some(from), Some(to)) = (these.first(), these.last()) {
             with += 1;
             let time = |row: usize| sweep.truth[row].t;
-            let words: Vec<String> =
-                sweep.events.iter().map(|e| format!("{:.3} {} {}", e.t, e.kind, e.detail)).collect();
-            if std::env::var("ROWS").is_ok() { for row in these[0].saturating_sub(3)..(these[these.len()-1]+2).min(ours.len()) { let c: Vec<String> = sweep.contacts.iter().filter(|c| c.row==row).map(|c| format!("[s {:.4} f {:.4} x {:.4} {:.4}]", c.s_a, c.force.norm(), c.position.x, c.position.y)).collect(); println!("{row} exact {:.6} ours {:.6} {} {}", sweep.exact_moments[row][0], ours[row].moment, ours[row].touching, c.join(" ")); } }
+            let words: Vec<String> = sweep.events.iter().map(|e| format!("{:.3} {}", e.t, e.kind)).collect();
             println!(
                 "seed {seed}: {} of {} odd, {:.3} to {:.3} s; {}",
                 these.len(),

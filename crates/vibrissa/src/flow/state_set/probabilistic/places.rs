@@ -145,7 +145,8 @@ pub(super) fn choose(bank: &mut Bank, field: &Field<'_>, history: &History) -> (
         drifts.push(again.drift.covariance(&again.normal, bank.shared, OPEN, turn, arm, bounds));
     }
     let quick = field.scene(history, bank.pivot, Judge::FAIR, bank.shared);
-    let broken: Vec<f64> = bank.hypotheses.iter().map(|h| self::fit(h, bank, field, history, Solver::Quick(field.table)).broken).collect();
+    let broken: Vec<f64> =
+        bank.hypotheses.iter().map(|h| self::fit(h, bank, field, history, Solver::Quick(field.table)).broken).collect();
     let settled = Settled { field, history, bank, broken: &broken, own: &own, drifts: &drifts, last, least };
     (settled.places(&quick), fit)
 }

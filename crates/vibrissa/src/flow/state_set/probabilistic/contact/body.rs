@@ -57,7 +57,8 @@ impl Forward<'_> {
                 clear = clear.min(distance);
             }
             // A place nearer than its neighbours, or on the wrong side.
-            let rises = least.as_ref().is_some_and(|(j, l)| *j + 1 == k && l.distance < before && distance > l.distance);
+            let rises =
+                least.as_ref().is_some_and(|(j, l)| *j + 1 == k && l.distance < before && distance > l.distance);
             if let Some((j, gap)) = least.as_ref().filter(|(_, l)| rises && l.distance < BUMP) {
                 return Body::Before((*j as f64 + 1.0) / CUTS as f64 * touch.s, gap.at);
             }

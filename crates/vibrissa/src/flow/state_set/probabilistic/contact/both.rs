@@ -143,7 +143,9 @@ impl Forward<'_> {
                 None if !held => return self.one(stance, &found, &shape, true),
                 None => {}
             }
-            let Some((tip, held)) = self.tip_next(&found, stance.theta + shape.force.angle()) else { return Next::None };
+            let Some((tip, held)) = self.tip_next(&found, stance.theta + shape.force.angle()) else {
+                return Next::None;
+            };
             match tip.filter(|&next| !stuck && !is_back(next, tip_left)) {
                 Some(next) => {
                     tip_left = Some(found.tip);
@@ -282,7 +284,7 @@ impl Forward<'_> {
             let (rows, residual) = equations(stance, &both, &shape, &under_side, &under_tip);
             let (mut steps, mut adjoint) = (rows, [0.0; MOST]);
             let d = solved(&mut steps)?;
-                let damp = (LARGEST_SHIFT / d[3].abs())
+            let damp = (LARGEST_SHIFT / d[3].abs())
                 .min(LARGEST_MOMENT / d[0].abs())
                 .min(LARGEST_PUSH / d[1].abs().max(d[2].abs()).max(d[4].abs()))
                 .min(1.0);
@@ -303,7 +305,10 @@ impl Forward<'_> {
                 (0..MOST).for_each(|i| (0..MOST).for_each(|j| transposed[i][j] = rows[j][i]));
                 transposed[0][MOST] = 1.0;
                 adjoint.copy_from_slice(&solved(&mut transposed)?);
-                let felt = Felt { moment: both.load[0], gradient: gradient(stance, &adjoint, &shape, &under_side, &under_tip) };
+                let felt = Felt {
+                    moment: both.load[0],
+                    gradient: gradient(stance, &adjoint, &shape, &under_side, &under_tip),
+                };
                 return felt.gradient.iter().all(|g| g.is_finite()).then_some(Solved { both, felt, shape });
             }
         }

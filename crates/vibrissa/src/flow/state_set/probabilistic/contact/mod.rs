@@ -258,7 +258,9 @@ impl Forward<'_> {
         match next {
             Next::Touching(next, _) if !near(&next) => Next::None,
             Next::Touching(next, _) if next.q < LET_GO => Next::LetGo,
-            Next::Touching(next, felt) => self.cleared(&stance, Touch { clear: touch.clear + next.clear, ..next }, felt),
+            Next::Touching(next, felt) => {
+                self.cleared(&stance, Touch { clear: touch.clear + next.clear, ..next }, felt)
+            }
             other => other,
         }
     }

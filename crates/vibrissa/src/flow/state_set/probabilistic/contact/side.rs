@@ -112,8 +112,15 @@ impl Forward<'_> {
         let det = a.cross(b);
         let adjoint = [(m * b.y - n * a.y) / det, (n * a.x - m * b.x) / det, 0.0];
         let felt = Felt { moment: bend.moment, gradient: stance.gradient(adjoint, target) };
-        let touch =
-            Touch { q, beta: from.beta, s, hold: Hold::Vertex(id), place: corner.position, slope: bend.phi_a, clear: 0.0 };
+        let touch = Touch {
+            q,
+            beta: from.beta,
+            s,
+            hold: Hold::Vertex(id),
+            place: corner.position,
+            slope: bend.phi_a,
+            clear: 0.0,
+        };
         let lean = corner.lean(stance.theta + bend.phi_a + from.beta + FRAC_PI_2);
         felt.gradient.iter().all(|g| g.is_finite()).then_some((touch, felt, lean))
     }
@@ -145,10 +152,8 @@ impl Forward<'_> {
             }
             if gap.norm_squared().sqrt().max(aslant.abs()) < self.solver.near() && damp >= 1.0 {
                 let adjoint = system.solve_transposed(by);
-                let felt = Felt {
-                    moment: moment - by[0] * dq - by[1] * ds,
-                    gradient: stance.gradient(adjoint, target),
-                };
+                let felt =
+                    Felt { moment: moment - by[0] * dq - by[1] * ds, gradient: stance.gradient(adjoint, target) };
                 let slope = chart.slope - chart.by_force.slope * dq;
                 let place = spot.position - spot.velocity * dat;
                 let touch = Touch { q, beta, s, hold: Hold::Flank(piece, at), place, slope, clear: 0.0 };

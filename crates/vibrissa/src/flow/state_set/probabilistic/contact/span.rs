@@ -62,8 +62,8 @@ pub(super) fn outline(moment: f64, force: Vec2, length: f64, places: &mut [Pose2
         let end = slope + h * curvature + 0.5 * h * h * b;
         let c = bend(end);
         let next = slope + h * curvature + h * h / 6.0 * (a + 2.0 * b);
-        position = position
-            + (Vec2::from_angle(slope) + Vec2::from_angle(middle) * 4.0 + Vec2::from_angle(next)) * (h / 6.0);
+        position =
+            position + (Vec2::from_angle(slope) + Vec2::from_angle(middle) * 4.0 + Vec2::from_angle(next)) * (h / 6.0);
         (slope, curvature) = (next, curvature + h / 6.0 * (a + 4.0 * b + c));
         *place = Pose2 { x: position.x, y: position.y, theta: slope };
     }

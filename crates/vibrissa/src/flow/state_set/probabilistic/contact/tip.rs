@@ -229,4 +229,3 @@ fn settled(tip: &TipChart, q: f64, beta: f64, dq: f64, dbeta: f64) -> Touch {
     let slope = tip.slope - tip.by_force.slope * dq - tip.by_tilt.slope * dbeta;
     Touch { q, beta, s: 1.0, hold: Hold::Piece(0, 0.0), place: Vec2::ZERO, slope, clear: 0.0 }
 }
-
