@@ -19,6 +19,8 @@ const LAST_ROUNDS: usize = 8;
 const EXACT_ROUNDS: usize = 2;
 /// Readings, times hypotheses, that are run again at the end; beyond, every second, every third … row must do.
 const MOST_TAKES: usize = 150_000;
+/// The same for the second round of all that are left, before the few that stay take all rows.
+const SECOND_TAKES: usize = 50_000;
 /// Most hypotheses that are looked at in the end.
 const MOST: usize = 1000;
 /// How many of the best hypotheses are started anew from around them, and from where (m, m, rad).
@@ -113,7 +115,7 @@ pub(super) fn choose(bank: &mut Bank, field: &Field<'_>, history: &History) -> (
     let shared = bank.shared;
     bank.hypotheses.sort_by(|a, b| a.best(OPEN, shared).0.total_cmp(&b.best(OPEN, shared).0));
     bank.hypotheses.truncate(MOST);
-    for (rows, rounds) in [(FIRST_ROWS, FIRST_ROUNDS), (MOST_TAKES / bank.hypotheses.len().max(1), ROUNDS)] {
+    for (rows, rounds) in [(FIRST_ROWS, FIRST_ROUNDS), (SECOND_TAKES / bank.hypotheses.len().max(1), ROUNDS)] {
         bank.use_rows(field, history, rows);
         bank.settle(field, history, rounds, 0);
         let least = bank.hypotheses.iter().map(|h| h.cost(shared)).fold(f64::INFINITY, f64::min);
