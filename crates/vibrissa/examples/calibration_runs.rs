@@ -1,6 +1,6 @@
 //! Whether the probabilistic method's regions and weights mean what they say: random sweeps on random maps.
 //!
-//! `cargo run --release --example calibration_runs -- [TRIALS] [FIRST_SEED]`. Each trial draws an arena with bays and
+//! `cargo run --release --example calibration_runs -- [TRIALS] [FIRST_SEED] [TOLERATED_SHARE]`. Each trial draws an arena with bays and
 //! bumps, presses the paper's whisker against a random stretch of wall, sweeps along it with the declared noise, and
 //! localizes without a prior. It counts how often the 95 % region of a place holds the truth, how often the heaviest
 //! place is the true one against how often its weight says so, and the errors where the verdict was `localized`.
@@ -44,7 +44,10 @@ fn quantile(sorted: &[f64], share: f64) -> f64 {
 fn main() -> Result<()> {
     let mut arguments = std::env::args().skip(1).map_while(|a| a.parse::<u64>().ok());
     let (trials, first) = (arguments.next().unwrap_or(200), arguments.next().unwrap_or(1));
-    let options = LocalizeOptions { method: Method::Probabilistic, ..LocalizeOptions::default() };
+    let mut options = LocalizeOptions { method: Method::Probabilistic, ..LocalizeOptions::default() };
+    if let Some(share) = std::env::args().nth(3).and_then(|a| a.parse().ok()) {
+        options.probabilistic.tolerated_share = share;
+    }
     let (mut run, mut held, mut near, mut verdicts) = (0, 0, 0, [0; 4]);
     let (mut errors, mut turns, mut bounds) = (Vec::new(), Vec::new(), Vec::new());
     let (mut promised, mut kept, mut wrong) = (0.0, 0, 0);

@@ -455,8 +455,8 @@ pub struct ProbabilisticOptions {
     pub prior: Option<[[f64; 2]; 3]>,
     /// Rows that are kept and fitted again; what older ones say is summed up as a Gaussian for each hypothesis.
     pub window: usize,
-    /// Share of the rows that no equilibrium at the tip needs to explain, 0 to 0.5: while the whisker touches with its side
-    /// or has snapped, even the true place explains nothing.
+    /// Share of the rows that no equilibrium needs to explain, 0 to 0.5: while the whisker has snapped or touches at three
+    /// places, even the true place explains nothing.
     pub tolerated_share: f64,
 }
 
@@ -471,7 +471,7 @@ impl Default for ProbabilisticOptions {
             heading_error: 0.05,
             prior: None,
             window: 1000,
-            tolerated_share: 0.15,
+            tolerated_share: 0.05,
         }
     }
 }

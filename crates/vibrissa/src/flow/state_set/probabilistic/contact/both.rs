@@ -4,6 +4,7 @@
 //! that of the side on a curved piece (on a corner it is given). Newton's method solves for both places, the direction of
 //! the tip's force and the free end. Where one of the two forces would have to pull, that contact ends.
 
+use super::balance::{MOST, Under, equations, gradient, solved};
 use super::span::{self, Shape, UNKNOWNS};
 use super::{Felt, Forward, Hold, Next, Stance, Touch};
 use crate::plane::{Vec2, wrap_angle};
@@ -24,31 +25,20 @@ const ALMOST_TIP: f64 = 0.9;
 const MOST_MOVES: usize = 12;
 /// Corners that turn by no more than this are passed over by a tip (rad).
 const SLIGHT: f64 = 0.1;
-/// Unknowns and equations at most.
-const MOST: usize = UNKNOWNS + 2;
-
 /// Two contacts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Both {
     /// Moment at the base, sum of the forces, arc length of the side contact, force there.
-    load: [f64; UNKNOWNS],
-    tip: Rest,
-    side: Rest,
+    pub(super) load: [f64; UNKNOWNS],
+    pub(super) tip: Rest,
+    pub(super) side: Rest,
 }
 
 /// Where something rests.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Rest {
+pub(super) enum Rest {
     Piece(u32, f64),
     Corner(u32),
-}
-
-/// What a contact rests on: place, velocity and turning by the parameter, normal.
-struct Under {
-    position: Vec2,
-    velocity: Vec2,
-    normal: f64,
-    turning: f64,
 }
 
 /// An equilibrium.
@@ -57,8 +47,6 @@ struct Solved {
     felt: Felt,
     shape: Shape,
 }
-
-type Rows = [[f64; MOST + 1]; MOST];
 
 impl Forward<'_> {
     /// A whisker with its tip on a boundary and this share of its length near another place: both hold it.
@@ -322,86 +310,4 @@ fn is_back(next: Rest, left: Option<Rest>) -> bool {
         (Rest::Piece(a, _), Some(Rest::Piece(b, _))) | (Rest::Corner(a), Some(Rest::Corner(b))) => a == b,
         _ => false,
     }
-}
-
-/// The linear equations of a step, residuals in the last column, and the largest residual.
-///
-/// | rows | equation | unknowns |
-/// | --- | --- | --- |
-/// | 0, 1 | the side is at its place | load, place of the side |
-/// | 2 | no moment at the tip | load |
-/// | 3, 4 | the tip is at its place | load, place of the tip |
-/// | 5 | the tip's force is along the normal; in a corner the place is given | load, place of the tip |
-/// | 6 | the side is tangent; on a corner the place is given | load, place of the side |
-fn equations(stance: &Stance, both: &Both, shape: &Shape, side: &Under, tip: &Under) -> (Rows, f64) {
-    let mut rows = [[0.0; MOST + 1]; MOST];
-    let (at_side, at_tip) = (stance.seen(side.position - stance.base), stance.seen(tip.position - stance.base));
-    let (side_on, tip_on) = (stance.seen(side.velocity), stance.seen(tip.velocity));
-    let facing = Vec2::from_angle(tip.normal - stance.theta);
-    let on_piece = |rest: Rest| matches!(rest, Rest::Piece(..));
-    for k in 0..UNKNOWNS {
-        rows[0][k] = shape.side.by[k][2];
-        rows[1][k] = shape.side.by[k][3];
-        rows[2][k] = shape.tip.by[k][1];
-        rows[3][k] = shape.tip.by[k][2];
-        rows[4][k] = shape.tip.by[k][3];
-        if on_piece(both.tip) {
-            rows[5][k] = shape.force_by[k].cross(facing);
-        }
-        if on_piece(both.side) {
-            rows[6][k] = shape.side.by[k][0];
-        }
-    }
-    (rows[3][5], rows[4][5]) = (-tip_on.x, -tip_on.y);
-    (rows[0][6], rows[1][6]) = (-side_on.x, -side_on.y);
-    let (off_side, off_tip) = (shape.side.position - at_side, shape.tip.position - at_tip);
-    let mut residuals = [off_side.x, off_side.y, shape.tip.curvature, off_tip.x, off_tip.y, 0.0, 0.0];
-    if on_piece(both.tip) {
-        rows[5][5] = shape.force.dot(facing) * tip.turning;
-        residuals[5] = shape.force.cross(facing);
-    } else {
-        (rows[3][5], rows[4][5], rows[5][5]) = (0.0, 0.0, 1.0);
-    }
-    if on_piece(both.side) {
-        let across = stance.theta + shape.side.slope + FRAC_PI_2 - side.normal;
-        rows[6][6] = -side.turning;
-        // To the whisker's left or to its right, whichever is nearer.
-        residuals[6] = wrap_angle(if across.cos() > 0.0 { across } else { across + PI });
-    } else {
-        (rows[0][6], rows[1][6], rows[6][6]) = (0.0, 0.0, 1.0);
-    }
-    for (row, residual) in rows.iter_mut().zip(residuals) {
-        row[MOST] = residual;
-    }
-    (rows, residuals.iter().map(|r| r.abs()).fold(0.0, f64::max))
-}
-
-/// The derivatives of the moment by the base's pose, from the adjoint of the equations.
-fn gradient(stance: &Stance, l: &[f64; MOST], shape: &Shape, side: &Under, tip: &Under) -> [f64; 3] {
-    let (at_side, at_tip) = (stance.seen(side.position - stance.base), stance.seen(tip.position - stance.base));
-    let a = stance.gradient([l[0], l[1], l[6]], at_side);
-    let b = stance.gradient([l[3], l[4], 0.0], at_tip);
-    let turned = l[5] * shape.force.dot(Vec2::from_angle(tip.normal - stance.theta));
-    [a[0] + b[0], a[1] + b[1], a[2] + b[2] + turned]
-}
-
-/// The solution of the equations whose right side is the last column, by elimination; none when it is not finite.
-fn solved(m: &mut Rows) -> Option<[f64; MOST]> {
-    for k in 0..MOST {
-        let pivot = (k..MOST).max_by(|&a, &b| m[a][k].abs().total_cmp(&m[b][k].abs()))?;
-        m.swap(k, pivot);
-        let per = 1.0 / m[k][k];
-        for i in k + 1..MOST {
-            let factor = m[i][k] * per;
-            for j in k..=MOST {
-                m[i][j] -= factor * m[k][j];
-            }
-        }
-    }
-    let mut x = [0.0; MOST];
-    for k in (0..MOST).rev() {
-        let rest: f64 = (k + 1..MOST).map(|j| m[k][j] * x[j]).sum();
-        x[k] = (m[k][MOST] - rest) / m[k][k];
-    }
-    x.iter().all(|v| v.is_finite()).then_some(x)
 }

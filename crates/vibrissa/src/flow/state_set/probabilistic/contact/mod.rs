@@ -5,6 +5,7 @@
 //! price of one more solution of the same linear system. Slightly negative forces, a whisker glued to the boundary, are
 //! kept: they tell in which direction a contact that should be there is to be looked for.
 
+mod balance;
 mod body;
 mod both;
 mod meet;

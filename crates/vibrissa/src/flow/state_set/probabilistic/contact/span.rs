@@ -62,8 +62,7 @@ pub(super) fn outline(moment: f64, force: Vec2, length: f64, places: &mut [Pose2
         let end = slope + h * curvature + 0.5 * h * h * b;
         let c = bend(end);
         let next = slope + h * curvature + h * h / 6.0 * (a + 2.0 * b);
-        position =
-            position + (Vec2::from_angle(slope) + Vec2::from_angle(middle) * 4.0 + Vec2::from_angle(next)) * (h / 6.0);
+        position += (Vec2::from_angle(slope) + Vec2::from_angle(middle) * 4.0 + Vec2::from_angle(next)) * (h / 6.0);
         (slope, curvature) = (next, curvature + h / 6.0 * (a + 4.0 * b + c));
         *place = Pose2 { x: position.x, y: position.y, theta: slope };
     }
@@ -169,9 +168,9 @@ mod tests {
                     x.position.x - y.position.x,
                     x.position.y - y.position.y,
                 ];
-                for i in 0..4 {
-                    let d = difference[i] / 2e-5;
-                    assert!((own.by[k][i] - d).abs() < 1e-3 * (1.0 + d.abs()), "{k} {i}: {} {d}", own.by[k][i]);
+                for (own, d) in own.by[k].iter().zip(difference) {
+                    let d = d / 2e-5;
+                    assert!((own - d).abs() < 1e-3 * (1.0 + d.abs()), "{k}: {own} {d}");
                 }
             }
             let d = (a.force - b.force) * (1.0 / 2e-5);
