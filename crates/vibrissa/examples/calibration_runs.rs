@@ -7,11 +7,11 @@
 
 #[path = "../tests/data/random.rs"]
 mod random;
-#[path = "../tests/data/random_sweep.rs"]
-mod random_sweep;
+#[path = "../tests/data/random_arena.rs"]
+mod random_arena;
 
 use random::Random;
-use random_sweep::{arena, sweep};
+use random_arena::{arena, sweep};
 use vibrissa::flow::pose::{Hypothesis, Method, Status};
 use vibrissa::plane::{Pose2, wrap_angle};
 use vibrissa::world::Robot;

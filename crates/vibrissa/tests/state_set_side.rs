@@ -5,8 +5,8 @@
 
 #[path = "data/random.rs"]
 mod random;
-#[path = "data/random_sweep.rs"]
-mod random_sweep;
+#[path = "data/random_arena.rs"]
+mod random_arena;
 
 use random::Random;
 use std::path::Path;
@@ -45,8 +45,8 @@ fn side_rows(robot: &Robot, sweep: &Sweep, ours: &[PredictedMoment], share: f64)
 /// A sweep during which a bump rises under the whisker while its tip is in a bay.
 fn bump(seed: u64) -> (Map, Sweep) {
     let mut draw = Random(seed.wrapping_mul(0x9e37_79b9));
-    let map = random_sweep::arena(&mut draw).unwrap();
-    let sweep = random_sweep::sweep(&map, &mut draw, seed).unwrap();
+    let map = random_arena::arena(&mut draw).unwrap();
+    let sweep = random_arena::sweep(&map, &mut draw, seed).unwrap();
     (map, sweep)
 }
 
