@@ -12,12 +12,13 @@ use core::f64::consts::FRAC_PI_2;
 /// contact its boundary is near anyway.
 const CUTS: usize = 12;
 const LOOKED: usize = 9;
-/// Distances are looked for up to this (m).
-const FARTHEST: f64 = 0.02;
-/// A bump nearer than this (m) is tried.
-const BUMP: f64 = 1.5e-4;
-/// However near something is, the whisker is not looked at again before it may have moved so far (m).
-const LEAST_CLEAR: f64 = 1e-3;
+/// Distances are looked for up to this (whisker lengths).
+const FARTHEST: f64 = 0.27;
+/// A bump nearer than this (whisker lengths) is tried.
+const BUMP: f64 = 2e-3;
+/// However near something is, the whisker is not looked at again before it may have moved so far (whisker
+/// lengths).
+const LEAST_CLEAR: f64 = 0.0133;
 /// How far behind a tip that points out of the boundary the side is looked for (share of the length).
 const BEHIND: f64 = 0.04;
 /// A straight end beyond the contact shorter than this (share of the length) is not looked at.
@@ -47,19 +48,20 @@ impl Forward<'_> {
         let force = Vec2::from_angle(touch.slope + touch.beta + FRAC_PI_2) * (touch.q * per * per);
         let mut outline = [Pose2::IDENTITY; CUTS];
         span::outline(chart.moment * per, force, touch.s, &mut outline);
-        let mut clear = FARTHEST;
+        let (farthest, bump) = (FARTHEST * self.length, BUMP * self.length);
+        let mut clear = farthest;
         let mut least: Option<(usize, Gap)> = None;
         let mut before = f64::INFINITY;
         for (k, at) in outline[..CUTS - 1].iter().enumerate() {
             let gap = self.gap(stance, stance.placed(at.position()));
-            let distance = gap.as_ref().map_or(FARTHEST, |gap| gap.distance);
+            let distance = gap.as_ref().map_or(farthest, |gap| gap.distance);
             if k < LOOKED {
                 clear = clear.min(distance);
             }
             // A place nearer than its neighbours, or on the wrong side.
             let rises =
                 least.as_ref().is_some_and(|(j, l)| *j + 1 == k && l.distance < before && distance > l.distance);
-            if let Some((j, gap)) = least.as_ref().filter(|(_, l)| rises && l.distance < BUMP) {
+            if let Some((j, gap)) = least.as_ref().filter(|(_, l)| rises && l.distance < bump) {
                 return Body::Before((*j as f64 + 1.0) / CUTS as f64 * touch.s, gap.at);
             }
             if let Some(last) = &least {
@@ -67,7 +69,7 @@ impl Forward<'_> {
             }
             least = gap.map(|gap| (k, gap));
             if least.is_none() {
-                before = FARTHEST;
+                before = farthest;
             }
         }
         if let Some((j, gap)) = least.filter(|(_, l)| l.distance < 0.0) {
@@ -91,11 +93,11 @@ impl Forward<'_> {
                 None => {}
             }
         }
-        Body::Clear(clear.max(LEAST_CLEAR))
+        Body::Clear(clear.max(LEAST_CLEAR * self.length))
     }
 
     fn gap(&self, stance: &Stance, place: Vec2) -> Option<Gap> {
-        let (piece, at, distance) = self.ground.nearest(self.map, place, stance.base, FARTHEST)?;
+        let (piece, at, distance) = self.ground.nearest(self.map, place, stance.base, FARTHEST * self.length)?;
         let spot = self.ground.pieces[piece as usize].spot(at);
         let inside = (place - spot.position).dot(Vec2::from_angle(spot.normal)) < 0.0;
         Some(Gap { distance: if inside { -distance } else { distance }, at: (piece, at) })

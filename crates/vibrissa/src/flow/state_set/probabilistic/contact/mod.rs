@@ -31,8 +31,8 @@ const LARGEST_BEND: f64 = 0.35;
 const LARGEST_PASS: f64 = 0.2;
 /// How far any place of a whisker moves at most, over how far its base does and turns it.
 const MOTION: f64 = 1.5;
-/// How far a whisker moves (m) before a bump that does not touch it is tried again.
-const RETRY: f64 = 3e-4;
+/// How far a whisker moves (whisker lengths) before a bump that does not touch it is tried again.
+const RETRY: f64 = 4e-3;
 /// A step is halved this often before the whisker is said to have snapped.
 const MOST_HALVINGS: u32 = 6;
 /// Pull (dimensionless force) at which a glued whisker lets go: a gap of about 2.5 mm for the paper's whisker.
@@ -277,9 +277,11 @@ impl Forward<'_> {
             Body::Beyond(at) => self.stopped(stance, &touch, at),
         };
         match two {
-            Next::Touching(next, felt) => Next::Touching(Touch { clear: next.clear.max(RETRY), ..next }, felt),
+            Next::Touching(next, felt) => {
+                Next::Touching(Touch { clear: next.clear.max(RETRY * self.length), ..next }, felt)
+            }
             // Tried again once it has moved on.
-            _ => Next::Touching(Touch { clear: RETRY, ..touch }, felt),
+            _ => Next::Touching(Touch { clear: RETRY * self.length, ..touch }, felt),
         }
     }
 }
