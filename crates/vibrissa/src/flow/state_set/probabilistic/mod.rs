@@ -28,13 +28,13 @@ pub struct PredictedMoment {
     pub moment: f64,
     /// Derivatives by the base's x and y (N, map frame) and by its heading (N m/rad).
     pub gradient: [f64; 3],
-    /// Whether the tip is held by a boundary.
+    /// Whether a boundary holds the whisker.
     pub touching: bool,
 }
 
 /// The moments along a path of base poses `map_from_whisker`, the first of which is free of contact.
 ///
-/// Contact of the tip without friction; the branch of solutions is followed from pose to pose, so these must be no
+/// Contact of the tip, of the side, or of both at once, without friction; the branch of solutions is followed from pose to pose, so these must be no
 /// further apart than a few millimetres. The whisker must be uniform, straight and clamped.
 #[must_use]
 pub fn predicted_moments(map: &Map, whisker: &Whisker, path: &[Pose2]) -> Vec<PredictedMoment> {
