@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use vibrissa::Result;
 use vibrissa::beam::{CURVATURE_TERMS, Stretch, Whisker};
 use vibrissa::plane::Pose2;
-use vibrissa::world::{MomentNoise, MountedWhisker, Odometry, Robot};
+use vibrissa::world::{MomentNoise, MountedWhisker, Odometry, ReadingNoise, Robot};
 
 /// The attributes of `vibrissa.Segment`.
 #[derive(Debug, FromPyObject)]
@@ -42,6 +42,10 @@ pub(crate) struct MountedIn {
     calibration: Option<PathBuf>,
     moment_relative: f64,
     moment_absolute: f64,
+    force_relative: f64,
+    force_absolute: f64,
+    slope_relative: f64,
+    slope_absolute: f64,
 }
 
 /// The attributes of `vibrissa.Robot`.
@@ -109,6 +113,8 @@ impl RobotIn {
                     moment_relative: mounted.moment_relative,
                     moment_absolute: mounted.moment_absolute,
                 },
+                force_noise: ReadingNoise { relative: mounted.force_relative, absolute: mounted.force_absolute },
+                slope_noise: ReadingNoise { relative: mounted.slope_relative, absolute: mounted.slope_absolute },
             })
         };
         let robot = Robot {
@@ -159,6 +165,10 @@ fn robot_out<'py>(py: Python<'py>, robot: &Robot) -> PyResult<Bound<'py, PyDict>
         one.set_item("calibration", mounted.calibration.as_ref().map(|path| path.to_string_lossy().into_owned()))?;
         one.set_item("moment_relative", mounted.noise.moment_relative)?;
         one.set_item("moment_absolute", mounted.noise.moment_absolute)?;
+        one.set_item("force_relative", mounted.force_noise.relative)?;
+        one.set_item("force_absolute", mounted.force_noise.absolute)?;
+        one.set_item("slope_relative", mounted.slope_noise.relative)?;
+        one.set_item("slope_absolute", mounted.slope_noise.absolute)?;
         Ok(one)
     });
     let out = PyDict::new(py);

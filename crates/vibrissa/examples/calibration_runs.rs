@@ -1,66 +1,24 @@
 //! Whether the probabilistic method's regions and weights mean what they say: random sweeps on random maps.
 //!
-//! `cargo run --release --example calibration_runs -- [TRIALS] [FIRST_SEED]`. Each trial draws an arena with bays and
+//! `cargo run --release --example calibration_runs -- [TRIALS] [FIRST_SEED] [TOLERATED_SHARE]`. Each trial draws an arena with bays and
 //! bumps, presses the paper's whisker against a random stretch of wall, sweeps along it with the declared noise, and
 //! localizes without a prior. It counts how often the 95 % region of a place holds the truth, how often the heaviest
 //! place is the true one against how often its weight says so, and the errors where the verdict was `localized`.
 
 #[path = "../tests/data/random.rs"]
 mod random;
+#[path = "../tests/data/random_arena.rs"]
+mod random_arena;
 
 use random::Random;
+use random_arena::{arena, sweep};
 use vibrissa::flow::pose::{Hypothesis, Method, Status};
-use vibrissa::plane::{Curve, Pose2, Vec2, wrap_angle};
-use vibrissa::tasks::simulate::{Pace, Sweep, SweepNoise, path_through, simulate_tip_sweep};
-use vibrissa::world::{Boundary, Map, Robot, Role};
-use vibrissa::{Error, LocalizeOptions, Result, localize};
+use vibrissa::plane::{Pose2, wrap_angle};
+use vibrissa::world::Robot;
+use vibrissa::{LocalizeOptions, Result, localize};
 
 /// The 95 % point of chi² for three degrees of freedom.
 const CHI2_95: f64 = 7.815;
-
-/// A closed arena whose radius is a random sum of waves.
-fn arena(draw: &mut Random) -> Result<Map> {
-    let waves: Vec<(f64, f64, f64)> =
-        (2..9).map(|k| (f64::from(k), draw.signed(0.018) / (f64::from(k) * 0.4).max(1.0), draw.signed(3.2))).collect();
-    let radius = draw.between(0.18, 0.28);
-    let point = |i: usize| {
-        let angle = i as f64 / 1200.0 * core::f64::consts::TAU;
-        let r = radius + waves.iter().map(|(k, a, phase)| a * (k * angle + phase).sin()).sum::<f64>();
-        r * Vec2::from_angle(angle)
-    };
-    let points: Vec<Vec2> = (0..1200).map(point).collect();
-    let curve = Curve::polyline(&points, true).ok_or_else(|| Error::data("a degenerate arena"))?;
-    Map::new(vec![Boundary::new(Role::Arena, curve, None)?])
-}
-
-/// A sweep along a random stretch of wall, if it is one of tip contact all the way.
-fn sweep(map: &Map, draw: &mut Random, seed: u64) -> Option<Sweep> {
-    let samples = map.samples(1e-3);
-    let start = samples[draw.between(0.0, samples.len() as f64) as usize];
-    let (along, inward) = (Vec2::from_angle(start.tangent), Vec2::from_angle(start.tangent).perp());
-    let forward = draw.sign();
-    let lean = draw.between(0.5, 1.0);
-    let heading = (-inward).angle() - forward * lean;
-    let reach = 0.075 * lean.cos();
-    let length = draw.between(0.10, 0.20);
-    let place = |s: f64, off: f64| {
-        let p = start.position + along * (forward * s) + inward * off;
-        Pose2::new(p.x, p.y, heading)
-    };
-    let press = |draw: &mut Random| reach - draw.between(0.006, 0.02);
-    let way = [
-        place(0.0, reach + 0.006),
-        place(0.01, press(draw)),
-        place(0.5 * length, press(draw)),
-        place(length, press(draw)),
-    ];
-    if way.iter().any(|p| !map.is_free(p.position())) {
-        return None;
-    }
-    let path = path_through(&way, &Pace { speed: 0.15, turn_rate: 1.0, rate: 300.0 }).ok()?;
-    let sweep = simulate_tip_sweep(map, &Robot::default(), &path, &SweepNoise::seeded(seed)).ok()?;
-    (sweep.contacts.len() > 150).then_some(sweep)
-}
 
 /// The squared distance of the truth from a place in its own standard deviations; infinite without a covariance.
 fn distance(place: &Hypothesis, truth: Pose2) -> f64 {
@@ -86,7 +44,10 @@ fn quantile(sorted: &[f64], share: f64) -> f64 {
 fn main() -> Result<()> {
     let mut arguments = std::env::args().skip(1).map_while(|a| a.parse::<u64>().ok());
     let (trials, first) = (arguments.next().unwrap_or(200), arguments.next().unwrap_or(1));
-    let options = LocalizeOptions { method: Method::Probabilistic, ..LocalizeOptions::default() };
+    let mut options = LocalizeOptions { method: Method::Probabilistic, ..LocalizeOptions::default() };
+    if let Some(share) = std::env::args().nth(3).and_then(|a| a.parse().ok()) {
+        options.probabilistic.tolerated_share = share;
+    }
     let (mut run, mut held, mut near, mut verdicts) = (0, 0, 0, [0; 4]);
     let (mut errors, mut turns, mut bounds) = (Vec::new(), Vec::new(), Vec::new());
     let (mut promised, mut kept, mut wrong) = (0.0, 0, 0);

@@ -67,6 +67,14 @@ pub mod defaults {
     pub const MOMENT_RELATIVE: f64 = 0.05;
     /// Bound on the reading's error that stays at zero moment (N m).
     pub const MOMENT_ABSOLUTE: f64 = 2e-5;
+    /// The same of a contact force: as that of the moment.
+    pub const FORCE_RELATIVE: f64 = 0.05;
+    /// Bound on a force's error at zero (N): the moment's at the end of the paper's whisker.
+    pub const FORCE_ABSOLUTE: f64 = 3e-4;
+    /// The same of a slope: as that of the moment.
+    pub const SLOPE_RELATIVE: f64 = 0.05;
+    /// Bound on a slope's error at zero (rad): that of the paper's whisker under the moment's.
+    pub const SLOPE_ABSOLUTE: f64 = 3e-3;
     /// Bound on the error of each odometry increment relative to it: the paper's stage is exact to 10 µm.
     pub const ODOMETRY_RELATIVE: f64 = 0.0;
 }
@@ -455,8 +463,8 @@ pub struct ProbabilisticOptions {
     pub prior: Option<[[f64; 2]; 3]>,
     /// Rows that are kept and fitted again; what older ones say is summed up as a Gaussian for each hypothesis.
     pub window: usize,
-    /// Share of the rows that no equilibrium at the tip needs to explain, 0 to 0.5: while the whisker touches with its side
-    /// or has snapped, even the true place explains nothing.
+    /// Share of the rows that no equilibrium needs to explain, 0 to 0.5: while the whisker has snapped or touches at three
+    /// places, even the true place explains nothing.
     pub tolerated_share: f64,
 }
 
@@ -471,7 +479,7 @@ impl Default for ProbabilisticOptions {
             heading_error: 0.05,
             prior: None,
             window: 1000,
-            tolerated_share: 0.15,
+            tolerated_share: 0.05,
         }
     }
 }

@@ -412,16 +412,25 @@ struct LimitCheck {
     whisker: String,
     noise: MomentNoise,
     limit: f64,
+    /// Where the contact is that causes it.
+    place: &'static str,
 }
 
 impl LimitCheck {
+    /// With the contact anywhere from a tenth of the whisker on, which multiplies the moment by ten.
+    fn any_place(whisker: &MountedWhisker, tip: &TipModel) -> Self {
+        let tip = Self::any_tilt(whisker, tip);
+        Self { limit: 10.0 * tip.limit, place: "a tenth of the whisker from its base", ..tip }
+    }
+
     /// Whatever the tilt of the load.
     fn any_tilt(whisker: &MountedWhisker, tip: &TipModel) -> Self {
         Self::new(whisker, tip, f64::INFINITY)
     }
 
     fn new(whisker: &MountedWhisker, tip: &TipModel, steepest: f64) -> Self {
-        Self { whisker: whisker.name.clone(), noise: whisker.noise, limit: tip.largest_moment(steepest) }
+        let limit = tip.largest_moment(steepest);
+        Self { whisker: whisker.name.clone(), noise: whisker.noise, limit, place: "at its tip" }
     }
 
     /// Refuses what no shape of this whisker can cause, even at the edge of the declared noise.
@@ -432,7 +441,7 @@ impl LimitCheck {
         }
         let error = Error::data(format!("a moment that no shape of the whisker {} causes", self.whisker))
             .value(format!("{moment} N m"))
-            .allowed(format!("at most {:.3e} N m with the contact at its tip", self.limit))
+            .allowed(format!("at most {:.3e} N m with the contact {}", self.limit, self.place))
             .remedy("check the unit (N m, not mN m), and the whisker's length and stiffness in the robot file");
         Err(if row.line > 0 { error.at_line(row.line) } else { error })
     }

@@ -7,7 +7,7 @@ mod random;
 
 use core::f64::consts::PI;
 use random::Random;
-use vibrissa::beam::{Rod, Stretch, TipModel, Whisker, largest_tip_moment, tip_chart, tip_curve};
+use vibrissa::beam::{Rod, Stretch, TipModel, TipReading, Whisker, largest_tip_moment, tip_chart, tip_curve};
 use vibrissa::plane::Vec2;
 
 fn whiskers() -> Vec<(&'static str, Whisker)> {
@@ -72,8 +72,8 @@ fn small_loads_bend_the_tip_as_they_bend_a_uniform_whisker() {
     let paper = TipModel::new(&Whisker::default()).unwrap();
     assert!(paper.is_uniform() && paper.rigidity().to_bits() == Whisker::default().flexural_rigidity.to_bits());
     assert_eq!(paper.chart(0.7, -0.2), tip_chart(0.7, -0.2));
-    assert_eq!(paper.curve(1.3), tip_curve(1.3));
     let scale = Whisker::default().flexural_rigidity / Whisker::default().length;
+    assert_eq!(paper.curve(TipReading::Moment(1.3 * scale)).len(), tip_curve(1.3).len());
     assert!((paper.largest_moment(0.0) / (scale * largest_tip_moment(0.0)) - 1.0).abs() < 1e-12);
 }
 
@@ -84,7 +84,7 @@ fn every_equilibrium_of_a_curve_has_the_moment() {
         let largest = model.largest_moment(f64::INFINITY) * whisker.length / model.rigidity();
         for share in [0.01, 0.1, 0.4, 0.8] {
             let mu = share * largest;
-            let pieces = model.curve(mu);
+            let pieces = model.curve(TipReading::Moment(mu * model.rigidity() / whisker.length));
             assert!(!pieces.is_empty(), "{name}: {share}");
             for piece in &pieces {
                 assert!(piece.windows(2).all(|pair| pair[0].direction < pair[1].direction), "{name}: {share}");
@@ -97,9 +97,42 @@ fn every_equilibrium_of_a_curve_has_the_moment() {
                 assert!(longest < 0.04, "{name}: a gap of {longest}");
             }
         }
-        assert!(
-            model.curve(1.001 * largest).is_empty() && model.curve(-1.0).is_empty() && model.curve(f64::NAN).is_empty()
-        );
+        let beyond = 1.001 * model.largest_moment(f64::INFINITY);
+        assert!([beyond, -1.0, f64::NAN].into_iter().all(|m| model.curve(TipReading::Moment(m)).is_empty()));
+    }
+}
+
+#[test]
+fn curves_of_force_and_slope_have_them() {
+    for (name, whisker) in whiskers().into_iter().chain([("the paper's", Whisker::default())]) {
+        let (model, rod) = (TipModel::new(&whisker).unwrap(), Rod::new(&whisker).unwrap());
+        let unit = model.rigidity() / whisker.length.powi(2);
+        let mut kept = 0;
+        for reading in [
+            TipReading::Force(0.3 * unit),
+            TipReading::Force(1.5 * unit),
+            TipReading::Slope(0.2),
+            TipReading::Slope(0.9),
+        ] {
+            let pieces = model.curve(reading);
+            assert!(!pieces.is_empty(), "{name}: {reading:?}");
+            for e in pieces.iter().flatten() {
+                let (place, slope, _) = bent(&rod, &model, e.t * e.t, e.tilt());
+                assert!(
+                    place.distance(Vec2::new(e.x, e.y)) < 2e-4 && (slope - e.slope).abs() < 2e-4,
+                    "{name}: {reading:?}"
+                );
+                match reading {
+                    TipReading::Force(force) => assert!((e.t * e.t * unit / force - 1.0).abs() < 1e-9),
+                    TipReading::Slope(at) => assert!((slope - at).abs() < 3e-4, "{name}: {slope} {at}"),
+                    TipReading::Moment(_) => {}
+                }
+                kept += 1;
+            }
+        }
+        assert!(kept > 300, "{name}: {kept}");
+        let none = [0.0, -1.0, f64::NAN].into_iter().flat_map(|z| [TipReading::Force(z), TipReading::Slope(z)]);
+        none.for_each(|reading| assert!(model.curve(reading).is_empty(), "{name}: {reading:?}"));
     }
 }
 

@@ -7,7 +7,7 @@ mod random;
 
 use random::Random;
 use std::f64::consts::TAU;
-use vibrissa::beam::{Bend, Load, TipModel, Whisker, elastica, largest_tip_moment, moment_mode, tip_curve};
+use vibrissa::beam::{Bend, Load, TipModel, TipReading, Whisker, elastica, largest_tip_moment, moment_mode, tip_curve};
 use vibrissa::config::TipLoad;
 use vibrissa::flow::contact_set::{TipContact, TipContactSet};
 
@@ -51,7 +51,11 @@ fn every_contact_causes_the_moment() {
         let mu = 10f64.powf(draw.between(-4.0, 0.5)).min(2.9);
         let side = if draw.unit() < 0.5 { -1.0 } else { 1.0 };
         let moment = side * mu * whisker.flexural_rigidity / whisker.length;
-        for set in TipContactSet::branches(&TipModel::new(&whisker).unwrap(), moment, TipLoad::BoundaryNormal) {
+        for set in TipContactSet::branches(
+            &TipModel::new(&whisker).unwrap(),
+            TipReading::Moment(moment),
+            TipLoad::BoundaryNormal,
+        ) {
             let range = set.directions();
             for _ in 0..if range.width() > 0.1 { 5 } else { 0 } {
                 // At the ends of a branch two solutions meet and neither is defined well.
@@ -94,7 +98,11 @@ fn no_equilibrium_is_left_out() {
     for _ in 0..600 {
         let tilt = draw.between(-1.3, 1.3);
         let moment = draw.between(-2.8, 2.8) * whisker.flexural_rigidity / whisker.length;
-        let sets = TipContactSet::branches(&TipModel::new(&whisker).unwrap(), moment, TipLoad::BoundaryNormal);
+        let sets = TipContactSet::branches(
+            &TipModel::new(&whisker).unwrap(),
+            TipReading::Moment(moment),
+            TipLoad::BoundaryNormal,
+        );
         let mu = moment.abs() * whisker.length / whisker.flexural_rigidity;
         // The far side of small moments is left out, as documented.
         let whole = mu > largest_moment_of_pulling_load();
@@ -117,7 +125,11 @@ fn no_equilibrium_is_left_out() {
 fn the_papers_load_is_the_normal_one() {
     let whisker = Whisker::default();
     for moment in [1e-6, -2e-4, 3e-3, -8e-3, 1.1e-2] {
-        let sets = TipContactSet::branches(&TipModel::new(&whisker).unwrap(), moment, TipLoad::WhiskerNormal);
+        let sets = TipContactSet::branches(
+            &TipModel::new(&whisker).unwrap(),
+            TipReading::Moment(moment),
+            TipLoad::WhiskerNormal,
+        );
         let bends = moment_mode(&whisker, moment, whisker.length, Load::Normal).unwrap();
         assert!(sets.iter().all(TipContactSet::is_point));
         let first = sets[0].contacts()[0];
@@ -134,7 +146,12 @@ fn impossible_moments_have_no_contacts() {
     let whisker = Whisker::default();
     for moment in [0.0, f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1.0, -1.0, 1e300] {
         assert!(
-            TipContactSet::branches(&TipModel::new(&whisker).unwrap(), moment, TipLoad::BoundaryNormal).is_empty(),
+            TipContactSet::branches(
+                &TipModel::new(&whisker).unwrap(),
+                TipReading::Moment(moment),
+                TipLoad::BoundaryNormal
+            )
+            .is_empty(),
             "{moment}"
         );
     }
@@ -150,10 +167,13 @@ fn the_nearest_contact_is_the_nearest_of_many() {
     let mut draw = Random(3);
     for _ in 0..200 {
         let moment = draw.between(-6e-3, 6e-3);
-        let Some(set) = TipContactSet::branches(&TipModel::new(&whisker).unwrap(), moment, TipLoad::BoundaryNormal)
-            .into_iter()
-            .next()
-        else {
+        let Some(set) = TipContactSet::branches(
+            &TipModel::new(&whisker).unwrap(),
+            TipReading::Moment(moment),
+            TipLoad::BoundaryNormal,
+        )
+        .into_iter()
+        .next() else {
             continue;
         };
         let range = set.directions();

@@ -79,6 +79,14 @@ class MountedWhisker:
     """Bound on a moment's error relative to the reading."""
     moment_absolute: float = _MOUNTED["moment_absolute"]
     """Bound on a moment's error at zero (N m)."""
+    force_relative: float = _MOUNTED["force_relative"]
+    """Bound on a contact force's error relative to the reading, where one is read."""
+    force_absolute: float = _MOUNTED["force_absolute"]
+    """Bound on a contact force's error at zero (N)."""
+    slope_relative: float = _MOUNTED["slope_relative"]
+    """Bound on an end slope's error relative to the reading, where one is read."""
+    slope_absolute: float = _MOUNTED["slope_absolute"]
+    """Bound on an end slope's error at zero (rad)."""
 
     @classmethod
     def _of(cls, fields: dict[str, Any]) -> MountedWhisker:

@@ -58,7 +58,7 @@ pub use stretch::{MOST_STRETCHES, Stretch, Stretches};
 pub use tip_chart::{TipChart, TipRate, tip_chart};
 pub use tip_curve::{TipEquilibrium, largest_tip_moment, tip_curve};
 pub use tip_mode::tip_mode;
-pub use tip_model::TipModel;
+pub use tip_model::{TipModel, TipReading};
 pub use tip_table::TipTable;
 pub use whisker::{CURVATURE_TERMS, Whisker};
 

@@ -186,8 +186,14 @@ impl<N: Fn(f64, f64) -> Option<Node>> Course<'_, N> {
     }
 }
 
+/// The largest `t` at a tilt at which a uniform whisker is in its first mode and turned by less than pi.
+pub(super) fn largest_root(beta: f64) -> f64 {
+    let pendulum = Pendulum::new(Tilt::new(beta.sin(), beta.cos()));
+    (MODE_END * pendulum.half_period()).min(pendulum.time_of(STEEPEST_SLOPE))
+}
+
 /// The curve cut at the turning points of the direction.
-fn pieces(curve: &[TipEquilibrium]) -> Vec<Vec<TipEquilibrium>> {
+pub(super) fn pieces(curve: &[TipEquilibrium]) -> Vec<Vec<TipEquilibrium>> {
     let mut pieces = Vec::new();
     let mut start = 0;
     for i in 1..curve.len() {

@@ -10,14 +10,42 @@ use alloc::sync::Arc;
 use alloc::vec::Vec;
 use core::f64::consts::{FRAC_PI_2, PI};
 
-use super::tip_curve::{STEEPEST_TILT, largest_tip_moment, steepest_peak, table_curve};
+use super::tip_curve::{STEEPEST_TILT, largest_root, largest_tip_moment, pieces, steepest_peak, table_curve};
 
 /// Force (of those that bend the tip by a third of the length in small-angle theory) at which the tip's compliance is read off.
 const SMALL: f64 = 1e-6;
 /// A table's largest moment is looked for at so many tilts and forces.
 const GRID: [usize; 2] = [60, 120];
+/// Tilts at which a force or slope is followed, and halvings that find the force of a slope.
+const TILTS: usize = 150;
+const HALVINGS: usize = 48;
 /// It is taken to be larger than what they show by this share.
 const BETWEEN: f64 = 1e-3;
+
+/// One reading of a whisker with its tip in contact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum TipReading {
+    /// Moment at the base (N m), counter-clockwise positive.
+    Moment(f64),
+    /// Contact force (N), negative when it pushes towards -y.
+    Force(f64),
+    /// Slope at the tip (rad), counter-clockwise.
+    Slope(f64),
+}
+
+impl TipReading {
+    /// The reading of the mirrored whisker, where that is positive; and +1, or -1 where it is mirrored.
+    #[must_use]
+    pub fn mirrored(self) -> (Self, f64) {
+        let (Self::Moment(value) | Self::Force(value) | Self::Slope(value)) = self;
+        let of = |value: f64| match self {
+            Self::Moment(_) => Self::Moment(value),
+            Self::Force(_) => Self::Force(value),
+            Self::Slope(_) => Self::Slope(value),
+        };
+        (of(value.abs()), 1.0_f64.copysign(value))
+    }
+}
 
 /// A whisker that is straight at rest, with its tip in contact.
 ///
@@ -117,13 +145,57 @@ impl TipModel {
         })
     }
 
-    /// All tip contacts with the dimensionless base moment `mu > 0`: see [`tip_curve`].
+    /// All tip contacts that cause a positive reading, on pieces along which the force's direction grows.
+    ///
+    /// Those of a moment are [`tip_curve`]'s. Those of a force or slope run over the tilts within ±1.45 rad.
     #[must_use]
-    pub fn curve(&self, mu: f64) -> Vec<Vec<TipEquilibrium>> {
+    pub fn curve(&self, reading: TipReading) -> Vec<Vec<TipEquilibrium>> {
+        let (length, rigidity) = (self.whisker.length, self.rigidity);
+        match reading {
+            TipReading::Moment(moment) => self.of_moment(moment * length / rigidity),
+            TipReading::Force(force) => {
+                let t = (force * length * length / rigidity).sqrt();
+                self.over_tilts(&|_| (t > 0.0).then_some(t))
+            }
+            TipReading::Slope(slope) => self.over_tilts(&|beta| self.root_of_slope(beta, slope)),
+        }
+    }
+
+    fn of_moment(&self, mu: f64) -> Vec<Vec<TipEquilibrium>> {
         match &self.table {
             None => tip_curve(mu),
             Some(table) => table_curve(mu, table.peak, &|q, beta| self.chart(q, beta), &|beta| self.most_root(beta)),
         }
+    }
+
+    /// The equilibria at each tilt where the root of the dimensionless force is `root`'s.
+    fn over_tilts(&self, root: &dyn Fn(f64) -> Option<f64>) -> Vec<Vec<TipEquilibrium>> {
+        let node = |k: usize| {
+            let beta = STEEPEST_TILT * (2.0 * k as f64 / TILTS as f64 - 1.0);
+            let t = root(beta)?;
+            let tip = self.chart(t * t, beta)?;
+            let direction = beta + tip.slope + FRAC_PI_2;
+            let held = tip.slope.abs() <= PI;
+            held.then_some(TipEquilibrium { direction, slope: tip.slope, x: tip.position.x, y: tip.position.y, t })
+        };
+        let nodes: Vec<Option<TipEquilibrium>> = (0..=TILTS).map(node).collect();
+        let runs = nodes.split(Option::is_none).filter(|run| run.len() > 1);
+        runs.flat_map(|run| pieces(&run.iter().flatten().copied().collect::<Vec<_>>())).collect()
+    }
+
+    /// The root of the force that turns the tip by `slope > 0` at a tilt; the slope grows with the force up to the end of the
+    /// first mode.
+    fn root_of_slope(&self, beta: f64, slope: f64) -> Option<f64> {
+        let turned = |t: f64| self.chart(t * t, beta).map(|tip| tip.slope);
+        let (mut lo, mut hi) = (0.0, self.most_root(beta));
+        if !(slope > 0.0 && turned(hi)? >= slope) {
+            return None;
+        }
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (lo + hi);
+            if turned(middle)? < slope { lo = middle } else { hi = middle }
+        }
+        Some(hi)
     }
 
     /// The largest base moment (N m) that a load at the tip causes when its tilt is at most `steepest` (rad, at least 0).
@@ -161,6 +233,7 @@ impl TipModel {
 
     /// The root of the largest dimensionless force at a tilt.
     fn most_root(&self, tilt: f64) -> f64 {
-        self.table.as_ref().map_or(0.0, |table| (table.field.largest_force(tilt, 1.0) / self.unit_force()).sqrt())
+        let of_table = |table: &Tabulated| (table.field.largest_force(tilt, 1.0) / self.unit_force()).sqrt();
+        self.table.as_deref().map_or_else(|| largest_root(tilt), of_table)
     }
 }

@@ -111,26 +111,32 @@ pub struct SensorLog {
 }
 
 impl SensorLog {
+    /// The index of the channel with this quantity of the whisker called `whisker`; an unnamed channel belongs to any whisker.
+    #[must_use]
+    pub fn channel(&self, whisker: &str, quantity: Quantity) -> Option<usize> {
+        let of = |name: &str| self.channels.iter().position(|c| c.quantity == quantity && c.whisker == name);
+        of(whisker).or_else(|| of(""))
+    }
+
     /// The index of the moment channel of the whisker called `whisker`; an unnamed channel belongs to any whisker.
     ///
     /// # Errors
     ///
     /// No such channel; the message lists what the log holds instead.
     pub fn moment_channel(&self, whisker: &str) -> Result<usize> {
-        let moments = || self.channels.iter().enumerate().filter(|(_, c)| c.quantity == Quantity::Moment);
-        let named = moments().find(|(_, c)| c.whisker == whisker);
-        if let Some((index, _)) = named.or_else(|| moments().find(|(_, c)| c.whisker.is_empty())) {
+        if let Some(index) = self.channel(whisker, Quantity::Moment) {
             return Ok(index);
         }
         let held: Vec<String> = self.channels.iter().map(Channel::column).collect();
         let error = Error::data(format!("the log has no moment column for the whisker \"{whisker}\""))
             .value(format!("it holds {}", if held.is_empty() { "no readings".to_owned() } else { held.join(", ") }))
             .allowed(format!("moment, or {whisker}.moment"));
-        Err(if moments().next().is_some() {
+        Err(if self.channels.iter().any(|c| c.quantity == Quantity::Moment) {
             error.remedy("name the columns after the robot's whiskers")
         } else {
             error.remedy(
-                "flux and counts need `calibration = \"cal.json\"` in the robot file; other readings are not used yet",
+                "flux and counts need `calibration = \"cal.json\"` in the robot file; --method probabilistic takes force and \
+                 slope, too",
             )
         })
     }

@@ -1,6 +1,6 @@
 //! The whisker's shapes along the log as one place of the robot sees them, for drawing.
 
-use crate::beam::elastica;
+use crate::beam::{TipModel, TipReading};
 use crate::config::TipLoad;
 use crate::flow::contact_set::{TipContact, TipContactSet};
 use crate::flow::pose::ShapeRecord;
@@ -26,14 +26,13 @@ pub(super) struct Felt {
 
 /// The whisker with its tip on the boundary, robot frame; none where no tip contact agrees with the place.
 pub(super) fn shape(map: &Map, whisker: &MountedWhisker, felt: &Felt, map_from_odom: Pose2) -> Option<ShapeRecord> {
-    let beam = &whisker.beam;
+    let tip = TipModel::new(&whisker.beam).ok()?;
     let map_from_whisker = map_from_odom.compose(felt.odom_from_robot).compose(whisker.robot_from_whisker);
-    let branches = TipContactSet::branches(beam, felt.moment, TipLoad::BoundaryNormal);
+    let branches = TipContactSet::branches(&tip, TipReading::Moment(felt.moment), TipLoad::BoundaryNormal);
     let agreeing = |contact: &TipContact| misfit(map, map_from_whisker, contact).map(|misfit| (misfit, *contact));
     let contacts = branches.iter().flat_map(TipContactSet::contacts);
     let (_, contact) = contacts.filter_map(agreeing).min_by(|a, b| a.0.total_cmp(&b.0))?;
-    let bend = elastica::bend(beam.flexural_rigidity, contact.force, beam.length, contact.tilt())?;
-    let points = bend.shape(beam.length, POINTS).into_iter();
+    let points = tip.bend(contact.force, contact.tilt())?.shape(whisker.beam.length, POINTS).into_iter();
     Some(ShapeRecord { t: felt.t, points: points.map(|p| whisker.robot_from_whisker.transform_point(p)).collect() })
 }
 

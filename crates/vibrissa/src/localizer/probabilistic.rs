@@ -6,11 +6,11 @@ use crate::beam::TipModel;
 use crate::config::ProbabilisticOptions;
 use crate::config::limits::MOST_SEARCHED;
 use crate::flow::pose::{Event, Hypothesis, Localization, Method, StampedPose, Status, StepRecord};
-use crate::flow::sensor_log::{Channel, LogRow, SensorLog};
-use crate::flow::state_set::probabilistic::{Fit, Happened, Place, ProbabilisticSet};
+use crate::flow::sensor_log::{Channel, LogRow, Quantity, SensorLog};
+use crate::flow::state_set::probabilistic::{Fit, Happened, Place, ProbabilisticSet, Sense};
 use crate::plane::Pose2;
 use crate::sets::{Interval, StateBox};
-use crate::world::{Map, Robot};
+use crate::world::{Map, MomentNoise, ReadingNoise, Robot};
 
 /// Half the side of the box around the region that holds 95 % of a Gaussian in three dimensions (standard deviations).
 const HALF_BOX: f64 = 2.795;
@@ -35,9 +35,8 @@ const FEWEST_BLOCKS: usize = 6;
 /// The probabilistic localizer: hypotheses from no prior, each a least-squares fit of all readings.
 pub struct ProbabilisticLocalizer<'a> {
     robot: &'a Robot,
-    channels: Vec<usize>,
-    limits: Vec<LimitCheck>,
-    /// For each whisker the last possible reading, and how many impossible ones came since.
+    senses: Vec<Reader>,
+    /// For each sense the last possible reading, and how many impossible ones came since.
     last: Vec<(f64, usize)>,
     set: ProbabilisticSet<'a>,
     start: Option<Pose2>,
@@ -64,21 +63,20 @@ impl<'a> ProbabilisticLocalizer<'a> {
     ///
     /// # Errors
     ///
-    /// Options out of range, a whisker without a moment channel, or a whisker that is curved at rest.
+    /// Options out of range, a whisker without a channel of moment, force or slope, or a whisker that is curved at rest.
     pub fn new(map: &'a Map, robot: &'a Robot, channels: &[Channel], options: ProbabilisticOptions) -> Result<Self> {
         options.check()?;
         one_column_each(robot, channels)?;
         searchable(map, options.prior, MOST_SEARCHED)?;
-        let log = SensorLog { channels: channels.to_vec(), ..SensorLog::default() };
         let tips = robot.whiskers.iter().map(|w| TipModel::new(&w.beam)).collect::<Result<Vec<_>>>()?;
-        let columns = robot.whiskers.iter().map(|w| log.moment_channel(&w.name)).collect::<Result<Vec<_>>>()?;
+        let senses = readers(robot, &tips, channels)?;
+        let told: Vec<(usize, Sense)> = senses.iter().map(|r| (r.whisker, r.sense)).collect();
         Ok(Self {
             robot,
-            channels: columns,
-            limits: robot.whiskers.iter().zip(&tips).map(|(w, tip)| LimitCheck::any_tilt(w, tip)).collect(),
-            last: vec![(0.0, 0); robot.whiskers.len()],
+            last: vec![(0.0, 0); senses.len()],
+            senses,
             tolerated_share: options.tolerated_share,
-            set: ProbabilisticSet::new(map, robot, tips, options),
+            set: ProbabilisticSet::new(map, robot, &tips, &told, options),
             start: None,
             rows: Vec::new(),
             in_contact: vec![false; robot.whiskers.len()],
@@ -129,10 +127,10 @@ impl<'a> ProbabilisticLocalizer<'a> {
     pub fn step(&mut self, row: &LogRow) -> Result<()> {
         let start = *self.start.get_or_insert(row.odom_from_robot);
         let odom = start.between(row.odom_from_robot);
-        let mut moments: Vec<f64> =
-            self.channels.iter().map(|&c| row.readings.get(c).copied().unwrap_or(0.0)).collect();
-        self.screen(&mut moments, row)?;
-        self.watch(row.t, &moments);
+        let mut readings: Vec<f64> =
+            self.senses.iter().map(|r| row.readings.get(r.channel).copied().unwrap_or(0.0)).collect();
+        self.screen(&mut readings, row)?;
+        self.watch(row.t, &readings);
         if !self.recording {
             self.rows.clear();
             self.events.drain(..self.events.len().saturating_sub(LAST_EVENTS));
@@ -140,7 +138,7 @@ impl<'a> ProbabilisticLocalizer<'a> {
         }
         self.rows.push((row.t, odom));
         self.taken += 1;
-        match self.set.step(odom, &moments, row.heading.filter(|h| h.is_finite())) {
+        match self.set.step(odom, &readings, row.heading.filter(|h| h.is_finite())) {
             Happened::Nothing => {}
             Happened::Started(_) => {
                 self.first_row.get_or_insert(self.taken - 1);
@@ -160,23 +158,25 @@ impl<'a> ProbabilisticLocalizer<'a> {
     }
 
     /// Puts the last possible reading in the place of an impossible one; many on end are refused.
-    fn screen(&mut self, moments: &mut [f64], row: &LogRow) -> Result<()> {
-        for (index, moment) in moments.iter_mut().enumerate() {
+    fn screen(&mut self, readings: &mut [f64], row: &LogRow) -> Result<()> {
+        for (index, reading) in readings.iter_mut().enumerate() {
             let (last, impossible) = &mut self.last[index];
-            match self.limits[index].check(*moment, row) {
-                Ok(()) => (*last, *impossible) = (*moment, 0),
+            match self.senses[index].limit.as_ref().map_or(Ok(()), |limit| limit.check(*reading, row)) {
+                Ok(()) => (*last, *impossible) = (*reading, 0),
                 Err(error) if *impossible + 1 >= MOST_IMPOSSIBLE => return Err(error),
-                Err(_) => (*moment, *impossible) = (*last, *impossible + 1),
+                Err(_) => (*reading, *impossible) = (*last, *impossible + 1),
             }
         }
         Ok(())
     }
 
     /// Notes contacts that begin and end.
-    fn watch(&mut self, t: f64, moments: &[f64]) {
+    fn watch(&mut self, t: f64, readings: &[f64]) {
         for (index, whisker) in self.robot.whiskers.iter().enumerate() {
-            let noise = &whisker.noise;
-            let touching = moments[index].abs() * (1.0 - noise.moment_relative) > noise.moment_absolute;
+            let beyond = |(reader, z): (&Reader, &f64)| {
+                reader.whisker == index && z.abs() * (1.0 - reader.noise.relative) > reader.noise.absolute
+            };
+            let touching = self.senses.iter().zip(readings).any(beyond);
             if touching != self.in_contact[index] {
                 let (kind, what) = if touching { ("contact", "touches") } else { ("lift_off", "is free") };
                 self.events.push(Event { t, kind, detail: format!("{} {what}", whisker.name) });
@@ -292,6 +292,40 @@ impl<'a> ProbabilisticLocalizer<'a> {
         let rows = self.rows.iter().enumerate().skip(first);
         rows.map(|(row, &(t, odom))| StampedPose { t, map_from_robot: frame(row).compose(odom) }).collect()
     }
+}
+
+/// One sense of one whisker in a log.
+struct Reader {
+    whisker: usize,
+    sense: Sense,
+    channel: usize,
+    noise: ReadingNoise,
+    /// What the whisker can cause, where that is known.
+    limit: Option<LimitCheck>,
+}
+
+/// What a log has of the senses of each whisker, at least one; the moment first.
+fn readers(robot: &Robot, tips: &[TipModel], channels: &[Channel]) -> Result<Vec<Reader>> {
+    let log = SensorLog { channels: channels.to_vec(), ..SensorLog::default() };
+    let mut readers = Vec::new();
+    for (index, (whisker, tip)) in robot.whiskers.iter().zip(tips).enumerate() {
+        let before = readers.len();
+        let MomentNoise { moment_relative: relative, moment_absolute: absolute } = whisker.noise;
+        let senses = [
+            (Quantity::Moment, Sense::Moment, ReadingNoise { relative, absolute }),
+            (Quantity::Force, Sense::Force, whisker.force_noise),
+            (Quantity::Slope, Sense::Slope, whisker.slope_noise),
+        ];
+        for (quantity, sense, noise) in senses {
+            let Some(channel) = log.channel(&whisker.name, quantity) else { continue };
+            let limit = (sense == Sense::Moment).then(|| LimitCheck::any_place(whisker, tip));
+            readers.push(Reader { whisker: index, sense, channel, noise, limit });
+        }
+        if readers.len() == before {
+            log.moment_channel(&whisker.name)?;
+        }
+    }
+    Ok(readers)
 }
 
 /// So many impossible readings on end are no false readings any more.

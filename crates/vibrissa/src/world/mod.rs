@@ -22,7 +22,7 @@ pub use boundary::{Boundary, Role};
 pub(crate) use map::Foot;
 pub use map::{BoundarySample, ConcaveCorner, Map, MapPoint};
 pub use motion::increments;
-pub use robot::{MomentNoise, MountedWhisker, Odometry, Robot};
+pub use robot::{MomentNoise, MountedWhisker, Odometry, ReadingNoise, Robot};
 pub(crate) use robot_toml::{odometry as odometry_section, whiskers as whisker_entries};
 pub(crate) use text::{cannot_open, did_you_mean, read_text};
 pub(crate) use toml_section::{Allowed, FINITE, FRACTION, LENGTH, NOT_NEGATIVE, POSITIVE, Section, Source, show};

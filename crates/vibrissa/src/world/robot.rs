@@ -14,6 +14,15 @@ pub struct MomentNoise {
     pub moment_absolute: f64,
 }
 
+/// The bound on a reading `z` of a true quantity `h`: `|h - z| <= relative |z| + absolute`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ReadingNoise {
+    /// Part relative to the reading, at least 0 and below 1.
+    pub relative: f64,
+    /// Part that stays at zero, in the quantity's unit, at least 0.
+    pub absolute: f64,
+}
+
 impl Default for MomentNoise {
     fn default() -> Self {
         Self { moment_relative: defaults::MOMENT_RELATIVE, moment_absolute: defaults::MOMENT_ABSOLUTE }
@@ -35,6 +44,10 @@ pub struct MountedWhisker {
     pub calibration: Option<PathBuf>,
     /// Bound on the moment's error.
     pub noise: MomentNoise,
+    /// Bound on the error of a contact force, where one is read (N).
+    pub force_noise: ReadingNoise,
+    /// Bound on the error of an end slope, where one is read (rad).
+    pub slope_noise: ReadingNoise,
 }
 
 impl Default for MountedWhisker {
@@ -47,6 +60,8 @@ impl Default for MountedWhisker {
             friction: defaults::FRICTION,
             calibration: None,
             noise: MomentNoise::default(),
+            force_noise: ReadingNoise { relative: defaults::FORCE_RELATIVE, absolute: defaults::FORCE_ABSOLUTE },
+            slope_noise: ReadingNoise { relative: defaults::SLOPE_RELATIVE, absolute: defaults::SLOPE_ABSOLUTE },
         }
     }
 }

@@ -11,11 +11,13 @@ impl Robot {
         let mut text = String::new();
         for whisker in &self.whiskers {
             let (mount, noise) = (whisker.robot_from_whisker, whisker.noise);
+            let (force, slope) = (whisker.force_noise, whisker.slope_noise);
             // Writing into a string cannot fail.
             let _ = write!(
                 text,
                 "[[whisker]]\nname = {}\n{}mount = [{:?}, {:?}, {:?}]\nfriction = {:?}\n\
-                 noise = {{ moment_relative = {:?}, moment_absolute = {:?} }}\n",
+                 noise = {{ moment_relative = {:?}, moment_absolute = {:?}, force_relative = {:?}, force_absolute = {:?}, \
+                 slope_relative = {:?}, slope_absolute = {:?} }}\n",
                 quoted(&whisker.name),
                 beam(&whisker.beam),
                 mount.x,
@@ -24,6 +26,10 @@ impl Robot {
                 whisker.friction,
                 noise.moment_relative,
                 noise.moment_absolute,
+                force.relative,
+                force.absolute,
+                slope.relative,
+                slope.absolute,
             );
             if let Some(calibration) = &whisker.calibration {
                 let _ = writeln!(text, "calibration = {}", quoted(&calibration.to_string_lossy()));

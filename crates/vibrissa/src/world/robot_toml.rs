@@ -7,7 +7,7 @@ use super::toml_section::{
     Allowed, FINITE, FRACTION, HEADING, LENGTH, MOUNT, NOT_NEGATIVE, POSITIVE, Section, Source, show,
 };
 use super::units::Dimension;
-use super::{MomentNoise, MountedWhisker, Odometry, Robot};
+use super::{MountedWhisker, Odometry, Robot};
 use crate::Result;
 use crate::plane::Pose2;
 use beam::beam;
@@ -143,7 +143,7 @@ fn whisker(section: &Section<'_>, index: usize) -> Result<MountedWhisker> {
         robot_from_whisker: mount(section)?.unwrap_or(mounted.robot_from_whisker),
         friction: number("friction", Dimension::Ratio, &NOT_NEGATIVE)?.unwrap_or(mounted.friction),
         calibration: section.text("calibration")?.map(PathBuf::from),
-        noise: section.section("noise")?.map_or(Ok(mounted.noise), |s| noise(&s))?,
+        ..section.section("noise")?.map_or(Ok(mounted), |s| noise(&s))?
     })
 }
 
@@ -160,17 +160,32 @@ fn name(section: &Section<'_>, index: usize) -> Result<String> {
     Ok(name.to_owned())
 }
 
-fn noise(section: &Section<'_>) -> Result<MomentNoise> {
-    section.only(&["moment_relative", "moment_absolute"])?;
-    let default = MomentNoise::default();
-    Ok(MomentNoise {
-        moment_relative: section
-            .number("moment_relative", Dimension::Ratio, &FRACTION)?
-            .unwrap_or(default.moment_relative),
-        moment_absolute: section
-            .number("moment_absolute", Dimension::Moment, &NOT_NEGATIVE)?
-            .unwrap_or(default.moment_absolute),
-    })
+/// The default whisker with these bounds on its readings.
+fn noise(section: &Section<'_>) -> Result<MountedWhisker> {
+    section.only(&[
+        "moment_relative",
+        "moment_absolute",
+        "force_relative",
+        "force_absolute",
+        "slope_relative",
+        "slope_absolute",
+    ])?;
+    let mut whisker = MountedWhisker::default();
+    let bounds = [
+        ("moment_relative", "moment_absolute", Dimension::Moment),
+        ("force_relative", "force_absolute", Dimension::Force),
+        ("slope_relative", "slope_absolute", Dimension::Angle),
+    ];
+    for (k, (relative, absolute, dimension)) in bounds.into_iter().enumerate() {
+        let (share, floor) = match k {
+            0 => (&mut whisker.noise.moment_relative, &mut whisker.noise.moment_absolute),
+            1 => (&mut whisker.force_noise.relative, &mut whisker.force_noise.absolute),
+            _ => (&mut whisker.slope_noise.relative, &mut whisker.slope_noise.absolute),
+        };
+        *share = section.number(relative, Dimension::Ratio, &FRACTION)?.unwrap_or(*share);
+        *floor = section.number(absolute, dimension, &NOT_NEGATIVE)?.unwrap_or(*floor);
+    }
+    Ok(whisker)
 }
 
 fn mount(section: &Section<'_>) -> Result<Option<Pose2>> {

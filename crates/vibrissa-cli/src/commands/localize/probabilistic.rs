@@ -21,8 +21,8 @@ pub(crate) struct ProbabilisticArgs {
     /// Standard deviation of a relative error that all readings share [default: a quarter of the noise bound]
     #[arg(long, value_name = "SHARE")]
     shared_gain: Option<f64>,
-    /// Share of the rows that no contact of the tip needs to explain, since the whisker lies on its side or has snapped
-    /// [default: 0.15]
+    /// Share of the rows that no contact needs to explain, since the whisker has snapped or touches at three places
+    /// [default: 0.05]
     #[arg(long, value_name = "SHARE")]
     tolerated_share: Option<f64>,
 }

@@ -5,7 +5,7 @@
 //! one point of the curve \[routray, section "Contact Point Estimation via Bending Moment"; departures in
 //! `docs/departures.md`\].
 
-use crate::beam::{TipEquilibrium, TipModel};
+use crate::beam::{TipEquilibrium, TipModel, TipReading};
 use crate::config::TipLoad;
 use crate::plane::{Vec2, wrap_angle};
 use crate::sets::Interval;
@@ -36,21 +36,19 @@ impl TipContact {
 /// The tip contacts that cause one moment, on one branch: a curve along which the force's direction grows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TipContactSet {
-    /// The base moment (N m).
-    pub moment: f64,
     contacts: Vec<TipContact>,
     /// For each of as many equal parts of the directions the first contact past its beginning.
     parts: Vec<u16>,
 }
 
 impl TipContactSet {
-    /// Every branch of the tip contacts that cause `moment` (N m), the least bent first.
+    /// Every branch of the tip contacts that cause a reading, the least bent first.
     ///
-    /// Empty when no tip load causes such a moment, and for a moment of zero.
+    /// Empty when no tip load causes such a reading, and for a reading of zero.
     #[must_use]
-    pub fn branches(tip: &TipModel, moment: f64, load: TipLoad) -> Vec<Self> {
-        let mu = moment.abs() * tip.whisker().length / tip.rigidity();
-        let curves = tip.curve(mu).into_iter().map(|piece| Self::from_curve(tip, moment, &piece));
+    pub fn branches(tip: &TipModel, reading: TipReading, load: TipLoad) -> Vec<Self> {
+        let (reading, side) = reading.mirrored();
+        let curves = tip.curve(reading).into_iter().map(|piece| Self::from_curve(tip, side, &piece));
         match load {
             TipLoad::BoundaryNormal => curves.filter(|set| set.contacts.len() > 1).collect(),
             TipLoad::WhiskerNormal => {
@@ -61,7 +59,7 @@ impl TipContactSet {
         }
     }
 
-    fn new(moment: f64, contacts: Vec<TipContact>) -> Self {
+    fn new(contacts: Vec<TipContact>) -> Self {
         let parts = match (contacts.first(), contacts.last()) {
             (Some(a), Some(b)) if b.direction > a.direction => {
                 let part = (b.direction - a.direction) / contacts.len() as f64;
@@ -70,11 +68,10 @@ impl TipContactSet {
             }
             _ => Vec::new(),
         };
-        Self { moment, contacts, parts }
+        Self { contacts, parts }
     }
 
-    fn from_curve(tip: &TipModel, moment: f64, piece: &[TipEquilibrium]) -> Self {
-        let side = 1.0_f64.copysign(moment);
+    fn from_curve(tip: &TipModel, side: f64, piece: &[TipEquilibrium]) -> Self {
         let length = tip.whisker().length;
         let contact = |e: &TipEquilibrium| TipContact {
             direction: side * e.direction,
@@ -86,7 +83,7 @@ impl TipContactSet {
         if side < 0.0 {
             contacts.reverse();
         }
-        Self::new(moment, contacts)
+        Self::new(contacts)
     }
 
     /// The contacts of the curve whose force is normal to the whisker, each a set of its own.
@@ -94,7 +91,7 @@ impl TipContactSet {
         let normal = |pair: &[TipContact]| {
             let (a, b) = (pair[0].tilt(), pair[1].tilt());
             let crosses = (a <= 0.0) != (b <= 0.0);
-            crosses.then(|| Self::new(self.moment, vec![blend(&pair[0], &pair[1], a / (a - b))]))
+            crosses.then(|| Self::new(vec![blend(&pair[0], &pair[1], a / (a - b))]))
         };
         self.contacts.windows(2).filter_map(normal).collect()
     }

@@ -1,7 +1,7 @@
 //! One observation: what a short history of moments says about the contact, on every branch.
 
 use super::alignment::{Alignment, History, HistoryShape};
-use crate::beam::TipModel;
+use crate::beam::{TipModel, TipReading};
 use crate::config::TipLoad;
 use crate::flow::contact_set::{TipContact, TipContactSet};
 use crate::flow::moment::{MomentHistory, MomentReading};
@@ -63,7 +63,7 @@ impl Observation {
             if let Some((_, sets)) = known.iter().find(|(bits, _)| *bits == moment.to_bits()) {
                 return sets.clone();
             }
-            let sets = TipContactSet::branches(tip, moment, load);
+            let sets = TipContactSet::branches(tip, TipReading::Moment(moment), load);
             known.push((moment.to_bits(), sets.clone()));
             sets
         };

@@ -113,15 +113,24 @@ fn warnings(channels: &[Channel], unknown: &[&str]) -> Vec<String> {
     if !unused.is_empty() {
         warnings.push(format!("read but not used yet: {}", unused.join(", ")));
     }
+    let sharp: Vec<String> = channels.iter().filter(|c| is_probabilistic(c)).map(Channel::column).collect();
+    if !sharp.is_empty() {
+        warnings.push(format!("used by the probabilistic method only: {}", sharp.join(", ")));
+    }
     warnings
 }
 
-/// Moments are used as they are, flux and counts through a calibration where there is no moment.
+fn is_probabilistic(channel: &Channel) -> bool {
+    matches!(channel.quantity, Quantity::Force | Quantity::Slope)
+}
+
+/// Moments, forces and slopes are used as they are, flux and counts through a calibration where there is no moment.
 fn is_used(channel: &Channel, channels: &[Channel]) -> bool {
     let has_moment = || channels.iter().any(|c| c.quantity == Quantity::Moment && c.whisker == channel.whisker);
     match channel.quantity {
         Quantity::Moment => true,
-        Quantity::Force | Quantity::Slope | Quantity::StripLo | Quantity::StripHi => false,
+        Quantity::Force | Quantity::Slope => true,
+        Quantity::StripLo | Quantity::StripHi => false,
         _ => !has_moment(),
     }
 }

@@ -22,8 +22,44 @@ pub(super) struct Joint {
     /// Normal of the piece before at its end (rad), and how far it turns to the one after (rad).
     pub(super) normal: f64,
     pub(super) turn: f64,
+}
+
+/// Where two pieces meet, or the two sides of a wall at its end.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Corner {
+    /// Map frame (m).
+    pub(super) position: Vec2,
+    /// The pieces before and after, and the parameters of their ends here.
+    pub(super) before: (u32, f64),
+    pub(super) after: (u32, f64),
+    /// Normal before (rad), and how far it turns to the one after (rad).
+    pub(super) normal: f64,
+    pub(super) turn: f64,
+    /// 1 when the whisker is left of the direction of travel, -1 on a wall's right.
+    side: f64,
+    end: bool,
+}
+
+impl Corner {
     /// Whether a tip can be caught: free space closes in.
-    pub(super) concave: bool,
+    pub(super) fn is_concave(&self) -> bool {
+        !self.end && self.turn * self.side > SMOOTH && self.turn.abs() < PI
+    }
+
+    /// Whether a side can lie on it.
+    pub(super) fn is_convex(&self) -> bool {
+        self.end || self.turn * self.side < -SMOOTH
+    }
+
+    /// Whether it is the end of a wall.
+    pub(super) fn is_end(&self) -> bool {
+        self.end
+    }
+
+    /// Where a direction (rad) points within the corner: 0 along the normal before, 1 along the normal after.
+    pub(super) fn lean(&self, direction: f64) -> f64 {
+        0.5 + wrap_angle(direction - self.normal - 0.5 * self.turn) / self.turn
+    }
 }
 
 /// One smooth piece of a boundary, seen from the side on which a whisker is.
@@ -36,6 +72,8 @@ pub(super) struct Piece {
     pub(super) length: f64,
     pub(super) before: Option<u32>,
     pub(super) joint: Option<Joint>,
+    /// At the ends of a wall, start and end: which of them.
+    tails: [Option<u32>; 2],
 }
 
 /// The boundary at a place of a piece, map frame.
@@ -84,6 +122,8 @@ impl Piece {
 #[derive(Clone, Debug)]
 pub(super) struct Ground {
     pub(super) pieces: Vec<Piece>,
+    /// The ends of walls.
+    tails: Vec<Corner>,
     /// For each boundary its first piece, and for walls the first of their right side.
     first: Vec<(u32, u32)>,
 }
@@ -91,7 +131,7 @@ pub(super) struct Ground {
 impl Ground {
     /// The pieces of a map.
     pub(super) fn new(map: &Map) -> Self {
-        let (mut pieces, mut first) = (Vec::new(), Vec::new());
+        let (mut pieces, mut first, mut tails) = (Vec::new(), Vec::new(), Vec::new());
         for boundary in map.boundaries() {
             let left = pieces.len() as u32;
             add_side(&mut pieces, boundary.curve().segments(), boundary.curve().is_closed(), 1.0);
@@ -99,9 +139,36 @@ impl Ground {
             if boundary.is_two_sided() {
                 add_side(&mut pieces, boundary.curve().segments(), boundary.curve().is_closed(), -1.0);
             }
+            if boundary.is_two_sided() && !boundary.curve().is_closed() && right > left {
+                let count = right - left;
+                tail(&mut pieces, &mut tails, (right, left), false);
+                tail(&mut pieces, &mut tails, (left + count - 1, right + count - 1), true);
+            }
             first.push((left, right));
         }
-        Self { pieces, first }
+        Self { pieces, tails, first }
+    }
+
+    /// The corner at the start (`forward` false) or the end of a piece, and its number; none at the end of an open outline.
+    pub(super) fn corner_of(&self, piece: u32, forward: bool) -> Option<(u32, Corner)> {
+        let here = &self.pieces[piece as usize];
+        let before = if forward { Some(piece) } else { here.before };
+        let id = match before.filter(|&b| self.pieces[b as usize].joint.is_some()) {
+            Some(before) => before,
+            None => self.pieces.len() as u32 + here.tails[usize::from(forward)]?,
+        };
+        Some((id, self.corner(id)?))
+    }
+
+    /// The corner of this number.
+    pub(super) fn corner(&self, id: u32) -> Option<Corner> {
+        let Some(piece) = self.pieces.get(id as usize) else {
+            return self.tails.get(id as usize - self.pieces.len()).copied();
+        };
+        let joint = piece.joint?;
+        let (before, after) = ((id, 1.0), (joint.next, 0.0));
+        let Joint { position, normal, turn, .. } = joint;
+        Some(Corner { position, before, after, normal, turn, side: piece.side, end: false })
     }
 
     /// The length of all pieces (m).
@@ -160,8 +227,7 @@ fn add_side(pieces: &mut Vec<Piece>, segments: &[Segment], closed: bool, side: f
         let joint = next.map(|next| {
             let before = normal(segment, 1.0);
             let turn = wrap_angle(normal(&segments[(i + 1) % count], 0.0) - before);
-            let concave = turn * side > SMOOTH && turn.abs() < PI;
-            Joint { next, position: segment.end(), normal: before, turn, concave }
+            Joint { next, position: segment.end(), normal: before, turn }
         });
         let before = neighbour(i > 0, i + count - 1);
         pieces.push(Piece {
@@ -171,6 +237,17 @@ fn add_side(pieces: &mut Vec<Piece>, segments: &[Segment], closed: bool, side: f
             length: segment.length(),
             before,
             joint,
+            tails: [None, None],
         });
     }
+}
+
+/// Appends an end of a wall: the side before, whose normal turns by half a turn over the end to the one after.
+fn tail(pieces: &mut [Piece], tails: &mut Vec<Corner>, (before, after): (u32, u32), forward: bool) {
+    let at = if forward { 1.0 } else { 0.0 };
+    let spot = pieces[before as usize].spot(at);
+    let id = Some(tails.len() as u32);
+    [before, after].into_iter().for_each(|piece| pieces[piece as usize].tails[usize::from(forward)] = id);
+    let (before, after) = ((before, at), (after, at));
+    tails.push(Corner { position: spot.position, before, after, normal: spot.normal, turn: -PI, side: 1.0, end: true });
 }

@@ -1,24 +1,63 @@
 //! What was felt, and how likely it is: rows of odometry with readings, and their noise.
 
 use super::contact::Solver;
-use crate::beam::TipModel;
+use crate::beam::{TipChart, TipModel, TipReading};
 use crate::plane::{Pose2, Vec2};
-use crate::world::MountedWhisker;
+use crate::world::{MomentNoise, MountedWhisker, ReadingNoise};
 
 /// The most that one reading can speak against a place: a false reading costs this, not more.
 pub(super) const OUTLIER_COST: f64 = 6.0;
 /// What a reading costs while the whisker is in a contact that the model does not cover.
 const UNKNOWN_COST: f64 = 3.0;
 
-/// A whisker as the estimator needs it; moments are dimensionless, `M0 L / EI`, as [`TipModel`] has them.
+/// What of a whisker is read; readings are dimensionless, as [`TipModel`] has them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sense {
+    /// The moment at the base, `M0 L / EI`.
+    Moment,
+    /// The contact force `F L² / EI`, negative when it pushes towards -y.
+    Force,
+    /// The slope at the contact (rad).
+    Slope,
+}
+
+impl Sense {
+    /// The reading of a whisker with its tip under this load, and its derivatives by force and tilt.
+    pub(super) fn at_tip(self, tip: &TipChart, q: f64, beta: f64) -> (f64, [f64; 2]) {
+        match self {
+            Self::Moment => (tip.moment, [tip.by_force.moment, tip.by_tilt.moment]),
+            Self::Force => {
+                let side = 1.0_f64.copysign(beta.cos());
+                (side * q, [side, 0.0])
+            }
+            Self::Slope => (tip.slope, [tip.by_force.slope, tip.by_tilt.slope]),
+        }
+    }
+
+    /// The reading of a uniform whisker that is touched at the share `s` of its length, normal to it and from the side that
+    /// `beta` says; `tip` is the part up to there at its own scale, under `q`. Derivatives by `q` and `s`.
+    pub(super) fn at_side(self, tip: &TipChart, q: f64, s: f64, beta: f64) -> (f64, [f64; 2]) {
+        match self {
+            Self::Moment => (tip.moment / s, [tip.by_force.moment / s, -tip.moment / (s * s)]),
+            Self::Force => {
+                let per = 1.0_f64.copysign(beta.cos()) / (s * s);
+                (per * q, [per, -2.0 * per * q / s])
+            }
+            Self::Slope => (tip.slope, [tip.by_force.slope, 0.0]),
+        }
+    }
+}
+
+/// One sense of one whisker as the estimator needs it.
 #[derive(Clone, Debug)]
 pub(super) struct Feeler {
     pub(super) tip: TipModel,
+    pub(super) sense: Sense,
     pub(super) robot_from_whisker: Pose2,
     /// Length (m).
     pub(super) length: f64,
-    /// Dimensionless moment per N m.
-    pub(super) per_moment: f64,
+    /// Dimensionless reading per N m, N or rad.
+    pub(super) per_reading: f64,
     relative: f64,
     absolute: f64,
 }
@@ -51,15 +90,34 @@ pub(super) struct Misfit {
 }
 
 impl Feeler {
-    pub(super) fn new(whisker: &MountedWhisker, tip: TipModel) -> Self {
-        let per_moment = whisker.beam.length / tip.rigidity();
+    pub(super) fn new(whisker: &MountedWhisker, tip: TipModel, sense: Sense) -> Self {
+        let (length, rigidity) = (whisker.beam.length, tip.rigidity());
+        let (per_reading, noise) = match sense {
+            Sense::Moment => {
+                let MomentNoise { moment_relative: relative, moment_absolute: absolute } = whisker.noise;
+                (length / rigidity, ReadingNoise { relative, absolute })
+            }
+            Sense::Force => (length * length / rigidity, whisker.force_noise),
+            Sense::Slope => (1.0, whisker.slope_noise),
+        };
         Self {
             tip,
+            sense,
             robot_from_whisker: whisker.robot_from_whisker,
             length: whisker.beam.length,
-            per_moment,
-            relative: whisker.noise.moment_relative,
-            absolute: (whisker.noise.moment_absolute * per_moment).max(LEAST_ABSOLUTE),
+            per_reading,
+            relative: noise.relative,
+            absolute: (noise.absolute * per_reading).max(LEAST_ABSOLUTE),
+        }
+    }
+
+    /// A dimensionless reading as it is measured.
+    pub(super) fn reading(&self, z: f64) -> TipReading {
+        let value = z / self.per_reading;
+        match self.sense {
+            Sense::Moment => TipReading::Moment(value),
+            Sense::Force => TipReading::Force(value),
+            Sense::Slope => TipReading::Slope(value),
         }
     }
 
@@ -232,7 +290,8 @@ mod tests {
 
     fn feeler(relative: f64, absolute: f64) -> Feeler {
         let tip = TipModel::new(&Whisker::default()).unwrap();
-        Feeler { tip, robot_from_whisker: Pose2::IDENTITY, length: 0.075, per_moment: 1.0, relative, absolute }
+        let sense = Sense::Moment;
+        Feeler { tip, sense, robot_from_whisker: Pose2::IDENTITY, length: 0.075, per_reading: 1.0, relative, absolute }
     }
 
     /// The readings that the declared bound allows, evenly: from `|h - z| <= r |z| + a` by hand, for `z` of `h`'s sign.

@@ -30,6 +30,16 @@ pub(super) struct Scene<'a> {
     pub(super) heading_std: f64,
     /// How exactly the forward model is solved.
     pub(super) solver: Solver<'a>,
+    /// Whether it looks at the whole whisker, not only at its contact.
+    pub(super) whole: bool,
+}
+
+impl<'a> Scene<'a> {
+    /// The forward model of a sense.
+    pub(super) fn forward(&self, feeler: &'a Feeler) -> Forward<'a> {
+        let (length, solver, sense) = (feeler.length, feeler.solver(self.solver), feeler.sense);
+        Forward { map: self.map, ground: self.ground, length, solver, whole: self.whole, sense }
+    }
 }
 
 /// The parts of a step that are tried, and by how much each may make things worse (nats).
@@ -121,12 +131,7 @@ impl Hypothesis {
                 }
             };
             let there = place(scene.history.base(row, index));
-            let forward = Forward {
-                map: scene.map,
-                ground: scene.ground,
-                length: feeler.length,
-                solver: feeler.solver(scene.solver),
-            };
+            let forward = scene.forward(feeler);
             let felt = forward.advance(
                 &mut self.states[index],
                 place(scene.history.base(self.row, index)),
@@ -136,11 +141,11 @@ impl Hypothesis {
             let misfit = match self.states[index] {
                 State::Unknown => Feeler::unknown(),
                 State::Free => feeler.misfit(0.0, z, false, false, scene.judge),
-                State::Touching(touch) => feeler.misfit(felt.moment, z, touch.q > 0.0, true, scene.judge),
+                State::Touching(touch) => feeler.misfit(felt.value, z, touch.q > 0.0, true, scene.judge),
             };
             self.normal.cost += misfit.cost;
             self.sigmas[index] = misfit.sigmas;
-            self.felt[index] = felt.moment;
+            self.felt[index] = felt.value;
             if misfit.weight > 0.0 {
                 let arm = (there.position() - pivot).perp();
                 let [gx, gy, turn] = felt.gradient;
@@ -148,11 +153,11 @@ impl Hypothesis {
                 let steep = BLUR[0].powi(2) * (gx * gx + gy * gy) + BLUR[1].powi(2) * turn * turn;
                 let weight = if scene.blur { misfit.weight / (1.0 + misfit.weight * steep) } else { misfit.weight };
                 let by = [gx, gy, turn + gx * arm.x + gy * arm.y];
-                self.normal.add(misfit.residual, by, felt.moment, weight);
+                self.normal.add(misfit.residual, by, felt.value, weight);
                 if scene.blur {
                     let robot = self.map_from_odom.transform_point(scene.history.pose(row).position());
                     let arm = there.position() - robot;
-                    self.drift.add(self.map_from_odom.theta, arm, felt.gradient, by, felt.moment, weight);
+                    self.drift.add(self.map_from_odom.theta, arm, felt.gradient, by, felt.value, weight);
                 }
             }
         }
@@ -180,12 +185,7 @@ impl Hypothesis {
         let first = scene.history.pose(self.start_row);
         for (state, feeler) in self.start.iter_mut().zip(scene.feelers) {
             let place = |frame: Pose2| frame.compose(first).compose(feeler.robot_from_whisker);
-            let forward = Forward {
-                map: scene.map,
-                ground: scene.ground,
-                length: feeler.length,
-                solver: feeler.solver(scene.solver),
-            };
+            let forward = scene.forward(feeler);
             forward.advance(state, place(self.start_at), place(map_from_odom), false);
         }
         self.prior = self.prior.moved(difference(self.start_at, map_from_odom, scene.pivot));

@@ -12,6 +12,7 @@ mod seeds;
 mod set;
 mod spread;
 
+pub use history::Sense;
 pub use places::{Fit, Place};
 pub use set::{Happened, ProbabilisticSet};
 
@@ -28,20 +29,20 @@ pub struct PredictedMoment {
     pub moment: f64,
     /// Derivatives by the base's x and y (N, map frame) and by its heading (N m/rad).
     pub gradient: [f64; 3],
-    /// Whether the tip is held by a boundary.
+    /// Whether a boundary holds the whisker.
     pub touching: bool,
 }
 
 /// The moments along a path of base poses `map_from_whisker`, the first of which is free of contact.
 ///
-/// Contact of the tip without friction; the branch of solutions is followed from pose to pose, so these must be no
-/// further apart than a few millimetres.
+/// Contact of the tip, and of uniform whiskers of the side or of both at once, without friction; the branch of solutions
+/// is followed from pose to pose, so these must be no further apart than a few millimetres.
 #[must_use]
 pub fn predicted_moments(map: &Map, tip: &TipModel, path: &[Pose2]) -> Vec<PredictedMoment> {
     let ground = Ground::new(map);
     let length = tip.whisker().length;
     let solver = if tip.is_uniform() { Solver::Exact } else { Solver::Table(tip) };
-    let forward = Forward { map, ground: &ground, length, solver };
+    let forward = Forward { map, ground: &ground, length, solver, whole: true, sense: Sense::Moment };
     let scale = tip.rigidity() / length;
     let mut state = State::Free;
     let mut last = path.first().copied().unwrap_or_default();
@@ -49,7 +50,7 @@ pub fn predicted_moments(map: &Map, tip: &TipModel, path: &[Pose2]) -> Vec<Predi
         let felt = forward.advance(&mut state, last, pose, false);
         last = pose;
         let pressed = matches!(state, State::Touching(touch) if touch.q > 0.0);
-        let moment = if pressed { felt.moment * scale } else { 0.0 };
+        let moment = if pressed { felt.value * scale } else { 0.0 };
         PredictedMoment { moment, gradient: felt.gradient.map(|g| g * scale), touching: pressed }
     };
     path.iter().map(&mut predict).collect()

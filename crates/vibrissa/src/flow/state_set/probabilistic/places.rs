@@ -15,8 +15,12 @@ const FIRST_ROWS: usize = 48;
 const FIRST_ROUNDS: usize = 3;
 const ROUNDS: usize = 3;
 const LAST_ROUNDS: usize = 8;
+/// Those in closed form that follow.
+const EXACT_ROUNDS: usize = 2;
 /// Readings, times hypotheses, that are run again at the end; beyond, every second, every third … row must do.
 const MOST_TAKES: usize = 150_000;
+/// The same for the second round of all that are left, before the few that stay take all rows.
+const SECOND_TAKES: usize = 50_000;
 /// Most hypotheses that are looked at in the end.
 const MOST: usize = 1000;
 /// How many of the best hypotheses are started anew from around them, and from where (m, m, rad).
@@ -43,6 +47,8 @@ const VOLUME_95: f64 = 91.5;
 /// samples than this.
 const MOST_SAMPLED: usize = 8;
 const SAMPLED_ABOVE: f64 = 1e-3;
+/// Places with less than this share of it are sampled only once.
+const THOROUGH_ABOVE: f64 = 0.02;
 const MOST_SAMPLED_TAKES: usize = 600_000;
 /// Rows whose mean residual is looked at together, and where single residuals are cut (standard deviations).
 const BLOCK: usize = 8;
@@ -109,7 +115,7 @@ pub(super) fn choose(bank: &mut Bank, field: &Field<'_>, history: &History) -> (
     let shared = bank.shared;
     bank.hypotheses.sort_by(|a, b| a.best(OPEN, shared).0.total_cmp(&b.best(OPEN, shared).0));
     bank.hypotheses.truncate(MOST);
-    for (rows, rounds) in [(FIRST_ROWS, FIRST_ROUNDS), (MOST_TAKES / bank.hypotheses.len().max(1), ROUNDS)] {
+    for (rows, rounds) in [(FIRST_ROWS, FIRST_ROUNDS), (SECOND_TAKES / bank.hypotheses.len().max(1), ROUNDS)] {
         bank.use_rows(field, history, rows);
         bank.settle(field, history, rounds, 0);
         let least = bank.hypotheses.iter().map(|h| h.cost(shared)).fold(f64::INFINITY, f64::min);
@@ -119,12 +125,13 @@ pub(super) fn choose(bank: &mut Bank, field: &Field<'_>, history: &History) -> (
     if bank.used.len() < history.len() && afford > bank.used.len() {
         bank.use_rows(field, history, afford);
     }
-    bank.settle(field, history, LAST_ROUNDS, EXACT);
+    bank.settle(field, history, LAST_ROUNDS, 0);
     shake(bank, field, history);
+    bank.settle(field, history, EXACT_ROUNDS, EXACT);
     bank.hypotheses.retain(|h| field.admits(history, h.map_from_odom));
     let least = bank.hypotheses.iter().map(|h| h.cost(bank.shared)).fold(f64::INFINITY, f64::min);
     bank.hypotheses.retain(|h| h.cost(shared) <= least + TOLD);
-    let mut fit = bank.hypotheses.first().map(|h| fit(h, bank, field, history));
+    let mut fit = bank.hypotheses.first().map(|h| fit(h, bank, field, history, Solver::Exact));
     let blurred = Scene { blur: true, ..field.scene(history, bank.pivot, Judge::FAIR, bank.shared) };
     let last = history.pose(history.len() - 1);
     let (mut own, mut drifts) = (Vec::new(), Vec::new());
@@ -140,7 +147,8 @@ pub(super) fn choose(bank: &mut Bank, field: &Field<'_>, history: &History) -> (
         drifts.push(again.drift.covariance(&again.normal, bank.shared, OPEN, turn, arm, bounds));
     }
     let quick = field.scene(history, bank.pivot, Judge::FAIR, bank.shared);
-    let broken: Vec<f64> = bank.hypotheses.iter().map(|h| self::fit(h, bank, field, history).broken).collect();
+    let broken: Vec<f64> =
+        bank.hypotheses.iter().map(|h| self::fit(h, bank, field, history, Solver::Quick(field.table)).broken).collect();
     let settled = Settled { field, history, bank, broken: &broken, own: &own, drifts: &drifts, last, least };
     (settled.places(&quick), fit)
 }
@@ -163,7 +171,7 @@ fn shake(bank: &mut Bank, field: &Field<'_>, history: &History) {
         })
         .collect();
     bank.hypotheses.extend(around);
-    bank.settle(field, history, LAST_ROUNDS, EXACT);
+    bank.settle(field, history, LAST_ROUNDS, 0);
 }
 
 /// The covariance of the estimate about the pivot.
@@ -204,7 +212,7 @@ impl Settled<'_> {
             .enumerate()
             .map(|(index, (mass, members))| {
                 let near = index < afford.min(MOST_SAMPLED) && *mass > SAMPLED_ABOVE * most;
-                let spread = if near { self.spread(scene, members) } else { None };
+                let spread = if near { self.spread(scene, members, *mass > THOROUGH_ABOVE * most) } else { None };
                 self.place(members, *mass, spread)
             })
             .collect();
@@ -249,9 +257,9 @@ impl Settled<'_> {
     }
 
     /// What sampling says about a place.
-    fn spread(&self, scene: &Scene<'_>, members: &[usize]) -> Option<Spread> {
+    fn spread(&self, scene: &Scene<'_>, members: &[usize], thorough: bool) -> Option<Spread> {
         let with: Vec<_> = members.iter().map(|&i| (&self.bank.hypotheses[i], &self.own[i])).collect();
-        spread(scene, &with, &self.bank.used, self.least, &|frame| self.field.admits(self.history, frame))
+        spread(scene, &with, &self.bank.used, self.least, &|frame| self.field.admits(self.history, frame), thorough)
     }
 
     fn place(&self, members: &[usize], mass: f64, spread: Option<Spread>) -> Place {
@@ -305,8 +313,8 @@ fn at_robot(map_from_odom: Pose2, bank: &Bank, own: &Matrix, odom_from_robot: Po
 }
 
 /// Runs the history once more and looks at the residuals.
-fn fit(h: &Hypothesis, bank: &Bank, field: &Field<'_>, history: &History) -> Fit {
-    let scene = Scene { solver: Solver::Exact, ..field.scene(history, bank.pivot, Judge::FAIR, bank.shared) };
+fn fit(h: &Hypothesis, bank: &Bank, field: &Field<'_>, history: &History, solver: Solver<'_>) -> Fit {
+    let scene = Scene { solver, ..field.scene(history, bank.pivot, Judge::FAIR, bank.shared) };
     let mut again = h.clone();
     let mut fit = Fit::default();
     let gain = h.gain(bank.shared);

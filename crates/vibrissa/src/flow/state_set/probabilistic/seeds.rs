@@ -6,7 +6,7 @@
 //! readings as a Gaussian as wide as the cell, and most die at the first.
 
 use super::bank::merged;
-use super::contact::{Forward, State};
+use super::contact::State;
 use super::ground::Piece;
 use super::hypothesis::{Hypothesis, Scene, moved};
 use crate::config::TipLoad;
@@ -47,11 +47,12 @@ pub(super) struct Onset<'a> {
 pub(super) fn seeds(scene: &Scene<'_>, onset: &Onset<'_>, admits: &dyn Fn(Pose2) -> bool) -> Vec<Hypothesis> {
     let mut found = Vec::new();
     let z = scene.history.readings(onset.row)[onset.feeler];
-    let moment = z / scene.feelers[onset.feeler].per_moment;
+    let feeler = &scene.feelers[onset.feeler];
+    let reading = feeler.reading(z);
     let branches = if onset.from_free {
         Vec::new()
     } else {
-        TipContactSet::branches(&scene.feelers[onset.feeler].tip, moment, TipLoad::BoundaryNormal)
+        TipContactSet::branches(&feeler.tip, reading, TipLoad::BoundaryNormal)
     };
     for_each_place(&scene.ground.pieces, onset.spacing, |piece, at| {
         let spot = scene.ground.pieces[piece as usize].spot(at);
@@ -118,8 +119,7 @@ fn touching(
     if scene.map.crosses(base, base + along * (CLEAR * feeler.length)) || !scene.map.is_free(base) {
         return None;
     }
-    let forward =
-        Forward { map: scene.map, ground: scene.ground, length: feeler.length, solver: feeler.solver(scene.solver) };
+    let forward = scene.forward(feeler);
     let state = State::Touching(forward.untouched(piece, at, heading));
     judged(scene, onset, pose, state)
 }
@@ -149,10 +149,9 @@ fn loaded(
     {
         return None;
     }
-    let q = contact.force.abs() * feeler.length * feeler.per_moment;
+    let q = contact.force.abs() * feeler.length.powi(2) / feeler.tip.rigidity();
     let beta = wrap_angle(spot.normal - heading - contact.slope - FRAC_PI_2);
-    let forward =
-        Forward { map: scene.map, ground: scene.ground, length: feeler.length, solver: feeler.solver(scene.solver) };
+    let forward = scene.forward(feeler);
     let state = State::Touching(forward.loaded(piece, at, q, beta, contact.slope));
     judged(scene, onset, pose, state)
 }

@@ -2,7 +2,7 @@
 
 use super::bank::{Bank, Field};
 use super::ground::Ground;
-use super::history::{Feeler, History, OUTLIER_COST};
+use super::history::{Feeler, History, OUTLIER_COST, Sense};
 use super::places::{self, Fit, Place};
 use crate::beam::{TipModel, TipTable};
 use crate::config::ProbabilisticOptions;
@@ -78,10 +78,20 @@ pub struct ProbabilisticSet<'a> {
 }
 
 impl<'a> ProbabilisticSet<'a> {
-    /// An empty set; `tips` are the models of the robot's whiskers, in order.
+    /// An empty set; `tips` are the models of the robot's whiskers, in order, and `senses` say what is read: the whisker's
+    /// index and the sense, in the order of each row's readings.
     #[must_use]
-    pub fn new(map: &'a Map, robot: &'a Robot, tips: Vec<TipModel>, options: ProbabilisticOptions) -> Self {
-        let feelers: Vec<Feeler> = robot.whiskers.iter().zip(tips).map(|(w, tip)| Feeler::new(w, tip)).collect();
+    pub fn new(
+        map: &'a Map,
+        robot: &'a Robot,
+        tips: &[TipModel],
+        senses: &[(usize, Sense)],
+        options: ProbabilisticOptions,
+    ) -> Self {
+        let feeler = |&(whisker, sense): &(usize, Sense)| {
+            Some(Feeler::new(robot.whiskers.get(whisker)?, tips.get(whisker)?.clone(), sense))
+        };
+        let feelers: Vec<Feeler> = senses.iter().filter_map(feeler).collect();
         Self {
             map,
             robot,
@@ -140,10 +150,10 @@ impl<'a> ProbabilisticSet<'a> {
         }
     }
 
-    /// Takes in one row: the robot in the odometry frame, one moment for each whisker (N m), and the absolute heading
-    /// (map frame, rad) where there is one.
-    pub fn step(&mut self, odom_from_robot: Pose2, moments: &[f64], heading: Option<f64>) -> Happened {
-        let readings: Vec<f64> = moments.iter().zip(&self.feelers).map(|(m, f)| m * f.per_moment).collect();
+    /// Takes in one row: the robot in the odometry frame, one reading for each sense (N m, N, rad), and the absolute
+    /// heading (map frame, rad) where there is one.
+    pub fn step(&mut self, odom_from_robot: Pose2, readings: &[f64], heading: Option<f64>) -> Happened {
+        let readings: Vec<f64> = readings.iter().zip(&self.feelers).map(|(m, f)| m * f.per_reading).collect();
         self.history.push(odom_from_robot, &readings);
         if let Some(heading) = heading {
             self.history.point(heading);

@@ -54,13 +54,14 @@ impl Centre {
 }
 
 /// The spread of the place of these hypotheses, each with its covariance, the best first; `least` is the cost that
-/// masses are relative to, and what is not admitted counts nothing. None where it cannot be sampled.
+/// masses are relative to, and what is not admitted counts nothing. Where it need not be `thorough`, the first samples do. None where it cannot be sampled.
 pub(super) fn spread(
     scene: &Scene<'_>,
     members: &[(&Hypothesis, &Matrix)],
     rows: &[usize],
     least: f64,
     admits: &dyn Fn(Pose2) -> bool,
+    thorough: bool,
 ) -> Option<Spread> {
     let (first, own) = *members.first()?;
     let centres: Vec<Centre> = members
@@ -92,6 +93,9 @@ pub(super) fn spread(
     let early = drawn.len();
     let weighed: Vec<_> = drawn.iter().map(|&(d, c)| (d, weight(c, around(d)))).collect();
     let found = summary(&weighed, own)?;
+    if !thorough {
+        return Some(found);
+    }
     let Some(centre) = Centre::new(found.mean, &found.covariance) else { return Some(found) };
     for index in early..SAMPLES {
         let step = times(&centre.root, normal_point(index));

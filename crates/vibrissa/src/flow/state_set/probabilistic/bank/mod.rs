@@ -1,16 +1,17 @@
 //! All hypotheses together: started at a first contact, carried on, linearised anew, merged, dropped, weighed.
 
+mod merge;
+mod start;
+
 use super::contact::Solver;
 use super::ground::Ground;
 use super::history::{Feeler, History, Judge};
-use super::hypothesis::{Hypothesis, Scene, difference, moved};
-use super::normal::{Matrix, dot, times};
-use super::seeds::{Onset, seeds};
+use super::hypothesis::{Hypothesis, Scene, moved};
 use crate::beam::TipTable;
 use crate::config::ProbabilisticOptions;
-use crate::flow::prior;
 use crate::plane::{Pose2, Vec2, wrap_angle};
 use crate::world::{Map, Robot};
+pub(super) use merge::merged;
 
 /// A hypothesis less likely than the best by this (nats) is dropped; the second part shrinks with the share of the rows
 /// that are used.
@@ -25,16 +26,6 @@ const STALE: [f64; 2] = [1e-4, 2e-3];
 const PROMISE: f64 = 0.1;
 /// Readings that may be run again for each new row.
 const BUDGET: usize = 200;
-/// Hypotheses this near to each other are one (m, rad),
-const SAME_PLACE: f64 = 1.2e-3;
-const SAME_HEADING: f64 = 0.015;
-/// and while there are more than this many, those this near: the rest is left to their least squares.
-const MANY: usize = 300;
-const ROUGH_PLACE: f64 = 2.5e-3;
-const ROUGH_HEADING: f64 = 0.04;
-/// In the end so are those that lie within another's region (squared standard deviations) and no further away (m).
-const OVERLAP: f64 = 0.5;
-const FARTHEST: f64 = 0.05;
 /// Inverse variances that keep covariances finite (20 mm, 20°).
 pub(super) const OPEN: [f64; 3] = [2.5e3, 2.5e3, 8.2];
 /// So many of the best are pulled back by readings that seem false, in steps with standard deviations enlarged so much,
@@ -88,6 +79,7 @@ impl<'a> Field<'a> {
             judge,
             shared,
             blur: false,
+            whole: true,
             heading_std: self.options.heading_error / SQRT_3,
         }
     }
@@ -122,61 +114,6 @@ fn is_stale(d: [f64; 3]) -> bool {
 }
 
 impl Bank {
-    /// Seeds from the contact that began at row `onset` of the history with this whisker.
-    pub(super) fn start(field: &Field<'_>, history: &History, feeler: usize, onset: usize, from_free: bool) -> Self {
-        let options = field.options;
-        let own = &field.feelers[feeler];
-        let odom_from_whisker = history.pose(onset).compose(own.robot_from_whisker);
-        let tip = Vec2::new(own.length, 0.0);
-        let pivot = odom_from_whisker.transform_point(tip);
-        let rows = judging_rows(history, feeler, onset, options.seed_step);
-        let before = history.pose(onset.saturating_sub(3)).compose(own.robot_from_whisker);
-        let approach = tip - odom_from_whisker.inverse_transform_point(before.transform_point(tip));
-        let judge = Judge { temper: SEED_TEMPER, outlier_cost: f64::INFINITY };
-        let scene = field.scene(history, pivot, judge, 0.0);
-        let onset_of = Onset {
-            feeler,
-            row: onset,
-            from_free,
-            approach,
-            rows: &rows,
-            spacing: options.seed_spacing,
-            turn: options.seed_turn,
-            near: options.prior.map(|region| {
-                let arm = odom_from_whisker.position();
-                let slack = 2.0 * options.seed_spacing + arm.norm() * options.seed_turn;
-                prior::around(region, arm, slack, own.length)
-            }),
-        };
-        let admits = |map_from_odom: Pose2| field.admits(history, map_from_odom);
-        let mut hypotheses = seeds(&scene, &onset_of, &admits);
-        if from_free {
-            hypotheses.iter_mut().for_each(|h| {
-                h.map_from_odom = moved(h.map_from_odom, pivot, cut(h.best(LOOSE, 0.0).1));
-                *h = h.restarted_free();
-            });
-        }
-        let used = (0..onset).chain(rows).collect();
-        let mut bank = Self {
-            hypotheses,
-            used,
-            pivot,
-            shared: options.shared_gain.unwrap_or(own.shared_share()),
-            credit: 0,
-            turn: 0,
-            since_merge: 0,
-            recent: Vec::new(),
-            folded: false,
-        };
-        bank.merge(field, history);
-        bank.hypotheses.sort_by(|a, b| a.normal.cost.total_cmp(&b.normal.cost));
-        bank.hypotheses.truncate(MOST_SEEDS);
-        bank.rerun(field, history);
-        bank.merge(field, history);
-        bank.drop_unlikely(field, history);
-        bank
-    }
-
     /// Runs all hypotheses anew, each moved to its best place.
     pub(super) fn rerun(&mut self, field: &Field<'_>, history: &History) {
         let scene = field.scene(history, self.pivot, Judge::FAIR, self.shared);
@@ -344,128 +281,7 @@ impl Bank {
         });
         self.credit = credit;
     }
-
-    /// Keeps the best of hypotheses that have run into each other.
-    pub(super) fn merge(&mut self, field: &Field<'_>, history: &History) {
-        let Some(last) = history.len().checked_sub(1) else { return };
-        let scene = field.scene(history, self.pivot, Judge::FAIR, self.shared);
-        let best = |h: &Hypothesis| {
-            let (cost, d) = h.best(LOOSE, self.shared);
-            (cost, cut(d))
-        };
-        self.hypotheses = merged(core::mem::take(&mut self.hypotheses), &scene, history.pose(last), best);
-    }
-
-    /// Moves every hypothesis to its least cost and joins those that end at the same place.
-    pub(super) fn settle(&mut self, field: &Field<'_>, history: &History, rounds: usize, exact: usize) {
-        let quick = field.scene(history, self.pivot, Judge::FAIR, self.shared);
-        let closed = Scene { solver: Solver::Exact, ..field.scene(history, self.pivot, Judge::FAIR, self.shared) };
-        for (index, h) in self.hypotheses.iter_mut().enumerate() {
-            let scene = if index < exact { &closed } else { &quick };
-            let mut kept: Option<Hypothesis> = None;
-            for _ in 0..rounds {
-                let from = kept.as_ref().unwrap_or(h);
-                let (_, d) = from.best(LOOSE, self.shared);
-                if d[0].hypot(d[1]) < 1e-6 && d[2].abs() < 1e-5 {
-                    break;
-                }
-                let mut next = from.clone();
-                next.run(scene, moved(from.map_from_odom, self.pivot, cut(d)), self.used.iter().copied());
-                if next.cost(self.shared) > from.cost(self.shared) + 1e-3 {
-                    // Half the way where the whole does not go down.
-                    next.run(
-                        scene,
-                        moved(from.map_from_odom, self.pivot, cut(d).map(|v| 0.3 * v)),
-                        self.used.iter().copied(),
-                    );
-                    if next.cost(self.shared) > from.cost(self.shared) {
-                        break;
-                    }
-                }
-                kept = Some(next);
-            }
-            if let Some(kept) = kept {
-                *h = kept;
-            }
-        }
-        self.join();
-    }
-
-    /// Keeps the best of hypotheses within each other's reach.
-    fn join(&mut self) {
-        let shared = self.shared;
-        self.hypotheses.sort_by(|a, b| a.cost(shared).total_cmp(&b.cost(shared)));
-        let mut kept: Vec<(Hypothesis, Matrix)> = Vec::new();
-        for h in self.hypotheses.drain(..) {
-            let near = |(k, curvature): &(Hypothesis, Matrix)| {
-                let d = difference(k.map_from_odom, h.map_from_odom, self.pivot);
-                d[0].hypot(d[1]) < 0.5 * SAME_PLACE && d[2].abs() < 0.5 * SAME_HEADING
-                    || d[0].hypot(d[1]) < FARTHEST && dot(times(curvature, d), d) < OVERLAP
-            };
-            if !kept.iter().any(near) {
-                let curvature = h.normal.marginal(shared).damped(OPEN);
-                kept.push((h, curvature));
-            }
-        }
-        self.hypotheses = kept.into_iter().map(|(h, _)| h).collect();
-    }
 }
 
 /// The standard deviation of an even law is its bound over this.
 const SQRT_3: f64 = 1.732_050_807_568_877_2;
-/// More hypotheses than this are not carried on.
-const MOST_SEEDS: usize = 8000;
-/// Standard deviations are enlarged by this while cells are judged.
-const SEED_TEMPER: f64 = 1.5;
-
-/// The hypotheses without all but the best of those that meet, as `best` tells their cost and step to it; the robot is at
-/// `odom_from_robot`.
-pub(super) fn merged(
-    hypotheses: Vec<Hypothesis>,
-    scene: &Scene<'_>,
-    odom_from_robot: Pose2,
-    best: impl Fn(&Hypothesis) -> (f64, [f64; 3]),
-) -> Vec<Hypothesis> {
-    let size = if hypotheses.len() > MANY { [ROUGH_PLACE, ROUGH_HEADING] } else { [SAME_PLACE, SAME_HEADING] };
-    let mut keyed: Vec<_> = hypotheses
-        .iter()
-        .enumerate()
-        .map(|(index, h)| {
-            let (cost, d) = best(h);
-            (cell(moved(h.map_from_odom, scene.pivot, d), scene.pivot, odom_from_robot, size), cost, index)
-        })
-        .collect();
-    keyed.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
-    keyed.dedup_by(|later, kept| later.0 == kept.0);
-    let mut kept = vec![false; hypotheses.len()];
-    keyed.iter().for_each(|&(.., index)| kept[index] = true);
-    hypotheses.into_iter().zip(kept).filter_map(|(h, kept)| kept.then_some(h)).collect()
-}
-
-/// The cell of a frame's pose of the pivot and of the robot.
-fn cell(at: Pose2, pivot: Vec2, odom_from_robot: Pose2, size: [f64; 2]) -> [i64; 5] {
-    let (a, b) = (at.transform_point(pivot), at.compose(odom_from_robot));
-    let round = |v: f64, by: f64| (v / by).round() as i64;
-    let place = |v: f64| round(v, size[0]);
-    [place(a.x), place(a.y), place(b.x), place(b.y), round(at.theta, size[1])]
-}
-
-/// The rows that judge seeds: the onset, then one for every `step` of the base's travel; of three neighbours always
-/// that with the middle reading, so that no single false one is taken.
-fn judging_rows(history: &History, feeler: usize, onset: usize, step: f64) -> Vec<usize> {
-    let last = history.len() - 1;
-    let mut rows = vec![onset];
-    let mut travelled = 0.0;
-    for row in onset + 1..last {
-        travelled += history.pose(row).position().distance(history.pose(row - 1).position());
-        if travelled >= step {
-            let mut three = [row - 1, row, row + 1];
-            three.sort_by(|&a, &b| history.readings(a)[feeler].total_cmp(&history.readings(b)[feeler]));
-            if three[1] > rows[rows.len() - 1] {
-                rows.push(three[1]);
-                travelled = 0.0;
-            }
-        }
-    }
-    rows
-}

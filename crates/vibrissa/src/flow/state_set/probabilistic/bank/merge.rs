@@ -1,0 +1,120 @@
+//! Hypotheses that end at the same place are one.
+
+use super::super::contact::Solver;
+use super::super::history::{History, Judge};
+use super::super::hypothesis::{Hypothesis, Scene, difference, moved};
+use super::super::normal::{Matrix, dot, times};
+use super::{Bank, Field, LOOSE, OPEN, cut};
+use crate::plane::{Pose2, Vec2};
+
+/// Hypotheses this near to each other are one (m, rad),
+const SAME_PLACE: f64 = 1.2e-3;
+const SAME_HEADING: f64 = 0.015;
+/// and while there are more than this many, those this near: the rest is left to their least squares.
+const MANY: usize = 300;
+const ROUGH_PLACE: f64 = 2.5e-3;
+const ROUGH_HEADING: f64 = 0.04;
+/// In the end so are those that lie within another's region (squared standard deviations) and no further away (m).
+const OVERLAP: f64 = 0.5;
+const FARTHEST: f64 = 0.05;
+/// A step that promises less than this (nats) is not taken: a few hundredths of a standard deviation.
+const SETTLED: f64 = 1e-3;
+
+impl Bank {
+    /// Keeps the best of hypotheses that have run into each other.
+    pub(in super::super) fn merge(&mut self, field: &Field<'_>, history: &History) {
+        let Some(last) = history.len().checked_sub(1) else { return };
+        let scene = field.scene(history, self.pivot, Judge::FAIR, self.shared);
+        let best = |h: &Hypothesis| {
+            let (cost, d) = h.best(LOOSE, self.shared);
+            (cost, cut(d))
+        };
+        self.hypotheses = merged(core::mem::take(&mut self.hypotheses), &scene, history.pose(last), best);
+    }
+
+    /// Moves every hypothesis to its least cost and joins those that end at the same place.
+    pub(in super::super) fn settle(&mut self, field: &Field<'_>, history: &History, rounds: usize, exact: usize) {
+        let quick = field.scene(history, self.pivot, Judge::FAIR, self.shared);
+        let closed = Scene { solver: Solver::Exact, ..field.scene(history, self.pivot, Judge::FAIR, self.shared) };
+        for (index, h) in self.hypotheses.iter_mut().enumerate() {
+            let scene = if index < exact { &closed } else { &quick };
+            let mut kept: Option<Hypothesis> = None;
+            for _ in 0..rounds {
+                let from = kept.as_ref().unwrap_or(h);
+                let (least, d) = from.best(LOOSE, self.shared);
+                if from.cost(self.shared) - least < SETTLED {
+                    break;
+                }
+                let mut next = from.clone();
+                next.run(scene, moved(from.map_from_odom, self.pivot, cut(d)), self.used.iter().copied());
+                if next.cost(self.shared) > from.cost(self.shared) + 1e-3 {
+                    // Half the way where the whole does not go down.
+                    next.run(
+                        scene,
+                        moved(from.map_from_odom, self.pivot, cut(d).map(|v| 0.3 * v)),
+                        self.used.iter().copied(),
+                    );
+                    if next.cost(self.shared) > from.cost(self.shared) {
+                        break;
+                    }
+                }
+                kept = Some(next);
+            }
+            if let Some(kept) = kept {
+                *h = kept;
+            }
+        }
+        self.join();
+    }
+
+    /// Keeps the best of hypotheses within each other's reach.
+    fn join(&mut self) {
+        let shared = self.shared;
+        self.hypotheses.sort_by(|a, b| a.cost(shared).total_cmp(&b.cost(shared)));
+        let mut kept: Vec<(Hypothesis, Matrix)> = Vec::new();
+        for h in self.hypotheses.drain(..) {
+            let near = |(k, curvature): &(Hypothesis, Matrix)| {
+                let d = difference(k.map_from_odom, h.map_from_odom, self.pivot);
+                d[0].hypot(d[1]) < 0.5 * SAME_PLACE && d[2].abs() < 0.5 * SAME_HEADING
+                    || d[0].hypot(d[1]) < FARTHEST && dot(times(curvature, d), d) < OVERLAP
+            };
+            if !kept.iter().any(near) {
+                let curvature = h.normal.marginal(shared).damped(OPEN);
+                kept.push((h, curvature));
+            }
+        }
+        self.hypotheses = kept.into_iter().map(|(h, _)| h).collect();
+    }
+}
+
+/// The hypotheses without all but the best of those that meet, as `best` tells their cost and step to it; the robot is at
+/// `odom_from_robot`.
+pub(in super::super) fn merged(
+    hypotheses: Vec<Hypothesis>,
+    scene: &Scene<'_>,
+    odom_from_robot: Pose2,
+    best: impl Fn(&Hypothesis) -> (f64, [f64; 3]),
+) -> Vec<Hypothesis> {
+    let size = if hypotheses.len() > MANY { [ROUGH_PLACE, ROUGH_HEADING] } else { [SAME_PLACE, SAME_HEADING] };
+    let mut keyed: Vec<_> = hypotheses
+        .iter()
+        .enumerate()
+        .map(|(index, h)| {
+            let (cost, d) = best(h);
+            (cell(moved(h.map_from_odom, scene.pivot, d), scene.pivot, odom_from_robot, size), cost, index)
+        })
+        .collect();
+    keyed.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    keyed.dedup_by(|later, kept| later.0 == kept.0);
+    let mut kept = vec![false; hypotheses.len()];
+    keyed.iter().for_each(|&(.., index)| kept[index] = true);
+    hypotheses.into_iter().zip(kept).filter_map(|(h, kept)| kept.then_some(h)).collect()
+}
+
+/// The cell of a frame's pose of the pivot and of the robot.
+fn cell(at: Pose2, pivot: Vec2, odom_from_robot: Pose2, size: [f64; 2]) -> [i64; 5] {
+    let (a, b) = (at.transform_point(pivot), at.compose(odom_from_robot));
+    let round = |v: f64, by: f64| (v / by).round() as i64;
+    let place = |v: f64| round(v, size[0]);
+    [place(a.x), place(a.y), place(b.x), place(b.y), round(at.theta, size[1])]
+}

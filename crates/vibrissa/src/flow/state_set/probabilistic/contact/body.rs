@@ -1,0 +1,105 @@
+//! Whether the rest of the whisker is clear of the boundaries.
+//!
+//! The contact holds one place; a bump may rise under another. How far the whisker is clear of everything is kept, so that
+//! it is not looked at again before it can have moved as far. Where a bump is near, both contacts are solved for, and the
+//! sign of the force tells whether it touches.
+
+use super::{Forward, Hold, Stance, Touch, span};
+use crate::plane::{Pose2, Vec2};
+use core::f64::consts::FRAC_PI_2;
+
+/// Pieces into which the whisker is cut up to its contact, and the share that is looked at for clearance: nearer to the
+/// contact its boundary is near anyway.
+const CUTS: usize = 12;
+const LOOKED: usize = 9;
+/// Distances are looked for up to this (whisker lengths).
+const FARTHEST: f64 = 0.27;
+/// A bump nearer than this (whisker lengths) is tried.
+const BUMP: f64 = 2e-3;
+/// However near something is, the whisker is not looked at again before it may have moved so far (whisker
+/// lengths).
+const LEAST_CLEAR: f64 = 0.0133;
+/// How far behind a tip that points out of the boundary the side is looked for (share of the length).
+const BEHIND: f64 = 0.04;
+/// A straight end beyond the contact shorter than this (share of the length) is not looked at.
+const SHORT: f64 = 0.03;
+
+/// What the whisker runs into besides its contact.
+pub(super) enum Body {
+    /// Nothing within this (m).
+    Clear(f64),
+    /// Something before its contact: at this share of its length, near this place of a piece.
+    Before(f64, (u32, f64)),
+    /// Something beyond its contact, near this place of a piece.
+    Beyond((u32, f64)),
+}
+
+/// How far a place is on the free side of the nearest boundary.
+struct Gap {
+    distance: f64,
+    at: (u32, f64),
+}
+
+impl Forward<'_> {
+    /// What a whisker that stands so runs into.
+    pub(super) fn body(&self, stance: &Stance, touch: &Touch) -> Body {
+        let Some(chart) = self.solver.chart(touch.q, touch.beta) else { return Body::Clear(0.0) };
+        let per = 1.0 / touch.s;
+        let force = Vec2::from_angle(touch.slope + touch.beta + FRAC_PI_2) * (touch.q * per * per);
+        let mut outline = [Pose2::IDENTITY; CUTS];
+        span::outline(chart.moment * per, force, touch.s, &mut outline);
+        let (farthest, bump) = (FARTHEST * self.length, BUMP * self.length);
+        let mut clear = farthest;
+        let mut least: Option<(usize, Gap)> = None;
+        let mut before = f64::INFINITY;
+        for (k, at) in outline[..CUTS - 1].iter().enumerate() {
+            let gap = self.gap(stance, stance.placed(at.position()));
+            let distance = gap.as_ref().map_or(farthest, |gap| gap.distance);
+            if k < LOOKED {
+                clear = clear.min(distance);
+            }
+            // A place nearer than its neighbours, or on the wrong side.
+            let rises =
+                least.as_ref().is_some_and(|(j, l)| *j + 1 == k && l.distance < before && distance > l.distance);
+            if let Some((j, gap)) = least.as_ref().filter(|(_, l)| rises && l.distance < bump) {
+                return Body::Before((*j as f64 + 1.0) / CUTS as f64 * touch.s, gap.at);
+            }
+            if let Some(last) = &least {
+                before = last.1.distance;
+            }
+            least = gap.map(|gap| (k, gap));
+            if least.is_none() {
+                before = farthest;
+            }
+        }
+        if let Some((j, gap)) = least.filter(|(_, l)| l.distance < 0.0) {
+            return Body::Before((j as f64 + 1.0) / CUTS as f64 * touch.s, gap.at);
+        }
+        if let Hold::Piece(piece, at) = touch.hold {
+            // A tip that points out of the boundary has come through it from behind.
+            let heading = stance.theta + touch.slope;
+            if (heading - self.ground.pieces[piece as usize].spot(at).normal).cos() > 0.0
+                && let Some(gap) = self.gap(stance, touch.place - Vec2::from_angle(heading) * (BEHIND * self.length))
+            {
+                return Body::Before(1.0 - BEHIND, gap.at);
+            }
+        }
+        let free = 1.0 - touch.s;
+        if matches!(touch.hold, Hold::Vertex(_) | Hold::Flank(..)) && free > SHORT {
+            let tip = touch.place + Vec2::from_angle(stance.theta + touch.slope) * (free * self.length);
+            match self.gap(stance, tip) {
+                Some(gap) if gap.distance < 0.0 => return Body::Beyond(gap.at),
+                Some(gap) => clear = clear.min(gap.distance),
+                None => {}
+            }
+        }
+        Body::Clear(clear.max(LEAST_CLEAR * self.length))
+    }
+
+    fn gap(&self, stance: &Stance, place: Vec2) -> Option<Gap> {
+        let (piece, at, distance) = self.ground.nearest(self.map, place, stance.base, FARTHEST * self.length)?;
+        let spot = self.ground.pieces[piece as usize].spot(at);
+        let inside = (place - spot.position).dot(Vec2::from_angle(spot.normal)) < 0.0;
+        Some(Gap { distance: if inside { -distance } else { distance }, at: (piece, at) })
+    }
+}

@@ -1,0 +1,227 @@
+//! The tip on a boundary.
+//!
+//! The tip stands on a piece of the boundary, the frictionless force is normal there: three equations for force, tilt
+//! and place, solved by Newton's method from the contact before. In a concave corner the place is given and the force
+//! may have any direction between the two normals. A tip that would point out of the boundary lies down, one that slides
+//! past an edge leaves the side on it.
+
+use super::system::System;
+use super::{Felt, Forward, Hold, Next, Stance, Touch};
+use crate::beam::TipChart;
+use crate::plane::{Vec2, wrap_angle};
+use core::f64::consts::FRAC_PI_2;
+
+/// Newton steps before an equilibrium is given up.
+pub(super) const MOST_STEPS: usize = 12;
+/// Largest change of the tilt in one Newton step (rad).
+const LARGEST_TURN: f64 = 0.3;
+/// Forces nearer than this to the whisker's own direction are not followed (rad): it buckles.
+const HEAD_ON: f64 = 0.07;
+/// Pieces that one step may pass.
+pub(super) const MOST_PIECES: usize = 40;
+/// Newton steps that may lead from piece to piece without an equilibrium on those between.
+const HOPS: usize = 2;
+/// How far beyond its ends a piece still counts (share of the piece).
+pub(super) const END_SLACK: f64 = 1e-9;
+/// Below this force a corner is solved from the small-angle solution on.
+const WEAK: f64 = 0.02;
+
+impl Forward<'_> {
+    /// From piece to piece until one holds the tip; what comes `from_side` does not go back there.
+    pub(super) fn along(&self, stance: &Stance, start: &Touch, mut piece: u32, mut at: f64, from_side: bool) -> Next {
+        let mut came: Option<bool> = None;
+        let mut load = (start.q, start.beta);
+        for _ in 0..MOST_PIECES {
+            let (end, found) = match self.on_piece(stance, load.0, load.1, piece, at, came.is_none()) {
+                OnPiece::Found { piece: on, at, touch, felt } => {
+                    load = (touch.q, touch.beta);
+                    piece = on;
+                    (at, Some((touch, felt)))
+                }
+                OnPiece::Lost(on, at) => {
+                    piece = on;
+                    (at, None)
+                }
+                OnPiece::Failed => return Next::None,
+            };
+            if (-END_SLACK..=1.0 + END_SLACK).contains(&end) {
+                let Some((touch, felt)) = found else { return Next::None };
+                let normal = self.ground.pieces[piece as usize].spot(end).normal;
+                if !from_side && touch.q > 0.0 && points_out(stance, &touch, normal) {
+                    if let Next::Touching(touch, felt) = self.on_side(stance, touch.laid(Hold::Flank(piece, end))) {
+                        return Next::Touching(touch, felt);
+                    }
+                    return Next::Touching(Touch { clear: -1.0, ..touch }, felt);
+                }
+                return Next::Touching(touch, felt);
+            }
+            let forward = end > 0.5;
+            let Some((id, corner)) = self.ground.corner_of(piece, forward) else { return Next::LetGo };
+            let (over, there) = if forward { corner.after } else { corner.before };
+            if !from_side
+                && corner.is_convex()
+                && let Some((touch, _)) = found
+                && touch.q > 0.0
+                && points_out(stance, &touch, if forward { corner.normal + corner.turn } else { corner.normal })
+            {
+                let laid = touch.laid(Hold::Vertex(id));
+                return self.on_side(stance, Touch { place: corner.position, ..laid });
+            }
+            if corner.is_end() {
+                return Next::LetGo;
+            }
+            if came.is_some_and(|came| came != forward) {
+                return Next::None;
+            }
+            if corner.is_concave()
+                && let Some((touch, felt, lean)) = self.in_corner(stance, start, id)
+            {
+                match lean {
+                    0.0..=1.0 => return Next::Touching(touch, felt),
+                    _ if (lean > 1.0) != forward => return Next::None,
+                    _ => {}
+                }
+            }
+            came = Some(forward);
+            (piece, at) = (over, there);
+        }
+        Next::None
+    }
+
+    /// In the corner, or out of it along one of its sides.
+    pub(super) fn caught(&self, stance: &Stance, touch: &Touch, before: u32) -> Next {
+        match self.in_corner(stance, touch, before) {
+            Some((.., lean)) if lean < 0.0 => self.along(stance, touch, before, 1.0, false),
+            Some((.., lean)) if lean > 1.0 => match self.ground.pieces[before as usize].joint {
+                Some(joint) => self.along(stance, touch, joint.next, 0.0, false),
+                None => Next::None,
+            },
+            Some((touch, felt, _)) => Next::Touching(touch, felt),
+            None => Next::None,
+        }
+    }
+
+    /// The equilibrium with the tip on a piece, from this load and place on; where `hopping`, on the piece to which the
+    /// first steps lead over slight corners.
+    fn on_piece(
+        &self,
+        stance: &Stance,
+        mut q: f64,
+        mut beta: f64,
+        mut piece: u32,
+        mut at: f64,
+        hopping: bool,
+    ) -> OnPiece {
+        let mut ground = &self.ground.pieces[piece as usize];
+        for step in 0..MOST_STEPS {
+            let Some(tip) = self.solver.chart(q, beta) else { return OnPiece::Failed };
+            let spot = ground.spot(at);
+            let target = stance.seen(spot.position - stance.base);
+            let velocity = stance.seen(spot.velocity);
+            let gap = tip.position - target;
+            let aslant = wrap_angle(stance.theta + tip.slope + beta + FRAC_PI_2 - spot.normal);
+            let system = System::new([
+                [tip.by_force.position.x, tip.by_tilt.position.x, -velocity.x],
+                [tip.by_force.position.y, tip.by_tilt.position.y, -velocity.y],
+                [tip.by_force.slope, 1.0 + tip.by_tilt.slope, -spot.turning],
+            ]);
+            let Some([dq, dbeta, dat]) = system.solve([gap.x, gap.y, aslant]) else { return OnPiece::Failed };
+            let damp = damping(q, dq, dbeta);
+            (q, beta, at) = (q - damp * dq, beta - damp * dbeta, at - damp * dat);
+            if hopping && step < HOPS && !(0.0..=1.0).contains(&at) && damp >= 1.0 {
+                let (on, there) = self.ground.hop(piece, at);
+                if on != piece {
+                    (piece, at) = (on, there);
+                    ground = &self.ground.pieces[piece as usize];
+                    continue;
+                }
+            }
+            if ground.is_lost(at) {
+                return OnPiece::Lost(piece, at);
+            }
+            if !q.is_finite() || is_head_on(beta) {
+                return OnPiece::Failed;
+            }
+            if gap.norm_squared().sqrt().max(aslant.abs()) < self.solver.near() && damp >= 1.0 {
+                // Weak forces have a negative determinant and are stable; the sign changes where the branch folds.
+                if system.determinant * ground.side >= 0.0 {
+                    return OnPiece::Failed;
+                }
+                let (value, [m, n]) = self.sense.at_tip(&tip, q + dq, beta);
+                let adjoint = system.solve_transposed([m, n, 0.0]);
+                let tip_now = spot.position - spot.velocity * dat;
+                let touch = Touch { hold: Hold::Piece(piece, at), place: tip_now, ..settled(&tip, q, beta, dq, dbeta) };
+                let felt = Felt { value: value - m * dq - n * dbeta, gradient: stance.gradient(adjoint, target) };
+                return OnPiece::Found { piece, at, touch, felt };
+            }
+        }
+        OnPiece::Failed
+    }
+
+    /// The equilibrium with the tip in the corner at the end of a piece, and where its force points within the corner:
+    /// 0 along the normal before, 1 along the normal after.
+    fn in_corner(&self, stance: &Stance, from: &Touch, before: u32) -> Option<(Touch, Felt, f64)> {
+        let joint = self.ground.pieces[before as usize].joint?;
+        let target = stance.seen(joint.position - stance.base);
+        let (mut q, mut beta) = (from.q, from.beta);
+        if q.abs() < WEAK {
+            // A weak force can point anywhere without moving the tip much: start from the small-angle solution.
+            beta = wrap_angle(joint.normal + 0.5 * joint.turn - stance.theta - FRAC_PI_2);
+            q = 3.0 * target.y / beta.cos();
+        }
+        for _ in 0..MOST_STEPS {
+            let tip = self.solver.chart(q, beta)?;
+            let gap = tip.position - target;
+            let (a, b) = (tip.by_force.position, tip.by_tilt.position);
+            let det = a.cross(b);
+            let (dq, dbeta) = (gap.cross(b) / det, a.cross(gap) / det);
+            let damp = damping(q, dq, dbeta);
+            (q, beta) = (q - damp * dq, beta - damp * dbeta);
+            if !q.is_finite() || is_head_on(beta) {
+                return None;
+            }
+            if gap.norm_squared().sqrt() < self.solver.near() && damp >= 1.0 {
+                let (value, [m, n]) = self.sense.at_tip(&tip, q + dq, beta);
+                let adjoint = [(m * b.y - n * a.y) / det, (n * a.x - m * b.x) / det, 0.0];
+                let settled = settled(&tip, q, beta, dq, dbeta);
+                let direction = stance.theta + settled.slope + beta + FRAC_PI_2;
+                let lean = wrap_angle(direction - joint.normal) / joint.turn;
+                let touch = Touch { hold: Hold::Corner(before), place: joint.position, ..settled };
+                let felt = Felt { value: value - m * dq - n * dbeta, gradient: stance.gradient(adjoint, target) };
+                return Some((touch, felt, lean));
+            }
+        }
+        None
+    }
+}
+
+/// Where Newton's method on a piece ended.
+enum OnPiece {
+    /// An equilibrium, maybe on the continuation of the piece.
+    Found { piece: u32, at: f64, touch: Touch, felt: Felt },
+    /// The place left the piece before an equilibrium was found.
+    Lost(u32, f64),
+    /// No stable equilibrium near.
+    Failed,
+}
+
+/// Whether a whisker that stands so points out of the boundary with this normal (rad).
+fn points_out(stance: &Stance, touch: &Touch, normal: f64) -> bool {
+    (stance.theta + touch.slope - normal).cos() > 0.0
+}
+
+pub(super) fn damping(q: f64, dq: f64, dbeta: f64) -> f64 {
+    (LARGEST_TURN / dbeta.abs()).min((0.5 + 0.5 * q.abs()) / dq.abs()).min(1.0)
+}
+
+/// Whether the force all but runs along the whisker at its tip.
+fn is_head_on(beta: f64) -> bool {
+    let off = (wrap_angle(beta).abs() - FRAC_PI_2).abs();
+    off.is_nan() || off <= HEAD_ON
+}
+
+/// Load and slope after the last Newton step; the caller says what holds the tip.
+fn settled(tip: &TipChart, q: f64, beta: f64, dq: f64, dbeta: f64) -> Touch {
+    let slope = tip.slope - tip.by_force.slope * dq - tip.by_tilt.slope * dbeta;
+    Touch { q, beta, s: 1.0, hold: Hold::Piece(0, 0.0), place: Vec2::ZERO, slope, clear: 0.0 }
+}

@@ -1,0 +1,106 @@
+//! The probabilistic method's forward model where the whisker's side touches, against the simulator, which solves such
+//! contacts with equations of its own and two at once with a discrete rod.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on must fail")]
+
+#[path = "data/random.rs"]
+mod random;
+#[path = "data/random_arena.rs"]
+mod random_arena;
+
+use random::Random;
+use std::path::Path;
+use vibrissa::beam::TipModel;
+use vibrissa::flow::state_set::probabilistic::{PredictedMoment, predicted_moments};
+use vibrissa::plane::{Pose2, Vec2};
+use vibrissa::tasks::Scenario;
+use vibrissa::tasks::simulate::{Part, Sweep};
+use vibrissa::world::{Map, Robot};
+
+fn predicted(map: &Map, robot: &Robot, sweep: &Sweep, moved: [f64; 3]) -> Vec<PredictedMoment> {
+    let whisker = &robot.whiskers[0];
+    let center = sweep.truth[sweep.truth.len() / 2].map_from_robot.position();
+    let place = |pose: Pose2| {
+        let arm = (pose.position() - center).rotated(moved[2]);
+        let at = center + arm + Vec2::new(moved[0], moved[1]);
+        Pose2::new(at.x, at.y, pose.theta + moved[2]).compose(whisker.robot_from_whisker)
+    };
+    let path: Vec<Pose2> = sweep.truth.iter().map(|p| place(p.map_from_robot)).collect();
+    predicted_moments(map, &TipModel::new(&whisker.beam).unwrap(), &path)
+}
+
+/// Rows with a contact of the side, and those of them that are off by more than this share of the declared noise.
+fn side_rows(robot: &Robot, sweep: &Sweep, ours: &[PredictedMoment], share: f64) -> (Vec<usize>, usize) {
+    let noise = &robot.whiskers[0].noise;
+    let mut rows: Vec<usize> = sweep.contacts.iter().filter(|c| c.part == Part::Side).map(|c| c.row).collect();
+    rows.dedup();
+    let far = |&&row: &&usize| {
+        let exact = sweep.exact_moments[row][0];
+        let bound = noise.moment_relative * exact.abs() + noise.moment_absolute;
+        (ours[row].moment - exact).abs() > share * bound
+    };
+    let odd = rows.iter().filter(far).count();
+    (rows, odd)
+}
+
+/// A sweep during which a bump rises under the whisker while its tip is in a bay.
+fn bump(seed: u64) -> (Map, Sweep) {
+    let mut draw = Random(seed.wrapping_mul(0x9e37_79b9));
+    let map = random_arena::arena(&mut draw).unwrap();
+    let sweep = random_arena::sweep(&map, &mut draw, seed).unwrap();
+    (map, sweep)
+}
+
+/// Derivatives against differences over the whole path, relative to a scale, sorted.
+fn derivative_errors(map: &Map, robot: &Robot, sweep: &Sweep, rows: &[usize]) -> Vec<f64> {
+    let ours = predicted(map, robot, sweep, [0.0; 3]);
+    let center = sweep.truth[sweep.truth.len() / 2].map_from_robot.position();
+    let mut errors = Vec::new();
+    for axis in 0..3 {
+        let size = if axis < 2 { 1e-6 } else { 1e-5 };
+        let mut d = [0.0; 3];
+        d[axis] = size;
+        let (more, less) = (predicted(map, robot, sweep, d), predicted(map, robot, sweep, d.map(|v| -v)));
+        for &row in rows {
+            let difference = (more[row].moment - less[row].moment) / (2.0 * size);
+            let base = sweep.truth[row].map_from_robot.compose(robot.whiskers[0].robot_from_whisker).position();
+            let (arm, g) = ((base - center).perp(), ours[row].gradient);
+            let own = if axis < 2 { g[axis] } else { g[2] + g[0] * arm.x + g[1] * arm.y };
+            errors.push((own - difference).abs() / (if axis < 2 { 0.2 } else { 0.02 } + difference.abs()));
+        }
+    }
+    errors.sort_by(f64::total_cmp);
+    errors
+}
+
+#[test]
+fn a_side_that_passes_a_post_is_followed() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/side_contact.toml");
+    let scenario = Scenario::read(path).unwrap();
+    let sweep = scenario.simulate().unwrap().sweep;
+    let ours = predicted(&scenario.map, &scenario.robot, &sweep, [0.0; 3]);
+    let (rows, odd) = side_rows(&scenario.robot, &sweep, &ours, 1e-3);
+    println!("{odd} odd rows of {} with side contact", rows.len());
+    assert!(rows.len() > 30 && odd * 20 <= rows.len(), "{odd} of {}", rows.len());
+    let errors = derivative_errors(&scenario.map, &scenario.robot, &sweep, &rows);
+    println!("derivatives: {:?} of {}", &errors[errors.len() - 5..], errors.len());
+    assert!(errors[errors.len() * 9 / 10] < 1e-3, "{:?}", &errors[errors.len() * 8 / 10..]);
+}
+
+#[test]
+fn tip_and_side_at_once_are_followed() {
+    let robot = Robot::default();
+    for seed in [1018, 1090, 1106, 1286, 1471] {
+        let (map, sweep) = bump(seed);
+        let ours = predicted(&map, &robot, &sweep, [0.0; 3]);
+        let (rows, odd) = side_rows(&robot, &sweep, &ours, 0.2);
+        println!("{seed}: {odd} odd rows of {} with side contact", rows.len());
+        assert!(rows.len() > 15 && odd * 10 <= rows.len(), "{seed}: {odd} of {}", rows.len());
+    }
+    let (map, sweep) = bump(1090);
+    let ours = predicted(&map, &robot, &sweep, [0.0; 3]);
+    let rows: Vec<usize> = side_rows(&robot, &sweep, &ours, 0.2).0;
+    let errors = derivative_errors(&map, &robot, &sweep, &rows);
+    println!("derivatives: {:?} of {}", &errors[errors.len() * 8 / 10..], errors.len());
+    assert!(errors[errors.len() * 8 / 10] < 1e-2, "{:?}", &errors[errors.len() * 7 / 10..]);
+}
