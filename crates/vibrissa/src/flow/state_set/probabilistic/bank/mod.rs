@@ -6,7 +6,7 @@ mod start;
 use super::contact::Solver;
 use super::ground::Ground;
 use super::history::{Feeler, History, Judge};
-use super::hypothesis::{Hypothesis, Scene, moved};
+use super::hypothesis::{Hypothesis, Scene, difference, moved};
 use crate::beam::TipTable;
 use crate::config::ProbabilisticOptions;
 use crate::plane::{Pose2, Vec2, wrap_angle};
@@ -17,6 +17,8 @@ pub(super) use merge::merged;
 /// that are used.
 const DROP: f64 = 30.0;
 const DROP_MORE: f64 = 20.0;
+/// Of this, what the cost of an old linearisation may come to before the hypothesis is linearised out of turn.
+const WAITING: f64 = 1.4;
 /// Inverse variances that keep a step finite where the readings leave a direction open (5 mm, 5°).
 const LOOSE: [f64; 3] = [4e4, 4e4, 131.0];
 /// Longest step of one linearisation (m, rad).
@@ -28,12 +30,14 @@ const PROMISE: f64 = 0.1;
 const BUDGET: usize = 200;
 /// Inverse variances that keep covariances finite (20 mm, 20°).
 pub(super) const OPEN: [f64; 3] = [2.5e3, 2.5e3, 8.2];
-/// So many of the best are pulled back by readings that seem false, in steps with standard deviations enlarged so much,
+/// So many of the best that stand apart are pulled back by readings that seem false, in steps with standard deviations enlarged so much,
 /// when so many rows have cost so much each (nats), and not again for as many rows.
-const RESCUED: usize = 12;
+const RESCUED: usize = 64;
 const TEMPERS: [f64; 5] = [8.0, 8.0, 8.0, 4.0, 2.0];
 pub(super) const RESCUE_ROWS: usize = 8;
 const RESCUE_COST: f64 = 2.5;
+/// They stand so far apart (m, rad).
+const APART: [f64; 2] = [15e-3, 0.1];
 /// Rows between two merges.
 const MERGE_EVERY: usize = 8;
 /// So many hypotheses share one row; twice as many take every second one, and so on.
@@ -206,7 +210,7 @@ impl Bank {
         order.sort_by(|a, b| a.0.total_cmp(&b.0));
         let fair = field.scene(history, self.pivot, Judge::FAIR, self.shared);
         let mut pulled: Vec<Hypothesis> = Vec::new();
-        for &(_, index) in order.iter().take(RESCUED) {
+        for index in self.apart(order.into_iter().map(|(_, index)| index)) {
             let mut h = self.hypotheses[index].clone();
             for temper in TEMPERS {
                 let judge = Judge { temper, outlier_cost: f64::INFINITY };
@@ -220,6 +224,25 @@ impl Bank {
             }
         }
         self.hypotheses.extend(pulled);
+    }
+
+    /// Those of these, in order, that stand apart from all before.
+    ///
+    /// Equal places explain the readings equally well; if all that are fitted anew stood at one of them, the others would be
+    /// lost for no reason but their order.
+    fn apart(&self, order: impl Iterator<Item = usize>) -> Vec<usize> {
+        let mut chosen: Vec<usize> = Vec::new();
+        for index in order {
+            let near = |other: &usize| {
+                let [x, y, turn] =
+                    difference(self.hypotheses[*other].map_from_odom, self.hypotheses[index].map_from_odom, self.pivot);
+                x.hypot(y) < APART[0] && turn.abs() < APART[1]
+            };
+            if chosen.len() < RESCUED && !chosen.iter().any(near) {
+                chosen.push(index);
+            }
+        }
+        chosen
     }
 
     /// Sums up the first `count` rows, so that no more than a window of them is kept.
@@ -270,10 +293,12 @@ impl Bank {
                 return true;
             }
             let fresh = h.age * 6 <= used.len();
-            if cost > least + 1.4 * drop || fresh || !is_stale(d) {
+            if fresh || !is_stale(d) {
                 return false;
             }
-            if credit < used.len() {
+            // It waits for its turn, but not beyond all measure: then it is looked at out of turn, since what it costs says
+            // only that its linearisation is old.
+            if credit < used.len() && cost <= least + WAITING * drop {
                 return true;
             }
             credit = credit.saturating_sub(used.len() * h.improve(&scene, cut(d), used));

@@ -1,0 +1,40 @@
+//! A room that is its own image turned by half a turn: the probabilistic method keeps both images along a straight wall.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on must fail")]
+
+use vibrissa::flow::pose::{Method, Status};
+use vibrissa::plane::wrap_angle;
+use vibrissa::tasks::Scenario;
+use vibrissa::{LocalizeOptions, localize};
+
+/// Pressed into the upper wall first, so that shapes are far from where the first rows put them when the whisker begins to trail.
+const SWEEP: &str = r#"
+seed = 1
+[map]
+arena = [[0, 0], [0.6, 0], [0.6, 0.4], [0, 0.4]]
+[[whisker]]
+mount = [0, 0.02, "128 deg"]
+[path]
+waypoints = [[0.1, 0.25, 0], [0.15, 0.328, 0], [0.50, 0.328, 0]]
+"#;
+
+#[test]
+fn both_images_of_a_rectangle_are_kept() {
+    let scenario = Scenario::from_toml(SWEEP, "images.toml", ".").unwrap();
+    let made = scenario.simulate().unwrap();
+    let truth = made.sweep.truth.last().unwrap().map_from_robot;
+    let options = LocalizeOptions { method: Method::Probabilistic, ..LocalizeOptions::default() };
+    let answer = localize(&made.recording.log, &scenario.map, &scenario.robot, &options, &mut |_| {}).unwrap();
+    assert_eq!(answer.status, Status::Ambiguous);
+    for (x, y, theta) in
+        [(truth.x, truth.y, truth.theta), (0.6 - truth.x, 0.4 - truth.y, truth.theta + core::f64::consts::PI)]
+    {
+        let held = answer.hypotheses.iter().find(|h| {
+            let turned = wrap_angle(h.pose.theta - theta).abs();
+            h.extent.x.contains(x) && (h.pose.y - y).abs() < 1e-3 && turned < 0.01
+        });
+        let weight = held.map(|h| h.weight);
+        println!("image at {x:.3}, {y:.3}: weight {weight:?}");
+        assert!(weight.is_some_and(|weight| weight > 0.2), "{:?}", answer.hypotheses);
+    }
+}
