@@ -3,6 +3,7 @@
 extern crate alloc;
 
 use super::field::TipField;
+use super::tip_curve::{STEEPEST_TILT, largest_root, largest_tip_moment, pieces, steepest_peak, table_curve};
 use super::{Bend, TipChart, TipEquilibrium, TipRate, Whisker, elastica, tip_chart, tip_curve};
 use crate::error::{Error, Result};
 use crate::plane::wrap_angle;
@@ -10,17 +11,15 @@ use alloc::sync::Arc;
 use alloc::vec::Vec;
 use core::f64::consts::{FRAC_PI_2, PI};
 
-use super::tip_curve::{STEEPEST_TILT, largest_root, largest_tip_moment, pieces, steepest_peak, table_curve};
-
-/// Force (of those that bend the tip by a third of the length in small-angle theory) at which the tip's compliance is read off.
+/// Share of the largest force at which the tip's compliance is read off.
 const SMALL: f64 = 1e-6;
 /// A table's largest moment is looked for at so many tilts and forces.
 const GRID: [usize; 2] = [60, 120];
+/// It is taken to be larger than what they show by this share.
+const BETWEEN: f64 = 1e-3;
 /// Tilts at which a force or slope is followed, and halvings that find the force of a slope.
 const TILTS: usize = 150;
 const HALVINGS: usize = 48;
-/// It is taken to be larger than what they show by this share.
-const BETWEEN: f64 = 1e-3;
 
 /// One reading of a whisker with its tip in contact.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -10,7 +10,7 @@ use crate::flow::sensor_log::{Channel, LogRow, Quantity, SensorLog};
 use crate::flow::state_set::probabilistic::{Fit, Happened, Place, ProbabilisticSet, Sense};
 use crate::plane::Pose2;
 use crate::sets::{Interval, StateBox};
-use crate::world::{Map, MomentNoise, ReadingNoise, Robot};
+use crate::world::{Map, ReadingNoise, Robot};
 
 /// Half the side of the box around the region that holds 95 % of a Gaussian in three dimensions (standard deviations).
 const HALF_BOX: f64 = 2.795;
@@ -310,16 +310,12 @@ fn readers(robot: &Robot, tips: &[TipModel], channels: &[Channel]) -> Result<Vec
     let mut readers = Vec::new();
     for (index, (whisker, tip)) in robot.whiskers.iter().zip(tips).enumerate() {
         let before = readers.len();
-        let MomentNoise { moment_relative: relative, moment_absolute: absolute } = whisker.noise;
-        let senses = [
-            (Quantity::Moment, Sense::Moment, ReadingNoise { relative, absolute }),
-            (Quantity::Force, Sense::Force, whisker.force_noise),
-            (Quantity::Slope, Sense::Slope, whisker.slope_noise),
-        ];
-        for (quantity, sense, noise) in senses {
+        let senses =
+            [(Quantity::Moment, Sense::Moment), (Quantity::Force, Sense::Force), (Quantity::Slope, Sense::Slope)];
+        for (quantity, sense) in senses {
             let Some(channel) = log.channel(&whisker.name, quantity) else { continue };
             let limit = (sense == Sense::Moment).then(|| LimitCheck::any_place(whisker, tip));
-            readers.push(Reader { whisker: index, sense, channel, noise, limit });
+            readers.push(Reader { whisker: index, sense, channel, noise: sense.noise(whisker), limit });
         }
         if readers.len() == before {
             log.moment_channel(&whisker.name)?;

@@ -23,6 +23,12 @@ pub struct ReadingNoise {
     pub absolute: f64,
 }
 
+impl From<MomentNoise> for ReadingNoise {
+    fn from(noise: MomentNoise) -> Self {
+        Self { relative: noise.moment_relative, absolute: noise.moment_absolute }
+    }
+}
+
 impl Default for MomentNoise {
     fn default() -> Self {
         Self { moment_relative: defaults::MOMENT_RELATIVE, moment_absolute: defaults::MOMENT_ABSOLUTE }

@@ -7,7 +7,7 @@ use super::toml_section::{
     Allowed, FINITE, FRACTION, HEADING, LENGTH, MOUNT, NOT_NEGATIVE, POSITIVE, Section, Source, show,
 };
 use super::units::Dimension;
-use super::{MountedWhisker, Odometry, Robot};
+use super::{MomentNoise, MountedWhisker, Odometry, ReadingNoise, Robot};
 use crate::Result;
 use crate::plane::Pose2;
 use beam::beam;
@@ -170,22 +170,20 @@ fn noise(section: &Section<'_>) -> Result<MountedWhisker> {
         "slope_relative",
         "slope_absolute",
     ])?;
-    let mut whisker = MountedWhisker::default();
-    let bounds = [
-        ("moment_relative", "moment_absolute", Dimension::Moment),
-        ("force_relative", "force_absolute", Dimension::Force),
-        ("slope_relative", "slope_absolute", Dimension::Angle),
-    ];
-    for (k, (relative, absolute, dimension)) in bounds.into_iter().enumerate() {
-        let (share, floor) = match k {
-            0 => (&mut whisker.noise.moment_relative, &mut whisker.noise.moment_absolute),
-            1 => (&mut whisker.force_noise.relative, &mut whisker.force_noise.absolute),
-            _ => (&mut whisker.slope_noise.relative, &mut whisker.slope_noise.absolute),
-        };
-        *share = section.number(relative, Dimension::Ratio, &FRACTION)?.unwrap_or(*share);
-        *floor = section.number(absolute, dimension, &NOT_NEGATIVE)?.unwrap_or(*floor);
-    }
-    Ok(whisker)
+    let default = MountedWhisker::default();
+    let bound = |relative, absolute, dimension, default: ReadingNoise| -> Result<ReadingNoise> {
+        Ok(ReadingNoise {
+            relative: section.number(relative, Dimension::Ratio, &FRACTION)?.unwrap_or(default.relative),
+            absolute: section.number(absolute, dimension, &NOT_NEGATIVE)?.unwrap_or(default.absolute),
+        })
+    };
+    let moment = bound("moment_relative", "moment_absolute", Dimension::Moment, default.noise.into())?;
+    Ok(MountedWhisker {
+        noise: MomentNoise { moment_relative: moment.relative, moment_absolute: moment.absolute },
+        force_noise: bound("force_relative", "force_absolute", Dimension::Force, default.force_noise)?,
+        slope_noise: bound("slope_relative", "slope_absolute", Dimension::Angle, default.slope_noise)?,
+        ..default
+    })
 }
 
 fn mount(section: &Section<'_>) -> Result<Option<Pose2>> {

@@ -3,7 +3,7 @@
 use super::contact::Solver;
 use crate::beam::{TipChart, TipModel, TipReading};
 use crate::plane::{Pose2, Vec2};
-use crate::world::{MomentNoise, MountedWhisker, ReadingNoise};
+use crate::world::{MountedWhisker, ReadingNoise};
 
 /// The most that one reading can speak against a place: a false reading costs this, not more.
 pub(super) const OUTLIER_COST: f64 = 6.0;
@@ -22,6 +22,15 @@ pub enum Sense {
 }
 
 impl Sense {
+    /// The declared bound on its readings (N m, N, rad).
+    pub(crate) fn noise(self, whisker: &MountedWhisker) -> ReadingNoise {
+        match self {
+            Self::Moment => whisker.noise.into(),
+            Self::Force => whisker.force_noise,
+            Self::Slope => whisker.slope_noise,
+        }
+    }
+
     /// The reading of a whisker with its tip under this load, and its derivatives by force and tilt.
     pub(super) fn at_tip(self, tip: &TipChart, q: f64, beta: f64) -> (f64, [f64; 2]) {
         match self {
@@ -92,13 +101,11 @@ pub(super) struct Misfit {
 impl Feeler {
     pub(super) fn new(whisker: &MountedWhisker, tip: TipModel, sense: Sense) -> Self {
         let (length, rigidity) = (whisker.beam.length, tip.rigidity());
-        let (per_reading, noise) = match sense {
-            Sense::Moment => {
-                let MomentNoise { moment_relative: relative, moment_absolute: absolute } = whisker.noise;
-                (length / rigidity, ReadingNoise { relative, absolute })
-            }
-            Sense::Force => (length * length / rigidity, whisker.force_noise),
-            Sense::Slope => (1.0, whisker.slope_noise),
+        let noise = sense.noise(whisker);
+        let per_reading = match sense {
+            Sense::Moment => length / rigidity,
+            Sense::Force => length * length / rigidity,
+            Sense::Slope => 1.0,
         };
         Self {
             tip,
