@@ -175,6 +175,33 @@ fn rivals_are_numbered_and_weighed() {
 }
 
 #[test]
+fn the_picture_of_a_long_way_is_as_small_as_its_piece_of_the_world() {
+    let mut answer = localized(&[(Pose2::new(0.0003, 0.0352, 1.752), 0.0012, 9)], Status::Localized);
+    answer.trajectory = (0..3000).map(|i| circling(i, 0.0)).collect();
+    let once = draw("one_round", &answer, Some(&answer.trajectory.clone()));
+    // Two hundred rounds that never meet the same points again, and a drift of a hundredth of a page unit.
+    answer.trajectory = (0..600_000).map(|i| circling(i, 1e-9)).collect();
+    let often = draw("many_rounds", &answer, Some(&answer.trajectory.clone()));
+    assert!(often.len() < 3 * once.len(), "{} against {} bytes", often.len(), once.len());
+    // A slow way: every step is far below a page unit, the whole is not.
+    answer.trajectory = (0..3000)
+        .map(|i| StampedPose { map_from_robot: Pose2::new(5e-5 * f64::from(i), 0.0, 0.0), ..circling(i, 0.0) })
+        .collect();
+    let slow = draw("slow", &answer, None);
+    let way = slow.split(" class=\"path\"").next().and_then(|s| s.rsplit("d=\"M").next()).unwrap();
+    let xs: Vec<f64> = way.split('L').map(|p| p.split(' ').next().unwrap().parse().unwrap()).collect();
+    assert!(xs.len() > 50 && xs[xs.len() - 1] - xs[0] > 100.0, "{way}");
+}
+
+/// A robot on a circle of 80 mm, a tenth of a degree further at each row.
+fn circling(row: i32, drift: f64) -> StampedPose {
+    let angle = f64::from(row) * 0.001_745_3 * 1.2;
+    let centre = Vec2::new(0.0, -0.02 + drift * f64::from(row));
+    let p = centre + Vec2::from_angle(angle) * 0.08;
+    StampedPose { t: f64::from(row) / 300.0, map_from_robot: Pose2::new(p.x, p.y, angle) }
+}
+
+#[test]
 fn a_set_of_boxes_is_drawn_as_boxes() {
     let mut answer = localized(&[(Pose2::new(0.0, 0.035, 1.75), 0.003, 5)], Status::Localized);
     let cell = |lo: f64, size: f64| Interval::new(lo, lo + size);

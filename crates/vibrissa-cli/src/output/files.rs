@@ -1,22 +1,34 @@
 //! Result files that are whole or not there.
 
+use std::borrow::Cow;
 use std::fs::{self, File, TryLockError};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 use vibrissa::{Error, Result};
 
-/// Writes `(name, text)` files into `folder`; see [`write_bytes`].
+/// The content of a result file, made when its turn comes: of a long log each takes as much memory as the log.
+pub(crate) type Content<'a> = Box<dyn Fn() -> Cow<'a, [u8]> + 'a>;
+
+/// Writes `(name, text)` files into `folder`; see [`write_each`].
 pub(crate) fn write_all(folder: &Path, files: &[(&str, String)]) -> Result<Vec<PathBuf>> {
     let files: Vec<(&str, &[u8])> = files.iter().map(|(name, text)| (*name, text.as_bytes())).collect();
     write_bytes(folder, &files)
 }
 
-/// Writes `(name, content)` files into `folder`, which is made if missing, and gives their paths.
+/// Writes `(name, bytes)` files into `folder`; see [`write_each`].
+pub(crate) fn write_bytes(folder: &Path, files: &[(&str, &[u8])]) -> Result<Vec<PathBuf>> {
+    let files: Vec<(&str, Content<'_>)> =
+        files.iter().map(|&(name, bytes)| (name, Box::new(move || Cow::Borrowed(bytes)) as Content<'_>)).collect();
+    write_each(folder, &files)
+}
+
+/// Writes `(name, content)` files into `folder`, which is made if missing, and gives their paths; one content is in memory
+/// at a time.
 ///
 /// All are written under temporary names first and renamed at the end, so that earlier results stay whole when the disk
 /// fills up or the program is stopped. Runs that share a folder rename one after the other.
-pub(crate) fn write_bytes(folder: &Path, files: &[(&str, &[u8])]) -> Result<Vec<PathBuf>> {
+pub(crate) fn write_each(folder: &Path, files: &[(&str, Content<'_>)]) -> Result<Vec<PathBuf>> {
     fs::create_dir_all(folder).map_err(|error| fault("cannot make the folder", folder, &error))?;
     let staged: Vec<(PathBuf, PathBuf)> = files
         .iter()
@@ -32,9 +44,9 @@ pub(crate) fn write_bytes(folder: &Path, files: &[(&str, &[u8])]) -> Result<Vec<
     result.map(|()| staged.into_iter().map(|(_, path)| path).collect())
 }
 
-fn stage_and_rename(staged: &[(PathBuf, PathBuf)], files: &[(&str, &[u8])]) -> Result<()> {
+fn stage_and_rename(staged: &[(PathBuf, PathBuf)], files: &[(&str, Content<'_>)]) -> Result<()> {
     for ((temporary, path), (_, content)) in staged.iter().zip(files) {
-        write_one(temporary, content).map_err(|error| fault("cannot write", path, &error))?;
+        write_one(temporary, &content()).map_err(|error| fault("cannot write", path, &error))?;
     }
     let _turn = staged.first().and_then(|(_, path)| take_turn(path.parent()?));
     for (temporary, path) in staged {

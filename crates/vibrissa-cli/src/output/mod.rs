@@ -7,6 +7,7 @@ mod json;
 mod runtime;
 mod summary;
 
+use std::borrow::Cow;
 use std::io::Write;
 use vibrissa::figure::{LocalizationScene, Outline, localization_figure};
 use vibrissa::flow::pose::{Localization, StampedPose};
@@ -14,6 +15,7 @@ use vibrissa::flow::trajectory::{format_tum, trajectory_error};
 use vibrissa::{Error, Result};
 
 pub(crate) use args::OutputArgs;
+use files::{Content, write_each};
 pub(crate) use files::{write_all, write_bytes};
 pub(crate) use runtime::{Runtime, Stopwatch};
 
@@ -46,10 +48,7 @@ pub(crate) fn deliver(run: &Run, output: &OutputArgs) -> Result<()> {
     let written = match &output.out {
         Some(folder) => {
             let json = json::result(run, None)?;
-            let texts = result_files(run, json);
-            let mut files: Vec<(&str, &[u8])> = texts.iter().map(|(name, text)| (*name, text.as_bytes())).collect();
-            files.extend(run.recording.as_deref().map(|bytes| ("localization.mcap", bytes)));
-            Some(write_bytes(folder, &files)?)
+            Some(write_each(folder, &result_files(run, &json))?)
         }
         None => None,
     };
@@ -60,16 +59,27 @@ pub(crate) fn deliver(run: &Run, output: &OutputArgs) -> Result<()> {
     }
 }
 
-fn result_files(run: &Run, json: String) -> Vec<(&'static str, String)> {
+fn result_files<'a>(run: &'a Run, json: &'a str) -> Vec<(&'static str, Content<'a>)> {
     let answer = &run.answer;
-    let scene = LocalizationScene { title: &run.title, map: &run.map, answer, truth: run.truth.as_deref(), robot: &[] };
-    vec![
-        ("trajectory.tum", format_tum(&answer.trajectory)),
-        ("result.json", json),
-        ("states.csv", csv::states(answer)),
-        ("steps.csv", csv::steps(answer)),
-        ("localization.svg", localization_figure(&scene)),
-    ]
+    let figure = move || {
+        let truth = run.truth.as_deref();
+        localization_figure(&LocalizationScene { title: &run.title, map: &run.map, answer, truth, robot: &[] })
+    };
+    let mut files = vec![
+        ("trajectory.tum", made(|| format_tum(&answer.trajectory))),
+        ("result.json", Box::new(|| Cow::Borrowed(json.as_bytes())) as Content<'_>),
+        ("states.csv", made(|| csv::states(answer))),
+        ("steps.csv", made(|| csv::steps(answer))),
+        ("localization.svg", made(figure)),
+    ];
+    if let Some(bytes) = &run.recording {
+        files.push(("localization.mcap", Box::new(|| Cow::Borrowed(bytes.as_slice()))));
+    }
+    files
+}
+
+fn made<'a>(text: impl Fn() -> String + 'a) -> Content<'a> {
+    Box::new(move || Cow::Owned(text().into_bytes()))
 }
 
 /// Prints to standard output; a reader that closed the pipe has seen enough.

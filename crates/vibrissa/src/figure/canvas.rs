@@ -2,6 +2,7 @@
 
 use super::document::{Document, escape, number};
 use crate::plane::{Pose2, Vec2};
+use std::collections::HashSet;
 use std::fmt::Write;
 
 /// A rectangle of the page: upper left corner and size in page units, y down.
@@ -116,6 +117,42 @@ impl Canvas {
     pub fn polyline(&mut self, points: &[Vec2], class: &str) {
         let data = self.path_data(points, false);
         self.path(&data, class);
+    }
+
+    /// Draws the way of something that moves, as [`Canvas::polyline`] does.
+    ///
+    /// What cannot be seen, since it is outside the frame or lies on an earlier part to half a page unit, is left out: the
+    /// picture of a long way is no larger than its piece of the world.
+    pub fn trail(&mut self, points: &[Vec2], class: &str) {
+        let half_units = |p: Vec2| ((2.0 * p.x).round() as i64, (2.0 * p.y).round() as i64);
+        let mut drawn = HashSet::new();
+        let (mut data, mut before, mut pen) = (String::new(), None, None);
+        for point in points.iter().filter(|point| point.is_finite()) {
+            let here = self.page(*point);
+            let Some(from) = before.filter(|&from| half_units(from) != half_units(here)) else {
+                before = before.or(Some(here));
+                continue;
+            };
+            before = Some(here);
+            let ends = [half_units(from), half_units(here)];
+            let way = (ends[0].min(ends[1]), ends[0].max(ends[1]));
+            if self.misses(from, here) || !drawn.insert(way) {
+                continue;
+            }
+            if pen != Some(from) {
+                let _ = write!(data, "M{} {}", number(from.x), number(from.y));
+            }
+            let _ = write!(data, "L{} {}", number(here.x), number(here.y));
+            pen = Some(here);
+        }
+        self.path(&data, class);
+    }
+
+    /// Whether a line of the page is beyond one and the same edge of the frame with both its ends.
+    fn misses(&self, a: Vec2, b: Vec2) -> bool {
+        let Frame { x, y, width, height } = self.frame;
+        let both = |beyond: &dyn Fn(Vec2) -> bool| beyond(a) && beyond(b);
+        both(&|p| p.x < x) || both(&|p| p.x > x + width) || both(&|p| p.y < y) || both(&|p| p.y > y + height)
     }
 
     /// Draws a closed ring.

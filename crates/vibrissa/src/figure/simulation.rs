@@ -55,8 +55,6 @@ const TITLE_LINE: f64 = 24.0;
 /// At most this many touches are drawn, and this many readings of all series together; of more, every n-th.
 const TOUCHES: usize = 1500;
 const READINGS: usize = 3000;
-/// At most this many points of the way are drawn.
-const WAY: usize = 3000;
 /// Colours for whiskers; more repeat.
 const HUES: usize = 8;
 const LEGEND_COLUMN: f64 = 380.0;
@@ -107,10 +105,8 @@ fn draw_world(canvas: &mut Canvas, scene: &SimulationScene<'_>) {
     for shape in scene.shapes {
         canvas.polyline(shape, "whisker");
     }
-    let every = scene.path.len().div_ceil(WAY).max(1);
-    let way = scene.path.iter().step_by(every).chain(scene.path.last());
-    let way: Vec<Vec2> = way.map(|pose| pose.map_from_robot.position()).collect();
-    canvas.polyline(&way, "path");
+    let way: Vec<Vec2> = scene.path.iter().map(|pose| pose.map_from_robot.position()).collect();
+    canvas.trail(&way, "path");
     for pose in scene.path.first().into_iter().chain(scene.path.last()) {
         let outline: Vec<Vec2> = scene.robot.iter().map(|&p| pose.map_from_robot.transform_point(p)).collect();
         canvas.polygon(&outline, "robot");

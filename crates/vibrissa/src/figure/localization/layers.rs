@@ -45,7 +45,7 @@ pub(super) fn candidates(canvas: &mut Canvas, answer: &Localization, tick: f64) 
 /// Draws the true path and the true pose at the end.
 pub(super) fn truth(canvas: &mut Canvas, scene: &LocalizationScene<'_>, tick: f64) {
     let Some(truth) = scene.truth else { return };
-    canvas.polyline(&positions(truth), "truth");
+    canvas.trail(&positions(truth), "truth");
     if let Some(end) = scene.true_end().or_else(|| truth.last().map(|row| row.map_from_robot)) {
         canvas.heading_ticks([end], tick, "truth-mark");
         canvas.circle(end.position(), 9.5, "truth-mark");
@@ -72,7 +72,7 @@ pub(super) fn placed_shapes(answer: &Localization) -> impl Iterator<Item = Vec<V
 
 /// Draws the estimated path from its start.
 pub(super) fn path(canvas: &mut Canvas, answer: &Localization) {
-    canvas.polyline(&positions(&answer.trajectory), "path");
+    canvas.trail(&positions(&answer.trajectory), "path");
     if let Some(first) = answer.trajectory.first() {
         canvas.circle(first.map_from_robot.position(), 4.0, "start");
     }
