@@ -14,7 +14,7 @@ use std::sync::Arc;
 use vibrissa::Error;
 use vibrissa::config::scenario;
 use vibrissa::plane::Pose2;
-use vibrissa::tasks::simulate::{Pace, SimulateOptions, Solver, path_through, shapes, simulate};
+use vibrissa::tasks::simulate::{Pace, SimulateOptions, Solver, path_through, shapes, simulate_watched};
 use vibrissa::tasks::{Scenario, Sweep, SweepNoise};
 use vibrissa::world::MomentNoise;
 
@@ -66,11 +66,13 @@ impl PyScenario {
         &self,
         py: Python<'py>,
         seed: Option<u64>,
+        progress: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<(PySensorLog, Bound<'py, PyDict>, Option<String>)> {
         let scenario = Arc::clone(&self.0);
-        let done = run(py, None, 0, move |_| match seed {
-            Some(seed) => (*scenario).clone().with_seed(seed).simulate(),
-            None => scenario.simulate(),
+        let total = scenario.path.len() * scenario.robot.whiskers.len();
+        let done = run(py, progress, total, move |watch| {
+            let scenario = seed.map_or_else(|| (*scenario).clone(), |seed| (*scenario).clone().with_seed(seed));
+            scenario.simulate_watched(&mut |done| watch.tell(done))
         })?;
         warn(py, &done.warnings)?;
         let fields = fields(py, &done.sweep)?;
@@ -96,6 +98,7 @@ pub(crate) fn sweep<'py>(
     moment: Option<(f64, f64)>,
     odometry: (f64, f64),
     discrete: bool,
+    progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<(PySensorLog, Bound<'py, PyDict>)> {
     let (map, robot, path) = (Arc::clone(&map.0), robot.robot().or_raise(py)?, stamped(t.as_slice()?, &rows(&poses)?));
     let declared = seed.map_or_else(SweepNoise::none, SweepNoise::seeded);
@@ -108,8 +111,8 @@ pub(crate) fn sweep<'py>(
     };
     let solver = if discrete { Solver::DiscreteRod } else { Solver::Auto };
     let options = SimulateOptions { solver, ..SimulateOptions::default() };
-    let sweep = run(py, None, 0, move |_| {
-        let mut sweep = simulate(&map, &robot, &path, &noise, &options)?;
+    let sweep = run(py, progress, path.len() * robot.whiskers.len(), move |watch| {
+        let mut sweep = simulate_watched(&map, &robot, &path, &noise, &options, &mut |done| watch.tell(done))?;
         let every = path.len().div_ceil(DRAWN).max(1);
         sweep.shapes = shapes(&robot, &sweep, every)
             .into_iter()

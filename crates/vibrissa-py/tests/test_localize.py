@@ -111,6 +111,23 @@ def test_a_fault_of_the_callback_ends_the_work(demo: vibrissa.Demo) -> None:
         vibrissa.localize(demo.sweep.log, demo.map, method="possibilistic", progress=progress)
 
 
+def test_simulations_tell_their_progress_and_end_with_the_callback(demo: vibrissa.Demo) -> None:
+    seen: list[tuple[int, int]] = []
+    path = demo.sweep.truth
+
+    def progress(done: int, total: int) -> None:
+        seen.append((done, total))
+        if len(seen) == 3:
+            raise LookupError("enough")
+
+    began = time.monotonic()
+    with pytest.raises(LookupError, match="enough"):
+        vibrissa.sweep(demo.map, path, discrete_rod=True, progress=progress)
+    # The whole takes minutes.
+    assert time.monotonic() - began < 20.0
+    assert len(seen) == 3 and all(total == len(path.t) and 0 < done < total for done, total in seen)
+
+
 def test_other_threads_run_on_meanwhile(demo: vibrissa.Demo) -> None:
     counted = 0
     over = threading.Event()

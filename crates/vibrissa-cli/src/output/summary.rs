@@ -106,12 +106,17 @@ fn runtime(text: &mut String, rows: usize, runtime: &Runtime) {
     }
     let _ = writeln!(
         text,
-        "\n{rows} rows, {} updates in {:.3} s; one update takes {:.1} ms (median), {:.1} ms (99th percentile)",
+        "\n{rows} rows, {} updates in {:.3} s; one update takes {} (median), {} (99th percentile)",
         runtime.updates,
         runtime.total_s,
-        runtime.p50_us * 1e-3,
-        runtime.p99_us * 1e-3
+        duration(runtime.p50_us),
+        duration(runtime.p99_us)
     );
+}
+
+/// A short time in µs, told in the unit that shows it.
+fn duration(us: f64) -> String {
+    if us < 999.5 { format!("{us:.0} µs") } else { format!("{:.1} ms", us * 1e-3) }
 }
 
 fn files(text: &mut String, paths: &[PathBuf]) {

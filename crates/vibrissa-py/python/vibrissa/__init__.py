@@ -15,12 +15,12 @@ from ._calibrate import CalibrationReport, Taps, calibrate, taps
 from ._command import run
 from ._contact import Alignment, Contacts, Misfit, Outline, Profile, contact, profile
 from ._errors import DataError, DataWarning, Error, UsageError
-from ._localize import Demo, Hypothesis, Localization, Method, Progress, Status, Steps, demo, localize
+from ._localize import Demo, Hypothesis, Localization, Method, Status, Steps, demo, localize
 from ._readings import ContactCurves, ContactSets, Meeting, Preimage, Reading, contact_set, preimage
 from ._robot import MountedWhisker, Robot, Segment, Whisker
 from ._simulate import Simulation, Touches, simulate, sweep, waypoints
 from ._trajectory import Trajectory, TrajectoryError
-from ._types import Event
+from ._types import Event, Progress
 from ._vibrissa import Calibration, Map, Scenario, SensorLog, __version__
 from ._world import arena
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple
 
@@ -11,7 +11,7 @@ from ._arrays import Floats, Ints
 from ._robot import RobotLike, robot_of
 from ._simulate import Simulation
 from ._trajectory import Trajectory, TrajectoryError, TrajectoryLike, read_trajectory
-from ._types import Event
+from ._types import Event, Progress
 from ._vibrissa import Map
 from ._world import LogLike, MapLike, arena, read_log, read_map
 
@@ -109,10 +109,6 @@ class Localization:
             "shapes": [WhiskerShape(*one) for one in fields["shapes"]],
         }
         return cls(**made, error=None if truth is None else trajectory.error(truth))
-
-
-Progress = Callable[[int, int], object]
-"""Called with the rows done and all rows, some times a second, in the calling thread."""
 
 
 def localize(

@@ -12,7 +12,7 @@ from . import _vibrissa
 from ._arrays import Floats, Ints, column, rows
 from ._robot import RobotLike, robot_of
 from ._trajectory import Trajectory
-from ._types import Event
+from ._types import Event, Progress
 from ._vibrissa import Scenario, SensorLog
 from ._world import MapLike, read_map
 
@@ -83,13 +83,16 @@ class Simulation:
         return cls(log=log, **made, serial=serial)
 
 
-def simulate(scenario: Scenario | str | os.PathLike[str], seed: int | None = None) -> Simulation:
+def simulate(
+    scenario: Scenario | str | os.PathLike[str], seed: int | None = None, *, progress: Progress | None = None
+) -> Simulation:
     """Simulates a scenario (.toml): a robot with whiskers along a path through a map, with the errors of its senses.
 
     seed: of all noise, instead of the scenario's. The same seed gives the same numbers everywhere.
+    progress: see ``Progress``; of the poses, as many for each whisker as the path has.
     """
     read = scenario if isinstance(scenario, Scenario) else Scenario.read(scenario)
-    return Simulation._of(*read._simulate(seed))
+    return Simulation._of(*read._simulate(seed, progress))
 
 
 def waypoints(
@@ -116,16 +119,17 @@ def sweep(
     translation_relative: float = 0.0,
     rotation_relative: float = 0.0,
     discrete_rod: bool = False,
+    progress: Progress | None = None,
 ) -> Simulation:
     """Sweeps a robot along a path (map frame) and records what it feels.
 
     seed: of the noise; None for exact readings. moment_noise: bounds relative to the reading and at zero (N m); None for
     what each whisker declares. The odometry's increments err by up to the relative bounds. discrete_rod: solve by the
-    independent discrete rod, slowly.
+    independent discrete rod, slowly. progress: as in ``simulate``.
     """
     odometry = (translation_relative, rotation_relative)
     stamps, poses = column(path.t), rows(path.poses, 3)
     log, fields = _vibrissa.sweep(
-        read_map(map), robot_of(robot), stamps, poses, seed, moment_noise, odometry, discrete_rod
+        read_map(map), robot_of(robot), stamps, poses, seed, moment_noise, odometry, discrete_rod, progress
     )
     return Simulation._of(log, fields)

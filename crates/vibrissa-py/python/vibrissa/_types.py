@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
+
+Progress = Callable[[int, int], object]
+"""Called with the parts (rows, poses) done and all parts, some times a second, in the calling thread."""
 
 
 class Event(NamedTuple):

@@ -256,7 +256,7 @@ class Scenario:
         """The true path: t of shape (rows) and poses of shape (rows, 3), map frame (s; m, m, rad)."""
     def robot_toml(self) -> str:
         """The robot as the text of its file."""
-    def _simulate(self, seed: int | None) -> tuple[SensorLog, dict[str, Any], str | None]: ...
+    def _simulate(self, seed: int | None, progress: Any) -> tuple[SensorLog, dict[str, Any], str | None]: ...
 
 @final
 class Calibration:
@@ -345,6 +345,7 @@ def sweep(
     moment: tuple[float, float] | None,
     odometry: tuple[float, float],
     discrete: bool,
+    progress: Any,
 ) -> tuple[SensorLog, dict[str, Any]]: ...
 def tum_error(t: Floats, poses: Floats, true_t: Floats, true_poses: Floats) -> tuple[int, float, float, float, float] | None: ...
 def tum_format(t: Floats, poses: Floats) -> str: ...

@@ -21,7 +21,7 @@ mod sensing_section;
 mod world_section;
 
 use super::simulate::recorder::{Recorder, Recording, SerialLayout, serial_text};
-use super::simulate::{Sweep, SweepNoise, simulate_tip_sweep};
+use super::simulate::{SimulateOptions, Sweep, SweepNoise, simulate, simulate_watched};
 use crate::flow::pose::StampedPose;
 use crate::plane::Vec2;
 use crate::world::{Map, Robot};
@@ -80,10 +80,22 @@ impl Scenario {
     ///
     /// What the simulator cannot follow: the message says which whisker, when and where, and names the file.
     pub fn simulate(&self) -> Result<Simulation> {
+        self.simulate_watched(&mut |_| {})
+    }
+
+    /// As [`Scenario::simulate`]; `observer` is called with the number of poses done, of which there are as many for each
+    /// whisker as the path has.
+    ///
+    /// # Errors
+    ///
+    /// As [`Scenario::simulate`].
+    pub fn simulate_watched(&self, observer: &mut dyn FnMut(usize)) -> Result<Simulation> {
         let exact = SweepNoise { seed: self.seed(), ..SweepNoise::none() };
-        let sweep = |path: &[StampedPose]| simulate_tip_sweep(&self.map, &self.robot, path, &exact);
+        let options = SimulateOptions::default();
         let in_file = |error: Error| error.into_data().in_file(&self.source);
-        let sweep = sweep(&self.path).map_err(|error| in_file(error).at_line(self.leg_at_fault(&sweep)))?;
+        let swept = simulate_watched(&self.map, &self.robot, &self.path, &exact, &options, observer);
+        let again = |path: &[StampedPose]| simulate(&self.map, &self.robot, path, &exact, &options);
+        let sweep = swept.map_err(|error| in_file(error).at_line(self.leg_at_fault(&again)))?;
         let recording = self.recorder.record(&self.robot, &sweep).map_err(in_file)?;
         let serial = self.serial.map(|layout| serial_text(&recording, layout)).transpose().map_err(in_file)?;
         let mut warnings = self.map.warnings.clone();

@@ -134,6 +134,23 @@ pub fn simulate(
     noise: &SweepNoise,
     options: &SimulateOptions,
 ) -> Result<Sweep> {
+    simulate_watched(map, robot, path, noise, options, &mut |_| {})
+}
+
+/// As [`simulate`]; `observer` is called with the number of poses done, of which there are as many for each whisker as the
+/// path has.
+///
+/// # Errors
+///
+/// As [`simulate`].
+pub fn simulate_watched(
+    map: &Map,
+    robot: &Robot,
+    path: &[StampedPose],
+    noise: &SweepNoise,
+    options: &SimulateOptions,
+    observer: &mut dyn FnMut(usize),
+) -> Result<Sweep> {
     noise.check()?;
     path::check(path)?;
     let mut sweep = Sweep {
@@ -159,6 +176,7 @@ pub fn simulate(
             if options.shape_points > 0 {
                 sweep.shapes.push(Shape { row, whisker: index, points: follower.shape(options.shape_points.max(2)) });
             }
+            observer(index * path.len() + row + 1);
         }
     }
     sweep.contacts.sort_by_key(|touch| (touch.row, touch.whisker));
