@@ -176,15 +176,15 @@ impl TipField {
     #[inline]
     pub fn at(&self, tilt: f64, force: f64) -> Option<TipState> {
         let side = self.side(force);
-        let (u, v) = (self.table.u.place(side * tilt), side * force);
+        let ((u, s), v) = (self.table.u.along(side * tilt), side * force);
         // Far from the limits a cell knows that it is.
-        let [most, least] = self.sure[u.cell];
+        let [most, least] = *self.sure.get(u)?;
         let within = v <= most && -v <= least && tilt.abs() <= STEEPEST_TILT;
         if !within && !self.holds(tilt, force) {
             return None;
         }
-        let v = self.table.v.place(v);
-        state_of(self.table.patch(&u, &v)?, u.along, v.along, side, tilt, force)
+        let (v, t) = self.table.v.along(v);
+        state_of(self.table.patch(u, v)?, s, t, side, tilt, force)
     }
 
     /// As [`TipField::at`], by the beam itself: no table, no derivatives, twenty to a hundred times slower, any load.
@@ -204,8 +204,8 @@ impl TipField {
     #[inline(always)]
     pub(super) fn state(&self, tilt: f64, force: f64) -> TipState {
         let side = self.side(force);
-        let (u, v) = (self.table.u.place(side * tilt), self.table.v.place(side * force));
-        let jet = self.table.patch(&u, &v).map_or(Jet::default(), |patch| patch.jet(u.along, v.along, side));
+        let ((u, s), (v, t)) = (self.table.u.along(side * tilt), self.table.v.along(side * force));
+        let jet = self.table.patch(u, v).map_or(Jet::default(), |patch| patch.jet(s, t, side));
         TipState::new(tilt, force, &jet)
     }
 }

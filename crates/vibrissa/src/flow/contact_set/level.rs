@@ -4,15 +4,16 @@
 //! every loop that the knots can see; then contacts at equal distances along it are brought to the reading by Newton's method
 //! on the sheet's own polynomials.
 
-use super::family::along;
+use super::family::stepped;
 use super::{Contact, ContactModel};
 use crate::beam::field::{BLOCK, Cell, Read, Sheet, Spot};
 use crate::plane::Vec2;
 use std::cell::Cell as Slot;
 
-/// Newton steps to the reading, and the last one, as a share of a cell.
+/// Most Newton steps to the reading; the last one is at most `LAST_STEP` of a cell long and leaves at most `LEFT`.
 const STEPS: usize = 10;
-const LAST_STEP: f64 = 0.01;
+const LAST_STEP: f64 = 0.25;
+const LEFT: f64 = 1e-4;
 /// How far out of its cell a place may be, as a share, before the next cell takes it.
 const OUT: f64 = 0.1;
 
@@ -60,11 +61,7 @@ pub(super) fn level(
             error.set(error.get().max(off));
             Some(contact)
         };
-        let step = last / (nodes - 1) as f64;
-        match (0..nodes).map(|i| at(step * i as f64)).collect::<Option<Vec<_>>>() {
-            Some(whole) => pieces.push(whole),
-            None => pieces.extend(along([0.0, last], &[], nodes, &at)),
-        }
+        pieces.extend(stepped([0.0, last], nodes, &at));
     }
     (pieces, sheet.position_error() + error.get())
 }
@@ -94,20 +91,17 @@ fn on_curve(
     // At the chart's ends only the load is free.
     let at_base = cell.0 == 0 && at[0] <= 0.0;
     let at_tip = cell.0 + 2 == sheet.rows() && at[0] >= 1.0;
-    let (cell, at, slope, step) = corrected(sheet, read, value, cell, at, at_base || at_tip)?;
-    let spot = sheet.spot(cell, at)?;
-    Some((spot, sheet.level_error(read, value, slope, step, cell.0)))
+    corrected(sheet, (read, value), cell, at, at_base || at_tip)
 }
 
-/// The place next to `at` that reads the value, how fast the reading rises there, by shares of the cell, and the last step.
+/// The contact next to `at` that reads the value, and how far the beam's own curve may be from it (m).
 fn corrected(
     sheet: &Sheet,
-    read: Read,
-    value: f64,
+    (read, value): (Read, f64),
     mut cell: Cell,
     mut at: [f64; 2],
     mut pinned: bool,
-) -> Option<(Cell, [f64; 2], f64, f64)> {
+) -> Option<(Spot, f64)> {
     for _ in 0..STEPS {
         let [excess, by_a, by_b] = sheet.excess(read, value, cell, at);
         let slope = if pinned { by_b.abs() } else { (by_a * by_a + by_b * by_b).sqrt() };
@@ -125,7 +119,12 @@ fn corrected(
             at[0] = f64::from(u8::from(ends.1));
             pinned = true;
         } else if size.abs() < LAST_STEP {
-            return Some((cell, at, slope, size));
+            // What the step has left is read together with all else, and hardly ever too much.
+            let spot = sheet.reading_spot(read, value, cell, at);
+            let left = spot.map_or(size * size, |(_, excess)| (excess / slope).abs());
+            if left < LEFT {
+                return spot.map(|(spot, _)| (spot, sheet.level_error(read, value, slope, left, cell.0)));
+            }
         }
         (cell, at) = sheet.settled(cell, at, OUT);
     }
@@ -190,7 +189,7 @@ impl<'a> Crossings<'a> {
                 (None, Some((_, own))) => (on_side(own, along_side(first.1, first.2)), first.3),
                 (None, None) => return chain,
             };
-            let length = place.distance(end_place);
+            let length = (end_place - place).norm_squared().sqrt();
             chain.push(Link { cell, from, to, start, length });
             start += length;
             let Some(exit) = exit else { return chain };
