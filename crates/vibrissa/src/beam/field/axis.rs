@@ -65,10 +65,12 @@ impl Axis {
     }
 
     /// Number of cells.
+    #[inline(always)]
     pub(super) fn cells(&self) -> usize {
         self.knots.len() - 1
     }
 
+    #[inline]
     pub(super) fn width(&self, cell: usize) -> f64 {
         self.spans[cell].width
     }

@@ -101,14 +101,14 @@ impl Sheet {
         let (columns, cells) = (self.columns(), self.w.cells());
         for i in 0..self.u.cells() {
             let h = self.u.width(i);
-            let line = |knots: &[[f64; 2]]| powers([knots[i][0], knots[i][1] * h, knots[i + 1][0], knots[i + 1][1] * h]);
+            let line =
+                |knots: &[[f64; 2]]| powers([knots[i][0], knots[i][1] * h, knots[i + 1][0], knots[i + 1][1] * h]);
             let (gain, end) = (line(&self.gains), line(&self.ends));
             self.lines.push([0, 1, 2, 3].map(|k| Pair::new(gain[k], end[k])));
             for j in 0..cells {
                 let at = |p: usize, q: usize, k: usize| self.nodes[(i + p) * columns + j + q].map(|row| row[k]);
-                let of = |k: usize| {
-                    coefficients([at(0, 0, k), at(0, 1, k), at(1, 0, k), at(1, 1, k)], (h, self.w.width(j)))
-                };
+                let of =
+                    |k: usize| coefficients([at(0, 0, k), at(0, 1, k), at(1, 0, k), at(1, 1, k)], (h, self.w.width(j)));
                 self.patches.push([Bicubics::new(&of(0), &of(3)), Bicubics::new(&of(1), &of(2))]);
             }
         }

@@ -20,7 +20,7 @@
 //! | `X, Y = (x - x_0) / r^3, (y - y_0) / r^3` | `3 w X + C, 3 w Y + S` |
 //!
 //! obey equations in which neither the radius nor the place occurs: only the pendulum's own poles limit the step, and a
-//! taper to one twentieth takes four steps. Every right side is a product of series, so that all coefficients follow from
+//! taper to one twentieth takes three or four steps. Every right side is a product of series, so that all coefficients follow from
 //! one recurrence \[jorba2005software\]. The step is where the last coefficients fall below [`TOLERANCE`]; stretches end where
 //! stiffness jumps.
 
@@ -33,8 +33,9 @@ use crate::plane::Vec2;
 pub(super) const ORDER: usize = 20;
 /// Truncation error of one step, relative.
 const TOLERANCE: f64 = 5e-11;
-/// Longest step in `w t`: the radius at most doubles, for what is divided by its powers must not lose digits.
-const LONGEST: f64 = 0.8;
+/// Longest step in `w t`: the radius grows by e at most, for what is divided by its powers must not lose digits, and a taper to
+/// one twentieth takes three steps.
+const LONGEST: f64 = 1.0;
 /// More steps than any shape within the limits takes.
 const MOST_STEPS: usize = 4000;
 

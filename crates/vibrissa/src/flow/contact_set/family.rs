@@ -11,7 +11,7 @@ use crate::beam::normal::{Branch, by_force, by_moment};
 const PROBES: usize = 48;
 /// Bisections of a piece's end: to rounding, and from one node to the next to a thousandth of what a table knows.
 const BISECTIONS: usize = 52;
-const FINE: usize = 24;
+const FINE: usize = 16;
 
 /// The branches of an exact reading, each in order, and how far they may be from the beam's (m).
 pub(super) fn exact_curves(
@@ -165,8 +165,7 @@ pub(super) fn along(
     pieces.into_iter().map(|piece| sampled(piece, nodes, at)).filter(|contacts| !contacts.is_empty()).collect()
 }
 
-/// As [`along`], for contacts that are known to a table's error: pieces and gaps are found from a step between nodes on, and nodes of
-/// the whole range stay where the pieces are long.
+/// As [`along`], for contacts that are known to a table's error: nodes of the whole range stay where the pieces are long.
 pub(super) fn stepped(range: [f64; 2], nodes: usize, at: &dyn Fn(f64) -> Option<Contact>) -> Vec<Vec<Contact>> {
     if nodes < PROBES {
         return along(range, &[], nodes, at);
@@ -174,7 +173,24 @@ pub(super) fn stepped(range: [f64; 2], nodes: usize, at: &dyn Fn(f64) -> Option<
     let [from, to] = range;
     let last = nodes - 1;
     let place = |i: usize| if i == last { to } else { from + (to - from) * i as f64 / last as f64 };
-    let all: Vec<Option<Contact>> = (0..nodes).map(|i| at(place(i))).collect();
+    let mut whole = Vec::with_capacity(nodes);
+    whole.extend((0..nodes).map_while(|i| at(place(i))));
+    if whole.len() == nodes {
+        return vec![whole];
+    }
+    // Where two probes have none, no node between them is asked.
+    let stride = last / PROBES.min(last) + 1;
+    let known = whole.len();
+    let mut all: Vec<Option<Contact>> = whole.into_iter().map(Some).collect();
+    all.resize(nodes, None);
+    let mut before = known;
+    for probe in (known + 1..last).step_by(stride).chain([last]).filter(|probe| *probe > known) {
+        all[probe] = at(place(probe));
+        if all[probe].is_some() || all[before].is_some() {
+            (before + 1..probe).for_each(|i| all[i] = at(place(i)));
+        }
+        before = probe;
+    }
     let mut pieces = Vec::new();
     let mut next = 0;
     while let Some(start) = (next..nodes).find(|i| all[*i].is_some()) {
