@@ -8,10 +8,10 @@ use crate::beam::field::{Read, Sheet, Spot};
 use crate::beam::normal::{Branch, by_force, by_moment};
 
 /// Parameters that are looked at for pieces within whisker and limits.
-const PROBES: usize = 48;
+pub(super) const PROBES: usize = 48;
 /// Bisections of a piece's end: to rounding, and from one node to the next to a thousandth of what a table knows.
 const BISECTIONS: usize = 52;
-const FINE: usize = 16;
+const FINE: usize = 18;
 
 /// The branches of an exact reading, each in order, and how far they may be from the beam's (m).
 pub(super) fn exact_curves(
@@ -41,7 +41,7 @@ fn on_sheet(
     let by_load = |s: f64| admitted(sheet.contact(value, s));
     let by_strip = |w: f64| admitted(sheet.contact_at(value, w));
     let pieces = match sensor {
-        VirtualSensor::Load => stepped([first, length], nodes, &by_load),
+        VirtualSensor::Load => stepped([first, length], nodes, PROBES, &by_load),
         VirtualSensor::Strip if value >= first && value <= length => {
             match sheet.loads_at(value).map(|range| sampled(range, nodes, &by_strip)) {
                 Some(whole) if whole.len() == nodes => vec![whole],
@@ -165,48 +165,76 @@ pub(super) fn along(
     pieces.into_iter().map(|piece| sampled(piece, nodes, at)).filter(|contacts| !contacts.is_empty()).collect()
 }
 
-/// As [`along`], for contacts that are known to a table's error: nodes of the whole range stay where the pieces are long.
-pub(super) fn stepped(range: [f64; 2], nodes: usize, at: &dyn Fn(f64) -> Option<Contact>) -> Vec<Vec<Contact>> {
+/// As [`along`], for contacts that are known to a table's error: nodes of the whole range stay where the pieces are long. So many probes
+/// look for pieces where the range is not whole.
+pub(super) fn stepped(
+    range: [f64; 2],
+    nodes: usize,
+    probes: usize,
+    at: &dyn Fn(f64) -> Option<Contact>,
+) -> Vec<Vec<Contact>> {
     if nodes < PROBES {
         return along(range, &[], nodes, at);
     }
     let [from, to] = range;
     let last = nodes - 1;
     let place = |i: usize| if i == last { to } else { from + (to - from) * i as f64 / last as f64 };
+    // A range whose end has none is not whole.
+    let end = at(to);
     let mut whole = Vec::with_capacity(nodes);
-    whole.extend((0..nodes).map_while(|i| at(place(i))));
-    if whole.len() == nodes {
-        return vec![whole];
-    }
-    // Where two probes have none, no node between them is asked.
-    let stride = last / PROBES.min(last) + 1;
-    let known = whole.len();
-    let mut all: Vec<Option<Contact>> = whole.into_iter().map(Some).collect();
-    all.resize(nodes, None);
-    let mut before = known;
-    for probe in (known + 1..last).step_by(stride).chain([last]).filter(|probe| *probe > known) {
-        all[probe] = at(place(probe));
-        if all[probe].is_some() || all[before].is_some() {
-            (before + 1..probe).for_each(|i| all[i] = at(place(i)));
+    if let Some(end) = end {
+        whole.extend((0..last).map_while(|i| at(place(i))));
+        if whole.len() == last {
+            whole.push(end);
+            return vec![whole];
         }
-        before = probe;
     }
+    let seen = probed(whole, end, (nodes, probes), &|i| at(place(i)));
     let mut pieces = Vec::new();
     let mut next = 0;
-    while let Some(start) = (next..nodes).find(|i| all[*i].is_some()) {
-        let end = (start..nodes).find(|i| all[*i].is_none()).unwrap_or(nodes);
-        next = end;
-        let lo = if start > 0 { end_of(at, place(start), place(start - 1), FINE) } else { from };
-        let hi = if end < nodes { end_of(at, place(end - 1), place(end), FINE) } else { to };
-        if 2 * (end - start) < nodes {
+    while let Some(start) = (next..seen.len()).find(|k| seen[*k].1.is_some()) {
+        next = (start..seen.len()).find(|k| seen[*k].1.is_none()).unwrap_or(seen.len());
+        let (run, before, after) = (&seen[start..next], start.checked_sub(1).map(|k| &seen[k]), seen.get(next));
+        let (first, last) = (place(run[0].0), place(run[run.len() - 1].0));
+        let lo = before.map_or(from, |before| end_of(at, first, place(before.0), FINE));
+        let hi = after.map_or(to, |after| end_of(at, last, place(after.0), FINE));
+        if 2 * run.len() < nodes {
             pieces.push(sampled([lo, hi], nodes, at));
         } else {
-            let before = (lo < place(start)).then(|| at(lo)).flatten();
-            let after = (hi > place(end - 1)).then(|| at(hi)).flatten();
-            pieces.push(before.into_iter().chain(all[start..end].iter().flatten().copied()).chain(after).collect());
+            let before = (lo < first).then(|| at(lo)).flatten();
+            let after = (hi > last).then(|| at(hi)).flatten();
+            pieces.push(before.into_iter().chain(run.iter().filter_map(|seen| seen.1)).chain(after).collect());
         }
     }
     pieces
+}
+
+/// What some of the `nodes` have: of those after the first ones, which are `known`, only probes and the last, or all next to a probe that
+/// has something when that is half of them.
+fn probed(
+    known: Vec<Contact>,
+    end: Option<Contact>,
+    (nodes, probes): (usize, usize),
+    at: &dyn Fn(usize) -> Option<Contact>,
+) -> Vec<(usize, Option<Contact>)> {
+    let (count, last) = (known.len(), nodes - 1);
+    let stride = last / probes.clamp(1, last) + 1;
+    let mut seen: Vec<(usize, Option<Contact>)> = known.into_iter().map(Some).enumerate().collect();
+    seen.extend((count..last).step_by(stride).map(|i| (i, at(i))));
+    seen.push((last, end));
+    let inside = count + stride * seen[count..].iter().filter(|seen| seen.1.is_some()).count();
+    if 2 * inside < nodes {
+        return seen;
+    }
+    let mut all = Vec::with_capacity(nodes);
+    for pair in seen.windows(2) {
+        all.push(pair[0]);
+        if pair[0].1.is_some() || pair[1].1.is_some() {
+            all.extend((pair[0].0 + 1..pair[1].0).map(|i| (i, at(i))));
+        }
+    }
+    all.push((last, end));
+    all
 }
 
 /// The last parameter with a value on the way from `inside` to `outside`.

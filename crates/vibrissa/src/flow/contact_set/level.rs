@@ -4,7 +4,7 @@
 //! every loop that the knots can see; then contacts at equal distances along it are brought to the reading by Newton's method
 //! on the sheet's own polynomials.
 
-use super::family::stepped;
+use super::family::{PROBES, stepped};
 use super::{Contact, ContactModel};
 use crate::beam::field::{BLOCK, Cell, Read, Sheet, Spot};
 use crate::plane::Vec2;
@@ -63,7 +63,8 @@ pub(super) fn level(
             error.set(error.get().max(off));
             Some(contact)
         };
-        pieces.extend(stepped([0.0, last], nodes, &at));
+        // Within a cell the first mode hardly ends twice.
+        pieces.extend(stepped([0.0, last], nodes, PROBES.min(2 * chain.len()), &at));
     }
     (pieces, sheet.position_error() + error.get())
 }
