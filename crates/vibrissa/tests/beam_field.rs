@@ -1,56 +1,21 @@
-//! The tip field against the closed form, the integrated rod, 30-digit vectors and a chain of rigid links.
+//! The tip field against the closed form, the integrated rod and 30-digit vectors.
 
 // A test helper that fails fails its test.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
+#[path = "data/fields.rs"]
+mod fields;
 #[path = "data/random.rs"]
 mod random;
 
+use fields::{FIELDS, load, plain, state, uniform};
 use random::Random;
-use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::path::Path;
-use std::sync::LazyLock;
+use vibrissa::beam::Whisker;
 use vibrissa::beam::elastica::bend;
 use vibrissa::beam::field::{FieldErrors, TipField, TipState};
-use vibrissa::beam::{Rod, Segment, Whisker, tip_curve, tip_mode};
 use vibrissa::plane::Vec2;
 use vibrissa::sets::Interval;
-
-fn plain() -> Whisker {
-    Whisker::default()
-}
-
-/// One whisker of every kind, built once.
-static FIELDS: LazyLock<Vec<(&str, TipField)>> = LazyLock::new(|| {
-    let wire = |length: f64, second_moment: f64| Segment { length, young_modulus: 52e9, second_moment };
-    let joined = Rod::from_segments(&[wire(0.03, 5.555e-15), wire(0.045, 2e-15)]).unwrap();
-    let poly = Rod::new(&plain()).unwrap().with_curvature(&[2.0, -80.0, 600.0]).unwrap();
-    let of = |whisker: Whisker| TipField::new(&whisker).unwrap();
-    vec![
-        ("uniform", of(plain())),
-        ("tapered to one twentieth", of(Whisker { tip_ratio: 0.05, ..plain() })),
-        ("curved", of(Whisker { curvature: 6.0, ..plain() })),
-        ("on an elastic base", of(Whisker { base_stiffness: 0.03, ..plain() })),
-        ("all", of(Whisker { tip_ratio: 0.4, curvature: -6.0, base_stiffness: 0.3, ..plain() })),
-        ("two wires", TipField::of_rod(&joined).unwrap()),
-        ("curved by a polynomial", TipField::of_rod(&poly).unwrap()),
-    ]
-});
-
-fn uniform() -> &'static TipField {
-    &FIELDS[0].1
-}
-
-/// A load that the field holds, anywhere in it.
-fn load(field: &TipField, random: &mut Random) -> (f64, f64) {
-    let (tilt, sign) = (random.signed(1.45), random.sign());
-    (tilt, sign * field.largest_force(tilt, sign) * random.unit())
-}
-
-fn state(field: &TipField, random: &mut Random) -> TipState {
-    let (tilt, force) = load(field, random);
-    field.at(tilt, force).unwrap()
-}
 
 /// The largest share of the promised errors that a state uses up.
 fn share(errors: FieldErrors, state: &TipState, slope: f64, position: Vec2, moment: f64, energy: f64) -> f64 {
@@ -263,107 +228,6 @@ fn every_vector_with_its_contact_at_the_tip() {
     assert!(seen == 12, "{seen}");
 }
 
-/// A chart scanned finely finds what the index finds, and no more.
-#[test]
-fn no_branch_is_missed() {
-    for (name, field) in FIELDS.iter() {
-        let mut random = Random(7);
-        let mut several = 0;
-        for _ in 0..200 {
-            let at = state(field, &mut random);
-            let by_reading = field.by_direction_and_moment(at.direction() + TAU * 3.0, at.moment);
-            several += usize::from(by_reading.len() > 1);
-            let is_it =
-                |s: &TipState| (s.energy - at.energy).abs() < 1e-5 * at.energy && (s.slope - at.slope).abs() < 1e-4;
-            assert!(by_reading.iter().any(is_it), "{name}: reading of {at:?}");
-            for found in &by_reading {
-                let turned = (found.direction() - at.direction()) / TAU;
-                assert!((turned - turned.round()).abs() < 1e-9);
-                assert!((found.moment - at.moment).abs() < 1e-9 * field.rod().length() * at.force.abs());
-            }
-            // Near rest the tip says less about the tilt than the table's errors are.
-            let told = at.by_tilt.position.cross(at.by_force.position).abs() / at.by_force.position.norm();
-            if told < 2.0 * field.errors().position {
-                continue;
-            }
-            let by_position = field.by_position(at.position);
-            assert!(by_position.iter().any(is_it), "{name}: position of {at:?} among {by_position:?}");
-            for found in &by_position {
-                assert!(found.position.distance(at.position) < 1e-10 * field.length());
-            }
-        }
-        assert!(several > 5, "{name}: {several}");
-    }
-}
-
-#[test]
-fn tip_mode_agrees() {
-    let mut random = Random(8);
-    for (index, name) in [(0, "uniform"), (1, "tapered"), (3, "elastic base")] {
-        let field = &FIELDS[index].1;
-        let whisker =
-            [plain(), Whisker { tip_ratio: 0.05, ..plain() }, plain(), Whisker { base_stiffness: 0.03, ..plain() }]
-                [index];
-        for _ in 0..3 {
-            let at = state(field, &mut random);
-            let found = field.by_position(at.position);
-            for bend in tip_mode(&whisker, at.position).unwrap() {
-                let vector = bend.force_vector();
-                let direction = vector.angle() - bend.phi_a - FRAC_PI_2;
-                let tilt = direction - TAU * (direction / TAU).round();
-                let (tilt, force) = if tilt.abs() <= FRAC_PI_2 {
-                    (tilt, vector.norm())
-                } else {
-                    (tilt - PI * tilt.signum(), -vector.norm())
-                };
-                // At the very limits one may have it and the other not.
-                if !field.holds(tilt * 1.001, force * 1.01) {
-                    continue;
-                }
-                let near =
-                    |s: &TipState| (s.slope - bend.phi_a).abs() < 1e-3 && (s.force - force).abs() < 1e-3 * force.abs();
-                assert!(found.iter().any(near), "{name} at {:?}: {tilt} {force} {}", at.position, bend.phi_a);
-            }
-        }
-    }
-}
-
-#[test]
-fn the_curve_of_a_moment_lies_in_the_field() {
-    let scale = plain().flexural_rigidity / plain().length;
-    for mu in [0.05, 0.8, 2.0, 2.9] {
-        for piece in tip_curve(mu) {
-            for e in piece.iter().step_by(17) {
-                if e.tilt().abs() > 1.44 || e.slope > 3.13 {
-                    continue;
-                }
-                let found = uniform().by_direction_and_moment(e.direction, mu * scale);
-                let tip = plain().length * Vec2::new(e.x, e.y);
-                let near = |s: &TipState| s.position.distance(tip) < 1e-4 * plain().length;
-                assert!(found.iter().any(near), "{mu} {e:?} {found:?}");
-            }
-        }
-    }
-}
-
-#[test]
-fn branches_are_followed_and_end() {
-    let mut at = uniform().at(0.1, 0.01).unwrap();
-    // Up the moment until the branch ends: just below the largest moment of that direction.
-    let direction = at.direction();
-    let mut last = at;
-    for _ in 0..400 {
-        match uniform().by_direction_and_moment_from(direction, at.moment * 1.02, &at) {
-            Some(next) => (last, at) = (at, next),
-            None => break,
-        }
-    }
-    assert!(at.moment > last.moment);
-    let beyond = uniform().by_direction_and_moment(direction, 1.03 * at.moment);
-    let near = |s: &TipState| s.position.distance(at.position) < 2e-3;
-    assert!(!beyond.iter().any(near), "{beyond:?}");
-}
-
 #[test]
 fn enclosures_hold_what_they_promise() {
     for (name, field) in FIELDS.iter() {
@@ -461,115 +325,4 @@ fn beyond_the_field_there_is_nothing() {
     let rest = f.at(0.3, 0.0).unwrap();
     assert!(rest.position.distance(Vec2::new(0.075, 0.0)) < 1e-9 && rest.moment.abs() < 1e-9 && rest.is_stable());
     assert!(rest.by_position().is_none());
-}
-
-/// Rigid links with springs between them: how many ways there are, with both ends of the chain held in place, to lower the energy.
-fn falling_ways(angles: &[f64], (tip_ratio, base): (f64, f64), force: Vec2) -> usize {
-    let n = angles.len();
-    // The spring between link i - 1 and link i; the first joins half a link to the base, which is itself a spring.
-    let spring = |i: usize| match i {
-        0 => 1.0 / (0.5 / n as f64 + 1.0 / base),
-        _ => (1.0 - (1.0 - tip_ratio) * i as f64 / n as f64).powi(4) * n as f64,
-    };
-    let h = 1.0 / n as f64;
-    // The second variation, bordered by the two constraints that hold the tip.
-    let size = n + 2;
-    let mut m = vec![vec![0.0; size]; size];
-    for i in 0..n {
-        m[i][i] += spring(i) + if i + 1 < n { spring(i + 1) } else { 0.0 };
-        if i + 1 < n {
-            m[i][i + 1] -= spring(i + 1);
-            m[i + 1][i] -= spring(i + 1);
-        }
-        let along = Vec2::from_angle(angles[i]);
-        m[i][i] += h * force.dot(along);
-        let across = h * along.perp();
-        for (k, c) in [across.x, across.y].into_iter().enumerate() {
-            m[i][n + k] = c;
-            m[n + k][i] = c;
-        }
-    }
-    negative(m) - 2
-}
-
-/// Negative eigenvalues of a symmetric matrix, by Jacobi's rotations.
-#[allow(clippy::needless_range_loop, reason = "two columns, then two rows, of one matrix")]
-fn negative(mut a: Vec<Vec<f64>>) -> usize {
-    let n = a.len();
-    for _ in 0..12 {
-        for p in 0..n {
-            for q in p + 1..n {
-                if a[p][q].abs() < 1e-14 {
-                    continue;
-                }
-                let theta = 0.5 * (a[q][q] - a[p][p]) / a[p][q];
-                let t = theta.signum() / (theta.abs() + theta.hypot(1.0));
-                let c = 1.0 / t.hypot(1.0);
-                let s = t * c;
-                for k in 0..n {
-                    let (x, y) = (a[k][p], a[k][q]);
-                    (a[k][p], a[k][q]) = (c * x - s * y, s * x + c * y);
-                }
-                for k in 0..n {
-                    let (x, y) = (a[p][k], a[q][k]);
-                    (a[p][k], a[q][k]) = (c * x - s * y, s * x + c * y);
-                }
-            }
-        }
-    }
-    (0..n).filter(|&i| a[i][i] < 0.0).count()
-}
-
-/// Slopes at the middles of `links` links, from the tip back by Runge and Kutta's method; lengths and base rigidity one.
-fn slopes(tilt: f64, force: f64, (tip_ratio, base): (f64, f64), links: usize) -> Vec<f64> {
-    const STEPS: usize = 40;
-    let h = 0.5 / (links * STEPS) as f64;
-    let rigidity = |s: f64| (1.0 - (1.0 - tip_ratio) * s).powi(4);
-    // Back along the whisker: the slope less that at the tip, and the moment.
-    let rate = |s: f64, (phi, m): (f64, f64)| (-m / rigidity(s), force * (tilt - phi).cos());
-    let ahead = |a: (f64, f64), k: (f64, f64), h: f64| (a.0 + h * k.0, a.1 + h * k.1);
-    let (mut s, mut at, mut middles) = (1.0, (0.0, 0.0), Vec::new());
-    for step in 0..2 * links * STEPS {
-        if step % (2 * STEPS) == STEPS {
-            middles.push(at.0);
-        }
-        let k1 = rate(s, at);
-        let k2 = rate(s - 0.5 * h, ahead(at, k1, 0.5 * h));
-        let k3 = rate(s - 0.5 * h, ahead(at, k2, 0.5 * h));
-        let k4 = rate(s - h, ahead(at, k3, h));
-        let mean = |a: f64, b: f64, c: f64, d: f64| (a + 2.0 * b + 2.0 * c + d) / 6.0;
-        at = ahead(at, (mean(k1.0, k2.0, k3.0, k4.0), mean(k1.1, k2.1, k3.1, k4.1)), h);
-        s -= h;
-    }
-    middles.reverse();
-    middles.iter().map(|phi| phi - at.0 + at.1 / base).collect()
-}
-
-#[test]
-fn stable_is_what_a_chain_of_links_calls_stable() {
-    const LINKS: usize = 40;
-    let tapered = TipField::new(&Whisker { tip_ratio: 0.3, ..plain() }).unwrap();
-    let soft = TipField::new(&Whisker { base_stiffness: 0.004, ..plain() }).unwrap();
-    let base = 0.004 * plain().length / plain().flexural_rigidity;
-    for (field, kind) in [(uniform(), (1.0, f64::INFINITY)), (&tapered, (0.3, f64::INFINITY)), (&soft, (1.0, base))] {
-        let (mut random, mut stable, mut not) = (Random(11), 0, 0);
-        for _ in 0..120 {
-            let (tilt, force) = load(field, &mut random);
-            let at = field.at(tilt, force).unwrap();
-            // Close to the fold itself a chain of so few links cannot tell.
-            let sine = at.by_tilt.position.cross(at.by_force.position)
-                / (at.by_tilt.position.norm() * at.by_force.position.norm());
-            if sine.abs() < 0.02 {
-                continue;
-            }
-            let scaled = force * plain().length.powi(2) / plain().flexural_rigidity;
-            let angles = slopes(tilt, scaled, kind, LINKS);
-            assert!((angles[LINKS - 1] - at.slope).abs() < 0.1, "{angles:?} {}", at.slope);
-            let ways = falling_ways(&angles, kind, scaled * Vec2::from_angle(at.direction()) * force.signum());
-            assert_eq!(at.is_stable(), ways == 0, "{ways} {tilt} {force} {}", at.slope);
-            if at.is_stable() { stable += 1 } else { not += 1 }
-        }
-        println!("{kind:?}: {stable} stable, {not} not");
-        assert!(stable > 40);
-    }
 }

@@ -86,15 +86,12 @@ impl TipModel {
             Error::data("the whisker is too soft or too stiff at its tip to be tabulated")
                 .remedy("check tip_ratio, base_stiffness and the segments' rigidities")
         })?;
-        let mut model =
-            Self { whisker: *whisker, rigidity, table: Some(Arc::new(Tabulated { field, peak: (0.0, 0.0) })) };
-        let peak = steepest_peak(model.most_root(-STEEPEST_TILT), &|t| {
-            model.chart(t * t, -STEEPEST_TILT).map_or(0.0, |chart| chart.moment)
+        let (unit, per_moment) = (rigidity / length.powi(2), length / rigidity);
+        let most = (field.largest_force(-STEEPEST_TILT, 1.0) / unit).sqrt();
+        let peak = steepest_peak(most, &|t| {
+            field.at(-STEEPEST_TILT, t * t * unit).map_or(0.0, |state| state.moment * per_moment)
         });
-        if let Some(table) = model.table.as_mut().and_then(Arc::get_mut) {
-            table.peak = peak;
-        }
-        Ok(model)
+        Ok(Self { whisker: *whisker, rigidity, table: Some(Arc::new(Tabulated { field, peak })) })
     }
 
     /// The whisker.

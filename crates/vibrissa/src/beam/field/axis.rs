@@ -65,12 +65,21 @@ impl Axis {
     }
 
     /// Number of cells.
+    #[inline(always)]
     pub(super) fn cells(&self) -> usize {
         self.knots.len() - 1
     }
 
+    #[inline]
     pub(super) fn width(&self, cell: usize) -> f64 {
         self.spans[cell].width
+    }
+
+    /// What lies at a share of a cell.
+    #[inline]
+    pub(super) fn at(&self, cell: usize, share: f64) -> f64 {
+        let span = &self.spans[cell];
+        span.start + share * span.width
     }
 
     /// The cell that holds `x`, or the nearest one.
@@ -87,6 +96,13 @@ impl Axis {
     #[inline]
     pub(super) fn place(&self, x: f64) -> Place {
         self.place_in(self.cell(x), x)
+    }
+
+    /// The cell that holds `x`, or the nearest one, and the distance from its start.
+    #[inline(always)]
+    pub(super) fn along(&self, x: f64) -> (usize, f64) {
+        let cell = self.cell(x);
+        (cell, x - self.knots.get(cell).copied().unwrap_or(x))
     }
 
     /// The place of `x` as seen from a cell.

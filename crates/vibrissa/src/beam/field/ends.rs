@@ -1,6 +1,7 @@
 //! Where a contact sheet ends along the loads, and what its chart is made of.
 
 extern crate alloc;
+use super::bicubic::powers;
 use crate::beam::rod::Rod;
 use alloc::vec::Vec;
 
@@ -48,9 +49,9 @@ impl Ends {
     pub(super) fn at(&self, u: f64) -> [f64; 2] {
         let k = self.breaks.partition_point(|b| *b <= u).clamp(1, self.breaks.len() - 1) - 1;
         let width = self.breaks[k + 1] - self.breaks[k];
-        let nodes = [k, k + 1].map(|k| [self.values[k], self.slope(k)]);
-        let [value, rate] = weights((u - self.breaks[k]) / width, width).map(|w| between(&nodes, 0, w));
-        [value, rate / width]
+        let [[a, da], [b, db]] = [k, k + 1].map(|k| [self.values[k], self.slope(k) * width]);
+        let ([c0, c1, c2, c3], x) = (powers([a, da, b, db]), (u - self.breaks[k]) / width);
+        [c0 + x * (c1 + x * (c2 + x * c3)), (c1 + x * (2.0 * c2 + x * 3.0 * c3)) / width]
     }
 
     /// The slope at a break: none at the ends and where the values turn, else the harmonic mean of both sides'.
@@ -86,34 +87,12 @@ fn panels(rod: &Rod) -> Vec<f64> {
     breaks
 }
 
-/// What is kept with its derivative at the knots along the whisker, between two of them.
-#[inline(always)]
-pub(super) fn between(line: &[[f64; 2]], row: usize, w: [f64; 4]) -> f64 {
-    let [a, b] = [line[row], line[row + 1]];
-    dot(w, [a[0], a[1], b[0], b[1]])
-}
-
-pub(super) fn dot(w: [f64; 4], x: [f64; 4]) -> f64 {
-    (w[0] * x[0] + w[1] * x[1]) + (w[2] * x[2] + w[3] * x[3])
-}
-
-/// Hermite's weights of value and derivative at the start and at the end of a cell, and their rates by the share.
-#[inline(always)]
-pub(super) fn weights(a: f64, width: f64) -> [[f64; 4]; 2] {
-    let (rest, square) = (1.0 - a, a * a);
-    let end = square * (3.0 - 2.0 * a);
-    let turn = 6.0 * a * rest;
-    [
-        [1.0 - end, a * rest * rest * width, end, -square * rest * width],
-        [-turn, rest * (1.0 - 3.0 * a) * width, turn, a * (3.0 * a - 2.0) * width],
-    ]
-}
-
 /// The force (N) at a place along the loads.
+#[inline(always)]
 pub(super) fn force(gain: f64, s: f64, v: f64) -> f64 {
     // The difference of the two exponentials is known to one unit in the last place of one, which is what a load counts by.
     let grown = v.exp();
-    0.25 * (grown - 1.0 / grown) / (gain * s)
+    0.25 * (grown * grown - 1.0) / (grown * gain * s)
 }
 
 pub(super) fn gain(rod: &Rod, s: f64) -> f64 {

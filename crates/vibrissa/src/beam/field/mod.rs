@@ -6,6 +6,7 @@
 //! [`TipField`] tabulates it once for a whisker, with a bound on the error, and answers in nanoseconds.
 
 mod axis;
+mod bicubic;
 mod bytes;
 mod cells;
 mod chart;

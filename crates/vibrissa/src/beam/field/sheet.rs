@@ -7,7 +7,9 @@
 
 extern crate alloc;
 use super::axis::Axis;
-use super::ends::{between, dot, force, weights};
+use super::bicubic::{Bicubics, cubics, slide};
+use super::ends::force;
+use crate::beam::pair::Pair;
 use crate::beam::rod::Rod;
 use crate::plane::Vec2;
 use alloc::vec::Vec;
@@ -62,6 +64,10 @@ pub(crate) struct Sheet {
     pub(super) gains: Vec<[f64; 2]>,
     /// At each `u` where the loads end, in `v`, and the derivative.
     pub(super) ends: Vec<[f64; 2]>,
+    /// Of each cell, in shares: slope and moment, then x and y.
+    pub(super) patches: Vec<[Bicubics; 2]>,
+    /// Gain and end over each cell along the whisker, in shares.
+    pub(super) lines: Vec<[Pair; 4]>,
     /// Slope (rad) and moment (N m) at the knots.
     pub(super) readings: [Vec<f64>; 2],
     /// Their ranges over each block of knots.
@@ -78,19 +84,24 @@ pub(crate) struct Sheet {
     pub(super) gain_error: f64,
     /// The furthest that two neighbouring knots' places are apart (m).
     pub(super) reach: f64,
+    /// One over the length (1/m).
+    pub(super) per_length: f64,
 }
 
 impl Sheet {
-    /// Whether a contact is in the first mode: moment or curvature have at the base the sign that they have at the contact.
-    pub(super) fn in_first_mode(&self, s: f64, gain: f64, w: f64, scaled_moment: f64, slack: f64) -> bool {
-        let moment = scaled_moment / gain;
-        let rest = self.rod.rest_curvature(s);
+    /// Not negative in the first mode: how far moment or curvature are at the base from losing the sign that they have at the
+    /// contact, as a moment by that of the unit of load.
+    pub(super) fn in_first_mode(&self, s: f64, gain: f64, w: f64, scaled_moment: f64) -> f64 {
         // The tilt is less than a right angle: the force pushes to its own side.
-        let by_moment = w.signum() * scaled_moment >= -slack;
-        let bent = moment * self.base[0] + self.base[1];
+        let by_moment = scaled_moment.copysign(w * scaled_moment);
+        let rest = self.rod.rest_curvature(s);
         // Where the force bends the rod against its rest, only the moment can have one sign.
-        let by_bend = rest * w > 0.0 && rest.signum() * bent >= -slack * self.base[0] / gain;
-        by_moment || by_bend
+        if rest * w > 0.0 {
+            let bent = scaled_moment + self.base[1] * gain / self.base[0];
+            by_moment.max(bent.copysign(rest * bent))
+        } else {
+            by_moment
+        }
     }
 
     /// Knots along the whisker.
@@ -153,128 +164,143 @@ impl Sheet {
     }
 
     /// How far (m) a level curve may be from where it is traced, when over a cell the reading rises by `rise` (slope in rad, moment by
-    /// the unit of load) and the last step of the search was a share `step` of the cell.
-    pub(crate) fn level_error(&self, read: Read, value: f64, rise: f64, step: f64, row: usize) -> f64 {
+    /// the unit of load) and the search ended a share `left` of the cell away from the value.
+    pub(crate) fn level_error(&self, read: Read, value: f64, rise: f64, left: f64, row: usize) -> f64 {
         let off = match read {
             Read::Slope => self.errors[0] + self.turn_of(self.gains[row][0].min(self.gains[row + 1][0])),
             Read::Moment => self.errors[3] + self.gain_error * (value * self.gains[row][0]).abs(),
         };
-        // Newton's method leaves the square of its last step, times what the rise changes over a cell. Beyond a cell nothing linear
-        // is left.
-        self.reach * (off / rise + step * step).min(1.0)
+        // Beyond a cell nothing linear is left.
+        self.reach * (off / rise + left).min(1.0)
     }
 
-    pub(super) fn gain_in(&self, row: usize, share: f64) -> [f64; 2] {
-        weights(share, self.u.width(row)).map(|w| between(&self.gains, row, w))
+    pub(super) fn gain_in(&self, row: usize, share: f64) -> f64 {
+        cubics(share, &self.lines[row]).first()
     }
 
     /// How much more than `value` is read at the place with these shares of a cell, and its derivatives by the shares: slopes in rad,
     /// moments by the unit of load.
     #[inline]
     pub(crate) fn excess(&self, read: Read, value: f64, (i, j): Cell, [a, b]: [f64; 2]) -> [f64; 3] {
-        let ([wu, ru], [wv, rv]) = (weights(a, self.u.width(i)), weights(b, self.w.width(j)));
-        let jet = |k: usize| self.jet(k, (i, j), [wu, ru], [wv, rv]);
-        let gain = || [between(&self.gains, i, wu), between(&self.gains, i, ru)];
+        let [here, by_a, by_b] = self.patches[i * self.w.cells() + j][0].jet(a, b).map(Pair::array);
+        if read == Read::Slope && self.compliance <= 0.0 {
+            return [here[0] - value, by_a[0], by_b[0]];
+        }
+        let (line, rates) = slide(a, &self.lines[i]);
+        let (gain, rate) = (line.first(), rates.first());
         match read {
-            Read::Moment => {
-                let ([moment, by_a, by_b], [gain, rate]) = (jet(3), gain());
-                [moment - value * gain, by_a - value * rate, by_b]
-            }
-            Read::Slope if self.compliance > 0.0 => {
-                let ([slope, by_a, by_b], [moment, m_a, m_b], [gain, rate]) = (jet(0), jet(3), gain());
-                let turn = self.compliance / gain;
-                let turned = turn * moment;
-                [slope + turned - value, by_a + turn * m_a - turned * rate / gain, by_b + turn * m_b]
-            }
+            Read::Moment => [here[1] - value * gain, by_a[1] - value * rate, by_b[1]],
             Read::Slope => {
-                let [slope, by_a, by_b] = jet(0);
-                [slope - value, by_a, by_b]
+                let turn = self.compliance / gain;
+                let turned = turn * here[1];
+                [here[0] + turned - value, by_a[0] + turn * by_a[1] - turned * rate / gain, by_b[0] + turn * by_b[1]]
             }
         }
     }
 
-    /// One quantity and its derivatives by the shares, from Hermite's weights and their rates.
+    /// The contact at the place with these shares of a cell, and how much more than `value` it reads, as [`Sheet::excess`]; `None` beyond
+    /// the first mode.
     #[inline(always)]
-    fn jet(&self, k: usize, (i, j): Cell, [wu, ru]: [[f64; 4]; 2], [wv, rv]: [[f64; 4]; 2]) -> [f64; 3] {
-        let columns = self.columns();
-        let (mut along, mut rates) = ([0.0; 4], [0.0; 4]);
-        for q in 0..2 {
-            let (near, far) = (&self.nodes[i * columns + j + q], &self.nodes[(i + 1) * columns + j + q]);
-            for kind in 0..2 {
-                let line = [near[2 * kind][k], near[2 * kind + 1][k], far[2 * kind][k], far[2 * kind + 1][k]];
-                along[2 * q + kind] = dot(wu, line);
-                rates[2 * q + kind] = dot(ru, line);
-            }
-        }
-        [dot(wv, along), dot(wv, rates), dot(rv, along)]
+    pub(crate) fn reading_spot(&self, read: Read, value: f64, (i, j): Cell, [a, b]: [f64; 2]) -> Option<(Spot, f64)> {
+        let (spot, gain) = self.spot((i, j), [a, b])?;
+        let excess = match read {
+            Read::Slope => spot.phi_a - value,
+            Read::Moment => (spot.moment - value) * gain,
+        };
+        Some((spot, excess))
     }
 
-    /// The contact at the place with these shares of a cell; `None` beyond the first mode.
-    #[inline]
-    pub(crate) fn spot(&self, cell: Cell, at: [f64; 2]) -> Option<Spot> {
-        let ([wu, _], w) = (weights(at[0], self.u.width(cell.0)), self.w.knots[cell.1] + at[1] * self.w.width(cell.1));
-        let s_a = (self.u.knots[cell.0] + at[0] * self.u.width(cell.0)) * self.rod.length();
-        let (gain, end) = (between(&self.gains, cell.0, wu), between(&self.ends, cell.0, wu));
-        self.spot_under(force(gain, s_a, w * end), cell, at)
+    /// The contact at the place with these shares of a cell, and the gain there; `None` beyond the first mode.
+    #[inline(always)]
+    fn spot(&self, (i, j): Cell, [a, b]: [f64; 2]) -> Option<(Spot, f64)> {
+        let [gain, end] = cubics(a, &self.lines[i]).array();
+        let (s_a, w) = ((self.u.at(i, a)) * self.rod.length(), self.w.at(j, b));
+        Some((self.spot_under(force(gain, s_a, w * end), (s_a, gain, w), (i, j), [a, b])?, gain))
     }
 
-    /// As [`Sheet::spot`], the force there known.
-    #[inline]
-    fn spot_under(&self, force: f64, (i, j): Cell, [a, b]: [f64; 2]) -> Option<Spot> {
-        let ([wu, _], [wv, _]) = (weights(a, self.u.width(i)), weights(b, self.w.width(j)));
-        let mut sum = [0.0; KEPT];
-        for (p, q) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
-            let node = &self.nodes[(i + p) * self.columns() + j + q];
-            let w = [
-                wu[2 * p] * wv[2 * q],
-                wu[2 * p + 1] * wv[2 * q],
-                wu[2 * p] * wv[2 * q + 1],
-                wu[2 * p + 1] * wv[2 * q + 1],
-            ];
-            for k in 0..KEPT {
-                sum[k] += (w[0] * node[0][k] + w[1] * node[1][k]) + (w[2] * node[2][k] + w[3] * node[3][k]);
-            }
-        }
-        let w = self.w.knots[j] + b * self.w.width(j);
-        let s_a = (self.u.knots[i] + a * self.u.width(i)) * self.rod.length();
-        let gain = between(&self.gains, i, wu);
-        let sure = self.sure[i] >> j & 1 == 1;
-        if !(sure || self.is_live((i, j)) && self.in_first_mode(s_a, gain, w, sum[3], self.errors[3])) {
+    /// The contact, its force, arc length, gain and place along the loads known.
+    #[inline(always)]
+    fn spot_under(&self, force: f64, (s_a, gain, w): (f64, f64, f64), (i, j): Cell, [a, b]: [f64; 2]) -> Option<Spot> {
+        let [bent, placed] = self.patches.get(i * self.w.cells() + j)?;
+        let ([mut phi_a, scaled], [x, y]) = (bent.value(a, b).array(), placed.value(a, b).array());
+        if self.sure[i] >> j & 1 == 0
+            && !(self.is_live((i, j)) && self.in_first_mode(s_a, gain, w, scaled) >= -self.errors[3])
+        {
             return None;
         }
-        let [mut phi_a, x, y, scaled] = sum;
         let (mut contact, moment) = (s_a * Vec2::new(x, y), scaled / gain);
         if self.compliance > 0.0 {
             let turned = self.compliance * moment;
-            (phi_a, contact) = (phi_a + turned, contact.rotated(turned));
             if turned.abs() > PI {
                 return None;
             }
+            (phi_a, contact) = (phi_a + turned, contact.rotated(turned));
         }
         Some(Spot { force, s_a, phi_a, contact, moment })
     }
 
     /// The contact under `force` (N) at `s_a` (m); `None` beyond the first mode and off the sheet.
     pub(crate) fn contact(&self, force: f64, s_a: f64) -> Option<Spot> {
-        let place = self.u.place(s_a / self.rod.length());
-        let [at, _] = weights(place.share, place.width);
-        let (gain, end) = (between(&self.gains, place.cell, at), between(&self.ends, place.cell, at));
+        let place = self.u.place(s_a * self.per_length);
+        let [gain, end] = cubics(place.share, self.lines.get(place.cell)?).array();
         let doubled = 2.0 * (force * gain * s_a).abs();
         // The inverse of the hyperbolic sine, as well as a place on the chart needs it.
         let load = (doubled + (1.0 + doubled * doubled).sqrt()).ln().copysign(force) / end;
         let column = self.w.place(load);
         let inside = load.abs() <= 1.0 && (-1e-9..=1.0 + 1e-9).contains(&place.share);
-        let spot = inside.then(|| self.spot_under(force, (place.cell, column.cell), [place.share, column.share]))?;
-        spot.map(|spot| Spot { s_a, ..spot })
+        let at = [place.share, column.share];
+        inside.then(|| self.spot_under(force, (s_a, gain, load), (place.cell, column.cell), at))?
     }
 
     /// The contact at `s_a` (m) and at the place `w` along the loads, which go from -1 to 1.
     pub(crate) fn contact_at(&self, s_a: f64, w: f64) -> Option<Spot> {
-        let (place, column) = (self.u.place(s_a / self.rod.length()), self.w.place(w));
+        let (place, column) = (self.u.place(s_a * self.per_length), self.w.place(w));
+        let [gain, end] = cubics(place.share, self.lines.get(place.cell)?).array();
         let inside = w.abs() <= 1.0 && (-1e-9..=1.0 + 1e-9).contains(&place.share);
-        let spot = inside.then(|| self.spot((place.cell, column.cell), [place.share, column.share]))?;
-        spot.map(|spot| Spot { s_a, ..spot })
+        let at = [place.share, column.share];
+        inside.then(|| self.spot_under(force(gain, s_a, w * end), (s_a, gain, w), (place.cell, column.cell), at))?
     }
+
+    /// Where along the loads the contacts at `s_a` (m) are in the first mode, without a gap around rest; `None` where rest is not.
+    pub(crate) fn loads_at(&self, s_a: f64) -> Option<[f64; 2]> {
+        let place = self.u.place(s_a * self.per_length);
+        let gain = self.gain_in(place.cell, place.share);
+        let margin = |j: usize, b: f64| {
+            let scaled =
+                self.patches.get(place.cell * self.w.cells() + j).map(|p| p[0].value(place.share, b).second())?;
+            let off = self.in_first_mode(s_a, gain, self.w.at(j, b), scaled) + self.errors[3];
+            Some(off).filter(|_| self.is_live((place.cell, j)))
+        };
+        let middle = self.w.cells() / 2;
+        let up = (middle..self.w.cells()).find_map(|j| end_in(|b| margin(j, b), 0.0, 1.0).map(|b| self.w.at(j, b)));
+        let down = (0..middle).rev().find_map(|j| end_in(|b| margin(j, b), 1.0, 0.0).map(|b| self.w.at(j, b)));
+        Some([down.unwrap_or(-1.0), up.unwrap_or(1.0)]).filter(|[lo, hi]| lo < hi)
+    }
+}
+
+/// The last place on the way from `good` to `bad` at which the margin is not negative; `None` where that is so to the end.
+fn end_in(margin: impl Fn(f64) -> Option<f64>, mut good: f64, mut bad: f64) -> Option<f64> {
+    const STEPS: usize = 40;
+    const NARROW: f64 = 1e-12;
+    let (Some(mut high), low) = (margin(good).filter(|m| *m >= 0.0), margin(bad)) else { return Some(good) };
+    let Some(mut low) = low else { return Some(good) };
+    if low >= 0.0 {
+        return None;
+    }
+    // False position, the margin of an end that stays halved.
+    for _ in 0..STEPS {
+        let middle = good + (bad - good) * (high / (high - low)).clamp(0.01, 0.99);
+        let here = margin(middle)?;
+        if here >= 0.0 {
+            (good, high, low) = (middle, here, 0.5 * low);
+        } else {
+            (bad, low, high) = (middle, here, 0.5 * high);
+        }
+        if (bad - good).abs() < NARROW {
+            break;
+        }
+    }
+    Some(good)
 }
 
 #[cfg(test)]
@@ -299,7 +325,7 @@ mod tests {
         ]
     }
 
-    /// Every contact that the march finds in the first mode is on the sheet, within what the sheet says of its error.
+    /// Every contact that the march finds, and so every one of a region, is on the sheet, within what the sheet says of its error.
     #[test]
     fn a_sheet_holds_the_contacts_of_the_march() {
         let mut state = 5u64;
@@ -314,7 +340,7 @@ mod tests {
             for _ in 0..1500 {
                 let s = rod.length() * (0.001 + 0.999 * unit() * unit());
                 let force = (if unit() < 0.5 { -8.0 } else { 8.0 }) * unit() * rod.unit_force(s);
-                let want = rod.touched(force, s, tilt).filter(|_| rod.keeps_one_sign(force, s, tilt));
+                let want = rod.touched(force, s, tilt);
                 let got = sheet.contact(force, s);
                 let Some(want) = want else { continue };
                 inside += 1;

@@ -1,12 +1,14 @@
 //! How a contact sheet is made of a rod, and how far it is from it.
 
 extern crate alloc;
+use super::bicubic::{Bicubics, coefficients, powers};
 use super::chart::Bend;
 use super::ends::{Ends, force, gain, gain_and_rate};
 use super::errors;
 use super::panels::{Layout, Samples};
 use super::sheet::{BLOCK, Cell, KEPT, Sheet};
 use super::table::{MOMENT, Node, Row, SLOPE, Table, X, Y};
+use crate::beam::pair::Pair;
 use crate::beam::rod::Rod;
 use crate::plane::Vec2;
 use alloc::vec::Vec;
@@ -50,6 +52,8 @@ impl Sheet {
             nodes: nodes.iter().map(|node| node.map(|row| [row[SLOPE], row[X], row[Y], row[MOMENT]])).collect(),
             gains: u.knots.iter().map(|u| gain_and_rate(rod, *u)).collect(),
             ends: u.knots.iter().map(|u| ends.at(*u)).collect(),
+            patches: Vec::new(),
+            lines: Vec::new(),
             readings: [Vec::new(), Vec::new()],
             blocks: [Vec::new(), Vec::new()],
             places: Vec::new(),
@@ -58,6 +62,7 @@ impl Sheet {
             errors: [0.0; KEPT],
             gain_error: 0.0,
             reach: 0.0,
+            per_length: 1.0 / length,
             base: [rod.compliance(0.0), rod.rest_curvature(0.0)],
             u,
             w,
@@ -66,6 +71,7 @@ impl Sheet {
         let kept: Vec<u128> = inside.iter().map(|word| run(*word, PANELS * CELLS[1] / 2)).collect();
         (sheet.live, sheet.sure) = cells_of(&kept, sheet.w.cells());
         sheet.tell_knots();
+        sheet.tell_cells();
         sheet.measure(&layout, &samples, nodes, exact);
         (sheet.position_error() <= COARSEST * length && sheet.ends_by_moment(&inside)).then_some(sheet)
     }
@@ -90,6 +96,24 @@ impl Sheet {
         self.reach = cells.filter(|cell| self.is_live(*cell)).map(apart).fold(0.0, f64::max);
     }
 
+    /// The polynomials between knots.
+    fn tell_cells(&mut self) {
+        let (columns, cells) = (self.columns(), self.w.cells());
+        for i in 0..self.u.cells() {
+            let h = self.u.width(i);
+            let line =
+                |knots: &[[f64; 2]]| powers([knots[i][0], knots[i][1] * h, knots[i + 1][0], knots[i + 1][1] * h]);
+            let (gain, end) = (line(&self.gains), line(&self.ends));
+            self.lines.push([0, 1, 2, 3].map(|k| Pair::new(gain[k], end[k])));
+            for j in 0..cells {
+                let at = |p: usize, q: usize, k: usize| self.nodes[(i + p) * columns + j + q].map(|row| row[k]);
+                let of =
+                    |k: usize| coefficients([at(0, 0, k), at(0, 1, k), at(1, 0, k), at(1, 1, k)], (h, self.w.width(j)));
+                self.patches.push([Bicubics::new(&of(0), &of(3)), Bicubics::new(&of(1), &of(2))]);
+            }
+        }
+    }
+
     /// The bounds on the errors.
     fn measure(
         &mut self,
@@ -105,7 +129,7 @@ impl Sheet {
         for i in 0..self.u.cells() {
             for share in [0.211, 0.5, 0.789] {
                 let u = self.u.knots[i] + share * self.u.width(i);
-                let off = self.gain_in(i, share)[0] / gain(&self.rod, u * self.rod.length()) - 1.0;
+                let off = self.gain_in(i, share) / gain(&self.rod, u * self.rod.length()) - 1.0;
                 self.gain_error = self.gain_error.max(1.25 * off.abs());
             }
         }
@@ -127,8 +151,8 @@ impl Sheet {
             let (row, column) = (i + p, j + q);
             let scaled = self.nodes[row * self.columns() + column][0][3];
             let (s, inside) = (self.u.knots[row] * self.rod.length(), inside[row] >> column & 1 == 1);
-            let at = |slack: f64| self.in_first_mode(s, self.gains[row][0], self.w.knots[column], scaled, slack);
-            at(1e-4) >= inside && at(-1e-4) <= inside
+            let margin = self.in_first_mode(s, self.gains[row][0], self.w.knots[column], scaled);
+            (margin >= -1e-4) >= inside && (margin >= 1e-4) <= inside
         };
         let cells = (0..self.u.cells()).flat_map(|i| (0..self.w.cells()).map(move |j| (i, j)));
         cells.filter(|cell| self.is_live(*cell)).all(|cell| (0..4).all(|k| told(cell, k / 2, k % 2)))

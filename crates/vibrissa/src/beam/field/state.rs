@@ -154,8 +154,11 @@ impl TipState {
     /// The state with this jet.
     #[inline(always)]
     pub(super) fn new(tilt: f64, force: f64, jet: &Jet) -> Self {
-        let Quantities { slope, position, moment, energy } = Quantities::new(&jet.row(0), 1.0);
-        let (by_tilt, by_force) = (Quantities::new(&jet.row(1), 1.0), Quantities::new(&jet.row(2), 1.0));
+        let of = |kind: usize| {
+            let ([slope, moment], [energy, x]) = (jet.odd[kind].array(), jet.even[kind].array());
+            Quantities { slope, moment, energy, position: Vec2::new(x, jet.last[kind]) }
+        };
+        let (Quantities { slope, moment, energy, position }, by_tilt, by_force) = (of(0), of(1), of(2));
         Self { tilt, force, slope, position, moment, energy, by_tilt, by_force }
     }
 }

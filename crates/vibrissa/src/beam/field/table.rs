@@ -5,6 +5,7 @@
 
 extern crate alloc;
 use super::axis::{Axis, Place};
+use super::bicubic::{Bicubics, coefficients, slide};
 use crate::beam::pair::Pair;
 use alloc::vec::Vec;
 
@@ -26,20 +27,22 @@ pub(super) type Node = [Row; 4];
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Jet {
     /// Slope and moment, which the mirrored whisker has with the opposite sign.
-    odd: [Pair; 3],
+    pub(super) odd: [Pair; 3],
     /// Energy and x, which it shares.
-    even: [Pair; 3],
+    pub(super) even: [Pair; 3],
     /// y, which is odd.
-    last: [f64; 3],
+    pub(super) last: [f64; 3],
 }
 
-/// Coefficients of a cell by the powers of the distances from its least corner, those of `u` in rows: ten lines of cache.
+/// Coefficients of a cell by the powers of the distances from its least corner: ten lines of cache.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(align(64))]
 pub(super) struct Patch {
-    /// Slope and moment, energy and x.
-    pairs: [[[Pair; 4]; 4]; 2],
-    /// y, which is alone: rows 0 and 1, rows 2 and 3.
+    /// Slope and moment.
+    odd: Bicubics,
+    /// Energy and x.
+    even: Bicubics,
+    /// y, which is alone: the powers 0 and 1 of `u` in the first row, 2 and 3 in the second.
     last: [[Pair; 4]; 2],
 }
 
@@ -53,61 +56,16 @@ pub(super) struct Table {
     patches: Vec<Patch>,
 }
 
-/// Coefficients by powers from (start, slope, end, slope), slopes per share of the cell.
-fn powers(a: f64, da: f64, b: f64, db: f64) -> [f64; 4] {
-    let rise = b - a;
-    [a, da, 3.0 * rise - 2.0 * da - db, da + db - 2.0 * rise]
-}
-
-/// Value and slope of a cubic by Horner's scheme.
+/// Value and both slopes of the bicubic that stands alone.
 #[inline(always)]
-fn slide(x: f64, [c0, c1, c2, c3]: [f64; 4]) -> (f64, f64) {
-    let three = c3 * x;
-    let two = three + c2;
-    let one = two * x + c1;
-    (one * x + c0, (three + two) * x + one)
-}
-
-/// As [`slide`], of two cubics.
-#[inline(always)]
-fn slide_pair(x: f64, [c0, c1, c2, c3]: [Pair; 4]) -> (Pair, Pair) {
-    let three = c3.times(x);
-    let two = three.plus(c2);
-    let one = two.times(x).plus(c1);
-    (one.times(x).plus(c0), three.plus(two).times(x).plus(one))
-}
-
-/// Value and both slopes of two bicubics. What calls it is not inlined: in a larger function the compiler pairs other numbers, and
-/// shuffles.
-#[inline(always)]
-fn jet_of_pair(rows: &[[Pair; 4]; 4], s: f64, t: f64) -> [Pair; 3] {
-    let ((a, a_t), (b, b_t)) = (slide_pair(t, rows[0]), slide_pair(t, rows[1]));
-    let ((c, c_t), (d, d_t)) = (slide_pair(t, rows[2]), slide_pair(t, rows[3]));
-    let (value, slope) = slide_pair(s, [a, b, c, d]);
-    [value, slope, d_t.times(s).plus(c_t).times(s).plus(b_t).times(s).plus(a_t)]
-}
-
-/// What is odd under mirroring, for the whisker on one `side` (1) or the mirrored one (-1): slopes are even.
-#[inline(never)]
-fn odd_pair(rows: &[[Pair; 4]; 4], s: f64, t: f64, side: f64) -> [Pair; 3] {
-    let [value, by_u, by_v] = jet_of_pair(rows, s, t);
-    [value.times(side), by_u, by_v]
-}
-
-/// What is even under mirroring: slopes are odd.
-#[inline(never)]
-fn even_pair(rows: &[[Pair; 4]; 4], s: f64, t: f64, side: f64) -> [Pair; 3] {
-    let [value, by_u, by_v] = jet_of_pair(rows, s, t);
-    [value, by_u.times(side), by_v.times(side)]
-}
-
-/// Value and both slopes of an odd bicubic that stands alone.
-#[inline(never)]
-fn odd_alone(rows: &[[Pair; 4]; 2], s: f64, t: f64, side: f64) -> [f64; 3] {
-    let (Pair([a, b]), Pair([a_t, b_t])) = slide_pair(t, rows[0]);
-    let (Pair([c, d]), Pair([c_t, d_t])) = slide_pair(t, rows[1]);
-    let (value, slope) = slide(s, [a, b, c, d]);
-    [value * side, slope, ((d_t * s + c_t) * s + b_t) * s + a_t]
+fn jet_alone(rows: &[[Pair; 4]; 2], s: f64, t: f64) -> [f64; 3] {
+    let ((ab, ab_t), (cd, cd_t)) = (slide(t, &rows[0]), slide(t, &rows[1]));
+    // a + b s + (c + d s) s², and the same of the slopes by t.
+    let square = s * s;
+    let [start, rise] = ab.plus(cd.times(square)).across(ab_t.plus(cd_t.times(square)));
+    let [value, by_t] = start.plus(rise.times(s)).array();
+    let [c, d] = cd.array();
+    [value, ab.second() + s * (2.0 * c + 3.0 * (s * d)), by_t]
 }
 
 impl Patch {
@@ -116,10 +74,12 @@ impl Patch {
     /// weights, and by distances, which need no scales.
     #[inline(always)]
     pub(super) fn jet(&self, s: f64, t: f64, side: f64) -> Jet {
+        let ([odd, odd_s, odd_t], [even, even_s, even_t]) = (self.odd.jet(s, t), self.even.jet(s, t));
+        let [last, last_s, last_t] = jet_alone(&self.last, s, t);
         Jet {
-            odd: odd_pair(&self.pairs[0], s, t, side),
-            even: even_pair(&self.pairs[1], s, t, side),
-            last: odd_alone(&self.last, s, t, side),
+            odd: [odd.times(side), odd_s, odd_t],
+            even: [even, even_s.times(side), even_t.times(side)],
+            last: [last * side, last_s, last_t],
         }
     }
 }
@@ -128,7 +88,7 @@ impl Jet {
     /// The quantities or their derivatives, in the order of a row.
     #[inline(always)]
     pub(super) fn row(&self, kind: usize) -> Row {
-        let (Pair([slope, moment]), Pair([energy, x])) = (self.odd[kind], self.even[kind]);
+        let ([slope, moment], [energy, x]) = (self.odd[kind].array(), self.even[kind].array());
         [slope, x, self.last[kind], moment, energy]
     }
 }
@@ -158,13 +118,13 @@ impl Table {
     }
 
     fn jet_at(&self, u: &Place, v: &Place) -> Jet {
-        self.patch(u, v).map_or(Jet::default(), |patch| patch.jet(u.along, v.along, 1.0))
+        self.patch(u.cell, v.cell).map_or(Jet::default(), |patch| patch.jet(u.along, v.along, 1.0))
     }
 
     /// The polynomials of the cell.
     #[inline(always)]
-    pub(super) fn patch(&self, u: &Place, v: &Place) -> Option<&Patch> {
-        self.patches.get(u.cell * self.v.cells() + v.cell)
+    pub(super) fn patch(&self, u: usize, v: usize) -> Option<&Patch> {
+        self.patches.get(u * self.v.cells() + v)
     }
 
     /// The sixteen Bernstein coefficients of one quantity in the cell `(i, j)`: their hull holds all its values there.
@@ -188,31 +148,25 @@ impl Table {
     }
 }
 
-/// The coefficients of one cell with sides `h`.
+/// The polynomials of one cell with sides `h`.
 fn patch(nodes: &[Node], stride: usize, (i, j): (usize, usize), h: (f64, f64)) -> Patch {
-    let mut patch = Patch::default();
-    for k in 0..QUANTITIES {
-        // Along v first: values and derivatives by u, at both ends in u.
-        let line = |p: usize, kind: usize| {
-            let (a, b) = (&nodes[(i + p) * stride + j], &nodes[(i + p) * stride + j + 1]);
-            powers(a[kind][k], a[kind + 2][k] * h.1, b[kind][k], b[kind + 2][k] * h.1)
-        };
-        let (start, start_slope, end, end_slope) = (line(0, 0), line(0, 1), line(1, 0), line(1, 1));
-        for q in 0..4 {
-            let column = powers(start[q], start_slope[q] * h.0, end[q], end_slope[q] * h.0);
-            for (p, c) in column.into_iter().enumerate() {
-                let c = c / (h.0.powi(p as i32) * h.1.powi(q as i32));
-                match k {
-                    SLOPE => patch.pairs[0][p][q].0[0] = c,
-                    MOMENT => patch.pairs[0][p][q].0[1] = c,
-                    ENERGY => patch.pairs[1][p][q].0[0] = c,
-                    X => patch.pairs[1][p][q].0[1] = c,
-                    _ => patch.last[p / 2][q].0[p % 2] = c,
-                }
+    let at = |p: usize, q: usize, k: usize| nodes[(i + p) * stride + j + q].map(|row| row[k]);
+    let of = |k: usize| {
+        let mut all = coefficients([at(0, 0, k), at(0, 1, k), at(1, 0, k), at(1, 1, k)], h);
+        for (p, row) in all.iter_mut().enumerate() {
+            for (q, c) in row.iter_mut().enumerate() {
+                *c /= h.0.powi(p as i32) * h.1.powi(q as i32);
             }
         }
+        all
+    };
+    let y = of(Y);
+    let pair = |p: usize, q: usize| Pair::new(y[2 * p][q], y[2 * p + 1][q]);
+    Patch {
+        odd: Bicubics::new(&of(SLOPE), &of(MOMENT)),
+        even: Bicubics::new(&of(ENERGY), &of(X)),
+        last: [0, 1].map(|p| [0, 1, 2, 3].map(|q| pair(p, q))),
     }
-    patch
 }
 
 /// The coefficients over the part `[s0, s1] x [t0, t1]` of the cell, both in \[0, 1\].

@@ -7,7 +7,7 @@ use super::image::Image;
 use super::index::Index;
 use super::panels::{Layout, Samples};
 use super::state::{FieldErrors, Quantities, TipState};
-use super::table::{Jet, Patch, Row, Table};
+use super::table::{Jet, Row, Table};
 use crate::beam::rod::{Loaded, Rod};
 use crate::beam::whisker::Whisker;
 use crate::error::{Error, Result};
@@ -172,19 +172,20 @@ impl TipField {
     /// The equilibrium under a force of `force` (N) at the tip, tilted by `tilt` (rad) from the whisker's normal there.
     ///
     /// `None` beyond the field, see [`TipField::holds`].
+    // Not inlined, so that the answer is written once and where it is wanted.
     #[must_use]
-    #[inline]
+    #[inline(never)]
     pub fn at(&self, tilt: f64, force: f64) -> Option<TipState> {
         let side = self.side(force);
-        let (u, v) = (self.table.u.place(side * tilt), side * force);
+        let ((u, s), v) = (self.table.u.along(side * tilt), side * force);
         // Far from the limits a cell knows that it is.
-        let [most, least] = self.sure[u.cell];
+        let [most, least] = *self.sure.get(u)?;
         let within = v <= most && -v <= least && tilt.abs() <= STEEPEST_TILT;
-        if !within && !self.holds(tilt, force) {
+        if !within && self.is_beyond(tilt, force) {
             return None;
         }
-        let v = self.table.v.place(v);
-        state_of(self.table.patch(&u, &v)?, u.along, v.along, side, tilt, force)
+        let (v, t) = self.table.v.along(v);
+        Some(TipState::new(tilt, force, &self.table.patch(u, v)?.jet(s, t, side)))
     }
 
     /// As [`TipField::at`], by the beam itself: no table, no derivatives, twenty to a hundred times slower, any load.
@@ -192,6 +193,13 @@ impl TipField {
     pub fn exact(&self, tilt: f64, force: f64) -> Option<Quantities> {
         let loaded = self.rod.loaded(force, self.rod.length(), tilt)?;
         Some(Quantities { slope: loaded.slope, position: loaded.contact, moment: loaded.moment, energy: loaded.energy })
+    }
+
+    /// Whether the field does not hold a load: apart from the look-up, which hardly asks.
+    #[cold]
+    #[inline(never)]
+    fn is_beyond(&self, tilt: f64, force: f64) -> bool {
+        !self.holds(tilt, force)
     }
 
     /// -1 where the mirrored whisker is looked up.
@@ -204,16 +212,10 @@ impl TipField {
     #[inline(always)]
     pub(super) fn state(&self, tilt: f64, force: f64) -> TipState {
         let side = self.side(force);
-        let (u, v) = (self.table.u.place(side * tilt), self.table.v.place(side * force));
-        let jet = self.table.patch(&u, &v).map_or(Jet::default(), |patch| patch.jet(u.along, v.along, side));
+        let ((u, s), (v, t)) = (self.table.u.along(side * tilt), self.table.v.along(side * force));
+        let jet = self.table.patch(u, v).map_or(Jet::default(), |patch| patch.jet(s, t, side));
         TipState::new(tilt, force, &jet)
     }
-}
-
-/// The state at a place. Apart, so that the answer is written once and where it is wanted.
-#[inline(never)]
-fn state_of(patch: &Patch, s: f64, t: f64, side: f64, tilt: f64, force: f64) -> Option<TipState> {
-    Some(TipState::new(tilt, force, &patch.jet(s, t, side)))
 }
 
 fn too_soft() -> Error {

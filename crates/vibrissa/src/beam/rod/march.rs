@@ -20,7 +20,7 @@
 //! | `X, Y = (x - x_0) / r^3, (y - y_0) / r^3` | `3 w X + C, 3 w Y + S` |
 //!
 //! obey equations in which neither the radius nor the place occurs: only the pendulum's own poles limit the step, and a
-//! taper to one twentieth takes four steps. Every right side is a product of series, so that all coefficients follow from
+//! taper to one twentieth takes three or four steps. Every right side is a product of series, so that all coefficients follow from
 //! one recurrence \[jorba2005software\]. The step is where the last coefficients fall below [`TOLERANCE`]; stretches end where
 //! stiffness jumps.
 
@@ -33,8 +33,9 @@ use crate::plane::Vec2;
 pub(super) const ORDER: usize = 20;
 /// Truncation error of one step, relative.
 const TOLERANCE: f64 = 5e-11;
-/// Longest step in `w t`: the radius at most doubles, for what is divided by its powers must not lose digits.
-const LONGEST: f64 = 0.8;
+/// Longest step in `w t`: the radius grows by e at most, for what is divided by its powers must not lose digits, and a taper to
+/// one twentieth takes three steps.
+const LONGEST: f64 = 1.0;
 /// More steps than any shape within the limits takes.
 const MOST_STEPS: usize = 4000;
 
@@ -89,7 +90,7 @@ type Pairs = [Pair; ORDER + 1];
 /// `sum_j a[j] b[k - j]` for `0 < j < k`, from the middle outwards, so that the newest coefficients come last and hold up least.
 #[inline(always)]
 fn convolve_inner<const K: usize>(a: &Pairs, b: &Pairs) -> Pair {
-    let (mut down, mut up) = (Pair([0.0; 2]), Pair([0.0; 2]));
+    let (mut down, mut up) = (Pair::both(0.0), Pair::both(0.0));
     let middle = K / 2;
     if middle > 0 {
         down = a[middle].by(b[K - middle]);
@@ -129,13 +130,13 @@ impl Step {
         let (turn, place) = (self.turn[K], self.place[K]);
         // The newest coefficients hold up all that follows: they are multiplied once and added last.
         let inner = convolve_inner::<K>(&self.bend, &self.turn).times(n);
-        let oldest = if K > 0 { self.bend[0].times(n).by(turn) } else { Pair([0.0; 2]) };
+        let oldest = if K > 0 { self.bend[0].times(n).by(turn) } else { Pair::both(0.0) };
         let bend = self.moment[K] + self.rest[K];
-        self.bend[K] = Pair([bend; 2]);
+        self.bend[K] = Pair::both(bend);
         self.phi[K + 1] = n * bend;
-        let Pair([with_cos, with_sin]) = inner.plus(oldest).plus(self.turn[0].times(n).times(bend));
-        let turned = Pair([-with_sin, with_cos]);
-        let push = (n * self.force.x) * turn.0[1] - (n * self.force.y) * turn.0[0];
+        let [with_cos, with_sin] = inner.plus(oldest).plus(self.turn[0].times(n).times(bend)).array();
+        let turned = Pair::new(-with_sin, with_cos);
+        let push = (n * self.force.x) * turn.second() - (n * self.force.y) * turn.first();
         let (two, three) = (n * 2.0 * self.narrowing, n * 3.0 * self.narrowing);
         self.moment[K + 1] = three * self.moment[K] + push;
         self.turn[K + 1] = turn.times(two).plus(turned);
@@ -165,7 +166,7 @@ impl Step {
             rest_series(&mut self.rest, rod.curvature.len(), self.narrowing);
         }
         let (sin, cos) = start.phi.sin_cos();
-        (self.phi[0], self.moment[0], self.turn[0]) = (start.phi, compliance * start.moment, Pair([cos, sin]));
+        (self.phi[0], self.moment[0], self.turn[0]) = (start.phi, compliance * start.moment, Pair::new(cos, sin));
         self.fill();
         let before = if backwards { rod.piece_start(start.s) } else { piece.end };
         let reach = if backwards { to.max(before) } else { to.min(before) } - start.s;
@@ -198,7 +199,7 @@ impl Step {
         let longest = reach.abs().min(LONGEST / self.narrowing.abs());
         let mut h = longest;
         let tail = |a: f64, b: f64| (a.abs() * longest).max(b.abs());
-        let (Pair(last), Pair(before)) = (self.turn[ORDER], self.turn[ORDER - 1]);
+        let (last, before) = (self.turn[ORDER].array(), self.turn[ORDER - 1].array());
         let along = tail(last[0], before[0]);
         let slope = tail(last[1], before[1]).max(tail(self.phi[ORDER], self.phi[ORDER - 1]));
         let high = h.powi(ORDER as i32 - 1);
@@ -225,7 +226,7 @@ impl Step {
     fn at_both(&self, length: f64, t: f64) -> State {
         // Even and odd powers apart: half as many sums wait for one another.
         let square = t * t;
-        let all = |k: usize| [self.phi[k], self.moment[k], self.place[k].0[0], self.place[k].0[1]];
+        let all = |k: usize| [self.phi[k], self.moment[k], self.place[k].first(), self.place[k].second()];
         let (mut even, mut odd) = (all(ORDER), all(ORDER - 1));
         for k in (0..ORDER / 2).rev() {
             let (more, less) = (all(2 * k), if k > 0 { all(2 * k - 1) } else { [0.0; 4] });

@@ -48,9 +48,9 @@ impl ContactCurve {
 
     /// How far the smooth curve can be from its chords (m), measured by second differences.
     pub(super) fn sag(&self) -> f64 {
-        let bend = |w: &[Contact]| (w[0].position - 2.0 * w[1].position + w[2].position).norm() / 8.0;
+        let bend = |w: &[Contact]| (w[0].position - 2.0 * w[1].position + w[2].position).norm_squared();
         // A curve of two nodes shows no second difference; it is as straight as it is known to be.
-        SAFETY * self.contacts.windows(3).map(bend).fold(0.0, f64::max)
+        SAFETY / 8.0 * self.contacts.windows(3).map(bend).fold(0.0, f64::max).sqrt()
     }
 }
 

@@ -8,9 +8,10 @@ use crate::beam::field::{Read, Sheet, Spot};
 use crate::beam::normal::{Branch, by_force, by_moment};
 
 /// Parameters that are looked at for pieces within whisker and limits.
-const PROBES: usize = 48;
-/// Bisections of a piece's end: to rounding.
+pub(super) const PROBES: usize = 48;
+/// Bisections of a piece's end: to rounding, and from one node to the next to a thousandth of what a table knows.
 const BISECTIONS: usize = 52;
+const FINE: usize = 18;
 
 /// The branches of an exact reading, each in order, and how far they may be from the beam's (m).
 pub(super) fn exact_curves(
@@ -40,11 +41,13 @@ fn on_sheet(
     let by_load = |s: f64| admitted(sheet.contact(value, s));
     let by_strip = |w: f64| admitted(sheet.contact_at(value, w));
     let pieces = match sensor {
-        VirtualSensor::Load => match sampled([first, length], nodes, &by_load) {
-            whole if whole.len() == nodes => vec![whole],
-            _ => along([first, length], &[], nodes, &by_load),
-        },
-        VirtualSensor::Strip if value >= first && value <= length => along([-1.0, 1.0], &[0.0], nodes, &by_strip),
+        VirtualSensor::Load => stepped([first, length], nodes, PROBES, &by_load),
+        VirtualSensor::Strip if value >= first && value <= length => {
+            match sheet.loads_at(value).map(|range| sampled(range, nodes, &by_strip)) {
+                Some(whole) if whole.len() == nodes => vec![whole],
+                _ => along([-1.0, 1.0], &[0.0], nodes, &by_strip),
+            }
+        }
         VirtualSensor::Strip => return (by_beam(model, sensor, value, nodes), 0.0),
         VirtualSensor::Slope => return level(model, sheet, Read::Slope, value, nodes),
         VirtualSensor::Moment(_) => return level(model, sheet, Read::Moment, value, nodes),
@@ -153,8 +156,8 @@ pub(super) fn along(
     let mut start = inside[0].then_some(probes[0]);
     for i in 1..probes.len() {
         match (inside[i - 1], inside[i]) {
-            (false, true) => start = Some(end_of(at, probes[i], probes[i - 1])),
-            (true, false) => pieces.extend(start.take().map(|s| [s, end_of(at, probes[i - 1], probes[i])])),
+            (false, true) => start = Some(end_of(at, probes[i], probes[i - 1], BISECTIONS)),
+            (true, false) => pieces.extend(start.take().map(|s| [s, end_of(at, probes[i - 1], probes[i], BISECTIONS)])),
             _ => {}
         }
     }
@@ -162,10 +165,82 @@ pub(super) fn along(
     pieces.into_iter().map(|piece| sampled(piece, nodes, at)).filter(|contacts| !contacts.is_empty()).collect()
 }
 
+/// As [`along`], for contacts that are known to a table's error: nodes of the whole range stay where the pieces are long. So many probes
+/// look for pieces where the range is not whole.
+pub(super) fn stepped(
+    range: [f64; 2],
+    nodes: usize,
+    probes: usize,
+    at: &dyn Fn(f64) -> Option<Contact>,
+) -> Vec<Vec<Contact>> {
+    if nodes < PROBES {
+        return along(range, &[], nodes, at);
+    }
+    let [from, to] = range;
+    let last = nodes - 1;
+    let place = |i: usize| if i == last { to } else { from + (to - from) * i as f64 / last as f64 };
+    // A range whose end has none is not whole.
+    let end = at(to);
+    let mut whole = Vec::with_capacity(nodes);
+    if let Some(end) = end {
+        whole.extend((0..last).map_while(|i| at(place(i))));
+        if whole.len() == last {
+            whole.push(end);
+            return vec![whole];
+        }
+    }
+    let seen = probed(whole, end, (nodes, probes), &|i| at(place(i)));
+    let mut pieces = Vec::new();
+    let mut next = 0;
+    while let Some(start) = (next..seen.len()).find(|k| seen[*k].1.is_some()) {
+        next = (start..seen.len()).find(|k| seen[*k].1.is_none()).unwrap_or(seen.len());
+        let (run, before, after) = (&seen[start..next], start.checked_sub(1).map(|k| &seen[k]), seen.get(next));
+        let (first, last) = (place(run[0].0), place(run[run.len() - 1].0));
+        let lo = before.map_or(from, |before| end_of(at, first, place(before.0), FINE));
+        let hi = after.map_or(to, |after| end_of(at, last, place(after.0), FINE));
+        if 2 * run.len() < nodes {
+            pieces.push(sampled([lo, hi], nodes, at));
+        } else {
+            let before = (lo < first).then(|| at(lo)).flatten();
+            let after = (hi > last).then(|| at(hi)).flatten();
+            pieces.push(before.into_iter().chain(run.iter().filter_map(|seen| seen.1)).chain(after).collect());
+        }
+    }
+    pieces
+}
+
+/// What some of the `nodes` have: of those after the first ones, which are `known`, only probes and the last, or all next to a probe that
+/// has something when that is half of them.
+fn probed(
+    known: Vec<Contact>,
+    end: Option<Contact>,
+    (nodes, probes): (usize, usize),
+    at: &dyn Fn(usize) -> Option<Contact>,
+) -> Vec<(usize, Option<Contact>)> {
+    let (count, last) = (known.len(), nodes - 1);
+    let stride = last / probes.clamp(1, last) + 1;
+    let mut seen: Vec<(usize, Option<Contact>)> = known.into_iter().map(Some).enumerate().collect();
+    seen.extend((count..last).step_by(stride).map(|i| (i, at(i))));
+    seen.push((last, end));
+    let inside = count + stride * seen[count..].iter().filter(|seen| seen.1.is_some()).count();
+    if 2 * inside < nodes {
+        return seen;
+    }
+    let mut all = Vec::with_capacity(nodes);
+    for pair in seen.windows(2) {
+        all.push(pair[0]);
+        if pair[0].1.is_some() || pair[1].1.is_some() {
+            all.extend((pair[0].0 + 1..pair[1].0).map(|i| (i, at(i))));
+        }
+    }
+    all.push((last, end));
+    all
+}
+
 /// The last parameter with a value on the way from `inside` to `outside`.
-fn end_of(at: &dyn Fn(f64) -> Option<Contact>, inside: f64, outside: f64) -> f64 {
+fn end_of(at: &dyn Fn(f64) -> Option<Contact>, inside: f64, outside: f64, bisections: usize) -> f64 {
     let (mut good, mut bad) = (inside, outside);
-    for _ in 0..BISECTIONS {
+    for _ in 0..bisections {
         let middle = 0.5 * (good + bad);
         if at(middle).is_some() { good = middle } else { bad = middle }
     }

@@ -4,15 +4,18 @@
 //! every loop that the knots can see; then contacts at equal distances along it are brought to the reading by Newton's method
 //! on the sheet's own polynomials.
 
-use super::family::along;
+use super::family::{PROBES, stepped};
 use super::{Contact, ContactModel};
 use crate::beam::field::{BLOCK, Cell, Read, Sheet, Spot};
 use crate::plane::Vec2;
 use std::cell::Cell as Slot;
 
-/// Newton steps to the reading, and the last one, as a share of a cell.
+/// Most Newton steps to the reading; the last one is at most `LAST_STEP` of a cell long and leaves at most `LEFT`.
 const STEPS: usize = 10;
-const LAST_STEP: f64 = 0.01;
+const LAST_STEP: f64 = 0.25;
+const LEFT: f64 = 1e-4;
+/// Steps below this share of a cell do not tell how the reading bends.
+const SHORT: f64 = 1e-3;
 /// How far out of its cell a place may be, as a share, before the next cell takes it.
 const OUT: f64 = 0.1;
 
@@ -53,18 +56,15 @@ pub(super) fn level(
     let mut pieces = Vec::new();
     for chain in Crossings::new(sheet, read, value).chains() {
         let Some(last) = chain.last().map(|link| link.start + link.length) else { continue };
-        let near = Slot::new(0);
+        let trail = Trail { sheet, read, value, chain: &chain, near: Slot::new(0), bend: Slot::new(0.0) };
         let at = |d: f64| {
-            let (spot, off) = on_curve(sheet, read, value, (&chain, &near), d)?;
+            let (spot, off) = trail.at(d)?;
             let contact = Some(contact(&spot, model.sheet_tilt())).filter(|c| model.limits().admit(c))?;
             error.set(error.get().max(off));
             Some(contact)
         };
-        let step = last / (nodes - 1) as f64;
-        match (0..nodes).map(|i| at(step * i as f64)).collect::<Option<Vec<_>>>() {
-            Some(whole) => pieces.push(whole),
-            None => pieces.extend(along([0.0, last], &[], nodes, &at)),
-        }
+        // Within a cell the first mode hardly ends twice.
+        pieces.extend(stepped([0.0, last], nodes, PROBES.min(2 * chain.len()), &at));
     }
     (pieces, sheet.position_error() + error.get())
 }
@@ -75,61 +75,76 @@ pub(super) fn contact(spot: &Spot, tilt: f64) -> Contact {
     Contact { force, s_a, phi_a, position: contact, moment, tilt }
 }
 
-/// The contact at distance `d` along a chain, looked for from the link `near` on, and how far the beam's own curve may be from it (m).
-fn on_curve(
-    sheet: &Sheet,
+/// A curve that is walked along, and what the last place has told about the next.
+struct Trail<'a> {
+    sheet: &'a Sheet,
     read: Read,
     value: f64,
-    (chain, near): (&[Link], &Slot<usize>),
-    d: f64,
-) -> Option<(Spot, f64)> {
-    let mut i = if chain[near.get()].start <= d { near.get() } else { 0 };
-    while i + 1 < chain.len() && chain[i + 1].start <= d {
-        i += 1;
-    }
-    near.set(i);
-    let Link { cell, from, to, start, length } = chain[i];
-    let share = if length > 0.0 { ((d - start) / length).clamp(0.0, 1.0) } else { 0.0 };
-    let at = [from[0] + share * (to[0] - from[0]), from[1] + share * (to[1] - from[1])];
-    // At the chart's ends only the load is free.
-    let at_base = cell.0 == 0 && at[0] <= 0.0;
-    let at_tip = cell.0 + 2 == sheet.rows() && at[0] >= 1.0;
-    let (cell, at, slope, step) = corrected(sheet, read, value, cell, at, at_base || at_tip)?;
-    let spot = sheet.spot(cell, at)?;
-    Some((spot, sheet.level_error(read, value, slope, step, cell.0)))
+    chain: &'a [Link],
+    /// The link of the last place.
+    near: Slot<usize>,
+    /// How much more was read there after a step than a straight reading has, over the square of the step.
+    bend: Slot<f64>,
 }
 
-/// The place next to `at` that reads the value, how fast the reading rises there, by shares of the cell, and the last step.
-fn corrected(
-    sheet: &Sheet,
-    read: Read,
-    value: f64,
-    mut cell: Cell,
-    mut at: [f64; 2],
-    mut pinned: bool,
-) -> Option<(Cell, [f64; 2], f64, f64)> {
-    for _ in 0..STEPS {
-        let [excess, by_a, by_b] = sheet.excess(read, value, cell, at);
-        let slope = if pinned { by_b.abs() } else { (by_a * by_a + by_b * by_b).sqrt() };
-        let size = excess / slope;
-        if !size.is_finite() {
-            return None;
+impl Trail<'_> {
+    /// The contact at distance `d` along the chain, and how far the beam's own curve may be from it (m).
+    fn at(&self, d: f64) -> Option<(Spot, f64)> {
+        let mut i = if self.chain[self.near.get()].start <= d { self.near.get() } else { 0 };
+        while i + 1 < self.chain.len() && self.chain[i + 1].start <= d {
+            i += 1;
         }
-        let most = size.clamp(-1.0, 1.0) / slope;
-        if !pinned {
-            at[0] -= most * by_a;
-        }
-        at[1] -= most * by_b;
-        let ends = (cell.0 == 0 && at[0] < 0.0, cell.0 + 2 == sheet.rows() && at[0] > 1.0);
-        if ends.0 || ends.1 {
-            at[0] = f64::from(u8::from(ends.1));
-            pinned = true;
-        } else if size.abs() < LAST_STEP {
-            return Some((cell, at, slope, size));
-        }
-        (cell, at) = sheet.settled(cell, at, OUT);
+        self.near.set(i);
+        let Link { cell, from, to, start, length } = self.chain[i];
+        let share = if length > 0.0 { ((d - start) / length).clamp(0.0, 1.0) } else { 0.0 };
+        let at = [from[0] + share * (to[0] - from[0]), from[1] + share * (to[1] - from[1])];
+        // At the chart's ends only the load is free.
+        let at_base = cell.0 == 0 && at[0] <= 0.0;
+        let at_tip = cell.0 + 2 == self.sheet.rows() && at[0] >= 1.0;
+        self.corrected(cell, at, at_base || at_tip)
     }
-    None
+
+    /// The contact next to `at` that reads the value, and how far the beam's own curve may be from it (m).
+    fn corrected(&self, mut cell: Cell, mut at: [f64; 2], mut pinned: bool) -> Option<(Spot, f64)> {
+        let (sheet, read, value) = (self.sheet, self.read, self.value);
+        for _ in 0..STEPS {
+            let [excess, by_a, by_b] = sheet.excess(read, value, cell, at);
+            let slope = if pinned { by_b.abs() } else { (by_a * by_a + by_b * by_b).sqrt() };
+            let straight = excess / slope;
+            if !straight.is_finite() {
+                return None;
+            }
+            // Where the step is short, what bent the reading at the place before bends it here, too.
+            let bend = self.bend.get();
+            let more = if straight.abs() < LAST_STEP { bend * straight * straight / slope } else { 0.0 };
+            let size = straight + more.clamp(-0.5 * straight.abs(), 0.5 * straight.abs());
+            let most = size.clamp(-1.0, 1.0) / slope;
+            if !pinned {
+                at[0] -= most * by_a;
+            }
+            at[1] -= most * by_b;
+            let ends = (cell.0 == 0 && at[0] < 0.0, cell.0 + 2 == sheet.rows() && at[0] > 1.0);
+            if ends.0 || ends.1 {
+                at[0] = f64::from(u8::from(ends.1));
+                pinned = true;
+            }
+            (cell, at) = sheet.settled(cell, at, OUT);
+            if ends.0 || ends.1 || straight.abs() >= LAST_STEP {
+                continue;
+            }
+            // What the step has left is read together with all else, and hardly ever too much.
+            let spot = sheet.reading_spot(read, value, cell, at);
+            if let Some((_, excess)) = spot.filter(|_| straight.abs() > SHORT) {
+                self.bend.set(bend + excess / (straight * straight));
+            }
+            // Where there is none, a tenth of what a step leaves is read off the step.
+            let left = spot.map_or(0.1 * size * size, |(_, excess)| (excess / slope).abs());
+            if left < LEFT {
+                return spot.map(|(spot, _)| (spot, sheet.level_error(read, value, slope, left, cell.0)));
+            }
+        }
+        None
+    }
 }
 
 impl<'a> Crossings<'a> {
@@ -156,6 +171,9 @@ impl<'a> Crossings<'a> {
         let mut chains = Vec::new();
         for ends_only in [true, false] {
             for row in 0..self.sheet.rows() {
+                if self.across[row] | self.along[row] == 0 {
+                    continue;
+                }
                 let (before, after) = (self.live(row.wrapping_sub(1)), self.live(row));
                 let (across, along) =
                     if ends_only { (before ^ after, after ^ after << 1) } else { (before & after, after & after << 1) };
@@ -190,7 +208,7 @@ impl<'a> Crossings<'a> {
                 (None, Some((_, own))) => (on_side(own, along_side(first.1, first.2)), first.3),
                 (None, None) => return chain,
             };
-            let length = place.distance(end_place);
+            let length = (end_place - place).norm_squared().sqrt();
             chain.push(Link { cell, from, to, start, length });
             start += length;
             let Some(exit) = exit else { return chain };
@@ -218,12 +236,14 @@ impl<'a> Crossings<'a> {
     }
 
     /// The reading at the corner at which a side starts, going around the cell.
+    #[inline]
     fn reading(&self, (i, j): Cell, corner: usize) -> f64 {
         let (p, q) = CORNERS[corner % 4];
         self.readings[(i + p) * self.sheet.columns() + j + q]
     }
 
     /// Where the value lies on a side: shares of the cell and place, both between corners.
+    #[inline]
     fn crossing(&self, (i, j): Cell, side: Side) -> ([f64; 2], Vec2) {
         let (a, b) = (self.reading((i, j), side), self.reading((i, j), side + 1));
         let share = ((self.value - a) / (b - a)).clamp(0.0, 1.0);
@@ -233,6 +253,7 @@ impl<'a> Crossings<'a> {
         ([mix(p.0, q.0), mix(p.1, q.1)], from + share * (to - from))
     }
 
+    #[inline]
     fn word(&mut self, (i, j): Cell, side: Side) -> (&mut u128, usize) {
         match side {
             0 => (&mut self.across[i], j),
@@ -242,6 +263,7 @@ impl<'a> Crossings<'a> {
         }
     }
 
+    #[inline]
     fn is_crossed(&self, (i, j): Cell, side: Side) -> bool {
         let (word, bit) = match side {
             0 => (self.across[i], j),
@@ -252,6 +274,7 @@ impl<'a> Crossings<'a> {
         word >> bit & 1 == 1
     }
 
+    #[inline]
     fn take(&mut self, cell: Cell, side: Side) {
         let (word, bit) = self.word(cell, side);
         *word &= !(1 << bit);
@@ -292,22 +315,26 @@ fn on_side(side: Side, share: f64) -> [f64; 2] {
 /// Which knots read more than the value. Blocks of knots that all do, or all do not, are not looked into.
 fn above(sheet: &Sheet, read: Read, value: f64) -> Vec<u128> {
     let (rows, columns, readings) = (sheet.rows(), sheet.columns(), sheet.readings(read));
-    let ranges = sheet.blocks(read);
-    let mut words = vec![0u128; rows];
-    let across = columns.div_ceil(BLOCK);
-    for (number, [lo, hi]) in ranges.iter().enumerate() {
-        let (row, column) = (number / across * BLOCK, number % across * BLOCK);
-        if *hi <= value {
-            continue;
-        }
-        for r in row..(row + BLOCK).min(rows) {
-            let line = &readings[r * columns + column..r * columns + (column + BLOCK).min(columns)];
-            let byte = if *lo > value {
-                0xff
-            } else {
-                line.iter().enumerate().fold(0u128, |byte, (k, x)| byte | u128::from(*x > value) << k)
-            };
-            words[r] |= byte << column;
+    let mut words = Vec::with_capacity(rows);
+    for (number, ranges) in sheet.blocks(read).chunks_exact(columns.div_ceil(BLOCK)).enumerate() {
+        let bits = |inside: &dyn Fn(&[f64; 2]) -> bool, each: u128| {
+            ranges
+                .iter()
+                .enumerate()
+                .filter(|(_, range)| inside(range))
+                .fold(0, |word, (k, _)| word | each << (k * BLOCK))
+        };
+        let (whole, mut part) =
+            (bits(&|range| range[0] > value, 0xff), bits(&|[lo, hi]| *lo <= value && *hi > value, 1));
+        let first = number * BLOCK;
+        words.resize((first + BLOCK).min(rows), whole);
+        while part != 0 {
+            let column = part.trailing_zeros() as usize;
+            part &= part - 1;
+            for (word, line) in words[first..].iter_mut().zip(readings[first * columns..].chunks_exact(columns)) {
+                let knots = line[column..].iter().take(BLOCK).enumerate();
+                *word |= u128::from(knots.fold(0u32, |byte, (k, x)| byte | u32::from(*x > value) << k)) << column;
+            }
         }
     }
     words

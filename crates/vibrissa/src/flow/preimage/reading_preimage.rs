@@ -1,7 +1,7 @@
 //! The robot states that explain readings: contact sets laid against the whole boundary.
 
 use super::painter::Painter;
-use super::solid::Solid;
+use super::solid::{Solid, deep_cells};
 use super::state_grid::{Raster, StateGrid};
 use super::thin::ThinWalls;
 use super::touch::{Touch, touches};
@@ -231,8 +231,8 @@ fn laid(
         Construction::Distance => painter.turn(&mut states, options.headings),
     }
     // The robot's origin is the whisker's base, which is never inside something solid.
-    let based = (options.collision_free && mount <= 0.0).then(|| Solid::new(map, *states.raster(), 0.0));
-    let possible = |index: usize| based.as_ref().is_none_or(|solid| !solid.is_deep_cell(index));
+    let deep = (options.collision_free && mount <= 0.0).then(|| deep_cells(map, states.raster(), 0.0));
+    let possible = |index: usize| deep.as_ref().is_none_or(|deep| !deep[index]);
     let sampled_area = states.area_of(possible);
     states.grown((deviation / options.cell - 1e-9).ceil().max(0.0) as usize);
     states.retain(possible);

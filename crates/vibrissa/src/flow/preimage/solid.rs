@@ -4,6 +4,8 @@ use super::state_grid::Raster;
 use crate::plane::Vec2;
 use crate::world::{Map, Role};
 
+/// Columns whose distances are told together.
+const COLUMNS: usize = 16;
 /// Largest distance between a boundary and the chain that stands for it here (m).
 const CHAIN_TOLERANCE: f64 = 1e-5;
 
@@ -23,13 +25,8 @@ const LEAST_ROOM: f32 = 1e-9;
 impl Solid {
     /// The places of `map` that are further than `depth` (m) from everything free, for certain.
     pub(super) fn new(map: &Map, raster: Raster, depth: f64) -> Self {
-        let free = free_cells(map, &raster);
-        let distance = squared_distance(&free, raster.columns, raster.rows);
-        // From anywhere in a cell to its middle, and the same at the free end.
-        let limit = depth / raster.cell + core::f64::consts::SQRT_2;
-        let deep: Vec<bool> = distance.iter().map(|&d| f64::from(d) > limit * limit).collect();
         let beyond = map.boundaries().iter().any(|b| b.role() == Role::Arena);
-        Self { room: room(&deep, &raster), raster, beyond }
+        Self { room: room(&deep_cells(map, &raster, depth), &raster), raster, beyond }
     }
 
     /// How far a point at `point` (m) can move without a change of whether it is deep in something solid; negative where it is.
@@ -41,11 +38,14 @@ impl Solid {
             None => LEAST_ROOM,
         }
     }
+}
 
-    /// Whether a whole cell of the raster is deep in something solid.
-    pub(super) fn is_deep_cell(&self, index: usize) -> bool {
-        self.room[index] < 0.0
-    }
+/// Which cells of a raster are further than `depth` (m) from everything free on `map`, for certain and as a whole.
+pub(super) fn deep_cells(map: &Map, raster: &Raster, depth: f64) -> Vec<bool> {
+    let distance = squared_distance(&free_cells(map, raster), raster.columns, raster.rows);
+    // From anywhere in a cell to its middle, and the same at the free end.
+    let limit = depth / raster.cell + core::f64::consts::SQRT_2;
+    distance.iter().map(|&d| f64::from(d) > limit * limit).collect()
 }
 
 /// The room of each cell: to the nearest cell of the other kind, less what two points can be off their cells' middles.
@@ -140,17 +140,20 @@ fn squared_distance(marked: &[bool], columns: usize, rows: usize) -> Vec<f32> {
         }
     }
     let mut envelope = Envelope::default();
-    let mut line = vec![0.0; rows];
-    for column in 0..columns {
-        for row in 0..rows {
-            line[row] = distance[row * columns + column];
+    // Some columns at once, as a row holds them side by side in memory.
+    let mut lines = vec![vec![0.0; rows]; COLUMNS];
+    for first in (0..columns).step_by(COLUMNS) {
+        let count = COLUMNS.min(columns - first);
+        for (row, line) in distance.chunks_exact(columns).enumerate() {
+            lines.iter_mut().zip(&line[first..first + count]).for_each(|(column, d)| column[row] = *d);
         }
-        if line.iter().all(|&d| d <= 0.0) {
-            continue;
+        for column in &mut lines[..count] {
+            if column.iter().any(|&d| d > 0.0) {
+                envelope.of(column);
+            }
         }
-        envelope.of(&line);
-        for row in 0..rows {
-            distance[row * columns + column] = envelope.next(row, &line);
+        for (row, line) in distance.chunks_exact_mut(columns).enumerate() {
+            lines.iter().zip(&mut line[first..first + count]).for_each(|(column, d)| *d = column[row]);
         }
     }
     distance
@@ -159,41 +162,36 @@ fn squared_distance(marked: &[bool], columns: usize, rows: usize) -> Vec<f32> {
 /// The lower envelope of the parabolas over one column.
 #[derive(Default)]
 struct Envelope {
-    peaks: Vec<usize>,
-    starts: Vec<f64>,
-    at: usize,
+    /// Where each parabola of the envelope stands, its height, and from where on it is the lowest.
+    peaks: Vec<(usize, f32, f64)>,
 }
 
 impl Envelope {
-    fn of(&mut self, heights: &[f32]) {
+    /// Lowers heights to the envelope of the parabolas over them.
+    fn of(&mut self, heights: &mut [f32]) {
         self.peaks.clear();
-        self.starts.clear();
-        self.at = 0;
-        let lift = |q: usize| f64::from(heights[q]) + (q * q) as f64;
-        for q in 0..heights.len() {
+        for (q, &height) in heights.iter().enumerate() {
+            let lift = |q: usize, height: f32| f64::from(height) + (q * q) as f64;
             let mut start = f64::NEG_INFINITY;
-            while let (Some(&p), Some(&from)) = (self.peaks.last(), self.starts.last()) {
-                start = (lift(q) - lift(p)) / (2 * (q - p)) as f64;
+            while let Some(&(p, lower, from)) = self.peaks.last() {
+                start = (lift(q, height) - lift(p, lower)) / (2 * (q - p)) as f64;
                 if start > from {
                     break;
                 }
                 self.peaks.pop();
-                self.starts.pop();
                 start = f64::NEG_INFINITY;
             }
-            self.peaks.push(q);
-            self.starts.push(start);
+            self.peaks.push((q, height, start));
         }
-    }
-
-    /// The height over `place`; places are asked for in order.
-    fn next(&mut self, place: usize, heights: &[f32]) -> f32 {
-        while self.starts.get(self.at + 1).is_some_and(|&s| s < place as f64) {
-            self.at += 1;
+        let mut at = 0;
+        for (place, height) in heights.iter_mut().enumerate() {
+            while self.peaks.get(at + 1).is_some_and(|next| next.2 < place as f64) {
+                at += 1;
+            }
+            let (peak, lower, _) = self.peaks[at];
+            let away = place.abs_diff(peak) as f32;
+            *height = away * away + lower;
         }
-        let peak = self.peaks[self.at];
-        let away = place.abs_diff(peak) as f32;
-        away * away + heights[peak]
     }
 }
 

@@ -1,0 +1,71 @@
+//! Two bicubic polynomials at once, by powers.
+
+use crate::beam::pair::Pair;
+
+/// Coefficients by powers from (start, slope, end, slope), slopes per share of the way.
+pub(super) fn powers([a, da, b, db]: [f64; 4]) -> [f64; 4] {
+    let rise = b - a;
+    [a, da, 3.0 * rise - 2.0 * da - db, da + db - 2.0 * rise]
+}
+
+/// Two cubics by Horner's scheme.
+#[inline(always)]
+pub(super) fn cubics(x: f64, [c0, c1, c2, c3]: &[Pair; 4]) -> Pair {
+    c3.times(x).plus(*c2).times(x).plus(*c1).times(x).plus(*c0)
+}
+
+/// Two cubics and their slopes in one go.
+#[inline(always)]
+pub(super) fn slide(x: f64, [c0, c1, c2, c3]: &[Pair; 4]) -> (Pair, Pair) {
+    let three = c3.times(x);
+    let two = three.plus(*c2);
+    let one = two.times(x).plus(*c1);
+    (one.times(x).plus(*c0), three.plus(two).times(x).plus(one))
+}
+
+/// Two bicubics in `s` and `t`: the powers of `s` in rows.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Bicubics(pub(super) [[Pair; 4]; 4]);
+
+impl Bicubics {
+    /// From the coefficients of each.
+    pub(super) fn new(first: &[[f64; 4]; 4], second: &[[f64; 4]; 4]) -> Self {
+        let pair = |p: usize, q: usize| Pair::new(first[p][q], second[p][q]);
+        Self([0, 1, 2, 3].map(|p| [0, 1, 2, 3].map(|q| pair(p, q))))
+    }
+
+    #[inline(always)]
+    pub(super) fn value(&self, s: f64, t: f64) -> Pair {
+        let [a, b, c, d] = &self.0;
+        cubics(s, &[cubics(t, a), cubics(t, b), cubics(t, c), cubics(t, d)])
+    }
+
+    /// Values, slopes by `s` and slopes by `t`.
+    #[inline(always)]
+    pub(super) fn jet(&self, s: f64, t: f64) -> [Pair; 3] {
+        let [a, b, c, d] = &self.0;
+        let ((a, a_t), (b, b_t)) = (slide(t, a), slide(t, b));
+        let ((c, c_t), (d, d_t)) = (slide(t, c), slide(t, d));
+        let (value, by_s) = slide(s, &[a, b, c, d]);
+        [value, by_s, cubics(s, &[a_t, b_t, c_t, d_t])]
+    }
+}
+
+/// The sixteen coefficients by powers of a bicubic that has at the corners (0, 0), (0, 1), (1, 0), (1, 1) of a cell with sides `h`
+/// these values, derivatives by the first number, by the second, and by both; in shares of the cell.
+pub(super) fn coefficients(corners: [[f64; 4]; 4], h: (f64, f64)) -> [[f64; 4]; 4] {
+    // Along the second number first: values and derivatives by the first, at both of its ends.
+    let line = |p: usize, kind: usize| {
+        let (a, b) = (corners[2 * p], corners[2 * p + 1]);
+        powers([a[kind], a[kind + 2] * h.1, b[kind], b[kind + 2] * h.1])
+    };
+    let (start, start_slope, end, end_slope) = (line(0, 0), line(0, 1), line(1, 0), line(1, 1));
+    let mut all = [[0.0; 4]; 4];
+    for q in 0..4 {
+        let column = powers([start[q], start_slope[q] * h.0, end[q], end_slope[q] * h.0]);
+        for (row, c) in all.iter_mut().zip(column) {
+            row[q] = c;
+        }
+    }
+    all
+}
