@@ -11,12 +11,11 @@ use pyo3::types::PyDict;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use vibrissa::beam::Whisker;
-use vibrissa::config::{StaircaseOptions, TapOptions};
+use vibrissa::config::StaircaseOptions;
 use vibrissa::flow::sensor_log::foreign::{Format, Recording};
-use vibrissa::flow::taps::{Tap, taps};
 use vibrissa::tasks::calibrate::{
-    Constant, DistanceFit, DistanceSet, LeftOut, Shaft, Taper, calibrate_contacts, fit_distance, leave_one_out,
-    staircase,
+    Constant, DistanceFit, DistanceSet, LeftOut, Shaft, TapSets, Taper, calibrate_contacts, fit_distance,
+    leave_one_out, read_taps, staircase,
 };
 use vibrissa::world::calibration::{Calibration, Motion, Source};
 use vibrissa::{Error, Result};
@@ -162,27 +161,6 @@ impl ShaftIn {
     }
 }
 
-/// The taps of a recording.
-fn read_taps(
-    path: &Path,
-    format: Option<Format>,
-    channel: &str,
-    reference: Option<&str>,
-) -> Result<(Recording, Vec<Tap>)> {
-    let mut recording = Recording::read(path, format.unwrap_or_else(|| Format::of_taps(path)))?;
-    if let Some(reference) = reference {
-        let sensor = channel.rsplit_once('.').map_or("", |(sensor, _)| sensor);
-        recording.subtract_reference(sensor, reference)?;
-    }
-    if recording.t.is_empty() {
-        return Err(Error::data("the recording has no time")
-            .in_file(path)
-            .remedy("taps need a column t, or a format that knows its rate"));
-    }
-    let found = taps(&recording.t, recording.require(channel)?, &TapOptions::default());
-    Ok((recording, found))
-}
-
 /// A calibration of distances from taps at known distances (m).
 #[pyfunction]
 pub(crate) fn calibrate_taps<'py>(
@@ -196,7 +174,7 @@ pub(crate) fn calibrate_taps<'py>(
     let whisker = whisker.map(|whisker| whisker.whisker()).transpose().or_raise(py)?;
     let channel = shaft.channel.clone().unwrap_or_else(|| "ax".to_owned());
     let shape = shaft.shaft(Motion::Turn, whisker.as_ref()).or_raise(py)?;
-    let (mut sets, mut data) = (Vec::<DistanceSet>::new(), Vec::new());
+    let mut gathered = TapSets::default();
     for (distance, path) in files {
         if !(distance > 0.0 && distance <= shape.length) {
             let error = Error::usage("a distance off the shaft").value(format!("{distance} m"));
@@ -205,21 +183,12 @@ pub(crate) fn calibrate_taps<'py>(
         let read = py.detach(|| read_taps(&path, format, &channel, shaft.reference.as_deref()));
         let (recording, found) = read.or_raise(py)?;
         tell(py, &recording)?;
-        let samples: Vec<(f64, f64)> = found.iter().map(|tap| (distance, tap.slope)).collect();
-        if samples.is_empty() {
+        if !gathered.add(&path, distance, &recording, &found) {
             let text = format!("{}: no taps found, the file is left out; check format and channel", path.display());
             warn(py, &[text])?;
-            continue;
-        }
-        let rows = recording.lines.len();
-        data.push(Source { file: file_name(&path), rows, used: samples.len(), distance: Some(distance) });
-        // Several files of one distance belong together: none of them may be judged by the others.
-        match sets.iter_mut().find(|set| set.samples.first().is_some_and(|s| (s.0 - distance).abs() < 1e-9)) {
-            Some(set) => set.samples.extend(samples),
-            None => sets.push(DistanceSet { source: path.display().to_string(), samples }),
         }
     }
-    fitted(py, sets, shape, channel, data)
+    fitted(py, gathered.sets, shape, channel, gathered.data)
 }
 
 /// A calibration of distances from a staircase of lateral travel.

@@ -59,33 +59,36 @@ fn echoed(text: &str) -> Vec<Vec2> {
 
 fn main() {
     println!(
-        "| file | points | mean residual, known size (mm) | free scale (mm) | scale | free sizes (mm) | apothem, corner radius (mm; known) |"
+        "| file | points | mean residual, known size (mm) | free scale (mm) | scale | free offset (mm) | offset (mm) | free sizes (mm) | apothem, corner radius (mm; known) |"
     );
-    println!("| --- | --- | --- | --- | --- | --- | --- |");
+    println!("| --- | --- | --- | --- | --- | --- | --- | --- | --- |");
     let mut headline = Vec::new();
     for path in std::env::args().skip(1) {
         let name = std::path::Path::new(&path).file_name().unwrap_or_default().to_string_lossy().into_owned();
         let Some(shape) = object(&name) else {
-            println!("| {name} | skipped: no object is known under this name | | | | | |");
+            println!("| {name} | skipped: no object is known under this name | | | | | | | |");
             continue;
         };
         let Ok(text) = std::fs::read(&path).map(|bytes| String::from_utf8_lossy(&bytes).into_owned()) else {
-            println!("| {name} | skipped: cannot be read | | | | | |");
+            println!("| {name} | skipped: cannot be read | | | | | | | |");
             continue;
         };
         let (points, dropped) = points(&text);
-        let fits = [FreeSize::None, FreeSize::Scale, FreeSize::All].map(|free| fit_shape(&points, shape, free));
-        let [Some(known), Some(scaled), Some(sized)] = fits else {
-            println!("| {name} | skipped: {} points | | | | | |", points.len());
+        let fits = [FreeSize::None, FreeSize::Scale, FreeSize::Offset, FreeSize::All]
+            .map(|free| fit_shape(&points, shape, free));
+        let [Some(known), Some(scaled), Some(offset), Some(sized)] = fits else {
+            println!("| {name} | skipped: {} points | | | | | | | |", points.len());
             continue;
         };
         let dropped = if dropped > 0 { format!(" ({dropped} lines dropped)") } else { String::new() };
         println!(
-            "| {name} | {}{dropped} | {:.2} | {:.2} | {:.4} | {:.2} | {:.1}, {:.1} ({:.1}, {:.1}) |",
+            "| {name} | {}{dropped} | {:.2} | {:.2} | {:.4} | {:.2} | {:.1} | {:.2} | {:.1}, {:.1} ({:.1}, {:.1}) |",
             points.len(),
             1e3 * known.misfit.mean,
             1e3 * scaled.misfit.mean,
             scaled.shape.apothem / shape.apothem,
+            1e3 * offset.misfit.mean,
+            1e3 * (offset.shape.apothem - shape.apothem),
             1e3 * sized.misfit.mean,
             1e3 * sized.shape.apothem,
             1e3 * sized.shape.corner_radius,
@@ -93,7 +96,12 @@ fn main() {
             1e3 * shape.corner_radius
         );
         let stem = name.split('.').next().unwrap_or_default().to_owned();
-        headline.push(format!("{stem} {:.2} / {:.2}", 1e3 * known.misfit.mean, 1e3 * scaled.misfit.mean));
+        headline.push(format!(
+            "{stem} {:.2} / {:.2} / {:.2}",
+            1e3 * known.misfit.mean,
+            1e3 * scaled.misfit.mean,
+            1e3 * offset.misfit.mean
+        ));
     }
-    println!("headline: mean residual (mm), known size / free scale: {}", headline.join(", "));
+    println!("headline: mean residual (mm), known size / free scale / free offset: {}", headline.join(", "));
 }

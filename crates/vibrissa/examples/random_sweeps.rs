@@ -6,44 +6,27 @@
 
 #[path = "../tests/data/random.rs"]
 mod random;
+#[path = "../tests/data/random_arena.rs"]
+mod random_arena;
 
 use random::Random;
+use random_arena::{Draws, sweep_of};
 use vibrissa::flow::pose::{Localization, Status};
-use vibrissa::plane::{Pose2, Vec2, wrap_angle};
+use vibrissa::plane::{Pose2, wrap_angle};
 use vibrissa::tasks::demo;
-use vibrissa::tasks::simulate::{Pace, Sweep, SweepNoise, path_through, simulate_tip_sweep};
-use vibrissa::world::{Map, Robot};
+use vibrissa::world::Robot;
 use vibrissa::{LocalizeOptions, Result, localize};
 
-/// A sweep along a random stretch of wall, if it is one of tip contact all the way.
-fn sweep(map: &Map, draw: &mut Random, seed: u64) -> Option<Sweep> {
-    let samples = map.samples(1e-3);
-    let start = samples[draw.between(0.0, samples.len() as f64) as usize];
-    let (along, inward) = (Vec2::from_angle(start.tangent), Vec2::from_angle(start.tangent).perp());
-    let forward = if draw.between(0.0, 1.0) < 0.5 { 1.0 } else { -1.0 };
-    // The whisker trails: it leans back from the direction of travel.
-    let lean = draw.between(0.5, 1.1);
-    let heading = (-inward).angle() - forward * lean;
-    let reach = 0.075 * lean.cos();
-    let length = draw.between(0.08, 0.16);
-    let place = |s: f64, off: f64| {
-        let p = start.position + along * (forward * s) + inward * off;
-        Pose2::new(p.x, p.y, heading)
-    };
-    let press = |draw: &mut Random| reach - draw.between(0.004, 0.02);
-    let way = [
-        place(0.0, reach + 0.004),
-        place(draw.between(0.005, 0.02), press(draw)),
-        place(0.5 * length, press(draw)),
-        place(length, press(draw)),
-    ];
-    if way.iter().any(|p| !map.is_free(p.position())) {
-        return None;
-    }
-    let path = path_through(&way, &Pace { speed: 0.15, turn_rate: 1.0, rate: 300.0 }).ok()?;
-    let sweep = simulate_tip_sweep(map, &Robot::default(), &path, &SweepNoise::seeded(seed)).ok()?;
-    (sweep.contacts.len() > 100).then_some(sweep)
-}
+/// Short sweeps, whose walls may look like others.
+const DRAWS: Draws = Draws {
+    first_half: 1.0,
+    lean: [0.5, 1.1],
+    off: 0.004,
+    pressed: [0.005, 0.02],
+    press: [0.004, 0.02],
+    length: [0.08, 0.16],
+    fewest: 100,
+};
 
 /// Whether a place's extent holds the truth.
 fn holds(answer: &Localization, truth: Pose2) -> bool {
@@ -63,7 +46,7 @@ fn main() -> Result<()> {
     let mut seed = first;
     while run < trials {
         seed += 1;
-        let Some(sweep) = sweep(&map, &mut Random(seed.wrapping_mul(0x9e37_79b9)), seed) else { continue };
+        let Some(sweep) = sweep_of(&map, &mut Random(seed.wrapping_mul(0x9e37_79b9)), seed, &DRAWS) else { continue };
         run += 1;
         let answer = localize(&sweep.log, &map, &Robot::default(), &LocalizeOptions::default(), &mut |_| {})?;
         let truth = sweep.truth[sweep.truth.len() - 1].map_from_robot;

@@ -195,11 +195,13 @@ pub struct ContactOptions {
     pub step_std: f64,
     /// How much a wall turns along the way (rad per root of a metre): 0.03 rad over a millimetre.
     pub turn: f64,
+    /// What the odometry's places are rounded to (m): a base that moves evenly within it is taken to move evenly. The paper's stage.
+    pub odometry_resolution: f64,
 }
 
 impl Default for ContactOptions {
     fn default() -> Self {
-        Self { spacing: 0.1e-3, rod_spacing: 0.75e-3, step_std: 1e-5, turn: 1.0 }
+        Self { spacing: 0.1e-3, rod_spacing: 0.75e-3, step_std: 1e-5, turn: 1.0, odometry_resolution: 1e-5 }
     }
 }
 
@@ -215,6 +217,7 @@ impl ContactOptions {
             ("rod_spacing", self.rod_spacing, 0.0, 0.01),
             ("step_std", self.step_std, 1e-7, 1e-2),
             ("turn", self.turn, 1e-3, 1e3),
+            ("odometry_resolution", self.odometry_resolution, 0.0, 1e-3),
         ] {
             if !(value >= lo && value <= hi) {
                 return Err(Error::usage(format!("the option {name} is out of range"))

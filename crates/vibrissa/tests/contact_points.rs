@@ -310,6 +310,40 @@ fn a_single_millimetre_tells_the_distance() {
     assert!((0.4..1.4).contains(&rms), "errors are {rms} of the standard deviations told");
 }
 
+/// Places rounded to 10 µm: a base that moves evenly tells its places better than its rows do, one that does not is left as it is.
+#[test]
+fn an_even_motion_outdoes_the_rounding_of_its_places() {
+    let noise = MomentNoise { moment_relative: 0.05, moment_absolute: 2e-6 };
+    let robot = Robot { whiskers: vec![MountedWhisker { noise, ..MountedWhisker::default() }], ..Robot::default() };
+    let as_they_are = ContactOptions { odometry_resolution: 0.0, ..ContactOptions::default() };
+    let mut random = Random(23);
+    let mut sums = [0.0; 2];
+    for case in 0..25 {
+        let (distance, side) = (0.035 + 0.035 * f64::from(case) / 25.0, random.sign());
+        let mut rows = |way: &dyn Fn(f64) -> f64| -> Vec<(Pose2, f64)> {
+            let row = |i: i32| {
+                let y = -side * way(f64::from(i) / 60.0);
+                let peg = Vec2::new(distance, 0.0);
+                let felt = |base| reading(Whisker::default(), base, peg).map_or(0.0, |r| r.moment);
+                let exact = if i > 0 { felt(Pose2::new(0.0, y, 0.0)) } else { 0.0 };
+                let told = Pose2::new(0.0, (y / 1e-5).round() * 1e-5, 0.0);
+                (told, exact + random.signed(1.0) * (0.05 * exact.abs() + 1.9e-6))
+            };
+            (-30..=60).map(row).collect()
+        };
+        let even = log_of(rows(&|u| 1e-3 * u));
+        for (sum, options) in sums.iter_mut().zip([ContactOptions::default(), as_they_are]) {
+            let report = contacts(&even, &robot, &options).unwrap();
+            let step = report.steps.iter().rev().find(|s| s.kind == ContactKind::Side).unwrap();
+            *sum += (step.position().unwrap().x / distance - 1.0).abs() / 25.0;
+        }
+        let uneven = log_of(rows(&|u| 1e-3 * u * (0.6 + 0.4 * u.abs())));
+        let [a, b] = [ContactOptions::default(), as_they_are].map(|o| contacts(&uneven, &robot, &o).unwrap());
+        assert_eq!(a, b, "a motion that is not even is none that was rounded");
+    }
+    assert!(sums[0] < 0.8 * sums[1] && sums[0] < 2e-3, "{sums:?}");
+}
+
 /// A base that turns past a peg: the same point, and Kaneko's closed form beside it.
 #[test]
 fn a_log_of_a_turn_past_a_peg() {

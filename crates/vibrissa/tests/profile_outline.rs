@@ -5,6 +5,7 @@
 #[path = "data/random.rs"]
 mod random;
 
+use core::f64::consts::PI;
 use random::Random;
 use std::path::{Path, PathBuf};
 use vibrissa::config::{ContactOptions, ProfileOptions};
@@ -140,6 +141,36 @@ fn rounded_polygons_and_circles_are_found_again() {
         let free = fit_shape(&points, wrong, FreeSize::All).unwrap();
         assert!((free.shape.apothem - apothem).abs() < 1e-6, "{sides}: {free:?}");
         assert!((free.shape.corner_radius - shape.corner_radius).abs() < 1e-5, "{sides}: {free:?}");
+    }
+}
+
+/// What felt an outline is not a point: the outline grown by its size is one of the same family, by hand.
+#[test]
+fn an_offset_and_far_corners_are_found_again() {
+    let (shape, offset) = (RoundedPolygon { sides: 4, apothem: 0.08, corner_radius: 0.04 }, 0.025);
+    let place = Pose2::new(0.3, -0.2, 0.4);
+    let outline = |grown: f64, corner: f64| -> Vec<Vec2> {
+        // Faces and arcs of a square with rounded corners, from their definition.
+        let inner = grown - corner;
+        let one = |k: u32| {
+            let (quarter, u) = (k / 50, f64::from(k % 50) / 50.0);
+            let p = if u < 0.5 {
+                Vec2::new(grown, inner * (4.0 * u - 1.0))
+            } else {
+                Vec2::new(inner, inner) + Vec2::from_angle(PI * (u - 0.5)) * corner
+            };
+            place.transform_point(p.rotated(f64::from(quarter) * 0.5 * PI))
+        };
+        (0..200).map(one).collect()
+    };
+    let grown = fit_shape(&outline(0.08 + offset, 0.04 + offset), shape, FreeSize::Offset).unwrap();
+    assert!((grown.shape.apothem - 0.105).abs() < 1e-6 && grown.misfit.max < 1e-6, "{grown:?}");
+    assert!((grown.shape.corner_radius - 0.065).abs() < 1e-6, "{grown:?}");
+    let scaled = fit_shape(&outline(0.08 + offset, 0.04 + offset), shape, FreeSize::Scale).unwrap();
+    assert!(scaled.misfit.mean > 1e-4, "a scale is no offset: {scaled:?}");
+    for corner in [0.01, 0.03, 0.082, 0.1] {
+        let free = fit_shape(&outline(0.1077, corner), shape, FreeSize::All).unwrap();
+        assert!((free.shape.corner_radius - corner).abs() < 1e-5 && free.misfit.max < 1e-5, "{corner}: {free:?}");
     }
 }
 

@@ -4,17 +4,12 @@
 
 #![allow(clippy::print_stdout, reason = "an example prints")]
 
-mod bound;
-mod chain;
-
-use bound::{bound, chance_of_all_below};
-use chain::{Chain, Experiment, Gain, Law, Outcome};
 use vibrissa::beam::{SmallAngle, Whisker};
 use vibrissa::figure::Document;
-
-/// The table's distances (m), moments (N m), and the error that the paper prints (%).
-const CASES: [(f64, f64, f64); 5] =
-    [(0.070, 0.19e-3, 2.1), (0.065, 0.20e-3, 0.6), (0.055, 0.28e-3, 1.4), (0.045, 0.42e-3, 1.1), (0.035, 0.63e-3, 0.3)];
+use vibrissa::tasks::batch::all_cores;
+use vibrissa::tasks::reproduce::contact_table::{
+    CASES, Chain, Experiment, Gain, Law, Outcome, bound, chance_of_all_below, trials_of,
+};
 
 /// Which of the answers of a trial is judged.
 #[derive(Clone, Copy)]
@@ -52,20 +47,8 @@ impl Column {
 }
 
 /// The errors of one experiment, judged three ways; a contact that is not found counts as an infinite error.
-fn columns(chain: &Chain, experiment: Experiment, seeds: u64, ways: &[(Way, &str)]) -> Vec<Column> {
-    let trial = |(case, distance): (usize, f64)| -> Vec<Outcome> {
-        (0..seeds).map(|seed| chain.trial(experiment, distance, 1000 * case as u64 + seed, seed)).collect()
-    };
-    // Each distance has seeds of its own, so that the threads' order does not matter.
-    let outcomes: Vec<Vec<Outcome>> = std::thread::scope(|scope| {
-        let trial = &trial;
-        let run = |(index, case): (usize, &(f64, f64, f64))| {
-            let distance = case.0;
-            scope.spawn(move || trial((index, distance)))
-        };
-        let threads: Vec<_> = CASES.iter().enumerate().map(run).collect();
-        threads.into_iter().filter_map(|thread| thread.join().ok()).collect()
-    });
+fn columns(chain: &Chain, experiment: Experiment, seeds: usize, ways: &[(Way, &str)]) -> Vec<Column> {
+    let outcomes = trials_of(chain, experiment, seeds, all_cores());
     let column = |&(way, name): &(Way, &str)| {
         let error = |outcome: &Outcome| match way {
             Way::ClosedForm => outcome.closed_form,
@@ -86,14 +69,14 @@ fn columns(chain: &Chain, experiment: Experiment, seeds: u64, ways: &[(Way, &str
 fn closed_forms() {
     println!("The paper's closed form, from its moments:");
     println!("| p_x (mm) | M0 (mN m) | d = sqrt(3 EI t_y / M0) (mm) |\n| --- | --- | --- |");
-    for (distance, moment, _) in CASES {
-        let d = SmallAngle::from_moment_and_deflection(Whisker::default().flexural_rigidity, moment, 1e-3);
-        println!("| {:.0} | {:.2} | {:.1} |", 1e3 * distance, 1e3 * moment, 1e3 * d.map_or(f64::NAN, |d| d.s_a));
+    for case in CASES {
+        let d = SmallAngle::from_moment_and_deflection(Whisker::default().flexural_rigidity, 1e-3 * case.moment, 1e-3);
+        println!("| {:.0} | {:.2} | {:.1} |", case.distance, case.moment, 1e3 * d.map_or(f64::NAN, |d| d.s_a));
     }
 }
 
 /// What normal errors of the same variance would allow any unbiased estimator.
-fn bounds(seeds: u64) {
+fn bounds(seeds: usize) {
     println!(
         "\nBound of Cramér and Rao for normal errors of the same variance, standard deviation of the distance (%):"
     );
@@ -104,9 +87,9 @@ fn bounds(seeds: u64) {
     println!("| --- | --- | --- | --- | --- | --- | --- |");
     for steps in [1, 2, 4] {
         for gain in [0.0, 0.01] {
-            let all = |gain: f64| CASES.map(|case| 100.0 * bound(case.0, steps, gain));
+            let all = |gain: f64| CASES.map(|case| 100.0 * bound(1e-3 * case.distance, steps, gain));
             let cells = all(gain).map(|std| format!("{std:.2}")).join(" | ");
-            let chance = chance_of_all_below(1.0, &all(0.0), 50.0 * gain, seeds);
+            let chance = chance_of_all_below(1.0, &all(0.0), 50.0 * gain, seeds as u64);
             println!("| {steps} mm, gain ±{:.0} % | {cells} | {:.3} |", 100.0 * gain, chance);
         }
     }
@@ -114,10 +97,10 @@ fn bounds(seeds: u64) {
 
 fn main() {
     let mut args = std::env::args().skip(1);
-    let seeds: u64 = args.next().and_then(|n| n.parse().ok()).unwrap_or(200).max(1);
+    let seeds: usize = args.next().and_then(|n| n.parse().ok()).unwrap_or(200).max(1);
     closed_forms();
     bounds(seeds);
-    let chain = match Chain::new(seeds) {
+    let chain = match Chain::new(seeds, all_cores()) {
         Ok(chain) => chain,
         Err(error) => {
             eprintln!("the simulated calibration failed: {error}");
@@ -125,7 +108,7 @@ fn main() {
         }
     };
     println!("\n{}", chain.summary());
-    let printed = CASES.iter().map(|case| case.2).sum::<f64>() / CASES.len() as f64;
+    let printed = CASES.iter().map(|case| case.paper[1]).sum::<f64>() / CASES.len() as f64;
     println!("\nThe paper's errors: mean {printed:.2} %, worst 2.1 %. Simulated, {seeds} seeds a distance:\n");
     println!("| relative error of the distance (%) | mean | median | 90th | 99th | worst | RMS in stds told |");
     println!("| --- | --- | --- | --- | --- | --- | --- |");

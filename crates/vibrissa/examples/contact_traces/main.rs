@@ -1,8 +1,9 @@
 //! How far `contact` is off, and whether it says so: scenarios, random sweeps and sweeps of another simulator.
 //!
-//! `cargo run --release --example contact_traces -- [TRIALS] [FIRST_SEED] [--steps]`. Random sweeps are those of the soundness
+//! `cargo run --release --example contact_traces -- [TRIALS] [FIRST_SEED] [--steps] [--turn RAD]`. Random sweeps are those of the soundness
 //! tests (arenas with posts, boxes, thin walls) without friction, their odometry exact, their moments read with independent
-//! uniform errors within the declared bounds. `--steps` prints every step of each sweep as well.
+//! uniform errors within the declared bounds. `--steps` prints every step of each sweep as well,
+//! `--turn` says how much walls turn (rad per root of a metre).
 
 #![allow(dead_code, reason = "what the tests share is more than is used here")]
 
@@ -26,34 +27,37 @@ use vibrissa::{Error, Result};
 fn main() -> Result<()> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let show = arguments.iter().any(|a| a == "--steps");
-    let mut numbers = arguments.iter().filter_map(|a| a.parse::<u64>().ok());
+    let turn = arguments.iter().skip_while(|a| *a != "--turn").nth(1).and_then(|a| a.parse().ok());
+    let default = ContactOptions::default();
+    let options = ContactOptions { turn: turn.unwrap_or(default.turn), ..default };
+    let mut numbers = arguments.iter().map_while(|a| a.parse::<u64>().ok());
     let (trials, first) = (numbers.next().unwrap_or(200), numbers.next().unwrap_or(1));
     println!("{}", Tally::HEAD);
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     for name in ["side_contact", "pipe", "obstacle_sweep"] {
-        let tally = scenario(&root.join(format!("../../scenarios/{name}.toml")), show)?;
+        let tally = scenario(&root.join(format!("../../scenarios/{name}.toml")), &options, show)?;
         println!("{}", tally.row(name));
     }
     for folder in
         std::env::var_os("VIBRISSA_SWEEPS").into_iter().chain([root.join("../../../shared/sweeps").into()]).take(1)
     {
-        given(Path::new(&folder), show)?;
+        given(Path::new(&folder), &options, show)?;
     }
     if trials > 0 {
-        random(trials, first, show)?;
+        random(trials, first, &options, show)?;
     }
     Ok(())
 }
 
 /// A scenario's sweep: its report beside its contacts.
-fn scenario(path: &Path, show: bool) -> Result<Tally> {
+fn scenario(path: &Path, options: &ContactOptions, show: bool) -> Result<Tally> {
     let scenario = Scenario::read(path)?;
     let simulation = scenario.simulate()?;
     let mut log = simulation.recording.log;
     for (row, index) in log.rows.iter_mut().zip(&simulation.recording.rows) {
         row.odom_from_robot = scenario.path[*index].map_from_robot;
     }
-    let report = contacts(&log, &scenario.robot, &ContactOptions::default())?;
+    let report = contacts(&log, &scenario.robot, options)?;
     let mut tally = Tally::default();
     tally.add(&report, &truths(&simulation.sweep.contacts), show);
     Ok(tally)
@@ -65,7 +69,7 @@ fn truths(touches: &[Touch]) -> Vec<True> {
 }
 
 /// Sweeps of an independent rod, with the tip of every row.
-fn given(folder: &Path, show: bool) -> Result<()> {
+fn given(folder: &Path, options: &ContactOptions, show: bool) -> Result<()> {
     if !folder.is_dir() {
         println!("skipped: no folder with sweeps at {}; set VIBRISSA_SWEEPS", folder.display());
         return Ok(());
@@ -86,7 +90,7 @@ fn given(folder: &Path, show: bool) -> Result<()> {
             let number = |line: &str| line.split(',').filter_map(|cell| cell.parse().ok()).collect::<Vec<f64>>();
             let tips = text.lines().skip(1).map(number).filter(|cells| cells.len() == 3);
             let tips = tips.map(|c| True { t: c[0], whisker: 0, position: Vec2::new(c[1], c[2]), side: false });
-            let report = contacts(&log, &robot, &ContactOptions::default())?;
+            let report = contacts(&log, &robot, options)?;
             let mut tally = Tally::default();
             tally.add(&report, &tips.collect::<Vec<True>>(), show);
             println!("{}", tally.row(&name));
@@ -98,7 +102,7 @@ fn given(folder: &Path, show: bool) -> Result<()> {
 }
 
 /// Random sweeps without friction, whether or not sides touch.
-fn random(trials: u64, first: u64, show: bool) -> Result<()> {
+fn random(trials: u64, first: u64, options: &ContactOptions, show: bool) -> Result<()> {
     let [mut tips, mut sides] = [Tally::default(), Tally::default()];
     let (mut seed, mut done) = (first, 0);
     while done < trials {
@@ -124,7 +128,7 @@ fn random(trials: u64, first: u64, show: bool) -> Result<()> {
         let rows = trial.path.iter().zip(&exact).enumerate().map(row).collect();
         let channels = vec![Channel { whisker: String::new(), quantity: Quantity::Moment }];
         let log = SensorLog { channels, rows, ..SensorLog::default() };
-        let report: ContactReport = contacts(&log, &trial.robot, &ContactOptions::default())?;
+        let report: ContactReport = contacts(&log, &trial.robot, options)?;
         let truths = truths(&trial.touches);
         let mut tally = Tally::default();
         if show {

@@ -10,7 +10,7 @@ use vibrissa::config::StaircaseOptions;
 use vibrissa::figure::{Plot, calibration_figure};
 use vibrissa::flow::sensor_log::foreign::{Format, Recording, Repairs};
 use vibrissa::tasks::calibrate::{
-    DistanceFit, DistanceSet, LeftOut, Shaft, Taper, fit_distance, leave_one_out, staircase,
+    DistanceFit, DistanceSet, LeftOut, Shaft, TapSets, Taper, fit_distance, leave_one_out, staircase,
 };
 use vibrissa::world::calibration::{Calibration, Motion, Source};
 use vibrissa::world::{Dimension, Robot};
@@ -60,26 +60,16 @@ pub(super) fn from_taps(
 ) -> Result<Report> {
     let shaft = args.shaft(Motion::Turn, robot)?;
     let channel = args.channel.clone().unwrap_or_else(|| "ax".to_owned());
-    let (mut sets, mut data, mut repairs) = (Vec::<DistanceSet>::new(), Vec::new(), Repairs::default());
+    let mut gathered = TapSets::default();
     for pair in taps {
         let (distance, path) = labelled(pair, shaft.length)?;
         let (recording, found) = read_taps(&path, format, &channel, args.reference.as_deref())?;
-        repairs = repairs.and(recording.repairs);
-        let source = path.display().to_string();
-        let samples: Vec<(f64, f64)> = found.iter().map(|tap| (distance, tap.slope)).collect();
-        let rows = recording.lines.len();
-        if samples.is_empty() {
+        if !gathered.add(&path, distance, &recording, &found) {
+            let source = path.display();
             warn(&format!("{source}: no taps found, the file is left out; check --format and --channel"));
-            continue;
-        }
-        data.push(Source { file: file_name(&path), rows, used: samples.len(), distance: Some(distance) });
-        // Several files of one distance belong together: none of them may be judged by the others.
-        match sets.iter_mut().find(|set| set.samples.first().is_some_and(|s| (s.0 - distance).abs() < 1e-9)) {
-            Some(set) => set.samples.extend(samples),
-            None => sets.push(DistanceSet { source, samples }),
         }
     }
-    report(&sets, shaft, channel, data, repairs)
+    report(&gathered.sets, shaft, channel, gathered.data, gathered.repairs)
 }
 
 /// A staircase at several distances.
@@ -91,7 +81,7 @@ pub(super) fn from_staircase(path: &Path, robot: Option<&Robot>, args: &Distance
     let sets = staircase(&recording, &channel, shaft.length, &StaircaseOptions::default())?;
     let used = sets.iter().map(|set| set.samples.len()).sum();
     let source = Source { file: file_name(path), rows: recording.lines.len(), used, distance: None };
-    report(&sets, shaft, channel, vec![source], recording.repairs)
+    report(&sets, shaft, channel, vec![source], recording.repairs).map_err(|error| error.in_file(path))
 }
 
 /// `60mm=deflection_60.csv`.

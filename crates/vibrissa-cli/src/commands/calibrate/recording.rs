@@ -3,30 +3,19 @@
 use super::tell;
 use std::path::Path;
 use vibrissa::Result;
-use vibrissa::config::TapOptions;
 use vibrissa::flow::sensor_log::foreign::{Format, Recording, Repairs};
-use vibrissa::flow::taps::{Tap, taps};
+use vibrissa::flow::taps::Tap;
+use vibrissa::tasks::calibrate;
 
-/// The taps of a recording and what was read.
+/// The taps of a recording and what was read; tells what was mended.
 pub(in crate::commands) fn read_taps(
     path: &Path,
     format: Option<Format>,
     channel: &str,
     reference: Option<&str>,
 ) -> Result<(Recording, Vec<Tap>)> {
-    let mut recording = Recording::read(path, format.unwrap_or_else(|| Format::of_taps(path)))?;
-    if let Some(reference) = reference {
-        let sensor = channel.rsplit_once('.').map_or("", |(sensor, _)| sensor);
-        recording.subtract_reference(sensor, reference)?;
-    }
+    let (recording, found) = calibrate::read_taps(path, format, channel, reference)?;
     say_repairs(&recording);
-    let reading = recording.require(channel)?;
-    if recording.t.is_empty() {
-        return Err(vibrissa::Error::data("the recording has no time")
-            .in_file(path)
-            .remedy("taps need a column t, or a format that knows its rate"));
-    }
-    let found = taps(&recording.t, reading, &TapOptions::default());
     Ok((recording, found))
 }
 

@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 use std::path::Path;
-use vibrissa::figure::{Outline, OutlineRole};
+use vibrissa::figure::Outline;
 use vibrissa::flow::pose::{Localization, Method, StampedPose};
 use vibrissa::flow::sensor_log::foreign::{Format, Recording};
 use vibrissa::flow::sensor_log::{Channel, LogRow, Quantity, SensorLog};
@@ -11,7 +11,7 @@ use vibrissa::flow::trajectory::read_tum;
 use vibrissa::tasks::StatesObserver;
 #[cfg(feature = "mcap")]
 use vibrissa::tasks::bag::{StampedStates, localization_mcap};
-use vibrissa::world::{Boundary, Map, Robot, Role};
+use vibrissa::world::{Map, Robot};
 use vibrissa::{LocalizeOptions, Result};
 
 /// How far a drawn boundary may be from the map's (m).
@@ -110,18 +110,5 @@ fn file_name(path: &Path) -> String {
 
 /// The map's boundaries flattened finely enough for any screen.
 pub(in crate::commands) fn outlines(map: &Map) -> Vec<Outline> {
-    let one = |boundary: &Boundary| {
-        let closed = boundary.curve().is_closed();
-        let mut points = boundary.curve().flatten(DRAWING_TOLERANCE);
-        if closed {
-            points.pop();
-        }
-        let role = match boundary.role() {
-            Role::Arena => OutlineRole::Arena,
-            Role::Obstacle => OutlineRole::Obstacle,
-            Role::Wall => OutlineRole::Wall,
-        };
-        Outline { points, role, closed }
-    };
-    map.boundaries().iter().map(one).collect()
+    vibrissa::tasks::outlines(map, DRAWING_TOLERANCE)
 }

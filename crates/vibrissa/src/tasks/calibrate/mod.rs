@@ -6,6 +6,7 @@ mod distance;
 mod labelled;
 mod moment_curve;
 mod staircase;
+mod tapped;
 
 pub use constants::{Constant, fit_constants};
 pub use contacts::{ContactCalibration, Taper, calibrate_contacts};
@@ -13,3 +14,4 @@ pub use distance::{DistanceFit, DistanceSet, LeftOut, Shaft, fit_distance, leave
 pub use labelled::{Explained, Labelled};
 pub use moment_curve::{fit_moment_curve, fit_tip_deflection};
 pub use staircase::staircase;
+pub use tapped::{TapSets, read_taps};

@@ -11,6 +11,7 @@
 //! | `fixed_point` | the one point that explains many readings of any whiskers, with its covariance |
 //! | `region` | every point that explains readings with bounded errors |
 //! | `baseline` | the closed forms of earlier work |
+//! | `refined` | a contact that stood still once more: from when it began, on a base that moved steadily |
 //! | `sharpened` | the same from errors that fill a bound |
 //! | `stretch` | the log's stretches of contact, thinned |
 //! | `segment` | the parts of a stretch during which the contact stood still |
@@ -21,6 +22,7 @@ mod baseline;
 mod fixed_point;
 mod meeting;
 mod reading;
+mod refined;
 mod region;
 mod report;
 mod segment;

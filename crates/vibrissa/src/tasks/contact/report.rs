@@ -1,11 +1,11 @@
 //! The whole log: a contact for each step, and what happened.
 
 use super::baseline::Baseline;
-use super::fixed_point::{FixedPoint, fixed_point, fixed_point_since};
+use super::fixed_point::FixedPoint;
 use super::reading::ContactReading;
+use super::refined::refined;
 use super::region::contact_region;
 use super::segment::{Part, side_from, still_from};
-use super::sharpened::sharpened;
 use super::stretch::{Stretch, stretches};
 use super::trace::{Trace, TraceNode, TraceOptions, TracePoint, contact_traces};
 use crate::Result;
@@ -20,8 +20,6 @@ use crate::world::Robot;
 
 /// Most readings whose bounds are intersected.
 const MOST_BOUNDED: usize = 40;
-/// By how much the beginning of a contact may add to the squares of its readings: three standard deviations.
-const ASTRAY: f64 = 9.0;
 /// Side of the boxes of a region (m).
 const RESOLUTION: f64 = 2e-4;
 /// Share of the whisker from which on a sliding contact is told as one of the tip: nearer, readings do not tell.
@@ -143,7 +141,7 @@ impl ContactReport {
                 .and_then(|part| Some((part, part.still?)))
             {
                 Some((part, point)) => {
-                    let point = refined(stretch, part, point);
+                    let point = refined(stretch, part, point, options);
                     self.side(stretch, part, &point, before);
                     before = Some(point.position);
                     from = part.to;
@@ -208,7 +206,7 @@ impl ContactReport {
         self.sliding(stretch, before, &self::traces(stretch, before, options));
         let t = stretch.readings[side.from].t;
         self.tell(t, "jump", "the slide ends; the side touches a point that stands still".to_owned());
-        self.side(stretch, side, &refined(stretch, side, point), None);
+        self.side(stretch, side, &refined(stretch, side, point, options), None);
         side.to
     }
 
@@ -308,21 +306,6 @@ fn side_after(stretch: &Stretch, part: Part, traces: &[Trace]) -> Option<(Part, 
     let breaks = traces.iter().filter_map(end).filter(|end| *end > part.from && *end < part.to);
     let mut sides = breaks.filter_map(|end| side_from(readings, end)).filter(|side| stands(stretch, side, traces));
     sides.find_map(|side| side.still.map(|point| (side, point)))
-}
-
-/// The fixed point of a part once more, from its single readings and from when the contact began.
-fn refined(stretch: &Stretch, part: Part, point: FixedPoint) -> FixedPoint {
-    let uniform = stretch.readings[part.from].whisker.is_uniform();
-    let readings = if uniform { stretch.single(part.from, part.to) } else { &stretch.readings[part.from..part.to] };
-    let Some(alone) = fixed_point(readings, point.position) else { return point };
-    let touch = stretch.touch().filter(|_| part.from == 0);
-    let since = touch.and_then(|touch| fixed_point_since(readings, Some(touch), alone.position));
-    // What was touched first need not be what stood still afterwards.
-    let (touch, refined) = match since.filter(|since| since.chi2 <= alone.chi2 + ASTRAY) {
-        Some(since) => (touch, since),
-        None => (None, alone),
-    };
-    if uniform { sharpened(readings, touch, refined) } else { refined }
 }
 
 fn sliding_step(stretch: &Stretch, reading: &ContactReading, point: &TracePoint, piece: usize) -> ContactStep {

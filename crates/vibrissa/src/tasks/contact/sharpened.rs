@@ -4,7 +4,7 @@
 //! one reading is farther from it than the bound, and what is left shrinks with *n* itself. Whether errors are of that kind
 //! the readings tell: for each of the two laws the likelihood with the best size of the errors is compared.
 
-use super::fixed_point::{FixedPoint, Touch, slope};
+use super::fixed_point::{FixedPoint, slope};
 use super::reading::ContactReading;
 use crate::plane::Vec2;
 
@@ -16,24 +16,31 @@ const REACH: f64 = 4.0;
 /// Grids, each around the mean and with the spread of the one before.
 const GRIDS: usize = 4;
 
-/// A reading about the least-squares point: what the point leaves of it (N m), and how the model changes there.
+/// A reading about the least-squares point: what would be read there (N m), and how that changes with the point.
 struct Line {
+    read: f64,
     moment: f64,
-    residual: f64,
     slope: Vec2,
+    /// The side to which the whisker is bent: before the touch it is not, and nothing is felt.
+    side: f64,
     relative: f64,
     absolute: f64,
 }
 
 impl Line {
-    /// The bound where the point is moved by `d` (N m).
-    fn bound(&self, d: Vec2) -> f64 {
-        (self.relative * (self.moment + self.slope.dot(d)).abs() + self.absolute).max(1e-15)
+    /// The moment where the point is moved by `d` (N m).
+    fn moment(&self, d: Vec2) -> f64 {
+        self.side * (self.side * (self.moment + self.slope.dot(d))).max(0.0)
     }
 
-    /// The error where the point is moved by `d`, as a share of its bound.
+    /// The bound there (N m).
+    fn bound(&self, d: Vec2) -> f64 {
+        (self.relative * self.moment(d).abs() + self.absolute).max(1e-15)
+    }
+
+    /// The error there, as a share of its bound.
     fn share(&self, d: Vec2) -> f64 {
-        (self.residual - self.slope.dot(d)) / self.bound(d)
+        (self.read - self.moment(d)) / self.bound(d)
     }
 }
 
@@ -48,26 +55,30 @@ struct Posterior {
 /// `point`, the least-squares point of these single readings, moved to the mean of what uniform errors of unknown size leave
 /// possible where the errors look uniform; and with an honest covariance.
 ///
+/// `free` are the readings before the contact was felt: they bound when it began.
+///
 /// What the independent errors leave of the declared relative bound may be an error that all readings share, such as the
 /// calibration's: the covariance holds it, since no number of readings tells it.
-pub(super) fn sharpened(readings: &[ContactReading], touch: Option<Touch>, point: FixedPoint) -> FixedPoint {
+pub(super) fn sharpened(free: &[ContactReading], readings: &[ContactReading], point: FixedPoint) -> FixedPoint {
+    let side = readings.iter().map(|r| r.moment).sum::<f64>().signum();
     let line = |r: &ContactReading| {
-        let moment = r.touched(point.position)?.moment;
         Some(Line {
-            moment,
-            residual: r.moment - moment,
+            read: r.moment,
+            moment: r.touched(point.position)?.moment,
             slope: slope(r, point.position)?,
+            side,
             relative: r.noise.moment_relative,
             absolute: r.noise.moment_absolute,
         })
     };
-    let lines: Option<Vec<Line>> = readings.iter().map(line).collect();
+    let all = free.iter().chain(readings);
+    let lines: Option<Vec<Line>> = all.map(line).collect();
     let known = lines.zip(factor(point.covariance));
     let Some((lines, root)) = known.filter(|(lines, _)| lines.len() >= FEWEST) else { return point };
     let count = lines.len() as f64;
     let mean_square = lines.iter().map(|l| l.share(Vec2::ZERO).powi(2)).sum::<f64>() / count;
     let normal = -0.5 * count * ((2.0 * core::f64::consts::PI * mean_square).ln() + 1.0);
-    let uniform = posterior(&lines, touch, point.position, root);
+    let uniform = posterior(&lines, root);
     let is_uniform = uniform.as_ref().is_some_and(|p| p.best - count * 2f64.ln() > normal);
     let (moved, covariance, share) = match uniform.filter(|_| is_uniform) {
         Some(p) => (p.mean, p.covariance, p.share),
@@ -91,11 +102,11 @@ fn factor([xx, xy, yy]: [f64; 3]) -> Option<[Vec2; 2]> {
 }
 
 /// The posterior of uniform errors whose size is not known, by grids.
-fn posterior(lines: &[Line], touch: Option<Touch>, origin: Vec2, root: [Vec2; 2]) -> Option<Posterior> {
+fn posterior(lines: &[Line], root: [Vec2; 2]) -> Option<Posterior> {
     let (mut root, mut found) = (root, None);
     let mut middle = Vec2::ZERO;
     for _ in 0..GRIDS {
-        let posterior = grid(lines, touch, origin, middle, root);
+        let posterior = grid(lines, middle, root);
         root = factor(posterior.covariance)?;
         middle = posterior.mean;
         found = Some(posterior);
@@ -108,7 +119,7 @@ fn range(change: f64) -> f64 {
     change * (1.0 - 0.5 * change)
 }
 
-fn grid(lines: &[Line], touch: Option<Touch>, origin: Vec2, middle: Vec2, root: [Vec2; 2]) -> Posterior {
+fn grid(lines: &[Line], middle: Vec2, root: [Vec2; 2]) -> Posterior {
     let spacing = REACH / f64::from(HALF);
     let mut points: Vec<(Vec2, f64, f64)> = Vec::new();
     for i in -HALF..=HALF {
@@ -117,8 +128,7 @@ fn grid(lines: &[Line], touch: Option<Touch>, origin: Vec2, middle: Vec2, root: 
             // The errors' size integrated out: the power of the largest share; and each error's own range.
             let share = lines.iter().map(|l| l.share(d).abs()).fold(1e-12, f64::max);
             let ranges: f64 = lines.iter().map(|l| range(l.bound(d) / l.bound(Vec2::ZERO) - 1.0)).sum();
-            let prior = touch.map_or(0.0, |touch| 0.5 * touch.residual(origin + d).powi(2));
-            points.push((d, -(lines.len() as f64) * share.ln() - ranges - prior, share));
+            points.push((d, -(lines.len() as f64) * share.ln() - ranges, share));
         }
     }
     let (best, share) = points.iter().fold((f64::NEG_INFINITY, 0.0), |b, p| if p.1 > b.0 { (p.1, p.2) } else { b });
@@ -137,7 +147,7 @@ fn grid(lines: &[Line], touch: Option<Touch>, origin: Vec2, middle: Vec2, root: 
 /// How far the point moves by one standard deviation of the relative error that all readings may share (m).
 fn common(lines: &[Line], [xx, xy, yy]: [f64; 3], share: f64) -> Vec2 {
     let std = |l: &Line| l.bound(Vec2::ZERO) / 3f64.sqrt();
-    let gradient = lines.iter().fold(Vec2::ZERO, |sum, l| sum + l.slope * (l.moment / std(l).powi(2)));
+    let gradient = lines.iter().fold(Vec2::ZERO, |sum, l| sum + l.slope * (l.moment(Vec2::ZERO) / std(l).powi(2)));
     let relative = lines.iter().map(|l| l.relative).sum::<f64>() / lines.len() as f64;
     let size = (1.0 - share).max(0.0) * relative / 3f64.sqrt();
     Vec2::new(xx * gradient.x + xy * gradient.y, xy * gradient.x + yy * gradient.y) * size

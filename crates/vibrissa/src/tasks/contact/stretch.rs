@@ -11,6 +11,9 @@ use crate::world::{MountedWhisker, Robot};
 /// Rows without contact that end a stretch: fewer are noise.
 const PATIENCE: usize = 3;
 
+/// Rows before the first that is felt that tell when a contact began: earlier ones tell nothing more.
+const FREE: usize = 4;
+
 /// Smallest standard deviation of a touch (m): odometry is no better.
 const LEAST_STD: f64 = 3e-6;
 
@@ -25,24 +28,13 @@ pub(super) struct Stretch {
     pub(super) readings: Vec<ContactReading>,
     /// The same, one by one.
     pub(super) single: Vec<ContactReading>,
+    /// The last readings before, of the whisker while it was free or all but free.
+    pub(super) free: Vec<ContactReading>,
     /// When the whisker was free again (s); none when the log ends in contact.
     pub(super) lift_off: Option<f64>,
 }
 
 impl Stretch {
-    /// When the contact began, as well as it is known: between the last free row and the first that was felt, or a little
-    /// earlier, as long as the moment was lost in the noise.
-    pub(super) fn touch(&self) -> Option<Touch> {
-        let (onset, first) = (self.onset?, self.single.first()?);
-        let (length, absolute) = (first.whisker.length, first.noise.moment_absolute);
-        let way = travel(&ContactReading { odom_from_whisker: onset, ..*first }, first);
-        let unfelt = absolute * deflection_per_force(&first.whisker, length).ok()? / length;
-        let step = onset.between(first.odom_from_whisker);
-        let middle = onset.compose(Pose2::new(0.5 * step.x, 0.5 * step.y, 0.5 * step.theta));
-        let std = (way * way / 12.0 + unfelt * unfelt / 3.0).sqrt().max(LEAST_STD);
-        Some(Touch { odom_from_whisker: middle, std })
-    }
-
     /// The single readings of a part.
     pub(super) fn single(&self, from: usize, to: usize) -> &[ContactReading] {
         let count = |readings: &[ContactReading]| readings.iter().map(|r| r.count).sum::<usize>();
@@ -69,29 +61,44 @@ pub(super) fn stretches(log: &SensorLog, robot: &Robot, spacings: [f64; 2]) -> R
     Ok(all)
 }
 
+/// When a contact began, as well as it is known: between the last free row and the first that was felt, or a little earlier,
+/// as long as the moment was lost in the noise.
+pub(super) fn touch(onset: Pose2, first: &ContactReading) -> Option<Touch> {
+    let (length, absolute) = (first.whisker.length, first.noise.moment_absolute);
+    let way = travel(&ContactReading { odom_from_whisker: onset, ..*first }, first);
+    let unfelt = absolute * deflection_per_force(&first.whisker, length).ok()? / length;
+    let step = onset.between(first.odom_from_whisker);
+    let middle = onset.compose(Pose2::new(0.5 * step.x, 0.5 * step.y, 0.5 * step.theta));
+    let std = (way * way / 12.0 + unfelt * unfelt / 3.0).sqrt().max(LEAST_STD);
+    Some(Touch { odom_from_whisker: middle, std })
+}
+
 fn of_whisker(rows: &[LogRow], index: usize, whisker: &MountedWhisker, channel: usize, spacing: f64) -> Vec<Stretch> {
     let mut found: Vec<Stretch> = Vec::new();
-    let (mut open, mut quiet, mut free): (Option<Stretch>, usize, Option<Pose2>) = (None, 0, None);
+    let (mut open, mut quiet): (Option<Stretch>, usize) = (None, 0);
+    let mut free: Vec<ContactReading> = Vec::new();
     for row in rows {
         let (moment, base) = (row.readings[channel], row.odom_from_robot.compose(whisker.robot_from_whisker));
         let touches = moment.abs() > whisker.noise.moment_absolute;
         let turned = |s: &Stretch| s.readings.last().is_some_and(|r| (r.moment > 0.0) != (moment > 0.0));
+        let was_free = quiet > 0;
         quiet = if touches { 0 } else { quiet + 1 };
         if quiet >= PATIENCE || (touches && open.as_ref().is_some_and(turned)) {
             found.extend(open.take().map(|s| Stretch { lift_off: Some(row.t), ..s }));
         }
+        let reading = ContactReading {
+            t: row.t,
+            whisker: whisker.beam,
+            odom_from_whisker: base,
+            moment,
+            noise: whisker.noise,
+            count: 1,
+        };
         if touches {
-            let reading = ContactReading {
-                t: row.t,
-                whisker: whisker.beam,
-                odom_from_whisker: base,
-                moment,
-                noise: whisker.noise,
-                count: 1,
-            };
             let stretch = open.get_or_insert_with(|| Stretch {
                 whisker: index,
-                onset: free,
+                onset: free.last().map(|r| r.odom_from_whisker),
+                free: if was_free { free.clone() } else { Vec::new() },
                 readings: Vec::new(),
                 single: Vec::new(),
                 lift_off: None,
@@ -99,7 +106,8 @@ fn of_whisker(rows: &[LogRow], index: usize, whisker: &MountedWhisker, channel: 
             stretch.single.push(reading);
             add(&mut stretch.readings, reading, spacing);
         } else {
-            free = Some(base);
+            free.drain(..(free.len() + 1).saturating_sub(FREE));
+            free.push(reading);
         }
     }
     found.extend(open);

@@ -23,6 +23,8 @@ pub enum FreeSize {
     None,
     /// One common scale.
     Scale,
+    /// One common distance of the points from the outline: what felt it was not a point.
+    Offset,
     /// Apothem and corner radius, each by itself.
     All,
 }
@@ -78,6 +80,10 @@ pub fn fit_shape(points: &[Vec2], shape: RoundedPolygon, free: FreeSize) -> Opti
             let scale = x[3].exp();
             RoundedPolygon { apothem: scale * shape.apothem, corner_radius: scale * shape.corner_radius, ..shape }
         }
+        FreeSize::Offset => {
+            let grown = |size: f64| (size + shape.apothem * x[3]).max(0.0);
+            RoundedPolygon { apothem: grown(shape.apothem), corner_radius: grown(shape.corner_radius), ..shape }
+        }
         FreeSize::All if shape.sides == 0 => RoundedPolygon::circle(shape.apothem * x[3].exp()),
         FreeSize::All => {
             let apothem = shape.apothem * x[3].exp();
@@ -91,20 +97,37 @@ pub fn fit_shape(points: &[Vec2], shape: RoundedPolygon, free: FreeSize) -> Opti
     };
     let unknowns = match free {
         FreeSize::None => 3,
-        FreeSize::Scale => 4,
+        FreeSize::Scale | FreeSize::Offset => 4,
         FreeSize::All => 5,
     };
     let sizes = [0.01, 0.01, 0.1, 0.1, 0.1].map(Scale::free);
-    let starts = if shape.sides == 0 { 1 } else { 6 };
-    let best = (0..starts)
-        .map(|i| {
-            let mut start = vec![0.0; unknowns];
-            start[2] = 2.0 * PI / shape.sides.max(1) as f64 * f64::from(i) / f64::from(starts);
-            start
-        })
+    let starts = starts(points, middle, shape, free);
+    let best = starts
+        .into_iter()
+        .map(|start| start[..unknowns].to_vec())
         .filter_map(|start| minimise(|x| Some(residuals(x)), &start, &sizes[..unknowns]).ok())
         .map(|minimum| (minimum.residuals.iter().map(|r| r * r).sum::<f64>(), minimum.parameters))
         .min_by(|a, b| a.0.total_cmp(&b.0))?;
     let x = best.1;
     Some(FittedShape { shape: sized(&x), place: place(&x), misfit: Misfit::of(residuals(&x)) })
+}
+
+/// Orientations to start from, as parts of a polygon's symmetry.
+const TURNS: u32 = 6;
+/// Corner radii over the apothem to start from where both are free: a corner as round as the polygon itself does not find back.
+const CORNERS: [f64; 2] = [0.3, 0.8];
+
+/// Where the search starts: place, turn, and the logarithms of both sizes over the shape's.
+fn starts(points: &[Vec2], middle: Vec2, shape: RoundedPolygon, free: FreeSize) -> Vec<[f64; 5]> {
+    let radius = points.iter().map(|p| p.distance(middle)).sum::<f64>() / points.len() as f64;
+    let scale = (radius / shape.apothem).max(1e-3).ln();
+    let turns = if shape.sides == 0 { 1 } else { TURNS };
+    let turn = |i: u32| 2.0 * PI / shape.sides.max(1) as f64 * f64::from(i) / f64::from(turns);
+    let corner = |share: f64| (share * radius / shape.corner_radius).max(1e-3).ln();
+    let corners: &[f64] = if free == FreeSize::All && shape.sides > 0 { &CORNERS } else { &CORNERS[..1] };
+    let one = |i: u32, share: f64| match free {
+        FreeSize::All => [0.0, 0.0, turn(i), scale, corner(share)],
+        _ => [0.0, 0.0, turn(i), 0.0, 0.0],
+    };
+    (0..turns).flat_map(|i| corners.iter().map(move |share| one(i, *share)).collect::<Vec<_>>()).collect()
 }

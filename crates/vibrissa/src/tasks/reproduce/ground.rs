@@ -1,12 +1,12 @@
 //! Maps, robots and sweeps after the paper's description.
 
 use crate::Result;
-use crate::figure::{Geometry, Layer, Outline, OutlineRole};
+use crate::figure::{Geometry, Layer, Outline};
 use crate::flow::pose::StampedPose;
 use crate::flow::sensor_log::SensorLog;
 use crate::plane::{Pose2, Vec2};
 use crate::tasks::simulate::{Pace, Sweep, SweepNoise, path_through, simulate_tip_sweep};
-use crate::world::{Boundary, Map, MountedWhisker, Robot, Role};
+use crate::world::{Map, MountedWhisker, Robot};
 
 /// An arena (SVG, mm) whose upper wall has straight, concave, convex and symmetric sections.
 pub const ARENA_SVG: &str = include_str!("../../../data/paper_arena.svg");
@@ -88,20 +88,7 @@ pub(super) fn arena_sweep(map: &Map, way: &[[f64; 2]], noise: &SweepNoise) -> Re
 
 /// A map's boundaries as lines to draw.
 pub(super) fn outlines(map: &Map) -> Vec<Outline> {
-    let one = |boundary: &Boundary| {
-        let closed = boundary.curve().is_closed();
-        let mut points = boundary.curve().flatten(DRAWING_TOLERANCE);
-        if closed {
-            points.pop();
-        }
-        let role = match boundary.role() {
-            Role::Arena => OutlineRole::Arena,
-            Role::Obstacle => OutlineRole::Obstacle,
-            Role::Wall => OutlineRole::Wall,
-        };
-        Outline { points, role, closed }
-    };
-    map.boundaries().iter().map(one).collect()
+    crate::tasks::outlines(map, DRAWING_TOLERANCE)
 }
 
 /// A layer in the frame of the picture.

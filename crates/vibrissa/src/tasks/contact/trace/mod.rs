@@ -24,7 +24,9 @@
 //! | `node` | one reading's contact for given unknowns, with derivatives |
 //! | `problem` | the residuals of a stretch, and what they leave open |
 //! | `search` | starts, and how they grow |
+//! | `corners` | turns of the wall that the readings leave open |
 
+mod corners;
 mod node;
 mod problem;
 mod search;
@@ -39,6 +41,8 @@ const TILT_STD: f64 = 0.8;
 const SIDE_STD: f64 = 0.2;
 /// The same where the tip alone is to explain the readings.
 const TIP_ALONE: f64 = 3e-3;
+/// Lean from which on a way is one with the tip alone.
+const TIP_NEAR: f64 = 0.01;
 /// What a way with the side has to save beside one with the tip alone (half a sum of squares): a chance of 1 in 150.
 const SIDE_GAIN: f64 = 5.0;
 /// Fewest nodes of a trace.
@@ -132,14 +136,22 @@ fn without_snap(whisker: &Whisker, nodes: &[TraceNode], options: TraceOptions, t
         let problem = Problem::new(whisker, rest, options, LARGEST_SLOPE);
         let least = tip_or_side(&problem);
         // The less bent branch, unless it ends much earlier: that the whisker is curled has to be shown.
-        let curled =
-            if traces.is_empty() { Vec::new() } else { Problem { largest_slope: f64::INFINITY, ..problem }.best(1) };
         let nodes_of = |ways: &Vec<Way>| ways.first().map_or(0, |way| way.state.len());
+        let may_be_curled = !traces.is_empty() && CURLED * (rest.len() as f64) > nodes_of(&least) as f64;
+        let curled = Problem { largest_slope: f64::INFINITY, ..problem };
+        let curled = if may_be_curled { curled.best(1) } else { Vec::new() };
         let short = CURLED * (nodes_of(&curled) as f64) > nodes_of(&least) as f64;
         let (mut ways, largest_slope) = if short { (curled, f64::INFINITY) } else { (least, LARGEST_SLOPE) };
-        let rivals = ways.split_off(ways.len().min(1));
+        let mut rivals = ways.split_off(ways.len().min(1));
         let best = ways.pop().map(|way| Problem { largest_slope, side_std: SIDE_STD, ..problem }.until_torn(way));
         let used = best.as_ref().map_or(0, |way| way.state.len());
+        let best = best.filter(|_| used >= FEWEST).map(|way| {
+            let side_std =
+                if way.unknowns.iter().skip(1).step_by(2).all(|lean| *lean > -TIP_NEAR) { TIP_ALONE } else { SIDE_STD };
+            let (best, others) = Problem { largest_slope, side_std, ..problem.part(0, used) }.around(way);
+            rivals.extend(others);
+            best
+        });
         let part = Problem { largest_slope: f64::INFINITY, side_std: SIDE_STD, ..problem.part(0, used) };
         let whole = best.filter(|way| used >= FEWEST && part.torn(&way.state).is_none());
         traces.extend(whole.and_then(|way| part.trace(&way, &rivals)));
@@ -151,7 +163,8 @@ fn without_snap(whisker: &Whisker, nodes: &[TraceNode], options: TraceOptions, t
 /// other ways are kept as rivals.
 fn tip_or_side(problem: &Problem) -> Vec<Way> {
     let mut tips = problem.best(0);
-    let sides = Problem { side_std: SIDE_STD, ..*problem }.best(0);
+    let whole = tips.first().is_some_and(|tip| tip.state.len() == problem.nodes.len());
+    let sides = Problem { side_std: SIDE_STD, ..*problem }.best_beside(0, if whole { &tips } else { &[] });
     let (Some(tip), Some(side)) = (tips.first(), sides.first()) else {
         return if tips.is_empty() { sides } else { tips };
     };

@@ -11,6 +11,8 @@ const RULES: Rules = Rules { rounds: 60, gain: 1e-6, damping: 1e-3 };
 /// Where a wall turns between two nodes is not known: the mean direction of its ends misses the way between them by this share
 /// of the way times the turn (standard deviation). 0.29 were right for a corner anywhere on the way; most walls turn smoothly.
 const TURN_SHARE: f64 = 0.1;
+/// How seldom walls turn much: the chance of a turn falls with this power of its square.
+const TAIL: f64 = 1.0;
 /// Rounds in which what the wall's turns leave open is taken from the way before.
 const LOOSENINGS: usize = 2;
 /// Travel of the base over which a lean is asked to be moderate once (m): readings may be as dense as they are.
@@ -76,7 +78,7 @@ impl<'a> Problem<'a> {
     }
 
     /// How far the wall may turn between two nodes (rad).
-    fn turn_std(&self, i: usize) -> f64 {
+    pub(super) fn turn_std(&self, i: usize) -> f64 {
         self.options.turn * self.travel(i).sqrt()
     }
 
@@ -130,7 +132,7 @@ impl<'a> Problem<'a> {
                 cost += 0.5 * (step.across / stds[i]).powi(2) + (stds[i] / self.options.step_std).ln();
                 cost += 0.5 * self.hollow(i, felt, leans, step).powi(2) + 0.5 * self.slide(i, leans).powi(2);
                 let turn = (felt[i + 1].along - here.along) / self.turn_std(i);
-                cost += 0.5 * (turn * turn).ln_1p();
+                cost += seldom(turn);
             }
         }
         cost
@@ -165,7 +167,7 @@ impl<'a> Problem<'a> {
                 add(first, &rows.across.map(|d| d * weight), step.across * weight);
                 let std = self.turn_std(i);
                 let turn = (next.along - here.along) / std;
-                let robust = 1.0 / (1.0 + turn * turn).sqrt();
+                let robust = seldom_weight(turn).sqrt();
                 add(first, &rows.turning.map(|d| d * robust / std), turn * robust);
                 let leans = [lean, unknowns[first + 3]];
                 self.side_rows(i, felt, leans, step, &rows, &mut add);
@@ -224,10 +226,22 @@ impl<'a> Problem<'a> {
         descend(unknowns, RULES, evaluate, normal, unbounded)
     }
 
+    /// The factor of the normal equations about a way.
+    pub(super) fn factor(&self, way: &Way) -> Option<Factor> {
+        self.normal_equations(&way.state, &way.unknowns, &self.step_stds(&way.state)).matrix.factor()
+    }
+
+    /// How the wall's turn in a step goes with the unknowns of its ends.
+    pub(super) fn turning(felt: &[Felt], i: usize) -> [f64; 2 * UNKNOWNS] {
+        Rows::new(&felt[i], &felt[i + 1], Self::step(felt, i)).turning
+    }
+
     /// The trace along a way; `rivals` are other ways through the same nodes and beyond.
     pub(super) fn trace(&self, way: &Way, rivals: &[Way]) -> Option<Trace> {
-        let factor = self.normal_equations(&way.state, &way.unknowns, &self.step_stds(&way.state)).matrix.factor()?;
-        let doubts = self.doubts(way, rivals);
+        let factor = self.factor(way)?;
+        let open = self.open(way, &factor);
+        let mut doubts = self.doubts(way, rivals);
+        doubts.iter_mut().zip(&open).for_each(|(doubt, open)| doubt.x = doubt.x.hypot(open.sqrt()));
         let points = self.points(&way.state, &factor, &doubts);
         let square: f64 = doubts.iter().map(|d| d.dot(*d)).sum();
         Some(Trace { points, doubt: (square / doubts.len().max(1) as f64).sqrt() })
@@ -273,6 +287,21 @@ impl<'a> Problem<'a> {
         };
         self.nodes.iter().zip(felt).enumerate().map(one).collect()
     }
+}
+
+/// What a turn costs (half a sum of squares) that is so many standard deviations large: Student's law.
+fn seldom(turn: f64) -> f64 {
+    TAIL * (turn * turn / (2.0 * TAIL)).ln_1p()
+}
+
+/// The weight of its square.
+pub(super) fn seldom_weight(turn: f64) -> f64 {
+    1.0 / (1.0 + turn * turn / (2.0 * TAIL))
+}
+
+/// How likely a turn is beside none.
+pub(super) fn seldom_share(turn: f64) -> f64 {
+    (-seldom(turn)).exp()
 }
 
 /// How a step across and along the wall and the wall's turn change with the unknowns of both ends.

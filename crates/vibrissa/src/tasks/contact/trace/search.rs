@@ -23,20 +23,45 @@ const LARGEST_FAULT: f64 = 4.0;
 /// How straight, in units of [`TraceOptions::turn`], the wall is first taken to be on the way around local minima.
 const STRAIGHT: f64 = 0.3;
 
+/// Starts whose windows differ by less in every unknown grow on together.
+const TOGETHER: f64 = 1e-5;
 /// Ways that are nowhere farther apart are one (m).
-const SAME: f64 = 1e-4;
+pub(super) const SAME: f64 = 1e-4;
 
 /// How far two ways through the same nodes are apart (m).
-fn apart(a: &Way, b: &Way) -> f64 {
+pub(super) fn apart(a: &Way, b: &Way) -> f64 {
     a.state.iter().zip(&b.state).map(|(a, b)| a.position.distance(b.position)).fold(0.0, f64::max)
+}
+
+/// A start as it grew: its unknowns, and each of the windows that were solved, by its first node.
+struct Grown {
+    side: bool,
+    unknowns: Unknowns,
+    windows: Vec<(usize, Unknowns)>,
+}
+
+impl Grown {
+    /// Whether another start's newest window is the one that this had at the same time: they grow on together.
+    fn became(&self, other: &Self, (from, newest): &(usize, Unknowns)) -> bool {
+        let near = |(a, b): (&f64, &f64)| (a - b).abs() < TOGETHER;
+        let same = |(first, window): &(usize, Unknowns)| {
+            first == from && window.len() == newest.len() && window.iter().zip(newest).all(near)
+        };
+        self.side == other.side && self.windows.get(other.windows.len()).is_some_and(same)
+    }
 }
 
 impl Problem<'_> {
     /// The longest ways, the cheapest first, from every start on one branch of the first reading.
     pub(super) fn best(&self, branch: usize) -> Vec<Way> {
+        self.best_beside(branch, &[])
+    }
+
+    /// The same, where ways with the tip alone are known that explain all readings.
+    pub(super) fn best_beside(&self, branch: usize, tips: &[Way]) -> Vec<Way> {
         let mut best = Vec::new();
         for window in WINDOWS {
-            best = self.best_by(branch, window);
+            best = self.best_by(branch, window, tips);
             if best.first().is_none_or(|best| self.torn(&best.state).is_none()) {
                 break;
             }
@@ -44,9 +69,17 @@ impl Problem<'_> {
         best
     }
 
-    fn best_by(&self, branch: usize, window: usize) -> Vec<Way> {
-        let open = STARTS.into_iter().filter(|lean| *lean >= 0.0 || self.side_std > TIP_ALONE);
-        let starts: Vec<Unknowns> = open.map(|lean| self.grown(branch, lean, window)).collect();
+    fn best_by(&self, branch: usize, window: usize, tips: &[Way]) -> Vec<Way> {
+        let open = |lean: &f64| if *lean >= 0.0 { tips.is_empty() } else { self.side_std > TIP_ALONE };
+        let mut grown: Vec<Grown> = Vec::new();
+        for lean in STARTS.into_iter().filter(open) {
+            let next = self.grown(branch, lean, window, &grown);
+            grown.push(next);
+        }
+        let starts = tips.iter().map(|way| way.unknowns.clone()).chain(grown.into_iter().map(|g| g.unknowns));
+        let mut starts: Vec<Unknowns> = starts.collect();
+        // What grew together settles together.
+        starts.dedup();
         let longest = starts.iter().map(Vec::len).max().unwrap_or(0);
         let long = |start: &Unknowns| start.len() == longest && longest >= FEWEST * UNKNOWNS;
         let settled = starts.into_iter().filter(long).flat_map(|start| self.part(0, longest / UNKNOWNS).settled(start));
@@ -82,29 +115,36 @@ impl Problem<'_> {
         self.settle(start).into_iter().chain(around).collect()
     }
 
-    /// A start, grown node by node from the first on until the readings jump.
-    fn grown(&self, branch: usize, lean: f64, window: usize) -> Unknowns {
-        let mut unknowns: Unknowns = Vec::with_capacity(UNKNOWNS * self.nodes.len());
+    /// A start, grown node by node from the first on until the readings jump, or until it has become one of those before.
+    fn grown(&self, branch: usize, lean: f64, window: usize, before: &[Grown]) -> Grown {
+        let mut grown =
+            Grown { side: lean < 0.0, unknowns: Vec::with_capacity(UNKNOWNS * self.nodes.len()), windows: Vec::new() };
         for i in 0..self.nodes.len() {
-            let Some(next) = self.guess(i, &unknowns, branch, lean) else { break };
-            unknowns.extend(next);
+            let Some(next) = self.guess(i, &grown.unknowns, branch, lean) else { break };
+            grown.unknowns.extend(next);
             let last = i + 1 == self.nodes.len();
             if i % GROWTH == GROWTH - 1 || last {
                 let from = (i + 1).saturating_sub(window);
                 let newest = GROWTH.min(i + 1);
                 let part = self.part(from, i + 1);
-                let solved = part.descend(unknowns[UNKNOWNS * from..].to_vec());
+                let solved = part.descend(grown.unknowns[UNKNOWNS * from..].to_vec());
                 // A tip may find its way back in a wider window; a side that tears is none.
                 let holds = |way: &Way| lean >= 0.0 || part.torn(&way.state).is_none();
                 let Some(solved) = solved.filter(|s| part.newest_fault(s, newest) < JUMP && holds(s)) else {
-                    unknowns.truncate(UNKNOWNS * (i + 1 - newest));
+                    grown.unknowns.truncate(UNKNOWNS * (i + 1 - newest));
                     break;
                 };
-                unknowns.truncate(UNKNOWNS * from);
-                unknowns.extend(solved.unknowns);
+                grown.unknowns.truncate(UNKNOWNS * from);
+                let here = (from, solved.unknowns);
+                if let Some(same) = before.iter().find(|other| other.became(&grown, &here)) {
+                    grown.unknowns.extend(same.unknowns.iter().skip(UNKNOWNS * from));
+                    return grown;
+                }
+                grown.unknowns.extend(&here.1);
+                grown.windows.push(here);
             }
         }
-        unknowns
+        grown
     }
 
     /// Mean square of the last residuals of the moment; infinite when one alone is beyond chance.

@@ -1,23 +1,24 @@
 //! The chain from the peg to the distance: stage, whisker, sensor, calibration, `contacts`.
 
+use crate::Result;
+use crate::beam::{Load, SmallAngle, Whisker, point_mode};
+use crate::config::{ContactOptions, CurveOptions};
+use crate::flow::sensor_log::{Channel, LogRow, Quantity, SensorLog};
+use crate::plane::{Pose2, Vec2};
+use crate::tasks::batch;
+use crate::tasks::calibrate::{Explained, Labelled, fit_moment_curve};
+use crate::tasks::contact::{ContactKind, ContactReading, contacts, fixed_point};
+use crate::world::calibration::MomentCurve;
+use crate::world::{MomentNoise, MountedWhisker, Robot};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use vibrissa::Result;
-use vibrissa::beam::{Load, SmallAngle, Whisker, point_mode};
-use vibrissa::config::{ContactOptions, CurveOptions};
-use vibrissa::flow::sensor_log::{Channel, LogRow, Quantity, SensorLog};
-use vibrissa::plane::{Pose2, Vec2};
-use vibrissa::tasks::calibrate::{Explained, Labelled, fit_moment_curve};
-use vibrissa::tasks::contact::{ContactKind, ContactReading, contacts, fixed_point};
-use vibrissa::world::calibration::MomentCurve;
-use vibrissa::world::{MomentNoise, MountedWhisker, Robot};
 
 /// Errors of a reading: 5 % and 2 µN m, independent from row to row.
-pub(crate) const NOISE: MomentNoise = MomentNoise { moment_relative: 0.05, moment_absolute: 2e-6 };
+pub(super) const NOISE: MomentNoise = MomentNoise { moment_relative: 0.05, moment_absolute: 2e-6 };
 /// Rows a second of the sensor (Hz), speed of the stage (m/s), base step (m), resolution of the stage (m).
-pub(crate) const RATE: f64 = 300.0;
-pub(crate) const SPEED: f64 = 5e-3;
-pub(crate) const STEP: f64 = 1e-3;
+pub(super) const RATE: f64 = 300.0;
+pub(super) const SPEED: f64 = 5e-3;
+pub(super) const STEP: f64 = 1e-3;
 const STAGE: f64 = 10e-6;
 /// Rows at rest before the touch.
 const REST: i32 = 30;
@@ -28,8 +29,8 @@ const FLUX: f64 = 0.5;
 const BEND: f64 = 0.03;
 
 /// What is known of the gain of the readings.
-#[derive(Clone, Copy)]
-pub(crate) enum Gain {
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Gain {
     /// Off by a factor within this of one, another one in each trial.
     Within(f64),
     /// As a calibration with labelled contacts leaves it.
@@ -37,32 +38,41 @@ pub(crate) enum Gain {
 }
 
 /// How errors are distributed.
-#[derive(Clone, Copy)]
-pub(crate) enum Law {
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Law {
     /// Uniform in the bound.
     Uniform,
     /// Normal, of the same variance.
     Normal,
 }
 
-#[derive(Clone, Copy)]
-pub(crate) struct Experiment {
+/// What is simulated.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Experiment {
     /// Base motion in steps of 1 mm.
-    pub(crate) steps: usize,
-    pub(crate) gain: Gain,
-    pub(crate) law: Law,
+    pub steps: usize,
+    /// What is known of the gain.
+    pub gain: Gain,
+    /// How a reading's error is distributed.
+    pub law: Law,
 }
 
-/// Relative errors of the distance, and the relative standard deviation that `contacts` told.
-pub(crate) struct Outcome {
-    pub(crate) closed_form: f64,
-    pub(crate) least_squares: f64,
-    pub(crate) contact: f64,
-    pub(crate) std: f64,
+/// One trial: distances of the peg over the true one, less one; infinite where none was found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Outcome {
+    /// By the closed form, from the last reading alone.
+    pub closed_form: f64,
+    /// By least squares alone.
+    pub least_squares: f64,
+    /// By [`contacts`], as `vibrissa contact` tells it.
+    pub contact: f64,
+    /// The standard deviation that it told, over the true distance.
+    pub std: f64,
 }
 
-/// One calibration for each seed, each from labelled contacts of its own.
-pub(crate) struct Chain {
+/// One sensor for each seed, calibrated with labelled contacts of its own.
+#[derive(Clone, Debug)]
+pub struct Chain {
     curves: Vec<MomentCurve>,
 }
 
@@ -89,12 +99,12 @@ fn moment(point: Vec2) -> Option<f64> {
 }
 
 impl Chain {
-    /// Calibrates: contacts all over the whisker, each label as good as the stage, each reading with its error.
+    /// Calibrates as many sensors: contacts all over the whisker, each label as good as the stage, each reading with its error.
     ///
     /// # Errors
     ///
     /// A calibration that fails.
-    pub(crate) fn new(seeds: u64) -> Result<Self> {
+    pub fn new(sensors: usize, threads: usize) -> Result<Self> {
         let mut dice = ChaCha8Rng::seed_from_u64(77);
         let mut labels = Labelled {
             source: "simulated".to_owned(),
@@ -110,12 +120,14 @@ impl Chain {
             }
         }
         let explained = labels.explain(&Whisker::default())?;
-        let curves = (0..seeds).map(|seed| calibrate(&mut labels, &explained, seed)).collect::<Result<_>>()?;
-        Ok(Self { curves })
+        let seeds: Vec<u64> = (0..sensors.max(1) as u64).collect();
+        let curves = batch::map(&seeds, threads, |seed| calibrate(labels.clone(), &explained, *seed));
+        Ok(Self { curves: curves.into_iter().collect::<Result<_>>()? })
     }
 
-    /// How far the calibrations are off.
-    pub(crate) fn summary(&self) -> String {
+    /// How far the calibrations are off, in words.
+    #[must_use]
+    pub fn summary(&self) -> String {
         let gain = |curve: &MomentCurve, moment: f64| {
             let at = |m: f64| curve.moment(&[flux(m)]).unwrap_or(f64::NAN);
             100.0 * ((at(moment) - at(0.0)) / moment - 1.0)
@@ -135,15 +147,16 @@ impl Chain {
         )
     }
 
-    /// One peg, felt once.
-    pub(crate) fn trial(&self, experiment: Experiment, distance: f64, seed: u64, sensor: u64) -> Outcome {
+    /// One peg at a distance (m), felt once, by the sensor of that number.
+    #[must_use]
+    pub fn trial(&self, experiment: Experiment, distance: f64, seed: u64, sensor: usize) -> Outcome {
         let mut dice = ChaCha8Rng::seed_from_u64(seed);
         let Experiment { steps, gain, law } = experiment;
         let (factor, allowance) = match gain {
             Gain::Within(gain) => (1.0 + gain * dice.random_range(-1.0..=1.0), gain),
             Gain::Calibrated => (1.0, 0.01),
         };
-        let curve = &self.curves[sensor as usize % self.curves.len()];
+        let curve = &self.curves[sensor % self.curves.len()];
         let rows = (steps as f64 * STEP / SPEED * RATE).round() as i32;
         let (mut log, mut level) = (Vec::new(), 0.0);
         for i in 1 - REST..=rows {
@@ -167,7 +180,7 @@ impl Chain {
 }
 
 /// Adds a seed's readings to the labels and fits the curve.
-fn calibrate(labels: &mut Labelled, explained: &[Explained], seed: u64) -> Result<MomentCurve> {
+fn calibrate(mut labels: Labelled, explained: &[Explained], seed: u64) -> Result<MomentCurve> {
     let mut dice = ChaCha8Rng::seed_from_u64(500_000 + seed);
     let half = 0.5 * STAGE;
     let contacts = labels.contacts.clone();
@@ -176,7 +189,7 @@ fn calibrate(labels: &mut Labelled, explained: &[Explained], seed: u64) -> Resul
         vec![read(flux(moment(true_point).unwrap_or(f64::NAN)), FLUX, Law::Uniform, &mut dice)]
     };
     labels.readings = contacts.iter().map(reading).collect();
-    fit_moment_curve(labels, explained, &CurveOptions::default())
+    fit_moment_curve(&labels, explained, &CurveOptions::default())
 }
 
 /// The three answers to one log.

@@ -1,16 +1,17 @@
 //! What errors of a given size allow.
 
-use crate::chain::{NOISE, RATE, SPEED, STEP};
-use vibrissa::beam::{Load, Whisker, point_mode};
-use vibrissa::plane::Vec2;
+use super::chain::{NOISE, RATE, SPEED, STEP};
+use crate::beam::{Load, Whisker, point_mode};
+use crate::plane::Vec2;
 
 /// Standard deviation of the instant of touch (m): between two rows, or lost in the noise a little before; and of a
 /// stage's position.
 const TOUCH_STD: f64 = 14e-6;
 
-/// The bound of Cramér and Rao on the relative standard deviation of a peg's distance, for normal errors of the variance
+/// The bound of Cramér and Rao on the relative standard deviation of a peg's distance (m), for normal errors of the variance
 /// of uniform ones: place across, and a gain within ±`gain`, are unknowns beside it.
-pub(crate) fn bound(distance: f64, steps: usize, gain: f64) -> f64 {
+#[must_use]
+pub fn bound(distance: f64, steps: usize, gain: f64) -> f64 {
     let whisker = Whisker::default();
     let moment = |x: f64, y: f64| {
         let bends = point_mode(&whisker, Vec2::new(x, y), Load::Normal).unwrap_or_default();
@@ -37,7 +38,8 @@ pub(crate) fn bound(distance: f64, steps: usize, gain: f64) -> f64 {
 
 /// The chance that normal errors of these standard deviations, `seeds` of each, on top of a common offset that is uniform
 /// within ±`offset`, are all below `limit`; each trial has an offset of its own.
-pub(crate) fn chance_of_all_below(limit: f64, stds: &[f64], offset: f64, seeds: u64) -> f64 {
+#[must_use]
+pub fn chance_of_all_below(limit: f64, stds: &[f64], offset: f64, seeds: u64) -> f64 {
     let one = |std: f64| {
         let below = |k: i32| {
             let by = offset * f64::from(k) / 50.0;
