@@ -325,7 +325,7 @@ mod tests {
         ]
     }
 
-    /// Every contact that the march finds, and so every one of a region, is on the sheet, within what the sheet says of its error.
+    /// Every contact that the march finds, where moment or curvature keep one sign, is on the sheet, within what the sheet says of its error.
     #[test]
     fn a_sheet_holds_the_contacts_of_the_march() {
         let mut state = 5u64;
@@ -340,7 +340,7 @@ mod tests {
             for _ in 0..1500 {
                 let s = rod.length() * (0.001 + 0.999 * unit() * unit());
                 let force = (if unit() < 0.5 { -8.0 } else { 8.0 }) * unit() * rod.unit_force(s);
-                let want = rod.touched(force, s, tilt);
+                let want = rod.touched(force, s, tilt).filter(|_| rod.keeps_one_sign(force, s, tilt));
                 let got = sheet.contact(force, s);
                 let Some(want) = want else { continue };
                 inside += 1;

@@ -16,8 +16,7 @@ pub(crate) struct Touched {
 }
 
 impl Rod {
-    /// The rod under `force` (N) at `s_a` (m), tilted by `beta` (rad) from its normal there; `None` where neither moment
-    /// nor curvature keep one sign from the contact to the base.
+    /// The rod under `force` (N) at `s_a` (m), tilted by `beta` (rad) from its normal there; `None` beyond the first mode.
     pub(crate) fn touched(&self, force: f64, s_a: f64, beta: f64) -> Option<Touched> {
         let inside = force.is_finite() && beta.is_finite() && s_a > 0.0 && s_a <= self.length * (1.0 + 1e-9);
         if !inside || force.abs() > 3e4 / self.softness(s_a) {
@@ -25,7 +24,7 @@ impl Rod {
         }
         // Without a force the rod is at rest, which the first mode's signs cannot judge.
         let trial = Trial { force, s_a, gap: gap_of(beta) };
-        let shot = if force.abs() <= 0.0 { trial.shoot_on(self) } else { trial.shoot_in_one_sign(self) }?;
+        let shot = if force.abs() <= 0.0 { trial.shoot_on(self) } else { trial.shoot(self) }?;
         Some(Touched { phi_a: shot.phi_a, contact: shot.contact, moment: shot.moment })
     }
 

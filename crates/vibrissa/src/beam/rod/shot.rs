@@ -56,28 +56,20 @@ impl Trial {
         .filter(|shot| rod.base_angle(shot.moment).abs() <= PI)
     }
 
-    /// As [`Trial::shoot`], of shapes whose moment, or else whose curvature, has one sign at every step from the contact to the base.
-    pub(super) fn shoot_in_one_sign(&self, rod: &Rod) -> Option<Shot> {
-        self.in_one_sign(rod).filter(|shot| rod.base_angle(shot.moment).abs() <= PI)
-    }
-
-    /// Whether the moment, or else the curvature, has one sign at every step from the contact to the base.
+    /// Whether the moment, or else the curvature, has one sign at every step from the contact to the base. [`Trial::shoot`] asks the
+    /// curvature only from where the moment has changed its sign.
     pub(super) fn keeps_one_sign(&self, rod: &Rod) -> bool {
-        self.in_one_sign(rod).is_some()
-    }
-
-    #[inline]
-    fn in_one_sign(&self, rod: &Rod) -> Option<Shot> {
         let push = self.vector().y;
         let rest = rod.rest_curvature(self.s_a);
         let bend_sign = if rest.abs() > 0.0 { rest } else { push };
         // Of a rod that is straight at rest the curvature has the moment's sign.
         let (mut moment_kept, mut bend_kept) = (true, !rod.curvature.is_empty());
-        self.shoot_while(rod, |state| {
+        let shot = self.shoot_while(rod, |state| {
             moment_kept &= push * state.moment >= 0.0;
             bend_kept = bend_kept && bend_sign * rod.curvature_of(state) >= 0.0;
             moment_kept || bend_kept
-        })
+        });
+        shot.is_some()
     }
 
     /// As [`Trial::shoot`], whatever the mode: for searches that pass through such shapes.
