@@ -1,6 +1,6 @@
 //! The state set of the probabilistic method, row by row: waiting, pressing, tracking, and starting anew when lost.
 
-use super::bank::{Bank, Field};
+use super::bank::{Bank, Field, Search};
 use super::ground::Ground;
 use super::history::{Feeler, History, OUTLIER_COST, Sense};
 use super::places::{self, Fit, Place};
@@ -25,6 +25,10 @@ const TRUSTED: usize = 300;
 /// Fewest rows of contact to seed from.
 const FEWEST_ROWS: usize = 5;
 
+/// Readings that are run through the forward model in one call while hypotheses are searched for (some milliseconds), and rows
+/// that are caught up with in one call afterwards.
+const SLICE: usize = 4000;
+const CAUGHT_UP: usize = 4;
 /// With more hypotheses than this for each place of the boundary that was tried, and as long as a contact has not been followed for this many times the
 /// usual travel, it is followed for longer, by this factor.
 const MANY_STARTS: f64 = 1.5;
@@ -50,6 +54,8 @@ enum Phase {
     Waiting,
     /// In a first contact, which began at this row of the history.
     Pressing { feeler: usize, onset: usize, from_free: bool, travelled: f64 },
+    /// Looking for hypotheses, while rows go on.
+    Searching(Search),
     /// With hypotheses.
     Tracking(Bank),
 }
@@ -180,6 +186,7 @@ impl<'a> ProbabilisticSet<'a> {
                 }
                 self.press(false)
             }
+            Phase::Searching(_) => self.search(SLICE),
             Phase::Tracking(_) => self.track(),
         }
     }
@@ -226,12 +233,24 @@ impl<'a> ProbabilisticSet<'a> {
             self.history.forget(onset);
         }
         let onset = if from_free { onset } else { 0 };
-        let bank = Bank::start(&self.field(), &self.history, feeler, onset, from_free);
+        let search = Search::new(&self.field(), &self.history, (feeler, onset), from_free, ended, travelled);
+        self.phase = Phase::Searching(search);
+        self.search(if at_end { usize::MAX } else { SLICE })
+    }
+
+    /// Looks for hypotheses with this much work.
+    fn search(&mut self, mut work: usize) -> Happened {
+        let Self { map, robot, options, ground, table, feelers, history, phase, .. } = self;
+        let Phase::Searching(search) = phase else { return Happened::Nothing };
+        let field = Field { map, ground, table, robot, feelers, options };
+        let Some(bank) = search.step(&field, history, &mut work) else { return Happened::Nothing };
         let count = bank.hypotheses.len();
         // A contact too weak or too short to tell headings apart is followed for longer before anything is decided.
-        let places = self.ground.length() / self.options.seed_spacing;
-        if count as f64 > MANY_STARTS * places && !ended && self.patience < MOST_PATIENCE {
+        let places = ground.length() / options.seed_spacing;
+        if count as f64 > MANY_STARTS * places && !search.ended && self.patience < MOST_PATIENCE {
             self.patience *= PATIENCE;
+            let Search { feeler, onset, from_free, travelled, .. } = *search;
+            self.phase = Phase::Pressing { feeler, onset, from_free, travelled };
             return Happened::Nothing;
         }
         self.starts += 1;
@@ -250,7 +269,7 @@ impl<'a> ProbabilisticSet<'a> {
         let Phase::Tracking(bank) = phase else { return Happened::Nothing };
         let used = bank.used.len();
         let field = Field { map, ground, table, robot, feelers, options };
-        bank.step(&field, history);
+        bank.step(&field, history, CAUGHT_UP);
         if history.len() > options.window {
             let taken = bank.used.len() > used;
             bank.fold(&field, history, options.window / 4);
@@ -339,9 +358,11 @@ impl<'a> ProbabilisticSet<'a> {
         if matches!(self.phase, Phase::Pressing { .. }) {
             self.press(true);
         }
+        self.search(usize::MAX);
         let Self { map, robot, options, ground, table, feelers, history, phase, .. } = self;
         let Phase::Tracking(bank) = phase else { return (Vec::new(), None) };
         let field = Field { map, ground, table, robot, feelers, options };
+        bank.step(&field, history, usize::MAX);
         places::choose(bank, &field, history)
     }
 }

@@ -24,7 +24,7 @@ use both::Both;
 use core::f64::consts::PI;
 
 /// Largest travel of the base (whisker lengths, rad) in one step of the continuation.
-const LARGEST_STEP: f64 = 0.025;
+const LARGEST_STEP: f64 = 0.028;
 /// Largest travel of the tip along the boundary in such a step, and of its slope.
 const LARGEST_SLIDE: f64 = 0.08;
 const LARGEST_BEND: f64 = 0.35;
