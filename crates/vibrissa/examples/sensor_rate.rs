@@ -90,10 +90,14 @@ fn main() -> Result<()> {
         .filter(|name| name.starts_with(&only))
         .collect();
     names.sort();
-    println!("{:18}{:>6}{:>9}{:>9}{:>8}{:>8}{:>8}{:>24}  verdict, mm, deg, weights", "sweep", "rows", "all", "longest", "p50", "p99", "end", "alive");
+    println!(
+        "{:18}{:>6}{:>9}{:>9}{:>8}{:>8}{:>8}{:>24}  verdict, mm, deg, weights",
+        "sweep", "rows", "all", "longest", "p50", "p99", "end", "alive"
+    );
     let (mut rows, mut all, mut late_all) = (0, 0.0, Vec::new());
     for name in names {
-        let map = Map::read(Path::new(&folder).join(format!("{}.geojson", name.split('-').next().unwrap_or_default())))?;
+        let map =
+            Map::read(Path::new(&folder).join(format!("{}.geojson", name.split('-').next().unwrap_or_default())))?;
         let log = SensorLog::read(Path::new(&folder).join(format!("{name}.csv")))?;
         let truth = read_tum(Path::new(&folder).join(format!("{name}.truth.tum")))?;
         let truth = truth.last().map_or(Pose2::IDENTITY, |t| t.map_from_robot);
@@ -102,10 +106,13 @@ fn main() -> Result<()> {
         let settled = (touched + SECOND).min(run.rows.len() / 2);
         let (early, late) = run.rows.split_at(settled);
         let total = run.rows.iter().sum::<f64>() + run.end;
-        let off = |p: Pose2| (1e3 * p.position().distance(truth.position()), wrap_angle(p.theta - truth.theta).abs().to_degrees());
+        let off = |p: Pose2| {
+            (1e3 * p.position().distance(truth.position()), wrap_angle(p.theta - truth.theta).abs().to_degrees())
+        };
         let best = run.answer.hypotheses.iter().map(|h| off(h.pose)).min_by(|a, b| a.0.total_cmp(&b.0));
         let steps = &run.answer.steps;
-        let alive = |part: usize| steps.get((steps.len() * part / 4).min(steps.len().max(1) - 1)).map_or(0, |s| s.components);
+        let alive =
+            |part: usize| steps.get((steps.len() * part / 4).min(steps.len().max(1) - 1)).map_or(0, |s| s.components);
         let told: Vec<String> = run.answer.hypotheses.iter().map(|h| format!("{:.3}", h.weight)).collect();
         let (mm, deg) = best.unwrap_or((f64::NAN, f64::NAN));
         println!(

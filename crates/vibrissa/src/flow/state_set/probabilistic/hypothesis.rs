@@ -121,6 +121,11 @@ impl Hypothesis {
         Self::new(self.map_from_odom, vec![State::Free; self.states.len()], 0)
     }
 
+    /// Whether it is judged from the first row on, where all whiskers were free.
+    pub(super) fn starts_free(&self) -> bool {
+        self.start_row == 0 && self.start.iter().all(|state| *state == State::Free)
+    }
+
     /// Takes in the row `row`, which must not be before the last one.
     pub(super) fn take(&mut self, scene: &Scene<'_>, row: usize) {
         let (sin, cos) = self.turned;
@@ -220,7 +225,7 @@ impl Hypothesis {
     }
 
     /// Runs the history anew as [`Hypothesis::run`] does, until it has cost more than `most`; whether it has not.
-    fn run_below(&mut self, scene: &Scene<'_>, map_from_odom: Pose2, rows: &[usize], most: f64) -> bool {
+    pub(super) fn run_below(&mut self, scene: &Scene<'_>, map_from_odom: Pose2, rows: &[usize], most: f64) -> bool {
         self.run(scene, map_from_odom, core::iter::empty());
         for some in rows.chunks(LOOKED_AT) {
             some.iter().for_each(|&row| self.take(scene, row));

@@ -4,6 +4,7 @@ use super::bank::{Bank, Field, OPEN};
 use super::contact::{Solver, State};
 use super::history::{History, Judge};
 use super::hypothesis::{Hypothesis, Scene, difference, moved};
+use super::images::images;
 use super::normal::{Matrix, add, determinant, dot, inverse, times};
 use super::spread::{SAMPLES, Spread, spread};
 use crate::plane::Pose2;
@@ -128,6 +129,8 @@ pub(super) fn choose(bank: &mut Bank, field: &Field<'_>, history: &History) -> (
         let least = bank.hypotheses.iter().map(|h| h.cost(shared)).fold(f64::INFINITY, f64::min);
         bank.hypotheses.retain(|h| h.cost(shared) <= least + TOLD + slack * SLACK);
     }
+    let equals = images(bank, field, history);
+    bank.hypotheses.extend(equals);
     let afford = MOST_TAKES / bank.hypotheses.len().max(1);
     if bank.used.len() < history.len() && afford > bank.used.len() {
         bank.use_rows(field, history, afford);

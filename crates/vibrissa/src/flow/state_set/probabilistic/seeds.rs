@@ -17,8 +17,8 @@ use core::f64::consts::{FRAC_PI_2, PI, TAU};
 /// Headings further than this from the boundary's normal are left out (rad).
 const WIDEST: f64 = 1.45;
 /// Cost above which a cell is dropped, and the same once it has been refined.
-const CELL_COST: f64 = 18.0;
-const REFINED_COST: f64 = 14.0;
+const CELL_COST: f64 = 20.0;
+const REFINED_COST: f64 = 18.0;
 /// Rounds of refinement.
 const ROUNDS: usize = 3;
 /// Share of the whisker that is kept clear of the boundaries when it begins to touch.
@@ -162,7 +162,7 @@ impl Seeding {
 }
 
 /// Calls `visit(piece, parameter)` every `spacing` metres along all pieces.
-fn for_each_place(pieces: &[Piece], spacing: f64, mut visit: impl FnMut(u32, f64)) {
+pub(super) fn for_each_place(pieces: &[Piece], spacing: f64, mut visit: impl FnMut(u32, f64)) {
     let mut next = 0.5 * spacing;
     for (index, piece) in pieces.iter().enumerate() {
         while next < piece.length {

@@ -3,6 +3,7 @@
 use super::bank::{Bank, Field, Search};
 use super::ground::Ground;
 use super::history::{Feeler, History, OUTLIER_COST, Sense};
+use super::images::images;
 use super::places::{self, Fit, Place};
 use crate::beam::{TipModel, TipTable};
 use crate::config::ProbabilisticOptions;
@@ -272,6 +273,12 @@ impl<'a> ProbabilisticSet<'a> {
         bank.step(&field, history, CAUGHT_UP);
         if history.len() > options.window {
             let taken = bank.used.len() > used;
+            if !bank.is_folded() {
+                // The last time that all rows are there to say what else explains them.
+                let equals = images(bank, &field, history);
+                bank.hypotheses.extend(equals);
+            }
+            bank.settle_few(&field, history);
             bank.fold(&field, history, options.window / 4);
             self.tracked += usize::from(taken);
             return if taken { Happened::Updated } else { Happened::Nothing };

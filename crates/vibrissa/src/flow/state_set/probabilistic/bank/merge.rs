@@ -22,6 +22,9 @@ const COARSE_HEADING: f64 = 0.06;
 /// In the end so are those that lie within another's region (squared standard deviations) and no further away (m).
 const OVERLAP: f64 = 0.5;
 const FARTHEST: f64 = 0.05;
+/// So many are moved to their least cost before rows are summed up, in so many steps.
+const FEW: usize = 8;
+const FEW_ROUNDS: usize = 3;
 /// A step that promises less than this (nats) is not taken: a few hundredths of a standard deviation.
 const SETTLED: f64 = 2e-2;
 const SETTLED_EXACTLY: f64 = 1e-3;
@@ -74,6 +77,14 @@ impl Bank {
             }
         }
         self.join();
+    }
+
+    /// Moves hypotheses to their least cost where they are few: what is summed up is believed from then on.
+    pub(in super::super) fn settle_few(&mut self, field: &Field<'_>, history: &History) {
+        if self.hypotheses.len() <= FEW {
+            self.settle(field, history, FEW_ROUNDS, 0);
+            self.hypotheses.iter_mut().for_each(|h| h.look(LOOSE, self.shared));
+        }
     }
 
     /// Keeps the best of hypotheses within each other's reach.

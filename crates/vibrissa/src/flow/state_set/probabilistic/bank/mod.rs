@@ -22,7 +22,7 @@ const DROP_MORE: f64 = 20.0;
 /// Of this, what the cost of an old linearisation may come to before the hypothesis is linearised out of turn.
 const WAITING: f64 = 1.4;
 /// Readings that may be run again for these, beyond the budget, for each new row.
-const URGENT: usize = 400;
+const URGENT: usize = 1000;
 /// What is dearer than the best by this many times what drops a hypothesis is given up while it is still being run.
 const HOPELESS: f64 = 2.5;
 /// Inverse variances that keep a step finite where the readings leave a direction open (5 mm, 5°).
@@ -257,9 +257,25 @@ impl Bank {
         self.hypotheses.extend(pulled);
     }
 
+    /// Whether rows have been summed up.
+    pub(super) fn is_folded(&self) -> bool {
+        self.folded
+    }
+
     /// Hypotheses on the side, with these rows.
     pub(super) fn beside(&self, hypotheses: Vec<Hypothesis>, used: Vec<usize>) -> Self {
-        Self { hypotheses, used, next: self.next, pivot: self.pivot, shared: self.shared, credit: 0, turn: 0, since_merge: 0, recent: Vec::new(), folded: self.folded }
+        Self {
+            hypotheses,
+            used,
+            next: self.next,
+            pivot: self.pivot,
+            shared: self.shared,
+            credit: 0,
+            turn: 0,
+            since_merge: 0,
+            recent: Vec::new(),
+            folded: self.folded,
+        }
     }
 
     /// Those of these, in order, that stand apart from all before.

@@ -66,12 +66,7 @@ impl Search {
     }
 
     /// Goes on until `work` (readings run through the forward model) is used up; gives the bank when it has come to the end.
-    pub(in super::super) fn step(
-        &mut self,
-        field: &Field<'_>,
-        history: &History,
-        work: &mut usize,
-    ) -> Option<Bank> {
+    pub(in super::super) fn step(&mut self, field: &Field<'_>, history: &History, work: &mut usize) -> Option<Bank> {
         let options = field.options;
         let judge = Judge { temper: SEED_TEMPER, outlier_cost: f64::INFINITY };
         let scene = Scene { whole: false, ..field.scene(history, self.pivot, judge, 0.0) };
