@@ -79,7 +79,7 @@ pub struct ProbabilisticSet<'a> {
     starts: u32,
     patience: f64,
     last: Option<Pose2>,
-    /// Used rows since the set was started, and its best hypothesis when it was last given up.
+    /// Rows since the set was started, and its best hypothesis when it was last given up.
     tracked: usize,
     abandoned: Option<Pose2>,
 }
@@ -266,11 +266,12 @@ impl<'a> ProbabilisticSet<'a> {
 
     /// Hands the row to the hypotheses and watches how they fare.
     fn track(&mut self) -> Happened {
-        let Self { map, robot, options, ground, table, feelers, history, phase, .. } = self;
+        let Self { map, robot, options, ground, table, feelers, history, phase, tracked, .. } = self;
         let Phase::Tracking(bank) = phase else { return Happened::Nothing };
-        let used = bank.used.len();
+        let (used, next) = (bank.used.len(), bank.next);
         let field = Field { map, ground, table, robot, feelers, options };
         bank.step(&field, history, CAUGHT_UP);
+        *tracked += bank.next - next;
         if history.len() > options.window {
             let taken = bank.used.len() > used;
             if !bank.is_folded() {
@@ -280,7 +281,6 @@ impl<'a> ProbabilisticSet<'a> {
             }
             bank.settle_few(&field, history);
             bank.fold(&field, history, options.window / 4);
-            self.tracked += usize::from(taken);
             return if taken { Happened::Updated } else { Happened::Nothing };
         }
         if bank.used.len() == used {
@@ -310,7 +310,6 @@ impl<'a> ProbabilisticSet<'a> {
             self.begin_again();
             return Happened::Lost;
         }
-        self.tracked += 1;
         if self.tracked > TRUSTED {
             self.starts = 1;
         }

@@ -34,8 +34,8 @@ const LARGEST_PASS: f64 = 0.2;
 const MOTION: f64 = 1.5;
 /// How far a whisker moves (whisker lengths) before a bump that does not touch it is tried again.
 const RETRY: f64 = 4e-3;
-/// A step is halved this often before the whisker is said to have snapped, to either accuracy.
-const MOST_HALVINGS: [u32; 2] = [4, 6];
+/// A step is halved this often before the whisker is said to have snapped.
+const MOST_HALVINGS: u32 = 6;
 /// Pull (dimensionless force) at which a glued whisker lets go: a gap of about 2.5 mm for the paper's whisker.
 const LET_GO: f64 = -0.1;
 
@@ -224,8 +224,7 @@ impl Forward<'_> {
         let turn = wrap_angle(to.theta - from.theta);
         let way = ((to.position() - from.position()).norm_squared().sqrt() / self.length).max(turn.abs());
         let steps = (way / LARGEST_STEP).ceil().clamp(1.0, 1e4);
-        let halvings = MOST_HALVINGS[usize::from(matches!(self.solver, Solver::Exact))];
-        let least = 1.0 / (steps * f64::from(1_u32 << halvings));
+        let least = 1.0 / (steps * f64::from(1_u32 << MOST_HALVINGS));
         let (mut share, mut step) = (0.0, 1.0 / steps);
         let mut felt = Felt::default();
         while share < 1.0 {
