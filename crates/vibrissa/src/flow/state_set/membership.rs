@@ -20,6 +20,8 @@ const AGREED: f64 = 1e-3;
 const ALONG: f64 = 3e-3;
 /// How near to a concave corner the last contact must lie for the tip to be caught in it (m).
 const CORNER: f64 = 8e-3;
+/// How far outside free space the robot's origin may come to lie (m): candidates are off by as much.
+const ON_BORDER: f64 = 3e-3;
 /// Margin on a known distance within which the nearest boundary point is sought (m).
 const NEARBY: f64 = 1e-5;
 /// Share of the declared bound that is taken to be the same for all readings (gain, calibration), not averaged out.
@@ -80,7 +82,7 @@ pub(super) struct Match {
 
 /// The state of the preimage nearest to the candidate, on the best branch.
 ///
-/// None within the tolerance, or the whisker's base would stand in a wall.
+/// None within the tolerance, or the whisker's base or the robot's origin would stand in a wall.
 pub(super) fn nearest_state(
     map: &Map,
     candidate: &Candidate,
@@ -88,7 +90,7 @@ pub(super) fn nearest_state(
     tolerance: &Tolerance,
 ) -> Option<Match> {
     let map_from_whisker = candidate.map_from_odom.compose(observation.odom_from_whisker);
-    if !map.is_free(map_from_whisker.position()) {
+    if !map.is_free(map_from_whisker.position()) || !stands(map, map_from_whisker, observation) {
         return None;
     }
     let base = Base::new(map_from_whisker);
@@ -102,6 +104,15 @@ pub(super) fn nearest_state(
         starts.into_iter().filter_map(match_from).min_by(|a, b| a.cost.total_cmp(&b.cost))
     };
     observation.branches.iter().filter_map(on_branch).min_by(|a, b| a.cost.total_cmp(&b.cost))
+}
+
+/// Whether the robot's origin, too, is in free space or on its border.
+fn stands(map: &Map, map_from_whisker: Pose2, observation: &Observation) -> bool {
+    if observation.robot_from_whisker.position().norm_squared() == 0.0 {
+        return true;
+    }
+    let origin = map_from_whisker.compose(observation.robot_from_whisker.inverse()).position();
+    map.is_free(origin) || map.nearest_within(origin, ON_BORDER).is_some()
 }
 
 /// A place on the boundary to look for the contact from.

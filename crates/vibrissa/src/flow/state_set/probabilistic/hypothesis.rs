@@ -46,6 +46,8 @@ impl<'a> Scene<'a> {
 const SHARES: [f64; 2] = [1.0, 0.25];
 const WORSE: f64 = 0.5;
 
+/// So many rows are run before it is asked whether to go on.
+const LOOKED_AT: usize = 6;
 /// How exactly the model is believed to know where the whisker stands (m, rad).
 const BLUR: [f64; 2] = [5e-5, 5e-4];
 
@@ -56,6 +58,10 @@ pub(super) struct Hypothesis {
     pub(super) map_from_odom: Pose2,
     /// What the readings up to `row` say.
     pub(super) normal: Normal,
+    /// Sine and cosine of its heading.
+    turned: (f64, f64),
+    /// What [`Hypothesis::best`] said when it was last asked by [`Hypothesis::look`].
+    pub(super) promise: (f64, [f64; 3]),
     /// How many rows it has taken since it was linearised.
     pub(super) age: usize,
     /// The last row used.
@@ -94,6 +100,8 @@ impl Hypothesis {
     pub(super) fn new(map_from_odom: Pose2, states: Vec<State>, row: usize) -> Self {
         Self {
             map_from_odom,
+            turned: map_from_odom.theta.sin_cos(),
+            promise: (0.0, [0.0; 3]),
             normal: Normal::default(),
             age: 0,
             row,
@@ -113,10 +121,16 @@ impl Hypothesis {
         Self::new(self.map_from_odom, vec![State::Free; self.states.len()], 0)
     }
 
+    /// Whether it is judged from the first row on, where all whiskers were free.
+    pub(super) fn starts_free(&self) -> bool {
+        self.start_row == 0 && self.start.iter().all(|state| *state == State::Free)
+    }
+
     /// Takes in the row `row`, which must not be before the last one.
     pub(super) fn take(&mut self, scene: &Scene<'_>, row: usize) {
-        let (sin, cos) = self.map_from_odom.theta.sin_cos();
-        let pivot = self.map_from_odom.transform_point(scene.pivot);
+        let (sin, cos) = self.turned;
+        let at = |p: Vec2| self.map_from_odom.position() + Vec2::new(cos * p.x - sin * p.y, sin * p.x + cos * p.y);
+        let pivot = at(scene.pivot);
         if scene.blur {
             self.drift.travel(scene.history.pose(self.row), scene.history.pose(row));
         }
@@ -155,7 +169,7 @@ impl Hypothesis {
                 let by = [gx, gy, turn + gx * arm.x + gy * arm.y];
                 self.normal.add(misfit.residual, by, felt.value, weight);
                 if scene.blur {
-                    let robot = self.map_from_odom.transform_point(scene.history.pose(row).position());
+                    let robot = at(scene.history.pose(row).position());
                     let arm = there.position() - robot;
                     self.drift.add(self.map_from_odom.theta, arm, felt.gradient, by, felt.value, weight);
                 }
@@ -191,6 +205,7 @@ impl Hypothesis {
         self.prior = self.prior.moved(difference(self.start_at, map_from_odom, scene.pivot));
         self.start_at = map_from_odom;
         self.map_from_odom = map_from_odom;
+        self.turned = map_from_odom.theta.sin_cos();
         self.normal = self.prior;
         self.drift = Drift::default();
         self.states.clone_from(&self.start);
@@ -209,6 +224,39 @@ impl Hypothesis {
         self.row -= last;
     }
 
+    /// Runs the history anew as [`Hypothesis::run`] does, until it has cost more than `most`; whether it has not.
+    pub(super) fn run_below(&mut self, scene: &Scene<'_>, map_from_odom: Pose2, rows: &[usize], most: f64) -> bool {
+        self.run(scene, map_from_odom, core::iter::empty());
+        for some in rows.chunks(LOOKED_AT) {
+            some.iter().for_each(|&row| self.take(scene, row));
+            if self.cost(scene.shared) > most {
+                return false;
+            }
+        }
+        self.age = 0;
+        true
+    }
+
+    /// As [`Hypothesis::improve`], but gives up where all that is tried costs more than `most`; gives whether it did not, and
+    /// the number of readings taken.
+    pub(super) fn revive(&mut self, scene: &Scene<'_>, d: [f64; 3], rows: &[usize], most: f64) -> (bool, usize) {
+        let mut taken = 0;
+        let mut alive = false;
+        for share in SHARES {
+            let mut next = self.clone();
+            let to = moved(self.map_from_odom, scene.pivot, d.map(|v| share * v));
+            let below = next.run_below(scene, to, rows, most);
+            taken += rows.partition_point(|&row| row <= next.row);
+            if below && next.cost(scene.shared) <= self.cost(scene.shared) + WORSE {
+                *self = next;
+                return (true, taken);
+            }
+            alive |= below;
+        }
+        self.age = 0;
+        (alive, taken)
+    }
+
     /// Linearises anew a step `d` away, or a part of it where the whole makes things worse; gives the number of runs.
     pub(super) fn improve(&mut self, scene: &Scene<'_>, d: [f64; 3], rows: &[usize]) -> usize {
         for (index, share) in SHARES.into_iter().enumerate() {
@@ -221,6 +269,11 @@ impl Hypothesis {
         }
         self.age = 0;
         SHARES.len()
+    }
+
+    /// Keeps what the readings promise now.
+    pub(super) fn look(&mut self, damping: [f64; 3], shared: f64) {
+        self.promise = self.best(damping, shared);
     }
 
     /// The cost where it is linearised.

@@ -6,6 +6,7 @@ mod drift;
 mod ground;
 mod history;
 mod hypothesis;
+mod images;
 mod normal;
 mod places;
 mod seeds;

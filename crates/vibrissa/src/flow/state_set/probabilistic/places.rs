@@ -4,6 +4,7 @@ use super::bank::{Bank, Field, OPEN};
 use super::contact::{Solver, State};
 use super::history::{History, Judge};
 use super::hypothesis::{Hypothesis, Scene, difference, moved};
+use super::images::images;
 use super::normal::{Matrix, add, determinant, dot, inverse, times};
 use super::spread::{SAMPLES, Spread, spread};
 use crate::plane::Pose2;
@@ -11,8 +12,8 @@ use crate::plane::Pose2;
 /// Hypotheses that are refined to the end in closed form, the best first.
 const EXACT: usize = 4;
 /// Rows that the first Gauss-Newton steps of all hypotheses take, and how many steps there are; then those over all rows.
-const FIRST_ROWS: usize = 48;
-const FIRST_ROUNDS: usize = 3;
+const FIRST_ROWS: [usize; 2] = [24, 48];
+const FIRST_ROUNDS: [usize; 2] = [1, 2];
 const ROUNDS: usize = 3;
 const LAST_ROUNDS: usize = 8;
 /// Those in closed form that follow.
@@ -20,12 +21,17 @@ const EXACT_ROUNDS: usize = 2;
 /// Readings, times hypotheses, that are run again at the end; beyond, every second, every third … row must do.
 const MOST_TAKES: usize = 150_000;
 /// The same for the second round of all that are left, before the few that stay take all rows.
-const SECOND_TAKES: usize = 50_000;
+const SECOND_TAKES: usize = 15_000;
 /// Most hypotheses that are looked at in the end.
-const MOST: usize = 1000;
-/// How many of the best hypotheses are started anew from around them, and from where (m, m, rad).
+const MOST: usize = 500;
+/// So many of the best hypotheses that stand apart, and so many of the best, are started anew from around them, and from
+/// where (m, m, rad); rows that this takes at least.
+const SHAKEN_APART: usize = 6;
 const SHAKEN: usize = 3;
+const SHAKEN_ROWS: usize = 64;
 const SHAKES: [[f64; 3]; 3] = [[7e-4, 7e-4, 0.0], [7e-4, -7e-4, 0.0], [0.0, 0.0, 0.012]];
+/// Every so many rows the robot's origin must stand in free space.
+const STANDS_EVERY: usize = 10;
 /// Slack for those that are not at their least yet (nats).
 const SLACK: f64 = 6.0;
 /// A hypothesis this much less likely than the best (nats) is not told.
@@ -115,12 +121,16 @@ pub(super) fn choose(bank: &mut Bank, field: &Field<'_>, history: &History) -> (
     let shared = bank.shared;
     bank.hypotheses.sort_by(|a, b| a.best(OPEN, shared).0.total_cmp(&b.best(OPEN, shared).0));
     bank.hypotheses.truncate(MOST);
-    for (rows, rounds) in [(FIRST_ROWS, FIRST_ROUNDS), (SECOND_TAKES / bank.hypotheses.len().max(1), ROUNDS)] {
+    let stages = [(FIRST_ROWS[0], FIRST_ROUNDS[0], 3.0), (FIRST_ROWS[1], FIRST_ROUNDS[1], 1.0), (0, ROUNDS, 1.0)];
+    for (rows, rounds, slack) in stages {
+        let rows = if rows > 0 { rows } else { SECOND_TAKES / bank.hypotheses.len().max(1) };
         bank.use_rows(field, history, rows);
         bank.settle(field, history, rounds, 0);
         let least = bank.hypotheses.iter().map(|h| h.cost(shared)).fold(f64::INFINITY, f64::min);
-        bank.hypotheses.retain(|h| h.cost(shared) <= least + TOLD + SLACK);
+        bank.hypotheses.retain(|h| h.cost(shared) <= least + TOLD + slack * SLACK);
     }
+    let equals = images(bank, field, history);
+    bank.hypotheses.extend(equals);
     let afford = MOST_TAKES / bank.hypotheses.len().max(1);
     if bank.used.len() < history.len() && afford > bank.used.len() {
         bank.use_rows(field, history, afford);
@@ -128,7 +138,9 @@ pub(super) fn choose(bank: &mut Bank, field: &Field<'_>, history: &History) -> (
     bank.settle(field, history, LAST_ROUNDS, 0);
     shake(bank, field, history);
     bank.settle(field, history, EXACT_ROUNDS, EXACT);
-    bank.hypotheses.retain(|h| field.admits(history, h.map_from_odom));
+    let rows = || (0..history.len()).rev().step_by(STANDS_EVERY);
+    let stands = |h: &Hypothesis| rows().all(|row| field.stands(history, h.map_from_odom, row));
+    bank.hypotheses.retain(|h| field.admits(history, h.map_from_odom) && stands(h));
     let least = bank.hypotheses.iter().map(|h| h.cost(bank.shared)).fold(f64::INFINITY, f64::min);
     bank.hypotheses.retain(|h| h.cost(shared) <= least + TOLD);
     let mut fit = bank.hypotheses.first().map(|h| fit(h, bank, field, history, Solver::Exact));
@@ -154,23 +166,35 @@ pub(super) fn choose(bank: &mut Bank, field: &Field<'_>, history: &History) -> (
 }
 
 /// Starts the best few anew from places around them: a map of facets has many shallow minima.
+///
+/// Places that stand apart are shaken alike: of two that are each other's image one would otherwise be told as less likely
+/// for having been left in the shallower of its minima.
 fn shake(bank: &mut Bank, field: &Field<'_>, history: &History) {
     let scene = field.scene(history, bank.pivot, Judge::FAIR, bank.shared);
-    if bank.used.len() * SHAKEN * 2 * SHAKES.len() > MOST_TAKES {
-        return;
+    let least = bank.hypotheses.first().map_or(0.0, |h| h.cost(bank.shared));
+    let told = bank.hypotheses.iter().take_while(|h| h.cost(bank.shared) <= least + TOLD).count();
+    let mut shaken = bank.apart(0..told, SHAKEN_APART);
+    (0..told.min(SHAKEN)).for_each(|index| {
+        if shaken.len() < SHAKEN && !shaken.contains(&index) {
+            shaken.push(index);
+        }
+    });
+    let stride = (bank.used.len() / SHAKEN_ROWS).clamp(1, 4);
+    let rows: Vec<usize> = bank.used.iter().copied().step_by(stride).collect();
+    let starts = [[0.0; 3]].into_iter().chain(SHAKES.into_iter().flat_map(|d| [d, d.map(|v| -v)]));
+    let around = shaken.iter().flat_map(|&index| starts.clone().map(move |d| (index, d))).map(|(index, d)| {
+        let mut next = bank.hypotheses[index].clone();
+        next.run(&scene, moved(next.map_from_odom, scene.pivot, d), rows.iter().copied());
+        next
+    });
+    let mut few = bank.beside(around.collect(), rows.clone());
+    few.settle(field, history, LAST_ROUNDS, 0);
+    let least = few.hypotheses.first().map_or(0.0, |h| h.cost(bank.shared));
+    few.hypotheses.retain(|h| h.cost(bank.shared) <= least + TOLD);
+    for mut h in few.hypotheses {
+        h.run(&scene, h.map_from_odom, bank.used.iter().copied());
+        bank.hypotheses.push(h);
     }
-    let around: Vec<Hypothesis> = bank
-        .hypotheses
-        .iter()
-        .take(SHAKEN)
-        .flat_map(|h| SHAKES.into_iter().flat_map(move |d| [(h, d), (h, d.map(|v| -v))]))
-        .map(|(h, d)| {
-            let mut next = h.clone();
-            next.run(&scene, moved(h.map_from_odom, scene.pivot, d), bank.used.iter().copied());
-            next
-        })
-        .collect();
-    bank.hypotheses.extend(around);
     bank.settle(field, history, LAST_ROUNDS, 0);
 }
 

@@ -5,7 +5,7 @@
 //! are open, the place along the boundary and the heading. Each cell of them is run through a few well separated
 //! readings as a Gaussian as wide as the cell, and most die at the first.
 
-use super::bank::merged;
+use super::bank::{cells, merged};
 use super::contact::State;
 use super::ground::Piece;
 use super::hypothesis::{Hypothesis, Scene, moved};
@@ -17,8 +17,8 @@ use core::f64::consts::{FRAC_PI_2, PI, TAU};
 /// Headings further than this from the boundary's normal are left out (rad).
 const WIDEST: f64 = 1.45;
 /// Cost above which a cell is dropped, and the same once it has been refined.
-const CELL_COST: f64 = 18.0;
-const REFINED_COST: f64 = 14.0;
+const CELL_COST: f64 = 20.0;
+const REFINED_COST: f64 = 18.0;
 /// Rounds of refinement.
 const ROUNDS: usize = 3;
 /// Share of the whisker that is kept clear of the boundaries when it begins to touch.
@@ -43,45 +43,126 @@ pub(super) struct Onset<'a> {
     pub(super) near: Option<Bounds>,
 }
 
-/// The hypotheses that explain the first readings; `admits` says whether a `map_from_odom` is in the prior's region.
-pub(super) fn seeds(scene: &Scene<'_>, onset: &Onset<'_>, admits: &dyn Fn(Pose2) -> bool) -> Vec<Hypothesis> {
-    let mut found = Vec::new();
-    let z = scene.history.readings(onset.row)[onset.feeler];
-    let feeler = &scene.feelers[onset.feeler];
-    let reading = feeler.reading(z);
-    let branches = if onset.from_free {
-        Vec::new()
-    } else {
-        TipContactSet::branches(&feeler.tip, reading, TipLoad::BoundaryNormal)
-    };
-    for_each_place(&scene.ground.pieces, onset.spacing, |piece, at| {
+/// The search, which can be left and taken up again: cells one after the other, then rounds of refinement.
+pub(super) struct Seeding {
+    /// Where the tip may be: pieces and parameters, and which is next.
+    places: Vec<(u32, f64)>,
+    next: usize,
+    /// The shapes of a whisker that is loaded already.
+    branches: Vec<TipContactSet>,
+    found: Vec<Hypothesis>,
+    /// The round of refinement, and what it has not come to yet, the last one first.
+    round: usize,
+    left: Option<Vec<Hypothesis>>,
+}
+
+impl Seeding {
+    pub(super) fn new(scene: &Scene<'_>, onset: &Onset<'_>) -> Self {
+        let feeler = &scene.feelers[onset.feeler];
+        let z = scene.history.readings(onset.row)[onset.feeler];
+        let branches = if onset.from_free {
+            Vec::new()
+        } else {
+            TipContactSet::branches(&feeler.tip, feeler.reading(z), TipLoad::BoundaryNormal)
+        };
+        let mut places = Vec::new();
+        for_each_place(&scene.ground.pieces, onset.spacing, |piece, at| places.push((piece, at)));
+        Self { places, next: 0, branches, found: Vec::new(), round: 0, left: None }
+    }
+
+    /// Goes on until `work` (readings run through the forward model) is used up; whether it has come to the end. `admits`
+    /// says whether a `map_from_odom` is in the prior's region.
+    pub(super) fn step(
+        &mut self,
+        scene: &Scene<'_>,
+        onset: &Onset<'_>,
+        admits: &dyn Fn(Pose2) -> bool,
+        work: &mut usize,
+    ) -> bool {
+        while let Some(&(piece, at)) = self.places.get(self.next) {
+            if *work == 0 {
+                return false;
+            }
+            self.try_place(scene, onset, piece, at, admits, work);
+            self.next += 1;
+        }
+        while self.round < ROUNDS {
+            if !self.refine(scene, onset, work) {
+                return false;
+            }
+            self.round += 1;
+        }
+        true
+    }
+
+    /// The hypotheses that explain the first readings.
+    pub(super) fn found(self) -> Vec<Hypothesis> {
+        self.found
+    }
+
+    /// All headings at one place of the boundary.
+    fn try_place(
+        &mut self,
+        scene: &Scene<'_>,
+        onset: &Onset<'_>,
+        piece: u32,
+        at: f64,
+        admits: &dyn Fn(Pose2) -> bool,
+        work: &mut usize,
+    ) {
         let spot = scene.ground.pieces[piece as usize].spot(at);
         if onset.near.is_some_and(|near| !near.contains(spot.position)) {
             return;
         }
-        let normal = spot.normal;
+        *work = work.saturating_sub(1);
         if onset.from_free {
+            let z = scene.history.readings(onset.row)[onset.feeler];
             let count = (2.0 * WIDEST / onset.turn).ceil();
-            (0..count as usize).for_each(|k| {
-                let heading = normal + PI - WIDEST + (k as f64 + 0.5) * (2.0 * WIDEST / count);
-                found.extend(touching(scene, onset, piece, at, heading, z, admits));
-            });
-        } else {
-            let count = (TAU / onset.turn).ceil();
-            for set in &branches {
-                (0..count as usize).for_each(|k| {
-                    let heading = wrap_angle(k as f64 * TAU / count);
-                    found.extend(loaded(scene, onset, set, piece, at, heading, admits));
-                });
+            for k in 0..count as usize {
+                let heading = spot.normal + PI - WIDEST + (k as f64 + 0.5) * (2.0 * WIDEST / count);
+                self.found.extend(touching(scene, onset, piece, at, heading, z, admits, work));
+            }
+            return;
+        }
+        let count = (TAU / onset.turn).ceil();
+        for set in &self.branches {
+            for k in 0..count as usize {
+                let heading = wrap_angle(k as f64 * TAU / count);
+                self.found.extend(loaded(scene, onset, set, piece, at, heading, admits, work));
             }
         }
-    });
-    refine(scene, onset, &mut found);
-    found
+    }
+
+    /// Moves each hypothesis to its best place and drops those that stay bad, and all but the best of those that meet.
+    fn refine(&mut self, scene: &Scene<'_>, onset: &Onset<'_>, work: &mut usize) -> bool {
+        let last = onset.rows.last().copied().unwrap_or(onset.row);
+        let limit = if self.round + 1 == ROUNDS { REFINED_COST } else { CELL_COST };
+        let found = &mut self.found;
+        let left = self.left.get_or_insert_with(|| {
+            let all = core::mem::take(found);
+            let size = cells(all.len());
+            let mut all = merged(all, scene, scene.history.pose(last), size, |h| h.best(cell(onset), 0.0));
+            all.reverse();
+            all
+        });
+        while *work > 0 {
+            let Some(mut h) = left.pop() else {
+                self.left = None;
+                return true;
+            };
+            let (_, d) = h.best(cell(onset), 0.0);
+            h.run(scene, moved(h.map_from_odom, scene.pivot, d), onset.rows.iter().copied());
+            *work = work.saturating_sub(onset.rows.len());
+            if h.best(cell(onset), 0.0).0 <= limit {
+                self.found.push(h);
+            }
+        }
+        false
+    }
 }
 
 /// Calls `visit(piece, parameter)` every `spacing` metres along all pieces.
-fn for_each_place(pieces: &[Piece], spacing: f64, mut visit: impl FnMut(u32, f64)) {
+pub(super) fn for_each_place(pieces: &[Piece], spacing: f64, mut visit: impl FnMut(u32, f64)) {
     let mut next = 0.5 * spacing;
     for (index, piece) in pieces.iter().enumerate() {
         while next < piece.length {
@@ -93,6 +174,7 @@ fn for_each_place(pieces: &[Piece], spacing: f64, mut visit: impl FnMut(u32, f64
 }
 
 /// The hypothesis that the straight whisker's tip touched here, if the first readings allow it.
+#[allow(clippy::too_many_arguments, reason = "a cell of the search")]
 fn touching(
     scene: &Scene<'_>,
     onset: &Onset<'_>,
@@ -101,6 +183,7 @@ fn touching(
     heading: f64,
     z: f64,
     admits: &dyn Fn(Pose2) -> bool,
+    work: &mut usize,
 ) -> Option<Hypothesis> {
     let feeler = &scene.feelers[onset.feeler];
     let spot = scene.ground.pieces[piece as usize].spot(at);
@@ -121,10 +204,11 @@ fn touching(
     }
     let forward = scene.forward(feeler);
     let state = State::Touching(forward.untouched(piece, at, heading));
-    judged(scene, onset, pose, state)
+    judged(scene, onset, pose, state, work)
 }
 
 /// The hypothesis that the tip was pressed here with the moment of the first reading.
+#[allow(clippy::too_many_arguments, reason = "a cell of the search")]
 fn loaded(
     scene: &Scene<'_>,
     onset: &Onset<'_>,
@@ -133,6 +217,7 @@ fn loaded(
     at: f64,
     heading: f64,
     admits: &dyn Fn(Pose2) -> bool,
+    work: &mut usize,
 ) -> Option<Hypothesis> {
     let feeler = &scene.feelers[onset.feeler];
     let spot = scene.ground.pieces[piece as usize].spot(at);
@@ -153,7 +238,7 @@ fn loaded(
     let beta = wrap_angle(spot.normal - heading - contact.slope - FRAC_PI_2);
     let forward = scene.forward(feeler);
     let state = State::Touching(forward.loaded(piece, at, q, beta, contact.slope));
-    judged(scene, onset, pose, state)
+    judged(scene, onset, pose, state, work)
 }
 
 /// The odometry frame in the map when the whisker's base is there at the first touch.
@@ -169,32 +254,24 @@ fn cell(onset: &Onset<'_>) -> [f64; 3] {
 }
 
 /// The hypothesis after the first readings, unless they kill its whole cell.
-fn judged(scene: &Scene<'_>, onset: &Onset<'_>, map_from_whisker: Pose2, state: State) -> Option<Hypothesis> {
+fn judged(
+    scene: &Scene<'_>,
+    onset: &Onset<'_>,
+    map_from_whisker: Pose2,
+    state: State,
+    work: &mut usize,
+) -> Option<Hypothesis> {
     let map_from_odom = from_odom(scene, onset, map_from_whisker);
     let mut states = vec![State::Free; scene.feelers.len()];
     states[onset.feeler] = state;
     let mut hypothesis = Hypothesis::new(map_from_odom, states, onset.row);
     for &row in onset.rows {
         hypothesis.take(scene, row);
+        *work = work.saturating_sub(1);
         let held = matches!(hypothesis.states[onset.feeler], State::Touching(_));
         if !held || hypothesis.best(cell(onset), 0.0).0 > CELL_COST {
             return None;
         }
     }
     Some(hypothesis)
-}
-
-/// Moves each hypothesis to its best place and drops those that stay bad, and all but the best of those that meet.
-fn refine(scene: &Scene<'_>, onset: &Onset<'_>, found: &mut Vec<Hypothesis>) {
-    let last = onset.rows.last().copied().unwrap_or(onset.row);
-    for round in 0..ROUNDS {
-        *found = merged(core::mem::take(found), scene, scene.history.pose(last), |h| h.best(cell(onset), 0.0));
-        let limit = if round + 1 == ROUNDS { REFINED_COST } else { CELL_COST };
-        found.retain_mut(|h| {
-            let (_, d) = h.best(cell(onset), 0.0);
-            let to = moved(h.map_from_odom, scene.pivot, d);
-            h.run(scene, to, onset.rows.iter().copied());
-            h.best(cell(onset), 0.0).0 <= limit
-        });
-    }
 }

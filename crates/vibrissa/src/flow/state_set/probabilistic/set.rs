@@ -1,8 +1,9 @@
 //! The state set of the probabilistic method, row by row: waiting, pressing, tracking, and starting anew when lost.
 
-use super::bank::{Bank, Field};
+use super::bank::{Bank, Field, Search};
 use super::ground::Ground;
 use super::history::{Feeler, History, OUTLIER_COST, Sense};
+use super::images::images;
 use super::places::{self, Fit, Place};
 use crate::beam::{TipModel, TipTable};
 use crate::config::ProbabilisticOptions;
@@ -25,6 +26,10 @@ const TRUSTED: usize = 300;
 /// Fewest rows of contact to seed from.
 const FEWEST_ROWS: usize = 5;
 
+/// Readings that are run through the forward model in one call while hypotheses are searched for (some milliseconds), and rows
+/// that are caught up with in one call afterwards.
+const SLICE: usize = 4000;
+const CAUGHT_UP: usize = 4;
 /// With more hypotheses than this for each place of the boundary that was tried, and as long as a contact has not been followed for this many times the
 /// usual travel, it is followed for longer, by this factor.
 const MANY_STARTS: f64 = 1.5;
@@ -50,6 +55,8 @@ enum Phase {
     Waiting,
     /// In a first contact, which began at this row of the history.
     Pressing { feeler: usize, onset: usize, from_free: bool, travelled: f64 },
+    /// Looking for hypotheses, while rows go on.
+    Searching(Search),
     /// With hypotheses.
     Tracking(Bank),
 }
@@ -72,7 +79,7 @@ pub struct ProbabilisticSet<'a> {
     starts: u32,
     patience: f64,
     last: Option<Pose2>,
-    /// Used rows since the set was started, and its best hypothesis when it was last given up.
+    /// Rows since the set was started, and its best hypothesis when it was last given up.
     tracked: usize,
     abandoned: Option<Pose2>,
 }
@@ -180,6 +187,7 @@ impl<'a> ProbabilisticSet<'a> {
                 }
                 self.press(false)
             }
+            Phase::Searching(_) => self.search(SLICE),
             Phase::Tracking(_) => self.track(),
         }
     }
@@ -226,12 +234,24 @@ impl<'a> ProbabilisticSet<'a> {
             self.history.forget(onset);
         }
         let onset = if from_free { onset } else { 0 };
-        let bank = Bank::start(&self.field(), &self.history, feeler, onset, from_free);
+        let search = Search::new(&self.field(), &self.history, (feeler, onset), from_free, ended, travelled);
+        self.phase = Phase::Searching(search);
+        self.search(if at_end { usize::MAX } else { SLICE })
+    }
+
+    /// Looks for hypotheses with this much work.
+    fn search(&mut self, mut work: usize) -> Happened {
+        let Self { map, robot, options, ground, table, feelers, history, phase, .. } = self;
+        let Phase::Searching(search) = phase else { return Happened::Nothing };
+        let field = Field { map, ground, table, robot, feelers, options };
+        let Some(bank) = search.step(&field, history, &mut work) else { return Happened::Nothing };
         let count = bank.hypotheses.len();
         // A contact too weak or too short to tell headings apart is followed for longer before anything is decided.
-        let places = self.ground.length() / self.options.seed_spacing;
-        if count as f64 > MANY_STARTS * places && !ended && self.patience < MOST_PATIENCE {
+        let places = ground.length() / options.seed_spacing;
+        if count as f64 > MANY_STARTS * places && !search.ended && self.patience < MOST_PATIENCE {
             self.patience *= PATIENCE;
+            let Search { feeler, onset, from_free, travelled, .. } = *search;
+            self.phase = Phase::Pressing { feeler, onset, from_free, travelled };
             return Happened::Nothing;
         }
         self.starts += 1;
@@ -246,15 +266,21 @@ impl<'a> ProbabilisticSet<'a> {
 
     /// Hands the row to the hypotheses and watches how they fare.
     fn track(&mut self) -> Happened {
-        let Self { map, robot, options, ground, table, feelers, history, phase, .. } = self;
+        let Self { map, robot, options, ground, table, feelers, history, phase, tracked, .. } = self;
         let Phase::Tracking(bank) = phase else { return Happened::Nothing };
-        let used = bank.used.len();
+        let (used, next) = (bank.used.len(), bank.next);
         let field = Field { map, ground, table, robot, feelers, options };
-        bank.step(&field, history);
+        bank.step(&field, history, CAUGHT_UP);
+        *tracked += bank.next - next;
         if history.len() > options.window {
             let taken = bank.used.len() > used;
+            if !bank.is_folded() {
+                // The last time that all rows are there to say what else explains them.
+                let equals = images(bank, &field, history);
+                bank.hypotheses.extend(equals);
+            }
+            bank.settle_few(&field, history);
             bank.fold(&field, history, options.window / 4);
-            self.tracked += usize::from(taken);
             return if taken { Happened::Updated } else { Happened::Nothing };
         }
         if bank.used.len() == used {
@@ -284,7 +310,6 @@ impl<'a> ProbabilisticSet<'a> {
             self.begin_again();
             return Happened::Lost;
         }
-        self.tracked += 1;
         if self.tracked > TRUSTED {
             self.starts = 1;
         }
@@ -339,9 +364,11 @@ impl<'a> ProbabilisticSet<'a> {
         if matches!(self.phase, Phase::Pressing { .. }) {
             self.press(true);
         }
+        self.search(usize::MAX);
         let Self { map, robot, options, ground, table, feelers, history, phase, .. } = self;
         let Phase::Tracking(bank) = phase else { return (Vec::new(), None) };
         let field = Field { map, ground, table, robot, feelers, options };
+        bank.step(&field, history, usize::MAX);
         places::choose(bank, &field, history)
     }
 }

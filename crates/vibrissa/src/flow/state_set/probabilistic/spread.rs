@@ -9,14 +9,18 @@ use super::normal::{Matrix, determinant, dot, inverse, times};
 use crate::plane::Pose2;
 
 /// Samples of one place, and hypotheses at most that they are drawn around.
-pub(super) const SAMPLES: usize = 144;
+pub(super) const SAMPLES: usize = 112;
 const MOST_CENTRES: usize = 12;
 /// The share of them that is drawn around the hypotheses; the rest is drawn from the Gaussian that those have found, so
 /// much wider.
-const FIRST: usize = 72;
+const FIRST: usize = 56;
 const WIDER: f64 = 1.3;
 /// Half of the samples are drawn from Gaussians this much wider than the linearisation says, half from the other.
 const WIDTHS: [f64; 2] = [1.2, 2.5];
+/// After so many samples around a single hypothesis nothing more is asked where its parabola has told their costs: to this
+/// much (nats), and to this share of how much dearer they are.
+const TRIED: usize = 20;
+const AS_TOLD: [f64; 2] = [0.15, 0.15];
 /// The linearisation counts like so many effective samples.
 const PRIOR_SAMPLES: f64 = 6.0;
 
@@ -89,6 +93,12 @@ pub(super) fn spread(
         let step = times(&centre.root, normal_point(index));
         let d = [0, 1, 2].map(|i| centre.at[i] + width * step[i]);
         drawn.push((d, cost(d)));
+        if centres.len() == 1
+            && drawn.len() == TRIED
+            && let Some(told) = as_told(scene, first, &drawn, least)
+        {
+            return Some(told);
+        }
     }
     let early = drawn.len();
     let weighed: Vec<_> = drawn.iter().map(|&(d, c)| (d, weight(c, around(d)))).collect();
@@ -107,6 +117,19 @@ pub(super) fn spread(
     let mixture = |d: [f64; 3]| share * around(d) + (1.0 - share) * centre.density(d, WIDER);
     let weighed: Vec<_> = drawn.iter().map(|&(d, c)| (d, weight(c, mixture(d)))).collect();
     summary(&weighed, own)
+}
+
+/// The hypothesis' own Gaussian, if its parabola tells what all these samples cost.
+fn as_told(scene: &Scene<'_>, own: &Hypothesis, drawn: &[([f64; 3], Option<f64>)], least: f64) -> Option<Spread> {
+    let parabola = own.normal.marginal(scene.shared);
+    let told = |&(d, cost): &([f64; 3], Option<f64>)| {
+        let more = parabola.moved(d).cost - parabola.cost;
+        cost.is_some_and(|cost| (cost - parabola.cost - more).abs() <= AS_TOLD[0] + AS_TOLD[1] * more.abs())
+    };
+    let covariance = inverse(&parabola.curvature)?;
+    let mean = parabola.step([0.0; 3])?;
+    let mass = (least - parabola.moved(mean).cost).exp() * determinant(&covariance).sqrt();
+    drawn.iter().all(told).then_some(Spread { mean, covariance, mass })
 }
 
 /// Mean, covariance and mass of weighted samples; where few of them count, the linearisation's covariance does.

@@ -11,25 +11,37 @@ use crate::plane::{Pose2, Vec2};
 const SAME_PLACE: f64 = 1.2e-3;
 const SAME_HEADING: f64 = 0.015;
 /// and while there are more than this many, those this near: the rest is left to their least squares.
-const MANY: usize = 300;
+const MANY: usize = 100;
 const ROUGH_PLACE: f64 = 2.5e-3;
 const ROUGH_HEADING: f64 = 0.04;
+/// While they are followed and there are more than this many, most lie along straight walls, where their neighbours say the
+/// same: then those this near are one.
+const VERY_MANY: usize = 200;
+const COARSE_PLACE: f64 = 5e-3;
+const COARSE_HEADING: f64 = 0.06;
 /// In the end so are those that lie within another's region (squared standard deviations) and no further away (m).
 const OVERLAP: f64 = 0.5;
 const FARTHEST: f64 = 0.05;
+/// So many are moved to their least cost before rows are summed up, in so many steps.
+const FEW: usize = 8;
+const FEW_ROUNDS: usize = 3;
 /// A step that promises less than this (nats) is not taken: a few hundredths of a standard deviation.
-const SETTLED: f64 = 1e-3;
+const SETTLED: f64 = 2e-2;
+const SETTLED_EXACTLY: f64 = 1e-3;
 
 impl Bank {
     /// Keeps the best of hypotheses that have run into each other.
-    pub(in super::super) fn merge(&mut self, field: &Field<'_>, history: &History) {
+    pub(in super::super) fn merge(&mut self, field: &Field<'_>, history: &History, tracking: bool) {
         let Some(last) = history.len().checked_sub(1) else { return };
         let scene = field.scene(history, self.pivot, Judge::FAIR, self.shared);
         let best = |h: &Hypothesis| {
-            let (cost, d) = h.best(LOOSE, self.shared);
+            let (cost, d) = h.promise;
             (cost, cut(d))
         };
-        self.hypotheses = merged(core::mem::take(&mut self.hypotheses), &scene, history.pose(last), best);
+        let all = core::mem::take(&mut self.hypotheses);
+        let coarse = (tracking && all.len() > VERY_MANY).then_some([COARSE_PLACE, COARSE_HEADING]);
+        let size = coarse.unwrap_or_else(|| cells(all.len()));
+        self.hypotheses = merged(all, &scene, history.pose(last), size, best);
     }
 
     /// Moves every hypothesis to its least cost and joins those that end at the same place.
@@ -37,12 +49,12 @@ impl Bank {
         let quick = field.scene(history, self.pivot, Judge::FAIR, self.shared);
         let closed = Scene { solver: Solver::Exact, ..field.scene(history, self.pivot, Judge::FAIR, self.shared) };
         for (index, h) in self.hypotheses.iter_mut().enumerate() {
-            let scene = if index < exact { &closed } else { &quick };
+            let (scene, settled) = if index < exact { (&closed, SETTLED_EXACTLY) } else { (&quick, SETTLED) };
             let mut kept: Option<Hypothesis> = None;
             for _ in 0..rounds {
                 let from = kept.as_ref().unwrap_or(h);
                 let (least, d) = from.best(LOOSE, self.shared);
-                if from.cost(self.shared) - least < SETTLED {
+                if from.cost(self.shared) - least < settled {
                     break;
                 }
                 let mut next = from.clone();
@@ -67,6 +79,14 @@ impl Bank {
         self.join();
     }
 
+    /// Moves hypotheses to their least cost where they are few: what is summed up is believed from then on.
+    pub(in super::super) fn settle_few(&mut self, field: &Field<'_>, history: &History) {
+        if self.hypotheses.len() <= FEW {
+            self.settle(field, history, FEW_ROUNDS, 0);
+            self.hypotheses.iter_mut().for_each(|h| h.look(LOOSE, self.shared));
+        }
+    }
+
     /// Keeps the best of hypotheses within each other's reach.
     fn join(&mut self) {
         let shared = self.shared;
@@ -87,15 +107,20 @@ impl Bank {
     }
 }
 
+/// How near so many hypotheses are to each other where they are one (m, rad).
+pub(in super::super) fn cells(count: usize) -> [f64; 2] {
+    if count > MANY { [ROUGH_PLACE, ROUGH_HEADING] } else { [SAME_PLACE, SAME_HEADING] }
+}
+
 /// The hypotheses without all but the best of those that meet, as `best` tells their cost and step to it; the robot is at
 /// `odom_from_robot`.
 pub(in super::super) fn merged(
     hypotheses: Vec<Hypothesis>,
     scene: &Scene<'_>,
     odom_from_robot: Pose2,
+    size: [f64; 2],
     best: impl Fn(&Hypothesis) -> (f64, [f64; 3]),
 ) -> Vec<Hypothesis> {
-    let size = if hypotheses.len() > MANY { [ROUGH_PLACE, ROUGH_HEADING] } else { [SAME_PLACE, SAME_HEADING] };
     let mut keyed: Vec<_> = hypotheses
         .iter()
         .enumerate()

@@ -11,7 +11,9 @@ use crate::beam::TipTable;
 use crate::config::ProbabilisticOptions;
 use crate::plane::{Pose2, Vec2, wrap_angle};
 use crate::world::{Map, Robot};
-pub(super) use merge::merged;
+use core::ops::Range;
+pub(super) use merge::{cells, merged};
+pub(super) use start::Search;
 
 /// A hypothesis less likely than the best by this (nats) is dropped; the second part shrinks with the share of the rows
 /// that are used.
@@ -19,6 +21,10 @@ const DROP: f64 = 30.0;
 const DROP_MORE: f64 = 20.0;
 /// Of this, what the cost of an old linearisation may come to before the hypothesis is linearised out of turn.
 const WAITING: f64 = 1.4;
+/// Readings that may be run again for these, beyond the budget, for each new row.
+const URGENT: usize = 1000;
+/// What is dearer than the best by this many times what drops a hypothesis is given up while it is still being run.
+const HOPELESS: f64 = 2.5;
 /// Inverse variances that keep a step finite where the readings leave a direction open (5 mm, 5°).
 const LOOSE: [f64; 3] = [4e4, 4e4, 131.0];
 /// Longest step of one linearisation (m, rad).
@@ -27,7 +33,7 @@ const LONGEST: [f64; 2] = [3e-3, 0.06];
 const STALE: [f64; 2] = [1e-4, 2e-3];
 const PROMISE: f64 = 0.1;
 /// Readings that may be run again for each new row.
-const BUDGET: usize = 200;
+const BUDGET: usize = 80;
 /// Inverse variances that keep covariances finite (20 mm, 20°).
 pub(super) const OPEN: [f64; 3] = [2.5e3, 2.5e3, 8.2];
 /// So many of the best that stand apart are pulled back by readings that seem false, in steps with standard deviations enlarged so much,
@@ -41,13 +47,15 @@ const APART: [f64; 2] = [15e-3, 0.1];
 /// Rows between two merges.
 const MERGE_EVERY: usize = 8;
 /// So many hypotheses share one row; twice as many take every second one, and so on.
-const LOAD: usize = 250;
+const LOAD: usize = 80;
 
 /// The hypotheses and the rows that they have seen.
 pub(super) struct Bank {
     pub(super) hypotheses: Vec<Hypothesis>,
     /// The rows of the history that are used, in order.
     pub(super) used: Vec<usize>,
+    /// The first row that has not been looked at.
+    pub(super) next: usize,
     pub(super) pivot: Vec2,
     /// Standard deviation of a relative error that all readings share.
     pub(super) shared: f64,
@@ -106,6 +114,18 @@ impl Field<'_> {
     }
 }
 
+impl Field<'_> {
+    /// Whether the robot's origin stands in free space at a row, give or take a step of the search; the whisker's base is
+    /// asked elsewhere.
+    pub(super) fn stands(&self, history: &History, map_from_odom: Pose2, row: usize) -> bool {
+        if self.feelers.iter().all(|f| f.robot_from_whisker.position().norm_squared() == 0.0) {
+            return true;
+        }
+        let origin = map_from_odom.transform_point(history.pose(row).position());
+        self.map.is_free(origin) || self.map.nearest_within(origin, self.options.seed_spacing).is_some()
+    }
+}
+
 /// A step cut to a length that linearisations can be trusted for.
 pub(super) fn cut(d: [f64; 3]) -> [f64; 3] {
     let share = (LONGEST[0] / (d[0] * d[0] + d[1] * d[1]).sqrt()).min(LONGEST[1] / d[2].abs()).min(1.0);
@@ -118,28 +138,36 @@ fn is_stale(d: [f64; 3]) -> bool {
 }
 
 impl Bank {
-    /// Runs all hypotheses anew, each moved to its best place.
-    pub(super) fn rerun(&mut self, field: &Field<'_>, history: &History) {
+    /// Runs these hypotheses anew, each moved to its best place.
+    pub(super) fn rerun(&mut self, field: &Field<'_>, history: &History, which: Range<usize>) {
         let scene = field.scene(history, self.pivot, Judge::FAIR, self.shared);
-        for h in &mut self.hypotheses {
+        for h in &mut self.hypotheses[which] {
             let (_, d) = h.best(LOOSE, self.shared);
             let to = moved(h.map_from_odom, self.pivot, cut(d));
             h.run(&scene, to, self.used.iter().copied());
+            h.look(LOOSE, self.shared);
         }
     }
 
-    /// Takes in the history's last row, if it is one to be used.
-    pub(super) fn step(&mut self, field: &Field<'_>, history: &History) {
-        let row = history.len() - 1;
-        let stride = (self.hypotheses.len() / LOAD).clamp(1, 8);
-        let last = self.used.last().copied().unwrap_or(0);
-        if row < last + stride {
-            return;
+    /// Takes in the rows that have come since the last call, so many of them that are used.
+    pub(super) fn step(&mut self, field: &Field<'_>, history: &History, most: usize) {
+        let full = self.used.len().saturating_add(most);
+        while self.next < history.len() && self.used.len() < full {
+            let stride = (self.hypotheses.len() / LOAD).clamp(1, 8);
+            if self.next >= self.used.last().copied().unwrap_or(0) + stride {
+                self.take(field, history, self.next);
+            }
+            self.next += 1;
         }
+    }
+
+    /// Takes in one row.
+    fn take(&mut self, field: &Field<'_>, history: &History, row: usize) {
         let scene = field.scene(history, self.pivot, Judge::FAIR, self.shared);
         self.used.push(row);
         self.hypotheses.iter_mut().for_each(|h| {
             h.take(&scene, row);
+            h.look(LOOSE, self.shared);
         });
         self.drop_unlikely(field, history);
         self.linearise(field, history);
@@ -155,7 +183,7 @@ impl Bank {
         self.since_merge += 1;
         if self.since_merge >= MERGE_EVERY {
             self.since_merge = 0;
-            self.merge(field, history);
+            self.merge(field, history, true);
         }
     }
 
@@ -166,14 +194,14 @@ impl Bank {
         let folded = usize::from(self.folded);
         self.used = (folded..history.len()).rev().step_by(stride).collect();
         self.used.reverse();
-        self.rerun(field, history);
+        self.rerun(field, history, 0..self.hypotheses.len());
     }
 
     /// Linearises those whose estimate has moved, as far as the budget goes: the best one first, then in turn.
     fn linearise(&mut self, field: &Field<'_>, history: &History) {
         let scene = field.scene(history, self.pivot, Judge::FAIR, self.shared);
         self.credit = (self.credit + BUDGET).min(self.used.len().max(4 * BUDGET));
-        let costs = self.hypotheses.iter().enumerate().map(|(index, h)| (h.best(LOOSE, self.shared).0, index));
+        let costs = self.hypotheses.iter().enumerate().map(|(index, h)| (h.promise.0, index));
         let Some((_, best)) = costs.min_by(|a, b| a.0.total_cmp(&b.0)) else { return };
         for visit in 0..=self.hypotheses.len() {
             if self.credit < self.used.len() {
@@ -193,9 +221,10 @@ impl Bank {
         if h.age == 0 {
             return;
         }
-        let (cost, d) = h.best(LOOSE, self.shared);
+        let (cost, d) = h.promise;
         if is_stale(d) && h.cost(self.shared) > cost + PROMISE {
             let runs = h.improve(scene, cut(d), &self.used);
+            h.look(LOOSE, self.shared);
             self.credit = self.credit.saturating_sub(runs * self.used.len());
         }
     }
@@ -206,11 +235,11 @@ impl Bank {
     /// since the estimate has crept along a ridge that earlier readings left open, it has to be pulled back by them first.
     pub(super) fn rescue(&mut self, field: &Field<'_>, history: &History) {
         let mut order: Vec<(f64, usize)> =
-            self.hypotheses.iter().enumerate().map(|(index, h)| (h.best(LOOSE, self.shared).0, index)).collect();
+            self.hypotheses.iter().enumerate().map(|(index, h)| (h.promise.0, index)).collect();
         order.sort_by(|a, b| a.0.total_cmp(&b.0));
         let fair = field.scene(history, self.pivot, Judge::FAIR, self.shared);
         let mut pulled: Vec<Hypothesis> = Vec::new();
-        for index in self.apart(order.into_iter().map(|(_, index)| index)) {
+        for index in self.apart(order.into_iter().map(|(_, index)| index), RESCUED) {
             let mut h = self.hypotheses[index].clone();
             for temper in TEMPERS {
                 let judge = Judge { temper, outlier_cost: f64::INFINITY };
@@ -219,18 +248,41 @@ impl Bank {
                 let (_, d) = h.best(LOOSE, self.shared);
                 h.run(&fair, moved(h.map_from_odom, self.pivot, cut(d)), self.used.iter().copied());
                 if h.cost(self.shared) < self.hypotheses[index].cost(self.shared) - PROMISE {
-                    pulled.push(h.clone());
+                    let mut back = h.clone();
+                    back.look(LOOSE, self.shared);
+                    pulled.push(back);
                 }
             }
         }
         self.hypotheses.extend(pulled);
     }
 
+    /// Whether rows have been summed up.
+    pub(super) fn is_folded(&self) -> bool {
+        self.folded
+    }
+
+    /// Hypotheses on the side, with these rows.
+    pub(super) fn beside(&self, hypotheses: Vec<Hypothesis>, used: Vec<usize>) -> Self {
+        Self {
+            hypotheses,
+            used,
+            next: self.next,
+            pivot: self.pivot,
+            shared: self.shared,
+            credit: 0,
+            turn: 0,
+            since_merge: 0,
+            recent: Vec::new(),
+            folded: self.folded,
+        }
+    }
+
     /// Those of these, in order, that stand apart from all before.
     ///
     /// Equal places explain the readings equally well; if all that are fitted anew stood at one of them, the others would be
     /// lost for no reason but their order.
-    fn apart(&self, order: impl Iterator<Item = usize>) -> Vec<usize> {
+    pub(super) fn apart(&self, order: impl Iterator<Item = usize>, most: usize) -> Vec<usize> {
         let mut chosen: Vec<usize> = Vec::new();
         for index in order {
             let near = |other: &usize| {
@@ -238,7 +290,7 @@ impl Bank {
                     difference(self.hypotheses[*other].map_from_odom, self.hypotheses[index].map_from_odom, self.pivot);
                 x.hypot(y) < APART[0] && turn.abs() < APART[1]
             };
-            if chosen.len() < RESCUED && !chosen.iter().any(near) {
+            if chosen.len() < most && !chosen.iter().any(near) {
                 chosen.push(index);
             }
         }
@@ -272,12 +324,13 @@ impl Bank {
         self.folded = true;
         self.used.drain(..early);
         self.used.iter_mut().for_each(|row| *row -= last);
+        self.next -= last;
         history.forget(last);
     }
 
-    /// The least cost of any hypothesis.
+    /// The least cost of any hypothesis, as last looked at.
     pub(super) fn least(&self) -> f64 {
-        self.hypotheses.iter().map(|h| h.best(LOOSE, self.shared).0).fold(f64::INFINITY, f64::min)
+        self.hypotheses.iter().map(|h| h.promise.0).fold(f64::INFINITY, f64::min)
     }
 
     /// Drops what is much less likely than the best; each gets one more chance at its best place.
@@ -286,9 +339,9 @@ impl Bank {
         let drop = DROP + DROP_MORE * self.used.len() as f64 / history.len() as f64;
         let scene = field.scene(history, self.pivot, Judge::FAIR, self.shared);
         let (used, shared) = (&self.used, self.shared);
-        let mut credit = self.credit;
+        let (mut credit, mut urgent) = (self.credit, URGENT);
         self.hypotheses.retain_mut(|h| {
-            let (cost, d) = h.best(LOOSE, shared);
+            let (cost, d) = h.promise;
             if cost <= least + drop {
                 return true;
             }
@@ -298,11 +351,17 @@ impl Bank {
             }
             // It waits for its turn, but not beyond all measure: then it is looked at out of turn, since what it costs says
             // only that its linearisation is old.
-            if credit < used.len() && cost <= least + WAITING * drop {
+            let waits = cost <= least + WAITING * drop || urgent == 0;
+            if credit < used.len() && waits {
                 return true;
             }
-            credit = credit.saturating_sub(used.len() * h.improve(&scene, cut(d), used));
-            h.best(LOOSE, shared).0 <= least + drop
+            let (alive, taken) = h.revive(&scene, cut(d), used, least + HOPELESS * drop);
+            if credit < used.len() {
+                urgent = urgent.saturating_sub(taken);
+            }
+            credit = credit.saturating_sub(taken);
+            h.look(LOOSE, shared);
+            alive && h.promise.0 <= least + drop
         });
         self.credit = credit;
     }

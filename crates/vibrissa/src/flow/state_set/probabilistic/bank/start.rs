@@ -1,8 +1,8 @@
 //! The first hypotheses: seeds from a contact, judged by its first rows.
 
 use super::super::history::{History, Judge};
-use super::super::hypothesis::{Scene, moved};
-use super::super::seeds::{Onset, seeds};
+use super::super::hypothesis::{Hypothesis, Scene, moved};
+use super::super::seeds::{Onset, Seeding};
 use super::{Bank, Field, LOOSE, cut};
 use crate::flow::prior;
 use crate::plane::{Pose2, Vec2};
@@ -12,65 +12,133 @@ const MOST_SEEDS: usize = 8000;
 /// Standard deviations are enlarged by this while cells are judged.
 const SEED_TEMPER: f64 = 1.5;
 
-impl Bank {
-    /// Seeds from the contact that began at row `onset` of the history with this whisker.
-    pub(in super::super) fn start(
+/// The search for the first hypotheses, in slices: a loaded whisker has every heading and branch at every place.
+pub(in super::super) struct Search {
+    pub(in super::super) feeler: usize,
+    pub(in super::super) onset: usize,
+    pub(in super::super) from_free: bool,
+    /// Whether the contact has ended, so that following it for longer tells no more.
+    pub(in super::super) ended: bool,
+    /// How far the base had travelled when it began (m).
+    pub(in super::super) travelled: f64,
+    rows: Vec<usize>,
+    /// How many rows there were then.
+    seen: usize,
+    pivot: Vec2,
+    approach: Vec2,
+    stage: Stage,
+}
+
+/// What is being done.
+enum Stage {
+    New,
+    Seeding(Seeding),
+    /// All rows up to the last that judged, run anew one hypothesis after the other.
+    Running(Bank, usize),
+}
+
+impl Search {
+    /// A search from the contact that began at row `onset` of the history with this whisker.
+    pub(in super::super) fn new(
         field: &Field<'_>,
         history: &History,
-        feeler: usize,
-        onset: usize,
+        (feeler, onset): (usize, usize),
         from_free: bool,
+        ended: bool,
+        travelled: f64,
     ) -> Self {
-        let options = field.options;
         let own = &field.feelers[feeler];
         let odom_from_whisker = history.pose(onset).compose(own.robot_from_whisker);
         let tip = Vec2::new(own.length, 0.0);
-        let pivot = odom_from_whisker.transform_point(tip);
-        let rows = judging_rows(history, feeler, onset, options.seed_step);
         let before = history.pose(onset.saturating_sub(3)).compose(own.robot_from_whisker);
-        let approach = tip - odom_from_whisker.inverse_transform_point(before.transform_point(tip));
-        let judge = Judge { temper: SEED_TEMPER, outlier_cost: f64::INFINITY };
-        let scene = Scene { whole: false, ..field.scene(history, pivot, judge, 0.0) };
-        let onset_of = Onset {
+        Self {
             feeler,
-            row: onset,
+            onset,
             from_free,
-            approach,
-            rows: &rows,
+            ended,
+            travelled,
+            rows: judging_rows(history, feeler, onset, field.options.seed_step),
+            seen: history.len(),
+            pivot: odom_from_whisker.transform_point(tip),
+            approach: tip - odom_from_whisker.inverse_transform_point(before.transform_point(tip)),
+            stage: Stage::New,
+        }
+    }
+
+    /// Goes on until `work` (readings run through the forward model) is used up; gives the bank when it has come to the end.
+    pub(in super::super) fn step(&mut self, field: &Field<'_>, history: &History, work: &mut usize) -> Option<Bank> {
+        let options = field.options;
+        let judge = Judge { temper: SEED_TEMPER, outlier_cost: f64::INFINITY };
+        let scene = Scene { whole: false, ..field.scene(history, self.pivot, judge, 0.0) };
+        let arm = history.pose(self.onset).compose(field.feelers[self.feeler].robot_from_whisker).position();
+        let onset = Onset {
+            feeler: self.feeler,
+            row: self.onset,
+            from_free: self.from_free,
+            approach: self.approach,
+            rows: &self.rows,
             spacing: options.seed_spacing,
             turn: options.seed_turn,
             near: options.prior.map(|region| {
-                let arm = odom_from_whisker.position();
                 let slack = 2.0 * options.seed_spacing + arm.norm() * options.seed_turn;
-                prior::around(region, arm, slack, own.length)
+                prior::around(region, arm, slack, field.feelers[self.feeler].length)
             }),
         };
-        let admits = |map_from_odom: Pose2| field.admits(history, map_from_odom);
-        let mut hypotheses = seeds(&scene, &onset_of, &admits);
-        if from_free {
+        loop {
+            match core::mem::replace(&mut self.stage, Stage::New) {
+                Stage::New => self.stage = Stage::Seeding(Seeding::new(&scene, &onset)),
+                Stage::Seeding(mut seeding) => {
+                    let admits = |map_from_odom: Pose2| {
+                        field.admits(history, map_from_odom) && field.stands(history, map_from_odom, self.onset)
+                    };
+                    if !seeding.step(&scene, &onset, &admits, work) {
+                        self.stage = Stage::Seeding(seeding);
+                        return None;
+                    }
+                    self.stage = Stage::Running(self.bank(field, history, seeding.found()), 0);
+                }
+                Stage::Running(mut bank, mut next) => {
+                    while next < bank.hypotheses.len() && *work > 0 {
+                        bank.rerun(field, history, next..next + 1);
+                        *work = work.saturating_sub(bank.used.len());
+                        next += 1;
+                    }
+                    if next < bank.hypotheses.len() {
+                        self.stage = Stage::Running(bank, next);
+                        return None;
+                    }
+                    bank.merge(field, history, false);
+                    bank.drop_unlikely(field, history);
+                    return Some(bank);
+                }
+            }
+        }
+    }
+
+    /// The bank of these seeds.
+    fn bank(&self, field: &Field<'_>, history: &History, mut hypotheses: Vec<Hypothesis>) -> Bank {
+        if self.from_free {
             hypotheses.iter_mut().for_each(|h| {
-                h.map_from_odom = moved(h.map_from_odom, pivot, cut(h.best(LOOSE, 0.0).1));
+                h.map_from_odom = moved(h.map_from_odom, self.pivot, cut(h.best(LOOSE, 0.0).1));
                 *h = h.restarted_free();
             });
         }
-        let used = (0..onset).chain(rows).collect();
-        let mut bank = Self {
+        let mut bank = Bank {
             hypotheses,
-            used,
-            pivot,
-            shared: options.shared_gain.unwrap_or(own.shared_share()),
+            used: (0..self.onset).chain(self.rows.iter().copied()).collect(),
+            next: self.seen,
+            pivot: self.pivot,
+            shared: field.options.shared_gain.unwrap_or(field.feelers[self.feeler].shared_share()),
             credit: 0,
             turn: 0,
             since_merge: 0,
             recent: Vec::new(),
             folded: false,
         };
-        bank.merge(field, history);
+        bank.hypotheses.iter_mut().for_each(|h| h.look(LOOSE, bank.shared));
+        bank.merge(field, history, false);
         bank.hypotheses.sort_by(|a, b| a.normal.cost.total_cmp(&b.normal.cost));
         bank.hypotheses.truncate(MOST_SEEDS);
-        bank.rerun(field, history);
-        bank.merge(field, history);
-        bank.drop_unlikely(field, history);
         bank
     }
 }

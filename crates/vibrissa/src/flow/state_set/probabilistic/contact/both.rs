@@ -6,13 +6,13 @@
 
 use super::balance::{MOST, Under, equations, gradient, solved};
 use super::span::{self, Shape, UNKNOWNS};
-use super::{Felt, Forward, Hold, Next, Stance, Touch};
+use super::{Felt, Forward, Hold, Next, Solver, Stance, Touch};
 use crate::plane::{Vec2, wrap_angle};
 use core::f64::consts::{FRAC_PI_2, PI};
 
 /// Newton steps before an equilibrium is given up, and where one more ends the search (lengths, rad, curvature).
 const MOST_STEPS: usize = 12;
-const NEAR: f64 = 1e-3;
+const NEAR: f64 = 4e-3;
 const NEAR_EXACT: f64 = 1e-5;
 /// Largest change of the moment, of a force, and of the arc length, in one step: along an all but straight whisker forces
 /// are large.
@@ -99,7 +99,7 @@ impl Forward<'_> {
 
     /// What goes on where the two contacts cannot: the stronger of them, or the other.
     pub(super) fn on_either(&self, stance: &Stance, both: &Both) -> Next {
-        let shape = span::shape(both.load);
+        let shape = span::shape(both.load, !matches!(self.solver, Solver::Exact));
         let tip_first = shape.force.norm() > both.load[4].abs();
         match self.one(stance, both, &shape, tip_first) {
             Next::Touching(touch, felt) => Next::Touching(touch, felt),
@@ -267,7 +267,7 @@ impl Forward<'_> {
         let mut both = *from;
         let near = self.solver.pick(NEAR, NEAR_EXACT);
         for _ in 0..MOST_STEPS {
-            let shape = span::shape(both.load);
+            let shape = span::shape(both.load, !matches!(self.solver, Solver::Exact));
             let (under_side, under_tip) = (self.under(both.side)?, self.under(both.tip)?);
             let (rows, residual) = equations(stance, &both, &shape, &under_side, &under_tip);
             let (mut steps, mut adjoint) = (rows, [0.0; MOST]);

@@ -24,7 +24,7 @@ use both::Both;
 use core::f64::consts::PI;
 
 /// Largest travel of the base (whisker lengths, rad) in one step of the continuation.
-const LARGEST_STEP: f64 = 0.025;
+const LARGEST_STEP: f64 = 0.028;
 /// Largest travel of the tip along the boundary in such a step, and of its slope.
 const LARGEST_SLIDE: f64 = 0.08;
 const LARGEST_BEND: f64 = 0.35;
@@ -97,6 +97,16 @@ pub(super) enum State {
     Touching(Touch),
     /// In a contact that the model does not follow: what it feels is not known.
     Unknown,
+}
+
+impl State {
+    /// Where the tip is pressed against a piece: piece and parameter.
+    pub(super) fn tip_on(&self) -> Option<(u32, f64)> {
+        match self {
+            Self::Touching(Touch { hold: Hold::Piece(piece, at), q, .. }) if *q > 0.0 => Some((*piece, *at)),
+            _ => None,
+        }
+    }
 }
 
 /// What one step of the continuation found.

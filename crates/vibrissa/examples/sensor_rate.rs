@@ -1,0 +1,140 @@
+//! How fast a localizer takes rows, and where it is slow: the search for the start, updates after it, the final fit.
+//!
+//! `cargo run --release --example sensor_rate -- FOLDER [METHOD] [ONLY]` localizes every `NAME.csv` of a folder with its
+//! `NAME.truth.tum` on the map `MAP.geojson` (`MAP` up to the first `-`), those of names that begin with `ONLY`. One line
+//! for each: rows; milliseconds for all of it, for the longest row before one second of contact has passed, for the median and
+//! the 99th percentile of the rows after that, and for the final fit; how many components there
+//! were at each quarter of the updates; verdict, error of the nearest place, weights of all.
+
+use std::path::Path;
+use std::time::Instant;
+use vibrissa::flow::pose::{Localization, Method};
+use vibrissa::flow::sensor_log::SensorLog;
+use vibrissa::flow::trajectory::read_tum;
+use vibrissa::localizer::{Localizer, ProbabilisticLocalizer};
+use vibrissa::plane::{Pose2, wrap_angle};
+use vibrissa::world::{Map, Robot};
+use vibrissa::{Error, LocalizeOptions, Result};
+
+/// Rows of contact in a second, at the paper's rate.
+const SECOND: usize = 300;
+
+/// How long each row and the end took (ms), and the answer.
+struct Run {
+    rows: Vec<f64>,
+    end: f64,
+    answer: Localization,
+}
+
+fn ms(since: Instant) -> f64 {
+    1e3 * since.elapsed().as_secs_f64()
+}
+
+fn run(log: &SensorLog, map: &Map, robot: &Robot, method: Method) -> Result<Run> {
+    let options = LocalizeOptions { method, ..LocalizeOptions::default() };
+    let mut rows = Vec::with_capacity(log.rows.len());
+    match method {
+        Method::Probabilistic => {
+            let mut one = ProbabilisticLocalizer::new(map, robot, &log.channels, options.probabilistic)?;
+            for row in &log.rows {
+                let begun = Instant::now();
+                one.step(row)?;
+                rows.push(ms(begun));
+            }
+            let begun = Instant::now();
+            let answer = one.finish();
+            Ok(Run { rows, end: ms(begun), answer })
+        }
+        _ => {
+            let mut one = Localizer::new(map, robot, &log.channels, options.deterministic)?;
+            for row in &log.rows {
+                let begun = Instant::now();
+                one.step(row)?;
+                rows.push(ms(begun));
+            }
+            let begun = Instant::now();
+            let answer = one.finish();
+            Ok(Run { rows, end: ms(begun), answer })
+        }
+    }
+}
+
+fn quantile(values: &[f64], share: f64) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    sorted.get((share * sorted.len() as f64) as usize).copied().unwrap_or(f64::NAN)
+}
+
+/// The declared errors of biased sweeps: a gain of 2 % and odometry of 1 % on top of the noise.
+fn robot(name: &str) -> Robot {
+    let mut robot = Robot::default();
+    if name.ends_with("-bias") {
+        robot.whiskers[0].noise.moment_relative = 0.055;
+        robot.odometry.translation_relative = 0.0101;
+        robot.odometry.rotation_relative = 0.0101;
+    }
+    robot
+}
+
+fn main() -> Result<()> {
+    let mut arguments = std::env::args().skip(1);
+    let folder = arguments.next().ok_or_else(|| Error::usage("a folder of sweeps is missing"))?;
+    let method = match arguments.next().as_deref() {
+        Some("deterministic") => Method::Deterministic,
+        _ => Method::Probabilistic,
+    };
+    let only = arguments.next().unwrap_or_default();
+    let files = std::fs::read_dir(&folder).map_err(|e| Error::data(e.to_string()))?;
+    let mut names: Vec<String> = files
+        .filter_map(|f| f.ok()?.file_name().into_string().ok()?.strip_suffix(".truth.tum").map(str::to_owned))
+        .filter(|name| name.starts_with(&only))
+        .collect();
+    names.sort();
+    println!(
+        "{:18}{:>6}{:>9}{:>9}{:>8}{:>8}{:>8}{:>24}  verdict, mm, deg, weights",
+        "sweep", "rows", "all", "longest", "p50", "p99", "end", "alive"
+    );
+    let (mut rows, mut all, mut late_all) = (0, 0.0, Vec::new());
+    for name in names {
+        let map =
+            Map::read(Path::new(&folder).join(format!("{}.geojson", name.split('-').next().unwrap_or_default())))?;
+        let log = SensorLog::read(Path::new(&folder).join(format!("{name}.csv")))?;
+        let truth = read_tum(Path::new(&folder).join(format!("{name}.truth.tum")))?;
+        let truth = truth.last().map_or(Pose2::IDENTITY, |t| t.map_from_robot);
+        let run = run(&log, &map, &robot(&name), method)?;
+        let touched = log.rows.iter().position(|row| row.readings[0].abs() > 1e-4).unwrap_or(0);
+        let settled = (touched + SECOND).min(run.rows.len() / 2);
+        let (early, late) = run.rows.split_at(settled);
+        let total = run.rows.iter().sum::<f64>() + run.end;
+        let off = |p: Pose2| {
+            (1e3 * p.position().distance(truth.position()), wrap_angle(p.theta - truth.theta).abs().to_degrees())
+        };
+        let best = run.answer.hypotheses.iter().map(|h| off(h.pose)).min_by(|a, b| a.0.total_cmp(&b.0));
+        let steps = &run.answer.steps;
+        let alive =
+            |part: usize| steps.get((steps.len() * part / 4).min(steps.len().max(1) - 1)).map_or(0, |s| s.components);
+        let told: Vec<String> = run.answer.hypotheses.iter().map(|h| format!("{:.3}", h.weight)).collect();
+        let (mm, deg) = best.unwrap_or((f64::NAN, f64::NAN));
+        println!(
+            "{name:18}{:6}{total:9.1}{:9.1}{:8.3}{:8.3}{:8.1}{:>24}  {} {mm:.3} {deg:.3} {}",
+            run.rows.len(),
+            early.iter().copied().fold(0.0, f64::max),
+            quantile(late, 0.5),
+            quantile(late, 0.99),
+            run.end,
+            format!("{:?}", [alive(0), alive(1), alive(2), alive(3), alive(4)]).replace(", ", " "),
+            run.answer.status,
+            told.join(" ")
+        );
+        rows += run.rows.len();
+        all += total;
+        late_all.extend_from_slice(late);
+    }
+    println!(
+        "{rows} rows in {all:.0} ms: {:.0} rows/s; rows after the first second: p50 {:.3} ms, p99 {:.3} ms",
+        1e3 * rows as f64 / all,
+        quantile(&late_all, 0.5),
+        quantile(&late_all, 0.99)
+    );
+    Ok(())
+}

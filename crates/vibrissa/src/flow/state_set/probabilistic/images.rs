@@ -1,0 +1,134 @@
+//! Places elsewhere that feel like the best one: its contact moved to every other place of the boundary.
+//!
+//! A search that starts from cells can miss one of several places that are congruent, or lose it where a wall ends. With
+//! one place fitted, its equals are found directly: the frame is moved so that a contact which it has made lies on each
+//! other place of the boundary in turn, at the same angle, and few of the rows tell whether it feels the same there.
+
+use super::bank::{Bank, Field};
+use super::history::{History, Judge};
+use super::hypothesis::{Hypothesis, Scene, difference, moved};
+use super::seeds::for_each_place;
+use crate::plane::Pose2;
+
+/// Spacing of the places (m).
+const SPACING: f64 = 2e-3;
+/// Rows that tell, how much larger their standard deviations are taken, since a place is up to half a spacing off, and the
+/// cost (nats) above which a place is left.
+const ROWS: usize = 24;
+const TEMPER: f64 = 3.0;
+const MOST_COST: f64 = 40.0;
+/// The same once it has been moved to where its cost is least, above the cost of the best.
+const MOST_MORE: f64 = 8.0;
+/// So many places are fitted, with standard deviations enlarged so much at first; and how far apart they are (m, rad).
+const FITTED: usize = 16;
+const TEMPERS: [f64; 3] = [3.0, 2.0, 1.5];
+const APART: [f64; 2] = [4e-3, 0.05];
+/// What is no dearer than the best by more than this (nats) is not looked for again.
+const KNOWN: f64 = 2.0;
+/// Inverse variances that keep a step finite (5 mm, 5 degrees).
+const LOOSE: [f64; 3] = [4e4, 4e4, 131.0];
+/// Rounds of the fit, and how much dearer than the best a place may be after it (nats).
+const ROUNDS: usize = 8;
+const TOLD: f64 = 30.0;
+
+/// Hypotheses at places that feel like the best one's, fitted to the bank's rows; none where the log began in contact or its
+/// first rows have been summed up.
+pub(super) fn images(bank: &Bank, field: &Field<'_>, history: &History) -> Vec<Hypothesis> {
+    let best = bank.hypotheses.iter().min_by(|a, b| a.cost(bank.shared).total_cmp(&b.cost(bank.shared)));
+    let Some(best) = best.filter(|h| h.starts_free() && !bank.is_folded()) else { return Vec::new() };
+    let rows: Vec<usize> = bank.used.iter().copied().step_by(bank.used.len().div_ceil(ROWS).max(1)).collect();
+    let judge = Judge { temper: TEMPER, outlier_cost: f64::INFINITY };
+    let scene = field.scene(history, bank.pivot, judge, bank.shared);
+    let Some((piece, at)) = contact(best, &scene, &bank.used) else { return Vec::new() };
+    let mut own = best.clone();
+    own.run(&scene, best.map_from_odom, rows.iter().copied());
+    let most = own.best(LOOSE, bank.shared).0;
+    let from = field.ground.pieces[piece as usize].spot(at);
+    let mut found: Vec<Hypothesis> = Vec::new();
+    for_each_place(&field.ground.pieces, SPACING, |piece, at| {
+        let spot = field.ground.pieces[piece as usize].spot(at);
+        let turn = spot.normal - from.normal;
+        let place = spot.position + (best.map_from_odom.position() - from.position).rotated(turn);
+        let frame = Pose2::new(place.x, place.y, best.map_from_odom.theta + turn);
+        if !field.admits(history, frame) || !stands(field, history, frame, &rows) {
+            return;
+        }
+        let mut there = best.clone();
+        if there.run_below(&scene, frame, &rows, most + MOST_COST) {
+            there.look(LOOSE, bank.shared);
+            if there.promise.0 <= most + MOST_MORE {
+                found.push(there);
+            }
+        }
+    });
+    found.sort_by(|a, b| a.promise.0.total_cmp(&b.promise.0));
+    fitted(bank, field, history, &rows, apart(found, bank))
+}
+
+/// A contact of the tip in the middle of the rows: piece and parameter.
+fn contact(h: &Hypothesis, scene: &Scene<'_>, rows: &[usize]) -> Option<(u32, f64)> {
+    let mut again = h.clone();
+    again.run(scene, h.map_from_odom, core::iter::empty());
+    let mut held = Vec::new();
+    for &row in rows {
+        again.take(scene, row);
+        held.extend(again.states.iter().find_map(|state| state.tip_on()));
+    }
+    held.get(held.len() / 2).copied()
+}
+
+/// Whether the robot and its whiskers' bases stand in free space at the first and the last of these rows.
+fn stands(field: &Field<'_>, history: &History, frame: Pose2, rows: &[usize]) -> bool {
+    [rows.first(), rows.last()].into_iter().flatten().all(|&row| {
+        let base = |index: usize| field.map.is_free(frame.transform_point(history.base(row, index).position()));
+        field.stands(history, frame, row) && (0..field.feelers.len()).all(base)
+    })
+}
+
+/// The first of these that stand apart from each other and from the bank's best.
+fn apart(found: Vec<Hypothesis>, bank: &Bank) -> Vec<Hypothesis> {
+    let least = bank.hypotheses.iter().map(|h| h.cost(bank.shared)).fold(f64::INFINITY, f64::min);
+    let known: Vec<&Hypothesis> = bank.hypotheses.iter().filter(|h| h.cost(bank.shared) <= least + KNOWN).collect();
+    let mut chosen: Vec<Hypothesis> = Vec::new();
+    for h in found {
+        let to = moved(h.map_from_odom, bank.pivot, super::bank::cut(h.promise.1));
+        let near = |other: &Hypothesis| {
+            let [x, y, turn] = difference(other.map_from_odom, to, bank.pivot);
+            x.hypot(y) < APART[0] && turn.abs() < APART[1]
+        };
+        if chosen.len() < FITTED && !chosen.iter().any(near) && !known.iter().any(|h| near(h)) {
+            chosen.push(h);
+        }
+    }
+    chosen
+}
+
+/// These fitted to few rows, then to all; those that stay much dearer than the best are left out.
+fn fitted(
+    bank: &Bank,
+    field: &Field<'_>,
+    history: &History,
+    rows: &[usize],
+    found: Vec<Hypothesis>,
+) -> Vec<Hypothesis> {
+    let mut few = bank.beside(found, rows.to_vec());
+    for temper in TEMPERS {
+        let judge = Judge { temper, outlier_cost: f64::INFINITY };
+        let scene = field.scene(history, bank.pivot, judge, bank.shared);
+        for h in &mut few.hypotheses {
+            h.run(&scene, h.map_from_odom, rows.iter().copied());
+            let (_, d) = h.best(LOOSE, bank.shared);
+            h.map_from_odom = moved(h.map_from_odom, bank.pivot, super::bank::cut(d));
+        }
+    }
+    let fair = field.scene(history, bank.pivot, Judge::FAIR, bank.shared);
+    let least = bank.hypotheses.iter().map(|h| h.cost(bank.shared)).fold(f64::INFINITY, f64::min);
+    few.used.clone_from(&bank.used);
+    for h in &mut few.hypotheses {
+        h.run(&fair, h.map_from_odom, bank.used.iter().copied());
+    }
+    few.settle(field, history, ROUNDS, 0);
+    few.hypotheses.retain(|h| h.cost(bank.shared) <= least + TOLD);
+    few.hypotheses.iter_mut().for_each(|h| h.look(LOOSE, bank.shared));
+    few.hypotheses
+}
