@@ -21,6 +21,9 @@ const WIDE_REACH: f64 = 8e-3;
 /// and those wider than this with bundles of pieces.
 const WIDEST_TURN: f64 = 0.12;
 const WIDEST_REACH: f64 = 0.03;
+/// Cells no wider than this are compared with the parts of pieces.
+const SMALL_TURN: f64 = 0.012;
+const SMALL_REACH: f64 = 2.5e-3;
 
 /// The map's pieces, from fine to coarse.
 #[derive(Clone, Debug)]
@@ -52,7 +55,7 @@ impl Ground {
     pub(super) fn new(map: &Map) -> Self {
         let coarse = Pieces::new(map, COARSE);
         Self {
-            fine: Level::new(Pieces::new(map, FINE)),
+            fine: Level::new(Pieces::with_leaves(map, FINE)),
             bundled: Level::new(coarse.bundled()),
             coarse: Level::new(coarse),
         }
@@ -171,12 +174,20 @@ impl Left {
 pub(super) fn by_contact(view: &View, touch: &Touch, ground: &Ground, looks: &mut usize) -> Option<Left> {
     let level = ground.level(view);
     let mut left = None;
+    let is_small = view.turn < SMALL_TURN && view.reach.x + view.reach.y < SMALL_REACH;
     for bending in &touch.sides {
         let pieces = level.pieces(touch, bending);
         let bounds = rectangle(view, bending);
         pieces.near(bounds, |piece| match piece {
-            Piece::Edge(edge) => *looks += 1 + on_edge(view, touch, bending, edge, &mut left),
-            Piece::Vertex(vertex) => *looks += 1 + at_vertex(view, touch, bending, vertex, &mut left),
+            Piece::Edge(edge) if is_small && edge.leaves.0 < edge.leaves.1 => {
+                *looks += 1;
+                if may_touch(view, touch, bending, edge) {
+                    for leaf in &pieces.leaves[edge.leaves.0 as usize..edge.leaves.1 as usize] {
+                        *looks += 1 + on_piece(view, touch, bending, leaf, &mut left);
+                    }
+                }
+            }
+            _ => *looks += 1 + on_piece(view, touch, bending, piece, &mut left),
         });
     }
     left
@@ -226,6 +237,14 @@ pub(super) fn contacts(side: f64, slice: &PressSlice, psi: f64, wide: f64, mut v
     }
 }
 
+impl Contact {
+    /// The part of the entry's range, counted from its middle, within `wide` of the direction asked for (rad).
+    fn within(&self, wide: f64) -> (f64, f64) {
+        let from = (-self.ahead - wide).clamp(-self.half, self.half);
+        (from, (-self.ahead + wide).clamp(from, self.half))
+    }
+}
+
 /// The entry seen from the direction `asked`, on its side.
 pub(super) fn mirrored(entry: &PressEntry, side: f64, asked: f64) -> Contact {
     Contact {
@@ -246,6 +265,32 @@ fn about(v: Vec2) -> f64 {
     x.max(y) + 0.415 * x.min(y)
 }
 
+fn on_piece(view: &View, touch: &Touch, bending: &Bending, piece: &Piece, left: &mut Option<Left>) -> usize {
+    match piece {
+        Piece::Edge(edge) => on_edge(view, touch, bending, edge, left),
+        Piece::Vertex(vertex) => at_vertex(view, touch, bending, vertex, left),
+    }
+}
+
+/// A quick look whether the whisker can touch an edge.
+fn may_touch(view: &View, touch: &Touch, bending: &Bending, edge: &Edge) -> bool {
+    let held = edge.hollow >= touch.holding;
+    if bending.all_inflected && !held {
+        return false;
+    }
+    let Some(facing) = Facing::new(view, touch.length, edge) else { return false };
+    let lean = edge.slack + touch.friction_angle;
+    let wide = view.turn + view.slop_turn + lean;
+    let slice = bending.level(wide.min(0.2));
+    let asked = around_half_turn(bending.side * (edge.normal - view.heading));
+    [asked - TAU, asked, asked + TAU]
+        .into_iter()
+        .any(|asked| facing.may_touch(slice.span(asked - wide, asked + wide), bending.side, touch.length * lean))
+}
+
+/// Friction spreads directions over many buckets: a table as fine as this share of its angle.
+const LEAN_SHARE: f64 = 0.15;
+
 /// Contacts on an edge; how many entries were looked at.
 fn on_edge(view: &View, touch: &Touch, bending: &Bending, edge: &Edge, left: &mut Option<Left>) -> usize {
     let held = edge.hollow >= touch.holding;
@@ -257,7 +302,7 @@ fn on_edge(view: &View, touch: &Touch, bending: &Bending, edge: &Edge, left: &mu
     let psi = edge.normal - view.heading;
     let lean = edge.slack + touch.friction_angle;
     let wide = view.turn + view.slop_turn + lean;
-    let slice = bending.level(wide);
+    let slice = bending.level(wide - (1.0 - LEAN_SHARE) * touch.friction_angle);
     let asked = around_half_turn(bending.side * psi);
     let known = slice.directions();
     for asked in [asked - TAU, asked, asked + TAU] {
@@ -339,20 +384,27 @@ impl<'a> Facing<'a> {
         if turns.0 > view.turn || turns.1 < -view.turn {
             return None;
         }
-        // The contact at psi itself, by the entry's own line.
-        let p = contact.center - contact.by_direction * contact.ahead;
         let [arm, slope, thick] = contact.sizes;
-        let arm = arm + slope * contact.ahead.abs();
         let turn = view.turn.min(contact.ahead.abs() + contact.half + lean);
         let wide = turn + view.slop_turn;
-        let second = wide * (0.5 * arm * wide + slope * (wide + lean) + thick + contact.radius);
+        let leans = lean > contact.half;
+        // The contact at psi itself, by the entry's own line; or, where the force leans by more than the entry is wide,
+        // anywhere on that line.
+        let (p, lean, follows) = if leans {
+            let (from, to) = contact.within(wide + lean);
+            (contact.center + contact.by_direction * (0.5 * (from + to)), 0.5 * (to - from).max(0.0), 0.0)
+        } else {
+            (contact.center - contact.by_direction * contact.ahead, lean, 1.0)
+        };
+        let arm = arm + slope * if leans { contact.half } else { contact.ahead.abs() };
+        let second = wide * (0.5 * arm * wide + slope * (follows * wide + lean) + thick + contact.radius);
         let error = contact.radius + second + self.edge.bow + view.slop;
         let half = |direction: Vec2, leaning: f64, by_turn: f64| {
             error + direction.dot(contact.by_moment).abs() + leaning.abs() * lean + by_turn.abs() * view.slop_turn
         };
         let (u, side) = (self.normal, self.along);
         let leaning = u.dot(contact.by_direction);
-        let by_turn = -side.dot(p) + leaning;
+        let by_turn = -side.dot(p) + follows * leaning;
         let (gap, off) = (self.distance + u.dot(p), half(u, leaning, by_turn));
         if gap.abs() > off + self.across + by_turn.abs() * view.turn {
             return None;
@@ -364,7 +416,7 @@ impl<'a> Facing<'a> {
             return None;
         }
         let leaning = side.dot(contact.by_direction);
-        let by_turn = u.dot(p) + leaning;
+        let by_turn = u.dot(p) + follows * leaning;
         let (place, off) = (self.ahead + side.dot(p), half(side, leaning, by_turn));
         let form = view.form(self.edge.along, -by_turn);
         let kept = narrow(&mut part, &form, (-place - off, self.edge.length - place + off))
@@ -374,7 +426,9 @@ impl<'a> Facing<'a> {
 }
 
 /// The strips with the contact within `spread` of a point: across and along the line on which the contact moves with the direction.
-fn at_point(view: &View, contact: &Contact, target: Vec2, spread: f64) -> [Strip; 2] {
+fn at_point(view: &View, contact: &Contact, wide: f64, target: Vec2, spread: f64) -> [Strip; 2] {
+    let (from, to) = contact.within(wide);
+    let (center, range) = (contact.center + contact.by_direction * (0.5 * (from + to)), 0.5 * (to - from));
     // The point in the whisker frame, and how it moves as base and heading do.
     let (sin, cos) = (view.sin, view.cos);
     let w = view.to_whisker(target - view.base);
@@ -391,9 +445,8 @@ fn at_point(view: &View, contact: &Contact, target: Vec2, spread: f64) -> [Strip
     let error = contact.radius + second + view.slop + size(w) * view.slop_turn + spread;
     [line.perp(), line].map(|direction| {
         let in_map = Vec2::new(cos * direction.x - sin * direction.y, sin * direction.x + cos * direction.y);
-        let at = direction.dot(w - contact.center);
-        let half =
-            error + direction.dot(contact.by_moment).abs() + direction.dot(contact.by_direction).abs() * contact.half;
+        let at = direction.dot(w - center);
+        let half = error + direction.dot(contact.by_moment).abs() + direction.dot(contact.by_direction).abs() * range;
         Strip { form: view.form(-in_map, -direction.dot(w.perp())), range: (-at - half, -at + half) }
     })
 }
@@ -419,7 +472,7 @@ fn at_vertex(view: &View, touch: &Touch, bending: &Bending, vertex: &Vertex, lef
         if out_of_reach(view, vertex.point, reach) {
             return;
         }
-        let [across, along] = at_point(view, contact, vertex.point, vertex.spread);
+        let [across, along] = at_point(view, contact, wide, vertex.point, vertex.spread);
         let mut part = WHOLE;
         if narrow(&mut part, &across.form, across.range) && narrow(&mut part, &along.form, along.range) {
             Left::join(left, part, across.form, across.range);

@@ -14,6 +14,7 @@ mod piece;
 mod record;
 mod refine;
 mod room;
+mod tellers;
 #[cfg(test)]
 mod tests;
 
@@ -27,11 +28,14 @@ use cell::{Cell, narrow};
 use explain::{Ground, View};
 pub use measure::Place;
 use record::{Stand, Touch};
+use tellers::Tellers;
 
 /// Columns (a quarter turn) and rows of the tables that cells meet, from fine to coarse, and of those that they are
 /// born from.
 const TABLES: [(usize, usize); 4] = [(64, 48), (32, 32), (16, 24), (8, 16)];
 const BIRTH: (usize, usize) = (16, 24);
+/// The same of the table that the last effort adds: a fifth of a second to build.
+const LAST_TABLE: (usize, usize) = (128, 96);
 /// Odometry may be off by this much before a cell is moved to the present row (m).
 const STALE: f64 = 5e-5;
 /// And a cell that is wide in heading is moved when the robot is this far away (m).
@@ -77,26 +81,28 @@ pub struct PossibleSet {
     /// The record of the first contact.
     born_at: u32,
     cursor: usize,
+    tellers: Tellers,
 }
 
 impl PossibleSet {
     /// The set of everything: no reading yet.
     #[must_use]
     pub fn new(map: &Map, whiskers: &[MountedWhisker], odometry: Odometry, options: PossibilisticOptions) -> Self {
-        let probe = |whisker: &MountedWhisker| {
-            let lean = whisker.friction.atan();
-            let table = |(columns, rows)| PressTable::new(columns, rows, lean, options.largest_slope);
-            Probe {
-                whisker: whisker.clone(),
-                tables: TABLES.iter().map(|t| table(*t)).collect(),
-                birth: vec![table(BIRTH)],
-            }
-        };
+        let mut probes: Vec<Probe> = Vec::with_capacity(whiskers.len());
+        for whisker in whiskers {
+            let table =
+                |size: (usize, usize)| PressTable::new(size.0, size.1, whisker.friction.atan(), options.largest_slope);
+            // Tables know of whiskers no more than their friction.
+            let twin = probes.iter().find(|probe| probe.whisker.friction.to_bits() == whisker.friction.to_bits());
+            let tables = twin.map_or_else(|| TABLES.iter().map(|t| table(*t)).collect(), |probe| probe.tables.clone());
+            let birth = twin.map_or_else(|| vec![table(BIRTH)], |probe| probe.birth.clone());
+            probes.push(Probe { whisker: whisker.clone(), tables, birth });
+        }
         Self {
             options,
             odometry,
             ground: Ground::new(map),
-            probes: whiskers.iter().map(probe).collect(),
+            probes,
             records: Vec::new(),
             kept: Vec::new(),
             kept_every: KEPT_EVERY,
@@ -104,6 +110,7 @@ impl PossibleSet {
             births: 0,
             born_at: 0,
             cursor: 0,
+            tellers: Tellers::default(),
         }
     }
 
