@@ -30,12 +30,14 @@ pub use measure::Place;
 use record::{Stand, Touch};
 use tellers::Tellers;
 
-/// Columns (a quarter turn) and rows of the tables that cells meet, from fine to coarse, and of those that they are
-/// born from.
-const TABLES: [(usize, usize); 4] = [(64, 48), (32, 32), (16, 24), (8, 16)];
-const BIRTH: (usize, usize) = (16, 24);
-/// The same of the table that the last effort adds: a fifth of a second to build.
+/// Columns (a quarter turn) and rows of the finest table that cells meet; each of the others has half as many of both.
+const FINEST: (usize, usize) = (64, 64);
+const TABLES: usize = 4;
+/// Cells are born from this one of them.
+const BIRTH: usize = 2;
+/// The same of the table that the last effort adds where this many readings are remembered: a tenth of a second to build.
 const LAST_TABLE: (usize, usize) = (128, 96);
+const WORTH_LAST: usize = 20;
 /// Odometry may be off by this much before a cell is moved to the present row (m).
 const STALE: f64 = 5e-5;
 /// And a cell that is wide in heading is moved when the robot is this far away (m).
@@ -52,8 +54,8 @@ const LOOK_EVERY: u32 = 8;
 #[derive(Clone, Debug)]
 struct Probe {
     whisker: MountedWhisker,
+    /// From fine to coarse.
     tables: Vec<PressTable>,
-    birth: Vec<PressTable>,
 }
 
 /// One row of the log.
@@ -90,13 +92,10 @@ impl PossibleSet {
     pub fn new(map: &Map, whiskers: &[MountedWhisker], odometry: Odometry, options: PossibilisticOptions) -> Self {
         let mut probes: Vec<Probe> = Vec::with_capacity(whiskers.len());
         for whisker in whiskers {
-            let table =
-                |size: (usize, usize)| PressTable::new(size.0, size.1, whisker.friction.atan(), options.largest_slope);
             // Tables know of whiskers no more than their friction.
             let twin = probes.iter().find(|probe| probe.whisker.friction.to_bits() == whisker.friction.to_bits());
-            let tables = twin.map_or_else(|| TABLES.iter().map(|t| table(*t)).collect(), |probe| probe.tables.clone());
-            let birth = twin.map_or_else(|| vec![table(BIRTH)], |probe| probe.birth.clone());
-            probes.push(Probe { whisker: whisker.clone(), tables, birth });
+            let tables = twin.map_or_else(|| tables(whisker.friction.atan(), &options), |probe| probe.tables.clone());
+            probes.push(Probe { whisker: whisker.clone(), tables });
         }
         Self {
             options,
@@ -202,7 +201,7 @@ impl PossibleSet {
             if moment.contains(0.0) || self.births > self.options.tolerate {
                 continue;
             }
-            let coarse = Touch::new(&probe.whisker, &probe.birth, moment.lo(), moment.hi());
+            let coarse = Touch::new(&probe.whisker, &probe.tables[BIRTH..], moment.lo(), moment.hi());
             let near = self.near(&probe.whisker);
             self.cells.extend(birth::cells(&self.ground.bundled, near, &coarse, record));
             self.births += 1;
@@ -311,6 +310,12 @@ impl Cell {
         self.shrink(&left.part);
         self.cut(&form, (left.range.0 - middle, left.range.1 - middle));
     }
+}
+
+/// The tables of a whisker with this friction angle (rad), from fine to coarse.
+fn tables(lean: f64, options: &PossibilisticOptions) -> Vec<PressTable> {
+    let finest = PressTable::new(FINEST.0, FINEST.1, lean, options.largest_slope);
+    core::iter::successors(Some(finest), |table| Some(table.coarser())).take(TABLES).collect()
 }
 
 /// The part of the cell from which the robot, after `step`, is in a box.

@@ -1,7 +1,7 @@
 //! Which cell meets which reading when: a bounded amount of work for each row.
 
 use super::cell::Cell;
-use super::{LAST_TABLE, LOOK_EVERY, PossibleSet};
+use super::{LAST_TABLE, LOOK_EVERY, PossibleSet, WORTH_LAST};
 use crate::beam::press::PressTable;
 use crate::world::Map;
 
@@ -139,11 +139,16 @@ impl PossibleSet {
         let (start, stride) = (*work, stride(count));
         let mut cell = self.meet(map, half, newest, true, work)?;
         let told = if most >= count { count } else { most.div_ceil(2) };
-        for k in 0..most.min(count) {
-            let record = if k < told {
+        // First what ruled out another cell last.
+        let mut next = self.tellers.last().filter(|_| count > 0);
+        for k in 0..=most.min(count) {
+            let record = next;
+            next = if k < told {
                 self.tellers.at(k)
-            } else {
+            } else if k < most.min(count) {
                 self.kept.get(first + (start + k * stride) % count).copied()
+            } else {
+                None
             };
             let Some(record) = record else { continue };
             let Some(left) = self.meet(map, cell, record, false, work) else {
@@ -177,7 +182,7 @@ impl PossibleSet {
             return;
         }
         let mut work = self.options.last_work;
-        if work > 0 {
+        if work > 0 && self.kept.len() >= WORTH_LAST {
             self.sharpen();
         }
         for (times, share) in STAGES {

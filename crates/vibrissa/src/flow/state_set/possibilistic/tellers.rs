@@ -14,6 +14,8 @@ pub(super) struct Tellers {
     order: Vec<u32>,
     taken: (usize, u32),
     since: u32,
+    /// The record that ruled out the newest cell, plus one.
+    last: u32,
 }
 
 impl Tellers {
@@ -38,9 +40,15 @@ impl Tellers {
         self.order.get(place).copied()
     }
 
+    /// The record that ruled out a cell last: neighbours often go for the same reason.
+    pub(super) fn last(&self) -> Option<u32> {
+        self.last.checked_sub(1)
+    }
+
     /// Notes that a record ruled out a cell.
     pub(super) fn note(&mut self, record: u32) {
         let at = record as usize;
+        self.last = record + 1;
         if self.counts.len() <= at {
             self.counts.resize(at + 1, 0);
         }

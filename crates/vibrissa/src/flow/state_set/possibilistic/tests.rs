@@ -8,6 +8,7 @@ use super::piece::{COARSE, FINE, Piece, Pieces};
 use super::record::Touch;
 use crate::beam::elastica;
 use crate::beam::press::PressTable;
+use crate::config::PossibilisticOptions;
 use crate::plane::{Curve, Pose2, Vec2, wrap_angle};
 use crate::world::{Boundary, Map, MountedWhisker, Role};
 use core::f64::consts::{FRAC_PI_2, PI};
@@ -145,7 +146,8 @@ fn holds(cell: &Cell, state: Pose2) -> bool {
 fn no_true_state_is_ruled_out(friction: f64, seed: u64, trials: usize) {
     let map = map();
     let ground = Ground::new(&map);
-    let tables = super::TABLES.map(|t| PressTable::new(t.0, t.1, friction.atan(), SLOPE));
+    let options = PossibilisticOptions { largest_slope: SLOPE, ..PossibilisticOptions::default() };
+    let tables = super::tables(friction.atan(), &options);
     let mut draw = Random(seed);
     let mut cut = 0;
     let mut tried = 0;
