@@ -151,8 +151,9 @@ impl Bending {
     }
 }
 
-/// A range of directions fills this share of a bucket at least, or less than two.
-const FILLED: f64 = 1.0;
+/// A range of directions fills this share of a bucket at least, or less than two: what finer buckets cut off wide cells
+/// is worth looking at more of them.
+const FILLED: f64 = 0.25;
 
 /// The rectangle around the contacts of a slice.
 fn around(slice: &PressSlice, side: f64) -> Bounds {

@@ -18,7 +18,7 @@ const FIRST_WAY: f64 = 5e-3;
 /// In the last effort cells longer than this share of the longest are halved in one go: the large ones come first.
 const LARGE: f64 = 0.7;
 /// Stages of the last effort: how many times more of the kept readings a half meets, and the share of the work left.
-const STAGES: [(usize, f64); 3] = [(2, 0.5), (8, 0.5), (64, 1.0)];
+const STAGES: [(usize, f64); 3] = [(1, 0.5), (4, 0.5), (64, 1.0)];
 /// Most cells of the last effort: a few MB.
 const LAST_CELLS: usize = 20_000;
 /// Beyond the resolution all cells are halved as long as that leaves less than this share of their volume, down to this
