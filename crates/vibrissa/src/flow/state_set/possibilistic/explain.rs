@@ -289,7 +289,7 @@ fn may_touch(view: &View, touch: &Touch, bending: &Bending, edge: &Edge) -> bool
 }
 
 /// Friction spreads directions over many buckets: a table as fine as this share of its angle.
-const LEAN_SHARE: f64 = 0.15;
+const LEAN_SHARE: f64 = 0.6;
 
 /// Contacts on an edge; how many entries were looked at.
 fn on_edge(view: &View, touch: &Touch, bending: &Bending, edge: &Edge, left: &mut Option<Left>) -> usize {

@@ -194,18 +194,22 @@ impl PossibleSet {
         last.is_none_or(|&k| way - self.records[k as usize].stand.path() >= self.kept_every)
     }
 
-    /// Lays cells if the newest reading needs a contact. Of any `tolerate + 1` readings one is true.
+    /// Lays cells if the newest readings need a contact, by those that leave fewest. Of any `tolerate + 1` readings one is
+    /// true.
     fn start(&mut self, map: &Map, moments: &[Interval]) {
         let record = self.records.len() as u32 - 1;
-        for (probe, moment) in self.probes.iter().zip(moments) {
-            if moment.contains(0.0) || self.births > self.options.tolerate {
-                continue;
-            }
+        let lay = |(probe, moment): (&Probe, &Interval)| {
             let coarse = Touch::new(&probe.whisker, &probe.tables[BIRTH..], moment.lo(), moment.hi());
-            let near = self.near(&probe.whisker);
-            self.cells.extend(birth::cells(&self.ground.bundled, near, &coarse, record));
-            self.births += 1;
+            birth::cells(&self.ground.bundled, self.near(&probe.whisker), &coarse, record)
+        };
+        let touching = self.probes.iter().zip(moments).filter(|(_, moment)| !moment.contains(0.0));
+        let mut laid: Vec<Vec<Cell>> = touching.map(lay).collect();
+        laid.sort_by_key(Vec::len);
+        laid.truncate(self.options.tolerate + 1 - self.births);
+        if !laid.is_empty() {
+            self.births += laid.len();
             self.born_at = record;
+            self.cells.extend(laid.into_iter().flatten());
         }
         if self.births == 0 {
             return;
