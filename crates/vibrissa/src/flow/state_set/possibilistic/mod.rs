@@ -38,6 +38,8 @@ const BIRTH: usize = 2;
 /// The same of the table that the last effort adds where this many readings are remembered: a tenth of a second to build.
 const LAST_TABLE: (usize, usize) = (128, 96);
 const WORTH_LAST: usize = 20;
+/// So many new cells are worth a thread.
+const ENOUGH: usize = 500;
 /// Odometry may be off by this much before a cell is moved to the present row (m).
 const STALE: f64 = 5e-5;
 /// And a cell that is wide in heading is moved when the robot is this far away (m).
@@ -215,7 +217,24 @@ impl PossibleSet {
             return;
         }
         let cells = std::mem::take(&mut self.cells);
-        self.cells = cells.into_iter().filter_map(|cell| self.entering(map, cell, record)).collect();
+        self.cells = self.entered(map, &cells, record);
+    }
+
+    /// What is left of new cells, in their order, on all cores if they are many.
+    fn entered(&self, map: &Map, cells: &[Cell], record: u32) -> Vec<Cell> {
+        let some = |cells: &[Cell]| -> Vec<Cell> {
+            cells.iter().filter_map(|cell| self.entering(map, *cell, record)).collect()
+        };
+        let threads = std::thread::available_parallelism().map_or(1, usize::from).min(cells.len() / ENOUGH);
+        if threads < 2 {
+            return some(cells);
+        }
+        std::thread::scope(|scope| {
+            let parts = cells.chunks(cells.len().div_ceil(threads)).map(|part| scope.spawn(|| some(part)));
+            let parts: Vec<_> = parts.collect();
+            // A thread that panics takes its caller down with its message.
+            parts.into_iter().flat_map(|p| p.join().unwrap_or_else(|cause| std::panic::resume_unwind(cause))).collect()
+        })
     }
 
     /// Where on the map a whisker can touch at the newest row, with the first pose in the prior's region.
