@@ -6,14 +6,15 @@
 //! each entry of the reading's slice cut a slanted strip out of the cell. What the strips leave together is kept.
 
 use super::cell::{Cell, Form, narrow};
-use super::piece::{COARSE, Edge, FINE, Piece, Pieces, Vertex};
+use super::corner::at_vertex;
+use super::piece::{COARSE, Edge, FINE, Piece, Pieces};
 use super::record::{Bending, Touch};
 use crate::beam::press::{PressEntry, PressSlice, Span};
 use crate::plane::{Bounds, Pose2, Vec2};
 use crate::world::Map;
 use core::f64::consts::{PI, TAU};
 
-type Part = [(f64, f64); 3];
+pub(super) type Part = [(f64, f64); 3];
 
 /// Cells wider than this in heading (rad) or place (m) are compared with the coarse pieces,
 const WIDE_TURN: f64 = 0.02;
@@ -92,8 +93,8 @@ pub(super) struct View {
     pub(super) base: Vec2,
     pub(super) heading: f64,
     /// Sine and cosine of the heading.
-    sin: f64,
-    cos: f64,
+    pub(super) sin: f64,
+    pub(super) cos: f64,
     /// How base and heading depend on the cell's sides.
     pub(super) moves: [Vec2; 3],
     pub(super) turns: Form,
@@ -133,12 +134,12 @@ impl View {
     }
 
     /// A direction of the map in the whisker frame.
-    fn to_whisker(&self, v: Vec2) -> Vec2 {
+    pub(super) fn to_whisker(&self, v: Vec2) -> Vec2 {
         Vec2::new(self.cos * v.x + self.sin * v.y, self.cos * v.y - self.sin * v.x)
     }
 
     /// The form of a displacement along `direction` plus `by_turn` times the turn.
-    fn form(&self, direction: Vec2, by_turn: f64) -> Form {
+    pub(super) fn form(&self, direction: Vec2, by_turn: f64) -> Form {
         let of = |j: usize| direction.dot(self.moves[j]) + by_turn * self.turns[j];
         [of(0), of(1), of(2)]
     }
@@ -152,11 +153,11 @@ pub(super) struct Left {
     pub(super) range: (f64, f64),
 }
 
-const WHOLE: Part = [(-1.0, 1.0); 3];
+pub(super) const WHOLE: Part = [(-1.0, 1.0); 3];
 
 impl Left {
     /// The union with another strip and part.
-    fn join(left: &mut Option<Self>, part: Part, form: Form, (lo, hi): (f64, f64)) {
+    pub(super) fn join(left: &mut Option<Self>, part: Part, form: Form, (lo, hi): (f64, f64)) {
         match left {
             None => *left = Some(Self { part, form, range: (lo, hi) }),
             Some(all) => {
@@ -218,7 +219,7 @@ pub(super) struct Contact {
     pub(super) by_moment: Vec2,
     pub(super) radius: f64,
     /// No less than the lengths of the three vectors.
-    sizes: [f64; 3],
+    pub(super) sizes: [f64; 3],
     pub(super) inflected: bool,
 }
 
@@ -239,7 +240,7 @@ pub(super) fn contacts(side: f64, slice: &PressSlice, psi: f64, wide: f64, mut v
 
 impl Contact {
     /// The part of the entry's range, counted from its middle, within `wide` of the direction asked for (rad).
-    fn within(&self, wide: f64) -> (f64, f64) {
+    pub(super) fn within(&self, wide: f64) -> (f64, f64) {
         let from = (-self.ahead - wide).clamp(-self.half, self.half);
         (from, (-self.ahead + wide).clamp(from, self.half))
     }
@@ -342,9 +343,9 @@ struct Facing<'a> {
 }
 
 /// Most and least of a linear form over the states that matter.
-struct Strip {
-    form: Form,
-    range: (f64, f64),
+pub(super) struct Strip {
+    pub(super) form: Form,
+    pub(super) range: (f64, f64),
 }
 
 impl<'a> Facing<'a> {
@@ -423,89 +424,4 @@ impl<'a> Facing<'a> {
             && narrow(&mut part, &view.turns, turns);
         kept.then_some((part, across))
     }
-}
-
-/// A vertex as a cell's base sees it.
-struct Aim<'a> {
-    view: &'a View,
-    /// The point in the whisker frame, and how far it may be from the contact.
-    w: Vec2,
-    spread: f64,
-    /// What the linear model leaves, and what the odometry's turn adds (m).
-    second: f64,
-    swing: f64,
-}
-
-impl<'a> Aim<'a> {
-    fn new(view: &'a View, vertex: &Vertex) -> Self {
-        let w = view.to_whisker(vertex.point - view.base);
-        let (turned, moved) = (view.turn + view.slop_turn, size(view.reach));
-        let second = turned * (0.5 * size(w) * turned + moved);
-        Self { view, w, spread: vertex.spread, second, swing: size(w) * view.slop_turn }
-    }
-
-    /// The part of the cell in which one entry, within `wide` of the direction asked for, explains the reading: the strip
-    /// across the line on which the contact moves with the direction, and the part within that along it, too.
-    fn part(&self, contact: &Contact, wide: f64) -> Option<(Part, Strip)> {
-        let (from, to) = contact.within(wide);
-        let (center, range) = (contact.center + contact.by_direction * (0.5 * (from + to)), 0.5 * (to - from));
-        let sweep = size(contact.by_direction);
-        let line = if sweep > 1e-6 {
-            contact.by_direction * (1.0 / sweep)
-        } else {
-            let thick = contact.by_moment.norm();
-            if thick > 0.0 { contact.by_moment.perp() * (1.0 / thick) } else { Vec2::new(1.0, 0.0) }
-        };
-        let error = contact.radius + self.second + self.view.slop + self.swing + self.spread;
-        let strip = |direction: Vec2| {
-            // How the point moves in the whisker frame as base and heading do.
-            let (sin, cos) = (self.view.sin, self.view.cos);
-            let in_map = Vec2::new(cos * direction.x - sin * direction.y, sin * direction.x + cos * direction.y);
-            let at = direction.dot(self.w - center);
-            let half =
-                error + direction.dot(contact.by_moment).abs() + direction.dot(contact.by_direction).abs() * range;
-            Strip { form: self.view.form(-in_map, -direction.dot(self.w.perp())), range: (-at - half, -at + half) }
-        };
-        let (mut part, across) = (WHOLE, strip(line.perp()));
-        if !narrow(&mut part, &across.form, across.range) {
-            return None;
-        }
-        let along = strip(line);
-        narrow(&mut part, &along.form, along.range).then_some((part, across))
-    }
-}
-
-/// Contacts at a vertex; how many entries were looked at.
-fn at_vertex(view: &View, touch: &Touch, bending: &Bending, vertex: &Vertex, left: &mut Option<Left>) -> usize {
-    let held = vertex.hollow >= touch.holding;
-    if bending.all_inflected && !held {
-        return 0;
-    }
-    let mut looks = 0;
-    let lean = vertex.slack + touch.friction_angle;
-    let psi = vertex.normal - view.heading;
-    let aim = Aim::new(view, vertex);
-    // Cones of half a turn and more meet everything.
-    let wide = (view.turn + view.slop_turn + lean).min(PI);
-    contacts(bending.side, bending.level(view.turn), psi, wide, |contact| {
-        if contact.inflected && !held {
-            return;
-        }
-        looks += 1;
-        // Out of reach of all contacts of this entry: no need for strips.
-        let reach = contact.sizes.iter().sum::<f64>() + contact.radius + vertex.spread;
-        if out_of_reach(view, vertex.point, reach) {
-            return;
-        }
-        if let Some((part, across)) = aim.part(contact, wide) {
-            Left::join(left, part, across.form, across.range);
-        }
-    });
-    looks
-}
-
-/// Whether a point is farther from every base of the cell than `reach` (m).
-fn out_of_reach(view: &View, point: Vec2, reach: f64) -> bool {
-    let off = point - view.base;
-    off.x.abs() > reach + view.reach.x || off.y.abs() > reach + view.reach.y
 }

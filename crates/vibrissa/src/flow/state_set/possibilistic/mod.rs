@@ -8,6 +8,7 @@
 mod birth;
 mod bundle;
 mod cell;
+mod corner;
 mod explain;
 mod measure;
 mod piece;
