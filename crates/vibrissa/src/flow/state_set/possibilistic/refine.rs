@@ -197,7 +197,7 @@ impl PossibleSet {
     /// Halves all cells, whatever their size, as long as it pays.
     fn polish(&mut self, map: &Map, work: &mut usize) {
         let (finest, all_kept) = (FINEST * self.options.resolution, self.kept.len());
-        while *work > 0 && 2 * self.cells.len() <= LAST_CELLS {
+        while *work > 0 && !self.cells.is_empty() && 2 * self.cells.len() <= LAST_CELLS {
             let before = self.volume();
             let mut cells = Vec::with_capacity(2 * self.cells.len());
             for cell in std::mem::take(&mut self.cells) {
