@@ -126,7 +126,8 @@ fn check_sweeps(names: &[&str]) {
             robot.odometry.translation_relative = 0.0101;
             robot.odometry.rotation_relative = 0.0101;
         }
-        let options = PossibilisticOptions { last_work: 20_000, ..PossibilisticOptions::default() };
+        // With a drifting odometry the rows alone tighten little.
+        let options = PossibilisticOptions { last_work: 400_000, ..PossibilisticOptions::default() };
         let answer =
             run(&Trial { map, robot, log, truth, kinds: [0; 4], path: Vec::new(), touches: Vec::new() }, options);
         let (first, last) = (answer.steps[0], answer.steps[answer.steps.len() - 1]);
@@ -176,6 +177,6 @@ fn a_set_that_is_empty_only_after_the_last_row_is_told() {
     let trial = Trial { log, ..trial };
     let options = PossibilisticOptions { work: 1, last_work: 300_000, ..PossibilisticOptions::default() };
     let answer = run(&trial, options);
-    println!("{}: {:?}", answer.status, answer.events.last());
-    assert!(answer.status != Status::Localized || !contains(&answer, trial.truth));
+    assert_eq!(answer.status, Status::Inconsistent);
+    assert!(answer.events.last().unwrap().detail.starts_with("all readings together"), "{:?}", answer.events.last());
 }
