@@ -35,8 +35,11 @@ fn around(draw: &mut Random, mu: f64) -> (f64, f64) {
 }
 
 fn no_contact_is_left_out(columns: usize, rows: usize, friction: f64, steepest: f64, seed: u64) {
+    no_contact_is_left_out_of(&PressTable::new(columns, rows, friction, steepest), friction, steepest, seed);
+}
+
+fn no_contact_is_left_out_of(table: &PressTable, friction: f64, steepest: f64, seed: u64) {
     let trials = 15_000;
-    let table = PressTable::new(columns, rows, friction, steepest);
     let mut draw = Random(seed);
     let (mut tips, mut sides) = (0, 0);
     for _ in 0..trials {
@@ -88,6 +91,25 @@ fn coarse_tables_leave_out_nothing_either() {
     no_contact_is_left_out(12, 12, 0.5, 1.5, 4);
 }
 
+#[test]
+fn tables_made_of_finer_ones_leave_out_nothing_either() {
+    let fine = PressTable::new(64, 64, 0.2, 2.2);
+    let [half, quarter, eighth] = {
+        let half = fine.coarser();
+        let quarter = half.coarser();
+        [half, quarter.clone(), quarter.coarser()]
+    };
+    for (table, seed) in [(&half, 13), (&quarter, 14), (&eighth, 15)] {
+        no_contact_is_left_out_of(table, 0.2, 2.2, seed);
+        no_inflection_is_left_out_of(table, 0.2, 2.2, seed);
+    }
+    // They are indeed coarser, and one with an odd number of rows stays as it is.
+    let entries = |table: &PressTable| table.slice(0.5, 0.55).entries().len();
+    assert!(entries(&half) > entries(&quarter) && entries(&quarter) > entries(&eighth));
+    let odd = PressTable::new(16, 15, 0.0, 2.2);
+    assert_eq!(odd.slice(0.5, 0.55), odd.coarser().slice(0.5, 0.55));
+}
+
 /// A whisker of unit length and stiffness as a pendulum that starts from rest `amplitude` before its balance, after the
 /// time `t`: how far from the balance it is, its speed, how often it came to rest, and the tip in the base's frame.
 fn swung(amplitude: f64, t: f64) -> (f64, f64, usize, Vec2) {
@@ -121,7 +143,10 @@ fn the_pendulum_of_these_tests_is_the_closed_form() {
 
 /// Shapes with one inflection, tip or held by friction on the side: by integration, which knows no elliptic function.
 fn no_inflection_is_left_out(columns: usize, rows: usize, friction: f64, steepest: f64, seed: u64) {
-    let table = PressTable::new(columns, rows, friction, steepest);
+    no_inflection_is_left_out_of(&PressTable::new(columns, rows, friction, steepest), friction, steepest, seed);
+}
+
+fn no_inflection_is_left_out_of(table: &PressTable, friction: f64, steepest: f64, seed: u64) {
     let mut draw = Random(seed);
     let (mut tips, mut sides) = (0, 0);
     while tips < 800 {

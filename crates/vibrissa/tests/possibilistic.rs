@@ -126,14 +126,14 @@ fn check_sweeps(names: &[&str]) {
             robot.odometry.translation_relative = 0.0101;
             robot.odometry.rotation_relative = 0.0101;
         }
-        // With a drifting odometry and shapes with an inflection the rows alone tighten little.
+        // With a drifting odometry the rows alone tighten little.
         let options = PossibilisticOptions { last_work: 400_000, ..PossibilisticOptions::default() };
         let answer =
             run(&Trial { map, robot, log, truth, kinds: [0; 4], path: Vec::new(), touches: Vec::new() }, options);
         let (first, last) = (answer.steps[0], answer.steps[answer.steps.len() - 1]);
         println!("{name}: {}, {:.1e} to {:.1e} m2 rad", answer.status, first.volume, last.volume);
         assert!(contains(&answer, truth), "{name}: {} {:?}", answer.status, answer.events);
-        assert!(last.volume < 0.8 * first.volume, "{first:?} {last:?}");
+        assert!(last.volume < 0.8 * first.volume, "{name}: {first:?} {last:?}");
         assert_ne!(answer.status, Status::NoContact);
     }
 }
@@ -146,4 +146,37 @@ fn sweeps_of_another_simulator_are_kept() {
 #[test]
 fn biased_sweeps_of_another_simulator_are_kept() {
     check_sweeps(&["rough0-03-bias", "obstacle-00-bias"]);
+}
+
+#[test]
+fn a_unique_place_beside_concave_boundary_is_found() {
+    let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/sweeps"));
+    if !folder.is_dir() {
+        println!("skipped: no shared folder with sweeps");
+        return;
+    }
+    let (map, log) =
+        (Map::read(folder.join("obstacle.geojson")).unwrap(), SensorLog::read(folder.join("obstacle-00.csv")).unwrap());
+    let truth = read_tum(folder.join("obstacle-00.truth.tum")).unwrap().last().unwrap().map_from_robot;
+    let trial =
+        Trial { map, robot: Robot::default(), log, truth, kinds: [0; 4], path: Vec::new(), touches: Vec::new() };
+    let answer = run(&trial, PossibilisticOptions::default());
+    let last = answer.steps.last().unwrap();
+    println!("{}: {} places, {:.1} mm2", answer.status, answer.hypotheses.len(), 1e6 * last.area_m2);
+    // Its bays could hold a whisker with an inflection in many places; the readings do not fit there.
+    assert!(contains(&answer, truth));
+    assert!(answer.status == Status::Localized && last.area_m2 < 30e-6, "{}: {} m2", answer.status, last.area_m2);
+}
+
+#[test]
+fn a_set_that_is_empty_only_after_the_last_row_is_told() {
+    let (_, trial) = trials(709, 1).next().unwrap();
+    // The moments of another whisker, three times as stiff: nothing on the map explains all of them.
+    let mut log = trial.log.clone();
+    log.rows.iter_mut().for_each(|row| row.readings[0] *= 3.0);
+    let trial = Trial { log, ..trial };
+    let options = PossibilisticOptions { work: 1, last_work: 300_000, ..PossibilisticOptions::default() };
+    let answer = run(&trial, options);
+    assert_eq!(answer.status, Status::Inconsistent);
+    assert!(answer.events.last().unwrap().detail.starts_with("all readings together"), "{:?}", answer.events.last());
 }

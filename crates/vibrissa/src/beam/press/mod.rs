@@ -76,20 +76,37 @@ impl PressTable {
         let step = (FRAC_PI_2 + slack) / columns as f64;
         // The half turn, where the sheet has an edge, is a column; beyond it the slope is twice the turn at least.
         let beyond = (0.5 * steepest / step).ceil().max((steepest - FRAC_PI_2) / step).ceil() as usize;
-        let all = columns + beyond;
+        // A number of columns that can be halved as often as a quarter turn's.
+        let even = 1 << columns.trailing_zeros().min(3);
+        let all = (columns + beyond).div_ceil(even) * even;
         let directions: Vec<f64> = (0..=all).map(|i| PI + (i as f64 - columns as f64) * step).collect();
         let sheet = |bend| Sheet::new(&directions, rows, bend, (slack, steepest));
+        Self::of([sheet(Bend::Plain), sheet(Bend::Inflected)], directions, (slack, steepest))
+    }
+
+    fn of([plain, inflected]: [Sheet; 2], directions: Vec<f64>, (slack, steepest): (f64, f64)) -> Self {
         let sides = |bend| Sides::new(&directions, bend, slack);
         Self {
             slack,
             steepest,
-            plain: sheet(Bend::Plain),
-            inflected: sheet(Bend::Inflected),
+            plain,
+            inflected,
             sides: sides(Bend::Plain),
             inflected_sides: (slack > 0.0).then(|| sides(Bend::Inflected)),
             middles: directions.windows(2).map(|d| Vec2::from_angle(0.5 * (d[0] + d[1]))).collect(),
             directions,
         }
+    }
+
+    /// The same whisker by half as many columns and rows, without computing it anew; itself if their number is odd.
+    #[must_use]
+    pub fn coarser(&self) -> Self {
+        let columns = self.directions.len() - 1;
+        if columns % 2 == 1 || self.plain.rows % 2 == 1 {
+            return self.clone();
+        }
+        let directions = self.directions.iter().step_by(2).copied().collect();
+        Self::of([self.plain.coarser(), self.inflected.coarser()], directions, (self.slack, self.steepest))
     }
 
     /// The friction angle (rad).

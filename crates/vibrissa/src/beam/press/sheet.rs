@@ -42,23 +42,30 @@ type Limits = (f64, f64);
 
 impl Sheet {
     pub(super) fn new(directions: &[f64], rows: usize, bend: Bend, limits: Limits) -> Self {
-        let columns = directions.len() - 1;
         // The moment grows like the root of the slope where it starts from nothing.
-        let share = |row: f64| (row / rows as f64).powi(2);
+        let share = |half_row: usize| (0.5 * half_row as f64 / rows as f64).powi(2);
+        let columns = directions.len() - 1;
+        let mut grid = Vec::with_capacity((2 * columns + 1) * (2 * rows + 1));
+        for half_column in 0..=2 * columns {
+            let (before, after) = (directions[half_column / 2], directions[half_column.div_ceil(2)]);
+            let direction = 0.5 * (before + after);
+            grid.extend((0..=2 * rows).map(|half_row| tip(bend, direction, share(half_row), limits)));
+        }
+        Self::of(&grid, columns, rows)
+    }
+
+    /// From its values at the nodes, at the middles of the edges, and at the middles of the cells, by half columns.
+    fn of(grid: &[Node], columns: usize, rows: usize) -> Self {
+        let at = |half_column: usize, half_row: usize| grid[half_column * (2 * rows + 1) + half_row];
         let mut sheet = Self {
             rows,
-            nodes: Vec::with_capacity(directions.len() * (rows + 1)),
+            nodes: (0..=columns).flat_map(|c| (0..=rows).map(move |r| at(2 * c, 2 * r))).collect(),
             gaps: Vec::with_capacity(columns * rows),
             ranges: Vec::with_capacity(columns * rows),
         };
-        for &direction in directions {
-            sheet.nodes.extend((0..=rows).map(|row| tip(bend, direction, share(row as f64), limits)));
-        }
         for column in 0..columns {
-            let ends = (directions[column], directions[column + 1]);
             for row in 0..rows {
-                let shares = [0.0, 0.5, 1.0].map(|more| share(row as f64 + more));
-                let gap = sheet.measure(column, row, |direction, k| tip(bend, direction, shares[k], limits), ends);
+                let gap = sheet.measure(column, row, |c, r| at(2 * column + c, 2 * row + r));
                 let corners = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(c, r)| sheet.node(column + c, row + r).moment);
                 let (least, most) = corners.iter().fold((f64::INFINITY, 0.0_f64), |(a, b), &m| (a.min(m), b.max(m)));
                 sheet.gaps.push(gap);
@@ -66,6 +73,12 @@ impl Sheet {
             }
         }
         sheet
+    }
+
+    /// The sheet with every second node, whose deviation in between the others tell; rows and columns must be even.
+    pub(super) fn coarser(&self) -> Self {
+        let columns = self.nodes.len() / (self.rows + 1) - 1;
+        Self::of(&self.nodes, columns / 2, self.rows / 2)
     }
 
     pub(super) fn node(&self, column: usize, row: usize) -> Node {
@@ -83,21 +96,20 @@ impl Sheet {
         least <= hi && most >= lo
     }
 
-    /// The gap of one cell, from the sheet at the cell's middle and at the middles of its edges; `at` takes a direction
-    /// and which of the cell's three shares.
-    fn measure(&self, column: usize, row: usize, at: impl Fn(f64, usize) -> Node, (left, right): (f64, f64)) -> Gap {
+    /// The gap of one cell, from the sheet at the cell's middle and at the middles of its edges; `at` takes half columns
+    /// and half rows from the cell's first corner on.
+    fn measure(&self, column: usize, row: usize, at: impl Fn(usize, usize) -> Node) -> Gap {
         let corners = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(c, r)| self.node(column + c, row + r));
-        let middle = 0.5 * (left + right);
         let probes = [
-            (middle, 1, [0.25; 4]),
-            (middle, 0, [0.5, 0.5, 0.0, 0.0]),
-            (middle, 2, [0.0, 0.0, 0.5, 0.5]),
-            (left, 1, [0.5, 0.0, 0.5, 0.0]),
-            (right, 1, [0.0, 0.5, 0.0, 0.5]),
+            (1, 1, [0.25; 4]),
+            (1, 0, [0.5, 0.5, 0.0, 0.0]),
+            (1, 2, [0.0, 0.0, 0.5, 0.5]),
+            (0, 1, [0.5, 0.0, 0.5, 0.0]),
+            (2, 1, [0.0, 0.5, 0.0, 0.5]),
         ];
         let mut gap = Gap { moment: 0.0, tip: 0.0 };
-        for (direction, share, weights) in probes {
-            let at = at(direction, share);
+        for (half_column, half_row, weights) in probes {
+            let at = at(half_column, half_row);
             let moment: f64 = corners.iter().zip(weights).map(|(n, w)| w * n.moment).sum();
             let place = corners.iter().zip(weights).fold(Vec2::ZERO, |sum, (n, w)| sum + n.tip * w);
             gap.moment = gap.moment.max((at.moment - moment).abs());

@@ -6,14 +6,15 @@
 //! each entry of the reading's slice cut a slanted strip out of the cell. What the strips leave together is kept.
 
 use super::cell::{Cell, Form, narrow};
-use super::piece::{COARSE, Edge, FINE, Piece, Pieces, Vertex};
+use super::corner::at_vertex;
+use super::piece::{COARSE, Edge, FINE, Piece, Pieces};
 use super::record::{Bending, Touch};
 use crate::beam::press::{PressEntry, PressSlice, Span};
 use crate::plane::{Bounds, Pose2, Vec2};
 use crate::world::Map;
 use core::f64::consts::{PI, TAU};
 
-type Part = [(f64, f64); 3];
+pub(super) type Part = [(f64, f64); 3];
 
 /// Cells wider than this in heading (rad) or place (m) are compared with the coarse pieces,
 const WIDE_TURN: f64 = 0.02;
@@ -21,6 +22,9 @@ const WIDE_REACH: f64 = 8e-3;
 /// and those wider than this with bundles of pieces.
 const WIDEST_TURN: f64 = 0.12;
 const WIDEST_REACH: f64 = 0.03;
+/// Cells no wider than this are compared with the parts of pieces.
+const SMALL_TURN: f64 = 0.012;
+const SMALL_REACH: f64 = 2.5e-3;
 
 /// The map's pieces, from fine to coarse.
 #[derive(Clone, Debug)]
@@ -52,7 +56,7 @@ impl Ground {
     pub(super) fn new(map: &Map) -> Self {
         let coarse = Pieces::new(map, COARSE);
         Self {
-            fine: Level::new(Pieces::new(map, FINE)),
+            fine: Level::new(Pieces::with_leaves(map, FINE)),
             bundled: Level::new(coarse.bundled()),
             coarse: Level::new(coarse),
         }
@@ -89,8 +93,8 @@ pub(super) struct View {
     pub(super) base: Vec2,
     pub(super) heading: f64,
     /// Sine and cosine of the heading.
-    sin: f64,
-    cos: f64,
+    pub(super) sin: f64,
+    pub(super) cos: f64,
     /// How base and heading depend on the cell's sides.
     pub(super) moves: [Vec2; 3],
     pub(super) turns: Form,
@@ -130,12 +134,12 @@ impl View {
     }
 
     /// A direction of the map in the whisker frame.
-    fn to_whisker(&self, v: Vec2) -> Vec2 {
+    pub(super) fn to_whisker(&self, v: Vec2) -> Vec2 {
         Vec2::new(self.cos * v.x + self.sin * v.y, self.cos * v.y - self.sin * v.x)
     }
 
     /// The form of a displacement along `direction` plus `by_turn` times the turn.
-    fn form(&self, direction: Vec2, by_turn: f64) -> Form {
+    pub(super) fn form(&self, direction: Vec2, by_turn: f64) -> Form {
         let of = |j: usize| direction.dot(self.moves[j]) + by_turn * self.turns[j];
         [of(0), of(1), of(2)]
     }
@@ -149,11 +153,11 @@ pub(super) struct Left {
     pub(super) range: (f64, f64),
 }
 
-const WHOLE: Part = [(-1.0, 1.0); 3];
+pub(super) const WHOLE: Part = [(-1.0, 1.0); 3];
 
 impl Left {
     /// The union with another strip and part.
-    fn join(left: &mut Option<Self>, part: Part, form: Form, (lo, hi): (f64, f64)) {
+    pub(super) fn join(left: &mut Option<Self>, part: Part, form: Form, (lo, hi): (f64, f64)) {
         match left {
             None => *left = Some(Self { part, form, range: (lo, hi) }),
             Some(all) => {
@@ -171,12 +175,20 @@ impl Left {
 pub(super) fn by_contact(view: &View, touch: &Touch, ground: &Ground, looks: &mut usize) -> Option<Left> {
     let level = ground.level(view);
     let mut left = None;
+    let is_small = view.turn < SMALL_TURN && view.reach.x + view.reach.y < SMALL_REACH;
     for bending in &touch.sides {
         let pieces = level.pieces(touch, bending);
         let bounds = rectangle(view, bending);
         pieces.near(bounds, |piece| match piece {
-            Piece::Edge(edge) => *looks += 1 + on_edge(view, touch, bending, edge, &mut left),
-            Piece::Vertex(vertex) => *looks += 1 + at_vertex(view, touch, bending, vertex, &mut left),
+            Piece::Edge(edge) if is_small && edge.leaves.0 < edge.leaves.1 => {
+                *looks += 1;
+                if may_touch(view, touch, bending, edge) {
+                    for leaf in &pieces.leaves[edge.leaves.0 as usize..edge.leaves.1 as usize] {
+                        *looks += 1 + on_piece(view, touch, bending, leaf, &mut left);
+                    }
+                }
+            }
+            _ => *looks += 1 + on_piece(view, touch, bending, piece, &mut left),
         });
     }
     left
@@ -207,7 +219,7 @@ pub(super) struct Contact {
     pub(super) by_moment: Vec2,
     pub(super) radius: f64,
     /// No less than the lengths of the three vectors.
-    sizes: [f64; 3],
+    pub(super) sizes: [f64; 3],
     pub(super) inflected: bool,
 }
 
@@ -223,6 +235,14 @@ pub(super) fn contacts(side: f64, slice: &PressSlice, psi: f64, wide: f64, mut v
         for entry in slice.between(asked - wide, asked + wide) {
             visit(&mirrored(entry, side, asked));
         }
+    }
+}
+
+impl Contact {
+    /// The part of the entry's range, counted from its middle, within `wide` of the direction asked for (rad).
+    pub(super) fn within(&self, wide: f64) -> (f64, f64) {
+        let from = (-self.ahead - wide).clamp(-self.half, self.half);
+        (from, (-self.ahead + wide).clamp(from, self.half))
     }
 }
 
@@ -246,6 +266,32 @@ fn about(v: Vec2) -> f64 {
     x.max(y) + 0.415 * x.min(y)
 }
 
+fn on_piece(view: &View, touch: &Touch, bending: &Bending, piece: &Piece, left: &mut Option<Left>) -> usize {
+    match piece {
+        Piece::Edge(edge) => on_edge(view, touch, bending, edge, left),
+        Piece::Vertex(vertex) => at_vertex(view, touch, bending, vertex, left),
+    }
+}
+
+/// A quick look whether the whisker can touch an edge.
+fn may_touch(view: &View, touch: &Touch, bending: &Bending, edge: &Edge) -> bool {
+    let held = edge.hollow >= touch.holding;
+    if bending.all_inflected && !held {
+        return false;
+    }
+    let Some(facing) = Facing::new(view, touch.length, edge) else { return false };
+    let lean = edge.slack + touch.friction_angle;
+    let wide = view.turn + view.slop_turn + lean;
+    let slice = bending.level(wide.min(0.2));
+    let asked = around_half_turn(bending.side * (edge.normal - view.heading));
+    [asked - TAU, asked, asked + TAU]
+        .into_iter()
+        .any(|asked| facing.may_touch(slice.span(asked - wide, asked + wide), bending.side, touch.length * lean))
+}
+
+/// Friction spreads directions over many buckets: a table as fine as this share of its angle.
+const LEAN_SHARE: f64 = 0.6;
+
 /// Contacts on an edge; how many entries were looked at.
 fn on_edge(view: &View, touch: &Touch, bending: &Bending, edge: &Edge, left: &mut Option<Left>) -> usize {
     let held = edge.hollow >= touch.holding;
@@ -257,7 +303,7 @@ fn on_edge(view: &View, touch: &Touch, bending: &Bending, edge: &Edge, left: &mu
     let psi = edge.normal - view.heading;
     let lean = edge.slack + touch.friction_angle;
     let wide = view.turn + view.slop_turn + lean;
-    let slice = bending.level(wide);
+    let slice = bending.level(wide - (1.0 - LEAN_SHARE) * touch.friction_angle);
     let asked = around_half_turn(bending.side * psi);
     let known = slice.directions();
     for asked in [asked - TAU, asked, asked + TAU] {
@@ -297,9 +343,9 @@ struct Facing<'a> {
 }
 
 /// Most and least of a linear form over the states that matter.
-struct Strip {
-    form: Form,
-    range: (f64, f64),
+pub(super) struct Strip {
+    pub(super) form: Form,
+    pub(super) range: (f64, f64),
 }
 
 impl<'a> Facing<'a> {
@@ -339,20 +385,27 @@ impl<'a> Facing<'a> {
         if turns.0 > view.turn || turns.1 < -view.turn {
             return None;
         }
-        // The contact at psi itself, by the entry's own line.
-        let p = contact.center - contact.by_direction * contact.ahead;
         let [arm, slope, thick] = contact.sizes;
-        let arm = arm + slope * contact.ahead.abs();
         let turn = view.turn.min(contact.ahead.abs() + contact.half + lean);
         let wide = turn + view.slop_turn;
-        let second = wide * (0.5 * arm * wide + slope * (wide + lean) + thick + contact.radius);
+        let leans = lean > contact.half;
+        // The contact at psi itself, by the entry's own line; or, where the force leans by more than the entry is wide,
+        // anywhere on that line.
+        let (p, lean, follows) = if leans {
+            let (from, to) = contact.within(wide + lean);
+            (contact.center + contact.by_direction * (0.5 * (from + to)), 0.5 * (to - from).max(0.0), 0.0)
+        } else {
+            (contact.center - contact.by_direction * contact.ahead, lean, 1.0)
+        };
+        let arm = arm + slope * if leans { contact.half } else { contact.ahead.abs() };
+        let second = wide * (0.5 * arm * wide + slope * (follows * wide + lean) + thick + contact.radius);
         let error = contact.radius + second + self.edge.bow + view.slop;
         let half = |direction: Vec2, leaning: f64, by_turn: f64| {
             error + direction.dot(contact.by_moment).abs() + leaning.abs() * lean + by_turn.abs() * view.slop_turn
         };
         let (u, side) = (self.normal, self.along);
         let leaning = u.dot(contact.by_direction);
-        let by_turn = -side.dot(p) + leaning;
+        let by_turn = -side.dot(p) + follows * leaning;
         let (gap, off) = (self.distance + u.dot(p), half(u, leaning, by_turn));
         if gap.abs() > off + self.across + by_turn.abs() * view.turn {
             return None;
@@ -364,72 +417,11 @@ impl<'a> Facing<'a> {
             return None;
         }
         let leaning = side.dot(contact.by_direction);
-        let by_turn = u.dot(p) + leaning;
+        let by_turn = u.dot(p) + follows * leaning;
         let (place, off) = (self.ahead + side.dot(p), half(side, leaning, by_turn));
         let form = view.form(self.edge.along, -by_turn);
         let kept = narrow(&mut part, &form, (-place - off, self.edge.length - place + off))
             && narrow(&mut part, &view.turns, turns);
         kept.then_some((part, across))
     }
-}
-
-/// The strips with the contact within `spread` of a point: across and along the line on which the contact moves with the direction.
-fn at_point(view: &View, contact: &Contact, target: Vec2, spread: f64) -> [Strip; 2] {
-    // The point in the whisker frame, and how it moves as base and heading do.
-    let (sin, cos) = (view.sin, view.cos);
-    let w = view.to_whisker(target - view.base);
-    let sweep = size(contact.by_direction);
-    let line = if sweep > 1e-6 {
-        contact.by_direction * (1.0 / sweep)
-    } else {
-        let thick = contact.by_moment.norm();
-        if thick > 0.0 { contact.by_moment.perp() * (1.0 / thick) } else { Vec2::new(1.0, 0.0) }
-    };
-    let turned = view.turn + view.slop_turn;
-    let moved = size(view.reach);
-    let second = turned * (0.5 * size(w) * turned + moved);
-    let error = contact.radius + second + view.slop + size(w) * view.slop_turn + spread;
-    [line.perp(), line].map(|direction| {
-        let in_map = Vec2::new(cos * direction.x - sin * direction.y, sin * direction.x + cos * direction.y);
-        let at = direction.dot(w - contact.center);
-        let half =
-            error + direction.dot(contact.by_moment).abs() + direction.dot(contact.by_direction).abs() * contact.half;
-        Strip { form: view.form(-in_map, -direction.dot(w.perp())), range: (-at - half, -at + half) }
-    })
-}
-
-/// Contacts at a vertex; how many entries were looked at.
-fn at_vertex(view: &View, touch: &Touch, bending: &Bending, vertex: &Vertex, left: &mut Option<Left>) -> usize {
-    let held = vertex.hollow >= touch.holding;
-    if bending.all_inflected && !held {
-        return 0;
-    }
-    let mut looks = 0;
-    let lean = vertex.slack + touch.friction_angle;
-    let psi = vertex.normal - view.heading;
-    // Cones of half a turn and more meet everything.
-    let wide = (view.turn + view.slop_turn + lean).min(PI);
-    contacts(bending.side, bending.level(view.turn), psi, wide, |contact| {
-        if contact.inflected && !held {
-            return;
-        }
-        looks += 1;
-        // Out of reach of all contacts of this entry: no need for strips.
-        let reach = contact.sizes.iter().sum::<f64>() + contact.radius + vertex.spread;
-        if out_of_reach(view, vertex.point, reach) {
-            return;
-        }
-        let [across, along] = at_point(view, contact, vertex.point, vertex.spread);
-        let mut part = WHOLE;
-        if narrow(&mut part, &across.form, across.range) && narrow(&mut part, &along.form, along.range) {
-            Left::join(left, part, across.form, across.range);
-        }
-    });
-    looks
-}
-
-/// Whether a point is farther from every base of the cell than `reach` (m).
-fn out_of_reach(view: &View, point: Vec2, reach: f64) -> bool {
-    let off = point - view.base;
-    off.x.abs() > reach + view.reach.x || off.y.abs() > reach + view.reach.y
 }

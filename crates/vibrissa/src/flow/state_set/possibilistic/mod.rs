@@ -8,12 +8,14 @@
 mod birth;
 mod bundle;
 mod cell;
+mod corner;
 mod explain;
 mod measure;
 mod piece;
 mod record;
 mod refine;
 mod room;
+mod tellers;
 #[cfg(test)]
 mod tests;
 
@@ -27,11 +29,18 @@ use cell::{Cell, narrow};
 use explain::{Ground, View};
 pub use measure::Place;
 use record::{Stand, Touch};
+use tellers::Tellers;
 
-/// Columns (a quarter turn) and rows of the tables that cells meet, from fine to coarse, and of those that they are
-/// born from.
-const TABLES: [(usize, usize); 4] = [(64, 48), (32, 32), (16, 24), (8, 16)];
-const BIRTH: (usize, usize) = (16, 24);
+/// Columns (a quarter turn) and rows of the finest table that cells meet; each of the others has half as many of both.
+const FINEST: (usize, usize) = (64, 64);
+const TABLES: usize = 4;
+/// Cells are born from this one of them.
+const BIRTH: usize = 2;
+/// The same of the table that the last effort adds where this many readings are remembered: a tenth of a second to build.
+const LAST_TABLE: (usize, usize) = (128, 96);
+const WORTH_LAST: usize = 20;
+/// So many new cells are worth a thread.
+const ENOUGH: usize = 500;
 /// Odometry may be off by this much before a cell is moved to the present row (m).
 const STALE: f64 = 5e-5;
 /// And a cell that is wide in heading is moved when the robot is this far away (m).
@@ -48,8 +57,8 @@ const LOOK_EVERY: u32 = 8;
 #[derive(Clone, Debug)]
 struct Probe {
     whisker: MountedWhisker,
+    /// From fine to coarse.
     tables: Vec<PressTable>,
-    birth: Vec<PressTable>,
 }
 
 /// One row of the log.
@@ -77,26 +86,25 @@ pub struct PossibleSet {
     /// The record of the first contact.
     born_at: u32,
     cursor: usize,
+    tellers: Tellers,
 }
 
 impl PossibleSet {
     /// The set of everything: no reading yet.
     #[must_use]
     pub fn new(map: &Map, whiskers: &[MountedWhisker], odometry: Odometry, options: PossibilisticOptions) -> Self {
-        let probe = |whisker: &MountedWhisker| {
-            let lean = whisker.friction.atan();
-            let table = |(columns, rows)| PressTable::new(columns, rows, lean, options.largest_slope);
-            Probe {
-                whisker: whisker.clone(),
-                tables: TABLES.iter().map(|t| table(*t)).collect(),
-                birth: vec![table(BIRTH)],
-            }
-        };
+        let mut probes: Vec<Probe> = Vec::with_capacity(whiskers.len());
+        for whisker in whiskers {
+            // Tables know of whiskers no more than their friction.
+            let twin = probes.iter().find(|probe| probe.whisker.friction.to_bits() == whisker.friction.to_bits());
+            let tables = twin.map_or_else(|| tables(whisker.friction.atan(), &options), |probe| probe.tables.clone());
+            probes.push(Probe { whisker: whisker.clone(), tables });
+        }
         Self {
             options,
             odometry,
             ground: Ground::new(map),
-            probes: whiskers.iter().map(probe).collect(),
+            probes,
             records: Vec::new(),
             kept: Vec::new(),
             kept_every: KEPT_EVERY,
@@ -104,6 +112,7 @@ impl PossibleSet {
             births: 0,
             born_at: 0,
             cursor: 0,
+            tellers: Tellers::default(),
         }
     }
 
@@ -188,24 +197,45 @@ impl PossibleSet {
         last.is_none_or(|&k| way - self.records[k as usize].stand.path() >= self.kept_every)
     }
 
-    /// Lays cells if the newest reading needs a contact. Of any `tolerate + 1` readings one is true.
+    /// Lays cells if the newest readings need a contact, by those that leave fewest. Of any `tolerate + 1` readings one is
+    /// true.
     fn start(&mut self, map: &Map, moments: &[Interval]) {
         let record = self.records.len() as u32 - 1;
-        for (probe, moment) in self.probes.iter().zip(moments) {
-            if moment.contains(0.0) || self.births > self.options.tolerate {
-                continue;
-            }
-            let coarse = Touch::new(&probe.whisker, &probe.birth, moment.lo(), moment.hi());
-            let near = self.near(&probe.whisker);
-            self.cells.extend(birth::cells(&self.ground.bundled, near, &coarse, record));
-            self.births += 1;
+        let lay = |(probe, moment): (&Probe, &Interval)| {
+            let coarse = Touch::new(&probe.whisker, &probe.tables[BIRTH..], moment.lo(), moment.hi());
+            birth::cells(&self.ground.bundled, self.near(&probe.whisker), &coarse, record)
+        };
+        let touching = self.probes.iter().zip(moments).filter(|(_, moment)| !moment.contains(0.0));
+        let mut laid: Vec<Vec<Cell>> = touching.map(lay).collect();
+        laid.sort_by_key(Vec::len);
+        laid.truncate(self.options.tolerate + 1 - self.births);
+        if !laid.is_empty() {
+            self.births += laid.len();
             self.born_at = record;
+            self.cells.extend(laid.into_iter().flatten());
         }
         if self.births == 0 {
             return;
         }
         let cells = std::mem::take(&mut self.cells);
-        self.cells = cells.into_iter().filter_map(|cell| self.entering(map, cell, record)).collect();
+        self.cells = self.entered(map, &cells, record);
+    }
+
+    /// What is left of new cells, in their order, on all cores if they are many.
+    fn entered(&self, map: &Map, cells: &[Cell], record: u32) -> Vec<Cell> {
+        let some = |cells: &[Cell]| -> Vec<Cell> {
+            cells.iter().filter_map(|cell| self.entering(map, *cell, record)).collect()
+        };
+        let threads = std::thread::available_parallelism().map_or(1, usize::from).min(cells.len() / ENOUGH);
+        if threads < 2 {
+            return some(cells);
+        }
+        std::thread::scope(|scope| {
+            let parts = cells.chunks(cells.len().div_ceil(threads)).map(|part| scope.spawn(|| some(part)));
+            let parts: Vec<_> = parts.collect();
+            // A thread that panics takes its caller down with its message.
+            parts.into_iter().flat_map(|p| p.join().unwrap_or_else(|cause| std::panic::resume_unwind(cause))).collect()
+        })
     }
 
     /// Where on the map a whisker can touch at the newest row, with the first pose in the prior's region.
@@ -304,6 +334,12 @@ impl Cell {
         self.shrink(&left.part);
         self.cut(&form, (left.range.0 - middle, left.range.1 - middle));
     }
+}
+
+/// The tables of a whisker with this friction angle (rad), from fine to coarse.
+fn tables(lean: f64, options: &PossibilisticOptions) -> Vec<PressTable> {
+    let finest = PressTable::new(FINEST.0, FINEST.1, lean, options.largest_slope);
+    core::iter::successors(Some(finest), |table| Some(table.coarser())).take(TABLES).collect()
 }
 
 /// The part of the cell from which the robot, after `step`, is in a box.

@@ -46,6 +46,8 @@ pub(super) struct Edge {
     pub(super) bow: f64,
     /// Curvature towards free space (1/m), which can hold a tip; infinite where a vertex was smoothed.
     pub(super) hollow: f64,
+    /// Its parts where it is made of several: from and to before, among the leaves.
+    pub(super) leaves: (u32, u32),
 }
 
 /// Every point within `spread` of one, with every normal within `slack` of `normal`.
@@ -75,6 +77,8 @@ struct Link {
 #[derive(Clone, Debug)]
 pub(super) struct Pieces {
     pub(super) all: Vec<Piece>,
+    /// Edges and turns one by one, which the edges of `all` take together.
+    pub(super) leaves: Vec<Piece>,
     tree: SegmentTree,
     /// No piece leaves its chord by more (m).
     margin: f64,
@@ -82,16 +86,25 @@ pub(super) struct Pieces {
 
 impl Pieces {
     pub(super) fn new(map: &Map, grain: Grain) -> Self {
+        Self::laid(map, grain, None)
+    }
+
+    /// The pieces with their leaves.
+    pub(super) fn with_leaves(map: &Map, grain: Grain) -> Self {
+        Self::laid(map, grain, Some(Vec::new()))
+    }
+
+    fn laid(map: &Map, grain: Grain, mut leaves: Option<Vec<Piece>>) -> Self {
         let mut all = Vec::new();
         for boundary in map.boundaries() {
-            add_boundary(boundary, grain, &mut all);
+            add_boundary(boundary, grain, &mut all, &mut leaves);
         }
-        Self::of(all)
+        Self::of(all, leaves.unwrap_or_default())
     }
 
     /// The same, with finely cut stretches taken together.
     pub(super) fn bundled(&self) -> Self {
-        Self::of(bundle::bundled(&self.all))
+        Self::of(bundle::bundled(&self.all), Vec::new())
     }
 
     /// Those of them that curve towards free space anywhere.
@@ -100,16 +113,16 @@ impl Pieces {
             Piece::Edge(e) => e.hollow > 0.0,
             Piece::Vertex(v) => v.hollow > 0.0,
         };
-        Self::of(self.all.iter().filter(curves).copied().collect())
+        Self::of(self.all.iter().filter(curves).copied().collect(), self.leaves.clone())
     }
 
-    fn of(all: Vec<Piece>) -> Self {
+    fn of(all: Vec<Piece>, leaves: Vec<Piece>) -> Self {
         let chords: Vec<_> = all.iter().map(Piece::chord).collect();
         let bow = |piece: &Piece| match piece {
             Piece::Edge(e) => e.bow,
             Piece::Vertex(v) => v.spread,
         };
-        Self { tree: SegmentTree::new(&chords), margin: all.iter().map(bow).fold(0.0, f64::max), all }
+        Self { tree: SegmentTree::new(&chords), margin: all.iter().map(bow).fold(0.0, f64::max), all, leaves }
     }
 
     /// Calls `visit` for every piece that may have a point in the rectangle.
@@ -133,16 +146,16 @@ impl Piece {
     }
 }
 
-fn add_boundary(boundary: &Boundary, grain: Grain, all: &mut Vec<Piece>) {
+fn add_boundary(boundary: &Boundary, grain: Grain, all: &mut Vec<Piece>, leaves: &mut Option<Vec<Piece>>) {
     let mut links = Vec::new();
     for segment in boundary.curve().segments() {
         add_links(segment, &mut links);
     }
     let closed = boundary.curve().is_closed();
-    add_side(&links, closed, grain, all);
+    add_side(&links, closed, grain, all, leaves);
     if boundary.is_two_sided() {
         let back: Vec<Link> = links.iter().rev().map(Link::reversed).collect();
-        add_side(&back, closed, grain, all);
+        add_side(&back, closed, grain, all, leaves);
         if let (false, Some(first), Some(last)) = (closed, links.first(), links.last()) {
             let end =
                 |point, normal| Piece::Vertex(Vertex { point, spread: 0.0, normal, slack: FRAC_PI_2, hollow: 0.0 });
@@ -224,7 +237,7 @@ fn halved(points: &[Vec2]) -> (Vec<Vec2>, Vec<Vec2>) {
 const MANY: usize = 64;
 
 /// Groups the links of one side into edges, with vertices where they turn sharply.
-fn add_side(links: &[Link], closed: bool, grain: Grain, all: &mut Vec<Piece>) {
+fn add_side(links: &[Link], closed: bool, grain: Grain, all: &mut Vec<Piece>, leaves: &mut Option<Vec<Piece>>) {
     let mut start = 0;
     let mut entering = match (closed, links.first(), links.last()) {
         (true, Some(first), Some(last)) => joint(last, first, all),
@@ -251,12 +264,45 @@ fn add_side(links: &[Link], closed: bool, grain: Grain, all: &mut Vec<Piece>) {
                 }
             }
         }
+        if let Some(leaves) = leaves {
+            let before = entering.and_then(|_| if start > 0 { links.get(start - 1) } else { links.last() });
+            edge.leaves = add_leaves(&links[start..end], before, leaves);
+        }
         all.push(Piece::Edge(edge));
         if end < links.len() {
             entering = joint(&links[end - 1], &links[end], all);
         }
         start = end;
     }
+}
+
+/// The links and the turns between them one by one, and where they stand; nowhere if that is the edge itself.
+fn add_leaves(links: &[Link], before: Option<&Link>, leaves: &mut Vec<Piece>) -> (u32, u32) {
+    let first = leaves.len() as u32;
+    if links.len() < 2 && before.is_none() {
+        return (first, first);
+    }
+    let mut last = before;
+    for link in links {
+        leaves.extend(last.and_then(|last| leaf_turn(last, link)).map(Piece::Vertex));
+        let mut edge = chord(core::slice::from_ref(link), None);
+        edge.slack += 2.0 * NO_TURN;
+        leaves.push(Piece::Edge(edge));
+        last = Some(link);
+    }
+    (first, leaves.len() as u32)
+}
+
+/// The point between two links with the normals between them, if they turn.
+fn leaf_turn(before: &Link, after: &Link) -> Option<Vertex> {
+    let turn = wrap_angle(after.ends.0 - before.ends.1);
+    (turn.abs() > NO_TURN).then(|| Vertex {
+        point: after.from,
+        spread: ROUNDING,
+        normal: wrap_angle(before.ends.1 + 0.5 * turn + FRAC_PI_2),
+        slack: 0.5 * turn.abs() + NO_TURN,
+        hollow: hollow_joint(before, after),
+    })
 }
 
 fn turn(before: &Link, after: &Link) -> f64 {
@@ -319,5 +365,14 @@ fn chord(links: &[Link], entering: Option<Entering>) -> Edge {
         };
         bow = bow.max(link.bow + away(link.from).max(away(link.to)));
     }
-    Edge { start, along, length, normal: wrap_angle(direction + FRAC_PI_2), slack: slack + 1e-9, bow, hollow }
+    Edge {
+        start,
+        along,
+        length,
+        normal: wrap_angle(direction + FRAC_PI_2),
+        slack: slack + 1e-9,
+        bow,
+        hollow,
+        leaves: (0, 0),
+    }
 }

@@ -70,6 +70,8 @@ pub(super) struct Touch {
     pub(super) free: bool,
     /// Boundaries that curve towards free space by no less than this (1/m) can hold a whisker with an inflection.
     pub(super) holding: f64,
+    /// What the moment may be (N m).
+    range: (f64, f64),
 }
 
 /// The contacts on one side.
@@ -94,9 +96,27 @@ impl Touch {
             length: whisker.beam.length,
             friction_angle: tables.first().map_or(0.0, PressTable::friction_angle),
             sides: bendings(whisker, tables, lo, hi),
+            range: (lo, hi),
             free: lo <= 0.0 && hi >= 0.0,
             holding: if whisker.friction > 0.0 { 0.0 } else { HOLDING / whisker.beam.length },
         }
+    }
+}
+
+impl Touch {
+    /// Adds the contacts by a finer table.
+    pub(super) fn sharpen(&mut self, whisker: &MountedWhisker, table: &PressTable) {
+        let (lo, hi) = self.range;
+        let mut finer = bendings(whisker, core::slice::from_ref(table), lo, hi);
+        // A table that knows no contact is right.
+        self.sides.retain_mut(|bending| {
+            let Some(fine) = finer.iter_mut().find(|fine| fine.side.to_bits() == bending.side.to_bits()) else {
+                return false;
+            };
+            fine.slices.append(&mut bending.slices);
+            core::mem::swap(fine, bending);
+            true
+        });
     }
 }
 
@@ -131,8 +151,9 @@ impl Bending {
     }
 }
 
-/// A range of directions fills this share of a bucket at least, or less than two.
-const FILLED: f64 = 1.0;
+/// A range of directions fills this share of a bucket at least, or less than two: what finer buckets cut off wide cells
+/// is worth looking at more of them.
+const FILLED: f64 = 0.25;
 
 /// The rectangle around the contacts of a slice.
 fn around(slice: &PressSlice, side: f64) -> Bounds {

@@ -1,8 +1,8 @@
 //! Which cell meets which reading when: a bounded amount of work for each row.
 
-use super::LOOK_EVERY;
-use super::PossibleSet;
 use super::cell::Cell;
+use super::{LAST_TABLE, LOOK_EVERY, PossibleSet, WORTH_LAST};
+use crate::beam::press::PressTable;
 use crate::world::Map;
 
 /// Most of the kept readings that a new half meets at once.
@@ -18,7 +18,7 @@ const FIRST_WAY: f64 = 5e-3;
 /// In the last effort cells longer than this share of the longest are halved in one go: the large ones come first.
 const LARGE: f64 = 0.7;
 /// Stages of the last effort: how many times more of the kept readings a half meets, and the share of the work left.
-const STAGES: [(usize, f64); 3] = [(2, 0.5), (8, 0.5), (64, 1.0)];
+const STAGES: [(usize, f64); 3] = [(1, 0.5), (4, 0.5), (64, 1.0)];
 /// Most cells of the last effort: a few MB.
 const LAST_CELLS: usize = 20_000;
 /// Beyond the resolution all cells are halved as long as that leaves less than this share of their volume, down to this
@@ -57,7 +57,8 @@ impl PossibleSet {
             let (side, length) = longest(&kept);
             let stuck = length > COARSE && kept.volume() > STUCK * cell.volume();
             if stuck && cells.len() < self.options.most_cells && self.way_since_birth() > FIRST_WAY {
-                let [a, b] = kept.halves(side).map(|half| self.recall(map, half, RECALLED, &mut work));
+                let [a, b] = kept.halves(side);
+                let [a, b] = [a, b].map(|half| self.recall(map, half, RECALLED, &mut work));
                 match (a, b) {
                     (Some(a), Some(b)) => {
                         cells[self.cursor] = a;
@@ -127,20 +128,52 @@ impl PossibleSet {
         cell.rest_until <= newest && longest(cell).1 > self.options.resolution
     }
 
-    /// A half that meets the newest record and some of those since the first contact, spread over all of them; what it
-    /// meets is taken from the work.
-    fn recall(&self, map: &Map, half: Cell, most: usize, work: &mut usize) -> Option<Cell> {
+    /// A half that meets the newest record and some of those since the first contact: those that ruled out most before,
+    /// and others spread over all of them; what it meets is taken from the work.
+    fn recall(&mut self, map: &Map, half: Cell, most: usize, work: &mut usize) -> Option<Cell> {
         let newest = self.records.len() as u32 - 1;
         let first = self.kept.partition_point(|&k| k < self.born_at);
-        let since = &self.kept[first..];
-        let stride = stride(since.len());
+        let count = self.kept.len() - first;
+        self.tellers.sort(&self.kept[first..]);
         // What is left of the work starts the row of readings: each half meets others.
-        let start = *work;
+        let (start, stride) = (*work, stride(count));
         let mut cell = self.meet(map, half, newest, true, work)?;
-        for k in 0..most.min(since.len()) {
-            cell = self.meet(map, cell, since[(start + k * stride) % since.len()], false, work)?;
+        let told = if most >= count { count } else { most.div_ceil(2) };
+        // First what ruled out another cell last.
+        let mut next = self.tellers.last().filter(|_| count > 0);
+        for k in 0..=most.min(count) {
+            let record = next;
+            next = if k < told {
+                self.tellers.at(k)
+            } else if k < most.min(count) {
+                self.kept.get(first + (start + k * stride) % count).copied()
+            } else {
+                None
+            };
+            let Some(record) = record else { continue };
+            let Some(left) = self.meet(map, cell, record, false, work) else {
+                self.tellers.note(record);
+                return None;
+            };
+            cell = left;
         }
         Some(cell)
+    }
+
+    /// Compares the kept readings with a finer table from now on.
+    fn sharpen(&mut self) {
+        let mut tables: Vec<PressTable> = Vec::new();
+        for probe in &self.probes {
+            let lean = probe.whisker.friction.atan();
+            let same = tables.iter().find(|table| table.friction_angle().to_bits() == lean.to_bits()).cloned();
+            let (columns, rows) = LAST_TABLE;
+            tables.push(same.unwrap_or_else(|| PressTable::new(columns, rows, lean, self.options.largest_slope)));
+        }
+        for record in &mut self.records {
+            for ((touch, probe), table) in record.touches.iter_mut().zip(&self.probes).zip(&tables) {
+                touch.sharpen(&probe.whisker, table);
+            }
+        }
     }
 
     /// The last effort, when no more rows come: cells meet what is remembered and are halved, as far as the work goes.
@@ -149,6 +182,9 @@ impl PossibleSet {
             return;
         }
         let mut work = self.options.last_work;
+        if work > 0 && self.kept.len() >= WORTH_LAST {
+            self.sharpen();
+        }
         for (times, share) in STAGES {
             let mut own = (work as f64 * share) as usize;
             work -= own;
@@ -161,7 +197,7 @@ impl PossibleSet {
     /// Halves all cells, whatever their size, as long as it pays.
     fn polish(&mut self, map: &Map, work: &mut usize) {
         let (finest, all_kept) = (FINEST * self.options.resolution, self.kept.len());
-        while *work > 0 && 2 * self.cells.len() <= LAST_CELLS {
+        while *work > 0 && !self.cells.is_empty() && 2 * self.cells.len() <= LAST_CELLS {
             let before = self.volume();
             let mut cells = Vec::with_capacity(2 * self.cells.len());
             for cell in std::mem::take(&mut self.cells) {

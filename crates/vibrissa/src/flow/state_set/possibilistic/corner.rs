@@ -1,0 +1,99 @@
+//! Contacts at a vertex: base and vertex differ by the contact itself.
+
+use super::cell::narrow;
+use super::explain::{Contact, Left, Part, Strip, View, WHOLE, contacts, size};
+use super::piece::Vertex;
+use super::record::{Bending, Touch};
+use crate::plane::Vec2;
+use core::f64::consts::PI;
+
+/// A vertex as a cell's base sees it.
+struct Aim<'a> {
+    view: &'a View,
+    /// The point in the whisker frame, and how far it may be from the contact.
+    w: Vec2,
+    spread: f64,
+    /// What the linear model leaves, and what the odometry's turn adds (m).
+    second: f64,
+    swing: f64,
+}
+
+impl<'a> Aim<'a> {
+    fn new(view: &'a View, vertex: &Vertex) -> Self {
+        let w = view.to_whisker(vertex.point - view.base);
+        let (turned, moved) = (view.turn + view.slop_turn, size(view.reach));
+        let second = turned * (0.5 * size(w) * turned + moved);
+        Self { view, w, spread: vertex.spread, second, swing: size(w) * view.slop_turn }
+    }
+
+    /// The part of the cell in which one entry, within `wide` of the direction asked for, explains the reading: the strip
+    /// across the line on which the contact moves with the direction, and the part within that along it, too.
+    fn part(&self, contact: &Contact, wide: f64) -> Option<(Part, Strip)> {
+        let (from, to) = contact.within(wide);
+        let (center, range) = (contact.center + contact.by_direction * (0.5 * (from + to)), 0.5 * (to - from));
+        let sweep = size(contact.by_direction);
+        let line = if sweep > 1e-6 {
+            contact.by_direction * (1.0 / sweep)
+        } else {
+            let thick = contact.by_moment.norm();
+            if thick > 0.0 { contact.by_moment.perp() * (1.0 / thick) } else { Vec2::new(1.0, 0.0) }
+        };
+        let error = contact.radius + self.second + self.view.slop + self.swing + self.spread;
+        let strip = |direction: Vec2| {
+            // How the point moves in the whisker frame as base and heading do.
+            let (sin, cos) = (self.view.sin, self.view.cos);
+            let in_map = Vec2::new(cos * direction.x - sin * direction.y, sin * direction.x + cos * direction.y);
+            let at = direction.dot(self.w - center);
+            let half =
+                error + direction.dot(contact.by_moment).abs() + direction.dot(contact.by_direction).abs() * range;
+            Strip { form: self.view.form(-in_map, -direction.dot(self.w.perp())), range: (-at - half, -at + half) }
+        };
+        let (mut part, across) = (WHOLE, strip(line.perp()));
+        if !narrow(&mut part, &across.form, across.range) {
+            return None;
+        }
+        let along = strip(line);
+        narrow(&mut part, &along.form, along.range).then_some((part, across))
+    }
+}
+
+/// Contacts at a vertex; how many entries were looked at.
+pub(super) fn at_vertex(
+    view: &View,
+    touch: &Touch,
+    bending: &Bending,
+    vertex: &Vertex,
+    left: &mut Option<Left>,
+) -> usize {
+    let held = vertex.hollow >= touch.holding;
+    if bending.all_inflected && !held {
+        return 0;
+    }
+    let mut looks = 0;
+    let lean = vertex.slack + touch.friction_angle;
+    let psi = vertex.normal - view.heading;
+    let aim = Aim::new(view, vertex);
+    // Cones of half a turn and more meet everything.
+    let wide = (view.turn + view.slop_turn + lean).min(PI);
+    contacts(bending.side, bending.level(view.turn), psi, wide, |contact| {
+        if contact.inflected && !held {
+            return;
+        }
+        looks += 1;
+        // Out of reach of all contacts of this entry: no need for strips.
+        let reach = contact.sizes.iter().sum::<f64>() + contact.radius + vertex.spread;
+        if out_of_reach(view, vertex.point, reach) {
+            return;
+        }
+        if let Some((part, across)) = aim.part(contact, wide) {
+            Left::join(left, part, across.form, across.range);
+        }
+    });
+    looks
+}
+
+/// Whether a point is farther from every base of the cell than `reach` (m).
+fn out_of_reach(view: &View, point: Vec2, reach: f64) -> bool {
+    let off = point - view.base;
+    off.x.abs() > reach + view.reach.x || off.y.abs() > reach + view.reach.y
+}
