@@ -74,7 +74,32 @@ fn an_outline_is_written_and_compared() {
     let features = outline["features"].as_array().unwrap();
     assert_eq!(features[0]["geometry"]["type"], "LineString");
     assert_eq!(features[1]["properties"]["role"], "band");
-    assert!(std::fs::read_to_string(out.join("profile.svg")).unwrap().starts_with("<svg"));
+    // The truth is drawn where it fits, so that the shapes can be compared by eye.
+    let figure = std::fs::read_to_string(out.join("profile.svg")).unwrap();
+    assert!(figure.starts_with("<svg") && figure.contains("moved to where it fits best"));
+    let (truth, felt) = (drawn(&figure, "truth"), drawn(&figure, "outline"));
+    let [truth, felt] = [truth, felt].map(|paths| paths.into_iter().max_by_key(Vec::len).unwrap());
+    assert!(truth.len() > 50 && felt.len() > 20, "{} {}", truth.len(), felt.len());
+    let gap = |p: &Vec2| truth.windows(2).map(|w| p.distance(nearest(w, *p))).fold(f64::INFINITY, f64::min);
+    assert!(felt.iter().map(gap).fold(0.0, f64::max) < 1.5, "page units, where the shape error is 0.2 mm");
+}
+
+/// The vertices of the paths of a class (page units).
+fn drawn(figure: &str, class: &str) -> Vec<Vec<Vec2>> {
+    let end = format!("\" class=\"{class}\"/>");
+    let paths = figure.split("<path d=\"").filter_map(|path| path.split_once(&end)).map(|(data, _)| data);
+    let vertex = |pair: &str| {
+        let (x, y) = pair.trim().trim_end_matches('Z').split_once(' ')?;
+        Some(Vec2::new(x.parse().ok()?, y.parse().ok()?))
+    };
+    paths.map(|data| data.split(['M', 'L']).filter_map(vertex).collect()).collect()
+}
+
+/// The point of a segment that is nearest to `p`.
+fn nearest(segment: &[Vec2], p: Vec2) -> Vec2 {
+    let along = segment[1] - segment[0];
+    let share = (p - segment[0]).dot(along) / along.dot(along).max(f64::MIN_POSITIVE);
+    segment[0] + along * share.clamp(0.0, 1.0)
 }
 
 #[test]

@@ -58,7 +58,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     if let Some(folder) = &args.output.out {
         let files = [
             ("profile.geojson", pretty(&geojson(&found))?),
-            ("profile.svg", figure(&found, map.as_ref(), &caption(&found, compared.as_ref()))),
+            ("profile.svg", figure(&found, map.as_ref(), compared.as_ref(), &caption(&found, compared.as_ref()))),
         ];
         written = write_all(folder, &files)?;
     }
@@ -196,14 +196,21 @@ fn band(outline: &Outline) -> Vec<Vec<Vec2>> {
     vec![close(outer)]
 }
 
-fn figure(found: &Profile, map: Option<&Map>, captions: &[String]) -> String {
+/// An absolute error (m) from which on the truth is drawn where the shapes fit best: odometry starts anywhere, and the truth
+/// would be off the picture.
+const FAR: f64 = 5e-3;
+
+fn figure(found: &Profile, map: Option<&Map>, compared: Option<&Alignment>, captions: &[String]) -> String {
     let layer = |geometry, class, label: &str, framed| Layer { geometry, class, label: label.to_owned(), framed };
+    let moved = compared.filter(|c| c.absolute.mean > FAR).map(|c| c.map_from_outline.inverse());
+    let name = if moved.is_some() { "the true shape, moved to where it fits best" } else { "the true shape" };
+    let place = |p: Vec2| moved.map_or(p, |outline_from_map| outline_from_map.transform_point(p));
     let truth = map.map(outlines).unwrap_or_default();
     let truth: Vec<Vec<Vec2>> = truth
         .into_iter()
         .map(|o| {
             let first = o.points.first().copied().filter(|_| o.closed);
-            o.points.into_iter().chain(first).collect()
+            o.points.into_iter().chain(first).map(place).collect()
         })
         .collect();
     let lines = |o: &Outline| -> Vec<Vec2> {
@@ -212,7 +219,7 @@ fn figure(found: &Profile, map: Option<&Map>, captions: &[String]) -> String {
     };
     let bands = found.outlines.iter().flat_map(band).collect();
     let layers = [
-        layer(Geometry::Lines(truth), "truth", "the true shape", false),
+        layer(Geometry::Lines(truth), "truth", name, false),
         layer(Geometry::Rings(bands), "band", "two standard deviations", true),
         layer(Geometry::Lines(found.outlines.iter().map(lines).collect()), "outline", "the outline felt", true),
         layer(
