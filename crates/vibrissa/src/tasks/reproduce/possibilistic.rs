@@ -89,7 +89,7 @@ pub(super) fn section() -> Result<Section> {
         "share",
         "“refined subsets”",
         (share, 3, ""),
-        "The set can only shrink.",
+        "The set can only shrink. Its area in the plane may grow meanwhile: states of different headings go apart as the robot moves.",
     );
     Ok(section)
 }
