@@ -16,8 +16,8 @@ const BETWEEN: f64 = 10e-3;
 /// Readings above this are contact (N m).
 const TOUCHING: f64 = 1e-3;
 /// Halving is worth more when there are three measurements only.
-const WORK: usize = 400_000;
-const MOST_CELLS: usize = 60_000;
+const WORK: usize = 4_000_000;
+const MOST_CELLS: usize = 250_000;
 /// At most this many boxes are drawn.
 const DRAWN: usize = 4000;
 
