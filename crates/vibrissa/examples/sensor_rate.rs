@@ -9,7 +9,7 @@
 use std::path::Path;
 use std::time::Instant;
 use vibrissa::flow::pose::{Localization, Method};
-use vibrissa::flow::sensor_log::SensorLog;
+use vibrissa::flow::sensor_log::{LogRow, SensorLog};
 use vibrissa::flow::trajectory::read_tum;
 use vibrissa::localizer::{Localizer, ProbabilisticLocalizer};
 use vibrissa::plane::{Pose2, wrap_angle};
@@ -32,31 +32,33 @@ fn ms(since: Instant) -> f64 {
 
 fn run(log: &SensorLog, map: &Map, robot: &Robot, method: Method) -> Result<Run> {
     let options = LocalizeOptions { method, ..LocalizeOptions::default() };
-    let mut rows = Vec::with_capacity(log.rows.len());
     match method {
         Method::Probabilistic => {
-            let mut one = ProbabilisticLocalizer::new(map, robot, &log.channels, options.probabilistic)?;
-            for row in &log.rows {
-                let begun = Instant::now();
-                one.step(row)?;
-                rows.push(ms(begun));
-            }
-            let begun = Instant::now();
-            let answer = one.finish();
-            Ok(Run { rows, end: ms(begun), answer })
+            let one = ProbabilisticLocalizer::new(map, robot, &log.channels, options.probabilistic)?;
+            timed(log, one, ProbabilisticLocalizer::step, ProbabilisticLocalizer::finish)
         }
         _ => {
-            let mut one = Localizer::new(map, robot, &log.channels, options.deterministic)?;
-            for row in &log.rows {
-                let begun = Instant::now();
-                one.step(row)?;
-                rows.push(ms(begun));
-            }
-            let begun = Instant::now();
-            let answer = one.finish();
-            Ok(Run { rows, end: ms(begun), answer })
+            let one = Localizer::new(map, robot, &log.channels, options.deterministic)?;
+            timed(log, one, Localizer::step, Localizer::finish)
         }
     }
+}
+
+fn timed<L>(
+    log: &SensorLog,
+    mut localizer: L,
+    step: impl Fn(&mut L, &LogRow) -> Result<()>,
+    finish: impl FnOnce(L) -> Localization,
+) -> Result<Run> {
+    let mut rows = Vec::with_capacity(log.rows.len());
+    for row in &log.rows {
+        let begun = Instant::now();
+        step(&mut localizer, row)?;
+        rows.push(ms(begun));
+    }
+    let begun = Instant::now();
+    let answer = finish(localizer);
+    Ok(Run { rows, end: ms(begun), answer })
 }
 
 fn quantile(values: &[f64], share: f64) -> f64 {
