@@ -1,0 +1,59 @@
+//! What the possibilistic method can be told.
+
+use super::{check_region, within};
+use crate::Result;
+
+/// The knobs of the possibilistic method \[routray, section "Possibilistic Method"\]: they trade time for tightness,
+/// never for soundness.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PossibilisticOptions {
+    /// Most cells that are halved into; the first reading may take more.
+    pub most_cells: usize,
+    /// How often a cell meets a reading in one update, at most, over all cells.
+    pub work: usize,
+    /// The same once more at the end of the log, when nobody waits for the next row.
+    pub last_work: usize,
+    /// Cells smaller than this are not halved (m; headings count by an arm of 0.1 m).
+    pub resolution: f64,
+    /// Largest slope of a whisker at its contact (rad): what is bent further is ruled out, not searched.
+    pub largest_slope: f64,
+    /// How many readings the true state may violate.
+    pub tolerate: usize,
+    /// Bound on the error of an absolute heading in the log (rad).
+    pub heading_error: f64,
+    /// Where the robot is at the first row, map frame, where that is known: least and largest x (m), y (m), heading (rad).
+    pub prior: Option<[[f64; 2]; 3]>,
+}
+
+impl Default for PossibilisticOptions {
+    fn default() -> Self {
+        Self {
+            most_cells: 2000,
+            work: 130,
+            last_work: 5_000_000,
+            resolution: 0.4e-3,
+            largest_slope: 2.2,
+            tolerate: 0,
+            heading_error: 0.05,
+            prior: None,
+        }
+    }
+}
+
+impl PossibilisticOptions {
+    /// Checks that every knob is in its range.
+    ///
+    /// # Errors
+    ///
+    /// Usage: names the knob, its value and the allowed range.
+    pub fn check(&self) -> Result<()> {
+        check_region(self.prior)?;
+        within("most_cells", self.most_cells as f64, 1.0, 1e6, "cells")?;
+        within("work", self.work as f64, 1.0, 1e7, "meetings a row")?;
+        within("last_work", self.last_work as f64, 0.0, 1e9, "meetings")?;
+        within("resolution", self.resolution, 1e-5, 0.1, "m")?;
+        within("largest_slope", self.largest_slope, 0.1, core::f64::consts::PI, "rad")?;
+        within("tolerate", self.tolerate as f64, 0.0, 100.0, "readings")?;
+        within("heading_error", self.heading_error, 0.0, core::f64::consts::PI, "rad")
+    }
+}

@@ -1,0 +1,66 @@
+//! What the probabilistic method can be told.
+
+use super::{check_region, within};
+use crate::Result;
+
+/// The knobs of the probabilistic method.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ProbabilisticOptions {
+    /// Spacing along the boundary of the first hypotheses (m): a few of them lie within the reach of one linearisation.
+    pub seed_spacing: f64,
+    /// Spacing of their headings (rad).
+    pub seed_turn: f64,
+    /// Base travel after the first touch before hypotheses start (m): enough to tell most headings apart.
+    pub seed_travel: f64,
+    /// Base travel between the readings that judge them first (m).
+    pub seed_step: f64,
+    /// Standard deviation of a relative error that all readings share (gain, stiffness), estimated along; 0 for none.
+    ///
+    /// None takes a quarter of the declared relative bound: a bound is seldom noise alone, and readings enough show how
+    /// large the shared part is.
+    pub shared_gain: Option<f64>,
+    /// Bound on the error of the log's absolute headings (rad), taken as one error of the whole log.
+    pub heading_error: f64,
+    /// Where the robot is at the first row, map frame, where that is known: least and largest x (m), y (m), heading (rad).
+    pub prior: Option<[[f64; 2]; 3]>,
+    /// Rows that are kept and fitted again; what older ones say is summed up as a Gaussian for each hypothesis.
+    pub window: usize,
+    /// Share of the rows that no equilibrium needs to explain, 0 to 0.5: while the whisker has snapped or touches at three
+    /// places, even the true place explains nothing.
+    pub tolerated_share: f64,
+}
+
+impl Default for ProbabilisticOptions {
+    fn default() -> Self {
+        Self {
+            seed_spacing: 3e-3,
+            seed_turn: 0.08,
+            seed_travel: 12e-3,
+            seed_step: 2e-3,
+            shared_gain: None,
+            heading_error: 0.05,
+            prior: None,
+            window: 1000,
+            tolerated_share: 0.05,
+        }
+    }
+}
+
+impl ProbabilisticOptions {
+    /// Checks that every knob is in its range.
+    ///
+    /// # Errors
+    ///
+    /// Usage: names the knob, its value and the allowed range.
+    pub fn check(&self) -> Result<()> {
+        check_region(self.prior)?;
+        within("window", self.window as f64, 200.0, 1e6, "rows")?;
+        within("tolerated_share", self.tolerated_share, 0.0, 0.5, "(share of the rows)")?;
+        within("heading_error", self.heading_error, 1e-4, core::f64::consts::PI, "rad")?;
+        within("seed_spacing", self.seed_spacing, 5e-4, 2e-2, "m")?;
+        within("seed_turn", self.seed_turn, 5e-3, 0.2, "rad")?;
+        within("seed_travel", self.seed_travel, 2e-3, 1.0, "m")?;
+        within("shared_gain", self.shared_gain.unwrap_or(0.0), 0.0, 0.5, "(relative)")?;
+        within("seed_step", self.seed_step, 2e-4, self.seed_travel, "m, up to seed_travel")
+    }
+}

@@ -1,0 +1,297 @@
+//! The deterministic localizer: rows in, a state set that shrinks, a choice at the end.
+
+use super::limit_check::LimitCheck;
+use super::sampling::{near, samples};
+use super::{SHAPES, one_column_each};
+use crate::Result;
+use crate::beam::TipModel;
+use crate::config::{DeterministicOptions, TipLoad};
+use crate::flow::moment::{MomentHistory, MomentReading, MomentTrack};
+use crate::flow::pose::{self, Event, Localization, ShapeRecord, StampedPose, StepRecord};
+use crate::flow::preimage::Observation;
+use crate::flow::sensor_log::{Channel, LogRow, SensorLog};
+use crate::flow::state_set::{Candidate, StateSet};
+use crate::flow::thinned::Thinned;
+use crate::plane::Pose2;
+use crate::world::{BoundarySample, Map, MountedWhisker, Robot};
+
+/// The deterministic localizer \[routray, section "Robot Localization"\]: rows in, a state set that shrinks.
+pub struct Localizer<'a> {
+    map: &'a Map,
+    robot: &'a Robot,
+    options: DeterministicOptions,
+    samples: Vec<BoundarySample>,
+    feelers: Vec<Feeler>,
+    states: StateSet,
+    /// The robot at the first row, odometry frame: everything is told from there, so that the odometry may start
+    /// thousands of kilometres from its origin without costing digits.
+    start: Option<Pose2>,
+    rows: Vec<(f64, Pose2)>,
+    record: Record,
+}
+
+impl<'a> Localizer<'a> {
+    /// A localizer for logs with these channels.
+    ///
+    /// # Errors
+    ///
+    /// Options out of range, a whisker without a moment channel, or a whisker that is curved at rest.
+    pub fn new(map: &'a Map, robot: &'a Robot, channels: &[Channel], options: DeterministicOptions) -> Result<Self> {
+        options.check()?;
+        let log = SensorLog { channels: channels.to_vec(), ..SensorLog::default() };
+        one_column_each(robot, channels)?;
+        let feelers = robot.whiskers.iter().map(|w| Feeler::new(w, &log, &options)).collect::<Result<Vec<_>>>()?;
+        Ok(Self {
+            map,
+            robot,
+            samples: samples(map, robot, &options)?,
+            options,
+            feelers,
+            states: StateSet::default(),
+            start: None,
+            rows: Vec::new(),
+            record: Record::default(),
+        })
+    }
+
+    /// The candidates so far; their odometry frame is moved to the robot's pose at the first row.
+    #[must_use]
+    pub fn states(&self) -> &StateSet {
+        &self.states
+    }
+
+    /// The robot states of all candidates at the last row, map frame; empty before the set starts.
+    #[must_use]
+    pub fn states_now(&self) -> Vec<Pose2> {
+        self.rows.last().map_or_else(Vec::new, |&(_, odom)| self.states.states(odom).collect())
+    }
+
+    /// Takes one row through the doors.
+    ///
+    /// # Errors
+    ///
+    /// A moment that no whisker shape explains; the message names the line.
+    pub fn step(&mut self, row: &LogRow) -> Result<()> {
+        let start = *self.start.get_or_insert(row.odom_from_robot);
+        let row = &LogRow { odom_from_robot: start.between(row.odom_from_robot), ..row.clone() };
+        self.states.project(row.odom_from_robot, &self.robot.odometry);
+        self.rows.push((row.t, row.odom_from_robot));
+        for index in 0..self.feelers.len() {
+            let history = self.feelers[index].feel(row, &mut self.record)?;
+            if let Some(history) = history {
+                self.update(index, &history, row);
+            }
+        }
+        Ok(())
+    }
+
+    /// One update: history → contact sets → alignment → preimage → intersection.
+    fn update(&mut self, feeler: usize, history: &MomentHistory, row: &LogRow) {
+        let whisker = &self.feelers[feeler].whisker;
+        if self.record.empty_at.is_some() {
+            return;
+        }
+        if !history.smooth {
+            let detail = format!(
+                "{}: the readings jump by more than their declared noise; this stretch of contact is not used",
+                whisker.name
+            );
+            return self.record.event_once(row.t, "rough", detail);
+        }
+        let observation = Observation::new(whisker, &self.feelers[feeler].tip, history, self.options.tip_load);
+        if self.record.first_row.is_some() {
+            self.states.intersect(self.map, &observation, &self.options);
+            self.record.observations.push((feeler, observation));
+            return self.note(row);
+        }
+        self.record.waiting.push((feeler, observation));
+        let open = self.record.waiting.iter().map(|(_, o)| o.open_slopes()).fold(f64::INFINITY, f64::min);
+        match self.record.waiting.len() {
+            // Observations that cannot be aligned at all start nothing.
+            waiting if waiting >= LATEST_START && open.is_infinite() => drop(self.record.waiting.remove(0)),
+            waiting if waiting >= LATEST_START || (waiting >= EARLIEST_START && open <= NARROW_START) => {
+                self.start_set(row);
+            }
+            _ => {}
+        }
+    }
+
+    /// Lets candidates in.
+    fn start_set(&mut self, row: &LogRow) {
+        let (feelers, waiting): (Vec<usize>, Vec<Observation>) = self.record.waiting.drain(..).unzip();
+        if let Some(region) = self.options.prior {
+            self.samples = near(self.map, self.robot, region, &waiting, &self.options);
+        }
+        self.states.start(self.map, &self.samples, &waiting, &self.options);
+        self.record.first_row = Some(self.rows.len() - 1);
+        self.record.first_states = self.states.states(row.odom_from_robot).collect();
+        feelers.into_iter().zip(waiting).for_each(|observation| self.record.observations.push(observation));
+        self.note(row);
+    }
+
+    /// Writes down what the last update did.
+    fn note(&mut self, row: &LogRow) {
+        self.record.steps.push(self.measure(row));
+        let now = self.rows.len() - 1;
+        match self.states.best() {
+            Some(best) => self.record.last = Some((*best, now)),
+            None => self.record.emptied(row.t, now),
+        }
+    }
+
+    fn measure(&self, row: &LogRow) -> StepRecord {
+        let components = self.states.places(row.odom_from_robot);
+        let (area_m2, volume) = self.states.size(row.odom_from_robot, self.options.boundary_spacing);
+        StepRecord { t: row.t, components, area_m2, volume }
+    }
+
+    /// Ends the log and chooses.
+    #[must_use]
+    pub fn finish(mut self) -> Localization {
+        let (t, odom_from_robot) = self.rows.last().copied().unwrap_or((0.0, Pose2::IDENTITY));
+        let last = LogRow { t, odom_from_robot, readings: Vec::new(), heading: None, line: 0 };
+        for index in 0..self.feelers.len() {
+            if let Some(history) = self.feelers[index].track.end() {
+                self.update(index, &history, &last);
+            }
+        }
+        if self.record.waiting.iter().any(|(_, o)| o.open_slopes().is_finite()) {
+            self.start_set(&last);
+        }
+        let hypotheses = pose::choose(&self.states, odom_from_robot, &self.options);
+        let status = pose::verdict(self.record.touched, self.record.empty_at.is_some(), &hypotheses);
+        if self.record.touched && self.record.steps.is_empty() {
+            let detail = "the contact was too short or too rough to align a whisker shape with the map; \
+                          keep the whisker on the wall for a longer, smoother sweep"
+                .to_owned();
+            self.record.events.push(Event { t, kind: "too_short", detail });
+        }
+        self.record.events.sort_by(|a, b| a.t.total_cmp(&b.t));
+        let best = self.record.last.map(|(candidate, _)| candidate);
+        Localization {
+            method: pose::Method::Deterministic,
+            status,
+            estimate: hypotheses.first().map(|h| h.pose),
+            trajectory: self.trajectory(),
+            states: self.states.states(odom_from_robot).map(crate::sets::StateBox::point).collect(),
+            first_states: std::mem::take(&mut self.record.first_states),
+            shapes: best.map_or_else(Vec::new, |best| self.shapes(&best)),
+            steps: self.record.steps,
+            events: self.record.events,
+            hypotheses,
+        }
+    }
+
+    /// The best hypothesis along the rows, from the first estimate to the last row that any state explains.
+    fn trajectory(&self) -> Vec<StampedPose> {
+        let (Some(first), Some((best, last))) = (self.record.first_row, self.record.last) else { return Vec::new() };
+        let end = if self.record.empty_at.is_some() { last + 1 } else { self.rows.len() };
+        let stamped = |&(t, odom_from_robot): &(f64, Pose2)| StampedPose {
+            t,
+            map_from_robot: best.map_from_odom.compose(odom_from_robot),
+        };
+        self.rows[first..end].iter().map(stamped).collect()
+    }
+
+    /// The whisker's shapes as the best candidate sees them.
+    fn shapes(&self, best: &Candidate) -> Vec<ShapeRecord> {
+        let shape = |(feeler, observation): &(usize, Observation)| {
+            let tip = &self.feelers[*feeler].tip;
+            let contact = best.contact(self.map, observation, &self.options)?;
+            let points = tip.bend(contact.force, contact.tilt())?.shape(tip.whisker().length, SHAPE_POINTS);
+            let place = |p| observation.robot_from_whisker.transform_point(p);
+            Some(ShapeRecord { t: observation.t, points: points.into_iter().map(place).collect() })
+        };
+        self.record.observations.iter().filter_map(shape).collect()
+    }
+}
+
+/// The state set starts from this many observations at least, as the paper's does,
+const EARLIEST_START: usize = 3;
+/// as soon as one leaves no more slopes of the boundary open than this (rad),
+const NARROW_START: f64 = 0.8;
+/// and from this many in any case.
+const LATEST_START: usize = 8;
+/// Points of a drawn whisker.
+const SHAPE_POINTS: usize = 24;
+
+/// One whisker's way from its column of the log to its histories.
+struct Feeler {
+    whisker: MountedWhisker,
+    tip: TipModel,
+    channel: usize,
+    track: MomentTrack,
+    in_contact: bool,
+    limit: LimitCheck,
+}
+
+impl Feeler {
+    fn new(whisker: &MountedWhisker, log: &SensorLog, options: &DeterministicOptions) -> Result<Self> {
+        let tip = TipModel::new(&whisker.beam)?;
+        let limit = match options.tip_load {
+            TipLoad::BoundaryNormal => LimitCheck::any_tilt(whisker, &tip),
+            TipLoad::WhiskerNormal => LimitCheck::new(whisker, &tip, 0.0),
+        };
+        Ok(Self {
+            channel: log.moment_channel(&whisker.name)?,
+            track: MomentTrack::new(whisker, options),
+            in_contact: false,
+            limit,
+            tip,
+            whisker: whisker.clone(),
+        })
+    }
+
+    /// The first two doors: reading → moment → history.
+    fn feel(&mut self, row: &LogRow, record: &mut Record) -> Result<Option<MomentHistory>> {
+        let moment = row.readings.get(self.channel).copied().unwrap_or(0.0);
+        self.limit.check(moment, row)?;
+        let touching = self.track.is_contact(moment);
+        if touching != self.in_contact {
+            let (kind, what) = if touching { ("contact", "touches") } else { ("lift_off", "is free") };
+            record.events.push(Event { t: row.t, kind, detail: format!("{} {what}", self.whisker.name) });
+        }
+        self.in_contact = touching;
+        if !touching {
+            return Ok(self.track.end());
+        }
+        record.touched = true;
+        let odom_from_whisker = row.odom_from_robot.compose(self.whisker.robot_from_whisker);
+        Ok(self.track.push(MomentReading { t: row.t, odom_from_whisker, moment }))
+    }
+}
+
+/// What is remembered of the way, for the answer.
+#[derive(Default)]
+struct Record {
+    touched: bool,
+    steps: Vec<StepRecord>,
+    events: Vec<Event>,
+    /// Whisker and observation until the state set starts.
+    waiting: Vec<(usize, Observation)>,
+    /// Whisker and observation, for drawing: not all of long logs, which would fill the memory.
+    observations: Thinned<(usize, Observation), SHAPES>,
+    first_states: Vec<Pose2>,
+    first_row: Option<usize>,
+    /// The best candidate and the row of the last update before the set became empty.
+    last: Option<(Candidate, usize)>,
+    empty_at: Option<usize>,
+}
+
+impl Record {
+    /// Notes that no candidate is left.
+    fn emptied(&mut self, t: f64, row: usize) {
+        self.empty_at = Some(row);
+        let detail = "nowhere on this map explains the readings up to here; \
+                      is it the right map, and are whisker and noise bounds those of the robot?"
+            .to_owned();
+        self.events.push(Event { t, kind: "inconsistent", detail });
+    }
+
+    /// Adds an event unless the same kind was the last one.
+    fn event_once(&mut self, t: f64, kind: &'static str, detail: String) {
+        if self.events.last().is_none_or(|e| e.kind != kind) {
+            self.events.push(Event { t, kind, detail });
+        }
+    }
+}
