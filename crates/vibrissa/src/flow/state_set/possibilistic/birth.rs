@@ -34,7 +34,7 @@ pub(super) fn cells(level: &Level, near: Option<Bounds>, touch: &Touch, record: 
 }
 
 fn new_cell(center: Pose2, sides: [[f64; 3]; 3], touch: &Touch, record: u32) -> Cell {
-    let mut cell = Cell { center, sides, anchor: record, seen: record, missed: 0, rest_until: 0, patience: 8 };
+    let mut cell = Cell { center, sides, anchor: record, seen: record, missed: 0, rest_until: 0, patience: 8, fresh: true };
     // So far it is the whisker's base.
     cell.moved(touch.robot_from_whisker.inverse(), record);
     cell

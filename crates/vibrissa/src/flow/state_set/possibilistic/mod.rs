@@ -31,16 +31,19 @@ pub use measure::Place;
 use record::{Stand, Touch};
 use tellers::Tellers;
 
-/// Columns (a quarter turn) and rows of the finest table that cells meet; each of the others has half as many of both.
-const FINEST: (usize, usize) = (64, 64);
-const TABLES: usize = 4;
+/// Columns (a quarter turn) and rows of the finest table that first cells meet; each of the others has half as many of both.
+const FIRST_TABLE: (usize, usize) = (32, 32);
+const TABLES: usize = 3;
 /// Cells are born from this one of them.
-const BIRTH: usize = 2;
+const BIRTH: usize = 1;
+/// A finer one is added when this many readings since the first contact are remembered: what it cuts off is too little before.
+const NEXT_TABLE: (usize, usize) = (64, 64);
+const WORTH_NEXT: usize = 10;
 /// The same of the table that the last effort adds where this many readings are remembered: a tenth of a second to build.
 const LAST_TABLE: (usize, usize) = (128, 96);
 const WORTH_LAST: usize = 20;
-/// So many new cells are worth a thread.
-const ENOUGH: usize = 500;
+/// Rows have so many times their work as long as there are cells that no reading has met.
+const FRESH_WORK: usize = 3;
 /// Odometry may be off by this much before a cell is moved to the present row (m).
 const STALE: f64 = 5e-5;
 /// And a cell that is wide in heading is moved when the robot is this far away (m).
@@ -86,6 +89,8 @@ pub struct PossibleSet {
     /// The record of the first contact.
     born_at: u32,
     cursor: usize,
+    /// How many turns it takes until every cell has met a reading.
+    untried: usize,
     tellers: Tellers,
 }
 
@@ -112,6 +117,7 @@ impl PossibleSet {
             births: 0,
             born_at: 0,
             cursor: 0,
+            untried: 0,
             tellers: Tellers::default(),
         }
     }
@@ -154,6 +160,9 @@ impl PossibleSet {
         };
         let touch = |(probe, m): (&Probe, &Interval)| Touch::new(&probe.whisker, &probe.tables, m.lo(), m.hi());
         self.forget();
+        if self.probes.iter().all(|probe| probe.tables.len() == TABLES) && self.kept_since_birth() >= WORTH_NEXT {
+            self.add_tables();
+        }
         // Readings that may be none are worth nothing before the set starts, unless they are remembered.
         let idle = !self.has_started() && moments.iter().all(|m| m.contains(0.0));
         let touches = if idle && !self.is_apart(stand.path()) {
@@ -172,7 +181,9 @@ impl PossibleSet {
     /// Forgets the readings of the last record unless they are worth keeping.
     fn forget(&mut self) {
         let Some(last) = self.records.len().checked_sub(1) else { return };
-        if self.is_apart(self.records[last].stand.path()) {
+        // The first contact waits for cells that had no turn yet.
+        let is_birth = self.births > 0 && last == self.born_at as usize;
+        if is_birth || self.is_apart(self.records[last].stand.path()) {
             self.kept.push(last as u32);
         } else {
             self.records[last].touches = Vec::new();
@@ -218,24 +229,12 @@ impl PossibleSet {
             return;
         }
         let cells = std::mem::take(&mut self.cells);
-        self.cells = self.entered(map, &cells, record);
-    }
-
-    /// What is left of new cells, in their order, on all cores if they are many.
-    fn entered(&self, map: &Map, cells: &[Cell], record: u32) -> Vec<Cell> {
-        let some = |cells: &[Cell]| -> Vec<Cell> {
-            cells.iter().filter_map(|cell| self.entering(map, *cell, record)).collect()
-        };
-        let threads = std::thread::available_parallelism().map_or(1, usize::from).min(cells.len() / ENOUGH);
-        if threads < 2 {
-            return some(cells);
+        self.cells = cells.into_iter().filter_map(|cell| self.in_region(cell)).collect();
+        self.untried = self.cells.len();
+        // One whisker's reading alone rules out none of the cells that were laid for it.
+        if self.has_started() && self.probes.len() > 1 {
+            self.meet_newest(map);
         }
-        std::thread::scope(|scope| {
-            let parts = cells.chunks(cells.len().div_ceil(threads)).map(|part| scope.spawn(|| some(part)));
-            let parts: Vec<_> = parts.collect();
-            // A thread that panics takes its caller down with its message.
-            parts.into_iter().flat_map(|p| p.join().unwrap_or_else(|cause| std::panic::resume_unwind(cause))).collect()
-        })
     }
 
     /// Where on the map a whisker can touch at the newest row, with the first pose in the prior's region.
@@ -247,20 +246,24 @@ impl PossibleSet {
         Some(prior::around(self.options.prior?, arm, slack, whisker.beam.length))
     }
 
-    /// What is left of a new cell after the reading that it was born from and all that is known from before.
-    fn entering(&self, map: &Map, cell: Cell, record: u32) -> Option<Cell> {
-        let mut free = usize::MAX;
-        let mut cell = self.meet(map, cell, record, true, &mut free)?;
-        if let Some(prior) = self.options.prior {
-            let first = &self.records[0].stand;
-            let (step, place, turn) = self.records[cell.anchor as usize].stand.until(first);
-            cell = within(cell, step, (place, turn), &prior)?;
+    /// The part of a new cell from which the robot was in the region where it is known to have started.
+    fn in_region(&self, cell: Cell) -> Option<Cell> {
+        let Some(prior) = self.options.prior else { return Some(cell) };
+        let first = &self.records[0].stand;
+        let (step, place, turn) = self.records[cell.anchor as usize].stand.until(first);
+        within(cell, step, (place, turn), &prior)
+    }
+
+    /// What is left of a cell that met one reading, after the one that it was born from and what is known from before; older
+    /// cells stay.
+    fn entered(&self, map: &Map, mut cell: Cell, work: &mut usize) -> Option<Cell> {
+        if !cell.fresh {
+            return Some(cell);
         }
-        let earlier = self.kept.iter().rev().filter(|&&k| k < record).step_by(4).take(4);
-        for &k in earlier {
-            cell = self.meet(map, cell, k, false, &mut free)?;
-        }
-        Some(cell)
+        cell.fresh = false;
+        let cell = self.meet(map, cell, self.born_at, true, work)?;
+        let earlier = self.kept.iter().rev().filter(|&&k| k < self.born_at).step_by(4).take(4);
+        earlier.copied().try_fold(cell, |cell, k| self.meet(map, cell, k, false, work))
     }
 
     /// What is left of a cell after one record; none when it cannot explain it. The work grows with the boundary around.
@@ -336,9 +339,9 @@ impl Cell {
     }
 }
 
-/// The tables of a whisker with this friction angle (rad), from fine to coarse.
+/// The first tables of a whisker with this friction angle (rad), from fine to coarse.
 fn tables(lean: f64, options: &PossibilisticOptions) -> Vec<PressTable> {
-    let finest = PressTable::new(FINEST.0, FINEST.1, lean, options.largest_slope);
+    let finest = PressTable::new(FIRST_TABLE.0, FIRST_TABLE.1, lean, options.largest_slope);
     core::iter::successors(Some(finest), |table| Some(table.coarser())).take(TABLES).collect()
 }
 

@@ -1,7 +1,7 @@
 //! Which cell meets which reading when: a bounded amount of work for each row.
 
 use super::cell::Cell;
-use super::{LAST_TABLE, LOOK_EVERY, PossibleSet, WORTH_LAST};
+use super::{FRESH_WORK, LAST_TABLE, LOOK_EVERY, NEXT_TABLE, PossibleSet, WORTH_LAST};
 use crate::beam::press::PressTable;
 use crate::world::Map;
 
@@ -39,17 +39,19 @@ impl PossibleSet {
     /// and what is left is spent on halving the others.
     pub(super) fn meet_newest(&mut self, map: &Map) {
         let newest = self.records.len() as u32 - 1;
-        let mut work = self.options.work;
+        let mut work = self.options.work * if self.untried > 0 { FRESH_WORK } else { 1 };
         let mut turns = self.cells.len();
         let mut cells = std::mem::take(&mut self.cells);
         while turns > 0 && work > 0 {
             turns -= 1;
+            self.untried = self.untried.saturating_sub(1);
             if self.cursor >= cells.len() {
                 self.cursor = 0;
             }
             let cell = cells[self.cursor];
-            let look = (newest / LOOK_EVERY) != (cell.seen / LOOK_EVERY);
-            let Some(kept) = self.meet(map, cell, newest, look, &mut work) else {
+            let look = cell.fresh || (newest / LOOK_EVERY) != (cell.seen / LOOK_EVERY);
+            let kept = self.meet(map, cell, newest, look, &mut work);
+            let Some(kept) = kept.and_then(|cell| self.entered(map, cell, &mut work)) else {
                 self.drop(&mut cells);
                 continue;
             };
@@ -157,16 +159,28 @@ impl PossibleSet {
             };
             cell = left;
         }
-        Some(cell)
+        self.entered(map, cell, work)
     }
 
-    /// Compares the kept readings with a finer table from now on.
-    fn sharpen(&mut self) {
+    /// How many of the kept readings are no older than the first contact.
+    pub(super) fn kept_since_birth(&self) -> usize {
+        if self.has_started() { self.kept.len() - self.kept.partition_point(|&k| k < self.born_at) } else { 0 }
+    }
+
+    /// Compares all readings with finer tables from now on, those to come among them.
+    pub(super) fn add_tables(&mut self) {
+        let finer = self.sharpen(NEXT_TABLE);
+        for (probe, table) in self.probes.iter_mut().zip(finer) {
+            probe.tables.insert(0, table);
+        }
+    }
+
+    /// Compares the kept readings with finer tables from now on; gives these.
+    fn sharpen(&mut self, (columns, rows): (usize, usize)) -> Vec<PressTable> {
         let mut tables: Vec<PressTable> = Vec::new();
         for probe in &self.probes {
             let lean = probe.whisker.friction.atan();
             let same = tables.iter().find(|table| table.friction_angle().to_bits() == lean.to_bits()).cloned();
-            let (columns, rows) = LAST_TABLE;
             tables.push(same.unwrap_or_else(|| PressTable::new(columns, rows, lean, self.options.largest_slope)));
         }
         for record in &mut self.records {
@@ -174,6 +188,7 @@ impl PossibleSet {
                 touch.sharpen(&probe.whisker, table);
             }
         }
+        tables
     }
 
     /// The last effort, when no more rows come: cells meet what is remembered and are halved, as far as the work goes.
@@ -183,15 +198,17 @@ impl PossibleSet {
         }
         let mut work = self.options.last_work;
         if work > 0 && self.kept.len() >= WORTH_LAST {
-            self.sharpen();
+            self.sharpen(LAST_TABLE);
         }
+        let all = work;
         for (times, share) in STAGES {
             let mut own = (work as f64 * share) as usize;
             work -= own;
             self.pave(map, times * RECALLED, &mut own);
             work += own;
         }
-        self.polish(map, &mut work.min(self.options.last_work / POLISH));
+        let spent = all - work;
+        self.polish(map, &mut work.min(self.options.last_work / POLISH).min(spent));
     }
 
     /// Halves all cells, whatever their size, as long as it pays.

@@ -129,7 +129,7 @@ fn cell_around(state: Pose2, draw: &mut Random) -> Cell {
     let w = [0; 3].map(|_| if draw.unit() < 0.3 { draw.sign() } else { draw.signed(1.0) });
     let at = |a: usize| (0..3).map(|j| w[j] * sides[j][a]).sum::<f64>();
     let center = Pose2::new(state.x - at(0), state.y - at(1), state.theta - at(2));
-    Cell { center, sides, anchor: 0, seen: 0, missed: 0, rest_until: 0, patience: 8 }
+    Cell { center, sides, anchor: 0, seen: 0, missed: 0, rest_until: 0, patience: 8, fresh: false }
 }
 
 /// Whether the state is in the cell, up to rounding.
