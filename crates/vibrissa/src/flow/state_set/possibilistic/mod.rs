@@ -31,13 +31,16 @@ pub use measure::Place;
 use record::{Stand, Touch};
 use tellers::Tellers;
 
-/// Columns (a quarter turn) and rows of the finest table that first cells meet; each of the others has half as many of both.
-const FIRST_TABLE: (usize, usize) = (32, 32);
-const TABLES: usize = 3;
+/// Columns (a quarter turn) and rows of the tables that first cells meet, from fine to coarse: each has half as many of both
+/// as the one before.
+const FIRST_TABLE: (usize, usize) = (16, 32);
+const TABLES: usize = 2;
 /// Cells are born from this one of them.
 const BIRTH: usize = 1;
-/// A finer one is added when this many readings since the first contact are remembered: what it cuts off is too little before.
+/// The same of finer ones, which are added when so many readings since the first contact are remembered: few readings leave
+/// more open than coarse tables do.
 const NEXT_TABLE: (usize, usize) = (64, 64);
+const NEXT_TABLES: usize = 2;
 const WORTH_NEXT: usize = 10;
 /// The same of the table that the last effort adds where this many readings are remembered: a tenth of a second to build.
 const LAST_TABLE: (usize, usize) = (128, 96);
@@ -98,13 +101,9 @@ impl PossibleSet {
     /// The set of everything: no reading yet.
     #[must_use]
     pub fn new(map: &Map, whiskers: &[MountedWhisker], odometry: Odometry, options: PossibilisticOptions) -> Self {
-        let mut probes: Vec<Probe> = Vec::with_capacity(whiskers.len());
-        for whisker in whiskers {
-            // Tables know of whiskers no more than their friction.
-            let twin = probes.iter().find(|probe| probe.whisker.friction.to_bits() == whisker.friction.to_bits());
-            let tables = twin.map_or_else(|| tables(whisker.friction.atan(), &options), |probe| probe.tables.clone());
-            probes.push(Probe { whisker: whisker.clone(), tables });
-        }
+        let tables = each_table(whiskers.iter(), |lean| tables(FIRST_TABLE, TABLES, lean, &options));
+        let probe = |(whisker, tables): (&MountedWhisker, _)| Probe { whisker: whisker.clone(), tables };
+        let probes = whiskers.iter().zip(tables).map(probe).collect();
         Self {
             options,
             odometry,
@@ -316,6 +315,9 @@ impl PossibleSet {
         let Some(last) = self.records.last() else { return Vec::new() };
         let newest = self.records.len() as u32 - 1;
         let present = |cell: &Cell| {
+            if cell.anchor == newest {
+                return (*cell, cell.volume());
+            }
             let (step, place, turn) = self.records[cell.anchor as usize].stand.until(&last.stand);
             let mut cell = *cell;
             cell.moved(step, newest);
@@ -339,10 +341,25 @@ impl Cell {
     }
 }
 
-/// The first tables of a whisker with this friction angle (rad), from fine to coarse.
-fn tables(lean: f64, options: &PossibilisticOptions) -> Vec<PressTable> {
-    let finest = PressTable::new(FIRST_TABLE.0, FIRST_TABLE.1, lean, options.largest_slope);
-    core::iter::successors(Some(finest), |table| Some(table.coarser())).take(TABLES).collect()
+/// What each whisker's friction angle (rad) needs, made once for those of the same: tables know of whiskers no more.
+fn each_table<'a>(
+    whiskers: impl Iterator<Item = &'a MountedWhisker>,
+    make: impl Fn(f64) -> Vec<PressTable>,
+) -> Vec<Vec<PressTable>> {
+    let mut made: Vec<(f64, Vec<PressTable>)> = Vec::new();
+    for whisker in whiskers {
+        let friction = whisker.friction;
+        let same =
+            made.iter().find(|(other, _)| other.to_bits() == friction.to_bits()).map(|(_, tables)| tables.clone());
+        made.push((friction, same.unwrap_or_else(|| make(friction.atan()))));
+    }
+    made.into_iter().map(|(_, tables)| tables).collect()
+}
+
+/// Tables of a whisker with this friction angle (rad), from fine to coarse: so many, the first with `columns` and `rows`.
+fn tables((columns, rows): (usize, usize), count: usize, lean: f64, options: &PossibilisticOptions) -> Vec<PressTable> {
+    let finest = PressTable::new(columns, rows, lean, options.largest_slope);
+    core::iter::successors(Some(finest), |table| Some(table.coarser())).take(count).collect()
 }
 
 /// The part of the cell from which the robot, after `step`, is in a box.
@@ -400,8 +417,9 @@ impl PossibleSet {
         measure::size(&self.now(), true)
     }
 
-    /// As [`Self::size`], quickly: the area may be told larger.
-    pub(crate) fn rough_size(&self) -> (f64, f64) {
-        measure::size(&self.now(), false)
+    /// The separate places with upper bounds of area and volume, which take longer to tell sharply.
+    pub(crate) fn measured(&self, sharp: bool) -> (Vec<Place>, (f64, f64)) {
+        let now = self.now();
+        (measure::places(&now), measure::size(&now, sharp))
     }
 }

@@ -1,7 +1,7 @@
 //! Which cell meets which reading when: a bounded amount of work for each row.
 
 use super::cell::Cell;
-use super::{FRESH_WORK, LAST_TABLE, LOOK_EVERY, NEXT_TABLE, PossibleSet, WORTH_LAST};
+use super::{FRESH_WORK, LAST_TABLE, LOOK_EVERY, NEXT_TABLE, NEXT_TABLES, PossibleSet, WORTH_LAST, each_table, tables};
 use crate::beam::press::PressTable;
 use crate::world::Map;
 
@@ -169,26 +169,23 @@ impl PossibleSet {
 
     /// Compares all readings with finer tables from now on, those to come among them.
     pub(super) fn add_tables(&mut self) {
-        let finer = self.sharpen(NEXT_TABLE);
-        for (probe, table) in self.probes.iter_mut().zip(finer) {
-            probe.tables.insert(0, table);
+        let finer = self.sharpen(NEXT_TABLE, NEXT_TABLES);
+        for (probe, mut finer) in self.probes.iter_mut().zip(finer) {
+            finer.append(&mut probe.tables);
+            probe.tables = finer;
         }
     }
 
-    /// Compares the kept readings with finer tables from now on; gives these.
-    fn sharpen(&mut self, (columns, rows): (usize, usize)) -> Vec<PressTable> {
-        let mut tables: Vec<PressTable> = Vec::new();
-        for probe in &self.probes {
-            let lean = probe.whisker.friction.atan();
-            let same = tables.iter().find(|table| table.friction_angle().to_bits() == lean.to_bits()).cloned();
-            tables.push(same.unwrap_or_else(|| PressTable::new(columns, rows, lean, self.options.largest_slope)));
-        }
+    /// Compares the kept readings with so many finer tables from now on; gives these, from fine to coarse.
+    fn sharpen(&mut self, size: (usize, usize), count: usize) -> Vec<Vec<PressTable>> {
+        let whiskers = self.probes.iter().map(|probe| &probe.whisker);
+        let all = each_table(whiskers, |lean| tables(size, count, lean, &self.options));
         for record in &mut self.records {
-            for ((touch, probe), table) in record.touches.iter_mut().zip(&self.probes).zip(&tables) {
-                touch.sharpen(&probe.whisker, table);
+            for ((touch, probe), tables) in record.touches.iter_mut().zip(&self.probes).zip(&all) {
+                tables.iter().rev().for_each(|table| touch.sharpen(&probe.whisker, table));
             }
         }
-        tables
+        all
     }
 
     /// The last effort, when no more rows come: cells meet what is remembered and are halved, as far as the work goes.
@@ -198,7 +195,7 @@ impl PossibleSet {
         }
         let mut work = self.options.last_work;
         if work > 0 && self.kept.len() >= WORTH_LAST {
-            self.sharpen(LAST_TABLE);
+            self.sharpen(LAST_TABLE, 1);
         }
         let all = work;
         for (times, share) in STAGES {
