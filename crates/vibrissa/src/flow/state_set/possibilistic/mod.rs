@@ -228,7 +228,7 @@ impl PossibleSet {
             return;
         }
         let cells = std::mem::take(&mut self.cells);
-        self.cells = cells.into_iter().filter_map(|cell| self.in_region(cell)).collect();
+        self.cells = cells.into_iter().filter_map(|cell| self.known(cell)).collect();
         self.untried = self.cells.len();
         // One whisker's reading alone rules out none of the cells that were laid for it.
         if self.has_started() && self.probes.len() > 1 {
@@ -245,11 +245,13 @@ impl PossibleSet {
         Some(prior::around(self.options.prior?, arm, slack, whisker.beam.length))
     }
 
-    /// The part of a new cell from which the robot was in the region where it is known to have started.
-    fn in_region(&self, cell: Cell) -> Option<Cell> {
+    /// The part of a new cell that has the heading known at its row, and from which the robot was in the region where it is
+    /// known to have started.
+    fn known(&self, cell: Cell) -> Option<Cell> {
+        let there = &self.records[cell.anchor as usize];
+        let cell = there.heading.map_or(Some(cell), |heading| turned_within(cell, 0.0, 0.0, heading))?;
         let Some(prior) = self.options.prior else { return Some(cell) };
-        let first = &self.records[0].stand;
-        let (step, place, turn) = self.records[cell.anchor as usize].stand.until(first);
+        let (step, place, turn) = there.stand.until(&self.records[0].stand);
         within(cell, step, (place, turn), &prior)
     }
 
@@ -260,7 +262,10 @@ impl PossibleSet {
             return Some(cell);
         }
         cell.fresh = false;
-        let cell = self.meet(map, cell, self.born_at, true, work)?;
+        // The newest it has met.
+        if self.born_at as usize + 1 < self.records.len() {
+            cell = self.meet(map, cell, self.born_at, true, work)?;
+        }
         let earlier = self.kept.iter().rev().filter(|&&k| k < self.born_at).step_by(4).take(4);
         earlier.copied().try_fold(cell, |cell, k| self.meet(map, cell, k, false, work))
     }
