@@ -25,8 +25,10 @@ const LAST_CELLS: usize = 20_000;
 /// share of the resolution: how large the cover is must be the set's doing, not that of the way to it.
 const PAYS: f64 = 0.97;
 const FINEST: f64 = 1.0 / 32.0;
-/// One part in so many of the last work may go into that.
+/// One part in so many of the last work may go into that, but no more than went into the halving before or into so many halves
+/// for each kept reading, each of which meets all of them: few readings leave little to gain.
 const POLISH: usize = 8;
+const POLISHED: usize = 40;
 /// Kept readings are met in steps of this share of all of them, which spreads any number of them.
 const STRIDE: f64 = 0.618_033_988_75;
 /// Cells that are halved in one row when there is little work for each.
@@ -204,8 +206,9 @@ impl PossibleSet {
             self.pave(map, times * RECALLED, &mut own);
             work += own;
         }
-        let spent = all - work;
-        self.polish(map, &mut work.min(self.options.last_work / POLISH).min(spent));
+        let (spent, kept) = (all - work, self.kept.len());
+        let most = spent.max(POLISHED * kept * kept).min(self.options.last_work / POLISH);
+        self.polish(map, &mut work.min(most));
     }
 
     /// Halves all cells, whatever their size, as long as it pays.
