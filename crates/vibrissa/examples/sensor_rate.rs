@@ -1,7 +1,8 @@
 //! How fast a localizer takes rows, and where it is slow: the search for the start, updates after it, the final fit.
 //!
 //! `cargo run --release --example sensor_rate -- FOLDER [METHOD] [ONLY]` localizes every `NAME.csv` of a folder with its
-//! `NAME.truth.tum` on the map `MAP.geojson` (`MAP` up to the first `-`), those of names that begin with `ONLY`. One line
+//! `NAME.truth.tum` on the map `MAP.geojson` (`MAP` up to the first `-`), those of names that begin with `ONLY`, by the
+//! deterministic, possibilistic or probabilistic METHOD (the last unless said). One line
 //! for each: rows; milliseconds for all of it, for the longest row before one second of contact has passed, for the median and
 //! the 99th percentile of the rows after that, and for the final fit; how many components there
 //! were at each quarter of the updates; verdict, error of the nearest place, weights of all.
@@ -11,7 +12,7 @@ use std::time::Instant;
 use vibrissa::flow::pose::{Localization, Method};
 use vibrissa::flow::sensor_log::{LogRow, SensorLog};
 use vibrissa::flow::trajectory::read_tum;
-use vibrissa::localizer::{Localizer, ProbabilisticLocalizer};
+use vibrissa::localizer::{Localizer, PossibilisticLocalizer, ProbabilisticLocalizer};
 use vibrissa::plane::{Pose2, wrap_angle};
 use vibrissa::world::{Map, Robot};
 use vibrissa::{Error, LocalizeOptions, Result};
@@ -37,7 +38,11 @@ fn run(log: &SensorLog, map: &Map, robot: &Robot, method: Method) -> Result<Run>
             let one = ProbabilisticLocalizer::new(map, robot, &log.channels, options.probabilistic)?;
             timed(log, one, ProbabilisticLocalizer::step, ProbabilisticLocalizer::finish)
         }
-        _ => {
+        Method::Possibilistic => {
+            let one = PossibilisticLocalizer::new(map, robot, &log.channels, options.possibilistic)?;
+            timed(log, one, PossibilisticLocalizer::step, PossibilisticLocalizer::finish)
+        }
+        Method::Deterministic => {
             let one = Localizer::new(map, robot, &log.channels, options.deterministic)?;
             timed(log, one, Localizer::step, Localizer::finish)
         }
@@ -67,6 +72,14 @@ fn quantile(values: &[f64], share: f64) -> f64 {
     sorted.get((share * sorted.len() as f64) as usize).copied().unwrap_or(f64::NAN)
 }
 
+/// The method of this name.
+fn known(name: &str) -> Result<Method> {
+    let all = [Method::Deterministic, Method::Possibilistic, Method::Probabilistic];
+    all.into_iter().find(|method| method.to_string() == name).ok_or_else(|| {
+        Error::usage("an unknown method").value(name).allowed("deterministic, possibilistic or probabilistic")
+    })
+}
+
 /// The declared errors of biased sweeps: a gain of 2 % and odometry of 1 % on top of the noise.
 fn robot(name: &str) -> Robot {
     let mut robot = Robot::default();
@@ -81,10 +94,7 @@ fn robot(name: &str) -> Robot {
 fn main() -> Result<()> {
     let mut arguments = std::env::args().skip(1);
     let folder = arguments.next().ok_or_else(|| Error::usage("a folder of sweeps is missing"))?;
-    let method = match arguments.next().as_deref() {
-        Some("deterministic") => Method::Deterministic,
-        _ => Method::Probabilistic,
-    };
+    let method = arguments.next().map_or(Ok(Method::Probabilistic), |name| known(&name))?;
     let only = arguments.next().unwrap_or_default();
     let files = std::fs::read_dir(&folder).map_err(|e| Error::data(e.to_string()))?;
     let mut names: Vec<String> = files

@@ -103,6 +103,14 @@ fn tables_made_of_finer_ones_leave_out_nothing_either() {
         no_contact_is_left_out_of(table, 0.2, 2.2, seed);
         no_inflection_is_left_out_of(table, 0.2, 2.2, seed);
     }
+    // The coarsest that localization uses.
+    for (friction, steepest, seed) in [(0.0, 2.2, 16), (0.5, 2.2, 17), (0.0, 3.1, 18), (0.98, 2.2, 19)] {
+        let table = PressTable::new(16, 32, friction, steepest);
+        for table in [&table.coarser(), &table] {
+            no_contact_is_left_out_of(table, friction, steepest, seed);
+            no_inflection_is_left_out_of(table, friction, steepest, seed);
+        }
+    }
     // They are indeed coarser, and one with an odd number of rows stays as it is.
     let entries = |table: &PressTable| table.slice(0.5, 0.55).entries().len();
     assert!(entries(&half) > entries(&quarter) && entries(&quarter) > entries(&eighth));

@@ -166,7 +166,7 @@ impl<'a> PossibilisticLocalizer<'a> {
                 let volume = if self.set.len() > SUMMED { last.volume } else { self.set.volume() };
                 StepRecord { t, volume, ..*last }
             }
-            _ => self.measure(t, now, PossibleSet::rough_size),
+            _ => self.measure(t, now, false),
         };
         self.steps.push(measured);
         if self.set.is_empty() {
@@ -187,10 +187,10 @@ impl<'a> PossibilisticLocalizer<'a> {
             || (count <= MEASURED_WITHIN && now >= row + count / MEASURED_ROWS)
     }
 
-    fn measure(&mut self, t: f64, row: usize, size: fn(&PossibleSet) -> (f64, f64)) -> StepRecord {
+    /// Measures the set; sharply takes longer.
+    fn measure(&mut self, t: f64, row: usize, sharp: bool) -> StepRecord {
         self.measured = (row, self.set.len());
-        let places = self.set.places();
-        let (area_m2, volume) = size(&self.set);
+        let (places, (area_m2, volume)) = self.set.measured(sharp);
         if let Some(best) = places.first() {
             self.last = Some((best.pose, row));
         }
@@ -203,7 +203,7 @@ impl<'a> PossibilisticLocalizer<'a> {
         if !self.empty && self.set.has_started() {
             self.set.finish(self.map);
             let (t, row) = (self.rows.last().map_or(0.0, |r| r.0), self.rows.len().saturating_sub(1));
-            let last = self.measure(t, row, PossibleSet::size);
+            let last = self.measure(t, row, true);
             if let Some(step) = self.steps.last_mut() {
                 *step = last;
             }

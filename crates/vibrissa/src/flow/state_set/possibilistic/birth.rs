@@ -8,7 +8,7 @@ use crate::plane::{Bounds, Pose2, Vec2};
 use core::f64::consts::TAU;
 
 /// Longest stretch of an edge that one cell takes (m).
-const STRETCH: f64 = 0.03;
+const STRETCH: f64 = 0.06;
 /// Headings between neighbouring cells at a vertex, and at one that stands for more than a few millimetres.
 const VERTEX_HEADINGS: usize = 60;
 const BUNDLE_HEADINGS: usize = 24;
@@ -34,7 +34,8 @@ pub(super) fn cells(level: &Level, near: Option<Bounds>, touch: &Touch, record: 
 }
 
 fn new_cell(center: Pose2, sides: [[f64; 3]; 3], touch: &Touch, record: u32) -> Cell {
-    let mut cell = Cell { center, sides, anchor: record, seen: record, missed: 0, rest_until: 0, patience: 8 };
+    let mut cell =
+        Cell { center, sides, anchor: record, seen: record, missed: 0, rest_until: 0, patience: 8, fresh: true };
     // So far it is the whisker's base.
     cell.moved(touch.robot_from_whisker.inverse(), record);
     cell

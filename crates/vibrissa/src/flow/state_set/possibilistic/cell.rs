@@ -31,6 +31,8 @@ pub(super) struct Cell {
     pub(super) rest_until: u32,
     /// Records for which it rests the next time that halving does not help.
     pub(super) patience: u32,
+    /// It has met no reading yet.
+    pub(super) fresh: bool,
 }
 
 impl Cell {

@@ -111,7 +111,7 @@ fn join_bins(hulls: &[StateBox], parent: &mut [usize]) {
     let y = |h: &StateBox| (h.y.lo(), h.y.hi());
     let (columns, rows) = (axis(&x), axis(&y));
     let sector = |theta: f64| (theta * (BINS as f64 / TAU)).floor() as i64;
-    let mut first = vec![usize::MAX; BINS * BINS * BINS];
+    let mut first = vec![u32::MAX; BINS * BINS * BINS];
     for (index, hull) in hulls.iter().enumerate() {
         let (lo, hi) = (sector(hull.theta.lo() - LINK_TURN), sector(hull.theta.hi() + LINK_TURN));
         for at in lo..=hi.min(lo + BINS as i64 - 1) {
@@ -119,7 +119,7 @@ fn join_bins(hulls: &[StateBox], parent: &mut [usize]) {
             for row in rows(y(hull)) {
                 for column in columns(x(hull)) {
                     let bin = &mut first[(layer + row) * BINS + column];
-                    if *bin == usize::MAX { *bin = index } else { join(parent, *bin, index) }
+                    if *bin == u32::MAX { *bin = index as u32 } else { join(parent, *bin as usize, index) }
                 }
             }
         }

@@ -31,16 +31,22 @@ pub use measure::Place;
 use record::{Stand, Touch};
 use tellers::Tellers;
 
-/// Columns (a quarter turn) and rows of the finest table that cells meet; each of the others has half as many of both.
-const FINEST: (usize, usize) = (64, 64);
-const TABLES: usize = 4;
+/// Columns (a quarter turn) and rows of the tables that first cells meet, from fine to coarse: each has half as many of both
+/// as the one before.
+const FIRST_TABLE: (usize, usize) = (16, 32);
+const TABLES: usize = 2;
 /// Cells are born from this one of them.
-const BIRTH: usize = 2;
+const BIRTH: usize = 1;
+/// The same of finer ones, which are added when so many readings since the first contact are remembered: few readings leave
+/// more open than coarse tables do.
+const NEXT_TABLE: (usize, usize) = (64, 64);
+const NEXT_TABLES: usize = 2;
+const WORTH_NEXT: usize = 10;
 /// The same of the table that the last effort adds where this many readings are remembered: a tenth of a second to build.
 const LAST_TABLE: (usize, usize) = (128, 96);
 const WORTH_LAST: usize = 20;
-/// So many new cells are worth a thread.
-const ENOUGH: usize = 500;
+/// Rows have so many times their work as long as there are cells that no reading has met.
+const FRESH_WORK: usize = 3;
 /// Odometry may be off by this much before a cell is moved to the present row (m).
 const STALE: f64 = 5e-5;
 /// And a cell that is wide in heading is moved when the robot is this far away (m).
@@ -86,6 +92,8 @@ pub struct PossibleSet {
     /// The record of the first contact.
     born_at: u32,
     cursor: usize,
+    /// How many turns it takes until every cell has met a reading.
+    untried: usize,
     tellers: Tellers,
 }
 
@@ -93,13 +101,9 @@ impl PossibleSet {
     /// The set of everything: no reading yet.
     #[must_use]
     pub fn new(map: &Map, whiskers: &[MountedWhisker], odometry: Odometry, options: PossibilisticOptions) -> Self {
-        let mut probes: Vec<Probe> = Vec::with_capacity(whiskers.len());
-        for whisker in whiskers {
-            // Tables know of whiskers no more than their friction.
-            let twin = probes.iter().find(|probe| probe.whisker.friction.to_bits() == whisker.friction.to_bits());
-            let tables = twin.map_or_else(|| tables(whisker.friction.atan(), &options), |probe| probe.tables.clone());
-            probes.push(Probe { whisker: whisker.clone(), tables });
-        }
+        let tables = each_table(whiskers.iter(), |lean| tables(FIRST_TABLE, TABLES, lean, &options));
+        let probe = |(whisker, tables): (&MountedWhisker, _)| Probe { whisker: whisker.clone(), tables };
+        let probes = whiskers.iter().zip(tables).map(probe).collect();
         Self {
             options,
             odometry,
@@ -112,6 +116,7 @@ impl PossibleSet {
             births: 0,
             born_at: 0,
             cursor: 0,
+            untried: 0,
             tellers: Tellers::default(),
         }
     }
@@ -154,6 +159,9 @@ impl PossibleSet {
         };
         let touch = |(probe, m): (&Probe, &Interval)| Touch::new(&probe.whisker, &probe.tables, m.lo(), m.hi());
         self.forget();
+        if self.probes.iter().all(|probe| probe.tables.len() == TABLES) && self.kept_since_birth() >= WORTH_NEXT {
+            self.add_tables();
+        }
         // Readings that may be none are worth nothing before the set starts, unless they are remembered.
         let idle = !self.has_started() && moments.iter().all(|m| m.contains(0.0));
         let touches = if idle && !self.is_apart(stand.path()) {
@@ -172,7 +180,9 @@ impl PossibleSet {
     /// Forgets the readings of the last record unless they are worth keeping.
     fn forget(&mut self) {
         let Some(last) = self.records.len().checked_sub(1) else { return };
-        if self.is_apart(self.records[last].stand.path()) {
+        // The first contact waits for cells that had no turn yet.
+        let is_birth = self.births > 0 && last == self.born_at as usize;
+        if is_birth || self.is_apart(self.records[last].stand.path()) {
             self.kept.push(last as u32);
         } else {
             self.records[last].touches = Vec::new();
@@ -218,24 +228,12 @@ impl PossibleSet {
             return;
         }
         let cells = std::mem::take(&mut self.cells);
-        self.cells = self.entered(map, &cells, record);
-    }
-
-    /// What is left of new cells, in their order, on all cores if they are many.
-    fn entered(&self, map: &Map, cells: &[Cell], record: u32) -> Vec<Cell> {
-        let some = |cells: &[Cell]| -> Vec<Cell> {
-            cells.iter().filter_map(|cell| self.entering(map, *cell, record)).collect()
-        };
-        let threads = std::thread::available_parallelism().map_or(1, usize::from).min(cells.len() / ENOUGH);
-        if threads < 2 {
-            return some(cells);
+        self.cells = cells.into_iter().filter_map(|cell| self.known(cell)).collect();
+        self.untried = self.cells.len();
+        // One whisker's reading alone rules out none of the cells that were laid for it.
+        if self.has_started() && self.probes.len() > 1 {
+            self.meet_newest(map);
         }
-        std::thread::scope(|scope| {
-            let parts = cells.chunks(cells.len().div_ceil(threads)).map(|part| scope.spawn(|| some(part)));
-            let parts: Vec<_> = parts.collect();
-            // A thread that panics takes its caller down with its message.
-            parts.into_iter().flat_map(|p| p.join().unwrap_or_else(|cause| std::panic::resume_unwind(cause))).collect()
-        })
     }
 
     /// Where on the map a whisker can touch at the newest row, with the first pose in the prior's region.
@@ -247,20 +245,29 @@ impl PossibleSet {
         Some(prior::around(self.options.prior?, arm, slack, whisker.beam.length))
     }
 
-    /// What is left of a new cell after the reading that it was born from and all that is known from before.
-    fn entering(&self, map: &Map, cell: Cell, record: u32) -> Option<Cell> {
-        let mut free = usize::MAX;
-        let mut cell = self.meet(map, cell, record, true, &mut free)?;
-        if let Some(prior) = self.options.prior {
-            let first = &self.records[0].stand;
-            let (step, place, turn) = self.records[cell.anchor as usize].stand.until(first);
-            cell = within(cell, step, (place, turn), &prior)?;
+    /// The part of a new cell that has the heading known at its row, and from which the robot was in the region where it is
+    /// known to have started.
+    fn known(&self, cell: Cell) -> Option<Cell> {
+        let there = &self.records[cell.anchor as usize];
+        let cell = there.heading.map_or(Some(cell), |heading| turned_within(cell, 0.0, 0.0, heading))?;
+        let Some(prior) = self.options.prior else { return Some(cell) };
+        let (step, place, turn) = there.stand.until(&self.records[0].stand);
+        within(cell, step, (place, turn), &prior)
+    }
+
+    /// What is left of a cell that met one reading, after the one that it was born from and what is known from before; older
+    /// cells stay.
+    fn entered(&self, map: &Map, mut cell: Cell, work: &mut usize) -> Option<Cell> {
+        if !cell.fresh {
+            return Some(cell);
         }
-        let earlier = self.kept.iter().rev().filter(|&&k| k < record).step_by(4).take(4);
-        for &k in earlier {
-            cell = self.meet(map, cell, k, false, &mut free)?;
+        cell.fresh = false;
+        // The newest it has met.
+        if self.born_at as usize + 1 < self.records.len() {
+            cell = self.meet(map, cell, self.born_at, true, work)?;
         }
-        Some(cell)
+        let earlier = self.kept.iter().rev().filter(|&&k| k < self.born_at).step_by(4).take(4);
+        earlier.copied().try_fold(cell, |cell, k| self.meet(map, cell, k, false, work))
     }
 
     /// What is left of a cell after one record; none when it cannot explain it. The work grows with the boundary around.
@@ -313,6 +320,9 @@ impl PossibleSet {
         let Some(last) = self.records.last() else { return Vec::new() };
         let newest = self.records.len() as u32 - 1;
         let present = |cell: &Cell| {
+            if cell.anchor == newest {
+                return (*cell, cell.volume());
+            }
             let (step, place, turn) = self.records[cell.anchor as usize].stand.until(&last.stand);
             let mut cell = *cell;
             cell.moved(step, newest);
@@ -336,10 +346,25 @@ impl Cell {
     }
 }
 
-/// The tables of a whisker with this friction angle (rad), from fine to coarse.
-fn tables(lean: f64, options: &PossibilisticOptions) -> Vec<PressTable> {
-    let finest = PressTable::new(FINEST.0, FINEST.1, lean, options.largest_slope);
-    core::iter::successors(Some(finest), |table| Some(table.coarser())).take(TABLES).collect()
+/// What each whisker's friction angle (rad) needs, made once for those of the same: tables know of whiskers no more.
+fn each_table<'a>(
+    whiskers: impl Iterator<Item = &'a MountedWhisker>,
+    make: impl Fn(f64) -> Vec<PressTable>,
+) -> Vec<Vec<PressTable>> {
+    let mut made: Vec<(f64, Vec<PressTable>)> = Vec::new();
+    for whisker in whiskers {
+        let friction = whisker.friction;
+        let same =
+            made.iter().find(|(other, _)| other.to_bits() == friction.to_bits()).map(|(_, tables)| tables.clone());
+        made.push((friction, same.unwrap_or_else(|| make(friction.atan()))));
+    }
+    made.into_iter().map(|(_, tables)| tables).collect()
+}
+
+/// Tables of a whisker with this friction angle (rad), from fine to coarse: so many, the first with `columns` and `rows`.
+fn tables((columns, rows): (usize, usize), count: usize, lean: f64, options: &PossibilisticOptions) -> Vec<PressTable> {
+    let finest = PressTable::new(columns, rows, lean, options.largest_slope);
+    core::iter::successors(Some(finest), |table| Some(table.coarser())).take(count).collect()
 }
 
 /// The part of the cell from which the robot, after `step`, is in a box.
@@ -397,8 +422,9 @@ impl PossibleSet {
         measure::size(&self.now(), true)
     }
 
-    /// As [`Self::size`], quickly: the area may be told larger.
-    pub(crate) fn rough_size(&self) -> (f64, f64) {
-        measure::size(&self.now(), false)
+    /// The separate places with upper bounds of area and volume, which take longer to tell sharply.
+    pub(crate) fn measured(&self, sharp: bool) -> (Vec<Place>, (f64, f64)) {
+        let now = self.now();
+        (measure::places(&now), measure::size(&now, sharp))
     }
 }

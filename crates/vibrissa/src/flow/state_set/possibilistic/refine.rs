@@ -1,7 +1,7 @@
 //! Which cell meets which reading when: a bounded amount of work for each row.
 
 use super::cell::Cell;
-use super::{LAST_TABLE, LOOK_EVERY, PossibleSet, WORTH_LAST};
+use super::{FRESH_WORK, LAST_TABLE, LOOK_EVERY, NEXT_TABLE, NEXT_TABLES, PossibleSet, WORTH_LAST, each_table, tables};
 use crate::beam::press::PressTable;
 use crate::world::Map;
 
@@ -25,8 +25,10 @@ const LAST_CELLS: usize = 20_000;
 /// share of the resolution: how large the cover is must be the set's doing, not that of the way to it.
 const PAYS: f64 = 0.97;
 const FINEST: f64 = 1.0 / 32.0;
-/// One part in so many of the last work may go into that.
+/// One part in so many of the last work may go into that, but no more than went into the halving before or into so many halves
+/// for each kept reading, each of which meets all of them: few readings leave little to gain.
 const POLISH: usize = 8;
+const POLISHED: usize = 40;
 /// Kept readings are met in steps of this share of all of them, which spreads any number of them.
 const STRIDE: f64 = 0.618_033_988_75;
 /// Cells that are halved in one row when there is little work for each.
@@ -39,17 +41,19 @@ impl PossibleSet {
     /// and what is left is spent on halving the others.
     pub(super) fn meet_newest(&mut self, map: &Map) {
         let newest = self.records.len() as u32 - 1;
-        let mut work = self.options.work;
+        let mut work = self.options.work * if self.untried > 0 { FRESH_WORK } else { 1 };
         let mut turns = self.cells.len();
         let mut cells = std::mem::take(&mut self.cells);
         while turns > 0 && work > 0 {
             turns -= 1;
+            self.untried = self.untried.saturating_sub(1);
             if self.cursor >= cells.len() {
                 self.cursor = 0;
             }
             let cell = cells[self.cursor];
-            let look = (newest / LOOK_EVERY) != (cell.seen / LOOK_EVERY);
-            let Some(kept) = self.meet(map, cell, newest, look, &mut work) else {
+            let look = cell.fresh || (newest / LOOK_EVERY) != (cell.seen / LOOK_EVERY);
+            let kept = self.meet(map, cell, newest, look, &mut work);
+            let Some(kept) = kept.and_then(|cell| self.entered(map, cell, &mut work)) else {
                 self.drop(&mut cells);
                 continue;
             };
@@ -157,23 +161,33 @@ impl PossibleSet {
             };
             cell = left;
         }
-        Some(cell)
+        self.entered(map, cell, work)
     }
 
-    /// Compares the kept readings with a finer table from now on.
-    fn sharpen(&mut self) {
-        let mut tables: Vec<PressTable> = Vec::new();
-        for probe in &self.probes {
-            let lean = probe.whisker.friction.atan();
-            let same = tables.iter().find(|table| table.friction_angle().to_bits() == lean.to_bits()).cloned();
-            let (columns, rows) = LAST_TABLE;
-            tables.push(same.unwrap_or_else(|| PressTable::new(columns, rows, lean, self.options.largest_slope)));
+    /// How many of the kept readings are no older than the first contact.
+    pub(super) fn kept_since_birth(&self) -> usize {
+        if self.has_started() { self.kept.len() - self.kept.partition_point(|&k| k < self.born_at) } else { 0 }
+    }
+
+    /// Compares all readings with finer tables from now on, those to come among them.
+    pub(super) fn add_tables(&mut self) {
+        let finer = self.sharpen(NEXT_TABLE, NEXT_TABLES);
+        for (probe, mut finer) in self.probes.iter_mut().zip(finer) {
+            finer.append(&mut probe.tables);
+            probe.tables = finer;
         }
+    }
+
+    /// Compares the kept readings with so many finer tables from now on; gives these, from fine to coarse.
+    fn sharpen(&mut self, size: (usize, usize), count: usize) -> Vec<Vec<PressTable>> {
+        let whiskers = self.probes.iter().map(|probe| &probe.whisker);
+        let all = each_table(whiskers, |lean| tables(size, count, lean, &self.options));
         for record in &mut self.records {
-            for ((touch, probe), table) in record.touches.iter_mut().zip(&self.probes).zip(&tables) {
-                touch.sharpen(&probe.whisker, table);
+            for ((touch, probe), tables) in record.touches.iter_mut().zip(&self.probes).zip(&all) {
+                tables.iter().rev().for_each(|table| touch.sharpen(&probe.whisker, table));
             }
         }
+        all
     }
 
     /// The last effort, when no more rows come: cells meet what is remembered and are halved, as far as the work goes.
@@ -183,15 +197,18 @@ impl PossibleSet {
         }
         let mut work = self.options.last_work;
         if work > 0 && self.kept.len() >= WORTH_LAST {
-            self.sharpen();
+            self.sharpen(LAST_TABLE, 1);
         }
+        let all = work;
         for (times, share) in STAGES {
             let mut own = (work as f64 * share) as usize;
             work -= own;
             self.pave(map, times * RECALLED, &mut own);
             work += own;
         }
-        self.polish(map, &mut work.min(self.options.last_work / POLISH));
+        let (spent, kept) = (all - work, self.kept.len());
+        let most = spent.max(POLISHED * kept * kept).min(self.options.last_work / POLISH);
+        self.polish(map, &mut work.min(most));
     }
 
     /// Halves all cells, whatever their size, as long as it pays.

@@ -129,7 +129,7 @@ fn cell_around(state: Pose2, draw: &mut Random) -> Cell {
     let w = [0; 3].map(|_| if draw.unit() < 0.3 { draw.sign() } else { draw.signed(1.0) });
     let at = |a: usize| (0..3).map(|j| w[j] * sides[j][a]).sum::<f64>();
     let center = Pose2::new(state.x - at(0), state.y - at(1), state.theta - at(2));
-    Cell { center, sides, anchor: 0, seen: 0, missed: 0, rest_until: 0, patience: 8 }
+    Cell { center, sides, anchor: 0, seen: 0, missed: 0, rest_until: 0, patience: 8, fresh: false }
 }
 
 /// Whether the state is in the cell, up to rounding.
@@ -147,7 +147,8 @@ fn no_true_state_is_ruled_out(friction: f64, seed: u64, trials: usize) {
     let map = map();
     let ground = Ground::new(&map);
     let options = PossibilisticOptions { largest_slope: SLOPE, ..PossibilisticOptions::default() };
-    let tables = super::tables(friction.atan(), &options);
+    let of = |size, count| super::tables(size, count, friction.atan(), &options);
+    let (tables, next) = (of(super::FIRST_TABLE, super::TABLES), of(super::NEXT_TABLE, super::NEXT_TABLES));
     let finer = PressTable::new(128, 96, friction.atan(), SLOPE);
     let mut draw = Random(seed);
     let mut cut = 0;
@@ -156,7 +157,10 @@ fn no_true_state_is_ruled_out(friction: f64, seed: u64, trials: usize) {
         let Some(case) = case(&map, &mut draw, friction) else { continue };
         tried += 1;
         let mut touch = Touch::new(&case.whisker, &tables, case.moment.0, case.moment.1);
-        if tried % 2 == 0 {
+        if tried % 3 > 0 {
+            next.iter().rev().for_each(|table| touch.sharpen(&case.whisker, table));
+        }
+        if tried % 3 > 1 {
             touch.sharpen(&case.whisker, &finer);
         }
         for _ in 0..3 {
