@@ -159,7 +159,7 @@ impl PossibleSet {
         };
         let touch = |(probe, m): (&Probe, &Interval)| Touch::new(&probe.whisker, &probe.tables, m.lo(), m.hi());
         self.forget();
-        if self.probes.iter().all(|probe| probe.tables.len() == TABLES) && self.kept_since_birth() >= WORTH_NEXT {
+        if self.has_first_tables() && self.kept_since_birth() >= WORTH_NEXT {
             self.add_tables();
         }
         // Readings that may be none are worth nothing before the set starts, unless they are remembered.

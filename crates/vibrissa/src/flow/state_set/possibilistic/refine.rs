@@ -1,7 +1,9 @@
 //! Which cell meets which reading when: a bounded amount of work for each row.
 
 use super::cell::Cell;
-use super::{FRESH_WORK, LAST_TABLE, LOOK_EVERY, NEXT_TABLE, NEXT_TABLES, PossibleSet, WORTH_LAST, each_table, tables};
+use super::{
+    FRESH_WORK, LAST_TABLE, LOOK_EVERY, NEXT_TABLE, NEXT_TABLES, PossibleSet, TABLES, WORTH_LAST, each_table, tables,
+};
 use crate::beam::press::PressTable;
 use crate::world::Map;
 
@@ -19,8 +21,11 @@ const FIRST_WAY: f64 = 5e-3;
 const LARGE: f64 = 0.7;
 /// Stages of the last effort: how many times more of the kept readings a half meets, and the share of the work left.
 const STAGES: [(usize, f64); 3] = [(1, 0.5), (4, 0.5), (64, 1.0)];
-/// Most cells of the last effort: a few MB.
+/// Most cells of the last effort: a few MB. Of few readings, which leave a large set but are soon met, each allows more.
 const LAST_CELLS: usize = 20_000;
+const FEW_READINGS_CELLS: usize = 100_000;
+/// Sets of more cells than this after few readings are worth the tables that otherwise come with more readings.
+const LARGE_SET: usize = 2_000;
 /// Beyond the resolution all cells are halved as long as that leaves less than this share of their volume, down to this
 /// share of the resolution: how large the cover is must be the set's doing, not that of the way to it.
 const PAYS: f64 = 0.97;
@@ -169,6 +174,11 @@ impl PossibleSet {
         if self.has_started() { self.kept.len() - self.kept.partition_point(|&k| k < self.born_at) } else { 0 }
     }
 
+    /// Whether finer tables have not been added yet.
+    pub(super) fn has_first_tables(&self) -> bool {
+        self.probes.iter().all(|probe| probe.tables.len() == TABLES)
+    }
+
     /// Compares all readings with finer tables from now on, those to come among them.
     pub(super) fn add_tables(&mut self) {
         let finer = self.sharpen(NEXT_TABLE, NEXT_TABLES);
@@ -211,10 +221,15 @@ impl PossibleSet {
         self.polish(map, &mut work.min(most));
     }
 
+    /// Most cells of the last effort.
+    fn last_cells(&self) -> usize {
+        (FEW_READINGS_CELLS / self.kept.len().max(1)).max(LAST_CELLS)
+    }
+
     /// Halves all cells, whatever their size, as long as it pays.
     fn polish(&mut self, map: &Map, work: &mut usize) {
         let (finest, all_kept) = (FINEST * self.options.resolution, self.kept.len());
-        while *work > 0 && !self.cells.is_empty() && 2 * self.cells.len() <= LAST_CELLS {
+        while *work > 0 && !self.cells.is_empty() && 2 * self.cells.len() <= self.last_cells() {
             let before = self.volume();
             let mut cells = Vec::with_capacity(2 * self.cells.len());
             for cell in std::mem::take(&mut self.cells) {
@@ -247,13 +262,16 @@ impl PossibleSet {
                 return;
             }
             self.pave_once(map, (LARGE * longest_side).max(self.options.resolution), most, work);
+            if self.cells.len() > LARGE_SET && self.has_first_tables() {
+                self.add_tables();
+            }
         }
     }
 
     /// Halves every cell longer than this, as far as the work goes, gain or not: what two halvings rule out, one may not.
     fn pave_once(&mut self, map: &Map, limit: f64, most: usize, work: &mut usize) {
         let all = std::mem::take(&mut self.cells);
-        let mut room = self.options.most_cells.max(LAST_CELLS).saturating_sub(all.len());
+        let mut room = self.options.most_cells.max(self.last_cells()).saturating_sub(all.len());
         let mut cells = Vec::with_capacity(all.len());
         for mut cell in all {
             let (side, length) = longest(&cell);
