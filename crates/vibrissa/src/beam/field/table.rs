@@ -5,7 +5,7 @@
 
 extern crate alloc;
 use super::axis::{Axis, Place};
-use super::bicubic::{Bicubics, coefficients, slide};
+use super::bicubic::{Bicubics, Powers, coefficients, slide};
 use crate::beam::pair::Pair;
 use alloc::vec::Vec;
 
@@ -59,6 +59,7 @@ pub(super) struct Table {
 /// Value and both slopes of the bicubic that stands alone.
 #[inline(always)]
 fn jet_alone(rows: &[[Pair; 4]; 2], s: f64, t: f64) -> [f64; 3] {
+    let t = &Powers::of(t);
     let ((ab, ab_t), (cd, cd_t)) = (slide(t, &rows[0]), slide(t, &rows[1]));
     // a + b s + (c + d s) s², and the same of the slopes by t.
     let square = s * s;
@@ -70,8 +71,8 @@ fn jet_alone(rows: &[[Pair; 4]; 2], s: f64, t: f64) -> [f64; 3] {
 
 impl Patch {
     /// Everything at distances from the least corner, or, with `side` -1, that of the mirrored whisker: what is odd changes its
-    /// sign, and so does what it is differentiated by. Horner's scheme for values and slopes at once, row by row, which needs no
-    /// weights, and by distances, which need no scales.
+    /// sign, and so does what it is differentiated by. Values and slopes at once, row by row, which needs no weights, and by
+    /// distances, which need no scales.
     #[inline(always)]
     pub(super) fn jet(&self, s: f64, t: f64, side: f64) -> Jet {
         let ([odd, odd_s, odd_t], [even, even_s, even_t]) = (self.odd.jet(s, t), self.even.jet(s, t));
