@@ -105,3 +105,21 @@ impl Pair {
         self.array()[1]
     }
 }
+
+impl core::ops::Add for Pair {
+    type Output = Self;
+
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        self.plus(other)
+    }
+}
+
+impl core::ops::Mul for Pair {
+    type Output = Self;
+
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        self.by(other)
+    }
+}

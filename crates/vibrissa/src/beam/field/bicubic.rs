@@ -1,6 +1,12 @@
-//! Two bicubic polynomials at once, by powers.
+//! Two or four bicubic polynomials at once, by powers.
 
 use crate::beam::pair::Pair;
+use core::ops::{Add, Mul};
+
+/// Numbers that are added and multiplied as one.
+pub(super) trait Lanes: Copy + Add<Output = Self> + Mul<Output = Self> {}
+
+impl<T: Copy + Add<Output = Self> + Mul<Output = Self>> Lanes for T {}
 
 /// Coefficients by powers from (start, slope, end, slope), slopes per share of the way.
 pub(super) fn powers([a, da, b, db]: [f64; 4]) -> [f64; 4] {
@@ -8,32 +14,41 @@ pub(super) fn powers([a, da, b, db]: [f64; 4]) -> [f64; 4] {
     [a, da, 3.0 * rise - 2.0 * da - db, da + db - 2.0 * rise]
 }
 
-/// A number and its square, each twice: a cubic by halves is three operations deep where Horner's scheme is six.
+/// A number, twice it and its square, in each lane: a cubic by halves is three operations deep where Horner's scheme is six.
 #[derive(Clone, Copy)]
-pub(super) struct Powers {
-    one: Pair,
-    two: Pair,
-    square: Pair,
+pub(super) struct Powers<T> {
+    one: T,
+    two: T,
+    square: T,
 }
 
-impl Powers {
+impl<T> Powers<T> {
     #[inline(always)]
-    pub(super) fn of(x: f64) -> Self {
-        Self { one: Pair::both(x), two: Pair::both(x + x), square: Pair::both(x * x) }
+    pub(super) fn of(x: f64, all: impl Fn(f64) -> T) -> Self {
+        Self { one: all(x), two: all(x + x), square: all(x * x) }
     }
 }
 
-/// Two cubics.
+/// A cubic in each lane.
 #[inline(always)]
-pub(super) fn cubics(x: &Powers, [c0, c1, c2, c3]: &[Pair; 4]) -> Pair {
-    c3.by(x.one).plus(*c2).by(x.square).plus(c1.by(x.one).plus(*c0))
+pub(super) fn cubics<T: Lanes>(x: &Powers<T>, [c0, c1, c2, c3]: [T; 4]) -> T {
+    (c3 * x.one + c2) * x.square + (c1 * x.one + c0)
 }
 
-/// Two cubics and their slopes in one go.
+/// A cubic and its slope in each lane.
 #[inline(always)]
-pub(super) fn slide(x: &Powers, [c0, c1, c2, c3]: &[Pair; 4]) -> (Pair, Pair) {
-    let (high, low) = (c3.by(x.one).plus(*c2), c1.by(x.one).plus(*c0));
-    (high.by(x.square).plus(low), high.by(x.two).plus(c3.by(x.square).plus(*c1)))
+pub(super) fn slide<T: Lanes>(x: &Powers<T>, [c0, c1, c2, c3]: [T; 4]) -> (T, T) {
+    let (high, low) = (c3 * x.one + c2, c1 * x.one + c0);
+    (high * x.square + low, high * x.two + (c3 * x.square + c1))
+}
+
+/// A bicubic and its slopes by `s` and by `t` in each lane: the powers of `s` in rows.
+#[inline(always)]
+pub(super) fn jet<T: Lanes>(s: &Powers<T>, t: &Powers<T>, [a, b, c, d]: [[T; 4]; 4]) -> [T; 3] {
+    let ((a, a_t), (b, b_t)) = (slide(t, a), slide(t, b));
+    let ((c, c_t), (d, d_t)) = (slide(t, c), slide(t, d));
+    let (value, by_s) = slide(s, [a, b, c, d]);
+    [value, by_s, cubics(s, [a_t, b_t, c_t, d_t])]
 }
 
 /// Two bicubics in `s` and `t`: the powers of `s` in rows.
@@ -49,18 +64,14 @@ impl Bicubics {
 
     #[inline(always)]
     pub(super) fn value(&self, s: f64, t: f64) -> Pair {
-        let ([a, b, c, d], t) = (&self.0, Powers::of(t));
-        cubics(&Powers::of(s), &[cubics(&t, a), cubics(&t, b), cubics(&t, c), cubics(&t, d)])
+        let ([a, b, c, d], t) = (self.0, Powers::of(t, Pair::both));
+        cubics(&Powers::of(s, Pair::both), [cubics(&t, a), cubics(&t, b), cubics(&t, c), cubics(&t, d)])
     }
 
     /// Values, slopes by `s` and slopes by `t`.
     #[inline(always)]
     pub(super) fn jet(&self, s: f64, t: f64) -> [Pair; 3] {
-        let ([a, b, c, d], s, t) = (&self.0, &Powers::of(s), &Powers::of(t));
-        let ((a, a_t), (b, b_t)) = (slide(t, a), slide(t, b));
-        let ((c, c_t), (d, d_t)) = (slide(t, c), slide(t, d));
-        let (value, by_s) = slide(s, &[a, b, c, d]);
-        [value, by_s, cubics(s, &[a_t, b_t, c_t, d_t])]
+        jet(&Powers::of(s, Pair::both), &Powers::of(t, Pair::both), self.0)
     }
 }
 

@@ -175,7 +175,7 @@ impl Sheet {
     }
 
     pub(super) fn gain_in(&self, row: usize, share: f64) -> f64 {
-        cubics(&Powers::of(share), &self.lines[row]).first()
+        cubics(&Powers::of(share, Pair::both), self.lines[row]).first()
     }
 
     /// How much more than `value` is read at the place with these shares of a cell, and its derivatives by the shares: slopes in rad,
@@ -186,7 +186,7 @@ impl Sheet {
         if read == Read::Slope && self.compliance <= 0.0 {
             return [here[0] - value, by_a[0], by_b[0]];
         }
-        let (line, rates) = slide(&Powers::of(a), &self.lines[i]);
+        let (line, rates) = slide(&Powers::of(a, Pair::both), self.lines[i]);
         let (gain, rate) = (line.first(), rates.first());
         match read {
             Read::Moment => [here[1] - value * gain, by_a[1] - value * rate, by_b[1]],
@@ -213,7 +213,7 @@ impl Sheet {
     /// The contact at the place with these shares of a cell, and the gain there; `None` beyond the first mode.
     #[inline(always)]
     fn spot(&self, (i, j): Cell, [a, b]: [f64; 2]) -> Option<(Spot, f64)> {
-        let [gain, end] = cubics(&Powers::of(a), &self.lines[i]).array();
+        let [gain, end] = cubics(&Powers::of(a, Pair::both), self.lines[i]).array();
         let (s_a, w) = ((self.u.at(i, a)) * self.rod.length(), self.w.at(j, b));
         Some((self.spot_under(force(gain, s_a, w * end), (s_a, gain, w), (i, j), [a, b])?, gain))
     }
@@ -242,7 +242,7 @@ impl Sheet {
     /// The contact under `force` (N) at `s_a` (m); `None` beyond the first mode and off the sheet.
     pub(crate) fn contact(&self, force: f64, s_a: f64) -> Option<Spot> {
         let place = self.u.place(s_a * self.per_length);
-        let [gain, end] = cubics(&Powers::of(place.share), self.lines.get(place.cell)?).array();
+        let [gain, end] = cubics(&Powers::of(place.share, Pair::both), *self.lines.get(place.cell)?).array();
         let doubled = 2.0 * (force * gain * s_a).abs();
         // The inverse of the hyperbolic sine, as well as a place on the chart needs it.
         let load = (doubled + (1.0 + doubled * doubled).sqrt()).ln().copysign(force) / end;
@@ -255,7 +255,7 @@ impl Sheet {
     /// The contact at `s_a` (m) and at the place `w` along the loads, which go from -1 to 1.
     pub(crate) fn contact_at(&self, s_a: f64, w: f64) -> Option<Spot> {
         let (place, column) = (self.u.place(s_a * self.per_length), self.w.place(w));
-        let [gain, end] = cubics(&Powers::of(place.share), self.lines.get(place.cell)?).array();
+        let [gain, end] = cubics(&Powers::of(place.share, Pair::both), *self.lines.get(place.cell)?).array();
         let inside = w.abs() <= 1.0 && (-1e-9..=1.0 + 1e-9).contains(&place.share);
         let at = [place.share, column.share];
         inside.then(|| self.spot_under(force(gain, s_a, w * end), (s_a, gain, w), (place.cell, column.cell), at))?
