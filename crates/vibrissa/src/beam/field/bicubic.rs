@@ -1,7 +1,7 @@
-//! Two or four bicubic polynomials at once, by powers.
+//! Four bicubic polynomials at once, or two of them, by powers.
 
-use crate::beam::pair::Pair;
 use core::ops::{Add, Mul};
+use fearless_simd::{Simd, SimdInto, f64x4};
 
 /// Numbers that are added and multiplied as one.
 pub(super) trait Lanes: Copy + Add<Output = Self> + Mul<Output = Self> {}
@@ -51,28 +51,52 @@ pub(super) fn jet<T: Lanes>(s: &Powers<T>, t: &Powers<T>, [a, b, c, d]: [[T; 4];
     [value, by_s, cubics(s, [a_t, b_t, c_t, d_t])]
 }
 
-/// Two bicubics in `s` and `t`: the powers of `s` in rows.
+/// The coefficients of four bicubics in `s` and `t`: the powers of `s` in rows. Lines of cache begin with it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Bicubics(pub(super) [[Pair; 4]; 4]);
+#[repr(align(64))]
+pub(super) struct Bicubics(pub(super) [[[f64; 4]; 4]; 4]);
 
 impl Bicubics {
     /// From the coefficients of each.
-    pub(super) fn new(first: &[[f64; 4]; 4], second: &[[f64; 4]; 4]) -> Self {
-        let pair = |p: usize, q: usize| Pair::new(first[p][q], second[p][q]);
-        Self([0, 1, 2, 3].map(|p| [0, 1, 2, 3].map(|q| pair(p, q))))
+    pub(super) fn new(each: [[[f64; 4]; 4]; 4]) -> Self {
+        Self([0, 1, 2, 3].map(|p| [0, 1, 2, 3].map(|q| [0, 1, 2, 3].map(|k: usize| each[k][p][q]))))
     }
 
+    /// All four, their slopes by `s` and their slopes by `t`.
     #[inline(always)]
-    pub(super) fn value(&self, s: f64, t: f64) -> Pair {
-        let ([a, b, c, d], t) = (self.0, Powers::of(t, Pair::both));
-        cubics(&Powers::of(s, Pair::both), [cubics(&t, a), cubics(&t, b), cubics(&t, c), cubics(&t, d)])
+    pub(super) fn jet<S: Simd>(&self, simd: S, s: f64, t: &Powers<f64x4<S>>) -> [f64x4<S>; 3] {
+        let [a, b, c, d] = self.0;
+        let rows = [lanes(simd, a), lanes(simd, b), lanes(simd, c), lanes(simd, d)];
+        jet(&Powers::of(s, |x| simd.splat_f64x4(x)), t, rows)
     }
 
-    /// Values, slopes by `s` and slopes by `t`.
+    /// The first two, their slopes by `s` and their slopes by `t`.
     #[inline(always)]
-    pub(super) fn jet(&self, s: f64, t: f64) -> [Pair; 3] {
-        jet(&Powers::of(s, Pair::both), &Powers::of(t, Pair::both), self.0)
+    pub(super) fn jet_of_two<S: Simd>(&self, simd: S, s: f64, t: f64) -> [[f64; 2]; 3] {
+        let all = |x: f64| simd.splat_f64x2(x);
+        let two = |[a, b, c, d]: [[f64; 4]; 4]| {
+            let low = |[x, y, ..]: [f64; 4]| [x, y].simd_into(simd);
+            [low(a), low(b), low(c), low(d)]
+        };
+        let [a, b, c, d] = self.0;
+        let [value, by_s, by_t] = jet(&Powers::of(s, all), &Powers::of(t, all), [two(a), two(b), two(c), two(d)]);
+        [value.into(), by_s.into(), by_t.into()]
     }
+
+    /// All four.
+    #[inline(always)]
+    pub(super) fn value<S: Simd>(&self, simd: S, s: f64, t: f64) -> [f64; 4] {
+        let all = |x: f64| simd.splat_f64x4(x);
+        let ([a, b, c, d], s, t) = (self.0, &Powers::of(s, all), &Powers::of(t, all));
+        let (low, high) = ([lanes(simd, a), lanes(simd, b)], [lanes(simd, c), lanes(simd, d)]);
+        cubics(s, [cubics(t, low[0]), cubics(t, low[1]), cubics(t, high[0]), cubics(t, high[1])]).into()
+    }
+}
+
+/// Four lanes each.
+#[inline(always)]
+pub(super) fn lanes<S: Simd>(simd: S, [a, b, c, d]: [[f64; 4]; 4]) -> [f64x4<S>; 4] {
+    [a.simd_into(simd), b.simd_into(simd), c.simd_into(simd), d.simd_into(simd)]
 }
 
 /// The sixteen coefficients by powers of a bicubic that has at the corners (0, 0), (0, 1), (1, 0), (1, 1) of a cell with sides `h`

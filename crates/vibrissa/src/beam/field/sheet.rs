@@ -14,6 +14,7 @@ use crate::beam::rod::Rod;
 use crate::plane::Vec2;
 use alloc::vec::Vec;
 use core::f64::consts::PI;
+use fearless_simd::{Level, Simd, dispatch};
 
 /// Knots along each side of a block, whose range of readings is known.
 pub(crate) const BLOCK: usize = 8;
@@ -65,7 +66,9 @@ pub(crate) struct Sheet {
     /// At each `u` where the loads end, in `v`, and the derivative.
     pub(super) ends: Vec<[f64; 2]>,
     /// Of each cell, in shares: slope and moment, then x and y.
-    pub(super) patches: Vec<[Bicubics; 2]>,
+    pub(super) patches: Vec<Bicubics>,
+    /// What the processor has registers for.
+    pub(super) level: Level,
     /// Gain and end over each cell along the whisker, in shares.
     pub(super) lines: Vec<[Pair; 4]>,
     /// Slope (rad) and moment (N m) at the knots.
@@ -104,6 +107,11 @@ impl Sheet {
         }
     }
 
+    /// What the processor has registers for: the results are the same to the last bit.
+    pub(crate) fn level(&self) -> Level {
+        self.level
+    }
+
     /// Knots along the whisker.
     pub(crate) fn rows(&self) -> usize {
         self.u.knots.len()
@@ -125,12 +133,14 @@ impl Sheet {
     }
 
     /// The same place as seen from the cell that holds it, when it is further than `out` shares from its own.
-    #[inline]
-    pub(crate) fn settled(&self, (i, j): Cell, [a, b]: [f64; 2], out: f64) -> (Cell, [f64; 2]) {
-        let inside = |x: f64| (-out..=1.0 + out).contains(&x);
-        if inside(a) && inside(b) {
-            return ((i, j), [a, b]);
-        }
+    #[inline(always)]
+    pub(crate) fn settled(&self, cell: Cell, [a, b]: [f64; 2], out: f64) -> (Cell, [f64; 2]) {
+        if a.min(b) >= -out && a.max(b) <= 1.0 + out { (cell, [a, b]) } else { self.moved(cell, [a, b]) }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn moved(&self, (i, j): Cell, [a, b]: [f64; 2]) -> (Cell, [f64; 2]) {
         let u = self.u.place(self.u.knots[i] + a * self.u.width(i));
         let v = self.w.place(self.w.knots[j] + b * self.w.width(j));
         ((u.cell, v.cell), [u.share, v.share])
@@ -163,15 +173,16 @@ impl Sheet {
         self.compliance * self.errors[3] / gain
     }
 
-    /// How far (m) a level curve may be from where it is traced, when over a cell the reading rises by `rise` (slope in rad, moment by
-    /// the unit of load) and the search ended a share `left` of the cell away from the value.
-    pub(crate) fn level_error(&self, read: Read, value: f64, rise: f64, left: f64, row: usize) -> f64 {
+    /// How far (m) a level curve may be from where it is traced, when a rise of the reading by one (slope in rad, moment by the unit
+    /// of load) takes `per_rise` cells and the search ended a share `left` of the cell away from the value.
+    #[inline(always)]
+    pub(crate) fn level_error(&self, read: Read, value: f64, per_rise: f64, left: f64, row: usize) -> f64 {
         let off = match read {
             Read::Slope => self.errors[0] + self.turn_of(self.gains[row][0].min(self.gains[row + 1][0])),
             Read::Moment => self.errors[3] + self.gain_error * (value * self.gains[row][0]).abs(),
         };
         // Beyond a cell nothing linear is left.
-        self.reach * (off / rise + left).min(1.0)
+        self.reach * (off * per_rise + left).min(1.0)
     }
 
     pub(super) fn gain_in(&self, row: usize, share: f64) -> f64 {
@@ -180,9 +191,16 @@ impl Sheet {
 
     /// How much more than `value` is read at the place with these shares of a cell, and its derivatives by the shares: slopes in rad,
     /// moments by the unit of load.
-    #[inline]
-    pub(crate) fn excess(&self, read: Read, value: f64, (i, j): Cell, [a, b]: [f64; 2]) -> [f64; 3] {
-        let [here, by_a, by_b] = self.patches[i * self.w.cells() + j][0].jet(a, b).map(Pair::array);
+    #[inline(always)]
+    pub(crate) fn excess<S: Simd>(
+        &self,
+        simd: S,
+        read: Read,
+        value: f64,
+        (i, j): Cell,
+        [a, b]: [f64; 2],
+    ) -> [f64; 3] {
+        let [here, by_a, by_b] = self.patches[i * self.w.cells() + j].jet_of_two(simd, a, b);
         if read == Read::Slope && self.compliance <= 0.0 {
             return [here[0] - value, by_a[0], by_b[0]];
         }
@@ -201,28 +219,35 @@ impl Sheet {
     /// The contact at the place with these shares of a cell, and how much more than `value` it reads, as [`Sheet::excess`]; `None` beyond
     /// the first mode.
     #[inline(always)]
-    pub(crate) fn reading_spot(&self, read: Read, value: f64, (i, j): Cell, [a, b]: [f64; 2]) -> Option<(Spot, f64)> {
-        let (spot, gain) = self.spot((i, j), [a, b])?;
+    pub(crate) fn reading_spot<S: Simd>(
+        &self,
+        simd: S,
+        read: Read,
+        value: f64,
+        (i, j): Cell,
+        [a, b]: [f64; 2],
+    ) -> Option<(Spot, f64)> {
+        let [gain, end] = cubics(&Powers::of(a, Pair::both), self.lines[i]).array();
+        let (s_a, w) = ((self.u.at(i, a)) * self.rod.length(), self.w.at(j, b));
+        let (spot, scaled) = self.spot_under(simd, force(gain, s_a, w * end), (s_a, gain, w), (i, j), [a, b])?;
         let excess = match read {
             Read::Slope => spot.phi_a - value,
-            Read::Moment => (spot.moment - value) * gain,
+            Read::Moment => scaled - value * gain,
         };
         Some((spot, excess))
     }
 
-    /// The contact at the place with these shares of a cell, and the gain there; `None` beyond the first mode.
+    /// The contact, its force, arc length, gain and place along the loads known, and its moment by the unit of load.
     #[inline(always)]
-    fn spot(&self, (i, j): Cell, [a, b]: [f64; 2]) -> Option<(Spot, f64)> {
-        let [gain, end] = cubics(&Powers::of(a, Pair::both), self.lines[i]).array();
-        let (s_a, w) = ((self.u.at(i, a)) * self.rod.length(), self.w.at(j, b));
-        Some((self.spot_under(force(gain, s_a, w * end), (s_a, gain, w), (i, j), [a, b])?, gain))
-    }
-
-    /// The contact, its force, arc length, gain and place along the loads known.
-    #[inline(always)]
-    fn spot_under(&self, force: f64, (s_a, gain, w): (f64, f64, f64), (i, j): Cell, [a, b]: [f64; 2]) -> Option<Spot> {
-        let [bent, placed] = self.patches.get(i * self.w.cells() + j)?;
-        let ([mut phi_a, scaled], [x, y]) = (bent.value(a, b).array(), placed.value(a, b).array());
+    fn spot_under<S: Simd>(
+        &self,
+        simd: S,
+        force: f64,
+        (s_a, gain, w): (f64, f64, f64),
+        (i, j): Cell,
+        [a, b]: [f64; 2],
+    ) -> Option<(Spot, f64)> {
+        let [mut phi_a, scaled, x, y] = self.patches.get(i * self.w.cells() + j)?.value(simd, a, b);
         if self.sure[i] >> j & 1 == 0
             && !(self.is_live((i, j)) && self.in_first_mode(s_a, gain, w, scaled) >= -self.errors[3])
         {
@@ -236,7 +261,7 @@ impl Sheet {
             }
             (phi_a, contact) = (phi_a + turned, contact.rotated(turned));
         }
-        Some(Spot { force, s_a, phi_a, contact, moment })
+        Some((Spot { force, s_a, phi_a, contact, moment }, scaled))
     }
 
     /// The contact under `force` (N) at `s_a` (m); `None` beyond the first mode and off the sheet.
@@ -249,7 +274,11 @@ impl Sheet {
         let column = self.w.place(load);
         let inside = load.abs() <= 1.0 && (-1e-9..=1.0 + 1e-9).contains(&place.share);
         let at = [place.share, column.share];
-        inside.then(|| self.spot_under(force, (s_a, gain, load), (place.cell, column.cell), at))?
+        let of_load = (s_a, gain, load);
+        if !inside {
+            return None;
+        }
+        dispatch!(self.level, simd => Some(self.spot_under(simd, force, of_load, (place.cell, column.cell), at)?.0))
     }
 
     /// The contact at `s_a` (m) and at the place `w` along the loads, which go from -1 to 1.
@@ -258,7 +287,11 @@ impl Sheet {
         let [gain, end] = cubics(&Powers::of(place.share, Pair::both), *self.lines.get(place.cell)?).array();
         let inside = w.abs() <= 1.0 && (-1e-9..=1.0 + 1e-9).contains(&place.share);
         let at = [place.share, column.share];
-        inside.then(|| self.spot_under(force(gain, s_a, w * end), (s_a, gain, w), (place.cell, column.cell), at))?
+        let (force, of_load) = (force(gain, s_a, w * end), (s_a, gain, w));
+        if !inside {
+            return None;
+        }
+        dispatch!(self.level, simd => Some(self.spot_under(simd, force, of_load, (place.cell, column.cell), at)?.0))
     }
 
     /// Where along the loads the contacts at `s_a` (m) are in the first mode, without a gap around rest; `None` where rest is not.
@@ -266,8 +299,8 @@ impl Sheet {
         let place = self.u.place(s_a * self.per_length);
         let gain = self.gain_in(place.cell, place.share);
         let margin = |j: usize, b: f64| {
-            let scaled =
-                self.patches.get(place.cell * self.w.cells() + j).map(|p| p[0].value(place.share, b).second())?;
+            let patch = self.patches.get(place.cell * self.w.cells() + j)?;
+            let [_, scaled, ..] = dispatch!(self.level, simd => patch.value(simd, place.share, b));
             let off = self.in_first_mode(s_a, gain, self.w.at(j, b), scaled) + self.errors[3];
             Some(off).filter(|_| self.is_live((place.cell, j)))
         };

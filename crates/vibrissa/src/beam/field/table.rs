@@ -5,7 +5,7 @@
 
 extern crate alloc;
 use super::axis::{Axis, Place};
-use super::bicubic::{Powers, coefficients, jet, slide};
+use super::bicubic::{Bicubics, Powers, coefficients, lanes, slide};
 use alloc::vec::Vec;
 use fearless_simd::{Level, Simd, SimdInto, dispatch, f64x4};
 
@@ -36,8 +36,8 @@ pub(super) struct Jet {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(align(64))]
 pub(super) struct Patch {
-    /// Slope, moment, energy and x, the powers of `u` in rows.
-    four: [[[f64; 4]; 4]; 4],
+    /// Slope, moment, energy and x.
+    four: Bicubics,
     /// y, which is alone: the powers of `v` in rows.
     last: [[f64; 4]; 4],
 }
@@ -57,17 +57,12 @@ pub(super) struct Table {
 /// Value and both slopes of the bicubic that stands alone.
 #[inline(always)]
 fn jet_alone<S: Simd>(simd: S, s: f64, t: &Powers<f64x4<S>>, rows: &[[f64; 4]; 4]) -> [f64; 3] {
-    let (value, by_t) = slide(t, lines(simd, *rows));
+    let (value, by_t) = slide(t, lanes(simd, *rows));
     let (((ab, cd), (ab_t, cd_t)), square) = ((simd.split_f64x4(value), simd.split_f64x4(by_t)), simd.splat_f64x2(s * s));
     // a + b s + (c + d s) s², and the same of the slopes by t.
     let (even, even_t) = (cd * square + ab, cd_t * square + ab_t);
     let value = simd.zip_high_f64x2(even, even_t) * s + simd.zip_low_f64x2(even, even_t);
     [value[0], ab[1] + s * (2.0 * cd[0] + 3.0 * (s * cd[1])), value[1]]
-}
-
-#[inline(always)]
-fn lines<S: Simd>(simd: S, [a, b, c, d]: [[f64; 4]; 4]) -> [f64x4<S>; 4] {
-    [a.simd_into(simd), b.simd_into(simd), c.simd_into(simd), d.simd_into(simd)]
 }
 
 impl Patch {
@@ -76,15 +71,13 @@ impl Patch {
     /// distances, which need no scales.
     #[inline(always)]
     pub(super) fn jet<S: Simd>(&self, simd: S, s: f64, t: f64, side: f64) -> Jet {
-        let all = |x: f64| simd.splat_f64x4(x);
-        let (by_s, by_t, [a, b, c, d]) = (Powers::of(s, all), Powers::of(t, all), self.four);
-        let rows = [lines(simd, a), lines(simd, b), lines(simd, c), lines(simd, d)];
-        let [value, value_s, value_t] = jet(&by_s, &by_t, rows);
-        let [last, last_s, last_t] = jet_alone(simd, s, &by_t, &self.last);
+        let t = &Powers::of(t, |x| simd.splat_f64x4(x));
+        let [value, by_s, by_t] = self.four.jet(simd, s, t);
+        let [last, last_s, last_t] = jet_alone(simd, s, t, &self.last);
         let (odd, even) = ([side, side, 1.0, 1.0], [1.0, 1.0, side, side]);
         let (odd, even): (f64x4<S>, f64x4<S>) = (odd.simd_into(simd), even.simd_into(simd));
         Jet {
-            four: [(value * odd).into(), (value_s * even).into(), (value_t * even).into()],
+            four: [(value * odd).into(), (by_s * even).into(), (by_t * even).into()],
             last: [last * side, last_s, last_t],
         }
     }
@@ -167,11 +160,10 @@ fn patch(nodes: &[Node], stride: usize, (i, j): (usize, usize), h: (f64, f64)) -
         }
         all
     };
-    let (slope, moment, energy, x, y) = (of(SLOPE), of(MOMENT), of(ENERGY), of(X), of(Y));
-    let all = [0, 1, 2, 3];
+    let y = of(Y);
     Patch {
-        four: all.map(|p| all.map(|q| [slope[p][q], moment[p][q], energy[p][q], x[p][q]])),
-        last: all.map(|q| all.map(|p| y[p][q])),
+        four: Bicubics::new([SLOPE, MOMENT, ENERGY, X].map(of)),
+        last: [0, 1, 2, 3].map(|q: usize| [0, 1, 2, 3].map(|p: usize| y[p][q])),
     }
 }
 
