@@ -36,6 +36,8 @@ struct Crossings<'a> {
     readings: &'a [f64],
     read: Read,
     value: f64,
+    /// The cells of a row in which the value can be read in the first mode.
+    side: u128,
     /// Between a knot and the next one along the loads; bit `j` is the edge from column `j`.
     across: Vec<u128>,
     /// Between a knot and the next one along the whisker.
@@ -151,7 +153,8 @@ impl<'a> Crossings<'a> {
     fn new(sheet: &'a Sheet, read: Read, value: f64) -> Self {
         let (rows, readings) = (sheet.rows(), sheet.readings(read));
         let above = above(sheet, read, value);
-        let mut own = Self { sheet, readings, read, value, across: vec![0; rows], along: vec![0; rows] };
+        let side = sheet.side(value);
+        let mut own = Self { sheet, readings, read, value, side, across: vec![0; rows], along: vec![0; rows] };
         for row in 0..rows {
             let (before, after) = (own.live(row.wrapping_sub(1)), own.live(row));
             own.across[row] = (above[row] ^ above[row] >> 1) & (before | after);
@@ -163,7 +166,7 @@ impl<'a> Crossings<'a> {
     }
 
     fn live(&self, row: usize) -> u128 {
-        if row < self.sheet.rows() - 1 { self.sheet.live(row) } else { 0 }
+        if row < self.sheet.rows() - 1 { self.sheet.live(row) & self.side } else { 0 }
     }
 
     /// The curves: those that end, from their ends, then those that close, from anywhere.
@@ -215,7 +218,7 @@ impl<'a> Crossings<'a> {
             let Some(exit) = exit else { return chain };
             self.take(cell, exit);
             let (ahead, entry) = next(cell, exit);
-            if ahead.1 >= self.sheet.columns() || self.live(ahead.0) >> ahead.1 & 1 == 0 {
+            if ahead.1 >= self.sheet.columns() || !is_set(self.live(ahead.0), ahead.1) {
                 return chain;
             }
             (from, place) = (on_side(entry, along_side(exit, to)), end_place);
@@ -233,26 +236,32 @@ impl<'a> Crossings<'a> {
         let (sheet, read, value) = (self.sheet, self.read, self.value);
         let [excess, ..] = dispatch!(sheet.level(), simd => sheet.excess(simd, read, value, cell, [0.5; 2]));
         let middle = excess > 0.0;
-        let corner = self.reading(cell, side) > self.value;
+        let corner = self.readings[self.ends(cell, side)[0]] > self.value;
         Some(if corner == middle { (side + 1) % 4 } else { (side + 3) % 4 })
     }
 
-    /// The reading at the corner at which a side starts, going around the cell.
-    #[inline]
-    fn reading(&self, (i, j): Cell, corner: usize) -> f64 {
-        let (p, q) = CORNERS[corner % 4];
-        self.readings[(i + p) * self.sheet.columns() + j + q]
+    /// The knots at which a side starts and ends, going around the cell.
+    #[inline(always)]
+    fn ends(&self, (i, j): Cell, side: Side) -> [usize; 2] {
+        let columns = self.sheet.columns();
+        let around = [0, 1, columns + 1, columns, 0];
+        [i * columns + j + around[side], i * columns + j + around[side + 1]]
     }
 
     /// Where the value lies on a side: shares of the cell and place, both between corners.
-    #[inline]
-    fn crossing(&self, (i, j): Cell, side: Side) -> ([f64; 2], Vec2) {
-        let (a, b) = (self.reading((i, j), side), self.reading((i, j), side + 1));
+    #[inline(always)]
+    fn crossing(&self, cell: Cell, side: Side) -> ([f64; 2], Vec2) {
+        let [from, to] = self.ends(cell, side);
+        let (a, b) = (self.readings[from], self.readings[to]);
         let share = ((self.value - a) / (b - a)).clamp(0.0, 1.0);
-        let (p, q) = (CORNERS[side], CORNERS[(side + 1) % 4]);
-        let (from, to) = (self.sheet.place(i + p.0, j + p.1), self.sheet.place(i + q.0, j + q.1));
-        let mix = |p: usize, q: usize| p as f64 + share * (q as f64 - p as f64);
-        ([mix(p.0, q.0), mix(p.1, q.1)], from + share * (to - from))
+        let (from, to) = (self.sheet.knot(from), self.sheet.knot(to));
+        let at = match side {
+            0 => [0.0, share],
+            1 => [share, 1.0],
+            2 => [1.0, 1.0 - share],
+            _ => [1.0 - share, 0.0],
+        };
+        (at, from + share * (to - from))
     }
 
     #[inline]
@@ -267,13 +276,12 @@ impl<'a> Crossings<'a> {
 
     #[inline]
     fn is_crossed(&self, (i, j): Cell, side: Side) -> bool {
-        let (word, bit) = match side {
-            0 => (self.across[i], j),
-            2 => (self.across[i + 1], j),
-            1 => (self.along[i], j + 1),
-            _ => (self.along[i], j),
-        };
-        word >> bit & 1 == 1
+        match side {
+            0 => is_set(self.across[i], j),
+            2 => is_set(self.across[i + 1], j),
+            1 => is_set(self.along[i], j + 1),
+            _ => is_set(self.along[i], j),
+        }
     }
 
     #[inline]
@@ -283,8 +291,11 @@ impl<'a> Crossings<'a> {
     }
 }
 
-/// The corners around a cell; side `k` runs from corner `k` to the next.
-const CORNERS: [(usize, usize); 4] = [(0, 0), (0, 1), (1, 1), (1, 0)];
+/// Whether a bit of a word is set. A shift by a half at a time takes half the instructions.
+#[inline(always)]
+fn is_set(word: u128, bit: usize) -> bool {
+    (if bit < 64 { word as u64 } else { (word >> 64) as u64 }) >> (bit & 63) & 1 == 1
+}
 
 fn first(word: u128) -> Option<usize> {
     (word != 0).then(|| word.trailing_zeros() as usize)
