@@ -143,7 +143,10 @@ mod tests {
                 assert_eq!(axis.cell(x), want, "{x} {knots:?}");
                 let place = axis.place(x);
                 let (cell, along) = axis.along(x);
-                assert!(cell == want || !x.is_finite() || (x - knots[want]).min(knots[want + 1] - x).abs() < 1e-14, "{x}");
+                assert!(
+                    cell == want || !x.is_finite() || (x - knots[want]).min(knots[want + 1] - x).abs() < 1e-14,
+                    "{x}"
+                );
                 assert!(!x.is_finite() || along + knots[cell] - x == 0.0);
                 assert!(
                     !x.is_finite() || (knots[want] + place.share * place.width - x).abs() <= 1e-12 * (1.0 + x.abs())

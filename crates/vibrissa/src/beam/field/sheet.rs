@@ -209,14 +209,7 @@ impl Sheet {
     /// How much more than `value` is read at the place with these shares of a cell, and its derivatives by the shares: slopes in rad,
     /// moments by the unit of load.
     #[inline(always)]
-    pub(crate) fn excess<S: Simd>(
-        &self,
-        simd: S,
-        read: Read,
-        value: f64,
-        (i, j): Cell,
-        [a, b]: [f64; 2],
-    ) -> [f64; 3] {
+    pub(crate) fn excess<S: Simd>(&self, simd: S, read: Read, value: f64, (i, j): Cell, [a, b]: [f64; 2]) -> [f64; 3] {
         let [here, by_a, by_b] = self.patches[i * self.w.cells() + j].jet_of_two(simd, a, b);
         if read == Read::Slope && self.compliance <= 0.0 {
             return [here[0] - value, by_a[0], by_b[0]];
@@ -346,7 +339,8 @@ const TURNS: [[f64; 2]; 8] = [
 fn rotated(v: Vec2, angle: f64) -> Vec2 {
     let quarter = 0.25 * angle;
     let square = quarter * quarter;
-    let [sine, cosine] = TURNS.iter().fold(Pair::both(0.0), |sum, [s, c]| sum.times(square).plus(Pair::new(*s, *c))).array();
+    let [sine, cosine] =
+        TURNS.iter().fold(Pair::both(0.0), |sum, [s, c]| sum.times(square).plus(Pair::new(*s, *c))).array();
     let (sine, cosine) = (quarter * sine, 1.0 + square * cosine);
     let (sine, cosine) = (2.0 * sine * cosine, 1.0 - 2.0 * sine * sine);
     let (sine, cosine) = (2.0 * sine * cosine, 1.0 - 2.0 * sine * sine);

@@ -58,7 +58,8 @@ pub(super) struct Table {
 #[inline(always)]
 fn jet_alone<S: Simd>(simd: S, s: f64, t: &Powers<f64x4<S>>, rows: &[[f64; 4]; 4]) -> [f64; 3] {
     let (value, by_t) = slide(t, lanes(simd, *rows));
-    let (((ab, cd), (ab_t, cd_t)), square) = ((simd.split_f64x4(value), simd.split_f64x4(by_t)), simd.splat_f64x2(s * s));
+    let (((ab, cd), (ab_t, cd_t)), square) =
+        ((simd.split_f64x4(value), simd.split_f64x4(by_t)), simd.splat_f64x2(s * s));
     // a + b s + (c + d s) s², and the same of the slopes by t.
     let (even, even_t) = (cd * square + ab, cd_t * square + ab_t);
     let value = simd.zip_high_f64x2(even, even_t) * s + simd.zip_low_f64x2(even, even_t);
