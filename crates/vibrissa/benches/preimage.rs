@@ -24,14 +24,20 @@ fn paper() -> ContactModel {
 
 fn contact_sets(c: &mut Criterion) {
     let model = paper();
-    let mut group = c.benchmark_group("contact set of 200 points");
+    let mut group = c.benchmark_group("contact set of 200 points a branch");
+    // A moment may have two branches.
+    let points = |model: &ContactModel, sensor: VirtualSensor, value: f64| -> usize {
+        let set = ContactSet::new(model, sensor, value, 200).unwrap();
+        set.curves.iter().map(|curve| curve.contacts().len()).sum()
+    };
     for (sensor, value) in [
         (VirtualSensor::Load, 0.1),
         (VirtualSensor::Strip, 0.06),
         (VirtualSensor::Slope, 0.9),
         (VirtualSensor::Moment(MomentRegime::LargeAngle), 17e-3),
     ] {
-        group.bench_function(sensor.word(), |b| {
+        let count = points(&model, sensor, value);
+        group.bench_function(format!("{}, uniform: {count} points", sensor.word()), |b| {
             b.iter(|| ContactSet::new(&model, sensor, black_box(value), 200).unwrap());
         });
     }
@@ -49,7 +55,8 @@ fn contact_sets(c: &mut Criterion) {
             (VirtualSensor::Slope, 0.9),
             (VirtualSensor::Moment(MomentRegime::LargeAngle), 4e-3),
         ] {
-            group.bench_function(format!("{}, {name}", sensor.word()), |b| {
+            let count = points(&other, sensor, value);
+            group.bench_function(format!("{}, {name}: {count} points", sensor.word()), |b| {
                 b.iter(|| ContactSet::new(&other, sensor, black_box(value), 200).unwrap());
             });
         }

@@ -4,9 +4,7 @@
 //! function, and shuffles. The results are the same to the last bit.
 
 #[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
-use safe_arch::{
-    add_m128d, get_f64_from_m128d_s, m128d, mul_m128d, set_m128d, set_splat_m128d, unpack_high_m128d, unpack_low_m128d,
-};
+use safe_arch::{add_m128d, get_f64_from_m128d_s, m128d, mul_m128d, set_m128d, set_splat_m128d, unpack_high_m128d};
 
 /// Two numbers that are loaded, added and multiplied as one; aligned, so that a sum may take one straight from memory.
 #[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
@@ -39,12 +37,6 @@ impl Pair {
     #[inline(always)]
     pub(super) fn array(self) -> [f64; 2] {
         [get_f64_from_m128d_s(self.0), get_f64_from_m128d_s(unpack_high_m128d(self.0, self.0))]
-    }
-
-    /// The first of both, and the second of both.
-    #[inline(always)]
-    pub(super) fn across(self, other: Self) -> [Self; 2] {
-        [Self(unpack_low_m128d(self.0, other.0)), Self(unpack_high_m128d(self.0, other.0))]
     }
 }
 
@@ -81,12 +73,6 @@ impl Pair {
     pub(super) fn array(self) -> [f64; 2] {
         self.0
     }
-
-    /// The first of both, and the second of both.
-    #[inline(always)]
-    pub(super) fn across(self, other: Self) -> [Self; 2] {
-        [Self([self.0[0], other.0[0]]), Self([self.0[1], other.0[1]])]
-    }
 }
 
 impl Pair {
@@ -103,5 +89,23 @@ impl Pair {
     #[inline(always)]
     pub(super) fn second(self) -> f64 {
         self.array()[1]
+    }
+}
+
+impl core::ops::Add for Pair {
+    type Output = Self;
+
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        self.plus(other)
+    }
+}
+
+impl core::ops::Mul for Pair {
+    type Output = Self;
+
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        self.by(other)
     }
 }

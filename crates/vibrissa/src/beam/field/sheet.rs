@@ -7,13 +7,14 @@
 
 extern crate alloc;
 use super::axis::Axis;
-use super::bicubic::{Bicubics, cubics, slide};
+use super::bicubic::{Bicubics, Powers, cubics, slide};
 use super::ends::force;
 use crate::beam::pair::Pair;
 use crate::beam::rod::Rod;
 use crate::plane::Vec2;
 use alloc::vec::Vec;
 use core::f64::consts::PI;
+use fearless_simd::{Level, Simd, dispatch};
 
 /// Knots along each side of a block, whose range of readings is known.
 pub(crate) const BLOCK: usize = 8;
@@ -65,7 +66,9 @@ pub(crate) struct Sheet {
     /// At each `u` where the loads end, in `v`, and the derivative.
     pub(super) ends: Vec<[f64; 2]>,
     /// Of each cell, in shares: slope and moment, then x and y.
-    pub(super) patches: Vec<[Bicubics; 2]>,
+    pub(super) patches: Vec<Bicubics>,
+    /// What the processor has registers for.
+    pub(super) level: Level,
     /// Gain and end over each cell along the whisker, in shares.
     pub(super) lines: Vec<[Pair; 4]>,
     /// Slope (rad) and moment (N m) at the knots.
@@ -104,6 +107,11 @@ impl Sheet {
         }
     }
 
+    /// What the processor has registers for: the results are the same to the last bit.
+    pub(crate) fn level(&self) -> Level {
+        self.level
+    }
+
     /// Knots along the whisker.
     pub(crate) fn rows(&self) -> usize {
         self.u.knots.len()
@@ -125,12 +133,14 @@ impl Sheet {
     }
 
     /// The same place as seen from the cell that holds it, when it is further than `out` shares from its own.
-    #[inline]
-    pub(crate) fn settled(&self, (i, j): Cell, [a, b]: [f64; 2], out: f64) -> (Cell, [f64; 2]) {
-        let inside = |x: f64| (-out..=1.0 + out).contains(&x);
-        if inside(a) && inside(b) {
-            return ((i, j), [a, b]);
-        }
+    #[inline(always)]
+    pub(crate) fn settled(&self, cell: Cell, [a, b]: [f64; 2], out: f64) -> (Cell, [f64; 2]) {
+        if a.min(b) >= -out && a.max(b) <= 1.0 + out { (cell, [a, b]) } else { self.moved(cell, [a, b]) }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn moved(&self, (i, j): Cell, [a, b]: [f64; 2]) -> (Cell, [f64; 2]) {
         let u = self.u.place(self.u.knots[i] + a * self.u.width(i));
         let v = self.w.place(self.w.knots[j] + b * self.w.width(j));
         ((u.cell, v.cell), [u.share, v.share])
@@ -141,9 +151,26 @@ impl Sheet {
         self.places[row * self.columns() + column]
     }
 
+    /// The same by the number of the knot, those of one place along the whisker in a row.
+    #[inline(always)]
+    pub(crate) fn knot(&self, number: usize) -> Vec2 {
+        self.places[number]
+    }
+
     /// The cells of one row that hold first-mode contacts, a bit each.
     pub(crate) fn live(&self, row: usize) -> u128 {
         self.live[row]
+    }
+
+    /// The cells of every row in which a reading of this sign can be in the first mode, a bit each: of a rod that is straight at rest
+    /// those on the side of the reading, for moment and curvature have the force's own sign all along.
+    pub(crate) fn side(&self, value: f64) -> u128 {
+        let below = (1u128 << (self.w.cells() / 2)) - 1;
+        match (self.rod.is_straight(), value) {
+            (true, v) if v > 0.0 => !below,
+            (true, v) if v < 0.0 => below,
+            _ => u128::MAX,
+        }
     }
 
     pub(super) fn is_live(&self, (row, column): Cell) -> bool {
@@ -163,30 +190,31 @@ impl Sheet {
         self.compliance * self.errors[3] / gain
     }
 
-    /// How far (m) a level curve may be from where it is traced, when over a cell the reading rises by `rise` (slope in rad, moment by
-    /// the unit of load) and the search ended a share `left` of the cell away from the value.
-    pub(crate) fn level_error(&self, read: Read, value: f64, rise: f64, left: f64, row: usize) -> f64 {
+    /// How far (m) a level curve may be from where it is traced, when a rise of the reading by one (slope in rad, moment by the unit
+    /// of load) takes `per_rise` cells and the search ended a share `left` of the cell away from the value.
+    #[inline(always)]
+    pub(crate) fn level_error(&self, read: Read, value: f64, per_rise: f64, left: f64, row: usize) -> f64 {
         let off = match read {
             Read::Slope => self.errors[0] + self.turn_of(self.gains[row][0].min(self.gains[row + 1][0])),
             Read::Moment => self.errors[3] + self.gain_error * (value * self.gains[row][0]).abs(),
         };
         // Beyond a cell nothing linear is left.
-        self.reach * (off / rise + left).min(1.0)
+        self.reach * (off * per_rise + left).min(1.0)
     }
 
     pub(super) fn gain_in(&self, row: usize, share: f64) -> f64 {
-        cubics(share, &self.lines[row]).first()
+        cubics(&Powers::of(share, Pair::both), self.lines[row]).first()
     }
 
     /// How much more than `value` is read at the place with these shares of a cell, and its derivatives by the shares: slopes in rad,
     /// moments by the unit of load.
-    #[inline]
-    pub(crate) fn excess(&self, read: Read, value: f64, (i, j): Cell, [a, b]: [f64; 2]) -> [f64; 3] {
-        let [here, by_a, by_b] = self.patches[i * self.w.cells() + j][0].jet(a, b).map(Pair::array);
+    #[inline(always)]
+    pub(crate) fn excess<S: Simd>(&self, simd: S, read: Read, value: f64, (i, j): Cell, [a, b]: [f64; 2]) -> [f64; 3] {
+        let [here, by_a, by_b] = self.patches[i * self.w.cells() + j].jet_of_two(simd, a, b);
         if read == Read::Slope && self.compliance <= 0.0 {
             return [here[0] - value, by_a[0], by_b[0]];
         }
-        let (line, rates) = slide(a, &self.lines[i]);
+        let (line, rates) = slide(&Powers::of(a, Pair::both), self.lines[i]);
         let (gain, rate) = (line.first(), rates.first());
         match read {
             Read::Moment => [here[1] - value * gain, by_a[1] - value * rate, by_b[1]],
@@ -201,28 +229,35 @@ impl Sheet {
     /// The contact at the place with these shares of a cell, and how much more than `value` it reads, as [`Sheet::excess`]; `None` beyond
     /// the first mode.
     #[inline(always)]
-    pub(crate) fn reading_spot(&self, read: Read, value: f64, (i, j): Cell, [a, b]: [f64; 2]) -> Option<(Spot, f64)> {
-        let (spot, gain) = self.spot((i, j), [a, b])?;
+    pub(crate) fn reading_spot<S: Simd>(
+        &self,
+        simd: S,
+        read: Read,
+        value: f64,
+        (i, j): Cell,
+        [a, b]: [f64; 2],
+    ) -> Option<(Spot, f64)> {
+        let [gain, end] = cubics(&Powers::of(a, Pair::both), self.lines[i]).array();
+        let (s_a, w) = ((self.u.at(i, a)) * self.rod.length(), self.w.at(j, b));
+        let (spot, scaled) = self.spot_under(simd, force(gain, s_a, w * end), (s_a, gain, w), (i, j), [a, b])?;
         let excess = match read {
             Read::Slope => spot.phi_a - value,
-            Read::Moment => (spot.moment - value) * gain,
+            Read::Moment => scaled - value * gain,
         };
         Some((spot, excess))
     }
 
-    /// The contact at the place with these shares of a cell, and the gain there; `None` beyond the first mode.
+    /// The contact, its force, arc length, gain and place along the loads known, and its moment by the unit of load.
     #[inline(always)]
-    fn spot(&self, (i, j): Cell, [a, b]: [f64; 2]) -> Option<(Spot, f64)> {
-        let [gain, end] = cubics(a, &self.lines[i]).array();
-        let (s_a, w) = ((self.u.at(i, a)) * self.rod.length(), self.w.at(j, b));
-        Some((self.spot_under(force(gain, s_a, w * end), (s_a, gain, w), (i, j), [a, b])?, gain))
-    }
-
-    /// The contact, its force, arc length, gain and place along the loads known.
-    #[inline(always)]
-    fn spot_under(&self, force: f64, (s_a, gain, w): (f64, f64, f64), (i, j): Cell, [a, b]: [f64; 2]) -> Option<Spot> {
-        let [bent, placed] = self.patches.get(i * self.w.cells() + j)?;
-        let ([mut phi_a, scaled], [x, y]) = (bent.value(a, b).array(), placed.value(a, b).array());
+    fn spot_under<S: Simd>(
+        &self,
+        simd: S,
+        force: f64,
+        (s_a, gain, w): (f64, f64, f64),
+        (i, j): Cell,
+        [a, b]: [f64; 2],
+    ) -> Option<(Spot, f64)> {
+        let [mut phi_a, scaled, x, y] = self.patches.get(i * self.w.cells() + j)?.value(simd, a, b);
         if self.sure[i] >> j & 1 == 0
             && !(self.is_live((i, j)) && self.in_first_mode(s_a, gain, w, scaled) >= -self.errors[3])
         {
@@ -234,31 +269,39 @@ impl Sheet {
             if turned.abs() > PI {
                 return None;
             }
-            (phi_a, contact) = (phi_a + turned, contact.rotated(turned));
+            (phi_a, contact) = (phi_a + turned, rotated(contact, turned));
         }
-        Some(Spot { force, s_a, phi_a, contact, moment })
+        Some((Spot { force, s_a, phi_a, contact, moment }, scaled))
     }
 
     /// The contact under `force` (N) at `s_a` (m); `None` beyond the first mode and off the sheet.
     pub(crate) fn contact(&self, force: f64, s_a: f64) -> Option<Spot> {
         let place = self.u.place(s_a * self.per_length);
-        let [gain, end] = cubics(place.share, self.lines.get(place.cell)?).array();
+        let [gain, end] = cubics(&Powers::of(place.share, Pair::both), *self.lines.get(place.cell)?).array();
         let doubled = 2.0 * (force * gain * s_a).abs();
         // The inverse of the hyperbolic sine, as well as a place on the chart needs it.
         let load = (doubled + (1.0 + doubled * doubled).sqrt()).ln().copysign(force) / end;
         let column = self.w.place(load);
         let inside = load.abs() <= 1.0 && (-1e-9..=1.0 + 1e-9).contains(&place.share);
         let at = [place.share, column.share];
-        inside.then(|| self.spot_under(force, (s_a, gain, load), (place.cell, column.cell), at))?
+        let of_load = (s_a, gain, load);
+        if !inside {
+            return None;
+        }
+        dispatch!(self.level, simd => Some(self.spot_under(simd, force, of_load, (place.cell, column.cell), at)?.0))
     }
 
     /// The contact at `s_a` (m) and at the place `w` along the loads, which go from -1 to 1.
     pub(crate) fn contact_at(&self, s_a: f64, w: f64) -> Option<Spot> {
         let (place, column) = (self.u.place(s_a * self.per_length), self.w.place(w));
-        let [gain, end] = cubics(place.share, self.lines.get(place.cell)?).array();
+        let [gain, end] = cubics(&Powers::of(place.share, Pair::both), *self.lines.get(place.cell)?).array();
         let inside = w.abs() <= 1.0 && (-1e-9..=1.0 + 1e-9).contains(&place.share);
         let at = [place.share, column.share];
-        inside.then(|| self.spot_under(force(gain, s_a, w * end), (s_a, gain, w), (place.cell, column.cell), at))?
+        let (force, of_load) = (force(gain, s_a, w * end), (s_a, gain, w));
+        if !inside {
+            return None;
+        }
+        dispatch!(self.level, simd => Some(self.spot_under(simd, force, of_load, (place.cell, column.cell), at)?.0))
     }
 
     /// Where along the loads the contacts at `s_a` (m) are in the first mode, without a gap around rest; `None` where rest is not.
@@ -266,8 +309,8 @@ impl Sheet {
         let place = self.u.place(s_a * self.per_length);
         let gain = self.gain_in(place.cell, place.share);
         let margin = |j: usize, b: f64| {
-            let scaled =
-                self.patches.get(place.cell * self.w.cells() + j).map(|p| p[0].value(place.share, b).second())?;
+            let patch = self.patches.get(place.cell * self.w.cells() + j)?;
+            let [_, scaled, ..] = dispatch!(self.level, simd => patch.value(simd, place.share, b));
             let off = self.in_first_mode(s_a, gain, self.w.at(j, b), scaled) + self.errors[3];
             Some(off).filter(|_| self.is_live((place.cell, j)))
         };
@@ -276,6 +319,32 @@ impl Sheet {
         let down = (0..middle).rev().find_map(|j| end_in(|b| margin(j, b), 1.0, 0.0).map(|b| self.w.at(j, b)));
         Some([down.unwrap_or(-1.0), up.unwrap_or(1.0)]).filter(|[lo, hi]| lo < hi)
     }
+}
+
+/// Coefficients of sine over angle and of cosine by the angle's square, the highest first.
+const TURNS: [[f64; 2]; 8] = [
+    [-1.0 / 1_307_674_368_000.0, 1.0 / 20_922_789_888_000.0],
+    [1.0 / 6_227_020_800.0, -1.0 / 87_178_291_200.0],
+    [-1.0 / 39_916_800.0, 1.0 / 479_001_600.0],
+    [1.0 / 362_880.0, -1.0 / 3_628_800.0],
+    [-1.0 / 5_040.0, 1.0 / 40_320.0],
+    [1.0 / 120.0, -1.0 / 720.0],
+    [-1.0 / 6.0, 1.0 / 24.0],
+    [1.0, -0.5],
+];
+
+/// A vector turned by at most half a turn, to rounding: the series of a quarter of the angle, doubled twice. Takes half the time of
+/// sine and cosine of any angle.
+#[inline(always)]
+fn rotated(v: Vec2, angle: f64) -> Vec2 {
+    let quarter = 0.25 * angle;
+    let square = quarter * quarter;
+    let [sine, cosine] =
+        TURNS.iter().fold(Pair::both(0.0), |sum, [s, c]| sum.times(square).plus(Pair::new(*s, *c))).array();
+    let (sine, cosine) = (quarter * sine, 1.0 + square * cosine);
+    let (sine, cosine) = (2.0 * sine * cosine, 1.0 - 2.0 * sine * sine);
+    let (sine, cosine) = (2.0 * sine * cosine, 1.0 - 2.0 * sine * sine);
+    Vec2::new(cosine * v.x - sine * v.y, sine * v.x + cosine * v.y)
 }
 
 /// The last place on the way from `good` to `bad` at which the margin is not negative; `None` where that is so to the end.
@@ -323,6 +392,15 @@ mod tests {
             (rod(Whisker { curvature: -8.0, base_stiffness: 0.02, ..plain }), 0.0),
             (Rod::from_segments(&[wire(0.03, 9e-15), wire(0.04, 2e-15)]).unwrap(), 0.0),
         ]
+    }
+
+    #[test]
+    fn a_turn_is_one_to_rounding() {
+        let v = Vec2::new(0.6, -0.8);
+        for k in -1000..=1000 {
+            let angle = PI * f64::from(k) / 1000.0;
+            assert!(rotated(v, angle).distance(v.rotated(angle)) < 3e-15, "{angle}");
+        }
     }
 
     /// Every contact that the march finds, where moment or curvature keep one sign, is on the sheet, within what the sheet says of its error.

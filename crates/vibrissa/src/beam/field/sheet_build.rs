@@ -12,6 +12,7 @@ use crate::beam::pair::Pair;
 use crate::beam::rod::Rod;
 use crate::plane::Vec2;
 use alloc::vec::Vec;
+use fearless_simd::Level;
 
 /// Panels over the load, and cells of a panel along each side.
 const PANELS: usize = 8;
@@ -53,6 +54,7 @@ impl Sheet {
             gains: u.knots.iter().map(|u| gain_and_rate(rod, *u)).collect(),
             ends: u.knots.iter().map(|u| ends.at(*u)).collect(),
             patches: Vec::new(),
+            level: Level::new(),
             lines: Vec::new(),
             readings: [Vec::new(), Vec::new()],
             blocks: [Vec::new(), Vec::new()],
@@ -109,7 +111,7 @@ impl Sheet {
                 let at = |p: usize, q: usize, k: usize| self.nodes[(i + p) * columns + j + q].map(|row| row[k]);
                 let of =
                     |k: usize| coefficients([at(0, 0, k), at(0, 1, k), at(1, 0, k), at(1, 1, k)], (h, self.w.width(j)));
-                self.patches.push([Bicubics::new(&of(0), &of(3)), Bicubics::new(&of(1), &of(2))]);
+                self.patches.push(Bicubics::new([0, 3, 1, 2].map(of)));
             }
         }
     }

@@ -155,7 +155,7 @@ impl TipState {
     #[inline(always)]
     pub(super) fn new(tilt: f64, force: f64, jet: &Jet) -> Self {
         let of = |kind: usize| {
-            let ([slope, moment], [energy, x]) = (jet.odd[kind].array(), jet.even[kind].array());
+            let [slope, moment, energy, x] = jet.four[kind];
             Quantities { slope, moment, energy, position: Vec2::new(x, jet.last[kind]) }
         };
         let (Quantities { slope, moment, energy, position }, by_tilt, by_force) = (of(0), of(1), of(2));

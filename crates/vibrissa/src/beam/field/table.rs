@@ -5,9 +5,9 @@
 
 extern crate alloc;
 use super::axis::{Axis, Place};
-use super::bicubic::{Bicubics, coefficients, slide};
-use crate::beam::pair::Pair;
+use super::bicubic::{Bicubics, Powers, coefficients, lanes, slide};
 use alloc::vec::Vec;
+use fearless_simd::{Level, Simd, SimdInto, dispatch, f64x4};
 
 /// How many quantities a table holds: slope, x, y, moment, energy.
 pub(super) const QUANTITIES: usize = 5;
@@ -23,13 +23,11 @@ pub(super) type Row = [f64; QUANTITIES];
 /// Value, derivative by `u`, derivative by `v`, mixed derivative, of each quantity.
 pub(super) type Node = [Row; 4];
 
-/// The quantities (0), their derivatives by `u` (1) and their derivatives by `v` (2), paired by parity.
+/// The quantities (0), their derivatives by `u` (1) and their derivatives by `v` (2).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Jet {
-    /// Slope and moment, which the mirrored whisker has with the opposite sign.
-    pub(super) odd: [Pair; 3],
-    /// Energy and x, which it shares.
-    pub(super) even: [Pair; 3],
+    /// Slope and moment, which the mirrored whisker has with the opposite sign; energy and x, which it shares.
+    pub(super) four: [[f64; 4]; 3],
     /// y, which is odd.
     pub(super) last: [f64; 3],
 }
@@ -38,15 +36,13 @@ pub(super) struct Jet {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(align(64))]
 pub(super) struct Patch {
-    /// Slope and moment.
-    odd: Bicubics,
-    /// Energy and x.
-    even: Bicubics,
-    /// y, which is alone: the powers 0 and 1 of `u` in the first row, 2 and 3 in the second.
-    last: [[Pair; 4]; 2],
+    /// Slope, moment, energy and x.
+    four: Bicubics,
+    /// y, which is alone: the powers of `v` in rows.
+    last: [[f64; 4]; 4],
 }
 
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub(super) struct Table {
     pub(super) u: Axis,
     pub(super) v: Axis,
@@ -54,31 +50,35 @@ pub(super) struct Table {
     nodes: Vec<Node>,
     /// Cells, those of one `u` in a row.
     patches: Vec<Patch>,
+    /// What the processor has registers for: four numbers, or two. The results are the same to the last bit.
+    pub(super) level: Level,
 }
 
 /// Value and both slopes of the bicubic that stands alone.
 #[inline(always)]
-fn jet_alone(rows: &[[Pair; 4]; 2], s: f64, t: f64) -> [f64; 3] {
-    let ((ab, ab_t), (cd, cd_t)) = (slide(t, &rows[0]), slide(t, &rows[1]));
+fn jet_alone<S: Simd>(simd: S, s: f64, t: &Powers<f64x4<S>>, rows: &[[f64; 4]; 4]) -> [f64; 3] {
+    let (value, by_t) = slide(t, lanes(simd, *rows));
+    let (((ab, cd), (ab_t, cd_t)), square) =
+        ((simd.split_f64x4(value), simd.split_f64x4(by_t)), simd.splat_f64x2(s * s));
     // a + b s + (c + d s) s², and the same of the slopes by t.
-    let square = s * s;
-    let [start, rise] = ab.plus(cd.times(square)).across(ab_t.plus(cd_t.times(square)));
-    let [value, by_t] = start.plus(rise.times(s)).array();
-    let [c, d] = cd.array();
-    [value, ab.second() + s * (2.0 * c + 3.0 * (s * d)), by_t]
+    let (even, even_t) = (cd * square + ab, cd_t * square + ab_t);
+    let value = simd.zip_high_f64x2(even, even_t) * s + simd.zip_low_f64x2(even, even_t);
+    [value[0], ab[1] + s * (2.0 * cd[0] + 3.0 * (s * cd[1])), value[1]]
 }
 
 impl Patch {
     /// Everything at distances from the least corner, or, with `side` -1, that of the mirrored whisker: what is odd changes its
-    /// sign, and so does what it is differentiated by. Horner's scheme for values and slopes at once, row by row, which needs no
-    /// weights, and by distances, which need no scales.
+    /// sign, and so does what it is differentiated by. Values and slopes at once, row by row, which needs no weights, and by
+    /// distances, which need no scales.
     #[inline(always)]
-    pub(super) fn jet(&self, s: f64, t: f64, side: f64) -> Jet {
-        let ([odd, odd_s, odd_t], [even, even_s, even_t]) = (self.odd.jet(s, t), self.even.jet(s, t));
-        let [last, last_s, last_t] = jet_alone(&self.last, s, t);
+    pub(super) fn jet<S: Simd>(&self, simd: S, s: f64, t: f64, side: f64) -> Jet {
+        let t = &Powers::of(t, |x| simd.splat_f64x4(x));
+        let [value, by_s, by_t] = self.four.jet(simd, s, t);
+        let [last, last_s, last_t] = jet_alone(simd, s, t, &self.last);
+        let (odd, even) = ([side, side, 1.0, 1.0], [1.0, 1.0, side, side]);
+        let (odd, even): (f64x4<S>, f64x4<S>) = (odd.simd_into(simd), even.simd_into(simd));
         Jet {
-            odd: [odd.times(side), odd_s, odd_t],
-            even: [even, even_s.times(side), even_t.times(side)],
+            four: [(value * odd).into(), (by_s * even).into(), (by_t * even).into()],
             last: [last * side, last_s, last_t],
         }
     }
@@ -88,7 +88,7 @@ impl Jet {
     /// The quantities or their derivatives, in the order of a row.
     #[inline(always)]
     pub(super) fn row(&self, kind: usize) -> Row {
-        let ([slope, moment], [energy, x]) = (self.odd[kind].array(), self.even[kind].array());
+        let [slope, moment, energy, x] = self.four[kind];
         [slope, x, self.last[kind], moment, energy]
     }
 }
@@ -102,7 +102,7 @@ impl Table {
                 patches.push(patch(&nodes, v.knots.len(), (i, j), (u.width(i), v.width(j))));
             }
         }
-        Self { u, v, nodes, patches }
+        Self { u, v, nodes, patches, level: Level::new() }
     }
 
     /// Everything at `(u, v)`, by the polynomial of the cell that holds it or, outside, of the nearest one.
@@ -118,7 +118,8 @@ impl Table {
     }
 
     fn jet_at(&self, u: &Place, v: &Place) -> Jet {
-        self.patch(u.cell, v.cell).map_or(Jet::default(), |patch| patch.jet(u.along, v.along, 1.0))
+        let Some(patch) = self.patch(u.cell, v.cell) else { return Jet::default() };
+        dispatch!(self.level, simd => patch.jet(simd, u.along, v.along, 1.0))
     }
 
     /// The polynomials of the cell.
@@ -161,11 +162,9 @@ fn patch(nodes: &[Node], stride: usize, (i, j): (usize, usize), h: (f64, f64)) -
         all
     };
     let y = of(Y);
-    let pair = |p: usize, q: usize| Pair::new(y[2 * p][q], y[2 * p + 1][q]);
     Patch {
-        odd: Bicubics::new(&of(SLOPE), &of(MOMENT)),
-        even: Bicubics::new(&of(ENERGY), &of(X)),
-        last: [0, 1].map(|p| [0, 1, 2, 3].map(|q| pair(p, q))),
+        four: Bicubics::new([SLOPE, MOMENT, ENERGY, X].map(of)),
+        last: [0, 1, 2, 3].map(|q: usize| [0, 1, 2, 3].map(|p: usize| y[p][q])),
     }
 }
 
@@ -216,6 +215,15 @@ mod tests {
             for (kind, want) in [f(a, b), fu(a, b), fv(a, b)].into_iter().enumerate() {
                 let got = jet.row(kind);
                 assert!(got.iter().all(|g| (g - want).abs() < 1e-12), "{got:?} {want}");
+            }
+        }
+        // Four lanes give what two give.
+        let bits = |jet: Jet| (jet.four.map(|row| row.map(f64::to_bits)), jet.last.map(f64::to_bits));
+        for (s, t, side) in [(0.1, 0.2, 1.0), (0.33, 0.07, -1.0)] {
+            for patch in &table.patches {
+                let (two, here) = (Level::baseline(), table.level);
+                let two = dispatch!(two, simd => patch.jet(simd, s, t, side));
+                assert_eq!(bits(two), bits(dispatch!(here, simd => patch.jet(simd, s, t, side))));
             }
         }
         let (i, j) = (table.u.cell(0.3), table.v.cell(1.9));

@@ -15,6 +15,7 @@ use crate::plane::Vec2;
 use alloc::vec;
 use alloc::vec::Vec;
 use core::f64::consts::PI;
+use fearless_simd::dispatch;
 
 /// Tilts beyond this are left out (rad): the force then all but pulls or pushes along the whisker.
 pub(super) const STEEPEST_TILT: f64 = 1.45;
@@ -172,9 +173,7 @@ impl TipField {
     /// The equilibrium under a force of `force` (N) at the tip, tilted by `tilt` (rad) from the whisker's normal there.
     ///
     /// `None` beyond the field, see [`TipField::holds`].
-    // Not inlined, so that the answer is written once and where it is wanted.
     #[must_use]
-    #[inline(never)]
     pub fn at(&self, tilt: f64, force: f64) -> Option<TipState> {
         let side = self.side(force);
         let ((u, s), v) = (self.table.u.along(side * tilt), side * force);
@@ -185,7 +184,8 @@ impl TipField {
             return None;
         }
         let (v, t) = self.table.v.along(v);
-        Some(TipState::new(tilt, force, &self.table.patch(u, v)?.jet(s, t, side)))
+        let patch = self.table.patch(u, v)?;
+        dispatch!(self.table.level, simd => Some(TipState::new(tilt, force, &patch.jet(simd, s, t, side))))
     }
 
     /// As [`TipField::at`], by the beam itself: no table, no derivatives, twenty to a hundred times slower, any load.
@@ -209,12 +209,11 @@ impl TipField {
     }
 
     /// The state under a load, whether held or not.
-    #[inline(always)]
     pub(super) fn state(&self, tilt: f64, force: f64) -> TipState {
         let side = self.side(force);
         let ((u, s), (v, t)) = (self.table.u.along(side * tilt), self.table.v.along(side * force));
-        let jet = self.table.patch(u, v).map_or(Jet::default(), |patch| patch.jet(s, t, side));
-        TipState::new(tilt, force, &jet)
+        let Some(patch) = self.table.patch(u, v) else { return TipState::new(tilt, force, &Jet::default()) };
+        dispatch!(self.table.level, simd => TipState::new(tilt, force, &patch.jet(simd, s, t, side)))
     }
 }
 

@@ -9,9 +9,9 @@ use crate::beam::normal::{Branch, by_force, by_moment};
 
 /// Parameters that are looked at for pieces within whisker and limits.
 pub(super) const PROBES: usize = 48;
-/// Bisections of a piece's end: to rounding, and from one node to the next to a thousandth of what a table knows.
+/// Bisections of a piece's end: to rounding, and from one node to the next to a tenth of what a table knows.
 const BISECTIONS: usize = 52;
-const FINE: usize = 18;
+const FINE: usize = 14;
 
 /// The branches of an exact reading, each in order, and how far they may be from the beam's (m).
 pub(super) fn exact_curves(

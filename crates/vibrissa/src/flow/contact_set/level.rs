@@ -8,14 +8,13 @@ use super::family::{PROBES, stepped};
 use super::{Contact, ContactModel};
 use crate::beam::field::{BLOCK, Cell, Read, Sheet, Spot};
 use crate::plane::Vec2;
+use fearless_simd::{Simd, dispatch};
 use std::cell::Cell as Slot;
 
 /// Most Newton steps to the reading; the last one is at most `LAST_STEP` of a cell long and leaves at most `LEFT`.
 const STEPS: usize = 10;
 const LAST_STEP: f64 = 0.25;
 const LEFT: f64 = 1e-4;
-/// Steps below this share of a cell do not tell how the reading bends.
-const SHORT: f64 = 1e-3;
 /// How far out of its cell a place may be, as a share, before the next cell takes it.
 const OUT: f64 = 0.1;
 
@@ -27,6 +26,8 @@ struct Link {
     to: [f64; 2],
     start: f64,
     length: f64,
+    /// One over the length; 0 where there is none.
+    per_length: f64,
 }
 
 /// Where a value lies between knots: bits for each row of knots.
@@ -35,6 +36,8 @@ struct Crossings<'a> {
     readings: &'a [f64],
     read: Read,
     value: f64,
+    /// The cells of a row in which the value can be read in the first mode.
+    side: u128,
     /// Between a knot and the next one along the loads; bit `j` is the edge from column `j`.
     across: Vec<u128>,
     /// Between a knot and the next one along the whisker.
@@ -52,24 +55,20 @@ pub(super) fn level(
     value: f64,
     nodes: usize,
 ) -> (Vec<Vec<Contact>>, f64) {
-    let error = Slot::new(0.0_f64);
-    let mut pieces = Vec::new();
+    let (mut error, mut pieces) = (0.0_f64, Vec::new());
     for chain in Crossings::new(sheet, read, value).chains() {
         let Some(last) = chain.last().map(|link| link.start + link.length) else { continue };
-        let trail = Trail { sheet, read, value, chain: &chain, near: Slot::new(0), bend: Slot::new(0.0) };
-        let at = |d: f64| {
-            let (spot, off) = trail.at(d)?;
-            let contact = Some(contact(&spot, model.sheet_tilt())).filter(|c| model.limits().admit(c))?;
-            error.set(error.get().max(off));
-            Some(contact)
-        };
+        let trail = Trail { sheet, read, value, chain: &chain, near: Slot::new(0), error: Slot::new(0.0) };
+        let at = |d: f64| dispatch!(sheet.level(), simd => trail.at(simd, d, model));
         // Within a cell the first mode hardly ends twice.
         pieces.extend(stepped([0.0, last], nodes, PROBES.min(2 * chain.len()), &at));
+        error = error.max(trail.error.get());
     }
-    (pieces, sheet.position_error() + error.get())
+    (pieces, sheet.position_error() + error)
 }
 
 /// A sheet's spot as a contact.
+#[inline(always)]
 pub(super) fn contact(spot: &Spot, tilt: f64) -> Contact {
     let Spot { force, s_a, phi_a, contact, moment } = *spot;
     Contact { force, s_a, phi_a, position: contact, moment, tilt }
@@ -83,64 +82,67 @@ struct Trail<'a> {
     chain: &'a [Link],
     /// The link of the last place.
     near: Slot<usize>,
-    /// How much more was read there after a step than a straight reading has, over the square of the step.
-    bend: Slot<f64>,
+    /// The largest distance of a place from the beam's own curve (m).
+    error: Slot<f64>,
 }
 
 impl Trail<'_> {
-    /// The contact at distance `d` along the chain, and how far the beam's own curve may be from it (m).
-    fn at(&self, d: f64) -> Option<(Spot, f64)> {
+    /// The contact at distance `d` along the chain, if it is within the limits.
+    #[inline(always)]
+    fn at<S: Simd>(&self, simd: S, d: f64, model: &ContactModel) -> Option<Contact> {
         let mut i = if self.chain[self.near.get()].start <= d { self.near.get() } else { 0 };
         while i + 1 < self.chain.len() && self.chain[i + 1].start <= d {
             i += 1;
         }
         self.near.set(i);
-        let Link { cell, from, to, start, length } = self.chain[i];
-        let share = if length > 0.0 { ((d - start) / length).clamp(0.0, 1.0) } else { 0.0 };
+        let Link { cell, from, to, start, per_length, .. } = self.chain[i];
+        let share = ((d - start) * per_length).clamp(0.0, 1.0);
         let at = [from[0] + share * (to[0] - from[0]), from[1] + share * (to[1] - from[1])];
         // At the chart's ends only the load is free.
         let at_base = cell.0 == 0 && at[0] <= 0.0;
         let at_tip = cell.0 + 2 == self.sheet.rows() && at[0] >= 1.0;
-        self.corrected(cell, at, at_base || at_tip)
+        let (spot, off) = self.corrected(simd, cell, at, at_base || at_tip)?;
+        let contact = Some(contact(&spot, model.sheet_tilt())).filter(|c| model.limits().admit(c));
+        if contact.is_some() {
+            self.error.set(self.error.get().max(off));
+        }
+        contact
     }
 
     /// The contact next to `at` that reads the value, and how far the beam's own curve may be from it (m).
-    fn corrected(&self, mut cell: Cell, mut at: [f64; 2], mut pinned: bool) -> Option<(Spot, f64)> {
+    #[inline(always)]
+    fn corrected<S: Simd>(&self, simd: S, mut cell: Cell, mut at: [f64; 2], mut pinned: bool) -> Option<(Spot, f64)> {
         let (sheet, read, value) = (self.sheet, self.read, self.value);
         for _ in 0..STEPS {
-            let [excess, by_a, by_b] = sheet.excess(read, value, cell, at);
-            let slope = if pinned { by_b.abs() } else { (by_a * by_a + by_b * by_b).sqrt() };
-            let straight = excess / slope;
-            if !straight.is_finite() {
+            let [excess, by_a, by_b] = sheet.excess(simd, read, value, cell, at);
+            let by_a = if pinned { 0.0 } else { by_a };
+            // One over the square of the reading's rise over a cell, and the square of the step, in shares of the cell.
+            let per_square = 1.0 / (by_a * by_a + by_b * by_b);
+            let square = excess * excess * per_square;
+            if !square.is_finite() {
                 return None;
             }
-            // Where the step is short, what bent the reading at the place before bends it here, too.
-            let bend = self.bend.get();
-            let more = if straight.abs() < LAST_STEP { bend * straight * straight / slope } else { 0.0 };
-            let size = straight + more.clamp(-0.5 * straight.abs(), 0.5 * straight.abs());
-            let most = size.clamp(-1.0, 1.0) / slope;
-            if !pinned {
-                at[0] -= most * by_a;
-            }
-            at[1] -= most * by_b;
+            let is_short = square < LAST_STEP * LAST_STEP;
+            let most = if is_short { excess } else { excess / square.sqrt().max(1.0) } * per_square;
+            at = [at[0] - most * by_a, at[1] - most * by_b];
             let ends = (cell.0 == 0 && at[0] < 0.0, cell.0 + 2 == sheet.rows() && at[0] > 1.0);
             if ends.0 || ends.1 {
                 at[0] = f64::from(u8::from(ends.1));
                 pinned = true;
             }
             (cell, at) = sheet.settled(cell, at, OUT);
-            if ends.0 || ends.1 || straight.abs() >= LAST_STEP {
+            if ends.0 || ends.1 || !is_short {
                 continue;
             }
             // What the step has left is read together with all else, and hardly ever too much.
-            let spot = sheet.reading_spot(read, value, cell, at);
-            if let Some((_, excess)) = spot.filter(|_| straight.abs() > SHORT) {
-                self.bend.set(bend + excess / (straight * straight));
-            }
-            // Where there is none, a tenth of what a step leaves is read off the step.
-            let left = spot.map_or(0.1 * size * size, |(_, excess)| (excess / slope).abs());
-            if left < LEFT {
-                return spot.map(|(spot, _)| (spot, sheet.level_error(read, value, slope, left, cell.0)));
+            let per_rise = per_square.sqrt();
+            match sheet.reading_spot(simd, read, value, cell, at) {
+                Some((spot, excess)) if excess.abs() * per_rise < LEFT => {
+                    return Some((spot, sheet.level_error(read, value, per_rise, excess.abs() * per_rise, cell.0)));
+                }
+                // Where there is none, a tenth of what a step leaves is read off the step.
+                None if 0.1 * square < LEFT => return None,
+                _ => {}
             }
         }
         None
@@ -151,7 +153,8 @@ impl<'a> Crossings<'a> {
     fn new(sheet: &'a Sheet, read: Read, value: f64) -> Self {
         let (rows, readings) = (sheet.rows(), sheet.readings(read));
         let above = above(sheet, read, value);
-        let mut own = Self { sheet, readings, read, value, across: vec![0; rows], along: vec![0; rows] };
+        let side = sheet.side(value);
+        let mut own = Self { sheet, readings, read, value, side, across: vec![0; rows], along: vec![0; rows] };
         for row in 0..rows {
             let (before, after) = (own.live(row.wrapping_sub(1)), own.live(row));
             own.across[row] = (above[row] ^ above[row] >> 1) & (before | after);
@@ -163,7 +166,7 @@ impl<'a> Crossings<'a> {
     }
 
     fn live(&self, row: usize) -> u128 {
-        if row < self.sheet.rows() - 1 { self.sheet.live(row) } else { 0 }
+        if row < self.sheet.rows() - 1 { self.sheet.live(row) & self.side } else { 0 }
     }
 
     /// The curves: those that end, from their ends, then those that close, from anywhere.
@@ -209,12 +212,13 @@ impl<'a> Crossings<'a> {
                 (None, None) => return chain,
             };
             let length = (end_place - place).norm_squared().sqrt();
-            chain.push(Link { cell, from, to, start, length });
+            let per_length = if length > 0.0 { 1.0 / length } else { 0.0 };
+            chain.push(Link { cell, from, to, start, length, per_length });
             start += length;
             let Some(exit) = exit else { return chain };
             self.take(cell, exit);
             let (ahead, entry) = next(cell, exit);
-            if ahead.1 >= self.sheet.columns() || self.live(ahead.0) >> ahead.1 & 1 == 0 {
+            if ahead.1 >= self.sheet.columns() || !is_set(self.live(ahead.0), ahead.1) {
                 return chain;
             }
             (from, place) = (on_side(entry, along_side(exit, to)), end_place);
@@ -224,33 +228,40 @@ impl<'a> Crossings<'a> {
 
     /// The side by which a curve that entered by `side` leaves; `None` where none is left.
     fn exit(&self, cell: Cell, side: Side) -> Option<Side> {
-        let mut open = [1, 2, 3].map(|k| (side + k) % 4).into_iter().filter(|k| self.is_crossed(cell, *k));
-        let first = open.next()?;
-        if open.next().is_none() {
-            return Some(first);
+        let open = (0..4).fold(0u32, |open, k| open | u32::from(k != side && self.is_crossed(cell, k)) << k);
+        if open & open.wrapping_sub(1) == 0 {
+            return (open != 0).then(|| open.trailing_zeros() as usize);
         }
         // A saddle: the curve turns about the corner of its own side that the middle does not agree with.
-        let middle = self.sheet.excess(self.read, self.value, cell, [0.5; 2])[0] > 0.0;
-        let corner = self.reading(cell, side) > self.value;
+        let (sheet, read, value) = (self.sheet, self.read, self.value);
+        let [excess, ..] = dispatch!(sheet.level(), simd => sheet.excess(simd, read, value, cell, [0.5; 2]));
+        let middle = excess > 0.0;
+        let corner = self.readings[self.ends(cell, side)[0]] > self.value;
         Some(if corner == middle { (side + 1) % 4 } else { (side + 3) % 4 })
     }
 
-    /// The reading at the corner at which a side starts, going around the cell.
-    #[inline]
-    fn reading(&self, (i, j): Cell, corner: usize) -> f64 {
-        let (p, q) = CORNERS[corner % 4];
-        self.readings[(i + p) * self.sheet.columns() + j + q]
+    /// The knots at which a side starts and ends, going around the cell.
+    #[inline(always)]
+    fn ends(&self, (i, j): Cell, side: Side) -> [usize; 2] {
+        let columns = self.sheet.columns();
+        let around = [0, 1, columns + 1, columns, 0];
+        [i * columns + j + around[side], i * columns + j + around[side + 1]]
     }
 
     /// Where the value lies on a side: shares of the cell and place, both between corners.
-    #[inline]
-    fn crossing(&self, (i, j): Cell, side: Side) -> ([f64; 2], Vec2) {
-        let (a, b) = (self.reading((i, j), side), self.reading((i, j), side + 1));
+    #[inline(always)]
+    fn crossing(&self, cell: Cell, side: Side) -> ([f64; 2], Vec2) {
+        let [from, to] = self.ends(cell, side);
+        let (a, b) = (self.readings[from], self.readings[to]);
         let share = ((self.value - a) / (b - a)).clamp(0.0, 1.0);
-        let (p, q) = (CORNERS[side], CORNERS[(side + 1) % 4]);
-        let (from, to) = (self.sheet.place(i + p.0, j + p.1), self.sheet.place(i + q.0, j + q.1));
-        let mix = |p: usize, q: usize| p as f64 + share * (q as f64 - p as f64);
-        ([mix(p.0, q.0), mix(p.1, q.1)], from + share * (to - from))
+        let (from, to) = (self.sheet.knot(from), self.sheet.knot(to));
+        let at = match side {
+            0 => [0.0, share],
+            1 => [share, 1.0],
+            2 => [1.0, 1.0 - share],
+            _ => [1.0 - share, 0.0],
+        };
+        (at, from + share * (to - from))
     }
 
     #[inline]
@@ -265,13 +276,12 @@ impl<'a> Crossings<'a> {
 
     #[inline]
     fn is_crossed(&self, (i, j): Cell, side: Side) -> bool {
-        let (word, bit) = match side {
-            0 => (self.across[i], j),
-            2 => (self.across[i + 1], j),
-            1 => (self.along[i], j + 1),
-            _ => (self.along[i], j),
-        };
-        word >> bit & 1 == 1
+        match side {
+            0 => is_set(self.across[i], j),
+            2 => is_set(self.across[i + 1], j),
+            1 => is_set(self.along[i], j + 1),
+            _ => is_set(self.along[i], j),
+        }
     }
 
     #[inline]
@@ -281,8 +291,11 @@ impl<'a> Crossings<'a> {
     }
 }
 
-/// The corners around a cell; side `k` runs from corner `k` to the next.
-const CORNERS: [(usize, usize); 4] = [(0, 0), (0, 1), (1, 1), (1, 0)];
+/// Whether a bit of a word is set. A shift by a half at a time takes half the instructions.
+#[inline(always)]
+fn is_set(word: u128, bit: usize) -> bool {
+    (if bit < 64 { word as u64 } else { (word >> 64) as u64 }) >> (bit & 63) & 1 == 1
+}
 
 fn first(word: u128) -> Option<usize> {
     (word != 0).then(|| word.trailing_zeros() as usize)

@@ -143,7 +143,7 @@ impl Walk {
             if here < 0.0 {
                 return Self { free: false, room: -here };
             }
-            room = room.min(here);
+            room = if here < room { here } else { room };
         }
         Self { free: true, room }
     }

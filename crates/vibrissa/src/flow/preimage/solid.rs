@@ -19,6 +19,8 @@ pub(super) struct Solid {
     beyond: bool,
 }
 
+/// The squared distance, in cells, that stands for no marked cell at all.
+const FAR: f32 = 1e6;
 /// What stands for no room, so that deep and not deep have different signs.
 const LEAST_ROOM: f32 = 1e-9;
 
@@ -123,7 +125,6 @@ fn cross(raster: &Raster, a: Vec2, b: Vec2, arena: bool, crossings: &mut [Vec<(f
 /// The squared distance from each cell to the nearest marked one, in cells, by lower envelopes of parabolas
 /// \[felzenszwalb2012\]; at most a thousand cells' squared.
 fn squared_distance(marked: &[bool], columns: usize, rows: usize) -> Vec<f32> {
-    const FAR: f32 = 1e6;
     let mut distance = vec![FAR; marked.len()];
     for row in 0..rows {
         let line = &mut distance[row * columns..(row + 1) * columns];
@@ -139,7 +140,7 @@ fn squared_distance(marked: &[bool], columns: usize, rows: usize) -> Vec<f32> {
             *d = d.min(last) * d.min(last);
         }
     }
-    let mut envelope = Envelope::default();
+    let mut envelope = Envelope::new(rows);
     // Some columns at once, as a row holds them side by side in memory.
     let mut lines = vec![vec![0.0; rows]; COLUMNS];
     for first in (0..columns).step_by(COLUMNS) {
@@ -160,21 +161,28 @@ fn squared_distance(marked: &[bool], columns: usize, rows: usize) -> Vec<f32> {
 }
 
 /// The lower envelope of the parabolas over one column.
-#[derive(Default)]
 struct Envelope {
+    /// One over twice a number: divisions take the most.
+    per_double: Vec<f64>,
     /// Where each parabola of the envelope stands, its height, and from where on it is the lowest.
     peaks: Vec<(usize, f32, f64)>,
 }
 
 impl Envelope {
+    /// For columns of so many cells.
+    fn new(rows: usize) -> Self {
+        Self { per_double: (0..rows).map(|n| 0.5 / n as f64).collect(), peaks: Vec::with_capacity(rows) }
+    }
+
     /// Lowers heights to the envelope of the parabolas over them.
     fn of(&mut self, heights: &mut [f32]) {
         self.peaks.clear();
-        for (q, &height) in heights.iter().enumerate() {
+        // What is far is so by itself, whatever the envelope says.
+        for (q, &height) in heights.iter().enumerate().filter(|(_, height)| **height < FAR) {
             let lift = |q: usize, height: f32| f64::from(height) + (q * q) as f64;
             let mut start = f64::NEG_INFINITY;
             while let Some(&(p, lower, from)) = self.peaks.last() {
-                start = (lift(q, height) - lift(p, lower)) / (2 * (q - p)) as f64;
+                start = (lift(q, height) - lift(p, lower)) * self.per_double[q - p];
                 if start > from {
                     break;
                 }
@@ -183,6 +191,9 @@ impl Envelope {
             }
             self.peaks.push((q, height, start));
         }
+        if self.peaks.is_empty() {
+            return;
+        }
         let mut at = 0;
         for (place, height) in heights.iter_mut().enumerate() {
             while self.peaks.get(at + 1).is_some_and(|next| next.2 < place as f64) {
@@ -190,7 +201,7 @@ impl Envelope {
             }
             let (peak, lower, _) = self.peaks[at];
             let away = place.abs_diff(peak) as f32;
-            *height = away * away + lower;
+            *height = (away * away + lower).min(FAR);
         }
     }
 }

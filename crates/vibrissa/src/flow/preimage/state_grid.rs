@@ -33,7 +33,8 @@ impl Raster {
         let per_cell = 1.0 / self.cell;
         let (x, y) = ((point.x - self.origin.x) * per_cell, (point.y - self.origin.y) * per_cell);
         let inside = x >= 0.0 && y >= 0.0 && x < self.columns as f64 && y < self.rows as f64;
-        inside.then(|| y as usize * self.columns + x as usize)
+        // Inside both fit 32 bits, to which a conversion takes a third of the instructions.
+        inside.then(|| y as u32 as usize * self.columns + x as u32 as usize)
     }
 
     /// The lower left corner of a cell (m).
