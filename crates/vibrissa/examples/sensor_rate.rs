@@ -32,7 +32,7 @@ fn ms(since: Instant) -> f64 {
 }
 
 fn run(log: &SensorLog, map: &Map, robot: &Robot, method: Method) -> Result<Run> {
-    let mut options = LocalizeOptions { method, ..LocalizeOptions::default() };
+    let options = LocalizeOptions { method, ..LocalizeOptions::default() };
     match method {
         Method::Probabilistic => {
             let one = ProbabilisticLocalizer::new(map, robot, &log.channels, options.probabilistic)?;

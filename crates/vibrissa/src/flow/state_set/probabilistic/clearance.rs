@@ -66,8 +66,8 @@ impl Clearance {
             lowest(&line[..self.columns], &mut hull, |i, square| self.squares[at + i] = square);
         }
         for column in 0..self.columns {
-            for row in 0..self.rows {
-                line[row] = self.squares[row * self.columns + column];
+            for (row, height) in line[..self.rows].iter_mut().enumerate() {
+                *height = self.squares[row * self.columns + column];
             }
             lowest(&line[..self.rows], &mut hull, |i, square| self.squares[i * self.columns + column] = square);
         }

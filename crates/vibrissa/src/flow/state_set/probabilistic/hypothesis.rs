@@ -48,7 +48,7 @@ const SHARES: [f64; 2] = [1.0, 0.25];
 const WORSE: f64 = 0.5;
 
 /// So many rows are run before it is asked whether to go on.
-const LOOKED_AT: usize = 6;
+const LOOKED_AT: usize = 3;
 /// How exactly the model is believed to know where the whisker stands (m, rad).
 const BLUR: [f64; 2] = [5e-5, 5e-4];
 

@@ -12,6 +12,9 @@ use crate::plane::{Pose2, Vec2};
 
 /// Spacing of the places (m).
 const SPACING: f64 = 2e-3;
+/// On straight pieces longer than this (m) one place of so many will do.
+const LONG: f64 = 30e-3;
+const FEWER: usize = 3;
 /// So many places that the tip has touched must lie on boundaries, too, give or take so much (m, and m for each metre from
 /// the contact that was moved, since its angle is that of a facet).
 const TOUCHED: usize = 8;
@@ -57,7 +60,13 @@ pub(super) fn images(bank: &Bank, field: &Field<'_>, history: &History) -> Vec<H
     let limits = Limits { usual: &usual, more: MOST_COST };
     let from = field.ground.pieces[piece as usize].spot(at);
     let mut found: Vec<Hypothesis> = Vec::new();
+    let mut count = 0;
     for_each_place(&field.ground.pieces, SPACING, |piece, at| {
+        let here = &field.ground.pieces[piece as usize];
+        count += 1;
+        if here.is_straight() && here.length > LONG && count % FEWER != 0 {
+            return;
+        }
         let spot = field.ground.pieces[piece as usize].spot(at);
         if bank.for_all && !field.turns.stands_for_all(spot.position) {
             return;

@@ -30,6 +30,8 @@ const SHAKEN_APART: usize = 6;
 const SHAKEN: usize = 3;
 const SHAKEN_ROWS: usize = 64;
 const SHAKES: [[f64; 3]; 3] = [[7e-4, 7e-4, 0.0], [7e-4, -7e-4, 0.0], [0.0, 0.0, 0.012]];
+/// The same along the ridge of the likelihood on which they stand (standard deviations).
+const RIDGES: [f64; 4] = [-3.0, -1.5, 1.5, 3.0];
 /// Every so many rows the robot's origin must stand in free space.
 const STANDS_EVERY: usize = 10;
 /// Slack for those that are not at their least yet (nats).
@@ -124,7 +126,7 @@ pub(super) fn choose(bank: &mut Bank, field: &Field<'_>, history: &History) -> (
     bank.hypotheses.sort_by(|a, b| a.outlook(OPEN, shared).total_cmp(&b.outlook(OPEN, shared)));
     bank.hypotheses.truncate(MOST);
     let stages = [(FIRST_ROWS[0], FIRST_ROUNDS[0], 3.0), (FIRST_ROWS[1], FIRST_ROUNDS[1], 1.0), (0, ROUNDS, 1.0)];
-    for (k, (rows, rounds, slack)) in stages.into_iter().enumerate() {
+    for (rows, rounds, slack) in stages {
         let rows = if rows > 0 { rows } else { SECOND_TAKES / bank.hypotheses.len().max(1) };
         bank.use_rows(field, history, rows, TOLD + slack * SLACK + UNSETTLED);
         bank.settle(field, history, rounds, 0);
@@ -186,7 +188,14 @@ fn shake(bank: &mut Bank, field: &Field<'_>, history: &History) {
     let stride = (bank.used.len() / SHAKEN_ROWS).clamp(1, 4);
     let rows: Vec<usize> = bank.used.iter().copied().step_by(stride).collect();
     let starts = [[0.0; 3]].into_iter().chain(SHAKES.into_iter().flat_map(|d| [d, d.map(|v| -v)]));
-    let around = shaken.iter().flat_map(|&index| starts.clone().map(move |d| (index, d))).map(|(index, d)| {
+    let ridges = |&index: &usize| {
+        let own = covariance(&bank.hypotheses[index], bank);
+        let std = own[2][2].sqrt();
+        RIDGES.map(|share| (index, super::bank::cut([0, 1, 2].map(|i: usize| share * own[i][2] / std))))
+    };
+    let along: Vec<(usize, [f64; 3])> = shaken.iter().flat_map(ridges).collect();
+    let beside = shaken.iter().flat_map(|&index| starts.clone().map(move |d| (index, d)));
+    let around = beside.chain(along).map(|(index, d)| {
         let mut next = bank.hypotheses[index].clone();
         next.run(&scene, moved(next.map_from_odom, scene.pivot, d), rows.iter().copied());
         next

@@ -143,8 +143,8 @@ impl Seeding {
             let count = (2.0 * WIDEST / onset.turn).ceil();
             for k in 0..count as usize {
                 let heading = spot.normal + PI - WIDEST + (k as f64 + 0.5) * (2.0 * WIDEST / count);
-                if let Some((pose, state)) = touching(heading) {
-                    self.judge(scene, onset, (straight, k), pose, state, work);
+                if let Some(cell) = touching(heading) {
+                    self.judge(scene, onset, (straight, k), cell, work);
                 }
             }
             return;
@@ -154,8 +154,8 @@ impl Seeding {
             for k in 0..count {
                 let heading = wrap_angle(k as f64 * TAU / count as f64);
                 let set = &self.branches[branch];
-                if let Some((pose, state)) = loaded(scene, onset, set, piece, at, heading, admits) {
-                    self.judge(scene, onset, (straight, branch * count + k), pose, state, work);
+                if let Some(cell) = loaded(scene, onset, set, piece, at, heading, admits) {
+                    self.judge(scene, onset, (straight, branch * count + k), cell, work);
                 }
             }
         }
@@ -167,22 +167,24 @@ impl Seeding {
         scene: &Scene<'_>,
         onset: &Onset<'_>,
         (straight, family): (Option<Straight>, usize),
-        map_from_whisker: Pose2,
-        state: State,
+        cell: Cell,
         work: &mut usize,
     ) {
         if self.twins.len() <= family {
             self.twins.resize_with(family + 1, || None);
         }
         if let Some(straight) = &straight
-            && let Some(outcome) = self.twins[family].as_ref().and_then(|t| t.at(straight, map_from_whisker.theta))
+            && let Some(outcome) = self.twins[family].as_ref().and_then(|t| t.at(straight, cell.pose.theta))
         {
-            self.found.extend(outcome);
+            self.found.extend(outcome.filter(|_| cell.is_clear(scene)));
+            return;
+        }
+        if !cell.is_clear(scene) {
             return;
         }
         let mut span = Span::new(straight, scene);
-        let mut found = judged(scene, onset, map_from_whisker, state, work, &mut span);
-        let heading = map_from_whisker.theta;
+        let heading = cell.pose.theta;
+        let mut found = judged(scene, onset, cell.pose, cell.state, work, &mut span);
         if let Some(h) = &mut found {
             h.family = Some(family as u32);
         }
@@ -264,6 +266,20 @@ pub(super) fn for_each_place(pieces: &[Piece], spacing: f64, mut visit: impl FnM
     }
 }
 
+/// A cell that may begin a contact: the whisker's base and state, and up to where it must be clear of boundaries.
+struct Cell {
+    pose: Pose2,
+    state: State,
+    clear: Vec2,
+}
+
+impl Cell {
+    fn is_clear(&self, scene: &Scene<'_>) -> bool {
+        let base = self.pose.position();
+        !scene.map.crosses(base, self.clear) && scene.map.is_free(base)
+    }
+}
+
 /// The whisker's base and state where the straight whisker's tip touched here, if it can have.
 fn touching(
     scene: &Scene<'_>,
@@ -272,7 +288,7 @@ fn touching(
     at: f64,
     heading: f64,
     admits: &dyn Fn(Pose2) -> bool,
-) -> Option<(Pose2, State)> {
+) -> Option<Cell> {
     let feeler = &scene.feelers[onset.feeler];
     let z = scene.history.readings(onset.row)[onset.feeler];
     let spot = scene.ground.pieces[piece as usize].spot(at);
@@ -288,11 +304,8 @@ fn touching(
     if !admits(from_odom(scene, onset, pose)) {
         return None;
     }
-    if scene.map.crosses(base, base + along * (CLEAR * feeler.length)) || !scene.map.is_free(base) {
-        return None;
-    }
     let state = State::Touching(scene.forward(feeler).untouched(piece, at, heading));
-    Some((pose, state))
+    Some(Cell { pose, state, clear: base + along * (CLEAR * feeler.length) })
 }
 
 /// The same where the tip was pressed with the reading of the first row.
@@ -304,7 +317,7 @@ fn loaded(
     at: f64,
     heading: f64,
     admits: &dyn Fn(Pose2) -> bool,
-) -> Option<(Pose2, State)> {
+) -> Option<Cell> {
     let feeler = &scene.feelers[onset.feeler];
     let spot = scene.ground.pieces[piece as usize].spot(at);
     let contact = set.at_direction(spot.normal - heading)?;
@@ -313,17 +326,13 @@ fn loaded(
     // The whisker comes to the boundary from its free side.
     let aslant = Vec2::from_angle(heading + contact.slope).dot(Vec2::from_angle(spot.normal));
     let pose = Pose2::new(base.x, base.y, heading);
-    if aslant >= 0.0
-        || !admits(from_odom(scene, onset, pose))
-        || !scene.map.is_free(base)
-        || scene.map.crosses(base, base + chord * 0.5)
-    {
+    if aslant >= 0.0 || !admits(from_odom(scene, onset, pose)) {
         return None;
     }
     let q = contact.force.abs() * feeler.length.powi(2) / feeler.tip.rigidity();
     let beta = wrap_angle(spot.normal - heading - contact.slope - FRAC_PI_2);
     let state = State::Touching(scene.forward(feeler).loaded(piece, at, q, beta, contact.slope));
-    Some((pose, state))
+    Some(Cell { pose, state, clear: base + chord * 0.5 })
 }
 
 /// The odometry frame in the map when the whisker's base is there at the first touch.

@@ -32,9 +32,9 @@ const FEWEST_ROWS: usize = 5;
 /// that are caught up with in one call afterwards.
 const SLICE: usize = 4000;
 const CAUGHT_UP: usize = 2;
-/// With more hypotheses than this for each metre of the boundary, and as long as a contact has not been followed for this many times the
+/// With more hypotheses than this for each place of the boundary that was tried, and as long as a contact has not been followed for this many times the
 /// usual travel, it is followed for longer, by this factor.
-const MANY_STARTS: f64 = 500.0;
+const MANY_STARTS: f64 = 2.0;
 const MOST_PATIENCE: f64 = 4.0;
 const PATIENCE: f64 = 2.0;
 
@@ -257,7 +257,10 @@ impl<'a> ProbabilisticSet<'a> {
         let Some(bank) = search.step(&field, history, &mut work) else { return Happened::Nothing };
         let count = bank.hypotheses.len() * bank.times(turns);
         // A contact too weak or too short to tell headings apart is followed for longer before anything is decided.
-        if count as f64 > MANY_STARTS * ground.length() && !search.ended && self.patience < MOST_PATIENCE {
+        if count as f64 > MANY_STARTS * ground.length() / options.seed_spacing
+            && !search.ended
+            && self.patience < MOST_PATIENCE
+        {
             self.patience *= PATIENCE;
             let Search { feeler, onset, from_free, travelled, .. } = *search;
             let found = core::mem::take(&mut search.found);

@@ -100,7 +100,7 @@ impl Ends {
             let same = |&&(_, other): &&(f64, u32)| {
                 let there = &ground.pieces[other as usize];
                 let apart = |(at, place): (f64, Vec2)| there.spot(at).position.distance(place) <= SAME;
-                there.side == here.side && [0.0, 0.5, 1.0].into_iter().zip(three).all(apart)
+                there.side * here.side > 0.0 && [0.0, 0.5, 1.0].into_iter().zip(three).all(apart)
             };
             near.into_iter().find(same).map(|&(_, other)| other)
         };
