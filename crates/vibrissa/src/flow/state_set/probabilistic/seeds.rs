@@ -176,6 +176,7 @@ impl Seeding {
         if let Some(straight) = &straight
             && let Some(outcome) = self.twins[family].as_ref().and_then(|t| t.at(straight, cell.pose.theta))
         {
+            *work = work.saturating_sub(1);
             self.found.extend(outcome.filter(|_| cell.is_clear(scene)));
             return;
         }
@@ -235,6 +236,7 @@ impl Seeding {
         if let Some(straight) = &straight
             && let Some(Some(outcome)) = self.twins[family].as_ref().and_then(|twin| twin.at(straight, heading))
         {
+            *work = work.saturating_sub(1);
             return outcome;
         }
         let mut span = Span::new(straight, scene);
