@@ -33,8 +33,8 @@ pub struct ProbabilisticOptions {
 impl Default for ProbabilisticOptions {
     fn default() -> Self {
         Self {
-            seed_spacing: 3e-3,
-            seed_turn: 0.08,
+            seed_spacing: 4e-3,
+            seed_turn: 0.11,
             seed_travel: 12e-3,
             seed_step: 2e-3,
             shared_gain: None,

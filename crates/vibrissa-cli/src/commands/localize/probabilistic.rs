@@ -9,10 +9,10 @@ use vibrissa::{LocalizeOptions, Result};
 #[derive(Clone, Debug, Default, clap::Args)]
 #[command(next_help_heading = "Options of the probabilistic method")]
 pub(crate) struct ProbabilisticArgs {
-    /// Spacing along the boundary of the first hypotheses, in m [default: 0.003]
+    /// Spacing along the boundary of the first hypotheses, in m [default: 0.004]
     #[arg(long, value_name = "M")]
     seed_spacing: Option<f64>,
-    /// Spacing of their headings, in rad [default: 0.08]
+    /// Spacing of their headings, in rad [default: 0.11]
     #[arg(long, value_name = "RAD")]
     seed_turn: Option<f64>,
     /// Travel of the whisker base in contact before the first hypotheses, in m [default: 0.012]

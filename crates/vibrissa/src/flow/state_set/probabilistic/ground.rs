@@ -1,5 +1,6 @@
 //! A map's boundaries as a chain of pieces that a tip slides along: what a step of the forward model asks, precomputed.
 
+use super::clearance::Clearance;
 use crate::plane::{Segment, Vec2, wrap_angle};
 use crate::world::Map;
 use core::f64::consts::{FRAC_PI_2, PI};
@@ -102,6 +103,11 @@ impl Piece {
         Spot { position: self.segment.point(at), velocity, normal, turning }
     }
 
+    /// Whether it is a line.
+    pub(super) fn is_straight(&self) -> bool {
+        matches!(self.segment, Segment::Line(_))
+    }
+
     /// Whether the parameter has left what the piece can be continued to: anywhere for lines, little for Béziers.
     pub(super) fn is_lost(&self, at: f64) -> bool {
         !matches!(self.segment, Segment::Line(_)) && !(-0.5..=1.5).contains(&at)
@@ -122,6 +128,8 @@ impl Piece {
 #[derive(Clone, Debug)]
 pub(super) struct Ground {
     pub(super) pieces: Vec<Piece>,
+    /// How far places are from all of them.
+    pub(super) clearance: Clearance,
     /// The ends of walls.
     tails: Vec<Corner>,
     /// For each boundary its first piece, and for walls the first of their right side.
@@ -146,7 +154,7 @@ impl Ground {
             }
             first.push((left, right));
         }
-        Self { pieces, tails, first }
+        Self { pieces, clearance: Clearance::new(map), tails, first }
     }
 
     /// The corner at the start (`forward` false) or the end of a piece, and its number; none at the end of an open outline.
@@ -169,6 +177,11 @@ impl Ground {
         let (before, after) = ((id, 1.0), (joint.next, 0.0));
         let Joint { position, normal, turn, .. } = joint;
         Some(Corner { position, before, after, normal, turn, side: piece.side, end: false })
+    }
+
+    /// Whether there are walls with ends.
+    pub(super) fn has_ends(&self) -> bool {
+        !self.tails.is_empty()
     }
 
     /// The length of all pieces (m).

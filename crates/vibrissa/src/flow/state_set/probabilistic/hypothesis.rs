@@ -10,6 +10,7 @@ use super::drift::Drift;
 use super::ground::Ground;
 use super::history::{Feeler, History, Judge};
 use super::normal::{Matrix, Normal};
+use super::symmetry::Turn;
 use crate::plane::{Pose2, Vec2};
 use crate::world::Map;
 
@@ -47,9 +48,16 @@ const SHARES: [f64; 2] = [1.0, 0.25];
 const WORSE: f64 = 0.5;
 
 /// So many rows are run before it is asked whether to go on.
-const LOOKED_AT: usize = 6;
+const LOOKED_AT: usize = 3;
 /// How exactly the model is believed to know where the whisker stands (m, rad).
 const BLUR: [f64; 2] = [5e-5, 5e-4];
+
+/// What rows usually cost: the best one's cost after each of them; and how much more is too much.
+#[derive(Clone, Copy)]
+pub(super) struct Limits<'a> {
+    pub(super) usual: &'a [f64],
+    pub(super) more: f64,
+}
 
 /// One place that may be the true one.
 #[derive(Clone, Debug)]
@@ -64,6 +72,8 @@ pub(super) struct Hypothesis {
     pub(super) promise: (f64, [f64; 3]),
     /// How many rows it has taken since it was linearised.
     pub(super) age: usize,
+    /// Whether it is to be run anew before it is dropped; until then it takes no rows.
+    pub(super) waits: bool,
     /// The last row used.
     pub(super) row: usize,
     /// How each whisker stands to the map there.
@@ -78,6 +88,8 @@ pub(super) struct Hypothesis {
     start_at: Pose2,
     /// What readings before that row said, around `start_at`.
     prior: Normal,
+    /// The heading of the cell that it comes from, if it has come to the same as all of that heading on straight walls.
+    pub(super) family: Option<u32>,
     /// What errors of the odometry do; only followed where covariances are wanted (`blur`).
     pub(super) drift: Drift,
 }
@@ -104,6 +116,8 @@ impl Hypothesis {
             promise: (0.0, [0.0; 3]),
             normal: Normal::default(),
             age: 0,
+            waits: false,
+            family: None,
             row,
             start: states.clone(),
             start_row: row,
@@ -113,6 +127,44 @@ impl Hypothesis {
             sigmas: vec![0.0; states.len()],
             felt: vec![0.0; states.len()],
             states,
+        }
+    }
+
+    /// The same on a map turned onto itself.
+    pub(super) fn turned(&self, turn: &Turn) -> Self {
+        self.carried(turn.motion, &|state| state.turned(turn))
+    }
+
+    /// The same elsewhere, where the piece that its tip is on goes to another.
+    pub(super) fn slid(&self, motion: Pose2, to: &dyn Fn((u32, f64)) -> (u32, f64)) -> Self {
+        self.carried(motion, &|state| state.slid(motion, to))
+    }
+
+    /// The piece on which its first whisker is held where it begins to be judged.
+    pub(super) fn begins_on(&self) -> Option<(u32, f64)> {
+        self.start.first().and_then(State::on_piece)
+    }
+
+    /// The same in a map that is moved.
+    fn carried(&self, motion: Pose2, state: &dyn Fn(&State) -> State) -> Self {
+        let angle = motion.theta;
+        let map_from_odom = motion.compose(self.map_from_odom);
+        let (cost, d) = self.promise;
+        let shift = Vec2::new(d[0], d[1]).rotated(angle);
+        let all = |states: &[State]| states.iter().map(state).collect();
+        Self {
+            map_from_odom,
+            turned: map_from_odom.theta.sin_cos(),
+            promise: (cost, [shift.x, shift.y, d[2]]),
+            normal: self.normal.turned(angle),
+            prior: self.prior.turned(angle),
+            states: all(&self.states),
+            start: all(&self.start),
+            start_at: motion.compose(self.start_at),
+            drift: Drift::default(),
+            sigmas: self.sigmas.clone(),
+            felt: self.felt.clone(),
+            ..*self
         }
     }
 
@@ -207,6 +259,7 @@ impl Hypothesis {
         self.map_from_odom = map_from_odom;
         self.turned = map_from_odom.theta.sin_cos();
         self.normal = self.prior;
+        self.waits = false;
         self.drift = Drift::default();
         self.states.clone_from(&self.start);
         self.row = self.start_row;
@@ -221,15 +274,21 @@ impl Hypothesis {
         rows.iter().for_each(|&row| early.take(scene, row));
         self.prior = early.normal.loosened(loose);
         (self.start, self.start_row, self.start_at) = (early.states, 0, self.map_from_odom);
-        self.row -= last;
+        self.row = self.row.saturating_sub(last);
     }
 
-    /// Runs the history anew as [`Hypothesis::run`] does, until it has cost more than `most`; whether it has not.
-    pub(super) fn run_below(&mut self, scene: &Scene<'_>, map_from_odom: Pose2, rows: &[usize], most: f64) -> bool {
+    /// Runs the history anew as [`Hypothesis::run`] does, until it has cost more than these limits; whether it has not.
+    pub(super) fn run_below(
+        &mut self,
+        scene: &Scene<'_>,
+        map_from_odom: Pose2,
+        rows: &[usize],
+        most: Limits<'_>,
+    ) -> bool {
         self.run(scene, map_from_odom, core::iter::empty());
-        for some in rows.chunks(LOOKED_AT) {
+        for (some, usual) in rows.chunks(LOOKED_AT).zip(most.usual.chunks(LOOKED_AT)) {
             some.iter().for_each(|&row| self.take(scene, row));
-            if self.cost(scene.shared) > most {
+            if self.cost(scene.shared) > usual[usual.len() - 1] + most.more {
                 return false;
             }
         }
@@ -237,9 +296,20 @@ impl Hypothesis {
         true
     }
 
-    /// As [`Hypothesis::improve`], but gives up where all that is tried costs more than `most`; gives whether it did not, and
-    /// the number of readings taken.
-    pub(super) fn revive(&mut self, scene: &Scene<'_>, d: [f64; 3], rows: &[usize], most: f64) -> (bool, usize) {
+    /// What it costs after each of these rows.
+    pub(super) fn costs(&self, scene: &Scene<'_>, rows: &[usize]) -> Vec<f64> {
+        let mut again = self.clone();
+        again.run(scene, self.map_from_odom, core::iter::empty());
+        let mut after = |&row: &usize| {
+            again.take(scene, row);
+            again.cost(scene.shared)
+        };
+        rows.iter().map(&mut after).collect()
+    }
+
+    /// As [`Hypothesis::improve`], but gives up where all that is tried costs more than the limits; gives whether it did not,
+    /// and the number of readings taken.
+    pub(super) fn revive(&mut self, scene: &Scene<'_>, d: [f64; 3], rows: &[usize], most: Limits<'_>) -> (bool, usize) {
         let mut taken = 0;
         let mut alive = false;
         for share in SHARES {
@@ -247,7 +317,8 @@ impl Hypothesis {
             let to = moved(self.map_from_odom, scene.pivot, d.map(|v| share * v));
             let below = next.run_below(scene, to, rows, most);
             taken += rows.partition_point(|&row| row <= next.row);
-            if below && next.cost(scene.shared) <= self.cost(scene.shared) + WORSE {
+            // What one that waits has cost is not known.
+            if below && (self.waits || next.cost(scene.shared) <= self.cost(scene.shared) + WORSE) {
                 *self = next;
                 return (true, taken);
             }
@@ -274,6 +345,11 @@ impl Hypothesis {
     /// Keeps what the readings promise now.
     pub(super) fn look(&mut self, damping: [f64; 3], shared: f64) {
         self.promise = self.best(damping, shared);
+    }
+
+    /// What it will cost once it is moved to its best place, as far as is known.
+    pub(super) fn outlook(&self, damping: [f64; 3], shared: f64) -> f64 {
+        if self.waits { self.promise.0 } else { self.best(damping, shared).0 }
     }
 
     /// The cost where it is linearised.

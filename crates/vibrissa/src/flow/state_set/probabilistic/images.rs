@@ -6,12 +6,19 @@
 
 use super::bank::{Bank, Field};
 use super::history::{History, Judge};
-use super::hypothesis::{Hypothesis, Scene, difference, moved};
+use super::hypothesis::{Hypothesis, Limits, Scene, difference, moved};
 use super::seeds::for_each_place;
-use crate::plane::Pose2;
+use crate::plane::{Pose2, Vec2};
 
 /// Spacing of the places (m).
 const SPACING: f64 = 2e-3;
+/// On straight pieces longer than this (m) one place of so many will do.
+const LONG: f64 = 30e-3;
+const FEWER: usize = 3;
+/// So many places that the tip has touched must lie on boundaries, too, give or take so much (m, and m for each metre from
+/// the contact that was moved, since its angle is that of a facet).
+const TOUCHED: usize = 8;
+const OFF: [f64; 2] = [2e-3, 0.05];
 /// Rows that tell, how much larger their standard deviations are taken, since a place is up to half a spacing off, and the
 /// cost (nats) above which a place is left.
 const ROWS: usize = 24;
@@ -27,6 +34,9 @@ const APART: [f64; 2] = [4e-3, 0.05];
 const KNOWN: f64 = 2.0;
 /// Inverse variances that keep a step finite (5 mm, 5 degrees).
 const LOOSE: [f64; 3] = [4e4, 4e4, 131.0];
+/// Rows of the first fit, and its rounds.
+const SOME: usize = 48;
+const FIRST_ROUNDS: usize = 4;
 /// Rounds of the fit, and how much dearer than the best a place may be after it (nats).
 const ROUNDS: usize = 8;
 const TOLD: f64 = 30.0;
@@ -39,22 +49,41 @@ pub(super) fn images(bank: &Bank, field: &Field<'_>, history: &History) -> Vec<H
     let rows: Vec<usize> = bank.used.iter().copied().step_by(bank.used.len().div_ceil(ROWS).max(1)).collect();
     let judge = Judge { temper: TEMPER, outlier_cost: f64::INFINITY };
     let scene = field.scene(history, bank.pivot, judge, bank.shared);
-    let Some((piece, at)) = contact(best, &scene, &bank.used) else { return Vec::new() };
+    let touched = contacts(best, &scene, &bank.used);
+    let Some(&(piece, at)) = touched.get(touched.len() / 2) else { return Vec::new() };
+    let some = touched.iter().step_by(touched.len().div_ceil(TOUCHED));
+    let touched: Vec<Vec2> = some.map(|&(piece, at)| field.ground.pieces[piece as usize].spot(at).position).collect();
     let mut own = best.clone();
     own.run(&scene, best.map_from_odom, rows.iter().copied());
     let most = own.best(LOOSE, bank.shared).0;
+    let usual = own.costs(&scene, &rows);
+    let limits = Limits { usual: &usual, more: MOST_COST };
     let from = field.ground.pieces[piece as usize].spot(at);
     let mut found: Vec<Hypothesis> = Vec::new();
+    let mut count = 0;
     for_each_place(&field.ground.pieces, SPACING, |piece, at| {
+        let here = &field.ground.pieces[piece as usize];
+        count += 1;
+        if here.is_straight() && here.length > LONG && count % FEWER != 0 {
+            return;
+        }
         let spot = field.ground.pieces[piece as usize].spot(at);
+        if bank.for_all && !field.turns.stands_for_all(spot.position) {
+            return;
+        }
         let turn = spot.normal - from.normal;
         let place = spot.position + (best.map_from_odom.position() - from.position).rotated(turn);
         let frame = Pose2::new(place.x, place.y, best.map_from_odom.theta + turn);
-        if !field.admits(history, frame) || !stands(field, history, frame, &rows) {
+        let lies = |place: &Vec2| {
+            let arm = *place - from.position;
+            let reach = OFF[0] + OFF[1] * arm.norm();
+            field.map.nearest_within(spot.position + arm.rotated(turn), reach).is_some()
+        };
+        if !touched.iter().all(lies) || !field.admits(history, frame) || !stands(field, history, frame, &rows) {
             return;
         }
         let mut there = best.clone();
-        if there.run_below(&scene, frame, &rows, most + MOST_COST) {
+        if there.run_below(&scene, frame, &rows, limits) {
             there.look(LOOSE, bank.shared);
             if there.promise.0 <= most + MOST_MORE {
                 found.push(there);
@@ -62,11 +91,11 @@ pub(super) fn images(bank: &Bank, field: &Field<'_>, history: &History) -> Vec<H
         }
     });
     found.sort_by(|a, b| a.promise.0.total_cmp(&b.promise.0));
-    fitted(bank, field, history, &rows, apart(found, bank))
+    fitted(bank, field, history, &rows, apart(found, bank, field))
 }
 
-/// A contact of the tip in the middle of the rows: piece and parameter.
-fn contact(h: &Hypothesis, scene: &Scene<'_>, rows: &[usize]) -> Option<(u32, f64)> {
+/// The contacts of the tip: pieces and parameters.
+fn contacts(h: &Hypothesis, scene: &Scene<'_>, rows: &[usize]) -> Vec<(u32, f64)> {
     let mut again = h.clone();
     again.run(scene, h.map_from_odom, core::iter::empty());
     let mut held = Vec::new();
@@ -74,7 +103,7 @@ fn contact(h: &Hypothesis, scene: &Scene<'_>, rows: &[usize]) -> Option<(u32, f6
         again.take(scene, row);
         held.extend(again.states.iter().find_map(|state| state.tip_on()));
     }
-    held.get(held.len() / 2).copied()
+    held
 }
 
 /// Whether the robot and its whiskers' bases stand in free space at the first and the last of these rows.
@@ -86,15 +115,19 @@ fn stands(field: &Field<'_>, history: &History, frame: Pose2, rows: &[usize]) ->
 }
 
 /// The first of these that stand apart from each other and from the bank's best.
-fn apart(found: Vec<Hypothesis>, bank: &Bank) -> Vec<Hypothesis> {
+fn apart(found: Vec<Hypothesis>, bank: &Bank, field: &Field<'_>) -> Vec<Hypothesis> {
     let least = bank.hypotheses.iter().map(|h| h.cost(bank.shared)).fold(f64::INFINITY, f64::min);
     let known: Vec<&Hypothesis> = bank.hypotheses.iter().filter(|h| h.cost(bank.shared) <= least + KNOWN).collect();
     let mut chosen: Vec<Hypothesis> = Vec::new();
     for h in found {
         let to = moved(h.map_from_odom, bank.pivot, super::bank::cut(h.promise.1));
         let near = |other: &Hypothesis| {
-            let [x, y, turn] = difference(other.map_from_odom, to, bank.pivot);
-            x.hypot(y) < APART[0] && turn.abs() < APART[1]
+            let close = |frame: Pose2| {
+                let [x, y, turn] = difference(frame, to, bank.pivot);
+                x.hypot(y) < APART[0] && turn.abs() < APART[1]
+            };
+            let own = close(other.map_from_odom);
+            own || bank.for_all && field.turns.images(other.map_from_odom).any(close)
         };
         if chosen.len() < FITTED && !chosen.iter().any(near) && !known.iter().any(|h| near(h)) {
             chosen.push(h);
@@ -123,12 +156,17 @@ fn fitted(
     }
     let fair = field.scene(history, bank.pivot, Judge::FAIR, bank.shared);
     let least = bank.hypotheses.iter().map(|h| h.cost(bank.shared)).fold(f64::INFINITY, f64::min);
-    few.used.clone_from(&bank.used);
-    for h in &mut few.hypotheses {
-        h.run(&fair, h.map_from_odom, bank.used.iter().copied());
+    let some = bank.used.len().div_ceil(SOME).max(1);
+    let mut own = bank.hypotheses.iter().min_by(|a, b| a.cost(bank.shared).total_cmp(&b.cost(bank.shared))).cloned();
+    for (stride, rounds) in [(some, FIRST_ROUNDS), (1, ROUNDS)] {
+        few.used = bank.used.iter().copied().step_by(stride).collect();
+        for h in own.iter_mut().filter(|_| stride > 1).chain(&mut few.hypotheses) {
+            h.run(&fair, h.map_from_odom, few.used.iter().copied());
+        }
+        few.settle(field, history, rounds, 0);
+        let most = own.as_ref().filter(|_| stride > 1).map_or(least, |h| h.cost(bank.shared)) + TOLD;
+        few.hypotheses.retain(|h| h.cost(bank.shared) <= most);
     }
-    few.settle(field, history, ROUNDS, 0);
-    few.hypotheses.retain(|h| h.cost(bank.shared) <= least + TOLD);
     few.hypotheses.iter_mut().for_each(|h| h.look(LOOSE, bank.shared));
     few.hypotheses
 }

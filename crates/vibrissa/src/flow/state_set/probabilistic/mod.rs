@@ -1,6 +1,7 @@
 //! The probabilistic method's hypotheses: Gaussians around single places, each refined by all readings so far.
 
 mod bank;
+mod clearance;
 mod contact;
 mod drift;
 mod ground;
@@ -12,6 +13,8 @@ mod places;
 mod seeds;
 mod set;
 mod spread;
+mod symmetry;
+mod twins;
 
 pub use history::Sense;
 pub use places::{Fit, Place};

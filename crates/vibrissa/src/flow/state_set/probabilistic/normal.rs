@@ -39,6 +39,17 @@ impl Normal {
         Self { gradient, cost, shared, ..*self }
     }
 
+    /// The same in a map that is turned by this angle.
+    pub(super) fn turned(&self, angle: f64) -> Self {
+        let (sin, cos) = angle.sin_cos();
+        let vector = |v: [f64; 3]| [cos * v[0] - sin * v[1], sin * v[0] + cos * v[1], v[2]];
+        // Rows first, then columns.
+        let rows = self.curvature.map(vector);
+        let columns = [0, 1, 2].map(|j| vector([rows[0][j], rows[1][j], rows[2][j]]));
+        let curvature = [0, 1, 2].map(|i: usize| [0, 1, 2].map(|j: usize| columns[j][i]));
+        Self { curvature, gradient: vector(self.gradient), mixed: vector(self.mixed), ..*self }
+    }
+
     /// The same knowledge after the frame has made a random move of this covariance.
     pub(super) fn loosened(&self, covariance: &Matrix) -> Self {
         // (Q⁻¹ + A)⁻¹, with something added to each for the sake of directions that are known too well or not at all.

@@ -5,7 +5,7 @@ use super::contact::{Solver, State};
 use super::history::{History, Judge};
 use super::hypothesis::{Hypothesis, Scene, difference, moved};
 use super::images::images;
-use super::normal::{Matrix, add, determinant, dot, inverse, times};
+use super::normal::{Matrix, Normal, add, determinant, dot, inverse, times};
 use super::spread::{SAMPLES, Spread, spread};
 use crate::plane::Pose2;
 
@@ -30,10 +30,14 @@ const SHAKEN_APART: usize = 6;
 const SHAKEN: usize = 3;
 const SHAKEN_ROWS: usize = 64;
 const SHAKES: [[f64; 3]; 3] = [[7e-4, 7e-4, 0.0], [7e-4, -7e-4, 0.0], [0.0, 0.0, 0.012]];
+/// The same along the ridge of the likelihood on which they stand (standard deviations).
+const RIDGES: [f64; 4] = [-3.0, -1.5, 1.5, 3.0];
 /// Every so many rows the robot's origin must stand in free space.
 const STANDS_EVERY: usize = 10;
 /// Slack for those that are not at their least yet (nats).
 const SLACK: f64 = 6.0;
+/// Slack for those that have been moved only once since these rows are asked (nats).
+const UNSETTLED: f64 = 20.0;
 /// A hypothesis this much less likely than the best (nats) is not told.
 const TOLD: f64 = 12.0;
 /// Hypotheses nearer than so many standard deviations are one place,
@@ -44,7 +48,7 @@ const LINK_TURN: f64 = 0.04;
 /// The share of a ridge that one of its hypotheses stands for: the standard deviation of a Gaussian as wide (m).
 const RIDGE: f64 = 5.6e-3;
 /// Hypotheses further apart than this are not compared (m).
-const FARTHEST: f64 = 0.05;
+const FARTHEST: f64 = 0.1;
 /// Area and volume of the regions that hold 95 % of a Gaussian, per root of its covariance's determinant: `pi chi²` and
 /// `4/3 pi chi³` with the 95 % points of chi² for two and three degrees of freedom.
 const AREA_95: f64 = 18.82;
@@ -102,7 +106,7 @@ pub struct Fit {
 /// The pose of the odometry frame that the best hypothesis estimates.
 pub(super) fn best(bank: &Bank) -> Option<Pose2> {
     let one =
-        bank.hypotheses.iter().min_by(|a, b| a.best(OPEN, bank.shared).0.total_cmp(&b.best(OPEN, bank.shared).0))?;
+        bank.hypotheses.iter().min_by(|a, b| a.outlook(OPEN, bank.shared).total_cmp(&b.outlook(OPEN, bank.shared)))?;
     Some(moved(one.map_from_odom, bank.pivot, super::bank::cut(one.best(OPEN, bank.shared).1)))
 }
 
@@ -119,21 +123,22 @@ pub(super) fn size(bank: &Bank) -> (f64, f64) {
 /// Settles the hypotheses, weighs and groups them.
 pub(super) fn choose(bank: &mut Bank, field: &Field<'_>, history: &History) -> (Vec<Place>, Option<Fit>) {
     let shared = bank.shared;
-    bank.hypotheses.sort_by(|a, b| a.best(OPEN, shared).0.total_cmp(&b.best(OPEN, shared).0));
+    bank.hypotheses.sort_by(|a, b| a.outlook(OPEN, shared).total_cmp(&b.outlook(OPEN, shared)));
     bank.hypotheses.truncate(MOST);
     let stages = [(FIRST_ROWS[0], FIRST_ROUNDS[0], 3.0), (FIRST_ROWS[1], FIRST_ROUNDS[1], 1.0), (0, ROUNDS, 1.0)];
     for (rows, rounds, slack) in stages {
         let rows = if rows > 0 { rows } else { SECOND_TAKES / bank.hypotheses.len().max(1) };
-        bank.use_rows(field, history, rows);
+        bank.use_rows(field, history, rows, TOLD + slack * SLACK + UNSETTLED);
         bank.settle(field, history, rounds, 0);
         let least = bank.hypotheses.iter().map(|h| h.cost(shared)).fold(f64::INFINITY, f64::min);
         bank.hypotheses.retain(|h| h.cost(shared) <= least + TOLD + slack * SLACK);
     }
+    bank.gather(field.turns);
     let equals = images(bank, field, history);
     bank.hypotheses.extend(equals);
     let afford = MOST_TAKES / bank.hypotheses.len().max(1);
     if bank.used.len() < history.len() && afford > bank.used.len() {
-        bank.use_rows(field, history, afford);
+        bank.use_rows(field, history, afford, TOLD + UNSETTLED);
     }
     bank.settle(field, history, LAST_ROUNDS, 0);
     shake(bank, field, history);
@@ -143,6 +148,7 @@ pub(super) fn choose(bank: &mut Bank, field: &Field<'_>, history: &History) -> (
     bank.hypotheses.retain(|h| field.admits(history, h.map_from_odom) && stands(h));
     let least = bank.hypotheses.iter().map(|h| h.cost(bank.shared)).fold(f64::INFINITY, f64::min);
     bank.hypotheses.retain(|h| h.cost(shared) <= least + TOLD);
+    bank.gather(field.turns);
     let mut fit = bank.hypotheses.first().map(|h| fit(h, bank, field, history, Solver::Exact));
     let blurred = Scene { blur: true, ..field.scene(history, bank.pivot, Judge::FAIR, bank.shared) };
     let last = history.pose(history.len() - 1);
@@ -182,7 +188,14 @@ fn shake(bank: &mut Bank, field: &Field<'_>, history: &History) {
     let stride = (bank.used.len() / SHAKEN_ROWS).clamp(1, 4);
     let rows: Vec<usize> = bank.used.iter().copied().step_by(stride).collect();
     let starts = [[0.0; 3]].into_iter().chain(SHAKES.into_iter().flat_map(|d| [d, d.map(|v| -v)]));
-    let around = shaken.iter().flat_map(|&index| starts.clone().map(move |d| (index, d))).map(|(index, d)| {
+    let ridges = |&index: &usize| {
+        let own = covariance(&bank.hypotheses[index], bank);
+        let std = own[2][2].sqrt();
+        RIDGES.map(|share| (index, super::bank::cut([0, 1, 2].map(|i: usize| share * own[i][2] / std))))
+    };
+    let along: Vec<(usize, [f64; 3])> = shaken.iter().flat_map(ridges).collect();
+    let beside = shaken.iter().flat_map(|&index| starts.clone().map(move |d| (index, d)));
+    let around = beside.chain(along).map(|(index, d)| {
         let mut next = bank.hypotheses[index].clone();
         next.run(&scene, moved(next.map_from_odom, scene.pivot, d), rows.iter().copied());
         next
@@ -240,10 +253,28 @@ impl Settled<'_> {
                 self.place(members, *mass, spread)
             })
             .collect();
+        if self.bank.for_all {
+            places = places.iter().flat_map(|place| self.images(place)).collect();
+        }
         let total: f64 = places.iter().map(|p| p.weight).sum();
         places.iter_mut().for_each(|p| p.weight /= total);
         places.sort_by(|a, b| b.weight.total_cmp(&a.weight));
         places
+    }
+
+    /// A place and its images: no log tells them apart, so they weigh the same.
+    fn images(&self, place: &Place) -> Vec<Place> {
+        let turned = |frame: Pose2| {
+            let motion = frame.compose(place.map_from_odom.inverse());
+            let own = |m: &Matrix| Normal { curvature: *m, ..Normal::default() }.turned(motion.theta).curvature;
+            Place {
+                map_from_odom: frame,
+                covariance: own(&place.covariance),
+                members: place.members.iter().map(|(pose, c)| (motion.compose(*pose), own(c))).collect(),
+                ..*place
+            }
+        };
+        self.field.turns.images(place.map_from_odom).map(turned).collect()
     }
 
     /// Hypotheses that are linked, directly or through others, the best first.

@@ -9,6 +9,8 @@ use super::bank::{cells, merged};
 use super::contact::State;
 use super::ground::Piece;
 use super::hypothesis::{Hypothesis, Scene, moved};
+use super::symmetry::Turns;
+use super::twins::{Span, Straight, Twin};
 use crate::config::TipLoad;
 use crate::flow::contact_set::TipContactSet;
 use crate::plane::{Bounds, Pose2, Vec2, wrap_angle};
@@ -39,6 +41,8 @@ pub(super) struct Onset<'a> {
     /// Spacing along the boundary (m) and of headings (rad).
     pub(super) spacing: f64,
     pub(super) turn: f64,
+    /// Turns of the map onto itself, where one place is to stand for all.
+    pub(super) turns: Option<&'a Turns>,
     /// Where the tip can be with the first pose in the prior's region.
     pub(super) near: Option<Bounds>,
 }
@@ -54,10 +58,24 @@ pub(super) struct Seeding {
     /// The round of refinement, and what it has not come to yet, the last one first.
     round: usize,
     left: Option<Vec<Hypothesis>>,
+    /// For each heading (and branch) what a cell on a straight wall has come to in this round.
+    twins: Vec<Option<Twin>>,
 }
 
 impl Seeding {
-    pub(super) fn new(scene: &Scene<'_>, onset: &Onset<'_>) -> Self {
+    /// The search from the cells on, or from what an earlier one has found, to be judged by more rows.
+    pub(super) fn new(scene: &Scene<'_>, onset: &Onset<'_>, carried: Vec<Hypothesis>) -> Self {
+        if !carried.is_empty() {
+            return Self {
+                places: Vec::new(),
+                next: 0,
+                branches: Vec::new(),
+                found: carried,
+                round: 0,
+                left: None,
+                twins: Vec::new(),
+            };
+        }
         let feeler = &scene.feelers[onset.feeler];
         let z = scene.history.readings(onset.row)[onset.feeler];
         let branches = if onset.from_free {
@@ -66,8 +84,12 @@ impl Seeding {
             TipContactSet::branches(&feeler.tip, feeler.reading(z), TipLoad::BoundaryNormal)
         };
         let mut places = Vec::new();
-        for_each_place(&scene.ground.pieces, onset.spacing, |piece, at| places.push((piece, at)));
-        Self { places, next: 0, branches, found: Vec::new(), round: 0, left: None }
+        for_each_place(&scene.ground.pieces, onset.spacing, |piece, at| {
+            if onset.turns.is_none_or(|t| t.stands_for_all(scene.ground.pieces[piece as usize].spot(at).position)) {
+                places.push((piece, at));
+            }
+        });
+        Self { places, next: 0, branches, found: Vec::new(), round: 0, left: None, twins: Vec::new() }
     }
 
     /// Goes on until `work` (readings run through the forward model) is used up; whether it has come to the end. `admits`
@@ -96,7 +118,7 @@ impl Seeding {
     }
 
     /// The hypotheses that explain the first readings.
-    pub(super) fn found(self) -> Vec<Hypothesis> {
+    pub(super) fn into_found(self) -> Vec<Hypothesis> {
         self.found
     }
 
@@ -115,49 +137,122 @@ impl Seeding {
             return;
         }
         *work = work.saturating_sub(1);
+        let straight = Straight::new(scene.ground, piece, at);
+        let touching = |heading: f64| touching(scene, onset, piece, at, heading, admits);
         if onset.from_free {
-            let z = scene.history.readings(onset.row)[onset.feeler];
             let count = (2.0 * WIDEST / onset.turn).ceil();
             for k in 0..count as usize {
                 let heading = spot.normal + PI - WIDEST + (k as f64 + 0.5) * (2.0 * WIDEST / count);
-                self.found.extend(touching(scene, onset, piece, at, heading, z, admits, work));
+                if let Some(cell) = touching(heading) {
+                    self.judge(scene, onset, (straight, k), cell, work);
+                }
             }
             return;
         }
-        let count = (TAU / onset.turn).ceil();
-        for set in &self.branches {
-            for k in 0..count as usize {
-                let heading = wrap_angle(k as f64 * TAU / count);
-                self.found.extend(loaded(scene, onset, set, piece, at, heading, admits, work));
+        let count = (TAU / onset.turn).ceil() as usize;
+        for branch in 0..self.branches.len() {
+            for k in 0..count {
+                let heading = wrap_angle(k as f64 * TAU / count as f64);
+                let set = &self.branches[branch];
+                if let Some(cell) = loaded(scene, onset, set, piece, at, heading, admits) {
+                    self.judge(scene, onset, (straight, branch * count + k), cell, work);
+                }
             }
         }
+    }
+
+    /// Keeps the hypothesis that begins like this if the first readings do not kill its cell, the `family`-th of its place.
+    fn judge(
+        &mut self,
+        scene: &Scene<'_>,
+        onset: &Onset<'_>,
+        (straight, family): (Option<Straight>, usize),
+        cell: Cell,
+        work: &mut usize,
+    ) {
+        if self.twins.len() <= family {
+            self.twins.resize_with(family + 1, || None);
+        }
+        if let Some(straight) = &straight
+            && let Some(outcome) = self.twins[family].as_ref().and_then(|t| t.at(straight, cell.pose.theta))
+        {
+            *work = work.saturating_sub(1);
+            self.found.extend(outcome.filter(|_| cell.is_clear(scene)));
+            return;
+        }
+        if !cell.is_clear(scene) {
+            return;
+        }
+        let mut span = Span::new(straight, scene);
+        let heading = cell.pose.theta;
+        let mut found = judged(scene, onset, cell.pose, cell.state, work, &mut span);
+        if let Some(h) = &mut found {
+            h.family = Some(family as u32);
+        }
+        match Twin::new(span, heading, found.as_ref()) {
+            Some(twin) => self.twins[family] = Some(twin),
+            None => found.iter_mut().for_each(|h| h.family = None),
+        }
+        self.found.extend(found);
     }
 
     /// Moves each hypothesis to its best place and drops those that stay bad, and all but the best of those that meet.
     fn refine(&mut self, scene: &Scene<'_>, onset: &Onset<'_>, work: &mut usize) -> bool {
         let last = onset.rows.last().copied().unwrap_or(onset.row);
         let limit = if self.round + 1 == ROUNDS { REFINED_COST } else { CELL_COST };
-        let found = &mut self.found;
-        let left = self.left.get_or_insert_with(|| {
-            let all = core::mem::take(found);
-            let size = cells(all.len());
+        let round = self.round;
+        if self.left.is_none() {
+            self.twins.clear();
+            let all = core::mem::take(&mut self.found);
+            let size = if round == 0 { [1.3 * onset.spacing, onset.turn] } else { cells(all.len()) };
             let mut all = merged(all, scene, scene.history.pose(last), size, |h| h.best(cell(onset), 0.0));
             all.reverse();
-            all
-        });
+            self.left = Some(all);
+        }
         while *work > 0 {
-            let Some(mut h) = left.pop() else {
+            let Some(mut h) = self.left.as_mut().and_then(Vec::pop) else {
                 self.left = None;
+                self.twins.clear();
                 return true;
             };
-            let (_, d) = h.best(cell(onset), 0.0);
-            h.run(scene, moved(h.map_from_odom, scene.pivot, d), onset.rows.iter().copied());
-            *work = work.saturating_sub(onset.rows.len());
+            h = self.again(scene, onset, h, work);
             if h.best(cell(onset), 0.0).0 <= limit {
                 self.found.push(h);
             }
         }
         false
+    }
+}
+
+impl Seeding {
+    /// A hypothesis at its best place, run through the first readings again.
+    fn again(&mut self, scene: &Scene<'_>, onset: &Onset<'_>, mut h: Hypothesis, work: &mut usize) -> Hypothesis {
+        let straight = h.family.and_then(|_| Straight::of(scene.ground, &h));
+        let heading = h.map_from_odom.theta;
+        let family = h.family.map_or(0, |family| family as usize);
+        if self.twins.len() <= family {
+            self.twins.resize_with(family + 1, || None);
+        }
+        if let Some(straight) = &straight
+            && let Some(Some(outcome)) = self.twins[family].as_ref().and_then(|twin| twin.at(straight, heading))
+        {
+            *work = work.saturating_sub(1);
+            return outcome;
+        }
+        let mut span = Span::new(straight, scene);
+        let (_, d) = h.best(cell(onset), 0.0);
+        h.run(scene, moved(h.map_from_odom, scene.pivot, d), core::iter::empty());
+        for &row in onset.rows {
+            h.take(scene, row);
+            span.iter_mut().for_each(|span| span.add(&h));
+        }
+        h.age = 0;
+        *work = work.saturating_sub(onset.rows.len());
+        match Twin::new(span, heading, Some(&h)) {
+            Some(twin) => self.twins[family] = Some(twin),
+            None => h.family = None,
+        }
+        h
     }
 }
 
@@ -173,19 +268,31 @@ pub(super) fn for_each_place(pieces: &[Piece], spacing: f64, mut visit: impl FnM
     }
 }
 
-/// The hypothesis that the straight whisker's tip touched here, if the first readings allow it.
-#[allow(clippy::too_many_arguments, reason = "a cell of the search")]
+/// A cell that may begin a contact: the whisker's base and state, and up to where it must be clear of boundaries.
+struct Cell {
+    pose: Pose2,
+    state: State,
+    clear: Vec2,
+}
+
+impl Cell {
+    fn is_clear(&self, scene: &Scene<'_>) -> bool {
+        let base = self.pose.position();
+        !scene.map.crosses(base, self.clear) && scene.map.is_free(base)
+    }
+}
+
+/// The whisker's base and state where the straight whisker's tip touched here, if it can have.
 fn touching(
     scene: &Scene<'_>,
     onset: &Onset<'_>,
     piece: u32,
     at: f64,
     heading: f64,
-    z: f64,
     admits: &dyn Fn(Pose2) -> bool,
-    work: &mut usize,
-) -> Option<Hypothesis> {
+) -> Option<Cell> {
     let feeler = &scene.feelers[onset.feeler];
+    let z = scene.history.readings(onset.row)[onset.feeler];
     let spot = scene.ground.pieces[piece as usize].spot(at);
     let push = (spot.normal - heading).sin();
     let along = Vec2::from_angle(heading);
@@ -199,16 +306,11 @@ fn touching(
     if !admits(from_odom(scene, onset, pose)) {
         return None;
     }
-    if scene.map.crosses(base, base + along * (CLEAR * feeler.length)) || !scene.map.is_free(base) {
-        return None;
-    }
-    let forward = scene.forward(feeler);
-    let state = State::Touching(forward.untouched(piece, at, heading));
-    judged(scene, onset, pose, state, work)
+    let state = State::Touching(scene.forward(feeler).untouched(piece, at, heading));
+    Some(Cell { pose, state, clear: base + along * (CLEAR * feeler.length) })
 }
 
-/// The hypothesis that the tip was pressed here with the moment of the first reading.
-#[allow(clippy::too_many_arguments, reason = "a cell of the search")]
+/// The same where the tip was pressed with the reading of the first row.
 fn loaded(
     scene: &Scene<'_>,
     onset: &Onset<'_>,
@@ -217,8 +319,7 @@ fn loaded(
     at: f64,
     heading: f64,
     admits: &dyn Fn(Pose2) -> bool,
-    work: &mut usize,
-) -> Option<Hypothesis> {
+) -> Option<Cell> {
     let feeler = &scene.feelers[onset.feeler];
     let spot = scene.ground.pieces[piece as usize].spot(at);
     let contact = set.at_direction(spot.normal - heading)?;
@@ -227,18 +328,13 @@ fn loaded(
     // The whisker comes to the boundary from its free side.
     let aslant = Vec2::from_angle(heading + contact.slope).dot(Vec2::from_angle(spot.normal));
     let pose = Pose2::new(base.x, base.y, heading);
-    if aslant >= 0.0
-        || !admits(from_odom(scene, onset, pose))
-        || !scene.map.is_free(base)
-        || scene.map.crosses(base, base + chord * 0.5)
-    {
+    if aslant >= 0.0 || !admits(from_odom(scene, onset, pose)) {
         return None;
     }
     let q = contact.force.abs() * feeler.length.powi(2) / feeler.tip.rigidity();
     let beta = wrap_angle(spot.normal - heading - contact.slope - FRAC_PI_2);
-    let forward = scene.forward(feeler);
-    let state = State::Touching(forward.loaded(piece, at, q, beta, contact.slope));
-    judged(scene, onset, pose, state, work)
+    let state = State::Touching(scene.forward(feeler).loaded(piece, at, q, beta, contact.slope));
+    Some(Cell { pose, state, clear: base + chord * 0.5 })
 }
 
 /// The odometry frame in the map when the whisker's base is there at the first touch.
@@ -260,6 +356,7 @@ fn judged(
     map_from_whisker: Pose2,
     state: State,
     work: &mut usize,
+    span: &mut Option<Span>,
 ) -> Option<Hypothesis> {
     let map_from_odom = from_odom(scene, onset, map_from_whisker);
     let mut states = vec![State::Free; scene.feelers.len()];
@@ -267,6 +364,7 @@ fn judged(
     let mut hypothesis = Hypothesis::new(map_from_odom, states, onset.row);
     for &row in onset.rows {
         hypothesis.take(scene, row);
+        span.iter_mut().for_each(|span| span.add(&hypothesis));
         *work = work.saturating_sub(1);
         let held = matches!(hypothesis.states[onset.feeler], State::Touching(_));
         if !held || hypothesis.best(cell(onset), 0.0).0 > CELL_COST {

@@ -3,8 +3,10 @@
 use super::bank::{Bank, Field, Search};
 use super::ground::Ground;
 use super::history::{Feeler, History, OUTLIER_COST, Sense};
+use super::hypothesis::Hypothesis;
 use super::images::images;
 use super::places::{self, Fit, Place};
+use super::symmetry::Turns;
 use crate::beam::{TipModel, TipTable};
 use crate::config::ProbabilisticOptions;
 use crate::plane::Pose2;
@@ -29,10 +31,10 @@ const FEWEST_ROWS: usize = 5;
 /// Readings that are run through the forward model in one call while hypotheses are searched for (some milliseconds), and rows
 /// that are caught up with in one call afterwards.
 const SLICE: usize = 4000;
-const CAUGHT_UP: usize = 4;
+const CAUGHT_UP: usize = 2;
 /// With more hypotheses than this for each place of the boundary that was tried, and as long as a contact has not been followed for this many times the
 /// usual travel, it is followed for longer, by this factor.
-const MANY_STARTS: f64 = 1.5;
+const MANY_STARTS: f64 = 2.0;
 const MOST_PATIENCE: f64 = 4.0;
 const PATIENCE: f64 = 2.0;
 
@@ -53,8 +55,8 @@ pub enum Happened {
 enum Phase {
     /// No contact yet.
     Waiting,
-    /// In a first contact, which began at this row of the history.
-    Pressing { feeler: usize, onset: usize, from_free: bool, travelled: f64 },
+    /// In a first contact, which began at this row of the history; with what an earlier search has found.
+    Pressing { feeler: usize, onset: usize, from_free: bool, travelled: f64, found: Vec<Hypothesis> },
     /// Looking for hypotheses, while rows go on.
     Searching(Search),
     /// With hypotheses.
@@ -67,6 +69,7 @@ pub struct ProbabilisticSet<'a> {
     robot: &'a Robot,
     options: ProbabilisticOptions,
     ground: Ground,
+    turns: Turns,
     table: TipTable,
     feelers: Vec<Feeler>,
     history: History,
@@ -99,11 +102,13 @@ impl<'a> ProbabilisticSet<'a> {
             Some(Feeler::new(robot.whiskers.get(whisker)?, tips.get(whisker)?.clone(), sense))
         };
         let feelers: Vec<Feeler> = senses.iter().filter_map(feeler).collect();
+        let ground = Ground::new(map);
         Self {
             map,
             robot,
             options,
-            ground: Ground::new(map),
+            turns: Turns::of(&ground),
+            ground,
             table: TipTable::new(),
             history: History::new(&feelers),
             touching: vec![0; feelers.len()],
@@ -135,7 +140,7 @@ impl<'a> ProbabilisticSet<'a> {
     #[must_use]
     pub fn len(&self) -> usize {
         match &self.phase {
-            Phase::Tracking(bank) => bank.hypotheses.len(),
+            Phase::Tracking(bank) => bank.hypotheses.len() * bank.times(&self.turns),
             _ => 0,
         }
     }
@@ -150,6 +155,7 @@ impl<'a> ProbabilisticSet<'a> {
         Field {
             map: self.map,
             ground: &self.ground,
+            turns: &self.turns,
             table: &self.table,
             robot: self.robot,
             feelers: &self.feelers,
@@ -200,7 +206,7 @@ impl<'a> ProbabilisticSet<'a> {
         {
             // After a loss the rows before this one are forgotten, although the whisker touched there, too.
             let onset = (last + 1).saturating_sub(STREAK);
-            self.phase = Phase::Pressing { feeler, onset, from_free: onset > 0, travelled: 0.0 };
+            self.phase = Phase::Pressing { feeler, onset, from_free: onset > 0, travelled: 0.0, found: Vec::new() };
             return Happened::Nothing;
         }
         if !any && last >= 2 {
@@ -219,7 +225,7 @@ impl<'a> ProbabilisticSet<'a> {
 
     /// Waits until the contact tells enough, or has ended.
     fn press(&mut self, at_end: bool) -> Happened {
-        let Phase::Pressing { feeler, onset, from_free, travelled } = self.phase else { return Happened::Nothing };
+        let Phase::Pressing { feeler, onset, from_free, travelled, .. } = self.phase else { return Happened::Nothing };
         let ended = at_end || self.free >= STREAK;
         if travelled < self.options.seed_travel * self.patience && !ended {
             return Happened::Nothing;
@@ -234,24 +240,31 @@ impl<'a> ProbabilisticSet<'a> {
             self.history.forget(onset);
         }
         let onset = if from_free { onset } else { 0 };
-        let search = Search::new(&self.field(), &self.history, (feeler, onset), from_free, ended, travelled);
+        let found = match &mut self.phase {
+            Phase::Pressing { found, .. } => core::mem::take(found),
+            _ => Vec::new(),
+        };
+        let search = Search::new(&self.field(), &self.history, (feeler, onset), from_free, ended, travelled, found);
         self.phase = Phase::Searching(search);
         self.search(if at_end { usize::MAX } else { SLICE })
     }
 
     /// Looks for hypotheses with this much work.
     fn search(&mut self, mut work: usize) -> Happened {
-        let Self { map, robot, options, ground, table, feelers, history, phase, .. } = self;
+        let Self { map, robot, options, ground, turns, table, feelers, history, phase, .. } = self;
         let Phase::Searching(search) = phase else { return Happened::Nothing };
-        let field = Field { map, ground, table, robot, feelers, options };
+        let field = Field { map, ground, turns, table, robot, feelers, options };
         let Some(bank) = search.step(&field, history, &mut work) else { return Happened::Nothing };
-        let count = bank.hypotheses.len();
+        let count = bank.hypotheses.len() * bank.times(turns);
         // A contact too weak or too short to tell headings apart is followed for longer before anything is decided.
-        let places = ground.length() / options.seed_spacing;
-        if count as f64 > MANY_STARTS * places && !search.ended && self.patience < MOST_PATIENCE {
+        if count as f64 > MANY_STARTS * ground.length() / options.seed_spacing
+            && !search.ended
+            && self.patience < MOST_PATIENCE
+        {
             self.patience *= PATIENCE;
             let Search { feeler, onset, from_free, travelled, .. } = *search;
-            self.phase = Phase::Pressing { feeler, onset, from_free, travelled };
+            let found = core::mem::take(&mut search.found);
+            self.phase = Phase::Pressing { feeler, onset, from_free, travelled, found };
             return Happened::Nothing;
         }
         self.starts += 1;
@@ -266,10 +279,13 @@ impl<'a> ProbabilisticSet<'a> {
 
     /// Hands the row to the hypotheses and watches how they fare.
     fn track(&mut self) -> Happened {
-        let Self { map, robot, options, ground, table, feelers, history, phase, tracked, .. } = self;
+        let Self { map, robot, options, ground, turns, table, feelers, history, phase, tracked, .. } = self;
         let Phase::Tracking(bank) = phase else { return Happened::Nothing };
+        if history.heading().is_some() {
+            bank.expand(turns);
+        }
         let (used, next) = (bank.used.len(), bank.next);
-        let field = Field { map, ground, table, robot, feelers, options };
+        let field = Field { map, ground, turns, table, robot, feelers, options };
         bank.step(&field, history, CAUGHT_UP);
         *tracked += bank.next - next;
         if history.len() > options.window {
@@ -326,7 +342,7 @@ impl<'a> ProbabilisticSet<'a> {
         self.costs.clear();
         self.phase = match self.touching.iter().position(|&rows| rows >= STREAK) {
             Some(feeler) if self.starts < MOST_STARTS => {
-                Phase::Pressing { feeler, onset: 0, from_free: false, travelled: 0.0 }
+                Phase::Pressing { feeler, onset: 0, from_free: false, travelled: 0.0, found: Vec::new() }
             }
             _ => Phase::Waiting,
         };
@@ -336,7 +352,13 @@ impl<'a> ProbabilisticSet<'a> {
     #[must_use]
     pub fn states(&self, odom_from_robot: Pose2) -> Vec<Pose2> {
         match &self.phase {
-            Phase::Tracking(bank) => bank.hypotheses.iter().map(|h| h.map_from_odom.compose(odom_from_robot)).collect(),
+            Phase::Tracking(bank) => {
+                let frames = bank
+                    .hypotheses
+                    .iter()
+                    .flat_map(|h| self.turns.images(h.map_from_odom).take(bank.times(&self.turns)));
+                frames.map(|frame| frame.compose(odom_from_robot)).collect()
+            }
             _ => Vec::new(),
         }
     }
@@ -345,7 +367,11 @@ impl<'a> ProbabilisticSet<'a> {
     #[must_use]
     pub fn size(&self) -> (f64, f64) {
         match &self.phase {
-            Phase::Tracking(bank) => places::size(bank),
+            Phase::Tracking(bank) => {
+                let (area, volume) = places::size(bank);
+                let times = bank.times(&self.turns) as f64;
+                (times * area, times * volume)
+            }
             _ => (0.0, 0.0),
         }
     }
@@ -365,9 +391,12 @@ impl<'a> ProbabilisticSet<'a> {
             self.press(true);
         }
         self.search(usize::MAX);
-        let Self { map, robot, options, ground, table, feelers, history, phase, .. } = self;
+        let Self { map, robot, options, ground, turns, table, feelers, history, phase, .. } = self;
         let Phase::Tracking(bank) = phase else { return (Vec::new(), None) };
-        let field = Field { map, ground, table, robot, feelers, options };
+        let field = Field { map, ground, turns, table, robot, feelers, options };
+        if history.heading().is_some() {
+            bank.expand(turns);
+        }
         bank.step(&field, history, usize::MAX);
         places::choose(bank, &field, history)
     }

@@ -4,7 +4,7 @@
 //! about a millimetre around it. Weighted samples from Gaussians around the hypotheses (importance sampling, with fixed
 //! points instead of random ones) give the mean, the covariance and the mass of the likelihood itself.
 
-use super::hypothesis::{Hypothesis, Scene, difference, moved};
+use super::hypothesis::{Hypothesis, Limits, Scene, difference, moved};
 use super::normal::{Matrix, determinant, dot, inverse, times};
 use crate::plane::Pose2;
 
@@ -21,6 +21,8 @@ const WIDTHS: [f64; 2] = [1.2, 2.5];
 /// much (nats), and to this share of how much dearer they are.
 const TRIED: usize = 20;
 const AS_TOLD: [f64; 2] = [0.15, 0.15];
+/// A sample that has come to cost so much more than the best (nats) is left: it weighs nothing.
+const NOTHING: f64 = 15.0;
 /// The linearisation counts like so many effective samples.
 const PRIOR_SAMPLES: f64 = 6.0;
 
@@ -73,18 +75,21 @@ pub(super) fn spread(
         .take(MOST_CENTRES)
         .filter_map(|(h, c)| Centre::new(difference(first.map_from_odom, h.map_from_odom, scene.pivot), c))
         .collect();
+    let usual = first.costs(scene, rows);
     let cost = |d: [f64; 3]| {
         let frame = moved(first.map_from_odom, scene.pivot, d);
-        admits(frame).then(|| {
-            let mut there = first.clone();
-            there.run(scene, frame, rows.iter().copied());
-            there.cost(scene.shared)
-        })
+        let mut there = first.clone();
+        let limits = Limits { usual: &usual, more: NOTHING };
+        let mut asked = |frame: Pose2| {
+            if there.run_below(scene, frame, rows, limits) { there.cost(scene.shared) } else { f64::INFINITY }
+        };
+        admits(frame).then(|| asked(frame))
     };
     let around = |d: [f64; 3]| {
         let drawn: f64 = centres.iter().flat_map(|c| WIDTHS.map(|w| c.density(d, w))).sum();
         drawn / (centres.len() * WIDTHS.len()) as f64
     };
+    // What costs infinitely much weighs nothing.
     let weight = |cost: Option<f64>, drawn: f64| cost.map_or(0.0, |cost| (least - cost).exp() / drawn);
     let mut drawn: Vec<([f64; 3], Option<f64>)> = Vec::with_capacity(SAMPLES);
     for index in 0..FIRST / centres.len().max(1) * centres.len() {
@@ -124,7 +129,10 @@ fn as_told(scene: &Scene<'_>, own: &Hypothesis, drawn: &[([f64; 3], Option<f64>)
     let parabola = own.normal.marginal(scene.shared);
     let told = |&(d, cost): &([f64; 3], Option<f64>)| {
         let more = parabola.moved(d).cost - parabola.cost;
-        cost.is_some_and(|cost| (cost - parabola.cost - more).abs() <= AS_TOLD[0] + AS_TOLD[1] * more.abs())
+        cost.is_some_and(|cost| {
+            let most = AS_TOLD[0] + AS_TOLD[1] * more.abs();
+            (cost - parabola.cost - more).abs() <= most || cost.is_infinite() && more + most > NOTHING
+        })
     };
     let covariance = inverse(&parabola.curvature)?;
     let mean = parabola.step([0.0; 3])?;

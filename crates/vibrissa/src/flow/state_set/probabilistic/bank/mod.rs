@@ -6,7 +6,8 @@ mod start;
 use super::contact::Solver;
 use super::ground::Ground;
 use super::history::{Feeler, History, Judge};
-use super::hypothesis::{Hypothesis, Scene, difference, moved};
+use super::hypothesis::{Hypothesis, Limits, Scene, difference, moved};
+use super::symmetry::Turns;
 use crate::beam::TipTable;
 use crate::config::ProbabilisticOptions;
 use crate::plane::{Pose2, Vec2, wrap_angle};
@@ -19,12 +20,11 @@ pub(super) use start::Search;
 /// that are used.
 const DROP: f64 = 30.0;
 const DROP_MORE: f64 = 20.0;
-/// Of this, what the cost of an old linearisation may come to before the hypothesis is linearised out of turn.
-const WAITING: f64 = 1.4;
-/// Readings that may be run again for these, beyond the budget, for each new row.
-const URGENT: usize = 1000;
-/// What is dearer than the best by this many times what drops a hypothesis is given up while it is still being run.
-const HOPELESS: f64 = 2.5;
+/// Readings that may be run again, for each new row, for those that are linearised anew before they are dropped.
+const URGENT: usize = 200;
+/// What has become dearer than the best was then by this many times what drops a hypothesis is given up while it is still being
+/// run.
+const HOPELESS: f64 = 1.3;
 /// Inverse variances that keep a step finite where the readings leave a direction open (5 mm, 5°).
 const LOOSE: [f64; 3] = [4e4, 4e4, 131.0];
 /// Longest step of one linearisation (m, rad).
@@ -44,6 +44,8 @@ pub(super) const RESCUE_ROWS: usize = 8;
 const RESCUE_COST: f64 = 2.5;
 /// They stand so far apart (m, rad).
 const APART: [f64; 2] = [15e-3, 0.1];
+/// Hypotheses this near to each other (m, rad) are to be told on the same side of a map that turns onto itself.
+const GATHERED: [f64; 2] = [60e-3, 0.2];
 /// Rows between two merges.
 const MERGE_EVERY: usize = 8;
 /// So many hypotheses share one row; twice as many take every second one, and so on.
@@ -62,10 +64,14 @@ pub(super) struct Bank {
     credit: usize,
     turn: usize,
     since_merge: usize,
+    /// The least cost after each of the used rows.
+    usual: Vec<f64>,
     /// The least costs after the last few rows.
     recent: Vec<f64>,
     /// Whether rows have been summed up, the history's first among them.
     folded: bool,
+    /// Whether each hypothesis stands for all its images on a map that turns onto itself.
+    pub(super) for_all: bool,
 }
 
 /// What the bank works with.
@@ -73,6 +79,7 @@ pub(super) struct Bank {
 pub(super) struct Field<'a> {
     pub(super) map: &'a Map,
     pub(super) ground: &'a Ground,
+    pub(super) turns: &'a Turns,
     pub(super) table: &'a TipTable,
     pub(super) robot: &'a Robot,
     pub(super) feelers: &'a [Feeler],
@@ -153,7 +160,8 @@ impl Bank {
     pub(super) fn step(&mut self, field: &Field<'_>, history: &History, most: usize) {
         let full = self.used.len().saturating_add(most);
         while self.next < history.len() && self.used.len() < full {
-            let stride = (self.hypotheses.len() / LOAD).clamp(1, 8);
+            let active = self.hypotheses.iter().filter(|h| !h.waits).count();
+            let stride = (active / LOAD).clamp(1, 8);
             if self.next >= self.used.last().copied().unwrap_or(0) + stride {
                 self.take(field, history, self.next);
             }
@@ -165,10 +173,20 @@ impl Bank {
     fn take(&mut self, field: &Field<'_>, history: &History, row: usize) {
         let scene = field.scene(history, self.pivot, Judge::FAIR, self.shared);
         self.used.push(row);
-        self.hypotheses.iter_mut().for_each(|h| {
+        let before = self.least();
+        for h in self.hypotheses.iter_mut().filter(|h| !h.waits) {
             h.take(&scene, row);
             h.look(LOOSE, self.shared);
-        });
+        }
+        let taken = self.hypotheses.iter().filter(|h| !h.waits).map(|h| h.promise.0);
+        let least = taken.fold(f64::INFINITY, f64::min);
+        self.usual.push(if least.is_finite() { least } else { before });
+        let more = least - before;
+        // Those that wait are taken to fare as the best one does.
+        for h in self.hypotheses.iter_mut().filter(|h| h.waits) {
+            h.age += 1;
+            h.promise.0 += if more.is_finite() { more.max(0.0) } else { 0.0 };
+        }
         self.drop_unlikely(field, history);
         self.linearise(field, history);
         self.recent.push(self.least());
@@ -187,14 +205,37 @@ impl Bank {
         }
     }
 
-    /// Uses every row from now on, or so many that are evenly spread.
-    pub(super) fn use_rows(&mut self, field: &Field<'_>, history: &History, most: usize) {
+    /// Uses every row from now on, or so many that are evenly spread; the best hypothesis comes first, and those that come
+    /// to cost so much more are given up.
+    pub(super) fn use_rows(&mut self, field: &Field<'_>, history: &History, most: usize, more: f64) {
         let stride = history.len().div_ceil(most.max(1)).max(1);
         // The first row has been summed up where anything has.
         let folded = usize::from(self.folded);
         self.used = (folded..history.len()).rev().step_by(stride).collect();
         self.used.reverse();
-        self.rerun(field, history, 0..self.hypotheses.len());
+        let scene = field.scene(history, self.pivot, Judge::FAIR, self.shared);
+        self.rerun(field, history, 0..self.hypotheses.len().min(1));
+        self.usual = self.hypotheses.first().map_or_else(Vec::new, |h| h.costs(&scene, &self.used));
+        let (used, shared, pivot) = (&self.used, self.shared, self.pivot);
+        let limits = Limits { usual: &self.usual, more };
+        let mut first = true;
+        self.hypotheses.retain_mut(|h| {
+            if core::mem::take(&mut first) {
+                return true;
+            }
+            let to = moved(h.map_from_odom, pivot, cut(h.best(LOOSE, shared).1));
+            let below = h.run_below(&scene, to, used, limits);
+            h.look(LOOSE, shared);
+            below
+        });
+    }
+
+    /// Finds the costs of the best hypothesis after each used row.
+    fn find_usual(&mut self, field: &Field<'_>, history: &History) {
+        let scene = field.scene(history, self.pivot, Judge::FAIR, self.shared);
+        let known = self.hypotheses.iter().filter(|h| !h.waits);
+        let best = known.min_by(|a, b| a.cost(self.shared).total_cmp(&b.cost(self.shared)));
+        self.usual = best.map_or_else(|| vec![f64::INFINITY; self.used.len()], |h| h.costs(&scene, &self.used));
     }
 
     /// Linearises those whose estimate has moved, as far as the budget goes: the best one first, then in turn.
@@ -218,7 +259,7 @@ impl Bank {
     /// Linearises one hypothesis anew if its estimate has moved.
     fn freshen(&mut self, scene: &Scene<'_>, index: usize) {
         let h = &mut self.hypotheses[index];
-        if h.age == 0 {
+        if h.age == 0 || h.waits {
             return;
         }
         let (cost, d) = h.promise;
@@ -257,6 +298,53 @@ impl Bank {
         self.hypotheses.extend(pulled);
     }
 
+    /// How many places each hypothesis stands for.
+    pub(super) fn times(&self, turns: &Turns) -> usize {
+        if self.for_all { turns.order() } else { 1 }
+    }
+
+    /// Puts all images in the place of the hypotheses that stand for them.
+    pub(super) fn expand(&mut self, turns: &Turns) {
+        if core::mem::take(&mut self.for_all) {
+            let images = self.hypotheses.iter().flat_map(|h| turns.all.iter().map(|turn| h.turned(turn)));
+            let images: Vec<Hypothesis> = images.collect();
+            self.hypotheses.extend(images);
+        }
+    }
+
+    /// Turns hypotheses to where better ones are, so that none stands at an image of another's place.
+    pub(super) fn gather(&mut self, turns: &Turns) {
+        if !self.for_all {
+            return;
+        }
+        let shared = self.shared;
+        self.hypotheses.sort_by(|a, b| a.cost(shared).total_cmp(&b.cost(shared)));
+        let mut open = core::mem::take(&mut self.hypotheses);
+        while !open.is_empty() {
+            let mut next = self.hypotheses.len();
+            self.hypotheses.push(open.remove(0));
+            while let Some(at) = self.hypotheses.get(next).map(|h| h.map_from_odom) {
+                let mut rest = Vec::new();
+                for h in open {
+                    let near = |frame: Pose2| {
+                        let [x, y, turn] = difference(at, frame, self.pivot);
+                        x.hypot(y) < GATHERED[0] && turn.abs() < GATHERED[1]
+                    };
+                    if near(h.map_from_odom) {
+                        self.hypotheses.push(h);
+                    } else if let Some(turn) = turns.all.iter().find(|t| near(t.motion.compose(h.map_from_odom))) {
+                        self.hypotheses.push(h.turned(turn));
+                    } else {
+                        rest.push(h);
+                    }
+                }
+                open = rest;
+                next += 1;
+            }
+        }
+        self.hypotheses.sort_by(|a, b| a.cost(shared).total_cmp(&b.cost(shared)));
+    }
+
     /// Whether rows have been summed up.
     pub(super) fn is_folded(&self) -> bool {
         self.folded
@@ -273,8 +361,10 @@ impl Bank {
             credit: 0,
             turn: 0,
             since_merge: 0,
+            usual: Vec::new(),
             recent: Vec::new(),
             folded: self.folded,
+            for_all: self.for_all,
         }
     }
 
@@ -323,6 +413,7 @@ impl Bank {
         }
         self.folded = true;
         self.used.drain(..early);
+        self.usual.drain(..early);
         self.used.iter_mut().for_each(|row| *row -= last);
         self.next -= last;
         history.forget(last);
@@ -339,31 +430,33 @@ impl Bank {
         let drop = DROP + DROP_MORE * self.used.len() as f64 / history.len() as f64;
         let scene = field.scene(history, self.pivot, Judge::FAIR, self.shared);
         let (used, shared) = (&self.used, self.shared);
-        let (mut credit, mut urgent) = (self.credit, URGENT);
+        let limits = Limits { usual: &self.usual, more: HOPELESS * drop };
         self.hypotheses.retain_mut(|h| {
             let (cost, d) = h.promise;
-            if cost <= least + drop {
+            if h.waits || cost <= least + drop {
                 return true;
             }
-            let fresh = h.age * 6 <= used.len();
-            if fresh || !is_stale(d) {
-                return false;
+            // What it costs may say only that its linearisation is old. Until it is run anew it takes none of the rows to come.
+            h.waits = h.age * 6 > used.len() && is_stale(d);
+            h.waits
+        });
+        let waiting = self.hypotheses.iter().enumerate().filter(|(_, h)| h.waits);
+        let mut waiting: Vec<(f64, usize)> = waiting.map(|(index, h)| (h.promise.0, index)).collect();
+        waiting.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut dead = vec![false; self.hypotheses.len()];
+        let mut credit = URGENT;
+        for (_, index) in waiting {
+            if credit == 0 {
+                break;
             }
-            // It waits for its turn, but not beyond all measure: then it is looked at out of turn, since what it costs says
-            // only that its linearisation is old.
-            let waits = cost <= least + WAITING * drop || urgent == 0;
-            if credit < used.len() && waits {
-                return true;
-            }
-            let (alive, taken) = h.revive(&scene, cut(d), used, least + HOPELESS * drop);
-            if credit < used.len() {
-                urgent = urgent.saturating_sub(taken);
-            }
+            let h = &mut self.hypotheses[index];
+            let (alive, taken) = h.revive(&scene, cut(h.promise.1), used, limits);
             credit = credit.saturating_sub(taken);
             h.look(LOOSE, shared);
-            alive && h.promise.0 <= least + drop
-        });
-        self.credit = credit;
+            dead[index] = !alive || h.promise.0 > least + drop;
+        }
+        let mut dead = dead.into_iter();
+        self.hypotheses.retain(|_| dead.next() != Some(true));
     }
 }
 

@@ -27,6 +27,10 @@ pub(in super::super) struct Search {
     pivot: Vec2,
     approach: Vec2,
     stage: Stage,
+    /// Whether each hypothesis stands for all its images.
+    pub(in super::super) for_all: bool,
+    /// What was found before it is run from the first row on, for a search that goes on with more rows.
+    pub(in super::super) found: Vec<Hypothesis>,
 }
 
 /// What is being done.
@@ -38,7 +42,8 @@ enum Stage {
 }
 
 impl Search {
-    /// A search from the contact that began at row `onset` of the history with this whisker.
+    /// A search from the contact that began at row `onset` of the history with this whisker, or from what an earlier one found.
+    #[allow(clippy::too_many_arguments, reason = "what is known of the contact")]
     pub(in super::super) fn new(
         field: &Field<'_>,
         history: &History,
@@ -46,6 +51,7 @@ impl Search {
         from_free: bool,
         ended: bool,
         travelled: f64,
+        found: Vec<Hypothesis>,
     ) -> Self {
         let own = &field.feelers[feeler];
         let odom_from_whisker = history.pose(onset).compose(own.robot_from_whisker);
@@ -62,6 +68,8 @@ impl Search {
             pivot: odom_from_whisker.transform_point(tip),
             approach: tip - odom_from_whisker.inverse_transform_point(before.transform_point(tip)),
             stage: Stage::New,
+            for_all: field.options.prior.is_none() && history.heading().is_none() && !field.turns.all.is_empty(),
+            found,
         }
     }
 
@@ -79,6 +87,7 @@ impl Search {
             rows: &self.rows,
             spacing: options.seed_spacing,
             turn: options.seed_turn,
+            turns: self.for_all.then_some(field.turns),
             near: options.prior.map(|region| {
                 let slack = 2.0 * options.seed_spacing + arm.norm() * options.seed_turn;
                 prior::around(region, arm, slack, field.feelers[self.feeler].length)
@@ -86,7 +95,10 @@ impl Search {
         };
         loop {
             match core::mem::replace(&mut self.stage, Stage::New) {
-                Stage::New => self.stage = Stage::Seeding(Seeding::new(&scene, &onset)),
+                Stage::New => {
+                    let carried = core::mem::take(&mut self.found);
+                    self.stage = Stage::Seeding(Seeding::new(&scene, &onset, carried));
+                }
                 Stage::Seeding(mut seeding) => {
                     let admits = |map_from_odom: Pose2| {
                         field.admits(history, map_from_odom) && field.stands(history, map_from_odom, self.onset)
@@ -95,7 +107,9 @@ impl Search {
                         self.stage = Stage::Seeding(seeding);
                         return None;
                     }
-                    self.stage = Stage::Running(self.bank(field, history, seeding.found()), 0);
+                    let found = seeding.into_found();
+                    self.stage = Stage::Running(self.bank(field, history, found.clone()), 0);
+                    self.found = found;
                 }
                 Stage::Running(mut bank, mut next) => {
                     while next < bank.hypotheses.len() && *work > 0 {
@@ -107,6 +121,7 @@ impl Search {
                         self.stage = Stage::Running(bank, next);
                         return None;
                     }
+                    bank.find_usual(field, history);
                     bank.merge(field, history, false);
                     bank.drop_unlikely(field, history);
                     return Some(bank);
@@ -132,8 +147,10 @@ impl Search {
             credit: 0,
             turn: 0,
             since_merge: 0,
+            usual: Vec::new(),
             recent: Vec::new(),
             folded: false,
+            for_all: self.for_all,
         };
         bank.hypotheses.iter_mut().for_each(|h| h.look(LOOSE, bank.shared));
         bank.merge(field, history, false);

@@ -53,8 +53,16 @@ impl Forward<'_> {
         let mut least: Option<(usize, Gap)> = None;
         let mut before = f64::INFINITY;
         for (k, at) in outline[..CUTS - 1].iter().enumerate() {
-            let gap = self.gap(stance, stance.placed(at.position()));
-            let distance = gap.as_ref().map_or(farthest, |gap| gap.distance);
+            let place = stance.placed(at.position());
+            // What comes through a boundary is no further from it than the next of these places.
+            let least_gap = self.ground.clearance.at(place);
+            let (gap, distance) = if least_gap * CUTS as f64 > self.length {
+                (None, least_gap.min(farthest))
+            } else {
+                let gap = self.gap(stance, place);
+                let distance = gap.as_ref().map_or(farthest, |gap| gap.distance);
+                (gap, distance)
+            };
             if k < LOOKED {
                 clear = clear.min(distance);
             }

@@ -4,6 +4,7 @@
 //! that of the side on a curved piece (on a corner it is given). Newton's method solves for both places, the direction of
 //! the tip's force and the free end. Where one of the two forces would have to pull, that contact ends.
 
+use super::super::symmetry::Turn;
 use super::balance::{MOST, Under, equations, gradient, solved};
 use super::span::{self, Shape, UNKNOWNS};
 use super::{Felt, Forward, Hold, Next, Solver, Stance, Touch};
@@ -39,6 +40,17 @@ pub(super) struct Both {
 pub(super) enum Rest {
     Piece(u32, f64),
     Corner(u32),
+}
+
+impl Both {
+    /// The same on a map turned onto itself.
+    pub(super) fn turned(&self, turn: &Turn) -> Self {
+        let rest = |rest: Rest| match rest {
+            Rest::Piece(piece, at) => Rest::Piece(turn.piece(piece), at),
+            Rest::Corner(id) => Rest::Corner(turn.piece(id)),
+        };
+        Self { load: self.load, tip: rest(self.tip), side: rest(self.side) }
+    }
 }
 
 /// An equilibrium.

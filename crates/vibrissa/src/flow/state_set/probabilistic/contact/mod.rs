@@ -16,6 +16,7 @@ mod tip;
 
 use super::ground::Ground;
 use super::history::Sense;
+use super::symmetry::Turn;
 use crate::beam::{TipChart, TipModel, TipTable, tip_chart};
 use crate::plane::{Pose2, Vec2, wrap_angle};
 use crate::world::Map;
@@ -106,6 +107,42 @@ impl State {
             Self::Touching(Touch { hold: Hold::Piece(piece, at), q, .. }) if *q > 0.0 => Some((*piece, *at)),
             _ => None,
         }
+    }
+}
+
+impl State {
+    /// The piece that holds the tip, pressed or glued, and the parameter.
+    pub(super) fn on_piece(&self) -> Option<(u32, f64)> {
+        match self {
+            Self::Touching(Touch { hold: Hold::Piece(piece, at), .. }) => Some((*piece, *at)),
+            _ => None,
+        }
+    }
+
+    /// The same moved to where its tip's piece and parameter go.
+    pub(super) fn slid(&self, motion: Pose2, to: &dyn Fn((u32, f64)) -> (u32, f64)) -> Self {
+        let Self::Touching(touch) = *self else { return *self };
+        let hold = match touch.hold {
+            Hold::Piece(piece, at) => {
+                let (piece, at) = to((piece, at));
+                Hold::Piece(piece, at)
+            }
+            other => other,
+        };
+        Self::Touching(Touch { hold, place: motion.transform_point(touch.place), ..touch })
+    }
+
+    /// The same on a map turned onto itself.
+    pub(super) fn turned(&self, turn: &Turn) -> Self {
+        let Self::Touching(touch) = *self else { return *self };
+        let hold = match touch.hold {
+            Hold::Piece(piece, at) => Hold::Piece(turn.piece(piece), at),
+            Hold::Corner(id) => Hold::Corner(turn.piece(id)),
+            Hold::Vertex(id) => Hold::Vertex(turn.piece(id)),
+            Hold::Flank(piece, at) => Hold::Flank(turn.piece(piece), at),
+            Hold::Both(both) => Hold::Both(both.turned(turn)),
+        };
+        Self::Touching(Touch { hold, place: turn.motion.transform_point(touch.place), ..touch })
     }
 }
 

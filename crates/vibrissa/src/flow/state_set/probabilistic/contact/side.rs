@@ -15,6 +15,8 @@ use core::f64::consts::FRAC_PI_2;
 
 /// Below this force a side passes straight from corner to corner: where on a flat piece it lies is not defined.
 const WEAK: f64 = 0.02;
+/// Pieces shorter than this (whisker lengths) are facets of something round.
+const FACET: f64 = 0.05;
 /// Contacts up to so far beyond the tip are looked at, over the length.
 const BEYOND: f64 = 2.0;
 /// Arc length beyond the tip that is still the tip.
@@ -73,22 +75,24 @@ impl Forward<'_> {
                         };
                     }
                     let (piece, at) = if lean < 0.0 { corner.before } else { corner.after };
-                    if found.q.abs() > WEAK {
+                    let weak = found.q.abs() <= WEAK;
+                    let next = self.ground.corner_of(piece, at < 0.5).filter(|(_, next)| next.is_convex());
+                    let back = next.zip(left).is_some_and(|((next, _), (before, ..))| next == before);
+                    // Along a facet to its other corner, which is in closed form; where that one says to come back, and on longer
+                    // pieces, between the two.
+                    let facet = self.ground.pieces[piece as usize].length < FACET * self.length;
+                    if !weak && (back || !facet) {
                         left = Some((id, found, felt));
                         touch = Touch { hold: Hold::Flank(piece, at), ..found };
                         continue;
                     }
-                    // On to the next corner, or back to this one if that one says so.
-                    let next = self.ground.corner_of(piece, at < 0.5).filter(|(_, next)| next.is_convex());
                     match (next, left) {
-                        (Some((next, _)), Some((before, touch, felt))) if next == before => {
-                            return Next::Touching(touch, felt);
-                        }
+                        (Some(_), Some((_, touch, felt))) if back => return Next::Touching(touch, felt),
                         (Some((next, _)), _) => {
                             left = Some((id, found, felt));
                             touch = Touch { hold: Hold::Vertex(next), ..found };
                         }
-                        (None, _) if found.q > 0.0 => {
+                        (None, _) if !weak || found.q > 0.0 => {
                             touch = Touch { hold: Hold::Flank(piece, at), ..found };
                         }
                         (None, _) => return Next::LetGo,
