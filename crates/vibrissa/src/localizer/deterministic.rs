@@ -6,6 +6,7 @@ use super::{SHAPES, one_column_each};
 use crate::Result;
 use crate::beam::TipModel;
 use crate::config::{DeterministicOptions, TipLoad};
+use crate::flow::contact_set::Ladder;
 use crate::flow::moment::{MomentHistory, MomentReading, MomentTrack};
 use crate::flow::pose::{self, Event, Localization, ShapeRecord, StampedPose, StepRecord};
 use crate::flow::preimage::Observation;
@@ -87,7 +88,7 @@ impl<'a> Localizer<'a> {
 
     /// One update: history → contact sets → alignment → preimage → intersection.
     fn update(&mut self, feeler: usize, history: &MomentHistory, row: &LogRow) {
-        let whisker = &self.feelers[feeler].whisker;
+        let Feeler { whisker, tip, contacts, .. } = &mut self.feelers[feeler];
         if self.record.empty_at.is_some() {
             return;
         }
@@ -98,7 +99,7 @@ impl<'a> Localizer<'a> {
             );
             return self.record.event_once(row.t, "rough", detail);
         }
-        let observation = Observation::new(whisker, &self.feelers[feeler].tip, history, self.options.tip_load);
+        let observation = Observation::on(whisker, tip, history, contacts);
         if self.record.first_row.is_some() {
             self.states.intersect(self.map, &observation, &self.options);
             self.record.observations.push((feeler, observation));
@@ -219,6 +220,7 @@ const SHAPE_POINTS: usize = 24;
 struct Feeler {
     whisker: MountedWhisker,
     tip: TipModel,
+    contacts: Ladder,
     channel: usize,
     track: MomentTrack,
     in_contact: bool,
@@ -237,6 +239,7 @@ impl Feeler {
             track: MomentTrack::new(whisker, options),
             in_contact: false,
             limit,
+            contacts: Ladder::new(&tip, options.tip_load),
             tip,
             whisker: whisker.clone(),
         })

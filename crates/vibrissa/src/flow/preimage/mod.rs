@@ -52,10 +52,26 @@ pub struct AlignedState {
 /// States whose whisker base is not in free space, or whose whisker crosses a boundary, are left out.
 #[must_use]
 pub fn aligned_states(map: &Map, samples: &[BoundarySample], observation: &Observation) -> Vec<AlignedState> {
+    coarsely_aligned_states(map, samples, observation, 1)
+}
+
+/// How many states [`aligned_states`] looks at.
+pub(crate) fn alignments(samples: &[BoundarySample], observation: &Observation) -> usize {
+    let all = observation.branches.iter().flat_map(|branch| &branch.alignments);
+    all.map(|alignment| headings(alignment, 1).len() * samples.len()).sum()
+}
+
+/// As [`aligned_states`] at every `thinned`-th sample, and with headings as much, but at most twice, as far apart.
+pub(crate) fn coarsely_aligned_states(
+    map: &Map,
+    samples: &[BoundarySample],
+    observation: &Observation,
+    thinned: usize,
+) -> Vec<AlignedState> {
     let mut states = Vec::new();
     for branch in &observation.branches {
         for alignment in &branch.alignments {
-            for (offset, heading_std) in headings(alignment) {
+            for (offset, heading_std) in headings(alignment, thinned) {
                 let slope = alignment.boundary_slope + offset;
                 let Some(contact) = branch.contacts.at_direction(slope + FRAC_PI_2) else { continue };
                 let body = observation.body(&contact);
@@ -69,7 +85,7 @@ pub fn aligned_states(map: &Map, samples: &[BoundarySample], observation: &Obser
                         heading_std,
                     })
                 };
-                states.extend(samples.iter().filter_map(place));
+                states.extend(samples.iter().step_by(thinned).filter_map(place));
             }
         }
     }
@@ -91,10 +107,12 @@ fn align(sample: &BoundarySample, slope: f64, tip: Vec2) -> Pose2 {
     turned.compose(Pose2::new(-tip.x, -tip.y, 0.0))
 }
 
-/// Offsets from the best slope over all admissible ones, and the spread that each stands for (rad).
-fn headings(alignment: &Alignment) -> Vec<(f64, f64)> {
+/// Offsets from the best slope over all admissible ones, up to twice as far apart where as many do not matter, and the
+/// spread that each stands for (rad).
+fn headings(alignment: &Alignment, thinned: usize) -> Vec<(f64, f64)> {
     let (lo, width) = (alignment.offsets.lo(), alignment.offsets.width());
     let spacing = if width > WIDE { 2.0 * HEADING_SPACING } else { HEADING_SPACING };
+    let spacing = spacing * thinned.clamp(1, 2) as f64;
     let steps = (width / spacing).ceil().max(1.0) as usize;
     let step = width / steps as f64;
     (0..=steps).map(|k| (lo + k as f64 * step, step.max(LEAST_SPREAD))).collect()

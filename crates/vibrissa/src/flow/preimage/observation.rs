@@ -1,9 +1,9 @@
 //! One observation: what a short history of moments says about the contact, on every branch.
 
 use super::alignment::{Alignment, History, HistoryShape};
-use crate::beam::{TipModel, TipReading};
+use crate::beam::TipModel;
 use crate::config::TipLoad;
-use crate::flow::contact_set::{TipContact, TipContactSet};
+use crate::flow::contact_set::{Ladder, TipContact, TipContactSet};
 use crate::flow::moment::{MomentHistory, MomentReading};
 use crate::plane::{Pose2, Vec2};
 use crate::world::MountedWhisker;
@@ -55,15 +55,21 @@ impl Observation {
     /// Without branches when no tip load causes such a moment.
     #[must_use]
     pub fn new(whisker: &MountedWhisker, tip: &TipModel, history: &MomentHistory, load: TipLoad) -> Self {
+        Self::on(whisker, tip, history, &mut Ladder::new(tip, load))
+    }
+
+    /// As [`Observation::new`], with contact sets that others have asked for already.
+    #[must_use]
+    pub(crate) fn on(whisker: &MountedWhisker, tip: &TipModel, history: &MomentHistory, ladder: &mut Ladder) -> Self {
         let moment = history.center.moment;
         // The same moments come again: at the centre, and where nothing is tilted or bent.
-        let known: RefCell<Vec<(u64, Vec<TipContactSet>)>> = RefCell::default();
+        let known: RefCell<(&mut Ladder, Vec<(u64, Vec<TipContactSet>)>)> = RefCell::new((ladder, Vec::new()));
         let branches = |moment: f64| {
-            let mut known = known.borrow_mut();
+            let (ladder, known) = &mut *known.borrow_mut();
             if let Some((_, sets)) = known.iter().find(|(bits, _)| *bits == moment.to_bits()) {
                 return sets.clone();
             }
-            let sets = TipContactSet::branches(tip, TipReading::Moment(moment), load);
+            let sets = ladder.branches(moment);
             known.push((moment.to_bits(), sets.clone()));
             sets
         };
