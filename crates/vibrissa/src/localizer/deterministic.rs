@@ -82,6 +82,9 @@ impl<'a> Localizer<'a> {
             if let Some(history) = history {
                 self.update(index, &history, row);
             }
+            if !self.feelers[index].in_contact {
+                self.states.lift_off(self.feelers[index].whisker.robot_from_whisker);
+            }
         }
         Ok(())
     }

@@ -9,7 +9,7 @@ use crate::config::TipLoad;
 
 /// Natural logarithm of the ratio of neighbouring rungs: the tip of the paper's whisker moves by some millimetres from one
 /// to the next, on a line within a twentieth of one.
-const STEP: f64 = 0.1;
+const STEP: f64 = 0.06;
 /// How far the ends of a branch may move from rung to rung to be the same branch (rad).
 const SAME_BRANCH: f64 = 0.3;
 

@@ -74,6 +74,8 @@ pub(super) struct Match {
     /// How far the tip must move along that normal (m), and how that depends on the candidate's (x, y, theta).
     pub(super) offset: f64,
     pub(super) gradient: [f64; 3],
+    /// How far an error that all readings share may have moved the tip (m).
+    pub(super) shared: f64,
     /// Standard deviation of the tip's place along the normal (m).
     pub(super) std: f64,
     /// How far the candidate must turn (rad), with its standard deviation, where the history bounds the heading.
@@ -94,14 +96,15 @@ pub(super) fn nearest_state(
         return None;
     }
     let base = Base::new(map_from_whisker);
-    let same = candidate.felt_with == observation.robot_from_whisker;
+    let touches_on = candidate.felt_with == Some(observation.robot_from_whisker);
     let on_branch = |branch| {
         let match_from = |start| on_branch(map, candidate, &base, branch, start, tolerance);
-        if same {
-            return match_from(Start { normal: candidate.normal, near: candidate.touched });
+        let last = Start { normal: candidate.normal, near: candidate.touched };
+        if touches_on {
+            return match_from(last);
         }
         let starts = starts(map, map_from_whisker, branch);
-        starts.into_iter().filter_map(match_from).min_by(|a, b| a.cost.total_cmp(&b.cost))
+        starts.into_iter().chain([last]).filter_map(match_from).min_by(|a, b| a.cost.total_cmp(&b.cost))
     };
     observation.branches.iter().filter_map(on_branch).min_by(|a, b| a.cost.total_cmp(&b.cost))
 }
@@ -143,8 +146,8 @@ impl Base {
     }
 }
 
-/// Where to look for the contact when another whisker touched last: wherever the history's alignments put it. Otherwise
-/// it is looked for at the last one.
+/// Where to look for the contact, too, when another whisker touched last, the whisker was free in between, or the last
+/// contact was elsewhere: wherever the history's alignments put it.
 fn starts(map: &Map, pose: Pose2, branch: &Branch) -> Vec<Start> {
     let middle = || {
         let range = branch.contacts.directions();
@@ -258,9 +261,8 @@ impl Tolerance {
         let std = (own * own + LEAST_PLACE * LEAST_PLACE).sqrt();
         let arm = (touch.tip - candidate.map_from_odom.position()).perp();
         let gradient = [across.x, across.y, across.dot(arm)];
-        let reach = self.std_devs * (std * std + candidate.variance(gradient)).sqrt()
-            + self.systematic * sensitivity
-            + self.position_floor;
+        let shared = self.systematic * sensitivity + self.position_floor;
+        let reach = self.std_devs * (std * std + candidate.variance(gradient)).sqrt() + shared;
         let share = offset.abs() / reach;
         (share <= 1.0).then_some(Match {
             cost: share * share,
@@ -269,6 +271,7 @@ impl Tolerance {
             touched: touch.boundary,
             offset,
             gradient,
+            shared,
             std,
             turn: None,
         })

@@ -31,7 +31,7 @@ const ENTRIES: usize = 2;
 /// Where more candidates than this would enter from an observation, they enter further apart,
 const MOST_ENTERING: f64 = 8000.0;
 /// but on the boundary no further than this (m): what lies in between must still be near enough to be found.
-const FURTHEST_APART: f64 = 8e-3;
+const FURTHEST_APART: f64 = 6e-3;
 /// Fewest observations that a candidate may miss where any may be missed at all.
 const FEWEST_MISSES: u32 = 3;
 /// Candidates nearer to each other than this are one (m and rad): no more than the boundary's sampling, as a whisker's
@@ -141,6 +141,12 @@ impl StateSet {
         let allowed = allowed_misses(options.missed_share, self.observations);
         self.candidates.retain(|c| c.missed <= allowed);
         self.merge();
+    }
+
+    /// Notes that the whisker of this mount is free: what it touches next can be anywhere.
+    pub(crate) fn lift_off(&mut self, robot_from_whisker: Pose2) {
+        let touching = |c: &&mut Candidate| c.felt_with == Some(robot_from_whisker);
+        self.candidates.iter_mut().filter(touching).for_each(|c| c.felt_with = None);
     }
 
     /// Keeps the best of candidates that have run into each other.
