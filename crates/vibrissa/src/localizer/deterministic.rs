@@ -96,6 +96,7 @@ impl<'a> Localizer<'a> {
             return;
         }
         if !history.smooth {
+            self.states.lift_off(whisker.robot_from_whisker);
             let detail = format!(
                 "{}: the readings jump by more than their declared noise; this stretch of contact is not used",
                 whisker.name

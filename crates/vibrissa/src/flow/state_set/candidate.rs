@@ -30,7 +30,7 @@ pub struct Candidate {
     pub(super) normal: f64,
     /// The point of the boundary touched last (m), map frame.
     pub(super) touched: Vec2,
-    /// The mount of the whisker that felt it, while it keeps touching and the candidate explains it.
+    /// The mount of the whisker that felt it, as long as it has kept touching.
     pub(super) felt_with: Option<Pose2>,
     /// How far an error that all readings share may have moved the contact, on average over what is explained (m).
     shared: f64,
@@ -84,10 +84,7 @@ impl Candidate {
                 self.shared += (found.shared - self.shared) / f64::from(self.explained - 1).max(1.0);
                 self.fuse(&found, tolerance);
             }
-            None => {
-                self.missed += 1;
-                self.felt_with = None;
-            }
+            None => self.missed += 1,
         }
     }
 

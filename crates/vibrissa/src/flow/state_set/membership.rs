@@ -146,8 +146,8 @@ impl Base {
     }
 }
 
-/// Where to look for the contact, too, when another whisker touched last, the whisker was free in between, or the last
-/// contact was elsewhere: wherever the history's alignments put it.
+/// Where to look for the contact, too, when another whisker touched last, or this one was free or jumped in between:
+/// wherever the history's alignments put it.
 fn starts(map: &Map, pose: Pose2, branch: &Branch) -> Vec<Start> {
     let middle = || {
         let range = branch.contacts.directions();

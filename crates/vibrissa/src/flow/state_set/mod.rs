@@ -110,7 +110,7 @@ impl StateSet {
     ) -> Vec<Candidate> {
         let furthest = (FURTHEST_APART / options.boundary_spacing).max(1.0);
         let wanted = (alignments(samples, observation) as f64 / MOST_ENTERING).sqrt().ceil();
-        let thinned = wanted.clamp(1.0, furthest);
+        let thinned = wanted.clamp(1.0, furthest.floor());
         let spacing = thinned * options.boundary_spacing;
         let cell = |c: &Candidate| self.cell(c, 2.0 * spacing, 4.0 * HEADING_SPACING);
         let mut known: Vec<_> = self.candidates.iter().map(cell).collect();
@@ -143,7 +143,7 @@ impl StateSet {
         self.merge();
     }
 
-    /// Notes that the whisker of this mount is free: what it touches next can be anywhere.
+    /// Notes that the whisker of this mount was free or jumped: what it touches next can be anywhere.
     pub(crate) fn lift_off(&mut self, robot_from_whisker: Pose2) {
         let touching = |c: &&mut Candidate| c.felt_with == Some(robot_from_whisker);
         self.candidates.iter_mut().filter(touching).for_each(|c| c.felt_with = None);
