@@ -103,7 +103,7 @@ impl<'a> Localizer<'a> {
             );
             return self.record.event_once(row.t, "rough", detail);
         }
-        let observation = Observation::on(whisker, tip, history, contacts);
+        let observation = Observation::with(whisker, tip, history, &mut |moment| contacts.branches(moment));
         if self.record.first_row.is_some() {
             self.states.intersect(self.map, &observation, &self.options);
             self.record.observations.push((feeler, observation));

@@ -58,10 +58,10 @@ pub fn aligned_states(map: &Map, samples: &[BoundarySample], observation: &Obser
 /// How many states [`aligned_states`] looks at.
 pub(crate) fn alignments(samples: &[BoundarySample], observation: &Observation) -> usize {
     let all = observation.branches.iter().flat_map(|branch| &branch.alignments);
-    all.map(|alignment| headings(alignment, 1).len() * samples.len()).sum()
+    all.map(|alignment| headings(alignment).len() * samples.len()).sum()
 }
 
-/// As [`aligned_states`] at every `thinned`-th sample, and with headings as much, but at most twice, as far apart.
+/// As [`aligned_states`] at every `thinned`-th sample.
 pub(crate) fn coarsely_aligned_states(
     map: &Map,
     samples: &[BoundarySample],
@@ -71,7 +71,7 @@ pub(crate) fn coarsely_aligned_states(
     let mut states = Vec::new();
     for branch in &observation.branches {
         for alignment in &branch.alignments {
-            for (offset, heading_std) in headings(alignment, thinned) {
+            for (offset, heading_std) in headings(alignment) {
                 let slope = alignment.boundary_slope + offset;
                 let Some(contact) = branch.contacts.at_direction(slope + FRAC_PI_2) else { continue };
                 let body = observation.body(&contact);
@@ -107,12 +107,10 @@ fn align(sample: &BoundarySample, slope: f64, tip: Vec2) -> Pose2 {
     turned.compose(Pose2::new(-tip.x, -tip.y, 0.0))
 }
 
-/// Offsets from the best slope over all admissible ones, up to twice as far apart where as many do not matter, and the
-/// spread that each stands for (rad).
-fn headings(alignment: &Alignment, thinned: usize) -> Vec<(f64, f64)> {
+/// Offsets from the best slope over all admissible ones, and the spread that each stands for (rad).
+fn headings(alignment: &Alignment) -> Vec<(f64, f64)> {
     let (lo, width) = (alignment.offsets.lo(), alignment.offsets.width());
     let spacing = if width > WIDE { 2.0 * HEADING_SPACING } else { HEADING_SPACING };
-    let spacing = spacing * thinned.clamp(1, 2) as f64;
     let steps = (width / spacing).ceil().max(1.0) as usize;
     let step = width / steps as f64;
     (0..=steps).map(|k| (lo + k as f64 * step, step.max(LEAST_SPREAD))).collect()

@@ -1,9 +1,9 @@
 //! One observation: what a short history of moments says about the contact, on every branch.
 
 use super::alignment::{Alignment, History, HistoryShape};
-use crate::beam::TipModel;
+use crate::beam::{TipModel, TipReading};
 use crate::config::TipLoad;
-use crate::flow::contact_set::{Ladder, TipContact, TipContactSet};
+use crate::flow::contact_set::{TipContact, TipContactSet};
 use crate::flow::moment::{MomentHistory, MomentReading};
 use crate::plane::{Pose2, Vec2};
 use crate::world::MountedWhisker;
@@ -55,21 +55,26 @@ impl Observation {
     /// Without branches when no tip load causes such a moment.
     #[must_use]
     pub fn new(whisker: &MountedWhisker, tip: &TipModel, history: &MomentHistory, load: TipLoad) -> Self {
-        Self::on(whisker, tip, history, &mut Ladder::new(tip, load))
+        Self::with(whisker, tip, history, &mut |moment| TipContactSet::branches(tip, TipReading::Moment(moment), load))
     }
 
-    /// As [`Observation::new`], with contact sets that others have asked for already.
+    /// As [`Observation::new`], with the branches of a moment's contact sets from elsewhere.
     #[must_use]
-    pub(crate) fn on(whisker: &MountedWhisker, tip: &TipModel, history: &MomentHistory, ladder: &mut Ladder) -> Self {
+    pub(crate) fn with(
+        whisker: &MountedWhisker,
+        tip: &TipModel,
+        history: &MomentHistory,
+        branches_of: &mut dyn FnMut(f64) -> Vec<TipContactSet>,
+    ) -> Self {
         let moment = history.center.moment;
         // The same moments come again: at the centre, and where nothing is tilted or bent.
-        let known: RefCell<(&mut Ladder, Vec<(u64, Vec<TipContactSet>)>)> = RefCell::new((ladder, Vec::new()));
+        let known = RefCell::new((branches_of, Vec::<(u64, Vec<TipContactSet>)>::new()));
         let branches = |moment: f64| {
-            let (ladder, known) = &mut *known.borrow_mut();
+            let (branches_of, known) = &mut *known.borrow_mut();
             if let Some((_, sets)) = known.iter().find(|(bits, _)| *bits == moment.to_bits()) {
                 return sets.clone();
             }
-            let sets = ladder.branches(moment);
+            let sets = branches_of(moment);
             known.push((moment.to_bits(), sets.clone()));
             sets
         };
