@@ -78,11 +78,12 @@ impl<'a> Localizer<'a> {
         self.states.project(row.odom_from_robot, &self.robot.odometry);
         self.rows.push((row.t, row.odom_from_robot));
         for index in 0..self.feelers.len() {
+            let touched = self.feelers[index].in_contact;
             let history = self.feelers[index].feel(row, &mut self.record)?;
             if let Some(history) = history {
                 self.update(index, &history, row);
             }
-            if !self.feelers[index].in_contact {
+            if touched && !self.feelers[index].in_contact {
                 self.states.lift_off(self.feelers[index].whisker.robot_from_whisker);
             }
         }

@@ -31,7 +31,8 @@ impl Ladder {
     /// As [`TipContactSet::branches`] of this moment (N m), within 2e-3 of the whisker's length.
     pub(crate) fn branches(&mut self, moment: f64) -> Vec<TipContactSet> {
         let place = moment.abs().ln() / STEP;
-        if !place.is_finite() {
+        // Loads normal to the whisker are single points that come and go.
+        if self.load == TipLoad::WhiskerNormal || !place.is_finite() {
             return self.traced(moment);
         }
         let (negative, below) = (moment < 0.0, place.floor());
@@ -63,9 +64,7 @@ impl Ladder {
 /// Whether two sets are the same branch of neighbouring moments.
 fn alike(a: &TipContactSet, b: &TipContactSet) -> bool {
     let (from, to) = (a.directions(), b.directions());
-    a.is_point() == b.is_point()
-        && (from.lo() - to.lo()).abs() < SAME_BRANCH
-        && (from.hi() - to.hi()).abs() < SAME_BRANCH
+    (from.lo() - to.lo()).abs() < SAME_BRANCH && (from.hi() - to.hi()).abs() < SAME_BRANCH
 }
 
 /// The set at this share of the way from one to the other, where their directions correspond by their share of the range.
@@ -89,7 +88,7 @@ mod tests {
     /// Against the sets traced at the very moments: on each branch both ways, along the whole curve.
     #[test]
     fn blended_sets_are_those_that_are_traced() {
-        for load in [TipLoad::BoundaryNormal, TipLoad::WhiskerNormal] {
+        for load in [TipLoad::BoundaryNormal] {
             let tip = TipModel::new(&Whisker::default()).unwrap();
             let mut ladder = Ladder::new(&tip, load);
             let (mut blended, mut worst) = (0, 0.0_f64);
@@ -127,6 +126,6 @@ mod tests {
         };
         // Where a set ends depends on where the steps along it came to lie.
         let inside = |c: &&TipContact| c.direction > range.lo() + END && c.direction < range.hi() - END;
-        a.contacts().iter().filter(|c| a.is_point() || inside(c)).map(away).fold(0.0, f64::max)
+        a.contacts().iter().filter(inside).map(away).fold(0.0, f64::max)
     }
 }

@@ -8,10 +8,6 @@ use crate::plane::{Pose2, Vec2};
 use crate::sets::{Interval, StateBox};
 use crate::world::Map;
 
-/// A shared error that moves the place by this much turns the heading by a radian (m): readings along a sweep of
-/// centimetres.
-const ARM: f64 = 0.05;
-
 /// A symmetric matrix over (x, y, theta).
 type Covariance = [[f64; 3]; 3];
 
@@ -34,6 +30,8 @@ pub struct Candidate {
     pub(super) felt_with: Option<Pose2>,
     /// How far an error that all readings share may have moved the contact, on average over what is explained (m).
     shared: f64,
+    /// Over which length such an error may turn the heading (m).
+    arm: f64,
     covariance: Covariance,
 }
 
@@ -58,6 +56,7 @@ impl Candidate {
             touched: state.contact,
             felt_with: Some(observation.robot_from_whisker),
             shared: 0.0,
+            arm: f64::INFINITY,
             covariance,
         }
     }
@@ -81,6 +80,7 @@ impl Candidate {
                 self.normal = found.normal;
                 self.touched = found.touched;
                 self.felt_with = Some(observation.robot_from_whisker);
+                self.arm = tolerance.arm;
                 self.shared += (found.shared - self.shared) / f64::from(self.explained - 1).max(1.0);
                 self.fuse(&found, tolerance);
             }
@@ -113,7 +113,7 @@ impl Candidate {
         StateBox {
             x: around(state.x, [1.0, 0.0, arm.x], self.shared),
             y: around(state.y, [0.0, 1.0, arm.y], self.shared),
-            theta: around(state.theta, [0.0, 0.0, 1.0], self.shared / ARM),
+            theta: around(state.theta, [0.0, 0.0, 1.0], self.shared / self.arm),
         }
     }
 

@@ -34,6 +34,9 @@ const WRONG_LOAD: (f64, f64) = (2e-3, 0.05);
 /// A slope less certain than this says nothing about the heading (rad).
 const WORST_SLOPE: f64 = 0.35;
 
+/// A sweep is at least so many histories long: over that length an error of all readings may turn it.
+const HISTORIES: f64 = 5.0;
+
 /// How far a state may lie from the preimage.
 pub(super) struct Tolerance {
     std_devs: f64,
@@ -41,6 +44,8 @@ pub(super) struct Tolerance {
     systematic: f64,
     position_floor: f64,
     heading_floor: f64,
+    /// Over which length an error that all readings share may turn a candidate (m).
+    pub(super) arm: f64,
     /// Histories overlap: successive observations share readings, so each counts for less.
     pub(super) dependence: f64,
 }
@@ -57,6 +62,7 @@ impl Tolerance {
             systematic: SYSTEMATIC * observation.relative_bound,
             position_floor: options.position_floor + place,
             heading_floor: options.heading_floor + heading,
+            arm: HISTORIES * options.history_travel,
             dependence: (options.history_travel / options.update_travel).max(1.0).sqrt(),
         }
     }

@@ -30,8 +30,8 @@ use membership::Tolerance;
 const ENTRIES: usize = 2;
 /// Where more candidates than this would enter from an observation, they enter further apart,
 const MOST_ENTERING: f64 = 8000.0;
-/// but on the boundary no further than this (m): what lies in between must still be near enough to be found.
-const FURTHEST_APART: f64 = 6e-3;
+/// but no further than at every second point of the boundary: what lies in between must still be near enough to be found.
+const MOST_THINNED: f64 = 2.0;
 /// Fewest observations that a candidate may miss where any may be missed at all.
 const FEWEST_MISSES: u32 = 3;
 /// Candidates nearer to each other than this are one (m and rad): no more than the boundary's sampling, as a whisker's
@@ -108,9 +108,8 @@ impl StateSet {
         observation: &Observation,
         options: &DeterministicOptions,
     ) -> Vec<Candidate> {
-        let furthest = (FURTHEST_APART / options.boundary_spacing).max(1.0);
         let wanted = (alignments(samples, observation) as f64 / MOST_ENTERING).sqrt().ceil();
-        let thinned = wanted.clamp(1.0, furthest.floor());
+        let thinned = wanted.clamp(1.0, MOST_THINNED);
         let spacing = thinned * options.boundary_spacing;
         let cell = |c: &Candidate| self.cell(c, 2.0 * spacing, 4.0 * HEADING_SPACING);
         let mut known: Vec<_> = self.candidates.iter().map(cell).collect();
