@@ -8,7 +8,7 @@ use crate::beam::{TipModel, TipReading};
 use crate::config::TipLoad;
 
 /// Natural logarithm of the ratio of neighbouring rungs: the tip of the paper's whisker moves by some millimetres from one
-/// to the next, on a line within a twentieth of one.
+/// to the next, on a line within a fifth of one where the set folds, elsewhere much less.
 const STEP: f64 = 0.06;
 /// How far the ends of a branch may move from rung to rung to be the same branch (rad).
 const SAME_BRANCH: f64 = 0.2;
@@ -28,7 +28,7 @@ impl Ladder {
         Self { tip: tip.clone(), load, rungs: Vec::new() }
     }
 
-    /// As [`TipContactSet::branches`] of this moment (N m), within 2e-3 of the whisker's length.
+    /// As [`TipContactSet::branches`] of this moment (N m), within 3e-3 of the whisker's length.
     pub(crate) fn branches(&mut self, moment: f64) -> Vec<TipContactSet> {
         let place = moment.abs().ln() / STEP;
         // Loads normal to the whisker are single points that come and go.
@@ -107,7 +107,7 @@ mod tests {
                 }
             }
             println!("{load:?}: {blended} blended, at worst {worst} m off");
-            assert!(blended > 60 && worst < 0.15e-3, "{load:?}: {blended} blended, {worst} m");
+            assert!(blended > 60 && worst < 0.2e-3, "{load:?}: {blended} blended, {worst} m");
         }
         assert!(Ladder::new(&TipModel::new(&Whisker::default()).unwrap(), TipLoad::default()).branches(0.0).is_empty());
     }
