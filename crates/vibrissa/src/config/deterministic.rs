@@ -16,7 +16,10 @@ pub enum TipLoad {
 /// The knobs of the deterministic method \[routray, section "Localization: Deterministic Method"\].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DeterministicOptions {
-    /// Spacing of the points along the boundary at which the whisker is aligned (m); the paper's 1 mm.
+    /// Spacing of the points along the boundary at which the whisker is aligned (m).
+    ///
+    /// The paper's is 1 mm. A candidate moves to where it explains the readings best, and ends no further from the truth
+    /// when its neighbours are three times as far away.
     pub boundary_spacing: f64,
     /// How many whisker shapes estimate the boundary's slope; the paper's 2 to 5.
     pub history_shapes: usize,
@@ -46,7 +49,7 @@ pub struct DeterministicOptions {
 impl Default for DeterministicOptions {
     fn default() -> Self {
         Self {
-            boundary_spacing: 1e-3,
+            boundary_spacing: 3e-3,
             history_shapes: 5,
             history_travel: 10e-3,
             update_travel: 2e-3,

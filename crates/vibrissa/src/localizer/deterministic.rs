@@ -6,6 +6,7 @@ use super::{SHAPES, one_column_each};
 use crate::Result;
 use crate::beam::TipModel;
 use crate::config::{DeterministicOptions, TipLoad};
+use crate::flow::contact_set::Ladder;
 use crate::flow::moment::{MomentHistory, MomentReading, MomentTrack};
 use crate::flow::pose::{self, Event, Localization, ShapeRecord, StampedPose, StepRecord};
 use crate::flow::preimage::Observation;
@@ -77,9 +78,13 @@ impl<'a> Localizer<'a> {
         self.states.project(row.odom_from_robot, &self.robot.odometry);
         self.rows.push((row.t, row.odom_from_robot));
         for index in 0..self.feelers.len() {
+            let touched = self.feelers[index].in_contact;
             let history = self.feelers[index].feel(row, &mut self.record)?;
             if let Some(history) = history {
                 self.update(index, &history, row);
+            }
+            if touched && !self.feelers[index].in_contact {
+                self.states.lift_off(self.feelers[index].whisker.robot_from_whisker);
             }
         }
         Ok(())
@@ -87,18 +92,19 @@ impl<'a> Localizer<'a> {
 
     /// One update: history → contact sets → alignment → preimage → intersection.
     fn update(&mut self, feeler: usize, history: &MomentHistory, row: &LogRow) {
-        let whisker = &self.feelers[feeler].whisker;
+        let Feeler { whisker, tip, contacts, .. } = &mut self.feelers[feeler];
         if self.record.empty_at.is_some() {
             return;
         }
         if !history.smooth {
+            self.states.lift_off(whisker.robot_from_whisker);
             let detail = format!(
                 "{}: the readings jump by more than their declared noise; this stretch of contact is not used",
                 whisker.name
             );
             return self.record.event_once(row.t, "rough", detail);
         }
-        let observation = Observation::new(whisker, &self.feelers[feeler].tip, history, self.options.tip_load);
+        let observation = Observation::with(whisker, tip, history, &mut |moment| contacts.branches(moment));
         if self.record.first_row.is_some() {
             self.states.intersect(self.map, &observation, &self.options);
             self.record.observations.push((feeler, observation));
@@ -219,6 +225,7 @@ const SHAPE_POINTS: usize = 24;
 struct Feeler {
     whisker: MountedWhisker,
     tip: TipModel,
+    contacts: Ladder,
     channel: usize,
     track: MomentTrack,
     in_contact: bool,
@@ -237,6 +244,7 @@ impl Feeler {
             track: MomentTrack::new(whisker, options),
             in_contact: false,
             limit,
+            contacts: Ladder::new(&tip, options.tip_load),
             tip,
             whisker: whisker.clone(),
         })

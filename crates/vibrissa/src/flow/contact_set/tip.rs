@@ -59,7 +59,7 @@ impl TipContactSet {
         }
     }
 
-    fn new(contacts: Vec<TipContact>) -> Self {
+    pub(super) fn new(contacts: Vec<TipContact>) -> Self {
         let parts = match (contacts.first(), contacts.last()) {
             (Some(a), Some(b)) if b.direction > a.direction => {
                 let part = (b.direction - a.direction) / contacts.len() as f64;
@@ -131,7 +131,7 @@ impl TipContactSet {
     }
 
     /// The contact at a direction on this branch's own turn of the circle; the nearest end beyond the branch.
-    fn interpolate(&self, direction: f64) -> TipContact {
+    pub(super) fn interpolate(&self, direction: f64) -> TipContact {
         if self.is_point() {
             return self.contacts[0];
         }
@@ -210,7 +210,7 @@ impl TipContactSet {
     }
 }
 
-fn blend(a: &TipContact, b: &TipContact, share: f64) -> TipContact {
+pub(super) fn blend(a: &TipContact, b: &TipContact, share: f64) -> TipContact {
     let mix = |p: f64, q: f64| p + share * (q - p);
     TipContact {
         direction: mix(a.direction, b.direction),

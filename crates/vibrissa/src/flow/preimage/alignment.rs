@@ -202,7 +202,7 @@ impl History<'_> {
     /// That wall as a parabola over the wall that the direction means.
     fn wall(&self, shapes: &[HistoryShape], direction: f64) -> Option<Quadratic> {
         let origin = self.center.at_direction(direction)?.position;
-        let tangent = direction - FRAC_PI_2;
+        let tangent = Vec2::from_angle(direction - FRAC_PI_2);
         let mut along = [0.0; MOST_SHAPES];
         let mut seen = [(0.0, 0.0); MOST_SHAPES];
         let mut curvature = 0.0;
@@ -210,13 +210,14 @@ impl History<'_> {
         for _ in 0..CURVATURE_ROUNDS {
             for (k, shape) in shapes.iter().enumerate().take(MOST_SHAPES) {
                 let place = shape.place(direction, direction + curvature * along[k])?;
-                let local = (place - origin).rotated(-tangent);
-                along[k] = local.x;
-                seen[k] = (local.x, local.y);
+                let off = place - origin;
+                along[k] = tangent.dot(off);
+                seen[k] = (along[k], tangent.cross(off));
             }
             let fit = Quadratic::fit(seen[..shapes.len().min(MOST_SHAPES)].iter().copied())?;
             wall = Some(fit);
-            curvature = (2.0 * fit.c / (1.0 + fit.b * fit.b).powf(1.5)).clamp(-SHARPEST, SHARPEST);
+            let steep = 1.0 + fit.b * fit.b;
+            curvature = (2.0 * fit.c / (steep * steep.sqrt())).clamp(-SHARPEST, SHARPEST);
         }
         wall
     }

@@ -52,6 +52,22 @@ pub struct AlignedState {
 /// States whose whisker base is not in free space, or whose whisker crosses a boundary, are left out.
 #[must_use]
 pub fn aligned_states(map: &Map, samples: &[BoundarySample], observation: &Observation) -> Vec<AlignedState> {
+    coarsely_aligned_states(map, samples, observation, 1)
+}
+
+/// How many states [`aligned_states`] looks at.
+pub(crate) fn alignments(samples: &[BoundarySample], observation: &Observation) -> usize {
+    let all = observation.branches.iter().flat_map(|branch| &branch.alignments);
+    all.map(|alignment| headings(alignment).len() * samples.len()).sum()
+}
+
+/// As [`aligned_states`] at every `thinned`-th sample.
+pub(crate) fn coarsely_aligned_states(
+    map: &Map,
+    samples: &[BoundarySample],
+    observation: &Observation,
+    thinned: usize,
+) -> Vec<AlignedState> {
     let mut states = Vec::new();
     for branch in &observation.branches {
         for alignment in &branch.alignments {
@@ -69,7 +85,7 @@ pub fn aligned_states(map: &Map, samples: &[BoundarySample], observation: &Obser
                         heading_std,
                     })
                 };
-                states.extend(samples.iter().filter_map(place));
+                states.extend(samples.iter().step_by(thinned).filter_map(place));
             }
         }
     }

@@ -55,15 +55,26 @@ impl Observation {
     /// Without branches when no tip load causes such a moment.
     #[must_use]
     pub fn new(whisker: &MountedWhisker, tip: &TipModel, history: &MomentHistory, load: TipLoad) -> Self {
+        Self::with(whisker, tip, history, &mut |moment| TipContactSet::branches(tip, TipReading::Moment(moment), load))
+    }
+
+    /// As [`Observation::new`], with the branches of a moment's contact sets from elsewhere.
+    #[must_use]
+    pub(crate) fn with(
+        whisker: &MountedWhisker,
+        tip: &TipModel,
+        history: &MomentHistory,
+        branches_of: &mut dyn FnMut(f64) -> Vec<TipContactSet>,
+    ) -> Self {
         let moment = history.center.moment;
         // The same moments come again: at the centre, and where nothing is tilted or bent.
-        let known: RefCell<Vec<(u64, Vec<TipContactSet>)>> = RefCell::default();
+        let known = RefCell::new((branches_of, Vec::<(u64, Vec<TipContactSet>)>::new()));
         let branches = |moment: f64| {
-            let mut known = known.borrow_mut();
+            let (branches_of, known) = &mut *known.borrow_mut();
             if let Some((_, sets)) = known.iter().find(|(bits, _)| *bits == moment.to_bits()) {
                 return sets.clone();
             }
-            let sets = TipContactSet::branches(tip, TipReading::Moment(moment), load);
+            let sets = branches_of(moment);
             known.push((moment.to_bits(), sets.clone()));
             sets
         };

@@ -26,8 +26,12 @@ pub struct Candidate {
     pub(super) normal: f64,
     /// The point of the boundary touched last (m), map frame.
     pub(super) touched: Vec2,
-    /// The mount of the whisker that felt it.
-    pub(super) felt_with: Pose2,
+    /// The mount of the whisker that felt it, as long as it has kept touching.
+    pub(super) felt_with: Option<Pose2>,
+    /// How far an error that all readings share may have moved the contact, on average over what is explained (m).
+    shared: f64,
+    /// Over which length such an error may turn the heading (m).
+    arm: f64,
     covariance: Covariance,
 }
 
@@ -50,7 +54,9 @@ impl Candidate {
             misfit: 0.0,
             normal: state.normal,
             touched: state.contact,
-            felt_with: observation.robot_from_whisker,
+            felt_with: Some(observation.robot_from_whisker),
+            shared: 0.0,
+            arm: f64::INFINITY,
             covariance,
         }
     }
@@ -73,7 +79,9 @@ impl Candidate {
                 self.misfit += found.cost;
                 self.normal = found.normal;
                 self.touched = found.touched;
-                self.felt_with = observation.robot_from_whisker;
+                self.felt_with = Some(observation.robot_from_whisker);
+                self.arm = tolerance.arm;
+                self.shared += (found.shared - self.shared) / f64::from(self.explained - 1).max(1.0);
                 self.fuse(&found, tolerance);
             }
             None => self.missed += 1,
@@ -93,19 +101,19 @@ impl Candidate {
     }
 
     /// Where the robot may be by this candidate alone, with the odometry at `odom_from_robot`: its state, give or take
-    /// `std_devs` standard deviations of what it has explained.
+    /// `std_devs` standard deviations of what it has explained, and what an error shared by all readings leaves open.
     #[must_use]
     pub fn extent(&self, odom_from_robot: Pose2, std_devs: f64) -> StateBox {
         let state = self.map_from_odom.compose(odom_from_robot);
         let arm = (state.position() - self.map_from_odom.position()).perp();
-        let around = |value: f64, gradient: [f64; 3]| {
-            let half = std_devs * self.variance(gradient).max(0.0).sqrt();
+        let around = |value: f64, gradient: [f64; 3], shared: f64| {
+            let half = std_devs * self.variance(gradient).max(0.0).sqrt() + shared;
             Interval::new(value - half, value + half)
         };
         StateBox {
-            x: around(state.x, [1.0, 0.0, arm.x]),
-            y: around(state.y, [0.0, 1.0, arm.y]),
-            theta: around(state.theta, [0.0, 0.0, 1.0]),
+            x: around(state.x, [1.0, 0.0, arm.x], self.shared),
+            y: around(state.y, [0.0, 1.0, arm.y], self.shared),
+            theta: around(state.theta, [0.0, 0.0, 1.0], self.shared / self.arm),
         }
     }
 

@@ -5,7 +5,7 @@ use crate::plane::{Pose2, wrap_angle};
 use crate::sets::StateBox;
 
 /// States within one cell of each other are linked (m and rad): a few spacings of the boundary's samples.
-const LINK_PLACE: f64 = 3e-3;
+const LINK_PLACE: f64 = 6e-3;
 const LINK_HEADING: f64 = 0.06;
 
 /// One separate place: candidates that are linked to each other and to no others.

@@ -34,6 +34,9 @@ const WRONG_LOAD: (f64, f64) = (2e-3, 0.05);
 /// A slope less certain than this says nothing about the heading (rad).
 const WORST_SLOPE: f64 = 0.35;
 
+/// A sweep is at least so many histories long: over that length an error of all readings may turn it.
+const HISTORIES: f64 = 5.0;
+
 /// How far a state may lie from the preimage.
 pub(super) struct Tolerance {
     std_devs: f64,
@@ -41,6 +44,8 @@ pub(super) struct Tolerance {
     systematic: f64,
     position_floor: f64,
     heading_floor: f64,
+    /// Over which length an error that all readings share may turn a candidate (m).
+    pub(super) arm: f64,
     /// Histories overlap: successive observations share readings, so each counts for less.
     pub(super) dependence: f64,
 }
@@ -57,6 +62,7 @@ impl Tolerance {
             systematic: SYSTEMATIC * observation.relative_bound,
             position_floor: options.position_floor + place,
             heading_floor: options.heading_floor + heading,
+            arm: HISTORIES * options.history_travel,
             dependence: (options.history_travel / options.update_travel).max(1.0).sqrt(),
         }
     }
@@ -74,6 +80,8 @@ pub(super) struct Match {
     /// How far the tip must move along that normal (m), and how that depends on the candidate's (x, y, theta).
     pub(super) offset: f64,
     pub(super) gradient: [f64; 3],
+    /// How far an error that all readings share may have moved the tip (m).
+    pub(super) shared: f64,
     /// Standard deviation of the tip's place along the normal (m).
     pub(super) std: f64,
     /// How far the candidate must turn (rad), with its standard deviation, where the history bounds the heading.
@@ -94,14 +102,15 @@ pub(super) fn nearest_state(
         return None;
     }
     let base = Base::new(map_from_whisker);
-    let same = candidate.felt_with == observation.robot_from_whisker;
+    let touches_on = candidate.felt_with == Some(observation.robot_from_whisker);
     let on_branch = |branch| {
         let match_from = |start| on_branch(map, candidate, &base, branch, start, tolerance);
-        if same {
-            return match_from(Start { normal: candidate.normal, near: candidate.touched });
+        let last = Start { normal: candidate.normal, near: candidate.touched };
+        if touches_on {
+            return match_from(last);
         }
         let starts = starts(map, map_from_whisker, branch);
-        starts.into_iter().filter_map(match_from).min_by(|a, b| a.cost.total_cmp(&b.cost))
+        starts.into_iter().chain([last]).filter_map(match_from).min_by(|a, b| a.cost.total_cmp(&b.cost))
     };
     observation.branches.iter().filter_map(on_branch).min_by(|a, b| a.cost.total_cmp(&b.cost))
 }
@@ -143,8 +152,8 @@ impl Base {
     }
 }
 
-/// Where to look for the contact when another whisker touched last: wherever the history's alignments put it. Otherwise
-/// it is looked for at the last one.
+/// Where to look for the contact, too, when another whisker touched last, or this one was free or jumped in between:
+/// wherever the history's alignments put it.
 fn starts(map: &Map, pose: Pose2, branch: &Branch) -> Vec<Start> {
     let middle = || {
         let range = branch.contacts.directions();
@@ -258,9 +267,8 @@ impl Tolerance {
         let std = (own * own + LEAST_PLACE * LEAST_PLACE).sqrt();
         let arm = (touch.tip - candidate.map_from_odom.position()).perp();
         let gradient = [across.x, across.y, across.dot(arm)];
-        let reach = self.std_devs * (std * std + candidate.variance(gradient)).sqrt()
-            + self.systematic * sensitivity
-            + self.position_floor;
+        let shared = self.systematic * sensitivity + self.position_floor;
+        let reach = self.std_devs * (std * std + candidate.variance(gradient)).sqrt() + shared;
         let share = offset.abs() / reach;
         (share <= 1.0).then_some(Match {
             cost: share * share,
@@ -269,6 +277,7 @@ impl Tolerance {
             touched: touch.boundary,
             offset,
             gradient,
+            shared,
             std,
             turn: None,
         })

@@ -21,13 +21,17 @@ pub use candidate::Candidate;
 pub use components::{Component, components};
 
 use crate::config::DeterministicOptions;
-use crate::flow::preimage::{HEADING_SPACING, Observation, aligned_states};
+use crate::flow::preimage::{HEADING_SPACING, Observation, alignments, coarsely_aligned_states};
 use crate::plane::{Pose2, wrap_angle};
 use crate::world::{BoundarySample, Map, Odometry};
 use membership::Tolerance;
 
 /// From how many observations candidates enter: one of them may lie at a corner and align with nothing.
 const ENTRIES: usize = 2;
+/// Where more candidates than this would enter from an observation, they enter further apart,
+const MOST_ENTERING: f64 = 8000.0;
+/// but no further than at every second point of the boundary: what lies in between must still be near enough to be found.
+const MOST_THINNED: f64 = 2.0;
 /// Fewest observations that a candidate may miss where any may be missed at all.
 const FEWEST_MISSES: u32 = 3;
 /// Candidates nearer to each other than this are one (m and rad): no more than the boundary's sampling, as a whisker's
@@ -83,9 +87,7 @@ impl StateSet {
         let mut order: Vec<usize> = (0..observations.len()).collect();
         order.sort_by(|&a, &b| observations[a].open_slopes().total_cmp(&observations[b].open_slopes()));
         for &entry in order.iter().take(ENTRIES) {
-            let enter = |state| Candidate::at(&state, &observations[entry], options.boundary_spacing);
-            let entering = aligned_states(map, samples, &observations[entry]).into_iter().map(enter);
-            let mut candidates: Vec<Candidate> = entering.filter(|c| admits(options, c.map_from_odom)).collect();
+            let mut candidates = self.entering(map, samples, &observations[entry], options);
             for (index, observation) in observations.iter().enumerate().filter(|&(index, _)| index != entry) {
                 let tolerance = Tolerance::new(observation, options);
                 candidates.iter_mut().for_each(|c| c.meet(map, observation, &tolerance));
@@ -96,6 +98,33 @@ impl StateSet {
         }
         self.observations = observations.len() as u32;
         self.merge();
+    }
+
+    /// The candidates that an observation lets in, but for those that are among the set's own.
+    fn entering(
+        &self,
+        map: &Map,
+        samples: &[BoundarySample],
+        observation: &Observation,
+        options: &DeterministicOptions,
+    ) -> Vec<Candidate> {
+        let wanted = (alignments(samples, observation) as f64 / MOST_ENTERING).sqrt().ceil();
+        let thinned = wanted.clamp(1.0, MOST_THINNED);
+        let spacing = thinned * options.boundary_spacing;
+        let cell = |c: &Candidate| self.cell(c, 2.0 * spacing, 4.0 * HEADING_SPACING);
+        let mut known: Vec<_> = self.candidates.iter().map(cell).collect();
+        known.sort_unstable();
+        let states = coarsely_aligned_states(map, samples, observation, thinned as usize);
+        let enter = |state| Candidate::at(&state, observation, spacing);
+        let new = |c: &Candidate| admits(options, c.map_from_odom) && known.binary_search(&cell(c)).is_err();
+        states.into_iter().map(enter).filter(new).collect()
+    }
+
+    /// The cell of this size (m, rad) that a candidate's robot state lies in.
+    fn cell(&self, candidate: &Candidate, place: f64, heading: f64) -> [i64; 3] {
+        let state = candidate.map_from_odom.compose(self.odom_from_robot);
+        let round = |v: f64, by: f64| (v / by).round() as i64;
+        [round(state.x, place), round(state.y, place), round(state.theta, heading)]
     }
 
     /// Intersects the set with the preimage of an observation.
@@ -113,13 +142,15 @@ impl StateSet {
         self.merge();
     }
 
+    /// Notes that the whisker of this mount was free or jumped: what it touches next can be anywhere.
+    pub(crate) fn lift_off(&mut self, robot_from_whisker: Pose2) {
+        let touching = |c: &&mut Candidate| c.felt_with == Some(robot_from_whisker);
+        self.candidates.iter_mut().filter(touching).for_each(|c| c.felt_with = None);
+    }
+
     /// Keeps the best of candidates that have run into each other.
     fn merge(&mut self) {
-        let cell = |c: &Candidate| {
-            let state = c.map_from_odom.compose(self.odom_from_robot);
-            let round = |v: f64, by: f64| (v / by).round() as i64;
-            (round(state.x, SAME_PLACE), round(state.y, SAME_PLACE), round(state.theta, SAME_HEADING))
-        };
+        let cell = |c: &Candidate| self.cell(c, SAME_PLACE, SAME_HEADING);
         let key = |(index, c): (usize, &Candidate)| (cell(c), ordered(c.rank()), index as u32);
         let mut keyed: Vec<_> = self.candidates.iter().enumerate().map(key).collect();
         keyed.sort_unstable();
