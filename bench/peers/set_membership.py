@@ -48,15 +48,17 @@ def area(boxes):
     return covered.sum() * cell * cell
 
 
-def told(boxes, truth):
-    size = boxes[:, 1::2] - boxes[:, 0::2]
+def told(boxes, truth, size=None):
+    """How large a set is and whether it holds the truth; `size` is what was told of its area and volume, if the boxes only enclose it."""
+    span = boxes[:, 1::2] - boxes[:, 0::2]
+    square, volume = size or (area(boxes), np.prod(span, axis=1).sum())
     turn = (truth[2] + math.pi) % (2 * math.pi) - math.pi
     held = any(
         np.any((boxes[:, 0] <= truth[0]) & (truth[0] <= boxes[:, 1]) & (boxes[:, 2] <= truth[1]) & (truth[1] <= boxes[:, 3])
                & (boxes[:, 4] <= turn + whole) & (turn + whole <= boxes[:, 5]))
         for whole in (-2 * math.pi, 0.0, 2 * math.pi)
     )
-    return (f"{len(boxes)} boxes, {1e4 * area(boxes):.3g} cm² of the plane, volume {np.prod(size, axis=1).sum():.3g} m² rad, "
+    return (f"{len(boxes)} boxes, {1e4 * square:.3g} cm² of the plane, volume {volume:.3g} m² rad, "
             f"truth {'inside' if held else 'LOST'}")
 
 
@@ -73,13 +75,15 @@ def paved(sweep, count, precision, split=1, repeat=1):
 
 
 def ours(sweep, count, split=1, repeat=1):
-    """Our boxes and the processor times of the whole command."""
+    """Boxes around our slanted cells, the cells' area and volume, and the processor times of the whole command."""
     out = sweep.folder / "ours"
     inputs = [sweep.short_log(count), "--map", sweep.map(split), "--robot", sweep.folder / "robot.toml"]
     times = [run("localize", *inputs, "--method", "possibilistic", "--out", out) for _ in range(repeat)]
     with open(out / "states.csv", encoding="utf-8") as file:
         boxes = [[float(v) for v in list(line.values())[:6]] for line in csv.DictReader(file)]
-    return np.array(boxes), times
+    with open(out / "steps.csv", encoding="utf-8") as file:
+        last = list(csv.DictReader(file))[-1]
+    return np.array(boxes), (float(last["area_m2"]), float(last["volume"])), times
 
 
 def main():
@@ -87,8 +91,8 @@ def main():
     repeat = 1 if short else 3
     for count in (4, 8) if short else (1, 2, 4, 8):
         last = sweep.poses[sweep.chosen(count)[-1][0]]
-        boxes, times = ours(sweep, count, repeat=max(3, repeat))
-        row(TABLE, f"vibrissa: K = {count}", times, f"the whole command; {told(boxes, last)}")
+        boxes, size, times = ours(sweep, count, repeat=max(3, repeat))
+        row(TABLE, f"vibrissa: K = {count}", times, f"the whole command; {told(boxes, last, size)}")
         point("contacts", "vibrissa, possibilistic", count, min(times))
         # One touch at 2 mm makes millions of boxes.
         precision = 10e-3 if count == 1 else 2e-3
@@ -98,7 +102,7 @@ def main():
         point("contacts", "Codac, 2 mm (K = 1: 10 mm)", count, min(times))
     for split in (1, 4) if short else (1, 4, 16, 64):
         many = len(edges(split))
-        point("edges", "vibrissa, possibilistic, K = 8", many, min(ours(sweep, 8, split)[1]))
+        point("edges", "vibrissa, possibilistic, K = 8", many, min(ours(sweep, 8, split)[-1]))
         if split <= 16:
             point("edges", "Codac, K = 8, 2 mm", many, min(paved(sweep, 8, 2e-3, split)[1]))
 
