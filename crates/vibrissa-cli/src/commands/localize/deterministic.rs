@@ -12,7 +12,7 @@ pub(crate) struct DeterministicArgs {
     /// Which way the force acts at the tip [default: boundary-normal]
     #[arg(long, value_enum, value_name = "LOAD")]
     tip_load: Option<TipLoadArg>,
-    /// Spacing of the points along the boundary at which the whisker is aligned, in m [default: 0.001]
+    /// Spacing of the points along the boundary at which the whisker is aligned, in m [default: 0.003]
     #[arg(long, value_name = "M")]
     boundary_spacing: Option<f64>,
     /// Whisker shapes that estimate the boundary's slope, 2 to 5 [default: 5]

@@ -10,7 +10,8 @@ use crate::beam::elastica;
 use crate::beam::press::PressTable;
 use crate::config::PossibilisticOptions;
 use crate::plane::{Curve, Pose2, Vec2, wrap_angle};
-use crate::world::{Boundary, Map, MountedWhisker, Role};
+use crate::sets::Interval;
+use crate::world::{Boundary, Map, MountedWhisker, Odometry, Role};
 use core::f64::consts::{FRAC_PI_2, PI};
 
 /// A room with sharp corners both ways, an ellipse-like blob of many short lines, and an open wall.
@@ -234,6 +235,29 @@ fn growing_and_moving_keep_what_they_must() {
         let step = Pose2::new(draw.signed(0.1), draw.signed(0.1), draw.signed(PI));
         cell.moved(step, 1);
         assert!(holds(&cell, moved.compose(step)), "{cell:?}");
+    }
+}
+
+#[test]
+fn a_large_set_of_one_reading_meets_finer_tables() {
+    let map = map();
+    let mut draw = Random(31);
+    for _ in 0..2 {
+        let free = |case: &Case| map.is_free(case.robot.compose(case.whisker.robot_from_whisker).position());
+        let case = core::iter::repeat_with(|| case(&map, &mut draw, 0.0)).flatten().find(free).unwrap();
+        let whiskers = [case.whisker.clone()];
+        let ends = |last_work: usize| {
+            let options = PossibilisticOptions { last_work, largest_slope: SLOPE, ..PossibilisticOptions::default() };
+            let mut set = super::PossibleSet::new(&map, &whiskers, Odometry::default(), options);
+            set.update(&map, Pose2::IDENTITY, &[Interval::new(case.moment.0, case.moment.1)], None);
+            assert!(set.has_first_tables());
+            set.finish(&map);
+            assert!(set.cells.iter().any(|cell| holds(cell, case.robot)), "{case:?}");
+            set
+        };
+        let (none, much) = (ends(0), ends(2_000_000));
+        assert!(none.has_first_tables() && !much.has_first_tables());
+        assert!(much.volume() < 0.95 * none.volume(), "{} {}", much.volume(), none.volume());
     }
 }
 
