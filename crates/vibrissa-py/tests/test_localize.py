@@ -60,7 +60,7 @@ def test_arrays_in_memory_give_the_same_answer(demo: vibrissa.Demo, demo_files: 
 
 
 def test_options_reach_the_method_and_strangers_are_refused(demo: vibrissa.Demo) -> None:
-    coarse = vibrissa.localize(demo.sweep.log, demo.map, boundary_spacing=0.004)
+    coarse = vibrissa.localize(demo.sweep.log, demo.map, boundary_spacing=0.01)
     assert len(coarse.first_states) < len(demo.answer.first_states) / 2
     x, y, _ = demo.sweep.truth.poses[0]
     near = (x - 0.02, x + 0.02, y - 0.02, y + 0.02, -3.2, 3.2)
