@@ -64,6 +64,27 @@ fn the_demo_is_localized_whatever_the_noise() {
 }
 
 #[test]
+fn nobody_stands_outside_the_room() {
+    // Along a straight wall the place is open up to the corners, where observations may be missed. (6 mm, and 2 mm to the last row.)
+    let corners = [(0.0, 0.0), (0.5, 0.0), (0.5, 0.3), (0.0, 0.3)].map(|(x, y)| Vec2::new(x, y));
+    let room = Boundary::new(Role::Arena, Curve::polyline(&corners, true).unwrap(), None).unwrap();
+    let map = Map::new(vec![room]).unwrap();
+    let heading = 128.0_f64.to_radians();
+    let way = [(0.385, 0.225), (0.405, 0.25), (0.478, 0.25)].map(|(x, y)| Pose2::new(x, y, heading));
+    let path = path_through(&way, &Pace { speed: 0.15, turn_rate: 1.0, rate: 300.0 }).unwrap();
+    let noise = SweepNoise { seed: 3, ..SweepNoise::default() };
+    let sweep = simulate_tip_sweep(&map, &Robot::default(), &path, &noise).unwrap();
+    let found = answer(&sweep.log, &map);
+    let far_out = |p: Vec2| !map.is_free(p) && map.nearest_within(p, 9e-3).is_none();
+    let places: Vec<Vec2> = found.states.iter().map(|b| Vec2::new(b.x.lo(), b.y.lo())).collect();
+    assert!(found.status == Status::Ambiguous && places.len() > 100, "{} {}", found.status, places.len());
+    assert_eq!(places.iter().filter(|p| far_out(**p)).count(), 0);
+    let truth = sweep.truth.last().unwrap().map_from_robot;
+    let holds = |e: &vibrissa::sets::StateBox| e.x.contains(truth.x) && e.y.contains(truth.y);
+    assert!(found.hypotheses.iter().any(|h| holds(&h.extent)));
+}
+
+#[test]
 fn the_same_log_gives_the_same_answer() {
     let (_, first) = demo_answer(5);
     let (_, again) = demo_answer(5);

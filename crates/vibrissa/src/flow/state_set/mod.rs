@@ -32,6 +32,8 @@ const ENTRIES: usize = 2;
 const MOST_ENTERING: f64 = 8000.0;
 /// but no further than at every second point of the boundary: what lies in between must still be near enough to be found.
 const MOST_THINNED: f64 = 2.0;
+/// No true candidate is off so far that its robot or whisker stands further outside free space than this (m).
+const OUTSIDE: f64 = 6e-3;
 /// Fewest observations that a candidate may miss where any may be missed at all.
 const FEWEST_MISSES: u32 = 3;
 /// Candidates nearer to each other than this are one (m and rad): no more than the boundary's sampling, as a whisker's
@@ -138,7 +140,9 @@ impl StateSet {
             candidate.meet(map, observation, &tolerance);
         }
         let allowed = allowed_misses(options.missed_share, self.observations);
-        self.candidates.retain(|c| c.missed <= allowed);
+        let stands =
+            |c: &Candidate| !is_outside(map, c.map_from_odom.compose(odom_from_robot), observation.robot_from_whisker);
+        self.candidates.retain(|c| c.missed <= allowed && stands(c));
         self.merge();
     }
 
@@ -207,6 +211,12 @@ fn admits(options: &DeterministicOptions, map_from_robot: Pose2) -> bool {
 fn ordered(value: f64) -> i64 {
     let bits = value.to_bits() as i64;
     bits ^ (((bits >> 63) as u64) >> 1) as i64
+}
+
+/// Whether the robot's origin or the whisker's base is far outside free space, which no observation that may be missed excuses.
+fn is_outside(map: &Map, map_from_robot: Pose2, robot_from_whisker: Pose2) -> bool {
+    let far = |pose: Pose2| !map.is_free(pose.position()) && map.nearest_within(pose.position(), OUTSIDE).is_none();
+    far(map_from_robot) || far(map_from_robot.compose(robot_from_whisker))
 }
 
 /// How many of so many observations a candidate may have missed.
