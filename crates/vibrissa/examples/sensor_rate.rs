@@ -8,6 +8,10 @@
 //! were at each quarter of the updates; verdict, error of the nearest place,
 //! least squared distance of the truth from a place in its standard deviations (95 % lie below 7.8), weights of all.
 
+#[path = "../tests/data/region.rs"]
+mod region;
+
+use region::{CHI2_95, distance};
 use std::path::Path;
 use std::time::Instant;
 use vibrissa::flow::pose::{Hypothesis, Localization, Method};
@@ -92,25 +96,6 @@ fn robot(name: &str) -> Robot {
     robot
 }
 
-/// The 95 % point of chi² for three degrees of freedom.
-const CHI2_95: f64 = 7.815;
-
-/// The squared distance of the truth from a place in its own standard deviations; infinite without a covariance.
-fn distance(place: &Hypothesis, truth: Pose2) -> f64 {
-    let Some(c) = place.covariance else { return f64::INFINITY };
-    let d = [truth.x - place.pose.x, truth.y - place.pose.y, wrap_angle(truth.theta - place.pose.theta)];
-    let det = |m: [[f64; 3]; 3]| {
-        m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0])
-            + m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0])
-    };
-    let solved = |k: usize| {
-        let mut replaced = c;
-        (0..3).for_each(|i| replaced[i][k] = d[i]);
-        det(replaced) / det(c)
-    };
-    (0..3).map(|k| d[k] * solved(k)).sum()
-}
-
 fn main() -> Result<()> {
     let mut arguments = std::env::args().skip(1);
     let folder = arguments.next().ok_or_else(|| Error::usage("a folder of sweeps is missing"))?;
@@ -143,7 +128,17 @@ fn main() -> Result<()> {
         };
         let best = run.answer.hypotheses.iter().map(|h| off(h.pose)).min_by(|a, b| a.0.total_cmp(&b.0));
         let chi2 = run.answer.hypotheses.iter().map(|h| distance(h, truth)).fold(f64::INFINITY, f64::min);
-        held += usize::from(chi2 <= CHI2_95);
+        // Places without a covariance tell their extent.
+        let inside = |h: &Hypothesis| match h.covariance {
+            Some(_) => distance(h, truth) <= CHI2_95,
+            None => {
+                let e = h.extent;
+                let middle = 0.5 * (e.theta.lo() + e.theta.hi());
+                let theta = middle + wrap_angle(truth.theta - middle);
+                e.x.contains(truth.x) && e.y.contains(truth.y) && e.theta.contains(theta)
+            }
+        };
+        held += usize::from(run.answer.hypotheses.iter().any(inside));
         let steps = &run.answer.steps;
         let alive =
             |part: usize| steps.get((steps.len() * part / 4).min(steps.len().max(1) - 1)).map_or(0, |s| s.components);

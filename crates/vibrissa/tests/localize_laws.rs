@@ -79,6 +79,8 @@ fn nobody_stands_outside_the_room() {
     let places: Vec<Vec2> = found.states.iter().map(|b| Vec2::new(b.x.lo(), b.y.lo())).collect();
     assert!(found.status == Status::Ambiguous && places.len() > 100, "{} {}", found.status, places.len());
     assert_eq!(places.iter().filter(|p| far_out(**p)).count(), 0);
+    // The first states, too.
+    assert!(found.first_states.len() > 100 && !found.first_states.iter().any(|p| far_out(p.position())));
     let truth = sweep.truth.last().unwrap().map_from_robot;
     let holds = |e: &vibrissa::sets::StateBox| e.x.contains(truth.x) && e.y.contains(truth.y);
     assert!(found.hypotheses.iter().any(|h| holds(&h.extent)));

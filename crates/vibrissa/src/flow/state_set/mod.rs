@@ -99,6 +99,9 @@ impl StateSet {
             self.candidates.extend(candidates);
         }
         self.observations = observations.len() as u32;
+        if let Some(last) = observations.last() {
+            self.drop_outside(map, last);
+        }
         self.merge();
     }
 
@@ -140,10 +143,19 @@ impl StateSet {
             candidate.meet(map, observation, &tolerance);
         }
         let allowed = allowed_misses(options.missed_share, self.observations);
-        let stands =
-            |c: &Candidate| !is_outside(map, c.map_from_odom.compose(odom_from_robot), observation.robot_from_whisker);
-        self.candidates.retain(|c| c.missed <= allowed && stands(c));
+        self.candidates.retain(|c| c.missed <= allowed);
+        self.drop_outside(map, observation);
         self.merge();
+    }
+
+    /// Drops the candidates whose robot or whisker's base is far outside free space, which no observation that may be missed excuses.
+    fn drop_outside(&mut self, map: &Map, observation: &Observation) {
+        let odom_from_robot = self.odom_from_robot;
+        let far = |pose: Pose2| !map.is_free(pose.position()) && map.nearest_within(pose.position(), OUTSIDE).is_none();
+        self.candidates.retain(|c| {
+            let map_from_robot = c.map_from_odom.compose(odom_from_robot);
+            !far(map_from_robot) && !far(map_from_robot.compose(observation.robot_from_whisker))
+        });
     }
 
     /// Notes that the whisker of this mount was free or jumped: what it touches next can be anywhere.
@@ -211,12 +223,6 @@ fn admits(options: &DeterministicOptions, map_from_robot: Pose2) -> bool {
 fn ordered(value: f64) -> i64 {
     let bits = value.to_bits() as i64;
     bits ^ (((bits >> 63) as u64) >> 1) as i64
-}
-
-/// Whether the robot's origin or the whisker's base is far outside free space, which no observation that may be missed excuses.
-fn is_outside(map: &Map, map_from_robot: Pose2, robot_from_whisker: Pose2) -> bool {
-    let far = |pose: Pose2| !map.is_free(pose.position()) && map.nearest_within(pose.position(), OUTSIDE).is_none();
-    far(map_from_robot) || far(map_from_robot.compose(robot_from_whisker))
 }
 
 /// How many of so many observations a candidate may have missed.
