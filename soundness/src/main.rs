@@ -4,26 +4,31 @@
 //!     cargo run --release -p vibrissa-soundness -- --nightly
 //!     cargo run --release -p vibrissa-soundness -- --worlds 10000 --first 5000 --threads 2
 //!     cargo run --release -p vibrissa-soundness -- --replay 1234
+//!     cargo run --release -p vibrissa-soundness -- --worlds 40 --declare 90    bounds told 10 % too small: losses must show
 //!
 //! Maps, whiskers, mounts, paths, bounds and errors are drawn from the seed; half of the time errors stand at the edge of
-//! their bounds with signs that stay. A seed that gives no sweep is passed over. The last line holds the counts.
+//! their bounds with signs that stay. A seed that gives no sweep is passed over. The last line holds the counts, and how
+//! small the sets that held the truth were.
 
 #[path = "../../crates/vibrissa/tests/data/random_sweep.rs"]
 #[allow(dead_code, reason = "the tests use more of it")]
 mod random_sweep;
 
+use random_sweep::random::Random;
 use random_sweep::{Trial, contains, random_sweep};
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicU64, Ordering};
 use vibrissa::config::PossibilisticOptions;
-use vibrissa::flow::pose::{Localization, Method, Status};
+use vibrissa::flow::pose::{Localization, Method, Status, StepRecord};
 use vibrissa::{LocalizeOptions, localize};
 
 /// Worlds of a CI run and of a nightly one.
 const SHORT: usize = 300;
 const NIGHTLY: usize = 10_000;
-/// How much work goes into the end of a log: soundness must not depend on it, time does.
+/// How much work goes into the end of a log without a prior: it tries the start on a whole map, and is soon over.
 const LAST_WORK: usize = 5_000;
+/// How much goes into the end with a prior about the truth, where all of it tries cells that may hold the truth.
+const NEAR_WORK: usize = 200_000;
 
 /// What the command line asks for.
 struct Call {
@@ -31,6 +36,8 @@ struct Call {
     first: u64,
     threads: usize,
     replay: Option<u64>,
+    /// The share of their bounds that errors are declared with: below one, truths must be lost.
+    declared: f64,
 }
 
 /// What became of one world.
@@ -39,17 +46,22 @@ struct Outcome {
     rows: usize,
     /// Rows in which the whisker has an inflection.
     inflected: usize,
+    /// The verdict with a prior.
     status: Option<Status>,
+    /// Volumes of the set (m² rad) after its first reading without a prior, and after its last with one.
+    volumes: [f64; 2],
     /// What to tell of it, if the truth is lost or there is no answer.
     loss: Option<String>,
 }
 
 fn main() -> ExitCode {
     match parse(std::env::args().skip(1)) {
-        Ok(Call { replay: Some(seed), .. }) => replay(seed),
+        Ok(Call { replay: Some(seed), declared, .. }) => replay(seed, declared),
         Ok(call) => report(&run(&call), &call),
         Err(message) => {
-            eprintln!("error: {message}\n  --worlds N --nightly --first SEED --threads N --replay SEED");
+            eprintln!(
+                "error: {message}\n  --worlds N --nightly --first SEED --threads N --replay SEED --declare PERCENT"
+            );
             ExitCode::from(2)
         }
     }
@@ -57,7 +69,7 @@ fn main() -> ExitCode {
 
 fn parse(mut words: impl Iterator<Item = String>) -> Result<Call, String> {
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
-    let mut call = Call { worlds: SHORT, first: 1, threads, replay: None };
+    let mut call = Call { worlds: SHORT, first: 1, threads, replay: None, declared: 1.0 };
     while let Some(word) = words.next() {
         let mut number = || {
             let value = words.next().ok_or(format!("{word} needs a value"))?;
@@ -69,6 +81,7 @@ fn parse(mut words: impl Iterator<Item = String>) -> Result<Call, String> {
             "--first" => call.first = number()?,
             "--threads" => call.threads = number()?.clamp(1, 256) as usize,
             "--replay" => call.replay = Some(number()?),
+            "--declare" => call.declared = number()?.min(100) as f64 / 100.0,
             _ => return Err(format!("unknown word {word}")),
         }
     }
@@ -92,7 +105,7 @@ fn run(call: &Call) -> Vec<Outcome> {
                     if seed >= past {
                         return own;
                     }
-                    own.extend(world(seed));
+                    own.extend(world(seed, call.declared));
                 }
             };
             let workers: Vec<_> = (0..call.threads).map(|_| scope.spawn(worker)).collect();
@@ -111,24 +124,68 @@ fn run(call: &Call) -> Vec<Outcome> {
     outcomes
 }
 
-fn answer(trial: &Trial) -> vibrissa::Result<Localization> {
-    let possibilistic = PossibilisticOptions { last_work: LAST_WORK, ..PossibilisticOptions::default() };
+/// What the method tells of a trial, without a prior or with one, when readings are declared with this share of their bounds.
+fn answer(trial: &Trial, prior: Option<[[f64; 2]; 3]>, declared: f64) -> vibrissa::Result<Localization> {
+    let last_work = if prior.is_none() { LAST_WORK } else { NEAR_WORK };
+    let possibilistic = PossibilisticOptions { last_work, prior, ..PossibilisticOptions::default() };
     let options = LocalizeOptions { method: Method::Possibilistic, possibilistic, ..LocalizeOptions::default() };
-    localize(&trial.log, &trial.map, &trial.robot, &options, &mut |_| {})
+    let mut robot = trial.robot.clone();
+    for whisker in &mut robot.whiskers {
+        whisker.noise.moment_relative *= declared;
+        whisker.noise.moment_absolute *= declared;
+    }
+    localize(&trial.log, &trial.map, &robot, &options, &mut |_| {})
 }
 
-/// The world of a seed, if there is one.
-fn world(seed: u64) -> Option<Outcome> {
-    let trial = random_sweep(seed)?;
-    let (rows, inflected) = (trial.log.rows.len(), trial.kinds[3]);
-    Some(match answer(&trial) {
+/// A region that holds the first true pose (m, m, rad), often at its edge.
+fn about(trial: &Trial, seed: u64) -> Option<[[f64; 2]; 3]> {
+    let mut draw = Random(seed.wrapping_mul(0xd134_2543_de82_ef95));
+    let first = trial.path.first()?;
+    let mut side = |truth: f64, widest: f64| {
+        let (half, off) = (draw.between(0.05, 1.0) * widest, (1.2 * draw.signed(1.0)).clamp(-0.999_999, 0.999_999));
+        [truth + (off - 1.0) * half, truth + (off + 1.0) * half]
+    };
+    Some([side(first.x, 0.04), side(first.y, 0.04), side(first.theta, 0.4)])
+}
+
+/// What became of one answer.
+struct Judged {
+    status: Option<Status>,
+    /// Volumes of the set (m² rad) after its first and its last reading.
+    volumes: [f64; 2],
+    loss: Option<String>,
+}
+
+fn judged(trial: &Trial, prior: Option<[[f64; 2]; 3]>, declared: f64) -> Judged {
+    match answer(trial, prior, declared) {
         Ok(found) => {
             let lost = found.status != Status::NoContact && !contains(&found, trial.truth);
-            let loss = || format!("seed {seed}: {}, lost {:?}; {:?}", found.status, trial.truth, found.events.last());
-            Outcome { seed, rows, inflected, status: Some(found.status), loss: lost.then(loss) }
+            let loss = || format!("{}, lost {:?}; {:?}", found.status, trial.truth, found.events.last());
+            let volume = |step: Option<&StepRecord>| step.map_or(f64::NAN, |step| step.volume);
+            let volumes = [volume(found.steps.first()), volume(found.steps.last())].map(|volume| volume + 0.0);
+            Judged { status: Some(found.status), volumes, loss: lost.then(loss) }
         }
-        Err(error) => Outcome { seed, rows, inflected, status: None, loss: Some(format!("seed {seed}: {error}")) },
-    })
+        Err(error) => Judged { status: None, volumes: [f64::NAN; 2], loss: Some(error.to_string()) },
+    }
+}
+
+/// The world of a seed, if there is one: localized without a prior and with one.
+fn world(seed: u64, declared: f64) -> Option<Outcome> {
+    let trial = random_sweep(seed)?;
+    let (rows, inflected) = (trial.log.rows.len(), trial.kinds[3]);
+    let (anywhere, near) = (judged(&trial, None, declared), judged(&trial, about(&trial, seed), declared));
+    let told = |name: &str, loss: String| format!("seed {seed}, {name}: {loss}");
+    let loss = anywhere.loss.map(|loss| told("without a prior", loss));
+    let loss = loss.or(near.loss.map(|loss| told("with a prior", loss)));
+    let volumes = [anywhere.volumes[0], near.volumes[1]];
+    Some(Outcome { seed, rows, inflected, status: near.status, volumes, loss })
+}
+
+/// The middle of these values; NaN of none.
+fn median(mut values: Vec<f64>) -> f64 {
+    values.retain(|value| value.is_finite());
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
 }
 
 fn report(outcomes: &[Outcome], call: &Call) -> ExitCode {
@@ -139,7 +196,8 @@ fn report(outcomes: &[Outcome], call: &Call) -> ExitCode {
     }
     println!(
         "soundness: {} worlds (seeds {} to {}) of {} rows: truth lost in {}; localized {}, ambiguous {}, \
-         inconsistent {}, no contact {}; {} rows with an inflection in {} worlds",
+         inconsistent {}, no contact {}; {} rows with an inflection in {} worlds; \
+         volume of the set: median {:.1e} m² rad at its start, {:.1e} at the end with a prior",
         outcomes.len(),
         call.first,
         outcomes.last().map_or(call.first, |o| o.seed),
@@ -150,20 +208,25 @@ fn report(outcomes: &[Outcome], call: &Call) -> ExitCode {
         of(Status::Inconsistent),
         of(Status::NoContact),
         outcomes.iter().map(|o| o.inflected).sum::<usize>(),
-        outcomes.iter().filter(|o| o.inflected > 0).count()
+        outcomes.iter().filter(|o| o.inflected > 0).count(),
+        median(outcomes.iter().map(|o| o.volumes[0]).collect()),
+        median(outcomes.iter().map(|o| o.volumes[1]).collect()),
     );
     if lost.is_empty() && !outcomes.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
 
 /// One world in full: its size and verdict, and every event.
-fn replay(seed: u64) -> ExitCode {
-    let (Some(trial), Some(outcome)) = (random_sweep(seed), world(seed)) else {
+fn replay(seed: u64, declared: f64) -> ExitCode {
+    let (Some(trial), Some(outcome)) = (random_sweep(seed), world(seed, declared)) else {
         println!("the seed {seed} gives no sweep");
         return ExitCode::from(2);
     };
     println!("seed {seed}: {} rows, robot {:?}, truth {:?}", outcome.rows, trial.robot, trial.truth);
-    for event in answer(&trial).map(|found| found.events).unwrap_or_default() {
-        println!("  {:.3} s {}: {}", event.t, event.kind, event.detail);
+    for (name, prior) in [("without a prior", None), ("with a prior", about(&trial, seed))] {
+        println!("{name} {prior:?}:");
+        for event in answer(&trial, prior, declared).map(|found| found.events).unwrap_or_default() {
+            println!("  {:.3} s {}: {}", event.t, event.kind, event.detail);
+        }
     }
     match outcome.loss {
         Some(loss) => {
