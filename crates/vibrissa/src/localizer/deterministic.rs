@@ -11,10 +11,11 @@ use crate::flow::moment::{MomentHistory, MomentReading, MomentTrack};
 use crate::flow::pose::{self, Event, Localization, ShapeRecord, StampedPose, StepRecord};
 use crate::flow::preimage::Observation;
 use crate::flow::sensor_log::{Channel, LogRow, SensorLog};
-use crate::flow::state_set::{Candidate, StateSet};
+use crate::flow::state_set::{Candidate, Pass, StateSet};
 use crate::flow::thinned::Thinned;
 use crate::plane::Pose2;
 use crate::world::{BoundarySample, Map, MountedWhisker, Robot};
+use std::collections::VecDeque;
 
 /// The deterministic localizer \[routray, section "Robot Localization"\]: rows in, a state set that shrinks.
 pub struct Localizer<'a> {
@@ -28,7 +29,16 @@ pub struct Localizer<'a> {
     /// thousands of kilometres from its origin without costing digits.
     start: Option<Pose2>,
     rows: Vec<(f64, Pose2)>,
+    due: VecDeque<Due>,
     record: Record,
+}
+
+/// What the set still has to be told, in the order in which it happened.
+enum Due {
+    /// An observation of a feeler, and how far it has got.
+    Meet { feeler: usize, observation: Observation, pass: Pass },
+    /// The whisker of this mount was free or jumped.
+    LiftOff(Pose2),
 }
 
 impl<'a> Localizer<'a> {
@@ -51,11 +61,13 @@ impl<'a> Localizer<'a> {
             states: StateSet::default(),
             start: None,
             rows: Vec::new(),
+            due: VecDeque::new(),
             record: Record::default(),
         })
     }
 
-    /// The candidates so far; their odometry frame is moved to the robot's pose at the first row.
+    /// The candidates so far, of which some may still have to meet the last observations; their odometry frame is moved to
+    /// the robot's pose at the first row.
     #[must_use]
     pub fn states(&self) -> &StateSet {
         &self.states
@@ -77,6 +89,7 @@ impl<'a> Localizer<'a> {
         let row = &LogRow { odom_from_robot: start.between(row.odom_from_robot), ..row.clone() };
         self.states.project(row.odom_from_robot, &self.robot.odometry);
         self.rows.push((row.t, row.odom_from_robot));
+        let due = self.due.len();
         for index in 0..self.feelers.len() {
             let touched = self.feelers[index].in_contact;
             let history = self.feelers[index].feel(row, &mut self.record)?;
@@ -84,20 +97,47 @@ impl<'a> Localizer<'a> {
                 self.update(index, &history, row);
             }
             if touched && !self.feelers[index].in_contact {
-                self.states.lift_off(self.feelers[index].whisker.robot_from_whisker);
+                self.due.push_back(Due::LiftOff(self.feelers[index].whisker.robot_from_whisker));
             }
         }
+        // A row that makes an observation has its work.
+        let share = if self.due.len() > due { 4 } else { 1 };
+        let open = self.due.len() * self.states.candidates().len();
+        self.work(row, MEETINGS.max(open / ROWS_BEHIND) / share);
         Ok(())
     }
 
-    /// One update: history → contact sets → alignment → preimage → intersection.
+    /// Tells the set what is due, for at most so many meetings of a candidate with an observation.
+    fn work(&mut self, row: &LogRow, mut meetings: usize) {
+        while let Some(due) = self.due.pop_front() {
+            let (feeler, observation, mut pass) = match due {
+                Due::Meet { feeler, observation, pass } => (feeler, observation, pass),
+                Due::LiftOff(robot_from_whisker) => {
+                    self.states.lift_off(robot_from_whisker);
+                    continue;
+                }
+            };
+            let open = pass.open(self.states.candidates().len());
+            if !self.states.advance(self.map, &observation, &self.options, &mut pass, meetings) {
+                return self.due.push_front(Due::Meet { feeler, observation, pass });
+            }
+            self.record.observations.push((feeler, observation));
+            self.note(row);
+            if self.record.empty_at.is_some() {
+                return self.due.clear();
+            }
+            meetings = meetings.saturating_sub(open);
+        }
+    }
+
+    /// One update: history → contact sets → alignment → preimage → intersection, the last when its turn comes.
     fn update(&mut self, feeler: usize, history: &MomentHistory, row: &LogRow) {
         let Feeler { whisker, tip, contacts, .. } = &mut self.feelers[feeler];
         if self.record.empty_at.is_some() {
             return;
         }
         if !history.smooth {
-            self.states.lift_off(whisker.robot_from_whisker);
+            self.due.push_back(Due::LiftOff(whisker.robot_from_whisker));
             let detail = format!(
                 "{}: the readings jump by more than their declared noise; this stretch of contact is not used",
                 whisker.name
@@ -106,9 +146,8 @@ impl<'a> Localizer<'a> {
         }
         let observation = Observation::with(whisker, tip, history, &mut |moment| contacts.branches(moment));
         if self.record.first_row.is_some() {
-            self.states.intersect(self.map, &observation, &self.options);
-            self.record.observations.push((feeler, observation));
-            return self.note(row);
+            let pass = self.states.pass();
+            return self.due.push_back(Due::Meet { feeler, observation, pass });
         }
         self.record.waiting.push((feeler, observation));
         let open = self.record.waiting.iter().map(|(_, o)| o.open_slopes()).fold(f64::INFINITY, f64::min);
@@ -164,6 +203,7 @@ impl<'a> Localizer<'a> {
         if self.record.waiting.iter().any(|(_, o)| o.open_slopes().is_finite()) {
             self.start_set(&last);
         }
+        self.work(&last, usize::MAX);
         let hypotheses = pose::choose(&self.states, odom_from_robot, &self.options);
         let status = pose::verdict(self.record.touched, self.record.empty_at.is_some(), &hypotheses);
         if self.record.touched && self.record.steps.is_empty() {
@@ -218,6 +258,10 @@ const EARLIEST_START: usize = 3;
 const NARROW_START: f64 = 0.8;
 /// and from this many in any case.
 const LATEST_START: usize = 8;
+/// Meetings of a candidate with an observation in one row, some microseconds each,
+const MEETINGS: usize = 150;
+/// but at least this part of all that are due, so that the set does not fall further behind.
+const ROWS_BEHIND: usize = 20;
 /// Points of a drawn whisker.
 const SHAPE_POINTS: usize = 24;
 

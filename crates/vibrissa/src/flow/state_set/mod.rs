@@ -51,6 +51,22 @@ pub struct StateSet {
     turned: f64,
 }
 
+/// An intersection that is under way.
+pub(crate) struct Pass {
+    odom_from_robot: Pose2,
+    travelled: f64,
+    turned: f64,
+    /// How many candidates have met the observation.
+    met: usize,
+}
+
+impl Pass {
+    /// How many of these candidates are still to meet the observation.
+    pub(crate) fn open(&self, candidates: usize) -> usize {
+        candidates.saturating_sub(self.met)
+    }
+}
+
 impl StateSet {
     /// The candidates.
     #[must_use]
@@ -102,7 +118,7 @@ impl StateSet {
         if let Some(last) = observations.last() {
             self.drop_outside(map, last);
         }
-        self.merge();
+        self.merge(self.odom_from_robot);
     }
 
     /// The candidates that an observation lets in, but for those that are among the set's own.
@@ -116,7 +132,7 @@ impl StateSet {
         let wanted = (alignments(samples, observation) as f64 / MOST_ENTERING).sqrt().ceil();
         let thinned = wanted.clamp(1.0, MOST_THINNED);
         let spacing = thinned * options.boundary_spacing;
-        let cell = |c: &Candidate| self.cell(c, 2.0 * spacing, 4.0 * HEADING_SPACING);
+        let cell = |c: &Candidate| cell(c, self.odom_from_robot, 2.0 * spacing, 4.0 * HEADING_SPACING);
         let mut known: Vec<_> = self.candidates.iter().map(cell).collect();
         known.sort_unstable();
         let states = coarsely_aligned_states(map, samples, observation, thinned as usize);
@@ -125,32 +141,49 @@ impl StateSet {
         states.into_iter().map(enter).filter(new).collect()
     }
 
-    /// The cell of this size (m, rad) that a candidate's robot state lies in.
-    fn cell(&self, candidate: &Candidate, place: f64, heading: f64) -> [i64; 3] {
-        let state = candidate.map_from_odom.compose(self.odom_from_robot);
-        let round = |v: f64, by: f64| (v / by).round() as i64;
-        [round(state.x, place), round(state.y, place), round(state.theta, heading)]
-    }
-
     /// Intersects the set with the preimage of an observation.
     pub fn intersect(&mut self, map: &Map, observation: &Observation, options: &DeterministicOptions) {
-        self.observations += 1;
+        let mut pass = self.pass();
+        self.advance(map, observation, options, &mut pass, usize::MAX);
+    }
+
+    /// The intersection with an observation of this moment, to be done now or in slices.
+    pub(crate) fn pass(&mut self) -> Pass {
         let (travelled, turned) = (std::mem::take(&mut self.travelled), std::mem::take(&mut self.turned));
+        Pass { odom_from_robot: self.odom_from_robot, travelled, turned, met: 0 }
+    }
+
+    /// Lets the next `most` candidates meet the observation of a pass; whether all have met it. Passes are done one after
+    /// the other, in the order in which they were begun.
+    pub(crate) fn advance(
+        &mut self,
+        map: &Map,
+        observation: &Observation,
+        options: &DeterministicOptions,
+        pass: &mut Pass,
+        most: usize,
+    ) -> bool {
         let tolerance = Tolerance::new(observation, options);
-        let odom_from_robot = self.odom_from_robot;
-        for candidate in &mut self.candidates {
-            candidate.widen(odom_from_robot, travelled, turned);
+        let end = self.candidates.len().min(pass.met.saturating_add(most));
+        for candidate in &mut self.candidates[pass.met..end] {
+            candidate.widen(pass.odom_from_robot, pass.travelled, pass.turned);
             candidate.meet(map, observation, &tolerance);
         }
+        pass.met = end;
+        if end < self.candidates.len() {
+            return false;
+        }
+        self.observations += 1;
         let allowed = allowed_misses(options.missed_share, self.observations);
         self.candidates.retain(|c| c.missed <= allowed);
         self.drop_outside(map, observation);
-        self.merge();
+        self.merge(pass.odom_from_robot);
+        true
     }
 
     /// Drops the candidates whose robot or whisker's base is far outside free space, which no observation that may be missed excuses.
     fn drop_outside(&mut self, map: &Map, observation: &Observation) {
-        let odom_from_robot = self.odom_from_robot;
+        let odom_from_robot = observation.odom_from_whisker.compose(observation.robot_from_whisker.inverse());
         let far = |pose: Pose2| !map.is_free(pose.position()) && map.nearest_within(pose.position(), OUTSIDE).is_none();
         self.candidates.retain(|c| {
             let map_from_robot = c.map_from_odom.compose(odom_from_robot);
@@ -164,9 +197,9 @@ impl StateSet {
         self.candidates.iter_mut().filter(touching).for_each(|c| c.felt_with = None);
     }
 
-    /// Keeps the best of candidates that have run into each other.
-    fn merge(&mut self) {
-        let cell = |c: &Candidate| self.cell(c, SAME_PLACE, SAME_HEADING);
+    /// Keeps the best of candidates that have run into each other, with the odometry at `odom_from_robot`.
+    fn merge(&mut self, odom_from_robot: Pose2) {
+        let cell = |c: &Candidate| cell(c, odom_from_robot, SAME_PLACE, SAME_HEADING);
         let key = |(index, c): (usize, &Candidate)| (cell(c), ordered(c.rank()), index as u32);
         let mut keyed: Vec<_> = self.candidates.iter().enumerate().map(key).collect();
         keyed.sort_unstable();
@@ -205,6 +238,13 @@ impl StateSet {
     pub fn components(&self, odom_from_robot: Pose2) -> Vec<Component> {
         components(&self.candidates, odom_from_robot)
     }
+}
+
+/// The cell of this size (m, rad) that a candidate's robot state lies in, with the odometry at `odom_from_robot`.
+fn cell(candidate: &Candidate, odom_from_robot: Pose2, place: f64, heading: f64) -> [i64; 3] {
+    let state = candidate.map_from_odom.compose(odom_from_robot);
+    let round = |v: f64, by: f64| (v / by).round() as i64;
+    [round(state.x, place), round(state.y, place), round(state.theta, heading)]
 }
 
 /// Whether the robot is in the prior's region at the first row, where its frame is the odometry's, give or take a step

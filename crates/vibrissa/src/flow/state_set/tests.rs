@@ -3,6 +3,7 @@
 #[path = "../../../tests/data/random.rs"]
 pub(super) mod random;
 
+use super::StateSet;
 use super::candidate::Candidate;
 use super::membership::{Tolerance, nearest_state};
 use crate::beam::TipModel;
@@ -10,7 +11,7 @@ use crate::config::{DeterministicOptions, TipLoad};
 use crate::flow::moment::{MomentHistory, MomentReading};
 use crate::flow::preimage::{AlignedState, Observation, aligned_states};
 use crate::plane::{Curve, Pose2, Vec2, wrap_angle};
-use crate::world::{Boundary, Map, MountedWhisker, Role};
+use crate::world::{Boundary, Map, MountedWhisker, Odometry, Role};
 use core::f64::consts::{FRAC_PI_2, PI};
 use random::Random;
 
@@ -146,4 +147,42 @@ fn aligned_states_touch_the_boundary_at_the_right_angle() {
         }
     }
     assert!(checked > 500, "{checked}");
+}
+
+/// Two observations met in slices while the robot drives on leave what they leave when each is met at once.
+#[test]
+fn slices_leave_what_the_whole_leaves() {
+    let (map, options) = (room(), DeterministicOptions::default());
+    let whisker = MountedWhisker::default();
+    let tip = TipModel::new(&whisker.beam).unwrap();
+    let samples = map.samples(5e-3);
+    let at = |x: f64| Pose2::new(x, 0.0, 0.0);
+    let observed = |x: f64| Observation::new(&whisker, &tip, &history(2e-3, at(x)), TipLoad::BoundaryNormal);
+    let odometry = Odometry { translation_relative: 0.02, rotation_relative: 0.02 };
+    let mut whole = StateSet::default();
+    whole.start(&map, &samples, &[observed(0.0)], &options);
+    let mut sliced = whole.clone();
+    let first = whole.candidates().len();
+    let mut due = std::collections::VecDeque::new();
+    let mut slices = 0;
+    for (row, x) in [0.002, 0.004, 0.006, 0.008, 0.010].into_iter().enumerate() {
+        whole.project(at(x), &odometry);
+        sliced.project(at(x), &odometry);
+        if row % 2 == 1 {
+            whole.intersect(&map, &observed(x), &options);
+            due.push_back((observed(x), sliced.pass()));
+        }
+    }
+    while let Some((observation, mut pass)) = due.pop_front() {
+        while !sliced.advance(&map, &observation, &options, &mut pass, 7) {
+            slices += 1;
+        }
+    }
+    assert!(slices > 20 && whole.candidates().len() > 20, "{slices} slices, {first} -> {}", whole.candidates().len());
+    assert!(
+        sliced.candidates() == whole.candidates(),
+        "{} and {}",
+        sliced.candidates().len(),
+        whole.candidates().len()
+    );
 }
