@@ -74,6 +74,8 @@ pub(super) struct Hypothesis {
     pub(super) age: usize,
     /// Whether it is to be run anew before it is dropped; until then it takes no rows.
     pub(super) waits: bool,
+    /// Rows for which it is not pulled back to readings that seem false, since it has just been.
+    pub(super) rests: usize,
     /// The last row used.
     pub(super) row: usize,
     /// How each whisker stands to the map there.
@@ -117,6 +119,7 @@ impl Hypothesis {
             normal: Normal::default(),
             age: 0,
             waits: false,
+            rests: 0,
             family: None,
             row,
             start: states.clone(),
