@@ -295,7 +295,11 @@ impl<'a> ProbabilisticSet<'a> {
                 let equals = images(bank, &field, history);
                 bank.hypotheses.extend(equals);
             }
-            bank.settle_few(&field, history);
+            let first = !bank.is_folded();
+            if bank.settle_few(&field, history) && first {
+                // What is summed up holds a place for good: on a map of facets it must not be the shallower of two minima.
+                places::shake(bank, &field, history);
+            }
             bank.fold(&field, history, options.window / 4);
             return if taken { Happened::Updated } else { Happened::Nothing };
         }

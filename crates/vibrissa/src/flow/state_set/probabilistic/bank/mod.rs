@@ -15,8 +15,8 @@ use crate::plane::{Pose2, Vec2, wrap_angle};
 use crate::world::{Map, Robot};
 use core::ops::Range;
 pub(super) use merge::{cells, merged};
-use rescue::RESCUED_A_ROW;
 pub(super) use rescue::RESCUED;
+use rescue::RESCUED_A_ROW;
 pub(super) use start::Search;
 
 /// A hypothesis less likely than the best by this (nats) is dropped; the second part shrinks with the share of the rows
@@ -264,9 +264,9 @@ impl Bank {
         }
         let (cost, d) = h.promise;
         if is_stale(d) && h.cost(self.shared) > cost + PROMISE {
-            let runs = h.improve(scene, cut(d), &self.used);
+            let taken = h.improve(scene, cut(d), &self.used);
             h.look(LOOSE, self.shared);
-            self.credit = self.credit.saturating_sub(runs * self.used.len());
+            self.credit = self.credit.saturating_sub(taken);
         }
     }
 
