@@ -49,6 +49,9 @@ const WORSE: f64 = 0.5;
 
 /// So many rows are run before it is asked whether to go on.
 const LOOKED_AT: usize = 3;
+/// The same while one is linearised anew, and what later rows may take back of what it costs by then (nats).
+const LOOKED_AT_AGAIN: usize = 16;
+const EXPLAINED: f64 = 3.0;
 /// How exactly the model is believed to know where the whisker stands (m, rad).
 const BLUR: [f64; 2] = [5e-5, 5e-4];
 
@@ -74,6 +77,8 @@ pub(super) struct Hypothesis {
     pub(super) age: usize,
     /// Whether it is to be run anew before it is dropped; until then it takes no rows.
     pub(super) waits: bool,
+    /// Rows for which it is not pulled back to readings that seem false, since it has just been.
+    pub(super) rests: usize,
     /// The last row used.
     pub(super) row: usize,
     /// How each whisker stands to the map there.
@@ -117,6 +122,7 @@ impl Hypothesis {
             normal: Normal::default(),
             age: 0,
             waits: false,
+            rests: 0,
             family: None,
             row,
             start: states.clone(),
@@ -328,18 +334,30 @@ impl Hypothesis {
         (alive, taken)
     }
 
-    /// Linearises anew a step `d` away, or a part of it where the whole makes things worse; gives the number of runs.
+    /// Linearises anew a step `d` away, or a part of it where the whole makes things worse; gives the number of readings taken.
     pub(super) fn improve(&mut self, scene: &Scene<'_>, d: [f64; 3], rows: &[usize]) -> usize {
-        for (index, share) in SHARES.into_iter().enumerate() {
+        let most = self.cost(scene.shared) + WORSE;
+        let mut taken = 0;
+        for share in SHARES {
             let mut next = self.clone();
-            next.run(scene, moved(self.map_from_odom, scene.pivot, d.map(|v| share * v)), rows.iter().copied());
-            if next.cost(scene.shared) <= self.cost(scene.shared) + WORSE {
+            let to = moved(self.map_from_odom, scene.pivot, d.map(|v| share * v));
+            next.run(scene, to, core::iter::empty());
+            for some in rows.chunks(LOOKED_AT_AGAIN) {
+                some.iter().for_each(|&row| next.take(scene, row));
+                taken += some.len();
+                // Costs only add up, but for what a shared error explains away later.
+                if next.cost(scene.shared) > most + EXPLAINED {
+                    break;
+                }
+            }
+            if next.cost(scene.shared) <= most {
+                next.age = 0;
                 *self = next;
-                return index + 1;
+                return taken;
             }
         }
         self.age = 0;
-        SHARES.len()
+        taken
     }
 
     /// Keeps what the readings promise now.

@@ -175,7 +175,7 @@ pub(super) fn choose(bank: &mut Bank, field: &Field<'_>, history: &History) -> (
 ///
 /// Places that stand apart are shaken alike: of two that are each other's image one would otherwise be told as less likely
 /// for having been left in the shallower of its minima.
-fn shake(bank: &mut Bank, field: &Field<'_>, history: &History) {
+pub(super) fn shake(bank: &mut Bank, field: &Field<'_>, history: &History) {
     let scene = field.scene(history, bank.pivot, Judge::FAIR, bank.shared);
     let least = bank.hypotheses.first().map_or(0.0, |h| h.cost(bank.shared));
     let told = bank.hypotheses.iter().take_while(|h| h.cost(bank.shared) <= least + TOLD).count();
@@ -209,6 +209,8 @@ fn shake(bank: &mut Bank, field: &Field<'_>, history: &History) {
         bank.hypotheses.push(h);
     }
     bank.settle(field, history, LAST_ROUNDS, 0);
+    let shared = bank.shared;
+    bank.hypotheses.iter_mut().for_each(|h| h.look(OPEN, shared));
 }
 
 /// The covariance of the estimate about the pivot.

@@ -1,6 +1,6 @@
 //! The state set of the probabilistic method, row by row: waiting, pressing, tracking, and starting anew when lost.
 
-use super::bank::{Bank, Field, Search};
+use super::bank::{Bank, Field, RESCUED, Search};
 use super::ground::Ground;
 use super::history::{Feeler, History, OUTLIER_COST, Sense};
 use super::hypothesis::Hypothesis;
@@ -295,7 +295,11 @@ impl<'a> ProbabilisticSet<'a> {
                 let equals = images(bank, &field, history);
                 bank.hypotheses.extend(equals);
             }
-            bank.settle_few(&field, history);
+            let first = !bank.is_folded();
+            if bank.settle_few(&field, history) && first {
+                // What is summed up holds a place for good: on a map of facets it must not be the shallower of two minima.
+                places::shake(bank, &field, history);
+            }
             bank.fold(&field, history, options.window / 4);
             return if taken { Happened::Updated } else { Happened::Nothing };
         }
@@ -314,7 +318,8 @@ impl<'a> ProbabilisticSet<'a> {
             let most = self.costs[0] + LOST_COST * WATCHED as f64 + OUTLIER_COST * tolerated as f64;
             let mut now = bank.least();
             if now > most {
-                bank.rescue(&field, history);
+                bank.hypotheses.iter_mut().for_each(|h| h.rests = 0);
+                bank.rescue(&field, history, RESCUED);
                 now = bank.least();
             }
             if now > most {

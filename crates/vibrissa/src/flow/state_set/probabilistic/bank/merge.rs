@@ -79,12 +79,15 @@ impl Bank {
         self.join();
     }
 
-    /// Moves hypotheses to their least cost where they are few: what is summed up is believed from then on.
-    pub(in super::super) fn settle_few(&mut self, field: &Field<'_>, history: &History) {
-        if self.hypotheses.len() <= FEW {
+    /// Moves hypotheses to their least cost where they are few, and tells whether they are: what is summed up is believed from
+    /// then on.
+    pub(in super::super) fn settle_few(&mut self, field: &Field<'_>, history: &History) -> bool {
+        let few = self.hypotheses.len() <= FEW;
+        if few {
             self.settle(field, history, FEW_ROUNDS, 0);
             self.hypotheses.iter_mut().for_each(|h| h.look(LOOSE, self.shared));
         }
+        few
     }
 
     /// Keeps the best of hypotheses within each other's reach.

@@ -1,6 +1,7 @@
 //! All hypotheses together: started at a first contact, carried on, linearised anew, merged, dropped, weighed.
 
 mod merge;
+mod rescue;
 mod start;
 
 use super::contact::Solver;
@@ -14,6 +15,8 @@ use crate::plane::{Pose2, Vec2, wrap_angle};
 use crate::world::{Map, Robot};
 use core::ops::Range;
 pub(super) use merge::{cells, merged};
+pub(super) use rescue::RESCUED;
+use rescue::RESCUED_A_ROW;
 pub(super) use start::Search;
 
 /// A hypothesis less likely than the best by this (nats) is dropped; the second part shrinks with the share of the rows
@@ -36,13 +39,11 @@ const PROMISE: f64 = 0.1;
 const BUDGET: usize = 80;
 /// Inverse variances that keep covariances finite (20 mm, 20°).
 pub(super) const OPEN: [f64; 3] = [2.5e3, 2.5e3, 8.2];
-/// So many of the best that stand apart are pulled back by readings that seem false, in steps with standard deviations enlarged so much,
-/// when so many rows have cost so much each (nats), and not again for as many rows.
-const RESCUED: usize = 64;
-const TEMPERS: [f64; 5] = [8.0, 8.0, 8.0, 4.0, 2.0];
+/// When so many rows have cost so much each (nats), hypotheses are pulled back by readings that seem false.
 pub(super) const RESCUE_ROWS: usize = 8;
 const RESCUE_COST: f64 = 2.5;
-/// They stand so far apart (m, rad).
+/// Those that are pulled back together
+/// stand so far apart (m, rad).
 const APART: [f64; 2] = [15e-3, 0.1];
 /// Hypotheses this near to each other (m, rad) are to be told on the same side of a map that turns onto itself.
 const GATHERED: [f64; 2] = [60e-3, 0.2];
@@ -177,6 +178,7 @@ impl Bank {
         for h in self.hypotheses.iter_mut().filter(|h| !h.waits) {
             h.take(&scene, row);
             h.look(LOOSE, self.shared);
+            h.rests = h.rests.saturating_sub(1);
         }
         let taken = self.hypotheses.iter().filter(|h| !h.waits).map(|h| h.promise.0);
         let least = taken.fold(f64::INFINITY, f64::min);
@@ -192,11 +194,9 @@ impl Bank {
         self.recent.push(self.least());
         if self.recent.len() > RESCUE_ROWS {
             if self.recent[RESCUE_ROWS] - self.recent[0] > RESCUE_COST * RESCUE_ROWS as f64 {
-                self.rescue(field, history);
-                self.recent.clear();
-            } else {
-                self.recent.remove(0);
+                self.rescue(field, history, RESCUED_A_ROW);
             }
+            self.recent.remove(0);
         }
         self.since_merge += 1;
         if self.since_merge >= MERGE_EVERY {
@@ -264,38 +264,10 @@ impl Bank {
         }
         let (cost, d) = h.promise;
         if is_stale(d) && h.cost(self.shared) > cost + PROMISE {
-            let runs = h.improve(scene, cut(d), &self.used);
+            let taken = h.improve(scene, cut(d), &self.used);
             h.look(LOOSE, self.shared);
-            self.credit = self.credit.saturating_sub(runs * self.used.len());
+            self.credit = self.credit.saturating_sub(taken);
         }
-    }
-
-    /// Fits the best few anew with all readings believed, before they are given up.
-    ///
-    /// A reading that is many standard deviations off counts as a false one and pulls no more; when all new readings are,
-    /// since the estimate has crept along a ridge that earlier readings left open, it has to be pulled back by them first.
-    pub(super) fn rescue(&mut self, field: &Field<'_>, history: &History) {
-        let mut order: Vec<(f64, usize)> =
-            self.hypotheses.iter().enumerate().map(|(index, h)| (h.promise.0, index)).collect();
-        order.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let fair = field.scene(history, self.pivot, Judge::FAIR, self.shared);
-        let mut pulled: Vec<Hypothesis> = Vec::new();
-        for index in self.apart(order.into_iter().map(|(_, index)| index), RESCUED) {
-            let mut h = self.hypotheses[index].clone();
-            for temper in TEMPERS {
-                let judge = Judge { temper, outlier_cost: f64::INFINITY };
-                let scene = field.scene(history, self.pivot, judge, self.shared);
-                h.run(&scene, h.map_from_odom, self.used.iter().copied());
-                let (_, d) = h.best(LOOSE, self.shared);
-                h.run(&fair, moved(h.map_from_odom, self.pivot, cut(d)), self.used.iter().copied());
-                if h.cost(self.shared) < self.hypotheses[index].cost(self.shared) - PROMISE {
-                    let mut back = h.clone();
-                    back.look(LOOSE, self.shared);
-                    pulled.push(back);
-                }
-            }
-        }
-        self.hypotheses.extend(pulled);
     }
 
     /// How many places each hypothesis stands for.
@@ -391,7 +363,8 @@ impl Bank {
     pub(super) fn fold(&mut self, field: &Field<'_>, history: &mut History, count: usize) {
         let early = self.used.partition_point(|&row| row < count);
         let Some(&last) = self.used[..early].last() else { return };
-        let scene = field.scene(history, self.pivot, Judge::FAIR, self.shared);
+        // What is summed up is never linearised again: readings that are steep over a tiny range must not fix a place for good.
+        let scene = Scene { blur: true, ..field.scene(history, self.pivot, Judge::FAIR, self.shared) };
         let odometry = &field.robot.odometry;
         let (mut way, mut turn) = (0.0, 0.0);
         for row in 0..last {

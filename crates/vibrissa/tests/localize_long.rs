@@ -1,0 +1,65 @@
+//! The probabilistic method on sweeps of more rows than it keeps: what is summed up must neither be believed too much nor lost.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on must fail")]
+
+#[path = "data/region.rs"]
+mod region;
+
+use region::{CHI2_95, distance};
+use vibrissa::flow::pose::{Localization, Method, Status};
+use vibrissa::plane::{Curve, Pose2, Vec2};
+use vibrissa::tasks::simulate::{Pace, SweepNoise, path_through, simulate_tip_sweep};
+use vibrissa::world::{Boundary, Map, Robot, Role};
+use vibrissa::{LocalizeOptions, localize};
+
+/// A square room of 400 mm.
+fn room() -> Map {
+    let corners = [(-0.2, -0.2), (0.2, -0.2), (0.2, 0.2), (-0.2, 0.2)].map(|(x, y)| Vec2::new(x, y));
+    Map::new(vec![Boundary::new(Role::Arena, Curve::polyline(&corners, true).unwrap(), None).unwrap()]).unwrap()
+}
+
+/// Waypoints (x, y in m, heading in rad) around three walls, with the whisker on them, in a slow wave.
+fn waypoints(lines: &str) -> Vec<Pose2> {
+    let numbers = |line: &str| line.split(',').map(|v| v.parse().unwrap()).collect::<Vec<f64>>();
+    lines.lines().map(numbers).map(|v| Pose2::new(v[0], v[1], v[2])).collect()
+}
+
+/// The answer after a sweep with noise of this seed, as declared, and where the robot then is.
+fn swept(lines: &str, seed: u64) -> (Localization, Pose2, usize) {
+    let (map, robot) = (room(), Robot::default());
+    let pace = Pace { speed: 0.3, turn_rate: 1.0, rate: 300.0 };
+    let path = path_through(&waypoints(lines), &pace).unwrap();
+    let sweep = simulate_tip_sweep(&map, &robot, &path, &SweepNoise::seeded(seed)).unwrap();
+    let options = LocalizeOptions { method: Method::Probabilistic, ..LocalizeOptions::default() };
+    let answer = localize(&sweep.log, &map, &robot, &options, &mut |_| {}).unwrap();
+    (answer, sweep.truth.last().unwrap().map_from_robot, sweep.log.rows.len())
+}
+
+/// The truth's least squared distance from a place, in the place's standard deviations; the room has four that are equal.
+fn told_off(answer: &Localization, truth: Pose2) -> f64 {
+    assert_eq!(answer.status, Status::Ambiguous, "{:?}", answer.events);
+    assert_eq!(answer.hypotheses.len(), 4);
+    answer.hypotheses.iter().map(|h| distance(h, truth)).fold(f64::INFINITY, f64::min)
+}
+
+#[test]
+fn a_second_wall_is_met_wherever_along_the_first_the_robot_is() {
+    // Until then the place along the first wall is open, and the nearest hypothesis may stand 2 mm off.
+    let (answer, truth, rows) = swept(include_str!("data/square_path_5.csv"), 5);
+    let off = told_off(&answer, truth);
+    println!("{rows} rows, chi² {off:.1}");
+    assert!(answer.events.iter().all(|event| event.kind != "inconsistent"), "{:?}", answer.events);
+    assert!(rows > 1200 && off < CHI2_95, "{rows} {off}");
+}
+
+#[test]
+fn regions_after_many_rows_hold_the_truth() {
+    // Three sweeps: that none is beyond the 95 % point by chance is likely, and that their mean is below twice the number
+    // of freedoms, which is 3; what had been summed up too sharply gave 20 to 200.
+    let all = [6, 7, 8].map(|seed| {
+        let (answer, truth, _) = swept(include_str!("data/square_path_6.csv"), seed);
+        told_off(&answer, truth)
+    });
+    println!("chi² {all:.1?}");
+    assert!(all.iter().sum::<f64>() < 18.0, "{all:?}");
+}
