@@ -187,8 +187,8 @@ impl Step {
         self.slope[ORDER] = Pair::new(newest[0].first(), newest[1].first());
     }
 
-    /// Becomes the series about `start`. In place, since copies take longer than sums.
-    #[inline(always)]
+    /// Becomes the series about `start`. In place, since copies take longer than sums; one copy of this long code serves every march.
+    #[inline(never)]
     fn lead(&mut self, stretch: &Piece, curvature: &[f64], start: State, turn: Pair, force: Vec2) {
         let radius = stretch.radius(start.s);
         let inverse = 1.0 / radius;
