@@ -4,7 +4,10 @@
 //! function, and shuffles. The results are the same to the last bit.
 
 #[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
-use safe_arch::{add_m128d, get_f64_from_m128d_s, m128d, mul_m128d, set_m128d, set_splat_m128d, unpack_high_m128d};
+use safe_arch::{
+    add_m128d, get_f64_from_m128d_s, m128d, mul_m128d, set_m128d, set_splat_m128d, shuffle_abi_f64_all_m128d,
+    unpack_high_m128d,
+};
 
 /// Two numbers that are loaded, added and multiplied as one; aligned, so that a sum may take one straight from memory.
 #[cfg(all(target_arch = "x86_64", target_feature = "sse2"))]
@@ -32,6 +35,12 @@ impl Pair {
     #[inline(always)]
     pub(super) fn plus(self, other: Self) -> Self {
         Self(add_m128d(self.0, other.0))
+    }
+
+    /// The two the other way round.
+    #[inline(always)]
+    pub(super) fn swapped(self) -> Self {
+        Self(shuffle_abi_f64_all_m128d::<0b01>(self.0, self.0))
     }
 
     #[inline(always)]
@@ -69,6 +78,12 @@ impl Pair {
         Self([self.0[0] + other.0[0], self.0[1] + other.0[1]])
     }
 
+    /// The two the other way round.
+    #[inline(always)]
+    pub(super) fn swapped(self) -> Self {
+        Self([self.0[1], self.0[0]])
+    }
+
     #[inline(always)]
     pub(super) fn array(self) -> [f64; 2] {
         self.0
@@ -86,9 +101,10 @@ impl Pair {
         self.array()[0]
     }
 
+    /// The vector of the two turned by a quarter, counter-clockwise.
     #[inline(always)]
-    pub(super) fn second(self) -> f64 {
-        self.array()[1]
+    pub(super) fn turned(self) -> Self {
+        self.swapped().by(Self::new(-1.0, 1.0))
     }
 }
 

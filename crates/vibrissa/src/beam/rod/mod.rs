@@ -201,12 +201,6 @@ impl Rod {
         self.pieces.iter().rev().skip(1).map(|piece| piece.end).find(|&end| end < s).unwrap_or(f64::NEG_INFINITY)
     }
 
-    /// The joint next to `s` within rounding, or `s`.
-    fn snapped(&self, s: f64) -> f64 {
-        let near = |end: &f64| (s - end).abs() <= 1e-14 * self.length;
-        self.pieces.iter().map(|piece| piece.end).find(near).unwrap_or(s)
-    }
-
     /// At least [`Rod::softness`], and nearer to it than the largest and the smallest rigidity are to each other.
     fn softness_at_most(&self, s_a: f64) -> f64 {
         let ends = self.pieces.iter().filter(|piece| piece.start < s_a);

@@ -1,5 +1,6 @@
 //! Stiffness and rest curvature along a rod, as power series about any arc length.
 
+use super::super::pair::Pair;
 use super::super::stretch::Stretch;
 use super::march::{INVERSE, ORDER};
 use crate::error::{Error, Result};
@@ -53,21 +54,37 @@ pub(super) fn shifted(polynomial: &[f64], s: f64, series: &mut [f64; ORDER]) {
     }
 }
 
-/// The series of `r kappa_0` by `t` from that of `kappa_0` by `s`, a polynomial of `terms` terms; `r` and `t` as a step counts.
+/// The series of `r kappa_0` by `t` about arc length `s`, each coefficient twice; `r` and `t` as a step counts, `w` the narrowing.
 ///
 /// With `P_j = r^(j+1) times the j-th derivative of kappa_0` by `s`, `P_j' = P_(j+1) - (j + 1) w P_j`.
-pub(super) fn rest_series(series: &mut [f64; ORDER], terms: usize, w: f64) {
-    if w.abs() <= 0.0 {
-        return;
+#[inline(always)]
+pub(super) fn rest_series(polynomial: &[f64], s: f64, w: f64, series: &mut [Pair; ORDER]) {
+    match polynomial {
+        [] => {}
+        [constant] => {
+            let mut p = *constant;
+            for (coefficient, n) in series.iter_mut().zip(&INVERSE[1..]) {
+                *coefficient = Pair::both(p);
+                p *= -w * n;
+            }
+        }
+        _ => general_series(polynomial, s, w, series),
     }
-    let mut p = *series;
+}
+
+/// The same for a polynomial of any degree.
+#[inline(never)]
+fn general_series(polynomial: &[f64], s: f64, w: f64, series: &mut [Pair; ORDER]) {
+    let terms = polynomial.len().min(ORDER);
+    let mut p = [0.0; ORDER];
+    shifted(polynomial, s, &mut p);
     let mut factorial = 1.0;
     for (j, p) in p.iter_mut().enumerate().take(terms) {
         factorial *= j.max(1) as f64;
         *p *= factorial;
     }
     for (k, coefficient) in series.iter_mut().enumerate() {
-        *coefficient = p[0];
+        *coefficient = Pair::both(p[0]);
         let (n, nw) = (INVERSE[k + 1], INVERSE[k + 1] * w);
         for j in 0..terms {
             let next = if j + 1 < terms { n * p[j + 1] } else { 0.0 };
