@@ -256,11 +256,9 @@ impl<'a> ProbabilisticSet<'a> {
         let field = Field { map, ground, turns, table, robot, feelers, options };
         let Some(bank) = search.step(&field, history, &mut work) else { return Happened::Nothing };
         let count = bank.hypotheses.len() * bank.times(turns);
-        // A contact too weak or too short to tell headings apart is followed for longer before anything is decided.
-        if count as f64 > MANY_STARTS * ground.length() / options.seed_spacing
-            && !search.ended
-            && self.patience < MOST_PATIENCE
-        {
+        // A contact too weak or too short to tell headings or places apart is followed for longer before anything is decided.
+        let many = count as f64 > MANY_STARTS * ground.length() / options.seed_spacing || search.is_cut();
+        if many && !search.ended && self.patience < MOST_PATIENCE {
             self.patience *= PATIENCE;
             let Search { feeler, onset, from_free, travelled, .. } = *search;
             let found = core::mem::take(&mut search.found);
@@ -392,10 +390,11 @@ impl<'a> ProbabilisticSet<'a> {
 
     /// Ends the log: every hypothesis moved to its least cost over all rows that are kept, weighed and grouped.
     pub fn finish(&mut self) -> (Vec<Place>, Option<Fit>) {
+        // A search under way may ask for a longer contact than it began with: the rows since then are one.
+        self.search(usize::MAX);
         if matches!(self.phase, Phase::Pressing { .. }) {
             self.press(true);
         }
-        self.search(usize::MAX);
         let Self { map, robot, options, ground, turns, table, feelers, history, phase, .. } = self;
         let Phase::Tracking(bank) = phase else { return (Vec::new(), None) };
         let field = Field { map, ground, turns, table, robot, feelers, options };

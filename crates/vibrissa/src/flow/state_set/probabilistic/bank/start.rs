@@ -73,6 +73,11 @@ impl Search {
         }
     }
 
+    /// Whether more was found than is carried on, so that the truth may be among what was left out.
+    pub(in super::super) fn is_cut(&self) -> bool {
+        self.found.len() > MOST_SEEDS
+    }
+
     /// Goes on until `work` (readings run through the forward model) is used up; gives the bank when it has come to the end.
     pub(in super::super) fn step(&mut self, field: &Field<'_>, history: &History, work: &mut usize) -> Option<Bank> {
         let options = field.options;
