@@ -116,7 +116,7 @@ impl StateSet {
         }
         self.observations = observations.len() as u32;
         if let Some(last) = observations.last() {
-            self.drop_outside(map, last);
+            self.drop_outside(map, last.robot_from_whisker, self.odom_from_robot);
         }
         self.merge(self.odom_from_robot);
     }
@@ -176,18 +176,17 @@ impl StateSet {
         self.observations += 1;
         let allowed = allowed_misses(options.missed_share, self.observations);
         self.candidates.retain(|c| c.missed <= allowed);
-        self.drop_outside(map, observation);
+        self.drop_outside(map, observation.robot_from_whisker, pass.odom_from_robot);
         self.merge(pass.odom_from_robot);
         true
     }
 
-    /// Drops the candidates whose robot or whisker's base is far outside free space, which no observation that may be missed excuses.
-    fn drop_outside(&mut self, map: &Map, observation: &Observation) {
-        let odom_from_robot = observation.odom_from_whisker.compose(observation.robot_from_whisker.inverse());
+    /// Drops the candidates whose robot or base of this whisker, with the odometry at `odom_from_robot`, is far outside free space, which no observation that may be missed excuses.
+    fn drop_outside(&mut self, map: &Map, robot_from_whisker: Pose2, odom_from_robot: Pose2) {
         let far = |pose: Pose2| !map.is_free(pose.position()) && map.nearest_within(pose.position(), OUTSIDE).is_none();
         self.candidates.retain(|c| {
             let map_from_robot = c.map_from_odom.compose(odom_from_robot);
-            !far(map_from_robot) && !far(map_from_robot.compose(observation.robot_from_whisker))
+            !far(map_from_robot) && !far(map_from_robot.compose(robot_from_whisker))
         });
     }
 
