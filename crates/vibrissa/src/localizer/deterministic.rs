@@ -36,7 +36,7 @@ pub struct Localizer<'a> {
 /// What the set still has to be told, in the order in which it happened.
 enum Due {
     /// An observation of a feeler, and how far it has got.
-    Meet { feeler: usize, observation: Observation, pass: Pass },
+    Meet { feeler: usize, observation: Box<Observation>, pass: Pass },
     /// The whisker of this mount was free or jumped.
     LiftOff(Pose2),
 }
@@ -121,7 +121,7 @@ impl<'a> Localizer<'a> {
             if !self.states.advance(self.map, &observation, &self.options, &mut pass, meetings) {
                 return self.due.push_front(Due::Meet { feeler, observation, pass });
             }
-            self.record.observations.push((feeler, observation));
+            self.record.observations.push((feeler, *observation));
             self.note(row);
             if self.record.empty_at.is_some() {
                 return self.due.clear();
@@ -147,7 +147,7 @@ impl<'a> Localizer<'a> {
         let observation = Observation::with(whisker, tip, history, &mut |moment| contacts.branches(moment));
         if self.record.first_row.is_some() {
             let pass = self.states.pass();
-            return self.due.push_back(Due::Meet { feeler, observation, pass });
+            return self.due.push_back(Due::Meet { feeler, observation: Box::new(observation), pass });
         }
         self.record.waiting.push((feeler, observation));
         let open = self.record.waiting.iter().map(|(_, o)| o.open_slopes()).fold(f64::INFINITY, f64::min);
