@@ -5,7 +5,8 @@
 //! negative beyond, everything is smooth, both branches in one piece. Polynomials interpolate at Chebyshev's points of
 //! equal pieces; the points come from Newton's method on the forward functions, all in constant evaluation.
 
-use super::series::{A, B, C, DERIVED, P, PIECES, Piece, STORED, forward, horner};
+use super::series::{A, B, C, DERIVED, P, PIECES, Piece, STORED, forward, horner, horner_wide};
+use fearless_simd::Simd;
 
 /// Terms of each polynomial.
 const TERMS: usize = 10;
@@ -32,11 +33,27 @@ pub(super) struct Inverse<const LANES: usize, const N: usize> {
 
 impl<const LANES: usize, const N: usize> Inverse<LANES, N> {
     /// The functions at `delta`; beyond the ends the nearest piece goes on.
-    #[inline]
+    #[inline(always)]
     pub(super) fn at(&self, delta: f64) -> [f64; LANES] {
+        let (i, x) = self.place(delta);
+        horner(&self.pieces[i], x)
+    }
+
+    /// The piece that holds `delta`, and the distance from its centre in its lengths.
+    #[inline(always)]
+    fn place(&self, delta: f64) -> (usize, f64) {
         let place = (delta - self.first) * self.per_piece;
         let i = (place as usize).min(N - 1);
-        horner(&self.pieces[i], place - i as f64 - 0.5)
+        (i, place - i as f64 - 0.5)
+    }
+}
+
+impl<const N: usize> Inverse<STORED, N> {
+    /// [`Inverse::at`] for batches, to the same bits.
+    #[inline(always)]
+    pub(super) fn at_wide<S: Simd>(&self, simd: S, delta: f64) -> [f64; STORED] {
+        let (i, x) = self.place(delta);
+        horner_wide(simd, &self.pieces[i], x)
     }
 }
 

@@ -19,8 +19,9 @@ mod inverse;
 mod series;
 
 use crate::plane::Vec2;
+use fearless_simd::{Level, dispatch};
 use inverse::{ALONG, BY_ANGLE, BY_MOMENT, LAST_Q, MORE_BY_ANGLE, Q, REACH, SINE, contact};
-use series::{B, C, FORWARD, P, forward};
+use series::{B, C, FORWARD, P, STORED, forward, forward_wide};
 
 /// Which of the two shapes that share a moment, or a direction of the contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -117,14 +118,15 @@ impl Stiffness {
         Self { double: 2.0 * ei, by_double: 0.5 / ei, by_largest_moment: 1.0 / (ei * BY_MOMENT.top) }
     }
 
+    /// With the functions at `y` from `functions`.
     #[inline(always)]
-    fn under_force(self, force: f64, s_a: f64) -> NormalBend {
+    fn under_force(self, force: f64, s_a: f64, functions: impl Fn(f64) -> [f64; STORED]) -> NormalBend {
         let q = force * (s_a * s_a) * self.by_double;
         // Written so that what is not a number is refused too.
         if !(q.abs() <= END && s_a > 0.0) {
             return NormalBend::NONE;
         }
-        NormalBend::new(force, s_a, q, forward(&FORWARD, q * q))
+        NormalBend::new(force, s_a, q, functions(q * q))
     }
 
     #[inline(always)]
@@ -147,9 +149,9 @@ impl Stiffness {
     }
 
     #[inline(always)]
-    fn at_point(self, length: f64, point: Vec2, sight: Sight) -> NormalBend {
+    fn at_point(self, length: f64, point: Vec2, sight: Sight, functions: impl Fn(f64) -> [f64; STORED]) -> NormalBend {
         let Sight { distance, w, delta } = sight;
-        let (f, more) = (BY_ANGLE.at(delta), MORE_BY_ANGLE.at(delta));
+        let (f, more) = (functions(delta), MORE_BY_ANGLE.at(delta));
         let s_a = distance * f[REACH];
         // Written so that what is not a number is refused too; a contact at the very tip must not be lost to rounding.
         if !(s_a <= length * (1.0 + 1e-12) && self.double > 0.0) {
@@ -210,7 +212,7 @@ fn delta(rest: f64, branch: Branch) -> f64 {
 #[inline]
 #[must_use]
 pub fn by_force(flexural_rigidity: f64, force: f64, s_a: f64) -> Option<NormalBend> {
-    Stiffness::new(flexural_rigidity).under_force(force, s_a).some()
+    Stiffness::new(flexural_rigidity).under_force(force, s_a, |y| forward(&FORWARD, y)).some()
 }
 
 /// The whisker with `moment` (N m) about the base and contact at arc length `s_a` (m); `None` above 2.944 EI / `s_a`.
@@ -225,15 +227,16 @@ pub fn by_moment(flexural_rigidity: f64, moment: f64, s_a: f64, branch: Branch) 
 #[inline]
 #[must_use]
 pub fn by_point(flexural_rigidity: f64, length: f64, point: Vec2, branch: Branch) -> Option<NormalBend> {
-    Stiffness::new(flexural_rigidity).at_point(length, point, Sight::new(point, branch.sign())).some()
+    let sight = Sight::new(point, branch.sign());
+    Stiffness::new(flexural_rigidity).at_point(length, point, sight, |delta| BY_ANGLE.at(delta)).some()
 }
 
 /// [`by_force`] for each pair of `forces` and `arc_lengths`, as far as the shortest slice goes.
 pub fn by_force_batch(flexural_rigidity: f64, forces: &[f64], arc_lengths: &[f64], out: &mut [NormalBend]) {
     let stiffness = Stiffness::new(flexural_rigidity);
-    for ((slot, &force), &s_a) in out.iter_mut().zip(forces).zip(arc_lengths) {
-        *slot = stiffness.under_force(force, s_a);
-    }
+    dispatch!(Level::new(), simd => for ((slot, &force), &s_a) in out.iter_mut().zip(forces).zip(arc_lengths) {
+        *slot = stiffness.under_force(force, s_a, |y| forward_wide(simd, y));
+    });
 }
 
 /// [`by_moment`] for each pair of `moments` and `arc_lengths`, as far as the shortest slice goes.
@@ -256,14 +259,14 @@ pub fn by_point_batch(flexural_rigidity: f64, length: f64, points: &[Vec2], bran
     let sign = branch.sign();
     // In two passes: the roots of the first fill the processor's vectors.
     let mut sights = [Sight::default(); BLOCK];
-    for (out, points) in out.chunks_mut(BLOCK).zip(points.chunks(BLOCK)) {
+    dispatch!(Level::new(), simd => for (out, points) in out.chunks_mut(BLOCK).zip(points.chunks(BLOCK)) {
         for (sight, &point) in sights.iter_mut().zip(points) {
             *sight = Sight::new(point, sign);
         }
         for ((slot, &point), &sight) in out.iter_mut().zip(points).zip(&sights) {
-            *slot = stiffness.at_point(length, point, sight);
+            *slot = stiffness.at_point(length, point, sight, |delta| BY_ANGLE.at_wide(simd, delta));
         }
-    }
+    });
 }
 
 /// The largest `M0 s_a / EI` under a normal load, about 2.944.

@@ -16,6 +16,8 @@
 //! with `P = A = C = S = 1, B = 1/3` at `y = 0`; that `S = A²` is the pendulum's energy, `u'²/2 = sin u`. The nearest singularity is at `y = -11.82`, so pieces of length 1 in `y`
 //! need eleven terms for 3e-14. Constant evaluation does all of it: there is no table of numbers to trust.
 
+use fearless_simd::{Simd, SimdInto, f64x4};
+
 /// Terms of each polynomial.
 const TERMS: usize = 11;
 /// Pieces of length 1 in `y`; the first mode ends at `y` = 47.27.
@@ -153,6 +155,13 @@ pub(super) const fn forward(pieces: &[Piece; PIECES], y: f64) -> [f64; STORED] {
     horner(&pieces[i], y - i as f64 - 0.5)
 }
 
+/// [`forward`] for batches, to the same bits.
+#[inline(always)]
+pub(super) fn forward_wide<S: Simd>(simd: S, y: f64) -> [f64; STORED] {
+    let i = (y as usize).min(PIECES - 1);
+    horner_wide(simd, &FORWARD[i], y - i as f64 - 0.5)
+}
+
 /// `a + x b` in every lane.
 #[inline(always)]
 const fn add<const LANES: usize>(a: &[f64; LANES], x: f64, b: &[f64; LANES]) -> [f64; LANES] {
@@ -177,4 +186,19 @@ pub(super) const fn horner<const LANES: usize, const N: usize>(piece: &[[f64; LA
         n -= 2;
     }
     if n == 1 { add(&piece[0], x, &add(&low, x, &high)) } else { add(&low, x, &high) }
+}
+
+/// [`horner`] with all functions in one register where the processor has such: the same products and sums, so the same bits.
+#[inline(always)]
+pub(super) fn horner_wide<S: Simd, const N: usize>(simd: S, piece: &[[f64; STORED]; N], x: f64) -> [f64; STORED] {
+    let at = |n: usize| -> f64x4<S> { piece[n].simd_into(simd) };
+    let (x, square) = (simd.splat_f64x4(x), simd.splat_f64x4(x * x));
+    let (mut high, mut low) = (at(N - 1), at(N - 2));
+    let mut n = N - 2;
+    while n >= 2 {
+        (high, low) = (square * high + at(n - 1), square * low + at(n - 2));
+        n -= 2;
+    }
+    let sum = x * high + low;
+    if n == 1 { x * sum + at(0) } else { sum }.into()
 }
