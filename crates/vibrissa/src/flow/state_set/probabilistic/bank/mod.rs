@@ -1,6 +1,7 @@
 //! All hypotheses together: started at a first contact, carried on, linearised anew, merged, dropped, weighed.
 
 mod merge;
+mod outside;
 mod rescue;
 mod start;
 
@@ -201,6 +202,7 @@ impl Bank {
         self.since_merge += 1;
         if self.since_merge >= MERGE_EVERY {
             self.since_merge = 0;
+            self.drop_outside(field, history, row);
             self.merge(field, history, true);
         }
     }

@@ -126,6 +126,7 @@ impl Search {
                         self.stage = Stage::Running(bank, next);
                         return None;
                     }
+                    bank.drop_outside(field, history, bank.used.last().copied().unwrap_or(self.onset));
                     bank.find_usual(field, history);
                     bank.merge(field, history, false);
                     bank.drop_unlikely(field, history);
