@@ -12,6 +12,7 @@ mod normal;
 mod places;
 mod seeds;
 mod set;
+mod shake;
 mod spread;
 mod symmetry;
 mod twins;

@@ -6,6 +6,7 @@ use super::history::{Feeler, History, OUTLIER_COST, Sense};
 use super::hypothesis::Hypothesis;
 use super::images::images;
 use super::places::{self, Fit, Place};
+use super::shake::shake;
 use super::symmetry::Turns;
 use crate::beam::{TipModel, TipTable};
 use crate::config::ProbabilisticOptions;
@@ -296,7 +297,7 @@ impl<'a> ProbabilisticSet<'a> {
             let first = !bank.is_folded();
             if bank.settle_few(&field, history) && first {
                 // What is summed up holds a place for good: on a map of facets it must not be the shallower of two minima.
-                places::shake(bank, &field, history);
+                shake(bank, &field, history);
             }
             bank.fold(&field, history, options.window / 4);
             return if taken { Happened::Updated } else { Happened::Nothing };
