@@ -10,6 +10,7 @@ mod hypothesis;
 mod images;
 mod normal;
 mod places;
+mod seed;
 mod seeds;
 mod set;
 mod shake;

@@ -3,9 +3,9 @@
 use super::bank::{Bank, Field, RESCUED, Search};
 use super::ground::Ground;
 use super::history::{Feeler, History, OUTLIER_COST, Sense};
-use super::hypothesis::Hypothesis;
 use super::images::images;
 use super::places::{self, Fit, Place};
+use super::seed::Seed;
 use super::shake::shake;
 use super::symmetry::Turns;
 use crate::beam::{TipModel, TipTable};
@@ -57,7 +57,7 @@ enum Phase {
     /// No contact yet.
     Waiting,
     /// In a first contact, which began at this row of the history; with what an earlier search has found.
-    Pressing { feeler: usize, onset: usize, from_free: bool, travelled: f64, found: Vec<Hypothesis> },
+    Pressing { feeler: usize, onset: usize, from_free: bool, travelled: f64, found: Vec<Seed> },
     /// Looking for hypotheses, while rows go on.
     Searching(Search),
     /// With hypotheses.

@@ -15,7 +15,7 @@ use crate::config::ProbabilisticOptions;
 use crate::plane::{Pose2, Vec2, wrap_angle};
 use crate::world::{Map, Robot};
 use core::ops::Range;
-pub(super) use merge::{cells, merged};
+pub(super) use merge::{Prospect, best_of_cells, cells};
 pub(super) use rescue::RESCUED;
 use rescue::RESCUED_A_ROW;
 pub(super) use start::Search;
@@ -203,7 +203,7 @@ impl Bank {
         if self.since_merge >= MERGE_EVERY {
             self.since_merge = 0;
             self.drop_outside(field, history, row);
-            self.merge(field, history, true);
+            self.merge(history, true);
         }
     }
 
