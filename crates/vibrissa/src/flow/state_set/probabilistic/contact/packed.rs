@@ -31,3 +31,30 @@ impl Packed {
         State::Touching(Touch { q, beta, s: 1.0, hold: Hold::Piece(piece, at), place, slope, clear })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_tip_on_a_piece_is_kept_as_it_is_and_nothing_else_is() {
+        let touch = Touch {
+            q: -0.03,
+            beta: -2.5,
+            s: 1.0,
+            hold: Hold::Piece(7, 0.25),
+            place: Vec2::new(0.3, -4.0),
+            slope: 0.6,
+            clear: -1.0,
+        };
+        let state = State::Touching(touch);
+        assert_eq!(Packed::of(&state).map(Packed::state), Some(state));
+        let others = [
+            State::Free,
+            State::Unknown,
+            State::Touching(Touch { hold: Hold::Corner(7), ..touch }),
+            State::Touching(Touch { hold: Hold::Flank(7, 0.25), s: 0.4, ..touch }),
+        ];
+        assert!(others.iter().all(|other| Packed::of(other).is_none()));
+    }
+}
