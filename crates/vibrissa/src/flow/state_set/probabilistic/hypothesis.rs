@@ -146,6 +146,11 @@ impl Hypothesis {
         self.carried(motion, &|state| state.slid(motion, to))
     }
 
+    /// How each whisker stands to the map where it begins to be judged.
+    pub(super) fn start(&self) -> &[State] {
+        &self.start
+    }
+
     /// The piece on which its first whisker is held where it begins to be judged.
     pub(super) fn begins_on(&self) -> Option<(u32, f64)> {
         self.start.first().and_then(State::on_piece)
@@ -174,9 +179,9 @@ impl Hypothesis {
         }
     }
 
-    /// The same place, to be judged from the history's first row on, where all whiskers were free.
-    pub(super) fn restarted_free(&self) -> Self {
-        Self::new(self.map_from_odom, vec![State::Free; self.states.len()], 0)
+    /// One at this place, to be judged from the history's first row on, where all whiskers were free.
+    pub(super) fn free_at(&self, map_from_odom: Pose2) -> Self {
+        Self::new(map_from_odom, vec![State::Free; self.states.len()], 0)
     }
 
     /// Whether it is judged from the first row on, where all whiskers were free.
@@ -383,10 +388,6 @@ impl Hypothesis {
     /// The least cost that the linearisation promises, and the step to it, when all readings share a relative error of
     /// this standard deviation.
     pub(super) fn best(&self, damping: [f64; 3], shared: f64) -> (f64, [f64; 3]) {
-        let normal = self.normal.marginal(shared);
-        match normal.step(damping) {
-            Some(d) => (normal.moved(d).cost, d),
-            None => (normal.cost, [0.0; 3]),
-        }
+        self.normal.best(damping, shared)
     }
 }

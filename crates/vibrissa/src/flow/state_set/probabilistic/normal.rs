@@ -97,6 +97,15 @@ impl Normal {
         Some(times(&inverse, self.gradient).map(|v| -v))
     }
 
+    /// The least cost that it promises, and the step there, with `damping` and a shared error of this standard deviation.
+    pub(super) fn best(&self, damping: [f64; 3], shared: f64) -> (f64, [f64; 3]) {
+        let normal = self.marginal(shared);
+        match normal.step(damping) {
+            Some(d) => (normal.moved(d).cost, d),
+            None => (normal.cost, [0.0; 3]),
+        }
+    }
+
     /// The curvature with `damping` added to its diagonal.
     pub(super) fn damped(&self, damping: [f64; 3]) -> Matrix {
         let mut matrix = self.curvature;

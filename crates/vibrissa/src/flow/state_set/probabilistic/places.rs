@@ -6,6 +6,7 @@ use super::history::{History, Judge};
 use super::hypothesis::{Hypothesis, Scene, difference, moved};
 use super::images::images;
 use super::normal::{Matrix, Normal, add, determinant, dot, inverse, times};
+use super::shake::shake;
 use super::spread::{SAMPLES, Spread, spread};
 use crate::plane::Pose2;
 
@@ -15,7 +16,7 @@ const EXACT: usize = 4;
 const FIRST_ROWS: [usize; 2] = [24, 48];
 const FIRST_ROUNDS: [usize; 2] = [1, 2];
 const ROUNDS: usize = 3;
-const LAST_ROUNDS: usize = 8;
+pub(super) const LAST_ROUNDS: usize = 8;
 /// Those in closed form that follow.
 const EXACT_ROUNDS: usize = 2;
 /// Readings, times hypotheses, that are run again at the end; beyond, every second, every third … row must do.
@@ -24,14 +25,6 @@ const MOST_TAKES: usize = 150_000;
 const SECOND_TAKES: usize = 15_000;
 /// Most hypotheses that are looked at in the end.
 const MOST: usize = 500;
-/// So many of the best hypotheses that stand apart, and so many of the best, are started anew from around them, and from
-/// where (m, m, rad); rows that this takes at least.
-const SHAKEN_APART: usize = 6;
-const SHAKEN: usize = 3;
-const SHAKEN_ROWS: usize = 64;
-const SHAKES: [[f64; 3]; 3] = [[7e-4, 7e-4, 0.0], [7e-4, -7e-4, 0.0], [0.0, 0.0, 0.012]];
-/// The same along the ridge of the likelihood on which they stand (standard deviations).
-const RIDGES: [f64; 4] = [-3.0, -1.5, 1.5, 3.0];
 /// Every so many rows the robot's origin must stand in free space.
 const STANDS_EVERY: usize = 10;
 /// Slack for those that are not at their least yet (nats).
@@ -39,7 +32,7 @@ const SLACK: f64 = 6.0;
 /// Slack for those that have been moved only once since these rows are asked (nats).
 const UNSETTLED: f64 = 20.0;
 /// A hypothesis this much less likely than the best (nats) is not told.
-const TOLD: f64 = 12.0;
+pub(super) const TOLD: f64 = 12.0;
 /// Hypotheses nearer than so many standard deviations are one place,
 const LINKED: f64 = 9.0;
 /// or nearer than this (m, rad).
@@ -171,50 +164,8 @@ pub(super) fn choose(bank: &mut Bank, field: &Field<'_>, history: &History) -> (
     (settled.places(&quick), fit)
 }
 
-/// Starts the best few anew from places around them: a map of facets has many shallow minima.
-///
-/// Places that stand apart are shaken alike: of two that are each other's image one would otherwise be told as less likely
-/// for having been left in the shallower of its minima.
-pub(super) fn shake(bank: &mut Bank, field: &Field<'_>, history: &History) {
-    let scene = field.scene(history, bank.pivot, Judge::FAIR, bank.shared);
-    let least = bank.hypotheses.first().map_or(0.0, |h| h.cost(bank.shared));
-    let told = bank.hypotheses.iter().take_while(|h| h.cost(bank.shared) <= least + TOLD).count();
-    let mut shaken = bank.apart(0..told, SHAKEN_APART);
-    (0..told.min(SHAKEN)).for_each(|index| {
-        if shaken.len() < SHAKEN && !shaken.contains(&index) {
-            shaken.push(index);
-        }
-    });
-    let stride = (bank.used.len() / SHAKEN_ROWS).clamp(1, 4);
-    let rows: Vec<usize> = bank.used.iter().copied().step_by(stride).collect();
-    let starts = [[0.0; 3]].into_iter().chain(SHAKES.into_iter().flat_map(|d| [d, d.map(|v| -v)]));
-    let ridges = |&index: &usize| {
-        let own = covariance(&bank.hypotheses[index], bank);
-        let std = own[2][2].sqrt();
-        RIDGES.map(|share| (index, super::bank::cut([0, 1, 2].map(|i: usize| share * own[i][2] / std))))
-    };
-    let along: Vec<(usize, [f64; 3])> = shaken.iter().flat_map(ridges).collect();
-    let beside = shaken.iter().flat_map(|&index| starts.clone().map(move |d| (index, d)));
-    let around = beside.chain(along).map(|(index, d)| {
-        let mut next = bank.hypotheses[index].clone();
-        next.run(&scene, moved(next.map_from_odom, scene.pivot, d), rows.iter().copied());
-        next
-    });
-    let mut few = bank.beside(around.collect(), rows.clone());
-    few.settle(field, history, LAST_ROUNDS, 0);
-    let least = few.hypotheses.first().map_or(0.0, |h| h.cost(bank.shared));
-    few.hypotheses.retain(|h| h.cost(bank.shared) <= least + TOLD);
-    for mut h in few.hypotheses {
-        h.run(&scene, h.map_from_odom, bank.used.iter().copied());
-        bank.hypotheses.push(h);
-    }
-    bank.settle(field, history, LAST_ROUNDS, 0);
-    let shared = bank.shared;
-    bank.hypotheses.iter_mut().for_each(|h| h.look(OPEN, shared));
-}
-
 /// The covariance of the estimate about the pivot.
-fn covariance(h: &Hypothesis, bank: &Bank) -> Matrix {
+pub(super) fn covariance(h: &Hypothesis, bank: &Bank) -> Matrix {
     inverse(&h.normal.marginal(bank.shared).damped(OPEN)).unwrap_or([
         [OPEN[0].recip(), 0.0, 0.0],
         [0.0, OPEN[1].recip(), 0.0],

@@ -5,10 +5,11 @@
 //! are open, the place along the boundary and the heading. Each cell of them is run through a few well separated
 //! readings as a Gaussian as wide as the cell, and most die at the first.
 
-use super::bank::{cells, merged};
+use super::bank::{Prospect, best_of_cells, cells};
 use super::contact::State;
 use super::ground::Piece;
 use super::hypothesis::{Hypothesis, Scene, moved};
+use super::seed::Seed;
 use super::symmetry::Turns;
 use super::twins::{Span, Straight, Twin};
 use crate::config::TipLoad;
@@ -54,17 +55,17 @@ pub(super) struct Seeding {
     next: usize,
     /// The shapes of a whisker that is loaded already.
     branches: Vec<TipContactSet>,
-    found: Vec<Hypothesis>,
+    found: Vec<Seed>,
     /// The round of refinement, and what it has not come to yet, the last one first.
     round: usize,
-    left: Option<Vec<Hypothesis>>,
+    left: Option<Vec<Seed>>,
     /// For each heading (and branch) what a cell on a straight wall has come to in this round.
     twins: Vec<Option<Twin>>,
 }
 
 impl Seeding {
     /// The search from the cells on, or from what an earlier one has found, to be judged by more rows.
-    pub(super) fn new(scene: &Scene<'_>, onset: &Onset<'_>, carried: Vec<Hypothesis>) -> Self {
+    pub(super) fn new(scene: &Scene<'_>, onset: &Onset<'_>, carried: Vec<Seed>) -> Self {
         if !carried.is_empty() {
             return Self {
                 places: Vec::new(),
@@ -118,7 +119,8 @@ impl Seeding {
     }
 
     /// The hypotheses that explain the first readings.
-    pub(super) fn into_found(self) -> Vec<Hypothesis> {
+    pub(super) fn into_found(mut self) -> Vec<Seed> {
+        self.found.shrink_to_fit();
         self.found
     }
 
@@ -177,7 +179,7 @@ impl Seeding {
             && let Some(outcome) = self.twins[family].as_ref().and_then(|t| t.at(straight, cell.pose.theta))
         {
             *work = work.saturating_sub(1);
-            self.found.extend(outcome.filter(|_| cell.is_clear(scene)));
+            self.found.extend(outcome.filter(|_| cell.is_clear(scene)).as_ref().map(Seed::of));
             return;
         }
         if !cell.is_clear(scene) {
@@ -193,7 +195,7 @@ impl Seeding {
             Some(twin) => self.twins[family] = Some(twin),
             None => found.iter_mut().for_each(|h| h.family = None),
         }
-        self.found.extend(found);
+        self.found.extend(found.as_ref().map(Seed::of));
     }
 
     /// Moves each hypothesis to its best place and drops those that stay bad, and all but the best of those that meet.
@@ -205,19 +207,26 @@ impl Seeding {
             self.twins.clear();
             let all = core::mem::take(&mut self.found);
             let size = if round == 0 { [1.3 * onset.spacing, onset.turn] } else { cells(all.len()) };
-            let mut all = merged(all, scene, scene.history.pose(last), size, |h| h.best(cell(onset), 0.0));
-            all.reverse();
-            self.left = Some(all);
+            let prospects = all.iter().map(|seed| {
+                let (cost, d) = seed.normal.best(cell(onset), 0.0);
+                Prospect { at: moved(seed.map_from_odom, scene.pivot, d), cost }
+            });
+            let kept = best_of_cells(prospects, scene.pivot, scene.history.pose(last), size);
+            let mut left: Vec<Seed> =
+                all.into_iter().zip(kept).filter_map(|(seed, kept)| kept.then_some(seed)).collect();
+            left.shrink_to_fit();
+            left.reverse();
+            self.left = Some(left);
         }
         while *work > 0 {
-            let Some(mut h) = self.left.as_mut().and_then(Vec::pop) else {
+            let Some(seed) = self.left.as_mut().and_then(Vec::pop) else {
                 self.left = None;
                 self.twins.clear();
                 return true;
             };
-            h = self.again(scene, onset, h, work);
+            let h = self.again(scene, onset, seed.grown(onset.row), work);
             if h.best(cell(onset), 0.0).0 <= limit {
-                self.found.push(h);
+                self.found.push(Seed::of(&h));
             }
         }
         false

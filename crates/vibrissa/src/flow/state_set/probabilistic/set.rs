@@ -3,9 +3,10 @@
 use super::bank::{Bank, Field, RESCUED, Search};
 use super::ground::Ground;
 use super::history::{Feeler, History, OUTLIER_COST, Sense};
-use super::hypothesis::Hypothesis;
 use super::images::images;
 use super::places::{self, Fit, Place};
+use super::seed::Seed;
+use super::shake::shake;
 use super::symmetry::Turns;
 use crate::beam::{TipModel, TipTable};
 use crate::config::ProbabilisticOptions;
@@ -56,7 +57,7 @@ enum Phase {
     /// No contact yet.
     Waiting,
     /// In a first contact, which began at this row of the history; with what an earlier search has found.
-    Pressing { feeler: usize, onset: usize, from_free: bool, travelled: f64, found: Vec<Hypothesis> },
+    Pressing { feeler: usize, onset: usize, from_free: bool, travelled: f64, found: Vec<Seed> },
     /// Looking for hypotheses, while rows go on.
     Searching(Search),
     /// With hypotheses.
@@ -296,7 +297,7 @@ impl<'a> ProbabilisticSet<'a> {
             let first = !bank.is_folded();
             if bank.settle_few(&field, history) && first {
                 // What is summed up holds a place for good: on a map of facets it must not be the shallower of two minima.
-                places::shake(bank, &field, history);
+                shake(bank, &field, history);
             }
             bank.fold(&field, history, options.window / 4);
             return if taken { Happened::Updated } else { Happened::Nothing };

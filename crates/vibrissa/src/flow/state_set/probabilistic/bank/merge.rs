@@ -31,17 +31,17 @@ const SETTLED_EXACTLY: f64 = 1e-3;
 
 impl Bank {
     /// Keeps the best of hypotheses that have run into each other.
-    pub(in super::super) fn merge(&mut self, field: &Field<'_>, history: &History, tracking: bool) {
+    pub(in super::super) fn merge(&mut self, history: &History, tracking: bool) {
         let Some(last) = history.len().checked_sub(1) else { return };
-        let scene = field.scene(history, self.pivot, Judge::FAIR, self.shared);
-        let best = |h: &Hypothesis| {
-            let (cost, d) = h.promise;
-            (cost, cut(d))
-        };
-        let all = core::mem::take(&mut self.hypotheses);
-        let coarse = (tracking && all.len() > VERY_MANY).then_some([COARSE_PLACE, COARSE_HEADING]);
-        let size = coarse.unwrap_or_else(|| cells(all.len()));
-        self.hypotheses = merged(all, &scene, history.pose(last), size, best);
+        let count = self.hypotheses.len();
+        let coarse = (tracking && count > VERY_MANY).then_some([COARSE_PLACE, COARSE_HEADING]);
+        let size = coarse.unwrap_or_else(|| cells(count));
+        let pivot = self.pivot;
+        let prospect =
+            |h: &Hypothesis| Prospect { at: moved(h.map_from_odom, pivot, cut(h.promise.1)), cost: h.promise.0 };
+        let kept = best_of_cells(self.hypotheses.iter().map(prospect), pivot, history.pose(last), size);
+        let mut kept = kept.into_iter();
+        self.hypotheses.retain(|_| kept.next() == Some(true));
     }
 
     /// Moves every hypothesis to its least cost and joins those that end at the same place.
@@ -115,28 +115,26 @@ pub(in super::super) fn cells(count: usize) -> [f64; 2] {
     if count > MANY { [ROUGH_PLACE, ROUGH_HEADING] } else { [SAME_PLACE, SAME_HEADING] }
 }
 
-/// The hypotheses without all but the best of those that meet, as `best` tells their cost and step to it; the robot is at
-/// `odom_from_robot`.
-pub(in super::super) fn merged(
-    hypotheses: Vec<Hypothesis>,
-    scene: &Scene<'_>,
+/// Where a hypothesis would be best, and what it would cost there (nats).
+pub(in super::super) struct Prospect {
+    pub(in super::super) at: Pose2,
+    pub(in super::super) cost: f64,
+}
+
+/// Which of these are the best of those that they meet; the robot is at `odom_from_robot`.
+pub(in super::super) fn best_of_cells(
+    prospects: impl Iterator<Item = Prospect>,
+    pivot: Vec2,
     odom_from_robot: Pose2,
     size: [f64; 2],
-    best: impl Fn(&Hypothesis) -> (f64, [f64; 3]),
-) -> Vec<Hypothesis> {
-    let mut keyed: Vec<_> = hypotheses
-        .iter()
-        .enumerate()
-        .map(|(index, h)| {
-            let (cost, d) = best(h);
-            (cell(moved(h.map_from_odom, scene.pivot, d), scene.pivot, odom_from_robot, size), cost, index)
-        })
-        .collect();
-    keyed.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+) -> Vec<bool> {
+    let key = |(index, p): (usize, Prospect)| (cell(p.at, pivot, odom_from_robot, size), p.cost, index);
+    let mut keyed: Vec<_> = prospects.enumerate().map(key).collect();
+    let mut kept = vec![false; keyed.len()];
+    keyed.sort_unstable_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2)));
     keyed.dedup_by(|later, kept| later.0 == kept.0);
-    let mut kept = vec![false; hypotheses.len()];
     keyed.iter().for_each(|&(.., index)| kept[index] = true);
-    hypotheses.into_iter().zip(kept).filter_map(|(h, kept)| kept.then_some(h)).collect()
+    kept
 }
 
 /// The cell of a frame's pose of the pivot and of the robot.

@@ -1,6 +1,7 @@
 //! All hypotheses together: started at a first contact, carried on, linearised anew, merged, dropped, weighed.
 
 mod merge;
+mod outside;
 mod rescue;
 mod start;
 
@@ -14,7 +15,7 @@ use crate::config::ProbabilisticOptions;
 use crate::plane::{Pose2, Vec2, wrap_angle};
 use crate::world::{Map, Robot};
 use core::ops::Range;
-pub(super) use merge::{cells, merged};
+pub(super) use merge::{Prospect, best_of_cells, cells};
 pub(super) use rescue::RESCUED;
 use rescue::RESCUED_A_ROW;
 pub(super) use start::Search;
@@ -201,7 +202,8 @@ impl Bank {
         self.since_merge += 1;
         if self.since_merge >= MERGE_EVERY {
             self.since_merge = 0;
-            self.merge(field, history, true);
+            self.drop_outside(field, history, row);
+            self.merge(history, true);
         }
     }
 

@@ -10,7 +10,7 @@ use super::{Bank, Field, LOOSE, PROMISE, RESCUE_ROWS, cut};
 
 /// So many are pulled back at most, in all and with one row.
 pub(in super::super) const RESCUED: usize = 64;
-pub(super) const RESCUED_A_ROW: usize = 4;
+pub(super) const RESCUED_A_ROW: usize = 2;
 /// Steps with standard deviations enlarged so much.
 const TEMPERS: [f64; 5] = [8.0, 8.0, 8.0, 4.0, 2.0];
 /// One that has been tried is left alone for so many rows.

@@ -1,8 +1,10 @@
 //! The first hypotheses: seeds from a contact, judged by its first rows.
 
 use super::super::history::{History, Judge};
-use super::super::hypothesis::{Hypothesis, Scene, moved};
+use super::super::hypothesis::{Scene, moved};
+use super::super::seed::Seed;
 use super::super::seeds::{Onset, Seeding};
+use super::merge::{Prospect, best_of_cells, cells};
 use super::{Bank, Field, LOOSE, cut};
 use crate::flow::prior;
 use crate::plane::{Pose2, Vec2};
@@ -30,7 +32,7 @@ pub(in super::super) struct Search {
     /// Whether each hypothesis stands for all its images.
     pub(in super::super) for_all: bool,
     /// What was found before it is run from the first row on, for a search that goes on with more rows.
-    pub(in super::super) found: Vec<Hypothesis>,
+    pub(in super::super) found: Vec<Seed>,
 }
 
 /// What is being done.
@@ -51,7 +53,7 @@ impl Search {
         from_free: bool,
         ended: bool,
         travelled: f64,
-        found: Vec<Hypothesis>,
+        found: Vec<Seed>,
     ) -> Self {
         let own = &field.feelers[feeler];
         let odom_from_whisker = history.pose(onset).compose(own.robot_from_whisker);
@@ -112,9 +114,8 @@ impl Search {
                         self.stage = Stage::Seeding(seeding);
                         return None;
                     }
-                    let found = seeding.into_found();
-                    self.stage = Stage::Running(self.bank(field, history, found.clone()), 0);
-                    self.found = found;
+                    self.found = seeding.into_found();
+                    self.stage = Stage::Running(self.bank(field, history), 0);
                 }
                 Stage::Running(mut bank, mut next) => {
                     while next < bank.hypotheses.len() && *work > 0 {
@@ -126,8 +127,9 @@ impl Search {
                         self.stage = Stage::Running(bank, next);
                         return None;
                     }
+                    bank.drop_outside(field, history, bank.used.last().copied().unwrap_or(self.onset));
                     bank.find_usual(field, history);
-                    bank.merge(field, history, false);
+                    bank.merge(history, false);
                     bank.drop_unlikely(field, history);
                     return Some(bank);
                 }
@@ -135,20 +137,38 @@ impl Search {
         }
     }
 
-    /// The bank of these seeds.
-    fn bank(&self, field: &Field<'_>, history: &History, mut hypotheses: Vec<Hypothesis>) -> Bank {
-        if self.from_free {
-            hypotheses.iter_mut().for_each(|h| {
-                h.map_from_odom = moved(h.map_from_odom, self.pivot, cut(h.best(LOOSE, 0.0).1));
-                *h = h.restarted_free();
-            });
+    /// The bank of what was found: the best of those that meet, and no more than can be carried on.
+    fn bank(&self, field: &Field<'_>, history: &History) -> Bank {
+        let shared = field.options.shared_gain.unwrap_or(field.feelers[self.feeler].shared_share());
+        let to = |seed: &Seed, shared: f64| {
+            let (cost, d) = seed.normal.best(LOOSE, shared);
+            Prospect { at: moved(seed.map_from_odom, self.pivot, cut(d)), cost }
+        };
+        // Those that begin free are judged anew from there, so that none of them has cost anything yet.
+        let prospect =
+            |seed: &Seed| if self.from_free { Prospect { cost: 0.0, ..to(seed, 0.0) } } else { to(seed, shared) };
+        let kept = best_of_cells(
+            self.found.iter().map(prospect),
+            self.pivot,
+            history.pose(history.len() - 1),
+            cells(self.found.len()),
+        );
+        let mut chosen: Vec<&Seed> =
+            self.found.iter().zip(kept).filter_map(|(seed, kept)| kept.then_some(seed)).collect();
+        if !self.from_free || chosen.len() > MOST_SEEDS {
+            chosen.sort_by(|a, b| a.normal.cost.total_cmp(&b.normal.cost));
         }
+        chosen.truncate(MOST_SEEDS);
+        let hypothesis = |seed: &Seed| {
+            let h = seed.clone().grown(self.onset);
+            if self.from_free { h.free_at(to(seed, 0.0).at) } else { h }
+        };
         let mut bank = Bank {
-            hypotheses,
+            hypotheses: chosen.into_iter().map(hypothesis).collect(),
             used: (0..self.onset).chain(self.rows.iter().copied()).collect(),
             next: self.seen,
             pivot: self.pivot,
-            shared: field.options.shared_gain.unwrap_or(field.feelers[self.feeler].shared_share()),
+            shared,
             credit: 0,
             turn: 0,
             since_merge: 0,
@@ -158,9 +178,6 @@ impl Search {
             for_all: self.for_all,
         };
         bank.hypotheses.iter_mut().for_each(|h| h.look(LOOSE, bank.shared));
-        bank.merge(field, history, false);
-        bank.hypotheses.sort_by(|a, b| a.normal.cost.total_cmp(&b.normal.cost));
-        bank.hypotheses.truncate(MOST_SEEDS);
         bank
     }
 }

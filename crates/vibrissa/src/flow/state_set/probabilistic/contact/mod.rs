@@ -9,6 +9,7 @@ mod balance;
 mod body;
 mod both;
 mod meet;
+mod packed;
 mod side;
 mod span;
 mod system;
@@ -23,6 +24,7 @@ use crate::world::Map;
 use body::Body;
 use both::Both;
 use core::f64::consts::PI;
+pub(super) use packed::Packed;
 
 /// Largest travel of the base (whisker lengths, rad) in one step of the continuation.
 const LARGEST_STEP: f64 = 0.028;

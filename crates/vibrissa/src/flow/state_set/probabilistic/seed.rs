@@ -1,0 +1,43 @@
+//! A hypothesis at rest: on a large map a search finds hundreds of thousands, of which few are ever followed.
+
+use super::contact::{Packed, State};
+use super::hypothesis::Hypothesis;
+use super::normal::Normal;
+use crate::plane::Pose2;
+
+/// What it takes to run a hypothesis anew: where it begins, and what the readings have said.
+#[derive(Clone, Debug)]
+pub(super) struct Seed {
+    pub(super) map_from_odom: Pose2,
+    pub(super) normal: Normal,
+    start: Start,
+    /// See [`Hypothesis::family`].
+    family: Option<u32>,
+}
+
+/// How each whisker stands to the map where it begins.
+#[derive(Clone, Debug)]
+enum Start {
+    One(Packed),
+    All(Box<[State]>),
+}
+
+impl Seed {
+    /// What is kept of a hypothesis by which no rows have been summed up.
+    pub(super) fn of(h: &Hypothesis) -> Self {
+        let one = if let [state] = h.start() { Packed::of(state) } else { None };
+        let start = one.map_or_else(|| Start::All(h.start().into()), Start::One);
+        Self { map_from_odom: h.map_from_odom, normal: h.normal, start, family: h.family }
+    }
+
+    /// The hypothesis, from the row on at which it begins; it has taken no row.
+    pub(super) fn grown(self, row: usize) -> Hypothesis {
+        let states = match self.start {
+            Start::One(packed) => vec![packed.state()],
+            Start::All(states) => states.into_vec(),
+        };
+        let mut h = Hypothesis::new(self.map_from_odom, states, row);
+        (h.normal, h.family) = (self.normal, self.family);
+        h
+    }
+}
