@@ -43,7 +43,7 @@ const BIRTH: usize = 1;
 const NEXT_TABLE: (usize, usize) = (64, 64);
 const NEXT_TABLES: usize = 2;
 const WORTH_NEXT: usize = 10;
-/// The same of the table that the last effort adds where this many readings are remembered: a tenth of a second to build.
+/// The same of the table that the last effort adds where this many readings are remembered: a twentieth of a second to build.
 const LAST_TABLE: (usize, usize) = (128, 96);
 const WORTH_LAST: usize = 20;
 /// Rows have so many times their work as long as there are cells that no reading has met.
