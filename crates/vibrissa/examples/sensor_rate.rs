@@ -6,7 +6,8 @@
 //! for each: rows; milliseconds for all of it, for the longest row before one second of contact has passed, for the median and
 //! the 99th percentile of the rows after that, and for the final fit; how many components there
 //! were at each quarter of the updates; verdict, error of the nearest place,
-//! least squared distance of the truth from a place in its standard deviations (95 % lie below 7.8), weights of all.
+//! least squared distance of the truth from a place in its standard deviations (95 % lie below 7.8), area of the set (mm²) and
+//! the longest side of the rectangle around a place (mm), weights of all.
 
 #[path = "../tests/data/region.rs"]
 mod region;
@@ -108,7 +109,7 @@ fn main() -> Result<()> {
         .collect();
     names.sort();
     println!(
-        "{:18}{:>6}{:>9}{:>9}{:>8}{:>8}{:>8}{:>24}  verdict, mm, deg, chi2, weights",
+        "{:18}{:>6}{:>9}{:>9}{:>8}{:>8}{:>8}{:>24}  verdict, mm, deg, chi2, mm2, long mm, weights",
         "sweep", "rows", "all", "longest", "p50", "p99", "end", "alive"
     );
     let (mut rows, mut all, mut late_all, mut held) = (0, 0.0, Vec::new(), 0);
@@ -142,10 +143,12 @@ fn main() -> Result<()> {
         let steps = &run.answer.steps;
         let alive =
             |part: usize| steps.get((steps.len() * part / 4).min(steps.len().max(1) - 1)).map_or(0, |s| s.components);
+        let wide = |h: &Hypothesis| 1e3 * h.extent.x.width().max(h.extent.y.width());
+        let longest = run.answer.hypotheses.iter().map(wide).fold(0.0, f64::max);
         let told: Vec<String> = run.answer.hypotheses.iter().map(|h| format!("{:.3}", h.weight)).collect();
         let (mm, deg) = best.unwrap_or((f64::NAN, f64::NAN));
         println!(
-            "{name:18}{:6}{total:9.1}{:9.1}{:8.3}{:8.3}{:8.1}{:>24}  {} {mm:.3} {deg:.3} {chi2:.1} {}",
+            "{name:18}{:6}{total:9.1}{:9.1}{:8.3}{:8.3}{:8.1}{:>24}  {} {mm:.3} {deg:.3} {chi2:.1} {:.2} {longest:.2} {}",
             run.rows.len(),
             early.iter().copied().fold(0.0, f64::max),
             quantile(late, 0.5),
@@ -153,6 +156,7 @@ fn main() -> Result<()> {
             run.end,
             format!("{:?}", [alive(0), alive(1), alive(2), alive(3), alive(4)]).replace(", ", " "),
             run.answer.status,
+            1e6 * steps.last().map_or(0.0, |s| s.area_m2),
             told.join(" ")
         );
         rows += run.rows.len();

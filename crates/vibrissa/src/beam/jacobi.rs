@@ -86,6 +86,13 @@ impl Jacobi {
         0.5 * PI / self.levels[self.last].a
     }
 
+    /// The half period `2 K` with `m ∫0^2K cn²`, which takes no more than the means.
+    pub(super) fn half_period_integral(&self) -> (f64, f64) {
+        let t = 2.0 * self.quarter_period();
+        let each = self.levels[..self.last].iter().rev();
+        (t, each.fold(0.0, |integral, upper| 2.0 * integral + upper.gap * upper.g * t))
+    }
+
     /// The functions at `t` in \[0, 2 K\], to a few units in the last place.
     #[must_use]
     pub fn at(&self, t: f64) -> Elliptic {

@@ -103,6 +103,15 @@ impl Pendulum {
         if t < SERIES_BELOW { series(self.tilt, t) } else { self.closed_form(t) }
     }
 
+    /// The whisker at the end of the first mode, where it stands still.
+    pub(super) fn turn(&self) -> Swing {
+        let Tilt { sin, cos, .. } = self.tilt;
+        let (t, integral) = self.jacobi.half_period_integral();
+        let energy = 2.0 * integral;
+        let sin_integral = energy + sin * t;
+        Swing { t, u: 2.0 * cos.atan2(sin), du: 0.0, along: sin * sin_integral, across: cos * sin_integral, energy }
+    }
+
     fn closed_form(&self, t: f64) -> Swing {
         let Tilt { sin, cos, m, m1 } = self.tilt;
         let e = self.jacobi.at(t);

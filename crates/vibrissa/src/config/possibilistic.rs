@@ -11,7 +11,7 @@ pub struct PossibilisticOptions {
     pub most_cells: usize,
     /// How often a cell meets a reading in one update, at most, over all cells.
     pub work: usize,
-    /// The same once more at the end of the log, when nobody waits for the next row.
+    /// The same once more at the end of the log, at most: it ends when more work rules out little more.
     pub last_work: usize,
     /// Cells smaller than this are not halved (m; headings count by an arm of 0.1 m).
     pub resolution: f64,

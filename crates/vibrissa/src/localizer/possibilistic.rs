@@ -1,7 +1,7 @@
 //! The possibilistic localizer: rows in, a set of states that holds the true one as long as the declared bounds hold.
 
 use super::drawn::{self, Felt};
-use super::{SHAPES, one_column_each, searchable};
+use super::{one_column_each, searchable};
 use crate::config::PossibilisticOptions;
 use crate::config::limits::MOST_SEARCHED;
 use crate::flow::pose::{self, Event, Hypothesis, Localization, ShapeRecord, StampedPose, StepRecord};
@@ -17,6 +17,8 @@ use crate::{Error, Result};
 const OTHER_METHODS: &str = "this method covers uniform, straight, clamped whiskers only; --method probabilistic and deterministic take \
                              tapered and jointed ones and elastic bases, too";
 
+/// At least so many contacts are kept for drawing, where there are as many: a third of a millisecond each, at the end.
+const DRAWN: usize = 48;
 /// Sets of more cells than this are measured once in a while: when their number has changed by this share, or, up to a
 /// size, after as many rows as a share of their number.
 const MEASURED_AT_ONCE: usize = 24;
@@ -39,7 +41,7 @@ pub struct PossibilisticLocalizer<'a> {
     rows: Vec<(f64, Pose2)>,
     in_contact: Vec<bool>,
     /// Contacts for drawing: not all of long logs.
-    felt: Thinned<Felt, SHAPES>,
+    felt: Thinned<Felt, DRAWN>,
     touched: bool,
     first_row: Option<usize>,
     first_states: Vec<Pose2>,

@@ -23,7 +23,6 @@ mod slice;
 
 pub use slice::{PressEntry, PressSlice, Span};
 
-use super::pendulum::{Pendulum, Tilt};
 use crate::plane::Vec2;
 use core::f64::consts::{FRAC_PI_2, PI};
 use sheet::{Bend, Sheet};
@@ -80,8 +79,7 @@ impl PressTable {
         let even = 1 << columns.trailing_zeros().min(3);
         let all = (columns + beyond).div_ceil(even) * even;
         let directions: Vec<f64> = (0..=all).map(|i| PI + (i as f64 - columns as f64) * step).collect();
-        let sheet = |bend| Sheet::new(&directions, rows, bend, (slack, steepest));
-        Self::of([sheet(Bend::Plain), sheet(Bend::Inflected)], directions, (slack, steepest))
+        Self::of(Sheet::both(&directions, rows, (slack, steepest)), directions, (slack, steepest))
     }
 
     fn of([plain, inflected]: [Sheet; 2], directions: Vec<f64>, (slack, steepest): (f64, f64)) -> Self {
@@ -114,20 +112,4 @@ impl PressTable {
     pub fn friction_angle(&self) -> f64 {
         self.slack
     }
-}
-
-/// The whisker without a load.
-const STRAIGHT: Node = Node { moment: 0.0, tip: Vec2::new(1.0, 0.0) };
-
-/// The tip contact with the tilt `beta` and the slope `u`; the straight whisker where that is no load at all.
-fn swing(beta: f64, u: f64) -> Node {
-    let beta = beta.clamp(-FRAC_PI_2, FRAC_PI_2);
-    let u = u.min(PI - 2.0 * beta);
-    if u < 1e-12 {
-        return STRAIGHT;
-    }
-    let pendulum = Pendulum::new(Tilt::from_gap(beta + FRAC_PI_2));
-    let at = pendulum.at(pendulum.time_of(u).min(pendulum.half_period()));
-    let (x, y) = at.contact();
-    if at.t > 0.0 { Node { moment: at.t * at.du, tip: Vec2::new(x / at.t, y / at.t) } } else { STRAIGHT }
 }

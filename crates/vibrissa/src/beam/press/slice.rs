@@ -165,7 +165,11 @@ impl PressTable {
             mean(row + 1) > mean(row)
         };
         let mut start: Option<usize> = None;
-        for row in 0..=sheet.rows {
+        let mut row = 0;
+        while row <= sheet.rows {
+            if start.is_none() && row < sheet.rows {
+                row = sheet.next(column, row, range);
+            }
             let inside = row < sheet.rows && sheet.reaches(column, row, range);
             if let Some(first) = start
                 && (!inside || rising(row) != rising(first))
@@ -176,6 +180,7 @@ impl PressTable {
             if inside && start.is_none() {
                 start = Some(row);
             }
+            row += 1;
         }
     }
 

@@ -26,7 +26,10 @@ pub(super) fn cells(level: &Level, near: Option<Bounds>, touch: &Touch, record: 
             Piece::Vertex(vertex) => around_vertex(vertex, touch, bending, record, &mut cells),
         };
         match near {
-            Some(bounds) => pieces.near(bounds, lay),
+            Some(bounds) => pieces.near(bounds, |piece, _| {
+                lay(piece);
+                false
+            }),
             None => pieces.all.iter().for_each(&mut lay),
         }
     }

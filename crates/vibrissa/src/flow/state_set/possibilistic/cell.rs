@@ -26,11 +26,11 @@ pub(super) struct Cell {
     /// The newest record that it has met.
     pub(super) seen: u32,
     /// Readings that it does not explain.
-    pub(super) missed: u32,
+    pub(super) missed: u8,
     /// It is not halved before this record.
     pub(super) rest_until: u32,
     /// Records for which it rests the next time that halving does not help.
-    pub(super) patience: u32,
+    pub(super) patience: u16,
     /// It has met no reading yet.
     pub(super) fresh: bool,
 }

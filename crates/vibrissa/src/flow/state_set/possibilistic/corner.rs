@@ -1,7 +1,8 @@
 //! Contacts at a vertex: base and vertex differ by the contact itself.
 
 use super::cell::narrow;
-use super::explain::{Contact, Left, Part, Strip, View, WHOLE, contacts, size};
+use super::explain::{Contact, Strip, View, contacts, size};
+use super::left::{Left, Part, WHOLE, is_whole};
 use super::piece::Vertex;
 use super::record::{Bending, Touch};
 use crate::plane::Vec2;
@@ -76,7 +77,7 @@ pub(super) fn at_vertex(
     // Cones of half a turn and more meet everything.
     let wide = (view.turn + view.slop_turn + lean).min(PI);
     contacts(bending.side, bending.level(view.turn), psi, wide, |contact| {
-        if contact.inflected && !held {
+        if contact.inflected && !held || is_whole(left) {
             return;
         }
         looks += 1;

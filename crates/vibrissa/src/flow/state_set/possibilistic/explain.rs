@@ -7,14 +7,13 @@
 
 use super::cell::{Cell, Form, narrow};
 use super::corner::at_vertex;
+use super::left::{Left, Part, WHOLE, is_whole};
 use super::piece::{COARSE, Edge, FINE, Piece, Pieces};
 use super::record::{Bending, Touch};
 use crate::beam::press::{PressEntry, PressSlice, Span};
 use crate::plane::{Bounds, Pose2, Vec2};
 use crate::world::Map;
 use core::f64::consts::{PI, TAU};
-
-pub(super) type Part = [(f64, f64); 3];
 
 /// Cells wider than this in heading (rad) or place (m) are compared with the coarse pieces,
 const WIDE_TURN: f64 = 0.02;
@@ -62,15 +61,15 @@ impl Ground {
         }
     }
 
-    /// The level for a cell: a wide one gains nothing from fine detail.
-    fn level(&self, view: &View) -> &Level {
+    /// The level for a cell, and its number: a wide one gains nothing from fine detail.
+    fn level(&self, view: &View) -> (usize, &Level) {
         let reach = view.reach.x + view.reach.y;
         if view.turn > WIDEST_TURN || reach > WIDEST_REACH {
-            &self.bundled
+            (2, &self.bundled)
         } else if view.turn > WIDE_TURN || reach > WIDE_REACH {
-            &self.coarse
+            (1, &self.coarse)
         } else {
-            &self.fine
+            (0, &self.fine)
         }
     }
 }
@@ -145,53 +144,63 @@ impl View {
     }
 }
 
-/// What is left of a cell.
-pub(super) struct Left {
-    pub(super) part: Part,
-    /// A strip that holds all that is left.
-    pub(super) form: Form,
-    pub(super) range: (f64, f64),
-}
-
-pub(super) const WHOLE: Part = [(-1.0, 1.0); 3];
-
-impl Left {
-    /// The union with another strip and part.
-    pub(super) fn join(left: &mut Option<Self>, part: Part, form: Form, (lo, hi): (f64, f64)) {
-        match left {
-            None => *left = Some(Self { part, form, range: (lo, hi) }),
-            Some(all) => {
-                for (a, b) in all.part.iter_mut().zip(part) {
-                    *a = (a.0.min(b.0), a.1.max(b.1));
-                }
-                let off = all.form.iter().zip(form).map(|(a, b)| (a - b).abs()).sum::<f64>();
-                all.range = (all.range.0.min(lo - off), all.range.1.max(hi + off));
+/// What of the cell explains the reading by some contact; none if nothing does. Pieces and entries looked at are counted.
+pub(super) fn by_contact(view: &View, touch: &Touch, ground: &Ground, looks: &mut usize) -> Option<Left> {
+    let (grade, level) = ground.level(view);
+    let is_small = view.turn < SMALL_TURN && view.reach.x + view.reach.y < SMALL_REACH;
+    // Where the whisker stood in a cell nearby it often explains all of this one.
+    for bending in &touch.sides {
+        let pieces = level.pieces(touch, bending);
+        if let Some(piece) = bending.footing.of(grade).and_then(|index| pieces.all.get(index)) {
+            let mut left = None;
+            *looks += with_leaves(view, touch, bending, (piece, pieces, is_small), &mut left);
+            if is_whole(&left) {
+                return left;
             }
         }
     }
-}
-
-/// What of the cell explains the reading by some contact; none if nothing does. Pieces and entries looked at are counted.
-pub(super) fn by_contact(view: &View, touch: &Touch, ground: &Ground, looks: &mut usize) -> Option<Left> {
-    let level = ground.level(view);
     let mut left = None;
-    let is_small = view.turn < SMALL_TURN && view.reach.x + view.reach.y < SMALL_REACH;
     for bending in &touch.sides {
         let pieces = level.pieces(touch, bending);
         let bounds = rectangle(view, bending);
-        pieces.near(bounds, |piece| match piece {
-            Piece::Edge(edge) if is_small && edge.leaves.0 < edge.leaves.1 => {
-                *looks += 1;
-                if may_touch(view, touch, bending, edge) {
-                    for leaf in &pieces.leaves[edge.leaves.0 as usize..edge.leaves.1 as usize] {
-                        *looks += 1 + on_piece(view, touch, bending, leaf, &mut left);
+        pieces.near(bounds, |piece, index| {
+            *looks += with_leaves(view, touch, bending, (piece, pieces, is_small), &mut left);
+            let is_whole = is_whole(&left);
+            if is_whole {
+                bending.footing.note(grade, index);
+            }
+            is_whole
+        });
+        if is_whole(&left) {
+            break;
+        }
+    }
+    left
+}
+
+/// Contacts on a piece, for small cells on its leaves; how many pieces and entries were looked at.
+fn with_leaves(
+    view: &View,
+    touch: &Touch,
+    bending: &Bending,
+    (piece, pieces, is_small): (&Piece, &Pieces, bool),
+    left: &mut Option<Left>,
+) -> usize {
+    let mut looks = 1;
+    match piece {
+        Piece::Edge(edge) if is_small && edge.leaves.0 < edge.leaves.1 => {
+            if may_touch(view, touch, bending, edge) {
+                for leaf in &pieces.leaves[edge.leaves.0 as usize..edge.leaves.1 as usize] {
+                    looks += 1 + on_piece(view, touch, bending, leaf, left);
+                    if is_whole(left) {
+                        break;
                     }
                 }
             }
-            _ => *looks += 1 + on_piece(view, touch, bending, piece, &mut left),
-        });
+        }
+        _ => looks += on_piece(view, touch, bending, piece, left),
     }
-    left
+    looks
 }
 
 /// The rectangle in the map around all places where the whisker can touch.
@@ -322,6 +331,9 @@ fn on_edge(view: &View, touch: &Touch, bending: &Bending, edge: &Edge, left: &mu
             looks += 1;
             if let Some((part, across)) = facing.part(&mirrored(entry, bending.side, asked), lean) {
                 Left::join(left, part, across.form, across.range);
+                if is_whole(left) {
+                    return looks;
+                }
             }
         }
     }

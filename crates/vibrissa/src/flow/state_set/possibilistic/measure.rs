@@ -6,8 +6,8 @@ use crate::sets::StateBox;
 use core::f64::consts::TAU;
 
 /// Cells nearer than this belong together (m, rad).
-const LINK: f64 = 1e-4;
-const LINK_TURN: f64 = 1e-3;
+const LINK: f64 = 1e-3;
+const LINK_TURN: f64 = 1e-2;
 /// The area is counted on a raster of this many cells across.
 const RASTER: usize = 256;
 /// And on this one when it matters, with squares no smaller than this (m).
@@ -31,15 +31,15 @@ pub struct Place {
 }
 
 /// The boxes around the cells, long slanted ones cut.
-pub(super) fn boxes(cells: &[(Cell, f64)]) -> Vec<StateBox> {
+pub(super) fn boxes(cells: impl ExactSizeIterator<Item = Cell>) -> Vec<StateBox> {
     let limit = if cells.len() > 400 { 1 } else { PIECES };
-    let mut boxes = Vec::new();
-    for (cell, _) in cells {
+    let mut boxes = Vec::with_capacity(cells.len());
+    for cell in cells {
         let longest = (0..3).max_by(|&a, &b| cell.length(a).total_cmp(&cell.length(b))).unwrap_or(0);
         let others = (0..3).filter(|&j| j != longest).map(|j| cell.length(j)).fold(1e-4, f64::max);
         let pieces = ((cell.length(longest) / others).ceil() as usize).clamp(1, limit);
         let side = cell.sides[longest];
-        let mut piece = *cell;
+        let mut piece = cell;
         piece.sides[longest] = side.map(|v| v / pieces as f64);
         for k in 0..pieces {
             let at = (2 * k + 1) as f64 / pieces as f64 - 1.0;
@@ -52,44 +52,42 @@ pub(super) fn boxes(cells: &[(Cell, f64)]) -> Vec<StateBox> {
 }
 
 /// The groups of cells whose boxes touch; of many cells also those that nearly do, within a 64th of the set.
-pub(super) fn places(cells: &[(Cell, f64)]) -> Vec<Place> {
-    let hulls: Vec<StateBox> = cells.iter().map(|(cell, _)| cell.hull()).collect();
-    let mut parent: Vec<usize> = (0..cells.len()).collect();
-    if cells.len() <= CROWD {
-        join_pairs(cells, &hulls, &mut parent)
+pub(super) fn places(cells: impl Iterator<Item = Cell> + Clone) -> Vec<Place> {
+    let hulls: Vec<StateBox> = cells.clone().map(|cell| cell.hull()).collect();
+    let mut parent: Vec<u32> = (0..hulls.len() as u32).collect();
+    if hulls.len() <= CROWD {
+        join_pairs(&hulls, &mut parent)
     } else {
         join_bins(&hulls, &mut parent)
     }
-    let total: f64 = cells.iter().map(|(_, v)| v).sum();
-    let (mut groups, mut group_of): (Vec<Group>, Vec<Option<usize>>) = (Vec::new(), vec![None; cells.len()]);
-    for (index, (cell, volume)) in cells.iter().enumerate() {
+    let (mut groups, mut group_of): (Vec<Group>, Vec<u32>) = (Vec::new(), vec![u32::MAX; hulls.len()]);
+    for (index, cell) in cells.enumerate() {
         let root = root(&mut parent, index);
-        match group_of[root] {
-            Some(group) => groups[group].add(cell, *volume, &hulls[index]),
-            None => {
-                group_of[root] = Some(groups.len());
-                groups.push(Group::new(cell, *volume, &hulls[index]));
-            }
+        if group_of[root] == u32::MAX {
+            group_of[root] = groups.len() as u32;
+            groups.push(Group::new(&cell));
         }
+        groups[group_of[root] as usize].add(&cell, &hulls[index]);
     }
+    let total: f64 = groups.iter().map(|group| group.volume).sum();
     let mut places: Vec<Place> = groups.iter().map(|group| group.place(total)).collect();
     places.sort_by(|a, b| b.share.total_cmp(&a.share));
     places
 }
 
-fn join(parent: &mut [usize], a: usize, b: usize) {
+fn join(parent: &mut [u32], a: usize, b: usize) {
     let (p, q) = (root(parent, a), root(parent, b));
-    parent[p.max(q)] = p.min(q);
+    parent[p.max(q)] = p.min(q) as u32;
 }
 
 /// Joins the boxes that touch, pair by pair.
-fn join_pairs(cells: &[(Cell, f64)], hulls: &[StateBox], parent: &mut [usize]) {
-    let mut order: Vec<usize> = (0..cells.len()).collect();
+fn join_pairs(hulls: &[StateBox], parent: &mut [u32]) {
+    let mut order: Vec<usize> = (0..hulls.len()).collect();
     order.sort_by(|&a, &b| hulls[a].x.lo().total_cmp(&hulls[b].x.lo()).then(a.cmp(&b)));
     for (rank, &a) in order.iter().enumerate() {
         let near = |&&b: &&usize| hulls[b].x.lo() <= hulls[a].x.hi() + LINK;
         for &b in order[rank + 1..].iter().take_while(near) {
-            if touch(&cells[a].0, &hulls[a], &cells[b].0, &hulls[b]) {
+            if touch(&hulls[a], &hulls[b]) {
                 join(parent, a, b);
             }
         }
@@ -97,7 +95,7 @@ fn join_pairs(cells: &[(Cell, f64)], hulls: &[StateBox], parent: &mut [usize]) {
 }
 
 /// Joins the boxes that share a bin of a raster over the set: what touches does, and what is nearer than a bin may.
-fn join_bins(hulls: &[StateBox], parent: &mut [usize]) {
+fn join_bins(hulls: &[StateBox], parent: &mut [u32]) {
     let axis = |of: &dyn Fn(&StateBox) -> (f64, f64)| {
         let (lo, hi) =
             hulls.iter().map(of).fold((f64::INFINITY, f64::NEG_INFINITY), |a, b| (a.0.min(b.0), a.1.max(b.1)));
@@ -126,18 +124,20 @@ fn join_bins(hulls: &[StateBox], parent: &mut [usize]) {
     }
 }
 
-fn root(parent: &mut [usize], mut at: usize) -> usize {
-    while parent[at] != at {
-        parent[at] = parent[parent[at]];
-        at = parent[at];
+fn root(parent: &mut [u32], mut at: usize) -> usize {
+    while parent[at] as usize != at {
+        parent[at] = parent[parent[at] as usize];
+        at = parent[at] as usize;
     }
     at
 }
 
-fn touch(a: &Cell, hull_a: &StateBox, b: &Cell, hull_b: &StateBox) -> bool {
-    let apart = wrap_angle(a.center.theta - b.center.theta).abs();
-    let turn = 0.5 * (hull_a.theta.width() + hull_b.theta.width());
-    hull_a.y.lo() <= hull_b.y.hi() + LINK && hull_b.y.lo() <= hull_a.y.hi() + LINK && apart <= turn + LINK_TURN
+/// Whether two boxes whose ranges of x touch do so in y and heading as well.
+fn touch(a: &StateBox, b: &StateBox) -> bool {
+    let middle = |hull: &StateBox| 0.5 * (hull.theta.lo() + hull.theta.hi());
+    let apart = wrap_angle(middle(a) - middle(b)).abs();
+    let turn = 0.5 * (a.theta.width() + b.theta.width());
+    a.y.lo() <= b.y.hi() + LINK && b.y.lo() <= a.y.hi() + LINK && apart <= turn + LINK_TURN
 }
 
 struct Group {
@@ -149,13 +149,12 @@ struct Group {
 }
 
 impl Group {
-    fn new(cell: &Cell, volume: f64, hull: &StateBox) -> Self {
-        let mut group = Self { first: cell.center, sum: [0.0; 3], weight: 0.0, volume: 0.0, extent: StateBox::EMPTY };
-        group.add(cell, volume, hull);
-        group
+    fn new(cell: &Cell) -> Self {
+        Self { first: cell.center, sum: [0.0; 3], weight: 0.0, volume: 0.0, extent: StateBox::EMPTY }
     }
 
-    fn add(&mut self, cell: &Cell, volume: f64, hull: &StateBox) {
+    fn add(&mut self, cell: &Cell, hull: &StateBox) {
+        let volume = cell.volume();
         // Places without any volume have a middle as well.
         let weight = volume + 1e-300;
         let off = [
@@ -177,9 +176,9 @@ impl Group {
 }
 
 /// Upper bounds of area (m²) and volume (m² rad); `sharp` takes longer and counts less beside the cells.
-pub(super) fn size(cells: &[(Cell, f64)], sharp: bool) -> (f64, f64) {
-    let volume = cells.iter().map(|(_, v)| v).sum();
-    let shadows: f64 = cells.iter().map(|(cell, _)| shadow(cell)).sum();
+pub(super) fn size(cells: impl Iterator<Item = Cell> + Clone, sharp: bool) -> (f64, f64) {
+    let add = |(shadows, volume): (f64, f64), cell: Cell| (shadows + shadow(&cell), volume + cell.volume());
+    let (shadows, volume) = cells.clone().fold((0.0, 0.0), add);
     (shadows.min(raster(cells, sharp)), volume)
 }
 
@@ -219,22 +218,22 @@ fn between(polygon: &[Vec2; 6], low: f64, high: f64) -> Option<(f64, f64)> {
 }
 
 /// The area by counting the squares of a raster that the cells' projections touch, or the rectangles around these.
-fn raster(cells: &[(Cell, f64)], sharp: bool) -> f64 {
+fn raster(cells: impl Iterator<Item = Cell> + Clone, sharp: bool) -> f64 {
     let rectangle = |cell: &Cell| {
         let [x, y, _] = cell.reach();
         let half = Vec2::new(x, y);
         Bounds { min: cell.place() - half, max: cell.place() + half }
     };
-    let all = cells.iter().fold(Bounds::EMPTY, |b, (cell, _)| b.hull(rectangle(cell)));
+    let all = cells.clone().fold(Bounds::EMPTY, |b, cell| b.hull(rectangle(&cell)));
     if all.is_empty() {
         return 0.0;
     }
     let across = if sharp { SHARP_RASTER } else { RASTER };
     let square = (all.size().x.max(all.size().y) / across as f64).max(if sharp { LEAST_SQUARE } else { 1e-3 * ARM });
     let mut hit = vec![false; (across + 1) * (across + 1)];
-    for (cell, _) in cells {
-        let Bounds { min, max } = rectangle(cell);
-        let corners = hexagon(cell);
+    for cell in cells {
+        let Bounds { min, max } = rectangle(&cell);
+        let corners = hexagon(&cell);
         let index = |v: f64, from: f64| (((v - from) / square) as usize).min(across);
         for y in index(min.y, all.min.y)..=index(max.y, all.min.y) {
             let low = all.min.y + y as f64 * square;

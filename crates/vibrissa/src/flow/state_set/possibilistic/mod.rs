@@ -10,6 +10,7 @@ mod bundle;
 mod cell;
 mod corner;
 mod explain;
+mod left;
 mod measure;
 mod piece;
 mod record;
@@ -42,7 +43,7 @@ const BIRTH: usize = 1;
 const NEXT_TABLE: (usize, usize) = (64, 64);
 const NEXT_TABLES: usize = 2;
 const WORTH_NEXT: usize = 10;
-/// The same of the table that the last effort adds where this many readings are remembered: a tenth of a second to build.
+/// The same of the table that the last effort adds where this many readings are remembered: a twentieth of a second to build.
 const LAST_TABLE: (usize, usize) = (128, 96);
 const WORTH_LAST: usize = 20;
 /// Rows have so many times their work as long as there are cells that no reading has met.
@@ -56,6 +57,8 @@ const KEPT_EVERY: f64 = 1e-3;
 const MOST_KEPT: usize = 160;
 /// So many looks at pieces of boundary and contacts are one more piece of work.
 const LOOKS: usize = 12;
+/// Of no more cells than this all are moved to the newest row at once to be measured (2 MB).
+const MOVED_AT_ONCE: usize = 20_000;
 /// The place of a base is checked once in so many records.
 const LOOK_EVERY: u32 = 8;
 
@@ -136,7 +139,7 @@ impl PossibleSet {
     /// The middles of the cells at the newest row.
     #[must_use]
     pub fn middles(&self) -> Vec<Pose2> {
-        self.now().iter().map(|(cell, _)| cell.center).collect()
+        self.now().map(|cell| cell.center).collect()
     }
 
     /// An upper bound of the volume (m² rad).
@@ -222,7 +225,10 @@ impl PossibleSet {
         if !laid.is_empty() {
             self.births += laid.len();
             self.born_at = record;
-            self.cells.extend(laid.into_iter().flatten());
+            for cells in laid {
+                // Where there are none yet, without a copy: there may be hundreds of thousands.
+                if self.cells.is_empty() { self.cells = cells } else { self.cells.extend(cells) }
+            }
         }
         if self.births == 0 {
             return;
@@ -315,27 +321,25 @@ impl PossibleSet {
         Some(cell)
     }
 
-    /// The boxes around the cells at the newest row, and the cells' volumes.
-    fn now(&self) -> Vec<(Cell, f64)> {
-        let Some(last) = self.records.last() else { return Vec::new() };
-        let newest = self.records.len() as u32 - 1;
-        let present = |cell: &Cell| {
-            if cell.anchor == newest {
-                return (*cell, cell.volume());
-            }
-            let (step, place, turn) = self.records[cell.anchor as usize].stand.until(&last.stand);
+    /// The cells at the newest row, moved one by one: of the boundary of a large map there are hundreds of thousands.
+    fn now(&self) -> impl ExactSizeIterator<Item = Cell> + Clone {
+        let newest = self.records.len().saturating_sub(1);
+        self.cells.iter().map(move |cell| {
             let mut cell = *cell;
-            cell.moved(step, newest);
-            cell.grow(place, turn);
-            (cell, cell.volume())
-        };
-        self.cells.iter().map(present).collect()
+            if cell.anchor as usize != newest {
+                let there = &self.records[cell.anchor as usize].stand;
+                let (step, place, turn) = there.until(&self.records[newest].stand);
+                cell.moved(step, newest as u32);
+                cell.grow(place, turn);
+            }
+            cell
+        })
     }
 }
 
 impl Cell {
     /// Keeps what explains a reading.
-    fn keep(&mut self, left: &explain::Left) {
+    fn keep(&mut self, left: &left::Left) {
         let (mut form, mut middle) = (left.form, 0.0);
         for (k, &(lo, hi)) in form.iter_mut().zip(&left.part) {
             middle += *k * 0.5 * (lo + hi);
@@ -407,24 +411,27 @@ impl PossibleSet {
     /// The boxes that hold every possible state at the newest row, map frame; long cells are cut into several.
     #[must_use]
     pub fn boxes(&self) -> Vec<StateBox> {
-        measure::boxes(&self.now())
+        measure::boxes(self.now())
     }
 
     /// The separate places at the newest row, the largest share of the volume first.
     #[must_use]
     pub fn places(&self) -> Vec<Place> {
-        measure::places(&self.now())
+        measure::places(self.now())
     }
 
     /// Upper bounds of the area that the set covers (m²) and of its volume (m² rad), at the newest row.
     #[must_use]
     pub fn size(&self) -> (f64, f64) {
-        measure::size(&self.now(), true)
+        measure::size(self.now(), true)
     }
 
     /// The separate places with upper bounds of area and volume, which take longer to tell sharply.
     pub(crate) fn measured(&self, sharp: bool) -> (Vec<Place>, (f64, f64)) {
-        let now = self.now();
-        (measure::places(&now), measure::size(&now, sharp))
+        if self.cells.len() > MOVED_AT_ONCE {
+            return (measure::places(self.now()), measure::size(self.now(), sharp));
+        }
+        let now: Vec<Cell> = self.now().collect();
+        (measure::places(now.iter().copied()), measure::size(now.iter().copied(), sharp))
     }
 }

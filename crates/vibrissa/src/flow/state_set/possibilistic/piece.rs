@@ -4,6 +4,7 @@ use super::bundle;
 use crate::plane::{Bounds, Segment, SegmentTree, Vec2, wrap_angle};
 use crate::world::{Boundary, Map};
 use core::f64::consts::{FRAC_PI_2, PI};
+use std::sync::Arc;
 
 /// How coarsely the map is cut: the largest turn within an edge (rad), and how far it may leave its chord (m).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -78,7 +79,7 @@ struct Link {
 pub(super) struct Pieces {
     pub(super) all: Vec<Piece>,
     /// Edges and turns one by one, which the edges of `all` take together.
-    pub(super) leaves: Vec<Piece>,
+    pub(super) leaves: Arc<[Piece]>,
     tree: SegmentTree,
     /// No piece leaves its chord by more (m).
     margin: f64,
@@ -99,12 +100,12 @@ impl Pieces {
         for boundary in map.boundaries() {
             add_boundary(boundary, grain, &mut all, &mut leaves);
         }
-        Self::of(all, leaves.unwrap_or_default())
+        Self::of(all, leaves.unwrap_or_default().into())
     }
 
     /// The same, with finely cut stretches taken together.
     pub(super) fn bundled(&self) -> Self {
-        Self::of(bundle::bundled(&self.all), Vec::new())
+        Self::of(bundle::bundled(&self.all), Arc::default())
     }
 
     /// Those of them that curve towards free space anywhere.
@@ -113,10 +114,11 @@ impl Pieces {
             Piece::Edge(e) => e.hollow > 0.0,
             Piece::Vertex(v) => v.hollow > 0.0,
         };
-        Self::of(self.all.iter().filter(curves).copied().collect(), self.leaves.clone())
+        Self::of(self.all.iter().filter(curves).copied().collect(), Arc::clone(&self.leaves))
     }
 
-    fn of(all: Vec<Piece>, leaves: Vec<Piece>) -> Self {
+    fn of(mut all: Vec<Piece>, leaves: Arc<[Piece]>) -> Self {
+        all.shrink_to_fit();
         let chords: Vec<_> = all.iter().map(Piece::chord).collect();
         let bow = |piece: &Piece| match piece {
             Piece::Edge(e) => e.bow,
@@ -125,14 +127,11 @@ impl Pieces {
         Self { tree: SegmentTree::new(&chords), margin: all.iter().map(bow).fold(0.0, f64::max), all, leaves }
     }
 
-    /// Calls `visit` for every piece that may have a point in the rectangle.
-    pub(super) fn near(&self, bounds: Bounds, mut visit: impl FnMut(&Piece)) {
+    /// Calls `visit` with every piece that may have a point in the rectangle, and its index, until it answers true.
+    pub(super) fn near(&self, bounds: Bounds, mut visit: impl FnMut(&Piece, usize) -> bool) {
         let margin = Vec2::new(self.margin, self.margin);
         let grown = Bounds { min: bounds.min - margin, max: bounds.max + margin };
-        self.tree.for_each_in(grown, |edge, _| {
-            visit(&self.all[edge]);
-            false
-        });
+        self.tree.for_each_in(grown, |edge, _| visit(&self.all[edge], edge));
     }
 }
 

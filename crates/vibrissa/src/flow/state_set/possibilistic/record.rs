@@ -3,6 +3,7 @@
 use crate::beam::press::{PressEntry, PressSlice, PressTable};
 use crate::plane::{Bounds, Pose2, Vec2};
 use crate::world::{MountedWhisker, Odometry};
+use core::sync::atomic::{AtomicU32, Ordering};
 
 /// Where the odometry stood, with the bounds on its errors summed up from the start.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -86,6 +87,31 @@ pub(super) struct Bending {
     pub(super) farthest: f64,
     /// Whether all these contacts have an inflection.
     pub(super) all_inflected: bool,
+    /// Where the whisker last stood in all of a cell.
+    pub(super) footing: Footing,
+}
+
+/// The piece of boundary of each grade that last explained a reading in all of a cell. It saves time and changes no answer,
+/// and is therefore kept where all else is only read.
+#[derive(Debug, Default)]
+pub(super) struct Footing([AtomicU32; 3]);
+
+impl Clone for Footing {
+    fn clone(&self) -> Self {
+        Self([0, 1, 2].map(|grade: usize| AtomicU32::new(self.0[grade].load(Ordering::Relaxed))))
+    }
+}
+
+impl Footing {
+    /// The index of the piece of a grade.
+    pub(super) fn of(&self, grade: usize) -> Option<usize> {
+        self.0[grade].load(Ordering::Relaxed).checked_sub(1).map(|index| index as usize)
+    }
+
+    /// Notes a piece.
+    pub(super) fn note(&self, grade: usize, index: usize) {
+        self.0[grade].store(index as u32 + 1, Ordering::Relaxed);
+    }
 }
 
 impl Touch {
@@ -134,7 +160,7 @@ fn bendings(whisker: &MountedWhisker, tables: &[PressTable], lo: f64, hi: f64) -
             let slices: Vec<PressSlice> = core::iter::once(finest).chain(tables[1..].iter().map(cut)).collect();
             let Bounds { min, max } = bounds;
             let farthest = min.x.abs().max(max.x.abs()).hypot(min.y.abs().max(max.y.abs()));
-            sides.push(Bending { side, slices, bounds, farthest, all_inflected });
+            sides.push(Bending { side, slices, bounds, farthest, all_inflected, footing: Footing::default() });
         }
     }
     sides

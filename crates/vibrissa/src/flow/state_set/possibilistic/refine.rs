@@ -19,27 +19,39 @@ const STUCK: f64 = 0.9;
 const FIRST_WAY: f64 = 5e-3;
 /// In the last effort cells longer than this share of the longest are halved in one go: the large ones come first.
 const LARGE: f64 = 0.7;
-/// Stages of the last effort: how many times more of the kept readings a half meets, and the share of the work left.
-const STAGES: [(usize, f64); 3] = [(1, 0.5), (4, 0.5), (64, 1.0)];
+/// Stages of the last effort: how many of the kept readings a half meets, and the share of the work left.
+const STAGES: [(usize, f64); 3] = [(4, 0.5), (16, 0.5), (32, 1.0)];
+/// A stage is over when halves of cells no longer than [`COARSE`] outlive the readings that they meet, so that there are so many
+/// times more cells than there were at the fewest: more readings tell more than more halves.
+const GROWN: f64 = 1.5;
+/// A stage is over, too, when the second half of its work so far left more than this share of the volume, once it has
+/// done so much work (some 10 ms): what is left then is the set itself, or too much for the rest of the work to tell.
+const STALLED: f64 = 0.75;
+const STALLED_AFTER: usize = 20_000;
 /// Most cells of the last effort: a few MB. Of few readings, which leave a large set but are soon met, each allows more.
 const LAST_CELLS: usize = 20_000;
 const FEW_READINGS_CELLS: usize = 100_000;
 /// Sets of more cells than this after few readings are worth the tables that otherwise come with more readings.
 const LARGE_SET: usize = 2_000;
 /// Beyond the resolution all cells are halved as long as that leaves less than this share of their volume, down to this
-/// share of the resolution: how large the cover is must be the set's doing, not that of the way to it.
-const PAYS: f64 = 0.97;
+/// share of the resolution: how large the cover is must be the set's doing, not that of the way to it. Where that took no
+/// more than so much work, less will do.
+const PAYS: f64 = 0.9;
+const CHEAP: usize = 20_000;
+const CHEAPLY_PAYS: f64 = 0.97;
 const FINEST: f64 = 1.0 / 32.0;
 /// One part in so many of the last work may go into that, but no more than went into the halving before or into so many halves
-/// for each kept reading, each of which meets all of them: few readings leave little to gain.
+/// for each kept reading, squared: few readings leave little to gain. Each half meets so many of the kept readings, and what is
+/// left at the end meets all of them, for which one part in so many of the work is kept.
 const POLISH: usize = 8;
-const POLISHED: usize = 40;
+const POLISHED: usize = 10;
+const POLISHING: usize = 24;
 /// Kept readings are met in steps of this share of all of them, which spreads any number of them.
 const STRIDE: f64 = 0.618_033_988_75;
 /// Cells that are halved in one row when there is little work for each.
 const AT_ONCE: usize = 4;
 /// Longest rest between two attempts at halving (records).
-const LONGEST_REST: u32 = 512;
+const LONGEST_REST: u16 = 512;
 
 impl PossibleSet {
     /// Lets the newest record meet the cells, in turn, as far as the row's work goes; wide cells are halved at once,
@@ -122,7 +134,7 @@ impl PossibleSet {
                 born.extend(halves);
             } else {
                 let rest = &mut self.cells[index];
-                rest.rest_until = newest + rest.patience;
+                rest.rest_until = newest + u32::from(rest.patience);
                 rest.patience = (2 * rest.patience).min(LONGEST_REST);
             }
         }
@@ -209,16 +221,29 @@ impl PossibleSet {
         if work > 0 && self.kept.len() >= WORTH_LAST {
             self.sharpen(LAST_TABLE, 1);
         }
+        let mut rest = work / POLISH;
+        work -= rest;
         let all = work;
-        for (times, share) in STAGES {
+        for (stage, (readings, share)) in STAGES.into_iter().enumerate() {
             let mut own = (work as f64 * share) as usize;
             work -= own;
-            self.pave(map, times * RECALLED, &mut own);
+            self.pave(map, readings, stage + 1 == STAGES.len(), &mut own);
             work += own;
         }
         let (spent, kept) = (all - work, self.kept.len());
         let most = spent.max(POLISHED * kept * kept).min(self.options.last_work / POLISH);
         self.polish(map, &mut work.min(most));
+        // Of few readings the halves have met all.
+        if kept > POLISHING {
+            self.meet_kept(map, kept, &mut rest);
+        }
+    }
+
+    /// Lets every cell meet so many of the kept readings, as far as the work goes.
+    fn meet_kept(&mut self, map: &Map, readings: usize, work: &mut usize) {
+        let all = std::mem::take(&mut self.cells);
+        let met = |cell: Cell| if *work > 0 { self.recall(map, cell, readings, work) } else { Some(cell) };
+        self.cells = all.into_iter().filter_map(met).collect();
     }
 
     /// Most cells of the last effort.
@@ -228,9 +253,9 @@ impl PossibleSet {
 
     /// Halves all cells, whatever their size, as long as it pays.
     fn polish(&mut self, map: &Map, work: &mut usize) {
-        let (finest, all_kept) = (FINEST * self.options.resolution, self.kept.len());
+        let (finest, readings) = (FINEST * self.options.resolution, POLISHING.min(self.kept.len()));
         while *work > 0 && !self.cells.is_empty() && 2 * self.cells.len() <= self.last_cells() {
-            let before = self.volume();
+            let (before, left) = (self.volume(), *work);
             let mut cells = Vec::with_capacity(2 * self.cells.len());
             for cell in std::mem::take(&mut self.cells) {
                 let (side, length) = longest(&cell);
@@ -238,30 +263,34 @@ impl PossibleSet {
                     cells.push(cell);
                 } else {
                     cells.extend(
-                        cell.halves(side).into_iter().filter_map(|half| self.recall(map, half, all_kept, work)),
+                        cell.halves(side).into_iter().filter_map(|half| self.recall(map, half, readings, work)),
                     );
                 }
             }
             self.cells = cells;
-            if self.volume() > PAYS * before {
+            let pays = if left - *work > CHEAP { PAYS } else { CHEAPLY_PAYS };
+            if self.volume() > pays * before {
                 return;
             }
         }
     }
 
-    /// Lets every cell and every half meet `most` of the kept readings; the longest cells are halved first.
-    fn pave(&mut self, map: &Map, most: usize, work: &mut usize) {
+    /// Lets every cell and every half meet so many of the kept readings; the longest cells are halved first. It ends when no
+    /// cell is longer than the resolution, when that is not worth its while any more, or with the work.
+    fn pave(&mut self, map: &Map, readings: usize, is_last: bool, work: &mut usize) {
         self.cells.iter_mut().for_each(|cell| cell.rest_until = 0);
-        let all = std::mem::take(&mut self.cells);
-        let met = |cell: Cell| if *work > 0 { self.recall(map, cell, most, work) } else { Some(cell) };
-        self.cells = all.into_iter().filter_map(met).collect();
+        let begun = *work;
+        self.meet_kept(map, readings, work);
+        let mut progress = Progress::default();
         while *work > 0 {
             let waiting = self.cells.iter().filter(|cell| cell.rest_until == 0);
             let longest_side = waiting.map(|cell| longest(cell).1).fold(0.0, f64::max);
-            if longest_side <= self.options.resolution {
+            let (grows, stalls) = progress.note(self.cells.len(), begun - *work, self.volume());
+            let is_over = longest_side <= COARSE && (stalls || (grows && !is_last));
+            if longest_side <= self.options.resolution || is_over {
                 return;
             }
-            self.pave_once(map, (LARGE * longest_side).max(self.options.resolution), most, work);
+            self.pave_once(map, (LARGE * longest_side).max(self.options.resolution), readings, work);
             if self.cells.len() > LARGE_SET && self.has_first_tables() {
                 self.add_tables();
             }
@@ -270,8 +299,14 @@ impl PossibleSet {
 
     /// Halves every cell longer than this, as far as the work goes, gain or not: what two halvings rule out, one may not.
     fn pave_once(&mut self, map: &Map, limit: f64, most: usize, work: &mut usize) {
+        let mut room = self.options.most_cells.max(self.last_cells()).saturating_sub(self.cells.len());
+        if room == 0 {
+            // In place: there may be hundreds of thousands.
+            let long = self.cells.iter_mut().filter(|cell| cell.rest_until == 0 && longest(cell).1 > limit);
+            long.for_each(|cell| cell.rest_until = u32::MAX);
+            return;
+        }
         let all = std::mem::take(&mut self.cells);
-        let mut room = self.options.most_cells.max(self.last_cells()).saturating_sub(all.len());
         let mut cells = Vec::with_capacity(all.len());
         for mut cell in all {
             let (side, length) = longest(&cell);
@@ -287,6 +322,27 @@ impl PossibleSet {
             }
         }
         self.cells = cells;
+    }
+}
+
+/// How a stage of the last effort gets on, by counts alone.
+#[derive(Default)]
+pub(super) struct Progress {
+    /// The fewest cells so far.
+    fewest: Option<usize>,
+    /// Work done and volume left (m² rad).
+    marks: Vec<(usize, f64)>,
+}
+
+impl Progress {
+    /// Notes cells, work done and volume left; whether the cells grow in number, and whether the volume no longer shrinks.
+    pub(super) fn note(&mut self, cells: usize, done: usize, volume: f64) -> (bool, bool) {
+        let fewest = self.fewest.map_or(cells, |fewest| fewest.min(cells));
+        self.fewest = Some(fewest);
+        let halfway = self.marks.iter().rev().find(|&&(earlier, _)| earlier <= done / 2);
+        let stalls = done > STALLED_AFTER && halfway.is_some_and(|&(_, before)| volume > STALLED * before);
+        self.marks.push((done, volume));
+        (cells as f64 > GROWN * fewest as f64, stalls)
     }
 }
 

@@ -18,10 +18,11 @@ pub(super) fn whisker_may_be_free(view: &View, length: f64, pieces: &Pieces) -> 
     let tip = view.base + Vec2::from_angle(view.heading) * length;
     let off = size(view.reach) + length * (view.turn + view.slop_turn) + MARGIN;
     let mut free = true;
-    pieces.near(Bounds::of(&[view.base, tip]), |piece| {
+    pieces.near(Bounds::of(&[view.base, tip]), |piece, _| {
         if let Piece::Edge(edge) = piece {
             free &= !surely_crosses(view.base, tip, off, edge);
         }
+        !free
     });
     free
 }

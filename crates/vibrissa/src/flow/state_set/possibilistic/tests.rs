@@ -6,6 +6,7 @@ use super::cell::Cell;
 use super::explain::{self, Ground, View};
 use super::piece::{COARSE, FINE, Piece, Pieces};
 use super::record::Touch;
+use super::refine::Progress;
 use crate::beam::elastica;
 use crate::beam::press::PressTable;
 use crate::config::PossibilisticOptions;
@@ -200,6 +201,53 @@ fn no_true_state_is_ruled_out_without_friction() {
 #[test]
 fn no_true_state_is_ruled_out_with_friction() {
     no_true_state_is_ruled_out(0.3, 2, 2000);
+}
+
+#[test]
+fn where_the_whisker_stood_before_changes_no_answer() {
+    let map = map();
+    let ground = Ground::new(&map);
+    let options = PossibilisticOptions { largest_slope: SLOPE, ..PossibilisticOptions::default() };
+    let tables = super::tables(super::NEXT_TABLE, super::NEXT_TABLES, 0.0, &options);
+    let mut draw = Random(41);
+    let (mut tried, mut saved) = (0, 0);
+    while tried < 300 {
+        let Some(case) = case(&map, &mut draw, 0.0) else { continue };
+        tried += 1;
+        let touch = || Touch::new(&case.whisker, &tables, case.moment.0, case.moment.1);
+        let used = touch();
+        for _ in 0..8 {
+            let mut cells = [cell_around(case.robot, &mut draw); 2];
+            let mut looks = [0; 2];
+            for ((cell, looks), touch) in cells.iter_mut().zip(&mut looks).zip([&used, &touch()]) {
+                let view = View::new(cell, Pose2::IDENTITY, (0.0, 0.0), case.whisker.robot_from_whisker);
+                cell.keep(&explain::by_contact(&view, touch, &ground, looks).unwrap());
+            }
+            assert_eq!(cells[0], cells[1], "{case:?}");
+            saved += usize::from(looks[0] < looks[1]);
+        }
+    }
+    assert!(saved > tried / 10, "{saved}");
+}
+
+#[test]
+fn a_stage_is_over_when_more_work_rules_out_little() {
+    let stages = |shrinks: f64, grows: f64| {
+        let (mut progress, mut done, mut volume, mut cells) = (Progress::default(), 0, 1.0, 100.0);
+        let rounds = (0..30).map(|_| {
+            let told = progress.note(cells as usize, done, volume);
+            done += 5_000;
+            volume *= shrinks;
+            cells *= grows;
+            told
+        });
+        let (grow, stall): (Vec<bool>, Vec<bool>) = rounds.unzip();
+        (grow.iter().position(|&b| b), stall.iter().position(|&b| b))
+    };
+    assert_eq!(stages(0.8, 0.9), (None, None));
+    // Five rounds are 25,000 pieces of work, and 1.1 ^ 5 is 1.6.
+    assert_eq!(stages(1.0, 1.0), (None, Some(5)));
+    assert_eq!(stages(1.0, 1.1), (Some(5), Some(5)));
 }
 
 #[test]

@@ -1,0 +1,39 @@
+//! What a reading leaves of a cell: the union over all contacts that explain it.
+
+use super::cell::Form;
+
+/// A part of a cell: the range along each of its sides.
+pub(super) type Part = [(f64, f64); 3];
+
+/// What is left of a cell.
+pub(super) struct Left {
+    pub(super) part: Part,
+    /// A strip that holds all that is left.
+    pub(super) form: Form,
+    pub(super) range: (f64, f64),
+    /// Whether that is all of the cell, whatever else explains the reading.
+    pub(super) is_whole: bool,
+}
+
+pub(super) const WHOLE: Part = [(-1.0, 1.0); 3];
+
+impl Left {
+    /// The union with another strip and part.
+    pub(super) fn join(left: &mut Option<Self>, part: Part, form: Form, (lo, hi): (f64, f64)) {
+        let all = left.get_or_insert(Self { part, form, range: (lo, hi), is_whole: false });
+        for (a, b) in all.part.iter_mut().zip(part) {
+            *a = (a.0.min(b.0), a.1.max(b.1));
+        }
+        let off = all.form.iter().zip(form).map(|(a, b)| (a - b).abs()).sum::<f64>();
+        all.range = (all.range.0.min(lo - off), all.range.1.max(hi + off));
+        if all.part == WHOLE {
+            let most = all.form.iter().map(|k| k.abs()).sum::<f64>();
+            all.is_whole = all.range.0 <= -most && all.range.1 >= most;
+        }
+    }
+}
+
+/// Whether all of the cell is left.
+pub(super) fn is_whole(left: &Option<Left>) -> bool {
+    left.as_ref().is_some_and(|left| left.is_whole)
+}
