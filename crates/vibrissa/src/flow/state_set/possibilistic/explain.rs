@@ -148,8 +148,8 @@ impl View {
 pub(super) fn by_contact(view: &View, touch: &Touch, ground: &Ground, looks: &mut usize) -> Option<Left> {
     let (grade, level) = ground.level(view);
     let is_small = view.turn < SMALL_TURN && view.reach.x + view.reach.y < SMALL_REACH;
-    // Where the whisker stood in a cell nearby it often explains all of this one.
-    for bending in &touch.sides {
+    // Where the whisker stood in a cell nearby it often explains all of this one, if it is small.
+    for bending in touch.sides.iter().filter(|_| is_small) {
         let pieces = level.pieces(touch, bending);
         if let Some(piece) = bending.footing.of(grade).and_then(|index| pieces.all.get(index)) {
             let mut left = None;
