@@ -24,6 +24,8 @@ const WIDEST_REACH: f64 = 0.03;
 /// Cells no wider than this are compared with the parts of pieces.
 const SMALL_TURN: f64 = 0.012;
 const SMALL_REACH: f64 = 2.5e-3;
+/// Cells whose bases lie in a larger rectangle (m, half of its sides together) are hardly ever whole by one piece.
+const FOOTING_REACH: f64 = 6e-3;
 
 /// The map's pieces, from fine to coarse.
 #[derive(Clone, Debug)]
@@ -149,7 +151,7 @@ pub(super) fn by_contact(view: &View, touch: &Touch, ground: &Ground, looks: &mu
     let (grade, level) = ground.level(view);
     let is_small = view.turn < SMALL_TURN && view.reach.x + view.reach.y < SMALL_REACH;
     // Where the whisker stood in a cell nearby it often explains all of this one, if it is small.
-    for bending in touch.sides.iter().filter(|_| is_small) {
+    for bending in touch.sides.iter().filter(|_| view.reach.x + view.reach.y < FOOTING_REACH) {
         let pieces = level.pieces(touch, bending);
         if let Some(piece) = bending.footing.of(grade).and_then(|index| pieces.all.get(index)) {
             let mut left = None;

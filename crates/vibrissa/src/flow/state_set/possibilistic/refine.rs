@@ -39,6 +39,10 @@ const LARGE_SET: usize = 2_000;
 const PAYS: f64 = 0.9;
 const CHEAP: usize = 20_000;
 const CHEAPLY_PAYS: f64 = 0.97;
+/// Where it took no more than this (a millisecond), it ends only after as many halvings in vain as a cell has sides: what two of
+/// them rule out, one may not.
+const TRIFLE: usize = 2_000;
+const SIDES: usize = 3;
 const FINEST: f64 = 1.0 / 32.0;
 /// One part in so many of the last work may go into that, but no more than went into the halving before or into so many halves
 /// for each kept reading, squared: few readings leave little to gain. Each half meets so many of the kept readings, and what is
@@ -254,6 +258,7 @@ impl PossibleSet {
     /// Halves all cells, whatever their size, as long as it pays.
     fn polish(&mut self, map: &Map, work: &mut usize) {
         let (finest, readings) = (FINEST * self.options.resolution, POLISHING.min(self.kept.len()));
+        let mut in_vain = 0;
         while *work > 0 && !self.cells.is_empty() && 2 * self.cells.len() <= self.last_cells() {
             let (before, left) = (self.volume(), *work);
             let mut cells = Vec::with_capacity(2 * self.cells.len());
@@ -268,8 +273,10 @@ impl PossibleSet {
                 }
             }
             self.cells = cells;
-            let pays = if left - *work > CHEAP { PAYS } else { CHEAPLY_PAYS };
-            if self.volume() > pays * before {
+            let cost = left - *work;
+            let pays = if cost > CHEAP { PAYS } else { CHEAPLY_PAYS };
+            in_vain = if self.volume() > pays * before { in_vain + 1 } else { 0 };
+            if in_vain == SIDES || (in_vain > 0 && cost > TRIFLE) {
                 return;
             }
         }
