@@ -375,3 +375,17 @@ fn taper_and_base_are_told_apart_also_at_the_ends_of_their_ranges() {
         assert!((fit.flexural_rigidity / truth.flexural_rigidity - 1.0).abs() < 1e-4, "{fit:?}");
     }
 }
+
+#[test]
+fn nothing_but_a_base_is_rigid_in_a_file() {
+    let file = |largest: &str| {
+        format!(
+            r#"{{"format":"vibrissa calibration","version":1,"data":[],
+                "tip_deflection":{{"coefficients":[2,3],"largest_moment":{largest},"residual_rms":5}}}}"#
+        )
+    };
+    let read = Calibration::from_json(&file("0.5"), "cal.json").unwrap();
+    assert!((read.tip_deflection.unwrap().largest_moment - 0.5).abs() < 1e-15);
+    let message = Calibration::from_json(&file("\"inf\""), "cal.json").unwrap_err().to_string();
+    assert!(message.contains("tip_deflection.largest_moment") && message.contains("a number"), "{message}");
+}

@@ -165,3 +165,17 @@ fn a_small_curve_far_from_the_origin_is_measured_as_well_as_one_at_home() {
         assert!((near.arc_length - same.arc_length).abs() < 1e-6 * home.length(), "{near:?} {same:?}");
     }
 }
+
+#[test]
+fn an_end_is_its_own_nearest_point() {
+    let end = Vec2::new(200_000.0, -38_678.386_233_331_2);
+    let points = [
+        Vec2::new(100_000.0, 32_052.359_515_660_28),
+        Vec2::new(400_000.0, 53_897.365_222_707_005),
+        Vec2::new(0.0, 35_089.800_141_428_13),
+        end,
+    ];
+    let curve = Curve::from_segments(vec![Segment::Cubic(points)], false).unwrap();
+    assert_eq!(curve.nearest(end).position, end);
+    assert_eq!(curve.nearest(points[0]).position, points[0]);
+}

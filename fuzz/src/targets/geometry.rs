@@ -160,7 +160,8 @@ pub(crate) fn curve(bytes: &[u8]) -> Verdict {
         let ends = [curve.at(0.0), curve.at(length)].map(|end| end.position.distance(query));
         let found = near.position.distance(query);
         let best = ends.into_iter().fold(f64::INFINITY, f64::min);
-        let slack = 1e-9 * (extent + best) + 1e-14 * query.norm();
+        // Below 1e-150 squares vanish.
+        let slack = 1e-9 * (extent + best) + 1e-14 * query.norm() + 1e-150;
         promise(found <= best + slack, || format!("nearest of {query:?}: {found}, an end: {best}"))?;
     }
     let flat = curve.flatten((extent * 1e-4).max(1e-6));

@@ -174,7 +174,12 @@ impl Segment {
     pub fn nearest(&self, p: Vec2) -> f64 {
         match *self {
             Self::Line([a, b]) => nearest_on_line(a, b, p),
-            _ => self.at_origin().nearest(point(p - self.start()), self.accuracy()).t.clamp(0.0, 1.0),
+            _ => {
+                let found = self.at_origin().nearest(point(p - self.start()), self.accuracy()).t.clamp(0.0, 1.0);
+                // That holds to some 1e-5 of the piece; next to its ends they may be nearer.
+                let off = |t: f64| self.point(t).distance(p);
+                [0.0, 1.0].into_iter().fold(found, |best, end| if off(end) < off(best) { end } else { best })
+            }
         }
     }
 

@@ -123,7 +123,13 @@ impl<'a> Section<'a> {
     }
 
     fn number(&self, key: &str) -> Result<f64> {
-        self.get(key, "a number", |v| v.as_f64().or_else(|| (v.as_str() == Some("inf")).then_some(f64::INFINITY)))
+        self.get(key, "a number", Value::as_f64)
+    }
+
+    /// A stiffness, which may be that of a rigid base.
+    fn stiffness(&self, key: &str) -> Result<f64> {
+        let rigid = |v: &Value| (v.as_str() == Some("inf")).then_some(f64::INFINITY);
+        self.get(key, "a number or \"inf\"", |v| v.as_f64().or_else(|| rigid(v)))
     }
 
     fn count(&self, key: &str) -> Result<usize> {
@@ -197,7 +203,7 @@ fn whisker(section: Section<'_>) -> Result<WhiskerConstants> {
     let covariance = section.get("covariance", "a list of rows", |v| v.as_array()?.iter().map(numbers).collect())?;
     Ok(WhiskerConstants {
         flexural_rigidity: section.number("flexural_rigidity")?,
-        base_stiffness: section.number("base_stiffness")?,
+        base_stiffness: section.stiffness("base_stiffness")?,
         tip_ratio: section.number("tip_ratio")?,
         free: section.texts("free")?,
         covariance,
