@@ -248,6 +248,7 @@ pub fn by_moment_batch(
     out: &mut [NormalBend],
 ) {
     let stiffness = Stiffness::new(flexural_rigidity);
+    // As it is: compiled for wide registers, as the others are, this loop takes three times as long.
     for ((slot, &moment), &s_a) in out.iter_mut().zip(moments).zip(arc_lengths) {
         *slot = stiffness.under_moment(moment, s_a, branch);
     }

@@ -150,16 +150,10 @@ impl View {
 pub(super) fn by_contact(view: &View, touch: &Touch, ground: &Ground, looks: &mut usize) -> Option<Left> {
     let (grade, level) = ground.level(view);
     let is_small = view.turn < SMALL_TURN && view.reach.x + view.reach.y < SMALL_REACH;
-    // Where the whisker stood in a cell nearby it often explains all of this one, if it is small.
-    for bending in touch.sides.iter().filter(|_| view.reach.x + view.reach.y < FOOTING_REACH) {
-        let pieces = level.pieces(touch, bending);
-        if let Some(piece) = bending.footing.of(grade).and_then(|index| pieces.all.get(index)) {
-            let mut left = None;
-            *looks += with_leaves(view, touch, bending, (piece, pieces, is_small), &mut left);
-            if is_whole(&left) {
-                return left;
-            }
-        }
+    if view.reach.x + view.reach.y < FOOTING_REACH
+        && let Some(left) = by_last_footing(view, touch, (grade, level, is_small), looks)
+    {
+        return Some(left);
     }
     let mut left = None;
     for bending in &touch.sides {
@@ -178,6 +172,25 @@ pub(super) fn by_contact(view: &View, touch: &Touch, ground: &Ground, looks: &mu
         }
     }
     left
+}
+
+/// What the piece alone leaves on which the whisker last stood in all of a cell: often that is all of this one, too; none if not.
+fn by_last_footing(
+    view: &View,
+    touch: &Touch,
+    (grade, level, is_small): (usize, &Level, bool),
+    looks: &mut usize,
+) -> Option<Left> {
+    for bending in &touch.sides {
+        let pieces = level.pieces(touch, bending);
+        let Some(piece) = bending.footing.of(grade).and_then(|index| pieces.all.get(index)) else { continue };
+        let mut left = None;
+        *looks += with_leaves(view, touch, bending, (piece, pieces, is_small), &mut left);
+        if is_whole(&left) {
+            return left;
+        }
+    }
+    None
 }
 
 /// Contacts on a piece, for small cells on its leaves; how many pieces and entries were looked at.
