@@ -5,7 +5,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 use vibrissa::beam::elastica::bend;
-use vibrissa::beam::{Bend, Load, Whisker, force_mode, moment_mode, point_mode};
+use vibrissa::beam::{Bend, Load, Whisker, force_mode, moment_mode, point_mode, tip_mode};
 use vibrissa::plane::Vec2;
 
 const EI: f64 = 2.8886e-4;
@@ -243,6 +243,41 @@ fn faults_are_named_and_nothing_panics() {
             }
         }
     }
+}
+
+#[test]
+fn whiskers_of_any_size_give_shapes_of_finite_numbers_or_a_refusal() {
+    let (mut shapes, mut refused) = (0, 0);
+    for length in [1e-300, 1e-200, 1e-150, 1e-12, 1.0, 1e12, 1e150, 1e300] {
+        for flexural_rigidity in [1e-300, 1e-12, 1.0, 1e12, 1e300] {
+            let whisker = Whisker { length, flexural_rigidity, ..Whisker::default() };
+            let unit = flexural_rigidity / length;
+            let within = Vec2::new(0.7 * length, 0.3 * length);
+            let by_load = LOADS.into_iter().flat_map(|load| {
+                [
+                    force_mode(&whisker, unit / length, 0.8 * length, load),
+                    moment_mode(&whisker, 0.7 * unit, 0.8 * length, load),
+                    point_mode(&whisker, within, load),
+                ]
+            });
+            for answer in by_load.chain([tip_mode(&whisker, within)]) {
+                let Ok(bends) = answer else {
+                    refused += 1;
+                    continue;
+                };
+                for bend in bends {
+                    let numbers = [bend.force, bend.s_a, bend.phi_a, bend.beta, bend.moment, bend.energy()];
+                    let outline = bend.shape(length, 8);
+                    assert!(
+                        numbers.into_iter().all(f64::is_finite) && outline.iter().all(|p| p.is_finite()),
+                        "{length:e} m, {flexural_rigidity:e} N m2: {bend:?}"
+                    );
+                    shapes += 1;
+                }
+            }
+        }
+    }
+    assert!(shapes > 400 && refused > 100, "{shapes} shapes, {refused} refused");
 }
 
 #[test]

@@ -103,7 +103,7 @@ impl Problems {
             if watch.is_cancelled() {
                 break;
             }
-            match self.equilibria(case).and_then(finite) {
+            match self.equilibria(case) {
                 Ok(bends) => {
                     rows.extend(bends.into_iter().enumerate().map(|(branch, bend)| Row { case, branch, bend }))
                 }
@@ -127,15 +127,4 @@ impl Problems {
             whiskers: self.whiskers,
         }
     }
-}
-
-/// The same equilibria, if all their numbers are finite.
-fn finite(bends: Vec<Bend>) -> Result<Vec<Bend>> {
-    let good = |b: &Bend| {
-        [b.force, b.s_a, b.phi_a, b.beta, b.contact.x, b.contact.y, b.moment].into_iter().all(f64::is_finite)
-    };
-    if bends.iter().all(good) {
-        return Ok(bends);
-    }
-    Err(Error::usage("the force is beyond all numbers").remedy("check the units: lengths are in m, moments in N m"))
 }

@@ -100,6 +100,16 @@ impl Bend {
         }
     }
 
+    /// Whether every number of it is finite, those that are derived from it included.
+    pub(super) fn is_finite(&self) -> bool {
+        let numbers = [self.force, self.s_a, self.phi_a, self.beta, self.contact.x, self.contact.y, self.moment];
+        let derived = match &self.body {
+            Body::Uniform(uniform) => uniform.rate(self.force),
+            Body::Rod(rod) => self.moment * rod.base_angle(self.moment),
+        };
+        numbers.into_iter().chain([derived]).all(f64::is_finite)
+    }
+
     /// The force as a vector, whisker frame (N).
     #[must_use]
     pub fn force_vector(&self) -> Vec2 {

@@ -36,11 +36,11 @@ pub fn force_mode(whisker: &Whisker, force: f64, s_a: f64, load: Load) -> Result
     match line {
         _ if t <= 0.0 => Ok(vec![Bend::straight(ei, s_a, line.beta(0.0))]),
         Line::Following(beta) => Ok(bend(ei, force, s_a, beta).into_iter().collect()),
-        Line::Fixed(psi) => Ok(fixed(ei, force, s_a, psi, t)),
+        Line::Fixed(psi) => fixed(ei, force, s_a, psi, t),
     }
 }
 
-fn fixed(flexural_rigidity: f64, force: f64, s_a: f64, psi: f64, t: f64) -> Vec<Bend> {
+fn fixed(flexural_rigidity: f64, force: f64, s_a: f64, psi: f64, t: f64) -> Result<Vec<Bend>> {
     let line = Line::Fixed(psi);
     let direction = if force > 0.0 { psi } else { psi + PI };
     let mut bends = Vec::new();
@@ -50,7 +50,7 @@ fn fixed(flexural_rigidity: f64, force: f64, s_a: f64, psi: f64, t: f64) -> Vec<
     }
     // A pull keeps the whisker straight, and so does a push below Euler's load.
     if axial && (direction.cos() > 0.0 || t <= 0.5 * PI) {
-        return bends;
+        return Ok(bends);
     }
     for side in [1.0, -1.0] {
         let family = FixedLine::new(if axial { PI } else { side * direction });

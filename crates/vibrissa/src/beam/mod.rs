@@ -96,7 +96,18 @@ fn check_contact(contact: Vec2) -> Result<()> {
 }
 
 /// The equilibria, least slope first.
-fn sorted(mut bends: Vec<Bend>) -> Vec<Bend> {
+///
+/// # Errors
+/// Usage: one of them whose force, moment or rates no number holds; whiskers of 1e-300 m have such.
+fn sorted(mut bends: Vec<Bend>) -> Result<Vec<Bend>> {
     bends.sort_by(|a, b| a.phi_a.abs().total_cmp(&b.phi_a.abs()));
-    bends
+    representable(bends)
+}
+
+/// The same equilibria, refused when a number of one of them is not finite.
+fn representable(bends: Vec<Bend>) -> Result<Vec<Bend>> {
+    if bends.iter().all(Bend::is_finite) {
+        return Ok(bends);
+    }
+    Err(Error::usage("the force is beyond all numbers").remedy("check the units: lengths are in m, moments in N m"))
 }

@@ -23,7 +23,7 @@ use core::f64::consts::PI;
 /// | vertical, directed | one, up to the longest whisker that is solved (`s_a sqrt(F/EI)` = 250) |
 ///
 /// # Errors
-/// Usage: `moment` not finite or `s_a` outside (0, L]. Data: a whisker that makes no sense, see [`Rod::new`].
+/// Usage: `moment` not finite or `s_a` outside (0, L], or so small that no number holds the force. Data: a whisker that makes no sense, see [`Rod::new`].
 pub fn moment_mode(whisker: &Whisker, moment: f64, s_a: f64, load: Load) -> Result<Vec<Bend>> {
     if !whisker.is_uniform() {
         return Rod::new(whisker)?.moment_mode(moment, s_a, load);
@@ -53,13 +53,11 @@ pub fn moment_mode(whisker: &Whisker, moment: f64, s_a: f64, load: Load) -> Resu
         let found = Found { flexural_rigidity, force, s_a, side, tilt, swing };
         Bend { moment, ..Bend::new(found, |phi_a| line.beta(phi_a)) }
     });
-    let bends = sorted(bends.collect());
-    if bends.iter().all(|bend| bend.force.is_finite()) {
-        return Ok(bends);
-    }
-    Err(Error::usage("s_a: no finite force causes this moment so near to the base")
-        .value(format!("{s_a} m for {moment} N m"))
-        .remedy("give the arc length from the base to the contact in metres"))
+    sorted(bends.collect()).map_err(|_| {
+        Error::usage("s_a: no finite force causes this moment so near to the base")
+            .value(format!("{s_a} m for {moment} N m"))
+            .remedy("give the arc length from the base to the contact in metres")
+    })
 }
 
 /// The sign of the force along `psi` that pushes to `side`, and its direction seen from there, in (0, pi].

@@ -22,7 +22,7 @@ use core::f64::consts::PI;
 /// which the force's line meets the base (90 degrees for a normal load) there are two.
 ///
 /// # Errors
-/// Usage: a contact that is not finite or at the base. Data: a whisker that makes no sense, see [`Rod::new`].
+/// Usage: a contact that is not finite or at the base, or one so near to it that no number holds the force. Data: a whisker that makes no sense, see [`Rod::new`].
 pub fn point_mode(whisker: &Whisker, contact: Vec2, load: Load) -> Result<Vec<Bend>> {
     if !whisker.is_uniform() {
         return Rod::new(whisker)?.point_mode(contact, load);
@@ -42,7 +42,7 @@ pub fn point_mode(whisker: &Whisker, contact: Vec2, load: Load) -> Result<Vec<Be
             bends.extend(shapes(line, side, polar).into_iter().filter_map(|s| scaled(whisker, contact, line, side, s)));
         }
     }
-    Ok(sorted(bends))
+    sorted(bends)
 }
 
 /// The shapes that bend to `side` with the contact at polar angle `polar` (seen from there), and the force's sign.

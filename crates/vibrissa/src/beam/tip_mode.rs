@@ -13,7 +13,7 @@ use crate::plane::Vec2;
 /// which leaves out tips that a pull has all but straightened.
 ///
 /// # Errors
-/// Usage: a tip that is not finite or at the base. Data: a whisker that makes no sense, see [`Rod::new`].
+/// Usage: a tip that is not finite or at the base, or one so near to it that no number holds the force. Data: a whisker that makes no sense, see [`Rod::new`].
 pub fn tip_mode(whisker: &Whisker, tip: Vec2) -> Result<Vec<Bend>> {
     Rod::new(whisker)?.tip_mode(tip)
 }

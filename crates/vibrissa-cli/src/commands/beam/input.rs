@@ -46,19 +46,6 @@ impl Default for Known {
 impl Known {
     /// The equilibria, least slope first.
     pub(super) fn solve(&self, given: Given, whisker: &Whisker) -> Result<Vec<Bend>> {
-        let bends = self.equilibria(given, whisker)?;
-        let representable = |b: &Bend| {
-            [b.force, b.s_a, b.phi_a, b.beta, b.contact.x, b.contact.y, b.moment, b.energy()]
-                .into_iter()
-                .all(f64::is_finite)
-        };
-        if bends.iter().all(representable) {
-            return Ok(bends);
-        }
-        Err(Error::usage("the force is beyond all numbers").remedy("check the units: lengths are in m, moments in N m"))
-    }
-
-    fn equilibria(&self, given: Given, whisker: &Whisker) -> Result<Vec<Bend>> {
         let need = |value: Option<f64>, name: &str| {
             value.ok_or_else(|| Error::usage(format!("{name} is missing")).remedy("add the column or the option"))
         };

@@ -42,7 +42,7 @@ impl Rod {
             Line::Following(beta) => Trial { force, s_a, gap: gap_of(beta) }.shoot(self).into_iter().collect(),
             Line::Fixed(psi) => self.fixed_force(force, s_a, psi),
         };
-        Ok(sorted(self.bends(shots, line)))
+        sorted(self.bends(shots, line))
     }
 
     /// The shapes under a force along the fixed direction `psi`: those tilts whose direction comes out as `psi`.

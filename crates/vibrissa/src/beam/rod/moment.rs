@@ -31,7 +31,7 @@ impl Rod {
             Line::Following(beta) => self.following_moment(moment, s_a, beta),
             Line::Fixed(psi) => self.fixed_moment(moment, s_a, psi),
         };
-        Ok(sorted(self.bends(shots, line)))
+        sorted(self.bends(shots, line))
     }
 
     fn following_moment(&self, moment: f64, s_a: f64, beta: f64) -> Vec<Shot> {

@@ -62,7 +62,7 @@ impl Rod {
             }
         }
         met.retain(|shot| self.is_first_mode(shot));
-        Ok(sorted(self.bends(met, line)))
+        sorted(self.bends(met, line))
     }
 
     /// Whether the contact is beyond the tip, and not far.

@@ -1,8 +1,8 @@
 //! Tip mode of the rod: contact at the tip, force of any direction.
 
 use super::super::bend::Bend;
-use super::super::check_contact;
 use super::super::load::Line;
+use super::super::{check_contact, representable};
 use super::Rod;
 use super::follow::Status;
 use super::newton::{Goal, Problem, refine};
@@ -44,7 +44,7 @@ impl Rod {
         let bend = |shot: Shot| self.bends(vec![shot], Line::Following(shot.trial.gap - FRAC_PI_2)).pop();
         let mut bends: Vec<Bend> = shots.into_iter().filter_map(bend).collect();
         bends.sort_by(|a, b| a.energy().total_cmp(&b.energy()));
-        Ok(bends)
+        representable(bends)
     }
 
     /// Triangles of a grid over force and direction whose image holds the tip.
