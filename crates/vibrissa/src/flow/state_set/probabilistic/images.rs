@@ -60,13 +60,7 @@ pub(super) fn images(bank: &Bank, field: &Field<'_>, history: &History) -> Vec<H
     let limits = Limits { usual: &usual, more: MOST_COST };
     let from = field.ground.pieces[piece as usize].spot(at);
     let mut found: Vec<Hypothesis> = Vec::new();
-    let mut count = 0;
-    for_each_place(&field.ground.pieces, SPACING, |piece, at| {
-        let here = &field.ground.pieces[piece as usize];
-        count += 1;
-        if here.is_straight() && here.length > LONG && count % FEWER != 0 {
-            return;
-        }
+    let mut look_at = |piece: u32, at: f64| {
         let spot = field.ground.pieces[piece as usize].spot(at);
         if bank.for_all && !field.turns.stands_for_all(spot.position) {
             return;
@@ -89,7 +83,16 @@ pub(super) fn images(bank: &Bank, field: &Field<'_>, history: &History) -> Vec<H
                 found.push(there);
             }
         }
+    };
+    let mut count = 0;
+    for_each_place(&field.ground.pieces, SPACING, |piece, at| {
+        let here = &field.ground.pieces[piece as usize];
+        count += 1;
+        if !here.is_straight() || here.length <= LONG || count % FEWER == 0 {
+            look_at(piece, at);
+        }
     });
+    field.ground.as_far_from_corners((piece, at)).into_iter().for_each(|(piece, at)| look_at(piece, at));
     found.sort_by(|a, b| a.promise.0.total_cmp(&b.promise.0));
     fitted(bank, field, history, &rows, apart(found, bank, field))
 }

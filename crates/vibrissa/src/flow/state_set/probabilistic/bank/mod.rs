@@ -2,6 +2,7 @@
 
 mod merge;
 mod outside;
+mod recall;
 mod rescue;
 mod start;
 
@@ -16,6 +17,7 @@ use crate::plane::{Pose2, Vec2, wrap_angle};
 use crate::world::{Map, Robot};
 use core::ops::Range;
 pub(super) use merge::{Prospect, best_of_cells, cells};
+use recall::Dropped;
 pub(super) use rescue::RESCUED;
 use rescue::RESCUED_A_ROW;
 pub(super) use start::Search;
@@ -70,6 +72,7 @@ pub(super) struct Bank {
     usual: Vec<f64>,
     /// The least costs after the last few rows.
     recent: Vec<f64>,
+    dropped: Dropped,
     /// Whether rows have been summed up, the history's first among them.
     folded: bool,
     /// Whether each hypothesis stands for all its images on a map that turns onto itself.
@@ -204,6 +207,8 @@ impl Bank {
             self.since_merge = 0;
             self.drop_outside(field, history, row);
             self.merge(history, true);
+            let drop = self.drop(history);
+            self.recall(field, history, drop);
         }
     }
 
@@ -337,6 +342,7 @@ impl Bank {
             since_merge: 0,
             usual: Vec::new(),
             recent: Vec::new(),
+            dropped: Dropped::default(),
             folded: self.folded,
             for_all: self.for_all,
         }
@@ -387,6 +393,7 @@ impl Bank {
             h.fold(&scene, &self.used[..early], &loose);
         }
         self.folded = true;
+        self.dropped.clear();
         self.used.drain(..early);
         self.usual.drain(..early);
         self.used.iter_mut().for_each(|row| *row -= last);
@@ -399,22 +406,29 @@ impl Bank {
         self.hypotheses.iter().map(|h| h.promise.0).fold(f64::INFINITY, f64::min)
     }
 
+    /// What a hypothesis may cost more than the best one (nats).
+    fn drop(&self, history: &History) -> f64 {
+        DROP + DROP_MORE * self.used.len() as f64 / history.len() as f64
+    }
+
     /// Drops what is much less likely than the best; each gets one more chance at its best place.
     fn drop_unlikely(&mut self, field: &Field<'_>, history: &History) {
         let least = self.least();
-        let drop = DROP + DROP_MORE * self.used.len() as f64 / history.len() as f64;
+        let drop = self.drop(history);
         let scene = field.scene(history, self.pivot, Judge::FAIR, self.shared);
         let (used, shared) = (&self.used, self.shared);
         let limits = Limits { usual: &self.usual, more: HOPELESS * drop };
-        self.hypotheses.retain_mut(|h| {
+        let mut dropped = core::mem::take(&mut self.dropped);
+        let lost = self.hypotheses.extract_if(.., |h| {
             let (cost, d) = h.promise;
             if h.waits || cost <= least + drop {
-                return true;
+                return false;
             }
             // What it costs may say only that its linearisation is old. Until it is run anew it takes none of the rows to come.
             h.waits = h.age * 6 > used.len() && is_stale(d);
-            h.waits
+            !h.waits
         });
+        lost.for_each(|h| dropped.push(h, used.len()));
         let waiting = self.hypotheses.iter().enumerate().filter(|(_, h)| h.waits);
         let mut waiting: Vec<(f64, usize)> = waiting.map(|(index, h)| (h.promise.0, index)).collect();
         waiting.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -431,7 +445,9 @@ impl Bank {
             dead[index] = !alive || h.promise.0 > least + drop;
         }
         let mut dead = dead.into_iter();
-        self.hypotheses.retain(|_| dead.next() != Some(true));
+        let lost = self.hypotheses.extract_if(.., |_| dead.next() == Some(true));
+        lost.for_each(|h| dropped.push(h, used.len()));
+        self.dropped = dropped;
     }
 }
 

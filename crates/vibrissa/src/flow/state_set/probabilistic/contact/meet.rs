@@ -32,6 +32,12 @@ impl Forward<'_> {
         if !self.map.crosses(to.position(), end) {
             return None;
         }
+        if self.map.crosses(from.position(), tip(from))
+            // It has been in contact for longer, and how is not known.
+            && let Some((touch, felt)) = self.settled_at(to)
+        {
+            return Some((State::Touching(touch), felt));
+        }
         let travel = tip(from).distance(end).max(from.position().distance(to.position()));
         let turn = wrap_angle(to.theta - from.theta);
         let at_share = |share: f64| {

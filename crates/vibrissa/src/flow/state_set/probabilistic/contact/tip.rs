@@ -169,6 +169,28 @@ impl Forward<'_> {
             beta = wrap_angle(joint.normal + 0.5 * joint.turn - stance.theta - FRAC_PI_2);
             q = 3.0 * target.y / beta.cos();
         }
+        let placed = self.placed_at(q, beta, target)?;
+        let (a, b) = (placed.tip.by_force.position, placed.tip.by_tilt.position);
+        let det = a.cross(b);
+        let (dq, dbeta) = placed.step;
+        let (value, [m, n]) = self.sense.at_tip(&placed.tip, placed.q + dq, placed.beta);
+        let adjoint = [(m * b.y - n * a.y) / det, (n * a.x - m * b.x) / det, 0.0];
+        let settled = settled(&placed.tip, placed.q, placed.beta, dq, dbeta);
+        let direction = stance.theta + settled.slope + placed.beta + FRAC_PI_2;
+        let lean = wrap_angle(direction - joint.normal) / joint.turn;
+        let touch = Touch { hold: Hold::Corner(before), place: joint.position, ..settled };
+        let felt = Felt { value: value - m * dq - n * dbeta, gradient: stance.gradient(adjoint, target) };
+        Some((touch, felt, lean))
+    }
+
+    /// The same where the corner holds it, both of its sides pressing.
+    pub(super) fn caught_in(&self, stance: &Stance, from: &Touch, before: u32) -> Option<(Touch, Felt)> {
+        let (touch, felt, lean) = self.in_corner(stance, from, before)?;
+        (touch.q > 0.0 && (0.0..=1.0).contains(&lean)).then_some((touch, felt))
+    }
+
+    /// The force that has the tip at a place (whisker frame, over the length), from this one on.
+    pub(super) fn placed_at(&self, mut q: f64, mut beta: f64, target: Vec2) -> Option<Placed> {
         for _ in 0..MOST_STEPS {
             let tip = self.solver.chart(q, beta)?;
             let gap = tip.position - target;
@@ -181,17 +203,25 @@ impl Forward<'_> {
                 return None;
             }
             if gap.norm_squared().sqrt() < self.solver.near() && damp >= 1.0 {
-                let (value, [m, n]) = self.sense.at_tip(&tip, q + dq, beta);
-                let adjoint = [(m * b.y - n * a.y) / det, (n * a.x - m * b.x) / det, 0.0];
-                let settled = settled(&tip, q, beta, dq, dbeta);
-                let direction = stance.theta + settled.slope + beta + FRAC_PI_2;
-                let lean = wrap_angle(direction - joint.normal) / joint.turn;
-                let touch = Touch { hold: Hold::Corner(before), place: joint.position, ..settled };
-                let felt = Felt { value: value - m * dq - n * dbeta, gradient: stance.gradient(adjoint, target) };
-                return Some((touch, felt, lean));
+                return Some(Placed { q, beta, tip, step: (dq, dbeta) });
             }
         }
         None
+    }
+}
+
+/// A whisker whose tip a force has at a place: the force after the last Newton step, the chart before it, and the step.
+pub(super) struct Placed {
+    pub(super) q: f64,
+    pub(super) beta: f64,
+    pub(super) tip: TipChart,
+    step: (f64, f64),
+}
+
+impl Placed {
+    /// The slope at the tip (rad, whisker frame).
+    pub(super) fn slope(&self) -> f64 {
+        settled(&self.tip, self.q, self.beta, self.step.0, self.step.1).slope
     }
 }
 

@@ -1,0 +1,71 @@
+//! Sweeps around the corners of rooms, out of which the whisker snaps.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on must fail")]
+
+#[path = "data/long_sweep.rs"]
+mod long_sweep;
+#[path = "data/random.rs"]
+mod random;
+
+use long_sweep::long_sweep;
+use vibrissa::beam::{TipModel, Whisker};
+use vibrissa::flow::pose::{Method, Status};
+use vibrissa::flow::state_set::probabilistic::predicted_moments;
+use vibrissa::plane::{Curve, Pose2, Vec2, wrap_angle};
+use vibrissa::tasks::simulate::Sweep;
+use vibrissa::world::{Boundary, Map, Robot, Role};
+use vibrissa::{LocalizeOptions, localize};
+
+/// A room of this half width and height (m) with a post where no turn of the room takes it onto itself.
+fn room(x: f64, y: f64) -> Map {
+    let corners = [Vec2::new(-x, -y), Vec2::new(x, -y), Vec2::new(x, y), Vec2::new(-x, y)];
+    let walls = Boundary::new(Role::Arena, Curve::polyline(&corners, true).unwrap(), None).unwrap();
+    let post = Boundary::new(Role::Obstacle, Curve::circle(Vec2::new(0.03, -0.01), 0.01).unwrap(), None).unwrap();
+    Map::new(vec![walls, post]).unwrap()
+}
+
+fn snaps(sweep: &Sweep) -> usize {
+    sweep.events.iter().filter(|event| event.kind == "snap").count()
+}
+
+/// The first sweeps of these seeds in which the whisker snaps.
+fn snapping(map: &Map, seeds: core::ops::Range<u64>, most: usize) -> Vec<Sweep> {
+    seeds.filter_map(|seed| long_sweep(map, seed)).filter(|sweep| snaps(sweep) > 0).take(most).collect()
+}
+
+#[test]
+fn after_a_snap_the_whisker_rests_where_the_simulator_says() {
+    let (mut rows, mut odd, mut snapped) = (0, 0, 0);
+    for (map, seeds) in [(room(0.2, 0.2), 1..40), (room(0.35, 0.25), 100..140)] {
+        for sweep in snapping(&map, seeds, 4) {
+            let path: Vec<Pose2> = sweep.truth.iter().map(|pose| pose.map_from_robot).collect();
+            let ours = predicted_moments(&map, &TipModel::new(&Whisker::default()).unwrap(), &path);
+            // A fifth of the declared noise.
+            let far = |(ours, exact): (f64, f64)| (ours - exact).abs() > 0.01 * exact.abs() + 4e-6;
+            let pairs = ours.iter().map(|moment| moment.moment).zip(sweep.exact_moments.iter().map(|row| row[0]));
+            let these = pairs.filter(|&pair| far(pair)).count();
+            println!("{} rows, {} snaps, {these} odd", path.len(), snaps(&sweep));
+            (rows, odd, snapped) = (rows + path.len(), odd + these, snapped + snaps(&sweep));
+        }
+    }
+    println!("{odd} of {rows} rows, {snapped} snaps");
+    assert!(snapped >= 8 && odd * 20 < rows, "{odd} of {rows} rows with {snapped} snaps");
+}
+
+#[test]
+fn a_robot_that_goes_around_corners_is_told_where_it_is() {
+    let options = LocalizeOptions { method: Method::Probabilistic, ..LocalizeOptions::default() };
+    let map = room(0.35, 0.25);
+    for sweep in snapping(&map, 100..140, 3) {
+        let answer = localize(&sweep.log, &map, &Robot::default(), &options, &mut |_| {}).unwrap();
+        let truth = sweep.truth.last().unwrap().map_from_robot;
+        let near = answer.hypotheses.iter().map(|h| {
+            (h.pose.position().distance(truth.position()), wrap_angle(h.pose.theta - truth.theta).abs(), h.weight)
+        });
+        let near = near.min_by(|a, b| a.0.total_cmp(&b.0));
+        println!("{} rows, {} snaps: {}, {near:?}", sweep.truth.len(), snaps(&sweep), answer.status);
+        assert!(matches!(answer.status, Status::Localized | Status::Ambiguous), "{:?}", answer.events.last());
+        let (off, turned, weight) = near.unwrap();
+        assert!(off < 3e-4 && turned < 5e-3 && weight > 0.05, "{:.2} mm, weight {weight}", 1e3 * off);
+    }
+}
