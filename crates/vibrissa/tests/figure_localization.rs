@@ -67,7 +67,7 @@ fn around(pose: Pose2, spread: f64, count: usize, scatter: &mut Scatter) -> Vec<
 
 fn hypothesis(poses: &[Pose2], weight: f64) -> Hypothesis {
     let extent = poses.iter().fold(StateBox::EMPTY, |set, &pose| set.including(pose));
-    Hypothesis { pose: poses[0], weight, extent, covariance: None }
+    Hypothesis { pose: poses[0], weight, extent, covariance: None, ridge: vec![] }
 }
 
 fn empty(status: Status) -> Localization {
@@ -230,7 +230,13 @@ fn hostile_numbers_and_empty_scenes_leave_valid_figures() {
             answer.trajectory.push(StampedPose { t: a, map_from_robot: pose });
             answer.first_states.push(pose);
             answer.states.push(StateBox { x: Interval::new(a, b), y: Interval::new(b, a), theta: Interval::EMPTY });
-            answer.hypotheses.push(Hypothesis { pose, weight: a, extent: StateBox::EMPTY, covariance: None });
+            answer.hypotheses.push(Hypothesis {
+                pose,
+                weight: a,
+                extent: StateBox::EMPTY,
+                covariance: None,
+                ridge: vec![pose, Pose2::IDENTITY],
+            });
             answer.shapes.push(ShapeRecord { t: b, points: vec![Vec2::new(a, b)] });
             answer.estimate = Some(pose);
             let scene = LocalizationScene { title: "", map: &[], answer: &answer, truth: None, robot: &[] };
