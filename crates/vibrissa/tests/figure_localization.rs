@@ -159,6 +159,16 @@ fn close_ups_appear_where_the_map_dwarfs_what_they_show() {
 }
 
 #[test]
+fn a_ridge_is_a_line_through_its_place() {
+    let mut answer = localized(&[(Pose2::new(0.0, 0.035, 1.75), 0.002, 5)], Status::Ambiguous);
+    let words = "where along a place the robot may be";
+    assert!(!draw("no_ridge", &answer, None).contains(words));
+    answer.hypotheses[0].ridge = (0..9).map(|k| Pose2::new(-0.1 + 0.02 * f64::from(k), 0.035, 1.75)).collect();
+    let figure = draw("ridge", &answer, None);
+    assert!(figure.contains(words) && figure.matches("class=\"ridge\"").count() >= 2, "the line and the legend");
+}
+
+#[test]
 fn rivals_are_numbered_and_weighed() {
     let places = [
         (Pose2::new(0.0, 0.035, 1.75), 0.002, 5),
