@@ -213,6 +213,7 @@ fn hypothesis<'py>(py: Python<'py>, one: &Hypothesis) -> PyResult<Bound<'py, PyD
         out.set_item(name, value)?;
     }
     out.set_item("covariance", one.covariance.map(|rows| table(py, rows, |row| row)).transpose()?)?;
+    out.set_item("ridge", poses(py, one.ridge.iter().copied())?)?;
     Ok(out)
 }
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import json
 import re
 import signal
 import subprocess
@@ -36,6 +37,7 @@ def test_answers_are_those_of_the_command_to_the_bit(
             assert getattr(mine, key) == theirs[key], key
         if mine.covariance is not None:
             assert mine.covariance.tolist() == theirs["covariance"]
+        assert mine.ridge.shape == (0, 3) and "ridge" not in theirs
     assert [(e.t, e.kind, e.detail) for e in answer.events] == [(e["t"], e["kind"], e["detail"]) for e in told["events"]]
     assert answer.error is not None and answer.error.final_position == told["truth"]["final_position_m"]
     states, steps = table(tmp_path / "states.csv"), table(tmp_path / "steps.csv")
@@ -47,6 +49,32 @@ def test_answers_are_those_of_the_command_to_the_bit(
     # The truth is where the answer says, by the truth's own file.
     last = vibrissa.Trajectory.read(truth).poses[-1]
     assert answer.estimate is not None and np.hypot(*(np.array(answer.estimate) - last)[:2]) < 1e-3
+
+
+def test_a_place_along_a_straight_wall_is_a_curve(tmp_path: Path, command: Command) -> None:
+    corners = [(-0.25, -0.25), (0.25, -0.25), (0.25, 0.25), (-0.25, 0.25), (-0.25, -0.25)]
+    room = tmp_path / "room.geojson"
+    outline = {"type": "Polygon", "coordinates": [corners]}
+    feature = {"type": "Feature", "properties": {"role": "arena"}, "geometry": outline}
+    room.write_text(json.dumps({"type": "FeatureCollection", "features": [feature]}))
+    way = [(-0.05, 0.18, 2.2), (-0.05, 0.2, 2.2), (0.1, 0.2, 2.2)]
+    scenario = tmp_path / "sweep.toml"
+    scenario.write_text(f'seed = 4\nmap = "room.geojson"\n[path]\nwaypoints = {[list(pose) for pose in way]}\n')
+    command("simulate", scenario, "--out", tmp_path)
+    told = command("localize", tmp_path / "log.csv", "--map", room, "--method", "probabilistic")
+    answer = vibrissa.localize(tmp_path / "log.csv", room, method="probabilistic")
+    assert len(answer.hypotheses) == 4
+    for mine, theirs in zip(answer.hypotheses, told["hypotheses"], strict=True):
+        assert mine.ridge.shape[0] > 5 and mine.ridge.tolist() == theirs["ridge"]
+    # One of the four straight lines goes through the truth.
+    x, y, theta = vibrissa.Trajectory.read(tmp_path / "truth.tum").poses[-1]
+    near = [
+        np.abs(ridge[:, 1] - y).max() < 1e-3
+        and np.abs(ridge[:, 2] - theta).max() < 0.01
+        and ridge[:, 0].min() < x < ridge[:, 0].max()
+        for ridge in (place.ridge for place in answer.hypotheses)
+    ]
+    assert near.count(True) == 1
 
 
 def test_arrays_in_memory_give_the_same_answer(demo: vibrissa.Demo, demo_files: Path) -> None:

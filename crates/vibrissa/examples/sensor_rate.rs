@@ -5,14 +5,17 @@
 //! deterministic, possibilistic or probabilistic METHOD (the last unless said). One line
 //! for each: rows; milliseconds for all of it, for the longest row before one second of contact has passed, for the median and
 //! the 99th percentile of the rows after that, and for the final fit; how many components there
-//! were at each quarter of the updates; verdict, error of the nearest place,
+//! were at each quarter of the updates; verdict, error of the nearest place, that of the nearest place or its ridge,
 //! least squared distance of the truth from a place in its standard deviations (95 % lie below 7.8), area of the set (mm²) and
 //! the longest side of the rectangle around a place (mm), weights of all.
 
 #[path = "../tests/data/region.rs"]
 mod region;
+#[path = "../tests/data/ridge.rs"]
+mod ridge;
 
 use region::{CHI2_95, distance};
+use ridge::off_ridge;
 use std::path::Path;
 use std::time::Instant;
 use vibrissa::flow::pose::{Hypothesis, Localization, Method};
@@ -109,7 +112,7 @@ fn main() -> Result<()> {
         .collect();
     names.sort();
     println!(
-        "{:18}{:>6}{:>9}{:>9}{:>8}{:>8}{:>8}{:>24}  verdict, mm, deg, chi2, mm2, long mm, weights",
+        "{:18}{:>6}{:>9}{:>9}{:>8}{:>8}{:>8}{:>24}  verdict, mm, deg, mm, deg with ridges, their vertices, chi2, mm2, long mm, weights",
         "sweep", "rows", "all", "longest", "p50", "p99", "end", "alive"
     );
     let (mut rows, mut all, mut late_all, mut held) = (0, 0.0, Vec::new(), 0);
@@ -128,6 +131,12 @@ fn main() -> Result<()> {
             (1e3 * p.position().distance(truth.position()), wrap_angle(p.theta - truth.theta).abs().to_degrees())
         };
         let best = run.answer.hypotheses.iter().map(|h| off(h.pose)).min_by(|a, b| a.0.total_cmp(&b.0));
+        let along = |h: &Hypothesis| {
+            let ridge = off_ridge(&h.ridge, truth).map(|(m, rad)| (1e3 * m, rad.to_degrees()));
+            ridge.into_iter().chain([off(h.pose)]).min_by(|a, b| a.0.total_cmp(&b.0))
+        };
+        let nearest = run.answer.hypotheses.iter().filter_map(along).min_by(|a, b| a.0.total_cmp(&b.0));
+        let vertices: Vec<usize> = run.answer.hypotheses.iter().map(|h| h.ridge.len()).collect();
         let chi2 = run.answer.hypotheses.iter().map(|h| distance(h, truth)).fold(f64::INFINITY, f64::min);
         // Places without a covariance tell their extent.
         let inside = |h: &Hypothesis| match h.covariance {
@@ -147,8 +156,9 @@ fn main() -> Result<()> {
         let longest = run.answer.hypotheses.iter().map(wide).fold(0.0, f64::max);
         let told: Vec<String> = run.answer.hypotheses.iter().map(|h| format!("{:.3}", h.weight)).collect();
         let (mm, deg) = best.unwrap_or((f64::NAN, f64::NAN));
+        let (near_mm, near_deg) = nearest.unwrap_or((f64::NAN, f64::NAN));
         println!(
-            "{name:18}{:6}{total:9.1}{:9.1}{:8.3}{:8.3}{:8.1}{:>24}  {} {mm:.3} {deg:.3} {chi2:.1} {:.2} {longest:.2} {}",
+            "{name:18}{:6}{total:9.1}{:9.1}{:8.3}{:8.3}{:8.1}{:>24}  {} {mm:.3} {deg:.3} {near_mm:.3} {near_deg:.3} {vertices:?} {chi2:.1} {:.2} {longest:.2} {}",
             run.rows.len(),
             early.iter().copied().fold(0.0, f64::max),
             quantile(late, 0.5),

@@ -67,7 +67,7 @@ fn around(pose: Pose2, spread: f64, count: usize, scatter: &mut Scatter) -> Vec<
 
 fn hypothesis(poses: &[Pose2], weight: f64) -> Hypothesis {
     let extent = poses.iter().fold(StateBox::EMPTY, |set, &pose| set.including(pose));
-    Hypothesis { pose: poses[0], weight, extent, covariance: None }
+    Hypothesis { pose: poses[0], weight, extent, covariance: None, ridge: vec![] }
 }
 
 fn empty(status: Status) -> Localization {
@@ -159,6 +159,16 @@ fn close_ups_appear_where_the_map_dwarfs_what_they_show() {
 }
 
 #[test]
+fn a_ridge_is_a_line_through_its_place() {
+    let mut answer = localized(&[(Pose2::new(0.0, 0.035, 1.75), 0.002, 5)], Status::Ambiguous);
+    let words = "where along a place the robot may be";
+    assert!(!draw("no_ridge", &answer, None).contains(words));
+    answer.hypotheses[0].ridge = (0..9).map(|k| Pose2::new(-0.1 + 0.02 * f64::from(k), 0.035, 1.75)).collect();
+    let figure = draw("ridge", &answer, None);
+    assert!(figure.contains(words) && figure.matches("class=\"ridge\"").count() >= 2, "the line and the legend");
+}
+
+#[test]
 fn rivals_are_numbered_and_weighed() {
     let places = [
         (Pose2::new(0.0, 0.035, 1.75), 0.002, 5),
@@ -230,7 +240,13 @@ fn hostile_numbers_and_empty_scenes_leave_valid_figures() {
             answer.trajectory.push(StampedPose { t: a, map_from_robot: pose });
             answer.first_states.push(pose);
             answer.states.push(StateBox { x: Interval::new(a, b), y: Interval::new(b, a), theta: Interval::EMPTY });
-            answer.hypotheses.push(Hypothesis { pose, weight: a, extent: StateBox::EMPTY, covariance: None });
+            answer.hypotheses.push(Hypothesis {
+                pose,
+                weight: a,
+                extent: StateBox::EMPTY,
+                covariance: None,
+                ridge: vec![pose, Pose2::IDENTITY],
+            });
             answer.shapes.push(ShapeRecord { t: b, points: vec![Vec2::new(a, b)] });
             answer.estimate = Some(pose);
             let scene = LocalizationScene { title: "", map: &[], answer: &answer, truth: None, robot: &[] };

@@ -44,6 +44,8 @@ struct HypothesisJson {
     covariance: Option<[[f64; 3]; 3]>,
     #[serde(skip_serializing_if = "Option::is_none")]
     bound: Option<BoundJson>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    ridge: Vec<[f64; 3]>,
 }
 
 /// The error to be expected by the declared noise and odometry bounds: root mean squares.
@@ -125,6 +127,7 @@ fn hypotheses(answer: &Localization) -> Vec<HypothesisJson> {
         theta_max: h.extent.theta.hi(),
         covariance: h.covariance,
         bound: h.bound().map(|(position_m, heading_rad)| BoundJson { position_m, heading_rad }),
+        ridge: h.ridge.iter().map(|pose| [pose.x, pose.y, pose.theta]).collect(),
     };
     answer.hypotheses.iter().map(one).collect()
 }

@@ -50,6 +50,9 @@ fn estimate(text: &mut String, only: &Hypothesis) {
         let (position, heading) = (position * 1e3, heading * degrees);
         let _ = writeln!(text, "  expected error by the declared noise: {position:.3} mm, {heading:.3} deg (rms)");
     }
+    if let Some(length) = only.ridge_length() {
+        let _ = writeln!(text, "  open along a curve of {:.0} mm (`ridge` in the JSON)", length * 1e3);
+    }
 }
 
 fn places(text: &mut String, many: &[Hypothesis]) {
@@ -58,14 +61,16 @@ fn places(text: &mut String, many: &[Hypothesis]) {
         let (pose, extent) = (hypothesis.pose, hypothesis.extent);
         let (x, y, heading) = (pose.x * 1e3, pose.y * 1e3, pose.theta.to_degrees());
         let wide = [extent.x.width() * 1e3, extent.y.width() * 1e3, extent.theta.width().to_degrees()];
+        let along = hypothesis.ridge_length().map(|length| format!("; along {:.0} mm", length * 1e3));
         let _ = writeln!(
             text,
-            "  {:>5}  {:>4.0} %  {x:>8.2}  {y:>8.2}  {heading:>11.2}   {:.2}, {:.2}, {:.2}",
+            "  {:>5}  {:>4.0} %  {x:>8.2}  {y:>8.2}  {heading:>11.2}   {:.2}, {:.2}, {:.2}{}",
             index + 1,
             100.0 * hypothesis.weight,
             wide[0],
             wide[1],
-            wide[2]
+            wide[2],
+            along.unwrap_or_default()
         );
     }
     if many.len() > LISTED {

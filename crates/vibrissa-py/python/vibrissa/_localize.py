@@ -45,6 +45,9 @@ class Hypothesis:
     """(rad)"""
     covariance: Floats | None
     """Covariance of (x, y, theta) (m², m rad, rad²), shape (3, 3), where the method gives one."""
+    ridge: Floats
+    """The curve along which the readings leave the place open: states (x, y, theta) at the last row (m, m, rad; map frame) in
+    order, shape (n, 3); shape (0, 3) where the method gives none or the place is short."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -41,6 +41,7 @@ text { font-family: system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neu
 .estimate { fill: #0072b2; stroke: #fff; stroke-width: 1.2; }
 .estimate-line { fill: none; stroke: #0072b2; stroke-width: 2.4; stroke-linecap: round; }
 .start { fill: #fff; stroke: #0072b2; stroke-width: 1.8; }
+.ridge { fill: none; stroke: #0072b2; stroke-width: 2.6; stroke-opacity: 0.55; stroke-linecap: round; stroke-linejoin: round; }
 .extent { fill: #0072b2; fill-opacity: 0.08; stroke: #0072b2; stroke-width: 1.1; stroke-dasharray: 4 3; }
 .fan { fill: #0072b2; fill-opacity: 0.25; stroke: none; }
 .badge { fill: #fff; stroke: #0072b2; stroke-width: 1.4; }

@@ -30,7 +30,7 @@ pub enum Method {
 }
 
 /// One place that explains the log, kept apart from every other.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Hypothesis {
     /// The chosen state at the last row, map frame.
     pub pose: Pose2,
@@ -41,6 +41,10 @@ pub struct Hypothesis {
     /// Covariance of (x, y, heading) in the map frame (m², m rad, rad²), where the method gives one: what the declared
     /// noise and odometry bounds leave open at this place.
     pub covariance: Option<[[f64; 3]; 3]>,
+    /// The curve along which the readings leave the place open, where the method gives one and the place is longer than 4 mm:
+    /// states at the last row (map frame), in order from one end of what the readings allow to the other, each a fit of its
+    /// own; else empty. Between neighbours states lie on a straight line, their headings on the shorter way.
+    pub ridge: Vec<Pose2>,
 }
 
 impl Hypothesis {
@@ -49,6 +53,13 @@ impl Hypothesis {
     #[must_use]
     pub fn bound(&self) -> Option<(f64, f64)> {
         self.covariance.map(|c| ((c[0][0] + c[1][1]).max(0.0).sqrt(), c[2][2].max(0.0).sqrt()))
+    }
+
+    /// How far the robot's positions go along the ridge (m), where there is one.
+    #[must_use]
+    pub fn ridge_length(&self) -> Option<f64> {
+        let length = self.ridge.windows(2).map(|w| w[0].position().distance(w[1].position())).sum();
+        (self.ridge.len() > 1).then_some(length)
     }
 }
 
@@ -146,7 +157,7 @@ pub fn choose(states: &StateSet, odom_from_robot: Pose2, options: &Deterministic
             let pose = chosen.map_from_odom.compose(odom_from_robot);
             let own = |&i: &usize| likely[i].extent(odom_from_robot, options.tolerance);
             let extent = place.members.iter().map(own).fold(StateBox::EMPTY, |all, one| all.hull(&one));
-            Hypothesis { pose, weight: likelihood(chosen), extent, covariance: None }
+            Hypothesis { pose, weight: likelihood(chosen), extent, covariance: None, ridge: Vec::new() }
         })
         .collect();
     let total: f64 = hypotheses.iter().map(|h| h.weight).sum();

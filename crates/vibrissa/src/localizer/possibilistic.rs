@@ -262,5 +262,5 @@ fn hypothesis(place: &Place) -> Hypothesis {
     let middle = 0.5 * (theta.lo() + theta.hi());
     let turn = middle - wrap_angle(middle);
     let extent = crate::sets::StateBox { theta: Interval::new(theta.lo() - turn, theta.hi() - turn), ..place.extent };
-    Hypothesis { pose: place.pose, weight: place.share, extent, covariance: None }
+    Hypothesis { pose: place.pose, weight: place.share, extent, covariance: None, ridge: Vec::new() }
 }

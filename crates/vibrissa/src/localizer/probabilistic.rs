@@ -366,6 +366,7 @@ fn hypothesis(place: &Place) -> Hypothesis {
         weight: place.weight,
         extent: boxes.fold(StateBox::EMPTY, |all, one| all.hull(&one)),
         covariance: Some(place.covariance),
+        ridge: place.ridge.clone(),
     }
 }
 

@@ -105,6 +105,10 @@ pub(super) fn estimate(canvas: &mut Canvas, scene: &LocalizationScene<'_>, close
     for hypothesis in answer.hypotheses.iter().take(NUMBERED) {
         extent(canvas, hypothesis, close_up);
     }
+    for hypothesis in answer.hypotheses.iter().take(NUMBERED) {
+        let ridge: Vec<Vec2> = hypothesis.ridge.iter().map(|pose| pose.position()).collect();
+        canvas.trail(&ridge, "ridge");
+    }
     let Some(pose) = answer.estimate else { return };
     if !close_up && scene.robot.len() > 2 {
         let outline: Vec<Vec2> = scene.robot.iter().map(|&point| pose.transform_point(point)).collect();
@@ -182,6 +186,11 @@ pub(super) fn legend_entries(scene: &LocalizationScene<'_>, canvas: &Canvas) -> 
         !answer.hypotheses.is_empty(),
         Sample::Patch("extent"),
         if several { "extent of a place" } else { "extent of the place" }.into(),
+    );
+    add(
+        answer.hypotheses.iter().any(|hypothesis| !hypothesis.ridge.is_empty()),
+        Sample::Line("ridge"),
+        "where along a place the robot may be".into(),
     );
     add(!answer.trajectory.is_empty(), Sample::Line("path"), "estimated path, from the circle".into());
     add(scene.truth.is_some(), Sample::Line("truth"), "true path".into());

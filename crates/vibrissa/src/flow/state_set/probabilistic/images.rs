@@ -110,7 +110,7 @@ fn contacts(h: &Hypothesis, scene: &Scene<'_>, rows: &[usize]) -> Vec<(u32, f64)
 }
 
 /// Whether the robot and its whiskers' bases stand in free space at the first and the last of these rows.
-fn stands(field: &Field<'_>, history: &History, frame: Pose2, rows: &[usize]) -> bool {
+pub(super) fn stands(field: &Field<'_>, history: &History, frame: Pose2, rows: &[usize]) -> bool {
     [rows.first(), rows.last()].into_iter().flatten().all(|&row| {
         let base = |index: usize| field.map.is_free(frame.transform_point(history.base(row, index).position()));
         field.stands(history, frame, row) && (0..field.feelers.len()).all(base)

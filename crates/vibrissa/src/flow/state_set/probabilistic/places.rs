@@ -4,8 +4,9 @@ use super::bank::{Bank, Field, OPEN};
 use super::contact::{Solver, State};
 use super::history::{History, Judge};
 use super::hypothesis::{Hypothesis, Scene, difference, moved};
-use super::images::images;
+use super::images::{images, stands};
 use super::normal::{Matrix, Normal, add, determinant, dot, inverse, times};
+use super::ridge::{Metric, Walker};
 use super::shake::shake;
 use super::spread::{SAMPLES, Spread, spread};
 use crate::plane::Pose2;
@@ -53,6 +54,8 @@ const SAMPLED_ABOVE: f64 = 1e-3;
 /// Places with less than this share of it are sampled only once.
 const THOROUGH_ABOVE: f64 = 0.02;
 const MOST_SAMPLED_TAKES: usize = 600_000;
+/// Readings that the walks along ridges may run, of all places.
+const MOST_WALKED_TAKES: usize = 300_000;
 /// Rows whose mean residual is looked at together, and where single residuals are cut (standard deviations).
 const BLOCK: usize = 8;
 const CUT: f64 = 2.5;
@@ -70,6 +73,8 @@ pub struct Place {
     pub covariance: [[f64; 3]; 3],
     /// The robot's poses at the last row, of all hypotheses of this place, the best first, each with its covariance.
     pub members: Vec<(Pose2, [[f64; 3]; 3])>,
+    /// The robot's poses at the last row along the curve on which the readings leave it, where that is long; else empty.
+    pub ridge: Vec<Pose2>,
     /// Share of the rows whose reading breaks its declared bound at the best hypothesis.
     pub broken: f64,
 }
@@ -136,9 +141,7 @@ pub(super) fn choose(bank: &mut Bank, field: &Field<'_>, history: &History) -> (
     bank.settle(field, history, LAST_ROUNDS, 0);
     shake(bank, field, history);
     bank.settle(field, history, EXACT_ROUNDS, EXACT);
-    let rows = || (0..history.len()).rev().step_by(STANDS_EVERY);
-    let stands = |h: &Hypothesis| rows().all(|row| field.stands(history, h.map_from_odom, row));
-    bank.hypotheses.retain(|h| field.admits(history, h.map_from_odom) && stands(h));
+    bank.hypotheses.retain(|h| is_allowed(field, history, h.map_from_odom));
     let least = bank.hypotheses.iter().map(|h| h.cost(bank.shared)).fold(f64::INFINITY, f64::min);
     bank.hypotheses.retain(|h| h.cost(shared) <= least + TOLD);
     bank.gather(field.turns);
@@ -162,6 +165,12 @@ pub(super) fn choose(bank: &mut Bank, field: &Field<'_>, history: &History) -> (
         bank.hypotheses.iter().map(|h| self::fit(h, bank, field, history, Solver::Quick(field.table)).broken).collect();
     let settled = Settled { field, history, bank, broken: &broken, own: &own, drifts: &drifts, last, least };
     (settled.places(&quick), fit)
+}
+
+/// Whether the robot may have been where this frame says.
+fn is_allowed(field: &Field<'_>, history: &History, frame: Pose2) -> bool {
+    let mut rows = (0..history.len()).rev().step_by(STANDS_EVERY);
+    field.admits(history, frame) && rows.all(|row| field.stands(history, frame, row))
 }
 
 /// The covariance of the estimate about the pivot.
@@ -197,13 +206,29 @@ impl Settled<'_> {
         groups.sort_by(|a, b| b.0.total_cmp(&a.0));
         let most = groups.first().map_or(0.0, |g| g.0);
         let afford = MOST_SAMPLED_TAKES / (SAMPLES * self.bank.used.len()).max(1);
+        let mut walker = Walker {
+            scene,
+            rows: &self.bank.used,
+            metric: Metric {
+                pivot: scene.pivot,
+                lever: self.field.feelers.iter().map(|f| f.length).fold(f64::MIN_POSITIVE, f64::max),
+            },
+            admits: &|frame| {
+                is_allowed(self.field, self.history, frame) && stands(self.field, self.history, frame, &self.bank.used)
+            },
+            left: MOST_WALKED_TAKES,
+            known: Vec::new(),
+        };
         let mut places: Vec<Place> = groups
             .iter()
             .enumerate()
             .map(|(index, (mass, members))| {
                 let near = index < afford.min(MOST_SAMPLED) && *mass > SAMPLED_ABOVE * most;
                 let spread = if near { self.spread(scene, members, *mass > THOROUGH_ABOVE * most) } else { None };
-                self.place(members, *mass, spread)
+                let with: Vec<_> = members.iter().map(|&i| (&self.bank.hypotheses[i], &self.own[i])).collect();
+                let frames = if *mass > SAMPLED_ABOVE * most { walker.ridge(&with) } else { Vec::new() };
+                let ridge: Vec<Pose2> = frames.into_iter().map(|frame| frame.compose(self.last)).collect();
+                Place { ridge, ..self.place(members, *mass, spread) }
             })
             .collect();
         if self.bank.for_all {
@@ -224,6 +249,7 @@ impl Settled<'_> {
                 map_from_odom: frame,
                 covariance: own(&place.covariance),
                 members: place.members.iter().map(|(pose, c)| (motion.compose(*pose), own(c))).collect(),
+                ridge: place.ridge.iter().map(|pose| motion.compose(*pose)).collect(),
                 ..*place
             }
         };
@@ -288,7 +314,7 @@ impl Settled<'_> {
                 (first.map_from_odom, mass, linear.collect())
             }
         };
-        Place { map_from_odom, weight, covariance: members[0].1, members, broken }
+        Place { map_from_odom, weight, covariance: members[0].1, members, ridge: Vec::new(), broken }
     }
 }
 
