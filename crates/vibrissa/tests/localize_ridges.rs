@@ -101,11 +101,16 @@ fn end(sweep: &Sweep) -> Pose2 {
 fn what_feels_the_same_lies_on_the_ridge_and_what_does_not_lies_off_it() {
     let exact = along_the_wall(0.0, &SweepNoise::none()).unwrap();
     let noise = Robot::default().whiskers[0].noise;
-    for seed in [4, 9] {
+    let mut told = 0;
+    for seed in 1..10 {
         let sweep = along_the_wall(0.0, &SweepNoise::seeded(seed)).unwrap();
         let answer = localized(&sweep.log, &square_room(), &Robot::default(), 1000);
+        // A middle that happens to be the truth says nothing.
+        if off_middle(&answer, end(&sweep)) < 2e-3 || told == 2 {
+            continue;
+        }
+        told += 1;
         check_vertices(&answer, &square_room());
-        assert!(off_middle(&answer, end(&sweep)) > 2e-3, "a middle that happens to be the truth says nothing");
         let (mut alike, mut unlike) = (0, 0);
         for step in -200..=200 {
             let Some(there) = along_the_wall(1e-3 * f64::from(step), &SweepNoise::none()) else { continue };
@@ -124,6 +129,7 @@ fn what_feels_the_same_lies_on_the_ridge_and_what_does_not_lies_off_it() {
         println!("seed {seed}: {alike} on the ridge, {unlike} off it");
         assert!(alike > 250 && unlike > 5, "{alike} {unlike}");
     }
+    assert_eq!(told, 2);
 }
 
 #[test]
