@@ -1,8 +1,8 @@
 //! All hypotheses together: started at a first contact, carried on, linearised anew, merged, dropped, weighed.
 
+mod dropped;
 mod merge;
 mod outside;
-mod recall;
 mod rescue;
 mod start;
 
@@ -16,21 +16,12 @@ use crate::config::ProbabilisticOptions;
 use crate::plane::{Pose2, Vec2, wrap_angle};
 use crate::world::{Map, Robot};
 use core::ops::Range;
+use dropped::Dropped;
 pub(super) use merge::{Prospect, best_of_cells, cells};
-use recall::Dropped;
 pub(super) use rescue::RESCUED;
 use rescue::RESCUED_A_ROW;
 pub(super) use start::Search;
 
-/// A hypothesis less likely than the best by this (nats) is dropped; the second part shrinks with the share of the rows
-/// that are used.
-const DROP: f64 = 30.0;
-const DROP_MORE: f64 = 20.0;
-/// Readings that may be run again, for each new row, for those that are linearised anew before they are dropped.
-const URGENT: usize = 200;
-/// What has become dearer than the best was then by this many times what drops a hypothesis is given up while it is still being
-/// run.
-const HOPELESS: f64 = 1.3;
 /// Inverse variances that keep a step finite where the readings leave a direction open (5 mm, 5°).
 const LOOSE: [f64; 3] = [4e4, 4e4, 131.0];
 /// Longest step of one linearisation (m, rad).
@@ -404,50 +395,6 @@ impl Bank {
     /// The least cost of any hypothesis, as last looked at.
     pub(super) fn least(&self) -> f64 {
         self.hypotheses.iter().map(|h| h.promise.0).fold(f64::INFINITY, f64::min)
-    }
-
-    /// What a hypothesis may cost more than the best one (nats).
-    fn drop(&self, history: &History) -> f64 {
-        DROP + DROP_MORE * self.used.len() as f64 / history.len() as f64
-    }
-
-    /// Drops what is much less likely than the best; each gets one more chance at its best place.
-    fn drop_unlikely(&mut self, field: &Field<'_>, history: &History) {
-        let least = self.least();
-        let drop = self.drop(history);
-        let scene = field.scene(history, self.pivot, Judge::FAIR, self.shared);
-        let (used, shared) = (&self.used, self.shared);
-        let limits = Limits { usual: &self.usual, more: HOPELESS * drop };
-        let mut dropped = core::mem::take(&mut self.dropped);
-        let lost = self.hypotheses.extract_if(.., |h| {
-            let (cost, d) = h.promise;
-            if h.waits || cost <= least + drop {
-                return false;
-            }
-            // What it costs may say only that its linearisation is old. Until it is run anew it takes none of the rows to come.
-            h.waits = h.age * 6 > used.len() && is_stale(d);
-            !h.waits
-        });
-        lost.for_each(|h| dropped.push(h, used.len()));
-        let waiting = self.hypotheses.iter().enumerate().filter(|(_, h)| h.waits);
-        let mut waiting: Vec<(f64, usize)> = waiting.map(|(index, h)| (h.promise.0, index)).collect();
-        waiting.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let mut dead = vec![false; self.hypotheses.len()];
-        let mut credit = URGENT;
-        for (_, index) in waiting {
-            if credit == 0 {
-                break;
-            }
-            let h = &mut self.hypotheses[index];
-            let (alive, taken) = h.revive(&scene, cut(h.promise.1), used, limits);
-            credit = credit.saturating_sub(taken);
-            h.look(LOOSE, shared);
-            dead[index] = !alive || h.promise.0 > least + drop;
-        }
-        let mut dead = dead.into_iter();
-        let lost = self.hypotheses.extract_if(.., |_| dead.next() == Some(true));
-        lost.for_each(|h| dropped.push(h, used.len()));
-        self.dropped = dropped;
     }
 }
 

@@ -174,7 +174,7 @@ impl Search {
             since_merge: 0,
             usual: Vec::new(),
             recent: Vec::new(),
-            dropped: super::recall::Dropped::default(),
+            dropped: super::dropped::Dropped::default(),
             folded: false,
             for_all: self.for_all,
         };

@@ -1,4 +1,4 @@
-//! Hypotheses that were dropped, and where they would have had to stand.
+//! Hypotheses that are dropped, and where they would have had to stand.
 //!
 //! Along a straight wall hypotheses stand millimetres apart, and all explain the readings. The corner at its end does not
 //! forgive that: a whisker snaps out of it at one millimetre of the way. Of several corners that are alike, the one whose
@@ -7,10 +7,19 @@
 
 use super::super::history::{History, Judge};
 use super::super::hypothesis::{Hypothesis, Limits, difference};
-use super::{Bank, Field, LOOSE};
+use super::{Bank, Field, LOOSE, cut, is_stale};
 use crate::plane::Pose2;
 use std::collections::VecDeque;
 
+/// A hypothesis less likely than the best by this (nats) is dropped; the second part shrinks with the share of the rows
+/// that are used.
+const DROP: f64 = 30.0;
+const DROP_MORE: f64 = 20.0;
+/// Readings that may be run again, for each new row, for those that are linearised anew before they are dropped.
+const URGENT: usize = 200;
+/// What has become dearer than the best was then by this many times what drops a hypothesis is given up while it is still being
+/// run.
+const HOPELESS: f64 = 1.3;
 /// So many of those dropped last are kept, for so many used rows.
 const KEPT: usize = 128;
 const ROWS: usize = 96;
@@ -40,6 +49,50 @@ impl Dropped {
 }
 
 impl Bank {
+    /// What a hypothesis may cost more than the best one (nats).
+    pub(super) fn drop(&self, history: &History) -> f64 {
+        DROP + DROP_MORE * self.used.len() as f64 / history.len() as f64
+    }
+
+    /// Drops what is much less likely than the best; each gets one more chance at its best place.
+    pub(super) fn drop_unlikely(&mut self, field: &Field<'_>, history: &History) {
+        let least = self.least();
+        let drop = self.drop(history);
+        let scene = field.scene(history, self.pivot, Judge::FAIR, self.shared);
+        let (used, shared) = (&self.used, self.shared);
+        let limits = Limits { usual: &self.usual, more: HOPELESS * drop };
+        let mut dropped = core::mem::take(&mut self.dropped);
+        let lost = self.hypotheses.extract_if(.., |h| {
+            let (cost, d) = h.promise;
+            if h.waits || cost <= least + drop {
+                return false;
+            }
+            // What it costs may say only that its linearisation is old. Until it is run anew it takes none of the rows to come.
+            h.waits = h.age * 6 > used.len() && is_stale(d);
+            !h.waits
+        });
+        lost.for_each(|h| dropped.push(h, used.len()));
+        let waiting = self.hypotheses.iter().enumerate().filter(|(_, h)| h.waits);
+        let mut waiting: Vec<(f64, usize)> = waiting.map(|(index, h)| (h.promise.0, index)).collect();
+        waiting.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut dead = vec![false; self.hypotheses.len()];
+        let mut credit = URGENT;
+        for (_, index) in waiting {
+            if credit == 0 {
+                break;
+            }
+            let h = &mut self.hypotheses[index];
+            let (alive, taken) = h.revive(&scene, cut(h.promise.1), used, limits);
+            credit = credit.saturating_sub(taken);
+            h.look(LOOSE, shared);
+            dead[index] = !alive || h.promise.0 > least + drop;
+        }
+        let mut dead = dead.into_iter();
+        let lost = self.hypotheses.extract_if(.., |_| dead.next() == Some(true));
+        lost.for_each(|h| dropped.push(h, used.len()));
+        self.dropped = dropped;
+    }
+
     /// Tries those that were dropped again, where the best one's place would be at other corners; what is dearer than the best
     /// by no more than this (nats) is called back.
     pub(super) fn recall(&mut self, field: &Field<'_>, history: &History, more: f64) {
