@@ -179,3 +179,15 @@ fn an_end_is_its_own_nearest_point() {
     assert_eq!(curve.nearest(end).position, end);
     assert_eq!(curve.nearest(points[0]).position, points[0]);
 }
+
+#[test]
+fn curves_too_large_to_be_measured_are_none_at_once() {
+    for size in [1e71, 1e200, f64::MAX] {
+        let points = [Vec2::new(1.0, 5e-324), Vec2::new(size, 0.0), Vec2::new(1e-300, -0.0)];
+        assert!(Curve::from_segments(vec![Segment::Quadratic(points)], false).is_none(), "{size:e}");
+        assert!(Curve::polyline(&points, false).is_none(), "{size:e}");
+    }
+    let wide = [Vec2::new(0.0, 0.0), Vec2::new(1e69, 0.0), Vec2::new(1e69, 1e69)];
+    let length = Curve::from_segments(vec![Segment::Quadratic(wide)], false).map_or(0.0, |curve| curve.length());
+    assert!((1.62322e69..1.62323e69).contains(&length), "{length}");
+}

@@ -28,11 +28,14 @@ pub struct Curve {
     closed: bool,
 }
 
+/// Of coordinates beyond this (m) no number holds the powers that lengths are made of.
+const LARGEST: f64 = 1e70;
+
 impl Curve {
     /// The polyline through `points` (m), closed back to the first point if asked.
     ///
     /// Repeated points are dropped, and so is a repeated first point at the end of a closed line. None when fewer than
-    /// two distinct points remain or a coordinate is not finite.
+    /// two distinct points remain or a coordinate is not finite or beyond 1e70 m.
     #[must_use]
     pub fn polyline(points: &[Vec2], closed: bool) -> Option<Self> {
         let mut distinct = points.to_vec();
@@ -47,10 +50,12 @@ impl Curve {
     /// The curve made of `segments`, each starting where the one before ended.
     ///
     /// Segments whose control points all coincide are dropped. A closed curve must end where it starts. None when
-    /// nothing remains, when a coordinate is not finite, or when there is a gap of more than 1e-9 of the curve's size.
+    /// nothing remains, when a coordinate is not finite or beyond 1e70 m, or when there is a gap of more than 1e-9 of the
+    /// curve's size.
     #[must_use]
     pub fn from_segments(mut segments: Vec<Segment>, closed: bool) -> Option<Self> {
-        if segments.iter().flat_map(Segment::control_points).any(|p| !p.is_finite()) {
+        let holds = |p: &Vec2| p.is_finite() && p.x.abs().max(p.y.abs()) <= LARGEST;
+        if !segments.iter().flat_map(Segment::control_points).all(holds) {
             return None;
         }
         segments.retain(|s| s.control_points().iter().any(|&p| p != s.start()));
