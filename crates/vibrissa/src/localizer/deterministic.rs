@@ -335,7 +335,8 @@ impl Record {
     fn emptied(&mut self, t: f64, row: usize) {
         self.empty_at = Some(row);
         let detail = "nowhere on this map explains the readings up to here; \
-                      is it the right map, and are whisker and noise bounds those of the robot?"
+                      is it the right map, are whisker and noise bounds those of the robot, and did \
+                      the whisker touch with its tip alone, as it does not in corners?"
             .to_owned();
         self.events.push(Event { t, kind: "inconsistent", detail });
     }
