@@ -51,7 +51,7 @@ enum Slid {
 }
 
 impl Forward<'_> {
-    /// Where the whisker comes to rest that was held so and is not at `map_from_whisker`; none where it is free then, or
+    /// Where the whisker comes to rest that was held so and is now at `map_from_whisker`; none where it is free then, or
     /// meets a boundary with its side.
     pub(super) fn spring(&self, touch: &Touch, map_from_whisker: Pose2) -> Option<(Touch, Felt)> {
         if touch.q < WEAK {
