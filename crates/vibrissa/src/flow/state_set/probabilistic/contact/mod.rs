@@ -1,7 +1,7 @@
 //! The forward model: the moment that a whisker feels at a pose, and its derivatives by that pose.
 //!
 //! One contact without friction, at the tip (`tip.rs`) or at the side (`side.rs`), followed from pose to pose; what a
-//! free whisker meets is in `meet.rs`. Differentiating the equations of the equilibrium gives `dh/d(x, y, theta)` for the
+//! free whisker meets is in `meet.rs`, where one that snaps comes to rest in `spring.rs`. Differentiating the equations of the equilibrium gives `dh/d(x, y, theta)` for the
 //! price of one more solution of the same linear system. Slightly negative forces, a whisker glued to the boundary, are
 //! kept: they tell in which direction a contact that should be there is to be looked for.
 

@@ -77,12 +77,7 @@ impl Forward<'_> {
         for _ in 0..MOST_FLIGHTS {
             if let Some((piece, there)) = at {
                 match self.slid(&stance, grip, piece, there.clamp(0.0, 1.0)) {
-                    Slid::Rests(touch, felt) => {
-                        return match self.cleared(&stance, Touch { clear: 0.0, ..touch }, felt) {
-                            Next::Touching(touch, felt) => Some((touch, felt)),
-                            _ => None,
-                        };
-                    }
+                    Slid::Rests(touch, felt) => return self.rested(&stance, touch, felt),
                     Slid::Off(left) => grip = left,
                     Slid::Lost => return None,
                 }
@@ -115,7 +110,12 @@ impl Forward<'_> {
         let (piece, at, _) = nearest(foot.position + along * way, REACH)?;
         let lever = stance.seen(self.ground.pieces[piece as usize].spot(at.clamp(0.0, 1.0)).position - stance.base).y;
         let (touch, felt) = self.rests_near(&stance, None, 1.5 * lever, piece, at.clamp(0.0, 1.0))?;
-        match self.cleared(&stance, Touch { clear: 0.0, ..touch }, felt) {
+        self.rested(&stance, touch, felt)
+    }
+
+    /// The tip at rest, with the side where that has come to a boundary, too.
+    fn rested(&self, stance: &Stance, touch: Touch, felt: Felt) -> Option<(Touch, Felt)> {
+        match self.cleared(stance, Touch { clear: 0.0, ..touch }, felt) {
             Next::Touching(touch, felt) => Some((touch, felt)),
             _ => None,
         }
