@@ -59,6 +59,30 @@ fn a_corner_catches_the_tip_and_lets_it_go() {
 }
 
 #[test]
+fn a_whisker_that_curls_along_a_wall_touches_once() {
+    // Its bend shrinks into a small part of it next to the base, and the rest of it lies on the wall.
+    let wall = map(Role::Wall, &[[-0.6, 0.0], [0.6, 0.0]]);
+    let curl = |distance: f64| {
+        let way = [[0.0, 0.09, -FRAC_PI_2], [0.0, distance, -2.2], [0.0, distance, -2.2 + 1.3]];
+        run(&wall, &way).unwrap()
+    };
+    let turned = |sweep: &Sweep| sweep.truth.last().unwrap().map_from_robot.theta;
+    let mut product = None;
+    for distance in [0.02, 0.01, 0.005, 0.002] {
+        let sweep = curl(distance);
+        assert!(sweep.events.iter().all(|e| matches!(e.kind, "onset" | "side_contact")), "{:?}", sweep.events);
+        let last = sweep.contacts.last().unwrap();
+        assert!(last.row + 1 == sweep.truth.len() && last.position.y.abs() < 1e-9, "{last:?}");
+        // Up to scale there is one side contact for each direction of the wall: moment and distance change inversely.
+        let moment = sweep.exact_moments.last().unwrap()[0];
+        let scaled = moment * distance;
+        println!("{distance} m: {moment} N m at {} m, heading {}", last.s_a, turned(&sweep));
+        let expected = *product.get_or_insert(scaled);
+        assert!((scaled / expected - 1.0).abs() < 1e-8, "{scaled} instead of {expected}");
+    }
+}
+
+#[test]
 fn a_wall_is_felt_from_both_sides_and_ends() {
     let wall = map(Role::Wall, &[[-0.3, 0.0], [0.05, 0.0]]);
     let legs = [[0.0, -0.07, 2.2], [0.03, -0.05, 2.2], [0.13, -0.05, 2.2]];

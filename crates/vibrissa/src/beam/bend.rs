@@ -139,15 +139,19 @@ impl Bend {
         if n < 2 {
             return Vec::new();
         }
-        let at = |i: usize| length * (i as f64 / (n - 1) as f64);
+        self.points_at((0..n).map(|i| length * (i as f64 / (n - 1) as f64)))
+    }
+
+    /// The shape at these arc lengths (m), each with its own.
+    pub(crate) fn points_at(&self, arcs: impl Iterator<Item = f64>) -> Vec<(f64, ShapePoint)> {
         match &self.body {
             Body::Uniform(uniform) => {
                 let pendulum = Pendulum::new(uniform.tilt);
-                (0..n).map(|i| (at(i), uniform.point_with(self, &pendulum, at(i)))).collect()
+                arcs.map(|s| (s, uniform.point_with(self, &pendulum, s))).collect()
             }
             Body::Rod(rod) => {
                 let bent = rod.bent(self);
-                (0..n).map(|i| (at(i), bent.point_at(at(i)))).collect()
+                arcs.map(|s| (s, bent.point_at(s))).collect()
             }
         }
     }

@@ -15,7 +15,8 @@ use core::f64::consts::{FRAC_PI_2, PI};
 const LOOK_EVERY: f64 = 1e-4;
 /// A boundary no further from the tip than this is met by the tip (m).
 const AT_TIP: f64 = 3.0 * FLATTEN_TOLERANCE;
-/// Chords of the bent whisker that are looked at, and parts of those that come close to a boundary.
+/// Chords of the bent whisker that are looked at, up to its contact and as many beyond, and parts of those that come close to
+/// a boundary.
 const CHORDS: usize = 12;
 const PARTS: usize = 8;
 /// Share of the length before a tip in contact that is not looked at, for it touches.
@@ -150,8 +151,12 @@ pub(super) fn blocked(stance: &Stance<'_>, bend: &Bend, lay: f64) -> Option<Vec2
     let length = stance.flex.beam.length;
     let aside = ASIDE * lay.cos();
     let last = if bend.s_a < length { length } else { (1.0 - AT_CONTACT) * length };
+    // A whisker that touches near its base bends all of its way within a small part of itself.
+    let even = |from: f64, to: f64| (1..=CHORDS).map(move |i| from + (to - from) * (i as f64 / CHORDS as f64));
+    let arcs = core::iter::once(0.0).chain(even(0.0, bend.s_a.min(length)));
+    let beyond = even(bend.s_a, length).filter(|_| bend.s_a < length);
     let ends: Vec<(f64, Vec2, Vec2)> = bend
-        .shape_points(length, CHORDS + 1)
+        .points_at(arcs.chain(beyond))
         .into_iter()
         .map(|(s, point)| {
             let along = Vec2::from_angle(point.slope + stance.map_from_whisker.theta);
