@@ -273,13 +273,16 @@ struct Feeler {
     channel: usize,
     track: MomentTrack,
     in_contact: bool,
+    /// What the tip can cause, and what the whisker can anywhere.
+    tip_limit: LimitCheck,
     limit: LimitCheck,
 }
 
 impl Feeler {
     fn new(whisker: &MountedWhisker, log: &SensorLog, options: &DeterministicOptions) -> Result<Self> {
         let tip = TipModel::new(&whisker.beam)?;
-        let limit = match options.tip_load {
+        let limit = LimitCheck::any_place(whisker, &tip);
+        let tip_limit = match options.tip_load {
             TipLoad::BoundaryNormal => LimitCheck::any_tilt(whisker, &tip),
             TipLoad::WhiskerNormal => LimitCheck::new(whisker, &tip, 0.0),
         };
@@ -287,6 +290,7 @@ impl Feeler {
             channel: log.moment_channel(&whisker.name)?,
             track: MomentTrack::new(whisker, options),
             in_contact: false,
+            tip_limit,
             limit,
             contacts: Ladder::new(&tip, options.tip_load),
             tip,
@@ -298,10 +302,21 @@ impl Feeler {
     fn feel(&mut self, row: &LogRow, record: &mut Record) -> Result<Option<MomentHistory>> {
         let moment = row.readings.get(self.channel).copied().unwrap_or(0.0);
         self.limit.check(moment, row)?;
-        let touching = self.track.is_contact(moment);
+        let by_tip = self.tip_limit.allows(moment);
+        if !by_tip {
+            let detail = format!(
+                "{}: {moment} N m is more than any contact of its tip causes; while its side touches nearer to its base, the \
+                 readings are not used",
+                self.whisker.name
+            );
+            record.event_once(row.t, "not_tip", detail);
+        }
+        let touching = self.track.is_contact(moment) && by_tip;
         if touching != self.in_contact {
             let (kind, what) = if touching { ("contact", "touches") } else { ("lift_off", "is free") };
-            record.events.push(Event { t: row.t, kind, detail: format!("{} {what}", self.whisker.name) });
+            if by_tip {
+                record.events.push(Event { t: row.t, kind, detail: format!("{} {what}", self.whisker.name) });
+            }
         }
         self.in_contact = touching;
         if !touching {
@@ -336,7 +351,7 @@ impl Record {
         self.empty_at = Some(row);
         let detail = "nowhere on this map explains the readings up to here; \
                       is it the right map, are whisker and noise bounds those of the robot, and did \
-                      the whisker touch with its tip alone, as it does not in corners?"
+                      the whisker touch with its tip alone, as it may not in corners?"
             .to_owned();
         self.events.push(Event { t, kind: "inconsistent", detail });
     }

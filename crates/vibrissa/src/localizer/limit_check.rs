@@ -31,10 +31,14 @@ impl LimitCheck {
         Self { whisker: whisker.name.clone(), noise: whisker.noise, limit, place: "at its tip" }
     }
 
+    /// Whether a contact can cause this moment (N m), at least at the edge of the declared noise.
+    pub(super) fn allows(&self, moment: f64) -> bool {
+        moment.abs() * (1.0 - self.noise.moment_relative) - self.noise.moment_absolute <= self.limit
+    }
+
     /// Refuses what no shape of this whisker can cause, even at the edge of the declared noise.
     pub(super) fn check(&self, moment: f64, row: &LogRow) -> Result<()> {
-        let least = moment.abs() * (1.0 - self.noise.moment_relative) - self.noise.moment_absolute;
-        if least <= self.limit {
+        if self.allows(moment) {
             return Ok(());
         }
         let error = Error::data(format!("a moment that no shape of the whisker {} causes", self.whisker))

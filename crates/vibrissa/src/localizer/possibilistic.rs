@@ -175,7 +175,7 @@ impl<'a> PossibilisticLocalizer<'a> {
             self.empty = true;
             let detail = "no state on this map explains the readings up to here within the declared bounds; \
                           is it the right map, are whisker, noise and odometry bounds those of the robot, \
-                          and did the whisker touch at one place at a time, as it does not in corners?"
+                          and did the whisker touch at one place at a time, as it may not in corners?"
                 .to_owned();
             self.events.push(Event { t, kind: "inconsistent", detail });
         }
