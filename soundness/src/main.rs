@@ -44,8 +44,9 @@ struct Call {
 struct Outcome {
     seed: u64,
     rows: usize,
-    /// Rows in which the whisker has an inflection.
+    /// Rows in which the whisker has an inflection, and in which it is curled.
     inflected: usize,
+    curled: usize,
     /// The verdict with a prior.
     status: Option<Status>,
     /// Volumes of the set (m² rad) after its first reading without a prior, and after its last with one.
@@ -172,13 +173,13 @@ fn judged(trial: &Trial, prior: Option<[[f64; 2]; 3]>, declared: f64) -> Judged 
 /// The world of a seed, if there is one: localized without a prior and with one.
 fn world(seed: u64, declared: f64) -> Option<Outcome> {
     let trial = random_sweep(seed)?;
-    let (rows, inflected) = (trial.log.rows.len(), trial.kinds[3]);
+    let (rows, [.., inflected, curled]) = (trial.log.rows.len(), trial.kinds);
     let (anywhere, near) = (judged(&trial, None, declared), judged(&trial, about(&trial, seed), declared));
     let told = |name: &str, loss: String| format!("seed {seed}, {name}: {loss}");
     let loss = anywhere.loss.map(|loss| told("without a prior", loss));
     let loss = loss.or(near.loss.map(|loss| told("with a prior", loss)));
     let volumes = [anywhere.volumes[0], near.volumes[1]];
-    Some(Outcome { seed, rows, inflected, status: near.status, volumes, loss })
+    Some(Outcome { seed, rows, inflected, curled, status: near.status, volumes, loss })
 }
 
 /// The middle of these values; NaN of none.
@@ -196,7 +197,8 @@ fn report(outcomes: &[Outcome], call: &Call) -> ExitCode {
     }
     println!(
         "soundness: {} worlds (seeds {} to {}) of {} rows: truth lost in {}; localized {}, ambiguous {}, \
-         inconsistent {}, no contact {}; {} rows with an inflection in {} worlds; \
+         inconsistent {}, no contact {}; {} rows with an inflection in {} worlds, \
+         {} of a slope beyond 2 rad in {}; \
          volume of the set: median {:.1e} m² rad at its start, {:.1e} at the end with a prior",
         outcomes.len(),
         call.first,
@@ -209,6 +211,8 @@ fn report(outcomes: &[Outcome], call: &Call) -> ExitCode {
         of(Status::NoContact),
         outcomes.iter().map(|o| o.inflected).sum::<usize>(),
         outcomes.iter().filter(|o| o.inflected > 0).count(),
+        outcomes.iter().map(|o| o.curled).sum::<usize>(),
+        outcomes.iter().filter(|o| o.curled > 0).count(),
         median(outcomes.iter().map(|o| o.volumes[0]).collect()),
         median(outcomes.iter().map(|o| o.volumes[1]).collect()),
     );

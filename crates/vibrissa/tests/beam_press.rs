@@ -82,29 +82,29 @@ fn no_contact_is_left_out_without_friction() {
 
 #[test]
 fn no_contact_is_left_out_with_friction() {
-    no_contact_is_left_out(96, 64, 0.3, 2.2, 2);
+    no_contact_is_left_out(96, 64, 0.3, PI, 2);
 }
 
 #[test]
 fn coarse_tables_leave_out_nothing_either() {
-    no_contact_is_left_out(16, 16, 0.0, 2.2, 3);
+    no_contact_is_left_out(16, 16, 0.0, PI, 3);
     no_contact_is_left_out(12, 12, 0.5, 1.5, 4);
 }
 
 #[test]
 fn tables_made_of_finer_ones_leave_out_nothing_either() {
-    let fine = PressTable::new(64, 64, 0.2, 2.2);
+    let fine = PressTable::new(64, 64, 0.2, PI);
     let [half, quarter, eighth] = {
         let half = fine.coarser();
         let quarter = half.coarser();
         [half, quarter.clone(), quarter.coarser()]
     };
     for (table, seed) in [(&half, 13), (&quarter, 14), (&eighth, 15)] {
-        no_contact_is_left_out_of(table, 0.2, 2.2, seed);
-        no_inflection_is_left_out_of(table, 0.2, 2.2, seed);
+        no_contact_is_left_out_of(table, 0.2, PI, seed);
+        no_inflection_is_left_out_of(table, 0.2, PI, seed);
     }
     // The coarsest that localization uses.
-    for (friction, steepest, seed) in [(0.0, 2.2, 16), (0.5, 2.2, 17), (0.0, 3.1, 18), (0.98, 2.2, 19)] {
+    for (friction, steepest, seed) in [(0.0, PI, 16), (0.5, PI, 17), (0.0, 2.2, 18), (0.98, PI, 19)] {
         let table = PressTable::new(16, 32, friction, steepest);
         for table in [&table.coarser(), &table] {
             no_contact_is_left_out_of(table, friction, steepest, seed);
@@ -181,15 +181,15 @@ fn no_inflection_is_left_out_of(table: &PressTable, friction: f64, steepest: f64
 
 #[test]
 fn no_inflection_is_left_out_of_any_table() {
-    no_inflection_is_left_out(64, 48, 0.0, 2.2, 5);
-    no_inflection_is_left_out(64, 48, 0.5, 2.2, 6);
+    no_inflection_is_left_out(64, 48, 0.0, PI, 5);
+    no_inflection_is_left_out(64, 48, 0.5, PI, 6);
     no_inflection_is_left_out(8, 16, 0.0, 2.2, 7);
     no_inflection_is_left_out(24, 24, 0.2, PI, 8);
 }
 
 #[test]
 fn little_is_added() {
-    let table = PressTable::new(96, 64, 0.0, 2.2);
+    let table = PressTable::new(96, 64, 0.0, PI);
     for (mu, most) in [(0.02, 2e-3), (0.2, 2e-3), (0.7, 2e-3), (1.4, 4e-3)] {
         let slice = table.slice(0.95 * mu, 1.05 * mu);
         let mut radii: Vec<f64> = slice.entries().iter().map(|e| e.radius).collect();

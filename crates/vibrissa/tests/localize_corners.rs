@@ -9,9 +9,11 @@ mod random;
 
 use long_sweep::long_sweep;
 use vibrissa::beam::{TipModel, Whisker};
+use vibrissa::config::PossibilisticOptions;
 use vibrissa::flow::pose::{Method, Status};
 use vibrissa::flow::state_set::probabilistic::predicted_moments;
 use vibrissa::plane::{Curve, Pose2, Vec2, wrap_angle};
+use vibrissa::sets::StateBox;
 use vibrissa::tasks::simulate::Sweep;
 use vibrissa::world::{Boundary, Map, Robot, Role};
 use vibrissa::{LocalizeOptions, localize};
@@ -70,4 +72,45 @@ fn a_robot_that_goes_around_corners_is_told_where_it_is() {
         let (off, turned, weight) = near.unwrap();
         assert!(off < 3e-4 && turned < 5e-3 && weight > 0.05, "{:.2} mm, weight {weight}", 1e3 * off);
     }
+}
+
+#[test]
+fn a_set_that_rules_nothing_out_wrongly_goes_around_corners_too() {
+    let map = room(0.35, 0.25);
+    let kept = |sweep: &Sweep, largest_slope: f64| {
+        let possibilistic =
+            PossibilisticOptions { largest_slope, last_work: 100_000, ..PossibilisticOptions::default() };
+        let options = LocalizeOptions { method: Method::Possibilistic, possibilistic, ..LocalizeOptions::default() };
+        let answer = localize(&sweep.log, &map, &Robot::default(), &options, &mut |_| {}).unwrap();
+        let truth = sweep.truth.last().unwrap().map_from_robot;
+        let holds = |b: &StateBox| {
+            let middle = 0.5 * (b.theta.lo() + b.theta.hi());
+            let turned = middle + wrap_angle(truth.theta - middle);
+            b.x.contains(truth.x) && b.y.contains(truth.y) && b.theta.contains(turned)
+        };
+        println!("{} rows, slopes to {largest_slope}: {}", sweep.truth.len(), answer.status);
+        answer.states.iter().any(holds)
+    };
+    let sweeps = snapping(&map, 100..140, 4);
+    let default = PossibilisticOptions::default().largest_slope;
+    assert!(sweeps.iter().all(|sweep| kept(sweep, default)));
+    // In the corner the robot turns until its whisker curls back along the wall: most of these sweeps need steep slopes.
+    assert!(sweeps.iter().filter(|sweep| !kept(sweep, 2.2)).count() >= 2);
+}
+
+#[test]
+fn moments_beyond_those_of_the_tip_do_not_end_the_deterministic_method() {
+    let options = LocalizeOptions { method: Method::Deterministic, ..LocalizeOptions::default() };
+    let map = room(0.35, 0.25);
+    let largest = TipModel::new(&Whisker::default()).unwrap().largest_moment(f64::INFINITY);
+    let mut beyond = 0;
+    for sweep in snapping(&map, 100..140, 4) {
+        let most = sweep.exact_moments.iter().map(|row| row[0].abs()).fold(0.0, f64::max);
+        beyond += usize::from(most > 1.1 * largest);
+        let answer = localize(&sweep.log, &map, &Robot::default(), &options, &mut |_| {}).unwrap();
+        let noted = answer.events.iter().any(|event| event.kind == "not_tip");
+        println!("{:.2} of the largest moment: {}, {noted}", most / largest, answer.status);
+        assert!(noted || most <= 1.1 * largest, "{:?}", answer.events);
+    }
+    assert!(beyond > 0);
 }

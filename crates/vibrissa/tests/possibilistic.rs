@@ -128,7 +128,7 @@ fn check_sweeps(names: &[&str], last_work: usize) {
         }
         let options = PossibilisticOptions { last_work, ..PossibilisticOptions::default() };
         let answer =
-            run(&Trial { map, robot, log, truth, kinds: [0; 4], path: Vec::new(), touches: Vec::new() }, options);
+            run(&Trial { map, robot, log, truth, kinds: [0; 5], path: Vec::new(), touches: Vec::new() }, options);
         let (first, last) = (answer.steps[0], answer.steps[answer.steps.len() - 1]);
         println!("{name}: {}, {:.1e} to {:.1e} m2 rad", answer.status, first.volume, last.volume);
         assert!(contains(&answer, truth), "{name}: {} {:?}", answer.status, answer.events);
@@ -159,7 +159,7 @@ fn a_unique_place_beside_concave_boundary_is_found() {
         (Map::read(folder.join("obstacle.geojson")).unwrap(), SensorLog::read(folder.join("obstacle-00.csv")).unwrap());
     let truth = read_tum(folder.join("obstacle-00.truth.tum")).unwrap().last().unwrap().map_from_robot;
     let trial =
-        Trial { map, robot: Robot::default(), log, truth, kinds: [0; 4], path: Vec::new(), touches: Vec::new() };
+        Trial { map, robot: Robot::default(), log, truth, kinds: [0; 5], path: Vec::new(), touches: Vec::new() };
     let answer = run(&trial, PossibilisticOptions::default());
     let last = answer.steps.last().unwrap();
     println!("{}: {} places, {:.1} mm2", answer.status, answer.hypotheses.len(), 1e6 * last.area_m2);

@@ -32,7 +32,7 @@ impl Default for PossibilisticOptions {
             work: 130,
             last_work: 5_000_000,
             resolution: 0.4e-3,
-            largest_slope: 2.2,
+            largest_slope: core::f64::consts::PI,
             tolerate: 0,
             heading_error: 0.05,
             prior: None,

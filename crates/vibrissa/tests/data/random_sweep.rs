@@ -11,16 +11,19 @@ use vibrissa::plane::{Curve, Pose2, Vec2, wrap_angle};
 use vibrissa::tasks::simulate::{Pace, Part, SimulateOptions, Sweep, SweepNoise, Touch, path_through, simulate};
 use vibrissa::world::{Boundary, Map, MomentNoise, MountedWhisker, Odometry, Robot, Role};
 
+/// Slope from which on a whisker counts as curled (rad).
+const CURLED: f64 = 2.0;
+
 /// One trial.
 pub(crate) struct Trial {
     pub(crate) map: Map,
     pub(crate) robot: Robot,
     pub(crate) log: SensorLog,
     pub(crate) truth: Pose2,
-    /// Rows in which a side touches, rows in which something bends the whisker to the left and to the right, and rows in
-    /// which it has an inflection.
+    /// Rows in which a side touches, rows in which something bends the whisker to the left and to the right, rows in which it
+    /// has an inflection, and rows in which its slope at the contact is beyond [`CURLED`].
     #[allow(dead_code, reason = "counted by the soundness program")]
-    pub(crate) kinds: [usize; 4],
+    pub(crate) kinds: [usize; 5],
     /// The robot along the log, and every touch.
     #[allow(dead_code, reason = "shown by the example")]
     pub(crate) path: Vec<Pose2>,
@@ -109,9 +112,15 @@ fn waypoints(map: &Map, robot: &Robot, draw: &mut Random) -> Option<Vec<Pose2>> 
         let p = start.position + along * (forward * s) + inward * off;
         Pose2::new(p.x, p.y, heading + turn).compose(whisker_from_robot)
     };
-    let mut press = || reach - length * draw.between(0.02, 0.3);
+    // Some are pressed until they lie along the boundary and curl back over their base.
+    let curls = draw.unit() < 0.2;
+    let mut press = || if curls { reach * draw.between(0.05, 0.7) } else { reach - length * draw.between(0.02, 0.3) };
     let (b, c, d) = (press(), press(), press());
-    let (t1, t2) = (draw.signed(0.2), draw.signed(0.2));
+    let (mut t1, mut t2) = (draw.signed(0.2), draw.signed(0.2));
+    if curls {
+        t2 = forward * (lean + draw.between(0.2, 1.5));
+        t1 = t2 * draw.between(0.2, 0.8);
+    }
     Some(vec![
         place(0.0, reach + 0.004, 0.0),
         place(draw.between(0.003, 0.02), b, 0.0),
@@ -157,7 +166,7 @@ fn covered(map: &Map, robot: &Robot, path: &mut Vec<StampedPose>) -> Option<Swee
 /// energy tells the angle there, and it comes to rest again, where the curvature changes sign, after half a period.
 fn is_covered(touch: &Touch, robot: &Robot, path: &[StampedPose]) -> bool {
     let Swing { half_swings, slope } = swing(touch, robot, path);
-    half_swings < 2.0 && slope < 2.2
+    half_swings < 2.0 && slope < PI
 }
 
 /// The whisker as a pendulum.
@@ -238,8 +247,10 @@ pub(crate) fn random_sweep(seed: u64) -> Option<Trial> {
     let side: std::collections::BTreeSet<usize> =
         sweep.contacts.iter().filter(|touch| touch.part == Part::Side).map(|touch| touch.row).collect();
     let moment = |k: usize| sweep.exact_moments[k][0];
-    let inflected = sweep.contacts.iter().filter(|touch| swing(touch, &robot, &path).half_swings > 1.0).count();
-    let kinds = [side.len(), count(&|k| moment(k) > 0.0), count(&|k| moment(k) < 0.0), inflected];
+    let swings: Vec<Swing> = sweep.contacts.iter().map(|touch| swing(touch, &robot, &path)).collect();
+    let inflected = swings.iter().filter(|swing| swing.half_swings > 1.0).count();
+    let curled = swings.iter().filter(|swing| swing.slope > CURLED).count();
+    let kinds = [side.len(), count(&|k| moment(k) > 0.0), count(&|k| moment(k) < 0.0), inflected, curled];
     Some(Trial {
         kinds,
         path: path.iter().map(|pose| pose.map_from_robot).collect(),

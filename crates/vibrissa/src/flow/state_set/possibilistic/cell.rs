@@ -11,6 +11,9 @@ pub(super) const ARM: f64 = 0.1;
 const WORTHWHILE: f64 = 1.03;
 /// How much wider a cut may make the rectangle around the cell.
 const WIDER: f64 = 1.3;
+/// Half the width of the rectangle from which on a cut must not make it any wider (m, m, rad): cut after cut it would grow
+/// until readings tell nothing about it.
+const WIDE: [f64; 3] = [0.02, 0.02, 0.05];
 
 /// A linear form over a cell's three sides.
 pub(super) type Form = [f64; 3];
@@ -107,7 +110,8 @@ impl Cell {
             (0..3).for_each(|a| sides[j][a] *= half / form[j]);
             let cut = Self { sides, ..*self };
             let narrow = cut.reach();
-            if (0..3).all(|a| narrow[a] <= WIDER * wide[a]) && cut.length(j) >= LEAST {
+            let fits = |a: usize| narrow[a] <= wide[a].max((WIDER * wide[a]).min(WIDE[a]));
+            if (0..3).all(fits) && cut.length(j) >= LEAST {
                 let shift = [0, 1, 2].map(|a| self.sides[j][a] * middle / form[j]);
                 *self = cut;
                 self.shift(shift);
