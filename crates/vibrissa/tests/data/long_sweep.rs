@@ -14,6 +14,8 @@ const SPACING: f64 = 1e-3;
 /// A sweep has at least this many rows in contact, and at least this share of them at the tip.
 const FEWEST: usize = 800;
 const TIP_SHARE: f64 = 0.6;
+/// No contact is nearer to the base than this share of the whisker: a robot does not go that near to a wall.
+const NEAREST: f64 = 0.05;
 
 /// The sweep of a seed along a random stretch of wall, if the robot can go there and touches for long.
 pub(crate) fn long_sweep(map: &Map, seed: u64) -> Option<Sweep> {
@@ -46,5 +48,6 @@ pub(crate) fn long_sweep(map: &Map, seed: u64) -> Option<Sweep> {
     let sweep = simulate_tip_sweep(map, &Robot::default(), &path, &SweepNoise::seeded(seed)).ok()?;
     let tips = sweep.contacts.iter().filter(|touch| touch.part == Part::Tip).count();
     let stopped = sweep.events.iter().any(|event| event.kind == "lost");
-    (!stopped && tips >= FEWEST && tips as f64 >= TIP_SHARE * sweep.truth.len() as f64).then_some(sweep)
+    let too_near = sweep.contacts.iter().any(|touch| touch.s_a < NEAREST * LENGTH);
+    (!stopped && !too_near && tips >= FEWEST && tips as f64 >= TIP_SHARE * sweep.truth.len() as f64).then_some(sweep)
 }

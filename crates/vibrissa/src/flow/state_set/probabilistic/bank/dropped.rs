@@ -8,7 +8,7 @@
 use super::super::history::{History, Judge};
 use super::super::hypothesis::{Hypothesis, Limits, difference};
 use super::{Bank, Field, LOOSE, cut, is_stale};
-use crate::plane::Pose2;
+use crate::plane::{Pose2, Vec2};
 use std::collections::VecDeque;
 
 /// A hypothesis less likely than the best by this (nats) is dropped; the second part shrinks with the share of the rows
@@ -21,7 +21,7 @@ const URGENT: usize = 200;
 /// run.
 const HOPELESS: f64 = 1.3;
 /// So many of those dropped last are kept, for so many used rows.
-const KEPT: usize = 128;
+const KEPT: usize = 256;
 const ROWS: usize = 96;
 /// With more hypotheses than this nothing is called back.
 const FEW: usize = 24;
@@ -42,9 +42,23 @@ impl Dropped {
         self.0.push_back((h, used));
     }
 
-    /// Forgets what rows that are summed up now have said against them.
-    pub(super) fn clear(&mut self) {
-        self.0.clear();
+    /// Forgets those that had been dropped by the first `early` of the used rows, which are summed up now, and some of those
+    /// that stand together; gives the others, for which these rows have to be summed up, too.
+    pub(super) fn since(&mut self, early: usize, pivot: Vec2) -> impl Iterator<Item = &mut Hypothesis> {
+        let mut stay: Vec<Pose2> = Vec::new();
+        self.0.retain_mut(|(h, then)| {
+            let near = |frame: &Pose2| {
+                let [x, y, turn] = difference(*frame, h.map_from_odom, pivot);
+                x.hypot(y) < 0.5 * REACH[0] && turn.abs() < 0.5 * REACH[1]
+            };
+            if *then <= early || stay.iter().any(near) {
+                return false;
+            }
+            *then -= early;
+            stay.push(h.map_from_odom);
+            true
+        });
+        self.0.iter_mut().map(|(h, _)| h)
     }
 }
 
@@ -97,8 +111,13 @@ impl Bank {
     /// by no more than this (nats) is called back.
     pub(super) fn recall(&mut self, field: &Field<'_>, history: &History, more: f64) {
         let used = self.used.len();
+        if self.hypotheses.len() > FEW {
+            // As long as there are many, more are dropped at every row: what is gone first must not be forgotten before it is asked for.
+            self.dropped.0.iter_mut().for_each(|(_, then)| *then = used);
+            return;
+        }
         self.dropped.0.retain(|(_, then)| then + ROWS > used);
-        if self.dropped.0.is_empty() || self.hypotheses.len() > FEW {
+        if self.dropped.0.is_empty() {
             return;
         }
         let best = self.hypotheses.iter().filter(|h| !h.waits).min_by(|a, b| a.promise.0.total_cmp(&b.promise.0));

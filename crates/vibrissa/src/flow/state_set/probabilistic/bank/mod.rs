@@ -373,7 +373,7 @@ impl Bank {
         }
         let place = (0.5 * odometry.translation_relative * way).powi(2);
         let heading = (odometry.rotation_relative / SQRT_3 * turn).powi(2);
-        for h in &mut self.hypotheses {
+        for h in self.hypotheses.iter_mut().chain(self.dropped.since(early, self.pivot)) {
             let robot = h.map_from_odom.transform_point(history.pose(last).position());
             let arm = (h.map_from_odom.transform_point(self.pivot) - robot).perp();
             let loose = [
@@ -384,7 +384,6 @@ impl Bank {
             h.fold(&scene, &self.used[..early], &loose);
         }
         self.folded = true;
-        self.dropped.clear();
         self.used.drain(..early);
         self.usual.drain(..early);
         self.used.iter_mut().for_each(|row| *row -= last);
