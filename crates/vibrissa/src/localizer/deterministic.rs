@@ -273,6 +273,8 @@ struct Feeler {
     channel: usize,
     track: MomentTrack,
     in_contact: bool,
+    /// Whether the last moment was more than the tip can cause.
+    on_side: bool,
     /// What the tip can cause, and what the whisker can anywhere.
     tip_limit: LimitCheck,
     limit: LimitCheck,
@@ -290,6 +292,7 @@ impl Feeler {
             channel: log.moment_channel(&whisker.name)?,
             track: MomentTrack::new(whisker, options),
             in_contact: false,
+            on_side: false,
             tip_limit,
             limit,
             contacts: Ladder::new(&tip, options.tip_load),
@@ -301,16 +304,19 @@ impl Feeler {
     /// The first two doors: reading → moment → history.
     fn feel(&mut self, row: &LogRow, record: &mut Record) -> Result<Option<MomentHistory>> {
         let moment = row.readings.get(self.channel).copied().unwrap_or(0.0);
-        self.limit.check(moment, row)?;
         let by_tip = self.tip_limit.allows(moment);
         if !by_tip {
+            // No contact begins like that.
+            let limit = if self.in_contact || self.on_side { &self.limit } else { &self.tip_limit };
+            limit.check(moment, row)?;
             let detail = format!(
                 "{}: {moment} N m is more than any contact of its tip causes; while its side touches nearer to its base, the \
-                 readings are not used",
+                 readings are not used (if it hardly ever bends that far, check the unit: N m, not mN m)",
                 self.whisker.name
             );
             record.event_once(row.t, "not_tip", detail);
         }
+        self.on_side = !by_tip;
         let touching = self.track.is_contact(moment) && by_tip;
         if touching != self.in_contact {
             let (kind, what) = if touching { ("contact", "touches") } else { ("lift_off", "is free") };
