@@ -146,6 +146,15 @@ impl Hypothesis {
         self.carried(motion, &|state| state.slid(motion, to))
     }
 
+    /// The same where the odometry frame is at `frame` and its whiskers begin to be judged in these states; what earlier
+    /// readings said goes with it.
+    pub(super) fn carried_to(&self, frame: Pose2, start: Vec<State>, pivot: Vec2) -> Self {
+        let motion = frame.compose(self.map_from_odom.inverse());
+        let there = self.carried(motion, &|state| *state);
+        let prior = there.prior.moved(difference(there.start_at, frame, pivot));
+        Self { states: start.clone(), start, start_at: frame, prior, ..there }
+    }
+
     /// How each whisker stands to the map where it begins to be judged.
     pub(super) fn start(&self) -> &[State] {
         &self.start

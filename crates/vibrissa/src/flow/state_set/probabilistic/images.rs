@@ -98,7 +98,7 @@ pub(super) fn images(bank: &Bank, field: &Field<'_>, history: &History) -> Vec<H
 }
 
 /// The contacts of the tip: pieces and parameters.
-fn contacts(h: &Hypothesis, scene: &Scene<'_>, rows: &[usize]) -> Vec<(u32, f64)> {
+pub(super) fn contacts(h: &Hypothesis, scene: &Scene<'_>, rows: &[usize]) -> Vec<(u32, f64)> {
     let mut again = h.clone();
     again.run(scene, h.map_from_odom, core::iter::empty());
     let mut held = Vec::new();

@@ -125,6 +125,12 @@ impl<'a> ProbabilisticSet<'a> {
         }
     }
 
+    /// The hypotheses, once there are any.
+    #[cfg(test)]
+    pub(super) fn bank(&mut self) -> Option<&mut Bank> {
+        if let Phase::Tracking(bank) = &mut self.phase { Some(bank) } else { None }
+    }
+
     /// How many rows are kept: as many as the window, and a few.
     #[must_use]
     pub fn rows_kept(&self) -> usize {
@@ -300,6 +306,10 @@ impl<'a> ProbabilisticSet<'a> {
                 shake(bank, &field, history);
             }
             bank.fold(&field, history, options.window / 4);
+            if bank.may_look_elsewhere() {
+                let equals = bank.congruent(&field, history);
+                bank.hypotheses.extend(equals);
+            }
             return if taken { Happened::Updated } else { Happened::Nothing };
         }
         if bank.used.len() == used {
@@ -403,6 +413,8 @@ impl<'a> ProbabilisticSet<'a> {
             bank.expand(turns);
         }
         bank.step(&field, history, usize::MAX);
+        let equals = bank.congruent(&field, history);
+        bank.hypotheses.extend(equals);
         places::choose(bank, &field, history)
     }
 }

@@ -123,14 +123,7 @@ impl Bank {
         let best = self.hypotheses.iter().filter(|h| !h.waits).min_by(|a, b| a.promise.0.total_cmp(&b.promise.0));
         let Some(best) = best else { return };
         let Some(contact) = best.states.iter().find_map(|state| state.tip_on()) else { return };
-        let spot = |(piece, at): (u32, f64)| field.ground.pieces[piece as usize].spot(at);
-        let (from, own) = (spot(contact), best.map_from_odom);
-        let places = field.ground.as_far_from_corners(contact).into_iter().map(|place| {
-            let to = spot(place);
-            let turn = to.normal - from.normal;
-            let origin = to.position + (own.position() - from.position).rotated(turn);
-            Pose2::new(origin.x, origin.y, own.theta + turn)
-        });
+        let places = alike(field, contact, best.map_from_odom);
         let scene = field.scene(history, self.pivot, Judge::FAIR, self.shared);
         let least = self.least();
         let mut back: Vec<Hypothesis> = Vec::new();
@@ -155,4 +148,16 @@ impl Bank {
         }
         self.hypotheses.extend(back);
     }
+}
+
+/// Where a frame with a contact of the tip (piece and parameter) would stand if it were as far from other corners that are alike.
+pub(super) fn alike(field: &Field<'_>, contact: (u32, f64), frame: Pose2) -> impl Iterator<Item = Pose2> {
+    let spot = |(piece, at): (u32, f64)| field.ground.pieces[piece as usize].spot(at);
+    let from = spot(contact);
+    field.ground.as_far_from_corners(contact).into_iter().map(move |place| {
+        let to = spot(place);
+        let turn = to.normal - from.normal;
+        let origin = to.position + (frame.position() - from.position).rotated(turn);
+        Pose2::new(origin.x, origin.y, frame.theta + turn)
+    })
 }

@@ -1,5 +1,6 @@
 //! All hypotheses together: started at a first contact, carried on, linearised anew, merged, dropped, weighed.
 
+mod congruent;
 mod dropped;
 mod merge;
 mod outside;
@@ -15,6 +16,7 @@ use crate::beam::TipTable;
 use crate::config::ProbabilisticOptions;
 use crate::plane::{Pose2, Vec2, wrap_angle};
 use crate::world::{Map, Robot};
+use congruent::Trail;
 use core::ops::Range;
 use dropped::Dropped;
 pub(super) use merge::{Prospect, best_of_cells, cells};
@@ -64,6 +66,8 @@ pub(super) struct Bank {
     /// The least costs after the last few rows.
     recent: Vec<f64>,
     dropped: Dropped,
+    /// What is kept of rows that have been summed up; nothing where the log began in contact.
+    trail: Option<Trail>,
     /// Whether rows have been summed up, the history's first among them.
     folded: bool,
     /// Whether each hypothesis stands for all its images on a map that turns onto itself.
@@ -334,6 +338,7 @@ impl Bank {
             usual: Vec::new(),
             recent: Vec::new(),
             dropped: Dropped::default(),
+            trail: None,
             folded: self.folded,
             for_all: self.for_all,
         }
@@ -382,6 +387,10 @@ impl Bank {
                 [heading * arm.x, heading * arm.y, heading],
             ];
             h.fold(&scene, &self.used[..early], &loose);
+        }
+        if let Some(trail) = &mut self.trail {
+            // The first row that is left by the time before is the last that was summed up then.
+            trail.take(history, usize::from(self.folded)..last);
         }
         self.folded = true;
         self.used.drain(..early);

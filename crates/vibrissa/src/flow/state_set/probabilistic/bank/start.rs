@@ -4,6 +4,7 @@ use super::super::history::{History, Judge};
 use super::super::hypothesis::{Scene, moved};
 use super::super::seed::Seed;
 use super::super::seeds::{Onset, Seeding};
+use super::congruent::Trail;
 use super::merge::{Prospect, best_of_cells, cells};
 use super::{Bank, Field, LOOSE, cut};
 use crate::flow::prior;
@@ -175,6 +176,7 @@ impl Search {
             usual: Vec::new(),
             recent: Vec::new(),
             dropped: super::dropped::Dropped::default(),
+            trail: self.from_free.then(Trail::default),
             folded: false,
             for_all: self.for_all,
         };
