@@ -4,7 +4,8 @@
 //! the folder MAPS into the folder OUT: `MAP-sSEED.csv` and `MAP-sSEED.truth.tum`, beside a copy of the map. In each the
 //! paper's whisker is pressed against a random stretch of wall and follows it for 0.3 to 1.2 m, at 300 Hz and 0.15 m/s, with
 //! the lean and the pressure drawn anew every 40 mm and 5 % noise on readings. Sweeps in which one contact of the tip does
-//! not explain most readings, in which a wall stops the base, or in which the whisker touches within a twentieth of its length, are replaced by those of the next seed.
+//! not explain most readings, in which a wall stops the base, or in which the whisker touches within a twentieth of its
+//! length, are replaced by those of the next seed.
 
 #[path = "../tests/data/long_sweep.rs"]
 mod long_sweep;
