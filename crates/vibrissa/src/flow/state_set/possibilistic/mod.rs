@@ -9,6 +9,7 @@ mod birth;
 mod bundle;
 mod cell;
 mod corner;
+mod edge;
 mod explain;
 mod left;
 mod measure;
