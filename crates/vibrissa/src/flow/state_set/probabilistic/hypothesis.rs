@@ -10,6 +10,7 @@ use super::drift::Drift;
 use super::ground::Ground;
 use super::history::{Feeler, History, Judge};
 use super::normal::{Matrix, Normal};
+use super::rerun::Rerun;
 use super::symmetry::Turn;
 use crate::plane::{Pose2, Vec2};
 use crate::world::Map;
@@ -43,15 +44,8 @@ impl<'a> Scene<'a> {
     }
 }
 
-/// The parts of a step that are tried, and by how much each may make things worse (nats).
-const SHARES: [f64; 2] = [1.0, 0.25];
-const WORSE: f64 = 0.5;
-
 /// So many rows are run before it is asked whether to go on.
-const LOOKED_AT: usize = 3;
-/// The same while one is linearised anew, and what later rows may take back of what it costs by then (nats).
-const LOOKED_AT_AGAIN: usize = 16;
-const EXPLAINED: f64 = 3.0;
+pub(super) const LOOKED_AT: usize = 3;
 /// How exactly the model is believed to know where the whisker stands (m, rad).
 const BLUR: [f64; 2] = [5e-5, 5e-4];
 
@@ -97,6 +91,8 @@ pub(super) struct Hypothesis {
     pub(super) family: Option<u32>,
     /// What errors of the odometry do; only followed where covariances are wanted (`blur`).
     pub(super) drift: Drift,
+    /// Its run through the history from elsewhere, as long as that is under way.
+    pub(super) rerun: Option<Box<Rerun>>,
 }
 
 /// The frame moved by `d`: shifted by (x, y) and turned about the pivot.
@@ -130,6 +126,7 @@ impl Hypothesis {
             start_at: map_from_odom,
             prior: Normal::default(),
             drift: Drift::default(),
+            rerun: None,
             sigmas: vec![0.0; states.len()],
             felt: vec![0.0; states.len()],
             states,
@@ -182,6 +179,7 @@ impl Hypothesis {
             start: all(&self.start),
             start_at: motion.compose(self.start_at),
             drift: Drift::default(),
+            rerun: None,
             sigmas: self.sigmas.clone(),
             felt: self.felt.clone(),
             ..*self
@@ -280,6 +278,7 @@ impl Hypothesis {
         self.turned = map_from_odom.theta.sin_cos();
         self.normal = self.prior;
         self.waits = false;
+        self.rerun = None;
         self.drift = Drift::default();
         self.states.clone_from(&self.start);
         self.row = self.start_row;
@@ -295,6 +294,7 @@ impl Hypothesis {
         self.prior = early.normal.loosened(loose);
         (self.start, self.start_row, self.start_at) = (early.states, 0, self.map_from_odom);
         self.row = self.row.saturating_sub(last);
+        self.rerun = None;
     }
 
     /// Runs the history anew as [`Hypothesis::run`] does, until it has cost more than these limits; whether it has not.
@@ -325,53 +325,6 @@ impl Hypothesis {
             again.cost(scene.shared)
         };
         rows.iter().map(&mut after).collect()
-    }
-
-    /// As [`Hypothesis::improve`], but gives up where all that is tried costs more than the limits; gives whether it did not,
-    /// and the number of readings taken.
-    pub(super) fn revive(&mut self, scene: &Scene<'_>, d: [f64; 3], rows: &[usize], most: Limits<'_>) -> (bool, usize) {
-        let mut taken = 0;
-        let mut alive = false;
-        for share in SHARES {
-            let mut next = self.clone();
-            let to = moved(self.map_from_odom, scene.pivot, d.map(|v| share * v));
-            let below = next.run_below(scene, to, rows, most);
-            taken += rows.partition_point(|&row| row <= next.row);
-            // What one that waits has cost is not known.
-            if below && (self.waits || next.cost(scene.shared) <= self.cost(scene.shared) + WORSE) {
-                *self = next;
-                return (true, taken);
-            }
-            alive |= below;
-        }
-        self.age = 0;
-        (alive, taken)
-    }
-
-    /// Linearises anew a step `d` away, or a part of it where the whole makes things worse; gives the number of readings taken.
-    pub(super) fn improve(&mut self, scene: &Scene<'_>, d: [f64; 3], rows: &[usize]) -> usize {
-        let most = self.cost(scene.shared) + WORSE;
-        let mut taken = 0;
-        for share in SHARES {
-            let mut next = self.clone();
-            let to = moved(self.map_from_odom, scene.pivot, d.map(|v| share * v));
-            next.run(scene, to, core::iter::empty());
-            for some in rows.chunks(LOOKED_AT_AGAIN) {
-                some.iter().for_each(|&row| next.take(scene, row));
-                taken += some.len();
-                // Costs only add up, but for what a shared error explains away later.
-                if next.cost(scene.shared) > most + EXPLAINED {
-                    break;
-                }
-            }
-            if next.cost(scene.shared) <= most {
-                next.age = 0;
-                *self = next;
-                return taken;
-            }
-        }
-        self.age = 0;
-        taken
     }
 
     /// Keeps what the readings promise now.

@@ -10,6 +10,7 @@ mod hypothesis;
 mod images;
 mod normal;
 mod places;
+mod rerun;
 mod ridge;
 mod seed;
 mod seeds;

@@ -286,14 +286,16 @@ impl<'a> ProbabilisticSet<'a> {
     fn track(&mut self) -> Happened {
         let Self { map, robot, options, ground, turns, table, feelers, history, phase, tracked, .. } = self;
         let Phase::Tracking(bank) = phase else { return Happened::Nothing };
-        if history.heading().is_some() {
+        let field = Field { map, ground, turns, table, robot, feelers, options };
+        let (used, next) = (bank.used.len(), bank.next);
+        if history.heading().is_some() && bank.for_all {
+            bank.complete(&field, history);
             bank.expand(turns);
         }
-        let (used, next) = (bank.used.len(), bank.next);
-        let field = Field { map, ground, turns, table, robot, feelers, options };
         bank.step(&field, history, CAUGHT_UP);
         *tracked += bank.next - next;
         if history.len() > options.window {
+            bank.complete(&field, history);
             let taken = bank.used.len() > used;
             if !bank.is_folded() {
                 // The last time that all rows are there to say what else explains them.
@@ -327,6 +329,7 @@ impl<'a> ProbabilisticSet<'a> {
             let most = self.costs[0] + LOST_COST * WATCHED as f64 + OUTLIER_COST * tolerated as f64;
             let mut now = bank.least();
             if now > most {
+                bank.complete(&field, history);
                 bank.hypotheses.iter_mut().for_each(|h| h.rests = 0);
                 bank.rescue(&field, history, RESCUED);
                 now = bank.least();
@@ -409,10 +412,10 @@ impl<'a> ProbabilisticSet<'a> {
         let Self { map, robot, options, ground, turns, table, feelers, history, phase, .. } = self;
         let Phase::Tracking(bank) = phase else { return (Vec::new(), None) };
         let field = Field { map, ground, turns, table, robot, feelers, options };
+        bank.step(&field, history, usize::MAX);
         if history.heading().is_some() {
             bank.expand(turns);
         }
-        bank.step(&field, history, usize::MAX);
         let equals = bank.congruent(&field, history);
         bank.hypotheses.extend(equals);
         places::choose(bank, &field, history)

@@ -83,21 +83,22 @@ impl Bank {
             }
             // What it costs may say only that its linearisation is old. Until it is run anew it takes none of the rows to come.
             h.waits = h.age * 6 > used.len() && is_stale(d);
+            h.rerun = None;
             !h.waits
         });
         lost.for_each(|h| dropped.push(h, used.len()));
         let waiting = self.hypotheses.iter().enumerate().filter(|(_, h)| h.waits);
-        let mut waiting: Vec<(f64, usize)> = waiting.map(|(index, h)| (h.promise.0, index)).collect();
-        waiting.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut waiting: Vec<(bool, f64, usize)> =
+            waiting.map(|(index, h)| (h.rerun.is_none(), h.promise.0, index)).collect();
+        waiting.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
         let mut dead = vec![false; self.hypotheses.len()];
-        let mut credit = URGENT;
-        for (_, index) in waiting {
-            if credit == 0 {
+        let mut work = URGENT;
+        for (.., index) in waiting {
+            if work == 0 {
                 break;
             }
             let h = &mut self.hypotheses[index];
-            let (alive, taken) = h.revive(&scene, cut(h.promise.1), used, limits);
-            credit = credit.saturating_sub(taken);
+            let Some(alive) = h.revive(&scene, cut(h.promise.1), used, limits, &mut work) else { break };
             h.look(LOOSE, shared);
             dead[index] = !alive || h.promise.0 > least + drop;
         }

@@ -5,6 +5,7 @@ mod dropped;
 mod merge;
 mod outside;
 mod rescue;
+mod rows;
 mod start;
 
 use super::contact::Solver;
@@ -21,7 +22,7 @@ use core::ops::Range;
 use dropped::Dropped;
 pub(super) use merge::{Prospect, best_of_cells, cells};
 pub(super) use rescue::RESCUED;
-use rescue::RESCUED_A_ROW;
+use rows::Underway;
 pub(super) use start::Search;
 
 /// Inverse variances that keep a step finite where the readings leave a direction open (5 mm, 5°).
@@ -31,8 +32,9 @@ const LONGEST: [f64; 2] = [3e-3, 0.06];
 /// A step longer than this (m, rad) asks for a new linearisation, if it promises so much (nats).
 const STALE: [f64; 2] = [1e-4, 2e-3];
 const PROMISE: f64 = 0.1;
-/// Readings that may be run again for each new row.
+/// Readings that may be run again for each new row, and how many are saved up for it when there is nothing to do.
 const BUDGET: usize = 80;
+const SAVED: usize = 3 * BUDGET;
 /// Inverse variances that keep covariances finite (20 mm, 20°).
 pub(super) const OPEN: [f64; 3] = [2.5e3, 2.5e3, 8.2];
 /// When so many rows have cost so much each (nats), hypotheses are pulled back by readings that seem false.
@@ -43,10 +45,6 @@ const RESCUE_COST: f64 = 2.5;
 const APART: [f64; 2] = [15e-3, 0.1];
 /// Hypotheses this near to each other (m, rad) are to be told on the same side of a map that turns onto itself.
 const GATHERED: [f64; 2] = [60e-3, 0.2];
-/// Rows between two merges.
-const MERGE_EVERY: usize = 8;
-/// So many hypotheses share one row; twice as many take every second one, and so on.
-const LOAD: usize = 80;
 
 /// The hypotheses and the rows that they have seen.
 pub(super) struct Bank {
@@ -58,6 +56,8 @@ pub(super) struct Bank {
     pub(super) pivot: Vec2,
     /// Standard deviation of a relative error that all readings share.
     pub(super) shared: f64,
+    /// The last row that is used, as long as not all hypotheses have taken it.
+    underway: Option<Underway>,
     credit: usize,
     turn: usize,
     since_merge: usize,
@@ -156,57 +156,6 @@ impl Bank {
         }
     }
 
-    /// Takes in the rows that have come since the last call, so many of them that are used.
-    pub(super) fn step(&mut self, field: &Field<'_>, history: &History, most: usize) {
-        let full = self.used.len().saturating_add(most);
-        while self.next < history.len() && self.used.len() < full {
-            let active = self.hypotheses.iter().filter(|h| !h.waits).count();
-            let stride = (active / LOAD).clamp(1, 8);
-            if self.next >= self.used.last().copied().unwrap_or(0) + stride {
-                self.take(field, history, self.next);
-            }
-            self.next += 1;
-        }
-    }
-
-    /// Takes in one row.
-    fn take(&mut self, field: &Field<'_>, history: &History, row: usize) {
-        let scene = field.scene(history, self.pivot, Judge::FAIR, self.shared);
-        self.used.push(row);
-        let before = self.least();
-        for h in self.hypotheses.iter_mut().filter(|h| !h.waits) {
-            h.take(&scene, row);
-            h.look(LOOSE, self.shared);
-            h.rests = h.rests.saturating_sub(1);
-        }
-        let taken = self.hypotheses.iter().filter(|h| !h.waits).map(|h| h.promise.0);
-        let least = taken.fold(f64::INFINITY, f64::min);
-        self.usual.push(if least.is_finite() { least } else { before });
-        let more = least - before;
-        // Those that wait are taken to fare as the best one does.
-        for h in self.hypotheses.iter_mut().filter(|h| h.waits) {
-            h.age += 1;
-            h.promise.0 += if more.is_finite() { more.max(0.0) } else { 0.0 };
-        }
-        self.drop_unlikely(field, history);
-        self.linearise(field, history);
-        self.recent.push(self.least());
-        if self.recent.len() > RESCUE_ROWS {
-            if self.recent[RESCUE_ROWS] - self.recent[0] > RESCUE_COST * RESCUE_ROWS as f64 {
-                self.rescue(field, history, RESCUED_A_ROW);
-            }
-            self.recent.remove(0);
-        }
-        self.since_merge += 1;
-        if self.since_merge >= MERGE_EVERY {
-            self.since_merge = 0;
-            self.drop_outside(field, history, row);
-            self.merge(history, true);
-            let drop = self.drop(history);
-            self.recall(field, history, drop);
-        }
-    }
-
     /// Uses every row from now on, or so many that are evenly spread; the best hypothesis comes first, and those that come
     /// to cost so much more are given up.
     pub(super) fn use_rows(&mut self, field: &Field<'_>, history: &History, most: usize, more: f64) {
@@ -240,35 +189,35 @@ impl Bank {
         self.usual = best.map_or_else(|| vec![f64::INFINITY; self.used.len()], |h| h.costs(&scene, &self.used));
     }
 
-    /// Linearises those whose estimate has moved, as far as the budget goes: the best one first, then in turn.
+    /// Linearises those whose estimate has moved, as far as the budget goes: what is under way, then the best one, then in turn.
     fn linearise(&mut self, field: &Field<'_>, history: &History) {
         let scene = field.scene(history, self.pivot, Judge::FAIR, self.shared);
-        self.credit = (self.credit + BUDGET).min(self.used.len().max(4 * BUDGET));
+        self.credit = (self.credit + BUDGET).min(SAVED);
         let costs = self.hypotheses.iter().enumerate().map(|(index, h)| (h.promise.0, index));
         let Some((_, best)) = costs.min_by(|a, b| a.0.total_cmp(&b.0)) else { return };
-        for visit in 0..=self.hypotheses.len() {
-            if self.credit < self.used.len() {
+        let underway = self.hypotheses.iter().position(|h| h.rerun.is_some() && !h.waits);
+        for index in underway.into_iter().chain([best]) {
+            self.freshen(&scene, index);
+        }
+        for _ in 0..self.hypotheses.len() {
+            if self.credit == 0 {
                 return;
             }
-            if visit > 0 {
-                self.turn = (self.turn + 1) % self.hypotheses.len();
-            }
-            let index = if visit == 0 { best } else { self.turn };
-            self.freshen(&scene, index);
+            self.turn = (self.turn + 1) % self.hypotheses.len();
+            self.freshen(&scene, self.turn);
         }
     }
 
-    /// Linearises one hypothesis anew if its estimate has moved.
+    /// Linearises one hypothesis anew if its estimate has moved, or goes on with that.
     fn freshen(&mut self, scene: &Scene<'_>, index: usize) {
         let h = &mut self.hypotheses[index];
-        if h.age == 0 || h.waits {
+        if h.age == 0 || h.waits || self.credit == 0 {
             return;
         }
         let (cost, d) = h.promise;
-        if is_stale(d) && h.cost(self.shared) > cost + PROMISE {
-            let taken = h.improve(scene, cut(d), &self.used);
+        let moved = || is_stale(d) && h.cost(self.shared) > cost + PROMISE;
+        if (h.rerun.is_some() || moved()) && h.improve(scene, cut(d), &self.used, &mut self.credit) {
             h.look(LOOSE, self.shared);
-            self.credit = self.credit.saturating_sub(taken);
         }
     }
 
@@ -332,6 +281,7 @@ impl Bank {
             next: self.next,
             pivot: self.pivot,
             shared: self.shared,
+            underway: None,
             credit: 0,
             turn: 0,
             since_merge: 0,

@@ -170,6 +170,7 @@ impl Search {
             next: self.seen,
             pivot: self.pivot,
             shared,
+            underway: None,
             credit: 0,
             turn: 0,
             since_merge: 0,

@@ -1,0 +1,199 @@
+//! Running the history anew for a hypothesis from where it would be best, a share of the readings at a time.
+//!
+//! That is what costs most once hypotheses are tracked: a window of a thousand rows takes some milliseconds. So it takes as many
+//! rows as it must, and what has been run so far waits in the hypothesis.
+
+use super::hypothesis::{Hypothesis, LOOKED_AT, Limits, Scene, moved};
+
+/// The parts of a step that are tried, and by how much each may make things worse (nats).
+const SHARES: [f64; 2] = [1.0, 0.25];
+const WORSE: f64 = 0.5;
+/// So many rows are run before it is asked whether to go on where one is linearised anew, and what later rows may take back of
+/// what it costs by then (nats).
+const LOOKED_AT_AGAIN: usize = 16;
+const EXPLAINED: f64 = 3.0;
+
+/// A hypothesis on its way through the rows that are used, a step or a part of it from where it is linearised.
+#[derive(Clone, Debug)]
+pub(super) struct Rerun {
+    next: Hypothesis,
+    step: [f64; 3],
+    /// Which part of the step is tried.
+    part: usize,
+    /// How many of the used rows it has taken.
+    done: usize,
+}
+
+impl Hypothesis {
+    /// Linearises one that waits anew a step `d` away, or a part of it where the whole goes beyond the limits, with no more than
+    /// this much work (readings); whether it is below them, once that is known. A run that is under way is gone on with.
+    pub(super) fn revive(
+        &mut self,
+        scene: &Scene<'_>,
+        d: [f64; 3],
+        rows: &[usize],
+        most: Limits<'_>,
+        work: &mut usize,
+    ) -> Option<bool> {
+        let exceeds = |cost: f64, done: usize| cost > most.usual[done - 1] + most.more;
+        self.run_again(scene, d, rows, LOOKED_AT, &exceeds, work)
+    }
+
+    /// Linearises anew a step `d` away, or a part of it where the whole makes things worse, with no more than this much work
+    /// (readings); whether that is finished. A run that is under way is gone on with.
+    pub(super) fn improve(&mut self, scene: &Scene<'_>, d: [f64; 3], rows: &[usize], work: &mut usize) -> bool {
+        let most = self.cost(scene.shared) + WORSE;
+        // Costs only add up, but for what a shared error explains away later.
+        let exceeds = |cost: f64, done: usize| cost > most + if done < rows.len() { EXPLAINED } else { 0.0 };
+        self.run_again(scene, d, rows, LOOKED_AT_AGAIN, &exceeds, work).is_some()
+    }
+
+    /// Goes on with a run through these rows until it is finished or the work is done; it takes the hypothesis' place unless it exceeds
+    /// what is asked with its cost and the number of rows so far, after every so many of them.
+    fn run_again(
+        &mut self,
+        scene: &Scene<'_>,
+        d: [f64; 3],
+        rows: &[usize],
+        every: usize,
+        exceeds: &dyn Fn(f64, usize) -> bool,
+        work: &mut usize,
+    ) -> Option<bool> {
+        let mut run = self.rerun.take().unwrap_or_else(|| Box::new(self.begin(scene, d, 0)));
+        while run.done < rows.len() {
+            if *work == 0 {
+                self.rerun = Some(run);
+                return None;
+            }
+            let some = &rows[run.done..rows.len().min(run.done + every)];
+            some.iter().for_each(|&row| run.next.take(scene, row));
+            run.done += some.len();
+            *work = work.saturating_sub(some.len());
+            if exceeds(run.next.cost(scene.shared), run.done) {
+                if run.part + 1 == SHARES.len() {
+                    self.age = 0;
+                    return Some(false);
+                }
+                *run = self.begin(scene, run.step, run.part + 1);
+            }
+        }
+        (run.next.age, run.next.rests) = (0, self.rests);
+        *self = run.next;
+        Some(true)
+    }
+
+    /// One that begins anew a part of a step away.
+    fn begin(&self, scene: &Scene<'_>, step: [f64; 3], part: usize) -> Rerun {
+        let mut next = self.clone();
+        let to = moved(self.map_from_odom, scene.pivot, step.map(|v| SHARES[part] * v));
+        next.run(scene, to, core::iter::empty());
+        Rerun { next, step, part, done: 0 }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "a test that cannot go on must fail")]
+
+    use super::super::contact::{Solver, State};
+    use super::super::ground::Ground;
+    use super::super::history::{Feeler, History, Judge, Sense};
+    use super::super::predicted_moments;
+    use super::*;
+    use crate::beam::{TipModel, TipTable, Whisker};
+    use crate::plane::{Curve, Pose2, Vec2};
+    use crate::world::{Boundary, Map, Robot, Role};
+
+    const LOOSE: [f64; 3] = [4e4, 4e4, 131.0];
+
+    /// Calls this with a scene, its rows, and a hypothesis that is 0.4 mm from where they were felt.
+    fn near_the_truth(then: impl Fn(&Scene<'_>, &[usize], Hypothesis)) {
+        let corners = [(-0.2, -0.1), (0.2, -0.1), (0.2, 0.1), (-0.2, 0.1)].map(|(x, y)| Vec2::new(x, y));
+        let walls = Boundary::new(Role::Arena, Curve::polyline(&corners, true).unwrap(), None).unwrap();
+        let map = Map::new(vec![walls]).unwrap();
+        let tip = TipModel::new(&Whisker::default()).unwrap();
+        // Presses on the right wall with a lean, on the way to the corner.
+        let path: Vec<Pose2> = (0..90)
+            .map(|k| f64::from(k) * 1e-3)
+            .map(|s| Pose2::new(0.11 + 0.3 * s, -0.03 + 0.4 * s, -0.5 + s))
+            .collect();
+        let (ground, table) = (Ground::new(&map), TipTable::new());
+        let feelers = [Feeler::new(&Robot::default().whiskers[0], tip.clone(), Sense::Moment)];
+        let mut history = History::new(&feelers);
+        for (pose, felt) in path.iter().zip(predicted_moments(&map, &tip, &path)) {
+            history.push(path[0].between(*pose), &[felt.moment * feelers[0].per_reading]);
+        }
+        let scene = Scene {
+            solver: Solver::Quick(&table),
+            map: &map,
+            ground: &ground,
+            feelers: &feelers,
+            history: &history,
+            pivot: Vec2::ZERO,
+            judge: Judge::FAIR,
+            shared: 0.01,
+            blur: false,
+            whole: true,
+            heading_std: 1.0,
+        };
+        let rows: Vec<usize> = (0..path.len()).collect();
+        let mut h = Hypothesis::new(path[0], vec![State::Free], 0);
+        h.run(&scene, moved(path[0], scene.pivot, [4e-4, 1e-4, 1e-3]), rows.iter().copied());
+        assert!(h.states.iter().all(|state| matches!(state, State::Touching(_))), "{:?}", h.states);
+        then(&scene, &rows, h);
+    }
+
+    #[test]
+    fn a_run_in_shares_ends_where_one_at_once_does() {
+        near_the_truth(|scene, rows, h| {
+            let (_, d) = h.best(LOOSE, scene.shared);
+            let mut whole = h.clone();
+            assert!(whole.improve(scene, d, rows, &mut usize::MAX.clone()));
+            assert!(whole.cost(scene.shared) < h.cost(scene.shared) - 1.0);
+            for share in [1, 7, 16, 40] {
+                let mut part = h.clone();
+                let mut calls = 1;
+                while !part.improve(scene, d, rows, &mut share.clone()) {
+                    assert_eq!(part.map_from_odom, h.map_from_odom, "it stays where it is until the run is finished");
+                    calls += 1;
+                }
+                assert!(calls > 1 && calls <= rows.len(), "{calls}");
+                assert_eq!((part.map_from_odom, part.normal), (whole.map_from_odom, whole.normal));
+                assert!(part.rerun.is_none() && part.age == 0);
+            }
+        });
+    }
+
+    #[test]
+    fn rows_that_come_meanwhile_are_taken_too() {
+        near_the_truth(|scene, rows, h| {
+            let mut early = h.clone();
+            early.run(scene, h.map_from_odom, rows[..60].iter().copied());
+            let (_, d) = early.best(LOOSE, scene.shared);
+            assert!(!early.improve(scene, d, &rows[..60], &mut 32));
+            rows[60..].iter().for_each(|&row| early.take(scene, row));
+            assert!(early.improve(scene, d, rows, &mut 1000));
+            let mut whole = h.clone();
+            whole.run(scene, early.map_from_odom, rows.iter().copied());
+            assert!((early.cost(scene.shared) - whole.cost(scene.shared)).abs() < 1e-9);
+            assert_eq!(early.row, rows[rows.len() - 1]);
+        });
+    }
+
+    #[test]
+    fn what_makes_things_worse_is_not_kept() {
+        near_the_truth(|scene, rows, h| {
+            let mut kept = h.clone();
+            assert!(kept.improve(scene, [0.02, -0.01, 0.3], rows, &mut 1000));
+            assert_eq!((kept.map_from_odom, kept.normal), (h.map_from_odom, h.normal));
+            let usual = vec![0.0; rows.len()];
+            let mut lost = h.clone();
+            lost.waits = true;
+            let limits = |more: f64| Limits { usual: &usual, more };
+            assert_eq!(lost.revive(scene, [0.0; 3], rows, limits(-1.0), &mut 1000), Some(false));
+            assert_eq!(lost.revive(scene, [0.0; 3], rows, limits(1e3), &mut 10), None);
+            assert_eq!(lost.revive(scene, [0.0; 3], rows, limits(1e3), &mut 1000), Some(true));
+            assert!(!lost.waits);
+        });
+    }
+}
