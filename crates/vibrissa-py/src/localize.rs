@@ -12,7 +12,7 @@ use pyo3::types::PyDict;
 use std::path::PathBuf;
 use std::sync::Arc;
 use vibrissa::config::{DeterministicOptions, PossibilisticOptions, ProbabilisticOptions, TipLoad};
-use vibrissa::flow::pose::{Hypothesis, Localization, Method};
+use vibrissa::flow::pose::{Hypothesis, Localization, Method, OdometryEstimate};
 use vibrissa::flow::sensor_log::Quantity;
 use vibrissa::flow::trajectory::{format_tum, read_tum, trajectory_error};
 use vibrissa::sets::StateBox;
@@ -190,6 +190,7 @@ fn fields<'py>(py: Python<'py>, answer: &Localization) -> PyResult<Bound<'py, Py
     out.set_item("trajectory", trajectory(py, &answer.trajectory)?)?;
     out.set_item("states", table(py, &answer.states, sides)?)?;
     out.set_item("first_states", poses(py, answer.first_states.iter().copied())?)?;
+    out.set_item("odometry", answer.odometry.as_ref().map(|one| odometry(py, one)).transpose()?)?;
     let steps = PyDict::new(py);
     steps.set_item("t", column(py, &answer.steps, |step| step.t))?;
     steps.set_item("components", counts(py, &answer.steps, |step| step.components))?;
@@ -199,6 +200,17 @@ fn fields<'py>(py: Python<'py>, answer: &Localization) -> PyResult<Bound<'py, Py
     out.set_item("events", events(&answer.events))?;
     let shapes = answer.shapes.iter().map(|shape| Ok((shape.t, points(py, &shape.points)?)));
     out.set_item("shapes", shapes.collect::<PyResult<Vec<_>>>()?)?;
+    Ok(out)
+}
+
+fn odometry<'py>(py: Python<'py>, one: &OdometryEstimate) -> PyResult<Bound<'py, PyDict>> {
+    let out = PyDict::new(py);
+    out.set_item("translation_scale", one.translation_scale)?;
+    out.set_item("translation_scale_std", one.translation_scale_std)?;
+    out.set_item("aside", one.aside)?;
+    out.set_item("aside_std", one.aside_std)?;
+    out.set_item("rotation_scale", one.rotation_scale)?;
+    out.set_item("rotation_scale_std", one.rotation_scale_std)?;
     Ok(out)
 }
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import inspect
 import json
 import re
@@ -38,6 +39,7 @@ def test_answers_are_those_of_the_command_to_the_bit(
         if mine.covariance is not None:
             assert mine.covariance.tolist() == theirs["covariance"]
         assert mine.ridge.shape == (0, 3) and "ridge" not in theirs
+    assert answer.odometry is None and "odometry" not in told
     assert [(e.t, e.kind, e.detail) for e in answer.events] == [(e["t"], e["kind"], e["detail"]) for e in told["events"]]
     assert answer.error is not None and answer.error.final_position == told["truth"]["final_position_m"]
     states, steps = table(tmp_path / "states.csv"), table(tmp_path / "steps.csv")
@@ -49,6 +51,18 @@ def test_answers_are_those_of_the_command_to_the_bit(
     # The truth is where the answer says, by the truth's own file.
     last = vibrissa.Trajectory.read(truth).poses[-1]
     assert answer.estimate is not None and np.hypot(*(np.array(answer.estimate) - last)[:2]) < 1e-3
+
+
+def test_odometry_that_may_be_wrong_is_estimated(demo_files: Path, tmp_path: Path, command: Command) -> None:
+    log, arena = demo_files / "log.csv", demo_files / "map.svg"
+    robot = tmp_path / "robot.toml"
+    robot.write_text("[odometry]\ntranslation_relative = 0.01\nrotation_relative = 0.01\n[[whisker]]\nname = 'w0'\n")
+    told = command("localize", log, "--map", arena, "--robot", robot, "--method", "probabilistic")
+    answer = vibrissa.localize(log, arena, robot, method="probabilistic")
+    assert answer.odometry is not None and dataclasses.asdict(answer.odometry) == told["odometry"]
+    # The demo's odometry is right.
+    assert abs(answer.odometry.translation_scale - 1) < 3 * answer.odometry.translation_scale_std < 0.02
+    assert abs(answer.odometry.rotation_scale - 1) < 3 * answer.odometry.rotation_scale_std < 0.02
 
 
 def test_a_place_along_a_straight_wall_is_a_curve(tmp_path: Path, command: Command) -> None:

@@ -81,6 +81,7 @@ fn empty(status: Status) -> Localization {
         first_states: vec![],
         steps: vec![],
         events: vec![],
+        odometry: None,
         shapes: vec![],
     }
 }
@@ -99,6 +100,7 @@ fn localized(places: &[(Pose2, f64, usize)], status: Status) -> Localization {
         trajectory: sweep(Vec2::ZERO),
         states: clusters.iter().flatten().map(|&pose| StateBox::point(pose)).collect(),
         first_states,
+        odometry: None,
         shapes: shapes(),
         ..empty(status)
     }

@@ -10,7 +10,8 @@ mod random;
 use long_sweep::long_sweep;
 use vibrissa::beam::{TipModel, Whisker};
 use vibrissa::config::PossibilisticOptions;
-use vibrissa::flow::pose::{Method, Status};
+use vibrissa::flow::pose::{Method, StampedPose, Status};
+use vibrissa::flow::sensor_log::SensorLog;
 use vibrissa::flow::state_set::probabilistic::predicted_moments;
 use vibrissa::plane::{Curve, Pose2, Vec2, wrap_angle};
 use vibrissa::sets::StateBox;
@@ -72,6 +73,69 @@ fn a_robot_that_goes_around_corners_is_told_where_it_is() {
         let (off, turned, weight) = near.unwrap();
         assert!(off < 3e-4 && turned < 5e-3 && weight > 0.05, "{:.2} mm, weight {weight}", 1e3 * off);
     }
+}
+
+/// The log of a robot whose odometry says increments that are too long and turns that are too far by these shares.
+fn mistaken(sweep: &Sweep, long: f64, turn: f64) -> SensorLog {
+    let mut log = sweep.log.clone();
+    for row in 1..log.rows.len() {
+        let step = sweep.log.rows[row - 1].odom_from_robot.between(sweep.log.rows[row].odom_from_robot);
+        let place = step.position() * (1.0 + long);
+        let step = Pose2 { x: place.x, y: place.y, theta: (1.0 + turn) * step.theta };
+        log.rows[row].odom_from_robot = log.rows[row - 1].odom_from_robot.compose(step);
+    }
+    log
+}
+
+#[test]
+fn odometry_that_is_wrong_by_a_share_is_found_out() {
+    let options = LocalizeOptions { method: Method::Probabilistic, ..LocalizeOptions::default() };
+    let map = room(0.35, 0.25);
+    let mut robot = Robot::default();
+    (robot.odometry.translation_relative, robot.odometry.rotation_relative) = (0.01, 0.01);
+    for (sweep, (long, turn)) in
+        snapping(&map, 100..140, 3).iter().zip([(0.009, 0.009), (-0.009, 0.009), (0.006, -0.009)])
+    {
+        let log = mistaken(sweep, long, turn);
+        let answer = localize(&log, &map, &robot, &options, &mut |_| {}).unwrap();
+        let truth = sweep.truth.last().unwrap().map_from_robot;
+        let places = answer.hypotheses.iter().map(|h| h.pose.position().distance(truth.position()));
+        let off = places.fold(f64::INFINITY, f64::min);
+        let blind = log.rows[0].odom_from_robot.between(log.rows.last().unwrap().odom_from_robot);
+        let blind = sweep.truth[0].map_from_robot.compose(blind).position().distance(truth.position());
+        let told = answer.odometry.unwrap();
+        println!(
+            "{} rows, {}: {:.2} mm, {:.1} by odometry, {told:?}",
+            log.rows.len(),
+            answer.status,
+            1e3 * off,
+            1e3 * blind
+        );
+        assert!(matches!(answer.status, Status::Localized | Status::Ambiguous), "{:?}", answer.events.last());
+        assert!(off < 2e-3 && blind > 4.0 * off, "{:.2} mm", 1e3 * off);
+        // They say by what increments are to be corrected.
+        for (value, std, truth) in [
+            (told.translation_scale, told.translation_scale_std, 1.0 / (1.0 + long)),
+            (told.aside, told.aside_std, 0.0),
+            (told.rotation_scale, told.rotation_scale_std, 1.0 / (1.0 + turn)),
+        ] {
+            assert!((value - truth).abs() < 3.0 * std && std < 3e-3, "{value} ± {std}, not {truth}");
+        }
+        // The path goes back from the last row by corrected increments.
+        let way = |a: &[StampedPose]| {
+            a.windows(2).map(|w| w[0].map_from_robot.position().distance(w[1].map_from_robot.position())).sum::<f64>()
+        };
+        let (ours, gone) = (way(&answer.trajectory), way(&sweep.truth[sweep.truth.len() - answer.trajectory.len()..]));
+        assert!((ours / gone - 1.0).abs() < 4e-3, "{ours} m, not {gone}");
+    }
+}
+
+#[test]
+fn odometry_that_is_declared_right_is_not_estimated() {
+    let options = LocalizeOptions { method: Method::Probabilistic, ..LocalizeOptions::default() };
+    let map = room(0.35, 0.25);
+    let sweep = &snapping(&map, 100..140, 1)[0];
+    assert!(localize(&sweep.log, &map, &Robot::default(), &options, &mut |_| {}).unwrap().odometry.is_none());
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use super::Run;
 use serde::Serialize;
-use vibrissa::flow::pose::Localization;
+use vibrissa::flow::pose::{Localization, OdometryEstimate};
 use vibrissa::flow::trajectory::TrajectoryError;
 use vibrissa::plane::Pose2;
 use vibrissa::{Error, Result};
@@ -15,6 +15,8 @@ struct ResultJson<'a> {
     interrupted: bool,
     estimate: Option<PoseJson>,
     hypotheses: Vec<HypothesisJson>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    odometry: Option<OdometryJson>,
     events: Vec<EventJson<'a>>,
     runtime: RuntimeJson,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -55,6 +57,17 @@ struct BoundJson {
     heading_rad: f64,
 }
 
+/// By what the odometry has to be corrected.
+#[derive(Serialize)]
+struct OdometryJson {
+    translation_scale: f64,
+    translation_scale_std: f64,
+    aside: f64,
+    aside_std: f64,
+    rotation_scale: f64,
+    rotation_scale_std: f64,
+}
+
 #[derive(Serialize)]
 struct EventJson<'a> {
     t: f64,
@@ -88,6 +101,7 @@ pub(crate) fn result(run: &Run, error: Option<&TrajectoryError>) -> Result<Strin
         interrupted: run.interrupted,
         estimate: answer.estimate.map(pose),
         hypotheses: hypotheses(answer),
+        odometry: answer.odometry.map(odometry),
         events: answer.events.iter().map(|e| EventJson { t: e.t, kind: e.kind, detail: &e.detail }).collect(),
         runtime: RuntimeJson {
             updates: runtime.updates,
@@ -107,6 +121,17 @@ pub(crate) fn result(run: &Run, error: Option<&TrajectoryError>) -> Result<Strin
         .map_err(|error| Error::data(format!("cannot write the result as JSON ({error})")))?;
     text.push('\n');
     Ok(text)
+}
+
+fn odometry(odometry: OdometryEstimate) -> OdometryJson {
+    OdometryJson {
+        translation_scale: odometry.translation_scale,
+        translation_scale_std: odometry.translation_scale_std,
+        aside: odometry.aside,
+        aside_std: odometry.aside_std,
+        rotation_scale: odometry.rotation_scale,
+        rotation_scale_std: odometry.rotation_scale_std,
+    }
 }
 
 fn pose(pose: Pose2) -> PoseJson {

@@ -4,7 +4,7 @@ use super::{Run, Runtime};
 use std::fmt::Write;
 use std::path::PathBuf;
 use vibrissa::figure::localization::verdict;
-use vibrissa::flow::pose::{Event, Hypothesis};
+use vibrissa::flow::pose::{Event, Hypothesis, OdometryEstimate};
 use vibrissa::flow::trajectory::TrajectoryError;
 use vibrissa::sets::Interval;
 
@@ -18,6 +18,9 @@ pub(crate) fn text(run: &Run, error: Option<&TrajectoryError>, written: Option<&
         [] => {}
         [only] => estimate(&mut text, only),
         many => places(&mut text, many),
+    }
+    if let Some(odometry) = &run.answer.odometry {
+        corrections(&mut text, odometry);
     }
     if let Some(error) = error {
         truth(&mut text, error);
@@ -53,6 +56,18 @@ fn estimate(text: &mut String, only: &Hypothesis) {
     if let Some(length) = only.ridge_length() {
         let _ = writeln!(text, "  open along a curve of {:.0} mm (`ridge` in the JSON)", length * 1e3);
     }
+}
+
+fn corrections(text: &mut String, odometry: &OdometryEstimate) {
+    let off = |scale: f64, std: f64| format!("{:+.2} ± {:.2} %", 100.0 * (scale - 1.0), 100.0 * std);
+    let _ = writeln!(
+        text,
+        "\nodometry, by what was felt: ways {}, turns {}, aside {:+.2} ± {:.2} deg",
+        off(odometry.translation_scale, odometry.translation_scale_std),
+        off(odometry.rotation_scale, odometry.rotation_scale_std),
+        odometry.aside.to_degrees(),
+        odometry.aside_std.to_degrees(),
+    );
 }
 
 fn places(text: &mut String, many: &[Hypothesis]) {

@@ -50,6 +50,24 @@ class Hypothesis:
     order, shape (n, 3); shape (0, 3) where the method gives none or the place is short."""
 
 
+@dataclass(frozen=True)
+class OdometryEstimate:
+    """What the readings say about the odometry: by what each of its increments has to be corrected."""
+
+    translation_scale: float
+    """The true length of an increment over the one that odometry gives; 1 where it is right."""
+    translation_scale_std: float
+    """Its standard deviation."""
+    aside: float
+    """How far increments go to the left of where odometry says (rad)."""
+    aside_std: float
+    """Its standard deviation (rad)."""
+    rotation_scale: float
+    """The true turn of an increment over the one that odometry gives; 1 where it is right."""
+    rotation_scale_std: float
+    """Its standard deviation."""
+
+
 @dataclass(frozen=True, eq=False)
 class Steps:
     """The state set's size after each update; columns of shape (updates)."""
@@ -87,6 +105,8 @@ class Localization:
     """Every surviving place, heaviest first, never averaged over separate places."""
     trajectory: Trajectory
     """The best hypothesis over time, one pose for each log row from the first estimate on."""
+    odometry: OdometryEstimate | None
+    """What is said about the odometry, by the probabilistic method where the robot declares that it may be wrong."""
     states: Floats
     """The final state set as boxes x_min, x_max, y_min, y_max (m), theta_min, theta_max (rad); shape (boxes, 6)."""
     first_states: Floats
@@ -107,6 +127,7 @@ class Localization:
             **fields,
             "hypotheses": [Hypothesis(**one) for one in fields["hypotheses"]],
             "trajectory": trajectory,
+            "odometry": None if fields["odometry"] is None else OdometryEstimate(**fields["odometry"]),
             "steps": Steps(**fields["steps"]),
             "events": [Event(*one) for one in fields["events"]],
             "shapes": [WhiskerShape(*one) for one in fields["shapes"]],

@@ -1,5 +1,6 @@
 //! The last door: the only place that chooses, and it says how wide the choice was.
 
+use super::state_set::probabilistic::corrected;
 use super::state_set::{Candidate, StateSet, components};
 use crate::config::DeterministicOptions;
 use crate::plane::{Pose2, Vec2};
@@ -105,6 +106,31 @@ pub struct ShapeRecord {
     pub points: Vec<Vec2>,
 }
 
+/// What the readings say about the odometry: each of its increments has to be stretched, turned aside and turned further alike.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OdometryEstimate {
+    /// The true length of an increment over the one that odometry gives; 1 where it is right.
+    pub translation_scale: f64,
+    /// Its standard deviation.
+    pub translation_scale_std: f64,
+    /// How far increments go to the left of where odometry says (rad).
+    pub aside: f64,
+    /// Its standard deviation (rad).
+    pub aside_std: f64,
+    /// The true turn of an increment over the one that odometry gives; 1 where it is right.
+    pub rotation_scale: f64,
+    /// Its standard deviation.
+    pub rotation_scale_std: f64,
+}
+
+impl OdometryEstimate {
+    /// An increment of the odometry (robot frame), corrected.
+    #[must_use]
+    pub fn corrected(&self, increment: Pose2) -> Pose2 {
+        corrected(increment, [self.translation_scale - 1.0, self.aside, self.rotation_scale - 1.0])
+    }
+}
+
 /// What a log and a map say about the robot.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Localization {
@@ -118,6 +144,8 @@ pub struct Localization {
     pub hypotheses: Vec<Hypothesis>,
     /// The best hypothesis over time, one entry for each log row from the first estimate on.
     pub trajectory: Vec<StampedPose>,
+    /// What is said about the odometry, by the probabilistic method where the robot declares that it may be wrong.
+    pub odometry: Option<OdometryEstimate>,
     /// The final state set; for the deterministic method its surviving points.
     pub states: Vec<StateBox>,
     /// The candidates after the first observation, at that time: the first row of the trajectory.

@@ -221,6 +221,7 @@ impl<'a> Localizer<'a> {
             trajectory: self.trajectory(),
             states: self.states.states(odom_from_robot).map(crate::sets::StateBox::point).collect(),
             first_states: std::mem::take(&mut self.record.first_states),
+            odometry: None,
             shapes: best.map_or_else(Vec::new, |best| self.shapes(&best)),
             steps: self.record.steps,
             events: self.record.events,

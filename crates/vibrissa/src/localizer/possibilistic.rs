@@ -230,6 +230,7 @@ impl<'a> PossibilisticLocalizer<'a> {
             trajectory: self.trajectory(),
             states: if self.empty { Vec::new() } else { self.set.boxes() },
             first_states: std::mem::take(&mut self.first_states),
+            odometry: None,
             shapes: self.shapes(),
             steps: self.steps,
             events: self.events,

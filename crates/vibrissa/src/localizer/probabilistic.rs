@@ -5,7 +5,7 @@ use crate::Result;
 use crate::beam::TipModel;
 use crate::config::ProbabilisticOptions;
 use crate::config::limits::MOST_SEARCHED;
-use crate::flow::pose::{Event, Hypothesis, Localization, Method, StampedPose, Status, StepRecord};
+use crate::flow::pose::{Event, Hypothesis, Localization, Method, OdometryEstimate, StampedPose, Status, StepRecord};
 use crate::flow::sensor_log::{Channel, LogRow, Quantity, SensorLog};
 use crate::flow::state_set::probabilistic::{Fit, Happened, Place, ProbabilisticSet, Sense};
 use crate::plane::Pose2;
@@ -235,7 +235,8 @@ impl<'a> ProbabilisticLocalizer<'a> {
         let status = self.verdict(t, &hypotheses, rivals, fit.as_ref());
         let keep = status != Status::Inconsistent;
         let estimate = hypotheses.first().map(|h| h.pose).filter(|_| keep);
-        let trajectory = places.first().map_or_else(Vec::new, |place| self.trajectory(place));
+        let odometry = fit.and_then(|fit| fit.shares).map(odometry_estimate);
+        let trajectory = places.first().map_or_else(Vec::new, |place| self.trajectory(place, odometry.as_ref()));
         let states = places.iter().flat_map(|p| p.members.iter().map(|(pose, c)| state_box(*pose, c))).collect();
         Localization {
             method: Method::Probabilistic,
@@ -243,6 +244,7 @@ impl<'a> ProbabilisticLocalizer<'a> {
             estimate,
             hypotheses: if keep { hypotheses } else { Vec::new() },
             trajectory: if keep { trajectory } else { Vec::new() },
+            odometry: odometry.filter(|_| keep),
             states: if keep { states } else { Vec::new() },
             first_states: self.first_states,
             steps: self.steps,
@@ -283,14 +285,37 @@ impl<'a> ProbabilisticLocalizer<'a> {
     }
 
     /// The best place along the rows, from the first estimate on; before a loss it is what was believed then.
-    fn trajectory(&self, place: &Place) -> Vec<StampedPose> {
+    fn trajectory(&self, place: &Place, odometry: Option<&OdometryEstimate>) -> Vec<StampedPose> {
         let Some(first) = self.first_row.filter(|_| self.recording) else { return Vec::new() };
-        let frame = |row: usize| {
-            let then = self.before.iter().find(|(end, frame)| row < *end && frame.is_some());
-            then.and_then(|(_, frame)| *frame).unwrap_or(place.map_from_odom)
-        };
-        let rows = self.rows.iter().enumerate().skip(first);
-        rows.map(|(row, &(t, odom))| StampedPose { t, map_from_robot: frame(row).compose(odom) }).collect()
+        let lost = |row: usize| self.before.iter().find(|(end, frame)| row < *end && frame.is_some());
+        // Back from the last row, where the place is told.
+        let mut poses = Vec::with_capacity(self.rows.len().saturating_sub(first));
+        let mut next: Option<(Pose2, Pose2)> = None;
+        for (row, &(t, odom)) in self.rows.iter().enumerate().skip(first).rev() {
+            let there = place.map_from_odom.compose(odom);
+            let map_from_robot = match (lost(row), odometry, next) {
+                (Some((_, Some(frame))), ..) => frame.compose(odom),
+                (_, Some(odometry), Some((pose, after))) => {
+                    pose.compose(odometry.corrected(odom.between(after)).inverse())
+                }
+                _ => there,
+            };
+            next = Some((map_from_robot, odom));
+            poses.push(StampedPose { t, map_from_robot });
+        }
+        poses.reverse();
+        poses
+    }
+}
+
+fn odometry_estimate([long, aside, turn]: [[f64; 2]; 3]) -> OdometryEstimate {
+    OdometryEstimate {
+        translation_scale: 1.0 + long[0],
+        translation_scale_std: long[1],
+        aside: aside[0],
+        aside_std: aside[1],
+        rotation_scale: 1.0 + turn[0],
+        rotation_scale_std: turn[1],
     }
 }
 

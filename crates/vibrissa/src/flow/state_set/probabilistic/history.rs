@@ -1,6 +1,7 @@
 //! What was felt, and how likely it is: rows of odometry with readings, and their noise.
 
 use super::contact::Solver;
+use super::drift::{Drift, Shares, corrected};
 use crate::beam::{TipChart, TipModel, TipReading};
 use crate::plane::{Pose2, Vec2};
 use crate::world::{MountedWhisker, ReadingNoise};
@@ -224,7 +225,13 @@ fn robust(sigmas: f64, outlier_cost: f64) -> (f64, f64) {
 #[derive(Clone, Debug, Default)]
 pub(super) struct History {
     mounts: Vec<Pose2>,
+    /// The robot as its odometry says, and once that is corrected.
+    raw: Vec<Pose2>,
     poses: Vec<Pose2>,
+    /// The shares that it is corrected by, and the way when no row will follow.
+    shares: Shares,
+    is_corrected: bool,
+    whole: Option<Drift>,
     /// The bases of all whiskers, odometry frame.
     bases: Vec<Pose2>,
     readings: Vec<f64>,
@@ -238,9 +245,58 @@ impl History {
     }
 
     pub(super) fn push(&mut self, odom_from_robot: Pose2, readings: &[f64]) {
-        self.poses.push(odom_from_robot);
-        self.bases.extend(self.mounts.iter().map(|mount| odom_from_robot.compose(*mount)));
+        let pose = match (self.raw.last(), self.poses.last()) {
+            (Some(&raw), Some(&last)) if self.is_corrected => {
+                last.compose(corrected(raw.between(odom_from_robot), self.shares))
+            }
+            _ => odom_from_robot,
+        };
+        self.raw.push(odom_from_robot);
+        self.poses.push(pose);
+        self.bases.extend(self.mounts.iter().map(|mount| pose.compose(*mount)));
         self.readings.extend_from_slice(readings);
+    }
+
+    /// The shares that the odometry is corrected by.
+    pub(super) fn shares(&self) -> Shares {
+        self.shares
+    }
+
+    /// Corrects the odometry by these shares; the last row stays where it is.
+    pub(super) fn correct(&mut self, shares: Shares) {
+        let Some(&last) = self.poses.last() else { return };
+        (self.shares, self.is_corrected) = (shares, true);
+        let mut there = last;
+        for row in (0..self.raw.len() - 1).rev() {
+            there = there.compose(corrected(self.raw[row].between(self.raw[row + 1]), shares).inverse());
+            self.poses[row] = there;
+        }
+        self.whole = self.whole.map(|_| Drift::along(&self.poses));
+        let mounts = &self.mounts;
+        self.bases = self.poses.iter().flat_map(|pose| mounts.iter().map(|mount| pose.compose(*mount))).collect();
+    }
+
+    /// No row will follow: what the odometry's shares do is told from the last row on, which is what is asked for.
+    pub(super) fn end(&mut self) {
+        self.whole = Some(Drift::along(&self.poses));
+    }
+
+    /// The way when no row will follow.
+    pub(super) fn whole(&self) -> Option<&Drift> {
+        self.whole.as_ref()
+    }
+
+    /// The robot's way from the first row to the last.
+    pub(super) fn way(&self) -> Drift {
+        Drift::along(&self.poses)
+    }
+
+    /// The odometry's own frame in that of the corrected one, at the last row.
+    pub(super) fn corrected_from_raw(&self) -> Pose2 {
+        match (self.raw.last(), self.poses.last()) {
+            (Some(raw), Some(pose)) if self.is_corrected => pose.compose(raw.inverse()),
+            _ => Pose2::IDENTITY,
+        }
     }
 
     /// Takes in the absolute heading of the last row (map frame).
@@ -274,6 +330,7 @@ impl History {
 
     /// Forgets the rows before `row`.
     pub(super) fn forget(&mut self, row: usize) {
+        self.raw.drain(..row);
         self.poses.drain(..row);
         self.bases.drain(..row * self.mounts.len());
         self.readings.drain(..row * self.mounts.len());
@@ -281,6 +338,7 @@ impl History {
 
     /// Forgets one row.
     pub(super) fn drop_row(&mut self, row: usize) {
+        self.raw.remove(row);
         self.poses.remove(row);
         let these = row * self.mounts.len()..(row + 1) * self.mounts.len();
         self.bases.drain(these.clone());
@@ -337,5 +395,44 @@ mod tests {
             let (more, less) = (cost(h, 1.02), cost(h, 1.0 / 1.02));
             assert!(more > cost(h, 1.0) + 0.1 && (more - less).abs() < 0.02, "{more} {less}");
         }
+    }
+
+    #[test]
+    fn a_corrected_path_is_the_one_that_was_gone() {
+        let feelers = [feeler(0.05, 0.0)];
+        let gone: Vec<Pose2> =
+            (0..50).map(|k| f64::from(k) * 0.03).map(|s| Pose2::new(s.sin(), s, 2.0 * s.cos())).collect();
+        let shares = [0.01, -0.004, 0.008];
+        // What odometry that is wrong by these shares says of it.
+        let wrong = |step: Pose2| {
+            let place = step.position().rotated(-shares[1]) * (1.0 / (1.0 + shares[0]));
+            Pose2 { x: place.x, y: place.y, theta: step.theta / (1.0 + shares[2]) }
+        };
+        let mut history = History::new(&feelers);
+        let mut raw = gone[0];
+        for (row, pose) in gone.iter().enumerate() {
+            if row > 0 {
+                raw = raw.compose(wrong(gone[row - 1].between(*pose)));
+            }
+            if row == 30 {
+                assert_eq!(history.pose(29), history.raw[29]);
+                history.correct(shares);
+            }
+            history.push(raw, &[0.0]);
+        }
+        // The last row then stayed where it was, and all others stand to it as they did.
+        let from = history.pose(29).compose(gone[29].inverse());
+        for (row, pose) in gone.iter().enumerate() {
+            let off = history.pose(row).between(from.compose(*pose));
+            assert!(off.position().norm() < 1e-12 && off.theta.abs() < 1e-12, "{row}: {off:?}");
+            assert!(history.base(row, 0).between(history.pose(row)).position().norm() < 1e-12);
+        }
+        let now = history.corrected_from_raw().compose(raw);
+        assert!(now.between(history.pose(49)).position().norm() < 1e-12);
+        history.forget(20);
+        history.correct([0.0; 3]);
+        assert!(history.pose(29).between(now).position().norm() < 1e-12);
+        let (a, b) = (history.raw[0].between(history.raw[29]), history.pose(0).between(history.pose(29)));
+        assert!(a.between(b).position().norm() < 1e-12);
     }
 }

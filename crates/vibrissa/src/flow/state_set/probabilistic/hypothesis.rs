@@ -6,10 +6,10 @@
 //! a filter that cannot take back its first steps.
 
 use super::contact::{Forward, Solver, State};
-use super::drift::Drift;
+use super::drift::{Drift, Shared, Shares};
 use super::ground::Ground;
 use super::history::{Feeler, History, Judge};
-use super::normal::{Matrix, Normal};
+use super::normal::{Line, Matrix, Normal};
 use super::rerun::Rerun;
 use super::symmetry::Turn;
 use crate::plane::{Pose2, Vec2};
@@ -24,8 +24,7 @@ pub(super) struct Scene<'a> {
     /// The place that turns leave where it is, odometry frame (m).
     pub(super) pivot: Vec2,
     pub(super) judge: Judge,
-    /// Standard deviation of a relative error that all readings share.
-    pub(super) shared: f64,
+    pub(super) shared: Shared,
     /// Whether steep readings are trusted less, for covariances that hold over more than a facet of the map.
     pub(super) blur: bool,
     /// Standard deviation of the absolute headings' one error (rad).
@@ -85,11 +84,13 @@ pub(super) struct Hypothesis {
     start: Vec<State>,
     start_row: usize,
     start_at: Pose2,
-    /// What readings before that row said, around `start_at`.
-    prior: Normal,
+    /// The odometry at that row then, where that may change.
+    start_odom: Option<Pose2>,
+    /// What readings before that row said, around `start_at`, of the place and of the odometry.
+    prior: (Normal, Drift),
     /// The heading of the cell that it comes from, if it has come to the same as all of that heading on straight walls.
     pub(super) family: Option<u32>,
-    /// What errors of the odometry do; only followed where covariances are wanted (`blur`).
+    /// What the readings up to `row` say about errors of the odometry.
     pub(super) drift: Drift,
     /// Its run through the history from elsewhere, as long as that is under way.
     pub(super) rerun: Option<Box<Rerun>>,
@@ -100,6 +101,11 @@ pub(super) fn moved(map_from_odom: Pose2, pivot: Vec2, d: [f64; 3]) -> Pose2 {
     let center = map_from_odom.transform_point(pivot);
     let place = center + (map_from_odom.position() - center).rotated(d[2]) + Vec2::new(d[0], d[1]);
     Pose2::new(place.x, place.y, map_from_odom.theta + d[2])
+}
+
+/// From the pivot to the robot (m, map frame) with the odometry at `odom_from_robot`.
+pub(super) fn arm(map_from_odom: Pose2, pivot: Vec2, odom_from_robot: Pose2) -> Vec2 {
+    map_from_odom.transform_point(odom_from_robot.position()) - map_from_odom.transform_point(pivot)
 }
 
 /// The move that takes one frame to another.
@@ -124,7 +130,8 @@ impl Hypothesis {
             start: states.clone(),
             start_row: row,
             start_at: map_from_odom,
-            prior: Normal::default(),
+            start_odom: None,
+            prior: Default::default(),
             drift: Drift::default(),
             rerun: None,
             sigmas: vec![0.0; states.len()],
@@ -148,7 +155,8 @@ impl Hypothesis {
     pub(super) fn carried_to(&self, frame: Pose2, start: Vec<State>, pivot: Vec2) -> Self {
         let motion = frame.compose(self.map_from_odom.inverse());
         let there = self.carried(motion, &|state| *state);
-        let prior = there.prior.moved(difference(there.start_at, frame, pivot));
+        let d = difference(there.start_at, frame, pivot);
+        let prior = (there.prior.0.moved(d), there.prior.1.moved(d));
         Self { states: start.clone(), start, start_at: frame, prior, ..there }
     }
 
@@ -174,11 +182,11 @@ impl Hypothesis {
             turned: map_from_odom.theta.sin_cos(),
             promise: (cost, [shift.x, shift.y, d[2]]),
             normal: self.normal.turned(angle),
-            prior: self.prior.turned(angle),
+            prior: (self.prior.0.turned(angle), self.prior.1.turned(angle)),
             states: all(&self.states),
             start: all(&self.start),
             start_at: motion.compose(self.start_at),
-            drift: Drift::default(),
+            drift: self.drift.turned(angle),
             rerun: None,
             sigmas: self.sigmas.clone(),
             felt: self.felt.clone(),
@@ -201,7 +209,8 @@ impl Hypothesis {
         let (sin, cos) = self.turned;
         let at = |p: Vec2| self.map_from_odom.position() + Vec2::new(cos * p.x - sin * p.y, sin * p.x + cos * p.y);
         let pivot = at(scene.pivot);
-        if scene.blur {
+        let follows = scene.shared.has_odometry();
+        if follows {
             self.drift.travel(scene.history.pose(self.row), scene.history.pose(row));
         }
         for (index, feeler) in scene.feelers.iter().enumerate() {
@@ -237,11 +246,12 @@ impl Hypothesis {
                 let steep = BLUR[0].powi(2) * (gx * gx + gy * gy) + BLUR[1].powi(2) * turn * turn;
                 let weight = if scene.blur { misfit.weight / (1.0 + misfit.weight * steep) } else { misfit.weight };
                 let by = [gx, gy, turn + gx * arm.x + gy * arm.y];
-                self.normal.add(misfit.residual, by, felt.value, weight);
-                if scene.blur {
+                let line = Line { residual: misfit.residual, by, by_shared: felt.value, weight };
+                self.normal.add(line);
+                if follows {
                     let robot = at(scene.history.pose(row).position());
                     let arm = there.position() - robot;
-                    self.drift.add(self.map_from_odom.theta, arm, felt.gradient, by, felt.value, weight);
+                    self.drift.add(self.map_from_odom.theta, arm, felt.gradient, line);
                 }
             }
         }
@@ -255,7 +265,7 @@ impl Hypothesis {
         if let Some(heading) = scene.history.heading() {
             let off = crate::plane::wrap_angle(map_from_odom.theta - heading);
             let weight = scene.heading_std.powi(-2);
-            self.normal.add(off, [0.0, 0.0, 1.0], 0.0, weight);
+            self.normal.add(Line { residual: off, by: [0.0, 0.0, 1.0], by_shared: 0.0, weight });
             self.normal.cost += 0.5 * weight * off * off;
         }
         rows.for_each(|row| {
@@ -267,21 +277,48 @@ impl Hypothesis {
     /// Puts the odometry frame to `map_from_odom` and goes back to the first row, before any reading.
     fn restart(&mut self, scene: &Scene<'_>, map_from_odom: Pose2) {
         let first = scene.history.pose(self.start_row);
+        // Where the frame would be if it had stayed where it was at that row, while the odometry was corrected.
+        let began = self.start_odom.map_or(self.start_at, |odom| self.start_at.compose(odom).compose(first.inverse()));
         for (state, feeler) in self.start.iter_mut().zip(scene.feelers) {
             let place = |frame: Pose2| frame.compose(first).compose(feeler.robot_from_whisker);
-            let forward = scene.forward(feeler);
-            forward.advance(state, place(self.start_at), place(map_from_odom), false);
+            scene.forward(feeler).advance(state, place(began), place(map_from_odom), false);
         }
-        self.prior = self.prior.moved(difference(self.start_at, map_from_odom, scene.pivot));
+        let from = if self.prior.1.is_from_last() { self.start_at } else { began };
+        let d = difference(from, map_from_odom, scene.pivot);
+        let (mut normal, mut drift) = (self.prior.0.moved(d), self.prior.1.moved(d));
+        if let Some(way) = scene.history.whole().filter(|_| !drift.is_from_last()) {
+            let last = scene.history.pose(scene.history.len() - 1);
+            (normal, drift) =
+                drift.told_from_last(&normal, way, map_from_odom.theta, arm(map_from_odom, scene.pivot, last));
+        }
+        self.start_odom = scene.shared.has_odometry().then_some(first);
+        self.prior = drift.shifted(&normal, scene.history.shares());
         self.start_at = map_from_odom;
         self.map_from_odom = map_from_odom;
         self.turned = map_from_odom.theta.sin_cos();
-        self.normal = self.prior;
+        (self.normal, self.drift) = self.prior;
         self.waits = false;
         self.rerun = None;
-        self.drift = Drift::default();
         self.states.clone_from(&self.start);
         self.row = self.start_row;
+        if scene.shared.has_odometry() {
+            self.drift.travel(scene.history.pose(0), first);
+        }
+    }
+
+    /// Goes over to a path corrected by other shares, by which the robot is at `last` still at the last row; `way` is the path until then, and the
+    /// odometry was `first` at its first row. What the readings say is told as it was, around the new path.
+    pub(super) fn correct(&mut self, way: &Drift, [first, last]: [Pose2; 2], pivot: Vec2, to: Shares) {
+        let at = self.drift.at();
+        let mut d = [0.0; 3];
+        if !self.drift.is_from_last() {
+            let back = way.holding(self.map_from_odom.theta, arm(self.map_from_odom, pivot, last));
+            (0..3).for_each(|i| d[i] = (0..3).map(|k| back[k][i] * (to[k] - at[k])).sum());
+        }
+        let (normal, drift) = (self.normal.moved(d), self.drift.moved(d));
+        (self.normal, self.drift) = drift.shifted(&normal, to);
+        self.start_odom.get_or_insert(first);
+        self.rerun = None;
     }
 
     /// Sums up what these rows say, the last of which is to become the first that is kept; `loose` is what odometry may
@@ -291,7 +328,12 @@ impl Hypothesis {
         let mut early = self.clone();
         early.restart(scene, self.map_from_odom);
         rows.iter().for_each(|&row| early.take(scene, row));
-        self.prior = early.normal.loosened(loose);
+        let theta = self.map_from_odom.theta;
+        let arm = arm(self.map_from_odom, scene.pivot, scene.history.pose(last));
+        self.start_odom = scene.shared.has_odometry().then_some(scene.history.pose(last));
+        let (normal, drift) = early.drift.carried_on(&early.normal, &early.drift, theta, arm);
+        self.prior = drift.loosened(&normal, loose, scene.shared.odometry);
+        (self.normal, self.drift) = self.drift.carried_on(&self.normal, &early.drift, theta, arm);
         (self.start, self.start_row, self.start_at) = (early.states, 0, self.map_from_odom);
         self.row = self.row.saturating_sub(last);
         self.rerun = None;
@@ -328,28 +370,48 @@ impl Hypothesis {
     }
 
     /// Keeps what the readings promise now.
-    pub(super) fn look(&mut self, damping: [f64; 3], shared: f64) {
+    pub(super) fn look(&mut self, damping: [f64; 3], shared: Shared) {
         self.promise = self.best(damping, shared);
     }
 
     /// What it will cost once it is moved to its best place, as far as is known.
-    pub(super) fn outlook(&self, damping: [f64; 3], shared: f64) -> f64 {
+    pub(super) fn outlook(&self, damping: [f64; 3], shared: Shared) -> f64 {
         if self.waits { self.promise.0 } else { self.best(damping, shared).0 }
     }
 
     /// The cost where it is linearised.
-    pub(super) fn cost(&self, shared: f64) -> f64 {
-        self.normal.marginal(shared).cost
+    pub(super) fn cost(&self, shared: Shared) -> f64 {
+        self.marginal(shared).cost
+    }
+
+    /// What the readings say about moves, whatever errors they share.
+    pub(super) fn marginal(&self, shared: Shared) -> Normal {
+        self.drift.eliminated(&self.normal, shared.odometry).marginal(shared.gain)
     }
 
     /// The relative error that all readings share, as they estimate it.
-    pub(super) fn gain(&self, shared: f64) -> f64 {
-        if shared > 0.0 { -self.normal.shared[1] / (self.normal.shared[0] + 1.0 / (shared * shared)) } else { 0.0 }
+    pub(super) fn gain(&self, shared: Shared) -> f64 {
+        let [own, pull] = self.drift.eliminated(&self.normal, shared.odometry).shared;
+        if shared.gain > 0.0 { -pull / (own + shared.gain.powi(-2)) } else { 0.0 }
     }
 
-    /// The least cost that the linearisation promises, and the step to it, when all readings share a relative error of
-    /// this standard deviation.
-    pub(super) fn best(&self, damping: [f64; 3], shared: f64) -> (f64, [f64; 3]) {
-        self.normal.best(damping, shared)
+    /// The least cost that the linearisation promises, whatever the errors that all readings share, of these standard deviations; and
+    /// the step to where it is least as long as the odometry is not corrected any further.
+    pub(super) fn best(&self, damping: [f64; 3], shared: Shared) -> (f64, [f64; 3]) {
+        let (cost, d) = self.free_best(damping, shared);
+        let fixed = shared.has_odometry() && !self.drift.is_from_last();
+        if fixed { (cost, self.normal.best(damping, shared.gain).1) } else { (cost, d) }
+    }
+
+    /// The same with the step for the odometry corrected as this hypothesis would have it.
+    pub(super) fn free_best(&self, damping: [f64; 3], shared: Shared) -> (f64, [f64; 3]) {
+        self.drift.eliminated(&self.normal, shared.odometry).best(damping, shared.gain)
+    }
+
+    /// The step of [`Hypothesis::best`], and what it will cost there as far as is known.
+    pub(super) fn next(&self, damping: [f64; 3], shared: Shared) -> (f64, [f64; 3]) {
+        let (cost, d) = self.best(damping, shared);
+        let fixed = shared.has_odometry() && !self.drift.is_from_last();
+        if fixed { (self.marginal(shared).moved(d).cost, d) } else { (cost, d) }
     }
 }

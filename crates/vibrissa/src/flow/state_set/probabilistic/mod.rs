@@ -20,6 +20,7 @@ mod spread;
 mod symmetry;
 mod twins;
 
+pub(crate) use drift::corrected;
 pub use history::Sense;
 pub use places::{Fit, Place};
 pub use set::{Happened, ProbabilisticSet};

@@ -17,9 +17,20 @@ pub(super) struct Normal {
     pub(super) shared: [f64; 2],
 }
 
+/// One reading: its residual (times the root of its weight: in standard deviations), and its derivatives by a move and by a
+/// relative error that all readings share.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Line {
+    pub(super) residual: f64,
+    pub(super) by: [f64; 3],
+    pub(super) by_shared: f64,
+    pub(super) weight: f64,
+}
+
 impl Normal {
-    /// Adds a residual (in standard deviations times `weight`'s root) with its derivatives.
-    pub(super) fn add(&mut self, residual: f64, by: [f64; 3], by_shared: f64, weight: f64) {
+    /// Adds a reading.
+    pub(super) fn add(&mut self, line: Line) {
+        let Line { residual, by, by_shared, weight } = line;
         self.shared[0] += weight * by_shared * by_shared;
         self.shared[1] += weight * by_shared * residual;
         for i in 0..3 {
@@ -52,12 +63,7 @@ impl Normal {
 
     /// The same knowledge after the frame has made a random move of this covariance.
     pub(super) fn loosened(&self, covariance: &Matrix) -> Self {
-        // (Q⁻¹ + A)⁻¹, with something added to each for the sake of directions that are known too well or not at all.
-        let mut own = *covariance;
-        (0..3).for_each(|i| own[i][i] += STILL[i]);
-        let Some(mut sum) = inverse(&own) else { return *self };
-        add(&mut sum, &self.curvature);
-        let Some(w) = inverse(&sum) else { return *self };
+        let Some(w) = self.leeway(covariance) else { return *self };
         let (wg, wm) = (times(&w, self.gradient), times(&w, self.mixed));
         let wa = [0, 1, 2].map(|j| times(&w, [self.curvature[0][j], self.curvature[1][j], self.curvature[2][j]]));
         let mut out = *self;
@@ -70,6 +76,16 @@ impl Normal {
         out.shared[1] -= dot(self.mixed, wg);
         out.cost -= 0.5 * dot(self.gradient, wg);
         out
+    }
+
+    /// The covariance of a random move that had this one, once the readings are known: `(Q⁻¹ + A)⁻¹`, with something added to
+    /// each for the sake of directions that are known too well or not at all.
+    pub(super) fn leeway(&self, covariance: &Matrix) -> Option<Matrix> {
+        let mut own = *covariance;
+        (0..3).for_each(|i| own[i][i] += STILL[i]);
+        let mut sum = inverse(&own)?;
+        add(&mut sum, &self.curvature);
+        inverse(&sum)
     }
 
     /// The cost with the shared error, of this standard deviation before any reading, at its best for every move: as if
@@ -122,6 +138,12 @@ pub(super) fn times(m: &Matrix, v: [f64; 3]) -> [f64; 3] {
     m.map(|row| dot(row, v))
 }
 
+/// The covariance of `t v` where `v` has this one.
+pub(super) fn congruent(t: &Matrix, covariance: &Matrix) -> Matrix {
+    let rows = t.map(|row| times(covariance, row));
+    t.map(|left| rows.map(|right| dot(left, right)))
+}
+
 /// Adds a matrix to another.
 pub(super) fn add(to: &mut Matrix, more: &Matrix) {
     (0..3).for_each(|i| (0..3).for_each(|j| to[i][j] += more[i][j]));
@@ -169,7 +191,7 @@ mod tests {
         for (by, shared) in
             [([1e3, 2e2, 5.0], 0.3), ([0.0, 8e2, -9.0], -0.2), ([3e2, -5e2, 20.0], 0.5), ([5e2, 1e2, 1.0], 0.1)]
         {
-            normal.add(0.4 - shared, by, shared, 1.0);
+            normal.add(Line { residual: 0.4 - shared, by, by_shared: shared, weight: 1.0 });
         }
         let q = [[4e-6, 1e-6, 0.0], [1e-6, 9e-6, 2e-5], [0.0, 2e-5, 4e-4]];
         let (before, after) = (normal.marginal(0.5), normal.loosened(&q).marginal(0.5));
@@ -192,7 +214,7 @@ mod tests {
         // Three planes meet at (1e-3, -2e-3, 0.5) by hand.
         let at = [1e-3, -2e-3, 0.5];
         for by in [[1e3, 0.0, 2.0], [0.0, 2e3, -1.0], [5e2, 5e2, 1.0]] {
-            normal.add(-dot(by, at), by, 0.0, 1.0);
+            normal.add(Line { residual: -dot(by, at), by, by_shared: 0.0, weight: 1.0 });
             normal.cost += 0.5 * dot(by, at).powi(2);
         }
         let step = normal.step([0.0; 3]).unwrap_or_default();

@@ -5,11 +5,12 @@ use super::contact::{Solver, State};
 use super::history::{History, Judge};
 use super::hypothesis::{Hypothesis, Scene, difference, moved};
 use super::images::{images, stands};
-use super::normal::{Matrix, Normal, add, determinant, dot, inverse, times};
+use super::normal::{Matrix, Normal, add, congruent, determinant, dot, inverse, times};
 use super::ridge::{Metric, Walker};
 use super::shake::shake;
 use super::spread::{SAMPLES, Spread, spread};
 use crate::plane::Pose2;
+use crate::world::Odometry;
 
 /// Hypotheses that are refined to the end in closed form, the best first.
 const EXACT: usize = 4;
@@ -20,6 +21,11 @@ const ROUNDS: usize = 3;
 pub(super) const LAST_ROUNDS: usize = 8;
 /// Those in closed form that follow.
 const EXACT_ROUNDS: usize = 2;
+/// How often the odometry is corrected and all are moved to their least cost again.
+const CORRECTIONS: usize = 4;
+/// Errors of the odometry that are not the same share of every increment come to as much as one share that is smaller by the root of
+/// how many there are, times this.
+const VARYING: f64 = 4.0;
 /// Readings, times hypotheses, that are run again at the end; beyond, every second, every third … row must do.
 const MOST_TAKES: usize = 150_000;
 /// The same for the second round of all that are left, before the few that stay take all rows.
@@ -93,6 +99,9 @@ pub struct Fit {
     pub square: f64,
     /// See `square`.
     pub odometry: f64,
+    /// The shares by which the odometry's increments are too short, go aside (rad) and turn too little, each with its standard
+    /// deviation; none where it is declared right.
+    pub shares: Option<[[f64; 2]; 3]>,
     /// Mean square of the residuals' block means, in units of what independent errors give.
     pub drift: f64,
     /// The same without the tolerated share of the worst blocks.
@@ -101,11 +110,18 @@ pub struct Fit {
     pub blocks: usize,
 }
 
-/// The pose of the odometry frame that the best hypothesis estimates.
-pub(super) fn best(bank: &Bank) -> Option<Pose2> {
+/// The pose of the odometry frame that the best hypothesis estimates, the robot's place in which is this one now.
+pub(super) fn best(bank: &Bank, odom_from_robot: Pose2) -> Option<Pose2> {
     let one =
         bank.hypotheses.iter().min_by(|a, b| a.outlook(OPEN, bank.shared).total_cmp(&b.outlook(OPEN, bank.shared)))?;
-    Some(moved(one.map_from_odom, bank.pivot, super::bank::cut(one.best(OPEN, bank.shared).1)))
+    let d = super::bank::cut(one.free_best(OPEN, bank.shared).1);
+    let there = moved(one.map_from_odom, bank.pivot, d);
+    let Some(response) = one.drift.response(&one.normal, bank.shared) else { return Some(there) };
+    // What the shares that the readings ask for do to the way from the first row on.
+    let (errors, by) = (one.drift.errors(there.theta), response.after(d));
+    let off = |i: usize| (0..3).map(|way| errors[way][i] * by[way]).sum::<f64>();
+    let robot = there.compose(odom_from_robot);
+    Some(Pose2::new(robot.x + off(0), robot.y + off(1), robot.theta + off(2)).compose(odom_from_robot.inverse()))
 }
 
 /// Area and volume of all hypotheses' 95 % regions, overlaps counted twice.
@@ -119,8 +135,11 @@ pub(super) fn size(bank: &Bank) -> (f64, f64) {
 }
 
 /// Settles the hypotheses, weighs and groups them.
-pub(super) fn choose(bank: &mut Bank, field: &Field<'_>, history: &History) -> (Vec<Place>, Option<Fit>) {
+pub(super) fn choose(bank: &mut Bank, field: &Field<'_>, history: &mut History) -> (Vec<Place>, Option<Fit>) {
     let shared = bank.shared;
+    if shared.has_odometry() {
+        history.end();
+    }
     bank.hypotheses.sort_by(|a, b| a.outlook(OPEN, shared).total_cmp(&b.outlook(OPEN, shared)));
     bank.hypotheses.truncate(MOST);
     let stages = [(FIRST_ROWS[0], FIRST_ROUNDS[0], 3.0), (FIRST_ROWS[1], FIRST_ROUNDS[1], 1.0), (0, ROUNDS, 1.0)];
@@ -139,7 +158,16 @@ pub(super) fn choose(bank: &mut Bank, field: &Field<'_>, history: &History) -> (
         bank.use_rows(field, history, afford, TOLD + UNSETTLED);
     }
     bank.settle(field, history, LAST_ROUNDS, 0);
+    for _ in 0..CORRECTIONS {
+        if !bank.correct_odometry(field, history) {
+            break;
+        }
+        bank.settle(field, history, LAST_ROUNDS, 0);
+    }
     shake(bank, field, history);
+    if bank.correct_odometry(field, history) {
+        bank.settle(field, history, LAST_ROUNDS, 0);
+    }
     bank.settle(field, history, EXACT_ROUNDS, EXACT);
     bank.hypotheses.retain(|h| is_allowed(field, history, h.map_from_odom));
     let least = bank.hypotheses.iter().map(|h| h.cost(bank.shared)).fold(f64::INFINITY, f64::min);
@@ -148,7 +176,7 @@ pub(super) fn choose(bank: &mut Bank, field: &Field<'_>, history: &History) -> (
     let mut fit = bank.hypotheses.first().map(|h| fit(h, bank, field, history, Solver::Exact));
     let blurred = Scene { blur: true, ..field.scene(history, bank.pivot, Judge::FAIR, bank.shared) };
     let last = history.pose(history.len() - 1);
-    let (mut own, mut drifts) = (Vec::new(), Vec::new());
+    let (mut own, mut rests) = (Vec::new(), Vec::new());
     for h in &bank.hypotheses {
         let mut again = h.clone();
         again.run(&blurred, h.map_from_odom, bank.used.iter().copied());
@@ -156,14 +184,17 @@ pub(super) fn choose(bank: &mut Bank, field: &Field<'_>, history: &History) -> (
         let (turn, bounds) = (h.map_from_odom.theta, &field.robot.odometry);
         if let Some(fit) = fit.as_mut().filter(|_| own.is_empty()) {
             fit.odometry = again.drift.squares(bounds) / f64::from(fit.touching.max(1) as u32);
+            let response = again.drift.response(&again.normal, bank.shared);
+            fit.shares = response.map(|response| response.estimates(again.drift.at(), &covariance(&again, bank)));
         }
         own.push(covariance(&again, bank));
-        drifts.push(again.drift.covariance(&again.normal, bank.shared, OPEN, turn, arm, bounds));
+        let rest = again.drift.covariance(&again.normal, bank.shared, OPEN, turn, arm, &rest(bounds, history.len()));
+        rests.push(rest);
     }
     let quick = field.scene(history, bank.pivot, Judge::FAIR, bank.shared);
     let broken: Vec<f64> =
         bank.hypotheses.iter().map(|h| self::fit(h, bank, field, history, Solver::Quick(field.table)).broken).collect();
-    let settled = Settled { field, history, bank, broken: &broken, own: &own, drifts: &drifts, last, least };
+    let settled = Settled { field, history, bank, broken: &broken, own: &own, rests: &rests, last, least };
     (settled.places(&quick), fit)
 }
 
@@ -175,7 +206,7 @@ fn is_allowed(field: &Field<'_>, history: &History, frame: Pose2) -> bool {
 
 /// The covariance of the estimate about the pivot.
 pub(super) fn covariance(h: &Hypothesis, bank: &Bank) -> Matrix {
-    inverse(&h.normal.marginal(bank.shared).damped(OPEN)).unwrap_or([
+    inverse(&h.marginal(bank.shared).damped(OPEN)).unwrap_or([
         [OPEN[0].recip(), 0.0, 0.0],
         [0.0, OPEN[1].recip(), 0.0],
         [0.0, 0.0, OPEN[2].recip()],
@@ -188,8 +219,8 @@ struct Settled<'a> {
     history: &'a History,
     bank: &'a Bank,
     own: &'a [Matrix],
-    /// What errors of the odometry add to it at the last row.
-    drifts: &'a [Matrix],
+    /// What errors of the odometry add to it that are not alike for all rows.
+    rests: &'a [Matrix],
     /// Shares of the readings that break their bounds.
     broken: &'a [f64],
     /// The odometry at the last row.
@@ -300,7 +331,7 @@ impl Settled<'_> {
         let first = &self.bank.hypotheses[members[0]];
         let at = |frame: Pose2, own: &Matrix, index: usize| {
             let (pose, mut covariance) = at_robot(frame, self.bank, own, self.last);
-            add(&mut covariance, &self.drifts[index]);
+            add(&mut covariance, &self.rests[index]);
             (pose, covariance)
         };
         let broken = members.iter().map(|&i| self.broken[i]).fold(1.0, f64::min);
@@ -336,14 +367,16 @@ fn linked(bank: &Bank, own: &[Matrix], a: usize, b: usize) -> bool {
 fn at_robot(map_from_odom: Pose2, bank: &Bank, own: &Matrix, odom_from_robot: Pose2) -> (Pose2, Matrix) {
     let pose = map_from_odom.compose(odom_from_robot);
     let arm = (pose.position() - map_from_odom.transform_point(bank.pivot)).perp();
-    let turn = [[1.0, 0.0, arm.x], [0.0, 1.0, arm.y], [0.0, 0.0, 1.0]];
-    let mut out = [[0.0; 3]; 3];
-    for (i, row) in out.iter_mut().enumerate() {
-        for (j, value) in row.iter_mut().enumerate() {
-            *value = dot(times(own, turn[j]), turn[i]);
-        }
+    (pose, congruent(&[[1.0, 0.0, arm.x], [0.0, 1.0, arm.y], [0.0, 0.0, 1.0]], own))
+}
+
+/// The declared bounds of odometry, by as much as errors that are not alike for all of so many rows come to.
+fn rest(bounds: &Odometry, rows: usize) -> Odometry {
+    let share = (VARYING / (rows.max(1) as f64).sqrt()).min(1.0);
+    Odometry {
+        translation_relative: share * bounds.translation_relative,
+        rotation_relative: share * bounds.rotation_relative,
     }
-    (pose, out)
 }
 
 /// Runs the history once more and looks at the residuals.

@@ -96,6 +96,7 @@ mod tests {
     #![allow(clippy::unwrap_used, reason = "a test that cannot go on must fail")]
 
     use super::super::contact::{Solver, State};
+    use super::super::drift::Shared;
     use super::super::ground::Ground;
     use super::super::history::{Feeler, History, Judge, Sense};
     use super::super::predicted_moments;
@@ -131,7 +132,7 @@ mod tests {
             history: &history,
             pivot: Vec2::ZERO,
             judge: Judge::FAIR,
-            shared: 0.01,
+            shared: Shared { gain: 0.01, ..Shared::default() },
             blur: false,
             whole: true,
             heading_std: 1.0,

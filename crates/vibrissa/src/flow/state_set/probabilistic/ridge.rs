@@ -110,7 +110,7 @@ impl Walker<'_> {
     /// Whether the region of a place, or the way from its best hypothesis to another, is long.
     fn is_long(&self, members: &[(&Hypothesis, &Matrix)]) -> bool {
         let long = |(h, own): &(&Hypothesis, &Matrix)| {
-            let Some(along) = self.metric.direction(&h.normal.marginal(self.scene.shared), None) else { return false };
+            let Some(along) = self.metric.direction(&h.marginal(self.scene.shared), None) else { return false };
             let by = self.metric.scaled(along);
             let apart = self.metric.distance(members[0].0.map_from_odom, h.map_from_odom);
             apart + 2.0 * HALF_WIDTH * dot(times(own, by), by).max(0.0).sqrt() >= LONG
@@ -128,7 +128,7 @@ impl Walker<'_> {
         if !self.run(&mut start, h.map_from_odom, border) || start.cost(self.scene.shared) > border.most {
             return Vec::new();
         }
-        let Some(along) = self.metric.direction(&start.normal.marginal(self.scene.shared), None) else {
+        let Some(along) = self.metric.direction(&start.marginal(self.scene.shared), None) else {
             return Vec::new();
         };
         let (mut line, closed) = self.one_way(&start, along.map(|v| -v), border, known, (room - 1) / 2);
@@ -183,7 +183,7 @@ impl Walker<'_> {
                     came = unit(self.metric.scaled(self.metric.between(at.map_from_odom, next.map_from_odom)));
                     at = *next;
                     line.push(at.map_from_odom);
-                    let ahead = self.metric.direction(&at.normal.marginal(self.scene.shared), Some(along));
+                    let ahead = self.metric.direction(&at.marginal(self.scene.shared), Some(along));
                     let Some(ahead) = ahead else { break };
                     let turned = [0, 1, 2].map(|i| ahead[i] - along[i]);
                     // Over less than a facet of the map a turn says nothing.
@@ -218,7 +218,7 @@ impl Walker<'_> {
             if !self.run(&mut next, frame, border) {
                 return Step::Ends;
             }
-            let (gain, across) = self.metric.across(&next.normal.marginal(self.scene.shared), along);
+            let (gain, across) = self.metric.across(&next.marginal(self.scene.shared), along);
             if round == ROUNDS || gain < SETTLED {
                 break;
             }
@@ -307,7 +307,7 @@ impl Metric {
         })
     }
 
-    /// Two curves as one, put together where their ends are nearest.
+    /// Two curves as one, put together where their ends are nearest; the longer one where these are too far apart for one step.
     fn joined(&self, mut line: Vec<Pose2>, mut more: Vec<Pose2>) -> Vec<Pose2> {
         let (Some(&a), Some(&b), Some(&c), Some(&d)) = (line.first(), line.last(), more.first(), more.last()) else {
             line.append(&mut more);
@@ -315,6 +315,9 @@ impl Metric {
         };
         let gap = |from: Pose2, to: Pose2| self.distance(from, to);
         let (head, tail) = (gap(a, c).min(gap(a, d)), gap(b, c).min(gap(b, d)));
+        if head.min(tail) > LONGEST_STEP {
+            return if self.length(&more) > self.length(&line) { more } else { line };
+        }
         if head < tail {
             line.reverse();
         }
@@ -356,6 +359,7 @@ fn square_to(along: [f64; 3]) -> ([f64; 3], [f64; 3]) {
 mod tests {
     #![allow(clippy::unwrap_used, reason = "a test that cannot go on must fail")]
 
+    use super::super::normal::Line;
     use super::*;
 
     const METRIC: Metric = Metric { pivot: Vec2 { x: 0.1, y: -0.2 }, lever: 0.075 };
@@ -363,8 +367,8 @@ mod tests {
     /// Readings that leave one direction open: the last of these, by hand square to the others in the metric.
     fn valley() -> (Normal, [f64; 3]) {
         let mut normal = Normal::default();
-        normal.add(0.3, [4e3, 0.0, 75.0], 0.0, 1.0);
-        normal.add(-0.2, [0.0, 3e3, 0.0], 0.0, 1.0);
+        normal.add(Line { residual: 0.3, by: [4e3, 0.0, 75.0], by_shared: 0.0, weight: 1.0 });
+        normal.add(Line { residual: -0.2, by: [0.0, 3e3, 0.0], by_shared: 0.0, weight: 1.0 });
         // A turn by -4e3/75 of the shift leaves both readings as they are.
         let open = [1.0, 0.0, -4e3 / 75.0 * 0.075];
         (normal, open.map(|v| v / norm(open)))
@@ -404,6 +408,9 @@ mod tests {
             assert_eq!(joined.len(), 10);
             assert!((METRIC.length(&joined) - 9e-3).abs() < 1e-12, "{joined:?}");
         }
+        // What lies further apart than a step goes is not one curve.
+        assert_eq!(METRIC.joined(line(0, 5), line(40, 50)), line(40, 50));
+        assert_eq!(METRIC.joined(line(0, 5), line(-32, -30)), line(0, 5));
         assert_eq!(METRIC.joined(Vec::new(), line(0, 3)), line(0, 3));
         assert_eq!(METRIC.joined(line(0, 3), Vec::new()), line(0, 3));
     }

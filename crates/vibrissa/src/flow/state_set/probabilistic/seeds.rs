@@ -7,6 +7,7 @@
 
 use super::bank::{Prospect, best_of_cells, cells};
 use super::contact::State;
+use super::drift::Shared;
 use super::ground::Piece;
 use super::hypothesis::{Hypothesis, Scene, moved};
 use super::seed::Seed;
@@ -225,7 +226,7 @@ impl Seeding {
                 return true;
             };
             let h = self.again(scene, onset, seed.grown(onset.row), work);
-            if h.best(cell(onset), 0.0).0 <= limit {
+            if h.best(cell(onset), Shared::default()).0 <= limit {
                 self.found.push(Seed::of(&h));
             }
         }
@@ -249,7 +250,7 @@ impl Seeding {
             return outcome;
         }
         let mut span = Span::new(straight, scene);
-        let (_, d) = h.best(cell(onset), 0.0);
+        let (_, d) = h.best(cell(onset), Shared::default());
         h.run(scene, moved(h.map_from_odom, scene.pivot, d), core::iter::empty());
         for &row in onset.rows {
             h.take(scene, row);
@@ -376,7 +377,7 @@ fn judged(
         span.iter_mut().for_each(|span| span.add(&hypothesis));
         *work = work.saturating_sub(1);
         let held = matches!(hypothesis.states[onset.feeler], State::Touching(_));
-        if !held || hypothesis.best(cell(onset), 0.0).0 > CELL_COST {
+        if !held || hypothesis.best(cell(onset), Shared::default()).0 > CELL_COST {
             return None;
         }
     }

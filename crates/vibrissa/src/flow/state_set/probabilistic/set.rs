@@ -293,7 +293,13 @@ impl<'a> ProbabilisticSet<'a> {
             bank.expand(turns);
         }
         bank.step(&field, history, CAUGHT_UP);
+        let quarter = (options.window / 4).max(1);
+        let before = *tracked;
         *tracked += bank.next - next;
+        if before / quarter != *tracked / quarter {
+            bank.complete(&field, history);
+            bank.correct_odometry(&field, history);
+        }
         if history.len() > options.window {
             bank.complete(&field, history);
             let taken = bank.used.len() > used;
@@ -374,6 +380,7 @@ impl<'a> ProbabilisticSet<'a> {
                     .hypotheses
                     .iter()
                     .flat_map(|h| self.turns.images(h.map_from_odom).take(bank.times(&self.turns)));
+                let odom_from_robot = self.history.corrected_from_raw().compose(odom_from_robot);
                 frames.map(|frame| frame.compose(odom_from_robot)).collect()
             }
             _ => Vec::new(),
@@ -397,7 +404,10 @@ impl<'a> ProbabilisticSet<'a> {
     #[must_use]
     pub fn best(&self) -> Option<Pose2> {
         match &self.phase {
-            Phase::Tracking(bank) => places::best(bank),
+            Phase::Tracking(bank) => {
+                let last = self.history.pose(self.history.len() - 1);
+                places::best(bank, last).map(|frame| frame.compose(self.history.corrected_from_raw()))
+            }
             _ => None,
         }
     }
@@ -418,6 +428,9 @@ impl<'a> ProbabilisticSet<'a> {
         }
         let equals = bank.congruent(&field, history);
         bank.hypotheses.extend(equals);
-        places::choose(bank, &field, history)
+        let (mut places, fit) = places::choose(bank, &field, history);
+        let corrected = history.corrected_from_raw();
+        places.iter_mut().for_each(|place| place.map_from_odom = place.map_from_odom.compose(corrected));
+        (places, fit)
     }
 }

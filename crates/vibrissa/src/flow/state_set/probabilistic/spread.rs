@@ -126,7 +126,7 @@ pub(super) fn spread(
 
 /// The hypothesis' own Gaussian, if its parabola tells what all these samples cost.
 fn as_told(scene: &Scene<'_>, own: &Hypothesis, drawn: &[([f64; 3], Option<f64>)], least: f64) -> Option<Spread> {
-    let parabola = own.normal.marginal(scene.shared);
+    let parabola = own.marginal(scene.shared);
     let told = |&(d, cost): &([f64; 3], Option<f64>)| {
         let more = parabola.moved(d).cost - parabola.cost;
         cost.is_some_and(|cost| {

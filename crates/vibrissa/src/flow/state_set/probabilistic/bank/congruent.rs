@@ -46,6 +46,12 @@ impl Trail {
         }
     }
 
+    /// Goes along with the first row that is left, which has been moved since the odometry was corrected.
+    pub(super) fn moved(&mut self, by: Pose2) {
+        self.rows.iter_mut().for_each(|(pose, _)| *pose = by.compose(*pose));
+        self.last = self.last.map(|pose| by.compose(pose));
+    }
+
     /// The way as one history, with which of its rows is the first of `history`; none when its rows are too far apart.
     fn whole(&self, field: &Field<'_>, history: &History) -> Option<(History, usize)> {
         let mut whole = History::new(field.feelers);

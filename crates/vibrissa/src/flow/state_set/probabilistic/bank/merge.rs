@@ -53,7 +53,7 @@ impl Bank {
             let mut kept: Option<Hypothesis> = None;
             for _ in 0..rounds {
                 let from = kept.as_ref().unwrap_or(h);
-                let (least, d) = from.best(LOOSE, self.shared);
+                let (least, d) = from.next(LOOSE, self.shared);
                 if from.cost(self.shared) - least < settled {
                     break;
                 }
@@ -102,7 +102,7 @@ impl Bank {
                     || d[0].hypot(d[1]) < FARTHEST && dot(times(curvature, d), d) < OVERLAP
             };
             if !kept.iter().any(near) {
-                let curvature = h.normal.marginal(shared).damped(OPEN);
+                let curvature = h.marginal(shared).damped(OPEN);
                 kept.push((h, curvature));
             }
         }

@@ -3,12 +3,14 @@
 mod congruent;
 mod dropped;
 mod merge;
+mod odometry;
 mod outside;
 mod rescue;
 mod rows;
 mod start;
 
 use super::contact::Solver;
+use super::drift::Shared;
 use super::ground::Ground;
 use super::history::{Feeler, History, Judge};
 use super::hypothesis::{Hypothesis, Limits, Scene, difference, moved};
@@ -46,6 +48,9 @@ const APART: [f64; 2] = [15e-3, 0.1];
 /// Hypotheses this near to each other (m, rad) are to be told on the same side of a map that turns onto itself.
 const GATHERED: [f64; 2] = [60e-3, 0.2];
 
+/// Errors of the odometry that are not the same share of every increment, as a part of the declared bound, when rows are summed up.
+const VARYING: f64 = 0.25;
+
 /// The hypotheses and the rows that they have seen.
 pub(super) struct Bank {
     pub(super) hypotheses: Vec<Hypothesis>,
@@ -54,8 +59,7 @@ pub(super) struct Bank {
     /// The first row that has not been looked at.
     pub(super) next: usize,
     pub(super) pivot: Vec2,
-    /// Standard deviation of a relative error that all readings share.
-    pub(super) shared: f64,
+    pub(super) shared: Shared,
     /// The last row that is used, as long as not all hypotheses have taken it.
     underway: Option<Underway>,
     credit: usize,
@@ -87,7 +91,7 @@ pub(super) struct Field<'a> {
 }
 
 impl<'a> Field<'a> {
-    pub(super) fn scene(&self, history: &'a History, pivot: Vec2, judge: Judge, shared: f64) -> Scene<'a> {
+    pub(super) fn scene(&self, history: &'a History, pivot: Vec2, judge: Judge, shared: Shared) -> Scene<'a> {
         Scene {
             solver: Solver::Quick(self.table),
             map: self.map,
@@ -326,8 +330,8 @@ impl Bank {
             way += a.position().distance(b.position());
             turn += a.between(b).theta.abs();
         }
-        let place = (0.5 * odometry.translation_relative * way).powi(2);
-        let heading = (odometry.rotation_relative / SQRT_3 * turn).powi(2);
+        let place = (VARYING * 0.5 * odometry.translation_relative * way).powi(2);
+        let heading = (VARYING * odometry.rotation_relative / SQRT_3 * turn).powi(2);
         for h in self.hypotheses.iter_mut().chain(self.dropped.since(early, self.pivot)) {
             let robot = h.map_from_odom.transform_point(history.pose(last).position());
             let arm = (h.map_from_odom.transform_point(self.pivot) - robot).perp();

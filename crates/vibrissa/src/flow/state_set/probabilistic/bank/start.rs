@@ -1,5 +1,6 @@
 //! The first hypotheses: seeds from a contact, judged by its first rows.
 
+use super::super::drift::Shared;
 use super::super::history::{History, Judge};
 use super::super::hypothesis::{Scene, moved};
 use super::super::seed::Seed;
@@ -41,7 +42,7 @@ enum Stage {
     New,
     Seeding(Seeding),
     /// All rows up to the last that judged, run anew one hypothesis after the other.
-    Running(Bank, usize),
+    Running(Box<Bank>, usize),
 }
 
 impl Search {
@@ -85,7 +86,7 @@ impl Search {
     pub(in super::super) fn step(&mut self, field: &Field<'_>, history: &History, work: &mut usize) -> Option<Bank> {
         let options = field.options;
         let judge = Judge { temper: SEED_TEMPER, outlier_cost: f64::INFINITY };
-        let scene = Scene { whole: false, ..field.scene(history, self.pivot, judge, 0.0) };
+        let scene = Scene { whole: false, ..field.scene(history, self.pivot, judge, Shared::default()) };
         let arm = history.pose(self.onset).compose(field.feelers[self.feeler].robot_from_whisker).position();
         let onset = Onset {
             feeler: self.feeler,
@@ -116,7 +117,7 @@ impl Search {
                         return None;
                     }
                     self.found = seeding.into_found();
-                    self.stage = Stage::Running(self.bank(field, history), 0);
+                    self.stage = Stage::Running(Box::new(self.bank(field, history)), 0);
                 }
                 Stage::Running(mut bank, mut next) => {
                     while next < bank.hypotheses.len() && *work > 0 {
@@ -132,7 +133,7 @@ impl Search {
                     bank.find_usual(field, history);
                     bank.merge(history, false);
                     bank.drop_unlikely(field, history);
-                    return Some(bank);
+                    return Some(*bank);
                 }
             }
         }
@@ -140,14 +141,14 @@ impl Search {
 
     /// The bank of what was found: the best of those that meet, and no more than can be carried on.
     fn bank(&self, field: &Field<'_>, history: &History) -> Bank {
-        let shared = field.options.shared_gain.unwrap_or(field.feelers[self.feeler].shared_share());
-        let to = |seed: &Seed, shared: f64| {
-            let (cost, d) = seed.normal.best(LOOSE, shared);
+        let gain = field.options.shared_gain.unwrap_or(field.feelers[self.feeler].shared_share());
+        let to = |seed: &Seed, gain: f64| {
+            let (cost, d) = seed.normal.best(LOOSE, gain);
             Prospect { at: moved(seed.map_from_odom, self.pivot, cut(d)), cost }
         };
         // Those that begin free are judged anew from there, so that none of them has cost anything yet.
         let prospect =
-            |seed: &Seed| if self.from_free { Prospect { cost: 0.0, ..to(seed, 0.0) } } else { to(seed, shared) };
+            |seed: &Seed| if self.from_free { Prospect { cost: 0.0, ..to(seed, 0.0) } } else { to(seed, gain) };
         let kept = best_of_cells(
             self.found.iter().map(prospect),
             self.pivot,
@@ -169,7 +170,7 @@ impl Search {
             used: (0..self.onset).chain(self.rows.iter().copied()).collect(),
             next: self.seen,
             pivot: self.pivot,
-            shared,
+            shared: Shared::new(gain, &field.robot.odometry),
             underway: None,
             credit: 0,
             turn: 0,

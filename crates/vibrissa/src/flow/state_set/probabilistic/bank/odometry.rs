@@ -1,0 +1,66 @@
+//! Correcting the odometry while the robot goes on.
+//!
+//! How far the odometry is wrong is estimated along with every place, to first order. Over a metre of the way a share of 1 % is 10 mm,
+//! by which a whisker's contact is another: so the path itself is corrected now and then by what the best hypothesis says, the robot
+//! staying where it is.
+
+use super::super::drift::within;
+use super::super::history::History;
+use super::{Bank, Field, LOOSE, cut};
+
+/// With more hypotheses than this they are not run anew, but told around the new path to first order.
+const FEW: usize = 64;
+/// Corrections that move one end of the way against the other by less than this (m, rad) are not made; with many hypotheses this many times
+/// as much.
+const LEAST: [f64; 2] = [5e-5, 5e-4];
+const MANY: f64 = 8.0;
+/// The parts of a correction that are tried, and by how much each may make things worse (nats).
+const SHARES: [f64; 2] = [1.0, 0.3];
+const WORSE: f64 = 0.5;
+
+impl Bank {
+    /// Corrects the odometry by what the best hypothesis says about it; whether that was worth it.
+    pub(in super::super) fn correct_odometry(&mut self, field: &Field<'_>, history: &mut History) -> bool {
+        if !self.shared.has_odometry() {
+            return false;
+        }
+        let known = self.hypotheses.iter().filter(|h| !h.waits);
+        let Some(best) = known.min_by(|a, b| a.cost(self.shared).total_cmp(&b.cost(self.shared))) else { return false };
+        let Some(response) = best.drift.response(&best.normal, self.shared) else { return false };
+        let off = response.after(cut(best.free_best(LOOSE, self.shared).1));
+        let (at, now) = (best.drift.at(), history.shares());
+        let to = within([0, 1, 2].map(|way| at[way] + off[way]), &field.robot.odometry);
+        let way = history.way();
+        let [place, turn] = way.moves([0, 1, 2].map(|way| to[way] - now[way]));
+        let few = self.hypotheses.len() <= FEW;
+        let times = if few { 1.0 } else { MANY };
+        if place < times * LEAST[0] && turn < times * LEAST[1] {
+            return false;
+        }
+        let ends = [history.pose(0), history.pose(history.len() - 1)];
+        let (before, kept) = (best.cost(self.shared), self.hypotheses.clone());
+        for share in SHARES {
+            let shares = [0, 1, 2].map(|way| now[way] + share * (to[way] - now[way]));
+            history.correct(shares);
+            for h in &mut self.hypotheses {
+                h.correct(&way, ends, self.pivot, shares);
+                h.look(LOOSE, self.shared);
+            }
+            if few {
+                self.rerun(field, history, 0..self.hypotheses.len());
+                let after = self.hypotheses.iter().map(|h| h.cost(self.shared)).fold(f64::INFINITY, f64::min);
+                if after > before + WORSE {
+                    self.hypotheses.clone_from(&kept);
+                    continue;
+                }
+                self.find_usual(field, history);
+            }
+            if let Some(trail) = &mut self.trail {
+                trail.moved(history.pose(0).compose(ends[0].inverse()));
+            }
+            return true;
+        }
+        history.correct(now);
+        false
+    }
+}
