@@ -1,10 +1,13 @@
 //! Whether the probabilistic method's regions and weights mean what they say: random sweeps on random maps.
 //!
-//! `cargo run --release --example calibration_runs -- [TRIALS] [FIRST_SEED] [TOLERATED_SHARE]`. Each trial draws an arena with bays and
+//! `cargo run --release --example calibration_runs -- [TRIALS] [FIRST_SEED] [TOLERATED_SHARE] [ODOMETRY]`. Each trial draws an arena with bays and
 //! bumps, presses the paper's whisker against a random stretch of wall, sweeps along it with the declared noise, and
 //! localizes without a prior. It counts how often the 95 % region of a place holds the truth, how often the heaviest
-//! place is the true one against how often its weight says so, and the errors where the verdict was `localized`.
+//! place is the true one against how often its weight says so, and the errors where the verdict was `localized`. With ODOMETRY,
+//! a bound that is declared for it, the odometry of each log is wrong by shares drawn evenly within it.
 
+#[path = "../tests/data/mistaken.rs"]
+mod mistaken;
 #[path = "../tests/data/random.rs"]
 mod random;
 #[path = "../tests/data/random_arena.rs"]
@@ -12,6 +15,7 @@ mod random_arena;
 #[path = "../tests/data/region.rs"]
 mod region;
 
+use mistaken::mistaken;
 use random::Random;
 use random_arena::{arena, sweep};
 use region::{CHI2_95, distance};
@@ -32,6 +36,10 @@ fn main() -> Result<()> {
     if let Some(share) = std::env::args().nth(3).and_then(|a| a.parse().ok()) {
         options.probabilistic.tolerated_share = share;
     }
+    let mut robot = Robot::default();
+    if let Some(bound) = std::env::args().nth(4).and_then(|a| a.parse().ok()) {
+        (robot.odometry.translation_relative, robot.odometry.rotation_relative) = (bound, bound);
+    }
     let (mut run, mut held, mut near, mut verdicts) = (0, 0, 0, [0; 4]);
     let (mut errors, mut turns, mut bounds) = (Vec::new(), Vec::new(), Vec::new());
     let (mut promised, mut kept, mut wrong) = (0.0, 0, 0);
@@ -41,7 +49,15 @@ fn main() -> Result<()> {
         let mut draw = Random(seed.wrapping_mul(0x9e37_79b9));
         let map = arena(&mut draw)?;
         let Some(sweep) = sweep(&map, &mut draw, seed) else { continue };
-        let answer = match localize(&sweep.log, &map, &Robot::default(), &options, &mut |_| {}) {
+        let (place, turn) = (robot.odometry.translation_relative, robot.odometry.rotation_relative);
+        let log = if place > 0.0 {
+            // Within a disc, and between two bounds.
+            let (off, way) = (place * draw.between(0.0, 1.0).sqrt(), draw.between(0.0, core::f64::consts::TAU));
+            mistaken(&sweep.log, [off * way.cos(), off * way.sin(), draw.between(-turn, turn)])
+        } else {
+            sweep.log.clone()
+        };
+        let answer = match localize(&log, &map, &robot, &options, &mut |_| {}) {
             Ok(answer) => answer,
             // The simulated whisker was bent further than its tip can be held: no sweep to judge by.
             Err(error) => {

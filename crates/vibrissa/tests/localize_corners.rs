@@ -4,14 +4,16 @@
 
 #[path = "data/long_sweep.rs"]
 mod long_sweep;
+#[path = "data/mistaken.rs"]
+mod mistaken;
 #[path = "data/random.rs"]
 mod random;
 
 use long_sweep::long_sweep;
+use mistaken::mistaken;
 use vibrissa::beam::{TipModel, Whisker};
 use vibrissa::config::PossibilisticOptions;
 use vibrissa::flow::pose::{Method, StampedPose, Status};
-use vibrissa::flow::sensor_log::SensorLog;
 use vibrissa::flow::state_set::probabilistic::predicted_moments;
 use vibrissa::plane::{Curve, Pose2, Vec2, wrap_angle};
 use vibrissa::sets::StateBox;
@@ -75,18 +77,6 @@ fn a_robot_that_goes_around_corners_is_told_where_it_is() {
     }
 }
 
-/// The log of a robot whose odometry says increments that are too long and turns that are too far by these shares.
-fn mistaken(sweep: &Sweep, long: f64, turn: f64) -> SensorLog {
-    let mut log = sweep.log.clone();
-    for row in 1..log.rows.len() {
-        let step = sweep.log.rows[row - 1].odom_from_robot.between(sweep.log.rows[row].odom_from_robot);
-        let place = step.position() * (1.0 + long);
-        let step = Pose2 { x: place.x, y: place.y, theta: (1.0 + turn) * step.theta };
-        log.rows[row].odom_from_robot = log.rows[row - 1].odom_from_robot.compose(step);
-    }
-    log
-}
-
 #[test]
 fn odometry_that_is_wrong_by_a_share_is_found_out() {
     let options = LocalizeOptions { method: Method::Probabilistic, ..LocalizeOptions::default() };
@@ -96,7 +86,7 @@ fn odometry_that_is_wrong_by_a_share_is_found_out() {
     for (sweep, (long, turn)) in
         snapping(&map, 100..140, 3).iter().zip([(0.009, 0.009), (-0.009, 0.009), (0.006, -0.009)])
     {
-        let log = mistaken(sweep, long, turn);
+        let log = mistaken(&sweep.log, [long, 0.0, turn]);
         let answer = localize(&log, &map, &robot, &options, &mut |_| {}).unwrap();
         let truth = sweep.truth.last().unwrap().map_from_robot;
         let places = answer.hypotheses.iter().map(|h| h.pose.position().distance(truth.position()));

@@ -157,7 +157,7 @@ impl Hypothesis {
         let there = self.carried(motion, &|state| *state);
         let d = difference(there.start_at, frame, pivot);
         let prior = (there.prior.0.moved(d), there.prior.1.moved(d));
-        Self { states: start.clone(), start, start_at: frame, prior, ..there }
+        Self { states: start.clone(), start, start_at: frame, start_odom: None, prior, ..there }
     }
 
     /// How each whisker stands to the map where it begins to be judged.
@@ -306,8 +306,8 @@ impl Hypothesis {
         }
     }
 
-    /// Goes over to a path corrected by other shares, by which the robot is at `last` still at the last row; `way` is the path until then, and the
-    /// odometry was `first` at its first row. What the readings say is told as it was, around the new path.
+    /// Goes over to a path corrected by other shares; at the last row the robot is at `last` as before, at the first it was at `first`
+    /// (odometry frame), and `way` is what lay between. What the readings say is told around the new path, to first order.
     pub(super) fn correct(&mut self, way: &Drift, [first, last]: [Pose2; 2], pivot: Vec2, to: Shares) {
         let at = self.drift.at();
         let mut d = [0.0; 3];

@@ -71,7 +71,7 @@ const BOUND: f64 = 1.76;
 /// One place that explains the readings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Place {
-    /// The odometry frame in the map frame, of the place's best hypothesis.
+    /// The odometry frame in the map frame at the last row, of the place's best hypothesis.
     pub map_from_odom: Pose2,
     /// Its share among all places.
     pub weight: f64,
