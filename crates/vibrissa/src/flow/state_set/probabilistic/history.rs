@@ -1,7 +1,8 @@
 //! What was felt, and how likely it is: rows of odometry with readings, and their noise.
 
 use super::contact::Solver;
-use super::drift::{Drift, Shares, corrected};
+use super::drift::Drift;
+use super::shares::{Shares, corrected};
 use crate::beam::{TipChart, TipModel, TipReading};
 use crate::plane::{Pose2, Vec2};
 use crate::world::{MountedWhisker, ReadingNoise};

@@ -6,11 +6,12 @@
 //! a filter that cannot take back its first steps.
 
 use super::contact::{Forward, Solver, State};
-use super::drift::{Drift, Shared, Shares};
+use super::drift::Drift;
 use super::ground::Ground;
 use super::history::{Feeler, History, Judge};
 use super::normal::{Line, Matrix, Normal};
 use super::rerun::Rerun;
+use super::shares::{Shared, Shares};
 use super::symmetry::Turn;
 use crate::plane::{Pose2, Vec2};
 use crate::world::Map;
@@ -399,8 +400,12 @@ impl Hypothesis {
     /// the step to where it is least as long as the odometry is not corrected any further.
     pub(super) fn best(&self, damping: [f64; 3], shared: Shared) -> (f64, [f64; 3]) {
         let (cost, d) = self.free_best(damping, shared);
-        let fixed = shared.has_odometry() && !self.drift.is_from_last();
-        if fixed { (cost, self.normal.best(damping, shared.gain).1) } else { (cost, d) }
+        if self.keeps_path(shared) { (cost, self.normal.best(damping, shared.gain).1) } else { (cost, d) }
+    }
+
+    /// Whether it is moved along the path as it has been corrected; at the end it goes where the last row is best, whatever the path.
+    fn keeps_path(&self, shared: Shared) -> bool {
+        shared.has_odometry() && !self.drift.is_from_last()
     }
 
     /// The same with the step for the odometry corrected as this hypothesis would have it.
@@ -411,7 +416,6 @@ impl Hypothesis {
     /// The step of [`Hypothesis::best`], and what it will cost there as far as is known.
     pub(super) fn next(&self, damping: [f64; 3], shared: Shared) -> (f64, [f64; 3]) {
         let (cost, d) = self.best(damping, shared);
-        let fixed = shared.has_odometry() && !self.drift.is_from_last();
-        if fixed { (self.marginal(shared).moved(d).cost, d) } else { (cost, d) }
+        if self.keeps_path(shared) { (self.marginal(shared).moved(d).cost, d) } else { (cost, d) }
     }
 }

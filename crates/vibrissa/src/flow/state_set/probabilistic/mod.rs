@@ -16,14 +16,15 @@ mod seed;
 mod seeds;
 mod set;
 mod shake;
+mod shares;
 mod spread;
 mod symmetry;
 mod twins;
 
-pub(crate) use drift::corrected;
 pub use history::Sense;
 pub use places::{Fit, Place};
 pub use set::{Happened, ProbabilisticSet};
+pub(crate) use shares::corrected;
 
 use crate::beam::TipModel;
 use crate::plane::Pose2;

@@ -96,10 +96,10 @@ mod tests {
     #![allow(clippy::unwrap_used, reason = "a test that cannot go on must fail")]
 
     use super::super::contact::{Solver, State};
-    use super::super::drift::Shared;
     use super::super::ground::Ground;
     use super::super::history::{Feeler, History, Judge, Sense};
     use super::super::predicted_moments;
+    use super::super::shares::Shared;
     use super::*;
     use crate::beam::{TipModel, TipTable, Whisker};
     use crate::plane::{Curve, Pose2, Vec2};

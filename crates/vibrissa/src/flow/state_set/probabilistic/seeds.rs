@@ -7,10 +7,10 @@
 
 use super::bank::{Prospect, best_of_cells, cells};
 use super::contact::State;
-use super::drift::Shared;
 use super::ground::Piece;
 use super::hypothesis::{Hypothesis, Scene, moved};
 use super::seed::Seed;
+use super::shares::Shared;
 use super::symmetry::Turns;
 use super::twins::{Span, Straight, Twin};
 use crate::config::TipLoad;

@@ -10,10 +10,10 @@ mod rows;
 mod start;
 
 use super::contact::Solver;
-use super::drift::Shared;
 use super::ground::Ground;
 use super::history::{Feeler, History, Judge};
 use super::hypothesis::{Hypothesis, Limits, Scene, difference, moved};
+use super::shares::Shared;
 use super::symmetry::Turns;
 use crate::beam::TipTable;
 use crate::config::ProbabilisticOptions;

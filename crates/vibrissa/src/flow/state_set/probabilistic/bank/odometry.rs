@@ -4,8 +4,8 @@
 //! by which a whisker's contact is another: so the path itself is corrected now and then by what the best hypothesis says, the robot
 //! staying where it is.
 
-use super::super::drift::within;
 use super::super::history::History;
+use super::super::shares::within;
 use super::{Bank, Field, LOOSE, cut};
 
 /// With more hypotheses than this they are not run anew, but told around the new path to first order.

@@ -1,10 +1,10 @@
 //! The first hypotheses: seeds from a contact, judged by its first rows.
 
-use super::super::drift::Shared;
 use super::super::history::{History, Judge};
 use super::super::hypothesis::{Scene, moved};
 use super::super::seed::Seed;
 use super::super::seeds::{Onset, Seeding};
+use super::super::shares::Shared;
 use super::congruent::Trail;
 use super::merge::{Prospect, best_of_cells, cells};
 use super::{Bank, Field, LOOSE, cut};

@@ -1,0 +1,63 @@
+//! By which shares odometry is wrong: what is believed before any reading, and how a path is corrected.
+
+use crate::plane::Pose2;
+use crate::world::Odometry;
+
+/// Ways in which odometry goes wrong: too long, aside, turned too far.
+pub(super) const WAYS: usize = 3;
+
+/// By which share of its increments the odometry is too short, goes aside (rad) and turns too little: what it has to be corrected by.
+pub(super) type Shares = [f64; WAYS];
+
+/// Standard deviations of the errors that all readings share, before any of them.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Shared {
+    /// Of a relative error of the readings.
+    pub(super) gain: f64,
+    /// Of the odometry's shares; an error that is not looked for has none.
+    pub(super) odometry: Shares,
+}
+
+impl Shared {
+    /// With the declared bounds of the odometry.
+    pub(super) fn new(gain: f64, bounds: &Odometry) -> Self {
+        Self { gain, odometry: stds(bounds) }
+    }
+
+    /// Whether errors of the odometry are looked for.
+    pub(super) fn has_odometry(&self) -> bool {
+        self.odometry.iter().any(|&std| std > 0.0)
+    }
+}
+
+/// One step of the odometry, corrected by these shares: so much longer, aside (rad) and turned so much further.
+pub(crate) fn corrected(step: Pose2, [long, aside, turn]: Shares) -> Pose2 {
+    let place = (step.position() * (1.0 + long)).rotated(aside);
+    Pose2 { x: place.x, y: place.y, theta: (1.0 + turn) * step.theta }
+}
+
+/// These shares, no larger than errors within the bounds can be.
+pub(super) fn within(shares: Shares, bounds: &Odometry) -> Shares {
+    let (place, turn) = (bounds.translation_relative, bounds.rotation_relative);
+    [shares[0].clamp(-place, place), shares[1].clamp(-place, place), shares[2].clamp(-turn, turn)]
+}
+
+/// Standard deviations of the three shares: errors spread evenly over a disc, and between two bounds.
+pub(super) fn stds(bounds: &Odometry) -> Shares {
+    let place = 0.5 * bounds.translation_relative;
+    [place, place, bounds.rotation_relative / SQRT_3]
+}
+
+const SQRT_3: f64 = 1.732_050_807_568_877_2;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_corrected_step_is_longer_aside_and_turned_further() {
+        let step = corrected(Pose2::new(0.02, 0.0, 0.1), [0.01, 0.02, -0.03]);
+        assert!((step.position().norm() - 0.0202).abs() < 1e-12 && (step.position().angle() - 0.02).abs() < 1e-12);
+        assert!((step.theta - 0.097).abs() < 1e-12);
+    }
+}
