@@ -30,6 +30,10 @@ const VARYING: f64 = 4.0;
 const MOST_TAKES: usize = 150_000;
 /// The same for the second round of all that are left, before the few that stay take all rows.
 const SECOND_TAKES: usize = 15_000;
+/// The best few are kept as they are, too, while the others are sorted out with some of the rows: a whisker that springs from
+/// facet to facet is somewhere else where rows are left out. So many steps they take over all rows.
+const FOREMOST: usize = 4;
+const FOREMOST_ROUNDS: usize = 2;
 /// Most hypotheses that are looked at in the end.
 const MOST: usize = 500;
 /// Every so many rows the robot's origin must stand in free space.
@@ -142,6 +146,7 @@ pub(super) fn choose(bank: &mut Bank, field: &Field<'_>, history: &mut History) 
     }
     bank.hypotheses.sort_by(|a, b| a.outlook(OPEN, shared).total_cmp(&b.outlook(OPEN, shared)));
     bank.hypotheses.truncate(MOST);
+    let foremost = foremost(bank, field, history);
     let stages = [(FIRST_ROWS[0], FIRST_ROUNDS[0], 3.0), (FIRST_ROWS[1], FIRST_ROUNDS[1], 1.0), (0, ROUNDS, 1.0)];
     for (rows, rounds, slack) in stages {
         let rows = if rows > 0 { rows } else { SECOND_TAKES / bank.hypotheses.len().max(1) };
@@ -154,9 +159,10 @@ pub(super) fn choose(bank: &mut Bank, field: &Field<'_>, history: &mut History) 
     let equals = images(bank, field, history);
     bank.hypotheses.extend(equals);
     let afford = MOST_TAKES / bank.hypotheses.len().max(1);
-    if bank.used.len() < history.len() && afford > bank.used.len() {
+    if bank.leaves_out_rows(history) && afford > bank.used.len() {
         bank.use_rows(field, history, afford, TOLD + UNSETTLED);
     }
+    bank.take_back(field, history, foremost);
     bank.settle(field, history, LAST_ROUNDS, 0);
     for _ in 0..CORRECTIONS {
         if !bank.correct_odometry(field, history) {
@@ -173,7 +179,11 @@ pub(super) fn choose(bank: &mut Bank, field: &Field<'_>, history: &mut History) 
     let least = bank.hypotheses.iter().map(|h| h.cost(bank.shared)).fold(f64::INFINITY, f64::min);
     bank.hypotheses.retain(|h| h.cost(shared) <= least + TOLD);
     bank.gather(field.turns);
-    let mut fit = bank.hypotheses.first().map(|h| fit(h, bank, field, history, Solver::Exact));
+    let mut fit = bank.hypotheses.first().map(|h| {
+        // Where the two solvers disagree the whisker is about to snap, and one of them has it on another branch for a while.
+        let solvers = [Solver::Exact, Solver::Quick(field.table)].map(|solver| fit(h, bank, field, history, solver));
+        if solvers[1].beyond < solvers[0].beyond { solvers[1] } else { solvers[0] }
+    });
     let blurred = Scene { blur: true, ..field.scene(history, bank.pivot, Judge::FAIR, bank.shared) };
     let last = history.pose(history.len() - 1);
     let (mut own, mut rests) = (Vec::new(), Vec::new());
@@ -196,6 +206,14 @@ pub(super) fn choose(bank: &mut Bank, field: &Field<'_>, history: &mut History) 
         bank.hypotheses.iter().map(|h| self::fit(h, bank, field, history, Solver::Quick(field.table)).broken).collect();
     let settled = Settled { field, history, bank, broken: &broken, own: &own, rests: &rests, last, least };
     (settled.places(&quick), fit)
+}
+
+/// The best few that stand apart, moved to their least cost over the rows that they have taken.
+fn foremost(bank: &Bank, field: &Field<'_>, history: &History) -> Vec<Hypothesis> {
+    let chosen = bank.apart(0..bank.hypotheses.len(), FOREMOST);
+    let mut few = bank.beside(chosen.iter().map(|&index| bank.hypotheses[index].clone()).collect(), bank.used.clone());
+    few.settle(field, history, FOREMOST_ROUNDS, 0);
+    few.hypotheses
 }
 
 /// Whether the robot may have been where this frame says.

@@ -185,6 +185,21 @@ impl Bank {
         });
     }
 
+    /// Whether some of the rows are not used.
+    pub(super) fn leaves_out_rows(&self, history: &History) -> bool {
+        self.used.len() + usize::from(self.folded) < history.len()
+    }
+
+    /// Takes these among the hypotheses, run with the rows that are used now where they stand.
+    pub(super) fn take_back(&mut self, field: &Field<'_>, history: &History, hypotheses: Vec<Hypothesis>) {
+        let scene = field.scene(history, self.pivot, Judge::FAIR, self.shared);
+        for mut h in hypotheses {
+            h.run(&scene, h.map_from_odom, self.used.iter().copied());
+            h.look(LOOSE, self.shared);
+            self.hypotheses.push(h);
+        }
+    }
+
     /// Finds the costs of the best hypothesis after each used row.
     fn find_usual(&mut self, field: &Field<'_>, history: &History) {
         let scene = field.scene(history, self.pivot, Judge::FAIR, self.shared);
