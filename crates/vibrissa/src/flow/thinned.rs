@@ -37,11 +37,6 @@ impl<T, const LEAST: usize> Thinned<T, LEAST> {
     pub(crate) fn iter(&self) -> impl Iterator<Item = &T> {
         self.kept.iter()
     }
-
-    /// The same, to be changed.
-    pub(crate) fn iter_mut(&mut self) -> impl Iterator<Item = &mut T> {
-        self.kept.iter_mut()
-    }
 }
 
 #[cfg(test)]

@@ -267,14 +267,20 @@ impl History {
     pub(super) fn correct(&mut self, shares: Shares) {
         let Some(&last) = self.poses.last() else { return };
         (self.shares, self.is_corrected) = (shares, true);
-        let mut there = last;
-        for row in (0..self.raw.len() - 1).rev() {
-            there = there.compose(corrected(self.raw[row].between(self.raw[row + 1]), shares).inverse());
-            self.poses[row] = there;
-        }
+        let Some((&raw, before)) = self.raw.split_last() else { return };
+        self.poses = led_back(before, (raw, last), shares);
+        self.poses.push(last);
         self.whole = self.whole.map(|_| Drift::along(&self.poses));
         let mounts = &self.mounts;
         self.bases = self.poses.iter().flat_map(|pose| mounts.iter().map(|mount| pose.compose(*mount))).collect();
+    }
+
+    /// Where the robot was before the first row, by what its odometry said, as far as that has been corrected.
+    pub(super) fn earlier(&self, raw: &[Pose2]) -> Vec<Pose2> {
+        match (self.raw.first(), self.poses.first()) {
+            (Some(&first), Some(&pose)) if self.is_corrected => led_back(raw, (first, pose), self.shares),
+            _ => raw.to_vec(),
+        }
     }
 
     /// No row will follow: what the odometry's shares do is told from the last row on, which is what is asked for.
@@ -320,6 +326,11 @@ impl History {
         self.poses[row]
     }
 
+    /// The same before any correction.
+    pub(super) fn raw(&self, row: usize) -> Pose2 {
+        self.raw[row]
+    }
+
     pub(super) fn readings(&self, row: usize) -> &[f64] {
         &self.readings[row * self.mounts.len()..(row + 1) * self.mounts.len()]
     }
@@ -347,6 +358,16 @@ impl History {
     }
 }
 
+/// The path that ends before this pose, each given as the odometry says and once corrected by these shares.
+fn led_back(before: &[Pose2], (mut raw, mut pose): (Pose2, Pose2), shares: Shares) -> Vec<Pose2> {
+    let mut path = before.to_vec();
+    for there in path.iter_mut().rev() {
+        pose = pose.compose(corrected(there.between(raw), shares).inverse());
+        (raw, *there) = (*there, pose);
+    }
+    path
+}
+
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used, reason = "a test that cannot go on must fail")]
@@ -358,6 +379,28 @@ mod tests {
         let tip = TipModel::new(&Whisker::default()).unwrap();
         let sense = Sense::Moment;
         Feeler { tip, sense, robot_from_whisker: Pose2::IDENTITY, length: 0.075, per_reading: 1.0, relative, absolute }
+    }
+
+    #[test]
+    fn rows_before_the_first_are_corrected_like_those_after() {
+        let poses: Vec<Pose2> =
+            (0..40).map(|k| 0.004 * f64::from(k)).map(|s| Pose2::new(s, 0.3 * s.sin(), 2.0 * s)).collect();
+        let mut history = History::new(&[feeler(0.05, 1e-3)]);
+        poses.iter().for_each(|&pose| history.push(pose, &[0.0]));
+        assert_eq!(history.earlier(&poses[..3]), poses[..3]);
+        history.correct([0.01, -0.004, 0.007]);
+        let whole: Vec<Pose2> = (0..40).map(|row| history.pose(row)).collect();
+        assert!(whole[0].position().distance(poses[0].position()) > 1e-4 && whole[39] == poses[39]);
+        history.forget(25);
+        let earlier = history.earlier(&poses[..25]);
+        for (ours, before) in earlier.iter().zip(&whole) {
+            assert!(ours.position().distance(before.position()) < 1e-12 && (ours.theta - before.theta).abs() < 1e-12);
+        }
+        // Every second of them lies where it lay: a correction turns and stretches, and bends but little.
+        let some: Vec<Pose2> = poses[..25].iter().step_by(2).copied().collect();
+        for (ours, before) in history.earlier(&some).iter().zip(whole.iter().step_by(2)) {
+            assert!(ours.position().distance(before.position()) < 2e-5, "{ours:?}, not {before:?}");
+        }
     }
 
     /// The readings that the declared bound allows, evenly: from `|h - z| <= r |z| + a` by hand, for `z` of `h`'s sign.

@@ -27,6 +27,7 @@ const KNOWN: [f64; 2] = [3e-3, 0.03];
 /// An even share of the rows that have been summed up, from a first row on in which all whiskers were free.
 #[derive(Default)]
 pub(super) struct Trail {
+    /// As the odometry says, since it may be corrected later.
     rows: Thinned<(Pose2, Vec<f64>), KEPT>,
     way: f64,
     last: Option<Pose2>,
@@ -42,20 +43,16 @@ impl Trail {
             let pose = history.pose(row);
             self.way += self.last.map_or(0.0, |last| last.position().distance(pose.position()));
             self.last = Some(pose);
-            self.rows.push((pose, history.readings(row).to_vec()));
+            self.rows.push((history.raw(row), history.readings(row).to_vec()));
         }
-    }
-
-    /// Goes along with the first row that is left, which has been moved since the odometry was corrected.
-    pub(super) fn moved(&mut self, by: Pose2) {
-        self.rows.iter_mut().for_each(|(pose, _)| *pose = by.compose(*pose));
-        self.last = self.last.map(|pose| by.compose(pose));
     }
 
     /// The way as one history, with which of its rows is the first of `history`; none when its rows are too far apart.
     fn whole(&self, field: &Field<'_>, history: &History) -> Option<(History, usize)> {
         let mut whole = History::new(field.feelers);
-        self.rows.iter().for_each(|(pose, readings)| whole.push(*pose, readings));
+        let raw: Vec<Pose2> = self.rows.iter().map(|(pose, _)| *pose).collect();
+        let path = history.earlier(&raw);
+        path.iter().zip(self.rows.iter()).for_each(|(pose, (_, readings))| whole.push(*pose, readings));
         let first = whole.len();
         if first == 0 || self.way > APART * first as f64 {
             return None;

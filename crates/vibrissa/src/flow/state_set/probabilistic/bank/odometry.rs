@@ -55,9 +55,6 @@ impl Bank {
                 }
                 self.find_usual(field, history);
             }
-            if let Some(trail) = &mut self.trail {
-                trail.moved(history.pose(0).compose(ends[0].inverse()));
-            }
             return true;
         }
         history.correct(now);
