@@ -120,6 +120,45 @@ fn odometry_that_is_wrong_by_a_share_is_found_out() {
     }
 }
 
+/// A round room whose wall has waves of centimetres, in pieces of a millimetre.
+fn rough_room() -> Map {
+    let mut draw = random::Random(3);
+    let waves: Vec<(f64, f64, f64)> = (2..40)
+        .map(|k| (f64::from(k), 0.02 * draw.unit() / f64::from(k), draw.between(0.0, core::f64::consts::TAU)))
+        .collect();
+    let corner = |k: u32| {
+        let angle = core::f64::consts::TAU * f64::from(k) / 1400.0;
+        let wave: f64 = waves.iter().map(|(n, size, phase)| size * (n * angle + phase).cos()).sum();
+        Vec2::from_angle(angle) * (0.25 + wave)
+    };
+    let corners: Vec<Vec2> = (0..1400).map(corner).collect();
+    Map::new(vec![Boundary::new(Role::Arena, Curve::polyline(&corners, true).unwrap(), None).unwrap()]).unwrap()
+}
+
+#[test]
+fn along_a_rough_wall_odometry_that_is_wrong_is_found_out() {
+    let options = LocalizeOptions { method: Method::Probabilistic, ..LocalizeOptions::default() };
+    let map = rough_room();
+    let mut robot = Robot::default();
+    (robot.odometry.translation_relative, robot.odometry.rotation_relative) = (0.01, 0.01);
+    let sweeps: Vec<Sweep> = (30..38).filter_map(|seed| long_sweep(&map, seed)).collect();
+    assert!(sweeps.len() > 3);
+    for sweep in sweeps {
+        let log = mistaken(&sweep.log, [0.008, 0.0, -0.008]);
+        let answer = localize(&log, &map, &robot, &options, &mut |_| {}).unwrap();
+        let truth = sweep.truth.last().unwrap().map_from_robot;
+        let off = answer.hypotheses[0].pose.position().distance(truth.position());
+        let told = answer.odometry.unwrap();
+        println!("{} rows, {}: {:.2} mm, {told:?}", log.rows.len(), answer.status, 1e3 * off);
+        assert!(answer.status == Status::Localized && off < 4.5e-4, "{:.2} mm", 1e3 * off);
+        let shares = [
+            (told.translation_scale, told.translation_scale_std, 1.0 / 1.008),
+            (told.rotation_scale, told.rotation_scale_std, 1.0 / 0.992),
+        ];
+        assert!(shares.iter().all(|(value, std, truth)| (value - truth).abs() < 3.5 * std), "{told:?}");
+    }
+}
+
 #[test]
 fn odometry_that_is_declared_right_is_not_estimated() {
     let options = LocalizeOptions { method: Method::Probabilistic, ..LocalizeOptions::default() };

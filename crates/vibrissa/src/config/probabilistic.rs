@@ -23,7 +23,8 @@ pub struct ProbabilisticOptions {
     pub heading_error: f64,
     /// Where the robot is at the first row, map frame, where that is known: least and largest x (m), y (m), heading (rad).
     pub prior: Option<[[f64; 2]; 3]>,
-    /// Rows that are kept and fitted again; what older ones say is summed up as a Gaussian for each hypothesis.
+    /// Rows that are kept and fitted again, twice as many where errors of the odometry are declared; what older ones say is summed
+    /// up as a Gaussian for each hypothesis.
     pub window: usize,
     /// Share of the rows that no equilibrium needs to explain, 0 to 0.5: while the whisker has snapped or touches at three
     /// places, even the true place explains nothing.

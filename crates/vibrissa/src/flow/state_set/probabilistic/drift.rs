@@ -39,8 +39,10 @@ pub(super) struct Response {
     pub(super) here: Shares,
     /// how much less for a unit of each move (rows are ways),
     pub(super) by_move: Matrix,
-    /// and their covariance where it is fixed.
+    /// their covariance where it is fixed,
     pub(super) covariance: Matrix,
+    /// and by how much the cost falls where it is fixed and they go there.
+    pub(super) promise: f64,
 }
 
 impl Response {
@@ -52,6 +54,22 @@ impl Response {
 }
 
 impl Response {
+    /// The covariance of place and shares together, where that of the place is this one.
+    pub(super) fn with_place(&self, place: &Matrix) -> [[f64; 3 + WAYS]; 3 + WAYS] {
+        let mut own = congruent(&self.by_move, place);
+        add(&mut own, &self.covariance);
+        // Columns are ways.
+        let mixed = place.map(|row| times(&self.by_move, row).map(|v| -v));
+        core::array::from_fn(|i| {
+            core::array::from_fn(|j| match (i.checked_sub(3), j.checked_sub(3)) {
+                (None, None) => place[i][j],
+                (Some(way), None) => mixed[j][way],
+                (None, Some(way)) => mixed[i][way],
+                (Some(way), Some(other)) => own[way][other],
+            })
+        })
+    }
+
     /// The shares that the odometry has to be corrected by, each with its standard deviation, where the path has been corrected by these
     /// and the hypothesis' place has this covariance.
     pub(super) fn estimates(&self, at: Shares, place: &Matrix) -> [[f64; 2]; WAYS] {
@@ -266,7 +284,8 @@ impl Drift {
         let covariance = inverse(&precise)?;
         let columns = [0, 1, 2].map(|i| times(&covariance, [0, 1, 2].map(|way: usize| mixed[way][i])));
         let by_move = [0, 1, 2].map(|way| [0, 1, 2].map(|i: usize| columns[i][way]));
-        Some(Response { here: times(&covariance, pull).map(|v| -v), by_move, covariance })
+        let here = times(&covariance, pull).map(|v| -v);
+        Some(Response { here, by_move, covariance, promise: -0.5 * dot(here, pull) })
     }
 
     /// The sum of squares, in standard deviations of the readings' noise, that the declared bounds may add to the residuals.
@@ -401,6 +420,56 @@ mod tests {
             at[axis] -= 0.5 * h * (high - low) / (high - 2.0 * middle + low);
         }
         (cost_at(at), at)
+    }
+
+    #[test]
+    fn place_and_shares_vary_together_as_the_whole_cost_says() {
+        let (normal, drift) = said(Normal::default(), Drift::default());
+        let place = inverse(&drift.eliminated(&normal, SHARED.odometry).marginal(SHARED.gain).curvature).unwrap();
+        let told = drift.response(&normal, SHARED).unwrap().with_place(&place);
+        // The curvature over moves, shares and the shared error, by differences of the cost, which is a parabola.
+        let at = |v: [f64; 7]| cost([v[0], v[1], v[2]], [v[3], v[4], v[5]], v[6], SHARED);
+        let h = 1e-3;
+        let both = |i: usize, j: usize, a: f64, b: f64| {
+            let mut v = [0.0; 7];
+            v[i] += a;
+            v[j] += b;
+            at(v)
+        };
+        let bent = |i: usize, j: usize| {
+            (both(i, j, h, h) - both(i, j, h, -h) - both(i, j, -h, h) + both(i, j, -h, -h)) / (4.0 * h * h)
+        };
+        for i in 0..6 {
+            let row: [f64; 6] = core::array::from_fn(|k| bent(i, k) - bent(i, 6) * bent(6, k) / bent(6, 6));
+            for j in 0..6 {
+                let product: f64 = row.iter().zip(&told).map(|(bent, told)| bent * told[j]).sum();
+                assert!((product - f64::from(u8::from(i == j))).abs() < 1e-5, "{i} {j}: {product}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_cost_on_the_best_path_is_what_elimination_says() {
+        let (normal, drift) = said(Normal::default(), Drift::default());
+        let told = drift.eliminated(&normal, SHARED.odometry).marginal(SHARED.gain).cost;
+        let (_, at) = least([0.0; 3]);
+        let on_path = |shares: Shares| {
+            let (normal, drift) = drift.shifted(&normal, shares);
+            let promise = drift.response(&normal, SHARED).unwrap().promise;
+            drift.eliminated(&normal, SHARED.odometry).marginal(SHARED.gain).cost + promise
+        };
+        let best = on_path([at[0], at[1], at[2]]);
+        assert!((best - told).abs() < 1e-6, "{best}, not {told}");
+        // On another path it is dearer by what the whole cost is, the shared error being at its best for each.
+        let dearer = |shares: Shares| {
+            let costs = [-1e-3, 0.0, 1e-3].map(|gain| cost([0.0; 3], shares, gain, SHARED));
+            let (slope, bent) = (500.0 * (costs[2] - costs[0]), 1e6 * (costs[2] - 2.0 * costs[1] + costs[0]));
+            costs[1] - 0.5 * slope * slope / bent - least([0.0; 3]).0
+        };
+        for other in [[0.0; 3], [at[0] + 1e-3, at[1], at[2]], [at[0], at[1], at[2] - 1e-3]] {
+            let (told, truth) = (on_path(other) - best, dearer(other));
+            assert!((told - truth).abs() < 1e-5 && truth > 1e-4, "{told}, not {truth}");
+        }
     }
 
     #[test]

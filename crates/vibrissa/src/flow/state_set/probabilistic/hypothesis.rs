@@ -385,6 +385,12 @@ impl Hypothesis {
         self.marginal(shared).cost
     }
 
+    /// The cost where it is linearised with the odometry as it has been corrected, whatever other shares would promise.
+    pub(super) fn cost_on_path(&self, shared: Shared) -> f64 {
+        let promise = self.drift.response(&self.normal, shared).map_or(0.0, |response| response.promise);
+        self.cost(shared) + promise
+    }
+
     /// What the readings say about moves, whatever errors they share.
     pub(super) fn marginal(&self, shared: Shared) -> Normal {
         self.drift.eliminated(&self.normal, shared.odometry).marginal(shared.gain)

@@ -8,6 +8,7 @@ mod ground;
 mod history;
 mod hypothesis;
 mod images;
+mod joint;
 mod normal;
 mod places;
 mod rerun;

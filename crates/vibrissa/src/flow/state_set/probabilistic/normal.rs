@@ -144,6 +144,19 @@ pub(super) fn congruent(t: &Matrix, covariance: &Matrix) -> Matrix {
     t.map(|left| rows.map(|right| dot(left, right)))
 }
 
+/// The lower triangular root of a symmetric positive matrix.
+pub(super) fn root<const N: usize>(m: &[[f64; N]; N]) -> Option<[[f64; N]; N]> {
+    let mut l = [[0.0; N]; N];
+    for i in 0..N {
+        for j in 0..=i {
+            let rest = m[i][j] - (0..j).map(|k| l[i][k] * l[j][k]).sum::<f64>();
+            l[i][j] = if i == j { rest.sqrt() } else { rest / l[j][j] };
+            l[i][j].is_finite().then_some(())?;
+        }
+    }
+    Some(l)
+}
+
 /// Adds a matrix to another.
 pub(super) fn add(to: &mut Matrix, more: &Matrix) {
     (0..3).for_each(|i| (0..3).for_each(|j| to[i][j] += more[i][j]));
@@ -182,6 +195,19 @@ pub(super) fn inverse(m: &Matrix) -> Option<Matrix> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_root_times_itself_is_the_matrix() {
+        let m = [[4.0, 1.0, -0.5, 0.3], [1.0, 2.0, 0.3, 0.0], [-0.5, 0.3, 1.0, -0.2], [0.3, 0.0, -0.2, 0.7]];
+        let l = root(&m).unwrap_or_default();
+        for i in 0..4 {
+            for j in 0..4 {
+                let product: f64 = (0..4).map(|k| l[i][k] * l[j][k]).sum();
+                assert!((product - m[i][j]).abs() < 1e-12 && (j <= i || l[i][j] == 0.0));
+            }
+        }
+        assert!(root(&[[1.0, 2.0], [2.0, 1.0]]).is_none());
+    }
 
     #[test]
     fn a_random_move_adds_to_the_covariance() {

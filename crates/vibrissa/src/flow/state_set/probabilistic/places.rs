@@ -8,7 +8,7 @@ use super::images::{images, stands};
 use super::normal::{Matrix, Normal, add, congruent, determinant, dot, inverse, times};
 use super::ridge::{Metric, Walker};
 use super::shake::shake;
-use super::spread::{SAMPLES, Spread, spread};
+use super::spread::{BOTH, Member, SAMPLES, SAMPLES_WITH_SHARES, Sampled, Spread};
 use crate::plane::Pose2;
 use crate::world::Odometry;
 
@@ -87,6 +87,8 @@ pub struct Place {
     pub ridge: Vec<Pose2>,
     /// Share of the rows whose reading breaks its declared bound at the best hypothesis.
     pub broken: f64,
+    /// See [`Fit::shares`]; where they have been sampled around this place.
+    pub shares: Option<[[f64; 2]; 3]>,
 }
 
 /// How well the best hypothesis explains the readings.
@@ -170,6 +172,9 @@ pub(super) fn choose(bank: &mut Bank, field: &Field<'_>, history: &mut History) 
         }
         bank.settle(field, history, LAST_ROUNDS, 0);
     }
+    if bank.search_odometry(field, history) {
+        bank.settle(field, history, LAST_ROUNDS, 0);
+    }
     shake(bank, field, history);
     if bank.correct_odometry(field, history) {
         bank.settle(field, history, LAST_ROUNDS, 0);
@@ -186,7 +191,7 @@ pub(super) fn choose(bank: &mut Bank, field: &Field<'_>, history: &mut History) 
     });
     let blurred = Scene { blur: true, ..field.scene(history, bank.pivot, Judge::FAIR, bank.shared) };
     let last = history.pose(history.len() - 1);
-    let (mut own, mut rests) = (Vec::new(), Vec::new());
+    let (mut own, mut with_shares, mut rests) = (Vec::new(), Vec::new(), Vec::new());
     for h in &bank.hypotheses {
         let mut again = h.clone();
         again.run(&blurred, h.map_from_odom, bank.used.iter().copied());
@@ -198,14 +203,30 @@ pub(super) fn choose(bank: &mut Bank, field: &Field<'_>, history: &mut History) 
             fit.shares = response.map(|response| response.estimates(again.drift.at(), &covariance(&again, bank)));
         }
         own.push(covariance(&again, bank));
+        let response = again.drift.response(&again.normal, bank.shared);
+        with_shares.push(response.map(|response| response.with_place(&covariance(&again, bank))));
         let rest = again.drift.covariance(&again.normal, bank.shared, OPEN, turn, arm, &rest(bounds, history.len()));
         rests.push(rest);
     }
     let quick = field.scene(history, bank.pivot, Judge::FAIR, bank.shared);
     let broken: Vec<f64> =
         bank.hypotheses.iter().map(|h| self::fit(h, bank, field, history, Solver::Quick(field.table)).broken).collect();
-    let settled = Settled { field, history, bank, broken: &broken, own: &own, rests: &rests, last, least };
-    (settled.places(&quick), fit)
+    let settled = Settled {
+        field,
+        history,
+        bank,
+        broken: &broken,
+        own: &own,
+        with_shares: &with_shares,
+        rests: &rests,
+        last,
+        least,
+    };
+    let places = settled.places(&quick);
+    if let (Some(fit), Some(shares)) = (&mut fit, places.first().and_then(|place| place.shares)) {
+        fit.shares = Some(shares);
+    }
+    (places, fit)
 }
 
 /// The best few that stand apart, moved to their least cost over the rows that they have taken.
@@ -237,6 +258,8 @@ struct Settled<'a> {
     history: &'a History,
     bank: &'a Bank,
     own: &'a [Matrix],
+    /// The same with the odometry's shares, where they are looked for.
+    with_shares: &'a [Option<[[f64; BOTH]; BOTH]>],
     /// What errors of the odometry add to it that are not alike for all rows.
     rests: &'a [Matrix],
     /// Shares of the readings that break their bounds.
@@ -254,7 +277,8 @@ impl Settled<'_> {
             self.groups().into_iter().map(|members| (self.mass(&members), members)).collect();
         groups.sort_by(|a, b| b.0.total_cmp(&a.0));
         let most = groups.first().map_or(0.0, |g| g.0);
-        let afford = MOST_SAMPLED_TAKES / (SAMPLES * self.bank.used.len()).max(1);
+        let samples = if self.bank.shared.has_odometry() { SAMPLES_WITH_SHARES } else { SAMPLES };
+        let afford = (MOST_SAMPLED_TAKES / (samples * self.bank.used.len()).max(1)).max(1);
         let mut walker = Walker {
             scene,
             rows: &self.bank.used,
@@ -341,8 +365,21 @@ impl Settled<'_> {
 
     /// What sampling says about a place.
     fn spread(&self, scene: &Scene<'_>, members: &[usize], thorough: bool) -> Option<Spread> {
-        let with: Vec<_> = members.iter().map(|&i| (&self.bank.hypotheses[i], &self.own[i])).collect();
-        spread(scene, &with, &self.bank.used, self.least, &|frame| self.field.admits(self.history, frame), thorough)
+        let member = |&i: &usize| Member {
+            place: &self.bank.hypotheses[i],
+            own: &self.own[i],
+            with_shares: self.with_shares[i].as_ref(),
+        };
+        let members: Vec<Member<'_>> = members.iter().map(member).collect();
+        let sampled = Sampled {
+            scene,
+            rows: &self.bank.used,
+            least: self.least,
+            admits: &|frame| self.field.admits(self.history, frame),
+            bounds: &self.field.robot.odometry,
+            thorough,
+        };
+        sampled.spread(&members)
     }
 
     fn place(&self, members: &[usize], mass: f64, spread: Option<Spread>) -> Place {
@@ -353,6 +390,7 @@ impl Settled<'_> {
             (pose, covariance)
         };
         let broken = members.iter().map(|&i| self.broken[i]).fold(1.0, f64::min);
+        let shares = spread.as_ref().and_then(|spread| spread.shares);
         let (map_from_odom, weight, members) = match spread {
             Some(spread) => {
                 let mean = moved(first.map_from_odom, self.bank.pivot, spread.mean);
@@ -363,7 +401,7 @@ impl Settled<'_> {
                 (first.map_from_odom, mass, linear.collect())
             }
         };
-        Place { map_from_odom, weight, covariance: members[0].1, members, ridge: Vec::new(), broken }
+        Place { map_from_odom, weight, covariance: members[0].1, members, ridge: Vec::new(), broken, shares }
     }
 }
 

@@ -7,6 +7,7 @@ use super::images::images;
 use super::places::{self, Fit, Place};
 use super::seed::Seed;
 use super::shake::shake;
+use super::shares::Shared;
 use super::symmetry::Turns;
 use crate::beam::{TipModel, TipTable};
 use crate::config::ProbabilisticOptions;
@@ -33,6 +34,9 @@ const FEWEST_ROWS: usize = 5;
 /// that are caught up with in one call afterwards.
 const SLICE: usize = 4000;
 const CAUGHT_UP: usize = 2;
+/// The odometry is corrected so often in the rows that are kept, and so often in turn with the places before rows are summed up.
+const CORRECTED: usize = 8;
+const CORRECTIONS: usize = 3;
 /// With more hypotheses than this for each place of the boundary that was tried, and as long as a contact has not been followed for this many times the
 /// usual travel, it is followed for longer, by this factor.
 const MANY_STARTS: f64 = 2.0;
@@ -104,6 +108,10 @@ impl<'a> ProbabilisticSet<'a> {
         };
         let feelers: Vec<Feeler> = senses.iter().filter_map(feeler).collect();
         let ground = Ground::new(map);
+        // The odometry's shares come to light over a long way only, and what is summed up before they are known is told around a wrong
+        // path.
+        let times = if Shared::new(0.0, &robot.odometry).has_odometry() { 2 } else { 1 };
+        let options = ProbabilisticOptions { window: times * options.window, ..options };
         Self {
             map,
             robot,
@@ -293,10 +301,10 @@ impl<'a> ProbabilisticSet<'a> {
             bank.expand(turns);
         }
         bank.step(&field, history, CAUGHT_UP);
-        let quarter = (options.window / 4).max(1);
+        let often = options.window / CORRECTED;
         let before = *tracked;
         *tracked += bank.next - next;
-        if before / quarter != *tracked / quarter {
+        if bank.shared.has_odometry() && before / often != *tracked / often {
             bank.complete(&field, history);
             bank.correct_odometry(&field, history);
         }
@@ -309,6 +317,12 @@ impl<'a> ProbabilisticSet<'a> {
                 bank.hypotheses.extend(equals);
             }
             let first = !bank.is_folded();
+            for _ in 0..CORRECTIONS {
+                // What is summed up is told around this path for good.
+                if !(bank.settle_few(&field, history) && bank.correct_odometry(&field, history)) {
+                    break;
+                }
+            }
             if bank.settle_few(&field, history) && first {
                 // What is summed up holds a place for good: on a map of facets it must not be the shallower of two minima.
                 shake(bank, &field, history);

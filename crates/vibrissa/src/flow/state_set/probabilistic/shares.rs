@@ -36,10 +36,20 @@ pub(crate) fn corrected(step: Pose2, [long, aside, turn]: Shares) -> Pose2 {
     Pose2 { x: place.x, y: place.y, theta: (1.0 + turn) * step.theta }
 }
 
+/// The largest that each share can be.
+fn largest(bounds: &Odometry) -> Shares {
+    [bounds.translation_relative, bounds.translation_relative, bounds.rotation_relative]
+}
+
 /// These shares, no larger than errors within the bounds can be.
 pub(super) fn within(shares: Shares, bounds: &Odometry) -> Shares {
-    let (place, turn) = (bounds.translation_relative, bounds.rotation_relative);
-    [shares[0].clamp(-place, place), shares[1].clamp(-place, place), shares[2].clamp(-turn, turn)]
+    let most = largest(bounds);
+    [0, 1, 2].map(|way| shares[way].clamp(-most[way], most[way]))
+}
+
+/// Whether errors within the bounds can be these shares.
+pub(super) fn is_within(shares: Shares, bounds: &Odometry) -> bool {
+    shares.iter().zip(largest(bounds)).all(|(share, most)| share.abs() <= most)
 }
 
 /// Standard deviations of the three shares: errors spread evenly over a disc, and between two bounds.
@@ -53,6 +63,16 @@ const SQRT_3: f64 = 1.732_050_807_568_877_2;
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn shares_are_cut_to_what_the_bounds_allow() {
+        let bounds = Odometry { translation_relative: 0.01, rotation_relative: 0.02 };
+        for (shares, cut) in [([0.01, -0.01, -0.02], [0.01, -0.01, -0.02]), ([-0.011, 0.0, 0.03], [-0.01, 0.0, 0.02])] {
+            let ours = within(shares, &bounds);
+            assert!(ours.iter().zip(cut).all(|(ours, cut)| (ours - cut).abs() < 1e-15) && is_within(ours, &bounds));
+        }
+        assert!(!is_within([0.0, 0.011, 0.0], &bounds) && !is_within([0.0, 0.0, f64::NAN], &bounds));
+    }
 
     #[test]
     fn a_corrected_step_is_longer_aside_and_turned_further() {

@@ -5,16 +5,26 @@
 //! points instead of random ones) give the mean, the covariance and the mass of the likelihood itself.
 
 use super::hypothesis::{Hypothesis, Limits, Scene, difference, moved};
-use super::normal::{Matrix, determinant, dot, inverse, times};
+use super::normal::{Matrix, determinant, inverse, root};
+use super::shares::{Shares, WAYS, is_within};
 use crate::plane::Pose2;
+use crate::world::Odometry;
 
 /// Samples of one place, and hypotheses at most that they are drawn around.
 pub(super) const SAMPLES: usize = 112;
 const MOST_CENTRES: usize = 12;
-/// The share of them that is drawn around the hypotheses; the rest is drawn from the Gaussian that those have found, so
+/// How many are drawn around the hypotheses; the rest is drawn from the Gaussian that those have found, so
 /// much wider.
 const FIRST: usize = 56;
 const WIDER: f64 = 1.3;
+/// The same where the odometry's shares are sampled, too: after each batch the Gaussian is found anew, until so many count.
+const FIRST_WITH_SHARES: usize = 84;
+const BATCH: usize = 56;
+const BATCHES: usize = 3;
+pub(super) const SAMPLES_WITH_SHARES: usize = FIRST_WITH_SHARES + BATCHES * BATCH;
+const ENOUGH: f64 = 40.0;
+/// Fewer than this many that count do not tell a Gaussian in six dimensions: then dearer ones count for more.
+const LEAST_EFFECTIVE: f64 = 14.0;
 /// Half of the samples are drawn from Gaussians this much wider than the linearisation says, half from the other.
 const WIDTHS: [f64; 2] = [1.2, 2.5];
 /// After so many samples around a single hypothesis nothing more is asked where its parabola has told their costs: to this
@@ -26,6 +36,9 @@ const NOTHING: f64 = 15.0;
 /// The linearisation counts like so many effective samples.
 const PRIOR_SAMPLES: f64 = 6.0;
 
+/// Unknowns of a place on a path that may have to be corrected: its move, and the shares.
+pub(super) const BOTH: usize = 3 + WAYS;
+
 /// The likelihood around a place.
 #[derive(Clone, Debug)]
 pub(super) struct Spread {
@@ -35,120 +48,272 @@ pub(super) struct Spread {
     pub(super) covariance: Matrix,
     /// The integral of `exp(least - cost)`, over `(2 pi)^(3/2)`.
     pub(super) mass: f64,
+    /// The shares of the odometry, each with its standard deviation, where they have been sampled.
+    pub(super) shares: Option<[[f64; 2]; WAYS]>,
+}
+
+/// A hypothesis that samples are drawn around.
+pub(super) struct Member<'a> {
+    pub(super) place: &'a Hypothesis,
+    /// The covariance of its place, and that of place and shares together where these are looked for.
+    pub(super) own: &'a Matrix,
+    pub(super) with_shares: Option<&'a [[f64; BOTH]; BOTH]>,
+}
+
+/// What is sampled.
+pub(super) struct Sampled<'a> {
+    pub(super) scene: &'a Scene<'a>,
+    pub(super) rows: &'a [usize],
+    /// The cost that masses are relative to.
+    pub(super) least: f64,
+    /// Where the odometry frame may be; elsewhere counts nothing.
+    pub(super) admits: &'a dyn Fn(Pose2) -> bool,
+    pub(super) bounds: &'a Odometry,
+    /// Whether the first samples will not do.
+    pub(super) thorough: bool,
+}
+
+/// Mean, covariance and mass of weighted samples, and how many of them count.
+#[derive(Clone, Copy, Debug)]
+struct Summary<const N: usize> {
+    mean: [f64; N],
+    covariance: [[f64; N]; N],
+    mass: f64,
+    effective: f64,
+}
+
+/// How many samples are drawn.
+struct Effort {
+    first: usize,
+    batch: usize,
+    batches: usize,
+    /// See [`LEAST_EFFECTIVE`].
+    least_effective: f64,
 }
 
 /// A Gaussian that samples are drawn from.
-struct Centre {
-    at: [f64; 3],
-    root: Matrix,
-    inverse: Matrix,
-    per_volume: f64,
+struct Centre<const N: usize> {
+    at: [f64; N],
+    root: [[f64; N]; N],
+    volume: f64,
 }
 
-impl Centre {
-    fn new(at: [f64; 3], covariance: &Matrix) -> Option<Self> {
-        let volume = determinant(covariance).sqrt();
-        (volume.is_finite() && volume > 0.0).then_some(())?;
-        Some(Self { at, root: root(covariance)?, inverse: inverse(covariance)?, per_volume: 1.0 / volume })
+impl<const N: usize> Centre<N> {
+    fn new(at: [f64; N], covariance: &[[f64; N]; N]) -> Option<Self> {
+        let root = root(covariance)?;
+        let volume = (0..N).map(|i| root[i][i]).product::<f64>();
+        (volume > 0.0).then_some(Self { at, root, volume })
     }
 
-    /// Its density at `d` when widened, without `(2 pi)^(3/2)`.
-    fn density(&self, d: [f64; 3], width: f64) -> f64 {
-        let off = [0, 1, 2].map(|i| (d[i] - self.at[i]) / width);
-        self.per_volume / width.powi(3) * (-0.5 * dot(times(&self.inverse, off), off)).exp()
+    /// Its density at a point when widened, without `(2 pi)^(N/2)`.
+    fn density(&self, point: [f64; N], width: f64) -> f64 {
+        let mut off = [0.0; N];
+        let mut squares = 0.0;
+        for i in 0..N {
+            let known: f64 = (0..i).map(|j| self.root[i][j] * off[j]).sum();
+            off[i] = ((point[i] - self.at[i]) / width - known) / self.root[i][i];
+            squares += off[i] * off[i];
+        }
+        (-0.5 * squares).exp() / (self.volume * width.powi(N as i32))
+    }
+
+    /// Its n-th sample when widened.
+    fn sample(&self, n: usize, width: f64) -> [f64; N] {
+        let point = normal_point::<N>(n);
+        core::array::from_fn(|i| self.at[i] + width * (0..=i).map(|j| self.root[i][j] * point[j]).sum::<f64>())
     }
 }
 
-/// The spread of the place of these hypotheses, each with its covariance, the best first; `least` is the cost that
-/// masses are relative to, and what is not admitted counts nothing. Where it need not be `thorough`, the first samples do. None where it cannot be sampled.
-pub(super) fn spread(
-    scene: &Scene<'_>,
-    members: &[(&Hypothesis, &Matrix)],
-    rows: &[usize],
-    least: f64,
-    admits: &dyn Fn(Pose2) -> bool,
-    thorough: bool,
-) -> Option<Spread> {
-    let (first, own) = *members.first()?;
-    let centres: Vec<Centre> = members
-        .iter()
-        .take(MOST_CENTRES)
-        .filter_map(|(h, c)| Centre::new(difference(first.map_from_odom, h.map_from_odom, scene.pivot), c))
-        .collect();
-    let usual = first.costs(scene, rows);
-    let cost = |d: [f64; 3]| {
-        let frame = moved(first.map_from_odom, scene.pivot, d);
-        let mut there = first.clone();
-        let limits = Limits { usual: &usual, more: NOTHING };
-        let mut asked = |frame: Pose2| {
-            if there.run_below(scene, frame, rows, limits) { there.cost(scene.shared) } else { f64::INFINITY }
+impl Sampled<'_> {
+    /// The spread of the place of these hypotheses, the best first. None where it cannot be sampled.
+    pub(super) fn spread(&self, members: &[Member<'_>]) -> Option<Spread> {
+        let first = members.first()?;
+        let to = |h: &Hypothesis| difference(first.place.map_from_odom, h.map_from_odom, self.scene.pivot);
+        let usual = first.place.costs(self.scene, self.rows);
+        if first.with_shares.is_some() {
+            return self.spread_with_shares(members, &usual);
+        }
+        let centres: Vec<_> =
+            members.iter().take(MOST_CENTRES).filter_map(|m| Centre::new(to(m.place), m.own)).collect();
+        let cost = |d: [f64; 3]| self.cost(self.scene, first.place, d, &usual);
+        let told = |drawn: &[([f64; 3], Option<f64>)]| {
+            let parabola = first.place.marginal(self.scene.shared);
+            is_as_told(drawn, parabola.cost, |d| parabola.moved(d).cost).then_some(())?;
+            let covariance = inverse(&parabola.curvature)?;
+            let mean = parabola.step([0.0; 3])?;
+            let mass = (self.least - parabola.moved(mean).cost).exp() * determinant(&covariance).sqrt();
+            Some(Summary { mean, covariance, mass, effective: f64::INFINITY })
         };
-        admits(frame).then(|| asked(frame))
-    };
-    let around = |d: [f64; 3]| {
-        let drawn: f64 = centres.iter().flat_map(|c| WIDTHS.map(|w| c.density(d, w))).sum();
+        let batch = SAMPLES - FIRST;
+        let effort = Effort { first: FIRST, batch, batches: usize::from(self.thorough), least_effective: 0.0 };
+        let found = drawn(&centres, first.own, (&effort, self.least), cost, told)?;
+        let Summary { mean, covariance, mass, .. } = found;
+        Some(Spread { mean, covariance, mass, shares: None })
+    }
+
+    /// The same of place and shares together: every sample has its own path.
+    fn spread_with_shares(&self, members: &[Member<'_>], usual: &[f64]) -> Option<Spread> {
+        let shared = self.scene.shared;
+        let (first, own) = (members.first()?.place, members.first()?.with_shares?);
+        let prior = |shares: Shares| {
+            let one = |way: usize| 0.5 * (shares[way] / shared.odometry[way]).powi(2) + shared.odometry[way].ln();
+            (0..WAYS).map(one).sum::<f64>()
+        };
+        let centre = |m: &Member<'_>| {
+            let response = m.place.drift.response(&m.place.normal, shared)?;
+            let at = m.place.drift.at();
+            let d = difference(first.map_from_odom, m.place.map_from_odom, self.scene.pivot);
+            Centre::new(joined(d, [0, 1, 2].map(|way| at[way] + response.here[way])), m.with_shares?)
+        };
+        let centres: Vec<_> = members.iter().take(MOST_CENTRES).filter_map(centre).collect();
+        let cost = |point: [f64; BOTH]| {
+            let (d, shares) = parted(point);
+            is_within(shares, self.bounds).then_some(())?;
+            let mut history = self.scene.history.clone();
+            history.correct(shares);
+            let scene = Scene { history: &history, ..*self.scene };
+            Some(self.cost(&scene, first, d, usual)? + prior(shares))
+        };
+        let told = |drawn: &[([f64; BOTH], Option<f64>)]| {
+            let of = |point: [f64; BOTH]| {
+                let (d, shares) = parted(point);
+                let (normal, _) = first.drift.moved(d).shifted(&first.normal.moved(d), shares);
+                normal.marginal(shared.gain).cost + prior(shares)
+            };
+            let parabola = first.marginal(shared);
+            let mean = parabola.step([0.0; 3])?;
+            let response = first.drift.response(&first.normal, shared)?;
+            let (after, at) = (response.after(mean), first.drift.at());
+            let mean = joined(mean, [0, 1, 2].map(|way| at[way] + after[way]));
+            is_as_told(drawn, of(mean), of).then_some(())?;
+            let place = inverse(&parabola.curvature)?;
+            let mass = (self.least - parabola.moved(parted(mean).0).cost).exp() * determinant(&place).sqrt();
+            Some(Summary { mean, covariance: response.with_place(&place), mass, effective: f64::INFINITY })
+        };
+        let batches = if self.thorough { BATCHES } else { 0 };
+        let effort = Effort { first: FIRST_WITH_SHARES, batch: BATCH, batches, least_effective: LEAST_EFFECTIVE };
+        let found = drawn(&centres, own, (&effort, self.least), cost, told)?;
+        let (mean, shares) = parted(found.mean);
+        let covariance = [0, 1, 2].map(|i: usize| [0, 1, 2].map(|j: usize| found.covariance[i][j]));
+        let shares = [0, 1, 2].map(|way| [shares[way], found.covariance[3 + way][3 + way].max(0.0).sqrt()]);
+        Some(Spread { mean, covariance, mass: found.mass, shares: Some(shares) })
+    }
+
+    /// What the readings cost where the frame is moved by `d`, without shares of the odometry that are not this path's; infinity for
+    /// much more than they usually do, none where the frame cannot be.
+    fn cost(&self, scene: &Scene<'_>, place: &Hypothesis, d: [f64; 3], usual: &[f64]) -> Option<f64> {
+        let frame = moved(place.map_from_odom, scene.pivot, d);
+        (self.admits)(frame).then_some(())?;
+        let mut there = place.clone();
+        let below = there.run_below(scene, frame, self.rows, Limits { usual, more: NOTHING });
+        Some(if below { there.normal.marginal(scene.shared.gain).cost } else { f64::INFINITY })
+    }
+}
+
+/// Draws samples around these, and then from what those have found, until enough count; masses are relative to the least cost.
+fn drawn<const N: usize>(
+    centres: &[Centre<N>],
+    own: &[[f64; N]; N],
+    (effort, least): (&Effort, f64),
+    cost: impl Fn([f64; N]) -> Option<f64>,
+    told: impl Fn(&[([f64; N], Option<f64>)]) -> Option<Summary<N>>,
+) -> Option<Summary<N>> {
+    let around = |point: [f64; N]| {
+        let drawn: f64 = centres.iter().flat_map(|c| WIDTHS.map(|w| c.density(point, w))).sum();
         drawn / (centres.len() * WIDTHS.len()) as f64
     };
-    // What costs infinitely much weighs nothing.
-    let weight = |cost: Option<f64>, drawn: f64| cost.map_or(0.0, |cost| (least - cost).exp() / drawn);
-    let mut drawn: Vec<([f64; 3], Option<f64>)> = Vec::with_capacity(SAMPLES);
-    for index in 0..FIRST / centres.len().max(1) * centres.len() {
+    let mut drawn: Vec<([f64; N], Option<f64>)> = Vec::with_capacity(effort.first + effort.batches * effort.batch);
+    for index in 0..effort.first / centres.len().max(1) * centres.len() {
         let centre = &centres[index % centres.len()];
-        let width = WIDTHS[index / centres.len() % WIDTHS.len()];
-        let step = times(&centre.root, normal_point(index));
-        let d = [0, 1, 2].map(|i| centre.at[i] + width * step[i]);
-        drawn.push((d, cost(d)));
+        let point = centre.sample(index, WIDTHS[index / centres.len() % WIDTHS.len()]);
+        drawn.push((point, cost(point)));
         if centres.len() == 1
             && drawn.len() == TRIED
-            && let Some(told) = as_told(scene, first, &drawn, least)
+            && let Some(told) = told(&drawn)
         {
             return Some(told);
         }
     }
     let early = drawn.len();
-    let weighed: Vec<_> = drawn.iter().map(|&(d, c)| (d, weight(c, around(d)))).collect();
-    let found = summary(&weighed, own)?;
-    if !thorough {
-        return Some(found);
+    let mut later: Vec<Centre<N>> = Vec::new();
+    loop {
+        // Each sample is weighed as one of the mixture that all were drawn from.
+        let density = |point: [f64; N]| {
+            let all = early + later.len() * effort.batch;
+            let wide: f64 = later.iter().map(|c| c.density(point, WIDER)).sum();
+            (early as f64 * around(point) + effort.batch as f64 * wide) / all as f64
+        };
+        // What costs infinitely much weighs nothing.
+        let weight = |cost: Option<f64>, density: f64| cost.map_or(0.0, |cost| (least - cost).exp() / density);
+        let weighed: Vec<_> = drawn.iter().map(|&(point, c)| (point, weight(c, density(point)))).collect();
+        let found = summary(&weighed, own)?;
+        if later.len() == effort.batches || later.len() > 1 && found.effective > ENOUGH {
+            return Some(found);
+        }
+        let guide = if found.effective < effort.least_effective {
+            summary(&tempered(&weighed, effort.least_effective), own)?
+        } else {
+            found
+        };
+        let Some(centre) = Centre::new(guide.mean, &guide.covariance) else { return Some(found) };
+        for index in drawn.len()..drawn.len() + effort.batch {
+            let point = centre.sample(index, WIDER);
+            drawn.push((point, cost(point)));
+        }
+        later.push(centre);
     }
-    let Some(centre) = Centre::new(found.mean, &found.covariance) else { return Some(found) };
-    for index in early..SAMPLES {
-        let step = times(&centre.root, normal_point(index));
-        let d = [0, 1, 2].map(|i| centre.at[i] + WIDER * step[i]);
-        drawn.push((d, cost(d)));
-    }
-    // Each sample is weighed as one of the mixture that all were drawn from.
-    let share = early as f64 / SAMPLES as f64;
-    let mixture = |d: [f64; 3]| share * around(d) + (1.0 - share) * centre.density(d, WIDER);
-    let weighed: Vec<_> = drawn.iter().map(|&(d, c)| (d, weight(c, mixture(d)))).collect();
-    summary(&weighed, own)
 }
 
-/// The hypothesis' own Gaussian, if its parabola tells what all these samples cost.
-fn as_told(scene: &Scene<'_>, own: &Hypothesis, drawn: &[([f64; 3], Option<f64>)], least: f64) -> Option<Spread> {
-    let parabola = own.marginal(scene.shared);
-    let told = |&(d, cost): &([f64; 3], Option<f64>)| {
-        let more = parabola.moved(d).cost - parabola.cost;
+fn joined(d: [f64; 3], shares: Shares) -> [f64; BOTH] {
+    [d[0], d[1], d[2], shares[0], shares[1], shares[2]]
+}
+
+fn parted([x, y, turn, long, aside, turned]: [f64; BOTH]) -> ([f64; 3], Shares) {
+    ([x, y, turn], [long, aside, turned])
+}
+
+/// Whether a parabola with this least cost tells what all these samples cost.
+fn is_as_told<const N: usize>(
+    drawn: &[([f64; N], Option<f64>)],
+    least: f64,
+    parabola: impl Fn([f64; N]) -> f64,
+) -> bool {
+    let told = |&(point, cost): &([f64; N], Option<f64>)| {
+        let more = parabola(point) - least;
         cost.is_some_and(|cost| {
             let most = AS_TOLD[0] + AS_TOLD[1] * more.abs();
-            (cost - parabola.cost - more).abs() <= most || cost.is_infinite() && more + most > NOTHING
+            (cost - least - more).abs() <= most || cost.is_infinite() && more + most > NOTHING
         })
     };
-    let covariance = inverse(&parabola.curvature)?;
-    let mean = parabola.step([0.0; 3])?;
-    let mass = (least - parabola.moved(mean).cost).exp() * determinant(&covariance).sqrt();
-    drawn.iter().all(told).then_some(Spread { mean, covariance, mass })
+    drawn.iter().all(told)
+}
+
+/// How many of these weights count.
+fn effective(weights: impl Iterator<Item = f64> + Clone) -> f64 {
+    let (total, squares): (f64, f64) = (weights.clone().sum(), weights.map(|w| w * w).sum());
+    total * total / squares
+}
+
+/// The same samples with weights so even that this many of them count, as far as that goes.
+fn tempered<const N: usize>(samples: &[([f64; N], f64)], least: f64) -> Vec<([f64; N], f64)> {
+    let (mut low, mut high) = (0.0, 1.0);
+    for _ in 0..20 {
+        let power = 0.5 * (low + high);
+        let even = samples.iter().filter(|s| s.1 > 0.0).map(|s| s.1.powf(power));
+        *(if effective(even) < least { &mut high } else { &mut low }) = power;
+    }
+    let power = |w: f64| if w > 0.0 { w.powf(low) } else { 0.0 };
+    samples.iter().map(|&(point, w)| (point, power(w))).collect()
 }
 
 /// Mean, covariance and mass of weighted samples; where few of them count, the linearisation's covariance does.
-fn summary(samples: &[([f64; 3], f64)], own: &Matrix) -> Option<Spread> {
+fn summary<const N: usize>(samples: &[([f64; N], f64)], own: &[[f64; N]; N]) -> Option<Summary<N>> {
     let total: f64 = samples.iter().map(|s| s.1).sum();
-    let squares: f64 = samples.iter().map(|s| s.1 * s.1).sum();
-    (total.is_finite() && total > 0.0 && squares > 0.0).then_some(())?;
-    let mean = [0, 1, 2].map(|i| samples.iter().map(|(d, w)| w * d[i]).sum::<f64>() / total);
-    let effective = total * total / squares;
+    let effective = effective(samples.iter().map(|s| s.1));
+    (total.is_finite() && total > 0.0 && effective.is_finite()).then_some(())?;
+    let mean: [f64; N] = core::array::from_fn(|i| samples.iter().map(|(d, w)| w * d[i]).sum::<f64>() / total);
     let share = effective / (effective + PRIOR_SAMPLES);
-    let mut covariance = [[0.0; 3]; 3];
+    let mut covariance = [[0.0; N]; N];
     for (i, row) in covariance.iter_mut().enumerate() {
         for (j, value) in row.iter_mut().enumerate() {
             let sampled = samples.iter().map(|(d, w)| w * (d[i] - mean[i]) * (d[j] - mean[j])).sum::<f64>() / total;
@@ -157,36 +322,79 @@ fn summary(samples: &[([f64; 3], f64)], own: &Matrix) -> Option<Spread> {
             *value = (share * fair + (1.0 - share) * own[i][j]) * (1.0 + 1.0 / effective);
         }
     }
-    Some(Spread { mean, covariance, mass: total / samples.len() as f64 })
+    Some(Summary { mean, covariance, mass: total / samples.len() as f64, effective })
 }
 
-/// The lower triangular root of a symmetric positive matrix.
-fn root(m: &Matrix) -> Option<Matrix> {
-    let mut l = [[0.0; 3]; 3];
-    for i in 0..3 {
-        for j in 0..=i {
-            let rest = m[i][j] - (0..j).map(|k| l[i][k] * l[j][k]).sum::<f64>();
-            l[i][j] = if i == j { rest.sqrt() } else { rest / l[j][j] };
-            l[i][j].is_finite().then_some(())?;
-        }
-    }
-    Some(l)
-}
-
-/// The n-th of evenly spread points of the standard normal law in three dimensions: multiples of powers of the root of
-/// `x⁵ = x + 1`, modulo one, through Box and Muller's map.
-fn normal_point(n: usize) -> [f64; 3] {
-    const STEP: f64 = 0.856_674_883_854_502_9;
-    let u = |power: i32| ((n as f64 + 1.0) * STEP.powi(power) + 0.5).fract();
-    let radius = |v: f64| (-2.0 * (1.0 - v).max(1e-12).ln()).sqrt();
-    let (sin, cos) = (core::f64::consts::TAU * u(2)).sin_cos();
-    let (a, b) = (radius(u(1)), radius(u(3)));
-    [a * cos, a * sin, b * (core::f64::consts::TAU * u(4)).cos()]
+/// The n-th of evenly spread points of the standard normal law: multiples of powers of the root of `x^(k + 1) = x + 1`, where `k` is
+/// the dimension, if even, modulo one, through Box and Muller's map.
+fn normal_point<const N: usize>(n: usize) -> [f64; N] {
+    let step = if N <= 4 { 0.856_674_883_854_502_9_f64 } else { 0.898_653_712_628_699_3 };
+    let u = |power: usize| ((n as f64 + 1.0) * step.powi(power as i32) + 0.5).fract();
+    core::array::from_fn(|i| {
+        let pair = i - i % 2;
+        let radius = (-2.0 * (1.0 - u(pair + 1)).max(1e-12).ln()).sqrt();
+        let (sin, cos) = (core::f64::consts::TAU * u(pair + 2)).sin_cos();
+        radius * if i % 2 == 0 { cos } else { sin }
+    })
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::normal::{dot, times};
     use super::*;
+
+    /// A cost of six unknowns that is a parabola with this mean, and inverse variances that a chain of them shares.
+    fn chained(mean: [f64; 6]) -> impl Fn([f64; 6]) -> f64 {
+        move |point| {
+            let off: [f64; 6] = core::array::from_fn(|i| point[i] - mean[i]);
+            let links: f64 = off.windows(2).map(|w| (w[1] - 0.6 * w[0]).powi(2)).sum();
+            0.5 * (off[0] * off[0] + links / 0.64)
+        }
+    }
+
+    const EFFORT: Effort = Effort { first: 84, batch: 56, batches: 20, least_effective: LEAST_EFFECTIVE };
+
+    #[test]
+    fn batches_go_where_the_likelihood_is() {
+        // Every unknown has the variance 1 and 0.6 in common with the one before; drawn around a place five standard deviations off.
+        let mean = [3.0, -2.0, 1.0, 0.0, 2.0, -3.0];
+        let cost = chained(mean);
+        let own: [[f64; 6]; 6] = core::array::from_fn(|i| core::array::from_fn(|j| 0.6_f64.powi(i.abs_diff(j) as i32)));
+        let centre = Centre::new([0.0; 6], &own).unwrap_or_else(|| unreachable!());
+        let never = |_: &[([f64; 6], Option<f64>)]| None;
+        let found = drawn(&[centre], &own, (&EFFORT, 0.0), |point| Some(cost(point)), never);
+        let found = found.unwrap_or_else(|| unreachable!());
+        assert!(found.effective > ENOUGH, "{found:?}");
+        for i in 0..6 {
+            assert!((found.mean[i] - mean[i]).abs() < 0.5, "{found:?}");
+            (0..6).for_each(|j| assert!((found.covariance[i][j] - own[i][j]).abs() < 0.5, "{found:?}"));
+        }
+        let volume = 0.64_f64.powf(2.5);
+        assert!((found.mass / volume - 1.0).abs() < 0.3, "{} of {volume}", found.mass);
+    }
+
+    #[test]
+    fn a_parabola_that_tells_what_samples_cost_is_believed() {
+        let cost = chained([0.0; 6]);
+        let points: Vec<[f64; 6]> = (0..TRIED).map(normal_point).collect();
+        let told = |more: f64| {
+            let drawn: Vec<_> = points.iter().map(|&p| (p, Some(cost(p) + more * p[0].abs()))).collect();
+            is_as_told(&drawn, 0.0, &cost)
+        };
+        assert!(told(0.0) && told(0.05) && !told(2.0));
+        assert!(!is_as_told(&[(points[0], None)], 0.0, &cost));
+    }
+
+    #[test]
+    fn tempered_weights_let_more_samples_count() {
+        let samples: Vec<([f64; 1], f64)> = (0..40).map(|k| ([f64::from(k)], (-f64::from(k)).exp())).collect();
+        assert!(effective(samples.iter().map(|s| s.1)) < 3.0);
+        let even = tempered(&samples, 14.0);
+        assert!((effective(even.iter().map(|s| s.1)) - 14.0).abs() < 0.01);
+        assert!(even.windows(2).all(|w| w[0].1 > w[1].1));
+        // What cannot be stays out.
+        assert!(tempered(&[([0.0], 1.0), ([1.0], 0.0)], 14.0)[1].1 == 0.0);
+    }
 
     #[test]
     fn samples_of_a_gaussian_give_it_back() {
@@ -199,7 +407,7 @@ mod tests {
         let samples: Vec<_> = (0..4000)
             .map(|index| {
                 let width = WIDTHS[index % 2];
-                let d = times(&centre.root, normal_point(index)).map(|v| width * v);
+                let d = centre.sample(index, width);
                 let off = [0, 1, 2].map(|i| d[i] - at[i]);
                 let drawn = WIDTHS.map(|w| centre.density(d, w)).iter().sum::<f64>() / 2.0;
                 (d, (-0.5 * dot(times(&precise, off), off)).exp() / drawn)
