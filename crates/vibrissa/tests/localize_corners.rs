@@ -160,6 +160,24 @@ fn along_a_rough_wall_odometry_that_is_wrong_is_found_out() {
 }
 
 #[test]
+fn turns_are_corrected_where_only_these_are_declared_wrong() {
+    let options = LocalizeOptions { method: Method::Probabilistic, ..LocalizeOptions::default() };
+    let map = room(0.35, 0.25);
+    let mut robot = Robot::default();
+    robot.odometry.rotation_relative = 0.01;
+    let sweep = &snapping(&map, 100..140, 1)[0];
+    let log = mistaken(&sweep.log, [0.0, 0.0, 0.008]);
+    let answer = localize(&log, &map, &robot, &options, &mut |_| {}).unwrap();
+    let truth = sweep.truth.last().unwrap().map_from_robot;
+    let off =
+        answer.hypotheses.iter().map(|h| h.pose.position().distance(truth.position())).fold(f64::INFINITY, f64::min);
+    let told = answer.odometry.unwrap();
+    println!("{}: {:.2} mm, {told:?}", answer.status, 1e3 * off);
+    assert!(off < 1e-3 && (told.rotation_scale - 1.0 / 1.008).abs() < 3.0 * told.rotation_scale_std);
+    assert!((told.translation_scale - 1.0).abs() < 1e-5 && told.aside.abs() < 1e-5 && told.rotation_scale_std < 3e-3);
+}
+
+#[test]
 fn odometry_that_is_declared_right_is_not_estimated() {
     let options = LocalizeOptions { method: Method::Probabilistic, ..LocalizeOptions::default() };
     let map = room(0.35, 0.25);

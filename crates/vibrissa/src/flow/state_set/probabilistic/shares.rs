@@ -19,9 +19,11 @@ pub(super) struct Shared {
 }
 
 impl Shared {
-    /// With the declared bounds of the odometry.
+    /// With the declared bounds of the odometry; where one is declared right and another is not it is looked for within a hair.
     pub(super) fn new(gain: f64, bounds: &Odometry) -> Self {
-        Self { gain, odometry: stds(bounds) }
+        let own = stds(bounds);
+        let least = if own.iter().any(|&std| std > 0.0) { LEAST } else { 0.0 };
+        Self { gain, odometry: own.map(|std| std.max(least)) }
     }
 
     /// Whether errors of the odometry are looked for.
@@ -36,9 +38,13 @@ pub(crate) fn corrected(step: Pose2, [long, aside, turn]: Shares) -> Pose2 {
     Pose2 { x: place.x, y: place.y, theta: (1.0 + turn) * step.theta }
 }
 
+/// The standard deviation of a share that is not looked for beside others that are: a micrometre in a metre.
+const LEAST: f64 = 1e-6;
+
 /// The largest that each share can be.
 fn largest(bounds: &Odometry) -> Shares {
     [bounds.translation_relative, bounds.translation_relative, bounds.rotation_relative]
+        .map(|most| most.max(5.0 * LEAST))
 }
 
 /// These shares, no larger than errors within the bounds can be.
@@ -63,6 +69,18 @@ const SQRT_3: f64 = 1.732_050_807_568_877_2;
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_is_declared_right_beside_what_is_not_is_looked_for_within_a_hair() {
+        let shared = |place: f64, turn: f64| {
+            Shared::new(0.0, &Odometry { translation_relative: place, rotation_relative: turn })
+        };
+        assert!(!shared(0.0, 0.0).has_odometry());
+        for (one, loose) in [(shared(0.01, 0.0), 0), (shared(0.0, 0.02), 2)] {
+            assert!(one.has_odometry() && one.odometry[loose] > 4e-3);
+            assert!((one.odometry[2 - loose] - LEAST).abs() < 1e-12);
+        }
+    }
 
     #[test]
     fn shares_are_cut_to_what_the_bounds_allow() {
