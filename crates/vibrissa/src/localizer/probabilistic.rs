@@ -235,7 +235,7 @@ impl<'a> ProbabilisticLocalizer<'a> {
         let status = self.verdict(t, &hypotheses, rivals, fit.as_ref());
         let keep = status != Status::Inconsistent;
         let estimate = hypotheses.first().map(|h| h.pose).filter(|_| keep);
-        let odometry = fit.and_then(|fit| fit.shares).map(odometry_estimate);
+        let odometry = places.first().and_then(|place| place.shares).map(odometry_estimate);
         let trajectory = places.first().map_or_else(Vec::new, |place| self.trajectory(place, odometry.as_ref()));
         let states = places.iter().flat_map(|p| p.members.iter().map(|(pose, c)| state_box(*pose, c))).collect();
         Localization {

@@ -51,13 +51,17 @@ impl Response {
         let less = times(&self.by_move, d);
         [0, 1, 2].map(|way| self.here[way] - less[way])
     }
-}
 
-impl Response {
-    /// The covariance of place and shares together, where that of the place is this one.
-    pub(super) fn with_place(&self, place: &Matrix) -> [[f64; 3 + WAYS]; 3 + WAYS] {
+    /// The shares' covariance where the place is not fixed, but has this one.
+    pub(super) fn wherever(&self, place: &Matrix) -> Matrix {
         let mut own = congruent(&self.by_move, place);
         add(&mut own, &self.covariance);
+        own
+    }
+
+    /// The covariance of place and shares together, where that of the place is this one.
+    pub(super) fn with_place(&self, place: &Matrix) -> [[f64; 3 + WAYS]; 3 + WAYS] {
+        let own = self.wherever(place);
         // Columns are ways.
         let mixed = place.map(|row| times(&self.by_move, row).map(|v| -v));
         core::array::from_fn(|i| {
@@ -73,8 +77,7 @@ impl Response {
     /// The shares that the odometry has to be corrected by, each with its standard deviation, where the path has been corrected by these
     /// and the hypothesis' place has this covariance.
     pub(super) fn estimates(&self, at: Shares, place: &Matrix) -> [[f64; 2]; WAYS] {
-        let mut covariance = congruent(&self.by_move, place);
-        add(&mut covariance, &self.covariance);
+        let covariance = self.wherever(place);
         [0, 1, 2].map(|way| [at[way] + self.here[way], covariance[way][way].max(0.0).sqrt()])
     }
 }

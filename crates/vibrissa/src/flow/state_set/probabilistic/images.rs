@@ -4,7 +4,7 @@
 //! one place fitted, its equals are found directly: the frame is moved so that a contact which it has made lies on each
 //! other place of the boundary in turn, at the same angle, and few of the rows tell whether it feels the same there.
 
-use super::bank::{Bank, Field};
+use super::bank::{Bank, Field, LOOSE};
 use super::history::{History, Judge};
 use super::hypothesis::{Hypothesis, Limits, Scene, difference, moved};
 use super::seeds::for_each_place;
@@ -32,8 +32,6 @@ const TEMPERS: [f64; 3] = [3.0, 2.0, 1.5];
 const APART: [f64; 2] = [4e-3, 0.05];
 /// What is no dearer than the best by more than this (nats) is not looked for again.
 const KNOWN: f64 = 2.0;
-/// Inverse variances that keep a step finite (5 mm, 5 degrees).
-const LOOSE: [f64; 3] = [4e4, 4e4, 131.0];
 /// Rows of the first fit, and its rounds.
 const SOME: usize = 48;
 const FIRST_ROUNDS: usize = 4;

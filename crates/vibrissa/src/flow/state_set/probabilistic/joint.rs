@@ -3,15 +3,13 @@
 //! Along a path that is corrected otherwise, a whisker springs elsewhere: the cost over the shares has many minima, more than one step
 //! of all six unknowns sees. Every cost here is that of a path which has been corrected, none is promised by a linearisation.
 
-use super::bank::{Bank, Field, cut};
+use super::bank::{Bank, Field, LOOSE, cut};
 use super::history::{History, Judge};
 use super::hypothesis::{Hypothesis, difference, moved};
-use super::normal::{add, congruent, root};
+use super::normal::root;
 use super::places::covariance;
 use super::shares::{Shares, WAYS, within};
 
-/// Inverse variances that keep a step finite where the readings leave a direction open (5 mm, 5°).
-const LOOSE: [f64; 3] = [4e4, 4e4, 131.0];
 /// Steps from one start; a step that promises less (nats) is not taken, and of one that leads upwards these parts are tried.
 const ROUNDS: usize = 8;
 const SETTLED: f64 = 5e-2;
@@ -69,13 +67,10 @@ impl Bank {
     fn starts(&self, field: &Field<'_>, from: &Joint) -> Vec<Shares> {
         let at = from.history.shares();
         let mut starts = vec![[0.0; WAYS]];
-        if let Some(response) = from.place.drift.response(&from.place.normal, self.shared) {
-            let mut own = congruent(&response.by_move, &covariance(&from.place, self));
-            add(&mut own, &response.covariance);
-            if let Some(root) = root(&own) {
-                let to = |way: usize, by: f64| [0, 1, 2].map(|i: usize| at[i] + by * root[i][way]);
-                starts.extend((0..WAYS).flat_map(|way| STARTS.map(|by| to(way, by))));
-            }
+        let response = from.place.drift.response(&from.place.normal, self.shared);
+        if let Some(root) = response.and_then(|response| root(&response.wherever(&covariance(&from.place, self)))) {
+            let to = |way: usize, by: f64| [0, 1, 2].map(|i: usize| at[i] + by * root[i][way]);
+            starts.extend((0..WAYS).flat_map(|way| STARTS.map(|by| to(way, by))));
         }
         starts.into_iter().map(|shares| within(shares, &field.robot.odometry)).collect()
     }

@@ -4,6 +4,7 @@ mod bank;
 mod clearance;
 mod contact;
 mod drift;
+mod fit;
 mod ground;
 mod history;
 mod hypothesis;
@@ -22,8 +23,9 @@ mod spread;
 mod symmetry;
 mod twins;
 
+pub use fit::Fit;
 pub use history::Sense;
-pub use places::{Fit, Place};
+pub use places::Place;
 pub use set::{Happened, ProbabilisticSet};
 pub(crate) use shares::corrected;
 

@@ -1,13 +1,15 @@
-//! What the hypotheses say at the end: places with weights and extents, and how well the best one fits.
+//! What the hypotheses say at the end: places with weights and extents.
 
 use super::bank::{Bank, Field, OPEN};
-use super::contact::{Solver, State};
+use super::contact::Solver;
+use super::fit::{Fit, fit, fit_by};
 use super::history::{History, Judge};
 use super::hypothesis::{Hypothesis, Scene, difference, moved};
 use super::images::{images, stands};
 use super::normal::{Matrix, Normal, add, congruent, determinant, dot, inverse, times};
 use super::ridge::{Metric, Walker};
 use super::shake::shake;
+use super::shares::WAYS;
 use super::spread::{BOTH, Member, SAMPLES, SAMPLES_WITH_SHARES, Sampled, Spread};
 use crate::plane::Pose2;
 use crate::world::Odometry;
@@ -66,12 +68,6 @@ const THOROUGH_ABOVE: f64 = 0.02;
 const MOST_SAMPLED_TAKES: usize = 600_000;
 /// Readings that the walks along ridges may run, of all places.
 const MOST_WALKED_TAKES: usize = 300_000;
-/// Rows whose mean residual is looked at together, and where single residuals are cut (standard deviations).
-const BLOCK: usize = 8;
-const CUT: f64 = 2.5;
-/// The declared bound of a reading, with a hair for the model (standard deviations of an even law).
-const BOUND: f64 = 1.76;
-
 /// One place that explains the readings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Place {
@@ -87,33 +83,9 @@ pub struct Place {
     pub ridge: Vec<Pose2>,
     /// Share of the rows whose reading breaks its declared bound at the best hypothesis.
     pub broken: f64,
-    /// See [`Fit::shares`]; where they have been sampled around this place.
-    pub shares: Option<[[f64; 2]; 3]>,
-}
-
-/// How well the best hypothesis explains the readings.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Fit {
-    /// Rows with a whisker held by a boundary.
-    pub touching: usize,
-    /// Share of all rows whose reading lies beyond 2.5 standard deviations or is not explained.
-    pub beyond: f64,
-    /// Share of all rows whose reading breaks its declared bound.
-    pub broken: f64,
-    /// Mean square of the residuals within 2.5 standard deviations of rows with a whisker held by a boundary, and what the
-    /// declared odometry errors may have added to it.
-    pub square: f64,
-    /// See `square`.
-    pub odometry: f64,
     /// The shares by which the odometry's increments are too short, go aside (rad) and turn too little, each with its standard
     /// deviation; none where it is declared right.
     pub shares: Option<[[f64; 2]; 3]>,
-    /// Mean square of the residuals' block means, in units of what independent errors give.
-    pub drift: f64,
-    /// The same without the tolerated share of the worst blocks.
-    pub tolerant_drift: f64,
-    /// How many blocks that is of.
-    pub blocks: usize,
 }
 
 /// The pose of the odometry frame that the best hypothesis estimates, the robot's place in which is this one now.
@@ -184,49 +156,31 @@ pub(super) fn choose(bank: &mut Bank, field: &Field<'_>, history: &mut History) 
     let least = bank.hypotheses.iter().map(|h| h.cost(bank.shared)).fold(f64::INFINITY, f64::min);
     bank.hypotheses.retain(|h| h.cost(shared) <= least + TOLD);
     bank.gather(field.turns);
-    let mut fit = bank.hypotheses.first().map(|h| {
-        // Where the two solvers disagree the whisker is about to snap, and one of them has it on another branch for a while.
-        let solvers = [Solver::Exact, Solver::Quick(field.table)].map(|solver| fit(h, bank, field, history, solver));
-        if solvers[1].beyond < solvers[0].beyond { solvers[1] } else { solvers[0] }
-    });
+    let mut fit = bank.hypotheses.first().map(|h| fit(h, bank, field, history));
     let blurred = Scene { blur: true, ..field.scene(history, bank.pivot, Judge::FAIR, bank.shared) };
+    let quick = field.scene(history, bank.pivot, Judge::FAIR, bank.shared);
     let last = history.pose(history.len() - 1);
-    let (mut own, mut with_shares, mut rests) = (Vec::new(), Vec::new(), Vec::new());
+    let bounds = &field.robot.odometry;
+    let mut told = Vec::with_capacity(bank.hypotheses.len());
     for h in &bank.hypotheses {
         let mut again = h.clone();
         again.run(&blurred, h.map_from_odom, bank.used.iter().copied());
-        let arm = h.map_from_odom.transform_point(last.position()) - h.map_from_odom.transform_point(bank.pivot);
-        let (turn, bounds) = (h.map_from_odom.theta, &field.robot.odometry);
-        if let Some(fit) = fit.as_mut().filter(|_| own.is_empty()) {
+        if let Some(fit) = fit.as_mut().filter(|_| told.is_empty()) {
             fit.odometry = again.drift.squares(bounds) / f64::from(fit.touching.max(1) as u32);
-            let response = again.drift.response(&again.normal, bank.shared);
-            fit.shares = response.map(|response| response.estimates(again.drift.at(), &covariance(&again, bank)));
         }
-        own.push(covariance(&again, bank));
+        let arm = h.map_from_odom.transform_point(last.position()) - h.map_from_odom.transform_point(bank.pivot);
+        let (turn, rest) = (h.map_from_odom.theta, rest(bounds, history.len()));
+        let place = covariance(&again, bank);
         let response = again.drift.response(&again.normal, bank.shared);
-        with_shares.push(response.map(|response| response.with_place(&covariance(&again, bank))));
-        let rest = again.drift.covariance(&again.normal, bank.shared, OPEN, turn, arm, &rest(bounds, history.len()));
-        rests.push(rest);
+        told.push(Told {
+            place,
+            with_shares: response.map(|response| response.with_place(&place)),
+            shares: response.map(|response| response.estimates(again.drift.at(), &place)),
+            rest: again.drift.covariance(&again.normal, bank.shared, OPEN, turn, arm, &rest),
+            broken: fit_by(Solver::Quick(field.table), h, bank, field, history).broken,
+        });
     }
-    let quick = field.scene(history, bank.pivot, Judge::FAIR, bank.shared);
-    let broken: Vec<f64> =
-        bank.hypotheses.iter().map(|h| self::fit(h, bank, field, history, Solver::Quick(field.table)).broken).collect();
-    let settled = Settled {
-        field,
-        history,
-        bank,
-        broken: &broken,
-        own: &own,
-        with_shares: &with_shares,
-        rests: &rests,
-        last,
-        least,
-    };
-    let places = settled.places(&quick);
-    if let (Some(fit), Some(shares)) = (&mut fit, places.first().and_then(|place| place.shares)) {
-        fit.shares = Some(shares);
-    }
-    (places, fit)
+    (Settled { field, history, bank, told: &told, last, least }.places(&quick), fit)
 }
 
 /// The best few that stand apart, moved to their least cost over the rows that they have taken.
@@ -252,18 +206,25 @@ pub(super) fn covariance(h: &Hypothesis, bank: &Bank) -> Matrix {
     ])
 }
 
-/// The hypotheses at the end, each with its own covariance.
+/// What a hypothesis says at the end.
+struct Told {
+    /// The covariance of its place, and that of place and shares together where these are looked for.
+    place: Matrix,
+    with_shares: Option<[[f64; BOTH]; BOTH]>,
+    /// The odometry's shares, each with its standard deviation.
+    shares: Option<[[f64; 2]; WAYS]>,
+    /// What errors of the odometry add to its covariance that are not alike for all rows.
+    rest: Matrix,
+    /// Share of the readings that break their bounds.
+    broken: f64,
+}
+
+/// The hypotheses at the end, each with what it says.
 struct Settled<'a> {
     field: &'a Field<'a>,
     history: &'a History,
     bank: &'a Bank,
-    own: &'a [Matrix],
-    /// The same with the odometry's shares, where they are looked for.
-    with_shares: &'a [Option<[[f64; BOTH]; BOTH]>],
-    /// What errors of the odometry add to it that are not alike for all rows.
-    rests: &'a [Matrix],
-    /// Shares of the readings that break their bounds.
-    broken: &'a [f64],
+    told: &'a [Told],
     /// The odometry at the last row.
     last: Pose2,
     /// The least cost of all.
@@ -298,7 +259,7 @@ impl Settled<'_> {
             .map(|(index, (mass, members))| {
                 let near = index < afford.min(MOST_SAMPLED) && *mass > SAMPLED_ABOVE * most;
                 let spread = if near { self.spread(scene, members, *mass > THOROUGH_ABOVE * most) } else { None };
-                let with: Vec<_> = members.iter().map(|&i| (&self.bank.hypotheses[i], &self.own[i])).collect();
+                let with: Vec<_> = members.iter().map(|&i| (&self.bank.hypotheses[i], &self.told[i].place)).collect();
                 let frames = if *mass > SAMPLED_ABOVE * most { walker.ridge(&with) } else { Vec::new() };
                 let ridge: Vec<Pose2> = frames.into_iter().map(|frame| frame.compose(self.last)).collect();
                 Place { ridge, ..self.place(members, *mass, spread) }
@@ -338,7 +299,7 @@ impl Settled<'_> {
             let mut next = 0;
             while next < members.len() {
                 let at = members[next];
-                let near = |&i: &usize| linked(self.bank, self.own, at, i);
+                let near = |&i: &usize| linked(self.bank, self.told, at, i);
                 members.extend(open.iter().copied().filter(near));
                 open.retain(|i| !members.contains(i));
                 next += 1;
@@ -354,7 +315,7 @@ impl Settled<'_> {
             let h = &self.bank.hypotheses[i];
             // Neighbours on a ridge share its length among them.
             let narrow = RIDGE.powi(-2);
-            let mut curvature = inverse(&self.own[i]).unwrap_or_default();
+            let mut curvature = inverse(&self.told[i].place).unwrap_or_default();
             if members.len() > 1 {
                 (0..2).for_each(|k| curvature[k][k] += narrow);
             }
@@ -367,8 +328,8 @@ impl Settled<'_> {
     fn spread(&self, scene: &Scene<'_>, members: &[usize], thorough: bool) -> Option<Spread> {
         let member = |&i: &usize| Member {
             place: &self.bank.hypotheses[i],
-            own: &self.own[i],
-            with_shares: self.with_shares[i].as_ref(),
+            own: &self.told[i].place,
+            with_shares: self.told[i].with_shares.as_ref(),
         };
         let members: Vec<Member<'_>> = members.iter().map(member).collect();
         let sampled = Sampled {
@@ -386,18 +347,18 @@ impl Settled<'_> {
         let first = &self.bank.hypotheses[members[0]];
         let at = |frame: Pose2, own: &Matrix, index: usize| {
             let (pose, mut covariance) = at_robot(frame, self.bank, own, self.last);
-            add(&mut covariance, &self.rests[index]);
+            add(&mut covariance, &self.told[index].rest);
             (pose, covariance)
         };
-        let broken = members.iter().map(|&i| self.broken[i]).fold(1.0, f64::min);
-        let shares = spread.as_ref().and_then(|spread| spread.shares);
+        let broken = members.iter().map(|&i| self.told[i].broken).fold(1.0, f64::min);
+        let shares = spread.as_ref().and_then(|spread| spread.shares).or(self.told[members[0]].shares);
         let (map_from_odom, weight, members) = match spread {
             Some(spread) => {
                 let mean = moved(first.map_from_odom, self.bank.pivot, spread.mean);
                 (mean, spread.mass, vec![at(mean, &spread.covariance, members[0])])
             }
             None => {
-                let linear = members.iter().map(|&i| at(self.bank.hypotheses[i].map_from_odom, &self.own[i], i));
+                let linear = members.iter().map(|&i| at(self.bank.hypotheses[i].map_from_odom, &self.told[i].place, i));
                 (first.map_from_odom, mass, linear.collect())
             }
         };
@@ -406,7 +367,7 @@ impl Settled<'_> {
 }
 
 /// Whether two hypotheses are one place.
-fn linked(bank: &Bank, own: &[Matrix], a: usize, b: usize) -> bool {
+fn linked(bank: &Bank, told: &[Told], a: usize, b: usize) -> bool {
     let d = difference(bank.hypotheses[a].map_from_odom, bank.hypotheses[b].map_from_odom, bank.pivot);
     if d[0].hypot(d[1]) > FARTHEST {
         return false;
@@ -414,8 +375,8 @@ fn linked(bank: &Bank, own: &[Matrix], a: usize, b: usize) -> bool {
     if d[0].hypot(d[1]) < LINK_PLACE && d[2].abs() < LINK_TURN {
         return true;
     }
-    let mut sum = own[a];
-    add(&mut sum, &own[b]);
+    let mut sum = told[a].place;
+    add(&mut sum, &told[b].place);
     inverse(&sum).is_some_and(|i| dot(times(&i, d), d) < LINKED)
 }
 
@@ -432,85 +393,5 @@ fn rest(bounds: &Odometry, rows: usize) -> Odometry {
     Odometry {
         translation_relative: share * bounds.translation_relative,
         rotation_relative: share * bounds.rotation_relative,
-    }
-}
-
-/// Runs the history once more and looks at the residuals.
-fn fit(h: &Hypothesis, bank: &Bank, field: &Field<'_>, history: &History, solver: Solver<'_>) -> Fit {
-    let scene = Scene { solver, ..field.scene(history, bank.pivot, Judge::FAIR, bank.shared) };
-    let mut again = h.clone();
-    let mut fit = Fit::default();
-    let gain = h.gain(bank.shared);
-    let (mut squares, mut within) = (0.0, 0);
-    let (mut sum, mut count, mut beyond, mut broken, mut rows) = (0.0, 0, 0, 0, 0);
-    let mut blocks = Vec::new();
-    again.run(&scene, h.map_from_odom, core::iter::empty());
-    for &row in &bank.used {
-        again.take(&scene, row);
-        for (index, state) in again.states.iter().enumerate() {
-            let held = matches!(state, State::Touching(touch) if touch.q > 0.0);
-            let z = history.readings(row)[index];
-            let sigmas = if held {
-                field.feelers[index].sigmas_without(again.felt[index], gain, z)
-            } else {
-                again.sigmas[index]
-            };
-            rows += 1;
-            beyond += usize::from(sigmas.abs() > CUT);
-            broken += usize::from(again.sigmas[index].abs() > BOUND);
-            if held {
-                fit.touching += 1;
-                sum += sigmas.clamp(-CUT, CUT);
-                if sigmas.abs() <= CUT {
-                    squares += sigmas * sigmas;
-                    within += 1;
-                }
-                count += 1;
-            }
-            if count == BLOCK {
-                blocks.push(sum * sum / BLOCK as f64);
-                (sum, count) = (0.0, 0);
-            }
-        }
-    }
-    let share = |count: u32| f64::from(count) / f64::from(rows.max(1) as u32);
-    (fit.beyond, fit.broken) = (share(beyond as u32), share(broken as u32));
-    fit.square = squares / f64::from(within.max(1));
-    fit.blocks = blocks.len();
-    fit.drift = blocks.iter().sum::<f64>() / blocks.len().max(1) as f64;
-    fit.tolerant_drift = drift(blocks, field.options.tolerated_share);
-    fit
-}
-
-/// The mean of squares without a share of the largest, in units of what squares of a Gaussian give.
-fn drift(mut squares: Vec<f64>, left_out: f64) -> f64 {
-    squares.sort_by(f64::total_cmp);
-    let kept = ((1.0 - left_out) * squares.len() as f64).ceil() as usize;
-    squares.truncate(kept);
-    // Without its largest share f the mean of chi² for one degree of freedom is 1, 0.62, 0.44, 0.26 and 0.14 for f = 0, 0.1,
-    // 0.2, 0.35 and 0.5; this is never less than that by much, and more where it is not near.
-    let fair = (1.0 - left_out).powi(3);
-    squares.iter().sum::<f64>() / (fair * kept.max(1) as f64)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn squares_without_the_largest_are_measured_by_what_a_gaussian_leaves() {
-        // Normal numbers on a grid of Box and Muller's map.
-        let grid = |i: u32| (f64::from(i) + 0.5) / 300.0;
-        let normal = |i: u32, j: u32| (-2.0 * grid(i).ln()).sqrt() * (core::f64::consts::TAU * grid(j)).cos();
-        let squares: Vec<f64> = (0..300).flat_map(|i| (0..300).map(move |j| normal(i, j).powi(2))).collect();
-        assert!((drift(squares.clone(), 0.0) - 1.0).abs() < 0.01);
-        for share in [0.1, 0.15, 0.2, 0.35] {
-            let mean = drift(squares.clone(), share);
-            assert!((0.8..1.03).contains(&mean), "{share}: {mean}");
-        }
-        // A tenth of wild ones does not count, a fifth does.
-        let wild =
-            |every: usize| squares.iter().enumerate().map(|(i, &s)| if i % every == 0 { 50.0 } else { s }).collect();
-        assert!(drift(wild(10), 0.15) < 1.35 && drift(wild(5), 0.15) > 3.0);
     }
 }

@@ -1,10 +1,11 @@
 //! The state set of the probabilistic method, row by row: waiting, pressing, tracking, and starting anew when lost.
 
 use super::bank::{Bank, Field, RESCUED, Search};
+use super::fit::Fit;
 use super::ground::Ground;
 use super::history::{Feeler, History, OUTLIER_COST, Sense};
 use super::images::images;
-use super::places::{self, Fit, Place};
+use super::places::{self, Place};
 use super::seed::Seed;
 use super::shake::shake;
 use super::shares::Shared;
@@ -301,7 +302,7 @@ impl<'a> ProbabilisticSet<'a> {
             bank.expand(turns);
         }
         bank.step(&field, history, CAUGHT_UP);
-        let often = options.window / CORRECTED;
+        let often = (options.window / CORRECTED).max(1);
         let before = *tracked;
         *tracked += bank.next - next;
         if bank.shared.has_odometry() && before / often != *tracked / often {

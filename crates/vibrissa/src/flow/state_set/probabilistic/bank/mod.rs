@@ -28,7 +28,7 @@ use rows::Underway;
 pub(super) use start::Search;
 
 /// Inverse variances that keep a step finite where the readings leave a direction open (5 mm, 5°).
-const LOOSE: [f64; 3] = [4e4, 4e4, 131.0];
+pub(super) const LOOSE: [f64; 3] = [4e4, 4e4, 131.0];
 /// Longest step of one linearisation (m, rad).
 const LONGEST: [f64; 2] = [3e-3, 0.06];
 /// A step longer than this (m, rad) asks for a new linearisation, if it promises so much (nats).
