@@ -2,7 +2,8 @@
 
 use super::bank::{Bank, Field};
 use super::contact::{Solver, State};
-use super::history::{History, Judge};
+use super::feeler::Judge;
+use super::history::History;
 use super::hypothesis::{Hypothesis, Scene};
 
 /// Rows whose mean residual is looked at together, and where single residuals are cut (standard deviations).

@@ -7,8 +7,9 @@
 
 use super::contact::{Forward, Solver, State};
 use super::drift::Drift;
+use super::feeler::{Feeler, Judge};
 use super::ground::Ground;
-use super::history::{Feeler, History, Judge};
+use super::history::History;
 use super::normal::{Line, Matrix, Normal};
 use super::rerun::Rerun;
 use super::shares::{Shared, Shares};

@@ -5,7 +5,8 @@
 //! other place of the boundary in turn, at the same angle, and few of the rows tell whether it feels the same there.
 
 use super::bank::{Bank, Field, LOOSE};
-use super::history::{History, Judge};
+use super::feeler::Judge;
+use super::history::History;
 use super::hypothesis::{Hypothesis, Limits, Scene, difference, moved};
 use super::seeds::for_each_place;
 use crate::plane::{Pose2, Vec2};

@@ -4,7 +4,8 @@
 //! of all six unknowns sees. Every cost here is that of a path which has been corrected, none is promised by a linearisation.
 
 use super::bank::{Bank, Field, LOOSE, cut};
-use super::history::{History, Judge};
+use super::feeler::Judge;
+use super::history::History;
 use super::hypothesis::{Hypothesis, difference, moved};
 use super::normal::root;
 use super::places::covariance;

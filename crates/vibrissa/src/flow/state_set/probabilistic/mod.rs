@@ -4,6 +4,7 @@ mod bank;
 mod clearance;
 mod contact;
 mod drift;
+mod feeler;
 mod fit;
 mod ground;
 mod history;
@@ -23,8 +24,8 @@ mod spread;
 mod symmetry;
 mod twins;
 
+pub use feeler::Sense;
 pub use fit::Fit;
-pub use history::Sense;
 pub use places::Place;
 pub use set::{Happened, ProbabilisticSet};
 pub(crate) use shares::corrected;

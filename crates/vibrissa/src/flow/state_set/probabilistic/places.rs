@@ -2,8 +2,9 @@
 
 use super::bank::{Bank, Field, OPEN};
 use super::contact::Solver;
+use super::feeler::Judge;
 use super::fit::{Fit, fit, fit_by};
-use super::history::{History, Judge};
+use super::history::History;
 use super::hypothesis::{Hypothesis, Scene, difference, moved};
 use super::images::{images, stands};
 use super::normal::{Matrix, Normal, add, congruent, determinant, dot, inverse, times};

@@ -96,8 +96,9 @@ mod tests {
     #![allow(clippy::unwrap_used, reason = "a test that cannot go on must fail")]
 
     use super::super::contact::{Solver, State};
+    use super::super::feeler::{Feeler, Judge, Sense};
     use super::super::ground::Ground;
-    use super::super::history::{Feeler, History, Judge, Sense};
+    use super::super::history::History;
     use super::super::predicted_moments;
     use super::super::shares::Shared;
     use super::*;

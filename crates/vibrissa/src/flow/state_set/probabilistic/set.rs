@@ -1,9 +1,10 @@
 //! The state set of the probabilistic method, row by row: waiting, pressing, tracking, and starting anew when lost.
 
 use super::bank::{Bank, Field, RESCUED, Search};
+use super::feeler::{Feeler, OUTLIER_COST, Sense};
 use super::fit::Fit;
 use super::ground::Ground;
-use super::history::{Feeler, History, OUTLIER_COST, Sense};
+use super::history::History;
 use super::images::images;
 use super::places::{self, Place};
 use super::seed::Seed;

@@ -1,7 +1,8 @@
 //! Looking for a deeper minimum around the best few: on a map of facets the cost has many shallow ones.
 
 use super::bank::{Bank, Field, cut};
-use super::history::{History, Judge};
+use super::feeler::Judge;
+use super::history::History;
 use super::hypothesis::{Hypothesis, Scene, difference, moved};
 use super::places::{LAST_ROUNDS, TOLD, covariance};
 

@@ -4,7 +4,8 @@
 //! that feels the same as the best one they say the same. Whether it does is asked of the whole way: an even share of all rows
 //! is kept, however long the log, and run at both.
 
-use super::super::history::{History, Judge};
+use super::super::feeler::Judge;
+use super::super::history::History;
 use super::super::hypothesis::{Hypothesis, Limits, difference};
 use super::super::images::contacts;
 use super::dropped::alike;

@@ -5,7 +5,8 @@
 //! hypothesis happened to stand best would be told as the only place. Once that one is fitted, it is known where the others
 //! would have had to stand, and those that were dropped there are tried again.
 
-use super::super::history::{History, Judge};
+use super::super::feeler::Judge;
+use super::super::history::History;
 use super::super::hypothesis::{Hypothesis, Limits, difference};
 use super::{Bank, Field, LOOSE, cut, is_stale};
 use crate::plane::{Pose2, Vec2};

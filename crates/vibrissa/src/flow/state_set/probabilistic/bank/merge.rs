@@ -1,7 +1,8 @@
 //! Hypotheses that end at the same place are one.
 
 use super::super::contact::Solver;
-use super::super::history::{History, Judge};
+use super::super::feeler::Judge;
+use super::super::history::History;
 use super::super::hypothesis::{Hypothesis, Scene, difference, moved};
 use super::super::normal::{Matrix, dot, times};
 use super::{Bank, Field, LOOSE, OPEN, cut};

@@ -10,8 +10,9 @@ mod rows;
 mod start;
 
 use super::contact::Solver;
+use super::feeler::{Feeler, Judge};
 use super::ground::Ground;
-use super::history::{Feeler, History, Judge};
+use super::history::History;
 use super::hypothesis::{Hypothesis, Limits, Scene, difference, moved};
 use super::shares::Shared;
 use super::symmetry::Turns;

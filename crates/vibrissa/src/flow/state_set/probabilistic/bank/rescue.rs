@@ -4,7 +4,8 @@
 //! the estimate has crept along a ridge that earlier readings left open, or since a second wall is met by a row of hypotheses
 //! along the first none of which stands near enough, they have to be pulled to the readings before they are given up.
 
-use super::super::history::{History, Judge};
+use super::super::feeler::Judge;
+use super::super::history::History;
 use super::super::hypothesis::{Hypothesis, moved};
 use super::{Bank, Field, LOOSE, PROMISE, RESCUE_ROWS, cut};
 

@@ -3,7 +3,8 @@
 //! Many hypotheses do not take every row, and one that they do take is handed to a share of them at a time, until the next one comes: then
 //! no row costs much more than others.
 
-use super::super::history::{History, Judge};
+use super::super::feeler::Judge;
+use super::super::history::History;
 use super::rescue::RESCUED_A_ROW;
 use super::{Bank, Field, LOOSE, RESCUE_COST, RESCUE_ROWS};
 

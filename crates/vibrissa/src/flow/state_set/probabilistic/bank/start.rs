@@ -1,6 +1,7 @@
 //! The first hypotheses: seeds from a contact, judged by its first rows.
 
-use super::super::history::{History, Judge};
+use super::super::feeler::Judge;
+use super::super::history::History;
 use super::super::hypothesis::{Scene, moved};
 use super::super::seed::Seed;
 use super::super::seeds::{Onset, Seeding};

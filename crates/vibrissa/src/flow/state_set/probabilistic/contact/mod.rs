@@ -16,8 +16,8 @@ mod spring;
 mod system;
 mod tip;
 
+use super::feeler::Sense;
 use super::ground::Ground;
-use super::history::Sense;
 use super::symmetry::Turn;
 use crate::beam::{TipChart, TipModel, TipTable, tip_chart};
 use crate::plane::{Pose2, Vec2, wrap_angle};

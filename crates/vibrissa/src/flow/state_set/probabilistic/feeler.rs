@@ -1,0 +1,274 @@
+//! How a whisker's reading is judged: what of it is read, its noise, and what it costs against a prediction.
+
+use super::contact::Solver;
+use crate::beam::{TipChart, TipModel, TipReading};
+use crate::plane::Pose2;
+use crate::world::{MountedWhisker, ReadingNoise};
+
+/// The most that one reading can speak against a place: a false reading costs this, not more.
+pub(super) const OUTLIER_COST: f64 = 6.0;
+/// What a reading costs while the whisker is in a contact that the model does not cover.
+const UNKNOWN_COST: f64 = 3.0;
+
+/// What of a whisker is read; readings are dimensionless, as [`TipModel`] has them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sense {
+    /// The moment at the base, `M0 L / EI`.
+    Moment,
+    /// The contact force `F L² / EI`, negative when it pushes towards -y.
+    Force,
+    /// The slope at the contact (rad).
+    Slope,
+}
+
+impl Sense {
+    /// The declared bound on its readings (N m, N, rad).
+    pub(crate) fn noise(self, whisker: &MountedWhisker) -> ReadingNoise {
+        match self {
+            Self::Moment => whisker.noise.into(),
+            Self::Force => whisker.force_noise,
+            Self::Slope => whisker.slope_noise,
+        }
+    }
+
+    /// The reading of a whisker with its tip under this load, and its derivatives by force and tilt.
+    pub(super) fn at_tip(self, tip: &TipChart, q: f64, beta: f64) -> (f64, [f64; 2]) {
+        match self {
+            Self::Moment => (tip.moment, [tip.by_force.moment, tip.by_tilt.moment]),
+            Self::Force => {
+                let side = 1.0_f64.copysign(beta.cos());
+                (side * q, [side, 0.0])
+            }
+            Self::Slope => (tip.slope, [tip.by_force.slope, tip.by_tilt.slope]),
+        }
+    }
+
+    /// The reading of a uniform whisker that is touched at the share `s` of its length, normal to it and from the side that
+    /// `beta` says; `tip` is the part up to there at its own scale, under `q`. Derivatives by `q` and `s`.
+    pub(super) fn at_side(self, tip: &TipChart, q: f64, s: f64, beta: f64) -> (f64, [f64; 2]) {
+        match self {
+            Self::Moment => (tip.moment / s, [tip.by_force.moment / s, -tip.moment / (s * s)]),
+            Self::Force => {
+                let per = 1.0_f64.copysign(beta.cos()) / (s * s);
+                (per * q, [per, -2.0 * per * q / s])
+            }
+            Self::Slope => (tip.slope, [tip.by_force.slope, 0.0]),
+        }
+    }
+}
+
+/// One sense of one whisker as the estimator needs it.
+#[derive(Clone, Debug)]
+pub(super) struct Feeler {
+    pub(super) tip: TipModel,
+    pub(super) sense: Sense,
+    pub(super) robot_from_whisker: Pose2,
+    /// Length (m).
+    pub(super) length: f64,
+    /// Dimensionless reading per N m, N or rad.
+    pub(super) per_reading: f64,
+    relative: f64,
+    absolute: f64,
+}
+
+/// How readings are judged.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Judge {
+    /// Standard deviations are enlarged by this.
+    pub(super) temper: f64,
+    /// The most that one reading costs.
+    pub(super) outlier_cost: f64,
+}
+
+impl Judge {
+    /// As declared.
+    pub(super) const FAIR: Self = Self { temper: 1.0, outlier_cost: OUTLIER_COST };
+}
+
+/// A reading against a prediction.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Misfit {
+    /// Cost: minus the logarithm of the likelihood.
+    pub(super) cost: f64,
+    /// Residual (dimensionless moment).
+    pub(super) residual: f64,
+    /// Weight of its square in the normal equations.
+    pub(super) weight: f64,
+    /// The residual in standard deviations.
+    pub(super) sigmas: f64,
+}
+
+impl Feeler {
+    pub(super) fn new(whisker: &MountedWhisker, tip: TipModel, sense: Sense) -> Self {
+        let (length, rigidity) = (whisker.beam.length, tip.rigidity());
+        let noise = sense.noise(whisker);
+        let per_reading = match sense {
+            Sense::Moment => length / rigidity,
+            Sense::Force => length * length / rigidity,
+            Sense::Slope => 1.0,
+        };
+        Self {
+            tip,
+            sense,
+            robot_from_whisker: whisker.robot_from_whisker,
+            length: whisker.beam.length,
+            per_reading,
+            relative: noise.relative,
+            absolute: (noise.absolute * per_reading).max(LEAST_ABSOLUTE),
+        }
+    }
+
+    /// A dimensionless reading as it is measured.
+    pub(super) fn reading(&self, z: f64) -> TipReading {
+        let value = z / self.per_reading;
+        match self.sense {
+            Sense::Moment => TipReading::Moment(value),
+            Sense::Force => TipReading::Force(value),
+            Sense::Slope => TipReading::Slope(value),
+        }
+    }
+
+    /// How its equilibria are solved, if those of a uniform whisker are solved like this.
+    pub(super) fn solver<'a>(&'a self, uniform: Solver<'a>) -> Solver<'a> {
+        if self.tip.is_uniform() { uniform } else { Solver::Table(&self.tip) }
+    }
+
+    /// Whether a reading is more than noise on a free whisker.
+    pub(super) fn is_contact(&self, z: f64) -> bool {
+        z.abs() * (1.0 - self.relative) > self.absolute
+    }
+
+    /// Mean and standard deviation of the readings of a moment: they lie evenly where `|h - z| <= r |z| + a`.
+    pub(super) fn expected(&self, h: f64) -> (f64, f64) {
+        let per = 1.0 / (1.0 - self.relative * self.relative);
+        if h.abs() < self.absolute {
+            return (h, self.absolute * per / SQRT_3);
+        }
+        let mean = (h.abs() + self.relative * self.absolute) * per;
+        (mean.copysign(h), (self.relative * h.abs() + self.absolute) * per / SQRT_3)
+    }
+
+    /// The residual in standard deviations as a logarithm's, for a moment of this sign, above the absolute error.
+    ///
+    /// Errors grow with the moment, so that in plain residuals a larger moment explains all readings better, all the more
+    /// where a shared gain makes up for it. The ratio of the bound's width at the reading to that at the moment lies evenly
+    /// between `1 - r` and `1 + r` whatever the moment, so its logarithm has the same law everywhere; its mean is taken
+    /// off, and what is far below is continued in a straight line.
+    fn evened(&self, sigmas: f64, sign: f64) -> f64 {
+        let r = self.relative;
+        if r < LEAST_RELATIVE {
+            return sigmas;
+        }
+        let ratio = 1.0 - r * sign * sigmas / SQRT_3;
+        let log = if ratio > 0.5 { ratio.ln() } else { 0.5_f64.ln() + 2.0 * ratio - 1.0 };
+        let mean = ((1.0 + r) * r.ln_1p() - (1.0 - r) * (-r).ln_1p()) / (2.0 * r) - 1.0;
+        sign * SQRT_3 / r * (mean - log)
+    }
+
+    /// Standard deviation of the relative error that all readings share, where nothing is said: a quarter of the bound.
+    pub(super) fn shared_share(&self) -> f64 {
+        0.25 * self.relative
+    }
+
+    /// The residual of a reading in standard deviations, once a shared relative error has been taken out.
+    pub(super) fn sigmas_without(&self, h: f64, gain: f64, z: f64) -> f64 {
+        let (mean, std) = self.expected(h);
+        (mean + gain * h - z) / std
+    }
+
+    /// A reading against a moment; `pressed` where the whisker is held by
+    /// a boundary, `glued` where it almost is and `h` is what a pull would make.
+    pub(super) fn misfit(&self, h: f64, z: f64, pressed: bool, glued: bool, judge: Judge) -> Misfit {
+        let wanted = glued && self.is_contact(z);
+        let (mean, std) = if pressed {
+            self.expected(h)
+        } else if wanted {
+            (h, self.expected(z).1)
+        } else {
+            (0.0, self.expected(0.0).1)
+        };
+        let sigmas = (mean - z) / std;
+        let even = if pressed && h.abs() >= self.absolute { self.evened(sigmas, h.signum()) } else { sigmas };
+        let std = std * judge.temper;
+        let residual = even * std / judge.temper;
+        let sigmas = sigmas / judge.temper;
+        let (cost, trust) = robust(even / judge.temper, judge.outlier_cost);
+        let weight = if pressed || wanted { trust / (std * std) } else { 0.0 };
+        Misfit { cost, residual, weight, sigmas }
+    }
+
+    /// The cost of a reading that the model cannot predict.
+    pub(super) fn unknown() -> Misfit {
+        Misfit { cost: UNKNOWN_COST, sigmas: f64::INFINITY, ..Misfit::default() }
+    }
+}
+
+const SQRT_3: f64 = 1.732_050_807_568_877_2;
+/// Readings are never taken to be more exact than this (dimensionless moment): a tip known to about a micrometre.
+const LEAST_ABSOLUTE: f64 = 2e-5;
+
+/// Below this relative bound residuals are taken plain: the logarithm's are the same, but for rounding.
+const LEAST_RELATIVE: f64 = 1e-5;
+
+/// Cost and weight of a residual in standard deviations: Gaussian with a floor for false readings.
+fn robust(sigmas: f64, outlier_cost: f64) -> (f64, f64) {
+    if outlier_cost.is_infinite() {
+        return (0.5 * sigmas * sigmas, 1.0);
+    }
+    let kernel = (-0.5 * sigmas * sigmas).exp();
+    let floor = (-outlier_cost).exp();
+    (-((kernel + floor) / (1.0 + floor)).ln(), kernel / (kernel + floor))
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    #![allow(clippy::unwrap_used, reason = "a test that cannot go on must fail")]
+
+    use super::*;
+    use crate::beam::Whisker;
+
+    /// The paper's whisker with this noise, read in its own units.
+    pub(in super::super) fn feeler(relative: f64, absolute: f64) -> Feeler {
+        let tip = TipModel::new(&Whisker::default()).unwrap();
+        let sense = Sense::Moment;
+        Feeler { tip, sense, robot_from_whisker: Pose2::IDENTITY, length: 0.075, per_reading: 1.0, relative, absolute }
+    }
+
+    /// The readings that the declared bound allows, evenly: from `|h - z| <= r |z| + a` by hand, for `z` of `h`'s sign.
+    fn readings(h: f64, r: f64, a: f64) -> impl Iterator<Item = f64> {
+        let (low, high) = ((h.abs() - a) / (1.0 + r), (h.abs() + a) / (1.0 - r));
+        (0..2000).map(move |i| (low + (f64::from(i) + 0.5) / 2000.0 * (high - low)).copysign(h))
+    }
+
+    #[test]
+    fn residuals_have_one_law_whatever_the_moment() {
+        for (r, a) in [(0.05, 1e-3), (0.2, 1e-4), (1e-3, 2e-2), (0.0, 1e-2), (0.4, 0.0)] {
+            for h in [0.03, -0.3, 2.5] {
+                let feeler = feeler(r, a);
+                let all: Vec<Misfit> =
+                    readings(h, r, a).map(|z| feeler.misfit(h, z, true, true, Judge::FAIR)).collect();
+                let std = feeler.expected(h).1;
+                let mean = all.iter().map(|m| m.residual / std).sum::<f64>() / all.len() as f64;
+                let square = all.iter().map(|m| (m.residual / std).powi(2)).sum::<f64>() / all.len() as f64;
+                assert!(mean.abs() < 1e-3, "{r} {a} {h}: {mean}");
+                assert!((square - 1.0).abs() < 1e-3 + r * r, "{r} {a} {h}: {square}");
+            }
+        }
+    }
+
+    #[test]
+    fn moments_that_are_all_too_large_explain_no_better() {
+        // With relative errors alone, moments and readings that are larger by the same share cost the same: nothing is won
+        // by scaling both, as a shared gain does. Moments that are too large and too small by as much cost alike.
+        let feeler = feeler(0.05, 1e-9);
+        let cost = |h: f64, scale: f64| {
+            readings(h, 0.05, 0.0).map(|z| feeler.misfit(h * scale, z, true, true, Judge::FAIR).cost).sum::<f64>()
+                / 2000.0
+        };
+        for h in [0.1, -1.0] {
+            assert!((cost(h, 1.0) - cost(2.0 * h, 1.0)).abs() < 1e-6);
+            let (more, less) = (cost(h, 1.02), cost(h, 1.0 / 1.02));
+            assert!(more > cost(h, 1.0) + 0.1 && (more - less).abs() < 0.02, "{more} {less}");
+        }
+    }
+}
