@@ -267,7 +267,7 @@ impl<'a> ProbabilisticLocalizer<'a> {
             self.events.push(Event { t, kind: "too_short", detail: detail.to_owned() });
             return Status::Ambiguous;
         };
-        if let Some(detail) = fit.and_then(|fit| misfit(fit, self.tolerated_share)) {
+        if let Some(detail) = fit.and_then(|fit| misfit(fit, fit.odometry, self.tolerated_share)) {
             self.events.push(Event { t, kind: "inconsistent", detail });
             return Status::Inconsistent;
         }
@@ -275,9 +275,12 @@ impl<'a> ProbabilisticLocalizer<'a> {
         if self.lost > 0 && !(rivals == 1 && fit.is_some_and(|f| f.touching >= RECOVERED)) {
             return Status::Inconsistent;
         }
-        // A place that leaves as much unexplained as side contact may can be wrong: it is told, but not believed alone.
-        if let Some(detail) = fit.and_then(|fit| misfit(fit, 0.0)) {
-            let detail = format!("told all the same, since side contact or a snap may be why: {detail}");
+        // A place that leaves as much unexplained as side contact may, or odometry whose error changes on the way, can be wrong: it is
+        // told, but not believed alone. Errors that are independent of each other average out.
+        let independent = |fit: &Fit| fit.odometry / f64::from(fit.touching.max(1) as u32);
+        if let Some(detail) = fit.and_then(|fit| misfit(fit, independent(fit), 0.0)) {
+            let detail =
+                format!("told all the same, since side contact, a snap or slip on the way may be why: {detail}");
             self.events.push(Event { t, kind: "tolerated", detail });
             return Status::Ambiguous;
         }
@@ -356,8 +359,9 @@ const LAST_EVENTS: usize = 100;
 /// Rows of contact that a set which was lost has to explain anew.
 const RECOVERED: usize = 150;
 
-/// Why the readings speak against the best place, if they do even when a share of them is tolerated.
-fn misfit(fit: &Fit, tolerated_share: f64) -> Option<String> {
+/// Why the readings speak against the best place, if they do even when a share of them is tolerated and the odometry has added so much to
+/// their mean square.
+fn misfit(fit: &Fit, odometry: f64, tolerated_share: f64) -> Option<String> {
     if fit.beyond > FALSE_SHARE + tolerated_share {
         return Some(format!(
             "{:.0} % of the readings lie beyond their declared noise even at the best place; is it the right map, and \
@@ -365,7 +369,7 @@ fn misfit(fit: &Fit, tolerated_share: f64) -> Option<String> {
             100.0 * fit.beyond
         ));
     }
-    let most = 1.0 + fit.odometry + MOST_SQUARE / f64::from(fit.touching.max(1) as u32).sqrt();
+    let most = 1.0 + odometry + MOST_SQUARE / f64::from(fit.touching.max(1) as u32).sqrt();
     if fit.square > most {
         return Some(format!(
             "the readings scatter {:.2} times as far from the best place as their declared noise does; is it the right map, \
@@ -373,7 +377,7 @@ fn misfit(fit: &Fit, tolerated_share: f64) -> Option<String> {
             fit.square.sqrt()
         ));
     }
-    let most = 1.0 + 8.0 * fit.odometry + MOST_DRIFT * (2.0 / fit.blocks.max(1) as f64).sqrt();
+    let most = 1.0 + 8.0 * odometry + MOST_DRIFT * (2.0 / fit.blocks.max(1) as f64).sqrt();
     let drift = if tolerated_share > 0.0 { fit.tolerant_drift } else { fit.drift };
     (fit.blocks >= FEWEST_BLOCKS && drift > most).then(|| {
         format!(

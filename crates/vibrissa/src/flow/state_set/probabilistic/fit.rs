@@ -6,6 +6,10 @@ use super::feeler::Judge;
 use super::history::History;
 use super::hypothesis::{Hypothesis, Scene};
 
+/// Fewest blocks that speak about drift, and the mean square of their means (1 for independent errors) that chance explains, in
+/// standard deviations of that mean.
+const FEWEST_BLOCKS: usize = 6;
+const MOST_DRIFT: f64 = 4.0;
 /// Rows whose mean residual is looked at together, and where single residuals are cut (standard deviations).
 const BLOCK: usize = 8;
 const CUT: f64 = 2.5;
@@ -32,6 +36,14 @@ pub struct Fit {
     pub tolerant_drift: f64,
     /// How many blocks that is of.
     pub blocks: usize,
+}
+
+impl Fit {
+    /// Whether the residuals stray on the same side for longer than independent errors do.
+    #[must_use]
+    pub fn strays(&self) -> bool {
+        self.blocks >= FEWEST_BLOCKS && self.drift > 1.0 + MOST_DRIFT * (2.0 / self.blocks as f64).sqrt()
+    }
 }
 
 /// By the solver that leaves fewer readings unexplained: where the two disagree the whisker is about to snap, and one of them has it on

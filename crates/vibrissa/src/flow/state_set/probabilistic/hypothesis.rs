@@ -276,6 +276,19 @@ impl Hypothesis {
         self.age = 0;
     }
 
+    /// The same moved by `d` at the row that it has come to, with its whiskers taken along.
+    pub(super) fn shifted(&self, scene: &Scene<'_>, d: [f64; 3]) -> Self {
+        let mut there = self.clone();
+        let frame = moved(self.map_from_odom, scene.pivot, d);
+        for (index, (state, feeler)) in there.states.iter_mut().zip(scene.feelers).enumerate() {
+            let base = scene.history.base(self.row, index);
+            scene.forward(feeler).advance(state, self.map_from_odom.compose(base), frame.compose(base), false);
+        }
+        (there.map_from_odom, there.turned) = (frame, frame.theta.sin_cos());
+        (there.normal, there.drift) = (self.normal.moved(d), self.drift.moved(d));
+        there
+    }
+
     /// Puts the odometry frame to `map_from_odom` and goes back to the first row, before any reading.
     fn restart(&mut self, scene: &Scene<'_>, map_from_odom: Pose2) {
         let first = scene.history.pose(self.start_row);
@@ -371,9 +384,10 @@ impl Hypothesis {
         rows.iter().map(&mut after).collect()
     }
 
-    /// Keeps what the readings promise now.
+    /// Keeps what the readings promise now; one that waits has not taken all of them, and costs what it is taken to.
     pub(super) fn look(&mut self, damping: [f64; 3], shared: Shared) {
-        self.promise = self.best(damping, shared);
+        let (cost, d) = self.best(damping, shared);
+        self.promise = (if self.waits { self.promise.0 } else { cost }, d);
     }
 
     /// What it will cost once it is moved to its best place, as far as is known.

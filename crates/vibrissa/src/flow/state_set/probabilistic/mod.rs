@@ -20,6 +20,7 @@ mod seeds;
 mod set;
 mod shake;
 mod shares;
+mod slide;
 mod spread;
 mod symmetry;
 mod twins;

@@ -3,6 +3,7 @@
 //! That is what costs most once hypotheses are tracked: a window of a thousand rows takes some milliseconds. So it takes as many
 //! rows as it must, and what has been run so far waits in the hypothesis.
 
+use super::bank::{LOOSE, cut};
 use super::hypothesis::{Hypothesis, LOOKED_AT, Limits, Scene, moved};
 
 /// The parts of a step that are tried, and by how much each may make things worse (nats).
@@ -12,6 +13,15 @@ const WORSE: f64 = 0.5;
 /// what it costs by then (nats).
 const LOOKED_AT_AGAIN: usize = 16;
 const EXPLAINED: f64 = 3.0;
+/// So often a run that exceeds its limits begins anew from where the rows that it has come through lead, as long as it comes further every
+/// time.
+const LED: usize = 4;
+/// What one that has been slid costs must be below its limits by this share of what it may cost more than usual.
+const SPARE: f64 = 0.5;
+/// It is slid by what the last rows say, of which there are at least so many, and only where it exceeds its limits no more than so many
+/// rows before it was given up: before, a corner is not why.
+const LOOKED_BACK: usize = 8;
+const GIVEN_UP: usize = 32;
 
 /// A hypothesis on its way through the rows that are used, a step or a part of it from where it is linearised.
 #[derive(Clone, Debug)]
@@ -22,6 +32,20 @@ pub(super) struct Rerun {
     part: usize,
     /// How many of the used rows it has taken.
     done: usize,
+    /// How often it has been moved on, and how many rows it had come through then.
+    led: usize,
+    reached: usize,
+    /// As it was some rows ago, and some more, each with how many rows it had taken.
+    before: [Option<(Box<Hypothesis>, usize)>; 2],
+}
+
+/// How far a run goes before it is looked at, how often it is led on from where it exceeds its limits, and whether it is slid then: to what
+/// is below them by so much (nats).
+#[derive(Clone, Copy)]
+struct Lead {
+    every: usize,
+    times: usize,
+    spare: Option<f64>,
 }
 
 impl Hypothesis {
@@ -36,7 +60,22 @@ impl Hypothesis {
         work: &mut usize,
     ) -> Option<bool> {
         let exceeds = |cost: f64, done: usize| cost > most.usual[done - 1] + most.more;
-        self.run_again(scene, d, rows, LOOKED_AT, &exceeds, work)
+        self.run_again(scene, d, rows, Lead { every: LOOKED_AT, times: LED, spare: None }, &exceeds, work)
+    }
+
+    /// Linearises one that was given up anew a step `d` away, slid to where it meets corners in time, with no more than this much work
+    /// (readings); whether it is below these limits, once that is known.
+    pub(super) fn regain(
+        &mut self,
+        scene: &Scene<'_>,
+        d: [f64; 3],
+        rows: &[usize],
+        most: Limits<'_>,
+        work: &mut usize,
+    ) -> Option<bool> {
+        let exceeds = |cost: f64, done: usize| cost > most.usual[done - 1] + most.more;
+        let lead = Lead { every: LOOKED_AT, times: LED, spare: Some(SPARE * most.more) };
+        self.run_again(scene, d, rows, lead, &exceeds, work)
     }
 
     /// Linearises anew a step `d` away, or a part of it where the whole makes things worse, with no more than this much work
@@ -45,7 +84,8 @@ impl Hypothesis {
         let most = self.cost(scene.shared) + WORSE;
         // Costs only add up, but for what a shared error explains away later.
         let exceeds = |cost: f64, done: usize| cost > most + if done < rows.len() { EXPLAINED } else { 0.0 };
-        self.run_again(scene, d, rows, LOOKED_AT_AGAIN, &exceeds, work).is_some()
+        let lead = Lead { every: LOOKED_AT_AGAIN, times: 0, spare: None };
+        self.run_again(scene, d, rows, lead, &exceeds, work).is_some()
     }
 
     /// Goes on with a run through these rows until it is finished or the work is done; it takes the hypothesis' place unless it exceeds
@@ -55,7 +95,7 @@ impl Hypothesis {
         scene: &Scene<'_>,
         d: [f64; 3],
         rows: &[usize],
-        every: usize,
+        lead: Lead,
         exceeds: &dyn Fn(f64, usize) -> bool,
         work: &mut usize,
     ) -> Option<bool> {
@@ -65,12 +105,19 @@ impl Hypothesis {
                 self.rerun = Some(run);
                 return None;
             }
-            let some = &rows[run.done..rows.len().min(run.done + every)];
+            let some = &rows[run.done..rows.len().min(run.done + lead.every)];
+            if lead.spare.is_some() {
+                run.look_back();
+            }
             some.iter().for_each(|&row| run.next.take(scene, row));
             run.done += some.len();
             *work = work.saturating_sub(some.len());
             if exceeds(run.next.cost(scene.shared), run.done) {
-                if run.part + 1 == SHARES.len() {
+                if let Some(led) = run.led_on(scene, rows, self.row, lead, exceeds, work) {
+                    *run = led;
+                    continue;
+                }
+                if run.led > 0 || run.part + 1 == SHARES.len() {
                     self.age = 0;
                     return Some(false);
                 }
@@ -87,7 +134,43 @@ impl Hypothesis {
         let mut next = self.clone();
         let to = moved(self.map_from_odom, scene.pivot, step.map(|v| SHARES[part] * v));
         next.run(scene, to, core::iter::empty());
-        Rerun { next, step, part, done: 0 }
+        Rerun { next, step, part, done: 0, led: 0, reached: 0, before: [None, None] }
+    }
+}
+
+impl Rerun {
+    /// Keeps what it is now, every so many rows.
+    fn look_back(&mut self) {
+        if self.before[1].as_ref().is_none_or(|(_, then)| self.done >= then + LOOKED_BACK) {
+            self.before.swap(0, 1);
+            self.before[1] = Some((Box::new(self.next.clone()), self.done));
+        }
+    }
+
+    /// A run from where the rows that it has come through lead, or from where the last of them are explained best, if that is within the
+    /// limits; the hypothesis had come to the row `last`.
+    fn led_on(
+        &self,
+        scene: &Scene<'_>,
+        rows: &[usize],
+        last: usize,
+        lead: Lead,
+        exceeds: &dyn Fn(f64, usize) -> bool,
+        work: &mut usize,
+    ) -> Option<Self> {
+        if self.led >= lead.times || self.done <= self.reached {
+            return None;
+        }
+        let from = |d: [f64; 3]| Self { led: self.led + 1, reached: self.done, ..self.next.begin(scene, d, 0) };
+        // A step from an old linearisation goes only part of the way.
+        let (promise, d) = self.next.best(LOOSE, scene.shared);
+        if !exceeds(promise, self.done) {
+            return Some(from(cut(d)));
+        }
+        let spare = lead.spare.filter(|_| self.done + GIVEN_UP > rows.partition_point(|&row| row <= last))?;
+        let (before, then) = self.before[0].as_ref()?;
+        let (d, cost) = before.best_slide(scene, &rows[*then..self.done], work)?;
+        (!exceeds(cost + spare, self.done)).then(|| from(d))
     }
 }
 
@@ -105,8 +188,6 @@ mod tests {
     use crate::beam::{TipModel, TipTable, Whisker};
     use crate::plane::{Curve, Pose2, Vec2};
     use crate::world::{Boundary, Map, Robot, Role};
-
-    const LOOSE: [f64; 3] = [4e4, 4e4, 131.0];
 
     /// Calls this with a scene, its rows, and a hypothesis that is 0.4 mm from where they were felt.
     fn near_the_truth(then: impl Fn(&Scene<'_>, &[usize], Hypothesis)) {

@@ -350,10 +350,24 @@ impl<'a> ProbabilisticSet<'a> {
             self.costs.drain(..stale);
             let most = self.costs[0] + LOST_COST * WATCHED as f64 + OUTLIER_COST * tolerated as f64;
             let mut now = bank.least();
+            if now > most && bank.shared.has_odometry() {
+                // Along a wrong path the true place explains the readings no better than others.
+                bank.complete(&field, history);
+                for _ in 0..2 * CORRECTIONS {
+                    if !(bank.correct_odometry(&field, history) && bank.settle_few(&field, history)) {
+                        break;
+                    }
+                }
+                now = bank.least();
+            }
             if now > most {
                 bank.complete(&field, history);
                 bank.hypotheses.iter_mut().for_each(|h| h.rests = 0);
                 bank.rescue(&field, history, RESCUED);
+                now = bank.least();
+            }
+            if now > most {
+                bank.regain_any(&field, history);
                 now = bank.least();
             }
             if now > most {
@@ -444,7 +458,11 @@ impl<'a> ProbabilisticSet<'a> {
         }
         let equals = bank.congruent(&field, history);
         bank.hypotheses.extend(equals);
-        let (mut places, fit) = places::choose(bank, &field, history);
+        let (mut places, mut fit) = places::choose(bank, &field, history);
+        // Another place may explain what this one does not, along another path.
+        if fit.is_some_and(|fit| fit.strays()) && bank.regain_any(&field, history) {
+            (places, fit) = places::choose(bank, &field, history);
+        }
         let corrected = history.corrected_from_raw();
         places.iter_mut().for_each(|place| place.map_from_odom = place.map_from_odom.compose(corrected));
         (places, fit)

@@ -6,7 +6,7 @@
 
 use super::hypothesis::{Hypothesis, Limits, Scene, difference, moved};
 use super::normal::{Matrix, determinant, inverse, root};
-use super::shares::{Shares, WAYS, is_within};
+use super::shares::{Shared, Shares, WAYS, is_within};
 use crate::plane::Pose2;
 use crate::world::Odometry;
 
@@ -129,10 +129,10 @@ impl Sampled<'_> {
     pub(super) fn spread(&self, members: &[Member<'_>]) -> Option<Spread> {
         let first = members.first()?;
         let to = |h: &Hypothesis| difference(first.place.map_from_odom, h.map_from_odom, self.scene.pivot);
-        let usual = first.place.costs(self.scene, self.rows);
         if first.with_shares.is_some() {
-            return self.spread_with_shares(members, &usual);
+            return self.spread_with_shares(members);
         }
+        let usual = first.place.costs(self.scene, self.rows);
         let centres: Vec<_> =
             members.iter().take(MOST_CENTRES).filter_map(|m| Centre::new(to(m.place), m.own)).collect();
         let cost = |d: [f64; 3]| self.cost(self.scene, first.place, d, &usual);
@@ -152,9 +152,12 @@ impl Sampled<'_> {
     }
 
     /// The same of place and shares together: every sample has its own path.
-    fn spread_with_shares(&self, members: &[Member<'_>], usual: &[f64]) -> Option<Spread> {
+    fn spread_with_shares(&self, members: &[Member<'_>]) -> Option<Spread> {
         let shared = self.scene.shared;
         let (first, own) = (members.first()?.place, members.first()?.with_shares?);
+        // What a sample costs along its own path does not depend on what other shares would do to it.
+        let given = Shared { odometry: [0.0; WAYS], ..shared };
+        let usual = first.costs(&Scene { shared: given, ..*self.scene }, self.rows);
         let prior = |shares: Shares| {
             let one = |way: usize| 0.5 * (shares[way] / shared.odometry[way]).powi(2) + shared.odometry[way].ln();
             (0..WAYS).map(one).sum::<f64>()
@@ -171,8 +174,8 @@ impl Sampled<'_> {
             is_within(shares, self.bounds).then_some(())?;
             let mut history = self.scene.history.clone();
             history.correct(shares);
-            let scene = Scene { history: &history, ..*self.scene };
-            Some(self.cost(&scene, first, d, usual)? + prior(shares))
+            let scene = Scene { history: &history, shared: given, ..*self.scene };
+            Some(self.cost(&scene, first, d, &usual)? + prior(shares))
         };
         let told = |drawn: &[([f64; BOTH], Option<f64>)]| {
             let of = |point: [f64; BOTH]| {

@@ -51,6 +51,11 @@ impl Bank {
         let closed = Scene { solver: Solver::Exact, ..field.scene(history, self.pivot, Judge::FAIR, self.shared) };
         for (index, h) in self.hypotheses.iter_mut().enumerate() {
             let (scene, settled) = if index < exact { (&closed, SETTLED_EXACTLY) } else { (&quick, SETTLED) };
+            if h.waits {
+                // What it costs says nothing until it has taken all rows.
+                let to = moved(h.map_from_odom, self.pivot, cut(h.promise.1));
+                h.run(scene, to, self.used.iter().copied());
+            }
             let mut kept: Option<Hypothesis> = None;
             for _ in 0..rounds {
                 let from = kept.as_ref().unwrap_or(h);

@@ -5,7 +5,7 @@
 //! staying where it is.
 
 use super::super::history::History;
-use super::super::shares::within;
+use super::super::shares::{WAYS, within};
 use super::{Bank, Field, LOOSE, cut};
 
 /// With more hypotheses than this they are not run anew, but told around the new path to first order.
@@ -55,9 +55,31 @@ impl Bank {
                 }
                 self.find_usual(field, history);
             }
+            self.dropped.all().for_each(|h| {
+                h.correct(&way, ends, self.pivot, shares);
+                h.look(LOOSE, self.shared);
+            });
             return true;
         }
         history.correct(now);
         false
+    }
+
+    /// Goes back to the path as the odometry has it: it may have been corrected by what a wrong place says.
+    pub(super) fn forget_corrections(&mut self, field: &Field<'_>, history: &mut History) {
+        let (shares, way) = ([0.0; WAYS], history.way());
+        if history.shares() == shares {
+            return;
+        }
+        let ends = [history.pose(0), history.pose(history.len() - 1)];
+        history.correct(shares);
+        for h in self.hypotheses.iter_mut().chain(self.dropped.all()) {
+            h.correct(&way, ends, self.pivot, shares);
+            h.look(LOOSE, self.shared);
+        }
+        if self.hypotheses.len() <= FEW {
+            self.rerun(field, history, 0..self.hypotheses.len());
+        }
+        self.find_usual(field, history);
     }
 }
