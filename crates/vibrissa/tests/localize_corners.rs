@@ -77,6 +77,61 @@ fn a_robot_that_goes_around_corners_is_told_where_it_is() {
     }
 }
 
+/// A room of straight walls of 0.5 to 1.2 m in the shape of an L, with a post of three corners.
+fn long_room() -> Map {
+    let walls = [(0.0, 0.0), (1.2, 0.0), (1.2, 0.5), (0.6, 0.5), (0.6, 1.1), (0.0, 1.1)];
+    let post = [(0.15, 0.2), (0.27, 0.24), (0.22, 0.34)];
+    let outline = |role: Role, corners: &[(f64, f64)]| {
+        let corners: Vec<Vec2> = corners.iter().map(|&(x, y)| Vec2::new(x, y)).collect();
+        Boundary::new(role, Curve::polyline(&corners, true).unwrap(), None).unwrap()
+    };
+    Map::new(vec![outline(Role::Arena, &walls), outline(Role::Obstacle, &post)]).unwrap()
+}
+
+/// A room in the shape of a star, no two of whose fourteen corners are alike.
+fn star() -> Map {
+    let corner = |k: u32| {
+        let n = f64::from(k);
+        let radius = if k % 2 == 1 { 0.55 } else { 0.33 } * (1.0 + 0.12 * (2.3 * n).sin());
+        Vec2::from_angle(n * core::f64::consts::PI / 7.0 + 0.1 * (1.7 * n).cos()) * radius
+    };
+    let corners: Vec<Vec2> = (0..14).map(corner).collect();
+    Map::new(vec![Boundary::new(Role::Arena, Curve::polyline(&corners, true).unwrap(), None).unwrap()]).unwrap()
+}
+
+#[test]
+fn of_long_straight_walls_the_true_one_outlives_its_corner() {
+    // Along these walls hypotheses stand millimetres apart when the corner comes, which one at another corner meets better by chance.
+    let options = LocalizeOptions { method: Method::Probabilistic, ..LocalizeOptions::default() };
+    for (map, seed) in [(long_room(), 10), (star(), 147), (star(), 21)] {
+        let sweep = long_sweep(&map, seed).unwrap();
+        let answer = localize(&sweep.log, &map, &Robot::default(), &options, &mut |_| {}).unwrap();
+        let truth = sweep.truth.last().unwrap().map_from_robot;
+        println!("{} rows, {} snaps: {}", sweep.truth.len(), snaps(&sweep), answer.status);
+        assert_eq!(answer.status, Status::Localized, "{:?}", answer.events.last());
+        let off = answer.hypotheses[0].pose.position().distance(truth.position());
+        assert!(off < 2e-4, "{:.2} mm", 1e3 * off);
+    }
+}
+
+#[test]
+fn along_long_straight_walls_odometry_that_is_wrong_is_found_out() {
+    let options = LocalizeOptions { method: Method::Probabilistic, ..LocalizeOptions::default() };
+    let mut robot = Robot::default();
+    (robot.odometry.translation_relative, robot.odometry.rotation_relative) = (0.01, 0.01);
+    for (map, seed) in [(long_room(), 10), (star(), 147)] {
+        let sweep = long_sweep(&map, seed).unwrap();
+        let log = mistaken(&sweep.log, [0.009, 0.0, 0.009]);
+        let answer = localize(&log, &map, &robot, &options, &mut |_| {}).unwrap();
+        let truth = sweep.truth.last().unwrap().map_from_robot;
+        let off = answer.hypotheses.iter().map(|h| h.pose.position().distance(truth.position()));
+        let off = off.fold(f64::INFINITY, f64::min);
+        println!("{} rows: {}, {:.2} mm, {:?}", log.rows.len(), answer.status, 1e3 * off, answer.odometry);
+        assert!(matches!(answer.status, Status::Localized | Status::Ambiguous), "{:?}", answer.events.last());
+        assert!(off < 1.5e-3, "{:.2} mm", 1e3 * off);
+    }
+}
+
 #[test]
 fn odometry_that_is_wrong_by_a_share_is_found_out() {
     let options = LocalizeOptions { method: Method::Probabilistic, ..LocalizeOptions::default() };

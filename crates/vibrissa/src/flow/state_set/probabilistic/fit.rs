@@ -40,8 +40,7 @@ pub struct Fit {
 
 impl Fit {
     /// Whether the residuals stray on the same side for longer than independent errors do.
-    #[must_use]
-    pub fn strays(&self) -> bool {
+    pub(super) fn strays(&self) -> bool {
         self.blocks >= FEWEST_BLOCKS && self.drift > 1.0 + MOST_DRIFT * (2.0 / self.blocks as f64).sqrt()
     }
 }

@@ -146,7 +146,10 @@ fn fitted(
     rows: &[usize],
     found: Vec<Hypothesis>,
 ) -> Vec<Hypothesis> {
+    let fair = field.scene(history, bank.pivot, Judge::FAIR, bank.shared);
+    let some = bank.used.len().div_ceil(SOME).max(1);
     let mut few = bank.beside(found, rows.to_vec());
+    let found: Vec<Pose2> = few.hypotheses.iter().map(|h| h.map_from_odom).collect();
     for temper in TEMPERS {
         let judge = Judge { temper, outlier_cost: f64::INFINITY };
         let scene = field.scene(history, bank.pivot, judge, bank.shared);
@@ -156,9 +159,16 @@ fn fitted(
             h.map_from_odom = moved(h.map_from_odom, bank.pivot, super::bank::cut(d));
         }
     }
-    let fair = field.scene(history, bank.pivot, Judge::FAIR, bank.shared);
+    for (h, found) in few.hypotheses.iter_mut().zip(found) {
+        // One that was right where it was found may have been led away.
+        let mut stayed = h.clone();
+        stayed.run(&fair, found, bank.used.iter().copied().step_by(some));
+        h.run(&fair, h.map_from_odom, bank.used.iter().copied().step_by(some));
+        if stayed.cost(bank.shared) < h.cost(bank.shared) {
+            *h = stayed;
+        }
+    }
     let least = bank.hypotheses.iter().map(|h| h.cost(bank.shared)).fold(f64::INFINITY, f64::min);
-    let some = bank.used.len().div_ceil(SOME).max(1);
     let mut own = bank.hypotheses.iter().min_by(|a, b| a.cost(bank.shared).total_cmp(&b.cost(bank.shared))).cloned();
     for (stride, rounds) in [(some, FIRST_ROUNDS), (1, ROUNDS)] {
         few.used = bank.used.iter().copied().step_by(stride).collect();

@@ -131,6 +131,7 @@ pub(super) fn choose(bank: &mut Bank, field: &Field<'_>, history: &mut History) 
         bank.hypotheses.retain(|h| h.cost(shared) <= least + TOLD + slack * SLACK);
     }
     bank.gather(field.turns);
+    let asked = bank.hypotheses.first().map(|h| h.map_from_odom);
     let equals = images(bank, field, history);
     bank.hypotheses.extend(equals);
     let afford = MOST_TAKES / bank.hypotheses.len().max(1);
@@ -139,6 +140,12 @@ pub(super) fn choose(bank: &mut Bank, field: &Field<'_>, history: &mut History) 
     }
     bank.take_back(field, history, foremost);
     bank.settle(field, history, LAST_ROUNDS, 0);
+    if !bank.hypotheses.first().zip(asked).is_some_and(|(best, asked)| is_near(asked, best, bank)) {
+        // Its equals may stand where others have got stuck.
+        let equals = images(bank, field, history);
+        bank.hypotheses.extend(equals);
+        bank.settle(field, history, LAST_ROUNDS, 0);
+    }
     for _ in 0..CORRECTIONS {
         if !bank.correct_odometry(field, history) {
             break;
@@ -182,6 +189,12 @@ pub(super) fn choose(bank: &mut Bank, field: &Field<'_>, history: &mut History) 
         });
     }
     (Settled { field, history, bank, told: &told, last, least }.places(&quick), fit)
+}
+
+/// Whether a hypothesis stands where this frame does, give or take what joins two.
+fn is_near(frame: Pose2, h: &Hypothesis, bank: &Bank) -> bool {
+    let [x, y, turn] = difference(frame, h.map_from_odom, bank.pivot);
+    x.hypot(y) < LINK_PLACE && turn.abs() < LINK_TURN
 }
 
 /// The best few that stand apart, moved to their least cost over the rows that they have taken.

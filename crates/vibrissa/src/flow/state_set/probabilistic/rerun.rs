@@ -191,19 +191,24 @@ mod tests {
 
     /// Calls this with a scene, its rows, and a hypothesis that is 0.4 mm from where they were felt.
     fn near_the_truth(then: impl Fn(&Scene<'_>, &[usize], Hypothesis)) {
+        // Presses on the right wall with a lean.
+        let pose = |s: f64| Pose2::new(0.11 + 0.3 * s, -0.03 + 0.4 * s, -0.5 + s);
+        along(&(0..90).map(|k| pose(f64::from(k) * 1e-3)).collect::<Vec<_>>(), |scene, rows, h| {
+            assert!(h.states.iter().all(|state| matches!(state, State::Touching(_))), "{:?}", h.states);
+            then(scene, rows, h);
+        });
+    }
+
+    /// The same for the path of a robot in a room.
+    fn along(path: &[Pose2], then: impl Fn(&Scene<'_>, &[usize], Hypothesis)) {
         let corners = [(-0.2, -0.1), (0.2, -0.1), (0.2, 0.1), (-0.2, 0.1)].map(|(x, y)| Vec2::new(x, y));
         let walls = Boundary::new(Role::Arena, Curve::polyline(&corners, true).unwrap(), None).unwrap();
         let map = Map::new(vec![walls]).unwrap();
         let tip = TipModel::new(&Whisker::default()).unwrap();
-        // Presses on the right wall with a lean, on the way to the corner.
-        let path: Vec<Pose2> = (0..90)
-            .map(|k| f64::from(k) * 1e-3)
-            .map(|s| Pose2::new(0.11 + 0.3 * s, -0.03 + 0.4 * s, -0.5 + s))
-            .collect();
         let (ground, table) = (Ground::new(&map), TipTable::new());
         let feelers = [Feeler::new(&Robot::default().whiskers[0], tip.clone(), Sense::Moment)];
         let mut history = History::new(&feelers);
-        for (pose, felt) in path.iter().zip(predicted_moments(&map, &tip, &path)) {
+        for (pose, felt) in path.iter().zip(predicted_moments(&map, &tip, path)) {
             history.push(path[0].between(*pose), &[felt.moment * feelers[0].per_reading]);
         }
         let scene = Scene {
@@ -222,7 +227,6 @@ mod tests {
         let rows: Vec<usize> = (0..path.len()).collect();
         let mut h = Hypothesis::new(path[0], vec![State::Free], 0);
         h.run(&scene, moved(path[0], scene.pivot, [4e-4, 1e-4, 1e-3]), rows.iter().copied());
-        assert!(h.states.iter().all(|state| matches!(state, State::Touching(_))), "{:?}", h.states);
         then(&scene, &rows, h);
     }
 
@@ -260,6 +264,74 @@ mod tests {
             whole.run(scene, early.map_from_odom, rows.iter().copied());
             assert!((early.cost(scene.shared) - whole.cost(scene.shared)).abs() < 1e-9);
             assert_eq!(early.row, rows[rows.len() - 1]);
+        });
+    }
+
+    #[test]
+    fn rows_that_are_come_through_lead_on() {
+        near_the_truth(|scene, rows, h| {
+            // Linearised by the first rows only and far off, where one step goes only part of the way.
+            let usual = h.costs(scene, rows);
+            let limits = Limits { usual: &usual, more: 10.0 };
+            for off in [[0.0, 0.0, 0.06], [0.0, -5e-4, 0.04]] {
+                let mut far = h.clone();
+                far.run(scene, moved(h.map_from_odom, scene.pivot, off), rows[..40].iter().copied());
+                let (_, d) = far.best(LOOSE, scene.shared);
+                assert!(!far.clone().run_below(scene, moved(far.map_from_odom, scene.pivot, cut(d)), rows, limits));
+                let mut whole = far.clone();
+                assert_eq!(whole.revive(scene, cut(d), rows, limits, &mut usize::MAX.clone()), Some(true));
+                assert!(whole.cost(scene.shared) <= usual[rows.len() - 1] + limits.more);
+                // The same a few readings at a time.
+                while far.revive(scene, cut(d), rows, limits, &mut 5).is_none() {}
+                assert_eq!(far.map_from_odom, whole.map_from_odom);
+            }
+        });
+    }
+
+    #[test]
+    fn a_place_along_a_wall_is_slid_to_where_it_meets_the_corner_in_time() {
+        // The tip goes ahead up the right wall, about which nothing but the wall at its end tells where, and into the corner.
+        let pose = |s: f64| Pose2::new(0.12 + 0.3 * s.min(0.08), -0.03 + s, 0.5);
+        let path: Vec<Pose2> = (0..110).map(|k| pose(f64::from(k) * 1e-3)).collect();
+        along(&path, |scene, rows, h| {
+            let mut truth = h.clone();
+            truth.run(scene, path[0], core::iter::empty());
+            let mut on = Vec::new();
+            for &row in rows {
+                truth.take(scene, row);
+                on.push(truth.states[0].tip_on().map(|(piece, _)| piece));
+            }
+            let wall = on.iter().flatten().next().copied();
+            let corner = on.iter().rposition(|&piece| piece == wall).unwrap();
+            assert!(wall.is_some() && corner + 12 < rows.len(), "{on:?}");
+            let (before, after) = rows.split_at(corner - 6);
+            for off in [1.9e-3, -2.4e-3] {
+                let mut early = h.clone();
+                early.run(scene, moved(path[0], scene.pivot, [0.0, off, 0.0]), before.iter().copied());
+                let mut work = 10_000;
+                let (d, cost) = early.best_slide(scene, &after[..16], &mut work).unwrap();
+                assert!((d[1] + off).abs() < 0.5e-3 && d[0].abs() < 2e-4, "{d:?} for {off}");
+                let mut here = early.clone();
+                after[..16].iter().for_each(|&row| here.take(scene, row));
+                assert!(cost < here.cost(scene.shared) - 2.0 && work < 10_000, "{cost} {}", here.cost(scene.shared));
+                // Where nothing changes nothing is slid.
+                let mut earlier = h.clone();
+                earlier.run(scene, early.map_from_odom, before[..corner - 18].iter().copied());
+                assert!(earlier.is_open(scene.shared));
+                assert!(earlier.best_slide(scene, &before[corner - 18..corner - 14], &mut work).is_none());
+            }
+        });
+    }
+
+    #[test]
+    fn one_that_waits_keeps_what_it_costs() {
+        near_the_truth(|scene, _, mut h| {
+            h.look(LOOSE, scene.shared);
+            let (cost, d) = h.promise;
+            h.waits = true;
+            h.promise = (cost + 40.0, [0.0; 3]);
+            h.look(LOOSE, scene.shared);
+            assert_eq!(h.promise, (cost + 40.0, d));
         });
     }
 

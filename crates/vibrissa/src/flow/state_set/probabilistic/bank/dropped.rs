@@ -28,9 +28,9 @@ const ROWS: usize = 96;
 /// With no more hypotheses than this those that were dropped are slid to where they meet corners in time.
 const REGAINED_AMONG: usize = 64;
 /// Readings that may be run for that for each new row, and before everything is given up; beginning with one counts like so many.
-const REGAINED: usize = 200;
+const REGAINED: usize = 80;
 const LAST_REGAINED: usize = 200_000;
-const BEGUN: usize = 10;
+const BEGUN: usize = 20;
 /// With more hypotheses than this nothing is called back.
 const FEW: usize = 24;
 /// How far one that was dropped may have stood from where it should have (m, rad).

@@ -67,10 +67,10 @@ impl Bank {
 
     /// Goes back to the path as the odometry has it: it may have been corrected by what a wrong place says.
     pub(super) fn forget_corrections(&mut self, field: &Field<'_>, history: &mut History) {
-        let (shares, way) = ([0.0; WAYS], history.way());
-        if history.shares() == shares {
+        if !self.shared.has_odometry() {
             return;
         }
+        let (shares, way) = ([0.0; WAYS], history.way());
         let ends = [history.pose(0), history.pose(history.len() - 1)];
         history.correct(shares);
         for h in self.hypotheses.iter_mut().chain(self.dropped.all()) {
