@@ -5,6 +5,8 @@
 
 use super::bank::{LOOSE, cut};
 use super::hypothesis::{Hypothesis, LOOKED_AT, Limits, Scene, moved};
+use super::slide::Slide;
+use core::ops::Range;
 
 /// The parts of a step that are tried, and by how much each may make things worse (nats).
 const SHARES: [f64; 2] = [1.0, 0.25];
@@ -37,6 +39,8 @@ pub(super) struct Rerun {
     reached: usize,
     /// As it was some rows ago, and some more, each with how many rows it had taken.
     before: [Option<(Box<Hypothesis>, usize)>; 2],
+    /// The search for a slide, and the used rows that are to be explained by it.
+    slide: Option<(Box<Slide>, Range<usize>)>,
 }
 
 /// How far a run goes before it is looked at, how often it is led on from where it exceeds its limits, and whether it is slid then: to what
@@ -100,29 +104,38 @@ impl Hypothesis {
         work: &mut usize,
     ) -> Option<bool> {
         let mut run = self.rerun.take().unwrap_or_else(|| Box::new(self.begin(scene, d, 0)));
-        while run.done < rows.len() {
+        while run.done < rows.len() || run.slide.is_some() {
             if *work == 0 {
                 self.rerun = Some(run);
                 return None;
             }
-            let some = &rows[run.done..rows.len().min(run.done + lead.every)];
-            if lead.spare.is_some() {
-                run.look_back();
-            }
-            some.iter().for_each(|&row| run.next.take(scene, row));
-            run.done += some.len();
-            *work = work.saturating_sub(some.len());
-            if exceeds(run.next.cost(scene.shared), run.done) {
-                if let Some(led) = run.led_on(scene, rows, self.row, lead, exceeds, work) {
-                    *run = led;
+            let led = if let Some((slide, those)) = &mut run.slide {
+                if !slide.step(scene, &rows[those.clone()], work) {
                     continue;
                 }
-                if run.led > 0 || run.part + 1 == SHARES.len() {
-                    self.age = 0;
-                    return Some(false);
+                run.slid(scene, lead, exceeds)
+            } else {
+                run.take(scene, rows, lead, work);
+                if !exceeds(run.next.cost(scene.shared), run.done) {
+                    continue;
                 }
-                *run = self.begin(scene, run.step, run.part + 1);
+                let led = run.led_on(scene, lead, exceeds);
+                // A corner is only why where it was given up lately.
+                let lately = run.done + GIVEN_UP > rows.partition_point(|&row| row <= self.row);
+                if led.is_none() && lately && run.begin_slide(scene, lead) {
+                    continue;
+                }
+                led
+            };
+            if let Some(led) = led {
+                *run = led;
+                continue;
             }
+            if run.led > 0 || run.part + 1 == SHARES.len() {
+                self.age = 0;
+                return Some(false);
+            }
+            *run = self.begin(scene, run.step, run.part + 1);
         }
         (run.next.age, run.next.rests) = (0, self.rests);
         *self = run.next;
@@ -134,43 +147,56 @@ impl Hypothesis {
         let mut next = self.clone();
         let to = moved(self.map_from_odom, scene.pivot, step.map(|v| SHARES[part] * v));
         next.run(scene, to, core::iter::empty());
-        Rerun { next, step, part, done: 0, led: 0, reached: 0, before: [None, None] }
+        Rerun { next, step, part, done: 0, led: 0, reached: 0, before: [None, None], slide: None }
     }
 }
 
 impl Rerun {
-    /// Keeps what it is now, every so many rows.
-    fn look_back(&mut self) {
-        if self.before[1].as_ref().is_none_or(|(_, then)| self.done >= then + LOOKED_BACK) {
+    /// Takes some more rows.
+    fn take(&mut self, scene: &Scene<'_>, rows: &[usize], lead: Lead, work: &mut usize) {
+        if lead.spare.is_some() && self.before[1].as_ref().is_none_or(|(_, then)| self.done >= then + LOOKED_BACK) {
             self.before.swap(0, 1);
             self.before[1] = Some((Box::new(self.next.clone()), self.done));
         }
+        let some = &rows[self.done..rows.len().min(self.done + lead.every)];
+        some.iter().for_each(|&row| self.next.take(scene, row));
+        self.done += some.len();
+        *work = work.saturating_sub(some.len());
     }
 
-    /// A run from where the rows that it has come through lead, or from where the last of them are explained best, if that is within the
-    /// limits; the hypothesis had come to the row `last`.
-    fn led_on(
-        &self,
-        scene: &Scene<'_>,
-        rows: &[usize],
-        last: usize,
-        lead: Lead,
-        exceeds: &dyn Fn(f64, usize) -> bool,
-        work: &mut usize,
-    ) -> Option<Self> {
-        if self.led >= lead.times || self.done <= self.reached {
-            return None;
-        }
-        let from = |d: [f64; 3]| Self { led: self.led + 1, reached: self.done, ..self.next.begin(scene, d, 0) };
+    /// Whether it may begin anew elsewhere: it has come further than last time.
+    fn may_be_led(&self, lead: Lead) -> bool {
+        self.led < lead.times && self.done > self.reached
+    }
+
+    /// A run that begins anew this far from here.
+    fn from(&self, scene: &Scene<'_>, d: [f64; 3]) -> Self {
+        Self { led: self.led + 1, reached: self.done, ..self.next.begin(scene, d, 0) }
+    }
+
+    /// A run from where the rows that it has come through lead, if they are within the limits there.
+    fn led_on(&self, scene: &Scene<'_>, lead: Lead, exceeds: &dyn Fn(f64, usize) -> bool) -> Option<Self> {
         // A step from an old linearisation goes only part of the way.
         let (promise, d) = self.next.best(LOOSE, scene.shared);
-        if !exceeds(promise, self.done) {
-            return Some(from(cut(d)));
+        (self.may_be_led(lead) && !exceeds(promise, self.done)).then(|| self.from(scene, cut(d)))
+    }
+
+    /// Begins to look for where the last rows are explained best, if that is asked for; whether it has.
+    fn begin_slide(&mut self, scene: &Scene<'_>, lead: Lead) -> bool {
+        if lead.spare.is_some()
+            && self.may_be_led(lead)
+            && let Some((before, then)) = self.before[0].take()
+            && let Some(slide) = before.begin_slide(scene.shared)
+        {
+            self.slide = Some((Box::new(slide), then..self.done));
         }
-        let spare = lead.spare.filter(|_| self.done + GIVEN_UP > rows.partition_point(|&row| row <= last))?;
-        let (before, then) = self.before[0].as_ref()?;
-        let (d, cost) = before.best_slide(scene, &rows[*then..self.done], work)?;
-        (!exceeds(cost + spare, self.done)).then(|| from(d))
+        self.slide.is_some()
+    }
+
+    /// A run from where the last rows are explained best, if that is well within the limits.
+    fn slid(&mut self, scene: &Scene<'_>, lead: Lead, exceeds: &dyn Fn(f64, usize) -> bool) -> Option<Self> {
+        let (d, cost) = self.slide.take()?.0.found()?;
+        (!exceeds(cost + lead.spare?, self.done)).then(|| self.from(scene, d))
     }
 }
 
@@ -308,17 +334,23 @@ mod tests {
             for off in [1.9e-3, -2.4e-3] {
                 let mut early = h.clone();
                 early.run(scene, moved(path[0], scene.pivot, [0.0, off, 0.0]), before.iter().copied());
-                let mut work = 10_000;
-                let (d, cost) = early.best_slide(scene, &after[..16], &mut work).unwrap();
+                let best_slide = |h: &Hypothesis, rows: &[usize]| {
+                    let mut slide = h.clone().begin_slide(scene.shared).unwrap();
+                    let mut work = 10_000;
+                    while !slide.step(scene, rows, &mut work) {}
+                    assert!(work <= 10_000 - 3 * rows.len() && work > 10_000 - 20 * rows.len(), "{work}");
+                    slide.found()
+                };
+                let (d, cost) = best_slide(&early, &after[..16]).unwrap();
                 assert!((d[1] + off).abs() < 0.5e-3 && d[0].abs() < 2e-4, "{d:?} for {off}");
                 let mut here = early.clone();
                 after[..16].iter().for_each(|&row| here.take(scene, row));
-                assert!(cost < here.cost(scene.shared) - 2.0 && work < 10_000, "{cost} {}", here.cost(scene.shared));
+                assert!(cost < here.cost(scene.shared) - 2.0, "{cost} {}", here.cost(scene.shared));
                 // Where nothing changes nothing is slid.
                 let mut earlier = h.clone();
                 earlier.run(scene, early.map_from_odom, before[..corner - 18].iter().copied());
                 assert!(earlier.is_open(scene.shared));
-                assert!(earlier.best_slide(scene, &before[corner - 18..corner - 14], &mut work).is_none());
+                assert!(best_slide(&earlier, &before[corner - 18..corner - 14]).is_none());
             }
         });
     }

@@ -15,6 +15,8 @@ const OPEN_BY: f64 = 2.5;
 const STEP: f64 = 0.4e-3;
 /// What cannot be slid by so many steps is not tried.
 const LEAST: f64 = 1.5;
+/// It is tried where it stands and at both ends first.
+const ENDS: usize = 3;
 /// If rows cost the same at both ends to so much (nats), nothing changes between them.
 const ALIKE: f64 = 1.0;
 
@@ -40,27 +42,65 @@ impl Hypothesis {
         (by > LEAST * STEP).then_some(Open { along: [cos, sin, turn], by })
     }
 
-    /// Which move along the direction that its readings leave open explains these rows best, which come after those it has
-    /// taken, and what it then has cost; none where no move makes a difference. The work is less by the readings that are run for that.
-    pub(super) fn best_slide(&self, scene: &Scene<'_>, rows: &[usize], work: &mut usize) -> Option<([f64; 3], f64)> {
-        let Open { along, by } = self.open(scene.shared)?;
-        let steps = (by / STEP) as i32;
-        let to = |step: i32| along.map(|v| v * STEP * f64::from(step));
-        let mut cost = |step: i32| {
-            let mut there = self.shifted(scene, to(step));
+    /// Begins to look for the slide that explains best the rows that come after those it has taken.
+    pub(super) fn begin_slide(self, shared: Shared) -> Option<Slide> {
+        let Open { along, by } = self.open(shared)?;
+        let farthest = (by / STEP) as i32;
+        let every_second = (1..=(farthest - 1) / 2).flat_map(|half| [2 * half, -2 * half]);
+        // The first tells what it costs to stay; then every second step, and last the neighbours of the best.
+        let steps: Vec<i32> = [0, farthest, -farthest].into_iter().chain(every_second).collect();
+        let last = steps.len();
+        Some(Slide { from: self, along, steps, last, costs: Vec::new() })
+    }
+}
+
+/// A search for the slide that explains some rows best, a step after another.
+#[derive(Clone, Debug)]
+pub(super) struct Slide {
+    from: Hypothesis,
+    along: [f64; 3],
+    /// The steps that are tried, the neighbours of the best one beginning at `last`, and what the first of them cost.
+    steps: Vec<i32>,
+    last: usize,
+    costs: Vec<f64>,
+}
+
+impl Slide {
+    /// Tries the next step, for which these rows are run; whether there is no other.
+    pub(super) fn step(&mut self, scene: &Scene<'_>, rows: &[usize], work: &mut usize) -> bool {
+        if let Some(&step) = self.steps.get(self.costs.len()) {
+            let mut there = self.from.shifted(scene, self.to(step));
             rows.iter().for_each(|&row| there.take(scene, row));
             *work = work.saturating_sub(rows.len());
-            (step, there.cost(scene.shared))
-        };
-        let (here, ends) = (cost(0).1, [cost(-steps), cost(steps)]);
-        if ends.iter().all(|(_, end)| (end - here).abs() < ALIKE) {
-            return None;
+            self.costs.push(there.cost(scene.shared));
         }
-        // Every second step, then the neighbours of the best.
-        let cheaper = |a: (i32, f64), b: (i32, f64)| if b.1 < a.1 { b } else { a };
-        let every_second = (1..=(steps - 1) / 2).flat_map(|half| [2 * half, -2 * half]);
-        let best = every_second.map(&mut cost).chain(ends).fold((0, here), cheaper);
-        let (step, least) = [best.0 - 1, best.0 + 1].into_iter().map(&mut cost).fold(best, cheaper);
-        (step != 0).then(|| (to(step), least))
+        if self.costs.len() == ENDS && self.is_alike() {
+            self.steps.truncate(ENDS);
+        } else if self.costs.len() == self.last && self.steps.len() == self.last {
+            let (best, _) = self.best();
+            let near = [best - 1, best + 1].into_iter().filter(|step| !self.steps.contains(step));
+            self.steps.extend(near.collect::<Vec<_>>());
+        }
+        self.costs.len() == self.steps.len()
+    }
+
+    /// The best move and what it costs; none where no move makes a difference.
+    pub(super) fn found(&self) -> Option<([f64; 3], f64)> {
+        let (step, cost) = self.best();
+        (step != 0 && !self.is_alike()).then(|| (self.to(step), cost))
+    }
+
+    fn to(&self, step: i32) -> [f64; 3] {
+        self.along.map(|v| v * STEP * f64::from(step))
+    }
+
+    /// Whether nothing changes between both ends.
+    fn is_alike(&self) -> bool {
+        self.costs[1..].iter().take(ENDS - 1).all(|end| (end - self.costs[0]).abs() < ALIKE)
+    }
+
+    fn best(&self) -> (i32, f64) {
+        let each = self.steps.iter().copied().zip(self.costs.iter().copied());
+        each.fold((0, f64::INFINITY), |best, step| if step.1 < best.1 { step } else { best })
     }
 }
