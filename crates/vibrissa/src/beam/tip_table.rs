@@ -15,8 +15,11 @@ const TILT_STEP: f64 = 2.0 * STEEPEST / TILTS as f64;
 /// Step of the differences that give the mixed derivatives (rad).
 const DIFFERENCE: f64 = 1e-4;
 
-/// One node: x, y, slope and moment, each with its derivatives by cell of force, of tilt, and of both.
-type Node = [[f64; 4]; 4];
+/// x, y, slope and moment.
+type Values = [f64; 4];
+
+/// One node: the values, and their derivatives by cell of force, of tilt, and of both.
+type Node = [Values; 4];
 
 /// A whisker's tip over force and tilt, by bicubic interpolation of values and derivatives.
 ///
@@ -69,15 +72,13 @@ impl TipTable {
 fn node(q: f64, beta: f64) -> Option<Node> {
     let here = tip_chart(q, beta)?;
     let (left, right) = (tip_chart(q, beta - DIFFERENCE)?, tip_chart(q, beta + DIFFERENCE)?);
-    let mixed = |of: fn(&TipRate) -> f64| (of(&right.by_force) - of(&left.by_force)) / (2.0 * DIFFERENCE);
-    let entry = |value: f64, of: fn(&TipRate) -> f64| {
-        [value, of(&here.by_force) * FORCE_STEP, of(&here.by_tilt) * TILT_STEP, mixed(of) * FORCE_STEP * TILT_STEP]
-    };
+    let rates = |rate: &TipRate| [rate.position.x, rate.position.y, rate.slope, rate.moment];
+    let mixed = |k: usize| (rates(&right.by_force)[k] - rates(&left.by_force)[k]) / (2.0 * DIFFERENCE);
     Some([
-        entry(here.position.x, |r| r.position.x),
-        entry(here.position.y, |r| r.position.y),
-        entry(here.slope, |r| r.slope),
-        entry(here.moment, |r| r.moment),
+        [here.position.x, here.position.y, here.slope, here.moment],
+        rates(&here.by_force).map(|rate| rate * FORCE_STEP),
+        rates(&here.by_tilt).map(|rate| rate * TILT_STEP),
+        [0, 1, 2, 3].map(|k| mixed(k) * FORCE_STEP * TILT_STEP),
     ])
 }
 
@@ -90,33 +91,40 @@ fn hermite(s: f64) -> ([f64; 4], [f64; 4]) {
     )
 }
 
+/// The sum of these values by their weights.
+#[inline]
+fn weighed(weights: [f64; 4], values: [&Values; 4]) -> Values {
+    let mut sum = [0.0; 4];
+    for (k, sum) in sum.iter_mut().enumerate() {
+        *sum = (weights[0] * values[0][k] + weights[1] * values[1][k])
+            + (weights[2] * values[2][k] + weights[3] * values[3][k]);
+    }
+    sum
+}
+
 /// Bicubic in the cell of these nodes: (force, tilt) = (0, 0), (0, 1), (1, 0), (1, 1).
 fn interpolate(nodes: [&Node; 4], s: f64, t: f64) -> TipChart {
     let (f, df) = hermite(s);
     let (g, dg) = hermite(t);
-    let mut out = [[0.0; 3]; 4];
-    for (k, out) in out.iter_mut().enumerate() {
-        for (n, node) in nodes.iter().enumerate() {
-            let (i, j) = (2 * (n / 2), 2 * (n % 2));
-            let [value, by_force, by_tilt, both] = node[k];
-            let (here, turn) = (value * g[j] + by_tilt * g[j + 1], value * dg[j] + by_tilt * dg[j + 1]);
-            let (grow, twist) = (by_force * g[j] + both * g[j + 1], by_force * dg[j] + both * dg[j + 1]);
-            out[0] += f[i] * here + f[i + 1] * grow;
-            out[1] += df[i] * here + df[i + 1] * grow;
-            out[2] += f[i] * turn + f[i + 1] * twist;
-        }
-    }
-    let rate = |k: usize, per: f64| TipRate {
-        position: Vec2::new(out[0][k] * per, out[1][k] * per),
-        slope: out[2][k] * per,
-        moment: out[3][k] * per,
+    // Across the tilt at either force: values and their derivative by force.
+    let across = |weights: [f64; 4]| {
+        let at = |a: &Node, b: &Node, kind: usize| weighed(weights, [&a[kind], &a[kind + 2], &b[kind], &b[kind + 2]]);
+        [at(nodes[0], nodes[1], 0), at(nodes[0], nodes[1], 1), at(nodes[2], nodes[3], 0), at(nodes[2], nodes[3], 1)]
+    };
+    let along = |weights: [f64; 4], [a, b, c, d]: &[Values; 4]| weighed(weights, [a, b, c, d]);
+    let (here, turned) = (across(g), across(dg));
+    let (value, by_force, by_tilt) = (along(f, &here), along(df, &here), along(f, &turned));
+    let rate = |[x, y, slope, moment]: Values, per: f64| TipRate {
+        position: Vec2::new(x * per, y * per),
+        slope: slope * per,
+        moment: moment * per,
     };
     TipChart {
-        position: Vec2::new(out[0][0], out[1][0]),
-        slope: out[2][0],
-        moment: out[3][0],
-        by_force: rate(1, 1.0 / FORCE_STEP),
-        by_tilt: rate(2, 1.0 / TILT_STEP),
+        position: Vec2::new(value[0], value[1]),
+        slope: value[2],
+        moment: value[3],
+        by_force: rate(by_force, 1.0 / FORCE_STEP),
+        by_tilt: rate(by_tilt, 1.0 / TILT_STEP),
     }
 }
 

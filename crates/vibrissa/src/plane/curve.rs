@@ -110,6 +110,11 @@ impl Curve {
         if segment == 0 { 0.0 } else { self.ends[segment - 1] }
     }
 
+    /// The segment on which an arc length (m) lies; where two meet the later one.
+    pub(crate) fn segment_at(&self, s: f64) -> usize {
+        self.ends.partition_point(|&end| end <= s).min(self.segments.len() - 1)
+    }
+
     /// The rectangle around all control points, which holds the curve.
     #[must_use]
     pub fn bounds(&self) -> Bounds {

@@ -3,6 +3,9 @@
 use super::Vec2;
 use core::f64::consts::{PI, TAU};
 
+/// Angles below this (rad) are brought into range by one turn.
+const NEAR: f64 = 9.0;
+
 /// The angle brought into (-pi, pi] (rad).
 ///
 /// Exact for angles already in the range; not a number stays not a number.
@@ -10,6 +13,10 @@ use core::f64::consts::{PI, TAU};
 pub fn wrap_angle(angle: f64) -> f64 {
     if angle > -PI && angle <= PI {
         return angle;
+    }
+    // Less than one and a half turns, which is exact as it is.
+    if angle.abs() < NEAR {
+        return angle - TAU.copysign(angle);
     }
     // The remainder is exact; subtracting the rounded multiple of a turn is not, for angles beyond 1e15.
     let rest = angle % TAU;

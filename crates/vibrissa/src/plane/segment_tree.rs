@@ -250,8 +250,10 @@ fn line_misses(a: Vec2, b: Vec2, bounds: Bounds) -> bool {
     let (center, half) = ((bounds.min + bounds.max) * 0.5, (bounds.max - bounds.min) * 0.5);
     let along = b - a;
     let reach = half.x * along.y.abs() + half.y * along.x.abs();
-    let scale = along.norm() * (center - a).norm();
-    along.cross(center - a).abs() > reach + 1e-12 * scale
+    let off = center - a;
+    // No less than the product of the lengths, in which rounding is counted.
+    let scale = (along.x.abs() + along.y.abs()) * (off.x.abs() + off.y.abs());
+    along.cross(off).abs() > reach + 1e-12 * scale
 }
 
 /// The nodes still to visit; a balanced tree over 2³² edges is less than 40 deep.

@@ -62,6 +62,18 @@ struct Origin {
     tangent: Option<f64>,
 }
 
+/// The piece nearest to a place.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct NearestPiece {
+    /// Indices of the boundary and of the piece on it.
+    pub(crate) boundary: usize,
+    pub(crate) segment: usize,
+    /// Distance (m).
+    pub(crate) distance: f64,
+    /// The parameter nearest to the place, where the piece is a line.
+    pub(crate) on_line: Option<f64>,
+}
+
 /// What a tip is held against: the boundary's nearest point.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Foot {
@@ -229,12 +241,12 @@ impl Map {
         Some(Foot { position: on.position, tangent: on.tangent, two_sided })
     }
 
-    /// The piece of a boundary nearest to `point` (m) if it is no further than `reach` (m): index of the boundary, index of
-    /// the piece and distance, within the flattening tolerance.
-    pub(crate) fn nearest_piece(&self, point: Vec2, reach: f64) -> Option<(usize, usize, f64)> {
+    /// The piece of a boundary nearest to `point` (m) if it is no further than `reach` (m), within the flattening tolerance.
+    pub(crate) fn nearest_piece(&self, point: Vec2, reach: f64) -> Option<NearestPiece> {
         let hit = self.tree.nearest_within(point, reach)?;
-        let Origin { boundary, segment, .. } = self.origins[hit.edge];
-        Some((boundary as usize, segment as usize, hit.distance))
+        let Origin { boundary, segment, tangent } = self.origins[hit.edge];
+        let on_line = tangent.map(|_| hit.t);
+        Some(NearestPiece { boundary: boundary as usize, segment: segment as usize, distance: hit.distance, on_line })
     }
 
     /// Calls `visit` with the ends of each flattened edge whose rectangle overlaps `bounds`, until it answers true.

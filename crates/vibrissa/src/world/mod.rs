@@ -19,8 +19,8 @@ mod toml_section;
 mod units;
 
 pub use boundary::{Boundary, Role};
-pub(crate) use map::Foot;
 pub use map::{BoundarySample, ConcaveCorner, Map, MapPoint};
+pub(crate) use map::{Foot, NearestPiece};
 pub use motion::increments;
 pub use robot::{MomentNoise, MountedWhisker, Odometry, ReadingNoise, Robot};
 pub(crate) use robot_toml::{odometry as odometry_section, whiskers as whisker_entries};

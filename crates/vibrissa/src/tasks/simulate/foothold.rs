@@ -1,7 +1,7 @@
 //! Where on a boundary a tip stands, and what comes next along it.
 
 use crate::plane::{Segment, Vec2, wrap_angle};
-use crate::world::Map;
+use crate::world::{Map, NearestPiece};
 use core::f64::consts::{FRAC_PI_2, PI};
 
 /// A place on one piece of a boundary, touched from one side.
@@ -68,7 +68,7 @@ const SMOOTH: f64 = 1e-9;
 impl Foothold {
     /// The foothold nearest to `point` within `reach` (m), touched from the side to which `away` points, and its distance.
     pub(super) fn nearest(map: &Map, point: Vec2, away: Vec2, reach: f64) -> Option<(Self, f64)> {
-        let (boundary, segment, distance) = map.nearest_piece(point, reach)?;
+        let NearestPiece { boundary, segment, distance, .. } = map.nearest_piece(point, reach)?;
         let piece = &map.boundaries()[boundary].curve().segments()[segment];
         let at = piece.nearest(point);
         let left = Vec2::from_angle(piece.tangent(at)).cross(away) >= 0.0;

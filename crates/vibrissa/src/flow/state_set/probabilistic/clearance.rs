@@ -19,8 +19,8 @@ pub(super) struct Clearance {
     cell: f64,
     columns: usize,
     rows: usize,
-    /// Squared distances to the nearest cell that a boundary passes (cells).
-    squares: Vec<f64>,
+    /// At least so far from every boundary (m).
+    distances: Vec<f64>,
 }
 
 impl Clearance {
@@ -31,23 +31,24 @@ impl Clearance {
         let count = |length: f64| (length / cell).max(0.0).ceil() as usize + 1;
         let (columns, rows) = (count(size.x), count(size.y));
         let origin = bounds.min;
-        let mut grid = Self { origin, cell, columns, rows, squares: vec![f64::INFINITY; columns * rows] };
+        let mut grid = Self { origin, cell, columns, rows, distances: vec![f64::INFINITY; columns * rows] };
         map.for_each_edge_in(everywhere(bounds), |[a, b]| {
             let steps = (a.distance(b) / cell * SAMPLES).ceil().max(1.0);
             for step in 0..=steps as usize {
                 if let Some(index) = grid.index(a + (b - a) * (step as f64 / steps)) {
-                    grid.squares[index] = 0.0;
+                    grid.distances[index] = 0.0;
                 }
             }
             false
         });
         grid.spread();
+        grid.distances.iter_mut().for_each(|square| *square = cell * (square.sqrt() - SLACK).max(0.0));
         grid
     }
 
     /// A place of the map is at least this far from every boundary (m); 0 where that is not known.
     pub(super) fn at(&self, place: Vec2) -> f64 {
-        self.index(place).map_or(0.0, |index| self.cell * (self.squares[index].sqrt() - SLACK).max(0.0))
+        self.index(place).map_or(0.0, |index| self.distances[index])
     }
 
     fn index(&self, place: Vec2) -> Option<usize> {
@@ -56,20 +57,20 @@ impl Clearance {
             .then(|| y as usize * self.columns + x as usize)
     }
 
-    /// Squared distances from those that are nothing, along the rows and then along the columns.
+    /// Squared distances (cells) from those that are nothing, along the rows and then along the columns.
     fn spread(&mut self) {
         let mut hull = Vec::new();
         let mut line = vec![0.0; self.columns.max(self.rows)];
         for row in 0..self.rows {
             let at = row * self.columns;
-            line[..self.columns].copy_from_slice(&self.squares[at..at + self.columns]);
-            lowest(&line[..self.columns], &mut hull, |i, square| self.squares[at + i] = square);
+            line[..self.columns].copy_from_slice(&self.distances[at..at + self.columns]);
+            lowest(&line[..self.columns], &mut hull, |i, square| self.distances[at + i] = square);
         }
         for column in 0..self.columns {
             for (row, height) in line[..self.rows].iter_mut().enumerate() {
-                *height = self.squares[row * self.columns + column];
+                *height = self.distances[row * self.columns + column];
             }
-            lowest(&line[..self.rows], &mut hull, |i, square| self.squares[i * self.columns + column] = square);
+            lowest(&line[..self.rows], &mut hull, |i, square| self.distances[i * self.columns + column] = square);
         }
     }
 }

@@ -69,6 +69,8 @@ pub(super) struct Feeler {
     pub(super) per_reading: f64,
     relative: f64,
     absolute: f64,
+    /// What the logarithm of the ratio that [`Feeler::evened`] takes is at the mean.
+    mean_log: f64,
 }
 
 /// How readings are judged.
@@ -114,6 +116,7 @@ impl Feeler {
             length: whisker.beam.length,
             per_reading,
             relative: noise.relative,
+            mean_log: mean_log(noise.relative),
             absolute: (noise.absolute * per_reading).max(LEAST_ABSOLUTE),
         }
     }
@@ -161,8 +164,7 @@ impl Feeler {
         }
         let ratio = 1.0 - r * sign * sigmas / SQRT_3;
         let log = if ratio > 0.5 { ratio.ln() } else { 0.5_f64.ln() + 2.0 * ratio - 1.0 };
-        let mean = ((1.0 + r) * r.ln_1p() - (1.0 - r) * (-r).ln_1p()) / (2.0 * r) - 1.0;
-        sign * SQRT_3 / r * (mean - log)
+        sign * SQRT_3 / r * (self.mean_log - log)
     }
 
     /// Standard deviation of the relative error that all readings share, where nothing is said: a quarter of the bound.
@@ -210,6 +212,11 @@ const LEAST_ABSOLUTE: f64 = 2e-5;
 /// Below this relative bound residuals are taken plain: the logarithm's are the same, but for rounding.
 const LEAST_RELATIVE: f64 = 1e-5;
 
+/// The mean of the logarithm of what lies evenly between `1 - r` and `1 + r`.
+fn mean_log(r: f64) -> f64 {
+    ((1.0 + r) * r.ln_1p() - (1.0 - r) * (-r).ln_1p()) / (2.0 * r) - 1.0
+}
+
 /// Cost and weight of a residual in standard deviations: Gaussian with a floor for false readings.
 fn robust(sigmas: f64, outlier_cost: f64) -> (f64, f64) {
     if outlier_cost.is_infinite() {
@@ -231,7 +238,16 @@ pub(super) mod tests {
     pub(in super::super) fn feeler(relative: f64, absolute: f64) -> Feeler {
         let tip = TipModel::new(&Whisker::default()).unwrap();
         let sense = Sense::Moment;
-        Feeler { tip, sense, robot_from_whisker: Pose2::IDENTITY, length: 0.075, per_reading: 1.0, relative, absolute }
+        Feeler {
+            tip,
+            sense,
+            robot_from_whisker: Pose2::IDENTITY,
+            length: 0.075,
+            per_reading: 1.0,
+            relative,
+            absolute,
+            mean_log: mean_log(relative),
+        }
     }
 
     /// The readings that the declared bound allows, evenly: from `|h - z| <= r |z| + a` by hand, for `z` of `h`'s sign.

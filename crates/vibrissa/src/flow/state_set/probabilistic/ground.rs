@@ -2,7 +2,7 @@
 
 use super::clearance::Clearance;
 use crate::plane::{Segment, Vec2, wrap_angle};
-use crate::world::Map;
+use crate::world::{Map, NearestPiece};
 use core::f64::consts::{FRAC_PI_2, PI};
 
 /// A turn below this is no corner (rad).
@@ -106,6 +106,12 @@ impl Piece {
         let turning = if square > 0.0 { velocity.cross(second) / square } else { 0.0 };
         let normal = wrap_angle(self.segment.tangent(at) + self.side * FRAC_PI_2);
         Spot { position: self.segment.point(at), velocity, normal, turning }
+    }
+
+    /// Whether a place is behind the tangent at the parameter `at`, seen from where the whisker is.
+    pub(super) fn is_behind(&self, at: f64, place: Vec2) -> bool {
+        let spot = self.spot(at);
+        self.side * spot.velocity.cross(place - spot.position) < 0.0
     }
 
     /// Whether it is a line.
@@ -265,19 +271,21 @@ impl Ground {
 
     /// The place nearest to `point` within `reach` (m), on the side on which `base` is: piece, parameter, distance.
     pub(super) fn nearest(&self, map: &Map, point: Vec2, base: Vec2, reach: f64) -> Option<(u32, f64, f64)> {
-        let near = map.nearest_within(point, reach)?;
-        let boundary = &map.boundaries()[near.boundary];
-        let curve = boundary.curve();
-        let count = curve.segments().len();
-        let (mut low, mut high) = (0, count);
-        while high - low > 1 {
-            let middle = usize::midpoint(low, high);
-            if curve.segment_start(middle) <= near.arc_length { low = middle } else { high = middle }
-        }
-        let left = Vec2::from_angle(near.tangent).cross(base - near.position) >= 0.0;
-        let (left_first, right_first) = self.first[near.boundary];
-        let piece = low as u32 + if left { left_first } else { right_first };
-        Some((piece, self.pieces[piece as usize].nearest(point), near.distance))
+        let NearestPiece { boundary, segment, distance, on_line } = map.nearest_piece(point, reach)?;
+        let (left_first, right_first) = self.first[boundary];
+        let curve = map.boundaries()[boundary].curve();
+        let piece = |segment: usize, left: bool| segment as u32 + if left { left_first } else { right_first };
+        let Some(at) = on_line else {
+            let near = curve.nearest_near_segment(segment, point);
+            let left = Vec2::from_angle(near.tangent).cross(base - near.position) >= 0.0;
+            let piece = piece(curve.segment_at(near.arc_length), left);
+            return Some((piece, self.pieces[piece as usize].nearest(point), near.position.distance(point)));
+        };
+        let spot = self.pieces[piece(segment, true) as usize].spot(at);
+        let left = spot.velocity.cross(base - spot.position) >= 0.0;
+        // Where two meet it is the later one.
+        let next = at >= 1.0 && segment + 1 < curve.segments().len();
+        Some(if next { (piece(segment + 1, left), 0.0, distance) } else { (piece(segment, left), at, distance) })
     }
 }
 

@@ -5,7 +5,7 @@
 //! sign of the force tells whether it touches.
 
 use super::{Forward, Hold, Stance, Touch, span};
-use crate::plane::{Pose2, Vec2};
+use crate::plane::Vec2;
 use core::f64::consts::FRAC_PI_2;
 
 /// Pieces into which the whisker is cut up to its contact, and the share that is looked at for clearance: nearer to the
@@ -46,14 +46,14 @@ impl Forward<'_> {
         let Some(chart) = self.solver.chart(touch.q, touch.beta) else { return Body::Clear(0.0) };
         let per = 1.0 / touch.s;
         let force = Vec2::from_angle(touch.slope + touch.beta + FRAC_PI_2) * (touch.q * per * per);
-        let mut outline = [Pose2::IDENTITY; CUTS];
+        let mut outline = [Vec2::ZERO; CUTS];
         span::outline(chart.moment * per, force, touch.s, &mut outline);
         let (farthest, bump) = (FARTHEST * self.length, BUMP * self.length);
         let mut clear = farthest;
         let mut least: Option<(usize, Gap)> = None;
         let mut before = f64::INFINITY;
-        for (k, at) in outline[..CUTS - 1].iter().enumerate() {
-            let place = stance.placed(at.position());
+        for (k, &at) in outline[..CUTS - 1].iter().enumerate() {
+            let place = stance.placed(at);
             // What comes through a boundary is no further from it than the next of these places.
             let least_gap = self.ground.clearance.at(place);
             let (gap, distance) = if least_gap * CUTS as f64 > self.length {
@@ -106,8 +106,7 @@ impl Forward<'_> {
 
     fn gap(&self, stance: &Stance, place: Vec2) -> Option<Gap> {
         let (piece, at, distance) = self.ground.nearest(self.map, place, stance.base, FARTHEST * self.length)?;
-        let spot = self.ground.pieces[piece as usize].spot(at);
-        let inside = (place - spot.position).dot(Vec2::from_angle(spot.normal)) < 0.0;
+        let inside = self.ground.pieces[piece as usize].is_behind(at, place);
         Some(Gap { distance: if inside { -distance } else { distance }, at: (piece, at) })
     }
 }

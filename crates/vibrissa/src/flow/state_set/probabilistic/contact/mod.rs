@@ -266,7 +266,7 @@ impl Forward<'_> {
     fn slide(&self, mut touch: Touch, from: Pose2, to: Pose2) -> Option<(Touch, Felt)> {
         let turn = wrap_angle(to.theta - from.theta);
         let way = ((to.position() - from.position()).norm_squared().sqrt() / self.length).max(turn.abs());
-        let steps = (way / LARGEST_STEP).ceil().clamp(1.0, 1e4);
+        let steps = if way <= LARGEST_STEP { 1.0 } else { (way / LARGEST_STEP).ceil().min(1e4) };
         let least = 1.0 / (steps * f64::from(1_u32 << MOST_HALVINGS));
         let (mut share, mut step) = (0.0, 1.0 / steps);
         let mut felt = Felt::default();

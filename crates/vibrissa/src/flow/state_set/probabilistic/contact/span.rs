@@ -3,7 +3,7 @@
 //! In units of `L` and `EI / L²`, with the sum of the forces beyond `s` as `N`, the curvature obeys
 //! `k' = N_x sin(theta) - N_y cos(theta)`; `N` jumps at the side contact by the force there, which is normal to the whisker.
 
-use crate::plane::{Pose2, Vec2};
+use crate::plane::Vec2;
 
 /// Steps of Runge and Kutta's method for a whole whisker, and fewest on either side of the contact: where a shape is wanted
 /// to 1e-5 of the length, and where 1e-4 do. Those grow with the root of the force, as the shape's own waves get shorter.
@@ -53,14 +53,17 @@ pub(super) fn shape(load: [f64; UNKNOWNS], quick: bool) -> Shape {
     Shape { side, tip, force, force_by }
 }
 
-/// Places along a whisker under one force, evenly spaced up to it: position and slope, the last one where it acts.
-pub(super) fn outline(moment: f64, force: Vec2, length: f64, places: &mut [Pose2]) {
-    let h = length / places.len() as f64;
+/// Places along a whisker under one force, evenly spaced up to where it acts: the first, third and so on in the middle of the
+/// steps that lead to the others, where a cubic has the slopes of both ends.
+pub(super) fn outline(moment: f64, force: Vec2, length: f64, places: &mut [Vec2]) {
+    let h = length / (places.len() / 2) as f64;
     let mut y = State::<0> { own: [0.0, moment, 0.0, 0.0, 0.0, 1.0], by: [] };
-    for place in places {
-        y = step(&y, force, &[], h);
-        let [slope, _, x, y, ..] = y.own;
-        *place = Pose2 { x, y, theta: slope };
+    for pair in places.chunks_exact_mut(2) {
+        let next = step(&y, force, &[], h);
+        let ([_, _, ax, ay, asin, acos], [_, _, bx, by, bsin, bcos]) = (y.own, next.own);
+        pair[0] = Vec2::new(0.5 * (ax + bx) + 0.125 * h * (acos - bcos), 0.5 * (ay + by) + 0.125 * h * (asin - bsin));
+        pair[1] = Vec2::new(bx, by);
+        y = next;
     }
 }
 
@@ -146,9 +149,14 @@ mod tests {
             assert!((quick.tip.position - chart.position).norm() < 3e-4, "{q} {beta}: {:?}", quick.tip);
             assert!((found.tip.position - chart.position).norm() < 1e-5, "{q} {beta}: {:?}", found.tip);
             assert!((found.tip.slope - chart.slope).abs() < 1e-5 && found.tip.curvature.abs() < 1e-4);
-            let mut places = [Pose2::IDENTITY; 10];
+            let mut places = [Vec2::ZERO; 12];
             outline(chart.moment, force, 1.0, &mut places);
-            assert!((places[9].position() - chart.position).norm() < 2e-4, "{q} {beta}: {:?}", places[9]);
+            assert!((places[11] - chart.position).norm() < 2e-4, "{q} {beta}: {:?}", places[11]);
+            for (k, place) in places.iter().enumerate() {
+                let s = (k + 1) as f64 / 12.0;
+                let part = shape([chart.moment, force.x, force.y, s, 0.0], false).side.position;
+                assert!((*place - part).norm() < 4e-4, "{q} {beta} {k}: {place:?} {part:?}");
+            }
         }
     }
 
