@@ -195,6 +195,17 @@ impl Drift {
         (*normal, out)
     }
 
+    /// What the readings say with this share of its weight.
+    pub(super) fn faded(&self, share: f64) -> Self {
+        Self {
+            mixed: self.mixed.map(|row| row.map(|v| share * v)),
+            by_shared: self.by_shared.map(|v| share * v),
+            own: self.own.map(|row| row.map(|v| share * v)),
+            pull: self.pull.map(|v| share * v),
+            ..*self
+        }
+    }
+
     /// Both after the robot has made a random move of this covariance, and the shares have wandered on a little.
     pub(super) fn loosened(&self, normal: &Normal, covariance: &Matrix, stds: Shares) -> (Normal, Self) {
         let (mut out, mut drift) = (normal.loosened(covariance), *self);
@@ -460,6 +471,21 @@ mod tests {
             let (told, truth) = (kept(&after, d, shares, gain), whole(at));
             assert!((told - truth).abs() < 1e-4 * truth.abs().max(1.0), "{told}, not {truth}");
             assert!(truth < 0.99 * kept(&before, d, shares, gain));
+        }
+    }
+
+    #[test]
+    fn what_fades_costs_the_same_here_and_less_elsewhere() {
+        let before = said(Normal::default(), Drift::default());
+        let after = (before.0.faded(0.3), before.1.faded(0.3));
+        let here = kept(&before, [0.0; 3], [0.0; 3], 0.0);
+        for (d, shares, gain) in [
+            ([0.0; 3], [0.0; 3], 0.0),
+            ([1e-3, -2e-3, 4e-3], [0.003, -0.001, 0.002], 0.01),
+            ([-2e-3, 0.0, 1e-2], [-0.004, 0.002, 0.005], -0.02),
+        ] {
+            let (whole, faded) = (kept(&before, d, shares, gain) - here, kept(&after, d, shares, gain) - here);
+            assert!((faded - 0.3 * whole).abs() < 1e-9 * (1.0 + whole.abs()), "{faded} {whole}");
         }
     }
 

@@ -50,6 +50,9 @@ pub(super) const LOOKED_AT: usize = 3;
 /// How exactly the model is believed to know where the whisker stands (m, rad).
 const BLUR: [f64; 2] = [5e-5, 5e-4];
 
+/// Weight of what is summed up, each time that rows are added to it.
+const FADED: f64 = 0.8;
+
 /// What rows usually cost: the best one's cost after each of them; and how much more is too much.
 #[derive(Clone, Copy)]
 pub(super) struct Limits<'a> {
@@ -72,6 +75,8 @@ pub(super) struct Hypothesis {
     pub(super) age: usize,
     /// Whether it is to be run anew before it is dropped; until then it takes no rows.
     pub(super) waits: bool,
+    /// How often that has been done in turn, when it was about to be dropped again.
+    pub(super) revived: u32,
     /// Rows for which it is not pulled back to readings that seem false, since it has just been.
     pub(super) rests: usize,
     /// The last row used.
@@ -126,6 +131,7 @@ impl Hypothesis {
             normal: Normal::default(),
             age: 0,
             waits: false,
+            revived: 0,
             rests: 0,
             family: None,
             row,
@@ -347,7 +353,8 @@ impl Hypothesis {
         let arm = arm(self.map_from_odom, scene.pivot, scene.history.pose(last));
         self.start_odom = scene.shared.has_odometry().then_some(scene.history.pose(last));
         let (normal, drift) = early.drift.carried_on(&early.normal, &early.drift, theta, arm);
-        self.prior = drift.loosened(&normal, loose, scene.shared.odometry);
+        let (normal, drift) = drift.loosened(&normal, loose, scene.shared.odometry);
+        self.prior = (normal.faded(FADED), drift.faded(FADED));
         (self.normal, self.drift) = self.drift.carried_on(&self.normal, &early.drift, theta, arm);
         (self.start, self.start_row, self.start_at) = (early.states, 0, self.map_from_odom);
         self.row = self.row.saturating_sub(last);

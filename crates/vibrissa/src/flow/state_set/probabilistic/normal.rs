@@ -61,6 +61,17 @@ impl Normal {
         Self { curvature, gradient: vector(self.gradient), mixed: vector(self.mixed), ..*self }
     }
 
+    /// The same knowledge with this share of its weight, where what it costs here stays.
+    pub(super) fn faded(&self, share: f64) -> Self {
+        Self {
+            curvature: self.curvature.map(|row| row.map(|v| share * v)),
+            gradient: self.gradient.map(|v| share * v),
+            cost: self.cost,
+            mixed: self.mixed.map(|v| share * v),
+            shared: self.shared.map(|v| share * v),
+        }
+    }
+
     /// The same knowledge after the frame has made a random move of this covariance.
     pub(super) fn loosened(&self, covariance: &Matrix) -> Self {
         let Some(w) = self.leeway(covariance) else { return *self };

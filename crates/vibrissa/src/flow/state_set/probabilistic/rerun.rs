@@ -6,6 +6,7 @@
 use super::bank::{LOOSE, cut};
 use super::hypothesis::{Hypothesis, LOOKED_AT, Limits, Scene, moved};
 use super::slide::Slide;
+use super::twins::Track;
 use core::ops::Range;
 
 /// The parts of a step that are tried, and by how much each may make things worse (nats).
@@ -39,6 +40,8 @@ pub(super) struct Rerun {
     reached: usize,
     /// As it was some rows ago, and some more, each with how many rows it had taken.
     before: [Option<(Box<Hypothesis>, usize)>; 2],
+    /// Where its tip has been.
+    track: Track,
     /// The search for a slide, and the used rows that are to be explained by it.
     slide: Option<(Box<Slide>, Range<usize>)>,
 }
@@ -54,7 +57,8 @@ struct Lead {
 
 impl Hypothesis {
     /// Linearises one that waits anew a step `d` away, or a part of it where the whole goes beyond the limits, with no more than
-    /// this much work (readings); whether it is below them, once that is known. A run that is under way is gone on with.
+    /// this much work (readings); whether it is below them, and where its tip has been, once that is known. A run that is under way is
+    /// gone on with.
     pub(super) fn revive(
         &mut self,
         scene: &Scene<'_>,
@@ -62,7 +66,7 @@ impl Hypothesis {
         rows: &[usize],
         most: Limits<'_>,
         work: &mut usize,
-    ) -> Option<bool> {
+    ) -> Option<(bool, Track)> {
         let exceeds = |cost: f64, done: usize| cost > most.usual[done - 1] + most.more;
         self.run_again(scene, d, rows, Lead { every: LOOKED_AT, times: LED, spare: None }, &exceeds, work)
     }
@@ -79,7 +83,7 @@ impl Hypothesis {
     ) -> Option<bool> {
         let exceeds = |cost: f64, done: usize| cost > most.usual[done - 1] + most.more;
         let lead = Lead { every: LOOKED_AT, times: LED, spare: Some(SPARE * most.more) };
-        self.run_again(scene, d, rows, lead, &exceeds, work)
+        self.run_again(scene, d, rows, lead, &exceeds, work).map(|(alive, _)| alive)
     }
 
     /// Linearises anew a step `d` away, or a part of it where the whole makes things worse, with no more than this much work
@@ -102,7 +106,7 @@ impl Hypothesis {
         lead: Lead,
         exceeds: &dyn Fn(f64, usize) -> bool,
         work: &mut usize,
-    ) -> Option<bool> {
+    ) -> Option<(bool, Track)> {
         let mut run = self.rerun.take().unwrap_or_else(|| Box::new(self.begin(scene, d, 0)));
         while run.done < rows.len() || run.slide.is_some() {
             if *work == 0 {
@@ -133,13 +137,13 @@ impl Hypothesis {
             }
             if run.led > 0 || run.part + 1 == SHARES.len() {
                 self.age = 0;
-                return Some(false);
+                return Some((false, run.track));
             }
             *run = self.begin(scene, run.step, run.part + 1);
         }
         (run.next.age, run.next.rests) = (0, self.rests);
         *self = run.next;
-        Some(true)
+        Some((true, run.track))
     }
 
     /// One that begins anew a part of a step away.
@@ -147,7 +151,17 @@ impl Hypothesis {
         let mut next = self.clone();
         let to = moved(self.map_from_odom, scene.pivot, step.map(|v| SHARES[part] * v));
         next.run(scene, to, core::iter::empty());
-        Rerun { next, step, part, done: 0, led: 0, reached: 0, before: [None, None], slide: None }
+        Rerun {
+            next,
+            step,
+            part,
+            done: 0,
+            led: 0,
+            reached: 0,
+            before: [None, None],
+            track: Track::Nowhere,
+            slide: None,
+        }
     }
 }
 
@@ -159,7 +173,10 @@ impl Rerun {
             self.before[1] = Some((Box::new(self.next.clone()), self.done));
         }
         let some = &rows[self.done..rows.len().min(self.done + lead.every)];
-        some.iter().for_each(|&row| self.next.take(scene, row));
+        for &row in some {
+            self.next.take(scene, row);
+            self.track.add(scene, &self.next);
+        }
         self.done += some.len();
         *work = work.saturating_sub(some.len());
     }
@@ -210,6 +227,7 @@ mod tests {
     use super::super::history::History;
     use super::super::predicted_moments;
     use super::super::shares::Shared;
+    use super::super::twins::Before;
     use super::*;
     use crate::beam::{TipModel, TipTable, Whisker};
     use crate::plane::{Curve, Pose2, Vec2};
@@ -305,7 +323,7 @@ mod tests {
                 let (_, d) = far.best(LOOSE, scene.shared);
                 assert!(!far.clone().run_below(scene, moved(far.map_from_odom, scene.pivot, cut(d)), rows, limits));
                 let mut whole = far.clone();
-                assert_eq!(whole.revive(scene, cut(d), rows, limits, &mut usize::MAX.clone()), Some(true));
+                assert!(whole.revive(scene, cut(d), rows, limits, &mut usize::MAX.clone()).unwrap().0);
                 assert!(whole.cost(scene.shared) <= usual[rows.len() - 1] + limits.more);
                 // The same a few readings at a time.
                 while far.revive(scene, cut(d), rows, limits, &mut 5).is_none() {}
@@ -356,6 +374,39 @@ mod tests {
     }
 
     #[test]
+    fn along_a_straight_wall_others_come_to_the_same() {
+        near_the_truth(|scene, rows, h| {
+            let usual = h.costs(scene, rows);
+            let limits = Limits { usual: &usual, more: 30.0 };
+            let off = |d: [f64; 3]| {
+                let mut there = h.clone();
+                there.run(scene, moved(h.map_from_odom, scene.pivot, d), rows.iter().copied());
+                there.look(LOOSE, scene.shared);
+                there
+            };
+            let one = off([3e-4, 0.0, 0.02]);
+            let (before, mut outcome) = (Before::of(&one), one.clone());
+            let (alive, track) = outcome.revive(scene, one.promise.1, rows, limits, &mut usize::MAX.clone()).unwrap();
+            assert!(alive && matches!(track, Track::On(..)), "{track:?}");
+            for along in [0.013, -0.02, 0.031] {
+                let other = off([3e-4, along, 0.02]);
+                let told = before.at(scene.ground, track, &outcome, &other).unwrap();
+                let mut wanted = other.clone();
+                wanted.revive(scene, other.promise.1, rows, limits, &mut usize::MAX.clone());
+                let apart = told.map_from_odom.position().distance(wanted.map_from_odom.position());
+                assert!(apart < 1e-9 && (told.map_from_odom.theta - wanted.map_from_odom.theta).abs() < 1e-9);
+                assert!((told.cost(scene.shared) - wanted.cost(scene.shared)).abs() < 1e-6);
+                let places = [&told, &wanted].map(|h| h.states[0].on_piece().unwrap());
+                assert!(places[0].0 == places[1].0 && (places[0].1 - places[1].1).abs() < 1e-6, "{places:?}");
+            }
+            // Not beyond the wall's end, at another angle, or off the wall.
+            for d in [[3e-4, 0.2, 0.02], [3e-4, 0.01, 0.021], [4e-4, 0.01, 0.02]] {
+                assert!(before.at(scene.ground, track, &outcome, &off(d)).is_none(), "{d:?}");
+            }
+        });
+    }
+
+    #[test]
     fn one_that_waits_keeps_what_it_costs() {
         near_the_truth(|scene, _, mut h| {
             h.look(LOOSE, scene.shared);
@@ -377,9 +428,12 @@ mod tests {
             let mut lost = h.clone();
             lost.waits = true;
             let limits = |more: f64| Limits { usual: &usual, more };
-            assert_eq!(lost.revive(scene, [0.0; 3], rows, limits(-1.0), &mut 1000), Some(false));
-            assert_eq!(lost.revive(scene, [0.0; 3], rows, limits(1e3), &mut 10), None);
-            assert_eq!(lost.revive(scene, [0.0; 3], rows, limits(1e3), &mut 1000), Some(true));
+            assert_eq!(
+                lost.revive(scene, [0.0; 3], rows, limits(-1.0), &mut 1000).map(|(alive, _)| alive),
+                Some(false)
+            );
+            assert_eq!(lost.revive(scene, [0.0; 3], rows, limits(1e3), &mut 10).map(|(alive, _)| alive), None);
+            assert_eq!(lost.revive(scene, [0.0; 3], rows, limits(1e3), &mut 1000).map(|(alive, _)| alive), Some(true));
             assert!(!lost.waits);
         });
     }

@@ -1,8 +1,10 @@
 //! Cells on straight walls: what one of them comes to, all come to that touch at the same angle.
 //!
 //! As long as the tip stays on one straight piece it does not matter where along it, or which. One cell of each heading is run
-//! through the readings, and what it comes to is moved to the others whose tip stays on their piece, too.
+//! through the readings, and what it comes to is moved to the others whose tip stays on their piece, too. The same holds later
+//! for hypotheses along one wall that wait to be run anew by the same step.
 
+use super::contact::State;
 use super::ground::{Ground, Spot};
 use super::hypothesis::{Hypothesis, Scene};
 use crate::plane::{Pose2, wrap_angle};
@@ -10,6 +12,8 @@ use crate::plane::{Pose2, wrap_angle};
 /// How far from the ends of a piece its middle counts (m), and how equal two headings are (rad).
 const END: f64 = 1e-6;
 const EQUAL: f64 = 1e-9;
+/// How equal what two cost is (nats).
+const ALIKE: f64 = 1e-4;
 
 /// Where on a straight piece the tip was when the contact began.
 #[derive(Clone, Copy)]
@@ -92,5 +96,74 @@ impl Twin {
             };
             self.outcome.as_ref().map(|h| h.slid(motion, &moved))
         })
+    }
+}
+
+/// Where a tip has been in a run, apart from rows without contact: on one straight piece between these parameters, or elsewhere, too.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Track {
+    Nowhere,
+    On(u32, [f64; 2]),
+    Elsewhere,
+}
+
+impl Track {
+    /// Takes in where the whiskers of a hypothesis are now.
+    pub(super) fn add(&mut self, scene: &Scene<'_>, h: &Hypothesis) {
+        let [state] = h.states.as_slice() else {
+            *self = Self::Elsewhere;
+            return;
+        };
+        *self = match (*self, state.on_piece()) {
+            (was, None) if *state == State::Free => was,
+            (Self::Nowhere, Some((piece, at))) if scene.ground.pieces[piece as usize].is_straight() => {
+                Self::On(piece, [at; 2])
+            }
+            (Self::On(piece, [low, high]), Some((now, at))) if now == piece => {
+                Self::On(piece, [low.min(at), high.max(at)])
+            }
+            _ => Self::Elsewhere,
+        };
+    }
+}
+
+/// A hypothesis before it was run anew.
+#[derive(Clone, Copy)]
+pub(super) struct Before {
+    frame: Pose2,
+    promise: (f64, [f64; 3]),
+}
+
+impl Before {
+    pub(super) fn of(h: &Hypothesis) -> Self {
+        Self { frame: h.map_from_odom, promise: h.promise }
+    }
+
+    /// What another comes to that was to be run anew by the same step, where `outcome` is what this one has come to; none where that is not
+    /// the same along its wall.
+    pub(super) fn at(
+        &self,
+        ground: &Ground,
+        track: Track,
+        outcome: &Hypothesis,
+        other: &Hypothesis,
+    ) -> Option<Hypothesis> {
+        let Track::On(piece, [low, high]) = track else { return None };
+        let (cost, d) = self.promise;
+        let (to, step) = other.promise;
+        let equal = |a: f64, b: f64| (a - b).abs() <= EQUAL * (1.0 + a.abs());
+        let same = wrap_angle(other.map_from_odom.theta - self.frame.theta).abs() < EQUAL
+            && (cost - to).abs() < ALIKE
+            && (0..3).all(|i| equal(d[i], step[i]));
+        let shift = other.map_from_odom.position() - self.frame.position();
+        let here = &ground.pieces[piece as usize];
+        let spot = here.spot(0.0);
+        let along = spot.velocity.dot(shift) / here.length;
+        let stays = low * here.length + along > END && high * here.length + along < here.length - END;
+        if !same || !stays || (spot.velocity.cross(shift) / here.length).abs() > END {
+            return None;
+        }
+        let motion = Pose2 { x: shift.x, y: shift.y, theta: 0.0 };
+        Some(outcome.slid(motion, &|(on, at)| (on, at + along / here.length)))
     }
 }

@@ -8,7 +8,8 @@
 use super::super::feeler::Judge;
 use super::super::history::History;
 use super::super::hypothesis::{Hypothesis, Limits, Scene, difference};
-use super::{Bank, Field, LOOSE, cut, is_stale};
+use super::super::twins::Before;
+use super::{Bank, Field, LOOSE, MUCH, cut, is_stale};
 use crate::plane::{Pose2, Vec2};
 use std::collections::VecDeque;
 
@@ -18,6 +19,8 @@ const DROP: f64 = 30.0;
 const DROP_MORE: f64 = 20.0;
 /// Readings that may be run again, for each new row, for those that are linearised anew before they are dropped.
 const URGENT: usize = 200;
+/// One that is revived may have come only part of the way: it is, so often in turn.
+const REVIVED: u32 = 3;
 /// What has become dearer than the best was then by this many times what drops a hypothesis is given up while it is still being
 /// run.
 const HOPELESS: f64 = 1.3;
@@ -129,14 +132,18 @@ impl Bank {
         let scene = field.scene(history, self.pivot, Judge::FAIR, self.shared);
         let (used, shared) = (&self.used, self.shared);
         let limits = Limits { usual: &self.usual, more: HOPELESS * drop };
+        let may_move = |h: &Hypothesis| is_stale(h.promise.1) || h.cost(shared) - h.promise.0 > MUCH;
         let mut dropped = core::mem::take(&mut self.dropped);
         let lost = self.hypotheses.extract_if(.., |h| {
-            let (cost, d) = h.promise;
-            if h.waits || cost <= least + drop {
+            if h.waits || h.promise.0 <= least + drop {
                 return false;
             }
             // What it costs may say only that its linearisation is old. Until it is run anew it takes none of the rows to come.
-            h.waits = h.age * 6 > used.len() && is_stale(d);
+            let old = h.age * 6 > used.len();
+            if old {
+                h.revived = 0;
+            }
+            h.waits = (old || (1..REVIVED).contains(&h.revived)) && may_move(h);
             h.rerun = None;
             !h.waits
         });
@@ -152,9 +159,26 @@ impl Bank {
                 break;
             }
             let h = &mut self.hypotheses[index];
-            let Some(alive) = h.revive(&scene, cut(h.promise.1), used, limits, &mut work) else { break };
+            if !h.waits || dead[index] {
+                continue;
+            }
+            let before = Before::of(h);
+            let Some((alive, track)) = h.revive(&scene, cut(h.promise.1), used, limits, &mut work) else { break };
             h.look(LOOSE, shared);
-            dead[index] = !alive || h.promise.0 > least + drop;
+            h.revived += 1;
+            let dear = h.promise.0 > least + drop;
+            h.waits = alive && dear && h.revived < REVIVED && may_move(h);
+            dead[index] = !alive || dear && !h.waits;
+            // Along a straight wall others come to the same.
+            let outcome = h.clone();
+            for (other, h) in self.hypotheses.iter_mut().enumerate().filter(|(_, h)| h.waits) {
+                if let Some(there) = before.at(field.ground, track, &outcome, h).filter(|_| other != index) {
+                    dead[other] = dead[index];
+                    if alive {
+                        *h = there;
+                    }
+                }
+            }
         }
         let mut dead = dead.into_iter();
         let lost = self.hypotheses.extract_if(.., |_| dead.next() == Some(true));

@@ -35,6 +35,8 @@ const LONGEST: [f64; 2] = [3e-3, 0.06];
 /// A step longer than this (m, rad) asks for a new linearisation, if it promises so much (nats).
 const STALE: [f64; 2] = [1e-4, 2e-3];
 const PROMISE: f64 = 0.1;
+/// One that promises so much (nats) asks for it however short it is.
+const MUCH: f64 = 8.0;
 /// Readings that may be run again for each new row, and how many are saved up for it when there is nothing to do.
 const BUDGET: usize = 80;
 const SAVED: usize = 3 * BUDGET;
@@ -149,6 +151,11 @@ fn is_stale(d: [f64; 3]) -> bool {
     d[0] * d[0] + d[1] * d[1] > STALE[0] * STALE[0] || d[2].abs() > STALE[1]
 }
 
+/// Whether a step that promises so much (nats) asks for a new linearisation.
+fn asks(promise: f64, d: [f64; 3]) -> bool {
+    is_stale(d) && promise > PROMISE || promise > MUCH
+}
+
 impl Bank {
     /// Runs these hypotheses anew, each moved to its best place.
     pub(super) fn rerun(&mut self, field: &Field<'_>, history: &History, which: Range<usize>) {
@@ -235,7 +242,7 @@ impl Bank {
             return;
         }
         let (cost, d) = h.promise;
-        let moved = || is_stale(d) && h.cost(self.shared) > cost + PROMISE;
+        let moved = || asks(h.cost(self.shared) - cost, d);
         if (h.rerun.is_some() || moved()) && h.improve(scene, cut(d), &self.used, &mut self.credit) {
             h.look(LOOSE, self.shared);
         }
