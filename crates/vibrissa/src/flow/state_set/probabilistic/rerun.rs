@@ -40,7 +40,7 @@ pub(super) struct Rerun {
     reached: usize,
     /// As it was some rows ago, and some more, each with how many rows it had taken.
     before: [Option<(Box<Hypothesis>, usize)>; 2],
-    /// Where its tip has been.
+    /// Where its tip has been, wherever it began.
     track: Track,
     /// The search for a slide, and the used rows that are to be explained by it.
     slide: Option<(Box<Slide>, Range<usize>)>,
@@ -139,7 +139,7 @@ impl Hypothesis {
                 self.age = 0;
                 return Some((false, run.track));
             }
-            *run = self.begin(scene, run.step, run.part + 1);
+            *run = Rerun { track: run.track, ..self.begin(scene, run.step, run.part + 1) };
         }
         (run.next.age, run.next.rests) = (0, self.rests);
         *self = run.next;
@@ -188,7 +188,7 @@ impl Rerun {
 
     /// A run that begins anew this far from here.
     fn from(&self, scene: &Scene<'_>, d: [f64; 3]) -> Self {
-        Self { led: self.led + 1, reached: self.done, ..self.next.begin(scene, d, 0) }
+        Self { led: self.led + 1, reached: self.done, track: self.track, ..self.next.begin(scene, d, 0) }
     }
 
     /// A run from where the rows that it has come through lead, if they are within the limits there.
