@@ -56,34 +56,21 @@ struct Lead {
 }
 
 impl Hypothesis {
-    /// Linearises one that waits anew a step `d` away, or a part of it where the whole goes beyond the limits, with no more than
-    /// this much work (readings); whether it is below them, and where its tip has been, once that is known. A run that is under way is
-    /// gone on with.
+    /// Linearises one that waits or was given up anew a step `d` away, or a part of it where the whole goes beyond the limits, and where
+    /// it `slides`, slid to where it meets corners in time, with no more than this much work (readings); whether it is below them, and
+    /// where its tip has been, once that is known. A run that is under way is gone on with.
     pub(super) fn revive(
         &mut self,
         scene: &Scene<'_>,
         d: [f64; 3],
         rows: &[usize],
         most: Limits<'_>,
+        slides: bool,
         work: &mut usize,
     ) -> Option<(bool, Track)> {
         let exceeds = |cost: f64, done: usize| cost > most.usual[done - 1] + most.more;
-        self.run_again(scene, d, rows, Lead { every: LOOKED_AT, times: LED, spare: None }, &exceeds, work)
-    }
-
-    /// Linearises one that was given up anew a step `d` away, slid to where it meets corners in time, with no more than this much work
-    /// (readings); whether it is below these limits, once that is known.
-    pub(super) fn regain(
-        &mut self,
-        scene: &Scene<'_>,
-        d: [f64; 3],
-        rows: &[usize],
-        most: Limits<'_>,
-        work: &mut usize,
-    ) -> Option<bool> {
-        let exceeds = |cost: f64, done: usize| cost > most.usual[done - 1] + most.more;
-        let lead = Lead { every: LOOKED_AT, times: LED, spare: Some(SPARE * most.more) };
-        self.run_again(scene, d, rows, lead, &exceeds, work).map(|(alive, _)| alive)
+        let lead = Lead { every: LOOKED_AT, times: LED, spare: slides.then_some(SPARE * most.more) };
+        self.run_again(scene, d, rows, lead, &exceeds, work)
     }
 
     /// Linearises anew a step `d` away, or a part of it where the whole makes things worse, with no more than this much work
@@ -323,10 +310,10 @@ mod tests {
                 let (_, d) = far.best(LOOSE, scene.shared);
                 assert!(!far.clone().run_below(scene, moved(far.map_from_odom, scene.pivot, cut(d)), rows, limits));
                 let mut whole = far.clone();
-                assert!(whole.revive(scene, cut(d), rows, limits, &mut usize::MAX.clone()).unwrap().0);
+                assert!(whole.revive(scene, cut(d), rows, limits, false, &mut usize::MAX.clone()).unwrap().0);
                 assert!(whole.cost(scene.shared) <= usual[rows.len() - 1] + limits.more);
                 // The same a few readings at a time.
-                while far.revive(scene, cut(d), rows, limits, &mut 5).is_none() {}
+                while far.revive(scene, cut(d), rows, limits, false, &mut 5).is_none() {}
                 assert_eq!(far.map_from_odom, whole.map_from_odom);
             }
         });
@@ -386,13 +373,14 @@ mod tests {
             };
             let one = off([3e-4, 0.0, 0.02]);
             let (before, mut outcome) = (Before::of(&one), one.clone());
-            let (alive, track) = outcome.revive(scene, one.promise.1, rows, limits, &mut usize::MAX.clone()).unwrap();
+            let (alive, track) =
+                outcome.revive(scene, one.promise.1, rows, limits, false, &mut usize::MAX.clone()).unwrap();
             assert!(alive && matches!(track, Track::On(..)), "{track:?}");
             for along in [0.013, -0.02, 0.031] {
                 let other = off([3e-4, along, 0.02]);
                 let told = before.at(scene.ground, track, &outcome, &other).unwrap();
                 let mut wanted = other.clone();
-                wanted.revive(scene, other.promise.1, rows, limits, &mut usize::MAX.clone());
+                wanted.revive(scene, other.promise.1, rows, limits, false, &mut usize::MAX.clone());
                 let apart = told.map_from_odom.position().distance(wanted.map_from_odom.position());
                 assert!(apart < 1e-9 && (told.map_from_odom.theta - wanted.map_from_odom.theta).abs() < 1e-9);
                 assert!((told.cost(scene.shared) - wanted.cost(scene.shared)).abs() < 1e-6);
@@ -429,11 +417,14 @@ mod tests {
             lost.waits = true;
             let limits = |more: f64| Limits { usual: &usual, more };
             assert_eq!(
-                lost.revive(scene, [0.0; 3], rows, limits(-1.0), &mut 1000).map(|(alive, _)| alive),
+                lost.revive(scene, [0.0; 3], rows, limits(-1.0), false, &mut 1000).map(|(alive, _)| alive),
                 Some(false)
             );
-            assert_eq!(lost.revive(scene, [0.0; 3], rows, limits(1e3), &mut 10).map(|(alive, _)| alive), None);
-            assert_eq!(lost.revive(scene, [0.0; 3], rows, limits(1e3), &mut 1000).map(|(alive, _)| alive), Some(true));
+            assert_eq!(lost.revive(scene, [0.0; 3], rows, limits(1e3), false, &mut 10).map(|(alive, _)| alive), None);
+            assert_eq!(
+                lost.revive(scene, [0.0; 3], rows, limits(1e3), false, &mut 1000).map(|(alive, _)| alive),
+                Some(true)
+            );
             assert!(!lost.waits);
         });
     }

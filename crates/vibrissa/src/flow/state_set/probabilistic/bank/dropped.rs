@@ -89,7 +89,7 @@ impl Dropped {
             if next.tried {
                 continue;
             }
-            let Some(alive) = next.h.regain(scene, d, rows, most, work) else { break };
+            let Some((alive, _)) = next.h.revive(scene, d, rows, most, true, work) else { break };
             next.tried = true;
             if alive {
                 next.h.look(LOOSE, scene.shared);
@@ -163,7 +163,9 @@ impl Bank {
                 continue;
             }
             let before = Before::of(h);
-            let Some((alive, track)) = h.revive(&scene, cut(h.promise.1), used, limits, &mut work) else { break };
+            let Some((alive, track)) = h.revive(&scene, cut(h.promise.1), used, limits, false, &mut work) else {
+                break;
+            };
             h.look(LOOSE, shared);
             h.revived += 1;
             let dear = h.promise.0 > least + drop;
