@@ -6,10 +6,10 @@ use vibrissa::beam::normal::{Branch, by_moment, by_point};
 use vibrissa::beam::{Load, Whisker, force_mode};
 use vibrissa::config::{DeterministicOptions, PossibilisticOptions, ProbabilisticOptions};
 use vibrissa::flow::pose::Method;
-use vibrissa::flow::sensor_log::SensorLog;
+use vibrissa::io::log::to_csv;
 use vibrissa::plane::Vec2;
+use vibrissa::sim::{SweepNoise, simulate_tip_sweep};
 use vibrissa::tasks::demo;
-use vibrissa::tasks::simulate::{SweepNoise, log_csv, simulate_tip_sweep};
 use vibrissa::world::Robot;
 use vibrissa::{LocalizeOptions, Result, localize};
 
@@ -102,9 +102,9 @@ fn nearest() -> Result<()> {
 }
 
 fn rows() -> Result<()> {
-    let text = log_csv(&demo::sweep(1)?.log);
+    let text = to_csv(&demo::sweep(1)?.log);
     collected(&mut || {
-        let _ = black_box(SensorLog::from_csv(black_box(&text), "log.csv"));
+        let _ = black_box(vibrissa::io::log::from_csv(black_box(&text), "log.csv"));
     });
     Ok(())
 }

@@ -1,6 +1,6 @@
 //! Numbers on the command line, with or without their unit.
 
-use vibrissa::world::{Dimension, parse_quantity};
+use vibrissa::io::{Dimension, parse_quantity};
 use vibrissa::{Error, Result};
 
 /// A number in SI units, or one that carries its unit.

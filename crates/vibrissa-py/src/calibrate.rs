@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use vibrissa::beam::Whisker;
 use vibrissa::config::StaircaseOptions;
-use vibrissa::flow::sensor_log::foreign::{Format, Recording};
+use vibrissa::io::log::foreign::{Format, Recording};
 use vibrissa::tasks::calibrate::{
     Constant, DistanceFit, DistanceSet, LeftOut, Shaft, TapSets, Taper, calibrate_contacts, fit_distance,
     leave_one_out, read_taps, staircase,
@@ -30,19 +30,19 @@ impl PyCalibration {
     /// The calibration of a file (cal.json).
     #[staticmethod]
     fn read(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
-        Ok(Self(Arc::new(Calibration::read(path).or_raise(py)?)))
+        Ok(Self(Arc::new(vibrissa::read_calibration(path).or_raise(py)?)))
     }
 
     /// The calibration in a JSON text; `name` stands for the file in messages.
     #[staticmethod]
     #[pyo3(signature = (text, name="cal.json"))]
     fn from_json(py: Python<'_>, text: &str, name: &str) -> PyResult<Self> {
-        Ok(Self(Arc::new(Calibration::from_json(text, name).or_raise(py)?)))
+        Ok(Self(Arc::new(vibrissa::io::calibration::from_json(text, name).or_raise(py)?)))
     }
 
     /// The calibration as the text of its file.
     fn to_json(&self) -> String {
-        format!("{:#}\n", self.0.to_json())
+        format!("{:#}\n", vibrissa::io::calibration::to_json(&self.0))
     }
 
     /// Writes the file (cal.json).

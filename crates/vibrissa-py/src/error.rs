@@ -18,7 +18,7 @@ impl<T> OrRaise<T> for vibrissa::Result<T> {
 /// `vibrissa.DataError` or `vibrissa.UsageError` with this text, and the file and line of `error`.
 pub(crate) fn exception(py: Python<'_>, error: &vibrissa::Error, text: String) -> PyErr {
     let name = if error.is_usage() { "UsageError" } else { "DataError" };
-    let file = error.file().map(|file| file.to_string_lossy().into_owned());
+    let file = error.file().map(str::to_owned);
     let value =
         py.import("vibrissa._errors").and_then(|module| module.getattr(name)?.call1((text, file, error.line())));
     value.map_or_else(|failure| failure, PyErr::from_value)

@@ -124,7 +124,7 @@ impl RobotIn {
                 rotation_relative: self.rotation_relative,
             },
         };
-        Robot::from_toml(&robot.to_toml(), CHECKED).map_err(without_line)?;
+        vibrissa::io::robot::from_toml(&vibrissa::io::robot::to_toml(&robot), CHECKED).map_err(without_line)?;
         Ok(robot)
     }
 }
@@ -181,19 +181,19 @@ fn robot_out<'py>(py: Python<'py>, robot: &Robot) -> PyResult<Bound<'py, PyDict>
 /// The robot of a file, as nested dicts.
 #[pyfunction]
 pub(crate) fn robot_read(py: Python<'_>, path: PathBuf) -> PyResult<Bound<'_, PyDict>> {
-    robot_out(py, &Robot::read(path).or_raise(py)?)
+    robot_out(py, &vibrissa::read_robot(path).or_raise(py)?)
 }
 
 /// The robot of a TOML text, as nested dicts.
 #[pyfunction]
 pub(crate) fn robot_parse<'py>(py: Python<'py>, text: &str, name: &str) -> PyResult<Bound<'py, PyDict>> {
-    robot_out(py, &Robot::from_toml(text, name).or_raise(py)?)
+    robot_out(py, &vibrissa::io::robot::from_toml(text, name).or_raise(py)?)
 }
 
 /// A robot as the text of its file.
 #[pyfunction]
 pub(crate) fn robot_toml(py: Python<'_>, robot: RobotIn) -> PyResult<String> {
-    Ok(robot.robot().or_raise(py)?.to_toml())
+    Ok(vibrissa::io::robot::to_toml(&robot.robot().or_raise(py)?))
 }
 
 /// The paper's robot: the default of everything that is left out.

@@ -7,9 +7,9 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyMapping};
 use std::path::PathBuf;
 use std::sync::Arc;
-use vibrissa::flow::sensor_log::foreign::{Format, Recording};
 use vibrissa::flow::sensor_log::{Channel, SensorLog};
-use vibrissa::tasks::simulate::log_csv;
+use vibrissa::io::log::foreign::{Format, Recording};
+use vibrissa::io::log::to_csv;
 use vibrissa::{Error, Result};
 
 /// What a robot recorded: times, odometry and readings.
@@ -54,7 +54,7 @@ impl PySensorLog {
         equally_long(&columns).or_raise(py)?;
         let read = py.detach(|| {
             let text = csv(&columns);
-            SensorLog::from_csv(&text, ARRAYS)
+            vibrissa::io::log::from_csv(&text, ARRAYS)
         });
         let log = read.map_err(|error| in_rows(py, &error))?;
         Self::new(py, SensorLog { source: None, ..log })
@@ -107,7 +107,7 @@ impl PySensorLog {
 
     /// The log as CSV, every number with all its digits.
     fn to_csv(&self, py: Python<'_>) -> String {
-        py.detach(|| log_csv(&self.0))
+        py.detach(|| to_csv(&self.0))
     }
 
     fn __len__(&self) -> usize {
@@ -127,7 +127,7 @@ const ARRAYS: &str = "SensorLog";
 fn read(path: PathBuf, format: Option<Format>) -> Result<SensorLog> {
     match format {
         Some(format) => Recording::read(path, format)?.to_log(),
-        None => SensorLog::read(path),
+        None => vibrissa::read_log(path),
     }
 }
 

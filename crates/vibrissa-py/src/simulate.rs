@@ -14,8 +14,8 @@ use std::sync::Arc;
 use vibrissa::Error;
 use vibrissa::config::scenario;
 use vibrissa::plane::Pose2;
-use vibrissa::tasks::simulate::{Pace, SimulateOptions, Solver, path_through, shapes, simulate_watched};
-use vibrissa::tasks::{Scenario, Sweep, SweepNoise};
+use vibrissa::sim::{Pace, SimulateOptions, Solver, path_through, shapes, simulate_watched};
+use vibrissa::sim::{Scenario, Sweep, SweepNoise};
 use vibrissa::world::MomentNoise;
 
 /// A scenario: map, robot, path and errors, ready to be simulated.
@@ -58,7 +58,7 @@ impl PyScenario {
 
     /// The robot as the text of its file.
     fn robot_toml(&self) -> String {
-        self.0.robot.to_toml()
+        vibrissa::io::robot::to_toml(&self.0.robot)
     }
 
     /// Simulates; gives the log, the fields of `vibrissa.Sweep`, and the serial line's text where there is one.
@@ -116,7 +116,7 @@ pub(crate) fn sweep<'py>(
         let every = path.len().div_ceil(DRAWN).max(1);
         sweep.shapes = shapes(&robot, &sweep, every)
             .into_iter()
-            .map(|s| vibrissa::tasks::simulate::Shape { row: s.row, whisker: s.whisker, points: s.points })
+            .map(|s| vibrissa::sim::Shape { row: s.row, whisker: s.whisker, points: s.points })
             .collect();
         Ok(sweep)
     })?;
@@ -137,7 +137,7 @@ pub(crate) fn fields<'py>(py: Python<'py>, sweep: &Sweep) -> PyResult<Bound<'py,
     out.set_item("exact_moments", exact.get_item(0)?)?;
     out.set_item("contacts", contacts(py, sweep)?)?;
     out.set_item("events", events(&sweep.events))?;
-    let shape = |s: &vibrissa::tasks::simulate::Shape| Ok((s.row, s.whisker, points(py, &s.points)?));
+    let shape = |s: &vibrissa::sim::Shape| Ok((s.row, s.whisker, points(py, &s.points)?));
     out.set_item("shapes", sweep.shapes.iter().map(shape).collect::<PyResult<Vec<_>>>()?)?;
     Ok(out)
 }

@@ -30,7 +30,7 @@ impl PyMap {
     /// The map of a file: .geojson (m), .svg (mm), .dxf, .yaml or .mcap.
     #[staticmethod]
     fn read(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
-        let map = py.detach(|| vibrissa::world::Map::read(path)).or_raise(py)?;
+        let map = py.detach(|| vibrissa::read_map(path)).or_raise(py)?;
         Self::new(py, map)
     }
 
@@ -38,7 +38,7 @@ impl PyMap {
     #[staticmethod]
     #[pyo3(signature = (text, name="map.geojson"))]
     fn from_geojson(py: Python<'_>, text: &str, name: &str) -> PyResult<Self> {
-        let map = vibrissa::world::Map::from_geojson(text, name).or_raise(py)?;
+        let map = vibrissa::io::map::from_geojson(text, name).or_raise(py)?;
         Self::new(py, map)
     }
 
@@ -46,7 +46,7 @@ impl PyMap {
     #[staticmethod]
     #[pyo3(signature = (text, name="map.svg"))]
     fn from_svg(py: Python<'_>, text: &str, name: &str) -> PyResult<Self> {
-        let map = vibrissa::world::Map::from_svg(text, name).or_raise(py)?;
+        let map = vibrissa::io::map::from_svg(text, name).or_raise(py)?;
         Self::new(py, map)
     }
 
@@ -54,7 +54,7 @@ impl PyMap {
     #[staticmethod]
     #[pyo3(signature = (text, name="map.dxf"))]
     fn from_dxf(py: Python<'_>, text: &str, name: &str) -> PyResult<Self> {
-        let map = vibrissa::world::Map::from_dxf(text, name).or_raise(py)?;
+        let map = vibrissa::io::map::from_dxf(text, name).or_raise(py)?;
         Self::new(py, map)
     }
 

@@ -9,7 +9,7 @@ use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_m
 use std::hint::black_box;
 use vibrissa::flow::pose::StampedPose;
 use vibrissa::plane::{Curve, Pose2, Vec2};
-use vibrissa::tasks::simulate::{Pace, SimulateOptions, Solver, SweepNoise, path_through, simulate};
+use vibrissa::sim::{Pace, SimulateOptions, Solver, SweepNoise, path_through, simulate};
 use vibrissa::world::{Boundary, Map, MountedWhisker, Robot, Role};
 
 /// A wavy wall of so many edges of about a millimetre, above the x axis, within an arena; the same near the path whatever

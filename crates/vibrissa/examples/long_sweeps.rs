@@ -14,9 +14,8 @@ mod random;
 
 use long_sweep::long_sweep;
 use std::path::Path;
-use vibrissa::flow::trajectory::format_tum;
-use vibrissa::tasks::simulate::log_csv;
-use vibrissa::world::Map;
+use vibrissa::io::format_tum;
+use vibrissa::io::log::to_csv;
 use vibrissa::{Error, Result};
 
 fn written(path: &Path, text: &str) -> Result<()> {
@@ -35,14 +34,14 @@ fn main() -> Result<()> {
     paths.retain(|path| path.extension().is_some_and(|ending| ending == "geojson"));
     paths.sort();
     for path in paths {
-        let map = Map::read(&path)?;
+        let map = vibrissa::read_map(&path)?;
         let name = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
         std::fs::copy(&path, Path::new(&out).join(format!("{name}.geojson")))
             .map_err(|error| Error::data(error.to_string()))?;
         let found = (first..first + 100 * count).filter_map(|seed| Some((seed, long_sweep(&map, seed)?)));
         for (seed, sweep) in found.take(count as usize) {
             let beside = |ending: &str| Path::new(&out).join(format!("{name}-s{seed}.{ending}"));
-            written(&beside("csv"), &log_csv(&sweep.log))?;
+            written(&beside("csv"), &to_csv(&sweep.log))?;
             written(&beside("truth.tum"), &format_tum(&sweep.truth))?;
             println!("{name}-s{seed}: {} rows, {} touches", sweep.truth.len(), sweep.contacts.len());
         }

@@ -1,18 +1,23 @@
-//! Prints every public item of the library with its signature, one a line, as rustdoc sees it.
+//! Prints every public item of the libraries with its signature, one a line, as rustdoc sees it.
 //!
-//! `.ci/api` compares the list with docs/api.txt; it reads the pages that `cargo doc -p vibrissa --no-deps` left. Items
+//! `.ci/api` compares the list with docs/api.txt; it reads the pages that `cargo doc --no-deps` left. Items
 //! without a sentence of documentation cannot be here: `missing_docs` is denied.
 
 use std::path::Path;
 use std::process::ExitCode;
+
+/// The libraries.
+const CRATES: [&str; 6] =
+    ["vibrissa_beam", "vibrissa_core", "vibrissa_io", "vibrissa_sim", "vibrissa_figure", "vibrissa"];
 
 /// Kinds of pages that stand for an item.
 const KINDS: [&str; 8] = ["struct.", "enum.", "trait.", "fn.", "constant.", "type.", "macro.", "union."];
 
 fn main() -> ExitCode {
     let target = std::env::var("CARGO_TARGET_DIR").unwrap_or(format!("{}/../../target", env!("CARGO_MANIFEST_DIR")));
-    let root = Path::new(&target).join("doc/vibrissa");
-    match items(&root) {
+    let found: std::io::Result<Vec<Vec<String>>> =
+        CRATES.iter().map(|name| items(&Path::new(&target).join("doc").join(name), name)).collect();
+    match found.map(|lists| lists.concat()) {
         Ok(mut lines) => {
             lines.sort();
             lines.dedup();
@@ -20,28 +25,27 @@ fn main() -> ExitCode {
             ExitCode::SUCCESS
         }
         Err(error) => {
-            eprintln!("error: {}: {error}; run `cargo doc -p vibrissa --no-deps` first", root.display());
+            eprintln!("error: {target}/doc: {error}; run `cargo doc --workspace --no-deps` first");
             ExitCode::FAILURE
         }
     }
 }
 
 /// Every item of the pages that the list of all items names; other pages may be left over from earlier builds.
-fn items(root: &Path) -> std::io::Result<Vec<String>> {
+fn items(root: &Path, name: &str) -> std::io::Result<Vec<String>> {
     let all = std::fs::read_to_string(root.join("all.html"))?;
     let mut lines: Vec<String> =
         between(&std::fs::read_to_string(root.join("index.html"))?, "<code>pub use ", "</code>")
-            .map(|used| format!("vibrissa: pub use {}", plain(used)))
+            .map(|used| format!("{name}: pub use {}", plain(used)))
             .collect();
     for page in between(&all, "<a href=\"", "\"") {
-        let (module, name) = page.rsplit_once('/').unwrap_or(("", page));
-        if !KINDS.iter().any(|kind| name.starts_with(kind)) {
+        let (module, file) = page.rsplit_once('/').unwrap_or(("", page));
+        if !KINDS.iter().any(|kind| file.starts_with(kind)) {
             continue;
         }
-        let path =
-            if module.is_empty() { "vibrissa".into() } else { format!("vibrissa::{}", module.replace('/', "::")) };
+        let path = if module.is_empty() { name.to_owned() } else { format!("{name}::{}", module.replace('/', "::")) };
         let html = std::fs::read_to_string(root.join(page))?;
-        let owner = name.trim_end_matches(".html").rsplit('.').next().unwrap_or(name);
+        let owner = file.trim_end_matches(".html").rsplit('.').next().unwrap_or(file);
         let declared = between(&html, "<pre class=\"rust item-decl\"><code>", "</code></pre>").next();
         lines.extend(declared.map(|text| format!("{path}: {}", plain(text))));
         lines.extend(methods(&html).map(|text| format!("{path}::{owner}: {text}")));

@@ -13,8 +13,8 @@ use random::Random;
 use random_arena::{Draws, sweep_of};
 use vibrissa::flow::pose::{Localization, Status};
 use vibrissa::plane::{Pose2, wrap_angle};
+use vibrissa::sim::{Part, Sweep};
 use vibrissa::tasks::demo;
-use vibrissa::tasks::simulate::{Part, Sweep};
 use vibrissa::world::Robot;
 use vibrissa::{LocalizeOptions, Result, localize};
 

@@ -20,7 +20,7 @@ use std::path::Path;
 use std::time::Instant;
 use vibrissa::flow::pose::{Hypothesis, Localization, Method};
 use vibrissa::flow::sensor_log::{LogRow, SensorLog};
-use vibrissa::flow::trajectory::read_tum;
+use vibrissa::io::read_tum;
 use vibrissa::localizer::{Localizer, PossibilisticLocalizer, ProbabilisticLocalizer};
 use vibrissa::plane::{Pose2, wrap_angle};
 use vibrissa::world::{Map, Robot};
@@ -117,9 +117,10 @@ fn main() -> Result<()> {
     );
     let (mut rows, mut all, mut late_all, mut held) = (0, 0.0, Vec::new(), 0);
     for name in names {
-        let map =
-            Map::read(Path::new(&folder).join(format!("{}.geojson", name.split('-').next().unwrap_or_default())))?;
-        let log = SensorLog::read(Path::new(&folder).join(format!("{name}.csv")))?;
+        let map = vibrissa::read_map(
+            Path::new(&folder).join(format!("{}.geojson", name.split('-').next().unwrap_or_default())),
+        )?;
+        let log = vibrissa::read_log(Path::new(&folder).join(format!("{name}.csv")))?;
         let truth = read_tum(Path::new(&folder).join(format!("{name}.truth.tum")))?;
         let truth = truth.last().map_or(Pose2::IDENTITY, |t| t.map_from_robot);
         let run = run(&log, &map, &robot(&name), method)?;

@@ -14,8 +14,8 @@ use vibrissa::flow::pose::{Localization, Method, Status};
 use vibrissa::flow::sensor_log::SensorLog;
 use vibrissa::plane::{Curve, Pose2, Vec2, wrap_angle};
 use vibrissa::sets::StateBox;
+use vibrissa::sim::Sweep;
 use vibrissa::tasks::demo;
-use vibrissa::tasks::simulate::Sweep;
 use vibrissa::world::{Boundary, Map, Robot, Role};
 use vibrissa::{Error, LocalizeOptions, Result, localize};
 

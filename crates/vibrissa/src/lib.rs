@@ -6,24 +6,30 @@
 //!
 //! | door | from | to | where |
 //! | --- | --- | --- | --- |
-//! | sensor log | a file | rows of odometry and readings | [`flow::sensor_log`] |
+//! | sensor log | a file | rows of odometry and readings | [`read_log`], [`flow::sensor_log`] |
 //! | moment | readings | smoothed moments over a short history | [`flow::moment`] |
 //! | contact set | a moment | tip contacts in the whisker frame, every branch | [`flow::contact_set`] |
 //! | preimage | contact sets, a map | robot states that explain the reading | [`flow::preimage`] |
 //! | state set | preimages, motion | states that explain all readings so far | [`flow::state_set`] |
 //! | pose | a state set | a verdict, places, an estimate and its extent | [`flow::pose`] |
 //!
-//! [`localize`] is the one-call door for whole logs, [`Localizer`] the same row by row. [`beam`] stands on its own for
-//! whisker mechanics, [`tasks::simulate`](mod@tasks::simulate) makes sweeps to try things on.
+//! [`localize`] is the one-call door for whole logs, [`Localizer`] the same row by row. One dependency is enough: this
+//! crate re-exports the others.
+//!
+//! | crate | here | what |
+//! | --- | --- | --- |
+//! | `vibrissa-beam` | [`beam`], [`plane`], [`sets`], [`sensing`] | whisker mechanics, without an operating system |
+//! | `vibrissa-core` | [`world`], [`flow`], [`localizer`], [`config`] | localization, without files |
+//! | `vibrissa-io` | [`io`] | readers and writers of files |
+//! | `vibrissa-sim` | [`sim`] | the simulator |
+//! | `vibrissa-figure` | [`figure`] | SVG figures |
 //!
 //! SI everywhere: m, rad, s, N, N m. Frames are right-handed, x forward, y left, angles counter-clockwise (REP 103);
 //! `world_from_robot` takes robot coordinates to world coordinates. The undeflected whisker points along +x of its own
 //! frame, and a push towards +y is a positive moment. Nothing here reads a clock, prints, or depends on threads.
 //!
 //! ```
-//! use vibrissa::flow::pose::Status;
-//! use vibrissa::world::Robot;
-//! use vibrissa::{LocalizeOptions, localize, tasks::demo};
+//! use vibrissa::{LocalizeOptions, Robot, Status, localize, tasks::demo};
 //!
 //! let (arena, sweep) = (demo::arena()?, demo::sweep(1)?);
 //! let answer = localize(&sweep.log, &arena, &Robot::default(), &LocalizeOptions::default(), &mut |_| {})?;
@@ -35,20 +41,19 @@
 //! # Ok::<(), vibrissa::Error>(())
 //! ```
 
-pub mod beam;
 #[cfg(doctest)]
 mod book;
-pub mod config;
-pub mod error;
-pub mod figure;
-pub mod flow;
 mod least_squares;
-pub mod localizer;
-pub mod plane;
-pub mod sets;
 pub mod tasks;
-pub mod world;
 
-pub use error::{Error, Result};
-pub use localizer::{Localizer, PossibilisticLocalizer};
 pub use tasks::{LocalizeOptions, localize, localize_while};
+pub use vibrissa_core::flow::pose::{Localization, Method, Status};
+pub use vibrissa_core::flow::sensor_log::SensorLog;
+pub use vibrissa_core::localizer::{Localizer, PossibilisticLocalizer};
+pub use vibrissa_core::world::{Map, Robot};
+pub use vibrissa_core::{Error, Result, beam, config, error, flow, localizer, plane, sensing, sets, world};
+pub use vibrissa_figure as figure;
+pub use vibrissa_io as io;
+pub use vibrissa_io::{read_calibration, read_log, read_map, read_robot};
+pub use vibrissa_sim as sim;
+pub use vibrissa_sim::{Scenario, Sweep, simulate};

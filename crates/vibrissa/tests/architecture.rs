@@ -1,51 +1,56 @@
-//! Guards the house plan: arrows between modules point one way only, and the library neither prints nor, in its
-//! innermost rooms, touches the outside world. Reads the sources as text.
+//! Guards the house plan: arrows between crates and between rooms of a crate point one way only, the mechanics and the
+//! localization core touch no files, and no library prints or reads a clock. Reads manifests and sources as text.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on must fail")]
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Each room and the rooms that it may use; a room may always use itself.
-const ROOMS: &[(&str, &[&str])] = &[
-    ("book", &[]),
-    ("error", &[]),
-    ("config", &[]),
-    ("least_squares", &["config", "error"]),
-    ("plane", &["config", "error"]),
-    ("sets", &["config", "error", "plane"]),
-    ("beam", &["config", "error", "plane", "sets"]),
-    ("world", &["config", "error", "plane", "sets", "beam"]),
-    ("flow", &["config", "error", "plane", "sets", "beam", "world"]),
-    ("localizer", &["config", "error", "plane", "sets", "beam", "world", "flow"]),
-    ("figure", &["config", "error", "plane", "sets", "beam", "world", "flow"]),
-    ("tasks", &["config", "error", "least_squares", "plane", "sets", "beam", "world", "flow", "localizer", "figure"]),
+/// The library crates by folder, and those of them that each may depend on.
+const CRATES: &[(&str, &[&str])] = &[
+    ("crates/vibrissa-beam", &[]),
+    ("crates/vibrissa-core", &["vibrissa-beam"]),
+    ("crates/vibrissa-io", &["vibrissa-core"]),
+    ("crates/vibrissa-sim", &["vibrissa-core", "vibrissa-io"]),
+    ("crates/vibrissa-figure", &["vibrissa-core"]),
+    ("crates/vibrissa", &["vibrissa-core", "vibrissa-figure", "vibrissa-io", "vibrissa-sim"]),
+    ("validation/reproduce", &["vibrissa"]),
 ];
 
-/// Rooms that must build where there is no operating system, and what they may not name.
-const PURE: &[&str] = &["plane", "sets", "beam"];
+/// Within each crate its rooms (files or folders right under `src`) in order: a room may use those before it.
+const ROOMS: &[(&str, &[&str])] = &[
+    ("crates/vibrissa-beam", &["platform", "error", "config", "plane", "sets", "sensing", "beam"]),
+    ("crates/vibrissa-core", &["config", "world", "contact", "flow", "localizer"]),
+    (
+        "crates/vibrissa-io",
+        &[
+            "text", "units", "toml_section", "calibration", "grid", "ros", "log", "calibrated", "robot", "map",
+            "trajectory", "recording",
+        ],
+    ),
+    ("crates/vibrissa-sim", &["simulate", "scenario", "recording"]),
+    ("crates/vibrissa", &["book", "least_squares", "tasks"]),
+];
+
+/// Crates that know no files, and what they may not name.
+const WITHOUT_FILES: &[&str] = &["crates/vibrissa-beam", "crates/vibrissa-core"];
 const OUTSIDE: &[&str] = &[
     "std::fs",
     "std::io",
-    "std::time",
     "std::thread",
     "std::env",
     "std::net",
     "std::process",
-    "std::path",
-    "std::sync",
     "HashMap",
     "HashSet",
-    "println!",
-    "eprintln!",
 ];
 /// What no part of the library may do.
 const PRINTING: &[&str] = &["println!", "print!", "eprintln!", "eprint!", "dbg!", "std::process::exit"];
 /// A result depends on no clock.
 const CLOCKS: &[&str] = &["std::time", "Instant::now", "SystemTime"];
 
-fn source() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("src")
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
 }
 
 fn files(folder: &Path) -> Vec<PathBuf> {
@@ -63,8 +68,8 @@ fn files(folder: &Path) -> Vec<PathBuf> {
 }
 
 /// The room of a source file: its first folder, or its stem directly under `src`.
-fn room(path: &Path) -> String {
-    let inside = path.strip_prefix(source()).unwrap();
+fn room(source: &Path, path: &Path) -> String {
+    let inside = path.strip_prefix(source).unwrap();
     inside.components().next().unwrap().as_os_str().to_string_lossy().trim_end_matches(".rs").to_owned()
 }
 
@@ -114,29 +119,24 @@ fn top_level_items(list: &str) -> Vec<String> {
     items
 }
 
-#[derive(Debug, PartialEq)]
-struct Fault(String);
-
-/// What is wrong with the code of one file of `room`.
-fn faults(room: &str, name: &str, text: &str) -> Vec<Fault> {
+/// What is wrong with the code of one file in a room of a crate.
+fn faults(folder: &str, room: &str, name: &str, text: &str) -> Vec<String> {
     let mut found = Vec::new();
-    let Some((_, allowed)) = ROOMS.iter().find(|(known, _)| *known == room) else {
-        return vec![Fault(format!(
-            "{name}: room `{room}` is not in the plan: add it to ROOMS and to ARCHITECTURE.md"
-        ))];
-    };
-    let mut fault = |line: usize, what: String| found.push(Fault(format!("{name}:{line}: {what}")));
+    let rooms = ROOMS.iter().find(|(known, _)| *known == folder).map(|(_, rooms)| *rooms);
+    let here = rooms.map(|rooms| rooms.iter().position(|known| *known == room));
+    if here == Some(None) {
+        return vec![format!("{name}: room `{room}` is not in the plan: add it to ROOMS and to ARCHITECTURE.md")];
+    }
+    let forbidden: &[&str] = if WITHOUT_FILES.contains(&folder) { OUTSIDE } else { &[] };
     for (number, line) in code(text) {
         for other in named_rooms(&line) {
-            if ROOMS.iter().any(|(known, _)| *known == other) && other != room && !allowed.contains(&other.as_str()) {
-                fault(number, format!("`{room}` must not use `{other}`"));
+            let there = rooms.and_then(|rooms| rooms.iter().position(|known| *known == other));
+            if here.flatten().zip(there).is_some_and(|(here, there)| there > here) {
+                found.push(format!("{name}:{number}: `{room}` must not use `{other}`"));
             }
         }
-        let forbidden = if PURE.contains(&room) { OUTSIDE } else { &[] };
-        for name in forbidden.iter().chain(PRINTING).chain(CLOCKS) {
-            if line.contains(name) {
-                fault(number, format!("`{room}` must not use `{name}`"));
-            }
+        for word in forbidden.iter().chain(PRINTING).chain(CLOCKS).filter(|word| line.contains(**word)) {
+            found.push(format!("{name}:{number}: `{room}` must not use `{word}`"));
         }
     }
     found
@@ -146,52 +146,73 @@ fn faults(room: &str, name: &str, text: &str) -> Vec<Fault> {
 fn the_sources_keep_to_the_plan() {
     let mut found = Vec::new();
     let mut seen = 0;
-    for path in files(&source()).iter().filter(|path| room(path) != "lib") {
-        let name = path.strip_prefix(source()).unwrap().to_string_lossy().into_owned();
-        found.extend(faults(&room(path), &name, &fs::read_to_string(path).unwrap()));
-        seen += 1;
+    for (folder, _) in CRATES {
+        let source = root().join(folder).join("src");
+        for path in files(&source).iter().filter(|path| room(&source, path) != "lib") {
+            let name = format!("{folder}/src/{}", path.strip_prefix(&source).unwrap().display());
+            found.extend(faults(folder, &room(&source, path), &name, &fs::read_to_string(path).unwrap()));
+            seen += 1;
+        }
     }
-    assert!(seen > 10, "only {seen} files seen");
-    let list: Vec<String> = found.into_iter().map(|fault| fault.0).collect();
-    assert!(list.is_empty(), "the house plan is broken:\n{}", list.join("\n"));
+    assert!(seen > 300, "only {seen} files seen");
+    assert!(found.is_empty(), "the house plan is broken:\n{}", found.join("\n"));
+}
+
+/// The crates of this workspace that a manifest depends on outside of tests.
+fn dependencies(manifest: &str) -> Vec<String> {
+    let mut on = false;
+    let mut found = Vec::new();
+    for line in manifest.lines() {
+        if line.starts_with('[') {
+            on = line == "[dependencies]";
+        } else if on && line.starts_with("vibrissa") {
+            found.push(line.split(['=', ' ', '.']).next().unwrap().to_owned());
+        }
+    }
+    found
 }
 
 #[test]
-fn the_plan_has_no_circle() {
-    for (index, (room, allowed)) in ROOMS.iter().enumerate() {
+fn the_crates_depend_on_each_other_as_planned() {
+    for (index, (folder, allowed)) in CRATES.iter().enumerate() {
+        let manifest = fs::read_to_string(root().join(folder).join("Cargo.toml")).unwrap();
+        for used in dependencies(&manifest) {
+            assert!(allowed.contains(&used.as_str()), "{folder} must not depend on {used}");
+        }
         for used in *allowed {
-            let place = ROOMS.iter().position(|(known, _)| known == used).expect("only known rooms");
-            assert!(place < index, "`{room}` may use `{used}`, which stands after it");
+            let place = CRATES.iter().position(|(known, _)| known.ends_with(&format!("/{used}"))).unwrap();
+            assert!(place < index, "{folder} may depend on {used}, which stands after it");
         }
     }
+    assert_eq!(dependencies("[dependencies]\nvibrissa-io = { workspace = true }\n[dev-dependencies]\nvibrissa = 1"), ["vibrissa-io"]);
 }
 
 #[test]
 fn the_guard_sees_what_it_must() {
+    let (beam, core, main) = ("crates/vibrissa-beam", "crates/vibrissa-core", "crates/vibrissa");
     let wrong = [
-        ("plane", "use crate::flow::pose::Status;"),
-        ("beam", "use crate::{plane::{Pose2, Vec2}, world::Robot};"),
-        ("sets", "let x = crate::world::Robot::default();"),
-        ("flow", "use crate::tasks::localize;"),
-        ("world", "use crate::figure::Canvas;"),
-        ("plane", "use std::collections::HashMap;"),
-        ("beam", "let now = std::time::Instant::now();"),
-        ("tasks", "println!(\"done\");"),
-        ("cellar", "fn f() {}"),
+        (beam, "plane", "use crate::beam::Whisker;"),
+        (beam, "error", "use crate::{plane::{Pose2, Vec2}, sets::Interval};"),
+        (core, "flow", "let x = crate::localizer::Localizer::new();"),
+        (core, "world", "use std::fs;"),
+        (beam, "plane", "use std::collections::HashMap;"),
+        (beam, "beam", "let now = std::time::Instant::now();"),
+        (main, "tasks", "println!(\"done\");"),
+        (main, "cellar", "fn f() {}"),
     ];
-    for (room, line) in wrong {
-        let found = faults(room, "x.rs", &format!("//! head\n{line}\n"));
+    for (folder, room, line) in wrong {
+        let found = faults(folder, room, "x.rs", &format!("//! head\n{line}\n"));
         assert!(!found.is_empty(), "{room}: {line}");
-        assert!(room == "cellar" || found[0].0.starts_with("x.rs:2: "), "{found:?}");
+        assert!(room == "cellar" || found[0].starts_with("x.rs:2: "), "{found:?}");
     }
     let right = [
-        ("flow", "use crate::{Error, Result};"),
-        ("world", "use crate::{Result, plane::{Pose2, Vec2}, beam::Whisker};"),
-        ("plane", "// crate::world is above us, println! too"),
-        ("world", "use std::fs;"),
-        ("plane", "#[cfg(test)]\nmod tests { use std::fs; }"),
+        (core, "flow", "use crate::{Error, Result};"),
+        (core, "world", "use crate::{Result, plane::{Pose2, Vec2}, beam::Whisker};"),
+        (beam, "plane", "// crate::beam is above us, println! too"),
+        ("crates/vibrissa-io", "log", "use std::fs;"),
+        (core, "world", "#[cfg(test)]\nmod tests { use std::fs; }"),
     ];
-    for (room, line) in right {
-        assert_eq!(faults(room, "x.rs", line), [], "{room}: {line}");
+    for (folder, room, line) in right {
+        assert_eq!(faults(folder, room, "x.rs", line), Vec::<String>::new(), "{room}: {line}");
     }
 }

@@ -4,8 +4,8 @@
 
 use std::path::{Path, PathBuf};
 use vibrissa::config::{StaircaseOptions, TapOptions};
-use vibrissa::flow::sensor_log::foreign::{Format, Recording};
 use vibrissa::flow::taps::taps;
+use vibrissa::io::log::foreign::{Format, Recording};
 use vibrissa::tasks::calibrate::{DistanceSet, LeftOut, Shaft, fit_distance, leave_one_out, staircase};
 use vibrissa::world::calibration::Motion;
 

@@ -11,8 +11,8 @@ use vibrissa::beam::{
     Load, Rod, Stretch, Whisker, deflection_per_force, moment_per_travel, moment_per_turn, point_mode,
 };
 use vibrissa::config::{CurveOptions, TapOptions};
-use vibrissa::flow::sensor_log::foreign::{Format, Recording};
 use vibrissa::flow::taps::taps;
+use vibrissa::io::log::foreign::{Format, Recording};
 use vibrissa::plane::Vec2;
 use vibrissa::tasks::calibrate::{
     Constant, DistanceSet, Labelled, Shaft, fit_constants, fit_distance, fit_moment_curve, fit_tip_deflection,
@@ -209,8 +209,8 @@ fn flux_becomes_moment_on_an_elastic_base_and_the_bound_holds_for_new_contacts()
     // Read back through the file, nothing changes.
     let calibration =
         Calibration { moment: Some(curve), tip_deflection: fit_tip_deflection(&explained), ..Calibration::default() };
-    let text = calibration.to_json().to_string();
-    assert_eq!(Calibration::from_json(&text, "cal.json").unwrap(), calibration);
+    let text = vibrissa::io::calibration::to_json(&calibration).to_string();
+    assert_eq!(vibrissa::io::calibration::from_json(&text, "cal.json").unwrap(), calibration);
     let curve = calibration.moment.unwrap();
     assert!(curve.moment(&[1.0, 1.0, 1.0]).unwrap_err().to_string().contains("calibrated range"));
 }
@@ -288,7 +288,7 @@ fn faulty_calibrations_are_named() {
         ("{\"format\": \"vibrissa calibration\", \"version\": 1, \"moment\": {\"inputs\": [1]}}", "moment.inputs: [1]"),
     ];
     for (text, words) in cases {
-        let error = Calibration::from_json(text, "cal.json").unwrap_err();
+        let error = vibrissa::io::calibration::from_json(text, "cal.json").unwrap_err();
         let shown = error.to_string();
         assert!(
             error.is_data() && shown.contains(words) && shown.contains("cal.json") && shown.contains("help:"),
@@ -334,8 +334,8 @@ fn damaged_calibrations_never_panic() {
     let curve = fit_moment_curve(&made, &made.explain(&Whisker::default()).unwrap(), &CurveOptions::default()).unwrap();
     let whole =
         Calibration { moment: Some(curve), channel: "ax".into(), distance: Some(fit.model), ..Calibration::default() };
-    let text = whole.to_json().to_string();
-    assert_eq!(Calibration::from_json(&text, "cal.json").unwrap(), whole);
+    let text = vibrissa::io::calibration::to_json(&whole).to_string();
+    assert_eq!(vibrissa::io::calibration::from_json(&text, "cal.json").unwrap(), whole);
     let mut random = Random(6);
     let mut read = 0;
     for _ in 0..3000 {
@@ -348,7 +348,9 @@ fn damaged_calibrations_never_panic() {
                 _ => bytes.insert(at, b"09-e,"[(random.unit() * 5.0) as usize]),
             }
         }
-        let Ok(calibration) = Calibration::from_json(&String::from_utf8_lossy(&bytes), "cal.json") else { continue };
+        let Ok(calibration) = vibrissa::io::calibration::from_json(&String::from_utf8_lossy(&bytes), "cal.json") else {
+            continue;
+        };
         read += 1;
         if let Some(curve) = &calibration.moment {
             let _ = curve.moment(&vec![1e-4; curve.inputs.len()]);
@@ -384,8 +386,8 @@ fn nothing_but_a_base_is_rigid_in_a_file() {
                 "tip_deflection":{{"coefficients":[2,3],"largest_moment":{largest},"residual_rms":5}}}}"#
         )
     };
-    let read = Calibration::from_json(&file("0.5"), "cal.json").unwrap();
+    let read = vibrissa::io::calibration::from_json(&file("0.5"), "cal.json").unwrap();
     assert!((read.tip_deflection.unwrap().largest_moment - 0.5).abs() < 1e-15);
-    let message = Calibration::from_json(&file("\"inf\""), "cal.json").unwrap_err().to_string();
+    let message = vibrissa::io::calibration::from_json(&file("\"inf\""), "cal.json").unwrap_err().to_string();
     assert!(message.contains("tip_deflection.largest_moment") && message.contains("a number"), "{message}");
 }

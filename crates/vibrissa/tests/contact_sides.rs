@@ -4,9 +4,9 @@
 
 use std::path::Path;
 use vibrissa::config::ContactOptions;
+use vibrissa::sim::Part;
+use vibrissa::sim::Scenario;
 use vibrissa::tasks::contact::{ContactKind, contacts};
-use vibrissa::tasks::scenario::Scenario;
-use vibrissa::tasks::simulate::Part;
 
 #[test]
 fn a_side_that_rolls_on_a_column_is_not_taken_for_the_tip() {

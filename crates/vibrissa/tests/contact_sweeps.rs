@@ -4,8 +4,7 @@
 
 use std::path::Path;
 use vibrissa::config::ContactOptions;
-use vibrissa::flow::sensor_log::SensorLog;
-use vibrissa::flow::trajectory::read_tum;
+use vibrissa::io::read_tum;
 use vibrissa::plane::Vec2;
 use vibrissa::tasks::contact::{ContactKind, contacts};
 use vibrissa::world::{MomentNoise, MountedWhisker, Robot};
@@ -37,7 +36,7 @@ fn tips_are_traced_and_told() {
     let robot = Robot { whiskers: vec![MountedWhisker { noise, ..MountedWhisker::default() }], ..Robot::default() };
     let (mut within, mut all) = (0_u32, 0_u32);
     for (name, lift_offs) in SWEEPS {
-        let mut log = SensorLog::read(folder.join(format!("{name}.csv"))).unwrap();
+        let mut log = vibrissa::read_log(folder.join(format!("{name}.csv"))).unwrap();
         let truth = read_tum(folder.join(format!("{name}.truth.tum"))).unwrap();
         for (row, pose) in log.rows.iter_mut().zip(&truth) {
             row.odom_from_robot = pose.map_from_robot;

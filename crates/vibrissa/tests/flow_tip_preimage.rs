@@ -11,8 +11,8 @@ use vibrissa::flow::pose::StampedPose;
 use vibrissa::flow::preimage::{PreimageOptions, reading_preimage};
 use vibrissa::plane::{Curve, Pose2, Vec2, wrap_angle};
 use vibrissa::sets::Interval;
+use vibrissa::sim::{Pace, Part, Sweep, SweepNoise, Touch, path_through, simulate_tip_sweep};
 use vibrissa::tasks::demo;
-use vibrissa::tasks::simulate::{Pace, Part, Sweep, SweepNoise, Touch, path_through, simulate_tip_sweep};
 use vibrissa::world::{Boundary, Map, Robot, Role};
 
 const MOMENT: VirtualSensor = VirtualSensor::Moment(MomentRegime::LargeAngle);

@@ -2,7 +2,8 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 use vibrissa::flow::pose::StampedPose;
-use vibrissa::flow::trajectory::{format_tum, parse_tum, pose_at, read_tum, trajectory_error};
+use vibrissa::flow::trajectory::{pose_at, trajectory_error};
+use vibrissa::io::{format_tum, parse_tum, read_tum};
 use vibrissa::plane::{Pose2, wrap_angle};
 
 fn row(t: f64, x: f64, y: f64, theta: f64) -> StampedPose {

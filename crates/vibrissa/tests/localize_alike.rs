@@ -13,7 +13,7 @@ use random::Random;
 use vibrissa::flow::pose::{Localization, Method, Status};
 use vibrissa::flow::sensor_log::SensorLog;
 use vibrissa::plane::{Curve, Pose2, Vec2, wrap_angle};
-use vibrissa::tasks::simulate::Sweep;
+use vibrissa::sim::Sweep;
 use vibrissa::world::{Boundary, Map, Robot, Role};
 use vibrissa::{LocalizeOptions, localize};
 

@@ -3,9 +3,9 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on must fail")]
 
 use std::path::PathBuf;
-use vibrissa::flow::calibrated::calibrated;
 use vibrissa::flow::pose::Status;
 use vibrissa::flow::sensor_log::{Channel, Quantity, SensorLog};
+use vibrissa::io::calibrated;
 use vibrissa::tasks::demo;
 use vibrissa::world::Robot;
 use vibrissa::world::calibration::{Calibration, MomentCurve};
@@ -26,7 +26,7 @@ fn cal_file(name: &str, bound: f64) -> PathBuf {
     };
     let calibration = Calibration { moment: Some(curve), ..Calibration::default() };
     let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
-    std::fs::write(&path, calibration.to_json().to_string()).unwrap();
+    std::fs::write(&path, vibrissa::io::calibration::to_json(&calibration).to_string()).unwrap();
     path
 }
 

@@ -17,7 +17,7 @@ use vibrissa::flow::pose::{Method, StampedPose, Status};
 use vibrissa::flow::state_set::probabilistic::predicted_moments;
 use vibrissa::plane::{Curve, Pose2, Vec2, wrap_angle};
 use vibrissa::sets::StateBox;
-use vibrissa::tasks::simulate::Sweep;
+use vibrissa::sim::Sweep;
 use vibrissa::world::{Boundary, Map, Robot, Role};
 use vibrissa::{LocalizeOptions, localize};
 

@@ -24,7 +24,7 @@ fn square(side: f64) -> Map {
         "geometry": {{"type": "Polygon", "coordinates":
         [[[0, 0], [{side}, 0], [{side}, {side}], [0, {side}], [0, 0]]]}}}}]}}"#
     );
-    Map::from_geojson(&text, "square").unwrap()
+    vibrissa::io::map::from_geojson(&text, "square").unwrap()
 }
 
 fn coarse(spacing: f64) -> LocalizeOptions {
@@ -100,7 +100,9 @@ fn more_boundary_than_memory_is_refused_with_a_spacing_that_works() {
 
 #[test]
 fn several_whiskers_do_not_share_a_nameless_column() {
-    let robot = Robot::from_toml("[[whisker]]\nname = \"left\"\n[[whisker]]\nname = \"right\"\n", "robot").unwrap();
+    let robot =
+        vibrissa::io::robot::from_toml("[[whisker]]\nname = \"left\"\n[[whisker]]\nname = \"right\"\n", "robot")
+            .unwrap();
     let error = localize(&log(), &square(0.4), &robot, &coarse(5e-3), &mut |_| {}).err().unwrap().to_string();
     assert!(error.contains("left.moment, right.moment"), "{error}");
 }
@@ -117,10 +119,10 @@ fn updates_at_a_standstill_are_refused() {
 fn absurd_odometry_is_refused_with_its_line() {
     for value in ["1e9", "-1e300", "2e8"] {
         let text = format!("t,x,y,theta,moment\n0,0,0,0,0\n1,{value},0,0,0\n2,0,0,0,0\n");
-        let error = SensorLog::from_csv(&text, "log.csv").err().unwrap();
+        let error = vibrissa::io::log::from_csv(&text, "log.csv").err().unwrap();
         assert!(error.line() == Some(3) && error.to_string().contains("x is out of range"), "{error}");
     }
-    assert!(SensorLog::from_csv("t,x,y,theta,moment\n0,9e7,-9e7,0,0\n", "log.csv").is_ok());
+    assert!(vibrissa::io::log::from_csv("t,x,y,theta,moment\n0,9e7,-9e7,0,0\n", "log.csv").is_ok());
 }
 
 #[test]
@@ -130,7 +132,7 @@ fn a_drawing_of_endless_size_is_refused_at_once() {
         ["<ellipse id=\"arena\" rx=\"1e-7\" ry=\"1e300\"/>", "<path id=\"wall\" d=\"M0 0 C 1e200 0 0 1e200 1 1\"/>"]
     {
         let text = format!("<svg xmlns=\"http://www.w3.org/2000/svg\">\n{shape}\n</svg>\n");
-        let error = Map::from_svg(&text, "map.svg").err().unwrap();
+        let error = vibrissa::io::map::from_svg(&text, "map.svg").err().unwrap();
         let message = error.to_string();
         assert!(error.line() == Some(2) && message.contains("out of range") && message.len() < 400, "{message}");
     }

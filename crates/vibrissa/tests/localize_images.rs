@@ -5,7 +5,7 @@
 use vibrissa::config::ProbabilisticOptions;
 use vibrissa::flow::pose::{Method, Status};
 use vibrissa::plane::wrap_angle;
-use vibrissa::tasks::Scenario;
+use vibrissa::sim::Scenario;
 use vibrissa::{LocalizeOptions, localize};
 
 /// Pressed into the upper wall first, so that shapes are far from where the first rows put them when the whisker begins to trail.

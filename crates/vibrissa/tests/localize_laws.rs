@@ -5,8 +5,8 @@
 use vibrissa::flow::pose::{Localization, StampedPose, Status};
 use vibrissa::flow::sensor_log::{Channel, LogRow, Quantity, SensorLog};
 use vibrissa::plane::{Curve, Pose2, Segment, Vec2, wrap_angle};
+use vibrissa::sim::{Pace, Sweep, SweepNoise, path_through, simulate_tip_sweep};
 use vibrissa::tasks::demo;
-use vibrissa::tasks::simulate::{Pace, Sweep, SweepNoise, path_through, simulate_tip_sweep};
 use vibrissa::world::{Boundary, Map, Robot, Role};
 use vibrissa::{LocalizeOptions, localize};
 

@@ -9,7 +9,7 @@ use region::{CHI2_95, distance};
 use vibrissa::flow::pose::{Localization, Method, Status};
 use vibrissa::localizer::ProbabilisticLocalizer;
 use vibrissa::plane::{Curve, Pose2, Vec2};
-use vibrissa::tasks::simulate::{Pace, SweepNoise, path_through, simulate_tip_sweep};
+use vibrissa::sim::{Pace, SweepNoise, path_through, simulate_tip_sweep};
 use vibrissa::world::{Boundary, Map, Robot, Role};
 use vibrissa::{LocalizeOptions, localize};
 

@@ -9,11 +9,11 @@ use random::Random;
 use std::path::{Path, PathBuf};
 use vibrissa::flow::pose::{Localization, Method, Status};
 use vibrissa::flow::sensor_log::SensorLog;
-use vibrissa::flow::trajectory::read_tum;
+use vibrissa::io::read_tum;
 use vibrissa::localizer::ProbabilisticLocalizer;
 use vibrissa::plane::{Pose2, wrap_angle};
 use vibrissa::tasks::demo;
-use vibrissa::world::{Map, Robot};
+use vibrissa::world::Robot;
 use vibrissa::{LocalizeOptions, localize};
 
 fn options() -> LocalizeOptions {
@@ -30,8 +30,8 @@ fn sweeps() -> Option<PathBuf> {
 }
 
 fn run(folder: &Path, name: &str, map: &str) -> (Localization, Pose2) {
-    let map = Map::read(folder.join(format!("{map}.geojson"))).unwrap();
-    let log = SensorLog::read(folder.join(format!("{name}.csv"))).unwrap();
+    let map = vibrissa::read_map(folder.join(format!("{map}.geojson"))).unwrap();
+    let log = vibrissa::read_log(folder.join(format!("{name}.csv"))).unwrap();
     let truth = read_tum(folder.join(format!("{name}.truth.tum"))).unwrap();
     let mut robot = Robot::default();
     if name.ends_with("bias") {
@@ -118,8 +118,8 @@ fn a_log_without_contact_says_so() {
 #[test]
 fn a_region_or_a_compass_tells_the_places_of_a_square_apart() {
     let Some(folder) = sweeps() else { return };
-    let map = Map::read(folder.join("square.geojson")).unwrap();
-    let mut log = SensorLog::read(folder.join("square-01.csv")).unwrap();
+    let map = vibrissa::read_map(folder.join("square.geojson")).unwrap();
+    let mut log = vibrissa::read_log(folder.join("square-01.csv")).unwrap();
     let truth = read_tum(folder.join("square-01.truth.tum")).unwrap();
     let (first, last) = (truth.first().unwrap().map_from_robot, truth.last().unwrap().map_from_robot);
     let mut within = options();
@@ -143,8 +143,8 @@ fn a_region_or_a_compass_tells_the_places_of_a_square_apart() {
 #[test]
 fn declared_odometry_errors_widen_the_place() {
     let Some(folder) = sweeps() else { return };
-    let map = Map::read(folder.join("bays.geojson")).unwrap();
-    let log = SensorLog::read(folder.join("bays-00-bias.csv")).unwrap();
+    let map = vibrissa::read_map(folder.join("bays.geojson")).unwrap();
+    let log = vibrissa::read_log(folder.join("bays-00-bias.csv")).unwrap();
     let truth = read_tum(folder.join("bays-00-bias.truth.tum")).unwrap().last().unwrap().map_from_robot;
     let answer = |share: f64| {
         let mut robot = Robot::default();

@@ -15,10 +15,10 @@ use ridge::off_ridge;
 use std::path::Path;
 use vibrissa::flow::pose::{Localization, Method, Status};
 use vibrissa::flow::sensor_log::SensorLog;
-use vibrissa::flow::trajectory::read_tum;
+use vibrissa::io::read_tum;
 use vibrissa::plane::{Curve, Pose2, Vec2, wrap_angle};
+use vibrissa::sim::{Pace, Sweep, SweepNoise, path_through, simulate_tip_sweep};
 use vibrissa::tasks::demo;
-use vibrissa::tasks::simulate::{Pace, Sweep, SweepNoise, path_through, simulate_tip_sweep};
 use vibrissa::world::{Boundary, Map, Robot, Role};
 use vibrissa::{LocalizeOptions, localize};
 
@@ -55,7 +55,7 @@ fn the_truth_of_sweeps_along_straight_walls_lies_on_a_ridge() {
         return;
     }
     for sweep in ["square-00", "square-01", "square-02", "obstacle-01"] {
-        let map = Map::read(folder.join(format!("{}.geojson", sweep.split('-').next().unwrap()))).unwrap();
+        let map = vibrissa::read_map(folder.join(format!("{}.geojson", sweep.split('-').next().unwrap()))).unwrap();
         for (suffix, bound) in [("", 1e-3), ("-bias", 2e-3)] {
             let mut robot = Robot::default();
             if !suffix.is_empty() {
@@ -63,7 +63,7 @@ fn the_truth_of_sweeps_along_straight_walls_lies_on_a_ridge() {
                 robot.odometry.translation_relative = 0.0101;
                 robot.odometry.rotation_relative = 0.0101;
             }
-            let log = SensorLog::read(folder.join(format!("{sweep}{suffix}.csv"))).unwrap();
+            let log = vibrissa::read_log(folder.join(format!("{sweep}{suffix}.csv"))).unwrap();
             let truth = read_tum(folder.join(format!("{sweep}{suffix}.truth.tum"))).unwrap();
             let truth = truth.last().unwrap().map_from_robot;
             let answer = localized(&log, &map, &robot, 1000);

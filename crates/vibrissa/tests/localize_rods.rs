@@ -5,7 +5,8 @@
 use vibrissa::beam::{Stretch, Whisker};
 use vibrissa::flow::pose::{Method, Status};
 use vibrissa::plane::wrap_angle;
-use vibrissa::tasks::{SweepNoise, demo, simulate_tip_sweep};
+use vibrissa::sim::{SweepNoise, simulate_tip_sweep};
+use vibrissa::tasks::demo;
 use vibrissa::world::Robot;
 use vibrissa::{LocalizeOptions, localize};
 

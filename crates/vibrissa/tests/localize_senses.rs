@@ -10,7 +10,8 @@ use vibrissa::beam::{Bend, Whisker, elastica};
 use vibrissa::flow::pose::{Localization, Method, Status};
 use vibrissa::flow::sensor_log::{Channel, Quantity, SensorLog};
 use vibrissa::plane::{Pose2, Vec2, wrap_angle};
-use vibrissa::tasks::{SweepNoise, demo, simulate_tip_sweep};
+use vibrissa::sim::{SweepNoise, simulate_tip_sweep};
+use vibrissa::tasks::demo;
 use vibrissa::world::{Map, ReadingNoise, Robot};
 use vibrissa::{LocalizeOptions, localize};
 

@@ -5,10 +5,9 @@
 use std::path::{Path, PathBuf};
 use vibrissa::config::{DeterministicOptions, TipLoad};
 use vibrissa::flow::pose::{Localization, Status};
-use vibrissa::flow::sensor_log::SensorLog;
-use vibrissa::flow::trajectory::read_tum;
+use vibrissa::io::read_tum;
 use vibrissa::plane::{Pose2, wrap_angle};
-use vibrissa::world::{Map, Robot};
+use vibrissa::world::Robot;
 use vibrissa::{LocalizeOptions, localize};
 
 /// The folder of reference data, where there is one.
@@ -29,8 +28,8 @@ struct Run {
 
 impl Run {
     fn new(folder: &Path, name: &str, robot: &Robot, options: &LocalizeOptions) -> Self {
-        let map = Map::read(folder.join(format!("{}.geojson", name.split('-').next().unwrap()))).unwrap();
-        let log = SensorLog::read(folder.join(format!("{name}.csv"))).unwrap();
+        let map = vibrissa::read_map(folder.join(format!("{}.geojson", name.split('-').next().unwrap()))).unwrap();
+        let log = vibrissa::read_log(folder.join(format!("{name}.csv"))).unwrap();
         let truth = read_tum(folder.join(format!("{name}.truth.tum"))).unwrap();
         let answer = localize(&log, &map, robot, options, &mut |_| {}).unwrap();
         Self { name: name.to_owned(), answer, truth: truth.last().unwrap().map_from_robot }

@@ -4,7 +4,7 @@
 
 use std::path::Path;
 use vibrissa::flow::pose::Status;
-use vibrissa::tasks::Scenario;
+use vibrissa::sim::Scenario;
 use vibrissa::{LocalizeOptions, localize};
 
 #[test]

@@ -10,9 +10,9 @@ use random_sweep::{Trial, contains, random_sweep};
 use std::path::Path;
 use vibrissa::config::PossibilisticOptions;
 use vibrissa::flow::pose::{Localization, Method, Status};
-use vibrissa::flow::sensor_log::{Channel, Quantity, SensorLog};
-use vibrissa::flow::trajectory::read_tum;
-use vibrissa::world::{Map, Robot};
+use vibrissa::flow::sensor_log::{Channel, Quantity};
+use vibrissa::io::read_tum;
+use vibrissa::world::Robot;
 use vibrissa::{LocalizeOptions, localize};
 
 /// Little work, for speed: soundness does not depend on it.
@@ -117,8 +117,8 @@ fn check_sweeps(names: &[&str], last_work: usize) {
         return;
     }
     for name in names {
-        let map = Map::read(folder.join(format!("{}.geojson", name.split('-').next().unwrap()))).unwrap();
-        let log = SensorLog::read(folder.join(format!("{name}.csv"))).unwrap();
+        let map = vibrissa::read_map(folder.join(format!("{}.geojson", name.split('-').next().unwrap()))).unwrap();
+        let log = vibrissa::read_log(folder.join(format!("{name}.csv"))).unwrap();
         let truth = read_tum(folder.join(format!("{name}.truth.tum"))).unwrap().last().unwrap().map_from_robot;
         let mut robot = Robot::default();
         if name.ends_with("bias") {
@@ -155,8 +155,10 @@ fn a_unique_place_beside_concave_boundary_is_found() {
         println!("skipped: no shared folder with sweeps");
         return;
     }
-    let (map, log) =
-        (Map::read(folder.join("obstacle.geojson")).unwrap(), SensorLog::read(folder.join("obstacle-00.csv")).unwrap());
+    let (map, log) = (
+        vibrissa::read_map(folder.join("obstacle.geojson")).unwrap(),
+        vibrissa::read_log(folder.join("obstacle-00.csv")).unwrap(),
+    );
     let truth = read_tum(folder.join("obstacle-00.truth.tum")).unwrap().last().unwrap().map_from_robot;
     let trial =
         Trial { map, robot: Robot::default(), log, truth, kinds: [0; 5], path: Vec::new(), touches: Vec::new() };

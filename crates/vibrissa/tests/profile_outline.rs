@@ -10,10 +10,10 @@ use random::Random;
 use std::path::{Path, PathBuf};
 use vibrissa::config::{ContactOptions, ProfileOptions};
 use vibrissa::flow::sensor_log::SensorLog;
-use vibrissa::flow::trajectory::read_tum;
+use vibrissa::io::read_tum;
 use vibrissa::plane::{Pose2, Vec2};
 use vibrissa::tasks::profile::*;
-use vibrissa::world::{Map, MomentNoise, MountedWhisker, Robot};
+use vibrissa::world::{MomentNoise, MountedWhisker, Robot};
 
 fn sweeps() -> Option<PathBuf> {
     let sweeps = std::env::var_os("VIBRISSA_SWEEPS")
@@ -28,7 +28,7 @@ fn sweeps() -> Option<PathBuf> {
 
 /// A sweep whose odometry is the truth, so that its outline is in the map's frame.
 fn sweep(folder: &Path, name: &str) -> SensorLog {
-    let mut log = SensorLog::read(folder.join(format!("{name}.csv"))).unwrap();
+    let mut log = vibrissa::read_log(folder.join(format!("{name}.csv"))).unwrap();
     let truth = read_tum(folder.join(format!("{name}.truth.tum"))).unwrap();
     for (row, pose) in log.rows.iter_mut().zip(&truth) {
         row.odom_from_robot = pose.map_from_robot;
@@ -44,7 +44,7 @@ fn robot() -> Robot {
 
 fn check(names: &[&str], map: &str, most_mean: f64) {
     let Some(folder) = sweeps() else { return };
-    let map = Map::read(folder.join(format!("{map}.geojson"))).unwrap();
+    let map = vibrissa::read_map(folder.join(format!("{map}.geojson"))).unwrap();
     let logs: Vec<SensorLog> = names.iter().map(|name| sweep(&folder, name)).collect();
     let found = profile(&logs, &robot(), &ContactOptions::default(), &ProfileOptions::default()).unwrap();
     let points: Vec<Vec2> = found.outlines.iter().flat_map(|o| o.points.iter().map(|p| p.position)).collect();
@@ -85,7 +85,7 @@ fn the_papers_obstacle_from_each_sweep() {
 #[test]
 fn the_papers_obstacle_with_other_noise() {
     let Some(folder) = sweeps() else { return };
-    let map = Map::read(folder.join("obstacle.geojson")).unwrap();
+    let map = vibrissa::read_map(folder.join("obstacle.geojson")).unwrap();
     let mut means = Vec::new();
     for (name, seed) in ["obstacle-00", "obstacle-01", "obstacle-02"].into_iter().flat_map(|n| [(n, 1), (n, 2), (n, 3)])
     {
@@ -195,7 +195,7 @@ fn distances_to_a_rounded_square_by_hand() {
 fn shape_error_and_absolute_error_are_apart() {
     let text = r#"{"type":"FeatureCollection","features":[{"type":"Feature","properties":{"role":"obstacle"},
         "geometry":{"type":"Polygon","coordinates":[[[0,0],[0.1,0],[0.1,0.06],[0,0.06],[0,0]]]}}]}"#;
-    let map = Map::from_geojson(text, "map").unwrap();
+    let map = vibrissa::io::map::from_geojson(text, "map").unwrap();
     let moved = Pose2::new(0.002, 0.001, 0.01);
     let points: Vec<Vec2> = map.samples(1e-3).iter().map(|s| moved.transform_point(s.position)).collect();
     let compared = compare(&points, &map, true).unwrap();
@@ -212,7 +212,7 @@ fn shape_error_and_absolute_error_are_apart() {
 fn shapes_are_found_from_any_frame() {
     let text = r#"{"type":"FeatureCollection","features":[{"type":"Feature","properties":{"role":"obstacle"},
         "geometry":{"type":"Polygon","coordinates":[[[0,0],[0.2,0],[0.2,0.05],[0.12,0.09],[0.07,0.07],[0,0.16],[0,0]]]}}]}"#;
-    let map = Map::from_geojson(text, "map").unwrap();
+    let map = vibrissa::io::map::from_geojson(text, "map").unwrap();
     for (from, moved) in
         [(20, Pose2::new(0.3, -0.2, 2.0)), (230, Pose2::new(-1.0, 0.4, -2.6)), (330, Pose2::new(0.0, 5.0, 0.4))]
     {

@@ -5,14 +5,15 @@
 
 use std::path::PathBuf;
 use vibrissa::flow::pose::Status;
-use vibrissa::flow::sensor_log::{Channel, Quantity, SensorLog};
-use vibrissa::plane::{Pose2, Vec2, wrap_angle};
-use vibrissa::tasks::bag::{StatesWatch, localization_mcap, sweep_mcap};
-use vibrissa::tasks::{demo, localize_watched};
-use vibrissa::world::ros::{
+use vibrissa::flow::sensor_log::{Channel, Quantity};
+use vibrissa::io::recording::{StatesWatch, localization_mcap};
+use vibrissa::io::ros::{
     BagWriter, Header, Kind, Stamp, decode_field, decode_pose, encode_field, encode_odometry, encode_wrench, read_bag,
 };
-use vibrissa::world::{Map, Robot};
+use vibrissa::plane::{Pose2, Vec2, wrap_angle};
+use vibrissa::sim::recording::sweep_mcap;
+use vibrissa::tasks::{demo, localize_watched};
+use vibrissa::world::Robot;
 use vibrissa::{LocalizeOptions, localize};
 
 fn file(name: &str) -> PathBuf {
@@ -23,7 +24,7 @@ fn file(name: &str) -> PathBuf {
 #[test]
 fn recordings_of_other_programs_are_read_plain_and_compressed() {
     for name in ["none.mcap", "lz4.mcap", "zstd.mcap", "rosbags.mcap"] {
-        let log = SensorLog::read(file(name)).unwrap();
+        let log = vibrissa::read_log(file(name)).unwrap();
         assert_eq!(log.warnings.iter().filter(|w| !w.starts_with("read but")).count(), 0, "{:?}", log.warnings);
         let columns: Vec<String> = log.channels.iter().map(Channel::column).collect();
         assert_eq!(columns, ["left.moment", "right.bx", "right.by", "right.bz"], "{name}");
@@ -48,15 +49,15 @@ fn a_folder_around_one_recording_stands_for_it() {
     let _ = std::fs::remove_file(folder.join("b.mcap"));
     std::fs::copy(file("lz4.mcap"), folder.join("a.mcap")).unwrap();
     std::fs::write(folder.join("metadata.yaml"), "rosbag2_bagfile_information:").unwrap();
-    assert_eq!(SensorLog::read(&folder).unwrap().rows, SensorLog::read(file("lz4.mcap")).unwrap().rows);
+    assert_eq!(vibrissa::read_log(&folder).unwrap().rows, vibrissa::read_log(file("lz4.mcap")).unwrap().rows);
     std::fs::copy(file("lz4.mcap"), folder.join("b.mcap")).unwrap();
-    assert!(SensorLog::read(&folder).unwrap_err().to_string().contains("it is a folder"));
+    assert!(vibrissa::read_log(&folder).unwrap_err().to_string().contains("it is a folder"));
 }
 
 #[test]
 fn a_cut_recording_is_read_up_to_the_cut_and_a_damaged_one_is_refused() {
     let whole = std::fs::read(file("none.mcap")).unwrap();
-    let cut = SensorLog::from_mcap(&whole[..whole.len() / 2], "cut.mcap").unwrap();
+    let cut = vibrissa::io::log::from_mcap(&whole[..whole.len() / 2], "cut.mcap").unwrap();
     assert!(cut.rows.len() > 3 && cut.rows.len() < 21, "{}", cut.rows.len());
     assert!(cut.warnings.iter().any(|w| w.contains("ends in the middle")), "{:?}", cut.warnings);
     let mut damaged = std::fs::read(file("zstd.mcap")).unwrap();
@@ -72,7 +73,7 @@ fn a_cut_recording_is_read_up_to_the_cut_and_a_damaged_one_is_refused() {
         (b"t,x,y,theta,moment\n", "not an MCAP recording"),
         (b"", "no topics"),
     ] {
-        let error = SensorLog::from_mcap(bytes, "log.mcap").unwrap_err().to_string();
+        let error = vibrissa::io::log::from_mcap(bytes, "log.mcap").unwrap_err().to_string();
         println!("{error}\n");
         assert!(error.starts_with("log.mcap: ") && error.contains(word) && error.contains("help:"), "{error}");
     }
@@ -100,7 +101,7 @@ fn readings_outside_the_odometry_are_left_out_and_gaps_are_told() {
     let pose = |x: f64| Pose2::new(x, 0.0, 0.0);
     let odometry = [("/odom", 1.0, pose(0.0)), ("/odom", 1.1, pose(0.1)), ("/odom", 2.1, pose(0.2))];
     let wrenches: Vec<_> = (0..30).map(|k| ("/whisker/wrench", 0.9 + 0.05 * f64::from(k), 1e-4)).collect();
-    let log = SensorLog::from_mcap(made(&odometry, &wrenches).as_slice(), "log.mcap").unwrap();
+    let log = vibrissa::io::log::from_mcap(made(&odometry, &wrenches).as_slice(), "log.mcap").unwrap();
     assert_eq!(log.channels, [Channel { whisker: String::new(), quantity: Quantity::Moment }]);
     // 0.9 and 0.95 are before the odometry, 2.15 to 2.35 after it.
     assert_eq!(log.rows.len(), 23);
@@ -130,7 +131,7 @@ fn what_is_missing_or_twofold_is_told_with_the_topics() {
         ),
         (made(&[("/odom", 1.0, Pose2::new(1e9, 0.0, 0.0))], &[("/wrench", 1.0, 0.0)]), vec!["out of range", "1e9"]),
     ] {
-        let error = SensorLog::from_mcap(bytes.as_slice(), "log.mcap").unwrap_err().to_string();
+        let error = vibrissa::io::log::from_mcap(bytes.as_slice(), "log.mcap").unwrap_err().to_string();
         println!("{error}\n");
         assert!(error.starts_with("log.mcap: ") && error.contains("help:"), "{error}");
         assert!(words.iter().all(|word| error.contains(word)), "{error}");
@@ -159,7 +160,7 @@ fn the_demos_recording_localizes_as_its_log_does_on_its_map_and_on_its_cells() {
     let bytes = sweep_mcap(&map, &robot, &sweep, &sweep.log).unwrap();
     assert_eq!(bytes, sweep_mcap(&map, &robot, &sweep, &sweep.log).unwrap(), "the same bytes");
     println!("{} rows, {} bytes", sweep.log.rows.len(), bytes.len());
-    let log = SensorLog::from_mcap(bytes.as_slice(), "log.mcap").unwrap();
+    let log = vibrissa::io::log::from_mcap(bytes.as_slice(), "log.mcap").unwrap();
     assert_eq!(log.rows.len(), sweep.log.rows.len());
     let worst = log.rows.iter().zip(&sweep.log.rows).map(|(a, b)| {
         let off = a.odom_from_robot.position().distance(b.odom_from_robot.position());
@@ -170,7 +171,7 @@ fn the_demos_recording_localizes_as_its_log_does_on_its_map_and_on_its_cells() {
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR"));
     let path = folder.join("demo.mcap");
     std::fs::write(&path, &bytes).unwrap();
-    let cells = Map::read(&path).unwrap();
+    let cells = vibrissa::read_map(&path).unwrap();
     let misses: Vec<f64> = map.samples(1e-3).iter().map(|s| cells.nearest(s.position).unwrap().distance).collect();
     let (mean, largest) =
         (misses.iter().sum::<f64>() / misses.len() as f64, misses.iter().fold(0.0, |a: f64, &b| a.max(b)));

@@ -6,9 +6,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use vibrissa::flow::pose::Status;
 use vibrissa::flow::trajectory::trajectory_error;
-use vibrissa::tasks::simulate::Part;
-use vibrissa::tasks::simulate::recorder::{Columns, SerialLayout, serial_text};
-use vibrissa::tasks::{Scenario, Simulation};
+use vibrissa::sim::Part;
+use vibrissa::sim::recorder::{Columns, SerialLayout, serial_text};
+use vibrissa::sim::{Scenario, Simulation};
 use vibrissa::{LocalizeOptions, localize};
 
 fn folder() -> PathBuf {

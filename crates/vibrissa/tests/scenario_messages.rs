@@ -10,7 +10,7 @@ mod random;
 use random::Random;
 use std::fmt::Write as _;
 use std::path::Path;
-use vibrissa::tasks::Scenario;
+use vibrissa::sim::Scenario;
 
 const MAP: &str = "map = { arena = [[0, 0], [0.6, 0], [0.6, 0.4], [0, 0.4]] }\n";
 const WAY: &str = "[path]\nwaypoints = [[0.15, 0.335], [0.4, 0.335]]\n";

@@ -9,8 +9,8 @@ use core::f64::consts::{FRAC_PI_2, PI};
 use random::Random;
 use vibrissa::beam::elastica;
 use vibrissa::plane::{Pose2, Vec2, wrap_angle};
-use vibrissa::tasks::Scenario;
-use vibrissa::tasks::simulate::shapes;
+use vibrissa::sim::Scenario;
+use vibrissa::sim::shapes;
 
 /// A free room of 2 m with a post of 0.2 m in its middle, and this path.
 fn scenario(path: &str) -> Scenario {

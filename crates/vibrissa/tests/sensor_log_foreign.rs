@@ -7,7 +7,7 @@ mod random;
 
 use random::Random;
 use std::path::{Path, PathBuf};
-use vibrissa::flow::sensor_log::foreign::{Format, Recording};
+use vibrissa::io::log::foreign::{Format, Recording};
 
 fn read(text: &str, format: Format) -> Recording {
     Recording::from_bytes(text.as_bytes(), format, "sample").unwrap()

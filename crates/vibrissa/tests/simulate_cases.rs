@@ -4,10 +4,11 @@
 
 use core::f64::consts::{FRAC_PI_2, PI};
 use vibrissa::flow::pose::StampedPose;
-use vibrissa::flow::sensor_log::SensorLog;
+use vibrissa::io::log::to_csv;
 use vibrissa::plane::{Curve, Pose2, Vec2};
-use vibrissa::tasks::simulate::{Pace, log_csv, path_through};
-use vibrissa::tasks::{Sweep, SweepNoise, demo, simulate_tip_sweep};
+use vibrissa::sim::{Pace, path_through};
+use vibrissa::sim::{Sweep, SweepNoise, simulate_tip_sweep};
+use vibrissa::tasks::demo;
 use vibrissa::world::{Boundary, Map, MomentNoise, MountedWhisker, Robot, Role};
 use vibrissa::{Error, Result};
 
@@ -191,7 +192,7 @@ fn paths_keep_their_pace() {
 #[test]
 fn a_log_reads_back_as_it_was() {
     let log = demo::sweep(3).unwrap().log;
-    let back = SensorLog::from_csv(&log_csv(&log), "log.csv").unwrap();
+    let back = vibrissa::io::log::from_csv(&to_csv(&log), "log.csv").unwrap();
     assert_eq!(back.channels, log.channels);
     assert_eq!(back.warnings, Vec::<String>::new());
     assert_eq!(back.rows.len(), log.rows.len());

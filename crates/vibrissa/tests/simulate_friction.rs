@@ -6,7 +6,7 @@ use core::f64::consts::TAU;
 use vibrissa::beam::{Whisker, elastica, tip_mode};
 use vibrissa::flow::pose::StampedPose;
 use vibrissa::plane::{Curve, Pose2, Vec2};
-use vibrissa::tasks::simulate::{Grip, Pace, Part, SimulateOptions, Sweep, SweepNoise, path_through, simulate};
+use vibrissa::sim::{Grip, Pace, Part, SimulateOptions, Sweep, SweepNoise, path_through, simulate};
 use vibrissa::world::{Boundary, Map, MountedWhisker, Robot, Role};
 
 fn wall() -> Map {

@@ -8,7 +8,7 @@ mod random;
 use core::f64::consts::FRAC_PI_2 as UP;
 use random::Random;
 use vibrissa::plane::{Curve, Pose2, Vec2};
-use vibrissa::tasks::simulate::{Pace, SimulateOptions, SweepNoise, path_through, simulate};
+use vibrissa::sim::{Pace, SimulateOptions, SweepNoise, path_through, simulate};
 use vibrissa::world::{Boundary, Map, MountedWhisker, Robot, Role};
 
 fn wall(points: &[Vec2]) -> Option<Boundary> {

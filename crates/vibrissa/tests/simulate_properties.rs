@@ -9,8 +9,8 @@ mod random;
 use random::Random;
 use vibrissa::flow::pose::StampedPose;
 use vibrissa::plane::{Curve, Pose2, Vec2};
-use vibrissa::tasks::simulate::{Pace, path_through};
-use vibrissa::tasks::{Sweep, SweepNoise, simulate_tip_sweep};
+use vibrissa::sim::{Pace, path_through};
+use vibrissa::sim::{Sweep, SweepNoise, simulate_tip_sweep};
 use vibrissa::world::{Boundary, Map, Robot, Role};
 
 const PACE: Pace = Pace { speed: 0.15, turn_rate: 1.0, rate: 300.0 };
@@ -105,7 +105,7 @@ fn energy_is_the_work_done_on_the_tip() {
     let (map, ..) = reference();
     let path = path_through(&waypoints(), &Pace { rate: 6000.0, ..PACE }).unwrap();
     let sweep = sweep(&map, &path);
-    let seen = |touch: &vibrissa::tasks::simulate::Touch| {
+    let seen = |touch: &vibrissa::sim::Touch| {
         let pose = path[touch.row].map_from_robot;
         (pose.inverse_transform_point(touch.position), touch.force.rotated(-pose.theta))
     };

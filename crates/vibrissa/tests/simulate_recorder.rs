@@ -3,16 +3,15 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on must fail")]
 
 use vibrissa::flow::pose::StampedPose;
-use vibrissa::flow::sensor_log::SensorLog;
+use vibrissa::io::log::to_csv;
 use vibrissa::plane::Pose2;
-use vibrissa::tasks::demo;
-use vibrissa::tasks::simulate::log_csv;
-use vibrissa::tasks::simulate::recorder::{
+use vibrissa::sensing::SensingChain;
+use vibrissa::sim::recorder::{
     Columns, Disturbances, Magnetometer, OdometryErrors, Recorder, Recording, SerialLayout, Slip, Stamps, serial_text,
 };
-use vibrissa::tasks::{Sweep, SweepNoise};
+use vibrissa::sim::{Sweep, SweepNoise};
+use vibrissa::tasks::demo;
 use vibrissa::world::Robot;
-use vibrissa::world::sensing::SensingChain;
 
 const ROWS: usize = 20_000;
 
@@ -230,7 +229,7 @@ fn a_compass_has_its_noise_and_is_written_and_read_back() {
     let log = record(&recorder, &sweep).log;
     let errors: Vec<f64> = log.rows.iter().map(|row| row.heading.unwrap()).collect();
     assert!(mean(&errors).abs() < 1e-3 && (deviation(&errors) / 0.02 - 1.0).abs() < 0.03, "{}", deviation(&errors));
-    let again = SensorLog::from_csv(&log_csv(&log), "log.csv").unwrap();
+    let again = vibrissa::io::log::from_csv(&to_csv(&log), "log.csv").unwrap();
     assert_eq!(again.rows.len(), log.rows.len());
     assert!(again.rows.iter().zip(&log.rows).all(|(a, b)| a.heading == b.heading && a.readings == b.readings));
 }

@@ -8,11 +8,11 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use vibrissa::flow::trajectory::read_tum;
+use vibrissa::io::read_tum;
 use vibrissa::plane::Vec2;
-use vibrissa::tasks::simulate::{SimulateOptions, Solver, simulate};
-use vibrissa::tasks::{Sweep, SweepNoise, simulate_tip_sweep};
-use vibrissa::world::{Map, Robot};
+use vibrissa::sim::{SimulateOptions, Solver, simulate};
+use vibrissa::sim::{Sweep, SweepNoise, simulate_tip_sweep};
+use vibrissa::world::Robot;
 
 /// Every sweep, how many of its rows may differ by more than 0.1 % and 1 µN m, and what happens in it.
 const SWEEPS: [(&str, usize, &[&str]); 12] = [
@@ -51,7 +51,7 @@ fn sorted(mut values: Vec<f64>) -> Vec<f64> {
 }
 
 fn simulated(folder: &Path, name: &str) -> Sweep {
-    let map = Map::read(folder.join(format!("{}.geojson", name.split('-').next().unwrap()))).unwrap();
+    let map = vibrissa::read_map(folder.join(format!("{}.geojson", name.split('-').next().unwrap()))).unwrap();
     let path = read_tum(folder.join(format!("{name}.truth.tum"))).unwrap();
     simulate_tip_sweep(&map, &Robot::default(), &path, &SweepNoise::none()).unwrap()
 }
@@ -114,7 +114,7 @@ const ODD_ROWS: [(&str, usize); 5] =
 fn in_the_odd_rows_our_own_discrete_rod_converges_to_the_elastica() {
     let Some(folder) = shared() else { return };
     for (name, row) in ODD_ROWS {
-        let map = Map::read(folder.join(format!("{}.geojson", name.split('-').next().unwrap()))).unwrap();
+        let map = vibrissa::read_map(folder.join(format!("{}.geojson", name.split('-').next().unwrap()))).unwrap();
         let path = read_tum(folder.join(format!("{name}.truth.tum"))).unwrap();
         let moment = |solver, links| {
             let options = SimulateOptions { solver, links, shape_points: 0 };

@@ -13,7 +13,7 @@ use random::Random;
 use vibrissa::beam::Whisker;
 use vibrissa::flow::pose::StampedPose;
 use vibrissa::plane::{Curve, Pose2, Vec2};
-use vibrissa::tasks::simulate::{Pace, Part, SimulateOptions, Solver, Sweep, SweepNoise, path_through, simulate};
+use vibrissa::sim::{Pace, Part, SimulateOptions, Solver, Sweep, SweepNoise, path_through, simulate};
 use vibrissa::world::{Boundary, Map, MountedWhisker, Robot, Role};
 
 fn map(role: Role, curve: Option<Curve>) -> Map {

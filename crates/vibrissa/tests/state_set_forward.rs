@@ -6,10 +6,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use vibrissa::beam::{TipModel, Whisker};
 use vibrissa::flow::state_set::probabilistic::predicted_moments;
-use vibrissa::flow::trajectory::read_tum;
+use vibrissa::io::read_tum;
 use vibrissa::plane::{Pose2, Vec2};
-use vibrissa::tasks::{SweepNoise, demo, simulate_tip_sweep};
-use vibrissa::world::{Map, Robot};
+use vibrissa::sim::{SweepNoise, simulate_tip_sweep};
+use vibrissa::tasks::demo;
+use vibrissa::world::Robot;
 
 const SWEEPS: [&str; 12] = [
     "bays-00",
@@ -39,7 +40,7 @@ fn shared() -> Option<PathBuf> {
 fn moments_agree_with_a_discrete_rod() {
     let Some(folder) = shared() else { return };
     for name in SWEEPS {
-        let map = Map::read(folder.join(format!("{}.geojson", name.split('-').next().unwrap()))).unwrap();
+        let map = vibrissa::read_map(folder.join(format!("{}.geojson", name.split('-').next().unwrap()))).unwrap();
         let truth = read_tum(folder.join(format!("{name}.truth.tum"))).unwrap();
         let path: Vec<Pose2> = truth.iter().map(|p| p.map_from_robot).collect();
         let begin = std::time::Instant::now();

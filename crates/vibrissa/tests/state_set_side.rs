@@ -13,8 +13,8 @@ use std::path::Path;
 use vibrissa::beam::TipModel;
 use vibrissa::flow::state_set::probabilistic::{PredictedMoment, predicted_moments};
 use vibrissa::plane::{Pose2, Vec2};
-use vibrissa::tasks::Scenario;
-use vibrissa::tasks::simulate::{Part, Sweep};
+use vibrissa::sim::Scenario;
+use vibrissa::sim::{Part, Sweep};
 use vibrissa::world::{Map, Robot};
 
 fn predicted(map: &Map, robot: &Robot, sweep: &Sweep, moved: [f64; 3]) -> Vec<PredictedMoment> {

@@ -29,11 +29,11 @@ fn drawing(units: Option<u32>, entities: &[&str]) -> String {
 }
 
 fn draw(entities: &[&str]) -> Map {
-    Map::from_dxf(&drawing(Some(4), entities), "map.dxf").unwrap()
+    vibrissa::io::map::from_dxf(&drawing(Some(4), entities), "map.dxf").unwrap()
 }
 
 fn refused(entities: &[&str]) -> String {
-    Map::from_dxf(&drawing(Some(4), entities), "map.dxf").unwrap_err().to_string()
+    vibrissa::io::map::from_dxf(&drawing(Some(4), entities), "map.dxf").unwrap_err().to_string()
 }
 
 fn curve(map: &Map) -> &Curve {
@@ -47,16 +47,16 @@ fn units_scale_the_map() {
     for (units, size) in
         [(Some(4), 0.04), (Some(1), 1.016), (Some(2), 12.192), (Some(5), 0.4), (Some(6), 40.0), (Some(14), 4.0)]
     {
-        let map = Map::from_dxf(&drawing(units, &[SQUARE]), "map.dxf").unwrap();
+        let map = vibrissa::io::map::from_dxf(&drawing(units, &[SQUARE]), "map.dxf").unwrap();
         assert!((map.bounds().size().x - size).abs() < 1e-12 * size.max(1.0), "{units:?}");
         assert!(map.warnings.is_empty(), "{units:?} {:?}", map.warnings);
     }
     for units in [None, Some(0)] {
-        let map = Map::from_dxf(&drawing(units, &[SQUARE]), "map.dxf").unwrap();
+        let map = vibrissa::io::map::from_dxf(&drawing(units, &[SQUARE]), "map.dxf").unwrap();
         assert!((map.bounds().size().x - 0.04).abs() < 1e-15);
         assert!(map.warnings[0].contains("millimetres are assumed"), "{:?}", map.warnings);
     }
-    let error = Map::from_dxf(&drawing(Some(19), &[SQUARE]), "map.dxf").unwrap_err();
+    let error = vibrissa::io::map::from_dxf(&drawing(Some(19), &[SQUARE]), "map.dxf").unwrap_err();
     assert_eq!(error.line(), Some(14));
 }
 
@@ -214,7 +214,7 @@ fn layers_give_roles_and_nesting_gives_holes() {
 
 #[test]
 fn faults_name_line_and_remedy() {
-    let line_of = |text: &str| Map::from_dxf(text, "map.dxf").unwrap_err();
+    let line_of = |text: &str| vibrissa::io::map::from_dxf(text, "map.dxf").unwrap_err();
     for (entities, told) in [
         (
             vec!["0=CIRCLE 8=arena 10=0 20=0 40=-1"],
@@ -245,13 +245,13 @@ fn faults_name_line_and_remedy() {
     let folder = std::env::temp_dir().join(format!("vibrissa_dxf_{}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();
     std::fs::write(folder.join("bin.dxf"), b"AutoCAD Binary DXF\r\n\x1a\0\xff").unwrap();
-    let binary = Map::read(folder.join("bin.dxf")).unwrap_err().to_string();
+    let binary = vibrissa::read_map(folder.join("bin.dxf")).unwrap_err().to_string();
     assert!(binary.contains("save it as ASCII DXF"), "{binary}");
     // Layer names in an old code page do not stand in the way.
     let mut old = drawing(Some(6), &[SQUARE]).into_bytes();
     let at = old.windows(5).position(|w| w == b"arena").unwrap() + 5;
     old.insert(at, 0xe4);
     std::fs::write(folder.join("old.dxf"), old).unwrap();
-    assert_eq!(Map::read(folder.join("old.dxf")).unwrap().boundaries().len(), 1);
+    assert_eq!(vibrissa::read_map(folder.join("old.dxf")).unwrap().boundaries().len(), 1);
     std::fs::remove_dir_all(folder).unwrap();
 }

@@ -11,8 +11,8 @@ mod random;
 use picture::{Painter, pgm};
 use random::Random;
 use vibrissa::config::GridOptions;
+use vibrissa::io::grid::{Cell, MapServerFile, OccupancyGrid};
 use vibrissa::plane::{Pose2, Vec2};
-use vibrissa::world::grid::{Cell, MapServerFile, OccupancyGrid};
 use vibrissa::world::{Map, Role};
 
 const CELL: f64 = 0.01;
@@ -57,7 +57,7 @@ fn yaml(mode: &str) -> MapServerFile {
 
 fn traced(painter: &Painter, mode: &str) -> Map {
     let grid = yaml(mode).grid(&pgm(painter), "room.pgm").unwrap();
-    Map::from_grid(&grid, &GridOptions::default()).unwrap()
+    vibrissa::io::map::from_grid(&grid, &GridOptions::default()).unwrap()
 }
 
 /// A rectangle of 0.9 m by 0.6 m about the middle of the picture, turned.
@@ -122,11 +122,12 @@ fn unknown_cells_are_solid_with_a_word_or_free_if_asked() {
     let shades: Vec<u8> = (0..40).flat_map(|y| (0..40).map(move |x| shade(x, y))).collect();
     let image = [b"P5\n40 40\n255\n", shades.as_slice()].concat();
     let grid = yaml("").grid(&image, "room.pgm").unwrap();
-    let map = Map::from_grid(&grid, &GridOptions::default()).unwrap();
+    let map = vibrissa::io::map::from_grid(&grid, &GridOptions::default()).unwrap();
     assert_eq!(map.boundaries().len(), 1);
     assert!(map.warnings.iter().any(|w| w.contains("unknown") && w.contains("0.6 m")), "{:?}", map.warnings);
     assert!(map.is_free(Vec2::new(0.2, 0.2)) && !map.is_free(Vec2::new(0.05, 0.2)));
-    let open = Map::from_grid(&grid, &GridOptions { unknown_is_free: true, ..GridOptions::default() }).unwrap();
+    let open =
+        vibrissa::io::map::from_grid(&grid, &GridOptions { unknown_is_free: true, ..GridOptions::default() }).unwrap();
     assert_eq!(open.boundaries()[0].role(), Role::Obstacle);
     assert!(open.is_free(Vec2::new(0.05, 0.2)) && !open.is_free(Vec2::new(0.305, 0.2)));
     assert!((open.total_length() / CELL - 42.0).abs() < 1.5, "{}", open.total_length());
@@ -138,7 +139,7 @@ fn origin_yaw_and_resolution_place_the_map() {
     let cell = |i: usize| if (i % 20).abs_diff(10) < 5 && (i / 20).abs_diff(5) < 3 { 0.0 } else { 1.0 };
     let cells = (0..200).map(|i| Cell::Solid(cell(i))).collect();
     let grid = OccupancyGrid { width: 20, height: 10, resolution: 0.5, map_from_grid: place, cells };
-    let map = Map::from_grid(&grid, &GridOptions::default()).unwrap();
+    let map = vibrissa::io::map::from_grid(&grid, &GridOptions::default()).unwrap();
     // Free cells: 6 to 14 along x, 3 to 7 along y.
     for corner in [(3.0, 1.5), (7.5, 1.5), (7.5, 4.0), (3.0, 4.0)] {
         let corner = place.transform_point(Vec2::new(corner.0, corner.1));
@@ -208,12 +209,22 @@ fn faults_name_the_key_and_the_next_step() {
         map_from_grid: Pose2::IDENTITY,
         cells: vec![Cell::Solid(share); 2],
     };
-    assert!(Map::from_grid(&all(1.0), &GridOptions::default()).unwrap_err().to_string().contains("no boundary"));
+    assert!(
+        vibrissa::io::map::from_grid(&all(1.0), &GridOptions::default())
+            .unwrap_err()
+            .to_string()
+            .contains("no boundary")
+    );
     let noise = OccupancyGrid {
         width: 2000,
         height: 2000,
         cells: (0..4_000_000).map(|i| Cell::Solid(f32::from((i % 2 + i / 2000 % 2) == 1))).collect(),
         ..all(0.0)
     };
-    assert!(Map::from_grid(&noise, &GridOptions::default()).unwrap_err().to_string().contains("too much boundary"));
+    assert!(
+        vibrissa::io::map::from_grid(&noise, &GridOptions::default())
+            .unwrap_err()
+            .to_string()
+            .contains("too much boundary")
+    );
 }

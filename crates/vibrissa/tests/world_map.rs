@@ -8,7 +8,6 @@ mod random;
 use random::Random;
 use std::f64::consts::{PI, TAU};
 use std::path::{Path, PathBuf};
-use vibrissa::flow::sensor_log::SensorLog;
 use vibrissa::plane::{Curve, Pose2, Vec2};
 use vibrissa::world::{Boundary, Map, Role, increments};
 
@@ -64,7 +63,7 @@ fn free_space_in_every_orientation() {
             feature("obstacle", "MultiPolygon", &format!("[[{}, {}]]", r(&block, 2), r(&court, 3))),
             feature("wall", "MultiLineString", "[[[-0.5, 0.2], [-0.5, 0.8], [-0.2, 0.8]]]"),
         ]);
-        let map = Map::from_geojson(&text, "map").unwrap();
+        let map = vibrissa::io::map::from_geojson(&text, "map").unwrap();
         assert!(map.warnings.is_empty());
         for (x, y, free) in [
             (0.0, -0.5, true),
@@ -87,11 +86,16 @@ fn free_space_in_every_orientation() {
                 && !map.crosses(Vec2::new(-0.1, -0.1), Vec2::new(0.5, -0.5))
         );
     }
-    let bare =
-        Map::from_geojson(&format!("{{\"type\":\"Polygon\",\"coordinates\":[{}]}}", ring(&outer, true, true)), "m");
+    let bare = vibrissa::io::map::from_geojson(
+        &format!("{{\"type\":\"Polygon\",\"coordinates\":[{}]}}", ring(&outer, true, true)),
+        "m",
+    );
     assert!(bare.unwrap().is_free(Vec2::ZERO));
-    let one =
-        Map::from_geojson(&feature("obstacle", "Polygon", &format!("[{}]", ring(&outer, false, true))), "m").unwrap();
+    let one = vibrissa::io::map::from_geojson(
+        &feature("obstacle", "Polygon", &format!("[{}]", ring(&outer, false, true))),
+        "m",
+    )
+    .unwrap();
     assert!(!one.is_free(Vec2::ZERO) && one.is_free(Vec2::new(5.0, 5.0)));
 }
 
@@ -104,7 +108,7 @@ fn random_outlines_and_their_nearest_points() {
             (0..count).map(|k| Vec2::from_angle(TAU * k as f64 / count as f64) * (0.5 + random.unit())).collect();
         let role = if round % 2 == 0 { "arena" } else { "obstacle" };
         let text = collection(&[feature(role, "Polygon", &format!("[{}]", ring(&star, round % 3 == 0, true)))]);
-        let map = Map::from_geojson(&text, "star").unwrap();
+        let map = vibrissa::io::map::from_geojson(&text, "star").unwrap();
         assert_sides(&map, 0.05);
         let curve = map.boundaries()[0].curve();
         for _ in 0..100 {
@@ -140,7 +144,7 @@ fn curves_stay_curves() {
 fn far_and_small_maps() {
     for (offset, size) in [(9e4, 1e-2), (-9e4, 1.0), (0.0, 1e-5), (0.0, 9e4)] {
         let p: Vec<Vec2> = rectangle(offset, offset, offset + size, offset + size);
-        let map = Map::from_geojson(
+        let map = vibrissa::io::map::from_geojson(
             &collection(&[feature("arena", "Polygon", &format!("[{}]", ring(&p, true, false)))]),
             "m",
         )
@@ -188,7 +192,7 @@ fn shared_sweeps_are_read() {
         return;
     }
     for path in files(folder, ".geojson") {
-        let map = Map::read(&path).unwrap();
+        let map = vibrissa::read_map(&path).unwrap();
         assert!(map.warnings.is_empty());
         assert_sides(&map, 0.002);
     }
@@ -198,14 +202,14 @@ fn shared_sweeps_are_read() {
         if name.ends_with("contacts.csv") || name.ends_with("exact.csv") {
             continue;
         }
-        let log = SensorLog::read(&path).unwrap();
+        let log = vibrissa::read_log(&path).unwrap();
         assert!(log.warnings.is_empty(), "{name} {:?}", log.warnings);
         assert_eq!(log.rows.len() + 1, std::fs::read_to_string(&path).unwrap().lines().count());
         // The truth, an independent file, moves as the odometry does, through the map's free space.
         let truth = truth(&name.replace(".csv", ".truth.tum"));
         assert_eq!(truth.len(), log.rows.len());
         let map_name = path.file_name().unwrap().to_string_lossy().split('-').next().unwrap().to_owned();
-        let map = Map::read(folder.join(format!("{map_name}.geojson"))).unwrap();
+        let map = vibrissa::read_map(folder.join(format!("{map_name}.geojson"))).unwrap();
         assert!(truth.iter().all(|pose| map.is_free(pose.position())));
         if !name.contains("bias") {
             let odometry = increments(log.rows.iter().map(|r| r.odom_from_robot));

@@ -6,8 +6,7 @@
 
 use std::fmt::Write as _;
 use std::path::Path;
-use vibrissa::flow::sensor_log::SensorLog;
-use vibrissa::world::{Dimension, Map, Robot, parse_quantity};
+use vibrissa::io::{Dimension, parse_quantity};
 
 /// Compares `found` with the stored text.
 fn check(file: &str, found: &str) {
@@ -117,7 +116,10 @@ fn geojson() {
         ("pinched", polygon("obstacle", &["[0, 0]", "[2, 0]", "[1, 1]", "[2, 2]", "[0, 2]", "[1, 1]"])),
         ("on one line", polygon("obstacle", &["[0, 0]", "[1, 1]", "[2, 2]"])),
     ];
-    check("geojson_messages.txt", &gallery(&found, |t| Map::from_geojson(t, "map.geojson"), |m| &m.warnings));
+    check(
+        "geojson_messages.txt",
+        &gallery(&found, |t| vibrissa::io::map::from_geojson(t, "map.geojson"), |m| &m.warnings),
+    );
 }
 
 #[test]
@@ -160,7 +162,7 @@ fn svg() {
         ("no viewBox", format!("<svg width=\"200mm\" height=\"100mm\">{arena}</svg>")),
         ("stretched", format!("<svg width=\"200mm\" height=\"200mm\" viewBox=\"0 0 200 100\">{arena}</svg>")),
     ];
-    check("svg_messages.txt", &gallery(&found, |t| Map::from_svg(t, "map.svg"), |m| &m.warnings));
+    check("svg_messages.txt", &gallery(&found, |t| vibrissa::io::map::from_svg(t, "map.svg"), |m| &m.warnings));
 }
 
 #[test]
@@ -204,7 +206,7 @@ fn robot() {
         ("contradiction", "[[whisker]]\nflexural_rigidity = 1e-3\nyoung_modulus = \"52 GPa\"\ndiameter = \"0.58 mm\""),
         ("second whisker", "[[whisker]]\n[[whisker]]\nlength = 0"),
     ]);
-    check("robot_messages.txt", &gallery(&found, |t| Robot::from_toml(t, "robot.toml"), |_| &[]));
+    check("robot_messages.txt", &gallery(&found, |t| vibrissa::io::robot::from_toml(t, "robot.toml"), |_| &[]));
 }
 
 #[test]
@@ -238,26 +240,26 @@ fn log() {
         ("wraps quietly", "t,x,y,theta,moment\n0,0,0,3.14,0\n1,0,0,-3.14,0\n"),
         ("millimetres", "t,x,y,theta,moment\n0,0,0,0,0\n1,0.5,0,0,17\n2,1.0,0,0,-18\n"),
     ]);
-    check("log_messages.txt", &gallery(&found, |t| SensorLog::from_csv(t, "log.csv"), |l| &l.warnings));
+    check("log_messages.txt", &gallery(&found, |t| vibrissa::io::log::from_csv(t, "log.csv"), |l| &l.warnings));
 }
 
 #[test]
 fn files() {
     let mut out = String::new();
     for path in ["missing/map.geojson", "missing.svg", "map.yaml", "map.dxf", "map.svgz", "map", "map.txt"] {
-        writeln!(out, "== {path}\n{}", Map::read(path).unwrap_err()).unwrap();
+        writeln!(out, "== {path}\n{}", vibrissa::read_map(path).unwrap_err()).unwrap();
     }
-    writeln!(out, "== missing.toml\n{}", Robot::read("missing.toml").unwrap_err()).unwrap();
-    writeln!(out, "== missing.csv\n{}", SensorLog::read("missing.csv").unwrap_err()).unwrap();
-    writeln!(out, "== a folder\n{}", SensorLog::read("src").unwrap_err()).unwrap();
-    writeln!(out, "== a folder\n{}", Robot::read("src").unwrap_err()).unwrap();
+    writeln!(out, "== missing.toml\n{}", vibrissa::read_robot("missing.toml").unwrap_err()).unwrap();
+    writeln!(out, "== missing.csv\n{}", vibrissa::read_log("missing.csv").unwrap_err()).unwrap();
+    writeln!(out, "== a folder\n{}", vibrissa::read_log("src").unwrap_err()).unwrap();
+    writeln!(out, "== a folder\n{}", vibrissa::read_robot("src").unwrap_err()).unwrap();
     for (text, dimension) in [("3 parsec", Dimension::Length), ("2 mn m", Dimension::Moment), ("", Dimension::Time)] {
         writeln!(out, "== {text}\n{}", parse_quantity(text, dimension).unwrap_err()).unwrap();
     }
-    let log = SensorLog::from_csv("t,x,y,theta,left.moment,right.bx\n0,0,0,0,1,2\n", "log.csv").unwrap();
+    let log = vibrissa::io::log::from_csv("t,x,y,theta,left.moment,right.bx\n0,0,0,0,1,2\n", "log.csv").unwrap();
     assert_eq!(log.moment_channel("left").unwrap(), 0);
     writeln!(out, "== other whisker\n{}", log.moment_channel("right").unwrap_err()).unwrap();
-    let log = SensorLog::from_csv("t,x,y,theta,bx\n0,0,0,0,2\n", "log.csv").unwrap();
+    let log = vibrissa::io::log::from_csv("t,x,y,theta,bx\n0,0,0,0,2\n", "log.csv").unwrap();
     writeln!(out, "== flux only\n{}", log.moment_channel("w0").unwrap_err()).unwrap();
     check("file_messages.txt", &out);
 }

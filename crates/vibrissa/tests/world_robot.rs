@@ -2,8 +2,9 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::path::{Path, PathBuf};
+use vibrissa::io::{Dimension, parse_quantity};
 use vibrissa::plane::Pose2;
-use vibrissa::world::{Dimension, Robot, parse_quantity};
+use vibrissa::world::Robot;
 
 #[test]
 fn quantities() {
@@ -97,9 +98,9 @@ rotation_relative = "1 %"
 
 #[test]
 fn the_contract_is_read() {
-    assert_eq!(Robot::from_toml("", "empty").unwrap(), Robot::default());
-    assert_eq!(Robot::from_toml("\u{feff}[[whisker]]\r\n", "bom").unwrap(), Robot::default());
-    let robot = Robot::from_toml(EXAMPLE, "robot.toml").unwrap();
+    assert_eq!(vibrissa::io::robot::from_toml("", "empty").unwrap(), Robot::default());
+    assert_eq!(vibrissa::io::robot::from_toml("\u{feff}[[whisker]]\r\n", "bom").unwrap(), Robot::default());
+    let robot = vibrissa::io::robot::from_toml(EXAMPLE, "robot.toml").unwrap();
     let [left, right] = &robot.whiskers[..] else { panic!("{robot:?}") };
     assert_eq!((left.name.as_str(), right.name.as_str()), ("left", "right"));
     // 52 GPa times the paper's second moment of area, 5.555e-15 m⁴ to four digits.
@@ -129,7 +130,7 @@ fn the_contract_page_itself_is_read() {
         .take_while(|l| l.starts_with("    "))
         .map(str::trim)
         .collect();
-    let robot = Robot::from_toml(&lines.join("\n"), "contract").unwrap();
+    let robot = vibrissa::io::robot::from_toml(&lines.join("\n"), "contract").unwrap();
     assert_eq!(robot.whiskers[0].beam, Robot::default().whiskers[0].beam);
     assert_eq!(robot.whiskers[0].calibration, Some(PathBuf::from("cal.json")));
 }
@@ -139,7 +140,7 @@ fn a_calibration_is_found_beside_the_robot() {
     let folder = std::env::temp_dir().join(format!("vibrissa-robot-{}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();
     std::fs::write(folder.join("r.toml"), EXAMPLE).unwrap();
-    let robot = Robot::read(folder.join("r.toml")).unwrap();
+    let robot = vibrissa::read_robot(folder.join("r.toml")).unwrap();
     assert_eq!(robot.whiskers[0].calibration, Some(folder.join("cal.json")));
     std::fs::remove_dir_all(&folder).unwrap();
 }
@@ -158,7 +159,7 @@ curvature = [2.0, -100, 500.0]
 strain_limit = "1 %"
 base_stiffness = 0.3
 "#;
-    let beam = Robot::from_toml(text, "robot.toml").unwrap().whiskers.remove(0).beam;
+    let beam = vibrissa::io::robot::from_toml(text, "robot.toml").unwrap().whiskers.remove(0).beam;
     assert!((beam.length - 0.075).abs() < 1e-15 && (beam.flexural_rigidity - 2.8886e-4).abs() < 1e-18);
     let [first, second, third] = beam.stretches.as_slice() else { panic!("three segments") };
     assert!((first.tip_ratio - 1.0).abs() < 1e-15 && first.diameter.is_none());
@@ -213,7 +214,7 @@ fn faults_of_segments_name_line_value_and_range() {
         ("tip_ratio = 1e-4", 2, "allowed: 0.001 to 1"),
     ];
     for (text, line, word) in cases {
-        let error = Robot::from_toml(&format!("[[whisker]]\n{text}\n"), "robot.toml").unwrap_err();
+        let error = vibrissa::io::robot::from_toml(&format!("[[whisker]]\n{text}\n"), "robot.toml").unwrap_err();
         assert!(error.is_data() && error.line() == Some(line), "{text}: {error}");
         assert!(error.to_string().contains(word), "{text}: {error}");
     }
@@ -225,12 +226,15 @@ fn a_robot_written_is_read_back_the_same() {
                 mount = [0.1, -0.2, \"128 deg\"]\nfriction = 0.2\ncalibration = \"a \\\"b\\\\c.json\"\n\
                 noise = { moment_relative = \"3 %\", moment_absolute = \"7 uN m\" }\n[[whisker]]\nname = \"b\"\n\
                 [odometry]\ntranslation_relative = 0.01\nrotation_relative = 1e-7\n";
-    let robot = Robot::from_toml(text, "robot.toml").unwrap();
-    assert_eq!(Robot::from_toml(&robot.to_toml(), "again.toml").unwrap(), robot);
-    assert_eq!(Robot::from_toml(&Robot::default().to_toml(), "again.toml").unwrap(), Robot::default());
+    let robot = vibrissa::io::robot::from_toml(text, "robot.toml").unwrap();
+    assert_eq!(vibrissa::io::robot::from_toml(&vibrissa::io::robot::to_toml(&robot), "again.toml").unwrap(), robot);
+    assert_eq!(
+        vibrissa::io::robot::from_toml(&vibrissa::io::robot::to_toml(&Robot::default()), "again.toml").unwrap(),
+        Robot::default()
+    );
     let jointed = "[[whisker]]\ncurvature = [1.5, -20.0]\nstrain_limit = 0.02\nsegments = [\n\
                    { length = 0.03, flexural_rigidity = 3e-4, diameter = 5e-4, tip_diameter = 4e-4 },\n\
                    { length = 0.02, flexural_rigidity = 1e-4 } ]\n";
-    let robot = Robot::from_toml(jointed, "robot.toml").unwrap();
-    assert_eq!(Robot::from_toml(&robot.to_toml(), "again.toml").unwrap(), robot);
+    let robot = vibrissa::io::robot::from_toml(jointed, "robot.toml").unwrap();
+    assert_eq!(vibrissa::io::robot::from_toml(&vibrissa::io::robot::to_toml(&robot), "again.toml").unwrap(), robot);
 }

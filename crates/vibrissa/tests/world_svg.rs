@@ -10,7 +10,7 @@ const NAMESPACES: &str =
     "xmlns=\"http://www.w3.org/2000/svg\" xmlns:inkscape=\"http://www.inkscape.org/namespaces/inkscape\"";
 
 fn draw(head: &str, inside: &str) -> Map {
-    Map::from_svg(&format!("<svg {NAMESPACES} {head}>{inside}</svg>"), "map.svg").unwrap()
+    vibrissa::io::map::from_svg(&format!("<svg {NAMESPACES} {head}>{inside}</svg>"), "map.svg").unwrap()
 }
 
 fn assert_bounds(map: &Map, expected: [f64; 4]) {
@@ -109,15 +109,15 @@ fn holes_alternate() {
 #[test]
 fn hostile_input_gives_errors() {
     let nested = format!("<svg><g>{}{}</g></svg>", "<g>".repeat(20_000), "</g>".repeat(20_000));
-    assert!(Map::from_svg(&nested, "deep").is_err());
+    assert!(vibrissa::io::map::from_svg(&nested, "deep").is_err());
     let lists = format!("{}{}", "[".repeat(100_000), "]".repeat(100_000));
-    assert!(Map::from_geojson(&lists, "deep").is_err());
+    assert!(vibrissa::io::map::from_geojson(&lists, "deep").is_err());
     let features = "{\"type\":\"FeatureCollection\",\"features\":[".repeat(100_000);
-    assert!(Map::from_geojson(&format!("{features}{}", "]}".repeat(100_000)), "deep").is_err());
+    assert!(vibrissa::io::map::from_geojson(&format!("{features}{}", "]}".repeat(100_000)), "deep").is_err());
     for d in ["M0 0 A1e308 1e308 0 0 1 1e308 0Z", "M1e308 1e308 L -1e308 2 3 4 Z", "M0 0 C 1e9 0 0 1e9 1e9 1e9 Z"] {
         let text = format!("<svg><path id=\"arena\" d=\"{d}\"/></svg>");
-        assert!(Map::from_svg(&text, "huge").is_err(), "{d}");
+        assert!(vibrissa::io::map::from_svg(&text, "huge").is_err(), "{d}");
     }
     let text = "<svg><path id=\"obstacle\" transform=\"scale(1e-300)\" d=\"M0 0 H4 V4 Z\"/></svg>";
-    let _ = Map::from_svg(text, "tiny");
+    let _ = vibrissa::io::map::from_svg(text, "tiny");
 }

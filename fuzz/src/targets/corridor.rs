@@ -42,7 +42,7 @@ fn coarse(method: Method) -> LocalizeOptions {
 
 /// The log of a file of `bytes`, as far as a try has time for.
 fn log(bytes: &[u8]) -> vibrissa::Result<SensorLog> {
-    let mut log = SensorLog::from_csv(&String::from_utf8_lossy(bytes), "log.csv")?;
+    let mut log = vibrissa::io::log::from_csv(&String::from_utf8_lossy(bytes), "log.csv")?;
     log.rows.truncate(MOST_ROWS);
     Ok(log)
 }

@@ -3,13 +3,13 @@
 use super::{Verdict, promise, read, refused, size};
 use std::path::PathBuf;
 use vibrissa::config::TapOptions;
-use vibrissa::flow::sensor_log::SensorLog;
-use vibrissa::flow::sensor_log::foreign::{Format, Recording};
 use vibrissa::flow::taps::taps;
-use vibrissa::flow::trajectory::{format_tum, parse_tum, pose_at};
-use vibrissa::tasks::Scenario;
-use vibrissa::world::calibration::Calibration;
-use vibrissa::world::{Dimension, Map, Robot, parse_quantity};
+use vibrissa::flow::trajectory::pose_at;
+use vibrissa::io::log::foreign::{Format, Recording};
+use vibrissa::io::{Dimension, parse_quantity};
+use vibrissa::io::{format_tum, parse_tum};
+use vibrissa::sim::Scenario;
+use vibrissa::world::Map;
 
 pub(crate) const LOG_WORDS: &[&str] =
     &[",moment", "w0.moment", ",heading", ",bx", "w1.ax", "\"", "\r\n", "\u{feff}", ",", "t,x,y,theta,moment\n", "# "];
@@ -189,7 +189,7 @@ pub(crate) const UNIT_WORDS: &[&str] = &[
 ];
 
 pub(crate) fn log(bytes: &[u8]) -> Verdict {
-    match SensorLog::from_csv(&text(bytes), "log.csv") {
+    match vibrissa::io::log::from_csv(&text(bytes), "log.csv") {
         Err(error) => refused(&error),
         Ok(log) => {
             let increasing = log.rows.windows(2).all(|w| w[0].t < w[1].t);
@@ -226,15 +226,15 @@ pub(crate) fn foreign(bytes: &[u8]) -> Verdict {
 }
 
 pub(crate) fn geojson(bytes: &[u8]) -> Verdict {
-    map(Map::from_geojson(&text(bytes), "map.geojson"))
+    map(vibrissa::io::map::from_geojson(&text(bytes), "map.geojson"))
 }
 
 pub(crate) fn svg(bytes: &[u8]) -> Verdict {
-    map(Map::from_svg(&text(bytes), "map.svg"))
+    map(vibrissa::io::map::from_svg(&text(bytes), "map.svg"))
 }
 
 pub(crate) fn dxf(bytes: &[u8]) -> Verdict {
-    map(Map::from_dxf(&text(bytes), "map.dxf"))
+    map(vibrissa::io::map::from_dxf(&text(bytes), "map.dxf"))
 }
 
 /// A map that was read answers every question of the localizer.
@@ -265,12 +265,12 @@ pub(super) fn map(found: vibrissa::Result<Map>) -> Verdict {
 }
 
 pub(crate) fn robot(bytes: &[u8]) -> Verdict {
-    let robot = match Robot::from_toml(&text(bytes), "robot.toml") {
+    let robot = match vibrissa::io::robot::from_toml(&text(bytes), "robot.toml") {
         Err(error) => return refused(&error),
         Ok(robot) => robot,
     };
-    let written = robot.to_toml();
-    match Robot::from_toml(&written, "written.toml") {
+    let written = vibrissa::io::robot::to_toml(&robot);
+    match vibrissa::io::robot::from_toml(&written, "written.toml") {
         Ok(again) => promise(again == robot, || format!("the robot changes when it is written:\n{written}"))?,
         Err(error) => return Err(format!("a written robot is refused: {error}\n{written}")),
     }
@@ -293,12 +293,12 @@ pub(crate) fn scenario(bytes: &[u8]) -> Verdict {
 }
 
 pub(crate) fn calibration(bytes: &[u8]) -> Verdict {
-    let calibration = match Calibration::from_json(&text(bytes), "cal.json") {
+    let calibration = match vibrissa::io::calibration::from_json(&text(bytes), "cal.json") {
         Err(error) => return refused(&error),
         Ok(calibration) => calibration,
     };
-    let written = calibration.to_json().to_string();
-    match Calibration::from_json(&written, "written.json") {
+    let written = vibrissa::io::calibration::to_json(&calibration).to_string();
+    match vibrissa::io::calibration::from_json(&written, "written.json") {
         Ok(again) => promise(again == calibration, || format!("the calibration changes when written:\n{written}"))?,
         Err(error) => return Err(format!("a written calibration is refused: {error}\n{written}")),
     }

@@ -4,10 +4,8 @@ use super::readers::map;
 use super::{Verdict, promise, read, refused, size};
 use crate::random::Random;
 use vibrissa::config::GridOptions;
-use vibrissa::flow::sensor_log::SensorLog;
+use vibrissa::io::grid::{Cell, MapServerFile, OccupancyGrid};
 use vibrissa::plane::Pose2;
-use vibrissa::world::Map;
-use vibrissa::world::grid::{Cell, MapServerFile, OccupancyGrid};
 
 pub(crate) const YAML_WORDS: &[&str] = &[
     "image: a.pgm\n",
@@ -94,15 +92,15 @@ pub(crate) fn grid(bytes: &[u8]) -> Verdict {
 
 /// Whatever unknown cells mean, what is traced is sound, and the middles of plainly free cells are free.
 fn traced(grid: &OccupancyGrid) -> Verdict {
-    let open = Map::from_grid(grid, &GridOptions { unknown_is_free: true, ..GridOptions::default() });
+    let open = vibrissa::io::map::from_grid(grid, &GridOptions { unknown_is_free: true, ..GridOptions::default() });
     if let Err(error) = &open {
         refused(error)?;
     }
-    map(Map::from_grid(grid, &GridOptions::default()))
+    map(vibrissa::io::map::from_grid(grid, &GridOptions::default()))
 }
 
 pub(crate) fn mcap(bytes: &[u8]) -> Verdict {
-    let log = match SensorLog::from_mcap(bytes, "log.mcap") {
+    let log = match vibrissa::io::log::from_mcap(bytes, "log.mcap") {
         Err(error) => return refused(&error),
         Ok(log) => log,
     };

@@ -4,9 +4,10 @@ use super::localize::outlines;
 use crate::output::OutputArgs;
 use crate::output::{Run, Stopwatch, deliver, print, write_all};
 use std::path::Path;
-use vibrissa::flow::trajectory::format_tum;
+use vibrissa::io::format_tum;
+use vibrissa::io::log::to_csv;
+use vibrissa::sim::{Sweep, contacts_csv};
 use vibrissa::tasks::demo;
-use vibrissa::tasks::simulate::{Sweep, contacts_csv, log_csv};
 use vibrissa::world::Robot;
 use vibrissa::{LocalizeOptions, Result, localize};
 
@@ -60,7 +61,7 @@ fn localized(sweep: &Sweep, seed: u64) -> Result<Run> {
 /// The files that a localization needs, and those that say what is true.
 fn input_files(sweep: &Sweep) -> Vec<(&'static str, String)> {
     vec![
-        ("log.csv", log_csv(&sweep.log)),
+        ("log.csv", to_csv(&sweep.log)),
         ("map.svg", demo::ARENA_SVG.to_owned()),
         ("truth.tum", format_tum(&sweep.truth)),
         ("contacts.csv", contacts_csv(sweep)),

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use vibrissa::config::{ContactOptions, ProfileOptions};
 use vibrissa::figure::{Geometry, Layer, scene_figure};
 use vibrissa::flow::sensor_log::SensorLog;
-use vibrissa::flow::sensor_log::foreign::Format;
+use vibrissa::io::log::foreign::Format;
 use vibrissa::plane::Vec2;
 use vibrissa::tasks::profile::{Alignment, Misfit, Outline, Profile, compare, profile};
 use vibrissa::world::{Map, Robot};
@@ -46,8 +46,8 @@ pub(crate) struct Args {
 
 /// Runs the command.
 pub(crate) fn run(args: &Args) -> Result<()> {
-    let robot = args.robot.as_deref().map_or_else(|| Ok(Robot::default()), Robot::read)?;
-    let map = args.truth.as_deref().map(Map::read).transpose()?;
+    let robot = args.robot.as_deref().map_or_else(|| Ok(Robot::default()), vibrissa::read_robot)?;
+    let map = args.truth.as_deref().map(vibrissa::read_map).transpose()?;
     let logs = args.logs.iter().map(|log| read_log(log, args.format)).collect::<Result<Vec<SensorLog>>>()?;
     let warnings = map.iter().flat_map(|map| &map.warnings).chain(logs.iter().flat_map(|log| &log.warnings));
     warnings.for_each(|warning| warn(warning));

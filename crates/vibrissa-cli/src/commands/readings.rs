@@ -4,9 +4,10 @@ use crate::quantity::of_option as quantity;
 use std::path::PathBuf;
 use vibrissa::beam::Load;
 use vibrissa::flow::contact_set::{ContactModel, Limits, MomentRegime, Reading, VirtualSensor};
+use vibrissa::io::Dimension;
 use vibrissa::plane::Pose2;
 use vibrissa::sets::Interval;
-use vibrissa::world::{Dimension, MountedWhisker, Robot};
+use vibrissa::world::{MountedWhisker, Robot};
 use vibrissa::{Error, Result};
 
 /// What was read, and by which whisker.
@@ -56,7 +57,7 @@ pub(crate) struct WhiskerReadings {
 impl ReadingArgs {
     /// The readings, whisker by whisker in the robot's order; those without any are left out.
     pub(crate) fn read(&self) -> Result<Vec<WhiskerReadings>> {
-        let robot = self.robot.as_deref().map_or_else(|| Ok(Robot::default()), Robot::read)?;
+        let robot = self.robot.as_deref().map_or_else(|| Ok(Robot::default()), vibrissa::read_robot)?;
         if self.sensor.len() != self.value.len() {
             return Err(Error::usage("each --sensor needs one --value")
                 .value(format!("{} sensors and {} values", self.sensor.len(), self.value.len()))
@@ -116,7 +117,7 @@ impl ReadingArgs {
                 _ => MomentRegime::Auto,
             };
         }
-        let dimension = sensor.dimension();
+        let dimension = Dimension::from(sensor);
         let number = |text: &str| quantity("--value", text, dimension);
         let value = match value.split_once("..") {
             Some((lo, hi)) => {

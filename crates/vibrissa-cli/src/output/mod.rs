@@ -11,7 +11,8 @@ use std::borrow::Cow;
 use std::io::Write;
 use vibrissa::figure::{LocalizationScene, Outline, localization_figure};
 use vibrissa::flow::pose::{Localization, StampedPose};
-use vibrissa::flow::trajectory::{format_tum, trajectory_error};
+use vibrissa::flow::trajectory::trajectory_error;
+use vibrissa::io::format_tum;
 use vibrissa::{Error, Result};
 
 pub(crate) use args::OutputArgs;

@@ -16,11 +16,11 @@ use std::path::Path;
 use tally::{Tally, True};
 use vibrissa::config::ContactOptions;
 use vibrissa::flow::sensor_log::{Channel, LogRow, Quantity, SensorLog};
-use vibrissa::flow::trajectory::read_tum;
+use vibrissa::io::read_tum;
 use vibrissa::plane::Vec2;
+use vibrissa::sim::Scenario;
+use vibrissa::sim::{Part, Touch};
 use vibrissa::tasks::contact::{ContactReport, contacts};
-use vibrissa::tasks::scenario::Scenario;
-use vibrissa::tasks::simulate::{Part, Touch};
 use vibrissa::world::{MomentNoise, MountedWhisker, Robot};
 use vibrissa::{Error, Result};
 
@@ -80,7 +80,7 @@ fn given(folder: &Path, options: &ContactOptions, show: bool) -> Result<()> {
     for group in ["bays", "obstacle", "rough0", "square"] {
         for number in 0..4 {
             let name = format!("{group}-{number:02}");
-            let Ok(mut log) = SensorLog::read(folder.join(format!("{name}.csv"))) else { continue };
+            let Ok(mut log) = vibrissa::read_log(folder.join(format!("{name}.csv"))) else { continue };
             let truth = read_tum(folder.join(format!("{name}.truth.tum")))?;
             for (row, pose) in log.rows.iter_mut().zip(&truth) {
                 row.odom_from_robot = pose.map_from_robot;

@@ -1,9 +1,9 @@
 //! The built-in arena and sweep: the main job without any file.
 
-use super::simulate::{Pace, Sweep, SweepNoise, path_through, simulate_tip_sweep};
 use crate::Result;
 use crate::flow::pose::StampedPose;
 use crate::plane::Pose2;
+use crate::sim::{Pace, Sweep, SweepNoise, path_through, simulate_tip_sweep};
 use crate::world::{Map, Robot};
 
 /// The arena as a drawing (SVG, mm): 460 mm by 320 mm with curved and straight walls and two obstacles.
@@ -29,7 +29,7 @@ const PACE: Pace = Pace { speed: 0.15, turn_rate: 1.0, rate: 300.0 };
 ///
 /// None as long as the built-in drawing is whole.
 pub fn arena() -> Result<Map> {
-    Map::from_svg(ARENA_SVG, "the built-in arena")
+    crate::io::map::from_svg(ARENA_SVG, "the built-in arena")
 }
 
 /// The robot's true path along the arena's upper wall, map frame.

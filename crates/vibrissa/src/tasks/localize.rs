@@ -2,9 +2,9 @@
 
 use crate::Result;
 use crate::config::{DeterministicOptions, PossibilisticOptions, ProbabilisticOptions};
-use crate::flow::calibrated::calibrated;
 use crate::flow::pose::{Localization, Method};
 use crate::flow::sensor_log::{LogRow, SensorLog};
+use crate::io::calibrated;
 use crate::localizer::{Localizer, PossibilisticLocalizer, ProbabilisticLocalizer};
 use crate::plane::Pose2;
 use crate::world::{Map, Robot};

@@ -1,7 +1,5 @@
-//! What people do with the corridor, one call each.
+//! What people do with whiskers and logs, one call each.
 
-#[cfg(feature = "mcap")]
-pub mod bag;
 pub mod batch;
 pub mod calibrate;
 pub mod contact;
@@ -9,11 +7,6 @@ pub mod demo;
 mod drawing;
 mod localize;
 pub mod profile;
-pub mod reproduce;
-pub mod scenario;
-pub mod simulate;
 
 pub use drawing::outlines;
 pub use localize::{LocalizeOptions, StatesObserver, localize, localize_watched, localize_while};
-pub use scenario::{Scenario, Simulation};
-pub use simulate::{SimulateOptions, Sweep, SweepNoise, simulate, simulate_tip_sweep};

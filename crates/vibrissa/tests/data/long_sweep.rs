@@ -2,7 +2,7 @@
 
 use super::random::Random;
 use vibrissa::plane::{Pose2, Vec2};
-use vibrissa::tasks::simulate::{Pace, Part, Sweep, SweepNoise, path_through, simulate_tip_sweep};
+use vibrissa::sim::{Pace, Part, Sweep, SweepNoise, path_through, simulate_tip_sweep};
 use vibrissa::world::{Map, Robot};
 
 /// The whisker's length (m).

@@ -2,7 +2,7 @@
 
 use super::random::Random;
 use vibrissa::plane::{Curve, Pose2, Vec2};
-use vibrissa::tasks::simulate::{Pace, Sweep, SweepNoise, path_through, simulate_tip_sweep};
+use vibrissa::sim::{Pace, Sweep, SweepNoise, path_through, simulate_tip_sweep};
 use vibrissa::world::{Boundary, Map, Robot, Role};
 use vibrissa::{Error, Result};
 

@@ -8,7 +8,7 @@ use random::Random;
 use vibrissa::flow::pose::{Localization, StampedPose, Status};
 use vibrissa::flow::sensor_log::{Channel, LogRow, Quantity, SensorLog};
 use vibrissa::plane::{Curve, Pose2, Vec2, wrap_angle};
-use vibrissa::tasks::simulate::{Pace, Part, SimulateOptions, Sweep, SweepNoise, Touch, path_through, simulate};
+use vibrissa::sim::{Pace, Part, SimulateOptions, Sweep, SweepNoise, Touch, path_through, simulate};
 use vibrissa::world::{Boundary, Map, MomentNoise, MountedWhisker, Odometry, Robot, Role};
 
 /// Slope from which on a whisker counts as curled (rad).

@@ -6,8 +6,8 @@ use super::single::{solution, text_of};
 use serde_json::json;
 use std::path::Path;
 use vibrissa::beam::{Bend, Load, Whisker};
+use vibrissa::io::Dimension;
 use vibrissa::tasks::batch;
-use vibrissa::world::Dimension;
 use vibrissa::{Error, Result};
 
 /// One row of the table, with what was found.

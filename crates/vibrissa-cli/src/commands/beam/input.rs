@@ -2,8 +2,8 @@
 
 pub(super) use crate::quantity::{option, quantity};
 use vibrissa::beam::{Bend, Load, Whisker, force_mode, moment_mode, point_mode, tip_mode};
+use vibrissa::io::Dimension;
 use vibrissa::plane::Vec2;
-use vibrissa::world::Dimension;
 use vibrissa::{Error, Result};
 
 /// The value of `--load`.

@@ -11,7 +11,8 @@ use clap::Subcommand;
 use input::{Given, Known};
 use std::path::PathBuf;
 use vibrissa::beam::{Load, Whisker};
-use vibrissa::world::{Dimension, Robot};
+use vibrissa::io::Dimension;
+use vibrissa::world::Robot;
 use vibrissa::{Error, Result};
 
 /// Bend a whisker: from a force, a contact point or a moment to every equilibrium.
@@ -183,7 +184,7 @@ impl Args {
 /// Runs the command.
 pub(crate) fn run(args: &Args) -> Result<()> {
     let common = args.common();
-    let robot = common.robot.as_deref().map_or_else(|| Ok(Robot::default()), Robot::read)?;
+    let robot = common.robot.as_deref().map_or_else(|| Ok(Robot::default()), vibrissa::read_robot)?;
     let report = report(args, &robot)?;
     report.warnings.iter().for_each(|warning| warn(warning));
     if let Some(folder) = &common.output.out {

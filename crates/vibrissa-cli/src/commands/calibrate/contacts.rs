@@ -7,7 +7,7 @@ use std::fmt::Write;
 use std::path::Path;
 use vibrissa::beam::Whisker;
 use vibrissa::figure::{Plot, calibration_figure};
-use vibrissa::flow::sensor_log::foreign::{Format, Recording};
+use vibrissa::io::log::foreign::{Format, Recording};
 use vibrissa::tasks::calibrate::{Constant, ContactCalibration, Explained, Labelled, calibrate_contacts};
 use vibrissa::world::Robot;
 use vibrissa::world::calibration::{Calibration, MomentCurve, TipDeflection, WhiskerConstants};
@@ -51,7 +51,7 @@ pub(super) fn from_contacts(
         warn(&format!("{}: {lost} contacts are out of the whisker's reach and were left out", log.display()));
     }
     let ContactCalibration { calibration, labelled, explained } = found;
-    let mut json = calibration.to_json();
+    let mut json = vibrissa::io::calibration::to_json(&calibration);
     let file = pretty(&json);
     json["report"] = json!({ "repairs": repairs_json(recording.repairs), "out_of_reach": lost });
     let plots = plots(&labelled, &explained, &calibration);

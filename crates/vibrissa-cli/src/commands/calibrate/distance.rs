@@ -8,12 +8,13 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use vibrissa::config::StaircaseOptions;
 use vibrissa::figure::{Plot, calibration_figure};
-use vibrissa::flow::sensor_log::foreign::{Format, Recording, Repairs};
+use vibrissa::io::Dimension;
+use vibrissa::io::log::foreign::{Format, Recording, Repairs};
 use vibrissa::tasks::calibrate::{
     DistanceFit, DistanceSet, LeftOut, Shaft, TapSets, Taper, fit_distance, leave_one_out, staircase,
 };
+use vibrissa::world::Robot;
 use vibrissa::world::calibration::{Calibration, Motion, Source};
-use vibrissa::world::{Dimension, Robot};
 use vibrissa::{Error, Result};
 
 /// What is known of the shaft.
@@ -102,7 +103,7 @@ fn report(sets: &[DistanceSet], shaft: Shaft, channel: String, data: Vec<Source>
     let fit = fit_distance(sets, shaft)?;
     let left_out = leave_one_out(sets, shaft)?;
     let calibration = Calibration { data, channel, distance: Some(fit.model), ..Calibration::default() };
-    let mut json = calibration.to_json();
+    let mut json = vibrissa::io::calibration::to_json(&calibration);
     let file = pretty(&json);
     json["report"] = json!({
         "free": fit.free, "covariance": fit.covariance, "repairs": repairs_json(repairs),

@@ -10,8 +10,7 @@ use distance::DistanceArgs;
 pub(super) use recording::{read_taps, repairs_json, say_repairs};
 use std::path::PathBuf;
 use vibrissa::Result;
-use vibrissa::flow::sensor_log::foreign::Format;
-use vibrissa::world::Robot;
+use vibrissa::io::log::foreign::Format;
 
 /// Calibrate a whisker: raw readings to moments, slopes of taps to distances, constants of the whisker.
 ///
@@ -53,7 +52,7 @@ pub(super) struct Report {
 
 /// Runs the command.
 pub(crate) fn run(args: &Args) -> Result<()> {
-    let robot = args.robot.as_deref().map(Robot::read).transpose()?;
+    let robot = args.robot.as_deref().map(vibrissa::read_robot).transpose()?;
     let report = match (&args.log, args.format) {
         (None, format) => distance::from_taps(&args.taps, format, robot.as_ref(), &args.distance)?,
         (Some(log), Some(Format::Openwhisker)) => distance::from_staircase(log, robot.as_ref(), &args.distance)?,

@@ -3,8 +3,8 @@
 use super::tell;
 use std::path::Path;
 use vibrissa::Result;
-use vibrissa::flow::sensor_log::foreign::{Format, Recording, Repairs};
 use vibrissa::flow::taps::Tap;
+use vibrissa::io::log::foreign::{Format, Recording, Repairs};
 use vibrissa::tasks::calibrate;
 
 /// The taps of a recording and what was read; tells what was mended.

@@ -5,7 +5,7 @@ mod taps;
 
 use crate::output::OutputArgs;
 use std::path::PathBuf;
-use vibrissa::flow::sensor_log::foreign::Format;
+use vibrissa::io::log::foreign::Format;
 use vibrissa::{Error, Result};
 
 /// Find where a whisker was touched, step by step.

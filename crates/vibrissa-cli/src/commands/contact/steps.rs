@@ -8,7 +8,7 @@ use std::path::Path;
 use vibrissa::beam::{Load, point_mode};
 use vibrissa::config::ContactOptions;
 use vibrissa::figure::{Geometry, Layer, scene_figure};
-use vibrissa::flow::sensor_log::foreign::Format;
+use vibrissa::io::log::foreign::Format;
 use vibrissa::plane::Vec2;
 use vibrissa::tasks::contact::{Baseline, ContactKind, ContactReading, ContactReport, ContactStep, contacts};
 use vibrissa::world::Robot;
@@ -51,7 +51,7 @@ struct EventJson<'a> {
 
 /// Reads, finds, writes and prints.
 pub(super) fn run(log: &Path, robot: Option<&Path>, format: Option<Format>, output: &OutputArgs) -> Result<()> {
-    let robot = robot.map_or_else(|| Ok(Robot::default()), Robot::read)?;
+    let robot = robot.map_or_else(|| Ok(Robot::default()), vibrissa::read_robot)?;
     let read = read_log(log, format)?;
     read.warnings.iter().for_each(|warning| warn(warning));
     let report = contacts(&read, &robot, &ContactOptions::default()).map_err(|error| error.in_file(log))?;

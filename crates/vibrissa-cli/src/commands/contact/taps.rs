@@ -5,8 +5,8 @@ use crate::output::{OutputArgs, print, warn, write_all};
 use serde_json::json;
 use std::fmt::Write;
 use std::path::Path;
-use vibrissa::flow::sensor_log::foreign::Format;
 use vibrissa::flow::taps::Tap;
+use vibrissa::io::log::foreign::Format;
 use vibrissa::world::calibration::{Calibration, Distance, DistanceModel, Motion};
 use vibrissa::{Error, Result};
 
@@ -18,7 +18,7 @@ pub(super) fn run(
     reference: Option<&str>,
     output: &OutputArgs,
 ) -> Result<()> {
-    let calibrated = Calibration::read(calibration)?;
+    let calibrated = vibrissa::read_calibration(calibration)?;
     let model = turning(&calibrated, calibration)?;
     let (recording, found) = read_taps(log, format, &calibrated.channel, reference)?;
     let taps: Vec<(Tap, Option<Distance>)> = found.iter().map(|tap| (*tap, model.distance(tap.slope))).collect();

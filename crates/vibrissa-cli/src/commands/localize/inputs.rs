@@ -4,13 +4,13 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use vibrissa::figure::Outline;
 use vibrissa::flow::pose::{Localization, Method, StampedPose};
-use vibrissa::flow::sensor_log::foreign::{Format, Recording};
 use vibrissa::flow::sensor_log::{Channel, LogRow, Quantity, SensorLog};
-use vibrissa::flow::trajectory::read_tum;
+use vibrissa::io::log::foreign::{Format, Recording};
+use vibrissa::io::read_tum;
+#[cfg(feature = "mcap")]
+use vibrissa::io::recording::{StampedStates, localization_mcap};
 #[cfg(feature = "mcap")]
 use vibrissa::tasks::StatesObserver;
-#[cfg(feature = "mcap")]
-use vibrissa::tasks::bag::{StampedStates, localization_mcap};
 use vibrissa::world::{Map, Robot};
 use vibrissa::{LocalizeOptions, Result};
 
@@ -38,7 +38,7 @@ impl Inputs {
     ) -> Result<Self> {
         Ok(Self {
             title: format!("{} on {}", file_name(log), file_name(map)),
-            map: Map::read(map)?,
+            map: vibrissa::read_map(map)?,
             robot: super::robot::read(robot, method)?,
             log: read_log(log, format)?,
             truth: truth.map(read_tum).transpose()?,
@@ -100,7 +100,7 @@ impl Inputs {
 pub(in crate::commands) fn read_log(path: &Path, format: Option<Format>) -> Result<SensorLog> {
     match format {
         Some(format) => Recording::read(path, format)?.to_log(),
-        None => SensorLog::read(path),
+        None => vibrissa::read_log(path),
     }
 }
 

@@ -21,9 +21,9 @@ use probabilistic::ProbabilisticArgs;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 use vibrissa::flow::pose::Localization;
-use vibrissa::flow::sensor_log::foreign::Format;
+use vibrissa::io::log::foreign::Format;
 #[cfg(feature = "mcap")]
-use vibrissa::tasks::bag::StatesWatch;
+use vibrissa::io::recording::StatesWatch;
 use vibrissa::{LocalizeOptions, Result};
 
 /// Find where the robot is from a sensor log and a map.

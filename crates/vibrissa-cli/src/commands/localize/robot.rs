@@ -8,7 +8,7 @@ use vibrissa::world::Robot;
 /// The robot of the file, or the paper's; its whiskers are those that the method takes.
 pub(super) fn read(path: Option<&Path>, method: Method) -> Result<Robot> {
     let Some(path) = path else { return Ok(Robot::default()) };
-    let robot = Robot::read(path)?;
+    let robot = vibrissa::read_robot(path)?;
     for whisker in &robot.whiskers {
         let (taken, remedy) = match method {
             Method::Possibilistic => (

@@ -12,7 +12,8 @@ use std::path::PathBuf;
 use vibrissa::figure::{PreimageFigure, preimage_figure};
 use vibrissa::flow::contact_set::{ContactRegion, Parts};
 use vibrissa::flow::preimage::{Construction, PreimageOptions, ReadingPreimage, fused_preimage, reading_preimage};
-use vibrissa::world::{Dimension, Map};
+use vibrissa::io::Dimension;
+use vibrissa::world::Map;
 use vibrissa::{Error, Result};
 
 /// Tell which robot states explain a reading of a virtual sensor, or several at once, on a map.
@@ -101,7 +102,7 @@ impl Args {
 pub(crate) fn run(args: &Args) -> Result<()> {
     let (options, whiskers) = (args.options()?, args.readings.read()?);
     let heading = args.heading.as_deref().map(|text| quantity("--heading", text, Dimension::Angle)).transpose()?;
-    let map = Map::read(&args.map)?;
+    let map = vibrissa::read_map(&args.map)?;
     map.warnings.iter().for_each(|warning| warn(warning));
     let found = solve(&map, &whiskers, &options)?;
     if found.states.is_empty() {

@@ -1,9 +1,9 @@
 //! `reproduce.json`: every number and every word of the page.
 
 use serde_json::{Map, Value, json};
-use vibrissa::config::ReproduceOptions;
-use vibrissa::tasks::reproduce::{Cell, Comparison, Figure, Reproduction, Section, Table};
 use vibrissa::{Error, Result};
+use vibrissa_reproduce::ReproduceOptions;
+use vibrissa_reproduce::{Cell, Comparison, Figure, Reproduction, Section, Table};
 
 /// The answer as pretty JSON with a line end; `runtime` is there only when a time is given.
 pub(super) fn text(answer: &Reproduction, options: &ReproduceOptions, seconds: Option<f64>) -> Result<String> {

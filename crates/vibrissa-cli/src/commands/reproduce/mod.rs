@@ -8,8 +8,8 @@ use std::fmt::Write as _;
 use std::io::{IsTerminal, Write as _};
 use std::time::Instant;
 use vibrissa::Result;
-use vibrissa::config::ReproduceOptions;
-use vibrissa::tasks::reproduce::{Cell, Progress, Reproduction, reproduce};
+use vibrissa_reproduce::ReproduceOptions;
+use vibrissa_reproduce::{Cell, Progress, Reproduction, reproduce};
 
 /// Make every figure and both tables of the paper anew, beside the paper's numbers.
 ///

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use vibrissa::figure::{escape, stylesheet};
-use vibrissa::tasks::reproduce::{Cell, Comparison, Figure, Number, Panel, Reproduction, Section, Table};
+use vibrissa_reproduce::{Cell, Comparison, Figure, Number, Panel, Reproduction, Section, Table};
 
 /// The page's own styles.
 const SHEET: &str = include_str!("page.css");

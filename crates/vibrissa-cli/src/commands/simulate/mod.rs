@@ -6,11 +6,12 @@ use super::localize::outlines;
 use crate::output::{OutputArgs, print, warn, write_bytes};
 use std::io::{IsTerminal, Write};
 use std::path::PathBuf;
-use vibrissa::flow::trajectory::format_tum;
+use vibrissa::io::format_tum;
+use vibrissa::io::log::to_csv;
 #[cfg(feature = "mcap")]
-use vibrissa::tasks::bag::sweep_mcap;
-use vibrissa::tasks::simulate::{contacts_csv, log_csv, shapes};
-use vibrissa::tasks::{Scenario, Simulation};
+use vibrissa::sim::recording::sweep_mcap;
+use vibrissa::sim::{Scenario, Simulation};
+use vibrissa::sim::{contacts_csv, shapes};
 use vibrissa::{Error, Result};
 
 /// Simulate a sweep: what a robot with whiskers feels along a path through a map.
@@ -88,12 +89,12 @@ fn read(args: &Args) -> Result<Scenario> {
 fn files(scenario: &Scenario, simulation: &Simulation, dump: bool) -> Vec<(&'static str, String)> {
     let sweep = &simulation.sweep;
     let mut files = vec![
-        ("log.csv", log_csv(&simulation.recording.log)),
+        ("log.csv", to_csv(&simulation.recording.log)),
         ("truth.tum", format_tum(&sweep.truth)),
         ("contacts.csv", contacts_csv(sweep)),
         ("simulate.svg", report::figure(scenario, simulation, &outlines(&scenario.map))),
     ];
-    files.push(("robot.toml", scenario.robot.to_toml()));
+    files.push(("robot.toml", vibrissa::io::robot::to_toml(&scenario.robot)));
     if scenario.map_file.is_none() {
         files.push(("map.geojson", report::map_geojson(&scenario.map)));
     }

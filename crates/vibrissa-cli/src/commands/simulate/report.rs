@@ -9,9 +9,9 @@ use vibrissa::config::limits::FLATTEN_TOLERANCE;
 use vibrissa::figure::{Outline, Series, SimulationScene, simulation_figure};
 use vibrissa::flow::sensor_log::Quantity;
 use vibrissa::plane::Vec2;
-use vibrissa::tasks::simulate::recorder::Columns;
-use vibrissa::tasks::simulate::{Sweep, SweptShape, shapes};
-use vibrissa::tasks::{Scenario, Simulation};
+use vibrissa::sim::recorder::Columns;
+use vibrissa::sim::{Scenario, Simulation};
+use vibrissa::sim::{Sweep, SweptShape, shapes};
 use vibrissa::world::{Boundary, Map};
 
 /// Whisker shapes in the figure, of all whiskers together.

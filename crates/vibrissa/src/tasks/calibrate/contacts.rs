@@ -3,7 +3,7 @@
 use super::{Constant, Explained, Labelled, Shaft, fit_constants, fit_moment_curve, fit_tip_deflection};
 use crate::beam::Whisker;
 use crate::config::{CurveOptions, shaft};
-use crate::flow::sensor_log::foreign::Recording;
+use crate::io::log::foreign::Recording;
 use crate::world::calibration::{Calibration, Motion, Source};
 use crate::{Error, Result};
 

@@ -2,7 +2,7 @@
 
 use crate::beam::rod::Status;
 use crate::beam::{Bend, Load, Rod, Whisker, deflection_per_force};
-use crate::flow::sensor_log::foreign::Recording;
+use crate::io::log::foreign::Recording;
 use crate::plane::Vec2;
 use crate::{Error, Result};
 

@@ -3,7 +3,7 @@
 use super::distance::DistanceSet;
 use crate::Result;
 use crate::config::StaircaseOptions;
-use crate::flow::sensor_log::foreign::Recording;
+use crate::io::log::foreign::Recording;
 
 /// One step: the rig stands still at one distance and one lateral travel.
 struct Step {

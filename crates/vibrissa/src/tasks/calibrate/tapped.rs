@@ -2,8 +2,8 @@
 
 use super::distance::DistanceSet;
 use crate::config::TapOptions;
-use crate::flow::sensor_log::foreign::{Format, Recording, Repairs};
 use crate::flow::taps::{Tap, taps};
+use crate::io::log::foreign::{Format, Recording, Repairs};
 use crate::world::calibration::Source;
 use crate::{Error, Result};
 use std::path::Path;

@@ -1,0 +1,35 @@
+//! Whisker mechanics: how a thin beam bends under a contact, and the planar geometry that it needs.
+//!
+//! A whisker is an elastic rod, clamped or sprung at its base, with one contact. [`beam`] answers each of the questions
+//! "which force, which moment, which contact point, which shape" from any of the others, with every branch of the
+//! solution \[routray, section "Brief Review of Beam Theory"\]; [`sensing`] is the magnet and the chip that measure the
+//! moment; [`plane`] and [`sets`] are vectors, poses, curves, intervals.
+//!
+//! The crate needs no operating system: `no_std` with `alloc`. Either feature gives it the elementary functions.
+//!
+//! | feature | gives |
+//! | --- | --- |
+//! | `std` (default) | functions of the platform; file names in errors; vector instructions found at run time |
+//! | `libm` | functions in Rust, for firmware |
+//!
+//! SI everywhere: m, rad, N, N m. The undeflected whisker points along +x of its own frame, y is on its left, and a push
+//! towards +y is a positive moment.
+
+#![no_std]
+
+extern crate alloc;
+#[cfg(feature = "std")]
+extern crate std;
+
+#[cfg(not(any(feature = "std", feature = "libm")))]
+compile_error!("vibrissa-beam needs elementary functions: switch on the feature `std` or `libm`");
+
+pub mod beam;
+pub mod config;
+pub mod error;
+pub mod plane;
+mod platform;
+pub mod sensing;
+pub mod sets;
+
+pub use error::{Error, Result};

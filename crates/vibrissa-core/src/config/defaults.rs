@@ -1,0 +1,22 @@
+//! The paper's whisker and the constants of the method.
+
+pub use vibrissa_beam::config::{
+    BASE_STIFFNESS, CURVATURE, DIAMETER, FLEXURAL_RIGIDITY, LENGTH, STRAIN_LIMIT, TIP_RATIO, YOUNG_MODULUS,
+};
+
+/// Bound on the Coulomb coefficient: contact is frictionless, as in the paper.
+pub const FRICTION: f64 = 0.0;
+/// Bound on the reading's error relative to the reading: the paper's 5 % \[routray, section "Possibilistic Method"\].
+pub const MOMENT_RELATIVE: f64 = 0.05;
+/// Bound on the reading's error that stays at zero moment (N m).
+pub const MOMENT_ABSOLUTE: f64 = 2e-5;
+/// The same of a contact force: as that of the moment.
+pub const FORCE_RELATIVE: f64 = 0.05;
+/// Bound on a force's error at zero (N): the moment's at the end of the paper's whisker.
+pub const FORCE_ABSOLUTE: f64 = 3e-4;
+/// The same of a slope: as that of the moment.
+pub const SLOPE_RELATIVE: f64 = 0.05;
+/// Bound on a slope's error at zero (rad): that of the paper's whisker under the moment's.
+pub const SLOPE_ABSOLUTE: f64 = 3e-3;
+/// Bound on the error of each odometry increment relative to it: the paper's stage is exact to 10 µm.
+pub const ODOMETRY_RELATIVE: f64 = 0.0;

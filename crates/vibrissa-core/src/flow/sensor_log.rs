@@ -1,0 +1,145 @@
+//! The first door: what the robot recorded.
+
+use crate::plane::Pose2;
+use crate::{Error, Result};
+use std::path::PathBuf;
+
+/// What a column of a log measures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    /// Bending moment about the whisker base (N m), counter-clockwise positive.
+    Moment,
+    /// Magnetic flux density along the sensor's first axis (T).
+    FluxX,
+    /// Magnetic flux density along the sensor's second axis (T).
+    FluxY,
+    /// Magnetic flux density along the sensor's third axis (T).
+    FluxZ,
+    /// Raw counts of the sensor's first axis.
+    CountX,
+    /// Raw counts of the sensor's second axis.
+    CountY,
+    /// Raw counts of the sensor's third axis.
+    CountZ,
+    /// Contact force (N).
+    Force,
+    /// Slope of the whisker at its end (rad).
+    Slope,
+    /// Lower end of the touched strip, as arc length from the base (m).
+    StripLo,
+    /// Upper end of the touched strip, as arc length from the base (m).
+    StripHi,
+}
+
+impl Quantity {
+    /// Every quantity, in the order of the contract.
+    pub const ALL: [Self; 11] = [
+        Self::Moment,
+        Self::FluxX,
+        Self::FluxY,
+        Self::FluxZ,
+        Self::CountX,
+        Self::CountY,
+        Self::CountZ,
+        Self::Force,
+        Self::Slope,
+        Self::StripLo,
+        Self::StripHi,
+    ];
+
+    /// The word that names it in a log's header.
+    #[must_use]
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Moment => "moment",
+            Self::FluxX => "bx",
+            Self::FluxY => "by",
+            Self::FluxZ => "bz",
+            Self::CountX => "ax",
+            Self::CountY => "ay",
+            Self::CountZ => "az",
+            Self::Force => "force",
+            Self::Slope => "slope",
+            Self::StripLo => "strip_lo",
+            Self::StripHi => "strip_hi",
+        }
+    }
+}
+
+/// One measured column of a log.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Channel {
+    /// The whisker's name; empty when the log does not name it (a log of one whisker).
+    pub whisker: String,
+    /// What is measured, and in which unit.
+    pub quantity: Quantity,
+}
+
+/// One row of a log.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LogRow {
+    /// Time stamp (s), strictly increasing over a log.
+    pub t: f64,
+    /// The robot in the odometry frame, whose origin is arbitrary.
+    pub odom_from_robot: Pose2,
+    /// One reading for each channel of the log, in its order.
+    pub readings: Vec<f64>,
+    /// Absolute heading in the map frame from an IMU or compass (rad), where logged.
+    pub heading: Option<f64>,
+    /// The line of the file that it was read from, counted from 1; 0 for a row that was not read from a file.
+    pub line: usize,
+}
+
+/// A recorded run: odometry and readings over time.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SensorLog {
+    /// The measured columns.
+    pub channels: Vec<Channel>,
+    /// The rows, in time order.
+    pub rows: Vec<LogRow>,
+    /// What looked wrong but could be read, for people.
+    pub warnings: Vec<String>,
+    /// The file that it was read from, for messages.
+    pub source: Option<PathBuf>,
+}
+
+impl SensorLog {
+    /// The index of the channel with this quantity of the whisker called `whisker`; an unnamed channel belongs to any whisker.
+    #[must_use]
+    pub fn channel(&self, whisker: &str, quantity: Quantity) -> Option<usize> {
+        let of = |name: &str| self.channels.iter().position(|c| c.quantity == quantity && c.whisker == name);
+        of(whisker).or_else(|| of(""))
+    }
+
+    /// The index of the moment channel of the whisker called `whisker`; an unnamed channel belongs to any whisker.
+    ///
+    /// # Errors
+    ///
+    /// No such channel; the message lists what the log holds instead.
+    pub fn moment_channel(&self, whisker: &str) -> Result<usize> {
+        if let Some(index) = self.channel(whisker, Quantity::Moment) {
+            return Ok(index);
+        }
+        let held: Vec<String> = self.channels.iter().map(Channel::column).collect();
+        let error = Error::data(format!("the log has no moment column for the whisker \"{whisker}\""))
+            .value(format!("it holds {}", if held.is_empty() { "no readings".to_owned() } else { held.join(", ") }))
+            .allowed(format!("moment, or {whisker}.moment"));
+        Err(if self.channels.iter().any(|c| c.quantity == Quantity::Moment) {
+            error.remedy("name the columns after the robot's whiskers")
+        } else {
+            error.remedy(
+                "flux and counts need `calibration = \"cal.json\"` in the robot file; --method probabilistic takes force and \
+                 slope, too",
+            )
+        })
+    }
+}
+
+impl Channel {
+    /// The column's name in a log's header.
+    #[must_use]
+    pub fn column(&self) -> String {
+        let word = self.quantity.word();
+        if self.whisker.is_empty() { word.to_owned() } else { format!("{}.{word}", self.whisker) }
+    }
+}

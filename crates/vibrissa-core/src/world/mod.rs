@@ -1,0 +1,12 @@
+//! The world: maps, robots, how they move, and what their sensors are calibrated to.
+
+mod boundary;
+pub mod calibration;
+mod map;
+mod motion;
+mod robot;
+
+pub use boundary::{Boundary, CurveFault, Role, beyond_maps, out_of_range};
+pub use map::{BoundarySample, ConcaveCorner, Foot, Map, MapPoint, NearestPiece};
+pub use motion::increments;
+pub use robot::{MomentNoise, MountedWhisker, Odometry, ReadingNoise, Robot};

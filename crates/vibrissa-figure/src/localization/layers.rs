@@ -1,0 +1,222 @@
+//! What the figure shows, layer by layer from the ground up.
+
+use super::{LocalizationScene, Outline, OutlineRole, counted, entry};
+use crate::canvas::{Canvas, WorldBounds};
+use crate::flow::pose::{Hypothesis, Localization, Method, StampedPose};
+use crate::flow::trajectory::pose_at;
+use crate::legend::{Entry, Sample};
+use crate::plane::{Pose2, Vec2};
+use crate::sets::StateBox;
+
+/// At most this many whisker shapes are drawn.
+const SHAPES: usize = 25;
+/// At most this many candidates are drawn, and at most this many survivors; of more, every n-th.
+const CANDIDATES: usize = 4000;
+/// At most this many places carry a number.
+const NUMBERED: usize = 30;
+
+/// Draws solid ground, arenas, obstacles and walls.
+pub(crate) fn map(canvas: &mut Canvas, outlines: &[Outline]) {
+    let of = |role: OutlineRole| outlines.iter().filter(move |outline| outline.role == role);
+    if of(OutlineRole::Arena).next().is_some() {
+        let WorldBounds { min, max } = canvas.world();
+        canvas.polygon(&[min, Vec2::new(max.x, min.y), max, Vec2::new(min.x, max.y)], "solid");
+    }
+    for (role, class) in
+        [(OutlineRole::Arena, "arena"), (OutlineRole::Obstacle, "obstacle"), (OutlineRole::Wall, "wall")]
+    {
+        for outline in of(role) {
+            if outline.closed {
+                canvas.polygon(&outline.points, class);
+            } else {
+                canvas.polyline(&outline.points, class);
+            }
+        }
+    }
+}
+
+/// Draws the candidates after the first observation, each moved along to the last row.
+pub(super) fn candidates(canvas: &mut Canvas, answer: &Localization, tick: f64) {
+    let shown = || answer.first_states.iter().copied().step_by(stride(answer.first_states.len()));
+    canvas.heading_ticks(shown(), tick, "candidate-tick");
+    canvas.dots(shown().map(Pose2::position), "candidate");
+}
+
+/// Draws the true path and the true pose at the end.
+pub(super) fn truth(canvas: &mut Canvas, scene: &LocalizationScene<'_>, tick: f64) {
+    let Some(truth) = scene.truth else { return };
+    canvas.trail(&positions(truth), "truth");
+    if let Some(end) = scene.true_end().or_else(|| truth.last().map(|row| row.map_from_robot)) {
+        canvas.heading_ticks([end], tick, "truth-mark");
+        canvas.circle(end.position(), 9.5, "truth-mark");
+    }
+}
+
+/// Draws the whisker along the sweep, the last shape strongest.
+pub(super) fn whiskers(canvas: &mut Canvas, answer: &Localization) {
+    let placed: Vec<Vec<Vec2>> = placed_shapes(answer).collect();
+    let Some((last, earlier)) = placed.split_last() else { return };
+    for shape in earlier.iter().step_by(placed.len().div_ceil(SHAPES)) {
+        canvas.polyline(shape, "whisker");
+    }
+    canvas.polyline(last, "whisker-last");
+}
+
+/// The whisker shapes in the map frame, for those times at which the robot's place is estimated.
+pub(super) fn placed_shapes(answer: &Localization) -> impl Iterator<Item = Vec<Vec2>> {
+    answer.shapes.iter().filter_map(|shape| {
+        let pose = pose_at(&answer.trajectory, shape.t)?;
+        Some(shape.points.iter().map(|&point| pose.transform_point(point)).collect())
+    })
+}
+
+/// Draws the estimated path from its start.
+pub(super) fn path(canvas: &mut Canvas, answer: &Localization) {
+    canvas.trail(&positions(&answer.trajectory), "path");
+    if let Some(first) = answer.trajectory.first() {
+        canvas.circle(first.map_from_robot.position(), 4.0, "start");
+    }
+}
+
+/// Draws what is left of the candidates: points as dots with headings, boxes as boxes.
+pub(super) fn survivors(canvas: &mut Canvas, answer: &Localization, tick: f64) {
+    let every = stride(answer.states.len());
+    let shown = || answer.states.iter().step_by(every);
+    for state in shown().filter(|state| !is_point(state)) {
+        let (x, y) = (state.x, state.y);
+        let [a, b] = [Vec2::new(x.lo(), y.lo()), Vec2::new(x.hi(), y.hi())];
+        canvas.polygon(&[a, Vec2::new(b.x, a.y), b, Vec2::new(a.x, b.y)], "survivor-box");
+    }
+    let points = || shown().filter(|state| is_point(state)).map(middle);
+    canvas.heading_ticks(points(), tick, "survivor-tick");
+    canvas.dots(points().map(Pose2::position), "survivor");
+}
+
+/// Draws the frame of what another panel shows close up.
+pub(super) fn zoomed(canvas: &mut Canvas, world: WorldBounds) {
+    // Never smaller than the marker that it surrounds.
+    let WorldBounds { min, max } = world.grown((14.0 / canvas.scale() - 0.5 * world.size().x).max(0.0));
+    canvas.polygon(&[min, Vec2::new(max.x, min.y), max, Vec2::new(min.x, max.y)], "zoomed");
+}
+
+/// Draws the estimate, in the close-up with its extent; several places are numbered.
+pub(super) fn estimate(canvas: &mut Canvas, scene: &LocalizationScene<'_>, close_up: bool) {
+    let answer = scene.answer;
+    for hypothesis in answer.hypotheses.iter().take(NUMBERED) {
+        extent(canvas, hypothesis, close_up);
+    }
+    for hypothesis in answer.hypotheses.iter().take(NUMBERED) {
+        let ridge: Vec<Vec2> = hypothesis.ridge.iter().map(|pose| pose.position()).collect();
+        canvas.trail(&ridge, "ridge");
+    }
+    let Some(pose) = answer.estimate else { return };
+    if !close_up && scene.robot.len() > 2 {
+        let outline: Vec<Vec2> = scene.robot.iter().map(|&point| pose.transform_point(point)).collect();
+        canvas.polygon(&outline, "robot");
+    }
+    if answer.hypotheses.len() > 1 && !close_up {
+        for (index, hypothesis) in answer.hypotheses.iter().take(NUMBERED).enumerate().rev() {
+            numbered(canvas, index + 1, hypothesis.pose);
+        }
+        return;
+    }
+    canvas.arrow(pose, if close_up { 44.0 } else { 26.0 }, "estimate-line", "estimate");
+    canvas.circle(pose.position(), 5.5, "estimate");
+}
+
+fn numbered(canvas: &mut Canvas, number: usize, pose: Pose2) {
+    canvas.arrow(pose, 26.0, "estimate-line", "estimate");
+    canvas.circle(pose.position(), 8.5, "badge");
+    canvas.text(pose.position(), (0.0, 4.0), &number.to_string(), "badge-text");
+}
+
+fn extent(canvas: &mut Canvas, hypothesis: &Hypothesis, close_up: bool) {
+    let StateBox { x, y, theta } = hypothesis.extent;
+    if x.is_empty() || y.is_empty() {
+        return;
+    }
+    let [a, b] = [Vec2::new(x.lo(), y.lo()), Vec2::new(x.hi(), y.hi())];
+    canvas.polygon(&[a, Vec2::new(b.x, a.y), b, Vec2::new(a.x, b.y)], "extent");
+    if close_up && theta.width() > 0.0 && theta.width() < core::f64::consts::TAU {
+        let radius = 62.0 / canvas.scale();
+        let centre = hypothesis.pose.position();
+        let arc = (0..=24).map(|step| theta.lo() + theta.width() * f64::from(step) / 24.0);
+        let fan: Vec<Vec2> =
+            core::iter::once(centre).chain(arc.map(|angle| centre + Vec2::from_angle(angle) * radius)).collect();
+        canvas.polygon(&fan, "fan");
+    }
+}
+
+/// The legend: one entry for each layer that is there.
+pub(super) fn legend_entries(scene: &LocalizationScene<'_>, canvas: &Canvas) -> Vec<Entry> {
+    let answer = scene.answer;
+    let mut entries = Vec::new();
+    let mut add = |there: bool, sample: Sample, words: String| {
+        if there {
+            entries.push(entry(sample, words));
+        }
+    };
+    let has = |role: OutlineRole| scene.map.iter().any(|outline| outline.role == role);
+    let (all, left) = (answer.first_states.len(), answer.states.len());
+    let every = |count: usize| match stride(count) {
+        1 => String::new(),
+        stride => format!(" (1 in {stride})"),
+    };
+    let several = answer.hypotheses.len() > 1;
+    add(
+        all > 0,
+        Sample::Dots("candidate", "candidate-tick"),
+        format!("{} at the first touch{}", counted(all, super::words::part(answer)), every(all)),
+    );
+    let sets = answer.states.iter().any(|state| !is_point(state));
+    let survivor = if sets { Sample::Patch("survivor-box") } else { Sample::Dots("survivor", "survivor-tick") };
+    let kept = if answer.method == Method::Possibilistic {
+        "boxes around what is left of the cells"
+    } else {
+        "left at the end, likely or not"
+    };
+    add(left > 0, survivor, format!("{left} {kept}{}", every(left)));
+    add(
+        answer.estimate.is_some() && !several,
+        Sample::Heading("estimate", "estimate-line"),
+        "estimate and heading".into(),
+    );
+    add(several, Sample::Heading("badge", "estimate-line"), "a place that explains the log".into());
+    add(
+        !answer.hypotheses.is_empty(),
+        Sample::Patch("extent"),
+        if several { "extent of a place" } else { "extent of the place" }.into(),
+    );
+    add(
+        answer.hypotheses.iter().any(|hypothesis| !hypothesis.ridge.is_empty()),
+        Sample::Line("ridge"),
+        "where along a place the robot may be".into(),
+    );
+    add(!answer.trajectory.is_empty(), Sample::Line("path"), "estimated path, from the circle".into());
+    add(scene.truth.is_some(), Sample::Line("truth"), "true path".into());
+    add(scene.truth.is_some(), Sample::Circle("truth-mark"), "true pose at the end".into());
+    let whiskers = placed_shapes(answer).flatten().any(|point| canvas.shows(point));
+    add(whiskers, Sample::Line("whisker-last"), "whisker along the sweep".into());
+    add(has(OutlineRole::Wall), Sample::Line("wall"), "wall".into());
+    add(has(OutlineRole::Obstacle), Sample::Patch("obstacle"), "obstacle".into());
+    add(has(OutlineRole::Arena), Sample::Patch("arena"), "free space".into());
+    entries
+}
+
+/// Of `count` states every how many-th is drawn.
+fn stride(count: usize) -> usize {
+    count.div_ceil(CANDIDATES).max(1)
+}
+
+fn positions(path: &[StampedPose]) -> Vec<Vec2> {
+    path.iter().map(|row| row.map_from_robot.position()).collect()
+}
+
+fn is_point(state: &StateBox) -> bool {
+    state.x.width() <= 0.0 && state.y.width() <= 0.0
+}
+
+fn middle(state: &StateBox) -> Pose2 {
+    let half = |interval: crate::sets::Interval| 0.5 * (interval.lo() + interval.hi());
+    Pose2::new(half(state.x), half(state.y), half(state.theta))
+}

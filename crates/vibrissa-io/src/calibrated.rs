@@ -1,0 +1,87 @@
+//! Logs of raw readings as logs of moments, by the calibration that each whisker's robot file names.
+
+use crate::calibration;
+use crate::flow::sensor_log::{Channel, LogRow, Quantity, SensorLog};
+use crate::world::calibration::MomentCurve;
+use crate::world::{MountedWhisker, Robot};
+use crate::{Error, Result};
+use std::borrow::Cow;
+
+/// One whisker's raw channels, and the curve that they go through.
+struct Converted {
+    whisker: usize,
+    name: String,
+    channels: Vec<usize>,
+    curve: MomentCurve,
+}
+
+/// The log with a moment for each whisker that has a calibration and no moment yet, and the robot with the calibration's
+/// bound added to the declared bounds of these whiskers; both untouched when there is nothing to do.
+///
+/// # Errors
+///
+/// A calibration that cannot be read or holds no curve to moments, a log without its inputs, a reading beyond the
+/// calibrated range; the message names file and line.
+pub fn calibrated<'a>(log: &'a SensorLog, robot: &'a Robot) -> Result<(Cow<'a, SensorLog>, Cow<'a, Robot>)> {
+    let wanted = robot.whiskers.iter().enumerate().filter(|(_, whisker)| log.moment_channel(&whisker.name).is_err());
+    let converted: Vec<Converted> =
+        wanted.filter_map(|(index, whisker)| convert(log, whisker, index).transpose()).collect::<Result<_>>()?;
+    if converted.is_empty() {
+        return Ok((Cow::Borrowed(log), Cow::Borrowed(robot)));
+    }
+    let mut robot = robot.clone();
+    let mut channels = log.channels.clone();
+    for one in &converted {
+        robot.whiskers[one.whisker].noise.moment_absolute += one.curve.bound;
+        channels.push(Channel { whisker: one.name.clone(), quantity: Quantity::Moment });
+    }
+    let row = |row: &LogRow| -> Result<LogRow> {
+        let mut row = row.clone();
+        for one in &converted {
+            let raw: Vec<f64> = one.channels.iter().map(|&channel| row.readings[channel]).collect();
+            let moment = one.curve.moment(&raw).map_err(|e| at(e, log, row.line))?;
+            row.readings.push(moment);
+        }
+        Ok(row)
+    };
+    let rows = log.rows.iter().map(row).collect::<Result<_>>()?;
+    let log = SensorLog { channels, rows, warnings: log.warnings.clone(), source: log.source.clone() };
+    Ok((Cow::Owned(log), Cow::Owned(robot)))
+}
+
+fn convert(log: &SensorLog, whisker: &MountedWhisker, index: usize) -> Result<Option<Converted>> {
+    let Some(path) = &whisker.calibration else { return Ok(None) };
+    let curve = calibration::read(path)?.moment.ok_or_else(|| {
+        Error::data("the calibration does not turn readings into moments")
+            .in_file(path)
+            .remedy("make one with `vibrissa calibrate LOG.csv --out DIR` from labelled contacts")
+    })?;
+    let channels: Vec<usize> =
+        curve.inputs.iter().map(|word| raw_channel(log, &whisker.name, word)).collect::<Result<_>>()?;
+    // A log that names its columns names the moment too.
+    let name = channels.first().map(|&channel| log.channels[channel].whisker.clone()).unwrap_or_default();
+    Ok(Some(Converted { whisker: index, name, channels, curve }))
+}
+
+/// The channel of this quantity that belongs to the whisker; an unnamed one belongs to any.
+fn raw_channel(log: &SensorLog, whisker: &str, word: &str) -> Result<usize> {
+    let find = |name: &str| log.channels.iter().position(|c| c.quantity.word() == word && c.whisker == name);
+    find(whisker).or_else(|| find("")).ok_or_else(|| {
+        let held: Vec<String> = log.channels.iter().map(Channel::column).collect();
+        let error = Error::data(format!("the log has neither a moment nor `{word}` for the whisker \"{whisker}\""))
+            .value(format!("it holds {}", held.join(", ")))
+            .remedy("the calibration needs the columns that it was made from");
+        match &log.source {
+            Some(file) => error.in_file(file),
+            None => error,
+        }
+    })
+}
+
+fn at(error: Error, log: &SensorLog, line: usize) -> Error {
+    let error = if line > 0 { error.at_line(line) } else { error };
+    match &log.source {
+        Some(file) => error.in_file(file),
+        None => error,
+    }
+}

@@ -1,0 +1,136 @@
+//! The header of a log: which column holds what.
+
+use crate::flow::sensor_log::{Channel, Quantity};
+use crate::text::did_you_mean;
+use crate::{Error, Result};
+
+/// Where each part of a row stands.
+#[derive(Clone, Debug)]
+pub(super) struct Columns {
+    /// The fields of `t`, `x`, `y`, `theta`.
+    pub(super) odometry: [usize; 4],
+    pub(super) heading: Option<usize>,
+    pub(super) channels: Vec<Channel>,
+    /// The field of each channel.
+    pub(super) readings: Vec<usize>,
+    /// The names as written, for messages.
+    pub(super) names: Vec<String>,
+    pub(super) warnings: Vec<String>,
+}
+
+pub(super) const ODOMETRY: [&str; 4] = ["t", "x", "y", "theta"];
+
+impl Columns {
+    pub(super) fn new(names: Vec<String>) -> Result<Self> {
+        if names.first().is_some_and(|name| name.parse::<f64>().is_ok()) {
+            return Err(Error::data("the log has no header line, it starts with a number")
+                .value(format!("\"{}\"", names[0]))
+                .remedy("put the column names on the first line: t,x,y,theta,moment"));
+        }
+        no_repeats(&names)?;
+        let mut columns = Self {
+            odometry: [0; 4],
+            heading: None,
+            channels: Vec::new(),
+            readings: Vec::new(),
+            names: names.clone(),
+            warnings: Vec::new(),
+        };
+        let mut unknown = Vec::new();
+        for (index, name) in names.iter().enumerate() {
+            if name == "heading" {
+                columns.heading = Some(index);
+            } else if let Some(channel) = channel(name) {
+                columns.channels.push(channel);
+                columns.readings.push(index);
+            } else if !ODOMETRY.contains(&name.as_str()) {
+                unknown.push(name.as_str());
+            }
+        }
+        for (place, word) in columns.odometry.iter_mut().zip(ODOMETRY) {
+            *place = names.iter().position(|n| n == word).ok_or_else(|| missing(word, &names, &unknown))?;
+        }
+        if columns.channels.is_empty() {
+            return Err(missing("moment", &names, &unknown));
+        }
+        columns.warnings = warnings(&columns.channels, &unknown);
+        Ok(columns)
+    }
+}
+
+/// `moment`, `left.moment` and the like.
+fn channel(name: &str) -> Option<Channel> {
+    let (whisker, word) = name.rsplit_once('.').unwrap_or(("", name));
+    let quantity = Quantity::ALL.into_iter().find(|q| q.word() == word)?;
+    (!whisker.is_empty() || !name.starts_with('.')).then(|| Channel { whisker: whisker.to_owned(), quantity })
+}
+
+fn no_repeats(names: &[String]) -> Result<()> {
+    let repeated = names.iter().enumerate().find(|(i, name)| names[..*i].contains(name));
+    match repeated {
+        Some((index, name)) => Err(Error::data("two columns have the same name")
+            .value(format!("\"{name}\" (columns {} and {})", 1 + first(names, name), index + 1))
+            .remedy("rename one; several whiskers are told apart as NAME.moment")),
+        None => Ok(()),
+    }
+}
+
+fn first(names: &[String], name: &str) -> usize {
+    names.iter().position(|n| n == name).unwrap_or(0)
+}
+
+fn missing(word: &str, names: &[String], unknown: &[&str]) -> Error {
+    let what = match word {
+        "moment" => "the log has no column of readings".to_owned(),
+        _ => format!("the log has no column `{word}`"),
+    };
+    let error = Error::data(what)
+        .value(format!("its columns are {}", names.join(", ")))
+        .allowed("t,x,y,theta and moment (or NAME.moment), in any order");
+    match unknown.iter().find(|name| did_you_mean(name.rsplit('.').next().unwrap_or(name), &[word]).starts_with("did"))
+    {
+        Some(near) => {
+            let prefix = near.rsplit_once('.').map_or(String::new(), |(whisker, _)| format!("{whisker}."));
+            error.remedy(format!("is `{near}` meant to be `{prefix}{word}`? Rename it"))
+        }
+        None if names.len() == 1 => error.remedy("separate the columns by commas"),
+        None => error.remedy(format!("add the column `{word}`")),
+    }
+}
+
+fn warnings(channels: &[Channel], unknown: &[&str]) -> Vec<String> {
+    let known: Vec<&str> = ODOMETRY.into_iter().chain(["heading"]).chain(Quantity::ALL.map(Quantity::word)).collect();
+    let ignored = |name: &&str| {
+        let hint = did_you_mean(name.rsplit('.').next().unwrap_or(name), &known);
+        if hint.starts_with("did") {
+            format!("the column `{name}` is ignored: {hint}")
+        } else {
+            format!("the column `{name}` is ignored: not a known quantity")
+        }
+    };
+    let mut warnings: Vec<String> = unknown.iter().map(ignored).collect();
+    let unused: Vec<String> = channels.iter().filter(|c| !is_used(c, channels)).map(Channel::column).collect();
+    if !unused.is_empty() {
+        warnings.push(format!("read but not used yet: {}", unused.join(", ")));
+    }
+    let sharp: Vec<String> = channels.iter().filter(|c| is_probabilistic(c)).map(Channel::column).collect();
+    if !sharp.is_empty() {
+        warnings.push(format!("used by the probabilistic method only: {}", sharp.join(", ")));
+    }
+    warnings
+}
+
+fn is_probabilistic(channel: &Channel) -> bool {
+    matches!(channel.quantity, Quantity::Force | Quantity::Slope)
+}
+
+/// Moments, forces and slopes are used as they are, flux and counts through a calibration where there is no moment.
+fn is_used(channel: &Channel, channels: &[Channel]) -> bool {
+    let has_moment = || channels.iter().any(|c| c.quantity == Quantity::Moment && c.whisker == channel.whisker);
+    match channel.quantity {
+        Quantity::Moment => true,
+        Quantity::Force | Quantity::Slope => true,
+        Quantity::StripLo | Quantity::StripHi => false,
+        _ => !has_moment(),
+    }
+}

@@ -1,0 +1,238 @@
+//! Logs as CSV.
+
+use super::columns::{Columns, ODOMETRY};
+use super::doubts::Doubts;
+use crate::config::limits::{LARGEST_ODOMETRY, LONGEST_LOG_LINE, MOST_LOG_ROWS};
+use crate::flow::sensor_log::{LogRow, SensorLog};
+use crate::plane::Pose2;
+use crate::text::cannot_open;
+use crate::{Error, Result};
+use csv::{ByteRecord, ReaderBuilder, Terminator, Trim};
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+/// Reads a log file: `.mcap`, or the folder of `ros2 bag record` around one, is a recording with ROS 2 messages, all
+/// else CSV.
+///
+/// # Errors
+///
+/// A file that cannot be read or is at fault; the message names file, line and value.
+pub fn read(path: impl AsRef<Path>) -> Result<SensorLog> {
+    let path = path.as_ref();
+    if path.is_dir() {
+        #[cfg(feature = "mcap")]
+        if let Some(only) = super::bag::only_recording(path) {
+            return super::bag::read_mcap(&only);
+        }
+        return Err(cannot_open(path, "log", &std::io::ErrorKind::IsADirectory.into()));
+    }
+    match path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase().as_str() {
+        #[cfg(feature = "mcap")]
+        "mcap" => return super::bag::read_mcap(path),
+        #[cfg(not(feature = "mcap"))]
+        "mcap" => return Err(other_recording(path)),
+        "bag" | "db3" => return Err(other_recording(path)),
+        _ => {}
+    }
+    let file = File::open(path).map_err(|e| cannot_open(path, "log", &e))?;
+    from_reader(file, &path.to_string_lossy())
+}
+
+/// The log in a CSV text; `name` stands for the file in messages.
+///
+/// # Errors
+///
+/// As [`SensorLog::from_reader`].
+pub fn from_csv(text: &str, name: &str) -> Result<SensorLog> {
+    from_reader(text.as_bytes(), name)
+}
+
+/// The log in a stream of CSV, read row by row; `name` stands for the file in messages.
+///
+/// The first line names the columns: `t,x,y,theta`, a reading for each whisker (`moment`, or `NAME.moment` where
+/// there are several; see [`Quantity`]), and perhaps `heading`, in any order. A last line that was cut off
+/// is dropped with a warning.
+///
+/// # Errors
+///
+/// No header, a missing column, a line with too few or too many fields, a field that is not a finite number, a
+/// clock that does not increase, odometry beyond 1e8 m, no rows at all; a line of more
+/// than a megabyte, more than five million rows.
+pub fn from_reader(reader: impl Read, name: &str) -> Result<SensorLog> {
+    let mut ended_in_newline = true;
+    let watched = Watched { inner: reader, line: 0, ended_in_newline: &mut ended_in_newline };
+    let faulty = |e: Error| e.in_file(name).or_remedy("correct or remove the line, or record the log again");
+    let (log, cut) = rows(watched, name).map_err(faulty)?;
+    let log = finish(log, cut, ended_in_newline).map_err(faulty)?;
+    Ok(SensorLog { source: Some(name.into()), ..log })
+}
+
+/// The error for recordings in other containers, and for MCAP in builds without it.
+fn other_recording(path: &Path) -> Error {
+    Error::data("a recording in a format that is not read here")
+        .in_file(path)
+        .allowed(".mcap, .csv")
+        .remedy("`ros2 bag convert` makes MCAP of other recordings; MCAP itself needs a build with the feature `mcap`")
+}
+
+/// A reader that remembers whether its last byte was a line end, and that ends at a line without end.
+struct Watched<'a, R> {
+    inner: R,
+    /// Bytes since the last line end.
+    line: usize,
+    ended_in_newline: &'a mut bool,
+}
+
+impl<R: Read> Read for Watched<'_, R> {
+    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+        let count = self.inner.read(buffer)?;
+        if count > 0 {
+            *self.ended_in_newline = matches!(buffer[count - 1], b'\n' | b'\r');
+            let end = buffer[..count].iter().rposition(|byte| *byte == b'\n');
+            self.line = end.map_or(self.line + count, |at| count - 1 - at);
+            if self.line > LONGEST_LOG_LINE {
+                return Err(std::io::Error::other("a line of more than a megabyte: is it a log?"));
+            }
+        }
+        Ok(count)
+    }
+}
+
+/// A fault in a row, held back until it is known whether the row was the last one.
+struct Pending {
+    error: Error,
+    line: usize,
+    /// Whether a writer that was stopped in the middle explains it even when the file ends in a line end.
+    short: bool,
+}
+
+fn rows(reader: impl Read, name: &str) -> Result<(SensorLog, Option<Pending>)> {
+    let mut csv = ReaderBuilder::new()
+        .has_headers(false)
+        .flexible(true)
+        .trim(Trim::All)
+        // A carriage return is trimmed away; as part of the line end it would put the line numbers off by one.
+        .terminator(Terminator::Any(b'\n'))
+        .from_reader(reader);
+    let mut record = ByteRecord::new();
+    let mut next =
+        |record: &mut ByteRecord| csv.read_byte_record(record).map_err(|e| Error::data("cannot read the log").value(e));
+    if !next(&mut record)? {
+        return Err(Error::data("the log is empty").remedy("its first line must name the columns: t,x,y,theta,moment"));
+    }
+    let header = record.iter().map(text).collect();
+    let columns = Columns::new(header).map_err(|e| e.at_line(line(&record)))?;
+    let mut log =
+        SensorLog { channels: columns.channels.clone(), warnings: columns.warnings.clone(), ..SensorLog::default() };
+    let (mut doubts, mut pending): (_, Option<Pending>) = (Doubts::default(), None);
+    while next(&mut record)? {
+        if record.len() == 1 && record[0].is_empty() {
+            continue;
+        }
+        if let Some(pending) = pending {
+            return Err(pending.error);
+        }
+        pending = row(&record, &columns, &mut log, &mut doubts).err();
+    }
+    log.warnings.extend(doubts.warnings(name));
+    Ok((log, pending))
+}
+
+/// Drops a cut last line; any other fault is an error.
+fn finish(mut log: SensorLog, pending: Option<Pending>, ended_in_newline: bool) -> Result<SensorLog> {
+    if let Some(Pending { error, line, short }) = pending {
+        if !short && ended_in_newline {
+            return Err(error);
+        }
+        log.warnings.push(format!("line {line}: the last line is cut off; 1 row dropped"));
+    }
+    if log.rows.is_empty() {
+        return Err(
+            Error::data("the log has no rows").remedy("it holds only a header; was the recording stopped at once?")
+        );
+    }
+    Ok(log)
+}
+
+fn line(record: &ByteRecord) -> usize {
+    record.position().map_or(1, |p| p.line() as usize)
+}
+
+fn text(field: &[u8]) -> String {
+    String::from_utf8_lossy(field).into_owned()
+}
+
+/// Reads one row into the log.
+fn row(
+    record: &ByteRecord,
+    columns: &Columns,
+    log: &mut SensorLog,
+    doubts: &mut Doubts,
+) -> core::result::Result<(), Pending> {
+    let line = line(record);
+    let fault = |error: Error, short| Pending { error: error.at_line(line), line, short };
+    if record.len() != columns.names.len() {
+        let short = record.len() < columns.names.len();
+        let error = Error::data(if short { "a line with too few fields" } else { "a line with too many fields" })
+            .value(record.len())
+            .allowed(format!("{}, as the header names", columns.names.len()))
+            .remedy(if short {
+                "the line was cut; repair or remove it"
+            } else {
+                "use a dot as decimal mark, one field a column"
+            });
+        return Err(fault(error, short));
+    }
+    let number = |field: usize| number(&record[field], &columns.names[field]).map_err(|e| fault(e, false));
+    let metres =
+        |field: usize| number(field).and_then(|v| in_reach(v, &columns.names[field]).map_err(|e| fault(e, false)));
+    let [t, x, y, theta] = columns.odometry;
+    let (t, theta) = (number(t)?, number(theta)?);
+    let row = LogRow {
+        line,
+        t,
+        odom_from_robot: Pose2::new(metres(x)?, metres(y)?, theta),
+        readings: columns.readings.iter().map(|&field| number(field)).collect::<core::result::Result<_, _>>()?,
+        heading: columns.heading.map(number).transpose()?,
+    };
+    if log.rows.len() >= MOST_LOG_ROWS {
+        let error = Error::data("the log has too many rows")
+            .allowed(format!("up to {MOST_LOG_ROWS}"))
+            .remedy("cut the log into parts, or keep every tenth row");
+        return Err(fault(error, false));
+    }
+    let previous = log.rows.last();
+    if let Some(before) = previous.filter(|before| before.t >= t) {
+        let error = Error::data(format!("{} does not increase", ODOMETRY[0]))
+            .value(format!("{t} s after {} s", before.t))
+            .remedy("sort the rows by time and remove repeated ones");
+        return Err(fault(error, false));
+    }
+    doubts.look(line, &row, theta, previous, &columns.channels);
+    log.rows.push(row);
+    Ok(())
+}
+
+/// Refuses odometry that no robot on Earth has.
+fn in_reach(metres: f64, name: &str) -> Result<f64> {
+    if metres.abs() <= LARGEST_ODOMETRY {
+        return Ok(metres);
+    }
+    Err(Error::data(format!("{name} is out of range"))
+        .value(format!("{metres:e} m"))
+        .allowed(format!("-{LARGEST_ODOMETRY:e} to {LARGEST_ODOMETRY:e} m"))
+        .remedy("odometry is in metres; remove the row if the recording failed there"))
+}
+
+fn number(field: &[u8], name: &str) -> Result<f64> {
+    let shown = || format!("\"{}\"", text(field));
+    match core::str::from_utf8(field).ok().and_then(|f| f.parse::<f64>().ok()) {
+        Some(value) if value.is_finite() => Ok(value),
+        Some(_) => Err(Error::data(format!("{name} is not a finite number"))
+            .value(shown())
+            .remedy("remove the row, or fill the gap where the log is made")),
+        None if field.is_empty() => Err(Error::data(format!("{name} is empty")).allowed("a number")),
+        None => Err(Error::data(format!("{name} is not a number")).value(shown())),
+    }
+}

@@ -1,0 +1,86 @@
+//! What looks wrong in a log without being impossible: most often a wrong unit.
+
+use crate::config::limits::{HEADING_JUMP, LARGEST_MOMENT, POSITION_JUMP};
+use crate::flow::sensor_log::{Channel, LogRow, Quantity};
+use crate::plane::wrap_angle;
+use core::f64::consts::TAU;
+
+/// One kind of doubt: where it first arose, and how often.
+#[derive(Clone, Debug, Default)]
+struct Doubt {
+    first: Option<(usize, f64)>,
+    count: usize,
+}
+
+impl Doubt {
+    fn note(&mut self, line: usize, value: f64) {
+        self.first.get_or_insert((line, value));
+        self.count += 1;
+    }
+}
+
+/// Collects doubts row by row.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Doubts {
+    turn: Doubt,
+    heading_turn: Doubt,
+    large_angle: Doubt,
+    jump: Doubt,
+    moment: Doubt,
+}
+
+impl Doubts {
+    /// Looks at a row, its heading as written (not wrapped), and the row before it.
+    pub(super) fn look(
+        &mut self,
+        line: usize,
+        row: &LogRow,
+        theta: f64,
+        previous: Option<&LogRow>,
+        channels: &[Channel],
+    ) {
+        if theta.abs() > TAU {
+            self.large_angle.note(line, theta);
+        }
+        for (reading, channel) in row.readings.iter().zip(channels) {
+            if channel.quantity == Quantity::Moment && reading.abs() > LARGEST_MOMENT {
+                self.moment.note(line, *reading);
+            }
+        }
+        let Some(before) = previous else { return };
+        let turn = wrap_angle(row.odom_from_robot.theta - before.odom_from_robot.theta);
+        if turn.abs() > HEADING_JUMP {
+            self.turn.note(line, turn);
+        }
+        let distance = row.odom_from_robot.position().distance(before.odom_from_robot.position());
+        if distance > POSITION_JUMP {
+            self.jump.note(line, distance);
+        }
+        if let (Some(now), Some(then)) = (row.heading, before.heading) {
+            let turn = wrap_angle(now - then);
+            if turn.abs() > HEADING_JUMP {
+                self.heading_turn.note(line, turn);
+            }
+        }
+    }
+
+    /// The doubts in words.
+    pub(super) fn warnings(&self, name: &str) -> Vec<String> {
+        let say = |doubt: &Doubt, what: &str, unit: &str, hint: &str| {
+            let (line, value) = doubt.first?;
+            let more = if doubt.count > 1 { format!(", and {} more like it", doubt.count - 1) } else { String::new() };
+            Some(format!("{name}:{line}: {what} {} {unit}{more}; {hint}", (value * 1e6).round() / 1e6))
+        };
+        let degrees = "are these degrees where radians are due?";
+        [
+            say(&self.large_angle, "theta is", "rad, more than a full turn", degrees),
+            say(&self.turn, "theta jumps by", "rad between two rows", degrees),
+            say(&self.heading_turn, "heading jumps by", "rad between two rows", degrees),
+            say(&self.jump, "the robot jumps by", "m between two rows", "are these millimetres where metres are due?"),
+            say(&self.moment, "the moment is", "N m", "are these mN m where N m are due?"),
+        ]
+        .into_iter()
+        .flatten()
+        .collect()
+    }
+}

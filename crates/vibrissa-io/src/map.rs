@@ -1,0 +1,68 @@
+//! Maps from files: the reader of each format, chosen by the file's extension.
+
+mod dxf;
+mod geojson;
+mod svg;
+
+pub use crate::grid::from_grid;
+pub use dxf::from_dxf;
+pub use geojson::from_geojson;
+pub use svg::from_svg;
+
+#[cfg(any(feature = "mcap", feature = "ros-map"))]
+use crate::config::GridOptions;
+#[cfg(any(feature = "mcap", feature = "ros-map"))]
+use crate::grid::OccupancyGrid;
+use crate::text::{read_text, suggestion};
+use crate::world::Map;
+use crate::{Error, Result};
+use std::path::Path;
+
+/// Reads a map file; its extension says the format: `.geojson` (or `.json`), `.svg`, `.dxf`, `.yaml` (ROS `map_server`,
+/// see [`Map::from_grid`]) or `.mcap` (the last `nav_msgs/OccupancyGrid` of a recording).
+///
+/// # Errors
+///
+/// A file that cannot be read, another format, or a fault in the file; the message names file, line and remedy.
+pub fn read(path: impl AsRef<Path>) -> Result<Map> {
+    let path = path.as_ref();
+    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
+    let reader = match extension.as_str() {
+        "geojson" | "json" => from_geojson,
+        "svg" => from_svg,
+        "dxf" => return dxf::read_dxf(path),
+        #[cfg(feature = "ros-map")]
+        "yaml" | "yml" => return from_grid_file(&OccupancyGrid::read_map_server(path)?, path),
+        #[cfg(feature = "mcap")]
+        "mcap" => return from_grid_file(&crate::ros::read_grid(path)?, path),
+        _ => return Err(unknown_format(path, &extension)),
+    };
+    reader(&read_text(path, "map")?, &path.to_string_lossy())
+}
+
+#[cfg(any(feature = "mcap", feature = "ros-map"))]
+fn from_grid_file(grid: &OccupancyGrid, path: &Path) -> Result<Map> {
+    from_grid(grid, &GridOptions::default()).map_err(|error| error.in_file(path))
+}
+
+fn unknown_format(path: &Path, extension: &str) -> Error {
+    let readable = ".geojson, .svg, .dxf, .yaml, .mcap";
+    let convert = "draw or export the outline as SVG or GeoJSON";
+    let error = match extension {
+        "pgm" | "png" => Error::data("an image alone is no map: its scale and place are not known")
+            .remedy("give the .yaml file beside it; docs/ros.md shows one"),
+        "yaml" | "yml" | "mcap" => Error::data(format!("this build does not read `.{extension}`"))
+            .remedy("build it with the features `ros-map` and `mcap`"),
+        "dwg" => Error::data("DWG drawings are not read").remedy("save the drawing as DXF"),
+        "" => Error::data("the map file has no extension, so its format is unknown")
+            .remedy("rename it to end in .geojson, .svg, .dxf, .yaml or .mcap"),
+        _ => {
+            let error = Error::data(format!("maps in the format `.{extension}` are not read"));
+            match suggestion(extension, ["geojson", "svg", "dxf", "yaml", "mcap"]) {
+                Some(near) => error.remedy(format!("did you mean `.{near}`?")),
+                None => error.remedy(convert),
+            }
+        }
+    };
+    error.in_file(path).allowed(readable)
+}

@@ -1,0 +1,28 @@
+//! ROS 2 messages in MCAP recordings, both ways: the container, the bytes of the messages and their definitions.
+//!
+//! | file | what it knows |
+//! | --- | --- |
+//! | `bag_reader` | the container: channels and messages, compressed or not, whole or cut |
+//! | `bag_writer` | the same, written |
+//! | `cdr` | the bytes of a message's fields |
+//! | `map` | the map in a recording |
+//! | `message` | the messages that we read and write |
+//! | `definition` | their definitions as text, which go into the container |
+
+mod bag_reader;
+mod bag_writer;
+mod cdr;
+mod definition;
+mod drawing;
+mod map;
+mod message;
+
+pub use bag_reader::{BagSummary, Topic, read_bag};
+pub use bag_writer::{BagWriter, TopicId};
+pub use definition::Kind;
+pub use drawing::{Line, LineSet};
+pub use map::read_grid;
+pub use message::{
+    Header, Stamp, decode_field, decode_grid, decode_odometry, decode_pose, decode_wrench, encode_cloud, encode_effort,
+    encode_field, encode_grid, encode_lines, encode_odometry, encode_path, encode_pose, encode_text, encode_wrench,
+};

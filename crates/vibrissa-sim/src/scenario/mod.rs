@@ -1,0 +1,130 @@
+//! Scenarios: a map, a robot, a way and the errors of its senses, in one file; and the sweep that comes of them.
+//!
+//! | file | what it knows |
+//! | --- | --- |
+//! | `reader` | the scenario file as a whole |
+//! | `world_section` | its map, robot and outline |
+//! | `path_section` | its way |
+//! | `noise_section` | its errors |
+//! | `sensing_section` | its magnetometer and what is logged |
+//! | `points` | points and lists of points in the file |
+//! | `route` | poses over time from legs |
+//! | `check` | whether the way is free |
+
+mod check;
+mod noise_section;
+mod path_section;
+mod points;
+mod reader;
+mod route;
+mod sensing_section;
+mod world_section;
+
+use crate::flow::pose::StampedPose;
+use crate::plane::Vec2;
+use crate::simulate::recorder::{Recorder, Recording, SerialLayout, serial_text};
+use crate::simulate::{SimulateOptions, Sweep, SweepNoise, simulate, simulate_watched};
+use crate::world::{Map, Robot};
+use crate::{Error, Result};
+use std::path::PathBuf;
+
+/// Everything that a simulated sweep needs, as read from a scenario file.
+#[derive(Clone, Debug)]
+pub struct Scenario {
+    /// What it is for, in a line; the file's name where it does not say.
+    pub title: String,
+    /// The map.
+    pub map: Map,
+    /// The map's file; none when it is written in the scenario.
+    pub map_file: Option<PathBuf>,
+    /// The robot with its whiskers.
+    pub robot: Robot,
+    /// The robot's outline in its own frame (m), counter-clockwise or clockwise; empty when it has none.
+    pub outline: Vec<Vec2>,
+    /// The robot's true way, map frame.
+    pub path: Vec<StampedPose>,
+    /// How it is recorded; the seed of everything random is in its noise.
+    pub recorder: Recorder,
+    /// Who speaks on a serial line, if anybody.
+    pub serial: Option<SerialLayout>,
+    /// The file, for messages.
+    source: PathBuf,
+    /// From which time on the way follows which line of the file.
+    legs: Vec<LegStart>,
+}
+
+/// When a leg starts, and where it is written.
+#[derive(Clone, Copy, Debug)]
+struct LegStart {
+    t: f64,
+    line: usize,
+}
+
+/// What comes of a scenario.
+#[derive(Clone, Debug)]
+pub struct Simulation {
+    /// The sweep without any error: truth, contacts, exact moments, events.
+    pub sweep: Sweep,
+    /// What is recorded of it.
+    pub recording: Recording,
+    /// The serial line's text, where the scenario asks for it.
+    pub serial: Option<String>,
+    /// What looks wrong but could be simulated, for people.
+    pub warnings: Vec<String>,
+}
+
+impl Scenario {
+    /// Simulates the scenario; the same seed gives the same bytes.
+    ///
+    /// # Errors
+    ///
+    /// What the simulator cannot follow: the message says which whisker, when and where, and names the file.
+    pub fn simulate(&self) -> Result<Simulation> {
+        self.simulate_watched(&mut |_| {})
+    }
+
+    /// As [`Scenario::simulate`]; `observer` is called with the number of poses done, of which there are as many for each
+    /// whisker as the path has.
+    ///
+    /// # Errors
+    ///
+    /// As [`Scenario::simulate`].
+    pub fn simulate_watched(&self, observer: &mut dyn FnMut(usize)) -> Result<Simulation> {
+        let exact = SweepNoise { seed: self.seed(), ..SweepNoise::none() };
+        let options = SimulateOptions::default();
+        let in_file = |error: Error| error.into_data().in_file(&self.source);
+        let swept = simulate_watched(&self.map, &self.robot, &self.path, &exact, &options, observer);
+        let again = |path: &[StampedPose]| simulate(&self.map, &self.robot, path, &exact, &options);
+        let sweep = swept.map_err(|error| in_file(error).at_line(self.leg_at_fault(&again)))?;
+        let recording = self.recorder.record(&self.robot, &sweep).map_err(in_file)?;
+        let serial = self.serial.map(|layout| serial_text(&recording, layout)).transpose().map_err(in_file)?;
+        let mut warnings = self.map.warnings.clone();
+        warnings.extend(recording.log.warnings.iter().cloned());
+        if sweep.contacts.is_empty() {
+            warnings.push("no whisker touches anything along this path".into());
+        }
+        Ok(Simulation { sweep, recording, serial, warnings })
+    }
+
+    /// The line of the leg on which the sweep first fails: the legs before it can be followed.
+    fn leg_at_fault(&self, sweep: &dyn Fn(&[StampedPose]) -> Result<Sweep>) -> usize {
+        let until = |t: f64| &self.path[..self.path.partition_point(|pose| pose.t <= t)];
+        let followed = |pair: &[LegStart]| sweep(until(pair[1].t)).is_ok();
+        let pairs: Vec<&[LegStart]> = self.legs.windows(2).collect();
+        let leg = pairs.partition_point(|pair| followed(pair));
+        self.legs.get(leg).map_or(1, |leg| leg.line)
+    }
+
+    /// The seed of everything random.
+    #[must_use]
+    pub fn seed(&self) -> u64 {
+        self.recorder.noise.seed
+    }
+
+    /// The same scenario with another seed.
+    #[must_use]
+    pub fn with_seed(mut self, seed: u64) -> Self {
+        self.recorder.noise.seed = seed;
+        self
+    }
+}
