@@ -23,10 +23,10 @@
 //! ```
 //! use vibrissa::flow::pose::Status;
 //! use vibrissa::world::Robot;
-//! use vibrissa::{LocalizeOptions, localize, tasks::demo};
+//! use vibrissa::{Method, localize, tasks::demo};
 //!
 //! let (arena, sweep) = (demo::arena()?, demo::sweep(1)?);
-//! let answer = localize(&sweep.log, &arena, &Robot::default(), &LocalizeOptions::default(), &mut |_| {})?;
+//! let answer = localize(&sweep.log, &arena, &Robot::default(), &Method::default(), &mut |_| {})?;
 //! let truth = sweep.truth.last().map(|t| t.map_from_robot.position());
 //!
 //! assert_eq!(answer.status, Status::Localized);
@@ -50,5 +50,5 @@ pub mod tasks;
 pub mod world;
 
 pub use error::{Error, Result};
-pub use localizer::{Localizer, PossibilisticLocalizer};
-pub use tasks::{LocalizeOptions, localize, localize_while};
+pub use localizer::{Localizer, Method};
+pub use tasks::{localize, localize_while};

@@ -1,14 +1,17 @@
-//! The deterministic localizer: rows in, a state set that shrinks, a choice at the end.
+//! The deterministic estimator: rows in, a state set that shrinks, a choice at the end.
 
 use super::limit_check::LimitCheck;
+use super::method::MethodOptions;
 use super::sampling::{near, samples};
-use super::{SHAPES, one_column_each};
+use super::{Estimator, SHAPES, STRAIGHT_ONLY, one_column_each};
 use crate::Result;
-use crate::beam::TipModel;
-use crate::config::{DeterministicOptions, TipLoad};
+use crate::beam::{TipModel, Whisker};
+use crate::config::{DeterministicOptions, Setting, TipLoad};
 use crate::flow::contact_set::Ladder;
 use crate::flow::moment::{MomentHistory, MomentReading, MomentTrack};
-use crate::flow::pose::{self, Event, Localization, ShapeRecord, StampedPose, StepRecord};
+use crate::flow::pose::{
+    self, Estimate, Event, Evidence, Hypothesis, Localization, ShapeRecord, StampedPose, StepRecord, Verdict,
+};
 use crate::flow::preimage::Observation;
 use crate::flow::sensor_log::{Channel, LogRow, SensorLog};
 use crate::flow::state_set::{Candidate, Pass, StateSet};
@@ -17,8 +20,11 @@ use crate::plane::Pose2;
 use crate::world::{BoundarySample, Map, MountedWhisker, Robot};
 use std::collections::VecDeque;
 
-/// The deterministic localizer \[routray, section "Robot Localization"\]: rows in, a state set that shrinks.
-pub struct Localizer<'a> {
+/// The deterministic estimator \[routray, section "Robot Localization"\]: rows in, a state set that shrinks.
+///
+/// What it says before the end leaves out observations that the candidates have not met yet: these are taken in over the
+/// rows that follow.
+pub struct DeterministicEstimator<'a> {
     map: &'a Map,
     robot: &'a Robot,
     options: DeterministicOptions,
@@ -41,8 +47,8 @@ enum Due {
     LiftOff(Pose2),
 }
 
-impl<'a> Localizer<'a> {
-    /// A localizer for logs with these channels.
+impl<'a> DeterministicEstimator<'a> {
+    /// An estimator for logs with these channels.
     ///
     /// # Errors
     ///
@@ -71,40 +77,6 @@ impl<'a> Localizer<'a> {
     #[must_use]
     pub fn states(&self) -> &StateSet {
         &self.states
-    }
-
-    /// The robot states of all candidates at the last row, map frame; empty before the set starts.
-    #[must_use]
-    pub fn states_now(&self) -> Vec<Pose2> {
-        self.rows.last().map_or_else(Vec::new, |&(_, odom)| self.states.states(odom).collect())
-    }
-
-    /// Takes one row through the doors.
-    ///
-    /// # Errors
-    ///
-    /// A moment that no whisker shape explains; the message names the line.
-    pub fn step(&mut self, row: &LogRow) -> Result<()> {
-        let start = *self.start.get_or_insert(row.odom_from_robot);
-        let row = &LogRow { odom_from_robot: start.between(row.odom_from_robot), ..row.clone() };
-        self.states.project(row.odom_from_robot, &self.robot.odometry);
-        self.rows.push((row.t, row.odom_from_robot));
-        let due = self.due.len();
-        for index in 0..self.feelers.len() {
-            let touched = self.feelers[index].in_contact;
-            let history = self.feelers[index].feel(row, &mut self.record)?;
-            if let Some(history) = history {
-                self.update(index, &history, row);
-            }
-            if touched && !self.feelers[index].in_contact {
-                self.due.push_back(Due::LiftOff(self.feelers[index].whisker.robot_from_whisker));
-            }
-        }
-        // A row that makes an observation has its work.
-        let share = if self.due.len() > due { 4 } else { 1 };
-        let open = self.due.len() * self.states.candidates().len();
-        self.work(row, MEETINGS.max(open / ROWS_BEHIND) / share);
-        Ok(())
     }
 
     /// Tells the set what is due, for at most so many meetings of a candidate with an observation.
@@ -190,43 +162,9 @@ impl<'a> Localizer<'a> {
         StepRecord { t: row.t, components, area_m2, volume }
     }
 
-    /// Ends the log and chooses.
-    #[must_use]
-    pub fn finish(mut self) -> Localization {
-        let (t, odom_from_robot) = self.rows.last().copied().unwrap_or((0.0, Pose2::IDENTITY));
-        let last = LogRow { t, odom_from_robot, readings: Vec::new(), heading: None, line: 0 };
-        for index in 0..self.feelers.len() {
-            if let Some(history) = self.feelers[index].track.end() {
-                self.update(index, &history, &last);
-            }
-        }
-        if self.record.waiting.iter().any(|(_, o)| o.open_slopes().is_finite()) {
-            self.start_set(&last);
-        }
-        self.work(&last, usize::MAX);
-        let hypotheses = pose::choose(&self.states, odom_from_robot, &self.options);
-        let status = pose::verdict(self.record.touched, self.record.empty_at.is_some(), &hypotheses);
-        if self.record.touched && self.record.steps.is_empty() {
-            let detail = "the contact was too short or too rough to align a whisker shape with the map; \
-                          keep the whisker on the wall for a longer, smoother sweep"
-                .to_owned();
-            self.record.events.push(Event { t, kind: "too_short", detail });
-        }
-        self.record.events.sort_by(|a, b| a.t.total_cmp(&b.t));
-        let best = self.record.last.map(|(candidate, _)| candidate);
-        Localization {
-            method: pose::Method::Deterministic,
-            status,
-            estimate: hypotheses.first().map(|h| h.pose),
-            trajectory: self.trajectory(),
-            states: self.states.states(odom_from_robot).map(crate::sets::StateBox::point).collect(),
-            first_states: std::mem::take(&mut self.record.first_states),
-            odometry: None,
-            shapes: best.map_or_else(Vec::new, |best| self.shapes(&best)),
-            steps: self.record.steps,
-            events: self.record.events,
-            hypotheses,
-        }
+    fn verdict(&self, places: &[Hypothesis]) -> Verdict {
+        let emptied = self.record.empty_at.is_some();
+        pose::verdict(&Evidence { touched: self.record.touched, emptied, places, ..Evidence::default() })
     }
 
     /// The best hypothesis along the rows, from the first estimate to the last row that any state explains.
@@ -250,6 +188,108 @@ impl<'a> Localizer<'a> {
             Some(ShapeRecord { t: observation.t, points: points.into_iter().map(place).collect() })
         };
         self.record.observations.iter().filter_map(shape).collect()
+    }
+}
+
+/// The word for the method.
+const NAME: &str = "deterministic";
+
+impl MethodOptions for DeterministicOptions {
+    fn name(&self) -> &'static str {
+        NAME
+    }
+
+    fn summary(&self) -> &'static str {
+        "The paper's intersection of discretised preimages"
+    }
+
+    fn settings(&mut self) -> Vec<Setting<'_>> {
+        self.settings()
+    }
+
+    fn check(&self) -> Result<()> {
+        self.check()
+    }
+
+    fn takes(&self, whisker: &Whisker) -> Result<()> {
+        whisker.require_straight().map_err(|error| error.remedy(STRAIGHT_ONLY))
+    }
+
+    fn estimator<'a>(&self, map: &'a Map, robot: &'a Robot, channels: &[Channel]) -> Result<Box<dyn Estimator + 'a>> {
+        Ok(Box::new(DeterministicEstimator::new(map, robot, channels, *self)?))
+    }
+}
+
+impl Estimator for DeterministicEstimator<'_> {
+    fn step(&mut self, row: &LogRow) -> Result<()> {
+        let start = *self.start.get_or_insert(row.odom_from_robot);
+        let row = &LogRow { odom_from_robot: start.between(row.odom_from_robot), ..row.clone() };
+        self.states.project(row.odom_from_robot, &self.robot.odometry);
+        self.rows.push((row.t, row.odom_from_robot));
+        let due = self.due.len();
+        for index in 0..self.feelers.len() {
+            let touched = self.feelers[index].in_contact;
+            let history = self.feelers[index].feel(row, &mut self.record)?;
+            if let Some(history) = history {
+                self.update(index, &history, row);
+            }
+            if touched && !self.feelers[index].in_contact {
+                self.due.push_back(Due::LiftOff(self.feelers[index].whisker.robot_from_whisker));
+            }
+        }
+        // A row that makes an observation has its work.
+        let share = if self.due.len() > due { 4 } else { 1 };
+        let open = self.due.len() * self.states.candidates().len();
+        self.work(row, MEETINGS.max(open / ROWS_BEHIND) / share);
+        Ok(())
+    }
+
+    fn estimate(&self) -> Estimate {
+        let Some(&(_, odom_from_robot)) = self.rows.last() else { return Estimate::default() };
+        let hypotheses = pose::choose(&self.states, odom_from_robot, &self.options);
+        Estimate { status: self.verdict(&hypotheses).status, hypotheses, rows: self.rows.len() }
+    }
+
+    fn states_now(&self) -> Vec<Pose2> {
+        self.rows.last().map_or_else(Vec::new, |&(_, odom)| self.states.states(odom).collect())
+    }
+
+    fn finish(mut self: Box<Self>) -> Localization {
+        let (t, odom_from_robot) = self.rows.last().copied().unwrap_or((0.0, Pose2::IDENTITY));
+        let last = LogRow { t, odom_from_robot, readings: Vec::new(), heading: None, line: 0 };
+        for index in 0..self.feelers.len() {
+            if let Some(history) = self.feelers[index].track.end() {
+                self.update(index, &history, &last);
+            }
+        }
+        if self.record.waiting.iter().any(|(_, o)| o.open_slopes().is_finite()) {
+            self.start_set(&last);
+        }
+        self.work(&last, usize::MAX);
+        let hypotheses = pose::choose(&self.states, odom_from_robot, &self.options);
+        let status = self.verdict(&hypotheses).status;
+        if self.record.touched && self.record.steps.is_empty() {
+            let detail = "the contact was too short or too rough to align a whisker shape with the map; \
+                          keep the whisker on the wall for a longer, smoother sweep"
+                .to_owned();
+            self.record.events.push(Event { t, kind: "too_short", detail });
+        }
+        self.record.events.sort_by(|a, b| a.t.total_cmp(&b.t));
+        let best = self.record.last.map(|(candidate, _)| candidate);
+        Localization {
+            method: NAME,
+            status,
+            estimate: hypotheses.first().map(|h| h.pose),
+            trajectory: self.trajectory(),
+            states: self.states.states(odom_from_robot).map(crate::sets::StateBox::point).collect(),
+            encloses: false,
+            first_states: std::mem::take(&mut self.record.first_states),
+            odometry: None,
+            shapes: best.map_or_else(Vec::new, |best| self.shapes(&best)),
+            steps: self.record.steps,
+            events: self.record.events,
+            hypotheses,
+        }
     }
 }
 

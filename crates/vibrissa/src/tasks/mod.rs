@@ -14,6 +14,6 @@ pub mod scenario;
 pub mod simulate;
 
 pub use drawing::outlines;
-pub use localize::{LocalizeOptions, StatesObserver, localize, localize_watched, localize_while};
+pub use localize::{StatesObserver, localize, localize_watched, localize_while};
 pub use scenario::{Scenario, Simulation};
 pub use simulate::{SimulateOptions, Sweep, SweepNoise, simulate, simulate_tip_sweep};

@@ -6,9 +6,10 @@ use super::report::line;
 use crate::Result;
 use crate::config::PossibilisticOptions;
 use crate::figure::chart_plate;
-use crate::flow::pose::{Localization, Method, StepRecord};
+use crate::flow::pose::{Localization, StepRecord};
 use crate::flow::sensor_log::SensorLog;
-use crate::tasks::localize::{LocalizeOptions, localize};
+use crate::localizer::Method;
+use crate::tasks::localize::localize;
 use crate::tasks::simulate::SweepNoise;
 
 /// Bound on the compass's error (rad).
@@ -24,12 +25,9 @@ pub(super) fn section() -> Result<Section> {
     for (row, truth) in with.rows.iter_mut().zip(&sweep.truth) {
         row.heading = Some(truth.map_from_robot.theta + 0.5 * COMPASS);
     }
-    let options = LocalizeOptions {
-        method: Method::Possibilistic,
-        possibilistic: PossibilisticOptions { heading_error: COMPASS, ..PossibilisticOptions::default() },
-        ..LocalizeOptions::default()
-    };
-    let run = |log: &SensorLog| localize(log, &map, &robot, &options, &mut |_row| {});
+    let method =
+        Method::Possibilistic(PossibilisticOptions { heading_error: COMPASS, ..PossibilisticOptions::default() });
+    let run = |log: &SensorLog| localize(log, &map, &robot, &method, &mut |_row| {});
     let (without, with) = (run(&sweep.log)?, run(&with)?);
     let start = sweep.contacts.first().map_or(0, |touch| touch.row);
     let travel = |t: f64| {

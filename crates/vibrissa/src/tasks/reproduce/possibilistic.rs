@@ -6,7 +6,7 @@ use crate::Result;
 use crate::config::PossibilisticOptions;
 use crate::figure::{Geometry, Layer, MapPlate, Outline, map_plate};
 use crate::flow::trajectory::pose_at;
-use crate::localizer::PossibilisticLocalizer;
+use crate::localizer::{Estimator, PossibilisticEstimator};
 use crate::plane::{Pose2, Vec2, wrap_angle};
 use crate::sets::StateBox;
 use crate::tasks::simulate::SweepNoise;
@@ -35,7 +35,7 @@ pub(super) fn section() -> Result<Section> {
     let sweep = ground::arena_sweep(&map, SWEEPS[0].way, &SweepNoise::seeded(1))?;
     let log = ground::spaced(&sweep.log, TOUCHING, BETWEEN);
     let options = PossibilisticOptions { work: WORK, most_cells: MOST_CELLS, ..PossibilisticOptions::default() };
-    let mut localizer = PossibilisticLocalizer::new(&map, &robot, &log.channels, options)?;
+    let mut localizer = PossibilisticEstimator::new(&map, &robot, &log.channels, options)?;
     let mut stages = Vec::new();
     for row in log.rows.iter().take(LAST) {
         localizer.step(row)?;
