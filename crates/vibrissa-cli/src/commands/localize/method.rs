@@ -14,6 +14,8 @@ const METHOD: &str = "method";
 pub(crate) struct MethodArgs {
     /// The method; ranges are not checked yet.
     pub(super) method: Method,
+    /// The other methods with what was given for them: it is checked, although it is not used.
+    others: Vec<Method>,
     /// Options that were given but belong to other methods.
     pub(super) unused: Vec<String>,
 }
@@ -46,17 +48,19 @@ impl FromArgMatches for MethodArgs {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
         let refused = |error: vibrissa::Error| clap::Error::raw(clap::error::ErrorKind::InvalidValue, error);
         let chosen = matches.get_one::<String>(METHOD).map(|name| Method::named(name)).transpose();
-        let mut args = Self { method: chosen.map_err(refused)?.unwrap_or_default(), unused: Vec::new() };
-        for mut other in Method::all() {
-            for setting in other.settings() {
-                let Some(value) = given(matches, &setting) else { continue };
-                let flag = format!("--{}", dashed(setting.name));
-                if args.method.has(setting.name) {
-                    args.method.set(setting.name, value).map_err(refused)?;
-                } else if !args.unused.contains(&flag) {
+        let chosen = chosen.map_err(refused)?.unwrap_or_default();
+        let mut args = Self { method: chosen, ..Self::default() };
+        for mut method in Method::all() {
+            let given: Vec<_> =
+                method.settings().iter().filter_map(|s| Some((s.name, given(matches, s)?))).collect();
+            for (name, value) in given {
+                method.set(name, value).map_err(refused)?;
+                let flag = format!("--{}", dashed(name));
+                if !args.method.has(name) && !args.unused.contains(&flag) {
                     args.unused.push(flag);
                 }
             }
+            if method.name() == chosen.name() { args.method = method } else { args.others.push(method) }
         }
         Ok(args)
     }
@@ -64,6 +68,14 @@ impl FromArgMatches for MethodArgs {
     fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
         *self = Self::from_arg_matches(matches)?;
         Ok(())
+    }
+}
+
+impl MethodArgs {
+    /// Checks every option that was given, used or not.
+    pub(super) fn check(&self) -> vibrissa::Result<()> {
+        self.method.check()?;
+        self.others.iter().try_for_each(Method::check)
     }
 }
 

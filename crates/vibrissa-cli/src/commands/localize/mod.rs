@@ -57,7 +57,7 @@ pub(crate) struct Args {
 /// Runs the command.
 pub(crate) fn run(args: &Args) -> Result<()> {
     let method = &args.method.method;
-    method.check()?;
+    args.method.check()?;
     let inputs = Inputs::read(&args.log, args.format, &args.map, args.robot.as_deref(), args.truth.as_deref(), method)?;
     let mut stopwatch = Stopwatch::start();
     let (answer, recording, used) = heedful(args, &inputs, &mut stopwatch)?;
