@@ -11,13 +11,13 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::PathBuf;
 use std::sync::Arc;
+use vibrissa::Method;
 use vibrissa::config::{Field, Value};
 use vibrissa::flow::pose::{Hypothesis, Localization, OdometryEstimate};
 use vibrissa::flow::sensor_log::Quantity;
 use vibrissa::flow::trajectory::{format_tum, read_tum, trajectory_error};
 use vibrissa::sets::StateBox;
 use vibrissa::tasks::demo;
-use vibrissa::Method;
 
 /// The methods by name, the default one first.
 #[pyfunction]

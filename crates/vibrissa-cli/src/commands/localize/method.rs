@@ -51,8 +51,7 @@ impl FromArgMatches for MethodArgs {
         let chosen = chosen.map_err(refused)?.unwrap_or_default();
         let mut args = Self { method: chosen, ..Self::default() };
         for mut method in Method::all() {
-            let given: Vec<_> =
-                method.settings().iter().filter_map(|s| Some((s.name, given(matches, s)?))).collect();
+            let given: Vec<_> = method.settings().iter().filter_map(|s| Some((s.name, given(matches, s)?))).collect();
             for (name, value) in given {
                 method.set(name, value).map_err(refused)?;
                 let flag = format!("--{}", dashed(name));
