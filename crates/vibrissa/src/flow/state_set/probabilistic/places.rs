@@ -70,6 +70,7 @@ const THOROUGH_ABOVE: f64 = 0.02;
 const MOST_SAMPLED_TAKES: usize = 600_000;
 /// Readings that the walks along ridges may run, of all places.
 const MOST_WALKED_TAKES: usize = 300_000;
+
 /// One place that explains the readings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Place {
