@@ -16,7 +16,6 @@ mod ridge;
 
 use region::{CHI2_95, distance};
 use ridge::off_ridge;
-use std::hint::black_box;
 use std::path::Path;
 use std::time::Instant;
 use vibrissa::flow::pose::{Hypothesis, Localization};
@@ -30,10 +29,9 @@ use vibrissa::{Error, Method, Result};
 /// Rows of contact in a second, at the paper's rate.
 const SECOND: usize = 300;
 
-/// How long each row, an estimate after each row and the end took (ms), and the answer.
+/// How long each row and the end took (ms), and the answer.
 struct Run {
     rows: Vec<f64>,
-    estimates: Vec<f64>,
     end: f64,
     answer: Localization,
 }
@@ -44,18 +42,15 @@ fn ms(since: Instant) -> f64 {
 
 fn run(log: &SensorLog, map: &Map, robot: &Robot, method: &Method) -> Result<Run> {
     let mut localizer = Localizer::new(map, robot, &log.channels, method)?;
-    let (mut rows, mut estimates) = (Vec::with_capacity(log.rows.len()), Vec::with_capacity(log.rows.len()));
+    let mut rows = Vec::with_capacity(log.rows.len());
     for row in &log.rows {
         let begun = Instant::now();
         localizer.step(row)?;
         rows.push(ms(begun));
-        let begun = Instant::now();
-        black_box(localizer.estimate());
-        estimates.push(ms(begun));
     }
     let begun = Instant::now();
     let answer = localizer.finish();
-    Ok(Run { rows, estimates, end: ms(begun), answer })
+    Ok(Run { rows, end: ms(begun), answer })
 }
 
 fn quantile(values: &[f64], share: f64) -> f64 {
