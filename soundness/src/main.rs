@@ -19,8 +19,8 @@ use random_sweep::{Trial, contains, random_sweep};
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicU64, Ordering};
 use vibrissa::config::PossibilisticOptions;
-use vibrissa::flow::pose::{Localization, Method, Status, StepRecord};
-use vibrissa::{LocalizeOptions, localize};
+use vibrissa::flow::pose::{Localization, Status, StepRecord};
+use vibrissa::{Method, localize};
 
 /// Worlds of a CI run and of a nightly one.
 const SHORT: usize = 300;
@@ -129,7 +129,7 @@ fn run(call: &Call) -> Vec<Outcome> {
 fn answer(trial: &Trial, prior: Option<[[f64; 2]; 3]>, declared: f64) -> vibrissa::Result<Localization> {
     let last_work = if prior.is_none() { LAST_WORK } else { NEAR_WORK };
     let possibilistic = PossibilisticOptions { last_work, prior, ..PossibilisticOptions::default() };
-    let options = LocalizeOptions { method: Method::Possibilistic, possibilistic, ..LocalizeOptions::default() };
+    let options = Method::Possibilistic(possibilistic);
     let mut robot = trial.robot.clone();
     for whisker in &mut robot.whiskers {
         whisker.noise.moment_relative *= declared;

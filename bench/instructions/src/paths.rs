@@ -5,13 +5,12 @@ use vibrissa::beam::field::TipField;
 use vibrissa::beam::normal::{Branch, by_moment, by_point};
 use vibrissa::beam::{Load, Whisker, force_mode};
 use vibrissa::config::{DeterministicOptions, PossibilisticOptions, ProbabilisticOptions};
-use vibrissa::flow::pose::Method;
 use vibrissa::io::log::to_csv;
 use vibrissa::plane::Vec2;
 use vibrissa::sim::{SweepNoise, simulate_tip_sweep};
 use vibrissa::tasks::demo;
 use vibrissa::world::Robot;
-use vibrissa::{LocalizeOptions, Result, localize};
+use vibrissa::{Method, Result, localize};
 
 type Prepare = fn() -> Result<()>;
 
@@ -23,9 +22,9 @@ const PATHS: [(&str, Prepare); 10] = [
     ("map: nearest boundary points", nearest),
     ("log: rows of CSV", rows),
     ("simulate: rows of a sweep", sweep),
-    ("localize: deterministic rows", || method(Method::Deterministic, 150)),
-    ("localize: possibilistic rows", || method(Method::Possibilistic, 45)),
-    ("localize: probabilistic rows", || method(Method::Probabilistic, 150)),
+    ("localize: deterministic rows", || method(&deterministic(), 150)),
+    ("localize: possibilistic rows", || method(&possibilistic(), 45)),
+    ("localize: probabilistic rows", || method(&probabilistic(), 150)),
 ];
 
 pub(crate) fn names() -> impl Iterator<Item = &'static str> {
@@ -118,22 +117,32 @@ fn sweep() -> Result<()> {
     Ok(())
 }
 
+fn deterministic() -> Method {
+    Method::Deterministic(DeterministicOptions { boundary_spacing: 1e-2, ..DeterministicOptions::default() })
+}
+
+fn possibilistic() -> Method {
+    Method::Possibilistic(PossibilisticOptions { work: 20, last_work: 0, ..PossibilisticOptions::default() })
+}
+
+fn probabilistic() -> Method {
+    Method::Probabilistic(ProbabilisticOptions {
+        seed_spacing: 0.02,
+        seed_turn: 0.2,
+        ..ProbabilisticOptions::default()
+    })
+}
+
 /// So many rows of the demo from where the whisker touches, with coarse options: what counts is the kind of work.
-fn method(method: Method, rows: usize) -> Result<()> {
+fn method(method: &Method, rows: usize) -> Result<()> {
     let (arena, mut log) = (demo::arena()?, demo::sweep(1)?.log);
     let touched = log.rows.iter().position(|row| row.readings[0].abs() > 2e-4).unwrap_or(0);
     log.rows.drain(..touched);
     log.rows.truncate(rows);
-    let options = LocalizeOptions {
-        method,
-        deterministic: DeterministicOptions { boundary_spacing: 1e-2, ..DeterministicOptions::default() },
-        possibilistic: PossibilisticOptions { work: 20, last_work: 0, ..PossibilisticOptions::default() },
-        probabilistic: ProbabilisticOptions { seed_spacing: 0.02, seed_turn: 0.2, ..ProbabilisticOptions::default() },
-    };
     let robot = Robot::default();
     let mut updates = 0;
     collected(&mut || {
-        updates = localize(&log, &arena, &robot, &options, &mut |_| {}).map_or(0, |answer| answer.steps.len());
+        updates = localize(&log, &arena, &robot, method, &mut |_| {}).map_or(0, |answer| answer.steps.len());
     });
     println!("{updates} updates");
     Ok(())

@@ -44,7 +44,7 @@ fn names(folder: &Path) -> Vec<String> {
 
 fn check_result(result: &Value) {
     assert!(["localized", "ambiguous", "inconsistent", "no_contact"].contains(&result["status"].as_str().unwrap()));
-    assert_eq!(result["method"], "deterministic");
+    assert_eq!(result["method"], "probabilistic");
     assert_eq!(keys(&result["runtime"]), ["p50_us", "p99_us", "total_s", "updates"]);
     assert!(result["runtime"]["total_s"].as_f64().unwrap() >= 0.0);
     for hypothesis in result["hypotheses"].as_array().unwrap() {

@@ -1,24 +1,121 @@
-//! The corridor as one object: each row of a log goes through every door, in flow order.
+//! One door for every estimator: rows in, what can be said now at any row, an answer at the end.
 //!
-//! [`crate::localize`] is the one-call door for whole logs; this is the same, row by row, for robots that are running.
+//! [`crate::localize`] is the one-call door for whole logs; [`Localizer`] is the same, row by row, for robots that are
+//! running. What differs between methods stands in one file each behind [`Estimator`].
 
 mod deterministic;
 mod drawn;
 mod limit_check;
+mod method;
 mod possibilistic;
 mod probabilistic;
 mod sampling;
 
-pub use deterministic::Localizer;
-pub use possibilistic::PossibilisticLocalizer;
-pub use probabilistic::ProbabilisticLocalizer;
+pub use deterministic::DeterministicEstimator;
+pub use method::Method;
+pub use possibilistic::PossibilisticEstimator;
+pub use probabilistic::ProbabilisticEstimator;
 
 use crate::config::limits::COARSEST_SPACING;
-use crate::flow::sensor_log::{Channel, Quantity};
+use crate::flow::pose::{Estimate, Localization};
+use crate::flow::sensor_log::{Channel, LogRow, Quantity};
+use crate::plane::Pose2;
 use crate::world::{Map, Robot};
 use crate::{Error, Result};
 use limit_check::LimitCheck;
 
+/// What every method of localization is: it takes rows, says at any row what is known, and answers at the end.
+pub trait Estimator: Send {
+    /// Takes in one row.
+    ///
+    /// # Errors
+    ///
+    /// A reading that the whisker cannot cause; the message names the line.
+    fn step(&mut self, row: &LogRow) -> Result<()>;
+
+    /// What can be said at the last row: verdict, places and extents. It changes nothing: the answer at the end is the same,
+    /// however often this is asked.
+    ///
+    /// It takes a fraction of a millisecond, for which it is less exact than [`Estimator::finish`]; each estimator says in
+    /// what.
+    fn estimate(&self) -> Estimate;
+
+    /// The states at the last row that explain the rows so far (map frame): candidates, middles of cells, or best fits, as
+    /// the method has them. Empty before the first contact has told.
+    fn states_now(&self) -> Vec<Pose2>;
+
+    /// Ends the log and chooses.
+    fn finish(self: Box<Self>) -> Localization;
+}
+
+/// A robot that is being localized, row by row, by any method.
+///
+/// ```
+/// use vibrissa::localizer::{Localizer, Method};
+/// use vibrissa::tasks::demo;
+/// use vibrissa::world::Robot;
+///
+/// let (map, robot, sweep) = (demo::arena()?, Robot::default(), demo::sweep(1)?);
+/// let mut localizer = Localizer::new(&map, &robot, &sweep.log.channels, &Method::default())?;
+/// for row in &sweep.log.rows {
+///     localizer.step(row)?;
+/// }
+/// let truth = sweep.truth.last().map(|t| t.map_from_robot.position());
+/// let now = localizer.estimate().pose().zip(truth).map(|(found, truth)| found.position().distance(truth));
+/// assert!(now.is_some_and(|metres| metres < 1e-3));
+/// # Ok::<(), vibrissa::Error>(())
+/// ```
+pub struct Localizer<'a> {
+    estimator: Box<dyn Estimator + 'a>,
+}
+
+impl<'a> Localizer<'a> {
+    /// A localizer by a method, for logs with these channels.
+    ///
+    /// # Errors
+    ///
+    /// Options out of range, a whisker without a channel, or a robot or a map that the method does not cover.
+    pub fn new(map: &'a Map, robot: &'a Robot, channels: &[Channel], method: &Method) -> Result<Self> {
+        Ok(Self { estimator: method.estimator(map, robot, channels)? })
+    }
+
+    /// A localizer by an estimator of one's own.
+    #[must_use]
+    pub fn by(estimator: impl Estimator + 'a) -> Self {
+        Self { estimator: Box::new(estimator) }
+    }
+
+    /// Takes in one row.
+    ///
+    /// # Errors
+    ///
+    /// As [`Estimator::step`].
+    pub fn step(&mut self, row: &LogRow) -> Result<()> {
+        self.estimator.step(row)
+    }
+
+    /// What can be said at the last row, see [`Estimator::estimate`].
+    #[must_use]
+    pub fn estimate(&self) -> Estimate {
+        self.estimator.estimate()
+    }
+
+    /// The states at the last row that explain the rows so far, map frame.
+    #[must_use]
+    pub fn states_now(&self) -> Vec<Pose2> {
+        self.estimator.states_now()
+    }
+
+    /// Ends the log and chooses.
+    #[must_use]
+    pub fn finish(self) -> Localization {
+        self.estimator.finish()
+    }
+}
+
+/// What to do with a whisker that is curved at rest.
+const STRAIGHT_ONLY: &str =
+    "`localize` takes whiskers that are straight at rest; `contact`, `profile` and `preimage` take this one, too";
 /// At least this many observations are kept for drawing, where there are as many.
 const SHAPES: usize = 512;
 

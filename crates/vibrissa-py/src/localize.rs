@@ -11,145 +11,44 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::PathBuf;
 use std::sync::Arc;
-use vibrissa::config::{DeterministicOptions, PossibilisticOptions, ProbabilisticOptions, TipLoad};
-use vibrissa::flow::pose::{Hypothesis, Localization, Method, OdometryEstimate};
+use vibrissa::Method;
+use vibrissa::config::{Field, Value};
+use vibrissa::flow::pose::{Hypothesis, Localization, OdometryEstimate};
 use vibrissa::flow::sensor_log::Quantity;
 use vibrissa::flow::trajectory::trajectory_error;
 use vibrissa::io::{format_tum, read_tum};
 use vibrissa::sets::StateBox;
 use vibrissa::tasks::demo;
-use vibrissa::{Error, LocalizeOptions, Result};
 
-const METHODS: [Method; 3] = [Method::Deterministic, Method::Possibilistic, Method::Probabilistic];
-
-/// The options of `vibrissa.localize`, each None where the default is taken.
-#[derive(Debug, Default, FromPyObject)]
-#[pyo3(from_item_all)]
-pub(crate) struct OptionsIn {
-    method: String,
-    tip_load: Option<String>,
-    boundary_spacing: Option<f64>,
-    history_shapes: Option<usize>,
-    history_travel: Option<f64>,
-    update_travel: Option<f64>,
-    tolerance: Option<f64>,
-    missed_share: Option<f64>,
-    heading_error: Option<f64>,
-    within: Option<[f64; 6]>,
-    tolerate: Option<usize>,
-    largest_slope: Option<f64>,
-    work: Option<usize>,
-    last_work: Option<usize>,
-    seed_spacing: Option<f64>,
-    seed_turn: Option<f64>,
-    seed_travel: Option<f64>,
-    shared_gain: Option<f64>,
-    tolerated_share: Option<f64>,
+/// The methods by name, the default one first.
+#[pyfunction]
+pub(crate) fn methods() -> Vec<&'static str> {
+    let default = Method::default().name();
+    let others = Method::all().into_iter().map(|method| method.name()).filter(|name| *name != default);
+    core::iter::once(default).chain(others).collect()
 }
 
-impl OptionsIn {
-    /// Every option that is given, with the methods that have it.
-    fn given(&self) -> Vec<(&'static str, &'static [Method])> {
-        let [det, pos, pro] = [&METHODS[..1], &METHODS[1..2], &METHODS[2..]];
-        let all = [
-            ("tip_load", self.tip_load.is_some(), det),
-            ("boundary_spacing", self.boundary_spacing.is_some(), det),
-            ("history_shapes", self.history_shapes.is_some(), det),
-            ("history_travel", self.history_travel.is_some(), det),
-            ("update_travel", self.update_travel.is_some(), det),
-            ("tolerance", self.tolerance.is_some(), det),
-            ("missed_share", self.missed_share.is_some(), det),
-            ("heading_error", self.heading_error.is_some(), &METHODS[1..]),
-            ("within", self.within.is_some(), &METHODS[..]),
-            ("tolerate", self.tolerate.is_some(), pos),
-            ("largest_slope", self.largest_slope.is_some(), pos),
-            ("work", self.work.is_some(), pos),
-            ("last_work", self.last_work.is_some(), pos),
-            ("seed_spacing", self.seed_spacing.is_some(), pro),
-            ("seed_turn", self.seed_turn.is_some(), pro),
-            ("seed_travel", self.seed_travel.is_some(), pro),
-            ("shared_gain", self.shared_gain.is_some(), pro),
-            ("tolerated_share", self.tolerated_share.is_some(), pro),
-        ];
-        all.into_iter().filter(|(_, given, _)| *given).map(|(name, _, methods)| (name, methods)).collect()
-    }
-
-    fn options(&self) -> Result<LocalizeOptions> {
-        let words = METHODS.map(Method::as_str);
-        let method = METHODS.into_iter().find(|method| method.as_str() == self.method);
-        let method = method.ok_or_else(|| Error::usage("method").value(&self.method).allowed(words.join(", ")))?;
-        if let Some((name, methods)) = self.given().into_iter().find(|(_, methods)| !methods.contains(&method)) {
-            let of: Vec<&str> = methods.iter().map(|method| method.as_str()).collect();
-            return Err(Error::usage(format!("the option {name} is none of the method {}", method.as_str()))
-                .remedy(format!("leave it out, or choose method {}", of.join(" or "))));
-        }
-        let options = LocalizeOptions {
-            method,
-            deterministic: self.deterministic()?,
-            possibilistic: self.possibilistic(),
-            probabilistic: self.probabilistic(),
-        };
-        match method {
-            Method::Deterministic => options.deterministic.check(),
-            Method::Possibilistic => options.possibilistic.check(),
-            Method::Probabilistic => options.probabilistic.check(),
-        }?;
-        Ok(options)
-    }
-
-    fn deterministic(&self) -> Result<DeterministicOptions> {
-        let default = DeterministicOptions::default();
-        let tip_load = match self.tip_load.as_deref() {
-            None => default.tip_load,
-            Some("boundary-normal") => TipLoad::BoundaryNormal,
-            Some("whisker-normal") => TipLoad::WhiskerNormal,
-            Some(other) => {
-                return Err(Error::usage("tip_load").value(other).allowed("boundary-normal, whisker-normal"));
+/// A method with its options, those that are None at their defaults.
+fn method_of(py: Python<'_>, name: &str, options: &Bound<'_, PyDict>) -> PyResult<Method> {
+    let mut method = Method::named(name).or_raise(py)?;
+    for (option, given) in options.iter().filter(|(_, given)| !given.is_none()) {
+        let option: String = option.extract()?;
+        let kind = method.settings().into_iter().find(|setting| setting.name == option).map(|setting| setting.field);
+        let value = match kind {
+            Some(Field::Count(_)) => Value::Count(given.extract()?),
+            Some(Field::Word(_)) => Value::Word(given.extract()?),
+            Some(Field::Region(_)) => {
+                let [a, b, c, d, e, f] = given.extract()?;
+                Value::Region([[a, b], [c, d], [e, f]])
             }
+            Some(Field::Number(_) | Field::OptionalNumber(..)) => Value::Number(given.extract()?),
+            // There is no such option: the method says so, whatever was given.
+            None => Value::Number(0.0),
         };
-        Ok(DeterministicOptions {
-            tip_load,
-            boundary_spacing: self.boundary_spacing.unwrap_or(default.boundary_spacing),
-            history_shapes: self.history_shapes.unwrap_or(default.history_shapes),
-            history_travel: self.history_travel.unwrap_or(default.history_travel),
-            update_travel: self.update_travel.unwrap_or(default.update_travel),
-            tolerance: self.tolerance.unwrap_or(default.tolerance),
-            missed_share: self.missed_share.unwrap_or(default.missed_share),
-            prior: self.region(),
-            ..default
-        })
+        method.set(&option, value).or_raise(py)?;
     }
-
-    fn possibilistic(&self) -> PossibilisticOptions {
-        let default = PossibilisticOptions::default();
-        PossibilisticOptions {
-            tolerate: self.tolerate.unwrap_or(default.tolerate),
-            heading_error: self.heading_error.unwrap_or(default.heading_error),
-            largest_slope: self.largest_slope.unwrap_or(default.largest_slope),
-            work: self.work.unwrap_or(default.work),
-            last_work: self.last_work.unwrap_or(default.last_work),
-            prior: self.region(),
-            ..default
-        }
-    }
-
-    fn probabilistic(&self) -> ProbabilisticOptions {
-        let default = ProbabilisticOptions::default();
-        ProbabilisticOptions {
-            seed_spacing: self.seed_spacing.unwrap_or(default.seed_spacing),
-            seed_turn: self.seed_turn.unwrap_or(default.seed_turn),
-            seed_travel: self.seed_travel.unwrap_or(default.seed_travel),
-            shared_gain: self.shared_gain,
-            tolerated_share: self.tolerated_share.unwrap_or(default.tolerated_share),
-            heading_error: self.heading_error.unwrap_or(default.heading_error),
-            prior: self.region(),
-            ..default
-        }
-    }
-
-    fn region(&self) -> Option<[[f64; 2]; 3]> {
-        self.within.map(|[a, b, c, d, e, f]| [[a, b], [c, d], [e, f]])
-    }
+    method.check().or_raise(py)?;
+    Ok(method)
 }
 
 /// Localizes; gives the fields of `vibrissa.Localization` as a dict.
@@ -159,10 +58,11 @@ pub(crate) fn localize<'py>(
     log: &PySensorLog,
     map: &PyMap,
     robot: RobotIn,
-    options: OptionsIn,
+    method: &str,
+    options: &Bound<'py, PyDict>,
     progress: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let (options, robot) = (options.options().or_raise(py)?, robot.robot().or_raise(py)?);
+    let (method, robot) = (method_of(py, method, options)?, robot.robot().or_raise(py)?);
     let mounted = |name: &str| robot.whiskers.iter().any(|whisker| whisker.name == name);
     let unused = log.0.channels.iter().filter(|channel| {
         channel.quantity == Quantity::Moment && !channel.whisker.is_empty() && !mounted(&channel.whisker)
@@ -173,7 +73,7 @@ pub(crate) fn localize<'py>(
     warn(py, &unused)?;
     let (log, map, total) = (Arc::clone(&log.0), Arc::clone(&map.0), log.0.rows.len());
     let answer = run(py, progress, total, move |watch| {
-        vibrissa::localize(&log, &map, &robot, &options, &mut |row| watch.tell(row + 1))
+        vibrissa::localize(&log, &map, &robot, &method, &mut |row| watch.tell(row + 1))
     })?;
     fields(py, &answer)
 }
@@ -184,7 +84,7 @@ fn sides(state: &StateBox) -> [f64; 6] {
 
 fn fields<'py>(py: Python<'py>, answer: &Localization) -> PyResult<Bound<'py, PyDict>> {
     let out = PyDict::new(py);
-    out.set_item("method", answer.method.as_str())?;
+    out.set_item("method", answer.method)?;
     out.set_item("status", answer.status.as_str())?;
     out.set_item("estimate", answer.estimate.map(|pose| (pose.x, pose.y, pose.theta)))?;
     out.set_item("hypotheses", answer.hypotheses.iter().map(|h| hypothesis(py, h)).collect::<PyResult<Vec<_>>>()?)?;

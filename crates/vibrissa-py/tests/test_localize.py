@@ -13,12 +13,14 @@ import threading
 import time
 from collections.abc import Callable
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 import pytest
 from conftest import Command, numbers, table
 
 import vibrissa
+from vibrissa import _vibrissa
 
 METHODS = ["deterministic", "possibilistic", "probabilistic"]
 
@@ -102,8 +104,8 @@ def test_arrays_in_memory_give_the_same_answer(demo: vibrissa.Demo, demo_files: 
 
 
 def test_options_reach_the_method_and_strangers_are_refused(demo: vibrissa.Demo) -> None:
-    coarse = vibrissa.localize(demo.sweep.log, demo.map, boundary_spacing=0.01)
-    assert len(coarse.first_states) < len(demo.answer.first_states) / 2
+    coarse = vibrissa.localize(demo.sweep.log, demo.map, method="deterministic", boundary_spacing=0.01)
+    assert len(coarse.first_states) < len(vibrissa.localize(demo.sweep.log, demo.map, method="deterministic").first_states) / 2
     x, y, _ = demo.sweep.truth.poses[0]
     near = (x - 0.02, x + 0.02, y - 0.02, y + 0.02, -3.2, 3.2)
     boxed = vibrissa.localize(demo.sweep.log, demo.map, method="possibilistic", within=near, work=20, last_work=0)
@@ -112,15 +114,22 @@ def test_options_reach_the_method_and_strangers_are_refused(demo: vibrissa.Demo)
     assert boxed.status != "inconsistent"
     assert ((inside[:, 0] <= last[0]) & (last[0] <= inside[:, 1]) & (inside[:, 2] <= last[1]) & (last[1] <= inside[:, 3])).any()
     refused: list[tuple[Callable[[], object], str]] = [
-        (lambda: vibrissa.localize(demo.sweep.log, demo.map, tolerate=1), "tolerate is none of the method deterministic"),
-        (lambda: vibrissa.localize(demo.sweep.log, demo.map, history_shapes=9), "history_shapes"),
+        (lambda: vibrissa.localize(demo.sweep.log, demo.map, tolerate=1), "tolerate is none of the method probabilistic"),
+        (lambda: vibrissa.localize(demo.sweep.log, demo.map, method="deterministic", history_shapes=9), "history_shapes"),
         (lambda: vibrissa.localize(demo.sweep.log, demo.map, method="probabilistic", tolerated_share=0.9), "tolerated_share"),
         (lambda: vibrissa.localize(demo.sweep.log, demo.map, method="magic"), "allowed: deterministic"),  # type: ignore[arg-type]
-        (lambda: vibrissa.localize(demo.sweep.log, demo.map, tip_load="x"), "boundary-normal"),  # type: ignore[arg-type]
+        (lambda: vibrissa.localize(demo.sweep.log, demo.map, method="deterministic", tip_load="x"), "boundary-normal"),  # type: ignore[arg-type]
     ]
     for call, words in refused:
         with pytest.raises(vibrissa.UsageError, match=words):
             call()
+
+
+def test_methods_and_their_default_are_the_librarys() -> None:
+    names = _vibrissa.methods()
+    assert sorted(names) == sorted(METHODS) == sorted(get_args(vibrissa.Method))
+    for function in (vibrissa.localize, vibrissa.demo):
+        assert inspect.signature(function).parameters["method"].default == names[0]
 
 
 def test_every_option_of_the_command_is_an_argument() -> None:

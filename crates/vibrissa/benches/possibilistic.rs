@@ -5,9 +5,9 @@
 
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 use std::hint::black_box;
-use vibrissa::PossibilisticLocalizer;
 use vibrissa::beam::press::PressTable;
 use vibrissa::config::PossibilisticOptions;
+use vibrissa::localizer::{Estimator, PossibilisticEstimator};
 use vibrissa::tasks::demo;
 use vibrissa::world::Robot;
 
@@ -15,7 +15,7 @@ fn rows(c: &mut Criterion) {
     let (map, robot, sweep) = (demo::arena().unwrap(), Robot::default(), demo::sweep(1).unwrap());
     let log = &sweep.log;
     let options = PossibilisticOptions { last_work: 0, ..PossibilisticOptions::default() };
-    let fresh = || PossibilisticLocalizer::new(&map, &robot, &log.channels, options).unwrap();
+    let fresh = || PossibilisticEstimator::new(&map, &robot, &log.channels, options).unwrap();
     let first = log.rows.iter().position(|row| row.readings[0].abs() > 1e-4).unwrap();
     let until = |end: usize| {
         let mut localizer = fresh();
@@ -28,7 +28,7 @@ fn rows(c: &mut Criterion) {
     group.bench_function("first contact", |b| b.iter(|| black_box(until(first + 1))));
     group.bench_function("whole log", |b| b.iter(|| black_box(until(log.rows.len()))));
     group.bench_function("100 rows after 100 in contact", |b| {
-        let step = |mut localizer: PossibilisticLocalizer<'_>| {
+        let step = |mut localizer: PossibilisticEstimator<'_>| {
             log.rows[first + 100..first + 200].iter().for_each(|row| localizer.step(row).unwrap());
         };
         b.iter_batched(|| until(first + 100), step, BatchSize::LargeInput);

@@ -19,10 +19,11 @@ use mistaken::mistaken;
 use random::Random;
 use random_arena::{arena, sweep};
 use region::{CHI2_95, distance};
-use vibrissa::flow::pose::{Hypothesis, Method, Status};
+use vibrissa::config::ProbabilisticOptions;
+use vibrissa::flow::pose::{Hypothesis, Status};
 use vibrissa::plane::wrap_angle;
 use vibrissa::world::Robot;
-use vibrissa::{LocalizeOptions, Result, localize};
+use vibrissa::{Method, Result, localize};
 
 /// The value below which `share` of the sorted values lie.
 fn quantile(sorted: &[f64], share: f64) -> f64 {
@@ -32,10 +33,11 @@ fn quantile(sorted: &[f64], share: f64) -> f64 {
 fn main() -> Result<()> {
     let mut arguments = std::env::args().skip(1).map_while(|a| a.parse::<u64>().ok());
     let (trials, first) = (arguments.next().unwrap_or(200), arguments.next().unwrap_or(1));
-    let mut options = LocalizeOptions { method: Method::Probabilistic, ..LocalizeOptions::default() };
+    let mut options = ProbabilisticOptions::default();
     if let Some(share) = std::env::args().nth(3).and_then(|a| a.parse().ok()) {
-        options.probabilistic.tolerated_share = share;
+        options.tolerated_share = share;
     }
+    let method = Method::Probabilistic(options);
     let mut robot = Robot::default();
     if let Some(bound) = std::env::args().nth(4).and_then(|a| a.parse().ok()) {
         (robot.odometry.translation_relative, robot.odometry.rotation_relative) = (bound, bound);
@@ -57,7 +59,7 @@ fn main() -> Result<()> {
         } else {
             sweep.log.clone()
         };
-        let answer = match localize(&log, &map, &robot, &options, &mut |_| {}) {
+        let answer = match localize(&log, &map, &robot, &method, &mut |_| {}) {
             Ok(answer) => answer,
             // The simulated whisker was bent further than its tip can be held: no sweep to judge by.
             Err(error) => {

@@ -16,7 +16,7 @@ use vibrissa::plane::{Pose2, wrap_angle};
 use vibrissa::sim::{Part, Sweep};
 use vibrissa::tasks::demo;
 use vibrissa::world::Robot;
-use vibrissa::{LocalizeOptions, Result, localize};
+use vibrissa::{Method, Result, localize};
 
 /// Short sweeps, whose walls may look like others.
 const DRAWS: Draws = Draws {
@@ -57,7 +57,8 @@ fn main() -> Result<()> {
             continue;
         }
         run += 1;
-        let answer = localize(&sweep.log, &map, &Robot::default(), &LocalizeOptions::default(), &mut |_| {})?;
+        let answer =
+            localize(&sweep.log, &map, &Robot::default(), &Method::Deterministic(Default::default()), &mut |_| {})?;
         let truth = sweep.truth[sweep.truth.len() - 1].map_from_robot;
         let kept = holds(&answer, truth);
         lost += u64::from(!kept);

@@ -18,13 +18,13 @@ use region::{CHI2_95, distance};
 use ridge::off_ridge;
 use std::path::Path;
 use std::time::Instant;
-use vibrissa::flow::pose::{Hypothesis, Localization, Method};
-use vibrissa::flow::sensor_log::{LogRow, SensorLog};
+use vibrissa::flow::pose::{Hypothesis, Localization};
+use vibrissa::flow::sensor_log::SensorLog;
 use vibrissa::io::read_tum;
-use vibrissa::localizer::{Localizer, PossibilisticLocalizer, ProbabilisticLocalizer};
+use vibrissa::localizer::Localizer;
 use vibrissa::plane::{Pose2, wrap_angle};
 use vibrissa::world::{Map, Robot};
-use vibrissa::{Error, LocalizeOptions, Result};
+use vibrissa::{Error, Method, Result};
 
 /// Rows of contact in a second, at the paper's rate.
 const SECOND: usize = 300;
@@ -40,38 +40,16 @@ fn ms(since: Instant) -> f64 {
     1e3 * since.elapsed().as_secs_f64()
 }
 
-fn run(log: &SensorLog, map: &Map, robot: &Robot, method: Method) -> Result<Run> {
-    let options = LocalizeOptions { method, ..LocalizeOptions::default() };
-    match method {
-        Method::Probabilistic => {
-            let one = ProbabilisticLocalizer::new(map, robot, &log.channels, options.probabilistic)?;
-            timed(log, one, ProbabilisticLocalizer::step, ProbabilisticLocalizer::finish)
-        }
-        Method::Possibilistic => {
-            let one = PossibilisticLocalizer::new(map, robot, &log.channels, options.possibilistic)?;
-            timed(log, one, PossibilisticLocalizer::step, PossibilisticLocalizer::finish)
-        }
-        Method::Deterministic => {
-            let one = Localizer::new(map, robot, &log.channels, options.deterministic)?;
-            timed(log, one, Localizer::step, Localizer::finish)
-        }
-    }
-}
-
-fn timed<L>(
-    log: &SensorLog,
-    mut localizer: L,
-    step: impl Fn(&mut L, &LogRow) -> Result<()>,
-    finish: impl FnOnce(L) -> Localization,
-) -> Result<Run> {
+fn run(log: &SensorLog, map: &Map, robot: &Robot, method: &Method) -> Result<Run> {
+    let mut localizer = Localizer::new(map, robot, &log.channels, method)?;
     let mut rows = Vec::with_capacity(log.rows.len());
     for row in &log.rows {
         let begun = Instant::now();
-        step(&mut localizer, row)?;
+        localizer.step(row)?;
         rows.push(ms(begun));
     }
     let begun = Instant::now();
-    let answer = finish(localizer);
+    let answer = localizer.finish();
     Ok(Run { rows, end: ms(begun), answer })
 }
 
@@ -79,14 +57,6 @@ fn quantile(values: &[f64], share: f64) -> f64 {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
     sorted.get((share * sorted.len() as f64) as usize).copied().unwrap_or(f64::NAN)
-}
-
-/// The method of this name.
-fn known(name: &str) -> Result<Method> {
-    let all = [Method::Deterministic, Method::Possibilistic, Method::Probabilistic];
-    all.into_iter().find(|method| method.to_string() == name).ok_or_else(|| {
-        Error::usage("an unknown method").value(name).allowed("deterministic, possibilistic or probabilistic")
-    })
 }
 
 /// The declared errors of biased sweeps: a gain of 2 % and odometry of 1 % on top of the noise.
@@ -103,7 +73,7 @@ fn robot(name: &str) -> Robot {
 fn main() -> Result<()> {
     let mut arguments = std::env::args().skip(1);
     let folder = arguments.next().ok_or_else(|| Error::usage("a folder of sweeps is missing"))?;
-    let method = arguments.next().map_or(Ok(Method::Probabilistic), |name| known(&name))?;
+    let method = arguments.next().map_or(Ok(Method::default()), |name| Method::named(&name))?;
     let only = arguments.next().unwrap_or_default();
     let files = std::fs::read_dir(&folder).map_err(|e| Error::data(e.to_string()))?;
     let mut names: Vec<String> = files
@@ -123,7 +93,7 @@ fn main() -> Result<()> {
         let log = vibrissa::read_log(Path::new(&folder).join(format!("{name}.csv")))?;
         let truth = read_tum(Path::new(&folder).join(format!("{name}.truth.tum")))?;
         let truth = truth.last().map_or(Pose2::IDENTITY, |t| t.map_from_robot);
-        let run = run(&log, &map, &robot(&name), method)?;
+        let run = run(&log, &map, &robot(&name), &method)?;
         let touched = log.rows.iter().position(|row| row.readings[0].abs() > 1e-4).unwrap_or(0);
         let settled = (touched + SECOND).min(run.rows.len() / 2);
         let (early, late) = run.rows.split_at(settled);

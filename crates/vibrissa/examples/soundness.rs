@@ -10,14 +10,14 @@ mod random_sweep;
 
 use random_sweep::{Trial, contains, random_sweep};
 use vibrissa::config::PossibilisticOptions;
-use vibrissa::flow::pose::{Method, Status};
-use vibrissa::{LocalizeOptions, Result, localize};
+use vibrissa::flow::pose::Status;
+use vibrissa::{Method, Result, localize};
 
 fn main() -> Result<()> {
     let mut arguments = std::env::args().skip(1).map_while(|a| a.parse::<u64>().ok());
     let (trials, first) = (arguments.next().unwrap_or(100), arguments.next().unwrap_or(1));
     let possibilistic = PossibilisticOptions { last_work: 5_000, ..PossibilisticOptions::default() };
-    let options = LocalizeOptions { method: Method::Possibilistic, possibilistic, ..LocalizeOptions::default() };
+    let options = Method::Possibilistic(possibilistic);
     let (mut run, mut lost, mut rows, mut verdicts, mut seed) = (0, 0, 0, [0; 4], first);
     let (mut kinds, mut rubbing) = ([0; 4], 0);
     while run < trials {
@@ -57,7 +57,7 @@ fn main() -> Result<()> {
 }
 
 /// Prints a row at which the truth goes, by halving the log, and the touches there.
-fn show_loss(trial: &Trial, options: &LocalizeOptions) -> Result<()> {
+fn show_loss(trial: &Trial, options: &Method) -> Result<()> {
     let whisker = &trial.robot.whiskers[0];
     let (mut kept, mut gone) = (0, trial.log.rows.len());
     while gone > kept + 1 {

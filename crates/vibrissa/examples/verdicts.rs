@@ -10,14 +10,14 @@ mod random;
 
 use random::Random;
 use vibrissa::config::PossibilisticOptions;
-use vibrissa::flow::pose::{Localization, Method, Status};
+use vibrissa::flow::pose::{Localization, Status};
 use vibrissa::flow::sensor_log::SensorLog;
 use vibrissa::plane::{Curve, Pose2, Vec2, wrap_angle};
 use vibrissa::sets::StateBox;
 use vibrissa::sim::Sweep;
 use vibrissa::tasks::demo;
 use vibrissa::world::{Boundary, Map, Robot, Role};
-use vibrissa::{Error, LocalizeOptions, Result, localize};
+use vibrissa::{Error, Method, Result, localize};
 
 /// How near a place is to the truth to be the true one (m, rad).
 const NEAR: [f64; 2] = [5e-3, 0.09];
@@ -94,9 +94,10 @@ fn column(answer: &Localization, truth: Pose2, right_map: bool) -> usize {
         let middle = 0.5 * (b.theta.lo() + b.theta.hi());
         b.x.contains(truth.x) && b.y.contains(truth.y) && b.theta.contains(middle + wrap_angle(truth.theta - middle))
     };
-    let held = match answer.method {
-        Method::Possibilistic => right_map && answer.states.iter().any(inside),
-        _ => answer.hypotheses.iter().any(|h| near(h.pose)),
+    let held = if answer.encloses {
+        right_map && answer.states.iter().any(inside)
+    } else {
+        answer.hypotheses.iter().any(|h| near(h.pose))
     };
     match answer.status {
         Status::Localized if answer.estimate.is_some_and(near) => 0,
@@ -111,16 +112,13 @@ fn column(answer: &Localization, truth: Pose2, right_map: bool) -> usize {
 /// How many readings of a log may be false where that is allowed for: twice the share drawn.
 const DOUBTFUL: f64 = 0.1;
 
-/// The possibilistic method's options here, and every which row it gets.
-fn options(method: Method, rows: usize, tolerate: bool) -> (LocalizeOptions, usize) {
-    let every = if method == Method::Possibilistic { 2 } else { 1 };
+/// The method with the options that it has here, and every which row it gets.
+fn options(method: Method, rows: usize, tolerate: bool) -> (Method, usize) {
+    let Method::Possibilistic(options) = method else { return (method, 1) };
+    let every = 2;
     let most = (DOUBTFUL * (rows / every) as f64) as usize;
-    let possibilistic = PossibilisticOptions {
-        last_work: 1_000_000,
-        tolerate: if tolerate { most } else { 0 },
-        ..PossibilisticOptions::default()
-    };
-    (LocalizeOptions { method, possibilistic, ..LocalizeOptions::default() }, every)
+    let tolerate = if tolerate { most } else { 0 };
+    (Method::Possibilistic(PossibilisticOptions { last_work: 1_000_000, tolerate, ..options }), every)
 }
 
 /// How the runs of one method in one condition end, by column.
@@ -150,12 +148,12 @@ fn main() -> Result<()> {
         "{:14} {:24} {:>10} {:>8} {:>11} {:>10} {:>13} {:>11}",
         "method", "condition", "localized", "wrong", "amb. with", "without", "inconsistent", "no contact"
     );
-    for method in [Method::Probabilistic, Method::Deterministic, Method::Possibilistic] {
-        if only.as_ref().is_some_and(|only| *only != method.to_string()) {
+    for method in Method::all().into_iter().rev() {
+        if only.as_ref().is_some_and(|only| only != method.name()) {
             continue;
         }
         for (name, right_map, change) in CONDITIONS {
-            let relaxed = method == Method::Possibilistic && name == FALSE_READINGS;
+            let relaxed = matches!(method, Method::Possibilistic(_)) && name == FALSE_READINGS;
             for tolerate in [false, true].into_iter().filter(|tolerate| relaxed || !tolerate) {
                 let [a, b, c, d, e, f] = tried(method, (right_map, change), tolerate, runs)?;
                 let name = if tolerate { "the same, 10 % tolerated" } else { name };

@@ -29,10 +29,10 @@
 //! frame, and a push towards +y is a positive moment. Nothing here reads a clock, prints, or depends on threads.
 //!
 //! ```
-//! use vibrissa::{LocalizeOptions, Robot, Status, localize, tasks::demo};
+//! use vibrissa::{Method, Robot, Status, localize, tasks::demo};
 //!
 //! let (arena, sweep) = (demo::arena()?, demo::sweep(1)?);
-//! let answer = localize(&sweep.log, &arena, &Robot::default(), &LocalizeOptions::default(), &mut |_| {})?;
+//! let answer = localize(&sweep.log, &arena, &Robot::default(), &Method::default(), &mut |_| {})?;
 //! let truth = sweep.truth.last().map(|t| t.map_from_robot.position());
 //!
 //! assert_eq!(answer.status, Status::Localized);
@@ -46,10 +46,10 @@ mod book;
 mod least_squares;
 pub mod tasks;
 
-pub use tasks::{LocalizeOptions, localize, localize_while};
-pub use vibrissa_core::flow::pose::{Localization, Method, Status};
+pub use tasks::{localize, localize_while};
+pub use vibrissa_core::flow::pose::{Localization, Status};
 pub use vibrissa_core::flow::sensor_log::SensorLog;
-pub use vibrissa_core::localizer::{Localizer, PossibilisticLocalizer};
+pub use vibrissa_core::localizer::{Estimator, Localizer, Method};
 pub use vibrissa_core::world::{Map, Robot};
 pub use vibrissa_core::{Error, Result, beam, config, error, flow, localizer, plane, sensing, sets, world};
 pub use vibrissa_figure as figure;

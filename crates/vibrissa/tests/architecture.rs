@@ -24,8 +24,18 @@ const ROOMS: &[(&str, &[&str])] = &[
     (
         "crates/vibrissa-io",
         &[
-            "text", "units", "toml_section", "calibration", "grid", "ros", "log", "calibrated", "robot", "map",
-            "trajectory", "recording",
+            "text",
+            "units",
+            "toml_section",
+            "calibration",
+            "grid",
+            "ros",
+            "log",
+            "calibrated",
+            "robot",
+            "map",
+            "trajectory",
+            "recording",
         ],
     ),
     ("crates/vibrissa-sim", &["simulate", "scenario", "recording"]),
@@ -34,16 +44,8 @@ const ROOMS: &[(&str, &[&str])] = &[
 
 /// Crates that know no files, and what they may not name.
 const WITHOUT_FILES: &[&str] = &["crates/vibrissa-beam", "crates/vibrissa-core"];
-const OUTSIDE: &[&str] = &[
-    "std::fs",
-    "std::io",
-    "std::thread",
-    "std::env",
-    "std::net",
-    "std::process",
-    "HashMap",
-    "HashSet",
-];
+const OUTSIDE: &[&str] =
+    &["std::fs", "std::io", "std::thread", "std::env", "std::net", "std::process", "HashMap", "HashSet"];
 /// What no part of the library may do.
 const PRINTING: &[&str] = &["println!", "print!", "eprintln!", "eprint!", "dbg!", "std::process::exit"];
 /// A result depends on no clock.
@@ -184,7 +186,10 @@ fn the_crates_depend_on_each_other_as_planned() {
             assert!(place < index, "{folder} may depend on {used}, which stands after it");
         }
     }
-    assert_eq!(dependencies("[dependencies]\nvibrissa-io = { workspace = true }\n[dev-dependencies]\nvibrissa = 1"), ["vibrissa-io"]);
+    assert_eq!(
+        dependencies("[dependencies]\nvibrissa-io = { workspace = true }\n[dev-dependencies]\nvibrissa = 1"),
+        ["vibrissa-io"]
+    );
 }
 
 #[test]

@@ -4,7 +4,7 @@
 
 use std::path::Path;
 use vibrissa::figure::{LocalizationScene, Outline, OutlineRole, localization_figure};
-use vibrissa::flow::pose::{Event, Hypothesis, Localization, Method, ShapeRecord, StampedPose, Status};
+use vibrissa::flow::pose::{Event, Hypothesis, Localization, ShapeRecord, StampedPose, Status};
 use vibrissa::plane::{Pose2, Vec2};
 use vibrissa::sets::{Interval, StateBox};
 
@@ -72,7 +72,8 @@ fn hypothesis(poses: &[Pose2], weight: f64) -> Hypothesis {
 
 fn empty(status: Status) -> Localization {
     Localization {
-        method: Method::Deterministic,
+        method: "deterministic",
+        encloses: false,
         status,
         estimate: None,
         hypotheses: vec![],

@@ -10,12 +10,13 @@ mod random_arena;
 
 use core::f64::consts::{PI, TAU};
 use random::Random;
-use vibrissa::flow::pose::{Localization, Method, Status};
+use vibrissa::config::ProbabilisticOptions;
+use vibrissa::flow::pose::{Localization, Status};
 use vibrissa::flow::sensor_log::SensorLog;
 use vibrissa::plane::{Curve, Pose2, Vec2, wrap_angle};
 use vibrissa::sim::Sweep;
 use vibrissa::world::{Boundary, Map, Robot, Role};
-use vibrissa::{LocalizeOptions, localize};
+use vibrissa::{Method, localize};
 
 /// A room whose wall looks the same after a half turn about its middle, and nothing else does.
 fn room(middle: Vec2) -> Boundary {
@@ -36,8 +37,7 @@ fn sweep(map: &Map, seed: u64) -> Sweep {
 }
 
 fn localized(log: &SensorLog, map: &Map, robot: &Robot, window: usize) -> Localization {
-    let mut options = LocalizeOptions { method: Method::Probabilistic, ..LocalizeOptions::default() };
-    options.probabilistic.window = window;
+    let options = Method::Probabilistic(ProbabilisticOptions { window, ..ProbabilisticOptions::default() });
     localize(log, map, robot, &options, &mut |_| {}).unwrap()
 }
 

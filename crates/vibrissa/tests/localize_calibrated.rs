@@ -9,7 +9,7 @@ use vibrissa::io::calibrated;
 use vibrissa::tasks::demo;
 use vibrissa::world::Robot;
 use vibrissa::world::calibration::{Calibration, MomentCurve};
-use vibrissa::{LocalizeOptions, localize};
+use vibrissa::{Method, localize};
 
 /// A sensor whose flux is `0.8 M` along y and `-0.6 M` along x, from 1 µT at rest; the calibration's file.
 fn cal_file(name: &str, bound: f64) -> PathBuf {
@@ -47,7 +47,9 @@ fn flux_and_moments_give_the_same_place() {
     let (arena, sweep) = (demo::arena().unwrap(), demo::sweep(1).unwrap());
     let mut robot = Robot::default();
     robot.whiskers[0].calibration = Some(cal_file("cal-exact.json", 0.0));
-    let run = |log: &SensorLog| localize(log, &arena, &robot, &LocalizeOptions::default(), &mut |_| {}).unwrap();
+    let run = |log: &SensorLog| {
+        localize(log, &arena, &robot, &Method::Deterministic(Default::default()), &mut |_| {}).unwrap()
+    };
     let (direct, through) = (run(&sweep.log), run(&raw(&sweep.log)));
     assert_eq!((direct.status, through.status), (Status::Localized, Status::Localized));
     let [a, b] = [direct, through].map(|answer| answer.estimate.unwrap());
@@ -60,7 +62,9 @@ fn the_bound_is_added_and_faults_name_file_and_line() {
     let mut log = raw(&sweep.log);
     let mut robot = Robot::default();
     let declared = robot.whiskers[0].noise.moment_absolute;
-    let error = localize(&log, &demo::arena().unwrap(), &robot, &LocalizeOptions::default(), &mut |_| {}).unwrap_err();
+    let error =
+        localize(&log, &demo::arena().unwrap(), &robot, &Method::Deterministic(Default::default()), &mut |_| {})
+            .unwrap_err();
     assert!(error.to_string().contains("calibration"), "{error}");
     robot.whiskers[0].calibration = Some(cal_file("cal-bound.json", 3e-5));
     let (converted, wider) = calibrated(&log, &robot).unwrap();

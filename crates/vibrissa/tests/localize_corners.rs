@@ -13,13 +13,13 @@ use long_sweep::long_sweep;
 use mistaken::mistaken;
 use vibrissa::beam::{TipModel, Whisker};
 use vibrissa::config::PossibilisticOptions;
-use vibrissa::flow::pose::{Method, StampedPose, Status};
+use vibrissa::flow::pose::{StampedPose, Status};
 use vibrissa::flow::state_set::probabilistic::predicted_moments;
 use vibrissa::plane::{Curve, Pose2, Vec2, wrap_angle};
 use vibrissa::sets::StateBox;
 use vibrissa::sim::Sweep;
 use vibrissa::world::{Boundary, Map, Robot, Role};
-use vibrissa::{LocalizeOptions, localize};
+use vibrissa::{Method, localize};
 
 /// A room of this half width and height (m) with a post where no turn of the room takes it onto itself.
 fn room(x: f64, y: f64) -> Map {
@@ -59,7 +59,7 @@ fn after_a_snap_the_whisker_rests_where_the_simulator_says() {
 
 #[test]
 fn a_robot_that_goes_around_corners_is_told_where_it_is() {
-    let options = LocalizeOptions { method: Method::Probabilistic, ..LocalizeOptions::default() };
+    let options = Method::Probabilistic(Default::default());
     let map = room(0.35, 0.25);
     let sweeps = snapping(&map, 100..140, 3);
     assert_eq!(sweeps.len(), 3);
@@ -102,7 +102,7 @@ fn star() -> Map {
 #[test]
 fn of_long_straight_walls_the_true_one_outlives_its_corner() {
     // Along these walls hypotheses stand millimetres apart when the corner comes, which one at another corner meets better by chance.
-    let options = LocalizeOptions { method: Method::Probabilistic, ..LocalizeOptions::default() };
+    let options = Method::Probabilistic(Default::default());
     for (map, seed) in [(long_room(), 10), (star(), 147), (star(), 21), (star(), 107)] {
         let sweep = long_sweep(&map, seed).unwrap();
         let answer = localize(&sweep.log, &map, &Robot::default(), &options, &mut |_| {}).unwrap();
@@ -116,7 +116,7 @@ fn of_long_straight_walls_the_true_one_outlives_its_corner() {
 
 #[test]
 fn along_long_straight_walls_odometry_that_is_wrong_is_found_out() {
-    let options = LocalizeOptions { method: Method::Probabilistic, ..LocalizeOptions::default() };
+    let options = Method::Probabilistic(Default::default());
     let mut robot = Robot::default();
     (robot.odometry.translation_relative, robot.odometry.rotation_relative) = (0.01, 0.01);
     for (map, seed) in [(long_room(), 10), (star(), 147)] {
@@ -134,7 +134,7 @@ fn along_long_straight_walls_odometry_that_is_wrong_is_found_out() {
 
 #[test]
 fn odometry_that_is_wrong_by_a_share_is_found_out() {
-    let options = LocalizeOptions { method: Method::Probabilistic, ..LocalizeOptions::default() };
+    let options = Method::Probabilistic(Default::default());
     let map = room(0.35, 0.25);
     let mut robot = Robot::default();
     (robot.odometry.translation_relative, robot.odometry.rotation_relative) = (0.01, 0.01);
@@ -192,7 +192,7 @@ fn rough_room() -> Map {
 
 #[test]
 fn along_a_rough_wall_odometry_that_is_wrong_is_found_out() {
-    let options = LocalizeOptions { method: Method::Probabilistic, ..LocalizeOptions::default() };
+    let options = Method::Probabilistic(Default::default());
     let map = rough_room();
     let mut robot = Robot::default();
     (robot.odometry.translation_relative, robot.odometry.rotation_relative) = (0.01, 0.01);
@@ -216,7 +216,7 @@ fn along_a_rough_wall_odometry_that_is_wrong_is_found_out() {
 
 #[test]
 fn turns_are_corrected_where_only_these_are_declared_wrong() {
-    let options = LocalizeOptions { method: Method::Probabilistic, ..LocalizeOptions::default() };
+    let options = Method::Probabilistic(Default::default());
     let map = room(0.35, 0.25);
     let mut robot = Robot::default();
     robot.odometry.rotation_relative = 0.01;
@@ -234,7 +234,7 @@ fn turns_are_corrected_where_only_these_are_declared_wrong() {
 
 #[test]
 fn odometry_that_is_declared_right_is_not_estimated() {
-    let options = LocalizeOptions { method: Method::Probabilistic, ..LocalizeOptions::default() };
+    let options = Method::Probabilistic(Default::default());
     let map = room(0.35, 0.25);
     let sweep = &snapping(&map, 100..140, 1)[0];
     assert!(localize(&sweep.log, &map, &Robot::default(), &options, &mut |_| {}).unwrap().odometry.is_none());
@@ -246,7 +246,7 @@ fn a_set_that_rules_nothing_out_wrongly_goes_around_corners_too() {
     let kept = |sweep: &Sweep, largest_slope: f64| {
         let possibilistic =
             PossibilisticOptions { largest_slope, last_work: 100_000, ..PossibilisticOptions::default() };
-        let options = LocalizeOptions { method: Method::Possibilistic, possibilistic, ..LocalizeOptions::default() };
+        let options = Method::Possibilistic(possibilistic);
         let answer = localize(&sweep.log, &map, &Robot::default(), &options, &mut |_| {}).unwrap();
         let truth = sweep.truth.last().unwrap().map_from_robot;
         let holds = |b: &StateBox| {
@@ -266,7 +266,7 @@ fn a_set_that_rules_nothing_out_wrongly_goes_around_corners_too() {
 
 #[test]
 fn moments_beyond_those_of_the_tip_do_not_end_the_deterministic_method() {
-    let options = LocalizeOptions { method: Method::Deterministic, ..LocalizeOptions::default() };
+    let options = Method::Deterministic(Default::default());
     let map = room(0.35, 0.25);
     let largest = TipModel::new(&Whisker::default()).unwrap().largest_moment(f64::INFINITY);
     let mut beyond = 0;

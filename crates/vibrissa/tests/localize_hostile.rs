@@ -8,7 +8,7 @@ use vibrissa::flow::sensor_log::SensorLog;
 use vibrissa::plane::{Pose2, wrap_angle};
 use vibrissa::tasks::demo;
 use vibrissa::world::{Map, Robot};
-use vibrissa::{LocalizeOptions, Result, localize};
+use vibrissa::{Method, Result, localize};
 
 /// The demo's first 200 rows: enough for a few dozen updates.
 fn log() -> SensorLog {
@@ -27,9 +27,9 @@ fn square(side: f64) -> Map {
     vibrissa::io::map::from_geojson(&text, "square").unwrap()
 }
 
-fn coarse(spacing: f64) -> LocalizeOptions {
+fn coarse(spacing: f64) -> Method {
     let deterministic = DeterministicOptions { boundary_spacing: spacing, ..DeterministicOptions::default() };
-    LocalizeOptions { deterministic, ..LocalizeOptions::default() }
+    Method::Deterministic(deterministic)
 }
 
 fn run(log: &SensorLog, map: &Map) -> Result<Localization> {
@@ -72,7 +72,7 @@ fn standing_still_in_contact_tells_nothing_and_ends() {
 
 #[test]
 fn the_odometrys_origin_does_not_matter() {
-    let (map, robot, options) = (demo::arena().unwrap(), Robot::default(), LocalizeOptions::default());
+    let (map, robot, options) = (demo::arena().unwrap(), Robot::default(), Method::Deterministic(Default::default()));
     let here = demo::sweep(1).unwrap().log;
     let far = Pose2::new(5e5, -6e6, 2.1);
     let mut there = here.clone();

@@ -3,10 +3,10 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on must fail")]
 
 use vibrissa::config::ProbabilisticOptions;
-use vibrissa::flow::pose::{Method, Status};
+use vibrissa::flow::pose::Status;
 use vibrissa::plane::wrap_angle;
 use vibrissa::sim::Scenario;
-use vibrissa::{LocalizeOptions, localize};
+use vibrissa::{Method, localize};
 
 /// Pressed into the upper wall first, so that shapes are far from where the first rows put them when the whisker begins to trail.
 const SWEEP: &str = r#"
@@ -26,7 +26,7 @@ fn weights(seed: u64, window: usize) -> [Option<f64>; 2] {
     let made = scenario.simulate().unwrap();
     let truth = made.sweep.truth.last().unwrap().map_from_robot;
     let probabilistic = ProbabilisticOptions { window, ..ProbabilisticOptions::default() };
-    let options = LocalizeOptions { method: Method::Probabilistic, probabilistic, ..LocalizeOptions::default() };
+    let options = Method::Probabilistic(probabilistic);
     let answer = localize(&made.recording.log, &scenario.map, &scenario.robot, &options, &mut |_| {}).unwrap();
     assert_eq!(answer.status, Status::Ambiguous);
     let images = [(truth.x, truth.y, truth.theta), (0.6 - truth.x, 0.4 - truth.y, truth.theta + core::f64::consts::PI)];

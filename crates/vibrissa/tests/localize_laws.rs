@@ -2,16 +2,17 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on must fail")]
 
+use vibrissa::config::DeterministicOptions;
 use vibrissa::flow::pose::{Localization, StampedPose, Status};
 use vibrissa::flow::sensor_log::{Channel, LogRow, Quantity, SensorLog};
 use vibrissa::plane::{Curve, Pose2, Segment, Vec2, wrap_angle};
 use vibrissa::sim::{Pace, Sweep, SweepNoise, path_through, simulate_tip_sweep};
 use vibrissa::tasks::demo;
 use vibrissa::world::{Boundary, Map, Robot, Role};
-use vibrissa::{LocalizeOptions, localize};
+use vibrissa::{Method, localize};
 
 fn answer(log: &SensorLog, map: &Map) -> Localization {
-    localize(log, map, &Robot::default(), &LocalizeOptions::default(), &mut |_| {}).unwrap()
+    localize(log, map, &Robot::default(), &Method::Deterministic(Default::default()), &mut |_| {}).unwrap()
 }
 
 fn demo_answer(seed: u64) -> (Sweep, Localization) {
@@ -131,14 +132,13 @@ fn a_mirrored_world_mirrors_the_answer() {
 }
 
 /// The options for a world in which every length is `k` times as long.
-fn scaled_options(k: f64) -> LocalizeOptions {
-    let mut options = LocalizeOptions::default();
-    let lengths = &mut options.deterministic;
+fn scaled_options(k: f64) -> Method {
+    let mut lengths = DeterministicOptions::default();
     lengths.boundary_spacing *= k;
     lengths.history_travel *= k;
     lengths.update_travel *= k;
     lengths.position_floor *= k;
-    options
+    Method::Deterministic(lengths)
 }
 
 #[test]
@@ -218,7 +218,7 @@ fn the_order_of_whiskers_and_columns_does_not_matter() {
     };
     let arena = demo::arena().unwrap();
     let run = |log: &SensorLog, robot: &Robot| {
-        localize(log, &arena, robot, &LocalizeOptions::default(), &mut |_| {}).unwrap()
+        localize(log, &arena, robot, &Method::Deterministic(Default::default()), &mut |_| {}).unwrap()
     };
     let first = run(&two(["feels", "idle"]), &robot);
     assert_eq!(first, run(&two(["idle", "feels"]), &robot));
@@ -286,8 +286,14 @@ fn a_touch_that_is_too_short_says_so() {
 #[test]
 fn a_moment_beyond_any_shape_is_refused_with_its_line() {
     let rows = [(0.0, Pose2::IDENTITY, 0.0), (0.1, Pose2::IDENTITY, 0.19)];
-    let error =
-        localize(&log(rows), &square_room(), &Robot::default(), &LocalizeOptions::default(), &mut |_| {}).unwrap_err();
+    let error = localize(
+        &log(rows),
+        &square_room(),
+        &Robot::default(),
+        &Method::Deterministic(Default::default()),
+        &mut |_| {},
+    )
+    .unwrap_err();
     assert!(error.is_data() && error.line() == Some(7));
     let text = error.to_string();
     assert!(text.contains("0.19 N m") && text.contains("allowed: at most") && text.contains("mN m"), "{text}");

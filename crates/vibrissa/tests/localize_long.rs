@@ -6,12 +6,13 @@
 mod region;
 
 use region::{CHI2_95, distance};
-use vibrissa::flow::pose::{Localization, Method, Status};
-use vibrissa::localizer::ProbabilisticLocalizer;
+use vibrissa::config::ProbabilisticOptions;
+use vibrissa::flow::pose::{Localization, Status};
+use vibrissa::localizer::{Estimator, ProbabilisticEstimator};
 use vibrissa::plane::{Curve, Pose2, Vec2};
 use vibrissa::sim::{Pace, SweepNoise, path_through, simulate_tip_sweep};
 use vibrissa::world::{Boundary, Map, Robot, Role};
-use vibrissa::{LocalizeOptions, localize};
+use vibrissa::{Method, localize};
 
 /// A square room of 400 mm.
 fn room() -> Map {
@@ -31,7 +32,7 @@ fn swept(lines: &str, seed: u64) -> (Localization, Pose2, usize) {
     let pace = Pace { speed: 0.3, turn_rate: 1.0, rate: 300.0 };
     let path = path_through(&waypoints(lines), &pace).unwrap();
     let sweep = simulate_tip_sweep(&map, &robot, &path, &SweepNoise::seeded(seed)).unwrap();
-    let options = LocalizeOptions { method: Method::Probabilistic, ..LocalizeOptions::default() };
+    let options = Method::Probabilistic(Default::default());
     let answer = localize(&sweep.log, &map, &robot, &options, &mut |_| {}).unwrap();
     (answer, sweep.truth.last().unwrap().map_from_robot, sweep.log.rows.len())
 }
@@ -73,8 +74,8 @@ fn nobody_goes_on_through_a_wall() {
     let pace = Pace { speed: 0.3, turn_rate: 1.0, rate: 300.0 };
     let path = path_through(&waypoints(include_str!("data/square_path_6.csv")), &pace).unwrap();
     let sweep = simulate_tip_sweep(&map, &robot, &path, &SweepNoise::seeded(6)).unwrap();
-    let options = LocalizeOptions::default().probabilistic;
-    let mut one = ProbabilisticLocalizer::new(&map, &robot, &sweep.log.channels, options).unwrap();
+    let options = ProbabilisticOptions::default();
+    let mut one = ProbabilisticEstimator::new(&map, &robot, &sweep.log.channels, options).unwrap();
     let (mut deepest, mut most) = (0.0_f64, 0);
     for row in &sweep.log.rows {
         one.step(row).unwrap();

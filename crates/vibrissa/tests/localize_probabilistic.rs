@@ -7,17 +7,18 @@ mod random;
 
 use random::Random;
 use std::path::{Path, PathBuf};
-use vibrissa::flow::pose::{Localization, Method, Status};
+use vibrissa::config::ProbabilisticOptions;
+use vibrissa::flow::pose::{Localization, Status};
 use vibrissa::flow::sensor_log::SensorLog;
 use vibrissa::io::read_tum;
-use vibrissa::localizer::ProbabilisticLocalizer;
+use vibrissa::localizer::{Estimator, ProbabilisticEstimator};
 use vibrissa::plane::{Pose2, wrap_angle};
 use vibrissa::tasks::demo;
-use vibrissa::world::Robot;
-use vibrissa::{LocalizeOptions, localize};
+use vibrissa::world::{Map, Robot};
+use vibrissa::{Method, localize};
 
-fn options() -> LocalizeOptions {
-    LocalizeOptions { method: Method::Probabilistic, ..LocalizeOptions::default() }
+fn options() -> Method {
+    Method::default()
 }
 
 fn sweeps() -> Option<PathBuf> {
@@ -122,9 +123,9 @@ fn a_region_or_a_compass_tells_the_places_of_a_square_apart() {
     let mut log = vibrissa::read_log(folder.join("square-01.csv")).unwrap();
     let truth = read_tum(folder.join("square-01.truth.tum")).unwrap();
     let (first, last) = (truth.first().unwrap().map_from_robot, truth.last().unwrap().map_from_robot);
-    let mut within = options();
     let around = |v: f64, half: f64| [v - half, v + half];
-    within.probabilistic.prior = Some([around(first.x, 0.03), around(first.y, 0.03), around(first.theta, 0.3)]);
+    let prior = Some([around(first.x, 0.03), around(first.y, 0.03), around(first.theta, 0.3)]);
+    let within = Method::Probabilistic(ProbabilisticOptions { prior, ..ProbabilisticOptions::default() });
     let region = localize(&log, &map, &Robot::default(), &within, &mut |_| {}).unwrap();
     // A compass that is off by the same angle all the time, as they are.
     for (row, true_row) in log.rows.iter_mut().zip(&truth) {
@@ -216,10 +217,9 @@ fn memory_does_not_grow_and_the_place_stays_known() {
     // Forth and back along the demo's sweep, with new noise each time.
     let (map, sweep) = (demo::arena().unwrap(), demo::sweep(1).unwrap());
     let rows = &sweep.log.rows;
-    let mut small = options().probabilistic;
-    small.window = 400;
+    let small = ProbabilisticOptions { window: 400, ..ProbabilisticOptions::default() };
     let robot = Robot::default();
-    let mut localizer = ProbabilisticLocalizer::new(&map, &robot, &sweep.log.channels, small).unwrap().without_record();
+    let mut localizer = ProbabilisticEstimator::new(&map, &robot, &sweep.log.channels, small).unwrap().without_record();
     let mut draw = Random(11);
     let (mut worst, mut most, mut last): (f64, usize, usize) = (0.0, 0, 0);
     for step in 0..12_000_usize {
@@ -233,14 +233,14 @@ fn memory_does_not_grow_and_the_place_stays_known() {
         most = most.max(localizer.rows_kept());
         if step > 2000 {
             let truth = sweep.truth[k].map_from_robot;
-            worst = worst.max(localizer.estimate().map_or(1.0, |e| off(e, truth).0));
+            worst = worst.max(localizer.estimate().pose().map_or(1.0, |e| off(e, truth).0));
         }
         last = k;
     }
     println!("{most} rows kept, worst {:.3} mm", 1e3 * worst);
     assert!(most <= 401, "{most}");
     assert!(worst < 0.3e-3, "{worst}");
-    let answer = localizer.finish();
+    let answer = Box::new(localizer).finish();
     assert!(answer.trajectory.is_empty() && answer.steps.is_empty() && answer.events.len() < 200);
     assert_eq!(answer.status, Status::Localized, "{:?}", answer.events);
     assert!(off(answer.estimate.unwrap(), sweep.truth[last].map_from_robot).0 < 0.2e-3);
@@ -254,14 +254,15 @@ fn a_whisker_that_feels_something_else_for_a_while_is_no_contradiction() {
     // As after a snap: for 45 rows on end the moment is that of no equilibrium near.
     let from = log.rows.len() * 3 / 5;
     log.rows[from..from + 45].iter_mut().for_each(|row| row.readings[0] *= 1.5);
-    let mut tolerant = options();
-    tolerant.probabilistic.tolerated_share = 0.15;
+    let tolerating = |tolerated_share| {
+        Method::Probabilistic(ProbabilisticOptions { tolerated_share, ..ProbabilisticOptions::default() })
+    };
+    let tolerant = tolerating(0.15);
     let answer = localize(&log, &map, &Robot::default(), &tolerant, &mut |_| {}).unwrap();
     assert_ne!(answer.status, Status::Inconsistent, "{:?}", answer.events);
     let nearest = answer.hypotheses.iter().map(|h| off(h.pose, truth).0).fold(f64::INFINITY, f64::min);
     assert!(nearest < 1e-3, "{nearest} {}", answer.status);
-    let mut strict = options();
-    strict.probabilistic.tolerated_share = 0.0;
+    let strict = tolerating(0.0);
     let answer = localize(&log, &map, &Robot::default(), &strict, &mut |_| {}).unwrap();
     assert_eq!(answer.status, Status::Inconsistent, "{:?}", answer.events);
 }

@@ -2,12 +2,12 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on must fail")]
 
-use vibrissa::config::{DeterministicOptions, PossibilisticOptions, ProbabilisticOptions};
-use vibrissa::flow::pose::{Localization, Method};
+use vibrissa::config::{Region, Value};
+use vibrissa::flow::pose::Localization;
 use vibrissa::plane::{Curve, Pose2, Vec2};
 use vibrissa::tasks::demo;
 use vibrissa::world::{Boundary, Map, Robot, Role};
-use vibrissa::{LocalizeOptions, Result, localize};
+use vibrissa::{Method, Result, localize};
 
 /// The demo's arena, and boxes far away with so much boundary (m).
 fn town(boundary: f64) -> Map {
@@ -21,24 +21,25 @@ fn town(boundary: f64) -> Map {
     Map::new(boundaries).unwrap()
 }
 
-fn run(map: &Map, method: Method, prior: Option<[[f64; 2]; 3]>) -> (Pose2, Result<Localization>) {
+fn run(map: &Map, method: &str, prior: Option<Region>) -> (Pose2, Result<Localization>) {
     let mut sweep = demo::sweep(1).unwrap();
     sweep.log.rows.truncate(240);
     let truth = sweep.truth[0].map_from_robot;
-    let options = LocalizeOptions {
-        method,
-        deterministic: DeterministicOptions { prior, ..DeterministicOptions::default() },
-        possibilistic: PossibilisticOptions { prior, last_work: 0, ..PossibilisticOptions::default() },
-        probabilistic: ProbabilisticOptions { prior, ..ProbabilisticOptions::default() },
-    };
-    (truth, localize(&sweep.log, map, &Robot::default(), &options, &mut |_| {}))
+    let mut method = Method::named(method).unwrap();
+    if method.has("last_work") {
+        method.set("last_work", Value::Count(0)).unwrap();
+    }
+    if let Some(region) = prior {
+        method.set("within", Value::Region(region)).unwrap();
+    }
+    (truth, localize(&sweep.log, map, &Robot::default(), &method, &mut |_| {}))
 }
 
 fn around(pose: Pose2, place: f64, turn: f64) -> [[f64; 2]; 3] {
     [[pose.x - place, pose.x + place], [pose.y - place, pose.y + place], [pose.theta - turn, pose.theta + turn]]
 }
 
-const METHODS: [Method; 3] = [Method::Deterministic, Method::Possibilistic, Method::Probabilistic];
+const METHODS: [&str; 3] = ["deterministic", "possibilistic", "probabilistic"];
 
 #[test]
 fn maps_too_large_to_search_say_what_helps() {
@@ -67,13 +68,13 @@ fn the_deterministic_method_stays_in_the_region() {
     let truth = demo::sweep(1).unwrap().truth[0].map_from_robot;
     let region = around(truth, 0.03, 0.3);
     let map = town(0.0);
-    let everywhere = run(&map, Method::Deterministic, None).1.unwrap();
-    let within = run(&map, Method::Deterministic, Some(region)).1.unwrap();
+    let everywhere = run(&map, "deterministic", None).1.unwrap();
+    let within = run(&map, "deterministic", Some(region)).1.unwrap();
     assert!(!within.first_states.is_empty() && 2 * within.first_states.len() < everywhere.first_states.len());
     // What entered in the region is what entered there without one.
     let same = |a: &Pose2| everywhere.first_states.iter().any(|b| a.position().distance(b.position()) < 1e-12);
     assert!(within.first_states.iter().filter(|a| same(a)).count() * 10 >= within.first_states.len() * 9);
     // A region that the robot is not in has no answer, or another one.
-    let wrong = run(&map, Method::Deterministic, Some(around(Pose2::new(9.0, 9.0, 0.0), 0.01, 0.1))).1.unwrap();
+    let wrong = run(&map, "deterministic", Some(around(Pose2::new(9.0, 9.0, 0.0), 0.01, 0.1))).1.unwrap();
     assert!(wrong.first_states.is_empty() && wrong.estimate.is_none());
 }

@@ -13,18 +13,18 @@ use core::f64::consts::FRAC_PI_2;
 use random::Random;
 use ridge::off_ridge;
 use std::path::Path;
-use vibrissa::flow::pose::{Localization, Method, Status};
+use vibrissa::config::ProbabilisticOptions;
+use vibrissa::flow::pose::{Localization, Status};
 use vibrissa::flow::sensor_log::SensorLog;
 use vibrissa::io::read_tum;
 use vibrissa::plane::{Curve, Pose2, Vec2, wrap_angle};
 use vibrissa::sim::{Pace, Sweep, SweepNoise, path_through, simulate_tip_sweep};
 use vibrissa::tasks::demo;
 use vibrissa::world::{Boundary, Map, Robot, Role};
-use vibrissa::{LocalizeOptions, localize};
+use vibrissa::{Method, localize};
 
 fn localized(log: &SensorLog, map: &Map, robot: &Robot, window: usize) -> Localization {
-    let mut options = LocalizeOptions { method: Method::Probabilistic, ..LocalizeOptions::default() };
-    options.probabilistic.window = window;
+    let options = Method::Probabilistic(ProbabilisticOptions { window, ..ProbabilisticOptions::default() });
     localize(log, map, robot, &options, &mut |_| {}).unwrap()
 }
 
@@ -237,7 +237,12 @@ fn a_sharp_place_has_no_ridge() {
     assert_eq!(answer.status, Status::Localized);
     assert!(answer.hypotheses.iter().all(|h| h.ridge.is_empty()), "{:?}", answer.hypotheses);
     // Neither has any place of the other methods.
-    let answer =
-        localize(&sweep.log, &demo::arena().unwrap(), &Robot::default(), &LocalizeOptions::default(), &mut |_| {});
+    let answer = localize(
+        &sweep.log,
+        &demo::arena().unwrap(),
+        &Robot::default(),
+        &Method::Deterministic(Default::default()),
+        &mut |_| {},
+    );
     assert!(answer.unwrap().hypotheses.iter().all(|h| h.ridge.is_empty()));
 }

@@ -3,12 +3,12 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on must fail")]
 
 use vibrissa::beam::{Stretch, Whisker};
-use vibrissa::flow::pose::{Method, Status};
+use vibrissa::flow::pose::Status;
 use vibrissa::plane::wrap_angle;
 use vibrissa::sim::{SweepNoise, simulate_tip_sweep};
 use vibrissa::tasks::demo;
 use vibrissa::world::Robot;
-use vibrissa::{LocalizeOptions, localize};
+use vibrissa::{Method, localize};
 
 fn whiskers() -> Vec<(&'static str, Whisker)> {
     let paper = Whisker::default();
@@ -30,9 +30,8 @@ fn a_straight_whisker_of_any_make_finds_its_place() {
         let noise = SweepNoise { seed: 3, ..SweepNoise::default() };
         let sweep = simulate_tip_sweep(&map, &robot, &path, &noise).unwrap();
         let truth = sweep.truth.last().unwrap().map_from_robot;
-        for (method, most) in [(Method::Probabilistic, 0.5e-3), (Method::Deterministic, 2e-3)] {
-            let options = LocalizeOptions { method, ..LocalizeOptions::default() };
-            let answer = localize(&sweep.log, &map, &robot, &options, &mut |_| {}).unwrap();
+        for (method, most) in [("probabilistic", 0.5e-3), ("deterministic", 2e-3)] {
+            let answer = localize(&sweep.log, &map, &robot, &Method::named(method).unwrap(), &mut |_| {}).unwrap();
             let found = answer.estimate.unwrap();
             let (off, turn) =
                 (found.position().distance(truth.position()), wrap_angle(found.theta - truth.theta).abs());
@@ -48,9 +47,8 @@ fn a_curved_whisker_is_refused_by_name() {
     let (map, mut robot) = (demo::arena().unwrap(), Robot::default());
     let log = demo::sweep(1).unwrap().log;
     robot.whiskers[0].beam.curvature = 4.0;
-    for method in [Method::Probabilistic, Method::Deterministic, Method::Possibilistic] {
-        let options = LocalizeOptions { method, ..LocalizeOptions::default() };
-        let error = localize(&log, &map, &robot, &options, &mut |_| {}).unwrap_err().to_string();
+    for method in Method::all() {
+        let error = localize(&log, &map, &robot, &method, &mut |_| {}).unwrap_err().to_string();
         assert!(error.contains("curvature"), "{method:?}: {error}");
     }
 }

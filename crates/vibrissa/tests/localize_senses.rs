@@ -7,13 +7,13 @@ mod random;
 
 use random::Random;
 use vibrissa::beam::{Bend, Whisker, elastica};
-use vibrissa::flow::pose::{Localization, Method, Status};
+use vibrissa::flow::pose::{Localization, Status};
 use vibrissa::flow::sensor_log::{Channel, Quantity, SensorLog};
 use vibrissa::plane::{Pose2, Vec2, wrap_angle};
 use vibrissa::sim::{SweepNoise, simulate_tip_sweep};
 use vibrissa::tasks::demo;
 use vibrissa::world::{Map, ReadingNoise, Robot};
-use vibrissa::{LocalizeOptions, localize};
+use vibrissa::{Method, localize};
 
 /// The demo's sweep with these quantities in the log, each reading anywhere within its bound; and where the robot ends.
 fn sweep(quantities: &[Quantity], seed: u64) -> (Map, Robot, SensorLog, Pose2) {
@@ -74,7 +74,7 @@ fn bent(beam: &Whisker, tip: Vec2, force: Vec2) -> Bend {
 }
 
 fn run(map: &Map, robot: &Robot, log: &SensorLog) -> Localization {
-    let options = LocalizeOptions { method: Method::Probabilistic, ..LocalizeOptions::default() };
+    let options = Method::Probabilistic(Default::default());
     localize(log, map, robot, &options, &mut |_| {}).unwrap()
 }
 

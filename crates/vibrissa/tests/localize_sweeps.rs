@@ -7,8 +7,8 @@ use vibrissa::config::{DeterministicOptions, TipLoad};
 use vibrissa::flow::pose::{Localization, Status};
 use vibrissa::io::read_tum;
 use vibrissa::plane::{Pose2, wrap_angle};
-use vibrissa::world::Robot;
-use vibrissa::{LocalizeOptions, localize};
+use vibrissa::world::{Map, Robot};
+use vibrissa::{Method, localize};
 
 /// The folder of reference data, where there is one.
 fn sweeps() -> Option<PathBuf> {
@@ -27,7 +27,7 @@ struct Run {
 }
 
 impl Run {
-    fn new(folder: &Path, name: &str, robot: &Robot, options: &LocalizeOptions) -> Self {
+    fn new(folder: &Path, name: &str, robot: &Robot, options: &Method) -> Self {
         let map = vibrissa::read_map(folder.join(format!("{}.geojson", name.split('-').next().unwrap()))).unwrap();
         let log = vibrissa::read_log(folder.join(format!("{name}.csv"))).unwrap();
         let truth = read_tum(folder.join(format!("{name}.truth.tum"))).unwrap();
@@ -63,7 +63,7 @@ fn biased_robot() -> Robot {
 fn check(names: &[&str], suffix: &str, robot: &Robot) {
     let Some(folder) = sweeps() else { return };
     for name in names {
-        let run = Run::new(&folder, &format!("{name}{suffix}"), robot, &LocalizeOptions::default());
+        let run = Run::new(&folder, &format!("{name}{suffix}"), robot, &Method::Deterministic(Default::default()));
         let best = run.answer.estimate.map(|pose| run.error(pose));
         println!("{}: {} {best:?} m, rad", run.name, run.answer.status);
         assert!(run.holds_the_truth(), "{}: {:?}", run.name, run.answer.hypotheses);
@@ -95,7 +95,7 @@ fn gain_and_odometry_errors_within_their_bounds_lose_nothing() {
 fn unique_places_are_found() {
     let Some(folder) = sweeps() else { return };
     for name in ["obstacle-00", "rough0-02", "rough0-03"] {
-        let run = Run::new(&folder, name, &Robot::default(), &LocalizeOptions::default());
+        let run = Run::new(&folder, name, &Robot::default(), &Method::Deterministic(Default::default()));
         let (distance, turn) = run.error(run.answer.estimate.unwrap());
         println!("{name}: {} {:.2} mm {:.2} deg", run.answer.status, 1e3 * distance, turn.to_degrees());
         assert!(distance < 1e-3 && turn < 0.5_f64.to_radians(), "{name}: {distance} m, {turn} rad");
@@ -110,9 +110,9 @@ fn unique_places_are_found() {
 fn the_papers_load_is_millimetres_off() {
     let Some(folder) = sweeps() else { return };
     let deterministic = DeterministicOptions { tip_load: TipLoad::WhiskerNormal, ..DeterministicOptions::default() };
-    let paper = LocalizeOptions { deterministic, ..LocalizeOptions::default() };
+    let paper = Method::Deterministic(deterministic);
     for name in ["rough0-02", "rough0-03"] {
-        let ours = Run::new(&folder, name, &Robot::default(), &LocalizeOptions::default());
+        let ours = Run::new(&folder, name, &Robot::default(), &Method::Deterministic(Default::default()));
         let theirs = Run::new(&folder, name, &Robot::default(), &paper);
         let (a, _) = ours.error(ours.answer.estimate.unwrap());
         let (b, _) = theirs.error(theirs.answer.estimate.unwrap());

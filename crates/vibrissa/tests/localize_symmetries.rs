@@ -5,12 +5,12 @@
 
 use std::sync::LazyLock;
 use vibrissa::config::{PossibilisticOptions, ProbabilisticOptions};
-use vibrissa::flow::pose::{Localization, Method, Status};
+use vibrissa::flow::pose::{Localization, Status};
 use vibrissa::flow::sensor_log::{Channel, LogRow, Quantity, SensorLog};
 use vibrissa::plane::{Curve, Pose2, Segment, Vec2, wrap_angle};
 use vibrissa::tasks::demo;
 use vibrissa::world::{Boundary, Map, Robot};
-use vibrissa::{LocalizeOptions, localize};
+use vibrissa::{Method, localize};
 
 /// One localization: a world, what was recorded in it, and where the robot was at the end.
 #[derive(Clone)]
@@ -32,32 +32,32 @@ static DEMO: LazyLock<World> = LazyLock::new(|| {
 static PLAIN: LazyLock<[Localization; 2]> =
     LazyLock::new(|| METHODS.map(|method| answer(&DEMO, &options(method, 1.0))));
 
-const METHODS: [Method; 2] = [Method::Possibilistic, Method::Probabilistic];
+const METHODS: [&str; 2] = [POSSIBILISTIC, "probabilistic"];
+const POSSIBILISTIC: &str = "possibilistic";
 
 /// Little work, for speed, in a world whose lengths are `k` times the demo's.
-fn options(method: Method, k: f64) -> LocalizeOptions {
+fn options(method: &str, k: f64) -> Method {
     let possibilistic = PossibilisticOptions::default();
     let probabilistic = ProbabilisticOptions::default();
-    LocalizeOptions {
-        method,
-        possibilistic: PossibilisticOptions {
+    if method == POSSIBILISTIC {
+        Method::Possibilistic(PossibilisticOptions {
             work: 30,
             last_work: 0,
             resolution: k * possibilistic.resolution,
             ..possibilistic
-        },
-        probabilistic: ProbabilisticOptions {
+        })
+    } else {
+        Method::Probabilistic(ProbabilisticOptions {
             seed_turn: 0.1,
             seed_spacing: 2e-3 * k,
             seed_travel: k * probabilistic.seed_travel,
             seed_step: k * probabilistic.seed_step,
             ..probabilistic
-        },
-        ..LocalizeOptions::default()
+        })
     }
 }
 
-fn answer(world: &World, options: &LocalizeOptions) -> Localization {
+fn answer(world: &World, options: &Method) -> Localization {
     localize(&world.log, &world.map, &world.robot, options, &mut |_| {}).unwrap()
 }
 
@@ -112,7 +112,7 @@ fn same(what: &str, world: &World, image: impl Fn(Pose2) -> Pose2, k: f64) {
             1e3 * distance,
             turn.to_degrees()
         );
-        if method == Method::Possibilistic {
+        if method == POSSIBILISTIC {
             assert!(holds(&other, world.truth), "{what}: the truth is lost");
             // Boxes are halved along the axes, so that a turned world is covered by other boxes, but not by many more.
             assert!(is < 4.0 * was && was < 4.0 * is, "{what}: {was} {is}");
@@ -216,7 +216,7 @@ fn the_order_of_whiskers_and_columns_does_not_matter() {
         assert!(first.estimate.is_some(), "{method}: {} {:?}", first.status, first.events);
         let (a, b) = (first.estimate.unwrap(), reversed.estimate.unwrap());
         println!("{method}: {:.4} mm", 1e3 * a.position().distance(b.position()));
-        if method == Method::Possibilistic {
+        if method == POSSIBILISTIC {
             assert!(holds(&first, DEMO.truth) && holds(&reversed, DEMO.truth));
         } else {
             assert!(a.position().distance(b.position()) < 0.1e-3, "{a:?} {b:?}");
@@ -239,7 +239,7 @@ fn a_log_played_backwards_ends_where_it_began() {
         let off = found.estimate.map(|p| p.position().distance(world.truth.position()));
         println!("backwards, {method}: {}, {off:?} m", found.status);
         match method {
-            Method::Possibilistic => assert!(holds(&found, world.truth), "the truth is lost: {:?}", found.events),
+            POSSIBILISTIC => assert!(holds(&found, world.truth), "the truth is lost: {:?}", found.events),
             _ => assert!(found.status == Status::Localized && off.unwrap() < 1e-3, "{:?} {off:?}", found.status),
         }
     }

@@ -5,7 +5,7 @@
 use std::path::Path;
 use vibrissa::flow::pose::Status;
 use vibrissa::sim::Scenario;
-use vibrissa::{LocalizeOptions, localize};
+use vibrissa::{Method, localize};
 
 #[test]
 fn whiskers_on_opposite_walls_agree_on_a_place() {
@@ -15,7 +15,9 @@ fn whiskers_on_opposite_walls_agree_on_a_place() {
     // The first stretch along both walls; the rest only takes longer.
     let mut log = sweep.log;
     log.rows.truncate(260);
-    let answer = localize(&log, &scenario.map, &scenario.robot, &LocalizeOptions::default(), &mut |_| {}).unwrap();
+    let answer =
+        localize(&log, &scenario.map, &scenario.robot, &Method::Deterministic(Default::default()), &mut |_| {})
+            .unwrap();
     assert_ne!(answer.status, Status::Inconsistent, "{:?}", answer.events);
     let truth = sweep.truth[259].map_from_robot;
     let near = |x: f64, y: f64| (x - truth.x).hypot(y - truth.y) < 2e-3;

@@ -9,11 +9,11 @@ mod random_sweep;
 use random_sweep::{Trial, contains, random_sweep};
 use std::path::Path;
 use vibrissa::config::PossibilisticOptions;
-use vibrissa::flow::pose::{Localization, Method, Status};
-use vibrissa::flow::sensor_log::{Channel, Quantity};
+use vibrissa::flow::pose::{Localization, Status};
+use vibrissa::flow::sensor_log::{Channel, Quantity, SensorLog};
 use vibrissa::io::read_tum;
-use vibrissa::world::Robot;
-use vibrissa::{LocalizeOptions, localize};
+use vibrissa::world::{Map, Robot};
+use vibrissa::{Method, localize};
 
 /// Little work, for speed: soundness does not depend on it.
 fn quick() -> PossibilisticOptions {
@@ -21,7 +21,7 @@ fn quick() -> PossibilisticOptions {
 }
 
 fn run(trial: &Trial, possibilistic: PossibilisticOptions) -> Localization {
-    let options = LocalizeOptions { method: Method::Possibilistic, possibilistic, ..LocalizeOptions::default() };
+    let options = Method::Possibilistic(possibilistic);
     localize(&trial.log, &trial.map, &trial.robot, &options, &mut |_| {}).unwrap()
 }
 

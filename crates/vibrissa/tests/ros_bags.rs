@@ -14,7 +14,7 @@ use vibrissa::plane::{Pose2, Vec2, wrap_angle};
 use vibrissa::sim::recording::sweep_mcap;
 use vibrissa::tasks::{demo, localize_watched};
 use vibrissa::world::Robot;
-use vibrissa::{LocalizeOptions, localize};
+use vibrissa::{Method, localize};
 
 fn file(name: &str) -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data/mcap").join(name)
@@ -179,7 +179,7 @@ fn the_demos_recording_localizes_as_its_log_does_on_its_map_and_on_its_cells() {
     assert!(mean < 0.05e-3 && largest < 1.0e-3);
 
     let truth = sweep.truth.last().unwrap().map_from_robot;
-    let options = LocalizeOptions::default();
+    let options = Method::Deterministic(Default::default());
     for map in [&map, &cells] {
         let answer = localize(&log, map, &robot, &options, &mut |_| {}).unwrap();
         let found = answer.estimate.unwrap();
@@ -198,7 +198,7 @@ fn the_demos_recording_localizes_as_its_log_does_on_its_map_and_on_its_cells() {
 fn a_localizations_recording_holds_its_poses_and_a_shrinking_set() {
     let (map, robot, sweep) = (demo::arena().unwrap(), Robot::default(), demo::sweep(1).unwrap());
     let mut watch = StatesWatch::new(sweep.log.rows.len());
-    let options = LocalizeOptions::default();
+    let options = Method::Deterministic(Default::default());
     let answer = localize_watched(&sweep.log, &map, &robot, &options, &mut |row, states| {
         watch.look(row, sweep.log.rows[row].t, states);
         core::ops::ControlFlow::Continue(())

@@ -9,7 +9,7 @@ use vibrissa::flow::trajectory::trajectory_error;
 use vibrissa::sim::Part;
 use vibrissa::sim::recorder::{Columns, SerialLayout, serial_text};
 use vibrissa::sim::{Scenario, Simulation};
-use vibrissa::{LocalizeOptions, localize};
+use vibrissa::{Method, localize};
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios")
@@ -85,7 +85,9 @@ fn localized(name: &str) -> (Status, usize, f64) {
     let scenario = read(name);
     let simulation = scenario.simulate().unwrap();
     let log = &simulation.recording.log;
-    let answer = localize(log, &scenario.map, &scenario.robot, &LocalizeOptions::default(), &mut |_row| ()).unwrap();
+    let answer =
+        localize(log, &scenario.map, &scenario.robot, &Method::Deterministic(Default::default()), &mut |_row| ())
+            .unwrap();
     let error = trajectory_error(&answer.trajectory, &simulation.sweep.truth).unwrap();
     (answer.status, answer.hypotheses.len(), error.final_position)
 }

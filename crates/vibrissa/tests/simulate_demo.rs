@@ -6,15 +6,14 @@ use vibrissa::flow::pose::Status;
 use vibrissa::flow::trajectory::trajectory_error;
 use vibrissa::tasks::demo;
 use vibrissa::world::Robot;
-use vibrissa::{LocalizeOptions, localize};
+use vibrissa::{Method, localize};
 
 #[test]
 fn the_demo_is_localized_for_several_seeds() {
     let map = demo::arena().unwrap();
     for seed in [1, 2, 3] {
         let sweep = demo::sweep(seed).unwrap();
-        let answer =
-            localize(&sweep.log, &map, &Robot::default(), &LocalizeOptions::default(), &mut |_row| ()).unwrap();
+        let answer = localize(&sweep.log, &map, &Robot::default(), &Method::default(), &mut |_row| ()).unwrap();
         let error = trajectory_error(&answer.trajectory, &sweep.truth).unwrap();
         println!("seed {seed}: {:?}, {:.3} mm", answer.status, error.final_position * 1e3);
         assert_eq!(answer.status, Status::Localized, "seed {seed}");

@@ -5,39 +5,33 @@ use std::sync::LazyLock;
 use vibrissa::config::{
     ContactOptions, DeterministicOptions, PossibilisticOptions, ProbabilisticOptions, ProfileOptions,
 };
-use vibrissa::flow::pose::Method;
 use vibrissa::flow::sensor_log::SensorLog;
 use vibrissa::plane::Vec2;
 use vibrissa::tasks::contact::contacts;
 use vibrissa::tasks::{demo, profile::profile};
 use vibrissa::world::{Map, Robot};
-use vibrissa::{LocalizeOptions, localize};
+use vibrissa::{Method, localize};
 
 static ARENA: LazyLock<vibrissa::Result<Map>> = LazyLock::new(demo::arena);
 
 /// Logs of more rows than this take longer than a try may.
 const MOST_ROWS: usize = 100;
 
+// Coarse options, since most inputs are better than good ones.
+
 pub(crate) fn deterministic(bytes: &[u8]) -> Verdict {
-    place(bytes, Method::Deterministic)
+    let options = DeterministicOptions { boundary_spacing: 0.05, ..DeterministicOptions::default() };
+    place(bytes, &Method::Deterministic(options))
 }
 
 pub(crate) fn possibilistic(bytes: &[u8]) -> Verdict {
-    place(bytes, Method::Possibilistic)
+    let options = PossibilisticOptions { work: 5, last_work: 0, ..PossibilisticOptions::default() };
+    place(bytes, &Method::Possibilistic(options))
 }
 
 pub(crate) fn probabilistic(bytes: &[u8]) -> Verdict {
-    place(bytes, Method::Probabilistic)
-}
-
-/// Coarse options, since most inputs are better than good ones.
-fn coarse(method: Method) -> LocalizeOptions {
-    LocalizeOptions {
-        method,
-        deterministic: DeterministicOptions { boundary_spacing: 0.05, ..DeterministicOptions::default() },
-        possibilistic: PossibilisticOptions { work: 5, last_work: 0, ..PossibilisticOptions::default() },
-        probabilistic: ProbabilisticOptions { seed_spacing: 0.02, seed_turn: 0.2, ..ProbabilisticOptions::default() },
-    }
+    let options = ProbabilisticOptions { seed_spacing: 0.02, seed_turn: 0.2, ..ProbabilisticOptions::default() };
+    place(bytes, &Method::Probabilistic(options))
 }
 
 /// The log of a file of `bytes`, as far as a try has time for.
@@ -47,9 +41,9 @@ fn log(bytes: &[u8]) -> vibrissa::Result<SensorLog> {
     Ok(log)
 }
 
-fn place(bytes: &[u8], method: Method) -> Verdict {
+fn place(bytes: &[u8], method: &Method) -> Verdict {
     let arena = ARENA.as_ref().map_err(ToString::to_string)?;
-    let found = log(bytes).and_then(|log| localize(&log, arena, &Robot::default(), &coarse(method), &mut |_| {}));
+    let found = log(bytes).and_then(|log| localize(&log, arena, &Robot::default(), method, &mut |_| {}));
     let answer = match found {
         Ok(answer) => answer,
         Err(error) => return refused(&error),

@@ -3,14 +3,15 @@
 use super::ground::{self, SWEEPS, SweepPlan, layer, mean_and_std};
 use super::{Cell, Section, Table};
 use vibrissa::Result;
-use vibrissa::config::{DeterministicOptions, PossibilisticOptions, ProbabilisticOptions, TipLoad};
+use vibrissa::config::{DeterministicOptions, PossibilisticOptions, ProbabilisticOptions, Region, TipLoad};
 use vibrissa::figure::{Geometry, Layer, MapPlate, Outline, WorldBounds, map_plate};
-use vibrissa::flow::pose::{Hypothesis, Localization, Method, Status};
+use vibrissa::flow::pose::{Hypothesis, Localization, Status};
+use vibrissa::localize;
+use vibrissa::localizer::Method;
 use vibrissa::plane::{Pose2, Vec2, wrap_angle};
 use vibrissa::sim::{Sweep, SweepNoise};
 use vibrissa::tasks::batch;
 use vibrissa::world::{Map, Robot};
-use vibrissa::{LocalizeOptions, localize};
 
 /// The paper's table: average error and standard deviation of each sweep (mm).
 const PAPER: [[f64; 2]; 5] = [[2.79, 1.09], [6.20, 1.67], [3.60, 0.02], [5.50, 0.65], [7.30, 0.44]];
@@ -29,8 +30,8 @@ const WINDOW: Vec2 = Vec2::new(1.8e-3, 1.1e-3);
 struct Contender {
     key: &'static str,
     words: &'static str,
-    method: Method,
-    load: TipLoad,
+    /// The method, with the region of the first pose where that is known.
+    method: fn(Option<Region>) -> Method,
     start_known: bool,
 }
 
@@ -38,39 +39,37 @@ const CONTENDERS: [Contender; 5] = [
     Contender {
         key: "paper_load",
         words: "paper's method, its load normal to the whisker",
-        method: Method::Deterministic,
-        load: TipLoad::WhiskerNormal,
+        method: |_| deterministic(TipLoad::WhiskerNormal),
         start_known: true,
     },
     Contender {
         key: "deterministic",
         words: "deterministic, load normal to the wall",
-        method: Method::Deterministic,
-        load: TipLoad::BoundaryNormal,
+        method: |_| deterministic(TipLoad::BoundaryNormal),
         start_known: true,
     },
     Contender {
         key: "possibilistic",
         words: "possibilistic (guaranteed)",
-        method: Method::Possibilistic,
-        load: TipLoad::BoundaryNormal,
+        method: |prior| Method::Possibilistic(PossibilisticOptions { prior, ..PossibilisticOptions::default() }),
         start_known: true,
     },
-    Contender {
-        key: "probabilistic",
-        words: "probabilistic",
-        method: Method::Probabilistic,
-        load: TipLoad::BoundaryNormal,
-        start_known: true,
-    },
+    Contender { key: "probabilistic", words: "probabilistic", method: probabilistic, start_known: true },
     Contender {
         key: "no_prior",
         words: "probabilistic, start unknown, where one place is left",
-        method: Method::Probabilistic,
-        load: TipLoad::BoundaryNormal,
+        method: probabilistic,
         start_known: false,
     },
 ];
+
+fn deterministic(tip_load: TipLoad) -> Method {
+    Method::Deterministic(DeterministicOptions { tip_load, ..DeterministicOptions::default() })
+}
+
+fn probabilistic(prior: Option<Region>) -> Method {
+    Method::Probabilistic(ProbabilisticOptions { prior, ..ProbabilisticOptions::default() })
+}
 
 /// What one run came to.
 #[derive(Clone, Debug)]
@@ -138,13 +137,7 @@ fn region(run: &Run) -> [[f64; 2]; 3] {
 
 fn answer(map: &Map, robot: &Robot, contender: &Contender, run: &Run) -> Result<Localization> {
     let prior = contender.start_known.then(|| region(run));
-    let options = LocalizeOptions {
-        method: contender.method,
-        deterministic: DeterministicOptions { tip_load: contender.load, ..DeterministicOptions::default() },
-        possibilistic: PossibilisticOptions { prior, ..PossibilisticOptions::default() },
-        probabilistic: ProbabilisticOptions { prior, ..ProbabilisticOptions::default() },
-    };
-    localize(&run.sweep.log, map, robot, &options, &mut |_row| {})
+    localize(&run.sweep.log, map, robot, &(contender.method)(prior), &mut |_row| {})
 }
 
 /// The place that is taken: the heaviest; with a known start the heaviest of those that started there.

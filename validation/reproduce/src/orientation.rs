@@ -6,10 +6,11 @@ use super::report::line;
 use vibrissa::Result;
 use vibrissa::config::PossibilisticOptions;
 use vibrissa::figure::chart_plate;
-use vibrissa::flow::pose::{Localization, Method, StepRecord};
+use vibrissa::flow::pose::{Localization, StepRecord};
 use vibrissa::flow::sensor_log::SensorLog;
+use vibrissa::localize;
+use vibrissa::localizer::Method;
 use vibrissa::sim::SweepNoise;
-use vibrissa::{LocalizeOptions, localize};
 
 /// Bound on the compass's error (rad).
 const COMPASS: f64 = 0.05;
@@ -24,12 +25,9 @@ pub(super) fn section() -> Result<Section> {
     for (row, truth) in with.rows.iter_mut().zip(&sweep.truth) {
         row.heading = Some(truth.map_from_robot.theta + 0.5 * COMPASS);
     }
-    let options = LocalizeOptions {
-        method: Method::Possibilistic,
-        possibilistic: PossibilisticOptions { heading_error: COMPASS, ..PossibilisticOptions::default() },
-        ..LocalizeOptions::default()
-    };
-    let run = |log: &SensorLog| localize(log, &map, &robot, &options, &mut |_row| {});
+    let method =
+        Method::Possibilistic(PossibilisticOptions { heading_error: COMPASS, ..PossibilisticOptions::default() });
+    let run = |log: &SensorLog| localize(log, &map, &robot, &method, &mut |_row| {});
     let (without, with) = (run(&sweep.log)?, run(&with)?);
     let start = sweep.contacts.first().map_or(0, |touch| touch.row);
     let travel = |t: f64| {

@@ -6,7 +6,7 @@ use vibrissa::Result;
 use vibrissa::config::PossibilisticOptions;
 use vibrissa::figure::{Geometry, Layer, MapPlate, Outline, map_plate};
 use vibrissa::flow::trajectory::pose_at;
-use vibrissa::localizer::PossibilisticLocalizer;
+use vibrissa::localizer::{Estimator, PossibilisticEstimator};
 use vibrissa::plane::{Pose2, Vec2, wrap_angle};
 use vibrissa::sets::StateBox;
 use vibrissa::sim::SweepNoise;
@@ -35,7 +35,7 @@ pub(super) fn section() -> Result<Section> {
     let sweep = ground::arena_sweep(&map, SWEEPS[0].way, &SweepNoise::seeded(1))?;
     let log = ground::spaced(&sweep.log, TOUCHING, BETWEEN);
     let options = PossibilisticOptions { work: WORK, most_cells: MOST_CELLS, ..PossibilisticOptions::default() };
-    let mut localizer = PossibilisticLocalizer::new(&map, &robot, &log.channels, options)?;
+    let mut localizer = PossibilisticEstimator::new(&map, &robot, &log.channels, options)?;
     let mut stages = Vec::new();
     for row in log.rows.iter().take(LAST) {
         localizer.step(row)?;

@@ -4,12 +4,13 @@ use super::localize::outlines;
 use crate::output::OutputArgs;
 use crate::output::{Run, Stopwatch, deliver, print, write_all};
 use std::path::Path;
+use vibrissa::config::defaults::SEED;
 use vibrissa::io::format_tum;
 use vibrissa::io::log::to_csv;
 use vibrissa::sim::{Sweep, contacts_csv};
 use vibrissa::tasks::demo;
 use vibrissa::world::Robot;
-use vibrissa::{LocalizeOptions, Result, localize};
+use vibrissa::{Method, Result, localize};
 
 /// Simulate a sweep in the built-in arena, localize, and compare with the truth.
 ///
@@ -20,7 +21,7 @@ use vibrissa::{LocalizeOptions, Result, localize};
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// The seed of the noise; the same seed gives the same readings
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(long, value_name = "N", default_value_t = SEED)]
     seed: u64,
     #[command(flatten)]
     output: OutputArgs,
@@ -43,8 +44,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
 fn localized(sweep: &Sweep, seed: u64) -> Result<Run> {
     let map = demo::arena()?;
     let mut stopwatch = Stopwatch::start();
-    let answer =
-        localize(&sweep.log, &map, &Robot::default(), &LocalizeOptions::default(), &mut |_row| stopwatch.lap())?;
+    let answer = localize(&sweep.log, &map, &Robot::default(), &Method::default(), &mut |_row| stopwatch.lap())?;
     let runtime = stopwatch.stop(&sweep.log.rows, &answer.steps);
     Ok(Run {
         title: format!("demo: simulated sweep (seed {seed}) in the built-in arena"),

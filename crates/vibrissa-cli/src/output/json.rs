@@ -97,7 +97,7 @@ pub(crate) fn result(run: &Run, error: Option<&TrajectoryError>) -> Result<Strin
     let (answer, runtime) = (&run.answer, &run.runtime);
     let value = ResultJson {
         status: answer.status.as_str(),
-        method: answer.method.as_str(),
+        method: answer.method,
         interrupted: run.interrupted,
         estimate: answer.estimate.map(pose),
         hypotheses: hypotheses(answer),

@@ -20,3 +20,11 @@ pub const SLOPE_RELATIVE: f64 = 0.05;
 pub const SLOPE_ABSOLUTE: f64 = 3e-3;
 /// Bound on the error of each odometry increment relative to it: the paper's stage is exact to 10 µm.
 pub const ODOMETRY_RELATIVE: f64 = 0.0;
+/// Bound on the error of a log's absolute headings (rad): a compass indoors, 3°.
+pub const HEADING_ERROR: f64 = 0.05;
+/// Seed of the noise of the built-in sweep.
+pub const SEED: u64 = 1;
+/// Side of the cells of places in which a preimage is told (m).
+pub const PREIMAGE_CELL: f64 = 1e-3;
+/// How many cells of headings there are in it: one for each degree.
+pub const PREIMAGE_HEADINGS: usize = 360;

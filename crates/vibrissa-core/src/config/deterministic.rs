@@ -1,6 +1,6 @@
 //! What the deterministic method can be told.
 
-use super::{check_region, limits, within};
+use super::{Field, Region, Setting, Word, check_region, limits, region_setting, within};
 use crate::Result;
 
 /// Which way the contact force acts at a whisker's tip.
@@ -43,7 +43,7 @@ pub struct DeterministicOptions {
     /// Which way the force acts at the tip.
     pub tip_load: TipLoad,
     /// Where the robot is at the first row, map frame, where that is known: least and largest x (m), y (m), heading (rad).
-    pub prior: Option<[[f64; 2]; 3]>,
+    pub prior: Option<Region>,
 }
 
 impl Default for DeterministicOptions {
@@ -63,7 +63,74 @@ impl Default for DeterministicOptions {
     }
 }
 
+impl Word for TipLoad {
+    fn words(&self) -> &'static [(&'static str, &'static str)] {
+        &[
+            ("boundary-normal", "Normal to the wall, as frictionless contact is"),
+            ("whisker-normal", "Normal to the whisker, as in the paper"),
+        ]
+    }
+
+    fn word(&self) -> &'static str {
+        match self {
+            Self::BoundaryNormal => "boundary-normal",
+            Self::WhiskerNormal => "whisker-normal",
+        }
+    }
+
+    fn take(&mut self, word: &str) -> bool {
+        let found = [Self::BoundaryNormal, Self::WhiskerNormal].into_iter().find(|load| load.word() == word);
+        *self = found.unwrap_or(*self);
+        found.is_some()
+    }
+}
+
 impl DeterministicOptions {
+    /// The options that shells offer.
+    pub fn settings(&mut self) -> Vec<Setting<'_>> {
+        let setting = |name, value_name, help, field| Setting { name, value_name, help, field };
+        vec![
+            setting("tip_load", "LOAD", "Which way the force acts at the tip", Field::Word(&mut self.tip_load)),
+            setting(
+                "boundary_spacing",
+                "M",
+                "Spacing of the points along the boundary at which the whisker is aligned, in m",
+                Field::Number(&mut self.boundary_spacing),
+            ),
+            setting(
+                "history_shapes",
+                "N",
+                "Whisker shapes that estimate the boundary's slope, 2 to 5",
+                Field::Count(&mut self.history_shapes),
+            ),
+            setting(
+                "history_travel",
+                "M",
+                "Travel of the whisker base from the first to the last of these shapes, in m",
+                Field::Number(&mut self.history_travel),
+            ),
+            setting(
+                "update_travel",
+                "M",
+                "Travel of the whisker base between two updates, in m",
+                Field::Number(&mut self.update_travel),
+            ),
+            setting(
+                "tolerance",
+                "SIGMA",
+                "How far a candidate may lie from an observation, in standard deviations",
+                Field::Number(&mut self.tolerance),
+            ),
+            setting(
+                "missed_share",
+                "SHARE",
+                "Share of the observations that a candidate may miss; 0 is the paper's plain intersection",
+                Field::Number(&mut self.missed_share),
+            ),
+            region_setting(&mut self.prior),
+        ]
+    }
+
     /// Checks that every knob is in its range.
     ///
     /// # Errors

@@ -8,6 +8,7 @@ mod grid;
 pub mod limits;
 mod possibilistic;
 mod probabilistic;
+mod setting;
 
 pub use calibration::{CurveOptions, StaircaseOptions, TapOptions};
 pub use contact::{ContactOptions, ProfileOptions};
@@ -15,6 +16,7 @@ pub use deterministic::{DeterministicOptions, TipLoad};
 pub use grid::GridOptions;
 pub use possibilistic::PossibilisticOptions;
 pub use probabilistic::ProbabilisticOptions;
+pub use setting::{Field, Region, Setting, Value, Word};
 pub use vibrissa_beam::config::sensing;
 
 use crate::{Error, Result};
@@ -63,12 +65,33 @@ fn within(name: &str, value: f64, lo: f64, hi: f64, unit: &str) -> Result<()> {
 }
 
 /// Checks a prior region.
-fn check_region(region: Option<[[f64; 2]; 3]>) -> Result<()> {
+fn check_region(region: Option<Region>) -> Result<()> {
     let wrong = |[lo, hi]: &&[f64; 2]| !(lo <= hi && lo.is_finite() && hi.is_finite());
     match region.as_ref().and_then(|bounds| bounds.iter().find(wrong)) {
         Some([lo, hi]) => Err(Error::usage("the prior region is empty")
             .value(format!("{lo} to {hi}"))
             .allowed("a finite least value, and a largest that is no smaller")),
         None => Ok(()),
+    }
+}
+
+/// The bound on absolute headings, which several methods have.
+fn heading_setting(at: &mut f64) -> Setting<'_> {
+    Setting {
+        name: "heading_error",
+        value_name: "RAD",
+        help: "Bound on the error of the log's absolute headings, in rad",
+        field: Field::Number(at),
+    }
+}
+
+/// The region of the first pose, which every method has.
+fn region_setting(at: &mut Option<Region>) -> Setting<'_> {
+    Setting {
+        name: "within",
+        value_name: "BOX",
+        help: "Where the robot is at the first row, in m and rad: least and largest x, y and heading, six numbers with \
+               commas or spaces between them. Large maps need it",
+        field: Field::Region(at),
     }
 }

@@ -1,6 +1,6 @@
 //! What the possibilistic method can be told.
 
-use super::{check_region, within};
+use super::{Field, Region, Setting, check_region, defaults, heading_setting, region_setting, within};
 use crate::Result;
 
 /// The knobs of the possibilistic method \[routray, section "Possibilistic Method"\]: they trade time for tightness,
@@ -22,7 +22,7 @@ pub struct PossibilisticOptions {
     /// Bound on the error of an absolute heading in the log (rad).
     pub heading_error: f64,
     /// Where the robot is at the first row, map frame, where that is known: least and largest x (m), y (m), heading (rad).
-    pub prior: Option<[[f64; 2]; 3]>,
+    pub prior: Option<Region>,
 }
 
 impl Default for PossibilisticOptions {
@@ -34,13 +34,36 @@ impl Default for PossibilisticOptions {
             resolution: 0.4e-3,
             largest_slope: core::f64::consts::PI,
             tolerate: 0,
-            heading_error: 0.05,
+            heading_error: defaults::HEADING_ERROR,
             prior: None,
         }
     }
 }
 
 impl PossibilisticOptions {
+    /// The options that shells offer.
+    pub fn settings(&mut self) -> Vec<Setting<'_>> {
+        let setting = |name, value_name, help, field| Setting { name, value_name, help, field };
+        vec![
+            setting("tolerate", "K", "How many readings may break their bounds", Field::Count(&mut self.tolerate)),
+            setting(
+                "largest_slope",
+                "RAD",
+                "Largest slope of the whisker at its contact, in rad",
+                Field::Number(&mut self.largest_slope),
+            ),
+            setting(
+                "work",
+                "N",
+                "Meetings of cells and readings in one row: more is tighter and slower, never less sound",
+                Field::Count(&mut self.work),
+            ),
+            setting("last_work", "N", "The same once more at the end of the log", Field::Count(&mut self.last_work)),
+            heading_setting(&mut self.heading_error),
+            region_setting(&mut self.prior),
+        ]
+    }
+
     /// Checks that every knob is in its range.
     ///
     /// # Errors

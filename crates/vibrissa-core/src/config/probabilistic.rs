@@ -1,6 +1,6 @@
 //! What the probabilistic method can be told.
 
-use super::{check_region, within};
+use super::{Field, Region, Setting, check_region, defaults, heading_setting, region_setting, within};
 use crate::Result;
 
 /// The knobs of the probabilistic method.
@@ -22,7 +22,7 @@ pub struct ProbabilisticOptions {
     /// Bound on the error of the log's absolute headings (rad), taken as one error of the whole log.
     pub heading_error: f64,
     /// Where the robot is at the first row, map frame, where that is known: least and largest x (m), y (m), heading (rad).
-    pub prior: Option<[[f64; 2]; 3]>,
+    pub prior: Option<Region>,
     /// Rows that are kept and fitted again, twice as many where errors of the odometry are declared; what older ones say is summed
     /// up as a Gaussian for each hypothesis.
     pub window: usize,
@@ -39,7 +39,7 @@ impl Default for ProbabilisticOptions {
             seed_travel: 12e-3,
             seed_step: 2e-3,
             shared_gain: None,
-            heading_error: 0.05,
+            heading_error: defaults::HEADING_ERROR,
             prior: None,
             window: 1000,
             tolerated_share: 0.05,
@@ -48,6 +48,40 @@ impl Default for ProbabilisticOptions {
 }
 
 impl ProbabilisticOptions {
+    /// The options that shells offer.
+    pub fn settings(&mut self) -> Vec<Setting<'_>> {
+        let setting = |name, value_name, help, field| Setting { name, value_name, help, field };
+        vec![
+            setting(
+                "seed_spacing",
+                "M",
+                "Spacing along the boundary of the first hypotheses, in m",
+                Field::Number(&mut self.seed_spacing),
+            ),
+            setting("seed_turn", "RAD", "Spacing of their headings, in rad", Field::Number(&mut self.seed_turn)),
+            setting(
+                "seed_travel",
+                "M",
+                "Travel of the whisker base in contact before the first hypotheses, in m",
+                Field::Number(&mut self.seed_travel),
+            ),
+            setting(
+                "shared_gain",
+                "SHARE",
+                "Standard deviation of a relative error that all readings share",
+                Field::OptionalNumber(&mut self.shared_gain, "a quarter of the noise bound"),
+            ),
+            setting(
+                "tolerated_share",
+                "SHARE",
+                "Share of the rows that no contact needs to explain, since the whisker has snapped or touches at three places",
+                Field::Number(&mut self.tolerated_share),
+            ),
+            heading_setting(&mut self.heading_error),
+            region_setting(&mut self.prior),
+        ]
+    }
+
     /// Checks that every knob is in its range.
     ///
     /// # Errors

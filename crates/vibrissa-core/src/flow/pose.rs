@@ -1,168 +1,155 @@
-//! The last door: the only place that chooses, and it says how wide the choice was.
+//! The last door: the only place that decides which places are told and what the verdict is.
+//!
+//! Every method hands over its [`Evidence`]; all thresholds of the verdict stand here.
 
-use super::state_set::probabilistic::corrected;
+mod answer;
+
+pub use answer::{
+    Estimate, Event, Hypothesis, Localization, OdometryEstimate, ShapeRecord, StampedPose, Status, StepRecord,
+};
+
+use super::state_set::possibilistic;
+use super::state_set::probabilistic::{self, Fit};
 use super::state_set::{Candidate, StateSet, components};
 use crate::config::DeterministicOptions;
-use crate::plane::{Pose2, Vec2};
-use crate::sets::StateBox;
+use crate::plane::{Pose2, wrap_angle};
+use crate::sets::{Interval, StateBox};
 
-/// The verdict on a whole log.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Status {
-    /// One place explains the log.
-    Localized,
-    /// Several separate places explain the log, or the contact was too short to tell any place.
-    Ambiguous,
-    /// No state explains this log on this map.
-    Inconsistent,
-    /// The whisker never touched anything.
-    NoContact,
-}
-
-/// Which estimator made the answer.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Method {
-    /// The paper's intersection of discretised preimages.
-    Deterministic,
-    /// Guaranteed bounds on the state: what is outside is ruled out.
-    Possibilistic,
-    /// Least squares over all readings at every place that explains them, with calibrated weights.
-    Probabilistic,
-}
-
-/// One place that explains the log, kept apart from every other.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Hypothesis {
-    /// The chosen state at the last row, map frame.
-    pub pose: Pose2,
-    /// Its share among all hypotheses; the shares sum to 1.
-    pub weight: f64,
-    /// The extent of the component that it stands for.
-    pub extent: StateBox,
-    /// Covariance of (x, y, heading) in the map frame (m², m rad, rad²), where the method gives one: what the declared
-    /// noise and odometry bounds leave open at this place.
-    pub covariance: Option<[[f64; 3]; 3]>,
-    /// The curve along which the readings leave the place open, where the method gives one and the place is longer than 4 mm:
-    /// states at the last row (map frame), in order from one end of what the readings allow to the other, each a fit of its
-    /// own; else empty. Between neighbours states lie on a straight line, their headings on the shorter way.
-    pub ridge: Vec<Pose2>,
-}
-
-impl Hypothesis {
-    /// The error to be expected: root mean square of the position (m) and of the heading (rad), where the method gives a
-    /// covariance.
-    #[must_use]
-    pub fn bound(&self) -> Option<(f64, f64)> {
-        self.covariance.map(|c| ((c[0][0] + c[1][1]).max(0.0).sqrt(), c[2][2].max(0.0).sqrt()))
-    }
-
-    /// How far the robot's positions go along the ridge (m), where there is one.
-    #[must_use]
-    pub fn ridge_length(&self) -> Option<f64> {
-        let length = self.ridge.windows(2).map(|w| w[0].position().distance(w[1].position())).sum();
-        (self.ridge.len() > 1).then_some(length)
-    }
-}
-
-/// Something that happened at one time.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Event {
-    /// When (s).
-    pub t: f64,
-    /// A short fixed word: `contact`, `lift_off`, `inconsistent`, …
-    pub kind: &'static str,
-    /// What happened, for people.
-    pub detail: String,
-}
-
-/// The state set after one update.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct StepRecord {
-    /// When (s).
-    pub t: f64,
-    /// How many separate components the set has.
-    pub components: usize,
-    /// Area of the set's projection onto the plane (m²).
-    pub area_m2: f64,
-    /// Volume of the set (m² rad).
-    pub volume: f64,
-}
-
-/// The robot at one time.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct StampedPose {
-    /// When (s).
-    pub t: f64,
-    /// The robot in the map frame.
-    pub map_from_robot: Pose2,
-}
-
-/// One reconstructed whisker shape.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ShapeRecord {
-    /// When (s).
-    pub t: f64,
-    /// Points along the whisker from base to tip, robot frame (m).
-    pub points: Vec<Vec2>,
-}
-
-/// What the readings say about the odometry: each of its increments has to be stretched, turned aside and turned further alike.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct OdometryEstimate {
-    /// The true length of an increment over the one that odometry gives; 1 where it is right.
-    pub translation_scale: f64,
-    /// Its standard deviation.
-    pub translation_scale_std: f64,
-    /// How far increments go to the left of where odometry says (rad).
-    pub aside: f64,
-    /// Its standard deviation (rad).
-    pub aside_std: f64,
-    /// The true turn of an increment over the one that odometry gives; 1 where it is right.
-    pub rotation_scale: f64,
-    /// Its standard deviation.
-    pub rotation_scale_std: f64,
-}
-
-impl OdometryEstimate {
-    /// An increment of the odometry (robot frame), corrected.
-    #[must_use]
-    pub fn corrected(&self, increment: Pose2) -> Pose2 {
-        corrected(increment, [self.translation_scale - 1.0, self.aside, self.rotation_scale - 1.0])
-    }
-}
-
-/// What a log and a map say about the robot.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Localization {
-    /// The estimator that made this answer.
-    pub method: Method,
-    /// The verdict.
-    pub status: Status,
-    /// The best hypothesis at the last row, map frame.
-    pub estimate: Option<Pose2>,
-    /// Every surviving place, heaviest first, never averaged over separate places.
-    pub hypotheses: Vec<Hypothesis>,
-    /// The best hypothesis over time, one entry for each log row from the first estimate on.
-    pub trajectory: Vec<StampedPose>,
-    /// What is said about the odometry, by the probabilistic method where the robot declares that it may be wrong.
-    pub odometry: Option<OdometryEstimate>,
-    /// The final state set; for the deterministic method its surviving points.
-    pub states: Vec<StateBox>,
-    /// The candidates after the first observation, at that time: the first row of the trajectory.
-    pub first_states: Vec<Pose2>,
-    /// The set's size after each update.
-    pub steps: Vec<StepRecord>,
-    /// What happened along the way.
-    pub events: Vec<Event>,
-    /// Whisker shapes along the sweep, for drawing.
-    pub shapes: Vec<ShapeRecord>,
-}
-
-/// A single place larger than this (m, rad) is not called localized: its candidates do not agree on where it is.
+/// A single place larger than this (m, rad) is not called localized: what it holds does not agree on where it is.
 const LARGEST_PLACE: f64 = 0.02;
 const LARGEST_TURN: f64 = 0.35;
 /// Candidates less likely than the best by this factor stay in the state set, but nobody would bet on them.
 const LEAST_LIKELIHOOD: f64 = 1e-2;
+/// Places with less weight are told, but do not make a verdict ambiguous,
+const LEAST_RIVAL: f64 = 0.02;
+/// unless no more of the readings than this break their bounds there, beyond the share that does at the best place: bounds
+/// say nothing about which of two places that obey them is the more likely.
+const OBEYED: f64 = 0.02;
+/// Rows of contact that a set has to explain anew before it is believed again, once no state was left.
+pub(crate) const RECOVERED: usize = 150;
+/// Share of readings beyond 2.5 standard deviations that single false readings explain, on top of the tolerated share, and
+/// the mean square of block means (1 for independent errors) that declared errors do not explain, in standard deviations
+/// of that mean.
+const FALSE_SHARE: f64 = 0.1;
+const MOST_DRIFT: f64 = 4.0;
+/// The same for the mean square of single residuals.
+const MOST_SQUARE: f64 = 3.5;
+/// Fewest blocks that speak about drift.
+const FEWEST_BLOCKS: usize = 6;
+/// Half the side of the box around the region that holds 95 % of a Gaussian in three dimensions (standard deviations).
+const HALF_BOX: f64 = 2.795;
+
+/// What a method knows when a verdict is passed.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Evidence<'a> {
+    /// Whether a whisker has touched.
+    pub(crate) touched: bool,
+    /// Whether at some row no state explained the readings any more.
+    pub(crate) emptied: bool,
+    /// Rows of contact that the set explains which was started after that.
+    pub(crate) explained_since: usize,
+    /// The places, heaviest first.
+    pub(crate) places: &'a [Hypothesis],
+    /// What is known about readings that break their declared bounds.
+    pub(crate) broken: Broken<'a>,
+    /// How well the best place fits the readings, where the method has statistics of that.
+    pub(crate) fit: Option<Fit>,
+    /// Share of the rows that no equilibrium needs to explain.
+    pub(crate) tolerated_share: f64,
+}
+
+/// The shares of readings that break their declared bounds at the places.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) enum Broken<'a> {
+    /// The method rules out places where bounds are broken: no weight makes one place more likely than another.
+    #[default]
+    Nowhere,
+    /// Not known: weights alone decide.
+    Unknown,
+    /// The share at each place.
+    Shares(&'a [f64]),
+}
+
+/// A verdict, and what is to be told with it.
+pub(crate) struct Verdict {
+    pub(crate) status: Status,
+    /// Kind and detail of the event that explains the verdict.
+    pub(crate) reason: Option<(&'static str, String)>,
+}
+
+/// The verdict on a log.
+#[must_use]
+pub(crate) fn verdict(evidence: &Evidence<'_>) -> Verdict {
+    let plain = |status| Verdict { status, reason: None };
+    let Evidence { touched, emptied, places, .. } = *evidence;
+    if !touched {
+        return plain(Status::NoContact);
+    }
+    let Some(first) = places.first() else {
+        return plain(if emptied { Status::Inconsistent } else { Status::Ambiguous });
+    };
+    if let Some(detail) = evidence.fit.and_then(|fit| misfit(&fit, fit.odometry, evidence.tolerated_share)) {
+        return Verdict { status: Status::Inconsistent, reason: Some(("inconsistent", detail)) };
+    }
+    let rivals = rivals(evidence);
+    // A set that died once has to explain much before it is believed again.
+    if emptied && !(rivals == 1 && evidence.explained_since >= RECOVERED) {
+        return plain(Status::Inconsistent);
+    }
+    // A place that leaves as much unexplained as side contact may, or odometry whose error changes on the way, can be wrong: it is
+    // told, but not believed alone. Errors that are independent of each other average out.
+    let independent = |fit: &Fit| fit.odometry / f64::from(fit.touching.max(1) as u32);
+    if let Some(detail) = evidence.fit.and_then(|fit| misfit(&fit, independent(&fit), 0.0)) {
+        let detail = format!("told all the same, since side contact, a snap or slip on the way may be why: {detail}");
+        return Verdict { status: Status::Ambiguous, reason: Some(("tolerated", detail)) };
+    }
+    plain(if rivals == 1 && is_small(&first.extent) { Status::Localized } else { Status::Ambiguous })
+}
+
+/// Whether a place is small enough to be called known.
+fn is_small(extent: &StateBox) -> bool {
+    extent.x.width().hypot(extent.y.width()) <= LARGEST_PLACE && extent.theta.width() <= LARGEST_TURN
+}
+
+/// How many places may be the true one, the best among them.
+fn rivals(evidence: &Evidence<'_>) -> usize {
+    let obeys = |index: usize| match evidence.broken {
+        Broken::Nowhere => true,
+        Broken::Unknown => false,
+        Broken::Shares(shares) => shares[index] <= shares[0] + OBEYED,
+    };
+    let may = |&(index, place): &(usize, &Hypothesis)| place.weight >= LEAST_RIVAL || obeys(index);
+    evidence.places.iter().enumerate().filter(may).count()
+}
+
+/// Why the readings speak against the best place, if they do even when a share of them is tolerated and the odometry has added so much to
+/// their mean square.
+fn misfit(fit: &Fit, odometry: f64, tolerated_share: f64) -> Option<String> {
+    if fit.beyond > FALSE_SHARE + tolerated_share {
+        return Some(format!(
+            "{:.0} % of the readings lie beyond their declared noise even at the best place; is it the right map, and \
+             does the whisker touch with its tip?",
+            100.0 * fit.beyond
+        ));
+    }
+    let most = 1.0 + odometry + MOST_SQUARE / f64::from(fit.touching.max(1) as u32).sqrt();
+    if fit.square > most {
+        return Some(format!(
+            "the readings scatter {:.2} times as far from the best place as their declared noise does; is it the right map, \
+             and are the noise bounds right?",
+            fit.square.sqrt()
+        ));
+    }
+    let most = 1.0 + 8.0 * odometry + MOST_DRIFT * (2.0 / fit.blocks.max(1) as f64).sqrt();
+    let drift = if tolerated_share > 0.0 { fit.tolerant_drift } else { fit.drift };
+    (fit.blocks >= FEWEST_BLOCKS && drift > most).then(|| {
+        format!(
+            "the readings stray from the best place for many rows on end ({:.1} times what noise does); is it the right \
+             map, and is the whisker's stiffness right?",
+            drift.sqrt()
+        )
+    })
+}
 
 /// One hypothesis for each separate place that is worth a bet, at the odometry's `odom_from_robot`, the heaviest first.
 ///
@@ -194,14 +181,35 @@ pub fn choose(states: &StateSet, odom_from_robot: Pose2, options: &Deterministic
     hypotheses
 }
 
-/// The verdict on a log.
+/// The place of the possibilistic method as a hypothesis, its headings brought near those of its pose.
 #[must_use]
-pub fn verdict(touched: bool, became_empty: bool, hypotheses: &[Hypothesis]) -> Status {
-    let small = |e: &StateBox| e.x.width().hypot(e.y.width()) <= LARGEST_PLACE && e.theta.width() <= LARGEST_TURN;
-    match hypotheses {
-        _ if !touched => Status::NoContact,
-        [] if became_empty => Status::Inconsistent,
-        [only] if small(&only.extent) => Status::Localized,
-        _ => Status::Ambiguous,
+pub(crate) fn enclosed(place: &possibilistic::Place) -> Hypothesis {
+    let theta = place.extent.theta;
+    let middle = 0.5 * (theta.lo() + theta.hi());
+    let turn = middle - wrap_angle(middle);
+    let extent = StateBox { theta: Interval::new(theta.lo() - turn, theta.hi() - turn), ..place.extent };
+    Hypothesis { pose: place.pose, weight: place.share, extent, covariance: None, ridge: Vec::new() }
+}
+
+/// The place of the probabilistic method as a hypothesis, as wide as the boxes around all its members.
+#[must_use]
+pub(crate) fn fitted(place: &probabilistic::Place) -> Hypothesis {
+    let boxes = place.members.iter().map(|(pose, covariance)| box_95(*pose, covariance));
+    Hypothesis {
+        pose: place.members[0].0,
+        weight: place.weight,
+        extent: boxes.fold(StateBox::EMPTY, |all, one| all.hull(&one)),
+        covariance: Some(place.covariance),
+        ridge: place.ridge.clone(),
     }
+}
+
+/// The box around the region that holds the state with 95 %.
+#[must_use]
+pub(crate) fn box_95(pose: Pose2, covariance: &[[f64; 3]; 3]) -> StateBox {
+    let around = |value: f64, i: usize| {
+        let half = HALF_BOX * covariance[i][i].max(0.0).sqrt();
+        Interval::new(value - half, value + half)
+    };
+    StateBox { x: around(pose.x, 0), y: around(pose.y, 1), theta: around(pose.theta, 2) }
 }

@@ -1,6 +1,6 @@
 //! The fixed words of the corridor's answers, the same in every file, message and binding.
 
-use super::pose::{Method, Status};
+use super::pose::Status;
 use core::fmt;
 
 impl Status {
@@ -16,25 +16,7 @@ impl Status {
     }
 }
 
-impl Method {
-    /// The word that files and messages use.
-    #[must_use]
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Self::Deterministic => "deterministic",
-            Self::Possibilistic => "possibilistic",
-            Self::Probabilistic => "probabilistic",
-        }
-    }
-}
-
 impl fmt::Display for Status {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.as_str())
-    }
-}
-
-impl fmt::Display for Method {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.as_str())
     }

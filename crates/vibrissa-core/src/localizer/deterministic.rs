@@ -1,24 +1,30 @@
-//! The deterministic localizer: rows in, a state set that shrinks, a choice at the end.
+//! The deterministic estimator: rows in, a state set that shrinks, a choice at the end.
 
-use super::limit_check::LimitCheck;
+mod feeler;
+
+use super::method::MethodOptions;
 use super::sampling::{near, samples};
-use super::{SHAPES, one_column_each};
+use super::{Estimator, STRAIGHT_ONLY, one_column_each};
 use crate::Result;
-use crate::beam::TipModel;
-use crate::config::{DeterministicOptions, TipLoad};
-use crate::flow::contact_set::Ladder;
-use crate::flow::moment::{MomentHistory, MomentReading, MomentTrack};
-use crate::flow::pose::{self, Event, Localization, ShapeRecord, StampedPose, StepRecord};
+use crate::beam::Whisker;
+use crate::config::{DeterministicOptions, Setting};
+use crate::flow::moment::MomentHistory;
+use crate::flow::pose::{
+    self, Estimate, Event, Evidence, Hypothesis, Localization, ShapeRecord, StampedPose, StepRecord, Verdict,
+};
 use crate::flow::preimage::Observation;
 use crate::flow::sensor_log::{Channel, LogRow, SensorLog};
 use crate::flow::state_set::{Candidate, Pass, StateSet};
-use crate::flow::thinned::Thinned;
 use crate::plane::Pose2;
-use crate::world::{BoundarySample, Map, MountedWhisker, Robot};
+use crate::world::{BoundarySample, Map, Robot};
+use feeler::{Feeler, Record};
 use std::collections::VecDeque;
 
-/// The deterministic localizer \[routray, section "Robot Localization"\]: rows in, a state set that shrinks.
-pub struct Localizer<'a> {
+/// The deterministic estimator \[routray, section "Robot Localization"\]: rows in, a state set that shrinks.
+///
+/// What it says before the end leaves out observations that the candidates have not met yet: these are taken in over the
+/// rows that follow.
+pub struct DeterministicEstimator<'a> {
     map: &'a Map,
     robot: &'a Robot,
     options: DeterministicOptions,
@@ -41,8 +47,8 @@ enum Due {
     LiftOff(Pose2),
 }
 
-impl<'a> Localizer<'a> {
-    /// A localizer for logs with these channels.
+impl<'a> DeterministicEstimator<'a> {
+    /// An estimator for logs with these channels.
     ///
     /// # Errors
     ///
@@ -71,40 +77,6 @@ impl<'a> Localizer<'a> {
     #[must_use]
     pub fn states(&self) -> &StateSet {
         &self.states
-    }
-
-    /// The robot states of all candidates at the last row, map frame; empty before the set starts.
-    #[must_use]
-    pub fn states_now(&self) -> Vec<Pose2> {
-        self.rows.last().map_or_else(Vec::new, |&(_, odom)| self.states.states(odom).collect())
-    }
-
-    /// Takes one row through the doors.
-    ///
-    /// # Errors
-    ///
-    /// A moment that no whisker shape explains; the message names the line.
-    pub fn step(&mut self, row: &LogRow) -> Result<()> {
-        let start = *self.start.get_or_insert(row.odom_from_robot);
-        let row = &LogRow { odom_from_robot: start.between(row.odom_from_robot), ..row.clone() };
-        self.states.project(row.odom_from_robot, &self.robot.odometry);
-        self.rows.push((row.t, row.odom_from_robot));
-        let due = self.due.len();
-        for index in 0..self.feelers.len() {
-            let touched = self.feelers[index].in_contact;
-            let history = self.feelers[index].feel(row, &mut self.record)?;
-            if let Some(history) = history {
-                self.update(index, &history, row);
-            }
-            if touched && !self.feelers[index].in_contact {
-                self.due.push_back(Due::LiftOff(self.feelers[index].whisker.robot_from_whisker));
-            }
-        }
-        // A row that makes an observation has its work.
-        let share = if self.due.len() > due { 4 } else { 1 };
-        let open = self.due.len() * self.states.candidates().len();
-        self.work(row, MEETINGS.max(open / ROWS_BEHIND) / share);
-        Ok(())
     }
 
     /// Tells the set what is due, for at most so many meetings of a candidate with an observation.
@@ -190,43 +162,9 @@ impl<'a> Localizer<'a> {
         StepRecord { t: row.t, components, area_m2, volume }
     }
 
-    /// Ends the log and chooses.
-    #[must_use]
-    pub fn finish(mut self) -> Localization {
-        let (t, odom_from_robot) = self.rows.last().copied().unwrap_or((0.0, Pose2::IDENTITY));
-        let last = LogRow { t, odom_from_robot, readings: Vec::new(), heading: None, line: 0 };
-        for index in 0..self.feelers.len() {
-            if let Some(history) = self.feelers[index].track.end() {
-                self.update(index, &history, &last);
-            }
-        }
-        if self.record.waiting.iter().any(|(_, o)| o.open_slopes().is_finite()) {
-            self.start_set(&last);
-        }
-        self.work(&last, usize::MAX);
-        let hypotheses = pose::choose(&self.states, odom_from_robot, &self.options);
-        let status = pose::verdict(self.record.touched, self.record.empty_at.is_some(), &hypotheses);
-        if self.record.touched && self.record.steps.is_empty() {
-            let detail = "the contact was too short or too rough to align a whisker shape with the map; \
-                          keep the whisker on the wall for a longer, smoother sweep"
-                .to_owned();
-            self.record.events.push(Event { t, kind: "too_short", detail });
-        }
-        self.record.events.sort_by(|a, b| a.t.total_cmp(&b.t));
-        let best = self.record.last.map(|(candidate, _)| candidate);
-        Localization {
-            method: pose::Method::Deterministic,
-            status,
-            estimate: hypotheses.first().map(|h| h.pose),
-            trajectory: self.trajectory(),
-            states: self.states.states(odom_from_robot).map(crate::sets::StateBox::point).collect(),
-            first_states: std::mem::take(&mut self.record.first_states),
-            odometry: None,
-            shapes: best.map_or_else(Vec::new, |best| self.shapes(&best)),
-            steps: self.record.steps,
-            events: self.record.events,
-            hypotheses,
-        }
+    fn verdict(&self, places: &[Hypothesis]) -> Verdict {
+        let emptied = self.record.empty_at.is_some();
+        pose::verdict(&Evidence { touched: self.record.touched, emptied, places, ..Evidence::default() })
     }
 
     /// The best hypothesis along the rows, from the first estimate to the last row that any state explains.
@@ -253,6 +191,108 @@ impl<'a> Localizer<'a> {
     }
 }
 
+/// The word for the method.
+const NAME: &str = "deterministic";
+
+impl MethodOptions for DeterministicOptions {
+    fn name(&self) -> &'static str {
+        NAME
+    }
+
+    fn summary(&self) -> &'static str {
+        "The paper's intersection of discretised preimages"
+    }
+
+    fn settings(&mut self) -> Vec<Setting<'_>> {
+        self.settings()
+    }
+
+    fn check(&self) -> Result<()> {
+        self.check()
+    }
+
+    fn takes(&self, whisker: &Whisker) -> Result<()> {
+        whisker.require_straight().map_err(|error| error.remedy(STRAIGHT_ONLY))
+    }
+
+    fn estimator<'a>(&self, map: &'a Map, robot: &'a Robot, channels: &[Channel]) -> Result<Box<dyn Estimator + 'a>> {
+        Ok(Box::new(DeterministicEstimator::new(map, robot, channels, *self)?))
+    }
+}
+
+impl Estimator for DeterministicEstimator<'_> {
+    fn step(&mut self, row: &LogRow) -> Result<()> {
+        let start = *self.start.get_or_insert(row.odom_from_robot);
+        let row = &LogRow { odom_from_robot: start.between(row.odom_from_robot), ..row.clone() };
+        self.states.project(row.odom_from_robot, &self.robot.odometry);
+        self.rows.push((row.t, row.odom_from_robot));
+        let due = self.due.len();
+        for index in 0..self.feelers.len() {
+            let touched = self.feelers[index].in_contact;
+            let history = self.feelers[index].feel(row, &mut self.record)?;
+            if let Some(history) = history {
+                self.update(index, &history, row);
+            }
+            if touched && !self.feelers[index].in_contact {
+                self.due.push_back(Due::LiftOff(self.feelers[index].whisker.robot_from_whisker));
+            }
+        }
+        // A row that makes an observation has its work.
+        let share = if self.due.len() > due { 4 } else { 1 };
+        let open = self.due.len() * self.states.candidates().len();
+        self.work(row, MEETINGS.max(open / ROWS_BEHIND) / share);
+        Ok(())
+    }
+
+    fn estimate(&self) -> Estimate {
+        let Some(&(_, odom_from_robot)) = self.rows.last() else { return Estimate::default() };
+        let hypotheses = pose::choose(&self.states, odom_from_robot, &self.options);
+        Estimate { status: self.verdict(&hypotheses).status, hypotheses, rows: self.rows.len() }
+    }
+
+    fn states_now(&self) -> Vec<Pose2> {
+        self.rows.last().map_or_else(Vec::new, |&(_, odom)| self.states.states(odom).collect())
+    }
+
+    fn finish(mut self: Box<Self>) -> Localization {
+        let (t, odom_from_robot) = self.rows.last().copied().unwrap_or((0.0, Pose2::IDENTITY));
+        let last = LogRow { t, odom_from_robot, readings: Vec::new(), heading: None, line: 0 };
+        for index in 0..self.feelers.len() {
+            if let Some(history) = self.feelers[index].track.end() {
+                self.update(index, &history, &last);
+            }
+        }
+        if self.record.waiting.iter().any(|(_, o)| o.open_slopes().is_finite()) {
+            self.start_set(&last);
+        }
+        self.work(&last, usize::MAX);
+        let hypotheses = pose::choose(&self.states, odom_from_robot, &self.options);
+        let status = self.verdict(&hypotheses).status;
+        if self.record.touched && self.record.steps.is_empty() {
+            let detail = "the contact was too short or too rough to align a whisker shape with the map; \
+                          keep the whisker on the wall for a longer, smoother sweep"
+                .to_owned();
+            self.record.events.push(Event { t, kind: "too_short", detail });
+        }
+        self.record.events.sort_by(|a, b| a.t.total_cmp(&b.t));
+        let best = self.record.last.map(|(candidate, _)| candidate);
+        Localization {
+            method: NAME,
+            status,
+            estimate: hypotheses.first().map(|h| h.pose),
+            trajectory: self.trajectory(),
+            states: self.states.states(odom_from_robot).map(crate::sets::StateBox::point).collect(),
+            encloses: false,
+            first_states: std::mem::take(&mut self.record.first_states),
+            odometry: None,
+            shapes: best.map_or_else(Vec::new, |best| self.shapes(&best)),
+            steps: self.record.steps,
+            events: self.record.events,
+            hypotheses,
+        }
+    }
+}
+
 /// The state set starts from this many observations at least, as the paper's does,
 const EARLIEST_START: usize = 3;
 /// as soon as one leaves no more slopes of the boundary open than this (rad),
@@ -265,108 +305,3 @@ const MEETINGS: usize = 150;
 const ROWS_BEHIND: usize = 20;
 /// Points of a drawn whisker.
 const SHAPE_POINTS: usize = 24;
-
-/// One whisker's way from its column of the log to its histories.
-struct Feeler {
-    whisker: MountedWhisker,
-    tip: TipModel,
-    contacts: Ladder,
-    channel: usize,
-    track: MomentTrack,
-    in_contact: bool,
-    /// Whether the last moment was more than the tip can cause.
-    on_side: bool,
-    /// What the tip can cause, and what the whisker can anywhere.
-    tip_limit: LimitCheck,
-    limit: LimitCheck,
-}
-
-impl Feeler {
-    fn new(whisker: &MountedWhisker, log: &SensorLog, options: &DeterministicOptions) -> Result<Self> {
-        let tip = TipModel::new(&whisker.beam)?;
-        let limit = LimitCheck::any_place(whisker, &tip);
-        let tip_limit = match options.tip_load {
-            TipLoad::BoundaryNormal => LimitCheck::any_tilt(whisker, &tip),
-            TipLoad::WhiskerNormal => LimitCheck::new(whisker, &tip, 0.0),
-        };
-        Ok(Self {
-            channel: log.moment_channel(&whisker.name)?,
-            track: MomentTrack::new(whisker, options),
-            in_contact: false,
-            on_side: false,
-            tip_limit,
-            limit,
-            contacts: Ladder::new(&tip, options.tip_load),
-            tip,
-            whisker: whisker.clone(),
-        })
-    }
-
-    /// The first two doors: reading → moment → history.
-    fn feel(&mut self, row: &LogRow, record: &mut Record) -> Result<Option<MomentHistory>> {
-        let moment = row.readings.get(self.channel).copied().unwrap_or(0.0);
-        let by_tip = self.tip_limit.allows(moment);
-        if !by_tip {
-            // No contact begins like that.
-            let limit = if self.in_contact || self.on_side { &self.limit } else { &self.tip_limit };
-            limit.check(moment, row)?;
-            let detail = format!(
-                "{}: {moment} N m is more than any contact of its tip causes; while its side touches nearer to its base, the \
-                 readings are not used (if it hardly ever bends that far, check the unit: N m, not mN m)",
-                self.whisker.name
-            );
-            record.event_once(row.t, "not_tip", detail);
-        }
-        self.on_side = !by_tip;
-        let touching = self.track.is_contact(moment) && by_tip;
-        if touching != self.in_contact {
-            let (kind, what) = if touching { ("contact", "touches") } else { ("lift_off", "is free") };
-            if by_tip {
-                record.events.push(Event { t: row.t, kind, detail: format!("{} {what}", self.whisker.name) });
-            }
-        }
-        self.in_contact = touching;
-        if !touching {
-            return Ok(self.track.end());
-        }
-        record.touched = true;
-        let odom_from_whisker = row.odom_from_robot.compose(self.whisker.robot_from_whisker);
-        Ok(self.track.push(MomentReading { t: row.t, odom_from_whisker, moment }))
-    }
-}
-
-/// What is remembered of the way, for the answer.
-#[derive(Default)]
-struct Record {
-    touched: bool,
-    steps: Vec<StepRecord>,
-    events: Vec<Event>,
-    /// Whisker and observation until the state set starts.
-    waiting: Vec<(usize, Observation)>,
-    /// Whisker and observation, for drawing: not all of long logs, which would fill the memory.
-    observations: Thinned<(usize, Observation), SHAPES>,
-    first_states: Vec<Pose2>,
-    first_row: Option<usize>,
-    /// The best candidate and the row of the last update before the set became empty.
-    last: Option<(Candidate, usize)>,
-    empty_at: Option<usize>,
-}
-
-impl Record {
-    /// Notes that no candidate is left.
-    fn emptied(&mut self, t: f64, row: usize) {
-        self.empty_at = Some(row);
-        let detail = "nowhere on this map explains the readings up to here; \
-                      is it the right map, are whisker and noise bounds those of the robot, and did \
-                      the whisker touch with its tip alone, as it may not in corners?"
-            .to_owned();
-        self.events.push(Event { t, kind: "inconsistent", detail });
-    }
-
-    /// Adds an event unless the same kind was the last one.
-    fn event_once(&mut self, t: f64, kind: &'static str, detail: String) {
-        if self.events.last().is_none_or(|e| e.kind != kind) {
-            self.events.push(Event { t, kind, detail });
-        }
-    }
-}

@@ -1,21 +1,25 @@
-//! The possibilistic localizer: rows in, a set of states that holds the true one as long as the declared bounds hold.
+//! The possibilistic estimator: rows in, a set of states that holds the true one as long as the declared bounds hold.
 
 use super::drawn::{self, Felt};
-use super::{one_column_each, searchable};
-use crate::config::PossibilisticOptions;
+use super::method::MethodOptions;
+use super::{Estimator, one_column_each, searchable};
+use crate::beam::Whisker;
 use crate::config::limits::MOST_SEARCHED;
-use crate::flow::pose::{self, Event, Hypothesis, Localization, ShapeRecord, StampedPose, StepRecord};
+use crate::config::{PossibilisticOptions, Setting};
+use crate::flow::pose::{
+    self, Estimate, Event, Evidence, Hypothesis, Localization, ShapeRecord, StampedPose, StepRecord, Verdict,
+};
 use crate::flow::sensor_log::{Channel, LogRow, SensorLog};
 use crate::flow::state_set::possibilistic::{Place, PossibleSet};
 use crate::flow::thinned::Thinned;
-use crate::plane::{Pose2, wrap_angle};
+use crate::plane::Pose2;
 use crate::sets::Interval;
 use crate::world::{Map, MountedWhisker, Robot};
 use crate::{Error, Result};
 
 /// What to do with a whisker that is not uniform.
-const OTHER_METHODS: &str = "this method covers uniform, straight, clamped whiskers only; --method probabilistic and deterministic take \
-                             tapered and jointed ones and elastic bases, too";
+const OTHER_METHODS: &str = "the possibilistic method takes uniform, straight, clamped whiskers only; --method probabilistic and \
+                             deterministic take tapered and jointed ones and elastic bases, too";
 
 /// At least so many contacts are kept for drawing, where there are as many: a third of a millisecond each, at the end.
 const DRAWN: usize = 48;
@@ -25,13 +29,19 @@ const MEASURED_AT_ONCE: usize = 24;
 const MEASURED_CHANGE: f64 = 0.5;
 const MEASURED_WITHIN: usize = 300;
 const MEASURED_ROWS: usize = 4;
+/// Places of sets of more cells than this are those of the last measurement, carried on, where they are told before the end.
+const MEASURED_NOW: usize = 300;
 /// Sets of more cells than this keep their volume from one measurement to the next, too.
 const SUMMED: usize = 20_000;
 /// Largest friction coefficient: its angle is a right angle less half a degree more than the tables hold.
 const LARGEST_FRICTION: f64 = 1.5;
 
-/// The possibilistic localizer \[routray, section "Localization: Possibilistic Method"\], sound instead of sampled.
-pub struct PossibilisticLocalizer<'a> {
+/// The possibilistic estimator \[routray, section "Localization: Possibilistic Method"\], sound instead of sampled.
+///
+/// What it says before the end holds the true state as well. It comes before the last effort, so that extents are wider than
+/// in the answer; and in sets of many cells places are those of the row in which the set was last measured, carried on by
+/// the odometry with its bounds.
+pub struct PossibilisticEstimator<'a> {
     map: &'a Map,
     robot: &'a Robot,
     options: PossibilisticOptions,
@@ -51,11 +61,13 @@ pub struct PossibilisticLocalizer<'a> {
     last: Option<(Pose2, usize)>,
     /// The row in which the set was last measured, and how many cells it had.
     measured: (usize, usize),
+    /// The places then.
+    places: Vec<Place>,
     empty: bool,
 }
 
-impl<'a> PossibilisticLocalizer<'a> {
-    /// A localizer for logs with these channels.
+impl<'a> PossibilisticEstimator<'a> {
+    /// An estimator for logs with these channels.
     ///
     /// # Errors
     ///
@@ -67,7 +79,7 @@ impl<'a> PossibilisticLocalizer<'a> {
         searchable(map, options.prior, MOST_SEARCHED)?;
         let log = SensorLog { channels: channels.to_vec(), ..SensorLog::default() };
         for whisker in &robot.whiskers {
-            whisker.beam.require_uniform().map_err(|error| error.remedy(OTHER_METHODS))?;
+            MethodOptions::takes(&options, &whisker.beam)?;
             if whisker.friction > LARGEST_FRICTION {
                 return Err(Error::data(format!("the friction coefficient of the whisker {}", whisker.name))
                     .value(whisker.friction)
@@ -91,6 +103,7 @@ impl<'a> PossibilisticLocalizer<'a> {
             events: Vec::new(),
             last: None,
             measured: (0, 0),
+            places: Vec::new(),
             empty: false,
         })
     }
@@ -99,33 +112,6 @@ impl<'a> PossibilisticLocalizer<'a> {
     #[must_use]
     pub fn set(&self) -> &PossibleSet {
         &self.set
-    }
-
-    /// Takes one row through the doors.
-    ///
-    /// # Errors
-    ///
-    /// A reading that is not a number; the message names the line.
-    pub fn step(&mut self, row: &LogRow) -> Result<()> {
-        let start = *self.start.get_or_insert(row.odom_from_robot);
-        let odom_from_robot = start.between(row.odom_from_robot);
-        self.rows.push((row.t, odom_from_robot));
-        let moments = self.moments(row)?;
-        self.note_contacts(row.t, &moments);
-        if self.empty {
-            return Ok(());
-        }
-        let off = self.options.heading_error;
-        let heading = row.heading.filter(|h| h.is_finite()).map(|h| Interval::new(h - off, h + off));
-        for (whisker, moment) in moments.iter().enumerate().filter(|(_, moment)| !moment.contains(0.0)) {
-            self.felt.push(Felt { t: row.t, odom_from_robot, whisker, moment: 0.5 * (moment.lo() + moment.hi()) });
-        }
-        let had_started = self.set.has_started();
-        self.set.update(self.map, odom_from_robot, &moments, heading);
-        if self.set.has_started() {
-            self.note(row.t, had_started);
-        }
-        Ok(())
     }
 
     /// The intervals that hold the true moments.
@@ -197,45 +183,13 @@ impl<'a> PossibilisticLocalizer<'a> {
         if let Some(best) = places.first() {
             self.last = Some((best.pose, row));
         }
-        StepRecord { t, components: places.len(), area_m2, volume }
+        let components = places.len();
+        self.places = places;
+        StepRecord { t, components, area_m2, volume }
     }
 
-    /// Ends the log.
-    #[must_use]
-    pub fn finish(mut self) -> Localization {
-        if !self.empty && self.set.has_started() {
-            self.set.finish(self.map);
-            let (t, row) = (self.rows.last().map_or(0.0, |r| r.0), self.rows.len().saturating_sub(1));
-            let last = self.measure(t, row, true);
-            if let Some(step) = self.steps.last_mut() {
-                *step = last;
-            }
-            if self.set.is_empty() {
-                self.empty = true;
-                let detail = "all readings together rule out every state on this map".to_owned();
-                self.events.push(Event { t, kind: "inconsistent", detail });
-            }
-        }
-        let places = if self.empty { Vec::new() } else { self.set.places() };
-        let hypotheses: Vec<Hypothesis> = places.iter().map(hypothesis).collect();
-        if self.touched && !self.set.has_started() {
-            let t = self.rows.last().map_or(0.0, |r| r.0);
-            let detail = "fewer contacts than the readings that may be wrong".to_owned();
-            self.events.push(Event { t, kind: "too_short", detail });
-        }
-        Localization {
-            method: pose::Method::Possibilistic,
-            status: pose::verdict(self.touched, self.empty, &hypotheses),
-            estimate: hypotheses.first().map(|h| h.pose),
-            trajectory: self.trajectory(),
-            states: if self.empty { Vec::new() } else { self.set.boxes() },
-            first_states: std::mem::take(&mut self.first_states),
-            odometry: None,
-            shapes: self.shapes(),
-            steps: self.steps,
-            events: self.events,
-            hypotheses,
-        }
+    fn verdict(&self, places: &[Hypothesis]) -> Verdict {
+        pose::verdict(&Evidence { touched: self.touched, emptied: self.empty, places, ..Evidence::default() })
     }
 
     /// The whisker's shapes as the best place sees them.
@@ -259,10 +213,107 @@ impl<'a> PossibilisticLocalizer<'a> {
     }
 }
 
-fn hypothesis(place: &Place) -> Hypothesis {
-    let theta = place.extent.theta;
-    let middle = 0.5 * (theta.lo() + theta.hi());
-    let turn = middle - wrap_angle(middle);
-    let extent = crate::sets::StateBox { theta: Interval::new(theta.lo() - turn, theta.hi() - turn), ..place.extent };
-    Hypothesis { pose: place.pose, weight: place.share, extent, covariance: None, ridge: Vec::new() }
+/// The word for the method.
+const NAME: &str = "possibilistic";
+
+impl MethodOptions for PossibilisticOptions {
+    fn name(&self) -> &'static str {
+        NAME
+    }
+
+    fn summary(&self) -> &'static str {
+        "Guaranteed bounds on the state: what is outside is ruled out"
+    }
+
+    fn settings(&mut self) -> Vec<Setting<'_>> {
+        self.settings()
+    }
+
+    fn check(&self) -> Result<()> {
+        self.check()
+    }
+
+    fn takes(&self, whisker: &Whisker) -> Result<()> {
+        whisker.require_uniform().map_err(|error| error.remedy(OTHER_METHODS))
+    }
+
+    fn estimator<'a>(&self, map: &'a Map, robot: &'a Robot, channels: &[Channel]) -> Result<Box<dyn Estimator + 'a>> {
+        Ok(Box::new(PossibilisticEstimator::new(map, robot, channels, *self)?))
+    }
+}
+
+impl Estimator for PossibilisticEstimator<'_> {
+    fn step(&mut self, row: &LogRow) -> Result<()> {
+        let start = *self.start.get_or_insert(row.odom_from_robot);
+        let odom_from_robot = start.between(row.odom_from_robot);
+        self.rows.push((row.t, odom_from_robot));
+        let moments = self.moments(row)?;
+        self.note_contacts(row.t, &moments);
+        if self.empty {
+            return Ok(());
+        }
+        let off = self.options.heading_error;
+        let heading = row.heading.filter(|h| h.is_finite()).map(|h| Interval::new(h - off, h + off));
+        for (whisker, moment) in moments.iter().enumerate().filter(|(_, moment)| !moment.contains(0.0)) {
+            self.felt.push(Felt { t: row.t, odom_from_robot, whisker, moment: 0.5 * (moment.lo() + moment.hi()) });
+        }
+        let had_started = self.set.has_started();
+        self.set.update(self.map, odom_from_robot, &moments, heading);
+        if self.set.has_started() {
+            self.note(row.t, had_started);
+        }
+        Ok(())
+    }
+
+    fn estimate(&self) -> Estimate {
+        let told = self.set.has_started() && !self.empty;
+        let places = match self.measured {
+            _ if !told => Vec::new(),
+            (row, _) if self.set.len() > MEASURED_NOW => self.set.carried(&self.places, row),
+            _ => self.set.places(),
+        };
+        let hypotheses: Vec<Hypothesis> = places.iter().map(pose::enclosed).collect();
+        Estimate { status: self.verdict(&hypotheses).status, hypotheses, rows: self.rows.len() }
+    }
+
+    fn states_now(&self) -> Vec<Pose2> {
+        if self.set.has_started() { self.set.middles() } else { Vec::new() }
+    }
+
+    fn finish(mut self: Box<Self>) -> Localization {
+        if !self.empty && self.set.has_started() {
+            self.set.finish(self.map);
+            let (t, row) = (self.rows.last().map_or(0.0, |r| r.0), self.rows.len().saturating_sub(1));
+            let last = self.measure(t, row, true);
+            if let Some(step) = self.steps.last_mut() {
+                *step = last;
+            }
+            if self.set.is_empty() {
+                self.empty = true;
+                let detail = "all readings together rule out every state on this map".to_owned();
+                self.events.push(Event { t, kind: "inconsistent", detail });
+            }
+        }
+        let places = if self.empty { Vec::new() } else { self.set.places() };
+        let hypotheses: Vec<Hypothesis> = places.iter().map(pose::enclosed).collect();
+        if self.touched && !self.set.has_started() {
+            let t = self.rows.last().map_or(0.0, |r| r.0);
+            let detail = "fewer contacts than the readings that may be wrong".to_owned();
+            self.events.push(Event { t, kind: "too_short", detail });
+        }
+        Localization {
+            method: NAME,
+            status: self.verdict(&hypotheses).status,
+            estimate: hypotheses.first().map(|h| h.pose),
+            trajectory: self.trajectory(),
+            states: if self.empty { Vec::new() } else { self.set.boxes() },
+            encloses: true,
+            first_states: std::mem::take(&mut self.first_states),
+            odometry: None,
+            shapes: self.shapes(),
+            steps: self.steps,
+            events: self.events,
+            hypotheses,
+        }
+    }
 }

@@ -1,39 +1,26 @@
-//! The probabilistic method row by row: rows in, hypotheses that fit all of them, weighed places at the end.
+//! The probabilistic estimator: rows in, hypotheses that fit all of them, weighed places at the end.
 
-use super::{LimitCheck, one_column_each, searchable};
+use super::method::MethodOptions;
+use super::{Estimator, LimitCheck, STRAIGHT_ONLY, one_column_each, searchable};
 use crate::Result;
-use crate::beam::TipModel;
-use crate::config::ProbabilisticOptions;
+use crate::beam::{TipModel, Whisker};
 use crate::config::limits::MOST_SEARCHED;
-use crate::flow::pose::{Event, Hypothesis, Localization, Method, OdometryEstimate, StampedPose, Status, StepRecord};
+use crate::config::{ProbabilisticOptions, Setting};
+use crate::flow::pose::{
+    self, Broken, Estimate, Event, Evidence, Hypothesis, Localization, OdometryEstimate, RECOVERED, StampedPose,
+    Status, StepRecord,
+};
 use crate::flow::sensor_log::{Channel, LogRow, Quantity, SensorLog};
-use crate::flow::state_set::probabilistic::{Fit, Happened, Place, ProbabilisticSet, Sense};
+use crate::flow::state_set::probabilistic::{Happened, Place, ProbabilisticSet, Sense};
 use crate::plane::Pose2;
-use crate::sets::{Interval, StateBox};
 use crate::world::{Map, ReadingNoise, Robot};
 
-/// Half the side of the box around the region that holds 95 % of a Gaussian in three dimensions (standard deviations).
-const HALF_BOX: f64 = 2.795;
-/// A place larger than this (m, rad) is not called localized.
-const LARGEST_PLACE: f64 = 0.02;
-const LARGEST_TURN: f64 = 0.35;
-/// Places with less weight are told, but do not make a verdict ambiguous,
-const LEAST_RIVAL: f64 = 0.02;
-/// unless no more of the readings than this break their bounds there, beyond the share that does at the best place: bounds
-/// say nothing about which of two places that obey them is the more likely.
-const OBEYED: f64 = 0.02;
-/// Share of readings beyond 2.5 standard deviations that single false readings explain, on top of the tolerated share, and
-/// the mean square of block
-/// means (1 for independent errors) that declared errors do not explain, in standard deviations of that mean.
-const FALSE_SHARE: f64 = 0.1;
-const MOST_DRIFT: f64 = 4.0;
-/// The same for the mean square of single residuals.
-const MOST_SQUARE: f64 = 3.5;
-/// Fewest blocks that speak about drift.
-const FEWEST_BLOCKS: usize = 6;
-
-/// The probabilistic localizer: hypotheses from no prior, each a least-squares fit of all readings.
-pub struct ProbabilisticLocalizer<'a> {
+/// The probabilistic estimator: hypotheses from no prior, each a least-squares fit of all readings.
+///
+/// What it says before the end rests on the linearisation of each hypothesis at the rows that it has taken: weights and
+/// covariances are those of Gaussians, not sampled, only the most likely hypotheses are looked at, no place has a ridge, and
+/// the verdict leaves out how well the readings fit.
+pub struct ProbabilisticEstimator<'a> {
     robot: &'a Robot,
     senses: Vec<Reader>,
     /// For each sense the last possible reading, and how many impossible ones came since.
@@ -58,8 +45,8 @@ pub struct ProbabilisticLocalizer<'a> {
     tolerated_share: f64,
 }
 
-impl<'a> ProbabilisticLocalizer<'a> {
-    /// A localizer for logs with these channels.
+impl<'a> ProbabilisticEstimator<'a> {
+    /// An estimator for logs with these channels.
     ///
     /// # Errors
     ///
@@ -101,60 +88,10 @@ impl<'a> ProbabilisticLocalizer<'a> {
         self
     }
 
-    /// The robot's pose at the last row by the best hypothesis so far (map frame); none before the first contact has told.
-    #[must_use]
-    pub fn estimate(&self) -> Option<Pose2> {
-        self.set.best().zip(self.rows.last()).map(|(map_from_odom, &(_, odom))| map_from_odom.compose(odom))
-    }
-
     /// How many rows are kept to be fitted again.
     #[must_use]
     pub fn rows_kept(&self) -> usize {
         self.set.rows_kept()
-    }
-
-    /// The robot states of all hypotheses at the last row, map frame; empty before they start.
-    #[must_use]
-    pub fn states_now(&self) -> Vec<Pose2> {
-        self.rows.last().map_or_else(Vec::new, |&(_, odom)| self.set.states(odom))
-    }
-
-    /// Takes in one row.
-    ///
-    /// # Errors
-    ///
-    /// A moment that no shape of the whisker causes; the message names the line.
-    pub fn step(&mut self, row: &LogRow) -> Result<()> {
-        let start = *self.start.get_or_insert(row.odom_from_robot);
-        let odom = start.between(row.odom_from_robot);
-        let mut readings: Vec<f64> =
-            self.senses.iter().map(|r| row.readings.get(r.channel).copied().unwrap_or(0.0)).collect();
-        self.screen(&mut readings, row)?;
-        self.watch(row.t, &readings);
-        if !self.recording {
-            self.rows.clear();
-            self.events.drain(..self.events.len().saturating_sub(LAST_EVENTS));
-            self.before.drain(..self.before.len().saturating_sub(1));
-        }
-        self.rows.push((row.t, odom));
-        self.taken += 1;
-        match self.set.step(odom, &readings, row.heading.filter(|h| h.is_finite())) {
-            Happened::Nothing => {}
-            Happened::Started(_) => {
-                self.first_row.get_or_insert(self.taken - 1);
-                self.since = (self.lost > 0).then_some(0);
-                if self.first_states.is_empty() {
-                    self.first_states = self.set.states(odom);
-                }
-                self.note(row.t);
-            }
-            Happened::Updated => {
-                self.note(row.t);
-                self.believe_again(row.t);
-            }
-            Happened::Lost => self.note_loss(row.t),
-        }
-        Ok(())
     }
 
     /// Puts the last possible reading in the place of an impossible one; many on end are refused.
@@ -217,74 +154,16 @@ impl<'a> ProbabilisticLocalizer<'a> {
         self.events.push(Event { t, kind: "inconsistent", detail: detail.to_owned() });
     }
 
-    /// Ends the log, fits every hypothesis to all rows and chooses.
-    #[must_use]
-    pub fn finish(mut self) -> Localization {
-        let t = self.rows.last().map_or(0.0, |row| row.0);
-        let before = self.first_row;
-        let (places, fit) = self.set.finish();
-        if !places.is_empty() {
-            self.first_row.get_or_insert(self.taken.saturating_sub(1));
-        }
-        if before.is_none() && !places.is_empty() {
-            self.note(t);
-        }
-        let hypotheses: Vec<Hypothesis> = places.iter().map(hypothesis).collect();
-        let broken = places.first().map_or(0.0, |p| p.broken);
-        let rivals = places.iter().filter(|p| p.weight >= LEAST_RIVAL || p.broken <= broken + OBEYED).count();
-        let status = self.verdict(t, &hypotheses, rivals, fit.as_ref());
-        let keep = status != Status::Inconsistent;
-        let estimate = hypotheses.first().map(|h| h.pose).filter(|_| keep);
-        let odometry = places.first().and_then(|place| place.shares).map(odometry_estimate);
-        let trajectory = places.first().map_or_else(Vec::new, |place| self.trajectory(place, odometry.as_ref()));
-        let states = places.iter().flat_map(|p| p.members.iter().map(|(pose, c)| state_box(*pose, c))).collect();
-        Localization {
-            method: Method::Probabilistic,
-            status,
-            estimate,
-            hypotheses: if keep { hypotheses } else { Vec::new() },
-            trajectory: if keep { trajectory } else { Vec::new() },
-            odometry: odometry.filter(|_| keep),
-            states: if keep { states } else { Vec::new() },
-            first_states: self.first_states,
-            steps: self.steps,
-            events: self.events,
-            shapes: Vec::new(),
-        }
+    fn evidence<'b>(&self, places: &'b [Hypothesis]) -> Evidence<'b> {
+        Evidence { touched: self.touched, emptied: self.lost > 0, places, ..Evidence::default() }
     }
 
-    /// The verdict, with an event where the readings speak against every place.
-    fn verdict(&mut self, t: f64, hypotheses: &[Hypothesis], rivals: usize, fit: Option<&Fit>) -> Status {
-        let small = |e: &StateBox| e.x.width().hypot(e.y.width()) <= LARGEST_PLACE && e.theta.width() <= LARGEST_TURN;
-        if !self.touched {
-            return Status::NoContact;
-        }
-        let Some(first) = hypotheses.first() else {
-            if self.lost > 0 {
-                return Status::Inconsistent;
-            }
-            let detail = "the contact was too short to tell any place; keep the whisker on the wall for a longer sweep";
-            self.events.push(Event { t, kind: "too_short", detail: detail.to_owned() });
-            return Status::Ambiguous;
-        };
-        if let Some(detail) = fit.and_then(|fit| misfit(fit, fit.odometry, self.tolerated_share)) {
-            self.events.push(Event { t, kind: "inconsistent", detail });
-            return Status::Inconsistent;
-        }
-        // A set that died once has to explain much before it is believed again.
-        if self.lost > 0 && !(rivals == 1 && fit.is_some_and(|f| f.touching >= RECOVERED)) {
-            return Status::Inconsistent;
-        }
-        // A place that leaves as much unexplained as side contact may, or odometry whose error changes on the way, can be wrong: it is
-        // told, but not believed alone. Errors that are independent of each other average out.
-        let independent = |fit: &Fit| fit.odometry / f64::from(fit.touching.max(1) as u32);
-        if let Some(detail) = fit.and_then(|fit| misfit(fit, independent(fit), 0.0)) {
-            let detail =
-                format!("told all the same, since side contact, a snap or slip on the way may be why: {detail}");
-            self.events.push(Event { t, kind: "tolerated", detail });
-            return Status::Ambiguous;
-        }
-        if rivals == 1 && small(&first.extent) { Status::Localized } else { Status::Ambiguous }
+    /// Tells why the verdict is not what the places alone would make it.
+    fn note_reason(&mut self, t: f64, nowhere: bool, reason: Option<(&'static str, String)>) {
+        let too_short = self.touched && nowhere && self.lost == 0;
+        let short = "the contact was too short to tell any place; keep the whisker on the wall for a longer sweep";
+        let reason = reason.or(too_short.then(|| ("too_short", short.to_owned())));
+        self.events.extend(reason.map(|(kind, detail)| Event { t, kind, detail }));
     }
 
     /// The best place along the rows, from the first estimate on; before a loss it is what was believed then.
@@ -308,6 +187,127 @@ impl<'a> ProbabilisticLocalizer<'a> {
         }
         poses.reverse();
         poses
+    }
+}
+
+/// The word for the method.
+const NAME: &str = "probabilistic";
+
+impl MethodOptions for ProbabilisticOptions {
+    fn name(&self) -> &'static str {
+        NAME
+    }
+
+    fn summary(&self) -> &'static str {
+        "The most accurate estimate with calibrated weights"
+    }
+
+    fn settings(&mut self) -> Vec<Setting<'_>> {
+        self.settings()
+    }
+
+    fn check(&self) -> Result<()> {
+        self.check()
+    }
+
+    fn takes(&self, whisker: &Whisker) -> Result<()> {
+        whisker.require_straight().map_err(|error| error.remedy(STRAIGHT_ONLY))
+    }
+
+    fn estimator<'a>(&self, map: &'a Map, robot: &'a Robot, channels: &[Channel]) -> Result<Box<dyn Estimator + 'a>> {
+        Ok(Box::new(ProbabilisticEstimator::new(map, robot, channels, *self)?))
+    }
+}
+
+impl Estimator for ProbabilisticEstimator<'_> {
+    fn step(&mut self, row: &LogRow) -> Result<()> {
+        let start = *self.start.get_or_insert(row.odom_from_robot);
+        let odom = start.between(row.odom_from_robot);
+        let mut readings: Vec<f64> =
+            self.senses.iter().map(|r| row.readings.get(r.channel).copied().unwrap_or(0.0)).collect();
+        self.screen(&mut readings, row)?;
+        self.watch(row.t, &readings);
+        if !self.recording {
+            self.rows.clear();
+            self.events.drain(..self.events.len().saturating_sub(LAST_EVENTS));
+            self.before.drain(..self.before.len().saturating_sub(1));
+        }
+        self.rows.push((row.t, odom));
+        self.taken += 1;
+        match self.set.step(odom, &readings, row.heading.filter(|h| h.is_finite())) {
+            Happened::Nothing => {}
+            Happened::Started(_) => {
+                self.first_row.get_or_insert(self.taken - 1);
+                self.since = (self.lost > 0).then_some(0);
+                if self.first_states.is_empty() {
+                    self.first_states = self.set.states(odom);
+                }
+                self.note(row.t);
+            }
+            Happened::Updated => {
+                self.note(row.t);
+                self.believe_again(row.t);
+            }
+            Happened::Lost => self.note_loss(row.t),
+        }
+        Ok(())
+    }
+
+    fn estimate(&self) -> Estimate {
+        let places = self.set.places();
+        let hypotheses: Vec<Hypothesis> = places.iter().map(pose::fitted).collect();
+        let verdict = pose::verdict(&Evidence {
+            explained_since: self.since.unwrap_or(0),
+            broken: Broken::Unknown,
+            ..self.evidence(&hypotheses)
+        });
+        Estimate { status: verdict.status, hypotheses, rows: self.taken }
+    }
+
+    fn states_now(&self) -> Vec<Pose2> {
+        self.rows.last().map_or_else(Vec::new, |&(_, odom)| self.set.states(odom))
+    }
+
+    fn finish(mut self: Box<Self>) -> Localization {
+        let t = self.rows.last().map_or(0.0, |row| row.0);
+        let before = self.first_row;
+        let (places, fit) = self.set.finish();
+        if !places.is_empty() {
+            self.first_row.get_or_insert(self.taken.saturating_sub(1));
+        }
+        if before.is_none() && !places.is_empty() {
+            self.note(t);
+        }
+        let hypotheses: Vec<Hypothesis> = places.iter().map(pose::fitted).collect();
+        let broken: Vec<f64> = places.iter().map(|place| place.broken).collect();
+        let verdict = pose::verdict(&Evidence {
+            explained_since: fit.map_or(0, |fit| fit.touching),
+            broken: Broken::Shares(&broken),
+            fit,
+            tolerated_share: self.tolerated_share,
+            ..self.evidence(&hypotheses)
+        });
+        self.note_reason(t, hypotheses.is_empty(), verdict.reason);
+        let status = verdict.status;
+        let keep = status != Status::Inconsistent;
+        let estimate = hypotheses.first().map(|h| h.pose).filter(|_| keep);
+        let odometry = places.first().and_then(|place| place.shares).map(odometry_estimate);
+        let trajectory = places.first().map_or_else(Vec::new, |place| self.trajectory(place, odometry.as_ref()));
+        let states = places.iter().flat_map(|p| p.members.iter().map(|(pose, c)| pose::box_95(*pose, c))).collect();
+        Localization {
+            method: NAME,
+            status,
+            estimate,
+            hypotheses: if keep { hypotheses } else { Vec::new() },
+            trajectory: if keep { trajectory } else { Vec::new() },
+            odometry: odometry.filter(|_| keep),
+            states: if keep { states } else { Vec::new() },
+            encloses: false,
+            first_states: self.first_states,
+            steps: self.steps,
+            events: self.events,
+            shapes: Vec::new(),
+        }
     }
 }
 
@@ -356,54 +356,3 @@ fn readers(robot: &Robot, tips: &[TipModel], channels: &[Channel]) -> Result<Vec
 const MOST_IMPOSSIBLE: usize = 4;
 /// Events that are kept where the way is not recorded.
 const LAST_EVENTS: usize = 100;
-/// Rows of contact that a set which was lost has to explain anew.
-const RECOVERED: usize = 150;
-
-/// Why the readings speak against the best place, if they do even when a share of them is tolerated and the odometry has added so much to
-/// their mean square.
-fn misfit(fit: &Fit, odometry: f64, tolerated_share: f64) -> Option<String> {
-    if fit.beyond > FALSE_SHARE + tolerated_share {
-        return Some(format!(
-            "{:.0} % of the readings lie beyond their declared noise even at the best place; is it the right map, and \
-             does the whisker touch with its tip?",
-            100.0 * fit.beyond
-        ));
-    }
-    let most = 1.0 + odometry + MOST_SQUARE / f64::from(fit.touching.max(1) as u32).sqrt();
-    if fit.square > most {
-        return Some(format!(
-            "the readings scatter {:.2} times as far from the best place as their declared noise does; is it the right map, \
-             and are the noise bounds right?",
-            fit.square.sqrt()
-        ));
-    }
-    let most = 1.0 + 8.0 * odometry + MOST_DRIFT * (2.0 / fit.blocks.max(1) as f64).sqrt();
-    let drift = if tolerated_share > 0.0 { fit.tolerant_drift } else { fit.drift };
-    (fit.blocks >= FEWEST_BLOCKS && drift > most).then(|| {
-        format!(
-            "the readings stray from the best place for many rows on end ({:.1} times what noise does); is it the right \
-             map, and is the whisker's stiffness right?",
-            drift.sqrt()
-        )
-    })
-}
-
-fn hypothesis(place: &Place) -> Hypothesis {
-    let boxes = place.members.iter().map(|(pose, covariance)| state_box(*pose, covariance));
-    Hypothesis {
-        pose: place.members[0].0,
-        weight: place.weight,
-        extent: boxes.fold(StateBox::EMPTY, |all, one| all.hull(&one)),
-        covariance: Some(place.covariance),
-        ridge: place.ridge.clone(),
-    }
-}
-
-/// The box around the region that holds the state with 95 %.
-fn state_box(pose: Pose2, covariance: &[[f64; 3]; 3]) -> StateBox {
-    let around = |value: f64, i: usize| {
-        let half = HALF_BOX * covariance[i][i].max(0.0).sqrt();
-        Interval::new(value - half, value + half)
-    };
-    StateBox { x: around(pose.x, 0), y: around(pose.y, 1), theta: around(pose.theta, 2) }
-}

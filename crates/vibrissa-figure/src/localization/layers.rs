@@ -2,7 +2,7 @@
 
 use super::{LocalizationScene, Outline, OutlineRole, counted, entry};
 use crate::canvas::{Canvas, WorldBounds};
-use crate::flow::pose::{Hypothesis, Localization, Method, StampedPose};
+use crate::flow::pose::{Hypothesis, Localization, StampedPose};
 use crate::flow::trajectory::pose_at;
 use crate::legend::{Entry, Sample};
 use crate::plane::{Pose2, Vec2};
@@ -170,11 +170,8 @@ pub(super) fn legend_entries(scene: &LocalizationScene<'_>, canvas: &Canvas) -> 
     );
     let sets = answer.states.iter().any(|state| !is_point(state));
     let survivor = if sets { Sample::Patch("survivor-box") } else { Sample::Dots("survivor", "survivor-tick") };
-    let kept = if answer.method == Method::Possibilistic {
-        "boxes around what is left of the cells"
-    } else {
-        "left at the end, likely or not"
-    };
+    let kept =
+        if answer.encloses { "boxes around what is left of the cells" } else { "left at the end, likely or not" };
     add(left > 0, survivor, format!("{left} {kept}{}", every(left)));
     add(
         answer.estimate.is_some() && !several,

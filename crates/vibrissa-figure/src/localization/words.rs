@@ -1,7 +1,7 @@
 //! The figure's sentences.
 
 use super::counted;
-use crate::flow::pose::{Localization, Method, Status};
+use crate::flow::pose::{Localization, Status};
 use crate::plane::Pose2;
 
 /// The verdict in one sentence, with the estimate in millimetres and degrees.
@@ -68,7 +68,7 @@ fn shrinkage(answer: &Localization) -> String {
 
 /// What an answer's state set consists of.
 pub(super) fn part(answer: &Localization) -> &'static str {
-    if answer.method == Method::Possibilistic { "cell" } else { "candidate" }
+    if answer.encloses { "cell" } else { "candidate" }
 }
 
 /// The text broken at spaces into lines of at most `limit` characters; a longer word keeps a line of its own.

@@ -139,7 +139,7 @@ def localize(
     log: LogLike,
     map: MapLike,
     robot: RobotLike = None,
-    method: Method = "deterministic",
+    method: Method = "probabilistic",
     *,
     format: str | None = None,
     truth: TrajectoryLike | None = None,
@@ -177,7 +177,6 @@ def localize(
     Ctrl-C ends it within a second.
     """
     options = {
-        "method": method,
         "tip_load": tip_load,
         "boundary_spacing": boundary_spacing,
         "history_shapes": history_shapes,
@@ -198,7 +197,7 @@ def localize(
         "tolerated_share": tolerated_share,
     }
     known = None if truth is None else read_trajectory(truth)
-    found = _vibrissa.localize(read_log(log, format), read_map(map), robot_of(robot), options, progress)
+    found = _vibrissa.localize(read_log(log, format), read_map(map), robot_of(robot), method, options, progress)
     return Localization._of(found, known)
 
 
@@ -214,7 +213,7 @@ class Demo:
     """Where the robot is by its log, with the error against the truth."""
 
 
-def demo(seed: int = 1, method: Method = "deterministic") -> Demo:
+def demo(seed: int = 1, method: Method = "probabilistic") -> Demo:
     """Simulates a sweep in the built-in arena, localizes, and compares with the truth; the seed is the noise's."""
     log, fields = _vibrissa.demo_sweep(seed)
     sweep = Simulation._of(log, fields)

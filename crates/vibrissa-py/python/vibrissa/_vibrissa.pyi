@@ -29,6 +29,7 @@ __all__ = [
     "whisker_is_uniform",
     "demo_sweep",
     "localize",
+    "methods",
     "tum_error",
     "tum_format",
     "tum_read",
@@ -314,7 +315,10 @@ def demo_sweep(seed: int) -> tuple[SensorLog, dict[str, Any]]: ...
 def find_taps(
     path: _Path, calibration: Calibration, word: str | None, reference: str | None
 ) -> dict[str, Any]: ...
-def localize(log: SensorLog, map: Map, robot: Robot, options: dict[str, Any], progress: Any) -> dict[str, Any]: ...
+def localize(
+    log: SensorLog, map: Map, robot: Robot, method: str, options: dict[str, Any], progress: Any
+) -> dict[str, Any]: ...
+def methods() -> list[str]: ...
 def path(
     waypoints: Floats, speed: float | None, turn_rate: float | None, rate: float | None
 ) -> _Poses: ...

@@ -9,4 +9,4 @@ mod localize;
 pub mod profile;
 
 pub use drawing::outlines;
-pub use localize::{LocalizeOptions, StatesObserver, localize, localize_watched, localize_while};
+pub use localize::{StatesObserver, localize, localize_watched, localize_while};

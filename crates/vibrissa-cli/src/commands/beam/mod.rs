@@ -11,6 +11,7 @@ use clap::Subcommand;
 use input::{Given, Known};
 use std::path::PathBuf;
 use vibrissa::beam::{Load, Whisker};
+use vibrissa::config::defaults::{DIAMETER, STRAIN_LIMIT};
 use vibrissa::io::Dimension;
 use vibrissa::world::Robot;
 use vibrissa::{Error, Result};
@@ -90,12 +91,23 @@ struct Common {
     /// options and the robot. Rows that make no sense are warned of; when no row does, nothing is written
     #[arg(long, value_name = "FILE")]
     batch: Option<PathBuf>,
-    /// Diameter at the base, for the strain of the surface (m) [default: the robot's; the paper's 0.58 mm, for a whisker of
-    /// its rigidity]
-    #[arg(long, value_name = "LENGTH")]
+    #[arg(
+        long,
+        value_name = "LENGTH",
+        help = format!(
+            "Diameter at the base, for the strain of the surface (m) [default: the robot's; the paper's {:.2} mm, for a whisker \
+             of its rigidity]",
+            1e3 * DIAMETER
+        )
+    )]
     diameter: Option<String>,
-    /// Strain beyond which the whisker would stay bent, for a warning [default: the robot's, or 0.06, Nitinol's]
-    #[arg(long, value_name = "RATIO")]
+    #[arg(
+        long,
+        value_name = "RATIO",
+        help = format!(
+            "Strain beyond which the whisker would stay bent, for a warning [default: the robot's, or {STRAIN_LIMIT}, Nitinol's]"
+        )
+    )]
     strain_limit: Option<String>,
     #[command(flatten)]
     output: OutputArgs,

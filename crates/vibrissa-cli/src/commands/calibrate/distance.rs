@@ -6,7 +6,7 @@ use crate::quantity::option;
 use serde_json::json;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
-use vibrissa::config::StaircaseOptions;
+use vibrissa::config::{StaircaseOptions, shaft};
 use vibrissa::figure::{Plot, calibration_figure};
 use vibrissa::io::Dimension;
 use vibrissa::io::log::foreign::{Format, Recording, Repairs};
@@ -21,13 +21,26 @@ use vibrissa::{Error, Result};
 #[derive(Debug, clap::Args)]
 #[command(next_help_heading = "Options of distances")]
 pub(super) struct DistanceArgs {
-    /// Length of the shaft from base to tip [default: the robot's; for taps without --robot 180 mm; for a staircase
-    /// without --robot 150 mm]
-    #[arg(long, value_name = "LENGTH")]
+    #[arg(
+        long,
+        value_name = "LENGTH",
+        help = format!(
+            "Length of the shaft from base to tip [default: the robot's; for taps without --robot {} mm; for a staircase \
+             without --robot {} mm]",
+            1e3 * shaft::TAPPED_LENGTH,
+            1e3 * shaft::STAIRCASE_LENGTH
+        )
+    )]
     length: Option<String>,
-    /// Tip radius over base radius, or `free` to fit it [default: the robot's; for taps without --robot 1/3; for a
-    /// staircase without --robot free]
-    #[arg(long, value_name = "RATIO")]
+    #[arg(
+        long,
+        value_name = "RATIO",
+        help = format!(
+            "Tip radius over base radius, or `free` to fit it [default: the robot's; for taps without --robot 1/{}; for a \
+             staircase without --robot free]",
+            shaft::TAPPED_TIP_RATIO.recip()
+        )
+    )]
     tip_ratio: Option<String>,
     /// Whether the base is clamped; otherwise its compliance is fitted [default: clamped where the taper is free]
     #[arg(long)]

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 use std::path::Path;
 use vibrissa::figure::Outline;
-use vibrissa::flow::pose::{Localization, Method, StampedPose};
+use vibrissa::flow::pose::{Localization, StampedPose};
 use vibrissa::flow::sensor_log::{Channel, LogRow, Quantity, SensorLog};
 use vibrissa::io::log::foreign::{Format, Recording};
 use vibrissa::io::read_tum;
@@ -12,7 +12,7 @@ use vibrissa::io::recording::{StampedStates, localization_mcap};
 #[cfg(feature = "mcap")]
 use vibrissa::tasks::StatesObserver;
 use vibrissa::world::{Map, Robot};
-use vibrissa::{LocalizeOptions, Result};
+use vibrissa::{Method, Result};
 
 /// How far a drawn boundary may be from the map's (m).
 const DRAWING_TOLERANCE: f64 = 2e-5;
@@ -34,7 +34,7 @@ impl Inputs {
         map: &Path,
         robot: Option<&Path>,
         truth: Option<&Path>,
-        method: Method,
+        method: &Method,
     ) -> Result<Self> {
         Ok(Self {
             title: format!("{} on {}", file_name(log), file_name(map)),
@@ -58,20 +58,16 @@ impl Inputs {
     /// The answer; `observer` is called after each row and may break off.
     pub(super) fn localize(
         &self,
-        options: &LocalizeOptions,
+        method: &Method,
         observer: &mut dyn FnMut(usize) -> ControlFlow<()>,
     ) -> Result<Localization> {
-        vibrissa::localize_while(&self.log, &self.map, &self.robot, options, observer)
+        vibrissa::localize_while(&self.log, &self.map, &self.robot, method, observer)
     }
 
     /// The same; `observer` may ask for the states so far.
     #[cfg(feature = "mcap")]
-    pub(super) fn localize_watched(
-        &self,
-        options: &LocalizeOptions,
-        observer: &mut StatesObserver,
-    ) -> Result<Localization> {
-        vibrissa::tasks::localize_watched(&self.log, &self.map, &self.robot, options, observer)
+    pub(super) fn localize_watched(&self, method: &Method, observer: &mut StatesObserver) -> Result<Localization> {
+        vibrissa::tasks::localize_watched(&self.log, &self.map, &self.robot, method, observer)
     }
 
     /// The recording of an answer and the states along the way (MCAP).

@@ -1,35 +1,7 @@
-//! What is known about the robot's place besides its touch.
+//! The region that holds the first pose, as six numbers of the command line.
 
 use std::ffi::OsString;
-
-/// Least and largest x, y (m) and heading (rad).
-type Region = [[f64; 2]; 3];
-
-/// Options that say it; each default lives in `vibrissa::config`.
-#[derive(Clone, Debug, Default, clap::Args)]
-#[command(next_help_heading = "Options of the possibilistic and the probabilistic method")]
-pub(crate) struct KnownArgs {
-    /// Bound on the error of the log's absolute headings, in rad [default: 0.05]
-    #[arg(long, value_name = "RAD")]
-    pub(super) heading_error: Option<f64>,
-    /// Where the robot is at the first row, in m and rad: least and largest x, y and heading, six numbers with commas or
-    /// spaces between them. Large maps need it
-    #[arg(
-        long,
-        value_name = "BOX",
-        value_parser = region,
-        allow_hyphen_values = true,
-        help_heading = "Options of all methods"
-    )]
-    within: Option<Region>,
-}
-
-impl KnownArgs {
-    /// The region that holds the first pose: least and largest x, y (m) and heading (rad).
-    pub(super) fn region(&self) -> Option<Region> {
-        self.within
-    }
-}
+use vibrissa::config::Region;
 
 /// The numbers of a text with commas or spaces between them; none if something else is in there.
 fn numbers(text: &str) -> Option<Vec<f64>> {
@@ -37,7 +9,7 @@ fn numbers(text: &str) -> Option<Vec<f64>> {
     words.map(|word| word.parse().ok()).collect()
 }
 
-fn region(text: &str) -> Result<Region, String> {
+pub(super) fn region(text: &str) -> Result<Region, String> {
     let wanted = "six numbers are due, with commas or spaces between them: least x, largest x, least y, largest y (m), \
                   least heading, largest heading (rad)";
     match numbers(text).as_deref() {

@@ -1,30 +1,24 @@
 //! `vibrissa localize`: where the robot is.
 
-mod deterministic;
 mod inputs;
 mod known;
-mod possibilistic;
-mod probabilistic;
+mod method;
 mod robot;
 
 use crate::interrupt::{Heedful, stopped};
 use crate::output::OutputArgs;
 use crate::output::{Run, Stopwatch, deliver, warn};
-use clap::ValueEnum;
-use deterministic::DeterministicArgs;
 use inputs::Inputs;
 pub(super) use inputs::{outlines, read_log};
-use known::KnownArgs;
 pub(crate) use known::joined;
-use possibilistic::PossibilisticArgs;
-use probabilistic::ProbabilisticArgs;
+use method::MethodArgs;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
+use vibrissa::Result;
 use vibrissa::flow::pose::Localization;
 use vibrissa::io::log::foreign::Format;
 #[cfg(feature = "mcap")]
 use vibrissa::io::recording::StatesWatch;
-use vibrissa::{LocalizeOptions, Result};
 
 /// Find where the robot is from a sensor log and a map.
 ///
@@ -50,43 +44,23 @@ pub(crate) struct Args {
     /// The true trajectory in the map frame (.tum), to report errors against
     #[arg(long, value_name = "TRUTH")]
     truth: Option<PathBuf>,
-    /// The estimator
-    #[arg(long, value_enum, default_value_t = MethodArg::Deterministic)]
-    method: MethodArg,
+    #[command(flatten)]
+    method: MethodArgs,
     /// Also write localization.mcap: map, readings, whisker, states and estimate as ROS 2 messages
     #[cfg(feature = "mcap")]
     #[arg(long, requires = "out")]
     mcap: bool,
     #[command(flatten)]
     output: OutputArgs,
-    #[command(flatten)]
-    deterministic: DeterministicArgs,
-    #[command(flatten)]
-    known: KnownArgs,
-    #[command(flatten)]
-    possibilistic: PossibilisticArgs,
-    #[command(flatten)]
-    probabilistic: ProbabilisticArgs,
-}
-
-/// The estimators by name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum MethodArg {
-    /// The paper's intersection of discretised preimages
-    Deterministic,
-    /// Guaranteed bounds on the state: what is outside is ruled out
-    Possibilistic,
-    /// The most accurate estimate with calibrated weights
-    Probabilistic,
 }
 
 /// Runs the command.
 pub(crate) fn run(args: &Args) -> Result<()> {
-    let options = options(args)?;
-    let inputs =
-        Inputs::read(&args.log, args.format, &args.map, args.robot.as_deref(), args.truth.as_deref(), options.method)?;
+    let method = &args.method.method;
+    args.method.check()?;
+    let inputs = Inputs::read(&args.log, args.format, &args.map, args.robot.as_deref(), args.truth.as_deref(), method)?;
     let mut stopwatch = Stopwatch::start();
-    let (answer, recording, used) = heedful(args, &inputs, &options, &mut stopwatch)?;
+    let (answer, recording, used) = heedful(args, &inputs, &mut stopwatch)?;
     let runtime = stopwatch.stop(inputs.rows(), &answer.steps);
     deliver(
         &Run {
@@ -105,16 +79,13 @@ pub(crate) fn run(args: &Args) -> Result<()> {
 
 /// Warns of doubtful inputs, then the answer, the recording where it is asked for, and how many rows they are made of: an
 /// interrupt keeps what is known by then.
-fn heedful(
-    args: &Args,
-    inputs: &Inputs,
-    options: &LocalizeOptions,
-    stopwatch: &mut Stopwatch,
-) -> Result<(Localization, Option<Vec<u8>>, usize)> {
+fn heedful(args: &Args, inputs: &Inputs, stopwatch: &mut Stopwatch) -> Result<(Localization, Option<Vec<u8>>, usize)> {
     let _heeds = Heedful::begin();
     inputs.warnings().iter().for_each(|warning| warn(warning));
+    let unused = |flag: &String| format!("{flag} is not used: the method {} has no such option", args.method.method);
+    args.method.unused.iter().for_each(|flag| warn(&unused(flag)));
     let mut used = 0;
-    let (answer, recording) = answered(args, inputs, options, &mut |row| {
+    let (answer, recording) = answered(args, inputs, &mut |row| {
         stopwatch.lap();
         used = row + 1;
         if stopped() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
@@ -131,14 +102,13 @@ fn heedful(
 fn answered(
     args: &Args,
     inputs: &Inputs,
-    options: &LocalizeOptions,
     lap: &mut dyn FnMut(usize) -> ControlFlow<()>,
 ) -> Result<(Localization, Option<Vec<u8>>)> {
     if !args.mcap {
-        return Ok((inputs.localize(options, lap)?, None));
+        return Ok((inputs.localize(&args.method.method, lap)?, None));
     }
     let mut watch = StatesWatch::new(inputs.rows().len());
-    let answer = inputs.localize_watched(options, &mut |row, states| {
+    let answer = inputs.localize_watched(&args.method.method, &mut |row, states| {
         watch.look(row, inputs.rows()[row].t, states);
         lap(row)
     })?;
@@ -148,18 +118,9 @@ fn answered(
 
 #[cfg(not(feature = "mcap"))]
 fn answered(
-    _: &Args,
+    args: &Args,
     inputs: &Inputs,
-    options: &LocalizeOptions,
     lap: &mut dyn FnMut(usize) -> ControlFlow<()>,
 ) -> Result<(Localization, Option<Vec<u8>>)> {
-    Ok((inputs.localize(options, lap)?, None))
-}
-
-fn options(args: &Args) -> Result<LocalizeOptions> {
-    match args.method {
-        MethodArg::Deterministic => args.deterministic.options(&args.known),
-        MethodArg::Possibilistic => args.possibilistic.options(&args.known),
-        MethodArg::Probabilistic => args.probabilistic.options(&args.known),
-    }
+    Ok((inputs.localize(&args.method.method, lap)?, None))
 }

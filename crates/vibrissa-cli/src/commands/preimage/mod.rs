@@ -9,6 +9,7 @@ use core::f64::consts::TAU;
 use serde_json::json;
 use std::fmt::Write;
 use std::path::PathBuf;
+use vibrissa::config::defaults;
 use vibrissa::figure::{PreimageFigure, preimage_figure};
 use vibrissa::flow::contact_set::{ContactRegion, Parts};
 use vibrissa::flow::preimage::{Construction, PreimageOptions, ReadingPreimage, fused_preimage, reading_preimage};
@@ -39,10 +40,10 @@ pub(crate) struct Args {
     #[arg(long)]
     ignore_collisions: bool,
     /// Side of the cells of places (m)
-    #[arg(long, value_name = "LENGTH", default_value = "1 mm")]
+    #[arg(long, value_name = "LENGTH", default_value = format!("{} mm", 1e3 * defaults::PREIMAGE_CELL))]
     cell: String,
     /// Width of the cells of headings (rad)
-    #[arg(long, value_name = "ANGLE", default_value = "1 deg")]
+    #[arg(long, value_name = "ANGLE", default_value = format!("{} deg", 360.0 / defaults::PREIMAGE_HEADINGS as f64))]
     heading_step: String,
     /// Show the slice at this heading in the figure, too (rad)
     #[arg(long, value_name = "ANGLE", allow_hyphen_values = true)]

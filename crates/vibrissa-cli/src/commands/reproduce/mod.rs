@@ -19,15 +19,15 @@ use vibrissa_reproduce::{Cell, Progress, Reproduction, reproduce};
 /// With --out DIR: report.html, one page that needs nothing else, and reproduce.json, every number of it.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
-    /// Draws of the noise for each sweep of the localization table [default: 5]
-    #[arg(long, value_name = "N")]
-    seeds: Option<usize>,
-    /// How many of the five sweeps are run [default: 5]
-    #[arg(long, value_name = "N")]
-    sweeps: Option<usize>,
-    /// Trials for each distance of the contact table [default: 200]
-    #[arg(long, value_name = "N")]
-    trials: Option<usize>,
+    /// Draws of the noise for each sweep of the localization table
+    #[arg(long, value_name = "N", default_value_t = ReproduceOptions::default().seeds)]
+    seeds: usize,
+    /// How many of the five sweeps are run
+    #[arg(long, value_name = "N", default_value_t = ReproduceOptions::default().sweeps)]
+    sweeps: usize,
+    /// Trials for each distance of the contact table
+    #[arg(long, value_name = "N", default_value_t = ReproduceOptions::default().trials)]
+    trials: usize,
     /// Make only these sections, such as contact-table (may be repeated) [default: all]
     #[arg(long, value_name = "SECTION")]
     only: Vec<String>,
@@ -37,11 +37,10 @@ pub(crate) struct Args {
 
 /// Runs the command.
 pub(crate) fn run(args: &Args) -> Result<()> {
-    let defaults = ReproduceOptions::default();
     let options = ReproduceOptions {
-        seeds: args.seeds.unwrap_or(defaults.seeds),
-        sweeps: args.sweeps.unwrap_or(defaults.sweeps),
-        trials: args.trials.unwrap_or(defaults.trials),
+        seeds: args.seeds,
+        sweeps: args.sweeps,
+        trials: args.trials,
         only: args.only.clone(),
         threads: None,
     };

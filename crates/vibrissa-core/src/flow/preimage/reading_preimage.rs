@@ -5,6 +5,7 @@ use super::solid::{Solid, deep_cells};
 use super::state_grid::{Raster, StateGrid};
 use super::thin::ThinWalls;
 use super::touch::{Touch, touches};
+use crate::config::defaults;
 use crate::flow::contact_set::{
     ContactCell, ContactModel, ContactRegion, ContactSet, MomentRegime, Parts, Reading, Resolution, VirtualSensor,
 };
@@ -57,8 +58,8 @@ impl Default for PreimageOptions {
     /// The paper's millimetre, and a degree.
     fn default() -> Self {
         Self {
-            cell: 1e-3,
-            headings: 360,
+            cell: defaults::PREIMAGE_CELL,
+            headings: defaults::PREIMAGE_HEADINGS,
             construction: Construction::default(),
             contacts: Parts::default(),
             collision_free: true,

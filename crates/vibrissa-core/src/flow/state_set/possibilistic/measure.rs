@@ -2,7 +2,7 @@
 
 use super::cell::{ARM, Cell};
 use crate::plane::{Bounds, Pose2, Vec2, wrap_angle};
-use crate::sets::StateBox;
+use crate::sets::{Interval, StateBox};
 use core::f64::consts::TAU;
 
 /// Cells nearer than this belong together (m, rad).
@@ -28,6 +28,19 @@ pub struct Place {
     pub share: f64,
     /// The box around it.
     pub extent: StateBox,
+}
+
+/// A place after the robot has made this step, which may be off by so much in place (m) and turn (rad): nothing is lost.
+pub(super) fn carried(place: &Place, step: Pose2, (off, turn): (f64, f64)) -> Place {
+    let StateBox { x, y, theta } = place.extent;
+    let middle = 0.5 * (theta.lo() + theta.hi());
+    let way = step.position().rotated(middle);
+    // The way at any heading of the place ends no further from the way at the middle one than the chord between them.
+    let slack = off + 2.0 * way.norm() * (0.25 * theta.width().min(TAU)).sin();
+    let moved = |range: Interval, by: f64, slack: f64| Interval::new(range.lo() + by - slack, range.hi() + by + slack);
+    let extent =
+        StateBox { x: moved(x, way.x, slack), y: moved(y, way.y, slack), theta: moved(theta, step.theta, turn) };
+    Place { pose: place.pose.compose(step), extent, ..*place }
 }
 
 /// The boxes around the cells, long slanted ones cut.

@@ -421,6 +421,13 @@ impl PossibleSet {
         measure::places(self.now())
     }
 
+    /// Places of an earlier row, by its index, at the newest row: as the odometry carries them, with its bounds.
+    pub(crate) fn carried(&self, places: &[Place], row: usize) -> Vec<Place> {
+        let (Some(then), Some(newest)) = (self.records.get(row), self.records.last()) else { return Vec::new() };
+        let (step, off, turn) = then.stand.until(&newest.stand);
+        places.iter().map(|place| measure::carried(place, step, (off, turn))).collect()
+    }
+
     /// Upper bounds of the area that the set covers (m²) and of its volume (m² rad), at the newest row.
     #[must_use]
     pub fn size(&self) -> (f64, f64) {

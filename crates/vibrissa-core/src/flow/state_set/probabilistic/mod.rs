@@ -12,6 +12,7 @@ mod hypothesis;
 mod images;
 mod joint;
 mod normal;
+mod now;
 mod places;
 mod rerun;
 mod ridge;

@@ -12,7 +12,8 @@ use super::ridge::{Metric, Walker};
 use super::shake::shake;
 use super::shares::WAYS;
 use super::spread::{BOTH, Member, SAMPLES, SAMPLES_WITH_SHARES, Sampled, Spread};
-use crate::plane::Pose2;
+use super::symmetry::Turns;
+use crate::plane::{Pose2, Vec2};
 use crate::world::Odometry;
 
 /// Hypotheses that are refined to the end in closed form, the best first.
@@ -69,6 +70,7 @@ const THOROUGH_ABOVE: f64 = 0.02;
 const MOST_SAMPLED_TAKES: usize = 600_000;
 /// Readings that the walks along ridges may run, of all places.
 const MOST_WALKED_TAKES: usize = 300_000;
+
 /// One place that explains the readings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Place {
@@ -87,20 +89,6 @@ pub struct Place {
     /// The shares by which the odometry's increments are too short, go aside (rad) and turn too little, each with its standard
     /// deviation; none where it is declared right.
     pub shares: Option<[[f64; 2]; 3]>,
-}
-
-/// The pose of the odometry frame that the best hypothesis estimates, the robot's place in which is this one now.
-pub(super) fn best(bank: &Bank, odom_from_robot: Pose2) -> Option<Pose2> {
-    let one =
-        bank.hypotheses.iter().min_by(|a, b| a.outlook(OPEN, bank.shared).total_cmp(&b.outlook(OPEN, bank.shared)))?;
-    let d = super::bank::cut(one.free_best(OPEN, bank.shared).1);
-    let there = moved(one.map_from_odom, bank.pivot, d);
-    let Some(response) = one.drift.response(&one.normal, bank.shared) else { return Some(there) };
-    // What the shares that the readings ask for do to the way from the first row on.
-    let (errors, by) = (one.drift.errors(there.theta), response.after(d));
-    let off = |i: usize| (0..3).map(|way| errors[way][i] * by[way]).sum::<f64>();
-    let robot = there.compose(odom_from_robot);
-    Some(Pose2::new(robot.x + off(0), robot.y + off(1), robot.theta + off(2)).compose(odom_from_robot.inverse()))
 }
 
 /// Area and volume of all hypotheses' 95 % regions, overlaps counted twice.
@@ -280,28 +268,12 @@ impl Settled<'_> {
             })
             .collect();
         if self.bank.for_all {
-            places = places.iter().flat_map(|place| self.images(place)).collect();
+            places = places.iter().flat_map(|place| images_of(self.field.turns, place)).collect();
         }
         let total: f64 = places.iter().map(|p| p.weight).sum();
         places.iter_mut().for_each(|p| p.weight /= total);
         places.sort_by(|a, b| b.weight.total_cmp(&a.weight));
         places
-    }
-
-    /// A place and its images: no log tells them apart, so they weigh the same.
-    fn images(&self, place: &Place) -> Vec<Place> {
-        let turned = |frame: Pose2| {
-            let motion = frame.compose(place.map_from_odom.inverse());
-            let own = |m: &Matrix| Normal { curvature: *m, ..Normal::default() }.turned(motion.theta).curvature;
-            Place {
-                map_from_odom: frame,
-                covariance: own(&place.covariance),
-                members: place.members.iter().map(|(pose, c)| (motion.compose(*pose), own(c))).collect(),
-                ridge: place.ridge.iter().map(|pose| motion.compose(*pose)).collect(),
-                ..*place
-            }
-        };
-        self.field.turns.images(place.map_from_odom).map(turned).collect()
     }
 
     /// Hypotheses that are linked, directly or through others, the best first.
@@ -325,17 +297,8 @@ impl Settled<'_> {
 
     /// The share of the likelihood as the linearisations say it.
     fn mass(&self, members: &[usize]) -> f64 {
-        let one = |&i: &usize| {
-            let h = &self.bank.hypotheses[i];
-            // Neighbours on a ridge share its length among them.
-            let narrow = RIDGE.powi(-2);
-            let mut curvature = inverse(&self.told[i].place).unwrap_or_default();
-            if members.len() > 1 {
-                (0..2).for_each(|k| curvature[k][k] += narrow);
-            }
-            (self.least - h.cost(self.bank.shared)).exp() / determinant(&curvature).max(f64::MIN_POSITIVE).sqrt()
-        };
-        members.iter().map(one).sum()
+        let more = |i: usize| self.least - self.bank.hypotheses[i].cost(self.bank.shared);
+        members.iter().map(|&i| mass(more(i), &self.told[i].place, members.len() > 1)).sum()
     }
 
     /// What sampling says about a place.
@@ -380,29 +343,62 @@ impl Settled<'_> {
     }
 }
 
+/// The share of the likelihood of a hypothesis that costs so much less than the best (nats), by its linearisation.
+pub(super) fn mass(less: f64, place: &Matrix, among_others: bool) -> f64 {
+    // Neighbours on a ridge share its length among them.
+    let narrow = RIDGE.powi(-2);
+    let mut curvature = inverse(place).unwrap_or_default();
+    if among_others {
+        (0..2).for_each(|k| curvature[k][k] += narrow);
+    }
+    less.exp() / determinant(&curvature).max(f64::MIN_POSITIVE).sqrt()
+}
+
 /// Whether two hypotheses are one place.
 fn linked(bank: &Bank, told: &[Told], a: usize, b: usize) -> bool {
-    let d = difference(bank.hypotheses[a].map_from_odom, bank.hypotheses[b].map_from_odom, bank.pivot);
+    let of = |i: usize| (bank.hypotheses[i].map_from_odom, &told[i].place);
+    are_linked(of(a), of(b), bank.pivot)
+}
+
+/// Whether two odometry frames in the map frame, each with its covariance about the pivot, are one place.
+pub(super) fn are_linked(a: (Pose2, &Matrix), b: (Pose2, &Matrix), pivot: Vec2) -> bool {
+    let d = difference(a.0, b.0, pivot);
     if d[0].hypot(d[1]) > FARTHEST {
         return false;
     }
     if d[0].hypot(d[1]) < LINK_PLACE && d[2].abs() < LINK_TURN {
         return true;
     }
-    let mut sum = told[a].place;
-    add(&mut sum, &told[b].place);
+    let mut sum = *a.1;
+    add(&mut sum, b.1);
     inverse(&sum).is_some_and(|i| dot(times(&i, d), d) < LINKED)
 }
 
+/// A place and its images: no log tells them apart, so they weigh the same.
+pub(super) fn images_of(turns: &Turns, place: &Place) -> Vec<Place> {
+    let turned = |frame: Pose2| {
+        let motion = frame.compose(place.map_from_odom.inverse());
+        let own = |m: &Matrix| Normal { curvature: *m, ..Normal::default() }.turned(motion.theta).curvature;
+        Place {
+            map_from_odom: frame,
+            covariance: own(&place.covariance),
+            members: place.members.iter().map(|(pose, c)| (motion.compose(*pose), own(c))).collect(),
+            ridge: place.ridge.iter().map(|pose| motion.compose(*pose)).collect(),
+            ..*place
+        }
+    };
+    turns.images(place.map_from_odom).map(turned).collect()
+}
+
 /// The robot's pose at the last row and its covariance there.
-fn at_robot(map_from_odom: Pose2, bank: &Bank, own: &Matrix, odom_from_robot: Pose2) -> (Pose2, Matrix) {
+pub(super) fn at_robot(map_from_odom: Pose2, bank: &Bank, own: &Matrix, odom_from_robot: Pose2) -> (Pose2, Matrix) {
     let pose = map_from_odom.compose(odom_from_robot);
     let arm = (pose.position() - map_from_odom.transform_point(bank.pivot)).perp();
     (pose, congruent(&[[1.0, 0.0, arm.x], [0.0, 1.0, arm.y], [0.0, 0.0, 1.0]], own))
 }
 
 /// The declared bounds of odometry, by as much as errors that are not alike for all of so many rows come to.
-fn rest(bounds: &Odometry, rows: usize) -> Odometry {
+pub(super) fn rest(bounds: &Odometry, rows: usize) -> Odometry {
     let share = (VARYING / (rows.max(1) as f64).sqrt()).min(1.0);
     Odometry {
         translation_relative: share * bounds.translation_relative,

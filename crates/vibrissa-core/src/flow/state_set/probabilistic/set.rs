@@ -6,6 +6,7 @@ use super::fit::Fit;
 use super::ground::Ground;
 use super::history::History;
 use super::images::images;
+use super::now;
 use super::places::{self, Place};
 use super::seed::Seed;
 use super::shake::shake;
@@ -436,9 +437,18 @@ impl<'a> ProbabilisticSet<'a> {
         match &self.phase {
             Phase::Tracking(bank) => {
                 let last = self.history.pose(self.history.len() - 1);
-                places::best(bank, last).map(|frame| frame.compose(self.history.corrected_from_raw()))
+                now::best(bank, last).map(|frame| frame.compose(self.history.corrected_from_raw()))
             }
             _ => None,
+        }
+    }
+
+    /// The places by the hypotheses as they are linearised now, at the last row.
+    #[must_use]
+    pub fn places(&self) -> Vec<Place> {
+        match &self.phase {
+            Phase::Tracking(bank) => now::places(bank, &self.turns, &self.history, &self.robot.odometry),
+            _ => Vec::new(),
         }
     }
 

@@ -1,0 +1,168 @@
+//! What the last door says: a verdict, places, and the way there.
+
+use crate::flow::state_set::probabilistic::corrected;
+use crate::plane::{Pose2, Vec2};
+use crate::sets::StateBox;
+
+/// The verdict on a log.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Status {
+    /// One place explains the log.
+    Localized,
+    /// Several separate places explain the log, or the contact was too short to tell any place.
+    Ambiguous,
+    /// No state explains this log on this map.
+    Inconsistent,
+    /// The whisker never touched anything.
+    #[default]
+    NoContact,
+}
+
+/// One place that explains the log, kept apart from every other.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Hypothesis {
+    /// The chosen state at the last row, map frame.
+    pub pose: Pose2,
+    /// Its share among all hypotheses; the shares sum to 1.
+    pub weight: f64,
+    /// The extent of the component that it stands for.
+    pub extent: StateBox,
+    /// Covariance of (x, y, heading) in the map frame (m², m rad, rad²), where the method gives one: what the declared
+    /// noise and odometry bounds leave open at this place.
+    pub covariance: Option<[[f64; 3]; 3]>,
+    /// The curve along which the readings leave the place open, where the method gives one and the place is longer than 4 mm:
+    /// states at the last row (map frame), in order from one end of what the readings allow to the other, each a fit of its
+    /// own; else empty. Between neighbours states lie on a straight line, their headings on the shorter way.
+    pub ridge: Vec<Pose2>,
+}
+
+impl Hypothesis {
+    /// The error to be expected: root mean square of the position (m) and of the heading (rad), where the method gives a
+    /// covariance.
+    #[must_use]
+    pub fn bound(&self) -> Option<(f64, f64)> {
+        self.covariance.map(|c| ((c[0][0] + c[1][1]).max(0.0).sqrt(), c[2][2].max(0.0).sqrt()))
+    }
+
+    /// How far the robot's positions go along the ridge (m), where there is one.
+    #[must_use]
+    pub fn ridge_length(&self) -> Option<f64> {
+        let length = self.ridge.windows(2).map(|w| w[0].position().distance(w[1].position())).sum();
+        (self.ridge.len() > 1).then_some(length)
+    }
+}
+
+/// Something that happened at one time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Event {
+    /// When (s).
+    pub t: f64,
+    /// A short fixed word: `contact`, `lift_off`, `inconsistent`, …
+    pub kind: &'static str,
+    /// What happened, for people.
+    pub detail: String,
+}
+
+/// The state set after one update.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StepRecord {
+    /// When (s).
+    pub t: f64,
+    /// How many separate components the set has.
+    pub components: usize,
+    /// Area of the set's projection onto the plane (m²).
+    pub area_m2: f64,
+    /// Volume of the set (m² rad).
+    pub volume: f64,
+}
+
+/// The robot at one time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StampedPose {
+    /// When (s).
+    pub t: f64,
+    /// The robot in the map frame.
+    pub map_from_robot: Pose2,
+}
+
+/// One reconstructed whisker shape.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ShapeRecord {
+    /// When (s).
+    pub t: f64,
+    /// Points along the whisker from base to tip, robot frame (m).
+    pub points: Vec<Vec2>,
+}
+
+/// What the readings say about the odometry: each of its increments has to be stretched, turned aside and turned further alike.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OdometryEstimate {
+    /// The true length of an increment over the one that odometry gives; 1 where it is right.
+    pub translation_scale: f64,
+    /// Its standard deviation.
+    pub translation_scale_std: f64,
+    /// How far increments go to the left of where odometry says (rad).
+    pub aside: f64,
+    /// Its standard deviation (rad).
+    pub aside_std: f64,
+    /// The true turn of an increment over the one that odometry gives; 1 where it is right.
+    pub rotation_scale: f64,
+    /// Its standard deviation.
+    pub rotation_scale_std: f64,
+}
+
+impl OdometryEstimate {
+    /// An increment of the odometry (robot frame), corrected.
+    #[must_use]
+    pub fn corrected(&self, increment: Pose2) -> Pose2 {
+        corrected(increment, [self.translation_scale - 1.0, self.aside, self.rotation_scale - 1.0])
+    }
+}
+
+/// What can be said before the log has ended: less exact than the answer at the end, see [`crate::localizer::Estimator`].
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Estimate {
+    /// The verdict on the rows so far.
+    pub status: Status,
+    /// Every surviving place at the last row, map frame, heaviest first.
+    pub hypotheses: Vec<Hypothesis>,
+    /// How many rows have been taken.
+    pub rows: usize,
+}
+
+impl Estimate {
+    /// The best hypothesis at the last row, map frame; none as long as no place is known.
+    #[must_use]
+    pub fn pose(&self) -> Option<Pose2> {
+        self.hypotheses.first().map(|h| h.pose)
+    }
+}
+
+/// What a log and a map say about the robot.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Localization {
+    /// The name of the method that made this answer.
+    pub method: &'static str,
+    /// The verdict.
+    pub status: Status,
+    /// The best hypothesis at the last row, map frame.
+    pub estimate: Option<Pose2>,
+    /// Every surviving place, heaviest first, never averaged over separate places.
+    pub hypotheses: Vec<Hypothesis>,
+    /// The best hypothesis over time, one entry for each log row from the first estimate on.
+    pub trajectory: Vec<StampedPose>,
+    /// What is said about the odometry, by the probabilistic method where the robot declares that it may be wrong.
+    pub odometry: Option<OdometryEstimate>,
+    /// The final state set; for the deterministic method its surviving points.
+    pub states: Vec<StateBox>,
+    /// Whether `states` hold every state that the declared bounds allow: what lies outside is ruled out.
+    pub encloses: bool,
+    /// The candidates after the first observation, at that time: the first row of the trajectory.
+    pub first_states: Vec<Pose2>,
+    /// The set's size after each update.
+    pub steps: Vec<StepRecord>,
+    /// What happened along the way.
+    pub events: Vec<Event>,
+    /// Whisker shapes along the sweep, for drawing.
+    pub shapes: Vec<ShapeRecord>,
+}
