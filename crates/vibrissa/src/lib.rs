@@ -39,6 +39,7 @@ pub mod beam;
 #[cfg(doctest)]
 mod book;
 pub mod config;
+pub mod contact;
 pub mod error;
 pub mod figure;
 pub mod flow;

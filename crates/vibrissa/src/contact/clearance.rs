@@ -12,8 +12,8 @@ const SLACK: f64 = 1.7;
 /// Samples of a boundary for each cell.
 const SAMPLES: f64 = 4.0;
 
-/// A grid of distances to the boundaries.
-#[derive(Clone, Debug)]
+/// A grid of distances to the boundaries; without cells, nothing is known of them.
+#[derive(Clone, Debug, Default)]
 pub(super) struct Clearance {
     origin: Vec2,
     cell: f64,

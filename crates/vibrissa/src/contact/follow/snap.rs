@@ -5,9 +5,9 @@
 //! boundary does not push it along any more; one that would have to be pulled there flies towards where the unloaded
 //! whisker has it, up to the next boundary. The rest of the whisker is looked at where it has come to rest.
 
-use super::both::Rest;
 use super::tip::Placed;
-use super::{Felt, Forward, Hold, Next, Stance, Touch};
+use super::{Contact, ForwardModel, Next, Prediction};
+use crate::contact::{Hold, Stance, Support};
 use crate::plane::{Pose2, Vec2, wrap_angle};
 use core::f64::consts::FRAC_PI_2;
 
@@ -37,66 +37,67 @@ const MOST_FLIGHTS: usize = 3;
 
 /// The force at the tip that holds the whisker for a moment.
 #[derive(Clone, Copy)]
-struct Grip {
+struct TipForce {
     q: f64,
     beta: f64,
 }
 
 /// How a slide of the tip ends.
 enum Slid {
-    Rests(Touch, Felt),
+    Rests(Contact, Prediction),
     /// Off the boundary, under this force.
-    Off(Grip),
+    Off(TipForce),
     Lost,
 }
 
-impl Forward<'_> {
+impl ForwardModel<'_> {
     /// Where the whisker comes to rest that was held so and is now at `map_from_whisker`; none where it is free then, or
     /// meets a boundary with its side.
-    pub(super) fn spring(&self, touch: &Touch, map_from_whisker: Pose2) -> Option<(Touch, Felt)> {
+    pub(super) fn snapped(&self, touch: &Contact, map_from_whisker: Pose2) -> Option<(Contact, Prediction)> {
         if touch.q < WEAK {
             return None;
         }
         let stance = Stance::new(map_from_whisker, self.length);
-        let mut grip = Grip { q: touch.q, beta: touch.beta };
+        let mut tip_force = TipForce { q: touch.q, beta: touch.beta };
         let mut at = match touch.hold {
-            Hold::Piece(piece, at) => Some((piece, at)),
-            Hold::Corner(id) => self.out_of_corner(&stance, &mut grip, id),
+            Hold::Tip(Support::Piece(piece, at)) => Some((piece, at)),
+            Hold::Tip(Support::Corner(id)) => self.out_of_corner(&stance, &mut tip_force, id),
             Hold::Both(both) => {
-                grip = Grip { q: touch.q, beta: 0.0 };
+                tip_force = TipForce { q: touch.q, beta: 0.0 };
                 match both.tip {
-                    Rest::Piece(piece, at) => Some((piece, at)),
-                    Rest::Corner(id) => self.out_of_corner(&stance, &mut grip, id),
+                    Support::Piece(piece, at) => Some((piece, at)),
+                    Support::Corner(id) => self.out_of_corner(&stance, &mut tip_force, id),
                 }
             }
-            Hold::Vertex(_) | Hold::Flank(..) => {
-                grip.q /= touch.s * touch.s;
+            Hold::Side(..) => {
+                tip_force.q /= touch.s * touch.s;
                 None
             }
         };
         for _ in 0..MOST_FLIGHTS {
             if let Some((piece, there)) = at {
-                match self.slid(&stance, grip, piece, there.clamp(0.0, 1.0)) {
-                    Slid::Rests(touch, felt) => return self.rested(&stance, touch, felt),
-                    Slid::Off(left) => grip = left,
+                match self.slid(&stance, tip_force, piece, there.clamp(0.0, 1.0)) {
+                    Slid::Rests(touch, predicted) => return self.rested(&stance, touch, predicted),
+                    Slid::Off(left) => tip_force = left,
                     Slid::Lost => return None,
                 }
             }
-            (grip, at) = self.flown(&stance, grip).map(|(grip, at)| (grip, Some(at)))?;
+            (tip_force, at) = self.flown(&stance, tip_force).map(|(tip_force, at)| (tip_force, Some(at)))?;
         }
         None
     }
 
     /// Where the whisker rests that may have come to `map_from_whisker` in any way: with its tip on the boundary nearest to
     /// where the unloaded one has it, on the way on which that one leans.
-    pub(super) fn settled_at(&self, map_from_whisker: Pose2) -> Option<(Touch, Felt)> {
+    pub(super) fn settled_at(&self, map_from_whisker: Pose2) -> Option<(Contact, Prediction)> {
         let stance = Stance::new(map_from_whisker, self.length);
-        let nearest = |place: Vec2, reach: f64| self.ground.nearest(self.map, place, stance.base, reach * self.length);
+        let nearest =
+            |place: Vec2, reach: f64| self.boundaries.nearest(self.map, place, stance.base(), reach * self.length);
         let (piece, at, _) = nearest(stance.placed(Vec2::new(1.0, 0.0)), DEEPEST)?;
-        let foot = self.ground.pieces[piece as usize].spot(at.clamp(0.0, 1.0));
+        let foot = self.boundaries.spot((piece, at.clamp(0.0, 1.0)));
         // How near to its base a force across it has the tip, by the angle at which it is seen from there.
-        let arm = foot.position - stance.base;
-        let heading = Vec2::from_angle(stance.theta);
+        let arm = foot.position - stance.base();
+        let heading = Vec2::from_angle(stance.theta());
         let along = foot.velocity * (1.0 / foot.velocity.norm());
         let along = along * along.dot(heading).signum();
         let (half, mut way) = (arm.dot(along), 0.0);
@@ -108,24 +109,24 @@ impl Forward<'_> {
             way = if rest < half * half { (half * half - rest).sqrt() - half } else { 0.0 };
         }
         let (piece, at, _) = nearest(foot.position + along * way, REACH)?;
-        let lever = stance.seen(self.ground.pieces[piece as usize].spot(at.clamp(0.0, 1.0)).position - stance.base).y;
-        let (touch, felt) = self.rests_near(&stance, None, 1.5 * lever, piece, at.clamp(0.0, 1.0))?;
-        self.rested(&stance, touch, felt)
+        let lever = stance.seen(self.boundaries.spot((piece, at.clamp(0.0, 1.0))).position).y;
+        let (touch, predicted) = self.rests_near(&stance, None, 1.5 * lever, piece, at.clamp(0.0, 1.0))?;
+        self.rested(&stance, touch, predicted)
     }
 
     /// The tip at rest, with the side where that has come to a boundary, too.
-    fn rested(&self, stance: &Stance, touch: Touch, felt: Felt) -> Option<(Touch, Felt)> {
-        match self.cleared(stance, Touch { clear: 0.0, ..touch }, felt) {
-            Next::Touching(touch, felt) => Some((touch, felt)),
+    fn rested(&self, stance: &Stance, touch: Contact, predicted: Prediction) -> Option<(Contact, Prediction)> {
+        match self.cleared(stance, Contact { clear: 0.0, ..touch }, predicted) {
+            Next::Touching(touch, predicted) => Some((touch, predicted)),
             _ => None,
         }
     }
 
     /// The piece along which a tip leaves a concave corner; none where nothing presses it into the corner.
-    fn out_of_corner(&self, stance: &Stance, grip: &mut Grip, id: u32) -> Option<(u32, f64)> {
-        let corner = self.ground.corner(id)?;
-        let placed = self.placed_at(grip.q, grip.beta, stance.seen(corner.position - stance.base))?;
-        *grip = Grip { q: placed.q, beta: placed.beta };
+    fn out_of_corner(&self, stance: &Stance, tip_force: &mut TipForce, id: u32) -> Option<(u32, f64)> {
+        let corner = self.boundaries.corner(id)?;
+        let placed = self.placed_at(tip_force.q, tip_force.beta, stance.seen(corner.position))?;
+        *tip_force = TipForce { q: placed.q, beta: placed.beta };
         let force = force_on(stance, &placed);
         let pressed = |normal: f64| force.dot(Vec2::from_angle(normal)) > 0.0;
         let lean = corner.lean(force.angle());
@@ -139,34 +140,33 @@ impl Forward<'_> {
     }
 
     /// The tip slides along the boundary, from this place of a piece on.
-    fn slid(&self, stance: &Stance, mut grip: Grip, mut piece: u32, mut at: f64) -> Slid {
+    fn slid(&self, stance: &Stance, mut tip_force: TipForce, mut piece: u32, mut at: f64) -> Slid {
         let (mut last, mut stride, mut halved) = (None, STRIDE * self.length, 0);
         let mut before = (piece, at);
         for _ in 0..MOST_STRIDES {
-            let ground = &self.ground.pieces[piece as usize];
-            let spot = ground.spot(at);
-            let Some(placed) = self.placed_at(grip.q, grip.beta, stance.seen(spot.position - stance.base)) else {
+            let spot = self.boundaries.spot((piece, at));
+            let Some(placed) = self.placed_at(tip_force.q, tip_force.beta, stance.seen(spot.position)) else {
                 if halved == MOST_HALVED || before.0 != piece || last.is_none() {
-                    let slope = self.solver.chart(grip.q, grip.beta).map_or(0.0, |chart| chart.slope);
+                    let slope = self.mechanics.chart(tip_force.q, tip_force.beta).map_or(0.0, |chart| chart.slope);
                     let rests =
-                        if last.is_none() { self.rests_near(stance, Some(grip), slope, piece, at) } else { None };
-                    return rests.map_or(Slid::Off(grip), |(touch, felt)| Slid::Rests(touch, felt));
+                        if last.is_none() { self.rests_near(stance, Some(tip_force), slope, piece, at) } else { None };
+                    return rests.map_or(Slid::Off(tip_force), |(touch, predicted)| Slid::Rests(touch, predicted));
                 }
                 (at, stride, halved) = (0.5 * (at + before.1), 0.5 * stride, halved + 1);
                 continue;
             };
-            grip = Grip { q: placed.q, beta: placed.beta };
+            tip_force = TipForce { q: placed.q, beta: placed.beta };
             let force = force_on(stance, &placed);
             if force.dot(Vec2::from_angle(spot.normal)) <= 0.0 {
-                return Slid::Off(grip);
+                return Slid::Off(tip_force);
             }
             let speed = spot.velocity.norm();
             // The whisker pushes its tip against the force that holds it.
             let along = -force.dot(spot.velocity) / (speed * force.norm());
             let turned = last.is_some_and(|last: f64| along * last < 0.0);
             if along.abs() < UPRIGHT || turned || last.is_none() {
-                match self.rests_near(stance, Some(grip), placed.slope(), piece, at) {
-                    Some((touch, felt)) => return Slid::Rests(touch, felt),
+                match self.rests_near(stance, Some(tip_force), placed.slope(), piece, at) {
+                    Some((touch, predicted)) => return Slid::Rests(touch, predicted),
                     None if turned => return Slid::Lost,
                     None => {}
                 }
@@ -178,17 +178,25 @@ impl Forward<'_> {
                 continue;
             }
             let forward = at > 0.5;
-            let Some((id, corner)) = self.ground.corner_of(piece, forward).filter(|(_, corner)| !corner.is_end())
+            let Some((id, corner)) = self.boundaries.corner_of(piece, forward).filter(|(_, corner)| !corner.is_end())
             else {
-                return Slid::Off(grip);
+                return Slid::Off(tip_force);
             };
             if corner.is_concave() {
-                let Grip { q, beta } = grip;
+                let TipForce { q, beta } = tip_force;
                 let place = corner.position;
-                let from = Touch { q, beta, s: 1.0, hold: Hold::Corner(id), place, slope: placed.slope(), clear: 0.0 };
-                let caught = [from, Touch { q: 0.0, ..from }];
-                if let Some((touch, felt)) = caught.iter().find_map(|from| self.caught_in(stance, from, id)) {
-                    return Slid::Rests(touch, felt);
+                let from = Contact {
+                    q,
+                    beta,
+                    s: 1.0,
+                    hold: Hold::Tip(Support::Corner(id)),
+                    place,
+                    slope: placed.slope(),
+                    clear: 0.0,
+                };
+                let caught = [from, Contact { q: 0.0, ..from }];
+                if let Some((touch, predicted)) = caught.iter().find_map(|from| self.caught_in(stance, from, id)) {
+                    return Slid::Rests(touch, predicted);
                 }
             }
             (piece, at) = if forward { corner.after } else { corner.before };
@@ -201,24 +209,24 @@ impl Forward<'_> {
     fn rests_near(
         &self,
         stance: &Stance,
-        grip: Option<Grip>,
+        tip_force: Option<TipForce>,
         slope: f64,
         piece: u32,
         at: f64,
-    ) -> Option<(Touch, Felt)> {
-        let spot = self.ground.pieces[piece as usize].spot(at);
-        let upright = wrap_angle(spot.normal - stance.theta - slope - FRAC_PI_2);
-        let lever = stance.seen(spot.position - stance.base).y;
-        let known = grip.into_iter().flat_map(|grip| [(grip.q, grip.beta), (grip.q, upright)]);
+    ) -> Option<(Contact, Prediction)> {
+        let spot = self.boundaries.spot((piece, at));
+        let upright = wrap_angle(spot.normal - stance.theta() - slope - FRAC_PI_2);
+        let lever = stance.seen(spot.position).y;
+        let known = tip_force.into_iter().flat_map(|tip_force| [(tip_force.q, tip_force.beta), (tip_force.q, upright)]);
         let weak = (3.0 * lever / upright.cos(), upright);
         known.chain([weak]).filter(|load| load.0 > 0.0).find_map(|(q, beta)| {
-            let hold = Hold::Piece(piece, at);
-            let from = Touch { q, beta, s: 1.0, hold, place: spot.position, slope, clear: 0.0 };
+            let hold = Hold::Tip(Support::Piece(piece, at));
+            let from = Contact { q, beta, s: 1.0, hold, place: spot.position, slope, clear: 0.0 };
             match self.along(stance, &from, piece, at, false) {
-                Next::Touching(touch, felt)
+                Next::Touching(touch, predicted)
                     if touch.q > 0.0 && touch.place.distance(spot.position) <= NEAR * STRIDE * self.length =>
                 {
-                    Some((touch, felt))
+                    Some((touch, predicted))
                 }
                 _ => None,
             }
@@ -226,9 +234,9 @@ impl Forward<'_> {
     }
 
     /// The whisker unbends until its tip meets a boundary: the force then, and where.
-    fn flown(&self, stance: &Stance, grip: Grip) -> Option<(Grip, (u32, f64))> {
+    fn flown(&self, stance: &Stance, tip_force: TipForce) -> Option<(TipForce, (u32, f64))> {
         let left = |share: f64| {
-            let chart = self.solver.chart(share * grip.q, grip.beta)?;
+            let chart = self.mechanics.chart(share * tip_force.q, tip_force.beta)?;
             Some(stance.placed(chart.position))
         };
         let share = |step: f64| 1.0 - step / FLIGHT as f64;
@@ -243,8 +251,8 @@ impl Forward<'_> {
                     let place = left(middle)?;
                     if self.map.crosses(free.1, place) { beyond = middle } else { free = (middle, place) }
                 }
-                let (piece, at, _) = self.ground.nearest(self.map, left(beyond)?, free.1, REACH * self.length)?;
-                return Some((Grip { q: beyond * grip.q, ..grip }, (piece, at)));
+                let (piece, at, _) = self.boundaries.nearest(self.map, left(beyond)?, free.1, REACH * self.length)?;
+                return Some((TipForce { q: beyond * tip_force.q, ..tip_force }, (piece, at)));
             }
             before = next;
         }
@@ -254,5 +262,5 @@ impl Forward<'_> {
 
 /// The force on a tip that is held, map frame, dimensionless.
 fn force_on(stance: &Stance, placed: &Placed) -> Vec2 {
-    Vec2::from_angle(stance.theta + placed.slope() + placed.beta + FRAC_PI_2) * placed.q
+    Vec2::from_angle(stance.direction(placed.slope(), placed.beta)) * placed.q
 }

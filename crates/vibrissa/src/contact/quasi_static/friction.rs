@@ -1,37 +1,35 @@
 //! Stick and slip: whether friction holds a contact where it is, and which way it slides where it does not.
 
-use super::{Contact, Hold, LOST, Next, Step, TIP_SLACK, Tried};
+use super::newton::{PieceSolution, Rule, Unknown};
+use super::{Equilibrium, LOST, Outcome, PointLoad, Step, TIP_SLACK, Tried};
+use crate::contact::{Hold, Push, Support};
 use crate::plane::{Vec2, wrap_angle};
-use crate::tasks::simulate::equilibrium::{OnPiece, Rule, Unknown};
-use crate::tasks::simulate::flex::Load;
-use crate::tasks::simulate::foothold::Foothold;
-use core::f64::consts::{FRAC_PI_2, PI};
 
 /// Force below which a stuck contact starts afresh, over `EI / L²`.
 const WEAK: f64 = 1e-3;
 
 impl Step<'_> {
     /// With friction: the contact where it is if the cone allows it, else sliding with the force on the cone's edge.
-    pub(super) fn stick_or_slip(&self, contact: &Contact, guess: &Contact) -> Next {
+    pub(super) fn stick_or_slip(&self, contact: &Equilibrium, guess: &Equilibrium) -> Outcome {
         // What slides goes on sliding as long as friction opposes it.
         if contact.sliding.abs() > 0.0
             && let Some(next) = self.slide(contact, guess, contact.sliding)
         {
             return next;
         }
-        let start = Load { s: contact.load.s, ..guess.load };
-        let off = match self.stuck(&Contact { load: start, sliding: 0.0, ..*contact }) {
-            Some((Next::Touching(next), off)) if off.abs() <= self.cone && self.is_near(contact, &next) => {
-                return Next::Touching(next);
+        let start = PointLoad { s: contact.load.s, ..guess.load };
+        let off = match self.stuck(&Equilibrium { load: start, sliding: 0.0, ..*contact }) {
+            Some((Outcome::Touching(next), off)) if off.abs() <= self.cone && self.is_near(contact, &next) => {
+                return Outcome::Touching(next);
             }
             Some((_, off)) => off,
             None => self.cone,
         };
         let first = self.cone.copysign(off);
-        let mut end = Next::Ends(LOST);
+        let mut end = Outcome::Ends(LOST);
         for offset in [first, -first] {
             match self.slide(contact, guess, offset) {
-                Some(Next::LiftOff) => end = Next::LiftOff,
+                Some(Outcome::LiftOff) => end = Outcome::LiftOff,
                 Some(next) => return next,
                 None => {}
             }
@@ -40,94 +38,100 @@ impl Step<'_> {
     }
 
     /// The slide with the force this far off the frictionless direction (rad), if friction then opposes it.
-    fn slide(&self, contact: &Contact, guess: &Contact, offset: f64) -> Option<Next> {
+    fn slide(&self, contact: &Equilibrium, guess: &Equilibrium, offset: f64) -> Option<Outcome> {
         match self.run(guess.hold, guess.load, offset) {
-            Next::Touching(next) if self.opposes(contact, &next, offset) && self.is_near(contact, &next) => {
-                Some(Next::Touching(Contact { sliding: if next.stuck { 0.0 } else { offset }, ..next }))
+            Outcome::Touching(next) if self.opposes(contact, &next, offset) && self.is_near(contact, &next) => {
+                Some(Outcome::Touching(Equilibrium { sliding: if next.stuck { 0.0 } else { offset }, ..next }))
             }
-            Next::LiftOff => Some(Next::LiftOff),
+            Outcome::LiftOff => Some(Outcome::LiftOff),
             _ => None,
         }
     }
 
     /// Whether friction with the force this far off acts against the way that the whisker slid.
-    fn opposes(&self, before: &Contact, after: &Contact, offset: f64) -> bool {
-        let across = Vec2::from_angle(self.stance.direction(after.load, &after.state) - offset).perp();
+    fn opposes(&self, before: &Equilibrium, after: &Equilibrium, offset: f64) -> bool {
+        let across = Vec2::from_angle(self.on.direction(after.load, &after.state) - offset).perp();
         // The contact moves over the boundary, and the whisker's material over the contact.
-        let along = Vec2::from_angle(self.stance.heading(&after.state));
-        let passed = (before.load.s - after.load.s) * self.stance.flex.beam.length;
+        let along = Vec2::from_angle(self.on.stance.heading(after.state.slope));
+        let passed = (before.load.s - after.load.s) * self.on.whisker.beam.length;
         let slid = (after.place - before.place + along * passed).dot(across);
-        slid * offset.signum() <= 1e-9 * self.stance.flex.beam.length
+        slid * offset.signum() <= 1e-9 * self.on.whisker.beam.length
     }
 
     /// The contact stuck where it is, and the force's angle off the frictionless direction (rad).
-    fn stuck(&self, contact: &Contact) -> Option<(Next, f64)> {
-        let stance = &self.stance;
-        if let Hold::Flank(foothold, lay) = contact.hold {
-            return self.rolled(contact, foothold, lay);
+    fn stuck(&self, contact: &Equilibrium) -> Option<(Outcome, f64)> {
+        let on = &self.on;
+        if let Hold::Side(Support::Piece(piece, at), push) = contact.hold {
+            return self.rolled(contact, (piece, at), push);
         }
-        let solve = |start: Load| stance.at_place(Unknown::Tilt, start, contact.place);
+        let solve = |start: PointLoad| on.at_place(Unknown::Tilt, start, contact.place);
         let (load, state, _) = solve(self.first_push(contact)).or_else(|| solve(contact.load))?;
-        let direction = stance.direction(load, &state);
+        let direction = on.direction(load, &state);
+        let next = Equilibrium { load, state, stuck: true, ..*contact };
         let off = match contact.hold {
-            Hold::Tip(foothold) => wrap_angle(direction - foothold.ground(stance.map).normal),
-            Hold::Corner(joint) => {
-                let lean = joint.lean(direction);
-                (lean - lean.clamp(0.0, 1.0)) * joint.turn
+            Hold::Tip(Support::Piece(piece, at)) => {
+                let normal = on.boundaries.spot((piece, at)).normal;
+                if (on.stance.heading(state.slope) - normal).cos() > 0.0 {
+                    return self.rolled(&next, (piece, at), Push::of(load.beta));
+                }
+                wrap_angle(direction - normal)
             }
-            Hold::Vertex(joint, lay) => {
-                let lean = joint.lean(stance.heading(&state) + lay + FRAC_PI_2);
+            Hold::Tip(Support::Corner(id)) => {
+                let corner = on.boundaries.corner(id)?;
+                let lean = corner.lean(direction);
+                (lean - lean.clamp(0.0, 1.0)) * corner.turn
+            }
+            Hold::Side(Support::Corner(id), push) => {
+                let corner = on.boundaries.corner(id)?;
+                let lean = corner.lean(on.stance.direction(state.slope, push.tilt()));
                 if lean < 0.0 {
-                    return self.rolled(contact, joint.before, lay);
+                    return self.rolled(contact, corner.before, push);
                 }
                 if lean > 1.0 {
-                    return self.rolled(contact, joint.after, lay);
+                    return self.rolled(contact, corner.after, push);
                 }
-                wrap_angle(load.beta - lay)
+                wrap_angle(load.beta - push.tilt())
             }
-            Hold::Flank(..) => 0.0,
+            Hold::Side(Support::Piece(..), _) | Hold::Both(_) => return None,
         };
-        let next = Contact { load, state, stuck: true, ..*contact };
-        if contact.hold.is_tip()
-            && let Hold::Tip(foothold) = contact.hold
-            && (stance.heading(&state) - foothold.ground(stance.map).normal).cos() > 0.0
-        {
-            let lay = if load.beta.cos() > 0.0 { 0.0 } else { PI };
-            return self.rolled(&next, foothold, lay);
-        }
         if load.q < 0.0 {
-            return Some((Next::LiftOff, 0.0));
+            return Some((Outcome::LiftOff, 0.0));
         }
-        Some((Next::Touching(next), off))
+        Some((Outcome::Touching(next), off))
     }
 
     /// Where the search for a stuck contact starts: at its load, or at the small push across the whisker that brings an
     /// unloaded one to its place.
-    fn first_push(&self, contact: &Contact) -> Load {
-        let rest = Load { q: 0.0, ..contact.load };
-        let Some(state) = self.stance.flex.at(rest).filter(|_| contact.load.q < WEAK) else { return contact.load };
-        let across = (self.stance.seen(contact.place) - state.p).rotated(-state.slope).y;
+    fn first_push(&self, contact: &Equilibrium) -> PointLoad {
+        let rest = PointLoad { q: 0.0, ..contact.load };
+        let Some(state) = self.on.whisker.at(rest).filter(|_| contact.load.q < WEAK) else { return contact.load };
+        let across = (self.on.stance.seen(contact.place) - state.p).rotated(-state.slope).y;
         let s = contact.load.s;
-        Load { q: 3.0 * across.abs() / (s * s * s), beta: if across < 0.0 { PI } else { 0.0 }, s }
+        PointLoad {
+            q: 3.0 * across.abs() / (s * s * s),
+            beta: if across < 0.0 { Push::Right } else { Push::Left }.tilt(),
+            s,
+        }
     }
 
     /// The side rolled on along a piece without sliding.
-    fn rolled(&self, contact: &Contact, foothold: Foothold, lay: f64) -> Option<(Next, f64)> {
-        let rule = Rule::Roll { lay, s: contact.load.s, at: foothold.at };
-        let OnPiece::Found { load, state, foothold, .. } = self.stance.on_piece(rule, contact.load, foothold) else {
+    fn rolled(&self, contact: &Equilibrium, (piece, start): (u32, f64), push: Push) -> Option<(Outcome, f64)> {
+        let rule = Rule::Roll { push, s: contact.load.s, at: start };
+        let PieceSolution::Found { load, state, at, .. } = self.on.on_piece(rule, contact.load, (piece, start)) else {
             return None;
         };
         if load.s > 1.0 + TIP_SLACK {
             return None;
         }
-        let off = wrap_angle(load.beta - lay);
-        match self.on_flank(foothold, lay, load, state, true) {
+        let off = wrap_angle(load.beta - push.tilt());
+        match self.on_flank((piece, at), push, load, state, true) {
             Tried::Is(next) => Some((next, off)),
-            Tried::Then(Hold::Vertex(joint, lay), load) => {
+            Tried::Then(hold @ Hold::Side(Support::Corner(id), push), load) => {
                 // Rolled to a corner: it sticks there, with the arc length that it has come to.
-                let at_corner = Contact { load, hold: Hold::Vertex(joint, lay), place: joint.position, ..*contact };
-                let (load, state, _) = self.stance.at_place(Unknown::Tilt, load, joint.position)?;
-                Some((Next::Touching(Contact { load, state, stuck: true, ..at_corner }), wrap_angle(load.beta - lay)))
+                let place = self.on.boundaries.corner(id)?.position;
+                let (load, state, _) = self.on.at_place(Unknown::Tilt, load, place)?;
+                let at_corner = Equilibrium { load, state, hold, place, stuck: true, ..*contact };
+                Some((Outcome::Touching(at_corner), wrap_angle(load.beta - push.tilt())))
             }
             Tried::Then(..) => None,
         }
