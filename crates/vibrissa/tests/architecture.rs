@@ -16,10 +16,26 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("sets", &["config", "error", "plane"]),
     ("beam", &["config", "error", "plane", "sets"]),
     ("world", &["config", "error", "plane", "sets", "beam"]),
-    ("flow", &["config", "error", "plane", "sets", "beam", "world"]),
-    ("localizer", &["config", "error", "plane", "sets", "beam", "world", "flow"]),
-    ("figure", &["config", "error", "plane", "sets", "beam", "world", "flow"]),
-    ("tasks", &["config", "error", "least_squares", "plane", "sets", "beam", "world", "flow", "localizer", "figure"]),
+    ("contact", &["config", "error", "plane", "sets", "beam", "world"]),
+    ("flow", &["config", "error", "plane", "sets", "beam", "world", "contact"]),
+    ("localizer", &["config", "error", "plane", "sets", "beam", "world", "contact", "flow"]),
+    ("figure", &["config", "error", "plane", "sets", "beam", "world", "contact", "flow"]),
+    (
+        "tasks",
+        &[
+            "config",
+            "error",
+            "least_squares",
+            "plane",
+            "sets",
+            "beam",
+            "world",
+            "contact",
+            "flow",
+            "localizer",
+            "figure",
+        ],
+    ),
 ];
 
 /// Rooms that must build where there is no operating system, and what they may not name.
@@ -174,6 +190,7 @@ fn the_guard_sees_what_it_must() {
         ("sets", "let x = crate::world::Robot::default();"),
         ("flow", "use crate::tasks::localize;"),
         ("world", "use crate::figure::Canvas;"),
+        ("contact", "use crate::flow::state_set::StateSet;"),
         ("plane", "use std::collections::HashMap;"),
         ("beam", "let now = std::time::Instant::now();"),
         ("tasks", "println!(\"done\");"),

@@ -1,8 +1,8 @@
 //! A map's boundaries as chains of one-sided pieces with corners between them: what a continuation along them asks for,
 //! precomputed.
 //!
-//! A place on a boundary is the number of a piece and the parameter along it. A piece says on which side the whisker is;
-//! thin walls have pieces for both sides.
+//! A place on a boundary is the number of a piece and the parameter along it. A piece says on which side the whisker
+//! is; thin walls have pieces for both sides.
 
 use super::clearance::Clearance;
 use super::corner::Corner;
@@ -12,8 +12,8 @@ use core::f64::consts::{FRAC_PI_2, PI};
 
 /// Corners that turn by no more than this are hopped over while an equilibrium is still looked for (rad).
 const SLIGHT: f64 = 0.2;
-/// Corners that turn by more than this are sharp, by as much as this alike (rad), and those further along the boundary than this
-/// (m) are none of a place's own.
+/// Corners that turn by more than this are sharp, by as much as this alike (rad), and those further along the boundary
+/// than this (m) are none of a place's own.
 const SHARP: f64 = 0.3;
 const ALIKE: f64 = 0.02;
 const FARTHEST: f64 = 1.0;
@@ -157,7 +157,8 @@ impl Boundaries {
         self.piece(piece).spot(at)
     }
 
-    /// The corner at the start (`forward` false) or the end of a piece, and its number; none at the end of an open outline.
+    /// The corner at the start (`forward` false) or the end of a piece, and its number; none at the end of an open
+    /// outline.
     #[must_use]
     pub fn corner_of(&self, piece: u32, forward: bool) -> Option<(u32, Corner)> {
         let here = &self.pieces[piece as usize];
@@ -169,7 +170,8 @@ impl Boundaries {
         Some((id, self.corner(id)?))
     }
 
-    /// The corner of this number: that of the piece before it, and for the ends of walls numbers beyond those of the pieces.
+    /// The corner of this number: that of the piece before it, and for the ends of walls numbers beyond those of the
+    /// pieces.
     #[must_use]
     pub fn corner(&self, id: u32) -> Option<Corner> {
         match self.pieces.get(id as usize) {
@@ -211,7 +213,8 @@ impl Boundaries {
         (piece, at)
     }
 
-    /// The places that lie as far behind or before a sharp corner as this one behind or before its own: pieces and parameters.
+    /// The places that lie as far behind or before a sharp corner as this one behind or before its own: pieces and
+    /// parameters.
     ///
     /// A whisker that snaps out of a corner does so within a millimetre: of places on a grid none would feel the same.
     pub(crate) fn as_far_from_corners(&self, (piece, at): (u32, f64)) -> Vec<(u32, f64)> {
@@ -277,7 +280,8 @@ impl Boundaries {
         Some(if next { (piece(segment + 1, left), 0.0, distance) } else { (piece(segment, left), at, distance) })
     }
 
-    /// The place nearest to `point` within `reach` (m), touched from the side to which `away` points: piece and parameter.
+    /// The place nearest to `point` within `reach` (m), touched from the side to which `away` points: piece and
+    /// parameter.
     #[must_use]
     pub fn nearest_facing(&self, map: &Map, point: Vec2, away: Vec2, reach: f64) -> Option<(u32, f64)> {
         let NearestPiece { boundary, segment, .. } = map.nearest_piece(point, reach)?;

@@ -50,7 +50,8 @@ impl Corner {
         self.turn.abs() <= SMOOTH
     }
 
-    /// Where a direction (rad, map frame) points within the corner: 0 along the normal before, 1 along the normal after.
+    /// Where a direction (rad, map frame) points within the corner: 0 along the normal before, 1 along the normal
+    /// after.
     #[must_use]
     pub fn lean(&self, direction: f64) -> f64 {
         0.5 + wrap_angle(direction - self.normal - 0.5 * self.turn) / self.turn

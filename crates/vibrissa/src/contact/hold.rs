@@ -112,8 +112,8 @@ impl Hold {
 /// Tip and side on boundaries at once, without friction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TwoContacts {
-    /// Moment at the base (over `EI / L`), sum of the forces (x and y, whisker frame, over `EI / L²`), arc length of the
-    /// side contact (over `L`), and the force there to the whisker's left (over `EI / L²`).
+    /// Moment at the base (over `EI / L`), sum of the forces (x and y, whisker frame, over `EI / L²`), arc length of
+    /// the side contact (over `L`), and the force there to the whisker's left (over `EI / L²`).
     pub load: [f64; 5],
     /// What the tip rests on.
     pub tip: Support,

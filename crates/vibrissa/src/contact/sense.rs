@@ -36,8 +36,8 @@ impl Sense {
         }
     }
 
-    /// The reading of a uniform whisker that is touched at the share `s` of its length, normal to it and from the side that
-    /// `beta` says; `tip` is the part up to there at its own scale, under `q`. Derivatives by `q` and `s`.
+    /// The reading of a uniform whisker that is touched at the share `s` of its length, normal to it and from the side
+    /// that `beta` says; `tip` is the part up to there at its own scale, under `q`. Derivatives by `q` and `s`.
     pub(super) fn at_side(self, tip: &TipChart, q: f64, s: f64, beta: f64) -> (f64, [f64; 2]) {
         match self {
             Self::Moment => (tip.moment / s, [tip.by_force.moment / s, -tip.moment / (s * s)]),

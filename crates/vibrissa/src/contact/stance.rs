@@ -69,8 +69,8 @@ impl Stance {
         self.theta() + slope + tilt + FRAC_PI_2
     }
 
-    /// The derivatives by the base's x, y (1/m) and heading (1/rad) of what the adjoint `l` of the three equations stands for:
-    /// the contact is at `target` (whisker frame, over the length), the force has its direction.
+    /// The derivatives by the base's x, y (1/m) and heading (1/rad) of what the adjoint `l` of the three equations
+    /// stands for: the contact is at `target` (whisker frame, over the length), the force has its direction.
     #[must_use]
     pub fn gradient(&self, l: [f64; 3], target: Vec2) -> [f64; 3] {
         let (a, b) = (l[0] * self.per_length, l[1] * self.per_length);

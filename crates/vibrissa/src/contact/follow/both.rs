@@ -1,8 +1,8 @@
 //! Tip and side on boundaries at once: a bump that rises under a whisker whose tip is in a bay.
 //!
-//! The unknowns are the load of [`super::span`], the place of the tip on its piece (in a concave corner it is given) and
-//! that of the side on a curved piece (on a corner it is given). Newton's method solves for both places, the direction of
-//! the tip's force and the free end. Where one of the two forces would have to pull, that contact ends.
+//! The unknowns are the load of [`super::span`], the place of the tip on its piece (in a concave corner it is given)
+//! and that of the side on a curved piece (on a corner it is given). Newton's method solves for both places, the
+//! direction of the tip's force and the free end. Where one of the two forces would have to pull, that contact ends.
 
 use super::balance::{MOST, equations, gradient, solved};
 use super::span::{self, Shape, UNKNOWNS};
@@ -15,8 +15,8 @@ use core::f64::consts::{FRAC_PI_2, PI};
 const MOST_STEPS: usize = 12;
 const NEAR: f64 = 4e-3;
 const NEAR_EXACT: f64 = 1e-5;
-/// Largest change of the moment, of a force, and of the arc length, in one step: along an all but straight whisker forces
-/// are large.
+/// Largest change of the moment, of a force, and of the arc length, in one step: along an all but straight whisker
+/// forces are large.
 const LARGEST_MOMENT: f64 = 1.0;
 const LARGEST_PUSH: f64 = 20.0;
 const LARGEST_SHIFT: f64 = 0.08;
@@ -139,8 +139,8 @@ impl ForwardModel<'_> {
         Next::None
     }
 
-    /// What the side rests on next, if not on this, and whether the boundary pushes it; `across` is the direction to the
-    /// whisker's left there (rad, map frame). None where the side leaves the whisker or the boundary.
+    /// What the side rests on next, if not on this, and whether the boundary pushes it; `across` is the direction to
+    /// the whisker's left there (rad, map frame). None where the side leaves the whisker or the boundary.
     fn side_next(&self, both: &TwoContacts, across: f64) -> Option<(Option<Support>, bool)> {
         let [.., s, push] = both.load;
         if !(0.02..0.9995).contains(&s) {

@@ -28,8 +28,8 @@ impl Mechanics<'_> {
     }
 
     /// Residual (whisker lengths, rad) from which one more Newton step ends the search; the error left is about its
-    /// square, and more where the branch is about to fold: with a hundredth of a length left there, whiskers snap a row too
-    /// early or late and sweeps of a thousand rows end two standard deviations off.
+    /// square, and more where the branch is about to fold: with a hundredth of a length left there, whiskers snap a row
+    /// too early or late and sweeps of a thousand rows end two standard deviations off.
     pub(super) fn near(&self) -> f64 {
         match self {
             Self::ClosedForm | Self::Model(_) => 2e-5,

@@ -1,14 +1,13 @@
 //! The moment of a whisker in contact and its derivatives by the pose of its base, for estimation.
 //!
-//! Without friction, and of uniform whiskers at the tip (`tip`), the side (`side`) or both (`both`); of others at the tip
-//! alone. A contact is followed from pose to pose; what a free whisker meets is in `meet`, what one runs into besides its
-//! contact in `body`, and where one that snaps comes to rest in `snap`. Differentiating the equations of the equilibrium
-//! gives `dh/d(x, y, theta)` for the price of one more solution of the same linear system. Slightly negative forces, a
-//! whisker glued to the boundary, are kept: they tell in which direction a contact that should be there is to be looked
-//! for.
+//! Without friction, and of uniform whiskers at the tip (`tip`), the side (`side`) or both (`both`); of others at the
+//! tip alone. A contact is followed from pose to pose; what a free whisker meets is in `meet`, what one runs into
+//! besides its contact in `surroundings`, and where one that snaps comes to rest in `snap`. Differentiating the
+//! equations of the equilibrium gives `dh/d(x, y, theta)` for the price of one more solution of the same linear system.
+//! Slightly negative forces, a whisker glued to the boundary, are kept: they tell in which direction a contact that
+//! should be there is to be looked for.
 
 mod balance;
-mod body;
 mod both;
 mod mechanics;
 mod meet;
@@ -17,16 +16,17 @@ mod side;
 mod snap;
 mod span;
 mod state;
+mod surroundings;
 mod system;
 mod tip;
 
 use super::{Boundaries, Hold, Sense, Stance, Support};
 use crate::plane::{Pose2, wrap_angle};
 use crate::world::Map;
-use body::Surroundings;
 pub(crate) use mechanics::Mechanics;
 pub(crate) use packed::Packed;
 pub(crate) use state::{Contact, Prediction, WhiskerState};
+use surroundings::Surroundings;
 
 /// Largest travel of the base (whisker lengths, rad) in one step of the continuation.
 const LARGEST_STEP: f64 = 0.028;
@@ -123,7 +123,8 @@ impl ForwardModel<'_> {
         Some((touch, predicted))
     }
 
-    /// The equilibrium after a small motion to `map_from_whisker`, near enough to the one before to be its continuation.
+    /// The equilibrium after a small motion to `map_from_whisker`, near enough to the one before to be its
+    /// continuation.
     fn next(&self, touch: &Contact, map_from_whisker: Pose2) -> Next {
         let stance = Stance::new(map_from_whisker, self.length);
         let next = match touch.hold {

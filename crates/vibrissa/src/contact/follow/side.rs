@@ -1,10 +1,10 @@
 //! The side on a boundary.
 //!
 //! Without friction the force is normal to the whisker, and beyond the contact the whisker is straight: one family of
-//! shapes, brought to size by the arc length `s` of the contact. On a convex corner the place is given, which fixes both
-//! (in closed form). On a piece the whisker is tangent: three equations for force, arc length and place. A side that
-//! turns past the normals of a corner goes on along the piece there and back; on the polygon of a round boundary it
-//! passes from corner to corner. Where the contact comes to the tip, the tip goes on.
+//! shapes, brought to size by the arc length `s` of the contact. On a convex corner the place is given, which fixes
+//! both (in closed form). On a piece the whisker is tangent: three equations for force, arc length and place. A side
+//! that turns past the normals of a corner goes on along the piece there and back; on the polygon of a round boundary
+//! it passes from corner to corner. Where the contact comes to the tip, the tip goes on.
 
 use super::system::System;
 use super::tip::{END_SLACK, MOST_PIECES, MOST_STEPS};
@@ -25,6 +25,20 @@ const TIP_SLACK: f64 = 1e-9;
 const LARGEST_PUSH: f64 = 0.5;
 const LARGEST_SHIFT: f64 = 0.1;
 
+/// The corner that a side has left, and the contact on it.
+type Left = (u32, Contact, Prediction);
+
+/// One hold of the side tried.
+enum SideStep {
+    Ends(Next),
+    To(Contact),
+}
+
+/// The contact on the corner that was left, where nothing else is found.
+fn stayed(left: Option<Left>) -> SideStep {
+    SideStep::Ends(left.map_or(Next::None, |(_, touch, predicted)| Next::Touching(touch, predicted)))
+}
+
 impl ForwardModel<'_> {
     /// The equilibrium with the side on the boundary, from this hold on from one to the next.
     pub(super) fn on_side(&self, stance: &Stance, start: Contact) -> Next {
@@ -33,75 +47,88 @@ impl ForwardModel<'_> {
             return Next::None;
         }
         let mut touch = start;
-        let mut left: Option<(u32, Contact, Prediction)> = None;
+        let mut left: Option<Left> = None;
         for _ in 0..MOST_PIECES {
-            match touch.hold {
-                Hold::Side(Support::Piece(piece, at), push) => {
-                    let Some((found, predicted, at)) = self.on_flank(stance, &touch, piece, at) else {
-                        return left.map_or(Next::None, |(_, touch, predicted)| Next::Touching(touch, predicted));
-                    };
-                    if (-END_SLACK..=1.0 + END_SLACK).contains(&at) {
-                        return if found.s > 1.0 + TIP_SLACK {
-                            self.along(stance, &Contact { s: 1.0, ..found }, piece, at, true)
-                        } else {
-                            Next::Touching(found, predicted)
-                        };
-                    }
-                    let Some((id, corner)) = self.boundaries.corner_of(piece, at > 0.5) else { return Next::LetGo };
-                    if corner.is_concave() {
-                        return Next::None;
-                    }
-                    // Off a corner and back onto it: the two agree but for rounding.
-                    if let Some((_, touch, predicted)) = left.filter(|&(before, ..)| before == id) {
-                        return Next::Touching(touch, predicted);
-                    }
-                    touch = if corner.is_convex() {
-                        Contact { hold: Hold::Side(Support::Corner(id), push), ..found }
-                    } else {
-                        let (next, there) = if at > 0.5 { corner.after } else { corner.before };
-                        Contact { hold: Hold::Side(Support::Piece(next, there), push), ..found }
-                    };
-                }
-                Hold::Side(Support::Corner(id), push) => {
-                    let Some((found, predicted, lean)) = self.on_vertex(stance, &touch, id) else {
-                        return left.map_or(Next::None, |(_, touch, predicted)| Next::Touching(touch, predicted));
-                    };
-                    let Some(corner) = self.boundaries.corner(id) else { return Next::None };
-                    if (0.0..=1.0).contains(&lean) {
-                        return if found.s > 1.0 + TIP_SLACK {
-                            self.off_tip(stance, &found, id)
-                        } else {
-                            Next::Touching(found, predicted)
-                        };
-                    }
-                    let (piece, at) = if lean < 0.0 { corner.before } else { corner.after };
-                    let weak = found.q.abs() <= WEAK;
-                    let next = self.boundaries.corner_of(piece, at < 0.5).filter(|(_, next)| next.is_convex());
-                    let back = next.zip(left).is_some_and(|((next, _), (before, ..))| next == before);
-                    // Along a facet to its other corner, which is in closed form; where that one says to come back, and on longer
-                    // pieces, between the two.
-                    let facet = self.boundaries.piece(piece).length() < FACET * self.length;
-                    if !weak && (back || !facet) {
-                        left = Some((id, found, predicted));
-                        touch = Contact { hold: Hold::Side(Support::Piece(piece, at), push), ..found };
-                        continue;
-                    }
-                    match (next, left) {
-                        (Some(_), Some((_, touch, predicted))) if back => return Next::Touching(touch, predicted),
-                        (Some((next, _)), _) => {
-                            left = Some((id, found, predicted));
-                            touch = Contact { hold: Hold::Side(Support::Corner(next), push), ..found };
-                        }
-                        (None, _) if !weak || found.q > 0.0 => {
-                            touch = Contact { hold: Hold::Side(Support::Piece(piece, at), push), ..found };
-                        }
-                        (None, _) => return Next::LetGo,
-                    }
-                }
+            let step = match touch.hold {
+                Hold::Side(Support::Piece(piece, at), push) => self.flank(stance, &touch, (piece, at), push, left),
+                Hold::Side(Support::Corner(id), push) => self.vertex(stance, &touch, id, push, &mut left),
                 Hold::Tip(_) | Hold::Both(_) => return Next::None,
+            };
+            match step {
+                SideStep::Ends(next) => return next,
+                SideStep::To(next) => touch = next,
             }
         }
         Next::None
+    }
+
+    /// The side on a piece, or where it goes from there.
+    fn flank(
+        &self,
+        stance: &Stance,
+        touch: &Contact,
+        (piece, start): (u32, f64),
+        push: Push,
+        left: Option<Left>,
+    ) -> SideStep {
+        let Some((found, predicted, at)) = self.on_flank(stance, touch, piece, start) else { return stayed(left) };
+        if (-END_SLACK..=1.0 + END_SLACK).contains(&at) {
+            return SideStep::Ends(if found.s > 1.0 + TIP_SLACK {
+                self.along(stance, &Contact { s: 1.0, ..found }, piece, at, true)
+            } else {
+                Next::Touching(found, predicted)
+            });
+        }
+        let Some((id, corner)) = self.boundaries.corner_of(piece, at > 0.5) else { return SideStep::Ends(Next::LetGo) };
+        if corner.is_concave() {
+            return SideStep::Ends(Next::None);
+        }
+        // Off a corner and back onto it: the two agree but for rounding.
+        if left.is_some_and(|(before, ..)| before == id) {
+            return stayed(left);
+        }
+        let on = if corner.is_convex() {
+            Support::Corner(id)
+        } else if at > 0.5 {
+            corner.after.into()
+        } else {
+            corner.before.into()
+        };
+        SideStep::To(Contact { hold: Hold::Side(on, push), ..found })
+    }
+
+    /// The side on a corner, or where it goes from there.
+    fn vertex(&self, stance: &Stance, touch: &Contact, id: u32, push: Push, left: &mut Option<Left>) -> SideStep {
+        let Some((found, predicted, lean)) = self.on_vertex(stance, touch, id) else { return stayed(*left) };
+        let Some(corner) = self.boundaries.corner(id) else { return SideStep::Ends(Next::None) };
+        if (0.0..=1.0).contains(&lean) {
+            return SideStep::Ends(if found.s > 1.0 + TIP_SLACK {
+                self.off_tip(stance, &found, id)
+            } else {
+                Next::Touching(found, predicted)
+            });
+        }
+        let to = |on: Support| SideStep::To(Contact { hold: Hold::Side(on, push), ..found });
+        let (piece, at) = if lean < 0.0 { corner.before } else { corner.after };
+        let weak = found.q.abs() <= WEAK;
+        let next = self.boundaries.corner_of(piece, at < 0.5).filter(|(_, next)| next.is_convex());
+        let back = next.zip(*left).is_some_and(|((next, _), (before, ..))| next == before);
+        // Along a facet to its other corner, which is in closed form; where that one says to come back, and on longer
+        // pieces, between the two.
+        let facet = self.boundaries.piece(piece).length() < FACET * self.length;
+        if !weak && (back || !facet) {
+            *left = Some((id, found, predicted));
+            return to(Support::Piece(piece, at));
+        }
+        match next {
+            Some(_) if back => stayed(*left),
+            Some((next, _)) => {
+                *left = Some((id, found, predicted));
+                to(Support::Corner(next))
+            }
+            None if !weak || found.q > 0.0 => to(Support::Piece(piece, at)),
+            None => SideStep::Ends(Next::LetGo),
+        }
     }
 
     /// The side on a corner, and where its force points within the corner.

@@ -1,9 +1,9 @@
 //! Where a whisker comes to rest that has lost its equilibrium.
 //!
-//! Off a corner that held the tip, or past a fold of the branch that it followed, a whisker snaps. It is light and damped:
-//! what it costs to bend it until the tip is at a place only falls on the way. A tip on a boundary slides to where the
-//! boundary does not push it along any more; one that would have to be pulled there flies towards where the unloaded
-//! whisker has it, up to the next boundary. The rest of the whisker is looked at where it has come to rest.
+//! Off a corner that held the tip, or past a fold of the branch that it followed, a whisker snaps. It is light and
+//! damped: what it costs to bend it until the tip is at a place only falls on the way. A tip on a boundary slides to
+//! where the boundary does not push it along any more; one that would have to be pulled there flies towards where the
+//! unloaded whisker has it, up to the next boundary. The rest of the whisker is looked at where it has come to rest.
 
 use super::tip::Placed;
 use super::{Contact, ForwardModel, Next, Prediction};
@@ -16,7 +16,8 @@ const WEAK: f64 = 0.02;
 /// How far a tip slides from one look to the next (whisker lengths), and how often it is looked at.
 const STRIDE: f64 = 0.02;
 const MOST_STRIDES: usize = 150;
-/// From this slant of the force on (share of it along the boundary) an equilibrium is looked for, within so many strides.
+/// From this slant of the force on (share of it along the boundary) an equilibrium is looked for, within so many
+/// strides.
 const UPRIGHT: f64 = 0.5;
 const NEAR: f64 = 3.0;
 /// A stride after which nothing holds the tip is halved so often.
@@ -28,8 +29,8 @@ const HALVINGS: usize = 10;
 const REACH: f64 = 0.05;
 /// How deep in a boundary the tip of the unloaded whisker may be for what rests there to be found (whisker lengths).
 const DEEPEST: f64 = 0.4;
-/// A tip that a force across it has pushed to a small polar angle is nearer to the base than a straight one by this share of
-/// its square; rounds that find such a place on a boundary.
+/// A tip that a force across it has pushed to a small polar angle is nearer to the base than a straight one by this
+/// share of its square; rounds that find such a place on a boundary.
 const BENT: f64 = 0.09;
 const BENT_ROUNDS: usize = 4;
 /// Flights before it is given up.
@@ -51,8 +52,8 @@ enum Slid {
 }
 
 impl ForwardModel<'_> {
-    /// Where the whisker comes to rest that was held so and is now at `map_from_whisker`; none where it is free then, or
-    /// meets a boundary with its side.
+    /// Where the whisker comes to rest that was held so and is now at `map_from_whisker`; none where it is free then,
+    /// or meets a boundary with its side.
     pub(super) fn snapped(&self, touch: &Contact, map_from_whisker: Pose2) -> Option<(Contact, Prediction)> {
         if touch.q < WEAK {
             return None;
@@ -87,8 +88,8 @@ impl ForwardModel<'_> {
         None
     }
 
-    /// Where the whisker rests that may have come to `map_from_whisker` in any way: with its tip on the boundary nearest to
-    /// where the unloaded one has it, on the way on which that one leans.
+    /// Where the whisker rests that may have come to `map_from_whisker` in any way: with its tip on the boundary
+    /// nearest to where the unloaded one has it, on the way on which that one leans.
     pub(super) fn settled_at(&self, map_from_whisker: Pose2) -> Option<(Contact, Prediction)> {
         let stance = Stance::new(map_from_whisker, self.length);
         let nearest =
@@ -177,35 +178,38 @@ impl ForwardModel<'_> {
             if (0.0..=1.0).contains(&at) {
                 continue;
             }
-            let forward = at > 0.5;
-            let Some((id, corner)) = self.boundaries.corner_of(piece, forward).filter(|(_, corner)| !corner.is_end())
-            else {
-                return Slid::Off(tip_force);
-            };
-            if corner.is_concave() {
-                let TipForce { q, beta } = tip_force;
-                let place = corner.position;
-                let from = Contact {
-                    q,
-                    beta,
-                    s: 1.0,
-                    hold: Hold::Tip(Support::Corner(id)),
-                    place,
-                    slope: placed.slope(),
-                    clear: 0.0,
-                };
-                let caught = [from, Contact { q: 0.0, ..from }];
-                if let Some((touch, predicted)) = caught.iter().find_map(|from| self.caught_in(stance, from, id)) {
-                    return Slid::Rests(touch, predicted);
-                }
+            match self.turned_corner(stance, tip_force, placed.slope(), piece, at > 0.5) {
+                Ok(over) => (piece, at) = over,
+                Err(end) => return end,
             }
-            (piece, at) = if forward { corner.after } else { corner.before };
         }
         Slid::Lost
     }
 
-    /// An equilibrium near a place of a piece, the whisker's slope about this: from this force on, and from one along the normal
-    /// there.
+    /// The place across the corner at an end of a piece, or how the slide ends there.
+    fn turned_corner(
+        &self,
+        stance: &Stance,
+        tip_force: TipForce,
+        slope: f64,
+        piece: u32,
+        forward: bool,
+    ) -> Result<(u32, f64), Slid> {
+        let corner = self.boundaries.corner_of(piece, forward).filter(|(_, corner)| !corner.is_end());
+        let Some((id, corner)) = corner else { return Err(Slid::Off(tip_force)) };
+        if corner.is_concave() {
+            let (TipForce { q, beta }, hold) = (tip_force, Hold::Tip(Support::Corner(id)));
+            let from = Contact { q, beta, s: 1.0, hold, place: corner.position, slope, clear: 0.0 };
+            let caught = [from, Contact { q: 0.0, ..from }];
+            if let Some((touch, predicted)) = caught.iter().find_map(|from| self.caught_in(stance, from, id)) {
+                return Err(Slid::Rests(touch, predicted));
+            }
+        }
+        Ok(if forward { corner.after } else { corner.before })
+    }
+
+    /// An equilibrium near a place of a piece, the whisker's slope about this: from this force on, and from one along
+    /// the normal there.
     fn rests_near(
         &self,
         stance: &Stance,

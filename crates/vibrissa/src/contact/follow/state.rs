@@ -12,9 +12,9 @@ pub(crate) struct Contact {
     pub(super) beta: f64,
     /// Arc length of the contact over the whisker's length, 1 at the tip.
     pub(super) s: f64,
-    pub(super) hold: Hold,
+    pub(crate) hold: Hold,
     /// The contact (m), map frame.
-    pub(super) place: Vec2,
+    pub(crate) place: Vec2,
     /// The slope of the whisker there (rad).
     pub(super) slope: f64,
     /// How far it may still move (m) before the rest of the whisker can have come to a boundary.

@@ -2,8 +2,8 @@
 //!
 //! The tip stands on a piece of the boundary, the frictionless force is normal there: three equations for force, tilt
 //! and place, solved by Newton's method from the contact before. In a concave corner the place is given and the force
-//! may have any direction between the two normals. A tip that would point out of the boundary lies down, one that slides
-//! past an edge leaves the side on it.
+//! may have any direction between the two normals. A tip that would point out of the boundary lies down, one that
+//! slides past an edge leaves the side on it.
 
 use super::system::System;
 use super::{Contact, ForwardModel, Next, Prediction};
@@ -33,34 +33,19 @@ impl ForwardModel<'_> {
         let mut came: Option<bool> = None;
         let mut load = (start.q, start.beta);
         for _ in 0..MOST_PIECES {
-            let (end, found) = match self.on_piece(stance, load.0, load.1, piece, at, came.is_none()) {
-                TipSolution::Found { piece: on, at, touch, predicted } => {
-                    load = (touch.q, touch.beta);
-                    piece = on;
-                    (at, Some((touch, predicted)))
-                }
-                TipSolution::Lost(on, at) => {
-                    piece = on;
-                    (at, None)
-                }
+            let (on, end, found) = match self.on_piece(stance, load, (piece, at), came.is_none()) {
+                TipSolution::Found { piece, at, touch, predicted } => (piece, at, Some((touch, predicted))),
+                TipSolution::Lost(piece, at) => (piece, at, None),
                 TipSolution::Failed => return Next::None,
             };
+            piece = on;
+            load = found.map_or(load, |(touch, _)| (touch.q, touch.beta));
             if (-END_SLACK..=1.0 + END_SLACK).contains(&end) {
                 let Some((touch, predicted)) = found else { return Next::None };
-                let normal = self.boundaries.spot((piece, end)).normal;
-                if !from_side && touch.q > 0.0 && points_out(stance, &touch, normal) {
-                    if let Next::Touching(touch, predicted) =
-                        self.on_side(stance, touch.laid(Support::Piece(piece, end)))
-                    {
-                        return Next::Touching(touch, predicted);
-                    }
-                    return Next::Touching(Contact { clear: -1.0, ..touch }, predicted);
-                }
-                return Next::Touching(touch, predicted);
+                return self.standing(stance, touch, predicted, (piece, end), from_side);
             }
             let forward = end > 0.5;
             let Some((id, corner)) = self.boundaries.corner_of(piece, forward) else { return Next::LetGo };
-            let (over, there) = if forward { corner.after } else { corner.before };
             if !from_side
                 && corner.is_convex()
                 && let Some((touch, _)) = found
@@ -86,9 +71,28 @@ impl ForwardModel<'_> {
                 }
             }
             came = Some(forward);
-            (piece, at) = (over, there);
+            (piece, at) = if forward { corner.after } else { corner.before };
         }
         Next::None
+    }
+
+    /// The tip at a place of a piece, or the side there where the tip points out of the boundary.
+    fn standing(
+        &self,
+        stance: &Stance,
+        touch: Contact,
+        predicted: Prediction,
+        place: (u32, f64),
+        from_side: bool,
+    ) -> Next {
+        let normal = self.boundaries.spot(place).normal;
+        if from_side || touch.q <= 0.0 || !points_out(stance, &touch, normal) {
+            return Next::Touching(touch, predicted);
+        }
+        match self.on_side(stance, touch.laid(place.into())) {
+            Next::Touching(touch, predicted) => Next::Touching(touch, predicted),
+            _ => Next::Touching(Contact { clear: -1.0, ..touch }, predicted),
+        }
     }
 
     /// In the corner, or out of it along one of its sides.
@@ -106,28 +110,16 @@ impl ForwardModel<'_> {
 
     /// The equilibrium with the tip on a piece, from this load and place on; where `hopping`, on the piece to which the
     /// first steps lead over slight corners.
-    fn on_piece(
-        &self,
-        stance: &Stance,
-        mut q: f64,
-        mut beta: f64,
-        mut piece: u32,
-        mut at: f64,
-        hopping: bool,
-    ) -> TipSolution {
+    fn on_piece(&self, stance: &Stance, load: (f64, f64), place: (u32, f64), hopping: bool) -> TipSolution {
+        let ((mut q, mut beta), (mut piece, mut at)) = (load, place);
         let mut here = self.boundaries.piece(piece);
         for step in 0..MOST_STEPS {
             let Some(tip) = self.mechanics.chart(q, beta) else { return TipSolution::Failed };
             let spot = here.spot(at);
             let target = stance.seen(spot.position);
-            let velocity = stance.turned(spot.velocity);
             let gap = tip.position - target;
             let aslant = wrap_angle(stance.direction(tip.slope, beta) - spot.normal);
-            let system = System::new([
-                [tip.by_force.position.x, tip.by_tilt.position.x, -velocity.x],
-                [tip.by_force.position.y, tip.by_tilt.position.y, -velocity.y],
-                [tip.by_force.slope, 1.0 + tip.by_tilt.slope, -spot.turning],
-            ]);
+            let system = on_piece_system(&tip, stance.turned(spot.velocity), spot.turning);
             let Some([dq, dbeta, dat]) = system.solve([gap.x, gap.y, aslant]) else { return TipSolution::Failed };
             let damp = damping(q, dq, dbeta);
             (q, beta, at) = (q - damp * dq, beta - damp * dbeta, at - damp * dat);
@@ -184,8 +176,7 @@ impl ForwardModel<'_> {
         let (value, [m, n]) = self.sense.at_tip(&placed.tip, placed.q + dq, placed.beta);
         let adjoint = [(m * b.y - n * a.y) / det, (n * a.x - m * b.x) / det, 0.0];
         let settled = settled(&placed.tip, placed.q, placed.beta, dq, dbeta);
-        let direction = stance.direction(settled.slope, placed.beta);
-        let lean = wrap_angle(direction - corner.normal) / corner.turn;
+        let lean = corner.lean(stance.direction(settled.slope, placed.beta));
         let touch = Contact { hold: Hold::Tip(Support::Corner(before)), place: corner.position, ..settled };
         let predicted = Prediction { value: value - m * dq - n * dbeta, gradient: stance.gradient(adjoint, target) };
         Some((touch, predicted, lean))
@@ -241,6 +232,15 @@ enum TipSolution {
     Lost(u32, f64),
     /// No stable equilibrium near.
     Failed,
+}
+
+/// The equations of a tip on a piece: its place and the direction of its force, by force, tilt and place on the piece.
+fn on_piece_system(tip: &TipChart, velocity: Vec2, turning: f64) -> System {
+    System::new([
+        [tip.by_force.position.x, tip.by_tilt.position.x, -velocity.x],
+        [tip.by_force.position.y, tip.by_tilt.position.y, -velocity.y],
+        [tip.by_force.slope, 1.0 + tip.by_tilt.slope, -turning],
+    ])
 }
 
 /// Whether a whisker that stands so points out of the boundary with this normal (rad).

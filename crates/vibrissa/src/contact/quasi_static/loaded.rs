@@ -1,8 +1,9 @@
 //! The whisker under one force, and its derivatives: from the closed form where there is one, by marches elsewhere.
 //!
-//! Dimensionless: lengths over the whisker's length L, `q = F L² / EI`, `m = M0 L / EI`. With the contact at `p`, arc length
-//! `s` and fixed tilt, the derivatives for a uniform whisker are `dp/ds = (1 - m y, m x)`, `dphi/ds = m` and, because a force
-//! only scales the shape, `dp/dq = (s dp/ds - p) / 2q`, `dphi/dq = s m / 2q`; those by the tilt are differences.
+//! Dimensionless: lengths over the whisker's length L, `q = F L² / EI`, `m = M0 L / EI`. With the contact at `p`, arc
+//! length `s` and fixed tilt, the derivatives for a uniform whisker are `dp/ds = (1 - m y, m x)`, `dphi/ds = m` and,
+//! because a force only scales the shape, `dp/dq = (s dp/ds - p) / 2q`, `dphi/dq = s m / 2q`; those by the tilt are
+//! differences.
 
 use crate::Result;
 use crate::beam::{Bend, Rod, Whisker, elastica, normal};
@@ -42,11 +43,11 @@ pub struct LoadedState {
 
 /// Derivatives of contact and slope.
 #[derive(Clone, Copy, Debug)]
-pub struct LoadedRate {
+pub(super) struct LoadedRate {
     /// Of the contact, whisker frame, over L.
-    pub p: Vec2,
+    pub(super) p: Vec2,
     /// Of the slope at the contact.
-    pub slope: f64,
+    pub(super) slope: f64,
 }
 
 /// A whisker that can be loaded.
@@ -79,7 +80,7 @@ impl LoadedWhisker {
     }
 
     /// How small a residual rounding leaves.
-    pub fn accuracy(&self) -> f64 {
+    pub(super) fn accuracy(&self) -> f64 {
         if self.uniform { 1e-11 } else { 1e-9 }
     }
 
@@ -127,7 +128,7 @@ impl LoadedWhisker {
     }
 
     /// The side contact at `p` without friction where the closed form has it, nearest to the given slope.
-    pub fn touched_at(&self, p: Vec2, slope: f64) -> Option<Option<(PointLoad, LoadedState)>> {
+    pub(super) fn touched_at(&self, p: Vec2, slope: f64) -> Option<Option<(PointLoad, LoadedState)>> {
         if !self.uniform {
             return None;
         }
@@ -143,7 +144,7 @@ impl LoadedWhisker {
     }
 
     /// Derivatives by the force.
-    pub fn by_force(&self, load: PointLoad, here: &LoadedState) -> Option<LoadedRate> {
+    pub(super) fn by_force(&self, load: PointLoad, here: &LoadedState) -> Option<LoadedRate> {
         if !self.uniform {
             let step = STEP * (1.0 + load.q.abs());
             return self.difference(here, PointLoad { q: load.q + step, ..load }, step);
@@ -158,7 +159,7 @@ impl LoadedWhisker {
     }
 
     /// Derivatives by the arc length.
-    pub fn by_arc_length(&self, load: PointLoad, here: &LoadedState) -> Option<LoadedRate> {
+    pub(super) fn by_arc_length(&self, load: PointLoad, here: &LoadedState) -> Option<LoadedRate> {
         if !self.uniform {
             return self.difference(here, PointLoad { s: load.s - STEP, ..load }, -STEP);
         }
@@ -166,7 +167,7 @@ impl LoadedWhisker {
     }
 
     /// Derivatives by the tilt.
-    pub fn by_tilt(&self, load: PointLoad, here: &LoadedState) -> Option<LoadedRate> {
+    pub(super) fn by_tilt(&self, load: PointLoad, here: &LoadedState) -> Option<LoadedRate> {
         self.difference(here, PointLoad { beta: load.beta + STEP, ..load }, STEP)
     }
 

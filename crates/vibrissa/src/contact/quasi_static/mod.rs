@@ -8,10 +8,10 @@
 //! | side on a piece | place on the piece, arc length |
 //!
 //! A contact that sticks keeps its place on the boundary and its arc length (a side rolls along a piece), with the tilt
-//! unknown, as long as the force stays in the friction cone; then it slides with the force on the cone's edge. Holds follow
-//! one another: the tip slides over a convex corner onto the next piece or lies down on the one it is on, a side rolls over
-//! a corner, a side contact moves off the tip. Every solution must lie near the one before, or there is none; two contacts
-//! at once are none.
+//! unknown, as long as the force stays in the friction cone; then it slides with the force on the cone's edge. Holds
+//! follow one another: the tip slides over a convex corner onto the next piece or lies down on the one it is on, a side
+//! rolls over a corner, a side contact moves off the tip. Every solution must lie near the one before, or there is
+//! none; two contacts at once are none.
 
 mod friction;
 mod loaded;
@@ -20,7 +20,7 @@ mod onset;
 
 use super::{Corner, Hold, Push, Support};
 use crate::plane::Vec2;
-pub use loaded::{LoadedRate, LoadedState, LoadedWhisker, PointLoad};
+pub use loaded::{LoadedState, LoadedWhisker, PointLoad};
 pub use newton::WhiskerOnMap;
 use newton::{PieceSolution, Rule, Unknown};
 pub use onset::{between, blocked, first_touch, meets, onset, side_hold};
@@ -105,8 +105,8 @@ enum Tried {
 }
 
 impl Step<'_> {
-    /// As [`Step::next`], looked for first where a motion like the last one would lead; `ratio` says how long this one is
-    /// over that one.
+    /// As [`Step::next`], looked for first where a motion like the last one would lead; `ratio` says how long this one
+    /// is over that one.
     pub fn next_after(&self, before: Option<&Equilibrium>, contact: &Equilibrium, ratio: f64) -> Outcome {
         let Some(guess) = before.and_then(|before| contact.extrapolated(before, ratio)) else {
             return self.next(contact);

@@ -12,8 +12,8 @@ use core::f64::consts::FRAC_PI_2;
 const LOOK_EVERY: f64 = 1e-4;
 /// A boundary no further from the tip than this is met by the tip (m).
 const AT_TIP: f64 = 3.0 * FLATTEN_TOLERANCE;
-/// Chords of the bent whisker that are looked at, up to its contact and as many beyond, and parts of those that come close to
-/// a boundary.
+/// Chords of the bent whisker that are looked at, up to its contact and as many beyond, and parts of those that come
+/// close to a boundary.
 const CHORDS: usize = 12;
 const PARTS: usize = 8;
 /// Share of the length before a tip in contact that is not looked at, for it touches.

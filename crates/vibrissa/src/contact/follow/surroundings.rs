@@ -1,8 +1,8 @@
 //! Whether the rest of the whisker is clear of the boundaries.
 //!
-//! The contact holds one place; a bump may rise under another. How far the whisker is clear of everything is kept, so that
-//! it is not looked at again before it can have moved as far. Where a bump is near, both contacts are solved for, and the
-//! sign of the force tells whether it touches.
+//! The contact holds one place; a bump may rise under another. How far the whisker is clear of everything is kept, so
+//! that it is not looked at again before it can have moved as far. Where a bump is near, both contacts are solved for,
+//! and the sign of the force tells whether it touches.
 
 use super::{Contact, ForwardModel, span};
 use crate::contact::{Hold, Stance, Support};
@@ -49,40 +49,9 @@ impl ForwardModel<'_> {
         let force = Vec2::from_angle(touch.slope + touch.beta + FRAC_PI_2) * (touch.q * per * per);
         let mut outline = [Vec2::ZERO; CUTS];
         span::outline(chart.moment * per, force, touch.s, &mut outline);
-        let (farthest, bump) = (FARTHEST * self.length, BUMP * self.length);
-        let mut clear = farthest;
-        let mut least: Option<(usize, Gap)> = None;
-        let mut before = f64::INFINITY;
-        for (k, &at) in outline[..CUTS - 1].iter().enumerate() {
-            let place = stance.placed(at);
-            // What comes through a boundary is no further from it than the next of these places.
-            let least_gap = self.boundaries.clearance.at(place);
-            let (gap, distance) = if least_gap * CUTS as f64 > self.length {
-                (None, least_gap.min(farthest))
-            } else {
-                let gap = self.gap(stance, place);
-                let distance = gap.as_ref().map_or(farthest, |gap| gap.distance);
-                (gap, distance)
-            };
-            if k < LOOKED {
-                clear = clear.min(distance);
-            }
-            // A place nearer than its neighbours, or on the wrong side.
-            let rises =
-                least.as_ref().is_some_and(|(j, l)| *j + 1 == k && l.distance < before && distance > l.distance);
-            if let Some((j, gap)) = least.as_ref().filter(|(_, l)| rises && l.distance < bump) {
-                return Surroundings::Before((*j as f64 + 1.0) / CUTS as f64 * touch.s, gap.at);
-            }
-            if let Some(last) = &least {
-                before = last.1.distance;
-            }
-            least = gap.map(|gap| (k, gap));
-            if least.is_none() {
-                before = farthest;
-            }
-        }
-        if let Some((j, gap)) = least.filter(|(_, l)| l.distance < 0.0) {
-            return Surroundings::Before((j as f64 + 1.0) / CUTS as f64 * touch.s, gap.at);
+        let (mut clear, bump) = self.bump(stance, &outline[..CUTS - 1]);
+        if let Some((k, at)) = bump {
+            return Surroundings::Before((k as f64 + 1.0) / CUTS as f64 * touch.s, at);
         }
         if let Hold::Tip(Support::Piece(piece, at)) = touch.hold {
             // A tip that points out of the boundary has come through it from behind.
@@ -103,6 +72,44 @@ impl ForwardModel<'_> {
             }
         }
         Surroundings::Clear(clear.max(LEAST_CLEAR * self.length))
+    }
+
+    /// How far these places of the whisker are clear, and which of them is on or behind a boundary, near which place of
+    /// it.
+    fn bump(&self, stance: &Stance, outline: &[Vec2]) -> (f64, Option<(usize, (u32, f64))>) {
+        let (farthest, bump) = (FARTHEST * self.length, BUMP * self.length);
+        let mut clear = farthest;
+        let mut least: Option<(usize, Gap)> = None;
+        let mut before = f64::INFINITY;
+        for (k, &at) in outline.iter().enumerate() {
+            let place = stance.placed(at);
+            // What comes through a boundary is no further from it than the next of these places.
+            let least_gap = self.boundaries.clearance.at(place);
+            let (gap, distance) = if least_gap * CUTS as f64 > self.length {
+                (None, least_gap.min(farthest))
+            } else {
+                let gap = self.gap(stance, place);
+                let distance = gap.as_ref().map_or(farthest, |gap| gap.distance);
+                (gap, distance)
+            };
+            if k < LOOKED {
+                clear = clear.min(distance);
+            }
+            // A place nearer than its neighbours, or on the wrong side.
+            let rises =
+                least.as_ref().is_some_and(|(j, l)| *j + 1 == k && l.distance < before && distance > l.distance);
+            if let Some((j, gap)) = least.as_ref().filter(|(_, l)| rises && l.distance < bump) {
+                return (clear, Some((*j, gap.at)));
+            }
+            if let Some(last) = &least {
+                before = last.1.distance;
+            }
+            least = gap.map(|gap| (k, gap));
+            if least.is_none() {
+                before = farthest;
+            }
+        }
+        (clear, least.filter(|(_, l)| l.distance < 0.0).map(|(j, gap)| (j, gap.at)))
     }
 
     fn gap(&self, stance: &Stance, place: Vec2) -> Option<Gap> {
