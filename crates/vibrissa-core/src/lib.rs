@@ -13,6 +13,7 @@
 //! or a robot that gets its map by other means. SI everywhere, frames as in REP 103.
 
 pub mod config;
+pub mod contact;
 pub mod flow;
 pub mod localizer;
 pub mod world;

@@ -14,5 +14,5 @@ pub use simulate::{
     path_through, recorder, shapes, simulate, simulate_tip_sweep, simulate_watched,
 };
 
-use vibrissa_core::{Error, Result, beam, config, flow, plane, sensing, world};
+use vibrissa_core::{Error, Result, beam, config, contact, flow, plane, sensing, world};
 use vibrissa_io as io;

@@ -19,7 +19,7 @@
 //! | crate | here | what |
 //! | --- | --- | --- |
 //! | `vibrissa-beam` | [`beam`], [`plane`], [`sets`], [`sensing`] | whisker mechanics, without an operating system |
-//! | `vibrissa-core` | [`world`], [`flow`], [`localizer`], [`config`] | localization, without files |
+//! | `vibrissa-core` | [`world`], [`contact`], [`flow`], [`localizer`], [`config`] | localization, without files |
 //! | `vibrissa-io` | [`io`] | readers and writers of files |
 //! | `vibrissa-sim` | [`sim`] | the simulator |
 //! | `vibrissa-figure` | [`figure`] | SVG figures |
@@ -51,7 +51,7 @@ pub use vibrissa_core::flow::pose::{Localization, Status};
 pub use vibrissa_core::flow::sensor_log::SensorLog;
 pub use vibrissa_core::localizer::{Estimator, Localizer, Method};
 pub use vibrissa_core::world::{Map, Robot};
-pub use vibrissa_core::{Error, Result, beam, config, error, flow, localizer, plane, sensing, sets, world};
+pub use vibrissa_core::{Error, Result, beam, config, contact, error, flow, localizer, plane, sensing, sets, world};
 pub use vibrissa_figure as figure;
 pub use vibrissa_io as io;
 pub use vibrissa_io::{read_calibration, read_log, read_map, read_robot};

@@ -37,6 +37,13 @@ impl Bounds {
         self.including(other.min).including(other.max)
     }
 
+    /// The rectangle larger by `margin` (m) on all sides.
+    #[must_use]
+    pub fn inflated(self, margin: f64) -> Self {
+        let by = Vec2::new(margin, margin);
+        Self { min: self.min - by, max: self.max + by }
+    }
+
     /// Whether no point is in the set.
     #[must_use]
     pub fn is_empty(self) -> bool {

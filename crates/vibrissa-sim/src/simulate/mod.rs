@@ -4,11 +4,7 @@
 //!
 //! | file | what it knows |
 //! | --- | --- |
-//! | `flex` | the whisker under one force, and its derivatives |
-//! | `foothold` | places on a boundary, and what comes next along it |
-//! | `equilibrium` | the whisker in contact there |
-//! | `contact` | tip, corner, side: which hold follows which, stick and slip |
-//! | `touch` | when a free whisker first meets a boundary; whether a bent one meets another |
+//! | [`crate::contact::quasi_static`] | one contact: tip, corner, side; which follows which, stick and slip |
 //! | `discrete/` | any number of contacts: a chain of links whose energy is minimised |
 //! | `follow/` | one whisker over time: onset, contact, snap, lift-off; which solver is in charge |
 //! | `report` | what a contact is, for the caller |
@@ -18,19 +14,14 @@
 //! | `shapes` | the whiskers' shapes, for drawing |
 //! | `files` | logs and touches as text |
 
-mod contact;
 pub mod discrete;
-mod equilibrium;
 mod files;
-mod flex;
 mod follow;
-mod foothold;
 mod noise;
 mod path;
 pub mod recorder;
 mod report;
 mod shapes;
-mod touch;
 
 pub use files::contacts_csv;
 pub use noise::SweepNoise;
@@ -38,6 +29,8 @@ pub use path::{Pace, path_through};
 pub(super) use path::{leg_time, sampled};
 pub use shapes::{SweptShape, shapes};
 
+use crate::contact::Boundaries;
+use crate::contact::quasi_static::LoadedWhisker;
 use crate::flow::pose::{Event, StampedPose};
 use crate::flow::sensor_log::{Channel, LogRow, Quantity, SensorLog};
 use crate::plane::Vec2;
@@ -161,14 +154,16 @@ pub fn simulate_watched(
         events: Vec::new(),
         shapes: Vec::new(),
     };
+    let boundaries = Boundaries::new(map);
     for (index, whisker) in robot.whiskers.iter().enumerate() {
         if !(whisker.friction >= 0.0 && whisker.friction.is_finite()) {
             return Err(Error::data(format!("the friction of the whisker {}", whisker.name))
                 .value(whisker.friction)
                 .allowed("0 or more"));
         }
-        let flex = flex::Flex::new(&whisker.beam)?;
-        let mut follower = Follower::start(map, whisker, &flex, options, path[0])?;
+        let loaded = LoadedWhisker::new(&whisker.beam)?;
+        let scene = follow::Scene { map, boundaries: &boundaries, whisker, loaded: &loaded, options };
+        let mut follower = Follower::start(scene, path[0])?;
         for (row, pose) in path.iter().enumerate() {
             follower.advance(*pose, &mut sweep.events)?;
             sweep.exact_moments[row].push(follower.moment());

@@ -221,7 +221,7 @@ impl DiscreteRod {
         for link in 0..links {
             let ends = [self.nodes[link], self.nodes[link + 1]];
             edges.clear();
-            map.for_each_edge_in(inflated(&ends, margin), |edge| {
+            map.for_each_edge_in(Bounds::of(&ends).inflated(margin), |edge| {
                 // An edge without length is its neighbours' vertex.
                 if edge[0] != edge[1] {
                     edges.push(edge);
@@ -265,11 +265,4 @@ fn together(pushes: &[Push]) -> Press {
         }
     }
     press
-}
-
-/// The rectangle around points, larger by `margin` on all sides.
-pub(super) fn inflated(points: &[Vec2], margin: f64) -> Bounds {
-    let bounds = Bounds::of(points);
-    let by = Vec2::new(margin, margin);
-    Bounds { min: bounds.min - by, max: bounds.max + by }
 }

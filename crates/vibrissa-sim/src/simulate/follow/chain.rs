@@ -1,13 +1,11 @@
 //! The discrete rod in charge: how it takes over, goes on, and hands back.
 
 use super::super::Solver;
-use super::super::contact::{Contact, Hold, Next, Step, WALL_END};
 use super::super::discrete::{DiscreteRod, REACH, Relaxed};
-use super::super::flex::Load;
-use super::super::foothold::Foothold;
-use super::super::touch::{meets, side_hold};
 use super::{Body, Follower, Happened, Leg, show};
 use crate::Result;
+use crate::contact::quasi_static::{Equilibrium, Outcome, PointLoad, Step, WALL_END, meets, side_hold};
+use crate::contact::{Hold, Push, Support};
 use crate::plane::{Pose2, Vec2, wrap_angle};
 use crate::world::Map;
 use core::f64::consts::{FRAC_PI_2, PI};
@@ -27,7 +25,7 @@ impl Follower<'_> {
     /// The discrete rod without load at this pose, a little away from what it touches.
     pub(super) fn unloaded(&self, pose: Pose2) -> Result<DiscreteRod> {
         let mut rod = DiscreteRod::new(&self.whisker.beam, self.options.links, pose)?;
-        let apart = APART * self.flex.beam.length;
+        let apart = APART * self.loaded.beam.length;
         let nodes = rod.nodes().to_vec();
         for times in [0.0, 1.0, 10.0, 100.0, 1000.0] {
             // The free side is where the base is; a boundary beside the whisker may be on either.
@@ -42,14 +40,14 @@ impl Follower<'_> {
     }
 
     /// The discrete rod in the shape of a contact.
-    pub(super) fn chain(&self, contact: &Contact, pose: Pose2) -> Result<DiscreteRod> {
+    pub(super) fn chain(&self, contact: &Equilibrium, pose: Pose2) -> Result<DiscreteRod> {
         let mut rod = DiscreteRod::new(&self.whisker.beam, self.options.links, pose)?;
-        if let Some(bend) = self.flex.bend(contact.load) {
-            let shape = bend.shape(self.flex.beam.length, rod.nodes().len());
+        if let Some(bend) = self.loaded.bend(contact.load) {
+            let shape = bend.shape(self.loaded.beam.length, rod.nodes().len());
             let nodes: Vec<Vec2> = shape.into_iter().map(|p| pose.transform_point(p)).collect();
-            let away = Vec2::from_angle(self.stance(pose).direction(contact.load, &contact.state));
+            let away = Vec2::from_angle(self.on(pose).direction(contact.load, &contact.state));
             for times in [1.0, 0.3, 3.0, 10.0, 30.0] {
-                let by = away * (times * APART * self.flex.beam.length);
+                let by = away * (times * APART * self.loaded.beam.length);
                 rod.pose(pose, pushed_off(nodes.clone(), by));
                 if rod.is_clear(self.map) {
                     break;
@@ -147,43 +145,42 @@ impl Follower<'_> {
     /// What says the same as the rod with less: no contact or one; none when there is no such thing.
     fn simplified(&self, rod: &DiscreteRod, pose: Pose2) -> Option<Body> {
         let presses = rod.presses();
-        let stance = self.stance(pose);
-        let length = self.flex.beam.length;
+        let length = self.loaded.beam.length;
         let [press] = presses.as_slice() else {
-            let tip = pose.transform_point(self.flex.rest[self.flex.rest.len() - 1]);
+            let tip = pose.transform_point(self.loaded.rest[self.loaded.rest.len() - 1]);
             let same = rod.nodes().last().is_some_and(|node| node.distance(tip) < ALIKE.0 * length);
-            let free = presses.is_empty() && same && meets(self.map, &self.flex.rest, pose).is_none();
+            let free = presses.is_empty() && same && meets(self.map, &self.loaded.rest, pose).is_none();
             return free.then_some(Body::Free);
         };
         let node = ((press.s_a / length * self.options.links as f64) as usize).min(self.options.links - 1);
         let heading = (rod.nodes()[node + 1] - rod.nodes()[node]).angle();
         let beta = wrap_angle(press.force.angle() - heading - FRAC_PI_2);
-        let (foothold, _) = Foothold::nearest(self.map, press.position, press.force, ALIKE.0 * length)?;
-        let load = Load { q: press.force.norm() / self.flex.unit(), s: press.s_a / length, beta };
-        let joint = foothold.joint(self.map, foothold.at > 0.5);
-        let near_joint = joint.position.distance(press.position) < 1e-4 * length;
+        let (piece, at) = self.boundaries.nearest_facing(self.map, press.position, press.force, ALIKE.0 * length)?;
+        let load = PointLoad { q: press.force.norm() / self.loaded.unit(), s: press.s_a / length, beta };
+        let (id, corner) = self.boundaries.corner_of(piece, at > 0.5)?;
+        let near_corner = corner.position.distance(press.position) < 1e-4 * length;
         let at_tip = press.s_a > length * (1.0 - 0.5 / self.options.links as f64);
-        let lay = if beta.cos() > 0.0 { 0.0 } else { PI };
+        let push = Push::of(beta);
         let mut holds = Vec::new();
         if at_tip {
-            if near_joint && joint.is_concave() {
-                holds.push(Hold::Corner(joint));
+            if near_corner && corner.is_concave() {
+                holds.push(Hold::Tip(Support::Corner(id)));
             }
-            holds.push(Hold::Tip(foothold));
+            holds.push(Hold::Tip(Support::Piece(piece, at)));
         }
-        holds.extend(side_hold(&stance, foothold, lay, heading));
-        if near_joint && !joint.is_concave() && !joint.is_smooth() {
-            holds.push(Hold::Vertex(joint, lay));
+        holds.extend(side_hold(&self.on(pose), (piece, at), push, heading));
+        if near_corner && !corner.is_concave() && !corner.is_smooth() {
+            holds.push(Hold::Side(Support::Corner(id), push));
         }
-        holds.push(Hold::Flank(foothold, lay));
+        holds.push(Hold::Side(Support::Piece(piece, at), push));
         let step = Step { cone: 0.0, ..self.step(pose) };
         holds.into_iter().find_map(|hold| {
-            let s = if matches!(hold, Hold::Tip(_) | Hold::Corner(_)) { 1.0 } else { load.s };
-            let Next::Touching(contact) = step.run(hold, Load { s, ..load }, 0.0) else { return None };
-            let moment = contact.state.m * self.flex.unit() * length;
+            let s = if matches!(hold, Hold::Tip(_)) { 1.0 } else { load.s };
+            let Outcome::Touching(contact) = step.run(hold, PointLoad { s, ..load }, 0.0) else { return None };
+            let moment = contact.state.m * self.loaded.unit() * length;
             let alike = contact.place.distance(press.position) < ALIKE.0 * length
                 && (contact.load.s - load.s).abs() < ALIKE.0
-                && (moment - rod.moment()).abs() < ALIKE.1 * rod.moment().abs() + 1e-3 * self.flex.unit() * length;
+                && (moment - rod.moment()).abs() < ALIKE.1 * rod.moment().abs() + 1e-3 * self.loaded.unit() * length;
             (alike && !self.is_blocked(&contact, pose)).then_some(Body::Held(contact))
         })
     }

@@ -3,17 +3,16 @@
 mod chain;
 mod view;
 
-use super::contact::{Contact, Next, Step};
 use super::discrete::DiscreteRod;
-use super::equilibrium::Stance;
-use super::flex::Flex;
-use super::touch::{between, blocked, first_touch, meets, onset};
 use super::{SimulateOptions, Solver};
+use crate::contact::quasi_static::{
+    Equilibrium, LoadedWhisker, Outcome, Step, WhiskerOnMap, between, blocked, first_touch, meets, onset,
+};
+use crate::contact::{Boundaries, Push};
 use crate::flow::pose::{Event, StampedPose};
 use crate::plane::{Pose2, Vec2, wrap_angle};
 use crate::world::{Map, MountedWhisker};
 use crate::{Error, Result};
-use core::f64::consts::PI;
 
 /// The smallest share of a row's motion that is tried before the branch is said to end.
 const LEAST_SHARE: f64 = 1.0 / 65536.0;
@@ -26,7 +25,7 @@ const LARGEST_STEP: (f64, f64) = (0.05, 0.05);
 #[derive(Debug)]
 enum Body {
     Free,
-    Held(Contact),
+    Held(Equilibrium),
     Chain(Box<DiscreteRod>),
     /// The base has run into a boundary; the last moment (N m) stays.
     Lost(f64),
@@ -35,18 +34,29 @@ enum Body {
 /// What happened: kind and detail.
 type Happened = Option<(&'static str, String)>;
 
+/// What one whisker moves on, and how.
+#[derive(Clone, Copy)]
+pub(super) struct Scene<'a> {
+    pub(super) map: &'a Map,
+    pub(super) boundaries: &'a Boundaries,
+    pub(super) whisker: &'a MountedWhisker,
+    pub(super) loaded: &'a LoadedWhisker,
+    pub(super) options: &'a SimulateOptions,
+}
+
 /// One whisker on its way.
 pub(super) struct Follower<'a> {
     map: &'a Map,
+    boundaries: &'a Boundaries,
     whisker: &'a MountedWhisker,
-    flex: &'a Flex,
+    loaded: &'a LoadedWhisker,
     options: &'a SimulateOptions,
     t: f64,
     map_from_whisker: Pose2,
     body: Body,
     unsolved: bool,
     /// The contact one step earlier, and how large that step was.
-    earlier: Option<(Contact, f64)>,
+    earlier: Option<(Equilibrium, f64)>,
     /// How often the discrete rod has taken over since the whisker was free, and steps for which it now stays.
     takeovers: u32,
     patience: u32,
@@ -54,22 +64,17 @@ pub(super) struct Follower<'a> {
 
 impl<'a> Follower<'a> {
     /// The whisker at its first pose, where it must be free.
-    pub(super) fn start(
-        map: &'a Map,
-        whisker: &'a MountedWhisker,
-        flex: &'a Flex,
-        options: &'a SimulateOptions,
-        at: StampedPose,
-    ) -> Result<Self> {
+    pub(super) fn start(scene: Scene<'a>, at: StampedPose) -> Result<Self> {
+        let Scene { map, boundaries, whisker, loaded, options } = scene;
         let map_from_whisker = at.map_from_robot.compose(whisker.robot_from_whisker);
-        let tip = map_from_whisker.transform_point(flex.rest[flex.rest.len() - 1]);
+        let tip = map_from_whisker.transform_point(loaded.rest[loaded.rest.len() - 1]);
         let base = map_from_whisker.position();
         let refused = |why: String| {
             Err(Error::usage(format!("the whisker {} does not start in free space", whisker.name))
                 .value(why)
                 .remedy("start the path where the unloaded whisker touches nothing"))
         };
-        if let Some(place) = meets(map, &flex.rest, map_from_whisker) {
+        if let Some(place) = meets(map, &loaded.rest, map_from_whisker) {
             return refused(format!("it meets a boundary at {}; base {}, tip {}", show(place), show(base), show(tip)));
         }
         for (name, point) in [("base", base), ("tip", tip)] {
@@ -85,8 +90,9 @@ impl<'a> Follower<'a> {
         };
         Ok(Self {
             map,
+            boundaries,
             whisker,
-            flex,
+            loaded,
             options,
             t: at.t,
             map_from_whisker,
@@ -98,19 +104,19 @@ impl<'a> Follower<'a> {
         })
     }
 
-    fn stance(&self, map_from_whisker: Pose2) -> Stance<'a> {
-        Stance { map: self.map, flex: self.flex, map_from_whisker }
+    fn on(&self, map_from_whisker: Pose2) -> WhiskerOnMap<'a> {
+        WhiskerOnMap::new(self.map, self.boundaries, self.loaded, map_from_whisker)
     }
 
     fn step(&self, map_from_whisker: Pose2) -> Step<'a> {
-        Step { stance: self.stance(map_from_whisker), cone: self.whisker.friction.atan() }
+        Step { on: self.on(map_from_whisker), cone: self.whisker.friction.atan() }
     }
 
     /// Moves on to the next pose.
     pub(super) fn advance(&mut self, to: StampedPose, events: &mut Vec<Event>) -> Result<()> {
         let (from, start) = (self.map_from_whisker, self.t);
         let target = to.map_from_robot.compose(self.whisker.robot_from_whisker);
-        let way = from.position().distance(target.position()) / (LARGEST_STEP.0 * self.flex.beam.length);
+        let way = from.position().distance(target.position()) / (LARGEST_STEP.0 * self.loaded.beam.length);
         let most = 1.0 / way.max(wrap_angle(target.theta - from.theta).abs() / LARGEST_STEP.1).max(1.0);
         let mut leg = Leg { from, to: target, share: 0.0, most };
         let mut changes = 0;
@@ -145,13 +151,13 @@ impl<'a> Follower<'a> {
     fn wander(&mut self, leg: &mut Leg) -> Result<Happened> {
         let here = leg.at(leg.share);
         self.takeovers = 0;
-        let Some(touching) = first_touch(self.map, &self.flex.rest, here, leg.to) else {
+        let Some(touching) = first_touch(self.map, &self.loaded.rest, here, leg.to) else {
             leg.share = 1.0;
             return Ok(None);
         };
         leg.share = leg.within(touching);
         let pose = leg.at(leg.share);
-        let Some(contact) = onset(&self.stance(pose)) else {
+        let Some(contact) = onset(&self.on(pose)) else {
             return self.relax(self.unloaded(here)?, leg, "touches");
         };
         let what = if contact.load.s >= 1.0 { "touches with its tip" } else { "touches with its side" };
@@ -163,17 +169,17 @@ impl<'a> Follower<'a> {
         let mut part = step;
         while part > LEAST_SHARE * step {
             match self.step(leg.at(leg.share + part)).next(&contact) {
-                Next::Touching(next) if !self.is_blocked(&next, leg.at(leg.share + part)) => {
+                Outcome::Touching(next) if !self.is_blocked(&next, leg.at(leg.share + part)) => {
                     leg.share = leg.reached(part);
                     self.body = Body::Held(next);
                     return Ok(Some(("onset", what.into())));
                 }
                 // It grazes: within the tolerance of the look-up it has not touched yet, or has left again.
-                Next::LiftOff => {
+                Outcome::LiftOff => {
                     leg.share = leg.reached(part);
                     return Ok(None);
                 }
-                Next::Touching(_) | Next::Ends(_) => part *= 0.5,
+                Outcome::Touching(_) | Outcome::Ends(_) => part *= 0.5,
             }
         }
         let rod = self.unloaded(here)?;
@@ -181,26 +187,26 @@ impl<'a> Follower<'a> {
     }
 
     /// The touching whisker until something happens or the row ends.
-    fn slide(&mut self, mut contact: Contact, leg: &mut Leg) -> Result<Happened> {
+    fn slide(&mut self, mut contact: Equilibrium, leg: &mut Leg) -> Result<Happened> {
         let mut step = leg.most.min(1.0 - leg.share);
         while leg.share < 1.0 {
             let target = leg.reached(step);
             let (before, last) = self.earlier.as_ref().map_or((None, 1.0), |(before, last)| (Some(before), *last));
             let why = match self.step(leg.at(target)).next_after(before, &contact, step / last) {
-                Next::Touching(next) if !self.is_blocked(&next, leg.at(target)) => {
+                Outcome::Touching(next) if !self.is_blocked(&next, leg.at(target)) => {
                     self.earlier = Some((contact, step));
                     contact = next;
                     leg.share = target;
                     step = (2.0 * step).min(leg.most);
                     continue;
                 }
-                Next::Touching(_) => "touches a second time",
-                Next::LiftOff => {
+                Outcome::Touching(_) => "touches a second time",
+                Outcome::LiftOff => {
                     leg.share = target;
                     self.body = Body::Free;
                     return Ok(Some(("lift_off", "leaves the boundary".into())));
                 }
-                Next::Ends(why) => why,
+                Outcome::Ends(why) => why,
             };
             step *= 0.5;
             if step < LEAST_SHARE {
@@ -222,18 +228,16 @@ impl<'a> Follower<'a> {
     }
 
     /// Whether the bent whisker meets a boundary elsewhere.
-    fn is_blocked(&self, contact: &Contact, pose: Pose2) -> bool {
-        let stance = self.stance(pose);
-        let Some(bend) = self.flex.bend(contact.load) else { return true };
-        let lay = if contact.load.beta.cos() >= 0.0 { 0.0 } else { PI };
-        blocked(&stance, &bend, lay).is_some()
+    fn is_blocked(&self, contact: &Equilibrium, pose: Pose2) -> bool {
+        let Some(bend) = self.loaded.bend(contact.load) else { return true };
+        blocked(&self.on(pose), &bend, Push::of(contact.load.beta)).is_some()
     }
 
     /// A whisker that was lost until it is clear of everything again.
     fn wait(&mut self, leg: &mut Leg) -> Happened {
         leg.share = leg.reached(1.0 - leg.share);
         let pose = leg.to;
-        let clear = meets(self.map, &self.flex.rest, pose).is_none() && self.map.is_free(pose.position());
+        let clear = meets(self.map, &self.loaded.rest, pose).is_none() && self.map.is_free(pose.position());
         if !clear {
             return None;
         }

@@ -1,18 +1,18 @@
 //! The whisker as its caller sees it: moment, contacts, shape.
 
-use super::super::contact::{Contact, Hold};
 use super::super::discrete::{DiscreteRod, Press};
 use super::super::report::{Grip, Part, Touch};
 use super::{Body, Follower};
+use crate::contact::quasi_static::Equilibrium;
+use crate::contact::{Hold, Support};
 use crate::plane::Vec2;
-use core::f64::consts::FRAC_PI_2;
 
 impl Follower<'_> {
     /// The moment at the base now (N m).
     pub(in super::super) fn moment(&self) -> f64 {
         match &self.body {
             Body::Free => 0.0,
-            Body::Held(contact) => contact.state.m * self.flex.unit() * self.flex.beam.length,
+            Body::Held(contact) => contact.state.m * self.loaded.unit() * self.loaded.beam.length,
             Body::Chain(rod) => rod.moment(),
             Body::Lost(moment) => *moment,
         }
@@ -27,19 +27,19 @@ impl Follower<'_> {
         }
     }
 
-    fn held_touch(&self, contact: &Contact, row: usize, whisker: usize) -> Option<Touch> {
-        let bend = self.flex.bend(contact.load)?;
-        let stance = self.stance(self.map_from_whisker);
-        let direction = stance.direction(contact.load, &contact.state);
+    fn held_touch(&self, contact: &Equilibrium, row: usize, whisker: usize) -> Option<Touch> {
+        let bend = self.loaded.bend(contact.load)?;
+        let on = self.on(self.map_from_whisker);
+        let direction = on.direction(contact.load, &contact.state);
         let (part, normal) = match contact.hold {
-            Hold::Tip(foothold) => (Part::Tip, foothold.ground(self.map).normal),
-            Hold::Corner(joint) => {
-                let lean = joint.lean(direction).clamp(0.0, 1.0);
-                (Part::Tip, joint.normal + lean * joint.turn)
+            Hold::Tip(Support::Piece(piece, at)) => (Part::Tip, self.boundaries.spot((piece, at)).normal),
+            Hold::Tip(Support::Corner(id)) => {
+                let corner = self.boundaries.corner(id)?;
+                let lean = corner.lean(direction).clamp(0.0, 1.0);
+                (Part::Tip, corner.normal + lean * corner.turn)
             }
-            Hold::Vertex(_, lay) | Hold::Flank(_, lay) => {
-                (Part::Side, stance.heading(&contact.state) + lay + FRAC_PI_2)
-            }
+            Hold::Side(_, push) => (Part::Side, on.stance.direction(contact.state.slope, push.tilt())),
+            Hold::Both(_) => return None,
         };
         let grip = match (self.whisker.friction > 0.0, contact.stuck) {
             (false, _) => Grip::Frictionless,
@@ -51,9 +51,9 @@ impl Follower<'_> {
             row,
             whisker,
             position: contact.place,
-            force: contact.load.q * self.flex.unit() * Vec2::from_angle(direction),
+            force: contact.load.q * self.loaded.unit() * Vec2::from_angle(direction),
             energy: bend.energy(),
-            s_a: contact.load.s * self.flex.beam.length,
+            s_a: contact.load.s * self.loaded.beam.length,
             part,
             normal: Vec2::from_angle(normal),
             grip,
@@ -62,7 +62,7 @@ impl Follower<'_> {
 
     fn chain_touches(&self, rod: &DiscreteRod, row: usize, whisker: usize) -> Vec<Touch> {
         let energy = rod.energy();
-        let tip = self.flex.beam.length * (1.0 - 0.5 / self.options.links as f64);
+        let tip = self.loaded.beam.length * (1.0 - 0.5 / self.options.links as f64);
         let touch = |press: Press| Touch {
             t: self.t,
             row,
@@ -80,12 +80,12 @@ impl Follower<'_> {
 
     /// `n` points of the whisker from base to tip, map frame (m).
     pub(in super::super) fn shape(&self, n: usize) -> Vec<Vec2> {
-        let length = self.flex.beam.length;
+        let length = self.loaded.beam.length;
         let placed = |points: Vec<Vec2>| points.iter().map(|&p| self.map_from_whisker.transform_point(p)).collect();
         match &self.body {
-            Body::Held(contact) => self.flex.bend(contact.load).map_or_else(Vec::new, |b| placed(b.shape(length, n))),
+            Body::Held(contact) => self.loaded.bend(contact.load).map_or_else(Vec::new, |b| placed(b.shape(length, n))),
             Body::Chain(rod) => rod.nodes().to_vec(),
-            Body::Free | Body::Lost(_) => placed(self.flex.rest.clone()),
+            Body::Free | Body::Lost(_) => placed(self.loaded.rest.clone()),
         }
     }
 }

@@ -1,10 +1,10 @@
 //! How well the best hypothesis explains the readings: residuals over all rows, single and in blocks.
 
 use super::bank::{Bank, Field};
-use super::contact::{Solver, State};
 use super::feeler::Judge;
 use super::history::History;
 use super::hypothesis::{Hypothesis, Scene};
+use crate::contact::follow::{Mechanics, WhiskerState};
 
 /// Fewest blocks that speak about drift, and the mean square of their means (1 for independent errors) that chance explains, in
 /// standard deviations of that mean.
@@ -49,12 +49,12 @@ impl Fit {
 /// another branch for a while.
 pub(super) fn fit(h: &Hypothesis, bank: &Bank, field: &Field<'_>, history: &History) -> Fit {
     let [exact, quick] =
-        [Solver::Exact, Solver::Quick(field.table)].map(|solver| fit_by(solver, h, bank, field, history));
+        [Mechanics::ClosedForm, Mechanics::Table(field.table)].map(|solver| fit_by(solver, h, bank, field, history));
     if quick.beyond < exact.beyond { quick } else { exact }
 }
 
 /// Runs the history once more and looks at the residuals.
-pub(super) fn fit_by(solver: Solver<'_>, h: &Hypothesis, bank: &Bank, field: &Field<'_>, history: &History) -> Fit {
+pub(super) fn fit_by(solver: Mechanics<'_>, h: &Hypothesis, bank: &Bank, field: &Field<'_>, history: &History) -> Fit {
     let scene = Scene { solver, ..field.scene(history, bank.pivot, Judge::FAIR, bank.shared) };
     let mut again = h.clone();
     let mut fit = Fit::default();
@@ -66,7 +66,7 @@ pub(super) fn fit_by(solver: Solver<'_>, h: &Hypothesis, bank: &Bank, field: &Fi
     for &row in &bank.used {
         again.take(&scene, row);
         for (index, state) in again.states.iter().enumerate() {
-            let held = matches!(state, State::Touching(touch) if touch.q > 0.0);
+            let held = matches!(state, WhiskerState::Touching(touch) if touch.q > 0.0);
             let z = history.readings(row)[index];
             let sigmas = if held {
                 field.feelers[index].sigmas_without(again.felt[index], gain, z)

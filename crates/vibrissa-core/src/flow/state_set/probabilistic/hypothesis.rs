@@ -5,22 +5,22 @@
 //! linearising again runs the whole history through the forward model, so that the estimate is that of a batch, not of
 //! a filter that cannot take back its first steps.
 
-use super::contact::{Forward, Solver, State};
 use super::drift::Drift;
 use super::feeler::{Feeler, Judge};
-use super::ground::Ground;
 use super::history::History;
 use super::normal::{Line, Matrix, Normal};
 use super::rerun::Rerun;
 use super::shares::{Shared, Shares};
 use super::symmetry::Turn;
+use crate::contact::Boundaries;
+use crate::contact::follow::{ForwardModel, Mechanics, WhiskerState};
 use crate::plane::{Pose2, Vec2};
 use crate::world::Map;
 
 /// What all hypotheses share.
 pub(super) struct Scene<'a> {
     pub(super) map: &'a Map,
-    pub(super) ground: &'a Ground,
+    pub(super) ground: &'a Boundaries,
     pub(super) feelers: &'a [Feeler],
     pub(super) history: &'a History,
     /// The place that turns leave where it is, odometry frame (m).
@@ -32,16 +32,16 @@ pub(super) struct Scene<'a> {
     /// Standard deviation of the absolute headings' one error (rad).
     pub(super) heading_std: f64,
     /// How exactly the forward model is solved.
-    pub(super) solver: Solver<'a>,
+    pub(super) solver: Mechanics<'a>,
     /// Whether it looks at the whole whisker, not only at its contact.
     pub(super) whole: bool,
 }
 
 impl<'a> Scene<'a> {
     /// The forward model of a sense.
-    pub(super) fn forward(&self, feeler: &'a Feeler) -> Forward<'a> {
-        let (length, solver, sense) = (feeler.length, feeler.solver(self.solver), feeler.sense);
-        Forward { map: self.map, ground: self.ground, length, solver, whole: self.whole, sense }
+    pub(super) fn forward(&self, feeler: &'a Feeler) -> ForwardModel<'a> {
+        let (length, mechanics, sense) = (feeler.length, feeler.solver(self.solver), feeler.sense);
+        ForwardModel { map: self.map, boundaries: self.ground, length, mechanics, whole: self.whole, sense }
     }
 }
 
@@ -82,13 +82,13 @@ pub(super) struct Hypothesis {
     /// The last row used.
     pub(super) row: usize,
     /// How each whisker stands to the map there.
-    pub(super) states: Vec<State>,
+    pub(super) states: Vec<WhiskerState>,
     /// The residual of each whisker's last reading, in standard deviations.
     pub(super) sigmas: Vec<f64>,
     /// The moment that each is predicted to feel there.
     pub(super) felt: Vec<f64>,
     /// How each stood at the row from which on this is judged, when the odometry frame was at `start_at`.
-    start: Vec<State>,
+    start: Vec<WhiskerState>,
     start_row: usize,
     start_at: Pose2,
     /// The odometry at that row then, where that may change.
@@ -123,7 +123,7 @@ pub(super) fn difference(from: Pose2, to: Pose2, pivot: Vec2) -> [f64; 3] {
 
 impl Hypothesis {
     /// A hypothesis whose whiskers stand so at `row`, from which on it is judged.
-    pub(super) fn new(map_from_odom: Pose2, states: Vec<State>, row: usize) -> Self {
+    pub(super) fn new(map_from_odom: Pose2, states: Vec<WhiskerState>, row: usize) -> Self {
         Self {
             map_from_odom,
             turned: map_from_odom.theta.sin_cos(),
@@ -150,7 +150,7 @@ impl Hypothesis {
 
     /// The same on a map turned onto itself.
     pub(super) fn turned(&self, turn: &Turn) -> Self {
-        self.carried(turn.motion, &|state| state.turned(turn))
+        self.carried(turn.motion, &|state| state.turned(turn.motion, &|piece| turn.piece(piece)))
     }
 
     /// The same elsewhere, where the piece that its tip is on goes to another.
@@ -160,7 +160,7 @@ impl Hypothesis {
 
     /// The same where the odometry frame is at `frame` and its whiskers begin to be judged in these states; what earlier
     /// readings said goes with it.
-    pub(super) fn carried_to(&self, frame: Pose2, start: Vec<State>, pivot: Vec2) -> Self {
+    pub(super) fn carried_to(&self, frame: Pose2, start: Vec<WhiskerState>, pivot: Vec2) -> Self {
         let motion = frame.compose(self.map_from_odom.inverse());
         let there = self.carried(motion, &|state| *state);
         let d = difference(there.start_at, frame, pivot);
@@ -169,22 +169,22 @@ impl Hypothesis {
     }
 
     /// How each whisker stands to the map where it begins to be judged.
-    pub(super) fn start(&self) -> &[State] {
+    pub(super) fn start(&self) -> &[WhiskerState] {
         &self.start
     }
 
     /// The piece on which its first whisker is held where it begins to be judged.
     pub(super) fn begins_on(&self) -> Option<(u32, f64)> {
-        self.start.first().and_then(State::on_piece)
+        self.start.first().and_then(WhiskerState::on_piece)
     }
 
     /// The same in a map that is moved.
-    fn carried(&self, motion: Pose2, state: &dyn Fn(&State) -> State) -> Self {
+    fn carried(&self, motion: Pose2, state: &dyn Fn(&WhiskerState) -> WhiskerState) -> Self {
         let angle = motion.theta;
         let map_from_odom = motion.compose(self.map_from_odom);
         let (cost, d) = self.promise;
         let shift = Vec2::new(d[0], d[1]).rotated(angle);
-        let all = |states: &[State]| states.iter().map(state).collect();
+        let all = |states: &[WhiskerState]| states.iter().map(state).collect();
         Self {
             map_from_odom,
             turned: map_from_odom.theta.sin_cos(),
@@ -204,12 +204,12 @@ impl Hypothesis {
 
     /// One at this place, to be judged from the history's first row on, where all whiskers were free.
     pub(super) fn free_at(&self, map_from_odom: Pose2) -> Self {
-        Self::new(map_from_odom, vec![State::Free; self.states.len()], 0)
+        Self::new(map_from_odom, vec![WhiskerState::Free; self.states.len()], 0)
     }
 
     /// Whether it is judged from the first row on, where all whiskers were free.
     pub(super) fn starts_free(&self) -> bool {
-        self.start_row == 0 && self.start.iter().all(|state| *state == State::Free)
+        self.start_row == 0 && self.start.iter().all(|state| *state == WhiskerState::Free)
     }
 
     /// Takes in the row `row`, which must not be before the last one.
@@ -240,9 +240,9 @@ impl Hypothesis {
                 feeler.is_contact(z),
             );
             let misfit = match self.states[index] {
-                State::Unknown => Feeler::unknown(),
-                State::Free => feeler.misfit(0.0, z, false, false, scene.judge),
-                State::Touching(touch) => feeler.misfit(felt.value, z, touch.q > 0.0, true, scene.judge),
+                WhiskerState::Unknown => Feeler::unknown(),
+                WhiskerState::Free => feeler.misfit(0.0, z, false, false, scene.judge),
+                WhiskerState::Touching(touch) => feeler.misfit(felt.value, z, touch.q > 0.0, true, scene.judge),
             };
             self.normal.cost += misfit.cost;
             self.sigmas[index] = misfit.sigmas;

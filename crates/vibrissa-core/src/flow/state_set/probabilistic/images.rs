@@ -87,7 +87,7 @@ pub(super) fn images(bank: &Bank, field: &Field<'_>, history: &History) -> Vec<H
     for_each_place(&field.ground.pieces, SPACING, |piece, at| {
         let here = &field.ground.pieces[piece as usize];
         count += 1;
-        if !here.is_straight() || here.length <= LONG || count % FEWER == 0 {
+        if !here.is_straight() || here.length() <= LONG || count % FEWER == 0 {
             look_at(piece, at);
         }
     });

@@ -1,12 +1,9 @@
 //! The probabilistic method's hypotheses: Gaussians around single places, each refined by all readings so far.
 
 mod bank;
-mod clearance;
-mod contact;
 mod drift;
 mod feeler;
 mod fit;
-mod ground;
 mod history;
 mod hypothesis;
 mod images;
@@ -26,17 +23,17 @@ mod spread;
 mod symmetry;
 mod twins;
 
-pub use feeler::Sense;
+pub use crate::contact::Sense;
 pub use fit::Fit;
 pub use places::Place;
 pub use set::{Happened, ProbabilisticSet};
 pub(crate) use shares::corrected;
 
 use crate::beam::TipModel;
+use crate::contact::Boundaries;
+use crate::contact::follow::{ForwardModel, Mechanics, WhiskerState};
 use crate::plane::Pose2;
 use crate::world::Map;
-use contact::{Forward, Solver, State};
-use ground::Ground;
 
 /// What a whisker feels at one pose of a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,17 +52,17 @@ pub struct PredictedMoment {
 /// is followed from pose to pose, so these must be no further apart than a few millimetres.
 #[must_use]
 pub fn predicted_moments(map: &Map, tip: &TipModel, path: &[Pose2]) -> Vec<PredictedMoment> {
-    let ground = Ground::new(map);
+    let boundaries = Boundaries::new(map).with_clearance(map);
     let length = tip.whisker().length;
-    let solver = if tip.is_uniform() { Solver::Exact } else { Solver::Table(tip) };
-    let forward = Forward { map, ground: &ground, length, solver, whole: true, sense: Sense::Moment };
+    let mechanics = if tip.is_uniform() { Mechanics::ClosedForm } else { Mechanics::Model(tip) };
+    let forward = ForwardModel { map, boundaries: &boundaries, length, mechanics, whole: true, sense: Sense::Moment };
     let scale = tip.rigidity() / length;
-    let mut state = State::Free;
+    let mut state = WhiskerState::Free;
     let mut last = path.first().copied().unwrap_or_default();
     let mut predict = |&pose: &Pose2| {
         let felt = forward.advance(&mut state, last, pose, false);
         last = pose;
-        let pressed = matches!(state, State::Touching(touch) if touch.q > 0.0);
+        let pressed = matches!(state, WhiskerState::Touching(touch) if touch.q > 0.0);
         let moment = if pressed { felt.value * scale } else { 0.0 };
         PredictedMoment { moment, gradient: felt.gradient.map(|g| g * scale), touching: pressed }
     };

@@ -1,7 +1,6 @@
 //! What the hypotheses say at the end: places with weights and extents.
 
 use super::bank::{Bank, Field, OPEN};
-use super::contact::Solver;
 use super::feeler::Judge;
 use super::fit::{Fit, fit, fit_by};
 use super::history::History;
@@ -13,6 +12,7 @@ use super::shake::shake;
 use super::shares::WAYS;
 use super::spread::{BOTH, Member, SAMPLES, SAMPLES_WITH_SHARES, Sampled, Spread};
 use super::symmetry::Turns;
+use crate::contact::follow::Mechanics;
 use crate::plane::{Pose2, Vec2};
 use crate::world::Odometry;
 
@@ -173,7 +173,7 @@ pub(super) fn choose(bank: &mut Bank, field: &Field<'_>, history: &mut History) 
             with_shares: response.map(|response| response.with_place(&place)),
             shares: response.map(|response| response.estimates(again.drift.at(), &place)),
             rest: again.drift.covariance(&again.normal, bank.shared, OPEN, turn, arm, &rest),
-            broken: fit_by(Solver::Quick(field.table), h, bank, field, history).broken,
+            broken: fit_by(Mechanics::Table(field.table), h, bank, field, history).broken,
         });
     }
     (Settled { field, history, bank, told: &told, last, least }.places(&quick), fit)

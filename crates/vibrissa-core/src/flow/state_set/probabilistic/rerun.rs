@@ -208,15 +208,15 @@ impl Rerun {
 mod tests {
     #![allow(clippy::unwrap_used, reason = "a test that cannot go on must fail")]
 
-    use super::super::contact::{Solver, State};
-    use super::super::feeler::{Feeler, Judge, Sense};
-    use super::super::ground::Ground;
+    use super::super::feeler::{Feeler, Judge};
     use super::super::history::History;
     use super::super::predicted_moments;
     use super::super::shares::Shared;
     use super::super::twins::Before;
     use super::*;
     use crate::beam::{TipModel, TipTable, Whisker};
+    use crate::contact::follow::{Mechanics, WhiskerState};
+    use crate::contact::{Boundaries, Sense};
     use crate::plane::{Curve, Pose2, Vec2};
     use crate::world::{Boundary, Map, Robot, Role};
 
@@ -225,7 +225,7 @@ mod tests {
         // Presses on the right wall with a lean.
         let pose = |s: f64| Pose2::new(0.11 + 0.3 * s, -0.03 + 0.4 * s, -0.5 + s);
         along(&(0..90).map(|k| pose(f64::from(k) * 1e-3)).collect::<Vec<_>>(), |scene, rows, h| {
-            assert!(h.states.iter().all(|state| matches!(state, State::Touching(_))), "{:?}", h.states);
+            assert!(h.states.iter().all(|state| matches!(state, WhiskerState::Touching(_))), "{:?}", h.states);
             then(scene, rows, h);
         });
     }
@@ -236,14 +236,14 @@ mod tests {
         let walls = Boundary::new(Role::Arena, Curve::polyline(&corners, true).unwrap(), None).unwrap();
         let map = Map::new(vec![walls]).unwrap();
         let tip = TipModel::new(&Whisker::default()).unwrap();
-        let (ground, table) = (Ground::new(&map), TipTable::new());
+        let (ground, table) = (Boundaries::new(&map).with_clearance(&map), TipTable::new());
         let feelers = [Feeler::new(&Robot::default().whiskers[0], tip.clone(), Sense::Moment)];
         let mut history = History::new(&feelers);
         for (pose, felt) in path.iter().zip(predicted_moments(&map, &tip, path)) {
             history.push(path[0].between(*pose), &[felt.moment * feelers[0].per_reading]);
         }
         let scene = Scene {
-            solver: Solver::Quick(&table),
+            solver: Mechanics::Table(&table),
             map: &map,
             ground: &ground,
             feelers: &feelers,
@@ -256,7 +256,7 @@ mod tests {
             heading_std: 1.0,
         };
         let rows: Vec<usize> = (0..path.len()).collect();
-        let mut h = Hypothesis::new(path[0], vec![State::Free], 0);
+        let mut h = Hypothesis::new(path[0], vec![WhiskerState::Free], 0);
         h.run(&scene, moved(path[0], scene.pivot, [4e-4, 1e-4, 1e-3]), rows.iter().copied());
         then(&scene, &rows, h);
     }

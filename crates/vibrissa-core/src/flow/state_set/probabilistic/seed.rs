@@ -1,8 +1,8 @@
 //! A hypothesis at rest: on a large map a search finds hundreds of thousands, of which few are ever followed.
 
-use super::contact::{Packed, State};
 use super::hypothesis::Hypothesis;
 use super::normal::Normal;
+use crate::contact::follow::{Packed, WhiskerState};
 use crate::plane::Pose2;
 
 /// What it takes to run a hypothesis anew: where it begins, and what the readings have said.
@@ -19,7 +19,7 @@ pub(super) struct Seed {
 #[derive(Clone, Debug)]
 enum Start {
     One(Packed),
-    All(Box<[State]>),
+    All(Box<[WhiskerState]>),
 }
 
 impl Seed {

@@ -6,14 +6,14 @@
 //! readings as a Gaussian as wide as the cell, and most die at the first.
 
 use super::bank::{Prospect, best_of_cells, cells};
-use super::contact::State;
-use super::ground::Piece;
 use super::hypothesis::{Hypothesis, Scene, moved};
 use super::seed::Seed;
 use super::shares::Shared;
 use super::symmetry::Turns;
 use super::twins::{Span, Straight, Twin};
 use crate::config::TipLoad;
+use crate::contact::Piece;
+use crate::contact::follow::WhiskerState;
 use crate::flow::contact_set::TipContactSet;
 use crate::plane::{Bounds, Pose2, Vec2, wrap_angle};
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
@@ -270,18 +270,18 @@ impl Seeding {
 pub(super) fn for_each_place(pieces: &[Piece], spacing: f64, mut visit: impl FnMut(u32, f64)) {
     let mut next = 0.5 * spacing;
     for (index, piece) in pieces.iter().enumerate() {
-        while next < piece.length {
+        while next < piece.length() {
             visit(index as u32, piece.parameter_at(next));
             next += spacing;
         }
-        next -= piece.length;
+        next -= piece.length();
     }
 }
 
 /// A cell that may begin a contact: the whisker's base and state, and up to where it must be clear of boundaries.
 struct Cell {
     pose: Pose2,
-    state: State,
+    state: WhiskerState,
     clear: Vec2,
 }
 
@@ -316,7 +316,7 @@ fn touching(
     if !admits(from_odom(scene, onset, pose)) {
         return None;
     }
-    let state = State::Touching(scene.forward(feeler).untouched(piece, at, heading));
+    let state = WhiskerState::Touching(scene.forward(feeler).untouched(piece, at, heading));
     Some(Cell { pose, state, clear: base + along * (CLEAR * feeler.length) })
 }
 
@@ -343,7 +343,7 @@ fn loaded(
     }
     let q = contact.force.abs() * feeler.length.powi(2) / feeler.tip.rigidity();
     let beta = wrap_angle(spot.normal - heading - contact.slope - FRAC_PI_2);
-    let state = State::Touching(scene.forward(feeler).loaded(piece, at, q, beta, contact.slope));
+    let state = WhiskerState::Touching(scene.forward(feeler).loaded(piece, at, q, beta, contact.slope));
     Some(Cell { pose, state, clear: base + chord * 0.5 })
 }
 
@@ -364,19 +364,19 @@ fn judged(
     scene: &Scene<'_>,
     onset: &Onset<'_>,
     map_from_whisker: Pose2,
-    state: State,
+    state: WhiskerState,
     work: &mut usize,
     span: &mut Option<Span>,
 ) -> Option<Hypothesis> {
     let map_from_odom = from_odom(scene, onset, map_from_whisker);
-    let mut states = vec![State::Free; scene.feelers.len()];
+    let mut states = vec![WhiskerState::Free; scene.feelers.len()];
     states[onset.feeler] = state;
     let mut hypothesis = Hypothesis::new(map_from_odom, states, onset.row);
     for &row in onset.rows {
         hypothesis.take(scene, row);
         span.iter_mut().for_each(|span| span.add(&hypothesis));
         *work = work.saturating_sub(1);
-        let held = matches!(hypothesis.states[onset.feeler], State::Touching(_));
+        let held = matches!(hypothesis.states[onset.feeler], WhiskerState::Touching(_));
         if !held || hypothesis.best(cell(onset), Shared::default()).0 > CELL_COST {
             return None;
         }

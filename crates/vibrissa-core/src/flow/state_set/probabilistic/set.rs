@@ -1,9 +1,8 @@
 //! The state set of the probabilistic method, row by row: waiting, pressing, tracking, and starting anew when lost.
 
 use super::bank::{Bank, Field, RESCUED, Search};
-use super::feeler::{Feeler, OUTLIER_COST, Sense};
+use super::feeler::{Feeler, OUTLIER_COST};
 use super::fit::Fit;
-use super::ground::Ground;
 use super::history::History;
 use super::images::images;
 use super::now;
@@ -14,6 +13,7 @@ use super::shares::Shared;
 use super::symmetry::Turns;
 use crate::beam::{TipModel, TipTable};
 use crate::config::ProbabilisticOptions;
+use crate::contact::{Boundaries, Sense};
 use crate::plane::Pose2;
 use crate::world::{Map, Robot};
 
@@ -76,7 +76,7 @@ pub struct ProbabilisticSet<'a> {
     map: &'a Map,
     robot: &'a Robot,
     options: ProbabilisticOptions,
-    ground: Ground,
+    ground: Boundaries,
     turns: Turns,
     table: TipTable,
     feelers: Vec<Feeler>,
@@ -110,7 +110,7 @@ impl<'a> ProbabilisticSet<'a> {
             Some(Feeler::new(robot.whiskers.get(whisker)?, tips.get(whisker)?.clone(), sense))
         };
         let feelers: Vec<Feeler> = senses.iter().filter_map(feeler).collect();
-        let ground = Ground::new(map);
+        let ground = Boundaries::new(map).with_clearance(map);
         // The odometry's shares come to light over a long way only, and what is summed up before they are known is told around a wrong
         // path.
         let times = if Shared::new(0.0, &robot.odometry).has_odometry() { 2 } else { 1 };
@@ -275,7 +275,7 @@ impl<'a> ProbabilisticSet<'a> {
         let Some(bank) = search.step(&field, history, &mut work) else { return Happened::Nothing };
         let count = bank.hypotheses.len() * bank.times(turns);
         // A contact too weak or too short to tell headings or places apart is followed for longer before anything is decided.
-        let many = count as f64 > MANY_STARTS * ground.length() / options.seed_spacing || search.is_cut();
+        let many = count as f64 > MANY_STARTS * ground.total_length() / options.seed_spacing || search.is_cut();
         if many && !search.ended && self.patience < MOST_PATIENCE {
             self.patience *= PATIENCE;
             let Search { feeler, onset, from_free, travelled, .. } = *search;

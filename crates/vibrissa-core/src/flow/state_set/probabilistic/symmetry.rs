@@ -3,7 +3,7 @@
 //! In a square room no log tells four places apart. What one of them explains the others explain, row by row, so one is
 //! followed for all, and at the end each is told with the same weight.
 
-use super::ground::Ground;
+use crate::contact::Boundaries;
 use crate::plane::{Pose2, Vec2};
 use core::f64::consts::TAU;
 
@@ -38,7 +38,7 @@ pub(super) struct Turns {
 
 impl Turns {
     /// The turns of a map of outlines; of one with thin walls none are looked for.
-    pub(super) fn of(ground: &Ground) -> Self {
+    pub(super) fn of(ground: &Boundaries) -> Self {
         let mut middle = (0.0, Vec2::ZERO);
         for piece in &ground.pieces {
             let (a, b) = (piece.spot(0.0).position, piece.spot(1.0).position);
@@ -81,7 +81,7 @@ struct Ends {
 }
 
 impl Ends {
-    fn of(ground: &Ground) -> Self {
+    fn of(ground: &Boundaries) -> Self {
         let mut by_x: Vec<(f64, u32)> =
             ground.pieces.iter().enumerate().map(|(i, piece)| (piece.spot(0.0).position.x, i as u32)).collect();
         by_x.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -89,7 +89,7 @@ impl Ends {
     }
 
     /// The turn by this angle, if it takes every piece onto one.
-    fn onto_itself(&self, ground: &Ground, center: Vec2, angle: f64) -> Option<Turn> {
+    fn onto_itself(&self, ground: &Boundaries, center: Vec2, angle: f64) -> Option<Turn> {
         let place = center - center.rotated(angle);
         let motion = Pose2::new(place.x, place.y, angle);
         let moved = |piece: u32| {
@@ -100,7 +100,7 @@ impl Ends {
             let same = |&&(_, other): &&(f64, u32)| {
                 let there = &ground.pieces[other as usize];
                 let apart = |(at, place): (f64, Vec2)| there.spot(at).position.distance(place) <= SAME;
-                there.side * here.side > 0.0 && [0.0, 0.5, 1.0].into_iter().zip(three).all(apart)
+                there.side() * here.side() > 0.0 && [0.0, 0.5, 1.0].into_iter().zip(three).all(apart)
             };
             near.into_iter().find(same).map(|&(_, other)| other)
         };
@@ -117,10 +117,10 @@ mod tests {
     use crate::plane::Curve;
     use crate::world::{Boundary, Map, Role};
 
-    fn room(corners: &[(f64, f64)]) -> Ground {
+    fn room(corners: &[(f64, f64)]) -> Boundaries {
         let corners: Vec<Vec2> = corners.iter().map(|&(x, y)| Vec2::new(x, y).rotated(0.3)).collect();
         let outline = Boundary::new(Role::Arena, Curve::polyline(&corners, true).unwrap(), None).unwrap();
-        Ground::new(&Map::new(vec![outline]).unwrap())
+        Boundaries::new(&Map::new(vec![outline]).unwrap())
     }
 
     #[test]

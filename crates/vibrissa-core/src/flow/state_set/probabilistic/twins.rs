@@ -4,9 +4,9 @@
 //! through the readings, and what it comes to is moved to the others whose tip stays on their piece, too. The same holds later
 //! for hypotheses along one wall that wait to be run anew by the same step.
 
-use super::contact::State;
-use super::ground::{Ground, Spot};
 use super::hypothesis::{Hypothesis, Scene};
+use crate::contact::follow::WhiskerState;
+use crate::contact::{Boundaries, Spot};
 use crate::plane::{Pose2, wrap_angle};
 
 /// How far from the ends of a piece its middle counts (m), and how equal two headings are (rad).
@@ -27,14 +27,14 @@ pub(super) struct Straight {
 
 impl Straight {
     /// The place of a piece; none if it is not straight.
-    pub(super) fn new(ground: &Ground, piece: u32, at: f64) -> Option<Self> {
+    pub(super) fn new(ground: &Boundaries, piece: u32, at: f64) -> Option<Self> {
         let here = &ground.pieces[piece as usize];
-        let straight = Self { piece, along: at * here.length, length: here.length, spot: here.spot(at) };
+        let straight = Self { piece, along: at * here.length(), length: here.length(), spot: here.spot(at) };
         here.is_straight().then_some(straight)
     }
 
     /// The same for the place from which a hypothesis is followed.
-    pub(super) fn of(ground: &Ground, h: &Hypothesis) -> Option<Self> {
+    pub(super) fn of(ground: &Boundaries, h: &Hypothesis) -> Option<Self> {
         let (piece, at) = h.begins_on()?;
         Self::new(ground, piece, at)
     }
@@ -115,7 +115,7 @@ impl Track {
             return;
         };
         *self = match (*self, state.on_piece()) {
-            (was, None) if *state == State::Free => was,
+            (was, None) if *state == WhiskerState::Free => was,
             (Self::Nowhere, Some((piece, at))) if scene.ground.pieces[piece as usize].is_straight() => {
                 Self::On(piece, [at; 2])
             }
@@ -143,7 +143,7 @@ impl Before {
     /// the same along its wall.
     pub(super) fn at(
         &self,
-        ground: &Ground,
+        ground: &Boundaries,
         track: Track,
         outcome: &Hypothesis,
         other: &Hypothesis,
@@ -158,12 +158,12 @@ impl Before {
         let shift = other.map_from_odom.position() - self.frame.position();
         let here = &ground.pieces[piece as usize];
         let spot = here.spot(0.0);
-        let along = spot.velocity.dot(shift) / here.length;
-        let stays = low * here.length + along > END && high * here.length + along < here.length - END;
-        if !same || !stays || (spot.velocity.cross(shift) / here.length).abs() > END {
+        let along = spot.velocity.dot(shift) / here.length();
+        let stays = low * here.length() + along > END && high * here.length() + along < here.length() - END;
+        if !same || !stays || (spot.velocity.cross(shift) / here.length()).abs() > END {
             return None;
         }
         let motion = Pose2 { x: shift.x, y: shift.y, theta: 0.0 };
-        Some(outcome.slid(motion, &|(on, at)| (on, at + along / here.length)))
+        Some(outcome.slid(motion, &|(on, at)| (on, at + along / here.length())))
     }
 }

@@ -1,11 +1,11 @@
 //! Hypotheses that end at the same place are one.
 
-use super::super::contact::Solver;
 use super::super::feeler::Judge;
 use super::super::history::History;
 use super::super::hypothesis::{Hypothesis, Scene, difference, moved};
 use super::super::normal::{Matrix, dot, times};
 use super::{Bank, Field, LOOSE, OPEN, cut};
+use crate::contact::follow::Mechanics;
 use crate::plane::{Pose2, Vec2};
 
 /// Hypotheses this near to each other are one (m, rad),
@@ -48,7 +48,8 @@ impl Bank {
     /// Moves every hypothesis to its least cost and joins those that end at the same place.
     pub(in super::super) fn settle(&mut self, field: &Field<'_>, history: &History, rounds: usize, exact: usize) {
         let quick = field.scene(history, self.pivot, Judge::FAIR, self.shared);
-        let closed = Scene { solver: Solver::Exact, ..field.scene(history, self.pivot, Judge::FAIR, self.shared) };
+        let closed =
+            Scene { solver: Mechanics::ClosedForm, ..field.scene(history, self.pivot, Judge::FAIR, self.shared) };
         for (index, h) in self.hypotheses.iter_mut().enumerate() {
             let (scene, settled) = if index < exact { (&closed, SETTLED_EXACTLY) } else { (&quick, SETTLED) };
             if h.waits {

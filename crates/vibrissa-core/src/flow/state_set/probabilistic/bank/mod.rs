@@ -9,15 +9,15 @@ mod rescue;
 mod rows;
 mod start;
 
-use super::contact::Solver;
 use super::feeler::{Feeler, Judge};
-use super::ground::Ground;
 use super::history::History;
 use super::hypothesis::{Hypothesis, Limits, Scene, difference, moved};
 use super::shares::Shared;
 use super::symmetry::Turns;
 use crate::beam::TipTable;
 use crate::config::ProbabilisticOptions;
+use crate::contact::Boundaries;
+use crate::contact::follow::Mechanics;
 use crate::plane::{Pose2, Vec2, wrap_angle};
 use crate::world::{Map, Robot};
 use congruent::Trail;
@@ -85,7 +85,7 @@ pub(super) struct Bank {
 #[derive(Clone, Copy)]
 pub(super) struct Field<'a> {
     pub(super) map: &'a Map,
-    pub(super) ground: &'a Ground,
+    pub(super) ground: &'a Boundaries,
     pub(super) turns: &'a Turns,
     pub(super) table: &'a TipTable,
     pub(super) robot: &'a Robot,
@@ -96,7 +96,7 @@ pub(super) struct Field<'a> {
 impl<'a> Field<'a> {
     pub(super) fn scene(&self, history: &'a History, pivot: Vec2, judge: Judge, shared: Shared) -> Scene<'a> {
         Scene {
-            solver: Solver::Quick(self.table),
+            solver: Mechanics::Table(self.table),
             map: self.map,
             ground: self.ground,
             feelers: self.feelers,

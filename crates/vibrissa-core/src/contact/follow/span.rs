@@ -1,12 +1,13 @@
 //! A whisker under two forces, one at its side and one at its tip: its shape by integration, with all derivatives.
 //!
-//! In units of `L` and `EI / L²`, with the sum of the forces beyond `s` as `N`, the curvature obeys
-//! `k' = N_x sin(theta) - N_y cos(theta)`; `N` jumps at the side contact by the force there, which is normal to the whisker.
+//! In units of `L` and `EI / L²`, with the sum of the forces beyond `s` as `N`, the curvature obeys `k' = N_x
+//! sin(theta) - N_y cos(theta)`; `N` jumps at the side contact by the force there, which is normal to the whisker.
 
 use crate::plane::Vec2;
 
-/// Steps of Runge and Kutta's method for a whole whisker, and fewest on either side of the contact: where a shape is wanted
-/// to 1e-5 of the length, and where 1e-4 do. Those grow with the root of the force, as the shape's own waves get shorter.
+/// Steps of Runge and Kutta's method for a whole whisker, and fewest on either side of the contact: where a shape is
+/// wanted to 1e-5 of the length, and where 1e-4 do. Those grow with the root of the force, as the shape's own waves get
+/// shorter.
 const STEPS: f64 = 16.0;
 const FEWEST: f64 = 3.0;
 const QUICK_STEPS: [f64; 2] = [6.0, 1.3];
@@ -17,7 +18,7 @@ pub(super) const UNKNOWNS: usize = 5;
 
 /// A place along the whisker and its derivatives by the unknowns.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Place {
+pub(super) struct Section {
     pub(super) slope: f64,
     pub(super) curvature: f64,
     pub(super) position: Vec2,
@@ -27,8 +28,8 @@ pub(super) struct Place {
 
 /// The contact at the side, the tip, and the force on the tip with its derivatives.
 pub(super) struct Shape {
-    pub(super) side: Place,
-    pub(super) tip: Place,
+    pub(super) side: Section,
+    pub(super) tip: Section,
     pub(super) force: Vec2,
     pub(super) force_by: [Vec2; UNKNOWNS],
 }
@@ -36,7 +37,7 @@ pub(super) struct Shape {
 /// The shape for `[moment, force x, force y, arc length, side force]`, in steps for one of two errors.
 pub(super) fn shape(load: [f64; UNKNOWNS], quick: bool) -> Shape {
     let [moment, x, y, s, push] = load;
-    let root = Place { curvature: moment, by: core::array::from_fn(first), ..Place::default() };
+    let root = Section { curvature: moment, by: core::array::from_fn(first), ..Section::default() };
     let whole = Vec2::new(x, y);
     let unit = [Vec2::ZERO, Vec2::new(1.0, 0.0), Vec2::new(0.0, 1.0), Vec2::ZERO, Vec2::ZERO];
     // Up to the contact only moment and sum of the forces bend the whisker.
@@ -53,11 +54,11 @@ pub(super) fn shape(load: [f64; UNKNOWNS], quick: bool) -> Shape {
     Shape { side, tip, force, force_by }
 }
 
-/// Places along a whisker under one force, evenly spaced up to where it acts: the first, third and so on in the middle of the
-/// steps that lead to the others, where a cubic has the slopes of both ends.
+/// Places along a whisker under one force, evenly spaced up to where it acts: the first, third and so on in the middle
+/// of the steps that lead to the others, where a cubic has the slopes of both ends.
 pub(super) fn outline(moment: f64, force: Vec2, length: f64, places: &mut [Vec2]) {
     let h = length / (places.len() / 2) as f64;
-    let mut y = State::<0> { own: [0.0, moment, 0.0, 0.0, 0.0, 1.0], by: [] };
+    let mut y = Integrated::<0> { own: [0.0, moment, 0.0, 0.0, 0.0, 1.0], by: [] };
     for pair in places.chunks_exact_mut(2) {
         let next = step(&y, force, &[], h);
         let ([_, _, ax, ay, asin, acos], [_, _, bx, by, bsin, bcos]) = (y.own, next.own);
@@ -72,7 +73,7 @@ fn first(unknown: usize) -> [f64; 4] {
 }
 
 /// Derivatives by the arc length.
-fn rates(at: &Place, force: Vec2) -> [f64; 4] {
+fn rates(at: &Section, force: Vec2) -> [f64; 4] {
     let (sin, cos) = at.slope.sin_cos();
     [at.curvature, force.x * sin - force.y * cos, cos, sin]
 }
@@ -80,12 +81,12 @@ fn rates(at: &Place, force: Vec2) -> [f64; 4] {
 /// All that is integrated: the derivatives by the first unknowns, and slope, curvature, x and y with sine and cosine of
 /// the slope, which are cheaper to carry along than to ask for.
 #[derive(Clone, Copy)]
-struct State<const N: usize> {
+struct Integrated<const N: usize> {
     own: [f64; 6],
     by: [[f64; 4]; N],
 }
 
-fn derivative<const N: usize>(y: &State<N>, force: Vec2, by: &[Vec2; N]) -> State<N> {
+fn derivative<const N: usize>(y: &Integrated<N>, force: Vec2, by: &[Vec2; N]) -> Integrated<N> {
     let [_, curvature, _, _, sin, cos] = y.own;
     let own = [curvature, force.x * sin - force.y * cos, cos, sin, cos * curvature, -sin * curvature];
     let stiff = force.x * cos + force.y * sin;
@@ -93,18 +94,18 @@ fn derivative<const N: usize>(y: &State<N>, force: Vec2, by: &[Vec2; N]) -> Stat
         let d = &y.by[k];
         [d[1], stiff * d[0] + by[k].x * sin - by[k].y * cos, -sin * d[0], cos * d[0]]
     };
-    State { own, by: core::array::from_fn(one) }
+    Integrated { own, by: core::array::from_fn(one) }
 }
 
-fn plus<const N: usize>(y: &State<N>, d: &State<N>, step: f64) -> State<N> {
-    State {
+fn plus<const N: usize>(y: &Integrated<N>, d: &Integrated<N>, step: f64) -> Integrated<N> {
+    Integrated {
         own: core::array::from_fn(|i| y.own[i] + step * d.own[i]),
         by: core::array::from_fn(|k| core::array::from_fn(|i| y.by[k][i] + step * d.by[k][i])),
     }
 }
 
 /// One step of Runge and Kutta's method of fourth order.
-fn step<const N: usize>(y: &State<N>, force: Vec2, by: &[Vec2; N], h: f64) -> State<N> {
+fn step<const N: usize>(y: &Integrated<N>, force: Vec2, by: &[Vec2; N], h: f64) -> Integrated<N> {
     let a = derivative(y, force, by);
     let b = derivative(&plus(y, &a, 0.5 * h), force, by);
     let c = derivative(&plus(y, &b, 0.5 * h), force, by);
@@ -114,7 +115,7 @@ fn step<const N: usize>(y: &State<N>, force: Vec2, by: &[Vec2; N], h: f64) -> St
 }
 
 /// From a place on by `length` under this force; the place does not depend on further unknowns than the first `N`.
-fn along<const N: usize>(from: Place, length: f64, force: Vec2, by: &[Vec2; N], quick: bool) -> Place {
+fn along<const N: usize>(from: Section, length: f64, force: Vec2, by: &[Vec2; N], quick: bool) -> Section {
     let count = if quick {
         let [least, more] = QUICK_STEPS;
         let dense = (least + more * force.norm_squared().sqrt().sqrt()).min(STEPS);
@@ -125,13 +126,13 @@ fn along<const N: usize>(from: Place, length: f64, force: Vec2, by: &[Vec2; N], 
     let h = length / count;
     let (sin, cos) = from.slope.sin_cos();
     let own = [from.slope, from.curvature, from.position.x, from.position.y, sin, cos];
-    let mut y = State::<N> { own, by: core::array::from_fn(|k| from.by[k]) };
+    let mut y = Integrated::<N> { own, by: core::array::from_fn(|k| from.by[k]) };
     for _ in 0..count as usize {
         y = step(&y, force, by, h);
     }
     let mut by = [[0.0; 4]; UNKNOWNS];
     by.iter_mut().zip(y.by).for_each(|(to, from)| *to = from);
-    Place { slope: y.own[0], curvature: y.own[1], position: Vec2::new(y.own[2], y.own[3]), by }
+    Section { slope: y.own[0], curvature: y.own[1], position: Vec2::new(y.own[2], y.own[3]), by }
 }
 
 #[cfg(test)]

@@ -1,22 +1,19 @@
 //! Where a whisker meets boundaries: the unloaded one on its way, the bent one elsewhere than at its contact.
 
-use super::contact::{Contact, Hold};
-use super::discrete::inflated;
-use super::equilibrium::Stance;
-use super::flex::Load;
-use super::foothold::Foothold;
+use super::{Equilibrium, PointLoad, WhiskerOnMap};
 use crate::beam::Bend;
 use crate::config::limits::FLATTEN_TOLERANCE;
-use crate::plane::{Pose2, Twist2, Vec2, segment_contact};
+use crate::contact::{Hold, Push, Support};
+use crate::plane::{Bounds, Pose2, Twist2, Vec2, segment_contact, wrap_angle};
 use crate::world::Map;
-use core::f64::consts::{FRAC_PI_2, PI};
+use core::f64::consts::FRAC_PI_2;
 
 /// The free whisker is looked at every so much of its tip's travel (m).
 const LOOK_EVERY: f64 = 1e-4;
 /// A boundary no further from the tip than this is met by the tip (m).
 const AT_TIP: f64 = 3.0 * FLATTEN_TOLERANCE;
-/// Chords of the bent whisker that are looked at, up to its contact and as many beyond, and parts of those that come close to
-/// a boundary.
+/// Chords of the bent whisker that are looked at, up to its contact and as many beyond, and parts of those that come
+/// close to a boundary.
 const CHORDS: usize = 12;
 const PARTS: usize = 8;
 /// Share of the length before a tip in contact that is not looked at, for it touches.
@@ -27,7 +24,8 @@ const ASIDE: f64 = 2.0 * FLATTEN_TOLERANCE;
 const FIRST_FORCE: f64 = 1e-6;
 
 /// The pose a share of the way from `a` to `b`, on the geodesic of SE(2).
-pub(super) fn between(a: Pose2, b: Pose2, share: f64) -> Pose2 {
+#[must_use]
+pub fn between(a: Pose2, b: Pose2, share: f64) -> Pose2 {
     if share >= 1.0 {
         return b;
     }
@@ -36,14 +34,15 @@ pub(super) fn between(a: Pose2, b: Pose2, share: f64) -> Pose2 {
 }
 
 /// Where the unloaded whisker at this pose meets a boundary, map frame; none when it is clear of all.
-pub(super) fn meets(map: &Map, rest: &[Vec2], map_from_whisker: Pose2) -> Option<Vec2> {
+#[must_use]
+pub fn meets(map: &Map, rest: &[Vec2], map_from_whisker: Pose2) -> Option<Vec2> {
     rest.windows(2).find_map(|chord| {
         let (a, b) = (map_from_whisker.transform_point(chord[0]), map_from_whisker.transform_point(chord[1]));
         if !map.crosses(a, b) {
             return None;
         }
         let mut place = a;
-        map.for_each_edge_in(inflated(&[a, b], 0.0), |[c, d]| match segment_contact(a, b, c, d) {
+        map.for_each_edge_in(Bounds::of(&[a, b]).inflated(0.0), |[c, d]| match segment_contact(a, b, c, d) {
             Some(point) => {
                 place = point;
                 true
@@ -56,7 +55,8 @@ pub(super) fn meets(map: &Map, rest: &[Vec2], map_from_whisker: Pose2) -> Option
 
 /// The share of the way from `from` to `to`, both `map_from_whisker`, at which the unloaded whisker first touches; none
 /// when the way is clear.
-pub(super) fn first_touch(map: &Map, rest: &[Vec2], from: Pose2, to: Pose2) -> Option<f64> {
+#[must_use]
+pub fn first_touch(map: &Map, rest: &[Vec2], from: Pose2, to: Pose2) -> Option<f64> {
     let touches = |share: f64| {
         let pose = between(from, to, share);
         rest.windows(2).any(|chord| map.crosses(pose.transform_point(chord[0]), pose.transform_point(chord[1])))
@@ -77,54 +77,46 @@ pub(super) fn first_touch(map: &Map, rest: &[Vec2], from: Pose2, to: Pose2) -> O
 
 /// The contact, still without force, of the unloaded whisker that touches at this pose; none where its place is not
 /// understood.
-pub(super) fn onset(stance: &Stance<'_>) -> Option<Contact> {
-    let (map, flex, pose) = (stance.map, stance.flex, stance.map_from_whisker);
-    let length = flex.beam.length;
-    let tip = pose.transform_point(flex.rest[flex.rest.len() - 1]);
-    if let Some((foothold, _)) = Foothold::nearest(map, tip, pose.position() - tip, AT_TIP) {
-        let ground = foothold.ground(map);
-        let slope = flex.at(Load { q: 0.0, s: 1.0, beta: 0.0 })?.slope;
-        let beta = crate::plane::wrap_angle(ground.normal - pose.theta - slope - FRAC_PI_2);
-        let load = Load { q: 0.0, s: 1.0, beta };
-        let state = flex.at(load)?;
-        return Some(Contact {
-            load,
-            state,
-            hold: Hold::Tip(foothold),
-            place: ground.position,
-            stuck: true,
-            sliding: 0.0,
-        });
+#[must_use]
+pub fn onset(on: &WhiskerOnMap<'_>) -> Option<Equilibrium> {
+    let (boundaries, whisker, pose) = (on.boundaries, on.whisker, on.stance.map_from_whisker());
+    let tip = pose.transform_point(whisker.rest[whisker.rest.len() - 1]);
+    if let Some((piece, at)) = boundaries.nearest_facing(on.map, tip, pose.position() - tip, AT_TIP) {
+        let spot = boundaries.spot((piece, at));
+        let slope = whisker.at(PointLoad { q: 0.0, s: 1.0, beta: 0.0 })?.slope;
+        let beta = wrap_angle(spot.normal - pose.theta - slope - FRAC_PI_2);
+        let load = PointLoad { q: 0.0, s: 1.0, beta };
+        let (state, hold) = (whisker.at(load)?, Hold::Tip(Support::Piece(piece, at)));
+        return Some(Equilibrium { load, state, hold, place: spot.position, stuck: true, sliding: 0.0 });
     }
-    let place = meets(map, &flex.rest, pose)?;
-    let s = along(&flex.rest, pose.inverse_transform_point(place)) / length;
-    for side in [1.0, -1.0] {
-        let Some((near, _)) = Foothold::nearest(map, place, Vec2::ZERO, 2.0 * AT_TIP) else { continue };
-        let foothold = Foothold { side: side * near.side, ..near };
-        if side < 0.0 && !map.boundaries()[near.boundary].is_two_sided() {
-            continue;
-        }
-        for lay in [0.0, PI] {
-            let load = Load { q: FIRST_FORCE, s, beta: lay };
-            let Some(state) = flex.at(load) else { continue };
-            if let Some(hold) = side_hold(stance, foothold, lay, stance.heading(&state)) {
-                return Some(Contact { load, state, hold, place, stuck: true, sliding: 0.0 });
+    let place = meets(on.map, &whisker.rest, pose)?;
+    let s = along(&whisker.rest, pose.inverse_transform_point(place)) / whisker.beam.length;
+    let (near, at) = boundaries.nearest_facing(on.map, place, Vec2::ZERO, 2.0 * AT_TIP)?;
+    for piece in core::iter::once(near).chain(boundaries.other_side(near)) {
+        for push in [Push::Left, Push::Right] {
+            let load = PointLoad { q: FIRST_FORCE, s, beta: push.tilt() };
+            let Some(state) = whisker.at(load) else { continue };
+            if let Some(hold) = side_hold(on, (piece, at), push, on.stance.heading(state.slope)) {
+                return Some(Equilibrium { load, state, hold, place, stuck: true, sliding: 0.0 });
             }
         }
     }
     None
 }
 
-/// What a side that points along `heading` touches at a foothold: a corner whose normals it fits, or the piece itself.
-pub(super) fn side_hold(stance: &Stance<'_>, foothold: Foothold, lay: f64, heading: f64) -> Option<Hold> {
-    let across = heading + lay + FRAC_PI_2;
-    let ground = foothold.ground(stance.map);
-    let joint = foothold.joint(stance.map, foothold.at > 0.5);
-    let at_joint = joint.position.distance(ground.position) <= AT_TIP;
-    if at_joint && !joint.is_concave() && !joint.is_smooth() {
-        return (0.0..=1.0).contains(&joint.lean(across)).then_some(Hold::Vertex(joint, lay));
+/// What a side that points along `heading` (rad) touches at a place of a piece: a corner whose normals it fits, or the
+/// piece itself.
+#[must_use]
+pub fn side_hold(on: &WhiskerOnMap<'_>, (piece, at): (u32, f64), push: Push, heading: f64) -> Option<Hold> {
+    let across = heading + push.tilt() + FRAC_PI_2;
+    let spot = on.boundaries.spot((piece, at));
+    let near = on.boundaries.corner_of(piece, at > 0.5).filter(|(_, corner)| {
+        corner.position.distance(spot.position) <= AT_TIP && !corner.is_concave() && !corner.is_smooth()
+    });
+    if let Some((id, corner)) = near {
+        return (0.0..=1.0).contains(&corner.lean(across)).then_some(Hold::Side(Support::Corner(id), push));
     }
-    ((across - ground.normal).cos() > 0.999).then_some(Hold::Flank(foothold, lay))
+    ((across - spot.normal).cos() > 0.999).then_some(Hold::Side(Support::Piece(piece, at), push))
 }
 
 /// Arc length of the point of a polyline nearest to `point` (m).
@@ -145,11 +137,12 @@ fn along(line: &[Vec2], point: Vec2) -> f64 {
 
 /// Where the bent whisker meets a boundary elsewhere than at its contact, map frame; none when it does not.
 ///
-/// Looked at `ASIDE` to the side to which `lay` pushes it. Between the ends of the chords the whisker is a cubic with
+/// Looked at `ASIDE` to the side to which it is pushed. Between the ends of the chords the whisker is a cubic with
 /// their directions, within 0.1 µm of the true one.
-pub(super) fn blocked(stance: &Stance<'_>, bend: &Bend, lay: f64) -> Option<Vec2> {
-    let length = stance.flex.beam.length;
-    let aside = ASIDE * lay.cos();
+#[must_use]
+pub fn blocked(on: &WhiskerOnMap<'_>, bend: &Bend, push: Push) -> Option<Vec2> {
+    let (length, pose) = (on.whisker.beam.length, on.stance.map_from_whisker());
+    let aside = ASIDE * push.sign();
     let last = if bend.s_a < length { length } else { (1.0 - AT_CONTACT) * length };
     // A whisker that touches near its base bends all of its way within a small part of itself.
     let even = |from: f64, to: f64| (1..=CHORDS).map(move |i| from + (to - from) * (i as f64 / CHORDS as f64));
@@ -159,8 +152,8 @@ pub(super) fn blocked(stance: &Stance<'_>, bend: &Bend, lay: f64) -> Option<Vec2
         .points_at(arcs.chain(beyond))
         .into_iter()
         .map(|(s, point)| {
-            let along = Vec2::from_angle(point.slope + stance.map_from_whisker.theta);
-            (s, stance.map_from_whisker.transform_point(point.position) + along.perp() * aside, along)
+            let along = Vec2::from_angle(point.slope + pose.theta);
+            (s, pose.transform_point(point.position) + along.perp() * aside, along)
         })
         .collect();
     ends.windows(2).find_map(|pair| {
@@ -168,7 +161,7 @@ pub(super) fn blocked(stance: &Stance<'_>, bend: &Bend, lay: f64) -> Option<Vec2
         // The arc stays within an eighth of its turn times the chord; a quarter is safe.
         let sag = 0.25 * t0.distance(t1) * (s1 - s0) + ASIDE;
         let mut near = false;
-        stance.map.for_each_edge_in(inflated(&[p0, p1], sag), |edge| {
+        on.map.for_each_edge_in(Bounds::of(&[p0, p1]).inflated(sag), |edge| {
             near = passes(edge, p0, p1, sag);
             near
         });
@@ -189,7 +182,7 @@ pub(super) fn blocked(stance: &Stance<'_>, bend: &Bend, lay: f64) -> Option<Vec2
             let at = |i: f64| place(from + (to - from) * i / parts);
             (0..parts as usize).find_map(|i| {
                 let (a, b) = (at(i as f64), at(i as f64 + 1.0));
-                stance.map.crosses(a, b).then_some(a)
+                on.map.crosses(a, b).then_some(a)
             })
         };
         crossed(s0, s1.min(last))

@@ -1,10 +1,11 @@
 //! Whether the rest of the whisker is clear of the boundaries.
 //!
-//! The contact holds one place; a bump may rise under another. How far the whisker is clear of everything is kept, so that
-//! it is not looked at again before it can have moved as far. Where a bump is near, both contacts are solved for, and the
-//! sign of the force tells whether it touches.
+//! The contact holds one place; a bump may rise under another. How far the whisker is clear of everything is kept, so
+//! that it is not looked at again before it can have moved as far. Where a bump is near, both contacts are solved for,
+//! and the sign of the force tells whether it touches.
 
-use super::{Forward, Hold, Stance, Touch, span};
+use super::{Contact, ForwardModel, span};
+use crate::contact::{Hold, Stance, Support};
 use crate::plane::Vec2;
 use core::f64::consts::FRAC_PI_2;
 
@@ -25,7 +26,7 @@ const BEHIND: f64 = 0.04;
 const SHORT: f64 = 0.03;
 
 /// What the whisker runs into besides its contact.
-pub(super) enum Body {
+pub(super) enum Surroundings {
     /// Nothing within this (m).
     Clear(f64),
     /// Something before its contact: at this share of its length, near this place of a piece.
@@ -40,22 +41,50 @@ struct Gap {
     at: (u32, f64),
 }
 
-impl Forward<'_> {
+impl ForwardModel<'_> {
     /// What a whisker that stands so runs into.
-    pub(super) fn body(&self, stance: &Stance, touch: &Touch) -> Body {
-        let Some(chart) = self.solver.chart(touch.q, touch.beta) else { return Body::Clear(0.0) };
+    pub(super) fn surroundings(&self, stance: &Stance, touch: &Contact) -> Surroundings {
+        let Some(chart) = self.mechanics.chart(touch.q, touch.beta) else { return Surroundings::Clear(0.0) };
         let per = 1.0 / touch.s;
         let force = Vec2::from_angle(touch.slope + touch.beta + FRAC_PI_2) * (touch.q * per * per);
         let mut outline = [Vec2::ZERO; CUTS];
         span::outline(chart.moment * per, force, touch.s, &mut outline);
+        let (mut clear, bump) = self.bump(stance, &outline[..CUTS - 1]);
+        if let Some((k, at)) = bump {
+            return Surroundings::Before((k as f64 + 1.0) / CUTS as f64 * touch.s, at);
+        }
+        if let Hold::Tip(Support::Piece(piece, at)) = touch.hold {
+            // A tip that points out of the boundary has come through it from behind.
+            let heading = stance.heading(touch.slope);
+            if (heading - self.boundaries.spot((piece, at)).normal).cos() > 0.0
+                && let Some(gap) = self.gap(stance, touch.place - Vec2::from_angle(heading) * (BEHIND * self.length))
+            {
+                return Surroundings::Before(1.0 - BEHIND, gap.at);
+            }
+        }
+        let free = 1.0 - touch.s;
+        if matches!(touch.hold, Hold::Side(..)) && free > SHORT {
+            let tip = touch.place + Vec2::from_angle(stance.heading(touch.slope)) * (free * self.length);
+            match self.gap(stance, tip) {
+                Some(gap) if gap.distance < 0.0 => return Surroundings::Beyond(gap.at),
+                Some(gap) => clear = clear.min(gap.distance),
+                None => {}
+            }
+        }
+        Surroundings::Clear(clear.max(LEAST_CLEAR * self.length))
+    }
+
+    /// How far these places of the whisker are clear, and which of them is on or behind a boundary, near which place of
+    /// it.
+    fn bump(&self, stance: &Stance, outline: &[Vec2]) -> (f64, Option<(usize, (u32, f64))>) {
         let (farthest, bump) = (FARTHEST * self.length, BUMP * self.length);
         let mut clear = farthest;
         let mut least: Option<(usize, Gap)> = None;
         let mut before = f64::INFINITY;
-        for (k, &at) in outline[..CUTS - 1].iter().enumerate() {
+        for (k, &at) in outline.iter().enumerate() {
             let place = stance.placed(at);
             // What comes through a boundary is no further from it than the next of these places.
-            let least_gap = self.ground.clearance.at(place);
+            let least_gap = self.boundaries.clearance.at(place);
             let (gap, distance) = if least_gap * CUTS as f64 > self.length {
                 (None, least_gap.min(farthest))
             } else {
@@ -70,7 +99,7 @@ impl Forward<'_> {
             let rises =
                 least.as_ref().is_some_and(|(j, l)| *j + 1 == k && l.distance < before && distance > l.distance);
             if let Some((j, gap)) = least.as_ref().filter(|(_, l)| rises && l.distance < bump) {
-                return Body::Before((*j as f64 + 1.0) / CUTS as f64 * touch.s, gap.at);
+                return (clear, Some((*j, gap.at)));
             }
             if let Some(last) = &least {
                 before = last.1.distance;
@@ -80,33 +109,12 @@ impl Forward<'_> {
                 before = farthest;
             }
         }
-        if let Some((j, gap)) = least.filter(|(_, l)| l.distance < 0.0) {
-            return Body::Before((j as f64 + 1.0) / CUTS as f64 * touch.s, gap.at);
-        }
-        if let Hold::Piece(piece, at) = touch.hold {
-            // A tip that points out of the boundary has come through it from behind.
-            let heading = stance.theta + touch.slope;
-            if (heading - self.ground.pieces[piece as usize].spot(at).normal).cos() > 0.0
-                && let Some(gap) = self.gap(stance, touch.place - Vec2::from_angle(heading) * (BEHIND * self.length))
-            {
-                return Body::Before(1.0 - BEHIND, gap.at);
-            }
-        }
-        let free = 1.0 - touch.s;
-        if matches!(touch.hold, Hold::Vertex(_) | Hold::Flank(..)) && free > SHORT {
-            let tip = touch.place + Vec2::from_angle(stance.theta + touch.slope) * (free * self.length);
-            match self.gap(stance, tip) {
-                Some(gap) if gap.distance < 0.0 => return Body::Beyond(gap.at),
-                Some(gap) => clear = clear.min(gap.distance),
-                None => {}
-            }
-        }
-        Body::Clear(clear.max(LEAST_CLEAR * self.length))
+        (clear, least.filter(|(_, l)| l.distance < 0.0).map(|(j, gap)| (j, gap.at)))
     }
 
     fn gap(&self, stance: &Stance, place: Vec2) -> Option<Gap> {
-        let (piece, at, distance) = self.ground.nearest(self.map, place, stance.base, FARTHEST * self.length)?;
-        let inside = self.ground.pieces[piece as usize].is_behind(at, place);
+        let (piece, at, distance) = self.boundaries.nearest(self.map, place, stance.base(), FARTHEST * self.length)?;
+        let inside = self.boundaries.piece(piece).is_behind(at, place);
         Some(Gap { distance: if inside { -distance } else { distance }, at: (piece, at) })
     }
 }

@@ -1,8 +1,7 @@
 //! The equations of a whisker that is held at tip and side.
 
-use super::Stance;
-use super::both::{Both, Rest};
 use super::span::{Shape, UNKNOWNS};
+use crate::contact::{Spot, Stance, Support, TwoContacts};
 use crate::plane::{Vec2, wrap_angle};
 use core::f64::consts::{FRAC_PI_2, PI};
 
@@ -10,14 +9,6 @@ use core::f64::consts::{FRAC_PI_2, PI};
 pub(super) const MOST: usize = UNKNOWNS + 2;
 /// Equations with their right sides in the last column.
 pub(super) type Rows = [[f64; MOST + 1]; MOST];
-
-/// What a contact rests on: place, velocity and turning by the parameter, normal.
-pub(super) struct Under {
-    pub(super) position: Vec2,
-    pub(super) velocity: Vec2,
-    pub(super) normal: f64,
-    pub(super) turning: f64,
-}
 
 /// The linear equations of a step, residuals in the last column, and the largest residual.
 ///
@@ -28,12 +19,12 @@ pub(super) struct Under {
 /// | 3, 4 | the tip is at its place | load, place of the tip |
 /// | 5 | the tip's force is along the normal; in a corner the place is given | load, place of the tip |
 /// | 6 | the side is tangent; on a corner the place is given | load, place of the side |
-pub(super) fn equations(stance: &Stance, both: &Both, shape: &Shape, side: &Under, tip: &Under) -> (Rows, f64) {
+pub(super) fn equations(stance: &Stance, both: &TwoContacts, shape: &Shape, side: &Spot, tip: &Spot) -> (Rows, f64) {
     let mut rows = [[0.0; MOST + 1]; MOST];
-    let (at_side, at_tip) = (stance.seen(side.position - stance.base), stance.seen(tip.position - stance.base));
-    let (side_on, tip_on) = (stance.seen(side.velocity), stance.seen(tip.velocity));
-    let facing = Vec2::from_angle(tip.normal - stance.theta);
-    let on_piece = |rest: Rest| matches!(rest, Rest::Piece(..));
+    let (at_side, at_tip) = (stance.seen(side.position), stance.seen(tip.position));
+    let (side_on, tip_on) = (stance.turned(side.velocity), stance.turned(tip.velocity));
+    let facing = Vec2::from_angle(tip.normal - stance.theta());
+    let on_piece = |rest: Support| matches!(rest, Support::Piece(..));
     for (k, (side, tip)) in shape.side.by.iter().zip(&shape.tip.by).enumerate() {
         (rows[0][k], rows[1][k], rows[2][k]) = (side[2], side[3], tip[1]);
         (rows[3][k], rows[4][k]) = (tip[2], tip[3]);
@@ -51,7 +42,7 @@ pub(super) fn equations(stance: &Stance, both: &Both, shape: &Shape, side: &Unde
         (rows[3][5], rows[4][5], rows[5][5]) = (0.0, 0.0, 1.0);
     }
     if on_piece(both.side) {
-        let across = stance.theta + shape.side.slope + FRAC_PI_2 - side.normal;
+        let across = stance.theta() + shape.side.slope + FRAC_PI_2 - side.normal;
         rows[6][6] = -side.turning;
         // To the whisker's left or to its right, whichever is nearer.
         residuals[6] = wrap_angle(if across.cos() > 0.0 { across } else { across + PI });
@@ -65,11 +56,11 @@ pub(super) fn equations(stance: &Stance, both: &Both, shape: &Shape, side: &Unde
 }
 
 /// The derivatives of the moment by the base's pose, from the adjoint of the equations.
-pub(super) fn gradient(stance: &Stance, l: &[f64; MOST], shape: &Shape, side: &Under, tip: &Under) -> [f64; 3] {
-    let (at_side, at_tip) = (stance.seen(side.position - stance.base), stance.seen(tip.position - stance.base));
+pub(super) fn gradient(stance: &Stance, l: &[f64; MOST], shape: &Shape, side: &Spot, tip: &Spot) -> [f64; 3] {
+    let (at_side, at_tip) = (stance.seen(side.position), stance.seen(tip.position));
     let a = stance.gradient([l[0], l[1], l[6]], at_side);
     let b = stance.gradient([l[3], l[4], 0.0], at_tip);
-    let turned = l[5] * shape.force.dot(Vec2::from_angle(tip.normal - stance.theta));
+    let turned = l[5] * shape.force.dot(Vec2::from_angle(tip.normal - stance.theta()));
     [a[0] + b[0], a[1] + b[1], a[2] + b[2] + turned]
 }
 

@@ -1,10 +1,9 @@
 //! The whisker in contact at one place: Newton's method on its response.
 
-use super::flex::{Flex, Load, Rate, State};
-use super::foothold::Foothold;
+use super::loaded::{LoadedRate, LoadedState, LoadedWhisker, PointLoad};
+use crate::contact::{Boundaries, Push, Stance};
 use crate::plane::{Pose2, Vec2, wrap_angle};
 use crate::world::Map;
-use core::f64::consts::FRAC_PI_2;
 
 /// Newton steps before it is given up.
 const MOST_STEPS: usize = 40;
@@ -19,10 +18,15 @@ const LARGEST_SHIFT: f64 = 0.1;
 
 /// One whisker on its base: what all equilibria share.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Stance<'a> {
-    pub(super) map: &'a Map,
-    pub(super) flex: &'a Flex,
-    pub(super) map_from_whisker: Pose2,
+pub struct WhiskerOnMap<'a> {
+    /// The map.
+    pub map: &'a Map,
+    /// Its boundaries.
+    pub boundaries: &'a Boundaries,
+    /// The whisker.
+    pub whisker: &'a LoadedWhisker,
+    /// Where its base stands.
+    pub stance: Stance,
 }
 
 /// What must hold on a piece of a boundary besides the contact being there.
@@ -30,19 +34,18 @@ pub(super) struct Stance<'a> {
 pub(super) enum Rule {
     /// The tip slides: the force is this far off the normal (rad).
     Slide { offset: f64 },
-    /// The side slides along the piece, tangent to it; `lay` is 0 when the force is along the whisker's left normal, pi
-    /// when along its right one, and the load's tilt stays as it is.
-    Flank { lay: f64 },
+    /// The side slides along the piece, tangent to it and pushed this way; the load's tilt stays as it is.
+    Flank { push: Push },
     /// The side rolls on the piece: arc lengths along whisker and piece change together from these values on.
-    Roll { lay: f64, s: f64, at: f64 },
+    Roll { push: Push, s: f64, at: f64 },
 }
 
 /// Where Newton's method on a piece ended.
-pub(super) enum OnPiece {
+pub(super) enum PieceSolution {
     /// An equilibrium, maybe on the continuation of the piece; stable when the flag is set.
-    Found { load: Load, state: State, foothold: Foothold, stable: bool },
+    Found { load: PointLoad, state: LoadedState, at: f64, stable: bool },
     /// The place left the piece before an equilibrium was found.
-    Lost(Foothold),
+    Lost(f64),
     /// No equilibrium near.
     Failed,
 }
@@ -54,107 +57,116 @@ pub(super) enum Unknown {
     ArcLength,
 }
 
-impl Stance<'_> {
-    /// The direction of a force on the whisker (rad, map frame).
-    pub(super) fn direction(&self, load: Load, state: &State) -> f64 {
-        wrap_angle(self.map_from_whisker.theta + state.slope + load.beta + FRAC_PI_2)
+impl<'a> WhiskerOnMap<'a> {
+    /// The whisker with its base at this pose.
+    #[must_use]
+    pub fn new(map: &'a Map, boundaries: &'a Boundaries, whisker: &'a LoadedWhisker, map_from_whisker: Pose2) -> Self {
+        Self { map, boundaries, whisker, stance: Stance::new(map_from_whisker, whisker.beam.length) }
     }
 
-    /// The direction of the whisker at the contact (rad, map frame).
-    pub(super) fn heading(&self, state: &State) -> f64 {
-        self.map_from_whisker.theta + state.slope
+    /// The direction of a force on the whisker (rad, map frame).
+    #[must_use]
+    pub fn direction(&self, load: PointLoad, state: &LoadedState) -> f64 {
+        wrap_angle(self.stance.direction(state.slope, load.beta))
     }
 
     /// The contact, map frame (m).
-    pub(super) fn place(&self, state: &State) -> Vec2 {
-        self.map_from_whisker.transform_point(state.p * self.flex.beam.length)
+    #[must_use]
+    pub fn place(&self, state: &LoadedState) -> Vec2 {
+        self.stance.map_from_whisker().transform_point(state.p * self.whisker.beam.length)
     }
 
-    /// A place of the map as the whisker sees it, over its length.
-    pub(super) fn seen(&self, place: Vec2) -> Vec2 {
-        self.map_from_whisker.inverse_transform_point(place) * (1.0 / self.flex.beam.length)
-    }
-
-    /// The equilibrium on the piece of `foothold` under this rule, from this start.
-    pub(super) fn on_piece(&self, rule: Rule, mut load: Load, mut foothold: Foothold) -> OnPiece {
-        let heading = self.map_from_whisker.theta;
-        let per_length = 1.0 / self.flex.beam.length;
+    /// The equilibrium on a piece under this rule, from this load and parameter on.
+    pub(super) fn on_piece(&self, rule: Rule, mut load: PointLoad, (piece, mut at): (u32, f64)) -> PieceSolution {
+        let here = self.boundaries.piece(piece);
         let mut last = f64::INFINITY;
         for _ in 0..MOST_STEPS {
-            let ground = foothold.ground(self.map);
-            let velocity = ground.velocity.rotated(-heading) * per_length;
-            if let Rule::Roll { s, at, .. } = rule {
-                load.s = s + (foothold.at - at) * self.rolling(rule, load, velocity).unwrap_or(0.0);
+            let spot = here.spot(at);
+            let velocity = self.stance.turned(spot.velocity);
+            if let Rule::Roll { s, at: start, .. } = rule {
+                load.s = s + (at - start) * self.rolling(rule, load, velocity).unwrap_or(0.0);
             }
-            let Some(state) = self.flex.at(load) else { return OnPiece::Failed };
-            let gap = state.p - self.seen(ground.position);
+            let Some(state) = self.whisker.at(load) else { return PieceSolution::Failed };
+            let gap = state.p - self.stance.seen(spot.position);
             let tilt = match rule {
                 Rule::Slide { offset } => load.beta - offset,
-                Rule::Flank { lay } | Rule::Roll { lay, .. } => lay,
+                Rule::Flank { push } | Rule::Roll { push, .. } => push.tilt(),
             };
-            let aslant = wrap_angle(heading + state.slope + tilt + FRAC_PI_2 - ground.normal);
-            let Some(columns) = self.columns(rule, load, &state, velocity, ground.turning) else {
-                return OnPiece::Failed;
+            let aslant = wrap_angle(self.stance.direction(state.slope, tilt) - spot.normal);
+            let Some(columns) = self.columns(rule, load, &state, velocity, spot.turning) else {
+                return PieceSolution::Failed;
             };
             let rows = [columns.map(|c| c.p.x), columns.map(|c| c.p.y), columns.map(|c| c.slope)];
             let residual = gap.norm().max(aslant.abs());
-            if residual < FOUND || (residual < self.flex.accuracy() && residual >= 0.5 * last) {
+            if residual < FOUND || (residual < self.whisker.accuracy() && residual >= 0.5 * last) {
                 // Weak forces have a negative determinant and are stable; the sign changes where the branch folds.
-                let stable = !matches!(rule, Rule::Slide { .. }) || determinant(rows) * foothold.side < 0.0;
-                return OnPiece::Found { load, state, foothold, stable };
+                let stable = !matches!(rule, Rule::Slide { .. }) || determinant(rows) * here.side() < 0.0;
+                return PieceSolution::Found { load, state, at, stable };
             }
-            let Some([dq, d2, dat]) = solve(rows, [gap.x, gap.y, aslant]) else { return OnPiece::Failed };
+            let Some([dq, d2, dat]) = solve(rows, [gap.x, gap.y, aslant]) else { return PieceSolution::Failed };
             let unknown = if matches!(rule, Rule::Flank { .. }) { Unknown::ArcLength } else { Unknown::Tilt };
             let damp = moved(&mut load, unknown, dq, d2);
-            foothold.at -= damp * dat;
-            if foothold.is_lost(self.map) {
-                return OnPiece::Lost(foothold);
+            at -= damp * dat;
+            if here.is_lost(at) {
+                return PieceSolution::Lost(at);
             }
             last = residual;
         }
-        OnPiece::Failed
+        PieceSolution::Failed
     }
 
     /// How fast the contact moves along a rolling whisker, over L for each unit of the piece's parameter.
-    fn rolling(&self, rule: Rule, load: Load, velocity: Vec2) -> Option<f64> {
+    fn rolling(&self, rule: Rule, load: PointLoad, velocity: Vec2) -> Option<f64> {
         let Rule::Roll { .. } = rule else { return None };
-        let state = self.flex.at(load)?;
+        let state = self.whisker.at(load)?;
         Some(velocity.norm().copysign(velocity.dot(Vec2::from_angle(state.slope))))
     }
 
-    fn columns(&self, rule: Rule, load: Load, state: &State, velocity: Vec2, turning: f64) -> Option<[Rate; 3]> {
-        let by_force = self.flex.by_force(load, state)?;
-        let ground = Rate { p: -velocity, slope: -turning };
+    fn columns(
+        &self,
+        rule: Rule,
+        load: PointLoad,
+        state: &LoadedState,
+        velocity: Vec2,
+        turning: f64,
+    ) -> Option<[LoadedRate; 3]> {
+        let by_force = self.whisker.by_force(load, state)?;
+        let ground = LoadedRate { p: -velocity, slope: -turning };
         let columns = match rule {
             Rule::Slide { .. } => {
-                let by_tilt = self.flex.by_tilt(load, state)?;
-                [by_force, Rate { slope: by_tilt.slope + 1.0, ..by_tilt }, ground]
+                let by_tilt = self.whisker.by_tilt(load, state)?;
+                [by_force, LoadedRate { slope: by_tilt.slope + 1.0, ..by_tilt }, ground]
             }
-            Rule::Flank { .. } => [by_force, self.flex.by_arc_length(load, state)?, ground],
+            Rule::Flank { .. } => [by_force, self.whisker.by_arc_length(load, state)?, ground],
             Rule::Roll { .. } => {
-                let (longer, rolls) = (self.flex.by_arc_length(load, state)?, self.rolling(rule, load, velocity)?);
-                let along = Rate { p: ground.p + longer.p * rolls, slope: ground.slope + longer.slope * rolls };
-                [by_force, self.flex.by_tilt(load, state)?, along]
+                let (longer, rolls) = (self.whisker.by_arc_length(load, state)?, self.rolling(rule, load, velocity)?);
+                let along = LoadedRate { p: ground.p + longer.p * rolls, slope: ground.slope + longer.slope * rolls };
+                [by_force, self.whisker.by_tilt(load, state)?, along]
             }
         };
         Some(columns)
     }
 
     /// The equilibrium with the contact at this place of the map, from this start; stable when the flag is set.
-    pub(super) fn at_place(&self, unknown: Unknown, mut load: Load, place: Vec2) -> Option<(Load, State, bool)> {
-        let target = self.seen(place);
+    pub(super) fn at_place(
+        &self,
+        unknown: Unknown,
+        mut load: PointLoad,
+        place: Vec2,
+    ) -> Option<(PointLoad, LoadedState, bool)> {
+        let target = self.stance.seen(place);
         let mut last = f64::INFINITY;
         for _ in 0..MOST_STEPS_AT_PLACE {
-            let state = self.flex.at(load)?;
+            let state = self.whisker.at(load)?;
             let gap = state.p - target;
             let residual = gap.norm();
-            let a = self.flex.by_force(load, &state)?.p;
+            let a = self.whisker.by_force(load, &state)?.p;
             let b = match unknown {
-                Unknown::Tilt => self.flex.by_tilt(load, &state)?.p,
-                Unknown::ArcLength => self.flex.by_arc_length(load, &state)?.p,
+                Unknown::Tilt => self.whisker.by_tilt(load, &state)?.p,
+                Unknown::ArcLength => self.whisker.by_arc_length(load, &state)?.p,
             };
             let det = a.cross(b);
-            if residual < FOUND || (residual < self.flex.accuracy() && residual >= 0.5 * last) {
+            if residual < FOUND || (residual < self.whisker.accuracy() && residual >= 0.5 * last) {
                 let push = load.beta.cos();
                 return Some((load, state, unknown == Unknown::Tilt || det * push < 0.0));
             }
@@ -169,7 +181,7 @@ impl Stance<'_> {
 }
 
 /// Takes a Newton step off the load, cut to where the linear picture may hold; returns the share taken.
-fn moved(load: &mut Load, unknown: Unknown, dq: f64, d2: f64) -> f64 {
+fn moved(load: &mut PointLoad, unknown: Unknown, dq: f64, d2: f64) -> f64 {
     let most = if unknown == Unknown::Tilt { LARGEST_TURN } else { LARGEST_SHIFT };
     // Division by a zero step gives infinity, which leaves 1.
     let damp = (most / d2.abs()).min((0.5 + 0.5 * load.q.abs()) / dq.abs()).min(1.0);

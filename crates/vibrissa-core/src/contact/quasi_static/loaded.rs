@@ -1,8 +1,9 @@
 //! The whisker under one force, and its derivatives: from the closed form where there is one, by marches elsewhere.
 //!
-//! Dimensionless: lengths over the whisker's length L, `q = F L² / EI`, `m = M0 L / EI`. With the contact at `p`, arc length
-//! `s` and fixed tilt, the derivatives for a uniform whisker are `dp/ds = (1 - m y, m x)`, `dphi/ds = m` and, because a force
-//! only scales the shape, `dp/dq = (s dp/ds - p) / 2q`, `dphi/dq = s m / 2q`; those by the tilt are differences.
+//! Dimensionless: lengths over the whisker's length L, `q = F L² / EI`, `m = M0 L / EI`. With the contact at `p`, arc
+//! length `s` and fixed tilt, the derivatives for a uniform whisker are `dp/ds = (1 - m y, m x)`, `dphi/ds = m` and,
+//! because a force only scales the shape, `dp/dq = (s dp/ds - p) / 2q`, `dphi/dq = s m / 2q`; those by the tilt are
+//! differences.
 
 use crate::Result;
 use crate::beam::{Bend, Rod, Whisker, elastica, normal};
@@ -20,50 +21,58 @@ const REST_POINTS: usize = 33;
 
 /// A force on the whisker.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Load {
+pub struct PointLoad {
     /// `F L² / EI`; negative would pull the whisker towards the boundary.
-    pub(super) q: f64,
+    pub q: f64,
     /// Arc length of the contact over L; 1 at the tip.
-    pub(super) s: f64,
+    pub s: f64,
     /// Tilt from the whisker's normal at the contact (rad); 0 or pi for a side contact without friction.
-    pub(super) beta: f64,
+    pub beta: f64,
 }
 
 /// The loaded whisker.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct State {
+pub struct LoadedState {
     /// The contact, whisker frame, over L.
-    pub(super) p: Vec2,
+    pub p: Vec2,
     /// Slope at the contact (rad).
-    pub(super) slope: f64,
+    pub slope: f64,
     /// `M0 L / EI`.
-    pub(super) m: f64,
+    pub m: f64,
 }
 
 /// Derivatives of contact and slope.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Rate {
+pub(super) struct LoadedRate {
+    /// Of the contact, whisker frame, over L.
     pub(super) p: Vec2,
+    /// Of the slope at the contact.
     pub(super) slope: f64,
 }
 
 /// A whisker that can be loaded.
 #[derive(Clone, Debug)]
-pub(super) struct Flex {
-    pub(super) beam: Whisker,
+pub struct LoadedWhisker {
+    /// Its shape and stiffness.
+    pub beam: Whisker,
     rod: Rod,
     uniform: bool,
     /// The whisker without load, whisker frame (m): two points when it is straight.
-    pub(super) rest: Vec<Vec2>,
+    pub rest: Vec<Vec2>,
 }
 
-impl Flex {
-    pub(super) fn new(beam: &Whisker) -> Result<Self> {
+impl LoadedWhisker {
+    /// The whisker that can be loaded.
+    ///
+    /// # Errors
+    ///
+    /// Whiskers that make no sense, see [`Rod::new`].
+    pub fn new(beam: &Whisker) -> Result<Self> {
         let rod = Rod::new(beam)?;
         let mut flex =
             Self { beam: *beam, rod, uniform: beam.is_uniform(), rest: vec![Vec2::ZERO, Vec2::new(beam.length, 0.0)] };
         if beam.curvature.abs() > 0.0
-            && let Some(bend) = flex.bend(Load { q: 0.0, s: 1.0, beta: 0.0 })
+            && let Some(bend) = flex.bend(PointLoad { q: 0.0, s: 1.0, beta: 0.0 })
         {
             flex.rest = bend.shape(beam.length, REST_POINTS);
         }
@@ -76,12 +85,12 @@ impl Flex {
     }
 
     /// `EI / L²` (N).
-    pub(super) fn unit(&self) -> f64 {
+    pub fn unit(&self) -> f64 {
         self.beam.flexural_rigidity / (self.beam.length * self.beam.length)
     }
 
     /// The whisker in full; none where the closed form ends.
-    pub(super) fn bend(&self, load: Load) -> Option<Bend> {
+    pub fn bend(&self, load: PointLoad) -> Option<Bend> {
         let (force, s_a) = (load.q * self.unit(), load.s * self.beam.length);
         if self.uniform
             && let Some(bend) = elastica::bend(self.beam.flexural_rigidity, force, s_a, load.beta)
@@ -92,7 +101,7 @@ impl Flex {
     }
 
     /// Contact, slope and moment.
-    pub(super) fn at(&self, load: Load) -> Option<State> {
+    pub fn at(&self, load: PointLoad) -> Option<LoadedState> {
         if self.uniform
             && let Some(state) = Self::closed_form(load)
         {
@@ -104,22 +113,22 @@ impl Flex {
         let (force, s_a) = (load.q * self.unit(), load.s * self.beam.length);
         let (contact, slope, moment) = self.rod.contact_under(force, s_a, load.beta)?;
         let scale = 1.0 / self.beam.length;
-        Some(State { p: contact * scale, slope, m: moment * scale / self.unit() })
+        Some(LoadedState { p: contact * scale, slope, m: moment * scale / self.unit() })
     }
 
     /// The same for the uniform whisker, within the first mode.
-    fn closed_form(load: Load) -> Option<State> {
+    fn closed_form(load: PointLoad) -> Option<LoadedState> {
         let straight = load.beta.abs() <= 0.0;
         if straight || (load.beta - PI).abs() <= 0.0 {
             let bend = normal::by_force(1.0, if straight { load.q } else { -load.q }, load.s)?;
-            return Some(State { p: bend.contact, slope: bend.phi_a, m: bend.moment });
+            return Some(LoadedState { p: bend.contact, slope: bend.phi_a, m: bend.moment });
         }
         let bend = elastica::bend(1.0, load.q, load.s, load.beta)?;
-        Some(State { p: bend.contact, slope: bend.phi_a, m: bend.moment })
+        Some(LoadedState { p: bend.contact, slope: bend.phi_a, m: bend.moment })
     }
 
     /// The side contact at `p` without friction where the closed form has it, nearest to the given slope.
-    pub(super) fn touched_at(&self, p: Vec2, slope: f64) -> Option<Option<(Load, State)>> {
+    pub(super) fn touched_at(&self, p: Vec2, slope: f64) -> Option<Option<(PointLoad, LoadedState)>> {
         if !self.uniform {
             return None;
         }
@@ -129,45 +138,45 @@ impl Flex {
             .filter_map(|branch| normal::by_point(1.0, 2.0, p, branch))
             .min_by(|a, b| (a.phi_a - slope).abs().total_cmp(&(b.phi_a - slope).abs()));
         Some(found.map(|bend| {
-            let load = Load { q: bend.force, s: bend.s_a, beta: 0.0 };
-            (load, State { p: bend.contact, slope: bend.phi_a, m: bend.moment })
+            let load = PointLoad { q: bend.force, s: bend.s_a, beta: 0.0 };
+            (load, LoadedState { p: bend.contact, slope: bend.phi_a, m: bend.moment })
         }))
     }
 
     /// Derivatives by the force.
-    pub(super) fn by_force(&self, load: Load, here: &State) -> Option<Rate> {
+    pub(super) fn by_force(&self, load: PointLoad, here: &LoadedState) -> Option<LoadedRate> {
         if !self.uniform {
             let step = STEP * (1.0 + load.q.abs());
-            return self.difference(here, Load { q: load.q + step, ..load }, step);
+            return self.difference(here, PointLoad { q: load.q + step, ..load }, step);
         }
-        let Load { q, s, beta } = load;
+        let PointLoad { q, s, beta } = load;
         if (q * s * s).abs() < WEAK {
             let across = beta.cos();
-            return Some(Rate { p: Vec2::new(0.0, across * s * s * s / 3.0), slope: 0.5 * across * s * s });
+            return Some(LoadedRate { p: Vec2::new(0.0, across * s * s * s / 3.0), slope: 0.5 * across * s * s });
         }
         let longer = Self::longer(here);
-        Some(Rate { p: (longer.p * s - here.p) * (0.5 / q), slope: 0.5 * s * here.m / q })
+        Some(LoadedRate { p: (longer.p * s - here.p) * (0.5 / q), slope: 0.5 * s * here.m / q })
     }
 
     /// Derivatives by the arc length.
-    pub(super) fn by_arc_length(&self, load: Load, here: &State) -> Option<Rate> {
+    pub(super) fn by_arc_length(&self, load: PointLoad, here: &LoadedState) -> Option<LoadedRate> {
         if !self.uniform {
-            return self.difference(here, Load { s: load.s - STEP, ..load }, -STEP);
+            return self.difference(here, PointLoad { s: load.s - STEP, ..load }, -STEP);
         }
         Some(Self::longer(here))
     }
 
     /// Derivatives by the tilt.
-    pub(super) fn by_tilt(&self, load: Load, here: &State) -> Option<Rate> {
-        self.difference(here, Load { beta: load.beta + STEP, ..load }, STEP)
+    pub(super) fn by_tilt(&self, load: PointLoad, here: &LoadedState) -> Option<LoadedRate> {
+        self.difference(here, PointLoad { beta: load.beta + STEP, ..load }, STEP)
     }
 
-    fn longer(here: &State) -> Rate {
-        Rate { p: Vec2::new(1.0 - here.m * here.p.y, here.m * here.p.x), slope: here.m }
+    fn longer(here: &LoadedState) -> LoadedRate {
+        LoadedRate { p: Vec2::new(1.0 - here.m * here.p.y, here.m * here.p.x), slope: here.m }
     }
 
-    fn difference(&self, here: &State, load: Load, step: f64) -> Option<Rate> {
+    fn difference(&self, here: &LoadedState, load: PointLoad, step: f64) -> Option<LoadedRate> {
         let there = self.at(load)?;
-        Some(Rate { p: (there.p - here.p) * (1.0 / step), slope: (there.slope - here.slope) / step })
+        Some(LoadedRate { p: (there.p - here.p) * (1.0 / step), slope: (there.slope - here.slope) / step })
     }
 }

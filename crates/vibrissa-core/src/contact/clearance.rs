@@ -6,14 +6,14 @@ use crate::world::Map;
 /// Width of a cell (m), and the most cells along a side of the map.
 const CELL: f64 = 2e-3;
 const MOST: f64 = 512.0;
-/// Distances between the middles of cells are too long by no more than this (cells): half a diagonal at either end, and how far
-/// boundaries are sampled apart.
+/// Distances between the middles of cells are too long by no more than this (cells): half a diagonal at either end, and
+/// how far boundaries are sampled apart.
 const SLACK: f64 = 1.7;
 /// Samples of a boundary for each cell.
 const SAMPLES: f64 = 4.0;
 
-/// A grid of distances to the boundaries.
-#[derive(Clone, Debug)]
+/// A grid of distances to the boundaries; without cells, nothing is known of them.
+#[derive(Clone, Debug, Default)]
 pub(super) struct Clearance {
     origin: Vec2,
     cell: f64,

@@ -1,8 +1,9 @@
 //! What a free whisker meets.
 
-use super::{Felt, Forward, Hold, Next, State, Touch};
+use super::{Contact, ForwardModel, Next, Prediction, WhiskerState};
+use crate::contact::{Hold, Push, Support};
 use crate::plane::{Pose2, Vec2, wrap_angle};
-use core::f64::consts::{FRAC_PI_2, PI};
+use core::f64::consts::FRAC_PI_2;
 
 /// Halvings that find where a free whisker began to touch.
 const MEET_HALVINGS: usize = 12;
@@ -11,22 +12,30 @@ const GLUE: f64 = 0.02;
 /// How far from where a straight whisker crosses a boundary the corner is that it lies on, over its length.
 const CORNER: f64 = 0.1;
 
-impl Forward<'_> {
+impl ForwardModel<'_> {
     /// The tip just touching at a place of a piece, before any force.
-    pub(in super::super) fn untouched(&self, piece: u32, at: f64, heading: f64) -> Touch {
-        let spot = self.ground.pieces[piece as usize].spot(at);
+    pub(crate) fn untouched(&self, piece: u32, at: f64, heading: f64) -> Contact {
+        let spot = self.boundaries.spot((piece, at));
         let beta = wrap_angle(spot.normal - heading - FRAC_PI_2);
-        Touch { q: 0.0, beta, s: 1.0, hold: Hold::Piece(piece, at), place: spot.position, slope: 0.0, clear: 0.0 }
+        Contact {
+            q: 0.0,
+            beta,
+            s: 1.0,
+            hold: Hold::Tip(Support::Piece(piece, at)),
+            place: spot.position,
+            slope: 0.0,
+            clear: 0.0,
+        }
     }
 
     /// The tip loaded at a place of a piece, as another computation found it.
-    pub(in super::super) fn loaded(&self, piece: u32, at: f64, q: f64, beta: f64, slope: f64) -> Touch {
-        let place = self.ground.pieces[piece as usize].spot(at).position;
-        Touch { q, beta, s: 1.0, hold: Hold::Piece(piece, at), place, slope, clear: 0.0 }
+    pub(crate) fn loaded(&self, piece: u32, at: f64, q: f64, beta: f64, slope: f64) -> Contact {
+        let place = self.boundaries.spot((piece, at)).position;
+        Contact { q, beta, s: 1.0, hold: Hold::Tip(Support::Piece(piece, at)), place, slope, clear: 0.0 }
     }
 
     /// The free whisker at `to`: a tip contact if it crosses a boundary near its tip, an unknown one elsewhere.
-    pub(super) fn meet(&self, from: Pose2, to: Pose2) -> Option<(State, Felt)> {
+    pub(super) fn meet(&self, from: Pose2, to: Pose2) -> Option<(WhiskerState, Prediction)> {
         let tip = |pose: Pose2| pose.transform_point(Vec2::new(self.length, 0.0));
         let end = tip(to);
         if !self.map.crosses(to.position(), end) {
@@ -34,9 +43,9 @@ impl Forward<'_> {
         }
         if self.map.crosses(from.position(), tip(from))
             // It has been in contact for longer, and how is not known.
-            && let Some((touch, felt)) = self.settled_at(to)
+            && let Some((touch, predicted)) = self.settled_at(to)
         {
-            return Some((State::Touching(touch), felt));
+            return Some((WhiskerState::Touching(touch), predicted));
         }
         let travel = tip(from).distance(end).max(from.position().distance(to.position()));
         let turn = wrap_angle(to.theta - from.theta);
@@ -52,14 +61,16 @@ impl Forward<'_> {
         }
         let pose = at_share(touching);
         let reach = 0.1 * travel + 0.02 * self.length;
-        let onset = self.ground.nearest(self.map, tip(pose), pose.position(), reach);
+        let onset = self.boundaries.nearest(self.map, tip(pose), pose.position(), reach);
         let slid = onset.and_then(|(piece, at, _)| self.slide(self.untouched(piece, at, pose.theta), pose, to));
         let met = slid.or_else(|| self.slide(self.brushed(pose)?, pose, to));
-        Some(met.map_or((State::Unknown, Felt::default()), |(touch, felt)| (State::Touching(touch), felt)))
+        Some(met.map_or((WhiskerState::Unknown, Prediction::default()), |(touch, predicted)| {
+            (WhiskerState::Touching(touch), predicted)
+        }))
     }
 
     /// The straight whisker just touching with its side, where it first crosses a boundary.
-    fn brushed(&self, map_from_whisker: Pose2) -> Option<Touch> {
+    fn brushed(&self, map_from_whisker: Pose2) -> Option<Contact> {
         let base = map_from_whisker.position();
         let along = Vec2::from_angle(map_from_whisker.theta) * self.length;
         let (mut clear, mut crossing) = (0.0, 1.0);
@@ -68,28 +79,29 @@ impl Forward<'_> {
             if self.map.crosses(base, base + along * middle) { crossing = middle } else { clear = middle }
         }
         let place = base + along * crossing;
-        let (piece, at, _) = self.ground.nearest(self.map, place, base, GLUE * self.length)?;
-        let corners = [false, true].into_iter().filter_map(|forward| self.ground.corner_of(piece, forward));
+        let (piece, at, _) = self.boundaries.nearest(self.map, place, base, GLUE * self.length)?;
+        let corners = [false, true].into_iter().filter_map(|forward| self.boundaries.corner_of(piece, forward));
         let near = corners
             .filter(|(_, corner)| corner.is_convex() && corner.position.distance(place) < CORNER * self.length)
             .min_by(|a, b| a.1.position.distance(place).total_cmp(&b.1.position.distance(place)));
-        let (hold, place, normal) = match near {
-            Some((id, corner)) => (Hold::Vertex(id), corner.position, corner.normal + 0.5 * corner.turn),
+        let (on, place, normal) = match near {
+            Some((id, corner)) => (Support::Corner(id), corner.position, corner.normal + 0.5 * corner.turn),
             None => {
-                let spot = self.ground.pieces[piece as usize].spot(at);
-                (Hold::Flank(piece, at), spot.position, spot.normal)
+                let spot = self.boundaries.spot((piece, at));
+                (Support::Piece(piece, at), spot.position, spot.normal)
             }
         };
-        let beta = if (normal - map_from_whisker.theta - FRAC_PI_2).cos() > 0.0 { 0.0 } else { PI };
-        Some(Touch { q: 0.0, beta, s: crossing, hold, place, slope: 0.0, clear: 0.0 })
+        let push = Push::of(normal - map_from_whisker.theta - FRAC_PI_2);
+        let (beta, hold) = (push.tilt(), Hold::Side(on, push));
+        Some(Contact { q: 0.0, beta, s: crossing, hold, place, slope: 0.0, clear: 0.0 })
     }
 
     /// The free whisker at `to` glued to the boundary that its tip almost reaches.
-    pub(super) fn glue(&self, to: Pose2) -> Option<(State, Felt)> {
+    pub(super) fn glue(&self, to: Pose2) -> Option<(WhiskerState, Prediction)> {
         let tip = to.transform_point(Vec2::new(self.length, 0.0));
-        let (piece, at, _) = self.ground.nearest(self.map, tip, to.position(), GLUE * self.length)?;
+        let (piece, at, _) = self.boundaries.nearest(self.map, tip, to.position(), GLUE * self.length)?;
         match self.next(&self.untouched(piece, at, to.theta), to) {
-            Next::Touching(touch, felt) => Some((State::Touching(touch), felt)),
+            Next::Touching(touch, predicted) => Some((WhiskerState::Touching(touch), predicted)),
             _ => None,
         }
     }

@@ -1,102 +1,56 @@
-//! A map's boundaries as a chain of pieces that a tip slides along: what a step of the forward model asks, precomputed.
+//! A map's boundaries as chains of one-sided pieces with corners between them: what a continuation along them asks for,
+//! precomputed.
+//!
+//! A place on a boundary is the number of a piece and the parameter along it. A piece says on which side the whisker
+//! is; thin walls have pieces for both sides.
 
 use super::clearance::Clearance;
+use super::corner::Corner;
 use crate::plane::{Segment, Vec2, wrap_angle};
 use crate::world::{Map, NearestPiece};
 use core::f64::consts::{FRAC_PI_2, PI};
 
-/// A turn below this is no corner (rad).
-const SMOOTH: f64 = 1e-9;
-
 /// Corners that turn by no more than this are hopped over while an equilibrium is still looked for (rad).
 const SLIGHT: f64 = 0.2;
-/// Corners that turn by more than this are sharp, by as much as this alike (rad), and those further along the boundary than this
-/// (m) are none of a place's own.
+/// Corners that turn by more than this are sharp, by as much as this alike (rad), and those further along the boundary
+/// than this (m) are none of a place's own.
 const SHARP: f64 = 0.3;
 const ALIKE: f64 = 0.02;
 const FARTHEST: f64 = 1.0;
 /// Pieces that one hop may pass.
 const MOST_HOPPED: usize = 16;
 
-/// Where one piece ends and the next begins.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Joint {
-    /// The piece after.
-    pub(super) next: u32,
-    /// The corner, map frame (m).
-    pub(super) position: Vec2,
-    /// Normal of the piece before at its end (rad), and how far it turns to the one after (rad).
-    pub(super) normal: f64,
-    pub(super) turn: f64,
-}
-
-/// Where two pieces meet, or the two sides of a wall at its end.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Corner {
-    /// Map frame (m).
-    pub(super) position: Vec2,
-    /// The pieces before and after, and the parameters of their ends here.
-    pub(super) before: (u32, f64),
-    pub(super) after: (u32, f64),
-    /// Normal before (rad), and how far it turns to the one after (rad).
-    pub(super) normal: f64,
-    pub(super) turn: f64,
-    /// 1 when the whisker is left of the direction of travel, -1 on a wall's right.
-    side: f64,
-    end: bool,
-}
-
-impl Corner {
-    /// Whether a tip can be caught: free space closes in.
-    pub(super) fn is_concave(&self) -> bool {
-        !self.end && self.turn * self.side > SMOOTH && self.turn.abs() < PI
-    }
-
-    /// Whether a side can lie on it.
-    pub(super) fn is_convex(&self) -> bool {
-        self.end || self.turn * self.side < -SMOOTH
-    }
-
-    /// Whether it is the end of a wall.
-    pub(super) fn is_end(&self) -> bool {
-        self.end
-    }
-
-    /// Where a direction (rad) points within the corner: 0 along the normal before, 1 along the normal after.
-    pub(super) fn lean(&self, direction: f64) -> f64 {
-        0.5 + wrap_angle(direction - self.normal - 0.5 * self.turn) / self.turn
-    }
-}
-
 /// One smooth piece of a boundary, seen from the side on which a whisker is.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Piece {
+pub struct Piece {
     segment: Segment,
-    /// 1 when the whisker is left of the direction of travel, -1 on a wall's right.
-    pub(super) side: f64,
+    side: f64,
     normal: f64,
-    pub(super) length: f64,
-    pub(super) before: Option<u32>,
-    pub(super) joint: Option<Joint>,
+    length: f64,
+    before: Option<u32>,
+    /// The corner at its end.
+    corner: Option<Corner>,
     /// At the ends of a wall, start and end: which of them.
     tails: [Option<u32>; 2],
 }
 
 /// The boundary at a place of a piece, map frame.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Spot {
-    pub(super) position: Vec2,
+pub struct Spot {
+    /// The place (m).
+    pub position: Vec2,
     /// Derivative of the position by the parameter (m).
-    pub(super) velocity: Vec2,
+    pub velocity: Vec2,
     /// Direction of the normal towards the whisker (rad).
-    pub(super) normal: f64,
+    pub normal: f64,
     /// Derivative of the normal by the parameter (rad).
-    pub(super) turning: f64,
+    pub turning: f64,
 }
 
 impl Piece {
     /// The boundary at the parameter `at`, on the piece's continuation beyond \[0, 1\].
-    pub(super) fn spot(&self, at: f64) -> Spot {
+    #[must_use]
+    pub fn spot(&self, at: f64) -> Spot {
         if let Segment::Line([a, b]) = self.segment {
             let velocity = b - a;
             return Spot { position: a + velocity * at, velocity, normal: self.normal, turning: 0.0 };
@@ -108,37 +62,54 @@ impl Piece {
         Spot { position: self.segment.point(at), velocity, normal, turning }
     }
 
+    /// 1 when the whisker is left of the direction of travel, -1 on a wall's right.
+    #[must_use]
+    pub fn side(&self) -> f64 {
+        self.side
+    }
+
+    /// Its length (m).
+    #[must_use]
+    pub fn length(&self) -> f64 {
+        self.length
+    }
+
     /// Whether a place is behind the tangent at the parameter `at`, seen from where the whisker is.
-    pub(super) fn is_behind(&self, at: f64, place: Vec2) -> bool {
+    #[must_use]
+    pub fn is_behind(&self, at: f64, place: Vec2) -> bool {
         let spot = self.spot(at);
         self.side * spot.velocity.cross(place - spot.position) < 0.0
     }
 
     /// Whether it is a line.
-    pub(super) fn is_straight(&self) -> bool {
+    #[must_use]
+    pub fn is_straight(&self) -> bool {
         matches!(self.segment, Segment::Line(_))
     }
 
     /// Whether the parameter has left what the piece can be continued to: anywhere for lines, little for Béziers.
-    pub(super) fn is_lost(&self, at: f64) -> bool {
+    #[must_use]
+    pub fn is_lost(&self, at: f64) -> bool {
         !matches!(self.segment, Segment::Line(_)) && !(-0.5..=1.5).contains(&at)
     }
 
     /// The parameter nearest to `point`.
-    pub(super) fn nearest(&self, point: Vec2) -> f64 {
+    #[must_use]
+    pub fn nearest(&self, point: Vec2) -> f64 {
         self.segment.nearest(point)
     }
 
     /// The parameter at the arc length `s` from the piece's start.
-    pub(super) fn parameter_at(&self, s: f64) -> f64 {
+    #[must_use]
+    pub fn parameter_at(&self, s: f64) -> f64 {
         self.segment.parameter_at(s)
     }
 }
 
-/// All pieces of a map; walls are there twice, once for each side.
+/// All boundaries of a map as one-sided pieces; walls are there twice, once for each side.
 #[derive(Clone, Debug)]
-pub(super) struct Ground {
-    pub(super) pieces: Vec<Piece>,
+pub struct Boundaries {
+    pub(crate) pieces: Vec<Piece>,
     /// How far places are from all of them.
     pub(super) clearance: Clearance,
     /// The ends of walls.
@@ -147,9 +118,10 @@ pub(super) struct Ground {
     first: Vec<(u32, u32)>,
 }
 
-impl Ground {
-    /// The pieces of a map.
-    pub(super) fn new(map: &Map) -> Self {
+impl Boundaries {
+    /// The boundaries of a map.
+    #[must_use]
+    pub fn new(map: &Map) -> Self {
         let (mut pieces, mut first, mut tails) = (Vec::new(), Vec::new(), Vec::new());
         for boundary in map.boundaries() {
             let left = pieces.len() as u32;
@@ -165,38 +137,56 @@ impl Ground {
             }
             first.push((left, right));
         }
-        Self { pieces, clearance: Clearance::new(map), tails, first }
+        Self { pieces, clearance: Clearance::default(), tails, first }
     }
 
-    /// The corner at the start (`forward` false) or the end of a piece, and its number; none at the end of an open outline.
-    pub(super) fn corner_of(&self, piece: u32, forward: bool) -> Option<(u32, Corner)> {
+    /// The same with a grid of how far places are from them all, for the many looks of [`super::follow`].
+    pub(crate) fn with_clearance(self, map: &Map) -> Self {
+        Self { clearance: Clearance::new(map), ..self }
+    }
+
+    /// The piece of this number.
+    #[must_use]
+    pub fn piece(&self, piece: u32) -> &Piece {
+        &self.pieces[piece as usize]
+    }
+
+    /// The boundary at a place: the number of a piece and the parameter.
+    #[must_use]
+    pub fn spot(&self, (piece, at): (u32, f64)) -> Spot {
+        self.piece(piece).spot(at)
+    }
+
+    /// The corner at the start (`forward` false) or the end of a piece, and its number; none at the end of an open
+    /// outline.
+    #[must_use]
+    pub fn corner_of(&self, piece: u32, forward: bool) -> Option<(u32, Corner)> {
         let here = &self.pieces[piece as usize];
         let before = if forward { Some(piece) } else { here.before };
-        let id = match before.filter(|&b| self.pieces[b as usize].joint.is_some()) {
+        let id = match before.filter(|&b| self.pieces[b as usize].corner.is_some()) {
             Some(before) => before,
             None => self.pieces.len() as u32 + here.tails[usize::from(forward)]?,
         };
         Some((id, self.corner(id)?))
     }
 
-    /// The corner of this number.
-    pub(super) fn corner(&self, id: u32) -> Option<Corner> {
-        let Some(piece) = self.pieces.get(id as usize) else {
-            return self.tails.get(id as usize - self.pieces.len()).copied();
-        };
-        let joint = piece.joint?;
-        let (before, after) = ((id, 1.0), (joint.next, 0.0));
-        let Joint { position, normal, turn, .. } = joint;
-        Some(Corner { position, before, after, normal, turn, side: piece.side, end: false })
+    /// The corner of this number: that of the piece before it, and for the ends of walls numbers beyond those of the
+    /// pieces.
+    #[must_use]
+    pub fn corner(&self, id: u32) -> Option<Corner> {
+        match self.pieces.get(id as usize) {
+            Some(piece) => piece.corner,
+            None => self.tails.get(id as usize - self.pieces.len()).copied(),
+        }
     }
 
     /// Whether there are walls with ends.
-    pub(super) fn has_ends(&self) -> bool {
+    pub(crate) fn has_ends(&self) -> bool {
         !self.tails.is_empty()
     }
 
     /// The length of all pieces (m).
-    pub(super) fn length(&self) -> f64 {
+    pub(crate) fn total_length(&self) -> f64 {
         self.pieces.iter().map(|piece| piece.length).sum()
     }
 
@@ -207,13 +197,13 @@ impl Ground {
             let here = &self.pieces[piece as usize];
             let forward = at > 1.0;
             let across = if forward { Some(piece) } else { here.before };
-            let joint = across.and_then(|before| self.pieces[before as usize].joint);
-            let (Some(before), Some(joint)) = (across, joint) else { break };
-            if joint.turn.abs() > SLIGHT || !at.is_finite() {
+            let corner = across.and_then(|before| self.pieces[before as usize].corner.as_ref());
+            let (Some(before), Some(corner)) = (across, corner) else { break };
+            if corner.turn.abs() > SLIGHT || !at.is_finite() {
                 break;
             }
             let over = here.length * if forward { at - 1.0 } else { -at };
-            let next = if forward { joint.next } else { before };
+            let next = if forward { corner.after.0 } else { before };
             let share = over / self.pieces[next as usize].length;
             (piece, at) = (next, if forward { share } else { 1.0 - share });
             if (0.0..=1.0).contains(&at) {
@@ -223,16 +213,17 @@ impl Ground {
         (piece, at)
     }
 
-    /// The places that lie as far behind or before a sharp corner as this one behind or before its own: pieces and parameters.
+    /// The places that lie as far behind or before a sharp corner as this one behind or before its own: pieces and
+    /// parameters.
     ///
     /// A whisker that snaps out of a corner does so within a millimetre: of places on a grid none would feel the same.
-    pub(super) fn as_far_from_corners(&self, (piece, at): (u32, f64)) -> Vec<(u32, f64)> {
+    pub(crate) fn as_far_from_corners(&self, (piece, at): (u32, f64)) -> Vec<(u32, f64)> {
         let mut places = Vec::new();
         for forward in [false, true] {
             let Some((turn, way)) = self.to_corner(piece, at, forward) else { continue };
             for (index, other) in self.pieces.iter().enumerate() {
-                let Some(joint) = other.joint.filter(|joint| (joint.turn - turn).abs() < ALIKE) else { continue };
-                let (from, along) = if forward { (index as u32, other.length - way) } else { (joint.next, way) };
+                let Some(corner) = other.corner.filter(|corner| (corner.turn - turn).abs() < ALIKE) else { continue };
+                let (from, along) = if forward { (index as u32, other.length - way) } else { (corner.after.0, way) };
                 places.extend(self.walked(from, along));
             }
         }
@@ -246,11 +237,11 @@ impl Ground {
         let (mut here, mut way) = (piece, if forward { start.length - done } else { done });
         while way <= FARTHEST {
             let before = if forward { here } else { self.pieces[here as usize].before? };
-            let joint = self.pieces[before as usize].joint?;
-            if joint.turn.abs() > SHARP {
-                return Some((joint.turn, way));
+            let corner = self.pieces[before as usize].corner?;
+            if corner.turn.abs() > SHARP {
+                return Some((corner.turn, way));
             }
-            here = if forward { joint.next } else { before };
+            here = if forward { corner.after.0 } else { before };
             way += self.pieces[here as usize].length;
         }
         None
@@ -264,13 +255,14 @@ impl Ground {
         }
         while along > self.pieces[piece as usize].length {
             along -= self.pieces[piece as usize].length;
-            piece = self.pieces[piece as usize].joint?.next;
+            piece = self.pieces[piece as usize].corner?.after.0;
         }
         Some((piece, self.pieces[piece as usize].parameter_at(along)))
     }
 
     /// The place nearest to `point` within `reach` (m), on the side on which `base` is: piece, parameter, distance.
-    pub(super) fn nearest(&self, map: &Map, point: Vec2, base: Vec2, reach: f64) -> Option<(u32, f64, f64)> {
+    #[must_use]
+    pub fn nearest(&self, map: &Map, point: Vec2, base: Vec2, reach: f64) -> Option<(u32, f64, f64)> {
         let NearestPiece { boundary, segment, distance, on_line } = map.nearest_piece(point, reach)?;
         let (left_first, right_first) = self.first[boundary];
         let curve = map.boundaries()[boundary].curve();
@@ -287,6 +279,26 @@ impl Ground {
         let next = at >= 1.0 && segment + 1 < curve.segments().len();
         Some(if next { (piece(segment + 1, left), 0.0, distance) } else { (piece(segment, left), at, distance) })
     }
+
+    /// The place nearest to `point` within `reach` (m), touched from the side to which `away` points: piece and
+    /// parameter.
+    #[must_use]
+    pub fn nearest_facing(&self, map: &Map, point: Vec2, away: Vec2, reach: f64) -> Option<(u32, f64)> {
+        let NearestPiece { boundary, segment, .. } = map.nearest_piece(point, reach)?;
+        let (left_first, right_first) = self.first[boundary];
+        let here = &self.pieces[left_first as usize + segment];
+        let at = here.nearest(point);
+        let left = Vec2::from_angle(here.segment.tangent(at)).cross(away) >= 0.0;
+        Some((segment as u32 + if left { left_first } else { right_first }, at))
+    }
+
+    /// The piece on the other side of a wall; none for outlines.
+    #[must_use]
+    pub fn other_side(&self, piece: u32) -> Option<u32> {
+        let boundary = self.first.partition_point(|&(left, _)| left <= piece).checked_sub(1)?;
+        let (left, right) = self.first[boundary];
+        (right > left).then(|| if piece >= right { piece - right + left } else { piece - left + right })
+    }
 }
 
 /// Appends one side of a curve.
@@ -296,10 +308,11 @@ fn add_side(pieces: &mut Vec<Piece>, segments: &[Segment], closed: bool, side: f
     for (i, segment) in segments.iter().enumerate() {
         let neighbour = |inside: bool, index: usize| (inside || closed).then_some((start + index % count) as u32);
         let next = neighbour(i + 1 < count, i + 1);
-        let joint = next.map(|next| {
-            let before = normal(segment, 1.0);
-            let turn = wrap_angle(normal(&segments[(i + 1) % count], 0.0) - before);
-            Joint { next, position: segment.end(), normal: before, turn }
+        let corner = next.map(|next| {
+            let (before, after) = (((start + i) as u32, 1.0), (next, 0.0));
+            let at_end = normal(segment, 1.0);
+            let turn = wrap_angle(normal(&segments[(i + 1) % count], 0.0) - at_end);
+            Corner { position: segment.end(), before, after, normal: at_end, turn, side, end: false }
         });
         let before = neighbour(i > 0, i + count - 1);
         pieces.push(Piece {
@@ -308,7 +321,7 @@ fn add_side(pieces: &mut Vec<Piece>, segments: &[Segment], closed: bool, side: f
             normal: normal(segment, 0.0),
             length: segment.length(),
             before,
-            joint,
+            corner,
             tails: [None, None],
         });
     }

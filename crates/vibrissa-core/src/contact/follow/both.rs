@@ -1,13 +1,13 @@
 //! Tip and side on boundaries at once: a bump that rises under a whisker whose tip is in a bay.
 //!
-//! The unknowns are the load of [`super::span`], the place of the tip on its piece (in a concave corner it is given) and
-//! that of the side on a curved piece (on a corner it is given). Newton's method solves for both places, the direction of
-//! the tip's force and the free end. Where one of the two forces would have to pull, that contact ends.
+//! The unknowns are the load of [`super::span`], the place of the tip on its piece (in a concave corner it is given)
+//! and that of the side on a curved piece (on a corner it is given). Newton's method solves for both places, the
+//! direction of the tip's force and the free end. Where one of the two forces would have to pull, that contact ends.
 
-use super::super::symmetry::Turn;
-use super::balance::{MOST, Under, equations, gradient, solved};
+use super::balance::{MOST, equations, gradient, solved};
 use super::span::{self, Shape, UNKNOWNS};
-use super::{Felt, Forward, Hold, Next, Solver, Stance, Touch};
+use super::{Contact, ForwardModel, Mechanics, Next, Prediction};
+use crate::contact::{Hold, Push, Spot, Stance, Support, TwoContacts};
 use crate::plane::{Vec2, wrap_angle};
 use core::f64::consts::{FRAC_PI_2, PI};
 
@@ -15,8 +15,8 @@ use core::f64::consts::{FRAC_PI_2, PI};
 const MOST_STEPS: usize = 12;
 const NEAR: f64 = 4e-3;
 const NEAR_EXACT: f64 = 1e-5;
-/// Largest change of the moment, of a force, and of the arc length, in one step: along an all but straight whisker forces
-/// are large.
+/// Largest change of the moment, of a force, and of the arc length, in one step: along an all but straight whisker
+/// forces are large.
 const LARGEST_MOMENT: f64 = 1.0;
 const LARGEST_PUSH: f64 = 20.0;
 const LARGEST_SHIFT: f64 = 0.08;
@@ -26,51 +26,24 @@ const ALMOST_TIP: f64 = 0.9;
 const MOST_MOVES: usize = 12;
 /// Corners that turn by no more than this are passed over by a tip (rad).
 const SLIGHT: f64 = 0.1;
-/// Two contacts.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Both {
-    /// Moment at the base, sum of the forces, arc length of the side contact, force there.
-    pub(super) load: [f64; UNKNOWNS],
-    pub(super) tip: Rest,
-    pub(super) side: Rest,
-}
-
-/// Where something rests.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Rest {
-    Piece(u32, f64),
-    Corner(u32),
-}
-
-impl Both {
-    /// The same on a map turned onto itself.
-    pub(super) fn turned(&self, turn: &Turn) -> Self {
-        let rest = |rest: Rest| match rest {
-            Rest::Piece(piece, at) => Rest::Piece(turn.piece(piece), at),
-            Rest::Corner(id) => Rest::Corner(turn.piece(id)),
-        };
-        Self { load: self.load, tip: rest(self.tip), side: rest(self.side) }
-    }
-}
 
 /// An equilibrium.
 struct Solved {
-    both: Both,
-    felt: Felt,
+    both: TwoContacts,
+    predicted: Prediction,
     shape: Shape,
 }
 
-impl Forward<'_> {
+impl ForwardModel<'_> {
     /// A whisker with its tip on a boundary and this share of its length near another place: both hold it.
-    pub(super) fn propped(&self, stance: &Stance, touch: &Touch, share: f64, (piece, at): (u32, f64)) -> Next {
-        let Some(chart) = self.solver.chart(touch.q, touch.beta) else { return Next::None };
+    pub(super) fn propped(&self, stance: &Stance, touch: &Contact, share: f64, (piece, at): (u32, f64)) -> Next {
+        let Some(chart) = self.mechanics.chart(touch.q, touch.beta) else { return Next::None };
         let tip = match touch.hold {
-            Hold::Piece(piece, at) => Rest::Piece(piece, at),
-            Hold::Corner(id) => Rest::Corner(id),
+            Hold::Tip(on) => on,
             // What has only just lain down counts as its tip.
-            Hold::Flank(piece, at) if touch.s > ALMOST_TIP => Rest::Piece(piece, at),
-            Hold::Vertex(id) if touch.s > ALMOST_TIP => match self.ground.corner(id) {
-                Some(corner) => Rest::Piece(corner.before.0, corner.before.1),
+            Hold::Side(Support::Piece(piece, at), _) if touch.s > ALMOST_TIP => Support::Piece(piece, at),
+            Hold::Side(Support::Corner(id), _) if touch.s > ALMOST_TIP => match self.boundaries.corner(id) {
+                Some(corner) => corner.before.into(),
                 None => return Next::None,
             },
             _ => return Next::None,
@@ -78,16 +51,16 @@ impl Forward<'_> {
         let per = 1.0 / touch.s;
         let force = Vec2::from_angle(touch.slope + touch.beta + FRAC_PI_2) * (touch.q * per * per);
         let load = [chart.moment * per, force.x, force.y, share, 0.0];
-        let side = Rest::Piece(piece, at.clamp(0.0, 1.0));
-        let first = self.on_both(stance, Both { load, tip, side });
+        let side = Support::Piece(piece, at.clamp(0.0, 1.0));
+        let first = self.on_both(stance, TwoContacts { load, tip, side });
         if matches!(&first, Next::Touching(touch, _) if matches!(touch.hold, Hold::Both(_))) {
             return first;
         }
         // A whisker that bends the other way touches corners alone.
-        let convex = |forward: bool| self.ground.corner_of(piece, forward).filter(|(_, corner)| corner.is_convex());
+        let convex = |forward: bool| self.boundaries.corner_of(piece, forward).filter(|(_, corner)| corner.is_convex());
         match convex(at > 0.5).or_else(|| convex(at <= 0.5)) {
-            Some((id, _)) => match self.on_both(stance, Both { load, tip, side: Rest::Corner(id) }) {
-                Next::Touching(touch, felt) => Next::Touching(touch, felt),
+            Some((id, _)) => match self.on_both(stance, TwoContacts { load, tip, side: Support::Corner(id) }) {
+                Next::Touching(touch, predicted) => Next::Touching(touch, predicted),
                 _ => first,
             },
             None => first,
@@ -95,40 +68,36 @@ impl Forward<'_> {
     }
 
     /// A whisker with its side on a boundary whose tip has come to another place: both hold it.
-    pub(super) fn stopped(&self, stance: &Stance, touch: &Touch, (piece, at): (u32, f64)) -> Next {
-        let side = match touch.hold {
-            Hold::Vertex(id) => Rest::Corner(id),
-            Hold::Flank(piece, at) => Rest::Piece(piece, at),
-            _ => return Next::None,
-        };
+    pub(super) fn stopped(&self, stance: &Stance, touch: &Contact, (piece, at): (u32, f64)) -> Next {
+        let Hold::Side(side, _) = touch.hold else { return Next::None };
         let per = 1.0 / touch.s;
-        let Some(chart) = self.solver.chart(touch.q, touch.beta) else { return Next::None };
+        let Some(chart) = self.mechanics.chart(touch.q, touch.beta) else { return Next::None };
         let push = touch.q * per * per * touch.beta.cos();
         let force = Vec2::from_angle(touch.slope + FRAC_PI_2) * push;
         let load = [chart.moment * per, force.x, force.y, touch.s, push];
-        self.on_both(stance, Both { load, tip: Rest::Piece(piece, at.clamp(0.0, 1.0)), side })
+        self.on_both(stance, TwoContacts { load, tip: Support::Piece(piece, at.clamp(0.0, 1.0)), side })
     }
 
     /// What goes on where the two contacts cannot: the stronger of them, or the other.
-    pub(super) fn on_either(&self, stance: &Stance, both: &Both) -> Next {
-        let shape = span::shape(both.load, !matches!(self.solver, Solver::Exact));
+    pub(super) fn on_either(&self, stance: &Stance, both: &TwoContacts) -> Next {
+        let shape = span::shape(both.load, !matches!(self.mechanics, Mechanics::ClosedForm));
         let tip_first = shape.force.norm() > both.load[4].abs();
         match self.one(stance, both, &shape, tip_first) {
-            Next::Touching(touch, felt) => Next::Touching(touch, felt),
+            Next::Touching(touch, predicted) => Next::Touching(touch, predicted),
             _ => self.one(stance, both, &shape, !tip_first),
         }
     }
 
     /// The equilibrium with both, from these contacts on.
-    pub(super) fn on_both(&self, stance: &Stance, mut both: Both) -> Next {
+    pub(super) fn on_both(&self, stance: &Stance, mut both: TwoContacts) -> Next {
         let (mut side_left, mut tip_left) = (None, None);
         let mut last: Option<Solved> = None;
         for _ in 0..MOST_MOVES {
             let solved = self.solve(stance, &both);
             // Where it cannot go on it stays.
             let stuck = solved.is_none();
-            let Some(Solved { both: found, felt, shape }) = solved.or(last.take()) else { return Next::None };
-            let across = stance.theta + shape.side.slope + FRAC_PI_2;
+            let Some(Solved { both: found, predicted, shape }) = solved.or(last.take()) else { return Next::None };
+            let across = stance.theta() + shape.side.slope + FRAC_PI_2;
             let (side, held) = match self.side_next(&found, across) {
                 Some(next) => next,
                 None => return Next::None,
@@ -136,25 +105,25 @@ impl Forward<'_> {
             match side.filter(|&next| !stuck && !is_back(next, side_left)) {
                 Some(next) => {
                     side_left = Some(found.side);
-                    both = Both { side: next, ..found };
-                    last = Some(Solved { both: found, felt, shape });
+                    both = TwoContacts { side: next, ..found };
+                    last = Some(Solved { both: found, predicted, shape });
                     continue;
                 }
                 None if !held => return self.one(stance, &found, &shape, true),
                 None => {}
             }
-            let Some((tip, held)) = self.tip_next(&found, stance.theta + shape.force.angle()) else {
+            let Some((tip, held)) = self.tip_next(&found, stance.theta() + shape.force.angle()) else {
                 return Next::None;
             };
             match tip.filter(|&next| !stuck && !is_back(next, tip_left)) {
                 Some(next) => {
                     tip_left = Some(found.tip);
-                    both = Both { tip: next, ..found };
-                    last = Some(Solved { both: found, felt, shape });
+                    both = TwoContacts { tip: next, ..found };
+                    last = Some(Solved { both: found, predicted, shape });
                 }
                 None if !held => return self.one(stance, &found, &shape, false),
                 None => {
-                    let touch = Touch {
+                    let touch = Contact {
                         q: shape.force.norm(),
                         beta: 0.0,
                         s: 1.0,
@@ -163,33 +132,33 @@ impl Forward<'_> {
                         slope: shape.tip.slope,
                         clear: 0.0,
                     };
-                    return Next::Touching(touch, felt);
+                    return Next::Touching(touch, predicted);
                 }
             }
         }
         Next::None
     }
 
-    /// What the side rests on next, if not on this, and whether the boundary pushes it; `across` is the direction to the
-    /// whisker's left there (rad, map frame). None where the side leaves the whisker or the boundary.
-    fn side_next(&self, both: &Both, across: f64) -> Option<(Option<Rest>, bool)> {
+    /// What the side rests on next, if not on this, and whether the boundary pushes it; `across` is the direction to
+    /// the whisker's left there (rad, map frame). None where the side leaves the whisker or the boundary.
+    fn side_next(&self, both: &TwoContacts, across: f64) -> Option<(Option<Support>, bool)> {
         let [.., s, push] = both.load;
         if !(0.02..0.9995).contains(&s) {
             return None;
         }
-        let to = |(piece, at): (u32, f64)| Some(Rest::Piece(piece, at));
+        let to = |place: (u32, f64)| Some(Support::from(place));
         match both.side {
-            Rest::Piece(piece, at) => {
-                let held = push * (across - self.ground.pieces[piece as usize].spot(at).normal).cos() > 0.0;
+            Support::Piece(piece, at) => {
+                let held = push * (across - self.boundaries.spot((piece, at)).normal).cos() > 0.0;
                 if (0.0..=1.0).contains(&at) {
                     return Some((None, held));
                 }
-                let (id, corner) = self.ground.corner_of(piece, at > 0.5)?;
+                let (id, corner) = self.boundaries.corner_of(piece, at > 0.5)?;
                 let over = to(if at > 0.5 { corner.after } else { corner.before });
-                Some((if corner.is_convex() { Some(Rest::Corner(id)) } else { over }, held))
+                Some((if corner.is_convex() { Some(Support::Corner(id)) } else { over }, held))
             }
-            Rest::Corner(id) => {
-                let corner = self.ground.corner(id)?;
+            Support::Corner(id) => {
+                let corner = self.boundaries.corner(id)?;
                 let facing = (across - corner.normal - 0.5 * corner.turn).cos();
                 let lean = corner.lean(if facing > 0.0 { across } else { across + PI });
                 let next = if lean < 0.0 {
@@ -205,25 +174,25 @@ impl Forward<'_> {
     }
 
     /// The same for the tip, whose force points in this direction (rad, map frame).
-    fn tip_next(&self, both: &Both, direction: f64) -> Option<(Option<Rest>, bool)> {
-        let to = |(piece, at): (u32, f64)| Some(Rest::Piece(piece, at));
+    fn tip_next(&self, both: &TwoContacts, direction: f64) -> Option<(Option<Support>, bool)> {
+        let to = |place: (u32, f64)| Some(Support::from(place));
         match both.tip {
-            Rest::Piece(piece, at) => {
-                let held = (direction - self.ground.pieces[piece as usize].spot(at).normal).cos() > 0.0;
+            Support::Piece(piece, at) => {
+                let held = (direction - self.boundaries.spot((piece, at)).normal).cos() > 0.0;
                 if (0.0..=1.0).contains(&at) {
                     return Some((None, held));
                 }
-                let (id, corner) = self.ground.corner_of(piece, at > 0.5)?;
+                let (id, corner) = self.boundaries.corner_of(piece, at > 0.5)?;
                 if corner.is_end() {
                     return None;
                 }
                 // Slight corners are those of polygons of round boundaries: they do not catch the tip for long.
                 let caught = corner.is_concave() && corner.turn.abs() > SLIGHT;
                 let over = to(if at > 0.5 { corner.after } else { corner.before });
-                Some((if caught { Some(Rest::Corner(id)) } else { over }, held))
+                Some((if caught { Some(Support::Corner(id)) } else { over }, held))
             }
-            Rest::Corner(id) => {
-                let corner = self.ground.corner(id)?;
+            Support::Corner(id) => {
+                let corner = self.boundaries.corner(id)?;
                 let held = (direction - corner.normal - 0.5 * corner.turn).cos() > 0.0;
                 let lean = corner.lean(direction);
                 let next = if lean < 0.0 {
@@ -239,47 +208,52 @@ impl Forward<'_> {
     }
 
     /// One of the contacts has ended; the other goes on.
-    fn one(&self, stance: &Stance, both: &Both, shape: &Shape, tip_stays: bool) -> Next {
+    fn one(&self, stance: &Stance, both: &TwoContacts, shape: &Shape, tip_stays: bool) -> Next {
         let [_, x, y, s, push] = both.load;
         if tip_stays {
             let force = Vec2::new(x, y);
             let q = force.norm();
             let beta = wrap_angle(force.angle() - shape.tip.slope - FRAC_PI_2);
             let place = stance.placed(shape.tip.position);
-            let touch = Touch { q, beta, s: 1.0, hold: Hold::Piece(0, 0.0), place, slope: shape.tip.slope, clear: 0.0 };
+            let touch = Contact {
+                q,
+                beta,
+                s: 1.0,
+                hold: Hold::Tip(Support::Piece(0, 0.0)),
+                place,
+                slope: shape.tip.slope,
+                clear: 0.0,
+            };
             return match both.tip {
-                Rest::Piece(piece, at) => self.along(stance, &touch, piece, at.clamp(0.0, 1.0), false),
-                Rest::Corner(id) => self.caught(stance, &touch, id),
+                Support::Piece(piece, at) => self.along(stance, &touch, piece, at.clamp(0.0, 1.0), false),
+                Support::Corner(id) => self.caught(stance, &touch, id),
             };
         }
         let beta = if push > 0.0 { 0.0 } else { PI };
-        let hold = match both.side {
-            Rest::Piece(piece, at) => Hold::Flank(piece, at),
-            Rest::Corner(id) => Hold::Vertex(id),
-        };
+        let hold = Hold::Side(both.side, Push::of(beta));
         let place = stance.placed(shape.side.position);
-        self.on_side(stance, Touch { q: push.abs() * s * s, beta, s, hold, place, slope: shape.side.slope, clear: 0.0 })
+        self.on_side(
+            stance,
+            Contact { q: push.abs() * s * s, beta, s, hold, place, slope: shape.side.slope, clear: 0.0 },
+        )
     }
 
-    fn under(&self, rest: Rest) -> Option<Under> {
+    fn under(&self, rest: Support) -> Option<Spot> {
         Some(match rest {
-            Rest::Piece(piece, at) => {
-                let spot = self.ground.pieces[piece as usize].spot(at);
-                Under { position: spot.position, velocity: spot.velocity, normal: spot.normal, turning: spot.turning }
-            }
-            Rest::Corner(id) => {
-                let corner = self.ground.corner(id)?;
-                Under { position: corner.position, velocity: Vec2::ZERO, normal: corner.normal, turning: 0.0 }
+            Support::Piece(piece, at) => self.boundaries.spot((piece, at)),
+            Support::Corner(id) => {
+                let corner = self.boundaries.corner(id)?;
+                Spot { position: corner.position, velocity: Vec2::ZERO, normal: corner.normal, turning: 0.0 }
             }
         })
     }
 
     /// Newton's method on these contacts, wherever it leads along their pieces.
-    fn solve(&self, stance: &Stance, from: &Both) -> Option<Solved> {
+    fn solve(&self, stance: &Stance, from: &TwoContacts) -> Option<Solved> {
         let mut both = *from;
-        let near = self.solver.pick(NEAR, NEAR_EXACT);
+        let near = self.mechanics.pick(NEAR, NEAR_EXACT);
         for _ in 0..MOST_STEPS {
-            let shape = span::shape(both.load, !matches!(self.solver, Solver::Exact));
+            let shape = span::shape(both.load, !matches!(self.mechanics, Mechanics::ClosedForm));
             let (under_side, under_tip) = (self.under(both.side)?, self.under(both.tip)?);
             let (rows, residual) = equations(stance, &both, &shape, &under_side, &under_tip);
             let (mut steps, mut adjoint) = (rows, [0.0; MOST]);
@@ -290,9 +264,9 @@ impl Forward<'_> {
                 .min(1.0);
             (0..UNKNOWNS).for_each(|k| both.load[k] -= damp * d[k]);
             for (rest, step) in [(&mut both.tip, d[5]), (&mut both.side, d[6])] {
-                if let Rest::Piece(piece, at) = rest {
+                if let Support::Piece(piece, at) = rest {
                     *at -= damp * step;
-                    if self.ground.pieces[*piece as usize].is_lost(*at) {
+                    if self.boundaries.piece(*piece).is_lost(*at) {
                         return None;
                     }
                 }
@@ -305,9 +279,11 @@ impl Forward<'_> {
                 (0..MOST).for_each(|i| (0..MOST).for_each(|j| transposed[i][j] = rows[j][i]));
                 transposed[0][MOST] = 1.0;
                 adjoint.copy_from_slice(&solved(&mut transposed)?);
-                let felt =
-                    Felt { value: both.load[0], gradient: gradient(stance, &adjoint, &shape, &under_side, &under_tip) };
-                return felt.gradient.iter().all(|g| g.is_finite()).then_some(Solved { both, felt, shape });
+                let predicted = Prediction {
+                    value: both.load[0],
+                    gradient: gradient(stance, &adjoint, &shape, &under_side, &under_tip),
+                };
+                return predicted.gradient.iter().all(|g| g.is_finite()).then_some(Solved { both, predicted, shape });
             }
         }
         None
@@ -315,9 +291,6 @@ impl Forward<'_> {
 }
 
 /// Whether this is what was left: where each of two says the other, one is as good as the other.
-fn is_back(next: Rest, left: Option<Rest>) -> bool {
-    match (next, left) {
-        (Rest::Piece(a, _), Some(Rest::Piece(b, _))) | (Rest::Corner(a), Some(Rest::Corner(b))) => a == b,
-        _ => false,
-    }
+fn is_back(next: Support, left: Option<Support>) -> bool {
+    left.is_some_and(|left| next.is_same(&left))
 }

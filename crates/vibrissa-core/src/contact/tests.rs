@@ -1,0 +1,210 @@
+//! The two ways to follow a contact against each other: a uniform whisker without friction feels the same by both.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on must fail")]
+
+use super::follow::{ForwardModel, Mechanics, WhiskerState};
+use super::quasi_static::{Equilibrium, LoadedWhisker, Outcome, Step, WhiskerOnMap, between, first_touch, onset};
+use super::{Boundaries, Hold, Sense, Support};
+use crate::beam::Whisker;
+use crate::plane::{Curve, Pose2, Vec2};
+use crate::world::{Boundary, Map, Role};
+use core::f64::consts::{FRAC_PI_2, TAU};
+
+/// Way of the base from row to row (m).
+const STEP: f64 = 2.5e-4;
+/// Halvings of a step before the branch is said to end.
+const MOST_HALVINGS: i32 = 14;
+/// How far moments (over `EI / L`, and of themselves) and contacts (m) may differ: `follow` ends its search one step of
+/// Newton's method beyond a residual of 2e-5, which leaves the square of that and more where the branch is about to
+/// fold.
+const SAME_MOMENT: f64 = 2e-7;
+const SAME_PLACE: f64 = 2e-8;
+
+/// A sweep: where the base goes, and where the whisker points (rad).
+struct Sweep {
+    map: Map,
+    heading: f64,
+    way: Vec<Vec2>,
+}
+
+/// What a sweep has seen: rows in contact by their holds, and rows in which only one of the two is in contact.
+#[derive(Debug, Default)]
+struct Seen {
+    tip: usize,
+    tip_in_corner: usize,
+    side: usize,
+    side_on_corner: usize,
+    one_alone: usize,
+}
+
+impl Sweep {
+    fn poses(&self) -> Vec<Pose2> {
+        let leg = |pair: &[Vec2]| {
+            let (a, b) = (pair[0], pair[1]);
+            let count = (a.distance(b) / STEP).ceil() as usize;
+            (1..=count).map(move |i| a + (b - a) * (i as f64 / count as f64)).collect::<Vec<_>>()
+        };
+        let places = core::iter::once(self.way[0]).chain(self.way.windows(2).flat_map(leg));
+        places.map(|p| Pose2::new(p.x, p.y, self.heading)).collect()
+    }
+
+    /// Follows the whisker by both until the branch of the simulation ends, and compares moment, place and hold.
+    fn compare(&self, name: &str) -> Seen {
+        let whisker = Whisker::default();
+        let boundaries = Boundaries::new(&self.map).with_clearance(&self.map);
+        let loaded = LoadedWhisker::new(&whisker).unwrap();
+        let model = ForwardModel {
+            map: &self.map,
+            boundaries: &boundaries,
+            length: whisker.length,
+            mechanics: Mechanics::ClosedForm,
+            whole: false,
+            sense: Sense::Moment,
+        };
+        let (mut state, mut held) = (WhiskerState::Free, None);
+        let mut seen = Seen::default();
+        for pair in self.poses().windows(2) {
+            let predicted = model.advance(&mut state, pair[0], pair[1], false);
+            let on = |pose: Pose2| WhiskerOnMap::new(&self.map, &boundaries, &loaded, pose);
+            let Ok(now) = stepped(&on, held, pair[0], pair[1]) else { break };
+            held = now;
+            let followed = match state {
+                WhiskerState::Touching(contact) if contact.q > 0.0 => Some(contact),
+                _ => None,
+            };
+            let (Some(ours), Some(theirs)) = (followed, held) else {
+                seen.one_alone += usize::from(followed.is_some() != held.is_some());
+                continue;
+            };
+            let (moment, exact) = (predicted.value, theirs.state.m);
+            let off = ours.place.distance(theirs.place);
+            assert!((moment - exact).abs() < SAME_MOMENT * (1.0 + exact.abs()), "{name} {pair:?}: {moment} {exact}");
+            assert!(off < SAME_PLACE, "{name} {pair:?}: {ours:?} {theirs:?}");
+            let at_end =
+                |hold: &Hold| matches!(hold, Hold::Tip(Support::Piece(_, at)) if (at - at.round()).abs() < 1e-6);
+            assert!(ours.hold.is_same(&theirs.hold) || at_end(&ours.hold), "{name}: {ours:?} {theirs:?}");
+            match theirs.hold {
+                Hold::Tip(Support::Piece(..)) => seen.tip += 1,
+                Hold::Tip(Support::Corner(_)) => seen.tip_in_corner += 1,
+                Hold::Side(Support::Piece(..), _) => seen.side += 1,
+                Hold::Side(Support::Corner(_), _) => seen.side_on_corner += 1,
+                Hold::Both(_) => {}
+            }
+        }
+        println!("{name}: {seen:?}");
+        seen
+    }
+}
+
+/// The contact of the simulation one row later; an error where its branch ends.
+fn stepped<'a>(
+    on: &dyn Fn(Pose2) -> WhiskerOnMap<'a>,
+    held: Option<Equilibrium>,
+    from: Pose2,
+    to: Pose2,
+) -> Result<Option<Equilibrium>, &'static str> {
+    let (mut contact, mut share) = match held {
+        Some(contact) => (contact, 0.0),
+        None => {
+            let start = on(from);
+            let Some(share) = first_touch(start.map, &start.whisker.rest, from, to) else { return Ok(None) };
+            (onset(&on(between(from, to, share))).ok_or("an onset that is not understood")?, share)
+        }
+    };
+    let mut step = 1.0 - share;
+    while share < 1.0 {
+        let target = (share + step).min(1.0);
+        match (Step { on: on(between(from, to, target)), cone: 0.0 }).next(&contact) {
+            Outcome::Touching(next) => (contact, share) = (next, target),
+            Outcome::LiftOff => return Ok(None),
+            Outcome::Ends(why) => {
+                step *= 0.5;
+                if step < 0.5_f64.powi(MOST_HALVINGS) {
+                    return Err(why);
+                }
+            }
+        }
+    }
+    Ok(Some(contact))
+}
+
+fn map(role: Role, corners: &[(f64, f64)]) -> Map {
+    let corners: Vec<Vec2> = corners.iter().map(|&(x, y)| Vec2::new(x, y)).collect();
+    let curve = Curve::polyline(&corners, role != Role::Wall).unwrap();
+    Map::new(vec![Boundary::new(role, curve, None).unwrap()]).unwrap()
+}
+
+fn way(points: &[(f64, f64)]) -> Vec<Vec2> {
+    points.iter().map(|&(x, y)| Vec2::new(x, y)).collect()
+}
+
+const ROOM: [(f64, f64); 4] = [(0.0, 0.0), (0.5, 0.0), (0.5, 0.5), (0.0, 0.5)];
+const BLOCK: [(f64, f64); 4] = [(0.2, 0.2), (0.3, 0.2), (0.3, 0.3), (0.2, 0.3)];
+
+#[test]
+fn along_a_wall_and_into_a_concave_corner() {
+    for lean in [-0.7, -0.3, 0.3, 0.7] {
+        let heading = lean - FRAC_PI_2;
+        let sweep = |x: f64| Sweep {
+            map: map(Role::Arena, &ROOM),
+            heading,
+            way: way(&[(0.2, 0.09), (0.2, 0.055), (x, 0.058), (x, 0.09)]),
+        };
+        let seen = sweep(0.3).compare("along a wall");
+        assert!(seen.tip > 300 && seen.one_alone <= 2, "{seen:?}");
+        // Towards the corner to which the whisker points.
+        let seen = sweep(0.25 + 0.21 * lean.signum()).compare("into a corner");
+        assert!(seen.tip > 300 && seen.tip_in_corner > 20 && seen.one_alone <= 2, "{seen:?}");
+    }
+}
+
+#[test]
+fn over_convex_corners_with_the_tip_and_the_side() {
+    for (heading, x) in [(-FRAC_PI_2 - 0.5, 0.40), (-FRAC_PI_2 + 0.5, 0.10)] {
+        let way = way(&[(0.25, 0.39), (0.25, 0.355), (x, 0.355)]);
+        let seen = Sweep { map: map(Role::Obstacle, &BLOCK), heading, way }.compare("off a corner");
+        assert!(seen.tip > 50 && seen.side_on_corner > 20 && seen.one_alone <= 2, "{seen:?}");
+    }
+    for heading in [FRAC_PI_2 + 0.2, FRAC_PI_2 + 0.5] {
+        let way = way(&[(0.19, 0.16), (0.26, 0.16)]);
+        let seen = Sweep { map: map(Role::Obstacle, &BLOCK), heading, way }.compare("side on a corner");
+        assert!(seen.side_on_corner > 60 && seen.one_alone <= 2, "{seen:?}");
+    }
+}
+
+#[test]
+fn around_something_round() {
+    let post: Vec<(f64, f64)> = (0..48)
+        .map(|k| f64::from(k) * TAU / 48.0)
+        .map(|angle| (0.25 + 0.03 * angle.cos(), 0.25 + 0.03 * angle.sin()))
+        .collect();
+    let circle = Curve::circle(Vec2::new(0.25, 0.25), 0.03).unwrap();
+    let circle = Map::new(vec![Boundary::new(Role::Obstacle, circle, None).unwrap()]).unwrap();
+    for (name, map) in [("polygon", map(Role::Obstacle, &post)), ("circle", circle)] {
+        for lean in [-0.3, 0.0, 0.3] {
+            let sweep = Sweep { map: map.clone(), heading: lean - FRAC_PI_2, way: way(&[(0.19, 0.33), (0.31, 0.33)]) };
+            let seen = sweep.compare(name);
+            assert!(seen.tip + seen.side + seen.side_on_corner > 40 && seen.one_alone <= 4, "{seen:?}");
+        }
+        let way = way(&[(0.31, 0.20), (0.25, 0.20)]);
+        let seen = Sweep { map, heading: FRAC_PI_2, way }.compare(name);
+        assert!(seen.side + seen.side_on_corner > 60 && seen.one_alone <= 4, "{seen:?}");
+    }
+}
+
+#[test]
+fn over_the_ends_of_a_thin_wall() {
+    // Both directions in which a wall can be drawn, both of its sides, both of its ends.
+    for (from, to) in [(0.2, 0.3), (0.3, 0.2)] {
+        let map = map(Role::Wall, &[(from, 0.25), (to, 0.25)]);
+        for (side, lean) in [(1.0, 0.5), (1.0, -0.5), (-1.0, 0.5), (-1.0, -0.5)] {
+            // The whisker trails: it leaves the wall over the end ahead.
+            let ahead = -lean * side;
+            let heading = -side * FRAC_PI_2 + lean;
+            let at = |x: f64, y: f64| (0.25 + x * ahead.signum(), 0.25 + y * side);
+            let way = way(&[at(0.0, 0.09), at(0.0, 0.055), at(0.15, 0.055)]);
+            let seen = Sweep { map: map.clone(), heading, way }.compare(&format!("wall end {from} {side} {lean}"));
+            assert!(seen.tip > 50 && seen.side_on_corner > 20 && seen.one_alone <= 2, "{seen:?}");
+        }
+    }
+}
