@@ -43,6 +43,7 @@ pub mod error;
 pub mod figure;
 pub mod flow;
 mod least_squares;
+mod linear_algebra;
 pub mod localizer;
 pub mod plane;
 pub mod sets;

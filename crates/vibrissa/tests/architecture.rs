@@ -12,14 +12,15 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("error", &[]),
     ("config", &[]),
     ("least_squares", &["config", "error"]),
+    ("linear_algebra", &[]),
     ("plane", &["config", "error"]),
     ("sets", &["config", "error", "plane"]),
-    ("beam", &["config", "error", "plane", "sets"]),
+    ("beam", &["config", "error", "linear_algebra", "plane", "sets"]),
     ("world", &["config", "error", "plane", "sets", "beam"]),
-    ("flow", &["config", "error", "plane", "sets", "beam", "world"]),
+    ("flow", &["config", "error", "linear_algebra", "plane", "sets", "beam", "world"]),
     ("localizer", &["config", "error", "plane", "sets", "beam", "world", "flow"]),
     ("figure", &["config", "error", "plane", "sets", "beam", "world", "flow"]),
-    ("tasks", &["config", "error", "least_squares", "plane", "sets", "beam", "world", "flow", "localizer", "figure"]),
+    ("tasks", &["config", "error", "least_squares", "linear_algebra", "plane", "sets", "beam", "world", "flow", "localizer", "figure"]),
 ];
 
 /// Rooms that must build where there is no operating system, and what they may not name.

@@ -3,15 +3,15 @@
 mod bank;
 mod clearance;
 mod contact;
-mod drift;
 mod feeler;
 mod fit;
 mod ground;
 mod history;
 mod hypothesis;
 mod images;
+mod information;
 mod joint;
-mod normal;
+mod odometry_calibration;
 mod places;
 mod rerun;
 mod ridge;
