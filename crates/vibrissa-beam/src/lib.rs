@@ -27,6 +27,7 @@ compile_error!("vibrissa-beam needs elementary functions: switch on the feature 
 pub mod beam;
 pub mod config;
 pub mod error;
+pub mod linear_algebra;
 pub mod plane;
 mod platform;
 pub mod sensing;

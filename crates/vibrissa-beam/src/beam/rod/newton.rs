@@ -4,6 +4,7 @@ use super::super::load::Line;
 use super::Rod;
 use super::follow::Status;
 use super::shot::{Shot, Trial};
+use crate::linear_algebra::solve;
 use crate::plane::{Vec2, wrap_angle};
 
 /// Most Newton steps; four are usual.
@@ -144,19 +145,7 @@ fn newton_step(problem: &Problem<'_>, shot: &Shot, residual: &Triple, active: [b
             matrix[row][column] = ahead[row] - residual[row];
         }
     }
-    let scaled = solve(matrix, residual.map(|r| -r))?;
+    let scaled = solve(&matrix, &residual.map(|r| -r))?;
     let step = [0, 1, 2].map(|i| if active[i] { scaled[i] * sizes[i] } else { 0.0 });
     step.iter().all(|v| v.is_finite()).then_some(step)
-}
-
-/// Cramer's rule; `None` when singular.
-fn solve(m: [Triple; 3], r: Triple) -> Option<Triple> {
-    let det = |a: Triple, b: Triple, c: Triple| {
-        a[0] * (b[1] * c[2] - b[2] * c[1]) - b[0] * (a[1] * c[2] - a[2] * c[1]) + c[0] * (a[1] * b[2] - a[2] * b[1])
-    };
-    let column = |j: usize| [m[0][j], m[1][j], m[2][j]];
-    let (a, b, c) = (column(0), column(1), column(2));
-    let whole = det(a, b, c);
-    let x = [det(r, b, c) / whole, det(a, r, c) / whole, det(a, b, r) / whole];
-    x.iter().all(|v| v.is_finite()).then_some(x)
 }

@@ -2,6 +2,7 @@
 
 use super::curve::LINKS;
 use super::{Contact, ContactCurve, ContactModel, ContactSet, VirtualSensor};
+use crate::linear_algebra::solve;
 use crate::plane::{Pose2, Vec2};
 
 /// A shared stretch shorter than this many tolerances is a point.
@@ -336,7 +337,7 @@ fn crossing(
             [pu[2], ps[2], 0.0, 0.0],
             [0.0, 0.0, qu[2], qs[2]],
         ];
-        let delta = solve(matrix, residual)?;
+        let delta = solve(&matrix, &residual)?;
         for i in 0..4 {
             x[i] -= delta[i];
         }
@@ -349,29 +350,4 @@ fn crossing(
         (tip && model.limits().admit(&contact)).then_some(contact)
     };
     Some((end(0)?, end(1)?))
-}
-
-/// Gaussian elimination with pivots; `None` when singular.
-fn solve(mut m: [[f64; 4]; 4], mut r: [f64; 4]) -> Option<[f64; 4]> {
-    for k in 0..4 {
-        let pivot = (k..4).max_by(|&i, &j| m[i][k].abs().total_cmp(&m[j][k].abs()))?;
-        m.swap(k, pivot);
-        r.swap(k, pivot);
-        if m[k][k].abs() <= 1e-300 || m[k][k].is_nan() {
-            return None;
-        }
-        for i in k + 1..4 {
-            let factor = m[i][k] / m[k][k];
-            let pivot_row = m[k];
-            m[i].iter_mut().zip(pivot_row).for_each(|(to, from)| *to -= factor * from);
-            r[i] -= factor * r[k];
-        }
-    }
-    for k in (0..4).rev() {
-        for j in k + 1..4 {
-            r[k] -= m[k][j] * r[j];
-        }
-        r[k] /= m[k][k];
-    }
-    r.iter().all(|v| v.is_finite()).then_some(r)
 }

@@ -2,6 +2,7 @@
 
 use crate::beam::{Whisker, deflection_per_force};
 use crate::least_squares::covariance as covariance_of;
+use crate::linear_algebra::Cholesky;
 use crate::world::calibration::{DistanceModel, Motion};
 use crate::{Error, Result};
 
@@ -143,12 +144,9 @@ fn solve(medians: &[(f64, f64)], shaft: Shaft, tip_ratio: f64) -> Result<(Distan
     let sum = |f: &dyn Fn(&[f64; 2]) -> f64| rows.iter().map(f).sum::<f64>();
     let (aa, ab, bb) = (sum(&|r| r[0] * r[0]), sum(&|r| r[0] * r[1]), sum(&|r| r[1] * r[1]));
     let (a, b) = (sum(&|r| r[0]), sum(&|r| r[1]));
-    let determinant = aa * bb - ab * ab;
-    let mut solution = [(a * bb - b * ab) / determinant, (b * aa - a * ab) / determinant];
+    let free = Cholesky::regular(&[[aa, ab], [ab, bb]]).filter(|_| !shaft.clamped).map(|normal| normal.solve(&[a, b]));
     // A base cannot be stiffer than clamped.
-    if shaft.clamped || solution[1].is_nan() || solution[1] < 0.0 || determinant <= 1e-14 * aa * bb {
-        solution = [a / aa, 0.0];
-    }
+    let solution = free.filter(|solution| solution[1] >= 0.0).unwrap_or([a / aa, 0.0]);
     if solution[0].is_nan() || solution[0] <= 0.0 {
         return Err(Error::data("the slopes do not fall with distance as those of a shaft do")
             .remedy("check the distances, and that each is from the base"));

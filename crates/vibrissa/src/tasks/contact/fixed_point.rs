@@ -4,6 +4,7 @@ use super::meeting::{MeetingKind, meetings};
 use super::reading::{ContactReading, Touched};
 use crate::beam::{Load, Whisker, moment_mode};
 use crate::least_squares::{Normal, Rules, descend, unbounded};
+use crate::linear_algebra::Cholesky;
 use crate::plane::{Pose2, Vec2};
 
 /// Arc lengths on the strongest reading's curve from which a search starts, as shares of the whisker.
@@ -158,7 +159,7 @@ pub fn fixed_point_since(readings: &[ContactReading], touch: Option<Touch>, star
     }
     Some(FixedPoint {
         position: point,
-        covariance: inverse(square),
+        covariance: covariance(square),
         chi2: cost,
         freedom: (readings.len() + usize::from(touch.is_some())).saturating_sub(2),
         s_a: [touched.first()?.s_a, touched.last()?.s_a],
@@ -209,7 +210,8 @@ pub(super) fn slope(reading: &ContactReading, point: Vec2) -> Option<Vec2> {
     Some(Vec2::new(by(Vec2::new(step, 0.0))?, by(Vec2::new(0.0, step))?))
 }
 
-fn inverse([xx, xy, yy]: [f64; 3]) -> [f64; 3] {
-    let det = xx * yy - xy * xy;
-    if det > 0.0 { [yy / det, -xy / det, xx / det] } else { [f64::INFINITY, 0.0, f64::INFINITY] }
+/// The inverse of a normal matrix; infinite where the readings do not fix the point.
+fn covariance([xx, xy, yy]: [f64; 3]) -> [f64; 3] {
+    let inverse = Cholesky::new(&[[xx, xy], [xy, yy]]).map(|factor| factor.inverse());
+    inverse.map_or([f64::INFINITY, 0.0, f64::INFINITY], |[[xx, xy], [_, yy]]| [xx, xy, yy])
 }

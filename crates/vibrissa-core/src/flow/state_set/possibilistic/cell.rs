@@ -1,5 +1,6 @@
 //! One cell of the state set: a slanted box of states, which readings cut smaller.
 
+use crate::linear_algebra::determinant;
 use crate::plane::{Pose2, Vec2};
 use crate::sets::{Interval, StateBox};
 
@@ -173,11 +174,6 @@ impl Cell {
     pub(super) fn place(&self) -> Vec2 {
         self.center.position()
     }
-}
-
-fn determinant(s: &[[f64; 3]; 3]) -> f64 {
-    s[0][0] * (s[1][1] * s[2][2] - s[1][2] * s[2][1]) - s[0][1] * (s[1][0] * s[2][2] - s[1][2] * s[2][0])
-        + s[0][2] * (s[1][0] * s[2][1] - s[1][1] * s[2][0])
 }
 
 /// Keeps the part of a box in which a form can lie in an interval, as tight as can be; false when there is none.

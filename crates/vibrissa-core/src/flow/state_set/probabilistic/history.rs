@@ -1,7 +1,7 @@
 //! What was felt: rows of odometry with readings, and the path once the odometry is corrected.
 
-use super::drift::Drift;
 use super::feeler::Feeler;
+use super::odometry_calibration::Way;
 use super::shares::{Shares, corrected};
 use crate::plane::{Pose2, Vec2};
 
@@ -15,7 +15,7 @@ pub(super) struct History {
     /// The shares that it is corrected by, and the way when no row will follow.
     shares: Shares,
     is_corrected: bool,
-    whole: Option<Drift>,
+    whole: Option<Way>,
     /// The bases of all whiskers, odometry frame.
     bases: Vec<Pose2>,
     readings: Vec<f64>,
@@ -53,7 +53,7 @@ impl History {
         let Some((&raw, before)) = self.raw.split_last() else { return };
         self.poses = led_back(before, (raw, last), shares);
         self.poses.push(last);
-        self.whole = self.whole.map(|_| Drift::along(&self.poses));
+        self.whole = self.whole.map(|_| Way::along(&self.poses));
         let mounts = &self.mounts;
         self.bases = self.poses.iter().flat_map(|pose| mounts.iter().map(|mount| pose.compose(*mount))).collect();
     }
@@ -68,17 +68,17 @@ impl History {
 
     /// No row will follow: what the odometry's shares do is told from the last row on, which is what is asked for.
     pub(super) fn end(&mut self) {
-        self.whole = Some(Drift::along(&self.poses));
+        self.whole = Some(Way::along(&self.poses));
     }
 
     /// The way when no row will follow.
-    pub(super) fn whole(&self) -> Option<&Drift> {
+    pub(super) fn whole(&self) -> Option<&Way> {
         self.whole.as_ref()
     }
 
     /// The robot's way from the first row to the last.
-    pub(super) fn way(&self) -> Drift {
-        Drift::along(&self.poses)
+    pub(super) fn way(&self) -> Way {
+        Way::along(&self.poses)
     }
 
     /// The odometry's own frame in that of the corrected one, at the last row.

@@ -5,10 +5,10 @@
 //! linearising again runs the whole history through the forward model, so that the estimate is that of a batch, not of
 //! a filter that cannot take back its first steps.
 
-use super::drift::Drift;
 use super::feeler::{Feeler, Judge};
 use super::history::History;
-use super::normal::{Line, Matrix, Normal};
+use super::information::Information;
+use super::odometry_calibration::{Belief, Matrix, Way};
 use super::rerun::Rerun;
 use super::shares::{Shared, Shares};
 use super::symmetry::Turn;
@@ -66,7 +66,7 @@ pub(super) struct Hypothesis {
     /// Where it is linearised: the odometry frame in the map frame.
     pub(super) map_from_odom: Pose2,
     /// What the readings up to `row` say.
-    pub(super) normal: Normal,
+    pub(super) belief: Belief,
     /// Sine and cosine of its heading.
     turned: (f64, f64),
     /// What [`Hypothesis::best`] said when it was last asked by [`Hypothesis::look`].
@@ -93,12 +93,10 @@ pub(super) struct Hypothesis {
     start_at: Pose2,
     /// The odometry at that row then, where that may change.
     start_odom: Option<Pose2>,
-    /// What readings before that row said, around `start_at`, of the place and of the odometry.
-    prior: (Normal, Drift),
+    /// What readings before that row said, around `start_at`.
+    prior: Belief,
     /// The heading of the cell that it comes from, if it has come to the same as all of that heading on straight walls.
     pub(super) family: Option<u32>,
-    /// What the readings up to `row` say about errors of the odometry.
-    pub(super) drift: Drift,
     /// Its run through the history from elsewhere, as long as that is under way.
     pub(super) rerun: Option<Box<Rerun>>,
 }
@@ -128,7 +126,7 @@ impl Hypothesis {
             map_from_odom,
             turned: map_from_odom.theta.sin_cos(),
             promise: (0.0, [0.0; 3]),
-            normal: Normal::default(),
+            belief: Belief::default(),
             age: 0,
             waits: false,
             revived: 0,
@@ -139,8 +137,7 @@ impl Hypothesis {
             start_row: row,
             start_at: map_from_odom,
             start_odom: None,
-            prior: Default::default(),
-            drift: Drift::default(),
+            prior: Belief::default(),
             rerun: None,
             sigmas: vec![0.0; states.len()],
             felt: vec![0.0; states.len()],
@@ -164,7 +161,7 @@ impl Hypothesis {
         let motion = frame.compose(self.map_from_odom.inverse());
         let there = self.carried(motion, &|state| *state);
         let d = difference(there.start_at, frame, pivot);
-        let prior = (there.prior.0.moved(d), there.prior.1.moved(d));
+        let prior = there.prior.moved(d);
         Self { states: start.clone(), start, start_at: frame, start_odom: None, prior, ..there }
     }
 
@@ -189,12 +186,11 @@ impl Hypothesis {
             map_from_odom,
             turned: map_from_odom.theta.sin_cos(),
             promise: (cost, [shift.x, shift.y, d[2]]),
-            normal: self.normal.turned(angle),
-            prior: (self.prior.0.turned(angle), self.prior.1.turned(angle)),
+            belief: self.belief.turned(angle),
+            prior: self.prior.turned(angle),
             states: all(&self.states),
             start: all(&self.start),
             start_at: motion.compose(self.start_at),
-            drift: self.drift.turned(angle),
             rerun: None,
             sigmas: self.sigmas.clone(),
             felt: self.felt.clone(),
@@ -219,7 +215,7 @@ impl Hypothesis {
         let pivot = at(scene.pivot);
         let follows = scene.shared.has_odometry();
         if follows {
-            self.drift.travel(scene.history.pose(self.row), scene.history.pose(row));
+            self.belief.way.travel(scene.history.pose(self.row), scene.history.pose(row));
         }
         for (index, feeler) in scene.feelers.iter().enumerate() {
             let z = scene.history.readings(row)[index];
@@ -244,7 +240,7 @@ impl Hypothesis {
                 WhiskerState::Free => feeler.misfit(0.0, z, false, false, scene.judge),
                 WhiskerState::Touching(touch) => feeler.misfit(felt.value, z, touch.q > 0.0, true, scene.judge),
             };
-            self.normal.cost += misfit.cost;
+            self.belief.information.constant += misfit.cost;
             self.sigmas[index] = misfit.sigmas;
             self.felt[index] = felt.value;
             if misfit.weight > 0.0 {
@@ -254,13 +250,13 @@ impl Hypothesis {
                 let steep = BLUR[0].powi(2) * (gx * gx + gy * gy) + BLUR[1].powi(2) * turn * turn;
                 let weight = if scene.blur { misfit.weight / (1.0 + misfit.weight * steep) } else { misfit.weight };
                 let by = [gx, gy, turn + gx * arm.x + gy * arm.y];
-                let line = Line { residual: misfit.residual, by, by_shared: felt.value, weight };
-                self.normal.add(line);
-                if follows {
+                let by_calibration = if follows {
                     let robot = at(scene.history.pose(row).position());
-                    let arm = there.position() - robot;
-                    self.drift.add(self.map_from_odom.theta, arm, felt.gradient, line);
-                }
+                    self.belief.way.slopes(self.map_from_odom.theta, there.position() - robot, felt.gradient)
+                } else {
+                    [0.0; 3]
+                };
+                self.belief.add(by, by_calibration, felt.value, (misfit.residual, weight));
             }
         }
         self.row = row;
@@ -273,8 +269,8 @@ impl Hypothesis {
         if let Some(heading) = scene.history.heading() {
             let off = crate::plane::wrap_angle(map_from_odom.theta - heading);
             let weight = scene.heading_std.powi(-2);
-            self.normal.add(Line { residual: off, by: [0.0, 0.0, 1.0], by_shared: 0.0, weight });
-            self.normal.cost += 0.5 * weight * off * off;
+            self.belief.add([0.0, 0.0, 1.0], [0.0; 3], 0.0, (off, weight));
+            self.belief.information.constant += 0.5 * weight * off * off;
         }
         rows.for_each(|row| {
             self.take(scene, row);
@@ -291,7 +287,7 @@ impl Hypothesis {
             scene.forward(feeler).advance(state, self.map_from_odom.compose(base), frame.compose(base), false);
         }
         (there.map_from_odom, there.turned) = (frame, frame.theta.sin_cos());
-        (there.normal, there.drift) = (self.normal.moved(d), self.drift.moved(d));
+        there.belief = self.belief.moved(d);
         there
     }
 
@@ -304,40 +300,38 @@ impl Hypothesis {
             let place = |frame: Pose2| frame.compose(first).compose(feeler.robot_from_whisker);
             scene.forward(feeler).advance(state, place(began), place(map_from_odom), false);
         }
-        let from = if self.prior.1.is_from_last() { self.start_at } else { began };
+        let from = if self.prior.is_from_last() { self.start_at } else { began };
         let d = difference(from, map_from_odom, scene.pivot);
-        let (mut normal, mut drift) = (self.prior.0.moved(d), self.prior.1.moved(d));
-        if let Some(way) = scene.history.whole().filter(|_| !drift.is_from_last()) {
+        let mut prior = self.prior.moved(d);
+        if let Some(way) = scene.history.whole().filter(|_| !prior.is_from_last()) {
             let last = scene.history.pose(scene.history.len() - 1);
-            (normal, drift) =
-                drift.told_from_last(&normal, way, map_from_odom.theta, arm(map_from_odom, scene.pivot, last));
+            prior = prior.told_from_last(way, map_from_odom.theta, arm(map_from_odom, scene.pivot, last));
         }
         self.start_odom = scene.shared.has_odometry().then_some(first);
-        self.prior = drift.shifted(&normal, scene.history.shares());
+        self.prior = prior.shifted([0.0; 3], scene.history.shares());
         self.start_at = map_from_odom;
         self.map_from_odom = map_from_odom;
         self.turned = map_from_odom.theta.sin_cos();
-        (self.normal, self.drift) = self.prior;
+        self.belief = self.prior;
         self.waits = false;
         self.rerun = None;
         self.states.clone_from(&self.start);
         self.row = self.start_row;
         if scene.shared.has_odometry() {
-            self.drift.travel(scene.history.pose(0), first);
+            self.belief.way.travel(scene.history.pose(0), first);
         }
     }
 
     /// Goes over to a path corrected by other shares; at the last row the robot is at `last` as before, at the first it was at `first`
     /// (odometry frame), and `way` is what lay between. What the readings say is told around the new path, to first order.
-    pub(super) fn correct(&mut self, way: &Drift, [first, last]: [Pose2; 2], pivot: Vec2, to: Shares) {
-        let at = self.drift.at();
+    pub(super) fn correct(&mut self, way: &Way, [first, last]: [Pose2; 2], pivot: Vec2, to: Shares) {
+        let at = self.belief.at();
         let mut d = [0.0; 3];
-        if !self.drift.is_from_last() {
+        if !self.belief.is_from_last() {
             let back = way.holding(self.map_from_odom.theta, arm(self.map_from_odom, pivot, last));
             (0..3).for_each(|i| d[i] = (0..3).map(|k| back[k][i] * (to[k] - at[k])).sum());
         }
-        let (normal, drift) = (self.normal.moved(d), self.drift.moved(d));
-        (self.normal, self.drift) = drift.shifted(&normal, to);
+        self.belief = self.belief.shifted(d, to);
         self.start_odom.get_or_insert(first);
         self.rerun = None;
     }
@@ -352,10 +346,9 @@ impl Hypothesis {
         let theta = self.map_from_odom.theta;
         let arm = arm(self.map_from_odom, scene.pivot, scene.history.pose(last));
         self.start_odom = scene.shared.has_odometry().then_some(scene.history.pose(last));
-        let (normal, drift) = early.drift.carried_on(&early.normal, &early.drift, theta, arm);
-        let (normal, drift) = drift.loosened(&normal, loose, scene.shared.odometry);
-        self.prior = (normal.faded(FADED), drift.faded(FADED));
-        (self.normal, self.drift) = self.drift.carried_on(&self.normal, &early.drift, theta, arm);
+        let told = early.belief.carried_on(&early.belief.way, theta, arm);
+        self.prior = told.loosened(loose, scene.shared.odometry).faded(FADED);
+        self.belief = self.belief.carried_on(&early.belief.way, theta, arm);
         (self.start, self.start_row, self.start_at) = (early.states, 0, self.map_from_odom);
         self.row = self.row.saturating_sub(last);
         self.rerun = None;
@@ -404,46 +397,48 @@ impl Hypothesis {
 
     /// The cost where it is linearised.
     pub(super) fn cost(&self, shared: Shared) -> f64 {
-        self.marginal(shared).cost
+        self.marginal(shared).constant
     }
 
     /// The cost where it is linearised with the odometry as it has been corrected, whatever other shares would promise.
     pub(super) fn cost_on_path(&self, shared: Shared) -> f64 {
-        let promise = self.drift.response(&self.normal, shared).map_or(0.0, |response| response.promise);
-        self.cost(shared) + promise
+        self.cost(shared) + self.belief.calibration(shared).map_or(0.0, |response| response.fall)
     }
 
     /// What the readings say about moves, whatever errors they share.
-    pub(super) fn marginal(&self, shared: Shared) -> Normal {
-        self.drift.eliminated(&self.normal, shared.odometry).marginal(shared.gain)
+    pub(super) fn marginal(&self, shared: Shared) -> Information<3> {
+        self.belief.place(shared)
     }
 
     /// The relative error that all readings share, as they estimate it.
     pub(super) fn gain(&self, shared: Shared) -> f64 {
-        let [own, pull] = self.drift.eliminated(&self.normal, shared.odometry).shared;
-        if shared.gain > 0.0 { -pull / (own + shared.gain.powi(-2)) } else { 0.0 }
+        self.belief.gain(shared)
     }
 
     /// The least cost that the linearisation promises, whatever the errors that all readings share, of these standard deviations; and
     /// the step to where it is least as long as the odometry is not corrected any further.
     pub(super) fn best(&self, damping: [f64; 3], shared: Shared) -> (f64, [f64; 3]) {
         let (cost, d) = self.free_best(damping, shared);
-        if self.keeps_path(shared) { (cost, self.normal.best(damping, shared.gain).1) } else { (cost, d) }
+        if self.keeps_path(shared) {
+            (cost, self.belief.place_on_path(shared.gain).least(damping).1)
+        } else {
+            (cost, d)
+        }
     }
 
     /// Whether it is moved along the path as it has been corrected; at the end it goes where the last row is best, whatever the path.
     fn keeps_path(&self, shared: Shared) -> bool {
-        shared.has_odometry() && !self.drift.is_from_last()
+        shared.has_odometry() && !self.belief.is_from_last()
     }
 
     /// The same with the step for the odometry corrected as this hypothesis would have it.
     pub(super) fn free_best(&self, damping: [f64; 3], shared: Shared) -> (f64, [f64; 3]) {
-        self.drift.eliminated(&self.normal, shared.odometry).best(damping, shared.gain)
+        self.marginal(shared).least(damping)
     }
 
     /// The step of [`Hypothesis::best`], and what it will cost there as far as is known.
     pub(super) fn next(&self, damping: [f64; 3], shared: Shared) -> (f64, [f64; 3]) {
         let (cost, d) = self.best(damping, shared);
-        if self.keeps_path(shared) { (self.marginal(shared).moved(d).cost, d) } else { (cost, d) }
+        if self.keeps_path(shared) { (self.marginal(shared).shifted(d).constant, d) } else { (cost, d) }
     }
 }

@@ -7,9 +7,9 @@ use super::bank::{Bank, Field, LOOSE, cut};
 use super::feeler::Judge;
 use super::history::History;
 use super::hypothesis::{Hypothesis, difference, moved};
-use super::normal::root;
 use super::places::covariance;
 use super::shares::{Shares, WAYS, within};
+use crate::linear_algebra::Cholesky;
 
 /// Steps from one start; a step that promises less (nats) is not taken, and of one that leads upwards these parts are tried.
 const ROUNDS: usize = 8;
@@ -36,9 +36,8 @@ impl Bank {
         let begun = now.cost;
         let mut least = self.descended(field, now, f64::INFINITY);
         for to in self.starts(field, &least) {
-            let (normal, _) = least.place.drift.shifted(&least.place.normal, to);
-            let (_, d) = normal.best(LOOSE, self.shared.gain);
-            let from = self.joint(field, &least.history, &least.place, cut(d), to);
+            let d = self.step_on_path(&least.place, to);
+            let from = self.joint(field, &least.history, &least.place, d, to);
             let found = self.descended(field, from, least.cost + HOPELESS);
             if found.cost < least.cost {
                 least = found;
@@ -51,8 +50,7 @@ impl Bank {
         let moves = best.map_from_odom.between(least.place.map_from_odom);
         let followed = |h: &Hypothesis| {
             // Where its linearisation says, or where an image of the best one goes: the cheaper.
-            let (normal, _) = h.drift.shifted(&h.normal, shares);
-            let told = cut(normal.best(LOOSE, self.shared.gain).1);
+            let told = self.step_on_path(h, shares);
             let alike = difference(h.map_from_odom, h.map_from_odom.compose(moves), self.pivot);
             let [told, alike] = [told, alike].map(|d| self.joint(field, history, h, d, shares));
             if alike.cost < told.cost { alike.place } else { told.place }
@@ -68,12 +66,17 @@ impl Bank {
     fn starts(&self, field: &Field<'_>, from: &Joint) -> Vec<Shares> {
         let at = from.history.shares();
         let mut starts = vec![[0.0; WAYS]];
-        let response = from.place.drift.response(&from.place.normal, self.shared);
-        if let Some(root) = response.and_then(|response| root(&response.wherever(&covariance(&from.place, self)))) {
+        let spread = from.place.belief.calibration(self.shared).map(|c| c.wherever(&covariance(&from.place, self)));
+        if let Some(root) = spread.and_then(|spread| Cholesky::new(&spread)).map(|factor| factor.lower()) {
             let to = |way: usize, by: f64| [0, 1, 2].map(|i: usize| at[i] + by * root[i][way]);
             starts.extend((0..WAYS).flat_map(|way| STARTS.map(|by| to(way, by))));
         }
         starts.into_iter().map(|shares| within(shares, &field.robot.odometry)).collect()
+    }
+
+    /// The step of a place on the path corrected by these shares, as its linearisation says.
+    fn step_on_path(&self, h: &Hypothesis, shares: Shares) -> [f64; 3] {
+        cut(h.belief.shifted([0.0; 3], shares).place_on_path(self.shared.gain).least(LOOSE).1)
     }
 
     /// This place moved by `d`, on the path corrected by these shares.
@@ -89,13 +92,13 @@ impl Bank {
     /// Moved to the least cost around.
     fn descended(&self, field: &Field<'_>, mut from: Joint, most: f64) -> Joint {
         for round in 0..ROUNDS {
-            let Some(response) = from.place.drift.response(&from.place.normal, self.shared) else { return from };
+            let Some(response) = from.place.belief.calibration(self.shared) else { return from };
             let (promise, d) = from.place.free_best(LOOSE, self.shared);
             if from.cost - promise < SETTLED || round >= TRIED && from.cost > most {
                 break;
             }
             let (d, at) = (cut(d), from.history.shares());
-            let off = response.after(d);
+            let off = response.given(d);
             let next = PARTS.into_iter().find_map(|part| {
                 let shares = [0, 1, 2].map(|way| at[way] + part * off[way]);
                 let shares = within(shares, &field.robot.odometry);

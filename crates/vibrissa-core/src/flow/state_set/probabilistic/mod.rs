@@ -1,15 +1,15 @@
 //! The probabilistic method's hypotheses: Gaussians around single places, each refined by all readings so far.
 
 mod bank;
-mod drift;
 mod feeler;
 mod fit;
 mod history;
 mod hypothesis;
 mod images;
+mod information;
 mod joint;
-mod normal;
 mod now;
+mod odometry_calibration;
 mod places;
 mod rerun;
 mod ridge;

@@ -3,9 +3,10 @@
 use super::bank::{Bank, OPEN, cut};
 use super::history::History;
 use super::hypothesis::{Hypothesis, arm, moved};
-use super::normal::{Matrix, add};
+use super::odometry_calibration::Matrix;
 use super::places::{Place, TOLD, are_linked, at_robot, covariance, images_of, mass, rest};
 use super::symmetry::Turns;
+use crate::linear_algebra::add;
 use crate::plane::Pose2;
 use crate::world::Odometry;
 
@@ -25,9 +26,9 @@ struct Likely<'a> {
 pub(super) fn frame(one: &Hypothesis, bank: &Bank, odom_from_robot: Pose2) -> Pose2 {
     let d = cut(one.free_best(OPEN, bank.shared).1);
     let there = moved(one.map_from_odom, bank.pivot, d);
-    let Some(response) = one.drift.response(&one.normal, bank.shared) else { return there };
+    let Some(response) = one.belief.calibration(bank.shared) else { return there };
     // What the shares that the readings ask for do to the way from the first row on.
-    let (errors, by) = (one.drift.errors(there.theta), response.after(d));
+    let (errors, by) = (one.belief.way.errors(there.theta), response.given(d));
     let off = |i: usize| (0..3).map(|way| errors[way][i] * by[way]).sum::<f64>();
     let robot = there.compose(odom_from_robot);
     Pose2::new(robot.x + off(0), robot.y + off(1), robot.theta + off(2)).compose(odom_from_robot.inverse())
@@ -49,7 +50,7 @@ pub(super) fn places(bank: &Bank, turns: &Turns, history: &History, bounds: &Odo
         let (pose, mut covariance) = at_robot(one.frame, bank, &one.own, last);
         let (h, frame) = (one.hypothesis, one.hypothesis.map_from_odom);
         let arm = arm(frame, bank.pivot, last);
-        add(&mut covariance, &h.drift.covariance(&h.normal, bank.shared, OPEN, frame.theta, arm, &rest));
+        add(&mut covariance, &h.belief.covariance(bank.shared, OPEN, frame.theta, arm, &rest));
         (pose, covariance)
     };
     let least = likely.first().map_or(0.0, |one| one.cost);

@@ -6,13 +6,14 @@ use super::fit::{Fit, fit, fit_by};
 use super::history::History;
 use super::hypothesis::{Hypothesis, Scene, difference, moved};
 use super::images::{images, stands};
-use super::normal::{Matrix, Normal, add, congruent, determinant, dot, inverse, times};
+use super::odometry_calibration::Matrix;
 use super::ridge::{Metric, Walker};
 use super::shake::shake;
 use super::shares::WAYS;
 use super::spread::{BOTH, Member, SAMPLES, SAMPLES_WITH_SHARES, Sampled, Spread};
 use super::symmetry::Turns;
 use crate::contact::follow::Mechanics;
+use crate::linear_algebra::{add, congruent, determinant, dot, inverse, times};
 use crate::plane::{Pose2, Vec2};
 use crate::world::Odometry;
 
@@ -162,17 +163,17 @@ pub(super) fn choose(bank: &mut Bank, field: &Field<'_>, history: &mut History) 
         let mut again = h.clone();
         again.run(&blurred, h.map_from_odom, bank.used.iter().copied());
         if let Some(fit) = fit.as_mut().filter(|_| told.is_empty()) {
-            fit.odometry = again.drift.squares(bounds) / f64::from(fit.touching.max(1) as u32);
+            fit.odometry = again.belief.squares(bounds) / f64::from(fit.touching.max(1) as u32);
         }
         let arm = h.map_from_odom.transform_point(last.position()) - h.map_from_odom.transform_point(bank.pivot);
         let (turn, rest) = (h.map_from_odom.theta, rest(bounds, history.len()));
         let place = covariance(&again, bank);
-        let response = again.drift.response(&again.normal, bank.shared);
+        let response = again.belief.calibration(bank.shared);
         told.push(Told {
             place,
-            with_shares: response.map(|response| response.with_place(&place)),
-            shares: response.map(|response| response.estimates(again.drift.at(), &place)),
-            rest: again.drift.covariance(&again.normal, bank.shared, OPEN, turn, arm, &rest),
+            with_shares: response.map(|response| response.joint(&place)),
+            shares: response.map(|response| again.belief.calibrated(&response, &place)),
+            rest: again.belief.covariance(bank.shared, OPEN, turn, arm, &rest),
             broken: fit_by(Mechanics::Table(field.table), h, bank, field, history).broken,
         });
     }
@@ -201,7 +202,7 @@ fn is_allowed(field: &Field<'_>, history: &History, frame: Pose2) -> bool {
 
 /// The covariance of the estimate about the pivot.
 pub(super) fn covariance(h: &Hypothesis, bank: &Bank) -> Matrix {
-    inverse(&h.marginal(bank.shared).damped(OPEN)).unwrap_or([
+    h.marginal(bank.shared).covariance(OPEN).unwrap_or([
         [OPEN[0].recip(), 0.0, 0.0],
         [0.0, OPEN[1].recip(), 0.0],
         [0.0, 0.0, OPEN[2].recip()],
@@ -378,7 +379,8 @@ pub(super) fn are_linked(a: (Pose2, &Matrix), b: (Pose2, &Matrix), pivot: Vec2) 
 pub(super) fn images_of(turns: &Turns, place: &Place) -> Vec<Place> {
     let turned = |frame: Pose2| {
         let motion = frame.compose(place.map_from_odom.inverse());
-        let own = |m: &Matrix| Normal { curvature: *m, ..Normal::default() }.turned(motion.theta).curvature;
+        let (sin, cos) = motion.theta.sin_cos();
+        let own = |m: &Matrix| congruent(&[[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]], m);
         Place {
             map_from_odom: frame,
             covariance: own(&place.covariance),

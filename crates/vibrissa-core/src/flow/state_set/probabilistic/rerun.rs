@@ -276,7 +276,7 @@ mod tests {
                     calls += 1;
                 }
                 assert!(calls > 1 && calls <= rows.len(), "{calls}");
-                assert_eq!((part.map_from_odom, part.normal), (whole.map_from_odom, whole.normal));
+                assert_eq!((part.map_from_odom, part.belief), (whole.map_from_odom, whole.belief));
                 assert!(part.rerun.is_none() && part.age == 0);
             }
         });
@@ -411,7 +411,7 @@ mod tests {
         near_the_truth(|scene, rows, h| {
             let mut kept = h.clone();
             assert!(kept.improve(scene, [0.02, -0.01, 0.3], rows, &mut 1000));
-            assert_eq!((kept.map_from_odom, kept.normal), (h.map_from_odom, h.normal));
+            assert_eq!((kept.map_from_odom, kept.belief), (h.map_from_odom, h.belief));
             let usual = vec![0.0; rows.len()];
             let mut lost = h.clone();
             lost.waits = true;

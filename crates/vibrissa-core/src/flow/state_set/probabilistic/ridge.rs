@@ -4,7 +4,9 @@
 //! of its own: Gauss-Newton steps over the whole history, across the curve only.
 
 use super::hypothesis::{Hypothesis, Limits, Scene, difference, moved};
-use super::normal::{Matrix, Normal, dot, inverse, times};
+use super::information::Information;
+use super::odometry_calibration::Matrix;
+use crate::linear_algebra::{Cholesky, dot, inverse, times};
 use crate::plane::{Pose2, Vec2};
 
 /// A place shorter than this (m) has no curve.
@@ -243,21 +245,20 @@ impl Walker<'_> {
 
 impl Metric {
     /// The step to the least cost across a direction, as a vector of the metric, and what it gains (nats).
-    fn across(&self, normal: &Normal, along: [f64; 3]) -> (f64, [f64; 3]) {
-        let curvature = self.metric(&normal.curvature);
-        let gradient = self.unscaled(normal.gradient);
+    fn across(&self, told: &Information<3>, along: [f64; 3]) -> (f64, [f64; 3]) {
+        let curvature = self.metric(&told.matrix);
+        let vector = self.unscaled(told.vector);
         let (a, b) = square_to(along);
         let (ca, cb) = (times(&curvature, a), times(&curvature, b));
-        let (aa, ab, bb) = (dot(ca, a) + LOOSE, dot(ca, b), dot(cb, b) + LOOSE);
-        let (ga, gb) = (dot(gradient, a), dot(gradient, b));
-        let det = aa * bb - ab * ab;
-        let (da, db) = ((ab * gb - bb * ga) / det, (ab * ga - aa * gb) / det);
-        (-0.5 * (ga * da + gb * db), [0, 1, 2].map(|i| da * a[i] + db * b[i]))
+        let (ab, vector) = (dot(ca, b), [dot(vector, a), dot(vector, b)]);
+        let across = Cholesky::new(&[[dot(ca, a) + LOOSE, ab], [ab, dot(cb, b) + LOOSE]]);
+        let [da, db] = across.map_or([0.0; 2], |across| across.solve(&vector));
+        (0.5 * dot(vector, [da, db]), [0, 1, 2].map(|i| da * a[i] + db * b[i]))
     }
 
     /// The direction of least curvature, on the side of the one before: a unit vector of the metric.
-    fn direction(&self, normal: &Normal, before: Option<[f64; 3]>) -> Option<[f64; 3]> {
-        let mut curvature = self.metric(&normal.curvature);
+    fn direction(&self, told: &Information<3>, before: Option<[f64; 3]>) -> Option<[f64; 3]> {
+        let mut curvature = self.metric(&told.matrix);
         let largest = (0..3).map(|i| curvature[i][i]).fold(0.0, f64::max);
         (0..3).for_each(|i| curvature[i][i] += STIFF * largest);
         let open = inverse(&curvature)?;
@@ -359,42 +360,41 @@ fn square_to(along: [f64; 3]) -> ([f64; 3], [f64; 3]) {
 mod tests {
     #![allow(clippy::unwrap_used, reason = "a test that cannot go on must fail")]
 
-    use super::super::normal::Line;
     use super::*;
 
     const METRIC: Metric = Metric { pivot: Vec2 { x: 0.1, y: -0.2 }, lever: 0.075 };
 
     /// Readings that leave one direction open: the last of these, by hand square to the others in the metric.
-    fn valley() -> (Normal, [f64; 3]) {
-        let mut normal = Normal::default();
-        normal.add(Line { residual: 0.3, by: [4e3, 0.0, 75.0], by_shared: 0.0, weight: 1.0 });
-        normal.add(Line { residual: -0.2, by: [0.0, 3e3, 0.0], by_shared: 0.0, weight: 1.0 });
+    fn valley() -> (Information<3>, [f64; 3]) {
+        let mut told = Information::default();
+        told.add(&[4e3, 0.0, 75.0], 0.3, 1.0);
+        told.add(&[0.0, 3e3, 0.0], -0.2, 1.0);
         // A turn by -4e3/75 of the shift leaves both readings as they are.
         let open = [1.0, 0.0, -4e3 / 75.0 * 0.075];
-        (normal, open.map(|v| v / norm(open)))
+        (told, open.map(|v| v / norm(open)))
     }
 
     #[test]
     fn the_open_direction_is_found_and_kept() {
-        let (normal, open) = valley();
+        let (told, open) = valley();
         for sign in [1.0, -1.0] {
-            let found = METRIC.direction(&normal, Some([sign, 0.3, 0.0])).unwrap();
+            let found = METRIC.direction(&told, Some([sign, 0.3, 0.0])).unwrap();
             assert!((0..3).all(|i| (found[i] - sign * open[i]).abs() < 1e-6), "{found:?} {open:?}");
         }
-        assert!(dot(METRIC.direction(&normal, None).unwrap(), open).abs() > 1.0 - 1e-9);
-        assert!(METRIC.direction(&Normal::default(), None).is_none());
+        assert!(dot(METRIC.direction(&told, None).unwrap(), open).abs() > 1.0 - 1e-9);
+        assert!(METRIC.direction(&Information::default(), None).is_none());
     }
 
     #[test]
     fn a_fit_across_goes_to_the_least_cost_and_not_along() {
-        let (normal, open) = valley();
-        let (gain, step) = METRIC.across(&normal, open);
+        let (told, open) = valley();
+        let (gain, step) = METRIC.across(&told, open);
         assert!(dot(step, open).abs() < 1e-12);
-        let there = normal.moved(METRIC.unscaled(step));
-        let left = METRIC.unscaled(there.gradient);
+        let there = told.shifted(METRIC.unscaled(step));
+        let left = METRIC.unscaled(there.vector);
         // Half of each squared residual goes, but for what keeps the step finite.
         assert!((gain - 0.5 * (0.3_f64.powi(2) + 0.2_f64.powi(2))).abs() < 1e-3, "{gain}");
-        assert!(norm(left) < 0.02 * norm(METRIC.unscaled(normal.gradient)), "{left:?}");
+        assert!(norm(left) < 0.02 * norm(METRIC.unscaled(told.vector)), "{left:?}");
     }
 
     #[test]

@@ -1,7 +1,8 @@
 //! A hypothesis at rest: on a large map a search finds hundreds of thousands, of which few are ever followed.
 
 use super::hypothesis::Hypothesis;
-use super::normal::Normal;
+use super::information::Information;
+use super::odometry_calibration::Belief;
 use crate::contact::follow::{Packed, WhiskerState};
 use crate::plane::Pose2;
 
@@ -9,7 +10,8 @@ use crate::plane::Pose2;
 #[derive(Clone, Debug)]
 pub(super) struct Seed {
     pub(super) map_from_odom: Pose2,
-    pub(super) normal: Normal,
+    /// The information around its place and the gain.
+    pub(super) told: Information<4>,
     start: Start,
     /// See [`Hypothesis::family`].
     family: Option<u32>,
@@ -27,7 +29,12 @@ impl Seed {
     pub(super) fn of(h: &Hypothesis) -> Self {
         let one = if let [state] = h.start() { Packed::of(state) } else { None };
         let start = one.map_or_else(|| Start::All(h.start().into()), Start::One);
-        Self { map_from_odom: h.map_from_odom, normal: h.normal, start, family: h.family }
+        Self { map_from_odom: h.map_from_odom, told: h.belief.place_and_gain(), start, family: h.family }
+    }
+
+    /// Its place with the gain marginalised, of this standard deviation.
+    pub(super) fn place(&self, gain: f64) -> Information<3> {
+        self.told.without_gain(gain)
     }
 
     /// The hypothesis, from the row on at which it begins; it has taken no row.
@@ -37,7 +44,7 @@ impl Seed {
             Start::All(states) => states.into_vec(),
         };
         let mut h = Hypothesis::new(self.map_from_odom, states, row);
-        (h.normal, h.family) = (self.normal, self.family);
+        (h.belief, h.family) = (Belief::of_place(&self.told), self.family);
         h
     }
 }

@@ -209,7 +209,7 @@ impl Seeding {
             let all = core::mem::take(&mut self.found);
             let size = if round == 0 { [1.3 * onset.spacing, onset.turn] } else { cells(all.len()) };
             let prospects = all.iter().map(|seed| {
-                let (cost, d) = seed.normal.best(cell(onset), 0.0);
+                let (cost, d) = seed.place(0.0).least(cell(onset));
                 Prospect { at: moved(seed.map_from_odom, scene.pivot, d), cost }
             });
             let kept = best_of_cells(prospects, scene.pivot, scene.history.pose(last), size);

@@ -6,7 +6,6 @@
 
 use super::bank::OPEN;
 use super::hypothesis::{Hypothesis, LOOKED_AT, Scene};
-use super::normal::inverse;
 use super::shares::Shared;
 
 /// How far it is slid to either side at most (m), and as far as the readings leave open (standard deviations); in such steps (m).
@@ -37,7 +36,7 @@ impl Hypothesis {
 
     /// Along the principal axis of its place's covariance, with the turn that goes with it.
     fn open(&self, shared: Shared) -> Option<Open> {
-        let c = inverse(&self.marginal(shared).damped(OPEN))?;
+        let c = self.marginal(shared).covariance(OPEN)?;
         let (sin, cos) = (0.5 * (2.0 * c[0][1]).atan2(c[0][0] - c[1][1])).sin_cos();
         let variance = cos * cos * c[0][0] + 2.0 * sin * cos * c[0][1] + sin * sin * c[1][1];
         let turn = (cos * c[0][2] + sin * c[1][2]) / variance;

@@ -5,8 +5,9 @@
 //! points instead of random ones) give the mean, the covariance and the mass of the likelihood itself.
 
 use super::hypothesis::{Hypothesis, Limits, Scene, difference, moved};
-use super::normal::{Matrix, determinant, inverse, root};
+use super::odometry_calibration::Matrix;
 use super::shares::{Shared, Shares, WAYS, is_within};
+use crate::linear_algebra::{Cholesky, determinant, dot, times};
 use crate::plane::Pose2;
 use crate::world::Odometry;
 
@@ -94,33 +95,24 @@ struct Effort {
 /// A Gaussian that samples are drawn from.
 struct Centre<const N: usize> {
     at: [f64; N],
-    root: [[f64; N]; N],
-    volume: f64,
+    factor: Cholesky<N>,
 }
 
 impl<const N: usize> Centre<N> {
     fn new(at: [f64; N], covariance: &[[f64; N]; N]) -> Option<Self> {
-        let root = root(covariance)?;
-        let volume = (0..N).map(|i| root[i][i]).product::<f64>();
-        (volume > 0.0).then_some(Self { at, root, volume })
+        Some(Self { at, factor: Cholesky::new(covariance)? })
     }
 
     /// Its density at a point when widened, without `(2 pi)^(N/2)`.
     fn density(&self, point: [f64; N], width: f64) -> f64 {
-        let mut off = [0.0; N];
-        let mut squares = 0.0;
-        for i in 0..N {
-            let known: f64 = (0..i).map(|j| self.root[i][j] * off[j]).sum();
-            off[i] = ((point[i] - self.at[i]) / width - known) / self.root[i][i];
-            squares += off[i] * off[i];
-        }
-        (-0.5 * squares).exp() / (self.volume * width.powi(N as i32))
+        let off = self.factor.whitened(&core::array::from_fn(|i| (point[i] - self.at[i]) / width));
+        (-0.5 * dot(off, off)).exp() / (self.factor.root_determinant() * width.powi(N as i32))
     }
 
     /// Its n-th sample when widened.
     fn sample(&self, n: usize, width: f64) -> [f64; N] {
-        let point = normal_point::<N>(n);
-        core::array::from_fn(|i| self.at[i] + width * (0..=i).map(|j| self.root[i][j] * point[j]).sum::<f64>())
+        let off = times(&self.factor.lower(), normal_point::<N>(n));
+        core::array::from_fn(|i| self.at[i] + width * off[i])
     }
 }
 
@@ -138,10 +130,10 @@ impl Sampled<'_> {
         let cost = |d: [f64; 3]| self.cost(self.scene, first.place, d, &usual);
         let told = |drawn: &[([f64; 3], Option<f64>)]| {
             let parabola = first.place.marginal(self.scene.shared);
-            is_as_told(drawn, parabola.cost, |d| parabola.moved(d).cost).then_some(())?;
-            let covariance = inverse(&parabola.curvature)?;
-            let mean = parabola.step([0.0; 3])?;
-            let mass = (self.least - parabola.moved(mean).cost).exp() * determinant(&covariance).sqrt();
+            is_as_told(drawn, parabola.constant, |d| parabola.shifted(d).constant).then_some(())?;
+            let covariance = parabola.covariance([0.0; 3])?;
+            let (cost, mean) = parabola.least([0.0; 3]);
+            let mass = (self.least - cost).exp() * determinant(&covariance).sqrt();
             Some(Summary { mean, covariance, mass, effective: f64::INFINITY })
         };
         let batch = SAMPLES - FIRST;
@@ -163,10 +155,10 @@ impl Sampled<'_> {
             (0..WAYS).map(one).sum::<f64>()
         };
         let centre = |m: &Member<'_>| {
-            let response = m.place.drift.response(&m.place.normal, shared)?;
-            let at = m.place.drift.at();
+            let response = m.place.belief.calibration(shared)?;
+            let at = m.place.belief.at();
             let d = difference(first.map_from_odom, m.place.map_from_odom, self.scene.pivot);
-            Centre::new(joined(d, [0, 1, 2].map(|way| at[way] + response.here[way])), m.with_shares?)
+            Centre::new(joined(d, [0, 1, 2].map(|way| at[way] + response.mean[way])), m.with_shares?)
         };
         let centres: Vec<_> = members.iter().take(MOST_CENTRES).filter_map(centre).collect();
         let cost = |point: [f64; BOTH]| {
@@ -180,18 +172,17 @@ impl Sampled<'_> {
         let told = |drawn: &[([f64; BOTH], Option<f64>)]| {
             let of = |point: [f64; BOTH]| {
                 let (d, shares) = parted(point);
-                let (normal, _) = first.drift.moved(d).shifted(&first.normal.moved(d), shares);
-                normal.marginal(shared.gain).cost + prior(shares)
+                first.belief.shifted(d, shares).place_on_path(shared.gain).constant + prior(shares)
             };
             let parabola = first.marginal(shared);
-            let mean = parabola.step([0.0; 3])?;
-            let response = first.drift.response(&first.normal, shared)?;
-            let (after, at) = (response.after(mean), first.drift.at());
+            let place = parabola.covariance([0.0; 3])?;
+            let (cost, mean) = parabola.least([0.0; 3]);
+            let response = first.belief.calibration(shared)?;
+            let (after, at) = (response.given(mean), first.belief.at());
             let mean = joined(mean, [0, 1, 2].map(|way| at[way] + after[way]));
             is_as_told(drawn, of(mean), of).then_some(())?;
-            let place = inverse(&parabola.curvature)?;
-            let mass = (self.least - parabola.moved(parted(mean).0).cost).exp() * determinant(&place).sqrt();
-            Some(Summary { mean, covariance: response.with_place(&place), mass, effective: f64::INFINITY })
+            let mass = (self.least - cost).exp() * determinant(&place).sqrt();
+            Some(Summary { mean, covariance: response.joint(&place), mass, effective: f64::INFINITY })
         };
         let batches = if self.thorough { BATCHES } else { 0 };
         let effort = Effort { first: FIRST_WITH_SHARES, batch: BATCH, batches, least_effective: LEAST_EFFECTIVE };
@@ -209,7 +200,7 @@ impl Sampled<'_> {
         (self.admits)(frame).then_some(())?;
         let mut there = place.clone();
         let below = there.run_below(scene, frame, self.rows, Limits { usual, more: NOTHING });
-        Some(if below { there.normal.marginal(scene.shared.gain).cost } else { f64::INFINITY })
+        Some(if below { there.belief.place_on_path(scene.shared.gain).constant } else { f64::INFINITY })
     }
 }
 
@@ -343,8 +334,8 @@ fn normal_point<const N: usize>(n: usize) -> [f64; N] {
 
 #[cfg(test)]
 mod tests {
-    use super::super::normal::{dot, times};
     use super::*;
+    use crate::linear_algebra::inverse;
 
     /// A cost of six unknowns that is a parabola with this mean, and inverse variances that a chain of them shares.
     fn chained(mean: [f64; 6]) -> impl Fn([f64; 6]) -> f64 {

@@ -3,9 +3,10 @@
 use super::super::feeler::Judge;
 use super::super::history::History;
 use super::super::hypothesis::{Hypothesis, Scene, difference, moved};
-use super::super::normal::{Matrix, dot, times};
+use super::super::odometry_calibration::Matrix;
 use super::{Bank, Field, LOOSE, OPEN, cut};
 use crate::contact::follow::Mechanics;
+use crate::linear_algebra::{dot, times};
 use crate::plane::{Pose2, Vec2};
 
 /// Hypotheses this near to each other are one (m, rad),

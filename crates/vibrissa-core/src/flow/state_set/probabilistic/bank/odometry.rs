@@ -26,9 +26,9 @@ impl Bank {
         }
         let known = self.hypotheses.iter().filter(|h| !h.waits);
         let Some(best) = known.min_by(|a, b| a.cost(self.shared).total_cmp(&b.cost(self.shared))) else { return false };
-        let Some(response) = best.drift.response(&best.normal, self.shared) else { return false };
-        let off = response.after(cut(best.free_best(LOOSE, self.shared).1));
-        let (at, now) = (best.drift.at(), history.shares());
+        let Some(response) = best.belief.calibration(self.shared) else { return false };
+        let off = response.given(cut(best.free_best(LOOSE, self.shared).1));
+        let (at, now) = (best.belief.at(), history.shares());
         let to = within([0, 1, 2].map(|way| at[way] + off[way]), &field.robot.odometry);
         let way = history.way();
         let [place, turn] = way.moves([0, 1, 2].map(|way| to[way] - now[way]));

@@ -144,7 +144,7 @@ impl Search {
     fn bank(&self, field: &Field<'_>, history: &History) -> Bank {
         let gain = field.options.shared_gain.unwrap_or(field.feelers[self.feeler].shared_share());
         let to = |seed: &Seed, gain: f64| {
-            let (cost, d) = seed.normal.best(LOOSE, gain);
+            let (cost, d) = seed.place(gain).least(LOOSE);
             Prospect { at: moved(seed.map_from_odom, self.pivot, cut(d)), cost }
         };
         // Those that begin free are judged anew from there, so that none of them has cost anything yet.
@@ -159,7 +159,7 @@ impl Search {
         let mut chosen: Vec<&Seed> =
             self.found.iter().zip(kept).filter_map(|(seed, kept)| kept.then_some(seed)).collect();
         if !self.from_free || chosen.len() > MOST_SEEDS {
-            chosen.sort_by(|a, b| a.normal.cost.total_cmp(&b.normal.cost));
+            chosen.sort_by(|a, b| a.told.constant.total_cmp(&b.told.constant));
         }
         chosen.truncate(MOST_SEEDS);
         let hypothesis = |seed: &Seed| {
