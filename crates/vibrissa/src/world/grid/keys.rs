@@ -71,7 +71,9 @@ impl Keys {
     pub(super) fn numbers(&self, key: &str) -> Result<Option<Vec<f64>>, Fault> {
         match self.0.get(key) {
             None => Ok(None),
-            Some(Value::List(scalars, _)) => scalars.iter().map(|s| s.told_number(key)).collect::<Result<_, _>>().map(Some),
+            Some(Value::List(scalars, _)) => {
+                scalars.iter().map(|s| s.told_number(key)).collect::<Result<_, _>>().map(Some)
+            }
             Some(Value::One(scalar)) => Err(scalar.fault(&format!("{key} is no list"))),
         }
     }

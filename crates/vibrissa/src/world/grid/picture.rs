@@ -39,9 +39,7 @@ impl Picture {
     ///
     /// Other bytes, damaged ones, and pictures with more than 16 million pixels.
     pub(super) fn read(bytes: &[u8]) -> Result<Self> {
-        let fault = |why: Fault| {
-            Error::data("cannot read the map's image").value(why).remedy("save it as PGM or PNG")
-        };
+        let fault = |why: Fault| Error::data("cannot read the map's image").value(why).remedy("save it as PGM or PNG");
         let is_pnm = pnm::is_pnm(bytes);
         let size = if is_pnm { pnm::size(bytes) } else { png_size(bytes) }.map_err(fault)?;
         if u64::from(size.width) * u64::from(size.height) > MOST_CELLS as u64 {

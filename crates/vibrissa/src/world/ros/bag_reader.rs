@@ -168,10 +168,9 @@ impl Bag {
         let topic = Topic { kind: Kind::from_name(&kind_name), kind_name, name: name.to_owned() };
         let is_cdr = encoding == "cdr";
         if topic.kind.is_some() && !is_cdr {
-            self.summary.warnings.push(format!(
-                "the topic {} is left out: its messages are {encoding}, not cdr (ROS 2)",
-                topic.name
-            ));
+            self.summary
+                .warnings
+                .push(format!("the topic {} is left out: its messages are {encoding}, not cdr (ROS 2)", topic.name));
         }
         let known = self.summary.topics.iter().position(|t| *t == topic);
         let index = known.unwrap_or_else(|| {

@@ -134,7 +134,10 @@ mod tests {
         let (front, body) = file.split_at(HEAD);
         assert_eq!(head(front.try_into().unwrap()), (op::SCHEMA, 26));
         let mut fields = Fields(body);
-        assert_eq!((fields.u16(), fields.u32(), fields.u64(), fields.text()), (Some(258), Some(1), Some(3), Some("ab")));
+        assert_eq!(
+            (fields.u16(), fields.u32(), fields.u64(), fields.text()),
+            (Some(258), Some(1), Some(3), Some("ab"))
+        );
         assert_eq!(fields.0, [1, 0, 0, 0, 9, 7]);
     }
 

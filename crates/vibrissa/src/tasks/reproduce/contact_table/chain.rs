@@ -10,8 +10,8 @@ use crate::tasks::calibrate::{Explained, Labelled, fit_moment_curve};
 use crate::tasks::contact::{ContactKind, ContactReading, contacts, fixed_point};
 use crate::world::calibration::MomentCurve;
 use crate::world::{MomentNoise, MountedWhisker, Robot};
+use chacha20::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 
 /// Errors of a reading: 5 % and 2 µN m, independent from row to row.
 pub(super) const NOISE: MomentNoise = MomentNoise { moment_relative: 0.05, moment_absolute: 2e-6 };
