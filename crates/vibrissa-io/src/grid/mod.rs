@@ -5,8 +5,17 @@
 //! | `trace` | the loops between solid and free cells, and where in its cells each crossing lies |
 //! | `outline` | few straight lines through the many points of a loop |
 //! | `yaml` | the files of ROS `map_server` |
+//! | `keys` | the keys of such a file |
+//! | `picture` | the image that it names |
+//! | `pnm` | images that are PBM, PGM or PPM |
 
+#[cfg(feature = "ros-map")]
+mod keys;
 mod outline;
+#[cfg(feature = "ros-map")]
+mod picture;
+#[cfg(feature = "ros-map")]
+mod pnm;
 mod trace;
 #[cfg(feature = "ros-map")]
 mod yaml;

@@ -1,13 +1,11 @@
 //! The maps of ROS `map_server`: a YAML file beside a PGM or PNG image.
 
+use super::keys::{Fault, Keys};
+use super::picture::Picture;
 use super::{Cell, OccupancyGrid};
-use crate::config::limits::MOST_CELLS;
 use crate::plane::Pose2;
 use crate::text::{cannot_open, read_text};
 use crate::{Error, Result};
-use image::{GrayAlphaImage, ImageReader, Limits};
-use serde::Deserialize;
-use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
 /// What the shade of a pixel means.
@@ -21,28 +19,34 @@ enum Mode {
     Raw,
 }
 
-/// The keys of the YAML file as they are written.
-#[derive(Debug, Deserialize)]
-struct Keys {
+/// The keys of the YAML file with their values.
+#[derive(Debug)]
+struct Entries {
     image: String,
     resolution: f64,
     origin: Vec<f64>,
-    #[serde(default)]
     negate: Option<String>,
-    #[serde(default = "usual_occupied")]
     occupied_thresh: f64,
-    #[serde(default = "usual_free")]
     free_thresh: f64,
-    #[serde(default)]
     mode: Option<String>,
 }
 
-fn usual_occupied() -> f64 {
-    0.65
-}
-
-fn usual_free() -> f64 {
-    0.25
+impl Entries {
+    fn read(text: &str) -> core::result::Result<Self, Fault> {
+        let wanted = ["image", "resolution", "origin", "negate", "occupied_thresh", "free_thresh", "mode"];
+        let keys = Keys::read(text, &wanted)?;
+        let missing = |key: &str| Fault { line: 1, why: format!("{key} is missing") };
+        let text = |key: &str| Ok(keys.text(key)?.map(str::to_owned));
+        Ok(Self {
+            image: text("image")?.ok_or_else(|| missing("image"))?,
+            resolution: keys.number("resolution")?.ok_or_else(|| missing("resolution"))?,
+            origin: keys.numbers("origin")?.ok_or_else(|| missing("origin"))?,
+            negate: text("negate")?,
+            occupied_thresh: keys.number("occupied_thresh")?.unwrap_or(0.65),
+            free_thresh: keys.number("free_thresh")?.unwrap_or(0.25),
+            mode: text("mode")?,
+        })
+    }
 }
 
 /// The shade by which `map_saver` marks unknown cells.
@@ -83,9 +87,7 @@ impl MapServerFile {
     ///
     /// What is not YAML, a key that is missing or out of range.
     pub fn parse(text: &str, name: &str) -> Result<Self> {
-        let keys: Keys = serde_saphyr::from_str(text).map_err(|error| {
-            let line = error.location().map_or(1, |place| place.line() as usize).max(1);
-            let why = error.without_snippet().to_string();
+        let keys = Entries::read(text).map_err(|Fault { line, why }| {
             Error::data("not a map_server file").in_file(name).at_line(line).value(why).remedy(
                 "it needs the keys image, resolution and origin, and may have negate, occupied_thresh, free_thresh, mode",
             )
@@ -93,7 +95,7 @@ impl MapServerFile {
         Self::check(keys).map_err(|error| error.in_file(name).or_remedy("correct it, or save the map again"))
     }
 
-    fn check(keys: Keys) -> Result<Self> {
+    fn check(keys: Entries) -> Result<Self> {
         let wrong = |key: &str, value: &dyn core::fmt::Display, allowed: &str| {
             Err(Error::data(format!("{key} is out of range")).value(value).allowed(allowed))
         };
@@ -138,10 +140,10 @@ impl MapServerFile {
     ///
     /// What is not such an image, is damaged, or has more than 16 million pixels.
     pub fn grid(&self, bytes: &[u8], name: &str) -> Result<OccupancyGrid> {
-        let image = decoded(bytes).map_err(|error| error.in_file(name))?;
-        let (width, height) = (image.width() as usize, image.height() as usize);
+        let Picture { width, pixels } = Picture::read(bytes).map_err(|error| error.in_file(name))?;
         // The first row of an image is at the top, that of a grid at the bottom.
-        let pixels: Vec<[u8; 2]> = image.rows().rev().flat_map(|row| row.map(|pixel| pixel.0)).collect();
+        let pixels: Vec<[u8; 2]> = pixels.chunks(width.max(1)).rev().flatten().copied().collect();
+        let height = pixels.len() / width.max(1);
         let cells = match self.mode {
             Mode::Trinary => self.trinary(&pixels, width),
             Mode::Scale => pixels.iter().map(|&pixel| self.scaled(pixel)).collect(),
@@ -216,36 +218,4 @@ impl MapServerFile {
 
 fn percent(shade: u8) -> Cell {
     if shade <= 100 { Cell::Solid(f32::from(shade) / 100.0) } else { Cell::Unknown }
-}
-
-/// The shades and opacities of an image's pixels.
-fn decoded(bytes: &[u8]) -> Result<GrayAlphaImage> {
-    let fault = |error: image::ImageError| {
-        Error::data("cannot read the map's image").value(error).remedy("save it as PGM or PNG")
-    };
-    let open = || ImageReader::new(Cursor::new(bytes)).with_guessed_format();
-    let no_image = |e: std::io::Error| Error::data("cannot read the map's image").value(e);
-    let (width, height) = open().map_err(no_image)?.into_dimensions().map_err(fault)?;
-    if u64::from(width) * u64::from(height) > MOST_CELLS as u64 {
-        return Err(Error::data("the map's image is too large")
-            .value(format!("{width} by {height} pixels"))
-            .allowed(format!("up to {MOST_CELLS} pixels"))
-            .remedy("cut out the part of the map that the robot can be in"));
-    }
-    let mut reader = open().map_err(no_image)?;
-    let mut limits = Limits::default();
-    limits.max_alloc = Some(16 * MOST_CELLS as u64);
-    reader.limits(limits);
-    let image = reader.decode().map_err(fault)?;
-    if !image.color().has_color() {
-        return Ok(image.into_luma_alpha8());
-    }
-    // The mean of the colours, as map_server has it; not what an eye sees.
-    let rgba = image.into_rgba8();
-    let pixel = |p: &image::Rgba<u8>| {
-        let [r, g, b, a] = p.0;
-        [((u16::from(r) + u16::from(g) + u16::from(b)) / 3) as u8, a]
-    };
-    let shades: Vec<u8> = rgba.pixels().flat_map(pixel).collect();
-    GrayAlphaImage::from_raw(width, height, shades).ok_or_else(|| Error::data("cannot read the map's image"))
 }

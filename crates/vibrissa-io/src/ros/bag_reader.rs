@@ -1,11 +1,9 @@
 //! The container, read: message by message, so that recordings with camera images need no more memory than a chunk.
 
 use super::definition::Kind;
+use super::records::{Fields, HEAD, MAGIC, head, op};
 use crate::config::limits::LARGEST_CHUNK;
 use crate::{Error, Result};
-use mcap::records::{ChunkHeader, Record};
-use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
-use mcap::{McapError, parse_record};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::io::Read;
@@ -30,9 +28,6 @@ pub struct BagSummary {
     pub warnings: Vec<String>,
 }
 
-/// Most bytes that are asked for at once: what a damaged file promises need not be there.
-const STEP: usize = 1 << 20;
-
 /// Reads an MCAP recording and calls `visit` with each message of a kind that we know: its topic, the time it was logged
 /// (ns) and its bytes.
 ///
@@ -47,77 +42,52 @@ pub fn read_bag(
     name: &str,
     mut visit: impl FnMut(&Topic, u64, &[u8]) -> Result<()>,
 ) -> Result<BagSummary> {
-    let options = LinearReaderOptions::default()
-        .with_emit_chunks(true)
-        .with_skip_end_magic(true)
-        .with_record_length_limit(LARGEST_CHUNK);
-    let mut reader = LinearReader::new_with_options(options);
     let mut bag = Bag::default();
-    let done = loop {
-        match reader.next_event() {
-            None => break Ok(()),
-            Some(Ok(LinearReadEvent::ReadRequest(wanted))) => {
-                if wanted > LARGEST_CHUNK {
-                    break Err(Fault::Ours(too_large("a record", wanted as u64)));
-                }
-                let room = reader.insert(wanted.min(STEP));
-                let count = source.read(room).map_err(|e| Error::data("cannot read the recording").value(e));
-                match count {
-                    Ok(count) => reader.notify_read(count),
-                    Err(error) => break Err(Fault::Ours(error)),
-                }
-            }
-            Some(Ok(LinearReadEvent::Record { data, opcode })) => {
-                if let Err(fault) = bag.record(opcode, data, &mut visit) {
-                    break Err(fault);
-                }
-            }
-            Some(Err(error)) => break Err(Fault::Container(error)),
-        }
-    };
-    match done {
+    match bag.records(&mut source, &mut visit) {
         Ok(()) => {}
-        Err(Fault::Container(McapError::UnexpectedEof)) if !bag.channels.is_empty() => {
+        Err(Fault::Cut) if !bag.channels.is_empty() => {
             bag.summary.warnings.push("the recording ends in the middle of a record; what came before is used".into());
         }
-        Err(fault) => return Err(fault.told(name)),
+        Err(fault) => return Err(fault.told().in_file(name)),
     }
     Ok(bag.summary)
 }
 
-/// Who found what is wrong.
-enum Fault {
-    Container(McapError),
-    Ours(Error),
-}
+/// What is called with each message.
+type Visit<'a> = dyn FnMut(&Topic, u64, &[u8]) -> Result<()> + 'a;
 
-impl From<McapError> for Fault {
-    fn from(error: McapError) -> Self {
-        Self::Container(error)
-    }
+/// What ends the reading.
+enum Fault {
+    /// The file ends within a record.
+    Cut,
+    /// A record does not hold what it should.
+    Damaged(&'static str),
+    Told(Error),
 }
 
 impl From<Error> for Fault {
     fn from(error: Error) -> Self {
-        Self::Ours(error)
+        Self::Told(error)
     }
 }
 
 impl Fault {
-    fn told(self, name: &str) -> Error {
+    fn told(self) -> Error {
         match self {
-            Self::Ours(error) => error,
-            Self::Container(McapError::BadMagic) => Error::data("not an MCAP recording")
-                .value("it does not begin as MCAP files do")
-                .remedy("convert other recordings with `ros2 bag convert`, or give a log .csv"),
-            Self::Container(McapError::UnexpectedEof) => Error::data("the recording ends before its first topic")
+            Self::Told(error) => error,
+            Self::Cut => Error::data("the recording ends before its first topic")
                 .remedy("record again; was the recorder stopped at once?"),
-            Self::Container(error) => Error::data("the recording is damaged")
-                .value(error)
+            Self::Damaged(why) => Error::data("the recording is damaged")
+                .value(why)
                 .remedy("`mcap recover` saves what is whole; or record again"),
         }
-        .in_file(name)
     }
+}
+
+fn no_recording() -> Error {
+    Error::data("not an MCAP recording")
+        .value("it does not begin as MCAP files do")
+        .remedy("convert other recordings with `ros2 bag convert`, or give a log .csv")
 }
 
 fn too_large(what: &str, bytes: u64) -> Error {
@@ -137,90 +107,141 @@ struct Bag {
 }
 
 impl Bag {
-    fn record(
-        &mut self,
-        opcode: u8,
-        data: &[u8],
-        visit: &mut impl FnMut(&Topic, u64, &[u8]) -> Result<()>,
-    ) -> core::result::Result<(), Fault> {
-        match parse_record(opcode, data)? {
-            Record::Schema { header, .. } => {
-                self.schemas.insert(header.id, header.name);
+    /// Reads records up to the footer, or to the end of the file between two records.
+    fn records(&mut self, source: &mut dyn Read, visit: &mut Visit) -> core::result::Result<(), Fault> {
+        let mut bytes = Vec::new();
+        if !filled(source, MAGIC.len(), &mut bytes)? {
+            return Ok(());
+        }
+        if bytes != MAGIC {
+            return Err(no_recording().into());
+        }
+        while filled(source, HEAD, &mut bytes)? {
+            let (kind, length) = head(bytes[..].try_into().map_err(|_| Fault::Cut)?);
+            let count = usize::try_from(length).ok().filter(|count| *count <= LARGEST_CHUNK);
+            let count = count.ok_or_else(|| too_large("a record", length))?;
+            if !filled(source, count, &mut bytes)? && count > 0 {
+                return Err(Fault::Cut);
             }
-            Record::Channel(channel) => self.channel(channel),
-            Record::Message { header, data } => {
-                if let Some((topic, true)) = self.channels.get(&header.channel_id) {
+            match kind {
+                op::FOOTER => break,
+                op::CHUNK => self.chunk(&bytes, visit)?,
+                _ => self.record(kind, &bytes, visit)?,
+            }
+        }
+        Ok(())
+    }
+
+    /// A record that may stand in a chunk.
+    fn record(&mut self, kind: u8, body: &[u8], visit: &mut Visit) -> core::result::Result<(), Fault> {
+        let mut fields = Fields(body);
+        match kind {
+            op::SCHEMA => {
+                let fields = fields.u16().zip(fields.text());
+                let (id, name) = fields.ok_or(Fault::Damaged("a schema's record is too short"))?;
+                self.schemas.insert(id, name.to_owned());
+            }
+            op::CHANNEL => self.channel(fields).ok_or(Fault::Damaged("a channel's record is too short"))?,
+            op::MESSAGE => {
+                let header = fields.u16().zip(fields.u32()).zip(fields.u64()).zip(fields.u64());
+                let (((channel, _), time), _) = header.ok_or(Fault::Damaged("a message's record is too short"))?;
+                if let Some((topic, true)) = self.channels.get(&channel) {
                     let topic = &self.summary.topics[*topic];
                     if topic.kind.is_some() {
-                        visit(topic, header.log_time, &data)?;
+                        visit(topic, time, fields.0)?;
                     }
                 }
             }
-            Record::Chunk { header, data } => self.chunk(&header, &data, visit)?,
             _ => {}
         }
         Ok(())
     }
 
-    fn channel(&mut self, channel: mcap::records::Channel) {
-        if self.channels.contains_key(&channel.id) {
-            return;
+    /// None where the record is too short.
+    fn channel(&mut self, mut fields: Fields) -> Option<()> {
+        let (id, schema) = (fields.u16()?, fields.u16()?);
+        let (name, encoding) = (fields.text()?, fields.text()?);
+        if self.channels.contains_key(&id) {
+            return Some(());
         }
-        let kind_name = self.schemas.get(&channel.schema_id).cloned().unwrap_or_default();
-        let topic = Topic { kind: Kind::from_name(&kind_name), kind_name, name: channel.topic };
-        let is_cdr = channel.message_encoding == "cdr";
+        let kind_name = self.schemas.get(&schema).cloned().unwrap_or_default();
+        let topic = Topic { kind: Kind::from_name(&kind_name), kind_name, name: name.to_owned() };
+        let is_cdr = encoding == "cdr";
         if topic.kind.is_some() && !is_cdr {
-            self.summary.warnings.push(format!(
-                "the topic {} is left out: its messages are {}, not cdr (ROS 2)",
-                topic.name, channel.message_encoding
-            ));
+            self.summary
+                .warnings
+                .push(format!("the topic {} is left out: its messages are {encoding}, not cdr (ROS 2)", topic.name));
         }
         let known = self.summary.topics.iter().position(|t| *t == topic);
         let index = known.unwrap_or_else(|| {
             self.summary.topics.push(topic);
             self.summary.topics.len() - 1
         });
-        self.channels.insert(channel.id, (index, is_cdr));
+        self.channels.insert(id, (index, is_cdr));
+        Some(())
     }
 
-    fn chunk(
-        &mut self,
-        header: &ChunkHeader,
-        data: &[u8],
-        visit: &mut impl FnMut(&Topic, u64, &[u8]) -> Result<()>,
-    ) -> core::result::Result<(), Fault> {
-        let whole = whole_chunk(header, data)?;
-        if header.uncompressed_crc != 0 && crc32fast::hash(&whole) != header.uncompressed_crc {
+    fn chunk(&mut self, body: &[u8], visit: &mut Visit) -> core::result::Result<(), Fault> {
+        let chunk = ChunkHeader::read(body).ok_or(Fault::Damaged("a chunk's record is too short"))?;
+        let whole = whole_chunk(&chunk)?;
+        if chunk.checksum != 0 && crc32fast::hash(&whole) != chunk.checksum {
             return Err(not_inflated(&"its checksum is wrong").into());
         }
         let mut rest = &whole[..];
-        while let Some((head, body)) = rest.split_at_checked(9) {
-            let length = head[1..].iter().rev().fold(0, |n: u64, &b| n << 8 | u64::from(b));
-            let Some((record, next)) = usize::try_from(length).ok().and_then(|n| body.split_at_checked(n)) else {
-                return Err(McapError::UnexpectedEoc.into());
-            };
+        while let Some((front, body)) = rest.split_first_chunk() {
+            let (kind, length) = head(front);
+            let record = usize::try_from(length).ok().and_then(|n| body.split_at_checked(n));
+            let (record, next) = record.ok_or(Fault::Damaged("a chunk ends in the middle of a record"))?;
             // Chunks hold no chunks.
-            if head[0] != mcap::records::op::CHUNK {
-                self.record(head[0], record, visit)?;
-            }
+            self.record(kind, record, visit)?;
             rest = next;
         }
         Ok(())
     }
 }
 
-/// The records of a chunk, decompressed.
-fn whole_chunk<'a>(header: &ChunkHeader, data: &'a [u8]) -> Result<Cow<'a, [u8]>> {
-    if header.uncompressed_size > LARGEST_CHUNK as u64 {
-        return Err(too_large("a chunk", header.uncompressed_size));
+/// Reads `count` bytes into `bytes`, or none at the end of the file; what a damaged file promises takes no memory before it is there.
+fn filled(source: &mut dyn Read, count: usize, bytes: &mut Vec<u8>) -> core::result::Result<bool, Fault> {
+    bytes.clear();
+    let read = source.take(count as u64).read_to_end(bytes);
+    match read.map_err(|e| Error::data("cannot read the recording").value(e))? {
+        0 => Ok(false),
+        read if read == count => Ok(true),
+        _ => Err(Fault::Cut),
     }
-    let size = header.uncompressed_size as usize;
-    match header.compression.as_str() {
-        "" => Ok(Cow::Borrowed(data)),
-        "lz4" => inflated(lz4_flex::frame::FrameDecoder::new(data), size).map(Cow::Owned),
+}
+
+/// A chunk as it stands in the file.
+struct ChunkHeader<'a> {
+    /// Its length when it is not compressed (bytes).
+    size: u64,
+    /// Zero where there is none.
+    checksum: u32,
+    compression: &'a str,
+    data: &'a [u8],
+}
+
+impl<'a> ChunkHeader<'a> {
+    fn read(body: &'a [u8]) -> Option<Self> {
+        let mut fields = Fields(body);
+        let (_from, _to) = (fields.u64()?, fields.u64()?);
+        let (size, checksum) = (fields.u64()?, fields.u32()?);
+        Some(Self { size, checksum, compression: fields.text()?, data: fields.long_bytes()? })
+    }
+}
+
+/// The records of a chunk, decompressed.
+fn whole_chunk<'a>(chunk: &ChunkHeader<'a>) -> Result<Cow<'a, [u8]>> {
+    if chunk.size > LARGEST_CHUNK as u64 {
+        return Err(too_large("a chunk", chunk.size));
+    }
+    let size = chunk.size as usize;
+    match chunk.compression {
+        "" => Ok(Cow::Borrowed(chunk.data)),
+        "lz4" => inflated(&mut lz4_flex::frame::FrameDecoder::new(chunk.data), size).map(Cow::Owned),
         "zstd" => {
-            let decoder = ruzstd::decoding::StreamingDecoder::new(data).map_err(|e| not_inflated(&e))?;
-            inflated(decoder, size).map(Cow::Owned)
+            let decoder = ruzstd::decoding::StreamingDecoder::new(chunk.data);
+            inflated(&mut decoder.map_err(|e| not_inflated(&e))?, size).map(Cow::Owned)
         }
         other => Err(Error::data("the recording is compressed in a way that is not read")
             .value(other)
@@ -230,7 +251,7 @@ fn whole_chunk<'a>(header: &ChunkHeader, data: &'a [u8]) -> Result<Cow<'a, [u8]>
 }
 
 /// All that a decoder gives, which must be as much as the chunk says.
-fn inflated(decoder: impl Read, size: usize) -> Result<Vec<u8>> {
+fn inflated(decoder: &mut dyn Read, size: usize) -> Result<Vec<u8>> {
     let mut whole = Vec::new();
     let read = decoder.take(size as u64).read_to_end(&mut whole).map_err(|e| not_inflated(&e))?;
     if read == size { Ok(whole) } else { Err(not_inflated(&format!("{read} of {size} bytes"))) }

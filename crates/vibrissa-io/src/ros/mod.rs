@@ -4,6 +4,8 @@
 //! | --- | --- |
 //! | `bag_reader` | the container: channels and messages, compressed or not, whole or cut |
 //! | `bag_writer` | the same, written |
+//! | `chunk` | many messages together, with their index |
+//! | `records` | what both are made of |
 //! | `cdr` | the bytes of a message's fields |
 //! | `map` | the map in a recording |
 //! | `message` | the messages that we read and write |
@@ -12,10 +14,12 @@
 mod bag_reader;
 mod bag_writer;
 mod cdr;
+mod chunk;
 mod definition;
 mod drawing;
 mod map;
 mod message;
+mod records;
 
 pub use bag_reader::{BagSummary, Topic, read_bag};
 pub use bag_writer::{BagWriter, TopicId};

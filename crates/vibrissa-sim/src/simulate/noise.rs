@@ -3,8 +3,8 @@
 use crate::plane::Pose2;
 use crate::world::{MomentNoise, increments};
 use crate::{Error, Result};
+use chacha20::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 
 /// How far readings and odometry stray from the exact ones: uniform, bounded and independent from row to row.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -1,7 +1,7 @@
 //! The chain from the peg to the distance: stage, whisker, sensor, calibration, `contacts`.
 
+use chacha20::ChaCha8Rng;
 use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 use vibrissa::Result;
 use vibrissa::beam::{Load, SmallAngle, Whisker, point_mode};
 use vibrissa::config::{ContactOptions, CurveOptions};

@@ -2,7 +2,7 @@
 
 use super::{Stream, in_range, normal, signed, stream, unit};
 use crate::Result;
-use rand_chacha::ChaCha8Rng;
+use chacha20::ChaCha8Rng;
 
 /// Disturbances of the moments; 0 switches each off.
 ///

@@ -18,9 +18,9 @@ use crate::plane::wrap_angle;
 use crate::sensing::{SensingChain, Vec3};
 use crate::world::Robot;
 use crate::{Error, Result};
+use chacha20::ChaCha8Rng;
 use disturb::Distorted;
 use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 
 /// What a log holds of each whisker.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
