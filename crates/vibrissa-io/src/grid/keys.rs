@@ -190,3 +190,45 @@ fn scalar(text: &str, style: ScalarStyle, line: usize) -> Scalar {
     let is_null = style == ScalarStyle::Plain && matches!(text, "" | "~" | "null" | "Null" | "NULL");
     Scalar { text: text.to_owned(), is_null, line }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::Keys;
+
+    const WANTED: [&str; 3] = ["a", "b", "list"];
+
+    #[test]
+    fn scalars_and_lists_are_read_in_each_of_their_styles_and_others_left_out() {
+        let text = "%YAML 1.2\n---\n# first\na: 'it''s'  # quoted\nb: -1.5e1\nother: {x: [1, {y: 2}], z: &n 3}\n? [k]\n: *n\n\
+                    list:\n- 1\n- .5\n- \"-2\"\n...\n";
+        let keys = Keys::read(text, &WANTED).unwrap();
+        assert_eq!(keys.text("a"), Ok(Some("it's")));
+        assert_eq!(keys.number("b"), Ok(Some(-15.0)));
+        assert_eq!(keys.numbers("list"), Ok(Some(vec![1.0, 0.5, -2.0])));
+        let keys = Keys::read("{a: ~, b: .inf, list: []}", &WANTED).unwrap();
+        assert_eq!((keys.text("a"), keys.number("b")), (Ok(None), Ok(Some(f64::INFINITY))));
+        assert_eq!((keys.numbers("list"), keys.text("c")), (Ok(Some(vec![])), Ok(None)));
+    }
+
+    #[test]
+    fn faults_name_their_line() {
+        for (text, line, word) in [
+            ("", 1, "no keys"),
+            ("- a", 1, "no keys"),
+            ("a: 1\na: 2", 2, "a stands twice"),
+            ("a: 1\nlist: [1, [2]]", 2, "list is not a plain list"),
+            ("a: &x 1\nb: *x", 2, "b is an alias"),
+            ("a: 1\n\nb: {c: 1}", 3, "b holds further keys"),
+            ("a: 1\n  b: 2", 2, "mapping values"),
+            ("a: [1, 2", 1, ""),
+            ("a: 1\n---\nb: 2", 2, "second document"),
+        ] {
+            let fault = Keys::read(text, &WANTED).unwrap_err();
+            assert!(fault.why.contains(word) && fault.line >= line && fault.line <= line + 1, "{text:?}: {fault:?}");
+        }
+        let keys = Keys::read("a: x\nlist:\n- 1\n- one", &WANTED).unwrap();
+        assert_eq!(keys.number("a").unwrap_err().line, 1);
+        assert_eq!(keys.numbers("list").unwrap_err().line, 4);
+        assert!(keys.number("list").is_err() && keys.numbers("a").is_err());
+    }
+}

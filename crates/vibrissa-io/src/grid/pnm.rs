@@ -142,3 +142,46 @@ fn stretched(sample: u16, most: u16) -> u8 {
     let share = |white: f32| (f32::from(sample) * (white / f32::from(most))).round();
     if most > 255 { eight_bits(share(65535.0) as u16) } else { share(255.0) as u8 }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::shades;
+
+    #[test]
+    fn every_kind_is_read() {
+        let cases: [(&[u8], &[u8]); 8] = [
+            (b"P1 3 2 1 0 1\n011", &[0, 255, 0, 255, 0, 0]),
+            (b"P2\n# two # by one\n2 1\n15\n0 15", &[0, 255]),
+            (b"P2 2 1 1000 500 1000", &[128, 255]),
+            (b"P3 1 1 255 3 6 10", &[6]),
+            (b"P4\n9 2\n\x80\x80\x01\x00", &[0, 255, 255, 255, 255, 255, 255, 255, 0, 255, 255, 255, 255, 255, 255, 255, 0, 255]),
+            (b"P5 2 1 100\n\x32\xff", &[128, 255]),
+            (b"P5 2 1 65535\n\x80\x00\xff\xff", &[128, 255]),
+            (b"P6 1 1 255\n\x03\x06\x0a", &[6]),
+        ];
+        for (bytes, want) in cases {
+            assert_eq!(shades(bytes).as_deref(), Ok(want), "{}", String::from_utf8_lossy(bytes));
+        }
+    }
+
+    #[test]
+    fn what_is_short_or_wrong_is_refused() {
+        for bytes in [
+            &b"P5"[..],
+            b"P5 2 2 255\n\x01\x02\x03",
+            b"P5 2 1 300\n\x01\x02\x03",
+            b"P5 2 1 0\n\x01\x02",
+            b"P5 2 1 70000\n\x01\x02\x03\x04",
+            b"P5 4294967296 1 255\n",
+            b"P5 4294967295 4294967295 65535\n",
+            b"P4 4294967295 4294967295\n",
+            b"P2 2 1 255 1 256",
+            b"P2 2 1 255 1 x",
+            b"P2 2 1 255 1 # 2",
+            b"P1 2 1 1 2",
+            b"P7 1 1",
+        ] {
+            assert!(shades(bytes).is_err(), "{}", String::from_utf8_lossy(bytes));
+        }
+    }
+}
