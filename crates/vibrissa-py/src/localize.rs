@@ -12,7 +12,7 @@ use pyo3::types::PyDict;
 use std::path::PathBuf;
 use std::sync::Arc;
 use vibrissa::Method;
-use vibrissa::config::{Field, Value};
+use vibrissa::config::{SettingValue, Slot};
 use vibrissa::flow::pose::{Hypothesis, Localization, OdometryEstimate};
 use vibrissa::flow::sensor_log::Quantity;
 use vibrissa::flow::trajectory::trajectory_error;
@@ -35,15 +35,15 @@ fn method_of(py: Python<'_>, name: &str, options: &Bound<'_, PyDict>) -> PyResul
         let option: String = option.extract()?;
         let kind = method.settings().into_iter().find(|setting| setting.name == option).map(|setting| setting.field);
         let value = match kind {
-            Some(Field::Count(_)) => Value::Count(given.extract()?),
-            Some(Field::Word(_)) => Value::Word(given.extract()?),
-            Some(Field::Region(_)) => {
+            Some(Slot::Count(_)) => SettingValue::Count(given.extract()?),
+            Some(Slot::Choice(_)) => SettingValue::Choice(given.extract()?),
+            Some(Slot::Region(_)) => {
                 let [a, b, c, d, e, f] = given.extract()?;
-                Value::Region([[a, b], [c, d], [e, f]])
+                SettingValue::Region([[a, b], [c, d], [e, f]])
             }
-            Some(Field::Number(_) | Field::OptionalNumber(..)) => Value::Number(given.extract()?),
+            Some(Slot::Number(_) | Slot::OptionalNumber(..)) => SettingValue::Number(given.extract()?),
             // There is no such option: the method says so, whatever was given.
-            None => Value::Number(0.0),
+            None => SettingValue::Number(0.0),
         };
         method.set(&option, value).or_raise(py)?;
     }

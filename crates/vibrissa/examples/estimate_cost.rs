@@ -9,9 +9,8 @@ use std::hint::black_box;
 use std::path::Path;
 use std::time::Instant;
 use vibrissa::flow::pose::Status;
-use vibrissa::flow::sensor_log::SensorLog;
 use vibrissa::localizer::{Localizer, Method};
-use vibrissa::world::{Map, Robot};
+use vibrissa::world::Robot;
 use vibrissa::{Error, Result};
 
 /// Calls a second in live use.

@@ -14,7 +14,7 @@ use vibrissa::io::read_tum;
 use vibrissa::localizer::{Estimator, ProbabilisticEstimator};
 use vibrissa::plane::{Pose2, wrap_angle};
 use vibrissa::tasks::demo;
-use vibrissa::world::{Map, Robot};
+use vibrissa::world::Robot;
 use vibrissa::{Method, localize};
 
 fn options() -> Method {

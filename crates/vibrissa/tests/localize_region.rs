@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on must fail")]
 
-use vibrissa::config::{Region, Value};
+use vibrissa::config::{Region, SettingValue};
 use vibrissa::flow::pose::Localization;
 use vibrissa::plane::{Curve, Pose2, Vec2};
 use vibrissa::tasks::demo;
@@ -27,10 +27,10 @@ fn run(map: &Map, method: &str, prior: Option<Region>) -> (Pose2, Result<Localiz
     let truth = sweep.truth[0].map_from_robot;
     let mut method = Method::named(method).unwrap();
     if method.has("last_work") {
-        method.set("last_work", Value::Count(0)).unwrap();
+        method.set("last_work", SettingValue::Count(0)).unwrap();
     }
     if let Some(region) = prior {
-        method.set("within", Value::Region(region)).unwrap();
+        method.set("within", SettingValue::Region(region)).unwrap();
     }
     (truth, localize(&sweep.log, map, &Robot::default(), &method, &mut |_| {}))
 }

@@ -7,7 +7,7 @@ use vibrissa::config::{DeterministicOptions, TipLoad};
 use vibrissa::flow::pose::{Localization, Status};
 use vibrissa::io::read_tum;
 use vibrissa::plane::{Pose2, wrap_angle};
-use vibrissa::world::{Map, Robot};
+use vibrissa::world::Robot;
 use vibrissa::{Method, localize};
 
 /// The folder of reference data, where there is one.

@@ -10,9 +10,9 @@ use random_sweep::{Trial, contains, random_sweep};
 use std::path::Path;
 use vibrissa::config::PossibilisticOptions;
 use vibrissa::flow::pose::{Localization, Status};
-use vibrissa::flow::sensor_log::{Channel, Quantity, SensorLog};
+use vibrissa::flow::sensor_log::{Channel, Quantity};
 use vibrissa::io::read_tum;
-use vibrissa::world::{Map, Robot};
+use vibrissa::world::Robot;
 use vibrissa::{Method, localize};
 
 /// Little work, for speed: soundness does not depend on it.

@@ -1,6 +1,6 @@
 //! What the deterministic method can be told.
 
-use super::{Field, Region, Setting, Word, check_region, limits, region_setting, within};
+use super::{Choice, Region, Setting, Slot, check_region, limits, region_setting, within};
 use crate::Result;
 
 /// Which way the contact force acts at a whisker's tip.
@@ -63,7 +63,7 @@ impl Default for DeterministicOptions {
     }
 }
 
-impl Word for TipLoad {
+impl Choice for TipLoad {
     fn words(&self) -> &'static [(&'static str, &'static str)] {
         &[
             ("boundary-normal", "Normal to the wall, as frictionless contact is"),
@@ -90,42 +90,42 @@ impl DeterministicOptions {
     pub fn settings(&mut self) -> Vec<Setting<'_>> {
         let setting = |name, value_name, help, field| Setting { name, value_name, help, field };
         vec![
-            setting("tip_load", "LOAD", "Which way the force acts at the tip", Field::Word(&mut self.tip_load)),
+            setting("tip_load", "LOAD", "Which way the force acts at the tip", Slot::Choice(&mut self.tip_load)),
             setting(
                 "boundary_spacing",
                 "M",
                 "Spacing of the points along the boundary at which the whisker is aligned, in m",
-                Field::Number(&mut self.boundary_spacing),
+                Slot::Number(&mut self.boundary_spacing),
             ),
             setting(
                 "history_shapes",
                 "N",
                 "Whisker shapes that estimate the boundary's slope, 2 to 5",
-                Field::Count(&mut self.history_shapes),
+                Slot::Count(&mut self.history_shapes),
             ),
             setting(
                 "history_travel",
                 "M",
                 "Travel of the whisker base from the first to the last of these shapes, in m",
-                Field::Number(&mut self.history_travel),
+                Slot::Number(&mut self.history_travel),
             ),
             setting(
                 "update_travel",
                 "M",
                 "Travel of the whisker base between two updates, in m",
-                Field::Number(&mut self.update_travel),
+                Slot::Number(&mut self.update_travel),
             ),
             setting(
                 "tolerance",
                 "SIGMA",
                 "How far a candidate may lie from an observation, in standard deviations",
-                Field::Number(&mut self.tolerance),
+                Slot::Number(&mut self.tolerance),
             ),
             setting(
                 "missed_share",
                 "SHARE",
                 "Share of the observations that a candidate may miss; 0 is the paper's plain intersection",
-                Field::Number(&mut self.missed_share),
+                Slot::Number(&mut self.missed_share),
             ),
             region_setting(&mut self.prior),
         ]

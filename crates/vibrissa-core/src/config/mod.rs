@@ -16,7 +16,7 @@ pub use deterministic::{DeterministicOptions, TipLoad};
 pub use grid::GridOptions;
 pub use possibilistic::PossibilisticOptions;
 pub use probabilistic::ProbabilisticOptions;
-pub use setting::{Field, Region, Setting, Value, Word};
+pub use setting::{Choice, Region, Setting, SettingValue, Slot};
 pub use vibrissa_beam::config::sensing;
 
 use crate::{Error, Result};
@@ -81,7 +81,7 @@ fn heading_setting(at: &mut f64) -> Setting<'_> {
         name: "heading_error",
         value_name: "RAD",
         help: "Bound on the error of the log's absolute headings, in rad",
-        field: Field::Number(at),
+        field: Slot::Number(at),
     }
 }
 
@@ -92,6 +92,6 @@ fn region_setting(at: &mut Option<Region>) -> Setting<'_> {
         value_name: "BOX",
         help: "Where the robot is at the first row, in m and rad: least and largest x, y and heading, six numbers with \
                commas or spaces between them. Large maps need it",
-        field: Field::Region(at),
+        field: Slot::Region(at),
     }
 }

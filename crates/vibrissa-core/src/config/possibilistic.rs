@@ -1,6 +1,6 @@
 //! What the possibilistic method can be told.
 
-use super::{Field, Region, Setting, check_region, defaults, heading_setting, region_setting, within};
+use super::{Region, Setting, Slot, check_region, defaults, heading_setting, region_setting, within};
 use crate::Result;
 
 /// The knobs of the possibilistic method \[routray, section "Possibilistic Method"\]: they trade time for tightness,
@@ -45,20 +45,20 @@ impl PossibilisticOptions {
     pub fn settings(&mut self) -> Vec<Setting<'_>> {
         let setting = |name, value_name, help, field| Setting { name, value_name, help, field };
         vec![
-            setting("tolerate", "K", "How many readings may break their bounds", Field::Count(&mut self.tolerate)),
+            setting("tolerate", "K", "How many readings may break their bounds", Slot::Count(&mut self.tolerate)),
             setting(
                 "largest_slope",
                 "RAD",
                 "Largest slope of the whisker at its contact, in rad",
-                Field::Number(&mut self.largest_slope),
+                Slot::Number(&mut self.largest_slope),
             ),
             setting(
                 "work",
                 "N",
                 "Meetings of cells and readings in one row: more is tighter and slower, never less sound",
-                Field::Count(&mut self.work),
+                Slot::Count(&mut self.work),
             ),
-            setting("last_work", "N", "The same once more at the end of the log", Field::Count(&mut self.last_work)),
+            setting("last_work", "N", "The same once more at the end of the log", Slot::Count(&mut self.last_work)),
             heading_setting(&mut self.heading_error),
             region_setting(&mut self.prior),
         ]

@@ -1,6 +1,6 @@
 //! What the probabilistic method can be told.
 
-use super::{Field, Region, Setting, check_region, defaults, heading_setting, region_setting, within};
+use super::{Region, Setting, Slot, check_region, defaults, heading_setting, region_setting, within};
 use crate::Result;
 
 /// The knobs of the probabilistic method.
@@ -56,26 +56,26 @@ impl ProbabilisticOptions {
                 "seed_spacing",
                 "M",
                 "Spacing along the boundary of the first hypotheses, in m",
-                Field::Number(&mut self.seed_spacing),
+                Slot::Number(&mut self.seed_spacing),
             ),
-            setting("seed_turn", "RAD", "Spacing of their headings, in rad", Field::Number(&mut self.seed_turn)),
+            setting("seed_turn", "RAD", "Spacing of their headings, in rad", Slot::Number(&mut self.seed_turn)),
             setting(
                 "seed_travel",
                 "M",
                 "Travel of the whisker base in contact before the first hypotheses, in m",
-                Field::Number(&mut self.seed_travel),
+                Slot::Number(&mut self.seed_travel),
             ),
             setting(
                 "shared_gain",
                 "SHARE",
                 "Standard deviation of a relative error that all readings share",
-                Field::OptionalNumber(&mut self.shared_gain, "a quarter of the noise bound"),
+                Slot::OptionalNumber(&mut self.shared_gain, "a quarter of the noise bound"),
             ),
             setting(
                 "tolerated_share",
                 "SHARE",
                 "Share of the rows that no contact needs to explain, since the whisker has snapped or touches at three places",
-                Field::Number(&mut self.tolerated_share),
+                Slot::Number(&mut self.tolerated_share),
             ),
             heading_setting(&mut self.heading_error),
             region_setting(&mut self.prior),

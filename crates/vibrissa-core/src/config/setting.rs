@@ -14,11 +14,11 @@ pub struct Setting<'a> {
     /// What it does, in a phrase with its unit, without the default.
     pub help: &'static str,
     /// Its value.
-    pub field: Field<'a>,
+    pub field: Slot<'a>,
 }
 
 /// The value of an option in its place.
-pub enum Field<'a> {
+pub enum Slot<'a> {
     /// A number in the unit that the help names.
     Number(&'a mut f64),
     /// A number that may be left to the method, and what the method then takes.
@@ -26,13 +26,13 @@ pub enum Field<'a> {
     /// A count.
     Count(&'a mut usize),
     /// One of a few words.
-    Word(&'a mut dyn Word),
+    Choice(&'a mut dyn Choice),
     /// A region that may be unknown.
     Region(&'a mut Option<Region>),
 }
 
 /// A value that is one of a few words.
-pub trait Word {
+pub trait Choice {
     /// Every word with its meaning, in the order in which help lists them.
     fn words(&self) -> &'static [(&'static str, &'static str)];
 
@@ -45,13 +45,13 @@ pub trait Word {
 
 /// A value given to an option.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Value {
+pub enum SettingValue {
     /// A number, in the unit of the option.
     Number(f64),
     /// A count.
     Count(usize),
     /// A word.
-    Word(String),
+    Choice(String),
     /// A region.
     Region(Region),
 }
@@ -61,12 +61,12 @@ impl Setting<'_> {
     #[must_use]
     pub fn shown(&self) -> Option<String> {
         match &self.field {
-            Field::Number(value) => Some(rounded(**value)),
-            Field::OptionalNumber(Some(value), _) => Some(rounded(*value)),
-            Field::OptionalNumber(None, words) => Some((*words).to_owned()),
-            Field::Count(value) => Some(value.to_string()),
-            Field::Word(value) => Some(value.word().to_owned()),
-            Field::Region(_) => None,
+            Slot::Number(value) => Some(rounded(**value)),
+            Slot::OptionalNumber(Some(value), _) => Some(rounded(*value)),
+            Slot::OptionalNumber(None, words) => Some((*words).to_owned()),
+            Slot::Count(value) => Some(value.to_string()),
+            Slot::Choice(value) => Some(value.word().to_owned()),
+            Slot::Region(_) => None,
         }
     }
 
@@ -75,23 +75,23 @@ impl Setting<'_> {
     /// # Errors
     ///
     /// Usage: a value of another kind, or a word that there is not.
-    pub fn take(&mut self, value: Value) -> Result<()> {
+    pub fn take(&mut self, value: SettingValue) -> Result<()> {
         let allowed = match (&mut self.field, value) {
-            (Field::Number(at), Value::Number(given)) => return done(*at, given),
-            (Field::OptionalNumber(at, _), Value::Number(given)) => return done(*at, Some(given)),
-            (Field::Count(at), Value::Count(given)) => return done(*at, given),
-            (Field::Region(at), Value::Region(given)) => return done(*at, Some(given)),
-            (Field::Word(at), Value::Word(given)) => {
+            (Slot::Number(at), SettingValue::Number(given)) => return done(*at, given),
+            (Slot::OptionalNumber(at, _), SettingValue::Number(given)) => return done(*at, Some(given)),
+            (Slot::Count(at), SettingValue::Count(given)) => return done(*at, given),
+            (Slot::Region(at), SettingValue::Region(given)) => return done(*at, Some(given)),
+            (Slot::Choice(at), SettingValue::Choice(given)) => {
                 if at.take(&given) {
                     return Ok(());
                 }
                 let words: Vec<&str> = at.words().iter().map(|(word, _)| *word).collect();
                 return Err(Error::usage(self.name).value(given).allowed(words.join(", ")));
             }
-            (Field::Number(_) | Field::OptionalNumber(..), _) => "a number",
-            (Field::Count(_), _) => "a whole number",
-            (Field::Region(_), _) => "six numbers",
-            (Field::Word(_), _) => "a word",
+            (Slot::Number(_) | Slot::OptionalNumber(..), _) => "a number",
+            (Slot::Count(_), _) => "a whole number",
+            (Slot::Region(_), _) => "six numbers",
+            (Slot::Choice(_), _) => "a word",
         };
         Err(Error::usage(format!("the option {} is of another kind", self.name)).allowed(allowed))
     }

@@ -1,6 +1,6 @@
 //! The last door: the only place that decides which places are told and what the verdict is.
 //!
-//! Every method hands over its [`Evidence`]; all thresholds of the verdict stand here.
+//! Every method hands over its evidence; all thresholds of the verdict stand here.
 
 mod answer;
 

@@ -2,7 +2,7 @@
 
 use super::Estimator;
 use crate::beam::Whisker;
-use crate::config::{DeterministicOptions, PossibilisticOptions, ProbabilisticOptions, Setting, Value};
+use crate::config::{DeterministicOptions, PossibilisticOptions, ProbabilisticOptions, Setting, SettingValue};
 use crate::flow::sensor_log::Channel;
 use crate::world::{Map, Robot};
 use crate::{Error, Result};
@@ -108,7 +108,7 @@ impl Method {
     /// # Errors
     ///
     /// Usage: the method has no such option, or the value is of another kind.
-    pub fn set(&mut self, option: &str, value: Value) -> Result<()> {
+    pub fn set(&mut self, option: &str, value: SettingValue) -> Result<()> {
         let name = self.name();
         if let Some(mut setting) = self.settings().into_iter().find(|setting| setting.name == option) {
             return setting.take(value);

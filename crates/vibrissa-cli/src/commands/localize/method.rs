@@ -3,7 +3,7 @@
 use super::known::region;
 use clap::builder::{PossibleValue, PossibleValuesParser, ValueParser};
 use clap::{Arg, ArgMatches, Command, FromArgMatches};
-use vibrissa::config::{Field, Region, Setting, Value};
+use vibrissa::config::{Region, Setting, SettingValue, Slot};
 use vibrissa::localizer::Method;
 
 /// The name of the option that chooses the method.
@@ -86,10 +86,10 @@ fn dashed(name: &str) -> String {
 /// The option of the command line, its default from the library.
 fn argument(setting: &Setting<'_>) -> Arg {
     let parser: ValueParser = match &setting.field {
-        Field::Number(_) | Field::OptionalNumber(..) => clap::value_parser!(f64).into(),
-        Field::Count(_) => clap::value_parser!(usize).into(),
-        Field::Region(_) => region.into(),
-        Field::Word(word) => {
+        Slot::Number(_) | Slot::OptionalNumber(..) => clap::value_parser!(f64).into(),
+        Slot::Count(_) => clap::value_parser!(usize).into(),
+        Slot::Region(_) => region.into(),
+        Slot::Choice(word) => {
             let words = word.words().iter().map(|(word, meaning)| PossibleValue::new(*word).help(*meaning));
             PossibleValuesParser::new(words).into()
         }
@@ -99,18 +99,18 @@ fn argument(setting: &Setting<'_>) -> Arg {
         .long(dashed(setting.name))
         .value_name(setting.value_name)
         .value_parser(parser)
-        .allow_hyphen_values(matches!(setting.field, Field::Region(_)))
+        .allow_hyphen_values(matches!(setting.field, Slot::Region(_)))
         .help_heading(heading(setting.name))
         .help(format!("{}{default}", setting.help))
 }
 
 /// What was given for an option.
-fn given(matches: &ArgMatches, setting: &Setting<'_>) -> Option<Value> {
+fn given(matches: &ArgMatches, setting: &Setting<'_>) -> Option<SettingValue> {
     match &setting.field {
-        Field::Number(_) | Field::OptionalNumber(..) => matches.get_one(setting.name).copied().map(Value::Number),
-        Field::Count(_) => matches.get_one(setting.name).copied().map(Value::Count),
-        Field::Region(_) => matches.get_one::<Region>(setting.name).copied().map(Value::Region),
-        Field::Word(_) => matches.get_one(setting.name).cloned().map(Value::Word),
+        Slot::Number(_) | Slot::OptionalNumber(..) => matches.get_one(setting.name).copied().map(SettingValue::Number),
+        Slot::Count(_) => matches.get_one(setting.name).copied().map(SettingValue::Count),
+        Slot::Region(_) => matches.get_one::<Region>(setting.name).copied().map(SettingValue::Region),
+        Slot::Choice(_) => matches.get_one(setting.name).cloned().map(SettingValue::Choice),
     }
 }
 
