@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot go on must fail")]
 
+#[allow(dead_code, reason = "other tests use more of it")]
 mod common;
 
 use common::vibrissa;

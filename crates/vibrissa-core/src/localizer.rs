@@ -49,22 +49,6 @@ pub trait Estimator: Send {
 }
 
 /// A robot that is being localized, row by row, by any method.
-///
-/// ```
-/// use vibrissa::localizer::{Localizer, Method};
-/// use vibrissa::tasks::demo;
-/// use vibrissa::world::Robot;
-///
-/// let (map, robot, sweep) = (demo::arena()?, Robot::default(), demo::sweep(1)?);
-/// let mut localizer = Localizer::new(&map, &robot, &sweep.log.channels, &Method::default())?;
-/// for row in &sweep.log.rows {
-///     localizer.step(row)?;
-/// }
-/// let truth = sweep.truth.last().map(|t| t.map_from_robot.position());
-/// let now = localizer.estimate().pose().zip(truth).map(|(found, truth)| found.position().distance(truth));
-/// assert!(now.is_some_and(|metres| metres < 1e-3));
-/// # Ok::<(), vibrissa::Error>(())
-/// ```
 pub struct Localizer<'a> {
     estimator: Box<dyn Estimator + 'a>,
 }

@@ -40,6 +40,22 @@
 //! assert!(error.is_some_and(|metres| metres < 1e-3));
 //! # Ok::<(), vibrissa::Error>(())
 //! ```
+//!
+//! Row by row, for a robot that is running:
+//!
+//! ```
+//! use vibrissa::{Localizer, Method, Robot, tasks::demo};
+//!
+//! let (map, robot, sweep) = (demo::arena()?, Robot::default(), demo::sweep(1)?);
+//! let mut localizer = Localizer::new(&map, &robot, &sweep.log.channels, &Method::default())?;
+//! for row in &sweep.log.rows {
+//!     localizer.step(row)?;
+//! }
+//! let truth = sweep.truth.last().map(|t| t.map_from_robot.position());
+//! let now = localizer.estimate().pose().zip(truth).map(|(found, truth)| found.position().distance(truth));
+//! assert!(now.is_some_and(|metres| metres < 1e-3));
+//! # Ok::<(), vibrissa::Error>(())
+//! ```
 
 #[cfg(doctest)]
 mod book;
