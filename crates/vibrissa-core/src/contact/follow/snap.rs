@@ -51,6 +51,13 @@ enum Slid {
     Lost,
 }
 
+/// What a slide comes to at a corner.
+enum Turned {
+    /// The place across it.
+    Onto((u32, f64)),
+    Ends(Slid),
+}
+
 impl ForwardModel<'_> {
     /// Where the whisker comes to rest that was held so and is now at `map_from_whisker`; none where it is free then,
     /// or meets a boundary with its side.
@@ -179,33 +186,26 @@ impl ForwardModel<'_> {
                 continue;
             }
             match self.turned_corner(stance, tip_force, placed.slope(), piece, at > 0.5) {
-                Ok(over) => (piece, at) = over,
-                Err(end) => return end,
+                Turned::Onto(over) => (piece, at) = over,
+                Turned::Ends(end) => return end,
             }
         }
         Slid::Lost
     }
 
     /// The place across the corner at an end of a piece, or how the slide ends there.
-    fn turned_corner(
-        &self,
-        stance: &Stance,
-        tip_force: TipForce,
-        slope: f64,
-        piece: u32,
-        forward: bool,
-    ) -> Result<(u32, f64), Slid> {
+    fn turned_corner(&self, stance: &Stance, tip_force: TipForce, slope: f64, piece: u32, forward: bool) -> Turned {
         let corner = self.boundaries.corner_of(piece, forward).filter(|(_, corner)| !corner.is_end());
-        let Some((id, corner)) = corner else { return Err(Slid::Off(tip_force)) };
+        let Some((id, corner)) = corner else { return Turned::Ends(Slid::Off(tip_force)) };
         if corner.is_concave() {
             let (TipForce { q, beta }, hold) = (tip_force, Hold::Tip(Support::Corner(id)));
             let from = Contact { q, beta, s: 1.0, hold, place: corner.position, slope, clear: 0.0 };
             let caught = [from, Contact { q: 0.0, ..from }];
             if let Some((touch, predicted)) = caught.iter().find_map(|from| self.caught_in(stance, from, id)) {
-                return Err(Slid::Rests(touch, predicted));
+                return Turned::Ends(Slid::Rests(touch, predicted));
             }
         }
-        Ok(if forward { corner.after } else { corner.before })
+        Turned::Onto(if forward { corner.after } else { corner.before })
     }
 
     /// An equilibrium near a place of a piece, the whisker's slope about this: from this force on, and from one along

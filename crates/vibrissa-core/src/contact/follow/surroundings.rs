@@ -41,6 +41,9 @@ struct Gap {
     at: (u32, f64),
 }
 
+/// Which of the places along a whisker is on or behind a boundary, and near which place of it.
+type Bump = (usize, (u32, f64));
+
 impl ForwardModel<'_> {
     /// What a whisker that stands so runs into.
     pub(super) fn surroundings(&self, stance: &Stance, touch: &Contact) -> Surroundings {
@@ -74,9 +77,8 @@ impl ForwardModel<'_> {
         Surroundings::Clear(clear.max(LEAST_CLEAR * self.length))
     }
 
-    /// How far these places of the whisker are clear, and which of them is on or behind a boundary, near which place of
-    /// it.
-    fn bump(&self, stance: &Stance, outline: &[Vec2]) -> (f64, Option<(usize, (u32, f64))>) {
+    /// How far these places of the whisker are clear, and where one is on or behind a boundary.
+    fn bump(&self, stance: &Stance, outline: &[Vec2]) -> (f64, Option<Bump>) {
         let (farthest, bump) = (FARTHEST * self.length, BUMP * self.length);
         let mut clear = farthest;
         let mut least: Option<(usize, Gap)> = None;

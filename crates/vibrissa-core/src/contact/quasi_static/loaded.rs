@@ -85,11 +85,13 @@ impl LoadedWhisker {
     }
 
     /// `EI / L²` (N).
+    #[must_use]
     pub fn unit(&self) -> f64 {
         self.beam.flexural_rigidity / (self.beam.length * self.beam.length)
     }
 
     /// The whisker in full; none where the closed form ends.
+    #[must_use]
     pub fn bend(&self, load: PointLoad) -> Option<Bend> {
         let (force, s_a) = (load.q * self.unit(), load.s * self.beam.length);
         if self.uniform
@@ -101,6 +103,7 @@ impl LoadedWhisker {
     }
 
     /// Contact, slope and moment.
+    #[must_use]
     pub fn at(&self, load: PointLoad) -> Option<LoadedState> {
         if self.uniform
             && let Some(state) = Self::closed_form(load)

@@ -107,6 +107,7 @@ enum Tried {
 impl Step<'_> {
     /// As [`Step::next`], looked for first where a motion like the last one would lead; `ratio` says how long this one
     /// is over that one.
+    #[must_use]
     pub fn next_after(&self, before: Option<&Equilibrium>, contact: &Equilibrium, ratio: f64) -> Outcome {
         let Some(guess) = before.and_then(|before| contact.extrapolated(before, ratio)) else {
             return self.next(contact);
@@ -118,6 +119,7 @@ impl Step<'_> {
     }
 
     /// The equilibrium after a small motion, near enough to the one before to be its continuation.
+    #[must_use]
     pub fn next(&self, contact: &Equilibrium) -> Outcome {
         self.from(contact, contact)
     }
@@ -141,6 +143,7 @@ impl Step<'_> {
     }
 
     /// From hold to hold until one holds; `offset` is the force's angle off the frictionless direction (rad).
+    #[must_use]
     pub fn run(&self, mut hold: Hold, mut load: PointLoad, offset: f64) -> Outcome {
         let mut before: Option<Hold> = None;
         for _ in 0..MOST_MOVES {
