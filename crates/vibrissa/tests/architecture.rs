@@ -20,7 +20,22 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("flow", &["config", "error", "linear_algebra", "plane", "sets", "beam", "world"]),
     ("localizer", &["config", "error", "plane", "sets", "beam", "world", "flow"]),
     ("figure", &["config", "error", "plane", "sets", "beam", "world", "flow"]),
-    ("tasks", &["config", "error", "least_squares", "linear_algebra", "plane", "sets", "beam", "world", "flow", "localizer", "figure"]),
+    (
+        "tasks",
+        &[
+            "config",
+            "error",
+            "least_squares",
+            "linear_algebra",
+            "plane",
+            "sets",
+            "beam",
+            "world",
+            "flow",
+            "localizer",
+            "figure",
+        ],
+    ),
 ];
 
 /// Rooms that must build where there is no operating system, and what they may not name.

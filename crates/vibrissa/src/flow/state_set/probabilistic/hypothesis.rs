@@ -10,10 +10,11 @@ use super::feeler::{Feeler, Judge};
 use super::ground::Ground;
 use super::history::History;
 use super::information::Information;
-use super::odometry_calibration::{Belief, Matrix, Way};
+use super::odometry_calibration::{Belief, Matrix};
 use super::rerun::Rerun;
 use super::shares::{Shared, Shares};
 use super::symmetry::Turn;
+use super::way::Way;
 use crate::plane::{Pose2, Vec2};
 use crate::world::Map;
 
@@ -419,7 +420,11 @@ impl Hypothesis {
     /// the step to where it is least as long as the odometry is not corrected any further.
     pub(super) fn best(&self, damping: [f64; 3], shared: Shared) -> (f64, [f64; 3]) {
         let (cost, d) = self.free_best(damping, shared);
-        if self.keeps_path(shared) { (cost, self.belief.place_on_path(shared.gain).least(damping).1) } else { (cost, d) }
+        if self.keeps_path(shared) {
+            (cost, self.belief.place_on_path(shared.gain).least(damping).1)
+        } else {
+            (cost, d)
+        }
     }
 
     /// Whether it is moved along the path as it has been corrected; at the end it goes where the last row is best, whatever the path.

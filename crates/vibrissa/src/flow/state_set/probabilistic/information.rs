@@ -327,7 +327,9 @@ mod tests {
         }
         // The closed form for one variable is the same.
         let mut four = Information::<4>::default();
-        [[1.0, 0.2, -0.3, 0.4], [0.3, -0.8, 0.1, 0.9], [0.2, 0.4, 1.1, -0.5]].iter().for_each(|row| four.add(row, 0.6, 0.9));
+        [[1.0, 0.2, -0.3, 0.4], [0.3, -0.8, 0.1, 0.9], [0.2, 0.4, 1.1, -0.5]]
+            .iter()
+            .for_each(|row| four.add(row, 0.6, 0.9));
         let general = four.marginal([0, 1, 2], [3], [Prior { mean: 0.0, std: 0.4 }]).unwrap();
         let closed = four.without_gain(0.4);
         assert!((general.constant - closed.constant).abs() < 1e-12);

@@ -24,6 +24,7 @@ mod slide;
 mod spread;
 mod symmetry;
 mod twins;
+mod way;
 
 pub use feeler::Sense;
 pub use fit::Fit;
