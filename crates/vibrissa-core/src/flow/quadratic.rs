@@ -56,7 +56,8 @@ impl Quadratic {
     }
 }
 
-/// Gauss-Jordan elimination with row pivoting on the leading `terms` unknowns.
+/// Gauss-Jordan elimination with row pivoting on the leading `terms` unknowns: one to three, the solution and the inverse at once.
+/// Not by a factorization, so that smoothed readings stay the same to the last bit.
 fn eliminate(rows: &mut [[f64; 7]; 3], terms: usize) -> Option<()> {
     for i in 0..terms {
         let pivot = (i..terms).max_by(|&p, &q| rows[p][i].abs().total_cmp(&rows[q][i].abs()))?;

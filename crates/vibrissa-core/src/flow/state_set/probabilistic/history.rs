@@ -1,8 +1,8 @@
 //! What was felt: rows of odometry with readings, and the path once the odometry is corrected.
 
 use super::feeler::Feeler;
-use super::odometry_calibration::Way;
 use super::shares::{Shares, corrected};
+use super::way::Way;
 use crate::plane::{Pose2, Vec2};
 
 /// Rows that were kept, each with one reading for each whisker (dimensionless).

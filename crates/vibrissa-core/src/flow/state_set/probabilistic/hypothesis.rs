@@ -8,10 +8,11 @@
 use super::feeler::{Feeler, Judge};
 use super::history::History;
 use super::information::Information;
-use super::odometry_calibration::{Belief, Matrix, Way};
+use super::odometry_calibration::{Belief, Matrix};
 use super::rerun::Rerun;
 use super::shares::{Shared, Shares};
 use super::symmetry::Turn;
+use super::way::Way;
 use crate::contact::Boundaries;
 use crate::contact::follow::{ForwardModel, Mechanics, WhiskerState};
 use crate::plane::{Pose2, Vec2};

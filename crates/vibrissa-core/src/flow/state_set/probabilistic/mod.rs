@@ -22,6 +22,7 @@ mod slide;
 mod spread;
 mod symmetry;
 mod twins;
+mod way;
 
 pub use crate::contact::Sense;
 pub use fit::Fit;
