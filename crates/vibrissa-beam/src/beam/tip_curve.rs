@@ -52,7 +52,7 @@ impl TipEquilibrium {
 
 /// A point of the curve with the moment's slope there.
 #[derive(Clone, Copy)]
-struct Node {
+struct CurveNode {
     beta: f64,
     t: f64,
     moment: f64,
@@ -72,17 +72,17 @@ struct Course<'a, N> {
 }
 
 /// The uniform whisker.
-fn uniform(beta: f64, t: f64) -> Option<Node> {
+fn uniform(beta: f64, t: f64) -> Option<CurveNode> {
     Some(node(beta, t))
 }
 
-fn node(beta: f64, t: f64) -> Node {
+fn node(beta: f64, t: f64) -> CurveNode {
     let pendulum = Pendulum::new(Tilt::new(beta.sin(), beta.cos()));
     let swing = pendulum.at(t);
     let (x, y) = swing.contact();
     let equilibrium = TipEquilibrium { direction: beta + swing.u + FRAC_PI_2, slope: swing.u, x: x / t, y: y / t, t };
     let by_t = swing.du + t * (swing.u + beta).cos();
-    Node { beta, t, moment: t * swing.du, by_t, end: pendulum.half_period(), equilibrium }
+    CurveNode { beta, t, moment: t * swing.du, by_t, end: pendulum.half_period(), equilibrium }
 }
 
 /// The equilibria with the dimensionless base moment `mu = M0 L / EI > 0` and the contact at the tip.
@@ -116,18 +116,25 @@ pub(super) fn table_curve(
         let tip = chart(t * t, beta)?;
         let direction = beta + tip.slope + FRAC_PI_2;
         let equilibrium = TipEquilibrium { direction, slope: tip.slope, x: tip.position.x, y: tip.position.y, t };
-        Some(Node { beta, t, moment: tip.moment, by_t: 2.0 * t * tip.by_force.moment, end: most(beta), equilibrium })
+        Some(CurveNode {
+            beta,
+            t,
+            moment: tip.moment,
+            by_t: 2.0 * t * tip.by_force.moment,
+            end: most(beta),
+            equilibrium,
+        })
     };
     Course { node: &node, peak, travel: TRAVEL }.pieces(mu)
 }
 
-impl<N: Fn(f64, f64) -> Option<Node>> Course<'_, N> {
+impl<N: Fn(f64, f64) -> Option<CurveNode>> Course<'_, N> {
     fn pieces(&self, mu: f64) -> Vec<Vec<TipEquilibrium>> {
         self.first(mu).map_or_else(Vec::new, |first| pieces(&self.follow(first, mu)))
     }
 
     /// The least bent equilibrium at the steepest tilt, where the force pushes towards the base.
-    fn first(&self, mu: f64) -> Option<Node> {
+    fn first(&self, mu: f64) -> Option<CurveNode> {
         let (peak, largest) = self.peak;
         if mu > largest {
             return None;
@@ -141,13 +148,13 @@ impl<N: Fn(f64, f64) -> Option<Node>> Course<'_, N> {
     }
 
     /// The derivative of the moment by the tilt, by a difference towards the middle: it only steers the continuation.
-    fn by_beta(&self, at: &Node) -> Option<f64> {
+    fn by_beta(&self, at: &CurveNode) -> Option<f64> {
         let h = if at.beta > 0.0 { -1e-6 } else { 1e-6 };
         Some(((self.node)(at.beta + h, at.t)?.moment - at.moment) / h)
     }
 
     /// The curve from `first` on, until it leaves the range of tilts or the first mode.
-    fn follow(&self, first: Node, mu: f64) -> Vec<TipEquilibrium> {
+    fn follow(&self, first: CurveNode, mu: f64) -> Vec<TipEquilibrium> {
         let mut curve = vec![first.equilibrium];
         let mut at = first;
         let (mut heading, mut speed) = ((1.0, 0.0), 0.0);
@@ -174,7 +181,7 @@ impl<N: Fn(f64, f64) -> Option<Node>> Course<'_, N> {
     }
 
     /// The nearest point of the curve, by Newton steps along a gradient taken one step before.
-    fn correct(&self, mut beta: f64, mut t: f64, mu: f64, gradient: (f64, f64)) -> Option<Node> {
+    fn correct(&self, mut beta: f64, mut t: f64, mu: f64, gradient: (f64, f64)) -> Option<CurveNode> {
         let square = gradient.0 * gradient.0 + gradient.1 * gradient.1;
         let mut at = (self.node)(beta, t)?;
         for _ in 0..20 {

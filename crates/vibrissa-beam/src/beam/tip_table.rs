@@ -20,7 +20,7 @@ const DIFFERENCE: f64 = 1e-4;
 type Values = [f64; 4];
 
 /// One node: the values, and their derivatives by cell of force, of tilt, and of both.
-type Node = [Values; 4];
+type TipNode = [Values; 4];
 
 /// A whisker's tip over force and tilt, by bicubic interpolation of values and derivatives.
 ///
@@ -28,7 +28,7 @@ type Node = [Values; 4];
 /// tilts within 0.07 rad of the whisker's direction, beyond the first mode) it computes.
 #[derive(Clone, Debug)]
 pub struct TipTable {
-    nodes: Vec<Option<Node>>,
+    nodes: Vec<Option<TipNode>>,
 }
 
 impl Default for TipTable {
@@ -70,7 +70,7 @@ impl TipTable {
     }
 }
 
-fn node(q: f64, beta: f64) -> Option<Node> {
+fn node(q: f64, beta: f64) -> Option<TipNode> {
     let here = tip_chart(q, beta)?;
     let (left, right) = (tip_chart(q, beta - DIFFERENCE)?, tip_chart(q, beta + DIFFERENCE)?);
     let rates = |rate: &TipRate| [rate.position.x, rate.position.y, rate.slope, rate.moment];
@@ -104,12 +104,13 @@ fn weighed(weights: [f64; 4], values: [&Values; 4]) -> Values {
 }
 
 /// Bicubic in the cell of these nodes: (force, tilt) = (0, 0), (0, 1), (1, 0), (1, 1).
-fn interpolate(nodes: [&Node; 4], s: f64, t: f64) -> TipChart {
+fn interpolate(nodes: [&TipNode; 4], s: f64, t: f64) -> TipChart {
     let (f, df) = hermite(s);
     let (g, dg) = hermite(t);
     // Across the tilt at either force: values and their derivative by force.
     let across = |weights: [f64; 4]| {
-        let at = |a: &Node, b: &Node, kind: usize| weighed(weights, [&a[kind], &a[kind + 2], &b[kind], &b[kind + 2]]);
+        let at =
+            |a: &TipNode, b: &TipNode, kind: usize| weighed(weights, [&a[kind], &a[kind + 2], &b[kind], &b[kind + 2]]);
         [at(nodes[0], nodes[1], 0), at(nodes[0], nodes[1], 1), at(nodes[2], nodes[3], 0), at(nodes[2], nodes[3], 1)]
     };
     let along = |weights: [f64; 4], [a, b, c, d]: &[Values; 4]| weighed(weights, [a, b, c, d]);

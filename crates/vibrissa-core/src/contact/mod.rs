@@ -7,7 +7,7 @@
 //! | `clearance` | how far places are from all of them |
 //! | `hold` | what holds a whisker: tip, side or both, on a piece or a corner |
 //! | `stance` | the whisker's base on the map, and the map as the whisker sees it |
-//! | `sense` | what is read |
+//! | `quantity` | what is read |
 //! | `follow/` | for estimation: readings with derivatives by the pose, without friction |
 //! | [`quasi_static`] | for simulation: any whisker, with friction, on the stable branch of equilibria |
 //!
@@ -31,8 +31,8 @@ mod clearance;
 mod corner;
 pub(crate) mod follow;
 mod hold;
+mod quantity;
 pub mod quasi_static;
-mod sense;
 mod stance;
 #[cfg(test)]
 mod tests;
@@ -40,5 +40,5 @@ mod tests;
 pub use boundary::{Boundaries, Piece, Spot};
 pub use corner::Corner;
 pub use hold::{Hold, Push, Support, TwoContacts};
-pub use sense::Sense;
+pub use quantity::SensedQuantity;
 pub use stance::Stance;

@@ -4,7 +4,7 @@
 
 use super::follow::{ForwardModel, Mechanics, WhiskerState};
 use super::quasi_static::{Equilibrium, LoadedWhisker, Outcome, Step, WhiskerOnMap, between, first_touch, onset};
-use super::{Boundaries, Hold, Sense, Support};
+use super::{Boundaries, Hold, SensedQuantity, Support};
 use crate::beam::Whisker;
 use crate::plane::{Curve, Pose2, Vec2};
 use crate::world::{Boundary, Map, Role};
@@ -65,7 +65,7 @@ impl Sweep {
             length: whisker.length,
             mechanics: Mechanics::ClosedForm,
             whole: false,
-            sense: Sense::Moment,
+            quantity: SensedQuantity::Moment,
         };
         let (mut state, mut held) = (WhiskerState::Free, None);
         let mut seen = Seen::default();

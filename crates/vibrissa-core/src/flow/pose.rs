@@ -9,7 +9,7 @@ pub use answer::{
 };
 
 use super::state_set::possibilistic;
-use super::state_set::probabilistic::{self, Fit};
+use super::state_set::probabilistic::{self, Consistency};
 use super::state_set::{Candidate, StateSet, components};
 use crate::config::DeterministicOptions;
 use crate::plane::{Pose2, wrap_angle};
@@ -53,7 +53,7 @@ pub(crate) struct Evidence<'a> {
     /// What is known about readings that break their declared bounds.
     pub(crate) broken: Broken<'a>,
     /// How well the best place fits the readings, where the method has statistics of that.
-    pub(crate) fit: Option<Fit>,
+    pub(crate) fit: Option<Consistency>,
     /// Share of the rows that no equilibrium needs to explain.
     pub(crate) tolerated_share: f64,
 }
@@ -98,7 +98,7 @@ pub(crate) fn verdict(evidence: &Evidence<'_>) -> Verdict {
     }
     // A place that leaves as much unexplained as side contact may, or odometry whose error changes on the way, can be wrong: it is
     // told, but not believed alone. Errors that are independent of each other average out.
-    let independent = |fit: &Fit| fit.odometry / f64::from(fit.touching.max(1) as u32);
+    let independent = |fit: &Consistency| fit.odometry / f64::from(fit.touching.max(1) as u32);
     if let Some(detail) = evidence.fit.and_then(|fit| misfit(&fit, independent(&fit), 0.0)) {
         let detail = format!("told all the same, since side contact, a snap or slip on the way may be why: {detail}");
         return Verdict { status: Status::Ambiguous, reason: Some(("tolerated", detail)) };
@@ -124,7 +124,7 @@ fn rivals(evidence: &Evidence<'_>) -> usize {
 
 /// Why the readings speak against the best place, if they do even when a share of them is tolerated and the odometry has added so much to
 /// their mean square.
-fn misfit(fit: &Fit, odometry: f64, tolerated_share: f64) -> Option<String> {
+fn misfit(fit: &Consistency, odometry: f64, tolerated_share: f64) -> Option<String> {
     if fit.beyond > FALSE_SHARE + tolerated_share {
         return Some(format!(
             "{:.0} % of the readings lie beyond their declared noise even at the best place; is it the right map, and \
@@ -183,7 +183,7 @@ pub fn choose(states: &StateSet, odom_from_robot: Pose2, options: &Deterministic
 
 /// The place of the possibilistic method as a hypothesis, its headings brought near those of its pose.
 #[must_use]
-pub(crate) fn enclosed(place: &possibilistic::Place) -> Hypothesis {
+pub(crate) fn enclosed(place: &possibilistic::EnclosedPlace) -> Hypothesis {
     let theta = place.extent.theta;
     let middle = 0.5 * (theta.lo() + theta.hi());
     let turn = middle - wrap_angle(middle);
@@ -193,7 +193,7 @@ pub(crate) fn enclosed(place: &possibilistic::Place) -> Hypothesis {
 
 /// The place of the probabilistic method as a hypothesis, as wide as the boxes around all its members.
 #[must_use]
-pub(crate) fn fitted(place: &probabilistic::Place) -> Hypothesis {
+pub(crate) fn fitted(place: &probabilistic::PosteriorPlace) -> Hypothesis {
     let boxes = place.members.iter().map(|(pose, covariance)| box_95(*pose, covariance));
     Hypothesis {
         pose: place.members[0].0,

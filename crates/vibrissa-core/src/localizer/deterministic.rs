@@ -17,7 +17,7 @@ use crate::flow::sensor_log::{Channel, LogRow, SensorLog};
 use crate::flow::state_set::{Candidate, Pass, StateSet};
 use crate::plane::Pose2;
 use crate::world::{BoundarySample, Map, Robot};
-use feeler::{Feeler, Record};
+use feeler::{RunRecord, WhiskerColumn};
 use std::collections::VecDeque;
 
 /// The deterministic estimator \[routray, section "Robot Localization"\]: rows in, a state set that shrinks.
@@ -29,14 +29,14 @@ pub struct DeterministicEstimator<'a> {
     robot: &'a Robot,
     options: DeterministicOptions,
     samples: Vec<BoundarySample>,
-    feelers: Vec<Feeler>,
+    feelers: Vec<WhiskerColumn>,
     states: StateSet,
     /// The robot at the first row, odometry frame: everything is told from there, so that the odometry may start
     /// thousands of kilometres from its origin without costing digits.
     start: Option<Pose2>,
     rows: Vec<(f64, Pose2)>,
     due: VecDeque<Due>,
-    record: Record,
+    record: RunRecord,
 }
 
 /// What the set still has to be told, in the order in which it happened.
@@ -57,7 +57,8 @@ impl<'a> DeterministicEstimator<'a> {
         options.check()?;
         let log = SensorLog { channels: channels.to_vec(), ..SensorLog::default() };
         one_column_each(robot, channels)?;
-        let feelers = robot.whiskers.iter().map(|w| Feeler::new(w, &log, &options)).collect::<Result<Vec<_>>>()?;
+        let feelers =
+            robot.whiskers.iter().map(|w| WhiskerColumn::new(w, &log, &options)).collect::<Result<Vec<_>>>()?;
         Ok(Self {
             map,
             robot,
@@ -68,7 +69,7 @@ impl<'a> DeterministicEstimator<'a> {
             start: None,
             rows: Vec::new(),
             due: VecDeque::new(),
-            record: Record::default(),
+            record: RunRecord::default(),
         })
     }
 
@@ -104,7 +105,7 @@ impl<'a> DeterministicEstimator<'a> {
 
     /// One update: history → contact sets → alignment → preimage → intersection, the last when its turn comes.
     fn update(&mut self, feeler: usize, history: &MomentHistory, row: &LogRow) {
-        let Feeler { whisker, tip, contacts, .. } = &mut self.feelers[feeler];
+        let WhiskerColumn { whisker, tip, contacts, .. } = &mut self.feelers[feeler];
         if self.record.empty_at.is_some() {
             return;
         }

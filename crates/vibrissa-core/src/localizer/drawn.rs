@@ -17,7 +17,7 @@ const POINTS: usize = 24;
 
 /// What a whisker felt once.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Felt {
+pub(super) struct DrawnReading {
     pub(super) t: f64,
     pub(super) odom_from_robot: Pose2,
     pub(super) whisker: usize,
@@ -25,7 +25,12 @@ pub(super) struct Felt {
 }
 
 /// The whisker with its tip on the boundary, robot frame; none where no tip contact agrees with the place.
-pub(super) fn shape(map: &Map, whisker: &MountedWhisker, felt: &Felt, map_from_odom: Pose2) -> Option<ShapeRecord> {
+pub(super) fn shape(
+    map: &Map,
+    whisker: &MountedWhisker,
+    felt: &DrawnReading,
+    map_from_odom: Pose2,
+) -> Option<ShapeRecord> {
     let tip = TipModel::new(&whisker.beam).ok()?;
     let map_from_whisker = map_from_odom.compose(felt.odom_from_robot).compose(whisker.robot_from_whisker);
     let branches = TipContactSet::branches(&tip, TipReading::Moment(felt.moment), TipLoad::BoundaryNormal);

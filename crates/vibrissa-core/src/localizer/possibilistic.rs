@@ -1,6 +1,6 @@
 //! The possibilistic estimator: rows in, a set of states that holds the true one as long as the declared bounds hold.
 
-use super::drawn::{self, Felt};
+use super::drawn::{self, DrawnReading};
 use super::method::MethodOptions;
 use super::{Estimator, one_column_each, searchable};
 use crate::beam::Whisker;
@@ -10,7 +10,7 @@ use crate::flow::pose::{
     self, Estimate, Event, Evidence, Hypothesis, Localization, ShapeRecord, StampedPose, StepRecord, Verdict,
 };
 use crate::flow::sensor_log::{Channel, LogRow, SensorLog};
-use crate::flow::state_set::possibilistic::{Place, PossibleSet};
+use crate::flow::state_set::possibilistic::{EnclosedPlace, PossibleSet};
 use crate::flow::thinned::Thinned;
 use crate::plane::Pose2;
 use crate::sets::Interval;
@@ -51,7 +51,7 @@ pub struct PossibilisticEstimator<'a> {
     rows: Vec<(f64, Pose2)>,
     in_contact: Vec<bool>,
     /// Contacts for drawing: not all of long logs.
-    felt: Thinned<Felt, DRAWN>,
+    felt: Thinned<DrawnReading, DRAWN>,
     touched: bool,
     first_row: Option<usize>,
     first_states: Vec<Pose2>,
@@ -62,7 +62,7 @@ pub struct PossibilisticEstimator<'a> {
     /// The row in which the set was last measured, and how many cells it had.
     measured: (usize, usize),
     /// The places then.
-    places: Vec<Place>,
+    places: Vec<EnclosedPlace>,
     empty: bool,
 }
 
@@ -196,7 +196,8 @@ impl<'a> PossibilisticEstimator<'a> {
     fn shapes(&self) -> Vec<ShapeRecord> {
         let Some((pose, row)) = self.last else { return Vec::new() };
         let map_from_odom = pose.compose(self.rows[row].1.inverse());
-        let shape = |felt: &Felt| drawn::shape(self.map, &self.robot.whiskers[felt.whisker], felt, map_from_odom);
+        let shape =
+            |felt: &DrawnReading| drawn::shape(self.map, &self.robot.whiskers[felt.whisker], felt, map_from_odom);
         self.felt.iter().filter_map(shape).collect()
     }
 
@@ -255,7 +256,12 @@ impl Estimator for PossibilisticEstimator<'_> {
         let off = self.options.heading_error;
         let heading = row.heading.filter(|h| h.is_finite()).map(|h| Interval::new(h - off, h + off));
         for (whisker, moment) in moments.iter().enumerate().filter(|(_, moment)| !moment.contains(0.0)) {
-            self.felt.push(Felt { t: row.t, odom_from_robot, whisker, moment: 0.5 * (moment.lo() + moment.hi()) });
+            self.felt.push(DrawnReading {
+                t: row.t,
+                odom_from_robot,
+                whisker,
+                moment: 0.5 * (moment.lo() + moment.hi()),
+            });
         }
         let had_started = self.set.has_started();
         self.set.update(self.map, odom_from_robot, &moments, heading);

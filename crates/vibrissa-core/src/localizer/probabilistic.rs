@@ -11,7 +11,7 @@ use crate::flow::pose::{
     Status, StepRecord,
 };
 use crate::flow::sensor_log::{Channel, LogRow, Quantity, SensorLog};
-use crate::flow::state_set::probabilistic::{Happened, Place, ProbabilisticSet, Sense};
+use crate::flow::state_set::probabilistic::{PosteriorPlace, ProbabilisticSet, SensedQuantity, StepOutcome};
 use crate::plane::Pose2;
 use crate::world::{Map, ReadingNoise, Robot};
 
@@ -22,7 +22,7 @@ use crate::world::{Map, ReadingNoise, Robot};
 /// the verdict leaves out how well the readings fit.
 pub struct ProbabilisticEstimator<'a> {
     robot: &'a Robot,
-    senses: Vec<Reader>,
+    quantities: Vec<Reader>,
     /// For each sense the last possible reading, and how many impossible ones came since.
     last: Vec<(f64, usize)>,
     set: ProbabilisticSet<'a>,
@@ -56,12 +56,12 @@ impl<'a> ProbabilisticEstimator<'a> {
         one_column_each(robot, channels)?;
         searchable(map, options.prior, MOST_SEARCHED)?;
         let tips = robot.whiskers.iter().map(|w| TipModel::new(&w.beam)).collect::<Result<Vec<_>>>()?;
-        let senses = readers(robot, &tips, channels)?;
-        let told: Vec<(usize, Sense)> = senses.iter().map(|r| (r.whisker, r.sense)).collect();
+        let quantities = readers(robot, &tips, channels)?;
+        let told: Vec<(usize, SensedQuantity)> = quantities.iter().map(|r| (r.whisker, r.sense)).collect();
         Ok(Self {
             robot,
-            last: vec![(0.0, 0); senses.len()],
-            senses,
+            last: vec![(0.0, 0); quantities.len()],
+            quantities,
             tolerated_share: options.tolerated_share,
             set: ProbabilisticSet::new(map, robot, &tips, &told, options),
             start: None,
@@ -98,7 +98,7 @@ impl<'a> ProbabilisticEstimator<'a> {
     fn screen(&mut self, readings: &mut [f64], row: &LogRow) -> Result<()> {
         for (index, reading) in readings.iter_mut().enumerate() {
             let (last, impossible) = &mut self.last[index];
-            match self.senses[index].limit.as_ref().map_or(Ok(()), |limit| limit.check(*reading, row)) {
+            match self.quantities[index].limit.as_ref().map_or(Ok(()), |limit| limit.check(*reading, row)) {
                 Ok(()) => (*last, *impossible) = (*reading, 0),
                 Err(error) if *impossible + 1 >= MOST_IMPOSSIBLE => return Err(error),
                 Err(_) => (*reading, *impossible) = (*last, *impossible + 1),
@@ -113,7 +113,7 @@ impl<'a> ProbabilisticEstimator<'a> {
             let beyond = |(reader, z): (&Reader, &f64)| {
                 reader.whisker == index && z.abs() * (1.0 - reader.noise.relative) > reader.noise.absolute
             };
-            let touching = self.senses.iter().zip(readings).any(beyond);
+            let touching = self.quantities.iter().zip(readings).any(beyond);
             if touching != self.in_contact[index] {
                 let (kind, what) = if touching { ("contact", "touches") } else { ("lift_off", "is free") };
                 self.events.push(Event { t, kind, detail: format!("{} {what}", whisker.name) });
@@ -167,7 +167,7 @@ impl<'a> ProbabilisticEstimator<'a> {
     }
 
     /// The best place along the rows, from the first estimate on; before a loss it is what was believed then.
-    fn trajectory(&self, place: &Place, odometry: Option<&OdometryEstimate>) -> Vec<StampedPose> {
+    fn trajectory(&self, place: &PosteriorPlace, odometry: Option<&OdometryEstimate>) -> Vec<StampedPose> {
         let Some(first) = self.first_row.filter(|_| self.recording) else { return Vec::new() };
         let lost = |row: usize| self.before.iter().find(|(end, frame)| row < *end && frame.is_some());
         // Back from the last row, where the place is told.
@@ -224,7 +224,7 @@ impl Estimator for ProbabilisticEstimator<'_> {
         let start = *self.start.get_or_insert(row.odom_from_robot);
         let odom = start.between(row.odom_from_robot);
         let mut readings: Vec<f64> =
-            self.senses.iter().map(|r| row.readings.get(r.channel).copied().unwrap_or(0.0)).collect();
+            self.quantities.iter().map(|r| row.readings.get(r.channel).copied().unwrap_or(0.0)).collect();
         self.screen(&mut readings, row)?;
         self.watch(row.t, &readings);
         if !self.recording {
@@ -235,8 +235,8 @@ impl Estimator for ProbabilisticEstimator<'_> {
         self.rows.push((row.t, odom));
         self.taken += 1;
         match self.set.step(odom, &readings, row.heading.filter(|h| h.is_finite())) {
-            Happened::Nothing => {}
-            Happened::Started(_) => {
+            StepOutcome::Nothing => {}
+            StepOutcome::Started(_) => {
                 self.first_row.get_or_insert(self.taken - 1);
                 self.since = (self.lost > 0).then_some(0);
                 if self.first_states.is_empty() {
@@ -244,11 +244,11 @@ impl Estimator for ProbabilisticEstimator<'_> {
                 }
                 self.note(row.t);
             }
-            Happened::Updated => {
+            StepOutcome::Updated => {
                 self.note(row.t);
                 self.believe_again(row.t);
             }
-            Happened::Lost => self.note_loss(row.t),
+            StepOutcome::Lost => self.note_loss(row.t),
         }
         Ok(())
     }
@@ -291,7 +291,7 @@ impl Estimator for ProbabilisticEstimator<'_> {
         let status = verdict.status;
         let keep = status != Status::Inconsistent;
         let estimate = hypotheses.first().map(|h| h.pose).filter(|_| keep);
-        let odometry = places.first().and_then(|place| place.shares).map(odometry_estimate);
+        let odometry = places.first().and_then(|place| place.calibration).map(odometry_estimate);
         let trajectory = places.first().map_or_else(Vec::new, |place| self.trajectory(place, odometry.as_ref()));
         let states = places.iter().flat_map(|p| p.members.iter().map(|(pose, c)| pose::box_95(*pose, c))).collect();
         Localization {
@@ -325,7 +325,7 @@ fn odometry_estimate([long, aside, turn]: [[f64; 2]; 3]) -> OdometryEstimate {
 /// One sense of one whisker in a log.
 struct Reader {
     whisker: usize,
-    sense: Sense,
+    sense: SensedQuantity,
     channel: usize,
     noise: ReadingNoise,
     /// What the whisker can cause, where that is known.
@@ -338,11 +338,14 @@ fn readers(robot: &Robot, tips: &[TipModel], channels: &[Channel]) -> Result<Vec
     let mut readers = Vec::new();
     for (index, (whisker, tip)) in robot.whiskers.iter().zip(tips).enumerate() {
         let before = readers.len();
-        let senses =
-            [(Quantity::Moment, Sense::Moment), (Quantity::Force, Sense::Force), (Quantity::Slope, Sense::Slope)];
-        for (quantity, sense) in senses {
+        let quantities = [
+            (Quantity::Moment, SensedQuantity::Moment),
+            (Quantity::Force, SensedQuantity::Force),
+            (Quantity::Slope, SensedQuantity::Slope),
+        ];
+        for (quantity, sense) in quantities {
             let Some(channel) = log.channel(&whisker.name, quantity) else { continue };
-            let limit = (sense == Sense::Moment).then(|| LimitCheck::any_place(whisker, tip));
+            let limit = (sense == SensedQuantity::Moment).then(|| LimitCheck::any_place(whisker, tip));
             readers.push(Reader { whisker: index, sense, channel, noise: sense.noise(whisker), limit });
         }
         if readers.len() == before {

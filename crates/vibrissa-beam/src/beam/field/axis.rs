@@ -11,7 +11,7 @@ const MOST_BINS: usize = 1 << 17;
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Axis {
     pub(super) knots: Vec<f64>,
-    spans: Vec<Span>,
+    spans: Vec<AxisSpan>,
     first: f64,
     /// Half a bin beyond the first knot.
     half: f64,
@@ -31,7 +31,7 @@ struct Bin {
 const WHOLE: f64 = (1u64 << 52) as f64;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Span {
+struct AxisSpan {
     start: f64,
     width: f64,
     per_width: f64,
@@ -39,7 +39,7 @@ struct Span {
 
 /// A place on an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Place {
+pub(super) struct AxisPlace {
     pub(super) cell: usize,
     /// The way through the cell, 0 at its start and 1 at its end.
     pub(super) share: f64,
@@ -51,9 +51,9 @@ pub(super) struct Place {
 impl Axis {
     /// The axis with these knots, which rise; at least two.
     pub(super) fn new(knots: Vec<f64>) -> Self {
-        let spans: Vec<Span> = knots
+        let spans: Vec<AxisSpan> = knots
             .windows(2)
-            .map(|w| Span { start: w[0], width: w[1] - w[0], per_width: 1.0 / (w[1] - w[0]) })
+            .map(|w| AxisSpan { start: w[0], width: w[1] - w[0], per_width: 1.0 / (w[1] - w[0]) })
             .collect();
         let narrowest = spans.iter().fold(f64::INFINITY, |least, span| least.min(span.width));
         let length = spans.iter().fold(0.0, |sum, span| sum + span.width);
@@ -99,7 +99,7 @@ impl Axis {
 
     /// The place of `x` in the cell that holds it, or in the nearest one.
     #[inline]
-    pub(super) fn place(&self, x: f64) -> Place {
+    pub(super) fn place(&self, x: f64) -> AxisPlace {
         self.place_in(self.cell(x), x)
     }
 
@@ -119,10 +119,10 @@ impl Axis {
 
     /// The place of `x` as seen from a cell.
     #[inline]
-    pub(super) fn place_in(&self, cell: usize, x: f64) -> Place {
-        let Span { start, width, per_width } = self.spans[cell];
+    pub(super) fn place_in(&self, cell: usize, x: f64) -> AxisPlace {
+        let AxisSpan { start, width, per_width } = self.spans[cell];
         let along = x - start;
-        Place { cell, share: along * per_width, along, width }
+        AxisPlace { cell, share: along * per_width, along, width }
     }
 }
 

@@ -2,7 +2,7 @@
 //!
 //! All numbers are little-endian. The table itself is not kept: it follows from the samples, bit for bit, in milliseconds.
 use super::chart::Bunched;
-use super::errors::Bounds;
+use super::errors::ErrorBounds;
 use super::side::{self, SideField};
 use super::state::FieldErrors;
 use super::table::QUANTITIES;
@@ -52,7 +52,7 @@ impl TipField {
         }
         let measured = Measured { forces: limits.as_chunks().0.to_vec(), samples: samples.as_chunks().0.to_vec() };
         let mut field = Self::from_measured(rod, measured, errors[12] as usize)?;
-        field.errors = Bounds::from_numbers(&errors);
+        field.errors = ErrorBounds::from_numbers(&errors);
         Ok(field)
     }
 }
@@ -86,12 +86,12 @@ impl SideField {
             return Err(damaged("it holds numbers that are not finite"));
         }
         let mut field = Self::from_measured(rod, limits.as_chunks().0.to_vec(), samples.as_chunks().0.to_vec());
-        field.errors = Bounds::from_numbers(&errors);
+        field.errors = ErrorBounds::from_numbers(&errors);
         Ok(field)
     }
 }
 
-impl Bounds {
+impl ErrorBounds {
     fn to_numbers(self) -> Vec<f64> {
         let errors = [self.value, self.by_u, self.by_v];
         errors.iter().flat_map(|e| [e.slope, e.position, e.moment, e.energy]).collect()

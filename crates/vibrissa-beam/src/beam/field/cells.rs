@@ -23,7 +23,7 @@ const SLACK: f64 = 1e-7;
 const REGULAR: f64 = 0.5;
 
 /// The search for one target.
-pub(super) struct Search<'a> {
+pub(super) struct TargetSearch<'a> {
     pub(super) table: &'a Table,
     pub(super) image: Image,
     pub(super) target: [f64; 2],
@@ -33,25 +33,25 @@ pub(super) struct Search<'a> {
 
 /// A part of a cell, in shares of its sides.
 #[derive(Clone, Copy)]
-struct Part {
+struct CellPart {
     s: (f64, f64),
     t: (f64, f64),
 }
 
-impl Search<'_> {
+impl TargetSearch<'_> {
     /// The chart coordinates of all solutions in the cells of `index` for which `of_side` holds at a `v` within.
     pub(super) fn all(&self, index: &Index, of_side: impl Fn(f64) -> bool) -> Vec<[f64; 2]> {
         let mut found = Vec::new();
         for cell in index.at(self.target) {
             if of_side(0.5 * (self.table.v.knots[cell.j] + self.table.v.knots[cell.j + 1])) {
                 let nets = self.image.nets(self.table, cell.i, cell.j);
-                self.within(cell, nets, Part { s: (0.0, 1.0), t: (0.0, 1.0) }, 0, &mut found);
+                self.within(cell, nets, CellPart { s: (0.0, 1.0), t: (0.0, 1.0) }, 0, &mut found);
             }
         }
         found
     }
 
-    fn within(&self, cell: &Held, nets: [Net; 2], part: Part, depth: usize, found: &mut Vec<[f64; 2]>) {
+    fn within(&self, cell: &Held, nets: [Net; 2], part: CellPart, depth: usize, found: &mut Vec<[f64; 2]>) {
         let off = [0, 1].map(|k| nets[k].map(|row| row.map(|c| c - self.target[k])));
         let seen = preconditioned(&off);
         if !may_vanish(&seen.unwrap_or(off)) {
@@ -69,13 +69,13 @@ impl Search<'_> {
                 let quarter = nets.map(|net| restricted(net, low_s, low_t));
                 let s = if i == 0 { (part.s.0, s) } else { (s, part.s.1) };
                 let t = if j == 0 { (part.t.0, t) } else { (t, part.t.1) };
-                self.within(cell, quarter, Part { s, t }, depth + 1, found);
+                self.within(cell, quarter, CellPart { s, t }, depth + 1, found);
             }
         }
     }
 
     /// Newton's method from a place in a part, in shares of the part; the table's coordinates, when it ends inside the part.
-    fn newton(&self, cell: &Held, part: Part, start: [f64; 2]) -> Option<[f64; 2]> {
+    fn newton(&self, cell: &Held, part: CellPart, start: [f64; 2]) -> Option<[f64; 2]> {
         let (hu, hv) = (self.table.u.width(cell.i), self.table.v.width(cell.j));
         let (u0, v0) = (self.table.u.knots[cell.i], self.table.v.knots[cell.j]);
         let clamp = |x: f64, (lo, hi): (f64, f64)| x.clamp(lo - 0.5 * (hi - lo), hi + 0.5 * (hi - lo));

@@ -45,7 +45,7 @@ impl Bunched {
 
 /// The largest loads of a field, at equal steps of the other coordinate and linear between them.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Limits {
+pub(super) struct LoadLimits {
     start: f64,
     end: f64,
     per_step: f64,
@@ -53,7 +53,7 @@ pub(super) struct Limits {
     pub(super) forces: Vec<[f64; 2]>,
 }
 
-impl Limits {
+impl LoadLimits {
     /// Limits at equal steps from `start` to `end`; at least two.
     pub(super) fn new(start: f64, end: f64, forces: Vec<[f64; 2]>) -> Self {
         let per_step = (forces.len().max(2) - 1) as f64 / (end - start);
@@ -125,13 +125,13 @@ pub(super) fn reach(most: f64, ok: impl Fn(f64) -> bool) -> f64 {
 /// How a table's coordinate follows from that of the samples: samples are spread by the smoothness of what is sampled, while a table
 /// is read in the caller's own numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Bend {
+pub(super) enum BendKind {
     Same,
     At(Bunched),
     Inverse(Bunched),
 }
 
-impl Bend {
+impl BendKind {
     /// The table's coordinate.
     pub(super) fn at(&self, x: f64) -> f64 {
         match self {
@@ -150,7 +150,7 @@ impl Bend {
         }
     }
 
-    /// The derivative of [`Bend::back`] at `y`.
+    /// The derivative of [`BendKind::back`] at `y`.
     pub(super) fn back_rate(&self, y: f64) -> f64 {
         match self {
             Self::Same => 1.0,
@@ -172,7 +172,7 @@ mod tests {
             assert!((map.inverse(map.at(x)) - x).abs() < 1e-14);
             let rate = (map.at(x + 1e-6) - map.at(x - 1e-6)) / 2e-6;
             assert!((rate / map.rate(x) - 1.0).abs() < 1e-8);
-            for bend in [Bend::Same, Bend::At(map), Bend::Inverse(map)] {
+            for bend in [BendKind::Same, BendKind::At(map), BendKind::Inverse(map)] {
                 let y = bend.at(x);
                 let slope = (bend.back(y + 1e-6) - bend.back(y - 1e-6)) / 2e-6;
                 assert!((bend.back(y) - x).abs() < 1e-13 && (slope / bend.back_rate(y) - 1.0).abs() < 1e-8);

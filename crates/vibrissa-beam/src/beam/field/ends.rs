@@ -14,12 +14,12 @@ const NARROWEST: f64 = 0.02;
 const TRIED: usize = 48;
 
 /// Where along the loads a sheet ends, by the place: a cubic over each panel, once continuously differentiable.
-pub(super) struct Ends {
+pub(super) struct LoadEnd {
     pub(super) breaks: Vec<f64>,
     values: Vec<f64>,
 }
 
-impl Ends {
+impl LoadEnd {
     /// The panels, broken at joints and where the rod becomes thin, with ends as far as there are first-mode shapes from rest on.
     pub(super) fn new(rod: &Rod, tilt: f64, most: f64) -> Option<Self> {
         let (length, step) = (rod.length(), most / TRIED as f64);

@@ -6,7 +6,7 @@
 //! measured on every edge of every cell that the field holds, and the two maxima are added. Between the polynomials and the
 //! beam it is measured by exact shapes where Chebyshev interpolation errs the most; a polynomial's derivative is at most
 //! `SIDE²` times as large as itself (Markov), in half a panel's width.
-use super::chart::Bend;
+use super::chart::BendKind;
 use super::panels::{Layout, SIDE, Samples};
 use super::state::FieldErrors;
 use super::table::{ENERGY, MOMENT, QUANTITIES, Row, SLOPE, Table, X, Y};
@@ -25,14 +25,14 @@ const GAUSS: [f64; 2] = [0.211_324_865_405_187_1, 0.788_675_134_594_812_9];
 
 /// Bounds on the values, and on the derivatives by the table's two coordinates.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Bounds {
+pub(super) struct ErrorBounds {
     pub(super) value: FieldErrors,
     pub(super) by_u: FieldErrors,
     pub(super) by_v: FieldErrors,
 }
 
 /// Value, derivative by `u` and derivative by `v`.
-type Rows = [Row; 3];
+type ErrorRows = [Row; 3];
 
 /// The bounds, over the cells that are held.
 pub(super) fn measured(
@@ -41,7 +41,7 @@ pub(super) fn measured(
     table: &Table,
     is_held: impl Fn(usize, usize) -> bool,
     exact: impl Fn(f64, f64) -> Option<Row>,
-) -> Bounds {
+) -> ErrorBounds {
     let hermite = between_knots(layout, samples, table, &is_held);
     let polynomial = from_samples(layout, samples, table, &is_held, exact);
     let [value, by_u, by_v] = [0, 1, 2].map(|kind: usize| {
@@ -53,7 +53,7 @@ pub(super) fn measured(
             energy: bound(ENERGY),
         }
     });
-    Bounds { value, by_u, by_v }
+    ErrorBounds { value, by_u, by_v }
 }
 
 fn widen(worst: &mut Row, a: &[f64], b: &Row, factor: f64) {
@@ -68,7 +68,7 @@ fn between_knots(
     samples: &Samples,
     table: &Table,
     is_held: impl Fn(usize, usize) -> bool,
-) -> [Rows; 2] {
+) -> [ErrorRows; 2] {
     let mut worst = [[[0.0; QUANTITIES]; 3]; 2];
     let shares = [0.0, 0.5, GAUSS[0], GAUSS[1]];
     layout.visit(samples, &shares, is_held, |(i, j), (a, b), (u, v), want| {
@@ -91,9 +91,9 @@ fn from_samples(
     table: &Table,
     is_held: impl Fn(usize, usize) -> bool,
     exact: impl Fn(f64, f64) -> Option<Row>,
-) -> Rows {
+) -> ErrorRows {
     let mut worst = [[0.0; QUANTITIES]; 3];
-    let places = |breaks: &[f64], bend: Bend, k: usize| {
+    let places = |breaks: &[f64], bend: BendKind, k: usize| {
         let x = 0.5 - 0.5 * (PI * k as f64 / SIDE as f64).cos();
         breaks.windows(2).map(move |w| bend.at(w[0] + (w[1] - w[0]) * x)).collect::<Vec<_>>()
     };

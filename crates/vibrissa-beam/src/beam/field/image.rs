@@ -17,7 +17,7 @@ pub(super) enum Image {
 
 /// The two quantities and their derivatives by `u` and `v`.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Aim {
+pub(super) struct ImagePoint {
     pub(super) value: [f64; 2],
     pub(super) by_u: [f64; 2],
     pub(super) by_v: [f64; 2],
@@ -25,7 +25,7 @@ pub(super) struct Aim {
     rounding: [f64; 2],
 }
 
-impl Aim {
+impl ImagePoint {
     pub(super) fn det(&self) -> f64 {
         self.by_u[0] * self.by_v[1] - self.by_u[1] * self.by_v[0]
     }
@@ -47,16 +47,16 @@ impl Aim {
 impl Image {
     /// Of a table over tilt and force, at the tilt `u`; of a table over other numbers, only [`Image::Position`].
     #[inline]
-    pub(super) fn of(self, jet: &Jet, u: f64, scale: [f64; 2]) -> Aim {
+    pub(super) fn of(self, jet: &Jet, u: f64, scale: [f64; 2]) -> ImagePoint {
         let [value, by_u, by_v] = [0, 1, 2].map(|kind| jet.row(kind));
         match self {
-            Self::Position => Aim {
+            Self::Position => ImagePoint {
                 value: [value[X], value[Y]],
                 by_u: [by_u[X], by_u[Y]],
                 by_v: [by_v[X], by_v[Y]],
                 rounding: self.rounding(scale),
             },
-            Self::Reading => Aim {
+            Self::Reading => ImagePoint {
                 value: [u + value[SLOPE], value[MOMENT]],
                 by_u: [1.0 + by_u[SLOPE], by_u[MOMENT]],
                 by_v: [by_v[SLOPE], by_v[MOMENT]],
@@ -67,16 +67,16 @@ impl Image {
 
     /// As [`Image::of`], of a state.
     #[inline]
-    pub(super) fn of_state(self, state: &TipState, scale: [f64; 2]) -> Aim {
+    pub(super) fn of_state(self, state: &TipState, scale: [f64; 2]) -> ImagePoint {
         let (u, v) = (&state.by_tilt, &state.by_force);
         match self {
-            Self::Position => Aim {
+            Self::Position => ImagePoint {
                 value: [state.position.x, state.position.y],
                 by_u: [u.position.x, u.position.y],
                 by_v: [v.position.x, v.position.y],
                 rounding: self.rounding(scale),
             },
-            Self::Reading => Aim {
+            Self::Reading => ImagePoint {
                 value: [state.tilt + state.slope, state.moment],
                 by_u: [1.0 + u.slope, u.moment],
                 by_v: [v.slope, v.moment],

@@ -26,7 +26,7 @@ mod tip;
 mod unit;
 
 pub use enclosure::TipBox;
-pub use sheet::{BLOCK, Cell, Read, Sheet, Spot};
+pub use sheet::{BLOCK, ContactSheet, Read, SheetCell, SheetContact};
 pub use side::{SideField, SideState};
 pub use state::{FieldErrors, PositionRates, Quantities, ReadingRates, TipState};
 pub use tip::TipField;

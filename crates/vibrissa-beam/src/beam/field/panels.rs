@@ -3,8 +3,8 @@
 //! All that is tabulated is analytic, so that few samples tell values and derivatives to ten digits: each exact shape
 //! costs microseconds, each knot of the table nanoseconds.
 use super::axis::Axis;
-use super::chart::Bend;
-use super::table::{Node, QUANTITIES, Row, Table};
+use super::chart::BendKind;
+use super::table::{QUANTITIES, Row, Table, TableNode};
 use alloc::vec;
 use alloc::vec::Vec;
 use core::f64::consts::PI;
@@ -23,7 +23,7 @@ pub(super) struct Layout {
     pub(super) u_cells: usize,
     pub(super) v_cells: usize,
     /// From the samples' coordinates to the table's.
-    pub(super) bends: [Bend; 2],
+    pub(super) bends: [BendKind; 2],
 }
 
 /// One row of numbers for each sample: those of one panel together.
@@ -88,15 +88,15 @@ impl Layout {
     }
 
     /// Both axes of the table and what it holds at its knots, those of one `u` in a row.
-    pub(super) fn knots(&self, samples: &Samples) -> (Axis, Axis, Vec<Node>) {
-        let axis = |breaks: &[f64], cells: usize, bend: Bend| {
+    pub(super) fn knots(&self, samples: &Samples) -> (Axis, Axis, Vec<TableNode>) {
+        let axis = |breaks: &[f64], cells: usize, bend: BendKind| {
             let knots = cut(breaks, cells).into_iter().map(|x| bend.at(x)).collect::<Vec<_>>();
             let rates = knots.iter().map(|y| bend.back_rate(*y)).collect::<Vec<_>>();
             (Axis::new(knots), rates)
         };
         let (u, u_rates) = axis(&self.u_breaks, self.u_cells, self.bends[0]);
         let (v, v_rates) = axis(&self.v_breaks, self.v_cells, self.bends[1]);
-        let mut nodes: Vec<Node> = vec![[[0.0; QUANTITIES]; 4]; u.knots.len() * v.knots.len()];
+        let mut nodes: Vec<TableNode> = vec![[[0.0; QUANTITIES]; 4]; u.knots.len() * v.knots.len()];
         let of = |cells: usize| (0..=cells).map(|i| basis(2.0 * i as f64 / cells as f64 - 1.0)).collect::<Vec<_>>();
         let (u_basis, v_basis) = (of(self.u_cells), of(self.v_cells));
         let v_panels = self.v_breaks.len() - 1;

@@ -1,5 +1,5 @@
 //! From a position, or from a direction and a moment, back to every equilibrium of the chart.
-use super::cells::Search;
+use super::cells::TargetSearch;
 use super::image::Image;
 use super::state::TipState;
 use super::tip::{STEEPEST_TILT, TipField};
@@ -124,6 +124,6 @@ impl TipField {
             Image::Position => &self.positions,
             Image::Reading => &self.readings,
         };
-        Search { table: &self.table, image, target, scale: self.scale() }.all(index, of_side)
+        TargetSearch { table: &self.table, image, target, scale: self.scale() }.all(index, of_side)
     }
 }

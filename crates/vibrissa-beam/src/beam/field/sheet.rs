@@ -31,11 +31,11 @@ pub enum Read {
 }
 
 /// A cell of the sheet: its number along the whisker and its number along the loads.
-pub type Cell = (usize, usize);
+pub type SheetCell = (usize, usize);
 
 /// One contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Spot {
+pub struct SheetContact {
     /// Force (N).
     pub force: f64,
     /// Arc length from the base (m).
@@ -50,7 +50,7 @@ pub struct Spot {
 
 /// All first-mode contacts of a rod whose force has one tilt from the normal, by arc length and load.
 #[derive(Clone, Debug)]
-pub struct Sheet {
+pub struct ContactSheet {
     /// The rod on a clamped base. An elastic one turns it as a whole, which is done with what is read.
     pub(super) rod: Rod,
     /// How far the base turns under a unit of moment (rad/(N m)).
@@ -91,7 +91,7 @@ pub struct Sheet {
     pub(super) per_length: f64,
 }
 
-impl Sheet {
+impl ContactSheet {
     /// Not negative in the first mode: how far moment or curvature are at the base from losing the sign that they have at the
     /// contact, as a moment by that of the unit of load.
     pub(super) fn in_first_mode(&self, s: f64, gain: f64, w: f64, scaled_moment: f64) -> f64 {
@@ -134,13 +134,13 @@ impl Sheet {
 
     /// The same place as seen from the cell that holds it, when it is further than `out` shares from its own.
     #[inline(always)]
-    pub fn settled(&self, cell: Cell, [a, b]: [f64; 2], out: f64) -> (Cell, [f64; 2]) {
+    pub fn settled(&self, cell: SheetCell, [a, b]: [f64; 2], out: f64) -> (SheetCell, [f64; 2]) {
         if a.min(b) >= -out && a.max(b) <= 1.0 + out { (cell, [a, b]) } else { self.moved(cell, [a, b]) }
     }
 
     #[cold]
     #[inline(never)]
-    fn moved(&self, (i, j): Cell, [a, b]: [f64; 2]) -> (Cell, [f64; 2]) {
+    fn moved(&self, (i, j): SheetCell, [a, b]: [f64; 2]) -> (SheetCell, [f64; 2]) {
         let u = self.u.place(self.u.knots[i] + a * self.u.width(i));
         let v = self.w.place(self.w.knots[j] + b * self.w.width(j));
         ((u.cell, v.cell), [u.share, v.share])
@@ -173,7 +173,7 @@ impl Sheet {
         }
     }
 
-    pub(super) fn is_live(&self, (row, column): Cell) -> bool {
+    pub(super) fn is_live(&self, (row, column): SheetCell) -> bool {
         self.live[row] >> column & 1 == 1
     }
 
@@ -209,7 +209,7 @@ impl Sheet {
     /// How much more than `value` is read at the place with these shares of a cell, and its derivatives by the shares: slopes in rad,
     /// moments by the unit of load.
     #[inline(always)]
-    pub fn excess<S: Simd>(&self, simd: S, read: Read, value: f64, (i, j): Cell, [a, b]: [f64; 2]) -> [f64; 3] {
+    pub fn excess<S: Simd>(&self, simd: S, read: Read, value: f64, (i, j): SheetCell, [a, b]: [f64; 2]) -> [f64; 3] {
         let [here, by_a, by_b] = self.patches[i * self.w.cells() + j].jet_of_two(simd, a, b);
         if read == Read::Slope && self.compliance <= 0.0 {
             return [here[0] - value, by_a[0], by_b[0]];
@@ -226,7 +226,7 @@ impl Sheet {
         }
     }
 
-    /// The contact at the place with these shares of a cell, and how much more than `value` it reads, as [`Sheet::excess`]; `None` beyond
+    /// The contact at the place with these shares of a cell, and how much more than `value` it reads, as [`ContactSheet::excess`]; `None` beyond
     /// the first mode.
     #[inline(always)]
     pub fn reading_spot<S: Simd>(
@@ -234,9 +234,9 @@ impl Sheet {
         simd: S,
         read: Read,
         value: f64,
-        (i, j): Cell,
+        (i, j): SheetCell,
         [a, b]: [f64; 2],
-    ) -> Option<(Spot, f64)> {
+    ) -> Option<(SheetContact, f64)> {
         let [gain, end] = cubics(&Powers::of(a, Pair::both), self.lines[i]).array();
         let (s_a, w) = ((self.u.at(i, a)) * self.rod.length(), self.w.at(j, b));
         let (spot, scaled) = self.spot_under(simd, force(gain, s_a, w * end), (s_a, gain, w), (i, j), [a, b])?;
@@ -254,9 +254,9 @@ impl Sheet {
         simd: S,
         force: f64,
         (s_a, gain, w): (f64, f64, f64),
-        (i, j): Cell,
+        (i, j): SheetCell,
         [a, b]: [f64; 2],
-    ) -> Option<(Spot, f64)> {
+    ) -> Option<(SheetContact, f64)> {
         let [mut phi_a, scaled, x, y] = self.patches.get(i * self.w.cells() + j)?.value(simd, a, b);
         if self.sure[i] >> j & 1 == 0
             && !(self.is_live((i, j)) && self.in_first_mode(s_a, gain, w, scaled) >= -self.errors[3])
@@ -271,11 +271,11 @@ impl Sheet {
             }
             (phi_a, contact) = (phi_a + turned, rotated(contact, turned));
         }
-        Some((Spot { force, s_a, phi_a, contact, moment }, scaled))
+        Some((SheetContact { force, s_a, phi_a, contact, moment }, scaled))
     }
 
     /// The contact under `force` (N) at `s_a` (m); `None` beyond the first mode and off the sheet.
-    pub fn contact(&self, force: f64, s_a: f64) -> Option<Spot> {
+    pub fn contact(&self, force: f64, s_a: f64) -> Option<SheetContact> {
         let place = self.u.place(s_a * self.per_length);
         let [gain, end] = cubics(&Powers::of(place.share, Pair::both), *self.lines.get(place.cell)?).array();
         let doubled = 2.0 * (force * gain * s_a).abs();
@@ -292,7 +292,7 @@ impl Sheet {
     }
 
     /// The contact at `s_a` (m) and at the place `w` along the loads, which go from -1 to 1.
-    pub fn contact_at(&self, s_a: f64, w: f64) -> Option<Spot> {
+    pub fn contact_at(&self, s_a: f64, w: f64) -> Option<SheetContact> {
         let (place, column) = (self.u.place(s_a * self.per_length), self.w.place(w));
         let [gain, end] = cubics(&Powers::of(place.share, Pair::both), *self.lines.get(place.cell)?).array();
         let inside = w.abs() <= 1.0 && (-1e-9..=1.0 + 1e-9).contains(&place.share);
@@ -412,7 +412,7 @@ mod tests {
             (state >> 11) as f64 / (1u64 << 53) as f64
         };
         for (rod, tilt) in rods() {
-            let sheet = Sheet::new(&rod, tilt, 80.0).unwrap();
+            let sheet = ContactSheet::new(&rod, tilt, 80.0).unwrap();
             let bound = sheet.position_error();
             let (mut inside, mut lost) = (0, 0);
             for _ in 0..1500 {

@@ -1,11 +1,11 @@
 //! How a contact sheet is made of a rod, and how far it is from it.
 use super::bicubic::{Bicubics, coefficients, powers};
-use super::chart::Bend;
-use super::ends::{Ends, force, gain, gain_and_rate};
+use super::chart::BendKind;
+use super::ends::{LoadEnd, force, gain, gain_and_rate};
 use super::errors;
 use super::panels::{Layout, Samples};
-use super::sheet::{BLOCK, Cell, KEPT, Sheet};
-use super::table::{MOMENT, Node, Row, SLOPE, Table, X, Y};
+use super::sheet::{BLOCK, ContactSheet, KEPT, SheetCell};
+use super::table::{MOMENT, Row, SLOPE, Table, TableNode, X, Y};
 use crate::beam::pair::Pair;
 use crate::beam::rod::Rod;
 use crate::plane::Vec2;
@@ -22,19 +22,19 @@ const MOST_REFINED: usize = 1;
 /// Largest error of a place, as a share of the length, with which a sheet is of use.
 const COARSEST: f64 = 2e-5;
 
-impl Sheet {
+impl ContactSheet {
     /// The sheet of contacts whose force is tilted by `tilt` (rad) from the rod's normal, for load numbers up to `most`.
     ///
     /// `None` for a rod that cannot be tabulated well or whose first mode does not end where its moment says so.
     pub fn new(rod: &Rod, tilt: f64, most: f64) -> Option<Self> {
         let clamped = rod.clone().with_base_stiffness(f64::INFINITY).ok()?;
-        let ends = Ends::new(&clamped, tilt, (2.0 * most).asinh())?;
+        let ends = LoadEnd::new(&clamped, tilt, (2.0 * most).asinh())?;
         let sheet = |refinement| Self::refined(rod, &clamped, tilt, &ends, CELLS[0] << refinement);
         (0..=MOST_REFINED).find_map(sheet)
     }
 
     /// The sheet with so many cells along each panel; `None` when these are too few, or when moments do not tell its end.
-    fn refined(sprung: &Rod, rod: &Rod, tilt: f64, ends: &Ends, cells: usize) -> Option<Self> {
+    fn refined(sprung: &Rod, rod: &Rod, tilt: f64, ends: &LoadEnd, cells: usize) -> Option<Self> {
         let length = rod.length();
         let exact = |u: f64, w: f64| {
             let (s, gain) = (u * length, gain(rod, u * length));
@@ -43,7 +43,8 @@ impl Sheet {
         };
         let w_breaks = (0..=PANELS).map(|k| 2.0 * k as f64 / PANELS as f64 - 1.0).collect();
         let u_breaks = ends.breaks.clone();
-        let layout = Layout { u_breaks, v_breaks: w_breaks, u_cells: cells, v_cells: CELLS[1], bends: [Bend::Same; 2] };
+        let layout =
+            Layout { u_breaks, v_breaks: w_breaks, u_cells: cells, v_cells: CELLS[1], bends: [BendKind::Same; 2] };
         let samples = layout.sample(exact)?;
         let (u, w, nodes) = layout.knots(&samples);
         let mut sheet = Self {
@@ -91,7 +92,7 @@ impl Sheet {
         }
         self.blocks = [0, 1].map(|k| blocks(&self.readings[k], columns));
         let cells = (0..self.u.cells()).flat_map(|i| (0..self.w.cells()).map(move |j| (i, j)));
-        let apart = |(i, j): Cell| {
+        let apart = |(i, j): SheetCell| {
             let corners = [(i, j), (i, j + 1), (i + 1, j + 1), (i + 1, j), (i, j)].map(|(i, j)| self.place(i, j));
             corners.windows(2).map(|w| w[0].distance(w[1])).fold(0.0, f64::max)
         };
@@ -121,7 +122,7 @@ impl Sheet {
         &mut self,
         layout: &Layout,
         samples: &Samples,
-        nodes: Vec<Node>,
+        nodes: Vec<TableNode>,
         exact: impl Fn(f64, f64) -> Option<Row>,
     ) {
         let table = Table::new(self.u.clone(), self.w.clone(), nodes);
@@ -149,7 +150,7 @@ impl Sheet {
 
     /// Whether the moment tells knots `inside` the first mode from those beyond, in all cells that have some of either.
     fn ends_by_moment(&self, inside: &[u128]) -> bool {
-        let told = |(i, j): Cell, p: usize, q: usize| {
+        let told = |(i, j): SheetCell, p: usize, q: usize| {
             let (row, column) = (i + p, j + q);
             let scaled = self.nodes[row * self.columns() + column][0][3];
             let (s, inside) = (self.u.knots[row] * self.rod.length(), inside[row] >> column & 1 == 1);

@@ -1,7 +1,7 @@
 //! The side field: the whisker as a table over the place of a frictionless contact and the force there.
-use super::cells::Search;
-use super::chart::{Bend, Bunched, reach};
-use super::errors::{self, Bounds};
+use super::cells::TargetSearch;
+use super::chart::{BendKind, Bunched, reach};
+use super::errors::{self, ErrorBounds};
 use super::image::Image;
 use super::index::Index;
 use super::panels::{Layout, Samples};
@@ -47,7 +47,7 @@ pub struct SideField {
     pub(super) limits: Vec<[f64; 2]>,
     pub(super) samples: Samples,
     table: Table,
-    pub(super) errors: Bounds,
+    pub(super) errors: ErrorBounds,
     index: Index,
 }
 
@@ -137,7 +137,7 @@ impl SideField {
         let load = largest(&limits);
         let table = layout(&rod).table(&samples);
         let index = Index::new(Image::Position, &table, |i, j| is_held(&table, &limits, &load, i, j));
-        Self { rod, mirrored, scale, load, limits, samples, table, errors: Bounds::default(), index }
+        Self { rod, mirrored, scale, load, limits, samples, table, errors: ErrorBounds::default(), index }
     }
 
     /// Bounds on the distance of every tabulated quantity from the beam, everywhere in the field.
@@ -185,7 +185,7 @@ impl SideField {
         let mut states = Vec::new();
         for side in if self.mirrored { &[1.0, -1.0][..] } else { &[1.0] } {
             let target = [position.x, side * position.y];
-            let search = Search { table: &self.table, image: Image::Position, target, scale };
+            let search = TargetSearch { table: &self.table, image: Image::Position, target, scale };
             let mut kept: Vec<[f64; 2]> = Vec::new();
             for [u, v] in search.all(&self.index, |_| true) {
                 if !kept.iter().any(|[a, b]| (a - u).abs() < 1e-8 && (b - v).abs() < 1e-8) {
@@ -359,6 +359,6 @@ pub(super) fn layout(rod: &Rod) -> Layout {
         v_breaks: if rod.is_straight() { even(0.0, 1.0, PANELS[1]) } else { even(-1.0, 1.0, 2 * PANELS[1]) },
         u_cells: CELLS[0],
         v_cells: CELLS[1],
-        bends: [Bend::Same; 2],
+        bends: [BendKind::Same; 2],
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! Each knot keeps value, both first derivatives and the mixed one; between knots each quantity is the bicubic Hermite
 //! polynomial of the four corners, kept by powers for look-ups. Its Bernstein coefficients enclose it.
-use super::axis::{Axis, Place};
+use super::axis::{Axis, AxisPlace};
 use super::bicubic::{Bicubics, Powers, coefficients, lanes, slide};
 use crate::platform::vector_level;
 use alloc::vec::Vec;
@@ -22,7 +22,7 @@ pub(super) const ENERGY: usize = 4;
 pub(super) type Row = [f64; QUANTITIES];
 
 /// Value, derivative by `u`, derivative by `v`, mixed derivative, of each quantity.
-pub(super) type Node = [Row; 4];
+pub(super) type TableNode = [Row; 4];
 
 /// The quantities (0), their derivatives by `u` (1) and their derivatives by `v` (2).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -48,7 +48,7 @@ pub(super) struct Table {
     pub(super) u: Axis,
     pub(super) v: Axis,
     /// Knots, those of one `u` in a row.
-    nodes: Vec<Node>,
+    nodes: Vec<TableNode>,
     /// Cells, those of one `u` in a row.
     patches: Vec<Patch>,
     /// What the processor has registers for: four numbers, or two. The results are the same to the last bit.
@@ -96,7 +96,7 @@ impl Jet {
 
 impl Table {
     /// The table over knots whose values and derivatives are known, those of one `u` in a row.
-    pub(super) fn new(u: Axis, v: Axis, nodes: Vec<Node>) -> Self {
+    pub(super) fn new(u: Axis, v: Axis, nodes: Vec<TableNode>) -> Self {
         let mut patches = Vec::with_capacity(u.cells() * v.cells());
         for i in 0..u.cells() {
             for j in 0..v.cells() {
@@ -118,7 +118,7 @@ impl Table {
         self.jet_at(&self.u.place_in(i, u), &self.v.place_in(j, v))
     }
 
-    fn jet_at(&self, u: &Place, v: &Place) -> Jet {
+    fn jet_at(&self, u: &AxisPlace, v: &AxisPlace) -> Jet {
         let Some(patch) = self.patch(u.cell, v.cell) else { return Jet::default() };
         dispatch!(self.level, simd => patch.jet(simd, u.along, v.along, 1.0))
     }
@@ -151,7 +151,7 @@ impl Table {
 }
 
 /// The polynomials of one cell with sides `h`.
-fn patch(nodes: &[Node], stride: usize, (i, j): (usize, usize), h: (f64, f64)) -> Patch {
+fn patch(nodes: &[TableNode], stride: usize, (i, j): (usize, usize), h: (f64, f64)) -> Patch {
     let at = |p: usize, q: usize, k: usize| nodes[(i + p) * stride + j + q].map(|row| row[k]);
     let of = |k: usize| {
         let mut all = coefficients([at(0, 0, k), at(0, 1, k), at(1, 0, k), at(1, 1, k)], h);

@@ -1,6 +1,6 @@
 //! The tip field: the whisker as a table over tilt and force at its tip.
-use super::chart::{Bend, Bunched, Limits, reach};
-use super::errors::{self, Bounds};
+use super::chart::{BendKind, Bunched, LoadLimits, reach};
+use super::errors::{self, ErrorBounds};
 use super::image::Image;
 use super::index::Index;
 use super::panels::{Layout, Samples};
@@ -55,7 +55,7 @@ pub(super) const TILTS: Bunched = Bunched::new(STEEPEST_TILT, 1.0);
 #[derive(Clone, Debug)]
 pub struct TipField {
     pub(super) rod: Rod,
-    pub(super) limits: Limits,
+    pub(super) limits: LoadLimits,
     /// Of each cell of tilts: loads on both sides that are within the limits all over it (N).
     sure: Vec<[f64; 2]>,
     pub(super) load: Bunched,
@@ -65,7 +65,7 @@ pub struct TipField {
     pub(super) mirrored: bool,
     pub(super) samples: Samples,
     pub(super) table: Table,
-    pub(super) errors: Bounds,
+    pub(super) errors: ErrorBounds,
     /// How often the cells were halved.
     pub(super) refinement: usize,
     pub(super) positions: Index,
@@ -87,7 +87,7 @@ impl TipField {
     /// Data: a rod too soft to be integrated.
     pub fn of_rod(rod: &Rod) -> Result<Self> {
         let forces = largest_forces(rod);
-        let limits = Limits::new(-STEEPEST_TILT, STEEPEST_TILT, forces);
+        let limits = LoadLimits::new(-STEEPEST_TILT, STEEPEST_TILT, forces);
         let load = Bunched::new(1.0, limits.largest());
         let exact = |tilt, force| rod.loaded(force, rod.length(), tilt).map(row);
         let samples = layout(rod, 0, load).sample(exact).filter(|_| load.to > 0.0).ok_or_else(too_soft)?;
@@ -107,13 +107,13 @@ impl TipField {
     /// The field of what was measured on a rod, its errors still unknown, with `2^refinement` times as many cells along each side.
     pub(super) fn from_measured(rod: Rod, measured: Measured, refinement: usize) -> Result<Self> {
         let Measured { forces, samples } = measured;
-        let limits = Limits::new(-STEEPEST_TILT, STEEPEST_TILT, forces);
+        let limits = LoadLimits::new(-STEEPEST_TILT, STEEPEST_TILT, forces);
         let load = Bunched::new(1.0, limits.largest());
         let table = layout(&rod, refinement, load).table(&samples);
         let held = |i: usize, j: usize| is_held(&table, &limits, i, j);
         let positions = Index::new(Image::Position, &table, held);
         let readings = Index::new(Image::Reading, &table, held);
-        let (mirrored, errors) = (rod.is_straight(), Bounds::default());
+        let (mirrored, errors) = (rod.is_straight(), ErrorBounds::default());
         Ok(Self {
             rod,
             sure: limits.sure(&table.u.knots),
@@ -235,12 +235,12 @@ pub(super) fn layout(rod: &Rod, refinement: usize, load: Bunched) -> Layout {
         v_breaks: even(start, 1.0, panels),
         u_cells: cells[0] << refinement,
         v_cells: cells[1] << refinement,
-        bends: [Bend::Inverse(TILTS), Bend::At(load)],
+        bends: [BendKind::Inverse(TILTS), BendKind::At(load)],
     }
 }
 
 /// Whether the cell `(i, j)` holds loads within the limits.
-fn is_held(table: &Table, limits: &Limits, i: usize, j: usize) -> bool {
+fn is_held(table: &Table, limits: &LoadLimits, i: usize, j: usize) -> bool {
     let (u, v) = (&table.u.knots, &table.v.knots);
     let (middle, nearest) = (v[j] + v[j + 1], v[j].abs().min(v[j + 1].abs()));
     nearest <= limits.largest_over(u[i], u[i + 1], middle)

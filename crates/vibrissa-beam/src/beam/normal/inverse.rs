@@ -5,7 +5,7 @@
 //! negative beyond, everything is smooth, both branches in one piece. Polynomials interpolate at Chebyshev's points of
 //! equal pieces; the points come from Newton's method on the forward functions, all in constant evaluation.
 
-use super::series::{A, B, C, DERIVED, P, PIECES, Piece, STORED, forward, horner, horner_wide};
+use super::series::{A, B, C, DERIVED, P, PIECES, STORED, SeriesPiece, forward, horner, horner_wide};
 use fearless_simd::Simd;
 
 /// Terms of each polynomial.
@@ -81,7 +81,7 @@ pub(super) const fn contact(a: f64, b: f64, c: f64, y: f64) -> (f64, f64) {
 }
 
 impl Coordinate {
-    const fn of(self, pieces: &[Piece; PIECES], q: f64) -> (f64, f64) {
+    const fn of(self, pieces: &[SeriesPiece; PIECES], q: f64) -> (f64, f64) {
         let f = forward(pieces, q * q);
         match self {
             Self::Moment => (2.0 * q * f[A], f[A] + f[C]),
@@ -95,7 +95,7 @@ impl Coordinate {
     }
 
     /// Where the coordinate is largest.
-    const fn fold(self, pieces: &[Piece; PIECES]) -> f64 {
+    const fn fold(self, pieces: &[SeriesPiece; PIECES]) -> f64 {
         let (mut lo, mut hi, mut i) = (0.5 * LAST_Q * 0.5, LAST_Q, 0);
         while i < 60 {
             let middle = 0.5 * (lo + hi);
@@ -140,7 +140,7 @@ const fn point(k: usize) -> f64 {
 }
 
 /// `q` where the coordinate is `target`, by Newton's method from `start` that stays on one side of the fold.
-const fn solve(coordinate: Coordinate, pieces: &[Piece; PIECES], target: f64, start: f64, fold: f64) -> f64 {
+const fn solve(coordinate: Coordinate, pieces: &[SeriesPiece; PIECES], target: f64, start: f64, fold: f64) -> f64 {
     let (mut q, mut i) = (start, 0);
     while i < 12 {
         let (value, slope) = coordinate.of(pieces, q);

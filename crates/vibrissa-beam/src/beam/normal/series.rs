@@ -33,7 +33,7 @@ const S: usize = 4;
 const CARRIED: usize = 5;
 
 /// Polynomials of all functions about one centre, by rising power.
-pub(super) type Piece = [[f64; STORED]; TERMS];
+pub(super) type SeriesPiece = [[f64; STORED]; TERMS];
 
 /// Terms carried while marching from piece to piece.
 const LONG: usize = 40;
@@ -43,9 +43,9 @@ const NEAR_ZERO: usize = 4;
 
 /// The polynomials, piece `i` about `y = i + 1/2`, for constant evaluation.
 #[allow(clippy::large_const_arrays, reason = "constants cannot read statics")]
-pub(super) const DERIVED: [Piece; PIECES] = derive();
+pub(super) const DERIVED: [SeriesPiece; PIECES] = derive();
 /// The same in memory.
-pub(super) static FORWARD: [Piece; PIECES] = DERIVED;
+pub(super) static FORWARD: [SeriesPiece; PIECES] = DERIVED;
 
 const fn product(f: &Long, a: usize, b: usize, n: usize) -> f64 {
     let (mut sum, mut i) = (0.0, 0);
@@ -123,7 +123,7 @@ const fn shifted(mut f: Long, x: f64) -> Long {
     f
 }
 
-const fn shortened(f: &Long) -> Piece {
+const fn shortened(f: &Long) -> SeriesPiece {
     let mut piece = [[0.0; STORED]; TERMS];
     let mut n = 0;
     while n < TERMS {
@@ -134,7 +134,7 @@ const fn shortened(f: &Long) -> Piece {
 }
 
 #[allow(long_running_const_eval)]
-const fn derive() -> [Piece; PIECES] {
+const fn derive() -> [SeriesPiece; PIECES] {
     let mut pieces = [[[0.0; STORED]; TERMS]; PIECES];
     let zero = about_zero();
     let mut long = zero;
@@ -150,7 +150,7 @@ const fn derive() -> [Piece; PIECES] {
 
 /// The functions at `y` in \[0, 48\].
 #[inline(always)]
-pub(super) const fn forward(pieces: &[Piece; PIECES], y: f64) -> [f64; STORED] {
+pub(super) const fn forward(pieces: &[SeriesPiece; PIECES], y: f64) -> [f64; STORED] {
     let i = if y < PIECES as f64 { y as usize } else { PIECES - 1 };
     horner(&pieces[i], y - i as f64 - 0.5)
 }

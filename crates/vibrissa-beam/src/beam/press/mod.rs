@@ -28,7 +28,7 @@ use alloc::vec::Vec;
 use core::f64::consts::{FRAC_PI_2, PI};
 #[cfg(not(feature = "std"))]
 use num_traits::Float as _;
-use sheet::{Bend, Sheet};
+use sheet::{PressBend, PressSheet};
 use side::Sides;
 
 /// The deviation measured between the nodes is multiplied by this to bound it: twice what a smooth sheet needs.
@@ -38,14 +38,14 @@ const ROUNDING: f64 = 1e-9;
 
 /// A tip contact: moment and tip.
 #[derive(Clone, Copy, Debug)]
-struct Node {
+struct PressNode {
     moment: f64,
     tip: Vec2,
 }
 
 /// How far a sheet leaves its bilinear interpolation within one cell.
 #[derive(Clone, Copy, Debug)]
-struct Gap {
+struct SheetError {
     moment: f64,
     tip: f64,
 }
@@ -62,8 +62,8 @@ pub struct PressTable {
     /// The direction in the middle of each column, as a vector.
     middles: Vec<Vec2>,
     /// Tip contacts without an inflection, and with one.
-    plain: Sheet,
-    inflected: Sheet,
+    plain: PressSheet,
+    inflected: PressSheet,
     /// Side contacts likewise; with an inflection only friction can hold a side.
     sides: Sides,
     inflected_sides: Option<Sides>,
@@ -82,18 +82,18 @@ impl PressTable {
         let even = 1 << columns.trailing_zeros().min(3);
         let all = (columns + beyond).div_ceil(even) * even;
         let directions: Vec<f64> = (0..=all).map(|i| PI + (i as f64 - columns as f64) * step).collect();
-        Self::of(Sheet::both(&directions, rows, (slack, steepest)), directions, (slack, steepest))
+        Self::of(PressSheet::both(&directions, rows, (slack, steepest)), directions, (slack, steepest))
     }
 
-    fn of([plain, inflected]: [Sheet; 2], directions: Vec<f64>, (slack, steepest): (f64, f64)) -> Self {
+    fn of([plain, inflected]: [PressSheet; 2], directions: Vec<f64>, (slack, steepest): (f64, f64)) -> Self {
         let sides = |bend| Sides::new(&directions, bend, slack);
         Self {
             slack,
             steepest,
             plain,
             inflected,
-            sides: sides(Bend::Plain),
-            inflected_sides: (slack > 0.0).then(|| sides(Bend::Inflected)),
+            sides: sides(PressBend::Plain),
+            inflected_sides: (slack > 0.0).then(|| sides(PressBend::Inflected)),
             middles: directions.windows(2).map(|d| Vec2::from_angle(0.5 * (d[0] + d[1]))).collect(),
             directions,
         }

@@ -1,6 +1,6 @@
 //! One sheet of tip contacts over the wall's direction and the share of the range of slopes, with bounds between the nodes.
 
-use super::{Gap, Node, ROUNDING, SAFETY};
+use super::{PressNode, ROUNDING, SAFETY, SheetError};
 use crate::beam::pendulum::{Pendulum, Tilt};
 use crate::plane::Vec2;
 use alloc::vec::Vec;
@@ -12,20 +12,20 @@ use num_traits::Float as _;
 const STILL: f64 = 1e-9;
 const NO_SLOPE: f64 = 1e-12;
 /// The whisker without a load.
-const STRAIGHT: Node = Node { moment: 0.0, tip: Vec2::new(1.0, 0.0) };
+const STRAIGHT: PressNode = PressNode { moment: 0.0, tip: Vec2::new(1.0, 0.0) };
 
 /// How the whisker is bent between base and tip.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Bend {
+pub(super) enum PressBend {
     /// One way: the base lies within the pendulum's first half swing.
     Plain,
     /// With one inflection: within its second. The moment has the other sign.
     Inflected,
 }
 
-impl Bend {
+impl PressBend {
     /// The tip contact with the tilt `beta` and the slope `u`.
-    pub(super) fn tip(self, beta: f64, u: f64) -> Node {
+    pub(super) fn tip(self, beta: f64, u: f64) -> PressNode {
         let [plain, inflected] = tips(beta, u);
         match self {
             Self::Plain => plain,
@@ -36,10 +36,10 @@ impl Bend {
 
 /// A sheet: nodes for every direction and every step of the slope, by columns.
 #[derive(Clone, Debug)]
-pub(super) struct Sheet {
+pub(super) struct PressSheet {
     pub(super) rows: usize,
-    nodes: Vec<Node>,
-    gaps: Vec<Gap>,
+    nodes: Vec<PressNode>,
+    gaps: Vec<SheetError>,
     /// Least and largest moment of each cell, and of so many that follow each other in a column.
     ranges: Vec<(f64, f64)>,
     blocks: Vec<(f64, f64)>,
@@ -49,11 +49,11 @@ pub(super) struct Sheet {
 const BLOCK: usize = 8;
 
 /// Friction angle and largest slope (rad).
-type Limits = (f64, f64);
+type PressLimits = (f64, f64);
 
-impl Sheet {
+impl PressSheet {
     /// The sheets of shapes without an inflection and with one: each pendulum passes the contact's slope twice.
-    pub(super) fn both(directions: &[f64], rows: usize, limits: Limits) -> [Self; 2] {
+    pub(super) fn both(directions: &[f64], rows: usize, limits: PressLimits) -> [Self; 2] {
         // The moment grows like the root of the slope where it starts from nothing.
         let share = |half_row: usize| (0.5 * half_row as f64 / rows as f64).powi(2);
         let columns = directions.len() - 1;
@@ -72,7 +72,7 @@ impl Sheet {
     }
 
     /// From its values at the nodes, at the middles of the edges, and at the middles of the cells, by half columns.
-    fn of(grid: &[Node], columns: usize, rows: usize) -> Self {
+    fn of(grid: &[PressNode], columns: usize, rows: usize) -> Self {
         let at = |half_column: usize, half_row: usize| grid[half_column * (2 * rows + 1) + half_row];
         let mut sheet = Self {
             rows,
@@ -105,12 +105,12 @@ impl Sheet {
         Self::of(&self.nodes, columns / 2, self.rows / 2)
     }
 
-    pub(super) fn node(&self, column: usize, row: usize) -> Node {
+    pub(super) fn node(&self, column: usize, row: usize) -> PressNode {
         self.nodes[column * (self.rows + 1) + row]
     }
 
     /// The gaps of some cells of a column.
-    pub(super) fn gaps(&self, column: usize, first: usize, end: usize) -> &[Gap] {
+    pub(super) fn gaps(&self, column: usize, first: usize, end: usize) -> &[SheetError] {
         &self.gaps[column * self.rows + first..column * self.rows + end]
     }
 
@@ -131,7 +131,7 @@ impl Sheet {
 
     /// The gap of one cell, from the sheet at the cell's middle and at the middles of its edges; `at` takes half columns
     /// and half rows from the cell's first corner on.
-    fn measure(&self, column: usize, row: usize, at: impl Fn(usize, usize) -> Node) -> Gap {
+    fn measure(&self, column: usize, row: usize, at: impl Fn(usize, usize) -> PressNode) -> SheetError {
         let corners = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(c, r)| self.node(column + c, row + r));
         let probes = [
             (1, 1, [0.25; 4]),
@@ -140,7 +140,7 @@ impl Sheet {
             (0, 1, [0.5, 0.0, 0.5, 0.0]),
             (2, 1, [0.0, 0.5, 0.0, 0.5]),
         ];
-        let mut gap = Gap { moment: 0.0, tip: 0.0 };
+        let mut gap = SheetError { moment: 0.0, tip: 0.0 };
         for (half_column, half_row, weights) in probes {
             let at = at(half_column, half_row);
             let moment: f64 = corners.iter().zip(weights).map(|(n, w)| w * n.moment).sum();
@@ -148,12 +148,12 @@ impl Sheet {
             gap.moment = gap.moment.max((at.moment - moment).abs());
             gap.tip = gap.tip.max(at.tip.distance(place));
         }
-        Gap { moment: SAFETY * gap.moment + ROUNDING, tip: SAFETY * gap.tip + ROUNDING }
+        SheetError { moment: SAFETY * gap.moment + ROUNDING, tip: SAFETY * gap.tip + ROUNDING }
     }
 }
 
 /// The tip contacts with the force in `direction` (rad), at this share of the range of slopes, as [`tips`] gives them.
-fn at_share(direction: f64, share: f64, (slack, steepest): Limits) -> [Node; 2] {
+fn at_share(direction: f64, share: f64, (slack, steepest): PressLimits) -> [PressNode; 2] {
     let least = (2.0 * (direction - PI)).max(0.0);
     let most = (direction - FRAC_PI_2 + slack).min(steepest).max(least);
     let u = least + share * (most - least);
@@ -162,7 +162,7 @@ fn at_share(direction: f64, share: f64, (slack, steepest): Limits) -> [Node; 2] 
 
 /// The tip contacts with the tilt `beta` and the slope `u`, without an inflection and with one: the first and the second time
 /// that the pendulum comes by. The straight whisker where that is no load at all.
-fn tips(beta: f64, u: f64) -> [Node; 2] {
+fn tips(beta: f64, u: f64) -> [PressNode; 2] {
     let beta = beta.clamp(-FRAC_PI_2, FRAC_PI_2);
     let u = u.clamp(0.0, PI - 2.0 * beta);
     let is_still = FRAC_PI_2 - beta < STILL;
@@ -172,7 +172,7 @@ fn tips(beta: f64, u: f64) -> [Node; 2] {
     let pendulum = Pendulum::new(Tilt::from_gap(beta + FRAC_PI_2));
     let there = pendulum.at(pendulum.time_of(u).clamp(0.0, pendulum.half_period()));
     let (sin, cos) = u.sin_cos();
-    let node = |t: f64, (along, across): (f64, f64)| Node {
+    let node = |t: f64, (along, across): (f64, f64)| PressNode {
         moment: t * there.du,
         tip: Vec2::new(along * cos + across * sin, along * sin - across * cos) * (1.0 / t),
     };
@@ -183,6 +183,6 @@ fn tips(beta: f64, u: f64) -> [Node; 2] {
     // The way back mirrors the way there.
     let turn = pendulum.turn();
     let back = (2.0 * turn.along - there.along, 2.0 * turn.across - there.across);
-    let Node { moment, tip } = node(2.0 * turn.t - there.t, back);
-    [plain, Node { moment: moment.max(0.0), tip }]
+    let PressNode { moment, tip } = node(2.0 * turn.t - there.t, back);
+    [plain, PressNode { moment: moment.max(0.0), tip }]
 }

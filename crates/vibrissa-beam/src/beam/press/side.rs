@@ -1,7 +1,7 @@
 //! Side contacts by the wall's direction: up to scale there is one for each, but for friction.
 
-use super::sheet::Bend;
-use super::{Gap, Node, PressEntry, ROUNDING, SAFETY};
+use super::sheet::PressBend;
+use super::{PressEntry, PressNode, ROUNDING, SAFETY, SheetError};
 use crate::plane::Vec2;
 use alloc::vec::Vec;
 use core::f64::consts::{FRAC_PI_2, PI};
@@ -13,7 +13,7 @@ const FRICTION_SAFETY: f64 = 1.2;
 
 /// The side contacts for one direction of the wall: at the arc length `reach / mu` the contact is `scaled / mu`.
 #[derive(Clone, Copy, Debug)]
-struct Side {
+struct SideTable {
     reach: f64,
     scaled: Vec2,
 }
@@ -21,7 +21,7 @@ struct Side {
 /// The side contacts of one column over their arc length: `center + along (psi - middle)` up to `gap`; smooth where the
 /// moment vanishes, too.
 #[derive(Clone, Copy, Debug)]
-struct Outline {
+struct SideOutline {
     center: Vec2,
     along: Vec2,
     gap: f64,
@@ -30,21 +30,21 @@ struct Outline {
 /// The side contacts of every direction, bent one way or with an inflection.
 #[derive(Clone, Debug)]
 pub(super) struct Sides {
-    sides: Vec<Side>,
-    gaps: Vec<Gap>,
+    sides: Vec<SideTable>,
+    gaps: Vec<SheetError>,
     /// The largest deviation of a side contact by friction, for each column.
-    slack: Vec<Gap>,
-    outlines: Vec<Outline>,
+    slack: Vec<SheetError>,
+    outlines: Vec<SideOutline>,
 }
 
 /// A column: the middle and half of its range of directions (rad).
 pub(super) type Column = (f64, f64);
 
 impl Sides {
-    pub(super) fn new(directions: &[f64], bend: Bend, slack: f64) -> Self {
+    pub(super) fn new(directions: &[f64], bend: PressBend, slack: f64) -> Self {
         let gap = |d: &[f64]| {
             let (at, a, b) = (side(bend, 0.5 * (d[0] + d[1]), 0.0), side(bend, d[0], 0.0), side(bend, d[1], 0.0));
-            Gap {
+            SheetError {
                 moment: SAFETY * (at.reach - 0.5 * (a.reach + b.reach)).abs() + ROUNDING,
                 tip: SAFETY * (at.scaled - (a.scaled + b.scaled) * 0.5).norm() + ROUNDING,
             }
@@ -91,7 +91,7 @@ impl Sides {
 
     /// Side contacts with arc lengths in a range, over the whisker's.
     fn short(&self, column: usize, (least, most): (f64, f64), (middle, half): Column) -> PressEntry {
-        let Outline { center, along, gap } = self.outlines[column];
+        let SideOutline { center, along, gap } = self.outlines[column];
         let (arc, spread) = (0.5 * (least + most), 0.5 * (most - least).max(0.0));
         PressEntry {
             middle,
@@ -111,23 +111,23 @@ fn slope(direction: f64) -> f64 {
 }
 
 /// The side contacts where the whisker's normal at the contact has this direction, and the force is tilted by `beta`.
-fn side(bend: Bend, direction: f64, beta: f64) -> Side {
-    let Node { moment, tip } = bend.tip(beta, slope(direction));
-    Side { reach: moment, scaled: tip * moment }
+fn side(bend: PressBend, direction: f64, beta: f64) -> SideTable {
+    let PressNode { moment, tip } = bend.tip(beta, slope(direction));
+    SideTable { reach: moment, scaled: tip * moment }
 }
 
-fn outline(bend: Bend, left: f64, right: f64, slack: f64) -> Outline {
+fn outline(bend: PressBend, left: f64, right: f64, slack: f64) -> SideOutline {
     let shape = |direction: f64, beta: f64| bend.tip(beta, slope(direction)).tip;
     let (middle, half) = (0.5 * (left + right), 0.5 * (right - left));
     let (a, b) = (shape(left, 0.0), shape(right, 0.0));
     let (center, along) = ((a + b) * 0.5, (b - a) * (0.5 / half));
     let off = [left, middle, right].into_iter().flat_map(|d| [-1.0, -0.5, 0.0, 0.5, 1.0].map(|s| (d, s * slack)));
     let gap = off.map(|(d, beta)| (shape(d, beta) - center - along * (d - middle)).norm()).fold(0.0, f64::max);
-    Outline { center, along, gap: SAFETY * gap }
+    SideOutline { center, along, gap: SAFETY * gap }
 }
 
-fn friction_slack(bend: Bend, direction: f64, slack: f64) -> Gap {
-    let mut gap = Gap { moment: 0.0, tip: 0.0 };
+fn friction_slack(bend: PressBend, direction: f64, slack: f64) -> SheetError {
+    let mut gap = SheetError { moment: 0.0, tip: 0.0 };
     if slack > 0.0 {
         let middle = side(bend, direction, 0.0);
         for share in [-1.0, -0.5, 0.5, 1.0] {
@@ -135,7 +135,7 @@ fn friction_slack(bend: Bend, direction: f64, slack: f64) -> Gap {
             gap.moment = gap.moment.max((at.reach - middle.reach).abs());
             gap.tip = gap.tip.max(at.scaled.distance(middle.scaled));
         }
-        gap = Gap { moment: FRICTION_SAFETY * gap.moment, tip: FRICTION_SAFETY * gap.tip };
+        gap = SheetError { moment: FRICTION_SAFETY * gap.moment, tip: FRICTION_SAFETY * gap.tip };
     }
     gap
 }

@@ -1,7 +1,7 @@
 //! The contacts that explain one interval of moments, by the direction of the wall.
 
 use super::PressTable;
-use super::sheet::Sheet;
+use super::sheet::PressSheet;
 use super::side::Sides;
 use crate::plane::Vec2;
 use crate::sets::Interval;
@@ -162,7 +162,7 @@ impl PressTable {
     }
 
     /// One entry for each run of cells that reach the interval and along which the moment keeps rising or falling.
-    fn tips(&self, sheet: &Sheet, column: usize, range: (f64, f64), entries: &mut Vec<PressEntry>) {
+    fn tips(&self, sheet: &PressSheet, column: usize, range: (f64, f64), entries: &mut Vec<PressEntry>) {
         let rising = |row: usize| {
             let mean = |r: usize| sheet.node(column, r).moment + sheet.node(column + 1, r).moment;
             mean(row + 1) > mean(row)
@@ -191,7 +191,7 @@ impl PressTable {
     ///
     /// Moment and tip are bilinear within each cell up to their gaps, so the model's deviation, bilinear as well, is
     /// largest at a node.
-    fn run(&self, sheet: &Sheet, column: usize, (first, end): (usize, usize), (lo, hi): (f64, f64)) -> PressEntry {
+    fn run(&self, sheet: &PressSheet, column: usize, (first, end): (usize, usize), (lo, hi): (f64, f64)) -> PressEntry {
         let (left, right) = (self.directions[column], self.directions[column + 1]);
         let (middle, half) = (0.5 * (left + right), 0.5 * (right - left));
         let mean = |row: usize| {

@@ -4,7 +4,7 @@ use super::super::bend::Bend;
 use super::super::load::Load;
 use super::super::{check_arc_length, check_contact, finite};
 use super::Rod;
-use super::newton::{Goal, Problem, Refined, refine};
+use super::newton::{Goal, ModeProblem, Refined, refine};
 use super::shot::{Trial, gap_of};
 use crate::error::Result;
 use crate::plane::Vec2;
@@ -79,7 +79,7 @@ impl Rod {
         if let Line::Following(beta) = line {
             start.gap = gap_of(beta);
         }
-        let Refined { shot, mut status, iterations } = refine(&Problem { rod: self, line, goal }, start);
+        let Refined { shot, mut status, iterations } = refine(&ModeProblem { rod: self, line, goal }, start);
         if let Some(shot) = shot.filter(|_| status == Status::Converged) {
             if shot.trial.s_a > self.length * (1.0 + 1e-9) {
                 status = Status::BeyondTip;

@@ -27,7 +27,7 @@
 
 use super::super::pair::Pair;
 use super::Rod;
-use super::section::{Piece, rest_series};
+use super::section::{RodPiece, rest_series};
 use crate::plane::Vec2;
 #[cfg(not(feature = "std"))]
 use num_traits::Float as _;
@@ -55,7 +55,7 @@ pub(super) const INVERSE: [f64; ORDER + 1] = {
 
 /// The rod at one arc length.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct State {
+pub(super) struct RodState {
     pub(super) s: f64,
     pub(super) phi: f64,
     pub(super) moment: f64,
@@ -64,8 +64,8 @@ pub(super) struct State {
 
 /// One step: the series of everything about `start`.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Step {
-    pub(super) start: State,
+pub(super) struct MarchStep {
+    pub(super) start: RodState,
     /// Signed length of the step (m).
     pub(super) h: f64,
     /// How fast the radius falls, as a share of that at the start (1/m).
@@ -124,9 +124,9 @@ struct Factors {
     across: Pair,
 }
 
-impl Step {
+impl MarchStep {
     /// A step that leads nowhere yet.
-    fn at_rest(start: State) -> Self {
+    fn at_rest(start: RodState) -> Self {
         let pairs = [Pair::default(); ORDER + 1];
         Self {
             start,
@@ -191,7 +191,7 @@ impl Step {
 
     /// Becomes the series about `start`. In place, since copies take longer than sums; one copy of this long code serves every march.
     #[inline(never)]
-    fn lead(&mut self, stretch: &Piece, curvature: &[f64], start: State, turn: Pair, force: Vec2) {
+    fn lead(&mut self, stretch: &RodPiece, curvature: &[f64], start: RodState, turn: Pair, force: Vec2) {
         let radius = stretch.radius(start.s);
         let inverse = 1.0 / radius;
         let (square, over) = (radius * radius, inverse * inverse);
@@ -212,7 +212,7 @@ impl Step {
         if w.abs() > 0.0 { -(-w * length).ln_1p() / w } else { length }
     }
 
-    /// The inverse of [`Step::counted`].
+    /// The inverse of [`MarchStep::counted`].
     #[inline]
     fn length_of(&self, t: f64) -> f64 {
         let w = self.narrowing;
@@ -246,13 +246,13 @@ impl Step {
 
     /// The state at signed distance `tau` (m) from the start of the step.
     #[inline]
-    pub(super) fn at(&self, tau: f64) -> State {
+    pub(super) fn at(&self, tau: f64) -> RodState {
         self.at_both(tau, self.counted(tau)).0
     }
 
     /// The state at a distance, given as a length (m) and as the step counts it, and the cosine and sine of its slope.
     #[inline(always)]
-    fn at_both(&self, length: f64, t: f64) -> (State, Pair) {
+    fn at_both(&self, length: f64, t: f64) -> (RodState, Pair) {
         let [slope, place, turn] = sums([&self.slope, &self.place, &self.turn], t);
         let start = &self.start;
         let r = 1.0 - self.narrowing * length;
@@ -261,7 +261,7 @@ impl Step {
         let [phi, moment] = slope.array();
         let [x, y] = place.array();
         let moment = moment * (self.rigidity * cube);
-        let state = State { s: start.s + length, phi, moment, position: start.position + cube * Vec2::new(x, y) };
+        let state = RodState { s: start.s + length, phi, moment, position: start.position + cube * Vec2::new(x, y) };
         (state, turn.times(square))
     }
 
@@ -301,15 +301,15 @@ fn rough_root(x: f64) -> f64 {
 #[inline]
 pub(super) fn march(
     rod: &Rod,
-    start: State,
+    start: RodState,
     force: Vec2,
     to: f64,
-    mut look: impl FnMut(&Step, &State) -> bool,
-) -> Option<State> {
+    mut look: impl FnMut(&MarchStep, &RodState) -> bool,
+) -> Option<RodState> {
     let mut state = start;
     let (sin, cos) = start.phi.sin_cos();
     let mut turn = Pair::new(cos, sin);
-    let mut step = Step::at_rest(start);
+    let mut step = MarchStep::at_rest(start);
     let (mut stretch, mut end, mut narrows) = enter(rod, start.s, to);
     for _ in 0..MOST_STEPS {
         step.lead(&stretch, &rod.curvature, state, turn, force);
@@ -345,7 +345,7 @@ pub(super) fn march(
 }
 
 /// The stretch that a march from `s` to `to` enters, where it leaves it, and by how much the logarithm of the radius falls until then.
-fn enter(rod: &Rod, s: f64, to: f64) -> (Piece, f64, f64) {
+fn enter(rod: &Rod, s: f64, to: f64) -> (RodPiece, f64, f64) {
     let backwards = to < s;
     let piece = rod.piece(s, backwards);
     let end = if backwards { to.max(rod.piece_start(s)) } else { to.min(piece.end) };

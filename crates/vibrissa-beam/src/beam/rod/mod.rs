@@ -36,8 +36,8 @@ pub use section::Segment;
 use super::stretch::{SHARPEST, Stretch, Stretches};
 use super::whisker::Whisker;
 use crate::error::{Error, Result};
-use march::{ORDER, State};
-use section::{Piece, pieces, tapered};
+use march::{ORDER, RodState};
+use section::{RodPiece, pieces, tapered};
 
 /// A rod ready to be bent: checked, and independent of its load.
 ///
@@ -46,7 +46,7 @@ use section::{Piece, pieces, tapered};
 pub struct Rod {
     length: f64,
     /// Shared, since every equilibrium found keeps its rod.
-    pieces: Arc<[Piece]>,
+    pieces: Arc<[RodPiece]>,
     /// Coefficients of the rest curvature by rising power of `s`.
     curvature: Arc<[f64]>,
     /// `1 / k_base` (rad/(N m)); 0 when clamped.
@@ -86,7 +86,7 @@ impl Rod {
             return Err(error.remedy("give the tip's radius over the base's; a point is no beam"));
         }
         let piece =
-            Piece { start: 0.0, end: length, rigidity: flexural_rigidity, narrowing: (1.0 - tip_ratio) / length };
+            RodPiece { start: 0.0, end: length, rigidity: flexural_rigidity, narrowing: (1.0 - tip_ratio) / length };
         Ok(Self { length, pieces: Arc::new([piece]), curvature: Arc::new([]), base_compliance: 0.0 })
     }
 
@@ -182,17 +182,17 @@ impl Rod {
     }
 
     /// The derivative of the slope (1/m).
-    fn curvature_of(&self, state: &State) -> f64 {
+    fn curvature_of(&self, state: &RodState) -> f64 {
         state.moment * self.compliance(state.s) + self.rest_curvature(state.s)
     }
 
     /// The stretch that a march from `s` enters.
-    fn piece(&self, s: f64, backwards: bool) -> Piece {
+    fn piece(&self, s: f64, backwards: bool) -> RodPiece {
         let last = self.pieces[self.pieces.len() - 1];
-        let inside = |piece: &&Piece| if backwards { s <= piece.end } else { s < piece.end };
+        let inside = |piece: &&RodPiece| if backwards { s <= piece.end } else { s < piece.end };
         let piece = self.pieces.iter().find(inside).copied().unwrap_or(last);
         // Slightly beyond the tip the last stretch goes on.
-        if piece.end >= self.length { Piece { end: f64::INFINITY, ..piece } } else { piece }
+        if piece.end >= self.length { RodPiece { end: f64::INFINITY, ..piece } } else { piece }
     }
 
     /// Where the stretch begins that a march from `s` towards the base enters.
@@ -203,7 +203,7 @@ impl Rod {
     /// At least [`Rod::softness`], and nearer to it than the largest and the smallest rigidity are to each other.
     fn softness_at_most(&self, s_a: f64) -> f64 {
         let ends = self.pieces.iter().filter(|piece| piece.start < s_a);
-        let softest = |piece: &Piece| piece.compliance(piece.start).max(piece.compliance(piece.end.min(s_a)));
+        let softest = |piece: &RodPiece| piece.compliance(piece.start).max(piece.compliance(piece.end.min(s_a)));
         0.5 * s_a * s_a * ends.map(softest).fold(0.0, f64::max)
     }
 

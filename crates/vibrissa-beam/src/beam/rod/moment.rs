@@ -6,8 +6,8 @@ use super::super::moment_mode::pushing;
 use super::super::{check_arc_length, finite, sorted};
 use super::Rod;
 use super::follow::Status;
-use super::march::{State, march};
-use super::newton::{Goal, Problem, refine};
+use super::march::{RodState, march};
+use super::newton::{Goal, ModeProblem, refine};
 use super::point::MOST_TURNING;
 use super::scan::{geometric, roots};
 use super::shot::{Shot, Trial, gap_of};
@@ -59,7 +59,7 @@ impl Rod {
     fn fixed_moment(&self, moment: f64, s_a: f64, psi: f64) -> Vec<Shot> {
         let sign = pushing(psi, moment.signum()).0;
         let unit = 1.0 / self.softness(s_a);
-        let base = State { s: 0.0, phi: self.base_angle(moment), moment, position: Vec2::ZERO };
+        let base = RodState { s: 0.0, phi: self.base_angle(moment), moment, position: Vec2::ZERO };
         let end = |q: f64, to: f64| {
             let force = sign * q * unit * Vec2::from_angle(psi);
             march(self, base, force, to, |_, state| state.phi.abs() < MOST_TURNING)
@@ -70,7 +70,7 @@ impl Rod {
         let found = roots(residual, &grid).into_iter().filter_map(|q| {
             let state = end(q, s_a)?;
             let start = Trial { force: sign * q * unit, s_a, gap: psi - state.phi };
-            let problem = Problem { rod: self, line: Line::Fixed(psi), goal: Goal::Moment(moment) };
+            let problem = ModeProblem { rod: self, line: Line::Fixed(psi), goal: Goal::Moment(moment) };
             let refined = refine(&problem, start);
             refined.shot.filter(|shot| refined.status == Status::Converged && shot.trial.shoot(self).is_some())
         });

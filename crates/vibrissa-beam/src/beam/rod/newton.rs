@@ -24,7 +24,7 @@ pub(super) enum Goal {
 }
 
 /// A mode with its numbers.
-pub(super) struct Problem<'a> {
+pub(super) struct ModeProblem<'a> {
     pub(super) rod: &'a Rod,
     pub(super) line: Line,
     pub(super) goal: Goal,
@@ -40,7 +40,7 @@ pub(super) struct Refined {
 /// Residuals or unknowns; those not in use stay zero.
 type Triple = [f64; 3];
 
-impl Problem<'_> {
+impl ModeProblem<'_> {
     /// Which of force, arc length and tilt are unknown.
     fn unknowns(&self) -> [bool; 3] {
         let fixed = matches!(self.line, Line::Fixed(_));
@@ -74,7 +74,7 @@ impl Problem<'_> {
 }
 
 /// Newton's method from `start`, with derivatives by differences and steps cut where the residual would grow.
-pub(super) fn refine(problem: &Problem<'_>, start: Trial) -> Refined {
+pub(super) fn refine(problem: &ModeProblem<'_>, start: Trial) -> Refined {
     let active = problem.unknowns();
     let unit = 1.0 / problem.rod.softness(start.s_a);
     let shoot = |trial: &Trial| trial.shoot_on(problem.rod).map(|shot| (shot, problem.residual(&shot)));
@@ -130,7 +130,13 @@ fn longest(trial: &Trial, step: &Triple, unit: f64) -> f64 {
 }
 
 /// The solution of the linearized problem.
-fn newton_step(problem: &Problem<'_>, shot: &Shot, residual: &Triple, active: [bool; 3], unit: f64) -> Option<Triple> {
+fn newton_step(
+    problem: &ModeProblem<'_>,
+    shot: &Shot,
+    residual: &Triple,
+    active: [bool; 3],
+    unit: f64,
+) -> Option<Triple> {
     let trial = shot.trial;
     let sizes = [1e-7 * (trial.force.abs() + unit), 1e-7 * trial.s_a, 1e-6 * trial.gap.abs().max(1e-9)];
     let mut matrix = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];

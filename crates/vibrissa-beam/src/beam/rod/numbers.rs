@@ -1,6 +1,6 @@
 //! A rod as a list of numbers and back.
 use super::Rod;
-use super::section::Piece;
+use super::section::RodPiece;
 use crate::error::{Error, Result};
 use alloc::sync::Arc;
 use alloc::vec;
@@ -28,11 +28,11 @@ impl Rod {
         let (stretches, curvature) = rest.split_at(3 * (*count as usize));
         let mut start = 0.0;
         let piece = |p: &[f64]| {
-            let piece = Piece { start, end: p[0], rigidity: p[1], narrowing: p[2] };
+            let piece = RodPiece { start, end: p[0], rigidity: p[1], narrowing: p[2] };
             start = piece.end;
             piece
         };
-        let pieces: Arc<[Piece]> = stretches.chunks_exact(3).map(piece).collect();
+        let pieces: Arc<[RodPiece]> = stretches.chunks_exact(3).map(piece).collect();
         let rising = pieces.windows(2).all(|pair| pair[0].end < pair[1].end);
         let sound = pieces.iter().all(|p| p.end > 0.0 && p.rigidity > 0.0 && p.narrowing * (p.end - p.start) < 1.0);
         let finite = list.iter().all(|x| x.is_finite());

@@ -6,8 +6,8 @@ use super::super::root::root;
 use super::super::{check_contact, sorted};
 use super::Rod;
 use super::follow::Status;
-use super::march::{State, march};
-use super::newton::{Goal, Problem, refine};
+use super::march::{RodState, march};
+use super::newton::{Goal, ModeProblem, refine};
 use super::scan::{dips, geometric, roots};
 use super::shot::{Shot, Trial, gap_of};
 use crate::error::Result;
@@ -51,7 +51,7 @@ impl Rod {
             Line::Following(beta) => self.starts_on_grid(contact, beta),
             Line::Fixed(psi) => self.starts_on_line(contact, psi),
         };
-        let problem = Problem { rod: self, line, goal: Goal::Point(contact) };
+        let problem = ModeProblem { rod: self, line, goal: Goal::Point(contact) };
         let mut met: Vec<Shot> = Vec::new();
         let mut waiting = starts;
         while let Some(start) = waiting.pop() {
@@ -96,7 +96,7 @@ impl Rod {
         let sides: Vec<f64> = forces.iter().rev().map(|q| -q).chain(forces[1..].iter().copied()).collect();
         let first = 0.97 * contact.norm().min(self.length);
         let last = self.length * (1.0 + self.beyond_tip(0.02));
-        let row = |s_a: f64| -> Vec<Node> {
+        let row = |s_a: f64| -> Vec<TrialNode> {
             let unit = 1.0 / self.softness(s_a);
             let node = move |q: &f64| Trial { force: q * unit, s_a, gap: gap_of(beta) };
             sides
@@ -105,7 +105,7 @@ impl Rod {
                 .map(|trial| (trial, trial.shoot_on(self).map(|shot| shot.contact - contact)))
                 .collect()
         };
-        let mut rows: Vec<Vec<Node>> = vec![row(first)];
+        let mut rows: Vec<Vec<TrialNode>> = vec![row(first)];
         rows.extend(self.arc_lengths(first, last).into_iter().map(row));
         let mut starts = nearest(&rows);
         for pair in rows.windows(2) {
@@ -126,7 +126,7 @@ impl Rod {
     ///
     /// A soft base turns the whole whisker by radians from one node to the next, and the image of a cell is no triangle any more:
     /// such cells are quartered, unless the contact is far from them.
-    fn starts_in_cell(&self, cell: [Node; 4], contact: Vec2, left: usize, starts: &mut Vec<Trial>) {
+    fn starts_in_cell(&self, cell: [TrialNode; 4], contact: Vec2, left: usize, starts: &mut Vec<Trial>) {
         let [a, b, c, d] = cell;
         let [Some(pa), Some(pb), Some(pc), Some(pd)] = cell.map(|node| node.1) else {
             starts.extend(inside([a, b, c]));
@@ -141,7 +141,7 @@ impl Rod {
             starts.extend(inside([a, c, d]));
             return;
         }
-        let node = |p: &Node, q: &Node| {
+        let node = |p: &TrialNode, q: &TrialNode| {
             let (p, q) = (&p.0, &q.0);
             let trial =
                 Trial { force: 0.5 * (p.force + q.force), s_a: 0.5 * (p.s_a + q.s_a), gap: 0.5 * (p.gap + q.gap) };
@@ -196,12 +196,12 @@ impl Rod {
     }
 
     /// Where a march from the base meets the line through `contact` along `direction` for the given time.
-    fn meet_line(&self, contact: Vec2, force: Vec2, direction: Vec2, crossing: usize) -> Option<State> {
+    fn meet_line(&self, contact: Vec2, force: Vec2, direction: Vec2, crossing: usize) -> Option<RodState> {
         let moment = contact.cross(force);
-        let base = State { s: 0.0, phi: self.base_angle(moment), moment, position: Vec2::ZERO };
-        let lever = |state: &State| (contact - state.position).cross(direction);
+        let base = RodState { s: 0.0, phi: self.base_angle(moment), moment, position: Vec2::ZERO };
+        let lever = |state: &RodState| (contact - state.position).cross(direction);
         // How fast the lever falls along the rod.
-        let approach = |state: &State| Vec2::from_angle(state.phi).cross(direction);
+        let approach = |state: &RodState| Vec2::from_angle(state.phi).cross(direction);
         let (mut sign, mut left, mut met) = (lever(&base).signum(), crossing, None);
         let last = self.length * (1.0 + self.beyond_tip(0.4));
         let _ = march(self, base, force, last, |step, end| {
@@ -236,10 +236,10 @@ impl Rod {
 }
 
 /// A trial of a grid, and where its contact lies seen from the one that is looked for.
-type Node = (Trial, Option<Vec2>);
+type TrialNode = (Trial, Option<Vec2>);
 
 /// The nodes that no neighbour is nearer than: where the image of the grid folds over the contact, no triangle holds it.
-fn nearest(rows: &[Vec<Node>]) -> Vec<Trial> {
+fn nearest(rows: &[Vec<TrialNode>]) -> Vec<Trial> {
     let off = |i: usize, j: usize| rows.get(i).and_then(|row| row.get(j)?.1).map_or(f64::INFINITY, Vec2::norm);
     let is_nearest = |i: usize, j: usize| {
         let here = off(i, j);
@@ -255,7 +255,7 @@ fn nearest(rows: &[Vec<Node>]) -> Vec<Trial> {
 }
 
 /// The trial between three nodes whose linear image is the origin, when it lies inside the triangle.
-pub(super) fn inside(nodes: [Node; 3]) -> Option<Trial> {
+pub(super) fn inside(nodes: [TrialNode; 3]) -> Option<Trial> {
     let [(a, Some(p)), (b, Some(q)), (c, Some(r))] = nodes else { return None };
     let weights = [q.cross(r), r.cross(p), p.cross(q)];
     let sum = weights[0] + weights[1] + weights[2];

@@ -20,7 +20,7 @@ pub struct Segment {
 
 /// A stretch over which the flexural rigidity is `rigidity (1 - narrowing (s - start))^4`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Piece {
+pub(super) struct RodPiece {
     /// Arc length at which the stretch starts (m).
     pub(super) start: f64,
     /// Arc length at which the stretch ends (m).
@@ -31,7 +31,7 @@ pub(super) struct Piece {
     pub(super) narrowing: f64,
 }
 
-impl Piece {
+impl RodPiece {
     /// The radius at arc length `s` as a share of the radius at the start.
     pub(super) fn radius(&self, s: f64) -> f64 {
         1.0 - self.narrowing * (s - self.start)
@@ -96,12 +96,12 @@ fn general_series(polynomial: &[f64], s: f64, w: f64, series: &mut [Pair; ORDER]
 }
 
 /// Pieces of stretches that were checked.
-pub(super) fn tapered(stretches: &[Stretch]) -> Vec<Piece> {
+pub(super) fn tapered(stretches: &[Stretch]) -> Vec<RodPiece> {
     let mut start = 0.0;
     let piece = |stretch: &Stretch| {
         let narrowing = (1.0 - stretch.tip_ratio) / stretch.length;
         let end = start + stretch.length;
-        let piece = Piece { start, end, rigidity: stretch.flexural_rigidity, narrowing };
+        let piece = RodPiece { start, end, rigidity: stretch.flexural_rigidity, narrowing };
         start = end;
         piece
     };
@@ -109,7 +109,7 @@ pub(super) fn tapered(stretches: &[Stretch]) -> Vec<Piece> {
 }
 
 /// The stretches of a rod made of `segments`, joined in order from the base.
-pub(super) fn pieces(segments: &[Segment]) -> Result<Vec<Piece>> {
+pub(super) fn pieces(segments: &[Segment]) -> Result<Vec<RodPiece>> {
     let positive = |value: f64| value > 0.0 && value.is_finite();
     let mut end = 0.0;
     let mut pieces = Vec::with_capacity(segments.len());
@@ -128,7 +128,7 @@ pub(super) fn pieces(segments: &[Segment]) -> Result<Vec<Piece>> {
         }
         let start = end;
         end += segment.length;
-        pieces.push(Piece { start, end, rigidity: segment.young_modulus * segment.second_moment, narrowing: 0.0 });
+        pieces.push(RodPiece { start, end, rigidity: segment.young_modulus * segment.second_moment, narrowing: 0.0 });
     }
     if pieces.is_empty() {
         return Err(Error::data("a rod needs at least one segment"));

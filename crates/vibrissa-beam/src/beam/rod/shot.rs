@@ -1,7 +1,7 @@
 //! One march from the contact to the base: the function that every mode searches.
 
 use super::Rod;
-use super::march::{State, march};
+use super::march::{RodState, march};
 use crate::plane::Vec2;
 use core::f64::consts::{FRAC_PI_2, PI};
 
@@ -35,8 +35,8 @@ impl Trial {
     }
 
     /// The start of the march, in the frame of the tangent at the contact.
-    pub(super) fn start(&self) -> State {
-        State { s: self.s_a, phi: 0.0, moment: 0.0, position: Vec2::ZERO }
+    pub(super) fn start(&self) -> RodState {
+        RodState { s: self.s_a, phi: 0.0, moment: 0.0, position: Vec2::ZERO }
     }
 
     /// The rod under this trial; `None` beyond the first mode, when both moment and curvature change sign on the way (the curvature from
@@ -78,7 +78,7 @@ impl Trial {
     }
 
     #[inline]
-    fn shoot_while(&self, rod: &Rod, mut keep: impl FnMut(&State) -> bool) -> Option<Shot> {
+    fn shoot_while(&self, rod: &Rod, mut keep: impl FnMut(&RodState) -> bool) -> Option<Shot> {
         let base = march(rod, self.start(), self.vector(), 0.0, |_, state| keep(state))?;
         // The base was marched to in the tangent frame; its own slope there must be the base's angle in the whisker frame.
         let phi_a = rod.base_angle(base.moment) - base.phi;

@@ -5,7 +5,7 @@ use super::super::load::Line;
 use super::super::{check_contact, representable};
 use super::Rod;
 use super::follow::Status;
-use super::newton::{Goal, Problem, refine};
+use super::newton::{Goal, ModeProblem, refine};
 use super::point::inside;
 use super::scan::geometric;
 use super::shot::{Shot, Trial};
@@ -32,7 +32,7 @@ impl Rod {
             return Ok(Vec::new());
         }
         let any = Line::Following(0.0);
-        let problem = Problem { rod: self, line: any, goal: Goal::Tip(tip) };
+        let problem = ModeProblem { rod: self, line: any, goal: Goal::Tip(tip) };
         let mut shots: Vec<Shot> = Vec::new();
         for start in self.starts_for_tip(tip) {
             let refined = refine(&problem, Trial { s_a: self.length, ..start });

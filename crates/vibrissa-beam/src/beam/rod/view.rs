@@ -3,7 +3,7 @@
 use super::super::bend::{Bend, Body, ShapePoint};
 use super::super::load::Line;
 use super::Rod;
-use super::march::{State, Step, march};
+use super::march::{MarchStep, RodState, march};
 use super::shot::{Shot, Trial, gap_of};
 use crate::plane::Vec2;
 use alloc::sync::Arc;
@@ -21,9 +21,9 @@ const GAUSS: [[f64; 2]; 4] = [
 pub(in crate::beam) struct BentRod<'a> {
     rod: &'a Rod,
     /// From the contact back to the base, frame of the tangent at the contact.
-    loaded: Vec<Step>,
+    loaded: Vec<MarchStep>,
     /// From the contact on to the tip, free.
-    free: Vec<Step>,
+    free: Vec<MarchStep>,
     phi_a: f64,
     contact: Vec2,
 }
@@ -49,7 +49,7 @@ impl Rod {
 
     /// The rod without load.
     pub(super) fn at_rest(&self, s_a: f64, line: Line) -> Bend {
-        let rest = State { s: 0.0, phi: 0.0, moment: 0.0, position: Vec2::ZERO };
+        let rest = RodState { s: 0.0, phi: 0.0, moment: 0.0, position: Vec2::ZERO };
         let end = march(self, rest, Vec2::ZERO, s_a, |_, _| true).unwrap_or(rest);
         Bend {
             force: 0.0,
@@ -108,7 +108,7 @@ impl BentRod<'_> {
 
 impl Rod {
     /// `∫ M² / (2 EI) ds` over a step (J).
-    pub(super) fn strain_energy(&self, step: &Step) -> f64 {
+    pub(super) fn strain_energy(&self, step: &MarchStep) -> f64 {
         let middle = 0.5 * step.h;
         let at = |tau: f64| {
             let state = step.at(tau);
@@ -119,7 +119,7 @@ impl Rod {
     }
 
     /// `1 / EI` inside a step, by the stretch that the step is in.
-    fn compliance_within(&self, step: &Step, tau: f64) -> f64 {
+    fn compliance_within(&self, step: &MarchStep, tau: f64) -> f64 {
         self.piece(step.start.s, step.h < 0.0).compliance(step.start.s + tau)
     }
 }

@@ -20,7 +20,7 @@ mod surroundings;
 mod system;
 mod tip;
 
-use super::{Boundaries, Hold, Sense, Stance, Support};
+use super::{Boundaries, Hold, SensedQuantity, Stance, Support};
 use crate::plane::{Pose2, wrap_angle};
 use crate::world::Map;
 pub(crate) use mechanics::Mechanics;
@@ -65,7 +65,7 @@ pub(crate) struct ForwardModel<'a> {
     /// Whether the whole whisker is looked at, not only its contact.
     pub(crate) whole: bool,
     /// What is read.
-    pub(crate) sense: Sense,
+    pub(crate) quantity: SensedQuantity,
 }
 
 impl ForwardModel<'_> {
@@ -156,7 +156,7 @@ impl ForwardModel<'_> {
     /// The contact, or two where the rest of the whisker has come to a boundary.
     fn cleared(&self, stance: &Stance, touch: Contact, predicted: Prediction) -> Next {
         // Two contacts are followed with the moment of uniform whiskers.
-        let followed = self.sense == Sense::Moment && !matches!(self.mechanics, Mechanics::Model(_));
+        let followed = self.quantity == SensedQuantity::Moment && !matches!(self.mechanics, Mechanics::Model(_));
         if !self.whole || !followed || touch.clear > 0.0 || touch.q <= 0.0 || matches!(touch.hold, Hold::Both(_)) {
             return Next::Touching(touch, predicted);
         }

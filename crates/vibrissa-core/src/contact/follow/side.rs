@@ -143,7 +143,7 @@ impl ForwardModel<'_> {
         let q = bend.force * s * s * from.beta.cos();
         let chart = self.mechanics.chart(q, from.beta)?;
         let (a, b) = (chart.by_force.position * s, target * per);
-        let (value, [m, n]) = self.sense.at_side(&chart, q, s, from.beta);
+        let (value, [m, n]) = self.quantity.at_side(&chart, q, s, from.beta);
         let det = a.cross(b);
         let adjoint = [(m * b.y - n * a.y) / det, (n * a.x - m * b.x) / det, 0.0];
         let predicted = Prediction { value, gradient: stance.gradient(adjoint, target) };
@@ -179,7 +179,7 @@ impl ForwardModel<'_> {
             ]);
             let [dq, ds, dat] = system.solve([gap.x, gap.y, aslant])?;
             let damp = (LARGEST_PUSH / dq.abs()).min(LARGEST_SHIFT / ds.abs()).min(1.0);
-            let (value, [m, n]) = self.sense.at_side(&chart, q, s, beta);
+            let (value, [m, n]) = self.quantity.at_side(&chart, q, s, beta);
             (q, s, at) = (q - damp * dq, s - damp * ds, at - damp * dat);
             if here.is_lost(at) || !(s > 0.0 && s < BEYOND) {
                 return None;

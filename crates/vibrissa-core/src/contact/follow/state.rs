@@ -29,7 +29,7 @@ impl Contact {
     }
 }
 
-/// The reading that a pose of the whisker makes, see [`crate::contact::Sense`].
+/// The reading that a pose of the whisker makes, see [`crate::contact::SensedQuantity`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Prediction {
     /// Without dimension; of a glued whisker what its pull would make.

@@ -142,7 +142,7 @@ impl ForwardModel<'_> {
                 if system.determinant * here.side() >= 0.0 {
                     return TipSolution::Failed;
                 }
-                let (value, [m, n]) = self.sense.at_tip(&tip, q + dq, beta);
+                let (value, [m, n]) = self.quantity.at_tip(&tip, q + dq, beta);
                 let adjoint = system.solve_transposed([m, n, 0.0]);
                 let tip_now = spot.position - spot.velocity * dat;
                 let touch = Contact {
@@ -173,7 +173,7 @@ impl ForwardModel<'_> {
         let (a, b) = (placed.tip.by_force.position, placed.tip.by_tilt.position);
         let det = a.cross(b);
         let (dq, dbeta) = placed.step;
-        let (value, [m, n]) = self.sense.at_tip(&placed.tip, placed.q + dq, placed.beta);
+        let (value, [m, n]) = self.quantity.at_tip(&placed.tip, placed.q + dq, placed.beta);
         let adjoint = [(m * b.y - n * a.y) / det, (n * a.x - m * b.x) / det, 0.0];
         let settled = settled(&placed.tip, placed.q, placed.beta, dq, dbeta);
         let lean = corner.lean(stance.direction(settled.slope, placed.beta));

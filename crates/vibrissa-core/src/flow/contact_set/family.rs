@@ -4,7 +4,7 @@ use super::level::{contact, level};
 use super::model::{LAST_NORMAL_LOAD, Mechanics};
 use super::trace::traced;
 use super::{Contact, ContactModel, VirtualSensor};
-use crate::beam::field::{Read, Sheet, Spot};
+use crate::beam::field::{ContactSheet, Read, SheetContact};
 use crate::beam::normal::{Branch, by_force, by_moment};
 
 /// Parameters that are looked at for pieces within whisker and limits.
@@ -29,13 +29,13 @@ pub(super) fn exact_curves(
 /// The branches as a sheet has them.
 fn on_sheet(
     model: &ContactModel,
-    sheet: &Sheet,
+    sheet: &ContactSheet,
     sensor: VirtualSensor,
     value: f64,
     nodes: usize,
 ) -> (Vec<Vec<Contact>>, f64) {
     let (first, length) = (model.first_arc_length(), model.length());
-    let admitted = |spot: Option<Spot>| {
+    let admitted = |spot: Option<SheetContact>| {
         spot.map(|spot| contact(&spot, model.sheet_tilt())).filter(|contact| model.limits().admit(contact))
     };
     let by_load = |s: f64| admitted(sheet.contact(value, s));

@@ -82,7 +82,7 @@ pub fn intersect(a: PlacedSet<'_>, b: PlacedSet<'_>, tolerance: f64) -> Vec<Meet
             })
             .collect();
         for first in &a.set.curves {
-            let pair = Pair { first, second, moved: &moved, reach };
+            let pair = CurvePair { first, second, moved: &moved, reach };
             found.extend(pair.stretches().into_iter().map(|stretch| pair.meeting(a, b, first_from_second, &stretch)));
         }
     }
@@ -104,7 +104,7 @@ pub fn intersect_all(sets: &[PlacedSet<'_>], tolerance: f64) -> Vec<Meeting> {
 }
 
 /// Two curves, the second seen from the first's frame.
-struct Pair<'a> {
+struct CurvePair<'a> {
     first: &'a ContactCurve,
     second: &'a ContactCurve,
     moved: &'a [Vec2],
@@ -113,7 +113,7 @@ struct Pair<'a> {
 
 /// Parameters of the first curve (link and share) that are near the second, and the parameter there.
 #[derive(Clone, Copy, Debug)]
-struct Stretch {
+struct NearRange {
     from: f64,
     to: f64,
     /// Where the chords are closest: their distance, and the parameters on both.
@@ -122,11 +122,11 @@ struct Stretch {
     crossings: usize,
 }
 
-impl Pair<'_> {
+impl CurvePair<'_> {
     /// The stretches of the first curve within reach of the second.
-    fn stretches(&self) -> Vec<Stretch> {
+    fn stretches(&self) -> Vec<NearRange> {
         let p: &[Contact] = self.first.contacts();
-        let mut found: Vec<Stretch> = Vec::new();
+        let mut found: Vec<NearRange> = Vec::new();
         for (run_b, from_b) in (0..self.moved.len().saturating_sub(1)).step_by(LINKS).enumerate() {
             let to_b = (from_b + LINKS).min(self.moved.len() - 1);
             debug_assert!(run_b < self.second.runs.len());
@@ -144,7 +144,7 @@ impl Pair<'_> {
                         continue;
                     }
                     for j in from_b..to_b {
-                        found.extend(near(link, [self.moved[j], self.moved[j + 1]], self.reach).map(|n| Stretch {
+                        found.extend(near(link, [self.moved[j], self.moved[j + 1]], self.reach).map(|n| NearRange {
                             from: i as f64 + n.from,
                             to: i as f64 + n.to,
                             best: (n.best.0, i as f64 + n.best.1, j as f64 + n.best.2),
@@ -157,7 +157,7 @@ impl Pair<'_> {
         merged(found)
     }
 
-    fn meeting(&self, a: PlacedSet<'_>, b: PlacedSet<'_>, first_from_second: Pose2, stretch: &Stretch) -> Meeting {
+    fn meeting(&self, a: PlacedSet<'_>, b: PlacedSet<'_>, first_from_second: Pose2, stretch: &NearRange) -> Meeting {
         let on_first = |t: f64| between(self.first, t);
         let (from, to) = (on_first(stretch.from), on_first(stretch.to));
         let steps = (stretch.to.floor() - stretch.from.ceil()).max(0.0) as usize;
@@ -204,7 +204,7 @@ fn between(curve: &ContactCurve, t: f64) -> Contact {
 }
 
 /// The part of the link `ab` that is within `reach` of the link `cd`, as shares of `ab`; none when they are apart.
-fn near([a, b]: [Vec2; 2], [c, d]: [Vec2; 2], reach: f64) -> Option<Stretch> {
+fn near([a, b]: [Vec2; 2], [c, d]: [Vec2; 2], reach: f64) -> Option<NearRange> {
     let (u, v) = (b - a, d - c);
     let (uu, vv) = (u.norm_squared(), v.norm_squared());
     let on = |p: Vec2, start: Vec2, along: Vec2, square: f64| {
@@ -246,13 +246,13 @@ fn near([a, b]: [Vec2; 2], [c, d]: [Vec2; 2], reach: f64) -> Option<Stretch> {
         }
         bad
     };
-    Some(Stretch { from: end(0.0), to: end(1.0), best, crossings })
+    Some(NearRange { from: end(0.0), to: end(1.0), best, crossings })
 }
 
 /// Stretches that touch are one.
-fn merged(mut found: Vec<Stretch>) -> Vec<Stretch> {
+fn merged(mut found: Vec<NearRange>) -> Vec<NearRange> {
     found.sort_by(|a, b| a.from.total_cmp(&b.from));
-    let mut joined: Vec<Stretch> = Vec::new();
+    let mut joined: Vec<NearRange> = Vec::new();
     for next in found {
         match joined.last_mut() {
             Some(last) if next.from <= last.to + 1e-9 => {
@@ -271,13 +271,13 @@ fn merged(mut found: Vec<Stretch>) -> Vec<Stretch> {
 }
 
 /// One set's unknowns near a crossing.
-struct Side<'a> {
+struct CrossingSide<'a> {
     model: &'a ContactModel,
     sensor: VirtualSensor,
     value: f64,
 }
 
-impl Side<'_> {
+impl CrossingSide<'_> {
     /// Place, and excess of the reading in its own scale, with the derivatives of all three by log-like load and arc length.
     fn linear(&self, u: f64, s: f64, scale: f64) -> Option<([f64; 3], [[f64; 3]; 2])> {
         let at = |u: f64, s: f64| {
@@ -305,7 +305,7 @@ fn crossing(
     first: Contact,
     second: Contact,
 ) -> Option<(Contact, Contact)> {
-    let sides = [a, b].map(|set| Side { model: set.model(), sensor: set.sensor, value: set.value });
+    let sides = [a, b].map(|set| CrossingSide { model: set.model(), sensor: set.sensor, value: set.value });
     let starts = [first, second];
     let mut x = [0.0; 4];
     for k in 0..2 {

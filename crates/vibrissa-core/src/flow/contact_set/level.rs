@@ -6,7 +6,7 @@
 
 use super::family::{PROBES, stepped};
 use super::{Contact, ContactModel};
-use crate::beam::field::{BLOCK, Cell, Read, Sheet, Spot};
+use crate::beam::field::{BLOCK, ContactSheet, Read, SheetCell, SheetContact};
 use crate::plane::Vec2;
 use fearless_simd::{Simd, dispatch};
 use std::cell::Cell as Slot;
@@ -20,8 +20,8 @@ const OUT: f64 = 0.1;
 
 /// The piece of a curve within one cell: its ends, in shares of the cell, and how far along the curve it starts (m).
 #[derive(Clone, Copy, Debug)]
-struct Link {
-    cell: Cell,
+struct LevelSegment {
+    cell: SheetCell,
     from: [f64; 2],
     to: [f64; 2],
     start: f64,
@@ -32,7 +32,7 @@ struct Link {
 
 /// Where a value lies between knots: bits for each row of knots.
 struct Crossings<'a> {
-    sheet: &'a Sheet,
+    sheet: &'a ContactSheet,
     readings: &'a [f64],
     read: Read,
     value: f64,
@@ -45,12 +45,12 @@ struct Crossings<'a> {
 }
 
 /// An edge of a cell by its number around it: 0 at the start of the whisker's share, 1 at the end of the load's, 2 and 3 opposite.
-type Side = usize;
+type CellEdge = usize;
 
 /// All branches on which a sheet's contacts read `value`, within the limits, and how far they may be from the beam's (m).
 pub(super) fn level(
     model: &ContactModel,
-    sheet: &Sheet,
+    sheet: &ContactSheet,
     read: Read,
     value: f64,
     nodes: usize,
@@ -58,7 +58,7 @@ pub(super) fn level(
     let (mut error, mut pieces) = (0.0_f64, Vec::new());
     for chain in Crossings::new(sheet, read, value).chains() {
         let Some(last) = chain.last().map(|link| link.start + link.length) else { continue };
-        let trail = Trail { sheet, read, value, chain: &chain, near: Slot::new(0), error: Slot::new(0.0) };
+        let trail = LevelWalk { sheet, read, value, chain: &chain, near: Slot::new(0), error: Slot::new(0.0) };
         let at = |d: f64| dispatch!(sheet.level(), simd => trail.at(simd, d, model));
         // Within a cell the first mode hardly ends twice.
         pieces.extend(stepped([0.0, last], nodes, PROBES.min(2 * chain.len()), &at));
@@ -69,24 +69,24 @@ pub(super) fn level(
 
 /// A sheet's spot as a contact.
 #[inline(always)]
-pub(super) fn contact(spot: &Spot, tilt: f64) -> Contact {
-    let Spot { force, s_a, phi_a, contact, moment } = *spot;
+pub(super) fn contact(spot: &SheetContact, tilt: f64) -> Contact {
+    let SheetContact { force, s_a, phi_a, contact, moment } = *spot;
     Contact { force, s_a, phi_a, position: contact, moment, tilt }
 }
 
 /// A curve that is walked along, and what the last place has told about the next.
-struct Trail<'a> {
-    sheet: &'a Sheet,
+struct LevelWalk<'a> {
+    sheet: &'a ContactSheet,
     read: Read,
     value: f64,
-    chain: &'a [Link],
+    chain: &'a [LevelSegment],
     /// The link of the last place.
     near: Slot<usize>,
     /// The largest distance of a place from the beam's own curve (m).
     error: Slot<f64>,
 }
 
-impl Trail<'_> {
+impl LevelWalk<'_> {
     /// The contact at distance `d` along the chain, if it is within the limits.
     #[inline(always)]
     fn at<S: Simd>(&self, simd: S, d: f64, model: &ContactModel) -> Option<Contact> {
@@ -95,7 +95,7 @@ impl Trail<'_> {
             i += 1;
         }
         self.near.set(i);
-        let Link { cell, from, to, start, per_length, .. } = self.chain[i];
+        let LevelSegment { cell, from, to, start, per_length, .. } = self.chain[i];
         let share = ((d - start) * per_length).clamp(0.0, 1.0);
         let at = [from[0] + share * (to[0] - from[0]), from[1] + share * (to[1] - from[1])];
         // At the chart's ends only the load is free.
@@ -111,7 +111,13 @@ impl Trail<'_> {
 
     /// The contact next to `at` that reads the value, and how far the beam's own curve may be from it (m).
     #[inline(always)]
-    fn corrected<S: Simd>(&self, simd: S, mut cell: Cell, mut at: [f64; 2], mut pinned: bool) -> Option<(Spot, f64)> {
+    fn corrected<S: Simd>(
+        &self,
+        simd: S,
+        mut cell: SheetCell,
+        mut at: [f64; 2],
+        mut pinned: bool,
+    ) -> Option<(SheetContact, f64)> {
         let (sheet, read, value) = (self.sheet, self.read, self.value);
         for _ in 0..STEPS {
             let [excess, by_a, by_b] = sheet.excess(simd, read, value, cell, at);
@@ -150,7 +156,7 @@ impl Trail<'_> {
 }
 
 impl<'a> Crossings<'a> {
-    fn new(sheet: &'a Sheet, read: Read, value: f64) -> Self {
+    fn new(sheet: &'a ContactSheet, read: Read, value: f64) -> Self {
         let (rows, readings) = (sheet.rows(), sheet.readings(read));
         let above = above(sheet, read, value);
         let side = sheet.side(value);
@@ -170,7 +176,7 @@ impl<'a> Crossings<'a> {
     }
 
     /// The curves: those that end, from their ends, then those that close, from anywhere.
-    fn chains(mut self) -> Vec<Vec<Link>> {
+    fn chains(mut self) -> Vec<Vec<LevelSegment>> {
         let mut chains = Vec::new();
         for ends_only in [true, false] {
             for row in 0..self.sheet.rows() {
@@ -196,8 +202,8 @@ impl<'a> Crossings<'a> {
     }
 
     /// Takes the chain that enters `cell` by `side` out of the crossings.
-    fn walk(&mut self, cell: Cell, side: Side) -> Vec<Link> {
-        let (mut chain, mut cell, mut side, mut start): (Vec<Link>, _, _, _) =
+    fn walk(&mut self, cell: SheetCell, side: CellEdge) -> Vec<LevelSegment> {
+        let (mut chain, mut cell, mut side, mut start): (Vec<LevelSegment>, _, _, _) =
             (Vec::with_capacity(256), cell, side, 0.0);
         let (mut from, mut place) = self.crossing(cell, side);
         let first = (cell, side, from, place);
@@ -213,7 +219,7 @@ impl<'a> Crossings<'a> {
             };
             let length = (end_place - place).norm_squared().sqrt();
             let per_length = if length > 0.0 { 1.0 / length } else { 0.0 };
-            chain.push(Link { cell, from, to, start, length, per_length });
+            chain.push(LevelSegment { cell, from, to, start, length, per_length });
             start += length;
             let Some(exit) = exit else { return chain };
             self.take(cell, exit);
@@ -227,7 +233,7 @@ impl<'a> Crossings<'a> {
     }
 
     /// The side by which a curve that entered by `side` leaves; `None` where none is left.
-    fn exit(&self, cell: Cell, side: Side) -> Option<Side> {
+    fn exit(&self, cell: SheetCell, side: CellEdge) -> Option<CellEdge> {
         let open = (0..4).fold(0u32, |open, k| open | u32::from(k != side && self.is_crossed(cell, k)) << k);
         if open & open.wrapping_sub(1) == 0 {
             return (open != 0).then(|| open.trailing_zeros() as usize);
@@ -242,7 +248,7 @@ impl<'a> Crossings<'a> {
 
     /// The knots at which a side starts and ends, going around the cell.
     #[inline(always)]
-    fn ends(&self, (i, j): Cell, side: Side) -> [usize; 2] {
+    fn ends(&self, (i, j): SheetCell, side: CellEdge) -> [usize; 2] {
         let columns = self.sheet.columns();
         let around = [0, 1, columns + 1, columns, 0];
         [i * columns + j + around[side], i * columns + j + around[side + 1]]
@@ -250,7 +256,7 @@ impl<'a> Crossings<'a> {
 
     /// Where the value lies on a side: shares of the cell and place, both between corners.
     #[inline(always)]
-    fn crossing(&self, cell: Cell, side: Side) -> ([f64; 2], Vec2) {
+    fn crossing(&self, cell: SheetCell, side: CellEdge) -> ([f64; 2], Vec2) {
         let [from, to] = self.ends(cell, side);
         let (a, b) = (self.readings[from], self.readings[to]);
         let share = ((self.value - a) / (b - a)).clamp(0.0, 1.0);
@@ -265,7 +271,7 @@ impl<'a> Crossings<'a> {
     }
 
     #[inline]
-    fn word(&mut self, (i, j): Cell, side: Side) -> (&mut u128, usize) {
+    fn word(&mut self, (i, j): SheetCell, side: CellEdge) -> (&mut u128, usize) {
         match side {
             0 => (&mut self.across[i], j),
             2 => (&mut self.across[i + 1], j),
@@ -275,7 +281,7 @@ impl<'a> Crossings<'a> {
     }
 
     #[inline]
-    fn is_crossed(&self, (i, j): Cell, side: Side) -> bool {
+    fn is_crossed(&self, (i, j): SheetCell, side: CellEdge) -> bool {
         match side {
             0 => is_set(self.across[i], j),
             2 => is_set(self.across[i + 1], j),
@@ -285,7 +291,7 @@ impl<'a> Crossings<'a> {
     }
 
     #[inline]
-    fn take(&mut self, cell: Cell, side: Side) {
+    fn take(&mut self, cell: SheetCell, side: CellEdge) {
         let (word, bit) = self.word(cell, side);
         *word &= !(1 << bit);
     }
@@ -302,7 +308,7 @@ fn first(word: u128) -> Option<usize> {
 }
 
 /// The cell beyond a side, and that side as it is there; beyond the chart's start a cell that no row has.
-fn next((i, j): Cell, side: Side) -> (Cell, Side) {
+fn next((i, j): SheetCell, side: CellEdge) -> (SheetCell, CellEdge) {
     match side {
         0 => ((i.wrapping_sub(1), j), 2),
         1 => ((i, j + 1), 3),
@@ -312,11 +318,11 @@ fn next((i, j): Cell, side: Side) -> (Cell, Side) {
 }
 
 /// The share of the load's side, or of the whisker's, at which a place on a side is.
-fn along_side(side: Side, at: [f64; 2]) -> f64 {
+fn along_side(side: CellEdge, at: [f64; 2]) -> f64 {
     if side.is_multiple_of(2) { at[1] } else { at[0] }
 }
 
-fn on_side(side: Side, share: f64) -> [f64; 2] {
+fn on_side(side: CellEdge, share: f64) -> [f64; 2] {
     match side {
         0 => [0.0, share],
         1 => [share, 1.0],
@@ -326,7 +332,7 @@ fn on_side(side: Side, share: f64) -> [f64; 2] {
 }
 
 /// Which knots read more than the value. Blocks of knots that all do, or all do not, are not looked into.
-fn above(sheet: &Sheet, read: Read, value: f64) -> Vec<u128> {
+fn above(sheet: &ContactSheet, read: Read, value: f64) -> Vec<u128> {
     let (rows, columns, readings) = (sheet.rows(), sheet.columns(), sheet.readings(read));
     let mut words = Vec::with_capacity(rows);
     for (number, ranges) in sheet.blocks(read).chunks_exact(columns.div_ceil(BLOCK)).enumerate() {

@@ -3,7 +3,7 @@
 use super::small_beam::SmallBeam;
 use super::{Contact, Limits, MomentRegime};
 use crate::beam::elastica::bend;
-use crate::beam::field::Sheet;
+use crate::beam::field::ContactSheet;
 use crate::beam::normal::by_force;
 use crate::beam::{Load, Rod, Whisker, force_mode};
 use crate::plane::Vec2;
@@ -50,7 +50,7 @@ pub struct ContactModel {
 
 /// The sheet of a model, made when it is first asked for and shared by the model's copies. It follows from the rest of the model.
 #[derive(Clone, Default)]
-struct Late(Arc<OnceLock<Option<Sheet>>>);
+struct Late(Arc<OnceLock<Option<ContactSheet>>>);
 
 // A hundred thousand numbers help nobody.
 impl core::fmt::Debug for Late {
@@ -222,14 +222,14 @@ impl ContactModel {
     /// The contacts as a sheet, where it serves: anything but the closed family, small angles and vertical loads.
     ///
     /// The first call takes a tenth of a second.
-    pub(super) fn sheet(&self) -> Option<&Sheet> {
+    pub(super) fn sheet(&self) -> Option<&ContactSheet> {
         let uniform = |ei: f64| Whisker { length: self.length, flexural_rigidity: ei, ..Whisker::default() };
         if self.has_closed_family() || self.load == Load::Vertical {
             return None;
         }
         let made = || match &self.mechanics {
-            Mechanics::Rod(rod) => Sheet::new(rod, self.sheet_tilt(), LAST_LOAD),
-            Mechanics::Uniform(ei) => Sheet::new(&Rod::new(&uniform(*ei)).ok()?, self.sheet_tilt(), LAST_LOAD),
+            Mechanics::Rod(rod) => ContactSheet::new(rod, self.sheet_tilt(), LAST_LOAD),
+            Mechanics::Uniform(ei) => ContactSheet::new(&Rod::new(&uniform(*ei)).ok()?, self.sheet_tilt(), LAST_LOAD),
             Mechanics::Small(_) => None,
         };
         if self.is_small_angle() { None } else { self.sheet.0.get_or_init(made).as_ref() }

@@ -51,7 +51,7 @@ impl Chart {
 
 /// A rectangle of arc length (or tilt) and stretched load number, with the contacts at its nine nodes, arc length first.
 #[derive(Clone, Debug)]
-pub(super) struct Piece {
+pub(super) struct PavingCell {
     pub(super) chart: Chart,
     pub(super) s: [f64; 2],
     pub(super) v: [f64; 2],
@@ -65,7 +65,7 @@ pub(super) fn pave(
     arc_lengths: Interval,
     demands: &[Demand],
     resolution: &Resolution,
-) -> Vec<Piece> {
+) -> Vec<PavingCell> {
     let last = (2.0 * model.last_load_number()).asinh();
     let [rows, columns] = START;
     let mut start = Vec::new();
@@ -75,7 +75,7 @@ pub(super) fn pave(
             let v = cell(-last, last, column, columns);
             // An arc length that is known exactly needs one row.
             if row == 0 || s[1] > s[0] {
-                start.push(Piece::new(model, Chart::Side, s, v));
+                start.push(PavingCell::new(model, Chart::Side, s, v));
             }
         }
     }
@@ -83,7 +83,7 @@ pub(super) fn pave(
 }
 
 /// As [`pave`] for contacts of the tip: the tilts at which the whisker leaves the wall on its free side, which have the force's sign.
-pub(super) fn pave_tip(model: &ContactModel, demands: &[Demand], resolution: &Resolution) -> Vec<Piece> {
+pub(super) fn pave_tip(model: &ContactModel, demands: &[Demand], resolution: &Resolution) -> Vec<PavingCell> {
     let last = (2.0 * model.last_load_number()).asinh();
     let [rows, columns] = START;
     let mut start = Vec::new();
@@ -91,7 +91,7 @@ pub(super) fn pave_tip(model: &ContactModel, demands: &[Demand], resolution: &Re
         for column in 0..columns {
             let (tilt, v) = (cell(0.0, FRAC_PI_2, row, rows), cell(-last, last, column, columns));
             let tilt = if v[1] <= 0.0 { [-tilt[1], -tilt[0]] } else { tilt };
-            start.push(Piece::new(model, Chart::Tip, tilt, v));
+            start.push(PavingCell::new(model, Chart::Tip, tilt, v));
         }
     }
     refine(model, start, demands, resolution)
@@ -103,7 +103,12 @@ fn cell(lo: f64, hi: f64, index: usize, count: usize) -> [f64; 2] {
 }
 
 /// Cuts pieces, the oldest first, until each is dropped or small, or the work allowed is done; then all that are left are kept.
-fn refine(model: &ContactModel, start: Vec<Piece>, demands: &[Demand], resolution: &Resolution) -> Vec<Piece> {
+fn refine(
+    model: &ContactModel,
+    start: Vec<PavingCell>,
+    demands: &[Demand],
+    resolution: &Resolution,
+) -> Vec<PavingCell> {
     let mut left = if model.has_closed_family() { MOST_PIECES } else { MOST_ROD_PIECES };
     let (mut queue, mut kept) = (VecDeque::from(start), Vec::new());
     while let Some(piece) = queue.pop_front() {
@@ -135,7 +140,7 @@ fn at(model: &ContactModel, chart: Chart, s: f64, v: f64) -> Option<Contact> {
     }
 }
 
-impl Piece {
+impl PavingCell {
     fn new(model: &ContactModel, chart: Chart, s: [f64; 2], v: [f64; 2]) -> Self {
         let third = |range: [f64; 2]| [range[0], 0.5 * (range[0] + range[1]), range[1]];
         let (ss, vs) = (third(s), third(v));

@@ -1,6 +1,6 @@
 //! Regions: all contacts that explain readings with bounds on their errors, covered.
 
-use super::paving::{Chart, Demand, Piece, pave, pave_tip};
+use super::paving::{Chart, Demand, PavingCell, pave, pave_tip};
 use super::runs::{run_cells, tips_of_load};
 use super::{Contact, ContactCurve, ContactModel, ContactSet, Parts, Reading, VirtualSensor};
 use crate::Result;
@@ -262,7 +262,7 @@ fn root(parent: &mut [usize], mut i: usize) -> usize {
     i
 }
 
-fn cell(model: &ContactModel, piece: &Piece) -> Option<ContactCell> {
+fn cell(model: &ContactModel, piece: &PavingCell) -> Option<ContactCell> {
     let (contact, cover) = (piece.middle()?, piece.cover()?);
     let radius = cover.corners().iter().map(|p| p.distance(contact.position)).fold(0.0, f64::max);
     let force = piece.range(&|c| c.force);
@@ -288,7 +288,7 @@ fn cell(model: &ContactModel, piece: &Piece) -> Option<ContactCell> {
 }
 
 /// The contacts nearer to the base than the first arc length: one cell around the base, when the region reaches there.
-fn base_cell(model: &ContactModel, pieces: &[Piece], readings: &[Reading]) -> Option<ContactCell> {
+fn base_cell(model: &ContactModel, pieces: &[PavingCell], readings: &[Reading]) -> Option<ContactCell> {
     let first = model.first_arc_length();
     let strip_allows = |r: &Reading| r.sensor != VirtualSensor::Strip || r.value.lo() <= first;
     if !readings.iter().all(strip_allows) {

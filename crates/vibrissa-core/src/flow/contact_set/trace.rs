@@ -14,7 +14,7 @@ const COLUMNS: usize = 97;
 const STEPS: usize = 60;
 
 /// A grid edge by its two nodes, the lower first.
-type Edge = (usize, usize);
+type GridEdge = (usize, usize);
 
 /// The grid: contacts at the nodes, and how much more than the value each reads.
 struct Grid<'a> {
@@ -60,7 +60,7 @@ impl Grid<'_> {
     }
 
     /// The place on an edge where the sensor reads the value.
-    fn crossing(&self, (a, b): Edge) -> Option<(f64, f64)> {
+    fn crossing(&self, (a, b): GridEdge) -> Option<(f64, f64)> {
         let (pa, pb) = (self.place(a), self.place(b));
         let on = |t: f64| (pa.0 + t * (pb.0 - pa.0), pa.1 + t * (pb.1 - pa.1));
         self.root(&|t| on(t), self.excess[a], self.excess[b])
@@ -81,21 +81,21 @@ impl Grid<'_> {
         Some(on(0.5 * (lo + hi)))
     }
 
-    fn is_crossed(&self, (a, b): Edge) -> bool {
+    fn is_crossed(&self, (a, b): GridEdge) -> bool {
         let (x, y) = (self.excess[a], self.excess[b]);
         !x.is_nan() && !y.is_nan() && (x > 0.0) != (y > 0.0)
     }
 
     /// The curves as chains of places: triangles join the two edges that the value crosses.
     fn chains(&self) -> Vec<Vec<(f64, f64)>> {
-        let mut joined: BTreeMap<Edge, Vec<Edge>> = BTreeMap::new();
+        let mut joined: BTreeMap<GridEdge, Vec<GridEdge>> = BTreeMap::new();
         let edge = |a: usize, b: usize| (a.min(b), a.max(b));
         for row in 0..ROWS - 1 {
             for column in 0..COLUMNS - 1 {
                 let corner = row * COLUMNS + column;
                 let (right, up, far) = (corner + 1, corner + COLUMNS, corner + COLUMNS + 1);
                 for [a, b, c] in [[corner, right, far], [corner, far, up]] {
-                    let crossed: Vec<Edge> =
+                    let crossed: Vec<GridEdge> =
                         [edge(a, b), edge(b, c), edge(c, a)].into_iter().filter(|&e| self.is_crossed(e)).collect();
                     // With a node beyond the first mode, a single edge may be crossed: the curve leaves the grid there.
                     if let [p, q] = crossed[..] {
@@ -108,7 +108,7 @@ impl Grid<'_> {
         let mut chains = Vec::new();
         // Open curves from their ends, then closed ones from anywhere.
         for ends_only in [true, false] {
-            let starts: Vec<Edge> = joined.keys().copied().collect();
+            let starts: Vec<GridEdge> = joined.keys().copied().collect();
             for start in starts {
                 let degree = joined.get(&start).map_or(0, Vec::len);
                 if degree == 1 || (!ends_only && degree > 0) {
@@ -160,7 +160,7 @@ impl Grid<'_> {
 }
 
 /// Takes the chain that starts at `start` out of the graph.
-fn walk(joined: &mut BTreeMap<Edge, Vec<Edge>>, start: Edge) -> Vec<Edge> {
+fn walk(joined: &mut BTreeMap<GridEdge, Vec<GridEdge>>, start: GridEdge) -> Vec<GridEdge> {
     let mut chain = vec![start];
     let mut here = start;
     while let Some(next) = joined.get_mut(&here).and_then(Vec::pop) {

@@ -1,6 +1,6 @@
 //! What the last door says: a verdict, places, and the way there.
 
-use crate::flow::state_set::probabilistic::corrected;
+use crate::flow::state_set::probabilistic::calibrated;
 use crate::plane::{Pose2, Vec2};
 use crate::sets::StateBox;
 
@@ -115,7 +115,7 @@ impl OdometryEstimate {
     /// An increment of the odometry (robot frame), corrected.
     #[must_use]
     pub fn corrected(&self, increment: Pose2) -> Pose2 {
-        corrected(increment, [self.translation_scale - 1.0, self.aside, self.rotation_scale - 1.0])
+        calibrated(increment, [self.translation_scale - 1.0, self.aside, self.rotation_scale - 1.0])
     }
 }
 

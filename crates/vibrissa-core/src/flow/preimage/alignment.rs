@@ -67,7 +67,7 @@ impl Alignment {
 
 /// The shapes of a history on one branch: as the readings are, and with the readings off by a standard deviation in
 /// the ways that matter.
-pub(crate) struct History<'a> {
+pub(crate) struct BranchHistory<'a> {
     pub(crate) center: &'a TipContactSet,
     pub(crate) shapes: Vec<HistoryShape<'a>>,
     pub(crate) disturbed: [Vec<HistoryShape<'a>>; 2],
@@ -84,7 +84,7 @@ struct Trial {
     std: f64,
 }
 
-impl History<'_> {
+impl BranchHistory<'_> {
     /// All admissible slopes of the boundary, as separate ranges.
     pub(crate) fn alignments(&self) -> Vec<Alignment> {
         if self.center.is_point() { self.of_points().into_iter().collect() } else { self.of_scan() }

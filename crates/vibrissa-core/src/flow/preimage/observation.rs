@@ -1,6 +1,6 @@
 //! One observation: what a short history of moments says about the contact, on every branch.
 
-use super::alignment::{Alignment, History, HistoryShape};
+use super::alignment::{Alignment, BranchHistory, HistoryShape};
 use crate::beam::{TipModel, TipReading};
 use crate::config::TipLoad;
 use crate::flow::contact_set::{TipContact, TipContactSet};
@@ -98,7 +98,7 @@ impl Observation {
                 (Some(same), Some(tilted), Some(bent)) => {
                     let place_std = |c: &TipContact| relative_std * sensitivity(larger.as_ref(), c);
                     let disturbed = [tilted, bent];
-                    let history = History { center: &contacts, shapes: same, disturbed, place_std: &place_std };
+                    let history = BranchHistory { center: &contacts, shapes: same, disturbed, place_std: &place_std };
                     (history.alignments(), true)
                 }
                 _ => (Vec::new(), false),

@@ -4,7 +4,7 @@ use super::reading_preimage::BODY_POINTS;
 use super::solid::Solid;
 use super::state_grid::{Raster, StateGrid};
 use super::thin::ThinWalls;
-use super::touch::Touch;
+use super::touch::BoundaryTouch;
 use crate::flow::contact_set::{ContactCell, ContactRegion};
 use crate::plane::{Pose2, Vec2};
 use core::f64::consts::{PI, TAU};
@@ -12,7 +12,7 @@ use core::f64::consts::{PI, TAU};
 /// What is laid where.
 pub(super) struct Painter<'a> {
     pub(super) region: &'a ContactRegion,
-    pub(super) places: &'a [Touch],
+    pub(super) places: &'a [BoundaryTouch],
     pub(super) solid: Option<&'a Solid>,
     pub(super) thin: Option<&'a ThinWalls>,
     pub(super) robot_from_whisker: Pose2,
@@ -65,7 +65,7 @@ impl Painter<'_> {
 
     /// How far each place is from the one before, where both lie on the same straight wall (m).
     fn steps(&self) -> Vec<Option<f64>> {
-        let straight = |w: &[Touch]| {
+        let straight = |w: &[BoundaryTouch]| {
             let same = w[0].tangent.to_bits() == w[1].tangent.to_bits() && w[0].inner == w[1].inner;
             same.then(|| w[0].position.distance(w[1].position))
         };

@@ -4,7 +4,7 @@ use super::painter::Painter;
 use super::solid::{Solid, deep_cells};
 use super::state_grid::{Raster, StateGrid};
 use super::thin::ThinWalls;
-use super::touch::{Touch, touches};
+use super::touch::{BoundaryTouch, touches};
 use crate::config::defaults;
 use crate::flow::contact_set::{
     ContactCell, ContactModel, ContactRegion, ContactSet, MomentRegime, Parts, Reading, Resolution, VirtualSensor,
@@ -210,7 +210,7 @@ fn laid(
         Construction::Distance => touches(map, options.cell, 0.01 * options.cell),
     };
     let half_bin = 0.5 * TAU / options.headings as f64;
-    let largest = |value: &dyn Fn(&Touch) -> f64| places.iter().map(value).fold(0.0, f64::max);
+    let largest = |value: &dyn Fn(&BoundaryTouch) -> f64| places.iter().map(value).fold(0.0, f64::max);
     let of_cells = |value: &dyn Fn(&ContactCell) -> f64| region.cells.iter().map(value).fold(0.0, f64::max);
     let deviation = match options.construction {
         Construction::Alignment => {

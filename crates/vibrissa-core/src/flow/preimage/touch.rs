@@ -11,7 +11,7 @@ const NO_TURN: f64 = 1e-9;
 
 /// A short stretch of the boundary, or some of the directions in which a corner can be touched.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Touch {
+pub(super) struct BoundaryTouch {
     /// The middle (m), map frame.
     pub(super) position: Vec2,
     /// Direction of the boundary in the middle, free space on its left (rad).
@@ -29,7 +29,7 @@ pub(super) struct Touch {
 ///
 /// Corners at which the boundary turns away from free space are touched at every direction in between, ends of walls over half a
 /// turn. In corners that turn towards free space only a tip finds room, held by both walls.
-pub(super) fn touches(map: &Map, spacing: f64, reach: f64) -> Vec<Touch> {
+pub(super) fn touches(map: &Map, spacing: f64, reach: f64) -> Vec<BoundaryTouch> {
     let mut found = Vec::new();
     for boundary in map.boundaries() {
         let segments: Vec<Segment> = boundary.curve().segments().to_vec();
@@ -49,7 +49,7 @@ pub(super) fn touches(map: &Map, spacing: f64, reach: f64) -> Vec<Touch> {
     found
 }
 
-fn along(segments: &[Segment], closed: bool, spacing: f64, reach: f64, found: &mut Vec<Touch>) {
+fn along(segments: &[Segment], closed: bool, spacing: f64, reach: f64, found: &mut Vec<BoundaryTouch>) {
     for (index, segment) in segments.iter().enumerate() {
         let before = if index > 0 { segments.get(index - 1) } else { segments.last().filter(|_| closed) };
         if let Some(before) = before {
@@ -66,7 +66,7 @@ fn along(segments: &[Segment], closed: bool, spacing: f64, reach: f64, found: &m
     }
 }
 
-fn stretches(segment: &Segment, spacing: f64, reach: f64, found: &mut Vec<Touch>) {
+fn stretches(segment: &Segment, spacing: f64, reach: f64, found: &mut Vec<BoundaryTouch>) {
     // How far a body moves by parameter: along with the place, and turned by the curvature.
     let rate = |t: f64| segment.derivatives(t).0.norm() * (1.0 + reach * segment.curvature(t).abs());
     let looks = if matches!(segment, Segment::Line(_)) { 1 } else { LOOKS };
@@ -79,7 +79,7 @@ fn stretches(segment: &Segment, spacing: f64, reach: f64, found: &mut Vec<Touch>
         let (position, tangent) = (segment.point(middle), segment.tangent(middle));
         let turn = |t: f64| wrap_angle(segment.tangent(t) - tangent).abs();
         let way = |t: f64| segment.point(t).distance(position);
-        found.push(Touch {
+        found.push(BoundaryTouch {
             position,
             tangent,
             half_turn: turn(from).max(turn(to)),
@@ -90,11 +90,11 @@ fn stretches(segment: &Segment, spacing: f64, reach: f64, found: &mut Vec<Touch>
 }
 
 /// A corner touched at every direction from `tangent` on, `turn` (rad) to the right.
-fn cone(position: Vec2, tangent: f64, turn: f64, spacing: f64, reach: f64, found: &mut Vec<Touch>) {
+fn cone(position: Vec2, tangent: f64, turn: f64, spacing: f64, reach: f64, found: &mut Vec<BoundaryTouch>) {
     let step = (spacing / reach).min(TAU / 8.0);
     let count = (turn / step).ceil().max(1.0) as usize;
     let half = 0.5 * turn / count as f64;
-    found.extend((0..count).map(|i| Touch {
+    found.extend((0..count).map(|i| BoundaryTouch {
         position,
         tangent: tangent - (2.0 * i as f64 + 1.0) * half,
         half_turn: half,

@@ -101,11 +101,11 @@ pub(super) fn nearest_state(
     if !map.is_free(map_from_whisker.position()) || !stands(map, map_from_whisker, observation) {
         return None;
     }
-    let base = Base::new(map_from_whisker);
+    let base = BasePose::new(map_from_whisker);
     let touches_on = candidate.felt_with == Some(observation.robot_from_whisker);
     let on_branch = |branch| {
         let match_from = |start| on_branch(map, candidate, &base, branch, start, tolerance);
-        let last = Start { normal: candidate.normal, near: candidate.touched };
+        let last = NewtonStart { normal: candidate.normal, near: candidate.touched };
         if touches_on {
             return match_from(last);
         }
@@ -126,7 +126,7 @@ fn stands(map: &Map, map_from_whisker: Pose2, observation: &Observation) -> bool
 
 /// A place on the boundary to look for the contact from.
 #[derive(Clone, Copy)]
-struct Start {
+struct NewtonStart {
     /// Direction of the boundary's normal (rad), map frame.
     normal: f64,
     /// A point of the boundary (m), map frame.
@@ -134,13 +134,13 @@ struct Start {
 }
 
 /// A whisker's base in the map, with the sine and cosine of its heading.
-struct Base {
+struct BasePose {
     pose: Pose2,
     sin: f64,
     cos: f64,
 }
 
-impl Base {
+impl BasePose {
     fn new(pose: Pose2) -> Self {
         let (sin, cos) = pose.theta.sin_cos();
         Self { pose, sin, cos }
@@ -154,7 +154,7 @@ impl Base {
 
 /// Where to look for the contact, too, when another whisker touched last, or this one was free or jumped in between:
 /// wherever the history's alignments put it.
-fn starts(map: &Map, pose: Pose2, branch: &Branch) -> Vec<Start> {
+fn starts(map: &Map, pose: Pose2, branch: &Branch) -> Vec<NewtonStart> {
     let middle = || {
         let range = branch.contacts.directions();
         branch.contacts.at_direction(0.5 * (range.lo() + range.hi()))
@@ -163,13 +163,13 @@ fn starts(map: &Map, pose: Pose2, branch: &Branch) -> Vec<Start> {
     let contacts = if aligned.is_empty() { middle().into_iter().collect() } else { aligned };
     let start = |contact: TipContact| {
         let near = map.nearest(pose.transform_point(contact.position))?.position;
-        Some(Start { normal: pose.theta + contact.direction, near })
+        Some(NewtonStart { normal: pose.theta + contact.direction, near })
     };
     contacts.into_iter().filter_map(start).collect()
 }
 
 /// Where the tip lies and which boundary point it is held against, map frame.
-struct Touch {
+struct TipTouch {
     tip: Vec2,
     boundary: Vec2,
     normal: f64,
@@ -177,8 +177,8 @@ struct Touch {
 }
 
 /// The tip for the boundary's own normal: found by alternating between the two, from the start on.
-fn touch(map: &Map, base: &Base, branch: &Branch, start: Start) -> Option<Touch> {
-    let Start { mut normal, mut near } = start;
+fn touch(map: &Map, base: &BasePose, branch: &Branch, start: NewtonStart) -> Option<TipTouch> {
+    let NewtonStart { mut normal, mut near } = start;
     let mut found = None;
     for _ in 0..ROUNDS {
         let direction = normal - base.pose.theta;
@@ -190,7 +190,7 @@ fn touch(map: &Map, base: &Base, branch: &Branch, start: Start) -> Option<Touch>
         let outward = outward(&point, base.pose.position());
         let agreed = wrap_angle(outward - normal).abs() < AGREED;
         normal = outward;
-        found = Some(Touch { tip, boundary: point.position, normal, contact });
+        found = Some(TipTouch { tip, boundary: point.position, normal, contact });
         if agreed {
             break;
         }
@@ -208,9 +208,9 @@ fn outward(point: &Foot, base: Vec2) -> f64 {
 fn on_branch(
     map: &Map,
     candidate: &Candidate,
-    base: &Base,
+    base: &BasePose,
     branch: &Branch,
-    start: Start,
+    start: NewtonStart,
     tolerance: &Tolerance,
 ) -> Option<Match> {
     on_wall(map, candidate, base, branch, start, tolerance)
@@ -221,9 +221,9 @@ fn on_branch(
 fn on_wall(
     map: &Map,
     candidate: &Candidate,
-    base: &Base,
+    base: &BasePose,
     branch: &Branch,
-    start: Start,
+    start: NewtonStart,
     tolerance: &Tolerance,
 ) -> Option<Match> {
     let touch = touch(map, base, branch, start)?;
@@ -255,12 +255,12 @@ fn in_corner(
     let normal = contact.direction + pose.theta;
     // Across the curve of possible tips; along it the direction of the force adapts.
     let across = if gap.norm() > 1e-9 { gap * (1.0 / gap.norm()) } else { Vec2::from_angle(normal) };
-    tolerance.place(candidate, branch, &Touch { tip, boundary: corner.position, normal, contact }, across)
+    tolerance.place(candidate, branch, &TipTouch { tip, boundary: corner.position, normal, contact }, across)
 }
 
 impl Tolerance {
     /// The match of a tip with the boundary along the direction `across`, if the gap is within the tolerance.
-    fn place(&self, candidate: &Candidate, branch: &Branch, touch: &Touch, across: Vec2) -> Option<Match> {
+    fn place(&self, candidate: &Candidate, branch: &Branch, touch: &TipTouch, across: Vec2) -> Option<Match> {
         let offset = (touch.boundary - touch.tip).dot(across);
         let sensitivity = branch.sensitivity(&touch.contact);
         let own = sensitivity * self.relative_std;
@@ -285,7 +285,7 @@ impl Tolerance {
 }
 
 /// How a candidate's heading agrees with an observation.
-struct Turn {
+struct HeadingShift {
     /// Distance from the nearest alignment, in units of the tolerance.
     share: f64,
     /// How far to turn (rad), with the standard deviation, where the history bounds the heading.
@@ -293,9 +293,15 @@ struct Turn {
 }
 
 /// The turn to the nearest alignment; none if it is beyond the tolerance.
-fn turn(candidate: &Candidate, pose: Pose2, branch: &Branch, normal: f64, tolerance: &Tolerance) -> Option<Turn> {
+fn turn(
+    candidate: &Candidate,
+    pose: Pose2,
+    branch: &Branch,
+    normal: f64,
+    tolerance: &Tolerance,
+) -> Option<HeadingShift> {
     if !branch.determined {
-        return Some(Turn { share: 0.0, wanted: None });
+        return Some(HeadingShift { share: 0.0, wanted: None });
     }
     let own = candidate.variance([0.0, 0.0, 1.0]);
     let reach = |std: f64| tolerance.std_devs * (std * std + own).sqrt() + tolerance.heading_floor;
@@ -303,7 +309,7 @@ fn turn(candidate: &Candidate, pose: Pose2, branch: &Branch, normal: f64, tolera
     let to = |a: &Alignment| {
         let turn = wrap_angle(heading - a.boundary_slope);
         let telling = a.std <= WORST_SLOPE;
-        Turn { share: turn.abs() / reach(a.std), wanted: telling.then(|| (turn, a.std.hypot(LEAST_SLOPE))) }
+        HeadingShift { share: turn.abs() / reach(a.std), wanted: telling.then(|| (turn, a.std.hypot(LEAST_SLOPE))) }
     };
     let nearest = branch.alignments.iter().map(to).min_by(|a, b| a.share.total_cmp(&b.share))?;
     (nearest.share <= 1.0).then_some(nearest)

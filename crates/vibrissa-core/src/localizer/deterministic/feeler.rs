@@ -16,7 +16,7 @@ use crate::plane::Pose2;
 use crate::world::MountedWhisker;
 
 /// One whisker's way from its column of the log to its histories.
-pub(super) struct Feeler {
+pub(super) struct WhiskerColumn {
     pub(super) whisker: MountedWhisker,
     pub(super) tip: TipModel,
     pub(super) contacts: Ladder,
@@ -30,7 +30,7 @@ pub(super) struct Feeler {
     pub(super) limit: LimitCheck,
 }
 
-impl Feeler {
+impl WhiskerColumn {
     pub(super) fn new(whisker: &MountedWhisker, log: &SensorLog, options: &DeterministicOptions) -> Result<Self> {
         let tip = TipModel::new(&whisker.beam)?;
         let limit = LimitCheck::any_place(whisker, &tip);
@@ -52,7 +52,7 @@ impl Feeler {
     }
 
     /// The first two doors: reading → moment → history.
-    pub(super) fn feel(&mut self, row: &LogRow, record: &mut Record) -> Result<Option<MomentHistory>> {
+    pub(super) fn feel(&mut self, row: &LogRow, record: &mut RunRecord) -> Result<Option<MomentHistory>> {
         let moment = row.readings.get(self.channel).copied().unwrap_or(0.0);
         let by_tip = self.tip_limit.allows(moment);
         if !by_tip {
@@ -86,7 +86,7 @@ impl Feeler {
 
 /// What is remembered of the way, for the answer.
 #[derive(Default)]
-pub(super) struct Record {
+pub(super) struct RunRecord {
     pub(super) touched: bool,
     pub(super) steps: Vec<StepRecord>,
     pub(super) events: Vec<Event>,
@@ -101,7 +101,7 @@ pub(super) struct Record {
     pub(super) empty_at: Option<usize>,
 }
 
-impl Record {
+impl RunRecord {
     /// Notes that no candidate is left.
     pub(super) fn emptied(&mut self, t: f64, row: usize) {
         self.empty_at = Some(row);

@@ -1,7 +1,7 @@
 //! The one point that explains many readings, of one whisker over time or of several at once.
 
 use super::meeting::{MeetingKind, meetings};
-use super::reading::{ContactReading, Touched};
+use super::reading::{ContactReading, SideReading};
 use crate::beam::{Load, Whisker, moment_mode};
 use crate::least_squares::{Normal, Rules, descend, unbounded};
 use crate::linear_algebra::Cholesky;
@@ -140,18 +140,18 @@ pub fn fixed_point(readings: &[ContactReading], start: Vec2) -> Option<FixedPoin
 /// than they are.
 #[must_use]
 pub fn fixed_point_since(readings: &[ContactReading], touch: Option<Touch>, start: Vec2) -> Option<FixedPoint> {
-    let all = |point: Vec2| readings.iter().map(|r| r.touched(point)).collect::<Option<Vec<Touched>>>();
+    let all = |point: Vec2| readings.iter().map(|r| r.touched(point)).collect::<Option<Vec<SideReading>>>();
     let (mut point, mut touched) = (start, all(start)?);
     let (mut cost, mut square) = (0.0, [0.0; 3]);
     for _ in 0..WEIGHTINGS {
         // The error belongs to the true moment: weights by the readings themselves would favour those that read low.
         let std: Vec<f64> = readings.iter().zip(&touched).map(|(r, t)| r.std(t.moment)).collect();
-        let problem = Problem { readings, touch, std: &std };
+        let problem = WeightedProblem { readings, touch, std: &std };
         let evaluate = |x: &[f64]| {
             let point = Vec2::new(x[0], x[1]);
             all(point).map(|touched| (problem.cost(point, &touched), touched)).map(|(cost, touched)| (touched, cost))
         };
-        let normal = |x: &[f64], touched: &Vec<Touched>| problem.normal(Vec2::new(x[0], x[1]), touched);
+        let normal = |x: &[f64], touched: &Vec<SideReading>| problem.normal(Vec2::new(x[0], x[1]), touched);
         let end = descend(vec![point.x, point.y], RULES, evaluate, normal, unbounded)?;
         point = Vec2::new(end.unknowns[0], end.unknowns[1]);
         (touched, cost) = (end.state, 2.0 * end.cost);
@@ -167,15 +167,15 @@ pub fn fixed_point_since(readings: &[ContactReading], touch: Option<Touch>, star
 }
 
 /// One set of weights.
-struct Problem<'a> {
+struct WeightedProblem<'a> {
     readings: &'a [ContactReading],
     touch: Option<Touch>,
     std: &'a [f64],
 }
 
-impl Problem<'_> {
+impl WeightedProblem<'_> {
     /// Half the sum of the squares.
-    fn cost(&self, point: Vec2, touched: &[Touched]) -> f64 {
+    fn cost(&self, point: Vec2, touched: &[SideReading]) -> f64 {
         let each = self.readings.iter().zip(touched).zip(self.std);
         let sum: f64 = each.map(|((r, t), s)| ((t.moment - r.moment) / s).powi(2)).sum();
         0.5 * (sum + self.touch.map_or(0.0, |touch| touch.residual(point).powi(2)))
@@ -189,7 +189,7 @@ impl Problem<'_> {
         Some(rows)
     }
 
-    fn normal(&self, point: Vec2, touched: &[Touched]) -> Option<Normal> {
+    fn normal(&self, point: Vec2, touched: &[SideReading]) -> Option<Normal> {
         let each = self.readings.iter().zip(touched).zip(self.std);
         let mut residuals: Vec<f64> = each.map(|((r, t), s)| (t.moment - r.moment) / s).collect();
         residuals.extend(self.touch.map(|touch| touch.residual(point)));

@@ -33,7 +33,7 @@ pub struct Meeting {
 
 /// A point of the first curve, and by how much the second reading misses it (N m).
 #[derive(Clone, Copy)]
-struct Tried {
+struct CurveTrial {
     position: Vec2,
     s_a: [f64; 2],
     miss: f64,
@@ -54,7 +54,7 @@ pub fn meetings(first: &ContactReading, second: &ContactReading) -> Vec<Meeting>
     for branch in 0..2 {
         let at = |s_a: f64| tried(first, second, s_a, branch);
         let length = first.whisker.length;
-        let samples: Vec<(f64, Option<Tried>)> =
+        let samples: Vec<(f64, Option<CurveTrial>)> =
             (1..=STEPS).map(|i| length * i as f64 / STEPS as f64).map(|s_a| (s_a, at(s_a))).collect();
         for pair in samples.windows(2) {
             if let (Some(lo), Some(hi)) = (pair[0].1, pair[1].1)
@@ -70,18 +70,18 @@ pub fn meetings(first: &ContactReading, second: &ContactReading) -> Vec<Meeting>
     found
 }
 
-fn tried(first: &ContactReading, second: &ContactReading, s_a: f64, branch: usize) -> Option<Tried> {
+fn tried(first: &ContactReading, second: &ContactReading, s_a: f64, branch: usize) -> Option<CurveTrial> {
     let bends = moment_mode(&first.whisker, first.moment, s_a, Load::Normal).ok()?;
     let position = first.odom_from_whisker.transform_point(bends.get(branch)?.contact);
     let touched = second.touched(position)?;
-    Some(Tried { position, s_a: [s_a, touched.s_a], miss: touched.moment - second.moment })
+    Some(CurveTrial { position, s_a: [s_a, touched.s_a], miss: touched.moment - second.moment })
 }
 
 /// The crossing between two arc lengths; none where the second curve jumps there instead.
 fn crossing(
-    at: &impl Fn(f64) -> Option<Tried>,
-    (mut lo, mut low): (f64, Tried),
-    (mut hi, mut high): (f64, Tried),
+    at: &impl Fn(f64) -> Option<CurveTrial>,
+    (mut lo, mut low): (f64, CurveTrial),
+    (mut hi, mut high): (f64, CurveTrial),
     scale: f64,
 ) -> Option<Meeting> {
     for _ in 0..HALVINGS {

@@ -27,7 +27,7 @@ pub struct ContactReading {
 
 /// What a reading would be if the side of the whisker were touched at a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Touched {
+pub(super) struct SideReading {
     /// Moment (N m).
     pub(super) moment: f64,
     /// Arc length of the contact (m); beyond the whisker's length where the whisker is too short.
@@ -48,15 +48,17 @@ impl ContactReading {
     }
 
     /// The side contact at a point of the odometry frame: of all shapes the one nearest to the reading.
-    pub(super) fn touched(&self, point: Vec2) -> Option<Touched> {
+    pub(super) fn touched(&self, point: Vec2) -> Option<SideReading> {
         let local = self.odom_from_whisker.inverse_transform_point(point);
-        let near = |a: &Touched, b: &Touched| (a.moment - self.moment).abs().total_cmp(&(b.moment - self.moment).abs());
+        let near = |a: &SideReading, b: &SideReading| {
+            (a.moment - self.moment).abs().total_cmp(&(b.moment - self.moment).abs())
+        };
         if self.whisker.is_uniform() {
             let (rigidity, length) = (self.whisker.flexural_rigidity, REACH * self.whisker.length);
             let shapes = [Branch::Least, Branch::Curled].map(|branch| by_point(rigidity, length, local, branch));
-            return shapes.into_iter().flatten().map(|b| Touched { moment: b.moment, s_a: b.s_a }).min_by(near);
+            return shapes.into_iter().flatten().map(|b| SideReading { moment: b.moment, s_a: b.s_a }).min_by(near);
         }
         let bends = point_mode(&self.whisker, local, Load::Normal).unwrap_or_default();
-        bends.iter().map(|b| Touched { moment: b.moment, s_a: b.s_a }).min_by(near)
+        bends.iter().map(|b| SideReading { moment: b.moment, s_a: b.s_a }).min_by(near)
     }
 }

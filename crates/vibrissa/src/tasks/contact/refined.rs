@@ -2,9 +2,9 @@
 
 use super::fixed_point::{FixedPoint, fixed_point, fixed_point_since};
 use super::reading::ContactReading;
-use super::segment::Part;
+use super::segment::ReadingRange;
 use super::sharpened::sharpened;
-use super::stretch::{Stretch, touch};
+use super::stretch::{ContactStretch, touch};
 use crate::config::ContactOptions;
 use crate::plane::Pose2;
 
@@ -17,7 +17,12 @@ const FEWEST: usize = 20;
 const ROUNDED: f64 = 0.6;
 
 /// The fixed point of a part once more.
-pub(super) fn refined(stretch: &Stretch, part: Part, point: FixedPoint, options: &ContactOptions) -> FixedPoint {
+pub(super) fn refined(
+    stretch: &ContactStretch,
+    part: ReadingRange,
+    point: FixedPoint,
+    options: &ContactOptions,
+) -> FixedPoint {
     let uniform = stretch.readings[part.from].whisker.is_uniform();
     if !uniform {
         return since(stretch.onset, &stretch.readings[part.from..part.to], part, point).map_or(point, |known| known.1);
@@ -38,7 +43,7 @@ pub(super) fn refined(stretch: &Stretch, part: Part, point: FixedPoint, options:
 fn since(
     onset: Option<Pose2>,
     readings: &[ContactReading],
-    part: Part,
+    part: ReadingRange,
     point: FixedPoint,
 ) -> Option<(bool, FixedPoint)> {
     let alone = fixed_point(readings, point.position)?;

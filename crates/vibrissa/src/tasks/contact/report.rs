@@ -5,8 +5,8 @@ use super::fixed_point::FixedPoint;
 use super::reading::ContactReading;
 use super::refined::refined;
 use super::region::contact_region;
-use super::segment::{Part, side_from, still_from};
-use super::stretch::{Stretch, stretches};
+use super::segment::{ReadingRange, side_from, still_from};
+use super::stretch::{ContactStretch, stretches};
 use super::trace::{Trace, TraceNode, TraceOptions, TracePoint, contact_traces};
 use crate::Result;
 use crate::beam::Bend;
@@ -127,12 +127,12 @@ impl ContactReport {
         self.events.push(Event { t, kind, detail });
     }
 
-    fn add(&mut self, stretch: &Stretch, options: &ContactOptions) {
+    fn add(&mut self, stretch: &ContactStretch, options: &ContactOptions) {
         let [first, ..] = stretch.readings.as_slice() else { return };
         self.tell(first.t, "contact", format!("whisker {}", stretch.whisker));
         let (mut from, mut before) = (0, None);
         while from < stretch.readings.len() {
-            let rest = Part { from, to: stretch.readings.len(), still: None };
+            let rest = ReadingRange { from, to: stretch.readings.len(), still: None };
             let still = still_from(&stretch.readings, from, stretch.onset);
             let whole = still.is_some_and(|part| part.from == 0 && part.to == rest.to);
             let traces = if whole { Vec::new() } else { traces(stretch, rest, options) };
@@ -162,7 +162,7 @@ impl ContactReport {
     }
 
     /// A contact that stands still.
-    fn side(&mut self, stretch: &Stretch, part: Part, point: &FixedPoint, before: Option<Vec2>) {
+    fn side(&mut self, stretch: &ContactStretch, part: ReadingRange, point: &FixedPoint, before: Option<Vec2>) {
         let readings = &stretch.readings[part.from..part.to];
         let moved = before.map_or(0.0, |before| before.distance(point.position));
         if before.is_some() {
@@ -197,12 +197,18 @@ impl ContactReport {
 
     /// A sliding contact up to the end of a part, or to where a trace breaks off and the side meets a point that stands still:
     /// where it ends.
-    fn slides(&mut self, stretch: &Stretch, part: Part, traces: &[Trace], options: &ContactOptions) -> usize {
+    fn slides(
+        &mut self,
+        stretch: &ContactStretch,
+        part: ReadingRange,
+        traces: &[Trace],
+        options: &ContactOptions,
+    ) -> usize {
         let Some((side, point)) = side_after(stretch, part, traces) else {
             self.sliding(stretch, part, traces);
             return part.to;
         };
-        let before = Part { to: side.from, ..part };
+        let before = ReadingRange { to: side.from, ..part };
         self.sliding(stretch, before, &self::traces(stretch, before, options));
         let t = stretch.readings[side.from].t;
         self.tell(t, "jump", "the slide ends; the side touches a point that stands still".to_owned());
@@ -211,7 +217,7 @@ impl ContactReport {
     }
 
     /// What is known of a sliding contact, or nothing that is understood.
-    fn sliding(&mut self, stretch: &Stretch, part: Part, traces: &[Trace]) {
+    fn sliding(&mut self, stretch: &ContactStretch, part: ReadingRange, traces: &[Trace]) {
         let readings = &stretch.readings[part.from..part.to];
         if readings.is_empty() {
             return;
@@ -250,7 +256,7 @@ impl ContactReport {
     }
 
     /// Tells where a slide goes from side to tip or back.
-    fn tell_change(&mut self, stretch: &Stretch, point: &TracePoint, before: &mut bool) {
+    fn tell_change(&mut self, stretch: &ContactStretch, point: &TracePoint, before: &mut bool) {
         let on_side = on_side(stretch, point);
         match (*before, on_side) {
             (true, false) => self.tell(point.t, "tip_contact", "the contact comes to the tip".to_owned()),
@@ -262,14 +268,14 @@ impl ContactReport {
 }
 
 /// Whether a sliding contact is with the side.
-fn on_side(stretch: &Stretch, point: &TracePoint) -> bool {
+fn on_side(stretch: &ContactStretch, point: &TracePoint) -> bool {
     stretch.readings.first().is_some_and(|reading| point.bend.s_a < reading.whisker.length * AT_TIP)
 }
 
 /// Whether the contact with the side of a part stood still although traces may explain its readings as well: only what ends at
 /// the tip, or with the log's stretch, or where every trace breaks off as well; or what the trace agrees with. A corner does not
 /// leave the middle of a whisker otherwise.
-fn stands(stretch: &Stretch, part: &Part, traces: &[Trace]) -> bool {
+fn stands(stretch: &ContactStretch, part: &ReadingRange, traces: &[Trace]) -> bool {
     let (Some(point), [first, .., last]) = (part.still, &stretch.readings[part.from..part.to]) else { return false };
     let length = last.whisker.length;
     let away = point.position - last.odom_from_whisker.position();
@@ -286,7 +292,7 @@ fn stands(stretch: &Stretch, part: &Part, traces: &[Trace]) -> bool {
 }
 
 /// The traces over a part.
-fn traces(stretch: &Stretch, part: Part, options: &ContactOptions) -> Vec<Trace> {
+fn traces(stretch: &ContactStretch, part: ReadingRange, options: &ContactOptions) -> Vec<Trace> {
     let readings = &stretch.readings[part.from..part.to];
     let Some(first) = readings.first() else { return Vec::new() };
     let node = |r: &ContactReading| TraceNode {
@@ -300,7 +306,7 @@ fn traces(stretch: &Stretch, part: Part, options: &ContactOptions) -> Vec<Trace>
 }
 
 /// The first contact with the side that begins where one of the traces ends.
-fn side_after(stretch: &Stretch, part: Part, traces: &[Trace]) -> Option<(Part, FixedPoint)> {
+fn side_after(stretch: &ContactStretch, part: ReadingRange, traces: &[Trace]) -> Option<(ReadingRange, FixedPoint)> {
     let readings = &stretch.readings[..part.to];
     let end = |trace: &Trace| trace.points.last().map(|last| readings.partition_point(|r| r.t <= last.t));
     let breaks = traces.iter().filter_map(end).filter(|end| *end > part.from && *end < part.to);
@@ -308,7 +314,7 @@ fn side_after(stretch: &Stretch, part: Part, traces: &[Trace]) -> Option<(Part, 
     sides.find_map(|side| side.still.map(|point| (side, point)))
 }
 
-fn sliding_step(stretch: &Stretch, reading: &ContactReading, point: &TracePoint, piece: usize) -> ContactStep {
+fn sliding_step(stretch: &ContactStretch, reading: &ContactReading, point: &TracePoint, piece: usize) -> ContactStep {
     let kind = if on_side(stretch, point) { ContactKind::Side } else { ContactKind::Tip };
     ContactStep {
         contact: Some(point.bend.contact),
@@ -322,7 +328,7 @@ fn sliding_step(stretch: &Stretch, reading: &ContactReading, point: &TracePoint,
 }
 
 /// What is known before any contact is found.
-fn step(stretch: &Stretch, reading: &ContactReading, kind: ContactKind) -> ContactStep {
+fn step(stretch: &ContactStretch, reading: &ContactReading, kind: ContactKind) -> ContactStep {
     ContactStep {
         t: reading.t,
         whisker: stretch.whisker,

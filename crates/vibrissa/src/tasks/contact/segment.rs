@@ -21,7 +21,7 @@ const FEWEST: usize = 4;
 
 /// A part of a stretch: readings `from..to`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Part {
+pub(super) struct ReadingRange {
     pub(super) from: usize,
     pub(super) to: usize,
     /// The contact on the whisker's side that stood still; none where the tip slid or nothing fits.
@@ -29,7 +29,7 @@ pub(super) struct Part {
 }
 
 /// The contact with the side that stood still from reading `from` on; `onset` is the base when the whisker was last free.
-pub(super) fn still_from(readings: &[ContactReading], from: usize, onset: Option<Pose2>) -> Option<Part> {
+pub(super) fn still_from(readings: &[ContactReading], from: usize, onset: Option<Pose2>) -> Option<ReadingRange> {
     let along = cumulated(readings);
     let reach = |from: usize, far: f64| along.partition_point(|s| *s < along[from] + far).clamp(from + 1, along.len());
     let begun = |point: &FixedPoint| from > 0 || onset.is_none_or(|onset| on_axis(point, onset, &readings[0]));
@@ -37,18 +37,18 @@ pub(super) fn still_from(readings: &[ContactReading], from: usize, onset: Option
     let whole = from == 0 && to == readings.len();
     let clear = (whole || along[to - 1] - along[from] >= CLEAR) && begun(&point) && off_tip(&point, &readings[from]);
     // What slides once is left to the traces: amid a slide, many a stretch looks like a fixed point and is none.
-    clear.then_some(Part { from, to, still: Some(point) })
+    clear.then_some(ReadingRange { from, to, still: Some(point) })
 }
 
 /// The contact with the side that begins at reading `from` or just after it, where a sliding tip broke off; none where no
 /// point explains the readings over a clear way.
-pub(super) fn side_from(readings: &[ContactReading], from: usize) -> Option<Part> {
+pub(super) fn side_from(readings: &[ContactReading], from: usize) -> Option<ReadingRange> {
     let along = cumulated(readings);
     let reach = |from: usize, far: f64| along.partition_point(|s| *s < along[from] + far).clamp(from + 1, along.len());
     let begins = |from: usize| {
         let (to, point) = longest(readings, from, &reach)?;
         let clear = along[to - 1] - along[from] >= CLEAR && off_tip(&point, &readings[from]);
-        clear.then_some(Part { from, to, still: Some(point) })
+        clear.then_some(ReadingRange { from, to, still: Some(point) })
     };
     (from..(from + LATE).min(readings.len())).find_map(begins)
 }

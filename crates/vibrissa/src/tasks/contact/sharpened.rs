@@ -17,7 +17,7 @@ const REACH: f64 = 4.0;
 const GRIDS: usize = 4;
 
 /// A reading about the least-squares point: what would be read there (N m), and how that changes with the point.
-struct Line {
+struct LinearReading {
     read: f64,
     moment: f64,
     slope: Vec2,
@@ -27,7 +27,7 @@ struct Line {
     absolute: f64,
 }
 
-impl Line {
+impl LinearReading {
     /// The moment where the point is moved by `d` (N m).
     fn moment(&self, d: Vec2) -> f64 {
         self.side * (self.side * (self.moment + self.slope.dot(d))).max(0.0)
@@ -62,7 +62,7 @@ struct Posterior {
 pub(super) fn sharpened(free: &[ContactReading], readings: &[ContactReading], point: FixedPoint) -> FixedPoint {
     let side = readings.iter().map(|r| r.moment).sum::<f64>().signum();
     let line = |r: &ContactReading| {
-        Some(Line {
+        Some(LinearReading {
             read: r.moment,
             moment: r.touched(point.position)?.moment,
             slope: slope(r, point.position)?,
@@ -72,7 +72,7 @@ pub(super) fn sharpened(free: &[ContactReading], readings: &[ContactReading], po
         })
     };
     let all = free.iter().chain(readings);
-    let lines: Option<Vec<Line>> = all.map(line).collect();
+    let lines: Option<Vec<LinearReading>> = all.map(line).collect();
     let known = lines.zip(factor(point.covariance));
     let Some((lines, root)) = known.filter(|(lines, _)| lines.len() >= FEWEST) else { return point };
     let count = lines.len() as f64;
@@ -102,7 +102,7 @@ fn factor([xx, xy, yy]: [f64; 3]) -> Option<[Vec2; 2]> {
 }
 
 /// The posterior of uniform errors whose size is not known, by grids.
-fn posterior(lines: &[Line], root: [Vec2; 2]) -> Option<Posterior> {
+fn posterior(lines: &[LinearReading], root: [Vec2; 2]) -> Option<Posterior> {
     let (mut root, mut found) = (root, None);
     let mut middle = Vec2::ZERO;
     for _ in 0..GRIDS {
@@ -119,7 +119,7 @@ fn range(change: f64) -> f64 {
     change * (1.0 - 0.5 * change)
 }
 
-fn grid(lines: &[Line], middle: Vec2, root: [Vec2; 2]) -> Posterior {
+fn grid(lines: &[LinearReading], middle: Vec2, root: [Vec2; 2]) -> Posterior {
     let spacing = REACH / f64::from(HALF);
     let mut points: Vec<(Vec2, f64, f64)> = Vec::new();
     for i in -HALF..=HALF {
@@ -145,8 +145,8 @@ fn grid(lines: &[Line], middle: Vec2, root: [Vec2; 2]) -> Posterior {
 }
 
 /// How far the point moves by one standard deviation of the relative error that all readings may share (m).
-fn common(lines: &[Line], [xx, xy, yy]: [f64; 3], share: f64) -> Vec2 {
-    let std = |l: &Line| l.bound(Vec2::ZERO) / 3f64.sqrt();
+fn common(lines: &[LinearReading], [xx, xy, yy]: [f64; 3], share: f64) -> Vec2 {
+    let std = |l: &LinearReading| l.bound(Vec2::ZERO) / 3f64.sqrt();
     let gradient = lines.iter().fold(Vec2::ZERO, |sum, l| sum + l.slope * (l.moment(Vec2::ZERO) / std(l).powi(2)));
     let relative = lines.iter().map(|l| l.relative).sum::<f64>() / lines.len() as f64;
     let size = (1.0 - share).max(0.0) * relative / 3f64.sqrt();

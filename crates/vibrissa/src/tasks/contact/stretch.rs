@@ -19,7 +19,7 @@ const LEAST_STD: f64 = 3e-6;
 
 /// One whisker in contact, its readings of one sign.
 #[derive(Clone, Debug)]
-pub(super) struct Stretch {
+pub(super) struct ContactStretch {
     /// Index of the whisker.
     pub(super) whisker: usize,
     /// The base when the whisker was last free (odometry frame); none when the log begins in contact.
@@ -34,7 +34,7 @@ pub(super) struct Stretch {
     pub(super) lift_off: Option<f64>,
 }
 
-impl Stretch {
+impl ContactStretch {
     /// The single readings of a part.
     pub(super) fn single(&self, from: usize, to: usize) -> &[ContactReading] {
         let count = |readings: &[ContactReading]| readings.iter().map(|r| r.count).sum::<usize>();
@@ -49,14 +49,14 @@ impl Stretch {
 /// # Errors
 ///
 /// A robot's whisker without a moment column.
-pub(super) fn stretches(log: &SensorLog, robot: &Robot, spacings: [f64; 2]) -> Result<Vec<Stretch>> {
+pub(super) fn stretches(log: &SensorLog, robot: &Robot, spacings: [f64; 2]) -> Result<Vec<ContactStretch>> {
     let mut all = Vec::new();
     for (index, whisker) in robot.whiskers.iter().enumerate() {
         let channel = log.moment_channel(&whisker.name)?;
         let spacing = spacings[usize::from(!whisker.beam.is_uniform())];
         all.extend(of_whisker(&log.rows, index, whisker, channel, spacing));
     }
-    let start = |s: &Stretch| s.readings.first().map_or(f64::NEG_INFINITY, |r| r.t);
+    let start = |s: &ContactStretch| s.readings.first().map_or(f64::NEG_INFINITY, |r| r.t);
     all.sort_by(|a, b| start(a).total_cmp(&start(b)));
     Ok(all)
 }
@@ -73,18 +73,24 @@ pub(super) fn touch(onset: Pose2, first: &ContactReading) -> Option<Touch> {
     Some(Touch { odom_from_whisker: middle, std })
 }
 
-fn of_whisker(rows: &[LogRow], index: usize, whisker: &MountedWhisker, channel: usize, spacing: f64) -> Vec<Stretch> {
-    let mut found: Vec<Stretch> = Vec::new();
-    let (mut open, mut quiet): (Option<Stretch>, usize) = (None, 0);
+fn of_whisker(
+    rows: &[LogRow],
+    index: usize,
+    whisker: &MountedWhisker,
+    channel: usize,
+    spacing: f64,
+) -> Vec<ContactStretch> {
+    let mut found: Vec<ContactStretch> = Vec::new();
+    let (mut open, mut quiet): (Option<ContactStretch>, usize) = (None, 0);
     let mut free: Vec<ContactReading> = Vec::new();
     for row in rows {
         let (moment, base) = (row.readings[channel], row.odom_from_robot.compose(whisker.robot_from_whisker));
         let touches = moment.abs() > whisker.noise.moment_absolute;
-        let turned = |s: &Stretch| s.readings.last().is_some_and(|r| (r.moment > 0.0) != (moment > 0.0));
+        let turned = |s: &ContactStretch| s.readings.last().is_some_and(|r| (r.moment > 0.0) != (moment > 0.0));
         let was_free = quiet > 0;
         quiet = if touches { 0 } else { quiet + 1 };
         if quiet >= PATIENCE || (touches && open.as_ref().is_some_and(turned)) {
-            found.extend(open.take().map(|s| Stretch { lift_off: Some(row.t), ..s }));
+            found.extend(open.take().map(|s| ContactStretch { lift_off: Some(row.t), ..s }));
         }
         let reading = ContactReading {
             t: row.t,
@@ -95,7 +101,7 @@ fn of_whisker(rows: &[LogRow], index: usize, whisker: &MountedWhisker, channel: 
             count: 1,
         };
         if touches {
-            let stretch = open.get_or_insert_with(|| Stretch {
+            let stretch = open.get_or_insert_with(|| ContactStretch {
                 whisker: index,
                 onset: free.last().map(|r| r.odom_from_whisker),
                 free: if was_free { free.clone() } else { Vec::new() },

@@ -1,6 +1,6 @@
-//! How large the set is, and into which separate places it falls.
+//! Size of the set, and its connected components.
 
-use super::cell::{ARM, Cell};
+use super::parallelotope::{HEADING_ARM, Parallelotope};
 use crate::plane::{Bounds, Pose2, Vec2, wrap_angle};
 use crate::sets::{Interval, StateBox};
 use core::f64::consts::TAU;
@@ -21,7 +21,7 @@ const PIECES: usize = 8;
 
 /// One separate place of a set.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Place {
+pub struct EnclosedPlace {
     /// The middle of its cells, weighed by volume.
     pub pose: Pose2,
     /// Its share of the volume.
@@ -31,20 +31,24 @@ pub struct Place {
 }
 
 /// A place after the robot has made this step, which may be off by so much in place (m) and turn (rad): nothing is lost.
-pub(super) fn carried(place: &Place, step: Pose2, (off, turn): (f64, f64)) -> Place {
+pub(super) fn carried(place: &EnclosedPlace, step: Pose2, (off, turn): (f64, f64)) -> EnclosedPlace {
     let StateBox { x, y, theta } = place.extent;
     let middle = 0.5 * (theta.lo() + theta.hi());
     let way = step.position().rotated(middle);
     // The way at any heading of the place ends no further from the way at the middle one than the chord between them.
     let slack = off + 2.0 * way.norm() * (0.25 * theta.width().min(TAU)).sin();
-    let moved = |range: Interval, by: f64, slack: f64| Interval::new(range.lo() + by - slack, range.hi() + by + slack);
-    let extent =
-        StateBox { x: moved(x, way.x, slack), y: moved(y, way.y, slack), theta: moved(theta, step.theta, turn) };
-    Place { pose: place.pose.compose(step), extent, ..*place }
+    let transport =
+        |range: Interval, by: f64, slack: f64| Interval::new(range.lo() + by - slack, range.hi() + by + slack);
+    let extent = StateBox {
+        x: transport(x, way.x, slack),
+        y: transport(y, way.y, slack),
+        theta: transport(theta, step.theta, turn),
+    };
+    EnclosedPlace { pose: place.pose.compose(step), extent, ..*place }
 }
 
 /// The boxes around the cells, long slanted ones cut.
-pub(super) fn boxes(cells: impl ExactSizeIterator<Item = Cell>) -> Vec<StateBox> {
+pub(super) fn boxes(cells: impl ExactSizeIterator<Item = Parallelotope>) -> Vec<StateBox> {
     let limit = if cells.len() > 400 { 1 } else { PIECES };
     let mut boxes = Vec::with_capacity(cells.len());
     for cell in cells {
@@ -65,7 +69,7 @@ pub(super) fn boxes(cells: impl ExactSizeIterator<Item = Cell>) -> Vec<StateBox>
 }
 
 /// The groups of cells whose boxes touch; of many cells also those that nearly do, within a 64th of the set.
-pub(super) fn places(cells: impl Iterator<Item = Cell> + Clone) -> Vec<Place> {
+pub(super) fn places(cells: impl Iterator<Item = Parallelotope> + Clone) -> Vec<EnclosedPlace> {
     let hulls: Vec<StateBox> = cells.clone().map(|cell| cell.hull()).collect();
     let mut parent: Vec<u32> = (0..hulls.len() as u32).collect();
     if hulls.len() <= CROWD {
@@ -73,17 +77,17 @@ pub(super) fn places(cells: impl Iterator<Item = Cell> + Clone) -> Vec<Place> {
     } else {
         join_bins(&hulls, &mut parent)
     }
-    let (mut groups, mut group_of): (Vec<Group>, Vec<u32>) = (Vec::new(), vec![u32::MAX; hulls.len()]);
+    let (mut groups, mut group_of): (Vec<CellGroup>, Vec<u32>) = (Vec::new(), vec![u32::MAX; hulls.len()]);
     for (index, cell) in cells.enumerate() {
         let root = root(&mut parent, index);
         if group_of[root] == u32::MAX {
             group_of[root] = groups.len() as u32;
-            groups.push(Group::new(&cell));
+            groups.push(CellGroup::new(&cell));
         }
         groups[group_of[root] as usize].add(&cell, &hulls[index]);
     }
     let total: f64 = groups.iter().map(|group| group.volume).sum();
-    let mut places: Vec<Place> = groups.iter().map(|group| group.place(total)).collect();
+    let mut places: Vec<EnclosedPlace> = groups.iter().map(|group| group.place(total)).collect();
     places.sort_by(|a, b| b.share.total_cmp(&a.share));
     places
 }
@@ -153,7 +157,7 @@ fn touch(a: &StateBox, b: &StateBox) -> bool {
     a.y.lo() <= b.y.hi() + LINK && b.y.lo() <= a.y.hi() + LINK && apart <= turn + LINK_TURN
 }
 
-struct Group {
+struct CellGroup {
     first: Pose2,
     sum: [f64; 3],
     weight: f64,
@@ -161,12 +165,12 @@ struct Group {
     extent: StateBox,
 }
 
-impl Group {
-    fn new(cell: &Cell) -> Self {
+impl CellGroup {
+    fn new(cell: &Parallelotope) -> Self {
         Self { first: cell.center, sum: [0.0; 3], weight: 0.0, volume: 0.0, extent: StateBox::EMPTY }
     }
 
-    fn add(&mut self, cell: &Cell, hull: &StateBox) {
+    fn add(&mut self, cell: &Parallelotope, hull: &StateBox) {
         let volume = cell.volume();
         // Places without any volume have a middle as well.
         let weight = volume + 1e-300;
@@ -181,28 +185,29 @@ impl Group {
         self.extent = self.extent.hull(hull);
     }
 
-    fn place(&self, total: f64) -> Place {
+    fn place(&self, total: f64) -> EnclosedPlace {
         let [x, y, theta] = self.sum.map(|s| s / self.weight);
         let pose = Pose2::new(self.first.x + x, self.first.y + y, self.first.theta + theta);
-        Place { pose, share: if total > 0.0 { self.volume / total } else { 1.0 }, extent: self.extent }
+        EnclosedPlace { pose, share: if total > 0.0 { self.volume / total } else { 1.0 }, extent: self.extent }
     }
 }
 
 /// Upper bounds of area (m²) and volume (m² rad); `sharp` takes longer and counts less beside the cells.
-pub(super) fn size(cells: impl Iterator<Item = Cell> + Clone, sharp: bool) -> (f64, f64) {
-    let add = |(shadows, volume): (f64, f64), cell: Cell| (shadows + shadow(&cell), volume + cell.volume());
+pub(super) fn size(cells: impl Iterator<Item = Parallelotope> + Clone, sharp: bool) -> (f64, f64) {
+    let add =
+        |(shadows, volume): (f64, f64), cell: Parallelotope| (shadows + projected_area(&cell), volume + cell.volume());
     let (shadows, volume) = cells.clone().fold((0.0, 0.0), add);
     (shadows.min(raster(cells, sharp)), volume)
 }
 
 /// The area of a cell's projection: a hexagon.
-fn shadow(cell: &Cell) -> f64 {
+fn projected_area(cell: &Parallelotope) -> f64 {
     let [a, b, c] = cell.sides.map(|s| Vec2::new(s[0], s[1]));
     4.0 * (a.cross(b).abs() + b.cross(c).abs() + c.cross(a).abs())
 }
 
 /// The corners of that hexagon.
-fn hexagon(cell: &Cell) -> [Vec2; 6] {
+fn hexagon(cell: &Parallelotope) -> [Vec2; 6] {
     let upward = |v: Vec2| if v.y < 0.0 || (v.y == 0.0 && v.x < 0.0) { -v } else { v };
     let mut sides = cell.sides.map(|s| upward(Vec2::new(s[0], s[1])));
     sides.sort_by(|a, b| b.cross(*a).total_cmp(&0.0));
@@ -231,8 +236,8 @@ fn between(polygon: &[Vec2; 6], low: f64, high: f64) -> Option<(f64, f64)> {
 }
 
 /// The area by counting the squares of a raster that the cells' projections touch, or the rectangles around these.
-fn raster(cells: impl Iterator<Item = Cell> + Clone, sharp: bool) -> f64 {
-    let rectangle = |cell: &Cell| {
+fn raster(cells: impl Iterator<Item = Parallelotope> + Clone, sharp: bool) -> f64 {
+    let rectangle = |cell: &Parallelotope| {
         let [x, y, _] = cell.reach();
         let half = Vec2::new(x, y);
         Bounds { min: cell.place() - half, max: cell.place() + half }
@@ -242,7 +247,8 @@ fn raster(cells: impl Iterator<Item = Cell> + Clone, sharp: bool) -> f64 {
         return 0.0;
     }
     let across = if sharp { SHARP_RASTER } else { RASTER };
-    let square = (all.size().x.max(all.size().y) / across as f64).max(if sharp { LEAST_SQUARE } else { 1e-3 * ARM });
+    let square =
+        (all.size().x.max(all.size().y) / across as f64).max(if sharp { LEAST_SQUARE } else { 1e-3 * HEADING_ARM });
     let mut hit = vec![false; (across + 1) * (across + 1)];
     for cell in cells {
         let Bounds { min, max } = rectangle(&cell);

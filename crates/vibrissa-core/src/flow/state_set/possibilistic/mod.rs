@@ -1,25 +1,26 @@
-//! The set of all states that the readings allow, enclosed by slanted cells: what it leaves out is ruled out.
+//! Set-membership state estimation \[jaulin2001applied, ch. 3-6; jaulin2009robust\]: a paving of cells encloses all states that
+//! the readings allow. A cell is a parallelotope; readings contract cells, and SIVIA bisects them.
 //!
 //! A state explains a reading if some single contact of the whisker with the map does, history or not. The first
 //! reading that needs a contact lays cells along every boundary; from then on each reading cuts the cells that it
 //! meets, and cells that do not explain it die. Work is bounded for each row: cells that had no turn yet stay as they
 //! are, which is never wrong. `docs/possibilistic.md` gives the reasons why nothing true is lost.
 
-mod birth;
-mod bundle;
-mod cell;
-mod corner;
-mod edge;
-mod explain;
-mod left;
+mod clusters;
+mod constraint_order;
+mod contraction;
+mod contractor;
+mod edge_contractor;
+mod free_space;
+mod initial_cover;
 mod measure;
-mod piece;
+mod parallelotope;
 mod record;
-mod refine;
-mod room;
-mod tellers;
+mod sivia;
 #[cfg(test)]
 mod tests;
+mod thick_piece;
+mod vertex_contractor;
 
 use crate::beam::press::PressTable;
 use crate::config::PossibilisticOptions;
@@ -27,28 +28,28 @@ use crate::flow::prior;
 use crate::plane::{Bounds, Pose2, wrap_angle};
 use crate::sets::{Interval, StateBox};
 use crate::world::{Map, MountedWhisker, Odometry};
-use cell::{Cell, narrow};
-use explain::{Ground, View};
-pub use measure::Place;
-use record::{Stand, Touch};
-use tellers::Tellers;
+use constraint_order::ConstraintOrder;
+use contractor::{BaseView, BoundaryLevels};
+pub use measure::EnclosedPlace;
+use parallelotope::{Parallelotope, contract_box};
+use record::{OdometryRecord, ReadingContacts};
 
 /// Columns (a quarter turn) and rows of the tables that first cells meet, from fine to coarse: each has half as many of both
 /// as the one before.
 const FIRST_TABLE: (usize, usize) = (16, 32);
 const TABLES: usize = 2;
 /// Cells are born from this one of them.
-const BIRTH: usize = 1;
+const START_TABLE: usize = 1;
 /// The same of finer ones, which are added when so many readings since the first contact are remembered: few readings leave
 /// more open than coarse tables do.
 const NEXT_TABLE: (usize, usize) = (64, 64);
 const NEXT_TABLES: usize = 2;
 const WORTH_NEXT: usize = 10;
-/// The same of the table that the last effort adds where this many readings are remembered: a twentieth of a second to build.
+/// The same of the table that the final refinement adds where this many readings are remembered: a twentieth of a second to build.
 const LAST_TABLE: (usize, usize) = (128, 96);
 const WORTH_LAST: usize = 20;
 /// Rows have so many times their work as long as there are cells that no reading has met.
-const FRESH_WORK: usize = 3;
+const FIRST_WORK_FACTOR: usize = 3;
 /// Odometry may be off by this much before a cell is moved to the present row (m).
 const STALE: f64 = 5e-5;
 /// And a cell that is wide in heading is moved when the robot is this far away (m).
@@ -57,15 +58,15 @@ const FAR: f64 = 0.03;
 const KEPT_EVERY: f64 = 1e-3;
 const MOST_KEPT: usize = 160;
 /// So many looks at pieces of boundary and contacts are one more piece of work.
-const LOOKS: usize = 12;
+const COMPARISONS_PER_WORK: usize = 12;
 /// Of no more cells than this all are moved to the newest row at once to be measured (2 MB).
 const MOVED_AT_ONCE: usize = 20_000;
 /// The place of a base is checked once in so many records.
-const LOOK_EVERY: u32 = 8;
+const CHECK_BASE_EVERY: u32 = 8;
 
 /// A whisker with its tables.
 #[derive(Clone, Debug)]
-struct Probe {
+struct TabledWhisker {
     whisker: MountedWhisker,
     /// From fine to coarse.
     tables: Vec<PressTable>,
@@ -73,10 +74,10 @@ struct Probe {
 
 /// One row of the log.
 #[derive(Clone, Debug)]
-struct Record {
-    stand: Stand,
+struct LogRecord {
+    stand: OdometryRecord,
     /// What each whisker felt; empty once it is forgotten.
-    touches: Vec<Touch>,
+    touches: Vec<ReadingContacts>,
     heading: Option<Interval>,
 }
 
@@ -85,20 +86,20 @@ struct Record {
 pub struct PossibleSet {
     options: PossibilisticOptions,
     odometry: Odometry,
-    ground: Ground,
-    probes: Vec<Probe>,
-    records: Vec<Record>,
+    ground: BoundaryLevels,
+    probes: Vec<TabledWhisker>,
+    records: Vec<LogRecord>,
     /// Records that still have their readings, but for the newest.
     kept: Vec<u32>,
     kept_every: f64,
-    cells: Vec<Cell>,
-    births: usize,
+    cells: Vec<Parallelotope>,
+    starts: usize,
     /// The record of the first contact.
-    born_at: u32,
+    started_at: u32,
     cursor: usize,
     /// How many turns it takes until every cell has met a reading.
     untried: usize,
-    tellers: Tellers,
+    constraint_order: ConstraintOrder,
 }
 
 impl PossibleSet {
@@ -106,29 +107,29 @@ impl PossibleSet {
     #[must_use]
     pub fn new(map: &Map, whiskers: &[MountedWhisker], odometry: Odometry, options: PossibilisticOptions) -> Self {
         let tables = each_table(whiskers.iter(), |lean| tables(FIRST_TABLE, TABLES, lean, &options));
-        let probe = |(whisker, tables): (&MountedWhisker, _)| Probe { whisker: whisker.clone(), tables };
+        let probe = |(whisker, tables): (&MountedWhisker, _)| TabledWhisker { whisker: whisker.clone(), tables };
         let probes = whiskers.iter().zip(tables).map(probe).collect();
         Self {
             options,
             odometry,
-            ground: Ground::new(map),
+            ground: BoundaryLevels::new(map),
             probes,
             records: Vec::new(),
             kept: Vec::new(),
             kept_every: KEPT_EVERY,
             cells: Vec::new(),
-            births: 0,
-            born_at: 0,
+            starts: 0,
+            started_at: 0,
             cursor: 0,
             untried: 0,
-            tellers: Tellers::default(),
+            constraint_order: ConstraintOrder::default(),
         }
     }
 
     /// Whether a contact has laid the first cells.
     #[must_use]
     pub fn has_started(&self) -> bool {
-        self.births > self.options.tolerate
+        self.starts > self.options.tolerate
     }
 
     /// Whether no state explains the readings.
@@ -146,7 +147,7 @@ impl PossibleSet {
     /// An upper bound of the volume (m² rad).
     #[must_use]
     pub fn volume(&self) -> f64 {
-        self.cells.iter().map(Cell::volume).sum()
+        self.cells.iter().map(Parallelotope::volume).sum()
     }
 
     /// How many cells enclose the set.
@@ -159,11 +160,13 @@ impl PossibleSet {
     pub fn update(&mut self, map: &Map, odom_from_robot: Pose2, moments: &[Interval], heading: Option<Interval>) {
         let stand = match self.records.last() {
             Some(last) => last.stand.next(odom_from_robot, &self.odometry),
-            None => Stand::first(odom_from_robot),
+            None => OdometryRecord::first(odom_from_robot),
         };
-        let touch = |(probe, m): (&Probe, &Interval)| Touch::new(&probe.whisker, &probe.tables, m.lo(), m.hi());
+        let touch = |(probe, m): (&TabledWhisker, &Interval)| {
+            ReadingContacts::new(&probe.whisker, &probe.tables, m.lo(), m.hi())
+        };
         self.forget();
-        if self.has_first_tables() && self.kept_since_birth() >= WORTH_NEXT {
+        if self.has_first_tables() && self.kept_since_start() >= WORTH_NEXT {
             self.add_tables();
         }
         // Readings that may be none are worth nothing before the set starts, unless they are remembered.
@@ -173,19 +176,19 @@ impl PossibleSet {
         } else {
             self.probes.iter().zip(moments).map(touch).collect()
         };
-        self.records.push(Record { stand, touches, heading });
+        self.records.push(LogRecord { stand, touches, heading });
         if !self.has_started() {
             self.start(map, moments);
             return;
         }
-        self.meet_newest(map);
+        self.contract_by_newest(map);
     }
 
     /// Forgets the readings of the last record unless they are worth keeping.
     fn forget(&mut self) {
         let Some(last) = self.records.len().checked_sub(1) else { return };
         // The first contact waits for cells that had no turn yet.
-        let is_birth = self.births > 0 && last == self.born_at as usize;
+        let is_birth = self.starts > 0 && last == self.started_at as usize;
         if is_birth || self.is_apart(self.records[last].stand.path()) {
             self.kept.push(last as u32);
         } else {
@@ -215,31 +218,31 @@ impl PossibleSet {
     /// true.
     fn start(&mut self, map: &Map, moments: &[Interval]) {
         let record = self.records.len() as u32 - 1;
-        let lay = |(probe, moment): (&Probe, &Interval)| {
-            let coarse = Touch::new(&probe.whisker, &probe.tables[BIRTH..], moment.lo(), moment.hi());
-            birth::cells(&self.ground.bundled, self.near(&probe.whisker), &coarse, record)
+        let lay = |(probe, moment): (&TabledWhisker, &Interval)| {
+            let coarse = ReadingContacts::new(&probe.whisker, &probe.tables[START_TABLE..], moment.lo(), moment.hi());
+            initial_cover::initial_cells(&self.ground.clustered, self.near(&probe.whisker), &coarse, record)
         };
         let touching = self.probes.iter().zip(moments).filter(|(_, moment)| !moment.contains(0.0));
-        let mut laid: Vec<Vec<Cell>> = touching.map(lay).collect();
+        let mut laid: Vec<Vec<Parallelotope>> = touching.map(lay).collect();
         laid.sort_by_key(Vec::len);
-        laid.truncate(self.options.tolerate + 1 - self.births);
+        laid.truncate(self.options.tolerate + 1 - self.starts);
         if !laid.is_empty() {
-            self.births += laid.len();
-            self.born_at = record;
+            self.starts += laid.len();
+            self.started_at = record;
             for cells in laid {
                 // Where there are none yet, without a copy: there may be hundreds of thousands.
                 if self.cells.is_empty() { self.cells = cells } else { self.cells.extend(cells) }
             }
         }
-        if self.births == 0 {
+        if self.starts == 0 {
             return;
         }
         let cells = std::mem::take(&mut self.cells);
-        self.cells = cells.into_iter().filter_map(|cell| self.known(cell)).collect();
+        self.cells = cells.into_iter().filter_map(|cell| self.with_prior_knowledge(cell)).collect();
         self.untried = self.cells.len();
         // One whisker's reading alone rules out none of the cells that were laid for it.
         if self.has_started() && self.probes.len() > 1 {
-            self.meet_newest(map);
+            self.contract_by_newest(map);
         }
     }
 
@@ -254,9 +257,9 @@ impl PossibleSet {
 
     /// The part of a new cell that has the heading known at its row, and from which the robot was in the region where it is
     /// known to have started.
-    fn known(&self, cell: Cell) -> Option<Cell> {
+    fn with_prior_knowledge(&self, cell: Parallelotope) -> Option<Parallelotope> {
         let there = &self.records[cell.anchor as usize];
-        let cell = there.heading.map_or(Some(cell), |heading| turned_within(cell, 0.0, 0.0, heading))?;
+        let cell = there.heading.map_or(Some(cell), |heading| with_heading_in(cell, 0.0, 0.0, heading))?;
         let Some(prior) = self.options.prior else { return Some(cell) };
         let (step, place, turn) = there.stand.until(&self.records[0].stand);
         within(cell, step, (place, turn), &prior)
@@ -264,28 +267,42 @@ impl PossibleSet {
 
     /// What is left of a cell that met one reading, after the one that it was born from and what is known from before; older
     /// cells stay.
-    fn entered(&self, map: &Map, mut cell: Cell, work: &mut usize) -> Option<Cell> {
-        if !cell.fresh {
+    fn contracted_by_first(&self, map: &Map, mut cell: Parallelotope, work: &mut usize) -> Option<Parallelotope> {
+        if !cell.is_fresh {
             return Some(cell);
         }
-        cell.fresh = false;
+        cell.is_fresh = false;
         // The newest it has met.
-        if self.born_at as usize + 1 < self.records.len() {
-            cell = self.meet(map, cell, self.born_at, true, work)?;
+        if self.started_at as usize + 1 < self.records.len() {
+            cell = self.contracted_by(map, cell, self.started_at, true, work)?;
         }
-        let earlier = self.kept.iter().rev().filter(|&&k| k < self.born_at).step_by(4).take(4);
-        earlier.copied().try_fold(cell, |cell, k| self.meet(map, cell, k, false, work))
+        let earlier = self.kept.iter().rev().filter(|&&k| k < self.started_at).step_by(4).take(4);
+        earlier.copied().try_fold(cell, |cell, k| self.contracted_by(map, cell, k, false, work))
     }
 
     /// What is left of a cell after one record; none when it cannot explain it. The work grows with the boundary around.
-    fn meet(&self, map: &Map, cell: Cell, record: u32, look: bool, work: &mut usize) -> Option<Cell> {
-        let mut looks = 0;
-        let met = self.met(map, cell, record, look, &mut looks);
-        *work = work.saturating_sub(1 + looks / LOOKS);
+    fn contracted_by(
+        &self,
+        map: &Map,
+        cell: Parallelotope,
+        record: u32,
+        look: bool,
+        work: &mut usize,
+    ) -> Option<Parallelotope> {
+        let mut comparisons = 0;
+        let met = self.contracted(map, cell, record, look, &mut comparisons);
+        *work = work.saturating_sub(1 + comparisons / COMPARISONS_PER_WORK);
         met
     }
 
-    fn met(&self, map: &Map, cell: Cell, record: u32, look: bool, looks: &mut usize) -> Option<Cell> {
+    fn contracted(
+        &self,
+        map: &Map,
+        cell: Parallelotope,
+        record: u32,
+        look: bool,
+        comparisons: &mut usize,
+    ) -> Option<Parallelotope> {
         // Where misses are counted, no reading may count twice.
         if self.options.tolerate > 0 && record <= cell.seen {
             return Some(cell);
@@ -295,26 +312,26 @@ impl PossibleSet {
         let (mut step, mut place, mut turn) = self.records[cell.anchor as usize].stand.until(&there.stand);
         let bends = step.position().norm_squared() > FAR * FAR;
         if record > cell.anchor && (place > STALE || bends) {
-            cell.moved(step, record);
-            cell.grow(place, turn);
+            cell.transport(step, record);
+            cell.inflate(place, turn);
             (step, place, turn) = (Pose2::IDENTITY, 0.0, 0.0);
         }
         cell.seen = cell.seen.max(record);
         if let Some(heading) = there.heading {
-            cell = turned_within(cell, step.theta, turn, heading)?;
+            cell = with_heading_in(cell, step.theta, turn, heading)?;
         }
         for touch in &there.touches {
-            let view = View::new(&cell, step, (place, turn), touch.robot_from_whisker);
-            if look && !room::base_may_be_free(&view, map) {
+            let view = BaseView::new(&cell, step, (place, turn), touch.robot_from_whisker);
+            if look && !free_space::base_may_be_free(&view, map) {
                 return None;
             }
-            if touch.free && room::whisker_may_be_free(&view, touch.length, &self.ground.coarse.all) {
+            if touch.free && free_space::whisker_may_be_free(&view, touch.length, &self.ground.coarse.all) {
                 continue;
             }
-            match explain::by_contact(&view, touch, &self.ground, looks) {
+            match contractor::contract(&view, touch, &self.ground, comparisons) {
                 // With misses left, the part that does not explain the reading stays possible, too.
                 Some(_) if (cell.missed as usize) < self.options.tolerate => {}
-                Some(left) => cell.keep(&left),
+                Some(left) => cell.contract_to(&left),
                 None if (cell.missed as usize) < self.options.tolerate => cell.missed += 1,
                 None => return None,
             }
@@ -323,31 +340,31 @@ impl PossibleSet {
     }
 
     /// The cells at the newest row, moved one by one: of the boundary of a large map there are hundreds of thousands.
-    fn now(&self) -> impl ExactSizeIterator<Item = Cell> + Clone {
+    fn now(&self) -> impl ExactSizeIterator<Item = Parallelotope> + Clone {
         let newest = self.records.len().saturating_sub(1);
         self.cells.iter().map(move |cell| {
             let mut cell = *cell;
             if cell.anchor as usize != newest {
                 let there = &self.records[cell.anchor as usize].stand;
                 let (step, place, turn) = there.until(&self.records[newest].stand);
-                cell.moved(step, newest as u32);
-                cell.grow(place, turn);
+                cell.transport(step, newest as u32);
+                cell.inflate(place, turn);
             }
             cell
         })
     }
 }
 
-impl Cell {
+impl Parallelotope {
     /// Keeps what explains a reading.
-    fn keep(&mut self, left: &left::Left) {
+    fn contract_to(&mut self, left: &contraction::Contraction) {
         let (mut form, mut middle) = (left.form, 0.0);
         for (k, &(lo, hi)) in form.iter_mut().zip(&left.part) {
             middle += *k * 0.5 * (lo + hi);
             *k *= 0.5 * (hi - lo);
         }
-        self.shrink(&left.part);
-        self.cut(&form, (left.range.0 - middle, left.range.1 - middle));
+        self.restrict(&left.part);
+        self.contract(&form, (left.range.0 - middle, left.range.1 - middle));
     }
 }
 
@@ -373,34 +390,39 @@ fn tables((columns, rows): (usize, usize), count: usize, lean: f64, options: &Po
 }
 
 /// The part of the cell from which the robot, after `step`, is in a box.
-fn within(cell: Cell, step: Pose2, (place, turn): (f64, f64), bounds: &[[f64; 2]; 3]) -> Option<Cell> {
-    let view = View::new(&cell, step, (place, turn), Pose2::IDENTITY);
+fn within(
+    cell: Parallelotope,
+    step: Pose2,
+    (place, turn): (f64, f64),
+    bounds: &[[f64; 2]; 3],
+) -> Option<Parallelotope> {
+    let view = BaseView::new(&cell, step, (place, turn), Pose2::IDENTITY);
     let mut part = [(-1.0, 1.0); 3];
     let at = [view.base.x, view.base.y, wrap_near(view.heading, 0.5 * (bounds[2][0] + bounds[2][1]))];
     let slop = [view.slop, view.slop, turn];
     for axis in 0..3 {
         let form = [0, 1, 2].map(|j| [view.moves[j].x, view.moves[j].y, view.turns[j]][axis]);
         let [lo, hi] = bounds[axis];
-        if !narrow(&mut part, &form, (lo - at[axis] - slop[axis], hi - at[axis] + slop[axis])) {
+        if !contract_box(&mut part, &form, (lo - at[axis] - slop[axis], hi - at[axis] + slop[axis])) {
             return None;
         }
     }
     let mut cell = cell;
-    cell.shrink(&part);
+    cell.restrict(&part);
     Some(cell)
 }
 
 /// The part of the cell whose heading, after a turn known to `off`, is in an interval.
-fn turned_within(cell: Cell, turn: f64, off: f64, heading: Interval) -> Option<Cell> {
+fn with_heading_in(cell: Parallelotope, turn: f64, off: f64, heading: Interval) -> Option<Parallelotope> {
     let middle = 0.5 * (heading.lo() + heading.hi());
     let at = wrap_near(cell.center.theta + turn, middle);
     let form = cell.sides.map(|s| s[2]);
     let mut part = [(-1.0, 1.0); 3];
-    if !narrow(&mut part, &form, (heading.lo() - at - off, heading.hi() - at + off)) {
+    if !contract_box(&mut part, &form, (heading.lo() - at - off, heading.hi() - at + off)) {
         return None;
     }
     let mut cell = cell;
-    cell.shrink(&part);
+    cell.restrict(&part);
     Some(cell)
 }
 
@@ -417,12 +439,12 @@ impl PossibleSet {
 
     /// The separate places at the newest row, the largest share of the volume first.
     #[must_use]
-    pub fn places(&self) -> Vec<Place> {
+    pub fn places(&self) -> Vec<EnclosedPlace> {
         measure::places(self.now())
     }
 
     /// Places of an earlier row, by its index, at the newest row: as the odometry carries them, with its bounds.
-    pub(crate) fn carried(&self, places: &[Place], row: usize) -> Vec<Place> {
+    pub(crate) fn carried(&self, places: &[EnclosedPlace], row: usize) -> Vec<EnclosedPlace> {
         let (Some(then), Some(newest)) = (self.records.get(row), self.records.last()) else { return Vec::new() };
         let (step, off, turn) = then.stand.until(&newest.stand);
         places.iter().map(|place| measure::carried(place, step, (off, turn))).collect()
@@ -435,11 +457,11 @@ impl PossibleSet {
     }
 
     /// The separate places with upper bounds of area and volume, which take longer to tell sharply.
-    pub(crate) fn measured(&self, sharp: bool) -> (Vec<Place>, (f64, f64)) {
+    pub(crate) fn measured(&self, sharp: bool) -> (Vec<EnclosedPlace>, (f64, f64)) {
         if self.cells.len() > MOVED_AT_ONCE {
             return (measure::places(self.now()), measure::size(self.now(), sharp));
         }
-        let now: Vec<Cell> = self.now().collect();
+        let now: Vec<Parallelotope> = self.now().collect();
         (measure::places(now.iter().copied()), measure::size(now.iter().copied(), sharp))
     }
 }

@@ -1,4 +1,4 @@
-//! What the set remembers of each row: where the odometry stood, and what a whisker's reading allows.
+//! What is kept of each row: the odometry with its error bounds, and the contacts that a reading allows.
 
 use crate::beam::press::{PressEntry, PressSlice, PressTable};
 use crate::plane::{Bounds, Pose2, Vec2};
@@ -7,14 +7,14 @@ use core::sync::atomic::{AtomicU32, Ordering};
 
 /// Where the odometry stood, with the bounds on its errors summed up from the start.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Stand {
+pub(super) struct OdometryRecord {
     pub(super) odom_from_robot: Pose2,
     path: f64,
     translation: f64,
     rotation: f64,
 }
 
-impl Stand {
+impl OdometryRecord {
     /// The first stand.
     pub(super) fn first(odom_from_robot: Pose2) -> Self {
         Self { odom_from_robot, ..Self::default() }
@@ -28,8 +28,8 @@ impl Stand {
             odom_from_robot,
             // Bounds are relative to what the odometry says or to the truth: take the larger.
             path: self.path + way / (1.0 - bounds.translation_relative),
-            translation: self.translation + way * larger(bounds.translation_relative),
-            rotation: self.rotation + turn * larger(bounds.rotation_relative),
+            translation: self.translation + way * relative_to_measured(bounds.translation_relative),
+            rotation: self.rotation + turn * relative_to_measured(bounds.rotation_relative),
         }
     }
 
@@ -49,24 +49,24 @@ impl Stand {
 }
 
 /// A bound relative to the true increment, made one relative to the measured increment; never smaller.
-fn larger(relative: f64) -> f64 {
+fn relative_to_measured(relative: f64) -> f64 {
     if relative > 0.0 { relative / (1.0 - relative) } else { 0.0 }
 }
 
 /// Without friction only a boundary with a radius below three lengths of the whisker holds a shape with an inflection
 /// (the least eigenvalue of the second variation, all amplitudes); this is its curvature over the whisker's length, with
 /// a margin.
-const HOLDING: f64 = 0.28;
+const INFLECTION_CURVATURE: f64 = 0.28;
 
 /// What one reading of one whisker allows.
 #[derive(Clone, Debug)]
-pub(super) struct Touch {
+pub(super) struct ReadingContacts {
     pub(super) robot_from_whisker: Pose2,
     pub(super) length: f64,
     /// How far the force may lean from the normal (rad).
     pub(super) friction_angle: f64,
     /// Contacts where the whisker slopes to the left (1) or to the right (-1), in metres.
-    pub(super) sides: Vec<Bending>,
+    pub(super) sides: Vec<SideContacts>,
     /// Whether the whisker may be free.
     pub(super) free: bool,
     /// Boundaries that curve towards free space by no less than this (1/m) can hold a whisker with an inflection.
@@ -77,7 +77,7 @@ pub(super) struct Touch {
 
 /// The contacts on one side.
 #[derive(Clone, Debug)]
-pub(super) struct Bending {
+pub(super) struct SideContacts {
     /// 1 for slopes towards +y at the contact, -1 for the mirror image.
     pub(super) side: f64,
     /// The same contacts by directions of the wall, from fine to coarse.
@@ -88,21 +88,21 @@ pub(super) struct Bending {
     /// Whether all these contacts have an inflection.
     pub(super) all_inflected: bool,
     /// Where the whisker last stood in all of a cell.
-    pub(super) footing: Footing,
+    pub(super) last_piece: LastPiece,
 }
 
 /// The piece of boundary of each grade that last explained a reading in all of a cell. It saves time and changes no answer,
 /// and is therefore kept where all else is only read.
 #[derive(Debug, Default)]
-pub(super) struct Footing([AtomicU32; 3]);
+pub(super) struct LastPiece([AtomicU32; 3]);
 
-impl Clone for Footing {
+impl Clone for LastPiece {
     fn clone(&self) -> Self {
         Self([0, 1, 2].map(|grade: usize| AtomicU32::new(self.0[grade].load(Ordering::Relaxed))))
     }
 }
 
-impl Footing {
+impl LastPiece {
     /// The index of the piece of a grade.
     pub(super) fn of(&self, grade: usize) -> Option<usize> {
         self.0[grade].load(Ordering::Relaxed).checked_sub(1).map(|index| index as usize)
@@ -114,26 +114,26 @@ impl Footing {
     }
 }
 
-impl Touch {
+impl ReadingContacts {
     /// What a moment in `[lo, hi]` (N m) allows.
     pub(super) fn new(whisker: &MountedWhisker, tables: &[PressTable], lo: f64, hi: f64) -> Self {
         Self {
             robot_from_whisker: whisker.robot_from_whisker,
             length: whisker.beam.length,
             friction_angle: tables.first().map_or(0.0, PressTable::friction_angle),
-            sides: bendings(whisker, tables, lo, hi),
+            sides: side_contacts(whisker, tables, lo, hi),
             range: (lo, hi),
             free: lo <= 0.0 && hi >= 0.0,
-            holding: if whisker.friction > 0.0 { 0.0 } else { HOLDING / whisker.beam.length },
+            holding: if whisker.friction > 0.0 { 0.0 } else { INFLECTION_CURVATURE / whisker.beam.length },
         }
     }
 }
 
-impl Touch {
+impl ReadingContacts {
     /// Adds the contacts by a finer table.
-    pub(super) fn sharpen(&mut self, whisker: &MountedWhisker, table: &PressTable) {
+    pub(super) fn add_finer(&mut self, whisker: &MountedWhisker, table: &PressTable) {
         let (lo, hi) = self.range;
-        let mut finer = bendings(whisker, core::slice::from_ref(table), lo, hi);
+        let mut finer = side_contacts(whisker, core::slice::from_ref(table), lo, hi);
         // A table that knows no contact is right.
         self.sides.retain_mut(|bending| {
             let Some(fine) = finer.iter_mut().find(|fine| fine.side.to_bits() == bending.side.to_bits()) else {
@@ -147,7 +147,7 @@ impl Touch {
 }
 
 /// What a moment in `[lo, hi]` (N m) allows on either side.
-fn bendings(whisker: &MountedWhisker, tables: &[PressTable], lo: f64, hi: f64) -> Vec<Bending> {
+fn side_contacts(whisker: &MountedWhisker, tables: &[PressTable], lo: f64, hi: f64) -> Vec<SideContacts> {
     let scale = whisker.beam.length / whisker.beam.flexural_rigidity;
     let mut sides = Vec::new();
     for (side, least, most) in [(1.0, lo, hi), (-1.0, -hi, -lo)] {
@@ -160,13 +160,20 @@ fn bendings(whisker: &MountedWhisker, tables: &[PressTable], lo: f64, hi: f64) -
             let slices: Vec<PressSlice> = core::iter::once(finest).chain(tables[1..].iter().map(cut)).collect();
             let Bounds { min, max } = bounds;
             let farthest = min.x.abs().max(max.x.abs()).hypot(min.y.abs().max(max.y.abs()));
-            sides.push(Bending { side, slices, bounds, farthest, all_inflected, footing: Footing::default() });
+            sides.push(SideContacts {
+                side,
+                slices,
+                bounds,
+                farthest,
+                all_inflected,
+                last_piece: LastPiece::default(),
+            });
         }
     }
     sides
 }
 
-impl Bending {
+impl SideContacts {
     /// The slice for a range of directions of `2 wide` (rad): as coarse as that needs.
     pub(super) fn level(&self, wide: f64) -> &PressSlice {
         let fits = |slice: &&PressSlice| slice.width() >= FILLED * wide;

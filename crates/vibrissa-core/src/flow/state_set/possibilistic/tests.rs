@@ -1,12 +1,12 @@
 //! Random contacts from the closed form: the state in which they happen is never ruled out.
 
 use super::super::tests::random::Random;
-use super::birth;
-use super::cell::Cell;
-use super::explain::{self, Ground, View};
-use super::piece::{COARSE, FINE, Piece, Pieces};
-use super::record::Touch;
-use super::refine::Progress;
+use super::contractor::{self, BaseView, BoundaryLevels};
+use super::initial_cover;
+use super::parallelotope::Parallelotope;
+use super::record::ReadingContacts;
+use super::sivia::StageProgress;
+use super::thick_piece::{COARSE, FINE, PieceIndex, ThickPiece};
 use crate::beam::elastica;
 use crate::beam::press::PressTable;
 use crate::config::PossibilisticOptions;
@@ -125,17 +125,17 @@ fn with_inflection(amplitude: f64, t: f64) -> Option<(f64, f64, Vec2)> {
 }
 
 /// A cell of random shape with the state inside, sometimes in its very corner.
-fn cell_around(state: Pose2, draw: &mut Random) -> Cell {
+fn cell_around(state: Pose2, draw: &mut Random) -> Parallelotope {
     let size = 10f64.powf(draw.between(-3.8, -1.2));
     let sides = [0; 3].map(|_| [draw.signed(size), draw.signed(size), draw.signed(size * 6.0)]);
     let w = [0; 3].map(|_| if draw.unit() < 0.3 { draw.sign() } else { draw.signed(1.0) });
     let at = |a: usize| (0..3).map(|j| w[j] * sides[j][a]).sum::<f64>();
     let center = Pose2::new(state.x - at(0), state.y - at(1), state.theta - at(2));
-    Cell { center, sides, anchor: 0, seen: 0, missed: 0, rest_until: 0, patience: 8, fresh: false }
+    Parallelotope { center, sides, anchor: 0, seen: 0, missed: 0, rest_until: 0, patience: 8, is_fresh: false }
 }
 
 /// Whether the state is in the cell, up to rounding.
-fn holds(cell: &Cell, state: Pose2) -> bool {
+fn holds(cell: &Parallelotope, state: Pose2) -> bool {
     let [a, b, c] = cell.sides;
     let d = [state.x - cell.center.x, state.y - cell.center.y, wrap_angle(state.theta - cell.center.theta)];
     let det = |p: [f64; 3], q: [f64; 3], r: [f64; 3]| {
@@ -147,7 +147,7 @@ fn holds(cell: &Cell, state: Pose2) -> bool {
 
 fn no_true_state_is_ruled_out(friction: f64, seed: u64, trials: usize) {
     let map = map();
-    let ground = Ground::new(&map);
+    let ground = BoundaryLevels::new(&map);
     let options = PossibilisticOptions { largest_slope: SLOPE, ..PossibilisticOptions::default() };
     let of = |size, count| super::tables(size, count, friction.atan(), &options);
     let (tables, next) = (of(super::FIRST_TABLE, super::TABLES), of(super::NEXT_TABLE, super::NEXT_TABLES));
@@ -158,12 +158,12 @@ fn no_true_state_is_ruled_out(friction: f64, seed: u64, trials: usize) {
     while tried < trials {
         let Some(case) = case(&map, &mut draw, friction) else { continue };
         tried += 1;
-        let mut touch = Touch::new(&case.whisker, &tables, case.moment.0, case.moment.1);
+        let mut touch = ReadingContacts::new(&case.whisker, &tables, case.moment.0, case.moment.1);
         if tried % 3 > 0 {
-            next.iter().rev().for_each(|table| touch.sharpen(&case.whisker, table));
+            next.iter().rev().for_each(|table| touch.add_finer(&case.whisker, table));
         }
         if tried % 3 > 1 {
-            touch.sharpen(&case.whisker, &finer);
+            touch.add_finer(&case.whisker, &finer);
         }
         for _ in 0..3 {
             // The state at another row, with the odometry in between off by as much as it may.
@@ -175,10 +175,10 @@ fn no_true_state_is_ruled_out(friction: f64, seed: u64, trials: usize) {
             let mut cell = cell_around(then, &mut draw);
             assert!(holds(&cell, then));
             let before = cell.volume();
-            let view = View::new(&cell, felt, (place, turn), case.whisker.robot_from_whisker);
-            let left = explain::by_contact(&view, &touch, &ground, &mut 0);
+            let view = BaseView::new(&cell, felt, (place, turn), case.whisker.robot_from_whisker);
+            let left = contractor::contract(&view, &touch, &ground, &mut 0);
             let left = left.unwrap_or_else(|| panic!("lost: {case:?} {cell:?}"));
-            cell.keep(&left);
+            cell.contract_to(&left);
             assert!(holds(&cell, then), "cut away: {case:?} {cell:?}");
             cut += usize::from(cell.volume() < 0.5 * before);
         }
@@ -206,7 +206,7 @@ fn no_true_state_is_ruled_out_with_friction() {
 #[test]
 fn where_the_whisker_stood_before_changes_no_answer() {
     let map = map();
-    let ground = Ground::new(&map);
+    let ground = BoundaryLevels::new(&map);
     let options = PossibilisticOptions { largest_slope: SLOPE, ..PossibilisticOptions::default() };
     let tables = super::tables(super::NEXT_TABLE, super::NEXT_TABLES, 0.0, &options);
     let mut draw = Random(41);
@@ -214,17 +214,17 @@ fn where_the_whisker_stood_before_changes_no_answer() {
     while tried < 300 {
         let Some(case) = case(&map, &mut draw, 0.0) else { continue };
         tried += 1;
-        let touch = || Touch::new(&case.whisker, &tables, case.moment.0, case.moment.1);
+        let touch = || ReadingContacts::new(&case.whisker, &tables, case.moment.0, case.moment.1);
         let used = touch();
         for _ in 0..8 {
             let mut cells = [cell_around(case.robot, &mut draw); 2];
-            let mut looks = [0; 2];
-            for ((cell, looks), touch) in cells.iter_mut().zip(&mut looks).zip([&used, &touch()]) {
-                let view = View::new(cell, Pose2::IDENTITY, (0.0, 0.0), case.whisker.robot_from_whisker);
-                cell.keep(&explain::by_contact(&view, touch, &ground, looks).unwrap());
+            let mut comparisons = [0; 2];
+            for ((cell, comparisons), touch) in cells.iter_mut().zip(&mut comparisons).zip([&used, &touch()]) {
+                let view = BaseView::new(cell, Pose2::IDENTITY, (0.0, 0.0), case.whisker.robot_from_whisker);
+                cell.contract_to(&contractor::contract(&view, touch, &ground, comparisons).unwrap());
             }
             assert_eq!(cells[0], cells[1], "{case:?}");
-            saved += usize::from(looks[0] < looks[1]);
+            saved += usize::from(comparisons[0] < comparisons[1]);
         }
     }
     assert!(saved > tried / 10, "{saved}");
@@ -243,7 +243,7 @@ fn cut_after_cut_makes_no_cell_wide() {
             let form = [0; 3].map(|_| draw.signed(1.0));
             let total: f64 = form.iter().map(|k| k.abs()).sum();
             let half = draw.between(0.75, 0.95) * total;
-            cell.cut(&form, (-half, half));
+            cell.contract(&form, (-half, half));
         }
         let reach = cell.reach();
         for (axis, most) in [0.02, 0.02, 0.05].into_iter().enumerate() {
@@ -255,7 +255,7 @@ fn cut_after_cut_makes_no_cell_wide() {
 #[test]
 fn a_stage_is_over_when_more_work_rules_out_little() {
     let stages = |shrinks: f64, grows: f64| {
-        let (mut progress, mut done, mut volume, mut cells) = (Progress::default(), 0, 1.0, 100.0);
+        let (mut progress, mut done, mut volume, mut cells) = (StageProgress::default(), 0, 1.0, 100.0);
         let rounds = (0..30).map(|_| {
             let told = progress.note(cells as usize, done, volume);
             done += 5_000;
@@ -275,8 +275,8 @@ fn a_stage_is_over_when_more_work_rules_out_little() {
 #[test]
 fn every_true_state_is_born() {
     let map = map();
-    let level = Ground::new(&map).bundled;
-    assert!(level.all.all.iter().any(|piece| matches!(piece, Piece::Vertex(v) if v.spread > 0.0)));
+    let level = BoundaryLevels::new(&map).clustered;
+    assert!(level.all.all.iter().any(|piece| matches!(piece, ThickPiece::Vertex(v) if v.spread > 0.0)));
     for (friction, seed) in [(0.0, 3), (0.2, 4)] {
         let table = [PressTable::new(24, 24, f64::atan(friction), SLOPE)];
         let mut draw = Random(seed);
@@ -284,8 +284,8 @@ fn every_true_state_is_born() {
         while tried < 20 {
             let Some(case) = case(&map, &mut draw, friction) else { continue };
             tried += 1;
-            let touch = Touch::new(&case.whisker, &table, case.moment.0, case.moment.1);
-            let cells = birth::cells(&level, None, &touch, 0);
+            let touch = ReadingContacts::new(&case.whisker, &table, case.moment.0, case.moment.1);
+            let cells = initial_cover::initial_cells(&level, None, &touch, 0);
             assert!(cells.iter().any(|cell| holds(cell, case.robot)), "{case:?}");
         }
     }
@@ -300,10 +300,10 @@ fn growing_and_moving_keep_what_they_must() {
         let (place, turn) = (draw.between(0.0, 1e-3), draw.between(0.0, 1e-2));
         let off = Vec2::from_angle(draw.signed(PI)) * place;
         let moved = Pose2::new(state.x + off.x, state.y + off.y, state.theta + draw.sign() * turn);
-        cell.grow(place, turn);
+        cell.inflate(place, turn);
         assert!(holds(&cell, moved), "{cell:?}");
         let step = Pose2::new(draw.signed(0.1), draw.signed(0.1), draw.signed(PI));
-        cell.moved(step, 1);
+        cell.transport(step, 1);
         assert!(holds(&cell, moved.compose(step)), "{cell:?}");
     }
 }
@@ -335,64 +335,69 @@ fn a_large_set_of_one_reading_meets_finer_tables() {
 fn pieces_cover_the_map() {
     let map = map();
     for grain in [FINE, COARSE] {
-        let pieces = Pieces::new(&map, grain);
+        let pieces = PieceIndex::new(&map, grain);
         pieces_cover(&map, &pieces.all);
-        pieces_cover(&map, &pieces.bundled().all);
+        pieces_cover(&map, &pieces.clustered().all);
     }
 }
 
 #[test]
 fn leaves_cover_what_their_pieces_do() {
     let map = map();
-    let pieces = Pieces::with_leaves(&map, FINE);
-    let hollow = pieces.hollow();
-    let leaves_of = |pieces: &Pieces, piece: &Piece| match piece {
-        Piece::Edge(e) if e.leaves.0 < e.leaves.1 => pieces.leaves[e.leaves.0 as usize..e.leaves.1 as usize].to_vec(),
+    let pieces = PieceIndex::with_leaves(&map, FINE);
+    let concavity = pieces.concavity();
+    let leaves_of = |pieces: &PieceIndex, piece: &ThickPiece| match piece {
+        ThickPiece::Edge(e) if e.leaves.0 < e.leaves.1 => {
+            pieces.leaves[e.leaves.0 as usize..e.leaves.1 as usize].to_vec()
+        }
         other => vec![*other],
     };
-    let leaves: Vec<Piece> = pieces.all.iter().flat_map(|piece| leaves_of(&pieces, piece)).collect();
+    let leaves: Vec<ThickPiece> = pieces.all.iter().flat_map(|piece| leaves_of(&pieces, piece)).collect();
     assert!(leaves.len() > 2 * pieces.all.len(), "{} of {}", leaves.len(), pieces.all.len());
     pieces_cover(&map, &leaves);
     // Each of them lies within its piece, so that a look at the piece is a look at all of them.
     for piece in &pieces.all {
-        let Piece::Edge(edge) = piece else { continue };
+        let ThickPiece::Edge(edge) = piece else { continue };
         for leaf in leaves_of(&pieces, piece) {
             let (normal, slack) = match leaf {
-                Piece::Edge(e) => (e.normal, e.slack),
-                Piece::Vertex(v) => (v.normal, v.slack),
+                ThickPiece::Edge(e) => (e.normal, e.slack),
+                ThickPiece::Vertex(v) => (v.normal, v.slack),
             };
             assert!(wrap_angle(normal - edge.normal).abs() + slack <= edge.slack + 1e-5, "{leaf:?} of {edge:?}");
             for end in leaf.chord() {
                 let (along, off) = (edge.along.dot(end - edge.start), edge.along.cross(end - edge.start));
-                let bow = edge.bow + 1e-9;
-                assert!(off.abs() <= bow && (-bow..=edge.length + bow).contains(&along), "{leaf:?} of {edge:?}");
+                let sagitta = edge.sagitta + 1e-9;
+                assert!(
+                    off.abs() <= sagitta && (-sagitta..=edge.length + sagitta).contains(&along),
+                    "{leaf:?} of {edge:?}"
+                );
             }
         }
     }
     // What can hold a tip is among the leaves of the hollow pieces.
-    let holds = |piece: &&Piece| match piece {
-        Piece::Edge(e) => e.hollow > 0.0,
-        Piece::Vertex(v) => v.hollow > 0.0,
+    let holds = |piece: &&ThickPiece| match piece {
+        ThickPiece::Edge(e) => e.concavity > 0.0,
+        ThickPiece::Vertex(v) => v.concavity > 0.0,
     };
-    let of_hollow: Vec<Piece> = hollow.all.iter().flat_map(|piece| leaves_of(&hollow, piece)).collect();
+    let of_hollow: Vec<ThickPiece> = concavity.all.iter().flat_map(|piece| leaves_of(&concavity, piece)).collect();
     assert!(leaves.iter().filter(holds).all(|leaf| of_hollow.contains(leaf)));
 }
 
-fn pieces_cover(map: &Map, pieces: &[Piece]) {
-    let edges = pieces.iter().filter(|p| matches!(p, Piece::Edge(_))).count();
+fn pieces_cover(map: &Map, pieces: &[ThickPiece]) {
+    let edges = pieces.iter().filter(|p| matches!(p, ThickPiece::Edge(_))).count();
     assert!(edges > 10, "{edges} edges, {} vertices", pieces.len() - edges);
     let mut draw = Random(12);
     for _ in 0..5000 {
         let corners = draw.unit() < 0.5;
         let (place, normal, _) = foothold(map, &mut draw, corners);
         let covered = pieces.iter().any(|piece| match piece {
-            Piece::Edge(e) => {
+            ThickPiece::Edge(e) => {
                 let (along, off) = (e.along.dot(place - e.start), e.along.cross(place - e.start));
-                off.abs() <= e.bow
-                    && (-e.bow..=e.length + e.bow).contains(&along)
+                off.abs() <= e.sagitta
+                    && (-e.sagitta..=e.length + e.sagitta).contains(&along)
                     && wrap_angle(normal - e.normal).abs() <= e.slack
             }
-            Piece::Vertex(v) => {
+            ThickPiece::Vertex(v) => {
                 v.point.distance(place) < v.spread + 1e-9 && wrap_angle(normal - v.normal).abs() <= v.slack + 1e-9
             }
         });
@@ -409,9 +414,9 @@ fn finely_cut_boundary_is_searched_by_its_length() {
             |k: usize| Vec2::from_angle(k as f64 / edges as f64 * 2.0 * PI) * (0.2 + 0.2 * edge * (k % 2) as f64);
         let corners: Vec<Vec2> = (0..edges).map(corner).collect();
         let outline = Boundary::new(Role::Arena, Curve::polyline(&corners, true).unwrap(), None).unwrap();
-        let level = Ground::new(&Map::new(vec![outline]).unwrap());
+        let level = BoundaryLevels::new(&Map::new(vec![outline]).unwrap());
         assert!(level.coarse.all.all.len() > edges);
-        level.bundled.all.all.len()
+        level.clustered.all.all.len()
     };
     let (coarse, fine) = (bundles(2000), bundles(16_000));
     assert!(coarse < 80 && fine < 80, "{coarse} {fine}");

@@ -81,7 +81,7 @@ impl<const N: usize> Information<N> {
     }
 
     /// The same knowledge with this share of its weight, where what it costs here stays.
-    pub(super) fn faded(&self, share: f64) -> Self {
+    pub(super) fn with_forgetting(&self, share: f64) -> Self {
         let (matrix, vector) = (self.matrix.map(|row| row.map(|v| share * v)), self.vector.map(|v| share * v));
         Self { matrix, vector, constant: self.constant }
     }

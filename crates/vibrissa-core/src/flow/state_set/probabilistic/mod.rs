@@ -1,34 +1,37 @@
-//! The probabilistic method's hypotheses: Gaussians around single places, each refined by all readings so far.
+//! Multi-hypothesis fixed-lag smoother \[reid1979algorithm, sibley2010sliding\].
+//!
+//! Each hypothesis is a Gaussian around one place, refined by Gauss-Newton steps over a window of rows; older rows are
+//! marginalised \[dellaert2017factor\]. The unknowns are the pose of the odometry frame, a calibration of the odometry and a gain.
 
 mod bank;
-mod feeler;
-mod fit;
-mod history;
+mod calibrated_path;
+mod calibration_search;
+mod congruent_places;
+mod consistency;
+mod grid_search;
 mod hypothesis;
-mod images;
+mod importance_sampling;
 mod information;
-mod joint;
+mod line_search;
+mod log_window;
+mod map_symmetry;
+mod multistart;
 mod now;
 mod odometry_calibration;
+mod packed_hypothesis;
 mod places;
-mod rerun;
-mod ridge;
-mod seed;
-mod seeds;
-mod set;
-mod shake;
-mod shares;
-mod slide;
-mod spread;
-mod symmetry;
-mod twins;
+mod relinearisation;
+mod sensor;
+mod shared_runs;
+mod smoother;
+mod unobservable;
 mod way;
 
-pub use crate::contact::Sense;
-pub use fit::Fit;
-pub use places::Place;
-pub use set::{Happened, ProbabilisticSet};
-pub(crate) use shares::corrected;
+pub use crate::contact::SensedQuantity;
+pub(crate) use calibrated_path::calibrated;
+pub use consistency::Consistency;
+pub use places::PosteriorPlace;
+pub use smoother::{ProbabilisticSet, StepOutcome};
 
 use crate::beam::TipModel;
 use crate::contact::Boundaries;
@@ -56,7 +59,8 @@ pub fn predicted_moments(map: &Map, tip: &TipModel, path: &[Pose2]) -> Vec<Predi
     let boundaries = Boundaries::new(map).with_clearance(map);
     let length = tip.whisker().length;
     let mechanics = if tip.is_uniform() { Mechanics::ClosedForm } else { Mechanics::Model(tip) };
-    let forward = ForwardModel { map, boundaries: &boundaries, length, mechanics, whole: true, sense: Sense::Moment };
+    let forward =
+        ForwardModel { map, boundaries: &boundaries, length, mechanics, whole: true, quantity: SensedQuantity::Moment };
     let scale = tip.rigidity() / length;
     let mut state = WhiskerState::Free;
     let mut last = path.first().copied().unwrap_or_default();

@@ -1,17 +1,19 @@
-//! What the hypotheses say at the end: places with weights and extents.
+//! The posterior as places: refinement of all hypotheses, then weights and covariances \[cappe2004population\].
 
-use super::bank::{Bank, Field, OPEN};
-use super::feeler::Judge;
-use super::fit::{Fit, fit, fit_by};
-use super::history::History;
-use super::hypothesis::{Hypothesis, Scene, difference, moved};
-use super::images::{images, stands};
+use super::bank::{BankContext, HypothesisBank, WEAK_PRIOR};
+use super::calibrated_path::CALIBRATION_SIZE;
+use super::congruent_places::{congruent_places, is_free_throughout};
+use super::consistency::{Consistency, fit, fit_by};
+use super::hypothesis::{GaussianHypothesis, MeasurementModel, difference, moved};
+use super::importance_sampling::{
+    ImportanceSampler, JOINT_SIZE, PosteriorMoments, ProposalCentre, SAMPLES, SAMPLES_WITH_CALIBRATION,
+};
+use super::log_window::LogWindow;
+use super::map_symmetry::MapSymmetries;
+use super::multistart::multistart;
 use super::odometry_calibration::Matrix;
-use super::ridge::{Metric, Walker};
-use super::shake::shake;
-use super::shares::WAYS;
-use super::spread::{BOTH, Member, SAMPLES, SAMPLES_WITH_SHARES, Sampled, Spread};
-use super::symmetry::Turns;
+use super::sensor::LikelihoodOptions;
+use super::unobservable::{CurveTracer, Metric};
 use crate::contact::follow::Mechanics;
 use crate::linear_algebra::{add, congruent, determinant, dot, inverse, times};
 use crate::plane::{Pose2, Vec2};
@@ -48,14 +50,14 @@ const SLACK: f64 = 6.0;
 /// Slack for those that have been moved only once since these rows are asked (nats).
 const UNSETTLED: f64 = 20.0;
 /// A hypothesis this much less likely than the best (nats) is not told.
-pub(super) const TOLD: f64 = 12.0;
+pub(super) const REPORTED: f64 = 12.0;
 /// Hypotheses nearer than so many standard deviations are one place,
 const LINKED: f64 = 9.0;
 /// or nearer than this (m, rad).
 const LINK_PLACE: f64 = 4e-3;
 const LINK_TURN: f64 = 0.04;
-/// The share of a ridge that one of its hypotheses stands for: the standard deviation of a Gaussian as wide (m).
-const RIDGE: f64 = 5.6e-3;
+/// The share of an unobservable direction that one of its hypotheses stands for: the standard deviation of a Gaussian as wide (m).
+const UNOBSERVABLE_STD: f64 = 5.6e-3;
 /// Hypotheses further apart than this are not compared (m).
 const FARTHEST: f64 = 0.1;
 /// Area and volume of the regions that hold 95 % of a Gaussian, per root of its covariance's determinant: `pi chi²` and
@@ -69,12 +71,12 @@ const SAMPLED_ABOVE: f64 = 1e-3;
 /// Places with less than this share of it are sampled only once.
 const THOROUGH_ABOVE: f64 = 0.02;
 const MOST_SAMPLED_TAKES: usize = 600_000;
-/// Readings that the walks along ridges may run, of all places.
+/// Readings that the walks along unobservable directions may run, of all places.
 const MOST_WALKED_TAKES: usize = 300_000;
 
 /// One place that explains the readings.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Place {
+pub struct PosteriorPlace {
     /// The odometry frame in the map frame at the last row, of the place's best hypothesis.
     pub map_from_odom: Pose2,
     /// Its share among all places.
@@ -87,14 +89,14 @@ pub struct Place {
     pub ridge: Vec<Pose2>,
     /// Share of the rows whose reading breaks its declared bound at the best hypothesis.
     pub broken: f64,
-    /// The shares by which the odometry's increments are too short, go aside (rad) and turn too little, each with its standard
+    /// The calibration parameters by which the odometry's increments are too short, go aside (rad) and turn too little, each with its standard
     /// deviation; none where it is declared right.
-    pub shares: Option<[[f64; 2]; 3]>,
+    pub calibration: Option<[[f64; 2]; 3]>,
 }
 
 /// Area and volume of all hypotheses' 95 % regions, overlaps counted twice.
-pub(super) fn size(bank: &Bank) -> (f64, f64) {
-    let one = |h: &Hypothesis| {
+pub(super) fn size(bank: &HypothesisBank) -> (f64, f64) {
+    let one = |h: &GaussianHypothesis| {
         let c = covariance(h, bank);
         let area = (c[0][0] * c[1][1] - c[0][1] * c[1][0]).max(0.0).sqrt();
         (AREA_95 * area, VOLUME_95 * determinant(&c).max(0.0).sqrt())
@@ -103,65 +105,73 @@ pub(super) fn size(bank: &Bank) -> (f64, f64) {
 }
 
 /// Settles the hypotheses, weighs and groups them.
-pub(super) fn choose(bank: &mut Bank, field: &Field<'_>, history: &mut History) -> (Vec<Place>, Option<Fit>) {
+pub(super) fn choose(
+    bank: &mut HypothesisBank,
+    context: &BankContext<'_>,
+    history: &mut LogWindow,
+) -> (Vec<PosteriorPlace>, Option<Consistency>) {
     let shared = bank.shared;
     if shared.has_odometry() {
         history.end();
     }
-    bank.hypotheses.sort_by(|a, b| a.outlook(OPEN, shared).total_cmp(&b.outlook(OPEN, shared)));
+    bank.hypotheses
+        .sort_by(|a, b| a.predicted_cost(WEAK_PRIOR, shared).total_cmp(&b.predicted_cost(WEAK_PRIOR, shared)));
     bank.hypotheses.truncate(MOST);
-    let foremost = foremost(bank, field, history);
+    let foremost = leading(bank, context, history);
     let stages = [(FIRST_ROWS[0], FIRST_ROUNDS[0], 3.0), (FIRST_ROWS[1], FIRST_ROUNDS[1], 1.0), (0, ROUNDS, 1.0)];
     for (rows, rounds, slack) in stages {
         let rows = if rows > 0 { rows } else { SECOND_TAKES / bank.hypotheses.len().max(1) };
-        bank.use_rows(field, history, rows, TOLD + slack * SLACK + UNSETTLED);
-        bank.settle(field, history, rounds, 0);
+        bank.use_rows(context, history, rows, REPORTED + slack * SLACK + UNSETTLED);
+        bank.optimise(context, history, rounds, 0);
         let least = bank.hypotheses.iter().map(|h| h.cost(shared)).fold(f64::INFINITY, f64::min);
-        bank.hypotheses.retain(|h| h.cost(shared) <= least + TOLD + slack * SLACK);
+        bank.hypotheses.retain(|h| h.cost(shared) <= least + REPORTED + slack * SLACK);
     }
-    bank.gather(field.turns);
+    bank.gather_images(context.symmetries);
     let asked = bank.hypotheses.first().map(|h| h.map_from_odom);
-    let equals = images(bank, field, history);
+    let equals = congruent_places(bank, context, history);
     bank.hypotheses.extend(equals);
     let afford = MOST_TAKES / bank.hypotheses.len().max(1);
     if bank.leaves_out_rows(history) && afford > bank.used.len() {
-        bank.use_rows(field, history, afford, TOLD + UNSETTLED);
+        bank.use_rows(context, history, afford, REPORTED + UNSETTLED);
     }
-    bank.take_back(field, history, foremost);
-    bank.settle(field, history, LAST_ROUNDS, 0);
+    bank.readmit(context, history, foremost);
+    bank.optimise(context, history, LAST_ROUNDS, 0);
     if !bank.hypotheses.first().zip(asked).is_some_and(|(best, asked)| is_near(asked, best, bank)) {
         // Its equals may stand where others have got stuck.
-        let equals = images(bank, field, history);
+        let equals = congruent_places(bank, context, history);
         bank.hypotheses.extend(equals);
-        bank.settle(field, history, LAST_ROUNDS, 0);
+        bank.optimise(context, history, LAST_ROUNDS, 0);
     }
     for _ in 0..CORRECTIONS {
-        if !bank.correct_odometry(field, history) {
+        if !bank.recalibrate_odometry(context, history) {
             break;
         }
-        bank.settle(field, history, LAST_ROUNDS, 0);
+        bank.optimise(context, history, LAST_ROUNDS, 0);
     }
-    if bank.search_odometry(field, history) {
-        bank.settle(field, history, LAST_ROUNDS, 0);
+    if bank.search_calibration(context, history) {
+        bank.optimise(context, history, LAST_ROUNDS, 0);
     }
-    shake(bank, field, history);
-    if bank.correct_odometry(field, history) {
-        bank.settle(field, history, LAST_ROUNDS, 0);
+    multistart(bank, context, history);
+    if bank.recalibrate_odometry(context, history) {
+        bank.optimise(context, history, LAST_ROUNDS, 0);
     }
-    bank.settle(field, history, EXACT_ROUNDS, EXACT);
-    bank.hypotheses.retain(|h| is_allowed(field, history, h.map_from_odom));
+    bank.optimise(context, history, EXACT_ROUNDS, EXACT);
+    bank.hypotheses.retain(|h| is_allowed(context, history, h.map_from_odom));
     let least = bank.hypotheses.iter().map(|h| h.cost(bank.shared)).fold(f64::INFINITY, f64::min);
-    bank.hypotheses.retain(|h| h.cost(shared) <= least + TOLD);
-    bank.gather(field.turns);
-    let mut fit = bank.hypotheses.first().map(|h| fit(h, bank, field, history));
-    let blurred = Scene { blur: true, ..field.scene(history, bank.pivot, Judge::FAIR, bank.shared) };
-    let quick = field.scene(history, bank.pivot, Judge::FAIR, bank.shared);
+    bank.hypotheses.retain(|h| h.cost(shared) <= least + REPORTED);
+    bank.gather_images(context.symmetries);
+    let mut fit = bank.hypotheses.first().map(|h| fit(h, bank, context, history));
+    let blurred = MeasurementModel {
+        model_error: true,
+        ..context.model(history, bank.pivot, LikelihoodOptions::DECLARED, bank.shared)
+    };
+    let quick = context.model(history, bank.pivot, LikelihoodOptions::DECLARED, bank.shared);
     let last = history.pose(history.len() - 1);
-    let bounds = &field.robot.odometry;
+    let bounds = &context.robot.odometry;
     let mut told = Vec::with_capacity(bank.hypotheses.len());
     for h in &bank.hypotheses {
         let mut again = h.clone();
-        again.run(&blurred, h.map_from_odom, bank.used.iter().copied());
+        again.relinearise(&blurred, h.map_from_odom, bank.used.iter().copied());
         if let Some(fit) = fit.as_mut().filter(|_| told.is_empty()) {
             fit.odometry = again.belief.squares(bounds) / f64::from(fit.touching.max(1) as u32);
         }
@@ -169,53 +179,54 @@ pub(super) fn choose(bank: &mut Bank, field: &Field<'_>, history: &mut History) 
         let (turn, rest) = (h.map_from_odom.theta, rest(bounds, history.len()));
         let place = covariance(&again, bank);
         let response = again.belief.calibration(bank.shared);
-        told.push(Told {
+        told.push(SettledHypothesis {
             place,
-            with_shares: response.map(|response| response.joint(&place)),
-            shares: response.map(|response| again.belief.calibrated(&response, &place)),
-            rest: again.belief.covariance(bank.shared, OPEN, turn, arm, &rest),
-            broken: fit_by(Mechanics::Table(field.table), h, bank, field, history).broken,
+            with_calibration: response.map(|response| response.joint(&place)),
+            calibration: response.map(|response| again.belief.calibrated(&response, &place)),
+            rest: again.belief.covariance(bank.shared, WEAK_PRIOR, turn, arm, &rest),
+            broken: fit_by(Mechanics::Table(context.table), h, bank, context, history).broken,
         });
     }
-    (Settled { field, history, bank, told: &told, last, least }.places(&quick), fit)
+    (FinalSet { context, history, bank, told: &told, last, least }.places(&quick), fit)
 }
 
 /// Whether a hypothesis stands where this frame does, give or take what joins two.
-fn is_near(frame: Pose2, h: &Hypothesis, bank: &Bank) -> bool {
+fn is_near(frame: Pose2, h: &GaussianHypothesis, bank: &HypothesisBank) -> bool {
     let [x, y, turn] = difference(frame, h.map_from_odom, bank.pivot);
     x.hypot(y) < LINK_PLACE && turn.abs() < LINK_TURN
 }
 
 /// The best few that stand apart, moved to their least cost over the rows that they have taken.
-fn foremost(bank: &Bank, field: &Field<'_>, history: &History) -> Vec<Hypothesis> {
+fn leading(bank: &HypothesisBank, context: &BankContext<'_>, history: &LogWindow) -> Vec<GaussianHypothesis> {
     let chosen = bank.apart(0..bank.hypotheses.len(), FOREMOST);
-    let mut few = bank.beside(chosen.iter().map(|&index| bank.hypotheses[index].clone()).collect(), bank.used.clone());
-    few.settle(field, history, FOREMOST_ROUNDS, 0);
+    let mut few =
+        bank.with_hypotheses(chosen.iter().map(|&index| bank.hypotheses[index].clone()).collect(), bank.used.clone());
+    few.optimise(context, history, FOREMOST_ROUNDS, 0);
     few.hypotheses
 }
 
 /// Whether the robot may have been where this frame says.
-fn is_allowed(field: &Field<'_>, history: &History, frame: Pose2) -> bool {
+fn is_allowed(context: &BankContext<'_>, history: &LogWindow, frame: Pose2) -> bool {
     let mut rows = (0..history.len()).rev().step_by(STANDS_EVERY);
-    field.admits(history, frame) && rows.all(|row| field.stands(history, frame, row))
+    context.satisfies_prior(history, frame) && rows.all(|row| context.origin_is_free(history, frame, row))
 }
 
 /// The covariance of the estimate about the pivot.
-pub(super) fn covariance(h: &Hypothesis, bank: &Bank) -> Matrix {
-    h.marginal(bank.shared).covariance(OPEN).unwrap_or([
-        [OPEN[0].recip(), 0.0, 0.0],
-        [0.0, OPEN[1].recip(), 0.0],
-        [0.0, 0.0, OPEN[2].recip()],
+pub(super) fn covariance(h: &GaussianHypothesis, bank: &HypothesisBank) -> Matrix {
+    h.marginal(bank.shared).covariance(WEAK_PRIOR).unwrap_or([
+        [WEAK_PRIOR[0].recip(), 0.0, 0.0],
+        [0.0, WEAK_PRIOR[1].recip(), 0.0],
+        [0.0, 0.0, WEAK_PRIOR[2].recip()],
     ])
 }
 
 /// What a hypothesis says at the end.
-struct Told {
+struct SettledHypothesis {
     /// The covariance of its place, and that of place and shares together where these are looked for.
     place: Matrix,
-    with_shares: Option<[[f64; BOTH]; BOTH]>,
-    /// The odometry's shares, each with its standard deviation.
-    shares: Option<[[f64; 2]; WAYS]>,
+    with_calibration: Option<[[f64; JOINT_SIZE]; JOINT_SIZE]>,
+    /// The odometry's calibration parameters, each with its standard deviation.
+    calibration: Option<[[f64; 2]; CALIBRATION_SIZE]>,
     /// What errors of the odometry add to its covariance that are not alike for all rows.
     rest: Matrix,
     /// Share of the readings that break their bounds.
@@ -223,53 +234,55 @@ struct Told {
 }
 
 /// The hypotheses at the end, each with what it says.
-struct Settled<'a> {
-    field: &'a Field<'a>,
-    history: &'a History,
-    bank: &'a Bank,
-    told: &'a [Told],
+struct FinalSet<'a> {
+    context: &'a BankContext<'a>,
+    history: &'a LogWindow,
+    bank: &'a HypothesisBank,
+    told: &'a [SettledHypothesis],
     /// The odometry at the last row.
     last: Pose2,
     /// The least cost of all.
     least: f64,
 }
 
-impl Settled<'_> {
+impl FinalSet<'_> {
     /// Places of hypotheses that overlap, weighed by their shares of the likelihood.
-    fn places(&self, scene: &Scene<'_>) -> Vec<Place> {
+    fn places(&self, model: &MeasurementModel<'_>) -> Vec<PosteriorPlace> {
         let mut groups: Vec<(f64, Vec<usize>)> =
             self.groups().into_iter().map(|members| (self.mass(&members), members)).collect();
         groups.sort_by(|a, b| b.0.total_cmp(&a.0));
         let most = groups.first().map_or(0.0, |g| g.0);
-        let samples = if self.bank.shared.has_odometry() { SAMPLES_WITH_SHARES } else { SAMPLES };
+        let samples = if self.bank.shared.has_odometry() { SAMPLES_WITH_CALIBRATION } else { SAMPLES };
         let afford = (MOST_SAMPLED_TAKES / (samples * self.bank.used.len()).max(1)).max(1);
-        let mut walker = Walker {
-            scene,
+        let mut walker = CurveTracer {
+            model,
             rows: &self.bank.used,
             metric: Metric {
-                pivot: scene.pivot,
-                lever: self.field.feelers.iter().map(|f| f.length).fold(f64::MIN_POSITIVE, f64::max),
+                pivot: model.pivot,
+                lever: self.context.sensors.iter().map(|f| f.length).fold(f64::MIN_POSITIVE, f64::max),
             },
             admits: &|frame| {
-                is_allowed(self.field, self.history, frame) && stands(self.field, self.history, frame, &self.bank.used)
+                is_allowed(self.context, self.history, frame)
+                    && is_free_throughout(self.context, self.history, frame, &self.bank.used)
             },
             left: MOST_WALKED_TAKES,
             known: Vec::new(),
         };
-        let mut places: Vec<Place> = groups
+        let mut places: Vec<PosteriorPlace> = groups
             .iter()
             .enumerate()
             .map(|(index, (mass, members))| {
                 let near = index < afford.min(MOST_SAMPLED) && *mass > SAMPLED_ABOVE * most;
-                let spread = if near { self.spread(scene, members, *mass > THOROUGH_ABOVE * most) } else { None };
+                let spread =
+                    if near { self.posterior_moments(model, members, *mass > THOROUGH_ABOVE * most) } else { None };
                 let with: Vec<_> = members.iter().map(|&i| (&self.bank.hypotheses[i], &self.told[i].place)).collect();
-                let frames = if *mass > SAMPLED_ABOVE * most { walker.ridge(&with) } else { Vec::new() };
+                let frames = if *mass > SAMPLED_ABOVE * most { walker.trace(&with) } else { Vec::new() };
                 let ridge: Vec<Pose2> = frames.into_iter().map(|frame| frame.compose(self.last)).collect();
-                Place { ridge, ..self.place(members, *mass, spread) }
+                PosteriorPlace { ridge, ..self.place(members, *mass, spread) }
             })
             .collect();
-        if self.bank.for_all {
-            places = places.iter().flat_map(|place| images_of(self.field.turns, place)).collect();
+        if self.bank.by_symmetry {
+            places = places.iter().flat_map(|place| images_of(self.context.symmetries, place)).collect();
         }
         let total: f64 = places.iter().map(|p| p.weight).sum();
         places.iter_mut().for_each(|p| p.weight /= total);
@@ -303,25 +316,30 @@ impl Settled<'_> {
     }
 
     /// What sampling says about a place.
-    fn spread(&self, scene: &Scene<'_>, members: &[usize], thorough: bool) -> Option<Spread> {
-        let member = |&i: &usize| Member {
+    fn posterior_moments(
+        &self,
+        model: &MeasurementModel<'_>,
+        members: &[usize],
+        thorough: bool,
+    ) -> Option<PosteriorMoments> {
+        let member = |&i: &usize| ProposalCentre {
             place: &self.bank.hypotheses[i],
             own: &self.told[i].place,
-            with_shares: self.told[i].with_shares.as_ref(),
+            with_calibration: self.told[i].with_calibration.as_ref(),
         };
-        let members: Vec<Member<'_>> = members.iter().map(member).collect();
-        let sampled = Sampled {
-            scene,
+        let members: Vec<ProposalCentre<'_>> = members.iter().map(member).collect();
+        let sampled = ImportanceSampler {
+            model,
             rows: &self.bank.used,
             least: self.least,
-            admits: &|frame| self.field.admits(self.history, frame),
-            bounds: &self.field.robot.odometry,
+            admits: &|frame| self.context.satisfies_prior(self.history, frame),
+            bounds: &self.context.robot.odometry,
             thorough,
         };
-        sampled.spread(&members)
+        sampled.posterior_moments(&members)
     }
 
-    fn place(&self, members: &[usize], mass: f64, spread: Option<Spread>) -> Place {
+    fn place(&self, members: &[usize], mass: f64, spread: Option<PosteriorMoments>) -> PosteriorPlace {
         let first = &self.bank.hypotheses[members[0]];
         let at = |frame: Pose2, own: &Matrix, index: usize| {
             let (pose, mut covariance) = at_robot(frame, self.bank, own, self.last);
@@ -329,7 +347,7 @@ impl Settled<'_> {
             (pose, covariance)
         };
         let broken = members.iter().map(|&i| self.told[i].broken).fold(1.0, f64::min);
-        let shares = spread.as_ref().and_then(|spread| spread.shares).or(self.told[members[0]].shares);
+        let calibration = spread.as_ref().and_then(|spread| spread.calibration).or(self.told[members[0]].calibration);
         let (map_from_odom, weight, members) = match spread {
             Some(spread) => {
                 let mean = moved(first.map_from_odom, self.bank.pivot, spread.mean);
@@ -340,14 +358,22 @@ impl Settled<'_> {
                 (first.map_from_odom, mass, linear.collect())
             }
         };
-        Place { map_from_odom, weight, covariance: members[0].1, members, ridge: Vec::new(), broken, shares }
+        PosteriorPlace {
+            map_from_odom,
+            weight,
+            covariance: members[0].1,
+            members,
+            ridge: Vec::new(),
+            broken,
+            calibration,
+        }
     }
 }
 
 /// The share of the likelihood of a hypothesis that costs so much less than the best (nats), by its linearisation.
 pub(super) fn mass(less: f64, place: &Matrix, among_others: bool) -> f64 {
-    // Neighbours on a ridge share its length among them.
-    let narrow = RIDGE.powi(-2);
+    // Neighbours on an unobservable direction share its length among them.
+    let narrow = UNOBSERVABLE_STD.powi(-2);
     let mut curvature = inverse(place).unwrap_or_default();
     if among_others {
         (0..2).for_each(|k| curvature[k][k] += narrow);
@@ -356,7 +382,7 @@ pub(super) fn mass(less: f64, place: &Matrix, among_others: bool) -> f64 {
 }
 
 /// Whether two hypotheses are one place.
-fn linked(bank: &Bank, told: &[Told], a: usize, b: usize) -> bool {
+fn linked(bank: &HypothesisBank, told: &[SettledHypothesis], a: usize, b: usize) -> bool {
     let of = |i: usize| (bank.hypotheses[i].map_from_odom, &told[i].place);
     are_linked(of(a), of(b), bank.pivot)
 }
@@ -376,12 +402,12 @@ pub(super) fn are_linked(a: (Pose2, &Matrix), b: (Pose2, &Matrix), pivot: Vec2) 
 }
 
 /// A place and its images: no log tells them apart, so they weigh the same.
-pub(super) fn images_of(turns: &Turns, place: &Place) -> Vec<Place> {
+pub(super) fn images_of(symmetries: &MapSymmetries, place: &PosteriorPlace) -> Vec<PosteriorPlace> {
     let turned = |frame: Pose2| {
         let motion = frame.compose(place.map_from_odom.inverse());
         let (sin, cos) = motion.theta.sin_cos();
         let own = |m: &Matrix| congruent(&[[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]], m);
-        Place {
+        PosteriorPlace {
             map_from_odom: frame,
             covariance: own(&place.covariance),
             members: place.members.iter().map(|(pose, c)| (motion.compose(*pose), own(c))).collect(),
@@ -389,11 +415,16 @@ pub(super) fn images_of(turns: &Turns, place: &Place) -> Vec<Place> {
             ..*place
         }
     };
-    turns.images(place.map_from_odom).map(turned).collect()
+    symmetries.images(place.map_from_odom).map(turned).collect()
 }
 
 /// The robot's pose at the last row and its covariance there.
-pub(super) fn at_robot(map_from_odom: Pose2, bank: &Bank, own: &Matrix, odom_from_robot: Pose2) -> (Pose2, Matrix) {
+pub(super) fn at_robot(
+    map_from_odom: Pose2,
+    bank: &HypothesisBank,
+    own: &Matrix,
+    odom_from_robot: Pose2,
+) -> (Pose2, Matrix) {
     let pose = map_from_odom.compose(odom_from_robot);
     let arm = (pose.position() - map_from_odom.transform_point(bank.pivot)).perp();
     (pose, congruent(&[[1.0, 0.0, arm.x], [0.0, 1.0, arm.y], [0.0, 0.0, 1.0]], own))

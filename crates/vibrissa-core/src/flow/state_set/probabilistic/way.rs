@@ -1,6 +1,6 @@
 //! A path by odometry, and how errors of the odometry move its end.
 
-use super::shares::{Shares, WAYS};
+use super::calibrated_path::{CALIBRATION_SIZE, OdometryCalibration};
 use crate::linear_algebra::dot;
 use crate::plane::{Pose2, Vec2};
 
@@ -32,27 +32,27 @@ impl Way {
     }
 
     /// How far a change of the calibration moves one end of the way against the other (m, rad).
-    pub(super) fn moves(&self, by: Shares) -> [f64; 2] {
+    pub(super) fn moves(&self, by: OdometryCalibration) -> [f64; 2] {
         let errors = self.errors(0.0);
-        let sum = |i: usize| (0..WAYS).map(|way| errors[way][i] * by[way]).sum::<f64>();
+        let sum = |i: usize| (0..CALIBRATION_SIZE).map(|way| errors[way][i] * by[way]).sum::<f64>();
         [sum(0).hypot(sum(1)), sum(2).abs()]
     }
 
     /// The error of the robot's pose (x, y, heading; map frame), for a unit of each way, in a frame turned by `theta`.
-    pub(super) fn errors(&self, theta: f64) -> [[f64; 3]; WAYS] {
+    pub(super) fn errors(&self, theta: f64) -> [[f64; 3]; CALIBRATION_SIZE] {
         let (along, swept) = (self.reach.rotated(theta), self.swept.rotated(theta));
         [[along.x, along.y, 0.0], [-along.y, along.x, 0.0], [swept.x, swept.y, self.turned]]
     }
 
     /// How the frame moves for a unit of each way if the robot stays where it is now; it is `arm` from the pivot.
-    pub(super) fn holding(&self, theta: f64, arm: Vec2) -> [[f64; 3]; WAYS] {
+    pub(super) fn holding(&self, theta: f64, arm: Vec2) -> [[f64; 3]; CALIBRATION_SIZE] {
         let turned = arm.perp();
         self.errors(theta).map(|e| [e[2] * turned.x - e[0], e[2] * turned.y - e[1], -e[2]])
     }
 
     /// The derivatives of a reading by the calibration, where those by the whisker base's pose are `at_base`; the base is `arm`
     /// from the robot, map frame.
-    pub(super) fn slopes(&self, theta: f64, arm: Vec2, at_base: [f64; 3]) -> [f64; WAYS] {
+    pub(super) fn slopes(&self, theta: f64, arm: Vec2, at_base: [f64; 3]) -> [f64; CALIBRATION_SIZE] {
         let turned = arm.perp();
         self.errors(theta).map(|e| dot(at_base, [e[0] + e[2] * turned.x, e[1] + e[2] * turned.y, e[2]]))
     }

@@ -5,8 +5,8 @@
 //! is looked at by itself: what the readings say of it without what is known of walls, and what the heavy tail of turns makes of
 //! that. Where much is left away from the way, the way around is tried; what remains widens the standard deviations.
 
-use super::node::{Felt, UNKNOWNS};
-use super::problem::{Problem, Way, seldom_share, seldom_weight};
+use super::node::{NodePrediction, UNKNOWNS};
+use super::problem::{TraceProblem, Way, seldom_share, seldom_weight};
 use super::search::{SAME, apart};
 use crate::least_squares::Factor;
 
@@ -31,7 +31,7 @@ const SHARES: [f64; 3] = [1.0, 0.5, 0.25];
 const SAVES: f64 = 0.1;
 
 /// What is open about one turn.
-struct Turn {
+struct OpenTurn {
     step: usize,
     /// By how much it would be other, did the wall not matter (rad).
     by: f64,
@@ -43,7 +43,7 @@ struct Turn {
     field: Vec<f64>,
 }
 
-impl Problem<'_> {
+impl TraceProblem<'_> {
     /// The cheapest way among this one and those around corners that it may have missed; and the others.
     pub(super) fn around(&self, way: Way) -> (Way, Vec<Way>) {
         let (mut best, mut others) = (way, Vec::new());
@@ -74,17 +74,17 @@ impl Problem<'_> {
         let mut turns = self.factor(way).map_or_else(Vec::new, |factor| self.turns(way, &factor));
         turns.retain(|turn| turn.away > LIKELY);
         turns.sort_by(|a, b| b.away.total_cmp(&a.away));
-        let mut tried: Vec<&Turn> = Vec::new();
+        let mut tried: Vec<&OpenTurn> = Vec::new();
         for turn in &turns {
             if tried.len() < TRIED && tried.iter().all(|other| other.step.abs_diff(turn.step) > NEIGHBOURS) {
                 tried.push(turn);
             }
         }
-        let moved = |turn: &Turn, share: f64| {
+        let moved = |turn: &OpenTurn, share: f64| {
             let add = |(x, d): (&f64, &f64)| x + share * turn.by * d;
             self.settle(way.unknowns.iter().zip(&turn.field).map(add).collect())
         };
-        let one = |turn: &&Turn| SHARES.into_iter().find_map(|share| moved(turn, share));
+        let one = |turn: &&OpenTurn| SHARES.into_iter().find_map(|share| moved(turn, share));
         let whole = |found: &Way| apart(found, way) > SAME && self.torn(&found.state).is_none();
         tried.iter().filter_map(one).filter(whole).collect()
     }
@@ -102,12 +102,12 @@ impl Problem<'_> {
     }
 
     /// What is open about each turn.
-    fn turns(&self, way: &Way, factor: &Factor) -> Vec<Turn> {
+    fn turns(&self, way: &Way, factor: &Factor) -> Vec<OpenTurn> {
         let steps = (0..way.state.len().saturating_sub(1)).step_by(stride(way.state.len()));
         steps.filter_map(|step| self.turn(way, factor, step)).collect()
     }
 
-    fn turn(&self, way: &Way, factor: &Factor, step: usize) -> Option<Turn> {
+    fn turn(&self, way: &Way, factor: &Factor, step: usize) -> Option<OpenTurn> {
         let (felt, std) = (&way.state, self.turn_std(step));
         let row = Self::turning(felt, step);
         let mut right = vec![0.0; way.unknowns.len()];
@@ -123,7 +123,7 @@ impl Problem<'_> {
         }
         let mean = here / (variance * precision);
         let (away, square) = tail((mean, 1.0 / precision), (here, AWAY * variance.sqrt()), std)?;
-        Some(Turn {
+        Some(OpenTurn {
             step,
             by: mean.clamp(-LARGEST_TURN, LARGEST_TURN) - here,
             away,
@@ -138,7 +138,7 @@ fn stride(nodes: usize) -> usize {
 }
 
 /// How far a node goes across the wall with its unknowns.
-fn across(here: &Felt, by: &[f64]) -> f64 {
+fn across(here: &NodePrediction, by: &[f64]) -> f64 {
     let normal = crate::plane::Vec2::from_angle(here.along).perp();
     (0..UNKNOWNS).map(|k| by[k] * here.position_by[k].dot(normal)).sum()
 }

@@ -33,7 +33,7 @@ mod search;
 
 use crate::beam::{Bend, Whisker};
 use crate::plane::{Pose2, Vec2};
-use problem::{Problem, Way};
+use problem::{TraceProblem, Way};
 
 /// Standard deviation of the force's tilt from the whisker's normal (rad): wide, it only speaks where nothing else does.
 const TILT_STD: f64 = 0.8;
@@ -133,26 +133,26 @@ fn snaps(whisker: &Whisker, a: &TraceNode, b: &TraceNode) -> bool {
 fn without_snap(whisker: &Whisker, nodes: &[TraceNode], options: TraceOptions, traces: &mut Vec<Trace>) {
     let mut rest = nodes;
     while rest.len() >= FEWEST {
-        let problem = Problem::new(whisker, rest, options, LARGEST_SLOPE);
+        let problem = TraceProblem::new(whisker, rest, options, LARGEST_SLOPE);
         let least = tip_or_side(&problem);
         // The less bent branch, unless it ends much earlier: that the whisker is curled has to be shown.
         let nodes_of = |ways: &Vec<Way>| ways.first().map_or(0, |way| way.state.len());
         let may_be_curled = !traces.is_empty() && CURLED * (rest.len() as f64) > nodes_of(&least) as f64;
-        let curled = Problem { largest_slope: f64::INFINITY, ..problem };
+        let curled = TraceProblem { largest_slope: f64::INFINITY, ..problem };
         let curled = if may_be_curled { curled.best(1) } else { Vec::new() };
         let short = CURLED * (nodes_of(&curled) as f64) > nodes_of(&least) as f64;
         let (mut ways, largest_slope) = if short { (curled, f64::INFINITY) } else { (least, LARGEST_SLOPE) };
         let mut rivals = ways.split_off(ways.len().min(1));
-        let best = ways.pop().map(|way| Problem { largest_slope, side_std: SIDE_STD, ..problem }.until_torn(way));
+        let best = ways.pop().map(|way| TraceProblem { largest_slope, side_std: SIDE_STD, ..problem }.until_torn(way));
         let used = best.as_ref().map_or(0, |way| way.state.len());
         let best = best.filter(|_| used >= FEWEST).map(|way| {
             let side_std =
                 if way.unknowns.iter().skip(1).step_by(2).all(|lean| *lean > -TIP_NEAR) { TIP_ALONE } else { SIDE_STD };
-            let (best, others) = Problem { largest_slope, side_std, ..problem.part(0, used) }.around(way);
+            let (best, others) = TraceProblem { largest_slope, side_std, ..problem.part(0, used) }.around(way);
             rivals.extend(others);
             best
         });
-        let part = Problem { largest_slope: f64::INFINITY, side_std: SIDE_STD, ..problem.part(0, used) };
+        let part = TraceProblem { largest_slope: f64::INFINITY, side_std: SIDE_STD, ..problem.part(0, used) };
         let whole = best.filter(|way| used >= FEWEST && part.torn(&way.state).is_none());
         traces.extend(whole.and_then(|way| part.trace(&way, &rivals)));
         rest = &rest[used.max(1)..];
@@ -161,17 +161,18 @@ fn without_snap(whisker: &Whisker, nodes: &[TraceNode], options: TraceOptions, t
 
 /// The ways on the less bent branch: with the tip alone unless a side explains much more of the readings, or them much better. The
 /// other ways are kept as rivals.
-fn tip_or_side(problem: &Problem) -> Vec<Way> {
+fn tip_or_side(problem: &TraceProblem) -> Vec<Way> {
     let mut tips = problem.best(0);
     let whole = tips.first().is_some_and(|tip| tip.state.len() == problem.nodes.len());
-    let sides = Problem { side_std: SIDE_STD, ..*problem }.best_beside(0, if whole { &tips } else { &[] });
+    let sides = TraceProblem { side_std: SIDE_STD, ..*problem }.best_beside(0, if whole { &tips } else { &[] });
     let (Some(tip), Some(side)) = (tips.first(), sides.first()) else {
         return if tips.is_empty() { sides } else { tips };
     };
     let (short, long) = (tip.state.len(), side.state.len());
     let shorter = CURLED * long as f64 > short as f64;
     let worse = long >= short
-        && problem.cost_of(tip, short) > SIDE_GAIN + Problem { side_std: SIDE_STD, ..*problem }.cost_of(side, short);
+        && problem.cost_of(tip, short)
+            > SIDE_GAIN + TraceProblem { side_std: SIDE_STD, ..*problem }.cost_of(side, short);
     if shorter || worse {
         return sides;
     }

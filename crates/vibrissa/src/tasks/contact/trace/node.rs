@@ -13,7 +13,7 @@ const NEAREST: f64 = -0.7;
 
 /// The state of a node while it is solved.
 #[derive(Clone)]
-pub(super) struct Felt {
+pub(super) struct NodePrediction {
     pub(super) bend: Bend,
     pub(super) position: Vec2,
     /// Direction along the wall: the force's direction less a quarter turn (rad), not wrapped.
@@ -58,11 +58,11 @@ impl Bender<'_> {
     }
 
     /// The contact of a node; none where there is none, or the slope is beyond the largest (rad).
-    pub(super) fn felt(&self, node: &TraceNode, unknowns: &[f64], largest_slope: f64) -> Option<Felt> {
+    pub(super) fn felt(&self, node: &TraceNode, unknowns: &[f64], largest_slope: f64) -> Option<NodePrediction> {
         let (force, lean) = (unknowns[0], unknowns[1]);
         let bend = self.bend(force, lean, largest_slope)?;
         let steps = [1e-6 * (force.abs() + 1e-3), 1e-6];
-        let mut felt = Felt {
+        let mut felt = NodePrediction {
             position: node.odom_from_whisker.transform_point(bend.contact),
             along: node.odom_from_whisker.theta + bend.phi_a + bend.beta,
             bend,

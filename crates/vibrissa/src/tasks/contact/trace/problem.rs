@@ -1,6 +1,6 @@
 //! The residuals of a stretch of contact, and what they leave open.
 
-use super::node::{Bender, Felt, UNKNOWNS};
+use super::node::{Bender, NodePrediction, UNKNOWNS};
 use super::{TILT_STD, TIP_ALONE, Trace, TraceNode, TraceOptions, TracePoint};
 use crate::beam::Whisker;
 use crate::least_squares::{Band, Descent, Factor, Normal, Rules, descend, unbounded};
@@ -23,11 +23,11 @@ const SLIDE: f64 = 1.5;
 /// The unknowns of all nodes: force over its unit, lean.
 pub(super) type Unknowns = Vec<f64>;
 /// A way through the nodes, settled.
-pub(super) type Way = Descent<Vec<Felt>>;
+pub(super) type Way = Descent<Vec<NodePrediction>>;
 
 /// A trace to be solved.
 #[derive(Clone, Copy)]
-pub(super) struct Problem<'a> {
+pub(super) struct TraceProblem<'a> {
     pub(super) bender: Bender<'a>,
     pub(super) nodes: &'a [TraceNode],
     pub(super) options: TraceOptions,
@@ -39,7 +39,7 @@ pub(super) struct Problem<'a> {
 
 /// A step of the contact: across the mean direction of its ends (m), and along it (m).
 #[derive(Clone, Copy)]
-pub(super) struct Step {
+pub(super) struct NodeStep {
     pub(super) across: f64,
     along: f64,
     tangent: Vec2,
@@ -47,19 +47,19 @@ pub(super) struct Step {
     open: f64,
 }
 
-impl<'a> Problem<'a> {
+impl<'a> TraceProblem<'a> {
     pub(super) fn new(whisker: &'a Whisker, nodes: &'a [TraceNode], options: TraceOptions, largest_slope: f64) -> Self {
         let unit = whisker.flexural_rigidity / (whisker.length * whisker.length);
         let side = nodes.first().map_or(1.0, |node| node.moment.signum());
-        Problem { bender: Bender { whisker, unit, side }, nodes, options, largest_slope, side_std: TIP_ALONE }
+        TraceProblem { bender: Bender { whisker, unit, side }, nodes, options, largest_slope, side_std: TIP_ALONE }
     }
 
     /// A part of the trace.
-    pub(super) fn part(&self, from: usize, to: usize) -> Problem<'a> {
-        Problem { nodes: &self.nodes[from..to], ..*self }
+    pub(super) fn part(&self, from: usize, to: usize) -> TraceProblem<'a> {
+        TraceProblem { nodes: &self.nodes[from..to], ..*self }
     }
 
-    fn felt(&self, unknowns: &[f64]) -> Option<Vec<Felt>> {
+    fn felt(&self, unknowns: &[f64]) -> Option<Vec<NodePrediction>> {
         let one = |(node, u): (&TraceNode, &[f64])| self.bender.felt(node, u, self.largest_slope);
         self.nodes.iter().zip(unknowns.chunks(UNKNOWNS)).map(one).collect()
     }
@@ -82,27 +82,27 @@ impl<'a> Problem<'a> {
         self.options.turn * self.travel(i).sqrt()
     }
 
-    fn step(felt: &[Felt], i: usize) -> Step {
+    fn step(felt: &[NodePrediction], i: usize) -> NodeStep {
         let (a, b) = (&felt[i], &felt[i + 1]);
         let tangent = Vec2::from_angle(0.5 * (a.along + b.along));
         let way = b.position - a.position;
         let open = TURN_SHARE * way.norm() * (b.along - a.along);
-        Step { across: way.dot(tangent.perp()), along: way.dot(tangent), tangent, open }
+        NodeStep { across: way.dot(tangent.perp()), along: way.dot(tangent), tangent, open }
     }
 
     /// How far each step of the contact may miss the wall's direction (m).
-    fn step_stds(&self, felt: &[Felt]) -> Vec<f64> {
+    fn step_stds(&self, felt: &[NodePrediction]) -> Vec<f64> {
         (1..felt.len()).map(|i| self.options.step_std.hypot(Self::step(felt, i - 1).open)).collect()
     }
 
     /// By how many standard deviations a step misses the wall's direction.
-    pub(super) fn miss(&self, felt: &[Felt], i: usize) -> f64 {
+    pub(super) fn miss(&self, felt: &[NodePrediction], i: usize) -> f64 {
         let step = Self::step(felt, i);
         step.across / self.options.step_std.hypot(step.open)
     }
 
     /// A side lies on what curves away from it: how far a step goes the other way, and where it is counted.
-    fn hollow(&self, i: usize, felt: &[Felt], leans: [f64; 2], step: Step) -> f64 {
+    fn hollow(&self, i: usize, felt: &[NodePrediction], leans: [f64; 2], step: NodeStep) -> f64 {
         if leans[0].max(leans[1]) >= 0.0 {
             return 0.0;
         }
@@ -120,7 +120,7 @@ impl<'a> Problem<'a> {
     }
 
     /// Half the sum of the squares, robust where the wall turns; the steps may miss the wall's direction by `stds` (m).
-    fn cost(&self, felt: &[Felt], unknowns: &[f64], stds: &[f64]) -> f64 {
+    fn cost(&self, felt: &[NodePrediction], unknowns: &[f64], stds: &[f64]) -> f64 {
         let mut cost = 0.0;
         for (i, (node, here)) in self.nodes.iter().zip(felt).enumerate() {
             let lean = unknowns[UNKNOWNS * i + 1];
@@ -145,7 +145,7 @@ impl<'a> Problem<'a> {
     }
 
     /// Normal matrix and gradient.
-    fn normal_equations(&self, felt: &[Felt], unknowns: &[f64], stds: &[f64]) -> Normal {
+    fn normal_equations(&self, felt: &[NodePrediction], unknowns: &[f64], stds: &[f64]) -> Normal {
         let mut band = Band::zeros(unknowns.len(), 2 * UNKNOWNS - 1);
         let mut gradient = vec![0.0; unknowns.len()];
         let mut add = |first: usize, row: &[f64], residual: f64| {
@@ -180,9 +180,9 @@ impl<'a> Problem<'a> {
     fn side_rows(
         &self,
         i: usize,
-        felt: &[Felt],
+        felt: &[NodePrediction],
         leans: [f64; 2],
-        step: Step,
+        step: NodeStep,
         rows: &Rows,
         add: &mut impl FnMut(usize, &[f64], f64),
     ) {
@@ -222,7 +222,7 @@ impl<'a> Problem<'a> {
             let cost = self.cost(&felt, unknowns, stds);
             Some((felt, cost))
         };
-        let normal = |unknowns: &[f64], felt: &Vec<Felt>| Some(self.normal_equations(felt, unknowns, stds));
+        let normal = |unknowns: &[f64], felt: &Vec<NodePrediction>| Some(self.normal_equations(felt, unknowns, stds));
         descend(unknowns, RULES, evaluate, normal, unbounded)
     }
 
@@ -232,7 +232,7 @@ impl<'a> Problem<'a> {
     }
 
     /// How the wall's turn in a step goes with the unknowns of its ends.
-    pub(super) fn turning(felt: &[Felt], i: usize) -> [f64; 2 * UNKNOWNS] {
+    pub(super) fn turning(felt: &[NodePrediction], i: usize) -> [f64; 2 * UNKNOWNS] {
         Rows::new(&felt[i], &felt[i + 1], Self::step(felt, i)).turning
     }
 
@@ -255,7 +255,7 @@ impl<'a> Problem<'a> {
         let own = self.cost_of(way, nodes);
         let weights: Vec<f64> = rivals.iter().map(|rival| (own - self.cost_of(rival, nodes)).min(0.0).exp()).collect();
         let total = 1.0 + weights.iter().sum::<f64>();
-        let at = |(i, here): (usize, &Felt)| {
+        let at = |(i, here): (usize, &NodePrediction)| {
             let tangent = Vec2::from_angle(here.along);
             let off = |(rival, weight): (&&Way, &f64)| {
                 let off = rival.state[i].position - here.position;
@@ -267,8 +267,8 @@ impl<'a> Problem<'a> {
         way.state.iter().enumerate().map(at).collect()
     }
 
-    fn points(&self, felt: &[Felt], factor: &Factor, doubts: &[Vec2]) -> Vec<TracePoint> {
-        let one = |(i, (node, here)): (usize, (&TraceNode, &Felt))| {
+    fn points(&self, felt: &[NodePrediction], factor: &Factor, doubts: &[Vec2]) -> Vec<TracePoint> {
+        let one = |(i, (node, here)): (usize, (&TraceNode, &NodePrediction))| {
             let normal = Vec2::from_angle(here.along).perp();
             let mut unit = vec![0.0; UNKNOWNS * felt.len()];
             for k in 0..UNKNOWNS {
@@ -312,7 +312,7 @@ struct Rows {
 }
 
 impl Rows {
-    fn new(here: &Felt, next: &Felt, step: Step) -> Self {
+    fn new(here: &NodePrediction, next: &NodePrediction, step: NodeStep) -> Self {
         let (mut across, mut along, mut turning) = ([0.0; 2 * UNKNOWNS], [0.0; 2 * UNKNOWNS], [0.0; 2 * UNKNOWNS]);
         let normal = step.tangent.perp();
         for (first, end, sign) in [(0, here, -1.0), (UNKNOWNS, next, 1.0)] {

@@ -1,7 +1,7 @@
 //! Starts of a trace, and how they grow.
 
-use super::node::{Felt, UNKNOWNS};
-use super::problem::{Problem, Unknowns, Way};
+use super::node::{NodePrediction, UNKNOWNS};
+use super::problem::{TraceProblem, Unknowns, Way};
 use super::{FEWEST, TIP_ALONE, TraceNode, TraceOptions};
 use crate::beam::{Bend, Load, moment_mode};
 use core::f64::consts::FRAC_PI_2;
@@ -51,7 +51,7 @@ impl Grown {
     }
 }
 
-impl Problem<'_> {
+impl TraceProblem<'_> {
     /// The longest ways, the cheapest first, from every start on one branch of the first reading.
     pub(super) fn best(&self, branch: usize) -> Vec<Way> {
         self.best_beside(branch, &[])
@@ -95,7 +95,7 @@ impl Problem<'_> {
     }
 
     /// The first node after which the contact takes a step that no wall explains.
-    pub(super) fn torn(&self, felt: &[Felt]) -> Option<usize> {
+    pub(super) fn torn(&self, felt: &[NodePrediction]) -> Option<usize> {
         let misses = |i: &usize| self.miss(felt, *i).abs() > TORN;
         (0..felt.len().saturating_sub(1)).find(misses)
     }
@@ -110,7 +110,7 @@ impl Problem<'_> {
     /// Where a start settles: directly, and by way of a wall that is all but straight.
     fn settled(&self, start: Unknowns) -> Vec<Way> {
         let straight = TraceOptions { turn: STRAIGHT * self.options.turn, ..self.options };
-        let around = Problem { options: straight, ..*self }.descend(start.clone());
+        let around = TraceProblem { options: straight, ..*self }.descend(start.clone());
         let around = around.and_then(|way| self.settle(way.unknowns));
         self.settle(start).into_iter().chain(around).collect()
     }
@@ -149,7 +149,8 @@ impl Problem<'_> {
 
     /// Mean square of the last residuals of the moment; infinite when one alone is beyond chance.
     fn newest_fault(&self, way: &Way, count: usize) -> f64 {
-        let square = |(node, here): (&TraceNode, &Felt)| ((here.bend.moment - node.moment) / node.std).powi(2);
+        let square =
+            |(node, here): (&TraceNode, &NodePrediction)| ((here.bend.moment - node.moment) / node.std).powi(2);
         let squares = self.nodes.iter().zip(&way.state).rev().take(count).map(square);
         let (sum, largest) = squares.fold((0.0, 0.0_f64), |(sum, largest), s| (sum + s, largest.max(s)));
         if largest > LARGEST_FAULT * LARGEST_FAULT { f64::INFINITY } else { sum / count as f64 }

@@ -20,7 +20,7 @@ fn a_path_that_is_too_long_leaves_the_middle_fixed() {
         told.add(at_base, told.way.slopes(0.0, Vec2::ZERO, at_base), 0.0, (0.0, 1.0));
     }
     let bounds = Odometry { translation_relative: 0.02, rotation_relative: 0.0 };
-    let added = told.covariance(Shared::default(), [0.0, 1.0, 1.0], 0.0, Vec2::ZERO, &bounds);
+    let added = told.covariance(CalibrationPrior::default(), [0.0, 1.0, 1.0], 0.0, Vec2::ZERO, &bounds);
     assert!((added[0][0].sqrt() - 0.01 * 0.5).abs() < 1e-12, "{added:?}");
     assert!((added[1][1].sqrt() - 0.01).abs() < 1e-12, "{added:?}");
 }
@@ -63,11 +63,11 @@ fn said(mut told: Belief) -> Belief {
 }
 
 /// The sum of half the squares by moves, shares and a shared error, with what is believed of the last two before.
-fn cost(d: [f64; 3], shares: Shares, gain: f64, shared: Shared) -> f64 {
+fn cost(d: [f64; 3], calibration: OdometryCalibration, gain: f64, shared: CalibrationPrior) -> f64 {
     let mut way = Way::default();
     let mut last: Option<Pose2> = None;
     let mut sum = 0.5 * (gain / shared.gain).powi(2);
-    sum += (0..WAYS).map(|way| 0.5 * (shares[way] / shared.odometry[way]).powi(2)).sum::<f64>();
+    sum += (0..CALIBRATION_SIZE).map(|way| 0.5 * (calibration[way] / shared.odometry[way]).powi(2)).sum::<f64>();
     for (pose, at_base, residual, by_shared) in readings() {
         if let Some(last) = last.replace(pose) {
             way.travel(last, pose);
@@ -75,13 +75,13 @@ fn cost(d: [f64; 3], shares: Shares, gain: f64, shared: Shared) -> f64 {
         let errors = way.errors(FRAME.theta);
         let turned = arm(pose).perp();
         let mut base = [d[0] + d[2] * turned.x, d[1] + d[2] * turned.y, d[2]];
-        (0..3).for_each(|i| base[i] += (0..WAYS).map(|way| errors[way][i] * shares[way]).sum::<f64>());
+        (0..3).for_each(|i| base[i] += (0..CALIBRATION_SIZE).map(|way| errors[way][i] * calibration[way]).sum::<f64>());
         sum += 0.5 * (residual + dot(at_base, base) + by_shared * gain).powi(2);
     }
     sum
 }
 
-const SHARED: Shared = Shared { gain: 0.02, odometry: [0.005, 0.004, 0.007] };
+const SHARED: CalibrationPrior = CalibrationPrior { gain: 0.02, odometry: [0.005, 0.004, 0.007] };
 
 /// The least cost over shares and gain, and these, by steps that go down along one of them after the other.
 fn least(d: [f64; 3]) -> (f64, [f64; 4]) {
@@ -97,9 +97,9 @@ fn least(d: [f64; 3]) -> (f64, [f64; 4]) {
 }
 
 /// The cost of a move, shares and a shared error by what is kept of the readings.
-fn kept(told: &Belief, d: [f64; 3], shares: Shares, gain: f64) -> f64 {
+fn kept(told: &Belief, d: [f64; 3], calibration: OdometryCalibration, gain: f64) -> f64 {
     let [x, y, turn] = d;
-    let [long, aside, turned] = shares;
+    let [long, aside, turned] = calibration;
     told.information.shifted([x, y, turn, long, aside, turned, gain]).constant
 }
 
@@ -107,18 +107,21 @@ fn kept(told: &Belief, d: [f64; 3], shares: Shares, gain: f64) -> f64 {
 fn a_random_move_and_shares_that_wander_are_at_their_best_for_every_move() {
     let before = said(Belief::default());
     let q = [[4e-6, 1e-6, 2e-6], [1e-6, 9e-6, -1e-6], [2e-6, -1e-6, 5e-5]];
-    let after = before.loosened(&q, SHARED.odometry);
+    let after = before.with_process_noise(&q, SHARED.odometry);
     let precise = inverse(&q).unwrap();
-    for (d, shares, gain) in [
+    for (d, calibration, gain) in [
         ([0.0; 3], [0.0; 3], 0.0),
         ([1e-3, -2e-3, 4e-3], [0.003, -0.001, 0.002], 0.01),
         ([-2e-3, 0.0, 1e-2], [-0.004, 0.002, 0.005], -0.02),
     ] {
         let whole = |v: [f64; 6]| {
             let (off, wandered) = ([v[0], v[1], v[2]], [v[3], v[4], v[5]]);
-            let likely = (0..WAYS).map(|way| (wandered[way] / (WANDER * SHARED.odometry[way])).powi(2)).sum::<f64>();
+            let likely = (0..CALIBRATION_SIZE)
+                .map(|way| (wandered[way] / (CALIBRATION_WANDER * SHARED.odometry[way])).powi(2))
+                .sum::<f64>();
             let less = |a: [f64; 3], b: [f64; 3]| [0, 1, 2].map(|i| a[i] - b[i]);
-            kept(&before, less(d, off), less(shares, wandered), gain) + 0.5 * (dot(off, times(&precise, off)) + likely)
+            kept(&before, less(d, off), less(calibration, wandered), gain)
+                + 0.5 * (dot(off, times(&precise, off)) + likely)
         };
         let mut at = [0.0; 6];
         for axis in (0..6).cycle().take(30_000) {
@@ -127,23 +130,23 @@ fn a_random_move_and_shares_that_wander_are_at_their_best_for_every_move() {
             let (low, middle, high) = (side(-h), side(0.0), side(h));
             at[axis] -= 0.5 * h * (high - low) / (high - 2.0 * middle + low);
         }
-        let (told, truth) = (kept(&after, d, shares, gain), whole(at));
+        let (told, truth) = (kept(&after, d, calibration, gain), whole(at));
         assert!((told - truth).abs() < 1e-4 * truth.abs().max(1.0), "{told}, not {truth}");
-        assert!(truth < 0.99 * kept(&before, d, shares, gain));
+        assert!(truth < 0.99 * kept(&before, d, calibration, gain));
     }
 }
 
 #[test]
 fn what_fades_costs_the_same_here_and_less_elsewhere() {
     let before = said(Belief::default());
-    let after = before.faded(0.3);
+    let after = before.with_forgetting(0.3);
     let here = kept(&before, [0.0; 3], [0.0; 3], 0.0);
-    for (d, shares, gain) in [
+    for (d, calibration, gain) in [
         ([0.0; 3], [0.0; 3], 0.0),
         ([1e-3, -2e-3, 4e-3], [0.003, -0.001, 0.002], 0.01),
         ([-2e-3, 0.0, 1e-2], [-0.004, 0.002, 0.005], -0.02),
     ] {
-        let (whole, faded) = (kept(&before, d, shares, gain) - here, kept(&after, d, shares, gain) - here);
+        let (whole, faded) = (kept(&before, d, calibration, gain) - here, kept(&after, d, calibration, gain) - here);
         assert!((faded - 0.3 * whole).abs() < 1e-9 * (1.0 + whole.abs()), "{faded} {whole}");
     }
 }
@@ -179,20 +182,20 @@ fn the_cost_on_the_best_path_is_what_elimination_says() {
     let belief = said(Belief::default());
     let told = belief.place(SHARED).constant;
     let (_, at) = least([0.0; 3]);
-    let on_path = |shares: Shares| {
-        let belief = belief.shifted([0.0; 3], shares);
+    let on_path = |calibration: OdometryCalibration| {
+        let belief = belief.shifted([0.0; 3], calibration);
         belief.place(SHARED).constant + belief.calibration(SHARED).unwrap().fall
     };
     let best = on_path([at[0], at[1], at[2]]);
     assert!((best - told).abs() < 1e-6, "{best}, not {told}");
     // On another path it is dearer by what the whole cost is, the shared error being at its best for each.
-    let dearer = |shares: Shares| {
-        let costs = [-1e-3, 0.0, 1e-3].map(|gain| cost([0.0; 3], shares, gain, SHARED));
+    let excess_cost = |calibration: OdometryCalibration| {
+        let costs = [-1e-3, 0.0, 1e-3].map(|gain| cost([0.0; 3], calibration, gain, SHARED));
         let (slope, bent) = (500.0 * (costs[2] - costs[0]), 1e6 * (costs[2] - 2.0 * costs[1] + costs[0]));
         costs[1] - 0.5 * slope * slope / bent - least([0.0; 3]).0
     };
     for other in [[0.0; 3], [at[0] + 1e-3, at[1], at[2]], [at[0], at[1], at[2] - 1e-3]] {
-        let (told, truth) = (on_path(other) - best, dearer(other));
+        let (told, truth) = (on_path(other) - best, excess_cost(other));
         assert!((told - truth).abs() < 1e-5 && truth > 1e-4, "{told}, not {truth}");
     }
 }
@@ -206,8 +209,9 @@ fn shares_are_eliminated_at_their_best() {
         let (cost, at) = least(d);
         let more = told.shifted(d).constant - told.constant;
         assert!((more - (cost - still)).abs() < 1e-6 * (1.0 + more.abs()), "{more} {}", cost - still);
-        let shares = response.given(d);
-        (0..WAYS).for_each(|way| assert!((shares[way] - at[way]).abs() < 1e-7, "{shares:?} {at:?}"));
+        let calibration = response.given(d);
+        (0..CALIBRATION_SIZE)
+            .for_each(|way| assert!((calibration[way] - at[way]).abs() < 1e-7, "{calibration:?} {at:?}"));
     }
 }
 
@@ -238,9 +242,9 @@ fn other_shares_are_the_same_cost_told_elsewhere() {
     let there = told.shifted([0.0; 3], to);
     let place = |told: &Belief| told.information.conditioned(PLACE);
     let (before, shifted) = (place(&told), place(&there));
-    let at = |d: [f64; 3], shares: Shares| {
-        let none = Shared { gain: f64::INFINITY, odometry: [f64::INFINITY; 3] };
-        cost(d, shares, 0.0, none)
+    let at = |d: [f64; 3], calibration: OdometryCalibration| {
+        let none = CalibrationPrior { gain: f64::INFINITY, odometry: [f64::INFINITY; 3] };
+        cost(d, calibration, 0.0, none)
     };
     for d in [[0.0; 3], [1e-3, -5e-4, 2e-3]] {
         let told = shifted.shifted(d).constant - shifted.constant;
@@ -248,7 +252,7 @@ fn other_shares_are_the_same_cost_told_elsewhere() {
         assert!((told - wanted).abs() < 1e-9 * (1.0 + wanted.abs()), "{told} {wanted}");
     }
     assert!((shifted.constant - before.constant - (at([0.0; 3], to) - at([0.0; 3], [0.0; 3]))).abs() < 1e-8);
-    // A prior of the shares is about none, wherever they are told.
+    // A prior of the calibration parameters is about none, wherever they are reported.
     let [a, b] = [told, there].map(|told| told.place(SHARED));
     assert!((a.constant - b.constant).abs() < 1e-7, "{} {}", a.constant, b.constant);
     (0..3).for_each(|i| assert!((a.vector[i] - b.vector[i]).abs() < 1e-6 * (1.0 + a.vector[i].abs())));
