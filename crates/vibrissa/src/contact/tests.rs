@@ -112,7 +112,6 @@ impl Sweep {
             same_contact(&at, predicted.value, &ours, &theirs);
             seen.count(&theirs.hold);
         }
-        println!("{name}: {seen:?}");
         // A row may end between the two onsets or lift-offs.
         assert!(seen.one_alone.len() <= MOST_ALONE, "{name}: {seen:?}");
         seen
