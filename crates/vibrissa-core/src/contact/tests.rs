@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on must fail")]
 
-use super::follow::{ForwardModel, Mechanics, WhiskerState};
+use super::follow::{Contact, ForwardModel, Mechanics, WhiskerState};
 use super::quasi_static::{Equilibrium, LoadedWhisker, Outcome, Step, WhiskerOnMap, between, first_touch, onset};
 use super::{Boundaries, Hold, SensedQuantity, Support};
 use crate::beam::Whisker;
@@ -33,7 +33,8 @@ struct Sweep {
     step: f64,
 }
 
-/// What a sweep has seen: rows in contact by their holds, and where only one of the two is in contact, whether `follow`.
+/// What a sweep has seen: rows in contact by their holds, and where only one of the two is in contact, whether
+/// `follow`.
 #[derive(Debug, Default)]
 struct Seen {
     tip: usize,
@@ -41,6 +42,29 @@ struct Seen {
     side: usize,
     side_on_corner: usize,
     one_alone: Vec<(Pose2, bool)>,
+}
+
+impl Seen {
+    fn count(&mut self, hold: &Hold) {
+        match hold {
+            Hold::Tip(Support::Piece(..)) => self.tip += 1,
+            Hold::Tip(Support::Corner(_)) => self.tip_in_corner += 1,
+            Hold::Side(Support::Piece(..), _) => self.side += 1,
+            Hold::Side(Support::Corner(_), _) => self.side_on_corner += 1,
+            Hold::Both(_) => {}
+        }
+    }
+}
+
+/// Moment, place and hold are the same.
+fn same_contact(at: &str, moment: f64, ours: &Contact, theirs: &Equilibrium) {
+    // In a corner the place is given, which a whisker that is all but straight meets with any force.
+    let stiff = matches!(theirs.hold, Hold::Tip(Support::Corner(_)));
+    let (exact, same) = (theirs.state.m, if stiff { SAME_MOMENT_IN_CORNER } else { SAME_MOMENT });
+    assert!((moment - exact).abs() < same * (1.0 + exact.abs()), "{at}: {moment} {exact}");
+    assert!(ours.place.distance(theirs.place) < SAME_PLACE, "{at}: {ours:?} {theirs:?}");
+    let at_end = matches!(ours.hold, Hold::Tip(Support::Piece(_, at)) if (at - at.round()).abs() < 1e-6);
+    assert!(ours.hold.is_same(&theirs.hold) || at_end, "{at}: {ours:?} {theirs:?}");
 }
 
 impl Sweep {
@@ -84,25 +108,10 @@ impl Sweep {
                 }
                 continue;
             };
-            let (moment, exact) = (predicted.value, theirs.state.m);
-            let off = ours.place.distance(theirs.place);
-            // In a corner the place is given, which a whisker that is all but straight meets with any force.
-            let stiff = matches!(theirs.hold, Hold::Tip(Support::Corner(_)));
-            let same = if stiff { SAME_MOMENT_IN_CORNER } else { SAME_MOMENT };
-            assert!((moment - exact).abs() < same * (1.0 + exact.abs()), "{name} {pair:?}: {moment} {exact}");
-            assert!(off < SAME_PLACE, "{name} {pair:?}: {ours:?} {theirs:?}");
-            let at_end =
-                |hold: &Hold| matches!(hold, Hold::Tip(Support::Piece(_, at)) if (at - at.round()).abs() < 1e-6);
-            assert!(ours.hold.is_same(&theirs.hold) || at_end(&ours.hold), "{name}: {ours:?} {theirs:?}");
-            match theirs.hold {
-                Hold::Tip(Support::Piece(..)) => seen.tip += 1,
-                Hold::Tip(Support::Corner(_)) => seen.tip_in_corner += 1,
-                Hold::Side(Support::Piece(..), _) => seen.side += 1,
-                Hold::Side(Support::Corner(_), _) => seen.side_on_corner += 1,
-                Hold::Both(_) => {}
-            }
+            let at = format!("{name} {pair:?}");
+            same_contact(&at, predicted.value, &ours, &theirs);
+            seen.count(&theirs.hold);
         }
-        println!("{name}: {seen:?}");
         // A row may end between the two onsets or lift-offs.
         assert!(seen.one_alone.len() <= MOST_ALONE, "{name}: {seen:?}");
         seen
