@@ -27,6 +27,7 @@ struct Case {
     map: (&'static str, Option<String>),
     log: Option<String>,
     robot: String,
+    method: &'static str,
     code: i32,
     words: &'static [&'static str],
 }
@@ -38,6 +39,7 @@ impl Default for Case {
             map: ("map.geojson", Some(MAP.into())),
             log: Some(LOG.into()),
             robot: ROBOT.into(),
+            method: "probabilistic",
             code: 1,
             words: &[],
         }
@@ -57,7 +59,7 @@ fn run(case: &Case) -> Outcome {
     let map = put(&folder, case.map.0, case.map.1.as_deref());
     let log = put(&folder, "log.csv", case.log.as_deref());
     let robot = put(&folder, "robot.toml", Some(&case.robot));
-    vibrissa(&["localize", &log, "--map", &map, "--robot", &robot])
+    vibrissa(&["localize", &log, "--map", &map, "--robot", &robot, "--method", case.method])
 }
 
 fn check(case: &Case) {
@@ -126,7 +128,9 @@ fn degrees_where_radians_are_due_draw_a_warning() {
 #[test]
 fn a_moment_beyond_any_shape_is_named() {
     let strong = log("0.0003", "0.5");
-    check(&Case { name: "strong", log: strong, words: &["log.csv:4", "0.5", "allowed: "], ..Case::default() });
+    // The probabilistic method takes single ones for false readings.
+    let method = "deterministic";
+    check(&Case { name: "strong", method, log: strong, words: &["log.csv:4", "0.5", "allowed: "], ..Case::default() });
 }
 
 #[test]
@@ -181,5 +185,9 @@ fn a_column_without_its_whisker_is_warned_about() {
 #[test]
 fn a_map_of_kilometres_is_refused_with_a_spacing() {
     let map = ("map.geojson", Some(MAP.replace("0.4", "400.0").replace("0.3", "300.0")));
-    check(&Case { name: "kilometres", map, words: &["1400", "--boundary-spacing"], ..Case::default() });
+    for (method, words) in
+        [("deterministic", &["1400", "--boundary-spacing"]), ("probabilistic", &["1400", "--within"])]
+    {
+        check(&Case { name: "kilometres", map: map.clone(), method, words, ..Case::default() });
+    }
 }

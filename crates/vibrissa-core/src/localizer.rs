@@ -36,8 +36,8 @@ pub trait Estimator: Send {
     /// What can be said at the last row: verdict, places and extents. It changes nothing: the answer at the end is the same,
     /// however often this is asked.
     ///
-    /// It takes a fraction of a millisecond, for which it is less exact than [`Estimator::finish`]; each estimator says in
-    /// what.
+    /// It takes a tenth of a millisecond in the median, some milliseconds while there are thousands of candidates, for which
+    /// it is less exact than [`Estimator::finish`]; each estimator says in what.
     fn estimate(&self) -> Estimate;
 
     /// The states at the last row that explain the rows so far (map frame): candidates, middles of cells, or best fits, as

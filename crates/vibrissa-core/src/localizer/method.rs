@@ -113,9 +113,7 @@ impl Method {
         if let Some(mut setting) = self.settings().into_iter().find(|setting| setting.name == option) {
             return setting.take(value);
         }
-        let having = Self::all().into_iter().filter_map(|mut method| method.has(option).then(|| method.name()));
-        let having: Vec<&str> = having.collect();
-        let remedy = match having.as_slice() {
+        let remedy = match Self::having(option).as_slice() {
             [] => "leave it out".to_owned(),
             names => format!("leave it out, or choose method {}", names.join(" or ")),
         };
@@ -123,8 +121,15 @@ impl Method {
     }
 
     /// Whether the method has an option of this name.
-    pub fn has(&mut self, option: &str) -> bool {
+    #[must_use]
+    pub fn has(mut self, option: &str) -> bool {
         self.settings().iter().any(|setting| setting.name == option)
+    }
+
+    /// The names of the methods that have an option of this name.
+    #[must_use]
+    pub fn having(option: &str) -> Vec<&'static str> {
+        Self::all().iter().filter(|method| method.has(option)).map(Self::name).collect()
     }
 
     /// Checks that every option is in its range.

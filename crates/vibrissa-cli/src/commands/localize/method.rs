@@ -116,9 +116,7 @@ fn given(matches: &ArgMatches, setting: &Setting<'_>) -> Option<SettingValue> {
 
 /// Under which heading help lists an option: that of the methods that have it.
 fn heading(option: &str) -> String {
-    let having: Vec<&str> =
-        Method::all().into_iter().filter_map(|mut method| method.has(option).then(|| method.name())).collect();
-    match having.as_slice() {
+    match Method::having(option).as_slice() {
         all if all.len() == Method::all().len() => "Options of all methods".to_owned(),
         [one] => format!("Options of the {one} method"),
         several => format!("Options of the {} method", several.join(" and the ")),
