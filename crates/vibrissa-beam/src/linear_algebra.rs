@@ -20,6 +20,7 @@ pub struct Cholesky<const N: usize>(CholeskyDecomposition<f64, N>);
 
 impl<const N: usize> Cholesky<N> {
     /// None for a matrix that is not positive definite or not finite.
+    #[must_use]
     pub fn new(matrix: &Square<N>) -> Option<Self> {
         let factor = Matrix::new(*matrix).cholesky().ok()?;
         // The library takes what is no number for positive.
@@ -27,6 +28,7 @@ impl<const N: usize> Cholesky<N> {
     }
 
     /// The same, and none for a matrix that is singular to working precision, whatever the units of its rows.
+    #[must_use]
     pub fn regular(matrix: &Square<N>) -> Option<Self> {
         let factor = Self::new(matrix)?;
         let share = |i: usize| factor.diagonal(i) * factor.diagonal(i) / matrix[i][i];
@@ -38,16 +40,19 @@ impl<const N: usize> Cholesky<N> {
     }
 
     /// The factor `L`.
+    #[must_use]
     pub fn lower(&self) -> Square<N> {
         core::array::from_fn(|i| core::array::from_fn(|j| if j <= i { self.0.l()[(i, j)] } else { 0.0 }))
     }
 
     /// The determinant of `L`: the root of that of the matrix.
+    #[must_use]
     pub fn root_determinant(&self) -> f64 {
         (0..N).map(|i| self.diagonal(i)).product()
     }
 
     /// `L⁻¹ right`: of unit covariance where `right` has the matrix for its covariance. The library has no half of a solution.
+    #[must_use]
     pub fn whitened(&self, right: &[f64; N]) -> [f64; N] {
         let mut out = *right;
         for i in 0..N {
@@ -58,12 +63,14 @@ impl<const N: usize> Cholesky<N> {
     }
 
     /// The solution `x` of `L Lᵀ x = right`.
+    #[must_use]
     pub fn solve(&self, right: &[f64; N]) -> [f64; N] {
         let solution = self.0.solve(&Vector::from_array(*right));
         core::array::from_fn(|i| solution[i])
     }
 
     /// The inverse of the matrix, as symmetric as it is.
+    #[must_use]
     pub fn inverse(&self) -> Square<N> {
         let unit = |i: usize| core::array::from_fn(|j| f64::from(u8::from(i == j)));
         let columns: Square<N> = core::array::from_fn(|i| self.solve(&unit(i)));
@@ -75,6 +82,7 @@ impl<const N: usize> Cholesky<N> {
 ///
 /// By cofactors of the correlation matrix, not by the library, whose closed form takes small numbers for a singular matrix: along a
 /// straight wall places cost the same to the last bit, so that this order of operations decides which of them is told as the best.
+#[must_use]
 pub fn inverse(matrix: &Square<3>) -> Option<Square<3>> {
     let scale = [0, 1, 2].map(|i: usize| matrix[i][i].sqrt().recip());
     scale.iter().all(|s| s.is_finite() && *s > 0.0).then_some(())?;
@@ -89,6 +97,7 @@ pub fn inverse(matrix: &Square<3>) -> Option<Square<3>> {
 }
 
 /// The solution of `matrix x = right` by elimination with pivots; none for a matrix that is singular to working precision.
+#[must_use]
 pub fn solve<const N: usize>(matrix: &Square<N>, right: &[f64; N]) -> Option<[f64; N]> {
     // The library's measure of a pivot is absolute.
     let largest = matrix.iter().flatten().fold(0.0, |most: f64, v| most.max(v.abs()));
@@ -99,21 +108,25 @@ pub fn solve<const N: usize>(matrix: &Square<N>, right: &[f64; N]) -> Option<[f6
 }
 
 /// The determinant, by the closed form where the matrix is no larger than 4 by 4.
+#[must_use]
 pub fn determinant<const N: usize>(matrix: &Square<N>) -> f64 {
     Matrix::new(*matrix).det()
 }
 
 /// The scalar product.
+#[must_use]
 pub fn dot<const N: usize>(a: [f64; N], b: [f64; N]) -> f64 {
     (1..N).fold(a[0] * b[0], |sum, i| sum + a[i] * b[i])
 }
 
 /// A matrix times a vector.
+#[must_use]
 pub fn times<const M: usize, const N: usize>(matrix: &[[f64; N]; M], v: [f64; N]) -> [f64; M] {
     matrix.map(|row| dot(row, v))
 }
 
 /// `t covariance tᵀ`: the covariance of `t v` where `v` has this one.
+#[must_use]
 pub fn congruent<const M: usize, const N: usize>(t: &[[f64; N]; M], covariance: &Square<N>) -> Square<M> {
     let rows = t.map(|row| times(covariance, row));
     t.map(|left| rows.map(|right| dot(left, right)))

@@ -19,6 +19,7 @@ pub fn read_text(path: &Path, what: &str) -> Result<String> {
 }
 
 /// The error for a file that cannot be opened.
+#[must_use]
 pub fn cannot_open(path: &Path, what: &str, reason: &std::io::Error) -> Error {
     let remedy = match reason.kind() {
         ErrorKind::NotFound => match path.parent().filter(|p| !p.as_os_str().is_empty() && !p.exists()) {
@@ -38,6 +39,7 @@ pub fn cannot_open(path: &Path, what: &str, reason: &std::io::Error) -> Error {
 }
 
 /// The line, counted from 1, that holds the byte at `offset`.
+#[must_use]
 pub fn line_at(text: &[u8], offset: usize) -> usize {
     1 + text[..offset.min(text.len())].iter().filter(|&&b| b == b'\n').count()
 }
@@ -54,6 +56,7 @@ pub fn suggestion<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> O
 }
 
 /// A `did you mean` sentence, or the list of what is known.
+#[must_use]
 pub fn did_you_mean(word: &str, known: &[&str]) -> String {
     match suggestion(word, known.iter().copied()) {
         Some(near) => format!("did you mean `{near}`?"),

@@ -18,6 +18,7 @@ pub struct Source<'a> {
 
 impl<'a> Source<'a> {
     /// The text without a byte order mark.
+    #[must_use]
     pub fn new(text: &'a str, name: &'a str) -> Self {
         Self { text: text.strip_prefix('\u{feff}').unwrap_or(text), name }
     }
@@ -35,6 +36,7 @@ impl<'a> Source<'a> {
     }
 
     /// The line of a place in the text, counted from 1.
+    #[must_use]
     pub fn line(&self, span: &Range<usize>) -> usize {
         line_at(self.text.as_bytes(), span.start)
     }
@@ -97,6 +99,7 @@ pub struct Section<'a> {
 
 impl<'a> Section<'a> {
     /// The whole file.
+    #[must_use]
     pub fn top(source: &'a Source<'a>, root: &'a Spanned<DeTable<'a>>) -> Self {
         Section { source, table: root.get_ref(), path: String::new(), span: root.span() }
     }
@@ -107,16 +110,19 @@ impl<'a> Section<'a> {
     }
 
     /// The line of the value of `key`, or of the section where it is missing.
+    #[must_use]
     pub fn line_of(&self, key: &str) -> usize {
         self.source.line(&self.span_of(key))
     }
 
     /// The full name of a key for messages.
+    #[must_use]
     pub fn key(&self, key: &str) -> String {
         if self.path.is_empty() { key.to_owned() } else { format!("{}.{key}", self.path) }
     }
 
     /// The value of a key.
+    #[must_use]
     pub fn get(&self, key: &str) -> Option<&'a Spanned<DeValue<'a>>> {
         self.table.get(key)
     }
@@ -239,6 +245,7 @@ impl<'a> Section<'a> {
 }
 
 /// A value as the file's author wrote it, roughly.
+#[must_use]
 pub fn show(value: &DeValue<'_>) -> String {
     match value {
         DeValue::String(s) => format!("\"{s}\""),

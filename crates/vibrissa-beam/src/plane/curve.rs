@@ -111,11 +111,13 @@ impl Curve {
     }
 
     /// The arc length at which a segment starts (m).
+    #[must_use]
     pub fn segment_start(&self, segment: usize) -> f64 {
         if segment == 0 { 0.0 } else { self.ends[segment - 1] }
     }
 
     /// The segment on which an arc length (m) lies; where two meet the later one.
+    #[must_use]
     pub fn segment_at(&self, s: f64) -> usize {
         self.ends.partition_point(|&end| end <= s).min(self.segments.len() - 1)
     }
@@ -190,6 +192,7 @@ impl Curve {
     }
 
     /// The point nearest to `p` of one segment, or of its neighbour where that segment ends.
+    #[must_use]
     pub fn nearest_near_segment(&self, index: usize, p: Vec2) -> CurvePoint {
         let count = self.segments.len();
         let here = self.nearest_on_segment(index, p);

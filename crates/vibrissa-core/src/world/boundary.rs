@@ -20,6 +20,7 @@ impl Role {
     pub const WORDS: [&str; 3] = ["arena", "obstacle", "wall"];
 
     /// The role named by exactly this word.
+    #[must_use]
     pub fn from_word(word: &str) -> Option<Self> {
         match word {
             "arena" => Some(Self::Arena),
@@ -143,6 +144,7 @@ pub fn beyond_maps(segments: &[Segment]) -> Option<Vec2> {
 }
 
 /// The error for a coordinate that no map in metres holds.
+#[must_use]
 pub fn out_of_range(p: Vec2) -> Error {
     Error::data("coordinate out of range")
         .value(show(p))

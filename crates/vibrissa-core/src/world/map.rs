@@ -197,6 +197,7 @@ impl Map {
     }
 
     /// As [`Map::nearest_within`], without what a tip that looks for its contact does not ask.
+    #[must_use]
     pub fn foot(&self, point: Vec2, reach: f64) -> Option<Foot> {
         let hit = self.tree.nearest_within(point, reach)?;
         let Origin { boundary, segment, tangent } = self.origins[hit.edge];
@@ -210,6 +211,7 @@ impl Map {
     }
 
     /// The piece of a boundary nearest to `point` (m) if it is no further than `reach` (m), within the flattening tolerance.
+    #[must_use]
     pub fn nearest_piece(&self, point: Vec2, reach: f64) -> Option<NearestPiece> {
         let hit = self.tree.nearest_within(point, reach)?;
         let Origin { boundary, segment, tangent } = self.origins[hit.edge];
@@ -245,6 +247,7 @@ impl Map {
 
     /// The length of boundary to walk along in `bounds`, in steps of at most `spacing` (m), and how many points
     /// [`Map::samples`] has there, both give or take a piece that leaves the rectangle; a wall counts twice.
+    #[must_use]
     pub fn walk_in(&self, bounds: Bounds, spacing: f64) -> (f64, f64) {
         let (mut length, mut points) = (0.0, 0.0);
         // Of a line no more than the rectangle's diagonal is in there.
@@ -271,6 +274,7 @@ impl Map {
     }
 
     /// Those of [`Map::samples`] that lie in `bounds`.
+    #[must_use]
     pub fn samples_in(&self, bounds: Bounds, spacing: f64) -> Vec<BoundarySample> {
         let mut samples = Vec::new();
         for (boundary, b) in self.boundaries.iter().enumerate() {

@@ -29,11 +29,13 @@ pub const STATES_HEIGHT: f64 = HEIGHTS[1];
 pub const WHISKER_HEIGHT: f64 = HEIGHTS[2];
 
 /// Every so many items, so that no more than `most` are left.
+#[must_use]
 pub fn stride(count: usize, most: usize) -> usize {
     count.div_ceil(most.max(1)).max(1)
 }
 
 /// The header of a message in the map frame at the time `t` (s).
+#[must_use]
 pub fn in_map(t: f64) -> Header<'static> {
     Header { stamp: Stamp::from_seconds(t), frame: MAP }
 }
@@ -48,6 +50,7 @@ pub fn add_map(bag: &mut BagWriter, map: &Map, t: f64) {
 }
 
 /// The map's boundaries as lines.
+#[must_use]
 pub fn map_lines(map: &Map) -> LineSet {
     let line = |boundary: &crate::world::Boundary| Line {
         points: boundary.curve().flatten(20.0 * FLATTEN_TOLERANCE),
@@ -64,6 +67,7 @@ pub fn map_lines(map: &Map) -> LineSet {
 }
 
 /// A colour as RViz has it.
+#[must_use]
 pub fn color(bytes: [u8; 3]) -> [f32; 4] {
     let [r, g, b] = bytes.map(|byte| f32::from(byte) / 255.0);
     [r, g, b, 1.0]

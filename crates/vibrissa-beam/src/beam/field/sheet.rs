@@ -108,32 +108,38 @@ impl ContactSheet {
     }
 
     /// What the processor has registers for: the results are the same to the last bit.
+    #[must_use]
     pub fn level(&self) -> Level {
         self.level
     }
 
     /// Knots along the whisker.
+    #[must_use]
     pub fn rows(&self) -> usize {
         self.u.knots.len()
     }
 
     /// Knots along the loads.
+    #[must_use]
     pub fn columns(&self) -> usize {
         self.w.knots.len()
     }
 
     /// The readings at all knots, those of one arc length in a row (SI).
+    #[must_use]
     pub fn readings(&self, read: Read) -> &[f64] {
         &self.readings[usize::from(read == Read::Moment)]
     }
 
     /// The least and the largest reading of each block of [`BLOCK`] by as many knots, those of one run of rows together.
+    #[must_use]
     pub fn blocks(&self, read: Read) -> &[[f64; 2]] {
         &self.blocks[usize::from(read == Read::Moment)]
     }
 
     /// The same place as seen from the cell that holds it, when it is further than `out` shares from its own.
     #[inline(always)]
+    #[must_use]
     pub fn settled(&self, cell: SheetCell, [a, b]: [f64; 2], out: f64) -> (SheetCell, [f64; 2]) {
         if a.min(b) >= -out && a.max(b) <= 1.0 + out { (cell, [a, b]) } else { self.moved(cell, [a, b]) }
     }
@@ -147,23 +153,27 @@ impl ContactSheet {
     }
 
     /// The contact at a knot, whisker frame (m).
+    #[must_use]
     pub fn place(&self, row: usize, column: usize) -> Vec2 {
         self.places[row * self.columns() + column]
     }
 
     /// The same by the number of the knot, those of one place along the whisker in a row.
     #[inline(always)]
+    #[must_use]
     pub fn knot(&self, number: usize) -> Vec2 {
         self.places[number]
     }
 
     /// The cells of one row that hold first-mode contacts, a bit each.
+    #[must_use]
     pub fn live(&self, row: usize) -> u128 {
         self.live[row]
     }
 
     /// The cells of every row in which a reading of this sign can be in the first mode, a bit each: of a rod that is straight at rest
     /// those on the side of the reading, for moment and curvature have the force's own sign all along.
+    #[must_use]
     pub fn side(&self, value: f64) -> u128 {
         let below = (1u128 << (self.w.cells() / 2)) - 1;
         match (self.rod.is_straight(), value) {
@@ -193,6 +203,7 @@ impl ContactSheet {
     /// How far (m) a level curve may be from where it is traced, when a rise of the reading by one (slope in rad, moment by the unit
     /// of load) takes `per_rise` cells and the search ended a share `left` of the cell away from the value.
     #[inline(always)]
+    #[must_use]
     pub fn level_error(&self, read: Read, value: f64, per_rise: f64, left: f64, row: usize) -> f64 {
         let off = match read {
             Read::Slope => self.errors[0] + self.turn_of(self.gains[row][0].min(self.gains[row + 1][0])),
@@ -305,6 +316,7 @@ impl ContactSheet {
     }
 
     /// Where along the loads the contacts at `s_a` (m) are in the first mode, without a gap around rest; `None` where rest is not.
+    #[must_use]
     pub fn loads_at(&self, s_a: f64) -> Option<[f64; 2]> {
         let place = self.u.place(s_a * self.per_length);
         let gain = self.gain_in(place.cell, place.share);

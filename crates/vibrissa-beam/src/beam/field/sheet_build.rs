@@ -26,6 +26,7 @@ impl ContactSheet {
     /// The sheet of contacts whose force is tilted by `tilt` (rad) from the rod's normal, for load numbers up to `most`.
     ///
     /// `None` for a rod that cannot be tabulated well or whose first mode does not end where its moment says so.
+    #[must_use]
     pub fn new(rod: &Rod, tilt: f64, most: f64) -> Option<Self> {
         let clamped = rod.clone().with_base_stiffness(f64::INFINITY).ok()?;
         let ends = LoadEnd::new(&clamped, tilt, (2.0 * most).asinh())?;

@@ -17,6 +17,7 @@ pub struct Touched {
 
 impl Rod {
     /// The rod under `force` (N) at `s_a` (m), tilted by `beta` (rad) from its normal there; `None` beyond the first mode.
+    #[must_use]
     pub fn touched(&self, force: f64, s_a: f64, beta: f64) -> Option<Touched> {
         let inside = force.is_finite() && beta.is_finite() && s_a > 0.0 && s_a <= self.length * (1.0 + 1e-9);
         if !inside || force.abs() > 3e4 / self.softness(s_a) {
@@ -29,11 +30,13 @@ impl Rod {
     }
 
     /// Whether the shape under that load has a moment, or else a curvature, of one sign; so has the rod without a force.
+    #[must_use]
     pub fn keeps_one_sign(&self, force: f64, s_a: f64, beta: f64) -> bool {
         force.abs() <= 0.0 || Trial { force, s_a, gap: gap_of(beta) }.keeps_one_sign(self)
     }
 
     /// The slope at `s_a` (m) that a unit force across it causes by small-angle theory, the base's share included (rad/N).
+    #[must_use]
     pub fn slope_compliance(&self, s_a: f64) -> f64 {
         self.softness(s_a) + self.base_angle(1.0) * s_a
     }

@@ -19,6 +19,7 @@ impl Rod {
     }
 
     /// As [`Rod::pushed`], only the contact point (m), the slope there (rad) and the base moment (N m).
+    #[must_use]
     pub fn contact_under(&self, force: f64, s_a: f64, beta: f64) -> Option<(Vec2, f64, f64)> {
         let shot = trial(force, s_a, beta)?.shoot_on(self)?;
         Some((shot.contact, shot.phi_a, shot.moment))
