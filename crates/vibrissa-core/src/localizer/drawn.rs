@@ -27,13 +27,12 @@ pub(super) struct DrawnReading {
 /// The whisker with its tip on the boundary, robot frame; none where no tip contact agrees with the place.
 pub(super) fn shape(
     map: &Map,
-    whisker: &MountedWhisker,
+    (whisker, tip): (&MountedWhisker, &TipModel),
     felt: &DrawnReading,
     map_from_odom: Pose2,
 ) -> Option<ShapeRecord> {
-    let tip = TipModel::new(&whisker.beam).ok()?;
     let map_from_whisker = map_from_odom.compose(felt.odom_from_robot).compose(whisker.robot_from_whisker);
-    let branches = TipContactSet::branches(&tip, TipReading::Moment(felt.moment), TipLoad::BoundaryNormal);
+    let branches = TipContactSet::branches(tip, TipReading::Moment(felt.moment), TipLoad::BoundaryNormal);
     let agreeing = |contact: &TipContact| misfit(map, map_from_whisker, contact).map(|misfit| (misfit, *contact));
     let contacts = branches.iter().flat_map(TipContactSet::contacts);
     let (_, contact) = contacts.filter_map(agreeing).min_by(|a, b| a.0.total_cmp(&b.0))?;

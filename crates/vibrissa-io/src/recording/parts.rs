@@ -66,7 +66,7 @@ pub fn map_lines(map: &Map) -> LineSet {
     }
 }
 
-/// A colour as RViz has it.
+/// A colour as `RViz` has it.
 #[must_use]
 pub fn color(bytes: [u8; 3]) -> [f32; 4] {
     let [r, g, b] = bytes.map(|byte| f32::from(byte) / 255.0);
