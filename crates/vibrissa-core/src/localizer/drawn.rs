@@ -12,6 +12,8 @@ use core::f64::consts::{FRAC_PI_2, PI};
 /// errors, and a reading that the side felt is not drawn.
 const NEAR: f64 = 2e-3;
 const ASLANT: f64 = 0.25;
+/// At least so many contacts are kept for drawing, where there are as many: a third of a millisecond each, at the end.
+pub(super) const KEPT: usize = 48;
 /// Points of a drawn whisker.
 const POINTS: usize = 24;
 
@@ -24,8 +26,20 @@ pub(super) struct DrawnReading {
     pub(super) moment: f64,
 }
 
+/// The shapes of what was kept, as the odometry's frame in the map (`map_from_odom`) sees each; those that agree with the map.
+pub(super) fn shapes<'a>(
+    map: &Map,
+    whiskers: &[MountedWhisker],
+    kept: impl Iterator<Item = &'a DrawnReading>,
+    frame: impl Fn(&DrawnReading) -> Option<Pose2>,
+) -> Vec<ShapeRecord> {
+    let tips: Vec<Option<TipModel>> = whiskers.iter().map(|whisker| TipModel::new(&whisker.beam).ok()).collect();
+    kept.filter_map(|felt| shape(map, (&whiskers[felt.whisker], tips[felt.whisker].as_ref()?), felt, frame(felt)?))
+        .collect()
+}
+
 /// The whisker with its tip on the boundary, robot frame; none where no tip contact agrees with the place.
-pub(super) fn shape(
+fn shape(
     map: &Map,
     (whisker, tip): (&MountedWhisker, &TipModel),
     felt: &DrawnReading,

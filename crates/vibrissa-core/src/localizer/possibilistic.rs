@@ -21,8 +21,6 @@ use crate::{Error, Result};
 const OTHER_METHODS: &str = "the possibilistic method takes uniform, straight, clamped whiskers only; --method probabilistic and \
                              deterministic take tapered and jointed ones and elastic bases, too";
 
-/// At least so many contacts are kept for drawing, where there are as many: a third of a millisecond each, at the end.
-const DRAWN: usize = 48;
 /// Sets of more cells than this are measured once in a while: when their number has changed by this share, or, up to a
 /// size, after as many rows as a share of their number.
 const MEASURED_AT_ONCE: usize = 24;
@@ -51,7 +49,7 @@ pub struct PossibilisticEstimator<'a> {
     rows: Vec<(f64, Pose2)>,
     in_contact: Vec<bool>,
     /// Contacts for drawing: not all of long logs.
-    felt: Thinned<DrawnReading, DRAWN>,
+    felt: Thinned<DrawnReading, { drawn::KEPT }>,
     touched: bool,
     first_row: Option<usize>,
     first_states: Vec<Pose2>,
@@ -196,9 +194,7 @@ impl<'a> PossibilisticEstimator<'a> {
     fn shapes(&self) -> Vec<ShapeRecord> {
         let Some((pose, row)) = self.last else { return Vec::new() };
         let map_from_odom = pose.compose(self.rows[row].1.inverse());
-        let shape =
-            |felt: &DrawnReading| drawn::shape(self.map, &self.robot.whiskers[felt.whisker], felt, map_from_odom);
-        self.felt.iter().filter_map(shape).collect()
+        drawn::shapes(self.map, &self.robot.whiskers, self.felt.iter(), |_| Some(map_from_odom))
     }
 
     /// The best place along the rows, from the first estimate to the last row that any state explains.

@@ -1,5 +1,6 @@
 //! The probabilistic estimator: rows in, hypotheses that fit all of them, weighed places at the end.
 
+use super::drawn::{self, DrawnReading};
 use super::method::MethodOptions;
 use super::{Estimator, LimitCheck, STRAIGHT_ONLY, one_column_each, searchable};
 use crate::Result;
@@ -12,6 +13,8 @@ use crate::flow::pose::{
 };
 use crate::flow::sensor_log::{Channel, LogRow, Quantity, SensorLog};
 use crate::flow::state_set::probabilistic::{PosteriorPlace, ProbabilisticSet, SensedQuantity, StepOutcome};
+use crate::flow::thinned::Thinned;
+use crate::flow::trajectory::pose_at;
 use crate::plane::Pose2;
 use crate::world::{Map, ReadingNoise, Robot};
 
@@ -21,9 +24,10 @@ use crate::world::{Map, ReadingNoise, Robot};
 /// covariances are those of Gaussians, not sampled, only the most likely hypotheses are looked at, no place has a ridge, and
 /// the verdict leaves out how well the readings fit.
 pub struct ProbabilisticEstimator<'a> {
+    map: &'a Map,
     robot: &'a Robot,
     quantities: Vec<Reader>,
-    /// For each sense the last possible reading, and how many impossible ones came since.
+    /// For each quantity the last possible reading, and how many impossible ones came since.
     last: Vec<(f64, usize)>,
     set: ProbabilisticSet<'a>,
     start: Option<Pose2>,
@@ -43,6 +47,8 @@ pub struct ProbabilisticEstimator<'a> {
     /// Whether the way is recorded.
     recording: bool,
     tolerated_share: f64,
+    /// Contacts for drawing: not all of long logs.
+    felt: Thinned<DrawnReading, { drawn::KEPT }>,
 }
 
 impl<'a> ProbabilisticEstimator<'a> {
@@ -57,8 +63,9 @@ impl<'a> ProbabilisticEstimator<'a> {
         searchable(map, options.prior, MOST_SEARCHED)?;
         let tips = robot.whiskers.iter().map(|w| TipModel::new(&w.beam)).collect::<Result<Vec<_>>>()?;
         let quantities = readers(robot, &tips, channels)?;
-        let told: Vec<(usize, SensedQuantity)> = quantities.iter().map(|r| (r.whisker, r.sense)).collect();
+        let told: Vec<(usize, SensedQuantity)> = quantities.iter().map(|r| (r.whisker, r.quantity)).collect();
         Ok(Self {
+            map,
             robot,
             last: vec![(0.0, 0); quantities.len()],
             quantities,
@@ -77,6 +84,7 @@ impl<'a> ProbabilisticEstimator<'a> {
             taken: 0,
             since: None,
             recording: true,
+            felt: Thinned::default(),
         })
     }
 
@@ -120,6 +128,19 @@ impl<'a> ProbabilisticEstimator<'a> {
             }
             self.in_contact[index] = touching;
             self.touched |= touching;
+        }
+    }
+
+    /// Keeps the moments of whiskers that touch for sure, for drawing.
+    fn keep_drawn(&mut self, t: f64, odom_from_robot: Pose2, readings: &[f64]) {
+        if !self.recording {
+            return;
+        }
+        for (reader, &moment) in self.quantities.iter().zip(readings) {
+            let touches = moment.abs() * (1.0 - reader.noise.relative) > reader.noise.absolute;
+            if touches && reader.quantity == SensedQuantity::Moment {
+                self.felt.push(DrawnReading { t, odom_from_robot, whisker: reader.whisker, moment });
+            }
         }
     }
 
@@ -232,6 +253,7 @@ impl Estimator for ProbabilisticEstimator<'_> {
             self.events.drain(..self.events.len().saturating_sub(LAST_EVENTS));
             self.before.drain(..self.before.len().saturating_sub(1));
         }
+        self.keep_drawn(row.t, odom, &readings);
         self.rows.push((row.t, odom));
         self.taken += 1;
         match self.set.step(odom, &readings, row.heading.filter(|h| h.is_finite())) {
@@ -293,6 +315,9 @@ impl Estimator for ProbabilisticEstimator<'_> {
         let estimate = hypotheses.first().map(|h| h.pose).filter(|_| keep);
         let odometry = places.first().and_then(|place| place.calibration).map(odometry_estimate);
         let trajectory = places.first().map_or_else(Vec::new, |place| self.trajectory(place, odometry.as_ref()));
+        // The frame of each row, since the odometry is corrected along the way.
+        let frame = |felt: &DrawnReading| Some(pose_at(&trajectory, felt.t)?.compose(felt.odom_from_robot.inverse()));
+        let shapes = drawn::shapes(self.map, &self.robot.whiskers, self.felt.iter(), frame);
         let states = places.iter().flat_map(|p| p.members.iter().map(|(pose, c)| pose::box_95(*pose, c))).collect();
         Localization {
             method: NAME,
@@ -306,7 +331,7 @@ impl Estimator for ProbabilisticEstimator<'_> {
             first_states: self.first_states,
             steps: self.steps,
             events: self.events,
-            shapes: Vec::new(),
+            shapes: if keep { shapes } else { Vec::new() },
         }
     }
 }
@@ -322,17 +347,17 @@ fn odometry_estimate([long, aside, turn]: [[f64; 2]; 3]) -> OdometryEstimate {
     }
 }
 
-/// One sense of one whisker in a log.
+/// One quantity of one whisker in a log.
 struct Reader {
     whisker: usize,
-    sense: SensedQuantity,
+    quantity: SensedQuantity,
     channel: usize,
     noise: ReadingNoise,
     /// What the whisker can cause, where that is known.
     limit: Option<LimitCheck>,
 }
 
-/// What a log has of the senses of each whisker, at least one; the moment first.
+/// What a log has of each whisker, at least one; the moment first.
 fn readers(robot: &Robot, tips: &[TipModel], channels: &[Channel]) -> Result<Vec<Reader>> {
     let log = SensorLog { channels: channels.to_vec(), ..SensorLog::default() };
     let mut readers = Vec::new();
@@ -343,10 +368,10 @@ fn readers(robot: &Robot, tips: &[TipModel], channels: &[Channel]) -> Result<Vec
             (Quantity::Force, SensedQuantity::Force),
             (Quantity::Slope, SensedQuantity::Slope),
         ];
-        for (quantity, sense) in quantities {
-            let Some(channel) = log.channel(&whisker.name, quantity) else { continue };
-            let limit = (sense == SensedQuantity::Moment).then(|| LimitCheck::any_place(whisker, tip));
-            readers.push(Reader { whisker: index, sense, channel, noise: sense.noise(whisker), limit });
+        for (column, quantity) in quantities {
+            let Some(channel) = log.channel(&whisker.name, column) else { continue };
+            let limit = (quantity == SensedQuantity::Moment).then(|| LimitCheck::any_place(whisker, tip));
+            readers.push(Reader { whisker: index, quantity, channel, noise: quantity.noise(whisker), limit });
         }
         if readers.len() == before {
             log.moment_channel(&whisker.name)?;
