@@ -1,7 +1,7 @@
 //! One door for every estimator: rows in, what can be said now at any row, an answer at the end.
 //!
-//! [`crate::localize`] is the one-call door for whole logs; [`Localizer`] is the same, row by row, for robots that are
-//! running. What differs between methods stands in one file each behind [`Estimator`].
+//! [`Localizer`] is for robots that are running; `vibrissa::localize` is the same in one call for whole logs.
+//! What differs between methods stands in one file each behind [`Estimator`].
 
 mod deterministic;
 mod drawn;

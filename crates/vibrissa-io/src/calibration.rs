@@ -22,7 +22,7 @@ pub fn read(path: impl AsRef<Path>) -> Result<Calibration> {
 ///
 /// # Errors
 ///
-/// As [`Calibration::read`].
+/// As [`read`].
 pub fn from_json(text: &str, name: &str) -> Result<Calibration> {
     let remedy = "make it with `vibrissa calibrate`; docs/calibration.md has every key";
     parse(text).map_err(|e| e.in_file(name).or_remedy(remedy))

@@ -19,7 +19,7 @@ use crate::{Error, Result};
 use std::path::Path;
 
 /// Reads a map file; its extension says the format: `.geojson` (or `.json`), `.svg`, `.dxf`, `.yaml` (ROS `map_server`,
-/// see [`Map::from_grid`]) or `.mcap` (the last `nav_msgs/OccupancyGrid` of a recording).
+/// see [`from_grid`]) or `.mcap` (the last `nav_msgs/OccupancyGrid` of a recording).
 ///
 /// # Errors
 ///

@@ -10,6 +10,36 @@ use std::process::ExitCode;
 const CRATES: [&str; 6] =
     ["vibrissa_beam", "vibrissa_core", "vibrissa_io", "vibrissa_sim", "vibrissa_figure", "vibrissa"];
 
+/// Modules that a library re-exports from another, where they are listed.
+const ELSEWHERE: [&str; 15] = [
+    "beam",
+    "config",
+    "contact",
+    "error",
+    "figure",
+    "flow",
+    "io",
+    "linear_algebra",
+    "localizer",
+    "plane",
+    "sensing",
+    "sets",
+    "sim",
+    "world",
+    "tasks",
+];
+
+/// Whether a module of a library is another's, re-exported.
+fn is_elsewhere(name: &str, module: &str) -> bool {
+    let first = module.split('/').next().unwrap_or(module);
+    let own: &[&str] = match name {
+        "vibrissa" => &["tasks"],
+        "vibrissa_core" => &["config", "contact", "flow", "localizer", "world"],
+        _ => return false,
+    };
+    ELSEWHERE.contains(&first) && !own.contains(&first)
+}
+
 /// Kinds of pages that stand for an item.
 const KINDS: [&str; 8] = ["struct.", "enum.", "trait.", "fn.", "constant.", "type.", "macro.", "union."];
 
@@ -40,7 +70,7 @@ fn items(root: &Path, name: &str) -> std::io::Result<Vec<String>> {
             .collect();
     for page in between(&all, "<a href=\"", "\"") {
         let (module, file) = page.rsplit_once('/').unwrap_or(("", page));
-        if !KINDS.iter().any(|kind| file.starts_with(kind)) {
+        if is_elsewhere(name, module) || !KINDS.iter().any(|kind| file.starts_with(kind)) {
             continue;
         }
         let path = if module.is_empty() { name.to_owned() } else { format!("{name}::{}", module.replace('/', "::")) };

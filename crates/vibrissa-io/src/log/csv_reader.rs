@@ -43,7 +43,7 @@ pub fn read(path: impl AsRef<Path>) -> Result<SensorLog> {
 ///
 /// # Errors
 ///
-/// As [`SensorLog::from_reader`].
+/// As [`from_reader`].
 pub fn from_csv(text: &str, name: &str) -> Result<SensorLog> {
     from_reader(text.as_bytes(), name)
 }
@@ -51,7 +51,7 @@ pub fn from_csv(text: &str, name: &str) -> Result<SensorLog> {
 /// The log in a stream of CSV, read row by row; `name` stands for the file in messages.
 ///
 /// The first line names the columns: `t,x,y,theta`, a reading for each whisker (`moment`, or `NAME.moment` where
-/// there are several; see [`Quantity`]), and perhaps `heading`, in any order. A last line that was cut off
+/// there are several; see [`crate::flow::sensor_log::Quantity`]), and perhaps `heading`, in any order. A last line that was cut off
 /// is dropped with a warning.
 ///
 /// # Errors

@@ -42,7 +42,7 @@ impl StatesWatch {
         Self { every: stride(rows, MOST_TIMES), seen: Vec::new() }
     }
 
-    /// Takes the states at a row if it is one of those that are kept: an observer of [`crate::tasks::localize_watched`].
+    /// Takes the states at a row if it is one of those that are kept: an observer of `vibrissa::tasks::localize_watched`.
     pub fn look(&mut self, row: usize, t: f64, states: &dyn Fn() -> Vec<Pose2>) {
         if !row.is_multiple_of(self.every) {
             return;

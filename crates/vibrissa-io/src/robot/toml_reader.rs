@@ -54,7 +54,7 @@ pub fn read(path: impl AsRef<Path>) -> Result<Robot> {
 ///
 /// # Errors
 ///
-/// As [`Robot::read`].
+/// As [`read`].
 pub fn from_toml(text: &str, name: &str) -> Result<Robot> {
     parse(text, name)
         .map_err(|e| e.or_remedy("correct the line; docs/files.md lists every key with its unit and range"))

@@ -4,7 +4,7 @@ use crate::beam::Whisker;
 use crate::world::Robot;
 use std::fmt::Write;
 
-/// The robot as a TOML text in SI units that [`Robot::from_toml`] reads back the same.
+/// The robot as a TOML text in SI units that [`super::from_toml`] reads back the same.
 #[must_use]
 pub fn to_toml(robot: &Robot) -> String {
     let mut text = String::new();
