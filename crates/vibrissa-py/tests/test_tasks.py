@@ -177,7 +177,11 @@ def test_errors_have_the_texts_and_codes_of_the_command(capfd: pytest.CaptureFix
     cases: list[tuple[list[str | os.PathLike[str]], Callable[[], object], int]] = [
         (["localize", "nowhere.csv", "--map", arena], lambda: vibrissa.localize("nowhere.csv", arena), 1),
         (["localize", log, "--map", log], lambda: vibrissa.localize(log, log), 1),
-        (["localize", log, "--map", arena, "--tolerance", "99"], lambda: vibrissa.localize(log, arena, tolerance=99), 2),
+        (
+            ["localize", log, "--map", arena, "--method", "deterministic", "--tolerance", "99"],
+            lambda: vibrissa.localize(log, arena, method="deterministic", tolerance=99),
+            2,
+        ),
         (["beam", "force", "--force", "0.1", "--s-a", "0.08"], lambda: vibrissa.force_mode(0.1, 0.08), 2),
     ]
     for args, call, code in cases:
