@@ -11,9 +11,9 @@ use super::information::Information;
 use super::log_window::LogWindow;
 use super::map_symmetry::MapSymmetry;
 use super::odometry_calibration::{Belief, Matrix};
+use super::odometry_path::OdometryPath;
 use super::relinearisation::Relinearisation;
 use super::sensor::{LikelihoodOptions, Sensor};
-use super::way::Way;
 use crate::contact::Boundaries;
 use crate::contact::follow::{ForwardModel, Mechanics, WhiskerState};
 use crate::plane::{Pose2, Vec2};
@@ -334,7 +334,13 @@ impl GaussianHypothesis {
 
     /// Goes over to a path corrected by other calibration parameters; at the last row the robot is at `last` as before, at the first it was at `first`
     /// (odometry frame), and `way` is what lay between. What the readings say is reported around the new path, to first order.
-    pub(super) fn correct(&mut self, way: &Way, [first, last]: [Pose2; 2], pivot: Vec2, to: OdometryCalibration) {
+    pub(super) fn correct(
+        &mut self,
+        way: &OdometryPath,
+        [first, last]: [Pose2; 2],
+        pivot: Vec2,
+        to: OdometryCalibration,
+    ) {
         let at = self.belief.at();
         let mut d = [0.0; 3];
         if !self.belief.is_from_last() {

@@ -1,8 +1,8 @@
 //! The window's rows: odometry, readings, and the path by the calibrated odometry \[censi2013simultaneous\].
 
 use super::calibrated_path::{OdometryCalibration, calibrated};
+use super::odometry_path::OdometryPath;
 use super::sensor::Sensor;
-use super::way::Way;
 use crate::plane::{Pose2, Vec2};
 
 /// Rows that were kept, each with one reading for each whisker (dimensionless).
@@ -15,7 +15,7 @@ pub(super) struct LogWindow {
     /// The calibration parameters that it is corrected by, and the way when no row will follow.
     calibration: OdometryCalibration,
     is_corrected: bool,
-    whole: Option<Way>,
+    whole: Option<OdometryPath>,
     /// The bases of all whiskers, odometry frame.
     bases: Vec<Pose2>,
     readings: Vec<f64>,
@@ -53,7 +53,7 @@ impl LogWindow {
         let Some((&raw, before)) = self.raw.split_last() else { return };
         self.poses = integrated_backwards(before, (raw, last), calibration);
         self.poses.push(last);
-        self.whole = self.whole.map(|_| Way::along(&self.poses));
+        self.whole = self.whole.map(|_| OdometryPath::along(&self.poses));
         let mounts = &self.mounts;
         self.bases = self.poses.iter().flat_map(|pose| mounts.iter().map(|mount| pose.compose(*mount))).collect();
     }
@@ -70,17 +70,17 @@ impl LogWindow {
 
     /// No row will follow: what the odometry's calibration parameters do is reported from the last row on, which is what is asked for.
     pub(super) fn end(&mut self) {
-        self.whole = Some(Way::along(&self.poses));
+        self.whole = Some(OdometryPath::along(&self.poses));
     }
 
     /// The way when no row will follow.
-    pub(super) fn whole(&self) -> Option<&Way> {
+    pub(super) fn whole(&self) -> Option<&OdometryPath> {
         self.whole.as_ref()
     }
 
     /// The robot's way from the first row to the last.
-    pub(super) fn way(&self) -> Way {
-        Way::along(&self.poses)
+    pub(super) fn way(&self) -> OdometryPath {
+        OdometryPath::along(&self.poses)
     }
 
     /// The odometry's own frame in that of the corrected one, at the last row.

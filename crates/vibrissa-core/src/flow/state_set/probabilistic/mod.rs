@@ -16,16 +16,16 @@ mod line_search;
 mod log_window;
 mod map_symmetry;
 mod multistart;
-mod now;
 mod odometry_calibration;
+mod odometry_path;
 mod packed_hypothesis;
 mod places;
 mod relinearisation;
+mod running_estimate;
 mod sensor;
 mod shared_runs;
 mod smoother;
 mod unobservable;
-mod way;
 
 pub use crate::contact::SensedQuantity;
 pub(crate) use calibrated_path::calibrated;

@@ -6,7 +6,7 @@
 
 use super::calibrated_path::{CALIBRATION_SIZE, CalibrationPrior, OdometryCalibration, prior_stds};
 use super::information::{Conditional, Information, Prior};
-use super::way::Way;
+use super::odometry_path::OdometryPath;
 use crate::linear_algebra::{Cholesky, Square, add, inverse, times};
 use crate::plane::Vec2;
 use crate::world::Odometry;
@@ -30,7 +30,7 @@ const STILL: [f64; 3] = [1e-14, 1e-14, 1e-12];
 pub(super) struct Belief {
     /// The information around the place, the calibration and the gain where it is linearised.
     pub(super) information: Information<ALL>,
-    pub(super) way: Way,
+    pub(super) way: OdometryPath,
     /// The calibration that the path has been corrected by.
     at: OdometryCalibration,
     /// Whether the calibration leaves the robot where it is at the last row, not at the first.
@@ -98,7 +98,7 @@ impl Belief {
 
     /// The same with the robot's place at a later row in the place of that at the first: `reached` is the path until there, and
     /// `arm` goes from the pivot to the robot there, in a frame turned by `theta`.
-    pub(super) fn carried_on(&self, reached: &Way, theta: f64, arm: Vec2) -> Self {
+    pub(super) fn carried_on(&self, reached: &OdometryPath, theta: f64, arm: Vec2) -> Self {
         // What was a move is the move there less what the calibration does until then.
         let by = reached.holding(theta, arm);
         let mut from = unit();
@@ -108,7 +108,7 @@ impl Belief {
 
     /// The same with the robot's place at the last row in the place of that at the first, before any row has been taken; `way` is
     /// the whole path.
-    pub(super) fn told_from_last(&self, way: &Way, theta: f64, arm: Vec2) -> Self {
+    pub(super) fn told_from_last(&self, way: &OdometryPath, theta: f64, arm: Vec2) -> Self {
         Self { from_last: true, ..self.carried_on(way, theta, arm) }
     }
 

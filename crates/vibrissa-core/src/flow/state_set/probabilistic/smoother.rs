@@ -8,9 +8,9 @@ use super::consistency::Consistency;
 use super::log_window::LogWindow;
 use super::map_symmetry::MapSymmetries;
 use super::multistart::multistart;
-use super::now;
 use super::packed_hypothesis::PackedHypothesis;
 use super::places::{self, PosteriorPlace};
+use super::running_estimate;
 use super::sensor::{OUTLIER_COST, Sensor};
 use crate::beam::{TipModel, TipTable};
 use crate::config::ProbabilisticOptions;
@@ -448,7 +448,7 @@ impl<'a> ProbabilisticSet<'a> {
         match &self.phase {
             Phase::Tracking(bank) => {
                 let last = self.history.pose(self.history.len() - 1);
-                now::best(bank, last).map(|frame| frame.compose(self.history.corrected_from_raw()))
+                running_estimate::best(bank, last).map(|frame| frame.compose(self.history.corrected_from_raw()))
             }
             _ => None,
         }
@@ -458,7 +458,9 @@ impl<'a> ProbabilisticSet<'a> {
     #[must_use]
     pub fn places(&self) -> Vec<PosteriorPlace> {
         match &self.phase {
-            Phase::Tracking(bank) => now::places(bank, &self.symmetries, &self.history, &self.robot.odometry),
+            Phase::Tracking(bank) => {
+                running_estimate::places(bank, &self.symmetries, &self.history, &self.robot.odometry)
+            }
             _ => Vec::new(),
         }
     }

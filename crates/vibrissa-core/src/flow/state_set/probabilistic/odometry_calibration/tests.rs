@@ -64,7 +64,7 @@ fn said(mut told: Belief) -> Belief {
 
 /// The sum of half the squares by moves, shares and a shared error, with what is believed of the last two before.
 fn cost(d: [f64; 3], calibration: OdometryCalibration, gain: f64, shared: CalibrationPrior) -> f64 {
-    let mut way = Way::default();
+    let mut way = OdometryPath::default();
     let mut last: Option<Pose2> = None;
     let mut sum = 0.5 * (gain / shared.gain).powi(2);
     sum += (0..CALIBRATION_SIZE).map(|way| 0.5 * (calibration[way] / shared.odometry[way]).powi(2)).sum::<f64>();
@@ -219,7 +219,7 @@ fn shares_are_eliminated_at_their_best() {
 fn what_is_told_from_the_last_row_is_what_its_own_run_tells() {
     // Said from the first row and carried on to the last, and said from the last row from the beginning.
     let poses: Vec<Pose2> = readings().iter().map(|r| r.0).collect();
-    let (way, last) = (Way::along(&poses), poses[poses.len() - 1]);
+    let (way, last) = (OdometryPath::along(&poses), poses[poses.len() - 1]);
     let told = said(Belief::default());
     let carried = told.carried_on(&told.way, FRAME.theta, arm(last));
     let ran = said(Belief::default().told_from_last(&way, FRAME.theta, arm(last)));

@@ -6,7 +6,7 @@ use crate::plane::{Pose2, Vec2};
 
 /// A path by odometry, as far as its errors depend on it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Way {
+pub(super) struct OdometryPath {
     /// From its first row (odometry frame, m), the turn since then (rad), and where turning too far by its own amount would have taken
     /// it (m).
     reach: Vec2,
@@ -14,7 +14,7 @@ pub(super) struct Way {
     swept: Vec2,
 }
 
-impl Way {
+impl OdometryPath {
     /// The robot's way along these odometry poses.
     pub(super) fn along(poses: &[Pose2]) -> Self {
         let mut way = Self::default();
