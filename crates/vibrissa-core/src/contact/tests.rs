@@ -229,15 +229,17 @@ fn around_something_round() {
 
 #[test]
 fn over_the_ends_of_a_thin_wall() {
-    // On the left of the direction in which the wall is drawn, over both of its ends.
-    for side in [1.0, -1.0] {
-        let map = map(Role::Wall, &[(0.25 - 0.05 * side, 0.25), (0.25 + 0.05 * side, 0.25)]);
+    // On either side of the wall, drawn in either direction, over both of its ends.
+    for (side, drawn) in [(1.0, 1.0), (-1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)] {
+        let end = 0.05 * side * drawn;
+        let map = map(Role::Wall, &[(0.25 - end, 0.25), (0.25 + end, 0.25)]);
         for lean in [-0.5, 0.5] {
             // The whisker trails: it leaves the wall over the end ahead.
             let (heading, ahead) = (lean - side * FRAC_PI_2, -lean * side);
             let at = |x: f64, y: f64| (0.25 + x * ahead.signum(), 0.25 + y * side);
             let way = way(&[at(0.0, 0.09), at(0.0, 0.04), at(0.15, 0.04)]);
-            let seen = Sweep { map: map.clone(), heading, way, step: STEP }.compare(&format!("wall end {side} {lean}"));
+            let seen = Sweep { map: map.clone(), heading, way, step: STEP }
+                .compare(&format!("wall end {side} {drawn} {lean}"));
             assert!(seen.tip > 50 && seen.side_on_corner > 0, "{seen:?}");
         }
     }

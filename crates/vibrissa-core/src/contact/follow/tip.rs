@@ -8,7 +8,7 @@
 use super::system::System;
 use super::{Contact, ForwardModel, Next, Prediction};
 use crate::beam::TipChart;
-use crate::contact::{Hold, Stance, Support};
+use crate::contact::{Corner, Hold, Stance, Support};
 use crate::plane::{Vec2, wrap_angle};
 use core::f64::consts::FRAC_PI_2;
 
@@ -50,7 +50,7 @@ impl ForwardModel<'_> {
                 && corner.is_convex()
                 && let Some((touch, _)) = found
                 && touch.q > 0.0
-                && points_out(stance, &touch, if forward { corner.normal + corner.turn } else { corner.normal })
+                && points_out(stance, &touch, self.normal_across(&corner, piece, forward))
             {
                 let laid = touch.laid(Support::Corner(id));
                 return self.on_side(stance, Contact { place: corner.position, ..laid });
@@ -74,6 +74,16 @@ impl ForwardModel<'_> {
             (piece, at) = if forward { corner.after } else { corner.before };
         }
         Next::None
+    }
+
+    /// The normal (rad) across a corner that a tip passes from `piece`, at its end (`forward`) or its start.
+    fn normal_across(&self, corner: &Corner, piece: u32, forward: bool) -> f64 {
+        // The two sides of a wall are travelled in one direction: at its end the side passed to may be the one before.
+        match (corner.is_end(), forward) {
+            (true, _) => self.boundaries.spot(corner.across(piece, forward)).normal,
+            (false, true) => corner.normal + corner.turn,
+            (false, false) => corner.normal,
+        }
     }
 
     /// The tip at a place of a piece, or the side there where the tip points out of the boundary.
