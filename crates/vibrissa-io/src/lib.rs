@@ -34,4 +34,6 @@ pub use robot::read as read_robot;
 pub use trajectory::{format_tum, parse_tum, read_tum};
 pub use units::{Dimension, parse_quantity};
 
-use vibrissa_core::{Error, Result, beam, config, flow, plane, sets, world};
+#[cfg(feature = "mcap")]
+use vibrissa_core::sets;
+use vibrissa_core::{Error, Result, beam, config, flow, plane, world};

@@ -12,8 +12,6 @@ use core::f64::consts::{FRAC_PI_2, PI};
 /// errors, and a reading that the side felt is not drawn.
 const NEAR: f64 = 2e-3;
 const ASLANT: f64 = 0.25;
-/// At least so many contacts are kept for drawing, where there are as many: a third of a millisecond each, at the end.
-pub(super) const KEPT: usize = 48;
 /// Points of a drawn whisker.
 const POINTS: usize = 24;
 

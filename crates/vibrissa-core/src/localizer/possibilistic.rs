@@ -34,6 +34,9 @@ const SUMMED: usize = 20_000;
 /// Largest friction coefficient: its angle is a right angle less half a degree more than the tables hold.
 const LARGEST_FRICTION: f64 = 1.5;
 
+/// At least so many contacts are kept for drawing, where there are as many: each takes a third of a millisecond at the end.
+const DRAWN: usize = 48;
+
 /// The possibilistic estimator \[routray, section "Localization: Possibilistic Method"\], sound instead of sampled.
 ///
 /// What it says before the end holds the true state as well. It comes before the last effort, so that extents are wider than
@@ -49,7 +52,7 @@ pub struct PossibilisticEstimator<'a> {
     rows: Vec<(f64, Pose2)>,
     in_contact: Vec<bool>,
     /// Contacts for drawing: not all of long logs.
-    felt: Thinned<DrawnReading, { drawn::KEPT }>,
+    felt: Thinned<DrawnReading, DRAWN>,
     touched: bool,
     first_row: Option<usize>,
     first_states: Vec<Pose2>,

@@ -48,7 +48,7 @@ pub struct ProbabilisticEstimator<'a> {
     recording: bool,
     tolerated_share: f64,
     /// Contacts for drawing: not all of long logs.
-    felt: Thinned<DrawnReading, { drawn::KEPT }>,
+    felt: Thinned<DrawnReading, DRAWN>,
 }
 
 impl<'a> ProbabilisticEstimator<'a> {
@@ -382,5 +382,7 @@ fn readers(robot: &Robot, tips: &[TipModel], channels: &[Channel]) -> Result<Vec
 
 /// So many impossible readings on end are no false readings any more.
 const MOST_IMPOSSIBLE: usize = 4;
+/// At least so many contacts are kept for drawing, where there are as many: each takes a third of a millisecond at the end.
+const DRAWN: usize = 12;
 /// Events that are kept where the way is not recorded.
 const LAST_EVENTS: usize = 100;
