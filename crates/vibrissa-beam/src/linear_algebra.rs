@@ -1,7 +1,6 @@
 //! Dense matrices of a small, fixed size: factors, inverses, determinants.
 //!
-//! Every system of equations goes through here, on plain arrays (rows first), so that the library underneath stays out of all
-//! signatures. Only kernels whose order of summation does not depend on the processor are used.
+//! Plain arrays, rows first, so that the library underneath stays out of all signatures. Only kernels whose order of summation does not depend on the processor are used.
 
 #[cfg(not(feature = "std"))]
 use num_traits::Float as _;

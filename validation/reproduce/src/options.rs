@@ -1,6 +1,7 @@
 //! How the paper is made anew.
 
-use vibrissa::{Error, Result};
+use vibrissa::Result;
+use vibrissa::config::within;
 
 /// How the paper's figures and tables are made anew.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -35,11 +36,4 @@ impl ReproduceOptions {
         within("trials", self.trials as f64, 1.0, 10_000.0, "trials")?;
         within("threads", self.threads.unwrap_or(1) as f64, 1.0, 1024.0, "threads")
     }
-}
-
-fn within(name: &str, value: f64, lo: f64, hi: f64, unit: &str) -> Result<()> {
-    if value >= lo && value <= hi {
-        return Ok(());
-    }
-    Err(Error::usage(format!("the option {name} is out of range")).value(value).allowed(format!("{lo} to {hi} {unit}")))
 }

@@ -57,7 +57,12 @@ pub mod scenario {
     pub const MOUNT_SLACK: f64 = 1e-3;
 }
 
-fn within(name: &str, value: f64, lo: f64, hi: f64, unit: &str) -> Result<()> {
+/// Refuses an option out of its range.
+///
+/// # Errors
+///
+/// Usage: names the option, its value and the allowed range with its unit.
+pub fn within(name: &str, value: f64, lo: f64, hi: f64, unit: &str) -> Result<()> {
     if value >= lo && value <= hi {
         return Ok(());
     }

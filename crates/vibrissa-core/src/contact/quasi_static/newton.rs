@@ -2,6 +2,7 @@
 
 use super::loaded::{LoadedRate, LoadedState, LoadedWhisker, PointLoad};
 use crate::contact::{Boundaries, Push, Stance};
+use crate::linear_algebra::determinant;
 use crate::plane::{Pose2, Vec2, wrap_angle};
 use crate::world::Map;
 
@@ -100,7 +101,7 @@ impl<'a> WhiskerOnMap<'a> {
             let residual = gap.norm().max(aslant.abs());
             if residual < FOUND || (residual < self.whisker.accuracy() && residual >= 0.5 * last) {
                 // Weak forces have a negative determinant and are stable; the sign changes where the branch folds.
-                let stable = !matches!(rule, Rule::Slide { .. }) || determinant(rows) * here.side() < 0.0;
+                let stable = !matches!(rule, Rule::Slide { .. }) || determinant(&rows) * here.side() < 0.0;
                 return PieceSolution::Found { load, state, at, stable };
             }
             let Some([dq, d2, dat]) = solve(rows, [gap.x, gap.y, aslant]) else { return PieceSolution::Failed };
@@ -193,21 +194,16 @@ fn moved(load: &mut PointLoad, unknown: Unknown, dq: f64, d2: f64) -> f64 {
     damp
 }
 
-fn determinant(m: [[f64; 3]; 3]) -> f64 {
-    let minor = |a: usize, b: usize| m[1][a] * m[2][b] - m[1][b] * m[2][a];
-    m[0][0] * minor(1, 2) - m[0][1] * minor(0, 2) + m[0][2] * minor(0, 1)
-}
-
-/// The solution of three equations by Cramer's rule; none when it is not finite.
+/// The solution of three equations by Cramer's rule; none when it is not finite. Not by pivots: simulated logs keep their last bits.
 fn solve(rows: [[f64; 3]; 3], right: [f64; 3]) -> Option<[f64; 3]> {
-    let det = determinant(rows);
+    let det = determinant(&rows);
     let mut solution = [0.0; 3];
     for (k, value) in solution.iter_mut().enumerate() {
         let mut replaced = rows;
         for (row, r) in replaced.iter_mut().zip(right) {
             row[k] = r;
         }
-        *value = determinant(replaced) / det;
+        *value = determinant(&replaced) / det;
     }
     solution.iter().all(|v| v.is_finite()).then_some(solution)
 }
