@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use vibrissa::Result;
 use vibrissa::beam::{CURVATURE_TERMS, Stretch, Whisker};
 use vibrissa::plane::Pose2;
-use vibrissa::world::{MomentNoise, MountedWhisker, Odometry, ReadingNoise, Robot};
+use vibrissa::world::{MomentNoise, MountedWhisker, Odometry, ReadingNoise, Robot, WhiskerErrors};
 
 /// The attributes of `vibrissa.Segment`.
 #[derive(Debug, FromPyObject)]
@@ -115,6 +115,7 @@ impl RobotIn {
                 },
                 force_noise: ReadingNoise { relative: mounted.force_relative, absolute: mounted.force_absolute },
                 slope_noise: ReadingNoise { relative: mounted.slope_relative, absolute: mounted.slope_absolute },
+                errors: WhiskerErrors::default(),
             })
         };
         let robot = Robot {
@@ -122,7 +123,9 @@ impl RobotIn {
             odometry: Odometry {
                 translation_relative: self.translation_relative,
                 rotation_relative: self.rotation_relative,
+                ..Odometry::default()
             },
+            ..Robot::default()
         };
         vibrissa::io::robot::from_toml(&vibrissa::io::robot::to_toml(&robot), CHECKED).map_err(without_line)?;
         Ok(robot)

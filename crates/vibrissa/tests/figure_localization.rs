@@ -72,6 +72,9 @@ fn hypothesis(poses: &[Pose2], weight: f64) -> Hypothesis {
 
 fn empty(status: Status) -> Localization {
     Localization {
+        nuisances: Vec::new(),
+        consistency: None,
+        unsure: Vec::new(),
         method: "deterministic",
         encloses: false,
         status,

@@ -5,7 +5,8 @@
 mod answer;
 
 pub use answer::{
-    Estimate, Event, Hypothesis, Localization, OdometryEstimate, ShapeRecord, StampedPose, Status, StepRecord,
+    ConsistencyReport, Estimate, Event, Hypothesis, Localization, Nuisance, NuisanceQuantity, OdometryEstimate, Remedy,
+    ShapeRecord, StampedPose, Status, StepRecord, Stretch,
 };
 
 use super::state_set::possibilistic;

@@ -278,6 +278,9 @@ impl Estimator for DeterministicEstimator<'_> {
         self.record.events.sort_by(|a, b| a.t.total_cmp(&b.t));
         let best = self.record.last.map(|(candidate, _)| candidate);
         Localization {
+            nuisances: Vec::new(),
+            consistency: None,
+            unsure: Vec::new(),
             method: NAME,
             status,
             estimate: hypotheses.first().map(|h| h.pose),

@@ -307,6 +307,9 @@ impl Estimator for PossibilisticEstimator<'_> {
             self.events.push(Event { t, kind: "too_short", detail });
         }
         Localization {
+            nuisances: Vec::new(),
+            consistency: None,
+            unsure: Vec::new(),
             method: NAME,
             status: self.verdict(&hypotheses).status,
             estimate: hypotheses.first().map(|h| h.pose),

@@ -320,6 +320,9 @@ impl Estimator for ProbabilisticEstimator<'_> {
         let shapes = drawn::shapes(self.map, &self.robot.whiskers, self.felt.iter(), frame);
         let states = places.iter().flat_map(|p| p.members.iter().map(|(pose, c)| pose::box_95(*pose, c))).collect();
         Localization {
+            nuisances: Vec::new(),
+            consistency: None,
+            unsure: Vec::new(),
             method: NAME,
             status,
             estimate,

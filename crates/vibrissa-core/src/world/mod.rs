@@ -9,4 +9,4 @@ mod robot;
 pub use boundary::{Boundary, CurveFault, Role, beyond_maps, out_of_range};
 pub use map::{BoundarySample, ConcaveCorner, Foot, Map, MapPoint, NearestPiece};
 pub use motion::increments;
-pub use robot::{MomentNoise, MountedWhisker, Odometry, ReadingNoise, Robot};
+pub use robot::{MomentNoise, MountedWhisker, Odometry, ReadingNoise, Robot, WhiskerErrors};

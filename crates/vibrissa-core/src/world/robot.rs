@@ -35,6 +35,24 @@ impl Default for MomentNoise {
     }
 }
 
+/// Bounds on what is not known exactly of a whisker, its mount and its readings: one error of each kind for the whole log, beside the
+/// noise of single readings.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct WhiskerErrors {
+    /// Moment that is read while the whisker is free (N m).
+    pub zero: f64,
+    /// How fast that may change (N m/s).
+    pub zero_drift: f64,
+    /// Base of the whisker on the robot: x, y (m), heading (rad).
+    pub mount: [f64; 3],
+    /// Length (m).
+    pub length: f64,
+    /// Flexural rigidity, relative to it.
+    pub rigidity: f64,
+    /// Gain of the readings, relative to it.
+    pub gain: f64,
+}
+
 /// A whisker on a robot.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MountedWhisker {
@@ -54,6 +72,8 @@ pub struct MountedWhisker {
     pub force_noise: ReadingNoise,
     /// Bound on the error of an end slope, where one is read (rad).
     pub slope_noise: ReadingNoise,
+    /// Bounds on what is not known exactly of it.
+    pub errors: WhiskerErrors,
 }
 
 impl Default for MountedWhisker {
@@ -68,6 +88,7 @@ impl Default for MountedWhisker {
             noise: MomentNoise::default(),
             force_noise: ReadingNoise { relative: defaults::FORCE_RELATIVE, absolute: defaults::FORCE_ABSOLUTE },
             slope_noise: ReadingNoise { relative: defaults::SLOPE_RELATIVE, absolute: defaults::SLOPE_ABSOLUTE },
+            errors: WhiskerErrors::default(),
         }
     }
 }
@@ -79,11 +100,14 @@ pub struct Odometry {
     pub translation_relative: f64,
     /// Bound for rotations, at least 0 and below 1.
     pub rotation_relative: f64,
+    /// Bound on how much earlier or later than the odometry the readings were taken (s).
+    pub delay: f64,
 }
 
 impl Default for Odometry {
     fn default() -> Self {
-        Self { translation_relative: defaults::ODOMETRY_RELATIVE, rotation_relative: defaults::ODOMETRY_RELATIVE }
+        let relative = defaults::ODOMETRY_RELATIVE;
+        Self { translation_relative: relative, rotation_relative: relative, delay: 0.0 }
     }
 }
 
@@ -94,10 +118,12 @@ pub struct Robot {
     pub whiskers: Vec<MountedWhisker>,
     /// Bounds on the odometry's errors.
     pub odometry: Odometry,
+    /// Bound on the error of the map's scale, relative to it.
+    pub map_scale: f64,
 }
 
 impl Default for Robot {
     fn default() -> Self {
-        Self { whiskers: vec![MountedWhisker::default()], odometry: Odometry::default() }
+        Self { whiskers: vec![MountedWhisker::default()], odometry: Odometry::default(), map_scale: 0.0 }
     }
 }

@@ -70,7 +70,7 @@ fn parse(text: &str, name: &str) -> Result<Robot> {
         None => Odometry::default(),
     };
     let whiskers = whisker_entries(&top)?;
-    Ok(Robot { whiskers, odometry })
+    Ok(Robot { whiskers, odometry, ..Robot::default() })
 }
 
 pub(super) const TIP_RATIO: Allowed = Allowed {
@@ -93,6 +93,7 @@ pub fn odometry_section(section: &Section<'_>) -> Result<Odometry> {
     Ok(Odometry {
         translation_relative: ratio("translation_relative")?.unwrap_or(default.translation_relative),
         rotation_relative: ratio("rotation_relative")?.unwrap_or(default.rotation_relative),
+        ..default
     })
 }
 

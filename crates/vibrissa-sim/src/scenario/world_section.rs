@@ -78,7 +78,7 @@ pub(super) fn robot(top: &Section<'_>, folder: &Path) -> Result<Robot> {
         Some(section) => odometry_section(&section)?,
         None => Robot::default().odometry,
     };
-    Ok(Robot { whiskers: whisker_entries(top)?, odometry })
+    Ok(Robot { whiskers: whisker_entries(top)?, odometry, ..Robot::default() })
 }
 
 /// The robot's outline: `{ radius = … }` or a polygon. Every whisker is mounted inside or on it.

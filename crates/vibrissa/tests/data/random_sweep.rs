@@ -87,11 +87,15 @@ fn random_robot(draw: &mut Random) -> Robot {
         whisker.friction = draw.between(0.0, 0.6);
     }
     let odometry = if draw.unit() < 0.5 {
-        Odometry { translation_relative: draw.between(0.0, 0.03), rotation_relative: draw.between(0.0, 0.03) }
+        Odometry {
+            translation_relative: draw.between(0.0, 0.03),
+            rotation_relative: draw.between(0.0, 0.03),
+            ..Odometry::default()
+        }
     } else {
         Odometry::default()
     };
-    Robot { whiskers: vec![whisker], odometry }
+    Robot { whiskers: vec![whisker], odometry, ..Robot::default() }
 }
 
 /// The robot's waypoints for a sweep of its whisker along a random stretch of boundary.

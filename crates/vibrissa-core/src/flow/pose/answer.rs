@@ -119,6 +119,81 @@ impl OdometryEstimate {
     }
 }
 
+/// A quantity that the robot file bounds because it is not known exactly.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NuisanceQuantity {
+    /// Moment that is read while the whisker is free (N m).
+    Zero,
+    /// How fast that changes (N m/s).
+    ZeroDrift,
+    /// Base of the whisker on the robot, x (m).
+    MountX,
+    /// Base of the whisker on the robot, y (m).
+    MountY,
+    /// Direction of the whisker on the robot (rad).
+    MountHeading,
+    /// Length of the whisker (m).
+    Length,
+    /// Flexural rigidity, relative to the declared one.
+    Rigidity,
+    /// Gain of the readings, relative.
+    Gain,
+    /// How much later than the odometry the readings were taken (s).
+    Delay,
+    /// Scale of the map, relative.
+    MapScale,
+}
+
+/// What the readings say of a quantity that is not known exactly: the true value less the declared one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Nuisance {
+    /// Which quantity.
+    pub quantity: NuisanceQuantity,
+    /// The name of its whisker, where it is of one.
+    pub whisker: Option<String>,
+    /// Estimate, in the quantity's unit.
+    pub estimate: f64,
+    /// Its standard deviation.
+    pub std: f64,
+    /// The declared bound.
+    pub bound: f64,
+}
+
+/// A stretch of the log (s).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stretch {
+    /// Time of its first row.
+    pub from: f64,
+    /// Time of its last row.
+    pub to: f64,
+}
+
+/// One change of log, robot or map that was tried because the readings do not fit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Remedy {
+    /// What was changed, for people: "the sign of w0.moment is the other way round".
+    pub change: String,
+    /// The consistency statistic with it; the least first.
+    pub statistic: f64,
+    /// The verdict with it.
+    pub status: Status,
+}
+
+/// How well the readings fit what was declared \[barshalom2001estimation, sec. 5.4\].
+#[derive(Clone, Debug, PartialEq)]
+pub struct ConsistencyReport {
+    /// Mean normalised innovation squared: 1 where the errors are as declared, above `most` where the readings contradict.
+    pub statistic: f64,
+    /// The largest that errors within the declared bounds can make it.
+    pub most: f64,
+    /// How long the readings' errors stay alike (s), 0 where they are independent.
+    pub correlation_time: f64,
+    /// The stretch of the log that fits worst, and the statistic there.
+    pub worst: Option<(Stretch, f64)>,
+    /// What was tried where the readings contradict, the best first.
+    pub remedies: Vec<Remedy>,
+}
+
 /// What can be said before the log has ended: less exact than the answer at the end, see [`crate::localizer::Estimator`].
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Estimate {
@@ -165,4 +240,10 @@ pub struct Localization {
     pub events: Vec<Event>,
     /// Whisker shapes along the sweep, for drawing.
     pub shapes: Vec<ShapeRecord>,
+    /// What is said of quantities that the robot file bounds, by methods that estimate them.
+    pub nuisances: Vec<Nuisance>,
+    /// How well the readings fit, by methods that tell.
+    pub consistency: Option<ConsistencyReport>,
+    /// Stretches in which the trajectory is not sure: more than one place, or none, explained the readings there.
+    pub unsure: Vec<Stretch>,
 }

@@ -158,7 +158,7 @@ fn slices_leave_what_the_whole_leaves() {
     let samples = map.samples(5e-3);
     let at = |x: f64| Pose2::new(x, 0.0, 0.0);
     let observed = |x: f64| Observation::new(&whisker, &tip, &history(2e-3, at(x)), TipLoad::BoundaryNormal);
-    let odometry = Odometry { translation_relative: 0.02, rotation_relative: 0.02 };
+    let odometry = Odometry { translation_relative: 0.02, rotation_relative: 0.02, ..Odometry::default() };
     let mut whole = StateSet::default();
     whole.start(&map, &samples, &[observed(0.0)], &options);
     let mut sliced = whole.clone();

@@ -73,7 +73,10 @@ mod tests {
     #[test]
     fn what_is_declared_right_beside_what_is_not_is_looked_for_within_a_hair() {
         let shared = |place: f64, turn: f64| {
-            CalibrationPrior::new(0.0, &Odometry { translation_relative: place, rotation_relative: turn })
+            CalibrationPrior::new(
+                0.0,
+                &Odometry { translation_relative: place, rotation_relative: turn, ..Odometry::default() },
+            )
         };
         assert!(!shared(0.0, 0.0).has_odometry());
         for (one, loose) in [(shared(0.01, 0.0), 0), (shared(0.0, 0.02), 2)] {
@@ -84,7 +87,7 @@ mod tests {
 
     #[test]
     fn shares_are_cut_to_what_the_bounds_allow() {
-        let bounds = Odometry { translation_relative: 0.01, rotation_relative: 0.02 };
+        let bounds = Odometry { translation_relative: 0.01, rotation_relative: 0.02, ..Odometry::default() };
         for (calibration, cut) in
             [([0.01, -0.01, -0.02], [0.01, -0.01, -0.02]), ([-0.011, 0.0, 0.03], [-0.01, 0.0, 0.02])]
         {

@@ -436,5 +436,6 @@ pub(super) fn rest(bounds: &Odometry, rows: usize) -> Odometry {
     Odometry {
         translation_relative: share * bounds.translation_relative,
         rotation_relative: share * bounds.rotation_relative,
+        ..*bounds
     }
 }

@@ -19,7 +19,7 @@ fn a_path_that_is_too_long_leaves_the_middle_fixed() {
         let at_base = [1.0, 0.0, 0.0];
         told.add(at_base, told.way.slopes(0.0, Vec2::ZERO, at_base), 0.0, (0.0, 1.0));
     }
-    let bounds = Odometry { translation_relative: 0.02, rotation_relative: 0.0 };
+    let bounds = Odometry { translation_relative: 0.02, rotation_relative: 0.0, ..Odometry::default() };
     let added = told.covariance(CalibrationPrior::default(), [0.0, 1.0, 1.0], 0.0, Vec2::ZERO, &bounds);
     assert!((added[0][0].sqrt() - 0.01 * 0.5).abs() < 1e-12, "{added:?}");
     assert!((added[1][1].sqrt() - 0.01).abs() < 1e-12, "{added:?}");
