@@ -3,6 +3,7 @@
 //! [`Localizer`] is for robots that are running; `vibrissa::localize` is the same in one call for whole logs.
 //! What differs between methods stands in one file each behind [`Estimator`].
 
+mod bounded_reading;
 mod deterministic;
 mod drawn;
 mod limit_check;

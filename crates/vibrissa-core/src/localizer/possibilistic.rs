@@ -1,5 +1,6 @@
 //! The possibilistic estimator: rows in, a set of states that holds the true one as long as the declared bounds hold.
 
+use super::bounded_reading::{self, LateReadings, RowReadings};
 use super::drawn::{self, DrawnReading};
 use super::method::MethodOptions;
 use super::{Estimator, one_column_each, searchable};
@@ -18,8 +19,8 @@ use crate::world::{Map, MountedWhisker, Robot};
 use crate::{Error, Result};
 
 /// What to do with a whisker that is not uniform.
-const OTHER_METHODS: &str = "the possibilistic method takes uniform, straight, clamped whiskers only; --method probabilistic and \
-                             deterministic take tapered and jointed ones and elastic bases, too";
+const OTHER_METHODS: &str = "the possibilistic method takes uniform, straight whiskers only; --method probabilistic and \
+                             deterministic take tapered and jointed ones, too";
 
 /// Sets of more cells than this are measured once in a while: when their number has changed by this share, or, up to a
 /// size, after as many rows as a share of their number.
@@ -48,6 +49,7 @@ pub struct PossibilisticEstimator<'a> {
     options: PossibilisticOptions,
     channels: Vec<usize>,
     set: PossibleSet,
+    late: LateReadings,
     start: Option<Pose2>,
     rows: Vec<(f64, Pose2)>,
     in_contact: Vec<bool>,
@@ -73,9 +75,10 @@ impl<'a> PossibilisticEstimator<'a> {
     /// # Errors
     ///
     /// Options out of range, a whisker without a moment channel, or a whisker that the method does not cover yet
-    /// (tapered, curved, on an elastic base, with a friction coefficient above 1.5).
+    /// (tapered, curved, with a friction coefficient above 1.5).
     pub fn new(map: &'a Map, robot: &'a Robot, channels: &[Channel], options: PossibilisticOptions) -> Result<Self> {
         options.check()?;
+        bounded_reading::check(robot)?;
         one_column_each(robot, channels)?;
         searchable(map, options.prior, MOST_SEARCHED)?;
         let log = SensorLog { channels: channels.to_vec(), ..SensorLog::default() };
@@ -89,7 +92,8 @@ impl<'a> PossibilisticEstimator<'a> {
         }
         Ok(Self {
             channels: robot.whiskers.iter().map(|w| log.moment_channel(&w.name)).collect::<Result<_>>()?,
-            set: PossibleSet::new(map, &robot.whiskers, robot.odometry, options),
+            set: PossibleSet::new(map, robot, options),
+            late: LateReadings::new(&robot.odometry),
             in_contact: vec![false; robot.whiskers.len()],
             felt: Thinned::default(),
             map,
@@ -123,10 +127,24 @@ impl<'a> PossibilisticEstimator<'a> {
                 let error = Error::data("a moment that is not a number").value(z).allowed("a finite number of N m");
                 return Err(if row.line > 0 { error.at_line(row.line) } else { error });
             }
-            let off = whisker.noise.moment_relative * z.abs() + whisker.noise.moment_absolute;
-            Ok(Interval::new(z - off, z + off))
+            let elapsed = row.t - self.rows.first().map_or(row.t, |first| first.0);
+            Ok(bounded_reading::moment(whisker, z, elapsed))
         };
         self.robot.whiskers.iter().zip(&self.channels).map(of).collect()
+    }
+
+    /// Hands the set the readings of which it is known where they were taken; of those at either end of the log it is not.
+    fn read(&mut self, is_over: bool) {
+        while let Some(row) = self.late.pop(&self.rows, is_over) {
+            let RowReadings { moments, heading } = row.readings;
+            match row.late {
+                Some(late) => self.set.read(self.map, &moments, heading, late),
+                None => self.set.read(self.map, &[], None, (0.0, 0.0)),
+            }
+            if self.set.is_empty() {
+                return;
+            }
+        }
     }
 
     fn note_contacts(&mut self, t: f64, moments: &[Interval]) {
@@ -234,7 +252,13 @@ impl MethodOptions for PossibilisticOptions {
     }
 
     fn takes(&self, whisker: &Whisker) -> Result<()> {
-        whisker.require_uniform().map_err(|error| error.remedy(OTHER_METHODS))
+        let clamped = Whisker { base_stiffness: f64::INFINITY, ..whisker.clone() };
+        clamped.require_uniform().map_err(|error| error.remedy(OTHER_METHODS))?;
+        if whisker.base_stiffness > 0.0 {
+            Ok(())
+        } else {
+            Err(Error::data("base_stiffness").value(whisker.base_stiffness).allowed("above 0 N m/rad"))
+        }
     }
 
     fn estimator<'a>(&self, map: &'a Map, robot: &'a Robot, channels: &[Channel]) -> Result<Box<dyn Estimator + 'a>> {
@@ -263,7 +287,9 @@ impl Estimator for PossibilisticEstimator<'_> {
             });
         }
         let had_started = self.set.has_started();
-        self.set.update(self.map, odom_from_robot, &moments, heading);
+        self.set.foresee(odom_from_robot);
+        self.late.push(RowReadings { moments, heading });
+        self.read(false);
         if self.set.has_started() {
             self.note(row.t, had_started);
         }
@@ -286,6 +312,13 @@ impl Estimator for PossibilisticEstimator<'_> {
     }
 
     fn finish(mut self: Box<Self>) -> Localization {
+        if !self.empty {
+            let had_started = self.set.has_started();
+            self.read(true);
+            if self.set.has_started() && !had_started {
+                self.note(self.rows.last().map_or(0.0, |row| row.0), false);
+            }
+        }
         if !self.empty && self.set.has_started() {
             self.set.finish(self.map);
             let (t, row) = (self.rows.last().map_or(0.0, |r| r.0), self.rows.len().saturating_sub(1));

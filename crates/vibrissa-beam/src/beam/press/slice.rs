@@ -245,6 +245,25 @@ impl PressTable {
 }
 
 impl PressSlice {
+    /// The same for whiskers that are longer or shorter by up to a share `stretch` of their length.
+    #[must_use]
+    pub fn widened(mut self, stretch: f64) -> Self {
+        if stretch <= 0.0 {
+            return self;
+        }
+        for entry in &mut self.entries {
+            let [center, along, thick] =
+                [entry.center, entry.by_direction, entry.by_moment].map(|v| v.norm_squared().sqrt());
+            entry.radius += stretch * (center + along * entry.half + thick + entry.radius);
+        }
+        for (span, ends) in self.spans.iter_mut().zip(self.starts.windows(2)) {
+            let entries = &self.entries[ends[0] as usize..ends[1] as usize];
+            let of = |entry: &PressEntry| Span::of(entry, Vec2::from_angle(entry.middle));
+            *span = entries.iter().fold(Span::EMPTY, |all, entry| all.hull(of(entry)));
+        }
+        self
+    }
+
     /// The same with lengths in metres, for a whisker of this length (m).
     #[must_use]
     pub fn scaled(mut self, length: f64) -> Self {

@@ -7,6 +7,7 @@
 
 use super::contraction::{Contraction, is_whole};
 use super::edge_contractor::{may_touch, on_edge};
+use super::errors::PoseSlack;
 use super::parallelotope::{LinearForm, Parallelotope};
 use super::record::{ReadingContacts, SideContacts};
 use super::thick_piece::{COARSE, FINE, PieceIndex, ThickPiece};
@@ -133,6 +134,14 @@ impl BaseView {
             slop,
             slop_turn: off,
         }
+    }
+
+    /// The same with the base off by as much as it may.
+    pub(super) fn with_base(mut self, base: PoseSlack) -> Self {
+        self.slop += base.place;
+        self.slop_turn += base.turn;
+        self.reach = self.reach + Vec2::new(base.place, base.place);
+        self
     }
 
     /// A direction of the map in the whisker frame.

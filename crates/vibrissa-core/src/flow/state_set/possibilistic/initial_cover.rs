@@ -2,6 +2,7 @@
 //! \[jaulin2001applied, ch. 3\]).
 
 use super::contractor::{BoundaryLevel, ContactEntry, contacts, mirrored};
+use super::errors::PoseSlack;
 use super::parallelotope::Parallelotope;
 use super::record::{ReadingContacts, SideContacts};
 use super::thick_piece::{ThickEdge, ThickPiece, ThickVertex};
@@ -22,7 +23,7 @@ pub(super) fn initial_cells(
     level: &BoundaryLevel,
     near: Option<Bounds>,
     touch: &ReadingContacts,
-    record: u32,
+    (record, late): (u32, PoseSlack),
 ) -> Vec<Parallelotope> {
     let mut cells = Vec::new();
     for bending in &touch.sides {
@@ -39,7 +40,15 @@ pub(super) fn initial_cells(
             None => pieces.all.iter().for_each(&mut lay),
         }
     }
+    let off = robot_slack(touch, late);
+    cells.iter_mut().for_each(|cell| cell.inflate(off.place, off.turn));
     cells
+}
+
+/// How far the robot may be from where a base tells it that is where it is told on the robot.
+fn robot_slack(touch: &ReadingContacts, late: PoseSlack) -> PoseSlack {
+    let arm = touch.robot_from_whisker.position().norm();
+    PoseSlack::new(touch.base.place + arm * touch.base.turn, touch.base.turn).plus(late)
 }
 
 fn new_cell(center: Pose2, sides: [[f64; 3]; 3], touch: &ReadingContacts, record: u32) -> Parallelotope {

@@ -11,6 +11,7 @@ mod constraint_order;
 mod contraction;
 mod contractor;
 mod edge_contractor;
+mod errors;
 mod free_space;
 mod initial_cover;
 mod measure;
@@ -27,12 +28,14 @@ use crate::config::PossibilisticOptions;
 use crate::flow::prior;
 use crate::plane::{Bounds, Pose2, wrap_angle};
 use crate::sets::{Interval, StateBox};
-use crate::world::{Map, MountedWhisker, Odometry};
+use crate::world::{Map, MountedWhisker, Robot};
 use constraint_order::ConstraintOrder;
 use contractor::{BaseView, BoundaryLevels};
+use errors::{PoseSlack, StepBounds, UncertainWhisker};
 pub use measure::EnclosedPlace;
 use parallelotope::{Parallelotope, contract_box};
 use record::{OdometryRecord, ReadingContacts};
+use std::collections::VecDeque;
 
 /// Columns (a quarter turn) and rows of the tables that first cells meet, from fine to coarse: each has half as many of both
 /// as the one before.
@@ -67,7 +70,7 @@ const CHECK_BASE_EVERY: u32 = 8;
 /// A whisker with its tables.
 #[derive(Clone, Debug)]
 struct TabledWhisker {
-    whisker: MountedWhisker,
+    whisker: UncertainWhisker,
     /// From fine to coarse.
     tables: Vec<PressTable>,
 }
@@ -79,13 +82,17 @@ struct LogRecord {
     /// What each whisker felt; empty once it is forgotten.
     touches: Vec<ReadingContacts>,
     heading: Option<Interval>,
+    /// How far from where the odometry has it the robot may have been when it read.
+    late: PoseSlack,
 }
 
 /// The states that explain the readings so far.
 #[derive(Clone, Debug)]
 pub struct PossibleSet {
     options: PossibilisticOptions,
-    odometry: Odometry,
+    odometry: StepBounds,
+    /// Rows whose odometry is known and whose readings have not come yet.
+    ahead: VecDeque<OdometryRecord>,
     ground: BoundaryLevels,
     probes: Vec<TabledWhisker>,
     records: Vec<LogRecord>,
@@ -105,13 +112,16 @@ pub struct PossibleSet {
 impl PossibleSet {
     /// The set of everything: no reading yet.
     #[must_use]
-    pub fn new(map: &Map, whiskers: &[MountedWhisker], odometry: Odometry, options: PossibilisticOptions) -> Self {
+    pub fn new(map: &Map, robot: &Robot, options: PossibilisticOptions) -> Self {
+        let whisker = |whisker: &MountedWhisker| UncertainWhisker::new(whisker, robot.map_scale);
+        let whiskers: Vec<UncertainWhisker> = robot.whiskers.iter().map(whisker).collect();
         let tables = each_table(whiskers.iter(), |lean| tables(FIRST_TABLE, TABLES, lean, &options));
-        let probe = |(whisker, tables): (&MountedWhisker, _)| TabledWhisker { whisker: whisker.clone(), tables };
-        let probes = whiskers.iter().zip(tables).map(probe).collect();
+        let probe = |(whisker, tables)| TabledWhisker { whisker, tables };
+        let probes = whiskers.into_iter().zip(tables).map(probe).collect();
         Self {
             options,
-            odometry,
+            odometry: StepBounds::new(robot),
+            ahead: VecDeque::new(),
             ground: BoundaryLevels::new(map),
             probes,
             records: Vec::new(),
@@ -158,10 +168,25 @@ impl PossibleSet {
 
     /// Takes one row: the odometry, each whisker's interval of moments (N m), and an absolute heading (rad).
     pub fn update(&mut self, map: &Map, odom_from_robot: Pose2, moments: &[Interval], heading: Option<Interval>) {
-        let stand = match self.records.last() {
-            Some(last) => last.stand.next(odom_from_robot, &self.odometry),
+        self.foresee(odom_from_robot);
+        self.read(map, moments, heading, (0.0, 0.0));
+    }
+
+    /// Takes the odometry of a row whose readings come later.
+    pub(crate) fn foresee(&mut self, odom_from_robot: Pose2) {
+        let last = self.ahead.back().or(self.records.last().map(|last| &last.stand));
+        let stand = match last {
+            Some(last) => last.next(odom_from_robot, &self.odometry),
             None => OdometryRecord::first(odom_from_robot),
         };
+        self.ahead.push_back(stand);
+    }
+
+    /// Takes the readings of the earliest row that has none yet, or no readings where nothing is known of them; when they
+    /// were taken, the odometry's way to the robot (m) and its turn (rad) from that row were at most `late`.
+    pub(crate) fn read(&mut self, map: &Map, moments: &[Interval], heading: Option<Interval>, late: (f64, f64)) {
+        let Some(stand) = self.ahead.pop_front() else { return };
+        let late = self.odometry.at_most(late);
         let touch = |(probe, m): (&TabledWhisker, &Interval)| {
             ReadingContacts::new(&probe.whisker, &probe.tables, m.lo(), m.hi())
         };
@@ -176,7 +201,7 @@ impl PossibleSet {
         } else {
             self.probes.iter().zip(moments).map(touch).collect()
         };
-        self.records.push(LogRecord { stand, touches, heading });
+        self.records.push(LogRecord { stand, touches, heading, late });
         if !self.has_started() {
             self.start(map, moments);
             return;
@@ -220,7 +245,8 @@ impl PossibleSet {
         let record = self.records.len() as u32 - 1;
         let lay = |(probe, moment): (&TabledWhisker, &Interval)| {
             let coarse = ReadingContacts::new(&probe.whisker, &probe.tables[START_TABLE..], moment.lo(), moment.hi());
-            initial_cover::initial_cells(&self.ground.clustered, self.near(&probe.whisker), &coarse, record)
+            let (near, late) = (self.near(&probe.whisker), self.records[record as usize].late);
+            initial_cover::initial_cells(&self.ground.clustered, near, &coarse, (record, late))
         };
         let touching = self.probes.iter().zip(moments).filter(|(_, moment)| !moment.contains(0.0));
         let mut laid: Vec<Vec<Parallelotope>> = touching.map(lay).collect();
@@ -247,19 +273,20 @@ impl PossibleSet {
     }
 
     /// Where on the map a whisker can touch at the newest row, with the first pose in the prior's region.
-    fn near(&self, whisker: &MountedWhisker) -> Option<Bounds> {
-        let (first, last) = (&self.records.first()?.stand, &self.records.last()?.stand);
-        let (step, place, turn) = first.until(last);
-        let arm = step.compose(whisker.robot_from_whisker).position();
-        let slack = place + arm.norm() * turn;
-        Some(prior::around(self.options.prior?, arm, slack, whisker.beam.length))
+    fn near(&self, whisker: &UncertainWhisker) -> Option<Bounds> {
+        let (first, last) = (&self.records.first()?.stand, self.records.last()?);
+        let (step, place, turn) = first.until(&last.stand);
+        let arm = step.compose(whisker.mount()).position();
+        let (late, mounted) = (last.late, whisker.mounted());
+        let slack = place + arm.norm() * turn + late.place + arm.norm() * late.turn + mounted.place;
+        Some(prior::around(self.options.prior?, arm, slack, whisker.longest))
     }
 
     /// The part of a new cell that has the heading known at its row, and from which the robot was in the region where it is
     /// known to have started.
     fn with_prior_knowledge(&self, cell: Parallelotope) -> Option<Parallelotope> {
         let there = &self.records[cell.anchor as usize];
-        let cell = there.heading.map_or(Some(cell), |heading| with_heading_in(cell, 0.0, 0.0, heading))?;
+        let cell = there.heading.map_or(Some(cell), |heading| with_heading_in(cell, 0.0, there.late.turn, heading))?;
         let Some(prior) = self.options.prior else { return Some(cell) };
         let (step, place, turn) = there.stand.until(&self.records[0].stand);
         within(cell, step, (place, turn), &prior)
@@ -318,14 +345,15 @@ impl PossibleSet {
         }
         cell.seen = cell.seen.max(record);
         if let Some(heading) = there.heading {
-            cell = with_heading_in(cell, step.theta, turn, heading)?;
+            cell = with_heading_in(cell, step.theta, turn + there.late.turn, heading)?;
         }
         for touch in &there.touches {
-            let view = BaseView::new(&cell, step, (place, turn), touch.robot_from_whisker);
+            let off = (place + there.late.place, turn + there.late.turn);
+            let view = BaseView::new(&cell, step, off, touch.robot_from_whisker).with_base(touch.base);
             if look && !free_space::base_may_be_free(&view, map) {
                 return None;
             }
-            if touch.free && free_space::whisker_may_be_free(&view, touch.length, &self.ground.coarse.all) {
+            if touch.free && free_space::whisker_may_be_free(&view, touch.shortest, &self.ground.coarse.all) {
                 continue;
             }
             match contractor::contract(&view, touch, &self.ground, comparisons) {
@@ -339,14 +367,20 @@ impl PossibleSet {
         Some(cell)
     }
 
+    /// Where the odometry stood at a row.
+    fn stand(&self, row: usize) -> Option<&OdometryRecord> {
+        let ahead = || self.ahead.get(row.checked_sub(self.records.len())?);
+        self.records.get(row).map(|record| &record.stand).or_else(ahead)
+    }
+
     /// The cells at the newest row, moved one by one: of the boundary of a large map there are hundreds of thousands.
     fn now(&self) -> impl ExactSizeIterator<Item = Parallelotope> + Clone {
-        let newest = self.records.len().saturating_sub(1);
+        let newest = (self.records.len() + self.ahead.len()).saturating_sub(1);
         self.cells.iter().map(move |cell| {
             let mut cell = *cell;
-            if cell.anchor as usize != newest {
+            if let Some(now) = self.stand(newest).filter(|_| cell.anchor as usize != newest) {
                 let there = &self.records[cell.anchor as usize].stand;
-                let (step, place, turn) = there.until(&self.records[newest].stand);
+                let (step, place, turn) = there.until(now);
                 cell.transport(step, newest as u32);
                 cell.inflate(place, turn);
             }
@@ -370,7 +404,7 @@ impl Parallelotope {
 
 /// What each whisker's friction angle (rad) needs, made once for those of the same: tables know of whiskers no more.
 fn each_table<'a>(
-    whiskers: impl Iterator<Item = &'a MountedWhisker>,
+    whiskers: impl Iterator<Item = &'a UncertainWhisker>,
     make: impl Fn(f64) -> Vec<PressTable>,
 ) -> Vec<Vec<PressTable>> {
     let mut made: Vec<(f64, Vec<PressTable>)> = Vec::new();
@@ -445,8 +479,9 @@ impl PossibleSet {
 
     /// Places of an earlier row, by its index, at the newest row: as the odometry carries them, with its bounds.
     pub(crate) fn carried(&self, places: &[EnclosedPlace], row: usize) -> Vec<EnclosedPlace> {
-        let (Some(then), Some(newest)) = (self.records.get(row), self.records.last()) else { return Vec::new() };
-        let (step, off, turn) = then.stand.until(&newest.stand);
+        let newest = (self.records.len() + self.ahead.len()).saturating_sub(1);
+        let (Some(then), Some(newest)) = (self.stand(row), self.stand(newest)) else { return Vec::new() };
+        let (step, off, turn) = then.until(newest);
         places.iter().map(|place| measure::carried(place, step, (off, turn))).collect()
     }
 

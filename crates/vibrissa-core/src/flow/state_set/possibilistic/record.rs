@@ -1,8 +1,8 @@
 //! What is kept of each row: the odometry with its error bounds, and the contacts that a reading allows.
 
+use super::errors::{PoseSlack, StepBounds, UncertainWhisker};
 use crate::beam::press::{PressEntry, PressSlice, PressTable};
 use crate::plane::{Bounds, Pose2, Vec2};
-use crate::world::{MountedWhisker, Odometry};
 use core::sync::atomic::{AtomicU32, Ordering};
 
 /// Where the odometry stood, with the bounds on its errors summed up from the start.
@@ -21,15 +21,15 @@ impl OdometryRecord {
     }
 
     /// The next stand, with the odometry at `odom_from_robot`.
-    pub(super) fn next(&self, odom_from_robot: Pose2, bounds: &Odometry) -> Self {
+    pub(super) fn next(&self, odom_from_robot: Pose2, bounds: &StepBounds) -> Self {
         let step = self.odom_from_robot.between(odom_from_robot);
         let (way, turn) = (step.position().norm(), step.theta.abs());
         Self {
             odom_from_robot,
             // Bounds are relative to what the odometry says or to the truth: take the larger.
-            path: self.path + way / (1.0 - bounds.translation_relative),
-            translation: self.translation + way * relative_to_measured(bounds.translation_relative),
-            rotation: self.rotation + turn * relative_to_measured(bounds.rotation_relative),
+            path: self.path + way / bounds.least,
+            translation: self.translation + way * bounds.translation,
+            rotation: self.rotation + turn * bounds.rotation,
         }
     }
 
@@ -48,11 +48,6 @@ impl OdometryRecord {
     }
 }
 
-/// A bound relative to the true increment, made one relative to the measured increment; never smaller.
-fn relative_to_measured(relative: f64) -> f64 {
-    if relative > 0.0 { relative / (1.0 - relative) } else { 0.0 }
-}
-
 /// Without friction only a boundary with a radius below three lengths of the whisker holds a shape with an inflection
 /// (the least eigenvalue of the second variation, all amplitudes); this is its curvature over the whisker's length, with
 /// a margin.
@@ -61,8 +56,12 @@ const INFLECTION_CURVATURE: f64 = 0.28;
 /// What one reading of one whisker allows.
 #[derive(Clone, Debug)]
 pub(super) struct ReadingContacts {
+    /// The base, turned by the moment where it is elastic, and how far it may be from there.
     pub(super) robot_from_whisker: Pose2,
+    pub(super) base: PoseSlack,
+    /// The longest and the shortest that the whisker may be (m).
     pub(super) length: f64,
+    pub(super) shortest: f64,
     /// How far the force may lean from the normal (rad).
     pub(super) friction_angle: f64,
     /// Contacts where the whisker slopes to the left (1) or to the right (-1), in metres.
@@ -116,22 +115,25 @@ impl LastPiece {
 
 impl ReadingContacts {
     /// What a moment in `[lo, hi]` (N m) allows.
-    pub(super) fn new(whisker: &MountedWhisker, tables: &[PressTable], lo: f64, hi: f64) -> Self {
+    pub(super) fn new(whisker: &UncertainWhisker, tables: &[PressTable], lo: f64, hi: f64) -> Self {
+        let stand = whisker.stand(lo, hi);
         Self {
-            robot_from_whisker: whisker.robot_from_whisker,
-            length: whisker.beam.length,
+            robot_from_whisker: stand.robot_from_whisker,
+            base: stand.slack,
+            length: whisker.longest,
+            shortest: whisker.shortest,
             friction_angle: tables.first().map_or(0.0, PressTable::friction_angle),
             sides: side_contacts(whisker, tables, lo, hi),
             range: (lo, hi),
             free: lo <= 0.0 && hi >= 0.0,
-            holding: if whisker.friction > 0.0 { 0.0 } else { INFLECTION_CURVATURE / whisker.beam.length },
+            holding: if whisker.friction > 0.0 { 0.0 } else { INFLECTION_CURVATURE / whisker.longest },
         }
     }
 }
 
 impl ReadingContacts {
     /// Adds the contacts by a finer table.
-    pub(super) fn add_finer(&mut self, whisker: &MountedWhisker, table: &PressTable) {
+    pub(super) fn add_finer(&mut self, whisker: &UncertainWhisker, table: &PressTable) {
         let (lo, hi) = self.range;
         let mut finer = side_contacts(whisker, core::slice::from_ref(table), lo, hi);
         // A table that knows no contact is right.
@@ -147,11 +149,11 @@ impl ReadingContacts {
 }
 
 /// What a moment in `[lo, hi]` (N m) allows on either side.
-fn side_contacts(whisker: &MountedWhisker, tables: &[PressTable], lo: f64, hi: f64) -> Vec<SideContacts> {
-    let scale = whisker.beam.length / whisker.beam.flexural_rigidity;
+fn side_contacts(whisker: &UncertainWhisker, tables: &[PressTable], lo: f64, hi: f64) -> Vec<SideContacts> {
     let mut sides = Vec::new();
     for (side, least, most) in [(1.0, lo, hi), (-1.0, -hi, -lo)] {
-        let cut = |table: &PressTable| table.slice(least * scale, most * scale).scaled(whisker.beam.length);
+        let (least, most) = whisker.dimensionless(least, most);
+        let cut = |table: &PressTable| table.slice(least, most).widened(whisker.stretch).scaled(whisker.length);
         let Some(finest) = tables.first().map(cut) else { continue };
         // A table that knows no contact is right, however fine the others are.
         if !finest.entries().is_empty() {

@@ -2,6 +2,7 @@
 
 use super::super::tests::random::Random;
 use super::contractor::{self, BaseView, BoundaryLevels};
+use super::errors::{PoseSlack, UncertainWhisker};
 use super::initial_cover;
 use super::parallelotope::Parallelotope;
 use super::record::ReadingContacts;
@@ -12,7 +13,7 @@ use crate::beam::press::PressTable;
 use crate::config::PossibilisticOptions;
 use crate::plane::{Curve, Pose2, Vec2, wrap_angle};
 use crate::sets::Interval;
-use crate::world::{Boundary, Map, MountedWhisker, Odometry, Role};
+use crate::world::{Boundary, Map, MountedWhisker, Robot, Role};
 use core::f64::consts::{FRAC_PI_2, PI};
 
 /// A room with sharp corners both ways, an ellipse-like blob of many short lines, and an open wall.
@@ -63,6 +64,7 @@ struct Case {
     whisker: MountedWhisker,
     robot: Pose2,
     moment: (f64, f64),
+    true_moment: f64,
 }
 
 /// A robot whose whisker touches the map in a random single contact, and an interval that holds its moment.
@@ -102,7 +104,7 @@ fn case(map: &Map, draw: &mut Random, friction: f64) -> Option<Case> {
     let (below, above) = (draw.between(0.0, 0.1), draw.between(0.0, 0.1));
     let (a, b) = (moment * (1.0 - below), moment * (1.0 + above));
     let robot = Pose2::new(base.x, base.y, heading).compose(mount.inverse());
-    Some(Case { whisker, robot, moment: (a.min(b), a.max(b)) })
+    Some(Case { whisker, robot, moment: (a.min(b), a.max(b)), true_moment: moment })
 }
 
 /// Slope, moment and contact of a whisker of unit length and stiffness with one inflection, by small steps: a pendulum
@@ -122,6 +124,11 @@ fn with_inflection(amplitude: f64, t: f64) -> Option<(f64, f64, Vec2)> {
     let (sin, cos) = w.sin_cos();
     let contact = Vec2::new(cos * sum.x + sin * sum.y, sin * sum.x - cos * sum.y);
     (rests == 1 && speed < 0.0).then_some((w + amplitude, speed * t, contact))
+}
+
+/// A whisker whose map has the right scale.
+fn told(whisker: &MountedWhisker) -> UncertainWhisker {
+    UncertainWhisker::new(whisker, 0.0)
 }
 
 /// A cell of random shape with the state inside, sometimes in its very corner.
@@ -158,12 +165,12 @@ fn no_true_state_is_ruled_out(friction: f64, seed: u64, trials: usize) {
     while tried < trials {
         let Some(case) = case(&map, &mut draw, friction) else { continue };
         tried += 1;
-        let mut touch = ReadingContacts::new(&case.whisker, &tables, case.moment.0, case.moment.1);
+        let mut touch = ReadingContacts::new(&told(&case.whisker), &tables, case.moment.0, case.moment.1);
         if tried % 3 > 0 {
-            next.iter().rev().for_each(|table| touch.add_finer(&case.whisker, table));
+            next.iter().rev().for_each(|table| touch.add_finer(&told(&case.whisker), table));
         }
         if tried % 3 > 1 {
-            touch.add_finer(&case.whisker, &finer);
+            touch.add_finer(&told(&case.whisker), &finer);
         }
         for _ in 0..3 {
             // The state at another row, with the odometry in between off by as much as it may.
@@ -185,6 +192,61 @@ fn no_true_state_is_ruled_out(friction: f64, seed: u64, trials: usize) {
     }
     // Friction, which also holds whiskers with an inflection, leaves little to cut for a single reading.
     assert!(cut > if friction > 0.0 { 10 } else { trials / 10 }, "{cut}");
+}
+
+/// A whisker and a map's scale as they may be told of the case's whisker, which stands in the map's metres, with bounds on
+/// what is wrong with them.
+fn told_wrong(case: &Case, draw: &mut Random) -> UncertainWhisker {
+    let mut share =
+        |most: f64| (draw.between(0.0, most), if draw.unit() < 0.5 { draw.sign() } else { draw.signed(1.0) });
+    let (length, rigidity, scale) = (share(0.05), share(0.1), share(0.04));
+    let (place, theta) = (share(3e-3), share(0.1));
+    let larger = 1.0 + scale.0 * scale.1;
+    let mut whisker = case.whisker.clone();
+    let true_length = whisker.beam.length * larger;
+    whisker.beam.length = true_length / (1.0 + length.0 * length.1);
+    whisker.errors.length = length.0 * whisker.beam.length;
+    whisker.beam.flexural_rigidity *= larger / (1.0 + rigidity.0 * rigidity.1);
+    whisker.errors.rigidity = rigidity.0;
+    // An elastic base, which the true moment has turned, somewhere in the interval.
+    if draw.unit() < 0.5 {
+        whisker.beam.base_stiffness = 10f64.powf(draw.between(-2.0, 0.0));
+    }
+    let Pose2 { x, y, theta: turned } = whisker.robot_from_whisker;
+    let off = Vec2::from_angle(draw.signed(PI)) * place.0;
+    let heading = turned - case.true_moment / whisker.beam.base_stiffness;
+    whisker.robot_from_whisker = Pose2::new(x * larger + off.x, y * larger + off.y, heading + theta.0 * theta.1);
+    whisker.errors.mount = [off.x.abs(), off.y.abs(), theta.0];
+    UncertainWhisker::new(&whisker, scale.0)
+}
+
+/// Errors of whisker, mount, base and map at any place within their bounds.
+#[test]
+fn no_true_state_is_ruled_out_with_declared_errors() {
+    let map = map();
+    let ground = BoundaryLevels::new(&map);
+    let mut draw = Random(61);
+    let options = PossibilisticOptions { largest_slope: SLOPE, ..PossibilisticOptions::default() };
+    for friction in [0.0, 0.3] {
+        let tables = super::tables(super::NEXT_TABLE, super::NEXT_TABLES, f64::atan(friction), &options);
+        let level = BoundaryLevels::new(&map).clustered;
+        let mut tried = 0;
+        while tried < 2000 {
+            let Some(case) = case(&map, &mut draw, friction) else { continue };
+            tried += 1;
+            let whisker = told_wrong(&case, &mut draw);
+            let touch = ReadingContacts::new(&whisker, &tables, case.moment.0, case.moment.1);
+            let mut cell = cell_around(case.robot, &mut draw);
+            let view = BaseView::new(&cell, Pose2::IDENTITY, (0.0, 0.0), touch.robot_from_whisker);
+            let left = contractor::contract(&view.with_base(touch.base), &touch, &ground, &mut 0);
+            cell.contract_to(&left.unwrap_or_else(|| panic!("lost: {case:?} {whisker:?}")));
+            assert!(holds(&cell, case.robot), "cut away: {case:?} {whisker:?}");
+            if tried % 200 == 0 {
+                let cells = initial_cover::initial_cells(&level, None, &touch, (0, PoseSlack::default()));
+                assert!(cells.iter().any(|cell| holds(cell, case.robot)), "not born: {case:?} {whisker:?}");
+            }
+        }
+    }
 }
 
 impl core::fmt::Debug for Case {
@@ -214,7 +276,7 @@ fn where_the_whisker_stood_before_changes_no_answer() {
     while tried < 300 {
         let Some(case) = case(&map, &mut draw, 0.0) else { continue };
         tried += 1;
-        let touch = || ReadingContacts::new(&case.whisker, &tables, case.moment.0, case.moment.1);
+        let touch = || ReadingContacts::new(&told(&case.whisker), &tables, case.moment.0, case.moment.1);
         let used = touch();
         for _ in 0..8 {
             let mut cells = [cell_around(case.robot, &mut draw); 2];
@@ -284,8 +346,8 @@ fn every_true_state_is_born() {
         while tried < 20 {
             let Some(case) = case(&map, &mut draw, friction) else { continue };
             tried += 1;
-            let touch = ReadingContacts::new(&case.whisker, &table, case.moment.0, case.moment.1);
-            let cells = initial_cover::initial_cells(&level, None, &touch, 0);
+            let touch = ReadingContacts::new(&told(&case.whisker), &table, case.moment.0, case.moment.1);
+            let cells = initial_cover::initial_cells(&level, None, &touch, (0, PoseSlack::default()));
             assert!(cells.iter().any(|cell| holds(cell, case.robot)), "{case:?}");
         }
     }
@@ -315,10 +377,10 @@ fn a_large_set_of_one_reading_meets_finer_tables() {
     for _ in 0..2 {
         let free = |case: &Case| map.is_free(case.robot.compose(case.whisker.robot_from_whisker).position());
         let case = core::iter::repeat_with(|| case(&map, &mut draw, 0.0)).flatten().find(free).unwrap();
-        let whiskers = [case.whisker.clone()];
+        let robot = Robot { whiskers: vec![case.whisker.clone()], ..Robot::default() };
         let ends = |last_work: usize| {
             let options = PossibilisticOptions { last_work, largest_slope: SLOPE, ..PossibilisticOptions::default() };
-            let mut set = super::PossibleSet::new(&map, &whiskers, Odometry::default(), options);
+            let mut set = super::PossibleSet::new(&map, &robot, options);
             set.update(&map, Pose2::IDENTITY, &[Interval::new(case.moment.0, case.moment.1)], None);
             assert!(set.has_first_tables());
             set.finish(&map);
