@@ -4,12 +4,14 @@
 //!     cargo run --release -p vibrissa-soundness -- --nightly
 //!     cargo run --release -p vibrissa-soundness -- --worlds 10000 --first 5000 --threads 2
 //!     cargo run --release -p vibrissa-soundness -- --replay 1234
+//!     cargo run --release -p vibrissa-soundness -- --corners 100        drives around corners, with two contacts at once
 //!     cargo run --release -p vibrissa-soundness -- --worlds 40 --declare 90    bounds told 10 % too small: losses must show
 //!
 //! Maps, whiskers, mounts, paths, bounds and errors are drawn from the seed; half of the time errors stand at the edge of
 //! their bounds with signs that stay. A seed that gives no sweep is passed over. The last line holds the counts, and how
 //! small the sets that held the truth were.
 
+mod corners;
 #[path = "../../crates/vibrissa/tests/data/random_sweep.rs"]
 #[allow(dead_code, reason = "the tests use more of it")]
 mod random_sweep;
@@ -20,6 +22,7 @@ use std::process::ExitCode;
 use std::sync::atomic::{AtomicU64, Ordering};
 use vibrissa::config::PossibilisticOptions;
 use vibrissa::flow::pose::{Localization, Status, StepRecord};
+use vibrissa::plane::Pose2;
 use vibrissa::{Method, localize};
 
 /// Worlds of a CI run and of a nightly one.
@@ -30,12 +33,19 @@ const LAST_WORK: usize = 5_000;
 /// How much goes into the end with a prior about the truth, where all of it tries cells that may hold the truth.
 const NEAR_WORK: usize = 200_000;
 
+/// From so far after the first contact on drives around corners reckon with two contacts (m).
+const TWO_CONTACTS: f64 = 0.05;
+
 /// What the command line asks for.
 struct Call {
     worlds: usize,
     first: u64,
     threads: usize,
     replay: Option<u64>,
+    /// Drives around corners instead of sweeps along walls.
+    corners: bool,
+    /// From so far after the first contact on such drives reckon with two contacts (m).
+    two_contacts: Option<f64>,
     /// The share of their bounds that errors are declared with: below one, truths must be lost.
     declared: f64,
 }
@@ -58,10 +68,11 @@ struct Outcome {
 fn main() -> ExitCode {
     match parse(std::env::args().skip(1)) {
         Ok(Call { replay: Some(seed), declared, .. }) => replay(seed, declared),
+        Ok(call) if call.corners => corner_report(&run_corners(&call), &call),
         Ok(call) => report(&run(&call), &call),
         Err(message) => {
             eprintln!(
-                "error: {message}\n  --worlds N --nightly --first SEED --threads N --replay SEED --declare PERCENT"
+                "error: {message}\n  --worlds N --corners N --one-place --nightly --first SEED --threads N --replay SEED --declare PERCENT"
             );
             ExitCode::from(2)
         }
@@ -70,13 +81,23 @@ fn main() -> ExitCode {
 
 fn parse(mut words: impl Iterator<Item = String>) -> Result<Call, String> {
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
-    let mut call = Call { worlds: SHORT, first: 1, threads, replay: None, declared: 1.0 };
+    let mut call = Call {
+        worlds: SHORT,
+        first: 1,
+        threads,
+        replay: None,
+        corners: false,
+        two_contacts: Some(TWO_CONTACTS),
+        declared: 1.0,
+    };
     while let Some(word) = words.next() {
         let mut number = || {
             let value = words.next().ok_or(format!("{word} needs a value"))?;
             value.parse::<u64>().map_err(|error| format!("{word} {value}: {error}"))
         };
         match word.as_str() {
+            "--one-place" => call.two_contacts = None,
+            "--corners" => (call.corners, call.worlds) = (true, number()? as usize),
             "--nightly" => call.worlds = NIGHTLY,
             "--worlds" => call.worlds = number()? as usize,
             "--first" => call.first = number()?,
@@ -125,6 +146,103 @@ fn run(call: &Call) -> Vec<Outcome> {
     outcomes
 }
 
+/// What became of a drive around corners.
+struct Cornered {
+    seed: u64,
+    law: &'static str,
+    rows: usize,
+    doubled: usize,
+    status: Option<Status>,
+    volume: f64,
+    loss: Option<String>,
+}
+
+/// Errors of every kind are drawn for every second drive.
+fn cornered(seed: u64, declared: f64, two_contacts: Option<f64>) -> Option<Cornered> {
+    let drive = corners::drive(seed, seed % 2 == 0)?;
+    let mut draw = Random(seed.wrapping_mul(0x9fb2_1c65_1e98_df25));
+    let prior = (seed % 3 > 0).then(|| region(&drive.first, &mut draw));
+    let last_work = if prior.is_none() { LAST_WORK } else { NEAR_WORK };
+    let options = PossibilisticOptions { last_work, prior, two_contacts, ..Default::default() };
+    let options = Method::Possibilistic(options);
+    let mut robot = drive.robot.clone();
+    for whisker in &mut robot.whiskers {
+        whisker.noise.moment_relative *= declared;
+        whisker.noise.moment_absolute *= declared;
+    }
+    let one = Cornered {
+        seed,
+        law: drive.law,
+        rows: drive.log.rows.len(),
+        doubled: drive.doubled,
+        status: None,
+        volume: f64::NAN,
+        loss: None,
+    };
+    Some(match localize(&drive.log, &drive.map, &robot, &options, &mut |_| {}) {
+        Ok(found) => {
+            let lost = found.status != Status::NoContact && !contains(&found, drive.truth);
+            let event = found.events.last().map(|event| (event.t, event.kind));
+            let loss = lost.then(|| {
+                let kind = if one.doubled > 0 { "two contacts" } else { "one contact" };
+                format!("seed {seed} ({kind}, {}, prior {}): {}; {event:?}", one.law, prior.is_some(), found.status)
+            });
+            let volume = found.steps.last().map_or(f64::NAN, |step| step.volume);
+            Cornered { status: Some(found.status), volume, loss, ..one }
+        }
+        Err(error) => Cornered { loss: Some(format!("seed {seed}: {error}")), ..one },
+    })
+}
+
+/// The drives of so many seeds that give one, in the order of their seeds.
+fn run_corners(call: &Call) -> Vec<Cornered> {
+    let next = AtomicU64::new(call.first);
+    let done = AtomicU64::new(0);
+    let worker = || {
+        let mut own = Vec::new();
+        while done.load(Ordering::Relaxed) < call.worlds as u64 {
+            if let Some(one) = cornered(next.fetch_add(1, Ordering::Relaxed), call.declared, call.two_contacts) {
+                one.loss.iter().for_each(|loss| println!("{loss}"));
+                done.fetch_add(1, Ordering::Relaxed);
+                own.push(one);
+            }
+        }
+        own
+    };
+    let mut all: Vec<Cornered> = std::thread::scope(|scope| {
+        let workers: Vec<_> = (0..call.threads).map(|_| scope.spawn(worker)).collect();
+        workers.into_iter().flat_map(|w| w.join().unwrap_or_else(|cause| std::panic::resume_unwind(cause))).collect()
+    });
+    all.sort_by_key(|one| one.seed);
+    all
+}
+
+fn corner_report(all: &[Cornered], call: &Call) -> ExitCode {
+    let of = |status: Status| all.iter().filter(|one| one.status == Some(status)).count();
+    let doubled = || all.iter().filter(|one| one.doubled > 0);
+    let lost = all.iter().filter(|one| one.loss.is_some()).count();
+    let mut laws: std::collections::BTreeMap<&str, usize> = std::collections::BTreeMap::new();
+    all.iter().for_each(|one| *laws.entry(one.law).or_default() += 1);
+    println!(
+        "corners: {} drives (seeds {} to {}) of {} rows, {} with two contacts in {} drives: truth lost in {lost} ({} with two \
+         contacts); localized {}, ambiguous {}, inconsistent {}, no contact {}; noise {laws:?}; \
+         volume of the set at the end: median {:.1e} m² rad",
+        all.len(),
+        call.first,
+        all.last().map_or(call.first, |one| one.seed),
+        all.iter().map(|one| one.rows).sum::<usize>(),
+        doubled().map(|one| one.doubled).sum::<usize>(),
+        doubled().count(),
+        doubled().filter(|one| one.loss.is_some()).count(),
+        of(Status::Localized),
+        of(Status::Ambiguous),
+        of(Status::Inconsistent),
+        of(Status::NoContact),
+        median(all.iter().map(|one| one.volume).collect()),
+    );
+    if lost == 0 && !all.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}
+
 /// What the method tells of a trial, without a prior or with one, when readings are declared with this share of their bounds.
 fn answer(trial: &Trial, prior: Option<[[f64; 2]; 3]>, declared: f64) -> vibrissa::Result<Localization> {
     let last_work = if prior.is_none() { LAST_WORK } else { NEAR_WORK };
@@ -140,13 +258,15 @@ fn answer(trial: &Trial, prior: Option<[[f64; 2]; 3]>, declared: f64) -> vibriss
 
 /// A region that holds the first true pose (m, m, rad), often at its edge.
 fn about(trial: &Trial, seed: u64) -> Option<[[f64; 2]; 3]> {
-    let mut draw = Random(seed.wrapping_mul(0xd134_2543_de82_ef95));
-    let first = trial.path.first()?;
+    Some(region(trial.path.first()?, &mut Random(seed.wrapping_mul(0xd134_2543_de82_ef95))))
+}
+
+fn region(first: &Pose2, draw: &mut Random) -> [[f64; 2]; 3] {
     let mut side = |truth: f64, widest: f64| {
         let (half, off) = (draw.between(0.05, 1.0) * widest, (1.2 * draw.signed(1.0)).clamp(-0.999_999, 0.999_999));
         [truth + (off - 1.0) * half, truth + (off + 1.0) * half]
     };
-    Some([side(first.x, 0.04), side(first.y, 0.04), side(first.theta, 0.4)])
+    [side(first.x, 0.04), side(first.y, 0.04), side(first.theta, 0.4)]
 }
 
 /// What became of one answer.

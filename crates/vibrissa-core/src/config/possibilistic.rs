@@ -21,6 +21,9 @@ pub struct PossibilisticOptions {
     pub tolerate: usize,
     /// Bound on the error of an absolute heading in the log (rad).
     pub heading_error: f64,
+    /// From which way of the robot after the first contact on (m, turns by an arm of 0.1 m) the whisker may touch in two places at
+    /// once; none where it never does. With 0 the first contact may be two.
+    pub two_contacts: Option<f64>,
     /// Where the robot is at the first row, map frame, where that is known: least and largest x (m), y (m), heading (rad).
     pub prior: Option<Region>,
 }
@@ -35,6 +38,7 @@ impl Default for PossibilisticOptions {
             largest_slope: core::f64::consts::PI,
             tolerate: 0,
             heading_error: defaults::HEADING_ERROR,
+            two_contacts: None,
             prior: None,
         }
     }
@@ -59,6 +63,12 @@ impl PossibilisticOptions {
                 Slot::Count(&mut self.work),
             ),
             setting("last_work", "N", "The same once more at the end of the log", Slot::Count(&mut self.last_work)),
+            setting(
+                "two_contacts",
+                "M",
+                "From so far after the first contact on the whisker may touch in two places, as in corners",
+                Slot::OptionalNumber(&mut self.two_contacts, "never"),
+            ),
             heading_setting(&mut self.heading_error),
             region_setting(&mut self.prior),
         ]
@@ -77,6 +87,43 @@ impl PossibilisticOptions {
         within("resolution", self.resolution, 1e-5, 0.1, "m")?;
         within("largest_slope", self.largest_slope, 0.1, core::f64::consts::PI, "rad")?;
         within("tolerate", self.tolerate as f64, 0.0, 100.0, "readings")?;
+        within("two_contacts", self.two_contacts.unwrap_or(0.0), 0.0, 1e6, "m")?;
         within("heading_error", self.heading_error, 0.0, core::f64::consts::PI, "rad")
     }
+}
+
+/// When two contacts at once are thought possible.
+pub(crate) mod two_contacts {
+    /// A contact is seen from the base at no less than this share of the slope there, where all of the whisker before it bends one
+    /// way: a third for small slopes, 0.297 for half a turn (curvature that grows from nothing in proportion to the arc length).
+    pub(crate) const ANGLE_SHARE: f64 = 0.29;
+    /// And at no more than this: two thirds for small slopes, with room for large ones.
+    pub(crate) const UPPER_SHARE: f64 = 0.8;
+    /// And at no less than this where the curvature falls from the base on: half for an arc of a circle, with room.
+    pub(crate) const RELAXED_SHARE: f64 = 0.47;
+    /// The beam that is bent a little is asked where angles are below the first (rad) and known to the second, and no force points
+    /// back along the whisker to within the third; angles are off by less than so many times their largest square, and this (rad).
+    pub(crate) const BENT: f64 = 1.2;
+    pub(crate) const UNSURE: f64 = 0.5;
+    pub(crate) const HEAD_ON: f64 = 0.8;
+    pub(crate) const BOW: f64 = 0.25;
+    pub(crate) const BOW_LEAST: f64 = 0.1;
+    /// The whisker goes on behind a contact within this angle (rad) of its direction there: a right angle, and a sixth of a turn
+    /// for its bending.
+    pub(crate) const SWEPT_BACK: f64 = 2.1;
+    /// Boundary is looked at in stretches no longer than this (m): shorter ones tell more, and take longer.
+    pub(crate) const LONGEST_STRETCH: f64 = 0.01;
+    /// What stands less proud of a wall than this (m) is rounding, or the readers' tolerance for arcs.
+    pub(crate) const LOWEST_CORNER: f64 = 1e-7;
+    /// Stretches of boundary whose normals differ by less than this (rad) are one place: a whisker that lies along a smooth wall, or a
+    /// rough one, reads what one contact on it explains.
+    pub(crate) const SMOOTH: f64 = 0.35;
+    /// Cells that are wider than this (rad, m) are too wide to be told that a corner is out of play: near corners they are left alone.
+    pub(crate) const WIDE_TURN: f64 = 0.05;
+    pub(crate) const WIDE_REACH: f64 = 8e-3;
+    /// A wall that turns by less than this (rad) is straight.
+    pub(crate) const STRAIGHT: f64 = 1e-5;
+    /// Cells of first readings that two contacts may explain are no larger than this (m, rad): wider ones would be bisected at once.
+    pub(crate) const COVER_PLACE: f64 = 0.02;
+    pub(crate) const COVER_TURN: f64 = 0.25;
 }

@@ -116,8 +116,8 @@ mod tests {
 
     #[test]
     fn a_moment_is_within_what_its_reading_allows() {
-        let mut whisker = MountedWhisker::default();
-        whisker.noise = MomentNoise { moment_relative: 0.05, moment_absolute: 2e-5 };
+        let noise = MomentNoise { moment_relative: 0.05, moment_absolute: 2e-5 };
+        let mut whisker = MountedWhisker { noise, ..MountedWhisker::default() };
         let exact = moment(&whisker, 4e-4, 3.0);
         assert_eq!(exact, Interval::new(4e-4 - (0.05 * 4e-4 + 2e-5), 4e-4 + (0.05 * 4e-4 + 2e-5)));
         whisker.errors.zero = 1e-4;

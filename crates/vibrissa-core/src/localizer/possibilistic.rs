@@ -252,7 +252,7 @@ impl MethodOptions for PossibilisticOptions {
     }
 
     fn takes(&self, whisker: &Whisker) -> Result<()> {
-        let clamped = Whisker { base_stiffness: f64::INFINITY, ..whisker.clone() };
+        let clamped = Whisker { base_stiffness: f64::INFINITY, ..*whisker };
         clamped.require_uniform().map_err(|error| error.remedy(OTHER_METHODS))?;
         if whisker.base_stiffness > 0.0 {
             Ok(())

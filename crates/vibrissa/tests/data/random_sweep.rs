@@ -134,7 +134,7 @@ fn waypoints(map: &Map, robot: &Robot, draw: &mut Random) -> Option<Vec<Pose2>> 
 }
 
 /// A reading of the moment `h` within its bound: at the edge or anywhere between.
-fn reading(h: f64, noise: &MomentNoise, share: f64) -> f64 {
+pub(crate) fn reading(h: f64, noise: &MomentNoise, share: f64) -> f64 {
     // |h - z| <= r |z| + a, for z of the sign of h where there is one.
     let (size, r, a) = (h.abs(), noise.moment_relative, noise.moment_absolute);
     let high = (size + a) / (1.0 - r);

@@ -13,6 +13,7 @@ use super::record::{ReadingContacts, SideContacts};
 use super::thick_piece::{COARSE, FINE, PieceIndex, ThickPiece};
 use super::vertex_contractor::at_vertex;
 use crate::beam::press::{PressEntry, PressSlice};
+use crate::config::two_contacts;
 use crate::plane::{Bounds, Pose2, Vec2};
 use crate::world::Map;
 use core::f64::consts::{PI, TAU};
@@ -140,8 +141,13 @@ impl BaseView {
     pub(super) fn with_base(mut self, base: PoseSlack) -> Self {
         self.slop += base.place;
         self.slop_turn += base.turn;
-        self.reach = self.reach + Vec2::new(base.place, base.place);
+        self.reach += Vec2::new(base.place, base.place);
         self
+    }
+
+    /// Whether it is too wide to be told that corners are out of play.
+    pub(super) fn is_wide(&self) -> bool {
+        self.turn + self.slop_turn > two_contacts::WIDE_TURN || self.reach.x + self.reach.y > two_contacts::WIDE_REACH
     }
 
     /// A direction of the map in the whisker frame.

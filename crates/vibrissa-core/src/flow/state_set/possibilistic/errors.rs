@@ -87,6 +87,13 @@ impl UncertainWhisker {
         (lo * if lo > 0.0 { least } else { most }, hi * if hi > 0.0 { most } else { least })
     }
 
+    /// The curvatures at the base of an interval of moments (N m), in 1/m.
+    pub(super) fn curvature(&self, lo: f64, hi: f64) -> (f64, f64) {
+        let (lo, hi) = self.dimensionless(lo, hi);
+        let over = |edge: f64, most: bool| edge / if most { self.shortest } else { self.longest };
+        (over(lo, lo < 0.0), over(hi, hi > 0.0))
+    }
+
     /// How the base stands while the moment is in an interval (N m).
     pub(super) fn stand(&self, lo: f64, hi: f64) -> BaseStand {
         if self.base_stiffness.is_infinite() {

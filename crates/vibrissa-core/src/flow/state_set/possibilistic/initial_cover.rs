@@ -46,12 +46,13 @@ pub(super) fn initial_cells(
 }
 
 /// How far the robot may be from where a base tells it that is where it is told on the robot.
-fn robot_slack(touch: &ReadingContacts, late: PoseSlack) -> PoseSlack {
+pub(super) fn robot_slack(touch: &ReadingContacts, late: PoseSlack) -> PoseSlack {
     let arm = touch.robot_from_whisker.position().norm();
     PoseSlack::new(touch.base.place + arm * touch.base.turn, touch.base.turn).plus(late)
 }
 
-fn new_cell(center: Pose2, sides: [[f64; 3]; 3], touch: &ReadingContacts, record: u32) -> Parallelotope {
+/// A cell of bases as a cell of robots.
+pub(super) fn new_cell(center: Pose2, sides: [[f64; 3]; 3], touch: &ReadingContacts, record: u32) -> Parallelotope {
     let mut cell = Parallelotope {
         center,
         sides,

@@ -21,6 +21,8 @@ mod sivia;
 #[cfg(test)]
 mod tests;
 mod thick_piece;
+mod two_contact_cover;
+mod two_contacts;
 mod vertex_contractor;
 
 use crate::beam::press::PressTable;
@@ -36,6 +38,7 @@ pub use measure::EnclosedPlace;
 use parallelotope::{Parallelotope, contract_box};
 use record::{OdometryRecord, ReadingContacts};
 use std::collections::VecDeque;
+use two_contacts::TwoContacts;
 
 /// Columns (a quarter turn) and rows of the tables that first cells meet, from fine to coarse: each has half as many of both
 /// as the one before.
@@ -94,6 +97,8 @@ pub struct PossibleSet {
     /// Rows whose odometry is known and whose readings have not come yet.
     ahead: VecDeque<OdometryRecord>,
     ground: BoundaryLevels,
+    /// Where two contacts are reckoned with.
+    two_contacts: Option<TwoContacts>,
     probes: Vec<TabledWhisker>,
     records: Vec<LogRecord>,
     /// Records that still have their readings, but for the newest.
@@ -116,13 +121,17 @@ impl PossibleSet {
         let whisker = |whisker: &MountedWhisker| UncertainWhisker::new(whisker, robot.map_scale);
         let whiskers: Vec<UncertainWhisker> = robot.whiskers.iter().map(whisker).collect();
         let tables = each_table(whiskers.iter(), |lean| tables(FIRST_TABLE, TABLES, lean, &options));
+        let longest = whiskers.iter().map(|whisker| whisker.longest).fold(0.0, f64::max);
+        let steepest = whiskers.iter().map(|whisker| whisker.friction.atan()).fold(0.0, f64::max);
+        let ground = BoundaryLevels::new(map);
         let probe = |(whisker, tables)| TabledWhisker { whisker, tables };
         let probes = whiskers.into_iter().zip(tables).map(probe).collect();
         Self {
             options,
             odometry: StepBounds::new(robot),
             ahead: VecDeque::new(),
-            ground: BoundaryLevels::new(map),
+            two_contacts: options.two_contacts.map(|_| TwoContacts::new(&ground.coarse.all, longest, steepest)),
+            ground,
             probes,
             records: Vec::new(),
             kept: Vec::new(),
@@ -246,7 +255,11 @@ impl PossibleSet {
         let lay = |(probe, moment): (&TabledWhisker, &Interval)| {
             let coarse = ReadingContacts::new(&probe.whisker, &probe.tables[START_TABLE..], moment.lo(), moment.hi());
             let (near, late) = (self.near(&probe.whisker), self.records[record as usize].late);
-            initial_cover::initial_cells(&self.ground.clustered, near, &coarse, (record, late))
+            let mut cells = initial_cover::initial_cells(&self.ground.clustered, near, &coarse, (record, late));
+            if let Some(two) = self.two_contacts.as_ref().filter(|_| self.is_late(record)) {
+                cells.extend(two_contact_cover::initial_cells(map, two, near, &coarse, (record, late)));
+            }
+            cells
         };
         let touching = self.probes.iter().zip(moments).filter(|(_, moment)| !moment.contains(0.0));
         let mut laid: Vec<Vec<Parallelotope>> = touching.map(lay).collect();
@@ -347,6 +360,7 @@ impl PossibleSet {
         if let Some(heading) = there.heading {
             cell = with_heading_in(cell, step.theta, turn + there.late.turn, heading)?;
         }
+        let is_late = self.is_late(record);
         for touch in &there.touches {
             let off = (place + there.late.place, turn + there.late.turn);
             let view = BaseView::new(&cell, step, off, touch.robot_from_whisker).with_base(touch.base);
@@ -356,7 +370,16 @@ impl PossibleSet {
             if touch.free && free_space::whisker_may_be_free(&view, touch.shortest, &self.ground.coarse.all) {
                 continue;
             }
-            match contractor::contract(&view, touch, &self.ground, comparisons) {
+            let two = self.two_contacts.as_ref().filter(|_| is_late);
+            if two.is_some_and(|two| view.is_wide() && two.is_near(&view, touch.length)) {
+                continue;
+            }
+            let left = contractor::contract(&view, touch, &self.ground, comparisons);
+            let may_be_two = |two: &TwoContacts| two.may_explain(&view, touch, &mut *comparisons);
+            if !contraction::is_whole(&left) && two.is_some_and(may_be_two) {
+                continue;
+            }
+            match left {
                 // With misses left, the part that does not explain the reading stays possible, too.
                 Some(_) if (cell.missed as usize) < self.options.tolerate => {}
                 Some(left) => cell.contract_to(&left),
@@ -371,6 +394,14 @@ impl PossibleSet {
     fn stand(&self, row: usize) -> Option<&OdometryRecord> {
         let ahead = || self.ahead.get(row.checked_sub(self.records.len())?);
         self.records.get(row).map(|record| &record.stand).or_else(ahead)
+    }
+
+    /// Whether the whisker may touch in two places at a record, as far as it is told.
+    fn is_late(&self, record: u32) -> bool {
+        let swept = |record: u32| self.records[record as usize].stand.swept();
+        // Before there are cells the record is the first contact.
+        let first = if self.starts > 0 { self.started_at } else { record };
+        self.options.two_contacts.is_some_and(|way| swept(record) - swept(first) >= way)
     }
 
     /// The cells at the newest row, moved one by one: of the boundary of a large map there are hundreds of thousands.

@@ -1,6 +1,7 @@
 //! What is kept of each row: the odometry with its error bounds, and the contacts that a reading allows.
 
 use super::errors::{PoseSlack, StepBounds, UncertainWhisker};
+use super::parallelotope::HEADING_ARM;
 use crate::beam::press::{PressEntry, PressSlice, PressTable};
 use crate::plane::{Bounds, Pose2, Vec2};
 use core::sync::atomic::{AtomicU32, Ordering};
@@ -10,6 +11,8 @@ use core::sync::atomic::{AtomicU32, Ordering};
 pub(super) struct OdometryRecord {
     pub(super) odom_from_robot: Pose2,
     path: f64,
+    /// The way with turns, by an arm of a tenth of a metre (m).
+    swept: f64,
     translation: f64,
     rotation: f64,
 }
@@ -28,6 +31,7 @@ impl OdometryRecord {
             odom_from_robot,
             // Bounds are relative to what the odometry says or to the truth: take the larger.
             path: self.path + way / bounds.least,
+            swept: self.swept + way + HEADING_ARM * turn,
             translation: self.translation + way * bounds.translation,
             rotation: self.rotation + turn * bounds.rotation,
         }
@@ -36,6 +40,11 @@ impl OdometryRecord {
     /// The way so far (m).
     pub(super) fn path(&self) -> f64 {
         self.path
+    }
+
+    /// The way so far, turns included (m).
+    pub(super) fn swept(&self) -> f64 {
+        self.swept
     }
 
     /// How the robot moved until `later` (or, for an earlier stand, from there), and how far that may be off: place (m)
@@ -70,6 +79,8 @@ pub(super) struct ReadingContacts {
     pub(super) free: bool,
     /// Boundaries that curve towards free space by no less than this (1/m) can hold a whisker with an inflection.
     pub(super) holding: f64,
+    /// What the curvature at the base may be (1/m).
+    pub(super) curvature: (f64, f64),
     /// What the moment may be (N m).
     range: (f64, f64),
 }
@@ -124,6 +135,7 @@ impl ReadingContacts {
             shortest: whisker.shortest,
             friction_angle: tables.first().map_or(0.0, PressTable::friction_angle),
             sides: side_contacts(whisker, tables, lo, hi),
+            curvature: whisker.curvature(lo, hi),
             range: (lo, hi),
             free: lo <= 0.0 && hi >= 0.0,
             holding: if whisker.friction > 0.0 { 0.0 } else { INFLECTION_CURVATURE / whisker.longest },

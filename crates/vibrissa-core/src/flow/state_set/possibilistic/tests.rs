@@ -8,6 +8,7 @@ use super::parallelotope::Parallelotope;
 use super::record::ReadingContacts;
 use super::sivia::StageProgress;
 use super::thick_piece::{COARSE, FINE, PieceIndex, ThickPiece};
+use super::two_contacts::TwoContacts;
 use crate::beam::elastica;
 use crate::beam::press::PressTable;
 use crate::config::PossibilisticOptions;
@@ -482,4 +483,31 @@ fn finely_cut_boundary_is_searched_by_its_length() {
     };
     let (coarse, fine) = (bundles(2000), bundles(16_000));
     assert!(coarse < 80 && fine < 80, "{coarse} {fine}");
+}
+
+/// A whisker that lies on one wall of a corner with its tip against the other may touch twice; one that stands on a straight wall
+/// far from corners may not.
+#[test]
+fn two_contacts_are_thought_of_where_there_are_corners() {
+    let map = map();
+    let ground = BoundaryLevels::new(&map);
+    let (whisker, mut draw) = (told(&MountedWhisker::default()), Random(71));
+    let two = TwoContacts::new(&ground.coarse.all, whisker.longest, 0.0);
+    let tables = super::tables(super::FIRST_TABLE, super::TABLES, 0.0, &PossibilisticOptions::default());
+    let may = |base: Pose2, moment: f64| {
+        let touch = ReadingContacts::new(&whisker, &tables, 0.95 * moment, 1.05 * moment);
+        let sides = [[1e-5, 0.0, 0.0], [0.0, 1e-5, 0.0], [0.0, 0.0, 1e-4]];
+        let cell = Parallelotope { center: base, sides, ..cell_around(base, &mut Random(1)) };
+        let view = BaseView::new(&cell, Pose2::IDENTITY, (0.0, 0.0), Pose2::IDENTITY);
+        assert!(two.is_near(&view, whisker.longest) || !two.may_explain(&view, &touch, &mut 0));
+        two.may_explain(&view, &touch, &mut 0)
+    };
+    for _ in 0..100 {
+        // Into the corner at (0.5, 0), towards the lower wall and the one to the right; pushed to the left.
+        let base = Pose2::new(0.44 + draw.signed(2e-3), 0.012 + draw.signed(2e-3), -0.5 + draw.signed(0.1));
+        assert!(may(base, 4e-3), "{base:?}");
+        // The middle of the long wall at the left, head-on and aslant.
+        let base = Pose2::new(0.06, 0.3 + draw.signed(0.01), PI + draw.signed(0.7));
+        assert!(!may(base, draw.sign() * draw.between(1e-4, 1e-3)), "{base:?}");
+    }
 }
