@@ -72,7 +72,7 @@ fn main() -> ExitCode {
         Ok(call) => report(&run(&call), &call),
         Err(message) => {
             eprintln!(
-                "error: {message}\n  --worlds N --corners N --one-place --nightly --first SEED --threads N --replay SEED --declare PERCENT"
+                "error: {message}\n  --worlds N --corners N --one-place --two-contacts MM --nightly --first SEED --threads N --replay SEED --declare PERCENT"
             );
             ExitCode::from(2)
         }
@@ -97,6 +97,7 @@ fn parse(mut words: impl Iterator<Item = String>) -> Result<Call, String> {
         };
         match word.as_str() {
             "--one-place" => call.two_contacts = None,
+            "--two-contacts" => call.two_contacts = Some(number()? as f64 * 1e-3),
             "--corners" => (call.corners, call.worlds) = (true, number()? as usize),
             "--nightly" => call.worlds = NIGHTLY,
             "--worlds" => call.worlds = number()? as usize,
@@ -159,9 +160,9 @@ struct Cornered {
 
 /// Errors of every kind are drawn for every second drive.
 fn cornered(seed: u64, declared: f64, two_contacts: Option<f64>) -> Option<Cornered> {
-    let drive = corners::drive(seed, seed % 2 == 0)?;
+    let drive = corners::drive(seed, seed.is_multiple_of(2))?;
     let mut draw = Random(seed.wrapping_mul(0x9fb2_1c65_1e98_df25));
-    let prior = (seed % 3 > 0).then(|| region(&drive.first, &mut draw));
+    let prior = (!seed.is_multiple_of(3)).then(|| region(&drive.first, &mut draw));
     let last_work = if prior.is_none() { LAST_WORK } else { NEAR_WORK };
     let options = PossibilisticOptions { last_work, prior, two_contacts, ..Default::default() };
     let options = Method::Possibilistic(options);

@@ -101,13 +101,6 @@ pub(crate) mod two_contacts {
     pub(crate) const UPPER_SHARE: f64 = 0.8;
     /// And at no less than this where the curvature falls from the base on: half for an arc of a circle, with room.
     pub(crate) const RELAXED_SHARE: f64 = 0.47;
-    /// The beam that is bent a little is asked where angles are below the first (rad) and known to the second, and no force points
-    /// back along the whisker to within the third; angles are off by less than so many times their largest square, and this (rad).
-    pub(crate) const BENT: f64 = 1.2;
-    pub(crate) const UNSURE: f64 = 0.5;
-    pub(crate) const HEAD_ON: f64 = 0.8;
-    pub(crate) const BOW: f64 = 0.25;
-    pub(crate) const BOW_LEAST: f64 = 0.1;
     /// The whisker goes on behind a contact within this angle (rad) of its direction there: a right angle, and a sixth of a turn
     /// for its bending.
     pub(crate) const SWEPT_BACK: f64 = 2.1;

@@ -20,8 +20,7 @@ use super::contractor::{BaseView, size};
 use super::record::ReadingContacts;
 use super::thick_piece::{PieceIndex, ThickPiece};
 use crate::config::two_contacts::{
-    ANGLE_SHARE, BENT, BOW, BOW_LEAST, HEAD_ON, LONGEST_STRETCH, LOWEST_CORNER, RELAXED_SHARE, SMOOTH, STRAIGHT,
-    SWEPT_BACK, UNSURE, UPPER_SHARE,
+    ANGLE_SHARE, LONGEST_STRETCH, LOWEST_CORNER, RELAXED_SHARE, SMOOTH, STRAIGHT, SWEPT_BACK, UPPER_SHARE,
 };
 use crate::plane::{Bounds, SegmentTree, Vec2, wrap_angle};
 use core::f64::consts::{FRAC_PI_2, PI};
@@ -211,8 +210,7 @@ impl TwoContacts {
             *comparisons += 1;
             let other = &self.all[partner.index as usize];
             f64::from(partner.gap) <= rest
-                && ((on && partner.on[side] && felt.bends_on(&seen, stretch, other))
-                    || (partner.back[side] && felt.fits_back(&seen, stretch, other)))
+                && ((on && partner.on[side] && felt.bends_on(&seen, stretch, other)) || partner.back[side])
         })
     }
 }
@@ -480,35 +478,5 @@ impl Felt<'_> {
         let between = wrap_angle(to_first - to_base);
         let middle = to_base + 0.5 * between;
         wrap_angle(other.normal - middle).abs() <= 0.5 * between.abs() + slack
-    }
-
-    /// Whether the whisker that `other` bends back behind the first contact has its slope there and its curvature at the base, as
-    /// far as the equations of a beam that is bent a little tell: `k(base) a / 2 = 3 angle - slope`, and `k(base) + 2 k(A) =
-    /// 6 (slope - angle) / a` with `k(A) c / 3 = (direction of C) - slope`.
-    fn fits_back(&self, seen: &Seen, first: &Stretch, other: &Stretch) -> bool {
-        let (way, wide) = direction(first, other, self.side);
-        let beyond = self.side * wrap_angle(way - self.view.heading);
-        let along = (self.side * wrap_angle(other.normal - way)).abs();
-        let unsure = wide + seen.wide + self.turn + other.slack;
-        let largest = seen.angle.abs().max(beyond.abs());
-        if unsure > UNSURE || largest > BENT || along > PI - HEAD_ON || self.friction > 0.0 {
-            return true;
-        }
-        let distance = size(other.point - first.point);
-        let (near, far) = (seen.nearest.max(1e-6), seen.farthest);
-        let spread = first.spread + other.spread;
-        let ratio = |a: f64, c: f64| c.max(0.0) / a;
-        let slope = |r: f64| (beyond + 2.0 * r * seen.angle) / (1.0 + 4.0 / 3.0 * r);
-        let slopes = [ratio(far, distance - spread), ratio(near, distance + spread)].map(slope);
-        let bowed = BOW * largest.max(slopes[0].abs()).max(slopes[1].abs()).powi(2) + BOW_LEAST;
-        let (lo, hi) = (slopes[0].min(slopes[1]) - bowed, slopes[0].max(slopes[1]) + bowed);
-        let off = 2.0 * unsure;
-        if hi + off < seen.slope.0 || lo - off > seen.slope.1 {
-            return false;
-        }
-        let bent = (3.0 * seen.angle - hi.min(seen.slope.1), 3.0 * seen.angle - lo.max(seen.slope.0));
-        let off = 3.0 * seen.wide + off + bowed;
-        let felt = |edge: f64, most: bool| 0.5 * edge * if (edge > 0.0) == most { far } else { near };
-        felt(self.bent.0, false) <= bent.1.max(bent.0) + off && felt(self.bent.1, true) >= bent.0.min(bent.1) - off
     }
 }
