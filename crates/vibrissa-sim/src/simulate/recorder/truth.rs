@@ -1,7 +1,8 @@
 //! How a robot, its map and its readings really are where that is not as declared.
 
-use super::in_range;
+use super::{Sweep, in_range};
 use crate::beam::{Stretch, Stretches};
+use crate::flow::pose::StampedPose;
 use crate::plane::{Curve, Pose2, Segment, Vec2};
 use crate::world::{Boundary, Map, Robot, Role};
 use crate::{Error, Result};
@@ -80,7 +81,7 @@ impl TrueErrors {
             let length = beam.length + sign * self.length;
             if !(length > 0.0 && length.is_finite()) {
                 return Err(Error::data(format!("the length of the whisker {} without its error", whisker.name))
-                    .value(length)
+                    .value(format!("{:.3} mm", 1e3 * length))
                     .allowed("above 0 m"));
             }
             let stretched = length / beam.length;
@@ -106,6 +107,33 @@ impl TrueErrors {
     /// Data: a map too large for its coordinates.
     pub fn declared_map(&self, world: &Map) -> Result<Map> {
         if self.map_scale.abs() > 0.0 { scaled(world, 1.0 / (1.0 + self.map_scale)) } else { Ok(world.clone()) }
+    }
+
+    /// The world as it is, of the map as it is declared: about the origin.
+    ///
+    /// # Errors
+    ///
+    /// Data: a world too large for its coordinates.
+    pub fn world(&self, declared: &Map) -> Result<Map> {
+        if self.map_scale.abs() > 0.0 { scaled(declared, 1.0 + self.map_scale) } else { Ok(declared.clone()) }
+    }
+
+    /// A path on the declared map, in the world as it is.
+    pub(crate) fn path_in_world(&self, path: &[StampedPose]) -> Vec<StampedPose> {
+        let scale = 1.0 + self.map_scale;
+        let place = |p: Pose2| Pose2::new(scale * p.x, scale * p.y, p.theta);
+        path.iter().map(|p| StampedPose { map_from_robot: place(p.map_from_robot), ..*p }).collect()
+    }
+
+    /// The places of a sweep in the world as it is, in the frame of the map as it is declared.
+    pub(crate) fn put_on_declared_map(&self, sweep: &mut Sweep) {
+        if self.map_scale.abs() <= 0.0 {
+            return;
+        }
+        let scale = 1.0 / (1.0 + self.map_scale);
+        sweep.truth.iter_mut().for_each(|pose| pose.map_from_robot = self.on_declared_map(pose.map_from_robot));
+        sweep.contacts.iter_mut().for_each(|touch| touch.position = touch.position * scale);
+        sweep.shapes.iter_mut().flat_map(|shape| &mut shape.points).for_each(|point| *point = *point * scale);
     }
 
     /// A pose of the world as it is, in the frame of the map as it is declared.
