@@ -107,7 +107,10 @@ fn messages() {
         ("errors mount", plain("", "[errors]\nmount = \"1 deg\"\n")),
         ("errors length", plain("", "[errors]\nlength = -0.08\n")),
         ("errors heading", plain("", "[errors]\nheading = \"20 deg\"\n")),
-        ("map's scale and a robot file", format!("robot = \"robot.toml\"\nmap = {{ wall = [[0, 0], [1, 0]], scale_error = 0.1 }}\n{WAY}")),
+        (
+            "map's scale and a robot file",
+            format!("robot = \"robot.toml\"\nmap = {{ wall = [[0, 0], [1, 0]], scale_error = 0.1 }}\n{WAY}"),
+        ),
         ("noise unit", plain("", "[noise]\ndrift = \"5 uN m\"\n")),
         ("slip", plain("", "[[noise.odometry.slip]]\nt = 1\nshare = -1\n")),
         ("sensing key", plain("", "[sensing]\ncolumn = [\"flux\"]\n")),
