@@ -18,7 +18,7 @@ use vibrissa::flow::sensor_log::Quantity;
 use vibrissa::flow::trajectory::trajectory_error;
 use vibrissa::io::{format_tum, read_tum};
 use vibrissa::sets::StateBox;
-use vibrissa::tasks::demo;
+use vibrissa::tasks::{advise, demo};
 
 /// The methods by name, the default one first.
 #[pyfunction]
@@ -73,7 +73,13 @@ pub(crate) fn localize<'py>(
     warn(py, &unused)?;
     let (log, map, total) = (Arc::clone(&log.0), Arc::clone(&map.0), log.0.rows.len());
     let answer = run(py, progress, total, move |watch| {
-        vibrissa::localize(&log, &map, &robot, &method, &mut |row| watch.tell(row + 1))
+        let mut answer = vibrissa::localize(&log, &map, &robot, &method, &mut |row| watch.tell(row + 1))?;
+        advise(&mut answer, &log, &map, &robot, &method, &mut || {
+            // Ends here once the caller has given up.
+            watch.tell(total);
+            true
+        })?;
+        Ok(answer)
     })?;
     fields(py, &answer)
 }
