@@ -15,8 +15,8 @@ use crate::world::{Map, Robot};
 use change::{Change, candidates};
 
 /// Rows of the log that are looked at, and how many of them are used: up to every third.
-const WINDOW: usize = 900;
-const ROWS: usize = 300;
+const WINDOW: usize = 600;
+const ROWS: usize = 200;
 /// Rows of the window after the one at which the last state was ruled out.
 const AFTER: usize = 60;
 /// Most changes that are tried, and fewest; on large maps so many as there are maps of that size in so many metres of boundary.
@@ -63,7 +63,7 @@ pub fn advise(
 /// that are swapped, gain, zero and units of the readings, the whisker's length, a delay, no heading. Up to five, by their verdict, then
 /// by how well the readings fit.
 ///
-/// Each change is one run over at most 300 rows, every third of a window of 900 that ends soon after the time `at` (s), at which the last
+/// Each change is one run over at most 200 rows, every third of a window of 600 that ends soon after the time `at` (s), at which the last
 /// state was ruled out, or with the log; at most 32 changes are tried, on maps
 /// with more than two metres of boundary as many as together have 60 m, and no fewer than four. `go_on` is asked at every row; where it says no, what has been
 /// found by then is told.
