@@ -79,10 +79,13 @@ def test_what_is_said_of_errors_fit_and_doubts_is_the_commands(demo_files: Path,
 
 def test_an_inconsistent_answer_has_no_pose(demo_files: Path) -> None:
     log = vibrissa.SensorLog.read(demo_files / "log.csv")
-    mirrored = vibrissa.SensorLog(log.t, log.odometry, 3 * log.readings)
+    mirrored = vibrissa.SensorLog(log.t, log.odometry, -log.readings["moment"])
     answer = vibrissa.localize(mirrored, demo_files / "map.svg", truth=demo_files / "truth.tum")
     assert answer.status == "inconsistent"
     assert answer.estimate is None and answer.hypotheses == [] and answer.error is None
+    assert answer.consistency is not None
+    best = answer.consistency.remedies[0]
+    assert "the sign of w0.moment" in best.change and best.status == "localized"
 
 
 def test_a_place_along_a_straight_wall_is_a_curve(tmp_path: Path, command: Command) -> None:
