@@ -72,7 +72,9 @@ fn the_folder_holds_the_promised_files_and_nothing_else() {
     }
     let read = |name: &str| fs::read_to_string(out.join(name)).unwrap();
     let result: Value = serde_json::from_str(&read("result.json")).unwrap();
-    assert_eq!(keys(&result), ["estimate", "events", "hypotheses", "method", "runtime", "status"]);
+    let promised =
+        ["consistency", "estimate", "events", "hypotheses", "method", "nuisances", "runtime", "status", "unsure"];
+    assert_eq!(keys(&result), promised);
     check_result(&result);
     assert!(read("states.csv").starts_with("x_min,x_max,y_min,y_max,theta_min,theta_max\n"));
     assert!(read("steps.csv").starts_with("t,components,area_m2,volume\n"));

@@ -29,6 +29,7 @@ text { font-family: system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neu
 .truth { fill: none; stroke: #8fd3bd; stroke-width: 6; stroke-linecap: round; stroke-linejoin: round; }
 .truth-mark { fill: none; stroke: #00795a; stroke-width: 1.8; }
 .path { fill: none; stroke: #0072b2; stroke-width: 1.8; stroke-linejoin: round; }
+.path-unsure { fill: none; stroke: #777; stroke-width: 1.4; stroke-dasharray: 5 4; stroke-linejoin: round; }
 .whisker { fill: none; stroke: #a64d85; stroke-opacity: 0.55; stroke-width: 0.9; stroke-linecap: round; stroke-linejoin: round; }
 .whisker-last { fill: none; stroke: #a64d85; stroke-width: 2.2; stroke-linecap: round; stroke-linejoin: round; }
 .tip-contact { fill: none; stroke: #d55e00; stroke-width: 3.4; stroke-linecap: round; }

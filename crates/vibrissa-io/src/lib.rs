@@ -31,7 +31,7 @@ pub use calibration::read as read_calibration;
 pub use log::read as read_log;
 pub use map::read as read_map;
 pub use robot::read as read_robot;
-pub use trajectory::{format_tum, parse_tum, read_tum};
+pub use trajectory::{format_tum, format_tum_with_doubts, parse_tum, read_tum};
 pub use units::{Dimension, parse_quantity};
 
 #[cfg(feature = "mcap")]

@@ -1,6 +1,6 @@
 //! Trajectories as text: TUM lines `timestamp tx ty tz qx qy qz qw`.
 
-use crate::flow::pose::StampedPose;
+use crate::flow::pose::{StampedPose, Stretch};
 use crate::plane::Pose2;
 use crate::{Error, Result};
 use std::fmt::Write;
@@ -81,6 +81,14 @@ fn parse_line(line: &str) -> Result<StampedPose> {
     }
     let heading = (2.0 * (qw * qz + qx * qy)).atan2(qw * qw + qx * qx - qy * qy - qz * qz);
     Ok(StampedPose { t, map_from_robot: Pose2::new(x, y, heading) })
+}
+
+/// As [`format_tum`], with a comment line `# unsure from T to T` (s) at its head for each stretch in which the trajectory is not
+/// sure: readers skip it.
+#[must_use]
+pub fn format_tum_with_doubts(poses: &[StampedPose], unsure: &[Stretch]) -> String {
+    let doubts: String = unsure.iter().map(|s| format!("# unsure from {:.6} to {:.6}\n", s.from, s.to)).collect();
+    doubts + &format_tum(poses)
 }
 
 /// The trajectory as lines `timestamp tx ty tz qx qy qz qw`: microseconds, nanometres, quaternion to 1e-9.

@@ -46,6 +46,12 @@ pub(crate) struct MountedIn {
     force_absolute: f64,
     slope_relative: f64,
     slope_absolute: f64,
+    zero_error: f64,
+    zero_drift_error: f64,
+    mount_error: [f64; 3],
+    length_error: f64,
+    stiffness_error: f64,
+    gain_error: f64,
 }
 
 /// The attributes of `vibrissa.Robot`.
@@ -54,6 +60,8 @@ pub(crate) struct RobotIn {
     whiskers: Vec<MountedIn>,
     translation_relative: f64,
     rotation_relative: f64,
+    delay_error: f64,
+    map_scale_error: f64,
 }
 
 impl WhiskerIn {
@@ -115,7 +123,14 @@ impl RobotIn {
                 },
                 force_noise: ReadingNoise { relative: mounted.force_relative, absolute: mounted.force_absolute },
                 slope_noise: ReadingNoise { relative: mounted.slope_relative, absolute: mounted.slope_absolute },
-                errors: WhiskerErrors::default(),
+                errors: WhiskerErrors {
+                    zero: mounted.zero_error,
+                    zero_drift: mounted.zero_drift_error,
+                    mount: mounted.mount_error,
+                    length: mounted.length_error,
+                    rigidity: mounted.stiffness_error,
+                    gain: mounted.gain_error,
+                },
             })
         };
         let robot = Robot {
@@ -123,9 +138,9 @@ impl RobotIn {
             odometry: Odometry {
                 translation_relative: self.translation_relative,
                 rotation_relative: self.rotation_relative,
-                ..Odometry::default()
+                delay: self.delay_error,
             },
-            ..Robot::default()
+            map_scale: self.map_scale_error,
         };
         vibrissa::io::robot::from_toml(&vibrissa::io::robot::to_toml(&robot), CHECKED).map_err(without_line)?;
         Ok(robot)
@@ -172,12 +187,21 @@ fn robot_out<'py>(py: Python<'py>, robot: &Robot) -> PyResult<Bound<'py, PyDict>
         one.set_item("force_absolute", mounted.force_noise.absolute)?;
         one.set_item("slope_relative", mounted.slope_noise.relative)?;
         one.set_item("slope_absolute", mounted.slope_noise.absolute)?;
+        let errors = mounted.errors;
+        one.set_item("zero_error", errors.zero)?;
+        one.set_item("zero_drift_error", errors.zero_drift)?;
+        one.set_item("mount_error", (errors.mount[0], errors.mount[1], errors.mount[2]))?;
+        one.set_item("length_error", errors.length)?;
+        one.set_item("stiffness_error", errors.rigidity)?;
+        one.set_item("gain_error", errors.gain)?;
         Ok(one)
     });
     let out = PyDict::new(py);
     out.set_item("whiskers", whiskers.collect::<PyResult<Vec<_>>>()?)?;
     out.set_item("translation_relative", robot.odometry.translation_relative)?;
     out.set_item("rotation_relative", robot.odometry.rotation_relative)?;
+    out.set_item("delay_error", robot.odometry.delay)?;
+    out.set_item("map_scale_error", robot.map_scale)?;
     Ok(out)
 }
 

@@ -13,12 +13,12 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use vibrissa::Method;
 use vibrissa::config::{SettingValue, Slot};
-use vibrissa::flow::pose::{Hypothesis, Localization, OdometryEstimate};
+use vibrissa::flow::pose::{ConsistencyReport, Hypothesis, Localization, Nuisance, OdometryEstimate, Status};
 use vibrissa::flow::sensor_log::Quantity;
 use vibrissa::flow::trajectory::trajectory_error;
 use vibrissa::io::{format_tum, read_tum};
 use vibrissa::sets::StateBox;
-use vibrissa::tasks::demo;
+use vibrissa::tasks::{advise, demo};
 
 /// The methods by name, the default one first.
 #[pyfunction]
@@ -73,7 +73,13 @@ pub(crate) fn localize<'py>(
     warn(py, &unused)?;
     let (log, map, total) = (Arc::clone(&log.0), Arc::clone(&map.0), log.0.rows.len());
     let answer = run(py, progress, total, move |watch| {
-        vibrissa::localize(&log, &map, &robot, &method, &mut |row| watch.tell(row + 1))
+        let mut answer = vibrissa::localize(&log, &map, &robot, &method, &mut |row| watch.tell(row + 1))?;
+        advise(&mut answer, &log, &map, &robot, &method, &mut || {
+            // Ends here once the caller has given up.
+            watch.tell(total);
+            true
+        })?;
+        Ok(answer)
     })?;
     fields(py, &answer)
 }
@@ -86,12 +92,18 @@ fn fields<'py>(py: Python<'py>, answer: &Localization) -> PyResult<Bound<'py, Py
     let out = PyDict::new(py);
     out.set_item("method", answer.method)?;
     out.set_item("status", answer.status.as_str())?;
-    out.set_item("estimate", answer.estimate.map(|pose| (pose.x, pose.y, pose.theta)))?;
-    out.set_item("hypotheses", answer.hypotheses.iter().map(|h| hypothesis(py, h)).collect::<PyResult<Vec<_>>>()?)?;
+    // Where nothing explains the log no pose may look like an answer.
+    let answered = answer.status != Status::Inconsistent;
+    out.set_item("estimate", answer.estimate.filter(|_| answered).map(|pose| (pose.x, pose.y, pose.theta)))?;
+    let places = answer.hypotheses.iter().filter(|_| answered);
+    out.set_item("hypotheses", places.map(|h| hypothesis(py, h)).collect::<PyResult<Vec<_>>>()?)?;
     out.set_item("trajectory", trajectory(py, &answer.trajectory)?)?;
     out.set_item("states", table(py, &answer.states, sides)?)?;
     out.set_item("first_states", poses(py, answer.first_states.iter().copied())?)?;
     out.set_item("odometry", answer.odometry.as_ref().map(|one| odometry(py, one)).transpose()?)?;
+    out.set_item("nuisances", answer.nuisances.iter().map(|one| nuisance(py, one)).collect::<PyResult<Vec<_>>>()?)?;
+    out.set_item("consistency", answer.consistency.as_ref().map(|one| consistency(py, one)).transpose()?)?;
+    out.set_item("unsure", table(py, &answer.unsure, |stretch| [stretch.from, stretch.to])?)?;
     let steps = PyDict::new(py);
     steps.set_item("t", column(py, &answer.steps, |step| step.t))?;
     steps.set_item("components", counts(py, &answer.steps, |step| step.components))?;
@@ -112,6 +124,28 @@ fn odometry<'py>(py: Python<'py>, one: &OdometryEstimate) -> PyResult<Bound<'py,
     out.set_item("aside_std", one.aside_std)?;
     out.set_item("rotation_scale", one.rotation_scale)?;
     out.set_item("rotation_scale_std", one.rotation_scale_std)?;
+    Ok(out)
+}
+
+fn nuisance<'py>(py: Python<'py>, one: &Nuisance) -> PyResult<Bound<'py, PyDict>> {
+    let out = PyDict::new(py);
+    out.set_item("quantity", one.quantity.as_str())?;
+    out.set_item("whisker", one.whisker.as_deref())?;
+    out.set_item("unit", one.quantity.unit())?;
+    out.set_item("estimate", one.estimate)?;
+    out.set_item("std", one.std)?;
+    out.set_item("bound", one.bound)?;
+    Ok(out)
+}
+
+fn consistency<'py>(py: Python<'py>, one: &ConsistencyReport) -> PyResult<Bound<'py, PyDict>> {
+    let out = PyDict::new(py);
+    out.set_item("statistic", one.statistic)?;
+    out.set_item("most", one.most)?;
+    out.set_item("correlation_time", one.correlation_time)?;
+    out.set_item("worst", one.worst.map(|(stretch, statistic)| (stretch.from, stretch.to, statistic)))?;
+    let remedies = one.remedies.iter().map(|remedy| (remedy.change.clone(), remedy.statistic, remedy.status.as_str()));
+    out.set_item("remedies", remedies.collect::<Vec<_>>())?;
     Ok(out)
 }
 

@@ -67,6 +67,27 @@ def test_odometry_that_may_be_wrong_is_estimated(demo_files: Path, tmp_path: Pat
     assert abs(answer.odometry.rotation_scale - 1) < 3 * answer.odometry.rotation_scale_std < 0.02
 
 
+def test_what_is_said_of_errors_fit_and_doubts_is_the_commands(demo_files: Path, command: Command) -> None:
+    log, arena = demo_files / "log.csv", demo_files / "map.svg"
+    told = command("localize", log, "--map", arena)
+    answer = vibrissa.localize(log, arena)
+    assert [dataclasses.asdict(one) for one in answer.nuisances] == told["nuisances"]
+    assert answer.unsure.tolist() == [[one["from"], one["to"]] for one in told["unsure"]]
+    assert answer.unsure.shape[1] == 2
+    assert (answer.consistency is None) == (told["consistency"] is None)
+
+
+def test_an_inconsistent_answer_has_no_pose(demo_files: Path) -> None:
+    log = vibrissa.SensorLog.read(demo_files / "log.csv")
+    mirrored = vibrissa.SensorLog(log.t, log.odometry, -log.readings["moment"])
+    answer = vibrissa.localize(mirrored, demo_files / "map.svg", truth=demo_files / "truth.tum")
+    assert answer.status == "inconsistent"
+    assert answer.estimate is None and answer.hypotheses == [] and answer.error is None
+    assert answer.consistency is not None
+    best = answer.consistency.remedies[0]
+    assert "the sign of w0.moment" in best.change and best.status == "localized"
+
+
 def test_a_place_along_a_straight_wall_is_a_curve(tmp_path: Path, command: Command) -> None:
     corners = [(-0.25, -0.25), (0.25, -0.25), (0.25, 0.25), (-0.25, 0.25), (-0.25, -0.25)]
     room = tmp_path / "room.geojson"

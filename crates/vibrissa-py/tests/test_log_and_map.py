@@ -105,12 +105,26 @@ def test_a_map_of_points_knows_free_space() -> None:
 
 def test_robots_read_back_the_same_and_are_checked(tmp_path: Path) -> None:
     whisker = vibrissa.Whisker(length=0.1, tip_ratio=0.4, curvature=1.5, curvature_rise=(3.0,), base_stiffness=0.2)
-    robot = vibrissa.Robot((vibrissa.MountedWhisker("left", whisker, (0.1, 0.02, 1.0), 0.3),), 0.01, 0.02)
+    mounted = vibrissa.MountedWhisker(
+        "left",
+        whisker,
+        (0.1, 0.02, 1.0),
+        0.3,
+        zero_error=2e-4,
+        zero_drift_error=2e-6,
+        mount_error=(5e-4, 4e-4, 0.02),
+        length_error=1e-3,
+        stiffness_error=0.02,
+        gain_error=0.03,
+    )
+    robot = vibrissa.Robot((mounted,), 0.01, 0.02, delay_error=0.02, map_scale_error=0.01)
     (tmp_path / "robot.toml").write_text(robot.to_toml())
     assert vibrissa.Robot.read(tmp_path / "robot.toml") == robot
     assert vibrissa.Robot.from_toml(vibrissa.Robot().to_toml()) == vibrissa.Robot()
     with pytest.raises(vibrissa.DataError, match="^whisker.friction is out of range: -1"):
         vibrissa.Robot((vibrissa.MountedWhisker(friction=-1.0),)).to_toml()
+    with pytest.raises(vibrissa.DataError, match="^whisker.length_error is out of range: 1 m"):
+        vibrissa.Robot((vibrissa.MountedWhisker(length_error=1.0),)).to_toml()
     with pytest.raises(vibrissa.UsageError, match="curvature_rise"):
         vibrissa.Robot((vibrissa.MountedWhisker(beam=vibrissa.Whisker(curvature_rise=(1.0,) * 9)),)).to_toml()
 

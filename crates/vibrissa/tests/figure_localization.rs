@@ -4,7 +4,7 @@
 
 use std::path::Path;
 use vibrissa::figure::{LocalizationScene, Outline, OutlineRole, localization_figure};
-use vibrissa::flow::pose::{Event, Hypothesis, Localization, ShapeRecord, StampedPose, Status};
+use vibrissa::flow::pose::{Event, Hypothesis, Localization, ShapeRecord, StampedPose, Status, Stretch};
 use vibrissa::plane::{Pose2, Vec2};
 use vibrissa::sets::{Interval, StateBox};
 
@@ -260,5 +260,39 @@ fn hostile_numbers_and_empty_scenes_leave_valid_figures() {
             assert!(figure.ends_with("</svg>\n"));
             assert!(!figure.contains("d=\"MNaN") && !figure.contains("=\"NaN\"") && !figure.contains("=\"inf\""));
         }
+    }
+}
+
+#[test]
+fn a_path_that_is_not_sure_is_dashed() {
+    let pose = Pose2::new(0.0, 0.035, 1.75);
+    let sure = localized(&[(pose, 1e-3, 20)], Status::Localized);
+    let draw = |answer: &Localization| {
+        localization_figure(&LocalizationScene { title: "doubts", map: &map(), answer, truth: None, robot: &[] })
+    };
+    let words = "where the path is not sure";
+    let plain = draw(&sure);
+    assert!(!plain.contains("class=\"path-unsure\"") && !plain.contains(words));
+    // The stretches begin and end within the sweep's 0.43 s; the last lies outside of it.
+    let unsure = [(0.1, 0.2), (0.3, 0.31), (5.0, 6.0)].map(|(from, to)| Stretch { from, to });
+    let doubtful = draw(&Localization { unsure: unsure.to_vec(), ..sure.clone() });
+    std::fs::write(Path::new(env!("CARGO_TARGET_TMPDIR")).join("unsure.svg"), &doubtful).unwrap();
+    assert!(doubtful.contains(words));
+    let count = |text: &str, class: &str| text.matches(&format!("class=\"{class}\"")).count();
+    assert_eq!(count(&doubtful, "path-unsure") % 2, 1, "two stretches on each canvas, and the legend");
+    assert!(count(&doubtful, "path") > count(&plain, "path"), "three pieces of the sure path");
+    let all = draw(&Localization { unsure: vec![Stretch { from: 0.0, to: 9.0 }], ..sure });
+    assert!(count(&all, "path-unsure") > 0 && count(&all, "path") == 1, "only the legend's sample is solid");
+}
+
+#[test]
+fn an_inconsistent_answer_is_drawn_without_a_place() {
+    let pose = Pose2::new(0.0, 0.035, 1.75);
+    let answer = localized(&[(pose, 1e-3, 20)], Status::Inconsistent);
+    let truth = sweep(Vec2::ZERO);
+    let scene = LocalizationScene { title: "none", map: &map(), answer: &answer, truth: Some(&truth), robot: &[] };
+    let svg = localization_figure(&scene);
+    for word in ["class=\"estimate\"", "class=\"extent\"", "off the truth", "estimate and heading"] {
+        assert!(!svg.contains(word), "{word}");
     }
 }

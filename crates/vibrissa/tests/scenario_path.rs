@@ -192,3 +192,82 @@ fn shapes_are_the_closed_forms() {
     }
     assert!(sweep.contacts.len() > 100);
 }
+
+/// A drag along the wall of a room, with these sections behind it.
+fn dragged(sections: &str) -> Scenario {
+    let text = format!(
+        "map = {{ arena = [[0, 0], [0.6, 0], [0.6, 0.4], [0, 0.4]] }}\n[[whisker]]\nmount = [0, 0, \"128 deg\"]\n\
+         [path]\nwaypoints = [[0.2, 0.32, 0], [0.25, 0.35, 0], [0.4, 0.35, 0]]\n{sections}"
+    );
+    Scenario::from_toml(&text, "test.toml", "").unwrap()
+}
+
+#[test]
+fn the_robot_that_is_simulated_has_the_errors_and_the_one_that_is_declared_has_not() {
+    let exact = "[noise]\nlaw = \"none\"\n[errors]\n";
+    let readings = |sections: &str| -> Vec<f64> {
+        let simulation = dragged(sections).simulate().unwrap();
+        simulation.recording.log.rows.iter().map(|row| row.readings[0]).collect()
+    };
+    let plain = readings(exact);
+    let near = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-12);
+    let zero: Vec<f64> = plain.iter().map(|m| 1.08 * m + 2e-4).collect();
+    assert!(near(&readings(&format!("{exact}zero = \"0.2 mN m\"\ngain = \"8 %\"")), &zero));
+    // A whisker twice as stiff in the same shape reads twice as much.
+    let stiff: Vec<f64> = plain.iter().map(|m| 2.0 * m).collect();
+    let twice = readings(&format!("{exact}stiffness = \"100 %\""));
+    assert!(twice.iter().zip(&stiff).all(|(a, b)| (a - b).abs() < 1e-8 * b.abs() + 1e-12));
+    let mounted = dragged(&format!("{exact}mount = [0, 0, \"2 deg\"]\nlength = \"1 mm\""));
+    let declared = mounted.robot.whiskers[0].clone();
+    assert!((declared.robot_from_whisker.theta - 128.0_f64.to_radians()).abs() < 1e-15);
+    let truth = mounted.simulate().unwrap().robot.whiskers[0].clone();
+    assert!((truth.robot_from_whisker.theta - 130.0_f64.to_radians()).abs() < 1e-12);
+    assert!((truth.beam.length - declared.beam.length - 1e-3).abs() < 1e-15);
+    let late = readings(&format!("{exact}delay = \"-20 ms\""));
+    assert!(near(&late[6..], &plain[..plain.len() - 6]) && late[5].abs() < 1e-15, "six rows of 300 Hz");
+}
+
+#[test]
+fn a_world_larger_than_its_map_is_gone_through_on_the_map() {
+    let plain = dragged("[noise]\nlaw = \"none\"\n").simulate().unwrap();
+    let large = dragged("[noise]\nlaw = \"none\"\n[errors]\nmap_scale = \"3 %\"\n").simulate().unwrap();
+    for (a, b) in plain.sweep.truth.iter().zip(&large.sweep.truth) {
+        assert!(a.map_from_robot.position().distance(b.map_from_robot.position()) < 1e-12, "truth on the map");
+    }
+    let way = |simulation: &vibrissa::sim::Simulation| {
+        simulation.recording.log.rows.last().map(|row| row.odom_from_robot.position().norm()).unwrap()
+    };
+    assert!((way(&large) / way(&plain) - 1.03).abs() < 1e-12, "odometry counts the metres of the world");
+    let wall = large.sweep.contacts.iter().map(|touch| (touch.position.y - 0.4).abs()).fold(0.0, f64::max);
+    assert!(wall < 1e-9, "touches lie on the map's wall: {wall}");
+}
+
+#[test]
+fn laws_of_noise_are_read_with_their_parameters() {
+    use vibrissa::sim::recorder::NoiseLaw;
+    let law = |text: &str| dragged(&format!("[noise]\n{text}\n")).recorder.law;
+    assert_eq!(law("law = \"ar1\""), NoiseLaw::Autoregressive { time_constant: 0.5 });
+    assert_eq!(law("law = \"ar1\"\ntime_constant = \"100 ms\""), NoiseLaw::Autoregressive { time_constant: 0.1 });
+    assert_eq!(law("law = \"sine\"\nperiods = 3"), NoiseLaw::Sine { periods: 3.0 });
+    assert_eq!(law("law = \"quantised\"\nbits = 10"), NoiseLaw::Quantised { bits: 10 });
+    assert_eq!(law("moment_relative = 0.01"), NoiseLaw::Uniform);
+}
+
+#[test]
+fn scenarios_declare_what_robots_declare() {
+    let text = "map = { arena = [[0, 0], [0.6, 0], [0.6, 0.4], [0, 0.4]], scale_error = \"1 %\" }\n\
+                [[whisker]]\nzero_error = \"0.2 mN m\"\n[odometry]\ndelay_error = \"20 ms\"\n\
+                [path]\nwaypoints = [[0.2, 0.2, 0], [0.3, 0.2, 0]]\n";
+    let robot = Scenario::from_toml(text, "test.toml", "").unwrap().robot;
+    assert!((robot.map_scale - 0.01).abs() < 1e-15 && (robot.odometry.delay - 0.02).abs() < 1e-15);
+    assert!((robot.whiskers[0].errors.zero - 2e-4).abs() < 1e-18);
+    let maps = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenarios/maps");
+    let text =
+        "map = { file = \"room.svg\", scale_error = 0.02 }\n[path]\nwaypoints = [[0.1, 0.5, 0], [0.2, 0.5, 0]]\n";
+    let scenario = Scenario::from_toml(text, "test.toml", maps).unwrap();
+    assert!((scenario.robot.map_scale - 0.02).abs() < 1e-15);
+    assert!(scenario.map_file.is_some_and(|file| file.ends_with("room.svg")));
+    let both =
+        "map = { file = \"room.svg\", arena = [[0, 0], [1, 0], [1, 1]] }\n[path]\nwaypoints = [[0, 0], [1, 0]]\n";
+    assert!(Scenario::from_toml(both, "test.toml", maps).unwrap_err().to_string().contains("unknown key: map.arena"));
+}

@@ -7,11 +7,12 @@ use vibrissa::io::log::to_csv;
 use vibrissa::plane::Pose2;
 use vibrissa::sensing::SensingChain;
 use vibrissa::sim::recorder::{
-    Columns, Disturbances, Magnetometer, OdometryErrors, Recorder, Recording, SerialLayout, Slip, Stamps, serial_text,
+    Columns, Disturbances, Magnetometer, NoiseLaw, OdometryErrors, Recorder, Recording, SerialLayout, Slip, Stamps,
+    TrueErrors, serial_text,
 };
 use vibrissa::sim::{Sweep, SweepNoise};
 use vibrissa::tasks::demo;
-use vibrissa::world::Robot;
+use vibrissa::world::{MomentNoise, Robot};
 
 const ROWS: usize = 20_000;
 
@@ -284,4 +285,100 @@ fn options_out_of_range_are_refused() {
     ] {
         assert!(recorder.record(&Robot::default(), &sweep).unwrap_err().is_usage(), "{recorder:?}");
     }
+}
+
+/// The errors of a law over their bound, of readings that are bounded by 5 % and 20 uN m.
+fn shares(law: NoiseLaw) -> Vec<f64> {
+    let sweep = sweep();
+    let recording = record(&Recorder { law, noise: SweepNoise::seeded(5), ..Recorder::default() }, &sweep);
+    let noise = MomentNoise::default();
+    let share = |(row, exact): (&vibrissa::flow::sensor_log::LogRow, &Vec<f64>)| {
+        let z = row.readings[0];
+        (z - exact[0]) / (noise.moment_relative * z.abs() + noise.moment_absolute)
+    };
+    recording.log.rows.iter().zip(&sweep.exact_moments).map(share).collect()
+}
+
+#[test]
+fn every_law_keeps_within_the_declared_bound() {
+    for word in NoiseLaw::WORDS {
+        let shares = shares(NoiseLaw::from_word(word).unwrap());
+        let largest = shares.iter().fold(0.0_f64, |most, share| most.max(share.abs()));
+        assert!(largest <= 1.0, "{word}: {largest}");
+        assert_eq!(largest < 0.05, word == "none", "{word}: {largest}");
+    }
+    assert_eq!(NoiseLaw::from_word("white"), None);
+}
+
+#[test]
+fn random_laws_have_the_deviation_and_the_correlation_that_they_tell() {
+    let laws = [NoiseLaw::Uniform, NoiseLaw::TwoPoint, NoiseLaw::Autoregressive { time_constant: 0.1 }];
+    for law in laws {
+        let shares = shares(law);
+        let (told, _) = law.moments(0.0).unwrap();
+        assert!((deviation(&shares) / told - 1.0).abs() < 0.05, "{law:?}: {} for {told}", deviation(&shares));
+        for rows in [3_usize, 30, 60] {
+            let apart: Vec<f64> = shares.iter().zip(&shares[rows..]).map(|(a, b)| a * b).collect();
+            let (found, told) = (mean(&apart) / told.powi(2), law.moments(rows as f64 / 300.0).unwrap().1);
+            assert!((found - told).abs() < 0.08, "{law:?}, {rows} rows apart: {found} for {told}");
+        }
+    }
+    assert_eq!(NoiseLaw::Step.moments(0.0), None);
+}
+
+#[test]
+fn laws_over_time_change_where_they_say() {
+    let step = shares(NoiseLaw::Step);
+    assert!(step[ROWS / 4] > 0.5 && step[3 * ROWS / 4] < -0.5);
+    let drift = shares(NoiseLaw::Drift);
+    assert!(drift[1] < -0.9 && drift[ROWS - 2] > 0.9 && drift[ROWS / 2].abs() < 0.01);
+    // The moment rises for a thousand rows and falls for a thousand.
+    let loops = shares(NoiseLaw::Hysteresis);
+    assert!(loops[500] > 0.5 && loops[1500] < -0.5 && loops[2500] > 0.5);
+    let dead = shares(NoiseLaw::DeadZone);
+    assert!(dead.iter().all(|share| *share <= 0.0) && dead[5] < -0.4);
+    assert!(shares(NoiseLaw::Offset).iter().all(|share| (0.1..=1.0).contains(share)));
+}
+
+#[test]
+fn true_errors_are_the_true_values_less_the_declared_ones() {
+    let sweep = sweep();
+    let readings = |truth: TrueErrors| -> Vec<f64> {
+        record(&Recorder { truth, ..exact() }, &sweep).log.rows.iter().map(|row| row.readings[0]).collect()
+    };
+    let moments: Vec<f64> = sweep.exact_moments.iter().map(|row| row[0]).collect();
+    let none = TrueErrors::default();
+    let near = |a: f64, b: f64| (a - b).abs() < 1e-15;
+    let shifted = readings(TrueErrors { zero: 2e-4, zero_drift: 1e-6, gain: 0.08, ..none });
+    for k in (0..ROWS).step_by(777) {
+        assert!(near(shifted[k], 1.08 * moments[k] + 2e-4 + 1e-6 * sweep.truth[k].t));
+    }
+    // Fifteen rows later: on the slopes of the triangle by 15 steps of 2 uN m.
+    let late = readings(TrueErrors { delay: 0.05, ..none });
+    assert!((late[500] - moments[515]).abs() < 1e-12 && (late[1500] - moments[1515]).abs() < 1e-12);
+    let log = record(&Recorder { truth: TrueErrors { odometry_translation: 0.05, ..none }, ..exact() }, &sweep).log;
+    assert!((log.rows[1000].odom_from_robot.x - 1.05).abs() < 1e-9);
+    let heading = Recorder { truth: TrueErrors { heading: 0.35, ..none }, heading_noise: Some(0.0), ..exact() };
+    assert!((record(&heading, &sweep).log.rows[7].heading.unwrap() - 0.35).abs() < 1e-12);
+}
+
+#[test]
+fn a_declared_robot_and_map_come_back_from_the_true_ones() {
+    let errors =
+        TrueErrors { mount: [1e-3, -2e-3, 0.1], length: 3e-3, rigidity: 0.1, map_scale: 0.25, ..Default::default() };
+    let declared = Robot::default();
+    let truth = errors.true_robot(&declared).unwrap();
+    let whisker = &truth.whiskers[0];
+    assert!((whisker.beam.length - 0.078).abs() < 1e-12 && (whisker.robot_from_whisker.theta - 0.1).abs() < 1e-12);
+    let back = errors.declared_robot(&truth).unwrap();
+    assert!((back.whiskers[0].beam.length - 0.075).abs() < 1e-15);
+    assert!(
+        (back.whiskers[0].beam.flexural_rigidity / declared.whiskers[0].beam.flexural_rigidity - 1.0).abs() < 1e-12
+    );
+    let world = demo::arena().unwrap();
+    let map = errors.declared_map(&world).unwrap();
+    assert!((map.bounds().size().x * 1.25 - world.bounds().size().x).abs() < 1e-9);
+    assert_eq!(map.boundaries().len(), world.boundaries().len());
+    assert!((errors.on_declared_map(Pose2::new(0.5, 0.25, 1.0)).x - 0.4).abs() < 1e-12);
+    assert!(TrueErrors { length: -0.075, ..errors }.true_robot(&declared).is_err());
 }

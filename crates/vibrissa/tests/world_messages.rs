@@ -205,6 +205,19 @@ fn robot() {
         ("diameter alone", "[[whisker]]\ndiameter = \"0.58 mm\""),
         ("contradiction", "[[whisker]]\nflexural_rigidity = 1e-3\nyoung_modulus = \"52 GPa\"\ndiameter = \"0.58 mm\""),
         ("second whisker", "[[whisker]]\n[[whisker]]\nlength = 0"),
+        ("zero in Newton", "[[whisker]]\nzero_error = \"0.2 N\""),
+        ("negative zero", "[[whisker]]\nzero_error = -1e-4"),
+        ("drift without time", "[[whisker]]\nzero_drift_error = \"0.1 mN m\""),
+        ("one mount error", "[[whisker]]\nmount_error = \"1 mm\""),
+        ("mount error in degrees", "[[whisker]]\nmount_error = [0, 0, 5]"),
+        ("mount error in millimetres", "[[whisker]]\nmount_error = [1, 2, 0]"),
+        ("longer than the whisker", "[[whisker]]\nlength = 0.05\nlength_error = 0.5"),
+        ("stiffness of 200 %", "[[whisker]]\nstiffness_error = \"200 %\""),
+        ("gain of one", "[[whisker]]\ngain_error = 1"),
+        ("a misspelt error", "[[whisker]]\ngian_error = 0.1"),
+        ("delay in milliseconds", "[odometry]\ndelay_error = 20"),
+        ("map's scale", "[map]\nscale_error = 3"),
+        ("map's file", "[map]\nfile = \"map.svg\""),
     ]);
     check("robot_messages.txt", &gallery(&found, |t| vibrissa::io::robot::from_toml(t, "robot.toml"), |_| &[]));
 }

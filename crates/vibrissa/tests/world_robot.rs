@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use std::path::{Path, PathBuf};
 use vibrissa::io::{Dimension, parse_quantity};
 use vibrissa::plane::Pose2;
-use vibrissa::world::Robot;
+use vibrissa::world::{Odometry, Robot, WhiskerErrors};
 
 #[test]
 fn quantities() {
@@ -218,6 +218,37 @@ fn faults_of_segments_name_line_value_and_range() {
         assert!(error.is_data() && error.line() == Some(line), "{text}: {error}");
         assert!(error.to_string().contains(word), "{text}: {error}");
     }
+}
+
+#[test]
+fn what_a_lab_cannot_know_exactly_is_read_in_its_units() {
+    let text = r#"
+[[whisker]]
+zero_error = "0.2 mN m"
+zero_drift_error = "2 uN m/s"
+mount_error = ["0.5 mm", 1e-3, "2 deg"]
+length_error = "0.4 mm"
+stiffness_error = "2 %"
+gain_error = 0.03
+[[whisker]]
+length = "20 mm"
+[odometry]
+delay_error = "20 ms"
+[map]
+scale_error = "1 %"
+"#;
+    let robot = vibrissa::io::robot::from_toml(text, "robot.toml").unwrap();
+    let near = |a: f64, b: f64| (a - b).abs() <= 1e-15 * b.abs();
+    let WhiskerErrors { zero, zero_drift, mount, length, rigidity, gain } = robot.whiskers[0].errors;
+    assert!(
+        near(zero, 2e-4) && near(zero_drift, 2e-6) && near(length, 4e-4) && near(rigidity, 0.02) && near(gain, 0.03)
+    );
+    assert!(near(mount[0], 5e-4) && near(mount[1], 1e-3) && near(mount[2], 2.0 * PI / 180.0));
+    assert!(near(robot.odometry.delay, 0.02) && near(robot.map_scale, 0.01));
+    assert_eq!(robot.whiskers[1].errors, WhiskerErrors::default());
+    assert_eq!(Odometry { delay: Odometry::default().delay, ..robot.odometry }, Odometry::default());
+    let again = vibrissa::io::robot::from_toml(&vibrissa::io::robot::to_toml(&robot), "again.toml").unwrap();
+    assert_eq!(again, robot);
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use super::Run;
 use serde::Serialize;
-use vibrissa::flow::pose::{Localization, OdometryEstimate};
+use vibrissa::flow::pose::{ConsistencyReport, Localization, Nuisance, OdometryEstimate, Remedy, Status, Stretch};
 use vibrissa::flow::trajectory::TrajectoryError;
 use vibrissa::plane::Pose2;
 use vibrissa::{Error, Result};
@@ -17,6 +17,9 @@ struct ResultJson<'a> {
     hypotheses: Vec<HypothesisJson>,
     #[serde(skip_serializing_if = "Option::is_none")]
     odometry: Option<OdometryJson>,
+    nuisances: Vec<NuisanceJson<'a>>,
+    consistency: Option<ConsistencyJson<'a>>,
+    unsure: Vec<StretchJson>,
     events: Vec<EventJson<'a>>,
     runtime: RuntimeJson,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -68,6 +71,47 @@ struct OdometryJson {
     rotation_scale_std: f64,
 }
 
+/// What is said of a quantity that the robot file bounds.
+#[derive(Serialize)]
+struct NuisanceJson<'a> {
+    quantity: &'static str,
+    whisker: Option<&'a str>,
+    unit: &'static str,
+    estimate: f64,
+    std: f64,
+    bound: f64,
+}
+
+/// How well the readings fit what was declared.
+#[derive(Serialize)]
+struct ConsistencyJson<'a> {
+    statistic: f64,
+    most: f64,
+    correlation_time: f64,
+    worst: Option<WorstJson>,
+    remedies: Vec<RemedyJson<'a>>,
+}
+
+#[derive(Serialize)]
+struct WorstJson {
+    from: f64,
+    to: f64,
+    statistic: f64,
+}
+
+#[derive(Serialize)]
+struct RemedyJson<'a> {
+    change: &'a str,
+    statistic: f64,
+    status: &'static str,
+}
+
+#[derive(Serialize)]
+struct StretchJson {
+    from: f64,
+    to: f64,
+}
+
 #[derive(Serialize)]
 struct EventJson<'a> {
     t: f64,
@@ -99,9 +143,13 @@ pub(crate) fn result(run: &Run, error: Option<&TrajectoryError>) -> Result<Strin
         status: answer.status.as_str(),
         method: answer.method,
         interrupted: run.interrupted,
-        estimate: answer.estimate.map(pose),
-        hypotheses: hypotheses(answer),
+        // Where nothing explains the log no pose may look like an answer.
+        estimate: answer.estimate.filter(|_| answer.status != Status::Inconsistent).map(pose),
+        hypotheses: if answer.status == Status::Inconsistent { Vec::new() } else { hypotheses(answer) },
         odometry: answer.odometry.map(odometry),
+        nuisances: answer.nuisances.iter().map(nuisance).collect(),
+        consistency: answer.consistency.as_ref().map(consistency),
+        unsure: answer.unsure.iter().map(|&Stretch { from, to }| StretchJson { from, to }).collect(),
         events: answer.events.iter().map(|e| EventJson { t: e.t, kind: e.kind, detail: &e.detail }).collect(),
         runtime: RuntimeJson {
             updates: runtime.updates,
@@ -121,6 +169,31 @@ pub(crate) fn result(run: &Run, error: Option<&TrajectoryError>) -> Result<Strin
         .map_err(|error| Error::data(format!("cannot write the result as JSON ({error})")))?;
     text.push('\n');
     Ok(text)
+}
+
+fn nuisance(one: &Nuisance) -> NuisanceJson<'_> {
+    NuisanceJson {
+        quantity: one.quantity.as_str(),
+        whisker: one.whisker.as_deref(),
+        unit: one.quantity.unit(),
+        estimate: one.estimate,
+        std: one.std,
+        bound: one.bound,
+    }
+}
+
+fn remedy(one: &Remedy) -> RemedyJson<'_> {
+    RemedyJson { change: &one.change, statistic: one.statistic, status: one.status.as_str() }
+}
+
+fn consistency(report: &ConsistencyReport) -> ConsistencyJson<'_> {
+    ConsistencyJson {
+        statistic: report.statistic,
+        most: report.most,
+        correlation_time: report.correlation_time,
+        worst: report.worst.map(|(Stretch { from, to }, statistic)| WorstJson { from, to, statistic }),
+        remedies: report.remedies.iter().map(remedy).collect(),
+    }
 }
 
 fn odometry(odometry: OdometryEstimate) -> OdometryJson {

@@ -1,10 +1,10 @@
 //! The answer in words, for people.
 
-use super::{Run, Runtime};
+use super::{Run, Runtime, fit};
 use std::fmt::Write;
 use std::path::PathBuf;
 use vibrissa::figure::localization::verdict;
-use vibrissa::flow::pose::{Event, Hypothesis, OdometryEstimate};
+use vibrissa::flow::pose::{Event, Hypothesis, OdometryEstimate, Status};
 use vibrissa::flow::trajectory::TrajectoryError;
 use vibrissa::sets::Interval;
 
@@ -16,12 +16,14 @@ pub(crate) fn text(run: &Run, error: Option<&TrajectoryError>, written: Option<&
     let mut text = format!("{}\n", verdict(&run.answer));
     match run.answer.hypotheses.as_slice() {
         [] => {}
+        _ if run.answer.status == Status::Inconsistent => {}
         [only] => estimate(&mut text, only),
         many => places(&mut text, many),
     }
     if let Some(odometry) = &run.answer.odometry {
         corrections(&mut text, odometry);
     }
+    text.push_str(&fit::text(&run.answer));
     if let Some(error) = error {
         truth(&mut text, error);
     }

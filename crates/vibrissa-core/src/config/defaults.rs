@@ -20,6 +20,22 @@ pub const SLOPE_RELATIVE: f64 = 0.05;
 pub const SLOPE_ABSOLUTE: f64 = 3e-3;
 /// Bound on the error of each odometry increment relative to it: the paper's stage is exact to 10 µm.
 pub const ODOMETRY_RELATIVE: f64 = 0.0;
+/// Bound on the moment that is read while a whisker is free (N m).
+pub const ZERO_ERROR: f64 = 0.0;
+/// Bound on how fast that changes (N m/s).
+pub const ZERO_DRIFT_ERROR: f64 = 0.0;
+/// Bounds on the error of a whisker's base on the robot: x, y (m), heading (rad).
+pub const MOUNT_ERROR: [f64; 3] = [0.0; 3];
+/// Bound on the error of a whisker's length (m).
+pub const LENGTH_ERROR: f64 = 0.0;
+/// Bound on the error of its flexural rigidity, relative to it.
+pub const STIFFNESS_ERROR: f64 = 0.0;
+/// Bound on the error of the readings' gain, relative to it.
+pub const GAIN_ERROR: f64 = 0.0;
+/// Bound on how much earlier or later than the odometry readings are taken (s).
+pub const DELAY_ERROR: f64 = 0.0;
+/// Bound on the error of the map's scale, relative to it.
+pub const MAP_SCALE_ERROR: f64 = 0.0;
 /// Bound on the error of a log's absolute headings (rad): a compass indoors, 3°.
 pub const HEADING_ERROR: f64 = 0.05;
 /// Seed of the noise of the built-in sweep.

@@ -37,7 +37,7 @@ impl Default for MomentNoise {
 
 /// Bounds on what is not known exactly of a whisker, its mount and its readings: one error of each kind for the whole log, beside the
 /// noise of single readings.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WhiskerErrors {
     /// Moment that is read while the whisker is free (N m).
     pub zero: f64,
@@ -51,6 +51,19 @@ pub struct WhiskerErrors {
     pub rigidity: f64,
     /// Gain of the readings, relative to it.
     pub gain: f64,
+}
+
+impl Default for WhiskerErrors {
+    fn default() -> Self {
+        Self {
+            zero: defaults::ZERO_ERROR,
+            zero_drift: defaults::ZERO_DRIFT_ERROR,
+            mount: defaults::MOUNT_ERROR,
+            length: defaults::LENGTH_ERROR,
+            rigidity: defaults::STIFFNESS_ERROR,
+            gain: defaults::GAIN_ERROR,
+        }
+    }
 }
 
 /// A whisker on a robot.
@@ -107,7 +120,7 @@ pub struct Odometry {
 impl Default for Odometry {
     fn default() -> Self {
         let relative = defaults::ODOMETRY_RELATIVE;
-        Self { translation_relative: relative, rotation_relative: relative, delay: 0.0 }
+        Self { translation_relative: relative, rotation_relative: relative, delay: defaults::DELAY_ERROR }
     }
 }
 
@@ -124,6 +137,10 @@ pub struct Robot {
 
 impl Default for Robot {
     fn default() -> Self {
-        Self { whiskers: vec![MountedWhisker::default()], odometry: Odometry::default(), map_scale: 0.0 }
+        Self {
+            whiskers: vec![MountedWhisker::default()],
+            odometry: Odometry::default(),
+            map_scale: defaults::MAP_SCALE_ERROR,
+        }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::{LocalizationScene, Outline, OutlineRole, counted, entry};
 use crate::canvas::{Canvas, WorldBounds};
-use crate::flow::pose::{Hypothesis, Localization, StampedPose};
+use crate::flow::pose::{Hypothesis, Localization, StampedPose, Status};
 use crate::flow::trajectory::pose_at;
 use crate::legend::{Entry, Sample};
 use crate::plane::{Pose2, Vec2};
@@ -72,10 +72,27 @@ pub(super) fn placed_shapes(answer: &Localization) -> impl Iterator<Item = Vec<V
 
 /// Draws the estimated path from its start.
 pub(super) fn path(canvas: &mut Canvas, answer: &Localization) {
-    canvas.trail(&positions(&answer.trajectory), "path");
+    for (rows, sure) in stretches(answer) {
+        canvas.trail(&positions(rows), if sure { "path" } else { "path-unsure" });
+    }
     if let Some(first) = answer.trajectory.first() {
         canvas.circle(first.map_from_robot.position(), 4.0, "start");
     }
+}
+
+/// The trajectory in pieces that are sure or not, by turns; each begins with the last row of the one before.
+fn stretches(answer: &Localization) -> Vec<(&[StampedPose], bool)> {
+    let rows = answer.trajectory.as_slice();
+    // A step is as sure as the rows at its two ends.
+    let doubted = |row: &StampedPose| answer.unsure.iter().any(|s| (s.from..=s.to).contains(&row.t));
+    let steps: Vec<bool> = rows.windows(2).map(|pair| !(doubted(&pair[0]) || doubted(&pair[1]))).collect();
+    let mut start = 0;
+    let mut piece = |alike: &[bool]| {
+        let from = start;
+        start += alike.len();
+        (&rows[from..=start], alike[0])
+    };
+    steps.chunk_by(|a, b| a == b).map(&mut piece).collect()
 }
 
 /// Draws what is left of the candidates: points as dots with headings, boxes as boxes.
@@ -102,6 +119,9 @@ pub(super) fn zoomed(canvas: &mut Canvas, world: WorldBounds) {
 /// Draws the estimate, in the close-up with its extent; several places are numbered.
 pub(super) fn estimate(canvas: &mut Canvas, scene: &LocalizationScene<'_>, close_up: bool) {
     let answer = scene.answer;
+    if answer.status == Status::Inconsistent {
+        return;
+    }
     for hypothesis in answer.hypotheses.iter().take(NUMBERED) {
         extent(canvas, hypothesis, close_up);
     }
@@ -162,7 +182,8 @@ pub(super) fn legend_entries(scene: &LocalizationScene<'_>, canvas: &Canvas) -> 
         1 => String::new(),
         stride => format!(" (1 in {stride})"),
     };
-    let several = answer.hypotheses.len() > 1;
+    let answered = answer.status != Status::Inconsistent;
+    let several = answered && answer.hypotheses.len() > 1;
     add(
         all > 0,
         Sample::Dots("candidate", "candidate-tick"),
@@ -174,22 +195,24 @@ pub(super) fn legend_entries(scene: &LocalizationScene<'_>, canvas: &Canvas) -> 
         if answer.encloses { "boxes around what is left of the cells" } else { "left at the end, likely or not" };
     add(left > 0, survivor, format!("{left} {kept}{}", every(left)));
     add(
-        answer.estimate.is_some() && !several,
+        answered && answer.estimate.is_some() && !several,
         Sample::Heading("estimate", "estimate-line"),
         "estimate and heading".into(),
     );
     add(several, Sample::Heading("badge", "estimate-line"), "a place that explains the log".into());
     add(
-        !answer.hypotheses.is_empty(),
+        answered && !answer.hypotheses.is_empty(),
         Sample::Patch("extent"),
         if several { "extent of a place" } else { "extent of the place" }.into(),
     );
     add(
-        answer.hypotheses.iter().any(|hypothesis| !hypothesis.ridge.is_empty()),
+        answered && answer.hypotheses.iter().any(|hypothesis| !hypothesis.ridge.is_empty()),
         Sample::Line("ridge"),
         "where along a place the robot may be".into(),
     );
     add(!answer.trajectory.is_empty(), Sample::Line("path"), "estimated path, from the circle".into());
+    let doubted = stretches(answer).iter().any(|(_, sure)| !sure);
+    add(doubted, Sample::Line("path-unsure"), "where the path is not sure".into());
     add(scene.truth.is_some(), Sample::Line("truth"), "true path".into());
     add(scene.truth.is_some(), Sample::Circle("truth-mark"), "true pose at the end".into());
     let whiskers = placed_shapes(answer).flatten().any(|point| canvas.shows(point));

@@ -8,7 +8,7 @@ use super::axes::{scale_bar, ticks};
 use super::canvas::{Canvas, Frame, WorldBounds};
 use super::document::Document;
 use super::legend::{Entry, LINE, legend};
-use crate::flow::pose::{Localization, StampedPose};
+use crate::flow::pose::{Localization, StampedPose, Status};
 use crate::plane::{Pose2, Vec2};
 pub(crate) use layers::map as draw_outlines;
 pub use words::verdict;
@@ -181,6 +181,9 @@ fn sweep_canvas(scene: &LocalizationScene<'_>, map: &Canvas, top: f64) -> Option
 
 /// A square around the first hypothesis and the true end, where that is small against the map.
 fn detail_canvas(scene: &LocalizationScene<'_>, map: &Canvas, top: f64) -> Option<Canvas> {
+    if scene.answer.status == Status::Inconsistent {
+        return None;
+    }
     let estimate = scene.answer.estimate?.position();
     let mut points = vec![estimate];
     if let Some(first) = scene.answer.hypotheses.first() {

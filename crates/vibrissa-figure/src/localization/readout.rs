@@ -3,7 +3,7 @@
 use super::LocalizationScene;
 use super::words::fixed;
 use crate::document::Document;
-use crate::flow::pose::Hypothesis;
+use crate::flow::pose::{Hypothesis, Status};
 use crate::flow::trajectory::trajectory_error;
 use crate::legend::LINE;
 use crate::sets::Interval;
@@ -18,6 +18,7 @@ type Line = (&'static str, String);
 pub(super) fn lines(scene: &LocalizationScene<'_>) -> Vec<Line> {
     let answer = scene.answer;
     let mut lines = match answer.hypotheses.as_slice() {
+        _ if answer.status == Status::Inconsistent => Vec::new(),
         [] => Vec::new(),
         [only] => estimate(only),
         many => rivals(many),

@@ -1,6 +1,7 @@
 //! The robot's TOML file.
 
 use super::beam::beam;
+use super::errors::{DELAY, whisker_errors};
 use crate::Result;
 use crate::plane::Pose2;
 use crate::text::read_text;
@@ -11,7 +12,7 @@ use core::ops::Range;
 use std::path::{Path, PathBuf};
 use toml::Spanned;
 
-const WHISKER_KEYS: [&str; 14] = [
+const WHISKER_KEYS: [&str; 20] = [
     "name",
     "length",
     "flexural_rigidity",
@@ -26,6 +27,12 @@ const WHISKER_KEYS: [&str; 14] = [
     "friction",
     "calibration",
     "noise",
+    "zero_error",
+    "zero_drift_error",
+    "mount_error",
+    "length_error",
+    "stiffness_error",
+    "gain_error",
 ];
 
 /// Above this disagreement, a flexural rigidity given beside modulus and diameter contradicts them.
@@ -64,13 +71,25 @@ fn parse(text: &str, name: &str) -> Result<Robot> {
     let source = Source::new(text, name);
     let root = source.parse()?;
     let top = Section::top(&source, &root);
-    top.only(&["whisker", "odometry"])?;
+    top.only(&["whisker", "odometry", "map"])?;
     let odometry = match top.section("odometry")? {
         Some(section) => odometry_section(&section)?,
         None => Odometry::default(),
     };
     let whiskers = whisker_entries(&top)?;
-    Ok(Robot { whiskers, odometry, ..Robot::default() })
+    let map_scale = match top.section("map")? {
+        Some(section) => {
+            section.only(&["scale_error"])?;
+            map_scale(&section)?
+        }
+        None => Robot::default().map_scale,
+    };
+    Ok(Robot { whiskers, odometry, map_scale })
+}
+
+/// The bound on the map's scale in a `[map]` section.
+pub fn map_scale(section: &Section<'_>) -> Result<f64> {
+    Ok(section.number("scale_error", Dimension::Ratio, &FRACTION)?.unwrap_or(Robot::default().map_scale))
 }
 
 pub(super) const TIP_RATIO: Allowed = Allowed {
@@ -87,13 +106,13 @@ pub(super) const DIAMETER: Allowed = Allowed {
 };
 /// The bounds in an `[odometry]` section.
 pub fn odometry_section(section: &Section<'_>) -> Result<Odometry> {
-    section.only(&["translation_relative", "rotation_relative"])?;
+    section.only(&["translation_relative", "rotation_relative", "delay_error"])?;
     let default = Odometry::default();
     let ratio = |key| section.number(key, Dimension::Ratio, &FRACTION);
     Ok(Odometry {
         translation_relative: ratio("translation_relative")?.unwrap_or(default.translation_relative),
         rotation_relative: ratio("rotation_relative")?.unwrap_or(default.rotation_relative),
-        ..default
+        delay: section.number("delay_error", Dimension::Time, &DELAY)?.unwrap_or(default.delay),
     })
 }
 
@@ -133,9 +152,11 @@ fn whisker(section: &Section<'_>, index: usize) -> Result<MountedWhisker> {
     section.only(&WHISKER_KEYS)?;
     let number = |key, dimension, allowed: &Allowed| section.number(key, dimension, allowed);
     let mounted = MountedWhisker::default();
+    let beam = beam(section)?;
     Ok(MountedWhisker {
         name: name(section, index)?,
-        beam: beam(section)?,
+        errors: whisker_errors(section, beam.length)?,
+        beam,
         robot_from_whisker: mount(section)?.unwrap_or(mounted.robot_from_whisker),
         friction: number("friction", Dimension::Ratio, &NOT_NEGATIVE)?.unwrap_or(mounted.friction),
         calibration: section.text("calibration")?.map(PathBuf::from),

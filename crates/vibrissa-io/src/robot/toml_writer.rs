@@ -10,13 +10,15 @@ pub fn to_toml(robot: &Robot) -> String {
     let mut text = String::new();
     for whisker in &robot.whiskers {
         let (mount, noise) = (whisker.robot_from_whisker, whisker.noise);
-        let (force, slope) = (whisker.force_noise, whisker.slope_noise);
+        let (force, slope, errors) = (whisker.force_noise, whisker.slope_noise, whisker.errors);
         // Writing into a string cannot fail.
         let _ = write!(
             text,
             "[[whisker]]\nname = {}\n{}mount = [{:?}, {:?}, {:?}]\nfriction = {:?}\n\
              noise = {{ moment_relative = {:?}, moment_absolute = {:?}, force_relative = {:?}, force_absolute = {:?}, \
-             slope_relative = {:?}, slope_absolute = {:?} }}\n",
+             slope_relative = {:?}, slope_absolute = {:?} }}\n\
+             zero_error = {:?}\nzero_drift_error = {:?}\nmount_error = {:?}\nlength_error = {:?}\n\
+             stiffness_error = {:?}\ngain_error = {:?}\n",
             quoted(&whisker.name),
             beam(&whisker.beam),
             mount.x,
@@ -29,6 +31,12 @@ pub fn to_toml(robot: &Robot) -> String {
             force.absolute,
             slope.relative,
             slope.absolute,
+            errors.zero,
+            errors.zero_drift,
+            errors.mount,
+            errors.length,
+            errors.rigidity,
+            errors.gain,
         );
         if let Some(calibration) = &whisker.calibration {
             let _ = writeln!(text, "calibration = {}", quoted(&calibration.to_string_lossy()));
@@ -37,8 +45,8 @@ pub fn to_toml(robot: &Robot) -> String {
     }
     let _ = write!(
         text,
-        "[odometry]\ntranslation_relative = {:?}\nrotation_relative = {:?}\n",
-        robot.odometry.translation_relative, robot.odometry.rotation_relative
+        "[odometry]\ntranslation_relative = {:?}\nrotation_relative = {:?}\ndelay_error = {:?}\n\n[map]\nscale_error = {:?}\n",
+        robot.odometry.translation_relative, robot.odometry.rotation_relative, robot.odometry.delay, robot.map_scale
     );
     text
 }

@@ -15,7 +15,20 @@ from ._calibrate import CalibrationReport, Taps, calibrate, taps
 from ._command import run
 from ._contact import Alignment, Contacts, Misfit, Outline, Profile, contact, profile
 from ._errors import DataError, DataWarning, Error, UsageError
-from ._localize import Demo, Hypothesis, Localization, Method, OdometryEstimate, Status, Steps, demo, localize
+from ._localize import (
+    Consistency,
+    Demo,
+    Hypothesis,
+    Localization,
+    Method,
+    Nuisance,
+    OdometryEstimate,
+    Remedy,
+    Status,
+    Steps,
+    demo,
+    localize,
+)
 from ._readings import ContactCurves, ContactSets, Meeting, Preimage, Reading, contact_set, preimage
 from ._robot import MountedWhisker, Robot, Segment, Whisker
 from ._simulate import Simulation, Touches, simulate, sweep, waypoints
@@ -30,6 +43,7 @@ __all__ = [
     "Bends",
     "Calibration",
     "CalibrationReport",
+    "Consistency",
     "ContactCurves",
     "ContactSets",
     "Contacts",
@@ -46,12 +60,14 @@ __all__ = [
     "Method",
     "Misfit",
     "MountedWhisker",
+    "Nuisance",
     "OdometryEstimate",
     "Outline",
     "Preimage",
     "Profile",
     "Progress",
     "Reading",
+    "Remedy",
     "Robot",
     "Scenario",
     "Segment",

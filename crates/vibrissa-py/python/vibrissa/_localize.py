@@ -68,6 +68,62 @@ class OdometryEstimate:
     """Its standard deviation."""
 
 
+@dataclass(frozen=True)
+class Nuisance:
+    """What the readings say of a quantity that the robot bounds because it is not known exactly: true value less declared one."""
+
+    quantity: Literal[
+        "zero",
+        "zero_drift",
+        "mount_x",
+        "mount_y",
+        "mount_heading",
+        "length",
+        "stiffness",
+        "gain",
+        "delay",
+        "map_scale",
+    ]
+    """Which quantity."""
+    whisker: str | None
+    """The name of its whisker, where it is of one."""
+    unit: str
+    """The SI unit of the numbers; empty for shares."""
+    estimate: float
+    """The estimate."""
+    std: float
+    """Its standard deviation."""
+    bound: float
+    """The declared bound."""
+
+
+class Remedy(NamedTuple):
+    """One change of log, robot or map that was tried because the readings do not fit."""
+
+    change: str
+    """What was changed, for people."""
+    statistic: float
+    """The consistency statistic with it; not a number where the method has none."""
+    status: Status
+    """The verdict with it."""
+
+
+@dataclass(frozen=True)
+class Consistency:
+    """How well the readings fit what was declared."""
+
+    statistic: float
+    """Mean normalised innovation squared: 1 where errors are as declared, above ``most`` where the readings contradict."""
+    most: float
+    """The largest that errors within the declared bounds can make it."""
+    correlation_time: float
+    """How long the readings' errors stay alike (s), 0 where they are independent."""
+    worst: tuple[float, float, float] | None
+    """The stretch of the log that fits worst: from, to (s) and the statistic there."""
+    remedies: list[Remedy]
+    """What was tried where the readings contradict, the best first."""
+
+
 @dataclass(frozen=True, eq=False)
 class Steps:
     """The state set's size after each update; columns of shape (updates)."""
@@ -107,6 +163,12 @@ class Localization:
     """The best hypothesis over time, one pose for each log row from the first estimate on."""
     odometry: OdometryEstimate | None
     """What is said about the odometry, by the probabilistic method where the robot declares that it may be wrong."""
+    nuisances: list[Nuisance]
+    """What is said of quantities that the robot bounds, by methods that estimate them."""
+    consistency: Consistency | None
+    """How well the readings fit, by methods that tell, and what to try where nothing explains the log."""
+    unsure: Floats
+    """Stretches in which the trajectory is not sure: from, to (s); shape (stretches, 2)."""
     states: Floats
     """The final state set as boxes x_min, x_max, y_min, y_max (m), theta_min, theta_max (rad); shape (boxes, 6)."""
     first_states: Floats
@@ -123,16 +185,23 @@ class Localization:
     @classmethod
     def _of(cls, fields: dict[str, Any], truth: Trajectory | None) -> Localization:
         trajectory = Trajectory(*fields["trajectory"])
+        fit = fields["consistency"]
+        # Where nothing explains the log there is no answer that could be off.
+        known = None if fields["status"] == "inconsistent" else truth
         made = {
             **fields,
             "hypotheses": [Hypothesis(**one) for one in fields["hypotheses"]],
             "trajectory": trajectory,
             "odometry": None if fields["odometry"] is None else OdometryEstimate(**fields["odometry"]),
+            "nuisances": [Nuisance(**one) for one in fields["nuisances"]],
+            "consistency": None
+            if fit is None
+            else Consistency(**{**fit, "remedies": [Remedy(*one) for one in fit["remedies"]]}),
             "steps": Steps(**fields["steps"]),
             "events": [Event(*one) for one in fields["events"]],
             "shapes": [WhiskerShape(*one) for one in fields["shapes"]],
         }
-        return cls(**made, error=None if truth is None else trajectory.error(truth))
+        return cls(**made, error=None if known is None else trajectory.error(known))
 
 
 def localize(

@@ -87,6 +87,18 @@ class MountedWhisker:
     """Bound on an end slope's error relative to the reading, where one is read."""
     slope_absolute: float = _MOUNTED["slope_absolute"]
     """Bound on an end slope's error at zero (rad)."""
+    zero_error: float = _MOUNTED["zero_error"]
+    """Bound on the moment that is read while the whisker is free (N m)."""
+    zero_drift_error: float = _MOUNTED["zero_drift_error"]
+    """Bound on how fast that changes (N m/s)."""
+    mount_error: tuple[float, float, float] = _MOUNTED["mount_error"]
+    """Bounds on the errors of the mount: x (m), y (m), theta (rad)."""
+    length_error: float = _MOUNTED["length_error"]
+    """Bound on the error of the length (m)."""
+    stiffness_error: float = _MOUNTED["stiffness_error"]
+    """Bound on the error of the flexural rigidity, relative to it."""
+    gain_error: float = _MOUNTED["gain_error"]
+    """Bound on the error of the readings' gain, relative to it."""
 
     @classmethod
     def _of(cls, fields: dict[str, Any]) -> MountedWhisker:
@@ -103,6 +115,10 @@ class Robot:
     """Bound on the error of each translation increment, relative to it."""
     rotation_relative: float = _DEFAULT["rotation_relative"]
     """Bound on the error of each rotation increment, relative to it."""
+    delay_error: float = _DEFAULT["delay_error"]
+    """Bound on how much earlier or later than the odometry readings are taken (s)."""
+    map_scale_error: float = _DEFAULT["map_scale_error"]
+    """Bound on the error of the map's scale, relative to it."""
 
     @classmethod
     def read(cls, path: str | os.PathLike[str]) -> Robot:

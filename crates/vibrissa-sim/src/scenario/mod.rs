@@ -5,13 +5,15 @@
 //! | `reader` | the scenario file as a whole |
 //! | `world_section` | its map, robot and outline |
 //! | `path_section` | its way |
-//! | `noise_section` | its errors |
+//! | `noise_section` | the noise of its readings and odometry |
+//! | `errors_section` | how robot, map and readings are other than declared |
 //! | `sensing_section` | its magnetometer and what is logged |
 //! | `points` | points and lists of points in the file |
 //! | `route` | poses over time from legs |
 //! | `check` | whether the way is free |
 
 mod check;
+mod errors_section;
 mod noise_section;
 mod path_section;
 mod points;
@@ -37,7 +39,7 @@ pub struct Scenario {
     pub map: Map,
     /// The map's file; none when it is written in the scenario.
     pub map_file: Option<PathBuf>,
-    /// The robot with its whiskers.
+    /// The robot with its whiskers, as it is declared.
     pub robot: Robot,
     /// The robot's outline in its own frame (m), counter-clockwise or clockwise; empty when it has none.
     pub outline: Vec<Vec2>,
@@ -63,6 +65,8 @@ struct LegStart {
 /// What comes of a scenario.
 #[derive(Clone, Debug)]
 pub struct Simulation {
+    /// The robot as it is: the declared one with the scenario's errors.
+    pub robot: Robot,
     /// The sweep without any error: truth, contacts, exact moments, events.
     pub sweep: Sweep,
     /// What is recorded of it.
@@ -93,22 +97,26 @@ impl Scenario {
         let exact = SweepNoise { seed: self.seed(), ..SweepNoise::none() };
         let options = SimulateOptions::default();
         let in_file = |error: Error| error.into_data().in_file(&self.source);
-        let swept = simulate_watched(&self.map, &self.robot, &self.path, &exact, &options, observer);
-        let again = |path: &[StampedPose]| simulate(&self.map, &self.robot, path, &exact, &options);
-        let sweep = swept.map_err(|error| in_file(error).at_line(self.leg_at_fault(&again)))?;
-        let recording = self.recorder.record(&self.robot, &sweep).map_err(in_file)?;
+        let truth = &self.recorder.truth;
+        let robot = truth.true_robot(&self.robot).map_err(in_file)?;
+        let (world, path) = (truth.world(&self.map).map_err(in_file)?, truth.path_in_world(&self.path));
+        let swept = simulate_watched(&world, &robot, &path, &exact, &options, observer);
+        let again = |path: &[StampedPose]| simulate(&world, &robot, path, &exact, &options);
+        let mut sweep = swept.map_err(|error| in_file(error).at_line(self.leg_at_fault(&path, &again)))?;
+        let recording = self.recorder.record(&robot, &sweep).map_err(in_file)?;
+        truth.put_on_declared_map(&mut sweep);
         let serial = self.serial.map(|layout| serial_text(&recording, layout)).transpose().map_err(in_file)?;
         let mut warnings = self.map.warnings.clone();
         warnings.extend(recording.log.warnings.iter().cloned());
         if sweep.contacts.is_empty() {
             warnings.push("no whisker touches anything along this path".into());
         }
-        Ok(Simulation { sweep, recording, serial, warnings })
+        Ok(Simulation { robot, sweep, recording, serial, warnings })
     }
 
     /// The line of the leg on which the sweep first fails: the legs before it can be followed.
-    fn leg_at_fault(&self, sweep: &dyn Fn(&[StampedPose]) -> Result<Sweep>) -> usize {
-        let until = |t: f64| &self.path[..self.path.partition_point(|pose| pose.t <= t)];
+    fn leg_at_fault(&self, path: &[StampedPose], sweep: &dyn Fn(&[StampedPose]) -> Result<Sweep>) -> usize {
+        let until = |t: f64| &path[..path.partition_point(|pose| pose.t <= t)];
         let followed = |pair: &[LegStart]| sweep(until(pair[1].t)).is_ok();
         let pairs: Vec<&[LegStart]> = self.legs.windows(2).collect();
         let leg = pairs.partition_point(|pair| followed(pair));

@@ -2,12 +2,17 @@
 
 use crate::Result;
 use crate::io::Dimension;
-use crate::io::toml_section::{Allowed, FINITE, FRACTION, NOT_NEGATIVE, Section};
+use crate::io::text::did_you_mean;
+use crate::io::toml_section::{Allowed, FINITE, FRACTION, NOT_NEGATIVE, POSITIVE, Section};
 use crate::simulate::SweepNoise;
-use crate::simulate::recorder::{Disturbances, OdometryErrors, Recorder, Slip, Stamps};
+use crate::simulate::recorder::{Disturbances, NoiseLaw, OdometryErrors, Recorder, Slip, Stamps};
 use crate::world::MomentNoise;
 
-const KEYS: [&str; 14] = [
+const KEYS: [&str; 18] = [
+    "law",
+    "time_constant",
+    "periods",
+    "bits",
     "moment_relative",
     "moment_absolute",
     "hysteresis",
@@ -57,7 +62,47 @@ pub(super) fn recorder(section: &Section<'_>) -> Result<Recorder> {
         Some(section) => odometry(&section, &mut noise)?,
         None => OdometryErrors::default(),
     };
-    Ok(Recorder { noise, disturbances, odometry, stamps, ..Recorder::default() })
+    Ok(Recorder { noise, law: law(section)?, disturbances, odometry, stamps, ..Recorder::default() })
+}
+
+/// Bits of a reading.
+const BITS: Allowed = Allowed {
+    holds: |v| (2.0..=24.0).contains(&v) && v.fract().abs() <= 0.0,
+    text: "a whole number, 2 to 24",
+    remedy: "8 bits make 256 steps of twice the largest moment",
+};
+
+/// The law of the bounded noise.
+fn law(section: &Section<'_>) -> Result<NoiseLaw> {
+    let word = section.text("law")?.unwrap_or(NoiseLaw::WORDS[0]);
+    let Some(mut law) = NoiseLaw::from_word(word) else {
+        return Err(section
+            .source
+            .fault(&section.span_of("law"), format!("{}: unknown law", section.key("law")))
+            .value(format!("\"{word}\""))
+            .allowed(NoiseLaw::WORDS.join(", "))
+            .remedy(did_you_mean(word, &NoiseLaw::WORDS)));
+    };
+    let number = |key, dimension, allowed: &Allowed| section.number(key, dimension, allowed);
+    let (time, periods) =
+        (number("time_constant", Dimension::Time, &POSITIVE)?, number("periods", Dimension::Ratio, &POSITIVE)?);
+    let bits = number("bits", Dimension::Ratio, &BITS)?;
+    match &mut law {
+        NoiseLaw::Autoregressive { time_constant } => *time_constant = time.unwrap_or(*time_constant),
+        NoiseLaw::Sine { periods: count } => *count = periods.unwrap_or(*count),
+        NoiseLaw::Quantised { bits: count } => *count = bits.map_or(*count, |bits| bits as u32),
+        _ => {}
+    }
+    for (key, of) in [("time_constant", "ar1"), ("periods", "sine"), ("bits", "quantised")] {
+        if section.get(key).is_some() && word != of {
+            return Err(section
+                .source
+                .fault(&section.span_of(key), format!("{} belongs to another law", section.key(key)))
+                .value(format!("law = \"{word}\""))
+                .remedy(format!("remove it, or write law = \"{of}\"")));
+        }
+    }
+    Ok(law)
 }
 
 fn odometry(section: &Section<'_>, noise: &mut SweepNoise) -> Result<OdometryErrors> {

@@ -1,13 +1,13 @@
 //! The scenario's TOML file.
 
-use super::{LegStart, Scenario, check, noise_section, path_section, sensing_section, world_section};
+use super::{LegStart, Scenario, check, errors_section, noise_section, path_section, sensing_section, world_section};
 use crate::io::text::read_text;
 use crate::io::toml_section::{Section, Source};
 use crate::{Error, Result};
 use std::path::Path;
 
-const KEYS: [&str; 10] =
-    ["title", "map", "robot", "whisker", "odometry", "outline", "path", "sensing", "noise", "seed"];
+const KEYS: [&str; 11] =
+    ["title", "map", "robot", "whisker", "odometry", "outline", "path", "sensing", "noise", "errors", "seed"];
 
 impl Scenario {
     /// Reads a scenario file (`.toml`); the paths of map and robot in it start at its folder.
@@ -56,6 +56,9 @@ fn parse(text: &str, name: &str, folder: &Path) -> Result<Scenario> {
     recorder.noise.seed = top.whole("seed")?.unwrap_or(1);
     (recorder.magnetometer, recorder.columns) = (sensing.magnetometer, sensing.columns);
     recorder.heading_noise = sensing.heading_noise;
+    if let Some(section) = top.section("errors")? {
+        recorder.truth = errors_section::truth(&section, &robot, recorder.heading_noise.is_some())?;
+    }
     let scenario = Scenario {
         title: top.text("title")?.map_or_else(|| stem(name), str::to_owned),
         map,

@@ -3,7 +3,7 @@
 use super::points::{Value, is_nested, list};
 use crate::config::scenario::MOUNT_SLACK;
 use crate::io::Dimension;
-use crate::io::robot::{odometry_section, whisker_entries};
+use crate::io::robot::{map_scale, odometry_section, whisker_entries};
 use crate::io::toml_section::{LENGTH, Section};
 use crate::plane::{Curve, Vec2};
 use crate::world::{Boundary, Map, Robot, Role};
@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 /// Corners of the polygon that stands for a round robot.
 const ROUND: usize = 48;
 
-/// The map: a file, or polygons and walls right here.
+/// The map: a file, or polygons and walls right here. A table may name the file too, beside its `scale_error`.
 pub(super) fn map(top: &Section<'_>, folder: &Path) -> Result<Map> {
     let Some(value) = top.get("map") else {
         return Err(Error::data("the scenario has no map")
@@ -27,10 +27,11 @@ pub(super) fn map(top: &Section<'_>, folder: &Path) -> Result<Map> {
     let neither = || {
         top.source
             .fault(&value.span(), "map must be a file or a table")
-            .allowed("\"FILE.svg\", or arena, obstacle and wall with points")
+            .allowed("\"FILE.svg\", or a table with file, or with arena, obstacle and wall with points")
     };
     let section = if value.get_ref().is_table() { top.section("map")? } else { None }.ok_or_else(neither)?;
-    section.only(&Role::WORDS)?;
+    let keys: Vec<&str> = Role::WORDS.into_iter().chain(["scale_error"]).collect();
+    section.only(&keys)?;
     let mut boundaries = Vec::new();
     for role in [Role::Arena, Role::Obstacle, Role::Wall] {
         let Some(value) = section.get(role.word()) else { continue };
@@ -49,6 +50,14 @@ pub(super) fn map(top: &Section<'_>, folder: &Path) -> Result<Map> {
 pub(super) fn map_file(top: &Section<'_>, folder: &Path) -> Result<Option<PathBuf>> {
     match top.get("map") {
         Some(value) if value.get_ref().is_str() => Ok(top.text("map")?.map(|file| folder.join(file))),
+        Some(value) if value.get_ref().is_table() => {
+            let Some(section) = top.section("map")? else { return Ok(None) };
+            let file = section.text("file")?.map(|file| folder.join(file));
+            if file.is_some() {
+                section.only(&["file", "scale_error"])?;
+            }
+            Ok(file)
+        }
         _ => Ok(None),
     }
 }
@@ -65,6 +74,10 @@ fn boundary(section: &Section<'_>, role: Role, value: &Value<'_>) -> Result<Boun
 
 /// The robot: a file, or whiskers and odometry right here.
 pub(super) fn robot(top: &Section<'_>, folder: &Path) -> Result<Robot> {
+    let map = match top.get("map") {
+        Some(value) if value.get_ref().is_table() => top.section("map")?.filter(|map| map.get("scale_error").is_some()),
+        _ => None,
+    };
     if let Some(file) = top.text("robot")? {
         if let Some(both) = ["whisker", "odometry"].into_iter().find(|key| top.get(key).is_some()) {
             return Err(top
@@ -72,13 +85,20 @@ pub(super) fn robot(top: &Section<'_>, folder: &Path) -> Result<Robot> {
                 .fault(&top.span_of(both), format!("both a robot file and {both}"))
                 .remedy(format!("remove the robot file, or move {both} into it")));
         }
+        if let Some(map) = map {
+            return Err(top
+                .source
+                .fault(&map.span_of("scale_error"), "both a robot file and map.scale_error")
+                .remedy("remove the robot file, or move it into that file as [map] scale_error"));
+        }
         return crate::io::read_robot(folder.join(file));
     }
     let odometry = match top.section("odometry")? {
         Some(section) => odometry_section(&section)?,
         None => Robot::default().odometry,
     };
-    Ok(Robot { whiskers: whisker_entries(top)?, odometry, ..Robot::default() })
+    let map_scale = map.map_or(Ok(Robot::default().map_scale), |map| map_scale(&map))?;
+    Ok(Robot { whiskers: whisker_entries(top)?, odometry, map_scale })
 }
 
 /// The robot's outline: `{ radius = … }` or a polygon. Every whisker is mounted inside or on it.

@@ -7,6 +7,8 @@ pub mod demo;
 mod drawing;
 mod localize;
 pub mod profile;
+mod remedies;
 
 pub use drawing::outlines;
 pub use localize::{StatesObserver, localize, localize_watched, localize_while};
+pub use remedies::{advise, remedies};

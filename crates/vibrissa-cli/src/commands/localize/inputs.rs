@@ -64,7 +64,17 @@ impl Inputs {
         vibrissa::localize_while(&self.log, &self.map, &self.robot, method, observer)
     }
 
-    /// The same; `observer` may ask for the states so far.
+    /// What to try, where the answer is `inconsistent`; `go_on` may break off.
+    pub(super) fn advise(
+        &self,
+        answer: &mut Localization,
+        method: &Method,
+        go_on: &mut dyn FnMut() -> bool,
+    ) -> Result<()> {
+        vibrissa::tasks::advise(answer, &self.log, &self.map, &self.robot, method, go_on)
+    }
+
+    /// The answer; `observer` is called after each row, may ask for the states so far, and may break off.
     #[cfg(feature = "mcap")]
     pub(super) fn localize_watched(&self, method: &Method, observer: &mut StatesObserver) -> Result<Localization> {
         vibrissa::tasks::localize_watched(&self.log, &self.map, &self.robot, method, observer)

@@ -60,8 +60,12 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     args.method.check()?;
     let inputs = Inputs::read(&args.log, args.format, &args.map, args.robot.as_deref(), args.truth.as_deref(), method)?;
     let mut stopwatch = Stopwatch::start();
-    let (answer, recording, used) = heedful(args, &inputs, &mut stopwatch)?;
+    let (mut answer, recording, used) = heedful(args, &inputs, &mut stopwatch)?;
     let runtime = stopwatch.stop(inputs.rows(), &answer.steps);
+    if used == inputs.rows().len() {
+        let _heeds = Heedful::begin();
+        inputs.advise(&mut answer, method, &mut || !stopped())?;
+    }
     deliver(
         &Run {
             title: inputs.title(),

@@ -69,7 +69,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
 /// The log as a recording, where it is asked for.
 #[cfg(feature = "mcap")]
 fn recording(args: &Args, scenario: &Scenario, simulation: &Simulation) -> Result<Option<Vec<u8>>> {
-    let made = || sweep_mcap(&scenario.map, &scenario.robot, &simulation.sweep, &simulation.recording.log);
+    let made = || sweep_mcap(&scenario.map, &simulation.robot, &simulation.sweep, &simulation.recording.log);
     args.mcap.then(made).transpose()
 }
 
@@ -100,7 +100,7 @@ fn files(scenario: &Scenario, simulation: &Simulation, dump: bool) -> Vec<(&'sta
     }
     files.extend(simulation.serial.clone().map(|text| ("serial.txt", text)));
     if dump {
-        files.push(("shapes.csv", report::shapes_csv(scenario, sweep, &shapes(&scenario.robot, sweep, 1))));
+        files.push(("shapes.csv", report::shapes_csv(scenario, sweep, &shapes(&simulation.robot, sweep, 1))));
         files.push(("exact.csv", report::exact_csv(scenario, sweep)));
     }
     files

@@ -218,7 +218,7 @@ pub(super) fn map_geojson(map: &Map) -> String {
 pub(super) fn figure(scenario: &Scenario, simulation: &Simulation, map: &[Outline]) -> String {
     let sweep = &simulation.sweep;
     let each = SHAPES / scenario.robot.whiskers.len().clamp(1, SHAPES);
-    let drawn = shapes(&scenario.robot, sweep, sweep.truth.len().div_ceil(each).max(1));
+    let drawn = shapes(&simulation.robot, sweep, sweep.truth.len().div_ceil(each).max(1));
     let shapes: Vec<Vec<Vec2>> = drawn.into_iter().map(|shape| shape.points.into_iter().step_by(4).collect()).collect();
     let touches: Vec<Vec2> = sweep.contacts.iter().map(|touch| touch.position).collect();
     let (series, quantity) = series(scenario, simulation);

@@ -140,8 +140,40 @@ pub enum NuisanceQuantity {
     Gain,
     /// How much later than the odometry the readings were taken (s).
     Delay,
-    /// Scale of the map, relative.
+    /// Scale of the map, relative: how much larger the world is.
     MapScale,
+}
+
+impl NuisanceQuantity {
+    /// The word that names it in files.
+    #[must_use]
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Zero => "zero",
+            Self::ZeroDrift => "zero_drift",
+            Self::MountX => "mount_x",
+            Self::MountY => "mount_y",
+            Self::MountHeading => "mount_heading",
+            Self::Length => "length",
+            Self::Rigidity => "stiffness",
+            Self::Gain => "gain",
+            Self::Delay => "delay",
+            Self::MapScale => "map_scale",
+        }
+    }
+
+    /// The SI unit of its values; empty for shares.
+    #[must_use]
+    pub fn unit(self) -> &'static str {
+        match self {
+            Self::Zero => "N m",
+            Self::ZeroDrift => "N m/s",
+            Self::MountX | Self::MountY | Self::Length => "m",
+            Self::MountHeading => "rad",
+            Self::Rigidity | Self::Gain | Self::MapScale => "",
+            Self::Delay => "s",
+        }
+    }
 }
 
 /// What the readings say of a quantity that is not known exactly: the true value less the declared one.
@@ -157,6 +189,14 @@ pub struct Nuisance {
     pub std: f64,
     /// The declared bound.
     pub bound: f64,
+}
+
+impl Nuisance {
+    /// Whether the readings tell it from zero: by more than two standard deviations.
+    #[must_use]
+    pub fn is_significant(&self) -> bool {
+        self.estimate.abs() > 2.0 * self.std
+    }
 }
 
 /// A stretch of the log (s).

@@ -3,14 +3,18 @@
 //! Every disturbance draws from a random stream of its own, so that switching one on leaves the others as they are.
 
 mod disturb;
+mod law;
 mod odometry;
 mod serial;
 mod stamps;
+mod truth;
 
 pub use disturb::Disturbances;
+pub use law::NoiseLaw;
 pub use odometry::{OdometryErrors, Slip};
 pub use serial::{SerialLayout, serial_text};
 pub use stamps::Stamps;
+pub use truth::TrueErrors;
 
 use super::{Sweep, SweepNoise};
 use crate::flow::sensor_log::{Channel, LogRow, Quantity, SensorLog};
@@ -47,6 +51,10 @@ pub struct Magnetometer {
 pub struct Recorder {
     /// Bounded noise, and the seed of everything random.
     pub noise: SweepNoise,
+    /// How the moments' errors behave within those bounds.
+    pub law: NoiseLaw,
+    /// How readings, odometry and headings differ from what is declared.
+    pub truth: TrueErrors,
     /// What else befalls the moments.
     pub disturbances: Disturbances,
     /// What else befalls the odometry.
@@ -66,6 +74,8 @@ impl Default for Recorder {
     fn default() -> Self {
         Self {
             noise: SweepNoise::default(),
+            law: NoiseLaw::default(),
+            truth: TrueErrors::default(),
             disturbances: Disturbances::default(),
             odometry: OdometryErrors::default(),
             stamps: Stamps::default(),
@@ -97,10 +107,11 @@ impl Recorder {
         self.check()?;
         let seed = self.noise.seed;
         let mut dice = self.noise.dice();
-        let felt = self.odometry.felt_path(seed, &sweep.truth);
+        let felt = self.odometry.felt_path(seed, &sweep.truth, &self.truth);
         let odometry = dice.odometry(felt.into_iter());
         let mut distorted: Vec<Distorted> =
             (0..robot.whiskers.len()).map(|w| Distorted::new(&self.disturbances, seed, w)).collect();
+        let moments = self.moments(robot, sweep, &mut distorted);
         let mut converter: Vec<ChaCha8Rng> =
             (0..robot.whiskers.len()).map(|w| stream(seed, Stream::Converter, w)).collect();
         let mut recording = Recording { log: self.empty_log(robot), ..Recording::default() };
@@ -108,11 +119,14 @@ impl Recorder {
         let kept = self.stamps.kept(seed, &sweep.truth);
         let mut next = kept.iter().peekable();
         let mut compass = stream(seed, Stream::Heading, 0);
-        for (index, (pose, exact)) in sweep.truth.iter().zip(&sweep.exact_moments).enumerate() {
+        for (index, pose) in sweep.truth.iter().enumerate() {
             let (mut readings, mut fluxes) = (Vec::new(), Vec::new());
-            for (w, (whisker, &h)) in robot.whiskers.iter().zip(exact).enumerate() {
-                let before = distorted[w].before_noise(pose.t, h);
-                let moment = distorted[w].after_noise(dice.reading(before, &whisker.noise));
+            for (w, whisker) in robot.whiskers.iter().enumerate() {
+                let moment = match self.law {
+                    NoiseLaw::Uniform => dice.reading(moments[w][index], &whisker.noise),
+                    _ => moments[w][index],
+                };
+                let moment = distorted[w].after_noise(moment);
                 let (counts, flux) = self.convert(moment, &mut converter[w], &mut beyond[w]);
                 for column in &self.columns {
                     match column {
@@ -123,8 +137,9 @@ impl Recorder {
                 }
                 fluxes.push(flux);
             }
-            let heading =
-                self.heading_noise.map(|noise| wrap_angle(pose.map_from_robot.theta + noise * normal(&mut compass)));
+            let heading = self
+                .heading_noise
+                .map(|noise| wrap_angle(pose.map_from_robot.theta + self.truth.heading + noise * normal(&mut compass)));
             if let Some((_, stamp)) = next.next_if(|(row, _)| *row == index) {
                 let row = LogRow { t: *stamp, odom_from_robot: odometry[index], readings, heading, line: 0 };
                 recording.log.rows.push(row);
@@ -136,8 +151,29 @@ impl Recorder {
         Ok(recording)
     }
 
+    /// The moments of each whisker, row by row: as its sensor feels them, and with their errors by any law but the uniform one, whose
+    /// draws go from row to row.
+    fn moments(&self, robot: &Robot, sweep: &Sweep, distorted: &mut [Distorted]) -> Vec<Vec<f64>> {
+        let times: Vec<f64> = sweep.truth.iter().map(|pose| pose.t).collect();
+        let start = times.first().copied().unwrap_or(0.0);
+        let of = |(w, (whisker, distorted)): (usize, (&crate::world::MountedWhisker, &mut Distorted))| {
+            let exact: Vec<f64> = sweep.exact_moments.iter().map(|row| row[w]).collect();
+            let felt = truth::delayed(&times, &exact, self.truth.delay).into_iter().zip(&times);
+            let felt = felt.map(|(h, t)| distorted.before_noise(*t, self.truth.read(t - start, h)));
+            let felt: Vec<f64> = felt.collect();
+            if self.law == NoiseLaw::Uniform {
+                return felt;
+            }
+            let bound = self.noise.moment.unwrap_or(whisker.noise);
+            self.law.readings(&times, &felt, &bound, &mut stream(self.noise.seed, Stream::Law, w))
+        };
+        robot.whiskers.iter().zip(distorted).enumerate().map(of).collect()
+    }
+
     fn check(&self) -> Result<()> {
         self.noise.check()?;
+        self.law.check()?;
+        self.truth.check()?;
         self.disturbances.check()?;
         self.odometry.check()?;
         self.stamps.check()?;
@@ -204,6 +240,7 @@ enum Stream {
     Dropped,
     Late,
     Heading,
+    Law,
 }
 
 /// The stream of one purpose for one whisker.

@@ -1,6 +1,6 @@
 //! What befalls odometry besides bounded errors of its increments.
 
-use super::{Stream, in_range, signed, stream};
+use super::{Stream, TrueErrors, in_range, signed, stream};
 use crate::flow::pose::StampedPose;
 use crate::plane::Pose2;
 use crate::world::increments;
@@ -42,9 +42,10 @@ impl OdometryErrors {
     }
 
     /// The path that the wheels count, from the true start on.
-    pub(super) fn felt_path(&self, seed: u64, truth: &[StampedPose]) -> Vec<Pose2> {
+    pub(super) fn felt_path(&self, seed: u64, truth: &[StampedPose], errors: &TrueErrors) -> Vec<Pose2> {
         let poses = || truth.iter().map(|pose| pose.map_from_robot);
-        if *self == Self::default() {
+        let scaled = errors.odometry_translation.abs() > 0.0 || errors.odometry_rotation.abs() > 0.0;
+        if *self == Self::default() && !scaled {
             return poses().collect();
         }
         let mut rng = stream(seed, Stream::Odometry, 0);
@@ -55,6 +56,7 @@ impl OdometryErrors {
             let middle = 0.5 * (pair[0].t + pair[1].t);
             let slips = |s: &&Slip| (s.t..s.t + s.duration).contains(&middle);
             let slip: f64 = self.slips.iter().filter(slips).map(|s| 1.0 + s.share).product();
+            let step = errors.counted(step);
             let way = step.position() * (scale * slip);
             let turned = Pose2::new(way.x, way.y, step.theta + drift * way.norm());
             felt.extend(felt.last().map(|last| last.compose(turned)));

@@ -1,0 +1,89 @@
+//! What is told to try for logs that are spoiled on purpose.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on must fail")]
+
+use vibrissa::flow::pose::{Localization, Remedy, Status};
+use vibrissa::flow::sensor_log::{LogRow, SensorLog};
+use vibrissa::plane::Pose2;
+use vibrissa::sim::recorder::{Recorder, TrueErrors};
+use vibrissa::tasks::{advise, demo};
+use vibrissa::world::Robot;
+use vibrissa::{Method, localize};
+
+fn spoiled(change: impl Fn(&mut LogRow)) -> (SensorLog, Robot) {
+    let mut log = demo::sweep(1).unwrap().log;
+    log.rows.iter_mut().for_each(change);
+    (log, Robot::default())
+}
+
+fn placed(change: impl Fn(Pose2) -> Pose2) -> (SensorLog, Robot) {
+    spoiled(|row| row.odom_from_robot = change(row.odom_from_robot))
+}
+
+/// The demo's sweep with a robot that is other than declared.
+fn undeclared(truth: TrueErrors) -> (SensorLog, Robot) {
+    let robot = Robot::default();
+    let recorder = Recorder { truth, ..Recorder::default() };
+    let log = recorder.record(&robot, &demo::sweep(1).unwrap()).unwrap().log;
+    (log, truth.declared_robot(&robot).unwrap())
+}
+
+/// The answer with what is told to try.
+fn advised(log: &SensorLog, robot: &Robot, method: &Method, go_on: &mut dyn FnMut() -> bool) -> Localization {
+    let map = demo::arena().unwrap();
+    let mut answer = localize(log, &map, robot, method, &mut |_| {}).unwrap();
+    advise(&mut answer, log, &map, robot, method, go_on).unwrap();
+    answer
+}
+
+fn told((log, robot): &(SensorLog, Robot), method: &Method) -> Vec<Remedy> {
+    let answer = advised(log, robot, method, &mut || true);
+    assert_eq!(answer.status, Status::Inconsistent);
+    answer.consistency.expect("remedies").remedies
+}
+
+#[test]
+fn the_right_remedy_comes_first() {
+    let none = TrueErrors::default();
+    let length = Robot::default().whiskers[0].beam.length;
+    let trials = [
+        ("x and y are swapped", placed(|p| Pose2::new(p.y, p.x, p.theta))),
+        ("in millimetres", placed(|p| Pose2::new(1e3 * p.x, 1e3 * p.y, p.theta))),
+        ("heading is wrong", spoiled(|row| row.heading = Some(0.35))),
+        ("readings are 20 % too large", undeclared(TrueErrors { gain: 0.2, ..none })),
+        ("the whisker is 10 % longer", undeclared(TrueErrors { length: length - length / 1.1, ..none })),
+    ];
+    for (words, case) in &trials {
+        let found = told(case, &Method::default());
+        let best = &found.first().unwrap_or_else(|| panic!("{words}: nothing is told")).change;
+        println!("{words}: {found:?}");
+        assert!(best.contains(words), "{words}: {best}");
+        assert!(found.iter().all(|remedy| remedy.status != Status::Inconsistent) && found.len() <= 5);
+        assert!(found[0].statistic < 2.0, "the readings fit: {found:?}");
+    }
+}
+
+#[test]
+fn every_method_has_remedies() {
+    for method in Method::all() {
+        let found = told(&spoiled(|row| row.readings[0] = -row.readings[0]), &method);
+        println!("{method}: {found:?}");
+        assert!(found[0].change.contains("the sign of w0.moment"), "{method}: {found:?}");
+    }
+}
+
+#[test]
+fn what_fits_needs_no_remedy_and_nobody_waits_longer_than_he_wants() {
+    let (log, robot) = spoiled(|_| {});
+    let answer = advised(&log, &robot, &Method::default(), &mut || panic!("nothing to try"));
+    assert!(answer.status == Status::Localized && answer.consistency.is_none_or(|fit| fit.remedies.is_empty()));
+    let (log, robot) = spoiled(|row| row.readings[0] = -row.readings[0]);
+    let mut asked = 0;
+    let mut impatient = || {
+        asked += 1;
+        asked < 10
+    };
+    let answer = advised(&log, &robot, &Method::default(), &mut impatient);
+    assert_eq!(answer.consistency.unwrap().remedies, []);
+    assert_eq!(asked, 10);
+}
