@@ -138,7 +138,9 @@ fn sweep(map: &Map, robot: &Robot, motion: usize, draw: &mut Random) -> Option<S
         map.is_free(base) && map.nearest_within(base, NEAREST).is_none_or(|p: MapPoint| p.distance > NEAREST)
     };
     let base = |pose: Pose2| pose.compose(robot.whiskers[0].robot_from_whisker).position();
-    if path.len() > MOST || path.iter().any(|pose| !clear(base(pose.map_from_robot))) {
+    // A robot whose origin is in a wall is no robot.
+    let stands = |pose: Pose2| clear(base(pose)) && map.is_free(pose.position());
+    if path.len() > MOST || path.iter().any(|pose| !stands(pose.map_from_robot)) {
         return None;
     }
     let sweep = simulate_tip_sweep(map, robot, &path, &SweepNoise::none()).ok()?;

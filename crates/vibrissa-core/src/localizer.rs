@@ -18,7 +18,7 @@ pub use possibilistic::PossibilisticEstimator;
 pub use probabilistic::ProbabilisticEstimator;
 
 use crate::config::limits::COARSEST_SPACING;
-use crate::flow::pose::{Estimate, Localization};
+use crate::flow::pose::{Estimate, Event, Localization};
 use crate::flow::sensor_log::{Channel, LogRow, Quantity};
 use crate::plane::Pose2;
 use crate::world::{Map, Robot};
@@ -96,6 +96,20 @@ impl<'a> Localizer<'a> {
     pub fn finish(self) -> Localization {
         self.estimator.finish()
     }
+}
+
+/// What a method that takes declared errors for none says about them.
+fn unused_errors(robot: &Robot, t: f64) -> Option<Event> {
+    let keys = robot.declared_errors();
+    (!keys.is_empty()).then(|| Event {
+        t,
+        kind: "unused",
+        detail: format!(
+            "this method takes {} of the robot file for 0, so that places may be told too sharply; --method possibilistic \
+             reckons with them",
+            keys.join(", ")
+        ),
+    })
 }
 
 /// What to do with a whisker that is curved at rest.

@@ -269,3 +269,21 @@ fn a_robot_written_is_read_back_the_same() {
     let robot = vibrissa::io::robot::from_toml(jointed, "robot.toml").unwrap();
     assert_eq!(vibrissa::io::robot::from_toml(&vibrissa::io::robot::to_toml(&robot), "again.toml").unwrap(), robot);
 }
+
+#[test]
+fn methods_without_declared_errors_say_so() {
+    use vibrissa::Localizer;
+    use vibrissa::flow::sensor_log::{Channel, Quantity};
+    let text =
+        "[[whisker]]\nzero_error = \"0.2 mN m\"\nmount_error = [0, 0, \"1 deg\"]\n[odometry]\ndelay_error = \"5 ms\"\n";
+    let robot = vibrissa::io::robot::from_toml(text, "robot.toml").unwrap();
+    assert_eq!(robot.declared_errors(), ["delay_error", "mount_error", "zero_error"]);
+    assert!(Robot::default().declared_errors().is_empty());
+    let demo = vibrissa::tasks::demo::arena().unwrap();
+    let channels = [Channel { whisker: String::new(), quantity: Quantity::Moment }];
+    for (method, says) in [("deterministic", true), ("probabilistic", true), ("possibilistic", false)] {
+        let method = vibrissa::Method::named(method).unwrap();
+        let told = Localizer::new(&demo, &robot, &channels, &method).unwrap().finish();
+        assert_eq!(told.events.iter().any(|event| event.kind == "unused"), says, "{}", told.method);
+    }
+}

@@ -275,6 +275,7 @@ impl Estimator for DeterministicEstimator<'_> {
                 .to_owned();
             self.record.events.push(Event { t, kind: "too_short", detail });
         }
+        self.record.events.extend(super::unused_errors(self.robot, t));
         self.record.events.sort_by(|a, b| a.t.total_cmp(&b.t));
         let best = self.record.last.map(|(candidate, _)| candidate);
         Localization {

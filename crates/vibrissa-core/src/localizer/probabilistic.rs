@@ -310,6 +310,7 @@ impl Estimator for ProbabilisticEstimator<'_> {
             ..self.evidence(&hypotheses)
         });
         self.note_reason(t, hypotheses.is_empty(), verdict.reason);
+        self.events.extend(super::unused_errors(self.robot, t));
         let status = verdict.status;
         let keep = status != Status::Inconsistent;
         let estimate = hypotheses.first().map(|h| h.pose).filter(|_| keep);

@@ -66,6 +66,22 @@ impl Default for WhiskerErrors {
     }
 }
 
+impl WhiskerErrors {
+    /// The keys of the robot file whose bound is not zero.
+    fn declared(&self) -> impl Iterator<Item = &'static str> {
+        let mount = self.mount.iter().fold(0.0_f64, |most, bound| most.max(*bound));
+        let all = [
+            ("zero_error", self.zero),
+            ("zero_drift_error", self.zero_drift),
+            ("mount_error", mount),
+            ("length_error", self.length),
+            ("stiffness_error", self.rigidity),
+            ("gain_error", self.gain),
+        ];
+        all.into_iter().filter(|&(_, bound)| bound > 0.0).map(|(key, _)| key)
+    }
+}
+
 /// A whisker on a robot.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MountedWhisker {
@@ -133,6 +149,19 @@ pub struct Robot {
     pub odometry: Odometry,
     /// Bound on the error of the map's scale, relative to it.
     pub map_scale: f64,
+}
+
+impl Robot {
+    /// The keys of the robot file that bound what is not known exactly, each once: of whiskers, delay and map.
+    #[must_use]
+    pub fn declared_errors(&self) -> Vec<&'static str> {
+        let mut keys: Vec<&str> = self.whiskers.iter().flat_map(|whisker| whisker.errors.declared()).collect();
+        keys.extend((self.odometry.delay > 0.0).then_some("delay_error"));
+        keys.extend((self.map_scale > 0.0).then_some("scale_error"));
+        keys.sort_unstable();
+        keys.dedup();
+        keys
+    }
 }
 
 impl Default for Robot {

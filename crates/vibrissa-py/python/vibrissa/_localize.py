@@ -226,6 +226,7 @@ def localize(
     largest_slope: float | None = None,
     work: int | None = None,
     last_work: int | None = None,
+    two_contacts: float | None = None,
     seed_spacing: float | None = None,
     seed_turn: float | None = None,
     seed_travel: float | None = None,
@@ -240,7 +241,7 @@ def localize(
     Deterministic method: tip_load, boundary_spacing (m), history_shapes (2 to 5), history_travel (m), update_travel (m),
     tolerance (standard deviations), missed_share. Possibilistic and probabilistic: heading_error (rad). All: within, where
     the robot is at the first row: least and largest x, y (m) and heading (rad), six numbers. Possibilistic: tolerate
-    (readings), largest_slope (rad), work, last_work. Probabilistic: seed_spacing (m), seed_turn (rad), seed_travel (m),
+    (readings), largest_slope (rad), work, last_work, two_contacts (m). Probabilistic: seed_spacing (m), seed_turn (rad), seed_travel (m),
     shared_gain, tolerated_share. ``vibrissa localize --help`` explains each; None takes the default.
 
     Ctrl-C ends it within a second.
@@ -259,6 +260,7 @@ def localize(
         "largest_slope": largest_slope,
         "work": work,
         "last_work": last_work,
+        "two_contacts": two_contacts,
         "seed_spacing": seed_spacing,
         "seed_turn": seed_turn,
         "seed_travel": seed_travel,
