@@ -3,6 +3,7 @@
 use crate::cells::{Cell, ERRORS, LAWS};
 use std::path::PathBuf;
 use vibrissa::Method;
+use vibrissa::config::NoiseAssumption;
 use vibrissa::sim::recorder::NoiseLaw;
 
 pub(crate) const HELP: &str = "\
@@ -11,6 +12,7 @@ pub(crate) const HELP: &str = "\
   --method A,B        probabilistic,possibilistic; or deterministic
   --laws A,B          rows of the first table: all, none, or their words
   --errors A,B        rows of the second table, likewise
+  --correlated        the probabilistic method takes errors of the readings for correlated
   --noise LAW         how readings err in the second table beside what nobody declared: none
   --declared R        the declared relative bound of the readings, 0.05
   --threads N         all of the machine's
@@ -57,7 +59,7 @@ impl Call {
             each: false,
             json: None,
         };
-        let (mut runs, mut laws, mut errors) = (None, None, None);
+        let (mut runs, mut laws, mut errors, mut correlated) = (None, None, None, false);
         while let Some(word) = words.next() {
             let mut value = || words.next().ok_or(format!("{word} needs a value"));
             match word.as_str() {
@@ -73,11 +75,18 @@ impl Call {
                 }
                 "--declared" => call.declared = number(&word, &value()?, 0.0, 0.99)?,
                 "--threads" => call.threads = number(&word, &value()?, 1.0, 256.0)? as usize,
+                "--correlated" => correlated = true,
                 "--short" => call.judge = true,
                 "--worlds" => call.worlds = true,
                 "--each" => call.each = true,
                 "--json" => call.json = Some(value()?.into()),
                 _ => return Err(format!("unknown word {word}")),
+            }
+        }
+        for method in &mut call.methods {
+            if let Method::Probabilistic(options) = method {
+                options.noise_model =
+                    if correlated { NoiseAssumption::Correlated } else { NoiseAssumption::Independent };
             }
         }
         let [all_laws, all_errors] = if call.judge { [SHORT_LAWS, SHORT_ERRORS] } else { ["all", "all"] };

@@ -1,11 +1,13 @@
-//! Dense matrices of a small, fixed size: factors, inverses, determinants.
+//! Dense matrices: of a small, fixed size, factors, inverses, determinants; of any size, the factor of a symmetric one.
 //!
 //! Plain arrays, rows first, so that the library underneath stays out of all signatures. Only kernels whose order of summation does not depend on the processor are used.
 
+use alloc::vec::Vec;
 #[cfg(not(feature = "std"))]
 use num_traits::Float as _;
+use numeris::dynmatrix::DynCholesky;
 use numeris::linalg::CholeskyDecomposition;
-use numeris::{Matrix, Vector};
+use numeris::{DynMatrix, DynVector, Matrix, Vector};
 
 /// A square matrix, rows first.
 pub type Square<const N: usize> = [[f64; N]; N];
@@ -74,6 +76,40 @@ impl<const N: usize> Cholesky<N> {
         let unit = |i: usize| core::array::from_fn(|j| f64::from(u8::from(i == j)));
         let columns: Square<N> = core::array::from_fn(|i| self.solve(&unit(i)));
         core::array::from_fn(|i| core::array::from_fn(|j| columns[i.max(j)][i.min(j)]))
+    }
+}
+
+/// The lower triangular factor of a symmetric positive definite matrix of any size.
+#[derive(Debug)]
+pub struct DenseCholesky(DynCholesky<f64>);
+
+impl DenseCholesky {
+    /// Of a matrix of `size` rows one after the other; none where it is not positive definite or not finite.
+    #[must_use]
+    pub fn new(size: usize, matrix: &[f64]) -> Option<Self> {
+        let factor = DynCholesky::new(&DynMatrix::from_slice(size, size, matrix)).ok()?;
+        // The library takes what is no number for positive.
+        (0..size).all(|i| factor.l()[(i, i)].is_finite()).then_some(Self(factor))
+    }
+
+    /// The solution `x` of `L Lᵀ x = right`.
+    #[must_use]
+    pub fn solve(&self, right: &[f64]) -> Vec<f64> {
+        self.0.solve(&DynVector::from_slice(right)).as_slice().to_vec()
+    }
+
+    /// The inverse, its rows one after the other.
+    #[must_use]
+    pub fn inverse(&self) -> Vec<f64> {
+        let inverse = self.0.inverse();
+        let size = inverse.nrows();
+        (0..size * size).map(|k| inverse[(k / size, k % size)]).collect()
+    }
+
+    /// The logarithm of the matrix' determinant.
+    #[must_use]
+    pub fn ln_determinant(&self) -> f64 {
+        self.0.ln_det()
     }
 }
 

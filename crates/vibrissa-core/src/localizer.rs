@@ -105,8 +105,8 @@ fn unused_errors(robot: &Robot, t: f64) -> Option<Event> {
         t,
         kind: "unused",
         detail: format!(
-            "this method takes {} of the robot file for 0, so that places may be told too sharply; --method possibilistic \
-             reckons with them",
+            "this method takes {} of the robot file for 0, so that places may be told too sharply; --method probabilistic \
+             estimates them",
             keys.join(", ")
         ),
     })

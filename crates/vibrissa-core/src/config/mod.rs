@@ -16,7 +16,7 @@ pub use deterministic::{DeterministicOptions, TipLoad};
 pub use grid::GridOptions;
 pub use possibilistic::PossibilisticOptions;
 pub(crate) use possibilistic::two_contacts;
-pub use probabilistic::ProbabilisticOptions;
+pub use probabilistic::{NoiseAssumption, ProbabilisticOptions};
 pub use setting::{Choice, Region, Setting, SettingValue, Slot};
 pub use vibrissa_beam::config::sensing;
 

@@ -1,7 +1,42 @@
 //! What the probabilistic method can be told.
 
-use super::{Region, Setting, Slot, check_region, defaults, heading_setting, region_setting, within};
+use super::{Choice, Region, Setting, Slot, check_region, defaults, heading_setting, region_setting, within};
 use crate::Result;
+
+/// How the errors of a sensor's readings hang together.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum NoiseAssumption {
+    /// Each is new, evenly within its bound, but for a gain that all share.
+    #[default]
+    Independent,
+    /// They may stay alike for a while, as hysteresis, drift and calibration curves make them.
+    Correlated,
+}
+
+impl Choice for NoiseAssumption {
+    fn words(&self) -> &'static [(&'static str, &'static str)] {
+        &[
+            ("independent", "Each error is new, but for a gain that all readings share"),
+            (
+                "correlated",
+                "Errors stay alike for a while, as hysteresis and drift make them; variance and time constant are estimated",
+            ),
+        ]
+    }
+
+    fn word(&self) -> &'static str {
+        match self {
+            Self::Independent => "independent",
+            Self::Correlated => "correlated",
+        }
+    }
+
+    fn take(&mut self, word: &str) -> bool {
+        let found = [Self::Independent, Self::Correlated].into_iter().find(|model| model.word() == word);
+        *self = found.unwrap_or(*self);
+        found.is_some()
+    }
+}
 
 /// The knobs of the probabilistic method.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,6 +64,9 @@ pub struct ProbabilisticOptions {
     /// Share of the rows that no equilibrium needs to explain, 0 to 0.5: while the whisker has snapped or touches at three
     /// places, even the true place explains nothing.
     pub tolerated_share: f64,
+    /// How the readings' errors hang together. Robots that declare errors of zero, mount and the like are always taken to have correlated
+    /// ones.
+    pub noise_model: NoiseAssumption,
 }
 
 impl Default for ProbabilisticOptions {
@@ -43,6 +81,7 @@ impl Default for ProbabilisticOptions {
             prior: None,
             window: 1000,
             tolerated_share: 0.05,
+            noise_model: NoiseAssumption::default(),
         }
     }
 }
@@ -76,6 +115,12 @@ impl ProbabilisticOptions {
                 "SHARE",
                 "Share of the rows that no contact needs to explain, since the whisker has snapped or touches at three places",
                 Slot::Number(&mut self.tolerated_share),
+            ),
+            setting(
+                "noise_model",
+                "NOISE",
+                "How the readings' errors hang together",
+                Slot::Choice(&mut self.noise_model),
             ),
             heading_setting(&mut self.heading_error),
             region_setting(&mut self.prior),

@@ -10,7 +10,7 @@ pub use answer::{
 };
 
 use super::state_set::possibilistic;
-use super::state_set::probabilistic::{self, Consistency};
+use super::state_set::probabilistic::{self, Agreement, Consistency, Fit};
 use super::state_set::{Candidate, StateSet, components};
 use crate::config::DeterministicOptions;
 use crate::plane::{Pose2, wrap_angle};
@@ -35,6 +35,8 @@ const FALSE_SHARE: f64 = 0.1;
 const MOST_DRIFT: f64 = 4.0;
 /// The same for the mean square of single residuals.
 const MOST_SQUARE: f64 = 3.5;
+/// The same, in units of what even errors give, of errors that obey their bounds: 3 where all are at the ends.
+const MOST_SQUARE_WITHIN: f64 = 3.3;
 /// Fewest blocks that speak about drift.
 const FEWEST_BLOCKS: usize = 6;
 /// Half the side of the box around the region that holds 95 % of a Gaussian in three dimensions (standard deviations).
@@ -54,7 +56,7 @@ pub(crate) struct Evidence<'a> {
     /// What is known about readings that break their declared bounds.
     pub(crate) broken: Broken<'a>,
     /// How well the best place fits the readings, where the method has statistics of that.
-    pub(crate) fit: Option<Consistency>,
+    pub(crate) fit: Option<&'a Agreement>,
     /// Share of the rows that no equilibrium needs to explain.
     pub(crate) tolerated_share: f64,
 }
@@ -89,7 +91,7 @@ pub(crate) fn verdict(evidence: &Evidence<'_>) -> Verdict {
     let Some(first) = places.first() else {
         return plain(if emptied { Status::Inconsistent } else { Status::Ambiguous });
     };
-    if let Some(detail) = evidence.fit.and_then(|fit| misfit(&fit, fit.odometry, evidence.tolerated_share)) {
+    if let Some(detail) = evidence.fit.and_then(|fit| contradiction(fit, evidence.tolerated_share)) {
         return Verdict { status: Status::Inconsistent, reason: Some(("inconsistent", detail)) };
     }
     let rivals = rivals(evidence);
@@ -98,9 +100,8 @@ pub(crate) fn verdict(evidence: &Evidence<'_>) -> Verdict {
         return plain(Status::Inconsistent);
     }
     // A place that leaves as much unexplained as side contact may, or odometry whose error changes on the way, can be wrong: it is
-    // told, but not believed alone. Errors that are independent of each other average out.
-    let independent = |fit: &Consistency| fit.odometry / f64::from(fit.touching.max(1) as u32);
-    if let Some(detail) = evidence.fit.and_then(|fit| misfit(&fit, independent(&fit), 0.0)) {
+    // told, but not believed alone.
+    if let Some(detail) = evidence.fit.and_then(doubt) {
         let detail = format!("told all the same, since side contact, a snap or slip on the way may be why: {detail}");
         return Verdict { status: Status::Ambiguous, reason: Some(("tolerated", detail)) };
     }
@@ -123,23 +124,57 @@ fn rivals(evidence: &Evidence<'_>) -> usize {
     evidence.places.iter().enumerate().filter(may).count()
 }
 
+/// Why the readings contradict the best place, if they do even when a share of them is tolerated and errors of the odometry change on the
+/// way.
+fn contradiction(fit: &Agreement, tolerated_share: f64) -> Option<String> {
+    match fit {
+        Agreement::Independent(fit) => misfit(fit, fit.odometry, tolerated_share),
+        Agreement::Correlated(fit) => beyond_bounds(fit, tolerated_share),
+    }
+}
+
+/// Why the best place is not believed alone, if it is not.
+fn doubt(fit: &Agreement) -> Option<String> {
+    match fit {
+        // Errors that are independent of each other average out.
+        Agreement::Independent(fit) => misfit(fit, fit.odometry / f64::from(fit.touching.max(1) as u32), 0.0),
+        Agreement::Correlated(fit) => beyond_bounds(fit, 0.0),
+    }
+}
+
+/// The same for errors that may be alike for a while: all that they obey is their bounds.
+fn beyond_bounds(fit: &Fit, tolerated_share: f64) -> Option<String> {
+    if fit.beyond > FALSE_SHARE + tolerated_share {
+        return Some(beyond(fit.beyond));
+    }
+    (fit.square > MOST_SQUARE_WITHIN).then(|| scattered(fit.square))
+}
+
+fn beyond(share: f64) -> String {
+    format!(
+        "{:.0} % of the readings lie beyond their declared noise even at the best place; is it the right map, and \
+         does the whisker touch with its tip?",
+        100.0 * share
+    )
+}
+
+fn scattered(square: f64) -> String {
+    format!(
+        "the readings scatter {:.2} times as far from the best place as their declared noise does; is it the right map, \
+         and are the noise bounds right?",
+        square.sqrt()
+    )
+}
+
 /// Why the readings speak against the best place, if they do even when a share of them is tolerated and the odometry has added so much to
 /// their mean square.
 fn misfit(fit: &Consistency, odometry: f64, tolerated_share: f64) -> Option<String> {
     if fit.beyond > FALSE_SHARE + tolerated_share {
-        return Some(format!(
-            "{:.0} % of the readings lie beyond their declared noise even at the best place; is it the right map, and \
-             does the whisker touch with its tip?",
-            100.0 * fit.beyond
-        ));
+        return Some(beyond(fit.beyond));
     }
     let most = 1.0 + odometry + MOST_SQUARE / f64::from(fit.touching.max(1) as u32).sqrt();
     if fit.square > most {
-        return Some(format!(
-            "the readings scatter {:.2} times as far from the best place as their declared noise does; is it the right map, \
-             and are the noise bounds right?",
-            fit.square.sqrt()
-        ));
+        return Some(scattered(fit.square));
     }
     let most = 1.0 + 8.0 * odometry + MOST_DRIFT * (2.0 / fit.blocks.max(1) as f64).sqrt();
     let drift = if tolerated_share > 0.0 { fit.tolerant_drift } else { fit.drift };

@@ -6,13 +6,15 @@ use super::{Estimator, LimitCheck, STRAIGHT_ONLY, one_column_each, searchable};
 use crate::Result;
 use crate::beam::{TipModel, Whisker};
 use crate::config::limits::MOST_SEARCHED;
-use crate::config::{ProbabilisticOptions, Setting};
+use crate::config::{NoiseAssumption, ProbabilisticOptions, Setting};
 use crate::flow::pose::{
     self, Broken, Estimate, Event, Evidence, Hypothesis, Localization, OdometryEstimate, RECOVERED, StampedPose,
     Status, StepRecord,
 };
 use crate::flow::sensor_log::{Channel, LogRow, Quantity, SensorLog};
-use crate::flow::state_set::probabilistic::{PosteriorPlace, ProbabilisticSet, SensedQuantity, StepOutcome};
+use crate::flow::state_set::probabilistic::{
+    Agreement, ModeSet, NuisanceSmoother, PosteriorPlace, ProbabilisticSet, SensedQuantity, StepOutcome,
+};
 use crate::flow::thinned::Thinned;
 use crate::flow::trajectory::pose_at;
 use crate::plane::Pose2;
@@ -29,7 +31,7 @@ pub struct ProbabilisticEstimator<'a> {
     quantities: Vec<Reader>,
     /// For each quantity the last possible reading, and how many impossible ones came since.
     last: Vec<(f64, usize)>,
-    set: ProbabilisticSet<'a>,
+    set: Box<dyn ModeSet + 'a>,
     start: Option<Pose2>,
     rows: Vec<(f64, Pose2)>,
     in_contact: Vec<bool>,
@@ -64,13 +66,20 @@ impl<'a> ProbabilisticEstimator<'a> {
         let tips = robot.whiskers.iter().map(|w| TipModel::new(&w.beam)).collect::<Result<Vec<_>>>()?;
         let quantities = readers(robot, &tips, channels)?;
         let told: Vec<(usize, SensedQuantity)> = quantities.iter().map(|r| (r.whisker, r.quantity)).collect();
+        // What is not known exactly, and errors that stay alike, are unknowns beside the pose.
+        let set: Box<dyn ModeSet + 'a> =
+            if options.noise_model == NoiseAssumption::Correlated || !robot.declared_errors().is_empty() {
+                Box::new(NuisanceSmoother::new(map, robot, &tips, &told, options))
+            } else {
+                Box::new(ProbabilisticSet::new(map, robot, &tips, &told, options))
+            };
         Ok(Self {
             map,
             robot,
             last: vec![(0.0, 0); quantities.len()],
             quantities,
             tolerated_share: options.tolerated_share,
-            set: ProbabilisticSet::new(map, robot, &tips, &told, options),
+            set,
             start: None,
             rows: Vec::new(),
             in_contact: vec![false; robot.whiskers.len()],
@@ -159,7 +168,7 @@ impl<'a> ProbabilisticEstimator<'a> {
             return;
         }
         let (area_m2, volume) = self.set.size();
-        self.steps.push(StepRecord { t, components: self.set.len(), area_m2, volume });
+        self.steps.push(StepRecord { t, components: self.set.count(), area_m2, volume });
     }
 
     fn note_loss(&mut self, t: f64) {
@@ -256,7 +265,7 @@ impl Estimator for ProbabilisticEstimator<'_> {
         self.keep_drawn(row.t, odom, &readings);
         self.rows.push((row.t, odom));
         self.taken += 1;
-        match self.set.step(odom, &readings, row.heading.filter(|h| h.is_finite())) {
+        match self.set.step(row.t, odom, &readings, row.heading.filter(|h| h.is_finite())) {
             StepOutcome::Nothing => {}
             StepOutcome::Started(_) => {
                 self.first_row.get_or_insert(self.taken - 1);
@@ -303,25 +312,25 @@ impl Estimator for ProbabilisticEstimator<'_> {
         let hypotheses: Vec<Hypothesis> = places.iter().map(pose::fitted).collect();
         let broken: Vec<f64> = places.iter().map(|place| place.broken).collect();
         let verdict = pose::verdict(&Evidence {
-            explained_since: fit.map_or(0, |fit| fit.touching),
+            explained_since: fit.as_ref().map_or(0, Agreement::touching),
             broken: Broken::Shares(&broken),
-            fit,
+            fit: fit.as_ref(),
             tolerated_share: self.tolerated_share,
             ..self.evidence(&hypotheses)
         });
         self.note_reason(t, hypotheses.is_empty(), verdict.reason);
-        self.events.extend(super::unused_errors(self.robot, t));
         let status = verdict.status;
         let keep = status != Status::Inconsistent;
         let estimate = hypotheses.first().map(|h| h.pose).filter(|_| keep);
         let odometry = places.first().and_then(|place| place.calibration).map(odometry_estimate);
+        let nuisances = places.first().map_or_else(Vec::new, |place| place.nuisances.clone());
         let trajectory = places.first().map_or_else(Vec::new, |place| self.trajectory(place, odometry.as_ref()));
         // The frame of each row, since the odometry is corrected along the way.
         let frame = |felt: &DrawnReading| Some(pose_at(&trajectory, felt.t)?.compose(felt.odom_from_robot.inverse()));
         let shapes = drawn::shapes(self.map, &self.robot.whiskers, self.felt.iter(), frame);
         let states = places.iter().flat_map(|p| p.members.iter().map(|(pose, c)| pose::box_95(*pose, c))).collect();
         Localization {
-            nuisances: Vec::new(),
+            nuisances: if keep { nuisances } else { Vec::new() },
             consistency: None,
             unsure: Vec::new(),
             method: NAME,

@@ -232,6 +232,7 @@ def localize(
     seed_travel: float | None = None,
     shared_gain: float | None = None,
     tolerated_share: float | None = None,
+    noise_model: Literal["independent", "correlated"] | None = None,
 ) -> Localization:
     """Finds where the robot is from a sensor log and a map; files may stand for each of them.
 
@@ -242,7 +243,7 @@ def localize(
     tolerance (standard deviations), missed_share. Possibilistic and probabilistic: heading_error (rad). All: within, where
     the robot is at the first row: least and largest x, y (m) and heading (rad), six numbers. Possibilistic: tolerate
     (readings), largest_slope (rad), work, last_work, two_contacts (m). Probabilistic: seed_spacing (m), seed_turn (rad), seed_travel (m),
-    shared_gain, tolerated_share. ``vibrissa localize --help`` explains each; None takes the default.
+    shared_gain, tolerated_share, noise_model. ``vibrissa localize --help`` explains each; None takes the default.
 
     Ctrl-C ends it within a second.
     """
@@ -266,6 +267,7 @@ def localize(
         "seed_travel": seed_travel,
         "shared_gain": shared_gain,
         "tolerated_share": tolerated_share,
+        "noise_model": noise_model,
     }
     known = None if truth is None else read_trajectory(truth)
     found = _vibrissa.localize(read_log(log, format), read_map(map), robot_of(robot), method, options, progress)

@@ -15,6 +15,7 @@ use super::odometry_calibration::Matrix;
 use super::sensor::LikelihoodOptions;
 use super::unobservable::{CurveTracer, Metric};
 use crate::contact::follow::Mechanics;
+use crate::flow::pose::Nuisance;
 use crate::linear_algebra::{add, congruent, determinant, dot, inverse, times};
 use crate::plane::{Pose2, Vec2};
 use crate::world::Odometry;
@@ -92,6 +93,8 @@ pub struct PosteriorPlace {
     /// The calibration parameters by which the odometry's increments are too short, go aside (rad) and turn too little, each with its standard
     /// deviation; none where it is declared right.
     pub calibration: Option<[[f64; 2]; 3]>,
+    /// What the readings say of other quantities that the robot bounds.
+    pub nuisances: Vec<Nuisance>,
 }
 
 /// Area and volume of all hypotheses' 95 % regions, overlaps counted twice.
@@ -366,6 +369,7 @@ impl FinalSet<'_> {
             ridge: Vec::new(),
             broken,
             calibration,
+            nuisances: Vec::new(),
         }
     }
 }
@@ -411,6 +415,7 @@ pub(super) fn images_of(symmetries: &MapSymmetries, place: &PosteriorPlace) -> V
             map_from_odom: frame,
             covariance: own(&place.covariance),
             members: place.members.iter().map(|(pose, c)| (motion.compose(*pose), own(c))).collect(),
+            nuisances: place.nuisances.clone(),
             ridge: place.ridge.iter().map(|pose| motion.compose(*pose)).collect(),
             ..*place
         }

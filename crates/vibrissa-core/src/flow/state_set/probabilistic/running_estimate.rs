@@ -70,6 +70,7 @@ pub(super) fn places(
             ridge: Vec::new(),
             broken: 0.0,
             calibration: None,
+            nuisances: Vec::new(),
         }
     };
     let mut places: Vec<PosteriorPlace> = groups(&likely, bank).into_iter().map(place).collect();

@@ -1,0 +1,322 @@
+//! The bank of modes: a multi-hypothesis smoother \[reid1979algorithm\] whose modes are refitted to all rows of the window as it grows
+//! \[dellaert2017factor, ch. 2\]; older rows are marginalised \[sibley2010sliding\].
+
+use super::super::information::Information;
+use super::correlated_noise::{NoiseModel, estimated};
+use super::grid_search::best_of_cells;
+use super::measurement::{Linearisation, MeasurementModel, Prior, Start, difference, moved};
+use super::optimisation::{DAMPING, Mode};
+use super::unknowns::POSE;
+use super::unobservable::Metric;
+use crate::linear_algebra::{determinant, dot, times};
+use crate::plane::Pose2;
+
+/// Readings that are run again at most, about, each time that rows are taken in.
+const TAKES: usize = 20_000;
+/// A mode is fitted anew when that promises so much (nats).
+const MOVED: f64 = 1.0;
+/// A mode that new readings would drop is pulled to them if it cost no more than this above the best before (nats): so many that are so far
+/// apart (m, rad).
+const WORTH_PULLING: f64 = 12.0;
+const MOST_PULLED: usize = 12;
+const APART: [f64; 2] = [4e-3, 0.05];
+/// So many readings, the last, say whether the best mode misses any.
+const WATCHED: usize = 48;
+/// Modes nearer to each other than this are one (m, rad), while there are many and when there are few.
+const SAME: [[f64; 2]; 2] = [[2.5e-3, 0.04], [1.2e-3, 0.015]];
+const MANY: usize = 100;
+/// Modes that lie within another's region (squared standard deviations) and no further away (m) are one when no row will follow.
+const OVERLAP: f64 = 0.5;
+const FARTHEST: f64 = 0.05;
+/// Inverse variances that keep covariances finite (20 mm, 20°).
+pub(super) const WEAK_PRIOR: [f64; POSE] = [2.5e3, 2.5e3, 8.2];
+/// A mode that misses this share of its readings by three standard deviations is refitted with variances enlarged by these, one after the
+/// other: graduated non-convexity \[yang2020graduated\].
+const MISSED_SHARE: f64 = 0.05;
+const GRADUATED: [f64; 4] = [64.0, 64.0, 16.0, 4.0];
+/// So many of the best are, where even the best one misses readings.
+const MOST_GRADUATED: usize = 64;
+/// So many of the best modes say what the noise is, and are looked around from: so far (m) along the direction that is most open, with so
+/// many rows and steps; what is no costlier than this (nats) is kept.
+const JUDGED: usize = 4;
+const EXPLORED: [f64; 8] = [-8e-3, -4e-3, -2e-3, -1e-3, 1e-3, 2e-3, 4e-3, 8e-3];
+const EXPLORED_ROWS: usize = 96;
+const EXPLORED_STEPS: usize = 6;
+const EXPLORED_COST: f64 = 3.0;
+
+/// Modes and the rows that they have been fitted to.
+pub(super) struct Bank {
+    pub(super) modes: Vec<Mode>,
+    pub(super) noise: NoiseModel,
+    /// Rows of the window that they were last fitted to.
+    pub(super) rows: Vec<usize>,
+    /// Rows that the window had then.
+    pub(super) seen: usize,
+    scratch: Linearisation,
+}
+
+/// How thoroughly modes are fitted, and how much costlier than the best one may be (nats).
+#[derive(Clone, Copy)]
+pub(super) struct Effort {
+    pub(super) takes: usize,
+    pub(super) steps: usize,
+    pub(super) gate: f64,
+}
+
+impl Effort {
+    /// While rows come.
+    pub(super) const ONLINE: Self = Self { takes: TAKES, steps: 2, gate: 25.0 };
+}
+
+impl Bank {
+    pub(super) fn new(modes: Vec<Mode>) -> Self {
+        Self { modes, noise: NoiseModel::CAUTIOUS, rows: Vec::new(), seen: 0, scratch: Linearisation::default() }
+    }
+
+    /// Takes in the rows that have come: every mode goes on from where it stands, and those that the new readings move are fitted anew, as
+    /// far as the effort allows; keeps those that explain all about as well as the best.
+    pub(super) fn extend(&mut self, model: &MeasurementModel<'_>, admits: &dyn Fn(Pose2) -> bool, effort: Effort) {
+        self.modes.retain(|mode| admits(mode.state.frame));
+        let new: Vec<usize> = (self.seen..model.window.len()).collect();
+        self.seen = model.window.len();
+        self.rows.extend(&new);
+        let before: Vec<f64> = self.modes.iter().map(expected).collect();
+        for mode in &mut self.modes {
+            if mode.end.is_some() {
+                mode.carry_on(model, &new, self.noise, &mut self.scratch);
+            } else {
+                mode.relinearise(model, &self.rows, self.noise, &mut self.scratch);
+            }
+        }
+        self.pull_fallen(model, &before, effort.gate);
+        self.prune(model, effort.gate);
+        self.modes.sort_by(|a, b| promised(a).total_cmp(&promised(b)));
+        let mut left = effort.takes;
+        for mode in &mut self.modes {
+            if left < self.rows.len() {
+                break;
+            }
+            if mode.equations.constant - promised(mode) > MOVED {
+                left = left.saturating_sub(2 * effort.steps * self.rows.len());
+                mode.descend(model, &self.rows, self.noise, effort.steps, &mut self.scratch);
+            }
+        }
+        self.pull(model);
+        self.modes.retain(|mode| admits(mode.state.frame));
+        self.prune(model, effort.gate);
+        self.join(model);
+    }
+
+    /// Modes that explained all rows but these, and would be dropped now, are pulled to them from afar, the best few that stand apart: a second
+    /// wall is met too early or too late by a mode that is a little off along the first.
+    fn pull_fallen(&mut self, model: &MeasurementModel<'_>, before: &[f64], gate: f64) {
+        let least = |costs: &[f64]| costs.iter().copied().fold(f64::INFINITY, f64::min);
+        let now: Vec<f64> = self.modes.iter().map(expected).collect();
+        let (then, most) = (least(before), least(&now) + gate);
+        let fallen = |&index: &usize| now[index] > most && before[index] < then + WORTH_PULLING;
+        let mut fallen: Vec<usize> = (0..self.modes.len()).filter(fallen).collect();
+        fallen.sort_by(|&a, &b| before[a].total_cmp(&before[b]));
+        let mut pulled: Vec<Pose2> = Vec::new();
+        for index in fallen {
+            let frame = self.modes[index].state.frame;
+            let near = |other: &Pose2| {
+                let d = difference(*other, frame, model.pivot());
+                d[0].hypot(d[1]) < APART[0] && d[2].abs() < APART[1]
+            };
+            if pulled.len() < MOST_PULLED && !pulled.iter().any(near) {
+                pulled.push(frame);
+                self.graduate(model, index);
+            }
+        }
+    }
+
+    /// Where even the best mode misses readings, the best few are pulled to them from afar.
+    fn pull(&mut self, model: &MeasurementModel<'_>) {
+        let Some(best) = self.modes.iter().min_by(|a, b| promised(a).total_cmp(&promised(b))) else { return };
+        model.run(&best.state, &best.start, &self.rows, &mut self.scratch);
+        let most = 3.0 * self.noise.white.max(1.0).sqrt();
+        let last = &self.scratch.rows[self.scratch.rows.len().saturating_sub(WATCHED)..];
+        let missed = last.iter().filter(|row| row.residual.abs() > most).count();
+        if (missed as f64) < MISSED_SHARE * last.len() as f64 || missed < 2 {
+            return;
+        }
+        for index in 0..self.modes.len().min(MOST_GRADUATED) {
+            self.graduate(model, index);
+        }
+    }
+
+    /// Linearises all modes by the rows.
+    fn relinearise(&mut self, model: &MeasurementModel<'_>) {
+        for mode in &mut self.modes {
+            mode.relinearise(model, &self.rows, self.noise, &mut self.scratch);
+        }
+        self.pull(model);
+    }
+
+    /// Pulls a mode to readings that it misses, from afar.
+    fn graduate(&mut self, model: &MeasurementModel<'_>, index: usize) {
+        let Self { modes, rows, scratch, noise, .. } = self;
+        let mut there = modes[index].clone();
+        for white in GRADUATED {
+            let wide = NoiseModel { white, ..NoiseModel::DECLARED };
+            there.relinearise(model, rows, wide, scratch);
+            there.descend(model, rows, wide, 1, scratch);
+        }
+        there.relinearise(model, rows, *noise, scratch);
+        if promised(&there) < promised(&modes[index]) {
+            modes[index] = there;
+        }
+    }
+
+    /// Takes the noise to be what makes the readings of one of the best modes likeliest: at a wrong one errors seem to stay alike.
+    pub(super) fn estimate_noise(&mut self, model: &MeasurementModel<'_>) {
+        self.modes.sort_by(|a, b| promised(a).total_cmp(&promised(b)));
+        let mut best = (f64::INFINITY, self.noise);
+        for mode in self.modes.iter_mut().take(JUDGED) {
+            mode.descend(model, &self.rows, self.noise, 3, &mut self.scratch);
+            model.run(&mode.state, &mode.start, &self.rows, &mut self.scratch);
+            let own = estimated(&self.scratch, &model.known(&mode.state, &mode.start), DAMPING);
+            if own.0 < best.0 {
+                best = own;
+            }
+        }
+        self.noise = best.1;
+    }
+
+    /// Looks for deeper minima along the direction that the readings leave most open: on a map of facets there are several
+    /// \[marti2003multistart\].
+    pub(super) fn explore(&mut self, model: &MeasurementModel<'_>, lever: f64) {
+        let rows = spread(model, EXPLORED_ROWS);
+        let noise = NoiseModel::DECLARED;
+        let metric = Metric { pivot: model.pivot(), lever };
+        for index in 0..self.modes.len().min(JUDGED) {
+            let mut mode = self.modes[index].clone();
+            mode.relinearise(model, &rows, noise, &mut self.scratch);
+            let Some(along) = metric.direction(&mode.marginal(model), None) else { continue };
+            for length in EXPLORED {
+                let d = metric.unscaled(along.map(|v| v * length));
+                let frame = moved(mode.state.frame, model.pivot(), d);
+                let state = mode.state_at(model, frame);
+                let mut there = mode.at(state, model, &rows, noise, &mut self.scratch);
+                there.descend(model, &rows, noise, EXPLORED_STEPS, &mut self.scratch);
+                if there.cost(model) < mode.cost(model) + EXPLORED_COST {
+                    self.modes.push(there);
+                }
+            }
+        }
+    }
+
+    /// Keeps modes that cost, or promise to cost, no more than so much above the best.
+    fn prune(&mut self, model: &MeasurementModel<'_>, gate: f64) {
+        let cost = |mode: &Mode| mode.marginal(model).least(DAMPING).0;
+        let costs: Vec<f64> = self.modes.iter().map(cost).collect();
+        let least = costs.iter().copied().fold(f64::INFINITY, f64::min);
+        let mut kept = costs.iter().map(|&cost| cost <= least + gate);
+        self.modes.retain(|_| kept.next() == Some(true));
+    }
+
+    /// Keeps the best of modes that have run into each other.
+    pub(super) fn join(&mut self, model: &MeasurementModel<'_>) {
+        let size = SAME[usize::from(self.modes.len() <= MANY)];
+        let at = self.modes.iter().map(|mode| (mode.state.frame, evidence(mode, model)));
+        let mut kept = best_of_cells(at, model.pivot(), model.window.last_pose(), size).into_iter();
+        self.modes.retain(|_| kept.next() == Some(true));
+        self.sort(model);
+    }
+
+    /// Those of the largest evidence first.
+    pub(super) fn sort(&mut self, model: &MeasurementModel<'_>) {
+        let mut keyed: Vec<(f64, Mode)> = self.modes.drain(..).map(|mode| (evidence(&mode, model), mode)).collect();
+        keyed.sort_by(|a, b| a.0.total_cmp(&b.0));
+        self.modes = keyed.into_iter().map(|(_, mode)| mode).collect();
+    }
+
+    /// Keeps the best of modes within each other's region.
+    pub(super) fn join_overlapping(&mut self, model: &MeasurementModel<'_>) {
+        self.sort(model);
+        let mut kept: Vec<(Mode, Information<POSE>)> = Vec::new();
+        for mode in self.modes.drain(..) {
+            let near = |(k, told): &(Mode, Information<POSE>)| {
+                let d = difference(k.state.frame, mode.state.frame, model.pivot());
+                let apart = d[0].hypot(d[1]);
+                apart < 0.5 * SAME[1][0] && d[2].abs() < 0.5 * SAME[1][1]
+                    || apart < FARTHEST && dot(times(&told.damped(WEAK_PRIOR), d), d) < OVERLAP
+            };
+            if !kept.iter().any(near) {
+                let told = mode.marginal(model);
+                kept.push((mode, told));
+            }
+        }
+        self.modes = kept.into_iter().map(|(mode, _)| mode).collect();
+    }
+
+    /// Fits every mode to these rows until it is settled.
+    pub(super) fn settle(&mut self, model: &MeasurementModel<'_>, rows: Vec<usize>, steps: usize, gate: f64) {
+        self.rows = rows;
+        self.seen = model.window.len();
+        self.relinearise(model);
+        self.prune(model, gate);
+        for mode in &mut self.modes {
+            mode.descend(model, &self.rows, self.noise, steps, &mut self.scratch);
+        }
+        self.prune(model, gate);
+        self.sort(model);
+    }
+
+    /// The linearisation of a mode.
+    pub(super) fn run(&mut self, model: &MeasurementModel<'_>, index: usize) -> &Linearisation {
+        let Some(mode) = self.modes.get(index) else { return &self.scratch };
+        model.run(&mode.state, &mode.start, &self.rows, &mut self.scratch);
+        &self.scratch
+    }
+
+    /// Marginalises the first `count` rows; the window forgets them afterwards. `forgetting` is the weight that they keep.
+    pub(super) fn marginalise(&mut self, model: &MeasurementModel<'_>, count: usize, forgetting: f64) {
+        let rows: Vec<usize> = (0..count).collect();
+        for mode in &mut self.modes {
+            let ends = model.run(&mode.state, &mode.start, &(0..=count).collect::<Vec<_>>(), &mut self.scratch);
+            let there = MeasurementModel { anchor: count, ..*model };
+            let state = model.anchored(&mode.state, count);
+            let mut early = mode.clone();
+            early.state = state.clone();
+            early.relinearise(&there, &rows, self.noise, &mut self.scratch);
+            // What is known beside the readings is added again with those that follow.
+            let mut own = early.equations;
+            own.remove_priors(model.unknowns.all(), &state.values);
+            let equations = own.with_forgetting(forgetting);
+            (mode.state, mode.end) = (state.clone(), None);
+            mode.start =
+                Start { states: ends.states, bases: ends.bases, prior: Some(Box::new(Prior { equations, at: state })) };
+        }
+        self.seen -= count;
+        self.rows = self.rows.iter().filter_map(|row| row.checked_sub(count)).collect();
+    }
+}
+
+/// Laplace's approximation of minus the logarithm of a mode's evidence \[mackay2003information, ch. 27\]: in a corner of a facet the cost may
+/// be a little lower over a range that is tiny.
+fn evidence(mode: &Mode, model: &MeasurementModel<'_>) -> f64 {
+    let told = mode.marginal(model);
+    told.constant + 0.5 * determinant(&told.damped(WEAK_PRIOR)).max(f64::MIN_POSITIVE).ln()
+}
+
+/// The cost that a mode is expected to have at its least: infinite as long as it has not been linearised.
+fn expected(mode: &Mode) -> f64 {
+    if mode.end.is_some() { promised(mode) } else { f64::INFINITY }
+}
+
+/// The least cost that a mode's linearisation promises.
+fn promised(mode: &Mode) -> f64 {
+    mode.equations.step(DAMPING).map_or(f64::INFINITY, |(cost, _)| cost)
+}
+
+/// So many rows of the window, evenly spread over the way, the first and the last among them.
+fn spread(model: &MeasurementModel<'_>, count: usize) -> Vec<usize> {
+    let rows = model.window.len();
+    if count >= rows {
+        return (0..rows).collect();
+    }
+    let mut chosen: Vec<usize> = (0..count).map(|k| k * (rows - 1) / (count - 1).max(1)).collect();
+    chosen.dedup();
+    chosen
+}

@@ -1,0 +1,124 @@
+//! The path by the calibrated odometry \[censi2013simultaneous\], and how it depends on the calibration.
+
+use super::super::calibrated_path::{OdometryCalibration as Calibration, calibrated};
+use super::log_window::LogWindow;
+use crate::plane::{Pose2, Vec2};
+
+/// The robot at one row (odometry frame) and the derivatives of its pose by the calibration.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct PathPoint {
+    pub(super) pose: Pose2,
+    pub(super) by_calibration: [Sway; 3],
+}
+
+/// A small motion: of the place (m) and of the heading (rad).
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Sway {
+    pub(super) place: Vec2,
+    pub(super) turn: f64,
+}
+
+/// The path at these rows, in order; the robot at the row `anchor` stays where the odometry says.
+pub(super) fn corrected_path(
+    window: &LogWindow,
+    rows: &[usize],
+    anchor: usize,
+    calibration: Calibration,
+    out: &mut Vec<PathPoint>,
+) {
+    out.clear();
+    let Some(&first) = rows.first() else { return };
+    let mut walk = Walk::new(window.pose(first.min(anchor)), calibration);
+    let mut anchored = None;
+    for &row in rows {
+        if anchored.is_none() && anchor <= row {
+            walk.go_to(window.pose(anchor));
+            anchored = Some(walk.here);
+        }
+        walk.go_to(window.pose(row));
+        out.push(walk.here);
+    }
+    let there = anchored.unwrap_or_else(|| {
+        walk.go_to(window.pose(anchor));
+        walk.here
+    });
+    let motion = window.pose(anchor).compose(there.pose.inverse());
+    for point in out {
+        let arm = (point.pose.position() - there.pose.position()).perp();
+        for (sway, fixed) in point.by_calibration.iter_mut().zip(there.by_calibration) {
+            let place = sway.place - fixed.place - arm * fixed.turn;
+            *sway = Sway { place: place.rotated(motion.theta), turn: sway.turn - fixed.turn };
+        }
+        point.pose = motion.compose(point.pose);
+    }
+}
+
+/// A walk along the path.
+struct Walk {
+    calibration: Calibration,
+    raw: Pose2,
+    here: PathPoint,
+}
+
+impl Walk {
+    fn new(start: Pose2, calibration: Calibration) -> Self {
+        Self { calibration, raw: start, here: PathPoint { pose: start, ..PathPoint::default() } }
+    }
+
+    fn go_to(&mut self, raw: Pose2) {
+        let step = calibrated(self.raw.between(raw), self.calibration);
+        let PathPoint { pose, mut by_calibration } = self.here;
+        let next = pose.compose(step);
+        let way = next.position() - pose.position();
+        // What has been turned too far so far swings the step around.
+        by_calibration.iter_mut().for_each(|sway| sway.place += way.perp() * sway.turn);
+        by_calibration[0].place += way;
+        by_calibration[1].place += way.perp();
+        by_calibration[2].turn += step.theta;
+        self.raw = raw;
+        self.here = PathPoint { pose: next, by_calibration };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn window() -> LogWindow {
+        let mut window = LogWindow::new(0);
+        for k in 0..60 {
+            let s = f64::from(k) * 0.004;
+            window.push(s, Pose2::new(s, 0.3 * (4.0 * s).sin(), 2.0 * (3.0 * s).sin()), &[]);
+        }
+        window
+    }
+
+    #[test]
+    fn the_anchor_stays_and_derivatives_are_those_of_differences() {
+        let window = window();
+        let rows: Vec<usize> = (2..58).step_by(3).collect();
+        for anchor in [0, 2, 20, 21, 57, 59] {
+            let at = |calibration| {
+                let mut path = Vec::new();
+                corrected_path(&window, &rows, anchor, calibration, &mut path);
+                path
+            };
+            let middle = [0.01, -0.02, 0.03];
+            let here = at(middle);
+            for way in 0..3 {
+                let (mut more, mut less) = (middle, middle);
+                (more[way], less[way]) = (middle[way] + 1e-5, middle[way] - 1e-5);
+                for ((point, a), b) in here.iter().zip(at(more)).zip(at(less)) {
+                    let by = (a.pose.position() - b.pose.position()) * (1.0 / 2e-5);
+                    let turn = (a.pose.theta - b.pose.theta) / 2e-5;
+                    let sway = point.by_calibration[way];
+                    assert!((by - sway.place).norm() < 0.04 * by.norm() + 1e-6, "{anchor} {way}: {by:?} {sway:?}");
+                    assert!((turn - sway.turn).abs() < 0.04 * turn.abs() + 1e-6);
+                }
+            }
+            if let Some(k) = rows.iter().position(|&row| row == anchor) {
+                assert!(here[k].pose.position().distance(window.pose(anchor).position()) < 1e-12);
+            }
+        }
+    }
+}

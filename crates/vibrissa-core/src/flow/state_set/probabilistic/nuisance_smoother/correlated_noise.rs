@@ -1,0 +1,170 @@
+//! Correlated noise of the readings: white noise plus a first-order Gauss-Markov process for each sensor, whitened by a Kalman filter
+//! \[barshalom2001estimation, sec. 8.2; brown2012introduction\] with a robust cost \[triggs2000bundle, sec. 3\].
+//!
+//! Hysteresis, calibration curves, temperature and drift make errors that stay alike for a while, and so carry less information than
+//! independent ones. The filter's innovations are independent; the same filter over the derivatives gives the generalised least-squares
+//! problem. Its variances and its time constant are those of the largest marginal likelihood (REML \[harville1977maximum\]).
+
+use super::measurement::{Linearisation, Row};
+use super::normal_equations::NormalEquations;
+use super::unknowns::POSE;
+
+/// The most that one reading can speak against a place (nats): a false reading costs this, not more.
+pub(super) const OUTLIER_COST: f64 = 6.0;
+/// What a reading costs while the whisker is in a contact that the model does not cover.
+const UNKNOWN_COST: f64 = 3.0;
+
+/// Variances in units of the declared noise, which is even within its bound.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct NoiseModel {
+    /// Of what is new in every reading.
+    pub(super) white: f64,
+    /// Of what stays alike,
+    pub(super) correlated: f64,
+    /// and for how long (s).
+    pub(super) time_constant: f64,
+}
+
+impl NoiseModel {
+    /// Independent, as declared.
+    pub(super) const DECLARED: Self = Self { white: 1.0, correlated: 0.0, time_constant: 1.0 };
+
+    /// What modes are compared by while rows come: errors of which half stay alike for a tenth of a second. What errors that stay alike for
+    /// longer do to the true mode costs it less than wrong modes cost.
+    pub(super) const CAUTIOUS: Self = Self { white: 1.0, correlated: 1.0, time_constant: 0.1 };
+}
+
+/// What is tried: variances of both parts, and time constants (s). Errors at the ends of their bounds have three times the variance of even
+/// ones; a white part smaller than declared leaves the rest of what is declared to what stays alike.
+const WHITE: [f64; 3] = [1.0, 1.8, 3.0];
+const SMALL_WHITE: [f64; 3] = [1.0, 0.3, 0.05];
+const CORRELATED: [f64; 2] = [1.0, 3.0];
+const TIME_CONSTANTS: [f64; 6] = [0.03, 0.1, 0.3, 1.0, 3.0, 10.0];
+/// Time constants are no longer than this share of the log.
+const LONGEST_SHARE: f64 = 0.5;
+/// Another model than the declared one must explain the readings better by this (nats), for two more parameters.
+const WORTH_MORE: f64 = 3.0;
+/// Fewest readings that tell.
+const FEWEST: usize = 16;
+
+/// One sensor's correlated error, as a Kalman filter knows it: mean residual, its derivatives, variance, and when.
+#[derive(Clone, Debug)]
+pub(super) struct Filter {
+    residual: f64,
+    derivatives: Vec<f64>,
+    variance: f64,
+    t: f64,
+}
+
+/// The cost of a normalised residual, and its weight: Gaussian with a floor for false readings.
+fn robust(square: f64) -> (f64, f64) {
+    let kernel = (-0.5 * square).exp();
+    let floor = (-OUTLIER_COST).exp();
+    (-((kernel + floor) / (1.0 + floor)).ln(), kernel / (kernel + floor))
+}
+
+/// Adds the readings to normal equations; the filters go on from those before, of which there are none at first.
+pub(super) fn add_readings(
+    told: &Linearisation,
+    noise: NoiseModel,
+    filters: &mut Vec<Filter>,
+    to: &mut NormalEquations,
+) {
+    if noise.correlated <= 0.0 {
+        add_independent(told, noise.white, to);
+        return;
+    }
+    let sensors = told.rows.iter().map(|row| row.sensor + 1).max().unwrap_or(0);
+    filters.resize_with(sensors.max(filters.len()), || Filter {
+        residual: 0.0,
+        derivatives: vec![0.0; told.size],
+        variance: noise.correlated,
+        t: f64::NEG_INFINITY,
+    });
+    let mut innovation = vec![0.0; told.size];
+    for (k, row) in told.rows.iter().enumerate() {
+        if row.held.is_none() {
+            to.constant += UNKNOWN_COST;
+            continue;
+        }
+        let filter = &mut filters[row.sensor];
+        filter.predict(row.t, noise);
+        let variance = filter.variance + noise.white + row.model_variance;
+        let residual = row.residual - filter.residual;
+        let derivatives = told.derivatives(k);
+        innovation.iter_mut().zip(derivatives).zip(&filter.derivatives).for_each(|((to, j), f)| *to = j - f);
+        let (cost, trust) = robust(residual * residual / variance);
+        to.constant += cost + 0.5 * (variance / (1.0 + row.model_variance)).ln();
+        to.add(&innovation, residual, trust / variance);
+        let gain = trust * filter.variance / variance;
+        filter.residual += gain * residual;
+        filter.derivatives.iter_mut().zip(&innovation).for_each(|(to, v)| *to += gain * v);
+        filter.variance *= 1.0 - gain;
+    }
+}
+
+fn add_independent(told: &Linearisation, white: f64, to: &mut NormalEquations) {
+    let more = 0.5 * white.ln();
+    for (k, row) in told.rows.iter().enumerate() {
+        if row.held.is_none() {
+            to.constant += UNKNOWN_COST;
+            continue;
+        }
+        let variance = white + row.model_variance;
+        let (cost, trust) = robust(row.residual * row.residual / variance);
+        to.constant += cost + more;
+        to.add(told.derivatives(k), row.residual, trust / variance);
+    }
+}
+
+impl Filter {
+    fn predict(&mut self, t: f64, noise: NoiseModel) {
+        let kept = (-(t - self.t).max(0.0) / noise.time_constant).exp();
+        self.t = t;
+        self.residual *= kept;
+        self.derivatives.iter_mut().for_each(|v| *v *= kept);
+        self.variance = kept * kept * self.variance + (1.0 - kept * kept) * noise.correlated;
+    }
+}
+
+/// The noise model of the largest marginal likelihood at one linearisation; `known` is what is known beside the readings. Where errors stay
+/// alike few readings tell how: of all models that are about as likely the one that leaves the pose most open is taken
+/// \[huber1964robust\]. With its cost.
+pub(super) fn estimated(told: &Linearisation, known: &NormalEquations, damping: [f64; POSE]) -> (f64, NoiseModel) {
+    let counts = |row: &&Row| row.held == Some(true);
+    if told.rows.iter().filter(counts).count() < FEWEST {
+        let mut equations = known.clone();
+        add_readings(told, NoiseModel::DECLARED, &mut Vec::new(), &mut equations);
+        return (equations.constant, NoiseModel::DECLARED);
+    }
+    let judged = |noise: NoiseModel| {
+        let mut equations = known.clone();
+        add_readings(told, noise, &mut Vec::new(), &mut equations);
+        let cost = equations.step(damping).map_or(f64::INFINITY, |(cost, _)| cost);
+        let certain = equations.half_ln_determinant(damping);
+        (cost + certain, certain - equations.nuisances_half_ln_determinant(), noise)
+    };
+    let independent = WHITE.map(|white| judged(NoiseModel { white, ..NoiseModel::DECLARED }));
+    // An error that stays the same for all of a log cannot be told from one that changes as the predictions do.
+    let (from, to) = (told.rows.first().map_or(0.0, |row| row.t), told.rows.last().map_or(0.0, |row| row.t));
+    let longest = (LONGEST_SHARE * (to - from)).max(TIME_CONSTANTS[0]);
+    let correlated: Vec<_> = all_correlated().filter(|noise| noise.time_constant <= longest).map(judged).collect();
+    let least = |all: &[(f64, f64, NoiseModel)]| all.iter().map(|one| one.0).fold(f64::INFINITY, f64::min);
+    let (plain, alike) = (least(&independent), least(&correlated));
+    if plain <= alike + WORTH_MORE {
+        let declared = independent[0].0 <= plain + WORTH_MORE;
+        let best = independent.iter().min_by(|a, b| a.0.total_cmp(&b.0));
+        return best.filter(|_| !declared).map_or((plain, NoiseModel::DECLARED), |one| (plain, one.2));
+    }
+    let about = correlated.iter().filter(|one| one.0 <= alike + WORTH_MORE);
+    about.min_by(|a, b| a.1.total_cmp(&b.1)).map_or((alike, NoiseModel::DECLARED), |one| (alike, one.2))
+}
+
+/// Every model that is tried with errors that stay alike.
+fn all_correlated() -> impl Iterator<Item = NoiseModel> {
+    SMALL_WHITE.into_iter().flat_map(|white| {
+        CORRELATED.into_iter().flat_map(move |correlated| {
+            TIME_CONSTANTS.into_iter().map(move |time_constant| NoiseModel { white, correlated, time_constant })
+        })
+    })
+}

@@ -1,0 +1,87 @@
+//! The rows that are kept to be fitted again: times, odometry and readings.
+
+use crate::plane::{Pose2, Vec2};
+
+/// Rows with one reading for each sensor (dimensionless).
+#[derive(Clone, Debug, Default)]
+pub(super) struct LogWindow {
+    sensors: usize,
+    times: Vec<f64>,
+    /// The robot in the odometry frame.
+    poses: Vec<Pose2>,
+    readings: Vec<f64>,
+    /// Sum of unit vectors: the heading of the odometry frame by each absolute heading.
+    compass: Vec2,
+}
+
+impl LogWindow {
+    pub(super) fn new(sensors: usize) -> Self {
+        Self { sensors, ..Self::default() }
+    }
+
+    pub(super) fn push(&mut self, t: f64, odom_from_robot: Pose2, readings: &[f64]) {
+        self.times.push(t);
+        self.poses.push(odom_from_robot);
+        self.readings.extend_from_slice(readings);
+    }
+
+    /// Takes these off all readings, one for each sensor.
+    pub(super) fn subtract(&mut self, offsets: &[f64]) {
+        self.readings.iter_mut().zip(offsets.iter().cycle()).for_each(|(reading, offset)| *reading -= offset);
+    }
+
+    /// Takes in the absolute heading of the last row (map frame).
+    pub(super) fn point(&mut self, map_heading: f64) {
+        if let Some(last) = self.poses.last() {
+            self.compass += Vec2::from_angle(map_heading - last.theta);
+        }
+    }
+
+    /// The heading of the odometry frame in the map by all absolute headings so far.
+    pub(super) fn heading(&self) -> Option<f64> {
+        (self.compass.norm_squared() > 0.0).then(|| self.compass.angle())
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.poses.len()
+    }
+
+    pub(super) fn time(&self, row: usize) -> f64 {
+        self.times[row]
+    }
+
+    pub(super) fn pose(&self, row: usize) -> Pose2 {
+        self.poses[row]
+    }
+
+    pub(super) fn last_pose(&self) -> Pose2 {
+        self.poses.last().copied().unwrap_or_default()
+    }
+
+    pub(super) fn readings(&self, row: usize) -> &[f64] {
+        &self.readings[row * self.sensors..(row + 1) * self.sensors]
+    }
+
+    /// The robot's velocity at a row, its own frame (m/s, rad/s), from the rows around.
+    pub(super) fn velocity(&self, row: usize) -> Pose2 {
+        let (before, after) = (row.saturating_sub(1), (row + 1).min(self.len() - 1));
+        let step = self.poses[before].between(self.poses[after]);
+        let dt = self.times[after] - self.times[before];
+        let per = if dt > 0.0 { 1.0 / dt } else { 0.0 };
+        Pose2 { x: step.x * per, y: step.y * per, theta: step.theta * per }
+    }
+
+    /// Forgets the rows before `row`.
+    pub(super) fn forget(&mut self, row: usize) {
+        self.times.drain(..row);
+        self.poses.drain(..row);
+        self.readings.drain(..row * self.sensors);
+    }
+
+    /// Forgets one row.
+    pub(super) fn drop_row(&mut self, row: usize) {
+        self.times.remove(row);
+        self.poses.remove(row);
+        self.readings.drain(row * self.sensors..(row + 1) * self.sensors);
+    }
+}

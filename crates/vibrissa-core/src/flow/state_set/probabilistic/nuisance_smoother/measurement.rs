@@ -1,0 +1,408 @@
+//! Measurement model of a log: what every reading of a window is predicted to be by a hypothesis, with derivatives by pose and
+//! nuisance parameters \[dellaert2017factor, ch. 2\].
+
+use super::super::calibrated_path::OdometryCalibration as Calibration;
+use super::corrected_path::{PathPoint, corrected_path};
+use super::log_window::LogWindow;
+use super::normal_equations::NormalEquations;
+use super::sensor::Sensor;
+use super::unknowns::{POSE, Unknowns, value};
+use crate::contact::follow::{Contact, ForwardModel, Mechanics, Prediction, WhiskerState};
+use crate::contact::{Boundaries, SensedQuantity};
+use crate::plane::{Pose2, Vec2, wrap_angle};
+use crate::world::Map;
+
+/// How exactly the model is believed to know where the whisker stands (m, rad): near a snap or in a slight corner the moment is steep
+/// over a tiny range only.
+const MODEL_STD: [f64; 2] = [5e-5, 5e-4];
+
+/// What all hypotheses share.
+#[derive(Clone, Copy)]
+pub(super) struct MeasurementModel<'a> {
+    pub(super) map: &'a Map,
+    pub(super) ground: &'a Boundaries,
+    pub(super) sensors: &'a [Sensor],
+    /// The whisker of each sensor.
+    pub(super) whiskers: &'a [usize],
+    pub(super) unknowns: &'a Unknowns,
+    pub(super) window: &'a LogWindow,
+    /// The row at which the corrected path is where the odometry says.
+    pub(super) anchor: usize,
+    /// Standard deviation of the absolute headings' one error (rad).
+    pub(super) heading_std: f64,
+    /// How exactly the forward model is solved, and whether it looks at the whole whisker.
+    pub(super) solver: Mechanics<'a>,
+    pub(super) whole: bool,
+}
+
+/// A linearised reading: residual and derivatives in standard deviations of the declared noise.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Row {
+    pub(super) sensor: usize,
+    pub(super) row: usize,
+    pub(super) t: f64,
+    pub(super) residual: f64,
+    /// The plain residual, not stabilised.
+    pub(super) plain: f64,
+    /// Variance that the model adds.
+    pub(super) model_variance: f64,
+    /// Whether a boundary holds the whisker; none where the contact is not known.
+    pub(super) held: Option<bool>,
+}
+
+/// The readings of a run and their derivatives.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Linearisation {
+    pub(super) size: usize,
+    pub(super) rows: Vec<Row>,
+    derivatives: Vec<f64>,
+    path: Vec<PathPoint>,
+}
+
+impl Linearisation {
+    /// The derivatives of the `k`-th reading.
+    pub(super) fn derivatives(&self, k: usize) -> &[f64] {
+        &self.derivatives[k * self.size..(k + 1) * self.size]
+    }
+}
+
+/// Where a hypothesis puts the robot and what it takes the nuisance parameters to be.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct State {
+    /// The odometry frame in the map frame, with the odometry as it is at the anchor.
+    pub(super) frame: Pose2,
+    /// The nuisance parameters.
+    pub(super) values: Vec<f64>,
+}
+
+/// How each sensor's whisker stands to the map at the window's first row.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Start {
+    pub(super) states: Vec<WhiskerState>,
+    /// Where each base was then; none where all are free.
+    pub(super) bases: Vec<Pose2>,
+    /// What rows before it have said.
+    pub(super) prior: Option<Box<Prior>>,
+}
+
+/// What marginalised rows say of the pose at the window's first row and of the nuisance parameters.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Prior {
+    pub(super) equations: NormalEquations,
+    /// Where they are linearised; the frame is anchored at that row.
+    pub(super) at: State,
+}
+
+impl Start {
+    pub(super) fn free(sensors: usize) -> Self {
+        Self { states: vec![WhiskerState::Free; sensors], bases: Vec::new(), prior: None }
+    }
+}
+
+/// The frame moved by `d`: shifted by (x, y) and turned about the pivot.
+pub(super) fn moved(frame: Pose2, pivot: Vec2, d: [f64; POSE]) -> Pose2 {
+    let center = frame.transform_point(pivot);
+    let place = center + (frame.position() - center).rotated(d[2]) + Vec2::new(d[0], d[1]);
+    Pose2::new(place.x, place.y, frame.theta + d[2])
+}
+
+/// The move that takes one frame to another.
+pub(super) fn difference(from: Pose2, to: Pose2, pivot: Vec2) -> [f64; POSE] {
+    let shift = to.transform_point(pivot) - from.transform_point(pivot);
+    [shift.x, shift.y, wrap_angle(to.theta - from.theta)]
+}
+
+impl State {
+    /// The state a step away.
+    pub(super) fn stepped(&self, pivot: Vec2, step: &[f64]) -> Self {
+        let values = self.values.iter().zip(&step[POSE..]).map(|(v, d)| v + d).collect();
+        Self { frame: moved(self.frame, pivot, [step[0], step[1], step[2]]), values }
+    }
+}
+
+/// A whisker as the nuisance parameters make it.
+struct Adjusted {
+    mount: Pose2,
+    /// In the map as it is drawn.
+    length: f64,
+    stretch: f64,
+    gain: f64,
+    zero: f64,
+    drift: f64,
+}
+
+impl<'a> MeasurementModel<'a> {
+    /// The place that turns of a frame leave where it is, odometry frame (m).
+    pub(super) fn pivot(&self) -> Vec2 {
+        self.window.pose(self.anchor).position()
+    }
+
+    fn calibration(&self, values: &[f64]) -> Calibration {
+        self.unknowns.odometry.map_or([0.0; 3], |at| [0, 1, 2].map(|k| values[at - POSE + k]))
+    }
+
+    fn adjusted(&self, index: usize, values: &[f64]) -> Adjusted {
+        let (sensor, whisker, u) = (&self.sensors[index], self.whiskers[index], self.unknowns);
+        let Pose2 { mut x, mut y, mut theta } = sensor.robot_from_whisker;
+        if let Some(at) = u.mount[whisker].map(|at| at - POSE) {
+            (x, y, theta) = (x + values[at], y + values[at + 1], theta + values[at + 2]);
+        }
+        let stretch = 1.0 + value(values, u.length[whisker]).max(-0.5);
+        let scale = 1.0 + value(values, u.map_scale).max(-0.5);
+        Adjusted {
+            mount: Pose2 { x, y, theta },
+            length: sensor.length * stretch / scale,
+            stretch,
+            gain: 1.0 + value(values, u.gain[index]),
+            zero: value(values, u.zero[index]),
+            drift: value(values, u.drift[index]),
+        }
+    }
+
+    fn forward(&self, sensor: &'a Sensor, length: f64) -> ForwardModel<'a> {
+        let (mechanics, quantity) = (sensor.solver(self.solver), sensor.quantity);
+        ForwardModel { map: self.map, boundaries: self.ground, length, mechanics, whole: self.whole, quantity }
+    }
+
+    /// The whisker's base in the map as it is drawn.
+    fn base(&self, map_from_robot: Pose2, mount: Pose2, values: &[f64]) -> Pose2 {
+        let base = map_from_robot.compose(mount);
+        match self.unknowns.map_scale {
+            Some(at) => {
+                let per = 1.0 / (1.0 + values[at - POSE].max(-0.5));
+                Pose2 { x: base.x * per, y: base.y * per, theta: base.theta }
+            }
+            None => base,
+        }
+    }
+
+    /// Runs the forward model over these rows, in order; gives how the whiskers stand at the last one and where they are.
+    pub(super) fn run(&self, state: &State, start: &Start, rows: &[usize], out: &mut Linearisation) -> Start {
+        let values = &state.values;
+        out.size = self.unknowns.size();
+        out.rows.clear();
+        out.derivatives.clear();
+        let mut path = core::mem::take(&mut out.path);
+        corrected_path(self.window, rows, self.anchor, self.calibration(values), &mut path);
+        let adjusted: Vec<Adjusted> = (0..self.sensors.len()).map(|index| self.adjusted(index, values)).collect();
+        let mut end = start.clone();
+        let began = |k: usize| -> Option<Pose2> { start.bases.get(k).copied() };
+        let mut bases: Vec<Option<Pose2>> = (0..self.sensors.len()).map(began).collect();
+        for (&row, point) in rows.iter().zip(&path) {
+            let mut robot = state.frame.compose(point.pose);
+            if let Some(at) = self.unknowns.delay {
+                let (v, late) = (self.window.velocity(row), values[at - POSE]);
+                robot = robot.compose(Pose2 { x: v.x * late, y: v.y * late, theta: v.theta * late });
+            }
+            for (index, own) in adjusted.iter().enumerate() {
+                let sensor = &self.sensors[index];
+                let base = self.base(robot, own.mount, values);
+                let z = self.window.readings(row)[index];
+                let offset = own.zero + own.drift * (self.window.time(row) - self.window.time(0));
+                let felt = self.forward(sensor, own.length).advance(
+                    &mut end.states[index],
+                    bases[index].unwrap_or(base),
+                    base,
+                    sensor.is_contact(z - offset),
+                );
+                bases[index] = Some(base);
+                let seen = Seen { row, index, robot, base, felt, offset, z };
+                self.linearise(&seen, own, &end.states[index], (state, point), out);
+            }
+        }
+        out.path = path;
+        end.bases = bases.into_iter().map(Option::unwrap_or_default).collect();
+        end
+    }
+
+    /// Adds one reading to the linearisation.
+    fn linearise(
+        &self,
+        seen: &Seen,
+        own: &Adjusted,
+        whisker: &WhiskerState,
+        (state, point): (&State, &PathPoint),
+        out: &mut Linearisation,
+    ) {
+        let (sensor, u) = (&self.sensors[seen.index], self.unknowns);
+        let power = match sensor.quantity {
+            SensedQuantity::Moment => 1,
+            SensedQuantity::Force => 2,
+            SensedQuantity::Slope => 0,
+        };
+        let per = own.gain / own.stretch.powi(power);
+        let first = out.derivatives.len();
+        out.derivatives.resize(first + out.size, 0.0);
+        let j = &mut out.derivatives[first..];
+        let mut row = Row {
+            sensor: seen.index,
+            row: seen.row,
+            t: self.window.time(seen.row),
+            residual: 0.0,
+            plain: 0.0,
+            model_variance: 0.0,
+            held: None,
+        };
+        let z = seen.z - seen.offset;
+        let (touch, residual) = match whisker {
+            WhiskerState::Unknown => {
+                out.rows.push(row);
+                return;
+            }
+            WhiskerState::Free => (None, sensor.residual(0.0, z, false, false)),
+            WhiskerState::Touching(touch) => {
+                (Some(touch), sensor.residual(per * seen.felt.value, z, touch.q > 0.0, true))
+            }
+        };
+        (row.residual, row.plain) = (residual.value, residual.plain);
+        row.held = Some(touch.is_some_and(|touch| touch.q > 0.0));
+        let scale = 1.0 / residual.std;
+        if let Some(touch) = touch.filter(|_| residual.informs) {
+            let steep = self.by_contact(seen, own, touch, (state, point), per * scale, j);
+            row.model_variance = steep;
+            if let Some(at) = u.gain[seen.index] {
+                j[at] = scale * seen.felt.value / own.stretch.powi(power);
+            }
+            if let Some(at) = u.length[self.whiskers[seen.index]] {
+                j[at] -= scale * f64::from(power) * per * seen.felt.value / own.stretch;
+            }
+        }
+        if residual.informs || touch.is_some() {
+            if let Some(at) = u.zero[seen.index] {
+                j[at] = scale;
+            }
+            if let Some(at) = u.drift[seen.index] {
+                j[at] = scale * (row.t - self.window.time(0));
+            }
+        }
+        out.rows.push(row);
+    }
+
+    /// Derivatives by pose and by all that moves the whisker; gives the variance that a slightly wrong pose makes.
+    fn by_contact(
+        &self,
+        seen: &Seen,
+        own: &Adjusted,
+        touch: &Contact,
+        (state, point): (&State, &PathPoint),
+        scale: f64,
+        j: &mut [f64],
+    ) -> f64 {
+        let (u, Prediction { gradient, .. }) = (self.unknowns, seen.felt);
+        let map_scale = 1.0 + value(&state.values, u.map_scale).max(-0.5);
+        let whisker = self.whiskers[seen.index];
+        let force = Vec2::new(gradient[0], gradient[1]) * (scale / map_scale);
+        let turning = gradient[2] * scale;
+        let base = seen.base.position() * map_scale;
+        let moves = |place: Vec2, turn: f64, arm: Vec2| force.dot(place + arm.perp() * turn) + turning * turn;
+        let center = state.frame.transform_point(self.pivot());
+        (j[0], j[1], j[2]) = (force.x, force.y, moves(Vec2::ZERO, 1.0, base - center));
+        let arm = base - seen.robot.position();
+        if let Some(at) = u.odometry {
+            for (k, sway) in point.by_calibration.iter().enumerate() {
+                j[at + k] = moves(sway.place.rotated(state.frame.theta), sway.turn, arm);
+            }
+        }
+        if let Some(at) = u.delay {
+            let v = self.window.velocity(seen.row);
+            j[at] = moves(v.position().rotated(seen.robot.theta), v.theta, arm);
+        }
+        let contact = touch.place * map_scale;
+        if let Some(at) = u.map_scale {
+            j[at] = -force.dot(contact) / map_scale;
+        }
+        if let Some(at) = u.mount[whisker] {
+            let forward = Vec2::from_angle(seen.robot.theta);
+            (j[at], j[at + 1], j[at + 2]) = (force.dot(forward), force.dot(forward.perp()), turning);
+        }
+        if let Some(at) = u.length[whisker] {
+            // Around its contact a boundary looks the same from near and from far.
+            j[at] = -force.dot(base - contact) / own.stretch;
+        }
+        MODEL_STD[0].powi(2) * force.norm_squared() + (MODEL_STD[1] * turning).powi(2)
+    }
+
+    /// What is known beside the readings at a state: absolute headings, nuisance parameters, marginalised rows.
+    pub(super) fn known(&self, state: &State, start: &Start) -> NormalEquations {
+        let mut equations = NormalEquations::new(self.unknowns.size());
+        equations.add_priors(self.unknowns.all(), &state.values);
+        if let Some(heading) = self.window.heading() {
+            let off = wrap_angle(state.frame.theta - heading);
+            let weight = self.heading_std.powi(-2);
+            equations.add(&[0.0, 0.0, 1.0], off, weight);
+            equations.constant += 0.5 * weight * off * off;
+        }
+        if let Some(prior) = &start.prior {
+            equations.add_all(&self.marginalised(state, prior));
+        }
+        equations
+    }
+
+    /// What marginalised rows say around a state: they know the pose at the window's first row.
+    fn marginalised(&self, state: &State, prior: &Prior) -> NormalEquations {
+        let n = self.unknowns.size();
+        let mut path = Vec::new();
+        corrected_path(self.window, &[0], self.anchor, self.calibration(&state.values), &mut path);
+        let Some(first) = path.first() else { return NormalEquations::new(n) };
+        let raw = self.window.pose(0);
+        let frame = state.frame.compose(first.pose).compose(raw.inverse());
+        let mut step = difference(prior.at.frame, frame, raw.position()).to_vec();
+        step.extend(state.values.iter().zip(&prior.at.values).map(|(now, then)| now - then));
+        prior.equations.shifted(&step).transformed(&self.derivatives_by_anchor(state, first))
+    }
+
+    /// Equations around a state with the pose at another row in the place of that at the anchor.
+    pub(super) fn equations_at(&self, equations: &NormalEquations, state: &State, row: usize) -> NormalEquations {
+        let mut path = Vec::new();
+        let there = MeasurementModel { anchor: row, ..*self };
+        let calibration = self.calibration(&state.values);
+        corrected_path(self.window, &[self.anchor], row, calibration, &mut path);
+        let moved = self.anchored(state, row);
+        path.first().map_or_else(
+            || equations.clone(),
+            |point| equations.transformed(&there.derivatives_by_anchor(&moved, point)),
+        )
+    }
+
+    /// The derivatives of (pose at a row, nuisance parameters) by (pose at the anchor, nuisance parameters).
+    fn derivatives_by_anchor(&self, state: &State, first: &PathPoint) -> Vec<f64> {
+        let n = self.unknowns.size();
+        let mut by: Vec<f64> = (0..n * n).map(|k| f64::from(u8::from(k / n == k % n))).collect();
+        let arm =
+            (state.frame.transform_point(first.pose.position()) - state.frame.transform_point(self.pivot())).perp();
+        (by[2], by[n + 2]) = (arm.x, arm.y);
+        if let Some(at) = self.unknowns.odometry {
+            for (k, sway) in first.by_calibration.iter().enumerate() {
+                let place = sway.place.rotated(state.frame.theta);
+                (by[at + k], by[n + at + k], by[2 * n + at + k]) = (place.x, place.y, sway.turn);
+            }
+        }
+        by
+    }
+
+    /// The robot in the map at a row.
+    pub(super) fn robot_at(&self, state: &State, row: usize) -> Pose2 {
+        let mut path = Vec::new();
+        corrected_path(self.window, &[row], self.anchor, self.calibration(&state.values), &mut path);
+        state.frame.compose(path.first().map_or(self.window.pose(row), |point| point.pose))
+    }
+
+    /// The same state where the path is held at another row.
+    pub(super) fn anchored(&self, state: &State, row: usize) -> State {
+        let frame = self.robot_at(state, row).compose(self.window.pose(row).inverse());
+        State { frame, values: state.values.clone() }
+    }
+}
+
+/// One reading of a run.
+struct Seen {
+    row: usize,
+    index: usize,
+    robot: Pose2,
+    /// In the map as it is drawn.
+    base: Pose2,
+    felt: Prediction,
+    /// What the sensor reads while its whisker is free.
+    offset: f64,
+    z: f64,
+}

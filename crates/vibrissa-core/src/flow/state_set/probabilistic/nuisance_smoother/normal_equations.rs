@@ -1,0 +1,201 @@
+//! Normal equations of a Gauss-Newton step over pose and nuisance parameters: a Gaussian in information form, of any size
+//! \[dellaert2017factor, ch. 2-3\].
+
+use super::super::information::Information;
+use super::unknowns::{POSE, Unknown};
+use crate::linear_algebra::{DenseCholesky, Square};
+
+/// `J(x) = c - ηᵀx + xᵀΛx / 2` around the point of linearisation; the first three unknowns are the pose.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct NormalEquations {
+    size: usize,
+    /// Rows one after the other; only what is right of the diagonal counts until [`NormalEquations::mirrored`].
+    matrix: Vec<f64>,
+    vector: Vec<f64>,
+    pub(super) constant: f64,
+}
+
+/// The nuisance parameters given the pose.
+#[derive(Clone, Debug)]
+pub(super) struct Response {
+    /// Their means where the pose is that of the linearisation, as steps from there.
+    pub(super) mean: Vec<f64>,
+    /// By how much each mean changes with a unit of each coordinate of the pose.
+    pub(super) slope: Vec<[f64; POSE]>,
+    /// Their covariance where the pose is given, rows one after the other.
+    pub(super) covariance: Vec<f64>,
+}
+
+impl NormalEquations {
+    pub(super) fn new(size: usize) -> Self {
+        Self { size, matrix: vec![0.0; size * size], vector: vec![0.0; size], constant: 0.0 }
+    }
+
+    /// Adds a row `weight (residual + row x)² / 2`, without what it costs at the point of linearisation.
+    pub(super) fn add(&mut self, row: &[f64], residual: f64, weight: f64) {
+        for (i, &value) in row.iter().enumerate() {
+            if value == 0.0 {
+                continue;
+            }
+            let scaled = weight * value;
+            self.vector[i] -= scaled * residual;
+            let line = &mut self.matrix[i * self.size + i..(i + 1) * self.size];
+            line.iter_mut().zip(&row[i..]).for_each(|(to, &v)| *to += scaled * v);
+        }
+    }
+
+    /// Adds what is known of the nuisance parameters before any reading, at these values.
+    pub(super) fn add_priors(&mut self, unknowns: &[Unknown], values: &[f64]) {
+        for (k, (unknown, &value)) in unknowns.iter().zip(values).enumerate() {
+            let (at, weight) = (POSE + k, unknown.std.powi(-2));
+            self.matrix[at * self.size + at] += weight;
+            self.vector[at] -= weight * value;
+            self.constant += 0.5 * weight * value * value;
+        }
+    }
+
+    /// Takes away what [`NormalEquations::add_priors`] has added.
+    pub(super) fn remove_priors(&mut self, unknowns: &[Unknown], values: &[f64]) {
+        for (k, (unknown, &value)) in unknowns.iter().zip(values).enumerate() {
+            let (at, weight) = (POSE + k, unknown.std.powi(-2));
+            self.matrix[at * self.size + at] -= weight;
+            self.vector[at] += weight * value;
+            self.constant -= 0.5 * weight * value * value;
+        }
+    }
+
+    /// Adds other equations around the same point.
+    pub(super) fn add_all(&mut self, other: &Self) {
+        self.matrix.iter_mut().zip(&other.matrix).for_each(|(to, v)| *to += v);
+        self.vector.iter_mut().zip(&other.vector).for_each(|(to, v)| *to += v);
+        self.constant += other.constant;
+    }
+
+    fn at(&self, i: usize, j: usize) -> f64 {
+        self.matrix[i.min(j) * self.size + i.max(j)]
+    }
+
+    /// The whole matrix with `damping` on the diagonal of the pose.
+    fn mirrored(&self, damping: [f64; POSE]) -> Vec<f64> {
+        let n = self.size;
+        let mut whole: Vec<f64> = (0..n * n).map(|k| self.at(k / n, k % n)).collect();
+        (0..POSE).for_each(|i| whole[i * n + i] += damping[i]);
+        whole
+    }
+
+    /// The step to the least cost with `damping` on the pose, and the cost that it promises.
+    pub(super) fn step(&self, damping: [f64; POSE]) -> Option<(f64, Vec<f64>)> {
+        let step = DenseCholesky::new(self.size, &self.mirrored(damping))?.solve(&self.vector);
+        Some((self.cost_at(&step), step))
+    }
+
+    /// The cost a step away.
+    pub(super) fn cost_at(&self, step: &[f64]) -> f64 {
+        let mut cost = self.constant;
+        for (i, &d) in step.iter().enumerate() {
+            let along: f64 = (0..self.size).map(|j| self.at(i, j) * step[j]).sum();
+            cost += d * (0.5 * along - self.vector[i]);
+        }
+        cost
+    }
+
+    /// The same around a point that is `step` away.
+    pub(super) fn shifted(&self, step: &[f64]) -> Self {
+        let mut there = self.clone();
+        for i in 0..self.size {
+            there.vector[i] -= (0..self.size).map(|j| self.at(i, j) * step[j]).sum::<f64>();
+        }
+        there.constant = self.cost_at(step);
+        there
+    }
+
+    /// The same in unknowns `y` where `x = by y`, `by` with its rows one after the other.
+    pub(super) fn transformed(&self, by: &[f64]) -> Self {
+        let n = self.size;
+        let mut out = Self::new(n);
+        let mut half = vec![0.0; n * n];
+        for i in 0..n {
+            for j in 0..n {
+                half[i * n + j] = (0..n).map(|k| self.at(i, k) * by[k * n + j]).sum();
+            }
+        }
+        for i in 0..n {
+            out.vector[i] = (0..n).map(|k| by[k * n + i] * self.vector[k]).sum();
+            for j in i..n {
+                out.matrix[i * n + j] = (0..n).map(|k| by[k * n + i] * half[k * n + j]).sum();
+            }
+        }
+        out.constant = self.constant;
+        out
+    }
+
+    /// The same knowledge with this share of its weight.
+    pub(super) fn with_forgetting(&self, share: f64) -> Self {
+        let scaled = |values: &[f64]| values.iter().map(|v| share * v).collect();
+        Self { matrix: scaled(&self.matrix), vector: scaled(&self.vector), ..*self }
+    }
+
+    fn nuisances(&self) -> Option<DenseCholesky> {
+        let (n, k) = (self.size, self.size - POSE);
+        let own: Vec<f64> = (0..k * k).map(|at| self.at(POSE + at / k, POSE + at % k)).collect();
+        DenseCholesky::new(n - POSE, &own)
+    }
+
+    /// The pose with the nuisance parameters marginalised, of which `unknowns` say what was known before.
+    pub(super) fn marginal(&self, unknowns: &[Unknown]) -> Information<POSE> {
+        let mut left = Information {
+            matrix: core::array::from_fn(|i| core::array::from_fn(|j| self.at(i, j))),
+            vector: core::array::from_fn(|i| self.vector[i]),
+            constant: self.constant,
+        };
+        let Some(factor) = self.nuisances().filter(|_| self.size > POSE) else { return left };
+        let column = |i: usize| -> Vec<f64> { (POSE..self.size).map(|j| self.at(i, j)).collect() };
+        let columns: [Vec<f64>; POSE] = core::array::from_fn(column);
+        let solved = columns.each_ref().map(|c| factor.solve(c));
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        for (i, solved) in solved.iter().enumerate() {
+            left.vector[i] -= dot(solved, &self.vector[POSE..]);
+            (0..POSE).for_each(|j| left.matrix[i][j] -= dot(solved, &columns[j]));
+        }
+        // As symmetric as it is.
+        (0..POSE).for_each(|i| (0..i).for_each(|j| left.matrix[i][j] = left.matrix[j][i]));
+        left.constant -= 0.5 * dot(&factor.solve(&self.vector[POSE..]), &self.vector[POSE..]);
+        // What the nuisance parameters' volume has shrunk to.
+        left.constant += 0.5 * factor.ln_determinant() + unknowns.iter().map(|u| u.std.ln()).sum::<f64>();
+        left
+    }
+
+    /// The nuisance parameters given the pose.
+    pub(super) fn response(&self) -> Option<Response> {
+        let factor = self.nuisances().filter(|_| self.size > POSE)?;
+        let columns: [Vec<f64>; POSE] =
+            core::array::from_fn(|i| factor.solve(&(POSE..self.size).map(|j| self.at(i, j)).collect::<Vec<_>>()));
+        let slope = (0..self.size - POSE).map(|k| columns.each_ref().map(|c| -c[k])).collect();
+        Some(Response { mean: factor.solve(&self.vector[POSE..]), slope, covariance: factor.inverse() })
+    }
+
+    /// The same of the nuisance parameters where the pose is given.
+    pub(super) fn nuisances_half_ln_determinant(&self) -> f64 {
+        self.nuisances().map_or(0.0, |factor| 0.5 * factor.ln_determinant())
+    }
+
+    /// Half the logarithm of the determinant, with `damping` on the pose; infinite where it is singular.
+    pub(super) fn half_ln_determinant(&self, damping: [f64; POSE]) -> f64 {
+        DenseCholesky::new(self.size, &self.mirrored(damping)).map_or(f64::INFINITY, |f| 0.5 * f.ln_determinant())
+    }
+}
+
+impl Response {
+    /// The steps of the nuisance parameters for a step of the pose.
+    pub(super) fn given(&self, d: [f64; POSE]) -> Vec<f64> {
+        let with = |(mean, slope): (&f64, &[f64; POSE])| mean + slope[0] * d[0] + slope[1] * d[1] + slope[2] * d[2];
+        self.mean.iter().zip(&self.slope).map(with).collect()
+    }
+
+    /// The standard deviation of the `k`-th where the pose has this covariance.
+    pub(super) fn std(&self, k: usize, pose: &Square<POSE>) -> f64 {
+        let s = self.slope[k];
+        let by_pose: f64 = (0..POSE).map(|i| (0..POSE).map(|j| s[i] * pose[i][j] * s[j]).sum::<f64>()).sum();
+        (self.covariance[k * self.mean.len() + k] + by_pose).max(0.0).sqrt()
+    }
+}

@@ -1,0 +1,383 @@
+//! The posterior as places: refinement of all modes, then weights and covariances \[cappe2004population\].
+
+use super::super::places::PosteriorPlace;
+use super::admission::Admission;
+use super::bank::{Bank, Effort, WEAK_PRIOR};
+use super::correlated_noise::NoiseModel;
+use super::importance_sampling::{ImportanceSampler, PosteriorMoments, ProposalCentre, SAMPLES};
+use super::log_window::LogWindow;
+use super::measurement::{Linearisation, MeasurementModel, Row, difference, moved};
+use super::optimisation::{Mode, Rerun};
+use super::smoother::Scene;
+use super::unknowns::{POSE, Parameter};
+use super::unobservable::{CurveTracer, Metric};
+use crate::contact::follow::Mechanics;
+use crate::flow::pose::{Nuisance, Stretch};
+use crate::linear_algebra::{Square, add, determinant, dot, inverse, times};
+use crate::plane::{Pose2, Vec2};
+
+/// Steps over all rows, and those in closed form of so many of the best that follow.
+const STEPS: usize = 10;
+const EXACT: usize = 4;
+const EXACT_STEPS: usize = 2;
+/// Readings, times modes, that are run again at the end; beyond, every second, third … row must do.
+const MOST_TAKES: usize = 150_000;
+/// With more modes than this those within each other's region are joined at first, and no more are looked at.
+const MANY_AT_THE_END: usize = 100;
+const MOST_AT_THE_END: usize = 500;
+/// Slack for those that are not at their least yet (nats).
+const SLACK: f64 = 8.0;
+/// A mode this much less likely than the best (nats) is not told.
+const REPORTED: f64 = 12.0;
+/// Modes nearer than so many standard deviations are one place,
+const LINKED: f64 = 9.0;
+/// or nearer than this (m, rad).
+const LINK_PLACE: f64 = 4e-3;
+const LINK_TURN: f64 = 0.04;
+/// The share of an unobservable direction that one of its modes stands for: the standard deviation of a Gaussian as wide (m).
+const UNOBSERVABLE_STD: f64 = 5.6e-3;
+/// Modes further apart than this are not compared (m).
+const FARTHEST: f64 = 0.1;
+/// Area and volume of the regions that hold 95 % of a Gaussian, per root of its covariance's determinant: `pi chi²` and
+/// `4/3 pi chi³` with the 95 % points of chi² for two and three degrees of freedom.
+const AREA_95: f64 = 18.82;
+const VOLUME_95: f64 = 91.5;
+/// Places that are sampled: so many, with more than this share of the heaviest one's weight, and no more readings for all
+/// samples than this.
+const MOST_SAMPLED: usize = 8;
+const SAMPLED_ABOVE: f64 = 1e-3;
+/// Places with less than this share of it are sampled only once.
+const THOROUGH_ABOVE: f64 = 0.02;
+const MOST_SAMPLED_TAKES: usize = 600_000;
+/// Readings that the walks along unobservable directions may run, of all places.
+const MOST_WALKED_TAKES: usize = 300_000;
+/// Most modes that are looked at while rows come.
+const MOST_NOW: usize = 40;
+/// Where single residuals count as beyond their noise, and the declared bound with a hair for the model (standard deviations of an even
+/// law).
+const OUTLIER_SIGMAS: f64 = 2.5;
+const BOUND: f64 = 1.76;
+/// Stretches that are looked at for the worst one: so many of the log.
+const STRETCHES: usize = 10;
+
+/// How well the best mode explains the readings \[barshalom2001estimation, sec. 5.4\].
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Fit {
+    /// Readings with a whisker held by a boundary.
+    pub touching: usize,
+    /// Share of all readings that lie beyond 2.5 standard deviations or are not explained.
+    pub beyond: f64,
+    /// Share of all readings that break their declared bound.
+    pub broken: f64,
+    /// Mean square of the residuals within 2.5 standard deviations where a boundary holds the whisker.
+    pub square: f64,
+    /// How long errors stay alike (s), 0 where they are independent.
+    pub correlation_time: f64,
+    /// The stretch with the largest mean square, and that.
+    pub worst: Option<(Stretch, f64)>,
+}
+
+/// What a reading costs under the declared noise, errors independent (nats).
+pub(super) fn plain_cost(row: &Row) -> f64 {
+    row.held.map_or(3.0, |_| (0.5 * row.residual * row.residual).min(super::correlated_noise::OUTLIER_COST))
+}
+
+/// Area and volume of all modes' 95 % regions, overlaps counted twice.
+pub(super) fn size(bank: &Bank, model: &MeasurementModel<'_>) -> (f64, f64) {
+    let one = |mode: &Mode| {
+        let c = covariance(mode, model);
+        let area = (c[0][0] * c[1][1] - c[0][1] * c[1][0]).max(0.0).sqrt();
+        (AREA_95 * area, VOLUME_95 * determinant(&c).max(0.0).sqrt())
+    };
+    bank.modes.iter().map(one).fold((0.0, 0.0), |a, b| (a.0 + b.0, a.1 + b.1))
+}
+
+/// The covariance of a mode's pose at the anchor.
+fn covariance(mode: &Mode, model: &MeasurementModel<'_>) -> Square<3> {
+    mode.marginal(model).covariance(WEAK_PRIOR).unwrap_or([
+        [WEAK_PRIOR[0].recip(), 0.0, 0.0],
+        [0.0, WEAK_PRIOR[1].recip(), 0.0],
+        [0.0, 0.0, WEAK_PRIOR[2].recip()],
+    ])
+}
+
+/// What is said before the end: modes as they are linearised now, nothing run again and nothing sampled.
+pub(super) fn linearised(bank: &Bank, scene: &Scene<'_>, window: &LogWindow) -> Vec<PosteriorPlace> {
+    let (first, end) = (scene.model(window, 0), window.len() - 1);
+    let last = scene.model(window, end);
+    let modes: Vec<Mode> = bank
+        .modes
+        .iter()
+        .take(MOST_NOW)
+        .map(|mode| Mode {
+            equations: first.equations_at(&mode.equations, &mode.state, end),
+            state: first.anchored(&mode.state, end),
+            ..mode.clone()
+        })
+        .collect();
+    let told: Vec<Square<3>> = modes.iter().map(|mode| covariance(mode, &last)).collect();
+    let least = modes.first().map_or(0.0, |mode| mode.cost(&last));
+    Posterior { scene, window, model: &last, modes: &modes, told: &told, least, rerun: None }.places()
+}
+
+/// Settles the modes, weighs and groups them.
+pub(super) fn choose(bank: &mut Bank, scene: &Scene<'_>, window: &LogWindow) -> (Vec<PosteriorPlace>, Option<Fit>) {
+    let admission = Admission::new(scene, window);
+    let admits = |frame: Pose2| admission.is_allowed(frame);
+    let first = scene.model(window, 0);
+    bank.extend(&first, &admits, Effort { gate: REPORTED + 2.0 * SLACK, ..Effort::ONLINE });
+    // Most lie along straight walls, where their neighbours say the same.
+    if bank.modes.len() > MANY_AT_THE_END {
+        bank.join_overlapping(&first);
+    }
+    bank.modes.truncate(MOST_AT_THE_END);
+    let end = window.len() - 1;
+    bank.modes.iter_mut().for_each(|mode| mode.state = first.anchored(&mode.state, end));
+    let model = scene.model(window, end);
+    let lever = scene.sensors.iter().map(|f| f.length).fold(f64::MIN_POSITIVE, f64::max);
+    for gate in [REPORTED + SLACK, REPORTED + 0.5 * SLACK] {
+        let every = (bank.modes.len() * window.len()).div_ceil(MOST_TAKES).max(1);
+        bank.settle(&model, (0..window.len()).step_by(every).collect(), STEPS, gate);
+        bank.join(&model);
+        bank.explore(&model, lever);
+    }
+    bank.settle(&model, (0..window.len()).collect(), STEPS, REPORTED + 0.5 * SLACK);
+    bank.estimate_noise(&model);
+    bank.settle(&model, (0..window.len()).collect(), STEPS, REPORTED);
+    settle_exactly(bank, &model);
+    bank.modes.retain(|mode| admits(first_frame(&model, mode)));
+    bank.join_overlapping(&model);
+    if bank.modes.is_empty() {
+        return (Vec::new(), None);
+    }
+    let fit = fit(bank, &model);
+    let told: Vec<Square<3>> = bank.modes.iter().map(|mode| covariance(mode, &model)).collect();
+    let least = bank.modes.iter().map(|mode| mode.cost(&model)).fold(f64::INFINITY, f64::min);
+    let rerun = Rerun { model: &model, rows: &bank.rows, noise: bank.noise };
+    let posterior =
+        Posterior { scene, window, model: &model, modes: &bank.modes, told: &told, least, rerun: Some(&rerun) };
+    (posterior.places(), Some(fit))
+}
+
+/// The frame of a mode with the path held at the first row.
+fn first_frame(model: &MeasurementModel<'_>, mode: &Mode) -> Pose2 {
+    model.anchored(&mode.state, 0).frame
+}
+
+/// Moves the best modes on in closed form.
+fn settle_exactly(bank: &mut Bank, model: &MeasurementModel<'_>) {
+    let exact = MeasurementModel { solver: Mechanics::ClosedForm, ..*model };
+    let mut scratch = Linearisation::default();
+    for mode in bank.modes.iter_mut().take(EXACT) {
+        let before = mode.clone();
+        mode.relinearise(&exact, &bank.rows, bank.noise, &mut scratch);
+        mode.descend(&exact, &bank.rows, bank.noise, EXACT_STEPS, &mut scratch);
+        if mode.cost(model) > before.cost(model) + 1.0 {
+            *mode = before;
+        }
+    }
+    bank.sort(model);
+}
+
+/// How well the best mode fits: by the solver that leaves fewer readings unexplained, since where the two disagree the whisker is about to
+/// snap.
+fn fit(bank: &Bank, model: &MeasurementModel<'_>) -> Fit {
+    let exact = MeasurementModel { solver: Mechanics::ClosedForm, ..*model };
+    let by = |model: &MeasurementModel<'_>| {
+        let mut told = Linearisation::default();
+        let mode = &bank.modes[0];
+        model.run(&mode.state, &mode.start, &bank.rows, &mut told);
+        fit_of(&told, bank.noise)
+    };
+    let (quick, exact) = (by(model), by(&exact));
+    if quick.beyond < exact.beyond { quick } else { exact }
+}
+
+fn fit_of(told: &Linearisation, noise: NoiseModel) -> Fit {
+    let all = told.rows.len().max(1) as f64;
+    let size = |row: &Row| row.held.map_or(f64::INFINITY, |_| row.plain.abs() / (1.0 + row.model_variance).sqrt());
+    let share = |most: f64| told.rows.iter().filter(|row| size(row) > most).count() as f64 / all;
+    let held: Vec<&Row> = told.rows.iter().filter(|row| row.held == Some(true)).collect();
+    let square = |rows: &[&Row]| {
+        let within: Vec<f64> = rows.iter().map(|row| size(row)).filter(|&s| s <= OUTLIER_SIGMAS).collect();
+        within.iter().map(|s| s * s).sum::<f64>() / within.len().max(1) as f64
+    };
+    let stretch = |rows: &[&Row]| {
+        let (from, to) = (rows.first()?.t, rows.last()?.t);
+        let mean = rows.iter().map(|row| size(row).min(6.0).powi(2)).sum::<f64>() / rows.len() as f64;
+        Some((Stretch { from, to }, mean))
+    };
+    let length = told.rows.len().div_ceil(STRETCHES).max(1);
+    let all_rows: Vec<&Row> = told.rows.iter().collect();
+    Fit {
+        touching: held.len(),
+        beyond: share(OUTLIER_SIGMAS),
+        broken: share(BOUND),
+        square: square(&held),
+        correlation_time: if noise.correlated > 0.0 { noise.time_constant } else { 0.0 },
+        worst: all_rows.chunks(length).filter_map(stretch).max_by(|a, b| a.1.total_cmp(&b.1)),
+    }
+}
+
+/// The modes at the end, each with the covariance of its pose at the last row.
+struct Posterior<'a> {
+    scene: &'a Scene<'a>,
+    window: &'a LogWindow,
+    model: &'a MeasurementModel<'a>,
+    modes: &'a [Mode],
+    told: &'a [Square<3>],
+    /// The least cost of all.
+    least: f64,
+    /// What it takes to sample and to trace.
+    rerun: Option<&'a Rerun<'a>>,
+}
+
+impl Posterior<'_> {
+    /// Places of modes that overlap, weighed by their shares of the likelihood.
+    fn places(&self) -> Vec<PosteriorPlace> {
+        let mut groups: Vec<(f64, Vec<usize>)> =
+            self.groups().into_iter().map(|members| (self.mass(&members), members)).collect();
+        groups.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let most = groups.first().map_or(0.0, |g| g.0);
+        let admission = Admission::new(self.scene, self.window);
+        let lever = self.scene.sensors.iter().map(|f| f.length).fold(f64::MIN_POSITIVE, f64::max);
+        let admits = |frame: Pose2| admission.is_allowed(frame);
+        let mut tracer = self.rerun.map(|rerun| CurveTracer {
+            rerun,
+            metric: Metric { pivot: self.model.pivot(), lever },
+            admits: &admits,
+            left: MOST_WALKED_TAKES,
+            known: Vec::new(),
+        });
+        let afford = self.rerun.map_or(0, |rerun| (MOST_SAMPLED_TAKES / (SAMPLES * rerun.rows.len()).max(1)).max(1));
+        let last = self.window.last_pose();
+        let mut places: Vec<PosteriorPlace> = groups
+            .iter()
+            .enumerate()
+            .map(|(index, (mass, members))| {
+                let near = index < afford.min(MOST_SAMPLED) && *mass > SAMPLED_ABOVE * most;
+                let spread = if near { self.moments(members, *mass > THOROUGH_ABOVE * most, &admits) } else { None };
+                let with: Vec<_> = members.iter().map(|&i| (&self.modes[i], &self.told[i])).collect();
+                let frames = tracer.as_mut().filter(|_| *mass > SAMPLED_ABOVE * most).map(|tracer| tracer.trace(&with));
+                let ridge = frames.unwrap_or_default().into_iter().map(|frame| frame.compose(last)).collect();
+                PosteriorPlace { ridge, ..self.place(members, *mass, spread) }
+            })
+            .collect();
+        let total: f64 = places.iter().map(|p| p.weight).sum();
+        places.iter_mut().for_each(|p| p.weight /= total);
+        places.sort_by(|a, b| b.weight.total_cmp(&a.weight));
+        places
+    }
+
+    /// Modes that are linked, directly or through others, the best first.
+    fn groups(&self) -> Vec<Vec<usize>> {
+        let mut open: Vec<usize> = (0..self.modes.len()).collect();
+        let mut groups = Vec::new();
+        while !open.is_empty() {
+            let mut members = vec![open.remove(0)];
+            let mut next = 0;
+            while next < members.len() {
+                let at = members[next];
+                let (joined, left): (Vec<_>, Vec<_>) = open.iter().partition(|&&i| self.are_linked(at, i));
+                members.extend(joined);
+                open = left;
+                next += 1;
+            }
+            groups.push(members);
+        }
+        groups
+    }
+
+    fn are_linked(&self, a: usize, b: usize) -> bool {
+        let pivot: Vec2 = self.model.pivot();
+        let d = difference(self.modes[a].state.frame, self.modes[b].state.frame, pivot);
+        if d[0].hypot(d[1]) > FARTHEST {
+            return false;
+        }
+        if d[0].hypot(d[1]) < LINK_PLACE && d[2].abs() < LINK_TURN {
+            return true;
+        }
+        let mut sum = self.told[a];
+        add(&mut sum, &self.told[b]);
+        inverse(&sum).is_some_and(|i| dot(times(&i, d), d) < LINKED)
+    }
+
+    /// The share of the likelihood as the linearisations say it.
+    fn mass(&self, members: &[usize]) -> f64 {
+        // Neighbours on an unobservable direction share its length among them.
+        let narrow = if members.len() > 1 { UNOBSERVABLE_STD.powi(-2) } else { 0.0 };
+        let one = |&i: &usize| {
+            let mut curvature = inverse(&self.told[i]).unwrap_or_default();
+            (0..2).for_each(|k| curvature[k][k] += narrow);
+            let less = self.least - self.modes[i].cost(self.model);
+            less.exp() / determinant(&curvature).max(f64::MIN_POSITIVE).sqrt()
+        };
+        members.iter().map(one).sum()
+    }
+
+    /// What sampling says about a place.
+    fn moments(&self, members: &[usize], thorough: bool, admits: &dyn Fn(Pose2) -> bool) -> Option<PosteriorMoments> {
+        let member = |&i: &usize| ProposalCentre { place: &self.modes[i], own: &self.told[i] };
+        let members: Vec<ProposalCentre<'_>> = members.iter().map(member).collect();
+        ImportanceSampler { rerun: self.rerun?, least: self.least, admits, thorough }.posterior_moments(&members)
+    }
+
+    fn place(&self, members: &[usize], mass: f64, spread: Option<PosteriorMoments>) -> PosteriorPlace {
+        let (first, last) = (&self.modes[members[0]], self.window.last_pose());
+        let (map_from_odom, weight, told) = match spread {
+            Some(spread) => {
+                let mean = moved(first.state.frame, self.model.pivot(), spread.mean);
+                (mean, spread.mass, vec![(mean.compose(last), spread.covariance)])
+            }
+            None => {
+                let linear = |&i: &usize| (self.modes[i].state.frame.compose(last), self.told[i]);
+                (first.state.frame, mass, members.iter().map(linear).collect())
+            }
+        };
+        let state = first.state_at(self.model, map_from_odom);
+        let covariance = told[0].1;
+        let stds: Vec<f64> = first
+            .response()
+            .map_or_else(Vec::new, |response| (0..state.values.len()).map(|k| response.std(k, &covariance)).collect());
+        let calibration = self.model.unknowns.odometry.map(|at| {
+            [0, 1, 2].map(|k| [state.values[at - POSE + k], stds.get(at - POSE + k).copied().unwrap_or(0.0)])
+        });
+        let broken = self.rerun.map_or(0.0, |rerun| {
+            let mut told = Linearisation::default();
+            self.model.run(&first.state, &first.start, rerun.rows, &mut told);
+            fit_of(&told, rerun.noise).broken
+        });
+        PosteriorPlace {
+            map_from_odom,
+            weight,
+            covariance,
+            members: told,
+            ridge: Vec::new(),
+            broken,
+            calibration,
+            nuisances: self.nuisances(&state.values, &stds),
+        }
+    }
+
+    /// The nuisance parameters as they are told.
+    fn nuisances(&self, values: &[f64], stds: &[f64]) -> Vec<Nuisance> {
+        let robot = self.scene.robot;
+        let one = |((unknown, value), std): ((&super::unknowns::Unknown, &f64), &f64)| {
+            let parameter: Parameter = unknown.parameter;
+            let (quantity, whisker, per, bound) = parameter.told(robot, &self.scene.senses)?;
+            let name = |at: usize| robot.whiskers.get(at).map(|w| w.name.clone());
+            let tared = match (parameter, &self.scene.tare) {
+                (Parameter::Zero(sensor), Some(tare)) => tare[sensor],
+                _ => 0.0,
+            };
+            (bound > 0.0).then(|| Nuisance {
+                quantity,
+                whisker: whisker.and_then(name),
+                estimate: (value + tared) * per,
+                std: std * per,
+                bound,
+            })
+        };
+        self.model.unknowns.all().iter().zip(values).zip(stds).filter_map(one).collect()
+    }
+}

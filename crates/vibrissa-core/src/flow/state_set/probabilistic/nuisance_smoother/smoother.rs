@@ -1,0 +1,495 @@
+//! The smoother row by row: waiting for contact, global localization, tracking, and global localization again when lost
+//! \[thrun2005probabilistic, ch. 7-8\].
+
+use super::super::places::PosteriorPlace;
+use super::super::smoother::StepOutcome;
+use super::super::{Agreement, ModeSet};
+use super::admission::Admission;
+use super::bank::{Bank, Effort};
+use super::grid_search::{ContactOnset, GridSearch};
+use super::log_window::LogWindow;
+use super::measurement::{MeasurementModel, Start};
+use super::optimisation::Mode;
+use super::places;
+use super::sensor::Sensor;
+use super::unknowns::{Sense, Unknowns};
+use crate::beam::{TipModel, TipTable};
+use crate::config::ProbabilisticOptions;
+use crate::contact::follow::{Mechanics, WhiskerState};
+use crate::contact::{Boundaries, SensedQuantity};
+use crate::flow::prior;
+use crate::plane::{Pose2, Vec2};
+use crate::world::{Map, Robot};
+
+/// Free rows that are kept before a contact: what the whisker did not touch.
+const LEAD_ROWS: usize = 24;
+/// Travel between them (m).
+const LEAD_STEP: f64 = 1.5e-3;
+/// So many readings in a row begin or end a contact; fewer are taken for false ones.
+const CONTACT_ROWS: usize = 3;
+/// Fewest rows of contact to seed from.
+const FEWEST_ROWS: usize = 5;
+/// Readings that are run through the forward model in one call while the grid is searched (some milliseconds).
+const SLICE: usize = 4000;
+/// Modes take in so many rows together.
+const TAKEN_TOGETHER: usize = 12;
+/// With more cells than this a contact is followed for longer, by this factor, as long as it has not been followed for this many times the
+/// usual travel.
+const MANY_CELLS: usize = 4000;
+const PATIENCE: f64 = 2.0;
+const MOST_PATIENCE: f64 = 4.0;
+/// Mean cost of a reading (nats) above which the best mode does not explain the last rows, and how many these are.
+const LOST_COST: f64 = 2.2;
+const WATCHED: usize = 40;
+/// The zero of a sensor whose zero is not known exactly is tared by so many rows, if its readings may be those of a free whisker.
+const TARE_ROWS: usize = 8;
+/// More searches than this are not tried, unless one has held for so many rows.
+const MOST_STARTS: u32 = 6;
+const TRUSTED: usize = 300;
+/// Weight of what is marginalised, each time that rows are added to it.
+const FORGETTING: f64 = 0.8;
+
+/// Where the smoother stands.
+enum Phase {
+    /// No contact yet.
+    Waiting,
+    /// In a first contact, which began at this row of the window; with what an earlier search has found.
+    Pressing { sensor: usize, onset: usize, from_free: bool, travelled: f64, search: Option<Box<GridSearch>> },
+    /// Looking for modes, while rows go on; with how far the base had travelled, and whether the contact has ended.
+    Searching { search: Box<GridSearch>, travelled: f64, ended: bool },
+    /// With modes.
+    Tracking(Box<Bank>),
+}
+
+/// What all parts of the smoother share.
+pub(super) struct Scene<'a> {
+    pub(super) map: &'a Map,
+    pub(super) robot: &'a Robot,
+    pub(super) options: ProbabilisticOptions,
+    pub(super) ground: Boundaries,
+    pub(super) table: TipTable,
+    pub(super) sensors: Vec<Sensor>,
+    pub(super) senses: Vec<Sense>,
+    pub(super) whiskers: Vec<usize>,
+    pub(super) unknowns: Unknowns,
+    /// What is taken off the readings of each sensor, once it is known.
+    pub(super) tare: Option<Vec<f64>>,
+}
+
+impl<'a> Scene<'a> {
+    /// The measurement model of a window.
+    pub(super) fn model<'b>(&'b self, window: &'b LogWindow, anchor: usize) -> MeasurementModel<'b> {
+        MeasurementModel {
+            map: self.map,
+            ground: &self.ground,
+            sensors: &self.sensors,
+            whiskers: &self.whiskers,
+            unknowns: &self.unknowns,
+            window,
+            anchor,
+            heading_std: self.options.heading_error / 3.0_f64.sqrt(),
+            solver: Mechanics::Table(&self.table),
+            whole: true,
+        }
+    }
+}
+
+/// The modes of one robot on one map.
+pub struct NuisanceSmoother<'a> {
+    scene: Scene<'a>,
+    window: LogWindow,
+    phase: Phase,
+    /// Contact readings in a row for each sensor, and free ones.
+    touching: Vec<usize>,
+    free: usize,
+    starts: u32,
+    patience: f64,
+    last: Option<Pose2>,
+    /// Rows since the set was started, and its best mode when it was last given up.
+    tracked: usize,
+    abandoned: Option<Pose2>,
+}
+
+impl<'a> NuisanceSmoother<'a> {
+    /// An empty set; `tips` are the models of the robot's whiskers, in order, and `quantities` say what is read: the whisker's
+    /// index and the sense, in the order of each row's readings.
+    #[must_use]
+    pub fn new(
+        map: &'a Map,
+        robot: &'a Robot,
+        tips: &[TipModel],
+        quantities: &[(usize, SensedQuantity)],
+        options: ProbabilisticOptions,
+    ) -> Self {
+        let sensor = |&(whisker, quantity): &(usize, SensedQuantity)| {
+            Some((Sensor::new(robot.whiskers.get(whisker)?, tips.get(whisker)?.clone(), quantity), whisker))
+        };
+        let (sensors, whiskers): (Vec<Sensor>, Vec<usize>) = quantities.iter().filter_map(sensor).unzip();
+        let sense = |(sensor, &whisker): (&Sensor, &usize)| Sense {
+            whisker,
+            quantity: sensor.quantity,
+            per_reading: sensor.per_reading,
+        };
+        let senses: Vec<Sense> = sensors.iter().zip(&whiskers).map(sense).collect();
+        let unknowns = Unknowns::new(robot, &senses, options.shared_gain);
+        let count = sensors.len();
+        let scene = Scene {
+            map,
+            robot,
+            options,
+            ground: Boundaries::new(map).with_clearance(map),
+            table: TipTable::new(),
+            sensors,
+            senses,
+            whiskers,
+            tare: unknowns.zero_is_declared(robot).then_some(()).map_or_else(|| Some(vec![0.0; count]), |()| None),
+            unknowns,
+        };
+        Self {
+            scene,
+            window: LogWindow::new(count),
+            phase: Phase::Waiting,
+            touching: vec![0; count],
+            free: 0,
+            starts: 0,
+            patience: 1.0,
+            last: None,
+            tracked: 0,
+            abandoned: None,
+        }
+    }
+
+    /// Takes the middle of the first readings for the zero where they may be those of a free whisker.
+    fn take_tare(&mut self) {
+        let rows = self.window.len();
+        let of = |index: usize| {
+            let mut first: Vec<f64> = (0..rows).map(|row| self.window.readings(row)[index]).collect();
+            first.sort_by(f64::total_cmp);
+            let inner = &first[rows / 4..rows - rows / 4];
+            let middle = inner.iter().sum::<f64>() / inner.len() as f64;
+            let spread = first[rows - 1] - first[0];
+            let whisker = &self.scene.robot.whiskers[self.scene.whiskers[index]];
+            let sensor = &self.scene.sensors[index];
+            let bound = whisker.errors.zero * sensor.per_reading;
+            // A whisker that is pressed does not say the same again and again.
+            if sensor.is_steady(middle, bound, spread) { middle } else { 0.0 }
+        };
+        let tare: Vec<f64> = (0..self.scene.sensors.len()).map(of).collect();
+        self.window.subtract(&tare);
+        self.scene.sensors.iter_mut().for_each(Sensor::tared);
+        self.scene.tare = Some(tare);
+    }
+
+    /// Looks for a contact that lasts.
+    fn wait(&mut self, any: bool) -> StepOutcome {
+        let last = self.window.len() - 1;
+        if let Some(sensor) = self.touching.iter().position(|&rows| rows >= CONTACT_ROWS)
+            && self.starts < MOST_STARTS
+        {
+            // After a loss the rows before this one are forgotten, although the whisker touched there, too.
+            let onset = (last + 1).saturating_sub(CONTACT_ROWS);
+            self.phase = Phase::Pressing { sensor, onset, from_free: onset > 0, travelled: 0.0, search: None };
+            return StepOutcome::Nothing;
+        }
+        if !any && last >= 2 {
+            // The row before the last stays only if it is far enough from the one before it.
+            let (before, middle) = (self.window.pose(last - 2), self.window.pose(last - 1));
+            let turned = before.between(middle).theta.abs() * 0.1;
+            if before.position().distance(middle.position()).max(turned) < LEAD_STEP {
+                self.window.drop_row(last - 1);
+            }
+        }
+        if self.window.len() > LEAD_ROWS + CONTACT_ROWS {
+            self.window.forget(1);
+        }
+        StepOutcome::Nothing
+    }
+
+    /// Waits until the contact tells enough, or has ended.
+    fn press(&mut self, at_end: bool) -> StepOutcome {
+        let Phase::Pressing { sensor, onset, from_free, travelled, .. } = self.phase else {
+            return StepOutcome::Nothing;
+        };
+        let ended = at_end || self.free >= CONTACT_ROWS;
+        if travelled < self.scene.options.seed_travel * self.patience && !ended {
+            return StepOutcome::Nothing;
+        }
+        if self.window.len() < onset + FEWEST_ROWS + if ended { CONTACT_ROWS } else { 0 } {
+            if ended {
+                self.begin_again();
+            }
+            return StepOutcome::Nothing;
+        }
+        if !from_free && onset > 0 {
+            self.window.forget(onset);
+        }
+        let onset = self.onset(sensor, if from_free { onset } else { 0 }, from_free);
+        let before = match &mut self.phase {
+            Phase::Pressing { search, .. } => search.take(),
+            _ => None,
+        };
+        let search = match before {
+            Some(mut search) => {
+                search.resume(onset.rows);
+                search
+            }
+            None => Box::new(GridSearch::new(&self.scene.model(&self.window, 0), onset)),
+        };
+        self.phase = Phase::Searching { search, travelled, ended };
+        self.search(if at_end { usize::MAX } else { SLICE })
+    }
+
+    /// The contact that began at a row, and what judges it.
+    fn onset(&self, sensor: usize, row: usize, from_free: bool) -> ContactOnset {
+        let (own, options) = (&self.scene.sensors[sensor], &self.scene.options);
+        let tip = Vec2::new(own.length, 0.0);
+        let odom_from_whisker = self.window.pose(row).compose(own.robot_from_whisker);
+        let before = self.window.pose(row.saturating_sub(3)).compose(own.robot_from_whisker);
+        let arm = odom_from_whisker.position();
+        let std = |place: Option<usize>| place.map_or(0.0, |at| self.scene.unknowns.all()[at - 3].std);
+        ContactOnset {
+            sensor,
+            row,
+            from_free,
+            approach: tip - odom_from_whisker.inverse_transform_point(before.transform_point(tip)),
+            rows: judging_rows(&self.window, sensor, row, options.seed_step),
+            spacing: options.seed_spacing,
+            turn: options.seed_turn,
+            near: options.prior.map(|region| {
+                let slack = 2.0 * options.seed_spacing + arm.norm() * options.seed_turn;
+                prior::around(region, arm, slack, own.length)
+            }),
+            priors: [std(self.scene.unknowns.gain[sensor]), std(self.scene.unknowns.zero[sensor])],
+        }
+    }
+
+    /// Looks for modes with this much work.
+    fn search(&mut self, mut work: usize) -> StepOutcome {
+        let Self { scene, window, phase, .. } = self;
+        let Phase::Searching { search, travelled, ended } = phase else { return StepOutcome::Nothing };
+        let model = scene.model(window, 0);
+        let admission = Admission::new(scene, window);
+        let row = search.onset().row;
+        let admits = |frame: Pose2| admission.satisfies_prior(frame) && admission.origin_is_free(frame, row);
+        if !search.step(&model, &admits, &mut work) {
+            return StepOutcome::Nothing;
+        }
+        let (travelled, ended) = (*travelled, *ended);
+        let Phase::Searching { search, .. } = core::mem::replace(phase, Phase::Waiting) else {
+            return StepOutcome::Nothing;
+        };
+        let ContactOnset { sensor, row, from_free, .. } = *search.onset();
+        // A contact too weak or too short to tell headings or places apart is followed for longer before anything is decided.
+        let many = search.len() > MANY_CELLS;
+        if many && !ended && self.patience < MOST_PATIENCE {
+            self.patience *= PATIENCE;
+            self.phase = Phase::Pressing { sensor, onset: row, from_free, travelled, search: Some(search) };
+            return StepOutcome::Nothing;
+        }
+        let cells = search.into_found(&model);
+        self.starts += 1;
+        let free = Start::free(scene.sensors.len());
+        let mode = |cell: super::grid_search::Cell| {
+            let start = if from_free {
+                free.clone()
+            } else {
+                let robot = cell.frame.compose(window.pose(row));
+                let mut states = vec![WhiskerState::Free; scene.sensors.len()];
+                states[sensor] = cell.state;
+                let bases = scene.sensors.iter().map(|s| robot.compose(s.robot_from_whisker)).collect();
+                Start { states, bases, prior: None }
+            };
+            Mode::new(cell.frame, start, &model)
+        };
+        let mut bank = Bank::new(cells.into_iter().map(mode).collect());
+        bank.extend(&model, &|frame| admission.is_allowed(frame), Effort::ONLINE);
+        let count = bank.modes.len();
+        if count == 0 {
+            self.begin_again();
+            return StepOutcome::Lost;
+        }
+        self.phase = Phase::Tracking(Box::new(bank));
+        StepOutcome::Started(count)
+    }
+
+    /// Fits the modes when enough rows have come.
+    fn track(&mut self) -> StepOutcome {
+        let Self { scene, window, phase, tracked, .. } = self;
+        let Phase::Tracking(bank) = phase else { return StepOutcome::Nothing };
+        *tracked += 1;
+        let full = window.len() > scene.options.window;
+        if !full && window.len() < bank.seen + TAKEN_TOGETHER {
+            return StepOutcome::Nothing;
+        }
+        {
+            let model = scene.model(window, 0);
+            let admission = Admission::new(scene, window);
+            bank.extend(&model, &|frame| admission.is_allowed(frame), Effort::ONLINE);
+            if full {
+                bank.marginalise(&model, scene.options.window / 4, FORGETTING);
+            }
+        }
+        if full {
+            window.forget(scene.options.window / 4);
+        }
+        if self.tracked > TRUSTED {
+            self.starts = 1;
+        }
+        if self.is_lost() {
+            self.begin_again();
+            return StepOutcome::Lost;
+        }
+        StepOutcome::Updated
+    }
+
+    /// Whether no mode explains the last rows.
+    fn is_lost(&mut self) -> bool {
+        let Phase::Tracking(bank) = &mut self.phase else { return false };
+        let model = self.scene.model(&self.window, 0);
+        if bank.modes.is_empty() {
+            return true;
+        }
+        let told = bank.run(&model, 0);
+        let last = &told.rows[told.rows.len().saturating_sub(WATCHED)..];
+        let cost: f64 = last.iter().map(places::plain_cost).sum();
+        cost > LOST_COST * last.len() as f64
+    }
+
+    /// Forgets everything and starts from the present contact, or waits for the next.
+    fn begin_again(&mut self) {
+        self.abandoned = self.best().or(self.abandoned);
+        self.tracked = 0;
+        let rows = self.window.len();
+        self.window.forget(rows.saturating_sub(1));
+        self.patience = 1.0;
+        self.phase = match self.touching.iter().position(|&rows| rows >= CONTACT_ROWS) {
+            Some(sensor) if self.starts < MOST_STARTS => {
+                Phase::Pressing { sensor, onset: 0, from_free: false, travelled: 0.0, search: None }
+            }
+            _ => Phase::Waiting,
+        };
+    }
+
+    /// The odometry frame in the map frame by each mode.
+    fn frames(&self) -> Vec<Pose2> {
+        let Phase::Tracking(bank) = &self.phase else { return Vec::new() };
+        let last = self.window.len() - 1;
+        let model = self.scene.model(&self.window, 0);
+        bank.modes.iter().map(|mode| model.anchored(&mode.state, last).frame).collect()
+    }
+
+    /// The best mode now: the odometry frame in the map frame.
+    fn best(&self) -> Option<Pose2> {
+        self.frames().first().copied()
+    }
+}
+
+impl ModeSet for NuisanceSmoother<'_> {
+    fn rows_kept(&self) -> usize {
+        self.window.len()
+    }
+
+    fn abandoned(&self) -> Option<Pose2> {
+        self.abandoned
+    }
+
+    fn count(&self) -> usize {
+        match &self.phase {
+            Phase::Tracking(bank) => bank.modes.len(),
+            _ => 0,
+        }
+    }
+
+    fn step(&mut self, t: f64, odom_from_robot: Pose2, readings: &[f64], heading: Option<f64>) -> StepOutcome {
+        let sensors = &self.scene.sensors;
+        let mut readings: Vec<f64> = readings.iter().zip(sensors).map(|(m, f)| m * f.per_reading).collect();
+        if let Some(tare) = &self.scene.tare {
+            readings.iter_mut().zip(tare).for_each(|(reading, tare)| *reading -= tare);
+        }
+        self.window.push(t, odom_from_robot, &readings);
+        if let Some(heading) = heading {
+            self.window.point(heading);
+        }
+        if self.scene.tare.is_none() {
+            self.last = Some(odom_from_robot);
+            if self.window.len() >= TARE_ROWS {
+                self.take_tare();
+            }
+            return StepOutcome::Nothing;
+        }
+        let travel = self.last.map_or(0.0, |last| last.position().distance(odom_from_robot.position()));
+        let turn = self.last.map_or(0.0, |last| last.between(odom_from_robot).theta.abs());
+        self.last = Some(odom_from_robot);
+        let mut any = false;
+        for (index, sensor) in sensors.iter().enumerate() {
+            let contact = sensor.is_contact(readings[index]);
+            any |= contact;
+            self.touching[index] = if contact { self.touching[index] + 1 } else { 0 };
+        }
+        self.free = if any { 0 } else { self.free + 1 };
+        let lever = sensors.iter().map(|f| f.length).fold(0.0, f64::max);
+        match &mut self.phase {
+            Phase::Waiting => self.wait(any),
+            Phase::Pressing { travelled, .. } => {
+                *travelled += travel.max(turn * lever);
+                // A robot that rests with its whisker on a wall says the same again and again.
+                if self.window.len() > self.scene.options.window {
+                    let newest = self.window.len() - 2;
+                    self.window.drop_row(newest);
+                }
+                self.press(false)
+            }
+            Phase::Searching { .. } => self.search(SLICE),
+            Phase::Tracking(_) => self.track(),
+        }
+    }
+
+    fn states(&self, odom_from_robot: Pose2) -> Vec<Pose2> {
+        self.frames().into_iter().map(|frame| frame.compose(odom_from_robot)).collect()
+    }
+
+    fn size(&self) -> (f64, f64) {
+        match &self.phase {
+            Phase::Tracking(bank) => places::size(bank, &self.scene.model(&self.window, 0)),
+            _ => (0.0, 0.0),
+        }
+    }
+
+    fn places(&self) -> Vec<PosteriorPlace> {
+        match &self.phase {
+            Phase::Tracking(bank) => places::linearised(bank, &self.scene, &self.window),
+            _ => Vec::new(),
+        }
+    }
+
+    fn finish(&mut self) -> (Vec<PosteriorPlace>, Option<Agreement>) {
+        self.search(usize::MAX);
+        if matches!(self.phase, Phase::Pressing { .. }) {
+            self.press(true);
+        }
+        let Self { scene, window, phase, .. } = self;
+        let Phase::Tracking(bank) = phase else { return (Vec::new(), None) };
+        let (places, fit) = places::choose(bank, scene, window);
+        (places, fit.map(Agreement::Correlated))
+    }
+}
+
+/// The rows that judge cells: the onset, then one for every `step` of the base's travel; of three neighbours always
+/// that with the middle reading, so that no single false one is taken.
+fn judging_rows(window: &LogWindow, sensor: usize, onset: usize, step: f64) -> Vec<usize> {
+    let last = window.len() - 1;
+    let mut rows = vec![onset];
+    let mut travelled = 0.0;
+    for row in onset + 1..last {
+        travelled += window.pose(row).position().distance(window.pose(row - 1).position());
+        if travelled >= step {
+            let mut three = [row - 1, row, row + 1];
+            three.sort_by(|&a, &b| window.readings(a)[sensor].total_cmp(&window.readings(b)[sensor]));
+            if three[1] > rows[rows.len() - 1] {
+                rows.push(three[1]);
+                travelled = 0.0;
+            }
+        }
+    }
+    rows
+}
