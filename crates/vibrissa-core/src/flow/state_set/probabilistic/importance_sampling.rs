@@ -14,10 +14,10 @@ use crate::world::Odometry;
 
 /// Samples of one place, and hypotheses at most that they are drawn around.
 pub(super) const SAMPLES: usize = 112;
-const MOST_CENTRES: usize = 12;
+pub(super) const MOST_CENTRES: usize = 12;
 /// How many are drawn around the hypotheses; the rest is drawn from the Gaussian that those have found, so
 /// much wider.
-const FIRST: usize = 56;
+pub(super) const FIRST: usize = 56;
 const WIDER: f64 = 1.3;
 /// The same where the odometry's calibration parameters are sampled, too: after each batch the Gaussian is found anew, until so many count.
 const FIRST_WITH_CALIBRATION: usize = 84;
@@ -34,7 +34,7 @@ const WIDTHS: [f64; 2] = [1.2, 2.5];
 const TRIED: usize = 20;
 const GAUSSIAN_ERROR: [f64; 2] = [0.15, 0.15];
 /// A sample that has come to cost so much more than the best (nats) is left: it weighs nothing.
-const NOTHING: f64 = 15.0;
+pub(super) const NOTHING: f64 = 15.0;
 /// The linearisation counts like so many effective samples.
 const PRIOR_SAMPLES: f64 = 6.0;
 
@@ -77,30 +77,30 @@ pub(super) struct ImportanceSampler<'a> {
 
 /// Mean, covariance and mass of weighted samples, and how many of them count.
 #[derive(Clone, Copy, Debug)]
-struct WeightedMoments<const N: usize> {
-    mean: [f64; N],
-    covariance: [[f64; N]; N],
-    mass: f64,
-    effective_size: f64,
+pub(super) struct WeightedMoments<const N: usize> {
+    pub(super) mean: [f64; N],
+    pub(super) covariance: [[f64; N]; N],
+    pub(super) mass: f64,
+    pub(super) effective_size: f64,
 }
 
 /// How many samples are drawn.
-struct SampleCounts {
-    first: usize,
-    batch: usize,
-    batches: usize,
+pub(super) struct SampleCounts {
+    pub(super) first: usize,
+    pub(super) batch: usize,
+    pub(super) batches: usize,
     /// See [`LEAST_EFFECTIVE_SIZE`].
-    least_effective_size: f64,
+    pub(super) least_effective_size: f64,
 }
 
 /// A Gaussian that samples are drawn from.
-struct ProposalComponent<const N: usize> {
+pub(super) struct ProposalComponent<const N: usize> {
     at: [f64; N],
     factor: Cholesky<N>,
 }
 
 impl<const N: usize> ProposalComponent<N> {
-    fn new(at: [f64; N], covariance: &[[f64; N]; N]) -> Option<Self> {
+    pub(super) fn new(at: [f64; N], covariance: &[[f64; N]; N]) -> Option<Self> {
         Some(Self { at, factor: Cholesky::new(covariance)? })
     }
 
@@ -218,7 +218,7 @@ impl ImportanceSampler<'_> {
 }
 
 /// Draws samples around these, and then from what those have found, until enough count; masses are relative to the least cost.
-fn sample_adaptively<const N: usize>(
+pub(super) fn sample_adaptively<const N: usize>(
     centres: &[ProposalComponent<N>],
     own: &[[f64; N]; N],
     (effort, least): (&SampleCounts, f64),
@@ -280,7 +280,7 @@ fn split_joint([x, y, turn, long, aside, turned]: [f64; JOINT_SIZE]) -> ([f64; 3
 }
 
 /// Whether a parabola with this least cost tells what all these samples cost.
-fn is_gaussian<const N: usize>(
+pub(super) fn is_gaussian<const N: usize>(
     drawn: &[([f64; N], Option<f64>)],
     least: f64,
     parabola: impl Fn([f64; N]) -> f64,

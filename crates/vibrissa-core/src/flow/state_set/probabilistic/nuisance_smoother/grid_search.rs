@@ -6,12 +6,12 @@
 //! are open, the place along the boundary and the heading. Each cell of them is run through a few well separated
 //! readings as a Gaussian as wide as the cell, and most die at the first.
 
+use super::super::grid_search::for_each_place;
 use super::super::information::{Information, Prior};
 use super::measurement::{MeasurementModel, moved};
 use super::sensor::Sensor;
 use super::shared_runs::{ContactExtent, SharedRun, WallContact};
 use crate::config::TipLoad;
-use crate::contact::Piece;
 use crate::contact::follow::{ForwardModel, WhiskerState};
 use crate::flow::contact_set::TipContactSet;
 use crate::plane::{Bounds, Pose2, Vec2, wrap_angle};
@@ -423,18 +423,6 @@ fn sharp_corners(model: &MeasurementModel<'_>) -> Vec<(Vec2, f64)> {
         }
     }
     corners
-}
-
-/// Calls `visit(piece, parameter)` every `spacing` metres along all pieces.
-fn for_each_place(pieces: &[Piece], spacing: f64, mut visit: impl FnMut(u32, f64)) {
-    let mut next = 0.5 * spacing;
-    for (index, piece) in pieces.iter().enumerate() {
-        while next < piece.length() {
-            visit(index as u32, piece.parameter_at(next));
-            next += spacing;
-        }
-        next -= piece.length();
-    }
 }
 
 /// A pose of the whisker's base that may begin a contact: its state, and up to where it must be clear of boundaries.

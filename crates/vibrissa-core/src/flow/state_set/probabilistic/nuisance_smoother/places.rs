@@ -1,10 +1,11 @@
 //! The posterior as places: refinement of all modes, then weights and covariances \[cappe2004population\].
 
+use super::super::importance_sampling::SAMPLES;
 use super::super::places::PosteriorPlace;
 use super::admission::Admission;
 use super::bank::{Bank, Effort, WEAK_PRIOR};
 use super::correlated_noise::NoiseModel;
-use super::importance_sampling::{ImportanceSampler, PosteriorMoments, ProposalCentre, SAMPLES};
+use super::importance_sampling::{ImportanceSampler, PosteriorMoments, ProposalCentre};
 use super::log_window::LogWindow;
 use super::measurement::{Linearisation, MeasurementModel, Row, difference, moved};
 use super::optimisation::{Mode, Rerun};
