@@ -111,7 +111,7 @@ impl<const N: usize> ProposalComponent<N> {
     }
 
     /// Its n-th sample when widened.
-    fn sample(&self, n: usize, width: f64) -> [f64; N] {
+    pub(super) fn sample(&self, n: usize, width: f64) -> [f64; N] {
         let off = times(&self.factor.lower(), quasi_normal_point::<N>(n));
         core::array::from_fn(|i| self.at[i] + width * off[i])
     }

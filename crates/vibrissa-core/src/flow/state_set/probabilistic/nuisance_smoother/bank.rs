@@ -1,18 +1,20 @@
 //! The bank of modes: a multi-hypothesis smoother \[reid1979algorithm\] whose modes are refitted to all rows of the window as it grows
 //! \[dellaert2017factor, ch. 2\]; older rows are marginalised \[sibley2010sliding\].
 
+use super::super::importance_sampling::ProposalComponent;
 use super::super::information::Information;
 use super::correlated_noise::{NoiseModel, estimated};
 use super::grid_search::best_of_cells;
-use super::measurement::{Linearisation, MeasurementModel, Prior, Start, difference, moved};
+use super::measurement::{Linearisation, MeasurementModel, Prior, Start, State, difference, moved};
 use super::optimisation::{DAMPING, Mode};
 use super::unknowns::POSE;
-use super::unobservable::Metric;
 use crate::linear_algebra::{determinant, dot, times};
 use crate::plane::Pose2;
 
+/// Travel of a whisker between two rows that modes are compared by (m).
+const KEY_STEP: f64 = 3e-3;
 /// Readings that are run again at most, about, each time that rows are taken in.
-const TAKES: usize = 20_000;
+const TAKES: usize = 6_000;
 /// A mode is fitted anew when that promises so much (nats).
 const MOVED: f64 = 1.0;
 /// A mode that new readings would drop is pulled to them if it cost no more than this above the best before (nats): so many that are so far
@@ -28,6 +30,8 @@ const MANY: usize = 100;
 /// Modes that lie within another's region (squared standard deviations) and no further away (m) are one when no row will follow.
 const OVERLAP: f64 = 0.5;
 const FARTHEST: f64 = 0.05;
+/// So near (m, rad) they are one whatever these say.
+const EQUAL: [f64; 2] = [3e-5, 3e-4];
 /// Inverse variances that keep covariances finite (20 mm, 20°).
 pub(super) const WEAK_PRIOR: [f64; POSE] = [2.5e3, 2.5e3, 8.2];
 /// A mode that misses this share of its readings by three standard deviations is refitted with variances enlarged by these, one after the
@@ -36,18 +40,19 @@ const MISSED_SHARE: f64 = 0.05;
 const GRADUATED: [f64; 4] = [64.0, 64.0, 16.0, 4.0];
 /// So many of the best are, where even the best one misses readings.
 const MOST_GRADUATED: usize = 64;
-/// So many of the best modes say what the noise is, and are looked around from: so far (m) along the direction that is most open, with so
-/// many rows and steps; what is no costlier than this (nats) is kept.
-const JUDGED: usize = 4;
-const EXPLORED: [f64; 8] = [-8e-3, -4e-3, -2e-3, -1e-3, 1e-3, 2e-3, 4e-3, 8e-3];
-const EXPLORED_ROWS: usize = 96;
-const EXPLORED_STEPS: usize = 6;
-const EXPLORED_COST: f64 = 3.0;
+/// So many of the best modes are looked around from,
+const LOOKED_AROUND: usize = 4;
+/// by so many starts, drawn from so much wider a Gaussian; so many of them are descended from, in so many steps.
+const STARTS: usize = 40;
+const START_WIDTH: f64 = 1.3;
+const DESCENDED: usize = 6;
+const DESCENDED_STEPS: usize = 6;
+/// Steps of a mode before the noise of its readings is estimated.
+const STEPS_BEFORE_NOISE: usize = 3;
 
 /// Modes and the rows that they have been fitted to.
 pub(super) struct Bank {
     pub(super) modes: Vec<Mode>,
-    pub(super) noise: NoiseModel,
     /// Rows of the window that they were last fitted to.
     pub(super) rows: Vec<usize>,
     /// Rows that the window had then.
@@ -70,40 +75,44 @@ impl Effort {
 
 impl Bank {
     pub(super) fn new(modes: Vec<Mode>) -> Self {
-        Self { modes, noise: NoiseModel::CAUTIOUS, rows: Vec::new(), seen: 0, scratch: Linearisation::default() }
+        Self { modes, rows: Vec::new(), seen: 0, scratch: Linearisation::default() }
     }
 
     /// Takes in the rows that have come: every mode goes on from where it stands, and those that the new readings move are fitted anew, as
     /// far as the effort allows; keeps those that explain all about as well as the best.
     pub(super) fn extend(&mut self, model: &MeasurementModel<'_>, admits: &dyn Fn(Pose2) -> bool, effort: Effort) {
         self.modes.retain(|mode| admits(mode.state.frame));
-        let new: Vec<usize> = (self.seen..model.window.len()).collect();
+        let new = key_rows(model, self.rows.last().copied(), self.seen);
         self.seen = model.window.len();
         self.rows.extend(&new);
-        let before: Vec<f64> = self.modes.iter().map(expected).collect();
+        let before: Vec<f64> = self.modes.iter().map(Mode::evidence).collect();
         for mode in &mut self.modes {
             if mode.end.is_some() {
-                mode.carry_on(model, &new, self.noise, &mut self.scratch);
+                mode.carry_on(model, &new, &mut self.scratch);
             } else {
-                mode.relinearise(model, &self.rows, self.noise, &mut self.scratch);
+                mode.relinearise(model, &self.rows, &mut self.scratch);
             }
         }
         self.pull_fallen(model, &before, effort.gate);
-        self.prune(model, effort.gate);
-        self.modes.sort_by(|a, b| promised(a).total_cmp(&promised(b)));
+        self.prune(effort.gate);
+        self.modes.sort_by(|a, b| a.evidence().total_cmp(&b.evidence()));
         let mut left = effort.takes;
         for mode in &mut self.modes {
             if left < self.rows.len() {
                 break;
             }
-            if mode.equations.constant - promised(mode) > MOVED {
+            if mode.equations().constant - least_cost(mode) > MOVED {
                 left = left.saturating_sub(2 * effort.steps * self.rows.len());
-                mode.descend(model, &self.rows, self.noise, effort.steps, &mut self.scratch);
+                mode.descend(model, &self.rows, effort.steps, &mut self.scratch);
+            }
+            if left > self.rows.len() && mode.might_move(MOVED) {
+                left = left.saturating_sub(2 * effort.steps * self.rows.len());
+                mode.descend_independently(model, &self.rows, effort.steps, &mut self.scratch);
             }
         }
         self.pull(model);
         self.modes.retain(|mode| admits(mode.state.frame));
-        self.prune(model, effort.gate);
+        self.prune(effort.gate);
         self.join(model);
     }
 
@@ -111,7 +120,7 @@ impl Bank {
     /// wall is met too early or too late by a mode that is a little off along the first.
     fn pull_fallen(&mut self, model: &MeasurementModel<'_>, before: &[f64], gate: f64) {
         let least = |costs: &[f64]| costs.iter().copied().fold(f64::INFINITY, f64::min);
-        let now: Vec<f64> = self.modes.iter().map(expected).collect();
+        let now: Vec<f64> = self.modes.iter().map(Mode::evidence).collect();
         let (then, most) = (least(before), least(&now) + gate);
         let fallen = |&index: &usize| now[index] > most && before[index] < then + WORTH_PULLING;
         let mut fallen: Vec<usize> = (0..self.modes.len()).filter(fallen).collect();
@@ -132,9 +141,9 @@ impl Bank {
 
     /// Where even the best mode misses readings, the best few are pulled to them from afar.
     fn pull(&mut self, model: &MeasurementModel<'_>) {
-        let Some(best) = self.modes.iter().min_by(|a, b| promised(a).total_cmp(&promised(b))) else { return };
+        let Some(best) = self.modes.iter().min_by(|a, b| a.evidence().total_cmp(&b.evidence())) else { return };
         model.run(&best.state, &best.start, &self.rows, &mut self.scratch);
-        let most = 3.0 * self.noise.white.max(1.0).sqrt();
+        let most = 3.0 * best.fit().noise.white.max(1.0).sqrt();
         let last = &self.scratch.rows[self.scratch.rows.len().saturating_sub(WATCHED)..];
         let missed = last.iter().filter(|row| row.residual.abs() > most).count();
         if (missed as f64) < MISSED_SHARE * last.len() as f64 || missed < 2 {
@@ -148,68 +157,72 @@ impl Bank {
     /// Linearises all modes by the rows.
     fn relinearise(&mut self, model: &MeasurementModel<'_>) {
         for mode in &mut self.modes {
-            mode.relinearise(model, &self.rows, self.noise, &mut self.scratch);
+            mode.relinearise(model, &self.rows, &mut self.scratch);
         }
         self.pull(model);
     }
 
     /// Pulls a mode to readings that it misses, from afar.
     fn graduate(&mut self, model: &MeasurementModel<'_>, index: usize) {
-        let Self { modes, rows, scratch, noise, .. } = self;
-        let mut there = modes[index].clone();
+        let Self { modes, rows, scratch, .. } = self;
+        let before = &modes[index];
+        let mut there = before.clone();
         for white in GRADUATED {
-            let wide = NoiseModel { white, ..NoiseModel::DECLARED };
-            there.relinearise(model, rows, wide, scratch);
-            there.descend(model, rows, wide, 1, scratch);
+            there = there.by(NoiseModel { white, ..NoiseModel::DECLARED });
+            there.relinearise(model, rows, scratch);
+            there.descend(model, rows, 1, scratch);
         }
-        there.relinearise(model, rows, *noise, scratch);
-        if promised(&there) < promised(&modes[index]) {
+        there.fits.clone_from(&before.fits);
+        there.relinearise(model, rows, scratch);
+        if there.evidence() < before.evidence() {
             modes[index] = there;
         }
     }
 
-    /// Takes the noise to be what makes the readings of one of the best modes likeliest: at a wrong one errors seem to stay alike.
+    /// Takes for each mode the noise that its residuals tell.
     pub(super) fn estimate_noise(&mut self, model: &MeasurementModel<'_>) {
-        self.modes.sort_by(|a, b| promised(a).total_cmp(&promised(b)));
-        let mut best = (f64::INFINITY, self.noise);
-        for mode in self.modes.iter_mut().take(JUDGED) {
-            mode.descend(model, &self.rows, self.noise, 3, &mut self.scratch);
+        for mode in &mut self.modes {
+            mode.descend(model, &self.rows, STEPS_BEFORE_NOISE, &mut self.scratch);
             model.run(&mode.state, &mode.start, &self.rows, &mut self.scratch);
-            let own = estimated(&self.scratch, &model.known(&mode.state, &mode.start), DAMPING);
-            if own.0 < best.0 {
-                best = own;
-            }
+            let (noise, credit) = estimated(&self.scratch, &model.known(&mode.state, &mode.start), DAMPING);
+            *mode = mode.by(noise);
+            mode.fits[0].credit = credit;
+            mode.relinearise(model, &self.rows, &mut self.scratch);
         }
-        self.noise = best.1;
     }
 
-    /// Looks for deeper minima along the direction that the readings leave most open: on a map of facets there are several
-    /// \[marti2003multistart\].
-    pub(super) fn explore(&mut self, model: &MeasurementModel<'_>, lever: f64) {
-        let rows = spread(model, EXPLORED_ROWS);
-        let noise = NoiseModel::DECLARED;
-        let metric = Metric { pivot: model.pivot(), lever };
-        for index in 0..self.modes.len().min(JUDGED) {
-            let mut mode = self.modes[index].clone();
-            mode.relinearise(model, &rows, noise, &mut self.scratch);
-            let Some(along) = metric.direction(&mode.marginal(model), None) else { continue };
-            for length in EXPLORED {
-                let d = metric.unscaled(along.map(|v| v * length));
-                let frame = moved(mode.state.frame, model.pivot(), d);
-                let state = mode.state_at(model, frame);
-                let mut there = mode.at(state, model, &rows, noise, &mut self.scratch);
-                there.descend(model, &rows, noise, EXPLORED_STEPS, &mut self.scratch);
-                if there.cost(model) < mode.cost(model) + EXPLORED_COST {
-                    self.modes.push(there);
-                }
+    /// Looks for likelier minima around the best modes under their own noise: starts drawn from what independent errors allow, the likeliest of
+    /// which are descended from \[marti2003multistart\].
+    pub(super) fn multistart(&mut self, model: &MeasurementModel<'_>) {
+        let rows = self.rows.clone();
+        let thinned: Vec<usize> = key_rows(model, None, 0);
+        let mut found = Vec::new();
+        for mode in self.modes.iter().take(LOOKED_AROUND) {
+            let mut wide = mode.by(NoiseModel::DECLARED);
+            wide.relinearise(model, &thinned, &mut self.scratch);
+            let around =
+                wide.marginal(model).covariance(WEAK_PRIOR).and_then(|c| ProposalComponent::new([0.0; POSE], &c));
+            let Some(around) = around else { continue };
+            let mut starts: Vec<(f64, State)> = (0..STARTS)
+                .map(|n| {
+                    let frame = moved(mode.state.frame, model.pivot(), around.sample(n, START_WIDTH));
+                    let there = mode.at(mode.state_at(model, frame), model, &thinned, &mut self.scratch);
+                    (there.evidence(), there.state)
+                })
+                .collect();
+            starts.sort_by(|a, b| a.0.total_cmp(&b.0));
+            for (_, state) in starts.into_iter().take(DESCENDED) {
+                let mut there = mode.at(state, model, &rows, &mut self.scratch);
+                there.descend(model, &rows, DESCENDED_STEPS, &mut self.scratch);
+                found.push(there);
             }
         }
+        self.modes.extend(found);
     }
 
     /// Keeps modes that cost, or promise to cost, no more than so much above the best.
-    fn prune(&mut self, model: &MeasurementModel<'_>, gate: f64) {
-        let cost = |mode: &Mode| mode.marginal(model).least(DAMPING).0;
-        let costs: Vec<f64> = self.modes.iter().map(cost).collect();
+    fn prune(&mut self, gate: f64) {
+        let costs: Vec<f64> = self.modes.iter().map(Mode::evidence).collect();
         let least = costs.iter().copied().fold(f64::INFINITY, f64::min);
         let mut kept = costs.iter().map(|&cost| cost <= least + gate);
         self.modes.retain(|_| kept.next() == Some(true));
@@ -239,7 +252,7 @@ impl Bank {
             let near = |(k, told): &(Mode, Information<POSE>)| {
                 let d = difference(k.state.frame, mode.state.frame, model.pivot());
                 let apart = d[0].hypot(d[1]);
-                apart < 0.5 * SAME[1][0] && d[2].abs() < 0.5 * SAME[1][1]
+                apart < EQUAL[0] && d[2].abs() < EQUAL[1]
                     || apart < FARTHEST && dot(times(&told.damped(WEAK_PRIOR), d), d) < OVERLAP
             };
             if !kept.iter().any(near) {
@@ -255,11 +268,14 @@ impl Bank {
         self.rows = rows;
         self.seen = model.window.len();
         self.relinearise(model);
-        self.prune(model, gate);
+        self.prune(gate);
         for mode in &mut self.modes {
-            mode.descend(model, &self.rows, self.noise, steps, &mut self.scratch);
+            mode.descend(model, &self.rows, steps, &mut self.scratch);
+            if mode.might_move(MOVED) {
+                mode.descend_independently(model, &self.rows, steps, &mut self.scratch);
+            }
         }
-        self.prune(model, gate);
+        self.prune(gate);
         self.sort(model);
     }
 
@@ -279,9 +295,9 @@ impl Bank {
             let state = model.anchored(&mode.state, count);
             let mut early = mode.clone();
             early.state = state.clone();
-            early.relinearise(&there, &rows, self.noise, &mut self.scratch);
+            early.relinearise(&there, &rows, &mut self.scratch);
             // What is known beside the readings is added again with those that follow.
-            let mut own = early.equations;
+            let mut own = early.equations().clone();
             own.remove_priors(model.unknowns.all(), &state.values);
             let equations = own.with_forgetting(forgetting);
             (mode.state, mode.end) = (state.clone(), None);
@@ -300,23 +316,29 @@ fn evidence(mode: &Mode, model: &MeasurementModel<'_>) -> f64 {
     told.constant + 0.5 * determinant(&told.damped(WEAK_PRIOR)).max(f64::MIN_POSITIVE).ln()
 }
 
-/// The cost that a mode is expected to have at its least: infinite as long as it has not been linearised.
-fn expected(mode: &Mode) -> f64 {
-    if mode.end.is_some() { promised(mode) } else { f64::INFINITY }
-}
-
 /// The least cost that a mode's linearisation promises.
-fn promised(mode: &Mode) -> f64 {
-    mode.equations.step(DAMPING).map_or(f64::INFINITY, |(cost, _)| cost)
+fn least_cost(mode: &Mode) -> f64 {
+    mode.equations().step(DAMPING).map_or(f64::INFINITY, |(cost, _)| cost)
 }
 
-/// So many rows of the window, evenly spread over the way, the first and the last among them.
-fn spread(model: &MeasurementModel<'_>, count: usize) -> Vec<usize> {
-    let rows = model.window.len();
-    if count >= rows {
-        return (0..rows).collect();
+/// The rows from `from` on that modes are compared by: one each time that a whisker has moved far enough, or has met or left a boundary.
+fn key_rows(model: &MeasurementModel<'_>, last: Option<usize>, from: usize) -> Vec<usize> {
+    let window = model.window;
+    let touches = |row: usize| -> Vec<bool> {
+        model.sensors.iter().zip(window.readings(row)).map(|(sensor, &z)| sensor.is_contact(z)).collect()
+    };
+    let lever = model.sensors.iter().map(|sensor| sensor.length).fold(0.0, f64::max);
+    let mut rows: Vec<usize> = Vec::new();
+    let mut last = last;
+    for row in from..window.len() {
+        let far = last.is_none_or(|last| {
+            let step = window.pose(last).between(window.pose(row));
+            step.position().norm().max(step.theta.abs() * lever) >= KEY_STEP || touches(last) != touches(row)
+        });
+        if far {
+            rows.push(row);
+            last = Some(row);
+        }
     }
-    let mut chosen: Vec<usize> = (0..count).map(|k| k * (rows - 1) / (count - 1).max(1)).collect();
-    chosen.dedup();
-    chosen
+    rows
 }

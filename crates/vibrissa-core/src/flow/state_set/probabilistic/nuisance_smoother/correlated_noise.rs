@@ -11,6 +11,9 @@ use super::unknowns::POSE;
 
 /// The most that one reading can speak against a place (nats): a false reading costs this, not more.
 pub(super) const OUTLIER_COST: f64 = 6.0;
+/// The declared bound of an error with a hair for the model, and how sharp it is (standard deviations of an even law).
+const BOUND: f64 = 1.8;
+const BOUND_STD: f64 = 0.3;
 /// What a reading costs while the whisker is in a contact that the model does not cover.
 const UNKNOWN_COST: f64 = 3.0;
 
@@ -23,15 +26,22 @@ pub(super) struct NoiseModel {
     pub(super) correlated: f64,
     /// and for how long (s).
     pub(super) time_constant: f64,
+    /// Whether errors beyond their declared bound cost more than these say.
+    pub(super) bounded: bool,
 }
 
 impl NoiseModel {
     /// Independent, as declared.
-    pub(super) const DECLARED: Self = Self { white: 1.0, correlated: 0.0, time_constant: 1.0 };
+    pub(super) const DECLARED: Self = Self { white: 1.0, correlated: 0.0, time_constant: 1.0, bounded: false };
 
-    /// What modes are compared by while rows come: errors of which half stay alike for a tenth of a second. What errors that stay alike for
-    /// longer do to the true mode costs it less than wrong modes cost.
-    pub(super) const CAUTIOUS: Self = Self { white: 1.0, correlated: 1.0, time_constant: 0.1 };
+    /// What modes are compared by while rows come: errors that are independent, even or at the ends of their bounds, and such as stay alike
+    /// for a short and a long time.
+    pub(super) const TRACKED: [Self; 4] = [
+        Self::DECLARED,
+        Self { white: 3.0, ..Self::DECLARED },
+        Self { white: 1.0, correlated: 1.0, time_constant: 0.1, bounded: false },
+        Self { white: 1.0, correlated: 3.0, time_constant: 1.0, bounded: false },
+    ];
 }
 
 /// What is tried: variances of both parts, and time constants (s). Errors at the ends of their bounds have three times the variance of even
@@ -63,6 +73,17 @@ fn robust(square: f64) -> (f64, f64) {
     (-((kernel + floor) / (1.0 + floor)).ln(), kernel / (kernel + floor))
 }
 
+/// Adds what it costs that an error is beyond its declared bound, whatever the law within.
+fn add_bound(row: &Row, derivatives: &[f64], to: &mut NormalEquations) {
+    let over = row.plain.abs() - BOUND;
+    if over > 0.0 {
+        let variance = BOUND_STD * BOUND_STD + row.model_variance;
+        let (cost, trust) = robust(over * over / variance);
+        to.constant += cost;
+        to.add(derivatives, over.copysign(row.plain), trust / variance);
+    }
+}
+
 /// Adds the readings to normal equations; the filters go on from those before, of which there are none at first.
 pub(super) fn add_readings(
     told: &Linearisation,
@@ -71,7 +92,7 @@ pub(super) fn add_readings(
     to: &mut NormalEquations,
 ) {
     if noise.correlated <= 0.0 {
-        add_independent(told, noise.white, to);
+        add_independent(told, noise, to);
         return;
     }
     let sensors = told.rows.iter().map(|row| row.sensor + 1).max().unwrap_or(0);
@@ -87,6 +108,9 @@ pub(super) fn add_readings(
             to.constant += UNKNOWN_COST;
             continue;
         }
+        if noise.bounded {
+            add_bound(row, told.derivatives(k), to);
+        }
         let filter = &mut filters[row.sensor];
         filter.predict(row.t, noise);
         let variance = filter.variance + noise.white + row.model_variance;
@@ -100,15 +124,21 @@ pub(super) fn add_readings(
         filter.residual += gain * residual;
         filter.derivatives.iter_mut().zip(&innovation).for_each(|(to, v)| *to += gain * v);
         filter.variance *= 1.0 - gain;
+        // An error that is not followed may be the first of a jump.
+        filter.variance += (1.0 - trust) * (noise.correlated - filter.variance).max(0.0);
     }
 }
 
-fn add_independent(told: &Linearisation, white: f64, to: &mut NormalEquations) {
+fn add_independent(told: &Linearisation, noise: NoiseModel, to: &mut NormalEquations) {
+    let NoiseModel { white, bounded, .. } = noise;
     let more = 0.5 * white.ln();
     for (k, row) in told.rows.iter().enumerate() {
         if row.held.is_none() {
             to.constant += UNKNOWN_COST;
             continue;
+        }
+        if bounded {
+            add_bound(row, told.derivatives(k), to);
         }
         let variance = white + row.model_variance;
         let (cost, trust) = robust(row.residual * row.residual / variance);
@@ -127,44 +157,49 @@ impl Filter {
     }
 }
 
-/// The noise model of the largest marginal likelihood at one linearisation; `known` is what is known beside the readings. Where errors stay
-/// alike few readings tell how: of all models that are about as likely the one that leaves the pose most open is taken
-/// \[huber1964robust\]. With its cost.
-pub(super) fn estimated(told: &Linearisation, known: &NormalEquations, damping: [f64; POSE]) -> (f64, NoiseModel) {
+/// The noise model by which a mode is told, and how much likelier the likeliest one makes the readings (nats); `known` is what is known beside
+/// the readings. Where errors stay alike few readings tell how: of all models that are about as likely the one that leaves the pose most
+/// open is taken \[huber1964robust\].
+pub(super) fn estimated(told: &Linearisation, known: &NormalEquations, damping: [f64; POSE]) -> (NoiseModel, f64) {
     let counts = |row: &&Row| row.held == Some(true);
     if told.rows.iter().filter(counts).count() < FEWEST {
-        let mut equations = known.clone();
-        add_readings(told, NoiseModel::DECLARED, &mut Vec::new(), &mut equations);
-        return (equations.constant, NoiseModel::DECLARED);
+        return (NoiseModel::DECLARED, 0.0);
     }
     let judged = |noise: NoiseModel| {
         let mut equations = known.clone();
         add_readings(told, noise, &mut Vec::new(), &mut equations);
-        let cost = equations.step(damping).map_or(f64::INFINITY, |(cost, _)| cost);
         let certain = equations.half_ln_determinant(damping);
-        (cost + certain, certain - equations.nuisances_half_ln_determinant(), noise)
+        let penalty = if noise.correlated > 0.0 { WORTH_MORE } else { 0.0 };
+        let pose = certain - equations.nuisances_half_ln_determinant();
+        (equations.evidence(damping) + penalty, pose, noise)
     };
-    let independent = WHITE.map(|white| judged(NoiseModel { white, ..NoiseModel::DECLARED }));
     // An error that stays the same for all of a log cannot be told from one that changes as the predictions do.
     let (from, to) = (told.rows.first().map_or(0.0, |row| row.t), told.rows.last().map_or(0.0, |row| row.t));
     let longest = (LONGEST_SHARE * (to - from)).max(TIME_CONSTANTS[0]);
-    let correlated: Vec<_> = all_correlated().filter(|noise| noise.time_constant <= longest).map(judged).collect();
-    let least = |all: &[(f64, f64, NoiseModel)]| all.iter().map(|one| one.0).fold(f64::INFINITY, f64::min);
-    let (plain, alike) = (least(&independent), least(&correlated));
-    if plain <= alike + WORTH_MORE {
-        let declared = independent[0].0 <= plain + WORTH_MORE;
-        let best = independent.iter().min_by(|a, b| a.0.total_cmp(&b.0));
-        return best.filter(|_| !declared).map_or((plain, NoiseModel::DECLARED), |one| (plain, one.2));
+    let independent = WHITE.map(|white| NoiseModel { white, bounded: true, ..NoiseModel::DECLARED });
+    let correlated = all_correlated().filter(|noise| noise.time_constant <= longest);
+    let all: Vec<_> = independent.into_iter().chain(correlated).map(judged).collect();
+    let likeliest = all.iter().min_by(|a, b| a.0.total_cmp(&b.0)).copied();
+    let Some((most, _, best)) = likeliest else { return (NoiseModel::DECLARED, 0.0) };
+    // Independent errors as declared need no other reason than to be about as likely.
+    if all[0].0 <= most + WORTH_MORE {
+        return (all[0].2, all[0].0 - most);
     }
-    let about = correlated.iter().filter(|one| one.0 <= alike + WORTH_MORE);
-    about.min_by(|a, b| a.1.total_cmp(&b.1)).map_or((alike, NoiseModel::DECLARED), |one| (alike, one.2))
+    let about =
+        all.iter().filter(|one| one.0 <= most + WORTH_MORE && (best.correlated > 0.0) == (one.2.correlated > 0.0));
+    about.min_by(|a, b| a.1.total_cmp(&b.1)).map_or((best, 0.0), |one| (one.2, one.0 - most))
 }
 
 /// Every model that is tried with errors that stay alike.
 fn all_correlated() -> impl Iterator<Item = NoiseModel> {
     SMALL_WHITE.into_iter().flat_map(|white| {
         CORRELATED.into_iter().flat_map(move |correlated| {
-            TIME_CONSTANTS.into_iter().map(move |time_constant| NoiseModel { white, correlated, time_constant })
+            TIME_CONSTANTS.into_iter().map(move |time_constant| NoiseModel {
+                white,
+                correlated,
+                time_constant,
+                bounded: true,
+            })
         })
     })
 }

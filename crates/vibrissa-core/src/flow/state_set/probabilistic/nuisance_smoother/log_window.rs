@@ -62,6 +62,11 @@ impl LogWindow {
         &self.readings[row * self.sensors..(row + 1) * self.sensors]
     }
 
+    /// How far the robot goes from one row to another (m).
+    pub(super) fn way(&self, from: usize, to: usize) -> f64 {
+        self.poses[from..=to].windows(2).map(|pair| pair[0].position().distance(pair[1].position())).sum()
+    }
+
     /// The robot's velocity at a row, its own frame (m/s, rad/s), from the rows around.
     pub(super) fn velocity(&self, row: usize) -> Pose2 {
         let (before, after) = (row.saturating_sub(1), (row + 1).min(self.len() - 1));

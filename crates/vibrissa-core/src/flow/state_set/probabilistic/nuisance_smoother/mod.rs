@@ -7,6 +7,7 @@
 
 mod admission;
 mod bank;
+mod contact_episodes;
 mod corrected_path;
 mod correlated_noise;
 mod grid_search;

@@ -89,6 +89,12 @@ impl NormalEquations {
         Some((self.cost_at(&step), step))
     }
 
+    /// Laplace's approximation of minus the logarithm of the evidence, up to a constant, with `damping` on the pose.
+    pub(super) fn evidence(&self, damping: [f64; POSE]) -> f64 {
+        let Some(factor) = DenseCholesky::new(self.size, &self.mirrored(damping)) else { return f64::INFINITY };
+        self.cost_at(&factor.solve(&self.vector)) + 0.5 * factor.ln_determinant()
+    }
+
     /// The cost a step away.
     pub(super) fn cost_at(&self, step: &[f64]) -> f64 {
         let mut cost = self.constant;

@@ -16,17 +16,37 @@ const FRACTIONS: [f64; 2] = [1.0, 0.3];
 /// A step that promises less than this (nats) is not taken.
 const SETTLED: f64 = 2e-2;
 
-/// A place that may be the true one, with the normal equations around it.
+/// A place that may be the true one, with the normal equations around it by each noise model that may be right: a multiple-model estimator
+/// \[barshalom2001estimation, sec. 11.6.2\].
 #[derive(Clone, Debug)]
 pub(super) struct Mode {
     pub(super) state: State,
     pub(super) start: Start,
-    pub(super) equations: NormalEquations,
+    pub(super) fits: Vec<NoiseFit>,
+    /// The one of the largest evidence, and minus the logarithm of that, as its linearisation promises it.
+    likeliest: usize,
+    promise: f64,
     /// Whether it has come to its least cost over the rows that it has seen.
     pub(super) is_settled: bool,
-    /// How its whiskers stand at the last of them, and what the errors of its readings are.
+    /// How its whiskers stand at the last of them.
     pub(super) end: Option<Box<Start>>,
-    pub(super) filters: Vec<Filter>,
+}
+
+/// The readings by one noise model.
+#[derive(Clone, Debug)]
+pub(super) struct NoiseFit {
+    pub(super) noise: NoiseModel,
+    pub(super) equations: NormalEquations,
+    /// What the errors of the readings are at the last row.
+    filters: Vec<Filter>,
+    /// How much likelier the readings are than this model says (nats), where it stands for others.
+    pub(super) credit: f64,
+}
+
+impl NoiseFit {
+    pub(super) fn new(noise: NoiseModel) -> Self {
+        Self { noise, equations: NormalEquations::default(), filters: Vec::new(), credit: 0.0 }
+    }
 }
 
 impl Mode {
@@ -35,11 +55,41 @@ impl Mode {
         Self {
             state: State { frame, values },
             start,
-            equations: NormalEquations::default(),
+            fits: NoiseModel::TRACKED.map(NoiseFit::new).to_vec(),
+            likeliest: 0,
+            promise: f64::INFINITY,
             is_settled: false,
             end: None,
-            filters: Vec::new(),
         }
+    }
+
+    /// The same, not linearised, by another noise model alone.
+    pub(super) fn by(&self, noise: NoiseModel) -> Self {
+        Self {
+            state: self.state.clone(),
+            start: self.start.clone(),
+            fits: vec![NoiseFit::new(noise)],
+            likeliest: 0,
+            promise: f64::INFINITY,
+            is_settled: false,
+            end: None,
+        }
+    }
+
+    /// The same with its equations around another pose.
+    pub(super) fn reanchored(&self, to: &dyn Fn(&NormalEquations) -> NormalEquations) -> Self {
+        let mut there = self.clone();
+        there.fits.iter_mut().for_each(|fit| fit.equations = to(&fit.equations));
+        there
+    }
+
+    /// What the likeliest noise model says.
+    pub(super) fn fit(&self) -> &NoiseFit {
+        &self.fits[self.likeliest]
+    }
+
+    pub(super) fn equations(&self) -> &NormalEquations {
+        &self.fit().equations
     }
 
     /// The cost where it stands, with the nuisance parameters marginalised.
@@ -49,39 +99,73 @@ impl Mode {
 
     /// The pose with the nuisance parameters marginalised.
     pub(super) fn marginal(&self, model: &MeasurementModel<'_>) -> Information<POSE> {
-        self.equations.marginal(model.unknowns.all())
+        let mut told = self.equations().marginal(model.unknowns.all());
+        told.constant -= self.fit().credit;
+        told
     }
 
     /// The nuisance parameters given the pose.
     pub(super) fn response(&self) -> Option<Response> {
-        self.equations.response()
+        self.equations().response()
     }
 
     /// Linearises it where it stands.
-    pub(super) fn relinearise(
-        &mut self,
-        model: &MeasurementModel<'_>,
-        rows: &[usize],
-        noise: NoiseModel,
-        scratch: &mut Linearisation,
-    ) {
+    pub(super) fn relinearise(&mut self, model: &MeasurementModel<'_>, rows: &[usize], scratch: &mut Linearisation) {
         self.end = Some(Box::new(model.run(&self.state, &self.start, rows, scratch)));
-        self.equations = model.known(&self.state, &self.start);
-        self.filters.clear();
-        add_readings(scratch, noise, &mut self.filters, &mut self.equations);
+        let known = model.known(&self.state, &self.start);
+        for fit in &mut self.fits {
+            fit.equations.clone_from(&known);
+            fit.filters.clear();
+            add_readings(scratch, fit.noise, &mut fit.filters, &mut fit.equations);
+        }
+        self.choose_noise();
     }
 
     /// Takes in rows that follow those that it has been linearised by.
-    pub(super) fn carry_on(
+    pub(super) fn carry_on(&mut self, model: &MeasurementModel<'_>, rows: &[usize], scratch: &mut Linearisation) {
+        let Some(end) = &self.end else { return };
+        self.end = Some(Box::new(model.run(&self.state, end, rows, scratch)));
+        for fit in &mut self.fits {
+            add_readings(scratch, fit.noise, &mut fit.filters, &mut fit.equations);
+        }
+        self.choose_noise();
+    }
+
+    /// Takes the noise model of the largest evidence.
+    fn choose_noise(&mut self) {
+        let evidence = |fit: &NoiseFit| fit.equations.evidence(DAMPING) - fit.credit;
+        let all = self.fits.iter().map(evidence).enumerate();
+        (self.likeliest, self.promise) = all.min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0, f64::INFINITY));
+    }
+
+    /// Minus the logarithm of the evidence that its linearisation promises.
+    pub(super) fn evidence(&self) -> f64 {
+        self.promise
+    }
+
+    /// Whether independent errors would take it elsewhere, while others explain where it is.
+    pub(super) fn might_move(&self, gain: f64) -> bool {
+        let first = &self.fits[0].equations;
+        self.likeliest != 0 && first.step(DAMPING).is_some_and(|(cost, _)| first.constant - cost > gain)
+    }
+
+    /// Goes on as if errors were independent, and stays there if all is likelier there by any noise model: errors that stay alike explain
+    /// a mode that has not come to its place yet.
+    pub(super) fn descend_independently(
         &mut self,
         model: &MeasurementModel<'_>,
         rows: &[usize],
-        noise: NoiseModel,
+        steps: usize,
         scratch: &mut Linearisation,
     ) {
-        let Some(end) = &self.end else { return };
-        self.end = Some(Box::new(model.run(&self.state, end, rows, scratch)));
-        add_readings(scratch, noise, &mut self.filters, &mut self.equations);
+        let mut there = self.by(NoiseModel::DECLARED);
+        there.relinearise(model, rows, scratch);
+        there.descend(model, rows, steps, scratch);
+        there.fits.clone_from(&self.fits);
+        there.relinearise(model, rows, scratch);
+        if there.evidence() < self.evidence() {
+            *self = there;
+        }
     }
 
     /// The same at another state.
@@ -90,11 +174,18 @@ impl Mode {
         state: State,
         model: &MeasurementModel<'_>,
         rows: &[usize],
-        noise: NoiseModel,
         scratch: &mut Linearisation,
     ) -> Self {
-        let mut there = Self { state, is_settled: false, end: None, ..self.clone() };
-        there.relinearise(model, rows, noise, scratch);
+        let mut there = Self {
+            state,
+            start: self.start.clone(),
+            fits: self.fits.iter().map(|fit| NoiseFit { credit: fit.credit, ..NoiseFit::new(fit.noise) }).collect(),
+            likeliest: self.likeliest,
+            promise: f64::INFINITY,
+            is_settled: false,
+            end: None,
+        };
+        there.relinearise(model, rows, scratch);
         there
     }
 
@@ -108,18 +199,18 @@ impl Mode {
         State { frame, values }
     }
 
-    /// Goes to where the cost is least, in so many steps at most; it must be linearised by these rows and this noise.
+    /// Goes to where the cost is least, in so many steps at most; it must be linearised by these rows.
     pub(super) fn descend(
         &mut self,
         model: &MeasurementModel<'_>,
         rows: &[usize],
-        noise: NoiseModel,
         steps: usize,
         scratch: &mut Linearisation,
     ) {
         for _ in 0..steps {
-            let Some((promised, step)) = self.equations.step(DAMPING) else { return };
-            if self.equations.constant - promised < SETTLED {
+            let fit = self.fit();
+            let Some((promised, step)) = fit.equations.step(DAMPING) else { return };
+            if fit.equations.constant - promised < SETTLED {
                 self.is_settled = true;
                 return;
             }
@@ -128,8 +219,8 @@ impl Mode {
             let mut taken = false;
             for fraction in FRACTIONS {
                 let part: Vec<f64> = step.iter().map(|d| d * share * fraction).collect();
-                let next = self.at(self.state.stepped(model.pivot(), &part), model, rows, noise, scratch);
-                if next.equations.constant < self.equations.constant {
+                let next = self.at(self.state.stepped(model.pivot(), &part), model, rows, scratch);
+                if next.fits[self.likeliest].equations.constant < self.equations().constant {
                     (*self, taken) = (next, true);
                     break;
                 }
@@ -146,13 +237,12 @@ impl Mode {
 pub(super) struct Rerun<'a> {
     pub(super) model: &'a MeasurementModel<'a>,
     pub(super) rows: &'a [usize],
-    pub(super) noise: NoiseModel,
 }
 
 impl Rerun<'_> {
     /// The mode with its pose at this frame, and the nuisance parameters as the readings would have them there.
     pub(super) fn at(&self, mode: &Mode, frame: Pose2) -> Mode {
         let state = mode.state_at(self.model, frame);
-        mode.at(state, self.model, self.rows, self.noise, &mut Linearisation::default())
+        mode.at(state, self.model, self.rows, &mut Linearisation::default())
     }
 }

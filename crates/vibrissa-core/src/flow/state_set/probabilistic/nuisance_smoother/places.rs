@@ -58,6 +58,8 @@ const MOST_NOW: usize = 40;
 /// law).
 const OUTLIER_SIGMAS: f64 = 2.5;
 const BOUND: f64 = 1.76;
+/// The largest share of readings beyond their noise, and the largest mean square of the others, of a mode that may be right.
+const AGREES: [f64; 2] = [0.1, 3.3];
 /// Stretches that are looked at for the worst one: so many of the log.
 const STRETCHES: usize = 10;
 
@@ -78,9 +80,11 @@ pub struct Fit {
     pub worst: Option<(Stretch, f64)>,
 }
 
-/// What a reading costs under the declared noise, errors independent (nats).
-pub(super) fn plain_cost(row: &Row) -> f64 {
-    row.held.map_or(3.0, |_| (0.5 * row.residual * row.residual).min(super::correlated_noise::OUTLIER_COST))
+impl Fit {
+    /// Whether the best mode may be right; otherwise modes are searched from another contact.
+    pub(super) fn agrees(&self) -> bool {
+        self.beyond <= AGREES[0] && self.square <= AGREES[1]
+    }
 }
 
 /// Area and volume of all modes' 95 % regions, overlaps counted twice.
@@ -110,10 +114,10 @@ pub(super) fn linearised(bank: &Bank, scene: &Scene<'_>, window: &LogWindow) -> 
         .modes
         .iter()
         .take(MOST_NOW)
-        .map(|mode| Mode {
-            equations: first.equations_at(&mode.equations, &mode.state, end),
-            state: first.anchored(&mode.state, end),
-            ..mode.clone()
+        .map(|mode| {
+            let mut there = mode.reanchored(&|equations| first.equations_at(equations, &mode.state, end));
+            there.state = first.anchored(&mode.state, end);
+            there
         })
         .collect();
     let told: Vec<Square<3>> = modes.iter().map(|mode| covariance(mode, &last)).collect();
@@ -135,15 +139,14 @@ pub(super) fn choose(bank: &mut Bank, scene: &Scene<'_>, window: &LogWindow) -> 
     let end = window.len() - 1;
     bank.modes.iter_mut().for_each(|mode| mode.state = first.anchored(&mode.state, end));
     let model = scene.model(window, end);
-    let lever = scene.sensors.iter().map(|f| f.length).fold(f64::MIN_POSITIVE, f64::max);
     for gate in [REPORTED + SLACK, REPORTED + 0.5 * SLACK] {
         let every = (bank.modes.len() * window.len()).div_ceil(MOST_TAKES).max(1);
         bank.settle(&model, (0..window.len()).step_by(every).collect(), STEPS, gate);
-        bank.join(&model);
-        bank.explore(&model, lever);
+        bank.join_overlapping(&model);
     }
     bank.settle(&model, (0..window.len()).collect(), STEPS, REPORTED + 0.5 * SLACK);
     bank.estimate_noise(&model);
+    bank.multistart(&model);
     bank.settle(&model, (0..window.len()).collect(), STEPS, REPORTED);
     settle_exactly(bank, &model);
     bank.modes.retain(|mode| admits(first_frame(&model, mode)));
@@ -154,7 +157,7 @@ pub(super) fn choose(bank: &mut Bank, scene: &Scene<'_>, window: &LogWindow) -> 
     let fit = fit(bank, &model);
     let told: Vec<Square<3>> = bank.modes.iter().map(|mode| covariance(mode, &model)).collect();
     let least = bank.modes.iter().map(|mode| mode.cost(&model)).fold(f64::INFINITY, f64::min);
-    let rerun = Rerun { model: &model, rows: &bank.rows, noise: bank.noise };
+    let rerun = Rerun { model: &model, rows: &bank.rows };
     let posterior =
         Posterior { scene, window, model: &model, modes: &bank.modes, told: &told, least, rerun: Some(&rerun) };
     (posterior.places(), Some(fit))
@@ -171,8 +174,8 @@ fn settle_exactly(bank: &mut Bank, model: &MeasurementModel<'_>) {
     let mut scratch = Linearisation::default();
     for mode in bank.modes.iter_mut().take(EXACT) {
         let before = mode.clone();
-        mode.relinearise(&exact, &bank.rows, bank.noise, &mut scratch);
-        mode.descend(&exact, &bank.rows, bank.noise, EXACT_STEPS, &mut scratch);
+        mode.relinearise(&exact, &bank.rows, &mut scratch);
+        mode.descend(&exact, &bank.rows, EXACT_STEPS, &mut scratch);
         if mode.cost(model) > before.cost(model) + 1.0 {
             *mode = before;
         }
@@ -188,7 +191,7 @@ fn fit(bank: &Bank, model: &MeasurementModel<'_>) -> Fit {
         let mut told = Linearisation::default();
         let mode = &bank.modes[0];
         model.run(&mode.state, &mode.start, &bank.rows, &mut told);
-        fit_of(&told, bank.noise)
+        fit_of(&told, mode.fit().noise)
     };
     let (quick, exact) = (by(model), by(&exact));
     if quick.beyond < exact.beyond { quick } else { exact }
@@ -346,7 +349,7 @@ impl Posterior<'_> {
         let broken = self.rerun.map_or(0.0, |rerun| {
             let mut told = Linearisation::default();
             self.model.run(&first.state, &first.start, rerun.rows, &mut told);
-            fit_of(&told, rerun.noise).broken
+            fit_of(&told, first.fit().noise).broken
         });
         PosteriorPlace {
             map_from_odom,

@@ -6,6 +6,7 @@ use super::super::smoother::StepOutcome;
 use super::super::{Agreement, ModeSet};
 use super::admission::Admission;
 use super::bank::{Bank, Effort};
+use super::contact_episodes::{judging_rows, longest_contact};
 use super::grid_search::{ContactOnset, GridSearch};
 use super::log_window::LogWindow;
 use super::measurement::{MeasurementModel, Start};
@@ -28,7 +29,7 @@ const LEAD_STEP: f64 = 1.5e-3;
 /// So many readings in a row begin or end a contact; fewer are taken for false ones.
 const CONTACT_ROWS: usize = 3;
 /// Fewest rows of contact to seed from.
-const FEWEST_ROWS: usize = 5;
+pub(super) const FEWEST_ROWS: usize = 5;
 /// Readings that are run through the forward model in one call while the grid is searched (some milliseconds).
 const SLICE: usize = 4000;
 /// Modes take in so many rows together.
@@ -38,8 +39,10 @@ const TAKEN_TOGETHER: usize = 12;
 const MANY_CELLS: usize = 4000;
 const PATIENCE: f64 = 2.0;
 const MOST_PATIENCE: f64 = 4.0;
-/// Mean cost of a reading (nats) above which the best mode does not explain the last rows, and how many these are.
-const LOST_COST: f64 = 2.2;
+/// The best mode does not explain the last rows where more than this share of them is further off than twice their declared bound (standard
+/// deviations), and how many these are.
+const LOST_SHARE: f64 = 0.5;
+const LOST_RESIDUAL: f64 = 3.5;
 const WATCHED: usize = 40;
 /// The zero of a sensor whose zero is not known exactly is tared by so many rows, if its readings may be those of a free whisker.
 const TARE_ROWS: usize = 8;
@@ -108,6 +111,8 @@ pub struct NuisanceSmoother<'a> {
     /// Rows since the set was started, and its best mode when it was last given up.
     tracked: usize,
     abandoned: Option<Pose2>,
+    /// When the contacts began from which modes have been searched (s).
+    searched: Vec<f64>,
 }
 
 impl<'a> NuisanceSmoother<'a> {
@@ -156,6 +161,7 @@ impl<'a> NuisanceSmoother<'a> {
             last: None,
             tracked: 0,
             abandoned: None,
+            searched: Vec::new(),
         }
     }
 
@@ -288,10 +294,10 @@ impl<'a> NuisanceSmoother<'a> {
         }
         let cells = search.into_found(&model);
         self.starts += 1;
-        let free = Start::free(scene.sensors.len());
+        self.searched.push(window.time(row));
         let mode = |cell: super::grid_search::Cell| {
             let start = if from_free {
-                free.clone()
+                window_start(scene, window)
             } else {
                 let robot = cell.frame.compose(window.pose(row));
                 let mut states = vec![WhiskerState::Free; scene.sensors.len()];
@@ -336,10 +342,25 @@ impl<'a> NuisanceSmoother<'a> {
             self.starts = 1;
         }
         if self.is_lost() {
-            self.begin_again();
+            self.relocalize();
             return StepOutcome::Lost;
         }
         StepOutcome::Updated
+    }
+
+    /// Searches anew from another contact of the window, the longest first; the modes that are found are fitted to the whole window. Starts
+    /// from the present contact where there is none.
+    fn relocalize(&mut self) {
+        match longest_contact(&self.window, &self.scene.sensors, &self.searched) {
+            Some(contact) => {
+                self.abandoned = self.best().or(self.abandoned);
+                let onset = self.onset(contact.sensor, contact.onset, true);
+                let rows = onset.rows.into_iter().filter(|&row| row < contact.end).collect();
+                let search = GridSearch::new(&self.scene.model(&self.window, 0), ContactOnset { rows, ..onset });
+                self.phase = Phase::Searching { search: Box::new(search), travelled: 0.0, ended: true };
+            }
+            None => self.begin_again(),
+        }
     }
 
     /// Whether no mode explains the last rows.
@@ -351,8 +372,8 @@ impl<'a> NuisanceSmoother<'a> {
         }
         let told = bank.run(&model, 0);
         let last = &told.rows[told.rows.len().saturating_sub(WATCHED)..];
-        let cost: f64 = last.iter().map(places::plain_cost).sum();
-        cost > LOST_COST * last.len() as f64
+        let unexplained = last.iter().filter(|row| row.held.is_none() || row.plain.abs() > LOST_RESIDUAL).count();
+        last.len() == WATCHED && unexplained as f64 > LOST_SHARE * last.len() as f64
     }
 
     /// Forgets everything and starts from the present contact, or waits for the next.
@@ -368,6 +389,13 @@ impl<'a> NuisanceSmoother<'a> {
             }
             _ => Phase::Waiting,
         };
+    }
+
+    /// The places by the modes at the end of the log.
+    fn choose(&mut self) -> (Vec<PosteriorPlace>, Option<places::Fit>) {
+        let Self { scene, window, phase, .. } = self;
+        let Phase::Tracking(bank) = phase else { return (Vec::new(), None) };
+        places::choose(bank, scene, window)
     }
 
     /// The odometry frame in the map frame by each mode.
@@ -467,29 +495,28 @@ impl ModeSet for NuisanceSmoother<'_> {
         if matches!(self.phase, Phase::Pressing { .. }) {
             self.press(true);
         }
-        let Self { scene, window, phase, .. } = self;
-        let Phase::Tracking(bank) = phase else { return (Vec::new(), None) };
-        let (places, fit) = places::choose(bank, scene, window);
-        (places, fit.map(Agreement::Correlated))
+        let mut told = self.choose();
+        while told.1.as_ref().is_some_and(|fit| !fit.agrees())
+            && longest_contact(&self.window, &self.scene.sensors, &self.searched).is_some()
+        {
+            self.relocalize();
+            self.search(usize::MAX);
+            let other = self.choose();
+            if other.1.as_ref().zip(told.1.as_ref()).is_some_and(|(new, old)| new.beyond < old.beyond) {
+                told = other;
+            }
+        }
+        (told.0, told.1.map(Agreement::Correlated))
     }
 }
 
-/// The rows that judge cells: the onset, then one for every `step` of the base's travel; of three neighbours always
-/// that with the middle reading, so that no single false one is taken.
-fn judging_rows(window: &LogWindow, sensor: usize, onset: usize, step: f64) -> Vec<usize> {
-    let last = window.len() - 1;
-    let mut rows = vec![onset];
-    let mut travelled = 0.0;
-    for row in onset + 1..last {
-        travelled += window.pose(row).position().distance(window.pose(row - 1).position());
-        if travelled >= step {
-            let mut three = [row - 1, row, row + 1];
-            three.sort_by(|&a, &b| window.readings(a)[sensor].total_cmp(&window.readings(b)[sensor]));
-            if three[1] > rows[rows.len() - 1] {
-                rows.push(three[1]);
-                travelled = 0.0;
-            }
+/// How the whiskers stand at the window's first row where that is not known.
+fn window_start(scene: &Scene<'_>, window: &LogWindow) -> Start {
+    let mut start = Start::free(scene.sensors.len());
+    for (state, (sensor, &z)) in start.states.iter_mut().zip(scene.sensors.iter().zip(window.readings(0))) {
+        if sensor.is_contact(z) {
+            *state = WhiskerState::Unknown;
         }
     }
-    rows
+    start
 }
