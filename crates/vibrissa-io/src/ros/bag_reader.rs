@@ -48,9 +48,27 @@ pub fn read_bag(
         Err(Fault::Cut) if !bag.channels.is_empty() => {
             bag.summary.warnings.push("the recording ends in the middle of a record; what came before is used".into());
         }
+        // What was not synchronised when the power went may hold anything; a recording that was closed has no such end.
+        Err(Fault::Damaged(_)) if !bag.channels.is_empty() && !is_closed(&mut source) => {
+            bag.summary.warnings.push("the recording was cut off and its last bytes are damaged; what came before is used".into());
+        }
         Err(fault) => return Err(fault.told().in_file(name)),
     }
     Ok(bag.summary)
+}
+
+/// Whether the rest of a file ends as closed recordings do.
+fn is_closed(source: &mut dyn Read) -> bool {
+    let (mut last, mut piece) = (Vec::<u8>::new(), [0; 4096]);
+    loop {
+        match source.read(&mut piece) {
+            Ok(count) if count > 0 => {
+                last.extend(&piece[..count]);
+                last.drain(..last.len().saturating_sub(MAGIC.len()));
+            }
+            _ => return last == MAGIC,
+        }
+    }
 }
 
 /// What is called with each message.
@@ -119,7 +137,7 @@ impl Bag {
         while filled(source, HEAD, &mut bytes)? {
             let (kind, length) = head(bytes[..].try_into().map_err(|_| Fault::Cut)?);
             let count = usize::try_from(length).ok().filter(|count| *count <= LARGEST_CHUNK);
-            let count = count.ok_or_else(|| too_large("a record", length))?;
+            let Some(count) = count else { return self.oversized(source, length) };
             if !filled(source, count, &mut bytes)? && count > 0 {
                 return Err(Fault::Cut);
             }
@@ -130,6 +148,12 @@ impl Bag {
             }
         }
         Ok(())
+    }
+
+    /// A record that is too large to be one.
+    fn oversized(&self, source: &mut dyn Read, length: u64) -> core::result::Result<(), Fault> {
+        let cut = !self.channels.is_empty() && !is_closed(source);
+        Err(if cut { Fault::Cut } else { too_large("a record", length).into() })
     }
 
     /// A record that may stand in a chunk.
@@ -185,7 +209,7 @@ impl Bag {
         let chunk = ChunkHeader::read(body).ok_or(Fault::Damaged("a chunk's record is too short"))?;
         let whole = whole_chunk(&chunk)?;
         if chunk.checksum != 0 && crc32fast::hash(&whole) != chunk.checksum {
-            return Err(not_inflated(&"its checksum is wrong").into());
+            return Err(Fault::Damaged("the checksum of a chunk is wrong"));
         }
         let mut rest = &whole[..];
         while let Some((front, body)) = rest.split_first_chunk() {

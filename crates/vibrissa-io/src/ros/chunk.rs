@@ -40,19 +40,21 @@ impl Chunk {
         header.bytes(message).write(op::MESSAGE, &mut self.bytes);
     }
 
-    /// Writes the chunk and the indices of its messages; the fields of the index of the chunk itself.
-    pub(super) fn write(self, file: &mut Vec<u8>) -> Body {
-        let ((from, to), size, at) = (self.bounds.both(), self.bytes.len() as u64, file.len() as u64);
+    /// Writes the chunk and the indices of its messages behind what is in `file`, before which so many bytes were written; the
+    /// fields of the index of the chunk itself.
+    pub(super) fn write(self, written: u64, file: &mut Vec<u8>) -> Body {
+        let end = |file: &Vec<u8>| written + file.len() as u64;
+        let ((from, to), size, at) = (self.bounds.both(), self.bytes.len() as u64, end(file));
         let chunk = Body::default().u64(from).u64(to).u64(size).u32(crc32fast::hash(&self.bytes)).text("");
         chunk.u64(size).bytes(&self.bytes).write(op::CHUNK, file);
-        let indices_at = file.len() as u64;
+        let indices_at = end(file);
         let mut places = Body::default();
         for (channel, index) in self.index {
-            places = places.u16(channel).u64(file.len() as u64);
+            places = places.u16(channel).u64(end(file));
             Body::default().u16(channel).counted(&index).write(op::MESSAGE_INDEX, file);
         }
         let index = Body::default().u64(from).u64(to).u64(at).u64(indices_at - at);
-        let index = index.counted(&places.into_bytes()).u64(file.len() as u64 - indices_at);
+        let index = index.counted(&places.into_bytes()).u64(end(file) - indices_at);
         index.text("").u64(size).u64(size)
     }
 }

@@ -25,6 +25,8 @@ pub enum Kind {
     Joints,
     /// `std_msgs/msg/String`.
     Text,
+    /// `std_msgs/msg/UInt8MultiArray`.
+    Bytes,
 }
 
 const HEADER: &str = "std_msgs/Header header\n";
@@ -44,7 +46,7 @@ const POSE_COVARIANCE: (&str, &str) =
 
 impl Kind {
     /// Every kind.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::Odometry,
         Self::Wrench,
         Self::Field,
@@ -56,6 +58,7 @@ impl Kind {
         Self::Cloud,
         Self::Joints,
         Self::Text,
+        Self::Bytes,
     ];
 
     /// The full name, `package/msg/Name`.
@@ -73,6 +76,7 @@ impl Kind {
             Self::Cloud => "sensor_msgs/msg/PointCloud2",
             Self::Joints => "sensor_msgs/msg/JointState",
             Self::Text => "std_msgs/msg/String",
+            Self::Bytes => "std_msgs/msg/UInt8MultiArray",
         }
     }
 
@@ -138,12 +142,21 @@ impl Kind {
             ),
             Self::Joints => ("string[] name\nfloat64[] position\nfloat64[] velocity\nfloat64[] effort\n", Vec::new()),
             Self::Text => return "string data\n".to_owned(),
+            Self::Bytes => (
+                "",
+                vec![&[
+                    ("std_msgs/MultiArrayLayout", "std_msgs/MultiArrayDimension[] dim\nuint32 data_offset\n"),
+                    ("std_msgs/MultiArrayDimension", "string label\nuint32 size\nuint32 stride\n"),
+                ]],
+            ),
         };
         let mut text = match self {
             Self::Markers => "visualization_msgs/Marker[] markers\n".to_owned(),
+            Self::Bytes => "std_msgs/MultiArrayLayout layout\nuint8[] data\n".to_owned(),
             _ => format!("{HEADER}{fields}"),
         };
-        for (name, fields) in parts.into_iter().chain([HEADER_PARTS]).flatten() {
+        let header = if self == Self::Bytes { &[][..] } else { HEADER_PARTS };
+        for (name, fields) in parts.into_iter().chain([header]).flatten() {
             text.push_str(&"=".repeat(80));
             text.push_str(&format!("\nMSG: {name}\n{fields}"));
         }

@@ -282,3 +282,53 @@ pub fn encode_text(text: &str) -> Vec<u8> {
     writer.text(text);
     writer.finish()
 }
+
+/// The text of a `std_msgs/String`.
+#[must_use]
+pub fn decode_text(bytes: &[u8]) -> Option<&str> {
+    CdrReader::new(bytes)?.text()
+}
+
+/// Names and numbers of equal count.
+pub type NamedNumbers<'a> = (Vec<&'a str>, Vec<f64>);
+
+/// A `sensor_msgs/JointState` whose positions are these numbers: each under its name, exact, and shown by viewers as plots.
+#[must_use]
+pub fn encode_named(header: Header, names: &[String], values: &[f64]) -> Vec<u8> {
+    let mut writer = begin(header);
+    writer.u32(names.len() as u32);
+    names.iter().for_each(|name| {
+        writer.text(name);
+    });
+    writer.u32(values.len() as u32).f64s(values).u32(0).u32(0);
+    writer.finish()
+}
+
+/// The header, names and positions of a `sensor_msgs/JointState` that has as many of both.
+#[must_use]
+pub fn decode_named(bytes: &[u8]) -> Option<(Header<'_>, NamedNumbers<'_>)> {
+    let mut reader = CdrReader::new(bytes)?;
+    let header = read_header(&mut reader)?;
+    // Each name takes five bytes at least, each number eight: a false count ends the message, not the memory.
+    let names: Vec<&str> = (0..reader.u32()?).map_while(|_| reader.text()).take(bytes.len() / 5 + 1).collect();
+    let count = reader.u32()? as usize;
+    let values: Vec<f64> = (0..count).map_while(|_| reader.f64()).collect();
+    (names.len() == values.len() && values.len() == count).then_some((header, (names, values)))
+}
+
+/// A `std_msgs/UInt8MultiArray` of these bytes.
+#[must_use]
+pub fn encode_bytes(bytes: &[u8]) -> Vec<u8> {
+    let mut writer = CdrWriter::new();
+    // No dimensions, no offset.
+    writer.u32(0).u32(0).bytes(bytes);
+    writer.finish()
+}
+
+/// The bytes of a `std_msgs/UInt8MultiArray` without dimensions.
+#[must_use]
+pub fn decode_bytes(bytes: &[u8]) -> Option<&[u8]> {
+    let mut reader = CdrReader::new(bytes)?;
+    let (0, _) = (reader.u32()?, reader.u32()?) else { return None };
+    reader.bytes()
+}

@@ -3,7 +3,8 @@
 //! | file | what it knows |
 //! | --- | --- |
 //! | `bag_reader` | the container: channels and messages, compressed or not, whole or cut |
-//! | `bag_writer` | the same, written |
+//! | `bag_writer`, `bag_stream` | the same, written at once or piece by piece |
+//! | `container` | what both writers make |
 //! | `chunk` | many messages together, with their index |
 //! | `records` | what both are made of |
 //! | `cdr` | the bytes of a message's fields |
@@ -12,9 +13,11 @@
 //! | `definition` | their definitions as text, which go into the container |
 
 mod bag_reader;
+mod bag_stream;
 mod bag_writer;
 mod cdr;
 mod chunk;
+mod container;
 mod definition;
 mod drawing;
 mod map;
@@ -22,11 +25,12 @@ mod message;
 mod records;
 
 pub use bag_reader::{BagSummary, Topic, read_bag};
+pub use bag_stream::{BagStream, StreamTopic};
 pub use bag_writer::{BagWriter, TopicId};
 pub use definition::Kind;
 pub use drawing::{Line, LineSet};
 pub use map::read_grid;
 pub use message::{
-    Header, Stamp, decode_field, decode_grid, decode_odometry, decode_pose, decode_wrench, encode_cloud, encode_effort,
-    encode_field, encode_grid, encode_lines, encode_odometry, encode_path, encode_pose, encode_text, encode_wrench,
+    Header, NamedNumbers, Stamp, decode_bytes, decode_field, decode_grid, decode_named, decode_odometry, decode_pose, decode_text, decode_wrench, encode_bytes, encode_cloud, encode_effort,
+    encode_field, encode_grid, encode_lines, encode_named, encode_odometry, encode_path, encode_pose, encode_text, encode_wrench,
 };
