@@ -8,11 +8,68 @@ use crate::{Error, Result};
 use std::borrow::Cow;
 
 /// One whisker's raw channels, and the curve that they go through.
+#[derive(Clone, Debug)]
 struct Converted {
     whisker: usize,
     name: String,
     channels: Vec<usize>,
     curve: MomentCurve,
+}
+
+/// Raw readings to moments, row by row.
+#[derive(Clone, Debug)]
+pub struct Calibrator {
+    converted: Vec<Converted>,
+}
+
+impl Calibrator {
+    /// The calibrator of each whisker that has a calibration and no moment among these channels; none when there is no such whisker.
+    ///
+    /// # Errors
+    ///
+    /// A calibration that cannot be read or holds no curve to moments, channels without its inputs.
+    pub fn new(channels: &[Channel], robot: &Robot) -> Result<Option<Self>> {
+        Self::of(&SensorLog { channels: channels.to_vec(), ..SensorLog::default() }, robot)
+    }
+
+    fn of(log: &SensorLog, robot: &Robot) -> Result<Option<Self>> {
+        let wanted =
+            robot.whiskers.iter().enumerate().filter(|(_, whisker)| log.moment_channel(&whisker.name).is_err());
+        let converted: Vec<Converted> =
+            wanted.filter_map(|(index, whisker)| convert(log, whisker, index).transpose()).collect::<Result<_>>()?;
+        Ok((!converted.is_empty()).then_some(Self { converted }))
+    }
+
+    /// The robot with the calibrations' bounds added to the declared bounds of their whiskers.
+    #[must_use]
+    pub fn robot(&self, robot: &Robot) -> Robot {
+        let mut robot = robot.clone();
+        for one in &self.converted {
+            robot.whiskers[one.whisker].noise.moment_absolute += one.curve.bound;
+        }
+        robot
+    }
+
+    /// The channels with a moment for each whisker that is calibrated, at the end.
+    #[must_use]
+    pub fn channels(&self, channels: &[Channel]) -> Vec<Channel> {
+        let moment = |one: &Converted| Channel { whisker: one.name.clone(), quantity: Quantity::Moment };
+        channels.iter().cloned().chain(self.converted.iter().map(moment)).collect()
+    }
+
+    /// Adds the moments to a row.
+    ///
+    /// # Errors
+    ///
+    /// A reading beyond the calibrated range.
+    pub fn row(&self, row: &mut LogRow) -> Result<()> {
+        for one in &self.converted {
+            let raw: Vec<f64> = one.channels.iter().map(|&channel| row.readings[channel]).collect();
+            let moment = one.curve.moment(&raw)?;
+            row.readings.push(moment);
+        }
+        Ok(())
+    }
 }
 
 /// The log with a moment for each whisker that has a calibration and no moment yet, and the robot with the calibration's
@@ -23,30 +80,18 @@ struct Converted {
 /// A calibration that cannot be read or holds no curve to moments, a log without its inputs, a reading beyond the
 /// calibrated range; the message names file and line.
 pub fn calibrated<'a>(log: &'a SensorLog, robot: &'a Robot) -> Result<(Cow<'a, SensorLog>, Cow<'a, Robot>)> {
-    let wanted = robot.whiskers.iter().enumerate().filter(|(_, whisker)| log.moment_channel(&whisker.name).is_err());
-    let converted: Vec<Converted> =
-        wanted.filter_map(|(index, whisker)| convert(log, whisker, index).transpose()).collect::<Result<_>>()?;
-    if converted.is_empty() {
+    let Some(calibrator) = Calibrator::of(log, robot)? else {
         return Ok((Cow::Borrowed(log), Cow::Borrowed(robot)));
-    }
-    let mut robot = robot.clone();
-    let mut channels = log.channels.clone();
-    for one in &converted {
-        robot.whiskers[one.whisker].noise.moment_absolute += one.curve.bound;
-        channels.push(Channel { whisker: one.name.clone(), quantity: Quantity::Moment });
-    }
+    };
     let row = |row: &LogRow| -> Result<LogRow> {
         let mut row = row.clone();
-        for one in &converted {
-            let raw: Vec<f64> = one.channels.iter().map(|&channel| row.readings[channel]).collect();
-            let moment = one.curve.moment(&raw).map_err(|e| at(e, log, row.line))?;
-            row.readings.push(moment);
-        }
+        calibrator.row(&mut row).map_err(|e| at(e, log, row.line))?;
         Ok(row)
     };
     let rows = log.rows.iter().map(row).collect::<Result<_>>()?;
-    let log = SensorLog { channels, rows, warnings: log.warnings.clone(), source: log.source.clone() };
-    Ok((Cow::Owned(log), Cow::Owned(robot)))
+    let channels = calibrator.channels(&log.channels);
+    let calibrated = SensorLog { channels, rows, warnings: log.warnings.clone(), source: log.source.clone() };
+    Ok((Cow::Owned(calibrated), Cow::Owned(calibrator.robot(robot))))
 }
 
 fn convert(log: &SensorLog, whisker: &MountedWhisker, index: usize) -> Result<Option<Converted>> {

@@ -26,7 +26,7 @@ pub mod toml_section;
 pub mod trajectory;
 pub mod units;
 
-pub use calibrated::calibrated;
+pub use calibrated::{Calibrator, calibrated};
 pub use calibration::read as read_calibration;
 pub use log::read as read_log;
 pub use map::read as read_map;

@@ -20,12 +20,14 @@ pub(super) fn lines(bytes: &[u8]) -> impl Iterator<Item = Line<'_>> {
 }
 
 /// A finite number.
-pub(super) fn number(text: &str) -> Option<f64> {
+#[must_use]
+pub fn number(text: &str) -> Option<f64> {
     text.trim().parse::<f64>().ok().filter(|value| value.is_finite())
 }
 
 /// A line of exactly `N` finite numbers, separated by commas.
-pub(super) fn numbers<const N: usize>(text: &str) -> Option<[f64; N]> {
+#[must_use]
+pub fn numbers<const N: usize>(text: &str) -> Option<[f64; N]> {
     let mut values = [0.0; N];
     let mut fields = text.split(',');
     for value in &mut values {

@@ -32,7 +32,11 @@ use core::str::FromStr;
 use std::io::Read;
 use std::path::Path;
 
+pub use lines::{number, numbers};
+pub use openwhisker::CarriedCounts;
 pub use repairs::Repairs;
+pub use serial::{TakingTurns, flux_line, is_saturated};
+pub use stamps::host_stamp;
 
 /// The formats by name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -15,7 +15,7 @@ const MILLI: f64 = 1e-3;
 pub(super) fn read(bytes: &[u8]) -> Recording {
     let columns = [("ax", "counts"), ("ay", "counts"), ("az", "counts"), ("dist", "m"), ("bend", "m")];
     let mut recording = Recording::new(Format::Openwhisker, &columns);
-    let (mut turns, mut before, mut start) = ([0.0; 3], None::<[f64; 3]>, None::<f64>);
+    let (mut carried, mut start) = (CarriedCounts::default(), None::<f64>);
     for line in lines(bytes) {
         if line.text.is_empty() || (line.number == 1 && line.text.starts_with("timestamp")) {
             continue;
@@ -34,16 +34,33 @@ pub(super) fn read(bytes: &[u8]) -> Recording {
             recording.repairs.out_of_order += 1;
             continue;
         }
-        for axis in 0..3 {
-            let step = before.map_or(0.0, |before| counts[axis] - before[axis]);
-            let wrapped = f64::from(i8::from(step < -0.5 * TURN) - i8::from(step > 0.5 * TURN));
-            turns[axis] += wrapped;
-            recording.repairs.unwrapped += usize::from(wrapped.abs() > 0.0);
-        }
-        before = Some(counts);
         recording.t.push(t);
-        let carried = [0, 1, 2].map(|axis| counts[axis] + TURN * turns[axis]);
-        recording.push(line.number, carried.into_iter().chain([dist * MILLI, bend * MILLI]));
+        let counts = carried.push(counts);
+        recording.push(line.number, counts.into_iter().chain([dist * MILLI, bend * MILLI]));
     }
+    recording.repairs.unwrapped = carried.wrapped;
     recording
+}
+
+/// Counts of 16 bits, carried on when they run over.
+#[derive(Clone, Debug, Default)]
+pub struct CarriedCounts {
+    turns: [f64; 3],
+    before: Option<[f64; 3]>,
+    /// Times a count ran over.
+    pub wrapped: usize,
+}
+
+impl CarriedCounts {
+    /// The counts that these stand for.
+    pub fn push(&mut self, counts: [f64; 3]) -> [f64; 3] {
+        for axis in 0..3 {
+            let step = self.before.map_or(0.0, |before| counts[axis] - before[axis]);
+            let wrapped = f64::from(i8::from(step < -0.5 * TURN) - i8::from(step > 0.5 * TURN));
+            self.turns[axis] += wrapped;
+            self.wrapped += usize::from(wrapped.abs() > 0.0);
+        }
+        self.before = Some(counts);
+        [0, 1, 2].map(|axis| counts[axis] + TURN * self.turns[axis])
+    }
 }

@@ -1,7 +1,8 @@
 //! Host stamps: reading them, and the even times behind their jitter.
 
 /// A host stamp `2024-04-17_11:48:11.545069`, also with a blank or `T` in the middle, as seconds since 1970.
-pub(super) fn host_stamp(text: &str) -> Option<f64> {
+#[must_use]
+pub fn host_stamp(text: &str) -> Option<f64> {
     let (date, time) = text.split_once(['_', ' ', 'T'])?;
     let mut date = date.split('-').map(|part| part.parse::<i64>().ok());
     let (year, month, day) = (date.next()??, date.next()??, date.next()??);

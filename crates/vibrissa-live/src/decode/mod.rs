@@ -1,0 +1,293 @@
+//! Bytes to frames: lines out of a stream that may be torn anywhere, and the numbers in them.
+//!
+//! | format | a line holds | time |
+//! | --- | --- | --- |
+//! | `serial` | the flux of the paper's sensor, `x,y,z` in µT | counted at 300 Hz |
+//! | `serial2` | the same of two sensors taking turns | counted at 150 Hz each |
+//! | `plotter` | `>NAME: VALUE`, one value a line, as serial plotters read | counted |
+//! | `ratatouille` | host stamp and two counts | in the line |
+//! | `openwhisker` | host stamp, three counts that wrap, two lengths | in the line |
+//! | `csv` | named columns, by a header line or by `columns` | columns `t`, `t_ms`, `t_us`, or counted |
+//! | `tum` | odometry `t x y z qx qy qz qw` | in the line |
+//!
+//! A line may end in `*HH`, the exclusive or of the bytes before it in hexadecimal digits: where it is there it must be right.
+
+mod columns;
+mod counter;
+mod line_splitter;
+mod plotter;
+
+pub use columns::{Column, Columns};
+pub use counter::{Counter, Step};
+pub use line_splitter::{LineSplitter, Piece};
+
+use crate::counts::Counts;
+use crate::{Error, Result};
+use columns::Values;
+use core::str::FromStr;
+use plotter::Plotter;
+use vibrissa_core::flow::sensor_log::{Channel, Quantity};
+use vibrissa_core::plane::Pose2;
+use vibrissa_io::log::foreign::{CarriedCounts, TakingTurns, flux_line, host_stamp, is_saturated, number, numbers};
+use vibrissa_io::parse_tum;
+use vibrissa_io::text::did_you_mean;
+
+/// The formats of lines.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WireFormat {
+    /// `x,y,z` in µT, without time.
+    Serial,
+    /// The same of two sensors taking turns.
+    Serial2,
+    /// `>NAME: VALUE`, one value a line.
+    Plotter,
+    /// Host stamp and two raw counts.
+    Ratatouille,
+    /// Host stamp, three raw counts that wrap, two lengths in mm.
+    Openwhisker,
+    /// Named columns.
+    Csv,
+    /// Odometry `t x y z qx qy qz qw`.
+    Tum,
+}
+
+impl WireFormat {
+    /// Every format.
+    pub const ALL: [Self; 7] = [
+        Self::Serial,
+        Self::Serial2,
+        Self::Plotter,
+        Self::Ratatouille,
+        Self::Openwhisker,
+        Self::Csv,
+        Self::Tum,
+    ];
+
+    /// The word that names it.
+    #[must_use]
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Serial => "serial",
+            Self::Serial2 => "serial2",
+            Self::Plotter => "plotter",
+            Self::Ratatouille => "ratatouille",
+            Self::Openwhisker => "openwhisker",
+            Self::Csv => "csv",
+            Self::Tum => "tum",
+        }
+    }
+}
+
+impl FromStr for WireFormat {
+    type Err = Error;
+
+    fn from_str(word: &str) -> Result<Self> {
+        Self::ALL.into_iter().find(|format| format.as_str() == word).ok_or_else(|| {
+            let known = Self::ALL.map(Self::as_str);
+            Error::data("unknown format").value(word).allowed(known.join(", ")).remedy(did_you_mean(word, &known))
+        })
+    }
+}
+
+/// What one line, or a few that belong together, say.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Frame {
+    /// The device's or the sender's time (s), which may wrap; none where it says none.
+    pub stamp: Option<f64>,
+    /// The frame's number, which may wrap; none where it has none.
+    pub number: Option<u64>,
+    /// The robot in the odometry frame.
+    pub pose: Option<Pose2>,
+    /// Absolute heading (rad).
+    pub heading: Option<f64>,
+    /// The readings, in the order of [`Decoder::channels`].
+    pub readings: Vec<f64>,
+}
+
+/// What became of a line.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Decoded {
+    /// A frame is complete.
+    Frame(Frame),
+    /// It holds no frame, but took the place of one.
+    Lost,
+    /// It says nothing by itself: a header, or a part of a frame.
+    Nothing,
+}
+
+/// Lines of one stream to frames.
+#[derive(Clone, Debug)]
+pub struct Decoder {
+    kind: Kind,
+    channels: Vec<Channel>,
+}
+
+#[derive(Clone, Debug)]
+enum Kind {
+    Serial,
+    Serial2(TakingTurns),
+    Plotter(Plotter),
+    Ratatouille,
+    Openwhisker(CarriedCounts),
+    /// Without columns until the header has come.
+    Csv(Option<Columns>, String),
+    Tum,
+}
+
+impl Decoder {
+    /// A decoder; `whisker` is whose readings those are that do not say it, of [`WireFormat::Serial2`] the first of two names
+    /// with a comma between them.
+    ///
+    /// # Errors
+    ///
+    /// Columns that are none, that are due and missing, or that the format does not have.
+    pub fn new(format: WireFormat, columns: Option<&[String]>, whisker: &str) -> Result<Self> {
+        let takes_columns = matches!(format, WireFormat::Csv | WireFormat::Plotter);
+        if columns.is_some() && !takes_columns {
+            return Err(Error::data(format!("the format {} has no columns to name", format.as_str()))
+                .remedy("leave `columns` out, or write format = \"csv\""));
+        }
+        let flux = [Quantity::FluxX, Quantity::FluxY, Quantity::FluxZ];
+        let counts = [Quantity::CountX, Quantity::CountY, Quantity::CountZ];
+        let of = |whisker: &str, quantities: &[Quantity]| -> Vec<Channel> {
+            quantities.iter().map(|&quantity| Channel { whisker: whisker.to_owned(), quantity }).collect()
+        };
+        let (kind, channels) = match format {
+            WireFormat::Serial => (Kind::Serial, of(whisker, &flux)),
+            WireFormat::Serial2 => {
+                let (first, second) = whisker.split_once(',').ok_or_else(|| {
+                    Error::data("the format serial2 has two sensors")
+                        .value(format!("whisker = \"{whisker}\""))
+                        .remedy("name both in the order of their lines: whisker = \"left,right\"")
+                })?;
+                let both = of(first.trim(), &flux).into_iter().chain(of(second.trim(), &flux));
+                (Kind::Serial2(TakingTurns::default()), both.collect())
+            }
+            WireFormat::Plotter => {
+                let plotter = Plotter::new(columns.unwrap_or_default(), whisker)?;
+                let channels = plotter.columns.channels().to_vec();
+                (Kind::Plotter(plotter), channels)
+            }
+            WireFormat::Ratatouille => (Kind::Ratatouille, of(whisker, &counts[..2])),
+            WireFormat::Openwhisker => (Kind::Openwhisker(CarriedCounts::default()), of(whisker, &counts)),
+            WireFormat::Csv => {
+                let columns = columns.map(|names| Columns::new(names, whisker)).transpose()?;
+                let channels = columns.as_ref().map(|c| c.channels().to_vec()).unwrap_or_default();
+                (Kind::Csv(columns, whisker.to_owned()), channels)
+            }
+            WireFormat::Tum => (Kind::Tum, Vec::new()),
+        };
+        Ok(Self { kind, channels })
+    }
+
+    /// The readings of a frame; of CSV without `columns` known once the header has come.
+    #[must_use]
+    pub fn channels(&self) -> &[Channel] {
+        &self.channels
+    }
+
+    /// Whether it is known what a frame holds.
+    #[must_use]
+    pub fn is_ready(&self) -> bool {
+        !matches!(self.kind, Kind::Csv(None, _))
+    }
+
+    /// Whether frames hold odometry.
+    #[must_use]
+    pub fn has_pose(&self) -> bool {
+        match &self.kind {
+            Kind::Tum => true,
+            Kind::Csv(Some(columns), _) => columns.has_pose(),
+            _ => false,
+        }
+    }
+
+    /// After how much the stamps begin anew (s), where they wrap.
+    #[must_use]
+    pub fn stamp_wraps(&self) -> Option<f64> {
+        match &self.kind {
+            Kind::Csv(Some(columns), _) => columns.stamp_wraps(),
+            Kind::Plotter(plotter) => plotter.columns.stamp_wraps(),
+            _ => None,
+        }
+    }
+
+    /// After how many frames their numbers begin anew, where they wrap.
+    #[must_use]
+    pub fn number_wraps(&self) -> Option<u64> {
+        match &self.kind {
+            Kind::Csv(Some(columns), _) => columns.number_wraps(),
+            _ => None,
+        }
+    }
+
+    /// Reads a line, without its end.
+    pub fn line(&mut self, text: &str, counts: &mut Counts) -> Decoded {
+        let Some(text) = checked(text) else { return Decoded::Lost };
+        match &mut self.kind {
+            Kind::Serial => match flux_line(text) {
+                Some(flux) => {
+                    counts.saturated += flux.iter().filter(|b| is_saturated(**b)).count() as u64;
+                    frame(Frame { readings: flux.to_vec(), ..Frame::default() })
+                }
+                None => Decoded::Lost,
+            },
+            Kind::Serial2(turns) => {
+                let flux = flux_line(text);
+                match (turns.push(flux), flux) {
+                    (Some(pair), _) => frame(Frame { readings: pair.to_vec(), ..Frame::default() }),
+                    (None, Some(_)) => Decoded::Nothing,
+                    (None, None) => Decoded::Lost,
+                }
+            }
+            Kind::Plotter(plotter) => plotter.line(text),
+            Kind::Ratatouille => ratatouille(text).map_or(Decoded::Lost, frame),
+            Kind::Openwhisker(carried) => match numbers::<6>(text) {
+                Some([t, x, y, z, _, _]) if [x, y, z].iter().all(|c| (0.0..65_536.0).contains(c)) => {
+                    let readings = carried.push([x, y, z]).to_vec();
+                    counts.wrapped = carried.wrapped as u64;
+                    frame(Frame { stamp: Some(t), readings, ..Frame::default() })
+                }
+                _ => Decoded::Lost,
+            },
+            Kind::Csv(Some(columns), _) => columns.line(text).map_or(Decoded::Lost, |Values(values)| frame(values)),
+            Kind::Csv(none, whisker) => {
+                let names: Vec<String> = text.split(',').map(|name| name.trim().to_owned()).collect();
+                match Columns::of_header(&names, whisker) {
+                    Some(columns) => {
+                        self.channels = columns.channels().to_vec();
+                        *none = Some(columns);
+                        Decoded::Nothing
+                    }
+                    None => Decoded::Lost,
+                }
+            }
+            Kind::Tum => match parse_tum(text).ok().and_then(|poses| poses.first().copied()) {
+                Some(pose) => {
+                    frame(Frame { stamp: Some(pose.t), pose: Some(pose.map_from_robot), ..Frame::default() })
+                }
+                None if text.starts_with('#') => Decoded::Nothing,
+                None => Decoded::Lost,
+            },
+        }
+    }
+}
+
+fn frame(frame: Frame) -> Decoded {
+    Decoded::Frame(frame)
+}
+
+fn ratatouille(text: &str) -> Option<Frame> {
+    let mut fields = text.split(',').map(str::trim);
+    let (stamp, x, y) = (fields.next()?, fields.next()?, fields.next()?);
+    let readings = vec![number(x)?, number(y)?];
+    let counts = readings.iter().all(|count| (0.0..65_536.0).contains(count));
+    (fields.next().is_none() && counts).then(|| Frame { stamp: host_stamp(stamp), readings, ..Frame::default() })
+}
+
+/// The line without its checksum; none where that is wrong.
+fn checked(text: &str) -> Option<&str> {
+    let Some((body, sum)) = text.rsplit_once('*') else { return Some(text) };
+    let told = (sum.len() == 2).then(|| u8::from_str_radix(sum, 16).ok()).flatten()?;
+    (body.bytes().fold(0, |sum, byte| sum ^ byte) == told).then_some(body)
+}

@@ -1,0 +1,20 @@
+//! Localization while the robot drives: from the wire to the pose, and nothing lost when the power goes.
+//!
+//! | step | from | to | where |
+//! | --- | --- | --- | --- |
+//! | wire | serial ports, sockets, pipes, recordings | bytes and when they arrived | [`source`] |
+//! | frames | bytes, torn anywhere | numbers of one line | [`decode`] |
+//! | clock | stamps, counts, arrivals | host times | [`clock`], [`timing`] |
+//! | join | frames of several streams | rows with odometry | [`join`] |
+//! | calibrate | flux, counts | moments | `vibrissa_io::Calibrator` |
+//! | estimator | rows | places and a verdict | `vibrissa_core::Localizer` |
+//! | outputs | estimates | JSON lines, a recording, words | [`output`], [`record`] |
+
+pub mod clock;
+pub mod config;
+pub mod counts;
+pub mod decode;
+pub mod join;
+pub mod timing;
+
+use vibrissa_core::{Error, Result};
