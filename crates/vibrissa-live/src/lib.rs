@@ -14,7 +14,17 @@ pub mod clock;
 pub mod config;
 pub mod counts;
 pub mod decode;
+pub mod estimate;
 pub mod join;
+pub mod journal;
+pub mod latency;
+pub mod output;
+pub mod pipeline;
+pub mod record;
+pub mod replay;
+pub mod run;
+pub mod setup;
+pub mod source;
 pub mod timing;
 
 use vibrissa_core::{Error, Result};

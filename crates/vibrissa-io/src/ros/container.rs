@@ -14,6 +14,9 @@ const LATCHED: &str = "- history: 1\n  depth: 1\n  reliability: 1\n  durability:
 /// A chunk of this size is closed before the next message (bytes).
 pub(super) const CHUNK_SIZE: usize = 1 << 20;
 
+/// Most chunks that the summary has an index of: 20 MB. Longer recordings are read without one, from their beginning.
+const MOST_INDEXED: u32 = 1 << 17;
+
 /// A topic: its name, the kind of its messages, and whether the last one holds until it is said again.
 pub(super) type NewTopic = (String, Kind, bool);
 
@@ -90,6 +93,9 @@ impl Container {
         if let Some(chunk) = self.chunk.take() {
             chunk.write(self.taken, &mut self.bytes).write(op::CHUNK_INDEX, &mut self.chunk_indices);
             self.chunks += 1;
+            if self.chunks > MOST_INDEXED {
+                self.chunk_indices.clear();
+            }
         }
     }
 

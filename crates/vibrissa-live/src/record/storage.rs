@@ -1,0 +1,81 @@
+//! Where a recording's bytes go.
+
+use crate::{Error, Result};
+use std::fs::{File, OpenOptions};
+use std::io::{ErrorKind, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+
+/// A file that grows at its end, so that tests can let it fail.
+pub trait Storage: Send {
+    /// Writes bytes at the end.
+    ///
+    /// # Errors
+    ///
+    /// What the system says; a part of the bytes may be there.
+    fn append(&mut self, bytes: &[u8]) -> std::io::Result<()>;
+
+    /// Waits until all bytes are on the disk.
+    ///
+    /// # Errors
+    ///
+    /// What the system says.
+    fn sync(&mut self) -> std::io::Result<()>;
+
+    /// Cuts the file to a length.
+    ///
+    /// # Errors
+    ///
+    /// What the system says.
+    fn truncate(&mut self, length: u64) -> std::io::Result<()>;
+}
+
+/// A file on the disk.
+#[derive(Debug)]
+pub struct FileStorage(File);
+
+impl FileStorage {
+    /// A new file `NAME.mcap` in a folder, which is made where it is missing; `NAME-2.mcap` and so on where there is one: no
+    /// earlier recording is touched.
+    ///
+    /// # Errors
+    ///
+    /// A folder or a file that cannot be made.
+    pub fn create(folder: &Path, name: &str) -> Result<(Self, PathBuf)> {
+        let fault = |path: &Path, error: &std::io::Error| {
+            Error::data(format!("cannot begin the recording ({error})"))
+                .in_file(path)
+                .remedy("choose another folder with --out, or free the disk")
+        };
+        std::fs::create_dir_all(folder).map_err(|error| fault(folder, &error))?;
+        let mut count = 1;
+        loop {
+            let path = folder.join(if count == 1 { format!("{name}.mcap") } else { format!("{name}-{count}.mcap") });
+            match OpenOptions::new().write(true).create_new(true).open(&path) {
+                Ok(file) => {
+                    // The entry in the folder has to survive a power cut, too; not every system synchronises folders.
+                    if let Ok(folder) = File::open(folder) {
+                        let _ = folder.sync_all();
+                    }
+                    return Ok((Self(file), path));
+                }
+                Err(error) if error.kind() == ErrorKind::AlreadyExists => count += 1,
+                Err(error) => return Err(fault(&path, &error)),
+            }
+        }
+    }
+}
+
+impl Storage for FileStorage {
+    fn append(&mut self, bytes: &[u8]) -> std::io::Result<()> {
+        self.0.write_all(bytes)
+    }
+
+    fn sync(&mut self) -> std::io::Result<()> {
+        self.0.sync_data()
+    }
+
+    fn truncate(&mut self, length: u64) -> std::io::Result<()> {
+        self.0.set_len(length)?;
+        self.0.seek(SeekFrom::Start(length)).map(|_| ())
+    }
+}

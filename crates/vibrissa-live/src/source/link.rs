@@ -1,0 +1,189 @@
+//! Links that can be opened and read with patience.
+
+use std::fs::File;
+use std::io::{ErrorKind, Read, Result};
+use std::net::{TcpStream, ToSocketAddrs, UdpSocket};
+use std::path::PathBuf;
+use std::time::Duration;
+
+/// How long a connection may take (s).
+const CONNECT: Duration = Duration::from_secs(2);
+
+/// Where a source's bytes come from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Wire {
+    /// A serial port and its baud rate.
+    Serial {
+        /// `/dev/ttyACM0` or a name in `/dev/serial/by-id`.
+        port: PathBuf,
+        /// Bits a second.
+        baud: u32,
+    },
+    /// The address `host:port` of a stream socket.
+    Tcp(String),
+    /// The address `host:port` at which datagrams are received.
+    Udp(String),
+    /// A Unix stream socket.
+    Unix(PathBuf),
+    /// A named pipe or a file; `-` is standard input.
+    Pipe(PathBuf),
+}
+
+impl Wire {
+    /// Whether it ends for good when its other side closes.
+    #[must_use]
+    pub fn ends(&self) -> bool {
+        matches!(self, Self::Pipe(_))
+    }
+
+    /// Whether it can begin in the middle of a line.
+    #[must_use]
+    pub fn may_be_torn(&self) -> bool {
+        matches!(self, Self::Serial { .. })
+    }
+
+    pub(super) fn is_datagrams(&self) -> bool {
+        matches!(self, Self::Udp(_))
+    }
+
+    /// The name for words.
+    #[must_use]
+    pub fn shown(&self) -> String {
+        match self {
+            Self::Serial { port, baud } => format!("{} at {baud} baud", port.display()),
+            Self::Tcp(address) => format!("tcp {address}"),
+            Self::Udp(address) => format!("udp {address}"),
+            Self::Unix(path) => format!("the socket {}", path.display()),
+            Self::Pipe(path) if path.as_os_str() == "-" => "standard input".to_owned(),
+            Self::Pipe(path) => path.display().to_string(),
+        }
+    }
+
+    /// Opens it; why it cannot be, and what to do. `remembered` is kept between the calls for one wire.
+    pub(super) fn open(&self, remembered: &mut Option<PathBuf>) -> core::result::Result<Box<dyn Link>, String> {
+        let told = |error: std::io::Error| self.cannot_open(&error);
+        match self {
+            Self::Serial { port, baud } => open_serial(port, *baud, remembered).map_err(told),
+            Self::Tcp(address) => connect(address).map(|stream| Box::new(stream) as Box<dyn Link>).map_err(told),
+            Self::Udp(address) => UdpSocket::bind(address).map(|socket| Box::new(socket) as Box<dyn Link>).map_err(told),
+            Self::Unix(path) => open_unix(path).map_err(told),
+            Self::Pipe(path) if path.as_os_str() == "-" => Ok(Box::new(StandardInput)),
+            Self::Pipe(path) => File::open(path).map(|file| Box::new(file) as Box<dyn Link>).map_err(told),
+        }
+    }
+
+    fn cannot_open(&self, error: &std::io::Error) -> String {
+        let remedy = match (self, error.kind()) {
+            (Self::Serial { .. }, ErrorKind::PermissionDenied) => {
+                "add yourself to the group of the port (`ls -l` shows it, often dialout) and log in again"
+            }
+            (Self::Serial { .. }, ErrorKind::NotFound) => "is the device plugged in? `ls /dev/serial/by-id` lists those that are",
+            (Self::Serial { .. }, ErrorKind::ResourceBusy) => "another program has it open; close that",
+            (Self::Tcp(_) | Self::Unix(_), _) => "is the other side listening?",
+            (Self::Udp(_), _) => "another program may have the address; choose another port",
+            _ => "check path and permissions",
+        };
+        format!("cannot open {}: {error}; {remedy}; trying again", self.shown())
+    }
+}
+
+/// Something open.
+pub(super) trait Link {
+    /// Reads bytes; none where there are none for so long, 0 at the end.
+    fn read(&mut self, buffer: &mut [u8], patience: Duration) -> Result<Option<usize>>;
+}
+
+/// None where an error only says that there is nothing yet.
+fn patient(read: Result<usize>) -> Result<Option<usize>> {
+    match read {
+        Ok(count) => Ok(Some(count)),
+        Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut | ErrorKind::Interrupted) => {
+            Ok(None)
+        }
+        Err(error) => Err(error),
+    }
+}
+
+fn connect(address: &str) -> Result<TcpStream> {
+    let mut last = std::io::Error::new(ErrorKind::NotFound, "no such host");
+    for one in address.to_socket_addrs()? {
+        match TcpStream::connect_timeout(&one, CONNECT) {
+            Ok(stream) => return Ok(stream),
+            Err(error) => last = error,
+        }
+    }
+    Err(last)
+}
+
+impl Link for TcpStream {
+    fn read(&mut self, buffer: &mut [u8], patience: Duration) -> Result<Option<usize>> {
+        self.set_read_timeout(Some(patience))?;
+        patient(Read::read(self, buffer))
+    }
+}
+
+impl Link for UdpSocket {
+    fn read(&mut self, buffer: &mut [u8], patience: Duration) -> Result<Option<usize>> {
+        self.set_read_timeout(Some(patience))?;
+        // An empty datagram is no end.
+        Ok(patient(self.recv(buffer))?.filter(|count| *count > 0))
+    }
+}
+
+/// A regular file is read as fast as it is taken; a pipe where it can be waited for, with patience.
+impl Link for File {
+    fn read(&mut self, buffer: &mut [u8], patience: Duration) -> Result<Option<usize>> {
+        if !readable(self, patience)? {
+            return Ok(None);
+        }
+        patient(Read::read(self, buffer))
+    }
+}
+
+struct StandardInput;
+
+impl Link for StandardInput {
+    fn read(&mut self, buffer: &mut [u8], patience: Duration) -> Result<Option<usize>> {
+        let mut input = std::io::stdin().lock();
+        if !readable(&input, patience)? {
+            return Ok(None);
+        }
+        patient(input.read(buffer))
+    }
+}
+
+#[cfg(unix)]
+use super::serial::readable;
+
+#[cfg(not(unix))]
+fn readable<T>(_: &T, _: Duration) -> Result<bool> {
+    Ok(true)
+}
+
+#[cfg(unix)]
+fn open_serial(port: &std::path::Path, baud: u32, remembered: &mut Option<PathBuf>) -> Result<Box<dyn Link>> {
+    super::serial::SerialPort::open(port, baud, remembered).map(|port| Box::new(port) as Box<dyn Link>)
+}
+
+#[cfg(not(unix))]
+fn open_serial(_: &std::path::Path, _: u32, _: &mut Option<PathBuf>) -> Result<Box<dyn Link>> {
+    Err(std::io::Error::new(ErrorKind::Unsupported, "serial ports are read on Linux and macOS; here use tcp, udp or a pipe"))
+}
+
+#[cfg(unix)]
+impl Link for std::os::unix::net::UnixStream {
+    fn read(&mut self, buffer: &mut [u8], patience: Duration) -> Result<Option<usize>> {
+        self.set_read_timeout(Some(patience))?;
+        patient(Read::read(self, buffer))
+    }
+}
+
+#[cfg(unix)]
+fn open_unix(path: &std::path::Path) -> Result<Box<dyn Link>> {
+    std::os::unix::net::UnixStream::connect(path).map(|stream| Box::new(stream) as Box<dyn Link>)
+}
+
+#[cfg(not(unix))]
+fn open_unix(_: &std::path::Path) -> Result<Box<dyn Link>> {
+    Err(std::io::Error::new(ErrorKind::Unsupported, "sockets with a path are a thing of Unix; here use tcp"))
+}
