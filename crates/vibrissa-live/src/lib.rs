@@ -22,6 +22,8 @@ pub mod output;
 pub mod pipeline;
 pub mod record;
 pub mod replay;
+#[cfg(unix)]
+pub mod robot;
 pub mod run;
 pub mod setup;
 pub mod source;

@@ -75,12 +75,17 @@ struct Queue {
     notices: Vec<Notice>,
     counts: Vec<(String, Counts)>,
     ended: bool,
+    /// Whether nobody takes rows any more.
+    gone: bool,
     fault: Option<Error>,
 }
 
 struct Shared {
     queue: Mutex<Queue>,
     more: Condvar,
+    /// Whether the sources wait until their rows are used: files do.
+    patient: bool,
+    fewer: Condvar,
 }
 
 impl Shared {
@@ -112,12 +117,15 @@ pub fn run(
         std::thread::spawn(move || read_wire(index, &wire, &clock, &sender, &stop));
     }
     drop(sender);
-    let shared = Shared { queue: Mutex::default(), more: Condvar::new() };
+    let patient = setup.sources.iter().all(|source| source.wire.is_file());
+    let shared = Shared { queue: Mutex::default(), more: Condvar::new(), patient, fewer: Condvar::new() };
     let result = std::thread::scope(|scope| {
         let (clock, stop, shared) = (&clock, &*stop, &shared);
         scope.spawn(move || join_chunks(pipeline, &receiver, journal, clock, stop, shared));
         let result = estimate_rows(setup, map, journal, clock, stop, shared, watch);
         stop.store(true, Ordering::Relaxed);
+        shared.lock().gone = true;
+        shared.fewer.notify_all();
         result
     });
     stop.store(true, Ordering::Relaxed);
@@ -187,13 +195,16 @@ fn hand_over(
     fault: Option<Error>,
 ) {
     let mut queue = shared.lock();
+    while shared.patient && queue.rows.len() >= ROWS_BEFORE_MERGING && !queue.gone {
+        queue = shared.fewer.wait(queue).unwrap_or_else(PoisonError::into_inner);
+    }
     let wakes = !rows.is_empty() || !notices.is_empty() || fault.is_some();
     if !*known && let Some(channels) = pipeline.channels() {
         *known = true;
         queue.known = Some((channels.to_vec(), pipeline.robot()));
     }
     queue.rows.extend(rows.into_iter().map(|joined| UsedRow { joined, merged: 1 }));
-    if queue.rows.len() > ROWS_WAITING {
+    if queue.rows.len() > ROWS_WAITING && !shared.patient {
         let all = core::mem::take(&mut queue.rows);
         queue.rows = merged(all.into_iter(), ROWS_WAITING / 2).into();
     }
@@ -224,8 +235,10 @@ fn take(shared: &Shared, health: &mut Health) -> Result<Batch> {
     }
     let all = core::mem::take(&mut queue.rows);
     health.sources = queue.counts.clone();
+    shared.fewer.notify_all();
+    let most = if shared.patient { usize::MAX } else { ROWS_BEFORE_MERGING };
     Ok(Batch {
-        rows: merged(all.into_iter(), ROWS_BEFORE_MERGING),
+        rows: merged(all.into_iter(), most),
         notices: core::mem::take(&mut queue.notices),
         ended: queue.ended,
     })

@@ -5,6 +5,8 @@ mod calibrate;
 mod contact;
 mod contact_set;
 mod demo;
+#[cfg(feature = "live")]
+mod live;
 mod localize;
 mod preimage;
 mod profile;
@@ -27,6 +29,8 @@ pub(crate) enum Command {
     Contact(contact::Args),
     Profile(profile::Args),
     Localize(localize::Args),
+    #[cfg(feature = "live")]
+    Live(live::Args),
     ContactSet(contact_set::Args),
     Preimage(preimage::Args),
     Simulate(simulate::Args),
@@ -44,6 +48,8 @@ pub(crate) fn run(command: &Command) -> Result<()> {
         Command::Profile(args) => profile::run(args),
         Command::Demo(args) => demo::run(args),
         Command::Localize(args) => localize::run(args),
+        #[cfg(feature = "live")]
+        Command::Live(args) => live::run(args),
         Command::Simulate(args) => simulate::run(args),
         Command::Reproduce(args) => reproduce::run(args),
     }

@@ -3,7 +3,7 @@
 use std::fs::File;
 use std::io::{ErrorKind, Read, Result};
 use std::net::{TcpStream, ToSocketAddrs, UdpSocket};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 /// How long a connection may take (s).
@@ -40,6 +40,14 @@ impl Wire {
     #[must_use]
     pub fn may_be_torn(&self) -> bool {
         matches!(self, Self::Serial { .. })
+    }
+
+    /// Whether it is a file on the disk, which waits until it is read.
+    #[must_use]
+    pub fn is_file(&self) -> bool {
+        let Self::Pipe(path) = self else { return false };
+        let path = if path.as_os_str() == "-" { Path::new("/dev/stdin") } else { path };
+        std::fs::metadata(path).is_ok_and(|data| data.is_file())
     }
 
     pub(super) fn is_datagrams(&self) -> bool {
@@ -161,12 +169,12 @@ fn readable<T>(_: &T, _: Duration) -> Result<bool> {
 }
 
 #[cfg(unix)]
-fn open_serial(port: &std::path::Path, baud: u32, remembered: &mut Option<PathBuf>) -> Result<Box<dyn Link>> {
+fn open_serial(port: &Path, baud: u32, remembered: &mut Option<PathBuf>) -> Result<Box<dyn Link>> {
     super::serial::SerialPort::open(port, baud, remembered).map(|port| Box::new(port) as Box<dyn Link>)
 }
 
 #[cfg(not(unix))]
-fn open_serial(_: &std::path::Path, _: u32, _: &mut Option<PathBuf>) -> Result<Box<dyn Link>> {
+fn open_serial(_: &Path, _: u32, _: &mut Option<PathBuf>) -> Result<Box<dyn Link>> {
     Err(std::io::Error::new(ErrorKind::Unsupported, "serial ports are read on Linux and macOS; here use tcp, udp or a pipe"))
 }
 
@@ -179,11 +187,11 @@ impl Link for std::os::unix::net::UnixStream {
 }
 
 #[cfg(unix)]
-fn open_unix(path: &std::path::Path) -> Result<Box<dyn Link>> {
+fn open_unix(path: &Path) -> Result<Box<dyn Link>> {
     std::os::unix::net::UnixStream::connect(path).map(|stream| Box::new(stream) as Box<dyn Link>)
 }
 
 #[cfg(not(unix))]
-fn open_unix(_: &std::path::Path) -> Result<Box<dyn Link>> {
+fn open_unix(_: &Path) -> Result<Box<dyn Link>> {
     Err(std::io::Error::new(ErrorKind::Unsupported, "sockets with a path are a thing of Unix; here use tcp"))
 }

@@ -50,3 +50,14 @@ pub fn path() -> Result<Vec<StampedPose>> {
 pub fn sweep(seed: u64) -> Result<Sweep> {
     simulate_tip_sweep(&arena()?, &Robot::default(), &path()?, &SweepNoise::seeded(seed))
 }
+
+/// The same sweep at another speed (m/s), for a robot that is watched while it drives.
+///
+/// # Errors
+///
+/// A speed that is not above 0.
+pub fn sweep_at(seed: u64, speed: f64) -> Result<Sweep> {
+    let waypoints = WAYPOINTS.map(|[x, y, degrees]| Pose2::new(x, y, degrees.to_radians()));
+    let path = path_through(&waypoints, &Pace { speed, turn_rate: PACE.turn_rate * speed / PACE.speed, ..PACE })?;
+    simulate_tip_sweep(&arena()?, &Robot::default(), &path, &SweepNoise::seeded(seed))
+}

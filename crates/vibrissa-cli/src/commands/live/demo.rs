@@ -1,0 +1,35 @@
+//! `vibrissa live --demo`: a simulated robot behind pseudo-terminals.
+
+use super::{Args, Course, on_robot};
+use crate::output::write_all;
+use std::path::PathBuf;
+use vibrissa::Result;
+use vibrissa::config::defaults::SEED;
+use vibrissa::tasks::demo;
+use vibrissa_live::robot::SimulatedRobot;
+use vibrissa_live::setup;
+
+/// Speed of the robot (m/s): the sweep takes twelve seconds.
+const SPEED: f64 = 0.02;
+
+pub(super) fn run(args: &Args) -> Result<()> {
+    let sweep = demo::sweep_at(SEED, SPEED)?;
+    // The files that a setup names; without --out they are not kept.
+    let temporary = std::env::temp_dir().join(format!("vibrissa-live-demo-{}", std::process::id()));
+    let folder: PathBuf = args.out.clone().unwrap_or_else(|| temporary.clone());
+    write_all(&folder, &[("map.svg", demo::ARENA_SVG.to_owned())])?;
+    let robot_file = SimulatedRobot::write_files(&folder)?;
+    let robot = SimulatedRobot::new()?;
+    let text = robot.setup(&folder.join("map.svg"), &robot_file);
+    write_all(&folder, &[("live.toml", text.clone())])?;
+    let setup = setup::from_toml(&text, "the demo's setup")?;
+    let driving = robot.drive(sweep.log, args.speed.unwrap_or(1.0))?;
+    let folder = folder.canonicalize().unwrap_or(folder);
+    let course = Course { truth: &sweep.truth, is_over: Some(&|| driving.is_finished()) };
+    let result = on_robot(args, &setup, &folder, args.out.as_deref(), &course);
+    if args.out.is_none() {
+        // What cannot be removed is left to the system.
+        let _ = std::fs::remove_dir_all(temporary);
+    }
+    result
+}

@@ -1,0 +1,155 @@
+//! `vibrissa live`: where the robot is while it drives.
+
+#[cfg(unix)]
+mod demo;
+mod monitor;
+mod replay;
+
+use crate::interrupt::{self, Heedful, stopped};
+use crate::output::{print, warn};
+use core::ops::ControlFlow;
+use monitor::Monitor;
+use std::path::{Path, PathBuf};
+use vibrissa::flow::pose::StampedPose;
+use vibrissa::world::{Map, Robot};
+use vibrissa::{Error, Result};
+use vibrissa_live::journal::Journal;
+use vibrissa_live::record::FileStorage;
+use vibrissa_live::run::{Health, Update, run as run_live};
+use vibrissa_live::setup::{self, Setup};
+use vibrissa_live::source::HostClock;
+
+/// Find where the robot is while it drives, from serial ports, sockets or pipes.
+///
+/// A file live.toml names the map, the robot, and the sources of readings and odometry with their formats and delays. All that
+/// arrives is recorded first, so that a power cut loses at most half a second. The pose, its extent, the verdict and what was
+/// lost stand on a line of the terminal; --json prints each estimate as a line of JSON. Ctrl-C ends the run.
+///
+/// With --out DIR: recording.mcap, which --replay runs again to the same estimates, and viewers such as Foxglove show.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Args {
+    /// The setup (live.toml)
+    #[arg(required_unless_present_any = ["demo", "replay"])]
+    setup: Option<PathBuf>,
+    /// Drive a simulated robot along the built-in arena: real bytes in real time, from a pseudo-terminal
+    #[arg(long, conflicts_with_all = ["setup", "replay"])]
+    demo: bool,
+    /// Run a recording again (recording.mcap, or its folder); with a setup, by that one
+    #[arg(long, value_name = "RECORDING")]
+    replay: Option<PathBuf>,
+    /// The speed of --replay and --demo, 1 for their own [default: --replay as fast as it goes, --demo 1]
+    #[arg(long, value_name = "N")]
+    speed: Option<f64>,
+    /// Write recording.mcap into this folder, made if missing; earlier ones stay [default: live, beside the setup]
+    #[arg(long, value_name = "DIR", conflicts_with = "no_record")]
+    out: Option<PathBuf>,
+    /// Record nothing
+    #[arg(long)]
+    no_record: bool,
+    /// Print each estimate as a line of JSON
+    #[arg(long)]
+    json: bool,
+    /// Print the histogram of latencies at the end
+    #[arg(long)]
+    latency: bool,
+}
+
+/// Runs the command.
+pub(crate) fn run(args: &Args) -> Result<()> {
+    if let Some(speed) = args.speed.filter(|speed| !(*speed > 0.0 && speed.is_finite())) {
+        return Err(Error::usage("--speed").value(speed).allowed("above 0"));
+    }
+    let _heeds = Heedful::begin();
+    let result = match (&args.replay, &args.setup) {
+        (Some(recording), setup) => replay::run(args, recording, setup.as_deref()),
+        (None, Some(path)) => {
+            let setup = setup::read(path)?;
+            let folder = folder_of(path);
+            let out = args.out.clone().unwrap_or_else(|| folder.join("live"));
+            on_robot(args, &setup, &folder, (!args.no_record).then_some(out.as_path()), &Course::default())
+        }
+        #[cfg(unix)]
+        (None, None) => demo::run(args),
+        #[cfg(not(unix))]
+        (None, None) => Err(Error::usage("--demo needs pseudo-terminals, which Linux and macOS have")),
+    };
+    // Ctrl-C is how a live run ends.
+    interrupt::reset();
+    result
+}
+
+/// The folder of a file, whole, so that a recording can be run again from anywhere.
+fn folder_of(path: &Path) -> PathBuf {
+    let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    parent.canonicalize().unwrap_or_else(|_| parent.to_owned())
+}
+
+/// The map and the robot of a setup, with a word about what looks doubtful.
+fn world_of(setup: &Setup) -> Result<(Map, Robot)> {
+    let map = vibrissa::read_map(&setup.map)?;
+    map.warnings.iter().for_each(|warning| warn(warning));
+    let robot = match &setup.robot {
+        Some(path) => vibrissa::read_robot(path)?,
+        None => Robot::default(),
+    };
+    for whisker in &robot.whiskers {
+        let taken = setup.method.takes(&whisker.beam);
+        taken.map_err(|error| error.about(&format!("whisker \"{}\"", whisker.name)))?;
+    }
+    Ok((map, robot))
+}
+
+/// What is known of a simulated robot's course.
+#[derive(Default)]
+struct Course<'a> {
+    truth: &'a [StampedPose],
+    is_over: Option<&'a dyn Fn() -> bool>,
+}
+
+/// Runs a setup on the robot that it names.
+fn on_robot(args: &Args, setup: &Setup, folder: &Path, out: Option<&Path>, course: &Course<'_>) -> Result<()> {
+    let (map, robot) = world_of(setup)?;
+    let (journal, recording) = match out {
+        Some(out) => {
+            let (storage, path) = FileStorage::create(out, "recording")?;
+            (Some(Journal::begin(storage, setup, folder, HostClock::new().now())), Some(path))
+        }
+        None => (None, None),
+    };
+    let mut monitor = Monitor::new(args.json);
+    let finished = run_live(setup, &map, &robot, journal.as_ref(), &mut |update| {
+        match update {
+            Update::Estimate(told, health) => monitor.estimate(told, health),
+            Update::Notice(notice) => monitor.notice(notice),
+            Update::Idle(health) => monitor.idle(health),
+        }
+        let is_over = course.is_over.is_some_and(|is_over| is_over());
+        if stopped() || monitor.is_closed() || is_over { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    });
+    monitor.end();
+    let mut health = finished.as_ref().map_or_else(|_| Health::default(), |finished| finished.health.clone());
+    if let Some(journal) = journal {
+        health.dropped = journal.recorder().dropped();
+        if let Err(reason) = journal.finish() {
+            warn(&format!("the recording could not be closed ({reason}); what was written before is whole"));
+        }
+    }
+    let finished = finished?;
+    if args.json {
+        return Ok(());
+    }
+    let mut text = monitor::verdict(&finished.estimate);
+    if let (Some(truth), Some(pose)) = (course.truth.last(), finished.estimate.pose()) {
+        let off = pose.position().distance(truth.map_from_robot.position());
+        text.push_str(&format!("  off the truth by {:.2} mm\n", 1e3 * off));
+    }
+    text.push_str(&monitor::account(&health, args.latency));
+    match recording {
+        Some(path) => text.push_str(&format!(
+            "\nRecorded: {0}\nRun it again: vibrissa live --replay {0}\n",
+            path.display()
+        )),
+        None => text.push_str("\nNothing was recorded; --out DIR records.\n"),
+    }
+    print(&text)
+}

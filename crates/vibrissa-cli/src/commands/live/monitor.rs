@@ -1,0 +1,173 @@
+//! What people see of a run: one line that changes, and an account at the end.
+
+use crate::output::print;
+use std::fmt::Write as _;
+use std::io::{IsTerminal, Write as _};
+use std::time::{Duration, Instant};
+use vibrissa::flow::pose::Estimate;
+use vibrissa_live::counts::Counts;
+use vibrissa_live::estimate::Told;
+use vibrissa_live::output::words;
+use vibrissa_live::pipeline::Notice;
+use vibrissa_live::run::Health;
+
+/// How often the line changes on a terminal, and how often a new one is written elsewhere.
+const REDRAW: Duration = Duration::from_millis(100);
+const NEW_LINE: Duration = Duration::from_secs(1);
+
+/// The line on the terminal.
+pub(super) struct Monitor {
+    json: bool,
+    is_terminal: bool,
+    shown: Option<Instant>,
+    /// Rows and time at the last look, for the rate.
+    before: (u64, Instant),
+    rate: f64,
+    words: String,
+    drawn: bool,
+    closed: bool,
+    disk: Option<String>,
+}
+
+impl Monitor {
+    pub(super) fn new(json: bool) -> Self {
+        Self {
+            json,
+            is_terminal: std::io::stderr().is_terminal(),
+            shown: None,
+            before: (0, Instant::now()),
+            rate: 0.0,
+            words: "waiting for the first row".to_owned(),
+            drawn: false,
+            closed: false,
+            disk: None,
+        }
+    }
+
+    /// Whether nobody reads the lines any more.
+    pub(super) fn is_closed(&self) -> bool {
+        self.closed
+    }
+
+    pub(super) fn estimate(&mut self, told: &Told, health: &Health) {
+        self.line(told);
+        self.words = words(&told.estimate);
+        self.redraw(health);
+    }
+
+    /// The line of JSON, where it is asked for.
+    pub(super) fn line(&mut self, told: &Told) {
+        if self.json {
+            self.closed |= writeln!(std::io::stdout(), "{}", told.line).is_err();
+        }
+    }
+
+    pub(super) fn notice(&mut self, notice: &Notice) {
+        self.clear();
+        // Standard error may be closed.
+        let _ = writeln!(std::io::stderr(), "{}: {}", notice.source, notice.text);
+    }
+
+    pub(super) fn idle(&mut self, health: &Health) {
+        // Where lines do not replace each other nothing new is said.
+        if self.is_terminal {
+            self.redraw(health);
+        }
+    }
+
+    fn redraw(&mut self, health: &Health) {
+        if health.disk != self.disk && !self.json {
+            self.disk.clone_from(&health.disk);
+            self.clear();
+            let _ = match &self.disk {
+                Some(reason) => writeln!(std::io::stderr(), "recording: {reason}; it waits in memory, trying again"),
+                None => writeln!(std::io::stderr(), "recording: the disk takes it again"),
+            };
+        }
+        let period = if self.is_terminal { REDRAW } else { NEW_LINE };
+        if self.shown.is_some_and(|shown| shown.elapsed() < period) || (self.json && !self.is_terminal) {
+            return;
+        }
+        self.shown = Some(Instant::now());
+        let (rows, since) = self.before;
+        let passed = since.elapsed().as_secs_f64();
+        if passed >= 1.0 {
+            self.rate = (health.rows - rows) as f64 / passed;
+            self.before = (health.rows, Instant::now());
+        }
+        let missing: u64 = health.sources.iter().map(|(_, counts)| counts.missing()).sum();
+        let mut line = format!(
+            "{} | {:.0} rows/s, {missing} frames missing, {:.1} ms",
+            self.words,
+            self.rate,
+            1e3 * health.latency.quantile(0.99)
+        );
+        if health.merged + health.dropped > 0 {
+            let _ = write!(line, ", {} merged, {} not recorded", health.merged, health.dropped);
+        }
+        let mut out = std::io::stderr();
+        let _ = if self.is_terminal { write!(out, "\r\x1b[2K{line}") } else { writeln!(out, "{line}") };
+        let _ = out.flush();
+        self.drawn = self.is_terminal;
+    }
+
+    /// Ends the line.
+    pub(super) fn end(&mut self) {
+        self.clear();
+    }
+
+    fn clear(&mut self) {
+        if core::mem::take(&mut self.drawn) {
+            let _ = write!(std::io::stderr(), "\r\x1b[2K");
+        }
+    }
+}
+
+/// The estimate at the end, in words.
+pub(super) fn verdict(estimate: &Estimate) -> String {
+    format!("{}\n", words(estimate))
+}
+
+/// What became of everything that arrived, in words.
+pub(super) fn account(health: &Health, histogram: bool) -> String {
+    let mut text = String::new();
+    for (name, counts) in &health.sources {
+        text.push_str(&source(name, counts));
+    }
+    let (latency, age) = (&health.latency, &health.age);
+    let ms = |seconds: f64| 1e3 * seconds;
+    // Writing into a string cannot fail.
+    let _ = writeln!(
+        text,
+        "  rows: {} used, {} merged into others, {} refused; from the last byte to the estimate {:.2} ms in the median, \
+         {:.2} ms for 99 %, {:.1} ms at most; from the measurement {:.1} ms in the median",
+        health.rows,
+        health.merged,
+        health.refused,
+        ms(latency.quantile(0.5)),
+        ms(latency.quantile(0.99)),
+        ms(latency.largest()),
+        ms(age.quantile(0.5)),
+    );
+    if health.dropped > 0 {
+        let _ = writeln!(text, "  recording: {} messages dropped, because the disk was too slow", health.dropped);
+    }
+    if histogram {
+        text.push_str("\nlatency up to (ms)   rows\n");
+        for (end, count) in latency.buckets() {
+            let _ = writeln!(text, "{:>18.4} {count:>6}", ms(end));
+        }
+    }
+    text
+}
+
+fn source(name: &str, counts: &Counts) -> String {
+    let words = counts.words();
+    let mended = if words.is_empty() { "nothing missing".to_owned() } else { words };
+    format!("  {name}: {} frames in {} bytes; {mended}\n", counts.frames, counts.bytes)
+}
+
+/// Prints words, unless JSON was asked for.
+pub(super) fn say(json: bool, text: &str) -> vibrissa::Result<()> {
+    if json { Ok(()) } else { print(text) }
+}
