@@ -29,6 +29,9 @@ use vibrissa_io::ros::{BagStream, Kind, Stamp, StreamTopic};
 /// A chunk of this size is written before its time (bytes).
 const LARGE: usize = 256 << 10;
 
+/// Bytes at the end of a file that say that it is whole.
+const SEAL: usize = 8;
+
 /// A topic of a recording.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RecordTopic(usize);
@@ -177,9 +180,15 @@ impl Writer {
                 due = Instant::now() + period;
             }
         }
-        let last = std::mem::take(&mut self.stream).finish();
-        self.pending.extend(last);
-        self.append(&mut storage);
+        // The last bytes say that the file is whole: they are written when all before them is on the disk.
+        if self.write(&mut storage) {
+            self.pending = core::mem::take(&mut self.stream).finish();
+            let seal = self.pending.split_off(self.pending.len().saturating_sub(SEAL));
+            if self.append(&mut storage) {
+                self.pending = seal;
+                self.append(&mut storage);
+            }
+        }
     }
 
     fn take(&mut self, entry: Entry) {

@@ -102,25 +102,25 @@ impl SimulatedRobot {
         write("robot.toml", "[[whisker]]\nname = \"w0\"\ncalibration = \"cal.json\"\n")
     }
 
-    /// Drives along a log of moments: each row's bytes are sent when its time has come, times `speed`.
+    /// Drives along a log of moments: each row's bytes are sent when its time has come.
     ///
     /// # Errors
     ///
     /// A log without moments.
-    pub fn drive(self, log: SensorLog, speed: f64) -> Result<JoinHandle<std::io::Result<()>>> {
+    pub fn drive(self, log: SensorLog) -> Result<JoinHandle<std::io::Result<()>>> {
         let moment = log.channels.iter().position(|c| c.quantity == Quantity::Moment);
         let moment = moment.ok_or_else(|| Error::data("the log to drive along has no moments"))?;
-        Ok(std::thread::spawn(move || self.send(&log, moment, speed)))
+        Ok(std::thread::spawn(move || self.send(&log, moment)))
     }
 
-    fn send(mut self, log: &SensorLog, moment: usize, speed: f64) -> std::io::Result<()> {
+    fn send(mut self, log: &SensorLog, moment: usize) -> std::io::Result<()> {
         let began = Instant::now();
         let first = log.rows.first().map_or(0.0, |row| row.t);
         // A little below the end of 32 bits, so that the stamps wrap after three seconds.
         let clock = |t: f64| ((4_291.967_296 + t) * 1e6) as u64 % (1 << 32);
         for (index, row) in log.rows.iter().enumerate() {
             let t = row.t - first;
-            let due = Duration::try_from_secs_f64(t / speed).unwrap_or_default();
+            let due = Duration::try_from_secs_f64(t).unwrap_or_default();
             std::thread::sleep(due.saturating_sub(began.elapsed()));
             self.whisker.send(flux_line(row.readings[moment]).as_bytes())?;
             if index % ODOMETRY_EVERY == 0 || index + 1 == log.rows.len() {

@@ -45,6 +45,8 @@ pub struct SourceSetup {
     pub whisker: String,
     /// What times are made from.
     pub time: TimeBase,
+    /// Whether every line has a checksum, the first one too.
+    pub checksums: bool,
     /// How much older a frame is than its stamp or arrival says (s).
     pub delay: f64,
 }
@@ -56,14 +58,16 @@ impl SourceSetup {
     ///
     /// As [`Decoder::new`].
     pub fn decoder(&self) -> Result<Decoder> {
-        Decoder::new(self.format, self.columns.as_deref(), &self.whisker)
+        let decoder = Decoder::new(self.format, self.columns.as_deref(), &self.whisker)?;
+        Ok(if self.checksums { decoder.with_checksums() } else { decoder })
     }
 }
 
 const TOP: [&str; 6] = ["map", "robot", "method", "options", "estimates", "source"];
 const WIRES: [&str; 5] = ["serial", "tcp", "udp", "unix", "pipe"];
-const KEYS: [&str; 13] = [
+const KEYS: [&str; 14] = [
     "name", "serial", "tcp", "udp", "unix", "pipe", "baud", "format", "columns", "whisker", "rate", "time", "delay",
+    "checksums",
 ];
 const TIMES: [&str; 4] = ["stamps", "count", "arrival", "own"];
 const RATES: Allowed = Allowed { holds: |v| (0.1..=1e5).contains(&v), text: "0.1 to 100000 Hz", remedy: "" };
@@ -198,6 +202,7 @@ fn source_entry(entry: &Section<'_>, index: usize, alone: bool) -> Result<Source
     Ok(SourceSetup {
         name: entry.text("name")?.map_or_else(|| format!("source{index}"), str::to_owned),
         time: time(entry, format, columns.as_deref(), whole)?,
+        checksums: flag(entry, "checksums")?,
         delay: entry.number("delay", Dimension::Time, &DELAYS)?.unwrap_or(0.0),
         wire,
         format,
@@ -291,6 +296,16 @@ fn time(entry: &Section<'_>, format: WireFormat, columns: Option<&[String]>, who
 
 fn is_time(name: Option<&str>) -> bool {
     matches!(name.map(str::trim), Some("t" | "t_ms" | "t_us"))
+}
+
+fn flag(entry: &Section<'_>, key: &str) -> Result<bool> {
+    let Some(value) = entry.get(key) else { return Ok(false) };
+    value.get_ref().as_bool().ok_or_else(|| {
+        entry
+            .source
+            .fault(&value.span(), format!("{} must be true or false", entry.key(key)))
+            .value(show(value.get_ref()))
+    })
 }
 
 fn texts(entry: &Section<'_>, key: &str) -> Result<Option<Vec<String>>> {

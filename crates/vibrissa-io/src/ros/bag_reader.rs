@@ -49,7 +49,7 @@ pub fn read_bag(
             bag.summary.warnings.push("the recording ends in the middle of a record; what came before is used".into());
         }
         // What was not synchronised when the power went may hold anything; a recording that was closed has no such end.
-        Err(Fault::Damaged(_)) if !bag.channels.is_empty() && !is_closed(&mut source) => {
+        Err(Fault::Damaged(_) | Fault::Chunk(_)) if !bag.channels.is_empty() && !is_closed(&mut source) => {
             bag.summary.warnings.push("the recording was cut off and its last bytes are damaged; what came before is used".into());
         }
         Err(fault) => return Err(fault.told().in_file(name)),
@@ -80,6 +80,8 @@ enum Fault {
     Cut,
     /// A record does not hold what it should.
     Damaged(&'static str),
+    /// A chunk cannot be taken apart.
+    Chunk(Error),
     Told(Error),
 }
 
@@ -92,7 +94,7 @@ impl From<Error> for Fault {
 impl Fault {
     fn told(self) -> Error {
         match self {
-            Self::Told(error) => error,
+            Self::Told(error) | Self::Chunk(error) => error,
             Self::Cut => Error::data("the recording ends before its first topic")
                 .remedy("record again; was the recorder stopped at once?"),
             Self::Damaged(why) => Error::data("the recording is damaged")
@@ -142,7 +144,8 @@ impl Bag {
                 return Err(Fault::Cut);
             }
             match kind {
-                op::FOOTER => break,
+                // What follows the data is an index of it.
+                op::FOOTER | op::DATA_END => break,
                 op::CHUNK => self.chunk(&bytes, visit)?,
                 _ => self.record(kind, &bytes, visit)?,
             }
@@ -207,7 +210,7 @@ impl Bag {
 
     fn chunk(&mut self, body: &[u8], visit: &mut Visit) -> core::result::Result<(), Fault> {
         let chunk = ChunkHeader::read(body).ok_or(Fault::Damaged("a chunk's record is too short"))?;
-        let whole = whole_chunk(&chunk)?;
+        let whole = whole_chunk(&chunk).map_err(Fault::Chunk)?;
         if chunk.checksum != 0 && crc32fast::hash(&whole) != chunk.checksum {
             return Err(Fault::Damaged("the checksum of a chunk is wrong"));
         }

@@ -10,7 +10,8 @@
 //! | `csv` | named columns, by a header line or by `columns` | columns `t`, `t_ms`, `t_us`, or counted |
 //! | `tum` | odometry `t x y z qx qy qz qw` | in the line |
 //!
-//! A line may end in `*HH`, the exclusive or of the bytes before it in hexadecimal digits: where it is there it must be right.
+//! A line may end in a checksum of the bytes before it: `*HH`, their exclusive or, or `*HHHH`, their CRC-16 (CCITT, from FFFF), in
+//! hexadecimal digits. Where it is there it must be right, and a stream that had one must have one in every line.
 
 mod columns;
 mod counter;
@@ -120,6 +121,8 @@ pub enum Decoded {
 pub struct Decoder {
     kind: Kind,
     channels: Vec<Channel>,
+    /// Whether every line has a checksum.
+    summed: bool,
 }
 
 #[derive(Clone, Debug)]
@@ -177,7 +180,14 @@ impl Decoder {
             }
             WireFormat::Tum => (Kind::Tum, Vec::new()),
         };
-        Ok(Self { kind, channels })
+        Ok(Self { kind, channels, summed: false })
+    }
+
+    /// The same for a stream in which every line has a checksum, the first one too.
+    #[must_use]
+    pub fn with_checksums(mut self) -> Self {
+        self.summed = true;
+        self
     }
 
     /// The readings of a frame; of CSV without `columns` known once the header has come.
@@ -223,7 +233,13 @@ impl Decoder {
 
     /// Reads a line, without its end.
     pub fn line(&mut self, text: &str, counts: &mut Counts) -> Decoded {
-        let Some(text) = checked(text) else { return Decoded::Lost };
+        let text = match checked(text) {
+            Some((body, summed)) if summed || !self.summed => {
+                self.summed |= summed;
+                body
+            }
+            _ => return Decoded::Lost,
+        };
         match &mut self.kind {
             Kind::Serial => match flux_line(text) {
                 Some(flux) => {
@@ -285,9 +301,70 @@ fn ratatouille(text: &str) -> Option<Frame> {
     (fields.next().is_none() && counts).then(|| Frame { stamp: host_stamp(stamp), readings, ..Frame::default() })
 }
 
-/// The line without its checksum; none where that is wrong.
-fn checked(text: &str) -> Option<&str> {
-    let Some((body, sum)) = text.rsplit_once('*') else { return Some(text) };
-    let told = (sum.len() == 2).then(|| u8::from_str_radix(sum, 16).ok()).flatten()?;
-    (body.bytes().fold(0, |sum, byte| sum ^ byte) == told).then_some(body)
+/// The line without its checksum, and whether it has one; none where that is wrong.
+fn checked(text: &str) -> Option<(&str, bool)> {
+    let Some((body, sum)) = text.rsplit_once('*') else { return Some((text, false)) };
+    let told = u16::from_str_radix(sum, 16).ok()?;
+    let found = match sum.len() {
+        2 => u16::from(body.bytes().fold(0, |sum, byte| sum ^ byte)),
+        4 => crc16(body.as_bytes()),
+        _ => return None,
+    };
+    (found == told).then_some((body, true))
+}
+
+/// CRC-16 with the polynomial 1021, most significant bit first, from FFFF.
+#[must_use]
+pub fn crc16(bytes: &[u8]) -> u16 {
+    bytes.iter().fold(0xffff, |crc, byte| {
+        (0..8).fold(crc ^ (u16::from(*byte) << 8), |crc, _| if crc & 0x8000 == 0 { crc << 1 } else { (crc << 1) ^ 0x1021 })
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Decoded, Decoder, WireFormat, crc16};
+    use crate::counts::Counts;
+
+    #[test]
+    fn checksums_are_those_of_the_catalogue() {
+        // The check value of CRC-16/CCITT-FALSE.
+        assert_eq!(crc16(b"123456789"), 0x29b1);
+        let mut decoder = Decoder::new(WireFormat::Serial, None, "w0").unwrap();
+        let mut counts = Counts::default();
+        let mut is_frame = |line: &str| matches!(decoder.line(line, &mut counts), Decoded::Frame(_));
+        assert!(is_frame("1,2,3") && !is_frame("1,2,3*00") && !is_frame("1,2,3*1") && is_frame("1,2,3*30"));
+        assert!(!is_frame("1,2,3"), "a stream with checksums has one in every line");
+        assert!(is_frame(&format!("1,2,3*{:04X}", crc16(b"1,2,3"))));
+    }
+
+    #[test]
+    fn lines_of_each_format_are_read_in_si() {
+        let readings = |format, columns: Option<&[&str]>, whisker, lines: &[&str]| -> Vec<Vec<f64>> {
+            let columns: Option<Vec<String>> = columns.map(|names| names.iter().map(|n| (*n).to_owned()).collect());
+            let mut decoder = Decoder::new(format, columns.as_deref(), whisker).unwrap();
+            let mut counts = Counts::default();
+            let frames = lines.iter().filter_map(|line| match decoder.line(line, &mut counts) {
+                Decoded::Frame(frame) => Some(frame.stamp.into_iter().chain(frame.readings).collect()),
+                _ => None,
+            });
+            frames.collect()
+        };
+        let one = |found: Vec<Vec<f64>>, want: &[f64]| {
+            assert_eq!(found.len(), 1, "{found:?}");
+            assert!(found[0].iter().zip(want).all(|(a, b)| (a - b).abs() < 1e-12), "{found:?}");
+        };
+        one(readings(WireFormat::Serial, None, "w", &["Sensor ready", "1.5,-2,3"]), &[1.5e-6, -2e-6, 3e-6]);
+        one(readings(WireFormat::Serial2, None, "a,b", &["1,2,3", "4,5,6"]), &[1e-6, 2e-6, 3e-6, 4e-6, 5e-6, 6e-6]);
+        let plotter = [">X: 7", ">Z: 1", ">Y: -8.5", ">X: 9"];
+        one(readings(WireFormat::Plotter, Some(&["X:ax", "Y:ay"]), "w", &plotter), &[7.0, -8.5]);
+        let host = "1970-01-01_00:00:02.5,30000,31000";
+        one(readings(WireFormat::Ratatouille, None, "w", &[host]), &[2.5, 30_000.0, 31_000.0]);
+        let wraps = readings(WireFormat::Openwhisker, None, "w", &["1,65530,5,9,0,0", "2,4,5,9,0,0"]);
+        assert_eq!(wraps[1], [2.0, 65_540.0, 5.0, 9.0]);
+        let named: &[&str] = &["t_ms", "-", "moment_mNm", "b.bx_uT"];
+        one(readings(WireFormat::Csv, Some(named), "w", &["1500,whatever,2,3"]), &[1.5, 2e-3, 3e-6]);
+        one(readings(WireFormat::Csv, None, "w", &["garbage", "t,x,y,theta,moment,other", "1,0,0,0,4,9"]), &[1.0, 4.0]);
+        one(readings(WireFormat::Tum, None, "", &["# a comment", "3 1 2 0 0 0 0 1"]), &[3.0]);
+    }
 }

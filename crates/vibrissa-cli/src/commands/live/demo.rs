@@ -23,7 +23,7 @@ pub(super) fn run(args: &Args) -> Result<()> {
     let text = robot.setup(&folder.join("map.svg"), &robot_file);
     write_all(&folder, &[("live.toml", text.clone())])?;
     let setup = setup::from_toml(&text, "the demo's setup")?;
-    let driving = robot.drive(sweep.log, args.speed.unwrap_or(1.0))?;
+    let driving = robot.drive(sweep.log)?;
     let folder = folder.canonicalize().unwrap_or(folder);
     let course = Course { truth: &sweep.truth, is_over: Some(&|| driving.is_finished()) };
     let result = on_robot(args, &setup, &folder, args.out.as_deref(), &course);

@@ -37,8 +37,8 @@ pub(crate) struct Args {
     /// Run a recording again (recording.mcap, or its folder); with a setup, by that one
     #[arg(long, value_name = "RECORDING")]
     replay: Option<PathBuf>,
-    /// The speed of --replay and --demo, 1 for their own [default: --replay as fast as it goes, --demo 1]
-    #[arg(long, value_name = "N")]
+    /// Times the recording's own speed [default: as fast as it goes]
+    #[arg(long, value_name = "N", requires = "replay")]
     speed: Option<f64>,
     /// Write recording.mcap into this folder, made if missing; earlier ones stay [default: live, beside the setup]
     #[arg(long, value_name = "DIR", conflicts_with = "no_record")]

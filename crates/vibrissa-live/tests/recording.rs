@@ -1,0 +1,174 @@
+//! Disks that are slow, full or lose power: what was synchronised is there, what was dropped is counted.
+
+mod common;
+
+use common::Dice;
+use std::io::{Error, ErrorKind, Result};
+use std::sync::{Arc, Condvar, Mutex};
+use vibrissa::io::ros::{BagStream, Kind, Stamp, decode_text, encode_text, read_bag};
+use vibrissa_live::record::{Recorder, Storage};
+
+/// The texts that a file holds, in order; an error where it cannot be read at all.
+fn texts(bytes: &[u8]) -> vibrissa::Result<Vec<String>> {
+    let mut found = Vec::new();
+    read_bag(bytes, "cut.mcap", |_, _, message| {
+        found.extend(decode_text(message).map(str::to_owned));
+        Ok(())
+    })?;
+    Ok(found)
+}
+
+/// Ten thousand power cuts: everything up to the last synchronisation is there; of what came after any blocks may be there, in
+/// any order, or filled with zeros, or cut.
+#[test]
+fn ten_thousand_power_cuts_lose_nothing_that_was_synchronised() {
+    let mut dice = Dice::new(99);
+    for cut in 0..10_000 {
+        let mut stream = BagStream::new();
+        let topic = stream.topic("/raw/w0", Kind::Text, false);
+        let (mut file, mut sent, mut count) = (Vec::new(), Vec::new(), 0);
+        for _ in 0..=dice.below(4) {
+            for _ in 0..=dice.below(6) {
+                let text = format!("line {count} {}", "x".repeat(dice.below(60)));
+                stream.push(topic, Stamp::from_seconds(f64::from(count)), &encode_text(&text));
+                sent.push(text);
+                count += 1;
+            }
+            file.extend(stream.flush());
+        }
+        let mut safe = sent.len();
+        // What was written and not synchronised yet.
+        for _ in 0..=dice.below(8) {
+            let text = format!("unsafe {count} {}", "y".repeat(dice.below(200)));
+            stream.push(topic, Stamp::from_seconds(f64::from(count)), &encode_text(&text));
+            sent.push(text);
+            count += 1;
+        }
+        let mut tail = stream.flush();
+        if dice.below(3) == 0 {
+            // The index is written when all before it is on the disk, and the last eight bytes after it.
+            file.extend(&tail);
+            safe = sent.len();
+            tail = stream.finish();
+            tail.truncate(tail.len() - 8);
+        }
+        let block = 1 + dice.below(128);
+        match dice.below(5) {
+            0 => tail.truncate(dice.below(tail.len())),
+            1 => tail.chunks_mut(block).filter(|_| dice.below(2) == 0).for_each(|block| block.fill(0)),
+            2 => tail.fill(0),
+            3 => {
+                // The file's length is there, its bytes are those of another file.
+                let end = tail.len();
+                tail[dice.below(end)..].iter_mut().for_each(|byte| *byte = (dice.next() >> 32) as u8);
+            }
+            _ => {
+                tail.chunks_mut(block).filter(|_| dice.below(3) == 0).for_each(<[u8]>::reverse);
+                tail.truncate(dice.below(tail.len()));
+            }
+        }
+        file.extend(&tail);
+        match texts(&file) {
+            Ok(found) => assert_eq!(found[..safe], sent[..safe], "cut {cut}"),
+            Err(error) => panic!("cut {cut}: {error}"),
+        }
+    }
+}
+
+/// A disk in memory that a test can hold, fill and look at.
+#[derive(Clone, Default)]
+struct Disk(Arc<(Mutex<State>, Condvar)>);
+
+#[derive(Default)]
+struct State {
+    bytes: Vec<u8>,
+    held: bool,
+    /// Room that is left; none without end.
+    room: Option<usize>,
+    refusals: usize,
+}
+
+impl Disk {
+    fn change(&self, change: impl FnOnce(&mut State)) {
+        change(&mut self.0.0.lock().unwrap());
+        self.0.1.notify_all();
+    }
+
+    fn wait_for(&self, condition: impl Fn(&State) -> bool) {
+        let state = self.0.0.lock().unwrap();
+        drop(self.0.1.wait_while(state, |state| !condition(state)).unwrap());
+    }
+
+    fn bytes(&self) -> Vec<u8> {
+        self.0.0.lock().unwrap().bytes.clone()
+    }
+}
+
+impl Storage for Disk {
+    fn append(&mut self, bytes: &[u8]) -> Result<()> {
+        let state = self.0.0.lock().unwrap();
+        let mut state = self.0.1.wait_while(state, |state| state.held).unwrap();
+        let fits = state.room.map_or(bytes.len(), |room| room.saturating_sub(state.bytes.len()).min(bytes.len()));
+        state.bytes.extend(&bytes[..fits]);
+        state.refusals += usize::from(fits < bytes.len());
+        self.0.1.notify_all();
+        if fits < bytes.len() { Err(Error::from(ErrorKind::StorageFull)) } else { Ok(()) }
+    }
+
+    fn sync(&mut self) -> Result<()> {
+        Ok(())
+    }
+
+    fn truncate(&mut self, length: u64) -> Result<()> {
+        self.change(|state| state.bytes.truncate(length as usize));
+        Ok(())
+    }
+}
+
+#[test]
+fn a_slow_disk_never_stalls_the_caller_and_what_is_dropped_is_counted() {
+    let disk = Disk::default();
+    disk.change(|state| state.held = true);
+    let (recorder, topics) =
+        Recorder::with_limit(disk.clone(), &[("/raw/w0".to_owned(), Kind::Text, false)], 20_000);
+    // The disk does not answer at all, and yet every call returns.
+    let kept = (0..5000).filter(|i| recorder.push(topics[0], f64::from(*i), encode_text(&format!("{i}")))).count();
+    assert!(kept > 100 && kept < 5000, "{kept} kept");
+    assert_eq!(recorder.dropped(), 5000 - kept as u64);
+    disk.change(|state| state.held = false);
+    recorder.finish().unwrap();
+    let found = texts(&disk.bytes()).unwrap();
+    assert_eq!(found.len(), kept);
+}
+
+#[test]
+fn a_full_disk_is_told_and_tried_again_and_nothing_is_lost() {
+    let disk = Disk::default();
+    disk.change(|state| state.room = Some(3000));
+    let (recorder, topics) = Recorder::begin(disk.clone(), &[("/raw/w0".to_owned(), Kind::Text, false)]);
+    for i in 0..500 {
+        assert!(recorder.push(topics[0], f64::from(i), encode_text(&format!("line {i}"))));
+    }
+    disk.wait_for(|state| state.refusals > 0);
+    while recorder.fault().is_none() {
+        std::thread::yield_now();
+    }
+    // Somebody makes room.
+    disk.change(|state| state.room = None);
+    recorder.finish().unwrap();
+    let found = texts(&disk.bytes()).unwrap();
+    assert_eq!(found, (0..500).map(|i| format!("line {i}")).collect::<Vec<_>>());
+}
+
+#[test]
+fn a_disk_that_stays_full_is_an_error_and_what_was_before_is_whole() {
+    let disk = Disk::default();
+    disk.change(|state| state.room = Some(5000));
+    let (recorder, topics) = Recorder::begin(disk.clone(), &[("/raw/w0".to_owned(), Kind::Text, false)]);
+    assert!(recorder.push(topics[0], 0.0, encode_text("first")));
+    disk.wait_for(|state| !state.bytes.is_empty());
+    let long = "z".repeat(6000);
+    assert!(recorder.push(topics[0], 1.0, encode_text(&long)));
+    assert!(recorder.finish().is_err());
+    assert_eq!(texts(&disk.bytes()).unwrap(), ["first"]);
+}
