@@ -67,9 +67,10 @@ impl Counts {
     /// What was not in order, in words; empty where all was.
     #[must_use]
     pub fn words(&self) -> String {
-        let told = self.all().into_iter().filter(|(name, count)| {
-            *count > 0 && !matches!(*name, "bytes" | "lines" | "frames" | "wrapped" | "zeros")
-        });
+        let told = self
+            .all()
+            .into_iter()
+            .filter(|(name, count)| *count > 0 && !matches!(*name, "bytes" | "lines" | "frames" | "wrapped" | "zeros"));
         told.map(|(name, count)| format!("{count} {name}")).collect::<Vec<_>>().join(", ")
     }
 }

@@ -121,13 +121,7 @@ mod tests {
     fn the_newest_of_each_stretch_stands_for_all() {
         let row = |line: usize| UsedRow {
             joined: JoinedRow {
-                row: LogRow {
-                    t: line as f64,
-                    odom_from_robot: Pose2::IDENTITY,
-                    readings: vec![],
-                    heading: None,
-                    line,
-                },
+                row: LogRow { t: line as f64, odom_from_robot: Pose2::IDENTITY, readings: vec![], heading: None, line },
                 arrival: 0.0,
             },
             merged: 1,

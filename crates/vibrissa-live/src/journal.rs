@@ -168,12 +168,13 @@ pub fn read(path: &Path) -> Result<Recorded> {
         Ok(())
     })?;
     let told = setup.as_deref().and_then(|text| text.split_once('\n'));
-    let (version, (folder, text)) = told.and_then(|(version, rest)| Some((version, rest.split_once('\n')?))).ok_or_else(|| {
-        Error::data("this is no recording of a live run")
-            .in_file(&path)
-            .value("it holds no /vibrissa/setup")
-            .remedy("`vibrissa localize` reads other recordings")
-    })?;
+    let (version, (folder, text)) =
+        told.and_then(|(version, rest)| Some((version, rest.split_once('\n')?))).ok_or_else(|| {
+            Error::data("this is no recording of a live run")
+                .in_file(&path)
+                .value("it holds no /vibrissa/setup")
+                .remedy("`vibrissa localize` reads other recordings")
+        })?;
     let mut setup = from_toml(text, &format!("the setup in {}", path.display()))?;
     setup.based_on(Path::new(folder));
     Ok(Recorded { version: version.to_owned(), setup, used, chunks, warnings: bag.warnings, lines, path })

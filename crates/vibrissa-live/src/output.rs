@@ -24,13 +24,8 @@ pub fn json_line(t: f64, estimate: &Estimate) -> String {
     match told.first() {
         Some(best) => {
             let pose = best.pose;
-            let _ = write!(
-                line,
-                "{{\"x\":{},\"y\":{},\"theta\":{}}}",
-                number(pose.x),
-                number(pose.y),
-                number(pose.theta)
-            );
+            let _ =
+                write!(line, "{{\"x\":{},\"y\":{},\"theta\":{}}}", number(pose.x), number(pose.y), number(pose.theta));
         }
         None => line.push_str("null"),
     }
@@ -155,6 +150,9 @@ mod tests {
         assert!(words(&estimate).starts_with("localized: x 200.0 y -500.0 mm"), "{}", words(&estimate));
         estimate.status = Status::Inconsistent;
         assert!(json_line(2.0, &estimate).contains("\"pose\":null,\"places\":[],\"count\":0"));
-        assert_eq!((words(&estimate), json_text("a\"\\\n\u{1}")), ("inconsistent".into(), "\"a\\\"\\\\\\n\\u0001\"".into()));
+        assert_eq!(
+            (words(&estimate), json_text("a\"\\\n\u{1}")),
+            ("inconsistent".into(), "\"a\\\"\\\\\\n\\u0001\"".into())
+        );
     }
 }

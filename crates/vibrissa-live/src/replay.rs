@@ -1,8 +1,8 @@
 //! A recorded run again: the same bytes in, the same lines out.
 
 use crate::estimate::{LiveEstimator, Told, UsedRow};
-use crate::journal::{Recorded, chunks};
 use crate::join::JoinedRow;
+use crate::journal::{Recorded, chunks};
 use crate::pipeline::{Notice, Pipeline};
 use crate::setup::Setup;
 use crate::{Error, Result};
@@ -60,13 +60,12 @@ pub fn replay(
     let mut pipeline = Pipeline::new(setup, robot)?;
     let mut rows = Vec::new();
     let (mut began, mut stopped) = (None, false);
-    let mut player = Player { used: &recorded.used, next: 0, every_row: pace.every_row, passed: 0, rows: 0, missing: 0 };
+    let mut player =
+        Player { used: &recorded.used, next: 0, every_row: pace.every_row, passed: 0, rows: 0, missing: 0 };
     // The estimator borrows a robot that is known only when the sources have said what they hold.
     let known = robot_of(recorded, setup, robot)?;
     let mut estimator = match &known {
-        Some((channels, robot)) => {
-            Some(LiveEstimator::new(map, robot, channels, &setup.method, setup.estimate_rate)?)
-        }
+        Some((channels, robot)) => Some(LiveEstimator::new(map, robot, channels, &setup.method, setup.estimate_rate)?),
         None => None,
     };
     let mut feed = |pipeline: &mut Pipeline, rows: &mut Vec<JoinedRow>, stopped: &mut bool| {

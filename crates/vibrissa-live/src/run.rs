@@ -9,6 +9,7 @@ use crate::latency::Histogram;
 use crate::pipeline::{Notice, Pipeline};
 use crate::setup::Setup;
 use crate::source::{Arrived, Chunk, HostClock, read_wire};
+use crate::timing::TimeBase;
 use crate::{Error, Result};
 use core::ops::ControlFlow;
 use std::collections::VecDeque;
@@ -51,7 +52,7 @@ pub struct Health {
     pub disk: Option<String>,
     /// From the arrival of the last byte that a row needs to its estimate (s).
     pub latency: Histogram,
-    /// From the time of a row to its estimate (s): with what the join waited for odometry.
+    /// From the time of a row to its estimate (s), with what the join waited for odometry; empty where rows have times of their own.
     pub age: Histogram,
 }
 
@@ -237,11 +238,7 @@ fn take(shared: &Shared, health: &mut Health) -> Result<Batch> {
     health.sources = queue.counts.clone();
     shared.fewer.notify_all();
     let most = if shared.patient { usize::MAX } else { ROWS_BEFORE_MERGING };
-    Ok(Batch {
-        rows: merged(all.into_iter(), most),
-        notices: core::mem::take(&mut queue.notices),
-        ended: queue.ended,
-    })
+    Ok(Batch { rows: merged(all.into_iter(), most), notices: core::mem::take(&mut queue.notices), ended: queue.ended })
 }
 
 /// Rows to estimates, on the calling thread.
@@ -274,6 +271,7 @@ fn estimate_rows(
     };
     let mut estimator = LiveEstimator::new(map, &robot, &channels, &setup.method, setup.estimate_rate)?;
     let names = row_names(&channels);
+    let on_host_time = setup.sources.iter().all(|source| source.time != TimeBase::Own);
     let mut refusing = false;
     loop {
         let batch = take(shared, &mut health)?;
@@ -291,7 +289,9 @@ fn estimate_rows(
             health.rows += 1;
             health.merged += used.merged - 1;
             health.latency.push(now - used.joined.arrival);
-            health.age.push(now - used.joined.row.t);
+            if on_host_time {
+                health.age.push(now - used.joined.row.t);
+            }
             match step {
                 Ok(None) => refusing = false,
                 Ok(Some(estimate)) => {
@@ -326,11 +326,7 @@ fn estimate_rows(
 }
 
 /// Says what happened; whether to go on.
-fn told(
-    notices: &[Notice],
-    journal: Option<&Journal>,
-    watch: &mut dyn FnMut(Update<'_>) -> ControlFlow<()>,
-) -> bool {
+fn told(notices: &[Notice], journal: Option<&Journal>, watch: &mut dyn FnMut(Update<'_>) -> ControlFlow<()>) -> bool {
     let mut go_on = true;
     for notice in notices {
         if let Some(journal) = journal {

@@ -66,7 +66,19 @@ impl SourceSetup {
 const TOP: [&str; 6] = ["map", "robot", "method", "options", "estimates", "source"];
 const WIRES: [&str; 5] = ["serial", "tcp", "udp", "unix", "pipe"];
 const KEYS: [&str; 14] = [
-    "name", "serial", "tcp", "udp", "unix", "pipe", "baud", "format", "columns", "whisker", "rate", "time", "delay",
+    "name",
+    "serial",
+    "tcp",
+    "udp",
+    "unix",
+    "pipe",
+    "baud",
+    "format",
+    "columns",
+    "whisker",
+    "rate",
+    "time",
+    "delay",
     "checksums",
 ];
 const TIMES: [&str; 4] = ["stamps", "count", "arrival", "own"];
@@ -128,10 +140,9 @@ fn parse(text: &str, name: &str) -> Result<Setup> {
     })?;
     let entries = top.entries("source")?;
     if entries.is_empty() {
-        return Err(Error::data("the setup has no source")
-            .in_file(name)
-            .at_line(1)
-            .remedy("add [[source]] with serial = \"/dev/ttyACM0\" and format = \"serial\"; docs/live.md shows whole files"));
+        return Err(Error::data("the setup has no source").in_file(name).at_line(1).remedy(
+            "add [[source]] with serial = \"/dev/ttyACM0\" and format = \"serial\"; docs/live.md shows whole files",
+        ));
     }
     let alone = entries.len() == 1;
     let sources: Vec<SourceSetup> =

@@ -129,8 +129,7 @@ impl Storage for Disk {
 fn a_slow_disk_never_stalls_the_caller_and_what_is_dropped_is_counted() {
     let disk = Disk::default();
     disk.change(|state| state.held = true);
-    let (recorder, topics) =
-        Recorder::with_limit(disk.clone(), &[("/raw/w0".to_owned(), Kind::Text, false)], 20_000);
+    let (recorder, topics) = Recorder::with_limit(disk.clone(), &[("/raw/w0".to_owned(), Kind::Text, false)], 20_000);
     // The disk does not answer at all, and yet every call returns.
     let kept = (0..5000).filter(|i| recorder.push(topics[0], f64::from(*i), encode_text(&format!("{i}")))).count();
     assert!(kept > 100 && kept < 5000, "{kept} kept");

@@ -64,5 +64,8 @@ fn mistakes_are_told_with_line_value_range_and_remedy() {
     }
     let alone = WHOLE.split("[[source]]\nname = \"base\"").next().unwrap();
     let error = from_toml(alone, "live.toml").unwrap_err().to_string();
-    assert!(error.contains("no source gives odometry") && error.contains("a whisker's line holds no odometry"), "{error}");
+    assert!(
+        error.contains("no source gives odometry") && error.contains("a whisker's line holds no odometry"),
+        "{error}"
+    );
 }

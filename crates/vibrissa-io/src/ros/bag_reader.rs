@@ -50,7 +50,9 @@ pub fn read_bag(
         }
         // What was not synchronised when the power went may hold anything; a recording that was closed has no such end.
         Err(Fault::Damaged(_) | Fault::Chunk(_)) if !bag.channels.is_empty() && !is_closed(&mut source) => {
-            bag.summary.warnings.push("the recording was cut off and its last bytes are damaged; what came before is used".into());
+            bag.summary
+                .warnings
+                .push("the recording was cut off and its last bytes are damaged; what came before is used".into());
         }
         Err(fault) => return Err(fault.told().in_file(name)),
     }

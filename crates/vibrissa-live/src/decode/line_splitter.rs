@@ -103,12 +103,10 @@ mod tests {
     #[test]
     fn torn_and_foreign_bytes_are_no_lines() {
         let mut splitter = LineSplitter::new(true);
-        assert_eq!(pieces(&mut splitter, &[b"2,3\r\n4,5\n\xff\xfe\n6,7\n"]), [
-            Piece::Torn,
-            line("4,5"),
-            Piece::Noise,
-            line("6,7")
-        ]);
+        assert_eq!(
+            pieces(&mut splitter, &[b"2,3\r\n4,5\n\xff\xfe\n6,7\n"]),
+            [Piece::Torn, line("4,5"), Piece::Noise, line("6,7")]
+        );
         let long = vec![b'7'; 5000];
         assert_eq!(pieces(&mut splitter, &[&long, &long, b"\n8\n"]), [Piece::Noise, line("8")]);
     }

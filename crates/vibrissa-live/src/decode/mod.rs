@@ -54,15 +54,8 @@ pub enum WireFormat {
 
 impl WireFormat {
     /// Every format.
-    pub const ALL: [Self; 7] = [
-        Self::Serial,
-        Self::Serial2,
-        Self::Plotter,
-        Self::Ratatouille,
-        Self::Openwhisker,
-        Self::Csv,
-        Self::Tum,
-    ];
+    pub const ALL: [Self; 7] =
+        [Self::Serial, Self::Serial2, Self::Plotter, Self::Ratatouille, Self::Openwhisker, Self::Csv, Self::Tum];
 
     /// The word that names it.
     #[must_use]
@@ -279,9 +272,7 @@ impl Decoder {
                 }
             }
             Kind::Tum => match parse_tum(text).ok().and_then(|poses| poses.first().copied()) {
-                Some(pose) => {
-                    frame(Frame { stamp: Some(pose.t), pose: Some(pose.map_from_robot), ..Frame::default() })
-                }
+                Some(pose) => frame(Frame { stamp: Some(pose.t), pose: Some(pose.map_from_robot), ..Frame::default() }),
                 None if text.starts_with('#') => Decoded::Nothing,
                 None => Decoded::Lost,
             },
@@ -317,7 +308,10 @@ fn checked(text: &str) -> Option<(&str, bool)> {
 #[must_use]
 pub fn crc16(bytes: &[u8]) -> u16 {
     bytes.iter().fold(0xffff, |crc, byte| {
-        (0..8).fold(crc ^ (u16::from(*byte) << 8), |crc, _| if crc & 0x8000 == 0 { crc << 1 } else { (crc << 1) ^ 0x1021 })
+        (0..8).fold(
+            crc ^ (u16::from(*byte) << 8),
+            |crc, _| if crc & 0x8000 == 0 { crc << 1 } else { (crc << 1) ^ 0x1021 },
+        )
     })
 }
 

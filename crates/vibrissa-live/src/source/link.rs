@@ -73,7 +73,9 @@ impl Wire {
         match self {
             Self::Serial { port, baud } => open_serial(port, *baud, remembered).map_err(told),
             Self::Tcp(address) => connect(address).map(|stream| Box::new(stream) as Box<dyn Link>).map_err(told),
-            Self::Udp(address) => UdpSocket::bind(address).map(|socket| Box::new(socket) as Box<dyn Link>).map_err(told),
+            Self::Udp(address) => {
+                UdpSocket::bind(address).map(|socket| Box::new(socket) as Box<dyn Link>).map_err(told)
+            }
             Self::Unix(path) => open_unix(path).map_err(told),
             Self::Pipe(path) if path.as_os_str() == "-" => Ok(Box::new(StandardInput)),
             Self::Pipe(path) => File::open(path).map(|file| Box::new(file) as Box<dyn Link>).map_err(told),
@@ -85,7 +87,9 @@ impl Wire {
             (Self::Serial { .. }, ErrorKind::PermissionDenied) => {
                 "add yourself to the group of the port (`ls -l` shows it, often dialout) and log in again"
             }
-            (Self::Serial { .. }, ErrorKind::NotFound) => "is the device plugged in? `ls /dev/serial/by-id` lists those that are",
+            (Self::Serial { .. }, ErrorKind::NotFound) => {
+                "is the device plugged in? `ls /dev/serial/by-id` lists those that are"
+            }
             (Self::Serial { .. }, ErrorKind::ResourceBusy) => "another program has it open; close that",
             (Self::Tcp(_) | Self::Unix(_), _) => "is the other side listening?",
             (Self::Udp(_), _) => "another program may have the address; choose another port",
@@ -148,15 +152,22 @@ impl Link for File {
     }
 }
 
+/// Standard input without a buffer of our own: what waits in one could not be waited for.
 struct StandardInput;
 
 impl Link for StandardInput {
+    #[cfg(unix)]
     fn read(&mut self, buffer: &mut [u8], patience: Duration) -> Result<Option<usize>> {
-        let mut input = std::io::stdin().lock();
+        let input = std::io::stdin();
         if !readable(&input, patience)? {
             return Ok(None);
         }
-        patient(input.read(buffer))
+        patient(rustix::io::read(&input, buffer).map_err(Into::into))
+    }
+
+    #[cfg(not(unix))]
+    fn read(&mut self, buffer: &mut [u8], _: Duration) -> Result<Option<usize>> {
+        patient(std::io::stdin().lock().read(buffer))
     }
 }
 
@@ -175,7 +186,10 @@ fn open_serial(port: &Path, baud: u32, remembered: &mut Option<PathBuf>) -> Resu
 
 #[cfg(not(unix))]
 fn open_serial(_: &Path, _: u32, _: &mut Option<PathBuf>) -> Result<Box<dyn Link>> {
-    Err(std::io::Error::new(ErrorKind::Unsupported, "serial ports are read on Linux and macOS; here use tcp, udp or a pipe"))
+    Err(std::io::Error::new(
+        ErrorKind::Unsupported,
+        "serial ports are read on Linux and macOS; here use tcp, udp or a pipe",
+    ))
 }
 
 #[cfg(unix)]

@@ -145,10 +145,9 @@ fn on_robot(args: &Args, setup: &Setup, folder: &Path, out: Option<&Path>, cours
     }
     text.push_str(&monitor::account(&health, args.latency));
     match recording {
-        Some(path) => text.push_str(&format!(
-            "\nRecorded: {0}\nRun it again: vibrissa live --replay {0}\n",
-            path.display()
-        )),
+        Some(path) => {
+            text.push_str(&format!("\nRecorded: {0}\nRun it again: vibrissa live --replay {0}\n", path.display()))
+        }
         None => text.push_str("\nNothing was recorded; --out DIR records.\n"),
     }
     print(&text)

@@ -140,14 +140,18 @@ pub(super) fn account(health: &Health, histogram: bool) -> String {
     let _ = writeln!(
         text,
         "  rows: {} used, {} merged into others, {} refused; from the last byte to the estimate {:.2} ms in the median, \
-         {:.2} ms for 99 %, {:.1} ms at most; from the measurement {:.1} ms in the median",
+         {:.2} ms for 99 %, {:.1} ms at most{}",
         health.rows,
         health.merged,
         health.refused,
         ms(latency.quantile(0.5)),
         ms(latency.quantile(0.99)),
         ms(latency.largest()),
-        ms(age.quantile(0.5)),
+        if age.count() > 0 {
+            format!("; from the measurement {:.1} ms in the median", ms(age.quantile(0.5)))
+        } else {
+            String::new()
+        },
     );
     if health.dropped > 0 {
         let _ = writeln!(text, "  recording: {} messages dropped, because the disk was too slow", health.dropped);

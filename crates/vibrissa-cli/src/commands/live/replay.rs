@@ -47,7 +47,10 @@ pub(super) fn run(args: &Args, recording: &Path, other: Option<&Path>) -> Result
     let mut text = verdict(&answer.estimate);
     text.push_str(&format!("  rows: {}\n", answer.rows));
     if other.is_none() {
-        text.push_str(&format!("  estimates: {same} of {} the same to the byte as during the run\n", recorded.lines.len()));
+        text.push_str(&format!(
+            "  estimates: {same} of {} the same to the byte as during the run\n",
+            recorded.lines.len()
+        ));
     }
     say(args.json, &text)
 }

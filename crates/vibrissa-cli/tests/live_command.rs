@@ -1,0 +1,145 @@
+//! `vibrissa live` as a process: pipes, interrupts, and power cuts as far as a process can have them.
+
+#![cfg(all(unix, feature = "live"))]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on must fail")]
+
+mod common;
+
+use common::{folder, vibrissa};
+use std::io::{BufRead, BufReader, Write};
+use std::path::Path;
+use std::process::{Child, ChildStdin, Command, Stdio};
+use std::time::Duration;
+use vibrissa::io::log::to_csv;
+use vibrissa::tasks::demo;
+use vibrissa_live::journal;
+use vibrissa_live::source::Arrived;
+
+const SETUP: &str = "map = \"map.svg\"\n[[source]]\nname = \"log\"\npipe = \"-\"\n";
+
+/// A folder with the demo's map and a setup that reads standard input, and the demo's log in lines.
+fn prepared(name: &str) -> (std::path::PathBuf, Vec<String>) {
+    let here = folder(name);
+    std::fs::write(here.join("map.svg"), demo::ARENA_SVG).unwrap();
+    std::fs::write(here.join("live.toml"), SETUP).unwrap();
+    let log = to_csv(&demo::sweep(1).unwrap().log);
+    (here, log.lines().map(|line| format!("{line}\n")).collect())
+}
+
+fn start(here: &Path, more: &[&str]) -> (Child, ChildStdin) {
+    let mut child = Command::new(env!("CARGO_BIN_EXE_vibrissa"))
+        .arg("live")
+        .arg(here.join("live.toml"))
+        .arg("--out")
+        .arg(here.join("out"))
+        .args(more)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    let input = child.stdin.take().unwrap();
+    (child, input)
+}
+
+/// The raw bytes that a recording holds by now; none before it can be read.
+fn recorded(out: &Path) -> Option<Vec<u8>> {
+    let recorded = journal::read(out).ok()?;
+    let mut bytes = Vec::new();
+    journal::chunks(&recorded, |chunk| {
+        if let Arrived::Bytes(raw) = chunk.what {
+            bytes.extend(raw);
+        }
+        Ok(())
+    })
+    .ok()?;
+    Some(bytes)
+}
+
+#[test]
+fn a_process_that_is_killed_keeps_what_was_synchronised_and_runs_again() {
+    for round in 0..5 {
+        let (here, lines) = prepared(&format!("live-kill-{round}"));
+        let (mut child, mut input) = start(&here, &[]);
+        let (first, rest) = lines.split_at(120 + 40 * round);
+        let safe = first.concat();
+        input.write_all(safe.as_bytes()).unwrap();
+        // Until it is on the disk, however long this machine takes.
+        let mut looks = 0;
+        while recorded(&here.join("out")).is_none_or(|bytes| bytes.len() < safe.len()) {
+            std::thread::sleep(Duration::from_millis(10));
+            looks += 1;
+            assert!(looks < 12_000, "round {round}: nothing reaches the disk");
+        }
+        // And then in the middle of something.
+        for line in rest.iter().take(30 * round) {
+            input.write_all(line.as_bytes()).unwrap();
+        }
+        child.kill().unwrap();
+        child.wait().unwrap();
+        let bytes = recorded(&here.join("out")).unwrap();
+        let sent = lines.concat();
+        assert!(
+            bytes.len() >= safe.len() && sent.as_bytes().starts_with(&bytes),
+            "round {round}: {} bytes",
+            bytes.len()
+        );
+        println!(
+            "round {round}: {} of {} bytes after the last look survived",
+            bytes.len() - safe.len(),
+            rest.iter().take(30 * round).map(String::len).sum::<usize>()
+        );
+        let again = vibrissa(&["live", "--replay", here.join("out").to_str().unwrap()]);
+        assert_eq!(again.code, Some(0), "{}", again.stderr);
+        let told = again.stdout.lines().find(|line| line.contains("estimates: ")).unwrap();
+        let mut counts = told.split_whitespace().filter_map(|word| word.parse::<usize>().ok());
+        let (same, of) = (counts.next().unwrap(), counts.next().unwrap());
+        assert!(same == of && of > 0, "{told}");
+    }
+}
+
+#[test]
+fn an_interrupt_ends_the_run_with_whole_files() {
+    let (here, lines) = prepared("live-interrupt");
+    let (mut child, mut input) = start(&here, &["--json"]);
+    input.write_all(lines[..300].concat().as_bytes()).unwrap();
+    let mut told = BufReader::new(child.stdout.take().unwrap()).lines();
+    let first = told.next().unwrap().unwrap();
+    assert!(first.starts_with("{\"t\":") && first.contains("\"status\":"), "{first}");
+    // Standard input stays open: only the interrupt ends it.
+    let sent = Command::new("kill").arg("-INT").arg(child.id().to_string()).status().unwrap();
+    assert!(sent.success());
+    let _rest: Vec<String> = told.map_while(Result::ok).collect();
+    assert_eq!(child.wait().unwrap().code(), Some(0));
+    drop(input);
+    let recorded = journal::read(&here.join("out")).unwrap();
+    assert!(recorded.warnings.is_empty() && recorded.lines[0] == first, "{:?}", recorded.warnings);
+    let again = vibrissa(&["live", "--replay", here.join("out").to_str().unwrap(), "--json"]);
+    assert_eq!(again.stdout.lines().next(), Some(first.as_str()));
+}
+
+#[test]
+fn recordings_are_never_overwritten_and_mistakes_are_told() {
+    let (here, lines) = prepared("live-twice");
+    std::fs::write(here.join("log.csv"), lines.concat()).unwrap();
+    std::fs::write(here.join("live.toml"), SETUP.replace("\"-\"", "\"log.csv\"")).unwrap();
+    let setup = here.join("live.toml");
+    for _ in 0..2 {
+        let run = vibrissa(&["live", setup.to_str().unwrap()]);
+        assert_eq!(run.code, Some(0), "{}", run.stderr);
+        assert!(run.stdout.starts_with("localized: x 3"), "{}", run.stdout);
+    }
+    let both = ["recording.mcap", "recording-2.mcap"].map(|name| here.join("live").join(name));
+    assert!(both.iter().all(|path| path.exists()));
+    let several = vibrissa(&["live", "--replay", here.join("live").to_str().unwrap()]);
+    assert!(several.code == Some(1) && several.stderr.contains("several recordings"), "{}", several.stderr);
+    // By another setup: the readings a little later.
+    let later = here.join("later.toml");
+    std::fs::write(&later, format!("{}delay = \"1 ms\"\n", SETUP.replace("\"-\"", "\"log.csv\""))).unwrap();
+    let other = vibrissa(&["live", "--replay", both[0].to_str().unwrap(), later.to_str().unwrap()]);
+    assert!(other.code == Some(0) && other.stdout.starts_with("localized"), "{} {}", other.stdout, other.stderr);
+    let missing = vibrissa(&["live", "nowhere.toml"]);
+    assert!(missing.code == Some(1) && missing.stderr.contains("no such file"), "{}", missing.stderr);
+    assert_eq!(vibrissa(&["live"]).code, Some(2));
+    assert_eq!(vibrissa(&["live", "--demo", "--speed", "2"]).code, Some(2));
+}
