@@ -7,8 +7,10 @@ mod csv_reader;
 mod csv_writer;
 mod doubts;
 pub mod foreign;
+mod odometry;
 
 #[cfg(feature = "mcap")]
 pub use bag::from_mcap;
 pub use csv_reader::{from_csv, from_reader, read};
 pub use csv_writer::to_csv;
+pub use odometry::read_odometry;

@@ -5,6 +5,7 @@ mod calibrate;
 mod contact;
 mod contact_set;
 mod demo;
+mod join;
 #[cfg(feature = "live")]
 mod live;
 mod localize;
@@ -29,6 +30,7 @@ pub(crate) enum Command {
     Contact(contact::Args),
     Profile(profile::Args),
     Localize(localize::Args),
+    Join(join::Args),
     #[cfg(feature = "live")]
     Live(live::Args),
     ContactSet(contact_set::Args),
@@ -48,6 +50,7 @@ pub(crate) fn run(command: &Command) -> Result<()> {
         Command::Profile(args) => profile::run(args),
         Command::Demo(args) => demo::run(args),
         Command::Localize(args) => localize::run(args),
+        Command::Join(args) => join::run(args),
         #[cfg(feature = "live")]
         Command::Live(args) => live::run(args),
         Command::Simulate(args) => simulate::run(args),

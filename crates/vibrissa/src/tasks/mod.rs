@@ -5,6 +5,7 @@ pub mod calibrate;
 pub mod contact;
 pub mod demo;
 mod drawing;
+pub mod join;
 mod localize;
 pub mod profile;
 mod remedies;

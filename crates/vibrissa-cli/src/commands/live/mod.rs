@@ -32,7 +32,7 @@ pub(crate) struct Args {
     #[arg(required_unless_present_any = ["demo", "replay"])]
     setup: Option<PathBuf>,
     /// Drive a simulated robot along the built-in arena: real bytes in real time, from a pseudo-terminal
-    #[arg(long, conflicts_with_all = ["setup", "replay"])]
+    #[arg(long, conflicts_with_all = ["setup", "replay", "speed"])]
     demo: bool,
     /// Run a recording again (recording.mcap, or its folder); with a setup, by that one
     #[arg(long, value_name = "RECORDING")]
