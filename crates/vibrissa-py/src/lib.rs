@@ -7,6 +7,7 @@
 //! | `beam` | loaded whiskers |
 //! | `world`, `log` | maps, sensor logs |
 //! | `readings` | contact sets and preimages |
+//! | `localizer` | a localizer that takes rows as they come |
 //! | `localize`, `simulate`, `contacts`, `calibrate` | the tasks of these names |
 //!
 //! The public face with its docstrings, types and defaults of arguments is Python, in `python/vibrissa`.
@@ -18,6 +19,7 @@ mod contacts;
 mod error;
 mod inputs;
 mod localize;
+mod localizer;
 mod log;
 mod long;
 mod readings;
@@ -53,6 +55,8 @@ mod _vibrissa {
     use crate::inputs::{robot_default, robot_parse, robot_read, robot_toml, whisker_is_uniform};
     #[pymodule_export]
     use crate::localize::{demo_sweep, localize, methods, tum_error, tum_format, tum_read};
+    #[pymodule_export]
+    use crate::localizer::PyLocalizer;
     #[pymodule_export]
     use crate::log::PySensorLog;
     #[pymodule_export]

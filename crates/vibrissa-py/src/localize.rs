@@ -13,7 +13,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use vibrissa::Method;
 use vibrissa::config::{SettingValue, Slot};
-use vibrissa::flow::pose::{ConsistencyReport, Hypothesis, Localization, Nuisance, OdometryEstimate, Status};
+use vibrissa::flow::pose::{ConsistencyReport, Estimate, Hypothesis, Localization, Nuisance, OdometryEstimate, Status};
 use vibrissa::flow::sensor_log::Quantity;
 use vibrissa::flow::trajectory::trajectory_error;
 use vibrissa::io::{format_tum, read_tum};
@@ -29,7 +29,7 @@ pub(crate) fn methods() -> Vec<&'static str> {
 }
 
 /// A method with its options, those that are None at their defaults.
-fn method_of(py: Python<'_>, name: &str, options: &Bound<'_, PyDict>) -> PyResult<Method> {
+pub(crate) fn method_of(py: Python<'_>, name: &str, options: &Bound<'_, PyDict>) -> PyResult<Method> {
     let mut method = Method::named(name).or_raise(py)?;
     for (option, given) in options.iter().filter(|(_, given)| !given.is_none()) {
         let option: String = option.extract()?;
@@ -88,7 +88,8 @@ fn sides(state: &StateBox) -> [f64; 6] {
     [state.x.lo(), state.x.hi(), state.y.lo(), state.y.hi(), state.theta.lo(), state.theta.hi()]
 }
 
-fn fields<'py>(py: Python<'py>, answer: &Localization) -> PyResult<Bound<'py, PyDict>> {
+/// The fields of `vibrissa.Localization`.
+pub(crate) fn fields<'py>(py: Python<'py>, answer: &Localization) -> PyResult<Bound<'py, PyDict>> {
     let out = PyDict::new(py);
     out.set_item("method", answer.method)?;
     out.set_item("status", answer.status.as_str())?;
@@ -113,6 +114,18 @@ fn fields<'py>(py: Python<'py>, answer: &Localization) -> PyResult<Bound<'py, Py
     out.set_item("events", events(&answer.events))?;
     let shapes = answer.shapes.iter().map(|shape| Ok((shape.t, points(py, &shape.points)?)));
     out.set_item("shapes", shapes.collect::<PyResult<Vec<_>>>()?)?;
+    Ok(out)
+}
+
+/// The fields of `vibrissa.Estimate`.
+pub(crate) fn estimate_fields<'py>(py: Python<'py>, estimate: &Estimate) -> PyResult<Bound<'py, PyDict>> {
+    let out = PyDict::new(py);
+    let answered = estimate.status != Status::Inconsistent;
+    out.set_item("status", estimate.status.as_str())?;
+    out.set_item("rows", estimate.rows)?;
+    out.set_item("pose", estimate.pose().filter(|_| answered).map(|pose| (pose.x, pose.y, pose.theta)))?;
+    let places = estimate.hypotheses.iter().filter(|_| answered);
+    out.set_item("hypotheses", places.map(|h| hypothesis(py, h)).collect::<PyResult<Vec<_>>>()?)?;
     Ok(out)
 }
 

@@ -22,7 +22,7 @@ use vibrissa::{Error, Result};
 pub(crate) struct Args {
     /// The readings: serial output of the paper's sensor (.txt), columns with a header (.csv), or --format
     readings: PathBuf,
-    /// The odometry: t,x,y,theta (.csv), a trajectory (.tum), or a recording with nav_msgs/Odometry (.mcap)
+    /// The odometry: t,x,y,theta (.csv), a trajectory (.tum), or a recording that holds it (.mcap)
     odometry: PathBuf,
     /// The format of the readings: serial, serial2, ratatouille, openwhisker, csv [default: by the extension]
     #[arg(long, value_name = "FORMAT")]

@@ -29,6 +29,7 @@ from ._localize import (
     demo,
     localize,
 )
+from ._localizer import Estimate, Localizer
 from ._readings import ContactCurves, ContactSets, Meeting, Preimage, Reading, contact_set, preimage
 from ._robot import MountedWhisker, Robot, Segment, Whisker
 from ._simulate import Simulation, Touches, simulate, sweep, waypoints
@@ -51,10 +52,12 @@ __all__ = [
     "DataWarning",
     "Demo",
     "Error",
+    "Estimate",
     "Event",
     "Hypothesis",
     "Load",
     "Localization",
+    "Localizer",
     "Map",
     "Meeting",
     "Method",

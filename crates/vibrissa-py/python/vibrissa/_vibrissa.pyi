@@ -29,6 +29,7 @@ __all__ = [
     "whisker_is_uniform",
     "demo_sweep",
     "localize",
+    "LocalizerCore",
     "methods",
     "tum_error",
     "tum_format",
@@ -196,6 +197,22 @@ class Map:
     def nearest(self, points: npt.ArrayLike) -> dict[str, Floats]:
         """The boundary point nearest to each point of shape (n, 2) (m): "point" (n, 2) (m), "distance" (n) (m), "tangent"
         (n) (rad), free space on its left, and "curvature" (n) (1/m)."""
+
+@final
+class LocalizerCore:
+    """A localizer that takes rows as they come."""
+
+    def __new__(
+        cls, map: Map, robot: Robot, method: str, options: dict[str, Any], columns: Sequence[str]
+    ) -> LocalizerCore: ...
+    def step(
+        self, t: float, pose: Sequence[float], readings: Sequence[float], heading: float | None
+    ) -> None:
+        """Takes a row: time (s), odometry x, y, theta (m, m, rad), one reading for each column, absolute heading (rad)."""
+    def estimate(self) -> dict[str, Any]:
+        """What can be said now: the fields of `vibrissa.Estimate`."""
+    def finish(self) -> dict[str, Any]:
+        """Ends the log: the fields of `vibrissa.Localization`."""
 
 @final
 class SensorLog:

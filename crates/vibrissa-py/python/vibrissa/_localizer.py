@@ -1,0 +1,81 @@
+"""Where the robot is, row by row."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from . import _vibrissa
+from ._localize import Hypothesis, Localization, Method, Status
+from ._robot import RobotLike, robot_of
+from ._world import MapLike, read_map
+
+
+@dataclass(frozen=True, eq=False)
+class Estimate:
+    """What can be said before the log has ended; less exact than the answer at the end."""
+
+    status: Status
+    """The verdict on the rows so far."""
+    rows: int
+    """How many rows have been taken."""
+    pose: tuple[float, float, float] | None
+    """The best place at the last row: x (m), y (m), theta (rad), map frame; None as long as no place is known."""
+    hypotheses: list[Hypothesis]
+    """Every surviving place at the last row, heaviest first; without ``ridge``."""
+
+
+class Localizer:
+    """A robot that is being localized while it drives: rows in, what is known now at any row.
+
+        localizer = vibrissa.Localizer("arena.svg", "robot.toml")
+        localizer.step(t, (x, y, theta), moment)        # s; odometry in m, m, rad; N m
+        now = localizer.estimate()                      # now.status, now.pose, now.hypotheses
+        answer = localizer.finish()                     # as of vibrissa.localize
+
+    map, robot, method: as of ``vibrissa.localize``. columns: the names of the readings, in the order in which ``step`` gets them: "moment"
+    for a robot with one whisker, "NAME.moment" for each of several unless said otherwise; raw readings ("bx", "by", "bz") go through
+    the robot's calibration. options: the method's, by the names that ``vibrissa.localize`` has for them, such as
+    ``{"within": (0, 1, 0, 1, -3.2, 3.2)}``.
+
+    ``step`` and ``estimate`` let other threads of Python run. The same rows give the same answers, whatever the machine's load.
+    """
+
+    def __init__(
+        self,
+        map: MapLike,
+        robot: RobotLike = None,
+        method: Method = "probabilistic",
+        *,
+        columns: Sequence[str] | None = None,
+        options: Mapping[str, Any] | None = None,
+    ) -> None:
+        known = robot_of(robot)
+        if columns is None:
+            names = [whisker.name for whisker in known.whiskers]
+            columns = ["moment"] if len(names) == 1 else [f"{name}.moment" for name in names]
+        self.columns: tuple[str, ...] = tuple(columns)
+        """The names of the readings that ``step`` takes."""
+        self._core = _vibrissa.LocalizerCore(read_map(map), known, method, dict(options or {}), list(columns))
+
+    def step(
+        self, t: float, pose: Sequence[float], readings: float | Sequence[float], heading: float | None = None
+    ) -> None:
+        """Takes a row: time (s), which increases; the robot in the odometry frame, x (m), y (m), theta (rad); one reading, or
+        one for each of ``columns``; the absolute heading in the map frame (rad), where it is measured.
+
+        Raises ``vibrissa.DataError`` for a row that cannot be; it is left out, and the next one may follow.
+        """
+        x, y, theta = (float(value) for value in pose)
+        values = [float(readings)] if isinstance(readings, int | float) else [float(value) for value in readings]
+        self._core.step(float(t), [x, y, theta], values, heading)
+
+    def estimate(self) -> Estimate:
+        """What can be said at the last row; it changes nothing."""
+        fields = self._core.estimate()
+        return Estimate(**{**fields, "hypotheses": [Hypothesis(**one) for one in fields["hypotheses"]]})
+
+    def finish(self) -> Localization:
+        """Ends the log and chooses; no row may follow."""
+        return Localization._of(self._core.finish(), None)
