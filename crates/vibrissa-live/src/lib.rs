@@ -28,5 +28,7 @@ pub mod run;
 pub mod setup;
 pub mod source;
 pub mod timing;
+#[cfg(feature = "view")]
+pub mod view;
 
 use vibrissa_core::{Error, Result};

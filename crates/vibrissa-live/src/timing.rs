@@ -244,11 +244,11 @@ mod tests {
     #[test]
     fn microseconds_of_32_bits_go_on_over_their_end() {
         let mut timing = Timing::new(TimeBase::Stamps, 0.0);
-        timing.set_wraps(Some(4294.967_296), None);
+        timing.set_wraps(Some(4_294.967_296), None);
         let frames: Vec<(f64, Frame)> = (0..4000)
             .map(|i| {
                 let t = 4290.0 + f64::from(i) / 400.0;
-                (1000.0 + t + 1e-3, stamped(t % 4294.967_296))
+                (1000.0 + t + 1e-3, stamped(t % 4_294.967_296))
             })
             .collect();
         let mut counts = Counts::default();

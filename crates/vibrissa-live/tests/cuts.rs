@@ -1,5 +1,13 @@
 //! Streams that are torn, thinned, garbled and repeated at random: no frame is invented, and what is missing is told.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::float_cmp,
+    reason = "a test that cannot go on must fail"
+)]
+
 mod common;
 
 use common::{Dice, checked};

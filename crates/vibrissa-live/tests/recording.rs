@@ -1,5 +1,13 @@
 //! Disks that are slow, full or lose power: what was synchronised is there, what was dropped is counted.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::float_cmp,
+    reason = "a test that cannot go on must fail"
+)]
+
 mod common;
 
 use common::Dice;

@@ -1,5 +1,12 @@
 //! Whole runs: pseudo-terminals fed by the simulator, files, cables that are pulled out.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::float_cmp,
+    reason = "a test that cannot go on must fail"
+)]
 #![cfg(unix)]
 
 mod common;

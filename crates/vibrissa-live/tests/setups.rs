@@ -1,5 +1,13 @@
 //! `live.toml`: what it takes, and what it says about mistakes.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::float_cmp,
+    reason = "a test that cannot go on must fail"
+)]
+
 use vibrissa::Method;
 use vibrissa_live::decode::WireFormat;
 use vibrissa_live::setup::from_toml;

@@ -50,7 +50,7 @@ impl PyLocalizer {
         let (calls, inbox) = channel();
         let (ready, begun) = sync_channel(1);
         std::thread::spawn(move || serve(&map, &robot, &channels, &method, &inbox, &ready));
-        let begun = py.detach(|| begun.recv());
+        let begun = py.detach(move || begun.recv());
         begun.unwrap_or_else(|_| Err(Error::data("the estimator ended"))).or_raise(py)?;
         Ok(Self { calls: Mutex::new(Some(calls)), columns: columns.len() })
     }
@@ -97,7 +97,7 @@ impl PyLocalizer {
             // Where nobody listens any more there is no answer either.
             let _ = calls.send(call(reply));
         }
-        py.detach(|| answer.recv()).map_err(|_| PyRuntimeError::new_err("the estimator ended"))
+        py.detach(move || answer.recv()).map_err(|_| PyRuntimeError::new_err("the estimator ended"))
     }
 }
 

@@ -88,7 +88,7 @@ def test_the_example_node_publishes_where_the_robot_is(monkeypatch: pytest.Monke
             pose = message(position=position, orientation=orientation)
             super().__init__(header=message(frame_id="", stamp=None), pose=message(pose=pose, covariance=[0.0] * 36))
 
-    modules = {
+    modules: dict[str, dict[str, Any]] = {
         "rclpy": {"init": None, "spin": None},
         "rclpy.node": {"Node": Node},
         "rclpy.qos": {"qos_profile_sensor_data": 10},

@@ -43,7 +43,7 @@ const ROOMS: &[(&str, &[&str])] = &[
         "crates/vibrissa-live",
         &[
             "config", "counts", "latency", "output", "clock", "decode", "timing", "join", "source", "setup",
-            "pipeline", "estimate", "record", "journal", "replay", "run", "robot",
+            "pipeline", "estimate", "record", "journal", "replay", "run", "robot", "view",
         ],
     ),
     ("crates/vibrissa-sim", &["simulate", "scenario", "recording"]),
@@ -59,7 +59,8 @@ const PRINTING: &[&str] = &["println!", "print!", "eprintln!", "eprint!", "dbg!"
 /// A result depends on no clock,
 const CLOCKS: &[&str] = &["std::time", "Instant::now", "SystemTime"];
 /// but what arrives has a time of arrival, a disk is given time, and a recording is played at a speed.
-const WITH_CLOCKS: &[(&str, &[&str])] = &[("crates/vibrissa-live", &["source", "record", "replay", "run", "robot"])];
+const WITH_CLOCKS: &[(&str, &[&str])] =
+    &[("crates/vibrissa-live", &["source", "record", "replay", "run", "robot", "view"])];
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")

@@ -91,8 +91,9 @@ impl Kind {
         Self::ALL.into_iter().find(matches)
     }
 
-    /// The definition with every message inside it.
-    pub(crate) fn definition(self) -> String {
+    /// The definition (`ros2msg`) with every message inside it.
+    #[must_use]
+    pub fn definition(self) -> String {
         let (fields, parts): (&str, Vec<&[(&str, &str)]>) = match self {
             Self::Odometry => (
                 "string child_frame_id\ngeometry_msgs/PoseWithCovariance pose\n\

@@ -4,6 +4,8 @@
 mod demo;
 mod monitor;
 mod replay;
+#[cfg(feature = "view")]
+mod view;
 
 use crate::interrupt::{self, Heedful, stopped};
 use crate::output::{print, warn};
@@ -49,6 +51,10 @@ pub(crate) struct Args {
     /// Print each estimate as a line of JSON
     #[arg(long)]
     json: bool,
+    /// Let viewers such as Foxglove look on: ws://localhost:PORT [default: 8765]
+    #[cfg(feature = "view")]
+    #[arg(long, value_name = "PORT", num_args = 0..=1, default_missing_value = "8765", conflicts_with = "replay")]
+    view: Option<u16>,
     /// Print the histogram of latencies at the end
     #[arg(long)]
     latency: bool,
@@ -116,10 +122,18 @@ fn on_robot(args: &Args, setup: &Setup, folder: &Path, out: Option<&Path>, cours
         }
         None => (None, None),
     };
+    #[cfg(feature = "view")]
+    let view = args.view.map(|port| view::View::start(port, &map, args.json)).transpose()?;
     let mut monitor = Monitor::new(args.json);
     let finished = run_live(setup, &map, &robot, journal.as_ref(), &mut |update| {
         match update {
-            Update::Estimate(told, health) => monitor.estimate(told, health),
+            Update::Estimate(told, health) => {
+                #[cfg(feature = "view")]
+                if let Some(view) = &view {
+                    view.show(told, health);
+                }
+                monitor.estimate(told, health);
+            }
             Update::Notice(notice) => monitor.notice(notice),
             Update::Idle(health) => monitor.idle(health),
         }
