@@ -109,7 +109,9 @@ fn a_simulated_robot_behind_pseudo_terminals_is_found_and_found_again() {
     let device = SimulatedRobot::new().unwrap();
     let setup = from_toml(&device.setup(Path::new("none.svg"), &robot_file), "live.toml").unwrap();
     let driving = device.drive(sweep.log.clone()).unwrap();
-    let (lines, finished) = recorded(&setup, &map, &robot, &out.join("live"), |_| driving.is_finished());
+    let (lines, finished) = recorded(&setup, &map, &robot, &out.join("live"), |update| {
+        driving.is_finished() && matches!(update, Update::Idle(_))
+    });
     assert_eq!(finished.estimate.status, Status::Localized);
     let truth = sweep.truth.last().unwrap().map_from_robot;
     let off = finished.estimate.pose().unwrap().position().distance(truth.position());
@@ -127,7 +129,7 @@ fn a_cable_that_is_pulled_out_is_waited_for() {
                 columns = [\"seq16\", \"t\", \"x\", \"y\", \"theta\", \"moment\"]\n";
     let mut setup = from_toml(text, "live.toml").unwrap();
     setup.based_on(&out);
-    let opened = AtomicU64::new(0);
+    let (opened, read) = (AtomicU64::new(0), AtomicU64::new(0));
     let rows: Vec<String> = log
         .rows
         .iter()
@@ -141,6 +143,7 @@ fn a_cable_that_is_pulled_out_is_waited_for() {
     let is_done = std::sync::atomic::AtomicBool::new(false);
     let finished = std::thread::scope(|scope| {
         scope.spawn(|| {
+            let mut sent = 0;
             for part in rows.chunks(parts) {
                 let before = opened.load(Ordering::SeqCst);
                 let mut terminal = PseudoTerminal::new().unwrap();
@@ -155,14 +158,23 @@ fn a_cable_that_is_pulled_out_is_waited_for() {
                     terminal.send(line.as_bytes()).unwrap();
                     std::thread::sleep(Duration::from_micros(500));
                 }
-                // In the middle of a line.
+                // In the middle of a line; and not before the rest was read, however long this machine takes.
                 terminal.send(b"65,0.1").unwrap();
+                sent += part.len() as u64;
+                for _ in 0..6000 {
+                    if read.load(Ordering::SeqCst) < sent {
+                        std::thread::sleep(Duration::from_millis(10));
+                    }
+                }
                 std::thread::sleep(Duration::from_millis(300));
             }
             is_done.store(true, Ordering::SeqCst);
         });
         let mut gone = 0;
         recorded(&setup, &map, &Robot::default(), &out.join("live"), |update| {
+            if let Update::Estimate(_, health) | Update::Idle(health) = update {
+                read.store(health.sources.first().map_or(0, |(_, counts)| counts.frames), Ordering::SeqCst);
+            }
             if let Update::Notice(notice) = update {
                 opened.fetch_add(u64::from(notice.text == "open"), Ordering::SeqCst);
                 gone += u64::from(!notice.text.starts_with("open") && !notice.text.starts_with("cannot"));
