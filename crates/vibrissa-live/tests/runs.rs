@@ -84,6 +84,12 @@ fn a_log_through_a_pipe_gives_the_bytes_of_the_same_rows_offline() {
             log.rows.iter().filter_map(|row| offline.step(row).unwrap()).map(|told| told.line).collect();
         assert_eq!(lines, want, "{method}");
         assert_eq!(again(&here, &map, &robot), (want, 0), "{method}");
+        // The recording is a log, too, with the rows as they were taken.
+        let read = vibrissa::read_log(here.join("recording.mcap")).unwrap();
+        assert_eq!(read.channels, log.channels);
+        for (read, row) in read.rows.iter().zip(&log.rows) {
+            assert_eq!((read.t, read.odom_from_robot, &read.readings), (row.t, row.odom_from_robot, &row.readings));
+        }
         let answer = match method {
             Method::Probabilistic(options) => {
                 let estimator = ProbabilisticEstimator::new(&map, &robot, &log.channels, options).unwrap();

@@ -77,3 +77,11 @@ fn mistakes_are_told_with_line_value_range_and_remedy() {
         "{error}"
     );
 }
+
+#[test]
+fn the_guides_setup_is_one() {
+    let guide = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/live.md")).unwrap();
+    let text = guide.split("```toml\n").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
+    let setup = from_toml(text, "docs/live.md").unwrap();
+    assert_eq!(setup.sources.len(), 2);
+}

@@ -2,6 +2,7 @@
 //!
 //! Each reading gives a row; odometry is interpolated at its time. Times are those of the messages' headers.
 
+use super::columns::channel;
 use super::doubts::Doubts;
 use crate::config::limits::{LARGEST_ODOMETRY, ODOMETRY_GAP};
 use crate::flow::sensor_log::{Channel, LogRow, Quantity, SensorLog};
@@ -27,8 +28,16 @@ struct Track {
 struct Tracks {
     odometry: BTreeMap<String, Track>,
     readings: BTreeMap<(String, bool), Track>,
+    /// Rows of a live run, with the names of their numbers.
+    rows: Vec<LogRow>,
+    names: Vec<String>,
     damaged: usize,
 }
+
+/// The topic of the rows that an estimator took during a live run.
+const ROW: &str = "/vibrissa/row";
+/// What a row holds in front of its readings.
+const FRONT: [&str; 6] = ["row", "merged", "t", "x", "y", "theta"];
 
 /// The recording in a folder that holds exactly one.
 pub(super) fn only_recording(folder: &Path) -> Option<PathBuf> {
@@ -52,6 +61,7 @@ pub(super) fn read_mcap(path: &Path) -> Result<SensorLog> {
 /// | `nav_msgs/Odometry` | the robot in the odometry frame |
 /// | `geometry_msgs/WrenchStamped` | `moment`: the torque about z at the whisker's base, counter-clockwise positive |
 /// | `sensor_msgs/MagneticField` | `bx`, `by`, `bz` |
+/// | `sensor_msgs/JointState` on `/vibrissa/row` | all: the rows that a live run took, in the place of everything else |
 ///
 /// The whisker's name is the part of the topic before a last part `wrench` or `magnetic_field`, otherwise its last
 /// part; a single topic of readings outside `/whisker/NAME/…` leaves it open. The topic with most readings gives the
@@ -122,12 +132,54 @@ impl Tracks {
             Kind::Field => ros::decode_field(bytes).map(|(header, flux)| {
                 self.readings.entry((topic.to_owned(), true)).or_default().push(header, logged, flux);
             }),
+            Kind::Joints if topic == ROW => self.row_of_run(bytes),
             _ => Some(()),
         };
         self.damaged += usize::from(taken.is_none());
     }
 
+    /// A row of a live run, exact.
+    fn row_of_run(&mut self, bytes: &[u8]) -> Option<()> {
+        let (_, (names, values)) = ros::decode_named(bytes)?;
+        let [_, _, t, x, y, theta] = *values.first_chunk()?;
+        let headed = names.last() == Some(&"heading");
+        let readings = FRONT.len()..names.len() - usize::from(headed);
+        if names.get(..FRONT.len()) != Some(&FRONT[..]) || values.iter().any(|value| !value.is_finite()) {
+            return None;
+        }
+        if self.rows.is_empty() {
+            self.names = names.get(readings.clone())?.iter().map(|&name| name.to_owned()).collect();
+        }
+        let is_next = self.rows.last().is_none_or(|last| last.t < t) && readings.len() == self.names.len();
+        let row = LogRow {
+            t,
+            odom_from_robot: Pose2::new(x, y, theta),
+            readings: values.get(readings)?.to_vec(),
+            heading: headed.then(|| values.last().copied()).flatten(),
+            line: 0,
+        };
+        is_next.then(|| self.rows.push(row))
+    }
+
+    /// The log of a live run: the rows that its estimator took.
+    fn log_of_run(self, bag: BagSummary) -> Result<SensorLog> {
+        let channels: Option<Vec<Channel>> = self.names.iter().map(|name| channel(name)).collect();
+        let channels = channels.ok_or_else(|| {
+            Error::data("the rows of the live run hold unknown readings")
+                .value(self.names.join(", "))
+                .remedy("read it by the version that recorded it: `vibrissa live --replay`")
+        })?;
+        let mut warnings = bag.warnings;
+        if self.damaged > 0 {
+            warnings.push(format!("{} messages dropped: damaged, or not plain CDR", self.damaged));
+        }
+        Ok(SensorLog { channels, rows: self.rows, warnings, ..SensorLog::default() })
+    }
+
     fn log(mut self, bag: BagSummary, name: &str) -> Result<SensorLog> {
+        if !self.rows.is_empty() {
+            return self.log_of_run(bag);
+        }
         let mut warnings = bag.warnings.clone();
         let found = |what: &str| {
             let held: Vec<String> = bag.topics.iter().map(|t| format!("{} ({})", t.name, t.kind_name)).collect();

@@ -59,7 +59,7 @@ impl Columns {
 }
 
 /// `moment`, `left.moment` and the like.
-fn channel(name: &str) -> Option<Channel> {
+pub(super) fn channel(name: &str) -> Option<Channel> {
     let (whisker, word) = name.rsplit_once('.').unwrap_or(("", name));
     let quantity = Quantity::ALL.into_iter().find(|q| q.word() == word)?;
     (!whisker.is_empty() || !name.starts_with('.')).then(|| Channel { whisker: whisker.to_owned(), quantity })
