@@ -1,7 +1,7 @@
 //! How the readings fit what was declared, in words: what is off, what contradicts, where the path is not sure, what to try.
 
 use std::fmt::Write;
-use vibrissa::flow::pose::{ConsistencyReport, Localization, Nuisance, NuisanceQuantity, Stretch};
+use vibrissa::flow::pose::{ConsistencyReport, Localization, Nuisance, NuisanceQuantity, Status, Stretch};
 
 /// How many stretches and how many remedies are told one by one.
 const LISTED: usize = 5;
@@ -19,7 +19,7 @@ pub(super) fn text(answer: &Localization) -> String {
         let _ = writeln!(text, "  {}", sentence(nuisance));
     }
     if let Some(report) = &answer.consistency {
-        consistency(&mut text, report);
+        consistency(&mut text, report, answer.status == Status::Inconsistent);
     }
     doubts(&mut text, &answer.unsure);
     text
@@ -65,21 +65,22 @@ fn sentence(nuisance: &Nuisance) -> String {
     }
 }
 
-fn consistency(text: &mut String, report: &ConsistencyReport) {
+fn consistency(text: &mut String, report: &ConsistencyReport, contradicts: bool) {
     let ConsistencyReport { statistic, most, correlation_time, worst, remedies } = report;
+    let contradicts = contradicts || statistic > most;
     if statistic.is_finite() {
         let alike = if *correlation_time > 0.0 {
             format!("; errors stay alike for {:.0} ms", 1e3 * correlation_time)
         } else {
             String::new()
         };
-        let verdict = if statistic > most { "the readings contradict what is declared" } else { "the readings fit" };
+        let verdict = if contradicts { "the readings contradict what is declared" } else { "the readings fit" };
         let _ = writeln!(
             text,
             "\n{verdict}: consistency {statistic:.2}, at most {most:.2} within the declared bounds{alike}"
         );
     }
-    if let Some((Stretch { from, to }, there)) = worst.filter(|_| statistic > most) {
+    if let Some((Stretch { from, to }, there)) = worst.filter(|_| contradicts) {
         let _ = writeln!(text, "  worst from {from:.3} to {to:.3} s: {there:.2}");
     }
     for remedy in remedies.iter().take(LISTED) {

@@ -150,6 +150,30 @@ fn beyond_bounds(fit: &Fit, tolerated_share: f64) -> Option<String> {
     (fit.square > MOST_SQUARE_WITHIN).then(|| scattered(fit.square))
 }
 
+/// The largest mean normalised residual squared that is no contradiction.
+pub(crate) fn most_statistic(fit: &Agreement) -> f64 {
+    match fit {
+        Agreement::Independent(fit) => most_square(fit, fit.odometry),
+        Agreement::Correlated(_) => MOST_SQUARE_WITHIN,
+    }
+}
+
+/// The same of one of so many stretches of the readings.
+pub(crate) fn most_of_stretch(fit: &Agreement, stretches: usize) -> f64 {
+    match fit {
+        Agreement::Independent(fit) => {
+            let readings = (fit.touching / stretches.max(1)).max(1);
+            1.0 + fit.odometry + MOST_SQUARE / f64::from(readings as u32).sqrt()
+        }
+        Agreement::Correlated(_) => MOST_SQUARE_WITHIN,
+    }
+}
+
+/// The same of independent errors, where the odometry has added so much.
+fn most_square(fit: &Consistency, odometry: f64) -> f64 {
+    1.0 + odometry + MOST_SQUARE / f64::from(fit.touching.max(1) as u32).sqrt()
+}
+
 fn beyond(share: f64) -> String {
     format!(
         "{:.0} % of the readings lie beyond their declared noise even at the best place; is it the right map, and \
@@ -172,8 +196,7 @@ fn misfit(fit: &Consistency, odometry: f64, tolerated_share: f64) -> Option<Stri
     if fit.beyond > FALSE_SHARE + tolerated_share {
         return Some(beyond(fit.beyond));
     }
-    let most = 1.0 + odometry + MOST_SQUARE / f64::from(fit.touching.max(1) as u32).sqrt();
-    if fit.square > most {
+    if fit.square > most_square(fit, odometry) {
         return Some(scattered(fit.square));
     }
     let most = 1.0 + 8.0 * odometry + MOST_DRIFT * (2.0 / fit.blocks.max(1) as f64).sqrt();

@@ -8,12 +8,12 @@ use crate::beam::{TipModel, Whisker};
 use crate::config::limits::MOST_SEARCHED;
 use crate::config::{NoiseAssumption, ProbabilisticOptions, Setting};
 use crate::flow::pose::{
-    self, Broken, Estimate, Event, Evidence, Hypothesis, Localization, OdometryEstimate, RECOVERED, StampedPose,
-    Status, StepRecord,
+    self, Broken, ConsistencyReport, Estimate, Event, Evidence, Hypothesis, Localization, OdometryEstimate, RECOVERED,
+    StampedPose, Status, StepRecord, Stretch,
 };
 use crate::flow::sensor_log::{Channel, LogRow, Quantity, SensorLog};
 use crate::flow::state_set::probabilistic::{
-    Agreement, ModeSet, NuisanceSmoother, PosteriorPlace, ProbabilisticSet, SensedQuantity, StepOutcome,
+    Agreement, ModeSet, NuisanceSmoother, PosteriorPlace, ProbabilisticSet, STRETCHES, SensedQuantity, StepOutcome,
 };
 use crate::flow::thinned::Thinned;
 use crate::flow::trajectory::pose_at;
@@ -196,6 +196,34 @@ impl<'a> ProbabilisticEstimator<'a> {
         self.events.extend(reason.map(|(kind, detail)| Event { t, kind, detail }));
     }
 
+    /// How well the best place fits the readings.
+    fn consistency(&self, fit: &Agreement) -> ConsistencyReport {
+        let time = |before_last: usize| self.rows.iter().rev().nth(before_last).map(|row| row.0);
+        let (statistic, correlation_time, worst) = match fit {
+            Agreement::Independent(fit) => {
+                let worst =
+                    fit.worst.and_then(|(from, to, there)| Some((Stretch { from: time(from)?, to: time(to)? }, there)));
+                (fit.statistic, 0.0, worst)
+            }
+            Agreement::Correlated(fit) => (fit.statistic, fit.correlation_time, fit.worst),
+        };
+        ConsistencyReport { statistic, most: pose::most_statistic(fit), correlation_time, worst, remedies: Vec::new() }
+    }
+
+    /// Where the way is not sure: up to the last loss, and where the readings fit worse than errors within their bounds do.
+    fn unsure(&self, trajectory: &[StampedPose], fits: Option<&(&Agreement, ConsistencyReport)>) -> Vec<Stretch> {
+        let Some(first) = trajectory.first() else { return Vec::new() };
+        let lost = self.before.last().and_then(|&(row, _)| self.rows.get(row.checked_sub(1)?));
+        let before = lost.filter(|row| row.0 > first.t).map(|row| Stretch { from: first.t, to: row.0 });
+        let end = before.map_or(first.t, |stretch| stretch.to);
+        let misfit = fits.and_then(|(fit, report)| {
+            let (stretch, there) = report.worst?;
+            let from = stretch.from.max(end);
+            (there > pose::most_of_stretch(fit, STRETCHES) && stretch.to > from).then_some(Stretch { from, ..stretch })
+        });
+        before.into_iter().chain(misfit).collect()
+    }
+
     /// The best place along the rows, from the first estimate on; before a loss it is what was believed then.
     fn trajectory(&self, place: &PosteriorPlace, odometry: Option<&OdometryEstimate>) -> Vec<StampedPose> {
         let Some(first) = self.first_row.filter(|_| self.recording) else { return Vec::new() };
@@ -328,11 +356,15 @@ impl Estimator for ProbabilisticEstimator<'_> {
         // The frame of each row, since the odometry is corrected along the way.
         let frame = |felt: &DrawnReading| Some(pose_at(&trajectory, felt.t)?.compose(felt.odom_from_robot.inverse()));
         let shapes = drawn::shapes(self.map, &self.robot.whiskers, self.felt.iter(), frame);
+        let fits = fit.as_ref().map(|fit| (fit, self.consistency(fit)));
+        let unsure = if keep { self.unsure(&trajectory, fits.as_ref()) } else { Vec::new() };
+        // A set that was given up before is contradicted by what the last one does not have to explain.
+        let consistency = fits.map(|fits| fits.1).filter(|fits| keep || fits.statistic > fits.most);
         let states = places.iter().flat_map(|p| p.members.iter().map(|(pose, c)| pose::box_95(*pose, c))).collect();
         Localization {
             nuisances: if keep { nuisances } else { Vec::new() },
-            consistency: None,
-            unsure: Vec::new(),
+            consistency,
+            unsure,
             method: NAME,
             status,
             estimate,

@@ -14,6 +14,9 @@ const MOST_DRIFT: f64 = 4.0;
 /// Rows whose mean residual is looked at together, and where single residuals are cut (standard deviations).
 const BLOCK: usize = 8;
 const OUTLIER_SIGMAS: f64 = 2.5;
+/// What a residual counts for at most (standard deviations), and stretches of which the worst is told.
+pub(super) const MOST_SIGMAS: f64 = 6.0;
+pub(crate) const STRETCHES: usize = 10;
 /// The declared bound of a reading, with a hair for the model (standard deviations of an even law).
 const BOUND: f64 = 1.76;
 
@@ -37,6 +40,11 @@ pub struct Consistency {
     pub tolerant_drift: f64,
     /// How many blocks that is of.
     pub blocks: usize,
+    /// Mean normalised residual squared where a boundary holds the whisker or the contact is not explained; far ones count as six standard
+    /// deviations.
+    pub statistic: f64,
+    /// The tenth of the rows with the largest one: from and to so many rows before the last, and the statistic there.
+    pub worst: Option<(usize, usize, f64)>,
 }
 
 impl Consistency {
@@ -75,6 +83,7 @@ pub(super) fn fit_by(
     let (mut squares, mut within) = (0.0, 0);
     let (mut sum, mut count, mut beyond, mut broken, mut rows) = (0.0, 0, 0, 0, 0);
     let mut blocks = Vec::new();
+    let mut felt: Vec<(usize, f64)> = Vec::new();
     again.relinearise(&model, h.map_from_odom, core::iter::empty());
     for &row in &bank.used {
         again.add_row(&model, row);
@@ -87,6 +96,9 @@ pub(super) fn fit_by(
                 again.normalised_residual[index]
             };
             rows += 1;
+            if held || normalised_residual.abs() > OUTLIER_SIGMAS {
+                felt.push((history.len() - 1 - row, normalised_residual.abs().min(MOST_SIGMAS).powi(2)));
+            }
             beyond += usize::from(normalised_residual.abs() > OUTLIER_SIGMAS);
             broken += usize::from(again.normalised_residual[index].abs() > BOUND);
             if held {
@@ -108,9 +120,18 @@ pub(super) fn fit_by(
     (fit.beyond, fit.broken) = (share(beyond as u32), share(broken as u32));
     fit.square = squares / f64::from(within.max(1));
     fit.blocks = blocks.len();
+    (fit.statistic, fit.worst) = mean_and_worst(&felt);
     fit.drift = blocks.iter().sum::<f64>() / blocks.len().max(1) as f64;
     fit.tolerant_drift = drift(blocks, context.options.tolerated_share);
     fit
+}
+
+/// The mean of squares, each with what it is at, and the tenth of them in which that is largest: from, to, and the mean there.
+pub(super) fn mean_and_worst<T: Copy>(squares: &[(T, f64)]) -> (f64, Option<(T, T, f64)>) {
+    let mean = |part: &[(T, f64)]| part.iter().map(|one| one.1).sum::<f64>() / part.len().max(1) as f64;
+    let length = squares.len().div_ceil(STRETCHES).max(1);
+    let stretches = squares.chunks(length).map(|part| (part[0].0, part[part.len() - 1].0, mean(part)));
+    (mean(squares), stretches.max_by(|a, b| a.2.total_cmp(&b.2)))
 }
 
 /// The mean of squares without a share of the largest, in units of what squares of a Gaussian give.

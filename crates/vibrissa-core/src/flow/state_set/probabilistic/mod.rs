@@ -31,6 +31,7 @@ mod unobservable;
 pub use crate::contact::SensedQuantity;
 pub(crate) use calibrated_path::calibrated;
 pub use consistency::Consistency;
+pub(crate) use consistency::STRETCHES;
 pub use nuisance_smoother::{Fit, NuisanceSmoother};
 pub use places::PosteriorPlace;
 pub use smoother::{ProbabilisticSet, StepOutcome};

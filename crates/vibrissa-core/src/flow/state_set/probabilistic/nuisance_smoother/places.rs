@@ -1,5 +1,6 @@
 //! The posterior as places: refinement of all modes, then weights and covariances \[cappe2004population\].
 
+use super::super::consistency::{MOST_SIGMAS, mean_and_worst};
 use super::super::importance_sampling::SAMPLES;
 use super::super::places::PosteriorPlace;
 use super::admission::Admission;
@@ -60,8 +61,6 @@ const OUTLIER_SIGMAS: f64 = 2.5;
 const BOUND: f64 = 1.76;
 /// The largest share of readings beyond their noise, and the largest mean square of the others, of a mode that may be right.
 const AGREES: [f64; 2] = [0.1, 3.3];
-/// Stretches that are looked at for the worst one: so many of the log.
-const STRETCHES: usize = 10;
 
 /// How well the best mode explains the readings \[barshalom2001estimation, sec. 5.4\].
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -74,9 +73,12 @@ pub struct Fit {
     pub broken: f64,
     /// Mean square of the residuals within 2.5 standard deviations where a boundary holds the whisker.
     pub square: f64,
+    /// Mean normalised residual squared where a boundary holds the whisker or the contact is not explained; far ones count as six standard
+    /// deviations.
+    pub statistic: f64,
     /// How long errors stay alike (s), 0 where they are independent.
     pub correlation_time: f64,
-    /// The stretch with the largest mean square, and that.
+    /// The tenth of these readings with the largest one, and the statistic there.
     pub worst: Option<(Stretch, f64)>,
 }
 
@@ -206,20 +208,21 @@ fn fit_of(told: &Linearisation, noise: NoiseModel) -> Fit {
         let within: Vec<f64> = rows.iter().map(|row| size(row)).filter(|&s| s <= OUTLIER_SIGMAS).collect();
         within.iter().map(|s| s * s).sum::<f64>() / within.len().max(1) as f64
     };
-    let stretch = |rows: &[&Row]| {
-        let (from, to) = (rows.first()?.t, rows.last()?.t);
-        let mean = rows.iter().map(|row| size(row).min(6.0).powi(2)).sum::<f64>() / rows.len() as f64;
-        Some((Stretch { from, to }, mean))
-    };
-    let length = told.rows.len().div_ceil(STRETCHES).max(1);
-    let all_rows: Vec<&Row> = told.rows.iter().collect();
+    let felt: Vec<(f64, f64)> = told
+        .rows
+        .iter()
+        .filter(|row| row.held != Some(false) || size(row) > OUTLIER_SIGMAS)
+        .map(|row| (row.t, size(row).min(MOST_SIGMAS).powi(2)))
+        .collect();
+    let (statistic, worst) = mean_and_worst(&felt);
     Fit {
         touching: held.len(),
         beyond: share(OUTLIER_SIGMAS),
         broken: share(BOUND),
         square: square(&held),
         correlation_time: if noise.correlated > 0.0 { noise.time_constant } else { 0.0 },
-        worst: all_rows.chunks(length).filter_map(stretch).max_by(|a, b| a.1.total_cmp(&b.1)),
+        statistic,
+        worst: worst.map(|(from, to, there)| (Stretch { from, to }, there)),
     }
 }
 
