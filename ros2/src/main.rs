@@ -1,0 +1,25 @@
+//! The node as a program: `vibrissa-ros2 --ros-args -p map:=arena.svg`.
+
+use std::process::ExitCode;
+use vibrissa_ros2::node::start;
+use vibrissa_ros2::parameters::{NAMES, Parameters};
+
+fn main() -> ExitCode {
+    let args: Vec<String> = std::env::args().skip(1).collect();
+    if args.iter().any(|arg| arg == "--help" || arg == "-h") {
+        println!("Usage: vibrissa-ros2 --ros-args -p NAME:=VALUE ... -r FROM:=TO ...\n\nParameters:");
+        NAMES.iter().for_each(|(name, what)| println!("  {name:<22}{what}"));
+        return ExitCode::SUCCESS;
+    }
+    let parameters = Parameters::from_args(&args, &|name| std::env::var(name).ok());
+    match parameters.and_then(|parameters| start(&parameters)) {
+        Ok(node) => {
+            node.wait();
+            ExitCode::SUCCESS
+        }
+        Err(error) => {
+            eprintln!("{error}");
+            ExitCode::from(if error.is_usage() { 2 } else { 1 })
+        }
+    }
+}
