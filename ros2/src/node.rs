@@ -86,7 +86,9 @@ struct Maker<'a> {
 impl Maker<'_> {
     fn name(&self, topic: &str) -> Result<Name> {
         let name = self.parameters.topic(topic);
-        Name::parse(name).map_err(|error| Error::usage("no name of a topic").value(format!("{name}: {error:?}")))
+        let namespace = self.parameters.namespace.trim_end_matches('/');
+        let full = if name.starts_with('/') { name.to_owned() } else { format!("{namespace}/{name}") };
+        Name::parse(&full).map_err(|error| Error::usage("no name of a topic").value(format!("{full}: {error:?}")))
     }
 
     fn topic(&mut self, name: &str, kind: (&str, &str), qos: &QosProfile) -> Result<ros2_client::dds::rustdds::Topic> {
@@ -217,26 +219,32 @@ fn options(parameters: &Parameters) -> NodeOptions {
     let text = |text: &str| ParameterValue::String(text.to_owned());
     let path = |path: &std::path::Path| ParameterValue::String(path.display().to_string());
     let [x, y, yaw] = parameters.initial_pose;
-    NodeOptions::new()
-        .enable_rosout(false)
-        .declare_parameter("map", path(&parameters.map))
-        .declare_parameter("robot", path(parameters.robot.as_deref().unwrap_or(std::path::Path::new(""))))
-        .declare_parameter("method", text(parameters.method.name()))
-        .declare_parameter("delay", ParameterValue::Double(parameters.delay))
-        .declare_parameter("rate", ParameterValue::Double(parameters.rate))
-        .declare_parameter("global_frame_id", text(&parameters.global_frame_id))
-        .declare_parameter("odom_frame_id", text(&parameters.odom_frame_id))
-        .declare_parameter("tf_broadcast", ParameterValue::Boolean(parameters.tf_broadcast))
-        .declare_parameter("transform_tolerance", ParameterValue::Double(parameters.transform_tolerance))
-        .declare_parameter("set_initial_pose", ParameterValue::Boolean(parameters.set_initial_pose))
-        .declare_parameter("initial_pose.x", ParameterValue::Double(x))
-        .declare_parameter("initial_pose.y", ParameterValue::Double(y))
-        .declare_parameter("initial_pose.yaw", ParameterValue::Double(yaw))
-        .declare_parameter("use_sim_time", ParameterValue::Boolean(parameters.use_sim_time))
-        .parameter_validator(Box::new(|name, _| match name {
-            "use_sim_time" => Ok(()),
-            _ => Err("set at the start of the node: --ros-args -p NAME:=VALUE".to_owned()),
-        }))
+    let declared = [
+        ("map", path(&parameters.map)),
+        ("robot", path(parameters.robot.as_deref().unwrap_or(std::path::Path::new("")))),
+        ("method", text(parameters.method.name())),
+        ("delay", ParameterValue::Double(parameters.delay)),
+        ("rate", ParameterValue::Double(parameters.rate)),
+        ("global_frame_id", text(&parameters.global_frame_id)),
+        ("odom_frame_id", text(&parameters.odom_frame_id)),
+        ("tf_broadcast", ParameterValue::Boolean(parameters.tf_broadcast)),
+        ("transform_tolerance", ParameterValue::Double(parameters.transform_tolerance)),
+        ("set_initial_pose", ParameterValue::Boolean(parameters.set_initial_pose)),
+        ("initial_pose.x", ParameterValue::Double(x)),
+        ("initial_pose.y", ParameterValue::Double(y)),
+        ("initial_pose.yaw", ParameterValue::Double(yaw)),
+        ("use_sim_time", ParameterValue::Boolean(parameters.use_sim_time)),
+    ];
+    let options = declared.iter().fold(NodeOptions::new().enable_rosout(false), |options, (name, value)| {
+        options.declare_parameter(name, value.clone())
+    });
+    options.parameter_validator(Box::new(move |name, value| {
+        let unchanged = declared.iter().any(|(known, old)| *known == name && old == value);
+        match unchanged || name == "use_sim_time" {
+            true => Ok(()),
+            false => Err("set at the start of the node: --ros-args -p NAME:=VALUE".to_owned()),
+        }
+    }))
 }
 
 /// Estimates until the node ends.
