@@ -20,6 +20,8 @@ pub type Covariance = [[f64; 6]; 6];
 messages! {
     /// `builtin_interfaces/Time`.
     Time { sec: i32, nanosec: u32 }
+    /// `rosgraph_msgs/Clock`.
+    Clock { clock: Time }
     /// `std_msgs/Header`.
     Header { stamp: Time, frame_id: String }
     /// `geometry_msgs/Point` and `geometry_msgs/Vector3` (m).

@@ -11,7 +11,7 @@ use crate::config::{BEAT, BOND_PERIOD, DEPTH, DIAGNOSTICS_PERIOD, SENSOR_DEPTH};
 use crate::engine::{Engine, one_line};
 use crate::lifecycle::Lifecycle;
 use crate::messages::{
-    BondStatus, ChangeStateRequest, ChangeStateResponse, DiagnosticArray, Empty, Float64MultiArray,
+    BondStatus, ChangeStateRequest, ChangeStateResponse, Clock, DiagnosticArray, Empty, Float64MultiArray,
     GetAvailableStatesResponse, GetAvailableTransitionsResponse, GetStateResponse, JointState, Odometry, PoseArray,
     PoseWithCovarianceStamped, TFMessage, Time, Transition, TransitionEvent, WrenchStamped,
 };
@@ -26,6 +26,7 @@ use smol::channel::{Receiver, Sender};
 use std::net::{IpAddr, Ipv4Addr};
 use std::rc::Rc;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicI64, Ordering};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 use vibrissa_core::flow::sensor_log::{Channel, Quantity};
@@ -172,7 +173,7 @@ pub fn start(parameters: &Parameters) -> Result<RunningNode> {
     let services = Services::new(&mut maker)?;
     let mut node = maker.node;
     let spinner = node.spinner().map_err(|e| dds("follow the network", e))?;
-    let node = Arc::new(node);
+    let node = Arc::new(RosClock { node, simulated: AtomicI64::new(0) });
     let (stop, stopped) = smol::channel::bounded::<()>(1);
     let threads = vec![
         spawn("estimate", {
@@ -258,12 +259,29 @@ fn tell(engine: &Engine, parameters: &Parameters, voices: &Voices) {
     });
 }
 
-fn now(node: &Node) -> f64 {
-    node.time_now().to_nanos() as f64 * 1e-9
+/// The time of ROS: the system's, or that of the topic `/clock` (which `ros2_client` would read under another type than ROS sends).
+struct RosClock {
+    node: Node,
+    simulated: AtomicI64,
+}
+
+impl RosClock {
+    /// Now (ns).
+    fn nanoseconds(&self) -> i64 {
+        match self.node.get_parameter("use_sim_time") {
+            Some(ParameterValue::Boolean(true)) => self.simulated.load(Ordering::Relaxed),
+            _ => self.node.time_now_not_simulated().to_nanos(),
+        }
+    }
+
+    /// Now (s).
+    fn now(&self) -> f64 {
+        self.nanoseconds() as f64 * 1e-9
+    }
 }
 
 /// Beats until the node ends.
-fn beat(engine: &Engine, node: &Node, parameters: &Parameters, heart: &Heart) {
+fn beat(engine: &Engine, node: &RosClock, parameters: &Parameters, heart: &Heart) {
     let instance = format!("{}-{}", parameters.name, std::process::id());
     let (mut beats, mut sent, mut bonded, mut faulted) = (0_u64, f64::NEG_INFINITY, false, None);
     let every = |period: f64| (period / BEAT).round().max(1.0) as u64;
@@ -281,11 +299,11 @@ fn beat(engine: &Engine, node: &Node, parameters: &Parameters, heart: &Heart) {
         }
         let lives = pulse.state == Lifecycle::Active;
         if (lives && beats.is_multiple_of(every(BOND_PERIOD))) || (bonded && !lives) {
-            let _ = heart.bond.publish(outputs::bond(now(node), &parameters.name, &instance, lives));
+            let _ = heart.bond.publish(outputs::bond(node.now(), &parameters.name, &instance, lives));
             bonded = lives;
         }
         if beats.is_multiple_of(every(DIAGNOSTICS_PERIOD)) {
-            let _ = heart.diagnostics.publish(outputs::diagnostics(&pulse, now(node), &parameters.name));
+            let _ = heart.diagnostics.publish(outputs::diagnostics(&pulse, node.now(), &parameters.name));
         }
         if pulse.fault != faulted {
             if let Some(fault) = &pulse.fault {
@@ -307,6 +325,7 @@ struct Inputs {
     odometry: Subscription<Odometry>,
     initial_pose: Subscription<PoseWithCovarianceStamped>,
     readings: Readings,
+    clock: Subscription<Clock>,
     frame: String,
 }
 
@@ -337,15 +356,21 @@ impl Inputs {
                     Readings::Wrench(maker.subscription("readings", ("geometry_msgs", "WrenchStamped"), &sensor)?)
                 }
             },
+            clock: maker.subscription("/clock", ("rosgraph_msgs", "Clock"), &sensor)?,
             frame: maker.parameters.global_frame_id.clone(),
         })
     }
 
-    fn listen(self, executor: &Rc<LocalExecutor<'static>>, engine: &Arc<Engine>, node: &Arc<Node>) {
-        let Self { odometry, initial_pose, readings, frame } = self;
+    fn listen(self, executor: &Rc<LocalExecutor<'static>>, engine: &Arc<Engine>, node: &Arc<RosClock>) {
+        let Self { odometry, initial_pose, readings, clock, frame } = self;
+        let to = Arc::clone(node);
+        each(executor, clock, move |message| {
+            let Time { sec, nanosec } = message.clock;
+            to.simulated.store(i64::from(sec) * 1_000_000_000 + i64::from(nanosec), Ordering::Relaxed);
+        });
         let stamped = {
             let node = Arc::clone(node);
-            move |stamp: &Time| stamp.seconds().unwrap_or_else(|| now(&node))
+            move |stamp: &Time| stamp.seconds().unwrap_or_else(|| node.now())
         };
         let (to, stamp) = (Arc::clone(engine), stamped.clone());
         each(executor, odometry, move |message| {
@@ -437,7 +462,13 @@ impl Services {
         })
     }
 
-    fn serve(self, executor: &Rc<LocalExecutor<'static>>, engine: &Arc<Engine>, node: &Arc<Node>, stop: &Sender<()>) {
+    fn serve(
+        self,
+        executor: &Rc<LocalExecutor<'static>>,
+        engine: &Arc<Engine>,
+        node: &Arc<RosClock>,
+        stop: &Sender<()>,
+    ) {
         let Self { change, state, states, changes, graph, anywhere, events } = self;
         let to = Arc::clone(engine);
         answer(executor, state, move |_| GetStateResponse { current_state: to.state().message() });
@@ -465,7 +496,7 @@ impl Services {
                 match done {
                     Ok(description) => {
                         let _ = events.publish(TransitionEvent {
-                            timestamp: u64::try_from(node.time_now().to_nanos()).unwrap_or(0),
+                            timestamp: u64::try_from(node.nanoseconds()).unwrap_or(0),
                             transition: description.transition,
                             start_state: description.start_state,
                             goal_state: description.goal_state,
