@@ -25,9 +25,9 @@ pub type Region = [[f64; 2]; 3];
 #[derive(Debug)]
 struct Loaded {
     map: Map,
-    /// As its file says, and with the bounds of its calibrations.
+    /// With the bounds of its calibrations.
     robot: Robot,
-    calibrated: Robot,
+    calibrator: Option<Calibrator>,
     /// What messages hold, and what rows hold.
     sent: Vec<Channel>,
     channels: Vec<Channel>,
@@ -127,7 +127,7 @@ impl Engine {
                 inner.loaded = loaded;
                 inner.region = self.parameters.initial_region();
             }
-            Change::Activate => self.begin(&mut inner)?,
+            Change::Activate => self.begin(&mut inner),
             Change::Deactivate => inner.stop(),
             Change::CleanUp => inner.loaded = None,
             Change::Shutdown => {
@@ -149,20 +149,19 @@ impl Engine {
         };
         let sent = self.parameters.channels(&robot)?;
         let calibrator = Calibrator::new(&sent, &robot)?;
-        let (channels, calibrated) = match &calibrator {
+        let (channels, robot) = match &calibrator {
             Some(calibrator) => (calibrator.channels(&sent), calibrator.robot(&robot)),
-            None => (sent.clone(), robot.clone()),
+            None => (sent.clone(), robot),
         };
-        Ok(Loaded { map, robot, calibrated, sent, channels })
+        Ok(Loaded { map, robot, calibrator, sent, channels })
     }
 
     /// Begins to estimate anew.
-    fn begin(&self, inner: &mut Inner) -> Result<()> {
-        let Some(loaded) = inner.loaded.clone() else { return Ok(()) };
-        inner.feed = Some(Feed::new(&loaded.robot, &loaded.sent, self.parameters.delay)?);
+    fn begin(&self, inner: &mut Inner) {
+        let Some(loaded) = inner.loaded.clone() else { return };
+        inner.feed = Some(Feed::new(loaded.sent.len(), loaded.calibrator.clone(), self.parameters.delay));
         inner.session += 1;
         (inner.map_from_odom, inner.last, inner.fault) = (None, None, None);
-        Ok(())
     }
 
     fn restart(&self, region: Option<Region>) {
@@ -170,9 +169,7 @@ impl Engine {
         inner.region = region;
         if inner.state == Lifecycle::Active {
             inner.restarts += 1;
-            if let Err(error) = self.begin(&mut inner) {
-                inner.fault = Some(one_line(&error));
-            }
+            self.begin(&mut inner);
         }
         drop(inner);
         self.more.notify_all();
@@ -206,9 +203,7 @@ impl Engine {
         let (jumped, wakes) = (feed.jumped(), feed.has_rows());
         if jumped {
             inner.restarts += 1;
-            if let Err(error) = self.begin(&mut inner) {
-                inner.fault = Some(one_line(&error));
-            }
+            self.begin(&mut inner);
         }
         drop(inner);
         if wakes || jumped {
@@ -305,8 +300,8 @@ impl Engine {
         if let Some(region) = region {
             method.set("within", SettingValue::Region(region))?;
         }
-        let Loaded { map, calibrated, channels, .. } = loaded;
-        let mut estimator = LiveEstimator::new(map, calibrated, channels, &method, self.parameters.rate)?;
+        let Loaded { map, robot, channels, .. } = loaded;
+        let mut estimator = LiveEstimator::new(map, robot, channels, &method, self.parameters.rate)?;
         while let Some(rows) = self.next_rows(session) {
             for used in rows {
                 let step = estimator.step(&used.joined.row);

@@ -1,10 +1,7 @@
 //! Odometry and readings with ROS times to rows, by the clock and the join of live runs.
 
 use std::collections::VecDeque;
-use vibrissa_core::Result;
-use vibrissa_core::flow::sensor_log::Channel;
 use vibrissa_core::plane::Pose2;
-use vibrissa_core::world::Robot;
 use vibrissa_io::Calibrator;
 use vibrissa_live::config::{ROWS_BEFORE_MERGING, ROWS_WAITING};
 use vibrissa_live::counts::Counts;
@@ -32,23 +29,20 @@ pub struct Feed {
 }
 
 impl Feed {
-    /// A feed of messages whose readings are these channels.
-    ///
-    /// # Errors
-    ///
-    /// A calibration that cannot be read, channels without its inputs.
-    pub fn new(robot: &Robot, channels: &[Channel], delay: f64) -> Result<Self> {
-        let shares = vec![Share { pose: false, readings: channels.len() }, Share { pose: true, readings: 0 }];
-        Ok(Self {
+    /// A feed of messages with so many readings, `delay` (s) older than their stamps say, and what makes moments of them.
+    #[must_use]
+    pub fn new(readings: usize, calibrator: Option<Calibrator>, delay: f64) -> Self {
+        let shares = vec![Share { pose: false, readings }, Share { pose: true, readings: 0 }];
+        Self {
             timings: [Timing::new(TimeBase::Own, delay), Timing::new(TimeBase::Own, 0.0)],
             counts: [Counts::default(); 2],
             joiner: Joiner::new(shares, READINGS, ODOMETRY),
-            calibrator: Calibrator::new(channels, robot)?,
-            readings: channels.len(),
+            calibrator,
+            readings,
             rows: VecDeque::new(),
             odometry: None,
             heard: [None; 2],
-        })
+        }
     }
 
     /// Takes odometry: its stamp (s), its arrival (host, s), the robot in the odometry frame; none where it held no pose.
