@@ -38,6 +38,8 @@ pub(crate) struct Judged {
     pub(crate) outcome: Outcome,
     /// Whether the truth is in what the method tells as possible: a 95 % region or a ridge, or the set.
     pub(crate) held: bool,
+    /// Squared Mahalanobis distance of the truth to the nearest place.
+    pub(crate) distance: f64,
     /// Error of the estimate (m, rad) where the verdict is `localized`.
     pub(crate) error: Option<(f64, f64)>,
     /// What the method says of it (m).
@@ -54,7 +56,15 @@ pub(crate) fn judged(trial: &Trial, method: &Method, least: Option<f64>, told: &
         Ok(answer) => compared(&answer, trial.truth, least),
         Err(error) => {
             eprintln!("{told}: {error}");
-            Judged { outcome: Outcome::Inconsistent, held: false, error: None, bound: None, ridge: false, least }
+            Judged {
+                outcome: Outcome::Inconsistent,
+                held: false,
+                distance: f64::INFINITY,
+                error: None,
+                bound: None,
+                ridge: false,
+                least,
+            }
         }
     }
 }
@@ -74,7 +84,7 @@ fn compared(answer: &Localization, truth: Option<Pose2>, least: Option<f64>) -> 
     };
     let error = best.zip(truth).map(|(h, truth)| (off(h), wrap_angle(h.pose.theta - truth.theta).abs()));
     let ridge = best.is_some_and(|h| !h.ridge.is_empty());
-    Judged { outcome, held, error, bound: best.map(told_error), ridge, least }
+    Judged { outcome, held, distance: nearest(answer, truth), error, bound: best.map(told_error), ridge, least }
 }
 
 /// What the method says of the error of a place (m): that to be expected, or the largest that its extent allows.
@@ -87,6 +97,13 @@ fn told_error(h: &Hypothesis) -> f64 {
         },
         |bound| bound.0,
     )
+}
+
+/// The least squared Mahalanobis distance of the truth to a place that has a covariance.
+fn nearest(answer: &Localization, truth: Option<Pose2>) -> f64 {
+    let to =
+        |h: &Hypothesis| truth.filter(|_| h.covariance.is_some()).map_or(f64::INFINITY, |truth| distance(h, truth));
+    answer.hypotheses.iter().map(to).fold(f64::INFINITY, f64::min)
 }
 
 /// Whether a region, a ridge or the set holds the truth.

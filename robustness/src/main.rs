@@ -192,7 +192,10 @@ fn runs(world: &World, seed: u64, call: &Call) -> Vec<Judged> {
             if call.each && (!run.held || !matches!(run.outcome, Outcome::Right | Outcome::AmbiguousWith)) {
                 let off = run.error.map_or(f64::NAN, |error| 1e3 * error.0);
                 let time = began.elapsed().as_secs_f64();
-                println!("{told}: {:?}, truth held {}, {off:.2} mm off, {time:.2} s", run.outcome, run.held);
+                println!(
+                    "{told}: {:?}, truth held {}, {off:.2} mm off, distance {:.1}, {time:.2} s",
+                    run.outcome, run.held, run.distance
+                );
             }
             out.push(run);
         }

@@ -78,6 +78,37 @@ impl Sweep {
         places.map(|p| Pose2::new(p.x, p.y, self.heading)).collect()
     }
 
+    /// Rows in which the simulation is in contact, and what `follow` does not know how.
+    fn count_unknown(&self) -> usize {
+        let whisker = Whisker::default();
+        let boundaries = Boundaries::new(&self.map).with_clearance(&self.map);
+        let loaded = LoadedWhisker::new(&whisker).unwrap();
+        let model = ForwardModel {
+            map: &self.map,
+            boundaries: &boundaries,
+            length: whisker.length,
+            mechanics: Mechanics::ClosedForm,
+            whole: true,
+            quantity: SensedQuantity::Moment,
+        };
+        let (mut state, mut held, mut unknown, mut touched) = (WhiskerState::Free, None, 0, 0);
+        for pair in self.poses().windows(2) {
+            let predicted = model.advance(&mut state, pair[0], pair[1], false);
+            let on = |pose: Pose2| WhiskerOnMap::new(&self.map, &boundaries, &loaded, pose);
+            held = stepped(&on, held, pair[0], pair[1]).unwrap();
+            match (state, held) {
+                (WhiskerState::Touching(_), Some(Equilibrium { state, .. })) => {
+                    assert!((predicted.value - state.m).abs() < 1e-4, "{pair:?}: {} {}", predicted.value, state.m);
+                }
+                (_, Some(_)) => unknown += 1,
+                _ => {}
+            }
+            touched += usize::from(held.is_some());
+        }
+        assert!(touched > 20, "{touched}");
+        unknown
+    }
+
     /// Follows the whisker by both until the branch of the simulation ends, and compares moment, place and hold.
     fn compare(&self, name: &str) -> Seen {
         let whisker = Whisker::default();
@@ -242,5 +273,24 @@ fn over_the_ends_of_a_thin_wall() {
                 .compare(&format!("wall end {side} {drawn} {lean}"));
             assert!(seen.tip > 50 && seen.side_on_corner > 0, "{seen:?}");
         }
+    }
+}
+
+#[test]
+fn head_on_into_walls_and_hollows() {
+    // Radius of a hollow (m), how far the whisker is off its normal (degrees), and which way the base goes on (m).
+    let straight = [-4.0, -2.5, -0.5, 0.5, 1.5, 4.0].map(|off| (1e3, off, 0.0));
+    let hollow = [-3.5, -1.5, -0.5, 0.5, 2.5].map(|off| (0.12, off, 0.0));
+    for (radius, off, aside) in straight.into_iter().chain(hollow).chain([(0.07, -1.5, 0.01), (0.07, 1.5, -0.01)]) {
+        let place = |k: i32| {
+            let angle = f64::from(k) * 1e-3 / radius;
+            (radius * angle.sin(), radius * (1.0 - angle.cos()))
+        };
+        let map = map(Role::Wall, &(-60..=60).map(place).collect::<Vec<_>>());
+        let (length, heading) = (Whisker::default().length, f64::to_radians(off) - FRAC_PI_2);
+        let begin = Vec2::new(-(length + 0.003) * heading.cos(), length + 0.003);
+        let way = vec![begin, Vec2::new(begin.x + aside, length - 0.015)];
+        let unknown = Sweep { map, heading, way, step: 2.0 * STEP }.count_unknown();
+        assert!(unknown <= 1, "{radius} {off}: {unknown} rows");
     }
 }

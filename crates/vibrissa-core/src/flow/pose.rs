@@ -95,8 +95,10 @@ pub(crate) fn verdict(evidence: &Evidence<'_>) -> Verdict {
         return Verdict { status: Status::Inconsistent, reason: Some(("inconsistent", detail)) };
     }
     let rivals = rivals(evidence);
-    // A set that died once has to explain much before it is believed again.
-    if emptied && !(rivals == 1 && evidence.explained_since >= RECOVERED) {
+    // A set that died once has to explain much before it is believed again; whether it is one place counts where nothing else speaks
+    // against the readings.
+    let judged = matches!(evidence.fit, Some(Agreement::Correlated(_)));
+    if emptied && !((rivals == 1 || judged) && evidence.explained_since >= RECOVERED) {
         return plain(Status::Inconsistent);
     }
     // A place that leaves as much unexplained as side contact may, or odometry whose error changes on the way, can be wrong: it is

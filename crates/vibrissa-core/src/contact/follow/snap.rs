@@ -32,7 +32,6 @@ const DEEPEST: f64 = 0.4;
 /// A tip that a force across it has pushed to a small polar angle is nearer to the base than a straight one by this
 /// share of its square; rounds that find such a place on a boundary.
 const BENT: f64 = 0.09;
-const BENT_ROUNDS: usize = 4;
 /// Flights before it is given up.
 const MOST_FLIGHTS: usize = 3;
 
@@ -102,24 +101,46 @@ impl ForwardModel<'_> {
         let nearest =
             |place: Vec2, reach: f64| self.boundaries.nearest(self.map, place, stance.base(), reach * self.length);
         let (piece, at, _) = nearest(stance.placed(Vec2::new(1.0, 0.0)), DEEPEST)?;
-        let foot = self.boundaries.spot((piece, at.clamp(0.0, 1.0)));
-        // How near to its base a force across it has the tip, by the angle at which it is seen from there.
-        let arm = foot.position - stance.base();
-        let heading = Vec2::from_angle(stance.theta());
-        let along = foot.velocity * (1.0 / foot.velocity.norm());
-        let along = along * along.dot(heading).signum();
-        let (half, mut way) = (arm.dot(along), 0.0);
-        for _ in 0..BENT_ROUNDS {
-            let seen = arm + along * way;
-            let polar = heading.cross(seen).atan2(heading.dot(seen));
-            let chord = (1.0 - BENT * polar * polar) * self.length;
-            let rest = arm.norm_squared() - chord * chord;
-            way = if rest < half * half { (half * half - rest).sqrt() - half } else { 0.0 };
-        }
-        let (piece, at, _) = nearest(foot.position + along * way, REACH)?;
+        let (piece, at) = self.bent_along(&stance, piece, at.clamp(0.0, 1.0));
         let lever = stance.seen(self.boundaries.spot((piece, at.clamp(0.0, 1.0))).position).y;
         let (touch, predicted) = self.rests_near(&stance, None, 1.5 * lever, piece, at.clamp(0.0, 1.0))?;
         self.rested(&stance, touch, predicted)
+    }
+
+    /// The place of the boundary that the tip of a whisker bent by a force across it reaches from this one on, on the way on which the
+    /// unloaded whisker leans.
+    fn bent_along(&self, stance: &Stance, mut piece: u32, mut at: f64) -> (u32, f64) {
+        let heading = Vec2::from_angle(stance.theta());
+        // By how much a place is farther from the base than a force across the whisker has the tip, by the angle at which it is seen.
+        let beyond = |piece: u32, at: f64| {
+            let arm = self.boundaries.spot((piece, at)).position - stance.base();
+            let polar = heading.cross(arm).atan2(heading.dot(arm));
+            arm.norm() - (1.0 - BENT * polar * polar) * self.length
+        };
+        let forward = self.boundaries.spot((piece, at)).velocity.dot(heading) >= 0.0;
+        for _ in 0..MOST_STRIDES {
+            if beyond(piece, at) >= 0.0 {
+                break;
+            }
+            let stride = STRIDE * self.length / self.boundaries.spot((piece, at)).velocity.norm();
+            let next = at + if forward { stride } else { -stride };
+            if (0.0..=1.0).contains(&next) {
+                at = next;
+                continue;
+            }
+            let end = if forward { 1.0 } else { 0.0 };
+            let corner = self.boundaries.corner_of(piece, forward).filter(|(_, corner)| !corner.is_end());
+            match corner {
+                Some((_, corner)) if beyond(piece, end) < 0.0 => {
+                    (piece, at) = if forward { corner.after } else { corner.before };
+                }
+                _ => {
+                    at = end;
+                    break;
+                }
+            }
+        }
+        (piece, at)
     }
 
     /// The tip at rest, with the side where that has come to a boundary, too.

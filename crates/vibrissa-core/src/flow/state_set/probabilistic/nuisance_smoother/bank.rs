@@ -220,11 +220,11 @@ impl Bank {
         self.modes.extend(found);
     }
 
-    /// Keeps modes that cost, or promise to cost, no more than so much above the best.
+    /// Keeps modes that cost, or promise to cost, no more than so much above the best as it stands.
     fn prune(&mut self, gate: f64) {
-        let costs: Vec<f64> = self.modes.iter().map(Mode::evidence).collect();
-        let least = costs.iter().copied().fold(f64::INFINITY, f64::min);
-        let mut kept = costs.iter().map(|&cost| cost <= least + gate);
+        let least = self.modes.iter().map(Mode::evidence_here).fold(f64::INFINITY, f64::min);
+        let kept: Vec<bool> = self.modes.iter().map(|mode| mode.evidence() <= least + gate).collect();
+        let mut kept = kept.into_iter();
         self.modes.retain(|_| kept.next() == Some(true));
     }
 
@@ -268,6 +268,9 @@ impl Bank {
         self.rows = rows;
         self.seen = model.window.len();
         self.relinearise(model);
+        for mode in &mut self.modes {
+            mode.search_line(model, &self.rows, &mut self.scratch);
+        }
         self.prune(gate);
         for mode in &mut self.modes {
             mode.descend(model, &self.rows, steps, &mut self.scratch);

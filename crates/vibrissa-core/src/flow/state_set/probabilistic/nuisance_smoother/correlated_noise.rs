@@ -14,8 +14,9 @@ pub(super) const OUTLIER_COST: f64 = 6.0;
 /// The declared bound of an error with a hair for the model, and how sharp it is (standard deviations of an even law).
 const BOUND: f64 = 1.8;
 const BOUND_STD: f64 = 0.3;
-/// What a reading costs while the whisker is in a contact that the model does not cover.
-const UNKNOWN_COST: f64 = 3.0;
+/// What a reading costs (nats, beside its noise) while the whisker is in a contact that the model does not cover: the first, which may be
+/// anything, and those that follow, which are much like it.
+const UNKNOWN_COST: [f64; 2] = [3.0, 1.0];
 
 /// Variances in units of the declared noise, which is even within its bound.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,6 +55,13 @@ const TIME_CONSTANTS: [f64; 6] = [0.03, 0.1, 0.3, 1.0, 3.0, 10.0];
 const LONGEST_SHARE: f64 = 0.5;
 /// Another model than the declared one must explain the readings better by this (nats), for two more parameters.
 const WORTH_MORE: f64 = 3.0;
+/// Errors that are alike for this long (s) out of a log of `T` seconds tell their variance with `T / time_constant - 3` degrees of freedom;
+/// regions of a Gaussian with an estimated variance are wider by about `1 + this / (degrees - 1)` (three unknowns, 95 % points of
+/// Hotelling's and Pearson's laws) \[kenward1997small\].
+const SMALL_SAMPLE: f64 = 4.0;
+const POSE_DEGREES: f64 = POSE as f64;
+/// And by no more than brings the variance to that of errors at the ends of their bounds.
+const MOST_VARIANCE: f64 = 3.0;
 /// Fewest readings that tell.
 const FEWEST: usize = 16;
 
@@ -104,15 +112,15 @@ pub(super) fn add_readings(
     });
     let mut innovation = vec![0.0; told.size];
     for (k, row) in told.rows.iter().enumerate() {
+        let filter = &mut filters[row.sensor];
+        filter.predict(row.t, noise);
         if row.held.is_none() {
-            to.constant += UNKNOWN_COST;
+            to.constant += unknown_cost(&told.rows, k) + 0.5 * (filter.variance + noise.white).ln();
             continue;
         }
         if noise.bounded {
             add_bound(row, told.derivatives(k), to);
         }
-        let filter = &mut filters[row.sensor];
-        filter.predict(row.t, noise);
         let variance = filter.variance + noise.white + row.model_variance;
         let residual = row.residual - filter.residual;
         let derivatives = told.derivatives(k);
@@ -129,12 +137,18 @@ pub(super) fn add_readings(
     }
 }
 
+/// What the `k`-th row costs, whose contact is not known.
+fn unknown_cost(rows: &[Row], k: usize) -> f64 {
+    let before = rows[..k].iter().rev().find(|row| row.sensor == rows[k].sensor);
+    UNKNOWN_COST[usize::from(before.is_some_and(|row| row.held.is_none()))]
+}
+
 fn add_independent(told: &Linearisation, noise: NoiseModel, to: &mut NormalEquations) {
     let NoiseModel { white, bounded, .. } = noise;
     let more = 0.5 * white.ln();
     for (k, row) in told.rows.iter().enumerate() {
         if row.held.is_none() {
-            to.constant += UNKNOWN_COST;
+            to.constant += unknown_cost(&told.rows, k) + more;
             continue;
         }
         if bounded {
@@ -171,7 +185,7 @@ pub(super) fn estimated(told: &Linearisation, known: &NormalEquations, damping: 
         let certain = equations.half_ln_determinant(damping);
         let penalty = if noise.correlated > 0.0 { WORTH_MORE } else { 0.0 };
         let pose = certain - equations.nuisances_half_ln_determinant();
-        (equations.evidence(damping) + penalty, pose, noise)
+        (equations.evidence(damping).0 + penalty, pose, noise)
     };
     // An error that stays the same for all of a log cannot be told from one that changes as the predictions do.
     let (from, to) = (told.rows.first().map_or(0.0, |row| row.t), told.rows.last().map_or(0.0, |row| row.t));
@@ -187,7 +201,20 @@ pub(super) fn estimated(told: &Linearisation, known: &NormalEquations, damping: 
     }
     let about =
         all.iter().filter(|one| one.0 <= most + WORTH_MORE && (best.correlated > 0.0) == (one.2.correlated > 0.0));
-    about.min_by(|a, b| a.1.total_cmp(&b.1)).map_or((best, 0.0), |one| (one.2, one.0 - most))
+    let chosen = about.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(best, |one| one.2);
+    let wide = widened(chosen, to - from);
+    (wide, judged(wide).0 - most)
+}
+
+/// The same with larger variances, as far as a log of this duration (s) leaves them open.
+fn widened(noise: NoiseModel, duration: f64) -> NoiseModel {
+    if noise.correlated <= 0.0 {
+        return noise;
+    }
+    let degrees = duration / noise.time_constant - POSE_DEGREES;
+    let by = if degrees > 1.0 { 1.0 + SMALL_SAMPLE / (degrees - 1.0) } else { f64::INFINITY };
+    let by = by.min(MOST_VARIANCE / noise.correlated).max(1.0);
+    NoiseModel { white: noise.white * by, correlated: noise.correlated * by, ..noise }
 }
 
 /// Every model that is tried with errors that stay alike.

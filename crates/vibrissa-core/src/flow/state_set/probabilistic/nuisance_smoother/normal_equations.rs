@@ -89,10 +89,14 @@ impl NormalEquations {
         Some((self.cost_at(&step), step))
     }
 
-    /// Laplace's approximation of minus the logarithm of the evidence, up to a constant, with `damping` on the pose.
-    pub(super) fn evidence(&self, damping: [f64; POSE]) -> f64 {
-        let Some(factor) = DenseCholesky::new(self.size, &self.mirrored(damping)) else { return f64::INFINITY };
-        self.cost_at(&factor.solve(&self.vector)) + 0.5 * factor.ln_determinant()
+    /// Laplace's approximation of minus the logarithm of the evidence, up to a constant, with `damping` on the pose: with the cost that a
+    /// step promises, and with the cost at the point of linearisation.
+    pub(super) fn evidence(&self, damping: [f64; POSE]) -> (f64, f64) {
+        let Some(factor) = DenseCholesky::new(self.size, &self.mirrored(damping)) else {
+            return (f64::INFINITY, f64::INFINITY);
+        };
+        let volume = 0.5 * factor.ln_determinant();
+        (self.cost_at(&factor.solve(&self.vector)) + volume, self.constant + volume)
     }
 
     /// The cost a step away.
