@@ -131,7 +131,7 @@ impl Whisker {
             Some(term) => Err(Error::data("curvature")
                 .value(term)
                 .allowed("0")
-                .remedy("whiskers that are curved at rest are not localized with; use a straight one")),
+                .remedy("this takes whiskers that are straight at rest")),
             None => Ok(()),
         }
     }

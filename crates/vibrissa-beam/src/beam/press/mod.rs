@@ -14,16 +14,23 @@
 //! moment of zero. Shapes with two inflections between base and contact are unstable, even with a held tip; those with
 //! one are stable only where friction or a concave boundary holds the contact.
 //!
-//! All is dimensionless: lengths over the whisker's, moments times length over flexural rigidity. The slope at the
+//! All this is of uniform whiskers; [`RodPressTable`] is the table of any other.
+//!
+//! All is dimensionless: lengths over the whisker's, moments times length over flexural rigidity (at the base). The slope at the
 //! contact is towards +y; the other side is the mirror image.
 
+mod forest;
+mod patch;
+mod rod;
 mod sheet;
 mod side;
 mod slice;
 
+pub use rod::{RodContacts, RodPressTable};
 pub use slice::{PressEntry, PressSlice, Span};
 
 use crate::plane::Vec2;
+use alloc::boxed::Box;
 use alloc::vec::Vec;
 use core::f64::consts::{FRAC_PI_2, PI};
 #[cfg(not(feature = "std"))]
@@ -114,5 +121,41 @@ impl PressTable {
     #[must_use]
     pub fn friction_angle(&self) -> f64 {
         self.slack
+    }
+}
+
+/// The table of a whisker that is uniform or any other.
+#[derive(Clone, Debug)]
+pub enum ContactTable {
+    /// By the closed form.
+    Uniform(Box<PressTable>),
+    /// By marches.
+    Rod(RodPressTable),
+}
+
+impl From<PressTable> for ContactTable {
+    fn from(table: PressTable) -> Self {
+        Self::Uniform(Box::new(table))
+    }
+}
+
+impl ContactTable {
+    /// The friction angle (rad).
+    #[must_use]
+    pub fn friction_angle(&self) -> f64 {
+        match self {
+            Self::Uniform(table) => table.friction_angle(),
+            Self::Rod(table) => table.friction_angle(),
+        }
+    }
+
+    /// The contacts that push to the left (`side` 1), or the mirror image of those that push to the right (-1), and cause a
+    /// dimensionless moment between `lo` and `hi`, as that image has it.
+    #[must_use]
+    pub fn slice(&self, side: f64, lo: f64, hi: f64) -> PressSlice {
+        match self {
+            Self::Uniform(table) => table.slice(lo, hi),
+            Self::Rod(table) => table.slice(side, lo, hi),
+        }
     }
 }

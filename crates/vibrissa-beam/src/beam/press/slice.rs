@@ -127,6 +127,23 @@ impl PressSlice {
     }
 }
 
+impl PressSlice {
+    /// The entries of so many buckets of a whole turn.
+    pub(super) fn of_buckets<I: Iterator<Item = PressEntry>>(buckets: usize, found: impl Iterator<Item = I>) -> Self {
+        let mut starts = Vec::with_capacity(buckets + 1);
+        let (mut spans, mut entries) = (Vec::with_capacity(buckets), Vec::new());
+        for of_bucket in found {
+            let start = entries.len();
+            starts.push(start as u32);
+            entries.extend(of_bucket);
+            let span = |all: Span, entry: &PressEntry| all.hull(Span::of(entry, Vec2::from_angle(entry.middle)));
+            spans.push(entries[start..].iter().fold(Span::EMPTY, span));
+        }
+        starts.push(entries.len() as u32);
+        Self { lo: 0.0, width: core::f64::consts::TAU / buckets as f64, starts, entries, spans }
+    }
+}
+
 impl PressTable {
     /// The contacts that cause a dimensionless moment between `lo` and `hi`: shapes that bend one way cause those that
     /// are not negative, shapes with an inflection those that are not positive.

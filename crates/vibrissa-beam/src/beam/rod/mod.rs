@@ -22,6 +22,7 @@ mod pushed;
 mod scan;
 mod section;
 mod shot;
+mod stability;
 mod tip;
 mod view;
 
@@ -32,6 +33,7 @@ pub use follow::{Followed, Status};
 pub use forward::Touched;
 pub(in crate::beam) use loaded::Loaded;
 pub use section::Segment;
+pub(in crate::beam) use stability::Hold;
 
 use super::stretch::{SHARPEST, Stretch, Stretches};
 use super::whisker::Whisker;
@@ -61,6 +63,17 @@ impl Rod {
     /// winds the whisker up, a base stiffness that is not positive, stretches that are not as long as the whisker.
     pub fn new(whisker: &Whisker) -> Result<Self> {
         Self::of_wires(whisker)?.with_curvature(&whisker.curvature_terms())?.with_base_stiffness(whisker.base_stiffness)
+    }
+
+    /// The rod that a clamped whisker describes, wound up or not.
+    ///
+    /// # Errors
+    /// Data: as [`Rod::new`].
+    pub(in crate::beam) fn clamped(whisker: &Whisker) -> Result<Self> {
+        let rod = Self::of_wires(whisker)?;
+        let terms = whisker.curvature_terms();
+        let used = terms.iter().rposition(|c| c.abs() > 0.0).map_or(0, |last| last + 1);
+        Ok(Self { curvature: terms[..used].into(), ..rod })
     }
 
     /// The whisker's wires, straight and clamped.
@@ -159,7 +172,7 @@ impl Rod {
     }
 
     /// The curvature at rest at arc length `s` (1/m).
-    pub(super) fn rest_curvature(&self, s: f64) -> f64 {
+    pub(in crate::beam) fn rest_curvature(&self, s: f64) -> f64 {
         self.curvature.iter().rev().fold(0.0, |sum, c| sum * s + c)
     }
 
