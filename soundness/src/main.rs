@@ -4,10 +4,13 @@
 //!     cargo run --release -p vibrissa-soundness -- --nightly
 //!     cargo run --release -p vibrissa-soundness -- --worlds 10000 --first 5000 --threads 2
 //!     cargo run --release -p vibrissa-soundness -- --replay 1234
+//!     cargo run --release -p vibrissa-soundness -- --rods --worlds 500    no uniform whiskers
+//!     cargo run --release -p vibrissa-soundness -- --quick --nightly      without the refinement at the end of each log
 //!     cargo run --release -p vibrissa-soundness -- --corners 100        drives around corners, with two contacts at once
 //!     cargo run --release -p vibrissa-soundness -- --worlds 40 --declare 90    bounds told 10 % too small: losses must show
 //!
-//! Maps, whiskers, mounts, paths, bounds and errors are drawn from the seed; half of the time errors stand at the edge of
+//! In every tenth world the whisker is tapered, curved at rest or of several wires, half of the time with declared errors of
+//! length and stiffness. Maps, whiskers, mounts, paths, bounds and errors are drawn from the seed; half of the time errors stand at the edge of
 //! their bounds with signs that stay. A seed that gives no sweep is passed over. The last line holds the counts, and how
 //! small the sets that held the truth were.
 
@@ -17,7 +20,7 @@ mod corners;
 mod random_sweep;
 
 use random_sweep::random::Random;
-use random_sweep::{Trial, contains, random_sweep};
+use random_sweep::{Trial, contains, random_sweep_of};
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicU64, Ordering};
 use vibrissa::config::PossibilisticOptions;
@@ -27,6 +30,8 @@ use vibrissa::{Method, localize};
 
 /// Worlds of a CI run and of a nightly one.
 const SHORT: usize = 300;
+/// The whisker is not uniform in one world of so many.
+const ROD_EVERY: u64 = 10;
 const NIGHTLY: usize = 10_000;
 /// How much work goes into the end of a log without a prior: it tries the start on a whole map, and is soon over.
 const LAST_WORK: usize = 5_000;
@@ -42,6 +47,10 @@ struct Call {
     first: u64,
     threads: usize,
     replay: Option<u64>,
+    /// Whiskers that are not uniform in all worlds, instead of every tenth.
+    rods: bool,
+    /// Without the refinement at the end of the log.
+    quick: bool,
     /// Drives around corners instead of sweeps along walls.
     corners: bool,
     /// From so far after the first contact on such drives reckon with two contacts (m).
@@ -54,6 +63,8 @@ struct Call {
 struct Outcome {
     seed: u64,
     rows: usize,
+    /// Whether the whisker is not uniform.
+    is_rod: bool,
     /// Rows in which the whisker has an inflection, and in which it is curled.
     inflected: usize,
     curled: usize,
@@ -67,12 +78,12 @@ struct Outcome {
 
 fn main() -> ExitCode {
     match parse(std::env::args().skip(1)) {
-        Ok(Call { replay: Some(seed), declared, .. }) => replay(seed, declared),
+        Ok(Call { replay: Some(seed), declared, rods, .. }) => replay(seed, rods, declared),
         Ok(call) if call.corners => corner_report(&run_corners(&call), &call),
         Ok(call) => report(&run(&call), &call),
         Err(message) => {
             eprintln!(
-                "error: {message}\n  --worlds N --corners N --one-place --two-contacts MM --nightly --first SEED --threads N --replay SEED --declare PERCENT"
+                "error: {message}\n  --worlds N --corners N --one-place --two-contacts MM --nightly --rods --quick --first SEED --threads N --replay SEED --declare PERCENT"
             );
             ExitCode::from(2)
         }
@@ -86,6 +97,8 @@ fn parse(mut words: impl Iterator<Item = String>) -> Result<Call, String> {
         first: 1,
         threads,
         replay: None,
+        rods: false,
+        quick: false,
         corners: false,
         two_contacts: Some(TWO_CONTACTS),
         declared: 1.0,
@@ -96,6 +109,8 @@ fn parse(mut words: impl Iterator<Item = String>) -> Result<Call, String> {
             value.parse::<u64>().map_err(|error| format!("{word} {value}: {error}"))
         };
         match word.as_str() {
+            "--rods" => call.rods = true,
+            "--quick" => call.quick = true,
             "--one-place" => call.two_contacts = None,
             "--two-contacts" => call.two_contacts = Some(number()? as f64 * 1e-3),
             "--corners" => (call.corners, call.worlds) = (true, number()? as usize),
@@ -128,7 +143,7 @@ fn run(call: &Call) -> Vec<Outcome> {
                     if seed >= past {
                         return own;
                     }
-                    own.extend(world(seed, call.declared));
+                    own.extend(world(seed, (call.rods, call.quick), call.declared));
                 }
             };
             let workers: Vec<_> = (0..call.threads).map(|_| scope.spawn(worker)).collect();
@@ -245,8 +260,14 @@ fn corner_report(all: &[Cornered], call: &Call) -> ExitCode {
 }
 
 /// What the method tells of a trial, without a prior or with one, when readings are declared with this share of their bounds.
-fn answer(trial: &Trial, prior: Option<[[f64; 2]; 3]>, declared: f64) -> vibrissa::Result<Localization> {
-    let last_work = if prior.is_none() { LAST_WORK } else { NEAR_WORK };
+fn answer(trial: &Trial, prior: Option<[[f64; 2]; 3]>, declared: f64, quick: bool) -> vibrissa::Result<Localization> {
+    let last_work = if quick {
+        0
+    } else if prior.is_none() {
+        LAST_WORK
+    } else {
+        NEAR_WORK
+    };
     let possibilistic = PossibilisticOptions { last_work, prior, ..PossibilisticOptions::default() };
     let options = Method::Possibilistic(possibilistic);
     let mut robot = trial.robot.clone();
@@ -278,8 +299,8 @@ struct Judged {
     loss: Option<String>,
 }
 
-fn judged(trial: &Trial, prior: Option<[[f64; 2]; 3]>, declared: f64) -> Judged {
-    match answer(trial, prior, declared) {
+fn judged(trial: &Trial, prior: Option<[[f64; 2]; 3]>, declared: f64, quick: bool) -> Judged {
+    match answer(trial, prior, declared, quick) {
         Ok(found) => {
             let lost = found.status != Status::NoContact && !contains(&found, trial.truth);
             let loss = || format!("{}, lost {:?}; {:?}", found.status, trial.truth, found.events.last());
@@ -292,15 +313,17 @@ fn judged(trial: &Trial, prior: Option<[[f64; 2]; 3]>, declared: f64) -> Judged 
 }
 
 /// The world of a seed, if there is one: localized without a prior and with one.
-fn world(seed: u64, declared: f64) -> Option<Outcome> {
-    let trial = random_sweep(seed)?;
+fn world(seed: u64, (rods, quick): (bool, bool), declared: f64) -> Option<Outcome> {
+    let is_rod = rods || seed.is_multiple_of(ROD_EVERY);
+    let trial = random_sweep_of(seed, is_rod)?;
     let (rows, [.., inflected, curled]) = (trial.log.rows.len(), trial.kinds);
-    let (anywhere, near) = (judged(&trial, None, declared), judged(&trial, about(&trial, seed), declared));
+    let (anywhere, near) =
+        (judged(&trial, None, declared, quick), judged(&trial, about(&trial, seed), declared, quick));
     let told = |name: &str, loss: String| format!("seed {seed}, {name}: {loss}");
     let loss = anywhere.loss.map(|loss| told("without a prior", loss));
     let loss = loss.or(near.loss.map(|loss| told("with a prior", loss)));
     let volumes = [anywhere.volumes[0], near.volumes[1]];
-    Some(Outcome { seed, rows, inflected, curled, status: near.status, volumes, loss })
+    Some(Outcome { seed, rows, is_rod, inflected, curled, status: near.status, volumes, loss })
 }
 
 /// The middle of these values; NaN of none.
@@ -314,16 +337,18 @@ fn report(outcomes: &[Outcome], call: &Call) -> ExitCode {
     let of = |status: Status| outcomes.iter().filter(|o| o.status == Some(status)).count();
     let lost: Vec<u64> = outcomes.iter().filter(|o| o.loss.is_some()).map(|o| o.seed).collect();
     for seed in &lost {
-        println!("replay: cargo run --release -p vibrissa-soundness -- --replay {seed}");
+        let rods = if call.rods { "--rods " } else { "" };
+        println!("replay: cargo run --release -p vibrissa-soundness -- {rods}--replay {seed}");
     }
     println!(
-        "soundness: {} worlds (seeds {} to {}) of {} rows: truth lost in {}; localized {}, ambiguous {}, \
+        "soundness: {} worlds (seeds {} to {}), {} of them with whiskers that are not uniform, of {} rows: truth lost in {}; localized {}, ambiguous {}, \
          inconsistent {}, no contact {}; {} rows with an inflection in {} worlds, \
          {} of a slope beyond 2 rad in {}; \
          volume of the set: median {:.1e} m² rad at its start, {:.1e} at the end with a prior",
         outcomes.len(),
         call.first,
         outcomes.last().map_or(call.first, |o| o.seed),
+        outcomes.iter().filter(|o| o.is_rod).count(),
         outcomes.iter().map(|o| o.rows).sum::<usize>(),
         lost.len(),
         of(Status::Localized),
@@ -341,15 +366,16 @@ fn report(outcomes: &[Outcome], call: &Call) -> ExitCode {
 }
 
 /// One world in full: its size and verdict, and every event.
-fn replay(seed: u64, declared: f64) -> ExitCode {
-    let (Some(trial), Some(outcome)) = (random_sweep(seed), world(seed, declared)) else {
+fn replay(seed: u64, rods: bool, declared: f64) -> ExitCode {
+    let Some(trial) = random_sweep_of(seed, rods || seed.is_multiple_of(ROD_EVERY)) else {
         println!("the seed {seed} gives no sweep");
         return ExitCode::from(2);
     };
-    println!("seed {seed}: {} rows, robot {:?}, truth {:?}", outcome.rows, trial.robot, trial.truth);
+    println!("seed {seed}: {} rows, robot {:?}, truth {:?}", trial.log.rows.len(), trial.robot, trial.truth);
+    let Some(outcome) = world(seed, (rods, false), declared) else { return ExitCode::from(2) };
     for (name, prior) in [("without a prior", None), ("with a prior", about(&trial, seed))] {
         println!("{name} {prior:?}:");
-        for event in answer(&trial, prior, declared).map(|found| found.events).unwrap_or_default() {
+        for event in answer(&trial, prior, declared, false).map(|found| found.events).unwrap_or_default() {
             println!("  {:.3} s {}: {}", event.t, event.kind, event.detail);
         }
     }

@@ -114,7 +114,7 @@ fn unused_errors(robot: &Robot, t: f64) -> Option<Event> {
 
 /// What to do with a whisker that is curved at rest.
 const STRAIGHT_ONLY: &str =
-    "`localize` takes whiskers that are straight at rest; `contact`, `profile` and `preimage` take this one, too";
+    "this method takes whiskers that are straight at rest; `localize --method possibilistic` takes this one, too";
 /// At least this many observations are kept for drawing, where there are as many.
 const SHAPES: usize = 512;
 

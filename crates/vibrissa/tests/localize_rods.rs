@@ -5,7 +5,8 @@
 use vibrissa::beam::{Stretch, Whisker};
 use vibrissa::flow::pose::Status;
 use vibrissa::plane::wrap_angle;
-use vibrissa::sim::{SweepNoise, simulate_tip_sweep};
+use vibrissa::sets::StateBox;
+use vibrissa::sim::{SimulateOptions, SweepNoise, simulate, simulate_tip_sweep};
 use vibrissa::tasks::demo;
 use vibrissa::world::Robot;
 use vibrissa::{Method, localize};
@@ -43,12 +44,37 @@ fn a_straight_whisker_of_any_make_finds_its_place() {
 }
 
 #[test]
-fn a_curved_whisker_is_refused_by_name() {
+fn a_curved_whisker_is_refused_by_name_where_no_guarantee_is_asked_for() {
     let (map, mut robot) = (demo::arena().unwrap(), Robot::default());
     let log = demo::sweep(1).unwrap().log;
     robot.whiskers[0].beam.curvature = 4.0;
-    for method in Method::all() {
+    for method in ["deterministic", "probabilistic"] {
+        let method = Method::named(method).unwrap();
         let error = localize(&log, &map, &robot, &method, &mut |_| {}).unwrap_err().to_string();
-        assert!(error.contains("curvature"), "{method:?}: {error}");
+        assert!(error.contains("curvature 4") && error.contains("--method possibilistic"), "{method:?}: {error}");
+    }
+}
+
+#[test]
+fn the_guaranteed_set_holds_whiskers_of_any_make() {
+    let (map, path) = (demo::arena().unwrap(), demo::path().unwrap());
+    let curved = Whisker { curvature: 4.0, ..Whisker::default() };
+    for (name, beam) in whiskers().into_iter().chain([("curved", curved)]) {
+        let mut robot = Robot::default();
+        robot.whiskers[0].beam = beam;
+        let noise = SweepNoise { seed: 3, ..SweepNoise::default() };
+        let sweep = simulate(&map, &robot, &path, &noise, &SimulateOptions::default()).unwrap();
+        let truth = sweep.truth.last().unwrap().map_from_robot;
+        let method = Method::named("possibilistic").unwrap();
+        let answer = localize(&sweep.log, &map, &robot, &method, &mut |_| {}).unwrap();
+        let holds = |state: &StateBox| {
+            let (theta, [x, y]) = (state.theta, [state.x, state.y]);
+            let middle = 0.5 * (theta.lo() + theta.hi());
+            x.contains(truth.x) && y.contains(truth.y) && theta.contains(middle + wrap_angle(truth.theta - middle))
+        };
+        let area: f64 = answer.states.iter().map(|state| state.x.width() * state.y.width()).sum();
+        println!("{name}: {}, {} boxes of {:.3} mm² in all", answer.status, answer.states.len(), 1e6 * area);
+        assert!(answer.states.iter().any(holds), "{name}: {} {:?}", answer.status, answer.events.last());
+        assert_eq!(answer.status, Status::Localized, "{name}");
     }
 }

@@ -150,13 +150,16 @@ impl Method {
         self.options().takes(whisker)
     }
 
-    /// A fresh estimator for logs with these channels.
+    /// A fresh estimator for logs with these channels, if the method covers the robot's whiskers.
     pub(super) fn estimator<'a>(
         &self,
         map: &'a Map,
         robot: &'a Robot,
         channels: &[Channel],
     ) -> Result<Box<dyn Estimator + 'a>> {
+        for whisker in &robot.whiskers {
+            self.takes(&whisker.beam).map_err(|error| error.about(&format!("whisker \"{}\"", whisker.name)))?;
+        }
         self.options().estimator(map, robot, channels)
     }
 }

@@ -18,10 +18,6 @@ use crate::sets::Interval;
 use crate::world::{Map, MountedWhisker, Robot};
 use crate::{Error, Result};
 
-/// What to do with a whisker that is not uniform.
-const OTHER_METHODS: &str = "the possibilistic method takes uniform, straight whiskers only; --method probabilistic and \
-                             deterministic take tapered and jointed ones, too";
-
 /// Sets of more cells than this are measured once in a while: when their number has changed by this share, or, up to a
 /// size, after as many rows as a share of their number.
 const MEASURED_AT_ONCE: usize = 24;
@@ -74,8 +70,7 @@ impl<'a> PossibilisticEstimator<'a> {
     ///
     /// # Errors
     ///
-    /// Options out of range, a whisker without a moment channel, or a whisker that the method does not cover yet
-    /// (tapered, curved, with a friction coefficient above 1.5).
+    /// Options out of range, a whisker without a moment channel, that makes no sense or has a friction coefficient above 1.5.
     pub fn new(map: &'a Map, robot: &'a Robot, channels: &[Channel], options: PossibilisticOptions) -> Result<Self> {
         options.check()?;
         bounded_reading::check(robot)?;
@@ -252,13 +247,7 @@ impl MethodOptions for PossibilisticOptions {
     }
 
     fn takes(&self, whisker: &Whisker) -> Result<()> {
-        let clamped = Whisker { base_stiffness: f64::INFINITY, ..*whisker };
-        clamped.require_uniform().map_err(|error| error.remedy(OTHER_METHODS))?;
-        if whisker.base_stiffness > 0.0 {
-            Ok(())
-        } else {
-            Err(Error::data("base_stiffness").value(whisker.base_stiffness).allowed("above 0 N m/rad"))
-        }
+        whisker.rod().map(|_| ())
     }
 
     fn estimator<'a>(&self, map: &'a Map, robot: &'a Robot, channels: &[Channel]) -> Result<Box<dyn Estimator + 'a>> {

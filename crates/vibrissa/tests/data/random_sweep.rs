@@ -5,11 +5,12 @@ pub(crate) mod random;
 
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 use random::Random;
+use vibrissa::beam::{Stretch, Whisker};
 use vibrissa::flow::pose::{Localization, StampedPose, Status};
 use vibrissa::flow::sensor_log::{Channel, LogRow, Quantity, SensorLog};
 use vibrissa::plane::{Curve, Pose2, Vec2, wrap_angle};
 use vibrissa::sim::{Pace, Part, SimulateOptions, Sweep, SweepNoise, Touch, path_through, simulate};
-use vibrissa::world::{Boundary, Map, MomentNoise, MountedWhisker, Odometry, Robot, Role};
+use vibrissa::world::{Boundary, Map, MomentNoise, MountedWhisker, Odometry, Robot, Role, WhiskerErrors};
 
 /// Slope from which on a whisker counts as curled (rad).
 const CURLED: f64 = 2.0;
@@ -98,6 +99,79 @@ fn random_robot(draw: &mut Random) -> Robot {
     Robot { whiskers: vec![whisker], odometry, ..Robot::default() }
 }
 
+/// Makes a whisker tapered, curved at rest or of several wires, on a clamped or an elastic base.
+fn any_whisker(whisker: &mut MountedWhisker, draw: &mut Random) {
+    let beam = &mut whisker.beam;
+    let (length, rigidity) = (beam.length, beam.flexural_rigidity);
+    let taper = |draw: &mut Random| 10f64.powf(draw.between(-1.3, 0.0));
+    match draw.between(0.0, 4.0) as u32 {
+        0 => beam.tip_ratio = taper(draw),
+        1 => {
+            let most = if draw.unit() < 0.3 { 3.0 } else { 1.0 };
+            beam.curvature = draw.signed(most) / length;
+        }
+        2 => {
+            beam.tip_ratio = taper(draw);
+            beam.curvature = draw.signed(1.5) / length;
+            beam.curvature_rise[0] = draw.signed(2.0) / (length * length);
+        }
+        _ => {
+            let count = draw.between(2.0, 4.0) as usize;
+            let shares: Vec<f64> = (0..count).map(|_| draw.between(0.3, 1.0)).collect();
+            let whole: f64 = shares.iter().sum();
+            let stretch = |(k, share): (usize, &f64)| Stretch {
+                length: length * share / whole,
+                flexural_rigidity: if k == 0 { rigidity } else { rigidity * 10f64.powf(draw.between(-1.5, 0.5)) },
+                tip_ratio: if draw.unit() < 0.5 { 1.0 } else { draw.between(0.4, 1.2) },
+                diameter: None,
+            };
+            let list: Vec<Stretch> = shares.iter().enumerate().map(stretch).collect();
+            if let Ok(wires) = Whisker::of_stretches(&list) {
+                *beam = wires;
+            }
+        }
+    }
+    if draw.unit() < 0.25 {
+        beam.base_stiffness = beam.flexural_rigidity / beam.length * 10f64.powf(draw.between(0.3, 1.5));
+    }
+    // What a soft tip tells is small.
+    let soft = beam.rigidity_at(0.7 * beam.length) / beam.flexural_rigidity;
+    whisker.noise.moment_absolute *= soft.clamp(0.05, 1.0);
+}
+
+/// A whisker within declared errors of another, which declares them from now on.
+fn within_errors(told: &mut MountedWhisker, draw: &mut Random) -> MountedWhisker {
+    let mut actual = told.clone();
+    if draw.unit() < 0.5 {
+        return actual;
+    }
+    let (length, rigidity) = (draw.between(0.0, 0.03), draw.between(0.0, 0.05));
+    told.errors = WhiskerErrors { length: length * told.beam.length, rigidity, ..WhiskerErrors::default() };
+    let (longer, stiffer) = (1.0 + draw.signed(length), 1.0 + draw.signed(rigidity));
+    let beam = &mut actual.beam;
+    beam.flexural_rigidity *= stiffer;
+    beam.length *= longer;
+    let list: Vec<Stretch> = beam
+        .stretches
+        .as_slice()
+        .iter()
+        .map(|wire| Stretch {
+            length: wire.length * longer,
+            flexural_rigidity: wire.flexural_rigidity * stiffer,
+            ..*wire
+        })
+        .collect();
+    if let Ok(wires) = Whisker::of_stretches(&list) {
+        *beam = Whisker {
+            curvature: beam.curvature,
+            curvature_rise: beam.curvature_rise,
+            base_stiffness: beam.base_stiffness,
+            ..wires
+        };
+    }
+    actual
+}
+
 /// The robot's waypoints for a sweep of its whisker along a random stretch of boundary.
 fn waypoints(map: &Map, robot: &Robot, draw: &mut Random) -> Option<Vec<Pose2>> {
     let samples = map.samples(1e-3);
@@ -146,6 +220,7 @@ pub(crate) fn reading(h: f64, noise: &MomentNoise, share: f64) -> f64 {
 
 /// The sweep as far as the simulator goes and single contacts explain it; the path is cut there.
 fn covered(map: &Map, robot: &Robot, path: &mut Vec<StampedPose>) -> Option<Sweep> {
+    let is_uniform = robot.whiskers[0].beam.is_uniform();
     while path.len() > 30 {
         let Ok(mut sweep) = simulate(map, robot, path, &SweepNoise::none(), &SimulateOptions::default()) else {
             path.truncate(path.len() * 3 / 4);
@@ -155,7 +230,11 @@ fn covered(map: &Map, robot: &Robot, path: &mut Vec<StampedPose>) -> Option<Swee
         let event = sweep.events.iter().find(|event| beyond(event.kind)).map_or(f64::INFINITY, |event| event.t - 1e-9);
         let before = path.iter().take_while(|pose| pose.t < event).count();
         let rows = if before < path.len() { before.saturating_sub(1) } else { before };
-        let first = sweep.contacts.iter().find(|touch| !is_covered(touch, robot, path)).map_or(rows, |touch| touch.row);
+        let first = sweep
+            .contacts
+            .iter()
+            .find(|touch| is_uniform && !is_covered(touch, robot, path))
+            .map_or(rows, |touch| touch.row);
         let rows = rows.min(first);
         path.truncate(rows);
         sweep.exact_moments.truncate(rows);
@@ -205,11 +284,23 @@ fn half_period(rest: f64) -> f64 {
     PI / a
 }
 
-/// The trial of a seed, if there is one.
+/// The trial of a seed with a uniform whisker, if there is one.
+#[allow(dead_code, reason = "the soundness program asks for any whisker, too")]
 pub(crate) fn random_sweep(seed: u64) -> Option<Trial> {
+    random_sweep_of(seed, false)
+}
+
+/// The trial of a seed with a uniform whisker or with one of any other kind, if there is one.
+pub(crate) fn random_sweep_of(seed: u64, any: bool) -> Option<Trial> {
     let mut draw = Random(seed.wrapping_mul(0x9e37_79b9_97f4_a7c1));
     let map = random_map(&mut draw)?;
-    let robot = random_robot(&mut draw);
+    let mut robot = random_robot(&mut draw);
+    let mut actual = robot.clone();
+    if any {
+        let mut draw = Random(seed.wrapping_mul(0xbf58_476d_1ce4_e5b9));
+        any_whisker(&mut robot.whiskers[0], &mut draw);
+        actual.whiskers[0] = within_errors(&mut robot.whiskers[0], &mut draw);
+    }
     let way = waypoints(&map, &robot, &mut draw)?;
     let base = |p: &Pose2| p.compose(robot.whiskers[0].robot_from_whisker).position();
     if way.iter().any(|p| !map.is_free(base(p))) {
@@ -217,7 +308,7 @@ pub(crate) fn random_sweep(seed: u64) -> Option<Trial> {
     }
     let pace = Pace { speed: 0.3, turn_rate: 1.0, rate: draw.between(100.0, 400.0) };
     let mut path = path_through(&way, &pace).ok()?;
-    let sweep = covered(&map, &robot, &mut path)?;
+    let sweep = covered(&map, &actual, &mut path)?;
     if sweep.contacts.len() < 10 {
         return None;
     }
@@ -251,7 +342,9 @@ pub(crate) fn random_sweep(seed: u64) -> Option<Trial> {
     let side: std::collections::BTreeSet<usize> =
         sweep.contacts.iter().filter(|touch| touch.part == Part::Side).map(|touch| touch.row).collect();
     let moment = |k: usize| sweep.exact_moments[k][0];
-    let swings: Vec<Swing> = sweep.contacts.iter().map(|touch| swing(touch, &robot, &path)).collect();
+    // Of others than uniform whiskers no pendulum tells them.
+    let told = if any { &[][..] } else { &sweep.contacts[..] };
+    let swings: Vec<Swing> = told.iter().map(|touch| swing(touch, &robot, &path)).collect();
     let inflected = swings.iter().filter(|swing| swing.half_swings > 1.0).count();
     let curled = swings.iter().filter(|swing| swing.slope > CURLED).count();
     let kinds = [side.len(), count(&|k| moment(k) > 0.0), count(&|k| moment(k) < 0.0), inflected, curled];

@@ -151,15 +151,13 @@ fn next_step(scenario: &Scenario, paths: &[PathBuf]) -> String {
     let map = scenario.map_file.clone().or_else(|| written("map.geojson"));
     let files = [written("log.csv"), map, written("robot.toml"), written("truth.tum")];
     match files.map(|file| file.map(|path| path.display().to_string())) {
-        [Some(log), _, Some(robot), _]
-            if scenario.robot.whiskers.iter().any(|w| w.beam.require_straight().is_err()) =>
-        {
-            format!(
-                "\nNext, see where it was touched (localize takes whiskers that are straight at rest):\n  vibrissa contact {log} --robot {robot}\n"
-            )
-        }
         [Some(log), Some(map), Some(robot), Some(truth)] if scenario.recorder.columns.contains(&Columns::Moment) => {
-            format!("\nNext, find the robot:\n  vibrissa localize {log} --map {map} --robot {robot} --truth {truth}\n")
+            // The one method that takes whiskers that are curved at rest.
+            let is_curved = scenario.robot.whiskers.iter().any(|w| w.beam.require_straight().is_err());
+            let method = if is_curved { " --method possibilistic" } else { "" };
+            format!(
+                "\nNext, find the robot:\n  vibrissa localize {log} --map {map} --robot {robot} --truth {truth}{method}\n"
+            )
         }
         _ => String::new(),
     }

@@ -4,8 +4,14 @@
 //! An error that is constant over the log may take another value in each reading here: the set of states that some constant
 //! explains lies in the set of those that some sequence explains.
 
-use crate::plane::Pose2;
+use crate::beam::Whisker;
+use crate::beam::press::RodContacts;
+use crate::plane::{Pose2, Vec2};
 use crate::world::{MountedWhisker, Robot};
+use std::sync::Arc;
+
+/// Chords of a whisker that is curved at rest.
+const CHORDS: usize = 24;
 
 /// Bounds on a place (m) and a turn (rad).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -41,6 +47,50 @@ pub(super) struct UncertainWhisker {
     per_moment: (f64, f64),
     /// How far the base may be from where it is told.
     mounted: PoseSlack,
+    /// The contacts of a whisker that is not uniform.
+    pub(super) rod: Option<Arc<RodContacts>>,
+    /// The whisker at rest, whisker frame.
+    rest: Arc<RestShape>,
+}
+
+/// A whisker at rest: a chain of chords, and how far it may be from them (m).
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct RestShape {
+    pub(super) points: Vec<Vec2>,
+    pub(super) off: f64,
+    /// Whether it is straight.
+    pub(super) is_straight: bool,
+}
+
+impl RestShape {
+    /// Of a whisker, as told, that has a length from `shortest` to `longest` (m) on the map and of which `own` is off by its own.
+    pub(super) fn new(beam: &Whisker, (shortest, longest, own): (f64, f64, f64)) -> Self {
+        let straight = [Vec2::ZERO, Vec2::new(shortest, 0.0)].to_vec();
+        let terms = beam.curvature_terms();
+        let wound: f64 = terms.iter().rev().fold(0.0, |sum, term| (sum + term.abs()) * beam.length);
+        if wound <= 0.0 {
+            return Self { points: straight, off: 0.0, is_straight: true };
+        }
+        // The slope is a polynomial: each chord by Simpson's rule on short steps.
+        let slope =
+            |s: f64| terms.iter().enumerate().rev().fold(0.0, |sum, (k, term)| (sum + term / (k + 1) as f64) * s);
+        let (parts, mut at, mut points) = (16, Vec2::ZERO, vec![Vec2::ZERO]);
+        let step = beam.length / (CHORDS * parts) as f64;
+        for k in 0..CHORDS {
+            for i in 0..parts {
+                let s = (k * parts + i) as f64 * step;
+                let [a, b, c] = [s, s + 0.5 * step, s + step].map(|s| Vec2::from_angle(slope(s)));
+                at += (a + b * 4.0 + c) * (step / 6.0);
+            }
+            points.push(at);
+        }
+        let chord = beam.length / CHORDS as f64;
+        let sagitta = chord * (1.0 - (0.5 * wound / CHORDS as f64).min(1.0).cos()).max(0.5 * wound / CHORDS as f64);
+        let stretch = (longest / beam.length - 1.0).max(1.0 - shortest / beam.length);
+        // How far the slope at any share of the length may be off.
+        let turned = wound * ((1.0 + own / beam.length).powi(terms.len() as i32) - 1.0);
+        Self { points, off: sagitta + longest * (stretch + turned), is_straight: false }
+    }
 }
 
 /// How a whisker stands that reads some interval of moments: its base turns with the moment where it is elastic.
@@ -51,7 +101,8 @@ pub(super) struct BaseStand {
 }
 
 impl UncertainWhisker {
-    pub(super) fn new(whisker: &MountedWhisker, map_scale: f64) -> Self {
+    /// Of a whisker with slopes up to `steepest` (rad) against those at rest.
+    pub(super) fn new(whisker: &MountedWhisker, map_scale: f64, steepest: f64) -> Self {
         let (errors, beam) = (&whisker.errors, &whisker.beam);
         let [x, y, theta] = errors.mount;
         let (larger, smaller) = (1.0 / (1.0 - map_scale), 1.0 / (1.0 + map_scale));
@@ -59,6 +110,8 @@ impl UncertainWhisker {
         let (shortest, longest) = (least * smaller, most * larger);
         let rigidity = |share: f64| beam.flexural_rigidity * (1.0 + share);
         let arm = whisker.robot_from_whisker.position().norm();
+        let is_uniform = Whisker { base_stiffness: f64::INFINITY, ..*beam }.is_uniform();
+        let contacts = || RodContacts::new(beam, whisker.friction.atan(), steepest, errors.length / beam.length);
         Self {
             mount: whisker.robot_from_whisker,
             base_stiffness: beam.base_stiffness,
@@ -69,6 +122,8 @@ impl UncertainWhisker {
             stretch: (longest / beam.length - 1.0).max(1.0 - shortest / beam.length),
             per_moment: (least / rigidity(errors.rigidity), most / rigidity(-errors.rigidity)),
             mounted: PoseSlack::new(x.hypot(y) * larger + arm * (larger - 1.0), theta),
+            rod: (!is_uniform).then(contacts).and_then(Result::ok).map(Arc::new),
+            rest: Arc::new(RestShape::new(beam, (shortest, longest, errors.length))),
         }
     }
 
@@ -79,6 +134,11 @@ impl UncertainWhisker {
 
     pub(super) fn mounted(&self) -> PoseSlack {
         self.mounted
+    }
+
+    /// The whisker at rest.
+    pub(super) fn rest(&self) -> &Arc<RestShape> {
+        &self.rest
     }
 
     /// The dimensionless moments of an interval (N m).

@@ -1,6 +1,7 @@
 //! Free-space constraint on a cell: where the whisker or its base cannot be.
 
 use super::contractor::{BaseView, size};
+use super::errors::RestShape;
 use super::thick_piece::{PieceIndex, ThickEdge, ThickPiece};
 use crate::plane::{Bounds, Vec2};
 use crate::world::Map;
@@ -13,18 +14,22 @@ pub(super) fn base_may_be_free(view: &BaseView, map: &Map) -> bool {
     map.is_free(view.base) || map.nearest_within(view.base, size(view.reach) + MARGIN).is_some()
 }
 
-/// Whether the unbent whisker of this length (m) can lie in free space in some state of the cell.
-pub(super) fn whisker_may_be_free(view: &BaseView, length: f64, pieces: &PieceIndex) -> bool {
-    let tip = view.base + Vec2::from_angle(view.heading) * length;
-    let off = size(view.reach) + length * (view.turn + view.slop_turn) + MARGIN;
-    let mut free = true;
-    pieces.near(Bounds::of(&[view.base, tip]), |piece, _| {
-        if let ThickPiece::Edge(edge) = piece {
-            free &= !surely_crosses(view.base, tip, off, edge);
-        }
-        !free
-    });
-    free
+/// Whether the whisker at rest can lie in free space in some state of the cell.
+pub(super) fn whisker_may_be_free(view: &BaseView, rest: &RestShape, pieces: &PieceIndex) -> bool {
+    let chord_may_be_free = |ends: &[Vec2]| {
+        let [a, b] = [ends[0], ends[1]].map(|p| view.base + p.rotated(view.heading));
+        let far = size(ends[0]).max(size(ends[1]));
+        let off = size(view.reach) + far * (view.turn + view.slop_turn) + MARGIN + rest.off;
+        let mut free = true;
+        pieces.near(Bounds::of(&[a, b]), |piece, _| {
+            if let ThickPiece::Edge(edge) = piece {
+                free &= !surely_crosses(a, b, off, edge);
+            }
+            !free
+        });
+        free
+    };
+    rest.points.windows(2).all(chord_may_be_free)
 }
 
 /// Whether every segment with ends within `off` of `a` and `b` crosses the edge from its free side.

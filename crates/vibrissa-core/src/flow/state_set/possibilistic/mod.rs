@@ -8,6 +8,7 @@
 
 mod clusters;
 mod constraint_order;
+mod contact_tables;
 mod contraction;
 mod contractor;
 mod edge_contractor;
@@ -25,13 +26,14 @@ mod two_contact_cover;
 mod two_contacts;
 mod vertex_contractor;
 
-use crate::beam::press::PressTable;
+use crate::beam::press::ContactTable;
 use crate::config::PossibilisticOptions;
 use crate::flow::prior;
 use crate::plane::{Bounds, Pose2, wrap_angle};
 use crate::sets::{Interval, StateBox};
 use crate::world::{Map, MountedWhisker, Robot};
 use constraint_order::ConstraintOrder;
+use contact_tables::{FIRST_TABLE, START_TABLE, TABLES, WORTH_NEXT, each_table, tables};
 use contractor::{BaseView, BoundaryLevels};
 use errors::{PoseSlack, StepBounds, UncertainWhisker};
 pub use measure::EnclosedPlace;
@@ -40,20 +42,6 @@ use record::{OdometryRecord, ReadingContacts};
 use std::collections::VecDeque;
 use two_contacts::TwoContacts;
 
-/// Columns (a quarter turn) and rows of the tables that first cells meet, from fine to coarse: each has half as many of both
-/// as the one before.
-const FIRST_TABLE: (usize, usize) = (16, 32);
-const TABLES: usize = 2;
-/// Cells are born from this one of them.
-const START_TABLE: usize = 1;
-/// The same of finer ones, which are added when so many readings since the first contact are remembered: few readings leave
-/// more open than coarse tables do.
-const NEXT_TABLE: (usize, usize) = (64, 64);
-const NEXT_TABLES: usize = 2;
-const WORTH_NEXT: usize = 10;
-/// The same of the table that the final refinement adds where this many readings are remembered: a twentieth of a second to build.
-const LAST_TABLE: (usize, usize) = (128, 96);
-const WORTH_LAST: usize = 20;
 /// Rows have so many times their work as long as there are cells that no reading has met.
 const FIRST_WORK_FACTOR: usize = 3;
 /// Odometry may be off by this much before a cell is moved to the present row (m).
@@ -75,7 +63,7 @@ const CHECK_BASE_EVERY: u32 = 8;
 struct TabledWhisker {
     whisker: UncertainWhisker,
     /// From fine to coarse.
-    tables: Vec<PressTable>,
+    tables: Vec<ContactTable>,
 }
 
 /// One row of the log.
@@ -118,9 +106,9 @@ impl PossibleSet {
     /// The set of everything: no reading yet.
     #[must_use]
     pub fn new(map: &Map, robot: &Robot, options: PossibilisticOptions) -> Self {
-        let whisker = |whisker: &MountedWhisker| UncertainWhisker::new(whisker, robot.map_scale);
+        let whisker = |whisker: &MountedWhisker| UncertainWhisker::new(whisker, robot.map_scale, options.largest_slope);
         let whiskers: Vec<UncertainWhisker> = robot.whiskers.iter().map(whisker).collect();
-        let tables = each_table(whiskers.iter(), |lean| tables(FIRST_TABLE, TABLES, lean, &options));
+        let tables = each_table(whiskers.iter(), |whisker| tables(FIRST_TABLE, TABLES, whisker, &options));
         let longest = whiskers.iter().map(|whisker| whisker.longest).fold(0.0, f64::max);
         let steepest = whiskers.iter().map(|whisker| whisker.friction.atan()).fold(0.0, f64::max);
         let ground = BoundaryLevels::new(map);
@@ -367,11 +355,12 @@ impl PossibleSet {
             if look && !free_space::base_may_be_free(&view, map) {
                 return None;
             }
-            if touch.free && free_space::whisker_may_be_free(&view, touch.shortest, &self.ground.coarse.all) {
+            if touch.free && free_space::whisker_may_be_free(&view, &touch.rest, &self.ground.coarse.all) {
                 continue;
             }
             let two = self.two_contacts.as_ref().filter(|_| is_late);
-            if two.is_some_and(|two| view.is_wide() && two.is_near(&view, touch.length)) {
+            // What tells two contacts from one is known of uniform whiskers alone.
+            if two.is_some_and(|two| (view.is_wide() || !touch.is_uniform) && two.may_be_near(&view, touch)) {
                 continue;
             }
             let left = contractor::contract(&view, touch, &self.ground, comparisons);
@@ -431,27 +420,6 @@ impl Parallelotope {
         self.restrict(&left.part);
         self.contract(&form, (left.range.0 - middle, left.range.1 - middle));
     }
-}
-
-/// What each whisker's friction angle (rad) needs, made once for those of the same: tables know of whiskers no more.
-fn each_table<'a>(
-    whiskers: impl Iterator<Item = &'a UncertainWhisker>,
-    make: impl Fn(f64) -> Vec<PressTable>,
-) -> Vec<Vec<PressTable>> {
-    let mut made: Vec<(f64, Vec<PressTable>)> = Vec::new();
-    for whisker in whiskers {
-        let friction = whisker.friction;
-        let same =
-            made.iter().find(|(other, _)| other.to_bits() == friction.to_bits()).map(|(_, tables)| tables.clone());
-        made.push((friction, same.unwrap_or_else(|| make(friction.atan()))));
-    }
-    made.into_iter().map(|(_, tables)| tables).collect()
-}
-
-/// Tables of a whisker with this friction angle (rad), from fine to coarse: so many, the first with `columns` and `rows`.
-fn tables((columns, rows): (usize, usize), count: usize, lean: f64, options: &PossibilisticOptions) -> Vec<PressTable> {
-    let finest = PressTable::new(columns, rows, lean, options.largest_slope);
-    core::iter::successors(Some(finest), |table| Some(table.coarser())).take(count).collect()
 }
 
 /// The part of the cell from which the robot, after `step`, is in a box.

@@ -1,10 +1,11 @@
 //! What is kept of each row: the odometry with its error bounds, and the contacts that a reading allows.
 
-use super::errors::{PoseSlack, StepBounds, UncertainWhisker};
+use super::errors::{PoseSlack, RestShape, StepBounds, UncertainWhisker};
 use super::parallelotope::HEADING_ARM;
-use crate::beam::press::{PressEntry, PressSlice, PressTable};
+use crate::beam::press::{ContactTable, PressEntry, PressSlice};
 use crate::plane::{Bounds, Pose2, Vec2};
 use core::sync::atomic::{AtomicU32, Ordering};
+use std::sync::Arc;
 
 /// Where the odometry stood, with the bounds on its errors summed up from the start.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -68,9 +69,11 @@ pub(super) struct ReadingContacts {
     /// The base, turned by the moment where it is elastic, and how far it may be from there.
     pub(super) robot_from_whisker: Pose2,
     pub(super) base: PoseSlack,
-    /// The longest and the shortest that the whisker may be (m).
+    /// The longest that the whisker may be (m), and its shape at rest.
     pub(super) length: f64,
-    pub(super) shortest: f64,
+    pub(super) rest: Arc<RestShape>,
+    /// Whether it is uniform.
+    pub(super) is_uniform: bool,
     /// How far the force may lean from the normal (rad).
     pub(super) friction_angle: f64,
     /// Contacts where the whisker slopes to the left (1) or to the right (-1), in metres.
@@ -126,14 +129,15 @@ impl LastPiece {
 
 impl ReadingContacts {
     /// What a moment in `[lo, hi]` (N m) allows.
-    pub(super) fn new(whisker: &UncertainWhisker, tables: &[PressTable], lo: f64, hi: f64) -> Self {
+    pub(super) fn new(whisker: &UncertainWhisker, tables: &[ContactTable], lo: f64, hi: f64) -> Self {
         let stand = whisker.stand(lo, hi);
         Self {
             robot_from_whisker: stand.robot_from_whisker,
             base: stand.slack,
             length: whisker.longest,
-            shortest: whisker.shortest,
-            friction_angle: tables.first().map_or(0.0, PressTable::friction_angle),
+            rest: Arc::clone(whisker.rest()),
+            is_uniform: whisker.rod.is_none(),
+            friction_angle: tables.first().map_or(0.0, ContactTable::friction_angle),
             sides: side_contacts(whisker, tables, lo, hi),
             curvature: whisker.curvature(lo, hi),
             range: (lo, hi),
@@ -145,7 +149,7 @@ impl ReadingContacts {
 
 impl ReadingContacts {
     /// Adds the contacts by a finer table.
-    pub(super) fn add_finer(&mut self, whisker: &UncertainWhisker, table: &PressTable) {
+    pub(super) fn add_finer(&mut self, whisker: &UncertainWhisker, table: &ContactTable) {
         let (lo, hi) = self.range;
         let mut finer = side_contacts(whisker, core::slice::from_ref(table), lo, hi);
         // A table that knows no contact is right.
@@ -161,11 +165,11 @@ impl ReadingContacts {
 }
 
 /// What a moment in `[lo, hi]` (N m) allows on either side.
-fn side_contacts(whisker: &UncertainWhisker, tables: &[PressTable], lo: f64, hi: f64) -> Vec<SideContacts> {
+fn side_contacts(whisker: &UncertainWhisker, tables: &[ContactTable], lo: f64, hi: f64) -> Vec<SideContacts> {
     let mut sides = Vec::new();
     for (side, least, most) in [(1.0, lo, hi), (-1.0, -hi, -lo)] {
         let (least, most) = whisker.dimensionless(least, most);
-        let cut = |table: &PressTable| table.slice(least, most).widened(whisker.stretch).scaled(whisker.length);
+        let cut = |table: &ContactTable| table.slice(side, least, most).widened(whisker.stretch).scaled(whisker.length);
         let Some(finest) = tables.first().map(cut) else { continue };
         // A table that knows no contact is right, however fine the others are.
         if !finest.entries().is_empty() {

@@ -1,11 +1,9 @@
 //! SIVIA \[jaulin2001applied, ch. 3\] with a bounded amount of work for each row: which cell meets which reading, and bisection.
 
+use super::contact_tables::{LAST_TABLE, NEXT_TABLE, NEXT_TABLES, TABLES, WORTH_LAST, each_table, tables};
 use super::parallelotope::Parallelotope;
-use super::{
-    CHECK_BASE_EVERY, FIRST_WORK_FACTOR, LAST_TABLE, NEXT_TABLE, NEXT_TABLES, PossibleSet, TABLES, WORTH_LAST,
-    each_table, tables,
-};
-use crate::beam::press::PressTable;
+use super::{CHECK_BASE_EVERY, FIRST_WORK_FACTOR, PossibleSet};
+use crate::beam::press::ContactTable;
 use crate::world::Map;
 
 /// Most of the kept readings that a new half meets at once.
@@ -217,9 +215,9 @@ impl PossibleSet {
     }
 
     /// Compares the kept readings with so many finer tables from now on; gives these, from fine to coarse.
-    fn add_finer(&mut self, size: (usize, usize), count: usize) -> Vec<Vec<PressTable>> {
+    fn add_finer(&mut self, size: (usize, usize), count: usize) -> Vec<Vec<ContactTable>> {
         let whiskers = self.probes.iter().map(|probe| &probe.whisker);
-        let all = each_table(whiskers, |lean| tables(size, count, lean, &self.options));
+        let all = each_table(whiskers, |whisker| tables(size, count, whisker, &self.options));
         for record in &mut self.records {
             for ((touch, probe), tables) in record.touches.iter_mut().zip(&self.probes).zip(&all) {
                 tables.iter().rev().for_each(|table| touch.add_finer(&probe.whisker, table));

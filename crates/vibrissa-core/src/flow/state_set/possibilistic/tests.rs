@@ -1,5 +1,7 @@
 //! Random contacts from the closed form: the state in which they happen is never ruled out.
 
+mod rods;
+
 use super::super::tests::random::Random;
 use super::contractor::{self, BaseView, BoundaryLevels};
 use super::errors::{PoseSlack, UncertainWhisker};
@@ -10,7 +12,7 @@ use super::sivia::StageProgress;
 use super::thick_piece::{COARSE, FINE, PieceIndex, ThickPiece};
 use super::two_contacts::TwoContacts;
 use crate::beam::elastica;
-use crate::beam::press::PressTable;
+use crate::beam::press::{ContactTable, PressTable};
 use crate::config::PossibilisticOptions;
 use crate::plane::{Curve, Pose2, Vec2, wrap_angle};
 use crate::sets::Interval;
@@ -129,7 +131,12 @@ fn with_inflection(amplitude: f64, t: f64) -> Option<(f64, f64, Vec2)> {
 
 /// A whisker whose map has the right scale.
 fn told(whisker: &MountedWhisker) -> UncertainWhisker {
-    UncertainWhisker::new(whisker, 0.0)
+    UncertainWhisker::new(whisker, 0.0, SLOPE)
+}
+
+/// A uniform whisker with this coefficient of friction.
+fn rubbed(friction: f64) -> UncertainWhisker {
+    told(&MountedWhisker { friction, ..MountedWhisker::default() })
 }
 
 /// A cell of random shape with the state inside, sometimes in its very corner.
@@ -157,9 +164,12 @@ fn no_true_state_is_ruled_out(friction: f64, seed: u64, trials: usize) {
     let map = map();
     let ground = BoundaryLevels::new(&map);
     let options = PossibilisticOptions { largest_slope: SLOPE, ..PossibilisticOptions::default() };
-    let of = |size, count| super::tables(size, count, friction.atan(), &options);
-    let (tables, next) = (of(super::FIRST_TABLE, super::TABLES), of(super::NEXT_TABLE, super::NEXT_TABLES));
-    let finer = PressTable::new(128, 96, friction.atan(), SLOPE);
+    let of = |size, count| super::contact_tables::tables(size, count, &rubbed(friction), &options);
+    let (tables, next) = (
+        of(super::contact_tables::FIRST_TABLE, super::contact_tables::TABLES),
+        of(super::contact_tables::NEXT_TABLE, super::contact_tables::NEXT_TABLES),
+    );
+    let finer = ContactTable::from(PressTable::new(128, 96, friction.atan(), SLOPE));
     let mut draw = Random(seed);
     let mut cut = 0;
     let mut tried = 0;
@@ -218,7 +228,7 @@ fn told_wrong(case: &Case, draw: &mut Random) -> UncertainWhisker {
     let heading = turned - case.true_moment / whisker.beam.base_stiffness;
     whisker.robot_from_whisker = Pose2::new(x * larger + off.x, y * larger + off.y, heading + theta.0 * theta.1);
     whisker.errors.mount = [off.x.abs(), off.y.abs(), theta.0];
-    UncertainWhisker::new(&whisker, scale.0)
+    UncertainWhisker::new(&whisker, scale.0, SLOPE)
 }
 
 /// Errors of whisker, mount, base and map at any place within their bounds.
@@ -229,7 +239,12 @@ fn no_true_state_is_ruled_out_with_declared_errors() {
     let mut draw = Random(61);
     let options = PossibilisticOptions { largest_slope: SLOPE, ..PossibilisticOptions::default() };
     for friction in [0.0, 0.3] {
-        let tables = super::tables(super::NEXT_TABLE, super::NEXT_TABLES, f64::atan(friction), &options);
+        let tables = super::contact_tables::tables(
+            super::contact_tables::NEXT_TABLE,
+            super::contact_tables::NEXT_TABLES,
+            &rubbed(friction),
+            &options,
+        );
         let level = BoundaryLevels::new(&map).clustered;
         let mut tried = 0;
         while tried < 2000 {
@@ -271,7 +286,12 @@ fn where_the_whisker_stood_before_changes_no_answer() {
     let map = map();
     let ground = BoundaryLevels::new(&map);
     let options = PossibilisticOptions { largest_slope: SLOPE, ..PossibilisticOptions::default() };
-    let tables = super::tables(super::NEXT_TABLE, super::NEXT_TABLES, 0.0, &options);
+    let tables = super::contact_tables::tables(
+        super::contact_tables::NEXT_TABLE,
+        super::contact_tables::NEXT_TABLES,
+        &rubbed(0.0),
+        &options,
+    );
     let mut draw = Random(41);
     let (mut tried, mut saved) = (0, 0);
     while tried < 300 {
@@ -341,7 +361,7 @@ fn every_true_state_is_born() {
     let level = BoundaryLevels::new(&map).clustered;
     assert!(level.all.all.iter().any(|piece| matches!(piece, ThickPiece::Vertex(v) if v.spread > 0.0)));
     for (friction, seed) in [(0.0, 3), (0.2, 4)] {
-        let table = [PressTable::new(24, 24, f64::atan(friction), SLOPE)];
+        let table = [ContactTable::from(PressTable::new(24, 24, f64::atan(friction), SLOPE))];
         let mut draw = Random(seed);
         let mut tried = 0;
         while tried < 20 {
@@ -493,7 +513,12 @@ fn two_contacts_are_thought_of_where_there_are_corners() {
     let ground = BoundaryLevels::new(&map);
     let (whisker, mut draw) = (told(&MountedWhisker::default()), Random(71));
     let two = TwoContacts::new(&ground.coarse.all, whisker.longest, 0.0);
-    let tables = super::tables(super::FIRST_TABLE, super::TABLES, 0.0, &PossibilisticOptions::default());
+    let tables = super::contact_tables::tables(
+        super::contact_tables::FIRST_TABLE,
+        super::contact_tables::TABLES,
+        &rubbed(0.0),
+        &PossibilisticOptions::default(),
+    );
     let may = |base: Pose2, moment: f64| {
         let touch = ReadingContacts::new(&whisker, &tables, 0.95 * moment, 1.05 * moment);
         let sides = [[1e-5, 0.0, 0.0], [0.0, 1e-5, 0.0], [0.0, 0.0, 1e-4]];

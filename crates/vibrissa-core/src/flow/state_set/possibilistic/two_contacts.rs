@@ -157,6 +157,12 @@ impl TwoContacts {
         }
     }
 
+    /// Whether nothing tells that the whisker has one contact in every state of the cell but that corners are out of reach; of
+    /// whiskers that are curved at rest even that tells nothing.
+    pub(super) fn may_be_near(&self, view: &BaseView, touch: &ReadingContacts) -> bool {
+        !touch.rest.is_straight || self.is_near(view, touch.length)
+    }
+
     /// Whether the first of two contacts is within reach in some state of the cell.
     pub(super) fn is_near(&self, view: &BaseView, length: f64) -> bool {
         let mut found = false;
@@ -174,6 +180,9 @@ impl TwoContacts {
 
     /// Whether a whisker may read this with more than one contact in some state of the cell; looks are counted.
     pub(super) fn may_explain(&self, view: &BaseView, touch: &ReadingContacts, comparisons: &mut usize) -> bool {
+        if !touch.is_uniform {
+            return self.may_be_near(view, touch);
+        }
         if self.first.is_empty() {
             return false;
         }

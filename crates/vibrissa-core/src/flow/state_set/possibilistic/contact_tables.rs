@@ -1,0 +1,67 @@
+//! The tables of contacts that readings are sliced from: how fine, for which whisker, and one for all alike.
+
+use super::errors::UncertainWhisker;
+use crate::beam::press::{ContactTable, PressTable};
+use crate::config::PossibilisticOptions;
+
+/// Columns (a quarter turn) and rows of the tables that first cells meet, from fine to coarse: each has half as many of both
+/// as the one before.
+pub(super) const FIRST_TABLE: (usize, usize) = (16, 32);
+pub(super) const TABLES: usize = 2;
+/// Cells are born from this one of them.
+pub(super) const START_TABLE: usize = 1;
+/// The same of finer ones, which are added when so many readings since the first contact are remembered: few readings leave
+/// more open than coarse tables do.
+pub(super) const NEXT_TABLE: (usize, usize) = (64, 64);
+pub(super) const NEXT_TABLES: usize = 2;
+pub(super) const WORTH_NEXT: usize = 10;
+/// The same of the table that the final refinement adds where this many readings are remembered: a twentieth of a second to build.
+pub(super) const LAST_TABLE: (usize, usize) = (128, 96);
+pub(super) const WORTH_LAST: usize = 20;
+/// What patches of the tables of rods leave, over the length and times the columns, and how much more in the next coarser ones:
+/// patches are counted by its inverse.
+const ROD_WIDTH: f64 = 0.3;
+const ROD_COARSER: f64 = 2.5;
+/// What those of the last table leave, over the length.
+const ROD_LAST_WIDTH: f64 = 1.5e-3;
+const ROD_FINE: usize = 32;
+
+/// What each whisker needs, made once for those of the same friction, if they are uniform: tables know of those no more.
+pub(super) fn each_table<'a>(
+    whiskers: impl Iterator<Item = &'a UncertainWhisker>,
+    make: impl Fn(&UncertainWhisker) -> Vec<ContactTable>,
+) -> Vec<Vec<ContactTable>> {
+    let mut made: Vec<(f64, bool, Vec<ContactTable>)> = Vec::new();
+    for whisker in whiskers {
+        let (friction, is_uniform) = (whisker.friction, whisker.rod.is_none());
+        let same = made
+            .iter()
+            .find(|(other, other_is, _)| is_uniform && *other_is && other.to_bits() == friction.to_bits())
+            .map(|(.., tables)| tables.clone());
+        made.push((friction, is_uniform, same.unwrap_or_else(|| make(whisker))));
+    }
+    made.into_iter().map(|(.., tables)| tables).collect()
+}
+
+/// Tables of a whisker, from fine to coarse: so many, the first with `columns` and `rows`.
+pub(super) fn tables(
+    (columns, rows): (usize, usize),
+    count: usize,
+    whisker: &UncertainWhisker,
+    options: &PossibilisticOptions,
+) -> Vec<ContactTable> {
+    if let Some(rod) = &whisker.rod {
+        let mut contacts = (**rod).clone();
+        // Patches are many: the finest tables are half as fine as those of uniform whiskers.
+        let columns = if columns > ROD_FINE { columns / 2 } else { columns };
+        // The patches of the last table end the refinement, and are cut once.
+        let is_last = columns == LAST_TABLE.0 / 2;
+        let width = if is_last { ROD_LAST_WIDTH } else { ROD_WIDTH / columns as f64 };
+        contacts.refine(width);
+        let table = |k: usize| contacts.table(columns >> k, width * ROD_COARSER.powi(k as i32));
+        return (0..count).map(|k| ContactTable::Rod(table(k))).collect();
+    }
+    let finest = PressTable::new(columns, rows, whisker.friction.atan(), options.largest_slope);
+    let all = core::iter::successors(Some(finest), |table| Some(table.coarser())).take(count);
+    all.map(ContactTable::from).collect()
+}
