@@ -179,6 +179,14 @@ impl Canvas {
         self.path(&data, class);
     }
 
+    /// Draws a round dot at each visible point, as [`Canvas::dots`] does, but one alone for those within half a page unit.
+    pub fn marks(&mut self, points: &[Vec2], class: &str) {
+        let mut drawn = HashSet::new();
+        let half_units = |p: Vec2| ((2.0 * p.x).round() as i64, (2.0 * p.y).round() as i64);
+        let apart: Vec<Vec2> = points.iter().copied().filter(|&p| drawn.insert(half_units(self.page(p)))).collect();
+        self.dots(apart, class);
+    }
+
     /// Draws a tick of `length` page units from each visible pose along its heading.
     pub fn heading_ticks(&mut self, poses: impl IntoIterator<Item = Pose2>, length: f64, class: &str) {
         let mut data = String::new();
@@ -219,6 +227,11 @@ impl Canvas {
             let (x, y) = (number(p.x + offset.0), number(p.y + offset.1));
             let _ = writeln!(self.body, r#"<text x="{x}" y="{y}" class="{class}">{}</text>"#, escape(text));
         }
+    }
+
+    /// Puts ready-made elements into the panel.
+    pub(crate) fn raw(&mut self, elements: &str) {
+        self.body.push_str(elements);
     }
 
     /// Puts the panel on the page, cut off at its frame, with a thin border.

@@ -52,8 +52,7 @@ const CHART_HEIGHT: f64 = 170.0;
 const TOP: f64 = 78.0;
 const TITLE_CHARACTERS: usize = 70;
 const TITLE_LINE: f64 = 24.0;
-/// At most this many touches are drawn, and this many readings of all series together; of more, every n-th.
-const TOUCHES: usize = 1500;
+/// At most this many readings of all series together are drawn; of more, every n-th of each.
 const READINGS: usize = 3000;
 /// Colours for whiskers; more repeat.
 const HUES: usize = 8;
@@ -100,8 +99,7 @@ fn map_canvas(scene: &SimulationScene<'_>, top: f64) -> Canvas {
 
 fn draw_world(canvas: &mut Canvas, scene: &SimulationScene<'_>) {
     layers::map(canvas, scene.map);
-    let every = scene.touches.len().div_ceil(TOUCHES).max(1);
-    canvas.dots(scene.touches.iter().step_by(every).copied(), "touch");
+    canvas.marks(scene.touches, "touch");
     for shape in scene.shapes {
         canvas.polyline(shape, "whisker");
     }

@@ -48,11 +48,14 @@ pub fn preimage_panel(document: &mut Document, frame: Frame, figure: &PreimageFi
         [lo, Vec2::new(hi.x, lo.y), hi, Vec2::new(lo.x, hi.y)]
     };
     let strip: Vec<[Vec2; 4]> = states.runs(None).iter().map(rectangle).collect();
+    let shades = shades(states);
     let corners = figure.map.iter().flat_map(|o| o.points.iter().copied());
     let Some(bounds) = WorldBounds::of(corners.chain(strip.iter().flatten().copied())) else { return };
     let mut canvas = Canvas::new(frame, bounds.grown(0.02 * bounds.size().x.max(bounds.size().y)));
     draw_outlines(&mut canvas, figure.map);
-    canvas.polygons(&strip, "strip");
+    for (runs, class) in shades.iter().zip(SHADES) {
+        canvas.polygons(&runs.iter().map(rectangle).collect::<Vec<_>>(), class);
+    }
     if let Some(theta) = figure.heading {
         let slice: Vec<[Vec2; 4]> = states.runs(Some(states.bin(theta))).iter().map(rectangle).collect();
         canvas.polygons(&slice, "slice");
@@ -70,13 +73,40 @@ pub fn preimage_panel(document: &mut Document, frame: Frame, figure: &PreimageFi
     canvas.place(document);
 }
 
+/// Stylesheet classes of places, from few headings to many.
+const SHADES: [&str; 4] = ["strip-1", "strip-2", "strip-3", "strip"];
+
+/// Runs of cells along x whose share of headings is up to an eighth, a quarter, a half and all of the largest.
+fn shades(states: &StateGrid) -> [Vec<(usize, usize, usize)>; 4] {
+    let raster = states.raster();
+    let headings = |row, column| states.heading_runs(column, row).iter().map(|(a, b)| b - a).sum::<usize>();
+    let counts: Vec<Vec<usize>> =
+        (0..raster.rows).map(|row| (0..raster.columns).map(|column| headings(row, column)).collect()).collect();
+    let most = counts.iter().flatten().copied().max().unwrap_or(0);
+    let shade = |count: usize| match count {
+        0 => None,
+        _ => Some([8, 4, 2].iter().take_while(|part| count * **part > most).count()),
+    };
+    let mut runs: [Vec<(usize, usize, usize)>; 4] = Default::default();
+    for (row, counts) in counts.iter().enumerate() {
+        let mut start = 0;
+        for cells in counts.chunk_by(|&a, &b| shade(a) == shade(b)) {
+            if let Some(shade) = shade(cells[0]) {
+                runs[shade].push((row, start, start + cells.len()));
+            }
+            start += cells.len();
+        }
+    }
+    runs
+}
+
 /// What the panel shows, in words.
 #[must_use]
 pub fn preimage_legend(figure: &PreimageFigure<'_>) -> Vec<Entry> {
     let mut entries = vec![Entry { sample: Sample::Line("wall"), words: "boundary of the map".into() }];
     if !figure.states.is_empty() {
         let area = figure.states.area() * 1e4;
-        let words = format!("places of the robot, some heading each: {area:.1} cm²");
+        let words = format!("places of the robot, darker where more headings are possible: {area:.1} cm²");
         entries.push(Entry { sample: Sample::Patch("strip"), words });
     }
     if let Some(theta) = figure.heading {

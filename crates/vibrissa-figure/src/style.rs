@@ -62,7 +62,10 @@ text { font-family: system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neu
 .contact-d { fill: none; stroke: #222; stroke-width: 2.4; stroke-dasharray: 9 4 2 4; stroke-linejoin: round; }
 .region { fill: #009e73; fill-opacity: 0.55; stroke: #009e73; stroke-width: 0.6; }
 .meeting { fill: none; stroke: #222; stroke-width: 2; }
-.strip { fill: #56b4e9; fill-opacity: 0.65; stroke: none; }
+.strip { fill: #2484bd; fill-opacity: 0.85; stroke: none; }
+.strip-3 { fill: #56b4e9; fill-opacity: 0.75; stroke: none; }
+.strip-2 { fill: #56b4e9; fill-opacity: 0.45; stroke: none; }
+.strip-1 { fill: #56b4e9; fill-opacity: 0.2; stroke: none; }
 .slice { fill: #d55e00; fill-opacity: 0.8; stroke: none; }
 .zoomed { fill: none; stroke: #555; stroke-width: 1; stroke-dasharray: 2 2; }
 ";

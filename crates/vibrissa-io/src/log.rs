@@ -8,6 +8,7 @@ mod csv_writer;
 mod doubts;
 pub mod foreign;
 mod odometry;
+mod text_form;
 
 #[cfg(feature = "mcap")]
 pub use bag::from_mcap;

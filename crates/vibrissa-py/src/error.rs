@@ -15,9 +15,16 @@ impl<T> OrRaise<T> for vibrissa::Result<T> {
     }
 }
 
+/// What stands in the text of an error where a file is missing.
+const MISSING: &str = ": no such file";
+
 /// `vibrissa.DataError` or `vibrissa.UsageError` with this text, and the file and line of `error`.
 pub(crate) fn exception(py: Python<'_>, error: &vibrissa::Error, text: String) -> PyErr {
-    let name = if error.is_usage() { "UsageError" } else { "DataError" };
+    let name = match error.is_usage() {
+        true => "UsageError",
+        false if text.contains(MISSING) => "MissingFileError",
+        false => "DataError",
+    };
     let file = error.file().map(str::to_owned);
     let value =
         py.import("vibrissa._errors").and_then(|module| module.getattr(name)?.call1((text, file, error.line())));

@@ -5,6 +5,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::PathBuf;
 use vibrissa::Result;
+use vibrissa::io::{Dimension, parse_quantity};
 use vibrissa::beam::{CURVATURE_TERMS, Stretch, Whisker};
 use vibrissa::plane::Pose2;
 use vibrissa::world::{MomentNoise, MountedWhisker, Odometry, ReadingNoise, Robot, WhiskerErrors};
@@ -233,4 +234,23 @@ pub(crate) fn robot_default(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
 #[pyfunction]
 pub(crate) fn whisker_is_uniform(py: Python<'_>, whisker: WhiskerIn) -> PyResult<bool> {
     Ok(whisker.whisker().or_raise(py)?.is_uniform())
+}
+
+/// A number of a text with its unit, SI; `dimension` is a word such as "length", "angle" or "moment".
+#[pyfunction]
+pub(crate) fn quantity(py: Python<'_>, text: &str, dimension: &str) -> PyResult<f64> {
+    let dimension = match dimension {
+        "length" => Dimension::Length,
+        "angle" => Dimension::Angle,
+        "force" => Dimension::Force,
+        "moment" => Dimension::Moment,
+        "time" => Dimension::Time,
+        "stiffness" => Dimension::Stiffness,
+        "rigidity" => Dimension::FlexuralRigidity,
+        "curvature" => Dimension::Curvature,
+        "moment_rate" => Dimension::MomentRate,
+        "ratio" => Dimension::Ratio,
+        other => return Err(vibrissa::Error::usage("dimension").value(other)).or_raise(py),
+    };
+    parse_quantity(text, dimension).or_raise(py)
 }

@@ -52,7 +52,7 @@ mod _vibrissa {
     #[pymodule_export]
     use crate::contacts::{contact, profile};
     #[pymodule_export]
-    use crate::inputs::{robot_default, robot_parse, robot_read, robot_toml, whisker_is_uniform};
+    use crate::inputs::{quantity, robot_default, robot_parse, robot_read, robot_toml, whisker_is_uniform};
     #[pymodule_export]
     use crate::localize::{demo_sweep, localize, methods, tum_error, tum_format, tum_read};
     #[pymodule_export]

@@ -18,7 +18,8 @@ use vibrissa::flow::sensor_log::Quantity;
 use vibrissa::flow::trajectory::trajectory_error;
 use vibrissa::io::{format_tum, read_tum};
 use vibrissa::sets::StateBox;
-use vibrissa::tasks::{advise, demo};
+use vibrissa::figure::{LocalizationScene, localization_figure};
+use vibrissa::tasks::{advise, demo, doubts, outlines};
 
 /// The methods by name, the default one first.
 #[pyfunction]
@@ -53,6 +54,7 @@ pub(crate) fn method_of(py: Python<'_>, name: &str, options: &Bound<'_, PyDict>)
 
 /// Localizes; gives the fields of `vibrissa.Localization` as a dict.
 #[pyfunction]
+#[allow(clippy::too_many_arguments)] // Called from one place.
 pub(crate) fn localize<'py>(
     py: Python<'py>,
     log: &PySensorLog,
@@ -61,7 +63,9 @@ pub(crate) fn localize<'py>(
     method: &str,
     options: &Bound<'py, PyDict>,
     progress: Option<&Bound<'py, PyAny>>,
+    truth: Option<(PyReadonlyArray1<'py, f64>, PyReadonlyArray2<'py, f64>)>,
 ) -> PyResult<Bound<'py, PyDict>> {
+    let truth = truth.map(|(t, poses)| PyResult::Ok(stamped(t.as_slice()?, &rows(&poses)?))).transpose()?;
     let (method, robot) = (method_of(py, method, options)?, robot.robot().or_raise(py)?);
     let mounted = |name: &str| robot.whiskers.iter().any(|whisker| whisker.name == name);
     let unused = log.0.channels.iter().filter(|channel| {
@@ -71,18 +75,28 @@ pub(crate) fn localize<'py>(
         .map(|channel| format!("the column `{}` is not used: the robot has no whisker of this name", channel.column()))
         .collect();
     warn(py, &unused)?;
+    warn(py, &doubts(Some(&log.0), &robot, Some(&map.0)))?;
     let (log, map, total) = (Arc::clone(&log.0), Arc::clone(&map.0), log.0.rows.len());
-    let answer = run(py, progress, total, move |watch| {
+    let (answer, figure) = run(py, progress, total, move |watch| {
         let mut answer = vibrissa::localize(&log, &map, &robot, &method, &mut |row| watch.tell(row + 1))?;
         advise(&mut answer, &log, &map, &robot, &method, &mut || {
             // Ends here once the caller has given up.
             watch.tell(total);
             true
         })?;
-        Ok(answer)
+        let outlines = outlines(&map, DRAWING_TOLERANCE);
+        let title = answer.method;
+        let scene = LocalizationScene { title, map: &outlines, answer: &answer, truth: truth.as_deref(), robot: &[] };
+        let figure = localization_figure(&scene);
+        Ok((answer, figure))
     })?;
-    fields(py, &answer)
+    let out = fields(py, &answer)?;
+    out.set_item("_svg", figure)?;
+    Ok(out)
 }
+
+/// How far a drawn boundary may be from the map's (m).
+const DRAWING_TOLERANCE: f64 = 2e-5;
 
 fn sides(state: &StateBox) -> [f64; 6] {
     [state.x.lo(), state.x.hi(), state.y.lo(), state.y.hi(), state.theta.lo(), state.theta.hi()]
@@ -112,7 +126,7 @@ pub(crate) fn fields<'py>(py: Python<'py>, answer: &Localization) -> PyResult<Bo
     steps.set_item("volume", column(py, &answer.steps, |step| step.volume))?;
     out.set_item("steps", steps)?;
     out.set_item("events", events(&answer.events))?;
-    let shapes = answer.shapes.iter().map(|shape| Ok((shape.t, points(py, &shape.points)?)));
+    let shapes = answer.shapes.iter().map(|shape| Ok((shape.t, points(py, &shape.points)?, shape.whisker)));
     out.set_item("shapes", shapes.collect::<PyResult<Vec<_>>>()?)?;
     Ok(out)
 }

@@ -110,6 +110,18 @@ impl PySensorLog {
         py.detach(|| to_csv(&self.0))
     }
 
+    /// The log of a CSV text with the warnings and the file of another, for copies in other processes.
+    #[staticmethod]
+    fn _from_parts(py: Python<'_>, text: &str, source: Option<PathBuf>, warnings: Vec<String>) -> PyResult<Self> {
+        let log = py.detach(|| vibrissa::io::log::from_csv(text, ARRAYS)).or_raise(py)?;
+        Ok(Self(Arc::new(SensorLog { source, warnings, ..log })))
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, LogParts)> {
+        let make = py.get_type::<Self>().getattr("_from_parts")?;
+        Ok((make, (self.to_csv(py), self.0.source.clone(), self.0.warnings.clone())))
+    }
+
     fn __len__(&self) -> usize {
         self.0.rows.len()
     }
@@ -120,6 +132,9 @@ impl PySensorLog {
         format!("<vibrissa.SensorLog: {} rows in {span:.3} s, {}>", self.0.rows.len(), names.join(", "))
     }
 }
+
+/// Text, file and warnings of a log.
+type LogParts = (String, Option<PathBuf>, Vec<String>);
 
 /// What stands for the file when a log is made of arrays.
 const ARRAYS: &str = "SensorLog";

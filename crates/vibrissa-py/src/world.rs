@@ -8,7 +8,7 @@ use pyo3::types::PyDict;
 use std::path::PathBuf;
 use std::sync::Arc;
 use vibrissa::config::limits::FLATTEN_TOLERANCE;
-use vibrissa::plane::{Curve, Vec2};
+use vibrissa::plane::{Curve, Segment, Vec2};
 use vibrissa::tasks::demo;
 use vibrissa::world::{Boundary, Role};
 use vibrissa::{Error, Result};
@@ -145,10 +145,58 @@ impl PyMap {
         Ok(out)
     }
 
+    /// What the map is made of, for copies in other processes: role, whether it is closed, whether it is the hole of an
+    /// obstacle, and the control points of its pieces.
+    fn _parts(&self) -> Vec<Parts> {
+        let piece = |segment: &Segment| segment.control_points().iter().map(|p| (p.x, p.y)).collect();
+        let parts = |boundary: &Boundary| {
+            let curve = boundary.curve();
+            let hole = boundary.role() == Role::Obstacle && curve.signed_area() > 0.0;
+            (boundary.role().word(), curve.is_closed(), hole, curve.segments().iter().map(piece).collect())
+        };
+        self.0.boundaries().iter().map(parts).collect()
+    }
+
+    /// The map of `_parts`.
+    #[staticmethod]
+    fn _from_parts(py: Python<'_>, parts: Vec<(String, bool, bool, Pieces)>, warnings: Vec<String>) -> PyResult<Self> {
+        let made = |(role, closed, hole, pieces): (String, bool, bool, Pieces)| {
+            let fault = || Error::data("a map that was not written by this version");
+            let role = Role::from_word(&role).ok_or_else(fault)?;
+            let segments = pieces.iter().map(|points| segment(points)).collect::<Option<Vec<Segment>>>();
+            let curve = segments.and_then(|s| Curve::from_segments(s, closed)).ok_or_else(fault)?;
+            Boundary::checked(role, curve, hole, None).map_err(|fault| fault.error)
+        };
+        let boundaries = parts.into_iter().map(made).collect::<Result<Vec<Boundary>>>().or_raise(py)?;
+        let mut map = vibrissa::world::Map::new(boundaries).or_raise(py)?;
+        map.warnings = warnings;
+        Ok(Self(Arc::new(map)))
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (Vec<Parts>, Vec<String>))> {
+        let make = py.get_type::<Self>().getattr("_from_parts")?;
+        Ok((make, (self._parts(), self.0.warnings.clone())))
+    }
+
     fn __repr__(&self) -> String {
         let bounds = self.0.bounds();
         let (width, height) = (bounds.max.x - bounds.min.x, bounds.max.y - bounds.min.y);
         format!("<vibrissa.Map: {} boundaries, {width:.3} m by {height:.3} m>", self.0.boundaries().len())
+    }
+}
+
+/// Pieces of a curve by their control points (m).
+type Pieces = Vec<Vec<(f64, f64)>>;
+/// A boundary: role, closed, hole, pieces.
+type Parts = (&'static str, bool, bool, Pieces);
+
+fn segment(points: &[(f64, f64)]) -> Option<Segment> {
+    let at = |k: usize| Vec2::new(points[k].0, points[k].1);
+    match points.len() {
+        2 => Some(Segment::Line([at(0), at(1)])),
+        3 => Some(Segment::Quadratic([at(0), at(1), at(2)])),
+        4 => Some(Segment::Cubic([at(0), at(1), at(2), at(3)])),
+        _ => None,
     }
 }
 

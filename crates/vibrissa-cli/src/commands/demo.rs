@@ -55,6 +55,7 @@ fn localized(sweep: &Sweep, seed: u64) -> Result<Run> {
         map: outlines(&map),
         truth: Some(sweep.truth.clone()),
         recording: None,
+        film: None,
     })
 }
 

@@ -3,6 +3,7 @@
 use super::localize::{outlines, read_log};
 use crate::output::{OutputArgs, print, warn, write_all};
 use serde_json::{Value, json};
+use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::path::PathBuf;
 use vibrissa::config::{ContactOptions, ProfileOptions};
@@ -10,6 +11,7 @@ use vibrissa::figure::{Geometry, Layer, scene_figure};
 use vibrissa::flow::sensor_log::SensorLog;
 use vibrissa::io::log::foreign::Format;
 use vibrissa::plane::Vec2;
+use vibrissa::tasks::doubts;
 use vibrissa::tasks::profile::{Alignment, Misfit, Outline, Profile, compare, profile};
 use vibrissa::world::{Map, Robot};
 use vibrissa::{Error, Result};
@@ -51,16 +53,18 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     let logs = args.logs.iter().map(|log| read_log(log, args.format)).collect::<Result<Vec<SensorLog>>>()?;
     let warnings = map.iter().flat_map(|map| &map.warnings).chain(logs.iter().flat_map(|log| &log.warnings));
     warnings.for_each(|warning| warn(warning));
+    let doubted = logs.iter().flat_map(|log| doubts(Some(log), &robot, None)).collect::<BTreeSet<String>>();
+    doubted.iter().for_each(|warning| warn(warning));
     let found = profile(&logs, &robot, &ContactOptions::default(), &ProfileOptions::default())?;
     let points: Vec<Vec2> = found.outlines.iter().flat_map(|o| o.points.iter().map(|p| p.position)).collect();
     let compared = map.as_ref().and_then(|map| compare(&points, map, args.free_scale));
     let mut written = Vec::new();
-    if let Some(folder) = &args.output.out {
+    if let Some(to) = args.output.destination() {
         let files = [
             ("profile.geojson", pretty(&geojson(&found))?),
             ("profile.svg", figure(&found, map.as_ref(), compared.as_ref(), &caption(&found, compared.as_ref()))),
         ];
-        written = write_all(folder, &files)?;
+        written = write_all(to, &files)?;
     }
     if args.output.json {
         return print(&pretty(&summary(&found, compared.as_ref()))?);

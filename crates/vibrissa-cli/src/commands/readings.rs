@@ -55,9 +55,14 @@ pub(crate) struct WhiskerReadings {
 }
 
 impl ReadingArgs {
+    /// The robot of the file, or the paper's.
+    pub(crate) fn robot(&self) -> Result<Robot> {
+        self.robot.as_deref().map_or_else(|| Ok(Robot::default()), vibrissa::read_robot)
+    }
+
     /// The readings, whisker by whisker in the robot's order; those without any are left out.
     pub(crate) fn read(&self) -> Result<Vec<WhiskerReadings>> {
-        let robot = self.robot.as_deref().map_or_else(|| Ok(Robot::default()), vibrissa::read_robot)?;
+        let robot = self.robot()?;
         if self.sensor.len() != self.value.len() {
             return Err(Error::usage("each --sensor needs one --value")
                 .value(format!("{} sensors and {} values", self.sensor.len(), self.value.len()))

@@ -1,5 +1,6 @@
 //! Result files that are whole or not there.
 
+use super::picture::{self, Picture};
 use std::borrow::Cow;
 use std::fs::{self, File, TryLockError};
 use std::io::Write;
@@ -10,31 +11,76 @@ use vibrissa::{Error, Result};
 /// The content of a result file, made when its turn comes: of a long log each takes as much memory as the log.
 pub(crate) type Content<'a> = Box<dyn Fn() -> Cow<'a, [u8]> + 'a>;
 
-/// Writes `(name, text)` files into `folder`; see [`write_each`].
-pub(crate) fn write_all(folder: &Path, files: &[(&str, String)]) -> Result<Vec<PathBuf>> {
-    let files: Vec<(&str, &[u8])> = files.iter().map(|(name, text)| (*name, text.as_bytes())).collect();
-    write_bytes(folder, &files)
+/// A folder, and the formats that figures (`.svg`) are written in beside their own.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Destination<'a> {
+    pub(crate) folder: &'a Path,
+    pub(crate) pictures: &'a [Picture],
 }
 
-/// Writes `(name, bytes)` files into `folder`; see [`write_each`].
-pub(crate) fn write_bytes(folder: &Path, files: &[(&str, &[u8])]) -> Result<Vec<PathBuf>> {
+impl<'a> From<&'a Path> for Destination<'a> {
+    fn from(folder: &'a Path) -> Self {
+        Self { folder, pictures: &[] }
+    }
+}
+
+impl<'a> From<&'a PathBuf> for Destination<'a> {
+    fn from(folder: &'a PathBuf) -> Self {
+        folder.as_path().into()
+    }
+}
+
+/// Writes `(name, text)` files; see [`write_each`].
+pub(crate) fn write_all<'a>(to: impl Into<Destination<'a>>, files: &[(&str, String)]) -> Result<Vec<PathBuf>> {
+    let files: Vec<(&str, &[u8])> = files.iter().map(|(name, text)| (*name, text.as_bytes())).collect();
+    write_bytes(to, &files)
+}
+
+/// Writes `(name, bytes)` files; see [`write_each`].
+pub(crate) fn write_bytes<'a>(to: impl Into<Destination<'a>>, files: &[(&str, &[u8])]) -> Result<Vec<PathBuf>> {
     let files: Vec<(&str, Content<'_>)> =
         files.iter().map(|&(name, bytes)| (name, Box::new(move || Cow::Borrowed(bytes)) as Content<'_>)).collect();
-    write_each(folder, &files)
+    write_each(to.into(), &files)
 }
 
-/// Writes `(name, content)` files into `folder`, which is made if missing, and gives their paths; one content is in memory
-/// at a time.
+/// The pictures of figures: their names, and what they are made of.
+fn pictures(files: &[(&str, Content<'_>)], formats: &[Picture]) -> Result<Vec<(String, Vec<u8>)>> {
+    picture::check(formats)?;
+    let mut made = Vec::new();
+    for (name, content) in files.iter().filter(|_| !formats.is_empty()) {
+        let Some(stem) = name.strip_suffix(".svg").filter(|_| *name != MAP) else { continue };
+        let svg = content();
+        for format in formats {
+            let bytes = format.of(&String::from_utf8_lossy(&svg))?;
+            made.push((format!("{stem}.{}", format.extension()), bytes));
+        }
+    }
+    Ok(made)
+}
+
+/// A map that is a result, which is no figure.
+const MAP: &str = "map.svg";
+
+/// Writes `(name, content)` files into a folder, which is made if missing, and gives their paths; one content is in memory
+/// at a time, and all pictures.
 ///
 /// All are written under temporary names first and renamed at the end, so that earlier results stay whole when the disk
 /// fills up or the program is stopped. Runs that share a folder rename one after the other.
-pub(crate) fn write_each(folder: &Path, files: &[(&str, Content<'_>)]) -> Result<Vec<PathBuf>> {
+pub(crate) fn write_each(to: Destination<'_>, files: &[(&str, Content<'_>)]) -> Result<Vec<PathBuf>> {
+    let pictures = pictures(files, to.pictures)?;
+    let folder = to.folder;
+    // Boxed once more, since those of the pictures live shorter.
+    let given = files.iter().map(|(name, content)| (*name, Box::new(move || content()) as Content<'_>));
+    let drawn = pictures
+        .iter()
+        .map(|(name, bytes)| (name.as_str(), Box::new(move || Cow::Borrowed(bytes.as_slice())) as Content<'_>));
+    let files: Vec<(&str, Content<'_>)> = given.chain(drawn).collect();
     fs::create_dir_all(folder).map_err(|error| fault("cannot make the folder", folder, &error))?;
     let staged: Vec<(PathBuf, PathBuf)> = files
         .iter()
         .map(|(name, _)| (folder.join(format!(".{name}.{}.part", std::process::id())), folder.join(name)))
         .collect();
-    let result = stage_and_rename(&staged, files);
+    let result = stage_and_rename(&staged, &files);
     if result.is_err() {
         for (temporary, _) in &staged {
             // Those already renamed are no longer there under this name.

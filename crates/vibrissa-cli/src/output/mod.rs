@@ -5,12 +5,13 @@ mod csv;
 mod files;
 mod fit;
 mod json;
+mod picture;
 mod runtime;
 mod summary;
 
 use std::borrow::Cow;
 use std::io::Write;
-use vibrissa::figure::{LocalizationScene, Outline, localization_figure};
+use vibrissa::figure::{FilmFrame, LocalizationScene, Outline, localization_figure, localization_film};
 use vibrissa::flow::pose::{Localization, StampedPose, Status};
 use vibrissa::flow::trajectory::trajectory_error;
 use vibrissa::io::format_tum_with_doubts;
@@ -39,6 +40,8 @@ pub(crate) struct Run {
     pub(crate) truth: Option<Vec<StampedPose>>,
     /// The recording for viewers (MCAP), where it is asked for.
     pub(crate) recording: Option<Vec<u8>>,
+    /// The states along the way, where a film is asked for.
+    pub(crate) film: Option<Vec<FilmFrame>>,
 }
 
 /// Writes the files, if a folder is given, then prints the answer.
@@ -50,10 +53,10 @@ pub(crate) fn deliver(run: &Run, output: &OutputArgs) -> Result<()> {
     if truth.is_some() && error.is_none() && !run.answer.trajectory.is_empty() {
         warn("the truth and the log share no time: no error is reported");
     }
-    let written = match &output.out {
-        Some(folder) => {
+    let written = match output.destination() {
+        Some(to) => {
             let json = json::result(run, None)?;
-            Some(write_each(folder, &result_files(run, &json))?)
+            Some(write_each(to, &result_files(run, &json))?)
         }
         None => None,
     };
@@ -66,10 +69,9 @@ pub(crate) fn deliver(run: &Run, output: &OutputArgs) -> Result<()> {
 
 fn result_files<'a>(run: &'a Run, json: &'a str) -> Vec<(&'static str, Content<'a>)> {
     let answer = &run.answer;
-    let figure = move || {
-        let truth = run.truth.as_deref();
-        localization_figure(&LocalizationScene { title: &run.title, map: &run.map, answer, truth, robot: &[] })
-    };
+    let truth = run.truth.as_deref();
+    let scene = LocalizationScene { title: &run.title, map: &run.map, answer, truth, robot: &[] };
+    let figure = move || localization_figure(&scene);
     let mut files = vec![
         ("trajectory.tum", made(|| format_tum_with_doubts(&answer.trajectory, &answer.unsure))),
         ("result.json", Box::new(|| Cow::Borrowed(json.as_bytes())) as Content<'_>),
@@ -79,6 +81,9 @@ fn result_files<'a>(run: &'a Run, json: &'a str) -> Vec<(&'static str, Content<'
     ];
     if let Some(bytes) = &run.recording {
         files.push(("localization.mcap", Box::new(|| Cow::Borrowed(bytes.as_slice()))));
+    }
+    if let Some(frames) = &run.film {
+        files.push(("localization.html", made(move || localization_film(&scene, frames))));
     }
     files
 }
@@ -151,6 +156,7 @@ mod tests {
             map: Vec::new(),
             truth: None,
             recording: None,
+            film: None,
         }
     }
 

@@ -26,6 +26,19 @@ pub const LARGEST_STRAIN: f64 = 1.0;
 pub const HEADING_JUMP: f64 = 1.0;
 /// Largest move between two rows of a log that raises no doubt (m): 30 m/s at 300 Hz.
 pub const POSITION_JUMP: f64 = 0.1;
+/// Longest time between most rows of a log that raises no doubt (s): whiskers are read hundreds of times a second, and at a
+/// hundred hertz milliseconds are 10 apart.
+pub const SLOW_SAMPLING: f64 = 0.9;
+/// Latest time of a row that raises no doubt (s): the year 5138 since 1970, and 1973 in milliseconds.
+pub const LATEST_TIME: f64 = 1e11;
+/// Largest speed in most rows of a log that raises no doubt (m/s): no robot touches walls that fast.
+pub const FASTEST_ROBOT: f64 = 15.0;
+/// Largest distance of a whisker's base from the robot's origin that raises no doubt (m).
+pub const FARTHEST_MOUNT: f64 = 2.0;
+/// Smallest size of a map that raises no doubt, in lengths of the longest whisker.
+pub const SMALLEST_MAP: f64 = 1.0;
+/// Largest distance of a map from its origin that raises no doubt, in sizes of the map: as a geographic one.
+pub const FARTHEST_MAP: f64 = 20.0;
 /// Largest moment of a whisker that raises no doubt (N m): hundreds of times the paper's readings.
 pub const LARGEST_MOMENT: f64 = 1.0;
 /// Most cells of a grid map: a quarter of a square kilometre at 5 cm, and 200 MB while it is traced.

@@ -186,7 +186,8 @@ impl<'a> DeterministicEstimator<'a> {
             let contact = best.contact(self.map, observation, &self.options)?;
             let points = tip.bend(contact.force, contact.tilt())?.shape(tip.whisker().length, SHAPE_POINTS);
             let place = |p| observation.robot_from_whisker.transform_point(p);
-            Some(ShapeRecord { t: observation.t, points: points.into_iter().map(place).collect() })
+            let points = points.into_iter().map(place).collect();
+            Some(ShapeRecord { t: observation.t, whisker: *feeler, points })
         };
         self.record.observations.iter().filter_map(shape).collect()
     }

@@ -4,6 +4,7 @@ use crate::beam::{TipModel, TipReading};
 use crate::config::TipLoad;
 use crate::flow::contact_set::{TipContact, TipContactSet};
 use crate::flow::pose::ShapeRecord;
+use crate::flow::thinned::Thinned;
 use crate::plane::{Pose2, Vec2, wrap_angle};
 use crate::world::{Map, MountedWhisker};
 use core::f64::consts::{FRAC_PI_2, PI};
@@ -24,16 +25,42 @@ pub(super) struct DrawnReading {
     pub(super) moment: f64,
 }
 
-/// The shapes of what was kept, as the odometry's frame in the map (`map_from_odom`) sees each; those that agree with the map.
-pub(super) fn shapes<'a>(
-    map: &Map,
-    whiskers: &[MountedWhisker],
-    kept: impl Iterator<Item = &'a DrawnReading>,
-    frame: impl Fn(&DrawnReading) -> Option<Pose2>,
-) -> Vec<ShapeRecord> {
-    let tips: Vec<Option<TipModel>> = whiskers.iter().map(|whisker| TipModel::new(&whisker.beam).ok()).collect();
-    kept.filter_map(|felt| shape(map, (&whiskers[felt.whisker], tips[felt.whisker].as_ref()?), felt, frame(felt)?))
-        .collect()
+/// The readings that are kept for drawing: an even share of each whisker's, however long the log.
+///
+/// Of all whiskers together at most twice `LEAST` are drawn.
+#[derive(Clone, Debug, Default)]
+pub(super) struct DrawnReadings<const LEAST: usize> {
+    /// For each whisker.
+    kept: Vec<Thinned<DrawnReading, LEAST>>,
+}
+
+impl<const LEAST: usize> DrawnReadings<LEAST> {
+    /// Takes the next reading.
+    pub(super) fn push(&mut self, reading: DrawnReading) {
+        if self.kept.len() <= reading.whisker {
+            self.kept.resize_with(reading.whisker + 1, Thinned::default);
+        }
+        self.kept[reading.whisker].push(reading);
+    }
+
+    /// The shapes, in order of time, as the odometry's frame in the map (`map_from_odom`) sees each; those that agree with
+    /// the map.
+    pub(super) fn shapes(
+        &self,
+        map: &Map,
+        whiskers: &[MountedWhisker],
+        frame: impl Fn(&DrawnReading) -> Option<Pose2>,
+    ) -> Vec<ShapeRecord> {
+        let tips: Vec<Option<TipModel>> = whiskers.iter().map(|whisker| TipModel::new(&whisker.beam).ok()).collect();
+        let kept = self.kept.iter().map(|one| one.iter().count()).sum::<usize>();
+        let stride = kept.div_ceil(2 * LEAST).max(1);
+        let some = self.kept.iter().flat_map(|one| one.iter().step_by(stride));
+        let mut shapes: Vec<ShapeRecord> = some
+            .filter_map(|felt| shape(map, (&whiskers[felt.whisker], tips[felt.whisker].as_ref()?), felt, frame(felt)?))
+            .collect();
+        shapes.sort_by(|a, b| a.t.total_cmp(&b.t));
+        shapes
+    }
 }
 
 /// The whisker with its tip on the boundary, robot frame; none where no tip contact agrees with the place.
@@ -49,7 +76,8 @@ fn shape(
     let contacts = branches.iter().flat_map(TipContactSet::contacts);
     let (_, contact) = contacts.filter_map(agreeing).min_by(|a, b| a.0.total_cmp(&b.0))?;
     let points = tip.bend(contact.force, contact.tilt())?.shape(whisker.beam.length, POINTS).into_iter();
-    Some(ShapeRecord { t: felt.t, points: points.map(|p| whisker.robot_from_whisker.transform_point(p)).collect() })
+    let points = points.map(|p| whisker.robot_from_whisker.transform_point(p)).collect();
+    Some(ShapeRecord { t: felt.t, whisker: felt.whisker, points })
 }
 
 /// How badly the boundary near the tip fits a contact; none beyond the limits.

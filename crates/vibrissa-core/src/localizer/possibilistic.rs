@@ -1,7 +1,7 @@
 //! The possibilistic estimator: rows in, a set of states that holds the true one as long as the declared bounds hold.
 
 use super::bounded_reading::{self, LateReadings, RowReadings};
-use super::drawn::{self, DrawnReading};
+use super::drawn::{DrawnReading, DrawnReadings};
 use super::method::MethodOptions;
 use super::{Estimator, one_column_each, searchable};
 use crate::beam::Whisker;
@@ -12,7 +12,6 @@ use crate::flow::pose::{
 };
 use crate::flow::sensor_log::{Channel, LogRow, SensorLog};
 use crate::flow::state_set::possibilistic::{EnclosedPlace, PossibleSet};
-use crate::flow::thinned::Thinned;
 use crate::plane::Pose2;
 use crate::sets::Interval;
 use crate::world::{Map, MountedWhisker, Robot};
@@ -50,7 +49,7 @@ pub struct PossibilisticEstimator<'a> {
     rows: Vec<(f64, Pose2)>,
     in_contact: Vec<bool>,
     /// Contacts for drawing: not all of long logs.
-    felt: Thinned<DrawnReading, DRAWN>,
+    felt: DrawnReadings<DRAWN>,
     touched: bool,
     first_row: Option<usize>,
     first_states: Vec<Pose2>,
@@ -90,7 +89,7 @@ impl<'a> PossibilisticEstimator<'a> {
             set: PossibleSet::new(map, robot, options),
             late: LateReadings::new(&robot.odometry),
             in_contact: vec![false; robot.whiskers.len()],
-            felt: Thinned::default(),
+            felt: DrawnReadings::default(),
             map,
             robot,
             options,
@@ -210,7 +209,7 @@ impl<'a> PossibilisticEstimator<'a> {
     fn shapes(&self) -> Vec<ShapeRecord> {
         let Some((pose, row)) = self.last else { return Vec::new() };
         let map_from_odom = pose.compose(self.rows[row].1.inverse());
-        drawn::shapes(self.map, &self.robot.whiskers, self.felt.iter(), |_| Some(map_from_odom))
+        self.felt.shapes(self.map, &self.robot.whiskers, |_| Some(map_from_odom))
     }
 
     /// The best place along the rows, from the first estimate to the last row that any state explains.

@@ -1,6 +1,6 @@
 //! The probabilistic estimator: rows in, hypotheses that fit all of them, weighed places at the end.
 
-use super::drawn::{self, DrawnReading};
+use super::drawn::{DrawnReading, DrawnReadings};
 use super::method::MethodOptions;
 use super::{Estimator, LimitCheck, STRAIGHT_ONLY, one_column_each, searchable};
 use crate::Result;
@@ -15,7 +15,6 @@ use crate::flow::sensor_log::{Channel, LogRow, Quantity, SensorLog};
 use crate::flow::state_set::probabilistic::{
     Agreement, ModeSet, NuisanceSmoother, PosteriorPlace, ProbabilisticSet, STRETCHES, SensedQuantity, StepOutcome,
 };
-use crate::flow::thinned::Thinned;
 use crate::flow::trajectory::pose_at;
 use crate::plane::Pose2;
 use crate::world::{Map, ReadingNoise, Robot};
@@ -50,7 +49,7 @@ pub struct ProbabilisticEstimator<'a> {
     recording: bool,
     tolerated_share: f64,
     /// Contacts for drawing: not all of long logs.
-    felt: Thinned<DrawnReading, DRAWN>,
+    felt: DrawnReadings<DRAWN>,
 }
 
 impl<'a> ProbabilisticEstimator<'a> {
@@ -93,7 +92,7 @@ impl<'a> ProbabilisticEstimator<'a> {
             taken: 0,
             since: None,
             recording: true,
-            felt: Thinned::default(),
+            felt: DrawnReadings::default(),
         })
     }
 
@@ -355,7 +354,7 @@ impl Estimator for ProbabilisticEstimator<'_> {
         let trajectory = places.first().map_or_else(Vec::new, |place| self.trajectory(place, odometry.as_ref()));
         // The frame of each row, since the odometry is corrected along the way.
         let frame = |felt: &DrawnReading| Some(pose_at(&trajectory, felt.t)?.compose(felt.odom_from_robot.inverse()));
-        let shapes = drawn::shapes(self.map, &self.robot.whiskers, self.felt.iter(), frame);
+        let shapes = self.felt.shapes(self.map, &self.robot.whiskers, frame);
         let fits = fit.as_ref().map(|fit| (fit, self.consistency(fit)));
         let unsure = if keep { self.unsure(&trajectory, fits.as_ref()) } else { Vec::new() };
         // A set that was given up before is contradicted by what the last one does not have to explain.

@@ -23,6 +23,14 @@ pub struct ReadingNoise {
     pub absolute: f64,
 }
 
+impl MomentNoise {
+    /// The largest reading of a whisker that is free (N m): of `h = 0` the bound allows `|z| <= absolute / (1 - relative)`.
+    #[must_use]
+    pub fn largest_free_reading(&self) -> f64 {
+        self.moment_absolute / (1.0 - self.moment_relative)
+    }
+}
+
 impl From<MomentNoise> for ReadingNoise {
     fn from(noise: MomentNoise) -> Self {
         Self { relative: noise.moment_relative, absolute: noise.moment_absolute }

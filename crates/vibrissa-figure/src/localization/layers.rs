@@ -8,7 +8,7 @@ use crate::legend::{Entry, Sample};
 use crate::plane::{Pose2, Vec2};
 use crate::sets::StateBox;
 
-/// At most this many whisker shapes are drawn.
+/// At most this many whisker shapes are drawn, of all whiskers together.
 const SHAPES: usize = 25;
 /// At most this many candidates are drawn, and at most this many survivors; of more, every n-th.
 const CANDIDATES: usize = 4000;
@@ -52,21 +52,38 @@ pub(super) fn truth(canvas: &mut Canvas, scene: &LocalizationScene<'_>, tick: f6
     }
 }
 
-/// Draws the whisker along the sweep, the last shape strongest.
+/// Draws the whiskers along the sweep, the last shape of each strongest.
 pub(super) fn whiskers(canvas: &mut Canvas, answer: &Localization) {
-    let placed: Vec<Vec<Vec2>> = placed_shapes(answer).collect();
-    let Some((last, earlier)) = placed.split_last() else { return };
-    for shape in earlier.iter().step_by(placed.len().div_ceil(SHAPES)) {
-        canvas.polyline(shape, "whisker");
+    let mut each: Vec<Vec<Vec<Vec2>>> = Vec::new();
+    for (whisker, points) in placed(answer) {
+        if each.len() <= whisker {
+            each.resize_with(whisker + 1, Vec::new);
+        }
+        each[whisker].push(points);
     }
-    canvas.polyline(last, "whisker-last");
+    let drawn = each.iter().filter(|shapes| !shapes.is_empty()).count().max(1);
+    let most = (SHAPES / drawn).max(1);
+    for shapes in &each {
+        let Some((_, earlier)) = shapes.split_last() else { continue };
+        for shape in earlier.iter().step_by(shapes.len().div_ceil(most)) {
+            canvas.polyline(shape, "whisker");
+        }
+    }
+    for last in each.iter().filter_map(|shapes| shapes.last()) {
+        canvas.polyline(last, "whisker-last");
+    }
 }
 
 /// The whisker shapes in the map frame, for those times at which the robot's place is estimated.
 pub(super) fn placed_shapes(answer: &Localization) -> impl Iterator<Item = Vec<Vec2>> {
+    placed(answer).map(|(_, points)| points)
+}
+
+/// The same with the index of the whisker.
+fn placed(answer: &Localization) -> impl Iterator<Item = (usize, Vec<Vec2>)> {
     answer.shapes.iter().filter_map(|shape| {
         let pose = pose_at(&answer.trajectory, shape.t)?;
-        Some(shape.points.iter().map(|&point| pose.transform_point(point)).collect())
+        Some((shape.whisker, shape.points.iter().map(|&point| pose.transform_point(point)).collect()))
     })
 }
 
@@ -216,7 +233,9 @@ pub(super) fn legend_entries(scene: &LocalizationScene<'_>, canvas: &Canvas) -> 
     add(scene.truth.is_some(), Sample::Line("truth"), "true path".into());
     add(scene.truth.is_some(), Sample::Circle("truth-mark"), "true pose at the end".into());
     let whiskers = placed_shapes(answer).flatten().any(|point| canvas.shows(point));
-    add(whiskers, Sample::Line("whisker-last"), "whisker along the sweep".into());
+    let many = answer.shapes.iter().any(|shape| shape.whisker != answer.shapes[0].whisker);
+    let words = if many { "whiskers along the sweep" } else { "whisker along the sweep" };
+    add(whiskers, Sample::Line("whisker-last"), words.into());
     add(has(OutlineRole::Wall), Sample::Line("wall"), "wall".into());
     add(has(OutlineRole::Obstacle), Sample::Patch("obstacle"), "obstacle".into());
     add(has(OutlineRole::Arena), Sample::Patch("arena"), "free space".into());

@@ -149,7 +149,7 @@ fn draw_detail(document: &mut Document, scene: &LocalizationScene<'_>, mut canva
     canvas.place(document);
 }
 
-fn map_canvas(scene: &LocalizationScene<'_>, top: f64) -> Canvas {
+pub(super) fn map_canvas(scene: &LocalizationScene<'_>, top: f64) -> Canvas {
     let answer = scene.answer;
     let path = answer.trajectory.iter().chain(scene.truth.unwrap_or_default()).map(|row| row.map_from_robot);
     let poses = path.chain(answer.hypotheses.iter().map(|hypothesis| hypothesis.pose)).chain(answer.estimate);

@@ -58,6 +58,44 @@ impl Columns {
     }
 }
 
+/// The names without a byte order mark and without their units, which have to be SI, as in `t [s]` or `moment (N m)`.
+pub(super) fn without_units(names: Vec<String>) -> Result<Vec<String>> {
+    names.into_iter().map(|name| without_unit(name.trim_start_matches('\u{feff}'))).collect()
+}
+
+fn without_unit(name: &str) -> Result<String> {
+    let Some((word, unit)) = name.split_once(['[', '(']) else { return Ok(name.to_owned()) };
+    let (word, unit) = (word.trim(), unit.trim_end_matches([']', ')']));
+    let compact: String = unit.chars().filter(|c| !matches!(c, ' ' | '*' | '·' | '.')).collect();
+    let due = unit_of(word);
+    match due {
+        // A name that is not ours is ignored anyway.
+        None => Ok(name.to_owned()),
+        Some(due) if compact == due.replace(' ', "") => Ok(word.to_owned()),
+        Some(due) => Err(Error::data("a column in another unit")
+            .value(format!("\"{name}\""))
+            .allowed(format!("`{word}`, in {due}"))
+            .remedy(format!("convert the column to {due} and name it `{word}`"))),
+    }
+}
+
+/// The unit of a column; none of one that is not ours.
+fn unit_of(name: &str) -> Option<&'static str> {
+    match name {
+        "t" => Some("s"),
+        "x" | "y" => Some("m"),
+        "theta" | "heading" => Some("rad"),
+        _ => channel(name).map(|channel| match channel.quantity {
+            Quantity::Moment => "N m",
+            Quantity::FluxX | Quantity::FluxY | Quantity::FluxZ => "T",
+            Quantity::CountX | Quantity::CountY | Quantity::CountZ => "counts",
+            Quantity::Force => "N",
+            Quantity::Slope => "rad",
+            Quantity::StripLo | Quantity::StripHi => "m",
+        }),
+    }
+}
+
 /// `moment`, `left.moment` and the like.
 pub(super) fn channel(name: &str) -> Option<Channel> {
     let (whisker, word) = name.rsplit_once('.').unwrap_or(("", name));

@@ -1,7 +1,8 @@
 //! Logs as CSV.
 
-use super::columns::{Columns, ODOMETRY};
+use super::columns::{Columns, ODOMETRY, without_units};
 use super::doubts::Doubts;
+use super::text_form::{TextForm, recognised};
 use crate::config::limits::{LARGEST_ODOMETRY, LONGEST_LOG_LINE, MOST_LOG_ROWS};
 use crate::flow::sensor_log::{LogRow, SensorLog};
 use crate::plane::Pose2;
@@ -61,9 +62,11 @@ pub fn from_csv(text: &str, name: &str) -> Result<SensorLog> {
 /// than a megabyte, more than five million rows.
 pub fn from_reader(reader: impl Read, name: &str) -> Result<SensorLog> {
     let mut ended_in_newline = true;
-    let watched = Watched { inner: reader, line: 0, ended_in_newline: &mut ended_in_newline };
     let faulty = |e: Error| e.in_file(name).or_remedy("correct or remove the line, or record the log again");
-    let (log, cut) = rows(watched, name).map_err(faulty)?;
+    let (form, plain) = recognised(reader).map_err(faulty)?;
+    let watched = Watched { inner: plain, line: 0, ended_in_newline: &mut ended_in_newline };
+    let (mut log, cut) = rows(watched, &form, name).map_err(faulty)?;
+    log.warnings.splice(..0, form.warning().map(|words| format!("{name}: {words}")));
     let log = finish(log, cut, ended_in_newline).map_err(faulty)?;
     Ok(SensorLog { source: Some(name.into()), ..log })
 }
@@ -107,10 +110,11 @@ struct Pending {
     short: bool,
 }
 
-fn rows(reader: impl Read, name: &str) -> Result<(SensorLog, Option<Pending>)> {
+fn rows(reader: impl Read, form: &TextForm, name: &str) -> Result<(SensorLog, Option<Pending>)> {
     let mut csv = ReaderBuilder::new()
         .has_headers(false)
         .flexible(true)
+        .delimiter(form.delimiter)
         .trim(Trim::All)
         // A carriage return is trimmed away; as part of the line end it would put the line numbers off by one.
         .terminator(Terminator::Any(b'\n'))
@@ -121,7 +125,8 @@ fn rows(reader: impl Read, name: &str) -> Result<(SensorLog, Option<Pending>)> {
     if !next(&mut record)? {
         return Err(Error::data("the log is empty").remedy("its first line must name the columns: t,x,y,theta,moment"));
     }
-    let header = record.iter().map(text).collect();
+    let header = record.iter().map(text).collect::<Vec<_>>();
+    let header = without_units(header).map_err(|e| e.at_line(line(&record)))?;
     let columns = Columns::new(header).map_err(|e| e.at_line(line(&record)))?;
     let mut log =
         SensorLog { channels: columns.channels.clone(), warnings: columns.warnings.clone(), ..SensorLog::default() };
@@ -133,7 +138,7 @@ fn rows(reader: impl Read, name: &str) -> Result<(SensorLog, Option<Pending>)> {
         if let Some(pending) = pending {
             return Err(pending.error);
         }
-        pending = row(&record, &columns, &mut log, &mut doubts).err();
+        pending = row(&record, &columns, form, &mut log, &mut doubts).err();
     }
     log.warnings.extend(doubts.warnings(name));
     Ok((log, pending))
@@ -167,6 +172,7 @@ fn text(field: &[u8]) -> String {
 fn row(
     record: &ByteRecord,
     columns: &Columns,
+    form: &TextForm,
     log: &mut SensorLog,
     doubts: &mut Doubts,
 ) -> core::result::Result<(), Pending> {
@@ -184,7 +190,9 @@ fn row(
             });
         return Err(fault(error, short));
     }
-    let number = |field: usize| number(&record[field], &columns.names[field]).map_err(|e| fault(e, false));
+    let number = |field: usize| {
+        number(&record[field], form.decimal_comma, &columns.names[field]).map_err(|e| fault(e, false))
+    };
     let metres =
         |field: usize| number(field).and_then(|v| in_reach(v, &columns.names[field]).map_err(|e| fault(e, false)));
     let [t, x, y, theta] = columns.odometry;
@@ -225,9 +233,11 @@ fn in_reach(metres: f64, name: &str) -> Result<f64> {
         .remedy("odometry is in metres; remove the row if the recording failed there"))
 }
 
-fn number(field: &[u8], name: &str) -> Result<f64> {
+fn number(field: &[u8], decimal_comma: bool, name: &str) -> Result<f64> {
     let shown = || format!("\"{}\"", text(field));
-    match core::str::from_utf8(field).ok().and_then(|f| f.parse::<f64>().ok()) {
+    let pointed = decimal_comma.then(|| text(field).replace(',', "."));
+    let digits = pointed.as_deref().or_else(|| core::str::from_utf8(field).ok());
+    match digits.and_then(|f| f.parse::<f64>().ok()) {
         Some(value) if value.is_finite() => Ok(value),
         Some(_) => Err(Error::data(format!("{name} is not a finite number"))
             .value(shown())

@@ -1,6 +1,8 @@
 //! What looks wrong in a log without being impossible: most often a wrong unit.
 
-use crate::config::limits::{HEADING_JUMP, LARGEST_MOMENT, POSITION_JUMP};
+use crate::config::limits::{
+    FASTEST_ROBOT, HEADING_JUMP, LARGEST_MOMENT, LATEST_TIME, POSITION_JUMP, SLOW_SAMPLING,
+};
 use crate::flow::sensor_log::{Channel, LogRow, Quantity};
 use crate::plane::wrap_angle;
 use core::f64::consts::TAU;
@@ -27,6 +29,11 @@ pub(super) struct Doubts {
     large_angle: Doubt,
     jump: Doubt,
     moment: Doubt,
+    epoch: Doubt,
+    /// How many rows are further apart than one would sample, and how many there are.
+    slow: [usize; 2],
+    /// How many rows move faster than robots with whiskers do.
+    fast: usize,
 }
 
 impl Doubts {
@@ -47,7 +54,14 @@ impl Doubts {
                 self.moment.note(line, *reading);
             }
         }
+        if row.t.abs() > LATEST_TIME {
+            self.epoch.note(line, row.t);
+        }
         let Some(before) = previous else { return };
+        let (time, way) = (row.t - before.t, row.odom_from_robot.position() - before.odom_from_robot.position());
+        self.slow[0] += usize::from(time > SLOW_SAMPLING);
+        self.slow[1] += 1;
+        self.fast += usize::from(way.norm() > FASTEST_ROBOT * time);
         let turn = wrap_angle(row.odom_from_robot.theta - before.odom_from_robot.theta);
         if turn.abs() > HEADING_JUMP {
             self.turn.note(line, turn);
@@ -71,6 +85,15 @@ impl Doubts {
             let more = if doubt.count > 1 { format!(", and {} more like it", doubt.count - 1) } else { String::new() };
             Some(format!("{name}:{line}: {what} {} {unit}{more}; {hint}", (value * 1e6).round() / 1e6))
         };
+        let most = |count: usize| self.slow[1] > 0 && 2 * count > self.slow[1];
+        let mostly = [
+            (most(self.slow[0]), format!("most rows are more than {SLOW_SAMPLING} s apart; is t in milliseconds?")),
+            (
+                most(self.fast) && self.jump.first.is_none(),
+                format!("the robot is faster than {FASTEST_ROBOT} m/s; are x and y in millimetres?"),
+            ),
+        ];
+        let mostly = mostly.into_iter().filter(|(holds, _)| *holds).map(|(_, words)| format!("{name}: {words}"));
         let degrees = "are these degrees where radians are due?";
         [
             say(&self.large_angle, "theta is", "rad, more than a full turn", degrees),
@@ -78,9 +101,11 @@ impl Doubts {
             say(&self.heading_turn, "heading jumps by", "rad between two rows", degrees),
             say(&self.jump, "the robot jumps by", "m between two rows", "are these millimetres where metres are due?"),
             say(&self.moment, "the moment is", "N m", "are these mN m where N m are due?"),
+            say(&self.epoch, "t is", "s", "is it in milliseconds or nanoseconds?"),
         ]
         .into_iter()
         .flatten()
+        .chain(mostly)
         .collect()
     }
 }

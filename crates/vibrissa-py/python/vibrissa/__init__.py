@@ -14,7 +14,7 @@ from ._beam import Bend, Bends, Load, force_mode, moment_mode, point_mode, tip_m
 from ._calibrate import CalibrationReport, Taps, calibrate, taps
 from ._command import run
 from ._contact import Alignment, Contacts, Misfit, Outline, Profile, contact, profile
-from ._errors import DataError, DataWarning, Error, UsageError
+from ._errors import DataError, DataWarning, Error, MissingFileError, UsageError
 from ._localize import (
     Consistency,
     Demo,
@@ -30,6 +30,7 @@ from ._localize import (
     localize,
 )
 from ._localizer import Estimate, Localizer
+from ._methods import Deterministic, Possibilistic, Probabilistic
 from ._readings import ContactCurves, ContactSets, Meeting, Preimage, Reading, contact_set, preimage
 from ._robot import MountedWhisker, Robot, Segment, Whisker
 from ._simulate import Simulation, Touches, simulate, sweep, waypoints
@@ -51,6 +52,7 @@ __all__ = [
     "DataError",
     "DataWarning",
     "Demo",
+    "Deterministic",
     "Error",
     "Estimate",
     "Event",
@@ -62,11 +64,14 @@ __all__ = [
     "Meeting",
     "Method",
     "Misfit",
+    "MissingFileError",
     "MountedWhisker",
     "Nuisance",
     "OdometryEstimate",
     "Outline",
+    "Possibilistic",
     "Preimage",
+    "Probabilistic",
     "Profile",
     "Progress",
     "Reading",

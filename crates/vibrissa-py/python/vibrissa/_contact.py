@@ -12,13 +12,14 @@ import numpy as np
 from . import _vibrissa
 from ._arrays import Floats, Ints
 from ._robot import RobotLike, robot_of
+from ._show import Shown, axes, pandas, plane
 from ._types import Event
 from ._vibrissa import SensorLog
 from ._world import LogLike, MapLike, read_log, read_map
 
 
-@dataclass(frozen=True, eq=False)
-class Contacts:
+@dataclass(frozen=True, eq=False, repr=False)
+class Contacts(Shown):
     """The contacts of a log, one step each; columns of shape (steps), NaN where a number is not known."""
 
     t: Floats
@@ -54,6 +55,25 @@ class Contacts:
     events: list[Event]
     """contact, lift_off, tip_contact, slip_whisker, slip_obstacle, jump, no_point."""
 
+    def to_pandas(self) -> Any:
+        """A ``pandas.DataFrame``, one row for each step; points are columns of x and y."""
+        columns: dict[str, Any] = {"t": self.t, "whisker": self.whisker, "kind": self.kind}
+        for name in ("contact", "position"):
+            columns.update({f"{name}_{axis}": getattr(self, name)[:, k] for k, axis in enumerate("xy")})
+        names = ("s_a", "distance", "std", "moment", "piece", "kaneko", "solomon", "small_angle")
+        columns.update({name: getattr(self, name) for name in names})
+        return pandas().DataFrame(columns)
+
+    def plot(self, ax: Any = None) -> Any:
+        """Draws the contacts, odometry frame (m), a colour for each whisker, into axes of matplotlib, and gives them."""
+        ax = axes(ax)
+        for name in dict.fromkeys(self.whisker):
+            mine = np.array([one == name for one in self.whisker], dtype=bool)
+            ax.plot(self.position[mine, 0], self.position[mine, 1], ".", label=name)
+        ax.legend(fontsize="small")
+        plane(ax)
+        return ax
+
 
 def contact(
     log: LogLike, robot: RobotLike = None, *, format: str | None = None, spacing: float | None = None
@@ -66,8 +86,8 @@ def contact(
     return Contacts(**{**found, "events": [Event(*one) for one in found["events"]]})
 
 
-@dataclass(frozen=True, eq=False)
-class Outline:
+@dataclass(frozen=True, eq=False, repr=False)
+class Outline(Shown):
     """A line along a wall, odometry frame; columns of shape (points)."""
 
     points: Floats
@@ -101,8 +121,8 @@ class Misfit(NamedTuple):
     max: float
 
 
-@dataclass(frozen=True, eq=False)
-class Alignment:
+@dataclass(frozen=True, eq=False, repr=False)
+class Alignment(Shown):
     """An outline against a known shape."""
 
     absolute: Misfit
@@ -121,8 +141,8 @@ class Alignment:
         return cls(Misfit(*fields["absolute"]), Misfit(*fields["shape"]), fields["map_from_outline"], free)
 
 
-@dataclass(frozen=True, eq=False)
-class Profile:
+@dataclass(frozen=True, eq=False, repr=False)
+class Profile(Shown):
     """What sweeps found of the shapes that they touched."""
 
     outlines: list[Outline]
@@ -137,6 +157,18 @@ class Profile:
     """What happened in each log."""
     alignment: Alignment | None
     """Against the truth, where one was given."""
+
+    def plot(self, ax: Any = None) -> Any:
+        """Draws the outlines with bands of two standard deviations, odometry frame (m), and gives the axes."""
+        ax = axes(ax)
+        for outline in self.outlines:
+            outer, inner = outline.band()
+            ring = np.concatenate([outer, inner[::-1]])
+            ax.fill(ring[:, 0], ring[:, 1], alpha=0.3)
+            ax.plot(outline.points[:, 0], outline.points[:, 1])
+        ax.plot(self.pegs[:, 0], self.pegs[:, 1], "o")
+        plane(ax)
+        return ax
 
 
 def profile(

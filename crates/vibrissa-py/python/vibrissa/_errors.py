@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import errno
+
 
 class Error(Exception):
     """A fault in a file, a value or a call; the text names thing, value, allowed range and the next step."""
@@ -19,6 +21,21 @@ class Error(Exception):
 
 class DataError(Error, ValueError):
     """The log, the map or another input is at fault (exit code 1 of the command)."""
+
+
+class MissingFileError(DataError, FileNotFoundError):
+    """A file that is not there; Python's own FileNotFoundError catches it, too."""
+
+    def __new__(cls, message: str, file: str | None = None, line: int | None = None) -> MissingFileError:
+        return super().__new__(cls, message)
+
+    def __init__(self, message: str, file: str | None = None, line: int | None = None) -> None:
+        super().__init__(message, file, line)
+        self.errno = errno.ENOENT
+        self.filename = file
+
+    def __str__(self) -> str:
+        return str(self.args[0])
 
 
 class UsageError(Error, ValueError):

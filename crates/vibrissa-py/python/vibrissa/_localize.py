@@ -2,25 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any, Literal, NamedTuple
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, fields
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+
+import numpy as np
 
 from . import _vibrissa
-from ._arrays import Floats, Ints
+from ._arrays import Floats, Ints, column, rows
+from ._methods import METHODS, Deterministic, Options, Possibilistic, Probabilistic
 from ._robot import RobotLike, robot_of
+from ._show import Shown, axes, draw_map, pandas, plane
 from ._simulate import Simulation
 from ._trajectory import Trajectory, TrajectoryError, TrajectoryLike, read_trajectory
 from ._types import Event, Progress
 from ._vibrissa import Map
 from ._world import LogLike, MapLike, arena, read_log, read_map
 
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
 Method = Literal["deterministic", "possibilistic", "probabilistic"]
+MethodLike = Method | Deterministic | Possibilistic | Probabilistic
 Status = Literal["localized", "ambiguous", "inconsistent", "no_contact"]
 
 
-@dataclass(frozen=True, eq=False)
-class Hypothesis:
+@dataclass(frozen=True, eq=False, repr=False)
+class Hypothesis(Shown):
     """One place that explains the log, kept apart from every other: the state at the last row, map frame."""
 
     x: float
@@ -124,8 +132,8 @@ class Consistency:
     """What was tried where the readings contradict, the best first."""
 
 
-@dataclass(frozen=True, eq=False)
-class Steps:
+@dataclass(frozen=True, eq=False, repr=False)
+class Steps(Shown):
     """The state set's size after each update; columns of shape (updates)."""
 
     t: Floats
@@ -137,6 +145,10 @@ class Steps:
     volume: Floats
     """Volume of the set (m² rad)."""
 
+    def to_pandas(self) -> Any:
+        """The columns as a ``pandas.DataFrame``."""
+        return pandas().DataFrame({one.name: getattr(self, one.name) for one in fields(self)})
+
 
 class WhiskerShape(NamedTuple):
     """One reconstructed whisker shape."""
@@ -145,10 +157,12 @@ class WhiskerShape(NamedTuple):
     """When (s)."""
     points: Floats
     """Points from base to tip, robot frame (m), shape (n, 2)."""
+    whisker: int = 0
+    """Index of the whisker in the robot."""
 
 
-@dataclass(frozen=True, eq=False)
-class Localization:
+@dataclass(frozen=True, eq=False, repr=False)
+class Localization(Shown):
     """What a log and a map say about the robot."""
 
     method: Method
@@ -181,101 +195,168 @@ class Localization:
     """Whisker shapes along the sweep, for drawing."""
     error: TrajectoryError | None = None
     """How far the trajectory is from the truth, where one was given."""
+    _svg: str | None = None
+    _map: Map | None = None
+
+    def _repr_svg_(self) -> str | None:
+        return self._svg
+
+    @property
+    def svg(self) -> str | None:
+        """The figure of ``vibrissa localize`` as SVG text; None for answers of ``Localizer``."""
+        return self._svg
+
+    def to_pandas(self) -> Any:
+        """The hypotheses as a ``pandas.DataFrame``, one row each.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Columns x, y (m), theta (rad), weight and the extents; the trajectory and the steps have ``to_pandas`` of
+            their own.
+        """
+        arrays = ("covariance", "ridge")
+        rows = [{k: v for k, v in asdict(one).items() if k not in arrays} for one in self.hypotheses]
+        names = [one.name for one in fields(Hypothesis) if one.name not in arrays]
+        return pandas().DataFrame(rows, columns=names)
+
+    def plot(self, ax: Any = None) -> Any:
+        """Draws map, states, whiskers, trajectory and estimate.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Where to draw; None for a new figure.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes, in m.
+        """
+        ax = axes(ax)
+        if self._map is not None:
+            draw_map(ax, self._map)
+        middle = self.states.reshape(-1, 6)
+        ax.plot(middle[:, :2].mean(axis=1), middle[:, 2:4].mean(axis=1), ".", color="#d55e00", label="states")
+        poses = self.trajectory.poses
+        label: str | None = "whisker"
+        for shape in self.shapes:
+            at = np.searchsorted(self.trajectory.t, shape.t)
+            if at < len(self.trajectory):
+                x, y, theta = poses[at]
+                c, s = np.cos(theta), np.sin(theta)
+                placed = shape.points @ np.array([[c, s], [-s, c]]) + [x, y]
+                ax.plot(placed[:, 0], placed[:, 1], color="#a64d85", linewidth=0.7, label=label)
+                label = None
+        ax.plot(poses[:, 0], poses[:, 1], color="#0072b2", label="trajectory")
+        if self.estimate is not None:
+            x, y, theta = self.estimate
+            ax.quiver(x, y, np.cos(theta), np.sin(theta), color="#0072b2", angles="xy", label="estimate")
+        ax.set_title(f"{self.method}: {self.status}")
+        ax.legend(fontsize="small")
+        plane(ax)
+        return ax
 
     @classmethod
-    def _of(cls, fields: dict[str, Any], truth: Trajectory | None) -> Localization:
-        trajectory = Trajectory(*fields["trajectory"])
-        fit = fields["consistency"]
+    def _of(cls, found: dict[str, Any], truth: Trajectory | None, map: Map | None = None) -> Localization:
+        trajectory = Trajectory(*found["trajectory"])
+        fit = found["consistency"]
         # Where nothing explains the log there is no answer that could be off.
-        known = None if fields["status"] == "inconsistent" else truth
+        known = None if found["status"] == "inconsistent" else truth
         made = {
-            **fields,
-            "hypotheses": [Hypothesis(**one) for one in fields["hypotheses"]],
+            **found,
+            "hypotheses": [Hypothesis(**one) for one in found["hypotheses"]],
             "trajectory": trajectory,
-            "odometry": None if fields["odometry"] is None else OdometryEstimate(**fields["odometry"]),
-            "nuisances": [Nuisance(**one) for one in fields["nuisances"]],
+            "odometry": None if found["odometry"] is None else OdometryEstimate(**found["odometry"]),
+            "nuisances": [Nuisance(**one) for one in found["nuisances"]],
             "consistency": None
             if fit is None
             else Consistency(**{**fit, "remedies": [Remedy(*one) for one in fit["remedies"]]}),
-            "steps": Steps(**fields["steps"]),
-            "events": [Event(*one) for one in fields["events"]],
-            "shapes": [WhiskerShape(*one) for one in fields["shapes"]],
+            "steps": Steps(**found["steps"]),
+            "events": [Event(*one) for one in found["events"]],
+            "shapes": [WhiskerShape(*one) for one in found["shapes"]],
         }
-        return cls(**made, error=None if known is None else trajectory.error(known))
+        return cls(**made, error=None if known is None else trajectory.error(known), _map=map)
 
 
 def localize(
     log: LogLike,
     map: MapLike,
     robot: RobotLike = None,
-    method: Method = "probabilistic",
+    method: MethodLike = "probabilistic",
     *,
     format: str | None = None,
     truth: TrajectoryLike | None = None,
-    progress: Progress | None = None,
-    tip_load: Literal["boundary-normal", "whisker-normal"] | None = None,
-    boundary_spacing: float | None = None,
-    history_shapes: int | None = None,
-    history_travel: float | None = None,
-    update_travel: float | None = None,
-    tolerance: float | None = None,
-    missed_share: float | None = None,
-    heading_error: float | None = None,
     within: Sequence[float] | None = None,
-    tolerate: int | None = None,
-    largest_slope: float | None = None,
-    work: int | None = None,
-    last_work: int | None = None,
-    two_contacts: float | None = None,
-    seed_spacing: float | None = None,
-    seed_turn: float | None = None,
-    seed_travel: float | None = None,
-    shared_gain: float | None = None,
-    tolerated_share: float | None = None,
-    noise_model: Literal["independent", "correlated"] | None = None,
+    progress: Progress | None = None,
+    **options: Unpack[Options],
 ) -> Localization:
     """Finds where the robot is from a sensor log and a map; files may stand for each of them.
 
-    robot: a Robot, a robot file, a Whisker at the robot's origin, or None for the paper's. method: the estimator. format: of
-    a log file that is not ours. truth: the true trajectory, to report errors against. progress: see ``Progress``.
-
-    Deterministic method: tip_load, boundary_spacing (m), history_shapes (2 to 5), history_travel (m), update_travel (m),
-    tolerance (standard deviations), missed_share. Possibilistic and probabilistic: heading_error (rad). All: within, where
-    the robot is at the first row: least and largest x, y (m) and heading (rad), six numbers. Possibilistic: tolerate
-    (readings), largest_slope (rad), work, last_work, two_contacts (m). Probabilistic: seed_spacing (m), seed_turn (rad), seed_travel (m),
-    shared_gain, tolerated_share, noise_model. ``vibrissa localize --help`` explains each; None takes the default.
-
     Ctrl-C ends it within a second.
+
+    Parameters
+    ----------
+    log : SensorLog or path
+        What the robot recorded.
+    map : Map or path
+        The map: .geojson (m), .svg (mm), .dxf, .yaml or .mcap.
+    robot : Robot, Whisker, path or None
+        The robot, its file, a whisker at the robot's origin, or None for the paper's.
+    method : str, Deterministic, Possibilistic or Probabilistic
+        The estimator by name, or with its options: ``method=vibrissa.Possibilistic(tolerate=3)``.
+    format : str, optional
+        The format of a log file that is not ours.
+    truth : Trajectory or path, optional
+        The true trajectory (map frame), to report errors against.
+    within : sequence of six floats, optional
+        Where the robot is at the first row: least and largest x, y (m) and heading (rad).
+    progress : callable, optional
+        See ``Progress``.
+    **options
+        The options of the method by name, as the classes have them.
+
+    Returns
+    -------
+    Localization
+        Verdict, places, trajectory and states; SI, map frame.
+
+    Raises
+    ------
+    DataError
+        A fault in log, map or robot; ``MissingFileError`` (also a ``FileNotFoundError``) where a file is missing.
+    UsageError
+        An option that is out of range, or that the method has not.
+
+    Examples
+    --------
+    >>> answer = vibrissa.localize("sweep.csv", "arena.svg", method=vibrissa.Possibilistic(heading_error=0.05))
+    >>> answer.status, answer.estimate
+    >>> answer.plot()
     """
-    options = {
-        "tip_load": tip_load,
-        "boundary_spacing": boundary_spacing,
-        "history_shapes": history_shapes,
-        "history_travel": history_travel,
-        "update_travel": update_travel,
-        "tolerance": tolerance,
-        "missed_share": missed_share,
-        "heading_error": heading_error,
-        "within": within,
-        "tolerate": tolerate,
-        "largest_slope": largest_slope,
-        "work": work,
-        "last_work": last_work,
-        "two_contacts": two_contacts,
-        "seed_spacing": seed_spacing,
-        "seed_turn": seed_turn,
-        "seed_travel": seed_travel,
-        "shared_gain": shared_gain,
-        "tolerated_share": tolerated_share,
-        "noise_model": noise_model,
-    }
+    name, given = method_of(method, options)
+    if within is not None:
+        given["within"] = within
     known = None if truth is None else read_trajectory(truth)
-    found = _vibrissa.localize(read_log(log, format), read_map(map), robot_of(robot), method, options, progress)
-    return Localization._of(found, known)
+    pair = None if known is None else (column(known.t), rows(known.poses, 3))
+    shape = read_map(map)
+    found = _vibrissa.localize(read_log(log, format), shape, robot_of(robot), name, given, progress, pair)
+    return Localization._of(found, known, shape)
 
 
-@dataclass(frozen=True, eq=False)
-class Demo:
+def method_of(method: MethodLike, options: Mapping[str, Any]) -> tuple[str, dict[str, Any]]:
+    """The name of a method and its options; those by name come before those of the group."""
+    unknown = set(options) - set(Options.__annotations__)
+    if unknown:
+        raise TypeError(f"localize() got an unexpected keyword argument {min(unknown)!r}")
+    if isinstance(method, str):
+        return method, dict(options)
+    own = {one.name: getattr(method, one.name) for one in fields(method)}
+    return METHODS[type(method)], {**own, **{k: v for k, v in options.items() if v is not None}}
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Demo(Shown):
     """The main job on the built-in arena and sweep."""
 
     map: Map
@@ -285,8 +366,15 @@ class Demo:
     answer: Localization
     """Where the robot is by its log, with the error against the truth."""
 
+    def _repr_svg_(self) -> str | None:
+        return self.answer.svg
 
-def demo(seed: int = 1, method: Method = "probabilistic") -> Demo:
+    def plot(self, ax: Any = None) -> Any:
+        """Draws the answer; see ``Localization.plot``."""
+        return self.answer.plot(ax)
+
+
+def demo(seed: int = 1, method: MethodLike = "probabilistic") -> Demo:
     """Simulates a sweep in the built-in arena, localizes, and compares with the truth; the seed is the noise's."""
     log, fields = _vibrissa.demo_sweep(seed)
     sweep = Simulation._of(log, fields)

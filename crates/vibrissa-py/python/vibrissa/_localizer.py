@@ -7,13 +7,14 @@ from dataclasses import dataclass
 from typing import Any
 
 from . import _vibrissa
-from ._localize import Hypothesis, Localization, Method, Status
+from ._localize import Hypothesis, Localization, MethodLike, Status, method_of
 from ._robot import RobotLike, robot_of
+from ._show import Shown
 from ._world import MapLike, read_map
 
 
-@dataclass(frozen=True, eq=False)
-class Estimate:
+@dataclass(frozen=True, eq=False, repr=False)
+class Estimate(Shown):
     """What can be said before the log has ended; less exact than the answer at the end."""
 
     status: Status
@@ -46,7 +47,7 @@ class Localizer:
         self,
         map: MapLike,
         robot: RobotLike = None,
-        method: Method = "probabilistic",
+        method: MethodLike = "probabilistic",
         *,
         columns: Sequence[str] | None = None,
         options: Mapping[str, Any] | None = None,
@@ -57,7 +58,9 @@ class Localizer:
             columns = ["moment"] if len(names) == 1 else [f"{name}.moment" for name in names]
         self.columns: tuple[str, ...] = tuple(columns)
         """The names of the readings that ``step`` takes."""
-        self._core = _vibrissa.LocalizerCore(read_map(map), known, method, dict(options or {}), list(columns))
+        name, given = method_of(method, options or {})
+        self._map = read_map(map)
+        self._core = _vibrissa.LocalizerCore(self._map, known, name, given, list(columns))
 
     def step(
         self, t: float, pose: Sequence[float], readings: float | Sequence[float], heading: float | None = None
@@ -78,4 +81,4 @@ class Localizer:
 
     def finish(self) -> Localization:
         """Ends the log and chooses; no row may follow."""
-        return Localization._of(self._core.finish(), None)
+        return Localization._of(self._core.finish(), None, self._map)

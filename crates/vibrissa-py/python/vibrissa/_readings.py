@@ -10,6 +10,7 @@ from typing import Literal, NamedTuple
 from . import _vibrissa
 from ._arrays import Floats
 from ._robot import RobotLike, robot_of
+from ._show import Shown
 from ._world import MapLike, read_map
 
 Sensor = Literal["load", "strip", "slope", "moment"]
@@ -48,8 +49,8 @@ class Model:
     max_slope: float
 
 
-@dataclass(frozen=True, eq=False)
-class ContactCurves:
+@dataclass(frozen=True, eq=False, repr=False)
+class ContactCurves(Shown):
     """The contacts of one exact reading: one array for each branch.
 
     Columns of a branch: x (m), y (m), s_a (m), phi_a (rad), force (N), moment (N m); shape (nodes, 6), whisker frame.
@@ -86,8 +87,8 @@ class Meeting(NamedTuple):
     """The contact on the second curve."""
 
 
-@dataclass(frozen=True, eq=False)
-class ContactSets:
+@dataclass(frozen=True, eq=False, repr=False)
+class ContactSets(Shown):
     """The contacts that explain readings, in the frame of the first whisker that read."""
 
     curves: list[ContactCurves]
@@ -134,8 +135,8 @@ def contact_set(
     return ContactSets(**{**found, "curves": curves, "meetings": [Meeting(*one) for one in found["meetings"]]})
 
 
-@dataclass(frozen=True, eq=False)
-class Preimage:
+@dataclass(frozen=True, eq=False, repr=False)
+class Preimage(Shown):
     """The robot states that explain readings, covered by boxes; never fewer than all."""
 
     states: Floats

@@ -3,10 +3,47 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from . import _vibrissa
+from ._errors import Error, UsageError
+
+# Where numbers are lengths and the like they may be texts with their unit, such as "75 mm".
+_LONGEST_WHISKER = 5.0
+_FARTHEST_MOUNT = 100.0
+
+
+def _quantities(record: object, dimensions: Mapping[str, str | tuple[str, ...]]) -> None:
+    """Turns the texts among a frozen record's fields into numbers (SI)."""
+    for name, dimension in dimensions.items():
+        given = getattr(record, name)
+        if isinstance(dimension, tuple) and not isinstance(given, str):
+            found: object = tuple(
+                _quantity(name, one, kind) for one, kind in zip(given, dimension, strict=True)
+            )
+        else:
+            found = _quantity(name, given, dimension if isinstance(dimension, str) else "length")
+        object.__setattr__(record, name, found)
+
+
+def _quantity(name: str, given: object, dimension: str) -> object:
+    if not isinstance(given, str):
+        return given
+    try:
+        return _vibrissa.quantity(given, dimension)
+    except Error as error:
+        raise UsageError(f"{name}: {error}") from None
+
+
+def _plausible(name: str, value: float, largest: float) -> None:
+    """Refuses lengths (m) that are almost certainly millimetres."""
+    if abs(value) > largest:
+        raise UsageError(
+            f"{name}: {value} m (allowed: up to {largest:g} m)\nhelp: lengths are metres; write \"{value:g} mm\""
+        )
+
 
 _DEFAULT = _vibrissa.robot_default()
 _MOUNTED: dict[str, Any] = _DEFAULT["whiskers"][0]
@@ -26,10 +63,22 @@ class Segment:
     diameter: float | None = None
     """Diameter where it begins (m), for strains only."""
 
+    def __post_init__(self) -> None:
+        _quantities(self, {"length": "length", "flexural_rigidity": "rigidity", "diameter": "length"})
+        _plausible("length", self.length, _LONGEST_WHISKER)
+
 
 @dataclass(frozen=True)
 class Whisker:
-    """A thin elastic beam on a base; the default is the paper's: 75 mm of straight Nitinol wire, clamped."""
+    """A thin elastic beam on a base; the default is the paper's: 75 mm of straight Nitinol wire, clamped.
+
+    Numbers are SI; a text carries its unit: ``Whisker(length="75 mm")``.
+
+    Raises
+    ------
+    UsageError
+        A unit that does not fit, or a length above 5 m.
+    """
 
     length: float = _BEAM["length"]
     """Arc length from base to tip (m)."""
@@ -49,6 +98,11 @@ class Whisker:
     """Diameter of the wire at the base (m), for strains only."""
     strain_limit: float = _BEAM["strain_limit"]
     """Strain of the surface up to which the whisker springs back."""
+
+    def __post_init__(self) -> None:
+        units = {"length": "length", "flexural_rigidity": "rigidity", "base_stiffness": "stiffness"}
+        _quantities(self, {**units, "diameter": "length", "curvature": "curvature"})
+        _plausible("length", self.length, _LONGEST_WHISKER)
 
     @property
     def is_uniform(self) -> bool:
@@ -100,6 +154,16 @@ class MountedWhisker:
     gain_error: float = _MOUNTED["gain_error"]
     """Bound on the error of the readings' gain, relative to it."""
 
+    def __post_init__(self) -> None:
+        pose = ("length", "length", "angle")
+        _quantities(self, {"mount": pose, "mount_error": pose, "length_error": "length", "zero_error": "moment"})
+        ratios = ("moment_relative", "force_relative", "slope_relative", "stiffness_error", "gain_error")
+        _quantities(self, {name: "ratio" for name in ratios})
+        _quantities(self, {"moment_absolute": "moment", "force_absolute": "force", "slope_absolute": "angle"})
+        _quantities(self, {"zero_drift_error": "moment_rate"})
+        for value in self.mount[:2]:
+            _plausible("mount", value, _FARTHEST_MOUNT)
+
     @classmethod
     def _of(cls, fields: dict[str, Any]) -> MountedWhisker:
         return cls(**{**fields, "beam": Whisker._of(fields["beam"])})
@@ -119,6 +183,10 @@ class Robot:
     """Bound on how much earlier or later than the odometry readings are taken (s)."""
     map_scale_error: float = _DEFAULT["map_scale_error"]
     """Bound on the error of the map's scale, relative to it."""
+
+    def __post_init__(self) -> None:
+        ratios = ("translation_relative", "rotation_relative", "map_scale_error")
+        _quantities(self, {**{name: "ratio" for name in ratios}, "delay_error": "time"})
 
     @classmethod
     def read(cls, path: str | os.PathLike[str]) -> Robot:

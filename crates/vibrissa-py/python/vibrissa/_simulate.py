@@ -11,14 +11,15 @@ import numpy.typing as npt
 from . import _vibrissa
 from ._arrays import Floats, Ints, column, rows
 from ._robot import RobotLike, robot_of
+from ._show import Shown, axes, plane
 from ._trajectory import Trajectory
 from ._types import Event, Progress
 from ._vibrissa import Scenario, SensorLog
 from ._world import MapLike, read_map
 
 
-@dataclass(frozen=True, eq=False)
-class Touches:
+@dataclass(frozen=True, eq=False, repr=False)
+class Touches(Shown):
     """Every touch of a sweep, in order of rows, whiskers and from base to tip; columns of shape (touches)."""
 
     t: Floats
@@ -52,8 +53,8 @@ class SweptShape(NamedTuple):
     """Points from base to tip, map frame (m), shape (n, 2)."""
 
 
-@dataclass(frozen=True, eq=False)
-class Simulation:
+@dataclass(frozen=True, eq=False, repr=False)
+class Simulation(Shown):
     """A simulated sweep: what the robot records, and the truth behind it."""
 
     log: SensorLog
@@ -70,6 +71,15 @@ class Simulation:
     """Some of the whiskers' shapes, for drawing; of ``sweep`` only."""
     serial: str | None = None
     """The serial line's text, where the scenario asks for one."""
+
+    def plot(self, ax: Any = None) -> Any:
+        """Draws way, whiskers and touches, map frame (m), into axes of matplotlib, and gives them."""
+        ax = self.truth.plot(axes(ax))
+        for shape in self.shapes:
+            ax.plot(shape.points[:, 0], shape.points[:, 1], color="#a64d85", linewidth=0.6)
+        ax.plot(self.contacts.position[:, 0], self.contacts.position[:, 1], ".", color="#d55e00")
+        plane(ax)
+        return ax
 
     @classmethod
     def _of(cls, log: SensorLog, fields: dict[str, Any], serial: str | None = None) -> Simulation:

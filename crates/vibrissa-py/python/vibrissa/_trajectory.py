@@ -5,10 +5,11 @@ from __future__ import annotations
 import os
 from dataclasses import dataclass
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from . import _vibrissa
 from ._arrays import Floats, column, rows
+from ._show import Shown, axes, pandas, plane
 
 
 class TrajectoryError(NamedTuple):
@@ -26,8 +27,8 @@ class TrajectoryError(NamedTuple):
     """Mean size of the heading error (rad)."""
 
 
-@dataclass(frozen=True, eq=False)
-class Trajectory:
+@dataclass(frozen=True, eq=False, repr=False)
+class Trajectory(Shown):
     """The robot over time, map frame."""
 
     t: Floats
@@ -49,6 +50,18 @@ class Trajectory:
         mine, other = (column(self.t), rows(self.poses, 3)), (column(truth.t), rows(truth.poses, 3))
         found = _vibrissa.tum_error(*mine, *other)
         return None if found is None else TrajectoryError(*found)
+
+    def to_pandas(self) -> Any:
+        """A ``pandas.DataFrame`` of t (s), x, y (m) and theta (rad)."""
+        x, y, theta = self.poses.reshape(-1, 3).T
+        return pandas().DataFrame({"t": self.t, "x": x, "y": y, "theta": theta})
+
+    def plot(self, ax: Any = None) -> Any:
+        """Draws the way into axes of matplotlib (m), new ones for None, and gives them."""
+        ax = axes(ax)
+        ax.plot(self.poses[:, 0], self.poses[:, 1])
+        plane(ax)
+        return ax
 
     def __len__(self) -> int:
         return int(self.t.size)

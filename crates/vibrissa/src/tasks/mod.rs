@@ -4,12 +4,14 @@ pub mod batch;
 pub mod calibrate;
 pub mod contact;
 pub mod demo;
+mod doubts;
 mod drawing;
 pub mod join;
 mod localize;
 pub mod profile;
 mod remedies;
 
+pub use doubts::doubts;
 pub use drawing::outlines;
 pub use localize::{StatesObserver, localize, localize_watched, localize_while};
 pub use remedies::{advise, remedies};

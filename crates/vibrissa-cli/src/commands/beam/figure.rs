@@ -7,8 +7,11 @@ use vibrissa::plane::Vec2;
 /// Width of the drawing (px), without the margin.
 const WIDTH: f64 = 640.0;
 const MARGIN: f64 = 56.0;
-/// Length of a force arrow (px).
+/// Largest length of a force arrow (px), and as a share of the whisker's length.
 const ARROW: f64 = 60.0;
+const ARROW_SHARE: f64 = 0.12;
+/// Height of a line of the legend (px).
+const LINE: f64 = 18.0;
 const COLOURS: [&str; 4] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7"];
 
 /// From metres in the whisker frame to pixels of the drawing.
@@ -42,8 +45,10 @@ impl View {
 /// The whiskers of one problem from base to tip, with contact points, forces and axes in mm, as SVG.
 pub(super) fn figure(solutions: &[Bend], length: f64) -> String {
     let shapes: Vec<Vec<Vec2>> = solutions.iter().map(|b| b.shape(length, 201)).collect();
-    let view = View::around(&shapes.concat(), length);
-    let (width, height) = (WIDTH + MARGIN + 16.0, view.height() + 16.0 + MARGIN);
+    let tails = solutions.iter().filter_map(|b| Some(b.contact - direction(b)? * (ARROW_SHARE * length)));
+    let view = View::around(&shapes.concat().into_iter().chain(tails).collect::<Vec<_>>(), length);
+    let legend = view.height() + 16.0 + MARGIN;
+    let (width, height) = (WIDTH + MARGIN + 16.0, legend + LINE * solutions.len() as f64);
     let mut svg = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width:.0}\" height=\"{height:.0}\" viewBox=\"0 0 {width:.0} {height:.0}\" \
          font-family=\"sans-serif\" font-size=\"12\">\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n"
@@ -55,8 +60,23 @@ pub(super) fn figure(solutions: &[Bend], length: f64) -> String {
         "<path d=\"M{:.2} {:.2}L{:.2} {:.2}\" stroke=\"#999\" stroke-dasharray=\"4 4\"/>",
         from.0, from.1, to.0, to.1
     );
+    let arrow = ARROW.min(ARROW_SHARE * length * view.scale);
     for (i, (bend, shape)) in solutions.iter().zip(&shapes).enumerate() {
-        whisker(&mut svg, &view, bend, shape, COLOURS[i % COLOURS.len()]);
+        let colour = COLOURS[i % COLOURS.len()];
+        whisker(&mut svg, &view, (bend, shape), colour, arrow);
+        // A line of its own for each: beside the arrows labels would cover each other.
+        let y = legend + LINE * i as f64;
+        let _ = writeln!(
+            svg,
+            "<path d=\"M{MARGIN} {:.2}h22\" stroke=\"{colour}\" stroke-width=\"2\"/>\n\
+             <text x=\"{:.2}\" y=\"{y:.2}\">force {:.4} N at ({:.3}, {:.3}) mm, moment at the base {:.4} mN·m</text>",
+            y - 4.0,
+            MARGIN + 30.0,
+            bend.force,
+            bend.contact.x * 1e3,
+            bend.contact.y * 1e3,
+            bend.moment * 1e3
+        );
     }
     let _ = writeln!(
         svg,
@@ -67,41 +87,28 @@ pub(super) fn figure(solutions: &[Bend], length: f64) -> String {
     svg
 }
 
-fn whisker(svg: &mut String, view: &View, bend: &Bend, shape: &[Vec2], colour: &str) {
+/// Where the force points; none without a force.
+fn direction(bend: &Bend) -> Option<Vec2> {
+    let force = bend.force_vector();
+    let size = force.norm();
+    (size > 0.0).then(|| force * (1.0 / size))
+}
+
+fn whisker(svg: &mut String, view: &View, (bend, shape): (&Bend, &[Vec2]), colour: &str, arrow: f64) {
     let line: Vec<String> = shape.iter().map(|&p| view.px(p)).map(|(x, y)| format!("{x:.2},{y:.2}")).collect();
     let _ =
         writeln!(svg, "<polyline points=\"{}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"2\"/>", line.join(" "));
     let (x, y) = view.px(bend.contact);
     let _ = writeln!(svg, "<circle cx=\"{x:.2}\" cy=\"{y:.2}\" r=\"4\" fill=\"{colour}\"/>");
-    let force = bend.force_vector();
-    if force.norm() <= 0.0 {
-        return;
-    }
+    let Some(d) = direction(bend) else { return };
     // The arrow ends at the contact, on the side from which the force pushes.
-    let d = force * (1.0 / force.norm());
     let back = |along: f64, across: f64| (x - along * d.x + across * d.y, y + along * d.y + across * d.x);
-    let (tail, left, right) = (back(ARROW, 0.0), back(14.0, 4.0), back(14.0, -4.0));
+    let (tail, left, right) = (back(arrow, 0.0), back(14.0, 4.0), back(14.0, -4.0));
     let tip = back(5.0, 0.0);
-    // The label stays inside the drawing.
-    let anchor = if tail.0 > 0.7 * WIDTH { "end" } else { "start" };
     let _ = writeln!(
         svg,
-        "<path d=\"M{:.2} {:.2}L{:.2} {:.2}M{:.2} {:.2}L{:.2} {:.2}L{:.2} {:.2}\" fill=\"none\" stroke=\"#222\" stroke-width=\"1.5\"/>\n\
-         <text x=\"{:.2}\" y=\"{:.2}\" text-anchor=\"{anchor}\" fill=\"{colour}\">{:.4} N, {:.4} mN·m</text>",
-        tail.0,
-        tail.1,
-        tip.0,
-        tip.1,
-        left.0,
-        left.1,
-        tip.0,
-        tip.1,
-        right.0,
-        right.1,
-        tail.0 + 4.0,
-        tail.1 + if d.y > 0.0 { 12.0 } else { -4.0 },
-        bend.force,
-        bend.moment * 1e3
+        "<path d=\"M{:.2} {:.2}L{:.2} {:.2}M{:.2} {:.2}L{:.2} {:.2}L{:.2} {:.2}\" fill=\"none\" stroke=\"#222\" stroke-width=\"1.5\"/>",
+        tail.0, tail.1, tip.0, tip.1, left.0, left.1, tip.0, tip.1, right.0, right.1
     );
 }
 

@@ -199,8 +199,8 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     let robot = common.robot.as_deref().map_or_else(|| Ok(Robot::default()), vibrissa::read_robot)?;
     let report = report(args, &robot)?;
     report.warnings.iter().for_each(|warning| warn(warning));
-    if let Some(folder) = &common.output.out {
-        write_all(folder, &report.files)?;
+    if let Some(to) = common.output.destination() {
+        write_all(to, &report.files)?;
     }
     print(&report.text)
 }

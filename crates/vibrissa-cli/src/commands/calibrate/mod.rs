@@ -62,7 +62,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
 }
 
 fn deliver(report: &Report, output: &OutputArgs) -> Result<()> {
-    let written = output.out.as_deref().map(|folder| write_all(folder, &report.files)).transpose()?;
+    let written = output.destination().map(|to| write_all(to, &report.files)).transpose()?;
     if output.json {
         return print(&pretty(&report.json));
     }

@@ -10,6 +10,7 @@ use vibrissa::config::ContactOptions;
 use vibrissa::figure::{Geometry, Layer, scene_figure};
 use vibrissa::io::log::foreign::Format;
 use vibrissa::plane::Vec2;
+use vibrissa::tasks::doubts;
 use vibrissa::tasks::contact::{Baseline, ContactKind, ContactReading, ContactReport, ContactStep, contacts};
 use vibrissa::world::Robot;
 use vibrissa::{Error, Result};
@@ -53,13 +54,13 @@ struct EventJson<'a> {
 pub(super) fn run(log: &Path, robot: Option<&Path>, format: Option<Format>, output: &OutputArgs) -> Result<()> {
     let robot = robot.map_or_else(|| Ok(Robot::default()), vibrissa::read_robot)?;
     let read = read_log(log, format)?;
-    read.warnings.iter().for_each(|warning| warn(warning));
+    read.warnings.iter().chain(&doubts(Some(&read), &robot, None)).for_each(|warning| warn(warning));
     let report = contacts(&read, &robot, &ContactOptions::default()).map_err(|error| error.in_file(log))?;
-    let written = match &output.out {
-        Some(folder) => {
+    let written = match output.destination() {
+        Some(to) => {
             let title = format!("Contacts of {}", log.file_name().unwrap_or(log.as_os_str()).to_string_lossy());
             let files = [("contacts.csv", csv(&report, &robot)), ("contacts.svg", figure(&report, &robot, &title))];
-            write_all(folder, &files)?
+            write_all(to, &files)?
         }
         None => Vec::new(),
     };
@@ -186,11 +187,13 @@ fn figure(report: &ContactReport, robot: &Robot, title: &str) -> String {
     };
     let slides = |step: &ContactStep| step.kind == ContactKind::Side && !stands(step);
     let layer = |geometry, class, label: &str, framed| Layer { geometry, class, label: label.to_owned(), framed };
-    let base = report.steps.iter().map(|s| s.odom_from_whisker.position()).collect();
+    let many = robot.whiskers.len() > 1;
+    let (bent, base) =
+        if many { ("bent whiskers", "the whiskers' bases") } else { ("the bent whisker", "the whisker's base") };
     let layers = [
-        layer(Geometry::Lines(shapes(report, robot)), "whisker", "bent whiskers", true),
+        layer(Geometry::Lines(shapes(report, robot)), "whisker", bent, true),
         layer(Geometry::Dots(closed_forms(report, robot)), "closed-form", "small-angle closed form", false),
-        layer(Geometry::Lines(vec![base]), "path", "the whisker's base", true),
+        layer(Geometry::Lines(bases(report)), "path", base, true),
         layer(
             Geometry::Dots(of(&|step| step.kind == ContactKind::Tip)),
             "tip-contact",
@@ -206,10 +209,35 @@ fn figure(report: &ContactReport, robot: &Robot, title: &str) -> String {
     scene_figure(title, &[caption], "odometry frame", &layers)
 }
 
-/// Some of the bent whiskers, odometry frame.
+/// Rows of one contact are no further apart than so many of the shortest gaps between rows.
+const GAPS: f64 = 8.0;
+
+/// The way of each whisker's base while it touches, odometry frame: a line for each contact.
+fn bases(report: &ContactReport) -> Vec<Vec<Vec2>> {
+    let gap = |pair: &[&ContactStep]| pair[1].t - pair[0].t;
+    let mut ways = Vec::new();
+    for steps in of_each_whisker(report, |_| true) {
+        let mut gaps: Vec<f64> = steps.windows(2).map(gap).collect();
+        gaps.sort_by(f64::total_cmp);
+        let longest = GAPS * gaps.get(gaps.len() / 2).copied().unwrap_or(0.0);
+        let parts = steps.chunk_by(|a, b| b.t - a.t <= longest);
+        ways.extend(parts.map(|part| part.iter().map(|s| s.odom_from_whisker.position()).collect()));
+    }
+    ways
+}
+
+/// The steps that `keep` takes, for each whisker that has any.
+fn of_each_whisker(report: &ContactReport, keep: impl Fn(&ContactStep) -> bool) -> Vec<Vec<&ContactStep>> {
+    let last = report.steps.iter().map(|step| step.whisker).max();
+    let of = |whisker| report.steps.iter().filter(|step| step.whisker == whisker && keep(step)).collect();
+    let each = last.into_iter().flat_map(|last| 0..=last).map(of);
+    each.filter(|steps: &Vec<&ContactStep>| !steps.is_empty()).collect()
+}
+
+/// Some of the bent whiskers, as many of each, odometry frame.
 fn shapes(report: &ContactReport, robot: &Robot) -> Vec<Vec<Vec2>> {
-    let known: Vec<&ContactStep> = report.steps.iter().filter(|step| step.contact.is_some()).collect();
-    let stride = known.len().div_ceil(DRAWN).max(1);
+    let each = of_each_whisker(report, |step| step.contact.is_some());
+    let most = (DRAWN / each.len().max(1)).max(2);
     let shape = |step: &&ContactStep| {
         let (beam, contact) = (robot.whiskers.get(step.whisker)?.beam, step.contact?);
         let points = match &step.bend {
@@ -218,7 +246,7 @@ fn shapes(report: &ContactReport, robot: &Robot) -> Vec<Vec<Vec2>> {
         };
         Some(points.into_iter().map(|p| step.odom_from_whisker.transform_point(p)).collect())
     };
-    known.iter().step_by(stride).filter_map(shape).collect()
+    each.iter().flat_map(|known| known.iter().step_by(known.len().div_ceil(most)).filter_map(shape)).collect()
 }
 
 /// Where the small-angle formula puts the contacts that stood still, odometry frame.

@@ -28,8 +28,8 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     if found.is_empty() {
         warn("no contact explains the readings: they contradict each other, or the whisker's length and limits");
     }
-    if let Some(folder) = &args.output.out {
-        write_all(folder, &[("contact-set.csv", found.csv()), ("contact-set.svg", found.figure())])?;
+    if let Some(to) = args.output.destination() {
+        write_all(to, &[("contact-set.csv", found.csv()), ("contact-set.svg", found.figure())])?;
     }
     print(&if args.output.json { found.json() } else { found.text() })
 }

@@ -11,6 +11,9 @@ use vibrissa::flow::contact_set::{
 };
 use vibrissa::plane::Vec2;
 
+/// Largest force that is told as a number (N): no whisker bears more.
+const LARGEST_TOLD: f64 = 1e3;
+
 /// Shapes in the figure.
 const SHAPES: usize = 14;
 
@@ -220,14 +223,15 @@ impl<'a> Found<'a> {
 fn ends(text: &mut String, contacts: &[Contact]) {
     let (Some(a), Some(b)) = (contacts.first(), contacts.last()) else { return };
     for (word, c) in [("  from", a), ("    to", b)] {
+        // Towards the base a force of any size explains a moment.
+        let force = if c.force > LARGEST_TOLD { "  above 1 kN".into() } else { format!("{:10.4} N", c.force) };
         let _ = writeln!(
             text,
-            "{word} ({:8.3}, {:8.3}) mm   s_a {:7.3} mm   phi_a {:8.3} deg   F {:9.4} N   M(0) {:8.4} mN m",
+            "{word} ({:8.3}, {:8.3}) mm   s_a {:7.3} mm   phi_a {:8.3} deg   F {force}   M(0) {:8.4} mN m",
             c.position.x * 1e3,
             c.position.y * 1e3,
             c.s_a * 1e3,
             c.phi_a.to_degrees(),
-            c.force,
             c.moment * 1e3
         );
     }

@@ -1,6 +1,5 @@
 //! The files that a localization reads.
 
-use std::ops::ControlFlow;
 use std::path::Path;
 use vibrissa::figure::Outline;
 use vibrissa::flow::pose::{Localization, StampedPose};
@@ -9,7 +8,6 @@ use vibrissa::io::log::foreign::{Format, Recording};
 use vibrissa::io::read_tum;
 #[cfg(feature = "mcap")]
 use vibrissa::io::recording::{StampedStates, localization_mcap};
-#[cfg(feature = "mcap")]
 use vibrissa::tasks::StatesObserver;
 use vibrissa::world::{Map, Robot};
 use vibrissa::{Method, Result};
@@ -52,16 +50,8 @@ impl Inputs {
         let unused = self.log.channels.iter().filter(strange).map(|channel| {
             format!("the column `{}` is not used: the robot has no whisker of this name", channel.column())
         });
-        self.map.warnings.iter().chain(&self.log.warnings).cloned().chain(unused).collect()
-    }
-
-    /// The answer; `observer` is called after each row and may break off.
-    pub(super) fn localize(
-        &self,
-        method: &Method,
-        observer: &mut dyn FnMut(usize) -> ControlFlow<()>,
-    ) -> Result<Localization> {
-        vibrissa::localize_while(&self.log, &self.map, &self.robot, method, observer)
+        let doubts = vibrissa::tasks::doubts(Some(&self.log), &self.robot, Some(&self.map));
+        self.map.warnings.iter().chain(&self.log.warnings).cloned().chain(unused).chain(doubts).collect()
     }
 
     /// What to try, where the answer is `inconsistent`; `go_on` may break off.
@@ -75,7 +65,6 @@ impl Inputs {
     }
 
     /// The answer; `observer` is called after each row, may ask for the states so far, and may break off.
-    #[cfg(feature = "mcap")]
     pub(super) fn localize_watched(&self, method: &Method, observer: &mut StatesObserver) -> Result<Localization> {
         vibrissa::tasks::localize_watched(&self.log, &self.map, &self.robot, method, observer)
     }

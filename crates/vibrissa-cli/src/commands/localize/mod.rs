@@ -15,6 +15,7 @@ use method::MethodArgs;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 use vibrissa::Result;
+use vibrissa::figure::FilmFrame;
 use vibrissa::flow::pose::Localization;
 use vibrissa::io::log::foreign::Format;
 #[cfg(feature = "mcap")]
@@ -50,6 +51,9 @@ pub(crate) struct Args {
     #[cfg(feature = "mcap")]
     #[arg(long, requires = "out")]
     mcap: bool,
+    /// Also write localization.html: a film of the states that explain the log as it goes on
+    #[arg(long, requires = "out")]
+    animate: bool,
     #[command(flatten)]
     output: OutputArgs,
 }
@@ -60,7 +64,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     args.method.check()?;
     let inputs = Inputs::read(&args.log, args.format, &args.map, args.robot.as_deref(), args.truth.as_deref(), method)?;
     let mut stopwatch = Stopwatch::start();
-    let (mut answer, recording, used) = heedful(args, &inputs, &mut stopwatch)?;
+    let ((mut answer, recording, frames), used) = heedful(args, &inputs, &mut stopwatch)?;
     let runtime = stopwatch.stop(inputs.rows(), &answer.steps);
     if used == inputs.rows().len() {
         let _heeds = Heedful::begin();
@@ -76,20 +80,24 @@ pub(crate) fn run(args: &Args) -> Result<()> {
             map: inputs.outlines(),
             truth: inputs.truth,
             recording,
+            film: args.animate.then_some(frames),
         },
         &args.output,
     )
 }
 
-/// Warns of doubtful inputs, then the answer, the recording where it is asked for, and how many rows they are made of: an
-/// interrupt keeps what is known by then.
-fn heedful(args: &Args, inputs: &Inputs, stopwatch: &mut Stopwatch) -> Result<(Localization, Option<Vec<u8>>, usize)> {
+/// Frames of a film.
+const FRAMES: usize = 100;
+
+/// Warns of doubtful inputs, then what the run leaves, and how many rows it is made of: an interrupt keeps what is known by
+/// then.
+fn heedful(args: &Args, inputs: &Inputs, stopwatch: &mut Stopwatch) -> Result<(Answered, usize)> {
     let _heeds = Heedful::begin();
     inputs.warnings().iter().for_each(|warning| warn(warning));
     let unused = |flag: &String| format!("{flag} is not used: the method {} has no such option", args.method.method);
     args.method.unused.iter().for_each(|flag| warn(&unused(flag)));
     let mut used = 0;
-    let (answer, recording) = answered(args, inputs, &mut |row| {
+    let left = answered(args, inputs, &mut |row| {
         stopwatch.lap();
         used = row + 1;
         if stopped() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
@@ -98,33 +106,32 @@ fn heedful(args: &Args, inputs: &Inputs, stopwatch: &mut Stopwatch) -> Result<(L
     if used < rows {
         warn(&format!("interrupted after {used} of {rows} rows: the results are those of a log that ends there"));
     }
-    Ok((answer, recording, used))
+    Ok((left, used))
 }
 
-/// The answer, and the recording where it is asked for.
-#[cfg(feature = "mcap")]
-fn answered(
-    args: &Args,
-    inputs: &Inputs,
-    lap: &mut dyn FnMut(usize) -> ControlFlow<()>,
-) -> Result<(Localization, Option<Vec<u8>>)> {
-    if !args.mcap {
-        return Ok((inputs.localize(&args.method.method, lap)?, None));
-    }
-    let mut watch = StatesWatch::new(inputs.rows().len());
+/// What a run leaves.
+type Answered = (Localization, Option<Vec<u8>>, Vec<FilmFrame>);
+
+/// The answer, the recording and the frames of the film, where they are asked for.
+fn answered(args: &Args, inputs: &Inputs, lap: &mut dyn FnMut(usize) -> ControlFlow<()>) -> Result<Answered> {
+    let rows = inputs.rows();
+    let every = rows.len().div_ceil(FRAMES).max(1);
+    let mut frames = Vec::new();
+    #[cfg(feature = "mcap")]
+    let mut watch = args.mcap.then(|| StatesWatch::new(rows.len()));
     let answer = inputs.localize_watched(&args.method.method, &mut |row, states| {
-        watch.look(row, inputs.rows()[row].t, states);
+        #[cfg(feature = "mcap")]
+        if let Some(watch) = &mut watch {
+            watch.look(row, rows[row].t, states);
+        }
+        if args.animate && (row % every == 0 || row + 1 == rows.len()) {
+            frames.push(FilmFrame { t: rows[row].t, states: states() });
+        }
         lap(row)
     })?;
-    let recording = inputs.recording(&answer, &watch.finish())?;
-    Ok((answer, Some(recording)))
-}
-
-#[cfg(not(feature = "mcap"))]
-fn answered(
-    args: &Args,
-    inputs: &Inputs,
-    lap: &mut dyn FnMut(usize) -> ControlFlow<()>,
-) -> Result<(Localization, Option<Vec<u8>>)> {
-    Ok((inputs.localize(&args.method.method, lap)?, None))
+    #[cfg(feature = "mcap")]
+    let recording = watch.map(|watch| inputs.recording(&answer, &watch.finish())).transpose()?;
+    #[cfg(not(feature = "mcap"))]
+    let recording = None;
+    Ok((answer, recording, frames))
 }

@@ -105,19 +105,21 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     let heading = args.heading.as_deref().map(|text| quantity("--heading", text, Dimension::Angle)).transpose()?;
     let map = vibrissa::read_map(&args.map)?;
     map.warnings.iter().for_each(|warning| warn(warning));
+    let robot = args.readings.robot()?;
+    vibrissa::tasks::doubts(None, &robot, Some(&map)).iter().for_each(|warning| warn(warning));
     let found = solve(&map, &whiskers, &options)?;
     if found.states.is_empty() {
         warn("no state explains the readings: they contradict each other, the whisker's limits or the map");
     }
     let title = whiskers.iter().flat_map(|w| &w.readings).map(words).collect::<Vec<_>>().join(", ");
-    if let Some(folder) = &args.output.out {
+    if let Some(to) = args.output.destination() {
         let figure = PreimageFigure {
             title: format!("Robot states that explain {title}"),
             map: &outlines(&map),
             states: &found.states,
             heading,
         };
-        write_all(folder, &[("preimage.csv", boxes(&found)), ("preimage.svg", preimage_figure(&figure))])?;
+        write_all(to, &[("preimage.csv", boxes(&found)), ("preimage.svg", preimage_figure(&figure))])?;
     }
     print(&if args.output.json { as_json(&found, &options) } else { text(&found, &title, &options) })
 }

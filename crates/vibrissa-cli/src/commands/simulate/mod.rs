@@ -49,13 +49,13 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     let simulation = scenario.simulate()?;
     progress.say("");
     simulation.warnings.iter().for_each(|warning| warn(warning));
-    let written = match &args.output.out {
-        Some(folder) => {
+    let written = match args.output.destination() {
+        Some(to) => {
             let texts = files(&scenario, &simulation, args.dump);
             let mut files: Vec<(&str, &[u8])> = texts.iter().map(|(name, text)| (*name, text.as_bytes())).collect();
             let recording = recording(args, &scenario, &simulation)?;
             files.extend(recording.as_deref().map(|bytes| ("log.mcap", bytes)));
-            Some(write_bytes(folder, &files)?)
+            Some(write_bytes(to, &files)?)
         }
         None => None,
     };

@@ -90,6 +90,8 @@ pub struct StampedPose {
 pub struct ShapeRecord {
     /// When (s).
     pub t: f64,
+    /// Index of the whisker in the robot.
+    pub whisker: usize,
     /// Points along the whisker from base to tip, robot frame (m).
     pub points: Vec<Vec2>,
 }

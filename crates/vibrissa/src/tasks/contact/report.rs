@@ -116,7 +116,7 @@ pub fn contacts(log: &SensorLog, robot: &Robot, options: &ContactOptions) -> Res
     let (log, robot) = calibrated(log, robot)?;
     let mut report = ContactReport::default();
     for stretch in stretches(&log, &robot, [options.spacing, options.rod_spacing])? {
-        report.add(&stretch, options);
+        report.add(&stretch, &robot.whiskers[stretch.whisker].name, options);
     }
     report.events.sort_by(|a, b| a.t.total_cmp(&b.t));
     Ok(report)
@@ -127,9 +127,9 @@ impl ContactReport {
         self.events.push(Event { t, kind, detail });
     }
 
-    fn add(&mut self, stretch: &ContactStretch, options: &ContactOptions) {
+    fn add(&mut self, stretch: &ContactStretch, name: &str, options: &ContactOptions) {
         let [first, ..] = stretch.readings.as_slice() else { return };
-        self.tell(first.t, "contact", format!("whisker {}", stretch.whisker));
+        self.tell(first.t, "contact", format!("{name} touches"));
         let (mut from, mut before) = (0, None);
         while from < stretch.readings.len() {
             let rest = ReadingRange { from, to: stretch.readings.len(), still: None };
@@ -153,7 +153,7 @@ impl ContactReport {
             }
         }
         if let Some(t) = stretch.lift_off {
-            self.tell(t, "lift_off", format!("whisker {}", stretch.whisker));
+            self.tell(t, "lift_off", format!("{name} is free"));
         }
     }
 

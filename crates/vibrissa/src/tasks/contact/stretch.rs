@@ -83,9 +83,11 @@ fn of_whisker(
     let mut found: Vec<ContactStretch> = Vec::new();
     let (mut open, mut quiet): (Option<ContactStretch>, usize) = (None, 0);
     let mut free: Vec<ContactReading> = Vec::new();
+    // What a free whisker reads at most, with its zero as far off as declared.
+    let free_limit = whisker.noise.largest_free_reading() + whisker.errors.zero;
     for row in rows {
         let (moment, base) = (row.readings[channel], row.odom_from_robot.compose(whisker.robot_from_whisker));
-        let touches = moment.abs() > whisker.noise.moment_absolute;
+        let touches = moment.abs() > free_limit;
         let turned = |s: &ContactStretch| s.readings.last().is_some_and(|r| (r.moment > 0.0) != (moment > 0.0));
         let was_free = quiet > 0;
         quiet = if touches { 0 } else { quiet + 1 };

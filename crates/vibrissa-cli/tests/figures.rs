@@ -1,0 +1,195 @@
+//! Every kind of figure, with one whisker and with several: text stays on its page and does not cover other text; pictures
+//! are written beside them. The figures are left in cargo's folder for test files, to be looked at.
+
+#![cfg(feature = "pictures")]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on must fail")]
+
+mod common;
+
+use common::vibrissa;
+use resvg::usvg::{Group, Node, Options, Rect, Tree, fontdb::Database};
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+const SCENARIO: &str = r#"
+title = "Two whiskers between two walls, whose title is long enough to need a second line of the page"
+seed = 3
+WHISKERS
+[map]
+arena = [[0, 0], [0.4, 0], [0.4, 0.13], [0, 0.13]]
+
+[path]
+start = ["100 mm", "65 mm"]
+
+[[path.leg]]
+kind = "line"
+to = ["250 mm", "65 mm"]
+speed = "250 mm/s"
+"#;
+const TWO: &str = r#"
+[[whisker]]
+name = "left"
+mount = [0, "10 mm", "115 deg"]
+[[whisker]]
+name = "right"
+mount = [0, "-10 mm", "-115 deg"]
+"#;
+const ONE: &str = r#"
+[[whisker]]
+name = "w0"
+mount = [0, "10 mm", "115 deg"]
+"#;
+
+fn folder(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("figures").join(name);
+    let _ = fs::remove_dir_all(&folder);
+    fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+fn run(args: &[&str], out: &Path) {
+    let out = out.to_str().unwrap();
+    let answer = vibrissa(&[args, &["--out", out, "--pictures", "png,pdf"]].concat());
+    assert_eq!(answer.code, Some(0), "{args:?}: {}", answer.stderr);
+}
+
+fn parsed(svg: &str) -> Tree {
+    let mut fonts = Database::new();
+    for name in ["DejaVuSans.ttf", "DejaVuSans-Bold.ttf"] {
+        fonts.load_font_file(Path::new(env!("CARGO_MANIFEST_DIR")).join("fonts").join(name)).unwrap();
+    }
+    let options = Options { font_family: "DejaVu Sans".into(), fontdb: Arc::new(fonts), ..Options::default() };
+    Tree::from_str(svg, &options).unwrap()
+}
+
+/// The text boxes of a figure with their words.
+fn boxes(group: &Group, found: &mut Vec<(String, Rect)>) {
+    for node in group.children() {
+        match node {
+            Node::Text(text) => {
+                let words = text.chunks().iter().map(|chunk| chunk.text().to_owned()).collect();
+                found.push((words, text.abs_bounding_box()));
+            }
+            Node::Group(group) => boxes(group, found),
+            _ => {}
+        }
+    }
+}
+
+/// What is wrong with the text of a figure.
+fn faults(svg: &str) -> Vec<String> {
+    let tree = parsed(svg);
+    let mut found = Vec::new();
+    boxes(tree.root(), &mut found);
+    assert!(!found.is_empty());
+    let (width, height) = (tree.size().width(), tree.size().height());
+    let off = |b: &Rect| b.left() < 0.0 || b.top() < 0.0 || b.right() > width || b.bottom() > height;
+    let mut faults: Vec<String> =
+        found.iter().filter(|(_, b)| off(b)).map(|(words, b)| format!("off the page: {words} {b:?}")).collect();
+    for (index, (words, a)) in found.iter().enumerate() {
+        for (other, b) in &found[..index] {
+            let across = a.right().min(b.right()) - a.left().max(b.left());
+            let down = a.bottom().min(b.bottom()) - a.top().max(b.top());
+            let least = (a.width() * a.height()).min(b.width() * b.height());
+            if across > 0.0 && down > 0.0 && across * down > 0.3 * least {
+                faults.push(format!("\"{words}\" covers \"{other}\""));
+            }
+        }
+    }
+    faults
+}
+
+/// Checks all figures of a folder, and that there are some; each has its pictures.
+fn check(folder: &Path) {
+    let mut count = 0;
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_none_or(|end| end != "svg") || path.ends_with("map.svg") {
+            continue;
+        }
+        let faults = faults(&fs::read_to_string(&path).unwrap());
+        assert!(faults.is_empty(), "{}: {faults:#?}", path.display());
+        assert!(fs::read(path.with_extension("png")).unwrap().starts_with(b"\x89PNG"));
+        assert!(fs::read(path.with_extension("pdf")).unwrap().starts_with(b"%PDF"));
+        count += 1;
+    }
+    assert!(count > 0, "{}", folder.display());
+}
+
+#[test]
+fn text_off_the_page_and_covered_text_are_found() {
+    let page = |text: &str| {
+        format!("<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"200\" height=\"50\" font-size=\"12\">{text}</svg>")
+    };
+    assert!(faults(&page("<text x=\"10\" y=\"20\">inside</text>")).is_empty());
+    assert_eq!(faults(&page("<text x=\"180\" y=\"20\">outside</text>")).len(), 1);
+    assert_eq!(faults(&page("<text x=\"10\" y=\"20\">one</text><text x=\"12\" y=\"22\">two</text>")).len(), 1);
+}
+
+#[test]
+fn whiskers_alone() {
+    for (name, args) in [
+        ("force", vec!["beam", "force", "--s-a", "60 mm", "--force", "0.3 N"]),
+        ("point", vec!["beam", "point", "--x", "40 mm", "--y", "40 mm"]),
+        ("moment", vec!["beam", "moment", "--s-a", "70 mm", "--moment", "17 mN m", "--load", "vertical"]),
+        ("load", vec!["contact-set", "--sensor", "load", "--value", "0.3 N"]),
+        ("moments", vec!["contact-set", "--sensor", "moment", "--value", "5 mN m"]),
+        (
+            "two",
+            vec!["contact-set", "--sensor", "load", "--value", "0.3 N", "--sensor", "moment", "--value", "11 mN m"],
+        ),
+        (
+            "region",
+            vec!["contact-set", "--sensor", "load", "--value", "0.3 N", "--sensor", "moment", "--value", "11 mN m", "--tolerance", "5 %"],
+        ),
+    ] {
+        let out = folder(name);
+        run(&args, &out);
+        check(&out);
+    }
+}
+
+#[test]
+fn sweeps_with_one_whisker_and_with_two() {
+    for (name, whiskers) in [("one", ONE), ("two-whiskers", TWO)] {
+        let out = folder(name);
+        let scenario = out.join("scenario.toml");
+        fs::write(&scenario, SCENARIO.replace("WHISKERS", whiskers)).unwrap();
+        run(&["simulate", scenario.to_str().unwrap()], &out);
+        check(&out);
+        let file = |name: &str| out.join(name).to_str().unwrap().to_owned();
+        let (log, map, robot, truth) = (file("log.csv"), file("map.geojson"), file("robot.toml"), file("truth.tum"));
+        let files = [&*log, "--map", &map, "--robot", &robot, "--truth", &truth];
+        for method in ["deterministic", "possibilistic", "probabilistic"] {
+            let there = folder(&format!("{name}-{method}"));
+            run(&[&["localize"][..], &files, &["--method", method, "--animate"]].concat(), &there);
+            check(&there);
+            let drawn = fs::read_to_string(there.join("localization.svg")).unwrap();
+            let last = drawn.matches("class=\"whisker-last\"").count();
+            // Each whisker's last shape, and the legend's sample.
+            assert_eq!(last, 1 + whiskers.matches("[[whisker]]").count(), "{method}");
+            let film = fs::read_to_string(there.join("localization.html")).unwrap();
+            assert!(film.contains("const frames = [[") && film.len() < 3_000_000, "{}", film.len());
+        }
+        for command in ["contact", "profile"] {
+            let there = folder(&format!("{name}-{command}"));
+            run(&[command, &log, "--robot", &robot], &there);
+            check(&there);
+        }
+        let slices: [&[&str]; 2] = [&[], &["--heading", "-115 deg"]];
+        for (kind, more) in ["strip", "slice"].into_iter().zip(slices) {
+            let there = folder(&format!("{name}-{kind}"));
+            let args = ["preimage", "--map", &map, "--sensor", "moment", "--value", "5 mN m", "--cell", "4 mm"];
+            run(&[&args[..], &["--heading-step", "4 deg"], more].concat(), &there);
+            check(&there);
+        }
+    }
+}
+
+#[test]
+fn the_demo_and_a_calibration() {
+    let out = folder("demo");
+    run(&["demo"], &out);
+    check(&out);
+}

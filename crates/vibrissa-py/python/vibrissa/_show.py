@@ -1,0 +1,83 @@
+"""How answers show themselves: one line, a table in notebooks, pandas and matplotlib where they are installed."""
+
+from __future__ import annotations
+
+import html
+import importlib
+from dataclasses import fields, is_dataclass
+from typing import Any
+
+import numpy as np
+
+_LONGEST = 160
+
+
+def _short(value: Any) -> str:
+    """A value in a few characters: sizes of what is large."""
+    if isinstance(value, np.ndarray):
+        return f"array{value.shape}"
+    if isinstance(value, np.floating | float):
+        return f"{value:.6g}"
+    if isinstance(value, str):
+        return repr(value) if len(value) <= 24 else f"text of {len(value)}"
+    if isinstance(value, tuple) and not hasattr(value, "_fields") and len(value) <= 6:
+        return "(" + ", ".join(_short(one) for one in value) + ")"
+    if isinstance(value, list | tuple | dict) and not hasattr(value, "_fields"):
+        return f"{len(value)} of {type(next(iter(value))).__name__}" if value else "none"
+    if is_dataclass(value):
+        return f"<{type(value).__name__}>"
+    return " ".join(repr(value).split())[:48]
+
+
+class Shown:
+    """A dataclass whose ``repr`` is one line with the sizes of its arrays, and a table in notebooks."""
+
+    def _items(self) -> list[tuple[str, str]]:
+        names = [one.name for one in fields(self) if not one.name.startswith("_")]  # type: ignore[arg-type]
+        return [(name, _short(getattr(self, name))) for name in names]
+
+    def __repr__(self) -> str:
+        line = f"{type(self).__name__}({', '.join(f'{name}={value}' for name, value in self._items())})"
+        return line if len(line) <= _LONGEST else line[: _LONGEST - 2] + "…)"
+
+    def _repr_html_(self) -> str:
+        row = "<tr><th style='text-align:left'>{}</th><td style='text-align:left'>{}</td></tr>"
+        rows = "".join(row.format(html.escape(name), html.escape(value)) for name, value in self._items())
+        return f"<table><caption>{type(self).__name__}</caption>{rows}</table>"
+
+
+def pandas() -> Any:
+    """The module pandas."""
+    return _wanted("pandas", "to_pandas()")
+
+
+def axes(ax: Any) -> Any:
+    """The axes to draw into: those given, or new ones of matplotlib."""
+    if ax is not None:
+        return ax
+    return _wanted("matplotlib.pyplot", "plot()").subplots()[1]
+
+
+def _wanted(name: str, user: str) -> Any:
+    try:
+        return importlib.import_module(name)
+    except ImportError as error:
+        package = name.split(".")[0]
+        raise ImportError(f"{user} needs {package}: pip install {package}") from error
+
+
+def draw_map(ax: Any, map: Any) -> None:
+    """Draws a map's boundaries (m) at equal scale."""
+    for role, points in map.boundaries(1e-4):
+        if role == "obstacle":
+            ax.fill(points[:, 0], points[:, 1], facecolor="#c9c9c4", edgecolor="#222222")
+        else:
+            ax.plot(points[:, 0], points[:, 1], color="#222222", linewidth=2.0 if role == "wall" else 1.4)
+    plane(ax)
+
+
+def plane(ax: Any) -> None:
+    """Equal scale, and the words of the axes."""
+    ax.set_aspect("equal")
+    ax.set_xlabel("x (m)")
+    ax.set_ylabel("y (m)")
