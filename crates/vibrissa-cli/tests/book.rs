@@ -66,6 +66,25 @@ fn run_page(page: &str, place: &Path) -> usize {
     commands.len()
 }
 
+/// The README's tour in an empty folder, as it stands.
+#[test]
+fn the_tour_of_the_readme_runs_in_an_empty_folder() {
+    let (place, text) = (folder("book-readme"), fs::read_to_string(root().join("README.md")).unwrap());
+    let tour = text.split("## A quick tour").nth(1).unwrap().split("With files of yours").next().unwrap();
+    write_files(tour, &place);
+    let commands: Vec<&str> = tour.lines().filter_map(|line| line.strip_prefix("    vibrissa ")).collect();
+    for command in &commands {
+        let run =
+            Command::new(env!("CARGO_BIN_EXE_vibrissa")).args(words(command)).current_dir(&place).output().unwrap();
+        let told = String::from_utf8_lossy(&run.stderr);
+        assert!(run.status.success(), "README: vibrissa {command}\n{told}");
+    }
+    assert!(commands.len() >= 14, "{}", commands.len());
+    for file in ["result/localization.pdf", "result/localization.html", "found/localization.mcap", "paper/report.html"] {
+        assert!(place.join(file).exists(), "{file}");
+    }
+}
+
 fn place(name: &str) -> PathBuf {
     let place = folder(name);
     for part in ["scenarios", "scenarios/maps"] {

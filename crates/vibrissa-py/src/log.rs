@@ -110,6 +110,11 @@ impl PySensorLog {
         py.detach(|| to_csv(&self.0))
     }
 
+    /// A `pandas.DataFrame` with the columns of the log's file: t, x, y, theta, readings and heading.
+    fn to_pandas<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("vibrissa._show")?.getattr("log_frame")?.call1((slf,))
+    }
+
     /// The log of a CSV text with the warnings and the file of another, for copies in other processes.
     #[staticmethod]
     fn _from_parts(py: Python<'_>, text: &str, source: Option<PathBuf>, warnings: Vec<String>) -> PyResult<Self> {

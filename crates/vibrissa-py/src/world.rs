@@ -145,6 +145,15 @@ impl PyMap {
         Ok(out)
     }
 
+    /// Draws the boundaries into axes of matplotlib (m), new ones for None, and gives them.
+    #[pyo3(signature = (ax=None))]
+    fn plot<'py>(slf: &Bound<'py, Self>, ax: Option<Bound<'py, PyAny>>) -> PyResult<Bound<'py, PyAny>> {
+        let module = slf.py().import("vibrissa._show")?;
+        let axes = module.getattr("axes")?.call1((ax,))?;
+        module.getattr("draw_map")?.call1((&axes, slf))?;
+        Ok(axes)
+    }
+
     /// What the map is made of, for copies in other processes: role, whether it is closed, whether it is the hole of an
     /// obstacle, and the control points of its pieces.
     fn _parts(&self) -> Vec<Parts> {

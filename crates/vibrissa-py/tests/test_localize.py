@@ -20,7 +20,7 @@ import pytest
 from conftest import Command, numbers, table
 
 import vibrissa
-from vibrissa import _vibrissa
+from vibrissa import _methods, _vibrissa
 
 METHODS = ["deterministic", "possibilistic", "probabilistic"]
 
@@ -156,9 +156,11 @@ def test_methods_and_their_default_are_the_librarys() -> None:
 def test_every_option_of_the_command_is_an_argument() -> None:
     told = subprocess.run([sys.executable, "-m", "vibrissa", "localize", "--help"], capture_output=True, text=True, check=True)
     options = {name.replace("-", "_") for name in re.findall(r"^ +(?:-\w, )?--([a-z-]+)", told.stdout, re.M)}
-    arguments = set(inspect.signature(vibrissa.localize).parameters)
+    arguments = set(inspect.signature(vibrissa.localize).parameters) | set(_methods.Options.__annotations__)
+    groups = (vibrissa.Deterministic, vibrissa.Possibilistic, vibrissa.Probabilistic)
+    assert {one.name for group in groups for one in dataclasses.fields(group)} == set(_methods.Options.__annotations__)
     # What is written where is the command's own business.
-    assert len(options) > 20 and options - arguments == {"out", "json", "mcap", "help"}, options - arguments
+    assert len(options) > 20 and options - arguments == {"out", "json", "mcap", "pictures", "animate", "help"}, options - arguments
 
 
 def test_progress_is_told_in_this_thread_and_rises_to_the_end(demo: vibrissa.Demo) -> None:

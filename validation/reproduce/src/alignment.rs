@@ -62,7 +62,7 @@ pub(super) fn section() -> Result<Section> {
         "place_error",
         "no number",
         (1e3 * median(&places), 3, "mm"),
-        "Five draws of readings off by up to 5 %; all shapes of a sweep are solved at once.",
+        "Five draws of readings off by up to 5 % and 20 µN m; all shapes of a sweep are solved at once.",
     );
     section.find(
         "Boundary slope at the contact, median error",

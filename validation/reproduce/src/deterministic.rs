@@ -34,6 +34,7 @@ pub(super) fn section() -> Result<Section> {
     // The plain intersection, with the paper's spacing of the boundary.
     let options = DeterministicOptions {
         missed_share: 0.0,
+        boundary_spacing: SPACING,
         update_travel: BETWEEN,
         history_travel: BETWEEN,
         tip_load: TipLoad::BoundaryNormal,
@@ -71,7 +72,7 @@ pub(super) fn section() -> Result<Section> {
             "Figure “deterministicLocalization”: (a) states after one observation, (b) moved along by the known motion, (c) \
              those that a second observation leaves (19 points), (d) after four observations (6 points).",
             "The same four stages in the arena, observations 10 mm apart, from the first simulated sweep.",
-            "Ours are states in place and heading with a tolerance for readings off by up to 5 %; the paper's are crossings of \
+            "Ours are states in place and heading with a tolerance for readings off by up to 5 % and 20 µN m; the paper's are crossings of \
              curves in the plane. Its map is not dimensioned.",
         ],
         vec![
@@ -124,6 +125,9 @@ pub(super) fn section() -> Result<Section> {
     );
     Ok(section)
 }
+
+/// The paper's spacing of the points along the boundary (m).
+const SPACING: f64 = 1e-3;
 
 /// The observations of the sweep's first contact.
 fn observations(sweep: &Sweep, robot: &Robot, options: &DeterministicOptions) -> Result<Vec<Felt>> {

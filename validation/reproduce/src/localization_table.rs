@@ -22,6 +22,9 @@ const START: [f64; 2] = [0.03, 0.26];
 const OFF: [Vec2; 4] =
     [Vec2::new(0.012, -0.009), Vec2::new(-0.014, 0.006), Vec2::new(-0.005, -0.013), Vec2::new(0.010, 0.011)];
 
+/// Travel of the base over the shapes of the paper's method (m): neighbouring shapes, not smoothed.
+const HISTORY: f64 = 2e-3;
+
 /// Half of what the pictures of the methods show (m).
 const WINDOW: Vec2 = Vec2::new(1.8e-3, 1.1e-3);
 
@@ -35,17 +38,32 @@ struct Contender {
     start_known: bool,
 }
 
-const CONTENDERS: [Contender; 5] = [
+const CONTENDERS: [Contender; 6] = [
+    Contender {
+        key: "paper_method",
+        words: "paper's method: plain intersection, 1 mm grid, its load",
+        method: |prior| {
+            Method::Deterministic(DeterministicOptions {
+                missed_share: 0.0,
+                boundary_spacing: 1e-3,
+                history_travel: HISTORY,
+                tip_load: TipLoad::WhiskerNormal,
+                prior,
+                ..DeterministicOptions::default()
+            })
+        },
+        start_known: true,
+    },
     Contender {
         key: "paper_load",
-        words: "paper's method, its load normal to the whisker",
-        method: |_| deterministic(TipLoad::WhiskerNormal),
+        words: "our deterministic method with the paper's load, normal to the whisker",
+        method: |prior| deterministic(TipLoad::WhiskerNormal, prior),
         start_known: true,
     },
     Contender {
         key: "deterministic",
-        words: "deterministic, load normal to the wall",
-        method: |_| deterministic(TipLoad::BoundaryNormal),
+        words: "our deterministic method, load normal to the wall",
+        method: |prior| deterministic(TipLoad::BoundaryNormal, prior),
         start_known: true,
     },
     Contender {
@@ -63,8 +81,8 @@ const CONTENDERS: [Contender; 5] = [
     },
 ];
 
-fn deterministic(tip_load: TipLoad) -> Method {
-    Method::Deterministic(DeterministicOptions { tip_load, ..DeterministicOptions::default() })
+fn deterministic(tip_load: TipLoad, prior: Option<Region>) -> Method {
+    Method::Deterministic(DeterministicOptions { tip_load, prior, ..DeterministicOptions::default() })
 }
 
 fn probabilistic(prior: Option<Region>) -> Method {
@@ -98,7 +116,7 @@ pub(super) fn section(seeds: usize, sweeps: usize, threads: usize, observer: &mu
         let mut by_method: Vec<Vec<Outcome>> = Vec::new();
         for (&(c, s), answer) in jobs.iter().zip(answers) {
             let answer = answer?;
-            if index == 0 && s == 0 && CONTENDERS[c].start_known && c > 0 {
+            if index == 0 && s == 0 && CONTENDERS[c].start_known && !CONTENDERS[c].key.starts_with("paper") {
                 pictures.push(picture(&map, &CONTENDERS[c], &answer, &runs[s]));
             }
             by_method.resize(c + 1, Vec::new());
@@ -229,18 +247,22 @@ fn words(section: &mut Section, seeds: usize, outcomes: &[Vec<Vec<Outcome>>]) {
     section.say(
         "The paper's sweeps were measured on a stage and are not public: the walls they ran along, their lengths and what its \
          average is taken over are not told. Ours are five simulated sweeps along the arena's upper wall, each with \
-         {localization-table.seeds} draws of readings that are off by up to 5 %, the tip without friction, exact odometry; \
+         {localization-table.seeds} draws of readings that are off by up to 5 % and 20 µN m, the tip without friction, exact odometry; \
          the error is that of the last row, mean and standard deviation are over the draws. The start is known to a region of \
-         60 mm by 60 mm by 30°, off its middle, except in the last rows. Deterministic answers are chosen among the places that \
-         started in that region.",
+         60 mm by 60 mm by 30°, off its middle, except in the last rows (`--within`).",
     );
     let paper = PAPER.iter().map(|p| p[0]).sum::<f64>() / PAPER.len() as f64;
     let of = |c: usize| -> Vec<f64> { outcomes.iter().flat_map(|by_method| all(&by_method[c], 0)).collect() };
     for (c, contender) in CONTENDERS.iter().enumerate() {
         let (mean, _) = mean_and_std(&of(c));
         let reason = match contender.key {
+            "paper_method" => {
+                "Over the runs in which it leaves a place: a reading that is off empties a plain intersection, and the run ends \
+                 `inconsistent`."
+            }
             "paper_load" => {
-                "The same method with the same force; simulated readings have no calibration error and the map is exact."
+                "With our tolerance: a quarter of the observations may be missed, shapes over 10 mm of travel. Simulated readings \
+                 have no calibration error and the map is exact."
             }
             "deterministic" => "Without friction a wall pushes a tip along its own normal.",
             "possibilistic" => "The middle of a set that holds the truth: not the likeliest place.",
@@ -258,10 +280,11 @@ fn words(section: &mut Section, seeds: usize, outcomes: &[Vec<Vec<Outcome>>]) {
         );
     }
     let worst = |c: usize| of(c).into_iter().fold(0.0, f64::max);
+    let best = CONTENDERS.iter().position(|contender| contender.key == "probabilistic").unwrap_or_default();
     section.compare(
         "Worst error of the probabilistic method against the paper's worst average",
         "worst",
-        (7.30, worst(3)),
+        (7.30, worst(best)),
         (2, "mm"),
         "Over all sweeps and draws.",
     );
@@ -274,13 +297,14 @@ fn words(section: &mut Section, seeds: usize, outcomes: &[Vec<Vec<Outcome>>]) {
     }
     section.tell("runs", outcomes.iter().map(|by_method| by_method[0].len()).sum::<usize>() as f64, 0, "");
     section.say(
-        "Of {localization-table.runs} runs each method leaves a place in: paper's load {localization-table.paper_load.found}, \
-         deterministic {localization-table.deterministic.found}, possibilistic {localization-table.possibilistic.found}, \
+        "Of {localization-table.runs} runs each method leaves a place in: the paper's {localization-table.paper_method.found}, the paper's load \
+         {localization-table.paper_load.found}, deterministic {localization-table.deterministic.found}, possibilistic {localization-table.possibilistic.found}, \
          probabilistic {localization-table.probabilistic.found}, without a prior {localization-table.no_prior.found}. One place \
-         alone (verdict “localized”) is left in {localization-table.paper_load.localized}, \
+         alone (verdict “localized”) is left in {localization-table.paper_method.localized}, \
+         {localization-table.paper_load.localized}, \
          {localization-table.deterministic.localized}, {localization-table.possibilistic.localized}, \
-         {localization-table.probabilistic.localized} and {localization-table.no_prior.localized}; the deterministic method is \
-         not told the start and may keep rivals elsewhere.",
+         {localization-table.probabilistic.localized} and {localization-table.no_prior.localized}. A run of the \
+         paper's method without a place is `inconsistent`.",
     );
 }
 

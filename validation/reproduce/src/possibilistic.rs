@@ -49,7 +49,7 @@ pub(super) fn section() -> Result<Section> {
         [
             "Figure “possibilisticLocalization”: (a) the preimage of the second measurement, (b) the subsets that the third \
              leaves. Readings are within 5 %.",
-            "Boxes that hold every state which explains the measurements so far, 10 mm apart, with the same 5 %, and what is \
+            "Boxes that hold every state which explains the measurements so far, 10 mm apart, with the same 5 % and 20 µN m, and what is \
              left after eight.",
             "The paper draws regions of the plane by sampling. Ours are boxes in place and heading that keep the true state as \
              long as the bounds hold; after few measurements they are coarse and reach beyond the walls.",
@@ -68,9 +68,12 @@ pub(super) fn section() -> Result<Section> {
         section.tell(&format!("{name}.area"), stage.map_or(f64::NAN, |s| 1e4 * s.area), 1, "cm²");
         section.tell(&format!("{name}.boxes"), stage.map_or(f64::NAN, |s| s.boxes.len() as f64), 0, "");
     }
+    let size = map.bounds().size();
+    section.tell("arena", 1e4 * size.x * size.y, 0, "cm²");
     section.say(
         "Two measurements leave {possibilistic.second.area} cm² of places, three {possibilistic.third.area} cm², eight \
-         {possibilistic.eighth.area} cm².",
+         {possibilistic.eighth.area} cm²; the arena has {possibilistic.arena} cm². After few measurements the boxes are coarse: \
+         they reach beyond the walls, and states of different headings lie over each other.",
     );
     let held = stages.iter().filter(|stage| stage.holds_truth()).count();
     section.find(

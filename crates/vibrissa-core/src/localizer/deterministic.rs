@@ -5,7 +5,7 @@ mod feeler;
 use super::method::MethodOptions;
 use super::sampling::{near, samples};
 use super::{Estimator, STRAIGHT_ONLY, one_column_each};
-use crate::Result;
+use crate::{Error, Result};
 use crate::beam::Whisker;
 use crate::config::{DeterministicOptions, Setting};
 use crate::flow::moment::MomentHistory;
@@ -224,6 +224,11 @@ impl MethodOptions for DeterministicOptions {
 
 impl Estimator for DeterministicEstimator<'_> {
     fn step(&mut self, row: &LogRow) -> Result<()> {
+        if row.heading.is_some_and(f64::is_finite) {
+            return Err(Error::data("the deterministic method takes no absolute headings")
+                .at_line(row.line)
+                .remedy("take the probabilistic or the possibilistic method, or remove the column `heading`"));
+        }
         let start = *self.start.get_or_insert(row.odom_from_robot);
         let row = &LogRow { odom_from_robot: start.between(row.odom_from_robot), ..row.clone() };
         self.states.project(row.odom_from_robot, &self.robot.odometry);

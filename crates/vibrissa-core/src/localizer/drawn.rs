@@ -32,6 +32,8 @@ pub(super) struct DrawnReading {
 pub(super) struct DrawnReadings<const LEAST: usize> {
     /// For each whisker.
     kept: Vec<Thinned<DrawnReading, LEAST>>,
+    /// The newest of each.
+    newest: Vec<Option<DrawnReading>>,
 }
 
 impl<const LEAST: usize> DrawnReadings<LEAST> {
@@ -39,7 +41,9 @@ impl<const LEAST: usize> DrawnReadings<LEAST> {
     pub(super) fn push(&mut self, reading: DrawnReading) {
         if self.kept.len() <= reading.whisker {
             self.kept.resize_with(reading.whisker + 1, Thinned::default);
+            self.newest.resize(reading.whisker + 1, None);
         }
+        self.newest[reading.whisker] = Some(reading);
         self.kept[reading.whisker].push(reading);
     }
 
@@ -55,6 +59,9 @@ impl<const LEAST: usize> DrawnReadings<LEAST> {
         let kept = self.kept.iter().map(|one| one.iter().count()).sum::<usize>();
         let stride = kept.div_ceil(2 * LEAST).max(1);
         let some = self.kept.iter().flat_map(|one| one.iter().step_by(stride));
+        let newest = self.newest.iter().flatten();
+        let is_kept = |new: &&DrawnReading| self.kept[new.whisker].iter().step_by(stride).any(|one| one.t >= new.t);
+        let some = some.chain(newest.filter(|new| !is_kept(new)));
         let mut shapes: Vec<ShapeRecord> = some
             .filter_map(|felt| shape(map, (&whiskers[felt.whisker], tips[felt.whisker].as_ref()?), felt, frame(felt)?))
             .collect();

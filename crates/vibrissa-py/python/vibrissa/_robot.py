@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from . import _vibrissa
 from ._errors import Error, UsageError
@@ -63,6 +63,16 @@ class Segment:
     diameter: float | None = None
     """Diameter where it begins (m), for strains only."""
 
+    if TYPE_CHECKING:
+
+        def __init__(
+            self,
+            length: float | str,
+            flexural_rigidity: float | str,
+            tip_ratio: float = ...,
+            diameter: float | str | None = ...,
+        ) -> None: ...
+
     def __post_init__(self) -> None:
         _quantities(self, {"length": "length", "flexural_rigidity": "rigidity", "diameter": "length"})
         _plausible("length", self.length, _LONGEST_WHISKER)
@@ -98,6 +108,21 @@ class Whisker:
     """Diameter of the wire at the base (m), for strains only."""
     strain_limit: float = _BEAM["strain_limit"]
     """Strain of the surface up to which the whisker springs back."""
+
+    if TYPE_CHECKING:
+
+        def __init__(
+            self,
+            length: float | str = ...,
+            flexural_rigidity: float | str = ...,
+            tip_ratio: float = ...,
+            curvature: float | str = ...,
+            curvature_rise: tuple[float, ...] = ...,
+            base_stiffness: float | str = ...,
+            segments: tuple[Segment, ...] = ...,
+            diameter: float | str | None = ...,
+            strain_limit: float = ...,
+        ) -> None: ...
 
     def __post_init__(self) -> None:
         units = {"length": "length", "flexural_rigidity": "rigidity", "base_stiffness": "stiffness"}
@@ -154,6 +179,29 @@ class MountedWhisker:
     gain_error: float = _MOUNTED["gain_error"]
     """Bound on the error of the readings' gain, relative to it."""
 
+    if TYPE_CHECKING:
+
+        def __init__(
+            self,
+            name: str = ...,
+            beam: Whisker = ...,
+            mount: tuple[float | str, float | str, float | str] = ...,
+            friction: float = ...,
+            calibration: str | None = ...,
+            moment_relative: float | str = ...,
+            moment_absolute: float | str = ...,
+            force_relative: float | str = ...,
+            force_absolute: float | str = ...,
+            slope_relative: float | str = ...,
+            slope_absolute: float | str = ...,
+            zero_error: float | str = ...,
+            zero_drift_error: float | str = ...,
+            mount_error: tuple[float | str, float | str, float | str] = ...,
+            length_error: float | str = ...,
+            stiffness_error: float | str = ...,
+            gain_error: float | str = ...,
+        ) -> None: ...
+
     def __post_init__(self) -> None:
         pose = ("length", "length", "angle")
         _quantities(self, {"mount": pose, "mount_error": pose, "length_error": "length", "zero_error": "moment"})
@@ -183,6 +231,17 @@ class Robot:
     """Bound on how much earlier or later than the odometry readings are taken (s)."""
     map_scale_error: float = _DEFAULT["map_scale_error"]
     """Bound on the error of the map's scale, relative to it."""
+
+    if TYPE_CHECKING:
+
+        def __init__(
+            self,
+            whiskers: tuple[MountedWhisker, ...] = ...,
+            translation_relative: float | str = ...,
+            rotation_relative: float | str = ...,
+            delay_error: float | str = ...,
+            map_scale_error: float | str = ...,
+        ) -> None: ...
 
     def __post_init__(self) -> None:
         ratios = ("translation_relative", "rotation_relative", "map_scale_error")

@@ -81,3 +81,12 @@ def plane(ax: Any) -> None:
     ax.set_aspect("equal")
     ax.set_xlabel("x (m)")
     ax.set_ylabel("y (m)")
+
+
+def log_frame(log: Any) -> Any:
+    """A log's columns as a ``pandas.DataFrame``."""
+    x, y, theta = log.odometry.reshape(-1, 3).T
+    columns = {"t": log.t, "x": x, "y": y, "theta": theta, **log.readings}
+    if log.heading is not None:
+        columns["heading"] = log.heading
+    return pandas().DataFrame(columns)

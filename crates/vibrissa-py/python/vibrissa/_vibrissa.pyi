@@ -22,6 +22,7 @@ __all__ = [
     "find_taps",
     "contact",
     "profile",
+    "quantity",
     "robot_default",
     "robot_parse",
     "robot_read",
@@ -155,6 +156,14 @@ class Bends:
 class Map:
     """A map of the plane: arena, obstacles and walls (m), x right and y up as drawn."""
 
+    def _parts(self) -> list[tuple[str, bool, bool, list[list[tuple[float, float]]]]]: ...
+    @staticmethod
+    def _from_parts(
+        parts: Sequence[tuple[str, bool, bool, Sequence[Sequence[tuple[float, float]]]]], warnings: Sequence[str]
+    ) -> Map: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+    def plot(self, ax: Any = None) -> Any:
+        """Draws the boundaries into axes of matplotlib (m), new ones for None, and gives them."""
     @staticmethod
     def read(path: _Path) -> Map:
         """The map of a file: .geojson (m), .svg (mm), .dxf, .yaml or .mcap."""
@@ -224,6 +233,11 @@ class SensorLog:
     through.
     """
 
+    @staticmethod
+    def _from_parts(text: str, source: _Path | None, warnings: Sequence[str]) -> SensorLog: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+    def to_pandas(self) -> Any:
+        """A `pandas.DataFrame` with the columns of the log's file: t, x, y, theta, readings and heading."""
     def __new__(
         cls,
         t: npt.ArrayLike,
@@ -333,7 +347,13 @@ def find_taps(
     path: _Path, calibration: Calibration, word: str | None, reference: str | None
 ) -> dict[str, Any]: ...
 def localize(
-    log: SensorLog, map: Map, robot: Robot, method: str, options: dict[str, Any], progress: Any
+    log: SensorLog,
+    map: Map,
+    robot: Robot,
+    method: str,
+    options: dict[str, Any],
+    progress: Any,
+    truth: _Poses | None,
 ) -> dict[str, Any]: ...
 def methods() -> list[str]: ...
 def path(
@@ -353,6 +373,7 @@ def preimage(
 def profile(logs: Sequence[SensorLog], robot: Robot, truth: Map | None, free_scale: bool) -> dict[str, Any]: ...
 def robot_default() -> dict[str, Any]: ...
 def robot_parse(text: str, name: str) -> dict[str, Any]: ...
+def quantity(text: str, dimension: str) -> float: ...
 def robot_read(path: _Path) -> dict[str, Any]: ...
 def robot_toml(robot: Robot) -> str: ...
 def run_command(args: Sequence[str]) -> int: ...

@@ -12,7 +12,7 @@ pub(super) const ABOUT: [&str; 3] = [
     "This page makes the figures and tables of “Mobile Robot Localization Using a Novel Whisker-Like Sensor” (Routray, \
      Sakcak, LaValle, Manivannan) anew and sets ours beside them.",
     "Everything of ours on this page is simulated, by this project's own simulator: a quasi-static whisker of the paper's \
-     wire in a plane, without friction unless said otherwise, with readings off by up to 5 %. Numbers of the paper are those \
+     wire in a plane, without friction unless said otherwise, with readings off by up to 5 % and 20 µN m. Numbers of the paper are those \
      it prints, measured on its sensor. The paper's recordings, maps and objects are not public; maps and sweeps here are \
      built after its description. So a smaller error here is no proof of a better sensor.",
     "Photographs and drawings of hardware and frames (figures “sensor-typical”, “fig_OneB”, “setupSensor” and “expSetup” (a)) \
@@ -82,7 +82,7 @@ impl Page<'_> {
             }
             rest = left;
         }
-        kept_together(&(text + &escape(rest)))
+        coded(&kept_together(&(text + &escape(rest))))
     }
 
     fn table(&self, table: &Table) -> String {
@@ -107,9 +107,13 @@ impl Page<'_> {
         for one in comparisons {
             let _ = writeln!(
                 text,
-                "<div class=\"pair\"><h3>{}</h3><dl><div><dt>paper</dt>{}</div><div><dt>ours</dt>{}</div>{}</dl><p>{}</p></div>",
+                "<div class=\"pair\"><h3>{}</h3><dl>{}<div><dt>ours</dt>{}</div>{}</dl><p>{}</p></div>",
                 escape(&one.what),
-                definition(&one.paper),
+                match &one.paper {
+                    // The paper tells nothing of it.
+                    Cell::Words(words) if words == "no number" => String::new(),
+                    cell => format!("<div><dt>paper</dt>{}</div>", definition(cell)),
+                },
                 definition(&one.ours),
                 match &one.difference {
                     Cell::Words(words) if words.is_empty() => String::new(),
@@ -138,6 +142,19 @@ impl Page<'_> {
     }
 }
 
+/// Code between backticks as the page's code.
+fn coded(html: &str) -> String {
+    let parts: Vec<&str> = html.split('`').collect();
+    // An odd backtick is none.
+    let last = if parts.len().is_multiple_of(2) { parts.len() - 1 } else { parts.len() };
+    let part = |(index, part): (usize, &&str)| match index {
+        index if index >= last => format!("`{part}"),
+        index if index % 2 == 1 => format!("<code>{part}</code>"),
+        _ => (*part).to_owned(),
+    };
+    parts.iter().enumerate().map(part).collect()
+}
+
 /// Numbers and their units on one line.
 fn kept_together(html: &str) -> String {
     html.replace(" mm", "\u{a0}mm")
@@ -153,7 +170,7 @@ fn spelled(number: &Number) -> String {
 
 fn field(cell: &Cell, unit: bool) -> String {
     match cell {
-        Cell::Words(words) => format!("<td>{}</td>", escape(words)),
+        Cell::Words(words) => format!("<td>{}</td>", coded(&escape(words))),
         Cell::Number(number) if unit => {
             format!("<td class=\"number\">{} {}</td>", spelled(number), escape(number.unit))
         }

@@ -1,0 +1,89 @@
+"""How answers show themselves, and what calls take: lines, tables, figures, copies, units, groups of options."""
+
+from __future__ import annotations
+
+import pickle
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import vibrissa
+
+
+@pytest.fixture(scope="module")
+def demo() -> vibrissa.Demo:
+    return vibrissa.demo()
+
+
+def test_every_answer_is_one_line(demo: vibrissa.Demo) -> None:
+    contacts = vibrissa.contact(demo.sweep.log)
+    shown = [demo, demo.answer, demo.answer.hypotheses[0], demo.sweep, demo.sweep.truth, demo.map, demo.sweep.log, contacts]
+    for one in shown:
+        assert "\n" not in repr(one) and len(repr(one)) <= 160, repr(one)[:400]
+    assert "localized" in repr(demo.answer)
+
+
+def test_notebooks_get_tables_and_figures(demo: vibrissa.Demo) -> None:
+    assert "<table>" in demo.answer._repr_html_() and "localized" in demo.answer._repr_html_()
+    figure = demo._repr_svg_()
+    assert figure is not None and figure.startswith("<svg") and "true path" in figure
+
+
+def test_answers_become_data_frames(demo: vibrissa.Demo) -> None:
+    pandas = pytest.importorskip("pandas")
+    answer = demo.answer
+    assert list(answer.trajectory.to_pandas()) == ["t", "x", "y", "theta"]
+    assert answer.to_pandas().loc[0, "x"] == answer.hypotheses[0].x
+    assert len(answer.steps.to_pandas()) == len(answer.steps.t)
+    log = demo.sweep.log.to_pandas()
+    assert isinstance(log, pandas.DataFrame) and log["moment"].tolist() == demo.sweep.log.readings["moment"].tolist()
+    assert len(vibrissa.contact(demo.sweep.log).to_pandas()) > 0
+
+
+def test_answers_are_drawn(demo: vibrissa.Demo) -> None:
+    matplotlib = pytest.importorskip("matplotlib")
+    matplotlib.use("Agg")
+    for one in (demo, demo.answer, demo.sweep, demo.map, demo.sweep.truth, vibrissa.contact(demo.sweep.log)):
+        axes = one.plot()
+        assert axes.lines or axes.patches
+        assert one.plot(axes) is axes
+        matplotlib.pyplot.close("all")
+
+
+def test_copies_in_other_processes_are_the_same(demo: vibrissa.Demo) -> None:
+    arena, log = pickle.loads(pickle.dumps((demo.map, demo.sweep.log)))
+    assert arena._parts() == demo.map._parts() and arena.bounds == demo.map.bounds
+    assert log.to_csv() == demo.sweep.log.to_csv() and log.warnings == demo.sweep.log.warnings
+    again = vibrissa.localize(log, arena)
+    assert again.estimate == demo.answer.estimate
+    answer = pickle.loads(pickle.dumps(demo.answer))
+    assert answer.estimate == demo.answer.estimate and np.array_equal(answer.states, demo.answer.states)
+    error = pickle.loads(pickle.dumps(pytest.raises(vibrissa.DataError, vibrissa.Map.read, "none.svg").value))
+    assert isinstance(error, FileNotFoundError)
+
+
+def test_lengths_take_units_and_have_to_be_plausible() -> None:
+    assert vibrissa.Whisker(length="75 mm") == vibrissa.Whisker()
+    mounted = vibrissa.MountedWhisker(mount=(0, "20 mm", "90 deg"), moment_relative="5 %")
+    assert mounted.mount == pytest.approx((0, 0.02, np.pi / 2)) and mounted.moment_relative == pytest.approx(0.05)
+    with pytest.raises(vibrissa.UsageError, match='"75 mm"'):
+        vibrissa.Whisker(length=75)
+    with pytest.raises(vibrissa.UsageError, match="length"):
+        vibrissa.Whisker(length="75 mN")
+
+
+def test_options_in_groups_are_the_options_by_name(demo: vibrissa.Demo) -> None:
+    log, arena = demo.sweep.log, demo.map
+    group = vibrissa.localize(log, arena, method=vibrissa.Possibilistic(tolerate=2))
+    names = vibrissa.localize(log, arena, method="possibilistic", tolerate=2)
+    assert group.method == "possibilistic" and np.array_equal(group.states, names.states)
+    with pytest.raises(TypeError, match="tolerat"):
+        vibrissa.localize(log, arena, tolerat=2)  # type: ignore[call-arg]
+
+
+def test_a_missing_file_is_pythons_own_error(tmp_path: Path) -> None:
+    for read in (vibrissa.Map.read, vibrissa.SensorLog.read, vibrissa.Robot.read):
+        with pytest.raises(FileNotFoundError, match="no such file") as caught:
+            read(tmp_path / "none.csv")
+        assert isinstance(caught.value, vibrissa.DataError) and caught.value.file

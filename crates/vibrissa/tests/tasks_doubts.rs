@@ -1,0 +1,63 @@
+//! What looks wrong where log, robot and map meet.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on must fail")]
+
+use vibrissa::io::log::from_csv;
+use vibrissa::io::map::from_geojson;
+use vibrissa::plane::Pose2;
+use vibrissa::tasks::{demo, doubts};
+use vibrissa::world::Robot;
+
+fn square(role: &str, [x, y]: [f64; 2], side: f64) -> String {
+    let corners = [[0.0, 0.0], [side, 0.0], [side, side], [0.0, side], [0.0, 0.0]].map(|[u, v]| [x + u, y + v]);
+    format!(
+        "{{\"type\": \"Feature\", \"properties\": {{\"role\": \"{role}\"}}, \"geometry\": {{\"type\": \"Polygon\", \
+         \"coordinates\": [{corners:?}]}}}}"
+    )
+}
+
+fn doubted(features: &[String]) -> Vec<String> {
+    let text = format!("{{\"type\": \"FeatureCollection\", \"features\": [{}]}}", features.join(","));
+    doubts(None, &Robot::default(), Some(&from_geojson(&text, "map.geojson").unwrap()))
+}
+
+#[test]
+fn usual_inputs_raise_no_doubt() {
+    let sweep = demo::sweep(1).unwrap();
+    assert!(doubts(Some(&sweep.log), &Robot::default(), Some(&demo::arena().unwrap())).is_empty());
+    assert!(doubted(&[square("arena", [0.0, 0.0], 2.0), square("obstacle", [0.5, 0.5], 0.2)]).is_empty());
+}
+
+#[test]
+fn maps_of_a_stamp_of_the_globe_and_with_lost_obstacles_are_told() {
+    let stamp = doubted(&[square("arena", [0.0, 0.0], 0.03)]);
+    assert!(stamp.len() == 1 && stamp[0].contains("30.000 mm wide"), "{stamp:?}");
+    let globe = doubted(&[square("arena", [8.55, 47.37], 0.2)]);
+    assert!(globe.len() == 1 && globe[0].contains("longitude and latitude"), "{globe:?}");
+    let lost = doubted(&[square("arena", [0.0, 0.0], 1.0), square("obstacle", [3.0, 0.5], 0.2)]);
+    assert!(lost.len() == 1 && lost[0].contains("outside of the arena") && lost[0].contains("(3.000, 0.500)"), "{lost:?}");
+}
+
+#[test]
+fn far_mounts_and_contact_from_the_first_row_are_told() {
+    let mut robot = Robot::default();
+    robot.whiskers[0].robot_from_whisker = Pose2::new(20.0, 0.0, 0.0);
+    let far = doubts(None, &robot, None);
+    assert!(far.len() == 1 && far[0].contains("w0") && far[0].contains("millimetres"), "{far:?}");
+    let log = from_csv("t,x,y,theta,moment\n0,0,0,0,0.003\n0.01,0.001,0,0,0.003\n", "log.csv").unwrap();
+    let first = doubts(Some(&log), &Robot::default(), None);
+    assert!(first.len() == 1 && first[0].contains("first row (3.0000 mN m)"), "{first:?}");
+}
+
+#[test]
+fn milliseconds_and_millimetres_are_told() {
+    let table = |time: f64, way: f64| {
+        let rows: String = (0..50).map(|k| format!("{},{},0,0,0\n", f64::from(k) * time, f64::from(k) * way)).collect();
+        from_csv(&format!("t,x,y,theta,moment\n{rows}"), "log.csv").unwrap().warnings
+    };
+    assert!(table(1.0 / 300.0, 1e-3).is_empty());
+    let milliseconds = table(1e3 / 300.0, 1e-3);
+    assert!(milliseconds.len() == 1 && milliseconds[0].contains("is t in milliseconds?"), "{milliseconds:?}");
+    let millimetres = table(1.0 / 300.0, 0.09);
+    assert!(millimetres.len() == 1 && millimetres[0].contains("in millimetres?"), "{millimetres:?}");
+}
