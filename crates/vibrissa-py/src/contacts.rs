@@ -14,6 +14,7 @@ use vibrissa::flow::sensor_log::SensorLog;
 use vibrissa::plane::Vec2;
 use vibrissa::tasks::contact::{ContactReport, ContactStep, contacts};
 use vibrissa::tasks::profile::{Alignment, Misfit, Outline, Profile, compare, profile as outlines_of};
+use vibrissa::tasks::temporal_filter::{FilteredContact, TemporalFilterOptions, temporal_filter as filtered};
 use vibrissa::world::Robot;
 
 /// One number of a step.
@@ -113,6 +114,37 @@ pub(crate) fn profile<'py>(
     out.set_item("left_out", found.left_out)?;
     out.set_item("events", found.events.iter().map(|log| events(log)).collect::<Vec<_>>())?;
     out.set_item("alignment", compared.as_ref().map(|c| alignment(py, c)).transpose()?)?;
+    Ok(out)
+}
+
+/// Contact sets of several readings, intersected; gives the fields of `vibrissa.FilteredContacts`.
+#[pyfunction]
+pub(crate) fn temporal_filter<'py>(
+    py: Python<'py>,
+    log: &PySensorLog,
+    robot: RobotIn,
+    readings: Option<usize>,
+    spacing: Option<f64>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let (log, robot) = (Arc::clone(&log.0), robot.robot().or_raise(py)?);
+    let default = TemporalFilterOptions::default();
+    let (readings, spacing) = (readings.unwrap_or(default.readings), spacing.unwrap_or(default.spacing));
+    let options = TemporalFilterOptions { readings, spacing, ..default };
+    let names: Vec<String> = robot.whiskers.iter().map(|whisker| whisker.name.clone()).collect();
+    let found = run(py, None, 0, move |_| filtered(&log, &robot, &options).map_err(|error| named(&log, error)))?;
+    let out = PyDict::new(py);
+    out.set_item("t", column(py, &found, |one| one.t))?;
+    out.set_item("whisker", found.iter().map(|one| names[one.whisker].clone()).collect::<Vec<_>>())?;
+    out.set_item("readings", counts(py, &found, |one| one.readings))?;
+    out.set_item("components", counts(py, &found, |one| one.components))?;
+    out.set_item("area", column(py, &found, |one| one.area))?;
+    out.set_item("contact", table(py, &found, |one| [one.contact.x, one.contact.y])?)?;
+    out.set_item("position", table(py, &found, |one| [one.position().x, one.position().y])?)?;
+    let sides = |one: &FilteredContact| {
+        let [x, y] = one.extent;
+        [x.lo(), x.hi(), y.lo(), y.hi()]
+    };
+    out.set_item("extent", table(py, &found, sides)?)?;
     Ok(out)
 }
 

@@ -149,7 +149,7 @@ fn warnings(channels: &[Channel], unknown: &[&str]) -> Vec<String> {
     let mut warnings: Vec<String> = unknown.iter().map(ignored).collect();
     let unused: Vec<String> = channels.iter().filter(|c| !is_used(c, channels)).map(Channel::column).collect();
     if !unused.is_empty() {
-        warnings.push(format!("read but not used yet: {}", unused.join(", ")));
+        warnings.push(format!("used by `contact --filter` only: {}", unused.join(", ")));
     }
     let sharp: Vec<String> = channels.iter().filter(|c| is_probabilistic(c)).map(Channel::column).collect();
     if !sharp.is_empty() {

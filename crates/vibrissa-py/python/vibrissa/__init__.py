@@ -13,7 +13,17 @@ names thing, value, allowed range and the next step.
 from ._beam import Bend, Bends, Load, force_mode, moment_mode, point_mode, tip_mode
 from ._calibrate import CalibrationReport, Taps, calibrate, taps
 from ._command import run
-from ._contact import Alignment, Contacts, Misfit, Outline, Profile, contact, profile
+from ._contact import (
+    Alignment,
+    Contacts,
+    FilteredContacts,
+    Misfit,
+    Outline,
+    Profile,
+    contact,
+    profile,
+    temporal_filter,
+)
 from ._errors import DataError, DataWarning, Error, MissingFileError, UsageError
 from ._localize import (
     Consistency,
@@ -56,6 +66,7 @@ __all__ = [
     "Error",
     "Estimate",
     "Event",
+    "FilteredContacts",
     "Hypothesis",
     "Load",
     "Localization",
@@ -105,6 +116,7 @@ __all__ = [
     "simulate",
     "sweep",
     "taps",
+    "temporal_filter",
     "tip_mode",
     "waypoints",
 ]

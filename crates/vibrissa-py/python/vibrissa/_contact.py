@@ -87,6 +87,72 @@ def contact(
 
 
 @dataclass(frozen=True, eq=False, repr=False)
+class FilteredContacts(Shown):
+    """Contact sets of several readings, intersected; columns of shape (sets)."""
+
+    t: Floats
+    """When (s)."""
+    whisker: list[str]
+    """The whisker's name."""
+    readings: Ints
+    """How many readings were intersected; 1 where the contact has moved."""
+    components: Ints
+    """How many separate pieces the set has."""
+    area: Floats
+    """Area of the set (m²)."""
+    contact: Floats
+    """Middle of the set's extent, whisker frame (m), shape (sets, 2)."""
+    position: Floats
+    """The same, odometry frame (m), shape (sets, 2)."""
+    extent: Floats
+    """x_min, x_max, y_min, y_max of the set, whisker frame (m), shape (sets, 4)."""
+
+    def to_pandas(self) -> Any:
+        """A ``pandas.DataFrame``, one row for each set."""
+        columns: dict[str, Any] = {"t": self.t, "whisker": self.whisker, "readings": self.readings, "area": self.area}
+        columns.update({f"position_{axis}": self.position[:, k] for k, axis in enumerate("xy")})
+        sides = ("x_min", "x_max", "y_min", "y_max")
+        columns.update({name: self.extent[:, k] for k, name in enumerate(sides)})
+        return pandas().DataFrame(columns)
+
+
+def temporal_filter(
+    log: LogLike,
+    robot: RobotLike = None,
+    *,
+    readings: int | None = None,
+    spacing: float | None = None,
+    format: str | None = None,
+) -> FilteredContacts:
+    """Intersects the contact sets of several readings while the base moves and the contact stands still.
+
+    Parameters
+    ----------
+    log : SensorLog or path
+        With columns force (N), slope (rad), strip_lo and strip_hi (m) or moment (N m), alone or together.
+    robot : Robot, Whisker, path or None
+        The robot, or None for the paper's whisker.
+    readings : int, optional
+        How many readings are intersected.
+    spacing : float, optional
+        How far the base moves between two of them (m).
+    format : str, optional
+        The format of a log file that is not ours.
+
+    Returns
+    -------
+    FilteredContacts
+        The sets in order of time.
+
+    Raises
+    ------
+    DataError
+        A log without such columns.
+    """
+    return FilteredContacts(**_vibrissa.temporal_filter(read_log(log, format), robot_of(robot), readings, spacing))
+
+
+@dataclass(frozen=True, eq=False, repr=False)
 class Outline(Shown):
     """A line along a wall, odometry frame; columns of shape (points)."""
 

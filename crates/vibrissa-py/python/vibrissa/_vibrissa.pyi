@@ -22,6 +22,7 @@ __all__ = [
     "find_taps",
     "contact",
     "profile",
+    "temporal_filter",
     "quantity",
     "robot_default",
     "robot_parse",
@@ -393,3 +394,6 @@ def tum_error(t: Floats, poses: Floats, true_t: Floats, true_poses: Floats) -> t
 def tum_format(t: Floats, poses: Floats) -> str: ...
 def tum_read(path: _Path) -> _Poses: ...
 def whisker_is_uniform(whisker: Whisker) -> bool: ...
+def temporal_filter(
+    log: SensorLog, robot: Robot, readings: int | None, spacing: float | None
+) -> dict[str, Any]: ...

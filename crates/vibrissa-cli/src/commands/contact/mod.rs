@@ -1,11 +1,15 @@
 //! `vibrissa contact`: where the whisker was touched.
 
+mod filter;
 mod steps;
 mod taps;
 
 use crate::output::OutputArgs;
+use crate::quantity::of_option as quantity;
 use std::path::PathBuf;
+use vibrissa::io::Dimension;
 use vibrissa::io::log::foreign::Format;
+use vibrissa::tasks::temporal_filter::TemporalFilterOptions;
 use vibrissa::{Error, Result};
 
 /// Find where a whisker was touched, step by step.
@@ -14,9 +18,13 @@ use vibrissa::{Error, Result};
 /// the paper's whisker. A contact that stands still is found from all the readings of the base's motion; a tip that slides
 /// is traced along a smooth wall. The closed forms of earlier work stand beside it.
 ///
+/// With --filter: temporal filtering. The contact sets of several readings (force, slope, strip_lo and strip_hi, moment) are
+/// moved along with the base and intersected; the contact is taken to stand still meanwhile.
+///
 /// With --taps: the radial distance of each short contact of a base that turns at the rate of the calibration.
 ///
-/// With --out DIR: contacts.csv and the figure contacts.svg; with --taps, taps.csv.
+/// With --out DIR: contacts.csv and the figure contacts.svg; with --taps, taps.csv; with
+/// --filter, filter.csv and filter.svg.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// The sensor log (.csv), or the recording of taps
@@ -24,6 +32,16 @@ pub(crate) struct Args {
     /// The robot's whiskers and error bounds (.toml) [default: the paper's whisker at the robot's origin]
     #[arg(long, value_name = "ROBOT", conflicts_with = "taps")]
     robot: Option<PathBuf>,
+    /// Intersect the contact sets of several readings instead of tracing contacts
+    #[arg(long, conflicts_with = "taps")]
+    filter: bool,
+    /// How many readings are intersected
+    #[arg(long, value_name = "N", requires = "filter", default_value_t = TemporalFilterOptions::default().readings)]
+    readings: usize,
+    /// How far the base moves between two of them
+    #[arg(long, value_name = "LENGTH", requires = "filter",
+          default_value = format!("{} mm", 1e3 * TemporalFilterOptions::default().spacing))]
+    spacing: String,
     /// Taps: one distance for each short contact
     #[arg(long, requires = "calibration")]
     taps: bool,
@@ -46,6 +64,11 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     match &args.calibration {
         Some(calibration) => taps::run(&args.log, calibration, args.format, args.reference.as_deref(), &args.output),
         None if args.taps => Err(Error::usage("--taps needs --calibration").remedy("add --calibration cal.json")),
+        None if args.filter => {
+            let spacing = quantity("--spacing", &args.spacing, Dimension::Length)?;
+            let options = TemporalFilterOptions { readings: args.readings, spacing, ..TemporalFilterOptions::default() };
+            filter::run(&args.log, args.robot.as_deref(), args.format, &options, &args.output)
+        }
         None => steps::run(&args.log, args.robot.as_deref(), args.format, &args.output),
     }
 }

@@ -1,0 +1,58 @@
+//! Temporal filtering against a peg whose place is known.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on must fail")]
+
+use vibrissa::beam::{Load, Whisker, point_mode};
+use vibrissa::io::log::from_csv;
+use vibrissa::plane::{Pose2, Vec2};
+use vibrissa::tasks::temporal_filter::{FilteredContact, TemporalFilterOptions, temporal_filter};
+use vibrissa::world::Robot;
+
+/// The peg, odometry frame (m).
+const PEG: Vec2 = Vec2 { x: 0.05, y: 0.0 };
+
+/// The base goes past the peg towards -y; the columns of the log are made of force, slope, arc length and moment.
+fn felt(header: &str, columns: fn([f64; 4]) -> String) -> Vec<FilteredContact> {
+    let mut text = format!("t,x,y,theta,{header}\n");
+    for k in 0..40 {
+        let base = Pose2::new(0.0, 0.002 - 0.5e-3 * f64::from(k), 0.0);
+        let peg = base.inverse_transform_point(PEG);
+        let bend = if peg.y > 0.0 { point_mode(&Whisker::default(), peg, Load::Normal).unwrap().first().copied() } else { None };
+        let values = bend.map_or([0.0; 4], |bend| [bend.force, bend.phi_a, bend.s_a, bend.moment]);
+        text += &format!("{},{},{},{},{}\n", f64::from(k) * 0.01, base.x, base.y, base.theta, columns(values));
+    }
+    let log = from_csv(&text, "log.csv").unwrap();
+    temporal_filter(&log, &Robot::default(), &TemporalFilterOptions::default()).unwrap()
+}
+
+#[test]
+fn several_readings_of_any_sensor_leave_less_and_keep_the_peg() {
+    let kinds: [(&str, fn([f64; 4]) -> String); 4] = [
+        ("force", |[force, ..]| force.to_string()),
+        ("slope", |[_, slope, ..]| slope.to_string()),
+        ("strip_lo,strip_hi", |[_, _, s, _]| {
+            if s > 0.0 { format!("{},{}", s - 2e-3, s + 2e-3) } else { "0,0".to_owned() }
+        }),
+        ("moment", |[.., moment]| moment.to_string()),
+    ];
+    for (header, columns) in kinds {
+        let found = felt(header, columns);
+        assert!(found.len() >= 4, "{header}: {}", found.len());
+        for one in &found {
+            let peg = one.odom_from_whisker.inverse_transform_point(PEG);
+            assert!(one.extent[0].contains(peg.x) && one.extent[1].contains(peg.y), "{header} at {}: {one:?}", one.t);
+        }
+        let alone: Vec<f64> = found.iter().filter(|one| one.readings == 1).map(|one| one.area).collect();
+        let three: Vec<f64> = found.iter().filter(|one| one.readings == 3).map(|one| one.area).collect();
+        assert!(!three.is_empty(), "{header}");
+        let mean = |areas: &[f64]| areas.iter().sum::<f64>() / areas.len() as f64;
+        assert!(mean(&three) < 0.8 * mean(&alone), "{header}: {three:?} of {alone:?}");
+    }
+}
+
+#[test]
+fn a_log_without_readings_is_refused() {
+    let log = from_csv("t,x,y,theta,ax\n0,0,0,0,1\n0.1,0,0,0,1\n", "log.csv").unwrap();
+    let error = temporal_filter(&log, &Robot::default(), &TemporalFilterOptions::default()).unwrap_err();
+    assert!(error.to_string().contains("strip_lo"), "{error}");
+}
