@@ -7,9 +7,10 @@ mod common;
 use common::{folder, vibrissa};
 use vibrissa::config::{defaults, shaft};
 use vibrissa::localizer::Method;
+use vibrissa::tasks::temporal_filter::TemporalFilterOptions;
 use vibrissa_reproduce::ReproduceOptions;
 
-const COMMANDS: [&[&str]; 12] = [
+const COMMANDS: [&[&str]; 13] = [
     &["demo"],
     &["beam", "force"],
     &["beam", "point"],
@@ -18,6 +19,7 @@ const COMMANDS: [&[&str]; 12] = [
     &["contact"],
     &["profile"],
     &["localize"],
+    &["join"],
     &["contact-set"],
     &["preimage"],
     &["simulate"],
@@ -59,6 +61,9 @@ fn expected(command: &str, option: &str) -> Vec<f64> {
         ("demo", "seed") => vec![defaults::SEED as f64],
         ("beam", "diameter") => vec![1e3 * defaults::DIAMETER],
         ("beam", "strain-limit") => vec![defaults::STRAIN_LIMIT],
+        ("contact", "readings") => vec![TemporalFilterOptions::default().readings as f64],
+        ("contact", "spacing") => vec![1e3 * TemporalFilterOptions::default().spacing],
+        ("join", "search") => vec![vibrissa::tasks::join::SEARCH],
         ("calibrate", "length") => vec![1e3 * shaft::TAPPED_LENGTH, 1e3 * shaft::STAIRCASE_LENGTH],
         ("calibrate", "tip-ratio") => vec![1.0, shaft::TAPPED_TIP_RATIO.recip()],
         ("preimage", "cell") => vec![1e3 * defaults::PREIMAGE_CELL],

@@ -83,7 +83,8 @@ def test_options_in_groups_are_the_options_by_name(demo: vibrissa.Demo) -> None:
 
 
 def test_a_missing_file_is_pythons_own_error(tmp_path: Path) -> None:
-    for read in (vibrissa.Map.read, vibrissa.SensorLog.read, vibrissa.Robot.read):
+    kinds = {"none.svg": vibrissa.Map.read, "none.csv": vibrissa.SensorLog.read, "none.toml": vibrissa.Robot.read}
+    for name, read in kinds.items():
         with pytest.raises(FileNotFoundError, match="no such file") as caught:
-            read(tmp_path / "none.csv")
+            read(tmp_path / name)
         assert isinstance(caught.value, vibrissa.DataError) and caught.value.file

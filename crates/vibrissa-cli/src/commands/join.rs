@@ -33,8 +33,9 @@ pub(crate) struct Args {
     /// The first reading's time less that of the first pose, where it is known, such as "120 ms" [default: estimated]
     #[arg(long, value_name = "S", allow_hyphen_values = true)]
     delay: Option<String>,
-    /// Look for delays up to this on either side [default: 5 s]
-    #[arg(long, value_name = "S", conflicts_with = "delay")]
+    /// Look for delays up to this on either side
+    #[arg(long, value_name = "S", conflicts_with = "delay",
+          help = format!("Look for delays up to this on either side [default: {SEARCH} s]"))]
     search: Option<String>,
     /// Write the log to this file (.csv, .mcap); without it nothing is written
     #[arg(long, value_name = "LOG")]

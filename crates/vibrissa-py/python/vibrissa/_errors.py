@@ -27,7 +27,7 @@ class MissingFileError(DataError, FileNotFoundError):
     """A file that is not there; Python's own FileNotFoundError catches it, too."""
 
     def __new__(cls, message: str, file: str | None = None, line: int | None = None) -> MissingFileError:
-        return super().__new__(cls, message)
+        return FileNotFoundError.__new__(cls, message)
 
     def __init__(self, message: str, file: str | None = None, line: int | None = None) -> None:
         super().__init__(message, file, line)

@@ -51,14 +51,19 @@ pub(crate) struct Args {
     /// Print each estimate as a line of JSON
     #[arg(long)]
     json: bool,
-    /// Let viewers such as Foxglove look on: ws://localhost:PORT [default: 8765]
+    /// Let viewers such as Foxglove look on: ws://localhost:PORT
     #[cfg(feature = "view")]
-    #[arg(long, value_name = "PORT", num_args = 0..=1, default_missing_value = "8765", conflicts_with = "replay")]
+    #[arg(long, value_name = "PORT", num_args = 0..=1, default_missing_value = PORT, conflicts_with = "replay",
+          help = format!("Let viewers such as Foxglove look on: ws://localhost:PORT [default: {PORT}]"))]
     view: Option<u16>,
     /// Print the histogram of latencies at the end
     #[arg(long)]
     latency: bool,
 }
+
+/// Where viewers look on unless told otherwise: Foxglove's own port.
+#[cfg(feature = "view")]
+const PORT: &str = "8765";
 
 /// Runs the command.
 pub(crate) fn run(args: &Args) -> Result<()> {
