@@ -6,7 +6,7 @@
 
 mod common;
 
-use common::vibrissa;
+use common::{folder as empty, vibrissa};
 use resvg::usvg::{Group, Node, Options, Rect, Tree, fontdb::Database};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -17,14 +17,14 @@ title = "Two whiskers between two walls, whose title is long enough to need a se
 seed = 3
 WHISKERS
 [map]
-arena = [[0, 0], [0.4, 0], [0.4, 0.13], [0, 0.13]]
+arena = [[0, -0.02], [0.2, -0.02], [0.25, 0], [0.4, 0], [0.4, 0.13], [0.25, 0.13], [0.2, 0.15], [0, 0.15]]
 
 [path]
-start = ["100 mm", "65 mm"]
+start = ["120 mm", "65 mm"]
 
 [[path.leg]]
 kind = "line"
-to = ["250 mm", "65 mm"]
+to = ["350 mm", "65 mm"]
 speed = "250 mm/s"
 "#;
 const TWO: &str = r#"
@@ -42,16 +42,13 @@ mount = [0, "10 mm", "115 deg"]
 "#;
 
 fn folder(name: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("figures").join(name);
-    let _ = fs::remove_dir_all(&folder);
-    fs::create_dir_all(&folder).unwrap();
-    folder
+    empty(&format!("figures-{name}"))
 }
 
 fn run(args: &[&str], out: &Path) {
     let out = out.to_str().unwrap();
     let answer = vibrissa(&[args, &["--out", out, "--pictures", "png,pdf"]].concat());
-    assert_eq!(answer.code, Some(0), "{args:?}: {}", answer.stderr);
+    assert_eq!(answer.code, Some(0), "{args:?}: {}\n{}", answer.stdout, answer.stderr);
 }
 
 fn parsed(svg: &str) -> Tree {
@@ -59,6 +56,7 @@ fn parsed(svg: &str) -> Tree {
     for name in ["DejaVuSans.ttf", "DejaVuSans-Bold.ttf"] {
         fonts.load_font_file(Path::new(env!("CARGO_MANIFEST_DIR")).join("fonts").join(name)).unwrap();
     }
+    fonts.set_sans_serif_family("DejaVu Sans");
     let options = Options { font_family: "DejaVu Sans".into(), fontdb: Arc::new(fonts), ..Options::default() };
     Tree::from_str(svg, &options).unwrap()
 }
@@ -188,7 +186,7 @@ fn sweeps_with_one_whisker_and_with_two() {
 }
 
 #[test]
-fn the_demo_and_a_calibration() {
+fn the_demo() {
     let out = folder("demo");
     run(&["demo"], &out);
     check(&out);

@@ -53,7 +53,7 @@ fn shapes() -> Vec<ShapeRecord> {
             .map(|s| Vec2::new(0.072 * s, -0.075 * bend * s * s * (1.0 - 0.33 * s)))
             .collect()
     };
-    (0..=130).step_by(2).map(|i| ShapeRecord { t: f64::from(i) / 300.0, points: bent(i) }).collect()
+    (0..=130).step_by(2).map(|i| ShapeRecord { t: f64::from(i) / 300.0, whisker: 0, points: bent(i) }).collect()
 }
 
 fn around(pose: Pose2, spread: f64, count: usize, scatter: &mut Scatter) -> Vec<Pose2> {
@@ -253,7 +253,7 @@ fn hostile_numbers_and_empty_scenes_leave_valid_figures() {
                 covariance: None,
                 ridge: vec![pose, Pose2::IDENTITY],
             });
-            answer.shapes.push(ShapeRecord { t: b, points: vec![Vec2::new(a, b)] });
+            answer.shapes.push(ShapeRecord { t: b, whisker: 0, points: vec![Vec2::new(a, b)] });
             answer.estimate = Some(pose);
             let scene = LocalizationScene { title: "", map: &[], answer: &answer, truth: None, robot: &[] };
             let figure = localization_figure(&scene);
