@@ -80,7 +80,8 @@ fn the_tour_of_the_readme_runs_in_an_empty_folder() {
         assert!(run.status.success(), "README: vibrissa {command}\n{told}");
     }
     assert!(commands.len() >= 14, "{}", commands.len());
-    for file in ["result/localization.pdf", "result/localization.html", "found/localization.mcap", "paper/report.html"] {
+    for file in ["result/localization.pdf", "result/localization.html", "found/localization.mcap", "paper/report.html"]
+    {
         assert!(place.join(file).exists(), "{file}");
     }
 }

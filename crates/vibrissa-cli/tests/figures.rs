@@ -139,7 +139,19 @@ fn whiskers_alone() {
         ),
         (
             "region",
-            vec!["contact-set", "--sensor", "load", "--value", "0.3 N", "--sensor", "moment", "--value", "11 mN m", "--tolerance", "5 %"],
+            vec![
+                "contact-set",
+                "--sensor",
+                "load",
+                "--value",
+                "0.3 N",
+                "--sensor",
+                "moment",
+                "--value",
+                "11 mN m",
+                "--tolerance",
+                "5 %",
+            ],
         ),
     ] {
         let out = folder(name);

@@ -5,8 +5,8 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::PathBuf;
 use vibrissa::Result;
-use vibrissa::io::{Dimension, parse_quantity};
 use vibrissa::beam::{CURVATURE_TERMS, Stretch, Whisker};
+use vibrissa::io::{Dimension, parse_quantity};
 use vibrissa::plane::Pose2;
 use vibrissa::world::{MomentNoise, MountedWhisker, Odometry, ReadingNoise, Robot, WhiskerErrors};
 

@@ -13,12 +13,12 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use vibrissa::Method;
 use vibrissa::config::{SettingValue, Slot};
+use vibrissa::figure::{LocalizationScene, localization_figure};
 use vibrissa::flow::pose::{ConsistencyReport, Estimate, Hypothesis, Localization, Nuisance, OdometryEstimate, Status};
 use vibrissa::flow::sensor_log::Quantity;
 use vibrissa::flow::trajectory::trajectory_error;
 use vibrissa::io::{format_tum, read_tum};
 use vibrissa::sets::StateBox;
-use vibrissa::figure::{LocalizationScene, localization_figure};
 use vibrissa::tasks::{advise, demo, doubts, outlines};
 
 /// The methods by name, the default one first.

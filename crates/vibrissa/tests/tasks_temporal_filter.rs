@@ -17,7 +17,11 @@ fn felt(header: &str, columns: fn([f64; 4]) -> String) -> Vec<FilteredContact> {
     for k in 0..40 {
         let base = Pose2::new(0.0, 0.002 - 0.5e-3 * f64::from(k), 0.0);
         let peg = base.inverse_transform_point(PEG);
-        let bend = if peg.y > 0.0 { point_mode(&Whisker::default(), peg, Load::Normal).unwrap().first().copied() } else { None };
+        let bend = if peg.y > 0.0 {
+            point_mode(&Whisker::default(), peg, Load::Normal).unwrap().first().copied()
+        } else {
+            None
+        };
         let values = bend.map_or([0.0; 4], |bend| [bend.force, bend.phi_a, bend.s_a, bend.moment]);
         text += &format!("{},{},{},{},{}\n", f64::from(k) * 0.01, base.x, base.y, base.theta, columns(values));
     }
@@ -30,9 +34,12 @@ fn several_readings_of_any_sensor_leave_less_and_keep_the_peg() {
     let kinds: [(&str, fn([f64; 4]) -> String); 4] = [
         ("force", |[force, ..]| force.to_string()),
         ("slope", |[_, slope, ..]| slope.to_string()),
-        ("strip_lo,strip_hi", |[_, _, s, _]| {
-            if s > 0.0 { format!("{},{}", s - 2e-3, s + 2e-3) } else { "0,0".to_owned() }
-        }),
+        (
+            "strip_lo,strip_hi",
+            |[_, _, s, _]| {
+                if s > 0.0 { format!("{},{}", s - 2e-3, s + 2e-3) } else { "0,0".to_owned() }
+            },
+        ),
         ("moment", |[.., moment]| moment.to_string()),
     ];
     for (header, columns) in kinds {

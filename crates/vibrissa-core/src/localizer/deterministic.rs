@@ -5,7 +5,6 @@ mod feeler;
 use super::method::MethodOptions;
 use super::sampling::{near, samples};
 use super::{Estimator, STRAIGHT_ONLY, one_column_each};
-use crate::{Error, Result};
 use crate::beam::Whisker;
 use crate::config::{DeterministicOptions, Setting};
 use crate::flow::moment::MomentHistory;
@@ -17,6 +16,7 @@ use crate::flow::sensor_log::{Channel, LogRow, SensorLog};
 use crate::flow::state_set::{Candidate, Pass, StateSet};
 use crate::plane::Pose2;
 use crate::world::{BoundarySample, Map, Robot};
+use crate::{Error, Result};
 use feeler::{RunRecord, WhiskerColumn};
 use std::collections::VecDeque;
 

@@ -1,8 +1,6 @@
 //! What looks wrong in a log without being impossible: most often a wrong unit.
 
-use crate::config::limits::{
-    FASTEST_ROBOT, HEADING_JUMP, LARGEST_MOMENT, LATEST_TIME, POSITION_JUMP, SLOW_SAMPLING,
-};
+use crate::config::limits::{FASTEST_ROBOT, HEADING_JUMP, LARGEST_MOMENT, LATEST_TIME, POSITION_JUMP, SLOW_SAMPLING};
 use crate::flow::sensor_log::{Channel, LogRow, Quantity};
 use crate::plane::wrap_angle;
 use core::f64::consts::TAU;

@@ -183,7 +183,9 @@ mod tests {
 
     #[test]
     fn spreadsheets_are_named() {
-        for (bytes, word) in [(&b"PK\x03\x04rest"[..], ".xlsx"), (b"\xd0\xcf\x11\xe0rest", ".xls"), (b"\x1f\x8b", "gzip")] {
+        for (bytes, word) in
+            [(&b"PK\x03\x04rest"[..], ".xlsx"), (b"\xd0\xcf\x11\xe0rest", ".xls"), (b"\x1f\x8b", "gzip")]
+        {
             let error = read(bytes).unwrap_err().to_string();
             assert!(error.contains(word) && error.contains("help:"), "{error}");
         }

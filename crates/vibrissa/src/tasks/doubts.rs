@@ -11,7 +11,8 @@ use crate::world::{Map, MountedWhisker, Robot, Role};
 #[must_use]
 pub fn doubts(log: Option<&SensorLog>, robot: &Robot, map: Option<&Map>) -> Vec<String> {
     let mounts = robot.whiskers.iter().filter_map(far_mount);
-    let starts = log.into_iter().flat_map(|log| robot.whiskers.iter().filter_map(|whisker| touches_first(log, whisker)));
+    let starts =
+        log.into_iter().flat_map(|log| robot.whiskers.iter().filter_map(|whisker| touches_first(log, whisker)));
     let maps = map.into_iter().flat_map(|map| of_map(map, robot));
     mounts.chain(starts).chain(maps).collect()
 }

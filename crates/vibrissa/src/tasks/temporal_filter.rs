@@ -68,7 +68,11 @@ impl FilteredContact {
 /// # Errors
 ///
 /// Options out of range; a log without force, slope, strip or moment of any whisker; a reading that is not finite.
-pub fn temporal_filter(log: &SensorLog, robot: &Robot, options: &TemporalFilterOptions) -> Result<Vec<FilteredContact>> {
+pub fn temporal_filter(
+    log: &SensorLog,
+    robot: &Robot,
+    options: &TemporalFilterOptions,
+) -> Result<Vec<FilteredContact>> {
     if options.readings == 0 || !(options.spacing > 0.0 && options.spacing.is_finite()) {
         return Err(Error::usage("temporal filtering")
             .value(format!("{} readings, {} m apart", options.readings, options.spacing))

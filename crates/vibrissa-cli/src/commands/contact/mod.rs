@@ -66,7 +66,8 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         None if args.taps => Err(Error::usage("--taps needs --calibration").remedy("add --calibration cal.json")),
         None if args.filter => {
             let spacing = quantity("--spacing", &args.spacing, Dimension::Length)?;
-            let options = TemporalFilterOptions { readings: args.readings, spacing, ..TemporalFilterOptions::default() };
+            let options =
+                TemporalFilterOptions { readings: args.readings, spacing, ..TemporalFilterOptions::default() };
             filter::run(&args.log, args.robot.as_deref(), args.format, &options, &args.output)
         }
         None => steps::run(&args.log, args.robot.as_deref(), args.format, &args.output),

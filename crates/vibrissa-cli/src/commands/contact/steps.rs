@@ -10,8 +10,8 @@ use vibrissa::config::ContactOptions;
 use vibrissa::figure::{Geometry, Layer, scene_figure};
 use vibrissa::io::log::foreign::Format;
 use vibrissa::plane::Vec2;
-use vibrissa::tasks::doubts;
 use vibrissa::tasks::contact::{Baseline, ContactKind, ContactReading, ContactReport, ContactStep, contacts};
+use vibrissa::tasks::doubts;
 use vibrissa::world::Robot;
 use vibrissa::{Error, Result};
 
