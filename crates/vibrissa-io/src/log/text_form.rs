@@ -14,7 +14,7 @@ const LOOKED_AT: usize = 1 << 16;
 pub(super) struct TextForm {
     /// Between two columns.
     pub(super) delimiter: u8,
-    /// Whether numbers have a comma in the place of the point.
+    /// Whether numbers may have a comma instead of the point.
     pub(super) decimal_comma: bool,
     /// What is not as usual, for people.
     pub(super) warnings: Vec<String>,
@@ -56,12 +56,12 @@ pub(super) fn recognised<'a>(mut reader: impl Read + 'a) -> Result<(TextForm, Pl
         Some(&found) => found,
         None => b',',
     };
-    let decimal_comma = delimiter != b',' && lines.next().is_some_and(|line| line.contains(&b','));
+    let decimal_comma = delimiter != b',';
     if delimiter != b',' {
         let name = if delimiter == b';' { "semicolons" } else { "tabs" };
         warnings.push(format!("its columns are separated by {name}"));
     }
-    if decimal_comma {
+    if decimal_comma && lines.any(|line| line.contains(&b',')) {
         warnings.push("its decimal mark is a comma".to_owned());
     }
     Ok((TextForm { delimiter, decimal_comma, warnings }, plain))
