@@ -19,6 +19,9 @@ impl Doubt {
     }
 }
 
+/// Fewer rows than this say nothing of how often one sampled.
+const FEWEST: usize = 10;
+
 /// Collects doubts row by row.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Doubts {
@@ -83,7 +86,7 @@ impl Doubts {
             let more = if doubt.count > 1 { format!(", and {} more like it", doubt.count - 1) } else { String::new() };
             Some(format!("{name}:{line}: {what} {} {unit}{more}; {hint}", (value * 1e6).round() / 1e6))
         };
-        let most = |count: usize| self.slow[1] > 0 && 2 * count > self.slow[1];
+        let most = |count: usize| self.slow[1] >= FEWEST && 2 * count > self.slow[1];
         let mostly = [
             (most(self.slow[0]), format!("most rows are more than {SLOW_SAMPLING} s apart; is t in milliseconds?")),
             (
