@@ -147,9 +147,16 @@ fn warnings(channels: &[Channel], unknown: &[&str]) -> Vec<String> {
         }
     };
     let mut warnings: Vec<String> = unknown.iter().map(ignored).collect();
-    let unused: Vec<String> = channels.iter().filter(|c| !is_used(c, channels)).map(Channel::column).collect();
+    let named = |wanted: &dyn Fn(&Channel) -> bool| {
+        channels.iter().filter(|c| wanted(c)).map(Channel::column).collect::<Vec<_>>().join(", ")
+    };
+    let strips = named(&is_strip);
+    if !strips.is_empty() {
+        warnings.push(format!("used by `contact --filter` only: {strips}"));
+    }
+    let unused = named(&|c| !is_strip(c) && !is_used(c, channels));
     if !unused.is_empty() {
-        warnings.push(format!("used by `contact --filter` only: {}", unused.join(", ")));
+        warnings.push(format!("not used, since there are moments: {unused}"));
     }
     let sharp: Vec<String> = channels.iter().filter(|c| is_probabilistic(c)).map(Channel::column).collect();
     if !sharp.is_empty() {
@@ -162,13 +169,17 @@ fn is_probabilistic(channel: &Channel) -> bool {
     matches!(channel.quantity, Quantity::Force | Quantity::Slope)
 }
 
+fn is_strip(channel: &Channel) -> bool {
+    matches!(channel.quantity, Quantity::StripLo | Quantity::StripHi)
+}
+
 /// Moments, forces and slopes are used as they are, flux and counts through a calibration where there is no moment.
 fn is_used(channel: &Channel, channels: &[Channel]) -> bool {
     let has_moment = || channels.iter().any(|c| c.quantity == Quantity::Moment && c.whisker == channel.whisker);
     match channel.quantity {
         Quantity::Moment => true,
         Quantity::Force | Quantity::Slope => true,
-        Quantity::StripLo | Quantity::StripHi => false,
+        Quantity::StripLo | Quantity::StripHi => true,
         _ => !has_moment(),
     }
 }
