@@ -100,7 +100,7 @@ let running = true;
 function show(k) {
   const [t, count, ticks, dots, whiskers, robot] = frames[k];
   for (const [id, d] of Object.entries({ ticks, dots, whiskers, robot })) document.getElementById(id).setAttribute('d', d || 'M0 0');
-  document.getElementById('words').textContent = t.toFixed(2) + ' s, ' + count + (count === 1 ? ' state' : ' states');
+  document.getElementById('words').textContent = t.toFixed(2) + ' s, ' + (count === 0 ? 'no states: free so far, or nothing explains the log' : count + (count === 1 ? ' state' : ' states'));
   at.value = k;
 }
 at.oninput = () => { running = false; play.textContent = 'Play'; show(+at.value); };
