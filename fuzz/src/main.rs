@@ -9,6 +9,7 @@
 mod campaign;
 mod mutate;
 mod random;
+mod structure;
 mod targets;
 mod watch;
 

@@ -1,6 +1,8 @@
-//! Damage that files meet: lost, repeated and foreign bytes, numbers out of range, lines out of order, deep nesting.
+//! Damage that files meet: lost, repeated and foreign bytes, numbers out of range, lines out of order, deep nesting, and damage by
+//! structure.
 
 use crate::random::Random;
+use crate::structure;
 
 /// Longest input (bytes): long enough for every fault of form, short enough for many tries.
 const LONGEST: usize = 1 << 16;
@@ -75,7 +77,7 @@ pub(crate) fn mutate(seed: &[u8], other: &[u8], words: &[&str], random: &mut Ran
     let most = [1, 1, 1, 2, 2, 4, 16][random.below(7)];
     let rounds = 1 + random.below(most);
     for _ in 0..rounds {
-        match random.below(12) {
+        match random.below(15) {
             0..=3 => replace_number(&mut text, random),
             4 => swap_bytes(&mut text, random),
             5 => drop_piece(&mut text, random),
@@ -84,6 +86,7 @@ pub(crate) fn mutate(seed: &[u8], other: &[u8], words: &[&str], random: &mut Ran
             8 => replace_word(&mut text, words, random),
             9 => move_line(&mut text, random),
             10 => splice(&mut text, other, random),
+            11..=13 => structure::damage(&mut text, random),
             _ => replace_number_slightly(&mut text, random),
         }
         text.truncate(LONGEST);

@@ -6,8 +6,8 @@ use std::time::{Duration, Instant};
 
 /// A try that takes longer than this hangs (s).
 const HANG: u64 = 60;
-/// Most memory that the program may hold (kB).
-const MEMORY: u64 = 3 << 20;
+/// Most memory that the program may hold (kB): what any file below 100 MB may take.
+const MEMORY: u64 = 1_000_000;
 /// Time between two looks.
 const LOOK: Duration = Duration::from_millis(50);
 

@@ -137,21 +137,21 @@ impl Error {
 
 impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match (&self.0.file, self.0.line) {
+        match (self.0.file.as_deref().map(told), self.0.line) {
             (Some(file), Some(line)) => write!(f, "{file}:{line}: ")?,
             (Some(file), None) => write!(f, "{file}: ")?,
             (None, Some(line)) => write!(f, "line {line}: ")?,
             (None, None) => {}
         }
-        write!(f, "{}", Told(&self.0.what))?;
+        write!(f, "{}", told(&self.0.what))?;
         if let Some(value) = &self.0.value {
-            write!(f, ": {}", Told(value))?;
+            write!(f, ": {}", told(value))?;
         }
         if let Some(allowed) = &self.0.allowed {
-            write!(f, " (allowed: {})", Told(allowed))?;
+            write!(f, " (allowed: {})", told(allowed))?;
         }
         if let Some(remedy) = &self.0.remedy {
-            write!(f, "\n  help: {}", Told(remedy))?;
+            write!(f, "\n  help: {}", Told { text: remedy, most: LONGEST, lines: true })?;
         }
         Ok(())
     }
@@ -160,20 +160,54 @@ impl fmt::Display for Error {
 /// Longest part of a message (characters): a few lines of a terminal.
 const LONGEST: usize = 600;
 
-/// A part of a message, which may quote a damaged file: cut where it would flood the terminal, and without the control
-/// characters that would steer it.
-struct Told<'a>(&'a str);
+/// Whether a character steers what shows a text instead of being seen: control characters, marks that turn the direction of
+/// writing round, line and paragraph separators, tags and other marks without a width.
+#[must_use]
+pub fn is_steering(character: char) -> bool {
+    character.is_control()
+        || matches!(character,
+            '\u{61c}' | '\u{200b}' | '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}'
+            | '\u{feff}' | '\u{fff9}'..='\u{fffb}' | '\u{e0000}'..='\u{e007f}')
+}
+
+/// A text from a file as it may be shown: every [steering](is_steering) character escaped as `\u{1b}`, and what is beyond `most`
+/// characters left out and counted.
+///
+/// ```
+/// assert_eq!(vibrissa_beam::printable("a\u{202e}b\n", 10), "a\\u{202e}b\\n");
+/// assert_eq!(vibrissa_beam::printable("abcdef", 2), "ab… (4 more characters)");
+/// ```
+#[must_use]
+pub fn printable(text: &str, most: usize) -> String {
+    Told { text, most, lines: false }.to_string()
+}
+
+/// A part of a message, which may quote a damaged file: cut where it would flood the terminal, and without the characters that
+/// would steer it.
+struct Told<'a> {
+    text: &'a str,
+    most: usize,
+    /// Whether line ends and tabulators are kept.
+    lines: bool,
+}
+
+fn told(text: &str) -> Told<'_> {
+    Told { text, most: LONGEST, lines: false }
+}
 
 impl fmt::Display for Told<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for character in self.0.chars().take(LONGEST) {
-            if character.is_control() && !matches!(character, '\n' | '\t') {
-                write!(f, "{}", character.escape_default())?;
+        for character in self.text.chars().take(self.most) {
+            if is_steering(character) && !(self.lines && matches!(character, '\n' | '\t')) {
+                match character {
+                    '\n' | '\t' | '\r' => write!(f, "{}", character.escape_default())?,
+                    _ => write!(f, "{}", character.escape_unicode())?,
+                }
             } else {
                 write!(f, "{character}")?;
             }
         }
-        let left_out = self.0.chars().skip(LONGEST).count();
+        let left_out = self.text.chars().skip(self.most).count();
         if left_out > 0 { write!(f, "… ({left_out} more characters)") } else { Ok(()) }
     }
 }
@@ -192,6 +226,8 @@ mod tests {
         let message = error.to_string();
         assert!(message.len() < 2 * LONGEST && message.contains("9… (64400 more characters)"), "{message}");
         assert!(!message.contains('\u{1b}') && message.contains("\\u{1b}]0;title\\u{7}\nend"), "{message}");
+        let named = Error::data("x").in_file("a\u{1b}[2J\u{202e}gvs\n  help: rm -r /").value("b\nc\td").to_string();
+        assert_eq!(named, "a\\u{1b}[2J\\u{202e}gvs\\n  help: rm -r /: x: b\\nc\\td");
         let whole = Error::data("größe").value("ü".repeat(LONGEST)).to_string();
         assert_eq!(whole, format!("größe: {}", "ü".repeat(LONGEST)));
     }

@@ -1,18 +1,72 @@
-//! Stopping early: a signal's request, and the work that heeds it between two rows.
+//! Stopping early: a signal's request, the work that heeds it between two rows, and what is left where the work takes too long to.
 
+use crate::output::progress;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
 
 /// Whether somebody asked to stop; signals reach the whole process, so this belongs to the process.
 static ASKED: AtomicBool = AtomicBool::new(false);
 /// Whether work is under way that looks at [`ASKED`].
 static HEEDED: AtomicBool = AtomicBool::new(false);
+/// Whether this work keeps what is known where it can be taken without it, so that nobody has to wait for it.
+static HURRIED: AtomicBool = AtomicBool::new(false);
+/// What to do with what is known so far, where the work does not end soon enough.
+static LAST_RESORT: Mutex<Slot> = Mutex::new(Slot::Empty);
+/// Held while results replace earlier ones, so that no end of the process leaves a mixture.
+static REPLACING: Mutex<()> = Mutex::new(());
 
-/// Asks the work under way to stop and to keep what it has; false where none will, or where it was asked before.
+/// The last resort of the work under way.
+enum Slot {
+    /// Nothing is known yet.
+    Empty,
+    Ready(Box<dyn FnOnce() + Send>),
+    /// It is under way, and the process ends with it.
+    Taken,
+}
+
+/// How long work may take to end once it is asked to: people feel no delay yet.
+const PATIENCE: Duration = Duration::from_millis(120);
+/// How often is looked whether it has.
+const LOOK_AGAIN: Duration = Duration::from_millis(5);
+
+/// Asks the work under way to stop and to keep what it has; ends the process where no work heeds it or it was asked before, and where work
+/// that can be done without has not stopped after a moment: with what is known so far, where anything is.
 ///
-/// For a signal handler, which ends the process on false: results are staged, so that earlier ones stay whole.
-#[must_use]
-pub fn interrupt() -> bool {
-    HEEDED.load(Ordering::SeqCst) && !ASKED.swap(true, Ordering::SeqCst)
+/// For a signal handler on a thread of its own. Results are staged, so that earlier ones stay whole.
+pub fn interrupt() {
+    if !HEEDED.load(Ordering::SeqCst) || ASKED.swap(true, Ordering::SeqCst) {
+        leave();
+    }
+    if !HURRIED.load(Ordering::SeqCst) {
+        return;
+    }
+    let begin = Instant::now();
+    while begin.elapsed() < PATIENCE {
+        if !HEEDED.load(Ordering::SeqCst) {
+            // The work has ended and delivers its results.
+            return;
+        }
+        std::thread::sleep(LOOK_AGAIN);
+    }
+    let due = core::mem::replace(&mut *slot(), Slot::Taken);
+    match due {
+        Slot::Ready(resort) => resort(),
+        _ => crate::output::warn("interrupted before anything was known: no results are written"),
+    }
+    leave();
+}
+
+/// Ends the process as shells tell the signal, between two replacements of results.
+fn leave() -> ! {
+    let _whole = replacing();
+    progress::clear();
+    std::process::exit(crate::INTERRUPTED.into());
+}
+
+/// Keeps the process from being ended by a signal as long as the value lives.
+pub(crate) fn replacing() -> MutexGuard<'static, ()> {
+    REPLACING.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Whether work was stopped early.
@@ -20,24 +74,52 @@ pub(crate) fn stopped() -> bool {
     ASKED.load(Ordering::SeqCst)
 }
 
+/// Says what to do where the work does not end soon enough.
+pub(crate) fn last_resort(resort: impl FnOnce() + Send + 'static) {
+    *slot() = Slot::Ready(Box::new(resort));
+}
+
+fn slot() -> MutexGuard<'static, Slot> {
+    LAST_RESORT.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 /// A stretch of work that heeds requests to stop.
 pub(crate) struct Heedful(());
 
 impl Heedful {
-    /// Heeds requests from now on.
+    /// Heeds requests from now on, and ends in its own time: a recording is closed.
     pub(crate) fn begin() -> Self {
         HEEDED.store(true, Ordering::SeqCst);
         Self(())
+    }
+
+    /// Heeds requests from now on; where it takes too long the [last resort](last_resort) ends the process.
+    pub(crate) fn hurried() -> Self {
+        HURRIED.store(true, Ordering::SeqCst);
+        Self::begin()
     }
 }
 
 impl Drop for Heedful {
     fn drop(&mut self) {
+        let taken = match &mut *slot() {
+            Slot::Taken => true,
+            slot => {
+                *slot = Slot::Empty;
+                false
+            }
+        };
         HEEDED.store(false, Ordering::SeqCst);
+        HURRIED.store(false, Ordering::SeqCst);
+        while taken {
+            // The signal's thread delivers in the place of this one, and ends the process.
+            std::thread::park();
+        }
     }
 }
 
 /// Forgets earlier requests, for shells that run several commands in one process.
 pub(crate) fn reset() {
     ASKED.store(false, Ordering::SeqCst);
+    *slot() = Slot::Empty;
 }

@@ -9,6 +9,7 @@ mod quantity;
 use args::Cli;
 use clap::Parser;
 use std::ffi::OsString;
+use std::io::Write;
 
 pub use interrupt::interrupt;
 
@@ -32,8 +33,12 @@ where
     let cli = match Cli::try_parse_from(commands::joined(args.into_iter().map(Into::into))) {
         Ok(cli) => cli,
         Err(error) => {
+            let words = error.render().to_string();
             // A closed pipe is the reader's choice.
-            let _ = error.print();
+            let _ = match output::plain(&words) {
+                std::borrow::Cow::Borrowed(_) => error.print(),
+                std::borrow::Cow::Owned(safe) => write!(std::io::stderr(), "{safe}"),
+            };
             return if error.use_stderr() { USAGE } else { DONE };
         }
     };

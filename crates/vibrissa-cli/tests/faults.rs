@@ -7,10 +7,10 @@ mod common;
 
 use common::{Outcome, folder, vibrissa};
 use std::collections::BTreeMap;
-use std::fs::{self, File};
+use std::fs;
 use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, ChildStdin, Command, Stdio};
 use std::sync::LazyLock;
 use std::time::Duration;
 
@@ -89,13 +89,15 @@ fn shell(script: &str, args: &[&str]) -> Outcome {
     }
 }
 
-/// A localization that waits for its log at a pipe; its map is read by the time that the pipe is open.
-fn waiting(log: &Path, map: &str, out: &Path) -> (Child, File) {
-    assert!(Command::new("mkfifo").arg(log).status().unwrap().success());
+/// A localization that waits for its log at a pipe and has read its map.
+fn waiting(map: &str, out: &Path) -> (Child, ChildStdin) {
     let mut command = Command::new(env!("CARGO_BIN_EXE_vibrissa"));
-    command.args(["localize", text(log), "--map", map, "--out", text(out)]);
-    let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-    (child, File::options().write(true).open(log).unwrap())
+    command.args(["localize", "/dev/stdin", "--map", map, "--out", text(out)]);
+    let mut child = command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let mut pipe = child.stdin.take().unwrap();
+    // A pipe takes 64 kB: all of these empty lines are taken once somebody reads the log.
+    pipe.write_all(&[b'\n'; 1 << 17]).unwrap();
+    (child, pipe)
 }
 
 #[test]
@@ -135,8 +137,7 @@ fn a_full_standard_output_is_an_error() {
 fn an_interrupt_leaves_earlier_results_whole() {
     let out = with_results("interrupt");
     let before = files(&out);
-    let log = folder("faults-interrupt-log").join("log.csv");
-    let (mut child, mut pipe) = waiting(&log, &demo("map.svg"), &out);
+    let (mut child, mut pipe) = waiting(&demo("map.svg"), &out);
     pipe.write_all(demo_log()[..200].join("\n").as_bytes()).unwrap();
     assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
     let status = child.wait().unwrap();
@@ -243,9 +244,9 @@ fn two_runs_into_one_folder_leave_the_results_of_one() {
 #[test]
 fn a_map_that_is_replaced_in_mid_run_changes_nothing() {
     let here = folder("faults-map");
-    let (map, log, out) = (here.join("map.svg"), here.join("log.csv"), here.join("out"));
+    let (map, out) = (here.join("map.svg"), here.join("out"));
     fs::copy(DEMO.join("map.svg"), &map).unwrap();
-    let (child, mut pipe) = waiting(&log, text(&map), &out);
+    let (child, mut pipe) = waiting(text(&map), &out);
     fs::write(&map, "<svg").unwrap();
     pipe.write_all((demo_log().join("\n") + "\n").as_bytes()).unwrap();
     drop(pipe);
@@ -330,4 +331,149 @@ fn a_million_identical_readings_fit_into_a_gigabyte() {
     assert_eq!(status(&outcome), "ambiguous");
     assert!(outcome.stdout.len() < 100_000, "{} bytes", outcome.stdout.len());
     fs::remove_file(&path).unwrap();
+}
+
+#[test]
+fn a_stray_quote_is_told_with_its_line() {
+    let lines = demo_log();
+    let whole = lines.join("\n") + "\n";
+    let quoted = whole.replacen(&lines[401], &format!("\"{}", lines[401]), 1);
+    let outcome = localize("quote", &quoted);
+    assert_eq!(outcome.code, Some(1), "{outcome:?}");
+    assert!(outcome.stderr.contains("log.csv:402: a quote that does not end in its line"), "{}", outcome.stderr);
+    // In a column that nobody reads it would swallow rows without a word.
+    let with = |row: usize, word: &str| format!("{},{}", lines[row], if row == 0 { "note" } else { word });
+    let noted = |row: usize| with(row, if row == 100 || row == 300 { "\"half" } else { "\"a, b\"" });
+    let log: String = (0..lines.len()).map(|row| noted(row) + "\n").collect();
+    let outcome = localize("quote-note", &log);
+    assert!(outcome.code == Some(1) && outcome.stderr.contains("log.csv:101"), "{outcome:?}");
+    let sound: String = (0..lines.len()).map(|row| with(row, "\"a, b\"") + "\n").collect();
+    assert_eq!(estimate(&localize("quotes", &sound)), estimate(&localize("no-quotes", &whole)));
+}
+
+#[test]
+fn a_last_line_without_its_end_is_dropped_whatever_it_holds() {
+    // Columns t,moment,theta,y,x: what is cut off in mid number is a number still.
+    let order = |line: &String| {
+        let f: Vec<&str> = line.split(',').collect();
+        [f[0], f[4], f[3], f[2], f[1]].join(",")
+    };
+    let lines: Vec<String> = demo_log().iter().map(order).collect();
+    assert_eq!(lines[0], "t,moment,theta,y,x");
+    let mut cut = lines[..401].join("\n");
+    cut.truncate(cut.rfind(',').unwrap() + 2);
+    let outcome = localize("last-number", &cut);
+    assert_eq!(outcome.code, Some(0), "{outcome:?}");
+    assert!(outcome.stderr.contains("line 401: the last line is cut off"), "{}", outcome.stderr);
+    let before = localize("before-last-number", &(lines[..400].join("\n") + "\n"));
+    assert_eq!(estimate(&outcome), estimate(&before));
+}
+
+#[test]
+fn a_moment_that_may_be_of_several_whiskers_is_refused_by_every_command() {
+    let here = folder("faults-whose");
+    let (two, one, log) = (here.join("two.toml"), here.join("one.toml"), here.join("log.csv"));
+    fs::write(&two, "[[whisker]]\nname = \"a\"\n[[whisker]]\nname = \"b\"\nmount = [0, 0, 1]\n").unwrap();
+    fs::write(&one, "[[whisker]]\nname = \"w0\"\n").unwrap();
+    let refused = |robot: &Path, word: &str| {
+        for command in ["contact", "profile", "localize"] {
+            let mut args = vec![command, text(&log), "--robot", text(robot)];
+            let map = demo("map.svg");
+            if command == "localize" {
+                args.extend(["--map", &map]);
+            }
+            let outcome = vibrissa(&args);
+            assert_eq!(outcome.code, Some(1), "{command}: {outcome:?}");
+            assert!(
+                outcome.stderr.contains(word) && outcome.stderr.contains("help: "),
+                "{command}: {}",
+                outcome.stderr
+            );
+        }
+    };
+    fs::write(&log, demo_log().join("\n") + "\n").unwrap();
+    refused(&two, "does not say whose it is");
+    let both = |(row, line): (usize, &String)| format!("{line},{}\n", if row == 0 { "w0.moment" } else { "0" });
+    fs::write(&log, demo_log().iter().enumerate().map(both).collect::<String>()).unwrap();
+    refused(&one, "`moment` beside `w0.moment`");
+}
+
+#[cfg(feature = "mcap")]
+#[test]
+fn times_that_no_recording_holds_are_told_and_kept_apart() {
+    let here = folder("faults-clock");
+    for (name, change) in [("ms", (|t| 1.7e12 + 1e3 * t) as fn(f64) -> f64), ("negative", |t| t - 100.0)] {
+        let shifted = |(row, line): (usize, &String)| match line.split_once(',') {
+            Some((t, rest)) if row > 0 => format!("{},{rest}\n", change(t.parse().unwrap())),
+            _ => format!("{line}\n"),
+        };
+        let (log, out) = (here.join(format!("{name}.csv")), here.join(name));
+        fs::write(&log, demo_log().iter().enumerate().map(shifted).collect::<String>()).unwrap();
+        let map = demo("map.svg");
+        let outcome = vibrissa(&["localize", text(&log), "--map", &map, "--mcap", "--out", text(&out)]);
+        assert_eq!(outcome.code, Some(0), "{outcome:?}");
+        assert!(outcome.stderr.contains("do not fit the clock of a recording"), "{}", outcome.stderr);
+        let bytes = fs::read(out.join("localization.mcap")).unwrap();
+        let mut times = std::collections::BTreeSet::new();
+        vibrissa::io::ros::read_bag(&bytes[..], name, |_, time, _| {
+            times.insert(time);
+            Ok(())
+        })
+        .unwrap();
+        assert!(times.len() > 500, "{name}: {} times", times.len());
+    }
+}
+
+#[test]
+fn the_demo_replaces_all_of_its_files_or_none() {
+    let out = with_results("demo-once");
+    fs::write(out.join("log.csv"), "the earlier log\n").unwrap();
+    // One of the results cannot be replaced, and the log before them must not be either.
+    fs::remove_file(out.join("states.csv")).unwrap();
+    fs::create_dir(out.join("states.csv")).unwrap();
+    let outcome = vibrissa(&["demo", "--out", text(&out)]);
+    assert!(outcome.code == Some(1) && outcome.stderr.contains("a folder has the name of a result"), "{outcome:?}");
+    assert_eq!(fs::read_to_string(out.join("log.csv")).unwrap(), "the earlier log\n");
+    assert_eq!(fs::read_to_string(out.join("result.json")).unwrap(), "the earlier result.json\n");
+    assert!(!fs::read_dir(&out).unwrap().any(|e| e.unwrap().file_name().to_string_lossy().ends_with(".part")));
+}
+
+/// Sends SIGINT after `delay` to a command; how long it went on (s), its exit code and its words.
+fn stopped_after(args: &[&str], delay: Duration) -> (f64, Option<i32>, String) {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_vibrissa"));
+    let child = command.args(args).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+    std::thread::sleep(delay);
+    let asked = std::time::Instant::now();
+    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    let output = child.wait_with_output().unwrap();
+    (asked.elapsed().as_secs_f64(), output.status.code(), String::from_utf8(output.stderr).unwrap())
+}
+
+#[test]
+fn an_interrupt_in_a_long_step_leaves_what_was_known_before_and_marks_it() {
+    // A ring of 60 m of wall with many corners: its first contact and the end of its log take seconds.
+    let here = folder("faults-long-step");
+    let (map, log, out) = (here.join("map.geojson"), here.join("log.csv"), here.join("out"));
+    let turn = core::f64::consts::TAU / 60_000.0;
+    let point = |i: i32| format!("[{},{}]", 9.0 * (turn * f64::from(i)).cos(), 9.0 * (turn * f64::from(i)).sin());
+    let ring: Vec<String> = (0..60_000).map(point).collect();
+    let feature = format!(
+        "{{\"type\":\"Feature\",\"properties\":{{\"role\":\"arena\"}},\"geometry\":{{\"type\":\"Polygon\",\"coordinates\":[[{}]]}}}}",
+        ring.join(",")
+    );
+    fs::write(&map, feature).unwrap();
+    fs::write(&log, demo_log().join("\n") + "\n").unwrap();
+    let args = ["localize", text(&log), "--map", text(&map), "--out", text(&out), "--method", "possibilistic"];
+    let (_, code, told) = stopped_after(&args, Duration::from_millis(2500));
+    if code == Some(0) {
+        return println!("skipped: this machine was done before the interrupt");
+    }
+    assert_eq!(code, Some(130), "{told}");
+    if told.contains("interrupted after") {
+        let found = files(&out);
+        assert_eq!(found.len(), 5, "{:?}", found.keys());
+        assert!(String::from_utf8_lossy(&found["result.json"]).contains("\"interrupted\": true"));
+    } else {
+        assert!(told.is_empty() || told.contains("before anything was known"), "{told}");
+    }
 }

@@ -19,7 +19,7 @@ pub use probabilistic::ProbabilisticEstimator;
 
 use crate::config::limits::COARSEST_SPACING;
 use crate::flow::pose::{Estimate, Event, Localization};
-use crate::flow::sensor_log::{Channel, LogRow, Quantity};
+use crate::flow::sensor_log::{Channel, LogRow};
 use crate::plane::Pose2;
 use crate::world::{Map, Robot};
 use crate::{Error, Result};
@@ -117,19 +117,6 @@ const STRAIGHT_ONLY: &str =
     "this method takes whiskers that are straight at rest; `localize --method possibilistic` takes this one, too";
 /// At least this many observations are kept for drawing, where there are as many.
 const SHAPES: usize = 512;
-
-/// Refuses a column without a name where several whiskers would share it.
-fn one_column_each(robot: &Robot, channels: &[Channel]) -> Result<()> {
-    let nameless = channels.iter().any(|c| c.quantity == Quantity::Moment && c.whisker.is_empty());
-    if robot.whiskers.len() < 2 || !nameless {
-        return Ok(());
-    }
-    let columns: Vec<String> = robot.whiskers.iter().map(|w| format!("{}.moment", w.name)).collect();
-    Err(Error::data("the robot has several whiskers, but the log's column `moment` does not say whose it is")
-        .value(format!("{} whiskers", robot.whiskers.len()))
-        .allowed(columns.join(", "))
-        .remedy("rename the column after its whisker, and take whiskers without a column out of the robot file"))
-}
 
 /// Refuses a map with more boundary than a search without a region goes through in a time that anybody waits.
 fn searchable(map: &Map, prior: Option<[[f64; 2]; 3]>, most: f64) -> Result<()> {

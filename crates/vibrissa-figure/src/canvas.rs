@@ -1,6 +1,6 @@
 //! A panel of the page that shows a piece of the world.
 
-use super::document::{Document, escape, number};
+use super::document::{Document, escaped_line, number};
 use crate::plane::{Pose2, Vec2};
 use std::collections::HashSet;
 use std::fmt::Write;
@@ -225,7 +225,7 @@ impl Canvas {
         if point.is_finite() {
             let p = self.page(point);
             let (x, y) = (number(p.x + offset.0), number(p.y + offset.1));
-            let _ = writeln!(self.body, r#"<text x="{x}" y="{y}" class="{class}">{}</text>"#, escape(text));
+            let _ = writeln!(self.body, r#"<text x="{x}" y="{y}" class="{class}">{}</text>"#, escaped_line(text));
         }
     }
 

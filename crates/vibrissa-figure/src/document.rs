@@ -2,8 +2,10 @@
 
 use super::style;
 use std::fmt::Write;
+use vibrissa_core::error::is_steering;
 
-/// Text made safe for XML content and attributes; characters that XML forbids become U+FFFD.
+/// Text made safe for XML content and attributes; characters that XML forbids, and those that
+/// [steer a viewer](vibrissa_core::error::is_steering) instead of being seen, become U+FFFD.
 #[must_use]
 pub fn escape(text: &str) -> String {
     let mut safe = String::with_capacity(text.len());
@@ -15,11 +17,23 @@ pub fn escape(text: &str) -> String {
             '"' => safe.push_str("&quot;"),
             '\'' => safe.push_str("&apos;"),
             '\t' | '\n' | '\r' => safe.push(' '),
-            '\u{0}'..='\u{1f}' | '\u{fffe}' | '\u{ffff}' => safe.push('\u{fffd}'),
+            '\u{fffe}' | '\u{ffff}' => safe.push('\u{fffd}'),
+            steering if is_steering(steering) => safe.push('\u{fffd}'),
             other => safe.push(other),
         }
     }
     safe
+}
+
+/// Longest text on a page (characters): what is longer leaves it on the right.
+const LONGEST: usize = 400;
+
+/// As [`escape`], cut where it would be longer than any line.
+pub(crate) fn escaped_line(text: &str) -> String {
+    match text.char_indices().nth(LONGEST) {
+        Some((at, _)) => escape(&text[..at]) + "…",
+        None => escape(text),
+    }
 }
 
 /// A page coordinate with at most two decimals and no negative zero, so that equal figures are equal bytes.
@@ -44,13 +58,25 @@ impl Document {
     /// An empty white page with a title and a description for readers who cannot see it.
     #[must_use]
     pub fn new(width: f64, height: f64, title: &str, description: &str) -> Self {
-        Self { width, height, title: escape(title), description: escape(description), body: String::new(), clips: 0 }
+        Self {
+            width,
+            height,
+            title: escaped_line(title),
+            description: escape(description),
+            body: String::new(),
+            clips: 0,
+        }
     }
 
     /// Puts one line of text with its anchor at `(x, y)`.
     pub fn text(&mut self, x: f64, y: f64, class: &str, text: &str) {
-        let _ =
-            writeln!(self.body, r#"<text x="{}" y="{}" class="{class}">{}</text>"#, number(x), number(y), escape(text));
+        let _ = writeln!(
+            self.body,
+            r#"<text x="{}" y="{}" class="{class}">{}</text>"#,
+            number(x),
+            number(y),
+            escaped_line(text)
+        );
     }
 
     /// Puts a straight line.

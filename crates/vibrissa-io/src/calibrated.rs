@@ -114,7 +114,7 @@ fn raw_channel(log: &SensorLog, whisker: &str, word: &str) -> Result<usize> {
     find(whisker).or_else(|| find("")).ok_or_else(|| {
         let held: Vec<String> = log.channels.iter().map(Channel::column).collect();
         let error = Error::data(format!("the log has neither a moment nor `{word}` for the whisker \"{whisker}\""))
-            .value(format!("it holds {}", held.join(", ")))
+            .value(format!("it holds {}", crate::text::listed(&held)))
             .remedy("the calibration needs the columns that it was made from");
         match &log.source {
             Some(file) => error.in_file(file),

@@ -1,5 +1,6 @@
 //! `cal.json`: one reader, one writer.
 
+use crate::config::budgets::CALIBRATION_BYTES;
 use crate::text::read_text;
 use crate::world::calibration::{
     Calibration, DistanceModel, MomentCurve, Motion, Source, TipDeflection, VERSION, WhiskerConstants,
@@ -15,7 +16,7 @@ use std::path::Path;
 /// A file that cannot be read, is no JSON, has another version, or lacks a key; the message names it.
 pub fn read(path: impl AsRef<Path>) -> Result<Calibration> {
     let path = path.as_ref();
-    from_json(&read_text(path, "calibration")?, &path.to_string_lossy())
+    from_json(&read_text(path, "calibration", CALIBRATION_BYTES)?, &path.to_string_lossy())
 }
 
 /// The calibration in a JSON text; `name` stands for the file in messages. Unknown keys are left alone.

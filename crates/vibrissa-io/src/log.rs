@@ -3,6 +3,7 @@
 #[cfg(feature = "mcap")]
 mod bag;
 mod columns;
+mod csv_lines;
 mod csv_reader;
 mod csv_writer;
 mod doubts;

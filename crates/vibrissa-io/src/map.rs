@@ -11,6 +11,7 @@ pub use svg::from_svg;
 
 #[cfg(any(feature = "mcap", feature = "ros-map"))]
 use crate::config::GridOptions;
+use crate::config::budgets::MAP_BYTES;
 #[cfg(any(feature = "mcap", feature = "ros-map"))]
 use crate::grid::OccupancyGrid;
 use crate::text::{read_text, suggestion};
@@ -37,7 +38,7 @@ pub fn read(path: impl AsRef<Path>) -> Result<Map> {
         "mcap" => return from_grid_file(&crate::ros::read_grid(path)?, path),
         _ => return Err(unknown_format(path, &extension)),
     };
-    reader(&read_text(path, "map")?, &path.to_string_lossy())
+    reader(&read_text(path, "map", MAP_BYTES)?, &path.to_string_lossy())
 }
 
 #[cfg(any(feature = "mcap", feature = "ros-map"))]

@@ -1,6 +1,7 @@
 //! Tables of a TOML file with lines, units and ranges: what the readers of robots and scenarios share.
 
-use crate::text::{did_you_mean, line_at};
+use crate::config::budgets::TOML_DEPTH;
+use crate::text::{beyond, did_you_mean, line_at, short};
 use crate::units::{Dimension, parse_quantity};
 use crate::{Error, Result};
 use core::f64::consts::TAU;
@@ -27,8 +28,19 @@ impl<'a> Source<'a> {
     ///
     /// # Errors
     ///
-    /// Text that is not TOML, with its line.
+    /// Text that is not TOML, or nested deeper than any, with its line.
     pub fn parse(&self) -> Result<Spanned<DeTable<'a>>> {
+        if let Some(at) = too_deep(self.text) {
+            let remedy = "robots, scenarios and setups have three levels; remove brackets and dots";
+            return Err(beyond(
+                "keys or lists are nested too deeply",
+                format!("more than {TOML_DEPTH} levels"),
+                TOML_DEPTH,
+                remedy,
+            )
+            .in_file(self.name)
+            .at_line(line_at(self.text.as_bytes(), at)));
+        }
         DeTable::parse(self.text).map_err(|e| {
             let line = e.span().map_or(1, |span| self.line(&span));
             Error::data("not valid TOML").in_file(self.name).at_line(line).value(e.message())
@@ -45,6 +57,29 @@ impl<'a> Source<'a> {
     pub fn fault(&self, span: &Range<usize>, what: impl Into<String>) -> Error {
         Error::data(what).in_file(self.name).at_line(self.line(span))
     }
+}
+
+/// Where a text opens more brackets than it closed, or joins more names by dots, than [`TOML_DEPTH`]; signs are counted without regard to
+/// quotes and comments, in which there are seldom so many.
+fn too_deep(text: &str) -> Option<usize> {
+    let (mut open, mut dots, mut before) = (0_usize, 0_usize, b' ');
+    for (at, byte) in text.bytes().enumerate() {
+        match byte {
+            b'[' | b'{' => (open, dots) = (open + 1, 0),
+            b']' | b'}' => (open, dots) = (open.saturating_sub(1), 0),
+            b',' | b'=' | b'\n' => dots = 0,
+            // Rows of dots stand in comments.
+            b'.' if before != b'.' => dots += 1,
+            _ => {}
+        }
+        if open > TOML_DEPTH || dots > TOML_DEPTH {
+            return Some(at);
+        }
+        if byte != b' ' && byte != b'\t' {
+            before = byte;
+        }
+    }
+    None
 }
 
 /// Where a number must lie, and how to say so.
@@ -136,7 +171,7 @@ impl<'a> Section<'a> {
                 Err(self
                     .source
                     .fault(&key.span(), "unknown key")
-                    .value(self.key(word))
+                    .value(self.key(&short(word)))
                     .remedy(did_you_mean(word, known)))
             }
             None => Ok(()),
@@ -248,7 +283,7 @@ impl<'a> Section<'a> {
 #[must_use]
 pub fn show(value: &DeValue<'_>) -> String {
     match value {
-        DeValue::String(s) => format!("\"{s}\""),
+        DeValue::String(s) => format!("\"{}\"", short(s)),
         DeValue::Integer(i) => i.to_string(),
         DeValue::Float(f) => f.as_str().to_owned(),
         DeValue::Boolean(b) => b.to_string(),

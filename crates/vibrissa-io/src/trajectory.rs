@@ -1,7 +1,10 @@
 //! Trajectories as text: TUM lines `timestamp tx ty tz qx qy qz qw`.
 
+use crate::config::budgets::TRAJECTORY_BYTES;
+use crate::config::limits::MOST_LOG_ROWS;
 use crate::flow::pose::{StampedPose, Stretch};
 use crate::plane::Pose2;
+use crate::text::{beyond, read_text, short};
 use crate::{Error, Result};
 use std::fmt::Write;
 use std::path::Path;
@@ -19,11 +22,7 @@ const QUATERNION_SLACK: f64 = 1e-2;
 /// increase, the quaternion has not length 1, or no pose is there at all.
 pub fn read_tum(path: impl AsRef<Path>) -> Result<Vec<StampedPose>> {
     let path = path.as_ref();
-    let text = std::fs::read_to_string(path).map_err(|error| {
-        Error::data(format!("cannot read the trajectory ({error})"))
-            .in_file(path)
-            .remedy("give the path of a text file with lines `timestamp tx ty tz qx qy qz qw`")
-    })?;
+    let text = read_text(path, "trajectory", TRAJECTORY_BYTES)?;
     parse_tum(&text).map_err(|error| error.in_file(path))
 }
 
@@ -47,6 +46,10 @@ pub fn parse_tum(text: &str) -> Result<Vec<StampedPose>> {
                 .allowed(format!("above {}", previous.t))
                 .remedy("sort the lines by time and drop repeated ones"));
         }
+        if poses.len() >= MOST_LOG_ROWS {
+            let remedy = "cut it into parts, or keep every tenth pose";
+            return Err(beyond("the trajectory has too many poses", poses.len() + 1, MOST_LOG_ROWS, remedy));
+        }
         poses.push(pose);
     }
     if poses.is_empty() {
@@ -60,16 +63,19 @@ pub fn parse_tum(text: &str) -> Result<Vec<StampedPose>> {
 fn parse_line(line: &str) -> Result<StampedPose> {
     let remedy = "each line reads `timestamp tx ty tz qx qy qz qw`, separated by spaces";
     let mut values = [0.0; 8];
-    let fields: Vec<&str> = line.split_whitespace().collect();
+    // One more than there may be tells that there are too many.
+    let fields: Vec<&str> = line.split_whitespace().take(values.len() + 1).collect();
     if fields.len() != values.len() {
-        return Err(Error::data("wrong number of columns").value(fields.len()).allowed("8").remedy(remedy));
+        return Err(Error::data("wrong number of columns")
+            .value(if fields.len() > 8 { "more than 8".to_owned() } else { fields.len().to_string() })
+            .allowed("8")
+            .remedy(remedy));
     }
     for (value, field) in values.iter_mut().zip(fields) {
-        *value = field
-            .parse::<f64>()
-            .ok()
-            .filter(|number| number.is_finite())
-            .ok_or_else(|| Error::data("not a number").value(field).allowed("a finite number").remedy(remedy))?;
+        *value =
+            field.parse::<f64>().ok().filter(|number| number.is_finite()).ok_or_else(|| {
+                Error::data("not a number").value(short(field)).allowed("a finite number").remedy(remedy)
+            })?;
     }
     let [t, x, y, _, qx, qy, qz, qw] = values;
     let length = (qx * qx + qy * qy + qz * qz + qw * qw).sqrt();

@@ -7,6 +7,7 @@ use crate::timing::TimeBase;
 use crate::{Error, Result};
 use std::path::{Path, PathBuf};
 use toml::de::DeValue;
+use vibrissa_core::config::budgets::TOML_BYTES;
 use vibrissa_core::config::{SettingValue, Slot};
 use vibrissa_core::localizer::Method;
 use vibrissa_io::Dimension;
@@ -98,7 +99,7 @@ const BAUDS: core::ops::RangeInclusive<u64> = 50..=12_000_000;
 /// A file that cannot be read or is at fault; the message names file, line, value, allowed range and the next step.
 pub fn read(path: impl AsRef<Path>) -> Result<Setup> {
     let path = path.as_ref();
-    let text = read_text(path, "setup")?;
+    let text = read_text(path, "setup", TOML_BYTES)?;
     let mut setup = from_toml(&text, &path.to_string_lossy())?;
     if let Some(folder) = path.parent() {
         setup.based_on(folder);

@@ -29,13 +29,15 @@ fn foreign_line_ends_and_marks() {
     for text in [
         format!("\u{feff}{plain}"),
         plain.replace('\n', "\r\n"),
-        plain.trim_end().to_owned(),
         format!("{plain}\n\n  \n"),
         plain.replace(',', " , "),
         plain.replace("t,x", "\"t\",x"),
     ] {
         assert_eq!(vibrissa::io::log::from_csv(&text, "a").unwrap(), expected, "{text:?}");
     }
+    // Whether the last number is whole nobody knows without the line's end.
+    let cut = vibrissa::io::log::from_csv(plain.trim_end(), "a").unwrap();
+    assert_eq!((cut.rows.as_slice(), cut.warnings.len()), (&expected.rows[..1], 1));
 }
 
 /// A source that gives one byte at a time.
@@ -71,5 +73,5 @@ fn files_that_are_no_logs_are_refused_before_they_fill_the_memory() {
     let endless = std::io::repeat(b'7').take(1 << 30);
     let begin = "t,x,y,theta,moment\n".as_bytes();
     let error = vibrissa::io::log::from_reader(begin.chain(endless), "log.csv").unwrap_err();
-    assert!(error.to_string().contains("more than a megabyte"), "{error}");
+    assert!(error.to_string().contains("line is too long: more than 1048576 bytes"), "{error}");
 }

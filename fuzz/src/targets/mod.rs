@@ -3,11 +3,13 @@
 mod beam;
 mod corridor;
 mod geometry;
+mod live;
 mod readers;
 mod ros;
 
 use crate::random::Random;
 use std::hash::{DefaultHasher, Hash, Hasher};
+use vibrissa::error::is_steering;
 
 /// What one input came to: read or refused, and a mark that is new when the code did something new.
 pub(crate) struct Outcome {
@@ -79,6 +81,11 @@ pub(crate) const ALL: &[Target] = &[
         source: Source::Damaged(&["fuzz/seeds/quantity"], readers::UNIT_WORDS),
         check: readers::quantity,
     },
+    Target {
+        name: "live",
+        source: Source::Damaged(&["fuzz/seeds/foreign"], readers::FOREIGN_WORDS),
+        check: live::lines,
+    },
     Target { name: "outline", source: Source::Drawn(geometry::draw_points), check: geometry::outline },
     Target { name: "edges", source: Source::Drawn(geometry::draw_points), check: geometry::edges },
     Target { name: "curve", source: Source::Drawn(geometry::draw_points), check: geometry::curve },
@@ -95,12 +102,17 @@ const fn on_logs(name: &'static str, check: fn(&[u8]) -> Verdict) -> Target {
     Target { name, source: Source::Damaged(&["fuzz/seeds/log"], readers::LOG_WORDS), check }
 }
 
+/// Longest message (bytes): four parts of six hundred characters and a file's name, in the longest script.
+const LONGEST_MESSAGE: usize = 8192;
+
 /// The outcome of a reader that refused: its message must help, and must neither flood nor steer the terminal.
 fn refused(error: &vibrissa::Error) -> Verdict {
     let message = error.to_string();
-    promise(!message.is_empty() && message.len() < 10_000, || format!("a message of {} bytes", message.len()))?;
-    let steers = message.chars().any(|c| c.is_control() && !matches!(c, '\n' | '\t'));
-    promise(!steers, || format!("control characters in the message {message:?}"))?;
+    promise(!message.is_empty() && message.len() < LONGEST_MESSAGE, || {
+        format!("a message of {} bytes", message.len())
+    })?;
+    let steers = message.chars().any(|c| is_steering(c) && !matches!(c, '\n' | '\t'));
+    promise(!steers, || format!("characters that steer a terminal in the message {message:?}"))?;
     Ok(Outcome { read: false, mark: mark(&words(&message)) })
 }
 

@@ -2,7 +2,7 @@
 
 use super::localize::outlines;
 use crate::output::OutputArgs;
-use crate::output::{Run, Stopwatch, deliver, print, write_all};
+use crate::output::{Run, Stopwatch, deliver, print};
 use std::path::Path;
 use vibrissa::config::defaults::SEED;
 use vibrissa::io::format_tum;
@@ -30,9 +30,6 @@ pub(crate) struct Args {
 /// Runs the command.
 pub(crate) fn run(args: &Args) -> Result<()> {
     let sweep = demo::sweep(args.seed)?;
-    if let Some(folder) = &args.output.out {
-        write_all(folder, &input_files(&sweep))?;
-    }
     deliver(&localized(&sweep, args.seed)?, &args.output)?;
     match &args.output.out {
         Some(folder) if !args.output.json => print(&next_step(folder)),
@@ -56,6 +53,7 @@ fn localized(sweep: &Sweep, seed: u64) -> Result<Run> {
         truth: Some(sweep.truth.clone()),
         recording: None,
         film: None,
+        inputs: input_files(sweep),
     })
 }
 

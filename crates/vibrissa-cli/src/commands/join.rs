@@ -75,10 +75,14 @@ fn write(path: &Path, log: &SensorLog) -> Result<()> {
 #[cfg(feature = "mcap")]
 fn bytes(path: &Path, log: &SensorLog) -> Result<Vec<u8>> {
     use vibrissa::io::recording::parts::add_readings;
+    use vibrissa::io::recording::{clock_origin, clock_warning, shifted_log};
     use vibrissa::io::ros::{BagWriter, Header, Kind, Stamp, encode_odometry};
     if path.extension().is_none_or(|extension| extension != "mcap") {
         return Ok(to_csv(log).into_bytes());
     }
+    clock_warning(log).iter().for_each(|warning| warn(warning));
+    let shifted = clock_origin(log).map(|origin| shifted_log(log, origin));
+    let log = shifted.as_ref().unwrap_or(log);
     let mut bag = BagWriter::default();
     let odom = bag.topic("/odom", Kind::Odometry, false);
     for row in &log.rows {

@@ -15,6 +15,7 @@ mod readings;
 mod reproduce;
 mod simulate;
 
+use crate::output::progress::Progress;
 use clap::Subcommand;
 pub(crate) use localize::joined;
 use vibrissa::Result;
@@ -39,8 +40,28 @@ pub(crate) enum Command {
     Reproduce(reproduce::Args),
 }
 
+/// What a command that may take long does, for the line that says so; none for those that have a line of their own.
+fn doing(command: &Command) -> Option<&'static str> {
+    Some(match command {
+        Command::Beam(_) => "bending",
+        Command::Calibrate(_) => "calibrating",
+        Command::Contact(_) => "finding contacts",
+        Command::ContactSet(_) => "finding the contact set",
+        Command::Preimage(_) => "finding the preimage",
+        Command::Profile(_) => "finding the outline",
+        Command::Demo(_) => "simulating and localizing",
+        Command::Localize(_) => "reading",
+        Command::Join(_) => "joining",
+        Command::Simulate(_) => "reading the scenario",
+        #[cfg(feature = "live")]
+        Command::Live(_) => return None,
+        Command::Reproduce(_) => return None,
+    })
+}
+
 /// Runs a command.
 pub(crate) fn run(command: &Command) -> Result<()> {
+    let _line = doing(command).map(Progress::begin);
     match command {
         Command::Beam(args) => beam::run(args),
         Command::Calibrate(args) => calibrate::run(args),

@@ -1,8 +1,12 @@
 //! Result files that are whole or not there.
 
 use super::picture::{self, Picture};
+use super::plain;
+use crate::interrupt::replacing;
 use std::borrow::Cow;
+use std::collections::hash_map::RandomState;
 use std::fs::{self, File, TryLockError};
+use std::hash::{BuildHasher, Hasher};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -65,7 +69,8 @@ const MAP: &str = "map.svg";
 /// at a time, and all pictures.
 ///
 /// All are written under temporary names first and renamed at the end, so that earlier results stay whole when the disk
-/// fills up or the program is stopped. Runs that share a folder rename one after the other.
+/// fills up or the program is stopped. Runs that share a folder rename one after the other. Temporary files of runs that were
+/// ended before they could remove them are removed.
 pub(crate) fn write_each(to: Destination<'_>, files: &[(&str, Content<'_>)]) -> Result<Vec<PathBuf>> {
     let pictures = pictures(files, to.pictures)?;
     let folder = to.folder;
@@ -76,29 +81,112 @@ pub(crate) fn write_each(to: Destination<'_>, files: &[(&str, Content<'_>)]) -> 
         .map(|(name, bytes)| (name.as_str(), Box::new(move || Cow::Borrowed(bytes.as_slice())) as Content<'_>));
     let files: Vec<(&str, Content<'_>)> = given.chain(drawn).collect();
     fs::create_dir_all(folder).map_err(|error| fault("cannot make the folder", folder, &error))?;
-    let staged: Vec<(PathBuf, PathBuf)> = files
-        .iter()
-        .map(|(name, _)| (folder.join(format!(".{name}.{}.part", std::process::id())), folder.join(name)))
-        .collect();
-    let result = stage_and_rename(&staged, &files);
+    let paths: Vec<PathBuf> = files.iter().map(|(name, _)| folder.join(name)).collect();
+    no_folders(&paths)?;
+    let mut staged = Vec::new();
+    let result = stage_and_rename(folder, &paths, &files, &mut staged);
     if result.is_err() {
-        for (temporary, _) in &staged {
+        for part in &staged {
             // Those already renamed are no longer there under this name.
-            let _ = fs::remove_file(temporary);
+            let _ = fs::remove_file(&part.temporary);
         }
     }
-    result.map(|()| staged.into_iter().map(|(_, path)| path).collect())
+    result.map(|()| paths)
 }
 
-fn stage_and_rename(staged: &[(PathBuf, PathBuf)], files: &[(&str, Content<'_>)]) -> Result<()> {
-    for ((temporary, path), (_, content)) in staged.iter().zip(files) {
-        write_one(temporary, &content()).map_err(|error| fault("cannot write", path, &error))?;
+/// A file under its temporary name, locked as long as the run lives that writes it.
+struct Part {
+    temporary: PathBuf,
+    file: File,
+}
+
+impl Part {
+    /// Makes the file anew: a file or a link that stands under the name is never written to.
+    fn create(path: &Path) -> std::io::Result<Self> {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let temporary = path.with_file_name(format!(".{name}.{:016x}.part", random()));
+        let file = File::options().write(true).create_new(true).open(&temporary)?;
+        // Where the system has no locks, parts of other runs are not removed either.
+        let _ = file.try_lock();
+        Ok(Self { temporary, file })
     }
-    let _turn = staged.first().and_then(|(_, path)| take_turn(path.parent()?));
-    for (temporary, path) in staged {
-        fs::rename(temporary, path).map_err(|error| fault("cannot replace", path, &error))?;
+
+    fn write(&mut self, content: &[u8]) -> std::io::Result<()> {
+        self.file.write_all(content)?;
+        self.file.sync_all()
+    }
+}
+
+/// A number that nobody can foretell.
+fn random() -> u64 {
+    RandomState::new().build_hasher().finish()
+}
+
+fn stage_and_rename(
+    folder: &Path,
+    paths: &[PathBuf],
+    files: &[(&str, Content<'_>)],
+    staged: &mut Vec<Part>,
+) -> Result<()> {
+    let turn = take_turn(folder);
+    if turn.is_some() {
+        remove_left_over(folder, files);
+    }
+    for path in paths {
+        staged.push(Part::create(path).map_err(|error| fault("cannot write", path, &error))?);
+    }
+    drop(turn);
+    for ((part, path), (name, content)) in staged.iter_mut().zip(paths).zip(files) {
+        let bytes = content();
+        let safe = if name.ends_with("json") { as_plain(&bytes) } else { None };
+        part.write(safe.as_deref().map_or(&bytes, str::as_bytes))
+            .map_err(|error| fault("cannot write", path, &error))?;
+    }
+    let _turn = take_turn(folder);
+    let _whole = replacing();
+    no_folders(paths)?;
+    for (part, path) in staged.iter().zip(paths) {
+        fs::rename(&part.temporary, path).map_err(|error| fault("cannot replace", path, &error))?;
     }
     Ok(())
+}
+
+/// JSON that a viewer shows as it is, where it holds what would steer it.
+fn as_plain(bytes: &[u8]) -> Option<String> {
+    match plain(std::str::from_utf8(bytes).ok()?) {
+        Cow::Owned(safe) => Some(safe),
+        Cow::Borrowed(_) => None,
+    }
+}
+
+/// Refuses a folder in the place of a result before any result is replaced.
+fn no_folders(paths: &[PathBuf]) -> Result<()> {
+    match paths.iter().find(|path| fs::symlink_metadata(path).is_ok_and(|kind| kind.is_dir())) {
+        Some(path) => Err(Error::data("cannot replace: a folder has the name of a result")
+            .in_file(path)
+            .remedy("rename the folder, or choose another --out; nothing was written")),
+        None => Ok(()),
+    }
+}
+
+/// Removes the temporary files of these results that no living run has locked.
+fn remove_left_over(folder: &Path, files: &[(&str, Content<'_>)]) {
+    let is_ours = |name: &str| {
+        let inner = name.strip_prefix('.').and_then(|name| name.strip_suffix(".part"));
+        inner.is_some_and(|inner| {
+            files.iter().any(|(of, _)| inner.strip_prefix(of).is_some_and(|rest| rest.starts_with('.')))
+        })
+    };
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        let is_file = entry.file_type().is_ok_and(|kind| kind.is_file());
+        if is_file && entry.file_name().to_str().is_some_and(is_ours) {
+            let left = File::open(entry.path()).is_ok_and(|file| file.try_lock().is_ok());
+            if left {
+                // It may be gone by now.
+                let _ = fs::remove_file(entry.path());
+            }
+        }
+    }
 }
 
 /// Waits until no other run renames its results in this folder, so that they are not mixed; the turn ends with the value.
@@ -120,12 +208,6 @@ fn take_turn(folder: &Path) -> Option<File> {
 const LONGEST_WAIT: usize = 500;
 /// and the time between two looks: five seconds in all, where renaming takes a millisecond.
 const LOOK_AGAIN: Duration = Duration::from_millis(10);
-
-fn write_one(path: &Path, content: &[u8]) -> std::io::Result<()> {
-    let mut file = File::create(path)?;
-    file.write_all(content)?;
-    file.sync_all()
-}
 
 fn fault(what: &str, path: &Path, error: &std::io::Error) -> Error {
     Error::data(format!("{what} ({error})"))
@@ -171,6 +253,53 @@ mod tests {
         assert!(error.is_data() && error.to_string().contains("help:"), "{error}");
         assert_eq!(fs::read_to_string(folder.join("a")).unwrap(), "old");
         assert_eq!(names(&folder), ["a"]);
+    }
+
+    #[test]
+    fn a_folder_in_the_place_of_a_result_is_told_before_anything_is_replaced() {
+        let folder = fresh("folder");
+        write_all(&folder, &[("a", "old".into())]).unwrap();
+        fs::create_dir(folder.join("b")).unwrap();
+        let error = write_all(&folder, &[("a", "new".into()), ("b", "new".into())]).unwrap_err();
+        assert!(
+            error.file().is_some_and(|file| file.ends_with("b")) && error.to_string().contains("a folder"),
+            "{error}"
+        );
+        assert_eq!(fs::read_to_string(folder.join("a")).unwrap(), "old");
+        assert_eq!(names(&folder), ["a", "b"]);
+    }
+
+    #[test]
+    fn what_a_run_left_that_was_ended_is_removed_and_what_a_living_one_writes_is_not() {
+        let folder = fresh("left");
+        fs::create_dir_all(&folder).unwrap();
+        for name in [".a.4711.part", ".a.0123456789abcdef.part", ".other.1.part", ".a.part.txt"] {
+            fs::write(folder.join(name), "half").unwrap();
+        }
+        let living = fs::File::options().write(true).create_new(true).open(folder.join(".a.1.part")).unwrap();
+        living.lock().unwrap();
+        write_all(&folder, &[("a", "new".into())]).unwrap();
+        assert_eq!(names(&folder), [".a.1.part", ".a.part.txt", ".other.1.part", "a"]);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_under_a_temporary_name_is_not_followed() {
+        let folder = fresh("link");
+        fs::create_dir_all(&folder).unwrap();
+        fs::write(folder.join("victim"), "mine").unwrap();
+        // The names that could be foretold, and the result itself.
+        let id = std::process::id();
+        for name in [format!(".a.{id}.part"), "a".to_owned()] {
+            std::os::unix::fs::symlink(folder.join("victim"), folder.join(name)).unwrap();
+        }
+        write_all(&folder, &[("a", "new".into())]).unwrap();
+        assert_eq!(fs::read_to_string(folder.join("victim")).unwrap(), "mine");
+        assert_eq!(fs::read_to_string(folder.join("a")).unwrap(), "new");
+        let mut made: Vec<u64> = (0..100).map(|_| super::random()).collect();
+        made.sort_unstable();
+        made.dedup();
+        assert_eq!(made.len(), 100);
     }
 
     #[test]

@@ -6,11 +6,14 @@ mod files;
 mod fit;
 mod json;
 mod picture;
+mod plain;
+pub(crate) mod progress;
 mod runtime;
 mod summary;
 
 use std::borrow::Cow;
 use std::io::Write;
+use vibrissa::error::printable;
 use vibrissa::figure::{FilmFrame, LocalizationScene, Outline, localization_figure, localization_film};
 use vibrissa::flow::pose::{Localization, StampedPose, Status};
 use vibrissa::flow::trajectory::trajectory_error;
@@ -20,6 +23,7 @@ use vibrissa::{Error, Result};
 pub(crate) use args::OutputArgs;
 use files::{Content, write_each};
 pub(crate) use files::{write_all, write_bytes};
+pub(crate) use plain::plain;
 pub(crate) use runtime::{Runtime, Stopwatch};
 
 /// A localization that is done, with all that its reports need.
@@ -42,6 +46,8 @@ pub(crate) struct Run {
     pub(crate) recording: Option<Vec<u8>>,
     /// The states along the way, where a film is asked for.
     pub(crate) film: Option<Vec<FilmFrame>>,
+    /// Files that are written with the results: what a simulated log is made of.
+    pub(crate) inputs: Vec<(&'static str, String)>,
 }
 
 /// Writes the files, if a folder is given, then prints the answer.
@@ -79,6 +85,11 @@ fn result_files<'a>(run: &'a Run, json: &'a str) -> Vec<(&'static str, Content<'
         ("steps.csv", made(|| csv::steps(answer))),
         ("localization.svg", made(figure)),
     ];
+    files.extend(
+        run.inputs
+            .iter()
+            .map(|(name, text)| -> (&str, Content<'_>) { (*name, Box::new(|| Cow::Borrowed(text.as_bytes()))) }),
+    );
     if let Some(bytes) = &run.recording {
         files.push(("localization.mcap", Box::new(|| Cow::Borrowed(bytes.as_slice()))));
     }
@@ -94,8 +105,9 @@ fn made<'a>(text: impl Fn() -> String + 'a) -> Content<'a> {
 
 /// Prints to standard output; a reader that closed the pipe has seen enough.
 pub(crate) fn print(text: &str) -> Result<()> {
+    progress::clear();
     let mut stdout = std::io::stdout().lock();
-    match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
+    match stdout.write_all(plain(text).as_bytes()).and_then(|()| stdout.flush()) {
         Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
             Err(Error::data(format!("cannot write to standard output ({error})")))
         }
@@ -103,14 +115,18 @@ pub(crate) fn print(text: &str) -> Result<()> {
     }
 }
 
+/// Longest warning (characters); what is longer quotes a damaged file.
+const LONGEST_WARNING: usize = 1000;
+
 /// Tells the person at the terminal something that does not stop the work.
 pub(crate) fn warn(message: &str) {
-    complain("warning", &message);
+    complain("warning", &printable(message, LONGEST_WARNING));
 }
 
 /// Writes `KIND: MESSAGE` to standard error; if that is closed, nobody listens.
 pub(crate) fn complain(kind: &str, message: &dyn std::fmt::Display) {
-    let _ = writeln!(std::io::stderr(), "{kind}: {message}");
+    progress::clear();
+    let _ = writeln!(std::io::stderr(), "{kind}: {}", plain(&message.to_string()));
 }
 
 /// An answer that says nothing, for tests to fill in.
@@ -157,6 +173,7 @@ mod tests {
             truth: None,
             recording: None,
             film: None,
+            inputs: Vec::new(),
         }
     }
 

@@ -47,5 +47,3 @@ pub const MOST_CELLS: usize = 1 << 24;
 pub const MOST_CROSSINGS: usize = 1 << 20;
 /// Longest gap between two messages of odometry that is bridged without a word (s): robots send some ten a second.
 pub const ODOMETRY_GAP: f64 = 0.25;
-/// Largest chunk or record of an MCAP recording (bytes): recorders make chunks of a few megabytes.
-pub const LARGEST_CHUNK: usize = 1 << 28;

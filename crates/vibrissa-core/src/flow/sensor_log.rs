@@ -1,6 +1,7 @@
 //! The first door: what the robot recorded.
 
 use crate::plane::Pose2;
+use crate::world::Robot;
 use crate::{Error, Result};
 use std::path::PathBuf;
 
@@ -122,7 +123,7 @@ impl SensorLog {
         }
         let held: Vec<String> = self.channels.iter().map(Channel::column).collect();
         let error = Error::data(format!("the log has no moment column for the whisker \"{whisker}\""))
-            .value(format!("it holds {}", if held.is_empty() { "no readings".to_owned() } else { held.join(", ") }))
+            .value(format!("it holds {}", if held.is_empty() { "no readings".to_owned() } else { held_words(&held) }))
             .allowed(format!("moment, or {whisker}.moment"));
         Err(if self.channels.iter().any(|c| c.quantity == Quantity::Moment) {
             error.remedy("name the columns after the robot's whiskers")
@@ -133,6 +134,46 @@ impl SensorLog {
             )
         })
     }
+}
+
+/// A few of many columns.
+fn held_words(held: &[String]) -> String {
+    let more = if held.len() > 12 { format!(" and {} more", held.len() - 12) } else { String::new() };
+    held.iter().take(12).map(String::as_str).collect::<Vec<_>>().join(", ") + &more
+}
+
+/// Refuses columns without a whisker's name where it is open whose they are: several whiskers would share one, or the whisker has
+/// one of its own beside it.
+///
+/// # Errors
+///
+/// A robot of several whiskers with a column such as `moment`, a log with `moment` beside `w0.moment`; the message lists the names.
+pub fn one_owner_each(robot: &Robot, channels: &[Channel]) -> Result<()> {
+    let used = |c: &&Channel| !matches!(c.quantity, Quantity::StripLo | Quantity::StripHi);
+    let remedy = "rename the column after its whisker, and take whiskers without a column out of the robot file";
+    for nameless in channels.iter().filter(used).filter(|c| c.whisker.is_empty()) {
+        let word = nameless.quantity.word();
+        let columns =
+            || robot.whiskers.iter().take(8).map(|w| format!("{}.{word}", w.name)).collect::<Vec<_>>().join(", ");
+        if robot.whiskers.len() > 1 {
+            let what =
+                format!("the robot has several whiskers, but the log's column `{word}` does not say whose it is");
+            let count = format!("{} whiskers", robot.whiskers.len());
+            return Err(Error::data(what).value(count).allowed(columns()).remedy(remedy));
+        }
+        let named =
+            |c: &&Channel| c.quantity == nameless.quantity && robot.whiskers.iter().any(|w| w.name == c.whisker);
+        if let Some(named) = channels.iter().find(named) {
+            return Err(Error::data(format!(
+                "the log has `{word}` beside `{}`: which is the whisker's?",
+                named.column()
+            ))
+            .value(format!("`{word}` and `{}`", named.column()))
+            .allowed("one of the two")
+            .remedy("leave out the other column"));
+        }
+    }
+    Ok(())
 }
 
 impl Channel {

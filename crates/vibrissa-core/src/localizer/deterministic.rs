@@ -5,6 +5,7 @@ mod feeler;
 use super::method::MethodOptions;
 use super::sampling::{near, samples};
 use super::{Estimator, STRAIGHT_ONLY, one_column_each};
+use crate::Result;
 use crate::beam::Whisker;
 use crate::config::{DeterministicOptions, Setting};
 use crate::flow::moment::MomentHistory;
@@ -12,7 +13,7 @@ use crate::flow::pose::{
     self, Estimate, Event, Evidence, Hypothesis, Localization, ShapeRecord, StampedPose, StepRecord, Verdict,
 };
 use crate::flow::preimage::Observation;
-use crate::flow::sensor_log::{Channel, LogRow, SensorLog};
+use crate::flow::sensor_log::{Channel, LogRow, SensorLog, one_owner_each};
 use crate::flow::state_set::{Candidate, Pass, StateSet};
 use crate::plane::Pose2;
 use crate::world::{BoundarySample, Map, Robot};
@@ -56,7 +57,7 @@ impl<'a> DeterministicEstimator<'a> {
     pub fn new(map: &'a Map, robot: &'a Robot, channels: &[Channel], options: DeterministicOptions) -> Result<Self> {
         options.check()?;
         let log = SensorLog { channels: channels.to_vec(), ..SensorLog::default() };
-        one_column_each(robot, channels)?;
+        one_owner_each(robot, channels)?;
         let feelers =
             robot.whiskers.iter().map(|w| WhiskerColumn::new(w, &log, &options)).collect::<Result<Vec<_>>>()?;
         Ok(Self {

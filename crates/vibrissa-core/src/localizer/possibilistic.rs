@@ -3,14 +3,14 @@
 use super::bounded_reading::{self, LateReadings, RowReadings};
 use super::drawn::{DrawnReading, DrawnReadings};
 use super::method::MethodOptions;
-use super::{Estimator, one_column_each, searchable};
+use super::{Estimator, searchable};
 use crate::beam::Whisker;
 use crate::config::limits::MOST_SEARCHED;
 use crate::config::{PossibilisticOptions, Setting};
 use crate::flow::pose::{
     self, Estimate, Event, Evidence, Hypothesis, Localization, ShapeRecord, StampedPose, StepRecord, Verdict,
 };
-use crate::flow::sensor_log::{Channel, LogRow, SensorLog};
+use crate::flow::sensor_log::{Channel, LogRow, SensorLog, one_owner_each};
 use crate::flow::state_set::possibilistic::{EnclosedPlace, PossibleSet};
 use crate::plane::Pose2;
 use crate::sets::Interval;
@@ -73,7 +73,7 @@ impl<'a> PossibilisticEstimator<'a> {
     pub fn new(map: &'a Map, robot: &'a Robot, channels: &[Channel], options: PossibilisticOptions) -> Result<Self> {
         options.check()?;
         bounded_reading::check(robot)?;
-        one_column_each(robot, channels)?;
+        one_owner_each(robot, channels)?;
         searchable(map, options.prior, MOST_SEARCHED)?;
         let log = SensorLog { channels: channels.to_vec(), ..SensorLog::default() };
         for whisker in &robot.whiskers {

@@ -2,7 +2,7 @@
 
 use super::drawn::{DrawnReading, DrawnReadings};
 use super::method::MethodOptions;
-use super::{Estimator, LimitCheck, STRAIGHT_ONLY, one_column_each, searchable};
+use super::{Estimator, LimitCheck, STRAIGHT_ONLY, searchable};
 use crate::Result;
 use crate::beam::{TipModel, Whisker};
 use crate::config::limits::MOST_SEARCHED;
@@ -11,7 +11,7 @@ use crate::flow::pose::{
     self, Broken, ConsistencyReport, Estimate, Event, Evidence, Hypothesis, Localization, OdometryEstimate, RECOVERED,
     StampedPose, Status, StepRecord, Stretch,
 };
-use crate::flow::sensor_log::{Channel, LogRow, Quantity, SensorLog};
+use crate::flow::sensor_log::{Channel, LogRow, Quantity, SensorLog, one_owner_each};
 use crate::flow::state_set::probabilistic::{
     Agreement, ModeSet, NuisanceSmoother, PosteriorPlace, ProbabilisticSet, STRETCHES, SensedQuantity, StepOutcome,
 };
@@ -60,7 +60,7 @@ impl<'a> ProbabilisticEstimator<'a> {
     /// Options out of range, a whisker without a channel of moment, force or slope, or a whisker that is curved at rest.
     pub fn new(map: &'a Map, robot: &'a Robot, channels: &[Channel], options: ProbabilisticOptions) -> Result<Self> {
         options.check()?;
-        one_column_each(robot, channels)?;
+        one_owner_each(robot, channels)?;
         searchable(map, options.prior, MOST_SEARCHED)?;
         let tips = robot.whiskers.iter().map(|w| TipModel::new(&w.beam)).collect::<Result<Vec<_>>>()?;
         let quantities = readers(robot, &tips, channels)?;

@@ -1,6 +1,6 @@
 //! The map: boundaries, and the questions that localization asks of them.
 
-use super::{Boundary, Role};
+use super::{Boundary, MapCost, Role};
 use crate::config::limits::{FLATTEN_TOLERANCE, LARGEST_MAP};
 use crate::plane::{Bounds, SegmentTree, Vec2, WindingTree, wrap_angle};
 use crate::{Error, Result};
@@ -104,11 +104,13 @@ impl Map {
     ///
     /// # Errors
     ///
-    /// No boundary at all.
+    /// No boundary at all; more boundaries, pieces or lines than a map may have ([`crate::config::budgets`]).
     pub fn new(boundaries: Vec<Boundary>) -> Result<Self> {
         if boundaries.is_empty() {
             return Err(Error::data("the map is empty").remedy("give it at least one arena, obstacle or wall"));
         }
+        let mut cost = MapCost::default();
+        boundaries.iter().try_for_each(|boundary| cost.add(boundary.curve().segments()))?;
         let (mut edges, mut origins) = (Vec::new(), Vec::new());
         for (boundary, b) in boundaries.iter().enumerate() {
             for (segment, piece) in b.curve().segments().iter().enumerate() {

@@ -2,11 +2,13 @@
 
 mod boundary;
 pub mod calibration;
+mod cost;
 mod map;
 mod motion;
 mod robot;
 
 pub use boundary::{Boundary, CurveFault, Role, beyond_maps, out_of_range};
+pub use cost::MapCost;
 pub use map::{BoundarySample, ConcaveCorner, Foot, Map, MapPoint, NearestPiece};
 pub use motion::increments;
 pub use robot::{MomentNoise, MountedWhisker, Odometry, ReadingNoise, Robot, WhiskerErrors};

@@ -1,5 +1,7 @@
 //! The keys of a YAML text and their values, as far as `map_server` uses them.
 
+use crate::config::budgets::{LONGEST_NAME, YAML_DEPTH, YAML_LIST};
+use crate::text::short;
 use granit_parser::{Event, Parser, ScalarStyle, ScanError, Span};
 use std::collections::BTreeMap;
 
@@ -32,7 +34,7 @@ pub(super) struct Keys(BTreeMap<&'static str, Value>);
 
 impl Scalar {
     pub(super) fn fault(&self, why: &str) -> Fault {
-        Fault { line: self.line, why: format!("{}: {why}", self.text) }
+        Fault { line: self.line, why: format!("{}: {why}", short(&self.text)) }
     }
 
     /// A finite number, or one that says that it is not.
@@ -97,6 +99,9 @@ impl Keys {
         loop {
             let key = match walk.next()? {
                 Event::MappingEnd => break,
+                Event::Scalar(key, ..) if key.len() > LONGEST_NAME => {
+                    return Err(walk.fault(&format!("a key of {} bytes: {}", key.len(), short(&key))));
+                }
                 Event::Scalar(key, ..) => Some(key),
                 other => {
                     walk.skip(&other)?;
@@ -153,6 +158,9 @@ impl<'a> Walk<'a> {
         let mut depth = deeper(first);
         while depth > 0 {
             depth += deeper(&self.next()?);
+            if depth > YAML_DEPTH as i32 {
+                return Err(self.fault(&format!("lists and keys are nested deeper than {YAML_DEPTH} levels")));
+            }
         }
         Ok(())
     }
@@ -167,6 +175,9 @@ impl<'a> Walk<'a> {
                 loop {
                     match self.next()? {
                         Event::SequenceEnd => return Ok(Value::List(scalars, line)),
+                        Event::Scalar(..) if scalars.len() >= YAML_LIST => {
+                            return Err(self.fault(&format!("{key} has more than {YAML_LIST} values")));
+                        }
                         Event::Scalar(text, style, ..) => scalars.push(scalar(&text, style, self.line)),
                         _ => return Err(self.fault(&format!("{key} is not a plain list"))),
                     }

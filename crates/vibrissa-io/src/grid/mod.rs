@@ -118,10 +118,11 @@ pub fn from_grid(grid: &OccupancyGrid, options: &GridOptions) -> Result<Map> {
     for one in &loops {
         boundaries.push(boundary(grid, one, options)?);
     }
-    let mut map = Map::new(boundaries).map_err(|_| {
-        Error::data("the grid has no boundary: all of it is solid, or all of it is free or unknown")
-            .remedy("check the thresholds and `negate`")
-    })?;
+    if boundaries.is_empty() {
+        return Err(Error::data("the grid has no boundary: all of it is solid, or all of it is free or unknown")
+            .remedy("check the thresholds and `negate`"));
+    }
+    let mut map = Map::new(boundaries)?;
     let total: usize = loops.iter().map(|one| one.crossings.len()).sum();
     if frontier * 20 > total && !options.unknown_is_free {
         map.warnings.push(format!(

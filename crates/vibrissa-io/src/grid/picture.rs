@@ -62,6 +62,9 @@ fn decoder(bytes: &[u8]) -> core::result::Result<Decoder<Cursor<&[u8]>>, Fault> 
         return Err("it is neither PGM nor PNG".into());
     }
     let mut decoder = Decoder::new_with_limits(Cursor::new(bytes), Limits { bytes: 16 * MOST_CELLS });
+    // Texts and colour profiles may be packed to a thousandth of their size, and no map needs them.
+    decoder.set_ignore_text_chunk(true);
+    decoder.set_ignore_iccp_chunk(true);
     decoder.set_transformations(Transformations::EXPAND);
     Ok(decoder)
 }

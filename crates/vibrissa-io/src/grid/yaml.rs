@@ -3,8 +3,9 @@
 use super::keys::{Fault, Keys};
 use super::picture::Picture;
 use super::{Cell, OccupancyGrid};
+use crate::config::budgets::{IMAGE_BYTES, YAML_BYTES};
 use crate::plane::Pose2;
-use crate::text::{cannot_open, read_text};
+use crate::text::{read_bytes, read_text};
 use crate::{Error, Result};
 use std::path::{Path, PathBuf};
 
@@ -73,9 +74,9 @@ impl OccupancyGrid {
     /// A file that cannot be read, or a fault in one of them; the message names file and remedy.
     pub fn read_map_server(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
-        let file = MapServerFile::parse(&read_text(path, "map")?, &path.to_string_lossy())?;
+        let file = MapServerFile::parse(&read_text(path, "map", YAML_BYTES)?, &path.to_string_lossy())?;
         let image = path.parent().unwrap_or(Path::new("")).join(&file.image);
-        let bytes = std::fs::read(&image).map_err(|e| cannot_open(&image, "map image", &e))?;
+        let bytes = read_bytes(&image, "map image", IMAGE_BYTES)?;
         file.grid(&bytes, &image.to_string_lossy())
     }
 }

@@ -4,14 +4,14 @@
 
 use super::columns::channel;
 use super::doubts::Doubts;
+use crate::config::budgets::MOST_MESSAGES;
 use crate::config::limits::{LARGEST_ODOMETRY, ODOMETRY_GAP};
 use crate::flow::sensor_log::{Channel, LogRow, Quantity, SensorLog};
 use crate::plane::{Pose2, Twist2};
 use crate::ros::{self, BagSummary, Header, Kind, Stamp};
-use crate::text::cannot_open;
+use crate::text::{listed, open};
 use crate::{Error, Result};
 use std::collections::BTreeMap;
-use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
@@ -32,12 +32,22 @@ struct Tracks {
     rows: Vec<LogRow>,
     names: Vec<String>,
     damaged: usize,
+    /// How many messages are kept, rows of a live run by their numbers.
+    kept: usize,
 }
 
 /// The topic of the rows that an estimator took during a live run.
 const ROW: &str = "/vibrissa/row";
 /// What a row holds in front of its readings.
 const FRONT: [&str; 6] = ["row", "merged", "t", "x", "y", "theta"];
+
+/// The error for more messages than are kept.
+pub(super) fn too_many_messages() -> Error {
+    Error::data("the recording has too many messages of readings and odometry")
+        .value(format!("more than {MOST_MESSAGES}"))
+        .allowed(format!("up to {MOST_MESSAGES}"))
+        .remedy("cut it into parts: `mcap filter --start … --end …`")
+}
 
 /// The recording in a folder that holds exactly one.
 pub(super) fn only_recording(folder: &Path) -> Option<PathBuf> {
@@ -50,7 +60,7 @@ pub(super) fn only_recording(folder: &Path) -> Option<PathBuf> {
 
 /// Reads a recording (`.mcap`).
 pub(super) fn read_mcap(path: &Path) -> Result<SensorLog> {
-    let file = File::open(path).map_err(|e| cannot_open(path, "log", &e))?;
+    let file = open(path, "log")?;
     from_mcap(file, &path.to_string_lossy())
 }
 
@@ -73,6 +83,9 @@ pub(super) fn read_mcap(path: &Path) -> Result<SensorLog> {
 pub fn from_mcap(source: impl Read, name: &str) -> Result<SensorLog> {
     let mut tracks = Tracks::default();
     let bag = ros::read_bag(source, name, |topic, logged, bytes| {
+        if tracks.kept >= MOST_MESSAGES {
+            return Err(too_many_messages());
+        }
         if let Some(kind) = topic.kind {
             tracks.take(kind, &topic.name, logged, bytes);
         }
@@ -136,6 +149,7 @@ impl Tracks {
             _ => Some(()),
         };
         self.damaged += usize::from(taken.is_none());
+        self.kept += usize::from(taken.is_some());
     }
 
     /// A row of a live run, exact.
@@ -166,7 +180,7 @@ impl Tracks {
         let channels: Option<Vec<Channel>> = self.names.iter().map(|name| channel(name)).collect();
         let channels = channels.ok_or_else(|| {
             Error::data("the rows of the live run hold unknown readings")
-                .value(self.names.join(", "))
+                .value(listed(&self.names))
                 .remedy("read it by the version that recorded it: `vibrissa live --replay`")
         })?;
         let mut warnings = bag.warnings;
@@ -186,7 +200,7 @@ impl Tracks {
             Error::data(format!("the recording holds no {what}")).value(if held.is_empty() {
                 "no topics".to_owned()
             } else {
-                format!("its topics are {}", held.join(", "))
+                format!("its topics are {}", listed(&held))
             })
         };
         self.odometry.values_mut().chain(self.readings.values_mut()).for_each(Track::sort);

@@ -1,7 +1,8 @@
 //! The header of a log: which column holds what.
 
+use crate::config::budgets::{LONGEST_NAME, MOST_COLUMNS};
 use crate::flow::sensor_log::{Channel, Quantity};
-use crate::text::did_you_mean;
+use crate::text::{beyond, did_you_mean, listed, short};
 use crate::{Error, Result};
 
 /// Where each part of a row stands.
@@ -24,9 +25,10 @@ impl Columns {
     pub(super) fn new(names: Vec<String>) -> Result<Self> {
         if names.first().is_some_and(|name| name.parse::<f64>().is_ok()) {
             return Err(Error::data("the log has no header line, it starts with a number")
-                .value(format!("\"{}\"", names[0]))
+                .value(format!("\"{}\"", short(&names[0])))
                 .remedy("put the column names on the first line: t,x,y,theta,moment"));
         }
+        within_budget(&names)?;
         no_repeats(&names)?;
         let mut columns = Self {
             odometry: [0; 4],
@@ -103,6 +105,19 @@ pub(super) fn channel(name: &str) -> Option<Channel> {
     (!whisker.is_empty() || !name.starts_with('.')).then(|| Channel { whisker: whisker.to_owned(), quantity })
 }
 
+fn within_budget(names: &[String]) -> Result<()> {
+    if names.len() > MOST_COLUMNS {
+        let remedy = "leave out the columns that are not used";
+        return Err(beyond("the log has too many columns", names.len(), MOST_COLUMNS, remedy));
+    }
+    let Some((index, name)) = names.iter().enumerate().find(|(_, name)| name.len() > LONGEST_NAME) else {
+        return Ok(());
+    };
+    let value = format!("{} bytes: {}", name.len(), short(name));
+    Err(beyond("the name of a column is too long", value, LONGEST_NAME, "give it a short name")
+        .about(&format!("column {}", index + 1)))
+}
+
 fn no_repeats(names: &[String]) -> Result<()> {
     let repeated = names.iter().enumerate().find(|(i, name)| names[..*i].contains(name));
     match repeated {
@@ -123,7 +138,7 @@ fn missing(word: &str, names: &[String], unknown: &[&str]) -> Error {
         _ => format!("the log has no column `{word}`"),
     };
     let error = Error::data(what)
-        .value(format!("its columns are {}", names.join(", ")))
+        .value(format!("its columns are {}", listed(names)))
         .allowed("t,x,y,theta and moment (or NAME.moment), in any order");
     match unknown.iter().find(|name| did_you_mean(name.rsplit('.').next().unwrap_or(name), &[word]).starts_with("did"))
     {
@@ -136,19 +151,25 @@ fn missing(word: &str, names: &[String], unknown: &[&str]) -> Error {
     }
 }
 
+/// Most columns that are warned of one by one.
+const TOLD: usize = 8;
+
 fn warnings(channels: &[Channel], unknown: &[&str]) -> Vec<String> {
     let known: Vec<&str> = ODOMETRY.into_iter().chain(["heading"]).chain(Quantity::ALL.map(Quantity::word)).collect();
     let ignored = |name: &&str| {
         let hint = did_you_mean(name.rsplit('.').next().unwrap_or(name), &known);
         if hint.starts_with("did") {
-            format!("the column `{name}` is ignored: {hint}")
+            format!("the column `{}` is ignored: {hint}", short(name))
         } else {
-            format!("the column `{name}` is ignored: not a known quantity")
+            format!("the column `{}` is ignored: not a known quantity", short(name))
         }
     };
-    let mut warnings: Vec<String> = unknown.iter().map(ignored).collect();
+    let mut warnings: Vec<String> = unknown.iter().take(TOLD).map(ignored).collect();
+    if unknown.len() > TOLD {
+        warnings.push(format!("{} more columns are ignored", unknown.len() - TOLD));
+    }
     let named = |wanted: &dyn Fn(&Channel) -> bool| {
-        channels.iter().filter(|c| wanted(c)).map(Channel::column).collect::<Vec<_>>().join(", ")
+        listed(&channels.iter().filter(|c| wanted(c)).map(Channel::column).collect::<Vec<_>>())
     };
     let strips = named(&is_strip);
     if !strips.is_empty() {
@@ -160,7 +181,7 @@ fn warnings(channels: &[Channel], unknown: &[&str]) -> Vec<String> {
     }
     let sharp: Vec<String> = channels.iter().filter(|c| is_probabilistic(c)).map(Channel::column).collect();
     if !sharp.is_empty() {
-        warnings.push(format!("used by the probabilistic method only: {}", sharp.join(", ")));
+        warnings.push(format!("used by the probabilistic method only: {}", listed(&sharp)));
     }
     warnings
 }

@@ -1,15 +1,15 @@
 //! Logs as CSV.
 
 use super::columns::{Columns, ODOMETRY, without_units};
+use super::csv_lines::{Line, Lines, fields};
 use super::doubts::Doubts;
 use super::text_form::{TextForm, recognised};
-use crate::config::limits::{LARGEST_ODOMETRY, LONGEST_LOG_LINE, MOST_LOG_ROWS};
+use crate::config::budgets::MOST_NUMBERS;
+use crate::config::limits::{LARGEST_ODOMETRY, MOST_LOG_ROWS};
 use crate::flow::sensor_log::{LogRow, SensorLog};
 use crate::plane::Pose2;
-use crate::text::cannot_open;
+use crate::text::{beyond, cannot_open, open, short};
 use crate::{Error, Result};
-use csv::{ByteRecord, ReaderBuilder, Terminator, Trim};
-use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
@@ -36,8 +36,7 @@ pub fn read(path: impl AsRef<Path>) -> Result<SensorLog> {
         "bag" | "db3" => return Err(other_recording(path)),
         _ => {}
     }
-    let file = File::open(path).map_err(|e| cannot_open(path, "log", &e))?;
-    from_reader(file, &path.to_string_lossy())
+    from_reader(open(path, "log")?, &path.to_string_lossy())
 }
 
 /// The log in a CSV text; `name` stands for the file in messages.
@@ -52,22 +51,20 @@ pub fn from_csv(text: &str, name: &str) -> Result<SensorLog> {
 /// The log in a stream of CSV, read row by row; `name` stands for the file in messages.
 ///
 /// The first line names the columns: `t,x,y,theta`, a reading for each whisker (`moment`, or `NAME.moment` where
-/// there are several; see [`crate::flow::sensor_log::Quantity`]), and perhaps `heading`, in any order. A last line that was cut off
-/// is dropped with a warning.
+/// there are several; see [`crate::flow::sensor_log::Quantity`]), and perhaps `heading`, in any order. A field may stand in quotes,
+/// which end in its line. A last line without a line end is dropped with a warning, whatever it holds: the rest of its last number
+/// may be missing.
 ///
 /// # Errors
 ///
-/// No header, a missing column, a line with too few or too many fields, a field that is not a finite number, a
-/// clock that does not increase, odometry beyond 1e8 m, no rows at all; a line of more
-/// than a megabyte, more than five million rows.
+/// No header, a missing column, a line with too few or too many fields, a field that is not a finite number, a quote that does not
+/// end in its line, a clock that does not increase, odometry beyond 1e8 m, no rows at all; a line of more
+/// than a megabyte, more columns, rows or numbers than a log may have ([`crate::config::budgets`]).
 pub fn from_reader(reader: impl Read, name: &str) -> Result<SensorLog> {
-    let mut ended_in_newline = true;
     let faulty = |e: Error| e.in_file(name).or_remedy("correct or remove the line, or record the log again");
     let (form, plain) = recognised(reader).map_err(faulty)?;
-    let watched = Watched { inner: plain, line: 0, ended_in_newline: &mut ended_in_newline };
-    let (mut log, cut) = rows(watched, &form, name).map_err(faulty)?;
+    let mut log = rows(plain, &form, name).map_err(faulty)?;
     log.warnings.splice(..0, form.warning().map(|words| format!("{name}: {words}")));
-    let log = finish(log, cut, ended_in_newline).map_err(faulty)?;
     Ok(SensorLog { source: Some(name.into()), ..log })
 }
 
@@ -79,29 +76,6 @@ fn other_recording(path: &Path) -> Error {
         .remedy("`ros2 bag convert` makes MCAP of other recordings; MCAP itself needs a build with the feature `mcap`")
 }
 
-/// A reader that remembers whether its last byte was a line end, and that ends at a line without end.
-struct Watched<'a, R> {
-    inner: R,
-    /// Bytes since the last line end.
-    line: usize,
-    ended_in_newline: &'a mut bool,
-}
-
-impl<R: Read> Read for Watched<'_, R> {
-    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
-        let count = self.inner.read(buffer)?;
-        if count > 0 {
-            *self.ended_in_newline = matches!(buffer[count - 1], b'\n' | b'\r');
-            let end = buffer[..count].iter().rposition(|byte| *byte == b'\n');
-            self.line = end.map_or(self.line + count, |at| count - 1 - at);
-            if self.line > LONGEST_LOG_LINE {
-                return Err(std::io::Error::other("a line of more than a megabyte: is it a log?"));
-            }
-        }
-        Ok(count)
-    }
-}
-
 /// A fault in a row, held back until it is known whether the row was the last one.
 struct Pending {
     error: Error,
@@ -110,44 +84,50 @@ struct Pending {
     short: bool,
 }
 
-fn rows(reader: impl Read, form: &TextForm, name: &str) -> Result<(SensorLog, Option<Pending>)> {
-    let mut csv = ReaderBuilder::new()
-        .has_headers(false)
-        .flexible(true)
-        .delimiter(form.delimiter)
-        .trim(Trim::All)
-        // A carriage return is trimmed away; as part of the line end it would put the line numbers off by one.
-        .terminator(Terminator::Any(b'\n'))
-        .from_reader(reader);
-    let mut record = ByteRecord::new();
-    let mut next =
-        |record: &mut ByteRecord| csv.read_byte_record(record).map_err(|e| Error::data("cannot read the log").value(e));
-    if !next(&mut record)? {
-        return Err(Error::data("the log is empty").remedy("its first line must name the columns: t,x,y,theta,moment"));
+fn rows(reader: impl Read, form: &TextForm, name: &str) -> Result<SensorLog> {
+    let mut lines = Lines::new(reader);
+    let mut header = None;
+    while header.is_none() {
+        let Some(line) = lines.next()? else {
+            let remedy = "its first line must name the columns: t,x,y,theta,moment";
+            return Err(Error::data("the log is empty").remedy(remedy));
+        };
+        if !line.is_blank() {
+            let names = fields(&line, form.delimiter).map(|fields| fields.iter().map(|field| text(field)).collect());
+            let columns = names.and_then(without_units).and_then(Columns::new);
+            header = Some(columns.map_err(|e| e.at_line(line.number))?);
+        }
     }
-    let header = record.iter().map(text).collect::<Vec<_>>();
-    let header = without_units(header).map_err(|e| e.at_line(line(&record)))?;
-    let columns = Columns::new(header).map_err(|e| e.at_line(line(&record)))?;
+    let Some(columns) = header else { return Err(Error::data("the log is empty")) };
     let mut log =
         SensorLog { channels: columns.channels.clone(), warnings: columns.warnings.clone(), ..SensorLog::default() };
     let (mut doubts, mut pending): (_, Option<Pending>) = (Doubts::default(), None);
-    while next(&mut record)? {
-        if record.len() == 1 && record[0].is_empty() {
+    let mut cut = None;
+    while let Some(line) = lines.next()? {
+        if line.is_blank() {
             continue;
         }
         if let Some(pending) = pending {
             return Err(pending.error);
         }
-        pending = row(&record, &columns, form, &mut log, &mut doubts).err();
+        if !line.ended {
+            cut = Some(line.number);
+            break;
+        }
+        pending = row(&line, &columns, form, &mut log, &mut doubts).err();
     }
     log.warnings.extend(doubts.warnings(name));
-    Ok((log, pending))
+    finish(log, pending, cut)
 }
 
 /// Drops a cut last line; any other fault is an error.
-fn finish(mut log: SensorLog, pending: Option<Pending>, ended_in_newline: bool) -> Result<SensorLog> {
-    if let Some(Pending { error, line, short }) = pending {
-        if !short && ended_in_newline {
+fn finish(mut log: SensorLog, pending: Option<Pending>, cut: Option<usize>) -> Result<SensorLog> {
+    if let Some(line) = cut {
+        log.warnings.push(format!(
+            "line {line}: the last line is cut off: it has no line end, so its last number may be cut; 1 row dropped"
+        ));
+    } else if let Some(Pending { error, line, short }) = pending {
+        if !short {
             return Err(error);
         }
         log.warnings.push(format!("line {line}: the last line is cut off; 1 row dropped"));
@@ -160,24 +140,21 @@ fn finish(mut log: SensorLog, pending: Option<Pending>, ended_in_newline: bool) 
     Ok(log)
 }
 
-fn line(record: &ByteRecord) -> usize {
-    record.position().map_or(1, |p| p.line() as usize)
-}
-
 fn text(field: &[u8]) -> String {
     String::from_utf8_lossy(field).into_owned()
 }
 
 /// Reads one row into the log.
 fn row(
-    record: &ByteRecord,
+    read: &Line<'_>,
     columns: &Columns,
     form: &TextForm,
     log: &mut SensorLog,
     doubts: &mut Doubts,
 ) -> core::result::Result<(), Pending> {
-    let line = line(record);
+    let line = read.number;
     let fault = |error: Error, short| Pending { error: error.at_line(line), line, short };
+    let record = fields(read, form.delimiter).map_err(|error| fault(error, false))?;
     if record.len() != columns.names.len() {
         let short = record.len() < columns.names.len();
         let error = Error::data(if short { "a line with too few fields" } else { "a line with too many fields" })
@@ -190,8 +167,7 @@ fn row(
             });
         return Err(fault(error, short));
     }
-    let number =
-        |field: usize| number(&record[field], form.decimal_comma, &columns.names[field]).map_err(|e| fault(e, false));
+    let number = |field: usize| number(record[field], form.decimal_comma, &columns.names[field]).map_err(|e| fault(e, false));
     let metres =
         |field: usize| number(field).and_then(|v| in_reach(v, &columns.names[field]).map_err(|e| fault(e, false)));
     let [t, x, y, theta] = columns.odometry;
@@ -203,6 +179,11 @@ fn row(
         readings: columns.readings.iter().map(|&field| number(field)).collect::<core::result::Result<_, _>>()?,
         heading: columns.heading.map(number).transpose()?,
     };
+    if log.rows.len().saturating_mul(log.channels.len()) >= MOST_NUMBERS {
+        let remedy = "cut the log into parts, or leave out the columns that are not used";
+        let value = format!("{} rows of {} readings", log.rows.len() + 1, log.channels.len());
+        return Err(fault(beyond("the log holds too many numbers", value, MOST_NUMBERS, remedy), false));
+    }
     if log.rows.len() >= MOST_LOG_ROWS {
         let error = Error::data("the log has too many rows")
             .allowed(format!("up to {MOST_LOG_ROWS}"))
@@ -233,7 +214,7 @@ fn in_reach(metres: f64, name: &str) -> Result<f64> {
 }
 
 fn number(field: &[u8], decimal_comma: bool, name: &str) -> Result<f64> {
-    let shown = || format!("\"{}\"", text(field));
+    let shown = || format!("\"{}\"", short(&text(field)));
     let pointed = decimal_comma.then(|| text(field).replace(',', "."));
     let digits = pointed.as_deref().or_else(|| core::str::from_utf8(field).ok());
     match digits.and_then(|f| f.parse::<f64>().ok()) {

@@ -35,30 +35,38 @@ fn of_csv(path: &Path) -> Result<Vec<StampedPose>> {
 
 #[cfg(feature = "mcap")]
 fn of_recording(path: &Path) -> Result<Vec<StampedPose>> {
+    use super::bag::too_many_messages;
+    use crate::config::budgets::MOST_MESSAGES;
     use crate::ros::{Kind, decode_odometry, read_bag};
-    let file = std::fs::File::open(path).map_err(|e| crate::text::cannot_open(path, "odometry", &e))?;
-    let mut poses: Vec<(String, StampedPose)> = Vec::new();
+    let file = crate::text::open(path, "odometry")?;
+    let mut topics: Vec<String> = Vec::new();
+    let mut poses: Vec<StampedPose> = Vec::new();
     read_bag(file, &path.to_string_lossy(), |topic, _, bytes| {
         if topic.kind == Some(Kind::Odometry)
             && let Some((header, map_from_robot)) = decode_odometry(bytes)
         {
-            poses.push((topic.name.clone(), StampedPose { t: header.stamp.seconds(), map_from_robot }));
+            if poses.len() >= MOST_MESSAGES {
+                return Err(too_many_messages());
+            }
+            if !topics.contains(&topic.name) {
+                topics.push(topic.name.clone());
+            }
+            poses.push(StampedPose { t: header.stamp.seconds(), map_from_robot });
         }
         Ok(())
     })?;
-    let Some((name, _)) = poses.first().cloned() else {
+    if topics.is_empty() {
         return Err(Error::data("the recording holds no odometry")
             .in_file(path)
             .allowed("a topic of nav_msgs/msg/Odometry")
             .remedy("record the robot's odometry too"));
-    };
-    if let Some((other, _)) = poses.iter().find(|(topic, _)| *topic != name) {
+    }
+    if topics.len() > 1 {
         return Err(Error::data("the recording holds several topics of odometry")
             .in_file(path)
-            .value(format!("{name}, {other}"))
+            .value(crate::text::listed(&topics))
             .remedy("`mcap filter` keeps one of the topics"));
     }
-    let mut poses: Vec<StampedPose> = poses.into_iter().map(|(_, pose)| pose).collect();
     poses.sort_by(|a, b| a.t.total_cmp(&b.t));
     poses.dedup_by(|later, earlier| later.t <= earlier.t);
     Ok(poses)

@@ -1,11 +1,13 @@
 //! Maps in GeoJSON (RFC 7946), metres, with `properties.role`.
 
+use crate::config::budgets::{LONGEST_NAME, MOST_PIECES};
 use crate::config::limits::LARGEST_COORDINATE;
 use crate::plane::{Curve, Vec2};
-use crate::text::{did_you_mean, line_at};
-use crate::world::{Boundary, CurveFault, Map, Role, out_of_range};
+use crate::text::{beyond, did_you_mean, line_at};
+use crate::world::{Boundary, CurveFault, Map, MapCost, Role, out_of_range};
 use crate::{Error, Result};
 use serde_json::value::RawValue;
+use std::cell::Cell;
 use std::collections::BTreeMap;
 
 type Object<'a> = BTreeMap<String, &'a RawValue>;
@@ -15,6 +17,7 @@ type Points = Vec<Vec<f64>>;
 struct Source<'a> {
     text: &'a str,
     name: &'a str,
+    cost: Cell<MapCost>,
 }
 
 /// What a feature says about itself.
@@ -39,15 +42,16 @@ pub fn from_geojson(text: &str, name: &str) -> Result<Map> {
 }
 
 fn parse(text: &str, name: &str) -> Result<Map> {
-    let source = Source { text: text.strip_prefix('\u{feff}').unwrap_or(text), name };
+    let source = Source { text: text.strip_prefix('\u{feff}').unwrap_or(text), name, cost: Cell::default() };
     let root: &RawValue = serde_json::from_str(source.text).map_err(|e| source.not_json(&e))?;
     let mut boundaries = Vec::new();
     source.root(root, &mut boundaries)?;
-    Map::new(boundaries).map_err(|_| {
-        Error::data("the map has no features")
+    if boundaries.is_empty() {
+        return Err(Error::data("the map has no features")
             .in_file(name)
-            .remedy("add at least one Polygon with \"properties\": {\"role\": \"arena\"}")
-    })
+            .remedy("add at least one Polygon with \"properties\": {\"role\": \"arena\"}"));
+    }
+    Map::new(boundaries).map_err(|error| error.in_file(name))
 }
 
 impl<'a> Source<'a> {
@@ -128,6 +132,7 @@ impl<'a> Source<'a> {
         };
         let word = |key: &str| properties.get(key).and_then(|v| serde_json::from_str::<String>(v.get()).ok());
         let name = word("name").or_else(|| object.get("id").map(|id| id.get().trim_matches('"').to_owned()));
+        let name = name.filter(|name| name.len() <= LONGEST_NAME);
         match object.get("geometry") {
             Some(geometry) if geometry.get() != "null" => {
                 self.geometry(geometry, &Label { role: Some(role), name }, out)
@@ -140,7 +145,7 @@ impl<'a> Source<'a> {
         let word: Option<String> = serde_json::from_str(raw.get()).ok();
         word.as_deref().and_then(Role::from_word).ok_or_else(|| {
             self.fault(raw.get(), "unknown role")
-                .value(raw.get())
+                .value(excerpt(raw.get()))
                 .allowed(Role::WORDS.join(", "))
                 .remedy(did_you_mean(word.as_deref().unwrap_or_default(), &Role::WORDS))
         })
@@ -214,6 +219,9 @@ impl<'a> Source<'a> {
         label: &Label,
         out: &mut Vec<Boundary>,
     ) -> Result<()> {
+        let mut cost = self.cost.get();
+        cost.add_lines(points.len()).map_err(|error| error.in_file(self.name).at_line(self.line(raw.get())))?;
+        self.cost.set(cost);
         let fault = match Curve::polyline(points, closed) {
             Some(curve) => match Boundary::checked(role, curve, hole, label.name.clone()) {
                 Ok(boundary) => {
@@ -230,6 +238,14 @@ impl<'a> Source<'a> {
 
     /// The points of a ring or line, each finite and in range.
     fn points(&self, raw: &'a RawValue) -> Result<Vec<Vec2>> {
+        // Every point opens a list, so that their number is known before they are.
+        let count = raw.get().bytes().filter(|byte| *byte == b'[').count().saturating_sub(1);
+        if count > MOST_PIECES {
+            let remedy = "simplify the outline, or cut out the part that the robot can be in";
+            return Err(beyond("a line of too many points", count, MOST_PIECES, remedy)
+                .in_file(self.name)
+                .at_line(self.line(raw.get())));
+        }
         let read: Points = serde_json::from_str(raw.get()).map_err(|e| {
             let line = self.line(raw.get()) + e.line().max(1) - 1;
             Error::data("a point is a list of two numbers in metres, [x, y]")

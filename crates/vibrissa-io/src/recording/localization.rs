@@ -1,5 +1,6 @@
 //! The recording of a localization.
 
+use super::clock::{clock_origin, shift_poses, shifted_answer, shifted_log};
 use super::parts::{
     MOST_SHOWN, STATES, STATES_HEIGHT, add_map, add_poses, add_readings, add_whiskers, arrow, in_map, map_lines, shown,
     stride,
@@ -68,7 +69,7 @@ impl StatesWatch {
     }
 }
 
-/// The recording (MCAP) of a localization on the log's timeline; [`super`] lists the topics.
+/// The recording (MCAP) of a localization on the log's timeline, which begins at 0 where [`clock_origin`] says so; [`super`] lists the topics.
 ///
 /// Poses, states and shapes are thinned to what can be looked at, readings are all there. The same answer gives the same
 /// bytes.
@@ -83,6 +84,14 @@ pub fn localization_mcap(
     states: &[StampedStates],
     truth: Option<&[StampedPose]>,
 ) -> Result<Vec<u8>> {
+    if let Some(origin) = clock_origin(log) {
+        let mut states = states.to_vec();
+        states.iter_mut().for_each(|s| s.t -= origin);
+        let mut truth = truth.map(<[StampedPose]>::to_vec);
+        truth.iter_mut().for_each(|poses| shift_poses(poses, origin));
+        let (log, answer) = (shifted_log(log, origin), shifted_answer(answer, origin));
+        return localization_mcap(&log, map, &answer, &states, truth.as_deref());
+    }
     let start = log.rows.first().map_or(0.0, |row| row.t);
     let end = log.rows.last().map_or(0.0, |row| row.t);
     let mut bag = BagWriter::default();

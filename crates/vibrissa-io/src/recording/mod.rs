@@ -17,10 +17,13 @@
 //! | `/vibrissa/event` | `std_msgs/String` | what happened |
 //! | `/truth` | `geometry_msgs/PoseStamped` | the true pose, where known |
 //!
-//! All is in the frame `map`, readings in `NAME_base` of their whiskers; times are those of the log.
+//! All is in the frame `map`, readings in `NAME_base` of their whiskers; times are those of the log, or since its first row where no
+//! recording can hold them ([`clock_origin`]).
 
+mod clock;
 mod localization;
 pub mod parts;
 mod picture;
 
+pub use clock::{clock_origin, clock_warning, shifted_log};
 pub use localization::{StampedStates, StatesWatch, localization_mcap};

@@ -3,8 +3,9 @@
 use super::beam::beam;
 use super::errors::{DELAY, whisker_errors};
 use crate::Result;
+use crate::config::budgets::{LONGEST_NAME, MOST_WHISKERS, TOML_BYTES};
 use crate::plane::Pose2;
-use crate::text::read_text;
+use crate::text::{beyond, read_text};
 use crate::toml_section::{Allowed, FRACTION, HEADING, MOUNT, NOT_NEGATIVE, Section, Source};
 use crate::units::Dimension;
 use crate::world::{MomentNoise, MountedWhisker, Odometry, ReadingNoise, Robot};
@@ -45,7 +46,7 @@ pub(super) const RIGIDITY_AGREEMENT: f64 = 0.01;
 /// A file that cannot be read or is at fault; the message names file, line, value, allowed range and remedy.
 pub fn read(path: impl AsRef<Path>) -> Result<Robot> {
     let path = path.as_ref();
-    let mut robot = from_toml(&read_text(path, "robot")?, &path.to_string_lossy())?;
+    let mut robot = from_toml(&read_text(path, "robot", TOML_BYTES)?, &path.to_string_lossy())?;
     if let Some(folder) = path.parent() {
         for calibration in robot.whiskers.iter_mut().filter_map(|w| w.calibration.as_mut()) {
             *calibration = folder.join(&*calibration);
@@ -125,6 +126,12 @@ pub fn whisker_entries(top: &Section<'_>) -> Result<Vec<MountedWhisker>> {
             fault(&value.span(), "a whisker is written as a list entry").remedy("write [[whisker]], not [whisker]")
         );
     };
+    if list.len() > MOST_WHISKERS {
+        let remedy = "leave out those that are not used";
+        return Err(beyond("the robot has too many whiskers", list.len(), MOST_WHISKERS, remedy)
+            .in_file(top.source.name)
+            .at_line(top.source.line(&value.span())));
+    }
     if list.is_empty() {
         return Err(fault(&value.span(), "the robot has no whisker")
             .remedy("add a [[whisker]] section, or leave the key out for the paper's whisker"));
@@ -166,6 +173,12 @@ fn whisker(section: &Section<'_>, index: usize) -> Result<MountedWhisker> {
 
 fn name(section: &Section<'_>, index: usize) -> Result<String> {
     let Some(name) = section.text("name")? else { return Ok(format!("w{index}")) };
+    if name.len() > LONGEST_NAME {
+        let remedy = "give it a short name; the log's columns are named after it";
+        return Err(beyond("a whisker's name is too long", format!("{} bytes", name.len()), LONGEST_NAME, remedy)
+            .in_file(section.source.name)
+            .at_line(section.line_of("name")));
+    }
     if name.contains(['.', ',']) || name.contains(char::is_whitespace) {
         let span = section.get("name").map_or(section.span.clone(), Spanned::span);
         return Err(section

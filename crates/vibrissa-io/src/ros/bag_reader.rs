@@ -2,7 +2,8 @@
 
 use super::definition::Kind;
 use super::records::{Fields, HEAD, MAGIC, head, op};
-use crate::config::limits::LARGEST_CHUNK;
+use crate::config::budgets::{INFLATED_BYTES, INFLATED_RATIO, LARGEST_CHUNK, LONGEST_NAME, MOST_TOPICS};
+use crate::text::{beyond, short};
 use crate::{Error, Result};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -36,7 +37,8 @@ pub struct BagSummary {
 ///
 /// # Errors
 ///
-/// What is not MCAP, is damaged, or holds a chunk of more than 256 MiB; what `visit` finds at fault.
+/// What is not MCAP, is damaged, holds a chunk of more than 64 MiB or more than a thousand topics, or inflates to far more than its
+/// size ([`crate::config::budgets`]); what `visit` finds at fault.
 pub fn read_bag(
     mut source: impl Read,
     name: &str,
@@ -119,6 +121,23 @@ fn too_large(what: &str, bytes: u64) -> Error {
         .remedy("the file is damaged, or record with smaller chunks (`ros2 bag record --storage-preset-profile …`)")
 }
 
+fn too_long(what: &str, name: &str) -> Error {
+    let remedy = "give it a shorter name, or leave it out: `mcap filter`";
+    beyond(
+        "a name in the recording is too long",
+        format!("{what} of {} bytes, {}", name.len(), short(name)),
+        LONGEST_NAME,
+        remedy,
+    )
+}
+
+fn inflates(inflated: u64, read: u64) -> Error {
+    Error::data("the recording inflates to far more than its size")
+        .value(format!("{read} bytes to {inflated} or more"))
+        .allowed(format!("up to {INFLATED_BYTES} bytes, or {INFLATED_RATIO} times its size"))
+        .remedy("the file is damaged or made to do harm; record again, or `mcap compress --compression none` elsewhere")
+}
+
 /// What was met so far.
 #[derive(Default)]
 struct Bag {
@@ -126,6 +145,9 @@ struct Bag {
     /// By channel: the index of its topic, and whether its messages are CDR.
     channels: BTreeMap<u16, (usize, bool)>,
     summary: BagSummary,
+    /// Bytes of chunks so far, as they stand in the file and inflated.
+    read: u64,
+    inflated: u64,
 }
 
 impl Bag {
@@ -148,7 +170,10 @@ impl Bag {
             match kind {
                 // What follows the data is an index of it.
                 op::FOOTER | op::DATA_END => break,
-                op::CHUNK => self.chunk(&bytes, visit)?,
+                op::CHUNK => {
+                    self.read += bytes.len() as u64;
+                    self.chunk(&bytes, visit)?;
+                }
                 _ => self.record(kind, &bytes, visit)?,
             }
         }
@@ -168,9 +193,12 @@ impl Bag {
             op::SCHEMA => {
                 let fields = fields.u16().zip(fields.text());
                 let (id, name) = fields.ok_or(Fault::Damaged("a schema's record is too short"))?;
+                if name.len() > LONGEST_NAME {
+                    return Err(too_long("a kind of message", name).into());
+                }
                 self.schemas.insert(id, name.to_owned());
             }
-            op::CHANNEL => self.channel(fields).ok_or(Fault::Damaged("a channel's record is too short"))?,
+            op::CHANNEL => self.channel(fields).unwrap_or(Err(Fault::Damaged("a channel's record is too short")))?,
             op::MESSAGE => {
                 let header = fields.u16().zip(fields.u32()).zip(fields.u64()).zip(fields.u64());
                 let (((channel, _), time), _) = header.ok_or(Fault::Damaged("a message's record is too short"))?;
@@ -187,19 +215,28 @@ impl Bag {
     }
 
     /// None where the record is too short.
-    fn channel(&mut self, mut fields: Fields) -> Option<()> {
+    fn channel(&mut self, mut fields: Fields) -> Option<core::result::Result<(), Fault>> {
         let (id, schema) = (fields.u16()?, fields.u16()?);
         let (name, encoding) = (fields.text()?, fields.text()?);
         if self.channels.contains_key(&id) {
-            return Some(());
+            return Some(Ok(()));
+        }
+        if name.len() > LONGEST_NAME {
+            return Some(Err(too_long("a topic", name).into()));
+        }
+        if self.summary.topics.len() >= MOST_TOPICS {
+            let remedy = "`mcap filter` keeps the topics that are needed";
+            return Some(Err(beyond("the recording has too many topics", MOST_TOPICS + 1, MOST_TOPICS, remedy).into()));
         }
         let kind_name = self.schemas.get(&schema).cloned().unwrap_or_default();
         let topic = Topic { kind: Kind::from_name(&kind_name), kind_name, name: name.to_owned() };
         let is_cdr = encoding == "cdr";
         if topic.kind.is_some() && !is_cdr {
-            self.summary
-                .warnings
-                .push(format!("the topic {} is left out: its messages are {encoding}, not cdr (ROS 2)", topic.name));
+            self.summary.warnings.push(format!(
+                "the topic {} is left out: its messages are {}, not cdr (ROS 2)",
+                topic.name,
+                short(encoding)
+            ));
         }
         let known = self.summary.topics.iter().position(|t| *t == topic);
         let index = known.unwrap_or_else(|| {
@@ -207,11 +244,15 @@ impl Bag {
             self.summary.topics.len() - 1
         });
         self.channels.insert(id, (index, is_cdr));
-        Some(())
+        Some(Ok(()))
     }
 
     fn chunk(&mut self, body: &[u8], visit: &mut Visit) -> core::result::Result<(), Fault> {
         let chunk = ChunkHeader::read(body).ok_or(Fault::Damaged("a chunk's record is too short"))?;
+        self.inflated = self.inflated.saturating_add(chunk.size);
+        if self.inflated > INFLATED_BYTES.max(INFLATED_RATIO.saturating_mul(self.read)) {
+            return Err(inflates(self.inflated, self.read).into());
+        }
         let whole = whole_chunk(&chunk).map_err(Fault::Chunk)?;
         if chunk.checksum != 0 && crc32fast::hash(&whole) != chunk.checksum {
             return Err(Fault::Damaged("the checksum of a chunk is wrong"));
@@ -281,7 +322,7 @@ fn whole_chunk<'a>(chunk: &ChunkHeader<'a>) -> Result<Cow<'a, [u8]>> {
 
 /// All that a decoder gives, which must be as much as the chunk says.
 fn inflated(decoder: &mut dyn Read, size: usize) -> Result<Vec<u8>> {
-    let mut whole = Vec::new();
+    let mut whole = Vec::with_capacity(size);
     let read = decoder.take(size as u64).read_to_end(&mut whole).map_err(|e| not_inflated(&e))?;
     if read == size { Ok(whole) } else { Err(not_inflated(&format!("{read} of {size} bytes"))) }
 }

@@ -2,9 +2,8 @@
 
 use super::{Kind, decode_grid, read_bag};
 use crate::grid::OccupancyGrid;
-use crate::text::cannot_open;
+use crate::text::open;
 use crate::{Error, Result};
-use std::fs::File;
 use std::path::Path;
 
 /// The last `nav_msgs/OccupancyGrid` of a recording.
@@ -13,7 +12,7 @@ use std::path::Path;
 ///
 /// A file that cannot be read, is damaged, or holds no such message; grids on several topics.
 pub fn read_grid(path: &Path) -> Result<OccupancyGrid> {
-    let file = File::open(path).map_err(|e| cannot_open(path, "map", &e))?;
+    let file = open(path, "map")?;
     let mut found: Option<(String, OccupancyGrid)> = None;
     read_bag(file, &path.to_string_lossy(), |topic, _, bytes| {
         if topic.kind != Some(Kind::Grid) {

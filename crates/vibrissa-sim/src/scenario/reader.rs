@@ -1,6 +1,7 @@
 //! The scenario's TOML file.
 
 use super::{LegStart, Scenario, check, errors_section, noise_section, path_section, sensing_section, world_section};
+use crate::config::budgets::TOML_BYTES;
 use crate::io::text::read_text;
 use crate::io::toml_section::{Section, Source};
 use crate::{Error, Result};
@@ -19,7 +20,7 @@ impl Scenario {
     pub fn read(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
         let folder = path.parent().unwrap_or(Path::new(""));
-        Self::from_toml(&read_text(path, "scenario")?, &path.to_string_lossy(), folder)
+        Self::from_toml(&read_text(path, "scenario", TOML_BYTES)?, &path.to_string_lossy(), folder)
     }
 
     /// The scenario in a TOML text; `name` stands for the file in messages, `folder` is where its paths start.

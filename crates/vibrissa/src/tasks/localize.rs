@@ -63,6 +63,24 @@ pub fn localize_watched(
     method: &Method,
     observer: &mut StatesObserver,
 ) -> Result<Localization> {
+    localize_observed(log, map, robot, method, &mut |row, localizer| observer(row, &|| localizer.states_now()))
+}
+
+/// What is called after each row with its index and the localizer, which tells what can be said by then; a break ends the log there.
+pub type RowObserver<'a> = dyn FnMut(usize, &Localizer<'_>) -> ControlFlow<()> + 'a;
+
+/// As [`localize_while`], and the observer may ask the localizer for its estimate at that row.
+///
+/// # Errors
+///
+/// As [`localize`].
+pub fn localize_observed(
+    log: &SensorLog,
+    map: &Map,
+    robot: &Robot,
+    method: &Method,
+    observer: &mut RowObserver,
+) -> Result<Localization> {
     let (log, robot) = calibrated(log, robot)?;
     let mut localizer = Localizer::new(map, &robot, &log.channels, method)?;
     for (index, row) in log.rows.iter().enumerate() {
@@ -70,7 +88,7 @@ pub fn localize_watched(
             Some(file) if error.line().is_some() => error.in_file(file),
             _ => error,
         })?;
-        if observer(index, &|| localizer.states_now()).is_break() {
+        if observer(index, &localizer).is_break() {
             break;
         }
     }

@@ -6,7 +6,9 @@ use super::single::{solution, text_of};
 use serde_json::json;
 use std::path::Path;
 use vibrissa::beam::{Bend, Load, Whisker};
+use vibrissa::config::budgets::{BATCH_BYTES, MOST_BATCH_ROWS};
 use vibrissa::io::Dimension;
+use vibrissa::io::text::read_text;
 use vibrissa::tasks::batch;
 use vibrissa::{Error, Result};
 
@@ -34,11 +36,7 @@ pub(super) fn report(
     json: bool,
     stored: bool,
 ) -> Result<Report> {
-    let text = std::fs::read_to_string(file).map_err(|error| {
-        Error::data(format!("cannot read the batch ({error})"))
-            .in_file(file)
-            .remedy("check the path; the table is CSV in UTF-8")
-    })?;
+    let text = read_text(file, "batch", BATCH_BYTES)?;
     let solved = solve(&text, given, known, whisker).map_err(|error| error.in_file(file))?;
     let table = table(&solved, given)?;
     let text = if json {
@@ -69,6 +67,12 @@ fn solve(text: &str, given: Given, known: &Known, whisker: &Whisker) -> Result<S
         let line = cells.position().map_or(index + 2, |p| p.line() as usize);
         let cell = |name: &str| headers.iter().position(|h| h == name).and_then(|i| cells.get(i));
         let (known, whisker) = row(cell, known, whisker).map_err(|e| e.at_line(line))?;
+        if posed.len() >= MOST_BATCH_ROWS {
+            return Err(Error::data("the batch has too many rows")
+                .at_line(line)
+                .allowed(format!("up to {MOST_BATCH_ROWS}"))
+                .remedy("split it into several tables"));
+        }
         posed.push((line, cells, known, whisker));
     }
     if posed.is_empty() {

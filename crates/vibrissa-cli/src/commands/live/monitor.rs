@@ -1,9 +1,10 @@
 //! What people see of a run: one line that changes, and an account at the end.
 
-use crate::output::print;
+use crate::output::{plain, print};
 use std::fmt::Write as _;
 use std::io::{IsTerminal, Write as _};
 use std::time::{Duration, Instant};
+use vibrissa::error::printable;
 use vibrissa::flow::pose::Estimate;
 use vibrissa_live::counts::Counts;
 use vibrissa_live::estimate::Told;
@@ -11,6 +12,8 @@ use vibrissa_live::output::words;
 use vibrissa_live::pipeline::Notice;
 use vibrissa_live::run::Health;
 
+/// Longest notice (characters): sources may send anything.
+const LONGEST_NOTICE: usize = 600;
 /// How often the line changes on a terminal, and how often a new one is written elsewhere.
 const REDRAW: Duration = Duration::from_millis(100);
 const NEW_LINE: Duration = Duration::from_secs(1);
@@ -58,14 +61,18 @@ impl Monitor {
     /// The line of JSON, where it is asked for.
     pub(super) fn line(&mut self, told: &Told) {
         if self.json {
-            self.closed |= writeln!(std::io::stdout(), "{}", told.line).is_err();
+            self.closed |= writeln!(std::io::stdout(), "{}", plain(&told.line)).is_err();
         }
     }
 
     pub(super) fn notice(&mut self, notice: &Notice) {
         self.clear();
         // Standard error may be closed.
-        let _ = writeln!(std::io::stderr(), "{}: {}", notice.source, notice.text);
+        let _ = writeln!(
+            std::io::stderr(),
+            "{}",
+            plain(&format!("{}: {}", notice.source, printable(&notice.text, LONGEST_NOTICE)))
+        );
     }
 
     pub(super) fn idle(&mut self, health: &Health) {

@@ -8,7 +8,7 @@ use vibrissa::io::log::foreign::{Format, Recording};
 use vibrissa::io::read_tum;
 #[cfg(feature = "mcap")]
 use vibrissa::io::recording::{StampedStates, localization_mcap};
-use vibrissa::tasks::StatesObserver;
+use vibrissa::tasks::RowObserver;
 use vibrissa::world::{Map, Robot};
 use vibrissa::{Method, Result};
 
@@ -54,6 +54,11 @@ impl Inputs {
         self.map.warnings.iter().chain(&self.log.warnings).cloned().chain(unused).chain(doubts).collect()
     }
 
+    /// The answer; `observer` is called after each row, may ask the localizer, and may break off.
+    pub(super) fn localize(&self, method: &Method, observer: &mut RowObserver) -> Result<Localization> {
+        vibrissa::tasks::localize_observed(&self.log, &self.map, &self.robot, method, observer)
+    }
+
     /// What to try, where the answer is `inconsistent`; `go_on` may break off.
     pub(super) fn advise(
         &self,
@@ -64,15 +69,16 @@ impl Inputs {
         vibrissa::tasks::advise(answer, &self.log, &self.map, &self.robot, method, go_on)
     }
 
-    /// The answer; `observer` is called after each row, may ask for the states so far, and may break off.
-    pub(super) fn localize_watched(&self, method: &Method, observer: &mut StatesObserver) -> Result<Localization> {
-        vibrissa::tasks::localize_watched(&self.log, &self.map, &self.robot, method, observer)
-    }
-
     /// The recording of an answer and the states along the way (MCAP).
     #[cfg(feature = "mcap")]
     pub(super) fn recording(&self, answer: &Localization, states: &[StampedStates]) -> Result<Vec<u8>> {
         localization_mcap(&self.log, &self.map, answer, states, self.truth.as_deref())
+    }
+
+    /// What looks wrong in the log's times for a recording.
+    #[cfg(feature = "mcap")]
+    pub(super) fn clock_warning(&self) -> Option<String> {
+        vibrissa::io::recording::clock_warning(&self.log)
     }
 
     /// The headline of the figure.

@@ -1,15 +1,17 @@
 //! `vibrissa localize`: where the robot is.
 
 mod inputs;
+mod interrupted;
 mod known;
 mod method;
 mod robot;
 
 use crate::interrupt::{Heedful, stopped};
 use crate::output::OutputArgs;
-use crate::output::{Run, Stopwatch, deliver, warn};
+use crate::output::{Run, Stopwatch, deliver, progress, warn};
 use inputs::Inputs;
 pub(super) use inputs::{outlines, read_log};
+use interrupted::Known;
 pub(crate) use known::joined;
 use method::MethodArgs;
 use std::ops::ControlFlow;
@@ -20,6 +22,7 @@ use vibrissa::flow::pose::Localization;
 use vibrissa::io::log::foreign::Format;
 #[cfg(feature = "mcap")]
 use vibrissa::io::recording::StatesWatch;
+use vibrissa::tasks::RowObserver;
 
 /// Find where the robot is from a sensor log and a map.
 ///
@@ -63,71 +66,79 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     let method = &args.method.method;
     args.method.check()?;
     let inputs = Inputs::read(&args.log, args.format, &args.map, args.robot.as_deref(), args.truth.as_deref(), method)?;
-    let mut stopwatch = Stopwatch::start();
-    let ((mut answer, recording, frames), used) = heedful(args, &inputs, &mut stopwatch)?;
+    let stopwatch = Stopwatch::start();
+    let heeds = Heedful::hurried();
+    inputs.warnings().iter().for_each(|warning| warn(warning));
+    let unused = |flag: &String| format!("{flag} is not used: the method {method} has no such option");
+    args.method.unused.iter().for_each(|flag| warn(&unused(flag)));
+    let run = localized(args, &inputs, stopwatch)?;
+    drop(heeds);
+    if run.interrupted {
+        let (used, rows) = (run.rows, inputs.rows().len());
+        warn(&format!("interrupted after {used} of {rows} rows: the results are those of a log that ends there"));
+    }
+    deliver(&run, &args.output)
+}
+
+/// The localization, as far as it comes before an interrupt.
+fn localized(args: &Args, inputs: &Inputs, mut stopwatch: Stopwatch) -> Result<Run> {
+    let method = &args.method.method;
+    let known = Known::keep(inputs, method, &args.output);
+    progress::phase("localizing");
+    let mut used = 0;
+    let (mut answer, recording, frames) = answered(args, inputs, &mut |row, localizer| {
+        stopwatch.lap();
+        used = row + 1;
+        known.row(used, localizer);
+        if stopped() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    })?;
     let runtime = stopwatch.stop(inputs.rows(), &answer.steps);
-    if used == inputs.rows().len() {
-        let _heeds = Heedful::begin();
+    let interrupted = used < inputs.rows().len();
+    if !interrupted {
+        known.answer(&answer, &recording);
+        progress::phase("looking for what would explain the log");
         inputs.advise(&mut answer, method, &mut || !stopped())?;
     }
-    deliver(
-        &Run {
-            title: inputs.title(),
-            answer,
-            runtime,
-            rows: used,
-            interrupted: used < inputs.rows().len(),
-            map: inputs.outlines(),
-            truth: inputs.truth,
-            recording,
-            film: args.animate.then_some(frames),
-        },
-        &args.output,
-    )
+    Ok(Run {
+        title: inputs.title(),
+        answer,
+        runtime,
+        rows: used,
+        interrupted,
+        map: inputs.outlines(),
+        truth: inputs.truth.clone(),
+        recording,
+        inputs: Vec::new(),
+        film: args.animate.then_some(frames),
+    })
 }
 
 /// Frames of a film.
 const FRAMES: usize = 100;
 
-/// Warns of doubtful inputs, then what the run leaves, and how many rows it is made of: an interrupt keeps what is known by
-/// then.
-fn heedful(args: &Args, inputs: &Inputs, stopwatch: &mut Stopwatch) -> Result<(Answered, usize)> {
-    let _heeds = Heedful::begin();
-    inputs.warnings().iter().for_each(|warning| warn(warning));
-    let unused = |flag: &String| format!("{flag} is not used: the method {} has no such option", args.method.method);
-    args.method.unused.iter().for_each(|flag| warn(&unused(flag)));
-    let mut used = 0;
-    let left = answered(args, inputs, &mut |row| {
-        stopwatch.lap();
-        used = row + 1;
-        if stopped() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-    })?;
-    let rows = inputs.rows().len();
-    if used < rows {
-        warn(&format!("interrupted after {used} of {rows} rows: the results are those of a log that ends there"));
-    }
-    Ok((left, used))
-}
-
 /// What a run leaves.
 type Answered = (Localization, Option<Vec<u8>>, Vec<FilmFrame>);
 
 /// The answer, the recording and the frames of the film, where they are asked for.
-fn answered(args: &Args, inputs: &Inputs, lap: &mut dyn FnMut(usize) -> ControlFlow<()>) -> Result<Answered> {
+fn answered(args: &Args, inputs: &Inputs, lap: &mut RowObserver) -> Result<Answered> {
     let rows = inputs.rows();
     let every = rows.len().div_ceil(FRAMES).max(1);
     let mut frames = Vec::new();
     #[cfg(feature = "mcap")]
     let mut watch = args.mcap.then(|| StatesWatch::new(rows.len()));
-    let answer = inputs.localize_watched(&args.method.method, &mut |row, states| {
+    #[cfg(feature = "mcap")]
+    if args.mcap {
+        inputs.clock_warning().iter().for_each(|warning| warn(warning));
+    }
+    let answer = inputs.localize(&args.method.method, &mut |row, localizer| {
         #[cfg(feature = "mcap")]
         if let Some(watch) = &mut watch {
-            watch.look(row, rows[row].t, states);
+            watch.look(row, rows[row].t, &|| localizer.states_now());
         }
         if args.animate && (row % every == 0 || row + 1 == rows.len()) {
-            frames.push(FilmFrame { t: rows[row].t, states: states() });
+            frames.push(FilmFrame { t: rows[row].t, states: localizer.states_now() });
         }
-        lap(row)
+        lap(row, localizer)
     })?;
     #[cfg(feature = "mcap")]
     let recording = watch.map(|watch| inputs.recording(&answer, &watch.finish())).transpose()?;

@@ -3,8 +3,7 @@
 mod report;
 
 use super::localize::outlines;
-use crate::output::{OutputArgs, print, warn, write_bytes};
-use std::io::{IsTerminal, Write};
+use crate::output::{OutputArgs, print, progress, warn, write_bytes};
 use std::path::PathBuf;
 use vibrissa::io::format_tum;
 use vibrissa::io::log::to_csv;
@@ -42,12 +41,11 @@ pub(crate) struct Args {
 
 /// Runs the command.
 pub(crate) fn run(args: &Args) -> Result<()> {
-    let progress = Progress::new();
-    progress.say("reading the scenario");
     let scenario = read(args)?;
-    progress.say(&format!("simulating {} rows", scenario.path.len()));
-    let simulation = scenario.simulate()?;
-    progress.say("");
+    let rows = scenario.path.len() * scenario.robot.whiskers.len();
+    progress::phase("simulating");
+    let simulation = scenario.simulate_watched(&mut |done| progress::count(done, rows))?;
+    progress::phase("writing");
     simulation.warnings.iter().for_each(|warning| warn(warning));
     let written = match args.output.destination() {
         Some(to) => {
@@ -104,32 +102,6 @@ fn files(scenario: &Scenario, simulation: &Simulation, dump: bool) -> Vec<(&'sta
         files.push(("exact.csv", report::exact_csv(scenario, sweep)));
     }
     files
-}
-
-/// One line on standard error that is written over, when somebody sits there.
-struct Progress {
-    shown: bool,
-}
-
-impl Progress {
-    fn new() -> Self {
-        Self { shown: std::io::stderr().is_terminal() }
-    }
-
-    /// Shows what goes on; the empty text clears the line.
-    fn say(&self, what: &str) {
-        if self.shown {
-            let dots = if what.is_empty() { "" } else { " …" };
-            // If standard error is closed, nobody watches.
-            let _ = write!(std::io::stderr(), "\r\x1b[K{what}{dots}");
-        }
-    }
-}
-
-impl Drop for Progress {
-    fn drop(&mut self) {
-        self.say("");
-    }
 }
 
 /// An error of serialization, which no scenario can cause.

@@ -24,9 +24,11 @@ mod stamps;
 mod table;
 mod yaml;
 
+use crate::config::budgets::FOREIGN_BYTES;
+use crate::config::limits::MOST_LOG_ROWS;
 use crate::flow::sensor_log::{Channel, LogRow, Quantity, SensorLog};
 use crate::plane::Pose2;
-use crate::text::{cannot_open, did_you_mean};
+use crate::text::{beyond, did_you_mean, listed, open, read_bytes};
 use crate::{Error, Result};
 use core::str::FromStr;
 use std::io::Read;
@@ -84,7 +86,7 @@ impl Format {
     #[must_use]
     pub fn of_taps(path: &Path) -> Self {
         let mut start = Vec::new();
-        if let Ok(file) = std::fs::File::open(path) {
+        if let Ok(file) = open(path, "log") {
             // A file that cannot be read is told by the reader.
             let _ = file.take(4096).read_to_end(&mut start);
         }
@@ -141,7 +143,7 @@ impl Recording {
     /// A file that cannot be opened, or that holds not one row of this format.
     pub fn read(path: impl AsRef<Path>, format: Format) -> Result<Self> {
         let path = path.as_ref();
-        let bytes = std::fs::read(path).map_err(|e| cannot_open(path, "log", &e))?;
+        let bytes = read_bytes(path, "log", FOREIGN_BYTES)?;
         Self::from_bytes(&bytes, format, &path.to_string_lossy())
     }
 
@@ -161,6 +163,11 @@ impl Recording {
             Format::Contour => contour::read(bytes),
         };
         recording.source = name.to_owned();
+        if recording.lines.len() > MOST_LOG_ROWS {
+            let remedy = "cut it into parts, or keep every tenth line";
+            let rows = format!("{} or more", recording.lines.len());
+            return Err(beyond("the recording has too many rows", rows, MOST_LOG_ROWS, remedy).in_file(name));
+        }
         if recording.lines.is_empty() {
             return Err(Error::data(format!("not one row of the format {}", format.as_str()))
                 .in_file(name)
@@ -183,6 +190,10 @@ impl Recording {
     }
 
     fn push(&mut self, line: usize, values: impl IntoIterator<Item = f64>) {
+        // One row beyond the budget tells that there are more; further ones would only take memory.
+        if self.lines.len() > MOST_LOG_ROWS {
+            return;
+        }
         self.lines.push(line);
         for (series, value) in self.series.iter_mut().zip(values) {
             series.values.push(value);
@@ -205,7 +216,7 @@ impl Recording {
             let held: Vec<&str> = self.series.iter().map(|s| s.name.as_str()).collect();
             Error::data(format!("the recording has no column `{name}`"))
                 .in_file(&self.source)
-                .value(format!("it holds {}", held.join(", ")))
+                .value(format!("it holds {}", listed(&held)))
                 .remedy(did_you_mean(name, &held))
         })
     }

@@ -65,7 +65,7 @@ fn messages(bytes: &[u8], recording: &mut Recording) -> Vec<Message> {
     let mut whole = true;
     for (line, raw) in lines(bytes).zip(bytes.split_inclusive(|&b| b == b'\n')) {
         if line.text == "---" {
-            let finished = core::mem::take(&mut message);
+            let finished = core::mem::take(&mut message).finished();
             if whole && !finished.is_empty() {
                 done.push(finished);
             }

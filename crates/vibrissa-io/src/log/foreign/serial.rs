@@ -2,6 +2,7 @@
 
 use super::lines::{lines, numbers};
 use super::{Format, Recording};
+use crate::config::limits::MOST_LOG_ROWS;
 
 /// Readings a second of one sensor \[routray, section "Whisker Contact and Obstacle Shape Analysis"\] (Hz).
 const RATE: f64 = 300.0;
@@ -107,6 +108,10 @@ fn slotted(bytes: &[u8], recording: &mut Recording) -> Vec<(usize, Option<[f64; 
         match flux {
             Some(flux) => recording.repairs.saturated += flux.iter().filter(|b| is_saturated(**b)).count(),
             None => recording.repairs.drop_line(&line),
+        }
+        // Two lines make a row at most; further ones are beyond what a recording may hold.
+        if slots.len() > 2 * (MOST_LOG_ROWS + 1) {
+            break;
         }
         if flux.is_some() || !slots.is_empty() {
             slots.push((line.number, flux));

@@ -5,18 +5,44 @@ use super::lines::{Line, number};
 /// Deepest nesting that a message has.
 const DEEPEST: usize = 12;
 
+/// The numbers that are read of any message.
+const WANTED: [&str; 16] = [
+    "header.stamp.secs",
+    "header.stamp.sec",
+    "header.stamp.nsecs",
+    "header.stamp.nanosec",
+    "pose.pose.position.x",
+    "pose.pose.position.y",
+    "pose.pose.orientation.x",
+    "pose.pose.orientation.y",
+    "pose.pose.orientation.z",
+    "pose.pose.orientation.w",
+    "wrench.torque.z",
+    "magnetic_field.x",
+    "magnetic_field.y",
+    "magnetic_field.z",
+    "twist.linear.x",
+    "twist.linear.y",
+];
+
 /// One message: its numbers by path, such as `pose.pose.position.x`.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Message {
     pub(super) line: usize,
-    values: Vec<(String, f64)>,
+    values: Vec<(&'static str, f64)>,
     stack: Vec<(usize, String)>,
 }
 
 impl Message {
     /// The number at a path.
     pub(super) fn get(&self, path: &str) -> Option<f64> {
-        self.values.iter().find(|(known, _)| known == path).map(|(_, value)| *value)
+        self.values.iter().find(|(known, _)| *known == path).map(|(_, value)| *value)
+    }
+
+    /// The message at its end, without what was needed to read it.
+    pub(super) fn finished(mut self) -> Self {
+        self.stack = Vec::new();
+        self
     }
 
     pub(super) fn is_empty(&self) -> bool {
@@ -56,7 +82,12 @@ impl Message {
         if let Some(value) = number(value) {
             let mut path: String = self.stack.iter().fold(String::new(), |path, (_, key)| path + key + ".");
             path.push_str(key.trim());
-            self.values.push((path, value));
+            // Of hundreds of numbers a few are read; the first of a name counts.
+            if let Some(wanted) = WANTED.iter().find(|wanted| **wanted == path)
+                && self.get(wanted).is_none()
+            {
+                self.values.push((wanted, value));
+            }
         }
         true
     }

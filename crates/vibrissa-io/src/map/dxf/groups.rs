@@ -1,5 +1,7 @@
 //! The lines of a DXF text: pairs of a code and a value, in sections.
 
+use crate::config::budgets::MOST_GROUPS;
+use crate::text::beyond;
 use crate::{Error, Result};
 use core::str::FromStr;
 
@@ -37,6 +39,10 @@ pub(super) fn groups(text: &str) -> Result<Vec<Group<'_>>> {
         let Some((line, value)) = lines.next() else { return Err(cut_off(line)) };
         if number == 0 && value == "EOF" {
             return Ok(found);
+        }
+        if found.len() >= MOST_GROUPS {
+            let remedy = "export the layers of the map alone";
+            return Err(beyond("the drawing has too many groups", found.len() + 1, MOST_GROUPS, remedy).at_line(line));
         }
         if number != 999 {
             found.push(Group { code: number, value, line });

@@ -1,7 +1,9 @@
 //! Pieces that were drawn one by one, joined to outlines.
 
+use crate::config::budgets::MOST_MEETING;
 use crate::config::limits::FLATTEN_TOLERANCE;
 use crate::plane::{Curve, Segment, SegmentTree, Vec2};
+use crate::text::beyond;
 use crate::{Error, Result};
 use std::collections::BTreeMap;
 
@@ -24,7 +26,7 @@ pub(super) fn joined(pieces: Vec<Piece>, walls: bool) -> Result<Vec<Piece>> {
         if piece.closed || walls {
             done.push(piece);
         } else {
-            ends.add(piece);
+            ends.add(piece)?;
         }
     }
     while let Some(mut chain) = ends.take_any() {
@@ -109,11 +111,18 @@ fn square(p: Vec2) -> (i64, i64) {
 }
 
 impl Ends {
-    fn add(&mut self, piece: Piece) {
+    fn add(&mut self, piece: Piece) -> Result<()> {
         for end in [piece.start(), piece.end()] {
-            self.at.entry(square(end)).or_default().push(self.open.len());
+            let here = self.at.entry(square(end)).or_default();
+            if here.len() >= MOST_MEETING {
+                let remedy = "remove lines that were drawn twice (in CAD programs: OVERKILL), or lines without length";
+                let error = beyond("too many lines end in one point", here.len() + 1, MOST_MEETING, remedy);
+                return Err(error.at_line(piece.line));
+            }
+            here.push(self.open.len());
         }
         self.open.push(Some(piece));
+        Ok(())
     }
 
     /// The first piece that is still there.

@@ -5,10 +5,11 @@ mod join;
 mod shape;
 mod spline;
 
+use crate::config::budgets::{LONGEST_NAME, MAP_BYTES, MOST_ENTITIES, MOST_LAYERS, MOST_OUTLINES};
 use crate::config::limits::ARC_TOLERANCE;
 use crate::plane::{Curve, Segment};
-use crate::text::{cannot_open, did_you_mean};
-use crate::world::{Boundary, CurveFault, Map, Role, beyond_maps, out_of_range};
+use crate::text::{beyond, did_you_mean, listed, read_bytes, short};
+use crate::world::{Boundary, CurveFault, Map, MapCost, Role, beyond_maps, out_of_range};
 use crate::{Error, Result};
 use groups::{Entity, Group, entities, groups, section};
 use join::{Piece, joined};
@@ -25,6 +26,7 @@ struct Found<'a> {
     pieces: Vec<(Role, &'a str, Piece)>,
     /// Layers without a role that something readable is drawn on.
     ignored: Vec<&'a str>,
+    cost: MapCost,
 }
 
 /// The map in the text of a DXF drawing (R12 to 2018); `name` stands for the file in messages.
@@ -55,6 +57,15 @@ fn parse(text: &str) -> Result<Map> {
     if drawn.is_empty() {
         return Err(Error::data("nothing is drawn: the section ENTITIES is missing or empty"));
     }
+    let count = drawn.iter().filter(|group| group.code == 0).count();
+    if count > MOST_ENTITIES {
+        return Err(beyond(
+            "the drawing has too many entities",
+            count,
+            MOST_ENTITIES,
+            "export the layers of the map alone",
+        ));
+    }
     let drawn = entities(drawn);
     let mut found = Found::default();
     found.collect(&drawn, scale)?;
@@ -64,14 +75,14 @@ fn parse(text: &str) -> Result<Map> {
     let mut map = Map::new(found.boundaries()?)?;
     map.warnings.extend(doubt);
     if !found.ignored.is_empty() {
-        map.warnings.push(format!("layers without a role were ignored: {}", found.ignored.join(", ")));
+        map.warnings.push(format!("layers without a role were ignored: {}", listed(&found.ignored)));
     }
     Ok(map)
 }
 
 /// The map in a DXF file.
 pub(super) fn read_dxf(path: &Path) -> Result<Map> {
-    let bytes = std::fs::read(path).map_err(|error| cannot_open(path, "map", &error))?;
+    let bytes = read_bytes(path, "map", MAP_BYTES)?;
     if bytes.starts_with(BINARY) {
         return Err(Error::data("a binary DXF drawing")
             .in_file(path)
@@ -114,9 +125,22 @@ fn assumed(what: &str) -> String {
     )
 }
 
+fn few_layers(count: usize, entity: &Entity<'_>) -> Result<()> {
+    if count <= MOST_LAYERS { Ok(()) } else { Err(too_many_layers(count).at_line(entity.line)) }
+}
+
+fn too_many_layers(count: usize) -> Error {
+    beyond(
+        "the drawing has too many layers",
+        format!("{count} or more"),
+        MOST_LAYERS,
+        "export the layers of the map alone",
+    )
+}
+
 /// The role whose word the layer's name starts with, in any case.
 fn role(layer: &str) -> Option<Role> {
-    let lower = layer.to_lowercase();
+    let lower = short(layer).to_lowercase();
     Role::WORDS.into_iter().find(|word| lower.starts_with(word)).and_then(Role::from_word)
 }
 
@@ -131,6 +155,7 @@ impl<'a> Found<'a> {
                 if (shape::is_shape(entity.kind) || entity.kind == "INSERT") && !self.ignored.contains(&entity.layer())
                 {
                     self.ignored.push(entity.layer());
+                    few_layers(self.ignored.len(), entity)?;
                 }
                 continue;
             };
@@ -146,6 +171,7 @@ impl<'a> Found<'a> {
                 return Err(about(out_of_range(p).at_line(entity.line), entity));
             }
             if !segments.is_empty() {
+                self.cost.add(&segments).map_err(|error| about(error.at_line(entity.line), entity))?;
                 let piece = Piece { segments, closed: chain.closed, line: entity.line };
                 self.pieces.push((role, entity.layer(), piece));
             }
@@ -159,6 +185,9 @@ impl<'a> Found<'a> {
         for &(role, layer, _) in &self.pieces {
             if !layers.contains(&(role, layer)) {
                 layers.push((role, layer));
+                if layers.len() > MOST_LAYERS {
+                    return Err(too_many_layers(layers.len()));
+                }
             }
         }
         let mut boundaries = Vec::new();
@@ -174,7 +203,7 @@ impl<'a> Found<'a> {
 }
 
 fn one_layer(role: Role, layer: &str, pieces: Vec<Piece>, out: &mut Vec<Boundary>) -> Result<()> {
-    let called = format!("layer \"{layer}\"");
+    let called = format!("layer \"{}\"", short(layer));
     let mut curves = Vec::new();
     for piece in joined(pieces, role == Role::Wall).map_err(|error| error.about(&called))? {
         let line = piece.line;
@@ -184,6 +213,10 @@ fn one_layer(role: Role, layer: &str, pieces: Vec<Piece>, out: &mut Vec<Boundary
             None => return Err(Error::data("has no length, or a gap").about(&called).at_line(line)),
         }
     }
+    if role != Role::Wall && curves.len() > MOST_OUTLINES {
+        let remedy = "draw it on several layers: obstacle-1, obstacle-2, …";
+        return Err(beyond("too many outlines on one layer", curves.len(), MOST_OUTLINES, remedy).about(&called));
+    }
     let depths = if role == Role::Wall { vec![0; curves.len()] } else { join::depths(&curves) };
     for ((curve, line), depth) in curves.into_iter().zip(depths) {
         let (role, hole) = match (role, depth) {
@@ -192,7 +225,8 @@ fn one_layer(role: Role, layer: &str, pieces: Vec<Piece>, out: &mut Vec<Boundary
             (Role::Arena, depth) => (Role::Obstacle, depth % 2 == 0),
             (Role::Obstacle, depth) => (Role::Obstacle, depth % 2 == 1),
         };
-        let boundary = Boundary::checked(role, curve, hole, Some(layer.to_owned()));
+        let name = Some(layer.to_owned()).filter(|name| name.len() <= LONGEST_NAME);
+        let boundary = Boundary::checked(role, curve, hole, name);
         out.push(boundary.map_err(|CurveFault { error, .. }| error.about(&called).at_line(line))?);
     }
     Ok(())
@@ -207,7 +241,7 @@ fn scaled(segment: &Segment, scale: f64) -> Segment {
 }
 
 fn about(error: Error, entity: &Entity<'_>) -> Error {
-    error.about(&format!("{} on layer \"{}\"", groups::excerpt(entity.kind).trim_matches('"'), entity.layer()))
+    error.about(&format!("{} on layer \"{}\"", groups::excerpt(entity.kind).trim_matches('"'), short(entity.layer())))
 }
 
 /// Refuses what would be missed on the map; captions, dimensions and points are not.
@@ -226,8 +260,7 @@ fn no_roles(layers: &[&str]) -> Error {
     if layers.is_empty() {
         return error.remedy("draw the arena's outline with lines, arcs, polylines or splines on a layer arena");
     }
-    let shown: Vec<&str> = layers.iter().take(8).copied().collect();
     let near = layers.iter().map(|layer| did_you_mean(layer, &Role::WORDS)).find(|hint| hint.starts_with("did"));
     let hint = near.map_or_else(String::new, |hint| format!("; {hint}"));
-    error.value(format!("layers {}", shown.join(", "))).remedy(format!("rename the layers by what they hold{hint}"))
+    error.value(format!("layers {}", listed(layers))).remedy(format!("rename the layers by what they hold{hint}"))
 }

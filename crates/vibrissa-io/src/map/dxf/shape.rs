@@ -2,6 +2,7 @@
 
 use super::groups::{Entity, number};
 use super::spline::Spline;
+use crate::config::budgets::MOST_PIECES;
 use crate::plane::{Segment, Vec2, arc_to_cubics};
 use crate::{Error, Result};
 use core::f64::consts::TAU;
@@ -103,6 +104,9 @@ type Vertex = (Vec2, f64);
 fn light_vertices(entity: &Entity<'_>) -> Result<Vec<Vertex>> {
     let mut vertices: Vec<Vertex> = Vec::new();
     for group in entity.groups {
+        if vertices.len() > MOST_PIECES + 1 {
+            break;
+        }
         match (group.code, vertices.last_mut()) {
             (10, _) => vertices.push((Vec2::new(number(group)?, 0.0), 0.0)),
             (20, Some(last)) => last.0.y = number(group)?,
@@ -133,6 +137,10 @@ fn polyline(vertices: &[Vertex], closed: bool, tolerance: f64) -> Chain {
     let back = vertices.first().filter(|_| closed);
     for (&(a, bulge), &(b, _)) in vertices.iter().zip(vertices.iter().skip(1).chain(back)) {
         bulged(a, b, bulge, tolerance, &mut segments);
+        // More than a map may have is refused when the pieces are counted.
+        if segments.len() > MOST_PIECES {
+            break;
+        }
     }
     Chain { segments, closed }
 }

@@ -1,5 +1,6 @@
 //! Splines as cubics.
 
+use crate::config::budgets::MOST_PIECES;
 use crate::plane::{Segment, Vec2};
 use crate::{Error, Result};
 
@@ -48,6 +49,10 @@ impl Spline {
     pub(super) fn cubics(&self, tolerance: f64) -> Vec<Segment> {
         let mut cubics = Vec::new();
         for span in self.degree..self.points.len() {
+            // More than a map may have is refused when the pieces are counted.
+            if cubics.len() > MOST_PIECES {
+                break;
+            }
             let (from, to) = (self.knots[span], self.knots[span + 1]);
             if to > from {
                 self.add(span, [from, to], tolerance, MOST_HALVINGS, &mut cubics);

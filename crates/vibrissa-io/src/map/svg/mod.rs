@@ -1,14 +1,16 @@
 //! Maps drawn in SVG, as Inkscape writes it.
 
+mod budget;
 mod page;
 mod path;
 mod role;
 mod shape;
 
+use crate::config::budgets::{LONGEST_NAME, MOST_OUTLINES, MOST_XML_NODES};
 use crate::config::limits::FLATTEN_TOLERANCE;
 use crate::plane::{Curve, SegmentTree};
-use crate::text::did_you_mean;
-use crate::world::{Boundary, CurveFault, Map, Role};
+use crate::text::{beyond, did_you_mean, listed, short};
+use crate::world::{Boundary, CurveFault, Map, MapCost, Role};
 use crate::{Error, Result};
 use kurbo::Affine;
 use roxmltree::{Document, Node, ParsingOptions};
@@ -29,6 +31,7 @@ struct Found<'a> {
     ignored: Vec<String>,
     /// How many groups deep the walk is.
     depth: usize,
+    cost: MapCost,
 }
 
 /// The map drawn in an SVG text; `name` stands for the file in messages.
@@ -50,11 +53,12 @@ pub fn from_svg(text: &str, name: &str) -> Result<Map> {
 }
 
 fn parse(text: &str, name: &str) -> Result<Map> {
-    let options = ParsingOptions { allow_dtd: true, ..ParsingOptions::default() };
+    let options = ParsingOptions { allow_dtd: true, nodes_limit: MOST_XML_NODES as u32, ..ParsingOptions::default() };
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     if text.trim().is_empty() {
         return Err(Error::data("the map file is empty").in_file(name));
     }
+    budget::check(text).map_err(|e| e.in_file(name))?;
     let document = Document::parse_with_options(text, options).map_err(|e| {
         let why = e.to_string();
         let why = why.rsplit_once(" at ").map_or(why.as_str(), |(why, _)| why);
@@ -62,15 +66,15 @@ fn parse(text: &str, name: &str) -> Result<Map> {
     })?;
     let root = document.root_element();
     if root.tag_name().name() != "svg" {
-        return Err(fault(name, root, "not an SVG drawing").value(format!("<{}>", root.tag_name().name())));
+        return Err(fault(name, root, "not an SVG drawing").value(format!("<{}>", short(root.tag_name().name()))));
     }
     let page = page::page(root).map_err(|e| e.in_file(name))?;
-    let mut found = Found { name, boundaries: Vec::new(), ignored: Vec::new(), depth: 0 };
+    let mut found = Found { name, boundaries: Vec::new(), ignored: Vec::new(), depth: 0, cost: MapCost::default() };
     found.children(root, page.map_from_user, None)?;
     if found.boundaries.is_empty() {
         return Err(no_roles(name, &found.ignored));
     }
-    let mut map = Map::new(found.boundaries)?;
+    let mut map = Map::new(found.boundaries).map_err(|e| e.in_file(name))?;
     map.warnings.extend(page.warnings);
     if !found.ignored.is_empty() {
         map.warnings.push(ignored_shapes(&found.ignored));
@@ -88,8 +92,8 @@ fn fault(name: &str, node: Node<'_, '_>, what: impl Into<String>) -> Error {
 fn called(node: Node<'_, '_>) -> String {
     let tag = node.tag_name().name();
     match node.attribute("id").or_else(|| role::label(node)) {
-        Some(id) => format!("<{tag} id=\"{id}\">"),
-        None => format!("<{tag}>"),
+        Some(id) => format!("<{} id=\"{}\">", short(tag), short(id)),
+        None => format!("<{}>", short(tag)),
     }
 }
 
@@ -131,7 +135,8 @@ impl Found<'_> {
         if outlines.is_empty() {
             return Err(self.located(Error::data("has no length"), node));
         }
-        let name = node.attribute("id").or_else(|| role::label(node)).map(str::to_owned);
+        let name = node.attribute("id").or_else(|| role::label(node));
+        let name = name.filter(|name| name.len() <= LONGEST_NAME).map(str::to_owned);
         self.add(node, role, outlines, name.as_ref())
     }
 
@@ -155,6 +160,15 @@ impl Found<'_> {
             let error = Error::data(format!("an open line cannot be an {}", role.word()))
                 .remedy("close it (in Inkscape: node tool, select both end nodes, Shift+J), or make it a wall");
             return Err(self.located(error, node));
+        }
+        if outlines.len() > MOST_OUTLINES {
+            let remedy = "break it apart (in Inkscape: Path > Break Apart)";
+            return Err(
+                self.located(beyond("too many outlines of one path", outlines.len(), MOST_OUTLINES, remedy), node)
+            );
+        }
+        for outline in &outlines {
+            self.cost.add(outline.curve.segments()).map_err(|error| self.located(error, node))?;
         }
         let depths = depths(&outlines);
         for (outline, depth) in outlines.into_iter().zip(depths) {
@@ -205,14 +219,11 @@ fn no_roles(name: &str, shapes: &[String]) -> Error {
     )
 }
 
-/// A few of many names.
-fn listed(names: &[String]) -> String {
-    let shown = names.iter().take(8).map(String::as_str).collect::<Vec<_>>().join(", ");
-    if names.len() > 8 { format!("{shown} and {} more", names.len() - 8) } else { shown }
-}
+/// How many shapes without a role are looked at for one that was misspelt.
+const LOOKED_AT: usize = 1000;
 
 fn ignored_shapes(shapes: &[String]) -> String {
-    let near = shapes.iter().find_map(|s| {
+    let near = shapes.iter().take(LOOKED_AT).find_map(|s| {
         let id = s.split('"').nth(1)?.trim_end_matches(|c: char| !c.is_alphabetic());
         let hint = did_you_mean(id, &Role::WORDS);
         hint.starts_with("did").then(|| format!("; {s}: {hint}"))

@@ -1,7 +1,9 @@
 //! Path data, command by command.
 
+use crate::config::budgets::MOST_PIECES;
 use crate::config::limits::ARC_TOLERANCE;
 use crate::plane::{Segment, Vec2, arc_to_cubics};
+use crate::text::beyond;
 use crate::{Error, Result};
 use core::f64::consts::TAU;
 use kurbo::{Affine, Arc, Point, SvgArc};
@@ -16,6 +18,8 @@ pub(super) struct Builder {
     /// How much one user unit is at most (m).
     stretch: f64,
     done: Vec<Subpath>,
+    /// How many pieces are done.
+    pieces: usize,
     open: Vec<Segment>,
     start: Vec2,
     here: Vec2,
@@ -25,7 +29,15 @@ impl Builder {
     pub(super) fn new(map_from_user: Affine) -> Self {
         let [a, b, c, d, ..] = map_from_user.as_coeffs();
         let stretch = a.hypot(b).hypot(c.hypot(d));
-        Self { map_from_user, stretch, done: Vec::new(), open: Vec::new(), start: Vec2::ZERO, here: Vec2::ZERO }
+        Self {
+            map_from_user,
+            stretch,
+            done: Vec::new(),
+            pieces: 0,
+            open: Vec::new(),
+            start: Vec2::ZERO,
+            here: Vec2::ZERO,
+        }
     }
 
     fn place(&self, p: Vec2) -> Vec2 {
@@ -47,7 +59,18 @@ impl Builder {
                 *last = ending_at(*last, start);
             }
         }
+        self.pieces += segments.len();
         self.done.push((segments, closed));
+    }
+
+    /// Refuses more pieces than a map may have, before memory is taken for further ones.
+    pub(super) fn check(&self) -> Result<()> {
+        let pieces = self.pieces + self.open.len();
+        if pieces <= MOST_PIECES {
+            return Ok(());
+        }
+        let remedy = "simplify it (in Inkscape: Path > Simplify), or draw a part of it";
+        Err(beyond("has too many pieces of lines and curves", format!("{pieces} or more"), MOST_PIECES, remedy))
     }
 
     pub(super) fn finish(mut self) -> Vec<Subpath> {
@@ -177,6 +200,7 @@ pub(super) fn path(data: &str, builder: &mut Builder) -> Result<()> {
             PathSegment::ClosePath { .. } => builder.close(),
         }
         (cubic, quadratic) = (next_cubic, next_quadratic);
+        builder.check()?;
     }
     Ok(())
 }

@@ -34,8 +34,8 @@ pub(super) fn outlines(node: Node<'_, '_>, map_from_user: Affine) -> Result<Vec<
     let mut builder = Builder::new(map_from_user);
     match node.tag_name().name() {
         "path" => path(node.attribute("d").unwrap_or_default(), &mut builder)?,
-        "polygon" => points(node, &mut builder, true),
-        "polyline" => points(node, &mut builder, false),
+        "polygon" => points(node, &mut builder, true)?,
+        "polyline" => points(node, &mut builder, false)?,
         "line" => {
             let n = |key| number(node, key);
             builder.move_to(Vec2::new(n("x1")?, n("y1")?));
@@ -64,15 +64,19 @@ pub(super) fn outlines(node: Node<'_, '_>, map_from_user: Affine) -> Result<Vec<
     Ok(curves.map(|curve| Outline { curve }).collect())
 }
 
-fn points(node: Node<'_, '_>, builder: &mut Builder, closed: bool) {
+fn points(node: Node<'_, '_>, builder: &mut Builder, closed: bool) -> Result<()> {
     let mut points = PointsParser::from(node.attribute("points").unwrap_or_default()).map(|(x, y)| Vec2::new(x, y));
     if let Some(first) = points.next() {
         builder.move_to(first);
-        points.for_each(|p| builder.line_to(p));
+        for p in points {
+            builder.line_to(p);
+            builder.check()?;
+        }
         if closed {
             builder.close();
         }
     }
+    Ok(())
 }
 
 fn rect(node: Node<'_, '_>, builder: &mut Builder) -> Result<()> {

@@ -4,7 +4,7 @@ use super::fixed_point::Touch;
 use super::reading::ContactReading;
 use crate::Result;
 use crate::beam::deflection_per_force;
-use crate::flow::sensor_log::{LogRow, SensorLog};
+use crate::flow::sensor_log::{LogRow, SensorLog, one_owner_each};
 use crate::plane::Pose2;
 use crate::world::{MountedWhisker, Robot};
 
@@ -48,8 +48,9 @@ impl ContactStretch {
 ///
 /// # Errors
 ///
-/// A robot's whisker without a moment column.
+/// A robot's whisker without a moment column, a column that may be of several.
 pub(super) fn stretches(log: &SensorLog, robot: &Robot, spacings: [f64; 2]) -> Result<Vec<ContactStretch>> {
+    one_owner_each(robot, &log.channels)?;
     let mut all = Vec::new();
     for (index, whisker) in robot.whiskers.iter().enumerate() {
         let channel = log.moment_channel(&whisker.name)?;
