@@ -14,7 +14,7 @@ use crate::config::GridOptions;
 use crate::config::budgets::MAP_BYTES;
 #[cfg(any(feature = "mcap", feature = "ros-map"))]
 use crate::grid::OccupancyGrid;
-use crate::text::{read_text, suggestion};
+use crate::text::{read_bytes, suggestion, text_of};
 use crate::world::Map;
 use crate::{Error, Result};
 use std::path::Path;
@@ -27,18 +27,35 @@ use std::path::Path;
 /// A file that cannot be read, another format, or a fault in the file; the message names file, line and remedy.
 pub fn read(path: impl AsRef<Path>) -> Result<Map> {
     let path = path.as_ref();
-    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
-    let reader = match extension.as_str() {
+    match extension_of(path).as_str() {
+        "geojson" | "json" | "svg" | "dxf" => from_bytes(read_bytes(path, "map", MAP_BYTES)?, path),
+        #[cfg(feature = "ros-map")]
+        "yaml" | "yml" => from_grid_file(&OccupancyGrid::read_map_server(path)?, path),
+        #[cfg(feature = "mcap")]
+        "mcap" => from_grid_file(&crate::ros::read_grid(path)?, path),
+        extension => Err(unknown_format(path, extension)),
+    }
+}
+
+/// Reads a map from the bytes of one file; the extension of its name says the format, as for [`read`]. For those who have bytes and no
+/// files: `.geojson` (or `.json`), `.svg`, `.dxf`.
+///
+/// # Errors
+///
+/// As [`read`], with the file's name as it is given.
+pub fn from_bytes(bytes: Vec<u8>, name: impl AsRef<Path>) -> Result<Map> {
+    let path = name.as_ref();
+    let reader = match extension_of(path).as_str() {
         "geojson" | "json" => from_geojson,
         "svg" => from_svg,
-        "dxf" => return dxf::read_dxf(path),
-        #[cfg(feature = "ros-map")]
-        "yaml" | "yml" => return from_grid_file(&OccupancyGrid::read_map_server(path)?, path),
-        #[cfg(feature = "mcap")]
-        "mcap" => return from_grid_file(&crate::ros::read_grid(path)?, path),
-        _ => return Err(unknown_format(path, &extension)),
+        "dxf" => return dxf::from_bytes(&bytes, path),
+        extension => return Err(unknown_format(path, extension)),
     };
-    reader(&read_text(path, "map", MAP_BYTES)?, &path.to_string_lossy())
+    reader(&text_of(bytes, path, "map")?, &path.to_string_lossy())
+}
+
+fn extension_of(path: &Path) -> String {
+    path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase()
 }
 
 #[cfg(any(feature = "mcap", feature = "ros-map"))]

@@ -11,7 +11,16 @@ use std::path::Path;
 ///
 /// A file that is missing, unreadable, not a file, too large or not UTF-8; `what` names it for people (`map`, `robot`).
 pub fn read_text(path: &Path, what: &str, most: u64) -> Result<String> {
-    let text = String::from_utf8(read_bytes(path, what, most)?).map_err(|e| {
+    text_of(read_bytes(path, what, most)?, path, what)
+}
+
+/// The text of bytes that are those of a file.
+///
+/// # Errors
+///
+/// Bytes that are not UTF-8; `what` names the file for people.
+pub fn text_of(bytes: Vec<u8>, path: &Path, what: &str) -> Result<String> {
+    let text = String::from_utf8(bytes).map_err(|e| {
         let line = line_at(&e.as_bytes()[..e.utf8_error().valid_up_to()], e.utf8_error().valid_up_to());
         Error::data(format!("the {what} file is not UTF-8 text")).in_file(path).at_line(line).remedy("save it as UTF-8")
     })?;

@@ -10,7 +10,7 @@ mod simulate;
 
 pub use scenario::{Scenario, Simulation};
 pub use simulate::{
-    Grip, Pace, Part, Shape, SimulateOptions, Solver, Sweep, SweepNoise, SweptShape, Touch, contacts_csv, discrete,
+    Drive, Grip, Pace, Part, Shape, SimulateOptions, Solver, Stage, Sweep, SweepNoise, SweptShape, Touch, contacts_csv, discrete,
     path_through, recorder, shapes, simulate, simulate_tip_sweep, simulate_watched,
 };
 

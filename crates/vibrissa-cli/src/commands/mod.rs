@@ -14,6 +14,7 @@ mod profile;
 mod readings;
 mod reproduce;
 mod simulate;
+mod studio;
 
 use crate::output::progress::Progress;
 use clap::Subcommand;
@@ -37,6 +38,7 @@ pub(crate) enum Command {
     ContactSet(contact_set::Args),
     Preimage(preimage::Args),
     Simulate(simulate::Args),
+    Studio(studio::Args),
     Reproduce(reproduce::Args),
 }
 
@@ -75,6 +77,7 @@ pub(crate) fn run(command: &Command) -> Result<()> {
         #[cfg(feature = "live")]
         Command::Live(args) => live::run(args),
         Command::Simulate(args) => simulate::run(args),
+        Command::Studio(args) => studio::run(args),
         Command::Reproduce(args) => reproduce::run(args),
     }
 }

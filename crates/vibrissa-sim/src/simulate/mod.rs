@@ -9,12 +9,14 @@
 //! | `follow/` | one whisker over time: onset, contact, snap, lift-off; which solver is in charge |
 //! | `report` | what a contact is, for the caller |
 //! | `noise` | readings and odometry from exact ones |
+//! | `drive` | a robot that is steered, pose by pose |
 //! | `recorder` | logs of moments, flux or counts with everything that disturbs them |
 //! | `path` | poses from waypoints |
 //! | `shapes` | the whiskers' shapes, for drawing |
 //! | `files` | logs and touches as text |
 
 pub mod discrete;
+mod drive;
 mod files;
 mod follow;
 mod noise;
@@ -23,6 +25,7 @@ pub mod recorder;
 mod report;
 mod shapes;
 
+pub use drive::{Drive, Stage};
 pub use files::contacts_csv;
 pub use noise::SweepNoise;
 pub use path::{Pace, path_through};

@@ -84,12 +84,16 @@ impl Dice {
         let mut odom_from_robot = Pose2::IDENTITY;
         let mut poses = vec![odom_from_robot];
         for step in increments(truth) {
-            let stretch = 1.0 + self.noise.translation_relative * self.signed();
-            let turn = 1.0 + self.noise.rotation_relative * self.signed();
-            let felt = Pose2::new(stretch * step.x, stretch * step.y, turn * step.theta);
-            odom_from_robot = odom_from_robot.compose(felt);
+            odom_from_robot = odom_from_robot.compose(self.increment(step));
             poses.push(odom_from_robot);
         }
         poses
+    }
+
+    /// What odometry says of one increment (robot frame).
+    pub(super) fn increment(&mut self, step: Pose2) -> Pose2 {
+        let stretch = 1.0 + self.noise.translation_relative * self.signed();
+        let turn = 1.0 + self.noise.rotation_relative * self.signed();
+        Pose2::new(stretch * step.x, stretch * step.y, turn * step.theta)
     }
 }

@@ -5,10 +5,10 @@ mod join;
 mod shape;
 mod spline;
 
-use crate::config::budgets::{LONGEST_NAME, MAP_BYTES, MOST_ENTITIES, MOST_LAYERS, MOST_OUTLINES};
+use crate::config::budgets::{LONGEST_NAME, MOST_ENTITIES, MOST_LAYERS, MOST_OUTLINES};
 use crate::config::limits::ARC_TOLERANCE;
 use crate::plane::{Curve, Segment};
-use crate::text::{beyond, did_you_mean, listed, read_bytes, short};
+use crate::text::{beyond, did_you_mean, listed, short};
 use crate::world::{Boundary, CurveFault, Map, MapCost, Role, beyond_maps, out_of_range};
 use crate::{Error, Result};
 use groups::{Entity, Group, entities, groups, section};
@@ -80,9 +80,8 @@ fn parse(text: &str) -> Result<Map> {
     Ok(map)
 }
 
-/// The map in a DXF file.
-pub(super) fn read_dxf(path: &Path) -> Result<Map> {
-    let bytes = read_bytes(path, "map", MAP_BYTES)?;
+/// The map in the bytes of a DXF file.
+pub(super) fn from_bytes(bytes: &[u8], path: &Path) -> Result<Map> {
     if bytes.starts_with(BINARY) {
         return Err(Error::data("a binary DXF drawing")
             .in_file(path)
@@ -90,7 +89,7 @@ pub(super) fn read_dxf(path: &Path) -> Result<Map> {
             .remedy("save it as ASCII DXF"));
     }
     // Old drawings name layers in the code pages of their time; coordinates are plain digits in all of them.
-    from_dxf(&String::from_utf8_lossy(&bytes), &path.to_string_lossy())
+    from_dxf(&String::from_utf8_lossy(bytes), &path.to_string_lossy())
 }
 
 /// The length of a drawing unit (m), and what is doubtful about it.

@@ -144,12 +144,12 @@ impl TrueErrors {
     }
 
     /// The moment (N m) that a sensor makes of a true one, so long (s) after the first row.
-    pub(super) fn read(&self, since: f64, moment: f64) -> f64 {
+    pub(in super::super) fn read(&self, since: f64, moment: f64) -> f64 {
         (1.0 + self.gain) * moment + self.zero + self.zero_drift * since
     }
 
     /// An increment of the odometry (robot frame).
-    pub(super) fn counted(&self, step: Pose2) -> Pose2 {
+    pub(in super::super) fn counted(&self, step: Pose2) -> Pose2 {
         let (way, turn) = (1.0 + self.odometry_translation, 1.0 + self.odometry_rotation);
         Pose2 { x: way * step.x, y: way * step.y, theta: turn * step.theta }
     }

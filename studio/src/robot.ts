@@ -1,0 +1,100 @@
+// How robots, places and states are drawn on a map, and how a robot stays clear of walls.
+
+import type { Estimate, Outline, Place, Point } from "./engine";
+import { colour, type Plot } from "./plot";
+import type { Pose } from "./rooms";
+
+/** Radius of the drawn robot, and how close its middle may come to a wall (m). */
+export const BODY = 0.011;
+const CLEAR = 0.013;
+/** States beyond these have no heading drawn. */
+const MOST_TICKS = 1200;
+
+export function drawRobot(plot: Plot, layer: string, [x, y, theta]: Pose, kind: string): void {
+  const [c, s] = [Math.cos(theta), Math.sin(theta)];
+  const place = (u: number, v: number): Point => [x + BODY * (c * u - s * v), y + BODY * (s * u + c * v)];
+  const body: Point[] = [];
+  for (let i = 0; i <= 20; i++) {
+    const a = 0.75 + (i / 20) * (2 * Math.PI - 1.5);
+    body.push(place(Math.cos(a), Math.sin(a)));
+  }
+  body.push(place(1.55, 0));
+  plot.line(layer, body, kind, true);
+}
+
+export function drawStates(plot: Plot, states: Float64Array): void {
+  const pen = plot.pen();
+  const count = states.length / 3;
+  if (!count) return;
+  const ink = colour("set");
+  pen.fillStyle = ink;
+  pen.strokeStyle = ink;
+  pen.globalAlpha = Math.min(0.9, Math.max(0.22, 60 / Math.sqrt(count) / 10));
+  pen.lineWidth = 1;
+  pen.beginPath();
+  for (let i = 0; i < states.length; i += 3) {
+    const [x, y] = plot.at([states[i], states[i + 1]]);
+    pen.rect(x - 1.1, y - 1.1, 2.2, 2.2);
+  }
+  pen.fill();
+  if (count > MOST_TICKS) return;
+  pen.beginPath();
+  for (let i = 0; i < states.length; i += 3) {
+    const [x, y] = plot.at([states[i], states[i + 1]]);
+    pen.moveTo(x, y);
+    pen.lineTo(x + 8 * Math.cos(states[i + 2]), y - 8 * Math.sin(states[i + 2]));
+  }
+  pen.stroke();
+}
+
+/** Places with their weights, the best as a robot. */
+export function drawPlaces(plot: Plot, layer: string, places: Place[]): void {
+  places.slice(0, 60).forEach((place, index) => {
+    drawRobot(plot, layer, [place.x, place.y, place.theta], index === 0 ? "found best" : "found");
+    if (places.length > 1 && place.weight >= 0.02 && places.length <= 12) {
+      plot.words(layer, [place.x, place.y], `${Math.round(100 * place.weight)}\u202f%`, "weight", [BODY / plot.pixel + 8, 4]);
+    }
+  });
+}
+
+/** What an estimate says, in a sentence. */
+export function verdictWords(estimate: Estimate | undefined): { badge: string; kind: string; words: string } {
+  if (!estimate || estimate.verdict === "no_contact") {
+    return { badge: "no contact yet", kind: "", words: "Nothing has been touched: the robot can be anywhere." };
+  }
+  const count = estimate.places.length;
+  if (estimate.verdict === "inconsistent") {
+    return { badge: "contradiction", kind: "bad", words: "No place explains the readings: something is not as declared." };
+  }
+  if (estimate.verdict === "localized") {
+    return { badge: "localized", kind: "good", words: "One place is left." };
+  }
+  return count
+    ? { badge: `${count} ${count === 1 ? "place" : "places"}`, kind: "open", words: `${count === 1 ? "One place explains" : `${count} places explain`} the readings so far, not yet surely.` }
+    : { badge: "ambiguous", kind: "open", words: "Too little was felt to tell any place." };
+}
+
+/** The pose moved so far out of walls that its middle stays clear of them. */
+export function clearOf(outlines: Outline[], [x, y, theta]: Pose): Pose {
+  for (let round = 0; round < 3; round++) {
+    let nearest = CLEAR;
+    let away: Point | undefined;
+    for (const { points, closed } of outlines) {
+      for (let i = closed ? 0 : 1; i < points.length; i++) {
+        const [a, b] = [points[(i || points.length) - 1], points[i]];
+        const [dx, dy] = [b[0] - a[0], b[1] - a[1]];
+        const share = Math.min(1, Math.max(0, ((x - a[0]) * dx + (y - a[1]) * dy) / (dx * dx + dy * dy || 1)));
+        const [ex, ey] = [x - a[0] - share * dx, y - a[1] - share * dy];
+        const distance = Math.hypot(ex, ey);
+        if (distance < nearest) {
+          nearest = distance;
+          away = distance > 1e-9 ? [ex / distance, ey / distance] : undefined;
+        }
+      }
+    }
+    if (!away) break;
+    x += away[0] * (CLEAR - nearest);
+    y += away[1] * (CLEAR - nearest);
+  }
+  return [x, y, theta];
+}

@@ -1,0 +1,385 @@
+// Drive a robot through a room: its whisker bends, and the set of places that explain the readings shrinks.
+
+import type { Driven, Estimate, Point, RoomMap } from "../engine";
+import { button, choice, element, Readout, save, toggle } from "../controls";
+import { Handle, Plot } from "../plot";
+import { onceAFrame, still, type Running, type Scene, type Stage, type State } from "../scene";
+import type { Remote } from "../remote";
+import { MOUNT, ROOMS, robotFile, roomBox, roomOf, type Pose, type Room } from "../rooms";
+import { clearOf, drawPlaces, drawRobot, drawStates, verdictWords } from "../robot";
+import { Strip } from "../strip";
+import * as units from "../units";
+
+/** Rows a second, speed (m/s) and turning rate (rad/s) by hand and by itself. */
+const RATE = 150;
+const SPEED = 0.14;
+const TURN = 1.8;
+const OWN_SPEED = 0.1;
+/** What the switches add: offset (N m), gain and slip (relative). */
+const OFFSET = 3e-4;
+const GAIN = 0.15;
+const SLIP = 0.06;
+const KEYS: Record<string, [number, number]> = {
+  ArrowUp: [1, 0], ArrowDown: [-1, 0], ArrowLeft: [0, 1], ArrowRight: [0, -1],
+  w: [1, 0], s: [-1, 0], a: [0, 1], d: [0, -1],
+};
+
+export const METHODS = [
+  { value: "probabilistic", words: "probabilistic", hint: "Least squares at every place that fits, with weights" },
+  { value: "possibilistic", words: "possibilistic", hint: "Guaranteed: what is outside is ruled out" },
+  { value: "deterministic", words: "deterministic", hint: "The paper's intersection of preimages" },
+];
+
+export const shrink: Scene = {
+  id: "shrink",
+  tab: "Shrinking set",
+  title: "Drive, feel, and know where you are",
+  lead: "The blue dots are all places that explain what the whisker has felt. Drag the robot along the walls, or use the arrow keys: rivals die, the set shrinks.",
+  start: async (stage) => {
+    const scene = new ShrinkScene(stage);
+    await scene.open();
+    return scene;
+  },
+};
+
+class ShrinkScene implements Running {
+  private room: Room;
+  private method: string;
+  private readonly errors = { offset: false, gain: false, slip: false, declared: false };
+  private hidden = false;
+  private map: RoomMap = { outlines: [], warnings: [] };
+  private pose: Pose = [0, 0, 0];
+  private drawn: Pose = [0, 0, 0];
+  private t = 0;
+  private due = 0;
+  private target: Point | undefined;
+  private readonly pressed = new Set<string>();
+  private own: { way: Pose[]; at: number; done: boolean } | undefined;
+  private driven: Driven | undefined;
+  private rows: number[] = [];
+  private trail: Point[] = [];
+  private estimate: Estimate | undefined;
+  private behind = 0;
+  private failed = "";
+  private slices: number[] = [];
+  private frames: number[] = [];
+  private busy = false;
+  private queue: number[] = [];
+  private generation = 0;
+  private loop = 0;
+  private last = 0;
+  private readonly driver: Remote;
+  private localizer: Remote;
+  private readonly plot: Plot;
+  private readonly handle: Handle;
+  private readonly strip: Strip;
+  private readonly readout: Readout;
+  private readonly badge: HTMLElement;
+  private readonly words: HTMLElement;
+  private readonly ask: ReturnType<typeof onceAFrame>;
+
+  constructor(private readonly stage: Stage) {
+    const { state } = stage;
+    this.room = roomOf(state.room);
+    this.method = METHODS.find((m) => m.value === state.method)?.value ?? "probabilistic";
+    for (const key of ["offset", "gain", "slip", "declared"] as const) this.errors[key] = state[key] === "1";
+    this.driver = stage.worker();
+    this.localizer = stage.worker();
+    this.ask = onceAFrame(() => this.draw());
+    this.plot = new Plot(stage.figure, { left: 0, right: 0.5, bottom: 0, top: 0.35 }, "A room, the robot, and the places where it may be", () => this.fit());
+    for (const layer of ["map", "trail", "robot", "places", "marks", "handles"]) this.plot.layer(layer);
+    this.handle = new Handle(this.plot, {
+      name: "The robot: drag it, or drive with the arrow keys", kind: "push robot-handle",
+      value: () => `at ${units.length(this.drawn[0], 0)}, ${units.length(this.drawn[1], 0)}, heading ${units.angle(this.drawn[2])}`,
+      drag: (place) => {
+        this.take();
+        this.target = place;
+      },
+      nudge: () => undefined,
+      release: () => (this.target = undefined),
+    });
+    this.plot.svg.addEventListener("keydown", (event) => this.key(event, true), true);
+    this.plot.svg.addEventListener("keyup", (event) => this.key(event, false), true);
+    this.plot.svg.addEventListener("focusout", () => this.pressed.clear());
+    this.strip = new Strip(stage.figure, 8);
+    this.badge = element("span", { class: "badge" });
+    this.words = element("p", { class: "note" });
+    stage.panel.append(element("div", { class: "verdict" }, this.badge, this.words));
+    choice(stage.panel, "Room", ROOMS.map((r) => ({ value: r.id, words: r.words })), this.room.id, (id) => {
+      this.room = roomOf(id);
+      void this.open();
+    });
+    choice(stage.panel, "Method", METHODS, this.method, (method) => {
+      this.method = method;
+      void this.judge();
+    });
+    const group = element("div", { class: "group" }, element("span", { class: "title" }, "Make it hard"));
+    stage.panel.append(group);
+    const error = (key: "offset" | "gain" | "slip", title: string, hint: string) =>
+      toggle(group, title, this.errors[key], (on) => {
+        this.errors[key] = on;
+        this.keep();
+      }, hint);
+    error("offset", "Sensor offset", `every reading is ${units.moment(OFFSET)} too large`);
+    error("gain", "Sensor gain", `every reading is ${100 * GAIN}\u202f% too large`);
+    error("slip", "Wheel slip", `the wheels count ${100 * SLIP}\u202f% too much way`);
+    toggle(group, "Declare such errors", this.errors.declared, (on) => {
+      this.errors.declared = on;
+      this.keep();
+      void this.judge();
+    }, "the robot file bounds them, and the method allows for them");
+    toggle(group, "Hide the true robot", false, (on) => {
+      this.hidden = on;
+      this.ask();
+    });
+    this.readout = new Readout(stage.panel);
+    const buttons = element("div", { class: "buttons" });
+    stage.panel.append(buttons);
+    button(buttons, "Start again", () => void this.open());
+    button(buttons, "Save log", () => void this.driver.call("write", "log").then((log) => save("log.csv", log, "text/csv")));
+    button(buttons, "Save map", () => save(this.room.file, this.room.map));
+    button(buttons, "Save robot", () => save("robot.toml", robotFile(this.errors.declared)));
+  }
+
+  /** Begins in the room, at its start. */
+  async open(): Promise<void> {
+    const generation = ++this.generation;
+    cancelAnimationFrame(this.loop);
+    const { driver, room } = this;
+    this.map = await driver.call("readMap", room.file, room.map);
+    await driver.call("readRobot", "robot.toml", robotFile(false));
+    if (generation !== this.generation) return;
+    this.plot.show(roomBox(this.map));
+    this.pose = this.drawn = room.start;
+    this.rows = [];
+    this.trail = [];
+    this.queue = [];
+    this.t = 0;
+    this.due = 0;
+    this.target = undefined;
+    this.busy = false;
+    this.own = still() ? undefined : { way: room.way, at: 0, done: false };
+    this.strip.clear();
+    this.take_in(await driver.call("startDrive", 0, room.start, 1, true));
+    await this.judge();
+    this.fit();
+    this.keep();
+    this.last = performance.now();
+    this.loop = requestAnimationFrame((now) => this.frame(now));
+  }
+
+  end(): void {
+    this.generation += 1;
+    cancelAnimationFrame(this.loop);
+    this.ask.cancel();
+    this.plot.end();
+  }
+
+  /** Judges all rows so far anew. */
+  private async judge(): Promise<void> {
+    const { localizer, room } = this;
+    this.estimate = undefined;
+    this.failed = "";
+    await localizer.call("readMap", room.file, room.map);
+    await localizer.call("readRobot", "robot.toml", robotFile(this.errors.declared));
+    await localizer.localize(this.method, (progress) => {
+      this.behind = progress.all - progress.taken;
+      this.slices.push(progress.slice);
+      if (progress.failed) this.failed = progress.failed;
+      if (progress.estimate) {
+        this.estimate = progress.estimate;
+        this.stage.announce(verdictWords(this.estimate).words);
+      }
+      this.ask();
+    });
+    await localizer.call("addRows", Float64Array.from(this.rows));
+    this.keep();
+    this.ask();
+  }
+
+  private keep(): void {
+    const state: State = { room: this.room.id, method: this.method };
+    for (const [key, on] of Object.entries(this.errors)) if (on) state[key] = "1";
+    this.stage.changed(state);
+  }
+
+  private key(event: KeyboardEvent, down: boolean): void {
+    const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
+    if (!(key in KEYS) || event.ctrlKey || event.metaKey || event.altKey) return;
+    event.preventDefault();
+    event.stopPropagation();
+    if (!down) this.pressed.delete(key);
+    else {
+      this.take();
+      this.pressed.add(key);
+    }
+  }
+
+  /** The hand takes over from the robot's own way. */
+  private take(): void {
+    if (this.own) this.own = undefined;
+    this.stage.figure.classList.add("known");
+  }
+
+  /** What hand, keys or gamepad want: forward and turn, each -1 to 1. */
+  private wish(): [number, number] {
+    let [forward, turn] = [0, 0];
+    for (const key of this.pressed) {
+      forward += KEYS[key][0];
+      turn += KEYS[key][1];
+    }
+    const pad = navigator.getGamepads?.().find((p) => p !== null);
+    if (pad && Math.hypot(pad.axes[0], pad.axes[1]) > 0.2) {
+      this.take();
+      forward -= pad.axes[1];
+      turn -= pad.axes[0];
+    }
+    if (this.target) {
+      const [dx, dy] = [this.target[0] - this.pose[0], this.target[1] - this.pose[1]];
+      const distance = Math.hypot(dx, dy);
+      if (distance > 3e-3) {
+        const off = wrap(Math.atan2(dy, dx) - this.pose[2]);
+        turn += Math.max(-1, Math.min(1, 2.5 * off));
+        forward += Math.max(0, Math.cos(off)) * Math.min(1, distance / 0.03);
+      }
+    }
+    return [Math.max(-1, Math.min(1, forward)), Math.max(-1, Math.min(1, turn))];
+  }
+
+  private frame(now: number): void {
+    const elapsed = Math.min(0.05, (now - this.last) / 1000);
+    this.frames.push(now - this.last);
+    if (this.frames.length > 600) this.frames.shift();
+    this.last = now;
+    const began = performance.now();
+    this.due += elapsed;
+    while (this.due >= 1 / RATE) {
+      this.due -= 1 / RATE;
+      this.move(1 / RATE);
+    }
+    this.send();
+    if (performance.now() - began > 8) this.ask();
+    this.loop = requestAnimationFrame((next) => this.frame(next));
+  }
+
+  private move(dt: number): void {
+    const before = this.pose;
+    if (this.own) this.follow(dt);
+    else {
+      const [forward, turn] = this.wish();
+      const theta = wrap(before[2] + turn * TURN * dt);
+      const way = forward * SPEED * dt;
+      this.pose = clearOf(this.map.outlines, [before[0] + way * Math.cos(theta), before[1] + way * Math.sin(theta), theta]);
+    }
+    if (this.pose.every((v, i) => Math.abs(v - before[i]) < 1e-7)) return;
+    this.t += dt;
+    const { offset, gain, slip } = this.errors;
+    this.queue.push(this.t, ...this.pose, offset ? OFFSET : 0, gain ? GAIN : 0, slip ? SLIP : 0);
+  }
+
+  /** Along the room's own way, straight from one pose to the next. */
+  private follow(dt: number): void {
+    const own = this.own!;
+    const legs = own.way.slice(1).map((to, i) => Math.hypot(to[0] - own.way[i][0], to[1] - own.way[i][1]));
+    own.at += OWN_SPEED * dt;
+    let rest = own.at;
+    for (let i = 0; i < legs.length; i++) {
+      if (rest <= legs[i]) {
+        const share = rest / legs[i];
+        const [a, b] = [own.way[i], own.way[i + 1]];
+        const mix = (k: number) => a[k] + share * (b[k] - a[k]);
+        this.pose = [mix(0), mix(1), (Math.PI / 180) * mix(2)];
+        return;
+      }
+      rest -= legs[i];
+    }
+    this.own = undefined;
+  }
+
+  private send(): void {
+    if (this.busy || !this.queue.length) return;
+    this.busy = true;
+    const generation = this.generation;
+    const poses = Float64Array.from(this.queue);
+    this.queue = [];
+    this.driver.call("drive", poses).then((driven) => {
+      if (generation !== this.generation) return;
+      this.busy = false;
+      this.drawn = [poses.at(-6)!, poses.at(-5)!, poses.at(-4)!];
+      this.take_in(driven);
+    }, (error: Error) => {
+      this.failed = error.message;
+      this.busy = false;
+    });
+  }
+
+  private take_in(driven: Driven): void {
+    this.driven = driven;
+    this.rows.push(...driven.rows);
+    for (let i = 0; i < driven.rows.length; i += driven.width) this.strip.add(driven.rows[i], driven.rows[i + 4]);
+    this.trail.push([this.drawn[0], this.drawn[1]]);
+    if (this.trail.length > 4000) this.trail.splice(0, 1000);
+    if (driven.rows.length && this.rows.length > driven.rows.length) void this.localizer.call("addRows", driven.rows);
+    this.ask();
+  }
+
+  private fit(): void {
+    this.plot.map(this.map.outlines);
+    this.plot.scaleBar(0.05);
+    this.ask();
+  }
+
+  private draw(): void {
+    const { plot, driven, estimate } = this;
+    ["trail", "places", "robot", "marks"].forEach((layer) => plot.clear(layer));
+    drawStates(plot, estimate?.verdict === "inconsistent" ? new Float64Array() : estimate?.states ?? new Float64Array());
+    if (estimate && estimate.verdict !== "inconsistent") drawPlaces(plot, "places", estimate.places);
+    if (!this.hidden) {
+      plot.line("trail", this.trail, "way");
+      driven?.shapes.forEach((shape) => plot.line("robot", shape, "whisker thin"));
+      drawRobot(plot, "robot", this.drawn, "robot");
+      driven?.touches.forEach((touch) => {
+        plot.arrow("marks", touch.at, touch.force, 12 + Math.min(36, 200 * Math.hypot(...touch.force)), "force");
+        plot.dot("marks", touch.at, 3, "contact");
+      });
+    }
+    this.handle.moveTo([this.drawn[0], this.drawn[1]]);
+    this.strip.draw();
+    this.tell();
+  }
+
+  private tell(): void {
+    const { estimate, readout } = this;
+    const { badge, kind, words } = verdictWords(estimate);
+    this.badge.textContent = this.failed ? "stopped" : badge;
+    this.badge.className = `badge ${this.failed ? "bad" : kind}`;
+    this.words.textContent = this.failed || words;
+    readout.set("Reading", units.moment(this.rows.at(-1) ?? 0), "main");
+    const best = estimate?.places[0];
+    const known = best && estimate.verdict !== "inconsistent";
+    readout.set("States that explain all", estimate ? `${estimate.states.length / 3}` : "–");
+    const off = known ? Math.min(...estimate.places.map((p) => Math.hypot(p.x - this.drawn[0], p.y - this.drawn[1]))) : NaN;
+    readout.set("Nearest place is off by", units.length(off, 2));
+    readout.set("Error it expects", known && Number.isFinite(best.position) ? `± ${units.length(best.position, 2)}` : "–");
+    readout.set("Rows waiting", `${this.behind}`);
+  }
+
+  /** The log as it stands, and the answer of the method on it. */
+  async answers(): Promise<unknown> {
+    const log = await this.driver.call("write", "log");
+    const robot = robotFile(this.errors.declared);
+    const engine = await this.stage.freshEngine();
+    engine.readMap(this.room.file, this.room.map);
+    engine.readRobot("robot.toml", robot);
+    engine.readLog("log.csv", log);
+    engine.beginLocalize(this.method);
+    engine.step(1e9);
+    const { states: _, trajectory, ...answer } = engine.finish();
+    return {
+      log, robot, map: this.room.map, file: this.room.file, method: this.method, answer, poses: trajectory.length / 4,
+      driving: !!this.own, waiting: this.behind, slices: this.slices, frames: this.frames, mount: MOUNT,
+    };
+  }
+}
+
+const wrap = (angle: number): number => Math.atan2(Math.sin(angle), Math.cos(angle));

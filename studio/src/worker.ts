@@ -1,0 +1,91 @@
+// A worker with a library of its own: it answers calls, and localizes in slices so that it can always be told something new.
+
+import { Engine, Refused, type Estimate } from "./engine";
+
+/** How long a slice may take (ms), how often an estimate is told (ms), how many states are told. */
+const SLICE = 6;
+const TOLD = 40;
+const MOST_STATES = 4000;
+const SNAPSHOT_STATES = 1500;
+
+export type Request =
+  | { op: "module"; module: WebAssembly.Module }
+  | { op: "call"; id: number; name: string; args: unknown[] }
+  /** Tells an estimate every so many rows, or with 0 now and then. */
+  | { op: "follow"; run: number; every: number };
+
+export type Reply =
+  | { op: "answer"; id: number; result: unknown }
+  | { op: "refused"; id: number; words: string; plain: boolean }
+  | { op: "progress"; run: number; taken: number; all: number; estimate?: Estimate; slice: number; failed?: string };
+
+const scope = self as unknown as { postMessage(message: Reply, transfer?: Transferable[]): void; onmessage: unknown };
+let engine: Promise<Engine>;
+let run = -1;
+let scheduled = false;
+let told = 0;
+let every = 0;
+
+const channel = new MessageChannel();
+channel.port1.onmessage = () => {
+  scheduled = false;
+  void engine.then(slice);
+};
+
+function schedule(): void {
+  if (scheduled || run < 0) return;
+  scheduled = true;
+  channel.port2.postMessage(0);
+}
+
+function tell(taken: number, all: number, spent: number, estimate?: Estimate): void {
+  scope.postMessage({ op: "progress", run, taken, all, estimate, slice: spent }, estimate ? [estimate.states.buffer] : []);
+}
+
+function slice(engine: Engine): void {
+  if (run < 0) return;
+  const began = performance.now();
+  try {
+    let [taken, all] = engine.step(0);
+    const before = taken;
+    while (taken < all && performance.now() - began < SLICE) {
+      [taken, all] = engine.step(1);
+      if (every > 0 && taken % every === 0 && taken < all) tell(taken, all, 0, engine.estimate(SNAPSHOT_STATES));
+    }
+    const spent = performance.now() - began;
+    const due = taken > before && (taken === all || (every === 0 && began - told > TOLD));
+    const estimate = due ? engine.estimate(every > 0 ? SNAPSHOT_STATES : MOST_STATES) : undefined;
+    if (due) told = performance.now();
+    if (taken > before) tell(taken, all, spent, estimate);
+    if (taken < all) schedule();
+  } catch (error) {
+    const words = error instanceof Error ? error.message : String(error);
+    scope.postMessage({ op: "progress", run, taken: 0, all: 0, slice: 0, failed: words });
+    run = -1;
+  }
+}
+
+scope.onmessage = ({ data }: MessageEvent<Request>) => {
+  if (data.op === "module") {
+    engine = Engine.of(data.module);
+    return;
+  }
+  void engine.then((engine) => {
+    if (data.op === "follow") {
+      run = data.run;
+      every = data.every;
+      told = 0;
+      schedule();
+      return;
+    }
+    try {
+      const call = (engine as unknown as Record<string, (...args: unknown[]) => unknown>)[data.name];
+      const result = call.apply(engine, data.args);
+      scope.postMessage({ op: "answer", id: data.id, result });
+      if (data.name === "addRows") schedule();
+    } catch (error) {
+      const words = error instanceof Error ? error.message : String(error);
+      scope.postMessage({ op: "refused", id: data.id, words, plain: error instanceof Refused });
+    }
+  });
+};

@@ -1,0 +1,255 @@
+// Every scene's numbers against those of the command, in Chromium. Usage: node test/check.mjs VIBRISSA PAGE.html [--shots FOLDER]
+import { mkdirSync, readFileSync, writeFileSync } from "node:fs";
+import { createRequire } from "node:module";
+import { join, resolve } from "node:path";
+import { pathToFileURL } from "node:url";
+import { Command, answers, compared, open, same, scene, until } from "./browser.mjs";
+
+const [program, file, ...rest] = process.argv.slice(2);
+const shots = rest[0] === "--shots" ? rest[1] : undefined;
+const chromium = process.env.CHROMIUM ?? "/usr/bin/chromium";
+const base = pathToFileURL(resolve(file)).href;
+const command = new Command(resolve(program));
+const write = (name, text) => writeFileSync(join(command.folder, name), text);
+const METHODS = ["probabilistic", "possibilistic", "deterministic"];
+const SCENES = ["bend", "contact", "preimage", "shrink", "own"];
+const { context, page, faults } = await open(chromium);
+
+async function step(name, work) {
+  const began = Date.now();
+  await work();
+  console.log(`${((Date.now() - began) / 1000).toFixed(1).padStart(6)} s  ${name}`);
+}
+
+/** Drags the scene's handle by so many pixels. */
+async function drag(right, down) {
+  const box = await page.locator(".handle.push").first().boundingBox();
+  const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
+  await page.mouse.move(x, y);
+  await page.mouse.down();
+  await page.mouse.move(x + right, y + down, { steps: 8 });
+  await page.mouse.up();
+}
+
+function sameBends(found, expected) {
+  same("equilibria", found.length, expected.length);
+  found.forEach((bend, i) => {
+    for (const key of ["force", "s_a", "phi_a", "beta", "x", "y", "moment", "energy"]) same(`beam ${key}`, bend[key], expected[i][key]);
+    bend.shape.forEach((point, k) => point.forEach((v, axis) => same("beam shape", v, expected[i].shape[k][axis])));
+    same("strain", bend.strain, expected[i].largest_strain.strain);
+  });
+}
+
+await step("bend: a post and a force, dragged, against `beam`", async () => {
+  await scene(page, base, "bend");
+  for (const [right, down] of [[0, 0], [40, -30], [-120, 10], [60, 90]]) {
+    await drag(right, down);
+    const { mode, given, solutions } = await answers(page);
+    same("mode", mode, "post");
+    sameBends(solutions, command.json("beam", "point", "--x", `${given.x}`, "--y", `${given.y}`).solutions);
+  }
+  await scene(page, base, "bend?mode=force&f=-0.11&s=0.05");
+  for (const [right, down] of [[0, 0], [-20, 50]]) {
+    await drag(right, down);
+    const { given, solutions } = await answers(page);
+    sameBends(solutions, command.json("beam", "force", "--force", `${given.force}`, "--s-a", `${given.s_a}`).solutions);
+  }
+});
+
+await step("contact set: each sensor, against `contact-set`", async () => {
+  for (const sensor of ["moment", "load", "slope", "strip"]) {
+    await scene(page, base, `contact?sensor=${sensor}&error=6`);
+    await drag(25, -20);
+    const { value, error, set, region: found } = await until(page, (now) => now.ready);
+    const exact = command.json("contact-set", "--sensor", sensor, "--value", `${value}`).curves[0];
+    same("tolerance", set.tolerance, exact.tolerance);
+    same("branches", set.curves.length, exact.branches.length);
+    set.curves.forEach((curve, i) => {
+      same("contacts", curve.length, exact.branches[i].length);
+      curve.forEach((contact, k) => Object.entries(exact.branches[i][k]).forEach(([key, v]) => same(`contact ${key}`, contact[key], v)));
+    });
+    const half = (Math.abs(value) * error) / 100;
+    const { region } = command.json("contact-set", "--sensor", sensor, "--value", `${value - half}..${value + half}`);
+    same("area", found.area, region.area);
+    same("components", found.components, region.components);
+    same("cells", found.cells.length, region.cells.length);
+  }
+});
+
+await step("preimage: against `preimage`", async () => {
+  for (const hash of ["preimage?room=arena&m=4&error=5", "preimage?room=square&m=-3&error=10"]) {
+    await scene(page, base, hash);
+    const { map, file: name, robot, lo, hi, cell, headings, found } = await answers(page);
+    write(name, map);
+    write("robot.toml", robot);
+    const expected = command.json(
+      "preimage", "--map", name, "--robot", "robot.toml", "--sensor", "moment", "--value", `${lo}..${hi}`,
+      "--cell", `${cell}`, "--heading-step", `${(2 * Math.PI) / headings}`,
+    );
+    same("empty", found.empty, expected.empty);
+    same("area", found.area, expected.area);
+    same("sampled area", found.sampledArea, expected.sampled_area);
+    same("volume", found.volume, expected.volume);
+    same("deviation", found.deviation, expected.deviation);
+  }
+});
+
+/**
+ * Places that are the same. Estimators compare numbers to decide what to search next: sines and cosines of browser and
+ * system differ in the last bit, so that where the answer is a search (`loose`) it is the same within a share of the place's extent.
+ */
+const SHARE = 0.2;
+
+function samePlaces(places, expected, loose) {
+  same("places", places.length, expected.hypotheses.length);
+  const extents = ["x_min", "x_max", "y_min", "y_max", "theta_min", "theta_max"];
+  // Places that weigh alike may come in another order.
+  const left = [...expected.hypotheses];
+  for (const place of places) {
+    const far = (one) => Math.hypot(one.x - place.x, one.y - place.y);
+    const other = left.reduce((best, one) => (far(one) < far(best) ? one : best));
+    left.splice(left.indexOf(other), 1);
+    const size = [other.x_max - other.x_min, other.y_max - other.y_min, other.theta_max - other.theta_min];
+    const slack = (axis) => (loose ? SHARE * size[axis] : 0);
+    ["x", "y", "theta"].forEach((key, axis) => same(`place ${key}`, place[key], other[key], slack(axis)));
+    same("place weight", place.weight, other.weight, loose ? 0.1 : 0);
+    extents.forEach((key, k) => same(`place ${key}`, place.extent[k], other[key], slack(k >> 1)));
+  }
+}
+
+function localized(method, { map, file: name, robot, log }) {
+  write(name, map);
+  write("robot.toml", robot);
+  write("log.csv", log);
+  return command.json("localize", "log.csv", "--map", name, "--robot", "robot.toml", "--method", method);
+}
+
+await step("shrinking set: driven by itself and by keys, against `localize`", async () => {
+  for (const method of METHODS) {
+    await scene(page, base, `shrink?room=${method === "possibilistic" ? "square" : "arena"}&method=${method}`);
+    const found = await until(page, (now) => !now.driving && now.waiting === 0);
+    const expected = localized(method, found);
+    same("verdict", found.answer.verdict, expected.status);
+    samePlaces(expected.status === "inconsistent" ? [] : found.answer.places, expected, method !== "deterministic");
+  }
+  await scene(page, base, "shrink?room=arena");
+  await page.locator(".robot-handle").focus();
+  const rows = (found) => found.log.split("\n").length;
+  await page.keyboard.down("w");
+  await page.waitForTimeout(700);
+  await page.keyboard.up("w");
+  const before = rows(await until(page, (now) => now.waiting === 0));
+  if (before < 40) throw new Error(`the keys moved the robot by ${before} rows only`);
+});
+
+await step("your own: each method against `localize`, and bad files in the command's words", async () => {
+  await scene(page, base, "own");
+  const found = await until(page, (now) => now.ready);
+  for (const { method, verdict, places, failed } of found.answers) {
+    same("refused", failed, undefined);
+    const expected = localized(method, found);
+    same("verdict", verdict, expected.status);
+    samePlaces(places, expected, method !== "deterministic");
+  }
+  write("good.svg", found.map);
+  write("good.csv", found.log);
+  const bad = [
+    ["broken.svg", found.map.slice(0, found.map.length / 2), "--map"], ["open.geojson", '{"type":"FeatureCollection","features":[]}', "--map"],
+    ["picture.pgm", "P5 2 2 255\n....", "--map"], ["short.csv", "t,x,y,theta,moment\n0,0,0,0,0\n1,2\n", "log"],
+    ["letters.csv", "t,x,y,theta,moment\n0,0,0,zero,0\n", "log"], ["word.toml", "[[whisker]]\nlenth = 0.07\n", "--robot"],
+    ["long.toml", '[[whisker]]\nlength = "75 apples"\n', "--robot"],
+  ];
+  for (const [name, text, what] of bad) {
+    write(name, text);
+    const args = ["localize", what === "log" ? name : "good.csv", "--map", what === "--map" ? name : "good.svg"];
+    const { status, words } = command.complaint(...args, ...(what === "--robot" ? ["--robot", name] : []));
+    same("exit code", status, 1);
+    await page.locator("#files").setInputFiles(join(command.folder, name));
+    const { refused } = await until(page, (now) => now.refused.includes(name), 10000).catch(() => answers(page));
+    same(`words about ${name}`, refused, words);
+  }
+  await page.locator("#files").setInputFiles([join(command.folder, "good.svg"), join(command.folder, "good.csv")]);
+  await until(page, (now) => now.ready && now.file === "good.svg");
+});
+
+await step("keyboard, names for screen readers, narrow screens", async () => {
+  await scene(page, base, "bend");
+  await page.locator(".handle.push").first().focus();
+  const before = (await answers(page)).given;
+  await page.keyboard.press("ArrowUp");
+  const after = (await answers(page)).given;
+  same("one key, one millimetre", Math.round(1e6 * (after.y - before.y)), 1000);
+  const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
+  for (const scheme of ["light", "dark"]) {
+    await page.emulateMedia({ colorScheme: scheme });
+    for (const name of SCENES) {
+      await scene(page, base, name);
+      await page.evaluate(axe);
+      const { violations } = await page.evaluate(() => window.axe.run());
+      const words = violations.map((v) => `${v.id}: ${v.nodes.map((n) => n.target.join(" ")).join("; ")}`);
+      if (words.length) throw new Error(`${name}, ${scheme}: ${words.join("\n")}`);
+    }
+  }
+  await page.setViewportSize({ width: 390, height: 844 });
+  for (const name of SCENES) {
+    await scene(page, base, name);
+    const width = await page.evaluate(() => document.scrollingElement.scrollWidth);
+    if (width > 390) throw new Error(`${name} is ${width} pixels wide on a screen of 390`);
+  }
+  await page.setViewportSize({ width: 1280, height: 800 });
+});
+
+await step("how long things take (told, not tested)", async () => {
+  const middle = (values) => [...values].sort((a, b) => a - b)[Math.floor(values.length / 2)];
+  await scene(page, base, "bend");
+  const first = await page.evaluate(() => performance.getEntriesByName("first-frame")[0].startTime);
+  console.log(`          first frame after ${first.toFixed(0)} ms`);
+  for (const name of ["bend", "contact"]) {
+    await scene(page, base, name);
+    const times = await page.evaluate(() => {
+      const handle = document.querySelector(".handle.push");
+      const { x, y, width, height } = handle.getBoundingClientRect();
+      const at = (k) => ({ clientX: x + width / 2 + 30 * Math.sin(k / 9), clientY: y + height / 2 - 25 * Math.sin(k / 7), pointerId: 1, bubbles: true });
+      handle.setPointerCapture = () => undefined;
+      handle.dispatchEvent(new PointerEvent("pointerdown", at(0)));
+      const spent = [];
+      for (let k = 1; k <= 150; k++) {
+        const began = performance.now();
+        handle.dispatchEvent(new PointerEvent("pointermove", at(k)));
+        handle.getBoundingClientRect();
+        spent.push(performance.now() - began);
+      }
+      handle.dispatchEvent(new PointerEvent("pointerup", at(0)));
+      return spent;
+    });
+    console.log(`          ${name}: drag to drawn ${middle(times).toFixed(2)} ms (median), ${Math.max(...times).toFixed(1)} ms at most`);
+  }
+  await scene(page, base, "shrink?room=arena");
+  const { slices, frames } = await until(page, (now) => !now.driving && now.waiting === 0);
+  const sorted = [...frames].sort((a, b) => a - b);
+  console.log(`          shrink: frame ${middle(frames).toFixed(1)} ms (median), ${sorted[Math.floor(0.99 * sorted.length)].toFixed(1)} ms (99 %); slice ${Math.max(...slices).toFixed(1)} ms at most`);
+});
+
+if (shots) {
+  mkdirSync(shots, { recursive: true });
+  await step(`pictures into ${shots}`, async () => {
+    for (const scheme of ["light", "dark"]) {
+      await page.emulateMedia({ colorScheme: scheme });
+      for (const [width, height] of [[1280, 800], [390, 844]]) {
+        await page.setViewportSize({ width, height });
+        for (const name of SCENES) {
+          await scene(page, base, name);
+          await page.waitForTimeout(name === "shrink" ? 2200 : name === "own" || name === "preimage" ? 3500 : 400);
+          await page.screenshot({ path: join(shots, `${name}-${width}-${scheme}.png`), fullPage: true });
+        }
+      }
+    }
+  });
+}
+
+await context.close();
+if (faults.length) throw new Error(`the page complained: ${faults.join("; ")}`);
+const { checked, worst, loosest } = compared();
+console.log(
+  `studio: ${checked} comparisons of page and command, the largest difference ${worst.toExponential(1)}; of places that a search finds ${loosest.toExponential(1)}`,
+);
