@@ -7,13 +7,14 @@ import { Remote } from "./remote";
 import type { Running, Scene, State } from "./scene";
 import { bend } from "./scenes/bend";
 import { contact } from "./scenes/contact";
+import { live } from "./scenes/live";
 import { own } from "./scenes/own";
 import { preimage } from "./scenes/preimage";
 import { shrink } from "./scenes/shrink";
 
 declare const LIBRARY: string;
 
-const SCENES: Scene[] = [bend, contact, preimage, shrink, own];
+const SCENES: Scene[] = [bend, contact, preimage, shrink, own, live];
 /** How often the link is brought up to date (ms). */
 const LINK = 300;
 

@@ -24,6 +24,7 @@ const COMMANDS: [&[&str]; 13] = [
     &["preimage"],
     &["simulate"],
     &["reproduce"],
+    &["studio"],
 ];
 
 /// Each option of a command with the default that its help prints, where it prints one.
@@ -70,6 +71,7 @@ fn expected(command: &str, option: &str) -> Vec<f64> {
         ("preimage", "heading-step") => vec![360.0 / defaults::PREIMAGE_HEADINGS as f64],
         ("reproduce", "seeds") => vec![reproduce.seeds as f64],
         ("reproduce", "sweeps") => vec![reproduce.sweeps as f64],
+        ("studio", "port") => vec![0.0],
         ("reproduce", "trials") => vec![reproduce.trials as f64],
         _ => Vec::new(),
     }

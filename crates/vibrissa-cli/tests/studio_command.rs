@@ -15,7 +15,11 @@ const PAGE: &str = "<!doctype html><title>vibrissa studio</title><p>a page</p>";
 fn a_page_that_is_not_there_is_asked_for_by_its_script() {
     let missing = vibrissa(&["studio", "--page", "/no/such/studio.html", "--out", "x.html"]);
     assert_eq!(missing.code, Some(1), "{missing:?}");
-    assert!(missing.stderr.contains("studio/build") && missing.stderr.contains("/no/such/studio.html"), "{}", missing.stderr);
+    assert!(
+        missing.stderr.contains("studio/build") && missing.stderr.contains("/no/such/studio.html"),
+        "{}",
+        missing.stderr
+    );
     let dir = folder("studio_other_page");
     let other = dir.join("other.html");
     std::fs::write(&other, "<title>another page</title>").unwrap();

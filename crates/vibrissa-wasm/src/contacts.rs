@@ -25,7 +25,9 @@ fn reading(sensor: u32, lo: f64, hi: f64) -> Result<Reading> {
         other => return Err(Error::usage("sensor").value(other).allowed("0 to 3")),
     };
     if !(lo <= hi) {
-        return Err(Error::usage("reading").value(format!("{lo}..{hi}")).allowed("an interval lo..hi with lo not above hi"));
+        return Err(Error::usage("reading")
+            .value(format!("{lo}..{hi}"))
+            .allowed("an interval lo..hi with lo not above hi"));
     }
     let reading = Reading { sensor, value: Interval::new(lo, hi) };
     reading.check()?;
@@ -103,9 +105,9 @@ pub(crate) fn headings(host: &mut Host, x: f64, y: f64) -> Result<()> {
     let Some(states) = &host.states else { return Err(Error::usage("no preimage was asked for yet")) };
     let raster = *states.raster();
     let step = TAU / states.bins() as f64;
-    let runs = raster.index(Vec2::new(x, y)).map_or_else(Vec::new, |cell| {
-        states.heading_runs(cell % raster.columns, cell / raster.columns)
-    });
+    let runs = raster
+        .index(Vec2::new(x, y))
+        .map_or_else(Vec::new, |cell| states.heading_runs(cell % raster.columns, cell / raster.columns));
     host.numbers = runs.iter().flat_map(|&(first, last)| [first as f64 * step, last as f64 * step]).collect();
     Ok(())
 }

@@ -20,3 +20,5 @@ mod driving;
 mod files;
 mod host;
 mod localizing;
+#[cfg(test)]
+mod tests;

@@ -111,15 +111,14 @@ fn step(host: &mut Host, n: usize) -> Result<()> {
 }
 
 fn progress(host: &mut Host) -> Result<()> {
-    let (taken, all) = running(host)?
-        .with_dependent(|world, running| (running.taken, world.log.rows.len() + running.added.len()));
+    let (taken, all) =
+        running(host)?.with_dependent(|world, running| (running.taken, world.log.rows.len() + running.added.len()));
     host.numbers = vec![taken as f64, all as f64];
     Ok(())
 }
 
 fn finish(host: &mut Host) -> Result<()> {
-    let answer =
-        running(host)?.with_dependent_mut(|_, running| running.localizer.take().map(Localizer::finish));
+    let answer = running(host)?.with_dependent_mut(|_, running| running.localizer.take().map(Localizer::finish));
     let Some(answer) = answer else { return Err(Error::usage("this localization has ended")) };
     let rows = host.localizing.as_ref().map_or(0, |all| all.with_dependent(|_, running| running.taken));
     told(host, answer.status, rows, &answer.hypotheses, &[]);
@@ -152,11 +151,12 @@ fn words(answer: &Localization) -> String {
 }
 
 pub(crate) fn estimate(host: &mut Host, most: u32) -> Result<()> {
-    let (found, states) = running(host)?.with_dependent(|_, running| {
-        let states = |localizer: &Localizer<'_>| if most > 0 { localizer.states_now() } else { Vec::new() };
-        running.localizer.as_ref().map(|localizer| (localizer.estimate(), states(localizer)))
-    })
-    .ok_or_else(|| Error::usage("this localization has ended"))?;
+    let (found, states) = running(host)?
+        .with_dependent(|_, running| {
+            let states = |localizer: &Localizer<'_>| if most > 0 { localizer.states_now() } else { Vec::new() };
+            running.localizer.as_ref().map(|localizer| (localizer.estimate(), states(localizer)))
+        })
+        .ok_or_else(|| Error::usage("this localization has ended"))?;
     let step = states.len().div_ceil(most.max(1) as usize).max(1);
     let shown: Vec<Pose2> = states.into_iter().step_by(step).collect();
     told(host, found.status, found.rows, &found.hypotheses, &shown);

@@ -15,6 +15,7 @@ const CRATES: &[(&str, &[&str])] = &[
     ("crates/vibrissa-sim", &["vibrissa-core", "vibrissa-io"]),
     ("crates/vibrissa-figure", &["vibrissa-core"]),
     ("crates/vibrissa", &["vibrissa-core", "vibrissa-figure", "vibrissa-io", "vibrissa-sim"]),
+    ("crates/vibrissa-wasm", &["vibrissa"]),
     ("validation/reproduce", &["vibrissa"]),
 ];
 

@@ -17,9 +17,8 @@ pub(super) fn read(given: Option<&Path>) -> Result<Vec<u8>> {
     let Some(path) = given.map(Path::to_owned).or_else(found) else {
         return Err(Error::data("the studio's page is not built").remedy(BUILD));
     };
-    let bytes = std::fs::read(&path).map_err(|reason| {
-        Error::data("cannot read the studio's page").in_file(&path).value(reason).remedy(BUILD)
-    })?;
+    let bytes = std::fs::read(&path)
+        .map_err(|reason| Error::data("cannot read the studio's page").in_file(&path).value(reason).remedy(BUILD))?;
     if bytes.windows(MARK.len()).any(|window| window == MARK) {
         return Ok(bytes);
     }
