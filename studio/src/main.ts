@@ -81,6 +81,7 @@ class Page {
     this.workers.forEach((worker) => worker.end());
     this.workers = [];
     this.tabs.forEach((tab, name) => (name === scene.id ? tab.setAttribute("aria-current", "page") : tab.removeAttribute("aria-current")));
+    this.tabs.get(scene.id)?.scrollIntoView({ inline: "center", block: "nearest" });
     document.title = `${scene.title} · vibrissa studio`;
     const figure = element("div", { class: "figure" });
     const panel = element("div", { class: "panel" });

@@ -149,12 +149,12 @@ export class Plot {
   /** A bar that tells the scale. */
   scaleBar(metres: number): void {
     const { left, bottom } = this.box;
-    const inset = 14 * this.pixel;
+    const inset = 13 * this.pixel;
     const [from, to]: [Point, Point] = [[left + inset, bottom + inset], [left + inset + metres, bottom + inset]];
     this.clear("scale");
     this.line("scale", [from, to], "scale-bar");
     const words = metres < 1 ? `${Math.round(1e3 * metres)}\u202fmm` : `${metres}\u202fm`;
-    this.words("scale", [0.5 * (from[0] + to[0]), from[1]], words, "scale-words", [0, -6]);
+    this.words("scale", to, words, "scale-words", [7, 4]);
   }
 
   /** The map's boundaries, with what is solid filled. */

@@ -57,6 +57,22 @@ await step("bend: a post and a force, dragged, against `beam`", async () => {
   }
 });
 
+await step("bend: a wall, dragged, against `beam`", async () => {
+  for (const [hash, right, down] of [["bend?mode=wall", 0, 0], ["bend?mode=wall&wx=0.03&wy=0.012&wa=-0.5", -5, 5]]) {
+    await scene(page, base, hash);
+    await drag(right, down);
+    const { moment, touches } = await answers(page);
+    same("contacts", touches.length, 1);
+    const [{ at, force, size, side }] = touches;
+    same("on its side", side, false);
+    const angle = Math.atan2(force[1], force[0]);
+    const { solutions } = command.json("beam", "force", "--force", `${size}`, "--s-a", "0.075", "--load", `directed:${angle}`);
+    const near = solutions.reduce((best, one) => (Math.abs(one.moment - moment) < Math.abs(best.moment - moment) ? one : best));
+    same("moment", moment, near.moment);
+    at.forEach((v, axis) => same("contact", v, [near.x, near.y][axis]));
+  }
+});
+
 await step("contact set: each sensor, against `contact-set`", async () => {
   for (const sensor of ["moment", "load", "slope", "strip"]) {
     await scene(page, base, `contact?sensor=${sensor}&error=6`);

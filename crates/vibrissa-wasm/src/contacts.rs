@@ -24,7 +24,7 @@ fn reading(sensor: u32, lo: f64, hi: f64) -> Result<Reading> {
         3 => VirtualSensor::Moment(MomentRegime::Auto),
         other => return Err(Error::usage("sensor").value(other).allowed("0 to 3")),
     };
-    if !(lo <= hi) {
+    if lo.is_nan() || hi.is_nan() || lo > hi {
         return Err(Error::usage("reading")
             .value(format!("{lo}..{hi}"))
             .allowed("an interval lo..hi with lo not above hi"));

@@ -44,10 +44,8 @@ fn offset_gain_and_slip_befall_what_is_recorded() {
     }
     let (last, exact) = (last.unwrap(), drive.moments()[0]);
     assert!(exact > 1e-4 && (last.readings[0] - (1.2 * exact + 3e-4)).abs() < 1e-15);
-    let way: f64 = path
-        .windows(2)
-        .map(|pair| pair[0].map_from_robot.position().distance(pair[1].map_from_robot.position()))
-        .sum();
+    let way: f64 =
+        path.windows(2).map(|pair| pair[0].map_from_robot.position().distance(pair[1].map_from_robot.position())).sum();
     let ends = path[0].map_from_robot.between(path[path.len() - 1].map_from_robot).position().norm();
     let counted = last.odom_from_robot.position().norm();
     assert!((counted - 1.1 * ends).abs() < 1e-9 && way >= ends, "{counted} of {ends}");

@@ -1,12 +1,12 @@
-// One whisker: a force or a post against it, every equilibrium, the moment at its base, and the snap.
+// One whisker: a force, a post or a wall against it, every equilibrium, the moment at its base, and the snap.
 
-import type { Bend, Point } from "../engine";
+import type { Bend, Driven, Engine, Point } from "../engine";
 import { choice, Readout } from "../controls";
 import { Handle, Plot, make } from "../plot";
 import { number, still, type Running, type Scene, type Stage } from "../scene";
 import * as units from "../units";
 
-type Mode = "post" | "force";
+type Mode = "post" | "wall" | "force";
 
 /** The whisker's length (m), how much arrow (m) is a newton, the largest force (N). */
 const LENGTH = 0.075;
@@ -15,13 +15,26 @@ const MOST_FORCE = 0.35;
 /** Nitinol's limit of strain: beyond it the whisker stays bent. */
 const STRAIN_LIMIT = 0.08;
 const MOVE = "M-4 0H4M0 -4V4";
+/** The way of a wall in one step of the simulation (m, rad), how near it may come to the base (m), where its turning handle is (m). */
+const STEP = 1e-3;
+const TURN = 0.02;
+const NEAREST = 6e-3;
+const ARM = 0.022;
+/** The free side of a wall along x, as a map. */
+const HALF = JSON.stringify({
+  type: "FeatureCollection",
+  features: [{
+    type: "Feature", properties: { role: "arena" },
+    geometry: { type: "Polygon", coordinates: [[[-1, -1], [1, -1], [1, 0], [-1, 0], [-1, -1]]] },
+  }],
+});
 
 export const bend: Scene = {
   id: "bend",
   tab: "Bend",
   title: "Bend a whisker",
-  lead: "A whisker is a thin wire. Whatever it touches, its base feels one number: the bending moment. Drag the post, or push with a force.",
-  start: (stage) => new BendScene(stage),
+  lead: "A whisker is a thin wire. Whatever it touches, its base feels one number: the bending moment. Drag what pushes it.",
+  start: async (stage) => new BendScene(stage, await stage.freshEngine()),
 };
 
 class BendScene implements Running {
@@ -40,10 +53,17 @@ class BendScene implements Running {
   private readonly note: HTMLElement;
   private swing = 0;
   private ghost: Point[] = [];
+  /** A wall by a point on it and its direction, as it is and as it was simulated last. */
+  private wall: [number, number, number];
+  private was: [number, number, number] | undefined;
+  private driven: Driven | undefined;
+  private event = "";
+  private readonly turn: Handle;
 
-  constructor(private readonly stage: Stage) {
+  constructor(private readonly stage: Stage, private readonly simulator: Engine) {
     const { state } = stage;
-    this.mode = state.mode === "force" ? "force" : "post";
+    this.mode = (["post", "wall", "force"] as const).find((mode) => mode === state.mode) ?? "post";
+    this.wall = [number(state, "wx", 0.045), number(state, "wy", 0.012), number(state, "wa", -0.6)];
     this.post = [number(state, "x", 0.056), number(state, "y", 0.024)];
     this.force = number(state, "f", 0.12);
     this.arc = number(state, "s", 0.06);
@@ -53,6 +73,7 @@ class BendScene implements Running {
     for (const layer of ["rest", "wall", "others", "whisker", "marks", "handles"]) this.plot.layer(layer);
     choice(stage.panel, "Push with", [
       { value: "post", words: "a post", hint: "The contact point is known" },
+      { value: "wall", words: "a wall", hint: "As a robot that drives along it" },
       { value: "force", words: "a force", hint: "Force and place are known" },
     ], this.mode, (mode) => this.change(mode));
     this.readout = new Readout(stage.panel);
@@ -63,10 +84,14 @@ class BendScene implements Running {
       name: "What pushes the whisker", icon: MOVE, kind: "push",
       value: () => (this.mode === "post"
         ? `post at ${units.length(this.post[0])} along, ${units.length(this.post[1])} across`
+        : this.mode === "wall"
+        ? `wall through ${units.length(this.wall[0])} along, ${units.length(this.wall[1])} across`
         : `force ${units.force(this.force)}`),
-      drag: (place) => (this.mode === "post" ? this.movePost(place) : this.pull(place)),
+      drag: (place) => ({ post: () => this.movePost(place), wall: () => this.moveWall([place[0], place[1], this.wall[2]]), force: () => this.pull(place) })[this.mode](),
       nudge: (right, up) => (this.mode === "post"
         ? this.movePost([this.post[0] + 1e-3 * right, this.post[1] + 1e-3 * up])
+        : this.mode === "wall"
+        ? this.moveWall([this.wall[0] + 1e-3 * right, this.wall[1] + 1e-3 * up, this.wall[2]])
         : this.setForce(this.force + 0.005 * (right + up))),
     });
     this.along = new Handle(this.plot, {
@@ -74,6 +99,12 @@ class BendScene implements Running {
       value: () => `${units.length(this.arc)} from the base along the whisker`,
       drag: (place) => this.slide(place),
       nudge: (right, up) => this.setArc(this.arc + 1e-3 * (right + up)),
+    });
+    this.turn = new Handle(this.plot, {
+      name: "The wall's direction", kind: "small",
+      value: () => units.angle(this.wall[2]),
+      drag: ([x, y]) => this.moveWall([this.wall[0], this.wall[1], Math.atan2(y - this.wall[1], x - this.wall[0])]),
+      nudge: (right, up) => this.moveWall([this.wall[0], this.wall[1], this.wall[2] + 0.02 * (right + up)]),
     });
     this.solve();
   }
@@ -93,7 +124,58 @@ class BendScene implements Running {
       this.side = this.held.force < 0 ? -1 : 1;
     }
     this.mode = mode;
+    this.held = undefined;
+    this.was = undefined;
     this.solve();
+  }
+
+  private moveWall([x, y, a]: [number, number, number]): void {
+    const { left, right, bottom, top } = this.plot.box;
+    const turned = Math.max(-1.5, Math.min(1.5, a));
+    const place: Point = [Math.min(right - 6e-3, Math.max(left + 6e-3, x)), Math.min(top - 4e-3, Math.max(bottom + 4e-3, y))];
+    const [nx, ny] = [-Math.sin(turned), Math.cos(turned)];
+    // The base stays on the free side.
+    const near = Math.max(0, NEAREST - (place[0] * nx + place[1] * ny));
+    this.wall = [place[0] + near * nx, place[1] + near * ny, turned];
+    this.solve();
+  }
+
+  /** The robot's pose in the frame of the wall. */
+  private static pose([x, y, a]: [number, number, number]): Point {
+    const [c, s] = [Math.cos(a), Math.sin(a)];
+    return [-c * x - s * y, s * x - c * y];
+  }
+
+  /** A place of the wall's frame in that of the whisker. */
+  private seen([u, v]: Point, turnOnly = false): Point {
+    const [x, y, a] = this.wall;
+    const [c, s] = [Math.cos(a), Math.sin(a)];
+    return [c * u - s * v + (turnOnly ? 0 : x), s * u + c * v + (turnOnly ? 0 : y)];
+  }
+
+  /** Moves the wall on to where it is in small steps, as a robot would drive; from where it touches nothing at first. */
+  private press(): void {
+    const { simulator, wall } = this;
+    if (!this.was) {
+      simulator.readRobot();
+      simulator.readMap("half.geojson", HALF);
+      const far: [number, number, number] = [wall[0] - 0.1 * Math.sin(wall[2]), wall[1] + 0.1 * Math.cos(wall[2]), wall[2]];
+      this.driven = simulator.startDrive(0, [...BendScene.pose(far), -far[2]], 0, false);
+      this.was = far;
+      this.event = "";
+    }
+    const was = this.was;
+    const steps = Math.max(1, Math.ceil(Math.max(Math.hypot(wall[0] - was[0], wall[1] - was[1]) / STEP, Math.abs(wall[2] - was[2]) / TURN)));
+    const t = this.driven!.rows[this.driven!.rows.length - this.driven!.width];
+    const poses: number[] = [];
+    for (let k = 1; k <= steps; k++) {
+      const at = was.map((v, i) => v + (k / steps) * (wall[i] - v)) as [number, number, number];
+      poses.push(t + k, ...BendScene.pose(at), -at[2], 0, 0, 0);
+    }
+    this.driven = simulator.drive(Float64Array.from(poses));
+    this.was = [...wall];
+    const told = this.driven.events.filter((event) => event.kind !== "single_contact").at(-1);
+    if (told) this.event = told.detail.replace(/^w0 /, "The whisker ").replace(/ at \([^)]*\) m| \([^)]*\) m/g, "");
   }
 
   private movePost([x, y]: Point): void {
@@ -142,7 +224,12 @@ class BendScene implements Running {
 
   private solve(): void {
     const before = this.held;
-    if (this.mode === "force") {
+    if (this.mode === "wall") {
+      this.held = undefined;
+      this.others = [];
+      this.ghost = [];
+      this.press();
+    } else if (this.mode === "force") {
       const all = this.stage.engine.bend("force", this.force, this.arc);
       this.held = all[0] ?? before;
       this.others = all.slice(1);
@@ -157,10 +244,11 @@ class BendScene implements Running {
     }
     if (this.held) cancelAnimationFrame(this.swing);
     this.draw();
-    this.stage.changed(this.mode === "post"
+    const [wx, wy, wa] = this.wall.map((v) => v.toFixed(5));
+    this.stage.changed(this.mode === "wall" ? { mode: "wall", wx, wy, wa } : this.mode === "post"
       ? { mode: "post", x: this.post[0].toFixed(5), y: this.post[1].toFixed(5) }
       : { mode: "force", f: this.force.toFixed(5), s: this.arc.toFixed(5) });
-    this.stage.announce(this.held ? `moment ${units.moment(this.held.moment)}` : "the whisker is free");
+    this.stage.announce(this.mode === "wall" ? `moment ${units.moment(this.pressed().moment)}` : this.held ? `moment ${units.moment(this.held.moment)}` : "the whisker is free");
   }
 
   /** The whisker springs back; a post that let it slip off now stands on its other side. */
@@ -192,9 +280,12 @@ class BendScene implements Running {
     plot.line("rest", straight, "rest");
     base(plot);
     for (const other of this.others) plot.line("others", other.shape, "other-branch");
-    const shape = held?.shape ?? (this.ghost.length ? this.ghost : straight);
+    const pressed = this.mode === "wall" ? this.driven?.shapes[0]?.map((p) => this.seen(p)) : undefined;
+    const shape = pressed ?? held?.shape ?? (this.ghost.length ? this.ghost : straight);
     plot.line("whisker", shape, "whisker");
-    this.moment(held?.moment ?? 0);
+    this.moment(this.mode === "wall" ? this.pressed().moment : held?.moment ?? 0);
+    this.turn.show(this.mode === "wall");
+    if (this.mode === "wall") this.drawWall();
     if (held) {
       const size = (Math.abs(held.force) * ARROW) / plot.pixel;
       const short = this.mode === "force" ? 0 : (20 * plot.pixel) / (Math.hypot(...held.forceVector) || 1);
@@ -204,7 +295,8 @@ class BendScene implements Running {
       this.slope(held);
     }
     this.along.show(this.mode === "force");
-    if (this.mode === "post") this.handle.moveTo(this.post);
+    if (this.mode === "wall") this.handle.moveTo([this.wall[0], this.wall[1]]);
+    else if (this.mode === "post") this.handle.moveTo(this.post);
     else if (held) {
       const norm = Math.hypot(...held.forceVector) || 1;
       const back = (ARROW * Math.abs(this.force) + 13 * plot.pixel) / norm;
@@ -212,6 +304,40 @@ class BendScene implements Running {
       this.along.moveTo([held.x, held.y]);
     }
     this.tell();
+  }
+
+  /** What the simulated whisker feels, in its own frame. */
+  private pressed(): { moment: number; touches: { at: Point; force: Point; size: number; side: boolean }[] } {
+    const touches = (this.driven?.touches ?? []).map(({ at, force, side }) => ({
+      at: this.seen(at), force: this.seen(force, true), size: Math.hypot(...force), side,
+    }));
+    return { moment: this.driven?.exact.at(-1)?.[0] ?? 0, touches };
+  }
+
+  private drawWall(): void {
+    const { plot } = this;
+    const corners: Point[] = [[-0.3, 0], [0.3, 0], [0.3, 0.3], [-0.3, 0.3]];
+    plot.line("wall", corners.map((p) => this.seen(p)), "half", true);
+    plot.line("wall", [this.seen([-0.3, 0]), this.seen([0.3, 0])], "wall");
+    for (const touch of this.pressed().touches) {
+      plot.arrow("marks", touch.at, touch.force, 14 + Math.min(90, (touch.size * ARROW) / plot.pixel), "force");
+      plot.dot("marks", touch.at, 4, "contact");
+    }
+    this.turn.moveTo(this.seen([ARM, 0]));
+  }
+
+  private tellWall(): void {
+    const { readout } = this;
+    const { moment, touches } = this.pressed();
+    const [touch] = touches;
+    readout.set("Moment at the base", units.moment(moment), "main");
+    readout.set("Force", touch ? units.force(touches.reduce((sum, one) => sum + one.size, 0)) : "–");
+    readout.set("Slope at the contact", "–");
+    readout.set("Arc length to it", touches.length > 1 ? "two contacts" : touch ? (touch.side ? "on its side" : "at the tip") : "–");
+    readout.set("Contact point", touch ? `${units.quantity(1e3 * touch.at[0], 1, "")}, ${units.length(touch.at[1])}` : "–");
+    readout.set("Largest strain", "–");
+    readout.set("Elastic energy", "–");
+    this.note.textContent = this.event ? `${this.event}.` : "Drag the wall against the whisker, and turn it by the small handle.";
   }
 
   /** The moment as an arc about the base: its length is its size. */
@@ -241,6 +367,10 @@ class BendScene implements Running {
   }
 
   private tell(): void {
+    if (this.mode === "wall") {
+      this.tellWall();
+      return;
+    }
     const { held, readout } = this;
     const of = (value: (b: Bend) => string) => (held ? value(held) : "–");
     readout.set("Moment at the base", units.moment(held?.moment ?? 0), "main");
@@ -263,6 +393,7 @@ class BendScene implements Running {
   }
 
   answers(): unknown {
+    if (this.mode === "wall") return { mode: "wall", ...this.pressed() };
     const given = this.mode === "post" ? { x: this.post[0], y: this.post[1] } : { force: this.force, s_a: this.arc };
     const all = this.mode === "post"
       ? this.stage.engine.bend("point", ...this.post)

@@ -14,7 +14,7 @@ import * as units from "../units";
 const RATE = 150;
 const SPEED = 0.14;
 const TURN = 1.8;
-const OWN_SPEED = 0.1;
+const OWN_SPEED = 0.06;
 /** What the switches add: offset (N m), gain and slip (relative). */
 const OFFSET = 3e-4;
 const GAIN = 0.15;
