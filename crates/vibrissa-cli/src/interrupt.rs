@@ -111,9 +111,11 @@ impl Drop for Heedful {
         };
         HEEDED.store(false, Ordering::SeqCst);
         HURRIED.store(false, Ordering::SeqCst);
-        while taken {
+        if taken {
             // The signal's thread delivers in the place of this one, and ends the process.
-            std::thread::park();
+            loop {
+                std::thread::park();
+            }
         }
     }
 }

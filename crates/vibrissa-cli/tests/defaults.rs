@@ -10,7 +10,7 @@ use vibrissa::localizer::Method;
 use vibrissa::tasks::temporal_filter::TemporalFilterOptions;
 use vibrissa_reproduce::ReproduceOptions;
 
-const COMMANDS: [&[&str]; 13] = [
+const COMMANDS: [&[&str]; 14] = [
     &["demo"],
     &["beam", "force"],
     &["beam", "point"],

@@ -36,6 +36,7 @@ fn error(path: &str, command: &dyn Fn(&str) -> Vec<String>) -> String {
     let args = command(path);
     let outcome = vibrissa(&args.iter().map(String::as_str).collect::<Vec<_>>());
     assert_eq!(outcome.code, Some(1), "{path}: {outcome:?}");
+    assert!(outcome.stdout.is_empty(), "{path}: {}", outcome.stdout);
     outcome.stderr
 }
 
@@ -163,6 +164,10 @@ fn robots_and_other_files_beyond_a_budget_are_refused() {
     refused("batch.csv", batch.as_bytes(), &as_batch, &["too many rows", "500000"]);
 }
 
+/// The arguments of a command that reads this file.
+#[cfg(unix)]
+type Arguments<'a> = &'a dyn Fn(&str) -> Vec<String>;
+
 #[cfg(unix)]
 #[test]
 fn what_is_no_file_is_refused_at_once() {
@@ -172,7 +177,7 @@ fn what_is_no_file_is_refused_at_once() {
     assert!(std::process::Command::new("mkfifo").arg(&fifo).status().unwrap().success());
     let _ = fs::remove_file(here.join("socket"));
     let _socket = std::os::unix::net::UnixListener::bind(here.join("socket")).unwrap();
-    let readers: [(&str, &dyn Fn(&str) -> Vec<String>); 9] = [
+    let readers: [(&str, Arguments<'_>); 9] = [
         ("svg", &as_map),
         ("dxf", &as_map),
         ("yaml", &as_map),

@@ -34,7 +34,7 @@ fn the_page_is_written_as_one_file() {
     let (page, out) = (dir.join("in.html"), dir.join("made/studio.html"));
     std::fs::write(&page, PAGE).unwrap();
     let done = vibrissa(&["studio", "--page", page.to_str().unwrap(), "--out", out.to_str().unwrap()]);
-    assert_eq!(done.code, Some(0), "{done:?}");
+    assert_eq!(done.code, Some(0), "{done:?} {}", done.stdout);
     assert_eq!(std::fs::read_to_string(&out).unwrap(), PAGE);
     let refused = vibrissa(&["studio", "--page", page.to_str().unwrap(), "--out", dir.to_str().unwrap()]);
     assert_eq!(refused.code, Some(2), "{refused:?}");

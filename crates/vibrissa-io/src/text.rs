@@ -60,7 +60,8 @@ fn open_sized(path: &Path, what: &str) -> Result<(File, u64)> {
     if kind.is_dir() {
         return Err(cannot_open(path, what, &ErrorKind::IsADirectory.into()));
     }
-    if !kind.is_file() && !(is_pipe(&kind) && is_own(path)) {
+    let is_streamed = is_pipe(&kind) && is_own(path);
+    if !(kind.is_file() || is_streamed) {
         return Err(Error::data(format!("cannot read the {what} file"))
             .in_file(path)
             .value(format!("it is {}, not a file", kind_word(&kind)))

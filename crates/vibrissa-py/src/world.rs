@@ -182,7 +182,7 @@ impl PyMap {
         Ok(Self(Arc::new(map)))
     }
 
-    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (Vec<Parts>, Vec<String>))> {
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, Pickled)> {
         let make = py.get_type::<Self>().getattr("_from_parts")?;
         Ok((make, (self._parts(), self.0.warnings.clone())))
     }
@@ -198,6 +198,9 @@ impl PyMap {
 type Pieces = Vec<Vec<(f64, f64)>>;
 /// A boundary: role, closed, hole, pieces.
 type Parts = (&'static str, bool, bool, Pieces);
+
+/// What a pickled map is made of: its boundaries and its warnings.
+type Pickled = (Vec<Parts>, Vec<String>);
 
 fn segment(points: &[(f64, f64)]) -> Option<Segment> {
     let at = |k: usize| Vec2::new(points[k].0, points[k].1);

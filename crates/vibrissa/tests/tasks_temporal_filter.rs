@@ -8,17 +8,20 @@ use vibrissa::plane::{Pose2, Vec2};
 use vibrissa::tasks::temporal_filter::{FilteredContact, TemporalFilterOptions, temporal_filter};
 use vibrissa::world::Robot;
 
+/// The columns of a row that feels this force, slope, arc length and moment.
+type ColumnsOf = fn([f64; 4]) -> String;
+
 /// The peg, odometry frame (m).
 const PEG: Vec2 = Vec2 { x: 0.05, y: 0.0 };
 
 /// The base goes past the peg towards -y; the columns of the log are made of force, slope, arc length and moment.
-fn felt(header: &str, columns: fn([f64; 4]) -> String, readings: usize) -> Vec<FilteredContact> {
+fn felt(header: &str, columns: ColumnsOf, readings: usize) -> Vec<FilteredContact> {
     let mut text = format!("t,x,y,theta,{header}\n");
     for k in 0..40 {
         let base = Pose2::new(0.0, 0.002 - 0.5e-3 * f64::from(k), 0.0);
         let peg = base.inverse_transform_point(PEG);
         let bend = if peg.y > 0.0 {
-            point_mode(&Whisker::default(), peg, Load::Normal).unwrap().first().copied()
+            point_mode(&Whisker::default(), peg, Load::Normal).unwrap().into_iter().next()
         } else {
             None
         };
@@ -32,7 +35,7 @@ fn felt(header: &str, columns: fn([f64; 4]) -> String, readings: usize) -> Vec<F
 
 #[test]
 fn several_readings_of_any_sensor_leave_less_and_keep_the_peg() {
-    let kinds: [(&str, fn([f64; 4]) -> String); 4] = [
+    let kinds: [(&str, ColumnsOf); 4] = [
         ("force", |[force, ..]| force.to_string()),
         ("slope", |[_, slope, ..]| slope.to_string()),
         (

@@ -57,7 +57,7 @@ fn doing(command: &Command) -> Option<&'static str> {
         Command::Simulate(_) => "reading the scenario",
         #[cfg(feature = "live")]
         Command::Live(_) => return None,
-        Command::Reproduce(_) => return None,
+        Command::Studio(_) | Command::Reproduce(_) => return None,
     })
 }
 

@@ -75,6 +75,7 @@ pub(crate) fn write_each(to: Destination<'_>, files: &[(&str, Content<'_>)]) -> 
     let pictures = pictures(files, to.pictures)?;
     let folder = to.folder;
     // Boxed once more, since those of the pictures live shorter.
+    #[allow(clippy::redundant_closure, reason = "the function itself would have to live as long as the pictures")]
     let given = files.iter().map(|(name, content)| (*name, Box::new(move || content()) as Content<'_>));
     let drawn = pictures
         .iter()

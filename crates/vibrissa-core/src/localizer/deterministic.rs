@@ -4,8 +4,7 @@ mod feeler;
 
 use super::method::MethodOptions;
 use super::sampling::{near, samples};
-use super::{Estimator, STRAIGHT_ONLY, one_column_each};
-use crate::Result;
+use super::{Estimator, STRAIGHT_ONLY};
 use crate::beam::Whisker;
 use crate::config::{DeterministicOptions, Setting};
 use crate::flow::moment::MomentHistory;

@@ -167,7 +167,8 @@ fn row(
             });
         return Err(fault(error, short));
     }
-    let number = |field: usize| number(record[field], form.decimal_comma, &columns.names[field]).map_err(|e| fault(e, false));
+    let number =
+        |field: usize| number(record[field], form.decimal_comma, &columns.names[field]).map_err(|e| fault(e, false));
     let metres =
         |field: usize| number(field).and_then(|v| in_reach(v, &columns.names[field]).map_err(|e| fault(e, false)));
     let [t, x, y, theta] = columns.odometry;

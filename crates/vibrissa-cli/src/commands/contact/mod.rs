@@ -18,7 +18,7 @@ use vibrissa::{Error, Result};
 /// the paper's whisker. A contact that stands still is found from all the readings of the base's motion; a tip that slides
 /// is traced along a smooth wall. The closed forms of earlier work stand beside it.
 ///
-/// With --filter: temporal filtering. The contact sets of several readings (force, slope, strip_lo and strip_hi, moment) are
+/// With --filter: temporal filtering. The contact sets of several readings (force, slope, strip, moment) are
 /// moved along with the base and intersected; the contact is taken to stand still meanwhile.
 ///
 /// With --taps: the radial distance of each short contact of a base that turns at the rate of the calibration.

@@ -51,8 +51,18 @@ impl Known {
                     "interrupted after {rows} of {all} rows: the results are what was known by then, less exact than at the end of a log"
                 )
             });
-            let run =
-                Run { title, answer, runtime, rows, interrupted: !whole, map, truth, recording, inputs: Vec::new(), film: None };
+            let run = Run {
+                title,
+                answer,
+                runtime,
+                rows,
+                interrupted: !whole,
+                map,
+                truth,
+                recording,
+                inputs: Vec::new(),
+                film: None,
+            };
             if let Err(error) = deliver(&run, &output) {
                 complain("error", &error);
             }
