@@ -51,7 +51,7 @@ fn a_curved_whisker_is_refused_by_name_where_no_guarantee_is_asked_for() {
     for method in ["deterministic", "probabilistic"] {
         let method = Method::named(method).unwrap();
         let error = localize(&log, &map, &robot, &method, &mut |_| {}).unwrap_err().to_string();
-        assert!(error.contains("curvature 4") && error.contains("--method possibilistic"), "{method:?}: {error}");
+        assert!(error.contains("curvature: 4") && error.contains("--method possibilistic"), "{method:?}: {error}");
     }
 }
 

@@ -249,7 +249,10 @@ impl Bag {
 
     fn chunk(&mut self, body: &[u8], visit: &mut Visit) -> core::result::Result<(), Fault> {
         let chunk = ChunkHeader::read(body).ok_or(Fault::Damaged("a chunk's record is too short"))?;
-        self.inflated = self.inflated.saturating_add(chunk.size);
+        // What no chunk may say is damage, which `whole_chunk` tells.
+        if chunk.size <= LARGEST_CHUNK as u64 {
+            self.inflated = self.inflated.saturating_add(chunk.size);
+        }
         if self.inflated > INFLATED_BYTES.max(INFLATED_RATIO.saturating_mul(self.read)) {
             return Err(inflates(self.inflated, self.read).into());
         }

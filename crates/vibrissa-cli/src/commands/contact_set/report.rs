@@ -198,7 +198,7 @@ impl<'a> Found<'a> {
         let base = self.whiskers[0].robot_from_whisker;
         let place = |w: usize, p: Vec2| base.between(self.whiskers[w].robot_from_whisker).transform_point(p);
         let figure = ContactFigure {
-            title: format!("Contacts that explain {}", self.title()),
+            title: format!("Contacts for {}", self.title()),
             length: model.length(),
             shapes: contacts.iter().step_by(step).map(shape).collect(),
             curves: self

@@ -32,6 +32,8 @@ const DEEPEST: f64 = 0.4;
 /// A tip that a force across it has pushed to a small polar angle is nearer to the base than a straight one by this
 /// share of its square; rounds that find such a place on a boundary.
 const BENT: f64 = 0.09;
+/// A concave corner that turns by more than this (rad) is no facet of a smooth hollow.
+const HOLDS: f64 = 0.35;
 /// Flights before it is given up.
 const MOST_FLIGHTS: usize = 3;
 
@@ -101,15 +103,15 @@ impl ForwardModel<'_> {
         let nearest =
             |place: Vec2, reach: f64| self.boundaries.nearest(self.map, place, stance.base(), reach * self.length);
         let (piece, at, _) = nearest(stance.placed(Vec2::new(1.0, 0.0)), DEEPEST)?;
-        let (piece, at) = self.bent_along(&stance, piece, at.clamp(0.0, 1.0));
+        let (piece, at) = self.bent_along(&stance, piece, at.clamp(0.0, 1.0))?;
         let lever = stance.seen(self.boundaries.spot((piece, at.clamp(0.0, 1.0))).position).y;
         let (touch, predicted) = self.rests_near(&stance, None, 1.5 * lever, piece, at.clamp(0.0, 1.0))?;
         self.rested(&stance, touch, predicted)
     }
 
     /// The place of the boundary that the tip of a whisker bent by a force across it reaches from this one on, on the way on which the
-    /// unloaded whisker leans.
-    fn bent_along(&self, stance: &Stance, mut piece: u32, mut at: f64) -> (u32, f64) {
+    /// unloaded whisker leans; none where a corner on the way would hold it.
+    fn bent_along(&self, stance: &Stance, mut piece: u32, mut at: f64) -> Option<(u32, f64)> {
         let heading = Vec2::from_angle(stance.theta());
         // By how much a place is farther from the base than a force across the whisker has the tip, by the angle at which it is seen.
         let beyond = |piece: u32, at: f64| {
@@ -132,6 +134,9 @@ impl ForwardModel<'_> {
             let corner = self.boundaries.corner_of(piece, forward).filter(|(_, corner)| !corner.is_end());
             match corner {
                 Some((_, corner)) if beyond(piece, end) < 0.0 => {
+                    if corner.is_concave() && corner.turn.abs() > HOLDS {
+                        return None;
+                    }
                     (piece, at) = if forward { corner.after } else { corner.before };
                 }
                 _ => {
@@ -140,7 +145,7 @@ impl ForwardModel<'_> {
                 }
             }
         }
-        (piece, at)
+        Some((piece, at))
     }
 
     /// The tip at rest, with the side where that has come to a boundary, too.
