@@ -174,8 +174,8 @@ pub fn is_steering(character: char) -> bool {
 /// characters left out and counted.
 ///
 /// ```
-/// assert_eq!(vibrissa_beam::printable("a\u{202e}b\n", 10), "a\\u{202e}b\\n");
-/// assert_eq!(vibrissa_beam::printable("abcdef", 2), "ab… (4 more characters)");
+/// assert_eq!(vibrissa_beam::error::printable("a\u{202e}b\n", 10), "a\\u{202e}b\\n");
+/// assert_eq!(vibrissa_beam::error::printable("abcdef", 2), "ab… (4 more characters)");
 /// ```
 #[must_use]
 pub fn printable(text: &str, most: usize) -> String {
