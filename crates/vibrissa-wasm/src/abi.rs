@@ -102,7 +102,7 @@ pub extern "C" fn headings(x: f64, y: f64) -> u32 {
 ///
 /// Numbers: rows, whiskers; each row t, odometry x, y, theta, the readings, the exact moments; then touches, each whisker, x, y, force's
 /// x, y, 0 for the tip or 1 for the side; then each whisker's points and their x, y. Words: events by lines of time, kind, detail.
-/// The rows also make a log, which [`write`] gives.
+/// The rows also make a log, which [`write()`] gives.
 #[unsafe(no_mangle)]
 #[must_use]
 pub extern "C" fn drive(op: u32) -> u32 {
