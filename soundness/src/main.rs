@@ -9,7 +9,7 @@
 //!     cargo run --release -p vibrissa-soundness -- --corners 100        drives around corners, with two contacts at once
 //!     cargo run --release -p vibrissa-soundness -- --worlds 40 --declare 90    bounds told 10 % too small: losses must show
 //!
-//! In every tenth world the whisker is tapered, curved at rest or of several wires, half of the time with declared errors of
+//! In every thirtieth world the whisker is tapered, curved at rest or of several wires, half of the time with declared errors of
 //! length and stiffness. Maps, whiskers, mounts, paths, bounds and errors are drawn from the seed; half of the time errors stand at the edge of
 //! their bounds with signs that stay. A seed that gives no sweep is passed over. The last line holds the counts, and how
 //! small the sets that held the truth were.
@@ -31,7 +31,7 @@ use vibrissa::{Method, localize};
 /// Worlds of a CI run and of a nightly one.
 const SHORT: usize = 300;
 /// The whisker is not uniform in one world of so many.
-const ROD_EVERY: u64 = 10;
+const ROD_EVERY: u64 = 30;
 const NIGHTLY: usize = 10_000;
 /// How much work goes into the end of a log without a prior: it tries the start on a whole map, and is soon over.
 const LAST_WORK: usize = 5_000;
@@ -47,7 +47,7 @@ struct Call {
     first: u64,
     threads: usize,
     replay: Option<u64>,
-    /// Whiskers that are not uniform in all worlds, instead of every tenth.
+    /// Whiskers that are not uniform in all worlds, instead of every thirtieth.
     rods: bool,
     /// Without the refinement at the end of the log.
     quick: bool,
