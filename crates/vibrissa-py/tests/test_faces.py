@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pickle
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -83,7 +84,11 @@ def test_options_in_groups_are_the_options_by_name(demo: vibrissa.Demo) -> None:
 
 
 def test_a_missing_file_is_pythons_own_error(tmp_path: Path) -> None:
-    kinds = {"none.svg": vibrissa.Map.read, "none.csv": vibrissa.SensorLog.read, "none.toml": vibrissa.Robot.read}
+    kinds: dict[str, Callable[[Path], object]] = {
+        "none.svg": vibrissa.Map.read,
+        "none.csv": vibrissa.SensorLog.read,
+        "none.toml": vibrissa.Robot.read,
+    }
     for name, read in kinds.items():
         with pytest.raises(FileNotFoundError, match="no such file") as caught:
             read(tmp_path / name)
