@@ -346,7 +346,7 @@ def localize(
 
 def method_of(method: MethodLike, options: Mapping[str, Any]) -> tuple[str, dict[str, Any]]:
     """The name of a method and its options; those by name come before those of the group."""
-    unknown = set(options) - set(Options.__annotations__)
+    unknown = set(options) - {*Options.__annotations__, "within"}
     if unknown:
         raise TypeError(f"localize() got an unexpected keyword argument {min(unknown)!r}")
     if isinstance(method, str):
