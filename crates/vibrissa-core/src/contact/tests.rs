@@ -78,19 +78,18 @@ impl Sweep {
         places.map(|p| Pose2::new(p.x, p.y, self.heading)).collect()
     }
 
+    /// The forward model of the sweep's whisker, of this length (m).
+    fn model<'a>(&'a self, boundaries: &'a Boundaries, length: f64, whole: bool) -> ForwardModel<'a> {
+        let (mechanics, quantity) = (Mechanics::ClosedForm, SensedQuantity::Moment);
+        ForwardModel { map: &self.map, boundaries, length, mechanics, whole, quantity }
+    }
+
     /// Rows in which the simulation is in contact, and what `follow` does not know how.
     fn count_unknown(&self) -> usize {
         let whisker = Whisker::default();
         let boundaries = Boundaries::new(&self.map).with_clearance(&self.map);
         let loaded = LoadedWhisker::new(&whisker).unwrap();
-        let model = ForwardModel {
-            map: &self.map,
-            boundaries: &boundaries,
-            length: whisker.length,
-            mechanics: Mechanics::ClosedForm,
-            whole: true,
-            quantity: SensedQuantity::Moment,
-        };
+        let model = self.model(&boundaries, whisker.length, true);
         let (mut state, mut held, mut unknown, mut touched) = (WhiskerState::Free, None, 0, 0);
         for pair in self.poses().windows(2) {
             let predicted = model.advance(&mut state, pair[0], pair[1], false);
@@ -114,14 +113,7 @@ impl Sweep {
         let whisker = Whisker::default();
         let boundaries = Boundaries::new(&self.map).with_clearance(&self.map);
         let loaded = LoadedWhisker::new(&whisker).unwrap();
-        let model = ForwardModel {
-            map: &self.map,
-            boundaries: &boundaries,
-            length: whisker.length,
-            mechanics: Mechanics::ClosedForm,
-            whole: false,
-            quantity: SensedQuantity::Moment,
-        };
+        let model = self.model(&boundaries, whisker.length, false);
         let (mut state, mut held) = (WhiskerState::Free, None);
         let mut seen = Seen::default();
         for pair in self.poses().windows(2) {

@@ -2,7 +2,7 @@
 
 use super::inputs::Inputs;
 use crate::interrupt::last_resort;
-use crate::output::{OutputArgs, Run, Runtime, complain, deliver, progress, warn};
+use crate::output::{OutputArgs, Run, Runtime, complain, deliver, no_answer, progress, warn};
 use std::cell::Cell;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -111,14 +111,6 @@ fn answer(method: &'static str, estimate: Estimate, trajectory: Vec<StampedPose>
         states: estimate.hypotheses.iter().map(|place| place.extent).collect(),
         hypotheses: estimate.hypotheses,
         trajectory,
-        odometry: None,
-        encloses: false,
-        first_states: Vec::new(),
-        steps: Vec::new(),
-        events: Vec::new(),
-        shapes: Vec::new(),
-        nuisances: Vec::new(),
-        consistency: None,
-        unsure: Vec::new(),
+        ..no_answer()
     }
 }

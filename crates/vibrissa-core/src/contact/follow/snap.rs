@@ -30,7 +30,7 @@ const REACH: f64 = 0.05;
 /// How deep in a boundary the tip of the unloaded whisker may be for what rests there to be found (whisker lengths).
 const DEEPEST: f64 = 0.4;
 /// A tip that a force across it has pushed to a small polar angle is nearer to the base than a straight one by this
-/// share of its square; rounds that find such a place on a boundary.
+/// share of its square.
 const BENT: f64 = 0.09;
 /// A concave corner that turns by more than this (rad) is no facet of a smooth hollow.
 const HOLDS: f64 = 0.35;
