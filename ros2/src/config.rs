@@ -24,3 +24,11 @@ pub const LEAST_TURN: f64 = 0.1;
 pub const MOST_PLACES: usize = 2000;
 /// Readings or odometry older than this (s) make the diagnostics warn.
 pub const STALE: f64 = 1.0;
+/// Cells of the grid that viewers get of a map at most: those of 10 m by 10 m at 1 cm, a megabyte on the wire,
+pub const MOST_MAP_CELLS: f64 = 1e6;
+/// and their least side (m): a tenth of what a whisker bends.
+pub const FINEST_CELL: f64 = 2e-3;
+/// Largest file of parameters (bytes).
+pub const PARAMETERS_BYTES: u64 = 1 << 20;
+/// Deepest nesting of such a file.
+pub const PARAMETERS_DEPTH: usize = 32;

@@ -3,7 +3,7 @@
 use crate::config::{LEAST_REGION, LEAST_TURN, REGION_DEVIATIONS};
 use crate::feed::Feed;
 use crate::lifecycle::{Change, Lifecycle};
-use crate::messages::{Transition, TransitionDescription};
+use crate::messages::{OccupancyGrid, Transition, TransitionDescription};
 use crate::parameters::Parameters;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use vibrissa_core::config::SettingValue;
@@ -22,9 +22,10 @@ use vibrissa_live::source::HostClock;
 pub type Region = [[f64; 2]; 3];
 
 /// What configuring loads.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Loaded {
-    map: Map,
+    /// None until it has come as a message.
+    map: Option<Arc<Map>>,
     /// With the bounds of its calibrations.
     robot: Robot,
     calibrator: Option<Calibrator>,
@@ -42,6 +43,15 @@ pub struct Report {
     pub estimate: Estimate,
     /// The row's odometry.
     pub odom_from_robot: Pose2,
+}
+
+/// What is said while the node estimates.
+#[derive(Debug)]
+pub enum Said<'a> {
+    /// It begins to estimate on a map.
+    Began(&'a Map),
+    /// An estimate.
+    Estimate(&'a Report),
 }
 
 /// What the heart tells.
@@ -69,6 +79,8 @@ pub struct Pulse {
 struct Inner {
     state: Lifecycle,
     loaded: Option<Arc<Loaded>>,
+    /// The map that came as a message last.
+    told_map: Option<Arc<Map>>,
     feed: Option<Feed>,
     region: Option<Region>,
     /// Counts the beginnings of estimates: the thread begins anew when it changes.
@@ -142,7 +154,10 @@ impl Engine {
     }
 
     fn load(&self) -> Result<Loaded> {
-        let map = vibrissa_io::read_map(&self.parameters.map)?;
+        let map = match self.parameters.map_topic {
+            None => Some(Arc::new(vibrissa_io::read_map(&self.parameters.map)?)),
+            Some(_) => self.lock().told_map.clone(),
+        };
         let robot = match &self.parameters.robot {
             Some(path) => vibrissa_io::read_robot(path)?,
             None => Robot::default(),
@@ -162,6 +177,33 @@ impl Engine {
         inner.feed = Some(Feed::new(loaded.sent.len(), loaded.calibrator.clone(), self.parameters.delay));
         inner.session += 1;
         (inner.map_from_odom, inner.last, inner.fault) = (None, None, None);
+        if let (None, Some(topic)) = (&loaded.map, &self.parameters.map_topic) {
+            inner.fault = Some(format!(
+                "no map came on the topic {topic}; start map_server, or check its name (transient local, reliable)"
+            ));
+        }
+    }
+
+    /// Takes a map that came as a message and begins anew on it; one that cannot be used is told and left out.
+    pub fn map_message(&self, message: &OccupancyGrid) {
+        let traced = crate::grid::map_of(message);
+        let mut inner = self.lock();
+        match traced {
+            Err(error) => inner.fault = Some(one_line(&error)),
+            Ok(map) => {
+                let map = Arc::new(map);
+                inner.told_map = Some(Arc::clone(&map));
+                if let Some(loaded) = &inner.loaded {
+                    inner.loaded = Some(Arc::new(Loaded { map: Some(map), ..Loaded::clone(loaded) }));
+                }
+                if inner.state == Lifecycle::Active {
+                    inner.restarts += 1;
+                    self.begin(&mut inner);
+                }
+            }
+        }
+        drop(inner);
+        self.more.notify_all();
     }
 
     fn restart(&self, region: Option<Region>) {
@@ -246,8 +288,8 @@ impl Engine {
         pulse
     }
 
-    /// Estimates until the node ends, on the calling thread; `told` gets each estimate.
-    pub fn run(&self, told: &mut dyn FnMut(&Report)) {
+    /// Estimates until the node ends, on the calling thread; `told` gets what is said.
+    pub fn run(&self, told: &mut dyn FnMut(Said<'_>)) {
         let mut session = 0;
         while let Some((next, loaded, region)) = self.next_session(session) {
             session = next;
@@ -267,7 +309,8 @@ impl Engine {
             if inner.ended {
                 return None;
             }
-            if let (true, Some(loaded)) = (inner.session > session && inner.feed.is_some(), &inner.loaded) {
+            let begun = inner.session > session && inner.feed.is_some();
+            if let Some(loaded) = inner.loaded.as_ref().filter(|loaded| begun && loaded.map.is_some()) {
                 return Some((inner.session, Arc::clone(loaded), inner.region));
             }
             inner = self.more.wait(inner).unwrap_or_else(PoisonError::into_inner);
@@ -294,13 +337,14 @@ impl Engine {
         session: u64,
         loaded: &Loaded,
         region: Option<Region>,
-        told: &mut dyn FnMut(&Report),
+        told: &mut dyn FnMut(Said<'_>),
     ) -> Result<()> {
         let mut method: Method = self.parameters.method;
         if let Some(region) = region {
             method.set("within", SettingValue::Region(region))?;
         }
-        let Loaded { map, robot, channels, .. } = loaded;
+        let Loaded { map: Some(map), robot, channels, .. } = loaded else { return Ok(()) };
+        told(Said::Began(map));
         let mut estimator = LiveEstimator::new(map, robot, channels, &method, self.parameters.rate)?;
         while let Some(rows) = self.next_rows(session) {
             for used in rows {
@@ -322,7 +366,7 @@ impl Engine {
                         let report = Report { t: one.t, estimate: one.estimate, odom_from_robot };
                         inner.take(&report);
                         drop(inner);
-                        told(&report);
+                        told(Said::Estimate(&report));
                     }
                 }
             }

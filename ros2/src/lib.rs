@@ -9,14 +9,17 @@
 //! | rows to estimates; what is known | [`engine`] |
 //! | estimates to messages | [`outputs`] |
 //! | states of a managed node | [`lifecycle`] |
-//! | parameters | [`parameters`] |
+//! | parameters, and the files and arguments that say them | [`parameters`], [`parameters_file`] |
+//! | maps that are messages | [`grid`] |
 //! | topics, services, threads | [`node`] |
 
 pub mod config;
 pub mod engine;
 pub mod feed;
+pub mod grid;
 pub mod lifecycle;
 pub mod messages;
 pub mod node;
 pub mod outputs;
 pub mod parameters;
+pub mod parameters_file;

@@ -54,6 +54,10 @@ messages! {
     MultiArrayLayout { dim: Vec<MultiArrayDimension>, data_offset: u32 }
     /// `std_msgs/Float64MultiArray`.
     Float64MultiArray { layout: MultiArrayLayout, data: Vec<f64> }
+    /// `nav_msgs/MapMetaData`: side of a cell (m), cells, and where the outer corner of the first cell is.
+    MapMetaData { map_load_time: Time, resolution: f32, width: u32, height: u32, origin: Pose }
+    /// `nav_msgs/OccupancyGrid`: by rows from the least y, 0 free to 100 solid, -1 unknown.
+    OccupancyGrid { header: Header, info: MapMetaData, data: Vec<i8> }
     /// `geometry_msgs/Transform`.
     Transform { translation: Vector, rotation: Quaternion }
     /// `geometry_msgs/TransformStamped`.

@@ -2,8 +2,9 @@
 
 use crate::config::TRANSFORM_TOLERANCE;
 use crate::engine::{Region, region_around};
+use crate::parameters_file;
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use vibrissa_core::flow::sensor_log::{Channel, Quantity};
 use vibrissa_core::localizer::Method;
 use vibrissa_core::plane::Pose2;
@@ -27,8 +28,12 @@ pub enum ReadingsType {
 /// What the node is told at its start.
 #[derive(Clone, Debug)]
 pub struct Parameters {
-    /// The map's file.
+    /// The map's file; empty where it comes as a message.
     pub map: PathBuf,
+    /// The topic that the map comes on.
+    pub map_topic: Option<String>,
+    /// Whether the map of the file is told to viewers.
+    pub publish_map: bool,
     /// The robot's file; none for the paper's whisker.
     pub robot: Option<PathBuf>,
     /// The estimator.
@@ -73,6 +78,8 @@ impl Default for Parameters {
     fn default() -> Self {
         Self {
             map: PathBuf::new(),
+            map_topic: None,
+            publish_map: false,
             robot: None,
             method: Method::default(),
             readings_type: ReadingsType::default(),
@@ -97,8 +104,10 @@ impl Default for Parameters {
 }
 
 /// Every parameter and what it takes, for `--help` and for messages.
-pub const NAMES: [(&str, &str); 17] = [
-    ("map", "the map's file: .svg, .geojson, .dxf, .yaml (due)"),
+pub const NAMES: [(&str, &str); 19] = [
+    ("map", "the map's file: .svg, .geojson, .dxf, .yaml (due, or map_topic)"),
+    ("map_topic", "takes the map from this topic instead (nav_msgs/OccupancyGrid, transient local), such as map"),
+    ("publish_map", "whether the map of the file is told as an OccupancyGrid on the topic map (false)"),
     ("robot", "the robot's file; the paper's whisker without it"),
     ("method", "probabilistic (default), possibilistic, deterministic"),
     (
@@ -123,14 +132,70 @@ pub const NAMES: [(&str, &str); 17] = [
     ("autostart", "whether the node activates itself, without a lifecycle manager (true)"),
 ];
 
+/// One argument of ROS.
+enum Argument<'a> {
+    Parameter(&'a str, &'a str),
+    Remap(&'a str, &'a str),
+    File(&'a str),
+}
+
+/// The arguments of ROS among those of the command.
+fn arguments(args: &[String]) -> Result<Vec<Argument<'_>>> {
+    let mut found = Vec::new();
+    let mut rest = args.iter().map(String::as_str);
+    while let Some(arg) = rest.next() {
+        let mut value = || {
+            rest.next()
+                .ok_or_else(|| Error::usage(format!("{arg} stands at the end")).remedy("give its value after it"))
+        };
+        let pair = |text: &'_ str| -> Result<(usize, usize)> {
+            let at = text
+                .find(":=")
+                .ok_or_else(|| Error::usage(format!("{arg} takes NAME:=VALUE")).value(format!("\"{text}\"")))?;
+            Ok((at, at + 2))
+        };
+        match arg {
+            "--ros-args" | "--" => {}
+            "-p" | "--param" | "-r" | "--remap" => {
+                let text = value()?;
+                let (end, begin) = pair(text)?;
+                let (name, value) = (&text[..end], &text[begin..]);
+                let is_parameter = matches!(arg, "-p" | "--param");
+                found.push(if is_parameter { Argument::Parameter(name, value) } else { Argument::Remap(name, value) });
+            }
+            "--params-file" => found.push(Argument::File(value()?)),
+            "--log-level" | "--log-config-file" | "--log-file-name" | "--enclave" | "-e" => {
+                value()?;
+            }
+            other if other.starts_with("--enable-") || other.starts_with("--disable-") => {}
+            other => {
+                return Err(Error::usage("unknown argument")
+                    .value(other)
+                    .allowed("--ros-args, -p NAME:=VALUE, -r FROM:=TO, --params-file FILE")
+                    .remedy("vibrissa-ros2 --help lists the parameters"));
+            }
+        }
+    }
+    Ok(found)
+}
+
 impl Parameters {
-    /// The parameters that command arguments say: `--ros-args -p NAME:=VALUE -r FROM:=TO`; `variable` gives environment variables.
+    /// The parameters that command arguments say; `variable` gives environment variables. What was left out is told, too.
+    ///
+    /// | argument | what |
+    /// | --- | --- |
+    /// | `-p NAME:=VALUE`, `--param` | a parameter; `NODE:NAME:=VALUE` is for the node of that name alone |
+    /// | `--params-file FILE` | parameters as ROS 2 writes them, see [`crate::parameters_file`] |
+    /// | `-r FROM:=TO`, `--remap` | another name of a topic; `__node` and `__ns` are those of the node |
+    /// | `--log-level L`, `--log-config-file F`, `--enclave E`, `--enable-…`, `--disable-…` | taken as `ros2 launch` gives them; without effect |
+    ///
+    /// What stands later wins, as in ROS 2.
     ///
     /// # Errors
     ///
-    /// Unknown arguments and names, values out of range.
-    pub fn from_args(args: &[String], variable: &dyn Fn(&str) -> Option<String>) -> Result<Self> {
-        let mut parameters = Self::default();
+    /// Unknown arguments and names, values out of range, files that cannot be read.
+    pub fn from_args(args: &[String], variable: &dyn Fn(&str) -> Option<String>) -> Result<(Self, Vec<String>)> {
+        let (mut parameters, mut left_out) = (Self::default(), Vec::new());
         if let Some(text) = variable("ROS_DOMAIN_ID").filter(|text| !text.is_empty()) {
             let domain = text.parse().ok().filter(|domain| *domain <= 232);
             parameters.domain =
@@ -138,33 +203,53 @@ impl Parameters {
         }
         parameters.localhost = variable("ROS_LOCALHOST_ONLY").is_some_and(|text| text == "1")
             || variable("ROS_AUTOMATIC_DISCOVERY_RANGE").is_some_and(|text| text == "LOCALHOST");
-        let mut rest = args.iter();
-        while let Some(arg) = rest.next() {
-            match arg.as_str() {
-                "--ros-args" | "--" => {}
-                "-p" | "--param" | "-r" | "--remap" => {
-                    let text = rest.next().map_or("", String::as_str);
-                    let pair = text
-                        .split_once(":=")
-                        .ok_or_else(|| Error::usage(format!("{arg} takes NAME:=VALUE")).value(format!("\"{text}\"")))?;
-                    if arg.starts_with("-p") || arg == "--param" {
-                        parameters.set(pair.0, pair.1)?;
-                    } else {
-                        parameters.remap(pair.0, pair.1);
+        // The node's name says which parameters of a file are its own.
+        let arguments = arguments(args)?;
+        for argument in &arguments {
+            if let Argument::Remap(from, to) = argument {
+                parameters.remap(from, to);
+            }
+        }
+        for argument in arguments {
+            match argument {
+                Argument::Remap(..) => {}
+                Argument::Parameter(name, value) => match name.split_once(':') {
+                    Some((node, name)) if node.trim_start_matches('/') == parameters.name => {
+                        parameters.set(name, value)?;
                     }
-                }
-                other => {
-                    return Err(Error::usage("unknown argument")
-                        .value(other)
-                        .allowed("--ros-args, -p NAME:=VALUE, -r FROM:=TO")
-                        .remedy("vibrissa-ros2 --help lists the parameters"));
+                    Some((node, _)) => {
+                        left_out.push(format!("-p {name}: this node is {}, not {node}", parameters.name))
+                    }
+                    None => parameters.set(name, value)?,
+                },
+                Argument::File(path) => {
+                    for entry in parameters_file::read(Path::new(path))? {
+                        if !entry.is_for(&parameters.namespace, &parameters.name) {
+                            continue;
+                        }
+                        if NAMES.iter().any(|(name, _)| *name == entry.name) {
+                            parameters
+                                .set(&entry.name, &entry.value)
+                                .map_err(|error| error.into_data().in_file(path).at_line(entry.line))?;
+                        } else {
+                            left_out
+                                .push(format!("{path}:{}: {} is no parameter of this node", entry.line, entry.name));
+                        }
+                    }
                 }
             }
         }
-        if parameters.map.as_os_str().is_empty() {
-            return Err(Error::usage("no map is given").remedy("add --ros-args -p map:=arena.svg"));
+        match (&parameters.map_topic, parameters.map.as_os_str().is_empty()) {
+            (None, true) => Err(Error::usage("no map is given")
+                .remedy("add --ros-args -p map:=arena.svg, or -p map_topic:=map for the map of map_server")),
+            (Some(topic), false) => Err(Error::usage("the map is given twice")
+                .value(format!("map {}, map_topic {topic}", parameters.map.display()))
+                .remedy("leave one of them out")),
+            (Some(topic), true) if parameters.publish_map => Err(Error::usage("publish_map tells the map of a file")
+                .value(format!("map_topic {topic}"))
+                .remedy("leave publish_map out: whoever tells that topic tells viewers, too")),
+            _ => Ok((parameters, left_out)),
         }
-        Ok(parameters)
     }
 
     /// Sets a parameter from its text.
@@ -187,6 +272,8 @@ impl Parameters {
         };
         match name {
             "map" => self.map = text.into(),
+            "map_topic" => self.map_topic = (!text.is_empty()).then(|| text.to_owned()),
+            "publish_map" => self.publish_map = switch()?,
             "robot" => self.robot = (!text.is_empty()).then(|| text.into()),
             "method" => self.method = Method::named(text)?,
             "readings_type" => {
@@ -294,10 +381,15 @@ fn channel(name: &str) -> Result<Channel> {
 }
 
 #[cfg(test)]
+#[allow(clippy::unwrap_used, clippy::float_cmp, reason = "a test that cannot go on must fail")]
 mod tests {
     use super::{Parameters, ReadingsType};
 
     fn parse(text: &str) -> Result<Parameters, String> {
+        parsed(text).map(|parsed| parsed.0)
+    }
+
+    fn parsed(text: &str) -> Result<(Parameters, Vec<String>), String> {
         let args: Vec<String> = text.split_whitespace().map(str::to_owned).collect();
         let variable = |name: &str| (name == "ROS_DOMAIN_ID").then(|| "7".to_owned());
         Parameters::from_args(&args, &variable).map_err(|e| e.to_string())
@@ -318,6 +410,44 @@ mod tests {
     }
 
     #[test]
+    fn files_of_parameters_are_those_of_ros() {
+        let folder = std::env::temp_dir().join(format!("vibrissa-parameters-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let file = |name: &str, text: &str| {
+            let path = folder.join(name);
+            std::fs::write(&path, text).unwrap();
+            path.display().to_string()
+        };
+        let whole = file(
+            "whole.yaml",
+            "/**:\n  ros__parameters:\n    map: a.svg\n    rate: 10\n    use_sim_time: true\nvibrissa:\n  ros__parameters:\n    \
+             initial_pose: {x: 1.5, yaw: -0.5}\n    set_initial_pose: true\n    readings: [w0.bx, w0.by]\n    alpha1: 0.2\nother:\n  \
+             ros__parameters:\n    rate: 1.0\n",
+        );
+        let (parsed_file, left_out) = parsed(&format!("--ros-args -p rate:=5 --params-file {whole}")).unwrap();
+        assert_eq!((parsed_file.rate, parsed_file.use_sim_time, parsed_file.readings.len()), (10.0, true, 2));
+        assert_eq!(parsed_file.initial_pose, [1.5, 0.0, -0.5]);
+        assert!(left_out.len() == 1 && left_out[0].contains("alpha1"), "{left_out:?}");
+        let later =
+            parse(&format!("--ros-args --params-file {whole} -p rate:=5 --log-level info -p other:rate:=2")).unwrap();
+        assert_eq!(later.rate, 5.0);
+        let renamed = parse(&format!("--ros-args -r __node:=other --params-file {whole}")).unwrap();
+        assert_eq!((renamed.rate, renamed.set_initial_pose), (1.0, false));
+        for (name, text, words) in [
+            ("range.yaml", "/**:\n  ros__parameters:\n    map: a.svg\n    rate: 1e9\n", "range.yaml:4"),
+            ("cut.yaml", "/**:\n  ros__parameters: [\n", "cut.yaml"),
+            ("none.yaml", "rate: 3\n", "ros__parameters"),
+            ("empty.yaml", "", "ros__parameters"),
+        ] {
+            let error = parse(&format!("--params-file {}", file(name, text))).unwrap_err();
+            assert!(error.contains(words), "{name}: {error}");
+        }
+        assert!(parse("--params-file").unwrap_err().contains("at the end"));
+        assert!(parse(&format!("--params-file {}", folder.join("missing").display())).unwrap_err().contains("missing"));
+        std::fs::remove_dir_all(folder).unwrap();
+    }
+
+    #[test]
     fn what_is_wrong_is_named_with_what_may_stand_there() {
         for (text, words) in [
             ("", "no map"),
@@ -327,6 +457,8 @@ mod tests {
             ("-p map:=a.svg -p readings:=w0.momnt", "moment"),
             ("-p map:=a.svg -p tf_broadcast:=1", "true, false"),
             ("-p map", "NAME:=VALUE"),
+            ("-p map:=a.svg -p map_topic:=map", "twice"),
+            ("-p map_topic:=map -p publish_map:=true", "publish_map"),
             ("--map a.svg", "unknown argument"),
         ] {
             let error = parse(text).unwrap_err();
