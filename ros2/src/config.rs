@@ -26,8 +26,8 @@ pub const MOST_PLACES: usize = 2000;
 pub const STALE: f64 = 1.0;
 /// Cells of the grid that viewers get of a map at most: those of 10 m by 10 m at 1 cm, a megabyte on the wire,
 pub const MOST_MAP_CELLS: f64 = 1e6;
-/// and their least side (m): a tenth of what a whisker bends.
-pub const FINEST_CELL: f64 = 2e-3;
+/// and their least side (m): finer than a whisker tells walls.
+pub const FINEST_CELL: f64 = 5e-4;
 /// Largest file of parameters (bytes).
 pub const PARAMETERS_BYTES: u64 = 1 << 20;
 /// Deepest nesting of such a file.
