@@ -348,7 +348,7 @@ impl Engine {
         let mut estimator = LiveEstimator::new(map, robot, channels, &method, self.parameters.rate)?;
         while let Some(rows) = self.next_rows(session) {
             for used in rows {
-                let step = estimator.step(&used.joined.row);
+                let step = estimator.step(&used.joined);
                 let mut inner = self.lock();
                 if inner.session != session {
                     return Ok(());

@@ -1,7 +1,9 @@
 //! How long a row takes from the port to the estimate, and whether memory grows: a simulated robot drives to and fro behind a
 //! pseudo-terminal, its whole run recorded. Linux.
 //!
-//!     cargo run --release -p vibrissa-live --example endurance -- [SECONDS] [ROWS A SECOND] [WHISKERS]
+//!     cargo run --release -p vibrissa-live --example endurance -- [SECONDS] [ROWS A SECOND] [WHISKERS] [FILE.csv]
+//!
+//! The file gets a line each ten seconds: time, rows, memory, latencies of the stretch before.
 
 #[cfg(target_os = "linux")]
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -16,6 +18,7 @@ fn main() {
 #[cfg(target_os = "linux")]
 mod linux {
     use core::ops::ControlFlow;
+    use std::io::Write;
     use std::sync::Arc;
     use std::sync::atomic::{AtomicBool, Ordering};
     use std::time::{Duration, Instant};
@@ -24,13 +27,27 @@ mod linux {
     use vibrissa::tasks::demo;
     use vibrissa::world::{MountedWhisker, Robot};
     use vibrissa_live::journal::Journal;
+    use vibrissa_live::latency::Histogram;
     use vibrissa_live::record::FileStorage;
     use vibrissa_live::run::{Update, run};
     use vibrissa_live::setup::from_toml;
     use vibrissa_live::source::PseudoTerminal;
 
+    /// How often the file gets a line (s), and what stands in it.
+    const NOTE: f64 = 10.0;
+    const COLUMNS: &str = "t_s,rows,merged,carried,missing,not_recorded,memory_mb,p50_ms,p99_ms,largest_ms";
+
     pub(super) fn main() -> Result<(), Box<dyn std::error::Error>> {
-        let mut args = std::env::args().skip(1).map(|arg| arg.parse::<f64>());
+        let given: Vec<String> = std::env::args().skip(1).collect();
+        let mut csv = match given.get(3) {
+            Some(path) => {
+                let mut file = std::fs::File::create(path)?;
+                writeln!(file, "{COLUMNS}")?;
+                Some(file)
+            }
+            None => None,
+        };
+        let mut args = given.iter().map(|arg| arg.parse::<f64>());
         let seconds = args.next().transpose()?.unwrap_or(20.0);
         let rate = args.next().transpose()?.unwrap_or(1000.0);
         let count = args.next().transpose()?.unwrap_or(1.0) as usize;
@@ -87,20 +104,42 @@ mod linux {
         let folder = std::env::temp_dir().join(format!("vibrissa-endurance-{}", std::process::id()));
         let (storage, file) = FileStorage::create(&folder, "recording")?;
         let journal = Journal::begin(storage, &setup, &folder, 1.0);
-        let (began, mut looked) = (Instant::now(), 0.0);
-        println!("seconds  rows  merged  p50 ms  p99 ms  most ms  memory MB");
+        let (began, mut looked, mut noted) = (Instant::now(), 0.0, 0.0);
+        let mut before = Histogram::default();
+        println!("seconds  rows  merged  carried  p50 ms  p99 ms  most ms  taken p99 ms  memory MB");
         let finished = run(&setup, &map, &robot, Some(&journal), &mut |update| {
             if let Update::Estimate(_, health) | Update::Idle(health) = update {
                 let passed = began.elapsed().as_secs_f64();
+                if let Some(file) = csv.as_mut().filter(|_| passed > noted + NOTE) {
+                    noted = passed;
+                    let stretch = health.latency.since(&before);
+                    before.clone_from(&health.latency);
+                    let missing: u64 = health.sources.iter().map(|(_, counts)| counts.missing()).sum();
+                    // A file that cannot be written is seen by what is missing in it.
+                    let _ = writeln!(
+                        file,
+                        "{passed:.1},{},{},{},{missing},{},{:.2},{:.3},{:.3},{:.3}",
+                        health.rows,
+                        health.merged,
+                        health.carried,
+                        health.dropped,
+                        resident(),
+                        1e3 * stretch.quantile(0.5),
+                        1e3 * stretch.quantile(0.99),
+                        1e3 * health.latency.largest()
+                    );
+                }
                 if passed > looked + seconds / 10.0 {
                     looked = passed;
                     println!(
-                        "{passed:7.0} {:>6} {:>6} {:7.3} {:7.3} {:8.2} {:8.1}",
+                        "{passed:7.0} {:>6} {:>6} {:>6} {:7.3} {:7.3} {:8.2} {:8.2} {:8.1}",
                         health.rows,
                         health.merged,
+                        health.carried,
                         1e3 * health.latency.quantile(0.5),
                         1e3 * health.latency.quantile(0.99),
                         1e3 * health.latency.largest(),
+                        1e3 * health.taken.quantile(0.99),
                         resident()
                     );
                 }

@@ -44,6 +44,9 @@ pub const FRAMES_WAITING: usize = 2048;
 pub const ROWS_BEFORE_MERGING: usize = 32;
 /// Rows between join and estimator at most: those of two seconds at 1 kHz.
 pub const ROWS_WAITING: usize = 2048;
+/// How long a row waits for the estimator (s) before its pose is the last estimate carried on by odometry: half of what a
+/// control loop at 300 Hz leaves.
+pub const CARRY_AFTER: f64 = 2e-3;
 /// Estimates a second of row time that are written (Hz).
 pub const ESTIMATE_RATE: f64 = 20.0;
 /// Places of an estimate that are told one by one.

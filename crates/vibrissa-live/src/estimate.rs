@@ -4,8 +4,9 @@ use crate::join::JoinedRow;
 use crate::output::json_line;
 use crate::{Error, Result};
 use vibrissa_core::flow::pose::{Estimate, Localization};
-use vibrissa_core::flow::sensor_log::{Channel, LogRow};
+use vibrissa_core::flow::sensor_log::Channel;
 use vibrissa_core::localizer::{Localizer, Method, ProbabilisticEstimator};
+use vibrissa_core::plane::Pose2;
 use vibrissa_core::world::{Map, Robot};
 
 /// An estimate that is to be written.
@@ -17,6 +18,22 @@ pub struct Told {
     pub estimate: Estimate,
     /// The same as a line of JSON.
     pub line: String,
+    /// The number of the row that it is of,
+    pub row: u64,
+    /// and that of the row after which the estimator said it: an earlier one where odometry carried it on.
+    pub from: u64,
+    /// How much older (s) that row is.
+    pub carried: f64,
+    /// The robot in the odometry frame.
+    pub odom_from_robot: Pose2,
+    /// How far the odometry went since its first row (m, rad).
+    pub travel: [f64; 2],
+}
+
+/// The row time (s) from which the next estimate is told after one at `t`: even in row time, whatever rows are missing.
+#[must_use]
+pub(crate) fn next_due(t: f64, period: f64) -> f64 {
+    period * ((t / period).floor() + 1.0)
 }
 
 /// A localizer that tells its estimate so many times a second of row time: what it tells depends on the rows alone.
@@ -50,7 +67,8 @@ impl<'a> LiveEstimator<'a> {
     /// # Errors
     ///
     /// The first row of a stretch that is refused, for words: the run goes on.
-    pub fn step(&mut self, row: &LogRow) -> core::result::Result<Option<Told>, Error> {
+    pub fn step(&mut self, joined: &JoinedRow) -> core::result::Result<Option<Told>, Error> {
+        let row = &joined.row;
         if let Err(error) = self.localizer.step(row) {
             self.refused += 1;
             return Err(error);
@@ -58,10 +76,18 @@ impl<'a> LiveEstimator<'a> {
         if row.t < self.due {
             return Ok(None);
         }
-        // Even in row time, whatever rows are missing.
-        self.due = self.period * ((row.t / self.period).floor() + 1.0);
+        self.due = next_due(row.t, self.period);
         let estimate = self.localizer.estimate();
-        Ok(Some(Told { t: row.t, line: json_line(row.t, &estimate), estimate }))
+        Ok(Some(Told {
+            t: row.t,
+            line: json_line(row.t, 0.0, &estimate),
+            estimate,
+            row: row.line as u64,
+            from: row.line as u64,
+            carried: 0.0,
+            odom_from_robot: row.odom_from_robot,
+            travel: joined.travel,
+        }))
     }
 
     /// Rows that were refused.
@@ -123,6 +149,7 @@ mod tests {
             joined: JoinedRow {
                 row: LogRow { t: line as f64, odom_from_robot: Pose2::IDENTITY, readings: vec![], heading: None, line },
                 arrival: 0.0,
+                travel: [0.0; 2],
             },
             merged: 1,
         };

@@ -13,6 +13,8 @@ pub struct JoinedRow {
     pub row: LogRow,
     /// Arrival of the last byte that it needed (s).
     pub arrival: f64,
+    /// How far the odometry went since the first row, and how much it turned, whatever the direction (m, rad).
+    pub travel: [f64; 2],
 }
 
 /// A frame with its time and its arrival (s).
@@ -41,6 +43,8 @@ pub struct Joiner {
     odometry: usize,
     streams: Vec<VecDeque<Timed>>,
     rows: u64,
+    /// The odometry of the last row, and how far it went up to there.
+    last: Option<(Pose2, [f64; 2])>,
 }
 
 impl Joiner {
@@ -48,7 +52,7 @@ impl Joiner {
     #[must_use]
     pub fn new(shares: Vec<Share>, first: usize, odometry: usize) -> Self {
         let streams = shares.iter().map(|_| VecDeque::new()).collect();
-        Self { shares, first, odometry, streams, rows: 0 }
+        Self { shares, first, odometry, streams, rows: 0, last: None }
     }
 
     /// Takes a frame of a stream, in order of its times.
@@ -65,6 +69,7 @@ impl Joiner {
             match self.row(t, arrival) {
                 Some(joined) => {
                     self.rows += 1;
+                    self.last = Some((joined.row.odom_from_robot, joined.travel));
                     told(joined);
                 }
                 None if self.may_come(t) && now - arrival <= PATIENCE && !self.is_full() => break,
@@ -143,7 +148,11 @@ impl Joiner {
                 row.heading = Some(a + share * wrap_angle(b - a));
             }
         }
-        Some(JoinedRow { row, arrival: last })
+        let travel = self.last.map_or([0.0; 2], |(before, [way, turn])| {
+            let step = before.between(row.odom_from_robot);
+            [way + step.position().norm(), turn + step.theta.abs()]
+        });
+        Some(JoinedRow { row, arrival: last, travel })
     }
 
     fn only_first(&self) -> Option<(&Timed, &Timed, f64)> {

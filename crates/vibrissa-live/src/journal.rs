@@ -19,6 +19,9 @@ use vibrissa_io::text::cannot_open;
 
 const ROW: &str = "/vibrissa/row";
 const ESTIMATE: &str = "/vibrissa/estimate";
+/// Which row an estimate is of, and after which the estimator said it.
+const TOLD: &str = "/vibrissa/told";
+const TOLD_NAMES: [&str; 2] = ["row", "from"];
 const SETUP: &str = "/vibrissa/setup";
 const RAW: &str = "/raw/";
 const EVENT: &str = "/event";
@@ -35,6 +38,7 @@ pub struct Journal {
     estimate: RecordTopic,
     pose: RecordTopic,
     notice: RecordTopic,
+    told: RecordTopic,
 }
 
 impl Journal {
@@ -47,6 +51,7 @@ impl Journal {
             ("/vibrissa/pose".into(), Kind::PoseWithCovariance, false),
             ("/vibrissa/notice".into(), Kind::Text, false),
             (SETUP.into(), Kind::Text, true),
+            (TOLD.into(), Kind::Joints, false),
         ];
         for source in &setup.sources {
             topics.push((format!("{RAW}{}", source.name), Kind::Bytes, false));
@@ -61,7 +66,8 @@ impl Journal {
             estimate: topics[1],
             pose: topics[2],
             notice: topics[3],
-            raw: topics[5..].chunks_exact(2).map(|pair| (pair[0], pair[1])).collect(),
+            told: topics[5],
+            raw: topics[6..].chunks_exact(2).map(|pair| (pair[0], pair[1])).collect(),
         }
     }
 
@@ -99,6 +105,9 @@ impl Journal {
 
     /// Writes down an estimate.
     pub fn estimate(&self, told: &Told) {
+        let names = TOLD_NAMES.map(str::to_owned);
+        let header = Header { stamp: Stamp::from_seconds(told.t), frame: ODOM };
+        self.recorder.push(self.told, told.t, encode_named(header, &names, &[told.row as f64, told.from as f64]));
         self.recorder.push(self.estimate, told.t, encode_text(&told.line));
         let best = told.estimate.hypotheses.first().filter(|_| told.estimate.status != Status::Inconsistent);
         if let Some(best) = best {
@@ -147,6 +156,9 @@ pub struct Recorded {
     pub warnings: Vec<String>,
     /// The lines of the estimates.
     pub lines: Vec<String>,
+    /// Of each the number of its row, and that of the row after which the estimator said it; empty in recordings of versions
+    /// that told every estimate when it was there.
+    pub told: Vec<(u64, u64)>,
 }
 
 /// Reads what a recording holds beside its raw bytes. `path` is the file, or a folder with exactly one.
@@ -157,10 +169,14 @@ pub struct Recorded {
 pub fn read(path: &Path) -> Result<Recorded> {
     let path = the_file(path)?;
     let file = File::open(&path).map_err(|e| cannot_open(&path, "recording", &e))?;
-    let (mut setup, mut used, mut lines, mut chunks) = (None, Vec::new(), Vec::new(), 0);
+    let (mut setup, mut used, mut lines, mut chunks, mut told_rows) = (None, Vec::new(), Vec::new(), 0, Vec::new());
     let bag = read_bag(std::io::BufReader::new(file), &path.to_string_lossy(), |topic, _, bytes| {
         match topic.name.as_str() {
             ROW => used.extend(decode_named(bytes).and_then(|(_, (_, values))| Some(*values.first()? as u64))),
+            TOLD => told_rows.extend(decode_named(bytes).and_then(|(_, (_, values))| match values[..] {
+                [row, from] => Some((row as u64, from as u64)),
+                _ => None,
+            })),
             ESTIMATE => lines.extend(decode_text(bytes).map(str::to_owned)),
             SETUP => setup = decode_text(bytes).map(str::to_owned).or(setup.take()),
             _ => chunks += u64::from(topic.kind == Some(Kind::Bytes)),
@@ -177,7 +193,16 @@ pub fn read(path: &Path) -> Result<Recorded> {
         })?;
     let mut setup = from_toml(text, &format!("the setup in {}", path.display()))?;
     setup.based_on(Path::new(folder));
-    Ok(Recorded { version: version.to_owned(), setup, used, chunks, warnings: bag.warnings, lines, path })
+    Ok(Recorded {
+        version: version.to_owned(),
+        setup,
+        used,
+        chunks,
+        warnings: bag.warnings,
+        lines,
+        path,
+        told: told_rows,
+    })
 }
 
 /// The recording itself, or the only one in a folder.

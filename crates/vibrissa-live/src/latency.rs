@@ -56,6 +56,14 @@ impl Histogram {
         0.0
     }
 
+    /// What was added since an earlier copy of this; the longest is that of all.
+    #[must_use]
+    pub fn since(&self, earlier: &Self) -> Self {
+        let counts: Vec<u64> =
+            self.counts.iter().zip(&earlier.counts).map(|(now, then)| now.saturating_sub(*then)).collect();
+        Self { count: counts.iter().sum(), counts, largest: self.largest }
+    }
+
     /// Every bucket that holds something: its end (s), its count.
     pub fn buckets(&self) -> impl Iterator<Item = (f64, u64)> {
         let told = self.counts.iter().enumerate().filter(|(_, count)| **count > 0);
@@ -82,6 +90,11 @@ mod tests {
             let found = histogram.quantile(share);
             assert!(found >= exact * 0.999 && found <= exact * 1.1, "{share}: {found} for {exact}");
         }
+        let earlier = histogram.clone();
+        (0..10).for_each(|_| histogram.push(3.0));
+        let since = histogram.since(&earlier);
+        assert!(since.count() == 10 && since.quantile(0.01) > 2.7, "{since:?}");
+        histogram = earlier;
         assert_eq!((histogram.count(), Histogram::default().quantile(0.5)), (5000, 0.0));
     }
 }

@@ -8,8 +8,10 @@
 //! | join | frames of several streams | rows with odometry | [`join`] |
 //! | calibrate | flux, counts | moments | `vibrissa_io::Calibrator` |
 //! | estimator | rows | places and a verdict | `vibrissa_core::Localizer` |
+//! | carry | estimates of earlier rows, odometry | the pose now | [`carry`] |
 //! | outputs | estimates | JSON lines, a recording, words | [`output`], [`record`] |
 
+pub mod carry;
 pub mod clock;
 pub mod config;
 pub mod counts;

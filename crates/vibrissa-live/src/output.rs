@@ -6,11 +6,11 @@ use vibrissa_core::flow::pose::{Estimate, Hypothesis, Status};
 
 /// The estimate at a row as one line of JSON, without its end: the same estimate gives the same bytes.
 ///
-/// `{"t","rows","status","pose":{"x","y","theta"}|null,"places":[{"x","y","theta","weight","x_min",…,"theta_max","covariance"?}],"count"}`
+/// `{"t","rows","status","pose":{"x","y","theta"}|null,"places":[{"x","y","theta","weight","x_min",…,"theta_max","covariance"?}],"count","carried"?}`
 /// with SI units, map frame; at most eight places are told, `count` says how many there are. Where nothing explains the
-/// readings there are neither pose nor places.
+/// readings there are neither pose nor places. `carried` stands where odometry led here from an estimate that is so much older (s).
 #[must_use]
-pub fn json_line(t: f64, estimate: &Estimate) -> String {
+pub fn json_line(t: f64, carried: f64, estimate: &Estimate) -> String {
     let told: &[Hypothesis] = if estimate.status == Status::Inconsistent { &[] } else { &estimate.hypotheses };
     let mut line = String::new();
     // Writing into a string cannot fail.
@@ -36,7 +36,11 @@ pub fn json_line(t: f64, estimate: &Estimate) -> String {
         }
         push_place(&mut line, place);
     }
-    let _ = write!(line, "],\"count\":{}}}", told.len());
+    let _ = write!(line, "],\"count\":{}", told.len());
+    if carried > 0.0 {
+        let _ = write!(line, ",\"carried\":{}", number(carried));
+    }
+    line.push('}');
     line
 }
 
@@ -142,14 +146,14 @@ mod tests {
         };
         let mut estimate = Estimate { status: Status::Localized, hypotheses: vec![place], rows: 7 };
         assert_eq!(
-            json_line(1.5, &estimate),
+            json_line(1.5, 0.0, &estimate),
             "{\"t\":1.5,\"rows\":7,\"status\":\"localized\",\"pose\":{\"x\":0.2,\"y\":-0.5,\"theta\":0},\"places\":[\
              {\"x\":0.2,\"y\":-0.5,\"theta\":0,\"weight\":1,\"x_min\":0.1,\"x_max\":0.3,\"y_min\":null,\"y_max\":1,\
              \"theta_min\":-0.1,\"theta_max\":0.1,\"covariance\":[[0.000001,0,0],[0,0.000002,0],[0,0,3]]}],\"count\":1}"
         );
         assert!(words(&estimate).starts_with("localized: x 200.0 y -500.0 mm"), "{}", words(&estimate));
         estimate.status = Status::Inconsistent;
-        assert!(json_line(2.0, &estimate).contains("\"pose\":null,\"places\":[],\"count\":0"));
+        assert!(json_line(2.0, 0.25, &estimate).ends_with("\"pose\":null,\"places\":[],\"count\":0,\"carried\":0.25}"));
         assert_eq!(
             (words(&estimate), json_text("a\"\\\n\u{1}")),
             ("inconsistent".into(), "\"a\\\"\\\\\\n\\u0001\"".into())

@@ -1,5 +1,6 @@
 //! A recorded run again: the same bytes in, the same lines out.
 
+use crate::carry::carried;
 use crate::estimate::{LiveEstimator, Told, UsedRow};
 use crate::join::JoinedRow;
 use crate::journal::{Recorded, chunks};
@@ -7,9 +8,10 @@ use crate::pipeline::{Notice, Pipeline};
 use crate::setup::Setup;
 use crate::{Error, Result};
 use core::ops::ControlFlow;
+use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 use vibrissa_core::flow::pose::{Estimate, Localization};
-use vibrissa_core::world::{Map, Robot};
+use vibrissa_core::world::{Map, Odometry, Robot};
 
 /// How a recording is played.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -62,6 +64,13 @@ pub fn replay(
     let (mut began, mut stopped) = (None, false);
     let mut player =
         Player { used: &recorded.used, next: 0, every_row: pace.every_row, passed: 0, rows: 0, missing: 0 };
+    let mut teller = Teller {
+        // By another setup, or with other rows, what was told then means nothing.
+        told: if pace.every_row { &[] } else { &recorded.told },
+        next: 0,
+        kept: VecDeque::new(),
+        odometry: robot.odometry,
+    };
     // The estimator borrows a robot that is known only when the sources have said what they hold.
     let known = robot_of(recorded, setup, robot)?;
     let mut estimator = match &known {
@@ -73,15 +82,16 @@ pub fn replay(
             *stopped |= watch(Played::Notice(&notice)).is_break();
         }
         for joined in rows.drain(..) {
-            let (Some(used), Some(estimator)) = (player.take(joined), estimator.as_mut()) else { continue };
-            match estimator.step(&used.joined.row) {
-                Ok(None) => {}
-                Ok(Some(told)) => *stopped |= watch(Played::Estimate(&told)).is_break(),
-                Err(error) => {
-                    let text = error.to_string().replace("\n  help: ", "; ");
-                    let notice = Notice { t: used.joined.row.t, source: "rows".to_owned(), text };
-                    *stopped |= watch(Played::Notice(&notice)).is_break();
-                }
+            let Some(estimator) = estimator.as_mut() else { continue };
+            let step = player.take(&joined).map_or(Ok(None), |used| estimator.step(&used.joined));
+            let told = step.unwrap_or_else(|error| {
+                let text = error.to_string().replace("\n  help: ", "; ");
+                let notice = Notice { t: joined.row.t, source: "rows".to_owned(), text };
+                *stopped |= watch(Played::Notice(&notice)).is_break();
+                None
+            });
+            for told in teller.tell(&joined, told) {
+                *stopped |= watch(Played::Estimate(&told)).is_break();
             }
         }
     };
@@ -135,6 +145,37 @@ fn robot_of(
     Ok(known.map(|channels| (channels, pipeline.robot())))
 }
 
+/// Tells estimates when they were told during the run, carried on as they were then.
+struct Teller<'a> {
+    told: &'a [(u64, u64)],
+    next: usize,
+    /// Estimates that may still be told or carried on.
+    kept: VecDeque<Told>,
+    odometry: Odometry,
+}
+
+impl Teller<'_> {
+    /// What was told at a row, after which the estimator says `told`.
+    fn tell(&mut self, joined: &JoinedRow, told: Option<Told>) -> Vec<Told> {
+        if self.told.is_empty() {
+            return told.into_iter().collect();
+        }
+        self.kept.extend(told);
+        let mut out = Vec::new();
+        while let Some(&(row, from)) = self.told.get(self.next).filter(|(row, _)| *row <= joined.row.line as u64) {
+            self.next += 1;
+            while self.kept.front().is_some_and(|kept| kept.from < from) {
+                self.kept.pop_front();
+            }
+            let Some(kept) = self.kept.front().filter(|kept| kept.from == from) else { continue };
+            if row == joined.row.line as u64 {
+                out.push(if row == from { kept.clone() } else { carried(kept, joined, &self.odometry) });
+            }
+        }
+        out
+    }
+}
+
 /// Takes the rows that were taken during the run.
 struct Player<'a> {
     used: &'a [u64],
@@ -146,7 +187,7 @@ struct Player<'a> {
 }
 
 impl Player<'_> {
-    fn take(&mut self, joined: JoinedRow) -> Option<UsedRow> {
+    fn take(&mut self, joined: &JoinedRow) -> Option<UsedRow> {
         let number = joined.row.line as u64;
         if !self.every_row {
             while self.used.get(self.next).is_some_and(|used| *used < number) {
@@ -160,6 +201,6 @@ impl Player<'_> {
         }
         self.next = (self.next + 1).min(self.used.len());
         self.rows += 1;
-        Some(UsedRow { joined, merged: 1 + core::mem::take(&mut self.passed) })
+        Some(UsedRow { joined: joined.clone(), merged: 1 + core::mem::take(&mut self.passed) })
     }
 }

@@ -17,11 +17,16 @@ use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 use vibrissa::flow::pose::Status;
+use vibrissa::flow::sensor_log::LogRow;
 use vibrissa::io::log::to_csv;
 use vibrissa::localizer::{Method, ProbabilisticEstimator};
-use vibrissa::world::Robot;
+use vibrissa::plane::Pose2;
+use vibrissa::sim::{SweepNoise, simulate_tip_sweep};
+use vibrissa::tasks::demo;
+use vibrissa::world::{MountedWhisker, Odometry, Robot};
 use vibrissa::{Localizer, Map};
 use vibrissa_live::estimate::LiveEstimator;
+use vibrissa_live::join::JoinedRow;
 use vibrissa_live::journal::{self, Journal};
 use vibrissa_live::record::FileStorage;
 use vibrissa_live::replay::{Pace, Played, replay};
@@ -67,6 +72,11 @@ fn again(out: &Path, map: &Map, robot: &Robot) -> (Vec<String>, u64) {
     (lines, replayed.missing)
 }
 
+/// A row as it comes from the join.
+fn joined(row: &LogRow) -> JoinedRow {
+    JoinedRow { row: row.clone(), arrival: 0.0, travel: [0.0; 2] }
+}
+
 #[test]
 fn a_log_through_a_pipe_gives_the_bytes_of_the_same_rows_offline() {
     let (map, log) = demo_world();
@@ -81,7 +91,7 @@ fn a_log_through_a_pipe_gives_the_bytes_of_the_same_rows_offline() {
         assert_eq!((finished.health.rows, finished.health.merged), (log.rows.len() as u64, 0));
         let mut offline = LiveEstimator::new(&map, &robot, &log.channels, &method, setup.estimate_rate).unwrap();
         let want: Vec<String> =
-            log.rows.iter().filter_map(|row| offline.step(row).unwrap()).map(|told| told.line).collect();
+            log.rows.iter().filter_map(|row| offline.step(&joined(row)).unwrap()).map(|told| told.line).collect();
         assert_eq!(lines, want, "{method}");
         assert_eq!(again(&here, &map, &robot), (want, 0), "{method}");
         // The recording is a log, too, with the rows as they were taken.
@@ -108,7 +118,7 @@ fn a_log_through_a_pipe_gives_the_bytes_of_the_same_rows_offline() {
 fn a_simulated_robot_behind_pseudo_terminals_is_found_and_found_again() {
     let (map, _) = demo_world();
     // A third of the sweep's own speed: five seconds.
-    let sweep = vibrissa::tasks::demo::sweep_at(1, 0.05).unwrap();
+    let sweep = demo::sweep_at(1, 0.05).unwrap();
     let out = folder("robot");
     let robot_file = SimulatedRobot::write_files(&out).unwrap();
     let robot = vibrissa::read_robot(&robot_file).unwrap();
@@ -124,6 +134,59 @@ fn a_simulated_robot_behind_pseudo_terminals_is_found_and_found_again() {
     assert!(off < 5e-3, "off by {off} m");
     let (again, missing) = again(&out.join("live"), &map, &robot);
     assert_eq!((again == lines, missing), (true, 0), "{} lines then, {} now", lines.len(), again.len());
+}
+
+/// Four whiskers at 300 Hz from the first touch on: the search of the map takes longer than rows wait. What was told meanwhile, and
+/// from which estimate odometry carried it on, comes out of the recording again.
+#[test]
+fn what_was_carried_on_while_the_map_was_searched_comes_out_again() {
+    let map = demo::arena().unwrap();
+    let out = folder("carried");
+    let whisker = |i: u32| MountedWhisker {
+        name: format!("w{i}"),
+        robot_from_whisker: Pose2::new(0.0, 0.0, 0.03 * f64::from(i)),
+        ..MountedWhisker::default()
+    };
+    let odometry = Odometry { translation_relative: 0.02, ..Odometry::default() };
+    let robot = Robot { whiskers: (0..4).map(whisker).collect(), odometry, ..Robot::default() };
+    let log = simulate_tip_sweep(&map, &robot, &demo::path().unwrap(), &SweepNoise::seeded(3)).unwrap().log;
+    let mut terminal = PseudoTerminal::new().unwrap();
+    let columns: Vec<String> = log.channels.iter().map(|channel| format!("\"{}\"", channel.column())).collect();
+    let text = format!(
+        "map = \"none.svg\"\n[[source]]\nserial = \"{}\"\ntime = \"own\"\ncolumns = [\"t\", \"x\", \"y\", \"theta\", {}]\n",
+        terminal.port().display(),
+        columns.join(", ")
+    );
+    let setup = from_toml(&text, "live.toml").unwrap();
+    let (rows, done) = (log.rows.clone(), AtomicU64::new(0));
+    let (lines, finished) = std::thread::scope(|scope| {
+        scope.spawn(|| {
+            for row in &rows {
+                let pose = row.odom_from_robot;
+                let readings: Vec<String> = row.readings.iter().map(|moment| format!("{moment:e}")).collect();
+                let line = format!("{},{},{},{},{}\n", row.t, pose.x, pose.y, pose.theta, readings.join(","));
+                terminal.send(line.as_bytes()).unwrap();
+                std::thread::sleep(Duration::from_millis(3));
+            }
+            std::thread::sleep(Duration::from_millis(500));
+            done.store(1, Ordering::SeqCst);
+        });
+        recorded(&setup, &map, &robot, &out, |update| {
+            done.load(Ordering::SeqCst) > 0 && matches!(update, Update::Idle(_))
+        })
+    });
+    let health = &finished.health;
+    // The line during which the port was opened counts as torn.
+    let torn = health.sources[0].1.torn;
+    assert!(torn <= 1 && health.rows + health.merged + torn >= rows.len() as u64, "{health:?}");
+    assert_eq!(health.latency.count(), health.rows + health.merged);
+    let told = journal::read(&out).unwrap().told;
+    assert!(told.windows(2).all(|pair| pair[0].0 < pair[1].0 && pair[0].1 <= pair[1].1), "{told:?}");
+    assert!(told.iter().all(|(row, from)| from <= row));
+    let carried = told.iter().filter(|(row, from)| from < row).count();
+    assert_eq!(lines.iter().filter(|line| line.contains("\"carried\":")).count(), carried);
+    let (again, missing) = again(&out, &map, &robot);
+    assert_eq!((again == lines, missing), (true, 0), "{carried} of {} carried on", lines.len());
 }
 
 #[test]

@@ -139,6 +139,7 @@ fn on_robot(args: &Args, setup: &Setup, folder: &Path, out: Option<&Path>, cours
                 }
                 monitor.estimate(told, health);
             }
+            Update::Row(_) => {}
             Update::Notice(notice) => monitor.notice(notice),
             Update::Idle(health) => monitor.idle(health),
         }
