@@ -66,3 +66,10 @@ pub const DAMAGED_SHARE: f64 = 0.5;
 pub const FEWEST_LINES: u64 = 50;
 /// Readings that are all zero on end (frames) before the words say that the sensor is silent.
 pub const ZEROS: u64 = 300;
+
+/// Points of a bent whisker that viewers draw: chords off by less than a pixel.
+pub const SHAPE_POINTS: usize = 25;
+/// To what its points are told (m).
+pub const SHAPE_DIGIT: f64 = 1e-6;
+/// Messages that wait to be made ready for viewers: some rows and an estimate each twentieth of a second; with more they miss some.
+pub const VIEW_WAITING: usize = 4096;

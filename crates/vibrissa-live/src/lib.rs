@@ -9,7 +9,7 @@
 //! | calibrate | flux, counts | moments | `vibrissa_io::Calibrator` |
 //! | estimator | rows | places and a verdict | `vibrissa_core::Localizer` |
 //! | carry | estimates of earlier rows, odometry | the pose now | [`carry`] |
-//! | outputs | estimates | JSON lines, a recording, words | [`output`], [`record`] |
+//! | outputs | estimates | JSON lines, a recording, words, what viewers draw | [`output`], [`record`], `scene`, `view` |
 
 pub mod carry;
 pub mod clock;
@@ -27,6 +27,8 @@ pub mod replay;
 #[cfg(unix)]
 pub mod robot;
 pub mod run;
+#[cfg(feature = "view")]
+pub mod scene;
 pub mod setup;
 pub mod source;
 pub mod timing;

@@ -25,6 +25,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::sync_channel;
 use telling::Teller;
 use vibrissa_core::flow::pose::{Estimate, Localization};
+use vibrissa_core::flow::sensor_log::Channel;
 use vibrissa_core::world::{Map, Robot};
 
 /// What is told while a run goes on.
@@ -32,6 +33,8 @@ use vibrissa_core::world::{Map, Robot};
 pub enum Update<'a> {
     /// An estimate is due: it and how the run does.
     Estimate(&'a Told, &'a Health),
+    /// Every source has said what it holds: the channels of the rows, and the robot with the bounds of its calibrations.
+    Began(&'a [Channel], &'a Robot),
     /// A row was joined.
     Row(&'a JoinedRow),
     /// Something happened to a source, or to a row.

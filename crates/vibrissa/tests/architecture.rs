@@ -44,7 +44,7 @@ const ROOMS: &[(&str, &[&str])] = &[
         "crates/vibrissa-live",
         &[
             "config", "counts", "latency", "output", "clock", "decode", "timing", "join", "source", "setup",
-            "pipeline", "estimate", "carry", "record", "journal", "replay", "run", "robot", "view",
+            "pipeline", "estimate", "carry", "record", "journal", "replay", "run", "robot", "scene", "view",
         ],
     ),
     ("crates/vibrissa-sim", &["simulate", "scenario", "recording"]),

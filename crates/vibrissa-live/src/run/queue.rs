@@ -40,6 +40,8 @@ pub(super) struct Queue {
     fresh: VecDeque<JoinedRow>,
     /// The channels and the robot, once they are known.
     known: Option<(Vec<Channel>, Robot)>,
+    /// The same for those who look on.
+    began: Option<(Vec<Channel>, Robot)>,
     notices: Vec<Notice>,
     counts: Vec<(String, Counts)>,
     /// Estimates that are not told yet.
@@ -68,6 +70,8 @@ pub(super) struct Shared {
 
 /// What is to be told.
 pub(super) struct News {
+    /// The channels and the robot, once they are known.
+    pub(super) began: Option<(Vec<Channel>, Robot)>,
     pub(super) rows: VecDeque<JoinedRow>,
     pub(super) notices: Vec<Notice>,
     pub(super) estimates: Vec<Told>,
@@ -96,6 +100,7 @@ impl Shared {
         if !*known && let Some(channels) = pipeline.channels() {
             *known = true;
             queue.known = Some((channels.to_vec(), pipeline.robot()));
+            queue.began.clone_from(&queue.known);
         }
         queue.fresh.extend(rows.iter().cloned());
         let stale = queue.fresh.len().saturating_sub(ROWS_WAITING);
@@ -190,6 +195,7 @@ impl Shared {
             queue = self.news.wait_timeout(queue, patience).map_or_else(|e| e.into_inner().0, |(queue, _)| queue);
         }
         News {
+            began: queue.began.take(),
             rows: core::mem::take(&mut queue.fresh),
             notices: core::mem::take(&mut queue.notices),
             estimates: core::mem::take(&mut queue.estimates),

@@ -54,6 +54,9 @@ impl Teller<'_> {
             self.look(&mut known.health);
             let quiet = news.rows.is_empty() && news.estimates.is_empty() && news.notices.is_empty();
             let mut go_on = self.say(&news.notices, watch);
+            if let Some((channels, robot)) = &news.began {
+                go_on &= watch(Update::Began(channels, robot)).is_continue();
+            }
             for row in &news.rows {
                 go_on &= watch(Update::Row(row)).is_continue();
             }

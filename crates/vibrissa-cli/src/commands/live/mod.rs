@@ -131,15 +131,13 @@ fn on_robot(args: &Args, setup: &Setup, folder: &Path, out: Option<&Path>, cours
     let view = args.view.map(|port| view::View::start(port, &map, args.json)).transpose()?;
     let mut monitor = Monitor::new(args.json);
     let finished = run_live(setup, &map, &robot, journal.as_ref(), &mut |update| {
+        #[cfg(feature = "view")]
+        if let Some(view) = &view {
+            view.show(&update);
+        }
         match update {
-            Update::Estimate(told, health) => {
-                #[cfg(feature = "view")]
-                if let Some(view) = &view {
-                    view.show(told, health);
-                }
-                monitor.estimate(told, health);
-            }
-            Update::Row(_) => {}
+            Update::Estimate(told, health) => monitor.estimate(told, health),
+            Update::Began(..) | Update::Row(_) => {}
             Update::Notice(notice) => monitor.notice(notice),
             Update::Idle(health) => monitor.idle(health),
         }

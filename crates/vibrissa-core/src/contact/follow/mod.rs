@@ -8,6 +8,7 @@
 //! should be there is to be looked for.
 
 mod balance;
+mod bent;
 mod both;
 mod mechanics;
 mod meet;
@@ -23,6 +24,7 @@ mod tip;
 use super::{Boundaries, Hold, SensedQuantity, Stance, Support};
 use crate::plane::{Pose2, wrap_angle};
 use crate::world::Map;
+pub use bent::{Bending, BentWhisker};
 pub(crate) use mechanics::Mechanics;
 pub(crate) use packed::Packed;
 pub(crate) use state::{Contact, Prediction, WhiskerState};

@@ -1,0 +1,461 @@
+#!/usr/bin/env python3
+"""Faults of the live path, one run of `vibrissa live` each: what was done, what was lost, the line that the user sees.
+
+Usage: robustness/live/faults.py VIBRISSA [--short] [--write docs/live-faults.md]
+
+A feeder plays the log of `vibrissa demo` to and fro through a pseudo-terminal at 300 rows a second, with numbers and checksums, and does
+something to it. Every run must go on, say what is wrong, count what is missing, and leave a recording that plays again to the same
+bytes. Exit 1 where one does not. --short takes fewer kills and cuts (for each change), --write puts the table into a page.
+"""
+
+import argparse
+import os
+import pty
+import random
+import re
+import resource
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import termios
+import threading
+import time
+import tty
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+RATE = 300.0
+SETUP = """map = "map.svg"
+[[source]]
+name = "robot"
+serial = "port"
+time = "stamps"
+checksums = true
+columns = ["seq16", "t_us", "x", "y", "theta", "moment"]
+"""
+# The paper's sensor beside odometry, for faults of the sensor alone.
+FLUX = """map = "map.svg"
+robot = "robot.toml"
+[[source]]
+name = "whisker"
+serial = "port"
+format = "serial"
+[[source]]
+name = "base"
+serial = "port2"
+columns = ["seq16", "t_us", "x", "y", "theta"]
+"""
+
+
+def crc16(data):
+    crc = 0xFFFF
+    for byte in data:
+        crc ^= byte << 8
+        for _ in range(8):
+            crc = (crc << 1 ^ 0x1021 if crc & 0x8000 else crc << 1) & 0xFFFF
+    return crc
+
+
+class Port:
+    """A pseudo-terminal under a name that stays when it is plugged in again."""
+
+    def __init__(self, path):
+        self.path, self.master = path, None
+        self.plug()
+
+    def plug(self):
+        self.master, slave = pty.openpty()
+        tty.setraw(slave, termios.TCSANOW)
+        # What nobody reads is dropped, as a wire drops it.
+        os.set_blocking(self.master, False)
+        name = os.ttyname(slave)
+        link = self.path.with_suffix(".new")
+        link.symlink_to(name)
+        link.rename(self.path)
+        self.device, self.slave = name, slave
+
+    def unplug(self):
+        self.path.unlink()
+        os.close(self.slave)
+        os.close(self.master)
+
+    def send(self, data):
+        try:
+            os.write(self.master, data)
+        except BlockingIOError:
+            pass
+
+
+class Rows:
+    """The rows of a log, to and fro."""
+
+    def __init__(self, path):
+        lines = path.read_text().splitlines()
+        columns = lines[0].split(",")
+        wanted = [columns.index(name) for name in ("x", "y", "theta")] + [next(i for i, c in enumerate(columns) if c.endswith("moment"))]
+        self.rows = [[line.split(",")[i] for i in wanted] for line in lines[1:] if line]
+
+    def line(self, number, jump=0.0):
+        period = 2 * (len(self.rows) - 1)
+        place = number % period
+        row = self.rows[place if place < len(self.rows) else period - place]
+        stamp = int((number / RATE + jump) * 1e6) % (1 << 32)
+        body = f"{number % 65536},{stamp},{','.join(row)}".encode()
+        return body + f"*{crc16(body):04X}\r\n".encode()
+
+
+def uart(data, sent, read):
+    """Bytes sent at one baud rate and read at another: start bit, eight bits, stop bit."""
+    bits = []
+    for byte in data:
+        bits += [0, *(byte >> k & 1 for k in range(8)), 1]
+    out, at, step = bytearray(), 0.0, sent / read
+    while at < len(bits):
+        if bits[int(at)]:
+            at += 0.5
+            continue
+        byte = 0
+        for k in range(8):
+            place = int(at + step * (1.5 + k))
+            byte |= (bits[place] if place < len(bits) else 1) << k
+        out.append(byte)
+        at += 10 * step
+    return bytes(out)
+
+
+class Run:
+    """One run of the command on a folder of its own."""
+
+    def __init__(self, program, folder, world, setup=SETUP, **how):
+        self.program, self.folder = program, folder
+        folder.mkdir(parents=True)
+        for name in ("map.svg", "robot.toml", "cal.json"):
+            if (world / name).exists():
+                shutil.copy(world / name, folder / name)
+        (folder / "live.toml").write_text(setup)
+        self.how = how
+        self.began = time.monotonic()
+
+    def start(self, *more):
+        self.lines = []
+        self.process = subprocess.Popen(
+            [*self.how.get("wrap", []), self.program, "live", self.folder / "live.toml", "--out", self.folder / "live", *more],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            errors="replace",
+            **{key: value for key, value in self.how.items() if key != "wrap"},
+        )
+        self.reader = threading.Thread(target=lambda: self.lines.extend(self.process.stderr), daemon=True)
+        self.reader.start()
+        # The port is open when its first bytes may come.
+        time.sleep(0.5)
+
+    def stop(self):
+        self.process.send_signal(signal.SIGINT)
+        try:
+            self.out, _ = self.process.stdout.read(), self.process.wait(timeout=30)
+        except subprocess.TimeoutExpired:
+            self.process.kill()
+            raise AssertionError("it did not end") from None
+        self.reader.join()
+
+    def account(self, source="robot"):
+        """Counts of a source by the account at the end."""
+        line = next((line for line in self.out.splitlines() if line.strip().startswith(source + ":")), "")
+        counts = {word: int(number) for number, word in re.findall(r"(\d+) ([a-z]+)", line)}
+        rows = re.search(r"rows: (\d+) used, (\d+) merged", self.out)
+        counts["used"], counts["merged"] = (int(rows[1]), int(rows[2])) if rows else (0, 0)
+        return counts
+
+    def said(self, *words):
+        found = next((line.strip() for line in self.lines if all(word in line for word in words)), None)
+        assert found, f"nobody said {words}: {[line for line in self.lines if '|' not in line][-8:]}"
+        return found
+
+    def again(self):
+        """Plays the recording again; the estimates that are the same, of how many."""
+        played = subprocess.run([self.program, "live", "--replay", self.folder / "live"], capture_output=True, text=True, check=False)
+        found = re.search(r"estimates: (\d+) of (\d+) the same", played.stdout)
+        assert found, f"it does not play again: {played.stdout}{played.stderr}"
+        return int(found[1]), int(found[2])
+
+    def same(self):
+        same, of = self.again()
+        assert same == of and of > 0, f"{same} of {of} estimates are the same"
+        return f"{of} estimates the same to the byte"
+
+
+def feed(port, rows, seconds, spoil=lambda number, line: line, first=0):
+    """Rows in real time; how many were sent."""
+    began = time.monotonic()
+    for number in range(int(seconds * RATE)):
+        time.sleep(max(0.0, began + number / RATE - time.monotonic()))
+        line = spoil(first + number, rows.line(first + number))
+        if line:
+            port.send(line)
+    return int(seconds * RATE)
+
+
+class Faults:
+    """Each returns what was done, what was lost, the line that was seen."""
+
+    def __init__(self, program, world, folder, short):
+        self.program, self.world, self.folder, self.short = program, world, folder, short
+        self.rows = Rows(world / "log.csv")
+
+    def run(self, name, setup=SETUP, **how):
+        return Run(self.program, self.folder / name, self.world, setup, **how)
+
+    def port(self, run, name="port"):
+        return Port(run.folder / name)
+
+    def killed(self):
+        dice, lost, kills = random.Random(3), [], 3 if self.short else 20
+        for kill in range(kills):
+            run = self.run(f"killed{kill}")
+            port = self.port(run)
+            run.start("--json")
+            lines = []
+            reader = threading.Thread(target=lambda: lines.extend(run.process.stdout), daemon=True)
+            reader.start()
+            feed(port, self.rows, 1.0 + dice.random())
+            run.process.kill()
+            run.process.wait()
+            reader.join()
+            same, of = run.again()
+            assert same == of, f"{same} of {of} estimates are the same"
+            # What was told and is not in the recording, at twenty estimates a second.
+            lost.append(max(0.0, (len(lines) - of) / 20.0))
+        worst = max(lost)
+        assert worst <= 0.5, f"{worst} s lost"
+        done = f"`kill -9` at a random moment, {kills} times"
+        return done, f"at most {worst:.2f} s of estimates; what is recorded plays again to the same bytes", "(none: it is dead)"
+
+    def full_disk(self):
+        run = self.run("full", restore_signals=False, preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (60_000, resource.RLIM_INFINITY)))
+        port = self.port(run)
+        run.start()
+        sent = feed(port, self.rows, 3.0)
+        subprocess.run(["prlimit", f"--pid={run.process.pid}", "--fsize=unlimited:unlimited"], check=True)
+        sent += feed(port, self.rows, 2.5, first=sent)
+        time.sleep(0.5)
+        run.stop()
+        seen = run.said("recording:", "waits in memory")
+        run.said("takes it again")
+        counts = run.account()
+        assert counts["frames"] >= sent - 5, counts
+        assert "dropped" not in run.out, run.out
+        return "the disk is full for two seconds (limit of 60 kB on the file)", f"nothing; {run.same()}", seen
+
+    def slow_disk(self):
+        if not shutil.which("strace"):
+            return "each synchronisation takes a second", "NOT RUN here (strace is missing); `tests/recording.rs` has a slow disk of its own", ""
+        wrap = ["strace", "-f", "-qq", "-o", "/dev/null", "-e", "trace=fdatasync,fsync", "-e", "inject=fdatasync,fsync:delay_exit=1000000"]
+        run = self.run("slow", wrap=wrap)
+        port = self.port(run)
+        run.start()
+        sent = feed(port, self.rows, 4.0)
+        time.sleep(0.3)
+        child = subprocess.run(["pgrep", "-P", str(run.process.pid)], capture_output=True, text=True, check=True).stdout.split()[0]
+        os.kill(int(child), signal.SIGINT)
+        run.out, _ = run.process.stdout.read(), run.process.wait(timeout=60)
+        counts = run.account()
+        assert counts["frames"] >= sent - 5, counts
+        return "each synchronisation with the disk takes a second", f"nothing; {run.same()}", "(none: it waits in memory)"
+
+    def unplugged(self):
+        run = self.run("unplugged")
+        port = self.port(run)
+        run.start()
+        sent = feed(port, self.rows, 1.5)
+        port.unplug()
+        time.sleep(1.0)
+        port.plug()
+        time.sleep(0.8)
+        sent += feed(port, self.rows, 1.5, first=sent)
+        time.sleep(0.3)
+        run.stop()
+        counts = run.account()
+        assert counts["frames"] >= sent - 5 and counts["gone"] == 1, counts
+        return "the device is unplugged for a second", f"what the device sent meanwhile; {run.same()}", run.said("robot:", "gone")
+
+    def clock_jumps(self):
+        run = self.run("clock")
+        port = self.port(run)
+        run.start()
+        jumps = {300: 100.0, 600: -50.0, 900: 3000.0}
+        at = lambda number: sum(jump for row, jump in jumps.items() if number >= row)  # noqa: E731
+        sent = feed(port, self.rows, 4.0, lambda number, _: self.rows.line(number, at(number)))
+        time.sleep(0.3)
+        run.stop()
+        counts = run.account()
+        assert counts["frames"] >= sent - 5 and counts["used"] + counts["merged"] >= 0.6 * sent, counts
+        lost = sent - counts["used"] - counts["merged"]
+        return "the device's clock jumps by 100, -50 and 3000 s", f"{lost} of {sent} rows, at the jumps; {run.same()}", run.said("clock or count jumped")
+
+    def cut(self):
+        run = self.run("cut")
+        port = self.port(run)
+        run.start()
+        dice, cuts = random.Random(1), 1000 if self.short else 10_000
+        lines = int(1.25 * cuts)
+        data = bytearray(b"".join(self.rows.line(number) for number in range(lines)))
+        # Runs of one to four bytes are taken away, from behind.
+        places = sorted(dice.sample(range(8, len(data) - 8), cuts), reverse=True)
+        for place in places:
+            del data[place : place + dice.randint(1, 4)]
+        whole = {self.rows.line(number) for number in range(lines)}
+        intact = sum(line + b"\n" in whole for line in bytes(data).split(b"\n"))
+        begun = time.monotonic()
+        for start in range(0, len(data), 512):
+            # As fast as a line of 1 Mbaud.
+            time.sleep(max(0.0, begun + start / 1e5 - time.monotonic()))
+            port.send(bytes(data[start : start + 512]))
+        time.sleep(0.5)
+        run.stop()
+        counts = run.account()
+        # The piece of line in front of the first whole one, and the last one without an end, are neither.
+        assert intact - 2 <= counts["frames"] <= intact, (counts, intact)
+        return (
+            f"{cuts:,} cuts: one to four bytes are missing at random places of {lines:,} lines with checksums",
+            f"{lines - counts['frames']:,} lines that were hit ({counts.get('damaged', 0):,} damaged, {counts.get('lost', 0):,} lost by their numbers); "
+            f"{intact:,} are whole and {counts['frames']:,} were read, none invented; {run.same()}",
+            "(in the account at the end)",
+        )
+
+    def wrong_baud(self):
+        run = self.run("baud")
+        port = self.port(run)
+        run.start()
+        sent = feed(port, self.rows, 3.0, lambda _, line: uart(line, 115200, 57600))
+        time.sleep(0.5)
+        run.stop()
+        assert run.account()["frames"] == 0, run.account()
+        return "the device sends at 115200 baud, 57600 is set", f"all {sent} lines: nothing is read, nothing is invented", run.said("check baud rate and format")
+
+    def flux(self, name, line, seconds=3.0):
+        run = self.run(name, FLUX)
+        whisker, base = self.port(run), self.port(run, "port2")
+        run.start()
+
+        def send(number, _):
+            whisker.send(line(number))
+            if number % 6 == 0:
+                x, y, theta, _ = self.rows.rows[min(number, len(self.rows.rows) - 1)]
+                base.send(f"{number // 6},{int(number / RATE * 1e6)},{x},{y},{theta}\r\n".encode())
+
+        sent = feed(whisker, self.rows, seconds, send)
+        time.sleep(0.5)
+        run.stop()
+        return run, sent
+
+    def zeros(self):
+        run, sent = self.flux("zeros", lambda _: b"0.00,0.00,0.00\r\n")
+        counts = run.account("whisker")
+        assert counts["frames"] >= sent - 5, counts
+        return "the sensor sends only zeros", f"{counts.get('uncalibrated', 0)} of {sent} frames are beyond the calibration and left out", run.said("all zero")
+
+    def two_on_one(self):
+        run = self.run("two")
+        port = self.port(run)
+        run.start()
+        dice = random.Random(2)
+
+        def both(number, line):
+            # Another device with numbers of its own: its bytes come between ours.
+            other = self.rows.line(number + 7000)
+            at, to = dice.randrange(len(line)), dice.randrange(len(other))
+            return line[:at] + other[:to] + line[at:] + other[to:]
+
+        sent = feed(port, self.rows, 3.0, both)
+        time.sleep(0.5)
+        run.stop()
+        counts = run.account()
+        seen = next((line.strip() for line in run.lines if line.startswith("robot:") and "open" not in line), "")
+        assert seen, run.lines[-5:]
+        return "two devices on one port", f"{counts.get('damaged', 0)} mixed lines, damaged by their checksums; {counts['frames']} of {2 * sent} were whole", seen
+
+    def no_permission(self):
+        how = {"user": 65534, "group": 65534, "extra_groups": []} if os.getuid() == 0 else {}
+        run = self.run("permission", **how)
+        port = self.port(run)
+        os.chmod(port.device, 0)
+        if how:
+            os.chown(run.folder, 65534, 65534)
+        run.start()
+        time.sleep(0.5)
+        os.chmod(port.device, 0o666)
+        time.sleep(0.8)
+        sent = feed(port, self.rows, 1.5)
+        time.sleep(0.3)
+        run.stop()
+        counts = run.account()
+        assert counts["frames"] >= sent - 5, counts
+        return "no permission on the port; it is given a second later", f"what was sent before; then {counts['frames']} of {sent} frames", run.said("ermission")
+
+    def nothing_there(self):
+        run = self.run("nothing")
+        run.start()
+        time.sleep(0.5)
+        port = self.port(run)
+        time.sleep(0.8)
+        sent = feed(port, self.rows, 1.0)
+        time.sleep(0.3)
+        run.stop()
+        counts = run.account()
+        assert counts["frames"] >= sent - 5, counts
+        return "no port of that name; it comes a second later", f"nothing: {counts['frames']} of {sent} frames", run.said("robot:")
+
+
+ALL = ["killed", "full_disk", "slow_disk", "unplugged", "clock_jumps", "cut", "wrong_baud", "zeros", "two_on_one", "no_permission", "nothing_there"]
+
+
+def table(found):
+    cell = lambda text: re.sub(r"/tmp/\S*?/(port\d?|live)", r"\1", text).replace("|", "\\|").replace("<", "&lt;")  # noqa: E731
+    lines = ["| fault | what was lost | the line that is seen |", "| --- | --- | --- |"]
+    for done, lost, seen in found:
+        lines.append(f"| {cell(done)} | {cell(lost)} | {'`' + cell(seen) + '`' if seen and not seen.startswith('(') else cell(seen)} |")
+    return "\n".join(lines)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("program", type=Path)
+    parser.add_argument("--short", action="store_true")
+    parser.add_argument("--write", type=Path)
+    parser.add_argument("--only", help="one of " + ", ".join(ALL))
+    args = parser.parse_args()
+    program = args.program.resolve()
+    with tempfile.TemporaryDirectory(prefix="vibrissa-faults-") as name:
+        folder = Path(name)
+        folder.chmod(0o755)
+        world = folder / "world"
+        subprocess.run([program, "demo", "--out", world], check=True, capture_output=True)
+        (world / "robot.toml").write_text('[[whisker]]\nname = "w0"\ncalibration = "cal.json"\n')
+        shutil.copy(Path(__file__).resolve().parent / "cal.json", world / "cal.json")
+        faults = Faults(program, world, folder, args.short)
+        names = [args.only] if args.only else ALL
+        # Each run has little to do; three at once.
+        with ThreadPoolExecutor(3) as pool:
+            running = {name: pool.submit(getattr(faults, name)) for name in names}
+        found, failed = [], []
+        for name, future in running.items():
+            try:
+                found.append(future.result())
+            except (AssertionError, subprocess.SubprocessError, OSError, KeyError) as error:
+                failed.append(f"{name}: {error}")
+        print(table(found))
+        if failed:
+            sys.exit("FAILED\n" + "\n".join(failed))
+    if args.write:
+        text = args.write.read_text()
+        begin, end = "<!-- faults: written by robustness/live/faults.py -->\n", "\n<!-- end of faults -->"
+        head, rest = text.split(begin)
+        args.write.write_text(head + begin + table(found) + end + rest.split(end)[1])
+        print(f"\nwritten: {args.write}")
+
+
+main()
