@@ -99,8 +99,9 @@ impl Shared {
         let wakes = !rows.is_empty() || !notices.is_empty() || fault.is_some();
         if !*known && let Some(channels) = pipeline.channels() {
             *known = true;
-            queue.known = Some((channels.to_vec(), pipeline.robot()));
-            queue.began.clone_from(&queue.known);
+            let all = (channels.to_vec(), pipeline.robot());
+            queue.known = Some(all.clone());
+            queue.began = Some(all);
         }
         queue.fresh.extend(rows.iter().cloned());
         let stale = queue.fresh.len().saturating_sub(ROWS_WAITING);

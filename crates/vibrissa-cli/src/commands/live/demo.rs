@@ -2,7 +2,7 @@
 
 use super::{Args, Course, on_robot};
 use crate::output::write_all;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use vibrissa::Result;
 use vibrissa::config::defaults::SEED;
 use vibrissa::tasks::demo;
@@ -18,13 +18,15 @@ pub(super) fn run(args: &Args) -> Result<()> {
     let temporary = std::env::temp_dir().join(format!("vibrissa-live-demo-{}", std::process::id()));
     let folder: PathBuf = args.out.clone().unwrap_or_else(|| temporary.clone());
     write_all(&folder, &[("map.svg", demo::ARENA_SVG.to_owned())])?;
-    let robot_file = SimulatedRobot::write_files(&folder)?;
+    SimulatedRobot::write_files(&folder)?;
     let robot = SimulatedRobot::new()?;
-    let text = robot.setup(&folder.join("map.svg"), &robot_file);
+    // Names beside the setup: the recording can be run again from anywhere.
+    let text = robot.setup(Path::new("map.svg"), Path::new("robot.toml"));
     write_all(&folder, &[("live.toml", text.clone())])?;
-    let setup = setup::from_toml(&text, "the demo's setup")?;
-    let driving = robot.drive(sweep.log)?;
     let folder = folder.canonicalize().unwrap_or(folder);
+    let mut setup = setup::from_toml(&text, "the demo's setup")?;
+    setup.based_on(&folder);
+    let driving = robot.drive(sweep.log)?;
     let course = Course { truth: &sweep.truth, is_over: Some(&|| driving.is_finished()) };
     let result = on_robot(args, &setup, &folder, args.out.as_deref(), &course);
     if args.out.is_none() {

@@ -104,7 +104,7 @@ impl Monitor {
         }
         let missing: u64 = health.sources.iter().map(|(_, counts)| counts.missing()).sum();
         let mut line = format!(
-            "{} | {:.0} rows/s, {missing} frames missing, {:.1} ms",
+            "{} | {:.0} rows/s, {missing} frames missing, pose within {:.1} ms (99 %)",
             self.words,
             self.rate,
             1e3 * health.latency.quantile(0.99)
@@ -146,7 +146,7 @@ pub(super) fn account(health: &Health, histogram: bool) -> String {
     // Writing into a string cannot fail.
     let _ = writeln!(
         text,
-        "  rows: {} used, {} merged into others, {} refused; from the last byte to the estimate {:.2} ms in the median, \
+        "  rows: {} used, {} merged into others, {} refused; from the last byte to the pose {:.2} ms in the median, \
          {:.2} ms for 99 %, {:.1} ms at most{}",
         health.rows,
         health.merged,
@@ -160,6 +160,14 @@ pub(super) fn account(health: &Health, histogram: bool) -> String {
             String::new()
         },
     );
+    if health.carried > 0 {
+        let _ = writeln!(
+            text,
+            "  of {} rows odometry told the pose first, from the estimate before; they were estimated {:.1} ms after the last byte for 99 %",
+            health.carried,
+            ms(health.taken.quantile(0.99))
+        );
+    }
     if health.dropped > 0 {
         let _ = writeln!(text, "  recording: {} messages dropped, because the disk was too slow", health.dropped);
     }

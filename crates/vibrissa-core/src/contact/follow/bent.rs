@@ -135,7 +135,7 @@ fn marched(both: &TwoContacts, length: f64, points: usize) -> Vec<Vec2> {
         if !passed && index as f64 * step >= side_at {
             m -= (place - from).cross(force);
             (from, passed) = (place, true);
-            force -= Vec2::from_angle(slope + FRAC_PI_2) * push;
+            force = force - Vec2::from_angle(slope + FRAC_PI_2) * push;
         }
         // The midpoint rule.
         let bend = |at: Vec2| m - (at - from).cross(force);
