@@ -44,6 +44,7 @@ impl<'a> Scene<'a> {
             .channels
             .iter()
             .zip(&row.readings)
+            .filter(|(channel, _)| unit(channel.quantity).is_some())
             .filter(|(channel, _)| channel.whisker.is_empty() || channel.whisker == whisker.name)
             .map(|(channel, value)| (channel, *value))
             .collect();
@@ -78,14 +79,17 @@ impl<'a> Scene<'a> {
     /// The message of `/vibrissa/readings`: rows, oldest first.
     #[must_use]
     pub fn readings<'r>(&self, rows: impl Iterator<Item = &'r JoinedRow> + Clone) -> Value {
+        let told: Vec<usize> =
+            (0..self.channels.len()).filter(|&index| unit(self.channels[index].quantity).is_some()).collect();
         let of = |index: usize| -> Vec<Option<f64>> {
             rows.clone().map(|row| row.row.readings.get(index).copied().filter(|value| value.is_finite())).collect()
         };
+        let channels = || told.iter().map(|&index| &self.channels[index]);
         json!({
-            "columns": self.channels.iter().map(Channel::column).collect::<Vec<_>>(),
-            "units": self.channels.iter().map(|channel| unit(channel.quantity)).collect::<Vec<_>>(),
+            "columns": channels().map(Channel::column).collect::<Vec<_>>(),
+            "units": channels().map(|channel| unit(channel.quantity)).collect::<Vec<_>>(),
             "t": rows.clone().map(|row| row.row.t).collect::<Vec<_>>(),
-            "values": (0..self.channels.len()).map(of).collect::<Vec<_>>(),
+            "values": told.iter().map(|&index| of(index)).collect::<Vec<_>>(),
         })
     }
 }
@@ -129,15 +133,19 @@ fn noise_of(quantity: Quantity, whisker: &MountedWhisker) -> Option<ReadingNoise
     }
 }
 
-/// Flux and counts became moments before.
-fn unit(quantity: Quantity) -> &'static str {
+/// The unit of what is told; none of flux and counts, of which moments were made.
+fn unit(quantity: Quantity) -> Option<&'static str> {
     match quantity {
-        Quantity::Moment => "N m",
-        Quantity::Force => "N",
-        Quantity::Slope => "rad",
-        Quantity::StripLo | Quantity::StripHi => "m",
-        Quantity::FluxX | Quantity::FluxY | Quantity::FluxZ => "T",
-        Quantity::CountX | Quantity::CountY | Quantity::CountZ => "1",
+        Quantity::Moment => Some("N m"),
+        Quantity::Force => Some("N"),
+        Quantity::Slope => Some("rad"),
+        Quantity::StripLo | Quantity::StripHi => Some("m"),
+        Quantity::FluxX
+        | Quantity::FluxY
+        | Quantity::FluxZ
+        | Quantity::CountX
+        | Quantity::CountY
+        | Quantity::CountZ => None,
     }
 }
 

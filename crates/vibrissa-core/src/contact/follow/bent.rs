@@ -97,7 +97,11 @@ impl<'a> BentWhisker<'a> {
     fn shape(&self, touch: &Contact, points: usize) -> Vec<Vec2> {
         match touch.hold {
             Hold::Both(both) => marched(&both, self.loaded.beam.length, points),
-            Hold::Tip(_) | Hold::Side(..) => self.pushed(touch.q / (touch.s * touch.s), touch.s, touch.beta, points),
+            Hold::Tip(_) | Hold::Side(..) => {
+                // Forces over what the model calls the rigidity, and over that of the base.
+                let q = touch.q / (touch.s * touch.s) * self.tip.rigidity() / self.loaded.beam.flexural_rigidity;
+                self.pushed(q, touch.s, touch.beta, points)
+            }
         }
     }
 
