@@ -142,7 +142,7 @@ class Run:
         self.how = how
         self.began = time.monotonic()
 
-    def start(self, *more):
+    def start(self, *more, opens=1):
         self.lines = []
         self.process = subprocess.Popen(
             [*self.how.get("wrap", []), self.program, "live", self.folder / "live.toml", "--out", self.folder / "live", *more],
@@ -154,8 +154,14 @@ class Run:
         )
         self.reader = threading.Thread(target=lambda: self.lines.extend(self.process.stderr), daemon=True)
         self.reader.start()
-        # The port is open when its first bytes may come.
-        time.sleep(0.5)
+        self.opened(opens)
+
+    def opened(self, count):
+        """Waits until ports were opened so many times."""
+        end = time.monotonic() + 20.0
+        while sum(line.rstrip().endswith(": open") for line in self.lines) < count:
+            assert time.monotonic() < end, f"no port was opened: {self.lines[-5:]}"
+            time.sleep(0.05)
 
     def stop(self):
         self.process.send_signal(signal.SIGINT)
@@ -278,7 +284,7 @@ class Faults:
         port.unplug()
         time.sleep(1.0)
         port.plug()
-        time.sleep(0.8)
+        run.opened(2)
         sent += feed(port, self.rows, 1.5, first=sent)
         time.sleep(0.3)
         run.stop()
@@ -344,7 +350,7 @@ class Faults:
     def flux(self, name, line, seconds=3.0):
         run = self.run(name, FLUX)
         whisker, base = self.port(run), self.port(run, "port2")
-        run.start()
+        run.start(opens=2)
 
         def send(number, _):
             whisker.send(line(number))
@@ -390,10 +396,10 @@ class Faults:
         os.chmod(port.device, 0)
         if how:
             os.chown(run.folder, 65534, 65534)
-        run.start()
-        time.sleep(0.5)
+        run.start(opens=0)
+        time.sleep(1.0)
         os.chmod(port.device, 0o666)
-        time.sleep(0.8)
+        run.opened(1)
         sent = feed(port, self.rows, 1.5)
         time.sleep(0.3)
         run.stop()
@@ -403,10 +409,10 @@ class Faults:
 
     def nothing_there(self):
         run = self.run("nothing")
-        run.start()
-        time.sleep(0.5)
+        run.start(opens=0)
+        time.sleep(1.0)
         port = self.port(run)
-        time.sleep(0.8)
+        run.opened(1)
         sent = feed(port, self.rows, 1.0)
         time.sleep(0.3)
         run.stop()
@@ -422,7 +428,9 @@ def table(found):
     cell = lambda text: re.sub(r"/tmp/\S*?/(port\d?|live)", r"\1", text).replace("|", "\\|").replace("<", "&lt;")  # noqa: E731
     lines = ["| fault | what was lost | the line that is seen |", "| --- | --- | --- |"]
     for done, lost, seen in found:
-        lines.append(f"| {cell(done)} | {cell(lost)} | {'`' + cell(seen) + '`' if seen and not seen.startswith('(') else cell(seen)} |")
+        quoted = cell(seen).replace("`", "'")
+        said = f"`{quoted}`" if seen and not seen.startswith("(") else cell(seen)
+        lines.append(f"| {cell(done)} | {cell(lost)} | {said} |")
     return "\n".join(lines)
 
 

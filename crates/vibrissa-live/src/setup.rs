@@ -104,6 +104,7 @@ pub fn read(path: impl AsRef<Path>) -> Result<Setup> {
     if let Some(folder) = path.parent() {
         setup.based_on(folder);
     }
+    setup.check_files(path)?;
     Ok(setup)
 }
 
@@ -117,6 +118,22 @@ pub fn from_toml(text: &str, name: &str) -> Result<Setup> {
 }
 
 impl Setup {
+    /// Refuses a map or a robot that is not there, with the line that names it.
+    fn check_files(&self, path: &Path) -> Result<()> {
+        for (key, file) in [("map", Some(&self.map)), ("robot", self.robot.as_ref())] {
+            let Some(file) = file.filter(|file| !file.exists()) else { continue };
+            let names =
+                |line: &str| line.trim_start().strip_prefix(key).is_some_and(|rest| rest.trim_start().starts_with('='));
+            let line = self.text.lines().position(names).map_or(1, |index| index + 1);
+            return Err(Error::data(format!("the {key} that the setup names is not there"))
+                .in_file(path)
+                .at_line(line)
+                .value(file.display())
+                .remedy("check the spelling; relative paths start at the folder of the setup"));
+        }
+        Ok(())
+    }
+
     /// Takes relative paths from this folder.
     pub fn based_on(&mut self, folder: &Path) {
         self.map = folder.join(&self.map);
@@ -238,6 +255,16 @@ fn wire(entry: &Section<'_>) -> Result<Wire> {
             .remedy("such as serial = \"/dev/ttyACM0\", udp = \"0.0.0.0:9000\" or pipe = \"-\""));
     };
     let text = entry.text(key)?.unwrap_or_default();
+    let rates = format!("{} to {}", BAUDS.start(), BAUDS.end());
+    let firmware = "use the number in the firmware's Serial.begin()";
+    if let Some(value) = entry.get("baud").filter(|value| value.get_ref().as_integer().is_none()) {
+        return Err(entry
+            .source
+            .fault(&value.span(), format!("{} must be a whole number", entry.key("baud")))
+            .value(show(value.get_ref()))
+            .allowed(rates)
+            .remedy(firmware));
+    }
     let baud = entry.whole("baud")?;
     if let Some(baud) = baud {
         let fault = |what: &str| entry.source.fault(&entry.span_of("baud"), what).value(baud);
@@ -245,9 +272,7 @@ fn wire(entry: &Section<'_>) -> Result<Wire> {
             return Err(fault("only serial ports have a baud rate").remedy("leave it out"));
         }
         if !BAUDS.contains(&baud) {
-            return Err(fault("baud is out of range")
-                .allowed(format!("{} to {}", BAUDS.start(), BAUDS.end()))
-                .remedy("use the number in the firmware's Serial.begin()"));
+            return Err(fault("baud is out of range").allowed(rates).remedy(firmware));
         }
     }
     let address = |text: &str| -> Result<String> {
@@ -340,7 +365,9 @@ fn texts(entry: &Section<'_>, key: &str) -> Result<Option<Vec<String>>> {
 /// The method with the options of the table `options`.
 fn method(top: &Section<'_>) -> Result<Method> {
     let mut method = match top.text("method")? {
-        Some(name) => Method::named(name).map_err(|e| at(top, "method", e.into_data()))?,
+        Some(name) => Method::named(name).map_err(|e| {
+            at(top, "method", e.into_data()).remedy(did_you_mean(name, &Method::all().each_ref().map(Method::name)))
+        })?,
         None => Method::default(),
     };
     let Some(options) = top.section("options")? else { return Ok(method) };

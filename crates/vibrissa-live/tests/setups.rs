@@ -53,6 +53,13 @@ fn mistakes_are_told_with_line_value_range_and_remedy() {
         ("map = \"arena.svg\"", "maps = \"arena.svg\"", "live.toml:2: unknown key: maps", "did you mean `map`?"),
         ("serial = \"/dev/ttyACM0\"", "", "a source has one wire", "serial = \"/dev/ttyACM0\""),
         ("baud = 921600", "baud = 3", "live.toml:13: baud is out of range: 3 (allowed: 50 to 12000000)", "firmware"),
+        (
+            "baud = 921600",
+            "baud = \"fast\"",
+            "baud must be a whole number: \"fast\" (allowed: 50 to 12000000)",
+            "firmware",
+        ),
+        ("method = \"possibilistic\"", "method = \"posibilistic\"", "live.toml:4", "did you mean `possibilistic`?"),
         ("udp = \"0.0.0.0:9000\"", "udp = \"9000\"", "source[1].udp is no address: \"9000\" (allowed: host:port", ""),
         ("\"x_mm\"", "\"xx\"", "live.toml:20: unknown column: \"xx\"", "did you mean `x`"),
         ("\"x_mm\", ", "", "odometry has three columns: 2 of them", "x, y and theta"),
@@ -76,6 +83,15 @@ fn mistakes_are_told_with_line_value_range_and_remedy() {
         error.contains("no source gives odometry") && error.contains("a whisker's line holds no odometry"),
         "{error}"
     );
+}
+
+#[test]
+fn a_map_that_is_not_there_is_told_with_the_line_that_names_it() {
+    let path = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("missing-map.toml");
+    std::fs::write(&path, "# mine\n\nmap = \"nowhere.svg\"\n[[source]]\npipe = \"-\"\n").unwrap();
+    let error = vibrissa_live::setup::read(&path).unwrap_err().to_string();
+    assert!(error.contains("missing-map.toml:3") && error.contains("nowhere.svg"), "{error}");
+    assert!(error.contains("the folder of the setup"), "{error}");
 }
 
 #[test]

@@ -31,7 +31,6 @@ use vibrissa_live::source::HostClock;
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// The setup (live.toml)
-    #[arg(required_unless_present_any = ["demo", "replay"])]
     setup: Option<PathBuf>,
     /// Drive a simulated robot along the built-in arena: real bytes in real time, from a pseudo-terminal
     #[arg(long, conflicts_with_all = ["setup", "replay", "speed"])]
@@ -69,6 +68,11 @@ const PORT: &str = "8765";
 pub(crate) fn run(args: &Args) -> Result<()> {
     if let Some(speed) = args.speed.filter(|speed| !(*speed > 0.0 && speed.is_finite())) {
         return Err(Error::usage("--speed").value(speed).allowed("above 0"));
+    }
+    if args.setup.is_none() && args.replay.is_none() && !args.demo {
+        return Err(Error::usage("no setup is given").remedy(
+            "vibrissa live live.toml runs yours (docs/live.md shows whole files), vibrissa live --demo a simulated robot",
+        ));
     }
     let _heeds = Heedful::begin();
     let result = match (&args.replay, &args.setup) {
