@@ -4,7 +4,7 @@
 
 use vibrissa::beam::Whisker;
 use vibrissa::contact::BentWhisker;
-use vibrissa::plane::{Pose2, Vec2};
+use vibrissa::plane::Vec2;
 use vibrissa::sim::{SimulateOptions, SweepNoise, shapes, simulate};
 use vibrissa::tasks::demo;
 use vibrissa::world::{MountedWhisker, Robot};
