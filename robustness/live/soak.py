@@ -56,7 +56,7 @@ def panel(rows, keys, words, top, scale=1.0):
 def draw(rows, path):
     tops = [TOP + 10 + k * (PANEL + GAP) for k in range(3)]
     body = panel(rows, ["memory_mb"], "Memory in use (MB)", tops[0])
-    body += panel(rows, ["p50_ms", "p99_ms"], "From the last byte of a row to its pose, each ten seconds: half of the rows (blue), 99 % (orange) (ms)", tops[1])
+    body += panel(rows, ["p50_ms", "p99_ms"], "Last byte of a row to its pose, in each ten seconds: median (blue) and 99 % (orange), ms", tops[1])
     body += panel(rows, ["rows"], "Rows estimated (millions), over minutes", tops[2], 1e-6)
     height = tops[2] + PANEL + 30
     style = "text{font:12px sans-serif;fill:#333}.t{font-weight:bold}.g{stroke:#ddd}"

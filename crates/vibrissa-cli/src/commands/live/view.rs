@@ -58,7 +58,10 @@ impl View {
         ];
         let viewer = Arc::new(Viewer::start(&format!("127.0.0.1:{port}"), topics)?);
         if !quiet {
-            warn(&format!("viewers may open ws://{} (in Foxglove: open connection)", viewer.address()));
+            warn(&format!(
+                "viewers may open ws://{}: the tab Live of `vibrissa studio`, or Foxglove (open connection)",
+                viewer.address()
+            ));
         }
         viewer.publish(LINES, 0.0, encode_lines(in_map(0.0), &[map_lines(map)]));
         let (sender, receiver) = sync_channel(VIEW_WAITING);
