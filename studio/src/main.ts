@@ -3,6 +3,7 @@
 import { Engine } from "./engine";
 import { announcer, element } from "./controls";
 import { decompress } from "./lzma";
+import { forgetColours } from "./plot";
 import { Remote } from "./remote";
 import type { Running, Scene, State } from "./scene";
 import { bend } from "./scenes/bend";
@@ -56,9 +57,9 @@ class Page {
         ? document.documentElement.dataset.theme === "dark"
         : matchMedia("(prefers-color-scheme: dark)").matches;
       document.documentElement.dataset.theme = dark ? "light" : "dark";
-      dispatchEvent(new Event("resize"));
-      void this.show(true);
+      this.recolour();
     });
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.recolour());
     document.getElementById("link")!.addEventListener("click", (event) => {
       const button = event.currentTarget as HTMLElement;
       void navigator.clipboard?.writeText(location.href).then(() => {
@@ -70,11 +71,16 @@ class Page {
     addEventListener("hashchange", () => void this.show());
   }
 
-  async show(again = false): Promise<void> {
+  private recolour(): void {
+    forgetColours();
+    this.running?.redraw();
+  }
+
+  async show(): Promise<void> {
     const { id, state } = route();
     const scene = SCENES.find((s) => s.id === id) ?? SCENES[0];
     const link = `${scene.id}?${new URLSearchParams(state)}`;
-    if (!again && link === this.shown) return;
+    if (link === this.shown) return;
     this.shown = link;
     this.running?.end();
     this.running = undefined;
@@ -105,7 +111,7 @@ class Page {
     } catch (error) {
       figure.replaceChildren(element("p", { class: "refused", role: "alert" }, error instanceof Error ? error.message : String(error)));
     }
-    Object.assign(window, { studio: { scene: scene.id, answers: () => this.running?.answers() } });
+    Object.assign(window, { studio: { scene: scene.id, answers: () => this.running?.answers(), timings: () => this.running?.timings?.() } });
     document.documentElement.dataset.ready = scene.id;
   }
 

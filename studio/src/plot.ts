@@ -3,6 +3,9 @@
 import type { Outline, Point } from "./engine";
 
 const SVG = "http://www.w3.org/2000/svg";
+/** Places in one part of a trail, and parts that are kept. */
+const PART = 48;
+const MOST_PARTS = 90;
 
 export interface Box {
   left: number;
@@ -27,7 +30,10 @@ export class Plot {
   readonly canvas: HTMLCanvasElement;
   /** Metres of one pixel. */
   pixel = 1e-3;
+  /** Pixels of the frame across: asking the page for it between changes would lay it out anew. */
+  private width = 600;
   private readonly layers = new Map<string, SVGGElement>();
+  private readonly kept = new Map<string, SVGPathElement>();
   private readonly resized: () => void;
   private readonly observer: ResizeObserver;
 
@@ -64,6 +70,7 @@ export class Plot {
     const { left, right, bottom, top } = this.box;
     this.frame.style.aspectRatio = `${(right - left).toFixed(5)} / ${(top - bottom).toFixed(5)}`;
     const width = this.frame.clientWidth || 600;
+    this.width = width;
     this.pixel = (right - left) / width;
     const height = (top - bottom) / this.pixel;
     this.svg.setAttribute("viewBox", `0 0 ${width} ${height.toFixed(2)}`);
@@ -110,6 +117,17 @@ export class Plot {
   line(layer: string, points: Point[], kind: string, closed = false): SVGPathElement {
     const path = make("path", { d: this.path(points, closed), class: kind });
     this.layer(layer).append(path);
+    return path;
+  }
+
+  /** A line that stays and is changed: for what moves with every frame. */
+  moving(layer: string, name: string, kind: string): SVGPathElement {
+    let path = this.kept.get(name);
+    if (!path) {
+      path = make("path", { class: kind });
+      this.layer(layer).append(path);
+      this.kept.set(name, path);
+    }
     return path;
   }
 
@@ -172,7 +190,7 @@ export class Plot {
   /** The canvas, cleared, in pixels of the page. */
   pen(): CanvasRenderingContext2D {
     const pen = this.canvas.getContext("2d")!;
-    const dense = this.canvas.width / (this.frame.clientWidth || 600);
+    const dense = this.canvas.width / this.width;
     pen.setTransform(1, 0, 0, 1, 0, 0);
     pen.clearRect(0, 0, this.canvas.width, this.canvas.height);
     pen.setTransform(dense, 0, 0, dense, 0, 0);
@@ -186,9 +204,64 @@ export function make<K extends keyof SVGElementTagNameMap>(tag: K, attributes: A
   return element;
 }
 
-/** A colour of the style sheet. */
+const colours = new Map<string, string>();
+
+/** A colour of the style sheet; asked for once, since the answer takes the whole page's styles. */
 export function colour(name: string): string {
-  return getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
+  let held = colours.get(name);
+  if (held === undefined) {
+    held = getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
+    colours.set(name, held);
+  }
+  return held;
+}
+
+/** After a change of dark and light. */
+export function forgetColours(): void {
+  colours.clear();
+}
+
+/** A way that grows: what is drawn already is left alone. */
+export class Trail {
+  private readonly parts: SVGPathElement[] = [];
+  private words: string[] = [];
+  private all: Point[] = [];
+
+  constructor(private readonly plot: Plot, private readonly layer: string, private readonly kind: string) {}
+
+  clear(): void {
+    this.all = [];
+    this.again();
+  }
+
+  /** Draws all of it anew, as after another size of the figure. */
+  again(): void {
+    this.parts.splice(0).forEach((part) => part.remove());
+    this.words = [];
+    this.all.splice(0).forEach((place) => this.add(place));
+  }
+
+  add(place: Point): void {
+    const word = this.plot.at(place).map((v) => v.toFixed(1)).join(" ");
+    if (word === this.words.at(-1)) return;
+    this.all.push(place);
+    if (!this.parts.length || this.words.length >= PART) {
+      this.words = this.words.slice(-1);
+      const part = make("path", { class: this.kind });
+      this.plot.layer(this.layer).append(part);
+      this.parts.push(part);
+      if (this.parts.length > MOST_PARTS) {
+        this.parts.shift()!.remove();
+        this.all.splice(0, PART - 1);
+      }
+    }
+    this.words.push(word);
+    this.parts.at(-1)!.setAttribute("d", `M${this.words.join("L")}`);
+  }
+
+  show(on: boolean): void {
+    this.plot.layer(this.layer).style.display = on ? "" : "none";
+  }
 }
 
 export interface HandleOptions {
@@ -211,7 +284,7 @@ export class Handle {
   readonly element: SVGGElement;
 
   constructor(private readonly plot: Plot, private readonly options: HandleOptions) {
-    this.element = make("g", { class: `handle ${options.kind ?? ""}`, tabindex: 0, role: "slider", "aria-label": options.name });
+    this.element = make("g", { class: `handle ${options.kind ?? ""}`, tabindex: 0, role: "slider", "aria-label": options.name, "aria-valuenow": 0 });
     this.element.append(
       make("circle", { class: "reach", r: 24 }), make("circle", { class: "halo", r: 15 }), make("circle", { class: "knob", r: 8 }),
     );
@@ -252,12 +325,12 @@ export class Handle {
 
   place: Point = [0, 0];
 
-  moveTo(place: Point): void {
+  /** Without `told` screen readers do not hear of it: for what moves with every frame. */
+  moveTo(place: Point, told = true): void {
     this.place = place;
     const [x, y] = this.plot.at(place);
     this.element.setAttribute("transform", `translate(${x.toFixed(2)} ${y.toFixed(2)})`);
-    this.element.setAttribute("aria-valuetext", this.options.value());
-    this.element.setAttribute("aria-valuenow", "0");
+    if (told) this.element.setAttribute("aria-valuetext", this.options.value());
   }
 
   show(on: boolean): void {

@@ -11,6 +11,8 @@ export interface Progress {
   estimate?: Estimate;
   /** How long the slice took (ms). */
   slice: number;
+  /** And how long it took to tell the estimate (ms). */
+  telling: number;
   failed?: string;
 }
 

@@ -10,7 +10,12 @@ const CLEAR = 0.013;
 /** States beyond these have no heading drawn. */
 const MOST_TICKS = 1200;
 
-export function drawRobot(plot: Plot, layer: string, [x, y, theta]: Pose, kind: string): void {
+export function drawRobot(plot: Plot, layer: string, pose: Pose, kind: string): void {
+  plot.line(layer, outline(pose), kind, true);
+}
+
+/** The outline of a robot at a pose. */
+export function outline([x, y, theta]: Pose): Point[] {
   const [c, s] = [Math.cos(theta), Math.sin(theta)];
   const place = (u: number, v: number): Point => [x + BODY * (c * u - s * v), y + BODY * (s * u + c * v)];
   const body: Point[] = [];
@@ -19,7 +24,7 @@ export function drawRobot(plot: Plot, layer: string, [x, y, theta]: Pose, kind: 
     body.push(place(Math.cos(a), Math.sin(a)));
   }
   body.push(place(1.55, 0));
-  plot.line(layer, body, kind, true);
+  return body;
 }
 
 export function drawStates(plot: Plot, states: Float64Array): void {

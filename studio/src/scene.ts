@@ -25,6 +25,10 @@ export interface Running {
   end(): void;
   /** The scene's answers with what they answer, for the comparison with the command. */
   answers(): unknown;
+  /** Draws all anew, as after a change of colours. */
+  redraw(): void;
+  /** How long things took, where the scene notes it; cheap to ask. */
+  timings?(): unknown;
 }
 
 export interface Scene {

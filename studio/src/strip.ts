@@ -3,16 +3,32 @@
 import { element } from "./controls";
 import { colour } from "./plot";
 
+/** Pixels from top to bottom. */
+const HEIGHT = 76;
+
 export class Strip {
   private readonly canvas = element("canvas", { role: "img", "aria-label": "The newest readings" });
   private readonly frame: HTMLElement;
   private readonly times: number[] = [];
   private readonly values: number[] = [];
+  private width = 600;
+  private at: number | undefined;
+  private readonly observer: ResizeObserver;
 
   /** So many seconds are shown; values are moments (N m). */
   constructor(parent: HTMLElement, private readonly seconds: number) {
     this.frame = element("div", { class: "strip" }, element("span", { class: "strip-words" }, "reading, mN\u202fm"), this.canvas);
     parent.append(this.frame);
+    this.width = this.frame.clientWidth || 600;
+    this.observer = new ResizeObserver(() => {
+      this.width = this.frame.clientWidth || 600;
+      this.draw(this.at);
+    });
+    this.observer.observe(this.frame);
+  }
+
+  end(): void {
+    this.observer.disconnect();
   }
 
   clear(): void {
@@ -36,7 +52,8 @@ export class Strip {
   }
 
   draw(at?: number): void {
-    const [width, height] = [this.frame.clientWidth || 600, 76];
+    this.at = at;
+    const [width, height] = [this.width, HEIGHT];
     const dense = window.devicePixelRatio || 1;
     if (this.canvas.width !== Math.round(width * dense)) {
       this.canvas.width = Math.round(width * dense);

@@ -17,7 +17,7 @@ export type Request =
 export type Reply =
   | { op: "answer"; id: number; result: unknown }
   | { op: "refused"; id: number; words: string; plain: boolean }
-  | { op: "progress"; run: number; taken: number; all: number; estimate?: Estimate; slice: number; failed?: string };
+  | { op: "progress"; run: number; taken: number; all: number; estimate?: Estimate; slice: number; telling: number; failed?: string };
 
 const scope = self as unknown as { postMessage(message: Reply, transfer?: Transferable[]): void; onmessage: unknown };
 let engine: Promise<Engine>;
@@ -25,6 +25,12 @@ let run = -1;
 let scheduled = false;
 let told = 0;
 let every = 0;
+
+/** What of an answer is handed over rather than copied. */
+function arrays(result: unknown): Transferable[] {
+  const parts = result && typeof result === "object" ? [result, ...Object.values(result)] : [];
+  return parts.filter((part) => part instanceof Float64Array).map((part) => part.buffer as ArrayBuffer);
+}
 
 const channel = new MessageChannel();
 channel.port1.onmessage = () => {
@@ -38,8 +44,8 @@ function schedule(): void {
   channel.port2.postMessage(0);
 }
 
-function tell(taken: number, all: number, spent: number, estimate?: Estimate): void {
-  scope.postMessage({ op: "progress", run, taken, all, estimate, slice: spent }, estimate ? [estimate.states.buffer] : []);
+function tell(taken: number, all: number, spent: number, telling: number, estimate?: Estimate): void {
+  scope.postMessage({ op: "progress", run, taken, all, estimate, slice: spent, telling }, estimate ? [estimate.states.buffer] : []);
 }
 
 function slice(engine: Engine): void {
@@ -50,17 +56,18 @@ function slice(engine: Engine): void {
     const before = taken;
     while (taken < all && performance.now() - began < SLICE) {
       [taken, all] = engine.step(1);
-      if (every > 0 && taken % every === 0 && taken < all) tell(taken, all, 0, engine.estimate(SNAPSHOT_STATES));
+      if (every > 0 && taken % every === 0 && taken < all) tell(taken, all, 0, 0, engine.estimate(SNAPSHOT_STATES));
     }
     const spent = performance.now() - began;
     const due = taken > before && (taken === all || (every === 0 && began - told > TOLD));
     const estimate = due ? engine.estimate(every > 0 ? SNAPSHOT_STATES : MOST_STATES) : undefined;
-    if (due) told = performance.now();
-    if (taken > before) tell(taken, all, spent, estimate);
+    const now = performance.now();
+    if (due) told = now;
+    if (taken > before) tell(taken, all, spent, now - began - spent, estimate);
     if (taken < all) schedule();
   } catch (error) {
     const words = error instanceof Error ? error.message : String(error);
-    scope.postMessage({ op: "progress", run, taken: 0, all: 0, slice: 0, failed: words });
+    scope.postMessage({ op: "progress", run, taken: 0, all: 0, slice: 0, telling: 0, failed: words });
     run = -1;
   }
 }
@@ -81,7 +88,7 @@ scope.onmessage = ({ data }: MessageEvent<Request>) => {
     try {
       const call = (engine as unknown as Record<string, (...args: unknown[]) => unknown>)[data.name];
       const result = call.apply(engine, data.args);
-      scope.postMessage({ op: "answer", id: data.id, result });
+      scope.postMessage({ op: "answer", id: data.id, result }, arrays(result));
       if (data.name === "addRows") schedule();
     } catch (error) {
       const words = error instanceof Error ? error.message : String(error);

@@ -109,6 +109,10 @@ class BendScene implements Running {
     this.solve();
   }
 
+  redraw(): void {
+    this.draw();
+  }
+
   end(): void {
     cancelAnimationFrame(this.swing);
     this.plot.end();

@@ -79,6 +79,10 @@ class ContactScene implements Running {
     this.solve();
   }
 
+  redraw(): void {
+    this.draw();
+  }
+
   end(): void {
     this.plot.end();
   }

@@ -90,6 +90,10 @@ class LiveScene implements Running {
     this.draw();
   }
 
+  redraw(): void {
+    this.ask();
+  }
+
   end(): void {
     this.ended = true;
     clearTimeout(this.timer);

@@ -155,11 +155,16 @@ class OwnScene implements Running {
     void this.judge();
   }
 
+  redraw(): void {
+    this.ask();
+  }
+
   end(): void {
     this.generation += 1;
     this.off();
     this.ask.cancel();
     this.plot.end();
+    this.strip.end();
     this.judged.forEach((one) => one.worker.end());
   }
 

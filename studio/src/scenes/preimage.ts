@@ -89,6 +89,10 @@ class PreimageScene implements Running {
     this.change();
   }
 
+  redraw(): void {
+    this.fit();
+  }
+
   end(): void {
     clearTimeout(this.timer);
     this.asked += 1;

@@ -2,11 +2,11 @@
 
 import type { Driven, Estimate, Point, RoomMap } from "../engine";
 import { button, choice, element, Readout, save, toggle } from "../controls";
-import { Handle, Plot } from "../plot";
+import { Handle, Plot, Trail } from "../plot";
 import { onceAFrame, still, type Running, type Scene, type Stage, type State } from "../scene";
 import type { Remote } from "../remote";
 import { MOUNT, ROOMS, robotFile, roomBox, roomOf, type Pose, type Room } from "../rooms";
-import { clearOf, drawPlaces, drawRobot, drawStates, verdictWords } from "../robot";
+import { clearOf, drawPlaces, drawStates, outline, verdictWords } from "../robot";
 import { Strip } from "../strip";
 import * as units from "../units";
 
@@ -19,6 +19,11 @@ const OWN_SPEED = 0.06;
 const OFFSET = 3e-4;
 const GAIN = 0.15;
 const SLIP = 0.06;
+/** Words and numbers change no more often than they can be read (ms). */
+const WORDS = 100;
+const NOTHING = { states: new Float64Array(), places: [] };
+/** How many times of frames and slices are kept. */
+const TIMES = 20000;
 const KEYS: Record<string, [number, number]> = {
   ArrowUp: [1, 0], ArrowDown: [-1, 0], ArrowLeft: [0, 1], ArrowRight: [0, -1],
   w: [1, 0], s: [-1, 0], a: [0, 1], d: [0, -1],
@@ -57,15 +62,20 @@ class ShrinkScene implements Running {
   private own: { way: Pose[]; at: number; done: boolean } | undefined;
   private driven: Driven | undefined;
   private rows: number[] = [];
-  private trail: Point[] = [];
+  private readonly trail: Trail;
   private estimate: Estimate | undefined;
   private behind = 0;
   private failed = "";
-  private slices: number[] = [];
-  private frames: number[] = [];
+  private readonly times = { frames: [] as number[], work: [] as number[], slices: [] as number[], estimates: [] as number[] };
   private busy = false;
   private queue: number[] = [];
   private generation = 0;
+  /** The estimate that is drawn, and when words were told last (ms). */
+  private painted: Pick<Estimate, "states" | "places"> | undefined;
+  private told = 0;
+  private later = 0;
+  /** What was drawn since the last frame took so long (ms). */
+  private spent = 0;
   private loop = 0;
   private last = 0;
   private readonly driver: Remote;
@@ -88,6 +98,7 @@ class ShrinkScene implements Running {
     this.ask = onceAFrame(() => this.draw());
     this.plot = new Plot(stage.figure, { left: 0, right: 0.5, bottom: 0, top: 0.35 }, "A room, the robot, and the places where it may be", () => this.fit());
     for (const layer of ["map", "trail", "robot", "places", "marks", "handles"]) this.plot.layer(layer);
+    this.trail = new Trail(this.plot, "trail", "way");
     this.handle = new Handle(this.plot, {
       name: "The robot: drag it, or drive with the arrow keys", kind: "push robot-handle",
       value: () => `at ${units.length(this.drawn[0], 0)}, ${units.length(this.drawn[1], 0)}, heading ${units.angle(this.drawn[2])}`,
@@ -152,7 +163,7 @@ class ShrinkScene implements Running {
     this.plot.show(roomBox(this.map));
     this.pose = this.drawn = room.start;
     this.rows = [];
-    this.trail = [];
+    this.trail.clear();
     this.queue = [];
     this.t = 0;
     this.due = 0;
@@ -171,8 +182,10 @@ class ShrinkScene implements Running {
   end(): void {
     this.generation += 1;
     cancelAnimationFrame(this.loop);
+    clearTimeout(this.later);
     this.ask.cancel();
     this.plot.end();
+    this.strip.end();
   }
 
   /** Judges all rows so far anew. */
@@ -184,7 +197,8 @@ class ShrinkScene implements Running {
     await localizer.call("readRobot", "robot.toml", robotFile(this.errors.declared));
     await localizer.localize(this.method, (progress) => {
       this.behind = progress.all - progress.taken;
-      this.slices.push(progress.slice);
+      this.note("slices", progress.slice);
+      if (progress.estimate) this.note("estimates", progress.telling);
       if (progress.failed) this.failed = progress.failed;
       if (progress.estimate) {
         this.estimate = progress.estimate;
@@ -248,8 +262,7 @@ class ShrinkScene implements Running {
 
   private frame(now: number): void {
     const elapsed = Math.min(0.05, (now - this.last) / 1000);
-    this.frames.push(now - this.last);
-    if (this.frames.length > 600) this.frames.shift();
+    this.note("frames", now - this.last);
     this.last = now;
     const began = performance.now();
     this.due += elapsed;
@@ -258,7 +271,8 @@ class ShrinkScene implements Running {
       this.move(1 / RATE);
     }
     this.send();
-    if (performance.now() - began > 8) this.ask();
+    this.note("work", this.spent + performance.now() - began);
+    this.spent = 0;
     this.loop = requestAnimationFrame((next) => this.frame(next));
   }
 
@@ -317,8 +331,7 @@ class ShrinkScene implements Running {
     this.driven = driven;
     this.rows.push(...driven.rows);
     for (let i = 0; i < driven.rows.length; i += driven.width) this.strip.add(driven.rows[i], driven.rows[i + 4]);
-    this.trail.push([this.drawn[0], this.drawn[1]]);
-    if (this.trail.length > 4000) this.trail.splice(0, 1000);
+    this.trail.add([this.drawn[0], this.drawn[1]]);
     if (driven.rows.length && this.rows.length > driven.rows.length) void this.localizer.call("addRows", driven.rows);
     this.ask();
   }
@@ -326,25 +339,50 @@ class ShrinkScene implements Running {
   private fit(): void {
     this.plot.map(this.map.outlines);
     this.plot.scaleBar(0.05);
+    this.trail.again();
+    this.painted = undefined;
+    this.told = 0;
     this.ask();
   }
 
+  redraw(): void {
+    this.fit();
+  }
+
   private draw(): void {
+    const began = performance.now();
+    this.paint();
+    this.spent += performance.now() - began;
+  }
+
+  private paint(): void {
     const { plot, driven, estimate } = this;
-    ["trail", "places", "robot", "marks"].forEach((layer) => plot.clear(layer));
-    drawStates(plot, estimate?.verdict === "inconsistent" ? new Float64Array() : estimate?.states ?? new Float64Array());
-    if (estimate && estimate.verdict !== "inconsistent") drawPlaces(plot, "places", estimate.places);
-    if (!this.hidden) {
-      plot.line("trail", this.trail, "way");
-      driven?.shapes.forEach((shape) => plot.line("robot", shape, "whisker thin"));
-      drawRobot(plot, "robot", this.drawn, "robot");
-      driven?.touches.forEach((touch) => {
-        plot.arrow("marks", touch.at, touch.force, 12 + Math.min(36, 200 * Math.hypot(...touch.force)), "force");
-        plot.dot("marks", touch.at, 3, "contact");
-      });
+    // States and places change with estimates, which come less often than frames.
+    const shown = estimate?.verdict === "inconsistent" ? NOTHING : estimate ?? NOTHING;
+    if (this.painted !== shown) {
+      this.painted = shown;
+      plot.clear("places");
+      drawStates(plot, shown.states);
+      drawPlaces(plot, "places", shown.places);
     }
-    this.handle.moveTo([this.drawn[0], this.drawn[1]]);
+    for (const layer of ["trail", "robot", "marks"]) plot.layer(layer).style.display = this.hidden ? "none" : "";
+    driven?.shapes.forEach((shape, i) => plot.moving("robot", `whisker${i}`, "whisker thin").setAttribute("d", plot.path(shape)));
+    plot.moving("robot", "body", "robot").setAttribute("d", plot.path(outline(this.drawn), true));
+    plot.clear("marks");
+    driven?.touches.forEach((touch) => {
+      plot.arrow("marks", touch.at, touch.force, 12 + Math.min(36, 200 * Math.hypot(...touch.force)), "force");
+      plot.dot("marks", touch.at, 3, "contact");
+    });
     this.strip.draw();
+    const now = performance.now();
+    const due = now - this.told > WORDS;
+    this.handle.moveTo([this.drawn[0], this.drawn[1]], due);
+    if (!due) {
+      clearTimeout(this.later);
+      this.later = window.setTimeout(() => this.ask(), WORDS);
+      return;
+    }
+    this.told = now;
     this.tell();
   }
 
@@ -364,6 +402,16 @@ class ShrinkScene implements Running {
     readout.set("Rows waiting", `${this.behind}`);
   }
 
+  private note(what: "frames" | "work" | "slices" | "estimates", spent: number): void {
+    this.times[what].push(spent);
+    if (this.times[what].length > TIMES) this.times[what].shift();
+  }
+
+  /** How long frames, what the page does in them, and the worker's slices took (ms); cheap to ask. */
+  timings(): unknown {
+    return { ...this.times, rows: this.rows.length / (this.driven?.width ?? 5), done: !this.own && !this.behind && !this.queue.length && !this.busy };
+  }
+
   /** The log as it stands, and the answer of the method on it. */
   async answers(): Promise<unknown> {
     const log = await this.driver.call("write", "log");
@@ -377,7 +425,7 @@ class ShrinkScene implements Running {
     const { states: _, trajectory, ...answer } = engine.finish();
     return {
       log, robot, map: this.room.map, file: this.room.file, method: this.method, answer, poses: trajectory.length / 4,
-      driving: !!this.own, waiting: this.behind, slices: this.slices, frames: this.frames, mount: MOUNT,
+      driving: !!this.own, waiting: this.behind, mount: MOUNT,
     };
   }
 }
