@@ -5,12 +5,13 @@
 //! solution \[routray, section "Brief Review of Beam Theory"\]; [`sensing`] is the magnet and the chip that measure the
 //! moment; [`plane`] and [`sets`] are vectors, poses, curves, intervals.
 //!
-//! The crate needs no operating system: `no_std` with `alloc`. Either feature gives it the elementary functions.
+//! The crate needs no operating system: `no_std` with `alloc`. Sines, exponentials and the like are those of [`math`], with the
+//! same bits everywhere; either feature gives it square roots and roundings.
 //!
 //! | feature | gives |
 //! | --- | --- |
-//! | `std` (default) | functions of the platform; file names in errors; vector instructions found at run time |
-//! | `libm` | functions in Rust, for firmware |
+//! | `std` (default) | square roots of the platform; file names in errors; vector instructions found at run time |
+//! | `libm` | square roots in Rust, for firmware |
 //!
 //! SI everywhere: m, rad, N, N m. The undeflected whisker points along +x of its own frame, y is on its left, and a push
 //! towards +y is a positive moment.
@@ -28,6 +29,7 @@ pub mod beam;
 pub mod config;
 pub mod error;
 pub mod linear_algebra;
+pub mod math;
 pub mod plane;
 mod platform;
 pub mod sensing;

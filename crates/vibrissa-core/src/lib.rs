@@ -19,4 +19,4 @@ pub mod localizer;
 pub mod world;
 
 pub use localizer::Localizer;
-pub use vibrissa_beam::{Error, Result, beam, error, linear_algebra, plane, sensing, sets};
+pub use vibrissa_beam::{Error, Result, beam, error, linear_algebra, math, plane, sensing, sets};

@@ -21,6 +21,7 @@ const GAIN = 0.15;
 const SLIP = 0.06;
 /** Words and numbers change no more often than they can be read (ms). */
 const WORDS = 100;
+const CHART = 45;
 const NOTHING = { states: new Float64Array(), places: [] };
 /** How many times of frames and slices are kept. */
 const TIMES = 20000;
@@ -73,6 +74,7 @@ class ShrinkScene implements Running {
   /** The estimate that is drawn, and when words were told last (ms). */
   private painted: Pick<Estimate, "states" | "places"> | undefined;
   private told = 0;
+  private charted = 0;
   private later = 0;
   /** What was drawn since the last frame took so long (ms). */
   private spent = 0;
@@ -373,11 +375,15 @@ class ShrinkScene implements Running {
       plot.arrow("marks", touch.at, touch.force, 12 + Math.min(36, 200 * Math.hypot(...touch.force)), "force");
       plot.dot("marks", touch.at, 3, "contact");
     });
-    this.strip.draw();
     const now = performance.now();
+    if (now - this.charted > CHART) {
+      this.charted = now;
+      this.strip.draw();
+    }
     const due = now - this.told > WORDS;
     this.handle.moveTo([this.drawn[0], this.drawn[1]], due);
     if (!due) {
+      // The last of a motion is told, too.
       clearTimeout(this.later);
       this.later = window.setTimeout(() => this.ask(), WORDS);
       return;

@@ -2,6 +2,7 @@
 
 use super::pendulum::{Pendulum, Swing, Tilt};
 use super::rod::Rod;
+use crate::math;
 use crate::plane::Vec2;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
@@ -72,7 +73,7 @@ pub(super) struct Found {
 impl Bend {
     /// The whisker without load.
     pub(super) fn straight(flexural_rigidity: f64, s_a: f64, beta: f64) -> Self {
-        let (sin, cos) = beta.sin_cos();
+        let (sin, cos) = math::sin_cos(beta);
         Self {
             force: 0.0,
             s_a,

@@ -2,6 +2,7 @@
 
 use super::bend::{Bend, Found};
 use super::pendulum::{Pendulum, Tilt};
+use crate::math;
 #[cfg(not(feature = "std"))]
 use num_traits::Float as _;
 
@@ -47,7 +48,7 @@ pub fn bend(flexural_rigidity: f64, force: f64, s_a: f64, beta: f64) -> Option<B
 /// | - | + | - | -beta |
 /// | - | - | + | pi + beta |
 pub(super) fn canonical(force: f64, beta: f64) -> (f64, Tilt) {
-    let (sin, cos) = beta.sin_cos();
+    let (sin, cos) = math::sin_cos(beta);
     let sign = 1.0_f64.copysign(force);
     (sign * 1.0_f64.copysign(cos), Tilt::new(sign * sin, cos.abs()))
 }

@@ -9,6 +9,7 @@
 use super::elastica::MAX_LENGTH;
 use super::pendulum::{Pendulum, Swing, Tilt};
 use super::root::{highest, root, root_through};
+use crate::math;
 use crate::platform::rem_euclid;
 use alloc::vec::Vec;
 use core::f64::consts::{PI, TAU};
@@ -34,8 +35,8 @@ impl FixedLine {
     }
 
     fn pendulum(&self, p: f64) -> (Pendulum, f64) {
-        let u = self.omega / (1.0 + (-p).exp());
-        let gap = self.omega / (1.0 + p.exp());
+        let u = self.omega / (1.0 + math::exp(-p));
+        let gap = self.omega / (1.0 + math::exp(p));
         (Pendulum::new(Tilt::from_gap(gap)), u)
     }
 
@@ -53,7 +54,7 @@ impl FixedLine {
 
     /// Every shape of dimensionless length `t`.
     pub(super) fn at_length(&self, t: f64) -> Vec<(Tilt, Swing)> {
-        let residual = |p: f64| (self.length(p) / t).ln();
+        let residual = |p: f64| math::ln(self.length(p) / t);
         let shape = |p: f64| {
             let (tilt, swing) = self.shape(p);
             (tilt, Swing { t, ..swing })
@@ -62,7 +63,7 @@ impl FixedLine {
             return root_through(residual, &[LOWEST, USUAL[0], t + 5.0, HIGHEST]).map(shape).into_iter().collect();
         }
         // The shape at the start is the end of the first mode, where the force's line passes through the base.
-        let start = ((2.0 * self.omega - TAU) / (TAU - self.omega)).ln();
+        let start = math::ln((2.0 * self.omega - TAU) / (TAU - self.omega));
         if t <= 0.5 * PI || start >= HIGHEST {
             return Vec::new();
         }
@@ -76,14 +77,14 @@ impl FixedLine {
     pub(super) fn at_moment(&self, moment: f64) -> Option<(Tilt, Swing)> {
         let residual = |p: f64| {
             let (_, swing) = self.shape(p);
-            (swing.t * swing.du / moment).ln()
+            math::ln(swing.t * swing.du / moment)
         };
         root_through(residual, &[LOWEST, USUAL[0], USUAL[1], HIGHEST]).map(|p| self.shape(p))
     }
 
     /// The shape whose contact lies at `polar_angle > 0`, for `omega <= pi`.
     pub(super) fn at_polar_angle(&self, polar_angle: f64) -> Option<(Tilt, Swing)> {
-        let residual = |p: f64| (self.shape(p).1.polar_angle() / polar_angle).ln();
+        let residual = |p: f64| math::ln(self.shape(p).1.polar_angle() / polar_angle);
         root_through(residual, &[LOWEST, USUAL[0], USUAL[1], HIGHEST]).map(|p| self.shape(p))
     }
 }

@@ -8,6 +8,7 @@ use super::rod::Rod;
 use super::whisker::Whisker;
 use super::{check_arc_length, finite, sorted};
 use crate::error::{Error, Result};
+use crate::math;
 use alloc::format;
 use alloc::vec;
 use alloc::vec::Vec;
@@ -49,12 +50,12 @@ fn fixed(flexural_rigidity: f64, force: f64, s_a: f64, psi: f64, t: f64) -> Resu
     let line = Line::Fixed(psi);
     let direction = if force > 0.0 { psi } else { psi + PI };
     let mut bends = Vec::new();
-    let axial = direction.sin().abs() <= 4.0 * f64::EPSILON;
-    if axial && (direction.cos() > 0.0 || t <= PI) {
+    let axial = math::sin(direction).abs() <= 4.0 * f64::EPSILON;
+    if axial && (math::cos(direction) > 0.0 || t <= PI) {
         bends.push(Bend { force, ..Bend::straight(flexural_rigidity, s_a, line.beta(0.0)) });
     }
     // A pull keeps the whisker straight, and so does a push below Euler's load.
-    if axial && (direction.cos() > 0.0 || t <= 0.5 * PI) {
+    if axial && (math::cos(direction) > 0.0 || t <= 0.5 * PI) {
         return Ok(bends);
     }
     for side in [1.0, -1.0] {

@@ -1,5 +1,6 @@
 //! Jacobi elliptic functions of a real argument over one half period, and their inverse.
 
+use crate::math;
 use core::f64::consts::PI;
 #[cfg(not(feature = "std"))]
 use num_traits::Float as _;
@@ -100,7 +101,7 @@ impl Jacobi {
     pub fn at(&self, t: f64) -> Elliptic {
         let a = self.levels[self.last].a;
         let sign = if a * t <= 0.5 * PI { 1.0 } else { -1.0 };
-        let mut tangent = (a * t).tan().abs() / a;
+        let mut tangent = math::tan(a * t).abs() / a;
         let mut integral = 0.0;
         for n in (0..self.last).rev() {
             let (upper, lower) = (self.levels[n], self.levels[n + 1]);
@@ -126,10 +127,10 @@ impl Jacobi {
         for level in self.levels.iter().take(self.last + 1).skip(1) {
             let gt = level.g * t;
             let b = 1.0 - gt * gt;
-            let r = b.hypot(2.0 * level.a * t);
+            let r = math::hypot(b, 2.0 * level.a * t);
             t = if b > 0.0 { t * (2.0 / (b + r)).sqrt() } else { (0.5 * (r - b)).sqrt() / level.a };
         }
         let a = self.levels[self.last].a;
-        (a * t).atan() / a
+        math::atan(a * t) / a
     }
 }

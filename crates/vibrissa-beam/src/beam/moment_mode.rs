@@ -10,6 +10,7 @@ use super::root::{root, root_through};
 use super::whisker::Whisker;
 use super::{check_arc_length, finite, sorted};
 use crate::error::{Error, Result};
+use crate::math;
 use alloc::format;
 use alloc::vec;
 use alloc::vec::Vec;
@@ -45,7 +46,7 @@ pub fn moment_mode(whisker: &Whisker, moment: f64, s_a: f64, load: Load) -> Resu
     let side = 1.0_f64.copysign(moment);
     let (sign, shapes) = match line {
         Line::Following(beta) => {
-            let sign = side * 1.0_f64.copysign(beta.cos());
+            let sign = side * 1.0_f64.copysign(math::cos(beta));
             (sign, following(canonical(sign, beta).1, scaled))
         }
         Line::Fixed(psi) => {
@@ -67,7 +68,7 @@ pub fn moment_mode(whisker: &Whisker, moment: f64, s_a: f64, load: Load) -> Resu
 
 /// The sign of the force along `psi` that pushes to `side`, and its direction seen from there, in (0, pi].
 pub(super) fn pushing(psi: f64, side: f64) -> (f64, f64) {
-    if (side * psi).sin() > 0.0 { (1.0, side * psi) } else { (-1.0, side * psi + PI) }
+    if math::sin(side * psi) > 0.0 { (1.0, side * psi) } else { (-1.0, side * psi + PI) }
 }
 
 /// Both shapes of dimensionless moment `scaled`: `t u'(t)` is log-concave over the first mode, so it has one maximum.
@@ -78,12 +79,12 @@ fn following(tilt: Tilt, scaled: f64) -> Vec<(Tilt, Swing)> {
     // The derivative is u' + t cos(u + beta), whose root is sharp where the maximum itself is flat.
     let slope = |t: f64| {
         let swing = pendulum.at(t);
-        let (sin, cos) = swing.u.sin_cos();
+        let (sin, cos) = math::sin_cos(swing.u);
         swing.du + t * (tilt.cos * cos - tilt.sin * sin)
     };
     let top = root(slope, 0.5 * end, end).unwrap_or(end);
-    let rising =
-        root_through(|log_t: f64| (moment(log_t.exp()) / scaled).ln(), &[-360.0, -3.0, top.ln()]).map(f64::exp);
+    let rising = root_through(|log_t: f64| math::ln(moment(math::exp(log_t)) / scaled), &[-360.0, -3.0, math::ln(top)])
+        .map(math::exp);
     let falling = root(|t| moment(t) - scaled, top, end);
     rising.into_iter().chain(falling).map(|t| (tilt, pendulum.at(t))).collect()
 }

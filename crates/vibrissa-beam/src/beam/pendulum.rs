@@ -14,6 +14,7 @@
 //! The first mode, without an inflection between base and contact, is half a swing: `0 <= t <= 2 K(m)`.
 
 use super::jacobi::Jacobi;
+use crate::math;
 use core::f64::consts::PI;
 #[cfg(not(feature = "std"))]
 use num_traits::Float as _;
@@ -45,8 +46,8 @@ impl Tilt {
 
     /// The tilt `beta = gap - pi/2`, exact where the force all but pulls along the whisker.
     pub(super) fn from_gap(gap: f64) -> Self {
-        let (half_sin, half_cos) = (0.5 * gap).sin_cos();
-        let (sin, cos) = gap.sin_cos();
+        let (half_sin, half_cos) = math::sin_cos(0.5 * gap);
+        let (sin, cos) = math::sin_cos(gap);
         Self { sin: -cos, cos: sin, m: half_cos * half_cos, m1: half_sin * half_sin }
     }
 }
@@ -71,14 +72,14 @@ pub(super) struct Swing {
 impl Swing {
     /// The contact seen from the base, when the base is at this argument.
     pub(super) fn contact(&self) -> (f64, f64) {
-        let (sin, cos) = self.u.sin_cos();
+        let (sin, cos) = math::sin_cos(self.u);
         (self.along * cos + self.across * sin, self.along * sin - self.across * cos)
     }
 
     /// The polar angle of the contact seen from the base, in \[0, 2 pi).
     pub(super) fn polar_angle(&self) -> f64 {
         let (x, y) = self.contact();
-        let angle = y.atan2(x);
+        let angle = math::atan2(y, x);
         if angle < 0.0 { angle + 2.0 * PI } else { angle }
     }
 }
@@ -111,13 +112,20 @@ impl Pendulum {
         let (t, integral) = self.jacobi.half_period_integral();
         let energy = 2.0 * integral;
         let sin_integral = energy + sin * t;
-        Swing { t, u: 2.0 * cos.atan2(sin), du: 0.0, along: sin * sin_integral, across: cos * sin_integral, energy }
+        Swing {
+            t,
+            u: 2.0 * math::atan2(cos, sin),
+            du: 0.0,
+            along: sin * sin_integral,
+            across: cos * sin_integral,
+            energy,
+        }
     }
 
     fn closed_form(&self, t: f64) -> Swing {
         let Tilt { sin, cos, m, m1 } = self.tilt;
         let e = self.jacobi.at(t);
-        let u = 2.0 * (0.5 * cos * e.one_minus_cn).atan2(m1 + m * e.cn);
+        let u = 2.0 * math::atan2(0.5 * cos * e.one_minus_cn, m1 + m * e.cn);
         let du = cos * e.sn / e.dn;
         let energy = 2.0 * (e.m_cn2_integral - m * e.sn * e.cn / e.dn);
         let sin_integral = energy + sin * t;
@@ -127,7 +135,7 @@ impl Pendulum {
     /// The first argument at which the slope difference is `u` in \[0, pi - 2 beta\]; the inverse of `at(t).u`.
     pub(super) fn time_of(&self, u: f64) -> f64 {
         let Tilt { cos, m, m1, .. } = self.tilt;
-        let (s, c) = (0.5 * u).sin_cos();
+        let (s, c) = math::sin_cos(0.5 * u);
         let numerator = 0.5 * cos * c - s * m1;
         let denominator = 0.5 * cos * c + s * m;
         let one_minus_cn = s / denominator;

@@ -11,6 +11,7 @@ use super::root::{root, root_through};
 use super::whisker::Whisker;
 use super::{check_contact, sorted};
 use crate::error::Result;
+use crate::math;
 use crate::plane::Vec2;
 use alloc::vec::Vec;
 use core::f64::consts::PI;
@@ -39,7 +40,7 @@ pub fn point_mode(whisker: &Whisker, contact: Vec2, load: Load) -> Result<Vec<Be
         bends.push(Bend::straight(whisker.flexural_rigidity, distance, line.beta(0.0)));
     }
     for side in [1.0, -1.0] {
-        let polar = (side * contact.y).atan2(contact.x);
+        let polar = math::atan2(side * contact.y, contact.x);
         let polar = if polar < 0.0 { polar + 2.0 * PI } else { polar };
         if polar > 0.0 {
             bends.extend(shapes(line, side, polar).into_iter().filter_map(|s| scaled(whisker, contact, line, side, s)));
@@ -52,7 +53,7 @@ pub fn point_mode(whisker: &Whisker, contact: Vec2, load: Load) -> Result<Vec<Be
 fn shapes(line: Line, side: f64, polar: f64) -> Vec<(f64, Tilt, Swing)> {
     match line {
         Line::Following(beta) => {
-            let sign = side * 1.0_f64.copysign(beta.cos());
+            let sign = side * 1.0_f64.copysign(math::cos(beta));
             following(canonical(sign, beta).1, polar).into_iter().map(|(tilt, swing)| (sign, tilt, swing)).collect()
         }
         Line::Fixed(psi) => {
@@ -67,7 +68,7 @@ fn shapes(line: Line, side: f64, polar: f64) -> Vec<(f64, Tilt, Swing)> {
 fn scaled(whisker: &Whisker, contact: Vec2, line: Line, side: f64, shape: (f64, Tilt, Swing)) -> Option<Bend> {
     let (sign, tilt, swing) = shape;
     let (x, y) = swing.contact();
-    let rate = x.hypot(y) / contact.norm();
+    let rate = math::hypot(x, y) / contact.norm();
     let s_a = swing.t / rate;
     // A contact at the very tip must not be lost to rounding.
     if s_a.is_nan() || s_a > whisker.length * (1.0 + 1e-12) {
@@ -93,7 +94,8 @@ fn following(tilt: Tilt, polar: f64) -> Vec<(Tilt, Swing)> {
         swing.du * (x * x + y * y) - y
     };
     let top = root(turning, 0.5 * end, end).unwrap_or(end);
-    let rising = root_through(|log_t: f64| (angle(log_t.exp()) / polar).ln(), &[-345.0, -3.0, top.ln()]).map(f64::exp);
+    let rising = root_through(|log_t: f64| math::ln(angle(math::exp(log_t)) / polar), &[-345.0, -3.0, math::ln(top)])
+        .map(math::exp);
     let falling = root(|t| angle(t) - polar, top, end).filter(|_| top < end);
     rising.into_iter().chain(falling).map(|t| (tilt, pendulum.at(t))).collect()
 }

@@ -12,6 +12,7 @@
 
 use super::elastica::canonical;
 use super::pendulum::Pendulum;
+use crate::math;
 use crate::plane::Vec2;
 #[cfg(not(feature = "std"))]
 use num_traits::Float as _;
@@ -63,7 +64,7 @@ pub fn tip_chart(q: f64, beta: f64) -> Option<TipChart> {
     }
     let swing = pendulum.at(t);
     let (du, e) = (swing.du, swing.energy);
-    let (sin_u, cos_u) = swing.u.sin_cos();
+    let (sin_u, cos_u) = math::sin_cos(swing.u);
     let (sin_w, cos_w) = (sin_u * cos + cos_u * sin, cos_u * cos - sin_u * sin);
     let s = e + t * sin;
     let (half, per) = (0.5 / cos, 1.0 / t);
@@ -98,7 +99,7 @@ pub fn tip_chart(q: f64, beta: f64) -> Option<TipChart> {
 
 /// The series around the straight whisker, to second order in the force.
 fn weak(q: f64, beta: f64) -> TipChart {
-    let (s, c) = beta.sin_cos();
+    let (s, c) = math::sin_cos(beta);
     TipChart {
         position: Vec2::new(1.0 - q * q * c * c / 15.0, q * c * (1.0 / 3.0 - q * s / 30.0)),
         slope: q * c * (0.5 - q * s / 24.0),

@@ -8,6 +8,7 @@
 
 use super::TipChart;
 use super::pendulum::{Pendulum, Tilt};
+use crate::math;
 use alloc::vec;
 use alloc::vec::Vec;
 use core::f64::consts::{FRAC_PI_2, PI};
@@ -77,11 +78,11 @@ fn uniform(beta: f64, t: f64) -> Option<CurveNode> {
 }
 
 fn node(beta: f64, t: f64) -> CurveNode {
-    let pendulum = Pendulum::new(Tilt::new(beta.sin(), beta.cos()));
+    let pendulum = Pendulum::new(Tilt::new(math::sin(beta), math::cos(beta)));
     let swing = pendulum.at(t);
     let (x, y) = swing.contact();
     let equilibrium = TipEquilibrium { direction: beta + swing.u + FRAC_PI_2, slope: swing.u, x: x / t, y: y / t, t };
-    let by_t = swing.du + t * (swing.u + beta).cos();
+    let by_t = swing.du + t * math::cos(swing.u + beta);
     CurveNode { beta, t, moment: t * swing.du, by_t, end: pendulum.half_period(), equilibrium }
 }
 
@@ -161,7 +162,7 @@ impl<N: Fn(f64, f64) -> Option<CurveNode>> Course<'_, N> {
         while curve.len() < MOST_STEPS {
             let Some(by_beta) = self.by_beta(&at) else { break };
             let gradient = (by_beta, at.by_t);
-            let norm = gradient.0.hypot(gradient.1);
+            let norm = math::hypot(gradient.0, gradient.1);
             let sign = if -gradient.1 * heading.0 + gradient.0 * heading.1 > 0.0 { 1.0 } else { -1.0 };
             heading = (-sign * gradient.1 / norm, sign * gradient.0 / norm);
             // Small moments live at small t, where the step must not jump over the curve's bends.
@@ -173,7 +174,7 @@ impl<N: Fn(f64, f64) -> Option<CurveNode>> Course<'_, N> {
                 break;
             }
             let (a, b) = (&at.equilibrium, &next.equilibrium);
-            speed = (a.x - b.x).hypot(a.y - b.y).max((a.slope - b.slope).abs()) / step;
+            speed = math::hypot(a.x - b.x, a.y - b.y).max((a.slope - b.slope).abs()) / step;
             curve.push(next.equilibrium);
             at = next;
         }
@@ -199,7 +200,7 @@ impl<N: Fn(f64, f64) -> Option<CurveNode>> Course<'_, N> {
 
 /// The largest `t` at a tilt at which a uniform whisker is in its first mode and turned by less than pi.
 pub(super) fn largest_root(beta: f64) -> f64 {
-    let pendulum = Pendulum::new(Tilt::new(beta.sin(), beta.cos()));
+    let pendulum = Pendulum::new(Tilt::new(math::sin(beta), math::cos(beta)));
     (MODE_END * pendulum.half_period()).min(pendulum.time_of(STEEPEST_SLOPE))
 }
 
@@ -235,7 +236,7 @@ pub fn largest_tip_moment(steepest: f64) -> f64 {
 /// The `t` at which the moment is largest for a load tilted by `-tilt`, which pushes towards the base, and that moment; slopes up
 /// to pi.
 fn peak(tilt: f64) -> (f64, f64) {
-    let pendulum = Pendulum::new(Tilt::new(-tilt.sin(), tilt.cos()));
+    let pendulum = Pendulum::new(Tilt::new(-math::sin(tilt), math::cos(tilt)));
     steepest_peak(pendulum.time_of(STEEPEST_SLOPE), &|t: f64| t * pendulum.at(t).du)
 }
 

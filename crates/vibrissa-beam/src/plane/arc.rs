@@ -1,6 +1,7 @@
 //! Circular and elliptical arcs as cubic Béziers.
 
 use super::{Segment, Vec2};
+use crate::math;
 use alloc::vec::Vec;
 use core::f64::consts::TAU;
 use kurbo::{Arc, PathEl, Point};
@@ -24,7 +25,7 @@ pub fn arc_to_cubics(center: Vec2, radii: Vec2, rotation: f64, start: f64, sweep
     let arc = Arc::new((center.x, center.y), (radii.x, radii.y), start, sweep, rotation);
     let place = |p: Point| Vec2::new(p.x, p.y);
     let mut from = {
-        let (sin, cos) = start.sin_cos();
+        let (sin, cos) = math::sin_cos(start);
         center + Vec2::new(radii.x * cos, radii.y * sin).rotated(rotation)
     };
     let mut cubics = Vec::new();

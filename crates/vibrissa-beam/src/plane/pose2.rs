@@ -1,6 +1,7 @@
 //! Rigid motions of the plane, the group SE(2).
 
 use super::Vec2;
+use crate::math;
 use core::f64::consts::{PI, TAU};
 #[cfg(not(feature = "std"))]
 use num_traits::Float as _;
@@ -112,8 +113,8 @@ impl Pose2 {
     pub fn exp(twist: Twist2) -> Self {
         let half = 0.5 * twist.theta;
         // sin(t)/t and (1-cos(t))/t, both without cancellation.
-        let sinc = if half == 0.0 { 1.0 } else { half.sin() / half };
-        let (a, b) = (sinc * half.cos(), sinc * half.sin());
+        let sinc = if half == 0.0 { 1.0 } else { math::sin(half) / half };
+        let (a, b) = (sinc * math::cos(half), sinc * math::sin(half));
         Self::new(a * twist.x - b * twist.y, b * twist.x + a * twist.y, twist.theta)
     }
 
@@ -122,7 +123,7 @@ impl Pose2 {
     pub fn log(self) -> Twist2 {
         let half = 0.5 * self.theta;
         // half * cot(half), which is 1 at zero and 0 at a half turn.
-        let a = if half == 0.0 { 1.0 } else { half * half.cos() / half.sin() };
+        let a = if half == 0.0 { 1.0 } else { half * math::cos(half) / math::sin(half) };
         Twist2 { x: a * self.x + half * self.y, y: a * self.y - half * self.x, theta: self.theta }
     }
 }

@@ -1,5 +1,6 @@
 //! A point or a vector of the plane.
 
+use crate::math;
 use core::ops::{Add, AddAssign, Mul, Neg, Sub};
 #[cfg(not(feature = "std"))]
 use num_traits::Float as _;
@@ -26,7 +27,7 @@ impl Vec2 {
     /// The unit vector at `angle` (rad, counter-clockwise from +x).
     #[must_use]
     pub fn from_angle(angle: f64) -> Self {
-        let (sin, cos) = angle.sin_cos();
+        let (sin, cos) = math::sin_cos(angle);
         Self { x: cos, y: sin }
     }
 
@@ -45,7 +46,7 @@ impl Vec2 {
     /// The Euclidean length.
     #[must_use]
     pub fn norm(self) -> f64 {
-        self.x.hypot(self.y)
+        math::hypot(self.x, self.y)
     }
 
     /// The squared length.
@@ -57,7 +58,7 @@ impl Vec2 {
     /// The direction as an angle in (-pi, pi] (rad); 0 for the zero vector.
     #[must_use]
     pub fn angle(self) -> f64 {
-        self.y.atan2(self.x)
+        math::atan2(self.y, self.x)
     }
 
     /// The vector turned by a quarter turn counter-clockwise.
@@ -69,7 +70,7 @@ impl Vec2 {
     /// The vector turned by `angle` (rad, counter-clockwise).
     #[must_use]
     pub fn rotated(self, angle: f64) -> Self {
-        let (sin, cos) = angle.sin_cos();
+        let (sin, cos) = math::sin_cos(angle);
         Self { x: cos * self.x - sin * self.y, y: sin * self.x + cos * self.y }
     }
 

@@ -12,6 +12,7 @@
 mod chip;
 mod dipole;
 
+use crate::math;
 pub use chip::{Chip, Mlx90393, Tle493d};
 pub use dipole::{Vec3, dipole_field};
 
@@ -75,6 +76,6 @@ impl SensingChain {
 
 /// The vector turned about the third axis, counter-clockwise (rad).
 fn turned([x, y, z]: Vec3, angle: f64) -> Vec3 {
-    let (sin, cos) = angle.sin_cos();
+    let (sin, cos) = math::sin_cos(angle);
     [cos * x - sin * y, sin * x + cos * y, z]
 }

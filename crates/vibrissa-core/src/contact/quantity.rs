@@ -1,6 +1,7 @@
 //! What of a whisker in contact is read.
 
 use crate::beam::TipChart;
+use crate::math;
 use crate::world::{MountedWhisker, ReadingNoise};
 
 /// What of a whisker is read; readings are dimensionless, as [`crate::beam::TipModel`] has them.
@@ -29,7 +30,7 @@ impl SensedQuantity {
         match self {
             Self::Moment => (tip.moment, [tip.by_force.moment, tip.by_tilt.moment]),
             Self::Force => {
-                let side = 1.0_f64.copysign(beta.cos());
+                let side = 1.0_f64.copysign(math::cos(beta));
                 (side * q, [side, 0.0])
             }
             Self::Slope => (tip.slope, [tip.by_force.slope, tip.by_tilt.slope]),
@@ -42,7 +43,7 @@ impl SensedQuantity {
         match self {
             Self::Moment => (tip.moment / s, [tip.by_force.moment / s, -tip.moment / (s * s)]),
             Self::Force => {
-                let per = 1.0_f64.copysign(beta.cos()) / (s * s);
+                let per = 1.0_f64.copysign(math::cos(beta)) / (s * s);
                 (per * q, [per, -2.0 * per * q / s])
             }
             Self::Slope => (tip.slope, [tip.by_force.slope, 0.0]),

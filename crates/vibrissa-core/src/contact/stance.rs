@@ -1,5 +1,6 @@
 //! How a whisker's base stands on a map.
 
+use crate::math;
 use crate::plane::{Pose2, Vec2};
 use core::f64::consts::FRAC_PI_2;
 
@@ -16,7 +17,7 @@ impl Stance {
     /// A whisker of this length (m) at this pose.
     #[must_use]
     pub fn new(map_from_whisker: Pose2, length: f64) -> Self {
-        let (sin, cos) = map_from_whisker.theta.sin_cos();
+        let (sin, cos) = math::sin_cos(map_from_whisker.theta);
         Self { map_from_whisker, sin, cos, per_length: 1.0 / length }
     }
 

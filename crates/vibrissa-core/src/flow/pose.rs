@@ -4,6 +4,7 @@
 
 mod answer;
 
+use crate::math;
 pub use answer::{
     ConsistencyReport, Estimate, Event, Hypothesis, Localization, Nuisance, NuisanceQuantity, OdometryEstimate, Remedy,
     ShapeRecord, StampedPose, Status, StepRecord, Stretch,
@@ -112,7 +113,7 @@ pub(crate) fn verdict(evidence: &Evidence<'_>) -> Verdict {
 
 /// Whether a place is small enough to be called known.
 fn is_small(extent: &StateBox) -> bool {
-    extent.x.width().hypot(extent.y.width()) <= LARGEST_PLACE && extent.theta.width() <= LARGEST_TURN
+    math::hypot(extent.x.width(), extent.y.width()) <= LARGEST_PLACE && extent.theta.width() <= LARGEST_TURN
 }
 
 /// How many places may be the true one, the best among them.
@@ -223,7 +224,7 @@ pub fn choose(states: &StateSet, odom_from_robot: Pose2, options: &Deterministic
     let Some(best) = states.best() else { return Vec::new() };
     let independent = (options.update_travel / options.history_travel).min(1.0);
     let half_chi = 0.5 * options.tolerance * options.tolerance * independent;
-    let likelihood = |c: &Candidate| (-half_chi * (c.rank() - best.rank())).exp();
+    let likelihood = |c: &Candidate| math::exp(-half_chi * (c.rank() - best.rank()));
     let likely: Vec<Candidate> =
         states.candidates().iter().filter(|c| likelihood(c) >= LEAST_LIKELIHOOD).copied().collect();
     let mut hypotheses: Vec<Hypothesis> = components(&likely, odom_from_robot)

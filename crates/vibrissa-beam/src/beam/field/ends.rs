@@ -1,6 +1,7 @@
 //! Where a contact sheet ends along the loads, and what its chart is made of.
 use super::bicubic::powers;
 use crate::beam::rod::Rod;
+use crate::math;
 use alloc::vec::Vec;
 #[cfg(not(feature = "std"))]
 use num_traits::Float as _;
@@ -91,7 +92,7 @@ fn panels(rod: &Rod) -> Vec<f64> {
 #[inline(always)]
 pub(super) fn force(gain: f64, s: f64, v: f64) -> f64 {
     // The difference of the two exponentials is known to one unit in the last place of one, which is what a load counts by.
-    let grown = v.exp();
+    let grown = math::exp(v);
     0.25 * (grown * grown - 1.0) / (grown * gain * s)
 }
 

@@ -10,6 +10,7 @@ use super::chart::BendKind;
 use super::panels::{Layout, SIDE, Samples};
 use super::state::FieldErrors;
 use super::table::{ENERGY, MOMENT, QUANTITIES, Row, SLOPE, Table, X, Y};
+use crate::math;
 use alloc::vec::Vec;
 use core::f64::consts::PI;
 #[cfg(not(feature = "std"))]
@@ -94,7 +95,7 @@ fn from_samples(
 ) -> ErrorRows {
     let mut worst = [[0.0; QUANTITIES]; 3];
     let places = |breaks: &[f64], bend: BendKind, k: usize| {
-        let x = 0.5 - 0.5 * (PI * k as f64 / SIDE as f64).cos();
+        let x = 0.5 - 0.5 * math::cos(PI * k as f64 / SIDE as f64);
         breaks.windows(2).map(move |w| bend.at(w[0] + (w[1] - w[0]) * x)).collect::<Vec<_>>()
     };
     for k in (0..=SIDE).step_by(EVERY) {

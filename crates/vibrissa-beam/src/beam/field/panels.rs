@@ -5,6 +5,7 @@
 use super::axis::Axis;
 use super::chart::BendKind;
 use super::table::{QUANTITIES, Row, Table, TableNode};
+use crate::math;
 use alloc::vec;
 use alloc::vec::Vec;
 use core::f64::consts::PI;
@@ -49,7 +50,7 @@ fn basis(x: f64) -> ([f64; SIDE], [f64; SIDE]) {
 
 /// The `j`-th Chebyshev point of \[-1, 1\].
 fn node(j: usize) -> f64 {
-    -((2 * j + 1) as f64 * PI / (2 * SIDE) as f64).cos()
+    -math::cos((2 * j + 1) as f64 * PI / (2 * SIDE) as f64)
 }
 
 fn between(lo: f64, hi: f64, x: f64) -> f64 {

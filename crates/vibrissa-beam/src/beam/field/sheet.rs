@@ -9,6 +9,7 @@ use super::bicubic::{Bicubics, Powers, cubics, slide};
 use super::ends::force;
 use crate::beam::pair::Pair;
 use crate::beam::rod::Rod;
+use crate::math;
 use crate::plane::Vec2;
 use alloc::vec::Vec;
 use core::f64::consts::PI;
@@ -291,7 +292,7 @@ impl ContactSheet {
         let [gain, end] = cubics(&Powers::of(place.share, Pair::both), *self.lines.get(place.cell)?).array();
         let doubled = 2.0 * (force * gain * s_a).abs();
         // The inverse of the hyperbolic sine, as well as a place on the chart needs it.
-        let load = (doubled + (1.0 + doubled * doubled).sqrt()).ln().copysign(force) / end;
+        let load = math::ln(doubled + (1.0 + doubled * doubled).sqrt()).copysign(force) / end;
         let column = self.w.place(load);
         let inside = load.abs() <= 1.0 && (-1e-9..=1.0 + 1e-9).contains(&place.share);
         let at = [place.share, column.share];

@@ -8,6 +8,7 @@ use super::sheet::{BLOCK, ContactSheet, KEPT, SheetCell};
 use super::table::{MOMENT, Row, SLOPE, Table, TableNode, X, Y};
 use crate::beam::pair::Pair;
 use crate::beam::rod::Rod;
+use crate::math;
 use crate::plane::Vec2;
 use crate::platform::vector_level;
 use alloc::vec::Vec;
@@ -29,7 +30,7 @@ impl ContactSheet {
     #[must_use]
     pub fn new(rod: &Rod, tilt: f64, most: f64) -> Option<Self> {
         let clamped = rod.clone().with_base_stiffness(f64::INFINITY).ok()?;
-        let ends = LoadEnd::new(&clamped, tilt, (2.0 * most).asinh())?;
+        let ends = LoadEnd::new(&clamped, tilt, math::asinh(2.0 * most))?;
         let sheet = |refinement| Self::refined(rod, &clamped, tilt, &ends, CELLS[0] << refinement);
         (0..=MOST_REFINED).find_map(sheet)
     }

@@ -1,6 +1,7 @@
 //! The unit of load of a side field, by the contact's place.
 
 use crate::beam::rod::Rod;
+use crate::math;
 use core::f64::consts::PI;
 #[cfg(not(feature = "std"))]
 use num_traits::Float as _;
@@ -12,7 +13,7 @@ pub(super) const TERMS: usize = 8;
 pub(super) fn unit(scale: &[f64; TERMS], u: f64, length: f64) -> f64 {
     let x = 2.0 * u - 1.0;
     let s_a = u * length;
-    scale.iter().rev().fold(0.0, |sum, c| sum * x + c).exp() / (s_a * s_a)
+    math::exp(scale.iter().rev().fold(0.0, |sum, c| sum * x + c)) / (s_a * s_a)
 }
 
 /// The derivative of the unit's logarithm by `u`.
@@ -24,11 +25,11 @@ pub(super) fn log_slope(scale: &[f64; TERMS], u: f64) -> f64 {
 
 /// The polynomial of the load's unit: through the logarithm at Chebyshev points, by Newton's divided differences.
 pub(super) fn scale(rod: &Rod) -> [f64; TERMS] {
-    let node = |i: usize| ((2 * i + 1) as f64 * PI / (2 * TERMS) as f64).cos();
+    let node = |i: usize| math::cos((2 * i + 1) as f64 * PI / (2 * TERMS) as f64);
     let length = rod.length();
     let mut differences: [f64; TERMS] = core::array::from_fn(|i| {
         let s_a = (0.5 * (1.0 + node(i))).max(0.05) * length;
-        (rod.unit_force(s_a) * s_a * s_a).ln()
+        math::ln(rod.unit_force(s_a) * s_a * s_a)
     });
     for k in 1..TERMS {
         for i in (k..TERMS).rev() {

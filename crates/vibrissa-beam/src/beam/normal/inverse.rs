@@ -5,7 +5,7 @@
 //! negative beyond, everything is smooth, both branches in one piece. Polynomials interpolate at Chebyshev's points of
 //! equal pieces; the points come from Newton's method on the forward functions, all in constant evaluation.
 
-use super::series::{A, B, C, DERIVED, P, PIECES, STORED, SeriesPiece, forward, horner, horner_wide};
+use super::series::{A, B, C, FORWARD, P, PIECES, STORED, SeriesPiece, derived, forward, horner, horner_wide};
 use fearless_simd::Simd;
 
 /// Terms of each polynomial.
@@ -154,8 +154,11 @@ const fn solve(coordinate: Coordinate, pieces: &[SeriesPiece; PIECES], target: f
 }
 
 #[allow(long_running_const_eval)]
-const fn derive<const LANES: usize, const N: usize>(coordinate: Coordinate, first: f64) -> Inverse<LANES, N> {
-    let forward_pieces = &DERIVED;
+const fn derive<const LANES: usize, const N: usize>(
+    forward_pieces: &[SeriesPiece; PIECES],
+    coordinate: Coordinate,
+    first: f64,
+) -> Inverse<LANES, N> {
     let fold = coordinate.fold(forward_pieces);
     let top = coordinate.of(forward_pieces, fold).0;
     let last = match coordinate {
@@ -225,14 +228,16 @@ const fn interpolated<const LANES: usize>(mut values: [[f64; LANES]; TERMS]) -> 
     powers
 }
 
-/// By moment.
-pub(super) static BY_MOMENT: Inverse<STORED, 32> = derive(Coordinate::Moment, -1.0);
-/// By polar angle; the other branch ends at a right angle, `w` = 1.
-const ANGLE: Inverse<6, 32> = derive(Coordinate::Angle, -0.44);
-/// By polar angle, the first four functions.
-pub(super) static BY_ANGLE: Inverse<STORED, 32> = taken(&ANGLE, 0);
-/// By polar angle, the others; apart, because compilers make vectors of two and four only.
-pub(super) static MORE_BY_ANGLE: Inverse<2, 32> = taken(&ANGLE, STORED);
+derived! {
+    /// By moment.
+    BY_MOMENT: Inverse<STORED, 32> = derive(&FORWARD, Coordinate::Moment, -1.0);
+    /// By polar angle; the other branch ends at a right angle, `w` = 1.
+    ANGLE: Inverse<6, 32> = derive(&FORWARD, Coordinate::Angle, -0.44);
+    /// By polar angle, the first four functions.
+    BY_ANGLE: Inverse<STORED, 32> = taken(&ANGLE, 0);
+    /// By polar angle, the others; apart, because compilers make vectors of two and four only.
+    MORE_BY_ANGLE: Inverse<2, 32> = taken(&ANGLE, STORED);
+}
 
 /// The functions from `start` on.
 const fn taken<const LANES: usize>(from: &Inverse<6, 32>, start: usize) -> Inverse<LANES, 32> {

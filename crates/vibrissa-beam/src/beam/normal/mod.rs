@@ -18,6 +18,7 @@
 mod inverse;
 mod series;
 
+use crate::math;
 use crate::plane::Vec2;
 use crate::platform::vector_level;
 use fearless_simd::dispatch;
@@ -282,5 +283,5 @@ pub fn largest_moment() -> f64 {
 /// The largest polar angle of a contact under a normal load (rad), about 99.6 degrees.
 #[must_use]
 pub fn largest_angle() -> f64 {
-    2.0 * BY_ANGLE.top.atan()
+    2.0 * math::atan(BY_ANGLE.top)
 }

@@ -41,11 +41,26 @@ type Long = [[f64; CARRIED]; LONG];
 /// Pieces that are taken from the series about zero; from there on each gives the next.
 const NEAR_ZERO: usize = 4;
 
-/// The polynomials, piece `i` about `y = i + 1/2`, for constant evaluation.
-#[allow(clippy::large_const_arrays, reason = "constants cannot read statics")]
-pub(super) const DERIVED: [SeriesPiece; PIECES] = derive();
-/// The same in memory.
-pub(super) static FORWARD: [SeriesPiece; PIECES] = DERIVED;
+/// A table that the compiler derives. In a browser the page derives it when it is first asked for, by the same code to the
+/// same bits: numbers do not compress, and four such tables are a twentieth of the page.
+macro_rules! derived {
+    ($($(#[$words:meta])* $name:ident: $kind:ty = $value:expr;)+) => {
+        $(
+            $(#[$words])*
+            #[cfg(not(all(feature = "std", target_family = "wasm")))]
+            pub(super) static $name: $kind = $value;
+            $(#[$words])*
+            #[cfg(all(feature = "std", target_family = "wasm"))]
+            pub(super) static $name: std::sync::LazyLock<$kind> = std::sync::LazyLock::new(|| $value);
+        )+
+    };
+}
+pub(super) use derived;
+
+derived! {
+    /// The polynomials, piece `i` about `y = i + 1/2`.
+    FORWARD: [SeriesPiece; PIECES] = derive();
+}
 
 const fn product(f: &Long, a: usize, b: usize, n: usize) -> f64 {
     let (mut sum, mut i) = (0.0, 0);

@@ -2,6 +2,7 @@
 
 use super::patch::{CORNERS, Fit, Patch, RodSample, Samples, Variant};
 use crate::beam::rod::{Hold, Rod};
+use crate::math;
 use alloc::collections::BinaryHeap;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
@@ -105,7 +106,7 @@ impl RodKind {
     fn force_at(&self, a: f64) -> (f64, f64) {
         match self.contact {
             RodContact::Tip => (1.0, a),
-            RodContact::Side(tilt) => (a.exp().min(1.0), tilt),
+            RodContact::Side(tilt) => (math::exp(a).min(1.0), tilt),
         }
     }
 
@@ -170,8 +171,8 @@ impl RodKind {
         match self.contact {
             RodContact::Tip => between(-self.slack, FRAC_PI_2, TILT).chain([FRAC_PI_2]).collect(),
             RodContact::Side(_) => {
-                let mut ends: Vec<f64> = [NEAREST.ln(), 0.0].to_vec();
-                ends.extend(self.rod.joints().filter(|&s| s > NEAREST && s < 1.0).map(f64::ln));
+                let mut ends: Vec<f64> = [math::ln(NEAREST), 0.0].to_vec();
+                ends.extend(self.rod.joints().filter(|&s| s > NEAREST && s < 1.0).map(math::ln));
                 ends.sort_by(f64::total_cmp);
                 let mut all: Vec<f64> = ends.windows(2).flat_map(|w| between(w[0], w[1], ARC)).collect();
                 all.push(0.0);

@@ -2,6 +2,7 @@
 //! what that leaves.
 
 use super::{ROUNDING, SAFETY};
+use crate::math;
 use crate::plane::Vec2;
 use alloc::vec::Vec;
 #[cfg(not(feature = "std"))]
@@ -189,7 +190,7 @@ impl Fit {
             let (mut far, mut apart, mut moved) = (0.0_f64, [0.0_f64; 2], 0.0_f64);
             for &[d, m, x, y] in variant {
                 far = far.max(left(d, m, Vec2::new(x, y)).norm());
-                moved = moved.max(x.hypot(y));
+                moved = moved.max(math::hypot(x, y));
                 apart = [apart[0].max(d.abs()), apart[1].max(m.abs())];
             }
             radius += VARIANT_SAFETY * far;

@@ -2,6 +2,7 @@
 
 use super::{PressNode, ROUNDING, SAFETY, SheetError};
 use crate::beam::pendulum::{Pendulum, Tilt};
+use crate::math;
 use crate::plane::Vec2;
 use alloc::vec::Vec;
 use core::f64::consts::{FRAC_PI_2, PI};
@@ -171,7 +172,7 @@ fn tips(beta: f64, u: f64) -> [PressNode; 2] {
     }
     let pendulum = Pendulum::new(Tilt::from_gap(beta + FRAC_PI_2));
     let there = pendulum.at(pendulum.time_of(u).clamp(0.0, pendulum.half_period()));
-    let (sin, cos) = u.sin_cos();
+    let (sin, cos) = math::sin_cos(u);
     let node = |t: f64, (along, across): (f64, f64)| PressNode {
         moment: t * there.du,
         tip: Vec2::new(along * cos + across * sin, along * sin - across * cos) * (1.0 / t),

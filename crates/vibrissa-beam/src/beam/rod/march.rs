@@ -28,6 +28,7 @@
 use super::super::pair::Pair;
 use super::Rod;
 use super::section::{RodPiece, rest_series};
+use crate::math;
 use crate::plane::Vec2;
 #[cfg(not(feature = "std"))]
 use num_traits::Float as _;
@@ -209,14 +210,14 @@ impl MarchStep {
     #[inline]
     fn counted(&self, length: f64) -> f64 {
         let w = self.narrowing;
-        if w.abs() > 0.0 { -(-w * length).ln_1p() / w } else { length }
+        if w.abs() > 0.0 { -math::ln_1p(-w * length) / w } else { length }
     }
 
     /// The inverse of [`MarchStep::counted`].
     #[inline]
     fn length_of(&self, t: f64) -> f64 {
         let w = self.narrowing;
-        if w.abs() > 0.0 { -(-w * t).exp_m1() / w } else { t }
+        if w.abs() > 0.0 { -math::exp_m1(-w * t) / w } else { t }
     }
 
     /// The longest step towards `reach` (counted, signed) whose last terms stay below the tolerance.
@@ -307,7 +308,7 @@ pub(super) fn march(
     mut look: impl FnMut(&MarchStep, &RodState) -> bool,
 ) -> Option<RodState> {
     let mut state = start;
-    let (sin, cos) = start.phi.sin_cos();
+    let (sin, cos) = math::sin_cos(start.phi);
     let mut turn = Pair::new(cos, sin);
     let mut step = MarchStep::at_rest(start);
     let (mut stretch, mut end, mut narrows) = enter(rod, start.s, to);
@@ -349,6 +350,6 @@ fn enter(rod: &Rod, s: f64, to: f64) -> (RodPiece, f64, f64) {
     let backwards = to < s;
     let piece = rod.piece(s, backwards);
     let end = if backwards { to.max(rod.piece_start(s)) } else { to.min(piece.end) };
-    let narrows = -(-piece.narrowing / piece.radius(s) * (end - s)).ln_1p();
+    let narrows = -math::ln_1p(-piece.narrowing / piece.radius(s) * (end - s));
     (piece, end, narrows)
 }

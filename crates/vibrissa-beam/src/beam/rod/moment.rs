@@ -12,6 +12,7 @@ use super::point::MOST_TURNING;
 use super::scan::{geometric, roots};
 use super::shot::{Shot, Trial, gap_of};
 use crate::error::Result;
+use crate::math;
 use crate::plane::Vec2;
 use alloc::vec;
 use alloc::vec::Vec;
@@ -39,7 +40,7 @@ impl Rod {
     }
 
     fn following_moment(&self, moment: f64, s_a: f64, beta: f64) -> Vec<Shot> {
-        let sign = (moment * beta.cos()).signum();
+        let sign = (moment * math::cos(beta)).signum();
         let unit = 1.0 / self.softness(s_a);
         // Of a rod that is curved at rest the moment may change sign before the base.
         let signs = if self.curvature.is_empty() { vec![sign] } else { vec![sign, -sign] };

@@ -6,6 +6,7 @@
 //! they are \[manning2013catalogue\]; each such place between base and contact is a direction in which the energy falls.
 
 use super::Rod;
+use crate::math;
 use crate::plane::Vec2;
 use core::f64::consts::FRAC_PI_2;
 #[cfg(not(feature = "std"))]
@@ -113,7 +114,7 @@ impl Rod {
 fn stepped(from: &Varied, h: f64, rod: impl Fn(usize) -> (f64, f64), (push, forces): (Vec2, &[Vec2; 3])) -> Varied {
     let rate = |([phi, moment], varied): &Varied, at: usize| -> Varied {
         let (compliance, rest) = rod(at);
-        let (sin, cos) = phi.sin_cos();
+        let (sin, cos) = math::sin_cos(*phi);
         let with = |d: &[f64; 4], force: Vec2| {
             let turned = (push.x * cos + push.y * sin) * d[0];
             [compliance * d[1], force.x * sin - force.y * cos + turned, -sin * d[0], cos * d[0]]

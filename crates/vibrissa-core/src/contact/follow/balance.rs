@@ -2,6 +2,7 @@
 
 use super::span::{Shape, UNKNOWNS};
 use crate::contact::{Spot, Stance, Support, TwoContacts};
+use crate::math;
 use crate::plane::{Vec2, wrap_angle};
 use core::f64::consts::{FRAC_PI_2, PI};
 
@@ -45,7 +46,7 @@ pub(super) fn equations(stance: &Stance, both: &TwoContacts, shape: &Shape, side
         let across = stance.theta() + shape.side.slope + FRAC_PI_2 - side.normal;
         rows[6][6] = -side.turning;
         // To the whisker's left or to its right, whichever is nearer.
-        residuals[6] = wrap_angle(if across.cos() > 0.0 { across } else { across + PI });
+        residuals[6] = wrap_angle(if math::cos(across) > 0.0 { across } else { across + PI });
     } else {
         (rows[0][6], rows[1][6], rows[6][6]) = (0.0, 0.0, 1.0);
     }

@@ -8,6 +8,7 @@ use super::balance::{MOST, equations, gradient, solved};
 use super::span::{self, Shape, UNKNOWNS};
 use super::{Contact, ForwardModel, Mechanics, Next, Prediction};
 use crate::contact::{Hold, Push, Spot, Stance, Support, TwoContacts};
+use crate::math;
 use crate::plane::{Vec2, wrap_angle};
 use core::f64::consts::{FRAC_PI_2, PI};
 
@@ -72,7 +73,7 @@ impl ForwardModel<'_> {
         let Hold::Side(side, _) = touch.hold else { return Next::None };
         let per = 1.0 / touch.s;
         let Some(chart) = self.mechanics.chart(touch.q, touch.beta) else { return Next::None };
-        let push = touch.q * per * per * touch.beta.cos();
+        let push = touch.q * per * per * math::cos(touch.beta);
         let force = Vec2::from_angle(touch.slope + FRAC_PI_2) * push;
         let load = [chart.moment * per, force.x, force.y, touch.s, push];
         self.on_both(stance, TwoContacts { load, tip: Support::Piece(piece, at.clamp(0.0, 1.0)), side })
@@ -149,7 +150,7 @@ impl ForwardModel<'_> {
         let to = |place: (u32, f64)| Some(Support::from(place));
         match both.side {
             Support::Piece(piece, at) => {
-                let held = push * (across - self.boundaries.spot((piece, at)).normal).cos() > 0.0;
+                let held = push * math::cos(across - self.boundaries.spot((piece, at)).normal) > 0.0;
                 if (0.0..=1.0).contains(&at) {
                     return Some((None, held));
                 }
@@ -159,7 +160,7 @@ impl ForwardModel<'_> {
             }
             Support::Corner(id) => {
                 let corner = self.boundaries.corner(id)?;
-                let facing = (across - corner.normal - 0.5 * corner.turn).cos();
+                let facing = math::cos(across - corner.normal - 0.5 * corner.turn);
                 let lean = corner.lean(if facing > 0.0 { across } else { across + PI });
                 let next = if lean < 0.0 {
                     to(corner.before)
@@ -178,7 +179,7 @@ impl ForwardModel<'_> {
         let to = |place: (u32, f64)| Some(Support::from(place));
         match both.tip {
             Support::Piece(piece, at) => {
-                let held = (direction - self.boundaries.spot((piece, at)).normal).cos() > 0.0;
+                let held = math::cos(direction - self.boundaries.spot((piece, at)).normal) > 0.0;
                 if (0.0..=1.0).contains(&at) {
                     return Some((None, held));
                 }
@@ -193,7 +194,7 @@ impl ForwardModel<'_> {
             }
             Support::Corner(id) => {
                 let corner = self.boundaries.corner(id)?;
-                let held = (direction - corner.normal - 0.5 * corner.turn).cos() > 0.0;
+                let held = math::cos(direction - corner.normal - 0.5 * corner.turn) > 0.0;
                 let lean = corner.lean(direction);
                 let next = if lean < 0.0 {
                     to(corner.before)

@@ -11,6 +11,7 @@ use super::tip::{END_SLACK, MOST_PIECES, MOST_STEPS};
 use super::{Contact, ForwardModel, Mechanics, Next, Prediction};
 use crate::beam::normal::{Branch, by_point};
 use crate::contact::{Hold, Push, Stance, Support};
+use crate::math;
 use crate::plane::wrap_angle;
 
 /// Below this force a side passes straight from corner to corner: where on a flat piece it lies is not defined.
@@ -140,7 +141,7 @@ impl ForwardModel<'_> {
             .filter_map(|branch| by_point(1.0, BEYOND, target, branch))
             .min_by(|a, b| (a.phi_a - from.slope).abs().total_cmp(&(b.phi_a - from.slope).abs()))?;
         let (s, per) = (bend.s_a, 1.0 / bend.s_a);
-        let q = bend.force * s * s * from.beta.cos();
+        let q = bend.force * s * s * math::cos(from.beta);
         let chart = self.mechanics.chart(q, from.beta)?;
         let (a, b) = (chart.by_force.position * s, target * per);
         let (value, [m, n]) = self.quantity.at_side(&chart, q, s, from.beta);
@@ -212,7 +213,7 @@ impl ForwardModel<'_> {
         let heading = stance.heading(found.slope);
         let sides = [(corner.before, corner.normal), (corner.after, corner.normal + corner.turn)];
         for ((piece, at), normal) in sides {
-            if (heading - normal).cos() < 0.0
+            if math::cos(heading - normal) < 0.0
                 && let Next::Touching(touch, predicted) = self.along(stance, &touch, piece, at, true)
             {
                 return Next::Touching(touch, predicted);

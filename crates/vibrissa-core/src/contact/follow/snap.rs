@@ -8,6 +8,7 @@
 use super::tip::Placed;
 use super::{Contact, ForwardModel, Next, Prediction};
 use crate::contact::{Hold, Stance, Support};
+use crate::math;
 use crate::plane::{Pose2, Vec2, wrap_angle};
 use core::f64::consts::FRAC_PI_2;
 
@@ -116,7 +117,7 @@ impl ForwardModel<'_> {
         // By how much a place is farther from the base than a force across the whisker has the tip, by the angle at which it is seen.
         let beyond = |piece: u32, at: f64| {
             let arm = self.boundaries.spot((piece, at)).position - stance.base();
-            let polar = heading.cross(arm).atan2(heading.dot(arm));
+            let polar = math::atan2(heading.cross(arm), heading.dot(arm));
             arm.norm() - (1.0 - BENT * polar * polar) * self.length
         };
         let forward = self.boundaries.spot((piece, at)).velocity.dot(heading) >= 0.0;
@@ -248,7 +249,7 @@ impl ForwardModel<'_> {
         let upright = wrap_angle(spot.normal - stance.theta() - slope - FRAC_PI_2);
         let lever = stance.seen(spot.position).y;
         let known = tip_force.into_iter().flat_map(|tip_force| [(tip_force.q, tip_force.beta), (tip_force.q, upright)]);
-        let weak = (3.0 * lever / upright.cos(), upright);
+        let weak = (3.0 * lever / math::cos(upright), upright);
         known.chain([weak]).filter(|load| load.0 > 0.0).find_map(|(q, beta)| {
             let hold = Hold::Tip(Support::Piece(piece, at));
             let from = Contact { q, beta, s: 1.0, hold, place: spot.position, slope, clear: 0.0 };

@@ -3,6 +3,7 @@
 //! In units of `L` and `EI / L²`, with the sum of the forces beyond `s` as `N`, the curvature obeys `k' = N_x
 //! sin(theta) - N_y cos(theta)`; `N` jumps at the side contact by the force there, which is normal to the whisker.
 
+use crate::math;
 use crate::plane::Vec2;
 
 /// Steps of Runge and Kutta's method for a whole whisker, and fewest on either side of the contact: where a shape is
@@ -43,7 +44,7 @@ pub(super) fn shape(load: [f64; UNKNOWNS], quick: bool) -> Shape {
     // Up to the contact only moment and sum of the forces bend the whisker.
     let mut side = along::<3>(root, s, whole, &[unit[0], unit[1], unit[2]], quick);
     side.by[3] = rates(&side, whole);
-    let (sin, cos) = side.slope.sin_cos();
+    let (sin, cos) = math::sin_cos(side.slope);
     let (normal, tangent) = (Vec2::new(-sin, cos), Vec2::new(cos, sin));
     let force = whole - normal * push;
     let mut force_by: [Vec2; UNKNOWNS] = core::array::from_fn(|k| unit[k] + tangent * (push * side.by[k][0]));
@@ -74,7 +75,7 @@ fn first(unknown: usize) -> [f64; 4] {
 
 /// Derivatives by the arc length.
 fn rates(at: &Section, force: Vec2) -> [f64; 4] {
-    let (sin, cos) = at.slope.sin_cos();
+    let (sin, cos) = math::sin_cos(at.slope);
     [at.curvature, force.x * sin - force.y * cos, cos, sin]
 }
 
@@ -124,7 +125,7 @@ fn along<const N: usize>(from: Section, length: f64, force: Vec2, by: &[Vec2; N]
         (STEPS * length.abs()).clamp(FEWEST, STEPS).ceil()
     };
     let h = length / count;
-    let (sin, cos) = from.slope.sin_cos();
+    let (sin, cos) = math::sin_cos(from.slope);
     let own = [from.slope, from.curvature, from.position.x, from.position.y, sin, cos];
     let mut y = Integrated::<N> { own, by: core::array::from_fn(|k| from.by[k]) };
     for _ in 0..count as usize {

@@ -6,6 +6,7 @@
 
 use super::{Contact, ForwardModel, span};
 use crate::contact::{Hold, Stance, Support};
+use crate::math;
 use crate::plane::Vec2;
 use core::f64::consts::FRAC_PI_2;
 
@@ -59,7 +60,7 @@ impl ForwardModel<'_> {
         if let Hold::Tip(Support::Piece(piece, at)) = touch.hold {
             // A tip that points out of the boundary has come through it from behind.
             let heading = stance.heading(touch.slope);
-            if (heading - self.boundaries.spot((piece, at)).normal).cos() > 0.0
+            if math::cos(heading - self.boundaries.spot((piece, at)).normal) > 0.0
                 && let Some(gap) = self.gap(stance, touch.place - Vec2::from_angle(heading) * (BEHIND * self.length))
             {
                 return Surroundings::Before(1.0 - BEHIND, gap.at);

@@ -9,6 +9,7 @@ use super::system::System;
 use super::{Contact, ForwardModel, Next, Prediction};
 use crate::beam::TipChart;
 use crate::contact::{Corner, Hold, Stance, Support};
+use crate::math;
 use crate::plane::{Vec2, wrap_angle};
 use core::f64::consts::FRAC_PI_2;
 
@@ -177,7 +178,7 @@ impl ForwardModel<'_> {
         if q.abs() < WEAK {
             // A weak force can point anywhere without moving the tip much: start from the small-angle solution.
             beta = wrap_angle(corner.normal + 0.5 * corner.turn - stance.theta() - FRAC_PI_2);
-            q = 3.0 * target.y / beta.cos();
+            q = 3.0 * target.y / math::cos(beta);
         }
         let placed = self.placed_at(q, beta, target)?;
         let (a, b) = (placed.tip.by_force.position, placed.tip.by_tilt.position);
@@ -255,7 +256,7 @@ fn on_piece_system(tip: &TipChart, velocity: Vec2, turning: f64) -> System {
 
 /// Whether a whisker that stands so points out of the boundary with this normal (rad).
 fn points_out(stance: &Stance, touch: &Contact, normal: f64) -> bool {
-    (stance.heading(touch.slope) - normal).cos() > 0.0
+    math::cos(stance.heading(touch.slope) - normal) > 0.0
 }
 
 pub(super) fn damping(q: f64, dq: f64, dbeta: f64) -> f64 {

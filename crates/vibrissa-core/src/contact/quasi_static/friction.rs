@@ -3,6 +3,7 @@
 use super::newton::{PieceSolution, Rule, Unknown};
 use super::{Equilibrium, LOST, Outcome, PointLoad, Step, TIP_SLACK, Tried};
 use crate::contact::{Hold, Push, Support};
+use crate::math;
 use crate::plane::{Vec2, wrap_angle};
 
 /// Force below which a stuck contact starts afresh, over `EI / L²`.
@@ -71,7 +72,7 @@ impl Step<'_> {
         let off = match contact.hold {
             Hold::Tip(Support::Piece(piece, at)) => {
                 let normal = on.boundaries.spot((piece, at)).normal;
-                if (on.stance.heading(state.slope) - normal).cos() > 0.0 {
+                if math::cos(on.stance.heading(state.slope) - normal) > 0.0 {
                     return self.rolled(&next, (piece, at), Push::of(load.beta));
                 }
                 wrap_angle(direction - normal)

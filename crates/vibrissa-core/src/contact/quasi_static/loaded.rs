@@ -7,6 +7,7 @@
 
 use crate::Result;
 use crate::beam::{Bend, Rod, Whisker, elastica, normal};
+use crate::math;
 use crate::plane::Vec2;
 use core::f64::consts::PI;
 
@@ -154,7 +155,7 @@ impl LoadedWhisker {
         }
         let PointLoad { q, s, beta } = load;
         if (q * s * s).abs() < WEAK {
-            let across = beta.cos();
+            let across = math::cos(beta);
             return Some(LoadedRate { p: Vec2::new(0.0, across * s * s * s / 3.0), slope: 0.5 * across * s * s });
         }
         let longer = Self::longer(here);

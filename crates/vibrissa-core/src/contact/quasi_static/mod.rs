@@ -19,6 +19,7 @@ mod newton;
 mod onset;
 
 use super::{Corner, Hold, Push, Support};
+use crate::math;
 use crate::plane::Vec2;
 pub use loaded::{LoadedState, LoadedWhisker, PointLoad};
 pub use newton::WhiskerOnMap;
@@ -184,7 +185,7 @@ impl Step<'_> {
         if (-END_SLACK..=1.0 + END_SLACK).contains(&at) {
             let Some((load, state)) = found else { return Tried::Is(Outcome::Ends(LOST)) };
             let normal = self.on.boundaries.spot((piece, at)).normal;
-            if load.q > 0.0 && (self.on.stance.heading(state.slope) - normal).cos() > 0.0 {
+            if load.q > 0.0 && math::cos(self.on.stance.heading(state.slope) - normal) > 0.0 {
                 // The tip lies down on the boundary.
                 let push = Push::of(load.beta - offset);
                 let laid = PointLoad { beta: push.tilt() + offset, ..load };
@@ -215,7 +216,7 @@ impl Step<'_> {
             }
         } else if !corner.is_smooth()
             && let Some(state) = self.on.whisker.at(load)
-            && (self.on.stance.heading(state.slope) - self.on.boundaries.spot(over).normal).cos() > 0.0
+            && math::cos(self.on.stance.heading(state.slope) - self.on.boundaries.spot(over).normal) > 0.0
         {
             return self.slips_past(id, corner.is_end(), load, offset);
         }
@@ -297,7 +298,7 @@ impl Step<'_> {
     fn slips_off(&self, corner: &Corner, state: &LoadedState, load: PointLoad) -> Tried {
         let heading = self.on.stance.heading(state.slope);
         for (piece, end) in [corner.before, corner.after] {
-            if (heading - self.on.boundaries.spot((piece, end)).normal).cos() < 0.0
+            if math::cos(heading - self.on.boundaries.spot((piece, end)).normal) < 0.0
                 && let PieceSolution::Found { load, state, at, stable: true } =
                     self.on.on_piece(Rule::Slide { offset: 0.0 }, load, (piece, end))
                 && (0.0..=1.0).contains(&at)

@@ -3,6 +3,7 @@
 use super::loaded::{LoadedRate, LoadedState, LoadedWhisker, PointLoad};
 use crate::contact::{Boundaries, Push, Stance};
 use crate::linear_algebra::determinant;
+use crate::math;
 use crate::plane::{Pose2, Vec2, wrap_angle};
 use crate::world::Map;
 
@@ -168,7 +169,7 @@ impl<'a> WhiskerOnMap<'a> {
             };
             let det = a.cross(b);
             if residual < FOUND || (residual < self.whisker.accuracy() && residual >= 0.5 * last) {
-                let push = load.beta.cos();
+                let push = math::cos(load.beta);
                 return Some((load, state, unknown == Unknown::Tilt || det * push < 0.0));
             }
             moved(&mut load, unknown, gap.cross(b) / det, a.cross(gap) / det);

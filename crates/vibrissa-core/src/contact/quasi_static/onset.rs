@@ -4,6 +4,7 @@ use super::{Equilibrium, PointLoad, WhiskerOnMap};
 use crate::beam::Bend;
 use crate::config::limits::FLATTEN_TOLERANCE;
 use crate::contact::{Hold, Push, Support};
+use crate::math;
 use crate::plane::{Bounds, Pose2, Twist2, Vec2, segment_contact, wrap_angle};
 use crate::world::Map;
 use core::f64::consts::FRAC_PI_2;
@@ -116,7 +117,7 @@ pub fn side_hold(on: &WhiskerOnMap<'_>, (piece, at): (u32, f64), push: Push, hea
     if let Some((id, corner)) = near {
         return (0.0..=1.0).contains(&corner.lean(across)).then_some(Hold::Side(Support::Corner(id), push));
     }
-    ((across - spot.normal).cos() > 0.999).then_some(Hold::Side(Support::Piece(piece, at), push))
+    (math::cos(across - spot.normal) > 0.999).then_some(Hold::Side(Support::Piece(piece, at), push))
 }
 
 /// Arc length of the point of a polyline nearest to `point` (m).

@@ -6,6 +6,7 @@ use super::trace::traced;
 use super::{Contact, ContactModel, VirtualSensor};
 use crate::beam::field::{ContactSheet, Read, SheetContact};
 use crate::beam::normal::{Branch, by_force, by_moment};
+use crate::math;
 
 /// Parameters that are looked at for pieces within whisker and limits.
 pub(super) const PROBES: usize = 48;
@@ -63,8 +64,8 @@ fn by_beam(model: &ContactModel, sensor: VirtualSensor, value: f64, nodes: usize
         (VirtualSensor::Load, _) => along([first, length], &[], nodes, &|s| model.admitted(value, s)),
         (VirtualSensor::Strip, _) if !(value > 0.0 && value <= length) => Vec::new(),
         (VirtualSensor::Strip, _) => {
-            let last = (2.0 * model.last_load_number()).asinh();
-            along([-last, last], &[0.0], nodes, &|v| model.admitted(model.force_of(0.5 * v.sinh(), value), value))
+            let last = math::asinh(2.0 * model.last_load_number());
+            along([-last, last], &[0.0], nodes, &|v| model.admitted(model.force_of(0.5 * math::sinh(v), value), value))
         }
         // Without a force a straight whisker has neither slope nor moment.
         (VirtualSensor::Slope | VirtualSensor::Moment(_), _) if at_rest => {

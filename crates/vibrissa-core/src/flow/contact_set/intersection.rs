@@ -3,6 +3,7 @@
 use super::curve::LINKS;
 use super::{Contact, ContactCurve, ContactModel, ContactSet, VirtualSensor};
 use crate::linear_algebra::solve;
+use crate::math;
 use crate::plane::{Pose2, Vec2};
 
 /// A shared stretch shorter than this many tolerances is a point.
@@ -72,7 +73,7 @@ pub fn intersect(a: PlacedSet<'_>, b: PlacedSet<'_>, tolerance: f64) -> Vec<Meet
     let first_from_second = a.frame_from_whisker.inverse().compose(b.frame_from_whisker);
     let mut found = Vec::new();
     for second in &b.set.curves {
-        let (sin, cos) = first_from_second.theta.sin_cos();
+        let (sin, cos) = math::sin_cos(first_from_second.theta);
         let shift = first_from_second.position();
         let moved: Vec<Vec2> = second
             .contacts()
@@ -314,7 +315,7 @@ fn crossing(
     }
     let length = a.model().length();
     let scales = [0, 1].map(|k| sides[k].value.abs().max(1e-9));
-    let (sin, cos) = a_from_b.theta.sin_cos();
+    let (sin, cos) = math::sin_cos(a_from_b.theta);
     let turned = |v: [f64; 3]| [cos * v[0] - sin * v[1], sin * v[0] + cos * v[1], v[2]];
     for step in 0..STEPS {
         let (p, by_p) = sides[0].linear(x[0], x[1], scales[0])?;

@@ -6,6 +6,7 @@
 use super::tip::{TipContactSet, blend};
 use crate::beam::{TipModel, TipReading};
 use crate::config::TipLoad;
+use crate::math;
 
 /// Natural logarithm of the ratio of neighbouring rungs: the tip of the paper's whisker moves by some millimetres from one
 /// to the next, on a line within a fifth of one where the set folds, elsewhere much less.
@@ -30,7 +31,7 @@ impl Ladder {
 
     /// As [`TipContactSet::branches`] of this moment (N m), within 3e-3 of the whisker's length.
     pub(crate) fn branches(&mut self, moment: f64) -> Vec<TipContactSet> {
-        let place = moment.abs().ln() / STEP;
+        let place = math::ln(moment.abs()) / STEP;
         // Loads normal to the whisker are single points that come and go.
         if self.load == TipLoad::WhiskerNormal || !place.is_finite() {
             return self.traced(moment);
@@ -53,7 +54,7 @@ impl Ladder {
     fn rung(&mut self, negative: bool, number: i64) -> usize {
         let key = (negative, number);
         self.rungs.binary_search_by_key(&key, |rung| rung.0).unwrap_or_else(|at| {
-            let moment = (number as f64 * STEP).exp();
+            let moment = math::exp(number as f64 * STEP);
             let sets = self.traced(if negative { -moment } else { moment });
             self.rungs.insert(at, (key, sets));
             at
@@ -95,7 +96,7 @@ mod tests {
         for k in 0..120 {
             // From the least reading that is contact to more than the whisker can carry, pushed from both sides.
             let share = (f64::from(k) * 0.618_033_988_7).fract();
-            let moment = (share * 2000.0_f64.ln()).exp() * if k % 2 == 0 { 2e-5 } else { -2e-5 };
+            let moment = math::exp(share * math::ln(2000.0_f64)) * if k % 2 == 0 { 2e-5 } else { -2e-5 };
             let (ours, exact) =
                 (ladder.branches(moment), TipContactSet::branches(&tip, TipReading::Moment(moment), load));
             assert_eq!(ours.len(), exact.len(), "{moment}");

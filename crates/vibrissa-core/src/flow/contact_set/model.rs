@@ -6,6 +6,7 @@ use crate::beam::elastica::bend;
 use crate::beam::field::ContactSheet;
 use crate::beam::normal::by_force;
 use crate::beam::{Load, Rod, Whisker, force_mode};
+use crate::math;
 use crate::plane::Vec2;
 use crate::{Error, Result};
 use core::f64::consts::{FRAC_PI_2, PI};
@@ -189,7 +190,9 @@ impl ContactModel {
             return None;
         }
         match &self.mechanics {
-            Mechanics::Small(beam) => Some(Contact { force, tilt, ..beam.contact(force * tilt.cos(), self.length) }),
+            Mechanics::Small(beam) => {
+                Some(Contact { force, tilt, ..beam.contact(force * math::cos(tilt), self.length) })
+            }
             Mechanics::Uniform(ei) => bend(*ei, force, self.length, tilt).map(|b| of_bend(&b)),
             Mechanics::Rod(rod) => {
                 rod.touched(force, self.length, tilt).map(|t| of_touched(&t, force, self.length, tilt))
@@ -276,7 +279,7 @@ impl ContactModel {
     /// `EI (2 K(m) / L)²` with `m = (1 - sin |tilt|) / 2`, for tilts of the force's sign.
     pub(super) fn last_tip_force(&self, tilt: f64) -> Option<f64> {
         let Mechanics::Uniform(ei) = &self.mechanics else { return None };
-        let (mut a, mut b) = (1.0, (0.5 * (1.0 + tilt.abs().sin())).sqrt());
+        let (mut a, mut b) = (1.0, (0.5 * (1.0 + math::sin(tilt.abs()))).sqrt());
         // K = pi / (2 agm(1, sqrt(1 - m))); from 0.7 on, four rounds are exact.
         for _ in 0..4 {
             (a, b) = (0.5 * (a + b), (a * b).sqrt());

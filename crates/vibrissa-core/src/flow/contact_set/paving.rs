@@ -5,6 +5,7 @@
 //! twice what the second differences show. A smooth function leaves the range by once that much.
 
 use super::{Contact, ContactModel, Resolution};
+use crate::math;
 use crate::plane::{ConvexPolygon, Vec2};
 use crate::sets::Interval;
 use core::f64::consts::FRAC_PI_2;
@@ -66,7 +67,7 @@ pub(super) fn pave(
     demands: &[Demand],
     resolution: &Resolution,
 ) -> Vec<PavingCell> {
-    let last = (2.0 * model.last_load_number()).asinh();
+    let last = math::asinh(2.0 * model.last_load_number());
     let [rows, columns] = START;
     let mut start = Vec::new();
     for row in 0..rows {
@@ -84,7 +85,7 @@ pub(super) fn pave(
 
 /// As [`pave`] for contacts of the tip: the tilts at which the whisker leaves the wall on its free side, which have the force's sign.
 pub(super) fn pave_tip(model: &ContactModel, demands: &[Demand], resolution: &Resolution) -> Vec<PavingCell> {
-    let last = (2.0 * model.last_load_number()).asinh();
+    let last = math::asinh(2.0 * model.last_load_number());
     let [rows, columns] = START;
     let mut start = Vec::new();
     for row in 0..rows {
@@ -128,12 +129,12 @@ fn refine(
 
 fn at(model: &ContactModel, chart: Chart, s: f64, v: f64) -> Option<Contact> {
     let last = model.last_load_number();
-    let force = |s_a: f64| model.force_of((0.5 * v.sinh()).clamp(-last, last), s_a);
+    let force = |s_a: f64| model.force_of((0.5 * math::sinh(v)).clamp(-last, last), s_a);
     match chart {
         Chart::Side => model.contact(force(s), s),
         Chart::Tip => {
             // Where the end of the first mode is known, loads are shares of it, so that pieces are whole.
-            let share = (v / (2.0 * last).asinh()).clamp(-1.0, 1.0);
+            let share = (v / math::asinh(2.0 * last)).clamp(-1.0, 1.0);
             let load = model.last_tip_force(s).map_or_else(|| force(model.length()), |end| end * share * share.abs());
             model.tip_contact(load, s)
         }

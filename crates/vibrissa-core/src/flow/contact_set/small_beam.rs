@@ -2,6 +2,7 @@
 
 use super::Contact;
 use crate::beam::Whisker;
+use crate::math;
 use crate::plane::Vec2;
 
 /// How many contacts are tried for the largest displacement of the tip.
@@ -72,7 +73,7 @@ impl SmallBeam {
     pub(super) fn shape(&self, contact: &Contact, n: usize) -> Vec<Vec2> {
         let (mut slope, mut y) = (contact.moment * self.base_compliance, 0.0);
         let step = self.length / (n.max(2) - 1) as f64;
-        let across = contact.force * contact.tilt.cos();
+        let across = contact.force * math::cos(contact.tilt);
         let curvature = |s: f64| {
             let w = 1.0 - self.narrowing * s;
             across * (contact.s_a - s).max(0.0) / (self.flexural_rigidity * w * w * w * w)

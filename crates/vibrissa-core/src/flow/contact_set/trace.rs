@@ -5,6 +5,7 @@
 //! see, and each node of the curve is a true contact.
 
 use super::{Contact, ContactModel, VirtualSensor};
+use crate::math;
 use std::collections::BTreeMap;
 
 /// Arc lengths and load numbers of the grid.
@@ -28,7 +29,7 @@ struct Grid<'a> {
 
 /// All branches on which `sensor` reads `value`, within whisker and limits.
 pub(super) fn traced(model: &ContactModel, sensor: VirtualSensor, value: f64, nodes: usize) -> Vec<Vec<Contact>> {
-    let last = (2.0 * model.last_load_number()).asinh();
+    let last = math::asinh(2.0 * model.last_load_number());
     let mut grid = Grid { model, sensor, value, last, excess: Vec::with_capacity(ROWS * COLUMNS) };
     for node in 0..ROWS * COLUMNS {
         let (s, v) = grid.place(node);
@@ -55,7 +56,7 @@ impl Grid<'_> {
 
     /// The contact at arc length `s` and stretched load number `v`, and its excess.
     fn at(&self, s: f64, v: f64) -> Option<(Contact, f64)> {
-        let contact = self.model.contact(self.model.force_of(0.5 * v.sinh(), s), s)?;
+        let contact = self.model.contact(self.model.force_of(0.5 * math::sinh(v), s), s)?;
         Some((contact, self.sensor.read(&contact) - self.value))
     }
 

@@ -8,6 +8,7 @@
 
 use crate::flow::contact_set::{TipContact, TipContactSet};
 use crate::flow::quadratic::Quadratic;
+use crate::math;
 use crate::plane::{Pose2, Vec2, wrap_angle};
 use crate::sets::Interval;
 use core::f64::consts::{FRAC_PI_2, PI};
@@ -95,7 +96,7 @@ impl BranchHistory<'_> {
         let slope = self.slope_of_points(&self.shapes)?;
         let off = |shapes: &[HistoryShape]| self.slope_of_points(shapes).map(|s| wrap_angle(s - slope));
         let [a, b] = &self.disturbed;
-        let half = ADMISSIBLE * off(a)?.hypot(off(b)?);
+        let half = ADMISSIBLE * math::hypot(off(a)?, off(b)?);
         Alignment::new(self.center, slope, slope - half, slope + half)
     }
 
@@ -105,9 +106,9 @@ impl BranchHistory<'_> {
         let (first, last) = (places.first()?, places.last()?);
         let chord = (*last - *first).angle();
         let seen = places.iter().map(|p| (*p - middle.position).rotated(-chord)).map(|v| (v.x, v.y));
-        let slope = chord + Quadratic::fit(seen)?.b.atan();
+        let slope = chord + math::atan(Quadratic::fit(seen)?.b);
         // Of the two directions along the wall, the one with free space on its left: the wall pushes towards there.
-        let pushed = (middle.direction - (slope + FRAC_PI_2)).cos() >= 0.0;
+        let pushed = math::cos(middle.direction - (slope + FRAC_PI_2)) >= 0.0;
         Some(wrap_angle(if pushed { slope } else { slope + PI }))
     }
 
@@ -186,17 +187,17 @@ impl BranchHistory<'_> {
         let contact = self.center.at_direction(direction)?;
         // Where the shapes show no wall at all, nothing can be said against the direction.
         let Some(wall) = self.wall(&self.shapes, direction) else { return Some(Trial { fault: 0.0, std: PI }) };
-        let fault = wall.b.atan();
+        let fault = math::atan(wall.b);
         let own = (self.place_std)(&contact) * wall.variance_b.sqrt();
         let off = |shapes: &[HistoryShape]| self.fault(shapes, direction).map_or(PI, |f| f - fault);
         let [a, b] = &self.disturbed;
-        Some(Trial { fault, std: off(a).hypot(off(b)).hypot(own) })
+        Some(Trial { fault, std: math::hypot(math::hypot(off(a), off(b)), own) })
     }
 
     /// Slope at the centre of the wall that the shapes show if the force at the centre acts in `direction` (rad,
     /// centre frame), seen from the wall that this direction means.
     fn fault(&self, shapes: &[HistoryShape], direction: f64) -> Option<f64> {
-        self.wall(shapes, direction).map(|wall| wall.b.atan())
+        self.wall(shapes, direction).map(|wall| math::atan(wall.b))
     }
 
     /// That wall as a parabola over the wall that the direction means.

@@ -13,6 +13,7 @@ mod state_grid;
 mod thin;
 mod touch;
 
+use crate::math;
 pub use alignment::Alignment;
 pub use observation::{Branch, Observation};
 pub use reading_preimage::{
@@ -94,7 +95,7 @@ pub(crate) fn coarsely_aligned_states(
 
 /// Whether a chain of points in the whisker frame meets a boundary.
 fn crosses(map: &Map, map_from_whisker: Pose2, chain: &[Vec2]) -> bool {
-    let (sin, cos) = map_from_whisker.theta.sin_cos();
+    let (sin, cos) = math::sin_cos(map_from_whisker.theta);
     let place = |p: &Vec2| map_from_whisker.position() + Vec2::new(cos * p.x - sin * p.y, sin * p.x + cos * p.y);
     let mut from = chain.first().map(place);
     chain.iter().skip(1).map(place).any(|to| from.replace(to).is_some_and(|from| map.crosses(from, to)))

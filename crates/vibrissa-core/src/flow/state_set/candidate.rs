@@ -4,6 +4,7 @@ use super::membership::{Match, Tolerance, nearest_state};
 use crate::config::DeterministicOptions;
 use crate::flow::contact_set::TipContact;
 use crate::flow::preimage::{AlignedState, Observation};
+use crate::math;
 use crate::plane::{Pose2, Vec2};
 use crate::sets::{Interval, StateBox};
 use crate::world::Map;
@@ -42,7 +43,7 @@ impl Candidate {
         let map_from_odom = state.map_from_robot.compose(odom_from_robot.inverse());
         // The whisker may stand half a spacing beside the sample, and turned about the contact.
         let mut covariance = [[0.0; 3]; 3];
-        let place = 0.5 * spacing.hypot(0.5e-3);
+        let place = 0.5 * math::hypot(spacing, 0.5e-3);
         covariance[0][0] = place * place;
         covariance[1][1] = place * place;
         let turn = turning(state.contact, map_from_odom);

@@ -8,6 +8,7 @@ use super::Candidate;
 use crate::config::{DeterministicOptions, TipLoad};
 use crate::flow::contact_set::TipContact;
 use crate::flow::preimage::{Alignment, Branch, Observation};
+use crate::math;
 use crate::plane::{Pose2, Vec2, wrap_angle};
 use crate::world::{Foot, Map};
 use core::f64::consts::{FRAC_PI_2, PI};
@@ -142,7 +143,7 @@ struct BasePose {
 
 impl BasePose {
     fn new(pose: Pose2) -> Self {
-        let (sin, cos) = pose.theta.sin_cos();
+        let (sin, cos) = math::sin_cos(pose.theta);
         Self { pose, sin, cos }
     }
 
@@ -309,7 +310,10 @@ fn turn(
     let to = |a: &Alignment| {
         let turn = wrap_angle(heading - a.boundary_slope);
         let telling = a.std <= WORST_SLOPE;
-        HeadingShift { share: turn.abs() / reach(a.std), wanted: telling.then(|| (turn, a.std.hypot(LEAST_SLOPE))) }
+        HeadingShift {
+            share: turn.abs() / reach(a.std),
+            wanted: telling.then(|| (turn, math::hypot(a.std, LEAST_SLOPE))),
+        }
     };
     let nearest = branch.alignments.iter().map(to).min_by(|a, b| a.share.total_cmp(&b.share))?;
     (nearest.share <= 1.0).then_some(nearest)

@@ -1,6 +1,7 @@
 //! How fast a reading changes when a whisker meets something at a known distance, and back.
 
 use crate::beam::{Whisker, moment_per_travel, moment_per_turn};
+use crate::math;
 use crate::{Error, Result};
 
 /// How the base moves while the whisker touches.
@@ -105,7 +106,7 @@ impl DistanceModel {
         }
         let distance = 0.5 * (near + far);
         let (before, after) = (distance * (1.0 - 1e-4), (distance * (1.0 + 1e-4)).min(self.length));
-        let fall = (at(before) / at(after)).ln() / (after - before);
+        let fall = math::ln(at(before) / at(after)) / (after - before);
         Some(Distance { distance, std: self.scatter / fall })
     }
 

@@ -4,6 +4,7 @@
 //! touches a piece touches the disc. So the search costs in proportion to the boundary's length, however finely it is cut.
 
 use super::thick_piece::{ThickPiece, ThickVertex};
+use crate::math;
 use crate::plane::{Bounds, wrap_angle};
 
 /// Largest extent of a stretch that is taken together (m), and its widest range of normals (rad).
@@ -55,7 +56,7 @@ impl PieceRun {
         for piece in pieces {
             let longer = run.with(piece);
             let size = longer.bounds.size();
-            if size.x.hypot(size.y) > EXTENT || longer.turned.1 - longer.turned.0 > NORMALS {
+            if math::hypot(size.x, size.y) > EXTENT || longer.turned.1 - longer.turned.0 > NORMALS {
                 break;
             }
             run = longer;

@@ -3,6 +3,7 @@
 use super::errors::UncertainWhisker;
 use crate::beam::press::{ContactTable, PressTable};
 use crate::config::PossibilisticOptions;
+use crate::math;
 
 /// Columns (a quarter turn) and rows of the tables that first cells meet, from fine to coarse: each has half as many of both
 /// as the one before.
@@ -61,7 +62,7 @@ pub(super) fn tables(
         let table = |k: usize| contacts.table(columns >> k, width * ROD_COARSER.powi(k as i32));
         return (0..count).map(|k| ContactTable::Rod(table(k))).collect();
     }
-    let finest = PressTable::new(columns, rows, whisker.friction.atan(), options.largest_slope);
+    let finest = PressTable::new(columns, rows, math::atan(whisker.friction), options.largest_slope);
     let all = core::iter::successors(Some(finest), |table| Some(table.coarser())).take(count);
     all.map(ContactTable::from).collect()
 }

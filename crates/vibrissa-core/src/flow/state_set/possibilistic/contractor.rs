@@ -14,6 +14,7 @@ use super::thick_piece::{COARSE, FINE, PieceIndex, ThickPiece};
 use super::vertex_contractor::at_vertex;
 use crate::beam::press::{PressEntry, PressSlice};
 use crate::config::two_contacts;
+use crate::math;
 use crate::plane::{Bounds, Pose2, Vec2};
 use crate::world::Map;
 use core::f64::consts::{PI, TAU};
@@ -121,7 +122,7 @@ impl BaseView {
         let turn = turns.iter().map(|t| t.abs()).sum::<f64>();
         let slop = place + off * size(robot_from_whisker.position()) + 0.5 * size(arm) * turn * turn + 1e-9;
         let heading = cell.center.theta + to_base.theta;
-        let (sin, cos) = heading.sin_cos();
+        let (sin, cos) = math::sin_cos(heading);
         let wide = moves.iter().fold(Vec2::ZERO, |sum, m| sum + Vec2::new(m.x.abs(), m.y.abs()));
         Self {
             base: cell.place() + arm,

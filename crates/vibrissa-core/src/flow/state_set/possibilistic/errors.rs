@@ -6,6 +6,7 @@
 
 use crate::beam::Whisker;
 use crate::beam::press::RodContacts;
+use crate::math;
 use crate::plane::{Pose2, Vec2};
 use crate::world::{MountedWhisker, Robot};
 use std::sync::Arc;
@@ -85,7 +86,8 @@ impl RestShape {
             points.push(at);
         }
         let chord = beam.length / CHORDS as f64;
-        let sagitta = chord * (1.0 - (0.5 * wound / CHORDS as f64).min(1.0).cos()).max(0.5 * wound / CHORDS as f64);
+        let sagitta =
+            chord * (1.0 - math::cos((0.5 * wound / CHORDS as f64).min(1.0))).max(0.5 * wound / CHORDS as f64);
         let stretch = (longest / beam.length - 1.0).max(1.0 - shortest / beam.length);
         // How far the slope at any share of the length may be off.
         let turned = wound * ((1.0 + own / beam.length).powi(terms.len() as i32) - 1.0);
@@ -111,7 +113,7 @@ impl UncertainWhisker {
         let rigidity = |share: f64| beam.flexural_rigidity * (1.0 + share);
         let arm = whisker.robot_from_whisker.position().norm();
         let is_uniform = Whisker { base_stiffness: f64::INFINITY, ..*beam }.is_uniform();
-        let contacts = || RodContacts::new(beam, whisker.friction.atan(), steepest, errors.length / beam.length);
+        let contacts = || RodContacts::new(beam, math::atan(whisker.friction), steepest, errors.length / beam.length);
         Self {
             mount: whisker.robot_from_whisker,
             base_stiffness: beam.base_stiffness,
@@ -121,7 +123,7 @@ impl UncertainWhisker {
             longest,
             stretch: (longest / beam.length - 1.0).max(1.0 - shortest / beam.length),
             per_moment: (least / rigidity(errors.rigidity), most / rigidity(-errors.rigidity)),
-            mounted: PoseSlack::new(x.hypot(y) * larger + arm * (larger - 1.0), theta),
+            mounted: PoseSlack::new(math::hypot(x, y) * larger + arm * (larger - 1.0), theta),
             rod: (!is_uniform).then(contacts).and_then(Result::ok).map(Arc::new),
             rest: Arc::new(RestShape::new(beam, (shortest, longest, errors.length))),
         }

@@ -1,6 +1,7 @@
 //! Size of the set, and its connected components.
 
 use super::parallelotope::{HEADING_ARM, Parallelotope};
+use crate::math;
 use crate::plane::{Bounds, Pose2, Vec2, wrap_angle};
 use crate::sets::{Interval, StateBox};
 use core::f64::consts::TAU;
@@ -36,7 +37,7 @@ pub(super) fn carried(place: &EnclosedPlace, step: Pose2, (off, turn): (f64, f64
     let middle = 0.5 * (theta.lo() + theta.hi());
     let way = step.position().rotated(middle);
     // The way at any heading of the place ends no further from the way at the middle one than the chord between them.
-    let slack = off + 2.0 * way.norm() * (0.25 * theta.width().min(TAU)).sin();
+    let slack = off + 2.0 * way.norm() * math::sin(0.25 * theta.width().min(TAU));
     let transport =
         |range: Interval, by: f64, slack: f64| Interval::new(range.lo() + by - slack, range.hi() + by + slack);
     let extent = StateBox {

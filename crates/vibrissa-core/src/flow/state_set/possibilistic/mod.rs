@@ -29,6 +29,7 @@ mod vertex_contractor;
 use crate::beam::press::ContactTable;
 use crate::config::PossibilisticOptions;
 use crate::flow::prior;
+use crate::math;
 use crate::plane::{Bounds, Pose2, wrap_angle};
 use crate::sets::{Interval, StateBox};
 use crate::world::{Map, MountedWhisker, Robot};
@@ -110,7 +111,7 @@ impl PossibleSet {
         let whiskers: Vec<UncertainWhisker> = robot.whiskers.iter().map(whisker).collect();
         let tables = each_table(whiskers.iter(), |whisker| tables(FIRST_TABLE, TABLES, whisker, &options));
         let longest = whiskers.iter().map(|whisker| whisker.longest).fold(0.0, f64::max);
-        let steepest = whiskers.iter().map(|whisker| whisker.friction.atan()).fold(0.0, f64::max);
+        let steepest = whiskers.iter().map(|whisker| math::atan(whisker.friction)).fold(0.0, f64::max);
         let ground = BoundaryLevels::new(map);
         let probe = |(whisker, tables)| TabledWhisker { whisker, tables };
         let probes = whiskers.into_iter().zip(tables).map(probe).collect();

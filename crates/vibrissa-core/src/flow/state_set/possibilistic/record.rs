@@ -3,6 +3,7 @@
 use super::errors::{PoseSlack, RestShape, StepBounds, UncertainWhisker};
 use super::parallelotope::HEADING_ARM;
 use crate::beam::press::{ContactTable, PressEntry, PressSlice};
+use crate::math;
 use crate::plane::{Bounds, Pose2, Vec2};
 use core::sync::atomic::{AtomicU32, Ordering};
 use std::sync::Arc;
@@ -177,7 +178,7 @@ fn side_contacts(whisker: &UncertainWhisker, tables: &[ContactTable], lo: f64, h
             let all_inflected = finest.entries().iter().all(|entry| entry.inflected);
             let slices: Vec<PressSlice> = core::iter::once(finest).chain(tables[1..].iter().map(cut)).collect();
             let Bounds { min, max } = bounds;
-            let farthest = min.x.abs().max(max.x.abs()).hypot(min.y.abs().max(max.y.abs()));
+            let farthest = math::hypot(min.x.abs().max(max.x.abs()), min.y.abs().max(max.y.abs()));
             sides.push(SideContacts {
                 side,
                 slices,

@@ -22,6 +22,7 @@ use super::thick_piece::{PieceIndex, ThickPiece};
 use crate::config::two_contacts::{
     ANGLE_SHARE, LONGEST_STRETCH, LOWEST_CORNER, RELAXED_SHARE, SMOOTH, STRAIGHT, SWEPT_BACK, UPPER_SHARE,
 };
+use crate::math;
 use crate::plane::{Bounds, SegmentTree, Vec2, wrap_angle};
 use core::f64::consts::{FRAC_PI_2, PI};
 
@@ -328,7 +329,7 @@ impl<'a> Pair<'a> {
 fn is_before(a: &Stretch, b: &Stretch) -> bool {
     let ahead = |off: Vec2| {
         let turn = wrap_angle(off.angle() - a.normal).abs();
-        size(off) * (turn - a.slack).max(0.0).cos()
+        size(off) * math::cos((turn - a.slack).max(0.0))
     };
     let most = ways(a, b).map(ahead).fold(0.0, f64::max);
     most + a.sagitta + b.sagitta > LOWEST_CORNER
@@ -350,7 +351,7 @@ fn direction(a: &Stretch, b: &Stretch, side: f64) -> (f64, f64) {
     }
     let middle = way.angle();
     let turns = ways(a, b).filter(|way| size(*way) > LOWEST_CORNER).map(|way| wrap_angle(way.angle() - middle).abs());
-    let bowed = ((a.sagitta + b.sagitta) / distance).min(1.0).asin();
+    let bowed = math::asin(((a.sagitta + b.sagitta) / distance).min(1.0));
     (middle, turns.fold(0.0, f64::max) + bowed)
 }
 
@@ -377,7 +378,7 @@ impl Seen {
         if nearest > felt.length {
             return None;
         }
-        let wide = if distance <= spread { PI } else { (spread / distance).asin() + felt.turn };
+        let wide = if distance <= spread { PI } else { math::asin(spread / distance) + felt.turn };
         let angle = felt.side * wrap_angle(way.angle() - felt.view.heading);
         let middle = felt.side * wrap_angle(first.normal - felt.side * FRAC_PI_2 - felt.view.heading);
         let lean = first.slack + felt.turn;
@@ -404,7 +405,7 @@ impl Seen {
             return true;
         }
         let growth = |beyond: f64, slope: f64| {
-            let (rise, fall) = (1.0 - beyond.max(0.0).cos(), beyond.cos() - (slope - beyond).cos());
+            let (rise, fall) = (1.0 - math::cos(beyond.max(0.0)), math::cos(beyond) - math::cos(slope - beyond));
             if rise <= 0.0 {
                 0.0
             } else if fall > 0.0 {
@@ -417,7 +418,7 @@ impl Seen {
         let all = own.max(growth(beyond, least));
         let bent = felt.bent.0.abs().max(felt.bent.1.abs()) * (1.0 + all).sqrt();
         // An arc that turns by so much is no longer than two legs that meet at that angle.
-        let longest = (self.farthest / (0.5 * least.min(2.8)).cos()).min(felt.length);
+        let longest = (self.farthest / math::cos(0.5 * least.min(2.8))).min(felt.length);
         least <= bent * if felt.bent.0 > 0.0 { longest } else { felt.length }
     }
 
@@ -431,7 +432,7 @@ impl Seen {
         if self.is_anywhere() {
             return true;
         }
-        let lowest = ANGLE_SHARE / (1.0 + felt.friction.tan()) * (least + 0.5 * bent);
+        let lowest = ANGLE_SHARE / (1.0 + math::tan(felt.friction)) * (least + 0.5 * bent);
         let in_between = self.angle + self.wide >= lowest && self.angle - self.wide <= UPPER_SHARE * most;
         most >= 0.5 * bent && in_between
     }
@@ -482,7 +483,7 @@ impl Felt<'_> {
         let base = self.view.base - other.point;
         let (to_base, (to_first, wide)) = (base.angle(), direction(other, first, -self.side));
         let (distance, spread) = (size(base), other.spread + self.off);
-        let around = if distance <= spread { PI } else { (spread / distance).asin() };
+        let around = if distance <= spread { PI } else { math::asin(spread / distance) };
         let slack = other.slack + self.friction + around.max(wide);
         let between = wrap_angle(to_first - to_base);
         let middle = to_base + 0.5 * between;
