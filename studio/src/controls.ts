@@ -112,6 +112,13 @@ export function save(name: string, text: string, type = "text/plain"): void {
   setTimeout(() => URL.revokeObjectURL(link.href), 1000);
 }
 
+/** A button that saves the figure. */
+export function saving(parent: HTMLElement, name: string, picture: () => string): void {
+  const row = element("div", { class: "buttons" });
+  parent.append(row);
+  button(row, "Save picture", () => save(name, picture(), "image/svg+xml"));
+}
+
 /** What is told to screen readers when it has settled. */
 export function announcer(parent: HTMLElement): (words: string) => void {
   const live = element("p", { class: "unseen", role: "status" });

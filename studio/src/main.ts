@@ -39,6 +39,8 @@ class Page {
   private workers: Remote[] = [];
   private shown = "";
   private timer = 0;
+  private embedded = false;
+  private readonly whole = element("a", { class: "whole", target: "_blank", rel: "noopener" }, "Open in the studio");
   private readonly tabs = new Map<string, HTMLElement>();
   private readonly stage = document.getElementById("stage")!;
   private readonly announce: (words: string) => void;
@@ -51,6 +53,7 @@ class Page {
       this.tabs.set(scene.id, link);
     }
     this.announce = announcer(document.body);
+    document.body.append(this.whole);
     const theme = document.getElementById("theme")!;
     theme.addEventListener("click", () => {
       const dark = document.documentElement.dataset.theme
@@ -71,6 +74,13 @@ class Page {
     addEventListener("hashchange", () => void this.show());
   }
 
+  /** Within another page the figure and its controls alone are shown, with a link to the whole. */
+  private embed(state: State): void {
+    this.embedded = "embed" in state;
+    document.documentElement.toggleAttribute("data-embed", this.embedded);
+    delete state.embed;
+  }
+
   private recolour(): void {
     forgetColours();
     this.running?.redraw();
@@ -78,6 +88,7 @@ class Page {
 
   async show(): Promise<void> {
     const { id, state } = route();
+    this.embed(state);
     const scene = SCENES.find((s) => s.id === id) ?? SCENES[0];
     const link = `${scene.id}?${new URLSearchParams(state)}`;
     if (link === this.shown) return;
@@ -91,6 +102,7 @@ class Page {
     document.title = `${scene.title} · vibrissa studio`;
     const figure = element("div", { class: "figure" });
     const panel = element("div", { class: "panel" });
+    this.whole.href = `${location.href.split("#")[0]}#${link}`;
     this.stage.replaceChildren(
       element("header", { class: "head" }, element("h1", {}, scene.title), element("p", { class: "lead" }, scene.lead)),
       element("div", { class: "scene", "data-scene": scene.id }, figure, panel),
@@ -111,7 +123,7 @@ class Page {
     } catch (error) {
       figure.replaceChildren(element("p", { class: "refused", role: "alert" }, error instanceof Error ? error.message : String(error)));
     }
-    Object.assign(window, { studio: { scene: scene.id, answers: () => this.running?.answers(), timings: () => this.running?.timings?.() } });
+    Object.assign(window, { studio: { scene: scene.id, answers: () => this.running?.answers(), timings: () => this.running?.timings?.(), picture: () => this.running?.picture?.() } });
     document.documentElement.dataset.ready = scene.id;
   }
 
@@ -120,6 +132,8 @@ class Page {
     this.timer = window.setTimeout(() => {
       const query = new URLSearchParams(state).toString();
       this.shown = `${scene.id}?${query}`;
+      this.whole.href = `${location.href.split("#")[0]}#${this.shown}`;
+      if (this.embedded) return;
       history.replaceState(null, "", `#${scene.id}${query ? `?${query}` : ""}`);
     }, LINK);
   }

@@ -6,6 +6,13 @@ const SVG = "http://www.w3.org/2000/svg";
 /** Places in one part of a trail, and parts that are kept. */
 const PART = 48;
 const MOST_PARTS = 90;
+/** What of the page's styles a picture takes along, and what need not be said. */
+const DRAWN = ["fill", "fill-opacity", "stroke", "stroke-width", "stroke-dasharray", "stroke-linecap", "stroke-linejoin", "opacity"];
+const TEXT = [...DRAWN, "font-size", "font-family", "font-weight", "text-anchor", "paint-order"];
+const PLAIN = new Set([
+  "fill-opacity:1", "stroke:none", "stroke-dasharray:none", "stroke-linecap:butt", "stroke-linejoin:miter", "opacity:1", "font-weight:400",
+  "text-anchor:start", "paint-order:normal",
+]);
 
 export interface Box {
   left: number;
@@ -185,6 +192,38 @@ export class Plot {
       make("path", { d: arena, class: "arena" }), make("path", { d: solid, class: "solid" }),
       make("path", { d: walls, class: "wall" }),
     );
+  }
+
+  /** The figure as an SVG file of its own, in the colours that are shown. What the canvas shows is given as a path. */
+  picture(title: string, states?: { path: string; opacity: number }): string {
+    const { width } = this;
+    const height = Math.round((this.box.top - this.box.bottom) / this.pixel);
+    const copy = this.svg.cloneNode(true) as SVGSVGElement;
+    // Styles are those of the page: what of them counts is written to each element.
+    const shown = this.svg.querySelectorAll("*");
+    copy.querySelectorAll("*").forEach((element, i) => {
+      const style = getComputedStyle(shown[i]);
+      const drawn = ["path", "line", "circle", "rect", "text"].includes(element.tagName);
+      for (const name of [...element.getAttributeNames()]) if (/^(class|tabindex|role|aria-.*|style)$/.test(name)) element.removeAttribute(name);
+      if (style.display === "none") element.setAttribute("display", "none");
+      if (element.tagName === "g" && style.opacity !== "1") element.setAttribute("opacity", style.opacity);
+      if (!drawn) return;
+      for (const name of element.tagName === "text" ? TEXT : DRAWN) {
+        const value = style.getPropertyValue(name);
+        if (value && !PLAIN.has(`${name}:${value}`)) element.setAttribute(name, value.replaceAll('"', "'"));
+      }
+    });
+    copy.querySelectorAll("[display=none]").forEach((element) => element.remove());
+    for (const name of copy.getAttributeNames()) if (name !== "viewBox") copy.removeAttribute(name);
+    copy.setAttribute("xmlns", SVG);
+    copy.setAttribute("width", `${width}`);
+    copy.setAttribute("height", `${height}`);
+    const back = make("rect", { width, height, rx: 14, fill: colour("card"), stroke: colour("faint") });
+    const seen = states ? [make("path", { d: states.path, fill: colour("set"), "fill-opacity": states.opacity })] : [];
+    const name = make("title", {});
+    name.textContent = title;
+    copy.prepend(name, back, ...seen);
+    return `${new XMLSerializer().serializeToString(copy)}\n`;
   }
 
   /** The canvas, cleared, in pixels of the page. */

@@ -52,6 +52,18 @@ export function drawStates(plot: Plot, states: Float64Array): void {
   pen.stroke();
 }
 
+/** States as a path of squares, for a picture: at most so many of them. */
+export function statesPath(plot: Plot, states: Float64Array, most = 1500): { path: string; opacity: number } {
+  const count = states.length / 3;
+  const step = Math.max(1, Math.ceil(count / most));
+  const words: string[] = [];
+  for (let i = 0; i < count; i += step) {
+    const [x, y] = plot.at([states[3 * i], states[3 * i + 1]]);
+    words.push(`M${(x - 1.1).toFixed(1)} ${(y - 1.1).toFixed(1)}h2.2v2.2h-2.2z`);
+  }
+  return { path: words.join(""), opacity: 0.7 };
+}
+
 /** Places with their weights, the best as a robot. */
 export function drawPlaces(plot: Plot, layer: string, places: Place[]): void {
   places.slice(0, 60).forEach((place, index) => {

@@ -27,6 +27,8 @@ export interface Running {
   answers(): unknown;
   /** Draws all anew, as after a change of colours. */
   redraw(): void;
+  /** The figure as an SVG file. */
+  picture?(): string;
   /** How long things took, where the scene notes it; cheap to ask. */
   timings?(): unknown;
 }

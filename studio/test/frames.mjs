@@ -1,7 +1,7 @@
 // Frames and slices while a robot is localized, beside those of an empty page. Usage: node frames.mjs PAGE.html
 import { resolve } from "node:path";
 import { pathToFileURL } from "node:url";
-import { open, scene } from "./browser.mjs";
+import { driven, open, scene } from "./browser.mjs";
 
 const EMPTY = 5000;
 const ROOMS = [["arena", "probabilistic"], ["square", "possibilistic"], ["arena", "deterministic"]];
@@ -35,7 +35,7 @@ export async function frames(page, base) {
   for (const [room, method] of ROOMS) {
     await bare();
     await scene(page, base, `shrink?room=${room}&method=${method}`);
-    await page.waitForFunction(() => window.studio.timings().done, undefined, { timeout: 120000, polling: 500 });
+    await driven(page);
     const { frames, work, slices, estimates, rows } = await page.evaluate(() => window.studio.timings());
     told.push(
       `${method} in ${room}, ${rows} rows: frames ${spread(frames)} ms; the page's own work in them ${spread(work)} ms; `

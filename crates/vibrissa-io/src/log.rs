@@ -13,6 +13,6 @@ mod text_form;
 
 #[cfg(feature = "mcap")]
 pub use bag::from_mcap;
-pub use csv_reader::{from_csv, from_reader, read};
+pub use csv_reader::{from_bytes, from_csv, from_reader, read};
 pub use csv_writer::to_csv;
 pub use odometry::read_odometry;

@@ -14,9 +14,15 @@ use crate::config::GridOptions;
 use crate::config::budgets::MAP_BYTES;
 #[cfg(any(feature = "mcap", feature = "ros-map"))]
 use crate::grid::OccupancyGrid;
+#[cfg(feature = "ros-map")]
+use crate::grid::MapServerFile;
+#[cfg(feature = "ros-map")]
+use crate::text::cannot_open;
 use crate::text::{read_bytes, suggestion, text_of};
 use crate::world::Map;
 use crate::{Error, Result};
+#[cfg(feature = "ros-map")]
+use std::io::ErrorKind;
 use std::path::Path;
 
 /// Reads a map file; its extension says the format: `.geojson` (or `.json`), `.svg`, `.dxf`, `.yaml` (ROS `map_server`,
@@ -38,17 +44,39 @@ pub fn read(path: impl AsRef<Path>) -> Result<Map> {
 }
 
 /// Reads a map from the bytes of one file; the extension of its name says the format, as for [`read`]. For those who have bytes and no
-/// files: `.geojson` (or `.json`), `.svg`, `.dxf`.
+/// files. A map in two files takes [`from_bytes_beside`].
 ///
 /// # Errors
 ///
 /// As [`read`], with the file's name as it is given.
 pub fn from_bytes(bytes: Vec<u8>, name: impl AsRef<Path>) -> Result<Map> {
+    from_bytes_beside(bytes, name, |_| None)
+}
+
+/// Reads a map from the bytes of a file; `beside` gives the bytes of another file that it names, which is the image of a `.yaml`.
+///
+/// # Errors
+///
+/// As [`read`], with the files' names as they are given.
+pub fn from_bytes_beside(
+    bytes: Vec<u8>,
+    name: impl AsRef<Path>,
+    beside: impl FnOnce(&Path) -> Option<Vec<u8>>,
+) -> Result<Map> {
     let path = name.as_ref();
     let reader = match extension_of(path).as_str() {
         "geojson" | "json" => from_geojson,
         "svg" => from_svg,
         "dxf" => return dxf::from_bytes(&bytes, path),
+        #[cfg(feature = "ros-map")]
+        "yaml" | "yml" => {
+            let file = MapServerFile::parse(&text_of(bytes, path, "map")?, &path.to_string_lossy())?;
+            let image = file.image_beside(path);
+            let bytes = beside(&image).ok_or_else(|| cannot_open(&image, "map image", &ErrorKind::NotFound.into()))?;
+            return from_grid_file(&file.grid(&bytes, &image.to_string_lossy())?, path);
+        }
+        #[cfg(feature = "mcap")]
+        "mcap" => return from_grid_file(&crate::ros::grid_in(bytes.as_slice(), &path.to_string_lossy())?, path),
         extension => return Err(unknown_format(path, extension)),
     };
     reader(&text_of(bytes, path, "map")?, &path.to_string_lossy())

@@ -45,11 +45,12 @@ pub extern "C" fn text_len() -> usize {
     with(|host| host.text.len())
 }
 
-/// Reads a file: the input is its name, a zero byte and its bytes; `kind` 0 map, 1 robot, 2 log, 3 true trajectory.
+/// Reads a file: the input is its name, a zero byte and its bytes; `kind` 0 map, 1 robot, 2 log, 3 true trajectory, 4 the image that
+/// the next map names.
 ///
 /// Numbers of a map: outlines; each role (0 arena, 1 obstacle, 2 wall), closed (0, 1), points, then x, y of each. Of a robot:
 /// whiskers; each length, mount x, y, theta. Of a log: rows, columns; each row t, x, y, theta and a reading for each column. Of a
-/// trajectory: poses; each t, x, y, theta. The words are warnings by lines, for a log after a line of its columns' names.
+/// trajectory: poses; each t, x, y, theta. Of an image none. The words are warnings by lines, for a log after a line of its columns' names.
 /// A robot without name and bytes is the paper's.
 #[unsafe(no_mangle)]
 #[must_use]

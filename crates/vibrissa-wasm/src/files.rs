@@ -2,6 +2,7 @@
 
 use crate::host::Host;
 use serde_json::json;
+use std::path::Path;
 use vibrissa::figure::{LocalizationScene, OutlineRole, localization_figure};
 use vibrissa::io::{format_tum, log, map, parse_tum, robot, text::text_of};
 use vibrissa::tasks::outlines;
@@ -21,12 +22,18 @@ pub(crate) fn read(host: &mut Host, kind: u32) -> Result<()> {
         1 => read_robot(host, content, &name),
         2 => read_log(host, &content, &name),
         3 => read_truth(host, content, &name),
-        other => Err(Error::usage("kind").value(other).allowed("0 to 3")),
+        4 => {
+            host.beside = Some((name, content));
+            Ok(())
+        }
+        other => Err(Error::usage("kind").value(other).allowed("0 to 4")),
     }
 }
 
 fn read_map(host: &mut Host, content: Vec<u8>, name: &str) -> Result<()> {
-    let map = map::from_bytes(content, name)?;
+    let beside = host.beside.take();
+    let named = |image: &Path| beside.filter(|(name, _)| image.file_name().is_some_and(|wanted| wanted == name.as_str()));
+    let map = map::from_bytes_beside(content, name, |image| named(image).map(|(_, bytes)| bytes))?;
     let drawn = outlines(&map, DRAWING_TOLERANCE);
     host.count(drawn.len());
     for outline in &drawn {
@@ -59,7 +66,7 @@ fn read_robot(host: &mut Host, content: Vec<u8>, name: &str) -> Result<()> {
 }
 
 fn read_log(host: &mut Host, content: &[u8], name: &str) -> Result<()> {
-    let log = log::from_reader(content, name)?;
+    let log = log::from_bytes(content, name)?;
     host.count(log.rows.len());
     host.count(log.channels.len());
     log.rows.iter().for_each(|row| host.row(row));

@@ -19,6 +19,8 @@ pub(crate) struct Host {
     pub(crate) numbers: Vec<f64>,
     /// The words of the last call.
     pub(crate) text: String,
+    /// Name and bytes of a file that the next map may name: the image of a `.yaml`.
+    pub(crate) beside: Option<(String, Vec<u8>)>,
     pub(crate) map: Option<Map>,
     pub(crate) robot: Robot,
     pub(crate) log: SensorLog,

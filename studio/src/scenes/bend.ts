@@ -1,7 +1,7 @@
 // One whisker: a force, a post or a wall against it, every equilibrium, the moment at its base, and the snap.
 
 import type { Bend, Driven, Engine, Point } from "../engine";
-import { choice, Readout } from "../controls";
+import { choice, Readout, saving } from "../controls";
 import { Handle, Plot, make } from "../plot";
 import { number, still, type Running, type Scene, type Stage } from "../scene";
 import * as units from "../units";
@@ -80,6 +80,7 @@ class BendScene implements Running {
     this.note = document.createElement("p");
     this.note.className = "note";
     stage.panel.append(this.note);
+    saving(stage.panel, "whisker.svg", () => this.picture());
     this.handle = new Handle(this.plot, {
       name: "What pushes the whisker", icon: MOVE, kind: "push",
       value: () => (this.mode === "post"
@@ -107,6 +108,10 @@ class BendScene implements Running {
       nudge: (right, up) => this.moveWall([this.wall[0], this.wall[1], this.wall[2] + 0.02 * (right + up)]),
     });
     this.solve();
+  }
+
+  picture(): string {
+    return this.plot.picture(`A whisker that ${this.mode === "force" ? "a force" : `a ${this.mode}`} bends, and the moment at its base`);
   }
 
   redraw(): void {

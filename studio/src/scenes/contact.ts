@@ -1,7 +1,7 @@
 // One reading, many contacts: where can what the whisker touches be?
 
 import type { Bend, Contact, ContactSet, Point, Sensor } from "../engine";
-import { choice, Readout, slider } from "../controls";
+import { choice, Readout, saving, slider } from "../controls";
 import { Handle, Plot, make } from "../plot";
 import type { Remote } from "../remote";
 import { number, type Running, type Scene, type Stage } from "../scene";
@@ -70,6 +70,7 @@ class ContactScene implements Running {
       this.solve();
     });
     this.readout = new Readout(stage.panel);
+    saving(stage.panel, "contact-set.svg", () => this.picture());
     this.handle = new Handle(this.plot, {
       name: "The true contact", icon: MOVE, kind: "push",
       value: () => `${units.length(this.place[0])} along, ${units.length(this.place[1])} across`,
@@ -77,6 +78,10 @@ class ContactScene implements Running {
       nudge: (right, up) => this.move([this.place[0] + 1e-3 * right, this.place[1] + 1e-3 * up]),
     });
     this.solve();
+  }
+
+  picture(): string {
+    return this.plot.picture(`Contacts that explain a ${this.sensor} of ${readingWords(this.sensor, this.value)}`);
   }
 
   redraw(): void {

@@ -45,7 +45,7 @@ class PreimageScene implements Running {
   private readonly plot: Plot;
   private readonly handle: Handle;
   private readonly readout: Readout;
-  private picture: HTMLCanvasElement | undefined;
+  private raster: HTMLCanvasElement | undefined;
 
   constructor(private readonly stage: Stage) {
     const { state } = stage;
@@ -157,9 +157,9 @@ class PreimageScene implements Running {
   private paint(): void {
     const { found } = this;
     if (!found) return;
-    const picture = document.createElement("canvas");
-    [picture.width, picture.height] = [found.columns, found.rows];
-    const pen = picture.getContext("2d")!;
+    const raster = document.createElement("canvas");
+    [raster.width, raster.height] = [found.columns, found.rows];
+    const pen = raster.getContext("2d")!;
     const image = pen.createImageData(found.columns, found.rows);
     const probe = document.createElement("canvas").getContext("2d")!;
     probe.fillStyle = colour("set");
@@ -175,7 +175,7 @@ class PreimageScene implements Running {
       }
     }
     pen.putImageData(image, 0, 0);
-    this.picture = picture;
+    this.raster = raster;
   }
 
   private fit(): void {
@@ -188,12 +188,12 @@ class PreimageScene implements Running {
   private draw(): void {
     const { plot, found, probe } = this;
     const pen = plot.pen();
-    if (found && this.picture) {
+    if (found && this.raster) {
       const [x, y] = plot.at([found.origin[0], found.origin[1] + found.rows * found.cell]);
       const scale = found.cell / plot.pixel;
       pen.save();
       pen.clip(new Path2D(this.map.outlines.filter((o) => o.role === "arena").map((o) => plot.path(o.points, true)).join("")));
-      pen.drawImage(this.picture, x, y, found.columns * scale, found.rows * scale);
+      pen.drawImage(this.raster, x, y, found.columns * scale, found.rows * scale);
       pen.restore();
     }
     plot.clear("probe");

@@ -6,7 +6,7 @@ import { Handle, Plot, Trail } from "../plot";
 import { onceAFrame, still, type Running, type Scene, type Stage, type State } from "../scene";
 import type { Remote } from "../remote";
 import { MOUNT, ROOMS, robotFile, roomBox, roomOf, type Pose, type Room } from "../rooms";
-import { clearOf, drawPlaces, drawStates, outline, verdictWords } from "../robot";
+import { clearOf, drawPlaces, drawStates, outline, statesPath, verdictWords } from "../robot";
 import { Strip } from "../strip";
 import * as units from "../units";
 
@@ -149,6 +149,7 @@ class ShrinkScene implements Running {
     const buttons = element("div", { class: "buttons" });
     stage.panel.append(buttons);
     button(buttons, "Start again", () => void this.open());
+    button(buttons, "Save picture", () => save("drive.svg", this.picture(), "image/svg+xml"));
     button(buttons, "Save log", () => void this.driver.call("write", "log").then((log) => save("log.csv", log, "text/csv")));
     button(buttons, "Save map", () => save(this.room.file, this.room.map));
     button(buttons, "Save robot", () => save("robot.toml", robotFile(this.errors.declared)));
@@ -406,6 +407,10 @@ class ShrinkScene implements Running {
     readout.set("Nearest place is off by", units.length(off, 2));
     readout.set("Error it expects", known && Number.isFinite(best.position) ? `± ${units.length(best.position, 2)}` : "–");
     readout.set("Rows waiting", `${this.behind}`);
+  }
+
+  picture(): string {
+    return this.plot.picture(`A robot in the room ${this.room.words}, and the states that explain its readings`, statesPath(this.plot, this.painted?.states ?? new Float64Array()));
   }
 
   private note(what: "frames" | "work" | "slices" | "estimates", spent: number): void {

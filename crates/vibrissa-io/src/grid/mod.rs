@@ -8,6 +8,7 @@
 //! | `keys` | the keys of such a file |
 //! | `picture` | the image that it names |
 //! | `pnm` | images that are PBM, PGM or PPM |
+//! | `portable_network` | images that are PNG; in a page none |
 
 #[cfg(feature = "ros-map")]
 mod keys;
@@ -16,6 +17,11 @@ mod outline;
 mod picture;
 #[cfg(feature = "ros-map")]
 mod pnm;
+#[cfg(all(feature = "ros-map", not(target_family = "wasm")))]
+mod portable_network;
+#[cfg(all(feature = "ros-map", target_family = "wasm"))]
+#[path = "no_portable_network.rs"]
+mod portable_network;
 mod trace;
 #[cfg(feature = "ros-map")]
 mod yaml;

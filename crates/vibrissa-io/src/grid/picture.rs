@@ -1,11 +1,9 @@
 //! A map's picture as shades and opacities: PNG, PGM and their kin.
 
-use super::pnm;
+use super::{pnm, portable_network as png};
 use crate::config::limits::MOST_CELLS;
 use crate::{Error, Result};
-use png::{ColorType, Decoder, DecodingError, Limits, Transformations};
 use std::borrow::Cow;
-use std::io::Cursor;
 
 /// What is wrong with a picture's bytes.
 pub(super) type Fault = Cow<'static, str>;
@@ -41,7 +39,7 @@ impl Picture {
     pub(super) fn read(bytes: &[u8]) -> Result<Self> {
         let fault = |why: Fault| Error::data("cannot read the map's image").value(why).remedy("save it as PGM or PNG");
         let is_pnm = pnm::is_pnm(bytes);
-        let size = if is_pnm { pnm::size(bytes) } else { png_size(bytes) }.map_err(fault)?;
+        let size = if is_pnm { pnm::size(bytes) } else { png::size(bytes) }.map_err(fault)?;
         if u64::from(size.width) * u64::from(size.height) > MOST_CELLS as u64 {
             return Err(Error::data("the map's image is too large")
                 .value(format!("{} by {} pixels", size.width, size.height))
@@ -51,51 +49,10 @@ impl Picture {
         let pixels = if is_pnm {
             pnm::shades(bytes).map(|shades| shades.into_iter().map(|shade| [shade, u8::MAX]).collect())
         } else {
-            png_pixels(bytes)
+            png::pixels(bytes)
         };
         Ok(Self { width: size.width as usize, pixels: pixels.map_err(fault)? })
     }
-}
-
-fn decoder(bytes: &[u8]) -> core::result::Result<Decoder<Cursor<&[u8]>>, Fault> {
-    if !bytes.starts_with(b"\x89PNG") {
-        return Err("it is neither PGM nor PNG".into());
-    }
-    let mut decoder = Decoder::new_with_limits(Cursor::new(bytes), Limits { bytes: 16 * MOST_CELLS });
-    // Texts and colour profiles may be packed to a thousandth of their size, and no map needs them.
-    decoder.set_ignore_text_chunk(true);
-    decoder.set_ignore_iccp_chunk(true);
-    decoder.set_transformations(Transformations::EXPAND);
-    Ok(decoder)
-}
-
-fn told(error: DecodingError) -> Fault {
-    error.to_string().into()
-}
-
-fn png_size(bytes: &[u8]) -> core::result::Result<Size, Fault> {
-    let mut decoder = decoder(bytes)?;
-    let header = decoder.read_header_info().map_err(told)?;
-    Ok(Size { width: header.width, height: header.height })
-}
-
-fn png_pixels(bytes: &[u8]) -> core::result::Result<Vec<[u8; 2]>, Fault> {
-    let mut reader = decoder(bytes)?.read_info().map_err(told)?;
-    let mut samples = vec![0; reader.output_buffer_size().ok_or("it is too large")?];
-    let info = reader.next_frame(&mut samples).map_err(told)?;
-    samples.truncate(info.buffer_size());
-    if info.bit_depth == png::BitDepth::Sixteen {
-        samples = samples.as_chunks::<2>().0.iter().map(|&two| eight_bits(u16::from_be_bytes(two))).collect();
-    }
-    let opaque = |shade: u8| [shade, u8::MAX];
-    Ok(match info.color_type {
-        ColorType::Grayscale => samples.into_iter().map(opaque).collect(),
-        ColorType::Rgb => means(samples, 3).into_iter().map(opaque).collect(),
-        ColorType::GrayscaleAlpha => samples.as_chunks::<2>().0.to_vec(),
-        ColorType::Rgba => samples.as_chunks::<4>().0.iter().map(|&[r, g, b, a]| [mean([r, g, b]), a]).collect(),
-        // Palettes are expanded to colours.
-        ColorType::Indexed => return Err("its colours are not there".into()),
-    })
 }
 
 /// A sample of sixteen bits in eight, rounded.
@@ -108,6 +65,6 @@ pub(super) fn means(samples: Vec<u8>, per_pixel: usize) -> Vec<u8> {
     if per_pixel == 1 { samples } else { samples.as_chunks::<3>().0.iter().map(|&rgb| mean(rgb)).collect() }
 }
 
-fn mean([r, g, b]: [u8; 3]) -> u8 {
+pub(super) fn mean([r, g, b]: [u8; 3]) -> u8 {
     ((u16::from(r) + u16::from(g) + u16::from(b)) / 3) as u8
 }

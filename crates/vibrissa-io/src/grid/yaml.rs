@@ -75,7 +75,7 @@ impl OccupancyGrid {
     pub fn read_map_server(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
         let file = MapServerFile::parse(&read_text(path, "map", YAML_BYTES)?, &path.to_string_lossy())?;
-        let image = path.parent().unwrap_or(Path::new("")).join(&file.image);
+        let image = file.image_beside(path);
         let bytes = read_bytes(&image, "map image", IMAGE_BYTES)?;
         file.grid(&bytes, &image.to_string_lossy())
     }
@@ -94,6 +94,11 @@ impl MapServerFile {
             )
         })?;
         Self::check(keys).map_err(|error| error.in_file(name).or_remedy("correct it, or save the map again"))
+    }
+
+    /// Where the image is when the YAML file is at `path`.
+    pub(crate) fn image_beside(&self, path: &Path) -> PathBuf {
+        path.parent().unwrap_or(Path::new("")).join(&self.image)
     }
 
     fn check(keys: Entries) -> Result<Self> {

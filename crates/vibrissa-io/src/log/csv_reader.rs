@@ -39,6 +39,24 @@ pub fn read(path: impl AsRef<Path>) -> Result<SensorLog> {
     from_reader(open(path, "log")?, &path.to_string_lossy())
 }
 
+/// The log in the bytes of a file, for those who have bytes and no files; the extension of its name says the format, as for
+/// [`read`].
+///
+/// # Errors
+///
+/// As [`read`], with the file's name as it is given.
+pub fn from_bytes(bytes: &[u8], name: &str) -> Result<SensorLog> {
+    let path = Path::new(name);
+    match path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase().as_str() {
+        #[cfg(feature = "mcap")]
+        "mcap" => super::bag::from_mcap(bytes, name),
+        #[cfg(not(feature = "mcap"))]
+        "mcap" => Err(other_recording(path)),
+        "bag" | "db3" => Err(other_recording(path)),
+        _ => from_reader(bytes, name),
+    }
+}
+
 /// The log in a CSV text; `name` stands for the file in messages.
 ///
 /// # Errors

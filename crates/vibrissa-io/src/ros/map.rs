@@ -4,6 +4,7 @@ use super::{Kind, decode_grid, read_bag};
 use crate::grid::OccupancyGrid;
 use crate::text::open;
 use crate::{Error, Result};
+use std::io::Read;
 use std::path::Path;
 
 /// The last `nav_msgs/OccupancyGrid` of a recording.
@@ -12,9 +13,17 @@ use std::path::Path;
 ///
 /// A file that cannot be read, is damaged, or holds no such message; grids on several topics.
 pub fn read_grid(path: &Path) -> Result<OccupancyGrid> {
-    let file = open(path, "map")?;
+    grid_in(open(path, "map")?, &path.to_string_lossy())
+}
+
+/// The last `nav_msgs/OccupancyGrid` of a recording that is read from somewhere; `name` stands for the file in messages.
+///
+/// # Errors
+///
+/// As [`read_grid`].
+pub fn grid_in(source: impl Read, name: &str) -> Result<OccupancyGrid> {
     let mut found: Option<(String, OccupancyGrid)> = None;
-    read_bag(file, &path.to_string_lossy(), |topic, _, bytes| {
+    read_bag(source, name, |topic, _, bytes| {
         if topic.kind != Some(Kind::Grid) {
             return Ok(());
         }
@@ -33,7 +42,7 @@ pub fn read_grid(path: &Path) -> Result<OccupancyGrid> {
     })?;
     found.map(|(_, grid)| grid).ok_or_else(|| {
         Error::data("the recording holds no map")
-            .in_file(path)
+            .in_file(name)
             .allowed("a topic of nav_msgs/msg/OccupancyGrid")
             .remedy("give a map file: .geojson, .svg or .yaml")
     })

@@ -29,7 +29,7 @@ pub use bag_stream::{BagStream, StreamTopic};
 pub use bag_writer::{BagWriter, TopicId};
 pub use definition::Kind;
 pub use drawing::{Line, LineSet};
-pub use map::read_grid;
+pub use map::{grid_in, read_grid};
 pub use message::{
     Header, NamedNumbers, Stamp, decode_bytes, decode_field, decode_grid, decode_named, decode_odometry, decode_pose,
     decode_text, decode_wrench, encode_bytes, encode_cloud, encode_effort, encode_field, encode_grid, encode_lines,
