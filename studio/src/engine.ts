@@ -136,7 +136,7 @@ export interface Answer extends Estimate {
 
 export type Sensor = "load" | "strip" | "slope" | "moment";
 const SENSORS: Sensor[] = ["load", "strip", "slope", "moment"];
-const FILES = ["map", "robot", "log", "truth", "image"] as const;
+const FILES = ["map", "robot", "log", "truth"] as const;
 export type FileKind = (typeof FILES)[number];
 const WRITTEN = ["log", "robot", "figure", "trajectory", "map"] as const;
 
@@ -196,11 +196,6 @@ export class Engine {
       return { role, closed, points: cursor.points(cursor.next()) };
     });
     return { outlines, warnings: this.text().split("\n").filter(Boolean) };
-  }
-
-  /** The image that the next map names. */
-  readImage(name: string, content: Uint8Array): void {
-    this.file("image", name, content);
   }
 
   /** Without a name the paper's whisker. */

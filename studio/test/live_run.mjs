@@ -79,7 +79,7 @@ function lines() {
   u32(room.length);
   room.forEach(([x, y]) => [x, y, 0].forEach(f64));
   u32(0);
-  text(""); u32(0); u32(0); text(""); text(""); u32(0); u32(0); text(""); text(""); u32(0);
+  text(""); u32(0); u32(0); text(""); text(""); u32(0); u32(0); text(""); text(""); text(""); u32(0);
   bytes.push(0);
   return Buffer.from(bytes);
 }

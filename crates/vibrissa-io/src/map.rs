@@ -64,6 +64,8 @@ pub fn from_bytes_beside(
     beside: impl FnOnce(&Path) -> Option<Vec<u8>>,
 ) -> Result<Map> {
     let path = name.as_ref();
+    #[cfg(not(feature = "ros-map"))]
+    drop(beside);
     let reader = match extension_of(path).as_str() {
         "geojson" | "json" => from_geojson,
         "svg" => from_svg,
@@ -75,7 +77,7 @@ pub fn from_bytes_beside(
             let bytes = beside(&image).ok_or_else(|| cannot_open(&image, "map image", &ErrorKind::NotFound.into()))?;
             return from_grid_file(&file.grid(&bytes, &image.to_string_lossy())?, path);
         }
-        #[cfg(feature = "mcap")]
+        #[cfg(all(feature = "mcap", feature = "ros-map"))]
         "mcap" => return from_grid_file(&crate::ros::grid_in(bytes.as_slice(), &path.to_string_lossy())?, path),
         extension => return Err(unknown_format(path, extension)),
     };

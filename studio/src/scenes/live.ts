@@ -225,6 +225,7 @@ class LiveScene implements Running {
       const told = body as Told;
       // Another run begins anew.
       if (told.t < (newest?.told.t ?? -Infinity)) this.begin();
+      if (!newest) this.linesDrawn = undefined;
       this.moments.push({ told, health: newest?.health });
       if (this.moments.length > KEPT) this.moments.splice(0, KEPT / 4);
       if (this.back) this.back = Math.min(this.back + 1, this.moments.length - 1);
@@ -278,7 +279,7 @@ class LiveScene implements Running {
       const [width, height] = [plot.box.right - plot.box.left, plot.box.top - plot.box.bottom];
       plot.scaleBar(width > 4 ? 1 : width > 0.8 ? 0.1 : 0.05);
       this.lines.forEach((line) => plot.line("map", line, "arena"));
-      if (!this.lines.length) {
+      if (!this.lines.length && !this.moments.length) {
         const at: Point = [plot.box.left + 0.5 * width, plot.box.bottom + 0.5 * height];
         plot.words("empty", at, "Nothing is heard yet", "big", [0, -6]);
         plot.words("empty", at, "vibrissa live --demo --view", "big code", [0, 18]);
@@ -312,7 +313,7 @@ class LiveScene implements Running {
     near.frame.style.display = whiskers.some((w) => w.shape) ? "" : "none";
     if (!told) return;
     const reach = Math.max(0.02, ...whiskers.map((w) => Math.hypot(w.mount?.x ?? 0, w.mount?.y ?? 0) + (w.length ?? 0)));
-    const box = { left: -1.1 * reach, right: 1.1 * reach, bottom: -0.85 * reach, top: 0.85 * reach };
+    const box = { left: -1.25 * reach, right: 1.25 * reach, bottom: -1.1 * reach, top: 1.1 * reach };
     if (Math.abs(near.box.right - box.right) > 1e-6) near.show(box);
     ["whiskers", "body", "marks"].forEach((layer) => near.clear(layer));
     drawRobot(near, "body", [0, 0, 0], "robot");

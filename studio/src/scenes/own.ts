@@ -1,6 +1,6 @@
 // One's own map, robot and log: every method on them, on one timeline.
 
-import type { Answer, Engine, Estimate, FileKind, Point, RoomMap } from "../engine";
+import type { Answer, Estimate, FileKind, Point, RoomMap } from "../engine";
 import { button, choice, element, Readout, save, slider } from "../controls";
 import { Plot, boxOf } from "../plot";
 import { onceAFrame, type Running, type Scene, type Stage } from "../scene";
@@ -55,14 +55,8 @@ export function kindOf(name: string): FileKind {
   return "map";
 }
 
-/** A map of ROS, and the image that it names. */
-const isYaml = (name: string): boolean => /\.ya?ml$/i.test(name);
-const isImage = (name: string): boolean => /\.(pgm|png)$/i.test(name);
-
 class OwnScene implements Running {
   private readonly files = new Map<FileKind, { name: string; bytes: Uint8Array }>();
-  /** Images that were dropped, by name: a map of ROS names one. */
-  private readonly images = new Map<string, Uint8Array>();
   private map: RoomMap = { outlines: [], warnings: [] };
   private log: Log = { columns: [], rows: new Float64Array(), width: 5, warnings: [] };
   private truth: Float64Array = new Float64Array();
@@ -71,10 +65,7 @@ class OwnScene implements Running {
   private row = 0;
   private generation = 0;
   private refused = "";
-  private image: [string, Uint8Array] | undefined;
   private drawing: Point[] | undefined;
-  /** A map of ROS whose image was not given yet. */
-  private waiting: { name: string; bytes: Uint8Array<ArrayBuffer> } | undefined;
   private readonly plot: Plot;
   private readonly strip: Strip;
   private readonly time: { set(value: number): void };
@@ -182,61 +173,24 @@ class OwnScene implements Running {
     this.refused = "";
     const engine = await this.stage.freshEngine();
     const read: Record<FileKind, (name: string, bytes: Uint8Array) => unknown> = {
-      map: (name, bytes) => this.readMap(engine, name, bytes), robot: (name, bytes) => engine.readRobot(name, bytes),
-      log: (name, bytes) => engine.readLog(name, bytes), truth: (name, bytes) => engine.readTruth(name, bytes), image: () => undefined,
+      map: (name, bytes) => engine.readMap(name, bytes), robot: (name, bytes) => engine.readRobot(name, bytes),
+      log: (name, bytes) => engine.readLog(name, bytes), truth: (name, bytes) => engine.readTruth(name, bytes),
     };
-    const given = await Promise.all(files.map(async (file) => ({ name: file.name, bytes: new Uint8Array(await file.arrayBuffer()) })));
-    // An image is no map, unless it comes with the file that names it; or that file came before and is asked again.
-    const images = given.filter(({ name }) => isImage(name));
-    images.forEach(({ name, bytes }) => this.images.set(name, bytes));
-    const asked = given.some(({ name }) => isYaml(name)) ? undefined : this.waiting;
-    if (images.length && asked) given.push(asked);
-    const alone = !given.some(({ name }) => isYaml(name));
     let brought = false;
-    for (const { name, bytes } of given) {
-      if (isImage(name) && !alone) continue;
-      const kind = kindOf(name);
+    for (const file of files) {
+      const [kind, bytes] = [kindOf(file.name), new Uint8Array(await file.arrayBuffer())];
       try {
-        read[kind](name, bytes);
-        this.files.set(kind, { name, bytes });
-        if (kind === "map") this.waiting = undefined;
-        if (/\.mcap$/i.test(name) && !given.some((one) => kindOf(one.name) === "map")) this.mapOf(engine, name, bytes);
+        read[kind](file.name, bytes);
+        this.files.set(kind, { name: file.name, bytes });
         // A new room or log has another truth.
-        if (kind !== "truth" && kind !== "robot" && !given.some((one) => kindOf(one.name) === "truth")) this.files.delete("truth");
+        if (kind !== "truth" && kind !== "robot" && !files.some((f) => kindOf(f.name) === "truth")) this.files.delete("truth");
         brought = true;
       } catch (error) {
         this.refused = error instanceof Error ? error.message : String(error);
-        if (isYaml(name)) this.waiting = { name, bytes };
       }
     }
     if (brought) await this.judge();
     this.tell();
-  }
-
-  /** Reads a map, with the image that it names where it names one. */
-  private readMap(engine: Engine, name: string, bytes: Uint8Array): RoomMap {
-    for (const image of isYaml(name) ? this.images : []) {
-      engine.readImage(...image);
-      try {
-        const map = engine.readMap(name, bytes);
-        this.image = image;
-        return map;
-      } catch (error) {
-        // Another image may be the one that is named.
-        if (!(error instanceof Error) || !error.message.includes("map image")) throw error;
-      }
-    }
-    return engine.readMap(name, bytes);
-  }
-
-  /** A recording may hold the map, too. */
-  private mapOf(engine: Engine, name: string, bytes: Uint8Array): void {
-    try {
-      engine.readMap(name, bytes);
-      this.files.set("map", { name, bytes });
-    } catch {
-      // It holds none: the map stays.
-    }
   }
 
   /** Every method on the files, one after the other. */
@@ -246,7 +200,7 @@ class OwnScene implements Running {
     this.judged = [];
     const engine = await this.stage.freshEngine();
     const file = (kind: FileKind) => this.files.get(kind);
-    this.map = this.readMap(engine, file("map")!.name, file("map")!.bytes);
+    this.map = engine.readMap(file("map")!.name, file("map")!.bytes);
     const robot = file("robot");
     engine.readRobot(robot?.name, robot?.bytes);
     const log = file("log");
@@ -278,7 +232,6 @@ class OwnScene implements Running {
     try {
       for (const [kind, call] of [["map", "readMap"], ["robot", "readRobot"], ["log", "readLog"], ["truth", "readTruth"]] as const) {
         const file = this.files.get(kind);
-        if (kind === "map" && file && isYaml(file.name) && this.image) await worker.call("readImage", ...this.image);
         if (file) await worker.call(call, file.name, file.bytes);
       }
       one.began = performance.now();

@@ -20,7 +20,7 @@ export const preimage: Scene = {
   id: "preimage",
   tab: "Preimage",
   title: "One reading, many places",
-  lead: "A single reading on a known map: the robot can be anywhere in the blue. Darker places allow more headings. Drag the probe to see which.",
+  lead: "A single reading on a known map: the robot can be anywhere in the blue, which is stronger where more headings are possible. Drag the probe to see which.",
   start: async (stage) => {
     const scene = new PreimageScene(stage);
     await scene.open();

@@ -5,7 +5,7 @@ use crate::config::limits::MOST_CELLS;
 use png::{ColorType, Decoder, DecodingError, Limits, Transformations};
 use std::io::Cursor;
 
-fn decoder(bytes: &[u8]) -> core::result::Result<Decoder<Cursor<&[u8]>>, Fault> {
+fn decoder(bytes: &[u8]) -> Result<Decoder<Cursor<&[u8]>>, Fault> {
     if !bytes.starts_with(b"\x89PNG") {
         return Err("it is neither PGM nor PNG".into());
     }
@@ -21,13 +21,13 @@ fn told(error: DecodingError) -> Fault {
     error.to_string().into()
 }
 
-pub(super) fn size(bytes: &[u8]) -> core::result::Result<Size, Fault> {
+pub(super) fn size(bytes: &[u8]) -> Result<Size, Fault> {
     let mut decoder = decoder(bytes)?;
     let header = decoder.read_header_info().map_err(told)?;
     Ok(Size { width: header.width, height: header.height })
 }
 
-pub(super) fn pixels(bytes: &[u8]) -> core::result::Result<Vec<[u8; 2]>, Fault> {
+pub(super) fn pixels(bytes: &[u8]) -> Result<Vec<[u8; 2]>, Fault> {
     let mut reader = decoder(bytes)?.read_info().map_err(told)?;
     let mut samples = vec![0; reader.output_buffer_size().ok_or("it is too large")?];
     let info = reader.next_frame(&mut samples).map_err(told)?;
