@@ -199,6 +199,8 @@ export class Plot {
     const { width } = this;
     const height = Math.round((this.box.top - this.box.bottom) / this.pixel);
     const copy = this.svg.cloneNode(true) as SVGSVGElement;
+    // Nobody takes hold of a picture.
+    const handles = copy.querySelectorAll(".handles");
     // Styles are those of the page: what of them counts is written to each element.
     const shown = this.svg.querySelectorAll("*");
     copy.querySelectorAll("*").forEach((element, i) => {
@@ -214,6 +216,7 @@ export class Plot {
       }
     });
     copy.querySelectorAll("[display=none]").forEach((element) => element.remove());
+    handles.forEach((element) => element.remove());
     for (const name of copy.getAttributeNames()) if (name !== "viewBox") copy.removeAttribute(name);
     copy.setAttribute("xmlns", SVG);
     copy.setAttribute("width", `${width}`);

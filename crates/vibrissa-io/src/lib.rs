@@ -36,4 +36,4 @@ pub use units::{Dimension, parse_quantity};
 
 #[cfg(feature = "mcap")]
 use vibrissa_core::sets;
-use vibrissa_core::{Error, Result, beam, config, flow, plane, world};
+use vibrissa_core::{Error, Result, beam, config, flow, math, plane, world};

@@ -12,10 +12,10 @@ pub use svg::from_svg;
 #[cfg(any(feature = "mcap", feature = "ros-map"))]
 use crate::config::GridOptions;
 use crate::config::budgets::MAP_BYTES;
-#[cfg(any(feature = "mcap", feature = "ros-map"))]
-use crate::grid::OccupancyGrid;
 #[cfg(feature = "ros-map")]
 use crate::grid::MapServerFile;
+#[cfg(any(feature = "mcap", feature = "ros-map"))]
+use crate::grid::OccupancyGrid;
 #[cfg(feature = "ros-map")]
 use crate::text::cannot_open;
 use crate::text::{read_bytes, suggestion, text_of};

@@ -3,6 +3,7 @@
 use crate::config::budgets::TRAJECTORY_BYTES;
 use crate::config::limits::MOST_LOG_ROWS;
 use crate::flow::pose::{StampedPose, Stretch};
+use crate::math;
 use crate::plane::Pose2;
 use crate::text::{beyond, read_text, short};
 use crate::{Error, Result};
@@ -85,7 +86,7 @@ fn parse_line(line: &str) -> Result<StampedPose> {
             .allowed("1")
             .remedy("the last four columns are qx qy qz qw, in this order"));
     }
-    let heading = (2.0 * (qw * qz + qx * qy)).atan2(qw * qw + qx * qx - qy * qy - qz * qz);
+    let heading = math::atan2(2.0 * (qw * qz + qx * qy), qw * qw + qx * qx - qy * qy - qz * qz);
     Ok(StampedPose { t, map_from_robot: Pose2::new(x, y, heading) })
 }
 
@@ -107,7 +108,7 @@ pub fn format_tum(poses: &[StampedPose]) -> String {
         if !(t.is_finite() && pose.position().is_finite() && pose.theta.is_finite()) {
             continue;
         }
-        let (qz, qw) = (0.5 * pose.theta).sin_cos();
+        let (qz, qw) = math::sin_cos(0.5 * pose.theta);
         // Writing into a string cannot fail.
         let _ = writeln!(text, "{t:.6} {:.9} {:.9} 0 0 0 {qz:.9} {qw:.9}", pose.x, pose.y);
     }

@@ -32,7 +32,8 @@ pub(crate) fn read(host: &mut Host, kind: u32) -> Result<()> {
 
 fn read_map(host: &mut Host, content: Vec<u8>, name: &str) -> Result<()> {
     let beside = host.beside.take();
-    let named = |image: &Path| beside.filter(|(name, _)| image.file_name().is_some_and(|wanted| wanted == name.as_str()));
+    let named =
+        |image: &Path| beside.filter(|(name, _)| image.file_name().is_some_and(|wanted| wanted == name.as_str()));
     let map = map::from_bytes_beside(content, name, |image| named(image).map(|(_, bytes)| bytes))?;
     let drawn = outlines(&map, DRAWING_TOLERANCE);
     host.count(drawn.len());

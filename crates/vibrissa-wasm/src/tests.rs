@@ -93,12 +93,14 @@ fn what_is_missing_or_wrong_is_refused_in_words() {
 #[cfg(feature = "ros-map")]
 #[test]
 fn a_map_of_ros_takes_its_image_along() {
-    const YAML: &str = "image: room.pgm\nresolution: 0.01\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.2\n";
+    const YAML: &str =
+        "image: room.pgm\nresolution: 0.01\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.2\n";
     let mut host = Host::default();
     give(&mut host, "room.yaml", YAML);
     let words = files::read(&mut host, 0).unwrap_err().to_string();
     assert!(words.contains("room.pgm"), "{words}");
-    let pixels: String = (0..40 * 30).map(|k| if matches!((k % 40, k / 40), (4..36, 4..26)) { "254 " } else { "0 " }).collect();
+    let pixels: String =
+        (0..40 * 30).map(|k| if matches!((k % 40, k / 40), (4..36, 4..26)) { "254 " } else { "0 " }).collect();
     for image in ["other.pgm", "room.pgm"] {
         give(&mut host, image, &format!("P2\n40 30\n255\n{pixels}"));
         files::read(&mut host, 4).unwrap();

@@ -65,6 +65,7 @@ class OwnScene implements Running {
   private row = 0;
   private generation = 0;
   private refused = "";
+  private taking = false;
   private drawing: Point[] | undefined;
   private readonly plot: Plot;
   private readonly strip: Strip;
@@ -171,6 +172,7 @@ class OwnScene implements Running {
   /** Takes files as they are dropped; one that is refused leaves all as it was. */
   private async take(files: File[]): Promise<void> {
     this.refused = "";
+    this.taking = true;
     const engine = await this.stage.freshEngine();
     const read: Record<FileKind, (name: string, bytes: Uint8Array) => unknown> = {
       map: (name, bytes) => engine.readMap(name, bytes), robot: (name, bytes) => engine.readRobot(name, bytes),
@@ -189,6 +191,7 @@ class OwnScene implements Running {
         this.refused = error instanceof Error ? error.message : String(error);
       }
     }
+    this.taking = false;
     if (brought) await this.judge();
     this.tell();
   }
@@ -396,7 +399,7 @@ class OwnScene implements Running {
   answers(): unknown {
     const text = (kind: FileKind) => new TextDecoder().decode(this.files.get(kind)?.bytes);
     return {
-      ready: this.judged.length === METHODS.length && this.judged.every((one) => one.answer || one.failed),
+      ready: !this.taking && this.judged.length === METHODS.length && this.judged.every((one) => one.answer || one.failed),
       refused: this.refused,
       map: text("map"), file: this.files.get("map")?.name, logFile: this.files.get("log")?.name, robot: text("robot"), log: text("log"),
       answers: this.judged.map((one) => ({ method: one.method, failed: one.failed, seconds: one.seconds, verdict: one.answer?.verdict, places: one.answer?.places })),

@@ -4,7 +4,12 @@ use super::picture::{Fault, Size};
 
 /// Refuses.
 pub(super) fn size(bytes: &[u8]) -> Result<Size, Fault> {
-    Err(if bytes.starts_with(b"\x89PNG") { "PNG is for the command; the page takes PGM" } else { "it is neither PGM nor PNG" }.into())
+    Err(if bytes.starts_with(b"\x89PNG") {
+        "PNG is for the command; the page takes PGM"
+    } else {
+        "it is neither PGM nor PNG"
+    }
+    .into())
 }
 
 /// Refuses.

@@ -2,6 +2,7 @@
 
 use super::trace::Crossing;
 use crate::config::GridOptions;
+use crate::math;
 use crate::plane::Vec2;
 
 /// Longest piece of a loop that is split as one: the time of splitting grows with its square at worst.
@@ -145,7 +146,7 @@ impl Fitted {
             let d = *p - middle;
             (xx, xy, yy) = (xx + d.x * d.x, xy + d.x * d.y, yy + d.y * d.y);
         }
-        let along = Vec2::from_angle(0.5 * (2.0 * xy).atan2(xx - yy));
+        let along = Vec2::from_angle(0.5 * math::atan2(2.0 * xy, xx - yy));
         Self { from, to, middle, along: if along.dot(to - from) < 0.0 { -along } else { along } }
     }
 
@@ -160,7 +161,7 @@ impl Fitted {
     /// Where two lines meet; none where they are nearly parallel.
     fn meets(&self, other: &Self) -> Option<Vec2> {
         let sine = self.along.cross(other.along);
-        (sine.abs() >= LEAST_TURN.sin()).then(|| {
+        (sine.abs() >= math::sin(LEAST_TURN)).then(|| {
             let share = (other.middle - self.middle).cross(other.along) / sine;
             self.middle + self.along * share
         })
@@ -185,7 +186,7 @@ fn without_cuts(mut lines: Vec<Fitted>) -> Vec<Fitted> {
             continue;
         }
         let (one, other) = (lines[wall], lines[next]);
-        let is_sharp = one.along.cross(other.along).atan2(one.along.dot(other.along)).abs() >= SHARP;
+        let is_sharp = math::atan2(one.along.cross(other.along), one.along.dot(other.along)).abs() >= SHARP;
         let near = |corner: &Vec2| between.iter().any(|&k| distance(*corner, lines[k].from, lines[k].to) <= CORNER);
         if let Some(corner) = one.meets(&other).filter(|corner| is_sharp && near(corner)) {
             between.iter().for_each(|&k| keep[k] = false);

@@ -3,6 +3,7 @@
 use super::cdr::{CdrReader, CdrWriter};
 use super::drawing::LineSet;
 use crate::grid::{Cell, OccupancyGrid};
+use crate::math;
 use crate::plane::{Pose2, Vec2};
 
 /// A time as ROS 2 has it.
@@ -68,12 +69,12 @@ fn read_pose(reader: &mut CdrReader) -> Option<Pose2> {
     if !(length > 1e-6 && length.is_finite()) {
         return None;
     }
-    let heading = (2.0 * (qw * qz + qx * qy)).atan2(qw * qw + qx * qx - qy * qy - qz * qz);
+    let heading = math::atan2(2.0 * (qw * qz + qx * qy), qw * qw + qx * qx - qy * qy - qz * qz);
     Some(Pose2::new(x, y, heading))
 }
 
 fn write_pose(writer: &mut CdrWriter, pose: Pose2) {
-    let (qz, qw) = (0.5 * pose.theta).sin_cos();
+    let (qz, qw) = math::sin_cos(0.5 * pose.theta);
     writer.f64s(&[pose.x, pose.y, 0.0, 0.0, 0.0, qz, qw]);
 }
 

@@ -3,6 +3,7 @@
 use super::lines::lines;
 use super::yaml::Message;
 use super::{Format, Recording, Series};
+use crate::math;
 use crate::plane::{Pose2, wrap_angle};
 
 /// The numbers of one kind of message: columns with units, and their paths.
@@ -90,7 +91,7 @@ fn messages(bytes: &[u8], recording: &mut Recording) -> Vec<Message> {
 fn pose(message: &Message) -> Option<Pose2> {
     let get = |path: &str| message.get(&format!("pose.pose.{path}"));
     let [x, y, z, w] = [get("orientation.x")?, get("orientation.y")?, get("orientation.z")?, get("orientation.w")?];
-    let heading = (2.0 * (w * z + x * y)).atan2(1.0 - 2.0 * (y * y + z * z));
+    let heading = math::atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z));
     Some(Pose2::new(get("position.x")?, get("position.y")?, heading))
 }
 

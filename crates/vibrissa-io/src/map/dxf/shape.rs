@@ -3,6 +3,7 @@
 use super::groups::{Entity, number};
 use super::spline::Spline;
 use crate::config::budgets::MOST_PIECES;
+use crate::math;
 use crate::plane::{Segment, Vec2, arc_to_cubics};
 use crate::{Error, Result};
 use core::f64::consts::TAU;
@@ -86,7 +87,7 @@ fn ellipse(entity: &Entity<'_>, side: f64, tolerance: f64) -> Result<Chain> {
     let closed = turn < 1e-9 || TAU - turn < 1e-9;
     let sweep = if closed { TAU } else { turn };
     let radii = axis.norm() * Vec2::new(1.0, ratio);
-    let segments = arc_to_cubics(center, radii, axis.y.atan2(axis.x), side * from, side * sweep, tolerance);
+    let segments = arc_to_cubics(center, radii, math::atan2(axis.y, axis.x), side * from, side * sweep, tolerance);
     Ok(Chain { segments, closed })
 }
 
@@ -156,12 +157,12 @@ fn bulged(a: Vec2, b: Vec2, bulge: f64, tolerance: f64, out: &mut Vec<Segment>) 
         out.push(Segment::Line([a, b]));
         return;
     }
-    let sweep = 4.0 * bulge.atan();
+    let sweep = 4.0 * math::atan(bulge);
     // From the chord's middle to the centre: half the chord over the tangent of half the sweep.
     let center = 0.5 * (a + b) + chord.perp() * ((1.0 - bulge * bulge) / (4.0 * bulge));
     let radius = a.distance(center);
     let from = a - center;
-    let mut arc = arc_to_cubics(center, Vec2::new(radius, radius), 0.0, from.y.atan2(from.x), sweep, tolerance);
+    let mut arc = arc_to_cubics(center, Vec2::new(radius, radius), 0.0, math::atan2(from.y, from.x), sweep, tolerance);
     // The corners stay where they were drawn.
     if let Some(Segment::Cubic(first)) = arc.first_mut() {
         first[0] = a;

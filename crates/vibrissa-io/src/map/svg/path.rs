@@ -2,6 +2,7 @@
 
 use crate::config::budgets::MOST_PIECES;
 use crate::config::limits::ARC_TOLERANCE;
+use crate::math;
 use crate::plane::{Segment, Vec2, arc_to_cubics};
 use crate::text::beyond;
 use crate::{Error, Result};
@@ -28,7 +29,7 @@ pub(super) struct Builder {
 impl Builder {
     pub(super) fn new(map_from_user: Affine) -> Self {
         let [a, b, c, d, ..] = map_from_user.as_coeffs();
-        let stretch = a.hypot(b).hypot(c.hypot(d));
+        let stretch = math::hypot(math::hypot(a, b), math::hypot(c, d));
         Self {
             map_from_user,
             stretch,
