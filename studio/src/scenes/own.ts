@@ -89,7 +89,7 @@ class OwnScene implements Running {
     this.time = slider(times, "Time", { min: 0, max: 1000, step: 1 }, 1000, (v) => this.timeWords(v), (v) => this.seek(v));
     this.message = element("div", { class: "messages", role: "alert" });
     this.list = element("ul", { class: "files" });
-    const input = element("input", { type: "file", multiple: "", class: "unseen", id: "files", "aria-label": "Open a map, a robot, a log" });
+    const input = element("input", { type: "file", multiple: "", class: "unseen", id: "files", tabindex: "-1", "aria-label": "Open a map, a robot, a log" });
     input.addEventListener("change", () => void this.take([...(input.files ?? [])]));
     const open = element("div", { class: "buttons" });
     stage.panel.append(element("div", { class: "group" }, element("span", { class: "title" }, "Files"), this.list, open, input), this.message);

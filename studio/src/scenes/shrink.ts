@@ -111,9 +111,9 @@ class ShrinkScene implements Running {
       nudge: () => undefined,
       release: () => (this.target = undefined),
     });
-    this.plot.svg.addEventListener("keydown", (event) => this.key(event, true), true);
-    this.plot.svg.addEventListener("keyup", (event) => this.key(event, false), true);
-    this.plot.svg.addEventListener("focusout", () => this.pressed.clear());
+    this.plot.frame.addEventListener("keydown", (event) => this.key(event, true), true);
+    this.plot.frame.addEventListener("keyup", (event) => this.key(event, false), true);
+    this.plot.frame.addEventListener("focusout", () => this.pressed.clear());
     this.strip = new Strip(stage.figure, 8);
     this.badge = element("span", { class: "badge" });
     this.words = element("p", { class: "note" });
