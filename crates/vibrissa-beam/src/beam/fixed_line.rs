@@ -13,8 +13,6 @@ use crate::math;
 use crate::platform::rem_euclid;
 use alloc::vec::Vec;
 use core::f64::consts::{PI, TAU};
-#[cfg(not(feature = "std"))]
-use num_traits::Float as _;
 
 /// The parameter where shapes are straight to below the smallest numbers.
 const LOWEST: f64 = -690.0;

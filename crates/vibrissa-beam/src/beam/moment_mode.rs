@@ -15,8 +15,6 @@ use alloc::format;
 use alloc::vec;
 use alloc::vec::Vec;
 use core::f64::consts::PI;
-#[cfg(not(feature = "std"))]
-use num_traits::Float as _;
 
 /// Every first-mode equilibrium with `moment` (N m) about the base and contact at arc length `s_a` (m), least slope first.
 ///

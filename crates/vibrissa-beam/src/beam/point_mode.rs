@@ -15,8 +15,6 @@ use crate::math;
 use crate::plane::Vec2;
 use alloc::vec::Vec;
 use core::f64::consts::PI;
-#[cfg(not(feature = "std"))]
-use num_traits::Float as _;
 
 /// Every first-mode equilibrium whose contact is at `contact` (m, whisker frame), least slope first.
 ///

@@ -12,8 +12,6 @@ use crate::math;
 use alloc::vec;
 use alloc::vec::Vec;
 use core::f64::consts::{FRAC_PI_2, PI};
-#[cfg(not(feature = "std"))]
-use num_traits::Float as _;
 
 /// Tilts beyond this are left out (rad): the force then all but pulls or pushes along the whisker.
 pub(super) const STEEPEST_TILT: f64 = 1.45;

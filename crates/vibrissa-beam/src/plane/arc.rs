@@ -5,8 +5,6 @@ use crate::math;
 use alloc::vec::Vec;
 use core::f64::consts::TAU;
 use kurbo::{Arc, PathEl, Point};
-#[cfg(not(feature = "std"))]
-use num_traits::Float as _;
 
 /// The cubics that follow an elliptical arc within `tolerance` (m), in the direction of travel.
 ///

@@ -3,8 +3,6 @@
 use super::Vec2;
 use crate::math;
 use core::f64::consts::{PI, TAU};
-#[cfg(not(feature = "std"))]
-use num_traits::Float as _;
 
 /// Angles below this (rad) are brought into range by one turn.
 const NEAR: f64 = 9.0;

@@ -2,8 +2,6 @@
 
 use crate::math;
 use core::ops::{Add, AddAssign, Mul, Neg, Sub};
-#[cfg(not(feature = "std"))]
-use num_traits::Float as _;
 
 /// A point or a vector of the plane, in metres unless said otherwise.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

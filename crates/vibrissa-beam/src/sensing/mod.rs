@@ -17,8 +17,6 @@ pub use chip::{Chip, Mlx90393, Tle493d};
 pub use dipole::{Vec3, dipole_field};
 
 use crate::config::sensing as defaults;
-#[cfg(not(feature = "std"))]
-use num_traits::Float as _;
 
 /// A whisker's compliant element, its magnet, and the chip that feels the magnet.
 ///

@@ -3,8 +3,6 @@ use super::bicubic::powers;
 use crate::beam::rod::Rod;
 use crate::math;
 use alloc::vec::Vec;
-#[cfg(not(feature = "std"))]
-use num_traits::Float as _;
 
 /// Ends of the panels along the whisker, as shares of its length: a base that turns changes everything on a short way.
 const BREAKS: [f64; 9] = [0.001, 0.004, 0.016, 0.064, 0.2, 0.4, 0.6, 0.8, 1.0];

@@ -13,8 +13,6 @@ use super::table::{ENERGY, MOMENT, QUANTITIES, Row, SLOPE, Table, X, Y};
 use crate::math;
 use alloc::vec::Vec;
 use core::f64::consts::PI;
-#[cfg(not(feature = "std"))]
-use num_traits::Float as _;
 
 /// What is measured is multiplied by this: fourth derivatives vary a little within a cell.
 const MARGIN: f64 = 1.25;

@@ -9,8 +9,6 @@ use crate::math;
 use alloc::vec;
 use alloc::vec::Vec;
 use core::f64::consts::PI;
-#[cfg(not(feature = "std"))]
-use num_traits::Float as _;
 
 /// Samples along each side of a panel.
 pub(super) const SIDE: usize = 16;

@@ -12,8 +12,6 @@ use crate::math;
 use crate::plane::Vec2;
 use crate::platform::vector_level;
 use alloc::vec::Vec;
-#[cfg(not(feature = "std"))]
-use num_traits::Float as _;
 
 /// Panels over the load, and cells of a panel along each side.
 const PANELS: usize = 8;

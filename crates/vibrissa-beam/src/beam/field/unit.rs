@@ -3,8 +3,6 @@
 use crate::beam::rod::Rod;
 use crate::math;
 use core::f64::consts::PI;
-#[cfg(not(feature = "std"))]
-use num_traits::Float as _;
 
 /// Coefficients of the logarithm of the unit times the squared arc length, over the place.
 pub(super) const TERMS: usize = 8;

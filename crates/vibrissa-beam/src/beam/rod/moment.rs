@@ -16,8 +16,6 @@ use crate::math;
 use crate::plane::Vec2;
 use alloc::vec;
 use alloc::vec::Vec;
-#[cfg(not(feature = "std"))]
-use num_traits::Float as _;
 
 impl Rod {
     /// Every first-mode equilibrium with `moment` (N m) about the base and contact at arc length `s_a` (m), least slope
