@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used)]
 
-use vibrissa_beam::beam::{TipChart, TipTable, elastica::bend, tip_chart};
+use vibrissa_beam::beam::{TipChart, TipTable, elastica::bend, held_tip_chart, tip_chart};
 
 #[allow(dead_code)]
 #[path = "../../vibrissa/tests/data/random.rs"]
@@ -101,4 +101,51 @@ fn the_table_says_what_the_chart_says() {
     }
     println!("table off by {ordinary:.1e}, at steep tilts {steep:.1e}");
     assert!(ordinary < 1e-5 && steep < 2e-2, "{ordinary} {steep}");
+}
+
+/// The same by Runge and Kutta's method from the tip back: the loaded elastica `u'' = q cos(u + beta)`, lengths over the whisker's.
+fn integrated(q: f64, beta: f64) -> [f64; 4] {
+    let steps = 4000;
+    let h = 1.0 / f64::from(steps);
+    let rate = |[u, du, _, _]: [f64; 4]| [du, q * (u + beta).cos(), u.cos(), u.sin()];
+    let mut at = [0.0; 4];
+    for _ in 0..steps {
+        let shifted = |by: f64, k: [f64; 4]| core::array::from_fn(|i| at[i] + by * k[i]);
+        let a = rate(at);
+        let b = rate(shifted(0.5 * h, a));
+        let c = rate(shifted(0.5 * h, b));
+        let d = rate(shifted(h, c));
+        at = core::array::from_fn(|i| at[i] + h / 6.0 * (a[i] + 2.0 * b[i] + 2.0 * c[i] + d[i]));
+    }
+    // Seen from the base, where the slope is 0 and the tip's is `u`.
+    let [u, du, along, across] = at;
+    let (sin, cos) = u.sin_cos();
+    [along * cos + across * sin, along * sin - across * cos, u, du]
+}
+
+#[test]
+fn shapes_with_an_inflection_agree_with_an_integration() {
+    let mut random = Random(5);
+    let mut beyond = 0;
+    for _ in 0..600 {
+        let (q, beta) = (10.0 + random.signed(9.0), random.signed(2.9));
+        let Some(chart) = held_tip_chart(q, beta).filter(|_| beta.cos().abs() > 0.05) else { continue };
+        beyond += usize::from(tip_chart(q, beta).is_none());
+        let exact = integrated(q, beta);
+        for k in 0..4 {
+            assert!((values(&chart)[k] - exact[k]).abs() < 1e-8, "{k}: q {q} beta {beta}: {chart:?} {exact:?}");
+        }
+        let rates = |r: &vibrissa_beam::beam::TipRate| [r.position.x, r.position.y, r.slope, r.moment];
+        let difference = |k: usize, dq: f64, db: f64| {
+            let (more, less) = (integrated(q + dq, beta + db), integrated(q - dq, beta - db));
+            (more[k] - less[k]) / (2.0 * (dq + db))
+        };
+        for k in 0..4 {
+            let size = 1.0 + 1.0 / beta.cos().powi(2);
+            assert!((rates(&chart.by_force)[k] - difference(k, 1e-4, 0.0)).abs() < 1e-6 * size, "{k} q {q} {beta}");
+            assert!((rates(&chart.by_tilt)[k] - difference(k, 0.0, 1e-4)).abs() < 1e-5 * size, "{k} q {q} {beta}");
+        }
+    }
+    println!("{beyond} beyond the first mode");
+    assert!(beyond > 60, "{beyond}");
 }

@@ -55,7 +55,7 @@ pub use rod::{Rod, Segment};
 pub use small_angle::SmallAngle;
 pub use strain::Strain;
 pub use stretch::{MOST_STRETCHES, Stretch, Stretches};
-pub use tip_chart::{TipChart, TipRate, tip_chart};
+pub use tip_chart::{TipChart, TipRate, held_tip_chart, tip_chart};
 pub use tip_curve::{TipEquilibrium, largest_tip_moment, tip_curve};
 pub use tip_mode::tip_mode;
 pub use tip_model::{TipModel, TipReading};

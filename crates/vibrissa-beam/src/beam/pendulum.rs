@@ -106,6 +106,18 @@ impl Pendulum {
         if t < SERIES_BELOW { series(self.tilt, t) } else { self.closed_form(t) }
     }
 
+    /// The whisker at `t` in \[0, 4 K\]: beyond the first mode the pendulum swings back as it came.
+    pub(super) fn over_a_period(&self, t: f64) -> Swing {
+        if t <= self.half_period() {
+            return self.at(t);
+        }
+        let Tilt { sin, cos, .. } = self.tilt;
+        let (back, turn) = (self.at(2.0 * self.half_period() - t), self.turn());
+        let (du, energy) = (-back.du, 2.0 * turn.energy - back.energy);
+        let sin_integral = energy + sin * t;
+        Swing { t, u: back.u, du, along: cos * du + sin * sin_integral, across: cos * sin_integral - sin * du, energy }
+    }
+
     /// The whisker at the end of the first mode, where it stands still.
     pub(super) fn turn(&self) -> Swing {
         let Tilt { sin, cos, .. } = self.tilt;

@@ -52,6 +52,23 @@ pub struct TipChart {
 /// beyond the first mode, where `cos(beta)` vanishes, and for what is not finite.
 #[must_use]
 pub fn tip_chart(q: f64, beta: f64) -> Option<TipChart> {
+    within(q, beta, Modes::First)
+}
+
+/// The same up to the second mode, where the whisker has an inflection: a tip that cannot slide, in a corner, holds such shapes.
+#[must_use]
+pub fn held_tip_chart(q: f64, beta: f64) -> Option<TipChart> {
+    within(q, beta, Modes::Two)
+}
+
+/// How many inflections a whisker may have.
+#[derive(Clone, Copy, PartialEq)]
+enum Modes {
+    First,
+    Two,
+}
+
+fn within(q: f64, beta: f64, modes: Modes) -> Option<TipChart> {
     if q.abs() < WEAK {
         return beta.is_finite().then(|| weak(q, beta));
     }
@@ -59,10 +76,11 @@ pub fn tip_chart(q: f64, beta: f64) -> Option<TipChart> {
     let (sin, cos) = (tilt.sin, tilt.cos);
     let t = q.abs().sqrt();
     let pendulum = Pendulum::new(tilt);
-    if !(t <= pendulum.half_period() && cos > 1e-9) {
+    let longest = pendulum.half_period() * if modes == Modes::First { 1.0 } else { 2.0 };
+    if !(t <= longest && cos > 1e-9) {
         return None;
     }
-    let swing = pendulum.at(t);
+    let swing = pendulum.over_a_period(t);
     let (du, e) = (swing.du, swing.energy);
     let (sin_u, cos_u) = math::sin_cos(swing.u);
     let (sin_w, cos_w) = (sin_u * cos + cos_u * sin, cos_u * cos - sin_u * sin);

@@ -38,7 +38,7 @@ struct Solved {
 impl ForwardModel<'_> {
     /// A whisker with its tip on a boundary and this share of its length near another place: both hold it.
     pub(super) fn propped(&self, stance: &Stance, touch: &Contact, share: f64, (piece, at): (u32, f64)) -> Next {
-        let Some(chart) = self.mechanics.chart(touch.q, touch.beta) else { return Next::None };
+        let Some(chart) = self.mechanics.held_chart(touch.q, touch.beta) else { return Next::None };
         let tip = match touch.hold {
             Hold::Tip(on) => on,
             // What has only just lain down counts as its tip.

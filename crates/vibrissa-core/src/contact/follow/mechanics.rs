@@ -1,6 +1,6 @@
 //! How the equilibria of a whisker with its tip in contact are solved.
 
-use crate::beam::{TipChart, TipModel, TipTable, tip_chart};
+use crate::beam::{TipChart, TipModel, TipTable, held_tip_chart, tip_chart};
 
 /// How exactly equilibria are solved.
 #[derive(Clone, Copy, Debug)]
@@ -18,6 +18,15 @@ impl Mechanics<'_> {
         match self {
             Self::ClosedForm => tip_chart(q, beta),
             Self::Table(table) => table.at(q, beta),
+            Self::Model(tip) => tip.chart(q, beta),
+        }
+    }
+
+    /// The same for a tip that is held in a corner, beyond the first mode too.
+    pub(super) fn held_chart(&self, q: f64, beta: f64) -> Option<TipChart> {
+        match self {
+            Self::ClosedForm => held_tip_chart(q, beta),
+            Self::Table(table) => table.at(q, beta).or_else(|| held_tip_chart(q, beta)),
             Self::Model(tip) => tip.chart(q, beta),
         }
     }

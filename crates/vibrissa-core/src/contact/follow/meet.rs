@@ -1,7 +1,7 @@
 //! What a free whisker meets.
 
 use super::{Contact, ForwardModel, Next, Prediction, WhiskerState};
-use crate::contact::{Hold, Push, Support};
+use crate::contact::{Hold, Push, Stance, Support};
 use crate::plane::{Pose2, Vec2, wrap_angle};
 use core::f64::consts::FRAC_PI_2;
 
@@ -63,10 +63,23 @@ impl ForwardModel<'_> {
         let reach = 0.1 * travel + 0.02 * self.length;
         let onset = self.boundaries.nearest(self.map, tip(pose), pose.position(), reach);
         let slid = onset.and_then(|(piece, at, _)| self.slide(self.untouched(piece, at, pose.theta), pose, to));
-        let met = slid.or_else(|| self.slide(self.brushed(pose)?, pose, to));
+        // A tip that would have to be pulled is only near a boundary, and the side has met another.
+        let pressed = slid.filter(|(touch, _)| touch.q >= 0.0);
+        let met = pressed.or_else(|| self.slide(self.brushed(pose)?, pose, to)).or(slid);
         Some(met.map_or((WhiskerState::Unknown, Prediction::default()), |(touch, predicted)| {
             (WhiskerState::Touching(touch), predicted)
         }))
+    }
+
+    /// What the straight whisker touches with its side while its tip is only near a boundary.
+    pub(super) fn beside(&self, stance: &Stance) -> Option<Next> {
+        let (base, heading) = (stance.base(), stance.heading(0.0));
+        let pose = Pose2 { x: base.x, y: base.y, theta: heading };
+        if !self.map.crosses(base, pose.transform_point(Vec2::new(self.length, 0.0))) {
+            return None;
+        }
+        let next = self.on_side(stance, self.brushed(pose)?);
+        matches!(&next, Next::Touching(touch, _) if touch.q > 0.0).then_some(next)
     }
 
     /// The straight whisker just touching with its side, where it first crosses a boundary.

@@ -159,7 +159,10 @@ impl ForwardModel<'_> {
     fn cleared(&self, stance: &Stance, touch: Contact, predicted: Prediction) -> Next {
         // Two contacts are followed with the moment of uniform whiskers.
         let followed = self.quantity == SensedQuantity::Moment && !matches!(self.mechanics, Mechanics::Model(_));
-        if !self.whole || !followed || touch.clear > 0.0 || touch.q <= 0.0 || matches!(touch.hold, Hold::Both(_)) {
+        if self.whole && followed && touch.q <= 0.0 {
+            return self.beside(stance).unwrap_or(Next::Touching(touch, predicted));
+        }
+        if !self.whole || !followed || touch.clear > 0.0 || matches!(touch.hold, Hold::Both(_)) {
             return Next::Touching(touch, predicted);
         }
         let two = match self.surroundings(stance, &touch) {

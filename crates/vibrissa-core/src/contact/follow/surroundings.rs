@@ -42,20 +42,20 @@ struct Gap {
     at: (u32, f64),
 }
 
-/// Which of the places along a whisker is on or behind a boundary, and near which place of it.
-type Bump = (usize, (u32, f64));
+/// Where along the places of a whisker it is on or behind a boundary, and near which place of it.
+type Bump = (f64, (u32, f64));
 
 impl ForwardModel<'_> {
     /// What a whisker that stands so runs into.
     pub(super) fn surroundings(&self, stance: &Stance, touch: &Contact) -> Surroundings {
-        let Some(chart) = self.mechanics.chart(touch.q, touch.beta) else { return Surroundings::Clear(0.0) };
+        let Some(chart) = self.mechanics.held_chart(touch.q, touch.beta) else { return Surroundings::Clear(0.0) };
         let per = 1.0 / touch.s;
         let force = Vec2::from_angle(touch.slope + touch.beta + FRAC_PI_2) * (touch.q * per * per);
         let mut outline = [Vec2::ZERO; CUTS];
         span::outline(chart.moment * per, force, touch.s, &mut outline);
         let (mut clear, bump) = self.bump(stance, &outline[..CUTS - 1]);
         if let Some((k, at)) = bump {
-            return Surroundings::Before((k as f64 + 1.0) / CUTS as f64 * touch.s, at);
+            return Surroundings::Before((k + 1.0) / CUTS as f64 * touch.s, at);
         }
         if let Hold::Tip(Support::Piece(piece, at)) = touch.hold {
             // A tip that points out of the boundary has come through it from behind.
@@ -65,6 +65,22 @@ impl ForwardModel<'_> {
             {
                 return Surroundings::Before(1.0 - BEHIND, gap.at);
             }
+        }
+        if let Hold::Tip(Support::Corner(id)) = touch.hold
+            && let Some(corner) = self.boundaries.corner(id)
+        {
+            // A tip in a corner may have come from behind either of its sides.
+            let heading = stance.heading(touch.slope);
+            for (normal, (piece, end)) in [(corner.normal, corner.before), (corner.normal + corner.turn, corner.after)]
+            {
+                if (heading - normal).cos() > 0.0 {
+                    let step = BEHIND * self.length / self.boundaries.piece(piece).length();
+                    let at = if end > 0.5 { end - step } else { end + step };
+                    return Surroundings::Before(1.0 - BEHIND, (piece, at.clamp(0.0, 1.0)));
+                }
+            }
+            // A held tip turns fast.
+            clear = 0.0;
         }
         let free = 1.0 - touch.s;
         if matches!(touch.hold, Hold::Side(..)) && free > SHORT {
@@ -84,6 +100,7 @@ impl ForwardModel<'_> {
         let mut clear = farthest;
         let mut least: Option<(usize, Gap)> = None;
         let mut before = f64::INFINITY;
+        let mut last_place = stance.base();
         for (k, &at) in outline.iter().enumerate() {
             let place = stance.placed(at);
             // What comes through a boundary is no further from it than the next of these places.
@@ -98,11 +115,22 @@ impl ForwardModel<'_> {
             if k < LOOKED {
                 clear = clear.min(distance);
             }
+            if let Some((t, off, at)) = least
+                .as_ref()
+                .zip(gap.as_ref())
+                .and_then(|(last, now)| self.corner_between((last_place, &last.1), (place, now)))
+            {
+                if off < bump {
+                    return (clear, Some((k as f64 - 1.0 + t, at)));
+                }
+                clear = clear.min(off);
+            }
+            last_place = place;
             // A place nearer than its neighbours, or on the wrong side.
             let rises =
                 least.as_ref().is_some_and(|(j, l)| *j + 1 == k && l.distance < before && distance > l.distance);
             if let Some((j, gap)) = least.as_ref().filter(|(_, l)| rises && l.distance < bump) {
-                return (clear, Some((*j, gap.at)));
+                return (clear, Some((*j as f64, gap.at)));
             }
             if let Some(last) = &least {
                 before = last.1.distance;
@@ -112,7 +140,24 @@ impl ForwardModel<'_> {
                 before = farthest;
             }
         }
-        (clear, least.filter(|(_, l)| l.distance < 0.0).map(|(j, gap)| (j, gap.at)))
+        (clear, least.filter(|(_, l)| l.distance < 0.0).map(|(j, gap)| (j as f64, gap.at)))
+    }
+
+    /// The convex corner between two neighbouring places of the whisker that it is nearest to, or furthest behind: where between them, how
+    /// far it is clear of it (m), and the end of a piece there. A corner may reach far between places that are clear themselves.
+    fn corner_between(&self, (a, before): (Vec2, &Gap), (b, after): (Vec2, &Gap)) -> Option<(f64, f64, (u32, f64))> {
+        let along = b - a;
+        let length = along.norm();
+        let ends = [before, after].into_iter().flat_map(|gap| [(gap.at.0, false), (gap.at.0, true)]);
+        let clear = |(piece, forward): (u32, bool)| {
+            let (_, corner) = self.boundaries.corner_of(piece, forward).filter(|(_, corner)| corner.is_convex())?;
+            let share = (corner.position - a).dot(along) / (length * length);
+            let off = a + along * share - corner.position;
+            let outward = Vec2::from_angle(corner.normal + 0.5 * corner.turn);
+            let distance = off.norm().copysign(off.dot(outward));
+            (0.0..=1.0).contains(&share).then_some((share, distance, (piece, f64::from(u8::from(forward)))))
+        };
+        ends.filter_map(clear).min_by(|a, b| a.1.total_cmp(&b.1)).filter(|one| one.1 > -length)
     }
 
     fn gap(&self, stance: &Stance, place: Vec2) -> Option<Gap> {

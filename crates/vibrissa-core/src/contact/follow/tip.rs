@@ -202,17 +202,23 @@ impl ForwardModel<'_> {
     /// The force that has the tip at a place (whisker frame, over the length), from this one on.
     pub(super) fn placed_at(&self, mut q: f64, mut beta: f64, target: Vec2) -> Option<Placed> {
         for _ in 0..MOST_STEPS {
-            let tip = self.mechanics.chart(q, beta)?;
+            let tip = self.mechanics.held_chart(q, beta)?;
             let gap = tip.position - target;
             let (a, b) = (tip.by_force.position, tip.by_tilt.position);
             let det = a.cross(b);
             let (dq, dbeta) = (gap.cross(b) / det, a.cross(gap) / det);
-            let damp = damping(q, dq, dbeta);
-            (q, beta) = (q - damp * dq, beta - damp * dbeta);
-            if !q.is_finite() || is_head_on(beta) {
+            // The place is nearly linear in the components of the force, and far from it in its size and direction.
+            let damp = ((0.5 + 0.5 * q.abs()) / dq.hypot(q * dbeta)).min(1.0);
+            let force = Vec2::new(q - damp * dq, -q * damp * dbeta).rotated(beta);
+            let sign = 1.0_f64.copysign(q);
+            (q, beta) = (sign * force.norm(), (force * sign).angle());
+            if !q.is_finite() {
                 return None;
             }
             if gap.norm_squared().sqrt() < self.mechanics.near() && damp >= 1.0 {
+                if is_head_on(beta) {
+                    return None;
+                }
                 return Some(Placed { q, beta, tip, step: (dq, dbeta) });
             }
         }
