@@ -50,6 +50,9 @@ const DESCENDED_STEPS: usize = 6;
 /// Steps of a mode before the noise of its readings is estimated.
 const STEPS_BEFORE_NOISE: usize = 3;
 
+/// So many of the best modes are searched along their open direction.
+const MOST_SEARCHED: usize = 40;
+
 /// Modes and the rows that they have been fitted to.
 pub(super) struct Bank {
     pub(super) modes: Vec<Mode>,
@@ -264,11 +267,19 @@ impl Bank {
     }
 
     /// Fits every mode to these rows until it is settled.
-    pub(super) fn settle(&mut self, model: &MeasurementModel<'_>, rows: Vec<usize>, steps: usize, gate: f64) {
+    pub(super) fn settle(
+        &mut self,
+        model: &MeasurementModel<'_>,
+        rows: Vec<usize>,
+        steps: usize,
+        gate: f64,
+        line: bool,
+    ) {
         self.rows = rows;
         self.seen = model.window.len();
         self.relinearise(model);
-        for mode in &mut self.modes {
+        self.modes.sort_by(|a, b| a.evidence().total_cmp(&b.evidence()));
+        for mode in self.modes.iter_mut().take(if line { MOST_SEARCHED } else { 0 }) {
             mode.search_line(model, &self.rows, &mut self.scratch);
         }
         self.prune(gate);
@@ -325,7 +336,7 @@ fn least_cost(mode: &Mode) -> f64 {
 }
 
 /// The rows from `from` on that modes are compared by: one each time that a whisker has moved far enough, or has met or left a boundary.
-fn key_rows(model: &MeasurementModel<'_>, last: Option<usize>, from: usize) -> Vec<usize> {
+pub(super) fn key_rows(model: &MeasurementModel<'_>, last: Option<usize>, from: usize) -> Vec<usize> {
     let window = model.window;
     let touches = |row: usize| -> Vec<bool> {
         model.sensors.iter().zip(window.readings(row)).map(|(sensor, &z)| sensor.is_contact(z)).collect()

@@ -4,7 +4,7 @@ use super::super::consistency::{MOST_SIGMAS, mean_and_worst};
 use super::super::importance_sampling::SAMPLES;
 use super::super::places::PosteriorPlace;
 use super::admission::Admission;
-use super::bank::{Bank, Effort, WEAK_PRIOR};
+use super::bank::{Bank, Effort, WEAK_PRIOR, key_rows};
 use super::correlated_noise::NoiseModel;
 use super::importance_sampling::{ImportanceSampler, PosteriorMoments, ProposalCentre};
 use super::log_window::LogWindow;
@@ -22,8 +22,6 @@ use crate::plane::{Pose2, Vec2};
 const STEPS: usize = 10;
 const EXACT: usize = 4;
 const EXACT_STEPS: usize = 2;
-/// Readings, times modes, that are run again at the end; beyond, every second, third … row must do.
-const MOST_TAKES: usize = 150_000;
 /// With more modes than this those within each other's region are joined at first, and no more are looked at.
 const MANY_AT_THE_END: usize = 100;
 const MOST_AT_THE_END: usize = 500;
@@ -142,14 +140,13 @@ pub(super) fn choose(bank: &mut Bank, scene: &Scene<'_>, window: &LogWindow) -> 
     bank.modes.iter_mut().for_each(|mode| mode.state = first.anchored(&mode.state, end));
     let model = scene.model(window, end);
     for gate in [REPORTED + SLACK, REPORTED + 0.5 * SLACK] {
-        let every = (bank.modes.len() * window.len()).div_ceil(MOST_TAKES).max(1);
-        bank.settle(&model, (0..window.len()).step_by(every).collect(), STEPS, gate);
+        bank.settle(&model, key_rows(&model, None, 0), STEPS, gate, true);
         bank.join_overlapping(&model);
     }
-    bank.settle(&model, (0..window.len()).collect(), STEPS, REPORTED + 0.5 * SLACK);
+    bank.settle(&model, (0..window.len()).collect(), STEPS, REPORTED + 0.5 * SLACK, false);
     bank.estimate_noise(&model);
     bank.multistart(&model);
-    bank.settle(&model, (0..window.len()).collect(), STEPS, REPORTED);
+    bank.settle(&model, (0..window.len()).collect(), STEPS, REPORTED, false);
     settle_exactly(bank, &model);
     bank.modes.retain(|mode| admits(first_frame(&model, mode)));
     bank.join_overlapping(&model);

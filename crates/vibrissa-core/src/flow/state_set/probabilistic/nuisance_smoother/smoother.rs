@@ -33,7 +33,7 @@ pub(super) const FEWEST_ROWS: usize = 5;
 /// Readings that are run through the forward model in one call while the grid is searched (some milliseconds).
 const SLICE: usize = 4000;
 /// Modes take in so many rows together.
-const TAKEN_TOGETHER: usize = 12;
+const TAKEN_TOGETHER: usize = 24;
 /// With more cells than this a contact is followed for longer, by this factor, as long as it has not been followed for this many times the
 /// usual travel.
 const MANY_CELLS: usize = 4000;
