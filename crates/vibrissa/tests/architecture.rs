@@ -21,7 +21,10 @@ const CRATES: &[(&str, &[&str])] = &[
 
 /// Within each crate its rooms (files or folders right under `src`) in order: a room may use those before it.
 const ROOMS: &[(&str, &[&str])] = &[
-    ("crates/vibrissa-beam", &["math", "platform", "error", "config", "linear_algebra", "plane", "sets", "sensing", "beam"]),
+    (
+        "crates/vibrissa-beam",
+        &["math", "platform", "error", "config", "linear_algebra", "plane", "sets", "sensing", "beam"],
+    ),
     ("crates/vibrissa-core", &["config", "world", "contact", "flow", "localizer"]),
     (
         "crates/vibrissa-io",
