@@ -73,7 +73,7 @@ impl ForwardModel<'_> {
             let heading = stance.heading(touch.slope);
             for (normal, (piece, end)) in [(corner.normal, corner.before), (corner.normal + corner.turn, corner.after)]
             {
-                if (heading - normal).cos() > 0.0 {
+                if math::cos(heading - normal) > 0.0 {
                     let step = BEHIND * self.length / self.boundaries.piece(piece).length();
                     let at = if end > 0.5 { end - step } else { end + step };
                     return Surroundings::Before(1.0 - BEHIND, (piece, at.clamp(0.0, 1.0)));

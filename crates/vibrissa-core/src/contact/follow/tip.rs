@@ -208,7 +208,7 @@ impl ForwardModel<'_> {
             let det = a.cross(b);
             let (dq, dbeta) = (gap.cross(b) / det, a.cross(gap) / det);
             // The place is nearly linear in the components of the force, and far from it in its size and direction.
-            let damp = ((0.5 + 0.5 * q.abs()) / dq.hypot(q * dbeta)).min(1.0);
+            let damp = ((0.5 + 0.5 * q.abs()) / math::hypot(dq, q * dbeta)).min(1.0);
             let force = Vec2::new(q - damp * dq, -q * damp * dbeta).rotated(beta);
             let sign = 1.0_f64.copysign(q);
             (q, beta) = (sign * force.norm(), (force * sign).angle());
