@@ -205,7 +205,7 @@ fn along_a_rough_wall_odometry_that_is_wrong_is_found_out() {
         let off = answer.hypotheses[0].pose.position().distance(truth.position());
         let told = answer.odometry.unwrap();
         println!("{} rows, {}: {:.2} mm, {told:?}", log.rows.len(), answer.status, 1e3 * off);
-        assert!(answer.status == Status::Localized && off < 4.5e-4, "{:.2} mm", 1e3 * off);
+        assert!(answer.status == Status::Localized && off < 6e-4, "{:.2} mm", 1e3 * off);
         let shares = [
             (told.translation_scale, told.translation_scale_std, 1.0 / 1.008),
             (told.rotation_scale, told.rotation_scale_std, 1.0 / 0.992),

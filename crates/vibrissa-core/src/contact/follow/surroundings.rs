@@ -53,7 +53,7 @@ impl ForwardModel<'_> {
         let force = Vec2::from_angle(touch.slope + touch.beta + FRAC_PI_2) * (touch.q * per * per);
         let mut outline = [Vec2::ZERO; CUTS];
         span::outline(chart.moment * per, force, touch.s, &mut outline);
-        let (mut clear, bump) = self.bump(stance, &outline[..CUTS - 1]);
+        let (mut clear, bump) = self.bump(stance, &outline[..CUTS - 1], touch.hold);
         if let Some((k, at)) = bump {
             return Surroundings::Before((k + 1.0) / CUTS as f64 * touch.s, at);
         }
@@ -95,7 +95,7 @@ impl ForwardModel<'_> {
     }
 
     /// How far these places of the whisker are clear, and where one is on or behind a boundary.
-    fn bump(&self, stance: &Stance, outline: &[Vec2]) -> (f64, Option<Bump>) {
+    fn bump(&self, stance: &Stance, outline: &[Vec2], hold: Hold) -> (f64, Option<Bump>) {
         let (farthest, bump) = (FARTHEST * self.length, BUMP * self.length);
         let mut clear = farthest;
         let mut least: Option<(usize, Gap)> = None;
@@ -118,7 +118,7 @@ impl ForwardModel<'_> {
             if let Some((t, off, at)) = least
                 .as_ref()
                 .zip(gap.as_ref())
-                .and_then(|(last, now)| self.corner_between((last_place, &last.1), (place, now)))
+                .and_then(|(last, now)| self.corner_between((last_place, &last.1), (place, now), hold))
             {
                 if off < bump {
                     return (clear, Some((k as f64 - 1.0 + t, at)));
@@ -145,12 +145,28 @@ impl ForwardModel<'_> {
 
     /// The convex corner between two neighbouring places of the whisker that it is nearest to, or furthest behind: where between them, how
     /// far it is clear of it (m), and the end of a piece there. A corner may reach far between places that are clear themselves.
-    fn corner_between(&self, (a, before): (Vec2, &Gap), (b, after): (Vec2, &Gap)) -> Option<(f64, f64, (u32, f64))> {
+    fn corner_between(
+        &self,
+        (a, before): (Vec2, &Gap),
+        (b, after): (Vec2, &Gap),
+        hold: Hold,
+    ) -> Option<(f64, f64, (u32, f64))> {
         let along = b - a;
         let length = along.norm();
         let ends = [before, after].into_iter().flat_map(|gap| [(gap.at.0, false), (gap.at.0, true)]);
         let clear = |(piece, forward): (u32, bool)| {
-            let (_, corner) = self.boundaries.corner_of(piece, forward).filter(|(_, corner)| corner.is_convex())?;
+            let (id, corner) = self.boundaries.corner_of(piece, forward).filter(|(_, corner)| corner.is_convex())?;
+            // What holds the whisker passes over its own corners by itself.
+            let holds = match hold {
+                Hold::Tip(Support::Piece(on, _)) | Hold::Side(Support::Piece(on, _), _) => {
+                    on == corner.before.0 || on == corner.after.0
+                }
+                Hold::Tip(Support::Corner(on)) | Hold::Side(Support::Corner(on), _) => on == id,
+                Hold::Both(_) => false,
+            };
+            if holds {
+                return None;
+            }
             let share = (corner.position - a).dot(along) / (length * length);
             let off = a + along * share - corner.position;
             let outward = Vec2::from_angle(corner.normal + 0.5 * corner.turn);
