@@ -74,12 +74,12 @@ export function drawPlaces(plot: Plot, layer: string, places: Place[]): void {
   });
 }
 
-/** What an estimate says, in a sentence. */
-export function verdictWords(estimate: Estimate | undefined): { badge: string; kind: string; words: string } {
+/** What an estimate says, in a sentence; `all` is how many places there are where not all of them are told. */
+export function verdictWords(estimate: Estimate | undefined, all = 0): { badge: string; kind: string; words: string } {
   if (!estimate || estimate.verdict === "no_contact") {
     return { badge: "no contact yet", kind: "", words: "Nothing has been touched: the robot can be anywhere." };
   }
-  const count = estimate.places.length;
+  const count = Math.max(all, estimate.places.length);
   if (estimate.verdict === "inconsistent") {
     return { badge: "contradiction", kind: "bad", words: "No place explains the readings: something is not as declared." };
   }

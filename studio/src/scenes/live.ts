@@ -336,7 +336,7 @@ class LiveScene implements Running {
   }
 
   private tell(shown: Moment | undefined, estimate: Estimate | undefined): void {
-    const { badge, kind, words } = verdictWords(estimate);
+    const { badge, kind, words } = verdictWords(estimate, shown?.told.count);
     this.badge.textContent = shown ? badge : "not connected";
     this.badge.className = `badge ${shown ? kind : ""}`;
     this.words.textContent = shown ? words : "";
