@@ -4,10 +4,10 @@
 
 use vibrissa::beam::Whisker;
 use vibrissa::contact::BentWhisker;
-use vibrissa::plane::Vec2;
-use vibrissa::sim::{SimulateOptions, SweepNoise, shapes, simulate};
+use vibrissa::plane::{Curve, Pose2, Vec2};
+use vibrissa::sim::{Pace, SimulateOptions, SweepNoise, path_through, shapes, simulate, simulate_tip_sweep};
 use vibrissa::tasks::demo;
-use vibrissa::world::{MountedWhisker, Robot};
+use vibrissa::world::{Boundary, Map, MountedWhisker, Robot, Role};
 
 const POINTS: usize = 25;
 
@@ -76,4 +76,35 @@ fn a_moment_alone_gives_a_shape_with_that_moment() {
     }
     // Beyond what a tip can cause: still a shape.
     assert_eq!(whisker.by_moment(1.0, POINTS).len(), POINTS);
+}
+
+#[test]
+fn a_tip_held_in_a_corner_has_a_shape_beyond_the_first_mode_too() {
+    let robot = Robot::default();
+    let corners = [(0.0, 0.0), (0.4, 0.0), (0.4, 0.4), (0.0, 0.4)].map(|(x, y)| Vec2::new(x, y));
+    let outline = Curve::polyline(&corners, true).unwrap();
+    let map = Map::new(vec![Boundary::new(Role::Arena, outline, None).unwrap()]).unwrap();
+    let mut turned = 0;
+    for heading in [-2.15, -2.1, -2.05] {
+        // The tip slides along the floor into the corner, and the base goes on.
+        let way = [(0.09, 0.075), (0.08, 0.0583), (0.036, 0.0583)].map(|(x, y)| Pose2::new(x, y, heading));
+        let path = path_through(&way, &Pace { speed: 0.1, turn_rate: 1.0, rate: 300.0 }).unwrap();
+        let sweep = simulate_tip_sweep(&map, &robot, &path, &SweepNoise::none()).unwrap();
+        let whisker = &robot.whiskers[0];
+        let mut followed = BentWhisker::new(&map, &whisker.beam).unwrap();
+        let (mut least, mut most) = (0.0_f64, 0.0_f64);
+        for (row, pose) in sweep.truth.iter().enumerate() {
+            let map_from_whisker = pose.map_from_robot.compose(whisker.robot_from_whisker);
+            let bending = followed.at(map_from_whisker, POINTS);
+            let (moment, exact) = (bending.moment.unwrap(), sweep.exact_moments[row][0]);
+            assert!((moment - exact).abs() < 1e-5, "row {row}: {moment} for {exact} N m");
+            (least, most) = (least.min(exact), most.max(exact));
+            let Some(contact) = bending.contact else { continue };
+            assert_eq!(bending.shape.len(), POINTS, "row {row}");
+            let tip = bending.shape[POINTS - 1];
+            assert!(tip.distance(contact) < 1e-4, "row {row}: {:.3} mm", 1e3 * tip.distance(contact));
+        }
+        turned += usize::from(least < -1e-3 && most > 1e-3);
+    }
+    assert_eq!(turned, 3, "the moment changes its sign in the corner");
 }

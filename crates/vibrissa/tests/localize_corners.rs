@@ -198,6 +198,7 @@ fn along_a_rough_wall_odometry_that_is_wrong_is_found_out() {
     (robot.odometry.translation_relative, robot.odometry.rotation_relative) = (0.01, 0.01);
     let sweeps: Vec<Sweep> = (30..38).filter_map(|seed| long_sweep(&map, seed)).collect();
     assert!(sweeps.len() > 3);
+    let mut errors = Vec::new();
     for sweep in sweeps {
         let log = mistaken(&sweep.log, [0.008, 0.0, -0.008]);
         let answer = localize(&log, &map, &robot, &options, &mut |_| {}).unwrap();
@@ -206,12 +207,14 @@ fn along_a_rough_wall_odometry_that_is_wrong_is_found_out() {
         let told = answer.odometry.unwrap();
         println!("{} rows, {}: {:.2} mm, {told:?}", log.rows.len(), answer.status, 1e3 * off);
         assert!(answer.status == Status::Localized && off < 6e-4, "{:.2} mm", 1e3 * off);
+        errors.push(off);
         let shares = [
             (told.translation_scale, told.translation_scale_std, 1.0 / 1.008),
             (told.rotation_scale, told.rotation_scale_std, 1.0 / 0.992),
         ];
         assert!(shares.iter().all(|(value, std, truth)| (value - truth).abs() < 3.5 * std), "{told:?}");
     }
+    assert!(errors.iter().sum::<f64>() < 3e-4 * errors.len() as f64, "{errors:?} m");
 }
 
 #[test]

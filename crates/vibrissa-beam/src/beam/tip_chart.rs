@@ -52,23 +52,17 @@ pub struct TipChart {
 /// beyond the first mode, where `cos(beta)` vanishes, and for what is not finite.
 #[must_use]
 pub fn tip_chart(q: f64, beta: f64) -> Option<TipChart> {
-    within(q, beta, Modes::First)
+    within(q, beta, 1.0)
 }
 
 /// The same up to the second mode, where the whisker has an inflection: a tip that cannot slide, in a corner, holds such shapes.
 #[must_use]
 pub fn held_tip_chart(q: f64, beta: f64) -> Option<TipChart> {
-    within(q, beta, Modes::Two)
+    within(q, beta, 2.0)
 }
 
-/// How many inflections a whisker may have.
-#[derive(Clone, Copy, PartialEq)]
-enum Modes {
-    First,
-    Two,
-}
-
-fn within(q: f64, beta: f64, modes: Modes) -> Option<TipChart> {
+/// The chart up to so many half swings of the pendulum, each a mode.
+fn within(q: f64, beta: f64, modes: f64) -> Option<TipChart> {
     if q.abs() < WEAK {
         return beta.is_finite().then(|| weak(q, beta));
     }
@@ -76,8 +70,7 @@ fn within(q: f64, beta: f64, modes: Modes) -> Option<TipChart> {
     let (sin, cos) = (tilt.sin, tilt.cos);
     let t = q.abs().sqrt();
     let pendulum = Pendulum::new(tilt);
-    let longest = pendulum.half_period() * if modes == Modes::First { 1.0 } else { 2.0 };
-    if !(t <= longest && cos > 1e-9) {
+    if !(t <= modes * pendulum.half_period() && cos > 1e-9) {
         return None;
     }
     let swing = pendulum.over_a_period(t);

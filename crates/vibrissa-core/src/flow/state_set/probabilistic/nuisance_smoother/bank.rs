@@ -50,9 +50,6 @@ const DESCENDED_STEPS: usize = 6;
 /// Steps of a mode before the noise of its readings is estimated.
 const STEPS_BEFORE_NOISE: usize = 3;
 
-/// So many of the best modes are searched along their open direction.
-const MOST_SEARCHED: usize = 40;
-
 /// Modes and the rows that they have been fitted to.
 pub(super) struct Bank {
     pub(super) modes: Vec<Mode>,
@@ -266,20 +263,20 @@ impl Bank {
         self.modes = kept.into_iter().map(|(mode, _)| mode).collect();
     }
 
-    /// Fits every mode to these rows until it is settled.
+    /// Fits every mode to these rows until it is settled; so many of the best are searched along their open direction first.
     pub(super) fn settle(
         &mut self,
         model: &MeasurementModel<'_>,
         rows: Vec<usize>,
         steps: usize,
         gate: f64,
-        line: bool,
+        searched: usize,
     ) {
         self.rows = rows;
         self.seen = model.window.len();
         self.relinearise(model);
         self.modes.sort_by(|a, b| a.evidence().total_cmp(&b.evidence()));
-        for mode in self.modes.iter_mut().take(if line { MOST_SEARCHED } else { 0 }) {
+        for mode in self.modes.iter_mut().take(searched) {
             mode.search_line(model, &self.rows, &mut self.scratch);
         }
         self.prune(gate);

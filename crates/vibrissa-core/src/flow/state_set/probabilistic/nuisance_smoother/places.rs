@@ -25,6 +25,8 @@ const EXACT_STEPS: usize = 2;
 /// With more modes than this those within each other's region are joined at first, and no more are looked at.
 const MANY_AT_THE_END: usize = 100;
 const MOST_AT_THE_END: usize = 500;
+/// So many of the best are searched along their open direction, as long as key rows judge.
+const MOST_SEARCHED: usize = 40;
 /// Slack for those that are not at their least yet (nats).
 const SLACK: f64 = 8.0;
 /// A mode this much less likely than the best (nats) is not told.
@@ -140,13 +142,13 @@ pub(super) fn choose(bank: &mut Bank, scene: &Scene<'_>, window: &LogWindow) -> 
     bank.modes.iter_mut().for_each(|mode| mode.state = first.anchored(&mode.state, end));
     let model = scene.model(window, end);
     for gate in [REPORTED + SLACK, REPORTED + 0.5 * SLACK] {
-        bank.settle(&model, key_rows(&model, None, 0), STEPS, gate, true);
+        bank.settle(&model, key_rows(&model, None, 0), STEPS, gate, MOST_SEARCHED);
         bank.join_overlapping(&model);
     }
-    bank.settle(&model, (0..window.len()).collect(), STEPS, REPORTED + 0.5 * SLACK, false);
+    bank.settle(&model, (0..window.len()).collect(), STEPS, REPORTED + 0.5 * SLACK, 0);
     bank.estimate_noise(&model);
     bank.multistart(&model);
-    bank.settle(&model, (0..window.len()).collect(), STEPS, REPORTED, false);
+    bank.settle(&model, (0..window.len()).collect(), STEPS, REPORTED, 0);
     settle_exactly(bank, &model);
     bank.modes.retain(|mode| admits(first_frame(&model, mode)));
     bank.join_overlapping(&model);
