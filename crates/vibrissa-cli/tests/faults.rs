@@ -469,10 +469,13 @@ fn an_interrupt_in_a_long_step_leaves_what_was_known_before_and_marks_it() {
         return println!("skipped: this machine was done before the interrupt");
     }
     assert_eq!(code, Some(130), "{told}");
-    if told.contains("interrupted after") {
+    // The step in which the signal arrives depends on the machine: each has its words, and its files.
+    let (partial, whole) = (told.contains("interrupted after"), told.contains("interrupted: the results are whole"));
+    if partial || whole {
         let found = files(&out);
         assert_eq!(found.len(), 5, "{:?}", found.keys());
-        assert!(String::from_utf8_lossy(&found["result.json"]).contains("\"interrupted\": true"));
+        let marked = String::from_utf8_lossy(&found["result.json"]).contains("\"interrupted\": true");
+        assert_eq!(marked, partial, "{told}");
     } else {
         assert!(told.is_empty() || told.contains("before anything was known"), "{told}");
     }
