@@ -2,7 +2,7 @@
 //!
 //!     cargo run --release -p vibrissa-fuzz -- --seconds 60 --target geojson
 //!
-//! Without `--target` every target takes its turn of `--seconds`; `--long` is `--seconds 60`. `--seed N` gives other inputs. A finding is shortened
+//! Without `--target` every target takes its turn of `--seconds`; `--long` shares an hour among them. `--seed N` gives other inputs. A finding is shortened
 //! and kept under `target/fuzz`; `--replay FILE --target NAME` tries it again. Inputs that made the code do something new are kept in
 //! `target/fuzz/corpus`, or the folder of `--corpus`, and later runs begin with them. Where a try ends the whole process, as an
 //! exhausted stack does, `--trace` keeps each input before it is tried.
@@ -22,8 +22,8 @@ use std::time::Duration;
 use targets::{ALL, Target};
 use watch::Watch;
 
-/// Time for each target in a long run (s).
-const LONG: f64 = 60.0;
+/// Time for all targets in a long run (s).
+const LONG: f64 = 3600.0;
 
 /// What the command line asks for.
 struct Call {
@@ -67,7 +67,7 @@ fn parse(mut words: impl Iterator<Item = String>) -> Result<Call, String> {
                 let found = ALL.iter().find(|target| target.name == name);
                 call.targets.push(found.ok_or(format!("no target is called {name}"))?);
             }
-            "--long" => call.plan.seconds = LONG,
+            "--long" => call.plan.seconds = LONG / ALL.len() as f64,
             "--replay" => call.replay = Some(value()?.into()),
             "--trace" => call.plan.trace = true,
             "--corpus" => call.plan.corpus = value()?.into(),
