@@ -4,6 +4,7 @@ use super::Report;
 use super::input::{Given, Known, quantity};
 use super::single::{solution, text_of};
 use crate::interrupt::{Heedful, stop};
+use crate::output::warn;
 use serde_json::json;
 use std::path::Path;
 use vibrissa::beam::{Bend, Load, Whisker};
@@ -87,6 +88,10 @@ fn solve(text: &str, given: Given, known: &Known, whisker: &Whisker) -> Result<S
         (!stop.is_asked()).then(|| known.solve(given, whisker))
     });
     drop(heeds);
+    let missing = answers.iter().filter(|answer| answer.is_none()).count();
+    if missing > 0 {
+        warn(&format!("interrupted: {missing} of {all} rows are missing"));
+    }
     let (mut rows, mut warnings, mut faults) = (Vec::new(), Vec::new(), 0);
     for ((line, cells, _, whisker), answer) in posed.into_iter().zip(answers) {
         // Rows that an interrupt left out are missing, and the others say so.
@@ -105,10 +110,6 @@ fn solve(text: &str, given: Given, known: &Known, whisker: &Whisker) -> Result<S
             }
         };
         rows.push(Row { line, cells, whisker, bends });
-    }
-    let missing = all - rows.len();
-    if missing > 0 {
-        warnings.insert(0, format!(" interrupted: {missing} of {all} rows are missing"));
     }
     if let (true, Some(first)) = (faults == all, warnings.first()) {
         return Err(Error::data(format!("no row of the batch makes sense; the first: line {first}")));
