@@ -387,6 +387,11 @@ ROBOTS = {
     "eight.toml": ("eight such whiskers", lambda: b"".join(
         (ABSURD["curved"] + f'name = "w{i}"\nbase_stiffness = 1e-6\n').encode() for i in range(8))),
 }
+BEAMS = {
+    "beam-thin.toml": ("the thin whisker, bent to a point", lambda: ABSURD["thin"].encode()),
+    "beam-curved.toml": ("the one that winds", lambda: ABSURD["curved"].encode()),
+    "beam-soft.toml": ("the one on a soft base", lambda: ABSURD["soft"].encode()),
+}
 LOGS = {
     "columns.csv": ("60,000 columns", lambda: columns(60_000)),
     "more-columns.csv": ("90,000 whiskers", lambda: whisker_columns(90_000)),

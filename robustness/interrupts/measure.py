@@ -57,8 +57,8 @@ def prepare(folder, binary):
                     cells = row.split(",")
                     cells[t] = f"{float(cells[t]) + 3.0 * turn:.6f}"
                     log.write(",".join(cells) + "\n")
-    (folder / "batch.csv").write_text("s_a,F,r_tip\n" + "".join(f"0.07,{0.01 + i * 1e-7:.7f},0.3\n" for i in range(60_000)))
-    points = ", ".join(f"[{0.3 + 0.05 * (i % 2)}, 0.1, 0]" for i in range(60))
+    (folder / "batch.csv").write_text("s_a,F,r_tip\n" + "".join(f"0.07,{0.01 + i * 1e-7:.7f},0.3\n" for i in range(300_000)))
+    points = ", ".join(f"[{0.3 + 0.05 * (i % 2)}, 0.1, 0]" for i in range(200))
     (folder / "scenario.toml").write_text(
         f'map = "demo/map.svg"\n[[whisker]]\ntip_ratio = 0.5\n[path]\nspeed = "20 mm/s"\nrate = "1000 Hz"\nwaypoints = [{points}]\n'
     )

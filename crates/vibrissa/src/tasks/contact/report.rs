@@ -8,7 +8,7 @@ use super::region::contact_region;
 use super::segment::{ReadingRange, side_from, still_from};
 use super::stretch::{ContactStretch, stretches};
 use super::trace::{Trace, TraceNode, TraceOptions, TracePoint, traces_until};
-use crate::beam::Bend;
+use crate::beam::{Bend, Load, moment_mode};
 use crate::config::ContactOptions;
 use crate::flow::pose::Event;
 use crate::flow::sensor_log::SensorLog;
@@ -175,6 +175,10 @@ impl ContactReport {
         let [first, ..] = stretch.readings.as_slice() else { return None };
         self.tell(first.t, "contact", format!("{name} touches"));
         let (mut from, mut before) = (0, None);
+        if !is_of_whisker(&stretch.readings, search.stop) {
+            from = stretch.readings.len();
+            self.sliding(stretch, ReadingRange { from: 0, to: from, still: None }, &[]);
+        }
         while from < stretch.readings.len() {
             let rest = ReadingRange { from, to: stretch.readings.len(), still: None };
             let still = still_from(&stretch.readings, from, stretch.onset, search.stop);
@@ -329,6 +333,24 @@ impl ContactReport {
         }
         *before = on_side;
     }
+}
+
+/// Shares of a whisker at which a contact is tried, from where moments are large to the tip.
+const TRIED: [f64; 4] = [0.1, 0.3, 0.6, 1.0];
+/// Fewest readings that have a shape before contacts are looked for.
+const FEWEST: usize = 4;
+
+/// Whether the whisker has shapes for some of the readings: those of another whisker may have none, and of one that is integrated every
+/// look for them takes milliseconds.
+fn is_of_whisker(readings: &[ContactReading], stop: &Stop) -> bool {
+    let has_shape = |reading: &&ContactReading| {
+        let ContactReading { whisker, moment, .. } = reading;
+        let bends = |share: f64| moment_mode(whisker, *moment, share * whisker.length, Load::Normal);
+        whisker.is_uniform()
+            || stop.is_asked()
+            || TRIED.into_iter().any(|share| bends(share).is_ok_and(|b| !b.is_empty()))
+    };
+    readings.len() < FEWEST || readings.iter().filter(has_shape).take(FEWEST).count() == FEWEST
 }
 
 /// Whether a sliding contact is with the side.
