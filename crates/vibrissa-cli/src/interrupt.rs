@@ -36,7 +36,9 @@ const LOOK_AGAIN: Duration = Duration::from_millis(5);
 ///
 /// For a signal handler on a thread of its own. Results are staged, so that earlier ones stay whole.
 pub fn interrupt() {
-    if !HEEDED.load(Ordering::SeqCst) || ASKED.ask() {
+    let asked_before = ASKED.is_asked();
+    ASKED.ask();
+    if !HEEDED.load(Ordering::SeqCst) || asked_before {
         leave();
     }
     if !HURRIED.load(Ordering::SeqCst) {

@@ -19,9 +19,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 pub struct Stop(Arc<AtomicBool>);
 
 impl Stop {
-    /// Asks the work to end; says whether that had been asked before.
-    pub fn ask(&self) -> bool {
-        self.0.swap(true, Ordering::SeqCst)
+    /// Asks the work to end.
+    pub fn ask(&self) {
+        self.0.store(true, Ordering::SeqCst);
     }
 
     /// Takes the request back, for work that begins anew.

@@ -11,6 +11,7 @@ use crate::{bend as bending, contacts, driving, files, localizing};
 
 /// Makes room for `len` bytes and tells where; the page writes them before the next call.
 #[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
+#[must_use]
 pub extern "C" fn input(len: usize) -> *mut u8 {
     with(|host| {
         host.input.clear();
