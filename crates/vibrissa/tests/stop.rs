@@ -18,8 +18,15 @@ fn contacts_end_where_the_search_is_stopped() {
     assert!(stop.is_asked());
     let none = contacts_until(&log, &robot, &options, &stop, &mut |_, _| {}).unwrap();
     assert!(none.steps.is_empty() && none.stopped_at.is_some_and(|t| t <= whole.steps[0].t), "{:?}", none.stopped_at);
-    let nothing =
-        profile_until(&[log.clone()], &robot, &options, &ProfileOptions::default(), &stop, &mut |_, _, _| {}).unwrap();
+    let nothing = profile_until(
+        core::slice::from_ref(&log),
+        &robot,
+        &options,
+        &ProfileOptions::default(),
+        &stop,
+        &mut |_, _, _| {},
+    )
+    .unwrap();
     assert!(nothing.outlines.is_empty() && nothing.stopped_at.is_some_and(|(index, _)| index == 0));
     // Asked after the first part, by whom it is told: what comes before is as in the whole, what follows is missing.
     stop.withdraw();
