@@ -37,15 +37,15 @@ def dots(benches, title, shown):
     return "\n".join(svg + ["</svg>"]) + "\n"
 
 
-def scaling(series, title, axis, shown):
-    """Time by size, both logarithmic, a line for each series."""
+def scaling(series, title, axis, shown, measured=" (least processor time)"):
+    """Time, or what else is measured, by size, both logarithmic, a line for each series."""
     left, top, width, height = 90, 60, 560, 340
     xs = sorted({x for points in series.values() for x, _ in points})
     low, high = decades([t for points in series.values() for _, t in points])
     span = max(math.log10(xs[-1] / xs[0]), 1e-9)
     across = lambda x: left + width * math.log10(x / xs[0]) / span
     up = lambda t: top + height * (high - math.log10(t)) / (high - low)
-    svg = opened(left + width + 40, top + height + 60 + 20 * len(series), f"{title} (least processor time)")
+    svg = opened(left + width + 40, top + height + 60 + 20 * len(series), f"{title}{measured}")
     for decade in range(low, high + 1):
         y = up(10.0**decade)
         svg.append(f'<line x1="{left}" y1="{y:.1f}" x2="{left + width}" y2="{y:.1f}" stroke="#ddd"/>')

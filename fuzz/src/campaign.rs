@@ -30,6 +30,8 @@ pub(crate) struct Plan {
     pub(crate) limit: Duration,
     /// Where findings are kept.
     pub(crate) folder: PathBuf,
+    /// Where inputs are kept that made the code do something new, for runs to come.
+    pub(crate) corpus: PathBuf,
     /// Keep each input in a file before it is tried.
     pub(crate) trace: bool,
 }
@@ -47,18 +49,21 @@ pub(crate) struct Tally {
 
 /// Feeds `target` until time is up or too much is found.
 ///
-/// The inputs depend on the seed alone, not on the clock.
+/// The inputs depend on the seed and on what earlier runs have kept, not on the clock.
 pub(crate) fn run(target: &Target, plan: &Plan, watch: &Watch) -> Tally {
     let begin = Instant::now();
     let mut random = Random::new(plan.seed);
     let mut pool = seeds(target);
     let whole = pool.len();
+    let kept = plan.corpus.join(target.name);
+    pool.extend(files(&kept));
+    let known = pool.len();
     let mut tally = Tally::default();
     let mut kinds = HashSet::new();
     while begin.elapsed().as_secs_f64() < plan.seconds && tally.findings.len() < MOST_FINDINGS {
         // The seeds themselves come first.
         let input = match pool.get(tally.tries) {
-            Some(seed) if tally.tries < whole => seed.clone(),
+            Some(seed) if tally.tries < known => seed.clone(),
             _ => next(target, &pool, whole, &mut random),
         };
         if plan.trace {
@@ -70,7 +75,10 @@ pub(crate) fn run(target: &Target, plan: &Plan, watch: &Watch) -> Tally {
         match verdict {
             Ok(outcome) => {
                 tally.read += usize::from(outcome.read);
-                if tally.marks.insert(outcome.mark) {
+                if tally.marks.insert(outcome.mark) && tally.tries > known {
+                    if outcome_is_rare(&kept, outcome.mark) {
+                        keep(&kept, &format!("{:016x}", outcome.mark), &input);
+                    }
                     let at = whole + random.below(POOL);
                     if at < pool.len() { pool[at] = input } else { pool.push(input) }
                 }
@@ -175,8 +183,22 @@ fn keep(folder: &Path, name: &str, input: &[u8]) -> PathBuf {
 pub(crate) fn seeds(target: &Target) -> Vec<Vec<u8>> {
     let Source::Damaged(folders, _) = target.source else { return Vec::new() };
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    let files = |folder: &&str| std::fs::read_dir(root.join(folder)).into_iter().flatten().flatten();
-    let mut paths: Vec<PathBuf> = folders.iter().flat_map(files).map(|entry| entry.path()).collect();
+    folders.iter().flat_map(|folder| files(&root.join(folder))).collect()
+}
+
+/// The contents of a folder's files, in the order of their names; none where there is no folder.
+fn files(folder: &Path) -> Vec<Vec<u8>> {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let mut paths: Vec<PathBuf> = entries.map(|entry| entry.path()).collect();
     paths.sort();
     paths.iter().filter_map(|path| std::fs::read(path).ok()).collect()
+}
+
+/// Most inputs that are kept of a target: each runs first in every later run.
+const MOST_KEPT: usize = 2000;
+
+/// Whether an outcome is to be kept: it has no input yet, and there is room.
+fn outcome_is_rare(kept: &Path, mark: u64) -> bool {
+    !kept.join(format!("{mark:016x}")).exists()
+        && std::fs::read_dir(kept).map_or(0, |entries| entries.count()) < MOST_KEPT
 }

@@ -2,8 +2,9 @@
 //!
 //!     cargo run --release -p vibrissa-fuzz -- --seconds 60 --target geojson
 //!
-//! Without `--target` every target takes its turn of `--seconds`; `--long` is `--seconds 60`. `--seed N` gives other inputs. A finding is shortened
-//! and kept under `target/fuzz`; `--replay FILE --target NAME` tries it again. Where a try ends the whole process, as an
+//! Without `--target` every target takes its turn of `--seconds`; `--long` shares an hour among them. `--seed N` gives other inputs. A finding is shortened
+//! and kept under `target/fuzz`; `--replay FILE --target NAME` tries it again. Inputs that made the code do something new are kept in
+//! `target/fuzz/corpus`, or the folder of `--corpus`, and later runs begin with them. Where a try ends the whole process, as an
 //! exhausted stack does, `--trace` keeps each input before it is tried.
 
 mod campaign;
@@ -21,8 +22,8 @@ use std::time::Duration;
 use targets::{ALL, Target};
 use watch::Watch;
 
-/// Time for each target in a long run (s).
-const LONG: f64 = 60.0;
+/// Time for all targets in a long run (s).
+const LONG: f64 = 3600.0;
 
 /// What the command line asks for.
 struct Call {
@@ -37,7 +38,9 @@ fn main() -> ExitCode {
         Ok(call) => std::thread::spawn(move || work(&call)).join().unwrap_or(ExitCode::FAILURE),
         Err(message) => {
             let names: Vec<&str> = ALL.iter().map(|target| target.name).collect();
-            eprintln!("error: {message}\n  --seconds S --long --target NAME --seed N --replay FILE --trace");
+            eprintln!(
+                "error: {message}\n  --seconds S --long --target NAME --seed N --replay FILE --trace --corpus DIR"
+            );
             eprintln!("  targets: {}", names.join(", "));
             ExitCode::from(2)
         }
@@ -46,10 +49,14 @@ fn main() -> ExitCode {
 
 fn parse(mut words: impl Iterator<Item = String>) -> Result<Call, String> {
     let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../target/fuzz");
+    let corpus = folder.join("corpus");
     // Unoptimized builds are several times slower.
     let limit = Duration::from_secs(if cfg!(debug_assertions) { 5 } else { 1 });
-    let mut call =
-        Call { plan: Plan { seconds: 10.0, seed: 1, limit, folder, trace: false }, targets: Vec::new(), replay: None };
+    let mut call = Call {
+        plan: Plan { seconds: 10.0, seed: 1, limit, folder, corpus, trace: false },
+        targets: Vec::new(),
+        replay: None,
+    };
     while let Some(word) = words.next() {
         let mut value = || words.next().ok_or(format!("{word} needs a value"));
         match word.as_str() {
@@ -60,9 +67,10 @@ fn parse(mut words: impl Iterator<Item = String>) -> Result<Call, String> {
                 let found = ALL.iter().find(|target| target.name == name);
                 call.targets.push(found.ok_or(format!("no target is called {name}"))?);
             }
-            "--long" => call.plan.seconds = LONG,
+            "--long" => call.plan.seconds = LONG / ALL.len() as f64,
             "--replay" => call.replay = Some(value()?.into()),
             "--trace" => call.plan.trace = true,
+            "--corpus" => call.plan.corpus = value()?.into(),
             _ => return Err(format!("unknown word {word}")),
         }
     }

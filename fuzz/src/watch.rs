@@ -6,8 +6,9 @@ use std::time::{Duration, Instant};
 
 /// A try that takes longer than this hangs (s).
 const HANG: u64 = 60;
-/// Most memory that the program may hold (kB): what any file below 100 MB may take.
-const MEMORY: u64 = 1_000_000;
+/// Most memory that a try may add to what the program held when it began (kB): inputs are small, and a grid map of the most cells takes
+/// two thirds of it.
+const MEMORY: u64 = 500_000;
 /// Time between two looks.
 const LOOK: Duration = Duration::from_millis(50);
 
@@ -19,6 +20,8 @@ struct Try {
     target: &'static str,
     input: Vec<u8>,
     since: Instant,
+    /// What the program held before (kB).
+    held: u64,
 }
 
 impl Watch {
@@ -37,7 +40,7 @@ impl Watch {
 
     /// Says what is tried from now on.
     pub(crate) fn begin(&self, target: &'static str, input: &[u8]) {
-        let now = Try { target, input: input.to_vec(), since: Instant::now() };
+        let now = Try { target, input: input.to_vec(), since: Instant::now(), held: memory() };
         *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Some(now);
     }
 
@@ -49,13 +52,13 @@ impl Watch {
     fn look(&self, folder: &std::path::Path) {
         let guard = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let Some(now) = guard.as_ref() else { return };
-        let (hangs, held) = (now.since.elapsed().as_secs() >= HANG, memory());
+        let (hangs, held) = (now.since.elapsed().as_secs() >= HANG, memory().saturating_sub(now.held));
         if !hangs && held <= MEMORY {
             return;
         }
         let path = folder.join(format!("{}-stopped.input", now.target));
         let kept = std::fs::create_dir_all(folder).and_then(|()| std::fs::write(&path, &now.input));
-        let why = if hangs { format!("hangs for {HANG} s") } else { format!("holds {held} kB of memory") };
+        let why = if hangs { format!("hangs for {HANG} s") } else { format!("takes {held} kB of memory") };
         eprintln!("{}: an input {why}; it is in {} ({kept:?})", now.target, path.display());
         std::process::exit(1);
     }

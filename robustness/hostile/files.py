@@ -62,8 +62,8 @@ def subpaths():
     return svg(f'<path id="obstacle" d="{squares}"/>')
 
 
-def nested_rings():
-    rings = "".join(f"M{-i} {-i}h{2 * i}v{2 * i}h{-2 * i}z" for i in range(1, 30_000))
+def nested_rings(count):
+    rings = "".join(f"M{-i} {-i}h{2 * i}v{2 * i}h{-2 * i}z" for i in range(1, count))
     return svg(f'<path id="obstacle" d="{rings}"/>')
 
 
@@ -84,6 +84,16 @@ def ring(count):
 
 def many_features():
     return geojson(*(feature("wall", "LineString", f"[[{i / 10},0],[{i / 10},1]]") for i in range(500_000)))
+
+
+def squares():
+    """As many obstacles as a map may have, all but one."""
+    corners = [(0, 0), (0.05, 0), (0.05, 0.05), (0, 0.05), (0, 0)]
+    def square(i):
+        x, y = i % 400 / 10, i // 400 / 10
+        return feature("obstacle", "Polygon", "[[" + ",".join(f"[{x + a:.2f},{y + b:.2f}]" for a, b in corners) + "]]")
+    around = feature("arena", "Polygon", "[[[-1,-1],[50,-1],[50,50],[-1,50],[-1,-1]]]")
+    return geojson(around, *(square(i) for i in range(131_000)))
 
 
 # Drawings in DXF.
@@ -282,7 +292,7 @@ def whiskers(count):
 
 ABSURD = {
     "thin": '[[whisker]]\nlength = 10\nflexural_rigidity = 1e-12\ntip_ratio = 0.001\n',
-    "curved": '[[whisker]]\nlength = 0.1\ncurvature = [30, 900, -20000]\ntip_ratio = 0.01\n',
+    "curved": '[[whisker]]\nlength = 0.1\ncurvature = [20, 100, -1000]\ntip_ratio = 0.01\n',
     "soft": '[[whisker]]\nbase_stiffness = 1e-9\ntip_ratio = 0.02\ncurvature = 20\n',
 }
 
@@ -332,11 +342,13 @@ MAPS = {
     "deep.svg": ("groups nested 10 million deep", lambda: svg(ARENA + repeated("<g>", MAP // 2).decode() + repeated("</g>", MAP // 2).decode())),
     "attributes.svg": ("5 million attributes of one element", svg_attributes),
     "subpaths.svg": ("one path of a million squares", subpaths),
-    "rings.svg": ("one path of 30,000 squares within each other", nested_rings),
+    "rings.svg": ("one path of 30,000 squares within each other", lambda: nested_rings(30_000)),
+    "limit-rings.svg": ("one path of 8,100 squares within each other, sound", lambda: nested_rings(8_100)),
     "name.svg": ("an id of 0.9 MB, not a role", lambda: svg(f'<rect id="{"n" * 900_000}" width="4" height="3"/>')),
     "points.geojson": ("a ring of 2 million points", lambda: geojson(feature("arena", "Polygon", f"[[{ring(2_100_000)}]]"))),
     "million.geojson": ("a ring of a million points, sound", lambda: geojson(feature("arena", "Polygon", f"[[{ring(1_000_000)}]]"))),
     "walls.geojson": ("500,000 walls", many_features),
+    "squares.geojson": ("131,000 obstacles, sound", squares),
     "deep.geojson": ("lists nested deep", lambda: repeated("[", MAP)),
     "keys.geojson": ("an object of 5 million keys", lambda: b'{"a":1' + b"".join(b',"%d":1' % i for i in range(5_000_000)) + b"}"),
     "short.geojson": ("a line of 10 million points", lambda: geojson(feature("wall", "LineString", f"[[0,0]{repeated(',[1,1]', MAP).decode()}]"))),
@@ -374,6 +386,11 @@ ROBOTS = {
     "soft.toml": ("a whisker on a base of 1e-9 N m/rad", lambda: ABSURD["soft"].encode()),
     "eight.toml": ("eight such whiskers", lambda: b"".join(
         (ABSURD["curved"] + f'name = "w{i}"\nbase_stiffness = 1e-6\n').encode() for i in range(8))),
+}
+BEAMS = {
+    "beam-thin.toml": ("the thin whisker, bent to a point", lambda: ABSURD["thin"].encode()),
+    "beam-curved.toml": ("the one that winds", lambda: ABSURD["curved"].encode()),
+    "beam-soft.toml": ("the one on a soft base", lambda: ABSURD["soft"].encode()),
 }
 LOGS = {
     "columns.csv": ("60,000 columns", lambda: columns(60_000)),

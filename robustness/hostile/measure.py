@@ -82,7 +82,10 @@ def calls(folder, binary):
         return ["localize", "missing.csv", "--map", name]
 
     def robot_call(name):
-        return ["contact", log, "--robot", name]
+        return ["contact", "sound/eight.csv" if name == "eight.toml" else log, "--robot", name]
+
+    def beam_call(name):
+        return ["beam", "point", "--x", "0.03", "--y", "0.01", "--robot", name]
 
     def log_call(name):
         return ["localize", name, "--map", sound, "--method", "deterministic"]
@@ -106,6 +109,7 @@ def calls(folder, binary):
     groups = [
         (files.MAPS, map_call),
         (files.ROBOTS, robot_call),
+        (files.BEAMS, beam_call),
         (files.LOGS, log_call),
         (files.TRUTHS, truth_call),
         (files.FOREIGN, foreign_call),
@@ -138,6 +142,18 @@ def made(folder, name, make):
     return path.stat().st_size / files.MB
 
 
+def eight_readings(folder):
+    """The sound log with its moment for eight whiskers."""
+    head, *rows = (folder / "log.csv").read_text().splitlines()
+    k = head.split(",").index("moment")
+    names = ",".join(f"w{i}.moment" for i in range(8))
+    lines = [head.replace("moment", names)]
+    for row in rows:
+        cells = row.split(",")
+        lines.append(",".join(cells[:k] + [cells[k]] * 8 + cells[k + 1:]))
+    (folder / "eight.csv").write_text("\n".join(lines) + "\n")
+
+
 def first_words(words, code):
     lines = words.decode(errors="replace").splitlines()
     told = next((line for line in lines if line.startswith("error")), lines[0] if lines else "")
@@ -158,6 +174,7 @@ def main():
     folder = args.keep or Path(temporary.name)
     folder.mkdir(parents=True, exist_ok=True)
     subprocess.run([binary, "demo", "--out", str(folder / "sound")], check=True, stdout=subprocess.DEVNULL)
+    eight_readings(folder / "sound")
     table = ["| file | MB | what | s | MB memory | exit | bytes of words | words |", "| --- | --- | --- | --- | --- | --- | --- | --- |"]
     print("\n".join(table), flush=True)
     beyond = 0

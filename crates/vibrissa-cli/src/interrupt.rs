@@ -2,11 +2,12 @@
 
 use crate::output::progress;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{LazyLock, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
+use vibrissa::Stop;
 
 /// Whether somebody asked to stop; signals reach the whole process, so this belongs to the process.
-static ASKED: AtomicBool = AtomicBool::new(false);
+static ASKED: LazyLock<Stop> = LazyLock::new(Stop::default);
 /// Whether work is under way that looks at [`ASKED`].
 static HEEDED: AtomicBool = AtomicBool::new(false);
 /// Whether this work keeps what is known where it can be taken without it, so that nobody has to wait for it.
@@ -35,7 +36,9 @@ const LOOK_AGAIN: Duration = Duration::from_millis(5);
 ///
 /// For a signal handler on a thread of its own. Results are staged, so that earlier ones stay whole.
 pub fn interrupt() {
-    if !HEEDED.load(Ordering::SeqCst) || ASKED.swap(true, Ordering::SeqCst) {
+    let asked_before = ASKED.is_asked();
+    ASKED.ask();
+    if !HEEDED.load(Ordering::SeqCst) || asked_before {
         leave();
     }
     if !HURRIED.load(Ordering::SeqCst) {
@@ -71,7 +74,12 @@ pub(crate) fn replacing() -> MutexGuard<'static, ()> {
 
 /// Whether work was stopped early.
 pub(crate) fn stopped() -> bool {
-    ASKED.load(Ordering::SeqCst)
+    ASKED.is_asked()
+}
+
+/// The request to stop, for the library's work.
+pub(crate) fn stop() -> Stop {
+    ASKED.clone()
 }
 
 /// Says what to do where the work does not end soon enough.
@@ -122,6 +130,6 @@ impl Drop for Heedful {
 
 /// Forgets earlier requests, for shells that run several commands in one process.
 pub(crate) fn reset() {
-    ASKED.store(false, Ordering::SeqCst);
+    ASKED.withdraw();
     *slot() = Slot::Empty;
 }

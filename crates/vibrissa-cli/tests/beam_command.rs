@@ -278,3 +278,16 @@ fn a_held_tip_tells_force_and_direction() {
     assert!((cells[5].parse::<f64>().unwrap() / number(&force, "moment") - 1.0).abs() < 1e-7, "{batch:?}");
     assert_eq!(lines.last(), Some(&"0.2,0.0,,,,,,,,,"));
 }
+
+#[test]
+fn a_batch_of_many_faults_does_not_flood_the_terminal() {
+    let folder = folder("beam-flood");
+    let file = folder.join("batch.csv");
+    // No shape has such a moment but the first row's.
+    let rows: String = (0..500).map(|i| format!("{},0.05\n", if i == 0 { 0.01 } else { 0.1 + f64::from(i) })).collect();
+    fs::write(&file, format!("M0,s_a\n{rows}")).unwrap();
+    let outcome = vibrissa(&["beam", "moment", "--batch", file.to_str().unwrap()]);
+    assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
+    assert_eq!(outcome.stderr.lines().filter(|line| line.starts_with("warning:")).count(), 21, "{}", outcome.stderr);
+    assert!(outcome.stderr.contains("and 479 more rows like these"), "{}", outcome.stderr);
+}

@@ -480,3 +480,29 @@ fn an_interrupt_in_a_long_step_leaves_what_was_known_before_and_marks_it() {
         assert!(told.is_empty() || told.contains("before anything was known"), "{told}");
     }
 }
+
+#[test]
+fn an_interrupt_keeps_the_contacts_that_are_found_and_marks_them() {
+    // The readings of the demo belong to a stiff whisker; on a soft base each contact of them takes long.
+    let here = folder("faults-contacts");
+    let (robot, log) = (here.join("robot.toml"), here.join("log.csv"));
+    fs::write(&robot, "[[whisker]]\nbase_stiffness = 0.002\n").unwrap();
+    // Touched again and again, so that there is more to do than any machine does in the time.
+    let lines = demo_log();
+    let mut content = lines[0].clone() + "\n";
+    for turn in 0..40 {
+        for line in &lines[1..] {
+            let (t, rest) = line.split_once(',').unwrap();
+            content += &format!("{:.6},{rest}\n", t.parse::<f64>().unwrap() + 3.0 * f64::from(turn));
+        }
+    }
+    fs::write(&log, content).unwrap();
+    for (command, result) in [("contact", "contacts.svg"), ("profile", "profile.svg")] {
+        let out = here.join(command);
+        let args = [command, text(&log), "--robot", text(&robot), "--out", text(&out)];
+        let (_, code, told) = stopped_after(&args, Duration::from_millis(1500));
+        assert_eq!(code, Some(130), "{command}: {told}");
+        assert!(told.contains("interrupted: the contacts") && told.contains("are missing"), "{command}: {told}");
+        assert!(fs::read_to_string(out.join(result)).unwrap().contains("interrupted"), "{command}");
+    }
+}

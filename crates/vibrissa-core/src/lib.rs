@@ -16,7 +16,9 @@ pub mod config;
 pub mod contact;
 pub mod flow;
 pub mod localizer;
+mod stop;
 pub mod world;
 
 pub use localizer::Localizer;
+pub use stop::Stop;
 pub use vibrissa_beam::{Error, Result, beam, error, linear_algebra, math, plane, sensing, sets};

@@ -22,7 +22,7 @@ use crate::flow::pose::{Estimate, Event, Localization};
 use crate::flow::sensor_log::{Channel, LogRow};
 use crate::plane::Pose2;
 use crate::world::{Map, Robot};
-use crate::{Error, Result};
+use crate::{Error, Result, Stop};
 use limit_check::LimitCheck;
 
 /// What every method of localization is: it takes rows, says at any row what is known, and answers at the end.
@@ -44,6 +44,12 @@ pub trait Estimator: Send {
     /// The states at the last row that explain the rows so far (map frame): candidates, middles of cells, or best fits, as
     /// the method has them. Empty before the first contact has told.
     fn states_now(&self) -> Vec<Pose2>;
+
+    /// Takes a request to end early: once it is asked for, what refines the answer ends within milliseconds, and the answer is as right, but
+    /// less sharp. An estimator that does not look at it ends in its own time.
+    fn heed(&mut self, stop: &Stop) {
+        let _ = stop;
+    }
 
     /// Ends the log and chooses.
     fn finish(self: Box<Self>) -> Localization;
@@ -89,6 +95,11 @@ impl<'a> Localizer<'a> {
     #[must_use]
     pub fn states_now(&self) -> Vec<Pose2> {
         self.estimator.states_now()
+    }
+
+    /// Takes a request to end early, see [`Estimator::heed`].
+    pub fn heed(&mut self, stop: &Stop) {
+        self.estimator.heed(stop);
     }
 
     /// Ends the log and chooses.

@@ -4,7 +4,7 @@ use crate::arrays::{Table, column, counts, events, table};
 use crate::error::{OrRaise, warn};
 use crate::inputs::RobotIn;
 use crate::log::PySensorLog;
-use crate::long::run;
+use crate::long::{Watch, run};
 use crate::world::PyMap;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -12,8 +12,8 @@ use std::sync::Arc;
 use vibrissa::config::{ContactOptions, ProfileOptions};
 use vibrissa::flow::sensor_log::SensorLog;
 use vibrissa::plane::Vec2;
-use vibrissa::tasks::contact::{ContactReport, ContactStep, contacts};
-use vibrissa::tasks::profile::{Alignment, Misfit, Outline, Profile, compare, profile as outlines_of};
+use vibrissa::tasks::contact::{ContactReport, ContactStep, contacts_until};
+use vibrissa::tasks::profile::{Alignment, Misfit, Outline, Profile, compare, profile_until};
 use vibrissa::tasks::temporal_filter::{FilteredContact, TemporalFilterOptions, temporal_filter as filtered};
 use vibrissa::world::Robot;
 
@@ -32,7 +32,10 @@ pub(crate) fn contact<'py>(
     let default = ContactOptions::default();
     let options = ContactOptions { spacing: spacing.unwrap_or(default.spacing), ..default };
     let names: Vec<String> = robot.whiskers.iter().map(|whisker| whisker.name.clone()).collect();
-    let report = run(py, None, 0, move |_| contacts(&log, &robot, &options).map_err(|error| named(&log, error)))?;
+    let report = run(py, None, 0, move |watch| {
+        let found = contacts_until(&log, &robot, &options, watch.stop(), &mut |done, _| watch.tell(done));
+        found.map_err(|error| named(&log, error))
+    })?;
     steps(py, &report, &names)
 }
 
@@ -98,8 +101,8 @@ pub(crate) fn profile<'py>(
     let robot = robot.robot().or_raise(py)?;
     let logs: Vec<SensorLog> = logs.iter().map(|log| (*log.0).clone()).collect();
     let truth = truth.map(|map| Arc::clone(&map.0));
-    let (found, compared) = run(py, None, 0, move |_| {
-        let found = felt(&logs, &robot)?;
+    let (found, compared) = run(py, None, 0, move |watch| {
+        let found = felt(&logs, &robot, watch)?;
         let points: Vec<Vec2> = found.outlines.iter().flat_map(|o| o.points.iter().map(|p| p.position)).collect();
         let compared = truth.and_then(|map| compare(&points, &map, free_scale));
         Ok((found, compared))
@@ -148,8 +151,9 @@ pub(crate) fn temporal_filter<'py>(
     Ok(out)
 }
 
-fn felt(logs: &[SensorLog], robot: &Robot) -> vibrissa::Result<Profile> {
-    outlines_of(logs, robot, &ContactOptions::default(), &ProfileOptions::default())
+fn felt(logs: &[SensorLog], robot: &Robot, watch: &Watch) -> vibrissa::Result<Profile> {
+    let (contact, options) = (ContactOptions::default(), ProfileOptions::default());
+    profile_until(logs, robot, &contact, &options, watch.stop(), &mut |_, done, _| watch.tell(done))
 }
 
 fn outline<'py>(py: Python<'py>, one: &Outline) -> PyResult<Bound<'py, PyDict>> {

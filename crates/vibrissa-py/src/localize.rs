@@ -9,6 +9,7 @@ use crate::world::PyMap;
 use numpy::{PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::sync::Arc;
 use vibrissa::Method;
@@ -19,7 +20,7 @@ use vibrissa::flow::sensor_log::Quantity;
 use vibrissa::flow::trajectory::trajectory_error;
 use vibrissa::io::{format_tum, read_tum};
 use vibrissa::sets::StateBox;
-use vibrissa::tasks::{advise, demo, doubts, outlines};
+use vibrissa::tasks::{advise, demo, doubts, localize_until, outlines};
 
 /// The methods by name, the default one first.
 #[pyfunction]
@@ -78,7 +79,10 @@ pub(crate) fn localize<'py>(
     warn(py, &doubts(Some(&log.0), &robot, Some(&map.0)))?;
     let (log, map, total) = (Arc::clone(&log.0), Arc::clone(&map.0), log.0.rows.len());
     let (answer, figure) = run(py, progress, total, move |watch| {
-        let mut answer = vibrissa::localize(&log, &map, &robot, &method, &mut |row| watch.tell(row + 1))?;
+        let mut answer = localize_until(&log, &map, &robot, &method, watch.stop(), &mut |row, _| {
+            watch.tell(row + 1);
+            ControlFlow::Continue(())
+        })?;
         advise(&mut answer, &log, &map, &robot, &method, &mut || {
             // Ends here once the caller has given up.
             watch.tell(total);

@@ -5,10 +5,11 @@ use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use std::panic::resume_unwind;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::thread;
 use std::time::Duration;
+use vibrissa::Stop;
 
 /// How often signals are looked at and progress is told.
 const POLL: Duration = Duration::from_millis(50);
@@ -19,7 +20,7 @@ const STACK: usize = 8 << 20;
 #[derive(Debug, Default)]
 pub(crate) struct Watch {
     done: AtomicUsize,
-    cancelled: AtomicBool,
+    cancelled: Stop,
 }
 
 /// Thrown through the worker when nobody waits for its answer any more.
@@ -37,7 +38,12 @@ impl Watch {
 
     /// Whether the caller has given up.
     pub(crate) fn is_cancelled(&self) -> bool {
-        self.cancelled.load(Ordering::Relaxed)
+        self.cancelled.is_asked()
+    }
+
+    /// The request to stop, for work that takes it.
+    pub(crate) fn stop(&self) -> &Stop {
+        &self.cancelled
     }
 }
 
@@ -67,7 +73,7 @@ pub(crate) fn run<T: Send + 'static>(
         let done = watch.done.load(Ordering::Relaxed);
         let attended = attend(py, progress.filter(|_| done > told), done, total);
         if attended.is_err() {
-            watch.cancelled.store(true, Ordering::Relaxed);
+            watch.cancelled.ask();
         }
         attended?;
         told = done;

@@ -11,8 +11,8 @@ mod simulate;
 pub use scenario::{Scenario, Simulation};
 pub use simulate::{
     Drive, Grip, Pace, Part, Shape, SimulateOptions, Solver, Stage, Sweep, SweepNoise, SweptShape, Touch, contacts_csv,
-    discrete, path_through, recorder, shapes, simulate, simulate_tip_sweep, simulate_watched,
+    discrete, path_through, recorder, shapes, simulate, simulate_tip_sweep, simulate_until, simulate_watched,
 };
 
-use vibrissa_core::{Error, Result, beam, config, contact, flow, plane, sensing, world};
+use vibrissa_core::{Error, Result, Stop, beam, config, contact, flow, plane, sensing, world};
 use vibrissa_io as io;

@@ -2,13 +2,16 @@
 //!
 //! This is the only file that says `unsafe`: a name is exported without mangling. No pointer is read here: the page writes into
 //! a buffer that belongs to the host, and reads buffers that the host keeps until the next call.
+//!
+//! Plain names are those of the module in a browser alone: in a native program `read` and `write` would take the place of the C library's.
 #![allow(unsafe_code, reason = "a C ABI exports plain names")]
 
 use crate::host::{Host, with};
 use crate::{bend as bending, contacts, driving, files, localizing};
 
 /// Makes room for `len` bytes and tells where; the page writes them before the next call.
-#[unsafe(no_mangle)]
+#[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
+#[must_use]
 pub extern "C" fn input(len: usize) -> *mut u8 {
     with(|host| {
         host.input.clear();
@@ -18,28 +21,28 @@ pub extern "C" fn input(len: usize) -> *mut u8 {
 }
 
 /// Where the numbers of the last call are.
-#[unsafe(no_mangle)]
+#[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
 #[must_use]
 pub extern "C" fn numbers() -> *const f64 {
     with(|host| host.numbers.as_ptr())
 }
 
 /// How many numbers there are.
-#[unsafe(no_mangle)]
+#[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
 #[must_use]
 pub extern "C" fn numbers_len() -> usize {
     with(|host| host.numbers.len())
 }
 
 /// Where the words of the last call are (UTF-8).
-#[unsafe(no_mangle)]
+#[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
 #[must_use]
 pub extern "C" fn text() -> *const u8 {
     with(|host| host.text.as_ptr())
 }
 
 /// How many bytes of words there are.
-#[unsafe(no_mangle)]
+#[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
 #[must_use]
 pub extern "C" fn text_len() -> usize {
     with(|host| host.text.len())
@@ -52,7 +55,7 @@ pub extern "C" fn text_len() -> usize {
 /// whiskers; each length, mount x, y, theta. Of a log: rows, columns; each row t, x, y, theta and a reading for each column. Of a
 /// trajectory: poses; each t, x, y, theta. Of an image none. The words are warnings by lines, for a log after a line of its columns' names.
 /// A robot without name and bytes is the paper's.
-#[unsafe(no_mangle)]
+#[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
 #[must_use]
 pub extern "C" fn read(kind: u32) -> u32 {
     call(|host| files::read(host, kind))
@@ -63,7 +66,7 @@ pub extern "C" fn read(kind: u32) -> u32 {
 ///
 /// Numbers: equilibria, points of a shape; each force, `s_a`, `phi_a`, beta, x, y, moment, force's x, y, energy, tip's x, y, largest
 /// strain and where it is (NaN where unknown), then the shape's x, y.
-#[unsafe(no_mangle)]
+#[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
 #[must_use]
 pub extern "C" fn bend(given: u32, a: f64, b: f64, load: u32, angle: f64) -> u32 {
     call(|host| bending::solve(host, given, a, b, load, angle))
@@ -75,7 +78,7 @@ pub extern "C" fn bend(given: u32, a: f64, b: f64, load: u32, angle: f64) -> u32
 /// Numbers: curves, tolerance (m); each curve its contacts: x, y, `s_a`, `phi_a`, force, moment, after their count; then area (m²),
 /// components and cells of the region, each cell the count of its corners and their x, y. An exact reading has curves, another
 /// those of its middle. `shapes`: so many whiskers along the curves follow, each the count of its points and their x, y.
-#[unsafe(no_mangle)]
+#[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
 #[must_use]
 pub extern "C" fn contact_set(sensor: u32, lo: f64, hi: f64, shapes: u32) -> u32 {
     call(|host| contacts::contact_set(host, sensor, lo, hi, shapes))
@@ -85,14 +88,14 @@ pub extern "C" fn contact_set(sensor: u32, lo: f64, hi: f64, shapes: u32) -> u32
 ///
 /// Numbers: 1 where none does, area, sampled area (m²), volume (m² rad), deviation (m); the grid's corner x, y, cell (m), columns,
 /// rows; for each cell, row by row from below, the share of its headings.
-#[unsafe(no_mangle)]
+#[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
 #[must_use]
 pub extern "C" fn preimage(sensor: u32, lo: f64, hi: f64, cell: f64, headings: u32) -> u32 {
     call(|host| contacts::preimage(host, sensor, lo, hi, cell, headings))
 }
 
 /// The headings that explain the reading of the last [`preimage`] at a place: runs, each first and last angle (rad).
-#[unsafe(no_mangle)]
+#[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
 #[must_use]
 pub extern "C" fn headings(x: f64, y: f64) -> u32 {
     call(|host| contacts::headings(host, x, y))
@@ -104,7 +107,7 @@ pub extern "C" fn headings(x: f64, y: f64) -> u32 {
 /// Numbers: rows, whiskers; each row t, odometry x, y, theta, the readings, the exact moments; then touches, each whisker, x, y, force's
 /// x, y, 0 for the tip or 1 for the side; then each whisker's points and their x, y. Words: events by lines of time, kind, detail.
 /// The rows also make a log, which [`write()`] gives.
-#[unsafe(no_mangle)]
+#[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
 #[must_use]
 pub extern "C" fn drive(op: u32) -> u32 {
     call(|host| driving::drive(host, op))
@@ -115,7 +118,7 @@ pub extern "C" fn drive(op: u32) -> u32 {
 ///
 /// Numbers: rows taken, rows there are; after the end those of [`estimate`], then poses of the trajectory, each t, x, y, theta. Words at
 /// the end: events, remedies and consistency as JSON.
-#[unsafe(no_mangle)]
+#[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
 #[must_use]
 pub extern "C" fn localize(op: u32, n: u32) -> u32 {
     call(|host| localizing::localize(host, op, n))
@@ -125,7 +128,7 @@ pub extern "C" fn localize(op: u32, n: u32) -> u32 {
 ///
 /// Numbers: verdict (0 localized, 1 ambiguous, 2 inconsistent, 3 no contact), rows, places, states; each place x, y, theta, weight,
 /// least and largest x, y, theta, root mean square errors of position (m) and heading (rad) or NaN; each state x, y, theta.
-#[unsafe(no_mangle)]
+#[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
 #[must_use]
 pub extern "C" fn estimate(most: u32) -> u32 {
     call(|host| localizing::estimate(host, most))
@@ -133,7 +136,7 @@ pub extern "C" fn estimate(most: u32) -> u32 {
 
 /// Writes a file into the words: `kind` 0 the log (CSV), 1 the robot (TOML), 2 the answer's figure (SVG; the input is its title),
 /// 3 the answer's trajectory (TUM), 4 the map (GeoJSON, as polylines).
-#[unsafe(no_mangle)]
+#[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
 #[must_use]
 pub extern "C" fn write(kind: u32) -> u32 {
     call(|host| files::write(host, kind))

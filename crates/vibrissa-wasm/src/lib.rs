@@ -7,6 +7,7 @@
 //! | room | what it answers |
 //! | --- | --- |
 //! | [`abi`] | the exported functions: their arguments, the layout of their numbers |
+//! | [`native`] | the same buffers for callers in Rust |
 //! | `host` | what was read and what is going on; bytes in, numbers and words out |
 //! | `bend` | a loaded whisker, every equilibrium |
 //! | `contacts` | which contacts explain a reading; which robot states do, on a map |
@@ -20,5 +21,6 @@ mod driving;
 mod files;
 mod host;
 mod localizing;
+pub mod native;
 #[cfg(test)]
 mod tests;

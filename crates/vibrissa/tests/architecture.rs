@@ -25,7 +25,7 @@ const ROOMS: &[(&str, &[&str])] = &[
         "crates/vibrissa-beam",
         &["math", "platform", "error", "config", "linear_algebra", "plane", "sets", "sensing", "beam"],
     ),
-    ("crates/vibrissa-core", &["config", "world", "contact", "flow", "localizer"]),
+    ("crates/vibrissa-core", &["stop", "config", "world", "contact", "flow", "localizer"]),
     (
         "crates/vibrissa-io",
         &[

@@ -84,3 +84,16 @@ fn no_contact_above_twice_the_noise_is_missed() {
         assert!(!report.steps.is_empty());
     }
 }
+
+#[test]
+fn the_readings_of_another_whisker_are_no_contact_of_this_one() {
+    // A base that turns by half a turn under a millionth of what is read.
+    let mut robot = Robot::default();
+    robot.whiskers[0].beam.base_stiffness = 1e-9;
+    robot.whiskers[0].beam.tip_ratio = 0.02;
+    let log = vibrissa::tasks::demo::sweep(1).unwrap().log;
+    let report = contacts(&log, &robot, &ContactOptions::default()).unwrap();
+    assert!(report.steps.len() > 100 && report.stopped_at.is_none());
+    assert!(report.steps.iter().all(|step| step.contact.is_none()), "nothing that bends so is found");
+    assert!(report.events.iter().any(|event| event.kind == "no_point"), "{:?}", report.events);
+}

@@ -44,7 +44,7 @@ const METHODS: [&str; 3] = ["deterministic", "possibilistic", "probabilistic"];
 #[test]
 fn maps_too_large_to_search_say_what_helps() {
     for method in METHODS {
-        let (_, answer) = run(&town(400.0), method, None);
+        let (_, answer) = run(&town(4000.0), method, None);
         let message = answer.unwrap_err().to_string();
         assert!(message.contains("--within") && message.contains("too much boundary"), "{method:?}: {message}");
     }

@@ -23,9 +23,51 @@ pub(crate) fn draw(random: &mut Random) -> Vec<u8> {
     text.into_bytes()
 }
 
+/// Nine numbers: those of [`draw`], then taper, curvature and the base's stiffness, within what a robot file may say.
+pub(crate) fn draw_rod(random: &mut Random) -> Vec<u8> {
+    let mut text = String::new();
+    let between = |low: f64, high: f64, random: &mut Random| low * (high / low).powf(0.5 + 0.5 * random.signed());
+    let (length, rigidity) = (between(1e-3, 10.0, random), between(1e-12, 10.0, random));
+    let s_a = length * between(1e-3, 1.0, random);
+    let load = random.signed() * rigidity / (length * length) * between(1e-3, 1e9, random);
+    let taper = if random.one_in(3) { 1.0 } else { between(1e-3, 1.0, random) };
+    let curvature = if random.one_in(3) { 0.0 } else { 6.0 * random.signed() / length };
+    let stiffness = if random.one_in(3) { f64::INFINITY } else { rigidity / length * between(1e-6, 1e3, random) };
+    let all =
+        [length, rigidity, s_a, load, 2.0 * random.signed(), length * random.signed(), taper, curvature, stiffness];
+    for value in all {
+        text += &format!("{value:?} ");
+    }
+    text.into_bytes()
+}
+
+fn numbers(bytes: &[u8]) -> Vec<f64> {
+    String::from_utf8_lossy(bytes).split_whitespace().filter_map(|n| n.parse().ok()).collect()
+}
+
+/// Whiskers that are not uniform, one question each: a table of them asks thousands.
+pub(crate) fn rods(bytes: &[u8]) -> Verdict {
+    let [length, flexural_rigidity, s_a, load, angle, height, tip_ratio, curvature, base_stiffness] =
+        numbers(bytes)[..]
+    else {
+        return Ok(super::Outcome { read: false, mark: 0 });
+    };
+    let whisker = Whisker { length, flexural_rigidity, tip_ratio, curvature, base_stiffness, ..Whisker::default() };
+    let mut found = 0;
+    let mut last = None;
+    for direction in [Load::Normal, Load::Tilted(angle)] {
+        found += sound(force_mode(&whisker, load, s_a, direction), &mut last)?;
+        found += sound(moment_mode(&whisker, load * length, s_a, direction), &mut last)?;
+    }
+    found += sound(point_mode(&whisker, Vec2::new(s_a, height), Load::Normal), &mut last)?;
+    match last {
+        Some(error) if found == 0 => refused(&error),
+        _ => read((size(found), tip_ratio < 0.1, base_stiffness.is_finite(), curvature.abs() > 0.0)),
+    }
+}
+
 pub(crate) fn modes(bytes: &[u8]) -> Verdict {
-    let text = String::from_utf8_lossy(bytes);
-    let numbers: Vec<f64> = text.split_whitespace().filter_map(|n| n.parse().ok()).collect();
+    let numbers = numbers(bytes);
     let [length, rigidity, s_a, load, angle, height] = numbers[..] else {
         return Ok(super::Outcome { read: false, mark: 0 });
     };

@@ -1,8 +1,12 @@
-//! The live decoders: bytes as they come from a wire, cut anywhere.
+//! Live runs: setups, decoders and the way from bytes to rows, as they come from wires, cut anywhere.
 
-use super::{Verdict, promise, read};
+use super::{Verdict, clean, promise, read, refused, size};
+use vibrissa::Robot;
 use vibrissa_live::counts::Counts;
 use vibrissa_live::decode::{Decoded, Decoder, LineSplitter, Piece, WireFormat};
+use vibrissa_live::pipeline::Pipeline;
+use vibrissa_live::setup::{Setup, from_toml};
+use vibrissa_live::source::{Arrived, Chunk};
 
 /// The first byte chooses the format, the second where the stream is cut into pieces.
 pub(crate) fn lines(bytes: &[u8]) -> Verdict {
@@ -36,4 +40,104 @@ pub(crate) fn lines(bytes: &[u8]) -> Verdict {
     promise(fault.is_none(), || fault.unwrap_or_default())?;
     promise(longest <= 4096, || format!("a line of {longest} bytes was put together"))?;
     read((format.as_str(), frames.min(20), lost.min(20), decoder.channels().len(), decoder.has_pose()))
+}
+
+/// Keys and words of setups.
+pub(crate) const SETUP_WORDS: &[&str] = &[
+    "[[source]]",
+    "map = ",
+    "robot = ",
+    "method = ",
+    "estimates = ",
+    "name = ",
+    "serial = ",
+    "tcp = ",
+    "udp = ",
+    "unix = ",
+    "pipe = ",
+    "baud = ",
+    "format = ",
+    "columns = ",
+    "whisker = ",
+    "rate = ",
+    "time = ",
+    "delay = ",
+    "checksums = true",
+    "\"serial2\"",
+    "\"plotter\"",
+    "\"openwhisker\"",
+    "\"ratatouille\"",
+    "\"tum\"",
+    "\"count\"",
+    "\"arrival\"",
+    "\"own\"",
+    "seq16",
+    "t_us",
+    "---\n",
+    "@0\n",
+    "@1\n",
+];
+
+/// A `live.toml`.
+pub(crate) fn setup(bytes: &[u8]) -> Verdict {
+    match from_toml(&String::from_utf8_lossy(bytes), "live.toml") {
+        Ok(setup) => read((setup.method.name(), size(setup.sources.len()), setup.robot.is_some())),
+        Err(error) => refused(&error),
+    }
+}
+
+/// Most rows of an input: each takes a byte at least.
+const MOST_ROWS: usize = 1 << 16;
+/// Time between two pieces of a stream (s).
+const BETWEEN: f64 = 0.01;
+
+/// A setup, a line `---`, and what comes: a line `@N` says that what follows is of source N, up to the next such line.
+pub(crate) fn pipeline(bytes: &[u8]) -> Verdict {
+    let text = String::from_utf8_lossy(bytes);
+    let (head, body) = text.split_once("---\n").unwrap_or((&text, ""));
+    let setup = match from_toml(head, "live.toml") {
+        Ok(setup) => setup,
+        Err(error) => return refused(&error),
+    };
+    let mut pipeline = match Pipeline::new(&setup, &Robot::default()) {
+        Ok(pipeline) => pipeline,
+        Err(error) => return refused(&error),
+    };
+    let mut rows = Vec::new();
+    let mut notices = 0;
+    for chunk in chunks(&setup, body) {
+        let pushed = pipeline.push(&chunk, &mut |joined| rows.push(joined.row));
+        for notice in pipeline.take_notices() {
+            notices += 1;
+            clean(&notice.text)?;
+        }
+        if let Err(error) = pushed {
+            return refused(&error);
+        }
+    }
+    promise(rows.len() <= MOST_ROWS, || format!("{} rows of {} bytes", rows.len(), bytes.len()))?;
+    let whole = rows.iter().all(|row| {
+        row.t.is_finite() && row.odom_from_robot.x.is_finite() && row.readings.iter().all(|value| value.is_finite())
+    });
+    promise(whole, || "a row with gaps".to_owned())?;
+    let width = pipeline.channels().map_or(0, <[_]>::len);
+    promise(rows.iter().all(|row| row.readings.len() == width), || "a row of another width".to_owned())?;
+    read((size(rows.len()), size(notices), width, setup.sources.len().min(4)))
+}
+
+/// The pieces of a body, with their sources; some are cut in the middle of a line.
+fn chunks(setup: &Setup, body: &str) -> Vec<Chunk> {
+    let (mut source, mut arrival, mut all) = (0, 0.0, Vec::new());
+    for (index, line) in body.split_inclusive('\n').enumerate() {
+        if let Some(number) = line.strip_prefix('@') {
+            source = number.trim().parse().unwrap_or(0_usize) % setup.sources.len().max(1);
+            continue;
+        }
+        arrival += BETWEEN;
+        let (first, second) = line.as_bytes().split_at(if index % 3 == 0 { line.len() / 2 } else { line.len() });
+        for part in [first, second].into_iter().filter(|part| !part.is_empty()) {
+            all.push(Chunk { source, arrival, what: Arrived::Bytes(part.to_vec()) });
+        }
+    }
+    all
 }

@@ -1,5 +1,6 @@
 //! What is fed: a table with one row for each reader and each piece of geometry.
 
+mod abi;
 mod beam;
 mod corridor;
 mod geometry;
@@ -86,10 +87,18 @@ pub(crate) const ALL: &[Target] = &[
         source: Source::Damaged(&["fuzz/seeds/foreign"], readers::FOREIGN_WORDS),
         check: live::lines,
     },
+    Target { name: "setup", source: Source::Damaged(&["fuzz/seeds/setup"], live::SETUP_WORDS), check: live::setup },
+    Target {
+        name: "pipeline",
+        source: Source::Damaged(&["fuzz/seeds/pipeline"], live::SETUP_WORDS),
+        check: live::pipeline,
+    },
+    Target { name: "abi", source: Source::Damaged(&["fuzz/seeds/abi"], abi::WORDS), check: abi::calls },
     Target { name: "outline", source: Source::Drawn(geometry::draw_points), check: geometry::outline },
     Target { name: "edges", source: Source::Drawn(geometry::draw_points), check: geometry::edges },
     Target { name: "curve", source: Source::Drawn(geometry::draw_points), check: geometry::curve },
     Target { name: "whisker", source: Source::Drawn(beam::draw), check: beam::modes },
+    Target { name: "rod", source: Source::Drawn(beam::draw_rod), check: beam::rods },
     on_logs("localize", corridor::deterministic),
     on_logs("possibilistic", corridor::possibilistic),
     on_logs("probabilistic", corridor::probabilistic),
@@ -108,12 +117,17 @@ const LONGEST_MESSAGE: usize = 8192;
 /// The outcome of a reader that refused: its message must help, and must neither flood nor steer the terminal.
 fn refused(error: &vibrissa::Error) -> Verdict {
     let message = error.to_string();
+    clean(&message)?;
+    Ok(Outcome { read: false, mark: mark(&words(&message)) })
+}
+
+/// Breaks a promise where a message says nothing, or floods or steers the terminal.
+fn clean(message: &str) -> Result<(), String> {
     promise(!message.is_empty() && message.len() < LONGEST_MESSAGE, || {
         format!("a message of {} bytes", message.len())
     })?;
     let steers = message.chars().any(|c| is_steering(c) && !matches!(c, '\n' | '\t'));
-    promise(!steers, || format!("characters that steer a terminal in the message {message:?}"))?;
-    Ok(Outcome { read: false, mark: mark(&words(&message)) })
+    promise(!steers, || format!("characters that steer a terminal in the message {message:?}"))
 }
 
 /// The first words of a message without what it quotes of the file: they tell which check spoke.

@@ -1,7 +1,8 @@
 //! `vibrissa profile`: the outline of what was swept.
 
 use super::localize::{outlines, read_log};
-use crate::output::{OutputArgs, print, warn, write_all};
+use crate::interrupt::{Heedful, stop};
+use crate::output::{OutputArgs, print, progress, warn, write_all};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::fmt::Write;
@@ -12,7 +13,7 @@ use vibrissa::flow::sensor_log::SensorLog;
 use vibrissa::io::log::foreign::Format;
 use vibrissa::plane::Vec2;
 use vibrissa::tasks::doubts;
-use vibrissa::tasks::profile::{Alignment, Misfit, Outline, Profile, compare, profile};
+use vibrissa::tasks::profile::{Alignment, Misfit, Outline, Profile, compare, profile_until};
 use vibrissa::world::{Map, Robot};
 use vibrissa::{Error, Result};
 
@@ -55,7 +56,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     warnings.for_each(|warning| warn(warning));
     let doubted = logs.iter().flat_map(|log| doubts(Some(log), &robot, None)).collect::<BTreeSet<String>>();
     doubted.iter().for_each(|warning| warn(warning));
-    let found = profile(&logs, &robot, &ContactOptions::default(), &ProfileOptions::default())?;
+    let found = felt(args, &logs, &robot)?;
     let points: Vec<Vec2> = found.outlines.iter().flat_map(|o| o.points.iter().map(|p| p.position)).collect();
     let compared = map.as_ref().and_then(|map| compare(&points, map, args.free_scale));
     let mut written = Vec::new();
@@ -76,6 +77,24 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     print(&text)
 }
 
+/// The outlines, as far as they come before an interrupt.
+fn felt(args: &Args, logs: &[SensorLog], robot: &Robot) -> Result<Profile> {
+    let _heeds = Heedful::hurried();
+    let (contact, options) = (ContactOptions::default(), ProfileOptions::default());
+    let mut tell = |log: usize, done, all| {
+        if done == 0 && logs.len() > 1 {
+            progress::phase(&format!("finding the outline, log {} of {}", log + 1, logs.len()));
+        }
+        progress::readings(done, all);
+    };
+    let found = profile_until(logs, robot, &contact, &options, &stop(), &mut tell)?;
+    if let Some((log, t)) = found.stopped_at {
+        let name = args.logs[log].display();
+        warn(&format!("interrupted: the contacts of {name} from {t:.3} s on are missing, and those of logs after it"));
+    }
+    Ok(found)
+}
+
 fn pretty(value: &Value) -> Result<String> {
     let text = serde_json::to_string_pretty(value);
     text.map(|text| text + "\n").map_err(|error| Error::data(format!("cannot write the result as JSON ({error})")))
@@ -90,7 +109,7 @@ fn mean_std(outline: &Outline) -> f64 {
 }
 
 fn caption(found: &Profile, compared: Option<&Alignment>) -> Vec<String> {
-    if found.contacts == 0 {
+    if found.contacts == 0 && found.stopped_at.is_none() {
         return vec!["no contact: no reading rises above the declared noise".to_owned()];
     }
     let total: f64 = found.outlines.iter().map(length).fold(0.0, |sum, l| sum + l);
@@ -102,6 +121,9 @@ fn caption(found: &Profile, compared: Option<&Alignment>) -> Vec<String> {
         found.left_out,
         found.contacts
     )];
+    if let Some((_, t)) = found.stopped_at {
+        lines.push(format!("interrupted: contacts from {t:.3} s on are missing"));
+    }
     let Some(compared) = compared else { return lines };
     let line = |name: &str, m: &Misfit| {
         format!("{name}: mean {:.3} mm, 95 % below {:.3} mm, largest {:.3} mm", 1e3 * m.mean, 1e3 * m.p95, 1e3 * m.max)
@@ -136,6 +158,9 @@ fn summary(found: &Profile, compared: Option<&Alignment>) -> Value {
         "left_out": found.left_out,
         "events": events,
     });
+    if found.stopped_at.is_some() {
+        answer["interrupted"] = true.into();
+    }
     if let Some(compared) = compared {
         let pose = compared.map_from_outline;
         answer["truth"] = json!({

@@ -11,15 +11,19 @@ const PATIENCE: Duration = Duration::from_secs(1);
 /// and the line is drawn as often as this.
 const REDRAW: Duration = Duration::from_millis(250);
 
+/// What is counted unless said otherwise.
+const ROWS: &str = "rows";
+
 /// The work under way; one command runs at a time.
-static LINE: Mutex<Line> = Mutex::new(Line { what: String::new(), done: 0, all: 0, drawn: false });
+static LINE: Mutex<Line> = Mutex::new(Line { what: String::new(), done: 0, all: 0, counted: ROWS, drawn: false });
 
 #[derive(Debug)]
 struct Line {
     what: String,
-    /// How many of all rows are done; 0 of 0 where they are not counted.
+    /// How many of all are done, and what they are; 0 of 0 where they are not counted.
     done: usize,
     all: usize,
+    counted: &'static str,
     drawn: bool,
 }
 
@@ -29,9 +33,13 @@ fn line() -> MutexGuard<'static, Line> {
 
 impl Line {
     fn words(&self, passed: Duration) -> String {
-        let Self { what, done, all, .. } = self;
+        let Self { what, done, all, counted, .. } = self;
         let seconds = passed.as_secs();
-        if *all == 0 { format!("{what} … {seconds} s") } else { format!("{what}: {done} of {all} rows, {seconds} s") }
+        if *all == 0 {
+            format!("{what} … {seconds} s")
+        } else {
+            format!("{what}: {done} of {all} {counted}, {seconds} s")
+        }
     }
 
     fn clear(&mut self) {
@@ -51,7 +59,13 @@ pub(crate) fn phase(what: &str) {
 /// Says how many rows of all are done.
 pub(crate) fn count(done: usize, all: usize) {
     let mut line = line();
-    (line.done, line.all) = (done, all);
+    (line.done, line.all, line.counted) = (done, all, ROWS);
+}
+
+/// Says how many readings in contact of all are gone through.
+pub(crate) fn readings(done: usize, all: usize) {
+    let mut line = line();
+    (line.done, line.all, line.counted) = (done, all, "readings in contact");
 }
 
 /// Takes the line away, before something else is written there.
@@ -106,7 +120,7 @@ mod tests {
 
     #[test]
     fn the_line_tells_rows_where_they_are_counted() {
-        let mut line = Line { what: "localizing".into(), done: 0, all: 0, drawn: false };
+        let mut line = Line { what: "localizing".into(), done: 0, all: 0, counted: super::ROWS, drawn: false };
         assert_eq!(line.words(Duration::from_millis(2500)), "localizing … 2 s");
         (line.done, line.all) = (3, 70);
         assert_eq!(line.words(Duration::from_secs(61)), "localizing: 3 of 70 rows, 61 s");

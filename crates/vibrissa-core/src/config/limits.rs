@@ -13,9 +13,10 @@ pub const MOST_LOG_ROWS: usize = 5_000_000;
 pub const LONGEST_LOG_LINE: usize = 1 << 20;
 /// Most boundary points at which whiskers are aligned: 100 m of walls at 1 mm, and at worst a GB of candidates.
 pub const MOST_SAMPLES: f64 = 1e5;
-/// Most boundary that the possibilistic and the probabilistic method search without a region for the first pose (m):
-/// the first contact takes a second for every few metres.
+/// Most boundary that the probabilistic method searches without a region for the first pose (m): a metre takes some tenths of a second.
 pub const MOST_SEARCHED: f64 = 100.0;
+/// Most boundary that the possibilistic method lays cells along without one (m): a metre takes a millisecond and half a megabyte.
+pub const MOST_COVERED: f64 = 1_500.0;
 /// Coarsest spacing of these points (m).
 pub const COARSEST_SPACING: f64 = 0.1;
 /// Largest extent of a map that raises no doubt (m).

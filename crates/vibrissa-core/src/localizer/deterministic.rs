@@ -16,7 +16,7 @@ use crate::flow::sensor_log::{Channel, LogRow, SensorLog, one_owner_each};
 use crate::flow::state_set::{Candidate, Pass, StateSet};
 use crate::plane::Pose2;
 use crate::world::{BoundarySample, Map, Robot};
-use crate::{Error, Result};
+use crate::{Error, Result, Stop};
 use feeler::{RunRecord, WhiskerColumn};
 use std::collections::VecDeque;
 
@@ -37,6 +37,7 @@ pub struct DeterministicEstimator<'a> {
     rows: Vec<(f64, Pose2)>,
     due: VecDeque<Due>,
     record: RunRecord,
+    stop: Stop,
 }
 
 /// What the set still has to be told, in the order in which it happened.
@@ -70,6 +71,7 @@ impl<'a> DeterministicEstimator<'a> {
             rows: Vec::new(),
             due: VecDeque::new(),
             record: RunRecord::default(),
+            stop: Stop::default(),
         })
     }
 
@@ -261,6 +263,10 @@ impl Estimator for DeterministicEstimator<'_> {
         self.rows.last().map_or_else(Vec::new, |&(_, odom)| self.states.states(odom).collect())
     }
 
+    fn heed(&mut self, stop: &Stop) {
+        self.stop = stop.clone();
+    }
+
     fn finish(mut self: Box<Self>) -> Localization {
         let (t, odom_from_robot) = self.rows.last().copied().unwrap_or((0.0, Pose2::IDENTITY));
         let last = LogRow { t, odom_from_robot, readings: Vec::new(), heading: None, line: 0 };
@@ -272,7 +278,9 @@ impl Estimator for DeterministicEstimator<'_> {
         if self.record.waiting.iter().any(|(_, o)| o.open_slopes().is_finite()) {
             self.start_set(&last);
         }
-        self.work(&last, usize::MAX);
+        while !self.due.is_empty() && !self.stop.is_asked() {
+            self.work(&last, LAST_MEETINGS);
+        }
         let hypotheses = pose::choose(&self.states, odom_from_robot, &self.options);
         let status = self.verdict(&hypotheses).status;
         if self.record.touched && self.record.steps.is_empty() {
@@ -314,5 +322,7 @@ const LATEST_START: usize = 8;
 const MEETINGS: usize = 150;
 /// but at least this part of all that are due, so that the set does not fall further behind.
 const ROWS_BEHIND: usize = 20;
+/// Meetings between two looks at whether the end is asked for: some ten milliseconds.
+const LAST_MEETINGS: usize = 5_000;
 /// Points of a drawn whisker.
 const SHAPE_POINTS: usize = 24;

@@ -5,7 +5,7 @@ use super::drawn::{DrawnReading, DrawnReadings};
 use super::method::MethodOptions;
 use super::{Estimator, searchable};
 use crate::beam::Whisker;
-use crate::config::limits::MOST_SEARCHED;
+use crate::config::limits::MOST_COVERED;
 use crate::config::{PossibilisticOptions, Setting};
 use crate::flow::pose::{
     self, Estimate, Event, Evidence, Hypothesis, Localization, ShapeRecord, StampedPose, StepRecord, Verdict,
@@ -15,7 +15,7 @@ use crate::flow::state_set::possibilistic::{EnclosedPlace, PossibleSet};
 use crate::plane::Pose2;
 use crate::sets::Interval;
 use crate::world::{Map, MountedWhisker, Robot};
-use crate::{Error, Result};
+use crate::{Error, Result, Stop};
 
 /// Sets of more cells than this are measured once in a while: when their number has changed by this share, or, up to a
 /// size, after as many rows as a share of their number.
@@ -74,7 +74,7 @@ impl<'a> PossibilisticEstimator<'a> {
         options.check()?;
         bounded_reading::check(robot)?;
         one_owner_each(robot, channels)?;
-        searchable(map, options.prior, MOST_SEARCHED)?;
+        searchable(map, options.prior, MOST_COVERED)?;
         let log = SensorLog { channels: channels.to_vec(), ..SensorLog::default() };
         for whisker in &robot.whiskers {
             MethodOptions::takes(&options, &whisker.beam)?;
@@ -297,6 +297,10 @@ impl Estimator for PossibilisticEstimator<'_> {
 
     fn states_now(&self) -> Vec<Pose2> {
         if self.set.has_started() { self.set.middles() } else { Vec::new() }
+    }
+
+    fn heed(&mut self, stop: &Stop) {
+        self.set.heed(stop);
     }
 
     fn finish(mut self: Box<Self>) -> Localization {

@@ -25,9 +25,9 @@ mod world_section;
 use crate::flow::pose::StampedPose;
 use crate::plane::Vec2;
 use crate::simulate::recorder::{Recorder, Recording, SerialLayout, serial_text};
-use crate::simulate::{SimulateOptions, Sweep, SweepNoise, simulate, simulate_watched};
+use crate::simulate::{SimulateOptions, Sweep, SweepNoise, simulate, simulate_until};
 use crate::world::{Map, Robot};
-use crate::{Error, Result};
+use crate::{Error, Result, Stop};
 use std::path::PathBuf;
 
 /// Everything that a simulated sweep needs, as read from a scenario file.
@@ -94,15 +94,27 @@ impl Scenario {
     ///
     /// As [`Scenario::simulate`].
     pub fn simulate_watched(&self, observer: &mut dyn FnMut(usize)) -> Result<Simulation> {
+        self.simulate_until(&Stop::default(), observer)
+    }
+
+    /// As [`Scenario::simulate_watched`], until `stop` is asked for: the sweep then ends with the last pose that was come to.
+    ///
+    /// # Errors
+    ///
+    /// As [`Scenario::simulate`], and a stop before the first pose.
+    pub fn simulate_until(&self, stop: &Stop, observer: &mut dyn FnMut(usize)) -> Result<Simulation> {
         let exact = SweepNoise { seed: self.seed(), ..SweepNoise::none() };
         let options = SimulateOptions::default();
         let in_file = |error: Error| error.into_data().in_file(&self.source);
         let truth = &self.recorder.truth;
         let robot = truth.true_robot(&self.robot).map_err(in_file)?;
         let (world, path) = (truth.world(&self.map).map_err(in_file)?, truth.path_in_world(&self.path));
-        let swept = simulate_watched(&world, &robot, &path, &exact, &options, observer);
+        let swept = simulate_until(&world, &robot, &path, &exact, &options, stop, observer);
         let again = |path: &[StampedPose]| simulate(&world, &robot, path, &exact, &options);
         let mut sweep = swept.map_err(|error| in_file(error).at_line(self.leg_at_fault(&path, &again)))?;
+        if sweep.truth.is_empty() {
+            return Err(Error::data("the simulation was stopped before its first pose"));
+        }
         let recording = self.recorder.record(&robot, &sweep).map_err(in_file)?;
         truth.put_on_declared_map(&mut sweep);
         let serial = self.serial.map(|layout| serial_text(&recording, layout)).transpose().map_err(in_file)?;

@@ -37,8 +37,8 @@ use crate::contact::quasi_static::LoadedWhisker;
 use crate::flow::pose::{Event, StampedPose};
 use crate::flow::sensor_log::{Channel, LogRow, Quantity, SensorLog};
 use crate::plane::Vec2;
-use crate::world::{Map, Robot};
-use crate::{Error, Result};
+use crate::world::{Map, MountedWhisker, Robot};
+use crate::{Error, Result, Stop};
 use follow::Follower;
 pub use report::{Grip, Part, Touch};
 
@@ -147,6 +147,23 @@ pub fn simulate_watched(
     options: &SimulateOptions,
     observer: &mut dyn FnMut(usize),
 ) -> Result<Sweep> {
+    simulate_until(map, robot, path, noise, options, &Stop::default(), observer)
+}
+
+/// As [`simulate_watched`], until `stop` is asked for: the sweep then ends with the last pose that all whiskers have come to.
+///
+/// # Errors
+///
+/// As [`simulate`].
+pub fn simulate_until(
+    map: &Map,
+    robot: &Robot,
+    path: &[StampedPose],
+    noise: &SweepNoise,
+    options: &SimulateOptions,
+    stop: &Stop,
+    observer: &mut dyn FnMut(usize),
+) -> Result<Sweep> {
     noise.check()?;
     path::check(path)?;
     let mut sweep = Sweep {
@@ -158,23 +175,24 @@ pub fn simulate_watched(
         shapes: Vec::new(),
     };
     let boundaries = Boundaries::new(map);
-    for (index, whisker) in robot.whiskers.iter().enumerate() {
-        if !(whisker.friction >= 0.0 && whisker.friction.is_finite()) {
-            return Err(Error::data(format!("the friction of the whisker {}", whisker.name))
-                .value(whisker.friction)
-                .allowed("0 or more"));
+    let loaded = robot.whiskers.iter().map(loaded).collect::<Result<Vec<_>>>()?;
+    let scene = |(whisker, loaded)| follow::Scene { map, boundaries: &boundaries, whisker, loaded, options };
+    let scenes = robot.whiskers.iter().zip(&loaded).map(scene);
+    let mut followers = scenes.map(|scene| Follower::start(scene, path[0])).collect::<Result<Vec<_>>>()?;
+    for (row, pose) in path.iter().enumerate() {
+        if stop.is_asked() {
+            sweep.truth.truncate(row);
+            sweep.exact_moments.truncate(row);
+            break;
         }
-        let loaded = LoadedWhisker::new(&whisker.beam)?;
-        let scene = follow::Scene { map, boundaries: &boundaries, whisker, loaded: &loaded, options };
-        let mut follower = Follower::start(scene, path[0])?;
-        for (row, pose) in path.iter().enumerate() {
+        for (index, follower) in followers.iter_mut().enumerate() {
             follower.advance(*pose, &mut sweep.events)?;
             sweep.exact_moments[row].push(follower.moment());
             sweep.contacts.extend(follower.touches(row, index));
             if options.shape_points > 0 {
                 sweep.shapes.push(Shape { row, whisker: index, points: follower.shape(options.shape_points.max(2)) });
             }
-            observer(index * path.len() + row + 1);
+            observer(row * robot.whiskers.len() + index + 1);
         }
     }
     sweep.contacts.sort_by_key(|touch| (touch.row, touch.whisker));
@@ -182,6 +200,16 @@ pub fn simulate_watched(
     sweep.events.sort_by(|a, b| a.t.total_cmp(&b.t));
     sweep.log.rows = record(robot, &sweep, noise);
     Ok(sweep)
+}
+
+/// A whisker ready to be bent.
+fn loaded(whisker: &MountedWhisker) -> Result<LoadedWhisker> {
+    if !(whisker.friction >= 0.0 && whisker.friction.is_finite()) {
+        return Err(Error::data(format!("the friction of the whisker {}", whisker.name))
+            .value(whisker.friction)
+            .allowed("0 or more"));
+    }
+    LoadedWhisker::new(&whisker.beam)
 }
 
 /// [`simulate`] with the default options.

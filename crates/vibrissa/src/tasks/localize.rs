@@ -1,12 +1,12 @@
 //! Where the robot is: the one-call door to the whole corridor.
 
-use crate::Result;
 use crate::flow::pose::Localization;
 use crate::flow::sensor_log::SensorLog;
 use crate::io::calibrated;
 use crate::localizer::{Localizer, Method};
 use crate::plane::Pose2;
 use crate::world::{Map, Robot};
+use crate::{Result, Stop};
 use core::ops::ControlFlow;
 
 /// Localizes a robot from what it recorded; `observer` is called with the index of each row once it is used.
@@ -81,14 +81,32 @@ pub fn localize_observed(
     method: &Method,
     observer: &mut RowObserver,
 ) -> Result<Localization> {
+    localize_until(log, map, robot, method, &Stop::default(), observer)
+}
+
+/// As [`localize_observed`], until `stop` is asked for: the answer is that of a log that ends with the row under way, and less sharp,
+/// since what refines it at the end ends early, too ([`Estimator::heed`](crate::Estimator::heed)).
+///
+/// # Errors
+///
+/// As [`localize`].
+pub fn localize_until(
+    log: &SensorLog,
+    map: &Map,
+    robot: &Robot,
+    method: &Method,
+    stop: &Stop,
+    observer: &mut RowObserver,
+) -> Result<Localization> {
     let (log, robot) = calibrated(log, robot)?;
     let mut localizer = Localizer::new(map, &robot, &log.channels, method)?;
+    localizer.heed(stop);
     for (index, row) in log.rows.iter().enumerate() {
         localizer.step(row).map_err(|error| match &log.source {
             Some(file) if error.line().is_some() => error.in_file(file),
             _ => error,
         })?;
-        if observer(index, &localizer).is_break() {
+        if observer(index, &localizer).is_break() || stop.is_asked() {
             break;
         }
     }

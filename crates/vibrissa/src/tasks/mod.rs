@@ -14,5 +14,7 @@ pub mod temporal_filter;
 
 pub use doubts::doubts;
 pub use drawing::outlines;
-pub use localize::{RowObserver, StatesObserver, localize, localize_observed, localize_watched, localize_while};
+pub use localize::{
+    RowObserver, StatesObserver, localize, localize_observed, localize_until, localize_watched, localize_while,
+};
 pub use remedies::{advise, remedies};

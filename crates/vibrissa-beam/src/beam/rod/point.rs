@@ -14,6 +14,7 @@ use crate::error::Result;
 use crate::plane::Vec2;
 use alloc::vec;
 use alloc::vec::Vec;
+use core::f64::consts::PI;
 #[cfg(not(feature = "std"))]
 use num_traits::Float as _;
 
@@ -30,6 +31,8 @@ const LARGEST_CELL: f64 = 0.4;
 const MOST_QUARTERED: usize = 3;
 /// How often a rod that is curved at rest may meet the line of the force, the contact included.
 const MOST_CROSSINGS: usize = 4;
+/// Turn of the base (rad) beyond which a trial of the grid leads nowhere: shapes whose base turns by more than half a turn are left out.
+const FARTHEST_TURN: f64 = 8.0 * PI;
 /// Slope (rad) beyond which a march from the base is given up.
 pub(super) const MOST_TURNING: f64 = 9.0;
 /// A contact this far beyond the tip, relative to the length, is the tip.
@@ -99,11 +102,7 @@ impl Rod {
         let row = |s_a: f64| -> Vec<TrialNode> {
             let unit = 1.0 / self.softness(s_a);
             let node = move |q: &f64| Trial { force: q * unit, s_a, gap: gap_of(beta) };
-            sides
-                .iter()
-                .map(node)
-                .map(|trial| (trial, trial.shoot_on(self).map(|shot| shot.contact - contact)))
-                .collect()
+            sides.iter().map(node).map(|trial| self.node(trial, contact)).collect()
         };
         let mut rows: Vec<Vec<TrialNode>> = vec![row(first)];
         rows.extend(self.arc_lengths(first, last).into_iter().map(row));
@@ -129,6 +128,10 @@ impl Rod {
     fn starts_in_cell(&self, cell: [TrialNode; 4], contact: Vec2, left: usize, starts: &mut Vec<Trial>) {
         let [a, b, c, d] = cell;
         let [Some(pa), Some(pb), Some(pc), Some(pd)] = cell.map(|node| node.1) else {
+            // On a base that gives way at once only the weakest forces of a cell bend the whisker.
+            if left > 0 && self.base_compliance > 0.0 && cell.iter().any(|node| node.1.is_some()) {
+                return self.starts_in_quarters(cell, contact, left, starts);
+            }
             starts.extend(inside([a, b, c]));
             starts.extend(inside([a, c, d]));
             return;
@@ -141,11 +144,21 @@ impl Rod {
             starts.extend(inside([a, c, d]));
             return;
         }
+        self.starts_in_quarters(cell, contact, left, starts);
+    }
+
+    /// A trial of the grid; without a place where the base turns so far that no shape of the first mode is near.
+    fn node(&self, trial: Trial, contact: Vec2) -> TrialNode {
+        let shot = trial.shoot_on(self).filter(|shot| self.base_angle(shot.moment).abs() <= FARTHEST_TURN);
+        (trial, shot.map(|shot| shot.contact - contact))
+    }
+
+    fn starts_in_quarters(&self, [a, b, c, d]: [TrialNode; 4], contact: Vec2, left: usize, starts: &mut Vec<Trial>) {
         let node = |p: &TrialNode, q: &TrialNode| {
             let (p, q) = (&p.0, &q.0);
             let trial =
                 Trial { force: 0.5 * (p.force + q.force), s_a: 0.5 * (p.s_a + q.s_a), gap: 0.5 * (p.gap + q.gap) };
-            (trial, trial.shoot_on(self).map(|shot| shot.contact - contact))
+            self.node(trial, contact)
         };
         let (ab, bc, cd, da) = (node(&a, &b), node(&b, &c), node(&c, &d), node(&d, &a));
         let middle = node(&ab, &cd);

@@ -3,6 +3,8 @@
 use super::Report;
 use super::input::{Given, Known, quantity};
 use super::single::{solution, text_of};
+use crate::interrupt::{Heedful, stop};
+use crate::output::warn;
 use serde_json::json;
 use std::path::Path;
 use vibrissa::beam::{Bend, Load, Whisker};
@@ -24,6 +26,8 @@ struct Row {
 struct Solved {
     headers: csv::StringRecord,
     rows: Vec<Row>,
+    /// Rows that are missing, since an interrupt came before they were solved.
+    missing: usize,
     warnings: Vec<String>,
 }
 
@@ -78,9 +82,20 @@ fn solve(text: &str, given: Given, known: &Known, whisker: &Whisker) -> Result<S
     if posed.is_empty() {
         return Err(Error::data("the batch has no rows").remedy("give a header line and at least one row"));
     }
-    let answers = batch::map(&posed, batch::all_cores(), |(_, _, known, whisker)| known.solve(given, whisker));
+    let heeds = Heedful::hurried();
+    let (stop, all) = (stop(), posed.len());
+    let answers = batch::map(&posed, batch::all_cores(), |(_, _, known, whisker)| {
+        (!stop.is_asked()).then(|| known.solve(given, whisker))
+    });
+    drop(heeds);
+    let missing = answers.iter().filter(|answer| answer.is_none()).count();
+    if missing > 0 {
+        warn(&format!("interrupted: {missing} of {all} rows are missing"));
+    }
     let (mut rows, mut warnings, mut faults) = (Vec::new(), Vec::new(), 0);
     for ((line, cells, _, whisker), answer) in posed.into_iter().zip(answers) {
+        // Rows that an interrupt left out are missing, and the others say so.
+        let Some(answer) = answer else { continue };
         // A row that cannot be solved must not cost the others.
         let bends = match answer {
             Ok(bends) if bends.is_empty() => {
@@ -96,10 +111,10 @@ fn solve(text: &str, given: Given, known: &Known, whisker: &Whisker) -> Result<S
         };
         rows.push(Row { line, cells, whisker, bends });
     }
-    if let (true, Some(first)) = (faults == rows.len(), warnings.first()) {
+    if let (true, Some(first)) = (faults == all, warnings.first()) {
         return Err(Error::data(format!("no row of the batch makes sense; the first: line {first}")));
     }
-    Ok(Solved { headers, rows, warnings })
+    Ok(Solved { headers, rows, missing, warnings })
 }
 
 /// What one row says, on top of the options and the robot.
@@ -202,7 +217,11 @@ fn as_json(solved: &Solved) -> serde_json::Value {
         let solutions: Vec<_> = row.bends.iter().map(|b| solution(b, &row.whisker)).collect();
         json!({ "line": row.line, "solutions": solutions })
     };
-    json!({ "rows": solved.rows.iter().map(row).collect::<Vec<_>>() })
+    let mut answer = json!({ "rows": solved.rows.iter().map(row).collect::<Vec<_>>() });
+    if solved.missing > 0 {
+        answer["interrupted"] = true.into();
+    }
+    answer
 }
 
 fn summary(solved: &Solved) -> String {

@@ -113,6 +113,9 @@ struct Common {
     output: OutputArgs,
 }
 
+/// Rows of a batch that are warned of one by one.
+const WARNED: usize = 20;
+
 /// What the command has to say and to write.
 #[derive(Debug, Default)]
 struct Report {
@@ -198,7 +201,10 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     let common = args.common();
     let robot = common.robot.as_deref().map_or_else(|| Ok(Robot::default()), vibrissa::read_robot)?;
     let report = report(args, &robot)?;
-    report.warnings.iter().for_each(|warning| warn(warning));
+    report.warnings.iter().take(WARNED).for_each(|warning| warn(warning));
+    if report.warnings.len() > WARNED {
+        warn(&format!("and {} more rows like these", report.warnings.len() - WARNED));
+    }
     if let Some(to) = common.output.destination() {
         write_all(to, &report.files)?;
     }

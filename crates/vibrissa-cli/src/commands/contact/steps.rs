@@ -1,7 +1,8 @@
 //! A log's contacts as words, JSON, table and figure.
 
 use crate::commands::localize::read_log;
-use crate::output::{OutputArgs, print, warn, write_all};
+use crate::interrupt::{Heedful, stop};
+use crate::output::{OutputArgs, print, progress, warn, write_all};
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::Path;
@@ -10,7 +11,7 @@ use vibrissa::config::ContactOptions;
 use vibrissa::figure::{Geometry, Layer, scene_figure};
 use vibrissa::io::log::foreign::Format;
 use vibrissa::plane::Vec2;
-use vibrissa::tasks::contact::{Baseline, ContactKind, ContactReading, ContactReport, ContactStep, contacts};
+use vibrissa::tasks::contact::{Baseline, ContactKind, ContactReading, ContactReport, ContactStep, contacts_until};
 use vibrissa::tasks::doubts;
 use vibrissa::world::Robot;
 use vibrissa::{Error, Result};
@@ -22,6 +23,8 @@ const TOLD: usize = 20;
 
 #[derive(Serialize)]
 struct Answer<'a> {
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    interrupted: bool,
     steps: usize,
     side: usize,
     tip: usize,
@@ -55,10 +58,17 @@ pub(super) fn run(log: &Path, robot: Option<&Path>, format: Option<Format>, outp
     let robot = robot.map_or_else(|| Ok(Robot::default()), vibrissa::read_robot)?;
     let read = read_log(log, format)?;
     read.warnings.iter().chain(&doubts(Some(&read), &robot, None)).for_each(|warning| warn(warning));
-    let report = contacts(&read, &robot, &ContactOptions::default()).map_err(|error| error.in_file(log))?;
+    let heeds = Heedful::hurried();
+    let found = contacts_until(&read, &robot, &ContactOptions::default(), &stop(), &mut progress::readings);
+    let report = found.map_err(|error| error.in_file(log))?;
+    drop(heeds);
+    if let Some(t) = report.stopped_at {
+        warn(&format!("interrupted: the contacts from {t:.3} s on are missing"));
+    }
     let written = match output.destination() {
         Some(to) => {
-            let title = format!("Contacts of {}", log.file_name().unwrap_or(log.as_os_str()).to_string_lossy());
+            let until = report.stopped_at.map_or_else(String::new, |t| format!(", interrupted at {t:.3} s"));
+            let title = format!("Contacts of {}{until}", log.file_name().unwrap_or(log.as_os_str()).to_string_lossy());
             let files = [("contacts.csv", csv(&report, &robot)), ("contacts.svg", figure(&report, &robot, &title))];
             write_all(to, &files)?
         }
@@ -134,6 +144,7 @@ fn json(report: &ContactReport, robot: &Robot) -> Result<String> {
         }
     };
     let answer = Answer {
+        interrupted: report.stopped_at.is_some(),
         steps: report.steps.len(),
         side: count(report, ContactKind::Side),
         tip: count(report, ContactKind::Tip),
@@ -146,7 +157,7 @@ fn json(report: &ContactReport, robot: &Robot) -> Result<String> {
 }
 
 fn words(report: &ContactReport) -> String {
-    if report.steps.is_empty() {
+    if report.steps.is_empty() && report.stopped_at.is_none() {
         return "no contact: no reading rises above the declared noise\n".to_owned();
     }
     let [side, tip, unknown] =

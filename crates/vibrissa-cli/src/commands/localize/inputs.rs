@@ -1,5 +1,6 @@
 //! The files that a localization reads.
 
+use crate::interrupt::stop;
 use std::path::Path;
 use vibrissa::figure::Outline;
 use vibrissa::flow::pose::{Localization, StampedPose};
@@ -56,7 +57,7 @@ impl Inputs {
 
     /// The answer; `observer` is called after each row, may ask the localizer, and may break off.
     pub(super) fn localize(&self, method: &Method, observer: &mut RowObserver) -> Result<Localization> {
-        vibrissa::tasks::localize_observed(&self.log, &self.map, &self.robot, method, observer)
+        vibrissa::tasks::localize_until(&self.log, &self.map, &self.robot, method, &stop(), observer)
     }
 
     /// What to try, where the answer is `inconsistent`; `go_on` may break off.

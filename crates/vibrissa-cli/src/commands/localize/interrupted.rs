@@ -45,7 +45,7 @@ impl Known {
             let total_s = begin.elapsed().as_secs_f64();
             let runtime = Runtime { total_s, ..Runtime::default() };
             warn(&if whole {
-                "interrupted: the results are whole, but not what to try where nothing explains the log".to_owned()
+                super::WHOLE.to_owned()
             } else {
                 format!(
                     "interrupted after {rows} of {all} rows: the results are what was known by then, less exact than at the end of a log"

@@ -75,7 +75,9 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     drop(heeds);
     if run.interrupted {
         let (used, rows) = (run.rows, inputs.rows().len());
-        warn(&format!("interrupted after {used} of {rows} rows: the results are those of a log that ends there"));
+        let what =
+            if used < rows { "those of a log that ends there" } else { "less sharp than with the search at the end" };
+        warn(&format!("interrupted after {used} of {rows} rows: the results are {what}"));
     }
     deliver(&run, &args.output)
 }
@@ -93,11 +95,14 @@ fn localized(args: &Args, inputs: &Inputs, mut stopwatch: Stopwatch) -> Result<R
         if stopped() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     })?;
     let runtime = stopwatch.stop(inputs.rows(), &answer.steps);
-    let interrupted = used < inputs.rows().len();
+    let interrupted = stopped();
     if !interrupted {
         known.answer(&answer, &recording);
         progress::phase("looking for what would explain the log");
         inputs.advise(&mut answer, method, &mut || !stopped())?;
+        if stopped() {
+            warn(WHOLE);
+        }
     }
     Ok(Run {
         title: inputs.title(),
@@ -112,6 +117,9 @@ fn localized(args: &Args, inputs: &Inputs, mut stopwatch: Stopwatch) -> Result<R
         film: args.animate.then_some(frames),
     })
 }
+
+/// What is said where an interrupt comes after the answer.
+const WHOLE: &str = "interrupted: the results are whole, but not what to try where nothing explains the log";
 
 /// Frames of a film.
 const FRAMES: usize = 100;

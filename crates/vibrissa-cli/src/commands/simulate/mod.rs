@@ -3,6 +3,7 @@
 mod report;
 
 use super::localize::outlines;
+use crate::interrupt::{Heedful, stop};
 use crate::output::{OutputArgs, print, progress, warn, write_bytes};
 use std::path::PathBuf;
 use vibrissa::io::format_tum;
@@ -44,7 +45,13 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     let scenario = read(args)?;
     let rows = scenario.path.len() * scenario.robot.whiskers.len();
     progress::phase("simulating");
-    let simulation = scenario.simulate_watched(&mut |done| progress::count(done, rows))?;
+    let heeds = Heedful::hurried();
+    let simulation = scenario.simulate_until(&stop(), &mut |done| progress::count(done, rows))?;
+    drop(heeds);
+    let (poses, all) = (simulation.sweep.truth.len(), scenario.path.len());
+    if poses < all {
+        warn(&format!("interrupted: the sweep ends after {poses} of {all} rows"));
+    }
     progress::phase("writing");
     simulation.warnings.iter().for_each(|warning| warn(warning));
     let written = match args.output.destination() {

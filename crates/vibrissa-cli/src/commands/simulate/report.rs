@@ -22,6 +22,8 @@ const LISTED: usize = 12;
 #[derive(Serialize)]
 struct Json<'a> {
     title: &'a str,
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    interrupted: bool,
     seed: u64,
     rows: usize,
     recorded_rows: usize,
@@ -52,6 +54,7 @@ pub(super) fn json(scenario: &Scenario, simulation: &Simulation) -> Result<Strin
     let events = sweep.events.iter().map(|e| EventJson { t: e.t, kind: e.kind, detail: &e.detail }).collect();
     let value = Json {
         title: &scenario.title,
+        interrupted: sweep.truth.len() < scenario.path.len(),
         seed: scenario.seed(),
         rows: sweep.truth.len(),
         recorded_rows: simulation.recording.log.rows.len(),

@@ -2,6 +2,7 @@
 
 use super::meeting::{MeetingKind, meetings};
 use super::reading::{ContactReading, SideReading};
+use crate::Stop;
 use crate::beam::{Load, Whisker, moment_mode};
 use crate::least_squares::{Normal, Rules, descend, unbounded};
 use crate::linear_algebra::Cholesky;
@@ -58,9 +59,14 @@ impl FixedPoint {
 /// readings and where no shape reaches.
 #[must_use]
 pub fn fixed_points(readings: &[ContactReading]) -> Vec<FixedPoint> {
+    fixed_points_until(readings, &Stop::default())
+}
+
+/// As [`fixed_points`]; what is found once the end is asked for is no answer.
+pub(super) fn fixed_points_until(readings: &[ContactReading], stop: &Stop) -> Vec<FixedPoint> {
     let [first, .., last] = readings else { return Vec::new() };
     if readings.iter().any(|reading| !reading.whisker.is_uniform()) {
-        return by_uniform(readings);
+        return by_uniform(readings, stop);
     }
     let mut starts: Vec<Vec2> = meetings(first, last)
         .into_iter()
@@ -69,24 +75,25 @@ pub fn fixed_points(readings: &[ContactReading]) -> Vec<FixedPoint> {
         .collect();
     let strongest = readings.iter().max_by(|a, b| a.moment.abs().total_cmp(&b.moment.abs())).unwrap_or(first);
     starts.extend(curve(strongest));
-    distinct(readings, starts)
+    distinct(readings, starts, stop)
 }
 
 /// For whiskers that are integrated: from where uniform ones of the same stiffness at the base would be touched.
-fn by_uniform(readings: &[ContactReading]) -> Vec<FixedPoint> {
+fn by_uniform(readings: &[ContactReading], stop: &Stop) -> Vec<FixedPoint> {
     let plain = |r: &ContactReading| {
         let (length, flexural_rigidity) = (r.whisker.length, r.whisker.flexural_rigidity);
         ContactReading { whisker: Whisker { length, flexural_rigidity, ..Whisker::default() }, ..*r }
     };
     let uniform: Vec<ContactReading> = readings.iter().map(plain).collect();
-    distinct(readings, fixed_points(&uniform).into_iter().take(2).map(|point| point.position).collect())
+    let starts = fixed_points_until(&uniform, stop).into_iter().take(2).map(|point| point.position).collect();
+    distinct(readings, starts, stop)
 }
 
 /// Where the search ends from each start, each place once, the best first.
-fn distinct(readings: &[ContactReading], starts: Vec<Vec2>) -> Vec<FixedPoint> {
+fn distinct(readings: &[ContactReading], starts: Vec<Vec2>, stop: &Stop) -> Vec<FixedPoint> {
     let mut found: Vec<FixedPoint> = Vec::new();
     for start in starts {
-        let Some(point) = fixed_point(readings, start) else { continue };
+        let Some(point) = fixed_point_until(readings, None, start, stop) else { continue };
         if found.iter().all(|other| other.position.distance(point.position) > SAME) {
             found.push(point);
         }
@@ -140,13 +147,24 @@ pub fn fixed_point(readings: &[ContactReading], start: Vec2) -> Option<FixedPoin
 /// than they are.
 #[must_use]
 pub fn fixed_point_since(readings: &[ContactReading], touch: Option<Touch>, start: Vec2) -> Option<FixedPoint> {
-    let all = |point: Vec2| readings.iter().map(|r| r.touched(point)).collect::<Option<Vec<SideReading>>>();
+    fixed_point_until(readings, touch, start, &Stop::default())
+}
+
+/// As [`fixed_point_since`]; none once the end is asked for.
+pub(super) fn fixed_point_until(
+    readings: &[ContactReading],
+    touch: Option<Touch>,
+    start: Vec2,
+    stop: &Stop,
+) -> Option<FixedPoint> {
+    let one = |point: Vec2, r: &ContactReading| if stop.is_asked() { None } else { r.touched(point) };
+    let all = |point: Vec2| readings.iter().map(|r| one(point, r)).collect::<Option<Vec<SideReading>>>();
     let (mut point, mut touched) = (start, all(start)?);
     let (mut cost, mut square) = (0.0, [0.0; 3]);
     for _ in 0..WEIGHTINGS {
         // The error belongs to the true moment: weights by the readings themselves would favour those that read low.
         let std: Vec<f64> = readings.iter().zip(&touched).map(|(r, t)| r.std(t.moment)).collect();
-        let problem = WeightedProblem { readings, touch, std: &std };
+        let problem = WeightedProblem { readings, touch, std: &std, stop };
         let evaluate = |x: &[f64]| {
             let point = Vec2::new(x[0], x[1]);
             all(point).map(|touched| (problem.cost(point, &touched), touched)).map(|(cost, touched)| (touched, cost))
@@ -171,6 +189,7 @@ struct WeightedProblem<'a> {
     readings: &'a [ContactReading],
     touch: Option<Touch>,
     std: &'a [f64],
+    stop: &'a Stop,
 }
 
 impl WeightedProblem<'_> {
@@ -183,7 +202,10 @@ impl WeightedProblem<'_> {
 
     /// The Jacobian, row by row.
     fn jacobian(&self, point: Vec2) -> Option<Vec<Vec<f64>>> {
-        let row = |(reading, s): (&ContactReading, &f64)| slope(reading, point).map(|d| vec![d.x / s, d.y / s]);
+        let row = |(reading, s): (&ContactReading, &f64)| {
+            let slope = if self.stop.is_asked() { None } else { slope(reading, point) };
+            slope.map(|d| vec![d.x / s, d.y / s])
+        };
         let mut rows = self.readings.iter().zip(self.std).map(row).collect::<Option<Vec<_>>>()?;
         rows.extend(self.touch.map(|touch| vec![touch.slope().x, touch.slope().y]));
         Some(rows)

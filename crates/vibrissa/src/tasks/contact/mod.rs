@@ -35,5 +35,5 @@ pub use fixed_point::{FixedPoint, Touch, fixed_point, fixed_point_since, fixed_p
 pub use meeting::{Meeting, MeetingKind, meetings};
 pub use reading::ContactReading;
 pub use region::{ContactRegion, contact_region};
-pub use report::{ContactKind, ContactReport, ContactStep, contacts};
+pub use report::{ContactKind, ContactReport, ContactStep, contacts, contacts_until};
 pub use trace::{Trace, TraceNode, TraceOptions, TracePoint, contact_traces};

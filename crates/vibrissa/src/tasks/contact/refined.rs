@@ -1,10 +1,11 @@
 //! A contact that stood still once more: from its single readings, from when it began, on a base that moved steadily.
 
-use super::fixed_point::{FixedPoint, fixed_point, fixed_point_since};
+use super::fixed_point::{FixedPoint, fixed_point_until};
 use super::reading::ContactReading;
 use super::segment::ReadingRange;
 use super::sharpened::sharpened;
 use super::stretch::{ContactStretch, touch};
+use crate::Stop;
 use crate::config::ContactOptions;
 use crate::plane::Pose2;
 
@@ -22,10 +23,12 @@ pub(super) fn refined(
     part: ReadingRange,
     point: FixedPoint,
     options: &ContactOptions,
+    stop: &Stop,
 ) -> FixedPoint {
     let uniform = stretch.readings[part.from].whisker.is_uniform();
     if !uniform {
-        return since(stretch.onset, &stretch.readings[part.from..part.to], part, point).map_or(point, |known| known.1);
+        let readings = &stretch.readings[part.from..part.to];
+        return since(stretch.onset, readings, part, point, stop).map_or(point, |known| known.1);
     }
     let free: &[ContactReading] = if part.from == 0 { &stretch.free } else { &[] };
     let single = stretch.single(part.from, part.to);
@@ -33,7 +36,7 @@ pub(super) fn refined(
     let all = steady(&all, options.odometry_resolution).unwrap_or(all);
     let (free, readings) = all.split_at(free.len());
     let onset = free.last().map(|r| r.odom_from_whisker);
-    let Some((begun, found)) = since(onset, readings, part, point) else { return point };
+    let Some((begun, found)) = since(onset, readings, part, point, stop) else { return point };
     // What was touched first need not be what stood still afterwards.
     let free = if begun { free } else { &[] };
     sharpened(free, readings, found)
@@ -45,10 +48,11 @@ fn since(
     readings: &[ContactReading],
     part: ReadingRange,
     point: FixedPoint,
+    stop: &Stop,
 ) -> Option<(bool, FixedPoint)> {
-    let alone = fixed_point(readings, point.position)?;
+    let alone = fixed_point_until(readings, None, point.position, stop)?;
     let touch = onset.filter(|_| part.from == 0).and_then(|onset| touch(onset, readings.first()?));
-    let since = touch.and_then(|touch| fixed_point_since(readings, Some(touch), alone.position));
+    let since = touch.and_then(|touch| fixed_point_until(readings, Some(touch), alone.position, stop));
     let since = since.filter(|since| since.chi2 <= alone.chi2 + ASTRAY);
     Some((since.is_some(), since.unwrap_or(alone)))
 }

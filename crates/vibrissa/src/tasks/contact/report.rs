@@ -7,9 +7,8 @@ use super::refined::refined;
 use super::region::contact_region;
 use super::segment::{ReadingRange, side_from, still_from};
 use super::stretch::{ContactStretch, stretches};
-use super::trace::{Trace, TraceNode, TraceOptions, TracePoint, contact_traces};
-use crate::Result;
-use crate::beam::Bend;
+use super::trace::{Trace, TraceNode, TraceOptions, TracePoint, traces_until};
+use crate::beam::{Bend, Load, moment_mode};
 use crate::config::ContactOptions;
 use crate::flow::pose::Event;
 use crate::flow::sensor_log::SensorLog;
@@ -17,6 +16,7 @@ use crate::io::calibrated;
 use crate::plane::{Pose2, Vec2};
 use crate::sets::Interval;
 use crate::world::Robot;
+use crate::{Result, Stop};
 
 /// Most readings whose bounds are intersected.
 const MOST_BOUNDED: usize = 40;
@@ -101,6 +101,9 @@ pub struct ContactReport {
     /// `contact`, `lift_off`, `tip_contact`, `side_contact`, `slip_whisker`, `slip_obstacle`, `jump`, `ambiguous`, `no_point`, in order
     /// of time.
     pub events: Vec<Event>,
+    /// When the contact began in the search for which it was stopped (s): this contact and those after it are missing. None where the
+    /// log was gone through.
+    pub stopped_at: Option<f64>,
 }
 
 /// Finds the contact of every step of a log.
@@ -112,14 +115,48 @@ pub struct ContactReport {
 ///
 /// Options out of range, and a whisker of the robot without a moment column.
 pub fn contacts(log: &SensorLog, robot: &Robot, options: &ContactOptions) -> Result<ContactReport> {
+    contacts_until(log, robot, options, &Stop::default(), &mut |_, _| {})
+}
+
+/// As [`contacts`], until `stop` is asked for; `observer` is told how many of all readings in contact are gone through.
+///
+/// What a stopped search leaves are the contacts before; [`ContactReport::stopped_at`] says from when on they are missing.
+///
+/// # Errors
+///
+/// As [`contacts`].
+pub fn contacts_until(
+    log: &SensorLog,
+    robot: &Robot,
+    options: &ContactOptions,
+    stop: &Stop,
+    observer: &mut dyn FnMut(usize, usize),
+) -> Result<ContactReport> {
     options.check()?;
     let (log, robot) = calibrated(log, robot)?;
     let mut report = ContactReport::default();
-    for stretch in stretches(&log, &robot, [options.spacing, options.rod_spacing])? {
-        report.add(&stretch, &robot.whiskers[stretch.whisker].name, options);
+    let all = stretches(&log, &robot, [options.spacing, options.rod_spacing])?;
+    let count: usize = all.iter().map(|stretch| stretch.readings.len()).sum();
+    let mut done = 0;
+    observer(done, count);
+    for stretch in &all {
+        let name = &robot.whiskers[stretch.whisker].name;
+        report.stopped_at =
+            report.add(stretch, name, ContactSearch { options, stop }, &mut |gone| observer(done + gone, count));
+        if report.stopped_at.is_some() {
+            break;
+        }
+        done += stretch.readings.len();
     }
     report.events.sort_by(|a, b| a.t.total_cmp(&b.t));
     Ok(report)
+}
+
+/// How contacts are looked for, and who may end it.
+#[derive(Clone, Copy)]
+struct ContactSearch<'a> {
+    options: &'a ContactOptions,
+    stop: &'a Stop,
 }
 
 impl ContactReport {
@@ -127,34 +164,56 @@ impl ContactReport {
         self.events.push(Event { t, kind, detail });
     }
 
-    fn add(&mut self, stretch: &ContactStretch, name: &str, options: &ContactOptions) {
-        let [first, ..] = stretch.readings.as_slice() else { return };
+    /// Adds the contacts of a stretch; when the contact begins in the search for which it was stopped (s).
+    fn add(
+        &mut self,
+        stretch: &ContactStretch,
+        name: &str,
+        search: ContactSearch<'_>,
+        observer: &mut dyn FnMut(usize),
+    ) -> Option<f64> {
+        let [first, ..] = stretch.readings.as_slice() else { return None };
         self.tell(first.t, "contact", format!("{name} touches"));
         let (mut from, mut before) = (0, None);
+        if !is_of_whisker(&stretch.readings, search.stop) {
+            from = stretch.readings.len();
+            self.sliding(stretch, ReadingRange { from: 0, to: from, still: None }, &[]);
+        }
         while from < stretch.readings.len() {
             let rest = ReadingRange { from, to: stretch.readings.len(), still: None };
-            let still = still_from(&stretch.readings, from, stretch.onset);
+            let still = still_from(&stretch.readings, from, stretch.onset, search.stop);
             let whole = still.is_some_and(|part| part.from == 0 && part.to == rest.to);
-            let traces = if whole { Vec::new() } else { traces(stretch, rest, options) };
+            let traces = if whole { Vec::new() } else { traces(stretch, rest, search) };
+            // What was found while the end was asked for is none of it.
+            let stopped_at = Some(stretch.readings[from].t);
+            if search.stop.is_asked() {
+                return stopped_at;
+            }
             match still
                 .filter(|part| whole || stands(stretch, part, &traces))
                 .and_then(|part| Some((part, part.still?)))
             {
                 Some((part, point)) => {
-                    let point = refined(stretch, part, point, options);
+                    let point = refined(stretch, part, point, search.options, search.stop);
+                    if search.stop.is_asked() {
+                        return stopped_at;
+                    }
                     self.side(stretch, part, &point, before);
                     before = Some(point.position);
                     from = part.to;
                 }
                 None => {
-                    from = self.slides(stretch, rest, &traces, options);
+                    let Some(end) = self.slides(stretch, rest, &traces, search) else { return stopped_at };
+                    from = end;
                     before = None;
                 }
             }
+            observer(from);
         }
         if let Some(t) = stretch.lift_off {
             self.tell(t, "lift_off", format!("{name} is free"));
         }
+        None
     }
 
     fn next_piece(&self) -> usize {
@@ -196,24 +255,33 @@ impl ContactReport {
     }
 
     /// A sliding contact up to the end of a part, or to where a trace breaks off and the side meets a point that stands still:
-    /// where it ends.
+    /// where it ends; none where the search was stopped.
     fn slides(
         &mut self,
         stretch: &ContactStretch,
         part: ReadingRange,
         traces: &[Trace],
-        options: &ContactOptions,
-    ) -> usize {
-        let Some((side, point)) = side_after(stretch, part, traces) else {
+        search: ContactSearch<'_>,
+    ) -> Option<usize> {
+        let next = side_after(stretch, part, traces, search.stop);
+        if search.stop.is_asked() {
+            return None;
+        }
+        let Some((side, point)) = next else {
             self.sliding(stretch, part, traces);
-            return part.to;
+            return Some(part.to);
         };
         let before = ReadingRange { to: side.from, ..part };
-        self.sliding(stretch, before, &self::traces(stretch, before, options));
+        let again = self::traces(stretch, before, search);
+        let point = refined(stretch, side, point, search.options, search.stop);
+        if search.stop.is_asked() {
+            return None;
+        }
+        self.sliding(stretch, before, &again);
         let t = stretch.readings[side.from].t;
         self.tell(t, "jump", "the slide ends; the side touches a point that stands still".to_owned());
-        self.side(stretch, side, &refined(stretch, side, point, options), None);
-        side.to
+        self.side(stretch, side, &point, None);
+        Some(side.to)
     }
 
     /// What is known of a sliding contact, or nothing that is understood.
@@ -267,6 +335,24 @@ impl ContactReport {
     }
 }
 
+/// Shares of a whisker at which a contact is tried, from where moments are large to the tip.
+const TRIED: [f64; 4] = [0.1, 0.3, 0.6, 1.0];
+/// Fewest readings that have a shape before contacts are looked for.
+const FEWEST: usize = 4;
+
+/// Whether the whisker has shapes for some of the readings: those of another whisker may have none, and of one that is integrated every
+/// look for them takes milliseconds.
+fn is_of_whisker(readings: &[ContactReading], stop: &Stop) -> bool {
+    let has_shape = |reading: &&ContactReading| {
+        let ContactReading { whisker, moment, .. } = reading;
+        let bends = |share: f64| moment_mode(whisker, *moment, share * whisker.length, Load::Normal);
+        whisker.is_uniform()
+            || stop.is_asked()
+            || TRIED.into_iter().any(|share| bends(share).is_ok_and(|b| !b.is_empty()))
+    };
+    readings.len() < FEWEST || readings.iter().filter(has_shape).take(FEWEST).count() == FEWEST
+}
+
 /// Whether a sliding contact is with the side.
 fn on_side(stretch: &ContactStretch, point: &TracePoint) -> bool {
     stretch.readings.first().is_some_and(|reading| point.bend.s_a < reading.whisker.length * AT_TIP)
@@ -292,7 +378,7 @@ fn stands(stretch: &ContactStretch, part: &ReadingRange, traces: &[Trace]) -> bo
 }
 
 /// The traces over a part.
-fn traces(stretch: &ContactStretch, part: ReadingRange, options: &ContactOptions) -> Vec<Trace> {
+fn traces(stretch: &ContactStretch, part: ReadingRange, search: ContactSearch<'_>) -> Vec<Trace> {
     let readings = &stretch.readings[part.from..part.to];
     let Some(first) = readings.first() else { return Vec::new() };
     let node = |r: &ContactReading| TraceNode {
@@ -302,15 +388,22 @@ fn traces(stretch: &ContactStretch, part: ReadingRange, options: &ContactOptions
         std: r.std(r.moment),
     };
     let nodes: Vec<TraceNode> = readings.iter().map(node).collect();
-    contact_traces(&first.whisker, &nodes, TraceOptions { step_std: options.step_std, turn: options.turn })
+    let &ContactOptions { step_std, turn, .. } = search.options;
+    traces_until(&first.whisker, &nodes, TraceOptions { step_std, turn }, search.stop)
 }
 
 /// The first contact with the side that begins where one of the traces ends.
-fn side_after(stretch: &ContactStretch, part: ReadingRange, traces: &[Trace]) -> Option<(ReadingRange, FixedPoint)> {
+fn side_after(
+    stretch: &ContactStretch,
+    part: ReadingRange,
+    traces: &[Trace],
+    stop: &Stop,
+) -> Option<(ReadingRange, FixedPoint)> {
     let readings = &stretch.readings[..part.to];
     let end = |trace: &Trace| trace.points.last().map(|last| readings.partition_point(|r| r.t <= last.t));
     let breaks = traces.iter().filter_map(end).filter(|end| *end > part.from && *end < part.to);
-    let mut sides = breaks.filter_map(|end| side_from(readings, end)).filter(|side| stands(stretch, side, traces));
+    let mut sides =
+        breaks.filter_map(|end| side_from(readings, end, stop)).filter(|side| stands(stretch, side, traces));
     sides.find_map(|side| side.still.map(|point| (side, point)))
 }
 

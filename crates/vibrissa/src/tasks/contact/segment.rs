@@ -1,8 +1,9 @@
 //! The parts of a stretch during which the contact stood still.
 
-use super::fixed_point::{FixedPoint, fixed_point, fixed_points};
+use super::fixed_point::{FixedPoint, fixed_point_until, fixed_points_until};
 use super::reading::ContactReading;
 use super::stretch::travel;
+use crate::Stop;
 use crate::plane::{Pose2, Vec2};
 
 /// Travel of the base over which a fixed point is first tried (m).
@@ -29,11 +30,16 @@ pub(super) struct ReadingRange {
 }
 
 /// The contact with the side that stood still from reading `from` on; `onset` is the base when the whisker was last free.
-pub(super) fn still_from(readings: &[ContactReading], from: usize, onset: Option<Pose2>) -> Option<ReadingRange> {
+pub(super) fn still_from(
+    readings: &[ContactReading],
+    from: usize,
+    onset: Option<Pose2>,
+    stop: &Stop,
+) -> Option<ReadingRange> {
     let along = cumulated(readings);
     let reach = |from: usize, far: f64| along.partition_point(|s| *s < along[from] + far).clamp(from + 1, along.len());
     let begun = |point: &FixedPoint| from > 0 || onset.is_none_or(|onset| on_axis(point, onset, &readings[0]));
-    let (to, point) = longest(readings, from, &reach)?;
+    let (to, point) = longest(readings, from, &reach, stop)?;
     let whole = from == 0 && to == readings.len();
     let clear = (whole || along[to - 1] - along[from] >= CLEAR) && begun(&point) && off_tip(&point, &readings[from]);
     // What slides once is left to the traces: amid a slide, many a stretch looks like a fixed point and is none.
@@ -42,11 +48,11 @@ pub(super) fn still_from(readings: &[ContactReading], from: usize, onset: Option
 
 /// The contact with the side that begins at reading `from` or just after it, where a sliding tip broke off; none where no
 /// point explains the readings over a clear way.
-pub(super) fn side_from(readings: &[ContactReading], from: usize) -> Option<ReadingRange> {
+pub(super) fn side_from(readings: &[ContactReading], from: usize, stop: &Stop) -> Option<ReadingRange> {
     let along = cumulated(readings);
     let reach = |from: usize, far: f64| along.partition_point(|s| *s < along[from] + far).clamp(from + 1, along.len());
     let begins = |from: usize| {
-        let (to, point) = longest(readings, from, &reach)?;
+        let (to, point) = longest(readings, from, &reach, stop)?;
         let clear = along[to - 1] - along[from] >= CLEAR && off_tip(&point, &readings[from]);
         clear.then_some(ReadingRange { from, to, still: Some(point) })
     };
@@ -66,13 +72,15 @@ fn longest(
     readings: &[ContactReading],
     from: usize,
     reach: &impl Fn(usize, f64) -> usize,
+    stop: &Stop,
 ) -> Option<(usize, FixedPoint)> {
     let mut far = FIRST;
     let mut to = reach(from, far).max(from + FEWEST).min(readings.len());
     if to < from + FEWEST {
         return None;
     }
-    let mut point = fixed_points(&readings[from..to]).into_iter().find(|p| on_side(p, &readings[from]))?;
+    let fixed_point = |readings: &[ContactReading], start: Vec2| fixed_point_until(readings, None, start, stop);
+    let mut point = fixed_points_until(&readings[from..to], stop).into_iter().find(|p| on_side(p, &readings[from]))?;
     let mut fails = readings.len() + 1;
     while to < readings.len() && to + 1 < fails {
         far *= 1.5;

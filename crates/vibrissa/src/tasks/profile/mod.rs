@@ -16,5 +16,5 @@ mod run;
 mod shape;
 
 pub use alignment::{Alignment, Misfit, compare};
-pub use outline::{Outline, OutlinePoint, Profile, profile};
+pub use outline::{Outline, OutlinePoint, Profile, profile, profile_until};
 pub use shape::{FittedShape, FreeSize, RoundedPolygon, fit_shape};

@@ -6,9 +6,9 @@ use crate::config::{ContactOptions, ProfileOptions};
 use crate::flow::pose::Event;
 use crate::flow::sensor_log::SensorLog;
 use crate::plane::Vec2;
-use crate::tasks::contact::contacts;
+use crate::tasks::contact::contacts_until;
 use crate::world::Robot;
-use crate::{Error, Result};
+use crate::{Error, Result, Stop};
 
 /// Smallest standard deviation that a run is believed (m).
 const LEAST_STD: f64 = 1e-5;
@@ -58,6 +58,8 @@ pub struct Profile {
     pub contacts: usize,
     /// See `contacts`.
     pub left_out: usize,
+    /// Where the search was stopped: the log's index, and from when on contacts are missing (s), as those of the logs after it are.
+    pub stopped_at: Option<(usize, f64)>,
 }
 
 /// The outline that one or more sweeps in one odometry frame felt.
@@ -71,24 +73,48 @@ pub fn profile(
     contact: &ContactOptions,
     options: &ProfileOptions,
 ) -> Result<Profile> {
+    profile_until(logs, robot, contact, options, &Stop::default(), &mut |_, _, _| {})
+}
+
+/// As [`profile`], until `stop` is asked for; `observer` is told the log's index and how many of all its readings in contact are gone
+/// through.
+///
+/// What a stopped search leaves are the outlines of the contacts before; [`Profile::stopped_at`] says where it was.
+///
+/// # Errors
+///
+/// As [`profile`].
+pub fn profile_until(
+    logs: &[SensorLog],
+    robot: &Robot,
+    contact: &ContactOptions,
+    options: &ProfileOptions,
+    stop: &Stop,
+    observer: &mut dyn FnMut(usize, usize, usize),
+) -> Result<Profile> {
     options.check()?;
     if logs.is_empty() {
         return Err(Error::usage("no log").remedy("give one or more logs"));
     }
     let mut profile = Profile::default();
     let mut all: Vec<Vec<Sample>> = Vec::new();
-    for log in logs {
+    for (index, log) in logs.iter().enumerate() {
         let name = |error: Error| match &log.source {
             Some(file) => error.in_file(file),
             None => error,
         };
-        let report = contacts(log, robot, contact).map_err(name)?;
+        let mut tell = |done, all| observer(index, done, all);
+        let report = contacts_until(log, robot, contact, stop, &mut tell).map_err(name)?;
         profile.contacts += report.steps.len();
         profile.pegs.extend(pegs(&report));
         let found = runs(&report, options);
         profile.left_out += report.steps.len() - found.iter().map(Vec::len).sum::<usize>();
         all.extend(found);
         profile.events.push(report.events);
+        if let Some(t) = report.stopped_at {
+            profile.stopped_at = Some((index, t));
+            break;
+        }
     }
     profile.outlines = chains(all, options.reach).iter().map(|chain| outline(chain, options)).collect();
     profile.outlines.retain(|outline| outline.points.len() > 1);

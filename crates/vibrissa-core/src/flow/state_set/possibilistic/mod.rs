@@ -26,6 +26,7 @@ mod two_contact_cover;
 mod two_contacts;
 mod vertex_contractor;
 
+use crate::Stop;
 use crate::beam::press::ContactTable;
 use crate::config::PossibilisticOptions;
 use crate::flow::prior;
@@ -101,6 +102,7 @@ pub struct PossibleSet {
     /// How many turns it takes until every cell has met a reading.
     untried: usize,
     constraint_order: ConstraintOrder,
+    stop: Stop,
 }
 
 impl PossibleSet {
@@ -131,7 +133,13 @@ impl PossibleSet {
             cursor: 0,
             untried: 0,
             constraint_order: ConstraintOrder::default(),
+            stop: Stop::default(),
         }
+    }
+
+    /// Takes a request to end early: from then on no cell gets smaller, and all that explain the readings stay.
+    pub fn heed(&mut self, stop: &Stop) {
+        self.stop = stop.clone();
     }
 
     /// Whether a contact has laid the first cells.
@@ -320,7 +328,9 @@ impl PossibleSet {
     ) -> Option<Parallelotope> {
         let mut comparisons = 0;
         let met = self.contracted(map, cell, record, look, &mut comparisons);
-        *work = work.saturating_sub(1 + comparisons / COMPARISONS_PER_WORK);
+        // No work is left once the end is asked for: what is not met stays possible.
+        let left = if self.stop.is_asked() { 0 } else { *work };
+        *work = left.saturating_sub(1 + comparisons / COMPARISONS_PER_WORK);
         met
     }
 

@@ -31,6 +31,7 @@ mod node;
 mod problem;
 mod search;
 
+use crate::Stop;
 use crate::beam::{Bend, Whisker};
 use crate::plane::{Pose2, Vec2};
 use problem::{TraceProblem, Way};
@@ -110,12 +111,17 @@ pub struct Trace {
 /// empty when there is none at all.
 #[must_use]
 pub fn contact_traces(whisker: &Whisker, nodes: &[TraceNode], options: TraceOptions) -> Vec<Trace> {
+    traces_until(whisker, nodes, options, &Stop::default())
+}
+
+/// As [`contact_traces`]; what is found once the end is asked for is no answer.
+pub(super) fn traces_until(whisker: &Whisker, nodes: &[TraceNode], options: TraceOptions, stop: &Stop) -> Vec<Trace> {
     let mut traces = Vec::new();
     let mut from = 0;
-    while from < nodes.len() {
+    while from < nodes.len() && !stop.is_asked() {
         let snap = (from + 1..nodes.len()).find(|&i| snaps(whisker, &nodes[i - 1], &nodes[i]));
         let to = snap.unwrap_or(nodes.len());
-        without_snap(whisker, &nodes[from..to], options, &mut traces);
+        without_snap(whisker, &nodes[from..to], options, stop, &mut traces);
         from = to;
     }
     traces
@@ -130,10 +136,10 @@ fn snaps(whisker: &Whisker, a: &TraceNode, b: &TraceNode) -> bool {
 }
 
 /// The traces through nodes of one sign, added to those before.
-fn without_snap(whisker: &Whisker, nodes: &[TraceNode], options: TraceOptions, traces: &mut Vec<Trace>) {
+fn without_snap(whisker: &Whisker, nodes: &[TraceNode], options: TraceOptions, stop: &Stop, traces: &mut Vec<Trace>) {
     let mut rest = nodes;
-    while rest.len() >= FEWEST {
-        let problem = TraceProblem::new(whisker, rest, options, LARGEST_SLOPE);
+    while rest.len() >= FEWEST && !stop.is_asked() {
+        let problem = TraceProblem::new(whisker, rest, options, LARGEST_SLOPE, stop);
         let least = tip_or_side(&problem);
         // The less bent branch, unless it ends much earlier: that the whisker is curled has to be shown.
         let nodes_of = |ways: &Vec<Way>| ways.first().map_or(0, |way| way.state.len());

@@ -2,6 +2,7 @@
 
 use super::node::{Bender, NodePrediction, UNKNOWNS};
 use super::{TILT_STD, TIP_ALONE, Trace, TraceNode, TraceOptions, TracePoint};
+use crate::Stop;
 use crate::beam::Whisker;
 use crate::least_squares::{Band, Descent, Factor, Normal, Rules, descend, unbounded};
 use crate::plane::Vec2;
@@ -35,6 +36,8 @@ pub(super) struct TraceProblem<'a> {
     pub(super) largest_slope: f64,
     /// Standard deviation of the share of the whisker beyond a side.
     pub(super) side_std: f64,
+    /// Who asks for an end: no contact is found from then on.
+    pub(super) stop: &'a Stop,
 }
 
 /// A step of the contact: across the mean direction of its ends (m), and along it (m).
@@ -48,10 +51,23 @@ pub(super) struct NodeStep {
 }
 
 impl<'a> TraceProblem<'a> {
-    pub(super) fn new(whisker: &'a Whisker, nodes: &'a [TraceNode], options: TraceOptions, largest_slope: f64) -> Self {
+    pub(super) fn new(
+        whisker: &'a Whisker,
+        nodes: &'a [TraceNode],
+        options: TraceOptions,
+        largest_slope: f64,
+        stop: &'a Stop,
+    ) -> Self {
         let unit = whisker.flexural_rigidity / (whisker.length * whisker.length);
         let side = nodes.first().map_or(1.0, |node| node.moment.signum());
-        TraceProblem { bender: Bender { whisker, unit, side }, nodes, options, largest_slope, side_std: TIP_ALONE }
+        TraceProblem {
+            bender: Bender { whisker, unit, side },
+            nodes,
+            options,
+            largest_slope,
+            side_std: TIP_ALONE,
+            stop,
+        }
     }
 
     /// A part of the trace.
@@ -60,7 +76,9 @@ impl<'a> TraceProblem<'a> {
     }
 
     fn felt(&self, unknowns: &[f64]) -> Option<Vec<NodePrediction>> {
-        let one = |(node, u): (&TraceNode, &[f64])| self.bender.felt(node, u, self.largest_slope);
+        let one = |(node, u): (&TraceNode, &[f64])| {
+            if self.stop.is_asked() { None } else { self.bender.felt(node, u, self.largest_slope) }
+        };
         self.nodes.iter().zip(unknowns.chunks(UNKNOWNS)).map(one).collect()
     }
 

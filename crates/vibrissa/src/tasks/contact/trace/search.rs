@@ -120,6 +120,9 @@ impl TraceProblem<'_> {
         let mut grown =
             Grown { side: lean < 0.0, unknowns: Vec::with_capacity(UNKNOWNS * self.nodes.len()), windows: Vec::new() };
         for i in 0..self.nodes.len() {
+            if self.stop.is_asked() {
+                break;
+            }
             let Some(next) = self.guess(i, &grown.unknowns, branch, lean) else { break };
             grown.unknowns.extend(next);
             let last = i + 1 == self.nodes.len();
