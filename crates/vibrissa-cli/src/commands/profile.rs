@@ -1,6 +1,6 @@
 //! `vibrissa profile`: the outline of what was swept.
 
-use super::localize::{outlines, read_log};
+use super::localize::{ImuArgs, outlines, read_log};
 use crate::output::{OutputArgs, print, warn, write_all};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
@@ -43,6 +43,8 @@ pub(crate) struct Args {
     #[arg(long, value_name = "FORMAT")]
     format: Option<Format>,
     #[command(flatten)]
+    imu: ImuArgs,
+    #[command(flatten)]
     output: OutputArgs,
 }
 
@@ -50,7 +52,7 @@ pub(crate) struct Args {
 pub(crate) fn run(args: &Args) -> Result<()> {
     let robot = args.robot.as_deref().map_or_else(|| Ok(Robot::default()), vibrissa::read_robot)?;
     let map = args.truth.as_deref().map(vibrissa::read_map).transpose()?;
-    let logs = args.logs.iter().map(|log| read_log(log, args.format)).collect::<Result<Vec<SensorLog>>>()?;
+    let logs = args.logs.iter().map(|log| read_log(log, args.format, &args.imu)).collect::<Result<Vec<SensorLog>>>()?;
     let warnings = map.iter().flat_map(|map| &map.warnings).chain(logs.iter().flat_map(|log| &log.warnings));
     warnings.for_each(|warning| warn(warning));
     let doubted = logs.iter().flat_map(|log| doubts(Some(log), &robot, None)).collect::<BTreeSet<String>>();

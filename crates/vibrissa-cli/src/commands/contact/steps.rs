@@ -1,6 +1,5 @@
 //! A log's contacts as words, JSON, table and figure.
 
-use crate::commands::localize::read_log;
 use crate::output::{OutputArgs, print, warn, write_all};
 use serde::Serialize;
 use std::fmt::Write;
@@ -8,7 +7,7 @@ use std::path::Path;
 use vibrissa::beam::{Load, point_mode};
 use vibrissa::config::ContactOptions;
 use vibrissa::figure::{Geometry, Layer, scene_figure};
-use vibrissa::io::log::foreign::Format;
+use vibrissa::flow::sensor_log::SensorLog;
 use vibrissa::plane::Vec2;
 use vibrissa::tasks::contact::{Baseline, ContactKind, ContactReading, ContactReport, ContactStep, contacts};
 use vibrissa::tasks::doubts;
@@ -50,12 +49,11 @@ struct EventJson<'a> {
     detail: &'a str,
 }
 
-/// Reads, finds, writes and prints.
-pub(super) fn run(log: &Path, robot: Option<&Path>, format: Option<Format>, output: &OutputArgs) -> Result<()> {
+/// Finds, writes and prints.
+pub(super) fn run(log: &Path, read: &SensorLog, robot: Option<&Path>, output: &OutputArgs) -> Result<()> {
     let robot = robot.map_or_else(|| Ok(Robot::default()), vibrissa::read_robot)?;
-    let read = read_log(log, format)?;
-    read.warnings.iter().chain(&doubts(Some(&read), &robot, None)).for_each(|warning| warn(warning));
-    let report = contacts(&read, &robot, &ContactOptions::default()).map_err(|error| error.in_file(log))?;
+    read.warnings.iter().chain(&doubts(Some(read), &robot, None)).for_each(|warning| warn(warning));
+    let report = contacts(read, &robot, &ContactOptions::default()).map_err(|error| error.in_file(log))?;
     let written = match output.destination() {
         Some(to) => {
             let title = format!("Contacts of {}", log.file_name().unwrap_or(log.as_os_str()).to_string_lossy());
