@@ -12,7 +12,7 @@ use vibrissa::io::ros::{
     encode_wrench, read_bag,
 };
 use vibrissa::io::log::{ImuTopics, from_mcap_with};
-use vibrissa::plane::{Pose2, Vec2, wrap_angle};
+use vibrissa::plane::{Pose2, Twist2, Vec2, wrap_angle};
 use vibrissa::sim::recording::sweep_mcap;
 use vibrissa::tasks::{demo, localize_watched};
 use vibrissa::world::Robot;
@@ -261,8 +261,8 @@ fn winding_recording(measured: impl Fn(Pose2, f64) -> ImuReading) -> Vec<u8> {
     for (k, (t, pose, rate)) in rows.iter().enumerate() {
         let header = Header { stamp: Stamp::from_seconds(*t), frame: "base_link" };
         if k > 0 {
-            let step = rows[k - 1].1.between(*pose);
-            wheels = wheels.compose(Pose2::new(step.x, step.y, 0.9 * step.theta));
+            let step = rows[k - 1].1.between(*pose).log();
+            wheels = wheels.compose(Pose2::exp(Twist2 { theta: 0.9 * step.theta, ..step }));
         }
         bag.push(odom, header.stamp, encode_odometry(header, "base_link", wheels));
         bag.push(unit, header.stamp, encode_imu(header, measured(*pose, *rate)));
