@@ -1,4 +1,4 @@
-//! The paper's deterministic method as it is written \[routray, section "Localization: Deterministic Method"\].
+//! The paper's deterministic method as we read it \[routray, section "Localization: Deterministic Method"\].
 //!
 //! One reading gives the shape, the force normal to the whisker at its tip. The shapes at `t` and `t + 2` give the boundary's
 //! slope. The shape is laid at boundary points 1 mm apart: a curve of states. States that were there before are moved along by
@@ -150,16 +150,23 @@ pub(super) fn samples(map: &Map) -> Vec<BoundarySample> {
     map.samples(SPACING)
 }
 
-/// The robot's states that are left at the last observation, of those that were in the region at the first row: none where the
-/// intersection is empty.
-pub(super) fn localize(log: &SensorLog, map: &Map, robot: &Robot, region: Region, every: usize) -> Result<Vec<Pose2>> {
+/// What the intersection comes to.
+pub(super) struct Intersection {
+    /// The robot's states at the last row; none where the intersection is empty.
+    pub(super) left: Vec<Pose2>,
+    /// Share of the observations until it was empty; 1 where it never was.
+    pub(super) lasted: f64,
+}
+
+/// The robot's states that are left at the last observation, of those that were in the region at the first row.
+pub(super) fn localize(log: &SensorLog, map: &Map, robot: &Robot, region: Region, every: usize) -> Result<Intersection> {
     let whisker = robot.whiskers.first().ok_or_else(|| Error::data("the robot has no whisker"))?;
     let shapes = shapes(log, whisker, SHAPES, every)?;
     let robot_from_whisker = whisker.robot_from_whisker;
     let start = log.rows.first().map_or(Pose2::IDENTITY, |row| row.odom_from_robot.compose(robot_from_whisker));
     let mut states: Option<Vec<Pose2>> = None;
     let mut before = start;
-    for shape in &shapes {
+    for (index, shape) in shapes.iter().enumerate() {
         let step = before.between(shape.odom_from_whisker);
         before = shape.odom_from_whisker;
         let curve = match &states {
@@ -180,13 +187,14 @@ pub(super) fn localize(log: &SensorLog, map: &Map, robot: &Robot, region: Region
             Some(left) => passed(&left.iter().map(|state| state.compose(step)).collect::<Vec<_>>(), &curve),
         };
         if left.is_empty() {
-            return Ok(left);
+            return Ok(Intersection { left, lasted: index as f64 / shapes.len() as f64 });
         }
         states = Some(left);
     }
     let end = log.rows.last().map_or(before, |row| row.odom_from_robot.compose(robot_from_whisker));
     let rest = before.between(end).compose(robot_from_whisker.inverse());
-    Ok(states.unwrap_or_default().iter().map(|state| state.compose(rest)).collect())
+    let left = states.unwrap_or_default().iter().map(|state| state.compose(rest)).collect();
+    Ok(Intersection { left, lasted: 1.0 })
 }
 
 /// The boundaries that whiskers at these places can reach.

@@ -43,16 +43,6 @@ impl MomentNoise {
         let low = if least >= 0.0 { least / (1.0 + relative) } else { least / (1.0 - relative) };
         if h < 0.0 { [-high, -low] } else { [low, high] }
     }
-
-    /// The moment (N m) that has the reading `z` in the middle of its [`readings`](Self::readings).
-    ///
-    /// Of a true moment `h` above the absolute bound it differs from `h` by `relative |h| + absolute` at most.
-    #[must_use]
-    pub fn centred(&self, z: f64) -> f64 {
-        let Self { moment_relative: relative, moment_absolute: absolute } = *self;
-        let near_zero = z.abs() * (1.0 - relative);
-        z.signum() * (near_zero * (1.0 + relative) - absolute * relative).max(near_zero)
-    }
 }
 
 impl From<MomentNoise> for ReadingNoise {

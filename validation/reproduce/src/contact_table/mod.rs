@@ -150,7 +150,7 @@ pub(super) fn section(trials: usize, threads: usize) -> Result<Section> {
         "ours.told",
         "no deviation is told",
         (told.sqrt(), 2, ""),
-        "1 where deviations are told rightly. The readings' errors are those of `vibrissa simulate`.",
+        "1 where deviations are told rightly, less where they are told too large. The readings' errors are those of `vibrissa simulate`.",
     );
     section.compare(
         "Closed form: mean error",

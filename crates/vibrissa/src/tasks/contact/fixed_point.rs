@@ -177,7 +177,7 @@ impl WeightedProblem<'_> {
     /// Half the sum of the squares.
     fn cost(&self, point: Vec2, touched: &[SideReading]) -> f64 {
         let each = self.readings.iter().zip(touched).zip(self.std);
-        let sum: f64 = each.map(|((r, t), s)| ((t.moment - r.centred()) / s).powi(2)).sum();
+        let sum: f64 = each.map(|((r, t), s)| ((t.moment - r.moment) / s).powi(2)).sum();
         0.5 * (sum + self.touch.map_or(0.0, |touch| touch.residual(point).powi(2)))
     }
 
@@ -191,7 +191,7 @@ impl WeightedProblem<'_> {
 
     fn normal(&self, point: Vec2, touched: &[SideReading]) -> Option<Normal> {
         let each = self.readings.iter().zip(touched).zip(self.std);
-        let mut residuals: Vec<f64> = each.map(|((r, t), s)| (t.moment - r.centred()) / s).collect();
+        let mut residuals: Vec<f64> = each.map(|((r, t), s)| (t.moment - r.moment) / s).collect();
         residuals.extend(self.touch.map(|touch| touch.residual(point)));
         Some(Normal::of_rows(2, &self.jacobian(point)?, &residuals))
     }

@@ -47,12 +47,6 @@ impl ContactReading {
         (self.bound(moment) / 3f64.sqrt()).max(1e-12) / (self.count.max(1) as f64).sqrt()
     }
 
-    /// The reading as a moment in whose bound errors are centred (N m); see [`MomentNoise::centred`].
-    #[must_use]
-    pub fn centred(&self) -> f64 {
-        self.noise.centred(self.moment)
-    }
-
     /// The side contact at a point of the odometry frame: of all shapes the one nearest to the reading.
     pub(super) fn touched(&self, point: Vec2) -> Option<SideReading> {
         let local = self.odom_from_whisker.inverse_transform_point(point);

@@ -298,8 +298,8 @@ fn traces(stretch: &ContactStretch, part: ReadingRange, options: &ContactOptions
     let node = |r: &ContactReading| TraceNode {
         t: r.t,
         odom_from_whisker: r.odom_from_whisker,
-        moment: r.centred(),
-        std: r.std(r.centred()),
+        moment: r.moment,
+        std: r.std(r.moment),
     };
     let nodes: Vec<TraceNode> = readings.iter().map(node).collect();
     contact_traces(&first.whisker, &nodes, TraceOptions { step_std: options.step_std, turn: options.turn })

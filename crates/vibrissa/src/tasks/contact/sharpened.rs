@@ -63,7 +63,7 @@ pub(super) fn sharpened(free: &[ContactReading], readings: &[ContactReading], po
     let side = readings.iter().map(|r| r.moment).sum::<f64>().signum();
     let line = |r: &ContactReading| {
         Some(LinearReading {
-            read: r.centred(),
+            read: r.moment,
             moment: r.touched(point.position)?.moment,
             slope: slope(r, point.position)?,
             side,
