@@ -388,7 +388,8 @@ fn deviations_hold_on_the_simulator_s_readings() {
     let post = vibrissa::plane::Curve::circle(peg, 2e-5).unwrap();
     let role = vibrissa::world::Role::Obstacle;
     let map = vibrissa::world::Map::new(vec![vibrissa::world::Boundary::new(role, post, None).unwrap()]).unwrap();
-    let robot = Robot { whiskers: vec![MountedWhisker { noise: NOISE, ..MountedWhisker::default() }], ..Robot::default() };
+    let robot =
+        Robot { whiskers: vec![MountedWhisker { noise: NOISE, ..MountedWhisker::default() }], ..Robot::default() };
     let way = [Pose2::new(0.0, 5e-4, 0.0), Pose2::new(0.0, -6e-3, 0.0)];
     let pace = vibrissa::sim::Pace { speed: 5e-3, turn_rate: 1.0, rate: 300.0 };
     let path = vibrissa::sim::path_through(&way, &pace).unwrap();

@@ -1,8 +1,8 @@
 //! The whisker into and out of a bay, and the boundary's slope from a short history of shapes.
 
+use super::Section;
 use super::ground::{self, SWEEPS, layer};
 use super::paper_method::{self, Shape};
-use super::Section;
 use core::f64::consts::FRAC_PI_2;
 use vibrissa::Result;
 use vibrissa::config::ContactOptions;

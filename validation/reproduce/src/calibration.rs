@@ -101,7 +101,13 @@ fn chips(section: &mut Section) {
     );
     section.compare("MLX90393: resolution", "mlx.bits", (16.0, bits(&finest, finest.range()[0])), (0, "bit"), reason);
     section.compare("TLE493D: range", "tle.range", (160.0, range(&tle)), (0, "mT"), "The data sheet's.");
-    section.compare("TLE493D: resolution", "tle.bits", (12.0, bits(&tle, LARGE_FIELD)), (0, "bit"), "All register values.");
+    section.compare(
+        "TLE493D: resolution",
+        "tle.bits",
+        (12.0, bits(&tle, LARGE_FIELD)),
+        (0, "bit"),
+        "All register values.",
+    );
 }
 
 /// Contacts on both sides of the whisker, up to a little less than its reach.

@@ -1,7 +1,7 @@
 //! Deterministic localization, stage by stage.
 
-use super::{Section, paper_method};
 use super::ground::{self, SWEEPS, layer};
+use super::{Section, paper_method};
 use vibrissa::beam::TipModel;
 use vibrissa::config::{DeterministicOptions, TipLoad};
 use vibrissa::figure::{Geometry, Layer, MapPlate, Outline, map_plate};

@@ -159,7 +159,13 @@ pub(super) struct Intersection {
 }
 
 /// The robot's states that are left at the last observation, of those that were in the region at the first row.
-pub(super) fn localize(log: &SensorLog, map: &Map, robot: &Robot, region: Region, every: usize) -> Result<Intersection> {
+pub(super) fn localize(
+    log: &SensorLog,
+    map: &Map,
+    robot: &Robot,
+    region: Region,
+    every: usize,
+) -> Result<Intersection> {
     let whisker = robot.whiskers.first().ok_or_else(|| Error::data("the robot has no whisker"))?;
     let shapes = shapes(log, whisker, SHAPES, every)?;
     let robot_from_whisker = whisker.robot_from_whisker;

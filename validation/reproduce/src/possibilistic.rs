@@ -177,8 +177,10 @@ impl Stage {
     }
 
     fn plate(&self, title: &str, map: &[Outline]) -> String {
-        let mut layers: Vec<Layer> =
-            vec![Layer { framed: false, ..layer(Geometry::Rings(self.places.rings()), "slice", "places of every possible state") }];
+        let mut layers: Vec<Layer> = vec![Layer {
+            framed: false,
+            ..layer(Geometry::Rings(self.places.rings()), "slice", "places of every possible state")
+        }];
         layers
             .extend(self.truth.map(|pose| layer(Geometry::Circles(vec![pose.position()]), "truth-mark", "true state")));
         map_plate(&MapPlate { title, map, layers: &layers, window: None, frame: "map frame" })

@@ -121,7 +121,8 @@ fn augmented(section: &mut Section, map: &Map, model: &ContactModel, side: &Prei
         }
         rows.push(row);
     }
-    let head = ["construction", "1.1 mN m, small angles: area", "its volume", "8 mN m, large angles: area", "its volume"];
+    let head =
+        ["construction", "1.1 mN m, small angles: area", "its volume", "8 mN m, large angles: area", "its volume"];
     section.tables.push(Table {
         key: "augmented",
         title: "Preimages of a small and of a large moment, both constructions (area in cm², volume in cm² rad)".into(),

@@ -123,7 +123,11 @@ fn fused_readings_leave_less_of_the_map() {
     close(&states, "fusion.crossings", 1.0, 0.0);
     // The paper's claim on large angles holds by directional distance, and not by alignment.
     let share = |name: &str| states.number(name).unwrap();
-    assert!(share("distance.area_share") < 1.0 && share("distance.volume_share") > 1.0 && share("alignment.area_share") > 1.0);
+    assert!(
+        share("distance.area_share") < 1.0
+            && share("distance.volume_share") > 1.0
+            && share("alignment.area_share") > 1.0
+    );
     assert!(area("fused.area") < area("aligned.area") && area("aligned.area") < area("distance.area"));
     assert!(area("distance.area") < area("map.area") && area("fusion.share") < 0.3);
     // By distance, a load of 0.1 N reaches 72.2 mm: the arena without what is farther than that from its walls.

@@ -18,6 +18,8 @@ use vibrissa::{Error, Result};
 
 /// The band's half width, in standard deviations.
 const BAND: f64 = 2.0;
+/// An outline that lies so many times farther off than its shape is wrong is in another frame.
+const ELSEWHERE: f64 = 20.0;
 
 /// Find the outline of what one or more sweeps touched.
 ///
@@ -110,6 +112,9 @@ fn caption(found: &Profile, compared: Option<&Alignment>) -> Vec<String> {
     };
     lines.push(line("absolute error", &compared.absolute));
     lines.push(line("shape error (best rigid motion)", &compared.shape));
+    if compared.absolute.mean > ELSEWHERE * compared.shape.p95 {
+        lines.push("the shape fits, but elsewhere: the odometry does not begin in the frame of the truth".to_owned());
+    }
     if let Some((misfit, scale)) = &compared.scaled {
         lines.push(line(&format!("with a free scale of {scale:.4}"), misfit));
     }

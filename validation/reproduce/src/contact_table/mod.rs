@@ -144,7 +144,8 @@ pub(super) fn section(trials: usize, threads: usize) -> Result<Section> {
         (cramer_rao, 2, "%"),
         "For normal errors of the same variance and an exact calibration. Errors that fill a bound may be smaller.",
     );
-    let told: f64 = short.concat().iter().map(|t| (t.contact / t.std).powi(2)).sum::<f64>() / short.concat().len() as f64;
+    let told: f64 =
+        short.concat().iter().map(|t| (t.contact / t.std).powi(2)).sum::<f64>() / short.concat().len() as f64;
     section.find(
         "Root of the mean square of error over told standard deviation, 1 mm",
         "ours.told",
