@@ -50,11 +50,11 @@ pub fn contact_panel(document: &mut Document, frame: Frame, figure: &ContactFigu
     for shape in &figure.shapes {
         canvas.polyline(shape, "shape");
     }
-    for polygon in &figure.region {
-        canvas.polygon(polygon, "region");
-    }
     for (i, (_, curve)) in named(figure) {
         canvas.polyline(curve, CURVES[i % CURVES.len()]);
+    }
+    for polygon in &figure.region {
+        canvas.polygon(polygon, region_class(figure));
     }
     for &point in &figure.points {
         canvas.circle(point, 5.0, "meeting");
@@ -77,7 +77,7 @@ pub fn contact_legend(figure: &ContactFigure) -> Vec<Entry> {
         }
     }
     if !figure.region.is_empty() {
-        entries.push(entry(Sample::Patch("region"), "contacts that explain all readings"));
+        entries.push(entry(Sample::Patch(region_class(figure)), "contacts that explain all readings"));
     }
     if !figure.shapes.is_empty() {
         entries.push(entry(Sample::Line("shape"), "whisker shapes"));
@@ -87,6 +87,11 @@ pub fn contact_legend(figure: &ContactFigure) -> Vec<Entry> {
     }
     entries.push(entry(Sample::Line("undeflected"), "the whisker without contact"));
     entries
+}
+
+/// A region that lies on a curve is drawn darker than it: it may be as thin.
+fn region_class(figure: &ContactFigure) -> &'static str {
+    if figure.curves.is_empty() { "region" } else { "shared" }
 }
 
 /// The curves with a number for each distinct wording.

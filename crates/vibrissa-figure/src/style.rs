@@ -61,6 +61,7 @@ text { font-family: system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neu
 .contact-c { fill: none; stroke: #a64d85; stroke-width: 3.2; stroke-dasharray: 2 4; stroke-linejoin: round; }
 .contact-d { fill: none; stroke: #222; stroke-width: 2.4; stroke-dasharray: 9 4 2 4; stroke-linejoin: round; }
 .region { fill: #009e73; fill-opacity: 0.55; stroke: #009e73; stroke-width: 0.6; }
+.shared { fill: #111111; stroke: #111111; stroke-width: 3.0; stroke-linejoin: round; }
 .meeting { fill: #fff; fill-opacity: 0.6; stroke: #222; stroke-width: 2; }
 .strip { fill: #2484bd; fill-opacity: 0.85; stroke: none; }
 .strip-3 { fill: #56b4e9; fill-opacity: 0.75; stroke: none; }

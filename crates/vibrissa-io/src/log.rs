@@ -2,17 +2,21 @@
 
 #[cfg(feature = "mcap")]
 mod bag;
+#[cfg(feature = "mcap")]
+mod bag_imu;
 mod columns;
 mod csv_lines;
 mod csv_reader;
 mod csv_writer;
 mod doubts;
 pub mod foreign;
+mod imu_topics;
 mod odometry;
 mod text_form;
 
 #[cfg(feature = "mcap")]
-pub use bag::from_mcap;
-pub use csv_reader::{from_bytes, from_csv, from_reader, read};
+pub use bag::{from_mcap, from_mcap_with};
+pub use csv_reader::{from_bytes, from_csv, from_reader, read, read_with};
 pub use csv_writer::to_csv;
+pub use imu_topics::ImuTopics;
 pub use odometry::read_odometry;

@@ -9,7 +9,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use vibrissa::flow::sensor_log::{Channel, SensorLog};
 use vibrissa::io::log::foreign::{Format, Recording};
-use vibrissa::io::log::to_csv;
+use vibrissa::io::log::{ImuTopics, to_csv};
 use vibrissa::{Error, Result};
 
 /// What a robot recorded: times, odometry and readings.
@@ -60,12 +60,22 @@ impl PySensorLog {
         Self::new(py, SensorLog { source: None, ..log })
     }
 
-    /// The log of a file: .csv, or a foreign `format` ("rostopic", ...).
+    /// The log of a file: .csv, .mcap, or a foreign `format` ("rostopic", ...).
     #[staticmethod]
-    #[pyo3(signature = (path, format=None))]
-    fn read(py: Python<'_>, path: PathBuf, format: Option<&str>) -> PyResult<Self> {
+    #[pyo3(signature = (path, format=None, *, headings=None, yaw_rates=None))]
+    fn read(
+        py: Python<'_>,
+        path: PathBuf,
+        format: Option<&str>,
+        headings: Option<String>,
+        yaw_rates: Option<String>,
+    ) -> PyResult<Self> {
         let format = self::format(py, format)?;
-        let log = py.detach(|| read(path, format)).or_raise(py)?;
+        let topics = ImuTopics { headings, yaw_rates };
+        if format.is_some() && !topics.is_empty() {
+            return Err(Error::usage("headings and yaw_rates are of .mcap recordings, without a format")).or_raise(py);
+        }
+        let log = py.detach(|| read(path, format, &topics)).or_raise(py)?;
         Self::new(py, log)
     }
 
@@ -144,10 +154,10 @@ type LogParts = (String, Option<PathBuf>, Vec<String>);
 /// What stands for the file when a log is made of arrays.
 const ARRAYS: &str = "SensorLog";
 
-fn read(path: PathBuf, format: Option<Format>) -> Result<SensorLog> {
+fn read(path: PathBuf, format: Option<Format>, topics: &ImuTopics) -> Result<SensorLog> {
     match format {
         Some(format) => Recording::read(path, format)?.to_log(),
-        None => vibrissa::read_log(path),
+        None => vibrissa::io::log::read_with(path, topics),
     }
 }
 

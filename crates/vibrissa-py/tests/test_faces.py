@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import pickle
 from collections.abc import Callable
 from pathlib import Path
@@ -93,3 +94,32 @@ def test_a_missing_file_is_pythons_own_error(tmp_path: Path) -> None:
         with pytest.raises(FileNotFoundError, match="no such file") as caught:
             read(tmp_path / name)
         assert isinstance(caught.value, vibrissa.DataError) and caught.value.file
+
+
+def test_every_function_documents_arguments_and_answer() -> None:
+    functions = [one for name in vibrissa.__all__ if inspect.isfunction(one := getattr(vibrissa, name))]
+    assert len(functions) >= 16
+    for function in functions:
+        documentation = inspect.getdoc(function) or ""
+        signature = inspect.signature(function)
+        sections = ["Returns\n-------"] + (["Parameters\n----------"] if signature.parameters else [])
+        assert all(section in documentation for section in sections), function.__name__
+        missing = [name for name in signature.parameters if name not in documentation]
+        assert not missing, f"{function.__name__}: {missing}"
+
+
+def test_readings_take_units(demo: vibrissa.Demo) -> None:
+    reading = vibrissa.Reading("moment", "5 mN m", "5 %")
+    assert reading.value == pytest.approx(5e-3) and reading.tolerance == pytest.approx(2.5e-4)
+    assert vibrissa.Reading("strip", ("58 mm", "62 mm")).interval == pytest.approx((0.058, 0.062))
+    with pytest.raises(vibrissa.UsageError, match="value"):
+        vibrissa.Reading("load", "5 mm")
+    with pytest.raises(vibrissa.UsageError, match="load, strip, slope, moment"):
+        vibrissa.Reading("weight", 1.0)  # type: ignore[arg-type]
+    matplotlib = pytest.importorskip("matplotlib")
+    matplotlib.use("Agg")
+    sets = vibrissa.contact_set([vibrissa.Reading("load", "0.1 N"), vibrissa.Reading("strip", "60 mm")])
+    assert len(sets.plot().lines) == 3, "two curves and where they meet"
+    states = vibrissa.preimage(demo.map, reading, cell=5e-3, heading_step=0.2)
+    assert states.plot().lines[-1].get_xdata().size > 10
+    matplotlib.pyplot.close("all")

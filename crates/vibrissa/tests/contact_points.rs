@@ -379,3 +379,31 @@ fn a_log_without_moments_or_with_wild_options_is_refused() {
     let error = contacts(&log, &Robot::default(), &ContactOptions::default()).unwrap_err();
     assert!(error.is_data() && error.to_string().contains("moment"), "{error}");
 }
+
+/// The simulator's readings are even in what the bound allows, not about the moment: deviations that leave that out would be told
+/// many times too small once there are many readings.
+#[test]
+fn deviations_hold_on_the_simulator_s_readings() {
+    let peg = Vec2::new(0.055, 0.0);
+    let post = vibrissa::plane::Curve::circle(peg, 2e-5).unwrap();
+    let role = vibrissa::world::Role::Obstacle;
+    let map = vibrissa::world::Map::new(vec![vibrissa::world::Boundary::new(role, post, None).unwrap()]).unwrap();
+    let robot =
+        Robot { whiskers: vec![MountedWhisker { noise: NOISE, ..MountedWhisker::default() }], ..Robot::default() };
+    let way = [Pose2::new(0.0, 5e-4, 0.0), Pose2::new(0.0, -6e-3, 0.0)];
+    let pace = vibrissa::sim::Pace { speed: 5e-3, turn_rate: 1.0, rate: 300.0 };
+    let path = vibrissa::sim::path_through(&way, &pace).unwrap();
+    let seeds = 12;
+    let mut square = 0.0;
+    for seed in 0..seeds {
+        let noise = vibrissa::sim::SweepNoise::seeded(seed);
+        let sweep = vibrissa::sim::simulate_tip_sweep(&map, &robot, &path, &noise).unwrap();
+        let report = contacts(&sweep.log, &robot, &ContactOptions::default()).unwrap();
+        let step = report.steps.iter().rev().find(|step| step.kind == ContactKind::Side).unwrap();
+        // The base starts at y = 0.5 mm of the map, at the origin of the odometry.
+        let off = step.position().unwrap().distance(peg - way[0].position());
+        println!("seed {seed}: {:.1} um off, told {:.1} um", 1e6 * off, 1e6 * step.std.unwrap());
+        square += (off / step.std.unwrap()).powi(2) / seeds as f64;
+    }
+    assert!(square.sqrt() < 1.6, "deviations are told {} times too small", square.sqrt());
+}

@@ -6,11 +6,13 @@
 use std::path::PathBuf;
 use vibrissa::flow::pose::Status;
 use vibrissa::flow::sensor_log::{Channel, Quantity};
+use vibrissa::io::log::{ImuTopics, from_mcap_with};
 use vibrissa::io::recording::{StatesWatch, localization_mcap};
 use vibrissa::io::ros::{
-    BagWriter, Header, Kind, Stamp, decode_field, decode_pose, encode_field, encode_odometry, encode_wrench, read_bag,
+    BagWriter, Header, ImuReading, Kind, Stamp, decode_field, decode_pose, encode_field, encode_imu, encode_odometry,
+    encode_wrench, read_bag,
 };
-use vibrissa::plane::{Pose2, Vec2, wrap_angle};
+use vibrissa::plane::{Pose2, Twist2, Vec2, wrap_angle};
 use vibrissa::sim::recording::sweep_mcap;
 use vibrissa::tasks::{demo, localize_watched};
 use vibrissa::world::Robot;
@@ -231,4 +233,90 @@ fn a_localizations_recording_holds_its_poses_and_a_shrinking_set() {
         let near = answer.trajectory.iter().find(|p| (p.t - t).abs() < 1e-9).unwrap();
         assert!(near.map_from_robot.position().distance(*position) < 1e-12);
     }
+}
+
+/// A drive at constant speed with a turn that comes and goes, by Euler's steps of 0.1 ms, every hundredth of a second.
+fn winding() -> Vec<(f64, Pose2, f64)> {
+    let rate = |t: f64| 0.6 + 0.9 * (2.0 * t).sin();
+    let (mut pose, mut rows) = (Pose2::new(0.3, -0.1, 3.0), Vec::new());
+    for k in 0..=30_000 {
+        let t = 1e-4 * f64::from(k);
+        if k % 100 == 0 {
+            rows.push((100.0 + t, pose, rate(t)));
+        }
+        let (sin, cos) = pose.theta.sin_cos();
+        pose = Pose2::new(pose.x + 2e-5 * cos, pose.y + 2e-5 * sin, wrap_angle(pose.theta + 1e-4 * rate(t + 5e-5)));
+    }
+    rows
+}
+
+/// The recording of that drive: wheels that turn too little by a tenth, a unit that measures right.
+fn winding_recording(measured: impl Fn(Pose2, f64) -> ImuReading) -> Vec<u8> {
+    let rows = winding();
+    let mut bag = BagWriter::default();
+    let odom = bag.topic("/odom", Kind::Odometry, false);
+    let wrench = bag.topic("/whisker/wrench", Kind::Wrench, false);
+    let unit = bag.topic("/imu/data", Kind::Imu, false);
+    let mut wheels = Pose2::IDENTITY;
+    for (k, (t, pose, rate)) in rows.iter().enumerate() {
+        let header = Header { stamp: Stamp::from_seconds(*t), frame: "base_link" };
+        if k > 0 {
+            let step = rows[k - 1].1.between(*pose).log();
+            wheels = wheels.compose(Pose2::exp(Twist2 { theta: 0.9 * step.theta, ..step }));
+        }
+        bag.push(odom, header.stamp, encode_odometry(header, "base_link", wheels));
+        bag.push(unit, header.stamp, encode_imu(header, measured(*pose, *rate)));
+        if k % 3 == 0 {
+            bag.push(wrench, header.stamp, encode_wrench(header, 1e-3));
+        }
+    }
+    bag.finish().unwrap()
+}
+
+#[test]
+fn a_unit_tells_headings_and_turns_where_its_topic_is_named() {
+    let bytes = winding_recording(|pose, rate| ImuReading { heading: Some(pose.theta), yaw_rate: Some(rate) });
+    let read = |headings: Option<&str>, yaw_rates: Option<&str>| {
+        let topics = ImuTopics { headings: headings.map(Into::into), yaw_rates: yaw_rates.map(Into::into) };
+        from_mcap_with(bytes.as_slice(), "log.mcap", &topics)
+    };
+    let unused = read(None, None).unwrap();
+    assert!(unused.rows.iter().all(|row| row.heading.is_none()));
+    assert!(
+        unused.warnings.iter().any(|w| w.contains("/imu/data") && w.contains("--yaw-rates")),
+        "{:?}",
+        unused.warnings
+    );
+    let way = winding();
+    let start = way[0].1;
+    let log = read(Some("/imu/data"), Some("/imu/data")).unwrap();
+    let last_off = |log: &vibrissa::flow::sensor_log::SensorLog| {
+        let (told, known) = (log.rows.last().unwrap().odom_from_robot, start.between(way.last().unwrap().1));
+        told.position().distance(known.position())
+    };
+    assert!(last_off(&unused) > 5e-3 && last_off(&log) < 2e-5, "{} {}", last_off(&unused), last_off(&log));
+    assert!(!log.warnings.iter().any(|w| w.contains("/imu")), "{:?}", log.warnings);
+    for (row, (_, pose, _)) in log.rows.iter().zip(way.iter().step_by(3)) {
+        let turned = wrap_angle(row.odom_from_robot.theta - start.between(*pose).theta);
+        // Trapezoids of 10 ms: a twelfth of their square times the change of the rate's slope, at most 3.6 rad/s².
+        assert!(turned.abs() < 3.2e-5, "{}: {turned}", row.t);
+        assert!(wrap_angle(row.heading.unwrap() - pose.theta).abs() < 1e-12);
+    }
+    for (headings, yaw_rates) in [(Some("/imu"), None), (None, Some("/odom"))] {
+        let error = read(headings, yaw_rates).unwrap_err().to_string();
+        println!("{error}\n");
+        assert!(error.starts_with("log.mcap: ") && error.contains("/imu/data"), "{error}");
+    }
+}
+
+#[test]
+fn a_unit_without_orientation_gives_no_headings() {
+    let bytes = winding_recording(|_, rate| ImuReading { heading: None, yaw_rate: Some(rate) });
+    let topics = ImuTopics { headings: Some("/imu/data".into()), yaw_rates: None };
+    let error = from_mcap_with(bytes.as_slice(), "log.mcap", &topics).unwrap_err().to_string();
+    assert!(error.contains("no headings on the topic /imu/data"), "{error}");
+    let csv = std::env::temp_dir().join("vibrissa_no_recording.csv");
+    std::fs::write(&csv, "t,x,y,theta,moment\n0,0,0,0,0\n").unwrap();
+    let error = vibrissa::io::log::read_with(&csv, &topics).unwrap_err().to_string();
+    assert!(error.contains("`heading`"), "{error}");
 }

@@ -2,6 +2,7 @@
 
 use super::Section;
 use super::ground::{self, SWEEPS, layer};
+use super::paper_method::{self, Shape};
 use core::f64::consts::FRAC_PI_2;
 use vibrissa::Result;
 use vibrissa::config::ContactOptions;
@@ -9,7 +10,7 @@ use vibrissa::figure::{Geometry, MapPlate, WorldBounds, map_plate};
 use vibrissa::plane::{Pose2, Vec2, wrap_angle};
 use vibrissa::sim::{SweepNoise, shapes};
 use vibrissa::tasks::contact::{ContactKind, contacts};
-use vibrissa::world::Map;
+use vibrissa::world::{Map, Robot};
 
 /// Where the contact approaches the bay and where it leaves it (m, along x), and where the wall is regular.
 const INTO: [f64; 2] = [0.205, 0.252];
@@ -19,6 +20,8 @@ const EVERY: usize = 10;
 /// Draws of the noise, and how far off the wall a contact counts as astray (m).
 const DRAWS: u64 = 5;
 const STRAY: f64 = 2e-3;
+/// Rows between two estimates of the slope from neighbouring shapes.
+const ROWS: usize = 4;
 
 pub(super) fn section() -> Result<Section> {
     let mut section = Section::new("alignment", "The whisker's angle to the boundary");
@@ -69,7 +72,25 @@ pub(super) fn section() -> Result<Section> {
         "slope_error",
         "“plays a critical role”, no number",
         (median(&slopes).to_degrees(), 3, "°"),
-        "The paper takes 2 to 5 shapes.",
+        "All readings of the sweep at once.",
+    );
+    for shapes in [2_usize, 3, 5] {
+        let off = slopes_of_shapes(&map, &robot, shapes)?;
+        section.find(
+            &format!("The same from {shapes} shapes, 0.5 mm apart, as the paper takes it, median error"),
+            &format!("slope_of_{shapes}"),
+            "2 to 5 shapes, steps below 1 mm",
+            (median(&off).to_degrees(), 1, "°"),
+            "Neighbouring shapes alone, not smoothed: the tips of two shapes are off by more than they are apart.",
+        );
+    }
+    let exact = slopes_of(&map, &robot, &SweepNoise::none(), 3)?;
+    section.find(
+        "The same from 3 shapes, readings without errors",
+        "slope_exact",
+        "steps t and t + 2",
+        (median(&exact).to_degrees(), 2, "°"),
+        "What the construction itself leaves: the force is taken normal to the whisker, not to the wall.",
     );
     let stray = places.iter().filter(|error| **error > STRAY).count() as f64 / places.len() as f64;
     section.find(
@@ -84,6 +105,30 @@ pub(super) fn section() -> Result<Section> {
          slopes clockwise; in our frame the whisker meets the boundary at φₐ − φ_E.",
     );
     Ok(section)
+}
+
+/// Errors of the boundary's slope from so many neighbouring shapes, over all draws (rad), in order of size.
+fn slopes_of_shapes(map: &Map, robot: &Robot, shapes: usize) -> Result<Vec<f64>> {
+    let mut all = Vec::new();
+    for seed in 1..=DRAWS {
+        all.extend(slopes_of(map, robot, &SweepNoise::seeded(seed), shapes)?);
+    }
+    all.sort_by(f64::total_cmp);
+    Ok(all)
+}
+
+/// Errors of the boundary's slope from so many neighbouring shapes of one sweep (rad), in order of size.
+fn slopes_of(map: &Map, robot: &Robot, noise: &SweepNoise, shapes: usize) -> Result<Vec<f64>> {
+    let sweep = ground::arena_sweep(map, SWEEPS[0].way, noise)?;
+    let map_from_odom = sweep.truth.first().map_or(Pose2::IDENTITY, |row| row.map_from_robot);
+    let found = paper_method::shapes(&sweep.log, &robot.whiskers[0], shapes, ROWS)?;
+    let off = |shape: &Shape| {
+        let (place, slope) = shape.on_the_way();
+        error(map, map_from_odom, place, slope + FRAC_PI_2).map(|(_, turn)| turn)
+    };
+    let mut all: Vec<f64> = found.iter().filter_map(off).collect();
+    all.sort_by(f64::total_cmp);
+    Ok(all)
 }
 
 /// How far a contact is from the wall (m), and its normal from the wall's (rad).

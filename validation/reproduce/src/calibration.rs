@@ -6,7 +6,7 @@ use vibrissa::beam::Whisker;
 use vibrissa::config::CurveOptions;
 use vibrissa::figure::chart_plate;
 use vibrissa::plane::Vec2;
-use vibrissa::sensing::SensingChain;
+use vibrissa::sensing::{Chip, Mlx90393, SensingChain, Tle493d};
 use vibrissa::tasks::calibrate::{Explained, Labelled, fit_moment_curve, fit_tip_deflection};
 use vibrissa::world::calibration::MomentCurve;
 use vibrissa::{Error, Result};
@@ -18,6 +18,8 @@ const ACROSS: usize = 50;
 const NEAREST: f64 = 0.45;
 const FARTHEST: f64 = 0.97;
 const WIDEST: f64 = 0.35;
+/// A field in which every chip saturates (T).
+const LARGE_FIELD: f64 = 1.0;
 
 pub(super) fn section() -> Result<Section> {
     let mut section = Section::new("calibration", "Calibration of the sensor");
@@ -65,6 +67,7 @@ pub(super) fn section() -> Result<Section> {
         (1e2 * curve.residual_rms / largest, 4, "%"),
         "Rounding to counts is all that disturbs the simulated sensor.",
     );
+    chips(&mut section);
     let spread = largest_spread(&explained);
     section.find(
         "δx that one moment leaves open (contacts anywhere on the whisker)",
@@ -74,6 +77,37 @@ pub(super) fn section() -> Result<Section> {
         "Stated by the paper without a number; contacts near the tip alone give a curve.",
     );
     Ok(section)
+}
+
+/// The chips that the paper names, as the simulator has them.
+fn chips(section: &mut Section) {
+    let mlx = |gain, resolution| Chip::Mlx90393(Mlx90393 { gain, resolution, ..Mlx90393::default() });
+    let tle = Chip::Tle493d(Tle493d::default());
+    let range = |chip: &Chip| 1e3 * chip.range()[0];
+    // Bits of all register values between these fields.
+    let bits = |chip: &Chip, flux: f64| {
+        let at = |flux: f64| f64::from(chip.counts([flux; 3])[0]);
+        (at(flux) - at(-flux) + 1.0).log2()
+    };
+    let reason = "Sensitivity of the data sheet times the registers' range.";
+    let (finest, coarsest) = (mlx(7, 0), mlx(0, 3));
+    section.compare("MLX90393: smallest range", "mlx.least", (5.0, range(&finest)), (1, "mT"), reason);
+    section.compare(
+        "MLX90393: largest range",
+        "mlx.most",
+        (50.0, range(&coarsest)),
+        (1, "mT"),
+        "Across the chip, where its converter saturates.",
+    );
+    section.compare("MLX90393: resolution", "mlx.bits", (16.0, bits(&finest, finest.range()[0])), (0, "bit"), reason);
+    section.compare("TLE493D: range", "tle.range", (160.0, range(&tle)), (0, "mT"), "The data sheet's.");
+    section.compare(
+        "TLE493D: resolution",
+        "tle.bits",
+        (12.0, bits(&tle, LARGE_FIELD)),
+        (0, "bit"),
+        "All register values.",
+    );
 }
 
 /// Contacts on both sides of the whisker, up to a little less than its reach.

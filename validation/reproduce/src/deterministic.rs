@@ -1,7 +1,7 @@
 //! Deterministic localization, stage by stage.
 
-use super::Section;
 use super::ground::{self, SWEEPS, layer};
+use super::{Section, paper_method};
 use vibrissa::beam::TipModel;
 use vibrissa::config::{DeterministicOptions, TipLoad};
 use vibrissa::figure::{Geometry, Layer, MapPlate, Outline, map_plate};
@@ -11,7 +11,7 @@ use vibrissa::flow::state_set::{StateSet, components};
 use vibrissa::flow::trajectory::pose_at;
 use vibrissa::plane::Pose2;
 use vibrissa::sim::{Sweep, SweepNoise};
-use vibrissa::world::Robot;
+use vibrissa::world::{Map, Robot};
 use vibrissa::{Error, Result};
 
 /// Travel between two observations (m): each has readings of its own.
@@ -105,6 +105,14 @@ pub(super) fn section() -> Result<Section> {
         (0, ""),
         reason,
     );
+    as_written(&mut section, &map, &robot)?;
+    section.compare(
+        "Observations for the first set of states",
+        "first_needs",
+        (3.0, options.history_shapes as f64),
+        (0, ""),
+        "“A minimum of three”; ours takes shapes over 10 mm of travel, smoothed.",
+    );
     section.find(
         "Area of the places, after the fourth over after the second",
         "area_share",
@@ -126,6 +134,46 @@ pub(super) fn section() -> Result<Section> {
     Ok(section)
 }
 
+/// The paper's own count: crossings of the curve of states with the next observation's, in the plane.
+fn as_written(section: &mut Section, map: &Map, robot: &Robot) -> Result<()> {
+    let whisker = &robot.whiskers[0];
+    let samples = paper_method::samples(map);
+    for (name, words, noise) in [
+        ("exact", "readings without errors", SweepNoise::none()),
+        ("noisy", "readings off by up to 5 % and 20 µN m", SweepNoise::seeded(1)),
+    ] {
+        let sweep = ground::arena_sweep(map, SWEEPS[0].way, &noise)?;
+        let shapes = paper_method::shapes(&sweep.log, whisker, paper_method::SHAPES, ROWS)?;
+        let [first, second, third, fourth, ..] = shapes.as_slice() else {
+            return Err(Error::data("the built-in sweep is too short for four observations"));
+        };
+        let curves = [first, second, third, fourth].map(|shape| paper_method::curve(map, &samples, shape));
+        let mut states = paper_method::crossings(&paper_method::projected(&curves[0], first, second), &curves[1]);
+        section.compare(
+            &format!("Crossings of curves after the second observation, as the paper counts them, {words}"),
+            &format!("crossings_second.{name}"),
+            (PAPER[0], states.len() as f64),
+            (0, ""),
+            "The boundary's slope from shapes t and t + 2, the shape laid at points 1 mm apart. Along a straight wall the curves are \
+             parallel and do not cross.",
+        );
+        for (pair, curve) in [[second, third], [third, fourth]].iter().zip(&curves[2..]) {
+            let moved = paper_method::projected(&vec![states], pair[0], pair[1]);
+            states = paper_method::passed(&moved.concat(), curve);
+        }
+        section.compare(
+            &format!("States left after the fourth observation, as the paper counts them, {words}"),
+            &format!("crossings_fourth.{name}"),
+            (PAPER[1], states.len() as f64),
+            (0, ""),
+            "Those that the third and the fourth curve pass within 1 mm.",
+        );
+    }
+    Ok(())
+}
+
+/// Rows between two of the paper's observations: 10 mm of travel.
+const ROWS: usize = 20;
 /// The paper's spacing of the points along the boundary (m).
 const SPACING: f64 = 1e-3;
 

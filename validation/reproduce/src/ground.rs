@@ -18,7 +18,7 @@ const DRAWING_TOLERANCE: f64 = 2e-4;
 /// How the stage turns the whisker against its own axes (deg): trailing, aslant to the wall.
 const MOUNT: f64 = 128.0;
 /// Speed of the stage (m/s) and rows a second of the sensor (Hz): half a millimetre a row, the paper's sensor rate.
-const PACE: Pace = Pace { speed: 0.15, turn_rate: 1.0, rate: 300.0 };
+pub(super) const PACE: Pace = Pace { speed: 0.15, turn_rate: 1.0, rate: 300.0 };
 
 /// One sweep of the localization table.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -14,6 +14,7 @@
 //! | `contact_table` | table of contact points |
 //! | `profile` | sweep with slip, profile |
 //! | `alignment` | the whisker along a bay |
+//! | `paper_method` | deterministic localization as it is written there |
 //! | `deterministic` | deterministic localization in four stages |
 //! | `possibilistic` | possibilistic localization in two stages |
 //! | `localization_table` | table of localization errors, the methods on the same logs |
@@ -33,6 +34,7 @@ mod ground;
 mod localization_table;
 mod options;
 mod orientation;
+mod paper_method;
 mod possibilistic;
 mod preimages;
 mod profile;

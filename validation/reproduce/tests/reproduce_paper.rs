@@ -121,6 +121,13 @@ fn fused_readings_leave_less_of_the_map() {
     let states = section("preimages");
     let area = |name: &str| states.number(name).unwrap();
     close(&states, "fusion.crossings", 1.0, 0.0);
+    // The paper's claim on large angles holds by directional distance, and not by alignment.
+    let share = |name: &str| states.number(name).unwrap();
+    assert!(
+        share("distance.area_share") < 1.0
+            && share("distance.volume_share") > 1.0
+            && share("alignment.area_share") > 1.0
+    );
     assert!(area("fused.area") < area("aligned.area") && area("aligned.area") < area("distance.area"));
     assert!(area("distance.area") < area("map.area") && area("fusion.share") < 0.3);
     // By distance, a load of 0.1 N reaches 72.2 mm: the arena without what is farther than that from its walls.
@@ -161,6 +168,8 @@ fn the_table_of_contact_points() {
         let error = 100.0 * (case.paper[0] / case.distance - 1.0).abs();
         assert!((error - case.paper[1]).abs() < 0.1, "{error} {case:?}");
     }
+    let told = table.number("ours.told").unwrap();
+    assert!(told > 0.25 && told < 1.6, "deviations are told {told} times too small");
     below(&table, "ours.mean.ours", 0.3);
     below(&table, "ours.worst.ours", 1.0);
     assert!(table.number("closed_form.mean.ours") > table.number("ours.mean.ours"));
@@ -181,6 +190,10 @@ fn the_whisker_along_the_bay() {
     let alignment = section("alignment");
     below(&alignment, "place_error", 0.2);
     below(&alignment, "slope_error", 2.0);
+    // Two tips half a millimetre apart, each off by more than that: no slope. More shapes, and none without errors, are better.
+    let slope = |of: &str| alignment.number(&format!("slope_{of}")).unwrap();
+    assert!(slope("of_2") > slope("of_3") && slope("of_3") > slope("of_5") && slope("of_5") > 5.0 * slope("error"));
+    assert!(slope("exact") < 0.1 * slope("of_5"));
     below(&alignment, "stray", 10.0);
 }
 
@@ -192,6 +205,10 @@ fn the_stages_of_localization() {
     below(deterministic, "area_share", 1.0);
     assert!(deterministic.number("fourth") < deterministic.number("second"));
     close(possibilistic, "held", 8.0, 0.0);
+    let area = |name: &str| possibilistic.number(name).unwrap();
+    assert!(area("eighth.area") < area("third.area") && area("third.area") < area("second.area"));
+    assert!(area("second.area") < area("arena"), "places outside of the arena are counted");
+    assert!(deterministic.number("crossings_second.exact.ours").unwrap() > 1.0);
     below(possibilistic, "share", 1.0 + 1e-9);
     assert!(orientation.number("compass").unwrap() <= orientation.number("alone").unwrap());
     below(orientation, "end_alone", 4.0);

@@ -1,6 +1,6 @@
 //! `vibrissa profile`: the outline of what was swept.
 
-use super::localize::{outlines, read_log};
+use super::localize::{ImuArgs, outlines, read_log};
 use crate::interrupt::{Heedful, stop};
 use crate::output::{OutputArgs, print, progress, warn, write_all};
 use serde_json::{Value, json};
@@ -19,6 +19,8 @@ use vibrissa::{Error, Result};
 
 /// The band's half width, in standard deviations.
 const BAND: f64 = 2.0;
+/// An outline that lies so many times farther off than its shape is wrong is in another frame.
+const ELSEWHERE: f64 = 20.0;
 
 /// Find the outline of what one or more sweeps touched.
 ///
@@ -44,6 +46,8 @@ pub(crate) struct Args {
     #[arg(long, value_name = "FORMAT")]
     format: Option<Format>,
     #[command(flatten)]
+    imu: ImuArgs,
+    #[command(flatten)]
     output: OutputArgs,
 }
 
@@ -51,7 +55,7 @@ pub(crate) struct Args {
 pub(crate) fn run(args: &Args) -> Result<()> {
     let robot = args.robot.as_deref().map_or_else(|| Ok(Robot::default()), vibrissa::read_robot)?;
     let map = args.truth.as_deref().map(vibrissa::read_map).transpose()?;
-    let logs = args.logs.iter().map(|log| read_log(log, args.format)).collect::<Result<Vec<SensorLog>>>()?;
+    let logs = args.logs.iter().map(|log| read_log(log, args.format, &args.imu)).collect::<Result<Vec<SensorLog>>>()?;
     let warnings = map.iter().flat_map(|map| &map.warnings).chain(logs.iter().flat_map(|log| &log.warnings));
     warnings.for_each(|warning| warn(warning));
     let doubted = logs.iter().flat_map(|log| doubts(Some(log), &robot, None)).collect::<BTreeSet<String>>();
@@ -130,6 +134,9 @@ fn caption(found: &Profile, compared: Option<&Alignment>) -> Vec<String> {
     };
     lines.push(line("absolute error", &compared.absolute));
     lines.push(line("shape error (best rigid motion)", &compared.shape));
+    if compared.absolute.mean > ELSEWHERE * compared.shape.p95 {
+        lines.push("the shape fits, but elsewhere: the odometry does not begin in the frame of the truth".to_owned());
+    }
     if let Some((misfit, scale)) = &compared.scaled {
         lines.push(line(&format!("with a free scale of {scale:.4}"), misfit));
     }

@@ -29,6 +29,20 @@ impl MomentNoise {
     pub fn largest_free_reading(&self) -> f64 {
         self.moment_absolute / (1.0 - self.moment_relative)
     }
+
+    /// The least and the largest reading of the true moment `h` (N m) that the bound allows.
+    ///
+    /// Their middle lies beyond `h`, by its size times the relative bound's square: the bound is relative to the reading.
+    #[must_use]
+    pub fn readings(&self, h: f64) -> [f64; 2] {
+        let Self { moment_relative: relative, moment_absolute: absolute } = *self;
+        let size = h.abs();
+        // The largest z has z - h = relative z + absolute; the smallest may lie beyond zero, where |z| = -z.
+        let high = (size + absolute) / (1.0 - relative);
+        let least = size - absolute;
+        let low = if least >= 0.0 { least / (1.0 + relative) } else { least / (1.0 - relative) };
+        if h < 0.0 { [-high, -low] } else { [low, high] }
+    }
 }
 
 impl From<MomentNoise> for ReadingNoise {

@@ -2,6 +2,8 @@
 //!
 //! Each reading gives a row; odometry is interpolated at its time. Times are those of the messages' headers.
 
+use super::ImuTopics;
+use super::bag_imu::{self, ImuTrack};
 use super::columns::channel;
 use super::doubts::Doubts;
 use crate::config::budgets::MOST_MESSAGES;
@@ -28,6 +30,7 @@ struct Track {
 struct Tracks {
     odometry: BTreeMap<String, Track>,
     readings: BTreeMap<(String, bool), Track>,
+    units: BTreeMap<String, ImuTrack>,
     /// Rows of a live run, with the names of their numbers.
     rows: Vec<LogRow>,
     names: Vec<String>,
@@ -59,9 +62,9 @@ pub(super) fn only_recording(folder: &Path) -> Option<PathBuf> {
 }
 
 /// Reads a recording (`.mcap`).
-pub(super) fn read_mcap(path: &Path) -> Result<SensorLog> {
+pub(super) fn read_mcap(path: &Path, imu: &ImuTopics) -> Result<SensorLog> {
     let file = open(path, "log")?;
-    from_mcap(file, &path.to_string_lossy())
+    from_mcap_with(file, &path.to_string_lossy(), imu)
 }
 
 /// The log in an MCAP recording of ROS 2 messages; `name` stands for the file in messages.
@@ -71,6 +74,7 @@ pub(super) fn read_mcap(path: &Path) -> Result<SensorLog> {
 /// | `nav_msgs/Odometry` | the robot in the odometry frame |
 /// | `geometry_msgs/WrenchStamped` | `moment`: the torque about z at the whisker's base, counter-clockwise positive |
 /// | `sensor_msgs/MagneticField` | `bx`, `by`, `bz` |
+/// | `sensor_msgs/Imu` | `heading`, or turns instead of the odometry's, where its topic is named ([`from_mcap_with`]) |
 /// | `sensor_msgs/JointState` on `/vibrissa/row` | all: the rows that a live run took, in the place of everything else |
 ///
 /// The whisker's name is the part of the topic before a last part `wrench` or `magnetic_field`, otherwise its last
@@ -81,6 +85,15 @@ pub(super) fn read_mcap(path: &Path) -> Result<SensorLog> {
 ///
 /// What is not such a recording, holds no odometry or no readings, or several topics of odometry.
 pub fn from_mcap(source: impl Read, name: &str) -> Result<SensorLog> {
+    from_mcap_with(source, name, &ImuTopics::default())
+}
+
+/// As [`from_mcap`], with what these topics of `sensor_msgs/Imu` tell.
+///
+/// # Errors
+///
+/// As [`from_mcap`]; a topic that is not there or does not measure what it is named for.
+pub fn from_mcap_with(source: impl Read, name: &str, imu: &ImuTopics) -> Result<SensorLog> {
     let mut tracks = Tracks::default();
     let bag = ros::read_bag(source, name, |topic, logged, bytes| {
         if tracks.kept >= MOST_MESSAGES {
@@ -91,7 +104,7 @@ pub fn from_mcap(source: impl Read, name: &str) -> Result<SensorLog> {
         }
         Ok(())
     })?;
-    let log = tracks.log(bag, name).map_err(|error| error.in_file(name))?;
+    let log = tracks.log(bag, name, imu).map_err(|error| error.in_file(name))?;
     Ok(SensorLog { source: Some(name.into()), ..log })
 }
 
@@ -145,6 +158,9 @@ impl Tracks {
             Kind::Field => ros::decode_field(bytes).map(|(header, flux)| {
                 self.readings.entry((topic.to_owned(), true)).or_default().push(header, logged, flux);
             }),
+            Kind::Imu => ros::decode_imu(bytes).map(|(header, reading)| {
+                self.units.entry(topic.to_owned()).or_default().push(header, logged, reading);
+            }),
             Kind::Joints if topic == ROW => self.row_of_run(bytes),
             _ => Some(()),
         };
@@ -190,10 +206,11 @@ impl Tracks {
         Ok(SensorLog { channels, rows: self.rows, warnings, ..SensorLog::default() })
     }
 
-    fn log(mut self, bag: BagSummary, name: &str) -> Result<SensorLog> {
+    fn log(mut self, bag: BagSummary, name: &str, imu: &ImuTopics) -> Result<SensorLog> {
         if !self.rows.is_empty() {
             return self.log_of_run(bag);
         }
+        let mut units = core::mem::take(&mut self.units);
         let mut warnings = bag.warnings.clone();
         let found = |what: &str| {
             let held: Vec<String> = bag.topics.iter().map(|t| format!("{} ({})", t.name, t.kind_name)).collect();
@@ -248,6 +265,7 @@ impl Tracks {
                 .value(format!("odometry {}, readings {}", span(odometry), span(main)))
                 .remedy("stamp both by the same clock"));
         }
+        bag_imu::apply(&mut log.rows, &mut units, imu, &mut log.warnings)?;
         if outside > 0 {
             log.warnings.push(format!("{outside} readings left out: no odometry at their time"));
         }

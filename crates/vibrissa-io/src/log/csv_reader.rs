@@ -1,5 +1,6 @@
 //! Logs as CSV.
 
+use super::ImuTopics;
 use super::columns::{Columns, ODOMETRY, without_units};
 use super::csv_lines::{Line, Lines, fields};
 use super::doubts::Doubts;
@@ -20,21 +21,36 @@ use std::path::Path;
 ///
 /// A file that cannot be read or is at fault; the message names file, line and value.
 pub fn read(path: impl AsRef<Path>) -> Result<SensorLog> {
+    read_with(path, &ImuTopics::default())
+}
+
+/// As [`read`], with what these topics of a recording's inertial measurement units tell.
+///
+/// # Errors
+///
+/// As [`read`]; usage: topics named for a file that is no recording.
+pub fn read_with(path: impl AsRef<Path>, imu: &ImuTopics) -> Result<SensorLog> {
     let path = path.as_ref();
     if path.is_dir() {
         #[cfg(feature = "mcap")]
         if let Some(only) = super::bag::only_recording(path) {
-            return super::bag::read_mcap(&only);
+            return super::bag::read_mcap(&only, imu);
         }
         return Err(cannot_open(path, "log", &std::io::ErrorKind::IsADirectory.into()));
     }
     match path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase().as_str() {
         #[cfg(feature = "mcap")]
-        "mcap" => return super::bag::read_mcap(path),
+        "mcap" => return super::bag::read_mcap(path, imu),
         #[cfg(not(feature = "mcap"))]
         "mcap" => return Err(other_recording(path)),
         "bag" | "db3" => return Err(other_recording(path)),
         _ => {}
+    }
+    if !imu.is_empty() {
+        return Err(Error::usage("topics of an inertial measurement unit are of recordings with ROS 2 messages")
+            .value(path.display())
+            .allowed("a .mcap file")
+            .remedy("in a CSV log the column `heading` holds absolute headings"));
     }
     from_reader(open(path, "log")?, &path.to_string_lossy())
 }

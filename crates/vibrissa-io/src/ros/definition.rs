@@ -9,6 +9,8 @@ pub enum Kind {
     Wrench,
     /// `sensor_msgs/msg/MagneticField`.
     Field,
+    /// `sensor_msgs/msg/Imu`.
+    Imu,
     /// `geometry_msgs/msg/PoseWithCovarianceStamped`.
     PoseWithCovariance,
     /// `geometry_msgs/msg/PoseStamped`.
@@ -35,10 +37,11 @@ const HEADER_PARTS: &[(&str, &str)] = &[
     ("builtin_interfaces/Time", "int32 sec\nuint32 nanosec\n"),
 ];
 const VECTOR: (&str, &str) = ("geometry_msgs/Vector3", "float64 x\nfloat64 y\nfloat64 z\n");
+const QUATERNION: (&str, &str) = ("geometry_msgs/Quaternion", "float64 x 0\nfloat64 y 0\nfloat64 z 0\nfloat64 w 1\n");
 const POSE: &[(&str, &str)] = &[
     ("geometry_msgs/Pose", "geometry_msgs/Point position\ngeometry_msgs/Quaternion orientation\n"),
     POINT,
-    ("geometry_msgs/Quaternion", "float64 x 0\nfloat64 y 0\nfloat64 z 0\nfloat64 w 1\n"),
+    QUATERNION,
 ];
 const POINT: (&str, &str) = ("geometry_msgs/Point", "float64 x\nfloat64 y\nfloat64 z\n");
 const POSE_COVARIANCE: (&str, &str) =
@@ -46,10 +49,11 @@ const POSE_COVARIANCE: (&str, &str) =
 
 impl Kind {
     /// Every kind.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 13] = [
         Self::Odometry,
         Self::Wrench,
         Self::Field,
+        Self::Imu,
         Self::PoseWithCovariance,
         Self::Pose,
         Self::Path,
@@ -68,6 +72,7 @@ impl Kind {
             Self::Odometry => "nav_msgs/msg/Odometry",
             Self::Wrench => "geometry_msgs/msg/WrenchStamped",
             Self::Field => "sensor_msgs/msg/MagneticField",
+            Self::Imu => "sensor_msgs/msg/Imu",
             Self::PoseWithCovariance => "geometry_msgs/msg/PoseWithCovarianceStamped",
             Self::Pose => "geometry_msgs/msg/PoseStamped",
             Self::Path => "nav_msgs/msg/Path",
@@ -118,6 +123,12 @@ impl Kind {
             Self::Field => {
                 ("geometry_msgs/Vector3 magnetic_field\nfloat64[9] magnetic_field_covariance\n", vec![&[VECTOR]])
             }
+            Self::Imu => (
+                "geometry_msgs/Quaternion orientation\nfloat64[9] orientation_covariance\n\
+                 geometry_msgs/Vector3 angular_velocity\nfloat64[9] angular_velocity_covariance\n\
+                 geometry_msgs/Vector3 linear_acceleration\nfloat64[9] linear_acceleration_covariance\n",
+                vec![&[QUATERNION, VECTOR]],
+            ),
             Self::PoseWithCovariance => ("geometry_msgs/PoseWithCovariance pose\n", vec![&[POSE_COVARIANCE], POSE]),
             Self::Pose => ("geometry_msgs/Pose pose\n", vec![POSE]),
             Self::Path => (

@@ -64,13 +64,14 @@ fn write_header(writer: &mut CdrWriter, header: Header) {
 /// A pose of space as one of the plane: heading about z, whatever the tilt; none for a quaternion of no length.
 fn read_pose(reader: &mut CdrReader) -> Option<Pose2> {
     let [x, y, _] = reader.f64s()?;
-    let [qx, qy, qz, qw] = reader.f64s()?;
+    Some(Pose2::new(x, y, heading_of(reader.f64s()?)?))
+}
+
+/// The heading about z (rad) of a quaternion x, y, z, w; none for one of no length.
+fn heading_of([qx, qy, qz, qw]: [f64; 4]) -> Option<f64> {
     let length = qx * qx + qy * qy + qz * qz + qw * qw;
-    if !(length > 1e-6 && length.is_finite()) {
-        return None;
-    }
-    let heading = math::atan2(2.0 * (qw * qz + qx * qy), qw * qw + qx * qx - qy * qy - qz * qz);
-    Some(Pose2::new(x, y, heading))
+    let is_turn = length > 1e-6 && length.is_finite();
+    is_turn.then(|| math::atan2(2.0 * (qw * qz + qx * qy), qw * qw + qx * qx - qy * qy - qz * qz))
 }
 
 fn write_pose(writer: &mut CdrWriter, pose: Pose2) {
@@ -142,6 +143,45 @@ pub fn decode_field(bytes: &[u8]) -> Option<(Header<'_>, [f64; 3])> {
 pub fn encode_field(header: Header, flux: [f64; 3]) -> Vec<u8> {
     let mut writer = begin(header);
     writer.f64s(&flux).f64s(&[0.0; 9]);
+    writer.finish()
+}
+
+/// What a `sensor_msgs/Imu` says about the vertical.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ImuReading {
+    /// Heading about z (rad); none where the message says that it has no orientation.
+    pub heading: Option<f64>,
+    /// Angular velocity about z (rad/s), counter-clockwise positive; none where the message says that it has none.
+    pub yaw_rate: Option<f64>,
+}
+
+/// The header and the numbers of a `sensor_msgs/Imu`: what has -1 as its first covariance is not measured.
+#[must_use]
+pub fn decode_imu(bytes: &[u8]) -> Option<(Header<'_>, ImuReading)> {
+    let mut reader = CdrReader::new(bytes)?;
+    let header = read_header(&mut reader)?;
+    let quaternion = reader.f64s()?;
+    let [turned, ..] = reader.f64s::<9>()?;
+    let [_, _, rate] = reader.f64s()?;
+    let [turning, ..] = reader.f64s::<9>()?;
+    let measured = |first: f64| first.to_bits() != (-1.0_f64).to_bits();
+    let heading = heading_of(quaternion).filter(|_| measured(turned));
+    Some((header, ImuReading { heading, yaw_rate: measured(turning).then_some(rate) }))
+}
+
+/// A `sensor_msgs/Imu`; what is not measured gets -1 as its first covariance.
+#[must_use]
+pub fn encode_imu(header: Header, reading: ImuReading) -> Vec<u8> {
+    let covariance = |known: bool| {
+        let mut all = [0.0; 9];
+        all[0] = if known { 0.0 } else { -1.0 };
+        all
+    };
+    let mut writer = begin(header);
+    let (qz, qw) = math::sin_cos(0.5 * reading.heading.unwrap_or(0.0));
+    writer.f64s(&[0.0, 0.0, qz, qw]).f64s(&covariance(reading.heading.is_some()));
+    writer.f64s(&[0.0, 0.0, reading.yaw_rate.unwrap_or(0.0)]).f64s(&covariance(reading.yaw_rate.is_some()));
+    writer.f64s(&[0.0; 3]).f64s(&covariance(false));
     writer.finish()
 }
 

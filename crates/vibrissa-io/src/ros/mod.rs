@@ -31,7 +31,8 @@ pub use definition::Kind;
 pub use drawing::{Line, LineSet};
 pub use map::{grid_in, read_grid};
 pub use message::{
-    Header, NamedNumbers, Stamp, decode_bytes, decode_field, decode_grid, decode_named, decode_odometry, decode_pose,
-    decode_text, decode_wrench, encode_bytes, encode_cloud, encode_effort, encode_field, encode_grid, encode_lines,
-    encode_named, encode_odometry, encode_path, encode_pose, encode_text, encode_wrench,
+    Header, ImuReading, NamedNumbers, Stamp, decode_bytes, decode_field, decode_grid, decode_imu, decode_named,
+    decode_odometry, decode_pose, decode_text, decode_wrench, encode_bytes, encode_cloud, encode_effort, encode_field,
+    encode_grid, encode_imu, encode_lines, encode_named, encode_odometry, encode_path, encode_pose, encode_text,
+    encode_wrench,
 };

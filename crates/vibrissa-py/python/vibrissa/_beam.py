@@ -64,12 +64,40 @@ def force_mode(
     errors: Faults = "raise",
     threads: int | None = None,
 ) -> Bends:
-    """The equilibria of whiskers under known forces (N) at known arc lengths ``s_a`` (m).
+    """Finds the equilibria of whiskers under known forces at known arc lengths.
 
-    ``force``, ``s_a`` and ``angle`` (rad, of the loads "tilted" and "directed") broadcast; problems are counted from 0 in
-    the order of the flattened result. ``whisker``: one for all, or one for each problem. ``errors="skip"`` leaves problems that
-    make no sense without a solution and lists them in ``Bends.faults``. ``threads``: None for all cores; the answer is the
-    same to the bit.
+    Parameters
+    ----------
+    force : array_like
+        The forces (N).
+    s_a : array_like
+        The arc lengths at which they act (m).
+    load : {"normal", "vertical", "tilted", "directed"}
+        The direction of a positive force; see ``Load``.
+    angle : array_like, optional
+        The angle of the loads "tilted" and "directed" (rad).
+    whisker : Whisker or sequence of Whisker, optional
+        One for all problems, or one for each; None for the paper's.
+    errors : {"raise", "skip"}
+        What happens with a problem that makes no sense: a fault, or no solution and an entry in ``Bends.faults``.
+    threads : int, optional
+        None for all cores; the answer is the same to the bit.
+
+    Returns
+    -------
+    Bends
+        One row for each solution. ``Bends.case`` says which problem a row solves, counted from 0 in the order of the
+        flattened result of broadcasting ``force``, ``s_a`` and ``angle``.
+
+    Raises
+    ------
+    UsageError
+        Shapes that do not fit together, or a problem that makes no sense.
+
+    Examples
+    --------
+    >>> bends = vibrissa.force_mode([0.05, 0.1, 0.2], 0.06)
+    >>> bends.x, bends.y, bends.moment
     """
     return _solve("force", force, s_a, load, angle, whisker, errors, threads)
 
@@ -84,9 +112,26 @@ def moment_mode(
     errors: Faults = "raise",
     threads: int | None = None,
 ) -> Bends:
-    """The equilibria of whiskers with known moments about the base (N m) and arc lengths ``s_a`` (m), every branch.
+    """Finds the equilibria of whiskers with known moments about the base, every branch.
 
-    The other arguments are those of ``force_mode``.
+    Parameters
+    ----------
+    moment : array_like
+        The moments (N m).
+    s_a : array_like
+        The arc lengths of the contacts (m).
+    load, angle, whisker, errors, threads
+        As in ``force_mode``.
+
+    Returns
+    -------
+    Bends
+        One row for each solution; see ``force_mode``.
+
+    Raises
+    ------
+    UsageError
+        Shapes that do not fit together, or a problem that makes no sense.
     """
     return _solve("moment", moment, s_a, load, angle, whisker, errors, threads)
 
@@ -101,9 +146,24 @@ def point_mode(
     errors: Faults = "raise",
     threads: int | None = None,
 ) -> Bends:
-    """The equilibria of whiskers touched at known points (m) of their own frame, every branch.
+    """Finds the equilibria of whiskers that are touched at known points, every branch.
 
-    The other arguments are those of ``force_mode``.
+    Parameters
+    ----------
+    x, y : array_like
+        The points, whisker frame (m).
+    load, angle, whisker, errors, threads
+        As in ``force_mode``.
+
+    Returns
+    -------
+    Bends
+        One row for each solution; see ``force_mode``.
+
+    Raises
+    ------
+    UsageError
+        Shapes that do not fit together, or a problem that makes no sense.
     """
     return _solve("point", x, y, load, angle, whisker, errors, threads)
 
@@ -116,9 +176,24 @@ def tip_mode(
     errors: Faults = "raise",
     threads: int | None = None,
 ) -> Bends:
-    """The equilibria of whiskers whose tips are held at known points (m), least energy first: force and its direction.
+    """Finds the equilibria of whiskers whose tips are held at known points, least energy first: force and its direction.
 
-    The other arguments are those of ``force_mode``.
+    Parameters
+    ----------
+    x, y : array_like
+        The points, whisker frame (m).
+    whisker, errors, threads
+        As in ``force_mode``.
+
+    Returns
+    -------
+    Bends
+        One row for each solution; see ``force_mode``.
+
+    Raises
+    ------
+    UsageError
+        Shapes that do not fit together, or a problem that makes no sense.
     """
     return _solve("tip", x, y, "normal", None, whisker, errors, threads)
 

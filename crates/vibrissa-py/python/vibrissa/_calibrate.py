@@ -13,13 +13,14 @@ from . import _vibrissa
 from ._arrays import Floats
 from ._errors import UsageError
 from ._robot import RobotLike, Whisker, robot_of
+from ._show import Shown, pandas
 from ._vibrissa import Calibration
 
 PathLike = str | os.PathLike[str]
 
 
-@dataclass(frozen=True, eq=False)
-class CalibrationReport:
+@dataclass(frozen=True, eq=False, repr=False)
+class CalibrationReport(Shown):
     """A calibration, and how well it fits."""
 
     calibration: Calibration
@@ -47,15 +48,43 @@ def calibrate(
     channel: str | None = None,
     reference: str | None = None,
 ) -> CalibrationReport:
-    """Calibrates a whisker.
+    """Calibrates a whisker from labelled contacts, from taps, or from a staircase of lateral travel.
 
-    log: labelled contacts, as a file or as columns by name: the contact points x, y (m, whisker frame) and bx, by, bz (T),
-    ax, ay, az (counts) or moment (N m). free: constants of the whisker to fit: "flexural_rigidity", "base_compliance",
-    "tip_ratio".
+    Parameters
+    ----------
+    log : path or mapping of columns, optional
+        Labelled contacts: the points x, y (m, whisker frame) and bx, by, bz (T), ax, ay, az (counts) or moment (N m), each of
+        shape (contacts). With ``format="openwhisker"`` a staircase.
+    taps : mapping or iterable of pairs, optional
+        Recordings of taps by radial distance from the base (m), of a base that turns at a constant rate.
+    format : str, optional
+        The format of files that are not ours.
+    robot : Robot, Whisker, path or None
+        The whisker, or None for the paper's.
+    free : sequence of str
+        Constants of the whisker to fit: "flexural_rigidity", "base_compliance", "tip_ratio".
+    length : float, optional
+        Length of the shaft, of taps and staircases (m).
+    tip_ratio : float or "free", optional
+        Tip radius over base radius, likewise.
+    clamped : bool
+        Whether the base is stiff, likewise.
+    channel : str, optional
+        The channel that is read, likewise.
+    reference : str, optional
+        The sensor that feels the ambient field alone and is subtracted.
 
-    taps: recordings of taps by radial distance from the base (m), of a base that turns at a constant rate. With
-    format="openwhisker" the log is a staircase of lateral travel. For both: length of the shaft (m), tip_ratio (or "free"),
-    clamped, channel, and the reference sensor that is subtracted.
+    Returns
+    -------
+    CalibrationReport
+        The calibration, and how well it fits.
+
+    Raises
+    ------
+    DataError
+        Too few contacts, or readings that nothing fits.
+    UsageError
+        Neither log nor taps, or both.
     """
     whisker = robot_of(robot).whiskers[0].beam
     shaft = {
@@ -88,8 +117,8 @@ def _distances(calibration: Calibration, fit: dict[str, Any]) -> CalibrationRepo
     return CalibrationReport(calibration, 0, tuple(fit["free"]), covariance, fit["left_out"])
 
 
-@dataclass(frozen=True, eq=False)
-class Taps:
+@dataclass(frozen=True, eq=False, repr=False)
+class Taps(Shown):
     """Short contacts of a turning base; columns of shape (taps)."""
 
     t: Floats
@@ -101,10 +130,37 @@ class Taps:
     slope: Floats
     """Slope of the reading (per s)."""
 
+    def to_pandas(self) -> Any:
+        """A ``pandas.DataFrame``, one row for each tap."""
+        columns = {"t": self.t, "distance": self.distance, "distance_std": self.distance_std, "slope": self.slope}
+        return pandas().DataFrame(columns)
+
 
 def taps(
     log: PathLike, calibration: Calibration | PathLike, *, format: str | None = None, reference: str | None = None
 ) -> Taps:
-    """Finds the taps of a recording and their radial distances."""
+    """Finds the taps of a recording and their radial distances.
+
+    Parameters
+    ----------
+    log : path
+        The recording.
+    calibration : Calibration or path
+        The calibration that ``calibrate`` made of taps.
+    format : str, optional
+        The format of a file that is not ours.
+    reference : str, optional
+        The sensor that feels the ambient field alone and is subtracted.
+
+    Returns
+    -------
+    Taps
+        One entry for each tap; SI.
+
+    Raises
+    ------
+    DataError
+        A recording without the calibration's channel.
+    """
     known = calibration if isinstance(calibration, Calibration) else Calibration.read(calibration)
     return Taps(**_vibrissa.find_taps(log, known, format, reference))

@@ -11,9 +11,19 @@ from . import _vibrissa
 
 
 def run(args: Sequence[str | os.PathLike[str]]) -> int:
-    """Runs ``vibrissa ARGS…`` within this process and gives its exit code: 0 done, 1 data, 2 usage.
+    """Runs ``vibrissa ARGS…`` within this process.
 
     What it prints goes to the process's standard output and error. Result files are as those of the command.
+
+    Parameters
+    ----------
+    args : sequence of str or path
+        The command's arguments, such as ``["demo", "--out", "demo"]``.
+
+    Returns
+    -------
+    int
+        The exit code: 0 done, 1 the data are at fault, 2 the call is.
     """
     _flush()
     return _vibrissa.run_command(["vibrissa", *(os.fspath(arg) for arg in args)])

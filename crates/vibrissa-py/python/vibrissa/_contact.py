@@ -8,6 +8,7 @@ from os import PathLike
 from typing import Any, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from . import _vibrissa
 from ._arrays import Floats, Ints
@@ -55,6 +56,10 @@ class Contacts(Shown):
     events: list[Event]
     """contact, lift_off, tip_contact, slip_whisker, slip_obstacle, jump, no_point."""
 
+    def kind_is(self, kind: str) -> npt.NDArray[np.bool_]:
+        """Which steps are of a kind: a mask of shape (steps)."""
+        return np.array([one == kind for one in self.kind], dtype=bool)
+
     def to_pandas(self) -> Any:
         """A ``pandas.DataFrame``, one row for each step; points are columns of x and y."""
         columns: dict[str, Any] = {"t": self.t, "whisker": self.whisker, "kind": self.kind}
@@ -80,7 +85,31 @@ def contact(
 ) -> Contacts:
     """Finds where a whisker was touched, step by step.
 
-    spacing: readings are merged into one step while the base is nearer than this to their mean (m).
+    Parameters
+    ----------
+    log : SensorLog or path
+        Odometry and moments.
+    robot : Robot, Whisker, path or None
+        The robot, or None for the paper's whisker.
+    format : str, optional
+        The format of a log file that is not ours.
+    spacing : float, optional
+        Readings are merged into one step while the base is nearer than this to their mean (m).
+
+    Returns
+    -------
+    Contacts
+        One step for each place of the base, with standard deviations and bounds; SI.
+
+    Raises
+    ------
+    DataError
+        A fault in log or robot.
+
+    Examples
+    --------
+    >>> found = vibrissa.contact("sweep.csv")
+    >>> found.position[found.kind_is("tip")]
     """
     found = _vibrissa.contact(read_log(log, format), robot_of(robot), spacing)
     return Contacts(**{**found, "events": [Event(*one) for one in found["events"]]})
@@ -247,7 +276,28 @@ def profile(
 ) -> Profile:
     """Finds the outline of what one or more sweeps touched, all in one odometry frame.
 
-    truth: the true shape in that frame, to report errors against. free_scale: also fit a scale.
+    Parameters
+    ----------
+    logs : SensorLog, path, or sequence of these
+        The sweeps.
+    robot : Robot, Whisker, path or None
+        The robot, or None for the paper's whisker.
+    truth : Map or path, optional
+        The true shape in that frame, to report errors against.
+    free_scale : bool
+        Whether a scale is fitted, too.
+    format : str, optional
+        The format of log files that are not ours.
+
+    Returns
+    -------
+    Profile
+        Outlines with standard deviations, odometry frame (m).
+
+    Raises
+    ------
+    DataError
+        A fault in a log, the robot or the map.
     """
     several = [logs] if isinstance(logs, (str, PathLike, SensorLog)) else list(logs)
     read = [read_log(one, format) for one in several]

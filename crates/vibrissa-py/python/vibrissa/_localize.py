@@ -375,7 +375,20 @@ class Demo(Shown):
 
 
 def demo(seed: int = 1, method: MethodLike = "probabilistic") -> Demo:
-    """Simulates a sweep in the built-in arena, localizes, and compares with the truth; the seed is the noise's."""
+    """Simulates a sweep in the built-in arena, localizes, and compares with the truth.
+
+    Parameters
+    ----------
+    seed : int
+        Of the noise.
+    method : str, Deterministic, Possibilistic or Probabilistic
+        The estimator.
+
+    Returns
+    -------
+    Demo
+        Map, sweep and answer; in a notebook it shows its figure.
+    """
     log, fields = _vibrissa.demo_sweep(seed)
     sweep = Simulation._of(log, fields)
     return Demo(arena(), sweep, localize(log, arena(), method=method, truth=sweep.truth))

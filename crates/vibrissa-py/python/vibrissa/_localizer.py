@@ -30,17 +30,35 @@ class Estimate(Shown):
 class Localizer:
     """A robot that is being localized while it drives: rows in, what is known now at any row.
 
-        localizer = vibrissa.Localizer("arena.svg", "robot.toml")
-        localizer.step(t, (x, y, theta), moment)        # s; odometry in m, m, rad; N m
-        now = localizer.estimate()                      # now.status, now.pose, now.hypotheses
-        answer = localizer.finish()                     # as of vibrissa.localize
-
-    map, robot, method: as of ``vibrissa.localize``. columns: the names of the readings, in the order in which ``step`` gets them: "moment"
-    for a robot with one whisker, "NAME.moment" for each of several unless said otherwise; raw readings ("bx", "by", "bz") go through
-    the robot's calibration. options: the method's, by the names that ``vibrissa.localize`` has for them, such as
-    ``{"within": (0, 1, 0, 1, -3.2, 3.2)}``.
-
     ``step`` and ``estimate`` let other threads of Python run. The same rows give the same answers, whatever the machine's load.
+
+    Parameters
+    ----------
+    map : Map or path
+        The map.
+    robot : Robot, Whisker, path or None
+        The robot, or None for the paper's whisker.
+    method : str, Deterministic, Possibilistic or Probabilistic
+        The estimator.
+    columns : sequence of str, optional
+        The names of the readings, in the order in which ``step`` gets them. None: "moment" for a robot with one whisker,
+        "NAME.moment" for each of several. Raw readings ("bx", "by", "bz") go through the robot's calibration.
+    options : mapping, optional
+        The method's options by name, such as ``{"within": (0, 1, 0, 1, -3.2, 3.2)}``.
+
+    Raises
+    ------
+    DataError
+        A fault in map or robot.
+    UsageError
+        An option that the method has not.
+
+    Examples
+    --------
+    >>> localizer = vibrissa.Localizer("arena.svg", "robot.toml")
+    >>> localizer.step(t, (x, y, theta), moment)        # s; odometry in m, m, rad; N m
+    >>> now = localizer.estimate()                      # now.status, now.pose, now.hypotheses
+    >>> answer = localizer.finish()                     # as of vibrissa.localize
     """
 
     def __init__(
@@ -65,10 +83,23 @@ class Localizer:
     def step(
         self, t: float, pose: Sequence[float], readings: float | Sequence[float], heading: float | None = None
     ) -> None:
-        """Takes a row: time (s), which increases; the robot in the odometry frame, x (m), y (m), theta (rad); one reading, or
-        one for each of ``columns``; the absolute heading in the map frame (rad), where it is measured.
+        """Takes a row.
 
-        Raises ``vibrissa.DataError`` for a row that cannot be; it is left out, and the next one may follow.
+        Parameters
+        ----------
+        t : float
+            When (s); it increases.
+        pose : sequence of three floats
+            The robot in the odometry frame: x (m), y (m), theta (rad).
+        readings : float or sequence of float
+            One reading, or one for each of ``columns`` (N m for moments).
+        heading : float, optional
+            The absolute heading in the map frame (rad), where it is measured.
+
+        Raises
+        ------
+        DataError
+            A row that cannot be; it is left out, and the next one may follow.
         """
         x, y, theta = (float(value) for value in pose)
         values = [float(readings)] if isinstance(readings, int | float) else [float(value) for value in readings]

@@ -5,30 +5,63 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+
+import numpy as np
 
 from . import _vibrissa
 from ._arrays import Floats
-from ._robot import RobotLike, robot_of
-from ._show import Shown
+from ._errors import UsageError
+from ._robot import RobotLike, quantity, robot_of
+from ._show import Shown, axes, draw_map, plane
+from ._vibrissa import Map
 from ._world import MapLike, read_map
 
 Sensor = Literal["load", "strip", "slope", "moment"]
+_DIMENSIONS = {"load": "force", "strip": "length", "slope": "angle", "moment": "moment"}
 Regime = Literal["auto", "small", "large"]
 
 
 @dataclass(frozen=True)
 class Reading:
-    """A reading of a virtual sensor: load (N), strip (m), slope (rad) or moment (N m)."""
+    """A reading of a virtual sensor: load (N), strip (m), slope (rad) or moment (N m).
+
+    Numbers are SI; a text carries its unit: ``Reading("moment", "5 mN m", "5 %")``.
+    """
 
     sensor: Sensor
     """Which sensor read."""
     value: float | tuple[float, float]
     """What it read, or the least and largest value that the true one may have."""
     tolerance: float = 0.0
-    """Bound on the error of a value that is one number."""
+    """Bound on the error of a value that is one number; a share of it in "5 %"."""
     whisker: str | None = None
     """The whisker by name; None for the robot's first."""
+
+    if TYPE_CHECKING:
+
+        def __init__(
+            self,
+            sensor: Sensor,
+            value: float | str | tuple[float | str, float | str],
+            tolerance: float | str = ...,
+            whisker: str | None = ...,
+        ) -> None: ...
+
+    def __post_init__(self) -> None:
+        dimension = _DIMENSIONS.get(self.sensor)
+        if dimension is None:
+            raise UsageError(f"sensor: {self.sensor!r} (allowed: {', '.join(_DIMENSIONS)})")
+        given: object = self.value
+        pair = tuple(quantity("value", one, dimension) for one in given) if isinstance(given, tuple) else None
+        object.__setattr__(self, "value", pair or quantity("value", given, dimension))
+        told: object = self.tolerance
+        if isinstance(told, str) and told.rstrip().endswith("%") and not isinstance(self.value, tuple):
+            share = quantity("tolerance", told, "ratio")
+            assert isinstance(share, float)
+            object.__setattr__(self, "tolerance", share * abs(self.value))
+        else:
+            object.__setattr__(self, "tolerance", quantity("tolerance", told, dimension))
 
     @property
     def interval(self) -> tuple[float, float]:
@@ -106,6 +139,34 @@ class ContactSets(Shown):
     area: float
     """Area of the places (m²), at most."""
 
+    def plot(self, ax: Any = None) -> Any:
+        """Draws the contacts: curves of exact readings, cells of others, and where curves meet.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Where to draw; None for a new figure.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes, whisker frame (m).
+        """
+        ax = axes(ax)
+        for number, curve in enumerate(self.curves):
+            for index, branch in enumerate(curve.branches):
+                label = f"{curve.sensor} {curve.value:g}" if index == 0 else None
+                ax.plot(branch[:, 0], branch[:, 1], color=f"C{number}", label=label)
+        for cover in self.covers:
+            ax.fill(cover[:, 0], cover[:, 1], color="C0", alpha=0.4, linewidth=0)
+        met = [(one.x, one.y) for one in self.meetings]
+        if met:
+            ax.plot(*zip(*met, strict=True), "o", color="#222222", label="meetings")
+        if self.curves:
+            ax.legend(fontsize="small")
+        plane(ax)
+        return ax
+
 
 def _model(
     load: str, regime: str, max_force: float | None, max_moment: float | None, max_slope: float | None
@@ -126,7 +187,35 @@ def contact_set(
 ) -> ContactSets:
     """Tells which contacts explain a reading, or several readings at once.
 
-    regime: how moments are read. max_force (N), max_moment (N m), max_slope (rad): what the whisker bears; None for no limit.
+    Parameters
+    ----------
+    readings : Reading or sequence of Reading
+        What the sensors read.
+    robot : Robot, Whisker, path or None
+        The robot, or None for the paper's whisker.
+    load : {"normal", "vertical"}
+        The direction of the force: along the whisker's normal at the contact, or across the undeflected whisker.
+    regime : {"auto", "small", "large"}
+        How moments are read.
+    max_force, max_moment, max_slope : float, optional
+        What the whisker bears (N, N m, rad); None for no limit.
+
+    Returns
+    -------
+    ContactSets
+        Curves of exact readings, or cells that cover the contacts of readings with bounds; whisker frame (m).
+
+    Raises
+    ------
+    DataError
+        Readings that no contact explains.
+    UsageError
+        An unknown whisker, or a value out of range.
+
+    Examples
+    --------
+    >>> sets = vibrissa.contact_set([vibrissa.Reading("load", "0.1 N"), vibrissa.Reading("strip", "60 mm", "1 mm")])
+    >>> sets.plot()
     """
     given = [readings] if isinstance(readings, Reading) else list(readings)
     model = _model(load, regime, max_force, max_moment, max_slope)
@@ -153,6 +242,29 @@ class Preimage(Shown):
     """Side of the cells of places (m)."""
     headings: int
     """How many headings make a turn."""
+    _map: Map | None = None
+
+    def plot(self, ax: Any = None) -> Any:
+        """Draws map and places.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Where to draw; None for a new figure.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes, map frame (m).
+        """
+        ax = axes(ax)
+        if self._map is not None:
+            draw_map(ax, self._map)
+        places = np.unique(self.states[:, :4], axis=0)
+        middle = 0.5 * (places[:, 0::2] + places[:, 1::2])
+        ax.plot(middle[:, 0], middle[:, 1], ".", color="#0072b2", markersize=1.0, label="places")
+        plane(ax)
+        return ax
 
 
 def preimage(
@@ -173,13 +285,43 @@ def preimage(
 ) -> Preimage:
     """Tells which robot states explain a reading, or several at once, on a map; the heading is unknown.
 
-    construction: "alignment" lays the whisker against the boundary, "distance" takes every heading. contacts: which parts of
-    the whisker may touch. cell (m) and heading_step (rad): the grid; None for a millimetre and a degree. The other
-    arguments are those of ``contact_set``.
+    Parameters
+    ----------
+    map : Map or path
+        The map.
+    readings : Reading or sequence of Reading
+        What the sensors read.
+    robot : Robot, Whisker, path or None
+        The robot, or None for the paper's whisker.
+    construction : {"alignment", "distance"}
+        Whether the whisker is laid against the boundary, or every heading is taken.
+    contacts : {"side", "tip", "all"}
+        Which parts of the whisker may touch.
+    collision_free : bool
+        Whether states whose whisker passes through something solid are left out.
+    cell : float, optional
+        Side of the cells of places (m); None for a millimetre.
+    heading_step : float, optional
+        Spacing of the headings (rad); None for a degree.
+    load, regime, max_force, max_moment, max_slope
+        As in ``contact_set``.
+
+    Returns
+    -------
+    Preimage
+        Boxes of states, map frame (m, rad).
+
+    Raises
+    ------
+    DataError
+        Readings that no contact explains, or a fault in the map.
+    UsageError
+        A value out of range.
     """
     given = [readings] if isinstance(readings, Reading) else list(readings)
     model = _model(load, regime, max_force, max_moment, max_slope)
+    shape = read_map(map)
     found = _vibrissa.preimage(
-        read_map(map), given, robot_of(robot), model, construction, contacts, collision_free, cell, heading_step
+        shape, given, robot_of(robot), model, construction, contacts, collision_free, cell, heading_step
     )
-    return Preimage(**found)
+    return Preimage(**found, _map=shape)

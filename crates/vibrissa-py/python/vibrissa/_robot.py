@@ -21,14 +21,14 @@ def _quantities(record: object, dimensions: Mapping[str, str | tuple[str, ...]])
         given = getattr(record, name)
         if isinstance(dimension, tuple) and not isinstance(given, str):
             found: object = tuple(
-                _quantity(name, one, kind) for one, kind in zip(given, dimension, strict=True)
+                quantity(name, one, kind) for one, kind in zip(given, dimension, strict=True)
             )
         else:
-            found = _quantity(name, given, dimension if isinstance(dimension, str) else "length")
+            found = quantity(name, given, dimension if isinstance(dimension, str) else "length")
         object.__setattr__(record, name, found)
 
 
-def _quantity(name: str, given: object, dimension: str) -> object:
+def quantity(name: str, given: object, dimension: str) -> object:
     if not isinstance(given, str):
         return given
     try:

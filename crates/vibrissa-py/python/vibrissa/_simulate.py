@@ -96,10 +96,26 @@ class Simulation(Shown):
 def simulate(
     scenario: Scenario | str | os.PathLike[str], seed: int | None = None, *, progress: Progress | None = None
 ) -> Simulation:
-    """Simulates a scenario (.toml): a robot with whiskers along a path through a map, with the errors of its senses.
+    """Simulates a scenario: a robot with whiskers along a path through a map, with the errors of its senses.
 
-    seed: of all noise, instead of the scenario's. The same seed gives the same numbers everywhere.
-    progress: see ``Progress``; of the poses, as many for each whisker as the path has.
+    Parameters
+    ----------
+    scenario : Scenario or path
+        The scenario, or its .toml file.
+    seed : int, optional
+        Of all noise, instead of the scenario's. The same seed gives the same numbers everywhere.
+    progress : callable, optional
+        See ``Progress``; of the poses, as many for each whisker as the path has.
+
+    Returns
+    -------
+    Simulation
+        The log, and the truth behind it; SI.
+
+    Raises
+    ------
+    DataError
+        A fault in the scenario or its files.
     """
     read = scenario if isinstance(scenario, Scenario) else Scenario.read(scenario)
     return Simulation._of(*read._simulate(seed, progress))
@@ -112,9 +128,28 @@ def waypoints(
     turn_rate: float | None = None,
     rate: float | None = None,
 ) -> Trajectory:
-    """The path through waypoints x (m), y (m), theta (rad), shape (n, 3), map frame: straight, turning evenly.
+    """Makes the path through waypoints: straight lines, turning evenly.
 
-    speed (m/s), turn_rate (rad/s) and rate (rows a second) default to those of scenarios.
+    Parameters
+    ----------
+    points : array_like, shape (n, 3)
+        The waypoints: x (m), y (m), theta (rad), map frame.
+    speed : float, optional
+        Speed (m/s); None for that of scenarios.
+    turn_rate : float, optional
+        How fast it turns (rad/s); None for that of scenarios.
+    rate : float, optional
+        Rows a second (Hz); None for that of scenarios.
+
+    Returns
+    -------
+    Trajectory
+        The poses over time, map frame.
+
+    Raises
+    ------
+    UsageError
+        A number out of range.
     """
     return Trajectory(*_vibrissa.path(rows(points, 3), speed, turn_rate, rate))
 
@@ -131,11 +166,36 @@ def sweep(
     discrete_rod: bool = False,
     progress: Progress | None = None,
 ) -> Simulation:
-    """Sweeps a robot along a path (map frame) and records what it feels.
+    """Sweeps a robot along a path and records what it feels.
 
-    seed: of the noise; None for exact readings. moment_noise: bounds relative to the reading and at zero (N m); None for
-    what each whisker declares. The odometry's increments err by up to the relative bounds. discrete_rod: solve by the
-    independent discrete rod, slowly. progress: as in ``simulate``.
+    Parameters
+    ----------
+    map : Map or path
+        The map.
+    path : Trajectory
+        The robot's way, map frame.
+    robot : Robot, Whisker, path or None
+        The robot, or None for the paper's whisker.
+    seed : int, optional
+        Of the noise; None for exact readings.
+    moment_noise : tuple of two floats, optional
+        Bounds of a moment's error, relative to the reading and at zero (N m); None for what each whisker declares.
+    translation_relative, rotation_relative : float
+        Bounds on the errors of the odometry's increments, relative to them.
+    discrete_rod : bool
+        Whether the independent discrete rod solves, slowly.
+    progress : callable, optional
+        See ``Progress``.
+
+    Returns
+    -------
+    Simulation
+        The log, and the truth behind it; SI.
+
+    Raises
+    ------
+    DataError
+        A fault in map, robot or path.
     """
     odometry = (translation_relative, rotation_relative)
     stamps, poses = column(path.t), rows(path.poses, 3)

@@ -247,8 +247,32 @@ class SensorLog:
         heading: npt.ArrayLike | None = None,
     ) -> SensorLog: ...
     @staticmethod
-    def read(path: _Path, format: str | None = None) -> SensorLog:
-        """The log of a file: .csv, or a foreign `format` ("rostopic", ...)."""
+    def read(
+        path: _Path, format: str | None = None, *, headings: str | None = None, yaw_rates: str | None = None
+    ) -> SensorLog:
+        """Reads the log of a file.
+
+        Parameters
+        ----------
+        path : path
+            A .csv file, or an .mcap recording with ROS 2 messages.
+        format : str, optional
+            The format of a file that is neither: "rostopic", ...
+        headings : str, optional
+            Of a recording: the topic of `sensor_msgs/Imu` whose orientation is the robot's heading in the map frame.
+        yaw_rates : str, optional
+            Of a recording: the topic of `sensor_msgs/Imu` whose angular velocity about z says how the robot turns.
+
+        Returns
+        -------
+        SensorLog
+            The log, SI.
+
+        Raises
+        ------
+        DataError
+            A fault in the file; ``MissingFileError`` (also a ``FileNotFoundError``) where it is missing.
+        """
     @property
     def t(self) -> Floats:
         """Time stamps (s), shape (rows)."""

@@ -11,7 +11,13 @@ LogLike = SensorLog | str | os.PathLike[str]
 
 
 def arena() -> Map:
-    """The built-in arena of the demo: 460 mm by 320 mm with curved and straight walls and two obstacles."""
+    """Gives the built-in arena of the demo.
+
+    Returns
+    -------
+    Map
+        460 mm by 320 mm with curved and straight walls and two obstacles.
+    """
     return Map.demo()
 
 

@@ -68,13 +68,8 @@ impl Dice {
 
     /// A reading z of the moment `h` (N m): uniform among those with |h - z| <= relative |z| + absolute.
     pub(super) fn reading(&mut self, h: f64, declared: &MomentNoise) -> f64 {
-        let MomentNoise { moment_relative: relative, moment_absolute: absolute } =
-            self.noise.moment.unwrap_or(*declared);
-        let size = h.abs();
-        // The largest z has z - h = relative z + absolute; the smallest may lie beyond zero, where |z| = -z.
-        let high = (size + absolute) / (1.0 - relative);
-        let least = size - absolute;
-        let low = if least >= 0.0 { least / (1.0 + relative) } else { least / (1.0 - relative) };
+        let noise = self.noise.moment.unwrap_or(*declared);
+        let [low, high] = noise.readings(h.abs());
         let z = low + 0.5 * (1.0 + self.signed()) * (high - low);
         if h < 0.0 { -z } else { z }
     }

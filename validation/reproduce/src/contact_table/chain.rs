@@ -40,9 +40,9 @@ pub enum Gain {
 /// How errors are distributed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Law {
-    /// Uniform in the bound.
+    /// Uniform in the bound: the simulator's law.
     Uniform,
-    /// Normal, of the same variance.
+    /// Normal, of the same mean and variance.
     Normal,
 }
 
@@ -80,9 +80,9 @@ fn flux(moment: f64) -> f64 {
     FLUX * moment * (1.0 - (moment / BEND).powi(2))
 }
 
-/// A reading of a true value with errors in its bound.
+/// A reading of a true value with errors in its bound, as `vibrissa simulate` draws them.
 fn read(exact: f64, unit: f64, law: Law, dice: &mut ChaCha8Rng) -> f64 {
-    let bound = NOISE.moment_relative * exact.abs() + NOISE.moment_absolute * unit;
+    let [low, high] = MomentNoise { moment_absolute: NOISE.moment_absolute * unit, ..NOISE }.readings(exact);
     let error = match law {
         Law::Uniform => dice.random_range(-1.0..=1.0),
         // Box and Muller.
@@ -91,7 +91,7 @@ fn read(exact: f64, unit: f64, law: Law, dice: &mut ChaCha8Rng) -> f64 {
             (-2.0 * u.ln()).sqrt() * (2.0 * core::f64::consts::PI * v).cos() / 3f64.sqrt()
         }
     };
-    exact + bound * error
+    0.5 * (low + high) + 0.5 * (high - low) * error
 }
 
 fn moment(point: Vec2) -> Option<f64> {

@@ -144,6 +144,15 @@ pub(super) fn section(trials: usize, threads: usize) -> Result<Section> {
         (cramer_rao, 2, "%"),
         "For normal errors of the same variance and an exact calibration. Errors that fill a bound may be smaller.",
     );
+    let told: f64 =
+        short.concat().iter().map(|t| (t.contact / t.std).powi(2)).sum::<f64>() / short.concat().len() as f64;
+    section.find(
+        "Root of the mean square of error over told standard deviation, 1 mm",
+        "ours.told",
+        "no deviation is told",
+        (told.sqrt(), 2, ""),
+        "1 where deviations are told rightly, less where they are told too large. The readings' errors are those of `vibrissa simulate`.",
+    );
     section.compare(
         "Closed form: mean error",
         "closed_form.mean",
@@ -172,6 +181,13 @@ fn table(section: &Section, short: &[Vec<Outcome>], long: &[Vec<Outcome>]) -> Ta
             number("moment.exact", exact.first().map_or(f64::NAN, |b| 1e3 * b.moment), 3, "mN m"),
             number("closed_form.paper", case.closed_form[0], 1, "mm"),
             number("closed_form.ours", closed.map_or(f64::NAN, |b| 1e3 * b.s_a), 1, "mm"),
+            number("closed_form.paper_error", case.closed_form[1], 1, "%"),
+            number(
+                "closed_form.ours_error",
+                closed.map_or(f64::NAN, |b| 100.0 * (1e3 * b.s_a / case.distance - 1.0).abs()),
+                1,
+                "%",
+            ),
             number("paper", case.paper[0], 1, "mm"),
             number("paper_error", case.paper[1], 1, "%"),
             number("ours", mean, 2, "mm"),
@@ -186,6 +202,8 @@ fn table(section: &Section, short: &[Vec<Outcome>], long: &[Vec<Outcome>]) -> Ta
         "M(0) exact for 1 mm, mN m",
         "closed form, paper, mm",
         "closed form, ours, mm",
+        "its error in the paper (SOTA), %",
+        "its error, ours, %",
         "paper's method, mm",
         "its error, %",
         "ours, mean, mm",

@@ -1,30 +1,28 @@
 //! Temporal filtering of a log: contact sets of several readings, intersected.
 
-use crate::commands::localize::read_log;
 use crate::output::{OutputArgs, print, warn, write_all};
 use serde_json::json;
 use std::fmt::Write;
 use std::path::Path;
 use vibrissa::figure::{Geometry, Layer, scene_figure};
-use vibrissa::io::log::foreign::Format;
+use vibrissa::flow::sensor_log::SensorLog;
 use vibrissa::plane::Vec2;
 use vibrissa::tasks::doubts;
 use vibrissa::tasks::temporal_filter::{FilteredContact, TemporalFilterOptions, temporal_filter};
 use vibrissa::world::Robot;
 use vibrissa::{Error, Result};
 
-/// Reads, filters, writes and prints.
+/// Filters, writes and prints.
 pub(super) fn run(
     log: &Path,
+    read: &SensorLog,
     robot: Option<&Path>,
-    format: Option<Format>,
     options: &TemporalFilterOptions,
     output: &OutputArgs,
 ) -> Result<()> {
     let robot = robot.map_or_else(|| Ok(Robot::default()), vibrissa::read_robot)?;
-    let read = read_log(log, format)?;
-    read.warnings.iter().chain(&doubts(Some(&read), &robot, None)).for_each(|warning| warn(warning));
-    let found = temporal_filter(&read, &robot, options).map_err(|error| error.in_file(log))?;
+    read.warnings.iter().chain(&doubts(Some(read), &robot, None)).for_each(|warning| warn(warning));
+    let found = temporal_filter(read, &robot, options).map_err(|error| error.in_file(log))?;
     let written = match output.destination() {
         Some(to) => write_all(to, &[("filter.csv", csv(&found, &robot)), ("filter.svg", figure(&found, &robot, log))])?,
         None => Vec::new(),

@@ -4,6 +4,7 @@ mod filter;
 mod steps;
 mod taps;
 
+use crate::commands::localize::{ImuArgs, read_log};
 use crate::output::OutputArgs;
 use crate::quantity::of_option as quantity;
 use std::path::PathBuf;
@@ -52,6 +53,8 @@ pub(crate) struct Args {
     /// where the first line names a column t, else ratatouille]
     #[arg(long, value_name = "FORMAT")]
     format: Option<Format>,
+    #[command(flatten)]
+    imu: ImuArgs,
     /// The sensor that feels the ambient field alone, subtracted from the calibration's
     #[arg(long, value_name = "SENSOR", requires = "taps")]
     reference: Option<String>,
@@ -68,8 +71,12 @@ pub(crate) fn run(args: &Args) -> Result<()> {
             let spacing = quantity("--spacing", &args.spacing, Dimension::Length)?;
             let options =
                 TemporalFilterOptions { readings: args.readings, spacing, ..TemporalFilterOptions::default() };
-            filter::run(&args.log, args.robot.as_deref(), args.format, &options, &args.output)
+            let read = read_log(&args.log, args.format, &args.imu)?;
+            filter::run(&args.log, &read, args.robot.as_deref(), &options, &args.output)
         }
-        None => steps::run(&args.log, args.robot.as_deref(), args.format, &args.output),
+        None => {
+            let read = read_log(&args.log, args.format, &args.imu)?;
+            steps::run(&args.log, &read, args.robot.as_deref(), &args.output)
+        }
     }
 }

@@ -1,6 +1,5 @@
 //! A log's contacts as words, JSON, table and figure.
 
-use crate::commands::localize::read_log;
 use crate::interrupt::{Heedful, stop};
 use crate::output::{OutputArgs, print, progress, warn, write_all};
 use serde::Serialize;
@@ -9,7 +8,7 @@ use std::path::Path;
 use vibrissa::beam::{Load, point_mode};
 use vibrissa::config::ContactOptions;
 use vibrissa::figure::{Geometry, Layer, scene_figure};
-use vibrissa::io::log::foreign::Format;
+use vibrissa::flow::sensor_log::SensorLog;
 use vibrissa::plane::Vec2;
 use vibrissa::tasks::contact::{Baseline, ContactKind, ContactReading, ContactReport, ContactStep, contacts_until};
 use vibrissa::tasks::doubts;
@@ -53,13 +52,12 @@ struct EventJson<'a> {
     detail: &'a str,
 }
 
-/// Reads, finds, writes and prints.
-pub(super) fn run(log: &Path, robot: Option<&Path>, format: Option<Format>, output: &OutputArgs) -> Result<()> {
+/// Finds, writes and prints.
+pub(super) fn run(log: &Path, read: &SensorLog, robot: Option<&Path>, output: &OutputArgs) -> Result<()> {
     let robot = robot.map_or_else(|| Ok(Robot::default()), vibrissa::read_robot)?;
-    let read = read_log(log, format)?;
-    read.warnings.iter().chain(&doubts(Some(&read), &robot, None)).for_each(|warning| warn(warning));
+    read.warnings.iter().chain(&doubts(Some(read), &robot, None)).for_each(|warning| warn(warning));
     let heeds = Heedful::hurried();
-    let found = contacts_until(&read, &robot, &ContactOptions::default(), &stop(), &mut progress::readings);
+    let found = contacts_until(read, &robot, &ContactOptions::default(), &stop(), &mut progress::readings);
     let report = found.map_err(|error| error.in_file(log))?;
     drop(heeds);
     if let Some(t) = report.stopped_at {

@@ -5,6 +5,7 @@ use std::path::Path;
 use vibrissa::figure::Outline;
 use vibrissa::flow::pose::{Localization, StampedPose};
 use vibrissa::flow::sensor_log::{Channel, LogRow, Quantity, SensorLog};
+use vibrissa::io::log::ImuTopics;
 use vibrissa::io::log::foreign::{Format, Recording};
 use vibrissa::io::read_tum;
 #[cfg(feature = "mcap")]
@@ -27,20 +28,13 @@ pub(super) struct Inputs {
 
 impl Inputs {
     /// Reads every file; the first fault ends it.
-    pub(super) fn read(
-        log: &Path,
-        format: Option<Format>,
-        map: &Path,
-        robot: Option<&Path>,
-        truth: Option<&Path>,
-        method: &Method,
-    ) -> Result<Self> {
+    pub(super) fn read(args: &super::Args) -> Result<Self> {
         Ok(Self {
-            title: format!("{} on {}", file_name(log), file_name(map)),
-            map: vibrissa::read_map(map)?,
-            robot: super::robot::read(robot, method)?,
-            log: read_log(log, format)?,
-            truth: truth.map(read_tum).transpose()?,
+            title: format!("{} on {}", file_name(&args.log), file_name(&args.map)),
+            map: vibrissa::read_map(&args.map)?,
+            robot: super::robot::read(args.robot.as_deref(), &args.method.method)?,
+            log: read_log(&args.log, args.format, &args.imu)?,
+            truth: args.truth.as_deref().map(read_tum).transpose()?,
         })
     }
 
@@ -98,11 +92,26 @@ impl Inputs {
     }
 }
 
+/// What is told about a log's file beside its path.
+#[derive(Clone, Debug, Default, clap::Args)]
+pub(in crate::commands) struct ImuArgs {
+    /// Of a recording (.mcap): the topic of `sensor_msgs/Imu` whose orientation is the robot's heading in the map frame
+    #[arg(long, value_name = "TOPIC", conflicts_with = "format")]
+    headings: Option<String>,
+    /// Of a recording (.mcap): the topic of `sensor_msgs/Imu` whose angular velocity about z says how the robot turns, instead of
+    /// the odometry
+    #[arg(long, value_name = "TOPIC", conflicts_with = "format")]
+    yaw_rates: Option<String>,
+}
+
 /// A log in our own format, or in a foreign one with a warning of what was repaired.
-pub(in crate::commands) fn read_log(path: &Path, format: Option<Format>) -> Result<SensorLog> {
+pub(in crate::commands) fn read_log(path: &Path, format: Option<Format>, imu: &ImuArgs) -> Result<SensorLog> {
     match format {
         Some(format) => Recording::read(path, format)?.to_log(),
-        None => vibrissa::read_log(path),
+        None => {
+            let topics = ImuTopics { headings: imu.headings.clone(), yaw_rates: imu.yaw_rates.clone() };
+            vibrissa::io::log::read_with(path, &topics)
+        }
     }
 }
 

@@ -10,7 +10,7 @@ use crate::interrupt::{Heedful, stopped};
 use crate::output::OutputArgs;
 use crate::output::{Run, Stopwatch, deliver, progress, warn};
 use inputs::Inputs;
-pub(super) use inputs::{outlines, read_log};
+pub(super) use inputs::{ImuArgs, outlines, read_log};
 use interrupted::Known;
 pub(crate) use known::joined;
 use method::MethodArgs;
@@ -42,6 +42,8 @@ pub(crate) struct Args {
     /// The format of a log that is not ours: rostopic (odometry and wrench or magnetic field) [default: our .csv]
     #[arg(long, value_name = "FORMAT")]
     format: Option<Format>,
+    #[command(flatten)]
+    imu: ImuArgs,
     /// The robot's whiskers and error bounds (.toml) [default: the paper's whisker at the robot's origin]
     #[arg(long, value_name = "ROBOT")]
     robot: Option<PathBuf>,
@@ -65,7 +67,7 @@ pub(crate) struct Args {
 pub(crate) fn run(args: &Args) -> Result<()> {
     let method = &args.method.method;
     args.method.check()?;
-    let inputs = Inputs::read(&args.log, args.format, &args.map, args.robot.as_deref(), args.truth.as_deref(), method)?;
+    let inputs = Inputs::read(args)?;
     let stopwatch = Stopwatch::start();
     let heeds = Heedful::hurried();
     inputs.warnings().iter().for_each(|warning| warn(warning));

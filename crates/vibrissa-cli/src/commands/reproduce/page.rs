@@ -64,7 +64,7 @@ impl Page<'_> {
         }
         section.tables.iter().for_each(|table| text.push_str(&self.table(table)));
         text.push_str(&self.comparisons(&section.comparisons));
-        section.figures.iter().for_each(|figure| text.push_str(&self.figure(figure)));
+        section.figures.iter().for_each(|figure| text.push_str(&self.figure(section.key, figure)));
         text.push_str("</section>\n");
         text
     }
@@ -125,7 +125,7 @@ impl Page<'_> {
         text + "</div>\n"
     }
 
-    fn figure(&self, figure: &Figure) -> String {
+    fn figure(&self, section: &str, figure: &Figure) -> String {
         let panels: String =
             figure.panels.iter().map(|panel| format!("<div class=\"plate\">{}</div>\n", inline(panel))).collect();
         let difference = if figure.difference.is_empty() {
@@ -134,7 +134,7 @@ impl Page<'_> {
             format!("<p><b>Difference.</b> {}</p>\n", self.prose(&figure.difference))
         };
         format!(
-            "<figure id=\"figure-{}\">\n<div class=\"plates\">\n{panels}</div>\n<figcaption>\n<p><b>Paper.</b> {}</p>\n<p><b>Ours.</b> {}</p>\n{difference}</figcaption>\n</figure>\n",
+            "<figure id=\"figure-{section}-{}\">\n<div class=\"plates\">\n{panels}</div>\n<figcaption>\n<p><b>Paper.</b> {}</p>\n<p><b>Ours.</b> {}</p>\n{difference}</figcaption>\n</figure>\n",
             figure.key,
             self.prose(&figure.paper),
             self.prose(&figure.ours)

@@ -145,10 +145,13 @@ fn grid(lines: &[LinearReading], middle: Vec2, root: [Vec2; 2]) -> Posterior {
 }
 
 /// How far the point moves by one standard deviation of the relative error that all readings may share (m).
+///
+/// At least the square of the relative bound: by so much errors that are centred on the moment differ from those that are centred
+/// in the bound.
 fn common(lines: &[LinearReading], [xx, xy, yy]: [f64; 3], share: f64) -> Vec2 {
     let std = |l: &LinearReading| l.bound(Vec2::ZERO) / 3f64.sqrt();
     let gradient = lines.iter().fold(Vec2::ZERO, |sum, l| sum + l.slope * (l.moment(Vec2::ZERO) / std(l).powi(2)));
     let relative = lines.iter().map(|l| l.relative).sum::<f64>() / lines.len() as f64;
-    let size = (1.0 - share).max(0.0) * relative / 3f64.sqrt();
+    let size = ((1.0 - share).max(0.0) / 3f64.sqrt()).max(relative) * relative;
     Vec2::new(xx * gradient.x + xy * gradient.y, xy * gradient.x + yy * gradient.y) * size
 }
