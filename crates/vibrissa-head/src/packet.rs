@@ -9,7 +9,7 @@ use serde::de::DeserializeOwned;
 /// The most bytes of a packet, with the zero at its end: a calibration of two axes is the longest.
 pub const LONGEST: usize = 320;
 
-/// A table of 64 bytes, not of a kilobyte, and four bits at a time.
+/// A table of a kilobyte.
 static CRC: Crc<u32, Table<1>> = Crc::<u32, Table<1>>::new(&CRC_32_ISO_HDLC);
 
 /// Why bytes are no packet.

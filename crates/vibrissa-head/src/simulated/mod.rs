@@ -2,10 +2,12 @@
 
 mod lines;
 mod mlx90393;
+mod rehearsal;
 mod tle493d;
 
 pub use lines::HeldLines;
 pub use mlx90393::MlxRegisters;
+pub use rehearsal::{Rehearsal, calibration};
 pub use tle493d::TleRegisters;
 
 use crate::bus::{self, Bus};

@@ -43,7 +43,8 @@ impl LineSplitter {
 
     /// Takes bytes, and calls `found` with each piece that ends in them.
     pub fn push(&mut self, bytes: &[u8], mut found: impl FnMut(Piece)) {
-        let ends = |byte: &u8| if self.packets { *byte == 0 } else { matches!(byte, b'\n' | b'\r') };
+        let packets = self.packets;
+        let ends = |byte: &u8| if packets { *byte == 0 } else { matches!(byte, b'\n' | b'\r') };
         for part in bytes.split_inclusive(ends) {
             let (body, ended) = match part.split_last() {
                 Some((last, body)) if ends(last) => (body, true),
