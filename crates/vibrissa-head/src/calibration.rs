@@ -34,6 +34,7 @@ impl Signal {
 
 /// How signals become moments.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[allow(clippy::large_enum_variant, reason = "nothing may allocate, and there is one at a time")]
 pub enum Response {
     /// The moment in the whisker's plane (N m), a polynomial of one signal by rising power.
     Line(Signal, [f64; CURVE_TERMS]),

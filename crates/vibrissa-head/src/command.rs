@@ -9,6 +9,7 @@ pub const RATES: core::ops::RangeInclusive<u16> = 10..=1000;
 
 /// A command.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[allow(clippy::large_enum_variant, reason = "nothing may allocate, and there is one at a time")]
 pub enum Command {
     /// Say who you are.
     Identify,

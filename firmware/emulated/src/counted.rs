@@ -34,7 +34,8 @@ pub(crate) fn tell(mut timer: SYST, rate: u16, largest: f64) {
     let moments = count(|| {
         black_box(held.moments(black_box(flux)));
     });
-    let message = Message::Reading(Reading { number: 70_000, stamp_us: 1 << 31, moment: Some(3e-3), ..Reading::default() });
+    let message =
+        Message::Reading(Reading { number: 70_000, stamp_us: 1 << 31, moment: Some(3e-3), ..Reading::default() });
     let mut packet = [0; LONGEST];
     let frames = count(|| {
         black_box(black_box(&message).write(&mut packet));

@@ -60,21 +60,12 @@ fn run() -> Option<()> {
     let timer = hal::Timer::new(parts.TIMER, &mut parts.RESETS, &clocks);
     let sio = hal::Sio::new(parts.SIO);
     let pins = hal::gpio::Pins::new(parts.IO_BANK0, parts.PADS_BANK0, sio.gpio_bank0, &mut parts.RESETS);
-    let bus = hal::usb::UsbBus::new(
-        parts.USBCTRL_REGS,
-        parts.USBCTRL_DPRAM,
-        clocks.usb_clock,
-        true,
-        &mut parts.RESETS,
-    );
+    let bus = hal::usb::UsbBus::new(parts.USBCTRL_REGS, parts.USBCTRL_DPRAM, clocks.usb_clock, true, &mut parts.RESETS);
     let allocator = UsbBusAllocator::new(bus);
     let mut port = SerialPort::new(&allocator);
     let words = StringDescriptors::default().manufacturer("vibrissa").product("whisker sensor head");
-    let mut usb = UsbDeviceBuilder::new(&allocator, IDENTITY)
-        .strings(&[words])
-        .ok()?
-        .device_class(USB_CLASS_CDC)
-        .build();
+    let mut usb =
+        UsbDeviceBuilder::new(&allocator, IDENTITY).strings(&[words]).ok()?.device_class(USB_CLASS_CDC).build();
 
     let mut wires = Wires::new(parts.I2C0, pins.gpio4, pins.gpio5, parts.RESETS, clocks.system_clock, timer);
     let mut head = Head::new(chip(), RATE);

@@ -3,12 +3,12 @@
 use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::{InputPin, OutputPin};
 use embedded_hal::i2c::{ErrorKind, ErrorType, I2c, Operation};
-use rp2040_hal as hal;
 use hal::clocks::{Clock, SystemClock};
 use hal::fugit::RateExtU32;
 use hal::gpio::bank0::{Gpio4, Gpio5};
 use hal::gpio::{FunctionI2C, FunctionNull, InOutPin, Pin, PullDown, PullUp};
 use hal::pac::{I2C0, RESETS};
+use rp2040_hal as hal;
 use vibrissa_head::bus::{self, Bus, Lines};
 
 type Data<F> = Pin<Gpio4, F, PullUp>;
@@ -74,8 +74,7 @@ impl Bus for Wires {
         let mut lines = Open { data: InOutPin::new(data), wire: InOutPin::new(wire), timer: self.timer };
         let is_free = bus::free(&mut lines).is_some();
         let (data, wire) = (lines.data.release(), lines.wire.release());
-        self.controller =
-            Some(hal::I2C::i2c0(block, data, wire, SPEED.Hz(), &mut self.resets, self.clock.freq()));
+        self.controller = Some(hal::I2C::i2c0(block, data, wire, SPEED.Hz(), &mut self.resets, self.clock.freq()));
         is_free
     }
 }

@@ -131,7 +131,8 @@ mod app {
     fn usb(mut cx: usb::Context) {
         let usb::LocalResources { usb, is_configured, .. } = cx.local;
         let mut bytes = [0; 64];
-        let count = cx.shared.port.lock(|port| if usb.poll(&mut [port]) { port.read(&mut bytes).unwrap_or(0) } else { 0 });
+        let count =
+            cx.shared.port.lock(|port| if usb.poll(&mut [port]) { port.read(&mut bytes).unwrap_or(0) } else { 0 });
         if usb.state() == UsbDeviceState::Configured {
             if !*is_configured {
                 usb.bus().configure();

@@ -64,7 +64,8 @@ impl Wires {
     pub(crate) fn new(block: ral::lpi2c::LPI2C3, mut clock: P16, mut data: P17, mut port: Port) -> Self {
         lpi2c::prepare(&mut clock);
         lpi2c::prepare(&mut data);
-        let (clock_pin, data_pin) = (Output::without_pin(&mut port, CLOCK_BIT), Output::without_pin(&mut port, DATA_BIT));
+        let (clock_pin, data_pin) =
+            (Output::without_pin(&mut port, CLOCK_BIT), Output::without_pin(&mut port, DATA_BIT));
         clock_pin.set();
         data_pin.set();
         Self {

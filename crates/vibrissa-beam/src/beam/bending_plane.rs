@@ -8,8 +8,6 @@ use crate::error::{Error, Result};
 use crate::math;
 use crate::plane::Vec2;
 use alloc::vec::Vec;
-#[cfg(not(feature = "std"))]
-use num_traits::Float as _;
 
 /// The plane in which a whisker bends, and how strongly.
 #[derive(Clone, Copy, Debug, PartialEq)]
