@@ -2,6 +2,12 @@
 
 use fearless_simd::Level;
 
+/// Shared numbers: counted by one thread where the target cannot count for several (Cortex-M0).
+#[cfg(not(target_has_atomic = "ptr"))]
+pub(crate) use alloc::rc::Rc as Shared;
+#[cfg(target_has_atomic = "ptr")]
+pub(crate) use alloc::sync::Arc as Shared;
+
 /// The vector instructions that are used: those of the processor, or without `std` those that the target promises.
 pub(crate) fn vector_level() -> Level {
     #[cfg(feature = "std")]

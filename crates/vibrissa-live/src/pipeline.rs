@@ -2,7 +2,7 @@
 
 use crate::config::{DAMAGED_SHARE, FEWEST_LINES, ZEROS};
 use crate::counts::Counts;
-use crate::decode::{Decoded, Decoder, LineSplitter, Piece};
+use crate::decode::{Decoded, Decoder, Frame, LineSplitter, Piece};
 use crate::join::{JoinedRow, Joiner, Share};
 use crate::setup::{Setup, SourceSetup};
 use crate::source::{Arrived, Chunk};
@@ -38,6 +38,11 @@ struct Stream {
     resets: u64,
 }
 
+/// Whether a frame holds all that a row takes from it: a device may send a number and a time alone.
+fn is_joined(decoder: &Decoder, frame: &Frame) -> bool {
+    frame.readings.len() == decoder.channels().len()
+}
+
 /// Chunks of bytes to rows.
 #[derive(Clone, Debug)]
 pub struct Pipeline {
@@ -59,7 +64,7 @@ impl Pipeline {
     pub fn new(setup: &Setup, robot: &Robot) -> Result<Self> {
         let stream = |source: &SourceSetup| -> Result<Stream> {
             Ok(Stream {
-                splitter: LineSplitter::new(source.wire.may_be_torn()),
+                splitter: source.format.splitter(source.wire.may_be_torn()),
                 decoder: source.decoder()?,
                 timing: Timing::new(source.time, source.delay),
                 setup: source.clone(),
@@ -148,7 +153,7 @@ impl Pipeline {
         let stream = &mut streams[source];
         stream.counts.torn += u64::from(stream.splitter.break_off(stream.setup.wire.may_be_torn()));
         stream.timing.flush(&mut |t, frame| {
-            if let Some((joiner, ..)) = joined {
+            if let Some((joiner, ..)) = joined.as_mut().filter(|_| is_joined(&stream.decoder, &frame)) {
                 joiner.push(source, t, *now, frame);
             }
         });
@@ -175,6 +180,7 @@ impl Pipeline {
         let was_ready = decoder.is_ready();
         let decoded = match piece {
             Piece::Line(text) => decoder.line(text, counts),
+            Piece::Packet(bytes) => decoder.packet(bytes, counts),
             Piece::Noise => Decoded::Lost,
             Piece::Torn => {
                 counts.torn += 1;
@@ -190,7 +196,7 @@ impl Pipeline {
                 counts.zeros += u64::from(silent);
                 timing.push(frame, arrival, counts, &mut |t, frame| {
                     // Before every stream has said what it holds there is nothing to join it with.
-                    if let Some((joiner, ..)) = joined {
+                    if let Some((joiner, ..)) = joined.as_mut().filter(|_| is_joined(decoder, &frame)) {
                         joiner.push(source, t, arrival, frame);
                     }
                 });

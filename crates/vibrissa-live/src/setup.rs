@@ -301,7 +301,7 @@ fn time(entry: &Section<'_>, format: WireFormat, columns: Option<&[String]>, who
         WireFormat::Serial | WireFormat::Serial2 => false,
         WireFormat::Plotter => columns.is_some_and(|names| names.iter().any(|name| is_time(name.rsplit(':').next()))),
         WireFormat::Csv => columns.is_none_or(|names| names.iter().any(|name| is_time(Some(name)))),
-        WireFormat::Ratatouille | WireFormat::Openwhisker | WireFormat::Tum => true,
+        WireFormat::Ratatouille | WireFormat::Openwhisker | WireFormat::Tum | WireFormat::Head => true,
     };
     let nominal = match format {
         WireFormat::Serial => Some(RATE),

@@ -126,13 +126,17 @@ fn no_bytes_make_any_format_fall_over() {
     for _ in 0..2000 {
         for (format, columns, whisker) in &formats {
             let mut decoder = Decoder::new(*format, columns.as_deref(), whisker).unwrap();
-            let (mut splitter, mut counts) = (LineSplitter::new(false), Counts::default());
+            let (mut splitter, mut counts) = (format.splitter(false), Counts::default());
             let mut timing = Timing::new(TimeBase::Stamps, 0.0);
             let bytes: Vec<u8> = (0..dice.below(400)).map(|_| alphabet[dice.below(alphabet.len())]).collect();
             splitter.push(&bytes, |piece| {
-                let Piece::Line(text) = piece else { return };
-                if let Decoded::Frame(frame) = decoder.line(&text, &mut counts) {
-                    assert!(frame.readings.iter().all(|value| value.is_finite()), "{text}");
+                let decoded = match &piece {
+                    Piece::Line(text) => decoder.line(text, &mut counts),
+                    Piece::Packet(bytes) => decoder.packet(bytes, &mut counts),
+                    _ => return,
+                };
+                if let Decoded::Frame(frame) = decoded {
+                    assert!(frame.readings.iter().all(|value| value.is_finite()), "{piece:?}");
                     timing.push(frame, 1.0, &mut counts, &mut |t, _| assert!(t.is_finite()));
                 }
             });

@@ -7,8 +7,16 @@ use std::path::Path;
 use std::process::ExitCode;
 
 /// The libraries.
-const CRATES: [&str; 7] =
-    ["vibrissa_beam", "vibrissa_core", "vibrissa_io", "vibrissa_live", "vibrissa_sim", "vibrissa_figure", "vibrissa"];
+const CRATES: [&str; 8] = [
+    "vibrissa_beam",
+    "vibrissa_head",
+    "vibrissa_core",
+    "vibrissa_io",
+    "vibrissa_live",
+    "vibrissa_sim",
+    "vibrissa_figure",
+    "vibrissa",
+];
 
 /// Modules that a library re-exports from another, where they are listed.
 const ELSEWHERE: [&str; 15] = [

@@ -9,9 +9,11 @@ use std::path::{Path, PathBuf};
 /// The library crates by folder, and those of them that each may depend on.
 const CRATES: &[(&str, &[&str])] = &[
     ("crates/vibrissa-beam", &[]),
+    ("crates/vibrissa-head", &["vibrissa-beam"]),
+    ("crates/vibrissa-c", &["vibrissa-beam", "vibrissa-head"]),
     ("crates/vibrissa-core", &["vibrissa-beam"]),
     ("crates/vibrissa-io", &["vibrissa-core"]),
-    ("crates/vibrissa-live", &["vibrissa-core", "vibrissa-io"]),
+    ("crates/vibrissa-live", &["vibrissa-core", "vibrissa-head", "vibrissa-io"]),
     ("crates/vibrissa-sim", &["vibrissa-core", "vibrissa-io"]),
     ("crates/vibrissa-figure", &["vibrissa-core"]),
     ("crates/vibrissa", &["vibrissa-core", "vibrissa-figure", "vibrissa-io", "vibrissa-sim"]),
@@ -24,6 +26,10 @@ const ROOMS: &[(&str, &[&str])] = &[
     (
         "crates/vibrissa-beam",
         &["math", "platform", "error", "config", "linear_algebra", "plane", "sets", "sensing", "beam"],
+    ),
+    (
+        "crates/vibrissa-head",
+        &["packet", "calibration", "unwrap", "bus", "command", "frame", "chip", "head", "simulated"],
     ),
     ("crates/vibrissa-core", &["stop", "config", "world", "contact", "flow", "localizer"]),
     (

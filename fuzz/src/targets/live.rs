@@ -16,25 +16,24 @@ pub(crate) fn lines(bytes: &[u8]) -> Verdict {
     let made =
         Decoder::new(format, None, whisker).or_else(|_| Decoder::new(format, Some(&["moment".to_owned()]), whisker));
     let mut decoder = made.map_err(|error| format!("{}: no decoder ({error})", format.as_str()))?;
-    let (mut splitter, mut counts) = (LineSplitter::new(cut % 2 == 1), Counts::default());
+    let (mut splitter, mut counts) = (format.splitter(cut % 2 == 1), Counts::default());
     let (mut frames, mut lost, mut longest) = (0, 0, 0);
     let mut fault = None;
     for piece in rest.chunks(usize::from(cut) + 1) {
-        splitter.push(piece, |found| match found {
-            Piece::Line(text) => {
-                longest = longest.max(text.len());
-                match decoder.line(&text, &mut counts) {
-                    Decoded::Frame(frame) => {
-                        frames += 1;
-                        let finite = frame.readings.iter().chain(&frame.stamp).all(|value| value.is_finite());
-                        if !finite || frame.readings.len() != decoder.channels().len() {
-                            fault.get_or_insert(format!("{}: a frame with gaps of {text:?}", format.as_str()));
-                        }
-                    }
-                    _ => lost += 1,
-                }
+        splitter.push(piece, |found| {
+            let (length, decoded) = match &found {
+                Piece::Line(text) => (text.len(), decoder.line(text, &mut counts)),
+                Piece::Packet(bytes) => (bytes.len(), decoder.packet(bytes, &mut counts)),
+                Piece::Noise | Piece::Torn => (0, Decoded::Lost),
+            };
+            longest = longest.max(length);
+            let Decoded::Frame(frame) = decoded else { return lost += 1 };
+            frames += 1;
+            let finite = frame.readings.iter().chain(&frame.stamp).all(|value| value.is_finite());
+            let whole = frame.readings.len() == decoder.channels().len();
+            if !finite || !(whole || format == WireFormat::Head && frame.readings.is_empty()) {
+                fault.get_or_insert(format!("{}: a frame with gaps of {found:?}", format.as_str()));
             }
-            Piece::Noise | Piece::Torn => lost += 1,
         });
     }
     promise(fault.is_none(), || fault.unwrap_or_default())?;

@@ -4,7 +4,7 @@ use super::pendulum::{Pendulum, Swing, Tilt};
 use super::rod::Rod;
 use crate::math;
 use crate::plane::Vec2;
-use alloc::sync::Arc;
+use crate::platform::Shared;
 use alloc::vec::Vec;
 #[cfg(not(feature = "std"))]
 use num_traits::Float as _;
@@ -28,7 +28,7 @@ pub struct ShapePoint {
 pub struct Bend {
     /// The force (N) along the load's direction; negative when it acts the other way.
     pub force: f64,
-    /// Arc length from the base to the contact (m).
+    /// Shared length from the base to the contact (m).
     pub s_a: f64,
     /// Slope of the whisker at the contact (rad), counter-clockwise; not wrapped, up to a full turn in size.
     pub phi_a: f64,
@@ -47,7 +47,7 @@ pub(super) enum Body {
     /// The closed form covers it.
     Uniform(Uniform),
     /// It is integrated.
-    Rod(Arc<Rod>),
+    Rod(Shared<Rod>),
 }
 
 /// A uniform straight clamped whisker, and how its closed form is posed.

@@ -5,6 +5,7 @@
 //! | force | `F, s_a` | [`force_mode`] | one, or none for a force that turns with the whisker and is too large |
 //! | moment | `M0, s_a` | [`moment_mode`] | normal load: two below `M0 s_a / EI` = 2.944, none above |
 //! | point | `x, y` | [`point_mode`] | one; two or none for points far to the side |
+//! | moments in space | both transverse moments, `s_a` | [`moment_mode_in_space`] | as the moment mode, in the plane that they say |
 //! | tip | `x, y` of the tip | [`tip_mode`] | force and its direction; one, or several where the whisker can snap |
 //!
 //! All in SI, in the whisker frame: base at the origin, undeflected whisker along +x, angles counter-clockwise. A push towards
@@ -20,6 +21,7 @@
 //! of one whisker tabulate it; see [`field`].
 
 mod bend;
+mod bending_plane;
 pub mod elastica;
 pub mod field;
 mod fixed_line;
@@ -46,6 +48,7 @@ mod tip_table;
 mod whisker;
 
 pub use bend::{Bend, ShapePoint};
+pub use bending_plane::{BendingPlane, SpatialContact, moment_mode_in_space};
 pub use force_mode::force_mode;
 pub use influence::{deflection_per_force, moment_per_travel, moment_per_turn};
 pub use load::Load;

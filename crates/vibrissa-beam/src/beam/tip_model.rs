@@ -5,7 +5,7 @@ use super::tip_curve::{STEEPEST_TILT, largest_root, largest_tip_moment, pieces, 
 use super::{Bend, TipChart, TipEquilibrium, TipRate, Whisker, elastica, tip_chart, tip_curve};
 use crate::error::{Error, Result};
 use crate::plane::wrap_angle;
-use alloc::sync::Arc;
+use crate::platform::Shared;
 use alloc::vec::Vec;
 use core::f64::consts::{FRAC_PI_2, PI};
 #[cfg(not(feature = "std"))]
@@ -55,7 +55,7 @@ impl TipReading {
 pub struct TipModel {
     whisker: Whisker,
     rigidity: f64,
-    table: Option<Arc<Tabulated>>,
+    table: Option<Shared<Tabulated>>,
 }
 
 /// A table and the load at which its moment is the largest when the tilt is the steepest.
@@ -91,7 +91,7 @@ impl TipModel {
         let peak = steepest_peak(most, &|t| {
             field.at(-STEEPEST_TILT, t * t * unit).map_or(0.0, |state| state.moment * per_moment)
         });
-        Ok(Self { whisker: *whisker, rigidity, table: Some(Arc::new(Tabulated { field, peak })) })
+        Ok(Self { whisker: *whisker, rigidity, table: Some(Shared::new(Tabulated { field, peak })) })
     }
 
     /// The whisker.

@@ -136,6 +136,31 @@ impl Chip {
         }
     }
 
+    /// After how many counts a register begins anew, where it wraps: 16 bits of the MLX90393.
+    #[must_use]
+    pub fn wraps(&self) -> Option<i32> {
+        match self {
+            Self::Mlx90393(_) => Some(1 << 16),
+            Self::Tle493d(_) => None,
+        }
+    }
+
+    /// Whether a count, carried on over its wraps, is where the converter ends: the field is that or more.
+    #[must_use]
+    pub fn is_saturated(&self, count: i32) -> bool {
+        match self {
+            Self::Mlx90393(mlx) => {
+                let end = (MLX_SATURATION as i64) >> mlx.shift();
+                let at = i64::from(count) - mlx.zero();
+                at >= end || at <= -end
+            }
+            Self::Tle493d(_) => {
+                let end = TLE_LARGEST as i32;
+                count >= end || count <= -end
+            }
+        }
+    }
+
     /// How long one reading of all three axes takes (s); none where we know no formula.
     ///
     /// MLX90393 in single measurements: three times `67 + 64 2^OSR (2 + 2^DIG_FILT)` µs and what comes before and after.

@@ -8,13 +8,16 @@
 //! | --- | --- |
 //! | `dipole` | the field of a magnet |
 //! | `chip` | counts from fields: sensitivity, bits, wrap-around, saturation, conversion time |
+//! | `response` | moments from readings |
 
 mod chip;
 mod dipole;
+mod response;
 
 use crate::math;
 pub use chip::{Chip, Mlx90393, Tle493d};
 pub use dipole::{Vec3, dipole_field};
+pub use response::{SURFACE_TERMS, excursion, polynomial, surface, surface_terms};
 
 use crate::config::sensing as defaults;
 

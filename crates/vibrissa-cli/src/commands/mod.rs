@@ -13,6 +13,7 @@ mod preimage;
 mod profile;
 mod readings;
 mod reproduce;
+mod sensor;
 mod simulate;
 mod studio;
 
@@ -38,6 +39,7 @@ pub(crate) enum Command {
     ContactSet(contact_set::Args),
     Preimage(preimage::Args),
     Simulate(simulate::Args),
+    Sensor(sensor::Args),
     Studio(studio::Args),
     Reproduce(reproduce::Args),
 }
@@ -55,6 +57,7 @@ fn doing(command: &Command) -> Option<&'static str> {
         Command::Localize(_) => "reading",
         Command::Join(_) => "joining",
         Command::Simulate(_) => "reading the scenario",
+        Command::Sensor(_) => "designing",
         #[cfg(feature = "live")]
         Command::Live(_) => return None,
         Command::Studio(_) | Command::Reproduce(_) => return None,
@@ -77,6 +80,7 @@ pub(crate) fn run(command: &Command) -> Result<()> {
         #[cfg(feature = "live")]
         Command::Live(args) => live::run(args),
         Command::Simulate(args) => simulate::run(args),
+        Command::Sensor(args) => sensor::run(args),
         Command::Studio(args) => studio::run(args),
         Command::Reproduce(args) => reproduce::run(args),
     }

@@ -1,4 +1,4 @@
-//! Lines out of bytes that come in pieces.
+//! Lines and packets out of bytes that come in pieces.
 
 use crate::config::LONGEST_LINE;
 
@@ -7,15 +7,19 @@ use crate::config::LONGEST_LINE;
 pub enum Piece {
     /// A line without its end; never empty.
     Line(String),
+    /// A packet of bytes without zeros, without the zero at its end; never empty.
+    Packet(Vec<u8>),
     /// A line that is no text, or too long for one.
     Noise,
     /// The end of a line whose beginning was not seen.
     Torn,
 }
 
-/// Puts bytes together to lines. A line ends in `\n`, `\r` or both, so that a lost one of them does no harm.
+/// Puts bytes together to lines or packets. A line ends in `\n`, `\r` or both, so that a lost one of them does no harm; a packet ends
+/// in a zero.
 #[derive(Clone, Debug)]
 pub struct LineSplitter {
+    packets: bool,
     line: Vec<u8>,
     /// Whether the beginning of this line was not seen.
     torn: bool,
@@ -28,14 +32,22 @@ impl LineSplitter {
     /// look whole though digits are missing.
     #[must_use]
     pub fn new(torn: bool) -> Self {
-        Self { line: Vec::new(), torn, long: false }
+        Self { packets: false, line: Vec::new(), torn, long: false }
+    }
+
+    /// The same for packets.
+    #[must_use]
+    pub fn of_packets(torn: bool) -> Self {
+        Self { packets: true, ..Self::new(torn) }
     }
 
     /// Takes bytes, and calls `found` with each piece that ends in them.
     pub fn push(&mut self, bytes: &[u8], mut found: impl FnMut(Piece)) {
-        for part in bytes.split_inclusive(|byte| matches!(byte, b'\n' | b'\r')) {
+        let packets = self.packets;
+        let ends = |byte: &u8| if packets { *byte == 0 } else { matches!(byte, b'\n' | b'\r') };
+        for part in bytes.split_inclusive(ends) {
             let (body, ended) = match part.split_last() {
-                Some((b'\n' | b'\r', body)) => (body, true),
+                Some((last, body)) if ends(last) => (body, true),
                 _ => (part, false),
             };
             if self.line.len() + body.len() > LONGEST_LINE {
@@ -53,7 +65,7 @@ impl LineSplitter {
     /// Forgets the line that has begun: the stream broke off. Whether there was one.
     pub fn break_off(&mut self, torn: bool) -> bool {
         let begun = !self.line.is_empty() || self.long;
-        *self = Self::new(torn);
+        *self = Self { packets: self.packets, ..Self::new(torn) };
         begun
     }
 
@@ -65,6 +77,9 @@ impl LineSplitter {
         }
         if long {
             return Some(Piece::Noise);
+        }
+        if self.packets {
+            return (!line.is_empty()).then_some(Piece::Packet(line));
         }
         match String::from_utf8(line) {
             Ok(text) if text.trim().is_empty() => None,
@@ -107,6 +122,14 @@ mod tests {
             pieces(&mut splitter, &[b"2,3\r\n4,5\n\xff\xfe\n6,7\n"]),
             [Piece::Torn, line("4,5"), Piece::Noise, line("6,7")]
         );
+        let mut packets = LineSplitter::of_packets(true);
+        let packet = |bytes: &[u8]| Piece::Packet(bytes.to_vec());
+        assert_eq!(
+            pieces(&mut packets, &[b"12\0\0\n\r", b"4\0", &[0xff, 0]]),
+            [Piece::Torn, packet(b"\n\r4"), packet(b"\xff")]
+        );
+        assert!(!packets.break_off(true));
+        assert_eq!(pieces(&mut packets, &[b"5\0", b"6\0"]), [Piece::Torn, packet(b"6")]);
         let long = vec![b'7'; 5000];
         assert_eq!(pieces(&mut splitter, &[&long, &long, b"\n8\n"]), [Piece::Noise, line("8")]);
     }

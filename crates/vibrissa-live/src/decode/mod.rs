@@ -9,12 +9,14 @@
 //! | `openwhisker` | host stamp, three counts that wrap, two lengths | in the line |
 //! | `csv` | named columns, by a header line or by `columns` | columns `t`, `t_ms`, `t_us`, or counted |
 //! | `tum` | odometry `t x y z qx qy qz qw` | in the line |
+//! | `head` | no line: a packet of a sensor head, numbered and with a checksum | in the packet |
 //!
 //! A line may end in a checksum of the bytes before it: `*HH`, their exclusive or, or `*HHHH`, their CRC-16 (CCITT, from FFFF), in
 //! hexadecimal digits. Where it is there it must be right, and a stream that had one must have one in every line.
 
 mod columns;
 mod counter;
+mod head;
 mod line_splitter;
 mod plotter;
 
@@ -26,6 +28,7 @@ use crate::counts::Counts;
 use crate::{Error, Result};
 use columns::Values;
 use core::str::FromStr;
+use head::HeadPackets;
 use plotter::Plotter;
 use vibrissa_core::flow::sensor_log::{Channel, Quantity};
 use vibrissa_core::plane::Pose2;
@@ -33,7 +36,7 @@ use vibrissa_io::log::foreign::{CarriedCounts, TakingTurns, flux_line, host_stam
 use vibrissa_io::parse_tum;
 use vibrissa_io::text::did_you_mean;
 
-/// The formats of lines.
+/// The formats of lines and packets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum WireFormat {
     /// `x,y,z` in µT, without time.
@@ -50,12 +53,22 @@ pub enum WireFormat {
     Csv,
     /// Odometry `t x y z qx qy qz qw`.
     Tum,
+    /// Packets of a sensor head.
+    Head,
 }
 
 impl WireFormat {
     /// Every format.
-    pub const ALL: [Self; 7] =
-        [Self::Serial, Self::Serial2, Self::Plotter, Self::Ratatouille, Self::Openwhisker, Self::Csv, Self::Tum];
+    pub const ALL: [Self; 8] = [
+        Self::Serial,
+        Self::Serial2,
+        Self::Plotter,
+        Self::Ratatouille,
+        Self::Openwhisker,
+        Self::Csv,
+        Self::Tum,
+        Self::Head,
+    ];
 
     /// The word that names it.
     #[must_use]
@@ -68,7 +81,14 @@ impl WireFormat {
             Self::Openwhisker => "openwhisker",
             Self::Csv => "csv",
             Self::Tum => "tum",
+            Self::Head => "head",
         }
+    }
+
+    /// Puts bytes of this format together; `torn` as [`LineSplitter::new`] takes it.
+    #[must_use]
+    pub fn splitter(self, torn: bool) -> LineSplitter {
+        if self == Self::Head { LineSplitter::of_packets(torn) } else { LineSplitter::new(torn) }
     }
 }
 
@@ -94,7 +114,8 @@ pub struct Frame {
     pub pose: Option<Pose2>,
     /// Absolute heading (rad).
     pub heading: Option<f64>,
-    /// The readings, in the order of [`Decoder::channels`].
+    /// The readings, in the order of [`Decoder::channels`]; empty where the device has sent a number and a time, but no reading that it
+    /// believes.
     pub readings: Vec<f64>,
 }
 
@@ -128,6 +149,7 @@ enum Kind {
     /// Without columns until the header has come.
     Csv(Option<Columns>, String),
     Tum,
+    Head(HeadPackets),
 }
 
 impl Decoder {
@@ -138,7 +160,7 @@ impl Decoder {
     ///
     /// Columns that are none, that are due and missing, or that the format does not have.
     pub fn new(format: WireFormat, columns: Option<&[String]>, whisker: &str) -> Result<Self> {
-        let takes_columns = matches!(format, WireFormat::Csv | WireFormat::Plotter);
+        let takes_columns = matches!(format, WireFormat::Csv | WireFormat::Plotter | WireFormat::Head);
         if columns.is_some() && !takes_columns {
             return Err(Error::data(format!("the format {} has no columns to name", format.as_str()))
                 .remedy("leave `columns` out, or write format = \"csv\""));
@@ -172,6 +194,11 @@ impl Decoder {
                 (Kind::Csv(columns, whisker.to_owned()), channels)
             }
             WireFormat::Tum => (Kind::Tum, Vec::new()),
+            WireFormat::Head => {
+                let packets = HeadPackets::new(columns)?;
+                let channels = of(whisker, &packets.quantities());
+                (Kind::Head(packets), channels)
+            }
         };
         Ok(Self { kind, channels, summed: false })
     }
@@ -211,6 +238,7 @@ impl Decoder {
         match &self.kind {
             Kind::Csv(Some(columns), _) => columns.stamp_wraps(),
             Kind::Plotter(plotter) => plotter.columns.stamp_wraps(),
+            Kind::Head(_) => Some(head::STAMP_WRAPS),
             _ => None,
         }
     }
@@ -220,6 +248,7 @@ impl Decoder {
     pub fn number_wraps(&self) -> Option<u64> {
         match &self.kind {
             Kind::Csv(Some(columns), _) => columns.number_wraps(),
+            Kind::Head(_) => Some(head::NUMBER_WRAPS),
             _ => None,
         }
     }
@@ -276,6 +305,15 @@ impl Decoder {
                 None if text.starts_with('#') => Decoded::Nothing,
                 None => Decoded::Lost,
             },
+            Kind::Head(_) => Decoded::Lost,
+        }
+    }
+
+    /// Reads a packet, without the zero at its end. Formats of lines have none.
+    pub fn packet(&mut self, bytes: &[u8], counts: &mut Counts) -> Decoded {
+        match &self.kind {
+            Kind::Head(packets) => packets.packet(bytes, counts),
+            _ => Decoded::Lost,
         }
     }
 }

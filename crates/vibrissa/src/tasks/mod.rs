@@ -10,6 +10,7 @@ pub mod join;
 mod localize;
 pub mod profile;
 mod remedies;
+pub mod sensor_design;
 pub mod temporal_filter;
 
 pub use doubts::doubts;

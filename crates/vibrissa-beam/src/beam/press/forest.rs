@@ -3,8 +3,8 @@
 use super::patch::{CORNERS, Fit, Patch, RodSample, Samples, Variant};
 use crate::beam::rod::{Hold, Rod};
 use crate::math;
+use crate::platform::Shared;
 use alloc::collections::BinaryHeap;
-use alloc::sync::Arc;
 use alloc::vec::Vec;
 use core::cmp::Reverse;
 use core::f64::consts::FRAC_PI_2;
@@ -76,7 +76,7 @@ struct Branch {
     /// The coordinate to bisect.
     split: usize,
     /// What changes of it with the rod or the force: its own, or that of the whole that it is a part of.
-    variants: Arc<[Variant]>,
+    variants: Shared<[Variant]>,
     depth: u8,
     /// Whether the whisker can be in some of its samples only, or needs no hold in some; and whether it can be in none.
     is_mixed: bool,
@@ -276,7 +276,7 @@ impl Forest {
                 is_known.then(|| samples[cell])
             };
             let own = (branch.depth < VARIED_DEPTH).then_some(None);
-            let variants = own.unwrap_or_else(|| Some(Arc::clone(&branch.variants)));
+            let variants = own.unwrap_or_else(|| Some(Shared::clone(&branch.variants)));
             // However deep: what can be nowhere may be folded so that no patch tells it well.
             let (gone, held, is_mixed) =
                 if branch.is_mixed { self.who_can_be(ends) } else { (false, inflected, false) };
@@ -302,7 +302,7 @@ impl Forest {
         &mut self,
         ends: [(f64, f64); 2],
         known: Option<&dyn Fn(usize, usize) -> Option<RodSample>>,
-        (variants, depth): (Option<Arc<[Variant]>>, u8),
+        (variants, depth): (Option<Shared<[Variant]>>, u8),
         (inflected, is_mixed): (bool, bool),
     ) {
         let kind = &self.kind;
@@ -321,7 +321,7 @@ impl Forest {
                 list.iter().all(Option::is_some).then(|| list.map(|sample| sample.unwrap_or(first)))
             };
         let samples = all(&kind.rod, 0.0, known);
-        let anew = |samples: Samples| kind.variants(&samples, &|rod, lean| all(rod, lean, None)).map(Arc::from);
+        let anew = |samples: Samples| kind.variants(&samples, &|rod, lean| all(rod, lean, None)).map(Shared::from);
         let variants = variants.or_else(|| samples.and_then(anew));
         let (Some(samples), Some(variants)) = (samples, variants) else {
             return self.branches.push(Branch::anywhere(ends));
@@ -358,7 +358,7 @@ impl Branch {
     fn anywhere(ends: [(f64, f64); 2]) -> Self {
         let patch = Patch::anywhere(false);
         let (is_mixed, is_gone) = (false, false);
-        let variants: Arc<[Variant]> = Arc::new([]);
+        let variants: Shared<[Variant]> = Shared::new([]);
         Self { ends, samples: None, patch, width: 0.0, split: 0, variants, depth: 0, is_mixed, is_gone, halves: None }
     }
 }

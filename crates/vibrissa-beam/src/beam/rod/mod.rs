@@ -26,8 +26,8 @@ mod stability;
 mod tip;
 mod view;
 
+use crate::platform::Shared;
 use alloc::format;
-use alloc::sync::Arc;
 
 pub use follow::{Followed, Status};
 pub use forward::Touched;
@@ -48,9 +48,9 @@ use section::{RodPiece, pieces, tapered};
 pub struct Rod {
     length: f64,
     /// Shared, since every equilibrium found keeps its rod.
-    pieces: Arc<[RodPiece]>,
+    pieces: Shared<[RodPiece]>,
     /// Coefficients of the rest curvature by rising power of `s`.
-    curvature: Arc<[f64]>,
+    curvature: Shared<[f64]>,
     /// `1 / k_base` (rad/(N m)); 0 when clamped.
     base_compliance: f64,
 }
@@ -100,7 +100,7 @@ impl Rod {
         }
         let piece =
             RodPiece { start: 0.0, end: length, rigidity: flexural_rigidity, narrowing: (1.0 - tip_ratio) / length };
-        Ok(Self { length, pieces: Arc::new([piece]), curvature: Arc::new([]), base_compliance: 0.0 })
+        Ok(Self { length, pieces: Shared::new([piece]), curvature: Shared::new([]), base_compliance: 0.0 })
     }
 
     /// A straight clamped rod of stretches that may taper, joined in order from the base.
@@ -110,7 +110,7 @@ impl Rod {
     pub fn from_stretches(stretches: &[Stretch]) -> Result<Self> {
         let pieces = tapered(Stretches::new(stretches)?.as_slice());
         let length = pieces.last().map_or(0.0, |piece| piece.end);
-        Ok(Self { length, pieces: pieces.into(), curvature: Arc::new([]), base_compliance: 0.0 })
+        Ok(Self { length, pieces: pieces.into(), curvature: Shared::new([]), base_compliance: 0.0 })
     }
 
     /// A straight clamped rod of several wires, joined in order from the base; its length is theirs together.
@@ -120,7 +120,7 @@ impl Rod {
     pub fn from_segments(segments: &[Segment]) -> Result<Self> {
         let pieces = pieces(segments)?;
         let length = pieces.last().map_or(0.0, |piece| piece.end);
-        Ok(Self { length, pieces: pieces.into(), curvature: Arc::new([]), base_compliance: 0.0 })
+        Ok(Self { length, pieces: pieces.into(), curvature: Shared::new([]), base_compliance: 0.0 })
     }
 
     /// The rod with the rest curvature `sum_k coefficients[k] s^k` (1/m, s in m), counter-clockwise positive.
@@ -159,7 +159,7 @@ impl Rod {
         Ok(self)
     }
 
-    /// Arc length from base to tip (m).
+    /// Shared length from base to tip (m).
     #[must_use]
     pub fn length(&self) -> f64 {
         self.length

@@ -2,7 +2,7 @@
 use super::Rod;
 use super::section::RodPiece;
 use crate::error::{Error, Result};
-use alloc::sync::Arc;
+use crate::platform::Shared;
 use alloc::vec;
 use alloc::vec::Vec;
 
@@ -32,14 +32,14 @@ impl Rod {
             start = piece.end;
             piece
         };
-        let pieces: Arc<[RodPiece]> = stretches.chunks_exact(3).map(piece).collect();
+        let pieces: Shared<[RodPiece]> = stretches.chunks_exact(3).map(piece).collect();
         let rising = pieces.windows(2).all(|pair| pair[0].end < pair[1].end);
         let sound = pieces.iter().all(|p| p.end > 0.0 && p.rigidity > 0.0 && p.narrowing * (p.end - p.start) < 1.0);
         let finite = list.iter().all(|x| x.is_finite());
         if !(rising && sound && finite && *length > 0.0 && *base_compliance >= 0.0) {
             return Err(bad());
         }
-        let straight = Self { length: *length, pieces, curvature: Arc::new([]), base_compliance: *base_compliance };
+        let straight = Self { length: *length, pieces, curvature: Shared::new([]), base_compliance: *base_compliance };
         straight.with_curvature(curvature)
     }
 }

@@ -6,7 +6,7 @@ use super::Rod;
 use super::march::{MarchStep, RodState, march};
 use super::shot::{Shot, Trial, gap_of};
 use crate::plane::Vec2;
-use alloc::sync::Arc;
+use crate::platform::Shared;
 use alloc::vec::Vec;
 
 /// Nodes and weights of Gauss's quadrature of order 16 on \[-1, 1\], the positive half.
@@ -34,7 +34,7 @@ impl Rod {
         if shots.is_empty() {
             return Vec::new();
         }
-        let rod = Arc::new(self.clone());
+        let rod = Shared::new(self.clone());
         let bend = |shot: Shot| Bend {
             force: shot.trial.force,
             s_a: shot.trial.s_a,
@@ -42,7 +42,7 @@ impl Rod {
             beta: line.beta(shot.phi_a),
             contact: shot.contact,
             moment: shot.moment,
-            body: Body::Rod(Arc::clone(&rod)),
+            body: Body::Rod(Shared::clone(&rod)),
         };
         shots.into_iter().map(bend).collect()
     }
@@ -58,7 +58,7 @@ impl Rod {
             beta: line.beta(end.phi),
             contact: end.position,
             moment: 0.0,
-            body: Body::Rod(Arc::new(self.clone())),
+            body: Body::Rod(Shared::new(self.clone())),
         }
     }
 

@@ -1,5 +1,6 @@
 //! From raw readings to the moment about the base, and from moments to the tip's retreat.
 
+use crate::sensing::{excursion, polynomial};
 use crate::{Error, Result};
 
 /// How far beyond the calibrated range a reading may lie, as a share of the range.
@@ -34,14 +35,14 @@ impl MomentCurve {
     /// The readings' excursion along the direction of contact.
     #[must_use]
     pub fn signal(&self, readings: &[f64]) -> f64 {
-        readings.iter().zip(&self.rest).zip(&self.direction).map(|((b, rest), direction)| (b - rest) * direction).sum()
+        excursion(readings, &self.rest, &self.direction)
     }
 
     /// The moment (N m) for a signal, also beyond the calibrated range.
     #[must_use]
     pub fn at(&self, signal: f64) -> f64 {
         let z = (signal - self.range[0]) / self.range[1];
-        self.coefficients.iter().rev().fold(0.0, |sum, c| sum * z + c)
+        polynomial(&self.coefficients, z)
     }
 
     /// The moment (N m) for readings of the inputs, in their order.
