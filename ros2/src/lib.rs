@@ -11,6 +11,7 @@
 //! | states of a managed node | [`lifecycle`] |
 //! | parameters, and the files and arguments that say them | [`parameters`], [`parameters_file`] |
 //! | maps that are messages | [`grid`] |
+//! | messages as lines for `vibrissa live` | [`lines`] |
 //! | topics, services, threads | [`node`] |
 
 pub mod config;
@@ -18,6 +19,7 @@ pub mod engine;
 pub mod feed;
 pub mod grid;
 pub mod lifecycle;
+pub mod lines;
 pub mod messages;
 pub mod node;
 pub mod outputs;

@@ -7,7 +7,7 @@
 //! | heart | transform, bond, diagnostics; it never waits for the others | `heart` |
 //! | change | one for each configuring, which may read a large map | `services` |
 //!
-//! `maker` makes topics and services, `declared` tells parameters to other nodes, `clock` what time it is.
+//! `topic_lines` is no part of the node: it tells a topic as lines. `maker` makes topics and services, `declared` tells parameters to other nodes, `clock` what time it is.
 
 mod clock;
 mod declared;
@@ -15,9 +15,11 @@ mod heart;
 mod inputs;
 mod maker;
 mod services;
+mod topic_lines;
 mod voices;
 
 pub use inputs::by_name;
+pub use topic_lines::tell_lines;
 
 use crate::engine::Engine;
 use crate::messages::Transition;
@@ -78,12 +80,7 @@ impl RunningNode {
 /// Names that ROS does not allow, a network that cannot be used; with `autostart` files that cannot be read.
 pub fn start(parameters: &Parameters) -> Result<RunningNode> {
     let engine = Arc::new(Engine::new(parameters.clone()));
-    let mut builder = DomainParticipantBuilder::new(parameters.domain);
-    if parameters.localhost {
-        builder = builder.with_only_networks([IpAddr::V4(Ipv4Addr::LOCALHOST)]);
-    }
-    let participant = builder.build().map_err(|e| dds("join the domain", e))?;
-    let context = Context::from_domain_participant(participant).map_err(|e| dds("join the domain", e))?;
+    let context = join_domain(parameters)?;
     let name = NodeName::new(&parameters.namespace, &parameters.name).map_err(|e| {
         Error::usage("no name of a node").value(format!("{} {}: {e:?}", parameters.namespace, parameters.name))
     })?;
@@ -130,6 +127,16 @@ pub fn start(parameters: &Parameters) -> Result<RunningNode> {
         }
     }
     Ok(running)
+}
+
+/// Joins the domain, where it is said so on this machine only.
+fn join_domain(parameters: &Parameters) -> Result<Context> {
+    let mut builder = DomainParticipantBuilder::new(parameters.domain);
+    if parameters.localhost {
+        builder = builder.with_only_networks([IpAddr::V4(Ipv4Addr::LOCALHOST)]);
+    }
+    let participant = builder.build().map_err(|e| dds("join the domain", e))?;
+    Context::from_domain_participant(participant).map_err(|e| dds("join the domain", e))
 }
 
 fn spawn(name: &str, run: impl FnOnce() + Send + 'static) -> Result<JoinHandle<()>> {

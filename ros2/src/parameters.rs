@@ -180,6 +180,23 @@ fn arguments(args: &[String]) -> Result<Vec<Argument<'_>>> {
 }
 
 impl Parameters {
+    /// What environment variables say: the domain, and whether only this machine is listened to.
+    ///
+    /// # Errors
+    ///
+    /// A domain that is none.
+    pub fn from_environment(variable: &dyn Fn(&str) -> Option<String>) -> Result<Self> {
+        let mut parameters = Self::default();
+        if let Some(text) = variable("ROS_DOMAIN_ID").filter(|text| !text.is_empty()) {
+            let domain = text.parse().ok().filter(|domain| *domain <= 232);
+            parameters.domain =
+                domain.ok_or_else(|| Error::usage("ROS_DOMAIN_ID is no domain").value(&text).allowed("0 to 232"))?;
+        }
+        parameters.localhost = variable("ROS_LOCALHOST_ONLY").is_some_and(|text| text == "1")
+            || variable("ROS_AUTOMATIC_DISCOVERY_RANGE").is_some_and(|text| text == "LOCALHOST");
+        Ok(parameters)
+    }
+
     /// The parameters that command arguments say; `variable` gives environment variables. What was left out is told, too.
     ///
     /// | argument | what |
@@ -195,14 +212,7 @@ impl Parameters {
     ///
     /// Unknown arguments and names, values out of range, files that cannot be read.
     pub fn from_args(args: &[String], variable: &dyn Fn(&str) -> Option<String>) -> Result<(Self, Vec<String>)> {
-        let (mut parameters, mut left_out) = (Self::default(), Vec::new());
-        if let Some(text) = variable("ROS_DOMAIN_ID").filter(|text| !text.is_empty()) {
-            let domain = text.parse().ok().filter(|domain| *domain <= 232);
-            parameters.domain =
-                domain.ok_or_else(|| Error::usage("ROS_DOMAIN_ID is no domain").value(&text).allowed("0 to 232"))?;
-        }
-        parameters.localhost = variable("ROS_LOCALHOST_ONLY").is_some_and(|text| text == "1")
-            || variable("ROS_AUTOMATIC_DISCOVERY_RANGE").is_some_and(|text| text == "LOCALHOST");
+        let (mut parameters, mut left_out) = (Self::from_environment(variable)?, Vec::new());
         // The node's name says which parameters of a file are its own.
         let arguments = arguments(args)?;
         for argument in &arguments {

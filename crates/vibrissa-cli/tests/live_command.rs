@@ -143,3 +143,76 @@ fn recordings_are_never_overwritten_and_mistakes_are_told() {
     assert_eq!(vibrissa(&["live"]).code, Some(2));
     assert_eq!(vibrissa(&["live", "--demo", "--speed", "2"]).code, Some(2));
 }
+
+/// Topics of ROS 2 come as lines of a program; here one of our own stands for it, which tells the demo's log.
+#[test]
+fn topics_come_through_a_program_and_are_recorded_like_any_other_source() {
+    use std::os::unix::fs::PermissionsExt;
+    let here = folder("live-ros2");
+    std::fs::write(here.join("map.svg"), demo::ARENA_SVG).unwrap();
+    let log = demo::sweep(1).unwrap().log;
+    let odometry: String = log
+        .rows
+        .iter()
+        .map(|row| {
+            let pose = row.odom_from_robot;
+            format!("{},{},{},{}\n", row.t, pose.x, pose.y, pose.theta)
+        })
+        .collect();
+    let readings: String = log.rows.iter().map(|row| format!("{},{}\n", row.t, row.readings[0])).collect();
+    std::fs::write(here.join("odom"), &odometry).unwrap();
+    std::fs::write(here.join("touch"), format!("t,w0.moment\n{readings}")).unwrap();
+    let program = here.join("vibrissa-ros2");
+    let script = format!(
+        "#!/bin/sh\ncase \"$*\" in\n\"--lines odometry /odom\") cat {0}/odom;;\n\"--lines joints touch\") cat {0}/touch;;\n\
+         *) echo \"no such topic: $*\" >&2; exit 1;;\nesac\ncat > /dev/null\n",
+        here.display()
+    );
+    std::fs::write(&program, script).unwrap();
+    std::fs::set_permissions(&program, std::fs::Permissions::from_mode(0o755)).unwrap();
+    let setup = |topic: &str| {
+        format!(
+            "map = \"map.svg\"\n[[source]]\nname = \"touch\"\nros2 = \"{topic}\"\nmessage = \"joints\"\n\
+             [[source]]\nname = \"base\"\nros2 = \"/odom\"\nmessage = \"odometry\"\n"
+        )
+    };
+    let run = |topic: &str, path: &str| {
+        std::fs::write(here.join("live.toml"), setup(topic)).unwrap();
+        let mut child = Command::new(env!("CARGO_BIN_EXE_vibrissa"));
+        child.args(["live", "--json", "--out"]).arg(here.join("out")).arg(here.join("live.toml"));
+        child.env("PATH", path).stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
+    };
+    let path = format!("{}:{}", here.display(), std::env::var("PATH").unwrap());
+    let end = |mut child: Child| {
+        Command::new("kill").arg("-INT").arg(child.id().to_string()).status().unwrap();
+        assert_eq!(child.wait().unwrap().code(), Some(0));
+    };
+    let mut child = run("touch", &path);
+    let last = log.rows.last().unwrap().t;
+    let told = BufReader::new(child.stdout.take().unwrap()).lines();
+    let is_last = |line: &String| {
+        let t = line.split([':', ',']).nth(1).and_then(|t| t.parse::<f64>().ok());
+        t.is_some_and(|t| t > last - 0.2) && line.contains("\"localized\"")
+    };
+    assert!(told.map_while(Result::ok).any(|line| is_last(&line)), "the run ended before the last rows");
+    end(child);
+    let bytes = String::from_utf8(recorded(&here.join("out")).unwrap()).unwrap();
+    assert!(bytes.contains(odometry.lines().last().unwrap()) && bytes.contains(readings.lines().last().unwrap()));
+    let again = vibrissa(&["live", "--replay", here.join("out").to_str().unwrap()]);
+    assert!(
+        again.code == Some(0) && again.stdout.contains("the same to the byte"),
+        "{} {}",
+        again.stdout,
+        again.stderr
+    );
+    // What the program says about a fault is told, and where there is none what to do; the run waits.
+    for (topic, path, words) in [
+        ("other", path.as_str(), "vibrissa-ros2: no such topic: --lines joints other"),
+        ("touch", "/nowhere", "cargo build --release --manifest-path ros2/Cargo.toml"),
+    ] {
+        let mut child = run(topic, path);
+        let mut said = BufReader::new(child.stderr.take().unwrap()).lines().map_while(Result::ok);
+        assert!(said.any(|line| line.starts_with("touch: ") && line.contains(words)), "{topic}");
+        end(child);
+    }
+}

@@ -6,7 +6,7 @@ use crate::decode::{Decoded, Decoder, Frame, LineSplitter, Piece};
 use crate::join::{JoinedRow, Joiner, Share};
 use crate::setup::{Setup, SourceSetup};
 use crate::source::{Arrived, Chunk};
-use crate::timing::Timing;
+use crate::timing::{TimeBase, Timing};
 use crate::{Error, Result};
 use vibrissa_core::flow::sensor_log::Channel;
 use vibrissa_core::world::Robot;
@@ -301,7 +301,10 @@ impl Pipeline {
         }
         if stream.counts.resets + stream.timing.clock().resets() > stream.resets {
             stream.resets = stream.counts.resets + stream.timing.clock().resets();
-            words.push("the device's clock or count jumped; it is followed anew".to_owned());
+            words.push(match stream.setup.time {
+                TimeBase::Counted(_) => "nothing came for a while; its readings are counted anew".to_owned(),
+                _ => "the device's clock or count jumped; it is followed anew".to_owned(),
+            });
         }
         if stream.zeros == 0 {
             stream.told.1 = false;

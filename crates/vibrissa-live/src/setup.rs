@@ -1,18 +1,26 @@
 //! A whole live run in one file, `live.toml`.
 
-use crate::config::{BAUD, ESTIMATE_RATE, RATE, RATE_OF_TWO};
+mod columns;
+mod method;
+mod time;
+mod wire;
+
+use crate::config::ESTIMATE_RATE;
 use crate::decode::{Decoder, WireFormat};
 use crate::source::Wire;
 use crate::timing::TimeBase;
 use crate::{Error, Result};
+use columns::{flag, said};
+use method::method;
 use std::path::{Path, PathBuf};
-use toml::de::DeValue;
+use time::{RATES, time};
 use vibrissa_core::config::budgets::TOML_BYTES;
-use vibrissa_core::config::{SettingValue, Slot};
 use vibrissa_core::localizer::Method;
+use vibrissa_core::world::Robot;
 use vibrissa_io::Dimension;
-use vibrissa_io::text::{did_you_mean, read_text};
-use vibrissa_io::toml_section::{Allowed, Section, Source, show};
+use vibrissa_io::text::read_text;
+use vibrissa_io::toml_section::{Allowed, Section, Source};
+use wire::{WIRES, wire};
 
 /// What a live run is made of.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,8 +35,10 @@ pub struct Setup {
     pub estimate_rate: f64,
     /// The sources; the first one with readings gives the rows.
     pub sources: Vec<SourceSetup>,
-    /// The text that it was read from.
+    /// The text that it was read from,
     pub text: String,
+    /// and the name of its file, for messages.
+    pub name: String,
 }
 
 /// One source.
@@ -50,6 +60,8 @@ pub struct SourceSetup {
     pub checksums: bool,
     /// How much older a frame is than its stamp or arrival says (s).
     pub delay: f64,
+    /// The line of the setup in which it begins.
+    pub line: usize,
 }
 
 impl SourceSetup {
@@ -62,35 +74,38 @@ impl SourceSetup {
         let decoder = Decoder::new(self.format, self.columns.as_deref(), &self.whisker)?;
         Ok(if self.checksums { decoder.with_checksums() } else { decoder })
     }
+
+    /// Refuses readings of whiskers that the robot does not have; `name` is the setup's file.
+    pub(crate) fn fits(&self, decoder: &Decoder, robot: &Robot, name: &str) -> Result<()> {
+        let names: Vec<&str> = robot.whiskers.iter().map(|whisker| whisker.name.as_str()).collect();
+        let fits = |whisker: &str| names.contains(&whisker) || (whisker.is_empty() && names.len() == 1);
+        let Some(stranger) = decoder.channels().iter().find(|channel| !fits(&channel.whisker)) else { return Ok(()) };
+        let error = if stranger.whisker.is_empty() {
+            Error::data(format!("the source \"{}\" does not say whose readings it holds", self.name))
+        } else {
+            Error::data(format!(
+                "the source \"{}\" holds readings of a whisker that the robot does not have",
+                self.name
+            ))
+        };
+        Err(error
+            .in_file(name)
+            .at_line(self.line)
+            .value(stranger.column())
+            .allowed(names.join(", "))
+            .remedy("name the columns NAME.moment, or add whisker = \"NAME\" to the source, NAME as in the robot file"))
+    }
 }
 
 const TOP: [&str; 6] = ["map", "robot", "method", "options", "estimates", "source"];
-const WIRES: [&str; 5] = ["serial", "tcp", "udp", "unix", "pipe"];
-const KEYS: [&str; 14] = [
-    "name",
-    "serial",
-    "tcp",
-    "udp",
-    "unix",
-    "pipe",
-    "baud",
-    "format",
-    "columns",
-    "whisker",
-    "rate",
-    "time",
-    "delay",
-    "checksums",
-];
-const TIMES: [&str; 4] = ["stamps", "count", "arrival", "own"];
-const RATES: Allowed = Allowed { holds: |v| (0.1..=1e5).contains(&v), text: "0.1 to 100000 Hz", remedy: "" };
+/// The keys of a source beside its wire.
+const KEYS: [&str; 11] =
+    ["name", "baud", "speed", "message", "format", "columns", "whisker", "rate", "time", "delay", "checksums"];
 const DELAYS: Allowed = Allowed {
     holds: |v| v.abs() <= 10.0,
     text: "-10 to 10 s",
     remedy: "a bare number is in seconds; write \"2 ms\" for milliseconds",
 };
-/// What hardware and drivers take.
-const BAUDS: core::ops::RangeInclusive<u64> = 50..=12_000_000;
 
 /// Reads `live.toml`; relative paths are taken from its folder.
 ///
@@ -105,6 +120,9 @@ pub fn read(path: impl AsRef<Path>) -> Result<Setup> {
         setup.based_on(folder);
     }
     setup.check_files(path)?;
+    for source in &mut setup.sources {
+        source.wire.load().map_err(|error| error.or_remedy("correct the file that the setup plays"))?;
+    }
     Ok(setup)
 }
 
@@ -120,16 +138,34 @@ pub fn from_toml(text: &str, name: &str) -> Result<Setup> {
 impl Setup {
     /// Refuses a map or a robot that is not there, with the line that names it.
     fn check_files(&self, path: &Path) -> Result<()> {
-        for (key, file) in [("map", Some(&self.map)), ("robot", self.robot.as_ref())] {
+        let played = self.sources.iter().filter_map(|source| match &source.wire {
+            Wire::Played(playback) => Some((playback.kind.key(), Some(&playback.path), source.line)),
+            _ => None,
+        });
+        for (key, file, from) in
+            [("map", Some(&self.map), 1), ("robot", self.robot.as_ref(), 1)].into_iter().chain(played)
+        {
             let Some(file) = file.filter(|file| !file.exists()) else { continue };
             let names =
                 |line: &str| line.trim_start().strip_prefix(key).is_some_and(|rest| rest.trim_start().starts_with('='));
-            let line = self.text.lines().position(names).map_or(1, |index| index + 1);
+            let line = self.text.lines().skip(from - 1).position(names).map_or(from, |index| index + from);
             return Err(Error::data(format!("the {key} that the setup names is not there"))
                 .in_file(path)
                 .at_line(line)
                 .value(file.display())
                 .remedy("check the spelling; relative paths start at the folder of the setup"));
+        }
+        Ok(())
+    }
+
+    /// Refuses sources whose readings are of whiskers that the robot does not have, as far as they have said what they hold.
+    ///
+    /// # Errors
+    ///
+    /// The first such reading, with the line of its source.
+    pub fn fits(&self, robot: &Robot) -> Result<()> {
+        for source in &self.sources {
+            source.fits(&source.decoder()?, robot, &self.name)?;
         }
         Ok(())
     }
@@ -142,6 +178,7 @@ impl Setup {
             match &mut source.wire {
                 Wire::Serial { port: path, .. } | Wire::Unix(path) => *path = folder.join(&*path),
                 Wire::Pipe(path) if path.as_os_str() != "-" => *path = folder.join(&*path),
+                Wire::Played(playback) => playback.path = folder.join(&playback.path),
                 _ => {}
             }
         }
@@ -163,8 +200,12 @@ fn parse(text: &str, name: &str) -> Result<Setup> {
         ));
     }
     let alone = entries.len() == 1;
-    let sources: Vec<SourceSetup> =
-        entries.iter().enumerate().map(|(index, entry)| source_entry(entry, index, alone)).collect::<Result<_>>()?;
+    let all_ros = entries.iter().all(|entry| entry.get("ros2").is_some());
+    let sources: Vec<SourceSetup> = entries
+        .iter()
+        .enumerate()
+        .map(|(index, entry)| source_entry(entry, index, (alone, all_ros)))
+        .collect::<Result<_>>()?;
     for (index, one) in sources.iter().enumerate() {
         if sources[..index].iter().any(|other| other.name == one.name) {
             return Err(entries[index]
@@ -189,6 +230,7 @@ fn parse(text: &str, name: &str) -> Result<Setup> {
         estimate_rate: top.number("estimates", Dimension::Frequency, &RATES)?.unwrap_or(ESTIMATE_RATE),
         sources,
         text: text.to_owned(),
+        name: name.to_owned(),
     })
 }
 
@@ -216,204 +258,50 @@ fn check_odometry(sources: &[SourceSetup], entries: &[Section<'_>]) -> Result<()
     Ok(())
 }
 
-fn source_entry(entry: &Section<'_>, index: usize, alone: bool) -> Result<SourceSetup> {
-    entry.only(&KEYS)?;
+fn source_entry(entry: &Section<'_>, index: usize, (alone, all_ros): (bool, bool)) -> Result<SourceSetup> {
+    let known: Vec<&str> = WIRES.into_iter().chain(KEYS).collect();
+    entry.only(&known)?;
     let wire = wire(entry)?;
     let format = match entry.text("format")? {
         Some(word) => word.parse::<WireFormat>().map_err(|e| at(entry, "format", e))?,
         None => WireFormat::Csv,
     };
-    let columns = texts(entry, "columns")?;
+    let given = said(entry)?;
+    let columns = match &wire {
+        Wire::Ros2 { message, .. } => message.columns().or(given),
+        _ => given,
+    };
     let whisker = entry.text("whisker")?.unwrap_or_default().to_owned();
     let decoder = Decoder::new(format, columns.as_deref(), &whisker)
         .map_err(|e| at(entry, if columns.is_some() { "columns" } else { "format" }, e))?;
-    let whole = decoder.has_pose() && !decoder.channels().is_empty() || (alone && !decoder.is_ready());
+    let whole = match &wire {
+        Wire::Played(_) => true,
+        Wire::Ros2 { .. } => all_ros,
+        _ => decoder.has_pose() && !decoder.channels().is_empty() || (alone && !decoder.is_ready()),
+    };
+    let time = time(entry, format, columns.as_deref(), whole)?;
+    if let (Wire::Played(playback), false) = (&wire, time == TimeBase::Own)
+        && (playback.speed - 1.0).abs() > 0.0
+    {
+        return Err(entry
+            .source
+            .fault(&entry.span_of("speed"), "at another speed the times of a log are not those of its arrival")
+            .value(format!("speed = {}", playback.speed))
+            .remedy("leave `time` out, or the speed"));
+    }
     Ok(SourceSetup {
         name: entry.text("name")?.map_or_else(|| format!("source{index}"), str::to_owned),
-        time: time(entry, format, columns.as_deref(), whole)?,
+        time,
         checksums: flag(entry, "checksums")?,
         delay: entry.number("delay", Dimension::Time, &DELAYS)?.unwrap_or(0.0),
         wire,
         format,
         columns,
         whisker,
+        line: entry.source.line(&entry.span),
     })
 }
 
 fn at(entry: &Section<'_>, key: &str, error: Error) -> Error {
     error.in_file(entry.source.name).at_line(entry.line_of(key))
-}
-
-fn wire(entry: &Section<'_>) -> Result<Wire> {
-    let given: Vec<&str> = WIRES.into_iter().filter(|key| entry.get(key).is_some()).collect();
-    let [key] = given[..] else {
-        return Err(entry
-            .source
-            .fault(&entry.span, "a source has one wire")
-            .value(if given.is_empty() { "none of them".to_owned() } else { given.join(", ") })
-            .allowed(WIRES.join(", "))
-            .remedy("such as serial = \"/dev/ttyACM0\", udp = \"0.0.0.0:9000\" or pipe = \"-\""));
-    };
-    let text = entry.text(key)?.unwrap_or_default();
-    let rates = format!("{} to {}", BAUDS.start(), BAUDS.end());
-    let firmware = "use the number in the firmware's Serial.begin()";
-    if let Some(value) = entry.get("baud").filter(|value| value.get_ref().as_integer().is_none()) {
-        return Err(entry
-            .source
-            .fault(&value.span(), format!("{} must be a whole number", entry.key("baud")))
-            .value(show(value.get_ref()))
-            .allowed(rates)
-            .remedy(firmware));
-    }
-    let baud = entry.whole("baud")?;
-    if let Some(baud) = baud {
-        let fault = |what: &str| entry.source.fault(&entry.span_of("baud"), what).value(baud);
-        if key != "serial" {
-            return Err(fault("only serial ports have a baud rate").remedy("leave it out"));
-        }
-        if !BAUDS.contains(&baud) {
-            return Err(fault("baud is out of range").allowed(rates).remedy(firmware));
-        }
-    }
-    let address = |text: &str| -> Result<String> {
-        match text.rsplit_once(':') {
-            Some((_, port)) if port.parse::<u16>().is_ok() => Ok(text.to_owned()),
-            _ => Err(entry
-                .source
-                .fault(&entry.span_of(key), format!("{} is no address", entry.key(key)))
-                .value(format!("\"{text}\""))
-                .allowed("host:port, such as \"192.168.0.5:9000\"")),
-        }
-    };
-    Ok(match key {
-        "serial" => Wire::Serial { port: text.into(), baud: baud.map_or(BAUD, |baud| baud as u32) },
-        "tcp" => Wire::Tcp(address(text)?),
-        "udp" => Wire::Udp(address(text)?),
-        "unix" => Wire::Unix(text.into()),
-        _ => Wire::Pipe(text.into()),
-    })
-}
-
-/// What the times of a source are made from: what is asked for, else what its lines have.
-fn time(entry: &Section<'_>, format: WireFormat, columns: Option<&[String]>, whole: bool) -> Result<TimeBase> {
-    let rate = entry.number("rate", Dimension::Frequency, &RATES)?;
-    let stamped = match format {
-        WireFormat::Serial | WireFormat::Serial2 => false,
-        WireFormat::Plotter => columns.is_some_and(|names| names.iter().any(|name| is_time(name.rsplit(':').next()))),
-        WireFormat::Csv => columns.is_none_or(|names| names.iter().any(|name| is_time(Some(name)))),
-        WireFormat::Ratatouille | WireFormat::Openwhisker | WireFormat::Tum | WireFormat::Head => true,
-    };
-    let nominal = match format {
-        WireFormat::Serial => Some(RATE),
-        WireFormat::Serial2 => Some(RATE_OF_TWO),
-        _ => None,
-    };
-    let word = entry.text("time")?;
-    let fault = |what: &str| entry.source.fault(&entry.span_of("time"), what);
-    let rate = rate.or(nominal);
-    match word {
-        None if stamped && whole => Ok(TimeBase::Own),
-        None if stamped => Ok(TimeBase::Stamps),
-        None => Ok(rate.map_or(TimeBase::Arrival, TimeBase::Counted)),
-        Some("arrival") => Ok(TimeBase::Arrival),
-        Some("count") => rate.map(TimeBase::Counted).ok_or_else(|| {
-            fault("a count needs its rate").remedy("add rate = \"300 Hz\", what the firmware is set to")
-        }),
-        Some(word @ ("stamps" | "own")) if !stamped => {
-            Err(fault("the lines of this source have no stamps").value(format!("\"{word}\"")).allowed("count, arrival"))
-        }
-        Some("stamps") => Ok(TimeBase::Stamps),
-        Some("own") => Ok(TimeBase::Own),
-        Some(word) => Err(fault("unknown time")
-            .value(format!("\"{word}\""))
-            .allowed(TIMES.join(", "))
-            .remedy(did_you_mean(word, &TIMES))),
-    }
-}
-
-fn is_time(name: Option<&str>) -> bool {
-    matches!(name.map(str::trim), Some("t" | "t_ms" | "t_us"))
-}
-
-fn flag(entry: &Section<'_>, key: &str) -> Result<bool> {
-    let Some(value) = entry.get(key) else { return Ok(false) };
-    value.get_ref().as_bool().ok_or_else(|| {
-        entry
-            .source
-            .fault(&value.span(), format!("{} must be true or false", entry.key(key)))
-            .value(show(value.get_ref()))
-    })
-}
-
-fn texts(entry: &Section<'_>, key: &str) -> Result<Option<Vec<String>>> {
-    let Some(value) = entry.get(key) else { return Ok(None) };
-    let wrong = |found: String| {
-        entry
-            .source
-            .fault(&value.span(), format!("{} must be a list of texts", entry.key(key)))
-            .value(found)
-            .remedy("such as columns = [\"t_us\", \"bx_uT\", \"by_uT\", \"bz_uT\"]")
-    };
-    let list = value.get_ref().as_array().ok_or_else(|| wrong(show(value.get_ref())))?;
-    let one = |value: &toml::Spanned<DeValue<'_>>| match value.get_ref().as_str() {
-        Some(text) => Ok(text.trim().to_owned()),
-        None => Err(wrong(show(value.get_ref()))),
-    };
-    list.iter().map(one).collect::<Result<Vec<_>>>().map(Some)
-}
-
-/// The method with the options of the table `options`.
-fn method(top: &Section<'_>) -> Result<Method> {
-    let mut method = match top.text("method")? {
-        Some(name) => Method::named(name).map_err(|e| {
-            at(top, "method", e.into_data()).remedy(did_you_mean(name, &Method::all().each_ref().map(Method::name)))
-        })?,
-        None => Method::default(),
-    };
-    let Some(options) = top.section("options")? else { return Ok(method) };
-    let names: Vec<&str> = method.settings().iter().map(|setting| setting.name).collect();
-    options.only(&names)?;
-    for name in names.into_iter().filter(|name| options.get(name).is_some()) {
-        let kind = method.settings().into_iter().find(|s| s.name == name).map(|setting| match setting.field {
-            Slot::Count(_) => 0,
-            Slot::Choice(_) => 1,
-            Slot::Region(_) => 2,
-            Slot::Number(_) | Slot::OptionalNumber(..) => 3,
-        });
-        let value = match kind {
-            Some(0) => SettingValue::Count(options.whole(name)?.unwrap_or_default() as usize),
-            Some(1) => SettingValue::Choice(options.text(name)?.unwrap_or_default().to_owned()),
-            Some(2) => SettingValue::Region(region(&options, name)?),
-            _ => SettingValue::Number(number(&options, name)?),
-        };
-        method.set(name, value).map_err(|e| at(&options, name, e.into_data()))?;
-    }
-    method.check().map_err(|e| at(top, "options", e.into_data()))?;
-    Ok(method)
-}
-
-fn number(options: &Section<'_>, name: &str) -> Result<f64> {
-    let any = Allowed { holds: |v| !v.is_nan(), text: "a number", remedy: "" };
-    Ok(options.number(name, Dimension::Ratio, &any)?.unwrap_or_default())
-}
-
-fn region(options: &Section<'_>, name: &str) -> Result<[[f64; 2]; 3]> {
-    let wrong = || {
-        options
-            .source
-            .fault(&options.span_of(name), format!("{} must be six numbers", options.key(name)))
-            .remedy("least x, largest x, least y, largest y (m), least heading, largest heading (rad)")
-    };
-    let list = options.get(name).and_then(|value| value.get_ref().as_array()).ok_or_else(wrong)?;
-    let values: Vec<f64> = list
-        .iter()
-        .map(|value| match value.get_ref() {
-            DeValue::Float(f) => f.as_str().parse::<f64>().ok(),
-            DeValue::Integer(i) => i.as_str().parse::<f64>().ok(),
-            _ => None,
-        })
-        .collect::<Option<_>>()
-        .ok_or_else(wrong)?;
-    let [a, b, c, d, e, f] = values[..] else { return Err(wrong()) };
-    Ok([[a, b], [c, d], [e, f]])
 }

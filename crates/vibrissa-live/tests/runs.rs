@@ -15,13 +15,13 @@ use common::{checked, demo_world, folder};
 use core::ops::ControlFlow;
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use vibrissa::flow::pose::Status;
 use vibrissa::flow::sensor_log::LogRow;
 use vibrissa::io::log::to_csv;
 use vibrissa::localizer::{Method, ProbabilisticEstimator};
 use vibrissa::plane::Pose2;
-use vibrissa::sim::{SweepNoise, simulate_tip_sweep};
+use vibrissa::sim::{Scenario, SweepNoise, simulate_tip_sweep};
 use vibrissa::tasks::demo;
 use vibrissa::world::{MountedWhisker, Odometry, Robot};
 use vibrissa::{Localizer, Map};
@@ -32,8 +32,8 @@ use vibrissa_live::record::FileStorage;
 use vibrissa_live::replay::{Pace, Played, replay};
 use vibrissa_live::robot::SimulatedRobot;
 use vibrissa_live::run::{Finished, Update, run};
-use vibrissa_live::setup::{Setup, from_toml};
-use vibrissa_live::source::PseudoTerminal;
+use vibrissa_live::setup::{Setup, from_toml, read};
+use vibrissa_live::source::{Arrived, PseudoTerminal};
 
 /// Runs a setup into a recording until `is_over`; the lines that it told and how it ended.
 fn recorded(
@@ -111,6 +111,46 @@ fn a_log_through_a_pipe_gives_the_bytes_of_the_same_rows_offline() {
         };
         let live = finished.answer.unwrap();
         assert_eq!((live.status, live.estimate), (answer.status, answer.estimate), "{method}");
+    }
+}
+
+/// A log, and the log that a scenario makes: played at a speed they bring the bytes that they are, and their run can be run again.
+#[test]
+fn logs_and_scenarios_are_played_at_a_speed() {
+    let (map, log) = demo_world();
+    let out = folder("played");
+    std::fs::write(out.join("map.svg"), demo::ARENA_SVG).unwrap();
+    std::fs::write(out.join("log.csv"), to_csv(&log)).unwrap();
+    let scenario = "map = \"map.svg\"\n[[whisker]]\nmount = [0, 0, \"128 deg\"]\n[path]\nstart = [\"160 mm\", \"172 mm\", 0]\n\
+                    [[path.leg]]\nkind = \"line\"\nto = [\"200 mm\", \"192 mm\"]\nheading = 0\n";
+    std::fs::write(out.join("drive.toml"), scenario).unwrap();
+    let driven = Scenario::read(out.join("drive.toml")).unwrap().simulate().unwrap().recording.log;
+    let robot = Robot {
+        whiskers: vec![MountedWhisker { robot_from_whisker: Pose2::new(0.0, 0.0, 2.2), ..MountedWhisker::default() }],
+        ..Robot::default()
+    };
+    for (key, file, log, robot) in
+        [("recording", "log.csv", &log, &Robot::default()), ("simulated", "drive.toml", &driven, &robot)]
+    {
+        let path = out.join("live.toml");
+        std::fs::write(&path, format!("map = \"map.svg\"\n[[source]]\n{key} = \"{file}\"\nspeed = 4\n")).unwrap();
+        let setup = read(&path).unwrap();
+        let began = Instant::now();
+        let here = out.join(key);
+        let (lines, finished) = recorded(&setup, &map, robot, &here, |_| false);
+        let long = log.rows[log.rows.len() - 1].t - log.rows[0].t;
+        assert!(began.elapsed().as_secs_f64() >= long / 4.0, "{key}: {:?} for {long} s", began.elapsed());
+        assert_eq!(finished.health.rows + finished.health.merged, log.rows.len() as u64, "{key}");
+        let mut bytes = Vec::new();
+        journal::chunks(&journal::read(&here).unwrap(), |chunk| {
+            if let Arrived::Bytes(raw) = chunk.what {
+                bytes.extend(raw);
+            }
+            Ok(())
+        })
+        .unwrap();
+        assert_eq!(String::from_utf8(bytes).unwrap(), to_csv(log), "{key}");
+        assert_eq!(again(&here, &map, robot), (lines, 0), "{key}");
     }
 }
 

@@ -9,6 +9,7 @@
 )]
 
 use vibrissa::Method;
+use vibrissa::world::{MountedWhisker, Robot};
 use vibrissa_live::decode::WireFormat;
 use vibrissa_live::setup::from_toml;
 use vibrissa_live::source::Wire;
@@ -52,7 +53,12 @@ fn mistakes_are_told_with_line_value_range_and_remedy() {
     let cases = [
         ("map = \"arena.svg\"", "maps = \"arena.svg\"", "live.toml:2: unknown key: maps", "did you mean `map`?"),
         ("serial = \"/dev/ttyACM0\"", "", "a source has one wire", "serial = \"/dev/ttyACM0\""),
-        ("baud = 921600", "baud = 3", "live.toml:13: baud is out of range: 3 (allowed: 50 to 12000000)", "firmware"),
+        (
+            "baud = 921600",
+            "baud = 3",
+            "live.toml:13: source[0].baud is out of range: 3 (allowed: 50 to 12000000)",
+            "firmware",
+        ),
         (
             "baud = 921600",
             "baud = \"fast\"",
@@ -85,6 +91,76 @@ fn mistakes_are_told_with_line_value_range_and_remedy() {
     );
 }
 
+/// What is wrong with sources beside the wires of hardware.
+#[test]
+fn mistakes_about_played_logs_and_topics_are_told_alike() {
+    let cases = [
+        (
+            "recording = \"log.csv\"\nspeed = 0",
+            "live.toml:4: source.speed is out of range: 0 (allowed: 0.01 to 1000)",
+            "as fast as it goes",
+        ),
+        ("recording = \"log.csv\"\nspeed = \"fast\"", "live.toml:4: source.speed", ""),
+        (
+            "recording = \"log.csv\"\nformat = \"serial\"",
+            "live.toml:4: a log says itself what it holds: format = \"serial\"",
+            "leave it out",
+        ),
+        ("recording = \"log.csv\"\nspeed = 2\ntime = \"stamps\"", "live.toml:4: at another speed", "leave `time` out"),
+        ("pipe = \"-\"\nspeed = 2", "live.toml:4: only a recording or a simulated robot has a speed", "leave it out"),
+        (
+            "ros2 = \"/odom\"",
+            "live.toml:2: a topic of ROS 2 needs the kind of its messages (allowed: odometry, joints",
+            "nav_msgs/Odometry",
+        ),
+        (
+            "ros2 = \"/odom\"\nmessage = \"odometrie\"",
+            "live.toml:4: unknown kind of message: \"odometrie\"",
+            "did you mean `odometry`?",
+        ),
+        ("ros2 = \"/od om\"\nmessage = \"odometry\"", "live.toml:3: no name of a topic: \"/od om\"", "/base/odom"),
+        ("ros2 = \"/w\"\nmessage = \"array\"", "live.toml:2: an array does not say what its numbers are", "columns = "),
+        (
+            "ros2 = \"/w\"\nmessage = \"wrench\"\ncolumns = [\"moment\"]",
+            "live.toml:5: a message of ROS 2 says itself",
+            "leave it out",
+        ),
+        ("pipe = \"-\"\nmessage = \"wrench\"", "live.toml:4: only topics of ROS 2 have messages", "leave it out"),
+    ];
+    for (source, message, remedy) in cases {
+        let error =
+            from_toml(&format!("map = \"arena.svg\"\n[[source]]\n{source}\n"), "live.toml").unwrap_err().to_string();
+        assert!(error.contains(message) && error.contains(remedy) && error.contains("help:"), "{source}:\n{error}");
+    }
+}
+
+#[test]
+fn topics_of_one_system_share_its_clock() {
+    let topic = |name: &str, message: &str| format!("[[source]]\nros2 = \"{name}\"\nmessage = \"{message}\"\n");
+    let both = format!("map = \"a.svg\"\n{}{}", topic("/odom", "odometry"), topic("/w", "wrench"));
+    let setup = from_toml(&both, "live.toml").unwrap();
+    assert!(setup.sources.iter().all(|source| source.time == TimeBase::Own));
+    // Beside a sensor at a serial port both are mapped to the host's time.
+    let mixed = format!(
+        "map = \"a.svg\"\n{}[[source]]\nserial = \"/dev/ttyACM0\"\nformat = \"serial\"\n",
+        topic("/odom", "odometry")
+    );
+    let setup = from_toml(&mixed, "live.toml").unwrap();
+    assert_eq!(setup.sources[0].time, TimeBase::Stamps);
+}
+
+#[test]
+fn readings_of_a_whisker_that_the_robot_does_not_have_are_refused_before_anything_begins() {
+    let text = WHOLE.replace("baud = 921600", "whisker = \"lefft\"");
+    let error = from_toml(&text, "live.toml").unwrap().fits(&Robot::default()).unwrap_err().to_string();
+    assert!(error.contains("live.toml:10: the source \"whisker\" holds readings of a whisker"), "{error}");
+    assert!(error.contains("lefft.bx (allowed: w0)") && error.contains("as in the robot file"), "{error}");
+    assert!(from_toml(WHOLE, "live.toml").unwrap().fits(&Robot::default()).is_ok(), "the only whisker needs no name");
+    let two = Robot { whiskers: vec![MountedWhisker::default(); 2], ..Robot::default() };
+    let error = from_toml(WHOLE, "live.toml").unwrap().fits(&two).unwrap_err().to_string();
+    assert!(error.contains("does not say whose readings it holds"), "{error}");
+}
+
 #[test]
 fn a_map_that_is_not_there_is_told_with_the_line_that_names_it() {
     let path = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("missing-map.toml");
@@ -92,6 +168,9 @@ fn a_map_that_is_not_there_is_told_with_the_line_that_names_it() {
     let error = vibrissa_live::setup::read(&path).unwrap_err().to_string();
     assert!(error.contains("missing-map.toml:3") && error.contains("nowhere.svg"), "{error}");
     assert!(error.contains("the folder of the setup"), "{error}");
+    std::fs::write(&path, "map = \"missing-map.toml\"\n[[source]]\nrecording = \"nowhere.csv\"\n").unwrap();
+    let error = vibrissa_live::setup::read(&path).unwrap_err().to_string();
+    assert!(error.contains("missing-map.toml:3: the recording that the setup names is not there"), "{error}");
 }
 
 #[test]

@@ -1,5 +1,7 @@
 //! Links that can be opened and read with patience.
 
+use super::playback::Playback;
+use super::ros2::{Ros2Lines, Ros2Message};
 use std::fs::File;
 use std::io::{ErrorKind, Read, Result};
 use std::net::{TcpStream, ToSocketAddrs, UdpSocket};
@@ -10,7 +12,7 @@ use std::time::Duration;
 const CONNECT: Duration = Duration::from_secs(2);
 
 /// Where a source's bytes come from.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Wire {
     /// A serial port and its baud rate.
     Serial {
@@ -27,13 +29,39 @@ pub enum Wire {
     Unix(PathBuf),
     /// A named pipe or a file; `-` is standard input.
     Pipe(PathBuf),
+    /// A topic of a ROS 2 system, through the program `vibrissa-ros2`.
+    Ros2 {
+        /// Its name.
+        topic: String,
+        /// What its messages are.
+        message: Ros2Message,
+    },
+    /// A log that is played in real time.
+    Played(Playback),
 }
 
 impl Wire {
     /// Whether it ends for good when its other side closes.
     #[must_use]
     pub fn ends(&self) -> bool {
-        matches!(self, Self::Pipe(_))
+        matches!(self, Self::Pipe(_) | Self::Played(_))
+    }
+
+    /// Reads the file that it plays, so that faults are told before anything begins.
+    ///
+    /// # Errors
+    ///
+    /// As [`Playback::load`].
+    pub fn load(&mut self) -> crate::Result<()> {
+        match self {
+            Self::Played(playback) => playback.load(),
+            _ => Ok(()),
+        }
+    }
+
+    /// Whether trying again would meet the same fault.
+    pub(super) fn is_lasting(&self) -> bool {
+        matches!(self, Self::Played(_))
     }
 
     /// Whether it can begin in the middle of a line.
@@ -64,6 +92,8 @@ impl Wire {
             Self::Unix(path) => format!("the socket {}", path.display()),
             Self::Pipe(path) if path.as_os_str() == "-" => "standard input".to_owned(),
             Self::Pipe(path) => path.display().to_string(),
+            Self::Ros2 { topic, .. } => format!("the topic {topic}"),
+            Self::Played(playback) => playback.path.display().to_string(),
         }
     }
 
@@ -79,6 +109,13 @@ impl Wire {
             Self::Unix(path) => open_unix(path).map_err(told),
             Self::Pipe(path) if path.as_os_str() == "-" => Ok(Box::new(StandardInput)),
             Self::Pipe(path) => File::open(path).map(|file| Box::new(file) as Box<dyn Link>).map_err(told),
+            Self::Ros2 { topic, message } => {
+                Ros2Lines::open(topic, *message).map(|lines| Box::new(lines) as Box<dyn Link>).map_err(told)
+            }
+            Self::Played(playback) => {
+                let player = playback.open().map(|player| Box::new(player) as Box<dyn Link>);
+                player.map_err(|error| error.to_string().replace("\n  help: ", "; "))
+            }
         }
     }
 
@@ -92,6 +129,10 @@ impl Wire {
             }
             (Self::Serial { .. }, ErrorKind::ResourceBusy) => "another program has it open; close that",
             (Self::Tcp(_) | Self::Unix(_), _) => "is the other side listening?",
+            (Self::Ros2 { .. }, _) => {
+                "it needs the program vibrissa-ros2 beside this one or on the search path: \
+                 `cargo build --release --manifest-path ros2/Cargo.toml` makes it"
+            }
             (Self::Udp(_), _) => "another program may have the address; choose another port",
             _ => "check path and permissions",
         };
@@ -172,10 +213,10 @@ impl Link for StandardInput {
 }
 
 #[cfg(unix)]
-use super::serial::readable;
+pub(super) use super::serial::readable;
 
 #[cfg(not(unix))]
-fn readable<T>(_: &T, _: Duration) -> Result<bool> {
+pub(super) fn readable<T>(_: &T, _: Duration) -> Result<bool> {
     Ok(true)
 }
 

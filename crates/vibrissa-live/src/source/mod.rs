@@ -6,14 +6,20 @@
 //! | `tcp`, `unix` | a stream socket that is connected to |
 //! | `udp` | datagrams; each ends its last line |
 //! | `pipe` | standard input (`-`), a named pipe or a file |
+//! | `ros2` | a topic of a ROS 2 system, through the program `vibrissa-ros2` |
+//! | `recording`, `simulated` | a log, or one that a scenario makes, at its own or another speed |
 
 mod host_clock;
 mod link;
+mod playback;
+mod ros2;
 #[cfg(unix)]
 mod serial;
 
 pub use host_clock::HostClock;
 pub use link::Wire;
+pub use playback::{Playback, Played};
+pub use ros2::Ros2Message;
 #[cfg(unix)]
 pub use serial::PseudoTerminal;
 
@@ -58,6 +64,10 @@ pub fn read_wire(source: usize, wire: &Wire, clock: &HostClock, out: &SyncSender
             Ok(link) => link,
             Err(reason) => {
                 if told.as_ref() != Some(&reason) && !say(Arrived::Gone(reason.clone())) {
+                    return;
+                }
+                if wire.is_lasting() {
+                    say(Arrived::Ended);
                     return;
                 }
                 told = Some(reason);

@@ -21,7 +21,7 @@ use vibrissa_live::run::{Health, Update, run as run_live};
 use vibrissa_live::setup::{self, Setup};
 use vibrissa_live::source::HostClock;
 
-/// Find where the robot is while it drives, from serial ports, sockets or pipes.
+/// Find where the robot is while it drives, from serial ports, sockets, pipes or ROS 2.
 ///
 /// A file live.toml names the map, the robot, and the sources of readings and odometry with their formats and delays. All that
 /// arrives is recorded first, so that a power cut loses at most half a second. The pose, its extent, the verdict and what was
@@ -50,10 +50,10 @@ pub(crate) struct Args {
     /// Print each estimate as a line of JSON
     #[arg(long)]
     json: bool,
-    /// Let viewers such as Foxglove look on: ws://localhost:PORT
+    /// Show the run in the browser, and let viewers such as Foxglove look on: ws://localhost:PORT
     #[cfg(feature = "view")]
     #[arg(long, value_name = "PORT", num_args = 0..=1, default_missing_value = PORT, conflicts_with = "replay",
-          help = format!("Let viewers such as Foxglove look on: ws://localhost:PORT [default: {PORT}]"))]
+          help = format!("Show the run in the browser, and let viewers such as Foxglove look on: ws://localhost:PORT [default: {PORT}]"))]
     view: Option<u16>,
     /// Print the histogram of latencies at the end
     #[arg(long)]
@@ -74,11 +74,15 @@ pub(crate) fn run(args: &Args) -> Result<()> {
             "vibrissa live live.toml runs yours (docs/live.md shows whole files), vibrissa live --demo a simulated robot",
         ));
     }
+    let live = match (&args.replay, &args.setup) {
+        // Until here Ctrl-C ends the process: a scenario may take its time to simulate.
+        (None, Some(path)) => Some((path, setup::read(path)?)),
+        _ => None,
+    };
     let _heeds = Heedful::begin();
-    let result = match (&args.replay, &args.setup) {
-        (Some(recording), setup) => replay::run(args, recording, setup.as_deref()),
-        (None, Some(path)) => {
-            let setup = setup::read(path)?;
+    let result = match (&args.replay, live) {
+        (Some(recording), _) => replay::run(args, recording, args.setup.as_deref()),
+        (None, Some((path, setup))) => {
             let folder = folder_of(path);
             let out = args.out.clone().unwrap_or_else(|| folder.join("live"));
             on_robot(args, &setup, &folder, (!args.no_record).then_some(out.as_path()), &Course::default())
@@ -107,6 +111,7 @@ fn world_of(setup: &Setup) -> Result<(Map, Robot)> {
         Some(path) => vibrissa::read_robot(path)?,
         None => Robot::default(),
     };
+    setup.fits(&robot)?;
     for whisker in &robot.whiskers {
         let taken = setup.method.takes(&whisker.beam);
         taken.map_err(|error| error.about(&format!("whisker \"{}\"", whisker.name)))?;
@@ -135,6 +140,7 @@ fn on_robot(args: &Args, setup: &Setup, folder: &Path, out: Option<&Path>, cours
     let view = args.view.map(|port| view::View::start(port, &map, args.json)).transpose()?;
     let mut monitor = Monitor::new(args.json);
     let finished = run_live(setup, &map, &robot, journal.as_ref(), &mut |update| {
+        let is_over = course.is_over.is_some_and(|is_over| is_over());
         #[cfg(feature = "view")]
         if let Some(view) = &view {
             view.show(&update);
@@ -142,10 +148,11 @@ fn on_robot(args: &Args, setup: &Setup, folder: &Path, out: Option<&Path>, cours
         match update {
             Update::Estimate(told, health) => monitor.estimate(told, health),
             Update::Began(..) | Update::Row(_) => {}
+            // A simulated robot takes its ports away when it has arrived.
+            Update::Notice(_) if is_over => {}
             Update::Notice(notice) => monitor.notice(notice),
             Update::Idle(health) => monitor.idle(health),
         }
-        let is_over = course.is_over.is_some_and(|is_over| is_over());
         if stopped() || monitor.is_closed() || is_over { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     });
     monitor.end();
@@ -160,7 +167,7 @@ fn on_robot(args: &Args, setup: &Setup, folder: &Path, out: Option<&Path>, cours
     if args.json {
         return Ok(());
     }
-    let mut text = monitor::verdict(&finished.estimate);
+    let mut text = monitor::verdict(&finished.estimate, &health);
     if let (Some(truth), Some(pose)) = (course.truth.last(), finished.estimate.pose()) {
         let off = pose.position().distance(truth.map_from_robot.position());
         text.push_str(&format!("  off the truth by {:.2} mm\n", 1e3 * off));

@@ -130,9 +130,17 @@ impl Monitor {
     }
 }
 
-/// The estimate at the end, in words.
-pub(super) fn verdict(estimate: &Estimate) -> String {
-    format!("{}\n", words(estimate))
+/// The estimate at the end, in words; where nothing was estimated, why.
+pub(super) fn verdict(estimate: &Estimate, health: &Health) -> String {
+    if health.rows > 0 {
+        return format!("{}\n", words(estimate));
+    }
+    let silent: Vec<&str> =
+        health.sources.iter().filter(|(_, counts)| counts.frames == 0).map(|(name, _)| name.as_str()).collect();
+    match silent.as_slice() {
+        [] => "no row came: readings and odometry lie too far apart in time to be joined\n".to_owned(),
+        names => format!("no row came: nothing that could be read from {}\n", names.join(", ")),
+    }
 }
 
 /// What became of everything that arrived, in words.
@@ -140,6 +148,9 @@ pub(super) fn account(health: &Health, histogram: bool) -> String {
     let mut text = String::new();
     for (name, counts) in &health.sources {
         text.push_str(&source(name, counts));
+    }
+    if health.rows == 0 {
+        return text;
     }
     let (latency, age) = (&health.latency, &health.age);
     let ms = |seconds: f64| 1e3 * seconds;

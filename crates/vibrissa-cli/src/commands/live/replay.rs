@@ -44,7 +44,7 @@ pub(super) fn run(args: &Args, recording: &Path, other: Option<&Path>) -> Result
     if answer.missing > 0 {
         warn(&format!("{} rows of the run are not in its raw bytes: they were dropped or cut off", answer.missing));
     }
-    let mut text = verdict(&answer.estimate);
+    let mut text = verdict(&answer.estimate, &Health { rows: answer.rows, ..Health::default() });
     text.push_str(&format!("  rows: {}\n", answer.rows));
     if other.is_none() {
         text.push_str(&format!(

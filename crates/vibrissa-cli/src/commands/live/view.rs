@@ -1,7 +1,12 @@
 //! What viewers see of a run. Messages are made on a thread of their own: a run never waits for them.
 
+use crate::commands::studio::page;
+use crate::commands::studio::server::Server;
+use crate::interrupt::stopped;
 use crate::output::warn;
 use std::collections::VecDeque;
+use std::io::IsTerminal;
+use std::process::{Command, Stdio};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use vibrissa::Result;
@@ -57,11 +62,21 @@ impl View {
             text("/vibrissa/health", true),
         ];
         let viewer = Arc::new(Viewer::start(&format!("127.0.0.1:{port}"), topics)?);
+        let page = served_page(viewer.address().port());
         if !quiet {
-            warn(&format!(
-                "viewers may open ws://{}: the tab Live of `vibrissa studio`, or Foxglove (open connection)",
-                viewer.address()
-            ));
+            warn(&match &page {
+                Some(address) => {
+                    format!("the run is at {address} in the browser; Foxglove may open ws://{}", viewer.address())
+                }
+                None => format!(
+                    "viewers such as Foxglove may open ws://{}; for our own page run `studio/build` in the repository once",
+                    viewer.address()
+                ),
+            });
+        }
+        // A person at this machine sees it at once.
+        if let Some(address) = page.filter(|_| !quiet && std::io::stderr().is_terminal()) {
+            open_in_browser(&address);
         }
         viewer.publish(LINES, 0.0, encode_lines(in_map(0.0), &[map_lines(map)]));
         let (sender, receiver) = sync_channel(VIEW_WAITING);
@@ -81,6 +96,32 @@ impl View {
             Update::Notice(_) | Update::Idle(_) => return,
         };
         let _ = self.sender.try_send(seen);
+    }
+}
+
+/// The address of the page that shows the run, served until the process ends; none where it is not built, or cannot be served.
+fn served_page(port: u16) -> Option<String> {
+    let page = page::read(None).ok()?;
+    let server = Server::start(0).ok()?;
+    let address = format!("{}#live?port={port}", server.address());
+    std::thread::spawn(move || server.serve(&page, &stopped));
+    Some(address)
+}
+
+/// Opens an address where there is a desktop.
+fn open_in_browser(address: &str) {
+    let is_set = |name: &str| std::env::var_os(name).is_some_and(|value| !value.is_empty());
+    let program = match std::env::consts::OS {
+        "macos" => "open",
+        "windows" => "explorer",
+        _ if is_set("DISPLAY") || is_set("WAYLAND_DISPLAY") => "xdg-open",
+        _ => return,
+    };
+    let mut command = Command::new(program);
+    command.arg(address).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+    // Who has no browser reads the address in the terminal.
+    if let Ok(mut child) = command.spawn() {
+        std::thread::spawn(move || child.wait());
     }
 }
 

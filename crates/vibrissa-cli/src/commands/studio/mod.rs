@@ -1,7 +1,7 @@
 //! `vibrissa studio`: the page in the browser.
 
-mod page;
-mod server;
+pub(crate) mod page;
+pub(crate) mod server;
 
 use crate::interrupt::{self, Heedful, stopped};
 use crate::output::{print, write_bytes};

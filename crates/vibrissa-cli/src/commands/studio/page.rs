@@ -13,7 +13,7 @@ const BUILD: &str = "run `studio/build` in the repository of vibrissa (it needs 
                      wasm32-unknown-unknown), or give the page that it made: --page studio.html";
 
 /// The page that was given, or the one that is found.
-pub(super) fn read(given: Option<&Path>) -> Result<Vec<u8>> {
+pub(crate) fn read(given: Option<&Path>) -> Result<Vec<u8>> {
     let Some(path) = given.map(Path::to_owned).or_else(found) else {
         return Err(Error::data("the studio's page is not built").remedy(BUILD));
     };

@@ -17,14 +17,14 @@ const POLICY: &str = "default-src 'none'; script-src 'unsafe-inline' 'wasm-unsaf
                       connect-src ws://127.0.0.1:* ws://localhost:*; base-uri 'none'; form-action 'none'";
 
 /// A page's server, on the loopback interface only.
-pub(super) struct Server {
+pub(crate) struct Server {
     listener: TcpListener,
     address: SocketAddr,
     token: String,
 }
 
 impl Server {
-    pub(super) fn start(port: u16) -> Result<Self> {
+    pub(crate) fn start(port: u16) -> Result<Self> {
         let fault = |reason: std::io::Error| {
             Error::data(format!("cannot serve the page ({reason})"))
                 .value(format!("127.0.0.1:{port}"))
@@ -37,12 +37,12 @@ impl Server {
     }
 
     /// Where the page is.
-    pub(super) fn address(&self) -> String {
+    pub(crate) fn address(&self) -> String {
         format!("http://{}/{}/", self.address, self.token)
     }
 
     /// Serves the page until `stopped`.
-    pub(super) fn serve(&self, page: &[u8], stopped: &(dyn Fn() -> bool + Sync)) {
+    pub(crate) fn serve(&self, page: &[u8], stopped: &(dyn Fn() -> bool + Sync)) {
         std::thread::scope(|scope| {
             while !stopped() {
                 match self.listener.accept() {
