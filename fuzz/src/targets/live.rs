@@ -3,7 +3,7 @@
 use super::{Verdict, clean, promise, read, refused, size};
 use vibrissa::Robot;
 use vibrissa_live::counts::Counts;
-use vibrissa_live::decode::{Decoded, Decoder, LineSplitter, Piece, WireFormat};
+use vibrissa_live::decode::{Decoded, Decoder, Piece, WireFormat};
 use vibrissa_live::pipeline::Pipeline;
 use vibrissa_live::setup::{Setup, from_toml};
 use vibrissa_live::source::{Arrived, Chunk};

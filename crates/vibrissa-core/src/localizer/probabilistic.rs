@@ -293,7 +293,7 @@ impl Estimator for ProbabilisticEstimator<'_> {
         self.rows.push((row.t, odom));
         self.taken += 1;
         match self.set.step(row.t, odom, &readings, row.heading.filter(|h| h.is_finite())) {
-            StepOutcome::Nothing => {}
+            StepOutcome::Nothing => self.believe_again(row.t),
             StepOutcome::Started(_) => {
                 self.first_row.get_or_insert(self.taken - 1);
                 self.since = (self.lost > 0).then_some(0);

@@ -3,6 +3,7 @@
 
 use super::super::importance_sampling::ProposalComponent;
 use super::super::information::Information;
+use super::super::map_symmetry::MapSymmetries;
 use super::correlated_noise::{NoiseModel, estimated};
 use super::grid_search::best_of_cells;
 use super::measurement::{Linearisation, MeasurementModel, Prior, Start, State, difference, moved};
@@ -30,6 +31,8 @@ const MANY: usize = 100;
 /// Modes that lie within another's region (squared standard deviations) and no further away (m) are one when no row will follow.
 const OVERLAP: f64 = 0.5;
 const FARTHEST: f64 = 0.05;
+/// Modes nearer to each other than this (m, rad) are told on the same side of a symmetric map.
+const SAME_SIDE: [f64; 2] = [60e-3, 0.2];
 /// So near (m, rad) they are one whatever these say.
 const EQUAL: [f64; 2] = [3e-5, 3e-4];
 /// Inverse variances that keep covariances finite (20 mm, 20°).
@@ -50,6 +53,13 @@ const DESCENDED_STEPS: usize = 6;
 /// Steps of a mode before the noise of its readings is estimated.
 const STEPS_BEFORE_NOISE: usize = 3;
 
+/// Steps over all rows.
+const STEPS: usize = 10;
+/// So many of the best are searched along their open direction, as long as key rows judge.
+const MOST_SEARCHED: usize = 40;
+/// Slack for modes that are not at their least yet (nats).
+pub(super) const SLACK: f64 = 8.0;
+
 /// Modes and the rows that they have been fitted to.
 pub(super) struct Bank {
     pub(super) modes: Vec<Mode>,
@@ -57,6 +67,8 @@ pub(super) struct Bank {
     pub(super) rows: Vec<usize>,
     /// Rows that the window had then.
     pub(super) seen: usize,
+    /// Whether each mode stands for all its images on a symmetric map.
+    pub(super) by_symmetry: bool,
     scratch: Linearisation,
 }
 
@@ -74,8 +86,54 @@ impl Effort {
 }
 
 impl Bank {
-    pub(super) fn new(modes: Vec<Mode>) -> Self {
-        Self { modes, rows: Vec::new(), seen: 0, scratch: Linearisation::default() }
+    pub(super) fn new(modes: Vec<Mode>, by_symmetry: bool) -> Self {
+        Self { modes, rows: Vec::new(), seen: 0, by_symmetry, scratch: Linearisation::default() }
+    }
+
+    /// How many places each mode stands for.
+    pub(super) fn times(&self, symmetries: &MapSymmetries) -> usize {
+        if self.by_symmetry { symmetries.order() } else { 1 }
+    }
+
+    /// Lets every image of a mode stand for itself, where something tells them apart.
+    pub(super) fn expand_images(&mut self, symmetries: &MapSymmetries) {
+        if core::mem::take(&mut self.by_symmetry) {
+            let images = |mode: &Mode| symmetries.all.iter().map(|turn| mode.turned(turn)).collect::<Vec<_>>();
+            let all: Vec<Mode> = self.modes.iter().flat_map(images).collect();
+            self.modes.extend(all);
+        }
+    }
+
+    /// Turns modes to where better ones are, so that none stands at an image of another's place; the best come first.
+    pub(super) fn gather_images(&mut self, symmetries: &MapSymmetries, model: &MeasurementModel<'_>) {
+        if !self.by_symmetry {
+            return;
+        }
+        let near = |a: Pose2, b: Pose2| {
+            let [x, y, turn] = difference(a, b, model.pivot());
+            x.hypot(y) < SAME_SIDE[0] && turn.abs() < SAME_SIDE[1]
+        };
+        let mut open = core::mem::take(&mut self.modes);
+        while !open.is_empty() {
+            let mut next = self.modes.len();
+            self.modes.push(open.remove(0));
+            while let Some(at) = self.modes.get(next).map(|mode| mode.state.frame) {
+                let mut rest = Vec::new();
+                for mode in open {
+                    let frame = mode.state.frame;
+                    if near(at, frame) {
+                        self.modes.push(mode);
+                    } else if let Some(turn) = symmetries.all.iter().find(|t| near(at, t.motion.compose(frame))) {
+                        self.modes.push(mode.turned(turn));
+                    } else {
+                        rest.push(mode);
+                    }
+                }
+                open = rest;
+                next += 1;
+            }
+        }
+        self.sort(model);
     }
 
     /// Takes in the rows that have come: every mode goes on from where it stands, and those that the new readings move are fitted anew, as
@@ -295,6 +353,33 @@ impl Bank {
         let Some(mode) = self.modes.get(index) else { return &self.scratch };
         model.run(&mode.state, &mode.start, &self.rows, &mut self.scratch);
         &self.scratch
+    }
+
+    /// Expresses every mode by its pose at this row.
+    pub(super) fn anchor(&mut self, model: &MeasurementModel<'_>, row: usize) {
+        self.modes.iter_mut().for_each(|mode| mode.state = model.anchored(&mode.state, row));
+    }
+
+    /// Moves every mode to its least cost over all rows, and looks for likelier ones around the best; no mode is kept that costs more than
+    /// `gate` above the best. The noise of each mode is that of its residuals afterwards.
+    pub(super) fn refine(&mut self, model: &MeasurementModel<'_>, gate: f64) {
+        for gate in [gate + SLACK, gate + 0.5 * SLACK] {
+            self.settle(model, key_rows(model, None, 0), STEPS, gate, MOST_SEARCHED);
+            self.join_overlapping(model);
+        }
+        self.settle(model, (0..model.window.len()).collect(), STEPS, gate + 0.5 * SLACK, 0);
+        self.estimate_noise(model);
+        self.multistart(model);
+        self.settle(model, (0..model.window.len()).collect(), STEPS, gate, 0);
+    }
+
+    /// Moves every mode to its least cost over the rows that modes are compared by, before rows are marginalised: what these say is never
+    /// linearised again.
+    pub(super) fn converge(&mut self, model: &MeasurementModel<'_>) {
+        for mode in &mut self.modes {
+            mode.relinearise(model, &self.rows, &mut self.scratch);
+            mode.descend(model, &self.rows, STEPS, &mut self.scratch);
+        }
     }
 
     /// Marginalises the first `count` rows; the window forgets them afterwards. `forgetting` is the weight that they keep.

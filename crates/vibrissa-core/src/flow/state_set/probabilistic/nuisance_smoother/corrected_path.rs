@@ -28,18 +28,26 @@ pub(super) fn corrected_path(
 ) {
     out.clear();
     let Some(&first) = rows.first() else { return };
-    let mut walk = Walk::new(window.pose(first.min(anchor)), calibration);
+    let mut at = first.min(anchor);
+    let mut walk = Walk::new(window.pose(at), calibration);
+    // Each increment of the odometry has its error, also between the rows that are asked for.
+    let mut go_to = |walk: &mut Walk, row: usize| {
+        for between in at + 1..=row {
+            walk.go_to(window.pose(between));
+        }
+        at = at.max(row);
+    };
     let mut anchored = None;
     for &row in rows {
         if anchored.is_none() && anchor <= row {
-            walk.go_to(window.pose(anchor));
+            go_to(&mut walk, anchor);
             anchored = Some(walk.here);
         }
-        walk.go_to(window.pose(row));
+        go_to(&mut walk, row);
         out.push(walk.here);
     }
     let there = anchored.unwrap_or_else(|| {
-        walk.go_to(window.pose(anchor));
+        go_to(&mut walk, anchor);
         walk.here
     });
     let motion = window.pose(anchor).compose(there.pose.inverse());

@@ -8,6 +8,7 @@
 use super::measurement::{Linearisation, Row};
 use super::normal_equations::NormalEquations;
 use super::unknowns::POSE;
+use crate::plane::Vec2;
 
 /// The most that one reading can speak against a place (nats): a false reading costs this, not more.
 pub(super) const OUTLIER_COST: f64 = 6.0;
@@ -162,6 +163,13 @@ fn add_independent(told: &Linearisation, noise: NoiseModel, to: &mut NormalEquat
 }
 
 impl Filter {
+    /// The same on a map that is turned by this angle (rad).
+    pub(super) fn turn(&mut self, angle: f64) {
+        let Vec2 { x: cos, y: sin } = Vec2::from_angle(angle);
+        let [x, y] = [self.derivatives[0], self.derivatives[1]];
+        (self.derivatives[0], self.derivatives[1]) = (cos * x - sin * y, sin * x + cos * y);
+    }
+
     fn predict(&mut self, t: f64, noise: NoiseModel) {
         let kept = (-(t - self.t).max(0.0) / noise.time_constant).exp();
         self.t = t;

@@ -8,6 +8,7 @@
 
 use super::super::grid_search::for_each_place;
 use super::super::information::{Information, Prior};
+use super::super::map_symmetry::MapSymmetries;
 use super::measurement::{MeasurementModel, moved};
 use super::sensor::Sensor;
 use super::shared_runs::{ContactExtent, SharedRun, WallContact};
@@ -105,7 +106,9 @@ pub(super) struct GridSearch {
 }
 
 impl GridSearch {
-    pub(super) fn new(model: &MeasurementModel<'_>, onset: ContactOnset) -> Self {
+    /// Over the whole map, or over the share that stands for all where it is symmetric.
+    pub(super) fn new(model: &MeasurementModel<'_>, onset: ContactOnset, symmetries: Option<&MapSymmetries>) -> Self {
+        let counts = |place: Vec2| symmetries.is_none_or(|all| all.is_representative(place));
         let sensor = &model.sensors[onset.sensor];
         let z = model.window.readings(onset.row)[onset.sensor];
         let branches = if onset.from_free {
@@ -114,8 +117,13 @@ impl GridSearch {
             TipContactSet::branches(&sensor.tip, sensor.reading(z), TipLoad::BoundaryNormal)
         };
         let mut places = Vec::new();
-        for_each_place(&model.ground.pieces, onset.spacing, |piece, at| places.push((piece, at)));
-        let corners = if onset.from_free { sharp_corners(model) } else { Vec::new() };
+        for_each_place(&model.ground.pieces, onset.spacing, |piece, at| {
+            if counts(model.ground.pieces[piece as usize].spot(at).position) {
+                places.push((piece, at));
+            }
+        });
+        let mut corners = if onset.from_free { sharp_corners(model) } else { Vec::new() };
+        corners.retain(|&(corner, _)| counts(corner));
         Self {
             onset,
             places,

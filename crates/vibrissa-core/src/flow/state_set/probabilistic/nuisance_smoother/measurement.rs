@@ -2,6 +2,7 @@
 //! nuisance parameters \[dellaert2017factor, ch. 2\].
 
 use super::super::calibrated_path::OdometryCalibration as Calibration;
+use super::super::map_symmetry::MapSymmetry;
 use super::corrected_path::{PathPoint, corrected_path};
 use super::log_window::LogWindow;
 use super::normal_equations::NormalEquations;
@@ -94,6 +95,20 @@ pub(super) struct Prior {
 }
 
 impl Start {
+    /// The same on a map that this turn takes onto itself.
+    pub(super) fn turned(&self, turn: &MapSymmetry) -> Self {
+        let prior = self.prior.as_ref().map(|prior| {
+            let frame = turn.motion.compose(prior.at.frame);
+            let equations = prior.equations.turned(turn.motion.theta);
+            Box::new(Prior { equations, at: State { frame, values: prior.at.values.clone() } })
+        });
+        Self {
+            states: self.states.iter().map(|state| state.turned(turn.motion, &|piece| turn.piece(piece))).collect(),
+            bases: self.bases.iter().map(|&base| turn.motion.compose(base)).collect(),
+            prior,
+        }
+    }
+
     pub(super) fn free(sensors: usize) -> Self {
         Self { states: vec![WhiskerState::Free; sensors], bases: Vec::new(), prior: None }
     }
@@ -137,8 +152,19 @@ impl<'a> MeasurementModel<'a> {
         self.window.pose(self.anchor).position()
     }
 
-    fn calibration(&self, values: &[f64]) -> Calibration {
-        self.unknowns.odometry.map_or([0.0; 3], |at| [0, 1, 2].map(|k| values[at - POSE + k]))
+    /// The robot at these rows, in order, by the odometry as the nuisance parameters calibrate it.
+    fn path(&self, values: &[f64], rows: &[usize], out: &mut Vec<PathPoint>) {
+        match self.unknowns.odometry {
+            Some(at) => {
+                let calibration: Calibration = [0, 1, 2].map(|k| values[at - POSE + k]);
+                corrected_path(self.window, rows, self.anchor, calibration, out);
+            }
+            None => {
+                let exact = |&row: &usize| PathPoint { pose: self.window.pose(row), ..PathPoint::default() };
+                out.clear();
+                out.extend(rows.iter().map(exact));
+            }
+        }
     }
 
     fn adjusted(&self, index: usize, values: &[f64]) -> Adjusted {
@@ -183,7 +209,7 @@ impl<'a> MeasurementModel<'a> {
         out.rows.clear();
         out.derivatives.clear();
         let mut path = core::mem::take(&mut out.path);
-        corrected_path(self.window, rows, self.anchor, self.calibration(values), &mut path);
+        self.path(values, rows, &mut path);
         let adjusted: Vec<Adjusted> = (0..self.sensors.len()).map(|index| self.adjusted(index, values)).collect();
         let mut end = start.clone();
         let began = |k: usize| -> Option<Pose2> { start.bases.get(k).copied() };
@@ -342,7 +368,7 @@ impl<'a> MeasurementModel<'a> {
     fn marginalised(&self, state: &State, prior: &Prior) -> NormalEquations {
         let n = self.unknowns.size();
         let mut path = Vec::new();
-        corrected_path(self.window, &[0], self.anchor, self.calibration(&state.values), &mut path);
+        self.path(&state.values, &[0], &mut path);
         let Some(first) = path.first() else { return NormalEquations::new(n) };
         let raw = self.window.pose(0);
         let frame = state.frame.compose(first.pose).compose(raw.inverse());
@@ -355,8 +381,7 @@ impl<'a> MeasurementModel<'a> {
     pub(super) fn equations_at(&self, equations: &NormalEquations, state: &State, row: usize) -> NormalEquations {
         let mut path = Vec::new();
         let there = MeasurementModel { anchor: row, ..*self };
-        let calibration = self.calibration(&state.values);
-        corrected_path(self.window, &[self.anchor], row, calibration, &mut path);
+        there.path(&state.values, &[self.anchor], &mut path);
         let moved = self.anchored(state, row);
         path.first().map_or_else(
             || equations.clone(),
@@ -383,7 +408,7 @@ impl<'a> MeasurementModel<'a> {
     /// The robot in the map at a row.
     pub(super) fn robot_at(&self, state: &State, row: usize) -> Pose2 {
         let mut path = Vec::new();
-        corrected_path(self.window, &[row], self.anchor, self.calibration(&state.values), &mut path);
+        self.path(&state.values, &[row], &mut path);
         state.frame.compose(path.first().map_or(self.window.pose(row), |point| point.pose))
     }
 

@@ -4,6 +4,7 @@
 use super::super::information::Information;
 use super::unknowns::{POSE, Unknown};
 use crate::linear_algebra::{DenseCholesky, Square};
+use crate::plane::Vec2;
 
 /// `J(x) = c - ηᵀx + xᵀΛx / 2` around the point of linearisation; the first three unknowns are the pose.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -137,6 +138,15 @@ impl NormalEquations {
         }
         out.constant = self.constant;
         out
+    }
+
+    /// The same on a map that is turned by this angle (rad).
+    pub(super) fn turned(&self, angle: f64) -> Self {
+        let n = self.size;
+        let Vec2 { x: cos, y: sin } = Vec2::from_angle(angle);
+        let mut by: Vec<f64> = (0..n * n).map(|k| f64::from(u8::from(k / n == k % n))).collect();
+        (by[0], by[1], by[n], by[n + 1]) = (cos, sin, -sin, cos);
+        self.transformed(&by)
     }
 
     /// The same knowledge with this share of its weight.

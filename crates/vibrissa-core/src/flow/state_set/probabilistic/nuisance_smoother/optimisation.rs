@@ -1,6 +1,7 @@
 //! Levenberg and Marquardt's method over a window of readings \[nocedal2006numerical, sec. 10.3\]: one mode of the posterior.
 
 use super::super::information::Information;
+use super::super::map_symmetry::MapSymmetry;
 use super::correlated_noise::{Filter, NoiseModel, add_readings};
 use super::measurement::{Linearisation, MeasurementModel, Start, State, difference, moved};
 use super::normal_equations::{NormalEquations, Response};
@@ -56,10 +57,10 @@ impl NoiseFit {
 }
 
 impl Mode {
-    pub(super) fn new(frame: Pose2, start: Start, model: &MeasurementModel<'_>) -> Self {
-        let values = vec![0.0; model.unknowns.all().len()];
+    /// A mode that is not linearised yet.
+    pub(super) fn new(state: State, start: Start) -> Self {
         Self {
-            state: State { frame, values },
+            state,
             start,
             fits: NoiseModel::TRACKED.map(NoiseFit::new).to_vec(),
             likeliest: 0,
@@ -88,6 +89,18 @@ impl Mode {
     pub(super) fn reanchored(&self, to: &dyn Fn(&NormalEquations) -> NormalEquations) -> Self {
         let mut there = self.clone();
         there.fits.iter_mut().for_each(|fit| fit.equations = to(&fit.equations));
+        there
+    }
+
+    /// The same at an image of its place on a symmetric map.
+    pub(super) fn turned(&self, turn: &MapSymmetry) -> Self {
+        let mut there = self.reanchored(&|equations| equations.turned(turn.motion.theta));
+        there.state.frame = turn.motion.compose(self.state.frame);
+        there.start = self.start.turned(turn);
+        for filter in there.fits.iter_mut().flat_map(|fit| &mut fit.filters) {
+            filter.turn(turn.motion.theta);
+        }
+        there.end = self.end.as_ref().map(|end| Box::new(end.turned(turn)));
         there
     }
 

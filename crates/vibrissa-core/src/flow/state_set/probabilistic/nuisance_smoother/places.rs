@@ -2,9 +2,9 @@
 
 use super::super::consistency::{MOST_SIGMAS, mean_and_worst};
 use super::super::importance_sampling::SAMPLES;
-use super::super::places::PosteriorPlace;
+use super::super::places::{PosteriorPlace, images_of};
 use super::admission::Admission;
-use super::bank::{Bank, Effort, WEAK_PRIOR, key_rows};
+use super::bank::{Bank, Effort, SLACK, WEAK_PRIOR};
 use super::correlated_noise::NoiseModel;
 use super::importance_sampling::{ImportanceSampler, PosteriorMoments, ProposalCentre};
 use super::log_window::LogWindow;
@@ -18,17 +18,12 @@ use crate::flow::pose::{Nuisance, Stretch};
 use crate::linear_algebra::{Square, add, determinant, dot, inverse, times};
 use crate::plane::{Pose2, Vec2};
 
-/// Steps over all rows, and those in closed form of so many of the best that follow.
-const STEPS: usize = 10;
+/// Steps in closed form of so many of the best.
 const EXACT: usize = 4;
 const EXACT_STEPS: usize = 2;
 /// With more modes than this those within each other's region are joined at first, and no more are looked at.
 const MANY_AT_THE_END: usize = 100;
 const MOST_AT_THE_END: usize = 500;
-/// So many of the best are searched along their open direction, as long as key rows judge.
-const MOST_SEARCHED: usize = 40;
-/// Slack for those that are not at their least yet (nats).
-const SLACK: f64 = 8.0;
 /// A mode this much less likely than the best (nats) is not told.
 const REPORTED: f64 = 12.0;
 /// Modes nearer than so many standard deviations are one place,
@@ -52,7 +47,7 @@ const SAMPLED_ABOVE: f64 = 1e-3;
 const THOROUGH_ABOVE: f64 = 0.02;
 const MOST_SAMPLED_TAKES: usize = 600_000;
 /// Readings that the walks along unobservable directions may run, of all places.
-const MOST_WALKED_TAKES: usize = 300_000;
+const MOST_WALKED_TAKES: usize = 600_000;
 /// Most modes that are looked at while rows come.
 const MOST_NOW: usize = 40;
 /// Where single residuals count as beyond their noise, and the declared bound with a hair for the model (standard deviations of an even
@@ -124,7 +119,8 @@ pub(super) fn linearised(bank: &Bank, scene: &Scene<'_>, window: &LogWindow) -> 
         .collect();
     let told: Vec<Square<3>> = modes.iter().map(|mode| covariance(mode, &last)).collect();
     let least = modes.first().map_or(0.0, |mode| mode.cost(&last));
-    Posterior { scene, window, model: &last, modes: &modes, told: &told, least, rerun: None }.places()
+    let by_symmetry = bank.by_symmetry;
+    Posterior { scene, window, model: &last, modes: &modes, told: &told, least, by_symmetry, rerun: None }.places()
 }
 
 /// Settles the modes, weighs and groups them.
@@ -132,6 +128,9 @@ pub(super) fn choose(bank: &mut Bank, scene: &Scene<'_>, window: &LogWindow) -> 
     let admission = Admission::new(scene, window);
     let admits = |frame: Pose2| admission.is_allowed(frame);
     let first = scene.model(window, 0);
+    if window.heading().is_some() {
+        bank.expand_images(&scene.symmetries);
+    }
     bank.extend(&first, &admits, Effort { gate: REPORTED + 2.0 * SLACK, ..Effort::ONLINE });
     // Most lie along straight walls, where their neighbours say the same.
     if bank.modes.len() > MANY_AT_THE_END {
@@ -139,18 +138,12 @@ pub(super) fn choose(bank: &mut Bank, scene: &Scene<'_>, window: &LogWindow) -> 
     }
     bank.modes.truncate(MOST_AT_THE_END);
     let end = window.len() - 1;
-    bank.modes.iter_mut().for_each(|mode| mode.state = first.anchored(&mode.state, end));
+    bank.anchor(&first, end);
     let model = scene.model(window, end);
-    for gate in [REPORTED + SLACK, REPORTED + 0.5 * SLACK] {
-        bank.settle(&model, key_rows(&model, None, 0), STEPS, gate, MOST_SEARCHED);
-        bank.join_overlapping(&model);
-    }
-    bank.settle(&model, (0..window.len()).collect(), STEPS, REPORTED + 0.5 * SLACK, 0);
-    bank.estimate_noise(&model);
-    bank.multistart(&model);
-    bank.settle(&model, (0..window.len()).collect(), STEPS, REPORTED, 0);
+    bank.refine(&model, REPORTED);
     settle_exactly(bank, &model);
     bank.modes.retain(|mode| admits(first_frame(&model, mode)));
+    bank.gather_images(&scene.symmetries, &model);
     bank.join_overlapping(&model);
     if bank.modes.is_empty() {
         return (Vec::new(), None);
@@ -159,8 +152,16 @@ pub(super) fn choose(bank: &mut Bank, scene: &Scene<'_>, window: &LogWindow) -> 
     let told: Vec<Square<3>> = bank.modes.iter().map(|mode| covariance(mode, &model)).collect();
     let least = bank.modes.iter().map(|mode| mode.cost(&model)).fold(f64::INFINITY, f64::min);
     let rerun = Rerun { model: &model, rows: &bank.rows };
-    let posterior =
-        Posterior { scene, window, model: &model, modes: &bank.modes, told: &told, least, rerun: Some(&rerun) };
+    let posterior = Posterior {
+        scene,
+        window,
+        model: &model,
+        modes: &bank.modes,
+        told: &told,
+        least,
+        by_symmetry: bank.by_symmetry,
+        rerun: Some(&rerun),
+    };
     (posterior.places(), Some(fit))
 }
 
@@ -234,6 +235,8 @@ struct Posterior<'a> {
     told: &'a [Square<3>],
     /// The least cost of all.
     least: f64,
+    /// Whether each mode stands for all its images.
+    by_symmetry: bool,
     /// What it takes to sample and to trace.
     rerun: Option<&'a Rerun<'a>>,
 }
@@ -248,10 +251,11 @@ impl Posterior<'_> {
         let admission = Admission::new(self.scene, self.window);
         let lever = self.scene.sensors.iter().map(|f| f.length).fold(f64::MIN_POSITIVE, f64::max);
         let admits = |frame: Pose2| admission.is_allowed(frame);
+        let stands = |frame: Pose2| admits(frame) && self.stands_free(frame);
         let mut tracer = self.rerun.map(|rerun| CurveTracer {
             rerun,
             metric: Metric { pivot: self.model.pivot(), lever },
-            admits: &admits,
+            admits: &stands,
             left: MOST_WALKED_TAKES,
             known: Vec::new(),
         });
@@ -269,10 +273,20 @@ impl Posterior<'_> {
                 PosteriorPlace { ridge, ..self.place(members, *mass, spread) }
             })
             .collect();
+        if self.by_symmetry {
+            places = places.iter().flat_map(|place| images_of(&self.scene.symmetries, place)).collect();
+        }
         let total: f64 = places.iter().map(|p| p.weight).sum();
         places.iter_mut().for_each(|p| p.weight /= total);
         places.sort_by(|a, b| b.weight.total_cmp(&a.weight));
         places
+    }
+
+    /// Whether the robot's origin and its whiskers' bases are in free space at the last row.
+    fn stands_free(&self, frame: Pose2) -> bool {
+        let robot = frame.compose(self.window.last_pose());
+        let mounts = self.scene.sensors.iter().map(|sensor| sensor.robot_from_whisker.position());
+        mounts.chain([Vec2::ZERO]).all(|place| self.scene.map.is_free(robot.transform_point(place)))
     }
 
     /// Modes that are linked, directly or through others, the best first.

@@ -1,6 +1,7 @@
 //! The smoother row by row: waiting for contact, global localization, tracking, and global localization again when lost
 //! \[thrun2005probabilistic, ch. 7-8\].
 
+use super::super::map_symmetry::MapSymmetries;
 use super::super::places::PosteriorPlace;
 use super::super::smoother::StepOutcome;
 use super::super::{Agreement, ModeSet};
@@ -9,7 +10,7 @@ use super::bank::{Bank, Effort};
 use super::contact_episodes::{judging_rows, longest_contact};
 use super::grid_search::{ContactOnset, GridSearch};
 use super::log_window::LogWindow;
-use super::measurement::{MeasurementModel, Start};
+use super::measurement::{MeasurementModel, Start, State};
 use super::optimisation::Mode;
 use super::places;
 use super::sensor::Sensor;
@@ -70,6 +71,7 @@ pub(super) struct Scene<'a> {
     pub(super) robot: &'a Robot,
     pub(super) options: ProbabilisticOptions,
     pub(super) ground: Boundaries,
+    pub(super) symmetries: MapSymmetries,
     pub(super) table: TipTable,
     pub(super) sensors: Vec<Sensor>,
     pub(super) senses: Vec<Sense>,
@@ -80,6 +82,11 @@ pub(super) struct Scene<'a> {
 }
 
 impl<'a> Scene<'a> {
+    /// Rows that are kept: twice as many where the odometry is calibrated, which what is marginalised does not know of.
+    fn window(&self) -> usize {
+        self.options.window * if self.unknowns.odometry.is_some() { 2 } else { 1 }
+    }
+
     /// The measurement model of a window.
     pub(super) fn model<'b>(&'b self, window: &'b LogWindow, anchor: usize) -> MeasurementModel<'b> {
         MeasurementModel {
@@ -138,11 +145,13 @@ impl<'a> NuisanceSmoother<'a> {
         let senses: Vec<Sense> = sensors.iter().zip(&whiskers).map(sense).collect();
         let unknowns = Unknowns::new(robot, &senses, options.shared_gain);
         let count = sensors.len();
+        let ground = Boundaries::new(map).with_clearance(map);
         let scene = Scene {
             map,
             robot,
             options,
-            ground: Boundaries::new(map).with_clearance(map),
+            symmetries: MapSymmetries::of(&ground),
+            ground,
             table: TipTable::new(),
             sensors,
             senses,
@@ -239,10 +248,16 @@ impl<'a> NuisanceSmoother<'a> {
                 search.resume(onset.rows);
                 search
             }
-            None => Box::new(GridSearch::new(&self.scene.model(&self.window, 0), onset)),
+            None => Box::new(GridSearch::new(&self.scene.model(&self.window, 0), onset, self.symmetries())),
         };
         self.phase = Phase::Searching { search, travelled, ended };
         self.search(if at_end { usize::MAX } else { SLICE })
+    }
+
+    /// The symmetries of the map, if nothing tells its images apart.
+    fn symmetries(&self) -> Option<&MapSymmetries> {
+        let all = Some(&self.scene.symmetries).filter(|symmetries| !symmetries.all.is_empty());
+        all.filter(|_| self.scene.options.prior.is_none() && self.window.heading().is_none())
     }
 
     /// The contact that began at a row, and what judges it.
@@ -271,6 +286,7 @@ impl<'a> NuisanceSmoother<'a> {
 
     /// Looks for modes with this much work.
     fn search(&mut self, mut work: usize) -> StepOutcome {
+        let by_symmetry = self.symmetries().is_some();
         let Self { scene, window, phase, .. } = self;
         let Phase::Searching { search, travelled, ended } = phase else { return StepOutcome::Nothing };
         let model = scene.model(window, 0);
@@ -305,11 +321,11 @@ impl<'a> NuisanceSmoother<'a> {
                 let bases = scene.sensors.iter().map(|s| robot.compose(s.robot_from_whisker)).collect();
                 Start { states, bases, prior: None }
             };
-            Mode::new(cell.frame, start, &model)
+            Mode::new(State { frame: cell.frame, values: vec![0.0; scene.unknowns.all().len()] }, start)
         };
-        let mut bank = Bank::new(cells.into_iter().map(mode).collect());
+        let mut bank = Bank::new(cells.into_iter().map(mode).collect(), by_symmetry);
         bank.extend(&model, &|frame| admission.is_allowed(frame), Effort::ONLINE);
-        let count = bank.modes.len();
+        let count = bank.modes.len() * bank.times(&scene.symmetries);
         if count == 0 {
             self.begin_again();
             return StepOutcome::Lost;
@@ -323,7 +339,10 @@ impl<'a> NuisanceSmoother<'a> {
         let Self { scene, window, phase, tracked, .. } = self;
         let Phase::Tracking(bank) = phase else { return StepOutcome::Nothing };
         *tracked += 1;
-        let full = window.len() > scene.options.window;
+        if window.heading().is_some() {
+            bank.expand_images(&scene.symmetries);
+        }
+        let full = window.len() > scene.window();
         if !full && window.len() < bank.seen + TAKEN_TOGETHER {
             return StepOutcome::Nothing;
         }
@@ -332,11 +351,12 @@ impl<'a> NuisanceSmoother<'a> {
             let admission = Admission::new(scene, window);
             bank.extend(&model, &|frame| admission.is_allowed(frame), Effort::ONLINE);
             if full {
-                bank.marginalise(&model, scene.options.window / 4, FORGETTING);
+                bank.converge(&model);
+                bank.marginalise(&model, scene.window() / 4, FORGETTING);
             }
         }
         if full {
-            window.forget(scene.options.window / 4);
+            window.forget(scene.window() / 4);
         }
         if self.tracked > TRUSTED {
             self.starts = 1;
@@ -356,7 +376,8 @@ impl<'a> NuisanceSmoother<'a> {
                 self.abandoned = self.best().or(self.abandoned);
                 let onset = self.onset(contact.sensor, contact.onset, true);
                 let rows = onset.rows.into_iter().filter(|&row| row < contact.end).collect();
-                let search = GridSearch::new(&self.scene.model(&self.window, 0), ContactOnset { rows, ..onset });
+                let model = self.scene.model(&self.window, 0);
+                let search = GridSearch::new(&model, ContactOnset { rows, ..onset }, self.symmetries());
                 self.phase = Phase::Searching { search: Box::new(search), travelled: 0.0, ended: true };
             }
             None => self.begin_again(),
@@ -403,7 +424,9 @@ impl<'a> NuisanceSmoother<'a> {
         let Phase::Tracking(bank) = &self.phase else { return Vec::new() };
         let last = self.window.len() - 1;
         let model = self.scene.model(&self.window, 0);
-        bank.modes.iter().map(|mode| model.anchored(&mode.state, last).frame).collect()
+        let times = bank.times(&self.scene.symmetries);
+        let images = |frame: Pose2| self.scene.symmetries.images(frame).take(times);
+        bank.modes.iter().flat_map(|mode| images(model.anchored(&mode.state, last).frame)).collect()
     }
 
     /// The best mode now: the odometry frame in the map frame.
@@ -423,7 +446,7 @@ impl ModeSet for NuisanceSmoother<'_> {
 
     fn count(&self) -> usize {
         match &self.phase {
-            Phase::Tracking(bank) => bank.modes.len(),
+            Phase::Tracking(bank) => bank.modes.len() * bank.times(&self.scene.symmetries),
             _ => 0,
         }
     }
@@ -461,7 +484,7 @@ impl ModeSet for NuisanceSmoother<'_> {
             Phase::Pressing { travelled, .. } => {
                 *travelled += travel.max(turn * lever);
                 // A robot that rests with its whisker on a wall says the same again and again.
-                if self.window.len() > self.scene.options.window {
+                if self.window.len() > self.scene.window() {
                     let newest = self.window.len() - 2;
                     self.window.drop_row(newest);
                 }
@@ -478,7 +501,11 @@ impl ModeSet for NuisanceSmoother<'_> {
 
     fn size(&self) -> (f64, f64) {
         match &self.phase {
-            Phase::Tracking(bank) => places::size(bank, &self.scene.model(&self.window, 0)),
+            Phase::Tracking(bank) => {
+                let (area, volume) = places::size(bank, &self.scene.model(&self.window, 0));
+                let times = bank.times(&self.scene.symmetries) as f64;
+                (times * area, times * volume)
+            }
             _ => (0.0, 0.0),
         }
     }
