@@ -33,7 +33,10 @@ pub fn asked(args: &[String]) -> Result<(Ros2Message, String)> {
     };
     let message = Ros2Message::ALL.into_iter().find(|message| message.as_str() == kind);
     let message = message.ok_or_else(|| {
-        Error::usage("unknown kind of messages").value(kind).allowed(known.join(", ")).remedy(did_you_mean(kind, &known))
+        Error::usage("unknown kind of messages")
+            .value(kind)
+            .allowed(known.join(", "))
+            .remedy(did_you_mean(kind, &known))
     })?;
     Ok((message, topic.clone()))
 }

@@ -17,9 +17,8 @@ fn main() -> ExitCode {
     }
     let variable = |name: &str| std::env::var(name).ok();
     if let Some(("--lines", asked)) = args.split_first().map(|(first, rest)| (first.as_str(), rest)) {
-        let told = lines::asked(asked).and_then(|(message, topic)| {
-            tell_lines(&Parameters::from_environment(&variable)?, message, &topic)
-        });
+        let told = lines::asked(asked)
+            .and_then(|(message, topic)| tell_lines(&Parameters::from_environment(&variable)?, message, &topic));
         return match told {
             Ok(()) => ExitCode::SUCCESS,
             Err(error) => {

@@ -24,7 +24,8 @@ use vibrissa_live::source::{HostClock, Ros2Message};
 pub fn tell_lines(parameters: &Parameters, message: Ros2Message, topic: &str) -> Result<()> {
     let context = join_domain(parameters)?;
     // Several of them run side by side.
-    let name = NodeName::new("/", &format!("vibrissa_lines_{}", std::process::id())).map_err(|e| dds("name the node", e))?;
+    let name =
+        NodeName::new("/", &format!("vibrissa_lines_{}", std::process::id())).map_err(|e| dds("name the node", e))?;
     let node = context.new_node(name, NodeOptions::new().enable_rosout(false)).map_err(|e| dds("make the node", e))?;
     let mut maker = Maker { node, parameters, mapping: ServiceMapping::Enhanced };
     let (stop, stopped) = smol::channel::bounded::<()>(1);
