@@ -163,10 +163,10 @@ fn reference() -> String {
     // A name stands behind two spaces; what follows it may go on further to the right.
     let names = commands.lines().filter_map(|line| line.strip_prefix("  ")).filter(|line| !line.starts_with(' '));
     for command in names.filter_map(|line| line.split_whitespace().next()).filter(|&name| name != "help") {
-        if command == "beam" {
-            ["beam force", "beam point", "beam moment"].into_iter().for_each(&mut add);
-        } else {
-            add(command);
+        match command {
+            "beam" => ["beam force", "beam point", "beam moment"].into_iter().for_each(&mut add),
+            "sensor" => add("sensor design"),
+            _ => add(command),
         }
     }
     text

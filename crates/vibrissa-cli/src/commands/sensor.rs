@@ -1,4 +1,4 @@
-//! `vibrissa sensor`: where the chip belongs, and what it then tells.
+//! `vibrissa sensor design`: where the chip belongs, and what it then tells.
 
 use crate::output::print;
 use crate::quantity::option;
@@ -11,6 +11,18 @@ use vibrissa::tasks::sensor_design::{LARGEST_SHARE, SensorDesign, best_sensor_de
 use vibrissa::world::Robot;
 use vibrissa::{Error, Result, read_robot};
 
+/// Sensors before they are built.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Args {
+    #[command(subcommand)]
+    command: SensorCommand,
+}
+
+#[derive(Debug, clap::Subcommand)]
+enum SensorCommand {
+    Design(DesignArgs),
+}
+
 /// Where the chip of a sensor belongs, and what it then tells: field, resolution, noise at the tip.
 ///
 /// The magnet is a point dipole at the compliant element, the chip stands below it along the whisker. All numbers are computed, none is
@@ -18,7 +30,7 @@ use vibrissa::{Error, Result, read_robot};
 ///
 /// The best distance is the one with the least noise at which no moment takes more than 80 % of the chip's range.
 #[derive(Debug, clap::Args)]
-pub(crate) struct Args {
+pub(crate) struct DesignArgs {
     /// The magnetometer: mlx90393 at its finest gain, or tle493d
     #[arg(long, value_name = "CHIP", default_value = "mlx90393")]
     chip: ChipName,
@@ -62,6 +74,7 @@ const LARGEST: f64 = 20e-3;
 
 /// Runs the command.
 pub(crate) fn run(args: &Args) -> Result<()> {
+    let SensorCommand::Design(args) = &args.command;
     let robot = match &args.robot {
         Some(path) => read_robot(path)?,
         None => Robot::default(),
