@@ -129,4 +129,26 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn the_path_does_not_depend_on_the_rows_that_are_asked_for() {
+        let window = window();
+        let all: Vec<usize> = (0..60).collect();
+        for calibration in [[0.01, -0.02, 0.03], [-0.2, 0.1, -0.3]] {
+            for anchor in [0, 23, 59] {
+                let at = |rows: &[usize]| {
+                    let mut path = Vec::new();
+                    corrected_path(&window, rows, anchor, calibration, &mut path);
+                    path
+                };
+                let whole = at(&all);
+                for rows in [vec![0], vec![59], vec![3, 47], vec![0, 30, 58]] {
+                    for (point, &row) in at(&rows).iter().zip(&rows) {
+                        assert!(point.pose.position().distance(whole[row].pose.position()) < 1e-12, "{anchor} {row}");
+                        assert!((point.pose.theta - whole[row].pose.theta).abs() < 1e-12);
+                    }
+                }
+            }
+        }
+    }
 }
