@@ -1,9 +1,9 @@
 //! Size of the set, and its connected components.
 
 use super::parallelotope::{HEADING_ARM, Parallelotope};
-use crate::math;
 use crate::plane::{Bounds, Pose2, Vec2, wrap_angle};
 use crate::sets::{Interval, StateBox};
+use crate::{WorkBudget, math};
 use core::f64::consts::TAU;
 
 /// Cells nearer than this belong together (m, rad).
@@ -194,12 +194,73 @@ impl CellGroup {
 }
 
 /// Upper bounds of area (m²) and volume (m² rad); `sharp` takes longer and counts less beside the cells.
-pub(super) fn size(cells: impl Iterator<Item = Parallelotope> + Clone, sharp: bool) -> (f64, f64) {
-    let add =
-        |(shadows, volume): (f64, f64), cell: Parallelotope| (shadows + projected_area(&cell), volume + cell.volume());
-    let (shadows, volume) = cells.clone().fold((0.0, 0.0), add);
-    (shadows.min(raster(cells, sharp)), volume)
+pub(super) fn size(cells: impl Iterator<Item = Parallelotope>, sharp: bool) -> (f64, f64) {
+    let mut measurement = Measurement::new(cells, sharp);
+    while !measurement.count_some(&mut WorkBudget::unlimited()) {}
+    (measurement.area(), measurement.volume)
 }
+
+/// The size of the set and its places in the making.
+#[derive(Clone, Debug)]
+pub(crate) struct Measurement {
+    /// The cells, at the newest row.
+    cells: Vec<Parallelotope>,
+    /// The sum of their projections' areas (m²), and of their volumes (m² rad).
+    shadows: f64,
+    volume: f64,
+    raster: Raster,
+    counted: usize,
+    places: Option<Vec<EnclosedPlace>>,
+}
+
+impl Measurement {
+    pub(super) fn new(cells: impl Iterator<Item = Parallelotope>, sharp: bool) -> Self {
+        let cells: Vec<Parallelotope> = cells.collect();
+        let add = |(shadows, volume): (f64, f64), cell: &Parallelotope| {
+            (shadows + projected_area(cell), volume + cell.volume())
+        };
+        let (shadows, volume) = cells.iter().fold((0.0, 0.0), add);
+        Self { raster: Raster::new(&cells, sharp), cells, shadows, volume, counted: 0, places: None }
+    }
+
+    /// Goes on; whether all is measured.
+    pub(crate) fn advance(&mut self, budget: &mut WorkBudget) -> bool {
+        if self.places.is_none() {
+            self.places = Some(places(self.cells.iter().copied()));
+            budget.spend(PLACE_COST * self.cells.len());
+            if budget.is_spent() {
+                return false;
+            }
+        }
+        self.count_some(budget)
+    }
+
+    /// Counts the squares of the next cells; whether no cell is left.
+    fn count_some(&mut self, budget: &mut WorkBudget) -> bool {
+        while let Some(cell) = self.cells.get(self.counted) {
+            if budget.is_spent() {
+                return false;
+            }
+            self.counted += 1;
+            budget.spend(1 + self.raster.count(cell));
+        }
+        true
+    }
+
+    fn area(&self) -> f64 {
+        self.shadows.min(self.raster.area())
+    }
+
+    /// The places, the largest first, and upper bounds of area (m²) and volume (m² rad), once all is measured.
+    pub(crate) fn told(mut self) -> (Vec<EnclosedPlace>, (f64, f64)) {
+        while !self.advance(&mut WorkBudget::unlimited()) {}
+        let size = (self.area(), self.volume);
+        (self.places.unwrap_or_default(), size)
+    }
+}
+
+/// What a cell costs where places are told.
+const PLACE_COST: usize = 2;
 
 /// The area of a cell's projection: a hexagon.
 fn projected_area(cell: &Parallelotope) -> f64 {
@@ -236,33 +297,57 @@ fn between(polygon: &[Vec2; 6], low: f64, high: f64) -> Option<(f64, f64)> {
     range
 }
 
+/// The rectangle around a cell's projection.
+fn rectangle(cell: &Parallelotope) -> Bounds {
+    let [x, y, _] = cell.reach();
+    let half = Vec2::new(x, y);
+    Bounds { min: cell.place() - half, max: cell.place() + half }
+}
+
 /// The area by counting the squares of a raster that the cells' projections touch, or the rectangles around these.
-fn raster(cells: impl Iterator<Item = Parallelotope> + Clone, sharp: bool) -> f64 {
-    let rectangle = |cell: &Parallelotope| {
-        let [x, y, _] = cell.reach();
-        let half = Vec2::new(x, y);
-        Bounds { min: cell.place() - half, max: cell.place() + half }
-    };
-    let all = cells.clone().fold(Bounds::EMPTY, |b, cell| b.hull(rectangle(&cell)));
-    if all.is_empty() {
-        return 0.0;
+#[derive(Clone, Debug)]
+struct Raster {
+    from: Vec2,
+    across: usize,
+    /// The side of a square (m).
+    square: f64,
+    hit: Vec<bool>,
+    sharp: bool,
+}
+
+impl Raster {
+    fn new(cells: &[Parallelotope], sharp: bool) -> Self {
+        let all = cells.iter().fold(Bounds::EMPTY, |b, cell| b.hull(rectangle(cell)));
+        let across = if sharp { SHARP_RASTER } else { RASTER };
+        if all.is_empty() {
+            return Self { from: Vec2::ZERO, across: 0, square: 0.0, hit: Vec::new(), sharp };
+        }
+        let least = if sharp { LEAST_SQUARE } else { 1e-3 * HEADING_ARM };
+        let square = (all.size().x.max(all.size().y) / across as f64).max(least);
+        Self { from: all.min, across, square, hit: vec![false; (across + 1) * (across + 1)], sharp }
     }
-    let across = if sharp { SHARP_RASTER } else { RASTER };
-    let square =
-        (all.size().x.max(all.size().y) / across as f64).max(if sharp { LEAST_SQUARE } else { 1e-3 * HEADING_ARM });
-    let mut hit = vec![false; (across + 1) * (across + 1)];
-    for cell in cells {
-        let Bounds { min, max } = rectangle(&cell);
-        let corners = hexagon(&cell);
+
+    /// Counts the squares of a cell; how many it looked at.
+    fn count(&mut self, cell: &Parallelotope) -> usize {
+        let Self { from, across, square, sharp, .. } = *self;
+        let Bounds { min, max } = rectangle(cell);
+        let corners = hexagon(cell);
         let index = |v: f64, from: f64| (((v - from) / square) as usize).min(across);
-        for y in index(min.y, all.min.y)..=index(max.y, all.min.y) {
-            let low = all.min.y + y as f64 * square;
+        let mut looked_at = 0;
+        for y in index(min.y, from.y)..=index(max.y, from.y) {
+            let low = from.y + y as f64 * square;
             // A little more than the row, for rounding.
             let touched = || between(&corners, low - 1e-6 * square, low + square * (1.0 + 1e-6));
             let Some((left, right)) = (if sharp { touched() } else { Some((min.x, max.x)) }) else { continue };
-            let (x0, x1) = (index(left, all.min.x), index(right, all.min.x));
-            hit[y * (across + 1) + x0..=y * (across + 1) + x1].fill(true);
+            let (x0, x1) = (index(left, from.x), index(right, from.x));
+            self.hit[y * (across + 1) + x0..=y * (across + 1) + x1].fill(true);
+            looked_at += 1;
         }
+        looked_at
     }
-    hit.iter().filter(|&&h| h).count() as f64 * square * square
+
+    /// The area of the squares so far (m²).
+    fn area(&self) -> f64 {
+        self.hit.iter().filter(|&&h| h).count() as f64 * self.square * self.square
+    }
 }
