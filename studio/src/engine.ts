@@ -306,9 +306,23 @@ export class Engine {
   }
 
   /** Takes up to n rows; how many are taken and how many there are. */
-  step(n: number): [number, number] {
-    const cursor = this.numbers(this.wasm.localize(2, n));
-    return [cursor.next(), cursor.next()];
+  step(n: number): [number, number, boolean] {
+    return this.progress(2, n);
+  }
+
+  /** Works so many units, at most to the end of a row; also whether no work is left on the rows that were taken. */
+  advance(units: number): [number, number, boolean] {
+    return this.progress(4, units);
+  }
+
+  /** Ends the rows: the work of the end is left to `advance`. */
+  endRows(): void {
+    this.progress(5, 0);
+  }
+
+  private progress(op: number, n: number): [number, number, boolean] {
+    const cursor = this.numbers(this.wasm.localize(op, n));
+    return [cursor.next(), cursor.next(), cursor.next() === 1];
   }
 
   estimate(most: number): Estimate {
