@@ -220,9 +220,10 @@ export class Engine {
     return cursor.take(4 * cursor.next());
   }
 
-  bend(given: "force" | "point" | "moment" | "tip", a: number, b: number): Bend[] {
+  /** Equilibria; the force is normal to the whisker, or has the direction `angle` (rad). */
+  bend(given: "force" | "point" | "moment" | "tip", a: number, b: number, angle?: number): Bend[] {
     const which = ["force", "point", "moment", "tip"].indexOf(given);
-    const cursor = this.numbers(this.wasm.bend(which, a, b, 0, 0));
+    const cursor = this.numbers(this.wasm.bend(which, a, b, angle === undefined ? 0 : 3, angle ?? 0));
     const [count, points] = [cursor.next(), cursor.next()];
     return Array.from({ length: count }, (): Bend => {
       const [force, s_a, phi_a, beta, x, y, moment, fx, fy, energy, tx, ty, strain, strainAt] = cursor.take(14);
