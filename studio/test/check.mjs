@@ -246,7 +246,7 @@ await step("your own: a room drawn and driven in by keyboard alone; files droppe
 });
 
 await step("`vibrissa studio` serves the page to who has its address, on the loopback alone", async () => {
-  const served = spawn(resolve(program), ["studio", "--no-open"], { env: { ...process.env, VIBRISSA_STUDIO: resolve(file) }, stdio: ["ignore", "pipe", "pipe"] });
+  const served = spawn(resolve(program), ["studio", "--page", resolve(file)], { stdio: ["ignore", "pipe", "pipe"] });
   try {
     const address = await new Promise((done, failed) => {
       let printed = "";
