@@ -6,7 +6,7 @@ import { Plot, boxOf } from "../plot";
 import { onceAFrame, type Running, type Scene, type Stage } from "../scene";
 import type { Remote } from "../remote";
 import { ROOMS, polygon, robotFile, roomBox, type Pose } from "../rooms";
-import { drawPlaces, drawRobot, drawStates, verdictWords } from "../robot";
+import { drawPlaces, drawRobot, drawStates, statesPath, verdictWords } from "../robot";
 import { Strip } from "../strip";
 import * as units from "../units";
 import { METHODS } from "./shrink";
@@ -433,6 +433,11 @@ class OwnScene implements Running {
     this.readout.set("Known then", failed ?? (this.count() ? words : "no log yet"));
     this.readout.set("Rows", `${Math.min(this.row, this.count())} of ${this.count()}`);
     if (estimate) this.stage.announce(words);
+  }
+
+  picture(): string {
+    const estimate = this.known();
+    return this.plot.picture("A map, the path of the robot and its places", statesPath(this.plot, estimate?.states ?? new Float64Array()));
   }
 
   answers(): unknown {

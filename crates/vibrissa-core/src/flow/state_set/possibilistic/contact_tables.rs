@@ -65,17 +65,15 @@ pub(super) fn tables(
         return (0..count).map(|k| ContactTable::Rod(table(k))).collect();
     }
     let finest = PressTable::new(columns, rows, math::atan(whisker.friction), options.largest_slope);
-    with_coarser(finest, count)
-}
-
-fn with_coarser(finest: PressTable, count: usize) -> Vec<ContactTable> {
     let all = core::iter::successors(Some(finest), |table| Some(table.coarser())).take(count);
     all.map(ContactTable::from).collect()
 }
 
-/// What a table of a rod costs, and the comparison of a reading with a table.
+/// What the tables of a rod cost, and the comparison of a reading with a table.
 const ROD_COST: usize = 20_000;
 const COMPARISON_COST: usize = 100;
+/// What it costs to copy a table, or to make one of one that is twice as fine.
+const COPY_COST: usize = 600;
 
 /// Finer tables in the making, and how many of the records have been compared with them.
 #[derive(Clone, Debug)]
@@ -85,6 +83,8 @@ pub(super) struct FinerTables {
     /// Whether readings to come are compared with them, too.
     stay: bool,
     builder: Option<PressTableBuilder>,
+    /// Those that are made of the whisker whose turn it is.
+    chain: Vec<PressTable>,
     /// Those of the first whiskers.
     made: Vec<Vec<ContactTable>>,
     compared: usize,
@@ -93,7 +93,7 @@ pub(super) struct FinerTables {
 impl FinerTables {
     /// So many tables, the first with `size` columns and rows, before any work.
     pub(super) fn new(size: (usize, usize), count: usize, stay: bool) -> Self {
-        Self { size, count, stay, builder: None, made: Vec::new(), compared: 0 }
+        Self { size, count, stay, builder: None, chain: Vec::new(), made: Vec::new(), compared: 0 }
     }
 
     /// Makes a part of the tables of the next of the whiskers.
@@ -104,21 +104,30 @@ impl FinerTables {
         let same = whiskers[..self.made.len()].iter().position(alike).filter(|_| whisker.rod.is_none());
         if let Some(same) = same {
             self.made.push(self.made[same].clone());
-            return;
+            return budget.spend(COPY_COST * self.count);
         }
         let (columns, rows) = self.size;
         if whisker.rod.is_some() {
             self.made.push(tables(self.size, self.count, whisker, options));
             return budget.spend(ROD_COST);
         }
+        // The finest by parts, then one coarser table after the other.
+        if let Some(finer) = self.chain.last() {
+            if self.chain.len() == self.count {
+                let chain = std::mem::take(&mut self.chain);
+                return self.made.push(chain.into_iter().map(ContactTable::from).collect());
+            }
+            let coarser = finer.coarser();
+            self.chain.push(coarser);
+            return budget.spend(COPY_COST);
+        }
         let new = || PressTableBuilder::new(columns, rows, math::atan(whisker.friction), options.largest_slope);
-        let builder = self.builder.get_or_insert_with(new);
-        let looked_at = builder.advance();
-        budget.spend(looked_at);
-        if looked_at == 0
-            && let Some(builder) = self.builder.take()
-        {
-            self.made.push(with_coarser(builder.finish(), self.count));
+        let looked_at = self.builder.get_or_insert_with(new).advance();
+        if looked_at > 0 {
+            budget.spend(looked_at);
+        } else if let Some(builder) = self.builder.take() {
+            self.chain.push(builder.finish());
+            budget.spend(COPY_COST);
         }
     }
 }
