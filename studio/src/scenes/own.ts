@@ -295,6 +295,8 @@ class OwnScene implements Running {
     this.generation += 1;
     this.map = { outlines: [], warnings: [] };
     this.log = { columns: [], rows: new Float64Array(), width: 5, warnings: [] };
+    this.truth = new Float64Array();
+    this.strip.set([], []);
     this.judged.forEach((one) => one.worker.end());
     this.judged = [];
     this.plot.show({ left: 0, right: 0.6, bottom: 0, top: 0.42 });
