@@ -129,7 +129,7 @@ impl<'a> Localizer<'a> {
     /// use vibrissa_core::localizer::{Localizer, Method};
     ///
     /// let corners = [(0.0, 0.0), (0.4, 0.0), (0.4, 0.3), (0.0, 0.3)].map(|(x, y)| Vec2::new(x, y));
-    /// let map = Map::new(vec![Boundary::new(Role::Arena, Curve::polygon(&corners), None)?])?;
+    /// let map = Map::new(vec![Boundary::new(Role::Arena, Curve::polyline(&corners, true).unwrap(), None)?])?;
     /// let (robot, channels) = (Robot::default(), [Channel { whisker: String::new(), quantity: Quantity::Moment }]);
     /// let method = Method::named("possibilistic")?;
     /// let mut localizer = Localizer::new(&map, &robot, &channels, &method)?;
