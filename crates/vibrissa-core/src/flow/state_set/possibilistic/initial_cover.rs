@@ -144,6 +144,21 @@ impl PossibleSet {
     }
 }
 
+/// All cells that one reading lays, at once.
+#[cfg(test)]
+pub(super) fn initial_cells(
+    level: &BoundaryLevel,
+    near: Option<Bounds>,
+    touch: &ReadingContacts,
+    (record, late): (u32, PoseSlack),
+) -> Vec<Parallelotope> {
+    let mut cover = InitialCover::new(&[]);
+    cover.lay(level, near, touch, record, &mut WorkBudget::unlimited());
+    let off = robot_slack(touch, late);
+    cover.cells.iter_mut().for_each(|cell| cell.inflate(off.place, off.turn));
+    cover.cells
+}
+
 /// How far the robot may be from where a base tells it that is where it is told on the robot.
 pub(super) fn robot_slack(touch: &ReadingContacts, late: PoseSlack) -> PoseSlack {
     let arm = touch.robot_from_whisker.position().norm();
