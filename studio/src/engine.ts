@@ -220,9 +220,10 @@ export class Engine {
     return cursor.take(4 * cursor.next());
   }
 
-  bend(given: "force" | "point" | "moment" | "tip", a: number, b: number): Bend[] {
+  /** Equilibria; the force is normal to the whisker, or has the direction `angle` (rad). */
+  bend(given: "force" | "point" | "moment" | "tip", a: number, b: number, angle?: number): Bend[] {
     const which = ["force", "point", "moment", "tip"].indexOf(given);
-    const cursor = this.numbers(this.wasm.bend(which, a, b, 0, 0));
+    const cursor = this.numbers(this.wasm.bend(which, a, b, angle === undefined ? 0 : 3, angle ?? 0));
     const [count, points] = [cursor.next(), cursor.next()];
     return Array.from({ length: count }, (): Bend => {
       const [force, s_a, phi_a, beta, x, y, moment, fx, fy, energy, tx, ty, strain, strainAt] = cursor.take(14);
@@ -306,9 +307,23 @@ export class Engine {
   }
 
   /** Takes up to n rows; how many are taken and how many there are. */
-  step(n: number): [number, number] {
-    const cursor = this.numbers(this.wasm.localize(2, n));
-    return [cursor.next(), cursor.next()];
+  step(n: number): [number, number, boolean] {
+    return this.progress(2, n);
+  }
+
+  /** Works so many units, at most to the end of a row; also whether no work is left on the rows that were taken. */
+  advance(units: number): [number, number, boolean] {
+    return this.progress(4, units);
+  }
+
+  /** Ends the rows: the work of the end is left to `advance`. */
+  endRows(): void {
+    this.progress(5, 0);
+  }
+
+  private progress(op: number, n: number): [number, number, boolean] {
+    const cursor = this.numbers(this.wasm.localize(op, n));
+    return [cursor.next(), cursor.next(), cursor.next() === 1];
   }
 
   estimate(most: number): Estimate {

@@ -94,24 +94,38 @@ export function verdictWords(estimate: Estimate | undefined, all = 0): { badge: 
 /** The pose moved so far out of walls that its middle stays clear of them. */
 export function clearOf(outlines: Outline[], [x, y, theta]: Pose): Pose {
   for (let round = 0; round < 3; round++) {
-    let nearest = CLEAR;
-    let away: Point | undefined;
-    for (const { points, closed } of outlines) {
-      for (let i = closed ? 0 : 1; i < points.length; i++) {
-        const [a, b] = [points[(i || points.length) - 1], points[i]];
-        const [dx, dy] = [b[0] - a[0], b[1] - a[1]];
-        const share = Math.min(1, Math.max(0, ((x - a[0]) * dx + (y - a[1]) * dy) / (dx * dx + dy * dy || 1)));
-        const [ex, ey] = [x - a[0] - share * dx, y - a[1] - share * dy];
-        const distance = Math.hypot(ex, ey);
-        if (distance < nearest) {
-          nearest = distance;
-          away = distance > 1e-9 ? [ex / distance, ey / distance] : undefined;
-        }
-      }
-    }
-    if (!away) break;
-    x += away[0] * (CLEAR - nearest);
-    y += away[1] * (CLEAR - nearest);
+    const [wx, wy] = wallNear(outlines, [x, y]);
+    const distance = Math.hypot(x - wx, y - wy);
+    if (!(distance < CLEAR && distance > 1e-9)) break;
+    const share = CLEAR / distance - 1;
+    [x, y] = [x + share * (x - wx), y + share * (y - wy)];
   }
   return [x, y, theta];
+}
+
+/** The nearest point of the walls. */
+export function wallNear(outlines: Outline[], [x, y]: Point): Point {
+  let nearest: Point = [Infinity, Infinity];
+  let least = Infinity;
+  for (const { points, closed } of outlines) {
+    for (let i = closed ? 0 : 1; i < points.length; i++) {
+      const [a, b] = [points[(i || points.length) - 1], points[i]];
+      const [dx, dy] = [b[0] - a[0], b[1] - a[1]];
+      const share = Math.min(1, Math.max(0, ((x - a[0]) * dx + (y - a[1]) * dy) / (dx * dx + dy * dy || 1)));
+      const at: Point = [a[0] + share * dx, a[1] + share * dy];
+      const distance = Math.hypot(x - at[0], y - at[1]);
+      if (distance < least) [least, nearest] = [distance, at];
+    }
+  }
+  return nearest;
+}
+
+/** Whether a point is inside a ring. */
+export function inside(ring: Point[], [x, y]: Point): boolean {
+  let odd = false;
+  ring.forEach(([ax, ay], i) => {
+    const [bx, by] = ring[(i || ring.length) - 1];
+    if (ay > y !== by > y && x < ax + ((y - ay) / (by - ay)) * (bx - ax)) odd = !odd;
+  });
+  return odd;
 }

@@ -4,7 +4,8 @@ import arena from "../../crates/vibrissa/data/demo_arena.svg";
 import corridor from "../../scenarios/maps/corridor.svg";
 import room from "../../scenarios/maps/room.svg";
 import { boxOf, type Box } from "./plot";
-import type { RoomMap } from "./engine";
+import type { Outline, Point, RoomMap } from "./engine";
+import { inside, wallNear } from "./robot";
 
 export type Pose = [number, number, number];
 
@@ -18,13 +19,12 @@ export interface Room {
   way: Pose[];
 }
 
-const square = JSON.stringify({
+/** A room with these corners (m), as GeoJSON. */
+export const polygon = (ring: Point[]): string => JSON.stringify({
   type: "FeatureCollection",
-  features: [{
-    type: "Feature", properties: { role: "arena" },
-    geometry: { type: "Polygon", coordinates: [[[0, 0], [0.4, 0], [0.4, 0.4], [0, 0.4], [0, 0]]] },
-  }],
+  features: [{ type: "Feature", properties: { role: "arena" }, geometry: { type: "Polygon", coordinates: [[...ring, ring[0]]] } }],
 });
+const square = polygon([[0, 0], [0.4, 0], [0.4, 0.4], [0, 0.4]]);
 
 export const ROOMS: Room[] = [
   {
@@ -46,6 +46,26 @@ export const ROOMS: Room[] = [
 ];
 
 export const roomOf = (id: string | undefined): Room => ROOMS.find((room) => room.id === id) ?? ROOMS[0];
+
+/** A room that somebody has drawn, by its corners in millimetres; the robot starts where the walls are farthest. */
+export function drawnRoom(ring: string): Room | undefined {
+  const numbers = ring.split("_").map((v) => Number(v) / 1000);
+  const points = Array.from({ length: Math.floor(numbers.length / 2) }, (_, i): Point => [numbers[2 * i], numbers[2 * i + 1]]);
+  if (points.length < 3 || points.length > 200 || !numbers.every((v) => Math.abs(v) < 100)) return undefined;
+  const walls: Outline[] = [{ role: "arena", closed: true, points }];
+  const box = boxOf(points, 0);
+  let best: Pose = [...points[0], 0];
+  let farthest = 0;
+  for (let i = 1; i < 40; i++) {
+    for (let k = 1; k < 40; k++) {
+      const at: Point = [box.left + (i / 40) * (box.right - box.left), box.bottom + (k / 40) * (box.top - box.bottom)];
+      const [x, y] = wallNear(walls, at);
+      const far = inside(points, at) ? Math.hypot(x - at[0], y - at[1]) : 0;
+      if (far > farthest) [farthest, best] = [far, [...at, 0]];
+    }
+  }
+  return farthest > 0 ? { id: "drawn", words: "drawn", file: "drawn.geojson", map: polygon(points), start: best, way: [best] } : undefined;
+}
 
 /** What the map fills, with a margin (m). */
 export function roomBox(map: RoomMap): Box {

@@ -2,8 +2,10 @@
 
 import { Engine, Refused, type Estimate } from "./engine";
 
-/** How long a slice may take (ms), how often an estimate is told (ms), how many states are told. */
-const SLICE = 6;
+/** How long a slice may take (ms), and how much work is done between two looks at the clock: less than a millisecond. */
+const SLICE = 4;
+const UNITS = 400;
+/** How often an estimate is told (ms), how many states are told. */
 const TOLD = 40;
 const MOST_STATES = 4000;
 const SNAPSHOT_STATES = 1500;
@@ -25,6 +27,8 @@ let run = -1;
 let scheduled = false;
 let told = 0;
 let every = 0;
+/** The call that waits for the answer at the end. */
+let finishing: number | undefined;
 
 /** What of an answer is handed over rather than copied. */
 function arrays(result: unknown): Transferable[] {
@@ -52,19 +56,26 @@ function slice(engine: Engine): void {
   if (run < 0) return;
   const began = performance.now();
   try {
-    let [taken, all] = engine.step(0);
+    let [taken, all, idle] = engine.step(0);
     const before = taken;
-    while (taken < all && performance.now() - began < SLICE) {
-      [taken, all] = engine.step(1);
-      if (every > 0 && taken % every === 0 && taken < all) tell(taken, all, 0, 0, engine.estimate(SNAPSHOT_STATES));
+    while ((taken < all || !idle) && performance.now() - began < SLICE) {
+      [taken, all, idle] = engine.advance(UNITS);
+      if (idle && every > 0 && taken > before && taken % every === 0 && taken < all) tell(taken, all, 0, 0, engine.estimate(SNAPSHOT_STATES));
     }
     const spent = performance.now() - began;
-    const due = taken > before && (taken === all || (every === 0 && began - told > TOLD));
+    const over = idle && taken === all;
+    const due = idle && finishing === undefined && (taken > before || over) && (over || (every === 0 && began - told > TOLD));
     const estimate = due ? engine.estimate(every > 0 ? SNAPSHOT_STATES : MOST_STATES) : undefined;
     const now = performance.now();
     if (due) told = now;
-    if (taken > before) tell(taken, all, spent, now - began - spent, estimate);
-    if (taken < all) schedule();
+    tell(idle ? taken : taken - 1, all, spent, now - began - spent, estimate);
+    if (!over) return schedule();
+    if (finishing !== undefined) {
+      const id = finishing;
+      finishing = undefined;
+      const result = engine.finish();
+      scope.postMessage({ op: "answer", id, result }, arrays(result));
+    }
   } catch (error) {
     const words = error instanceof Error ? error.message : String(error);
     scope.postMessage({ op: "progress", run, taken: 0, all: 0, slice: 0, telling: 0, failed: words });
@@ -84,6 +95,11 @@ scope.onmessage = ({ data }: MessageEvent<Request>) => {
       told = 0;
       schedule();
       return;
+    }
+    if (data.op === "call" && data.name === "finish") {
+      finishing = data.id;
+      engine.endRows();
+      return schedule();
     }
     try {
       const call = (engine as unknown as Record<string, (...args: unknown[]) => unknown>)[data.name];

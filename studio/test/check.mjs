@@ -2,6 +2,7 @@
 import { spawn } from "node:child_process";
 import { mkdirSync, readFileSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
+import { networkInterfaces } from "node:os";
 import { join, resolve } from "node:path";
 import { pathToFileURL } from "node:url";
 import { Command, answers, compared, driven, open, same, scene, until } from "./browser.mjs";
@@ -63,7 +64,7 @@ await step("bend: a wall, dragged, against `beam`", async () => {
   for (const [hash, right, down] of [["bend?mode=wall", 0, 0], ["bend?mode=wall&wx=0.03&wy=0.012&wa=-0.5", -5, 5]]) {
     await scene(page, base, hash);
     await drag(right, down);
-    const { moment, touches } = await answers(page);
+    const { moment, touches, shape } = await answers(page);
     same("contacts", touches.length, 1);
     const [{ at, force, size, side }] = touches;
     same("on its side", side, false);
@@ -71,6 +72,9 @@ await step("bend: a wall, dragged, against `beam`", async () => {
     const { solutions } = command.json("beam", "force", "--force", `${size}`, "--s-a", "0.075", "--load", `directed:${angle}`);
     const near = solutions.reduce((best, one) => (Math.abs(one.moment - moment) < Math.abs(best.moment - moment) ? one : best));
     same("moment", moment, near.moment);
+    for (const key of ["s_a", "phi_a", "energy"]) same(`wall ${key}`, shape[key], near[key]);
+    same("wall strain", shape.strain, near.largest_strain.strain);
+    if ((await page.locator(".readout").innerText()).includes("–")) throw new Error("a number of the whisker at the wall is missing");
     at.forEach((v, axis) => same("contact", v, [near.x, near.y][axis]));
   }
 });
@@ -153,6 +157,125 @@ await step("shrinking set: driven by itself and by keys, against `localize`", as
   await page.keyboard.up("w");
   const before = rows(await until(page, (now) => now.waiting === 0));
   if (before < 40) throw new Error(`the keys moved the robot by ${before} rows only`);
+});
+
+await step("shrinking set: by touch, by gamepad, all methods side by side, and the drive again from the link", async () => {
+  await scene(page, base, "shrink?room=square&method=possibilistic&all=1");
+  const box = await page.locator(".robot-handle").boundingBox();
+  const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
+  const touch = await page.context().newCDPSession(page);
+  const finger = (type, at) => touch.send("Input.dispatchTouchEvent", { type, touchPoints: at ? [{ x: at[0], y: at[1] }] : [] });
+  await finger("touchStart", [x, y]);
+  for (let k = 1; k <= 12; k++) {
+    await finger("touchMove", [x + 8 * k, y - 4 * k]);
+    await page.waitForTimeout(60);
+  }
+  await finger("touchEnd");
+  const touched = await until(page, (now) => now.waiting === 0 && now.log.split("\n").length > 60);
+  await page.evaluate(() => {
+    const pad = { axes: [0, -1, 0, 0], buttons: [], connected: true };
+    navigator.getGamepads = () => [pad];
+    window.pad = pad;
+  });
+  await page.waitForTimeout(600);
+  await page.evaluate(() => (window.pad.axes = [0, 0, 0, 0]));
+  await driven(page);
+  await page.waitForTimeout(400);
+  const before = await answers(page);
+  const way = Math.hypot(before.pose[0] - touched.pose[0], before.pose[1] - touched.pose[1]);
+  if (way < 0.02) throw new Error(`the gamepad moved the robot by ${way} m only`);
+  same("methods", before.methods.map((one) => one.method).join(" "), METHODS.join(" "));
+  const rows = before.log.trim().split("\n").length - 1;
+  before.methods.forEach((one) => same(`rows of ${one.method}`, one.rows, rows));
+  // The link is brought up to date now and then while one drives, and at each switch.
+  await page.getByLabel("Hide the true robot").focus();
+  await page.getByText("Sensor gain").click();
+  await page.getByText("Sensor gain").click();
+  await page.waitForTimeout(500);
+  const link = await page.evaluate(() => location.hash.slice(1));
+  await scene(page, base, link);
+  await driven(page);
+  const after = await answers(page);
+  const off = Math.hypot(before.pose[0] - after.pose[0], before.pose[1] - after.pose[1]);
+  if (!(off < 1e-3)) throw new Error(`the drive of the link ends ${off} m from where it did`);
+  if (!(Math.abs(after.log.trim().split("\n").length - 1 - rows) < 0.1 * rows)) throw new Error("the drive of the link has another length");
+});
+
+await step("your own: a room drawn and driven in by keyboard alone; files dropped", async () => {
+  await scene(page, base, "own");
+  const press = async (...keys) => {
+    for (const key of keys) await page.keyboard.press(key);
+  };
+  const tabTo = async (test) => {
+    for (let k = 0; k < 80; k++) {
+      await press("Tab");
+      if (await page.evaluate(test)) return;
+    }
+    throw new Error(`the keyboard does not reach ${test}`);
+  };
+  await tabTo(() => document.activeElement.textContent === "Draw a room");
+  await press("Enter");
+  const times = (count, key) => Array.from({ length: count }, () => key);
+  await press(...times(4, "Shift+ArrowLeft"), ...times(3, "Shift+ArrowDown"), "Enter", ...times(8, "Shift+ArrowRight"), "Enter");
+  await press(...times(5, "Shift+ArrowUp"), "Enter", ...times(7, "Shift+ArrowLeft"), "Enter", "c");
+  await until(page, (now) => now.file === "drawn.geojson");
+  await press("Enter");
+  await page.waitForFunction(() => document.documentElement.dataset.ready === "shrink");
+  await tabTo(() => document.activeElement.classList.contains("robot-handle"));
+  await page.keyboard.down("ArrowUp");
+  await page.waitForTimeout(900);
+  await page.keyboard.up("ArrowUp");
+  await driven(page);
+  const { map, log } = await answers(page);
+  same("corners", JSON.parse(map).features[0].geometry.coordinates[0].length, 5);
+  if (log.split("\n").length < 60) throw new Error("the keys did not drive the robot in the room that was drawn");
+  await scene(page, base, "own");
+  await until(page, (now) => now.ready);
+  const dropped = (name, text) => page.evaluate(([name, text]) => {
+    const carried = new DataTransfer();
+    carried.items.add(new File([text], name));
+    for (const type of ["dragover", "drop"]) window.dispatchEvent(new DragEvent(type, { dataTransfer: carried, bubbles: true, cancelable: true }));
+  }, [name, text]);
+  const bad = '[[whisker]]\nlength = "75 apples"\n';
+  const good = await answers(page);
+  [["good.svg", good.map], ["good.csv", good.log], ["dropped.toml", bad]].forEach(([name, text]) => write(name, text));
+  const { words } = command.complaint("localize", "good.csv", "--map", "good.svg", "--robot", "dropped.toml");
+  await dropped("dropped.toml", bad);
+  const { refused } = await until(page, (now) => now.refused.includes("dropped.toml"), 10000).catch(() => answers(page));
+  same("words about a file that is dropped", refused, words);
+});
+
+await step("`vibrissa studio` serves the page to who has its address, on the loopback alone", async () => {
+  const served = spawn(resolve(program), ["studio", "--page", resolve(file)], { stdio: ["ignore", "pipe", "pipe"] });
+  try {
+    const address = await new Promise((done, failed) => {
+      let printed = "";
+      const heard = (data) => {
+        printed += data;
+        const [found] = /http:\S+/.exec(printed) ?? [];
+        if (found) done(found);
+      };
+      served.stdout.on("data", heard);
+      served.stderr.on("data", heard);
+      served.on("exit", () => failed(new Error(`vibrissa studio ended: ${printed}`)));
+    });
+    const url = new URL(address);
+    same("loopback", ["127.0.0.1", "localhost", "[::1]"].includes(url.hostname), true);
+    same("with its address", (await fetch(address)).status, 200);
+    for (const path of ["/", "/studio.html", `${url.pathname.slice(0, -2)}`]) {
+      const { status } = await fetch(new URL(path, url));
+      same(`status of ${path}`, status >= 400, true);
+    }
+    const outside = Object.values(networkInterfaces()).flat().find((one) => one.family === "IPv4" && !one.internal);
+    if (outside) {
+      const reached = await fetch(`http://${outside.address}:${url.port}${url.pathname}`, { signal: AbortSignal.timeout(2000) }).then(() => true, () => false);
+      same("reached from outside", reached, false);
+    }
+    await page.goto(address);
+    await page.waitForFunction(() => document.documentElement.dataset.ready);
+  } finally {
+    served.kill("SIGINT");
+  }
 });
 
 await step("your own: each method against `localize`, and bad files in the command's words", async () => {

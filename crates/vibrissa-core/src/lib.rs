@@ -17,8 +17,10 @@ pub mod contact;
 pub mod flow;
 pub mod localizer;
 mod stop;
+mod work_budget;
 pub mod world;
 
 pub use localizer::Localizer;
 pub use stop::Stop;
 pub use vibrissa_beam::{Error, Result, beam, error, linear_algebra, math, plane, sensing, sets};
+pub use work_budget::WorkBudget;

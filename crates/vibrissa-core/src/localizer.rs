@@ -22,7 +22,7 @@ use crate::flow::pose::{Estimate, Event, Localization};
 use crate::flow::sensor_log::{Channel, LogRow};
 use crate::plane::Pose2;
 use crate::world::{Map, Robot};
-use crate::{Error, Result, Stop};
+use crate::{Error, Result, Stop, WorkBudget};
 use limit_check::LimitCheck;
 
 /// What every method of localization is: it takes rows, says at any row what is known, and answers at the end.
@@ -33,6 +33,28 @@ pub trait Estimator: Send {
     ///
     /// A reading that the whisker cannot cause; the message names the line.
     fn step(&mut self, row: &LogRow) -> Result<()>;
+
+    /// As [`Estimator::step`], but what takes long is left to [`Estimator::advance`], for callers that must be able to answer within
+    /// milliseconds. What an earlier row has left is done first. A method that cannot pause does all of it here.
+    ///
+    /// # Errors
+    ///
+    /// As [`Estimator::step`].
+    fn begin(&mut self, row: &LogRow) -> Result<()> {
+        self.step(row)
+    }
+
+    /// Goes on with the work that is left until the budget is spent; whether none is left. Where it pauses changes no answer.
+    ///
+    /// In between, [`Estimator::estimate`] may be asked: it then knows the newest row in part.
+    fn advance(&mut self, budget: &mut WorkBudget) -> bool {
+        let _ = budget;
+        true
+    }
+
+    /// Says that no more rows come: the work of the end is begun, and left to [`Estimator::advance`]. [`Estimator::finish`] does what
+    /// is left then. A method that cannot pause leaves all of it to that.
+    fn end(&mut self) {}
 
     /// What can be said at the last row: verdict, places and extents. It changes nothing: the answer at the end is the same,
     /// however often this is asked.
@@ -58,6 +80,7 @@ pub trait Estimator: Send {
 /// A robot that is being localized, row by row, by any method.
 pub struct Localizer<'a> {
     estimator: Box<dyn Estimator + 'a>,
+    has_ended: bool,
 }
 
 impl<'a> Localizer<'a> {
@@ -67,22 +90,77 @@ impl<'a> Localizer<'a> {
     ///
     /// Options out of range, a whisker without a channel, or a robot or a map that the method does not cover.
     pub fn new(map: &'a Map, robot: &'a Robot, channels: &[Channel], method: &Method) -> Result<Self> {
-        Ok(Self { estimator: method.estimator(map, robot, channels)? })
+        Ok(Self { estimator: method.estimator(map, robot, channels)?, has_ended: false })
     }
 
     /// A localizer by an estimator of one's own.
     #[must_use]
     pub fn by(estimator: impl Estimator + 'a) -> Self {
-        Self { estimator: Box::new(estimator) }
+        Self { estimator: Box::new(estimator), has_ended: false }
     }
 
     /// Takes in one row.
     ///
     /// # Errors
     ///
-    /// As [`Estimator::step`].
+    /// As [`Estimator::step`], or a row after the end.
     pub fn step(&mut self, row: &LogRow) -> Result<()> {
+        self.refuse_after_end(row)?;
         self.estimator.step(row)
+    }
+
+    /// Takes in one row and leaves what takes long to [`Localizer::advance`], see [`Estimator::begin`].
+    ///
+    /// # Errors
+    ///
+    /// As [`Localizer::step`].
+    pub fn begin(&mut self, row: &LogRow) -> Result<()> {
+        self.refuse_after_end(row)?;
+        self.estimator.begin(row)
+    }
+
+    /// Goes on with the work that is left until the budget is spent; whether none is left.
+    ///
+    /// ```
+    /// use vibrissa_core::flow::sensor_log::{Channel, LogRow, Quantity};
+    /// use vibrissa_core::plane::{Curve, Pose2, Vec2};
+    /// use vibrissa_core::world::{Boundary, Map, Robot, Role};
+    /// use vibrissa_core::WorkBudget;
+    /// use vibrissa_core::localizer::{Localizer, Method};
+    ///
+    /// let corners = [(0.0, 0.0), (0.4, 0.0), (0.4, 0.3), (0.0, 0.3)].map(|(x, y)| Vec2::new(x, y));
+    /// let map = Map::new(vec![Boundary::new(Role::Arena, Curve::polyline(&corners, true).unwrap(), None)?])?;
+    /// let (robot, channels) = (Robot::default(), [Channel { whisker: String::new(), quantity: Quantity::Moment }]);
+    /// let method = Method::named("possibilistic")?;
+    /// let mut localizer = Localizer::new(&map, &robot, &channels, &method)?;
+    /// for k in 0..20 {
+    ///     let odom_from_robot = Pose2::new(1e-3 * f64::from(k), 0.0, 0.0);
+    ///     localizer.begin(&LogRow { t: f64::from(k), odom_from_robot, readings: vec![2e-3], heading: None, line: 0 })?;
+    ///     // Answer others, look at the clock, or stop here.
+    ///     while !localizer.advance(&mut WorkBudget::new(1000)) {}
+    /// }
+    /// localizer.end();
+    /// while !localizer.advance(&mut WorkBudget::new(1000)) {}
+    /// assert!(!localizer.finish().hypotheses.is_empty());
+    /// # Ok::<(), vibrissa_core::Error>(())
+    /// ```
+    pub fn advance(&mut self, budget: &mut WorkBudget) -> bool {
+        self.estimator.advance(budget)
+    }
+
+    /// Says that no more rows come and leaves the work of the end to [`Localizer::advance`], see [`Estimator::end`].
+    pub fn end(&mut self) {
+        if !self.has_ended {
+            self.has_ended = true;
+            self.estimator.end();
+        }
+    }
+
+    fn refuse_after_end(&self, row: &LogRow) -> Result<()> {
+        if !self.has_ended {
+            return Ok(());
+        }
+        Err(Error::usage("a row after the end of the log").value(row.t).remedy("begin anew with another Localizer"))
     }
 
     /// What can be said at the last row, see [`Estimator::estimate`].

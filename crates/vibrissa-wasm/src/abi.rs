@@ -114,9 +114,10 @@ pub extern "C" fn drive(op: u32) -> u32 {
 }
 
 /// Localizes the robot on the map. `op` 0 begins, by the method whose name is the input, for the columns of the log, or of a steered
-/// robot where there is none; 1 adds rows: t, x, y, theta and readings each; 2 takes up to `n` rows; 3 ends and chooses.
+/// robot where there is none; 1 adds rows: t, x, y, theta and readings each; 2 takes up to `n` rows; 3 ends and chooses;
+/// 4 goes on for `n` units of work, at most to the end of a row; 5 ends the rows, so that 4 does the work of the end before 3.
 ///
-/// Numbers: rows taken, rows there are; after the end those of [`estimate`], then poses of the trajectory, each t, x, y, theta. Words at
+/// Numbers: rows taken, rows there are, 1 where no work is left; after the end those of [`estimate`], then poses of the trajectory, each t, x, y, theta. Words at
 /// the end: events, remedies and consistency as JSON.
 #[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
 #[must_use]

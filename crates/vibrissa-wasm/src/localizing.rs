@@ -8,10 +8,12 @@ use vibrissa::flow::sensor_log::{Channel, LogRow, Quantity, SensorLog};
 use vibrissa::io::calibrated;
 use vibrissa::plane::Pose2;
 use vibrissa::world::{Map, Robot};
-use vibrissa::{Error, Localizer, Method, Result};
+use vibrissa::{Error, Localizer, Method, Result, WorkBudget};
 
 /// Numbers of a row before its readings.
 const ROW: usize = 4;
+/// What a row costs beside what its method counts.
+const ROW_COST: usize = 20;
 
 /// What a localizer borrows.
 pub(crate) struct World {
@@ -28,6 +30,27 @@ pub(crate) struct Running<'a> {
     /// Rows that came after the log, and how many of both are taken.
     added: Vec<LogRow>,
     taken: usize,
+    /// Whether all work on the rows that were taken, or on the end, is done.
+    is_idle: bool,
+}
+
+impl Running<'_> {
+    /// Takes the next row, whose work is left to `advance`; whether there was one.
+    fn begin(&mut self, log: &SensorLog) -> Result<bool> {
+        let Some(localizer) = &mut self.localizer else { return Ok(false) };
+        let Some(row) = log.rows.iter().chain(&self.added).nth(self.taken) else { return Ok(false) };
+        localizer.begin(row).map_err(|error| match &log.source {
+            Some(file) if error.line().is_some() => error.in_file(file),
+            _ => error,
+        })?;
+        self.taken += 1;
+        Ok(true)
+    }
+
+    /// Works until the budget is spent or nothing is left.
+    fn advance(&mut self, budget: &mut WorkBudget) {
+        self.is_idle = self.localizer.as_mut().is_none_or(|localizer| localizer.advance(budget));
+    }
 }
 
 self_cell! {
@@ -45,7 +68,9 @@ pub(crate) fn localize(host: &mut Host, op: u32, n: u32) -> Result<()> {
         1 => add(host),
         2 => step(host, n as usize),
         3 => finish(host),
-        other => Err(Error::usage("op").value(other).allowed("0 to 3")),
+        4 => advance(host, n as usize),
+        5 => end(host),
+        other => Err(Error::usage("op").value(other).allowed("0 to 5")),
     }
 }
 
@@ -75,7 +100,7 @@ fn begin(host: &mut Host) -> Result<()> {
 /// A localizer on its world, before the first row.
 fn on(world: &World) -> Result<Running<'_>> {
     let localizer = Localizer::new(&world.map, &world.robot, &world.log.channels, &world.method)?;
-    Ok(Running { localizer: Some(localizer), added: Vec::new(), taken: 0 })
+    Ok(Running { localizer: Some(localizer), added: Vec::new(), taken: 0, is_idle: true })
 }
 
 fn running(host: &mut Host) -> Result<&mut Localizing> {
@@ -97,23 +122,52 @@ fn add(host: &mut Host) -> Result<()> {
 
 fn step(host: &mut Host, n: usize) -> Result<()> {
     running(host)?.with_dependent_mut(|world, running| {
-        let Running { localizer: Some(localizer), added, taken } = running else { return Ok(()) };
-        for row in world.log.rows.iter().chain(added.iter()).skip(*taken).take(n) {
-            localizer.step(row).map_err(|error| match &world.log.source {
-                Some(file) if error.line().is_some() => error.in_file(file),
-                _ => error,
-            })?;
-            *taken += 1;
+        for _ in 0..n {
+            if !running.begin(&world.log)? {
+                break;
+            }
+            running.advance(&mut WorkBudget::unlimited());
         }
         Ok(())
     })?;
     progress(host)
 }
 
+/// Goes on with the work that is left, or with the next row; a row's beginning is work, too.
+fn advance(host: &mut Host, units: usize) -> Result<()> {
+    running(host)?.with_dependent_mut(|world, running| {
+        let mut budget = WorkBudget::new(units);
+        while !budget.is_spent() {
+            if running.is_idle && !running.begin(&world.log)? {
+                break;
+            }
+            running.advance(&mut budget);
+            budget.spend(ROW_COST);
+            if running.is_idle {
+                break;
+            }
+        }
+        Ok(())
+    })?;
+    progress(host)
+}
+
+fn end(host: &mut Host) -> Result<()> {
+    running(host)?.with_dependent_mut(|_, running| {
+        if let Some(localizer) = &mut running.localizer {
+            localizer.end();
+            running.is_idle = false;
+        }
+    });
+    progress(host)
+}
+
 fn progress(host: &mut Host) -> Result<()> {
-    let (taken, all) =
-        running(host)?.with_dependent(|world, running| (running.taken, world.log.rows.len() + running.added.len()));
-    host.numbers = vec![taken as f64, all as f64];
+    let state = running(host)?.with_dependent(|world, running| {
+        let all = world.log.rows.len() + running.added.len();
+        [running.taken as f64, all as f64, f64::from(u8::from(running.is_idle))]
+    });
+    host.numbers = state.to_vec();
     Ok(())
 }
 

@@ -59,7 +59,7 @@ fn a_drive_is_localized_as_its_log() {
     host.input = b"deterministic".to_vec();
     localizing::localize(&mut host, 0, 0).unwrap();
     localizing::localize(&mut host, 2, 100).unwrap();
-    assert_eq!(host.numbers, [100.0, path.len() as f64]);
+    assert_eq!(host.numbers, [100.0, path.len() as f64, 1.0]);
     localizing::localize(&mut host, 2, u32::MAX).unwrap();
     host.numbers.clear();
     localizing::localize(&mut host, 3, 0).unwrap();

@@ -31,7 +31,7 @@ const ROOMS: &[(&str, &[&str])] = &[
         "crates/vibrissa-head",
         &["packet", "calibration", "unwrap", "bus", "command", "frame", "chip", "head", "simulated"],
     ),
-    ("crates/vibrissa-core", &["stop", "config", "world", "contact", "flow", "localizer"]),
+    ("crates/vibrissa-core", &["stop", "work_budget", "config", "world", "contact", "flow", "localizer"]),
     (
         "crates/vibrissa-io",
         &[

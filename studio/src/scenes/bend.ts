@@ -335,17 +335,30 @@ class BendScene implements Running {
     this.turn.moveTo(this.seen([ARM, 0]));
   }
 
+  /** The equilibrium that the simulated whisker is in, where the wall touches it at one place. */
+  private shapeAtWall(): Bend | undefined {
+    const { moment, touches } = this.pressed();
+    if (touches.length !== 1) return undefined;
+    const [{ at, force, size, side }] = touches;
+    const { engine } = this.stage;
+    const all = side ? engine.bend("point", ...at) : engine.bend("force", size, LENGTH, Math.atan2(force[1], force[0]));
+    const off = (bend: Bend) => Math.abs(bend.moment - moment);
+    return all.reduce<Bend | undefined>((best, bend) => (best && off(best) <= off(bend) ? best : bend), undefined);
+  }
+
   private tellWall(): void {
     const { readout } = this;
     const { moment, touches } = this.pressed();
     const [touch] = touches;
     readout.set("Moment at the base", units.moment(moment), "main");
     readout.set("Force", touch ? units.force(touches.reduce((sum, one) => sum + one.size, 0)) : "–");
-    readout.set("Slope at the contact", "–");
-    readout.set("Arc length to it", touches.length > 1 ? "two contacts" : touch ? (touch.side ? "on its side" : "at the tip") : "–");
+    const shape = this.shapeAtWall();
+    const of = (value: (b: Bend) => string) => (shape ? value(shape) : touch ? "two contacts" : "–");
+    readout.set("Slope at the contact", of((b) => units.angle(b.phi_a)));
+    readout.set("Arc length to it", shape && touch.side ? units.length(shape.s_a) : touches.length > 1 ? "two contacts" : touch ? (touch.side ? "on its side" : "at the tip") : "–");
     readout.set("Contact point", touch ? `${units.quantity(1e3 * touch.at[0], 1, "")}, ${units.length(touch.at[1])}` : "–");
-    readout.set("Largest strain", "–");
-    readout.set("Elastic energy", "–");
+    readout.set("Largest strain", of((b) => units.quantity(100 * b.strain, 2, "%")), shape && shape.strain > STRAIN_LIMIT ? "bad" : "");
+    readout.set("Elastic energy", of((b) => units.quantity(1e6 * b.energy, 0, "µJ")));
     this.note.textContent = this.event ? `${this.event}.` : "Drag the wall against the whisker, and turn it by the small handle.";
   }
 
@@ -402,7 +415,7 @@ class BendScene implements Running {
   }
 
   answers(): unknown {
-    if (this.mode === "wall") return { mode: "wall", ...this.pressed() };
+    if (this.mode === "wall") return { mode: "wall", ...this.pressed(), shape: this.shapeAtWall() };
     const given = this.mode === "post" ? { x: this.post[0], y: this.post[1] } : { force: this.force, s_a: this.arc };
     const all = this.mode === "post"
       ? this.stage.engine.bend("point", ...this.post)

@@ -5,8 +5,8 @@ import { button, choice, element, Readout, save, slider } from "../controls";
 import { Plot, boxOf } from "../plot";
 import { onceAFrame, type Running, type Scene, type Stage } from "../scene";
 import type { Remote } from "../remote";
-import { ROOMS, robotFile, roomBox, type Pose } from "../rooms";
-import { drawPlaces, drawRobot, drawStates, verdictWords } from "../robot";
+import { ROOMS, polygon, robotFile, roomBox, type Pose } from "../rooms";
+import { drawPlaces, drawRobot, drawStates, statesPath, verdictWords } from "../robot";
 import { Strip } from "../strip";
 import * as units from "../units";
 import { METHODS } from "./shrink";
@@ -67,6 +67,9 @@ class OwnScene implements Running {
   private refused = "";
   private taking = false;
   private drawing: Point[] | undefined;
+  /** Where the next corner comes by keyboard, and the room that was drawn last. */
+  private cursor: Point = [0.3, 0.21];
+  private ring: Point[] = [];
   private readonly plot: Plot;
   private readonly strip: Strip;
   private readonly time: { set(value: number): void };
@@ -74,6 +77,7 @@ class OwnScene implements Running {
   private readonly list: HTMLElement;
   private readonly message: HTMLElement;
   private readonly readout: Readout;
+  private readonly drive: HTMLButtonElement;
   private readonly ask: ReturnType<typeof onceAFrame>;
   private readonly off: () => void;
 
@@ -82,7 +86,8 @@ class OwnScene implements Running {
     this.ask = onceAFrame(() => this.draw());
     this.plot = new Plot(stage.figure, { left: 0, right: 0.5, bottom: 0, top: 0.35 }, "The map, the path and the places", () => this.fit());
     for (const layer of ["map", "path", "robot", "places", "sketch"]) this.plot.layer(layer);
-    this.plot.svg.addEventListener("click", (event) => this.corner(event));
+    this.plot.svg.addEventListener("click", (event) => this.corner(this.plot.under(event)));
+    this.plot.frame.addEventListener("keydown", (event) => this.key(event));
     this.strip = new Strip(stage.figure, Infinity);
     const times = element("div", { class: "timeline" });
     stage.figure.append(times);
@@ -95,6 +100,10 @@ class OwnScene implements Running {
     stage.panel.append(element("div", { class: "group" }, element("span", { class: "title" }, "Files"), this.list, open, input), this.message);
     button(open, "Open files …", () => input.click(), "first");
     button(open, "Draw a room", () => this.sketch());
+    this.drive = button(open, "Drive in it", () => {
+      location.hash = `shrink?ring=${this.ring.flat().map((v) => Math.round(1000 * v)).join("_")}`;
+    });
+    this.drive.hidden = true;
     choice(stage.panel, "Show", METHODS, this.shown, (method) => {
       this.shown = method;
       this.stage.changed({ method });
@@ -192,6 +201,7 @@ class OwnScene implements Running {
       }
     }
     this.taking = false;
+    if (files.some((file) => kindOf(file.name) === "map" && file.name !== "drawn.geojson")) this.drive.hidden = true;
     if (brought) await this.judge();
     this.tell();
   }
@@ -285,16 +295,40 @@ class OwnScene implements Running {
     this.generation += 1;
     this.map = { outlines: [], warnings: [] };
     this.log = { columns: [], rows: new Float64Array(), width: 5, warnings: [] };
+    this.truth = new Float64Array();
+    this.strip.set([], []);
     this.judged.forEach((one) => one.worker.end());
     this.judged = [];
     this.plot.show({ left: 0, right: 0.6, bottom: 0, top: 0.42 });
+    this.plot.frame.tabIndex = 0;
+    this.plot.frame.setAttribute("role", "application");
+    this.plot.frame.setAttribute("aria-label", "A sheet to draw a room on: arrow keys move, Enter sets a corner, C closes the room");
+    this.plot.frame.focus();
     this.fit();
   }
 
-  private corner(event: MouseEvent): void {
+  /** Corners by keyboard: arrows move by 10 mm, with Shift by 50 mm. */
+  private key(event: KeyboardEvent): void {
+    if (!this.drawing || event.ctrlKey || event.metaKey || event.altKey) return;
+    const moves: Record<string, Point> = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
+    const move = moves[event.key];
+    if (move) {
+      const step = event.shiftKey ? 0.05 : 0.01;
+      const within = (v: number, most: number) => Math.max(0, Math.min(most, Math.round(1000 * v) / 1000));
+      this.cursor = [within(this.cursor[0] + step * move[0], 0.6), within(this.cursor[1] + step * move[1], 0.42)];
+      this.stage.announce(`${units.length(this.cursor[0], 0)}, ${units.length(this.cursor[1], 0)}`);
+    } else if (event.key === "Enter" || event.key === " ") this.corner(this.cursor);
+    else if (event.key === "Backspace") this.drawing.pop();
+    else if (event.key.toLowerCase() === "c" && this.drawing.length > 2) void this.close();
+    else return;
+    event.preventDefault();
+    this.ask();
+  }
+
+  private corner(at: Point): void {
     if (!this.drawing) return;
     const snap = (v: number) => Math.round(v / 5e-3) * 5e-3;
-    const place = this.plot.under(event).map(snap) as Point;
+    const place = at.map(snap) as Point;
     const [first] = this.drawing;
     if (first && this.drawing.length > 2 && Math.hypot(first[0] - place[0], first[1] - place[1]) < 14 * this.plot.pixel) void this.close();
     else this.drawing.push(place);
@@ -304,11 +338,15 @@ class OwnScene implements Running {
   private async close(): Promise<void> {
     const ring = this.drawing!;
     this.drawing = undefined;
-    const geometry = { type: "Polygon", coordinates: [[...ring, ring[0]]] };
-    const text = JSON.stringify({ type: "FeatureCollection", features: [{ type: "Feature", properties: { role: "arena" }, geometry }] });
+    this.ring = ring;
+    this.drive.hidden = false;
+    this.plot.frame.removeAttribute("tabindex");
+    this.plot.frame.removeAttribute("role");
+    this.plot.frame.removeAttribute("aria-label");
+    this.drive.focus();
     this.files.delete("log");
     this.files.delete("truth");
-    await this.take([new File([text], "drawn.geojson")]);
+    await this.take([new File([polygon(ring)], "drawn.geojson")]);
   }
 
   private fit(): void {
@@ -352,9 +390,12 @@ class OwnScene implements Running {
     const at = this.poseAt(this.truth, t);
     if (at) drawRobot(plot, "robot", at, "robot");
     if (this.drawing) {
+      const [x, y] = this.cursor;
+      plot.line("sketch", [[x - 0.012, y], [x + 0.012, y]], "tangent");
+      plot.line("sketch", [[x, y - 0.012], [x, y + 0.012]], "tangent");
       plot.line("sketch", this.drawing, "sketched");
       this.drawing.forEach((p, i) => plot.dot("sketch", p, i === 0 ? 7 : 4, "contact"));
-      if (!this.drawing.length) plot.words("sketch", [0.3, 0.21], "Click the corners of the room; the first again closes it", "big");
+      if (!this.drawing.length) plot.words("sketch", [0.3, 0.24], "Click the corners, or arrow keys and Enter; the first again, or C, closes the room", "big");
     }
     this.strip.draw(this.count() ? t : undefined);
     this.tell();
@@ -394,6 +435,11 @@ class OwnScene implements Running {
     this.readout.set("Known then", failed ?? (this.count() ? words : "no log yet"));
     this.readout.set("Rows", `${Math.min(this.row, this.count())} of ${this.count()}`);
     if (estimate) this.stage.announce(words);
+  }
+
+  picture(): string {
+    const estimate = this.known();
+    return this.plot.picture("A map, the path of the robot and its places", statesPath(this.plot, estimate?.states ?? new Float64Array()));
   }
 
   answers(): unknown {

@@ -5,7 +5,8 @@ import { button, choice, element, Readout, save, toggle } from "../controls";
 import { Handle, Plot, Trail } from "../plot";
 import { onceAFrame, still, type Running, type Scene, type Stage, type State } from "../scene";
 import type { Remote } from "../remote";
-import { MOUNT, ROOMS, robotFile, roomBox, roomOf, type Pose, type Room } from "../rooms";
+import { MOUNT, ROOMS, drawnRoom, robotFile, roomBox, roomOf, type Pose, type Room } from "../rooms";
+import { read, written, type Knot } from "../drive_link";
 import { clearOf, drawPlaces, drawStates, outline, statesPath, verdictWords } from "../robot";
 import { Strip } from "../strip";
 import * as units from "../units";
@@ -23,6 +24,9 @@ const SLIP = 0.06;
 const WORDS = 100;
 const CHART = 45;
 const NOTHING = { states: new Float64Array(), places: [] };
+/** Poses of the drive that the link carries come so far apart (s), and the link is written anew after so many. */
+const KNOTS = 0.1;
+const LINKED = 10;
 /** How many times of frames and slices are kept. */
 const TIMES = 20000;
 const KEYS: Record<string, [number, number]> = {
@@ -48,6 +52,15 @@ export const shrink: Scene = {
   },
 };
 
+/** A method beside others on the same drive. */
+interface Judge {
+  method: string;
+  worker: Remote;
+  estimate?: Estimate;
+  behind: number;
+  failed: string;
+}
+
 class ShrinkScene implements Running {
   private room: Room;
   private method: string;
@@ -61,12 +74,16 @@ class ShrinkScene implements Running {
   private target: Point | undefined;
   private readonly pressed = new Set<string>();
   private own: { way: Pose[]; at: number; done: boolean } | undefined;
+  /** A drive of the link that is driven again, and the drive so far for the next link. */
+  private again: { knots: Knot[]; at: number } | undefined;
+  private knots: Knot[] = [];
+  private taken = false;
   private driven: Driven | undefined;
   private rows: number[] = [];
   private readonly trail: Trail;
-  private estimate: Estimate | undefined;
-  private behind = 0;
-  private failed = "";
+  /** The method that is shown, or all of them. */
+  private judges: Judge[] = [];
+  private all = false;
   private readonly times = { frames: [] as number[], work: [] as number[], slices: [] as number[], estimates: [] as number[] };
   private busy = false;
   private queue: number[] = [];
@@ -81,22 +98,22 @@ class ShrinkScene implements Running {
   private loop = 0;
   private last = 0;
   private readonly driver: Remote;
-  private localizer: Remote;
   private readonly plot: Plot;
   private readonly handle: Handle;
   private readonly strip: Strip;
   private readonly readout: Readout;
   private readonly badge: HTMLElement;
   private readonly words: HTMLElement;
+  private readonly table = element("table", { class: "compare" });
   private readonly ask: ReturnType<typeof onceAFrame>;
 
   constructor(private readonly stage: Stage) {
     const { state } = stage;
-    this.room = roomOf(state.room);
+    this.room = drawnRoom(state.ring ?? "") ?? roomOf(state.room);
+    this.all = state.all === "1";
     this.method = METHODS.find((m) => m.value === state.method)?.value ?? "probabilistic";
     for (const key of ["offset", "gain", "slip", "declared"] as const) this.errors[key] = state[key] === "1";
     this.driver = stage.worker();
-    this.localizer = stage.worker();
     this.ask = onceAFrame(() => this.draw());
     this.plot = new Plot(stage.figure, { left: 0, right: 0.5, bottom: 0, top: 0.35 }, "A room, the robot, and the places where it may be", () => this.fit());
     for (const layer of ["map", "trail", "robot", "places", "marks", "handles"]) this.plot.layer(layer);
@@ -118,14 +135,24 @@ class ShrinkScene implements Running {
     this.badge = element("span", { class: "badge" });
     this.words = element("p", { class: "note" });
     stage.panel.append(element("div", { class: "verdict" }, this.badge, this.words));
-    choice(stage.panel, "Room", ROOMS.map((r) => ({ value: r.id, words: r.words })), this.room.id, (id) => {
-      this.room = roomOf(id);
+    const drawn = this.room.id === "drawn" ? [this.room] : [];
+    choice(stage.panel, "Room", [...drawn, ...ROOMS].map((r) => ({ value: r.id, words: r.words })), this.room.id, (id) => {
+      this.room = drawn.find((r) => r.id === id) ?? roomOf(id);
       void this.open();
     });
     choice(stage.panel, "Method", METHODS, this.method, (method) => {
       this.method = method;
-      void this.judge();
+      if (this.shown()) {
+        this.keep();
+        this.told = 0;
+        this.ask();
+      } else void this.judge();
     });
+    toggle(stage.panel, "All methods side by side", this.all, (on) => {
+      this.all = on;
+      void this.judge();
+    }, "on this one drive; the method above is the one that is drawn");
+    stage.panel.append(this.table);
     const group = element("div", { class: "group" }, element("span", { class: "title" }, "Make it hard"));
     stage.panel.append(group);
     const error = (key: "offset" | "gain" | "slip", title: string, hint: string) =>
@@ -148,7 +175,10 @@ class ShrinkScene implements Running {
     this.readout = new Readout(stage.panel);
     const buttons = element("div", { class: "buttons" });
     stage.panel.append(buttons);
-    button(buttons, "Start again", () => void this.open());
+    button(buttons, "Start again", () => {
+      delete stage.state.drive;
+      void this.open();
+    });
     button(buttons, "Save picture", () => save("drive.svg", this.picture(), "image/svg+xml"));
     button(buttons, "Save log", () => void this.driver.call("write", "log").then((log) => save("log.csv", log, "text/csv")));
     button(buttons, "Save map", () => save(this.room.file, this.room.map));
@@ -172,7 +202,12 @@ class ShrinkScene implements Running {
     this.due = 0;
     this.target = undefined;
     this.busy = false;
-    this.own = still() ? undefined : { way: room.way, at: 0, done: false };
+    const knots = read(this.stage.state.drive ?? "");
+    delete this.stage.state.drive;
+    this.again = knots.length > 1 ? { knots, at: knots[0][0] } : undefined;
+    this.own = this.again || still() || room.way.length < 2 ? undefined : { way: room.way, at: 0, done: false };
+    this.knots = [[0, ...room.start]];
+    this.taken = !!this.again;
     this.strip.clear();
     this.take_in(await driver.call("startDrive", 0, room.start, 1, true));
     await this.judge();
@@ -191,32 +226,51 @@ class ShrinkScene implements Running {
     this.strip.end();
   }
 
-  /** Judges all rows so far anew. */
+  private shown(): Judge | undefined {
+    return this.judges.find((one) => one.method === this.method);
+  }
+
+  /** Judges all rows so far anew, each method in a worker of its own: what it was at is given up. */
   private async judge(): Promise<void> {
-    const { localizer, room } = this;
-    this.estimate = undefined;
-    this.failed = "";
-    await localizer.call("readMap", room.file, room.map);
-    await localizer.call("readRobot", "robot.toml", robotFile(this.errors.declared));
-    await localizer.localize(this.method, (progress) => {
-      this.behind = progress.all - progress.taken;
-      this.note("slices", progress.slice);
-      if (progress.estimate) this.note("estimates", progress.telling);
-      if (progress.failed) this.failed = progress.failed;
-      if (progress.estimate) {
-        this.estimate = progress.estimate;
-        this.stage.announce(verdictWords(this.estimate).words);
-      }
-      this.ask();
-    });
-    await localizer.call("addRows", Float64Array.from(this.rows));
+    this.judges.forEach((one) => one.worker.end());
+    const methods = this.all ? METHODS.map((m) => m.value) : [this.method];
+    this.judges = methods.map((method) => ({ method, worker: this.stage.worker(), behind: 0, failed: "" }));
+    const rows = Float64Array.from(this.rows);
     this.keep();
+    await Promise.all(this.judges.map((one) => this.judgeBy(one, rows)));
     this.ask();
+  }
+
+  private async judgeBy(one: Judge, rows: Float64Array): Promise<void> {
+    const { room } = this;
+    // Rows that come meanwhile wait in the worker behind these calls, since a worker answers in order.
+    const begun = [
+      one.worker.call("readMap", room.file, room.map),
+      one.worker.call("readRobot", "robot.toml", robotFile(this.errors.declared)),
+      one.worker.localize(one.method, (progress) => {
+        one.behind = progress.all - progress.taken;
+        if (one.method === this.method) {
+          this.note("slices", progress.slice);
+          if (progress.estimate) this.note("estimates", progress.telling);
+        }
+        if (progress.failed) one.failed = progress.failed;
+        if (progress.estimate) {
+          one.estimate = progress.estimate;
+          if (one.method === this.method) this.stage.announce(verdictWords(one.estimate).words);
+        }
+        this.ask();
+      }),
+      one.worker.call("addRows", rows),
+    ];
+    await Promise.all(begun).catch((error: Error) => (one.failed ||= error.message));
   }
 
   private keep(): void {
     const state: State = { room: this.room.id, method: this.method };
-    for (const [key, on] of Object.entries(this.errors)) if (on) state[key] = "1";
+    if (this.room.id === "drawn") state.ring = this.stage.state.ring;
+    for (const [key, on] of Object.entries({ ...this.errors, all: this.all })) if (on) state[key] = "1";
+    const drive = this.taken ? written(this.knots) : undefined;
+    if (drive) state.drive = drive;
     this.stage.changed(state);
   }
 
@@ -234,7 +288,8 @@ class ShrinkScene implements Running {
 
   /** The hand takes over from the robot's own way. */
   private take(): void {
-    if (this.own) this.own = undefined;
+    this.own = this.again = undefined;
+    this.taken = true;
     this.stage.figure.classList.add("known");
   }
 
@@ -281,7 +336,8 @@ class ShrinkScene implements Running {
 
   private move(dt: number): void {
     const before = this.pose;
-    if (this.own) this.follow(dt);
+    if (this.again) this.repeat(dt);
+    else if (this.own) this.follow(dt);
     else {
       const [forward, turn] = this.wish();
       const theta = wrap(before[2] + turn * TURN * dt);
@@ -291,7 +347,28 @@ class ShrinkScene implements Running {
     if (this.pose.every((v, i) => Math.abs(v - before[i]) < 1e-7)) return;
     this.t += dt;
     const { offset, gain, slip } = this.errors;
+    // The last pose moves on until it is far enough from the one before.
+    const { knots } = this;
+    const knot: Knot = [this.t, ...this.pose];
+    if (knots.length > 1 && knot[0] - knots[knots.length - 2][0] < KNOTS + 1e-9) knots[knots.length - 1] = knot;
+    else if (knots.push(knot) % LINKED === 0 && this.taken) this.keep();
     this.queue.push(this.t, ...this.pose, offset ? OFFSET : 0, gain ? GAIN : 0, slip ? SLIP : 0);
+  }
+
+  /** The drive of the link, straight from one pose to the next. */
+  private repeat(dt: number): void {
+    const again = this.again!;
+    again.at += dt;
+    const next = again.knots.findIndex(([t]) => t > again.at);
+    if (next < 1) {
+      this.pose = again.knots.at(-1)!.slice(1) as Pose;
+      this.again = undefined;
+      return;
+    }
+    const [a, b] = [again.knots[next - 1], again.knots[next]];
+    const share = (again.at - a[0]) / (b[0] - a[0]);
+    const turn = wrap(b[3] - a[3]);
+    this.pose = [a[1] + share * (b[1] - a[1]), a[2] + share * (b[2] - a[2]), wrap(a[3] + share * turn)];
   }
 
   /** Along the room's own way, straight from one pose to the next. */
@@ -325,7 +402,7 @@ class ShrinkScene implements Running {
       this.drawn = [poses.at(-6)!, poses.at(-5)!, poses.at(-4)!];
       this.take_in(driven);
     }, (error: Error) => {
-      this.failed = error.message;
+      this.judges.forEach((one) => (one.failed = error.message));
       this.busy = false;
     });
   }
@@ -335,7 +412,7 @@ class ShrinkScene implements Running {
     this.rows.push(...driven.rows);
     for (let i = 0; i < driven.rows.length; i += driven.width) this.strip.add(driven.rows[i], driven.rows[i + 4]);
     this.trail.add([this.drawn[0], this.drawn[1]]);
-    if (driven.rows.length && this.rows.length > driven.rows.length) void this.localizer.call("addRows", driven.rows);
+    if (driven.rows.length && this.rows.length > driven.rows.length) this.judges.forEach((one) => void one.worker.call("addRows", driven.rows).catch(() => undefined));
     this.ask();
   }
 
@@ -359,7 +436,8 @@ class ShrinkScene implements Running {
   }
 
   private paint(): void {
-    const { plot, driven, estimate } = this;
+    const { plot, driven } = this;
+    const estimate = this.shown()?.estimate;
     // States and places change with estimates, which come less often than frames.
     const shown = estimate?.verdict === "inconsistent" ? NOTHING : estimate ?? NOTHING;
     if (this.painted !== shown) {
@@ -394,19 +472,38 @@ class ShrinkScene implements Running {
   }
 
   private tell(): void {
-    const { estimate, readout } = this;
+    const { readout } = this;
+    const { estimate, failed = "", behind = 0 } = this.shown() ?? {};
     const { badge, kind, words } = verdictWords(estimate);
-    this.badge.textContent = this.failed ? "stopped" : badge;
-    this.badge.className = `badge ${this.failed ? "bad" : kind}`;
-    this.words.textContent = this.failed || words;
+    this.badge.textContent = failed ? "stopped" : badge;
+    this.badge.className = `badge ${failed ? "bad" : kind}`;
+    this.words.textContent = failed || words;
     readout.set("Reading", units.moment(this.rows.at(-1) ?? 0), "main");
     const best = estimate?.places[0];
     const known = best && estimate.verdict !== "inconsistent";
+    const off = this.off(estimate);
     readout.set("States that explain all", estimate ? `${estimate.states.length / 3}` : "–");
-    const off = known ? Math.min(...estimate.places.map((p) => Math.hypot(p.x - this.drawn[0], p.y - this.drawn[1]))) : NaN;
     readout.set("Nearest place is off by", units.length(off, 2));
     readout.set("Error it expects", known && Number.isFinite(best.position) ? `± ${units.length(best.position, 2)}` : "–");
-    readout.set("Rows waiting", `${this.behind}`);
+    readout.set("Rows waiting", `${behind}`);
+    this.compare();
+  }
+
+  /** How far the nearest place is from the robot (m). */
+  private off(estimate: Estimate | undefined): number {
+    if (!estimate?.places.length || estimate.verdict === "inconsistent") return NaN;
+    return Math.min(...estimate.places.map((p) => Math.hypot(p.x - this.drawn[0], p.y - this.drawn[1])));
+  }
+
+  /** All methods on the drive so far. */
+  private compare(): void {
+    const head = ["Method", "Verdict", "Places", "Off"].map((words) => element("th", { scope: "col" }, words));
+    const row = ({ method, estimate, failed, behind }: Judge) => {
+      const verdict = failed ? "stopped" : verdictWords(estimate).badge;
+      const cells = [verdict + (behind > 20 ? ` (${behind} rows behind)` : ""), `${estimate?.places.length ?? 0}`, units.length(this.off(estimate), 2)];
+      return element("tr", method === this.method ? { class: "shown" } : {}, element("th", { scope: "row" }, method), ...cells.map((words) => element("td", {}, words)));
+    };
+    this.table.replaceChildren(...(this.all ? [element("thead", {}, element("tr", {}, ...head)), element("tbody", {}, ...this.judges.map(row))] : []));
   }
 
   picture(): string {
@@ -418,9 +515,13 @@ class ShrinkScene implements Running {
     if (this.times[what].length > TIMES) this.times[what].shift();
   }
 
+  private behind(): number {
+    return Math.max(0, ...this.judges.map((one) => one.behind));
+  }
+
   /** How long frames, what the page does in them, and the worker's slices took (ms); cheap to ask. */
   timings(): unknown {
-    return { ...this.times, rows: this.rows.length / (this.driven?.width ?? 5), done: !this.own && !this.behind && !this.queue.length && !this.busy };
+    return { ...this.times, rows: this.rows.length / (this.driven?.width ?? 5), done: !this.own && !this.again && !this.behind() && !this.queue.length && !this.busy };
   }
 
   /** The log as it stands, and the answer of the method on it. */
@@ -436,7 +537,8 @@ class ShrinkScene implements Running {
     const { states: _, trajectory, ...answer } = engine.finish();
     return {
       log, robot, map: this.room.map, file: this.room.file, method: this.method, answer, poses: trajectory.length / 4,
-      driving: !!this.own, waiting: this.behind, mount: MOUNT,
+      driving: !!(this.own ?? this.again), waiting: this.behind(), mount: MOUNT, pose: this.drawn,
+      methods: this.judges.map(({ method, estimate }) => ({ method, verdict: estimate?.verdict, rows: estimate?.rows })),
     };
   }
 }

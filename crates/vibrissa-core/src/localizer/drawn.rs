@@ -1,5 +1,6 @@
 //! The whisker's shapes along the log as one place of the robot sees them, for drawing.
 
+use crate::WorkBudget;
 use crate::beam::{TipModel, TipReading};
 use crate::config::TipLoad;
 use crate::flow::contact_set::{TipContact, TipContactSet};
@@ -55,18 +56,62 @@ impl<const LEAST: usize> DrawnReadings<LEAST> {
         whiskers: &[MountedWhisker],
         frame: impl Fn(&DrawnReading) -> Option<Pose2>,
     ) -> Vec<ShapeRecord> {
-        let tips: Vec<Option<TipModel>> = whiskers.iter().map(|whisker| TipModel::new(&whisker.beam).ok()).collect();
+        let mut drawing = self.drawing(whiskers);
+        while !drawing.advance(map, whiskers, &frame, &mut WorkBudget::unlimited()) {}
+        drawing.shapes
+    }
+
+    /// The drawing of the shapes, before any work.
+    pub(super) fn drawing(&self, whiskers: &[MountedWhisker]) -> ShapeDrawing {
         let kept = self.kept.iter().map(|one| one.iter().count()).sum::<usize>();
         let stride = kept.div_ceil(2 * LEAST).max(1);
         let some = self.kept.iter().flat_map(|one| one.iter().step_by(stride));
         let newest = self.newest.iter().flatten();
         let is_kept = |new: &&DrawnReading| self.kept[new.whisker].iter().step_by(stride).any(|one| one.t >= new.t);
-        let some = some.chain(newest.filter(|new| !is_kept(new)));
-        let mut shapes: Vec<ShapeRecord> = some
-            .filter_map(|felt| shape(map, (&whiskers[felt.whisker], tips[felt.whisker].as_ref()?), felt, frame(felt)?))
-            .collect();
-        shapes.sort_by(|a, b| a.t.total_cmp(&b.t));
-        shapes
+        ShapeDrawing {
+            tips: whiskers.iter().map(|whisker| TipModel::new(&whisker.beam).ok()).collect(),
+            readings: some.chain(newest.filter(|new| !is_kept(new))).copied().collect(),
+            at: 0,
+            shapes: Vec::new(),
+        }
+    }
+}
+
+/// What a shape costs: a third of a millisecond.
+const SHAPE_COST: usize = 600;
+
+/// Shapes in the making.
+#[derive(Debug, Default)]
+pub(super) struct ShapeDrawing {
+    tips: Vec<Option<TipModel>>,
+    readings: Vec<DrawnReading>,
+    at: usize,
+    /// The shapes so far; all of them, in order of time, at the end.
+    pub(super) shapes: Vec<ShapeRecord>,
+}
+
+impl ShapeDrawing {
+    /// Goes on; whether all shapes are there.
+    pub(super) fn advance(
+        &mut self,
+        map: &Map,
+        whiskers: &[MountedWhisker],
+        frame: &impl Fn(&DrawnReading) -> Option<Pose2>,
+        budget: &mut WorkBudget,
+    ) -> bool {
+        while let Some(felt) = self.readings.get(self.at) {
+            if budget.is_spent() {
+                return false;
+            }
+            self.at += 1;
+            let tip = self.tips[felt.whisker].as_ref();
+            let drawn =
+                tip.zip(frame(felt)).and_then(|(tip, frame)| shape(map, (&whiskers[felt.whisker], tip), felt, frame));
+            self.shapes.extend(drawn);
+            budget.spend(SHAPE_COST);
+        }
+        self.shapes.sort_by(|a, b| a.t.total_cmp(&b.t));
+        true
     }
 }
 

@@ -1,21 +1,19 @@
 //! The possibilistic estimator: rows in, a set of states that holds the true one as long as the declared bounds hold.
 
 use super::bounded_reading::{self, LateReadings, RowReadings};
-use super::drawn::{DrawnReading, DrawnReadings};
+use super::drawn::{DrawnReading, DrawnReadings, ShapeDrawing};
 use super::method::MethodOptions;
 use super::{Estimator, searchable};
 use crate::beam::Whisker;
 use crate::config::limits::MOST_COVERED;
 use crate::config::{PossibilisticOptions, Setting};
-use crate::flow::pose::{
-    self, Estimate, Event, Evidence, Hypothesis, Localization, ShapeRecord, StampedPose, StepRecord, Verdict,
-};
+use crate::flow::pose::{self, Estimate, Event, Evidence, Hypothesis, Localization, StampedPose, StepRecord, Verdict};
 use crate::flow::sensor_log::{Channel, LogRow, SensorLog, one_owner_each};
-use crate::flow::state_set::possibilistic::{EnclosedPlace, PossibleSet};
+use crate::flow::state_set::possibilistic::{EnclosedPlace, Measurement, PossibleSet};
 use crate::plane::Pose2;
 use crate::sets::Interval;
 use crate::world::{Map, MountedWhisker, Robot};
-use crate::{Error, Result, Stop};
+use crate::{Error, Result, Stop, WorkBudget};
 
 /// Sets of more cells than this are measured once in a while: when their number has changed by this share, or, up to a
 /// size, after as many rows as a share of their number.
@@ -62,6 +60,30 @@ pub struct PossibilisticEstimator<'a> {
     /// The places then.
     places: Vec<EnclosedPlace>,
     empty: bool,
+    phase: Phase,
+    has_ended: bool,
+    drawing: ShapeDrawing,
+}
+
+/// What is still to be done.
+enum Phase {
+    /// Nothing.
+    Idle,
+    /// Readings of which it is known where they were taken; at the end all others, too.
+    Reading {
+        had_started: bool,
+        is_over: bool,
+    },
+    /// The set is measured after a row.
+    Measuring {
+        measurement: Box<Measurement>,
+        is_over: bool,
+    },
+    /// The last effort of the set.
+    Refining,
+    /// The set is measured sharply.
+    LastMeasuring(Box<Measurement>),
+    Drawing,
 }
 
 impl<'a> PossibilisticEstimator<'a> {
@@ -104,6 +126,9 @@ impl<'a> PossibilisticEstimator<'a> {
             measured: (0, 0),
             places: Vec::new(),
             empty: false,
+            phase: Phase::Idle,
+            has_ended: false,
+            drawing: ShapeDrawing::default(),
         })
     }
 
@@ -127,18 +152,95 @@ impl<'a> PossibilisticEstimator<'a> {
         self.robot.whiskers.iter().zip(&self.channels).map(of).collect()
     }
 
-    /// Hands the set the readings of which it is known where they were taken; of those at either end of the log it is not.
-    fn read(&mut self, is_over: bool) {
-        while let Some(row) = self.late.pop(&self.rows, is_over) {
-            let RowReadings { moments, heading } = row.readings;
-            match row.late {
-                Some(late) => self.set.read(self.map, &moments, heading, late),
-                None => self.set.read(self.map, &[], None, (0.0, 0.0)),
+    /// Hands the set the readings of which it is known where they were taken, at the end of the log all others, too; whether it
+    /// has taken them.
+    fn read(&mut self, is_over: bool, budget: &mut WorkBudget) -> bool {
+        loop {
+            if !self.set.advance(self.map, budget) {
+                return false;
             }
             if self.set.is_empty() {
-                return;
+                return true;
+            }
+            let Some(row) = self.late.pop(&self.rows, is_over) else { return true };
+            let RowReadings { moments, heading } = row.readings;
+            match row.late {
+                Some(late) => self.set.begin_reading(&moments, heading, late),
+                None => self.set.begin_reading(&[], None, (0.0, 0.0)),
             }
         }
+    }
+
+    /// Goes on with a phase; the next one, or the same and that it is time to pause.
+    fn go_on(&mut self, phase: Phase, budget: &mut WorkBudget) -> (Phase, bool) {
+        let (t, now) = (self.rows.last().map_or(0.0, |row| row.0), self.rows.len().saturating_sub(1));
+        match phase {
+            Phase::Idle => (Phase::Idle, true),
+            Phase::Reading { had_started, is_over } => {
+                if !self.read(is_over, budget) {
+                    return (phase, true);
+                }
+                let is_first = self.set.has_started() && !had_started;
+                let next = if self.set.has_started() && (is_first || !is_over) {
+                    self.begin_note(t, had_started, is_over)
+                } else {
+                    self.after_row(is_over)
+                };
+                (next, budget.is_spent())
+            }
+            Phase::Measuring { mut measurement, is_over } => {
+                if !measurement.advance(budget) {
+                    return (Phase::Measuring { measurement, is_over }, true);
+                }
+                let step = self.measured(*measurement, t, now);
+                self.note(t, step);
+                (self.after_row(is_over), budget.is_spent())
+            }
+            Phase::Refining => {
+                if !self.set.advance(self.map, budget) {
+                    return (Phase::Refining, true);
+                }
+                (Phase::LastMeasuring(Box::new(self.set.measurement(true))), budget.is_spent())
+            }
+            Phase::LastMeasuring(mut measurement) => {
+                if !measurement.advance(budget) {
+                    return (Phase::LastMeasuring(measurement), true);
+                }
+                let step = self.measured(*measurement, t, now);
+                self.note_end(t, step);
+                (self.begin_drawing(), budget.is_spent())
+            }
+            Phase::Drawing => {
+                let frame = self.map_from_odom();
+                let whiskers = &self.robot.whiskers;
+                let is_done = self.drawing.advance(self.map, whiskers, &|_: &DrawnReading| frame, budget);
+                (if is_done { Phase::Idle } else { Phase::Drawing }, true)
+            }
+        }
+    }
+
+    /// What comes after a row: nothing, or the last effort.
+    fn after_row(&mut self, is_over: bool) -> Phase {
+        if !is_over {
+            return Phase::Idle;
+        }
+        if self.empty || !self.set.has_started() {
+            return self.begin_drawing();
+        }
+        self.set.begin_last_effort();
+        Phase::Refining
+    }
+
+    fn begin_drawing(&mut self) -> Phase {
+        if self.last.is_some() {
+            self.drawing = self.felt.drawing(&self.robot.whiskers);
+        }
+        Phase::Drawing
+    }
+
+    /// The odometry's frame in the map, as the best place has it.
+    fn map_from_odom(&self) -> Option<Pose2> {
+        self.last.map(|(pose, row)| pose.compose(self.rows[row].1.inverse()))
     }
 
     fn note_contacts(&mut self, t: f64, moments: &[Interval]) {
@@ -155,27 +257,45 @@ impl<'a> PossibilisticEstimator<'a> {
         }
     }
 
-    /// Writes down what the last update did.
-    fn note(&mut self, t: f64, had_started: bool) {
+    /// Begins to write down what the last update did: the set is measured now and then.
+    fn begin_note(&mut self, t: f64, had_started: bool, is_over: bool) -> Phase {
         let now = self.rows.len() - 1;
         if !had_started {
             self.first_row = Some(now);
             self.first_states = self.set.middles();
         }
-        let measured = match self.steps.last() {
+        match self.steps.last() {
             Some(last) if !self.is_due(now) => {
                 let volume = if self.set.len() > SUMMED { last.volume } else { self.set.volume() };
-                StepRecord { t, volume, ..*last }
+                let step = StepRecord { t, volume, ..*last };
+                self.note(t, step);
+                self.after_row(is_over)
             }
-            _ => self.measure(t, now, false),
-        };
-        self.steps.push(measured);
+            _ => Phase::Measuring { measurement: Box::new(self.set.measurement(false)), is_over },
+        }
+    }
+
+    /// Writes down what the last update did.
+    fn note(&mut self, t: f64, step: StepRecord) {
+        self.steps.push(step);
         if self.set.is_empty() {
             self.empty = true;
             let detail = "no state on this map explains the readings up to here within the declared bounds; \
                           is it the right map, are whisker, noise and odometry bounds those of the robot, \
                           and did the whisker touch at one place at a time, as it may not in corners?"
                 .to_owned();
+            self.events.push(Event { t, kind: "inconsistent", detail });
+        }
+    }
+
+    /// Writes down what the last effort did.
+    fn note_end(&mut self, t: f64, step: StepRecord) {
+        if let Some(last) = self.steps.last_mut() {
+            *last = step;
+        }
+        if self.set.is_empty() {
+            self.empty = true;
+            let detail = "all readings together rule out every state on this map".to_owned();
             self.events.push(Event { t, kind: "inconsistent", detail });
         }
     }
@@ -189,10 +309,10 @@ impl<'a> PossibilisticEstimator<'a> {
             || (count <= MEASURED_WITHIN && now >= row + count / MEASURED_ROWS)
     }
 
-    /// Measures the set; sharply takes longer.
-    fn measure(&mut self, t: f64, row: usize, sharp: bool) -> StepRecord {
+    /// Takes what a measurement has told at a row.
+    fn measured(&mut self, measurement: Measurement, t: f64, row: usize) -> StepRecord {
         self.measured = (row, self.set.len());
-        let (places, (area_m2, volume)) = self.set.measured(sharp);
+        let (places, (area_m2, volume)) = measurement.told();
         if let Some(best) = places.first() {
             self.last = Some((best.pose, row));
         }
@@ -205,17 +325,10 @@ impl<'a> PossibilisticEstimator<'a> {
         pose::verdict(&Evidence { touched: self.touched, emptied: self.empty, places, ..Evidence::default() })
     }
 
-    /// The whisker's shapes as the best place sees them.
-    fn shapes(&self) -> Vec<ShapeRecord> {
-        let Some((pose, row)) = self.last else { return Vec::new() };
-        let map_from_odom = pose.compose(self.rows[row].1.inverse());
-        self.felt.shapes(self.map, &self.robot.whiskers, |_| Some(map_from_odom))
-    }
-
     /// The best place along the rows, from the first estimate to the last row that any state explains.
     fn trajectory(&self) -> Vec<StampedPose> {
-        let (Some(first), Some((pose, row))) = (self.first_row, self.last) else { return Vec::new() };
-        let map_from_odom = pose.compose(self.rows[row].1.inverse());
+        let (Some(first), Some((_, row))) = (self.first_row, self.last) else { return Vec::new() };
+        let Some(map_from_odom) = self.map_from_odom() else { return Vec::new() };
         let end = if self.empty { row + 1 } else { self.rows.len() };
         let stamped = |&(t, odom_from_robot): &(f64, Pose2)| StampedPose {
             t,
@@ -256,6 +369,13 @@ impl MethodOptions for PossibilisticOptions {
 
 impl Estimator for PossibilisticEstimator<'_> {
     fn step(&mut self, row: &LogRow) -> Result<()> {
+        self.begin(row)?;
+        self.advance(&mut WorkBudget::unlimited());
+        Ok(())
+    }
+
+    fn begin(&mut self, row: &LogRow) -> Result<()> {
+        self.advance(&mut WorkBudget::unlimited());
         let start = *self.start.get_or_insert(row.odom_from_robot);
         let odom_from_robot = start.between(row.odom_from_robot);
         self.rows.push((row.t, odom_from_robot));
@@ -277,11 +397,26 @@ impl Estimator for PossibilisticEstimator<'_> {
         let had_started = self.set.has_started();
         self.set.foresee(odom_from_robot);
         self.late.push(RowReadings { moments, heading });
-        self.read(false);
-        if self.set.has_started() {
-            self.note(row.t, had_started);
-        }
+        self.phase = Phase::Reading { had_started, is_over: false };
         Ok(())
+    }
+
+    fn advance(&mut self, budget: &mut WorkBudget) -> bool {
+        loop {
+            let phase = std::mem::replace(&mut self.phase, Phase::Idle);
+            let (next, pauses) = self.go_on(phase, budget);
+            self.phase = next;
+            if pauses {
+                return matches!(self.phase, Phase::Idle);
+            }
+        }
+    }
+
+    fn end(&mut self) {
+        self.advance(&mut WorkBudget::unlimited());
+        let had_started = self.set.has_started();
+        self.phase = if self.empty { self.begin_drawing() } else { Phase::Reading { had_started, is_over: true } };
+        self.has_ended = true;
     }
 
     fn estimate(&self) -> Estimate {
@@ -304,26 +439,10 @@ impl Estimator for PossibilisticEstimator<'_> {
     }
 
     fn finish(mut self: Box<Self>) -> Localization {
-        if !self.empty {
-            let had_started = self.set.has_started();
-            self.read(true);
-            if self.set.has_started() && !had_started {
-                self.note(self.rows.last().map_or(0.0, |row| row.0), false);
-            }
+        if !self.has_ended {
+            self.end();
         }
-        if !self.empty && self.set.has_started() {
-            self.set.finish(self.map);
-            let (t, row) = (self.rows.last().map_or(0.0, |r| r.0), self.rows.len().saturating_sub(1));
-            let last = self.measure(t, row, true);
-            if let Some(step) = self.steps.last_mut() {
-                *step = last;
-            }
-            if self.set.is_empty() {
-                self.empty = true;
-                let detail = "all readings together rule out every state on this map".to_owned();
-                self.events.push(Event { t, kind: "inconsistent", detail });
-            }
-        }
+        self.advance(&mut WorkBudget::unlimited());
         let places = if self.empty { Vec::new() } else { self.set.places() };
         let hypotheses: Vec<Hypothesis> = places.iter().map(pose::enclosed).collect();
         if self.touched && !self.set.has_started() {
@@ -343,7 +462,7 @@ impl Estimator for PossibilisticEstimator<'_> {
             encloses: true,
             first_states: std::mem::take(&mut self.first_states),
             odometry: None,
-            shapes: self.shapes(),
+            shapes: self.drawing.shapes,
             steps: self.steps,
             events: self.events,
             hypotheses,

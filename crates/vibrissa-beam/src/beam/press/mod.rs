@@ -19,6 +19,7 @@
 //! All is dimensionless: lengths over the whisker's, moments times length over flexural rigidity (at the base). The slope at the
 //! contact is towards +y; the other side is the mirror image.
 
+mod builder;
 mod forest;
 mod patch;
 mod rod;
@@ -26,13 +27,13 @@ mod sheet;
 mod side;
 mod slice;
 
+pub use builder::PressTableBuilder;
 pub use rod::{RodContacts, RodPressTable};
 pub use slice::{PressEntry, PressSlice, Span};
 
 use crate::plane::Vec2;
 use alloc::boxed::Box;
 use alloc::vec::Vec;
-use core::f64::consts::{FRAC_PI_2, PI};
 #[cfg(not(feature = "std"))]
 use num_traits::Float as _;
 use sheet::{PressBend, PressSheet};
@@ -81,15 +82,7 @@ impl PressTable {
     /// friction angle (rad, below 1) and contacts with slopes up to `steepest` (rad, up to pi).
     #[must_use]
     pub fn new(columns: usize, rows: usize, friction_angle: f64, steepest: f64) -> Self {
-        let (slack, steepest) = (friction_angle.clamp(0.0, 1.0), steepest.clamp(0.1, PI));
-        let step = (FRAC_PI_2 + slack) / columns as f64;
-        // The half turn, where the sheet has an edge, is a column; beyond it the slope is twice the turn at least.
-        let beyond = (0.5 * steepest / step).ceil().max((steepest - FRAC_PI_2) / step).ceil() as usize;
-        // A number of columns that can be halved as often as a quarter turn's.
-        let even = 1 << columns.trailing_zeros().min(3);
-        let all = (columns + beyond).div_ceil(even) * even;
-        let directions: Vec<f64> = (0..=all).map(|i| PI + (i as f64 - columns as f64) * step).collect();
-        Self::of(PressSheet::both(&directions, rows, (slack, steepest)), directions, (slack, steepest))
+        PressTableBuilder::new(columns, rows, friction_angle, steepest).finish()
     }
 
     fn of([plain, inflected]: [PressSheet; 2], directions: Vec<f64>, (slack, steepest): (f64, f64)) -> Self {

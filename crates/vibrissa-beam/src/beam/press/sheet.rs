@@ -50,30 +50,28 @@ pub(super) struct PressSheet {
 const BLOCK: usize = 8;
 
 /// Friction angle and largest slope (rad).
-type PressLimits = (f64, f64);
+pub(super) type PressLimits = (f64, f64);
 
 impl PressSheet {
-    /// The sheets of shapes without an inflection and with one: each pendulum passes the contact's slope twice.
-    pub(super) fn both(directions: &[f64], rows: usize, limits: PressLimits) -> [Self; 2] {
+    /// The values of shapes without an inflection and with one along a half column, by half rows: each pendulum passes the
+    /// contact's slope twice.
+    pub(super) fn half_column(
+        direction: f64,
+        rows: usize,
+        limits: PressLimits,
+        [plain, inflected]: &mut [Vec<PressNode>; 2],
+    ) {
         // The moment grows like the root of the slope where it starts from nothing.
         let share = |half_row: usize| (0.5 * half_row as f64 / rows as f64).powi(2);
-        let columns = directions.len() - 1;
-        let count = (2 * columns + 1) * (2 * rows + 1);
-        let (mut plain, mut inflected) = (Vec::with_capacity(count), Vec::with_capacity(count));
-        for half_column in 0..=2 * columns {
-            let (before, after) = (directions[half_column / 2], directions[half_column.div_ceil(2)]);
-            let direction = 0.5 * (before + after);
-            for half_row in 0..=2 * rows {
-                let [one, other] = at_share(direction, share(half_row), limits);
-                plain.push(one);
-                inflected.push(other);
-            }
+        for half_row in 0..=2 * rows {
+            let [one, other] = at_share(direction, share(half_row), limits);
+            plain.push(one);
+            inflected.push(other);
         }
-        [plain, inflected].map(|grid| Self::of(&grid, columns, rows))
     }
 
     /// From its values at the nodes, at the middles of the edges, and at the middles of the cells, by half columns.
-    fn of(grid: &[PressNode], columns: usize, rows: usize) -> Self {
+    pub(super) fn of(grid: &[PressNode], columns: usize, rows: usize) -> Self {
         let at = |half_column: usize, half_row: usize| grid[half_column * (2 * rows + 1) + half_row];
         let mut sheet = Self {
             rows,

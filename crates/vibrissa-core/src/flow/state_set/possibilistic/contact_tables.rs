@@ -1,7 +1,9 @@
 //! The tables of contacts that readings are sliced from: how fine, for which whisker, and one for all alike.
 
+use super::PossibleSet;
 use super::errors::UncertainWhisker;
-use crate::beam::press::{ContactTable, PressTable};
+use crate::WorkBudget;
+use crate::beam::press::{ContactTable, PressTable, PressTableBuilder};
 use crate::config::PossibilisticOptions;
 use crate::math;
 
@@ -65,4 +67,97 @@ pub(super) fn tables(
     let finest = PressTable::new(columns, rows, math::atan(whisker.friction), options.largest_slope);
     let all = core::iter::successors(Some(finest), |table| Some(table.coarser())).take(count);
     all.map(ContactTable::from).collect()
+}
+
+/// What the tables of a rod cost, and the comparison of a reading with a table.
+const ROD_COST: usize = 20_000;
+const COMPARISON_COST: usize = 100;
+/// What it costs to copy a table, or to make one of one that is twice as fine.
+const COPY_COST: usize = 600;
+
+/// Finer tables in the making, and how many of the records have been compared with them.
+#[derive(Clone, Debug)]
+pub(super) struct FinerTables {
+    size: (usize, usize),
+    count: usize,
+    /// Whether readings to come are compared with them, too.
+    stay: bool,
+    builder: Option<PressTableBuilder>,
+    /// Those that are made of the whisker whose turn it is.
+    chain: Vec<PressTable>,
+    /// Those of the first whiskers.
+    made: Vec<Vec<ContactTable>>,
+    compared: usize,
+}
+
+impl FinerTables {
+    /// So many tables, the first with `size` columns and rows, before any work.
+    pub(super) fn new(size: (usize, usize), count: usize, stay: bool) -> Self {
+        Self { size, count, stay, builder: None, chain: Vec::new(), made: Vec::new(), compared: 0 }
+    }
+
+    /// Makes a part of the tables of the next of the whiskers.
+    fn make_some(&mut self, whiskers: &[&UncertainWhisker], options: &PossibilisticOptions, budget: &mut WorkBudget) {
+        let whisker = whiskers[self.made.len()];
+        let alike =
+            |other: &&UncertainWhisker| other.rod.is_none() && other.friction.to_bits() == whisker.friction.to_bits();
+        let same = whiskers[..self.made.len()].iter().position(alike).filter(|_| whisker.rod.is_none());
+        if let Some(same) = same {
+            self.made.push(self.made[same].clone());
+            return budget.spend(COPY_COST * self.count);
+        }
+        let (columns, rows) = self.size;
+        if whisker.rod.is_some() {
+            self.made.push(tables(self.size, self.count, whisker, options));
+            return budget.spend(ROD_COST);
+        }
+        // The finest by parts, then one coarser table after the other.
+        if let Some(finer) = self.chain.last() {
+            if self.chain.len() == self.count {
+                let chain = std::mem::take(&mut self.chain);
+                return self.made.push(chain.into_iter().map(ContactTable::from).collect());
+            }
+            let coarser = finer.coarser();
+            self.chain.push(coarser);
+            return budget.spend(COPY_COST);
+        }
+        let new = || PressTableBuilder::new(columns, rows, math::atan(whisker.friction), options.largest_slope);
+        let looked_at = self.builder.get_or_insert_with(new).advance();
+        if looked_at > 0 {
+            budget.spend(looked_at);
+        } else if let Some(builder) = self.builder.take() {
+            self.chain.push(builder.finish());
+            budget.spend(COPY_COST);
+        }
+    }
+}
+
+impl PossibleSet {
+    /// Goes on with the making of tables and compares the kept readings with them; whether that is done.
+    pub(super) fn add_some_tables(&mut self, finer: &mut FinerTables, budget: &mut WorkBudget) -> bool {
+        let whiskers: Vec<&UncertainWhisker> = self.probes.iter().map(|probe| &probe.whisker).collect();
+        while finer.made.len() < whiskers.len() {
+            if budget.is_spent() {
+                return false;
+            }
+            finer.make_some(&whiskers, &self.options, budget);
+        }
+        while let Some(record) = self.records.get_mut(finer.compared) {
+            if budget.is_spent() {
+                return false;
+            }
+            finer.compared += 1;
+            for ((touch, probe), tables) in record.touches.iter_mut().zip(&self.probes).zip(&finer.made) {
+                tables.iter().rev().for_each(|table| touch.add_finer(&probe.whisker, table));
+                budget.spend(COMPARISON_COST * tables.len());
+            }
+        }
+        if finer.stay {
+            for (probe, mut finer) in self.probes.iter_mut().zip(std::mem::take(&mut finer.made)) {
+                finer.append(&mut probe.tables);
+                probe.tables = finer;
+            }
+        }
+        true
+    }
 }

@@ -1,12 +1,17 @@
 //! The initial cover: cells around every state that one reading allows, anywhere on the map (set inversion,
 //! \[jaulin2001applied, ch. 3\]).
 
+use super::contact_tables::START_TABLE;
 use super::contractor::{BoundaryLevel, ContactEntry, contacts, mirrored};
 use super::errors::PoseSlack;
 use super::parallelotope::Parallelotope;
 use super::record::{ReadingContacts, SideContacts};
 use super::thick_piece::{ThickEdge, ThickPiece, ThickVertex};
+use super::{PossibleSet, two_contact_cover};
+use crate::WorkBudget;
 use crate::plane::{Bounds, Pose2, Vec2};
+use crate::sets::Interval;
+use crate::world::Map;
 use core::f64::consts::TAU;
 
 /// Longest stretch of an edge that one cell takes (m).
@@ -17,32 +22,141 @@ const BUNDLE_HEADINGS: usize = 24;
 /// Contacts at a vertex are taken together up to this size (m), or up to its own.
 const TOGETHER: f64 = 4e-3;
 
-/// Cells that hold every state in which the map explains the reading by contact within `near`, where that is known;
-/// `touch` is sliced from a coarse table.
+/// What a piece of boundary costs, and a cell.
+const PIECE_COST: usize = 20;
+const CELL_COST: usize = 1;
+
+/// The first cells in the making: what each whisker's reading that needs a contact allows, of which those that leave fewest are kept.
+/// Of any `tolerate + 1` readings one is true.
+#[derive(Clone, Debug)]
+pub(super) struct InitialCover {
+    moments: Vec<Interval>,
+    whisker: usize,
+    /// The whisker's reading, and the side and the piece of boundary that come next.
+    touch: Option<ReadingContacts>,
+    side: usize,
+    piece: usize,
+    cells: Vec<Parallelotope>,
+    laid: Vec<Vec<Parallelotope>>,
+}
+
+impl InitialCover {
+    /// Before the first whisker.
+    pub(super) fn new(moments: &[Interval]) -> Self {
+        let moments = moments.to_vec();
+        Self { moments, whisker: 0, touch: None, side: 0, piece: 0, cells: Vec::new(), laid: Vec::new() }
+    }
+
+    /// Lays cells on the next pieces for every state in which they explain the reading by contact within `near`, where that is
+    /// known; whether no piece is left. The reading is sliced from a coarse table.
+    fn lay(
+        &mut self,
+        level: &BoundaryLevel,
+        near: Option<Bounds>,
+        touch: &ReadingContacts,
+        record: u32,
+        budget: &mut WorkBudget,
+    ) -> bool {
+        while let Some(bending) = touch.sides.get(self.side) {
+            let pieces = level.pieces(touch, bending);
+            let cells = &mut self.cells;
+            let mut lay = |piece: &ThickPiece| {
+                let before = cells.len();
+                match piece {
+                    ThickPiece::Edge(edge) => along_edge(edge, touch, bending, record, cells),
+                    ThickPiece::Vertex(vertex) => around_vertex(vertex, touch, bending, record, cells),
+                }
+                budget.spend(PIECE_COST + CELL_COST * (cells.len() - before));
+                budget.is_spent()
+            };
+            match near {
+                Some(bounds) => pieces.near(bounds, |piece, _| {
+                    lay(piece);
+                    false
+                }),
+                None => {
+                    let left = &pieces.all[self.piece..];
+                    if let Some(last) = left.iter().position(&mut lay) {
+                        self.piece += last + 1;
+                        return false;
+                    }
+                }
+            }
+            (self.side, self.piece) = (self.side + 1, 0);
+        }
+        true
+    }
+}
+
+impl PossibleSet {
+    /// Goes on with the first cells; whether they are laid, or there is nothing to lay.
+    pub(super) fn lay_some(&mut self, map: &Map, cover: &mut InitialCover, budget: &mut WorkBudget) -> bool {
+        let record = self.records.len() as u32 - 1;
+        while let (Some(probe), Some(moment)) = (self.probes.get(cover.whisker), cover.moments.get(cover.whisker)) {
+            if budget.is_spent() {
+                return false;
+            }
+            if !moment.contains(0.0) {
+                let tables = &probe.tables[START_TABLE..];
+                let new = || ReadingContacts::new(&probe.whisker, tables, moment.lo(), moment.hi());
+                let touch = cover.touch.take().unwrap_or_else(new);
+                let (near, late) = (self.near(&probe.whisker), self.records[record as usize].late);
+                if !cover.lay(&self.ground.clustered, near, &touch, record, budget) {
+                    cover.touch = Some(touch);
+                    return false;
+                }
+                let mut cells = std::mem::take(&mut cover.cells);
+                let off = robot_slack(&touch, late);
+                cells.iter_mut().for_each(|cell| cell.inflate(off.place, off.turn));
+                if let Some(two) = self.two_contacts.as_ref().filter(|_| self.is_late(record)) {
+                    cells.extend(two_contact_cover::initial_cells(map, two, near, &touch, (record, late)));
+                }
+                cover.laid.push(cells);
+            }
+            (cover.whisker, cover.side) = (cover.whisker + 1, 0);
+        }
+        self.start(std::mem::take(&mut cover.laid));
+        true
+    }
+
+    /// Begins with the cells that leave fewest.
+    fn start(&mut self, mut laid: Vec<Vec<Parallelotope>>) {
+        laid.sort_by_key(Vec::len);
+        laid.truncate(self.options.tolerate + 1 - self.starts);
+        if !laid.is_empty() {
+            self.starts += laid.len();
+            self.started_at = self.records.len() as u32 - 1;
+            for cells in laid {
+                // Where there are none yet, without a copy: there may be hundreds of thousands.
+                if self.cells.is_empty() { self.cells = cells } else { self.cells.extend(cells) }
+            }
+        }
+        if self.starts == 0 {
+            return;
+        }
+        let cells = std::mem::take(&mut self.cells);
+        self.cells = cells.into_iter().filter_map(|cell| self.with_prior_knowledge(cell)).collect();
+        self.untried = self.cells.len();
+        // One whisker's reading alone rules out none of the cells that were laid for it.
+        if self.has_started() && self.probes.len() > 1 {
+            self.begin_turns();
+        }
+    }
+}
+
+/// All cells that one reading lays, at once.
+#[cfg(test)]
 pub(super) fn initial_cells(
     level: &BoundaryLevel,
     near: Option<Bounds>,
     touch: &ReadingContacts,
     (record, late): (u32, PoseSlack),
 ) -> Vec<Parallelotope> {
-    let mut cells = Vec::new();
-    for bending in &touch.sides {
-        let pieces = level.pieces(touch, bending);
-        let mut lay = |piece: &ThickPiece| match piece {
-            ThickPiece::Edge(edge) => along_edge(edge, touch, bending, record, &mut cells),
-            ThickPiece::Vertex(vertex) => around_vertex(vertex, touch, bending, record, &mut cells),
-        };
-        match near {
-            Some(bounds) => pieces.near(bounds, |piece, _| {
-                lay(piece);
-                false
-            }),
-            None => pieces.all.iter().for_each(&mut lay),
-        }
-    }
+    let mut cover = InitialCover::new(&[]);
+    cover.lay(level, near, touch, record, &mut WorkBudget::unlimited());
     let off = robot_slack(touch, late);
-    cells.iter_mut().for_each(|cell| cell.inflate(off.place, off.turn));
-    cells
+    cover.cells.iter_mut().for_each(|cell| cell.inflate(off.place, off.turn));
+    cover.cells
 }
 
 /// How far the robot may be from where a base tells it that is where it is told on the robot.

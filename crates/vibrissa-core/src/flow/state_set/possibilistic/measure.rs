@@ -1,9 +1,9 @@
 //! Size of the set, and its connected components.
 
 use super::parallelotope::{HEADING_ARM, Parallelotope};
-use crate::math;
 use crate::plane::{Bounds, Pose2, Vec2, wrap_angle};
 use crate::sets::{Interval, StateBox};
+use crate::{WorkBudget, math};
 use core::f64::consts::TAU;
 
 /// Cells nearer than this belong together (m, rad).
@@ -70,75 +70,137 @@ pub(super) fn boxes(cells: impl ExactSizeIterator<Item = Parallelotope>) -> Vec<
 }
 
 /// The groups of cells whose boxes touch; of many cells also those that nearly do, within a 64th of the set.
-pub(super) fn places(cells: impl Iterator<Item = Parallelotope> + Clone) -> Vec<EnclosedPlace> {
-    let hulls: Vec<StateBox> = cells.clone().map(|cell| cell.hull()).collect();
-    let mut parent: Vec<u32> = (0..hulls.len() as u32).collect();
-    if hulls.len() <= CROWD {
-        join_pairs(&hulls, &mut parent)
-    } else {
-        join_bins(&hulls, &mut parent)
-    }
-    let (mut groups, mut group_of): (Vec<CellGroup>, Vec<u32>) = (Vec::new(), vec![u32::MAX; hulls.len()]);
-    for (index, cell) in cells.enumerate() {
-        let root = root(&mut parent, index);
-        if group_of[root] == u32::MAX {
-            group_of[root] = groups.len() as u32;
-            groups.push(CellGroup::new(&cell));
-        }
-        groups[group_of[root] as usize].add(&cell, &hulls[index]);
-    }
-    let total: f64 = groups.iter().map(|group| group.volume).sum();
-    let mut places: Vec<EnclosedPlace> = groups.iter().map(|group| group.place(total)).collect();
-    places.sort_by(|a, b| b.share.total_cmp(&a.share));
-    places
+pub(super) fn places(cells: impl Iterator<Item = Parallelotope>) -> Vec<EnclosedPlace> {
+    let cells: Vec<Parallelotope> = cells.collect();
+    let mut joining = Joining::new(&cells);
+    while !joining.advance(&mut WorkBudget::unlimited()) {}
+    joining.places(&cells)
 }
+
+/// Cells on their way into groups.
+#[derive(Clone, Debug)]
+struct Joining {
+    hulls: Vec<StateBox>,
+    parent: Vec<u32>,
+    /// How many have been compared with the others.
+    at: usize,
+    /// The order in which they are compared, by x; or the first of each bin.
+    order: Vec<u32>,
+    bins: Option<Bins>,
+}
+
+impl Joining {
+    fn new(cells: &[Parallelotope]) -> Self {
+        let hulls: Vec<StateBox> = cells.iter().map(Parallelotope::hull).collect();
+        let parent: Vec<u32> = (0..hulls.len() as u32).collect();
+        let crowded = hulls.len() > CROWD;
+        let mut order = if crowded { Vec::new() } else { parent.clone() };
+        order.sort_by(|&a, &b| hulls[a as usize].x.lo().total_cmp(&hulls[b as usize].x.lo()).then(a.cmp(&b)));
+        Self { bins: crowded.then(|| Bins::new(&hulls)), hulls, parent, at: 0, order }
+    }
+
+    /// Joins the next cells with those that they touch; whether no cell is left.
+    fn advance(&mut self, budget: &mut WorkBudget) -> bool {
+        while self.at < self.hulls.len() {
+            if budget.is_spent() {
+                return false;
+            }
+            let looked_at = match &mut self.bins {
+                Some(bins) => bins.join(&self.hulls, &mut self.parent, self.at),
+                None => join_pairs(&self.hulls, &self.order, &mut self.parent, self.at),
+            };
+            self.at += 1;
+            budget.spend(1 + looked_at / LOOKS_PER_UNIT);
+        }
+        true
+    }
+
+    /// The groups, the largest share of the volume first.
+    fn places(&mut self, cells: &[Parallelotope]) -> Vec<EnclosedPlace> {
+        let Self { hulls, parent, .. } = self;
+        let (mut groups, mut group_of): (Vec<CellGroup>, Vec<u32>) = (Vec::new(), vec![u32::MAX; hulls.len()]);
+        for (index, cell) in cells.iter().enumerate() {
+            let root = root(parent, index);
+            if group_of[root] == u32::MAX {
+                group_of[root] = groups.len() as u32;
+                groups.push(CellGroup::new(cell));
+            }
+            groups[group_of[root] as usize].add(cell, &hulls[index]);
+        }
+        let total: f64 = groups.iter().map(|group| group.volume).sum();
+        let mut places: Vec<EnclosedPlace> = groups.iter().map(|group| group.place(total)).collect();
+        places.sort_by(|a, b| b.share.total_cmp(&a.share));
+        places
+    }
+}
+
+/// Boxes that are compared, or bins, for a unit of work.
+const LOOKS_PER_UNIT: usize = 64;
 
 fn join(parent: &mut [u32], a: usize, b: usize) {
     let (p, q) = (root(parent, a), root(parent, b));
     parent[p.max(q)] = p.min(q) as u32;
 }
 
-/// Joins the boxes that touch, pair by pair.
-fn join_pairs(hulls: &[StateBox], parent: &mut [u32]) {
-    let mut order: Vec<usize> = (0..hulls.len()).collect();
-    order.sort_by(|&a, &b| hulls[a].x.lo().total_cmp(&hulls[b].x.lo()).then(a.cmp(&b)));
-    for (rank, &a) in order.iter().enumerate() {
-        let near = |&&b: &&usize| hulls[b].x.lo() <= hulls[a].x.hi() + LINK;
-        for &b in order[rank + 1..].iter().take_while(near) {
-            if touch(&hulls[a], &hulls[b]) {
-                join(parent, a, b);
-            }
+/// Joins a box with those that touch it and come later by x; how many it looked at.
+fn join_pairs(hulls: &[StateBox], order: &[u32], parent: &mut [u32], rank: usize) -> usize {
+    let a = order[rank] as usize;
+    let near = |&&b: &&u32| hulls[b as usize].x.lo() <= hulls[a].x.hi() + LINK;
+    let mut looked_at = 0;
+    for &b in order[rank + 1..].iter().take_while(near) {
+        looked_at += 1;
+        if touch(&hulls[a], &hulls[b as usize]) {
+            join(parent, a, b as usize);
         }
     }
+    looked_at
 }
 
-/// Joins the boxes that share a bin of a raster over the set: what touches does, and what is nearer than a bin may.
-fn join_bins(hulls: &[StateBox], parent: &mut [u32]) {
-    let axis = |of: &dyn Fn(&StateBox) -> (f64, f64)| {
-        let (lo, hi) =
-            hulls.iter().map(of).fold((f64::INFINITY, f64::NEG_INFINITY), |a, b| (a.0.min(b.0), a.1.max(b.1)));
-        let per_metre = BINS as f64 / (hi - lo + LINK);
-        move |(a, b): (f64, f64)| {
+/// A raster over the set: what touches shares a bin, and what is nearer than a bin may.
+#[derive(Clone, Debug)]
+struct Bins {
+    /// Where the axes x and y begin (m), and bins for each metre.
+    axes: [(f64, f64); 2],
+    /// The first box of each.
+    first: Vec<u32>,
+}
+
+impl Bins {
+    fn new(hulls: &[StateBox]) -> Self {
+        let axis = |of: &dyn Fn(&StateBox) -> (f64, f64)| {
+            let (lo, hi) =
+                hulls.iter().map(of).fold((f64::INFINITY, f64::NEG_INFINITY), |a, b| (a.0.min(b.0), a.1.max(b.1)));
+            (lo, BINS as f64 / (hi - lo + LINK))
+        };
+        let axes = [axis(&|h| (h.x.lo(), h.x.hi())), axis(&|h| (h.y.lo(), h.y.hi()))];
+        Self { axes, first: vec![u32::MAX; BINS * BINS * BINS] }
+    }
+
+    /// Joins a box with the first of each of its bins; how many bins these are.
+    fn join(&mut self, hulls: &[StateBox], parent: &mut [u32], index: usize) -> usize {
+        let hull = &hulls[index];
+        let range = |(lo, per_metre): (f64, f64), a: f64, b: f64| {
             let bin = |v: f64| (((v - lo) * per_metre).max(0.0) as usize).min(BINS - 1);
             bin(a - LINK)..=bin(b + LINK)
-        }
-    };
-    let x = |h: &StateBox| (h.x.lo(), h.x.hi());
-    let y = |h: &StateBox| (h.y.lo(), h.y.hi());
-    let (columns, rows) = (axis(&x), axis(&y));
-    let sector = |theta: f64| (theta * (BINS as f64 / TAU)).floor() as i64;
-    let mut first = vec![u32::MAX; BINS * BINS * BINS];
-    for (index, hull) in hulls.iter().enumerate() {
+        };
+        let sector = |theta: f64| (theta * (BINS as f64 / TAU)).floor() as i64;
         let (lo, hi) = (sector(hull.theta.lo() - LINK_TURN), sector(hull.theta.hi() + LINK_TURN));
+        let mut looked_at = 0;
         for at in lo..=hi.min(lo + BINS as i64 - 1) {
             let layer = at.rem_euclid(BINS as i64) as usize * BINS;
-            for row in rows(y(hull)) {
-                for column in columns(x(hull)) {
-                    let bin = &mut first[(layer + row) * BINS + column];
-                    if *bin == u32::MAX { *bin = index as u32 } else { join(parent, *bin as usize, index) }
+            for row in range(self.axes[1], hull.y.lo(), hull.y.hi()) {
+                for column in range(self.axes[0], hull.x.lo(), hull.x.hi()) {
+                    let bin = &mut self.first[(layer + row) * BINS + column];
+                    if *bin == u32::MAX {
+                        *bin = index as u32
+                    } else {
+                        join(parent, *bin as usize, index)
+                    }
+                    looked_at += 1;
                 }
             }
         }
+        looked_at
     }
 }
 
@@ -194,12 +256,77 @@ impl CellGroup {
 }
 
 /// Upper bounds of area (m²) and volume (m² rad); `sharp` takes longer and counts less beside the cells.
-pub(super) fn size(cells: impl Iterator<Item = Parallelotope> + Clone, sharp: bool) -> (f64, f64) {
-    let add =
-        |(shadows, volume): (f64, f64), cell: Parallelotope| (shadows + projected_area(&cell), volume + cell.volume());
-    let (shadows, volume) = cells.clone().fold((0.0, 0.0), add);
-    (shadows.min(raster(cells, sharp)), volume)
+pub(super) fn size(cells: impl Iterator<Item = Parallelotope>, sharp: bool) -> (f64, f64) {
+    let mut measurement = Measurement::new(cells, sharp);
+    while !measurement.count_some(&mut WorkBudget::unlimited()) {}
+    (measurement.area(), measurement.volume)
 }
+
+/// The size of the set and its places in the making.
+#[derive(Clone, Debug)]
+pub(crate) struct Measurement {
+    /// The cells, at the newest row.
+    cells: Vec<Parallelotope>,
+    /// The sum of their projections' areas (m²), and of their volumes (m² rad).
+    shadows: f64,
+    volume: f64,
+    raster: Raster,
+    counted: usize,
+    joining: Joining,
+    places: Option<Vec<EnclosedPlace>>,
+}
+
+impl Measurement {
+    pub(super) fn new(cells: impl Iterator<Item = Parallelotope>, sharp: bool) -> Self {
+        let cells: Vec<Parallelotope> = cells.collect();
+        let add = |(shadows, volume): (f64, f64), cell: &Parallelotope| {
+            (shadows + projected_area(cell), volume + cell.volume())
+        };
+        let (shadows, volume) = cells.iter().fold((0.0, 0.0), add);
+        let joining = Joining::new(&cells);
+        Self { raster: Raster::new(&cells, sharp), joining, cells, shadows, volume, counted: 0, places: None }
+    }
+
+    /// Goes on; whether all is measured.
+    pub(crate) fn advance(&mut self, budget: &mut WorkBudget) -> bool {
+        if self.places.is_none() {
+            while !self.joining.advance(budget) {
+                if budget.is_spent() {
+                    return false;
+                }
+            }
+            self.places = Some(self.joining.places(&self.cells));
+            budget.spend(PLACE_COST * self.cells.len());
+        }
+        self.count_some(budget)
+    }
+
+    /// Counts the squares of the next cells; whether no cell is left.
+    fn count_some(&mut self, budget: &mut WorkBudget) -> bool {
+        while let Some(cell) = self.cells.get(self.counted) {
+            if budget.is_spent() {
+                return false;
+            }
+            self.counted += 1;
+            budget.spend(1 + self.raster.count(cell));
+        }
+        true
+    }
+
+    fn area(&self) -> f64 {
+        self.shadows.min(self.raster.area())
+    }
+
+    /// The places, the largest first, and upper bounds of area (m²) and volume (m² rad), once all is measured.
+    pub(crate) fn told(mut self) -> (Vec<EnclosedPlace>, (f64, f64)) {
+        while !self.advance(&mut WorkBudget::unlimited()) {}
+        let size = (self.area(), self.volume);
+        (self.places.unwrap_or_default(), size)
+    }
+}
+
+/// What a cell costs where places are told.
+const PLACE_COST: usize = 2;
 
 /// The area of a cell's projection: a hexagon.
 fn projected_area(cell: &Parallelotope) -> f64 {
@@ -236,33 +363,57 @@ fn between(polygon: &[Vec2; 6], low: f64, high: f64) -> Option<(f64, f64)> {
     range
 }
 
+/// The rectangle around a cell's projection.
+fn rectangle(cell: &Parallelotope) -> Bounds {
+    let [x, y, _] = cell.reach();
+    let half = Vec2::new(x, y);
+    Bounds { min: cell.place() - half, max: cell.place() + half }
+}
+
 /// The area by counting the squares of a raster that the cells' projections touch, or the rectangles around these.
-fn raster(cells: impl Iterator<Item = Parallelotope> + Clone, sharp: bool) -> f64 {
-    let rectangle = |cell: &Parallelotope| {
-        let [x, y, _] = cell.reach();
-        let half = Vec2::new(x, y);
-        Bounds { min: cell.place() - half, max: cell.place() + half }
-    };
-    let all = cells.clone().fold(Bounds::EMPTY, |b, cell| b.hull(rectangle(&cell)));
-    if all.is_empty() {
-        return 0.0;
+#[derive(Clone, Debug)]
+struct Raster {
+    from: Vec2,
+    across: usize,
+    /// The side of a square (m).
+    square: f64,
+    hit: Vec<bool>,
+    sharp: bool,
+}
+
+impl Raster {
+    fn new(cells: &[Parallelotope], sharp: bool) -> Self {
+        let all = cells.iter().fold(Bounds::EMPTY, |b, cell| b.hull(rectangle(cell)));
+        let across = if sharp { SHARP_RASTER } else { RASTER };
+        if all.is_empty() {
+            return Self { from: Vec2::ZERO, across: 0, square: 0.0, hit: Vec::new(), sharp };
+        }
+        let least = if sharp { LEAST_SQUARE } else { 1e-3 * HEADING_ARM };
+        let square = (all.size().x.max(all.size().y) / across as f64).max(least);
+        Self { from: all.min, across, square, hit: vec![false; (across + 1) * (across + 1)], sharp }
     }
-    let across = if sharp { SHARP_RASTER } else { RASTER };
-    let square =
-        (all.size().x.max(all.size().y) / across as f64).max(if sharp { LEAST_SQUARE } else { 1e-3 * HEADING_ARM });
-    let mut hit = vec![false; (across + 1) * (across + 1)];
-    for cell in cells {
-        let Bounds { min, max } = rectangle(&cell);
-        let corners = hexagon(&cell);
+
+    /// Counts the squares of a cell; how many it looked at.
+    fn count(&mut self, cell: &Parallelotope) -> usize {
+        let Self { from, across, square, sharp, .. } = *self;
+        let Bounds { min, max } = rectangle(cell);
+        let corners = hexagon(cell);
         let index = |v: f64, from: f64| (((v - from) / square) as usize).min(across);
-        for y in index(min.y, all.min.y)..=index(max.y, all.min.y) {
-            let low = all.min.y + y as f64 * square;
+        let mut looked_at = 0;
+        for y in index(min.y, from.y)..=index(max.y, from.y) {
+            let low = from.y + y as f64 * square;
             // A little more than the row, for rounding.
             let touched = || between(&corners, low - 1e-6 * square, low + square * (1.0 + 1e-6));
             let Some((left, right)) = (if sharp { touched() } else { Some((min.x, max.x)) }) else { continue };
-            let (x0, x1) = (index(left, all.min.x), index(right, all.min.x));
-            hit[y * (across + 1) + x0..=y * (across + 1) + x1].fill(true);
+            let (x0, x1) = (index(left, from.x), index(right, from.x));
+            self.hit[y * (across + 1) + x0..=y * (across + 1) + x1].fill(true);
+            looked_at += 1;
         }
+        looked_at
     }
-    hit.iter().filter(|&&h| h).count() as f64 * square * square
+
+    /// The area of the squares so far (m²).
+    fn area(&self) -> f64 {
+        self.hit.iter().filter(|&&h| h).count() as f64 * self.square * self.square
+    }
 }

@@ -6,6 +6,7 @@
 //! meets, and cells that do not explain it die. Work is bounded for each row: cells that had no turn yet stay as they
 //! are, which is never wrong. `docs/possibilistic.md` gives the reasons why nothing true is lost.
 
+mod agenda;
 mod clusters;
 mod constraint_order;
 mod contact_tables;
@@ -15,6 +16,7 @@ mod edge_contractor;
 mod errors;
 mod free_space;
 mod initial_cover;
+mod last_effort;
 mod measure;
 mod parallelotope;
 mod record;
@@ -26,7 +28,6 @@ mod two_contact_cover;
 mod two_contacts;
 mod vertex_contractor;
 
-use crate::Stop;
 use crate::beam::press::ContactTable;
 use crate::config::PossibilisticOptions;
 use crate::flow::prior;
@@ -34,11 +35,14 @@ use crate::math;
 use crate::plane::{Bounds, Pose2, wrap_angle};
 use crate::sets::{Interval, StateBox};
 use crate::world::{Map, MountedWhisker, Robot};
+use crate::{Stop, WorkBudget};
+use agenda::Task;
 use constraint_order::ConstraintOrder;
-use contact_tables::{FIRST_TABLE, START_TABLE, TABLES, WORTH_NEXT, each_table, tables};
+use contact_tables::{FIRST_TABLE, TABLES, each_table, tables};
 use contractor::{BaseView, BoundaryLevels};
 use errors::{PoseSlack, StepBounds, UncertainWhisker};
 pub use measure::EnclosedPlace;
+pub(crate) use measure::Measurement;
 use parallelotope::{Parallelotope, contract_box};
 use record::{OdometryRecord, ReadingContacts};
 use std::collections::VecDeque;
@@ -55,8 +59,6 @@ const KEPT_EVERY: f64 = 1e-3;
 const MOST_KEPT: usize = 160;
 /// So many looks at pieces of boundary and contacts are one more piece of work.
 const COMPARISONS_PER_WORK: usize = 12;
-/// Of no more cells than this all are moved to the newest row at once to be measured (2 MB).
-const MOVED_AT_ONCE: usize = 20_000;
 /// The place of a base is checked once in so many records.
 const CHECK_BASE_EVERY: u32 = 8;
 
@@ -102,6 +104,8 @@ pub struct PossibleSet {
     /// How many turns it takes until every cell has met a reading.
     untried: usize,
     constraint_order: ConstraintOrder,
+    /// What is still to be done, the last first.
+    agenda: Vec<Task>,
     stop: Stop,
 }
 
@@ -133,6 +137,7 @@ impl PossibleSet {
             cursor: 0,
             untried: 0,
             constraint_order: ConstraintOrder::default(),
+            agenda: Vec::new(),
             stop: Stop::default(),
         }
     }
@@ -191,28 +196,8 @@ impl PossibleSet {
     /// Takes the readings of the earliest row that has none yet, or no readings where nothing is known of them; when they
     /// were taken, the odometry's way to the robot (m) and its turn (rad) from that row were at most `late`.
     pub(crate) fn read(&mut self, map: &Map, moments: &[Interval], heading: Option<Interval>, late: (f64, f64)) {
-        let Some(stand) = self.ahead.pop_front() else { return };
-        let late = self.odometry.at_most(late);
-        let touch = |(probe, m): (&TabledWhisker, &Interval)| {
-            ReadingContacts::new(&probe.whisker, &probe.tables, m.lo(), m.hi())
-        };
-        self.forget();
-        if self.has_first_tables() && self.kept_since_start() >= WORTH_NEXT {
-            self.add_tables();
-        }
-        // Readings that may be none are worth nothing before the set starts, unless they are remembered.
-        let idle = !self.has_started() && moments.iter().all(|m| m.contains(0.0));
-        let touches = if idle && !self.is_apart(stand.path()) {
-            Vec::new()
-        } else {
-            self.probes.iter().zip(moments).map(touch).collect()
-        };
-        self.records.push(LogRecord { stand, touches, heading, late });
-        if !self.has_started() {
-            self.start(map, moments);
-            return;
-        }
-        self.contract_by_newest(map);
+        self.begin_reading(moments, heading, late);
+        self.advance(map, &mut WorkBudget::unlimited());
     }
 
     /// Forgets the readings of the last record unless they are worth keeping.
@@ -243,43 +228,6 @@ impl PossibleSet {
     fn is_apart(&self, way: f64) -> bool {
         let last = self.kept.last();
         last.is_none_or(|&k| way - self.records[k as usize].stand.path() >= self.kept_every)
-    }
-
-    /// Lays cells if the newest readings need a contact, by those that leave fewest. Of any `tolerate + 1` readings one is
-    /// true.
-    fn start(&mut self, map: &Map, moments: &[Interval]) {
-        let record = self.records.len() as u32 - 1;
-        let lay = |(probe, moment): (&TabledWhisker, &Interval)| {
-            let coarse = ReadingContacts::new(&probe.whisker, &probe.tables[START_TABLE..], moment.lo(), moment.hi());
-            let (near, late) = (self.near(&probe.whisker), self.records[record as usize].late);
-            let mut cells = initial_cover::initial_cells(&self.ground.clustered, near, &coarse, (record, late));
-            if let Some(two) = self.two_contacts.as_ref().filter(|_| self.is_late(record)) {
-                cells.extend(two_contact_cover::initial_cells(map, two, near, &coarse, (record, late)));
-            }
-            cells
-        };
-        let touching = self.probes.iter().zip(moments).filter(|(_, moment)| !moment.contains(0.0));
-        let mut laid: Vec<Vec<Parallelotope>> = touching.map(lay).collect();
-        laid.sort_by_key(Vec::len);
-        laid.truncate(self.options.tolerate + 1 - self.starts);
-        if !laid.is_empty() {
-            self.starts += laid.len();
-            self.started_at = record;
-            for cells in laid {
-                // Where there are none yet, without a copy: there may be hundreds of thousands.
-                if self.cells.is_empty() { self.cells = cells } else { self.cells.extend(cells) }
-            }
-        }
-        if self.starts == 0 {
-            return;
-        }
-        let cells = std::mem::take(&mut self.cells);
-        self.cells = cells.into_iter().filter_map(|cell| self.with_prior_knowledge(cell)).collect();
-        self.untried = self.cells.len();
-        // One whisker's reading alone rules out none of the cells that were laid for it.
-        if self.has_started() && self.probes.len() > 1 {
-            self.contract_by_newest(map);
-        }
     }
 
     /// Where on the map a whisker can touch at the newest row, with the first pose in the prior's region.
@@ -501,12 +449,8 @@ impl PossibleSet {
         measure::size(self.now(), true)
     }
 
-    /// The separate places with upper bounds of area and volume, which take longer to tell sharply.
-    pub(crate) fn measured(&self, sharp: bool) -> (Vec<EnclosedPlace>, (f64, f64)) {
-        if self.cells.len() > MOVED_AT_ONCE {
-            return (measure::places(self.now()), measure::size(self.now(), sharp));
-        }
-        let now: Vec<Parallelotope> = self.now().collect();
-        (measure::places(now.iter().copied()), measure::size(now.iter().copied(), sharp))
+    /// The measurement of the set, which takes longer to tell sharply, before any work.
+    pub(crate) fn measurement(&self, sharp: bool) -> Measurement {
+        Measurement::new(self.now(), sharp)
     }
 }
