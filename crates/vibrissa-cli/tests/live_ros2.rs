@@ -109,8 +109,9 @@ fn topics_come_through_a_program_and_are_recorded_like_any_other_source() {
         status = value["status"].as_str().unwrap().to_owned();
     }
     assert_eq!(status, "localized");
+    let pipes = sending.join().unwrap();
     end(child);
-    drop(sending.join().unwrap());
+    drop(pipes);
     let again = vibrissa(&["live", "--replay", here.join("out").to_str().unwrap()]);
     let counted = again.stdout.lines().find(|line| line.contains("the same to the byte")).unwrap_or_default();
     let numbers: Vec<&str> = counted.split_whitespace().filter(|word| word.parse::<u32>().is_ok()).collect();

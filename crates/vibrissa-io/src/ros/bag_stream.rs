@@ -79,7 +79,7 @@ impl BagStream {
         self.container.take()
     }
 
-    /// The last bytes of the file: what was not flushed yet, and the summary, with an index of up to 4096 chunks.
+    /// The last bytes of the file: what was not flushed yet, and the summary, with an index of up to 1024 chunks.
     #[must_use]
     pub fn finish(self) -> Vec<u8> {
         self.container.finish()

@@ -17,8 +17,8 @@ const LATCHED: &str = "- history: 1\n  depth: 1\n  reliability: 1\n  durability:
 /// A chunk of this size is closed before the next message (bytes).
 pub(super) const CHUNK_SIZE: usize = 1 << 20;
 
-/// Most chunks whose index is kept in memory until the end: less than a megabyte. The index of more is read from the file again.
-const MOST_KEPT: u32 = 1 << 12;
+/// Most chunks whose index is kept in memory until the end: four minutes of a live run. The index of more is read from the file again.
+const MOST_KEPT: u32 = 1 << 10;
 /// Index that is handed over at once where it is read from the file (bytes).
 const INDEX_PIECE: usize = 64 << 10;
 

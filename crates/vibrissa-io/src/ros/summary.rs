@@ -160,7 +160,7 @@ mod tests {
             assert!(whole.windows(all.len()).any(|part| part == all), "pieces of {enough}");
             assert!(all.len() > 300 * 80);
         }
-        let cut = &mut file[..file.len() - 3].to_vec();
+        let cut = &mut file[..file.len() / 2].to_vec();
         assert!(ChunkIndices::new(data).read(cut, usize::MAX, &mut Vec::new()).is_err());
     }
 
