@@ -16,6 +16,7 @@ import re
 import resource
 import shutil
 import signal
+import socket
 import subprocess
 import sys
 import tempfile
@@ -47,6 +48,10 @@ name = "base"
 serial = "port2"
 columns = ["seq16", "t_us", "x", "y", "theta"]
 """
+
+
+# A socket instead of the port, and a device without checksums.
+SOCKET = SETUP.replace('serial = "port"', "{wire}")
 
 
 def crc16(data):
@@ -407,6 +412,127 @@ class Faults:
         assert counts["frames"] >= sent - 5, counts
         return "no permission on the port; it is given a second later", f"what was sent before; then {counts['frames']} of {sent} frames", run.said("ermission")
 
+    def noise(self):
+        run = self.run("noise")
+        port = self.port(run)
+        run.start()
+        dice = random.Random(5)
+        # Random bytes, line ends among them, after every third line; they spoil the line that follows them, too.
+        spoil = lambda number, line: line + dice.randbytes(dice.randrange(1, 40)) if number % 3 == 0 else line  # noqa: E731
+        sent = feed(port, self.rows, 3.0, spoil)
+        time.sleep(0.3)
+        run.stop()
+        counts = run.account()
+        assert sent // 3 - 2 <= counts["frames"] <= sent, counts
+        return (
+            "1 to 40 random bytes after every third line",
+            f"{sent - counts['frames']} of {sent} lines, those that the noise runs into; {counts.get('damaged', 0)} damaged, none invented; {run.same()}",
+            "(in the account at the end)",
+        )
+
+    def halves(self):
+        run = self.run("halves")
+        port = self.port(run)
+        run.start()
+
+        def both(_, line):
+            # The second half comes later, and after every tenth line never.
+            port.send(line[: len(line) // 2])
+            time.sleep(1e-3)
+            return line[len(line) // 2 :] if both.count % 10 else b""
+
+        def counted(number, line):
+            both.count += 1
+            return both(number, line)
+
+        both.count = 0
+        sent = feed(port, self.rows, 3.0, counted)
+        time.sleep(0.3)
+        run.stop()
+        counts = run.account()
+        assert 0.8 * sent - 3 <= counts["frames"] <= 0.8 * sent + 3, counts
+        return (
+            "every line comes in two halves; every tenth one has no second half",
+            f"the half lines and those that they run into: {counts['frames']} of {sent} were read, {counts.get('damaged', 0)} damaged; {run.same()}",
+            "(in the account at the end)",
+        )
+
+    def stream(self, name, family, address, wire):
+        run = self.run(name, SOCKET.format(wire=wire))
+        listening = socket.socket(family)
+        listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        listening.bind(address if address else str(run.folder / "socket"))
+        listening.listen()
+        if address:
+            setup = run.folder / "live.toml"
+            setup.write_text(setup.read_text().replace("PORT", str(listening.getsockname()[1])))
+        run.start(opens=0)
+        sent = 0
+        for part in range(2):
+            link, _ = listening.accept()
+            run.opened(part + 1)
+
+            class Link:
+                send = staticmethod(link.sendall)
+
+            sent += feed(Link, self.rows, 1.5, first=sent)
+            time.sleep(0.3)
+            link.close()
+        listening.close()
+        time.sleep(1.0)
+        run.stop()
+        counts = run.account()
+        assert counts["frames"] == sent and counts["gone"] >= 2, counts
+        return counts, sent, run
+
+    def tcp(self):
+        counts, sent, run = self.stream("tcp", socket.AF_INET, ("127.0.0.1", 0), 'tcp = "127.0.0.1:PORT"')
+        return "a TCP server closes the connection, takes a new one, then ends", f"nothing: {counts['frames']} of {sent} frames; {run.same()}", run.said("robot:", "refused")
+
+    def unix(self):
+        counts, sent, run = self.stream("unix", socket.AF_UNIX, None, 'unix = "socket"')
+        return "the same of a Unix socket", f"nothing: {counts['frames']} of {sent} frames; {run.same()}", run.said("robot:", "refused")
+
+    def udp(self):
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
+            free.bind(("127.0.0.1", 0))
+            port = free.getsockname()[1]
+        run = self.run("udp", SOCKET.format(wire=f'udp = "127.0.0.1:{port}"'))
+        run.start()
+        sender = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        dice, held, lost, again, late = random.Random(7), [], 0, 0, 0
+
+        class Link:
+            @staticmethod
+            def send(line):
+                nonlocal lost, again, late
+                what = dice.random()
+                if what < 0.05:
+                    lost += 1
+                    return
+                if what < 0.1:
+                    again += 1
+                    sender.sendto(line, ("127.0.0.1", port))
+                elif what < 0.15 and not held:
+                    late += 1
+                    held.append(line)
+                    return
+                sender.sendto(line, ("127.0.0.1", port))
+                while held:
+                    sender.sendto(held.pop(), ("127.0.0.1", port))
+
+        sent = feed(Link, self.rows, 3.0)
+        time.sleep(0.3)
+        run.stop()
+        counts = run.account()
+        assert counts["used"] + counts["merged"] == sent - lost - late, (counts, sent, lost, again, late)
+        assert (counts["lost"], counts["repeated"], counts["late"]) == (lost, again, late), (counts, sent, lost, again, late)
+        return (
+            "UDP: of the datagrams 5 % are lost, 5 % come twice, 5 % behind their follower",
+            f"{lost} of {sent} were not sent and {late} came late: told as {counts['lost']} lost, {counts['late']} late, {counts['repeated']} repeated; {run.same()}",
+            "(in the account at the end)",
+        )
+
     def nothing_there(self):
         run = self.run("nothing")
         run.start(opens=0)
@@ -421,11 +547,12 @@ class Faults:
         return "no port of that name; it comes a second later", f"nothing: {counts['frames']} of {sent} frames", run.said("robot:")
 
 
-ALL = ["killed", "full_disk", "slow_disk", "unplugged", "clock_jumps", "cut", "wrong_baud", "zeros", "two_on_one", "no_permission", "nothing_there"]
+ALL = ["killed", "full_disk", "slow_disk", "unplugged", "clock_jumps", "cut", "noise", "halves", "wrong_baud", "zeros", "two_on_one"]
+ALL += ["no_permission", "nothing_there", "tcp", "unix", "udp"]
 
 
 def table(found):
-    cell = lambda text: re.sub(r"/tmp/\S*?/(port\d?|live)", r"\1", text).replace("|", "\\|").replace("<", "&lt;")  # noqa: E731
+    cell = lambda text: re.sub(r"/tmp/\S*?/(port\d?|live|socket)", r"\1", re.sub(r"127.0.0.1:\d+", "HOST:PORT", text)).replace("|", "\\|").replace("<", "&lt;")  # noqa: E731
     lines = ["| fault | what was lost | the line that is seen |", "| --- | --- | --- |"]
     for done, lost, seen in found:
         quoted = cell(seen).replace("`", "'")

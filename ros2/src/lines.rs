@@ -2,10 +2,10 @@
 //!
 //! | kind | message | line |
 //! | --- | --- | --- |
-//! | `odometry` | nav_msgs/Odometry | `t,x,y,theta` |
-//! | `joints` | sensor_msgs/JointState | a header, then `t` and what it names |
-//! | `array` | std_msgs/Float64MultiArray | its numbers |
-//! | `wrench` | geometry_msgs/WrenchStamped | `t`, the torque about z |
+//! | `odometry` | `nav_msgs/Odometry` | `t,x,y,theta` |
+//! | `joints` | `sensor_msgs/JointState` | a header, then `t` and what it names |
+//! | `array` | `std_msgs/Float64MultiArray` | its numbers |
+//! | `wrench` | `geometry_msgs/WrenchStamped` | `t`, the torque about z |
 //!
 //! A message that does not hold what it should is a line [`NOTHING`], so that whoever reads counts it as damaged.
 

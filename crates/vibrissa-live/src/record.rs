@@ -29,9 +29,6 @@ use vibrissa_io::ros::{BagStream, Kind, Stamp, StreamTopic};
 /// A chunk of this size is written before its time (bytes).
 const LARGE: usize = 256 << 10;
 
-/// Bytes at the end of a file that say that it is whole.
-const SEAL: usize = 8;
-
 /// A topic of a recording.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RecordTopic(usize);
@@ -180,15 +177,18 @@ impl Writer {
                 due = Instant::now() + period;
             }
         }
-        // The last bytes say that the file is whole: they are written when all before them is on the disk.
         if self.write(&mut storage) {
-            self.pending = core::mem::take(&mut self.stream).finish();
-            let seal = self.pending.split_off(self.pending.len().saturating_sub(SEAL));
-            if self.append(&mut storage) {
-                self.pending = seal;
-                self.append(&mut storage);
-            }
+            let ended = self.end(&mut storage);
+            self.note(&mut storage, ended);
         }
+    }
+
+    /// Writes the summary; the last bytes say that the file is whole: they are written when all before them is on the disk.
+    fn end(&mut self, storage: &mut impl Storage) -> std::io::Result<()> {
+        let seal = core::mem::take(&mut self.stream).finish_in(storage)?;
+        storage.sync()?;
+        storage.append(&seal)?;
+        storage.sync()
     }
 
     fn take(&mut self, entry: Entry) {
@@ -208,6 +208,11 @@ impl Writer {
     /// Appends what is pending; a part that was written before the disk refused is taken back.
     fn append(&mut self, storage: &mut impl Storage) -> bool {
         let result = storage.append(&self.pending).and_then(|()| storage.sync());
+        self.note(storage, result)
+    }
+
+    /// Notes what the disk said to what is pending.
+    fn note(&mut self, storage: &mut impl Storage, result: std::io::Result<()>) -> bool {
         let mut fault = self.shared.fault.lock().unwrap_or_else(PoisonError::into_inner);
         match result {
             Ok(()) => {

@@ -109,7 +109,9 @@ impl Timing {
                     return;
                 }
                 Step::Late => {
+                    // It was missing until now.
                     counts.late += 1;
+                    counts.lost = counts.lost.saturating_sub(1);
                     return;
                 }
                 Step::Reset => counts.resets += 1,

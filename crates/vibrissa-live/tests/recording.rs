@@ -13,7 +13,7 @@ mod common;
 use common::Dice;
 use std::io::{Error, ErrorKind, Result};
 use std::sync::{Arc, Condvar, Mutex};
-use vibrissa::io::ros::{BagStream, Kind, Stamp, decode_text, encode_text, read_bag};
+use vibrissa::io::ros::{BagStream, GrowingFile, Kind, Stamp, decode_text, encode_text, read_bag};
 use vibrissa_live::record::{Recorder, Storage};
 
 /// The texts that a file holds, in order; an error where it cannot be read at all.
@@ -112,7 +112,7 @@ impl Disk {
     }
 }
 
-impl Storage for Disk {
+impl GrowingFile for Disk {
     fn append(&mut self, bytes: &[u8]) -> Result<()> {
         let state = self.0.0.lock().unwrap();
         let mut state = self.0.1.wait_while(state, |state| state.held).unwrap();
@@ -123,6 +123,12 @@ impl Storage for Disk {
         if fits < bytes.len() { Err(Error::from(ErrorKind::StorageFull)) } else { Ok(()) }
     }
 
+    fn read_at(&mut self, place: u64, buffer: &mut [u8]) -> Result<usize> {
+        self.0.0.lock().unwrap().bytes.read_at(place, buffer)
+    }
+}
+
+impl Storage for Disk {
     fn sync(&mut self) -> Result<()> {
         Ok(())
     }

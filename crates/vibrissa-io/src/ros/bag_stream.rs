@@ -2,6 +2,7 @@
 
 use super::container::Container;
 use super::definition::Kind;
+use super::growing_file::GrowingFile;
 use super::message::Stamp;
 
 /// A topic of a recording that is being streamed.
@@ -78,9 +79,20 @@ impl BagStream {
         self.container.take()
     }
 
-    /// The last bytes of the file: what was not flushed yet, and the summary with its index.
+    /// The last bytes of the file: what was not flushed yet, and the summary, with an index of up to 1024 chunks.
     #[must_use]
     pub fn finish(self) -> Vec<u8> {
         self.container.finish()
+    }
+
+    /// Appends the same, with an index of however many chunks, to the file of all pieces so far, from which the index is read
+    /// again; but for the last bytes, which are returned: they say that the file is whole, and are written when all before them
+    /// is on the disk.
+    ///
+    /// # Errors
+    ///
+    /// What the file says; a part of the bytes may be there.
+    pub fn finish_in(self, file: &mut dyn GrowingFile) -> std::io::Result<Vec<u8>> {
+        self.container.finish_in(file)
     }
 }

@@ -2,8 +2,11 @@
 
 use super::chunk::{Bounds, Chunk};
 use super::definition::Kind;
+use super::growing_file::GrowingFile;
 use super::records::{Body, HEAD, MAGIC, op};
+use super::summary::{ChunkIndices, Summary};
 use std::collections::BTreeMap;
+use std::io::Result;
 
 /// What ROS 2 tells late subscribers of: the last message of a topic that is said once.
 const LATCHED: &str = "- history: 1\n  depth: 1\n  reliability: 1\n  durability: 1\n  deadline:\n    sec: 9223372036\n    \
@@ -14,8 +17,13 @@ const LATCHED: &str = "- history: 1\n  depth: 1\n  reliability: 1\n  durability:
 /// A chunk of this size is closed before the next message (bytes).
 pub(super) const CHUNK_SIZE: usize = 1 << 20;
 
-/// Most chunks that the summary has an index of: 20 MB. Longer recordings are read without one, from their beginning.
-const MOST_INDEXED: u32 = 1 << 17;
+/// Most chunks whose index is kept in memory until the end: four minutes of a live run. The index of more is read from the file again.
+const MOST_KEPT: u32 = 1 << 10;
+/// Index that is handed over at once where it is read from the file (bytes).
+const INDEX_PIECE: usize = 64 << 10;
+
+/// The record between data and summary (bytes).
+const DATA_END: u64 = HEAD as u64 + 4;
 
 /// A topic: its name, the kind of its messages, and whether the last one holds until it is said again.
 pub(super) type NewTopic = (String, Kind, bool);
@@ -93,10 +101,14 @@ impl Container {
         if let Some(chunk) = self.chunk.take() {
             chunk.write(self.taken, &mut self.bytes).write(op::CHUNK_INDEX, &mut self.chunk_indices);
             self.chunks += 1;
-            if self.chunks > MOST_INDEXED {
-                self.chunk_indices.clear();
+            if !self.keeps_index() {
+                self.chunk_indices = Vec::new();
             }
         }
+    }
+
+    fn keeps_index(&self) -> bool {
+        self.chunks <= MOST_KEPT
     }
 
     /// Bytes that wait in the chunk that is open.
@@ -111,39 +123,59 @@ impl Container {
         core::mem::take(&mut self.bytes)
     }
 
-    /// The rest of the file, with its summary.
+    /// The rest of the file, with its summary; without an index where it was not kept.
     pub(super) fn finish(mut self) -> Vec<u8> {
         self.close_chunk();
-        let statistics = self.statistics();
-        let mut file = self.bytes;
-        self.checksum.update(&file);
-        Body::default().u32(self.checksum.finalize()).write(op::DATA_END, &mut file);
-        let summary = file.len();
-        let at = |length: usize| self.taken + length as u64;
-        let mut offsets = Vec::new();
-        let groups = [
-            (op::SCHEMA, self.schema_records),
-            (op::CHANNEL, self.channel_records),
-            (op::STATISTICS, statistics),
-            (op::CHUNK_INDEX, self.chunk_indices),
-        ];
-        for (kind, records) in groups.into_iter().filter(|(_, records)| !records.is_empty()) {
-            let offset = Body::default().bytes(&[kind]).u64(at(file.len())).u64(records.len() as u64);
-            offset.write(op::SUMMARY_OFFSET, &mut offsets);
-            file.extend(records);
-        }
-        let offsets_at = at(file.len());
-        file.extend(offsets);
-        // The summary's checksum covers the footer up to itself.
-        let front = Body::default().u64(at(summary)).u64(offsets_at);
-        let mut footer = Vec::new();
-        front.clone().u32(0).write(op::FOOTER, &mut footer);
-        let mut hasher = crc32fast::Hasher::new();
-        hasher.update(&file[summary..]);
-        hasher.update(&footer[..HEAD + 16]);
-        front.u32(hasher.finalize()).write(op::FOOTER, &mut file);
+        let mut file = self.take();
+        file.extend(self.data_end());
+        let mut summary = Summary::begin(self.taken + DATA_END);
+        summary.groups(self.definitions(), &mut file);
+        summary.group(op::CHUNK_INDEX, &self.chunk_indices, &mut file);
+        summary.end(&mut file);
         file.extend(MAGIC);
         file
+    }
+
+    /// Appends the rest of the file, with its summary, to the file of all bytes that were taken, but for the last bytes, which
+    /// are returned.
+    pub(super) fn finish_in(mut self, file: &mut dyn GrowingFile) -> Result<Vec<u8>> {
+        self.close_chunk();
+        let mut piece = self.take();
+        file.append(&piece)?;
+        piece = self.data_end();
+        let mut summary = Summary::begin(self.taken + DATA_END);
+        summary.groups(self.definitions(), &mut piece);
+        if self.keeps_index() {
+            summary.group(op::CHUNK_INDEX, &self.chunk_indices, &mut piece);
+        } else {
+            let mut index = ChunkIndices::new(self.taken);
+            let mut records = Vec::new();
+            while index.read(file, INDEX_PIECE, &mut records)? {
+                summary.group(op::CHUNK_INDEX, &records, &mut piece);
+                file.append(&piece)?;
+                piece.clear();
+                records.clear();
+            }
+        }
+        summary.end(&mut piece);
+        file.append(&piece)?;
+        Ok(MAGIC.to_vec())
+    }
+
+    fn data_end(&self) -> Vec<u8> {
+        let mut record = Vec::new();
+        Body::default().u32(self.checksum.clone().finalize()).write(op::DATA_END, &mut record);
+        record
+    }
+
+    /// What the summary repeats, and what it counts.
+    fn definitions(&mut self) -> [(u8, Vec<u8>); 3] {
+        let statistics = self.statistics();
+        [
+            (op::SCHEMA, core::mem::take(&mut self.schema_records)),
+            (op::CHANNEL, core::mem::take(&mut self.channel_records)),
+            (op::STATISTICS, statistics),
+        ]
     }
 
     fn statistics(&self) -> Vec<u8> {

@@ -4,7 +4,8 @@
 //! | --- | --- |
 //! | `bag_reader` | the container: channels and messages, compressed or not, whole or cut |
 //! | `bag_writer`, `bag_stream` | the same, written at once or piece by piece |
-//! | `container` | what both writers make |
+//! | `container`, `summary` | what both writers make, and its end |
+//! | `growing_file` | where a stream goes |
 //! | `chunk` | many messages together, with their index |
 //! | `records` | what both are made of |
 //! | `cdr` | the bytes of a message's fields |
@@ -20,15 +21,18 @@ mod chunk;
 mod container;
 mod definition;
 mod drawing;
+mod growing_file;
 mod map;
 mod message;
 mod records;
+mod summary;
 
 pub use bag_reader::{BagSummary, Topic, read_bag};
 pub use bag_stream::{BagStream, StreamTopic};
 pub use bag_writer::{BagWriter, TopicId};
 pub use definition::Kind;
 pub use drawing::{Line, LineSet};
+pub use growing_file::GrowingFile;
 pub use map::{grid_in, read_grid};
 pub use message::{
     Header, ImuReading, NamedNumbers, Stamp, decode_bytes, decode_field, decode_grid, decode_imu, decode_named,

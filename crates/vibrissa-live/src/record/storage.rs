@@ -2,18 +2,12 @@
 
 use crate::{Error, Result};
 use std::fs::{File, OpenOptions};
-use std::io::{ErrorKind, Seek, SeekFrom, Write};
+use std::io::{ErrorKind, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
+use vibrissa_io::ros::GrowingFile;
 
-/// A file that grows at its end, so that tests can let it fail.
-pub trait Storage: Send {
-    /// Writes bytes at the end.
-    ///
-    /// # Errors
-    ///
-    /// What the system says; a part of the bytes may be there.
-    fn append(&mut self, bytes: &[u8]) -> std::io::Result<()>;
-
+/// The file of a recording, so that tests can let it fail.
+pub trait Storage: GrowingFile + Send {
     /// Waits until all bytes are on the disk.
     ///
     /// # Errors
@@ -50,7 +44,7 @@ impl FileStorage {
         let mut count = 1;
         loop {
             let path = folder.join(if count == 1 { format!("{name}.mcap") } else { format!("{name}-{count}.mcap") });
-            match OpenOptions::new().write(true).create_new(true).open(&path) {
+            match OpenOptions::new().read(true).write(true).create_new(true).open(&path) {
                 Ok(file) => {
                     // The entry in the folder has to survive a power cut, too; not every system synchronises folders.
                     if let Ok(folder) = File::open(folder) {
@@ -65,17 +59,24 @@ impl FileStorage {
     }
 }
 
-impl Storage for FileStorage {
+impl GrowingFile for FileStorage {
     fn append(&mut self, bytes: &[u8]) -> std::io::Result<()> {
+        self.0.seek(SeekFrom::End(0))?;
         self.0.write_all(bytes)
     }
 
+    fn read_at(&mut self, place: u64, buffer: &mut [u8]) -> std::io::Result<usize> {
+        self.0.seek(SeekFrom::Start(place))?;
+        self.0.read(buffer)
+    }
+}
+
+impl Storage for FileStorage {
     fn sync(&mut self) -> std::io::Result<()> {
         self.0.sync_data()
     }
 
     fn truncate(&mut self, length: u64) -> std::io::Result<()> {
-        self.0.set_len(length)?;
-        self.0.seek(SeekFrom::Start(length)).map(|_| ())
+        self.0.set_len(length)
     }
 }

@@ -128,7 +128,7 @@ impl Wire {
                 "is the device plugged in? `ls /dev/serial/by-id` lists those that are"
             }
             (Self::Serial { .. }, ErrorKind::ResourceBusy) => "another program has it open; close that",
-            (Self::Tcp(_) | Self::Unix(_), _) => "is the other side listening?",
+            (Self::Tcp(_) | Self::Unix(_), _) => "the other side has to listen there",
             (Self::Ros2 { .. }, _) => {
                 "it needs the program vibrissa-ros2 beside this one or on the search path: \
                  `cargo build --release --manifest-path ros2/Cargo.toml` makes it"

@@ -2,15 +2,21 @@
 //! program of its own.
 
 use super::link::Link;
+use std::collections::VecDeque;
 use std::io::{Error, ErrorKind, Read, Result};
 use std::path::PathBuf;
-use std::process::{Child, ChildStdout, Command, Stdio};
-use std::time::Duration;
+use std::process::{Child, ChildStderr, ChildStdout, Command, Stdio};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
 
 /// The program's name.
 const PROGRAM: &str = "vibrissa-ros2";
-/// Most of what it says about a fault that is told on (bytes).
-const SAID: u64 = 4096;
+/// The end of what it says about a fault, which is told on (bytes).
+const SAID: usize = 4096;
+/// How long its last words may take after its last line.
+const LAST_WORDS: Duration = Duration::from_millis(500);
+/// How often they are looked for.
+const LOOK: Duration = Duration::from_millis(10);
 
 /// What a topic's messages are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,6 +62,21 @@ impl Ros2Message {
 pub(super) struct Ros2Lines {
     child: Child,
     lines: ChildStdout,
+    /// The end of what it said.
+    said: Arc<Mutex<VecDeque<u8>>>,
+    /// Sets it while the program runs: a pipe that nobody reads would stop the program.
+    listener: std::thread::JoinHandle<()>,
+}
+
+/// Reads to the end, and keeps the last of it.
+fn listen(mut errors: ChildStderr, said: &Mutex<VecDeque<u8>>) {
+    let mut buffer = [0; 512];
+    while let Ok(count @ 1..) = errors.read(&mut buffer) {
+        let mut said = said.lock().unwrap_or_else(PoisonError::into_inner);
+        said.extend(&buffer[..count]);
+        let old = said.len().saturating_sub(SAID);
+        said.drain(..old);
+    }
 }
 
 impl Ros2Lines {
@@ -68,17 +89,22 @@ impl Ros2Lines {
             .stderr(Stdio::piped())
             .spawn()?;
         let lines = child.stdout.take().ok_or_else(|| Error::from(ErrorKind::BrokenPipe))?;
-        Ok(Self { child, lines })
+        let errors = child.stderr.take().ok_or_else(|| Error::from(ErrorKind::BrokenPipe))?;
+        let said = Arc::new(Mutex::default());
+        let theirs = Arc::clone(&said);
+        let listener = std::thread::spawn(move || listen(errors, &theirs));
+        Ok(Self { child, lines, said, listener })
     }
 
-    /// Why the program ended, in its own last words.
+    /// Why the program ended, in its own last words; what it started may hold its standard error open for longer.
     fn last_words(&mut self) -> Error {
-        let mut said = String::new();
-        if let Some(errors) = self.child.stderr.take() {
-            // What it says may be no text.
-            let _ = errors.take(SAID).read_to_string(&mut said);
+        let begun = Instant::now();
+        while !self.listener.is_finished() && begun.elapsed() < LAST_WORDS {
+            std::thread::sleep(LOOK);
         }
-        let words = said.trim().replace("\n  help: ", "; ").replace('\n', " ");
+        let said: Vec<u8> = self.said.lock().unwrap_or_else(PoisonError::into_inner).iter().copied().collect();
+        let words = String::from_utf8_lossy(&said);
+        let words = words.trim().replace("\n  help: ", "; ").replace('\n', " ");
         Error::other(if words.is_empty() { format!("{PROGRAM} ended") } else { format!("{PROGRAM}: {words}") })
     }
 }

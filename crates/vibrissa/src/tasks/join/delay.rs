@@ -11,6 +11,12 @@ const LEVER: f64 = 0.1;
 /// Length of a window (s), and its fewest readings.
 const WINDOW: f64 = 0.25;
 const WINDOW_READINGS: usize = 10;
+/// What a window costs beyond its misfit (nats) where no pose tells the way: that the motion is uniform there is a guess.
+const UNKNOWN: f64 = 2.0;
+/// How far the fine search may go (s) until windows lose their poses.
+const NEAR: f64 = 5.0 * COARSE_STEP;
+/// Parts of a recording of which each is left out once.
+const PARTS: usize = 8;
 /// Most readings in the coarse search, and its step (s).
 const COARSE_READINGS: usize = 1500;
 const COARSE_STEP: f64 = 0.02;
@@ -37,14 +43,15 @@ pub struct DelayEstimate {
     pub rate: f64,
     /// Its standard deviation.
     pub rate_std: f64,
-    /// Whether another delay explains the readings about as well.
+    /// Whether another delay explains the readings about as well, or one beyond the search may.
     pub rival: bool,
 }
 
 /// Estimates the delay of readings at the times `t` (s, from 0 on) behind odometry, up to `most` (s) on either side of recordings
 /// that begin together; `free_rate` where their clock's rate is to be estimated, too.
 ///
-/// The standard deviation is that of the sandwich formula over windows, so that errors may be alike within a window.
+/// The standard deviation is the larger one of the sandwich formula over windows and of the jackknife over eight parts of the
+/// recording, with the uncertainty of a uniform distribution between two poses.
 ///
 /// # Errors
 ///
@@ -66,7 +73,7 @@ pub fn estimate_delay(
     let poses: Vec<(f64, Pose2)> = odometry.iter().map(|pose| (pose.t - start, pose.map_from_robot)).collect();
     let thin = t.len().div_ceil(COARSE_READINGS).max(1);
     let coarse = Problem::new(t, columns, &poses, thin);
-    let fine = Problem::new(t, columns, &poses, 1);
+    let mut fine = Problem::new(t, columns, &poses, 1);
     if fine.scales.iter().all(|scale| *scale <= 0.0) {
         return Err(
             Error::data("the readings do not change").remedy("is the sensor connected? give the delay (--delay)")
@@ -90,15 +97,49 @@ pub fn estimate_delay(
     let Some(&(_, delay, rate)) = profile.iter().min_by(|a, b| a.0.total_cmp(&b.0)) else {
         return Err(Error::data("no delay to look for").value(most).allowed("above 0 s"));
     };
+    // From here on the same windows count, so that the cost has no steps.
+    fine.keep_covered(delay, rate);
     let (delay, rate) = refined(&fine, delay, rate, free_rate.then_some(half));
     // The coarse problem has fewer readings, so that its costs count for more.
     let here = coarse.cost(delay, rate);
-    let rival =
-        profile.iter().any(|&(cost, other, _)| (other - delay).abs() > APART && (cost - here) * thin as f64 <= RIVAL);
+    let at_end = delay.abs() > most - COARSE_STEP;
+    let rival = at_end
+        || profile
+            .iter()
+            .any(|&(cost, other, _)| (other - delay).abs() > APART && (cost - here) * thin as f64 <= RIVAL);
     let (delay_std, rate_std) = fine.deviations(delay, rate, free_rate.then_some(half));
+    let (by_parts, rate_by_parts) = jackknife(&fine, delay, rate, free_rate.then_some(half));
+    let (delay_std, rate_std) =
+        (delay_std.max(by_parts).hypot(spacing(odometry) / 12.0_f64.sqrt()), rate_std.max(rate_by_parts));
     // In the middle of the recording the delay is told best; the first reading lies half of it before.
     let first = delay + fine.middle - rate * (fine.middle - t[0]) - t[0];
     Ok(DelayEstimate { delay: first, delay_std, rate, rate_std, rival })
+}
+
+/// The usual time between poses (s): where between two poses the robot starts they do not tell.
+fn spacing(odometry: &[StampedPose]) -> f64 {
+    let mut steps: Vec<f64> = odometry.windows(2).map(|pair| pair[1].t - pair[0].t).collect();
+    steps.sort_by(f64::total_cmp);
+    steps.get(steps.len() / 2).copied().unwrap_or_default()
+}
+
+/// Standard deviations of delay and rate by the jackknife over parts of the recording: what the windows' model gets wrong differs
+/// from part to part [efron1982jackknife].
+fn jackknife(problem: &Problem, delay: f64, rate: f64, half: Option<f64>) -> (f64, f64) {
+    let windows = &problem.windows;
+    let found: Vec<(f64, f64)> = (0..PARTS)
+        .map(|part| {
+            let kept = windows.iter().enumerate().filter(|(window, _)| window * PARTS / windows.len().max(1) != part);
+            let rest = Problem { windows: kept.map(|(_, ends)| *ends).collect(), ..problem.clone() };
+            refined(&rest, delay, rate, half)
+        })
+        .collect();
+    let count = PARTS as f64;
+    let std = |of: &dyn Fn(&(f64, f64)) -> f64| {
+        let mean = found.iter().map(of).sum::<f64>() / count;
+        ((count - 1.0) / count * found.iter().map(|one| (of(one) - mean).powi(2)).sum::<f64>()).sqrt()
+    };
+    (std(&|one| one.0), std(&|one| one.1))
 }
 
 /// Steps along either axis as long as they help, then half of them.
@@ -122,6 +163,7 @@ fn refined(problem: &Problem, delay: f64, rate: f64, half: Option<f64>) -> (f64,
 }
 
 /// Readings in windows, and the poses that are to explain them.
+#[derive(Clone)]
 struct Problem<'a> {
     t: Vec<f64>,
     columns: Vec<Vec<f64>>,
@@ -166,7 +208,10 @@ impl<'a> Problem<'a> {
 
     fn window_cost(&self, window: usize, delay: f64, rate: f64) -> f64 {
         let (from, to) = self.windows[window];
-        let at = |index: usize| self.pose(delay + self.middle + rate * (self.t[index] - self.middle));
+        if !self.is_covered(window, delay, rate) {
+            return UNKNOWN + self.cost_on((from, to), (from..to).map(|index| self.t[index] - self.t[(from + to) / 2]));
+        }
+        let at = |index: usize| self.pose(self.time(index, delay, rate));
         let origin = at((from + to) / 2);
         let offsets: Vec<[f64; 3]> = (from..to)
             .map(|index| {
@@ -175,9 +220,31 @@ impl<'a> Problem<'a> {
             })
             .collect();
         let way = main_direction(&offsets);
+        self.cost_on((from, to), offsets.iter().map(|offset| offset.iter().zip(way).map(|(a, b)| a * b).sum()))
+    }
+
+    /// The odometry's time of a reading (s since its first pose).
+    fn time(&self, index: usize, delay: f64, rate: f64) -> f64 {
+        delay + self.middle + rate * (self.t[index] - self.middle)
+    }
+
+    /// Whether there are poses all along a window.
+    fn is_covered(&self, window: usize, delay: f64, rate: f64) -> bool {
+        let (from, to) = self.windows[window];
+        let end = self.poses.last().map_or(0.0, |pose| pose.0);
+        self.time(from, delay, rate) >= 0.0 && self.time(to - 1, delay, rate) <= end
+    }
+
+    /// Keeps the windows that have poses, also with a delay that is a little other.
+    fn keep_covered(&mut self, delay: f64, rate: f64) {
+        let is_kept = |window: &usize| [-NEAR, NEAR].iter().all(|by| self.is_covered(*window, delay + by, rate));
+        self.windows = (0..self.windows.len()).filter(is_kept).map(|window| self.windows[window]).collect();
+    }
+
+    /// What a window costs whose readings are to be a smooth function of a way; where no pose tells the way, it is taken for uniform.
+    fn cost_on(&self, (from, to): (usize, usize), way: impl Iterator<Item = f64>) -> f64 {
         let mut basis: [Vec<f64>; 3] = core::array::from_fn(|_| Vec::with_capacity(to - from));
-        for offset in offsets {
-            let along: f64 = offset.iter().zip(way).map(|(a, b)| a * b).sum();
+        for along in way {
             let values = [1.0, along, along * along];
             basis.iter_mut().zip(values).for_each(|(column, value)| column.push(value));
         }
