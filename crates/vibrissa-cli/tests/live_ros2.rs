@@ -113,6 +113,7 @@ fn topics_come_through_a_program_and_are_recorded_like_any_other_source() {
     end(child);
     drop(pipes);
     let again = vibrissa(&["live", "--replay", here.join("out").to_str().unwrap()]);
+    assert_eq!(again.code, Some(0), "{}", again.stderr);
     let counted = again.stdout.lines().find(|line| line.contains("the same to the byte")).unwrap_or_default();
     let numbers: Vec<&str> = counted.split_whitespace().filter(|word| word.parse::<u32>().is_ok()).collect();
     assert!(numbers.len() == 2 && numbers[0] == numbers[1] && numbers[0] != "0", "{} {}", again.stdout, again.stderr);

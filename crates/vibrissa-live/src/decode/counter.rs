@@ -8,9 +8,9 @@ const OVERTAKEN: u64 = 64;
 pub enum Step {
     /// So many are missing before it.
     Next(u64),
-    /// It was there before.
+    /// It was there before, or is older than the first.
     Repeated,
-    /// A newer one was there before.
+    /// It was missing until now: newer ones were there before.
     Late,
     /// The count began anew.
     Reset,
@@ -20,6 +20,8 @@ pub enum Step {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Counter {
     last: Option<u64>,
+    /// Which of the 64 numbers before the last one are missing, the youngest in the lowest bit.
+    missing: u64,
 }
 
 impl Counter {
@@ -39,18 +41,27 @@ impl Counter {
         let step = match ahead {
             0 => Step::Repeated,
             _ if ahead <= half => Step::Next(ahead - 1),
-            _ if behind <= OVERTAKEN => Step::Late,
+            _ if behind <= OVERTAKEN && self.missing >> (behind - 1) & 1 == 1 => Step::Late,
+            _ if behind <= OVERTAKEN => Step::Repeated,
             _ => Step::Reset,
         };
-        if matches!(step, Step::Next(_) | Step::Reset) {
-            self.last = Some(number);
+        match step {
+            Step::Repeated => {}
+            Step::Late => self.missing &= !(1 << (behind - 1)),
+            Step::Reset => (self.last, self.missing) = (Some(number), 0),
+            Step::Next(lost) => {
+                let before = u32::try_from(lost + 1).ok().and_then(|ahead| self.missing.checked_shl(ahead));
+                let skipped = u32::try_from(lost).ok().and_then(|lost| 1_u64.checked_shl(lost));
+                self.missing = before.unwrap_or(0) | skipped.map_or(u64::MAX, |one| one - 1);
+                self.last = Some(number);
+            }
         }
         step
     }
 
     /// Forgets the last number: what comes next says nothing about what was before.
     pub fn forget(&mut self) {
-        self.last = None;
+        *self = Self::default();
     }
 }
 
@@ -67,6 +78,10 @@ mod tests {
             (254, Step::Repeated),
             (1, Step::Next(2)),
             (0, Step::Late),
+            (0, Step::Repeated),
+            (255, Step::Late),
+            (254, Step::Repeated),
+            (252, Step::Repeated),
             (2, Step::Next(0)),
             (100, Step::Next(97)),
             (10, Step::Reset),
@@ -77,6 +92,12 @@ mod tests {
         }
         let mut endless = Counter::default();
         let steps = [(5, Step::Next(0)), (9, Step::Next(3)), (8, Step::Late), (9, Step::Repeated), (10, Step::Next(0))];
+        for (number, step) in steps {
+            assert_eq!(endless.push(number, None), step, "{number}");
+        }
+        // Sixty-four and more are missing: the newest of them may still come.
+        assert_eq!(endless.push(75, None), Step::Next(64));
+        let steps = [(11, Step::Late), (11, Step::Repeated), (74, Step::Late), (10, Step::Reset)];
         for (number, step) in steps {
             assert_eq!(endless.push(number, None), step, "{number}");
         }

@@ -14,7 +14,7 @@ const WINDOW_READINGS: usize = 10;
 /// What a window costs beyond its misfit (nats) where no pose tells the way: that the motion is uniform there is a guess.
 const UNKNOWN: f64 = 2.0;
 /// How far the fine search may go (s) until windows lose their poses.
-const NEAR: f64 = 5.0 * COARSE_STEP;
+const NEAR: f64 = 2.0 * COARSE_STEP;
 /// Parts of a recording of which each is left out once.
 const PARTS: usize = 8;
 /// Most readings in the coarse search, and its step (s).
@@ -43,7 +43,7 @@ pub struct DelayEstimate {
     pub rate: f64,
     /// Its standard deviation.
     pub rate_std: f64,
-    /// Whether another delay explains the readings about as well, or one beyond the search may.
+    /// Whether another delay explains the readings about as well, one beyond the search may, or none does.
     pub rival: bool,
 }
 
@@ -103,7 +103,10 @@ pub fn estimate_delay(
     // The coarse problem has fewer readings, so that its costs count for more.
     let here = coarse.cost(delay, rate);
     let at_end = delay.abs() > most - COARSE_STEP;
+    // Poses of another time explain readings worse than no poses at all.
+    let explained = fine.cost(delay, rate) < (0..fine.windows.len()).map(|w| fine.uniform_cost(w)).sum::<f64>();
     let rival = at_end
+        || !explained
         || profile
             .iter()
             .any(|&(cost, other, _)| (other - delay).abs() > APART && (cost - here) * thin as f64 <= RIVAL);
@@ -209,7 +212,7 @@ impl<'a> Problem<'a> {
     fn window_cost(&self, window: usize, delay: f64, rate: f64) -> f64 {
         let (from, to) = self.windows[window];
         if !self.is_covered(window, delay, rate) {
-            return UNKNOWN + self.cost_on((from, to), (from..to).map(|index| self.t[index] - self.t[(from + to) / 2]));
+            return UNKNOWN + self.uniform_cost(window);
         }
         let at = |index: usize| self.pose(self.time(index, delay, rate));
         let origin = at((from + to) / 2);
@@ -221,6 +224,12 @@ impl<'a> Problem<'a> {
             .collect();
         let way = main_direction(&offsets);
         self.cost_on((from, to), offsets.iter().map(|offset| offset.iter().zip(way).map(|(a, b)| a * b).sum()))
+    }
+
+    /// What a window costs where the motion in it is taken for uniform.
+    fn uniform_cost(&self, window: usize) -> f64 {
+        let (from, to) = self.windows[window];
+        self.cost_on((from, to), (from..to).map(|index| self.t[index] - self.t[(from + to) / 2]))
     }
 
     /// The odometry's time of a reading (s since its first pose).
