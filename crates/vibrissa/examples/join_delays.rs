@@ -5,48 +5,23 @@
 
 #![allow(clippy::unwrap_used, reason = "an example that cannot go on ends")]
 
+#[path = "../tests/data/uneven.rs"]
+mod uneven;
+
+use uneven::uneven;
 use vibrissa::flow::pose::StampedPose;
 use vibrissa::io::log::foreign::{Format, Recording};
-use vibrissa::plane::Pose2;
-use vibrissa::sim::{Pace, Sweep, SweepNoise, path_through, simulate_tip_sweep};
-use vibrissa::tasks::demo;
 use vibrissa::tasks::join::{Delay, join};
-use vibrissa::world::Robot;
 
 /// Readings a second (Hz).
 const RATE: f64 = 300.0;
 /// When the readings begin after the odometry (s), negative where before it.
 const DELAYS: [f64; 12] = [-3.1, -1.0, -0.2, -0.011, 0.0, 0.003, 0.4, 1.7, 4.9, 2.2, -4.5, 0.09];
-/// Speeds of the legs (m/s).
-const SPEEDS: [f64; 5] = [0.1, 0.03, 0.12, 0.05, 0.15];
-
-/// A drive along the wall, to and a part of the way fro, with a rest after each leg.
-fn drive(seed: usize) -> Sweep {
-    let corners = [
-        [0.104, 0.236, 128.0],
-        [0.166, 0.262, 128.0],
-        [0.211, 0.273, 128.0],
-        [0.256, 0.262, 126.0],
-        [0.296, 0.25, 124.0],
-        [0.35, 0.239, 124.0],
-    ];
-    let legs: Vec<[f64; 3]> = corners.into_iter().chain(corners.into_iter().rev().skip(1).take(3)).collect();
-    let mut path: Vec<StampedPose> = Vec::new();
-    for (index, leg) in legs.windows(2).enumerate() {
-        let ends = [leg[0], leg[1]].map(|[x, y, degrees]| Pose2::new(x, y, f64::to_radians(degrees)));
-        let pace = Pace { speed: SPEEDS[(index + seed) % SPEEDS.len()], turn_rate: 1.0, rate: RATE };
-        let start = path.last().map_or(0.0, |last| last.t + 1.0 / RATE);
-        path.extend(path_through(&ends, &pace).unwrap().iter().map(|pose| StampedPose { t: start + pose.t, ..*pose }));
-        let last = *path.last().unwrap();
-        path.extend((1..=90).map(|i| StampedPose { t: last.t + f64::from(i) / RATE, ..last }));
-    }
-    simulate_tip_sweep(&demo::arena().unwrap(), &Robot::default(), &path, &SweepNoise::seeded(seed as u64)).unwrap()
-}
 
 /// How far the delay in the middle of the readings is off, and its told standard deviation (s); none where it is refused. The
 /// odometry has each `nth` pose; `clock` is how long the sensor's second is, none where its lines have stamps.
 fn found(seed: usize, nth: usize, clock: Option<f64>) -> Option<(f64, f64)> {
-    let (sweep, delay) = (drive(seed), DELAYS[seed]);
+    let (sweep, delay) = (uneven(seed as u64, seed), DELAYS[seed]);
     let rows = &sweep.log.rows;
     let poses = rows.iter().filter(|row| row.t >= -delay).step_by(nth);
     let odometry: Vec<StampedPose> =

@@ -2,40 +2,18 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on must fail")]
 
+#[path = "data/uneven.rs"]
+mod uneven;
+
+use uneven::uneven;
 use vibrissa::flow::pose::StampedPose;
 use vibrissa::io::log::foreign::{Format, Recording};
 use vibrissa::plane::Pose2;
-use vibrissa::sim::{Pace, Sweep, SweepNoise, path_through, simulate_tip_sweep};
+use vibrissa::sim::Sweep;
 use vibrissa::tasks::demo;
 use vibrissa::tasks::join::{Delay, join};
 use vibrissa::world::Robot;
 use vibrissa::{Method, Status, localize};
-
-/// A sweep along the demo's wall that goes fast, slowly, and stands in between.
-fn uneven(seed: u64) -> Sweep {
-    let waypoints = [
-        [0.104, 0.236, 128.0],
-        [0.166, 0.262, 128.0],
-        [0.211, 0.273, 128.0],
-        [0.256, 0.262, 126.0],
-        [0.296, 0.25, 124.0],
-        [0.35, 0.239, 124.0],
-    ];
-    let there_and_back: Vec<[f64; 3]> =
-        waypoints.into_iter().chain(waypoints.into_iter().rev().skip(1).take(3)).collect();
-    let mut path: Vec<StampedPose> = Vec::new();
-    for (index, leg) in there_and_back.windows(2).enumerate() {
-        let ends = [leg[0], leg[1]].map(|[x, y, degrees]| Pose2::new(x, y, f64::to_radians(degrees)));
-        let speed = [0.1, 0.03, 0.12, 0.05, 0.15][index % 5];
-        let part = path_through(&ends, &Pace { speed, turn_rate: 1.0, rate: 300.0 }).unwrap();
-        let start = path.last().map_or(0.0, |last| last.t + 1.0 / 300.0);
-        path.extend(part.iter().map(|pose| StampedPose { t: start + pose.t, ..*pose }));
-        // A rest.
-        let last = *path.last().unwrap();
-        path.extend((1..=90).map(|i| StampedPose { t: last.t + f64::from(i) / 300.0, ..last }));
-    }
-    simulate_tip_sweep(&demo::arena().unwrap(), &Robot::default(), &path, &SweepNoise::seeded(seed)).unwrap()
-}
 
 /// The odometry at 50 Hz.
 fn odometry(sweep: &Sweep) -> Vec<StampedPose> {
@@ -49,7 +27,7 @@ fn odometry(sweep: &Sweep) -> Vec<StampedPose> {
 #[test]
 fn the_delay_of_stamped_readings_is_found_within_its_error() {
     for (seed, delay) in [(1, 0.8), (2, 0.0), (3, 0.137)] {
-        let sweep = uneven(seed);
+        let sweep = uneven(seed, 0);
         // The readings begin so much later than the odometry.
         let rows: Vec<_> = sweep.log.rows.iter().filter(|row| row.t >= delay).collect();
         let text: String = rows.iter().map(|row| format!("{},{}\n", row.t + 5000.0, row.readings[0])).collect();
@@ -72,7 +50,7 @@ fn the_delay_of_stamped_readings_is_found_within_its_error() {
 #[test]
 fn readings_that_begin_before_the_odometry_are_joined() {
     for (seed, before) in [(1, 1.0), (5, 2.5)] {
-        let sweep = uneven(seed);
+        let sweep = uneven(seed, 0);
         let moments: String =
             sweep.log.rows.iter().map(|row| format!("{},{}\n", row.t, -1e3 * row.readings[0])).collect();
         let readings =
@@ -91,7 +69,7 @@ fn readings_that_begin_before_the_odometry_are_joined() {
 
 #[test]
 fn flux_lines_without_time_find_delay_and_rate() {
-    let sweep = uneven(4);
+    let sweep = uneven(4, 0);
     // The sensor is one percent slower than it should be.
     let (true_rate, delay) = (297.0, 0.6);
     let mut text = String::from("Sensor ready\n");

@@ -57,7 +57,7 @@ impl<const LEAST: usize> DrawnReadings<LEAST> {
         frame: impl Fn(&DrawnReading) -> Option<Pose2>,
     ) -> Vec<ShapeRecord> {
         let mut drawing = self.drawing(whiskers);
-        while !drawing.advance(map, whiskers, &frame, &mut WorkBudget::unlimited()) {}
+        drawing.advance(map, whiskers, &frame, &mut WorkBudget::unlimited());
         drawing.shapes
     }
 

@@ -127,7 +127,7 @@ fn spacing(odometry: &[StampedPose]) -> f64 {
 }
 
 /// Standard deviations of delay and rate by the jackknife over parts of the recording: what the windows' model gets wrong differs
-/// from part to part [efron1982jackknife].
+/// from part to part \[efron1982jackknife\].
 fn jackknife(problem: &Problem, delay: f64, rate: f64, half: Option<f64>) -> (f64, f64) {
     let windows = &problem.windows;
     let found: Vec<(f64, f64)> = (0..PARTS)

@@ -50,7 +50,7 @@ impl PossibleSet {
         self.forget();
         self.agenda.push(Task::Record(RowReading { moments: moments.to_vec(), heading, late }));
         if self.has_first_tables() && self.kept_since_start() >= WORTH_NEXT {
-            self.agenda.push(Task::Tables(Box::new(FinerTables::new(NEXT_TABLE, NEXT_TABLES, true))));
+            self.begin_tables();
         }
     }
 

@@ -73,7 +73,7 @@ pub(super) fn boxes(cells: impl ExactSizeIterator<Item = Parallelotope>) -> Vec<
 pub(super) fn places(cells: impl Iterator<Item = Parallelotope>) -> Vec<EnclosedPlace> {
     let cells: Vec<Parallelotope> = cells.collect();
     let mut joining = Joining::new(&cells);
-    while !joining.advance(&mut WorkBudget::unlimited()) {}
+    joining.advance(&mut WorkBudget::unlimited());
     joining.places(&cells)
 }
 
@@ -257,53 +257,34 @@ impl CellGroup {
 
 /// Upper bounds of area (m²) and volume (m² rad); `sharp` takes longer and counts less beside the cells.
 pub(super) fn size(cells: impl Iterator<Item = Parallelotope>, sharp: bool) -> (f64, f64) {
-    let mut measurement = Measurement::new(cells, sharp);
-    while !measurement.count_some(&mut WorkBudget::unlimited()) {}
-    (measurement.area(), measurement.volume)
+    let cells: Vec<Parallelotope> = cells.collect();
+    let mut size = Size::new(&cells, sharp);
+    size.advance(&cells, &mut WorkBudget::unlimited());
+    size.told()
 }
 
-/// The size of the set and its places in the making.
+/// The size of a set in the making.
 #[derive(Clone, Debug)]
-pub(crate) struct Measurement {
-    /// The cells, at the newest row.
-    cells: Vec<Parallelotope>,
-    /// The sum of their projections' areas (m²), and of their volumes (m² rad).
+struct Size {
+    /// The sum of the projections' areas (m²), and of the cells' volumes (m² rad).
     shadows: f64,
     volume: f64,
     raster: Raster,
     counted: usize,
-    joining: Joining,
-    places: Option<Vec<EnclosedPlace>>,
 }
 
-impl Measurement {
-    pub(super) fn new(cells: impl Iterator<Item = Parallelotope>, sharp: bool) -> Self {
-        let cells: Vec<Parallelotope> = cells.collect();
+impl Size {
+    fn new(cells: &[Parallelotope], sharp: bool) -> Self {
         let add = |(shadows, volume): (f64, f64), cell: &Parallelotope| {
             (shadows + projected_area(cell), volume + cell.volume())
         };
         let (shadows, volume) = cells.iter().fold((0.0, 0.0), add);
-        let joining = Joining::new(&cells);
-        Self { raster: Raster::new(&cells, sharp), joining, cells, shadows, volume, counted: 0, places: None }
-    }
-
-    /// Goes on; whether all is measured.
-    pub(crate) fn advance(&mut self, budget: &mut WorkBudget) -> bool {
-        if self.places.is_none() {
-            while !self.joining.advance(budget) {
-                if budget.is_spent() {
-                    return false;
-                }
-            }
-            self.places = Some(self.joining.places(&self.cells));
-            budget.spend(PLACE_COST * self.cells.len());
-        }
-        self.count_some(budget)
+        Self { shadows, volume, raster: Raster::new(cells, sharp), counted: 0 }
     }
 
     /// Counts the squares of the next cells; whether no cell is left.
-    fn count_some(&mut self, budget: &mut WorkBudget) -> bool {
-        while let Some(cell) = self.cells.get(self.counted) {
+    fn advance(&mut self, cells: &[Parallelotope], budget: &mut WorkBudget) -> bool {
+        while let Some(cell) = cells.get(self.counted) {
             if budget.is_spent() {
                 return false;
             }
@@ -313,15 +294,44 @@ impl Measurement {
         true
     }
 
-    fn area(&self) -> f64 {
-        self.shadows.min(self.raster.area())
+    /// Upper bounds of area (m²) and volume (m² rad).
+    fn told(&self) -> (f64, f64) {
+        (self.shadows.min(self.raster.area()), self.volume)
+    }
+}
+
+/// The size of the set and its places in the making.
+#[derive(Clone, Debug)]
+pub(crate) struct Measurement {
+    /// The cells, at the newest row.
+    cells: Vec<Parallelotope>,
+    size: Size,
+    joining: Joining,
+    places: Option<Vec<EnclosedPlace>>,
+}
+
+impl Measurement {
+    pub(super) fn new(cells: impl Iterator<Item = Parallelotope>, sharp: bool) -> Self {
+        let cells: Vec<Parallelotope> = cells.collect();
+        Self { size: Size::new(&cells, sharp), joining: Joining::new(&cells), cells, places: None }
+    }
+
+    /// Goes on; whether all is measured.
+    pub(crate) fn advance(&mut self, budget: &mut WorkBudget) -> bool {
+        if self.places.is_none() {
+            if !self.joining.advance(budget) {
+                return false;
+            }
+            self.places = Some(self.joining.places(&self.cells));
+            budget.spend(PLACE_COST * self.cells.len());
+        }
+        self.size.advance(&self.cells, budget)
     }
 
     /// The places, the largest first, and upper bounds of area (m²) and volume (m² rad), once all is measured.
     pub(crate) fn told(mut self) -> (Vec<EnclosedPlace>, (f64, f64)) {
-        while !self.advance(&mut WorkBudget::unlimited()) {}
-        let size = (self.area(), self.volume);
-        (self.places.unwrap_or_default(), size)
+        self.advance(&mut WorkBudget::unlimited());
+        (self.places.unwrap_or_default(), self.size.told())
     }
 }
 
