@@ -27,6 +27,8 @@ let run = -1;
 let scheduled = false;
 let told = 0;
 let every = 0;
+/** Rows that were taken when an estimate was told last. */
+let toldAt = -1;
 /** The call that waits for the answer at the end. */
 let finishing: number | undefined;
 
@@ -52,34 +54,51 @@ function tell(taken: number, all: number, spent: number, telling: number, estima
   scope.postMessage({ op: "progress", run, taken, all, estimate, slice: spent, telling }, estimate ? [estimate.states.buffer] : []);
 }
 
+function refuse(id: number, error: unknown): void {
+  const words = error instanceof Error ? error.message : String(error);
+  scope.postMessage({ op: "refused", id, words, plain: error instanceof Refused });
+}
+
+function answer(id: number, call: () => unknown): void {
+  try {
+    const result = call();
+    scope.postMessage({ op: "answer", id, result }, arrays(result));
+  } catch (error) {
+    refuse(id, error);
+  }
+}
+
 function slice(engine: Engine): void {
   if (run < 0) return;
   const began = performance.now();
   try {
     let [taken, all, idle] = engine.step(0);
-    const before = taken;
     while ((taken < all || !idle) && performance.now() - began < SLICE) {
       [taken, all, idle] = engine.advance(UNITS);
-      if (idle && every > 0 && taken > before && taken % every === 0 && taken < all) tell(taken, all, 0, 0, engine.estimate(SNAPSHOT_STATES));
+      if (idle && every > 0 && taken !== toldAt && taken % every === 0 && taken < all) {
+        toldAt = taken;
+        tell(taken, all, 0, 0, engine.estimate(SNAPSHOT_STATES));
+      }
     }
     const spent = performance.now() - began;
     const over = idle && taken === all;
-    const due = idle && finishing === undefined && (taken > before || over) && (over || (every === 0 && began - told > TOLD));
+    const due = idle && finishing === undefined && taken !== toldAt && (over || (every === 0 && began - told > TOLD));
     const estimate = due ? engine.estimate(every > 0 ? SNAPSHOT_STATES : MOST_STATES) : undefined;
     const now = performance.now();
-    if (due) told = now;
+    if (due) [told, toldAt] = [now, taken];
     tell(idle ? taken : taken - 1, all, spent, now - began - spent, estimate);
     if (!over) return schedule();
     if (finishing !== undefined) {
       const id = finishing;
       finishing = undefined;
-      const result = engine.finish();
-      scope.postMessage({ op: "answer", id, result }, arrays(result));
+      answer(id, () => engine.finish());
     }
   } catch (error) {
     const words = error instanceof Error ? error.message : String(error);
     scope.postMessage({ op: "progress", run, taken: 0, all: 0, slice: 0, telling: 0, failed: words });
     run = -1;
+    if (finishing !== undefined) refuse(finishing, error);
+    finishing = undefined;
   }
 }
 
@@ -90,25 +109,29 @@ scope.onmessage = ({ data }: MessageEvent<Request>) => {
   }
   void engine.then((engine) => {
     if (data.op === "follow") {
+      if (finishing !== undefined) refuse(finishing, new Error("another run has begun"));
+      finishing = undefined;
       run = data.run;
       every = data.every;
       told = 0;
+      toldAt = -1;
       schedule();
       return;
     }
-    if (data.op === "call" && data.name === "finish") {
-      finishing = data.id;
-      engine.endRows();
-      return schedule();
+    if (data.name === "finish" && run >= 0) {
+      try {
+        engine.endRows();
+        finishing = data.id;
+        schedule();
+      } catch (error) {
+        refuse(data.id, error);
+      }
+      return;
     }
-    try {
+    answer(data.id, () => {
       const call = (engine as unknown as Record<string, (...args: unknown[]) => unknown>)[data.name];
-      const result = call.apply(engine, data.args);
-      scope.postMessage({ op: "answer", id: data.id, result }, arrays(result));
-      if (data.name === "addRows") schedule();
-    } catch (error) {
-      const words = error instanceof Error ? error.message : String(error);
-      scope.postMessage({ op: "refused", id: data.id, words, plain: error instanceof Refused });
-    }
+      return call.apply(engine, data.args);
+    });
+    if (data.name === "addRows") schedule();
   });
 };

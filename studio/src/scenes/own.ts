@@ -364,9 +364,8 @@ class OwnScene implements Running {
   private known(): Estimate | undefined {
     const one = this.now();
     if (!one) return undefined;
-    if (one.answer && this.row >= this.count()) {
-      return { ...one.answer, states: one.snapshots.at(-1)?.estimate.states ?? new Float64Array() };
-    }
+    // The states of the last row are those before the work of the end.
+    if (one.answer && this.row >= this.count()) return one.answer;
     let best: Estimate | undefined;
     for (const snapshot of one.snapshots) if (snapshot.row <= Math.max(1, this.row)) best = snapshot.estimate;
     return best;
