@@ -121,6 +121,26 @@ def labelled(whisker: vibrissa.Whisker, seed: int) -> dict[str, list[float]]:
     return {"x": x.tolist(), "y": y.tolist(), "bx": flux[:, 0].tolist(), "by": flux[:, 1].tolist(), "moment": moment.tolist()}
 
 
+def test_contacts_all_around_calibrate_both_axes() -> None:
+    rng = np.random.default_rng(4)
+    angle, x, r = rng.uniform(-np.pi, np.pi, 200), rng.uniform(0.05, 0.07, 200), rng.uniform(1e-4, 2e-3, 200)
+    size = np.array([vibrissa.point_mode(a, b).moment[0] for a, b in zip(x, r, strict=True)])
+    both = np.column_stack([size * np.cos(angle), size * np.sin(angle)])
+    flux = 1e-4 + both @ np.array([[0.1, -0.02], [0.03, 0.12]]).T
+    columns = {"x": x, "y": r * np.cos(angle), "z": r * np.sin(angle), "bx": flux[:, 0], "by": flux[:, 1]}
+    found = vibrissa.calibrate(columns).calibration
+    assert found.inputs == ["bx", "by"] and found.moment_bounds is not None
+    moments = found.moments(flux)
+    assert moments.shape == (200, 2) and np.abs(moments - both).max() < 1e-6
+    assert np.array_equal(found.moment(flux), moments[:, 0])
+    with pytest.raises(vibrissa.DataError, match="beyond the calibrated range"):
+        found.moments([[1.0, 1.0]])
+    flat = vibrissa.calibrate({"x": x, "y": r, "bx": 0.1 * size}).calibration
+    assert flat.moment_bounds is None
+    with pytest.raises(vibrissa.DataError, match="column z"):
+        flat.moments([[0.0]])
+
+
 def test_calibrations_are_those_of_the_command_and_find_the_truth(tmp_path: Path) -> None:
     stiff = vibrissa.Whisker(flexural_rigidity=3.3e-4, base_stiffness=0.08)
     columns = labelled(stiff, 1)

@@ -335,8 +335,14 @@ class Calibration:
     @property
     def moment_bound(self) -> float | None:
         """Bound on the error of a moment (N m), where moments are calibrated."""
+    @property
+    def moment_bounds(self) -> tuple[float, float] | None:
+        """Bounds on the errors of both moments (N m), where both transverse axes are calibrated."""
     def moment(self, readings: npt.ArrayLike) -> Floats:
         """Moments (N m), shape (n), of readings of shape (n, inputs)."""
+    def moments(self, readings: npt.ArrayLike) -> Floats:
+        """Moments about both transverse axes (N m), shape (n, 2), of readings of shape (n, inputs): in the whisker's plane,
+        positive for a push towards +y, and across it, positive for a push towards +z."""
     def distance(self, slopes: npt.ArrayLike) -> tuple[Floats, Floats]:
         """Distances (m) and their standard deviations (m), shape (n), for slopes of shape (n) (readings per s of a tap, per
         m of travel); NaN where no distance fits."""
