@@ -121,6 +121,25 @@ def labelled(whisker: vibrissa.Whisker, seed: int) -> dict[str, list[float]]:
     return {"x": x.tolist(), "y": y.tolist(), "bx": flux[:, 0].tolist(), "by": flux[:, 1].tolist(), "moment": moment.tolist()}
 
 
+def test_contacts_in_space_are_those_of_the_command(tmp_path: Path) -> None:
+    point, rows = np.array([0.05, 0.004, -0.003]), []
+    for k in range(30):
+        at = point + [0.0, 3e-4 * k, 0.0]
+        r = float(np.hypot(at[1], at[2]))
+        size = vibrissa.point_mode(at[0], r).moment[0]
+        rows.append((0.1 * k, 0.0, -3e-4 * k, 0.0, size * at[1] / r, size * at[2] / r))
+    text = "t,x,y,theta,moment,across\n" + "".join(",".join(map(repr, map(float, row))) + "\n" for row in rows)
+    (tmp_path / "log.csv").write_text(text)
+    assert vibrissa.run(["contact", tmp_path / "log.csv", "--space", "--out", tmp_path]) == 0
+    with pytest.warns(vibrissa.DataWarning, match="across"):
+        found = vibrissa.contact_in_space(tmp_path / "log.csv")
+    assert len((tmp_path / "space.csv").read_text().splitlines()) == len(found.t) + 1 == 31
+    assert set(found.kind) == {"side"} and np.abs(found.position - point).max() < 1e-5
+    assert (found.x_bounds[:, 0] < found.x).all() and (found.angle < found.angle_bounds[:, 1]).all()
+    assert [event.kind for event in found.events][:2] == ["contact", "side_contact"]
+    assert len(found.to_pandas()) == 30
+
+
 def test_contacts_all_around_calibrate_both_axes() -> None:
     rng = np.random.default_rng(4)
     angle, x, r = rng.uniform(-np.pi, np.pi, 200), rng.uniform(0.05, 0.07, 200), rng.uniform(1e-4, 2e-3, 200)
