@@ -11,7 +11,7 @@ const SCAD: &str = include_str!("../../../hardware/sensor.scad");
 const PAGE: &str = include_str!("../../../docs/build-a-sensor.md");
 const PARTS: &str = include_str!("../../../hardware/bill-of-materials.csv");
 
-/// The plain numbers of the OpenSCAD source (mm).
+/// The plain numbers of the `OpenSCAD` source (mm).
 fn parameters() -> BTreeMap<&'static str, f64> {
     let one = |line: &'static str| {
         let (name, rest) = line.split_once(" = ")?;

@@ -1,6 +1,7 @@
 //! From raw readings to the moments about both transverse axes of a whisker.
 
 use super::curve::OVERREACH;
+use crate::math;
 use crate::sensing::{SURFACE_TERMS, excursion, surface};
 use crate::{Error, Result};
 
@@ -55,7 +56,7 @@ impl MomentPlane {
     pub fn moments(&self, readings: &[f64]) -> Result<[f64; 2]> {
         let signals = self.signals(readings);
         let most = 1.0 + 2.0 * OVERREACH;
-        let size = signals[0].hypot(signals[1]);
+        let size = math::hypot(signals[0], signals[1]);
         if signals.iter().all(|z| z.abs() <= most) && size <= most * self.reach {
             return Ok(self.at(signals));
         }

@@ -5,6 +5,7 @@ use crate::beam::{Bend, Load, Rod, Whisker, deflection_per_force};
 use crate::io::log::foreign::Recording;
 use crate::plane::Vec2;
 use crate::{Error, Result};
+use vibrissa_core::math;
 
 /// Readings with known contact points.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,7 +42,7 @@ impl Explained {
     /// The size of both moments (N m).
     #[must_use]
     pub fn size(&self) -> f64 {
-        self.moment.hypot(self.across)
+        math::hypot(self.moment, self.across)
     }
 }
 
@@ -61,7 +62,7 @@ impl Labelled {
         let (x, y) = (recording.require("x")?, recording.require("y")?);
         let z = recording.column("z").filter(|z| z.iter().any(|z| *z != 0.0));
         let contact = |row: usize| match z {
-            Some(z) => Vec2::new(x[row], y[row].hypot(z[row])),
+            Some(z) => Vec2::new(x[row], math::hypot(y[row], z[row])),
             None => Vec2::new(x[row], y[row]),
         };
         let raw = [["bx", "by", "bz"], ["ax", "ay", "az"]];
@@ -84,7 +85,7 @@ impl Labelled {
         Ok(Self {
             source: recording.source.clone(),
             contacts: (0..x.len()).map(contact).collect(),
-            angles: z.map_or_else(Vec::new, |z| y.iter().zip(z).map(|(y, z)| z.atan2(*y)).collect()),
+            angles: z.map_or_else(Vec::new, |z| y.iter().zip(z).map(|(y, z)| math::atan2(*z, *y)).collect()),
             inputs: names.iter().map(|&name| name.to_owned()).collect(),
             readings: (0..x.len()).map(|row| columns.iter().map(|column| column[row]).collect()).collect(),
             moments,
@@ -105,7 +106,7 @@ impl Labelled {
                 explained.push(Explained { row, moment: 0.0, across: 0.0, retreat: 0.0 });
             } else if let Some(bend) = bend_to(&rod, whisker, contact)? {
                 let retreat = -bend.tip_displacement(whisker.length).x;
-                let (across, along) = self.angles.get(row).map_or((0.0, 1.0), |angle| angle.sin_cos());
+                let (across, along) = self.angles.get(row).map_or((0.0, 1.0), |angle| math::sin_cos(*angle));
                 explained.push(Explained { row, moment: bend.moment * along, across: bend.moment * across, retreat });
             }
         }

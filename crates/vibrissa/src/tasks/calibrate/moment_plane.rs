@@ -8,6 +8,7 @@ use crate::sensing::{SURFACE_TERMS, excursion, surface_terms};
 use crate::world::calibration::MomentPlane;
 use crate::{Error, Result};
 use core::f64::consts::TAU;
+use vibrissa_core::math;
 
 /// How many products of two signals there are up to each degree.
 const TERMS: [usize; 3] = [3, 6, SURFACE_TERMS];
@@ -28,7 +29,7 @@ struct Pair {
 
 impl Pair {
     fn size(&self) -> f64 {
-        self.moments[0].hypot(self.moments[1])
+        math::hypot(self.moments[0], self.moments[1])
     }
 }
 
@@ -83,11 +84,11 @@ pub fn fit_moment_plane(labelled: &Labelled, explained: &[Explained], options: &
         moments: [e.moment, e.across],
     };
     let pairs: Vec<Pair> = explained.iter().zip(&raw).map(pair).collect();
-    let reach = pairs.iter().map(|p| p.signals[0].hypot(p.signals[1])).fold(0.0, f64::max);
+    let reach = pairs.iter().map(|p| math::hypot(p.signals[0], p.signals[1])).fold(0.0, f64::max);
     let sizes: Vec<f64> = pairs.iter().map(Pair::size).collect();
     let fit = |scatter: &Scatter| chosen(&pairs, reach, scatter);
     // The first fit tells how readings scatter, the second one heeds it.
-    let one_of_two = |errors: &[f64; 2]| errors[0].hypot(errors[1]) * core::f64::consts::FRAC_1_SQRT_2;
+    let one_of_two = |errors: &[f64; 2]| math::hypot(errors[0], errors[1]) * core::f64::consts::FRAC_1_SQRT_2;
     let first = fit(&Scatter::EVEN).map(|(surfaces, _)| residuals(&pairs, &surfaces));
     let scatter = first
         .map_or(Scatter::EVEN, |residuals| Scatter::of(&sizes, &residuals.iter().map(one_of_two).collect::<Vec<_>>()));
@@ -118,7 +119,7 @@ pub fn fit_moment_plane(labelled: &Labelled, explained: &[Explained], options: &
 fn widest_gap(explained: &[Explained]) -> f64 {
     let strongest = explained.iter().map(Explained::size).fold(0.0, f64::max);
     let strong = explained.iter().filter(|e| e.size() >= STRONG * strongest && e.size() > 0.0);
-    let mut angles: Vec<f64> = strong.map(|e| e.across.atan2(e.moment)).collect();
+    let mut angles: Vec<f64> = strong.map(|e| math::atan2(e.across, e.moment)).collect();
     angles.sort_by(f64::total_cmp);
     let (Some(first), Some(last)) = (angles.first(), angles.last()) else { return TAU };
     let around = first + TAU - last;
@@ -199,7 +200,7 @@ fn left_out(pairs: &[Pair], scatter: &Scatter, terms: usize) -> Option<Vec<[f64;
 fn folds(surfaces: &Surfaces, reach: f64) -> bool {
     let steps = 24;
     let at = |k: i32| reach * f64::from(k) / f64::from(steps);
-    let inside = |u: f64, v: f64| u.hypot(v) <= reach && u.abs() <= 1.0 && v.abs() <= 1.0;
+    let inside = |u: f64, v: f64| math::hypot(u, v) <= reach && u.abs() <= 1.0 && v.abs() <= 1.0;
     let turned = |u: f64, v: f64| {
         let slope = |c: &[f64; SURFACE_TERMS]| {
             let by_u = c[1] + 2.0 * c[3] * u + c[4] * v + 3.0 * c[6] * u * u + 2.0 * c[7] * u * v + c[8] * v * v;

@@ -6,6 +6,7 @@ mod still;
 use crate::beam::{BendingPlane, Load, SpatialContact, Whisker, moment_mode_in_space};
 use crate::plane::Pose2;
 use core::f64::consts::PI;
+use vibrissa_core::math;
 
 pub use report::{SpaceReport, SpaceStep, contact_in_space};
 
@@ -47,7 +48,7 @@ impl SpacePoint {
     /// The contact in the whisker frame (m): x along the undeflected whisker, y left, z up.
     #[must_use]
     pub fn position(&self) -> [f64; 3] {
-        let (sin, cos) = self.angle.value.sin_cos();
+        let (sin, cos) = math::sin_cos(self.angle.value);
         [self.x.value, self.r.value * cos, self.r.value * sin]
     }
 }

@@ -86,6 +86,7 @@ pub fn contact_in_space(
     options.check()?;
     let (log, robot) = calibrated(log, robot)?;
     one_owner_each(&robot, &log.channels)?;
+    robot.require_level("the search for contacts, whose angles count from the map's plane,")?;
     let mut report = SpaceReport::default();
     let mut all = Vec::new();
     for (index, whisker) in robot.whiskers.iter().enumerate() {

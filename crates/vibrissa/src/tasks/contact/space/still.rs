@@ -5,6 +5,7 @@ use crate::beam::{BendingPlane, Load, Whisker, moment_mode_in_space, point_mode}
 use crate::least_squares::{Scale, covariance, minimise};
 use crate::plane::{Pose2, Vec2};
 use core::f64::consts::{FRAC_PI_2, PI};
+use vibrissa_core::math;
 
 /// Least travel of the base over which a point has to explain the readings (m); a turn counts at the tip.
 const LEAST_TRAVEL: f64 = 6e-3;
@@ -36,8 +37,8 @@ impl Still {
     /// The point in the frame of a whisker, with bands.
     pub(super) fn seen_from(&self, base: Pose2) -> SpacePoint {
         let [x, y, z] = seen(base, self.point);
-        let (r, angle) = (y.hypot(z), z.atan2(y));
-        let (sin, cos) = base.theta.sin_cos();
+        let (r, angle) = (math::hypot(y, z), math::atan2(z, y));
+        let (sin, cos) = math::sin_cos(base.theta);
         let mut bands = [0.0_f64; 3];
         for [dx, dy, dz] in &self.moved {
             let (along, left) = (cos * dx + sin * dy, cos * dy - sin * dx);
@@ -61,7 +62,7 @@ fn seen(base: Pose2, [x, y, z]: [f64; 3]) -> [f64; 3] {
 
 /// The moments (N m) of a whisker whose side is pushed to a point in its frame (m); none where it does not get there.
 fn moments(whisker: &Whisker, [x, y, z]: [f64; 3]) -> Option<[f64; 2]> {
-    let r = y.hypot(z);
+    let r = math::hypot(y, z);
     let contact = Vec2::new(x, r);
     if r <= 0.0 {
         return Some([0.0; 2]);
@@ -162,7 +163,7 @@ fn fit(whisker: &Whisker, readings: &[Reading], errors: impl Fn([f64; 2]) -> [f6
 
 /// The arc length at which the whisker touches a point in its frame (m).
 pub(super) fn arc_length(whisker: &Whisker, [x, y, z]: [f64; 3]) -> Option<f64> {
-    let bends = point_mode(whisker, Vec2::new(x, y.hypot(z)), Load::Normal).ok()?;
+    let bends = point_mode(whisker, Vec2::new(x, math::hypot(y, z)), Load::Normal).ok()?;
     bends.iter().find(|bend| bend.force > 0.0).map(|bend| bend.s_a)
 }
 
