@@ -21,6 +21,7 @@ __all__ = [
     "calibrate_taps",
     "find_taps",
     "contact",
+    "contact_in_space",
     "profile",
     "temporal_filter",
     "quantity",
