@@ -95,6 +95,38 @@ fn labelled_contacts_give_a_file_that_localize_could_read() {
 }
 
 #[test]
+fn contacts_in_space_calibrate_both_axes_of_the_chip() {
+    let dir = folder("calibrate-plane");
+    let mut log = String::from("x,y,z,ax,ay\n");
+    for i in 0..96 {
+        // Small deflections in sixteen directions; each moment moves both counts.
+        let (x, r) = (0.06, 0.0006 * f64::from(1 + i / 16));
+        let (sin, cos) = (f64::from(i % 16) * core::f64::consts::TAU / 16.0).sin_cos();
+        let moment = 3.0 * 2.8886e-4 * r / (x * x);
+        let counts = [100.0 + 1e6 * moment * cos - 3e5 * moment * sin, 2e5 * moment * cos + 9e5 * moment * sin];
+        let _ = writeln!(log, "{x},{},{},{},{}", r * cos, r * sin, counts[0], counts[1]);
+    }
+    fs::write(dir.join("log.csv"), log).unwrap();
+    let (log, out) = (text(&dir.join("log.csv")), text(&dir.join("out")));
+    let outcome = vibrissa(&["calibrate", &log, "--out", &out]);
+    assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
+    let words = &outcome.stdout;
+    assert!(words.contains("both transverse axes from ax,ay") && words.contains("in the plane x-y"), "{words}");
+    let json: serde_json::Value = serde_json::from_str(&fs::read_to_string(dir.join("out/cal.json")).unwrap()).unwrap();
+    assert!(json["moment"].is_null(), "{json}");
+    assert!((json["plane"]["rest"][0].as_f64().unwrap() - 100.0).abs() < 5.0, "{json}");
+    // The inverse of the cross-talk.
+    let determinant = 1e6 * 9e5 + 3e5 * 2e5;
+    for (k, expected) in [[9e5, 3e5], [-2e5, 1e6]].iter().enumerate() {
+        for (j, expected) in expected.iter().enumerate() {
+            let found = json["plane"]["directions"][k][j].as_f64().unwrap();
+            assert!((found * determinant / 1e6 - expected / 1e6).abs() < 2e-2, "{found} {expected}");
+        }
+    }
+    assert!(fs::read_to_string(dir.join("out/calibration.svg")).unwrap().contains("across it"));
+}
+
+#[test]
 fn faulty_calls_and_data_say_what_to_do() {
     let dir = folder("calibrate-faults");
     let (flat, plain) = (dir.join("flat.csv"), dir.join("plain.csv"));

@@ -55,6 +55,60 @@ fn a_peg_is_found_and_written() {
     assert!(json["side"].as_u64().unwrap() > 40 && json["events"][0]["kind"] == "contact", "{}", ran.stdout);
 }
 
+/// A base that moves past a point at (50, 3, -2) mm, then a tip that slides around.
+fn space_log() -> String {
+    let mut text = String::from("t,x,y,theta,moment,across\n");
+    for i in 0..90 {
+        let y = -1e-4 * f64::from(i);
+        let (left, up) = (3e-3 - y, -2e-3);
+        let r = left.hypot(up);
+        let moment = point_mode(&Whisker::default(), Vec2::new(0.05, r), Load::Normal).unwrap()[0].moment;
+        writeln!(text, "{},0,{y},0,{},{}", f64::from(i) / 100.0, moment * left / r, moment * up / r).unwrap();
+    }
+    for i in 0..90 {
+        let t = f64::from(i);
+        let moments = if i < 9 { [0.0; 2] } else { [5e-3 * (0.02 * t).cos(), 5e-3 * (0.02 * t).sin()] };
+        writeln!(text, "{},{},0,0,{},{}", 1.0 + t / 100.0, 1e-4 * t, moments[0], moments[1]).unwrap();
+    }
+    text
+}
+
+#[test]
+fn contacts_in_space_are_found_written_and_warned_of() {
+    let folder = folder("contact_space");
+    let log = put(&folder, "log.csv", &space_log());
+    let out = folder.join("out");
+    let ran = vibrissa(&["contact", &log, "--space", "--out", out.to_str().unwrap()]);
+    assert_eq!(ran.code, Some(0), "{ran:?}");
+    assert!(ran.stdout.contains("(50.0") && ran.stdout.contains("slides_around"), "{}", ran.stdout);
+    assert!(ran.stderr.contains("out of the plane") && ran.stderr.contains("goes around"), "{}", ran.stderr);
+    let table = std::fs::read_to_string(out.join("space.csv")).unwrap();
+    let header: Vec<&str> = table.lines().next().unwrap().split(',').collect();
+    let mut sides = 0;
+    for line in table.lines().skip(1) {
+        let cells: Vec<&str> = line.split(',').collect();
+        assert_eq!(cells.len(), header.len());
+        let number = |name: &str| cells[header.iter().position(|h| *h == name).unwrap()].parse::<f64>().unwrap();
+        for name in ["x", "r", "angle"] {
+            let [lo, value, hi] = [format!("{name}_min"), name.to_owned(), format!("{name}_max")].map(|n| number(&n));
+            assert!(lo <= value && value <= hi, "{line}");
+        }
+        if cells[2] == "side" {
+            sides += 1;
+            assert!((number("x_odom") - 0.05).abs() < 1e-5 && (number("z") + 0.002).abs() < 1e-5, "{line}");
+        }
+    }
+    assert!(sides > 40, "{sides}");
+    let json: serde_json::Value =
+        serde_json::from_str(&vibrissa(&["contact", &log, "--space", "--json"]).stdout).unwrap();
+    assert_eq!(json["side"].as_u64(), Some(sides));
+    assert!(json["contacts"][0]["angle"].as_f64().unwrap() < 0.0);
+    let planar = put(&folder, "planar.csv", &peg_log());
+    let refused = vibrissa(&["contact", &planar, "--space"]);
+    assert_eq!(refused.code, Some(1));
+    assert!(refused.stderr.contains("across") && refused.stderr.contains("planar.csv"), "{}", refused.stderr);
+}
+
 #[test]
 fn an_outline_is_written_and_compared() {
     let folder = folder("profile_demo");

@@ -198,6 +198,34 @@ fn sweeps_with_one_whisker_and_with_two() {
 }
 
 #[test]
+fn sensors_and_contacts_in_space() {
+    let out = folder("sensor");
+    run(&["sensor", "design", "--distance", "5 mm"], &out);
+    check(&out);
+    let mut log = String::from("t,x,y,theta,moment,across\n");
+    let mut contacts = String::from("x,y,z,bx,by\n");
+    for i in 0..120 {
+        let (sin, cos) = (0.05 * f64::from(i)).sin_cos();
+        log.push_str(&format!("{},{},0,0,{},{}\n", 0.01 * f64::from(i), 1e-4 * f64::from(i), 5e-3 * cos, 5e-3 * sin));
+        let r = 1e-3 * f64::from(1 + i % 7);
+        contacts.push_str(&format!(
+            "0.06,{},{},{},{}\n",
+            r * cos,
+            r * sin,
+            r * (cos - 0.2 * sin),
+            r * (0.1 * cos + sin)
+        ));
+    }
+    for (name, command, text) in [("space", &["contact", "--space"][..], log), ("plane", &["calibrate"], contacts)] {
+        let out = folder(name);
+        let file = out.join("in.csv");
+        fs::write(&file, text).unwrap();
+        run(&[command, &[file.to_str().unwrap()]].concat(), &out);
+        check(&out);
+    }
+}
+
+#[test]
 fn the_demo() {
     let out = folder("demo");
     run(&["demo"], &out);

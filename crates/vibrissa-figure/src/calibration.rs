@@ -34,9 +34,14 @@ const GAP: f64 = 62.0;
 /// The figure of a calibration with these plots, one below the other; `notes` stand under the title.
 #[must_use]
 pub fn calibration_figure(title: &str, notes: &str, plots: &[Plot]) -> String {
+    plots_figure(title, notes, "Measured points, the curve fitted to them, and what is left over.", plots)
+}
+
+/// A figure of plots, one below the other; `notes` stand under the title, `description` is for those who do not see it.
+#[must_use]
+pub fn plots_figure(title: &str, notes: &str, description: &str, plots: &[Plot]) -> String {
     let height_of = |index: usize| HEIGHTS[index.min(1)];
     let height = TOP + (0..plots.len()).map(|index| height_of(index) + GAP).sum::<f64>();
-    let description = "Measured points, the curve fitted to them, and what is left over.";
     let mut document = Document::new(WIDTH, height, title, description);
     document.text(LEFT, 32.0, "title", title);
     document.text(LEFT, 56.0, "caption", notes);

@@ -17,7 +17,7 @@ pub mod simulation;
 mod states;
 mod style;
 
-pub use calibration::{Plot, calibration_figure};
+pub use calibration::{Plot, calibration_figure, plots_figure};
 pub use canvas::{Canvas, Frame, WorldBounds};
 pub use contacts::{ContactFigure, contact_figure, contact_legend, contact_panel};
 pub use document::{Document, escape};

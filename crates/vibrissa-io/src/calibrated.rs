@@ -2,18 +2,50 @@
 
 use crate::calibration;
 use crate::flow::sensor_log::{Channel, LogRow, Quantity, SensorLog};
-use crate::world::calibration::MomentCurve;
+use crate::world::calibration::{MomentCurve, MomentPlane};
 use crate::world::{MountedWhisker, Robot};
 use crate::{Error, Result};
 use std::borrow::Cow;
 
-/// One whisker's raw channels, and the curve that they go through.
+/// One whisker's raw channels, and what they go through.
 #[derive(Clone, Debug)]
 struct Converted {
     whisker: usize,
     name: String,
     channels: Vec<usize>,
-    curve: MomentCurve,
+    response: Response,
+}
+
+/// From raw readings to a moment, or to the moments about both transverse axes.
+#[derive(Clone, Debug)]
+enum Response {
+    Curve(MomentCurve),
+    Plane(MomentPlane),
+}
+
+impl Response {
+    fn inputs(&self) -> &[String] {
+        match self {
+            Self::Curve(curve) => &curve.inputs,
+            Self::Plane(plane) => &plane.inputs,
+        }
+    }
+
+    /// What it gives, in order.
+    fn quantities(&self) -> &'static [Quantity] {
+        match self {
+            Self::Curve(_) => &[Quantity::Moment],
+            Self::Plane(_) => &[Quantity::Moment, Quantity::Across],
+        }
+    }
+
+    /// The bound on the error of each moment (N m).
+    fn bound(&self) -> f64 {
+        match self {
+            Self::Curve(curve) => curve.bound,
+            Self::Plane(plane) => plane.bound[0].max(plane.bound[1]),
+        }
+    }
 }
 
 /// Raw readings to moments, row by row.
@@ -45,16 +77,18 @@ impl Calibrator {
     pub fn robot(&self, robot: &Robot) -> Robot {
         let mut robot = robot.clone();
         for one in &self.converted {
-            robot.whiskers[one.whisker].noise.moment_absolute += one.curve.bound;
+            robot.whiskers[one.whisker].noise.moment_absolute += one.response.bound();
         }
         robot
     }
 
-    /// The channels with a moment for each whisker that is calibrated, at the end.
+    /// The channels with a moment for each whisker that is calibrated, at the end; with both moments where both axes are.
     #[must_use]
     pub fn channels(&self, channels: &[Channel]) -> Vec<Channel> {
-        let moment = |one: &Converted| Channel { whisker: one.name.clone(), quantity: Quantity::Moment };
-        channels.iter().cloned().chain(self.converted.iter().map(moment)).collect()
+        let moments = self.converted.iter().flat_map(|one| {
+            one.response.quantities().iter().map(|&quantity| Channel { whisker: one.name.clone(), quantity })
+        });
+        channels.iter().cloned().chain(moments).collect()
     }
 
     /// Adds the moments to a row.
@@ -65,8 +99,10 @@ impl Calibrator {
     pub fn row(&self, row: &mut LogRow) -> Result<()> {
         for one in &self.converted {
             let raw: Vec<f64> = one.channels.iter().map(|&channel| row.readings[channel]).collect();
-            let moment = one.curve.moment(&raw)?;
-            row.readings.push(moment);
+            match &one.response {
+                Response::Curve(curve) => row.readings.push(curve.moment(&raw)?),
+                Response::Plane(plane) => row.readings.extend(plane.moments(&raw)?),
+            }
         }
         Ok(())
     }
@@ -96,16 +132,18 @@ pub fn calibrated<'a>(log: &'a SensorLog, robot: &'a Robot) -> Result<(Cow<'a, S
 
 fn convert(log: &SensorLog, whisker: &MountedWhisker, index: usize) -> Result<Option<Converted>> {
     let Some(path) = &whisker.calibration else { return Ok(None) };
-    let curve = calibration::read(path)?.moment.ok_or_else(|| {
+    let calibration = calibration::read(path)?;
+    let both = calibration.plane.map(Response::Plane);
+    let response = both.or(calibration.moment.map(Response::Curve)).ok_or_else(|| {
         Error::data("the calibration does not turn readings into moments")
             .in_file(path)
             .remedy("make one with `vibrissa calibrate LOG.csv --out DIR` from labelled contacts")
     })?;
     let channels: Vec<usize> =
-        curve.inputs.iter().map(|word| raw_channel(log, &whisker.name, word)).collect::<Result<_>>()?;
+        response.inputs().iter().map(|word| raw_channel(log, &whisker.name, word)).collect::<Result<_>>()?;
     // A log that names its columns names the moment too.
     let name = channels.first().map(|&channel| log.channels[channel].whisker.clone()).unwrap_or_default();
-    Ok(Some(Converted { whisker: index, name, channels, curve }))
+    Ok(Some(Converted { whisker: index, name, channels, response }))
 }
 
 /// The channel of this quantity that belongs to the whisker; an unnamed one belongs to any.

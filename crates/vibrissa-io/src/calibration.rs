@@ -3,7 +3,7 @@
 use crate::config::budgets::CALIBRATION_BYTES;
 use crate::text::read_text;
 use crate::world::calibration::{
-    Calibration, DistanceModel, MomentCurve, Motion, Source, TipDeflection, VERSION, WhiskerConstants,
+    Calibration, DistanceModel, MomentCurve, MomentPlane, Motion, Source, TipDeflection, VERSION, WhiskerConstants,
 };
 use crate::{Error, Result};
 use serde_json::{Value, json};
@@ -36,6 +36,9 @@ pub fn to_json(calibration: &Calibration) -> Value {
     object["data"] = calibration.data.iter().map(source_json).collect();
     if let Some(curve) = &calibration.moment {
         object["moment"] = moment_json(curve);
+    }
+    if let Some(plane) = &calibration.plane {
+        object["plane"] = plane_json(plane);
     }
     if let Some(tip) = &calibration.tip_deflection {
         object["tip_deflection"] = json!({
@@ -84,6 +87,14 @@ fn moment_json(curve: &MomentCurve) -> Value {
     })
 }
 
+fn plane_json(plane: &MomentPlane) -> Value {
+    json!({
+        "inputs": plane.inputs, "rest": plane.rest, "directions": plane.directions, "ranges": plane.ranges,
+        "reach": plane.reach, "coefficients": plane.coefficients, "residual_rms": plane.residual_rms,
+        "hysteresis": plane.hysteresis, "bound": plane.bound, "samples": plane.samples,
+    })
+}
+
 fn parse(text: &str) -> Result<Calibration> {
     let root: Value =
         serde_json::from_str(text).map_err(|e| Error::data("not valid JSON").at_line(e.line().max(1)).value(&e))?;
@@ -100,6 +111,7 @@ fn parse(text: &str) -> Result<Calibration> {
     let calibration = Calibration {
         data: data.iter().map(source).collect::<Result<_>>()?,
         moment: section("moment").map(moment).transpose()?,
+        plane: section("plane").map(plane).transpose()?,
         tip_deflection: section("tip_deflection").map(tip_deflection).transpose()?,
         whisker: section("whisker").map(whisker).transpose()?,
         channel: section("distance").map_or(Ok(String::new()), |s| s.text("channel").map(str::to_owned))?,
@@ -149,6 +161,12 @@ impl<'a> Section<'a> {
         self.get(key, "two numbers", |v| numbers(v)?.try_into().ok())
     }
 
+    /// Two lists of numbers, each as long as its type says.
+    fn pair_of<T: TryFrom<Vec<f64>>>(&self, key: &str, what: &str) -> Result<[T; 2]> {
+        let one = |value: &Value| numbers(value)?.try_into().ok();
+        self.get(key, what, |v| v.as_array()?.iter().map(one).collect::<Option<Vec<T>>>()?.try_into().ok())
+    }
+
     fn texts(&self, key: &str) -> Result<Vec<String>> {
         self.get(key, "a list of texts", |v| v.as_array()?.iter().map(|v| v.as_str().map(str::to_owned)).collect())
     }
@@ -190,6 +208,23 @@ fn moment(section: Section<'_>) -> Result<MomentCurve> {
         return Err(Error::data("moment: the range's half width must be above 0 and the bound not negative"));
     }
     Ok(curve)
+}
+
+fn plane(section: Section<'_>) -> Result<MomentPlane> {
+    let plane = MomentPlane {
+        inputs: section.texts("inputs")?,
+        rest: section.numbers("rest")?,
+        directions: section.pair_of("directions", "two lists of numbers")?,
+        ranges: section.pair_of("ranges", "two pairs of numbers")?,
+        reach: section.number("reach")?,
+        coefficients: section.pair_of("coefficients", "two lists of 10 numbers")?,
+        residual_rms: section.pair("residual_rms")?,
+        hysteresis: section.number("hysteresis")?,
+        bound: section.pair("bound")?,
+        samples: section.count("samples")?,
+    };
+    plane.check().map_err(|e| e.about("plane"))?;
+    Ok(plane)
 }
 
 fn tip_deflection(section: Section<'_>) -> Result<TipDeflection> {

@@ -2,6 +2,7 @@
 
 mod beam;
 mod errors;
+mod lean;
 mod toml_reader;
 mod toml_writer;
 

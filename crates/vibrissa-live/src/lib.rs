@@ -17,6 +17,7 @@ pub mod config;
 pub mod counts;
 pub mod decode;
 pub mod estimate;
+pub mod head;
 pub mod join;
 pub mod journal;
 pub mod latency;

@@ -126,7 +126,7 @@ fn reading(channel: &Channel, value: f64, whisker: &MountedWhisker, expected: Op
 
 fn noise_of(quantity: Quantity, whisker: &MountedWhisker) -> Option<ReadingNoise> {
     match quantity {
-        Quantity::Moment => Some(whisker.noise.into()),
+        Quantity::Moment | Quantity::Across => Some(whisker.noise.into()),
         Quantity::Force => Some(whisker.force_noise),
         Quantity::Slope => Some(whisker.slope_noise),
         _ => None,
@@ -136,7 +136,7 @@ fn noise_of(quantity: Quantity, whisker: &MountedWhisker) -> Option<ReadingNoise
 /// The unit of what is told; none of flux and counts, of which moments were made.
 fn unit(quantity: Quantity) -> Option<&'static str> {
     match quantity {
-        Quantity::Moment => Some("N m"),
+        Quantity::Moment | Quantity::Across => Some("N m"),
         Quantity::Force => Some("N"),
         Quantity::Slope => Some("rad"),
         Quantity::StripLo | Quantity::StripHi => Some("m"),

@@ -164,6 +164,7 @@ impl Setup {
     ///
     /// The first such reading, with the line of its source.
     pub fn fits(&self, robot: &Robot) -> Result<()> {
+        robot.require_level("a live run")?;
         for source in &self.sources {
             source.fits(&source.decoder()?, robot, &self.name)?;
         }

@@ -1,6 +1,6 @@
 //! Calibrations: made, read, written, and used.
 
-use crate::arrays::{Column, Like1, Like2, column, table};
+use crate::arrays::{Column, Like1, Like2, Table, column, table};
 use crate::error::{OrRaise, warn};
 use crate::inputs::WhiskerIn;
 use crate::log::{columns_of, csv, format};
@@ -54,27 +54,45 @@ impl PyCalibration {
     /// The columns that `moment` reads ("bx", ...), in order; none where moments are not calibrated.
     #[getter]
     fn inputs(&self) -> Vec<String> {
-        self.0.moment.as_ref().map_or_else(Vec::new, |curve| curve.inputs.clone())
+        let of_plane = self.0.plane.as_ref().map(|plane| plane.inputs.clone());
+        of_plane.or_else(|| self.0.moment.as_ref().map(|curve| curve.inputs.clone())).unwrap_or_default()
     }
 
     /// Bound on the error of a moment (N m), where moments are calibrated.
     #[getter]
     fn moment_bound(&self) -> Option<f64> {
-        self.0.moment.as_ref().map(|curve| curve.bound)
+        let of_plane = self.0.plane.as_ref().map(|plane| plane.bound[0]);
+        of_plane.or_else(|| self.0.moment.as_ref().map(|curve| curve.bound))
+    }
+
+    /// Bounds on the errors of both moments (N m), where both transverse axes are calibrated.
+    #[getter]
+    fn moment_bounds(&self) -> Option<(f64, f64)> {
+        self.0.plane.as_ref().map(|plane| plane.bound.into())
     }
 
     /// Moments (N m), shape (n), of readings of shape (n, inputs).
     fn moment<'py>(&self, py: Python<'py>, readings: Like2<'_>) -> PyResult<Column<'py>> {
+        if let Some(plane) = &self.0.plane {
+            let moments = each(&readings, &plane.inputs, |row| plane.moments(row)).or_raise(py)?;
+            return Ok(column(py, &moments, |both| both[0]));
+        }
         let missing = || Error::data("the calibration does not tell moments from readings");
         let curve = self.0.moment.as_ref().ok_or_else(missing).or_raise(py)?;
-        let (columns, inputs) = (readings.shape()[1], curve.inputs.len());
-        if columns != inputs {
-            let error = Error::usage("the number of inputs").value(columns);
-            return Err(error.allowed(format!("{inputs}: {}", curve.inputs.join(", ")))).or_raise(py);
-        }
-        let rows = readings.as_array();
-        let moments: Result<Vec<f64>> = rows.rows().into_iter().map(|row| curve.moment(&row.to_vec())).collect();
-        Ok(PyArray1::from_vec(py, moments.or_raise(py)?))
+        let moments = each(&readings, &curve.inputs, |row| curve.moment(row)).or_raise(py)?;
+        Ok(PyArray1::from_vec(py, moments))
+    }
+
+    /// Moments about both transverse axes (N m), shape (n, 2), of readings of shape (n, inputs): in the whisker's plane, positive for a
+    /// push towards +y, and across it, positive for a push towards +z.
+    fn moments<'py>(&self, py: Python<'py>, readings: Like2<'_>) -> PyResult<Table<'py>> {
+        let missing = || {
+            let error = Error::data("the calibration does not tell the moments about both transverse axes");
+            error.remedy("make one from labelled contacts with a column z")
+        };
+        let plane = self.0.plane.as_ref().ok_or_else(missing).or_raise(py)?;
+        let moments = each(&readings, &plane.inputs, |row| plane.moments(row)).or_raise(py)?;
+        table(py, &moments, |both| *both)
     }
 
     /// Distances (m) and their standard deviations (m), shape (n), for slopes of shape (n) (readings per s of a tap, per m of
@@ -90,6 +108,7 @@ impl PyCalibration {
     fn __repr__(&self) -> String {
         let parts = [
             ("moment", self.0.moment.is_some()),
+            ("plane", self.0.plane.is_some()),
             ("tip_deflection", self.0.tip_deflection.is_some()),
             ("whisker", self.0.whisker.is_some()),
             ("distance", self.0.distance.is_some()),
@@ -97,6 +116,16 @@ impl PyCalibration {
         let held: Vec<&str> = parts.into_iter().filter(|(_, held)| *held).map(|(name, _)| name).collect();
         format!("<vibrissa.Calibration: {}>", held.join(", "))
     }
+}
+
+/// What each row of readings gives.
+fn each<T>(readings: &Like2<'_>, inputs: &[String], of: impl Fn(&[f64]) -> Result<T>) -> Result<Vec<T>> {
+    let columns = readings.shape()[1];
+    if columns != inputs.len() {
+        let error = Error::usage("the number of inputs").value(columns);
+        return Err(error.allowed(format!("{}: {}", inputs.len(), inputs.join(", "))));
+    }
+    readings.as_array().rows().into_iter().map(|row| of(&row.to_vec())).collect()
 }
 
 /// Says what was mended in a recording.

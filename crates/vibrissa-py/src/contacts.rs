@@ -12,7 +12,9 @@ use std::sync::Arc;
 use vibrissa::config::{ContactOptions, ProfileOptions};
 use vibrissa::flow::sensor_log::SensorLog;
 use vibrissa::plane::Vec2;
-use vibrissa::tasks::contact::{ContactReport, ContactStep, contacts_until};
+use vibrissa::tasks::contact::{
+    Band, ContactReport, ContactStep, SpacePoint, SpaceStep, contact_in_space as in_space, contacts_until,
+};
 use vibrissa::tasks::profile::{Alignment, Misfit, Outline, Profile, compare, profile_until};
 use vibrissa::tasks::temporal_filter::{FilteredContact, TemporalFilterOptions, temporal_filter as filtered};
 use vibrissa::world::Robot;
@@ -84,6 +86,48 @@ fn steps<'py>(py: Python<'py>, report: &ContactReport, names: &[String]) -> PyRe
     out.set_item("contact", place(py, steps, |s| s.contact)?)?;
     out.set_item("position", place(py, steps, ContactStep::position)?)?;
     let base = |s: &ContactStep| [s.odom_from_whisker.x, s.odom_from_whisker.y, s.odom_from_whisker.theta];
+    out.set_item("odom_from_whisker", table(py, steps, base)?)?;
+    out.set_item("events", events(&report.events))?;
+    Ok(out)
+}
+
+/// Contacts of a log in space; gives the fields of `vibrissa.SpaceContacts`.
+#[pyfunction]
+pub(crate) fn contact_in_space<'py>(
+    py: Python<'py>,
+    log: &PySensorLog,
+    robot: RobotIn,
+    spacing: Option<f64>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let (log, robot) = (Arc::clone(&log.0), robot.robot().or_raise(py)?);
+    let default = ContactOptions::default();
+    let options = ContactOptions { spacing: spacing.unwrap_or(default.spacing), ..default };
+    let names: Vec<String> = robot.whiskers.iter().map(|whisker| whisker.name.clone()).collect();
+    let report = run(py, None, 0, move |watch| {
+        let found = in_space(&log, &robot, &options, watch.stop(), &mut |done, _| watch.tell(done));
+        found.map_err(|error| named(&log, error))
+    })?;
+    let steps = &report.steps;
+    let out = PyDict::new(py);
+    out.set_item("t", column(py, steps, |s| s.t))?;
+    out.set_item(
+        "whisker",
+        steps.iter().map(|s| names.get(s.whisker).cloned().unwrap_or_default()).collect::<Vec<_>>(),
+    )?;
+    out.set_item("kind", steps.iter().map(|s| s.kind.word()).collect::<Vec<_>>())?;
+    out.set_item("moments", table(py, steps, |s| s.moments)?)?;
+    out.set_item("plane", table(py, steps, |s| [s.plane().moment, s.plane().angle])?)?;
+    out.set_item("plane_errors", table(py, steps, |s| s.plane().bands(s.errors))?)?;
+    let parts: [(&str, fn(&SpacePoint) -> Band); 3] = [("x", |c| c.x), ("r", |c| c.r), ("angle", |c| c.angle)];
+    for (name, of) in parts {
+        out.set_item(name, column(py, steps, |s| or_nan(s.contact.as_ref().map(|c| of(c).value))))?;
+        let bounds = |s: &SpaceStep| s.contact.as_ref().map_or([f64::NAN; 2], |c| [of(c).lo, of(c).hi]);
+        out.set_item(format!("{name}_bounds"), table(py, steps, bounds)?)?;
+    }
+    out.set_item("s_a", column(py, steps, |s| or_nan(s.s_a)))?;
+    out.set_item("contact", table(py, steps, |s| s.contact.map_or([f64::NAN; 3], |c| c.position()))?)?;
+    out.set_item("position", table(py, steps, |s| s.position().unwrap_or([f64::NAN; 3]))?)?;
+    let base = |s: &SpaceStep| [s.odom_from_whisker.x, s.odom_from_whisker.y, s.odom_from_whisker.theta];
     out.set_item("odom_from_whisker", table(py, steps, base)?)?;
     out.set_item("events", events(&report.events))?;
     Ok(out)

@@ -8,7 +8,7 @@ use vibrissa::Result;
 use vibrissa::beam::{CURVATURE_TERMS, Stretch, Whisker};
 use vibrissa::io::{Dimension, parse_quantity};
 use vibrissa::plane::Pose2;
-use vibrissa::world::{MomentNoise, MountedWhisker, Odometry, ReadingNoise, Robot, WhiskerErrors};
+use vibrissa::world::{Lean, MomentNoise, MountedWhisker, Odometry, ReadingNoise, Robot, WhiskerErrors};
 
 /// The attributes of `vibrissa.Segment`.
 #[derive(Debug, FromPyObject)]
@@ -39,6 +39,8 @@ pub(crate) struct MountedIn {
     name: String,
     beam: WhiskerIn,
     mount: [f64; 3],
+    elevation: f64,
+    roll: f64,
     friction: f64,
     calibration: Option<PathBuf>,
     moment_relative: f64,
@@ -116,6 +118,7 @@ impl RobotIn {
                 name: mounted.name.clone(),
                 beam: mounted.beam.whisker()?,
                 robot_from_whisker: Pose2 { x, y, theta },
+                lean: Lean { elevation: mounted.elevation, roll: mounted.roll },
                 friction: mounted.friction,
                 calibration: mounted.calibration.clone(),
                 noise: MomentNoise {
@@ -180,6 +183,8 @@ fn robot_out<'py>(py: Python<'py>, robot: &Robot) -> PyResult<Bound<'py, PyDict>
         one.set_item("name", &mounted.name)?;
         one.set_item("beam", whisker_out(py, &mounted.beam)?)?;
         one.set_item("mount", (mount.x, mount.y, mount.theta))?;
+        one.set_item("elevation", mounted.lean.elevation)?;
+        one.set_item("roll", mounted.lean.roll)?;
         one.set_item("friction", mounted.friction)?;
         one.set_item("calibration", mounted.calibration.as_ref().map(|path| path.to_string_lossy().into_owned()))?;
         one.set_item("moment_relative", mounted.noise.moment_relative)?;

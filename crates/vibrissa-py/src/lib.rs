@@ -50,7 +50,7 @@ mod _vibrissa {
     #[pymodule_export]
     use crate::calibrate::{PyCalibration, calibrate_labelled, calibrate_staircase, calibrate_taps, find_taps};
     #[pymodule_export]
-    use crate::contacts::{contact, profile, temporal_filter};
+    use crate::contacts::{contact, contact_in_space, profile, temporal_filter};
     #[pymodule_export]
     use crate::inputs::{quantity, robot_default, robot_parse, robot_read, robot_toml, whisker_is_uniform};
     #[pymodule_export]

@@ -200,6 +200,7 @@ pub(crate) fn preimage<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let options = options(construction, contacts, collision_free, cell, heading_step).or_raise(py)?;
     let (map, robot) = (Arc::clone(&map.0), robot.robot().or_raise(py)?);
+    robot.require_level("a preimage").or_raise(py)?;
     let found = run(py, None, 0, move |_| solve(&map, &model.felt(&robot, &readings)?, &options))?;
     if found.states.is_empty() {
         let why = "no state explains the readings: they contradict each other, the whisker's limits or the map";

@@ -121,6 +121,45 @@ def labelled(whisker: vibrissa.Whisker, seed: int) -> dict[str, list[float]]:
     return {"x": x.tolist(), "y": y.tolist(), "bx": flux[:, 0].tolist(), "by": flux[:, 1].tolist(), "moment": moment.tolist()}
 
 
+def test_contacts_in_space_are_those_of_the_command(tmp_path: Path) -> None:
+    point, rows = np.array([0.05, 0.004, -0.003]), []
+    for k in range(30):
+        at = point + [0.0, 3e-4 * k, 0.0]
+        r = float(np.hypot(at[1], at[2]))
+        size = vibrissa.point_mode(at[0], r).moment[0]
+        rows.append((0.1 * k, 0.0, -3e-4 * k, 0.0, size * at[1] / r, size * at[2] / r))
+    text = "t,x,y,theta,moment,across\n" + "".join(",".join(map(repr, map(float, row))) + "\n" for row in rows)
+    (tmp_path / "log.csv").write_text(text)
+    assert vibrissa.run(["contact", tmp_path / "log.csv", "--space", "--out", tmp_path]) == 0
+    with pytest.warns(vibrissa.DataWarning, match="across"):
+        found = vibrissa.contact_in_space(tmp_path / "log.csv")
+    assert len((tmp_path / "space.csv").read_text().splitlines()) == len(found.t) + 1 == 31
+    assert set(found.kind) == {"side"} and np.abs(found.position - point).max() < 1e-5
+    assert (found.x_bounds[:, 0] < found.x).all() and (found.angle < found.angle_bounds[:, 1]).all()
+    assert [event.kind for event in found.events][:2] == ["contact", "side_contact"]
+    assert len(found.to_pandas()) == 30
+
+
+def test_contacts_all_around_calibrate_both_axes() -> None:
+    rng = np.random.default_rng(4)
+    angle, x, r = rng.uniform(-np.pi, np.pi, 200), rng.uniform(0.05, 0.07, 200), rng.uniform(1e-4, 2e-3, 200)
+    size = np.array([vibrissa.point_mode(a, b).moment[0] for a, b in zip(x, r, strict=True)])
+    both = np.column_stack([size * np.cos(angle), size * np.sin(angle)])
+    flux = 1e-4 + both @ np.array([[0.1, -0.02], [0.03, 0.12]]).T
+    columns = {"x": x, "y": r * np.cos(angle), "z": r * np.sin(angle), "bx": flux[:, 0], "by": flux[:, 1]}
+    found = vibrissa.calibrate(columns).calibration
+    assert found.inputs == ["bx", "by"] and found.moment_bounds is not None
+    moments = found.moments(flux)
+    assert moments.shape == (200, 2) and np.abs(moments - both).max() < 1e-6
+    assert np.array_equal(found.moment(flux), moments[:, 0])
+    with pytest.raises(vibrissa.DataError, match="beyond the calibrated range"):
+        found.moments([[1.0, 1.0]])
+    flat = vibrissa.calibrate({"x": x, "y": r, "bx": 0.1 * size}).calibration
+    assert flat.moment_bounds is None
+    with pytest.raises(vibrissa.DataError, match="column z"):
+        flat.moments([[0.0]])
+
+
 def test_calibrations_are_those_of_the_command_and_find_the_truth(tmp_path: Path) -> None:
     stiff = vibrissa.Whisker(flexural_rigidity=3.3e-4, base_stiffness=0.08)
     columns = labelled(stiff, 1)

@@ -52,7 +52,7 @@ const ROOMS: &[(&str, &[&str])] = &[
     (
         "crates/vibrissa-live",
         &[
-            "config", "counts", "latency", "output", "clock", "decode", "timing", "join", "source", "setup",
+            "config", "head", "counts", "latency", "output", "clock", "decode", "timing", "join", "source", "setup",
             "pipeline", "estimate", "carry", "record", "journal", "replay", "run", "robot", "scene", "view",
         ],
     ),

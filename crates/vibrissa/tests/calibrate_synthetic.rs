@@ -183,7 +183,7 @@ fn labelled(whisker: &Whisker, n: usize, noise: f64, random: &mut Random) -> (La
         moments.push(bend.moment);
     }
     let inputs = ["bx", "by", "bz"].map(str::to_owned).to_vec();
-    (Labelled { source: "made".into(), contacts, inputs, readings, moments: None }, moments)
+    (Labelled { source: "made".into(), contacts, inputs, readings, angles: Vec::new(), moments: None }, moments)
 }
 
 #[test]
@@ -244,7 +244,14 @@ fn hysteresis_is_seen_as_wide_as_it_is() {
         contacts.push(contact);
         readings.push(vec![100.0 * (moment + lag)]);
     }
-    let made = Labelled { source: "made".into(), contacts, inputs: vec!["ax".into()], readings, moments: None };
+    let made = Labelled {
+        source: "made".into(),
+        contacts,
+        inputs: vec!["ax".into()],
+        readings,
+        angles: Vec::new(),
+        moments: None,
+    };
     let explained = made.explain(&whisker).unwrap();
     let curve = fit_moment_curve(&made, &explained, &CurveOptions::default()).unwrap();
     assert!((curve.hysteresis - 2e-5).abs() < 4e-6, "{}", curve.hysteresis);

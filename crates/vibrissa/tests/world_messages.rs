@@ -217,6 +217,12 @@ fn robot() {
         ("a misspelt error", "[[whisker]]\ngian_error = 0.1"),
         ("delay in milliseconds", "[odometry]\ndelay_error = 20"),
         ("map's scale", "[map]\nscale_error = 3"),
+        ("a whisker that points up", "[[whisker]]\nelevation = \"85 deg\""),
+        ("elevation in degrees", "[[whisker]]\nelevation = 20"),
+        ("height in degrees", "[[whisker]]\nmount_height = \"5 deg\""),
+        ("yaw of the body", "[body]\nyaw = 1"),
+        ("straight down on its body", "[body]\npitch = \"45 deg\"\n[[whisker]]\nelevation = \"-45 deg\""),
+        ("below the floor", "[body]\nheight = \"20 mm\"\n[[whisker]]\nelevation = \"-45 deg\""),
         ("map's file", "[map]\nfile = \"map.svg\""),
     ]);
     check("robot_messages.txt", &gallery(&found, |t| vibrissa::io::robot::from_toml(t, "robot.toml"), |_| &[]));

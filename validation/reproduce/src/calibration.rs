@@ -30,6 +30,7 @@ pub(super) fn section() -> Result<Section> {
         contacts: contacts(&whisker),
         inputs: ["bx", "by", "bz"].map(str::to_owned).to_vec(),
         readings: Vec::new(),
+        angles: Vec::new(),
         moments: None,
     };
     let explained = labelled.explain(&whisker)?;

@@ -68,7 +68,25 @@ impl SensingChain {
     #[must_use]
     pub fn flux(&self, moment: f64) -> Vec3 {
         let angle = self.rotation(moment);
-        let (magnet, at) = (turned(self.magnet_moment, angle), turned(self.magnet_offset, angle));
+        self.seen(turned(self.magnet_moment, angle), turned(self.magnet_offset, angle))
+    }
+
+    /// The same under moments about both transverse axes (N m): in the whisker's x-y plane, and across it, positive for a push towards +z.
+    ///
+    /// The compliant element is as stiff about one axis as about the other, and turns about their common one.
+    #[must_use]
+    pub fn flux_in_space(&self, [moment, across]: [f64; 2]) -> Vec3 {
+        let angle = self.rotation(math::hypot(moment, across));
+        let (sin, cos) = math::sin_cos(math::atan2(across, moment));
+        // About the axis, so that the bending plane becomes the x-y plane, then the turn, and back.
+        let rolled = |[x, y, z]: Vec3| [x, cos * y + sin * z, cos * z - sin * y];
+        let back = |[x, y, z]: Vec3| [x, cos * y - sin * z, cos * z + sin * y];
+        let turn = |v: Vec3| back(turned(rolled(v), angle));
+        self.seen(turn(self.magnet_moment), turn(self.magnet_offset))
+    }
+
+    /// The flux density at the chip along its axes (T) of a magnet with this moment (A m²) at this place (m).
+    fn seen(&self, magnet: Vec3, at: Vec3) -> Vec3 {
         let [x, y, z] = dipole_field(magnet, [0, 1, 2].map(|k| self.chip_offset[k] - at[k]));
         let along_chip = [-z, y, x];
         [0, 1, 2].map(|k| along_chip[k] + self.ambient[k])

@@ -1,10 +1,12 @@
 //! `vibrissa sensor design`: where the chip belongs, and what it then tells.
 
-use crate::output::print;
+use crate::output::{OutputArgs, print, write_all};
 use crate::quantity::option;
 use clap::ValueEnum;
 use serde_json::json;
 use std::path::PathBuf;
+use vibrissa::beam::Whisker;
+use vibrissa::figure::{Plot, plots_figure};
 use vibrissa::io::Dimension;
 use vibrissa::sensing::{Chip, Mlx90393, SensingChain, Tle493d};
 use vibrissa::tasks::sensor_design::{LARGEST_SHARE, SensorDesign, best_sensor_design, sensor_design};
@@ -29,6 +31,8 @@ enum SensorCommand {
 /// measured; a sensor that was built needs `vibrissa calibrate`.
 ///
 /// The best distance is the one with the least noise at which no moment takes more than 80 % of the chip's range.
+///
+/// With --out DIR: the figure sensor-design.svg, noise and range over the distance.
 #[derive(Debug, clap::Args)]
 pub(crate) struct DesignArgs {
     /// The magnetometer: mlx90393 at its finest gain, or tle493d
@@ -55,9 +59,8 @@ pub(crate) struct DesignArgs {
     /// Standard deviation of the chip's flux on each axis (T), beside that of rounding [default: 0]
     #[arg(long, value_name = "T", default_value_t = 0.0)]
     noise: f64,
-    /// Print the result as JSON instead of words
-    #[arg(long)]
-    json: bool,
+    #[command(flatten)]
+    output: OutputArgs,
 }
 
 /// A chip by its name.
@@ -105,7 +108,58 @@ pub(crate) fn run(args: &Args) -> Result<()> {
             })?
         }
     };
-    if args.json { print(&as_json(&design)) } else { print(&words(&design)) }
+    let mut text = if args.output.json { as_json(&design) } else { words(&design) } + "\n";
+    if let Some(to) = args.output.destination() {
+        let figure = figure(&chain, &whisker, &design, largest, args.noise)?;
+        for path in write_all(to, &[("sensor-design.svg", figure)])? {
+            if !args.output.json {
+                text.push_str(&format!("  wrote {}\n", path.display()));
+            }
+        }
+    }
+    print(&text)
+}
+
+/// Distances in the figure (m), and that of the design.
+const SHOWN: [f64; 2] = [3e-3, 8e-3];
+/// Distances that are drawn.
+const DRAWN: i32 = 96;
+
+/// Range and noise over the distance, and the design as a dot.
+fn figure(chain: &SensingChain, whisker: &Whisker, design: &SensorDesign, largest: f64, noise: f64) -> Result<String> {
+    let [from, to] = [SHOWN[0].min(design.distance), SHOWN[1].max(design.distance)];
+    let at =
+        |k: i32| sensor_design(chain, whisker, from + (to - from) * f64::from(k) / f64::from(DRAWN), largest, noise);
+    let designs: Vec<SensorDesign> = (0..=DRAWN).map(at).collect::<Result<_>>()?;
+    let plot = |y_label: &str, of: fn(&SensorDesign) -> f64, level: Option<f64>| {
+        let point = |d: &SensorDesign| (1e3 * d.distance, of(d));
+        Plot {
+            x_label: "from the magnet's centre to the chip (mm); the dot is the design".to_owned(),
+            y_label: y_label.to_owned(),
+            points: vec![point(design)],
+            curve: designs.iter().map(point).collect(),
+            levels: level.into_iter().collect(),
+            ..Plot::default()
+        }
+    };
+    let plots = [
+        plot("noise as a travel of the tip (mm)", |d| 1e3 * d.tip_noise, None),
+        plot(
+            "share of the chip's range (%), dashed the most for a design",
+            |d| 100.0 * d.share,
+            Some(100.0 * LARGEST_SHARE),
+        ),
+        plot("field without contact (mT)", |d| 1e3 * d.rest.iter().map(|b| b * b).sum::<f64>().sqrt(), None),
+    ];
+    let notes = format!(
+        "{:.1} mm: {:.0} % of the range, {:.2} uN m a count, {:.4} mm of noise at the tip",
+        1e3 * design.distance,
+        100.0 * design.share,
+        1e6 * design.resolution[0],
+        1e3 * design.tip_noise
+    );
+    let description = "Noise at the tip, share of the chip's range and field over the distance from magnet to chip.";
+    Ok(plots_figure("Where the chip belongs", &notes, description, &plots))
 }
 
 fn as_json(design: &SensorDesign) -> String {

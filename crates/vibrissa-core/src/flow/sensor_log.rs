@@ -10,6 +10,8 @@ use std::path::PathBuf;
 pub enum Quantity {
     /// Bending moment about the whisker base (N m), counter-clockwise positive.
     Moment,
+    /// Bending moment about the other transverse axis (N m), positive for a push towards the whisker's +z.
+    Across,
     /// Magnetic flux density along the sensor's first axis (T).
     FluxX,
     /// Magnetic flux density along the sensor's second axis (T).
@@ -34,8 +36,9 @@ pub enum Quantity {
 
 impl Quantity {
     /// Every quantity, in the order of the contract.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::Moment,
+        Self::Across,
         Self::FluxX,
         Self::FluxY,
         Self::FluxZ,
@@ -53,6 +56,7 @@ impl Quantity {
     pub fn word(self) -> &'static str {
         match self {
             Self::Moment => "moment",
+            Self::Across => "across",
             Self::FluxX => "bx",
             Self::FluxY => "by",
             Self::FluxZ => "bz",
@@ -149,7 +153,7 @@ fn held_words(held: &[String]) -> String {
 ///
 /// A robot of several whiskers with a column such as `moment`, a log with `moment` beside `w0.moment`; the message lists the names.
 pub fn one_owner_each(robot: &Robot, channels: &[Channel]) -> Result<()> {
-    let used = |c: &&Channel| !matches!(c.quantity, Quantity::StripLo | Quantity::StripHi);
+    let used = |c: &&Channel| !matches!(c.quantity, Quantity::Across | Quantity::StripLo | Quantity::StripHi);
     let remedy = "rename the column after its whisker, and take whiskers without a column out of the robot file";
     for nameless in channels.iter().filter(used).filter(|c| c.whisker.is_empty()) {
         let word = nameless.quantity.word();

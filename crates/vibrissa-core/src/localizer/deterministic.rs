@@ -184,9 +184,8 @@ impl<'a> DeterministicEstimator<'a> {
     /// The whisker's shapes as the best candidate sees them.
     fn shapes(&self, best: &Candidate) -> Vec<ShapeRecord> {
         let shape = |(feeler, observation): &(usize, Observation)| {
-            let tip = &self.feelers[*feeler].tip;
             let contact = best.contact(self.map, observation, &self.options)?;
-            let points = tip.bend(contact.force, contact.tilt())?.shape(tip.whisker().length, SHAPE_POINTS);
+            let points = observation.shape(&contact, SHAPE_POINTS)?;
             let place = |p| observation.robot_from_whisker.transform_point(p);
             let points = points.into_iter().map(place).collect();
             Some(ShapeRecord { t: observation.t, whisker: *feeler, points })

@@ -94,6 +94,7 @@ impl<'a> PossibilisticEstimator<'a> {
     /// Options out of range, a whisker without a moment channel, that makes no sense or has a friction coefficient above 1.5.
     pub fn new(map: &'a Map, robot: &'a Robot, channels: &[Channel], options: PossibilisticOptions) -> Result<Self> {
         options.check()?;
+        robot.require_level("the possibilistic method")?;
         bounded_reading::check(robot)?;
         one_owner_each(robot, channels)?;
         searchable(map, options.prior, MOST_COVERED)?;

@@ -60,6 +60,7 @@ impl<'a> ProbabilisticEstimator<'a> {
     /// Options out of range, a whisker without a channel of moment, force or slope, or a whisker that is curved at rest.
     pub fn new(map: &'a Map, robot: &'a Robot, channels: &[Channel], options: ProbabilisticOptions) -> Result<Self> {
         options.check()?;
+        robot.require_level("the probabilistic method")?;
         one_owner_each(robot, channels)?;
         searchable(map, options.prior, MOST_SEARCHED)?;
         let tips = robot.whiskers.iter().map(|w| TipModel::new(&w.beam)).collect::<Result<Vec<_>>>()?;

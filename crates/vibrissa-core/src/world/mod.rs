@@ -11,4 +11,4 @@ pub use boundary::{Boundary, CurveFault, Role, beyond_maps, out_of_range};
 pub use cost::MapCost;
 pub use map::{BoundarySample, ConcaveCorner, Foot, Map, MapPoint, NearestPiece};
 pub use motion::increments;
-pub use robot::{MomentNoise, MountedWhisker, Odometry, ReadingNoise, Robot, WhiskerErrors};
+pub use robot::{Lean, MomentNoise, MountedWhisker, Odometry, ReadingNoise, Robot, WhiskerErrors};

@@ -3,6 +3,7 @@
 use crate::beam::Whisker;
 use crate::config::defaults;
 use crate::plane::Pose2;
+use crate::{Error, Result};
 use std::path::PathBuf;
 
 /// The bound on a moment reading `z` of a true moment `h`: `|h - z| <= relative |z| + absolute`.
@@ -104,6 +105,25 @@ impl WhiskerErrors {
     }
 }
 
+/// How a whisker leans out of the horizontal, in the map's frame: a robot on an even floor keeps it while it turns.
+///
+/// The whisker's frame has x along the horizontal part of its axis, y left, z up.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Lean {
+    /// Angle of its axis above the horizontal (rad), between -π/2 and π/2.
+    pub elevation: f64,
+    /// Turn of its sensor about the axis (rad), from left towards up.
+    pub roll: f64,
+}
+
+impl Lean {
+    /// Whether axis and sensor are horizontal, so that everything is planar.
+    #[must_use]
+    pub fn is_level(&self) -> bool {
+        self.elevation.abs() <= 0.0 && self.roll.abs() <= 0.0
+    }
+}
+
 /// A whisker on a robot.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MountedWhisker {
@@ -113,6 +133,8 @@ pub struct MountedWhisker {
     pub beam: Whisker,
     /// Where the base sits and which way the undeflected whisker points.
     pub robot_from_whisker: Pose2,
+    /// How it leans out of the horizontal.
+    pub lean: Lean,
     /// Bound on the Coulomb coefficient at the contact.
     pub friction: f64,
     /// The calibration file that turns flux or counts into moments, for logs that hold those.
@@ -134,6 +156,7 @@ impl Default for MountedWhisker {
             name: "w0".into(),
             beam: Whisker::default(),
             robot_from_whisker: Pose2::IDENTITY,
+            lean: Lean::default(),
             friction: defaults::FRICTION,
             calibration: None,
             noise: MomentNoise::default(),
@@ -174,6 +197,24 @@ pub struct Robot {
 }
 
 impl Robot {
+    /// Refuses whiskers that lean out of the horizontal, for what is planar; `who` does not take them.
+    ///
+    /// # Errors
+    ///
+    /// Data: names the first whisker that leans, and what takes it.
+    pub fn require_level(&self, who: &str) -> Result<()> {
+        let Some(whisker) = self.whiskers.iter().find(|whisker| !whisker.lean.is_level()) else { return Ok(()) };
+        let Lean { elevation, roll } = whisker.lean;
+        let degrees = |angle: f64| angle * 360.0 / core::f64::consts::TAU;
+        Err(Error::data(format!(
+            "the whisker \"{}\" leans out of the horizontal, and {who} bends whiskers in the map's plane alone",
+            whisker.name
+        ))
+        .value(format!("elevation {:.3} deg, roll {:.3} deg", degrees(elevation), degrees(roll)))
+        .allowed("0 deg and 0 deg, with the body's pitch and roll")
+        .remedy("take `localize --method deterministic`, or mount the whisker horizontally"))
+    }
+
     /// The keys of the robot file that bound what is not known exactly, each once: of whiskers, delay and map.
     #[must_use]
     pub fn declared_errors(&self) -> Vec<&'static str> {

@@ -88,7 +88,7 @@ fn unit_of(name: &str) -> Option<&'static str> {
         "x" | "y" => Some("m"),
         "theta" | "heading" => Some("rad"),
         _ => channel(name).map(|channel| match channel.quantity {
-            Quantity::Moment => "N m",
+            Quantity::Moment | Quantity::Across => "N m",
             Quantity::FluxX | Quantity::FluxY | Quantity::FluxZ => "T",
             Quantity::CountX | Quantity::CountY | Quantity::CountZ => "counts",
             Quantity::Force => "N",
@@ -175,6 +175,10 @@ fn warnings(channels: &[Channel], unknown: &[&str]) -> Vec<String> {
     if !strips.is_empty() {
         warnings.push(format!("used by `contact --filter` only: {strips}"));
     }
+    let across = named(&|c| c.quantity == Quantity::Across);
+    if !across.is_empty() {
+        warnings.push(format!("used by `contact --space` only: {across}"));
+    }
     let unused = named(&|c| !is_strip(c) && !is_used(c, channels));
     if !unused.is_empty() {
         warnings.push(format!("not used, since there are moments: {unused}"));
@@ -198,7 +202,7 @@ fn is_strip(channel: &Channel) -> bool {
 fn is_used(channel: &Channel, channels: &[Channel]) -> bool {
     let has_moment = || channels.iter().any(|c| c.quantity == Quantity::Moment && c.whisker == channel.whisker);
     match channel.quantity {
-        Quantity::Moment => true,
+        Quantity::Moment | Quantity::Across => true,
         Quantity::Force | Quantity::Slope => true,
         Quantity::StripLo | Quantity::StripHi => true,
         _ => !has_moment(),

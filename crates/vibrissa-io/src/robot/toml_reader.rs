@@ -2,6 +2,7 @@
 
 use super::beam::beam;
 use super::errors::{DELAY, whisker_errors};
+use super::lean::{lean, leaning};
 use crate::Result;
 use crate::config::budgets::{LONGEST_NAME, MOST_WHISKERS, TOML_BYTES};
 use crate::plane::Pose2;
@@ -13,7 +14,7 @@ use core::ops::Range;
 use std::path::{Path, PathBuf};
 use toml::Spanned;
 
-const WHISKER_KEYS: [&str; 20] = [
+const WHISKER_KEYS: [&str; 23] = [
     "name",
     "length",
     "flexural_rigidity",
@@ -25,6 +26,9 @@ const WHISKER_KEYS: [&str; 20] = [
     "base_stiffness",
     "strain_limit",
     "mount",
+    "mount_height",
+    "elevation",
+    "roll",
     "friction",
     "calibration",
     "noise",
@@ -72,7 +76,7 @@ fn parse(text: &str, name: &str) -> Result<Robot> {
     let source = Source::new(text, name);
     let root = source.parse()?;
     let top = Section::top(&source, &root);
-    top.only(&["whisker", "odometry", "map"])?;
+    top.only(&["whisker", "body", "odometry", "map"])?;
     let odometry = match top.section("odometry")? {
         Some(section) => odometry_section(&section)?,
         None => Odometry::default(),
@@ -85,7 +89,8 @@ fn parse(text: &str, name: &str) -> Result<Robot> {
         }
         None => Robot::default().map_scale,
     };
-    Ok(Robot { whiskers, odometry, map_scale })
+    let robot = Robot { whiskers, odometry, map_scale };
+    leaning(&top, robot)
 }
 
 /// The bound on the map's scale in a `[map]` section.
@@ -165,6 +170,7 @@ fn whisker(section: &Section<'_>, index: usize) -> Result<MountedWhisker> {
         errors: whisker_errors(section, beam.length)?,
         beam,
         robot_from_whisker: mount(section)?.unwrap_or(mounted.robot_from_whisker),
+        lean: lean(section)?,
         friction: number("friction", Dimension::Ratio, &NOT_NEGATIVE)?.unwrap_or(mounted.friction),
         calibration: section.text("calibration")?.map(PathBuf::from),
         ..section.section("noise")?.map_or(Ok(mounted), |s| noise(&s))?

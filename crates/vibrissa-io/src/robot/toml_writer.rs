@@ -41,6 +41,9 @@ pub fn to_toml(robot: &Robot) -> String {
         if let Some(calibration) = &whisker.calibration {
             let _ = writeln!(text, "calibration = {}", quoted(&calibration.to_string_lossy()));
         }
+        if !whisker.lean.is_level() {
+            let _ = writeln!(text, "elevation = {:?}\nroll = {:?}", whisker.lean.elevation, whisker.lean.roll);
+        }
         text.push('\n');
     }
     let _ = write!(

@@ -12,7 +12,7 @@ pub(super) const STAMP_WRAPS: f64 = 4_294.967_296;
 pub(super) const NUMBER_WRAPS: u64 = 1 << 32;
 
 /// What a head can say of a reading.
-const SAID: [Quantity; 4] = [Quantity::Moment, Quantity::FluxX, Quantity::FluxY, Quantity::FluxZ];
+const SAID: [Quantity; 5] = [Quantity::Moment, Quantity::Across, Quantity::FluxX, Quantity::FluxY, Quantity::FluxZ];
 
 /// Which readings are taken from the packets of a head.
 #[derive(Clone, Debug)]
@@ -54,7 +54,7 @@ impl HeadPackets {
         counts.saturated += u64::from(reading.state.has(State::SATURATED));
         counts.wrapped += u64::from(reading.state.has(State::WRAPPED));
         let [x, y, z] = reading.flux.map(f64::from);
-        let said = [reading.moment, Some(x), Some(y), Some(z)];
+        let said = [reading.moment, reading.across, Some(x), Some(y), Some(z)];
         let readings: Option<Vec<f64>> =
             self.taken.iter().map(|&index| said[index].filter(|value| value.is_finite())).collect();
         // A head without a calibration, beyond its range, or at the end of its converter.

@@ -54,7 +54,7 @@ def calibrate(
     ----------
     log : path or mapping of columns, optional
         Labelled contacts: the points x, y (m, whisker frame) and bx, by, bz (T), ax, ay, az (counts) or moment (N m), each of
-        shape (contacts). With ``format="openwhisker"`` a staircase.
+        shape (contacts). With z, too, both transverse axes are calibrated. With ``format="openwhisker"`` a staircase.
     taps : mapping or iterable of pairs, optional
         Recordings of taps by radial distance from the base (m), of a base that turns at a constant rate.
     format : str, optional

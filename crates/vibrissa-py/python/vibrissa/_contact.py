@@ -116,6 +116,89 @@ def contact(
 
 
 @dataclass(frozen=True, eq=False, repr=False)
+class SpaceContacts(Shown):
+    """The contacts of a log in space, one step each; columns of shape (steps), NaN where a number is not known.
+
+    Whisker frame: x forward along the undeflected whisker, y left, z up; the odometry frame has z above the whisker's base.
+    """
+
+    t: Floats
+    """When (s)."""
+    whisker: list[str]
+    """The whisker's name."""
+    kind: list[str]
+    """"side": a point that stands still; "tip": none does, the tip is taken; "none": no tip explains the moments either."""
+    moments: Floats
+    """In the whisker's plane x-y and across it (N m), mean of the step's readings, shape (steps, 2)."""
+    plane: Floats
+    """Size of both (N m), and angle of the bending plane about the whisker's axis (rad), shape (steps, 2)."""
+    plane_errors: Floats
+    """Half widths of their bands from the declared errors, shape (steps, 2)."""
+    x: Floats
+    """The contact along the undeflected whisker (m)."""
+    x_bounds: Floats
+    """Its band, shape (steps, 2)."""
+    r: Floats
+    """Distance of the contact from the axis (m)."""
+    r_bounds: Floats
+    """Its band, shape (steps, 2)."""
+    angle: Floats
+    """Angle of the contact about the axis (rad), from +y towards +z."""
+    angle_bounds: Floats
+    """Its band, shape (steps, 2); an end may lie beyond pi."""
+    s_a: Floats
+    """Arc length of the contact (m)."""
+    contact: Floats
+    """The contact, whisker frame (m), shape (steps, 3)."""
+    position: Floats
+    """The contact, odometry frame (m), shape (steps, 3)."""
+    odom_from_whisker: Floats
+    """The whisker's base, odometry frame: x (m), y (m), theta (rad), shape (steps, 3)."""
+    events: list[Event]
+    """contact, lift_off, side_contact, out_of_plane, slides_around, no_point."""
+
+    def to_pandas(self) -> Any:
+        """A ``pandas.DataFrame``, one row for each step; bands are columns of min and max."""
+        columns: dict[str, Any] = {"t": self.t, "whisker": self.whisker, "kind": self.kind}
+        for name in ("x", "r", "angle"):
+            columns[name] = getattr(self, name)
+            columns.update({f"{name}_{end}": getattr(self, f"{name}_bounds")[:, k] for k, end in enumerate(("min", "max"))})
+        columns.update({f"position_{axis}": self.position[:, k] for k, axis in enumerate("xyz")})
+        columns.update({"moment": self.moments[:, 0], "across": self.moments[:, 1]})
+        return pandas().DataFrame(columns)
+
+
+def contact_in_space(
+    log: LogLike, robot: RobotLike = None, *, format: str | None = None, spacing: float | None = None
+) -> SpaceContacts:
+    """Finds where straight round whiskers were touched in space, from the moments about both transverse axes.
+
+    Parameters
+    ----------
+    log : SensorLog or path
+        Odometry with columns moment and across (N m), or flux with a calibration of both axes.
+    robot : Robot, Whisker, path or None
+        The robot, or None for the paper's whisker.
+    format : str, optional
+        The format of a log file that is not ours.
+    spacing : float, optional
+        Readings are merged into one step while the base is nearer than this to their mean (m).
+
+    Returns
+    -------
+    SpaceContacts
+        One step for each place of the base, with bands from the declared errors of both moments; SI.
+
+    Raises
+    ------
+    DataError
+        A log without both moments, a curved whisker.
+    """
+    found = _vibrissa.contact_in_space(read_log(log, format), robot_of(robot), spacing)
+    return SpaceContacts(**{**found, "events": [Event(*one) for one in found["events"]]})
+
+
+@dataclass(frozen=True, eq=False, repr=False)
 class FilteredContacts(Shown):
     """Contact sets of several readings, intersected; columns of shape (sets)."""
 

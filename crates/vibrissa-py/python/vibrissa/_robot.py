@@ -150,6 +150,10 @@ class MountedWhisker:
     """The beam."""
     mount: tuple[float, float, float] = _MOUNTED["mount"]
     """robot_from_whisker: x (m), y (m), theta (rad)."""
+    elevation: float = _MOUNTED["elevation"]
+    """Angle of its axis above the horizontal (rad); the deterministic method alone takes other values than 0."""
+    roll: float = _MOUNTED["roll"]
+    """Turn of its sensor about the axis (rad), from left towards up; likewise."""
     friction: float = _MOUNTED["friction"]
     """Bound on the Coulomb coefficient at the contact."""
     calibration: str | None = None
@@ -186,6 +190,8 @@ class MountedWhisker:
             name: str = ...,
             beam: Whisker = ...,
             mount: tuple[float | str, float | str, float | str] = ...,
+            elevation: float | str = ...,
+            roll: float | str = ...,
             friction: float = ...,
             calibration: str | None = ...,
             moment_relative: float | str = ...,
@@ -204,6 +210,7 @@ class MountedWhisker:
 
     def __post_init__(self) -> None:
         pose = ("length", "length", "angle")
+        _quantities(self, {"elevation": "angle", "roll": "angle"})
         _quantities(self, {"mount": pose, "mount_error": pose, "length_error": "length", "zero_error": "moment"})
         ratios = ("moment_relative", "force_relative", "slope_relative", "stiffness_error", "gain_error")
         _quantities(self, {name: "ratio" for name in ratios})

@@ -21,6 +21,7 @@ __all__ = [
     "calibrate_taps",
     "find_taps",
     "contact",
+    "contact_in_space",
     "profile",
     "temporal_filter",
     "quantity",
@@ -335,8 +336,14 @@ class Calibration:
     @property
     def moment_bound(self) -> float | None:
         """Bound on the error of a moment (N m), where moments are calibrated."""
+    @property
+    def moment_bounds(self) -> tuple[float, float] | None:
+        """Bounds on the errors of both moments (N m), where both transverse axes are calibrated."""
     def moment(self, readings: npt.ArrayLike) -> Floats:
         """Moments (N m), shape (n), of readings of shape (n, inputs)."""
+    def moments(self, readings: npt.ArrayLike) -> Floats:
+        """Moments about both transverse axes (N m), shape (n, 2), of readings of shape (n, inputs): in the whisker's plane,
+        positive for a push towards +y, and across it, positive for a push towards +z."""
     def distance(self, slopes: npt.ArrayLike) -> tuple[Floats, Floats]:
         """Distances (m) and their standard deviations (m), shape (n), for slopes of shape (n) (readings per s of a tap, per
         m of travel); NaN where no distance fits."""
@@ -366,6 +373,7 @@ def calibrate_taps(
     files: Sequence[tuple[float, _Path]], word: str | None, whisker: Whisker | None, shaft: dict[str, Any]
 ) -> tuple[Calibration, dict[str, Any]]: ...
 def contact(log: SensorLog, robot: Robot, spacing: float | None) -> dict[str, Any]: ...
+def contact_in_space(log: SensorLog, robot: Robot, spacing: float | None) -> dict[str, Any]: ...
 def contact_set(readings: Sequence[Any], robot: Robot, model: Any) -> dict[str, Any]: ...
 def demo_sweep(seed: int) -> tuple[SensorLog, dict[str, Any]]: ...
 def find_taps(

@@ -91,14 +91,18 @@ pub(super) fn robot(top: &Section<'_>, folder: &Path) -> Result<Robot> {
                 .fault(&map.span_of("scale_error"), "both a robot file and map.scale_error")
                 .remedy("remove the robot file, or move it into that file as [map] scale_error"));
         }
-        return crate::io::read_robot(folder.join(file));
+        let robot = crate::io::read_robot(folder.join(file))?;
+        robot.require_level("the simulator")?;
+        return Ok(robot);
     }
     let odometry = match top.section("odometry")? {
         Some(section) => odometry_section(&section)?,
         None => Robot::default().odometry,
     };
     let map_scale = map.map_or(Ok(Robot::default().map_scale), |map| map_scale(&map))?;
-    Ok(Robot { whiskers: whisker_entries(top)?, odometry, map_scale })
+    let robot = Robot { whiskers: whisker_entries(top)?, odometry, map_scale };
+    robot.require_level("the simulator").map_err(|e| e.in_file(top.source.name).at_line(top.line_of("whisker")))?;
+    Ok(robot)
 }
 
 /// The robot's outline: `{ radius = … }` or a polygon. Every whisker is mounted inside or on it.

@@ -79,6 +79,7 @@ pub fn temporal_filter(
             .allowed("1 reading or more, more than 0 m apart"));
     }
     let (log, robot) = calibrated(log, robot)?;
+    robot.require_level("temporal filtering")?;
     let mut found = Vec::new();
     let mut any = false;
     for (index, whisker) in robot.whiskers.iter().enumerate() {

@@ -111,6 +111,7 @@ impl Chain {
             contacts: Vec::new(),
             inputs: vec!["bx".to_owned()],
             readings: Vec::new(),
+            angles: Vec::new(),
             moments: None,
         };
         while labels.contacts.len() < LABELS {

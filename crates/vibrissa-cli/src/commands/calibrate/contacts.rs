@@ -10,7 +10,7 @@ use vibrissa::figure::{Plot, calibration_figure};
 use vibrissa::io::log::foreign::{Format, Recording};
 use vibrissa::tasks::calibrate::{Constant, ContactCalibration, Explained, Labelled, calibrate_contacts};
 use vibrissa::world::Robot;
-use vibrissa::world::calibration::{Calibration, MomentCurve, TipDeflection, WhiskerConstants};
+use vibrissa::world::calibration::{Calibration, MomentCurve, MomentPlane, TipDeflection, WhiskerConstants};
 use vibrissa::{Error, Result};
 
 /// What is fitted beside the curves.
@@ -68,6 +68,7 @@ fn text(calibration: &Calibration, used: usize) -> String {
     let mut text = format!("calibrated from {used} labelled contacts\n");
     calibration.whisker.iter().for_each(|whisker| constants_text(&mut text, whisker));
     calibration.moment.iter().for_each(|curve| curve_text(&mut text, curve));
+    calibration.plane.iter().for_each(|plane| plane_text(&mut text, plane));
     calibration.tip_deflection.iter().for_each(|tip| tip_text(&mut text, tip));
     text
 }
@@ -120,6 +121,30 @@ fn curve_text(text: &mut String, curve: &MomentCurve) {
     );
 }
 
+fn plane_text(text: &mut String, plane: &MomentPlane) {
+    let _ = writeln!(text, "\nmoments about both transverse axes from {}", plane.inputs.join(","));
+    let degree = degree(plane);
+    let _ = writeln!(text, "  surfaces           degree {degree}, cross-talk undone");
+    for (name, k) in [("in the plane x-y", 0), ("across it", 1)] {
+        let ([middle, half], rms, bound) = (plane.ranges[k], plane.residual_rms[k], plane.bound[k]);
+        let [lo, hi] = [1e3 * (middle - half), 1e3 * (middle + half)];
+        let _ = writeln!(
+            text,
+            "  {name:<17}  {lo:.2} to {hi:.2} mN m, residual {:.4} mN m RMS, bound {:.4} mN m",
+            rms * 1e3,
+            bound * 1e3
+        );
+    }
+    let _ = writeln!(text, "  hysteresis         {:.4} mN m", plane.hysteresis * 1e3);
+    let _ = writeln!(text, "  the bounds are the largest errors of {} contacts left out in turn", plane.samples);
+}
+
+/// The degree of the surfaces: the highest whose coefficients are not all zero.
+fn degree(plane: &MomentPlane) -> usize {
+    let some = |from: usize| plane.coefficients.iter().any(|c| c[from..].iter().any(|c| *c != 0.0));
+    1 + usize::from(some(3)) + usize::from(some(6))
+}
+
 fn tip_text(text: &mut String, tip: &TipDeflection) {
     let _ = writeln!(text, "\ntip's retreat delta_x from the moment");
     let at = tip.at(tip.largest_moment).unwrap_or(f64::NAN);
@@ -164,16 +189,47 @@ fn plots(labelled: &Labelled, explained: &[Explained], calibration: &Calibration
             span: None,
         });
     }
+    if let Some(plane) = &calibration.plane {
+        plane_plots(&mut plots, labelled, explained, plane);
+    }
     if let Some(tip) = &calibration.tip_deflection {
         let most = tip.largest_moment;
         let both = (-100..=100).map(|i| f64::from(i) * 0.01 * most);
         plots.push(Plot {
             x_label: "moment about the base (mN m)".to_owned(),
             y_label: "retreat of the tip, delta_x (mm)".to_owned(),
-            points: explained.iter().map(|e| (e.moment * 1e3, e.retreat * 1e3)).collect(),
+            points: explained.iter().map(|e| (e.size() * sign(e) * 1e3, e.retreat * 1e3)).collect(),
             curve: both.filter_map(|m| Some((m * 1e3, tip.at(m)? * 1e3))).collect(),
             ..Plot::default()
         });
     }
     plots
+}
+
+/// The sign of the moment in the plane, for contacts in the plane; sizes have none.
+fn sign(e: &Explained) -> f64 {
+    if e.across == 0.0 { e.moment.signum() } else { 1.0 }
+}
+
+/// Each moment found over the one labelled, and below it what is left over.
+fn plane_plots(plots: &mut Vec<Plot>, labelled: &Labelled, explained: &[Explained], plane: &MomentPlane) {
+    let found = |e: &Explained| plane.at(plane.signals(&labelled.readings[e.row]));
+    for (k, words) in ["in the whisker's plane x-y", "across it"].into_iter().enumerate() {
+        let truth = |e: &Explained| [e.moment, e.across][k];
+        let most = explained.iter().map(|e| truth(e).abs()).fold(0.0, f64::max) * 1e3;
+        plots.push(Plot {
+            x_label: format!("labelled moment {words} (mN m)"),
+            y_label: "moment of the readings (mN m)".to_owned(),
+            points: explained.iter().map(|e| (truth(e) * 1e3, found(e)[k] * 1e3)).collect(),
+            curve: vec![(-most, -most), (most, most)],
+            ..Plot::default()
+        });
+        plots.push(Plot {
+            x_label: format!("labelled moment {words} (mN m)"),
+            y_label: "residual (mN m) and bound (dashed)".to_owned(),
+            points: explained.iter().map(|e| (truth(e) * 1e3, (truth(e) - found(e)[k]) * 1e3)).collect(),
+            levels: vec![plane.bound[k] * 1e3, -plane.bound[k] * 1e3],
+            ..Plot::default()
+        });
+    }
 }

@@ -16,7 +16,7 @@ use vibrissa::io::log::foreign::Format;
 ///
 /// One LOG of labelled contacts (.csv with the contact point x,y in m in the whisker frame, and bx,by,bz in T, ax,ay,az in
 /// counts or moment in N m) gives the curve from readings to moments, from moments to the tip's retreat, and, with --free,
-/// constants of the whisker. --taps DIST=FILE … gives the distance of taps on a base that turns at a constant rate. One LOG
+/// constants of the whisker. Contacts x,y,z from all sides of the whisker calibrate both transverse axes of the chip. --taps DIST=FILE … gives the distance of taps on a base that turns at a constant rate. One LOG
 /// of --format openwhisker (a staircase of lateral travel) gives the distance of static contacts.
 ///
 /// With --out DIR: cal.json and the figure calibration.svg.

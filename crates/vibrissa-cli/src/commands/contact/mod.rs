@@ -1,6 +1,7 @@
 //! `vibrissa contact`: where the whisker was touched.
 
 mod filter;
+mod space;
 mod steps;
 mod taps;
 
@@ -22,10 +23,13 @@ use vibrissa::{Error, Result};
 /// With --filter: temporal filtering. The contact sets of several readings (force, slope, strip, moment) are
 /// moved along with the base and intersected; the contact is taken to stand still meanwhile.
 ///
+/// With --space: contacts in space, from the columns `moment` and `across` or from flux with a calibration of both axes. Tells where the contact
+/// is along the whisker, away from its axis and around it, and warns when it is out of the plane or slides around.
+///
 /// With --taps: the radial distance of each short contact of a base that turns at the rate of the calibration.
 ///
 /// With --out DIR: contacts.csv and the figure contacts.svg; with --taps, taps.csv; with
-/// --filter, filter.csv and filter.svg.
+/// --filter, filter.csv and filter.svg; with --space, space.csv and space.svg.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// The sensor log (.csv), or the recording of taps
@@ -36,6 +40,9 @@ pub(crate) struct Args {
     /// Intersect the contact sets of several readings instead of tracing contacts
     #[arg(long, conflicts_with = "taps")]
     filter: bool,
+    /// Contacts in space, from the moments about both transverse axes
+    #[arg(long, conflicts_with_all = ["taps", "filter"])]
+    space: bool,
     /// How many readings are intersected
     #[arg(long, value_name = "N", requires = "filter", default_value_t = TemporalFilterOptions::default().readings)]
     readings: usize,
@@ -73,6 +80,10 @@ pub(crate) fn run(args: &Args) -> Result<()> {
                 TemporalFilterOptions { readings: args.readings, spacing, ..TemporalFilterOptions::default() };
             let read = read_log(&args.log, args.format, &args.imu)?;
             filter::run(&args.log, &read, args.robot.as_deref(), &options, &args.output)
+        }
+        None if args.space => {
+            let read = read_log(&args.log, args.format, &args.imu)?;
+            space::run(&args.log, &read, args.robot.as_deref(), &args.output)
         }
         None => {
             let read = read_log(&args.log, args.format, &args.imu)?;

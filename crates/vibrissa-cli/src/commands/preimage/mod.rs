@@ -106,6 +106,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     let map = vibrissa::read_map(&args.map)?;
     map.warnings.iter().for_each(|warning| warn(warning));
     let robot = args.readings.robot()?;
+    robot.require_level("a preimage")?;
     vibrissa::tasks::doubts(None, &robot, Some(&map)).iter().for_each(|warning| warn(warning));
     let found = solve(&map, &whiskers, &options)?;
     if found.states.is_empty() {

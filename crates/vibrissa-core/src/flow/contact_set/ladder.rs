@@ -7,6 +7,7 @@ use super::tip::{TipContactSet, blend};
 use crate::beam::{TipModel, TipReading};
 use crate::config::TipLoad;
 use crate::math;
+use crate::world::Lean;
 
 /// Natural logarithm of the ratio of neighbouring rungs: the tip of the paper's whisker moves by some millimetres from one
 /// to the next, on a line within a fifth of one where the set folds, elsewhere much less.
@@ -19,14 +20,15 @@ const SAME_BRANCH: f64 = 0.2;
 pub(crate) struct Ladder {
     tip: TipModel,
     load: TipLoad,
+    lean: Lean,
     /// By side and number, in order.
     rungs: Vec<((bool, i64), Vec<TipContactSet>)>,
 }
 
 impl Ladder {
     /// A ladder on which nothing has been traced yet.
-    pub(crate) fn new(tip: &TipModel, load: TipLoad) -> Self {
-        Self { tip: tip.clone(), load, rungs: Vec::new() }
+    pub(crate) fn new(tip: &TipModel, load: TipLoad, lean: Lean) -> Self {
+        Self { tip: tip.clone(), load, lean, rungs: Vec::new() }
     }
 
     /// As [`TipContactSet::branches`] of this moment (N m), within 3e-3 of the whisker's length.
@@ -47,7 +49,11 @@ impl Ladder {
     }
 
     fn traced(&self, moment: f64) -> Vec<TipContactSet> {
-        TipContactSet::branches(&self.tip, TipReading::Moment(moment), self.load)
+        if self.lean.is_level() {
+            TipContactSet::branches(&self.tip, TipReading::Moment(moment), self.load)
+        } else {
+            self.lean.tip_contacts(self.tip.whisker(), moment)
+        }
     }
 
     /// Where the rung is kept, traced if nobody has asked for it so far; it stays there until the next is added.
@@ -91,7 +97,7 @@ mod tests {
     fn blended_sets_are_those_that_are_traced() {
         let load = TipLoad::BoundaryNormal;
         let tip = TipModel::new(&Whisker::default()).unwrap();
-        let mut ladder = Ladder::new(&tip, load);
+        let mut ladder = Ladder::new(&tip, load, Lean::default());
         let (mut blended, mut worst) = (0, 0.0_f64);
         for k in 0..120 {
             // From the least reading that is contact to more than the whisker can carry, pushed from both sides.
@@ -109,7 +115,7 @@ mod tests {
         }
         println!("{blended} blended, at worst {worst} m off");
         assert!(blended > 60 && worst < 0.2e-3, "{blended} blended, {worst} m");
-        assert!(Ladder::new(&TipModel::new(&Whisker::default()).unwrap(), TipLoad::default()).branches(0.0).is_empty());
+        assert!(Ladder::new(&tip, TipLoad::default(), Lean::default()).branches(0.0).is_empty());
     }
 
     /// How far a contact of one set is at most from the one of the other with the same direction of force, or, at the

@@ -18,6 +18,7 @@ mod curve;
 mod family;
 mod intersection;
 mod ladder;
+mod leaning;
 mod level;
 mod model;
 mod paving;

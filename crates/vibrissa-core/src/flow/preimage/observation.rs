@@ -6,7 +6,7 @@ use crate::config::TipLoad;
 use crate::flow::contact_set::{TipContact, TipContactSet};
 use crate::flow::moment::{MomentHistory, MomentReading};
 use crate::plane::{Pose2, Vec2};
-use crate::world::MountedWhisker;
+use crate::world::{Lean, MountedWhisker};
 use core::cell::RefCell;
 
 /// Relative step of the moment in the difference quotient of the contact's place.
@@ -47,6 +47,7 @@ pub struct Observation {
     /// Every branch of shapes.
     pub branches: Vec<Branch>,
     tip: TipModel,
+    lean: Lean,
 }
 
 impl Observation {
@@ -55,7 +56,13 @@ impl Observation {
     /// Without branches when no tip load causes such a moment.
     #[must_use]
     pub fn new(whisker: &MountedWhisker, tip: &TipModel, history: &MomentHistory, load: TipLoad) -> Self {
-        Self::with(whisker, tip, history, &mut |moment| TipContactSet::branches(tip, TipReading::Moment(moment), load))
+        Self::with(whisker, tip, history, &mut |moment| {
+            if whisker.lean.is_level() {
+                TipContactSet::branches(tip, TipReading::Moment(moment), load)
+            } else {
+                whisker.lean.tip_contacts(tip.whisker(), moment)
+            }
+        })
     }
 
     /// As [`Observation::new`], with the branches of a moment's contact sets from elsewhere.
@@ -113,16 +120,33 @@ impl Observation {
             relative_std,
             relative_bound: history.bound / moment.abs(),
             tip: tip.clone(),
+            lean: whisker.lean,
             branches: center.into_iter().enumerate().map(branch).collect(),
         }
     }
 
     /// Points along the whisker from its base to just before the contact, whisker frame (m).
     pub(super) fn body(&self, contact: &TipContact) -> Vec<Vec2> {
+        if !self.lean.is_level() {
+            let shares: Vec<f64> = (0..=BODY_LINKS).map(|k| k as f64 / BODY_LINKS as f64 * BODY_END).collect();
+            return self.lean.shape(self.tip.whisker(), contact, &shares);
+        }
         let length = self.tip.whisker().length;
         let bend = self.tip.bend(contact.force, contact.tilt());
         let at = |k: usize| k as f64 / BODY_LINKS as f64 * BODY_END * length;
         bend.map_or_else(Vec::new, |bend| (0..=BODY_LINKS).map(|k| bend.point_at(at(k)).position).collect())
+    }
+
+    /// Points along the whole whisker, for drawing, whisker frame (m); none where no such shape is found.
+    pub(crate) fn shape(&self, contact: &TipContact, points: usize) -> Option<Vec<Vec2>> {
+        let whisker = self.tip.whisker();
+        if self.lean.is_level() {
+            return Some(self.tip.bend(contact.force, contact.tilt())?.shape(whisker.length, points));
+        }
+        let last = points.max(2) - 1;
+        let shares: Vec<f64> = (0..=last).map(|k| k as f64 / last as f64).collect();
+        let shape = self.lean.shape(whisker, contact, &shares);
+        (!shape.is_empty()).then_some(shape)
     }
 
     /// How many slopes of the boundary the history leaves open on the least bent branch (rad); infinite if it could not

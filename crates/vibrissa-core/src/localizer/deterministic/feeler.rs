@@ -2,7 +2,6 @@
 
 use super::super::SHAPES;
 use super::super::limit_check::LimitCheck;
-use crate::Result;
 use crate::beam::TipModel;
 use crate::config::{DeterministicOptions, TipLoad};
 use crate::flow::contact_set::Ladder;
@@ -14,6 +13,7 @@ use crate::flow::state_set::Candidate;
 use crate::flow::thinned::Thinned;
 use crate::plane::Pose2;
 use crate::world::MountedWhisker;
+use crate::{Error, Result};
 
 /// One whisker's way from its column of the log to its histories.
 pub(super) struct WhiskerColumn {
@@ -33,6 +33,7 @@ pub(super) struct WhiskerColumn {
 impl WhiskerColumn {
     pub(super) fn new(whisker: &MountedWhisker, log: &SensorLog, options: &DeterministicOptions) -> Result<Self> {
         let tip = TipModel::new(&whisker.beam)?;
+        leans(whisker, options)?;
         let limit = LimitCheck::any_place(whisker, &tip);
         let tip_limit = match options.tip_load {
             TipLoad::BoundaryNormal => LimitCheck::any_tilt(whisker, &tip),
@@ -45,7 +46,7 @@ impl WhiskerColumn {
             on_side: false,
             tip_limit,
             limit,
-            contacts: Ladder::new(&tip, options.tip_load),
+            contacts: Ladder::new(&tip, options.tip_load, whisker.lean),
             tip,
             whisker: whisker.clone(),
         })
@@ -82,6 +83,24 @@ impl WhiskerColumn {
         let odom_from_whisker = row.odom_from_robot.compose(self.whisker.robot_from_whisker);
         Ok(self.track.push(MomentReading { t: row.t, odom_from_whisker, moment }))
     }
+}
+
+/// Refuses whiskers that lean in a way that is not covered.
+fn leans(whisker: &MountedWhisker, options: &DeterministicOptions) -> Result<()> {
+    if whisker.lean.is_level() {
+        return Ok(());
+    }
+    let fault =
+        |what: &str| Error::data(format!("the whisker \"{}\" leans out of the horizontal and {what}", whisker.name));
+    if !whisker.beam.is_uniform() {
+        return Err(fault("is no uniform wire on a clamped base")
+            .remedy("give one wire without taper, or mount the whisker horizontally"));
+    }
+    if options.tip_load == TipLoad::WhiskerNormal {
+        return Err(fault("the load is taken normal to it, not to the walls")
+            .remedy("take --tip-load boundary-normal, since an upright wall pushes horizontally"));
+    }
+    Ok(())
 }
 
 /// What is remembered of the way, for the answer.

@@ -4,7 +4,7 @@ use crate::sensing::{excursion, polynomial};
 use crate::{Error, Result};
 
 /// How far beyond the calibrated range a reading may lie, as a share of the range.
-const OVERREACH: f64 = 0.05;
+pub(super) const OVERREACH: f64 = 0.05;
 
 /// The moment as a polynomial of one signal, the readings' excursion along a fixed direction
 /// \[routray, section "Sensor Calibration"\].

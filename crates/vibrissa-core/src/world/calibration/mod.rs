@@ -2,9 +2,11 @@
 
 mod curve;
 mod distance;
+mod plane;
 
 pub use curve::{MomentCurve, TipDeflection, WhiskerConstants};
 pub use distance::{Distance, DistanceModel, Motion};
+pub use plane::MomentPlane;
 
 /// The version of the file that this library writes and reads.
 pub const VERSION: u32 = 1;
@@ -29,6 +31,8 @@ pub struct Calibration {
     pub data: Vec<Source>,
     /// Raw readings to moment.
     pub moment: Option<MomentCurve>,
+    /// Raw readings to the moments about both transverse axes; where it is there, moments come from it.
+    pub plane: Option<MomentPlane>,
     /// Moment to the retreat of the tip.
     pub tip_deflection: Option<TipDeflection>,
     /// Constants of the whisker.

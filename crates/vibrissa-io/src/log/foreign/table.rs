@@ -41,9 +41,9 @@ pub(super) fn read(bytes: &[u8]) -> Recording {
 /// The unit that a column's name stands for; empty for columns of the user's own.
 fn unit(name: &str) -> &'static str {
     match name.rsplit('.').next().unwrap_or(name) {
-        "x" | "y" | "dist" | "bend" => "m",
+        "x" | "y" | "z" | "dist" | "bend" => "m",
         "theta" | "slope" | "heading" => "rad",
-        "moment" => "N m",
+        "moment" | "across" => "N m",
         "force" => "N",
         "bx" | "by" | "bz" => "T",
         "ax" | "ay" | "az" => "counts",

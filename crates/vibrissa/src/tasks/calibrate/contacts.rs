@@ -1,6 +1,8 @@
 //! A whole calibration from labelled contacts, and what is known of a shaft before its distances are fitted.
 
-use super::{Constant, Explained, Labelled, Shaft, fit_constants, fit_moment_curve, fit_tip_deflection};
+use super::{
+    Constant, Explained, Labelled, Shaft, fit_constants, fit_moment_curve, fit_moment_plane, fit_tip_deflection,
+};
 use crate::beam::Whisker;
 use crate::config::{CurveOptions, shaft};
 use crate::io::log::foreign::Recording;
@@ -28,11 +30,11 @@ impl ContactCalibration {
 
 /// Calibrates a whisker from a recording of labelled contacts (columns `x,y` and raw readings or `moment`): raw readings
 /// to moments, moments to the tip's retreat, and the constants `free` of the whisker; `file` names the recording in the
-/// calibration.
+/// calibration. With a column `z`, raw readings to the moments about both transverse axes.
 ///
 /// # Errors
 ///
-/// As [`Labelled::from_recording`], [`fit_constants`] and [`fit_moment_curve`]; data: nothing to calibrate.
+/// As [`Labelled::from_recording`], [`fit_constants`], [`fit_moment_curve`] and [`fit_moment_plane`]; data: nothing to calibrate.
 pub fn calibrate_contacts(
     recording: &Recording,
     file: &str,
@@ -52,17 +54,24 @@ pub fn calibrate_contacts(
         explained = labelled.explain(&whisker)?;
         Some(constants)
     };
-    let moment =
-        if labelled.inputs.is_empty() { None } else { Some(fit_moment_curve(&labelled, &explained, &options)?) };
+    let (mut moment, mut plane) = (None, None);
+    if labelled.inputs.is_empty() {
+        // Moments are measured: there is nothing to turn into them.
+    } else if labelled.angles.is_empty() {
+        moment = Some(fit_moment_curve(&labelled, &explained, &options)?);
+    } else {
+        plane = Some(fit_moment_plane(&labelled, &explained, &options)?);
+    }
     let source = Source { file: file.to_owned(), rows: recording.lines.len(), used: explained.len(), distance: None };
     let calibration = Calibration {
         data: vec![source],
         moment,
+        plane,
         tip_deflection: fit_tip_deflection(&explained),
         whisker: constants,
         ..Calibration::default()
     };
-    if calibration.moment.is_none() && calibration.tip_deflection.is_none() && calibration.whisker.is_none() {
+    if moment_free(&calibration) && calibration.tip_deflection.is_none() && calibration.whisker.is_none() {
         return Err(Error::data(
             "there is nothing to calibrate: no contact bends the whisker, and there are no raw readings",
         )
@@ -72,10 +81,20 @@ pub fn calibrate_contacts(
     Ok(ContactCalibration { calibration, labelled, explained })
 }
 
+fn moment_free(calibration: &Calibration) -> bool {
+    calibration.moment.is_none() && calibration.plane.is_none()
+}
+
 /// The readings' excursion for each contact; nothing where moments are measured.
 fn signal(labelled: &Labelled, explained: &[Explained], options: &CurveOptions) -> Result<Vec<f64>> {
     if labelled.moments.is_some() {
         return Ok(Vec::new());
+    }
+    if !labelled.angles.is_empty() {
+        return Err(Error::data("constants of the whisker cannot be told from raw readings of contacts in space")
+            .in_file(&labelled.source)
+            .allowed("contacts in the x-y plane (z = 0), or a column moment")
+            .remedy("record contacts in one plane for --free, and all others in a log of their own"));
     }
     let curve = fit_moment_curve(labelled, explained, options)?;
     Ok(labelled.readings.iter().map(|readings| curve.signal(readings)).collect())

@@ -5,14 +5,18 @@ use crate::beam::{Bend, Load, Rod, Whisker, deflection_per_force};
 use crate::io::log::foreign::Recording;
 use crate::plane::Vec2;
 use crate::{Error, Result};
+use vibrissa_core::math;
 
 /// Readings with known contact points.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Labelled {
     /// The file, for messages.
     pub source: String,
-    /// Contact points in the whisker frame (m); `y = 0` is no contact.
+    /// Contact points in the whisker frame (m); `y = 0` is no contact. With [`Labelled::angles`], `y` is the distance from the
+    /// undeflected whisker's axis.
     pub contacts: Vec<Vec2>,
+    /// The angle of each contact about the whisker's axis (rad), from +y towards +z; empty where all contacts are in the x-y plane.
+    pub angles: Vec<f64>,
     /// Names of the raw inputs: `bx,by,bz` or `ax,ay,az`, as far as they are there.
     pub inputs: Vec<String>,
     /// The raw readings of each contact, in the order of the inputs.
@@ -26,14 +30,24 @@ pub struct Labelled {
 pub struct Explained {
     /// The index of the contact.
     pub row: usize,
-    /// Moment about the base (N m).
+    /// Moment about the base in the whisker's x-y plane (N m).
     pub moment: f64,
+    /// Moment across it (N m), positive for a push towards +z.
+    pub across: f64,
     /// How far the tip retreats along the undeflected whisker (m).
     pub retreat: f64,
 }
 
+impl Explained {
+    /// The size of both moments (N m).
+    #[must_use]
+    pub fn size(&self) -> f64 {
+        math::hypot(self.moment, self.across)
+    }
+}
+
 impl Labelled {
-    /// The labelled contacts of a recording with columns `x,y` and raw readings or `moment`.
+    /// The labelled contacts of a recording with columns `x,y` or `x,y,z` and raw readings or `moment`.
     ///
     /// # Errors
     ///
@@ -46,6 +60,11 @@ impl Labelled {
                 .remedy("record contacts at known points, or calibrate from taps with --taps"));
         }
         let (x, y) = (recording.require("x")?, recording.require("y")?);
+        let z = recording.column("z").filter(|z| z.iter().any(|z| *z != 0.0));
+        let contact = |row: usize| match z {
+            Some(z) => Vec2::new(x[row], math::hypot(y[row], z[row])),
+            None => Vec2::new(x[row], y[row]),
+        };
         let raw = [["bx", "by", "bz"], ["ax", "ay", "az"]];
         let held =
             |names: &[&'static str; 3]| names.iter().copied().filter(|n| recording.column(n).is_some()).collect();
@@ -65,7 +84,8 @@ impl Labelled {
         let columns: Vec<&[f64]> = names.iter().filter_map(|name| recording.column(name)).collect();
         Ok(Self {
             source: recording.source.clone(),
-            contacts: x.iter().zip(y).map(|(x, y)| Vec2::new(*x, *y)).collect(),
+            contacts: (0..x.len()).map(contact).collect(),
+            angles: z.map_or_else(Vec::new, |z| y.iter().zip(z).map(|(y, z)| math::atan2(*z, *y)).collect()),
             inputs: names.iter().map(|&name| name.to_owned()).collect(),
             readings: (0..x.len()).map(|row| columns.iter().map(|column| column[row]).collect()).collect(),
             moments,
@@ -83,10 +103,11 @@ impl Labelled {
         let mut explained = Vec::with_capacity(self.contacts.len());
         for (row, &contact) in self.contacts.iter().enumerate() {
             if contact.y.abs() <= 0.0 {
-                explained.push(Explained { row, moment: 0.0, retreat: 0.0 });
+                explained.push(Explained { row, moment: 0.0, across: 0.0, retreat: 0.0 });
             } else if let Some(bend) = bend_to(&rod, whisker, contact)? {
                 let retreat = -bend.tip_displacement(whisker.length).x;
-                explained.push(Explained { row, moment: bend.moment, retreat });
+                let (across, along) = self.angles.get(row).map_or((0.0, 1.0), |angle| math::sin_cos(*angle));
+                explained.push(Explained { row, moment: bend.moment * along, across: bend.moment * across, retreat });
             }
         }
         Ok(explained)

@@ -1,6 +1,7 @@
 //! From raw readings to moments, and from moments to the tip's retreat.
 
 use super::labelled::{Explained, Labelled};
+use super::scatter::{Scatter, by_labels, hysteresis, is_as_good, parts, rms};
 use crate::config::CurveOptions;
 use crate::least_squares::linear;
 use crate::world::calibration::{MomentCurve, TipDeflection};
@@ -54,7 +55,7 @@ pub fn fit_moment_curve(labelled: &Labelled, explained: &[Explained], options: &
     let fit = |scatter: &Scatter| chosen(&pairs, range, scatter, options.most_degree);
     // The first fit tells how readings scatter, the second one heeds it.
     let first = fit(&Scatter::EVEN).map(|(coefficients, _)| residuals(&pairs, range, &coefficients));
-    let scatter = first.map_or(Scatter::EVEN, |residuals| Scatter::of(&pairs, &residuals));
+    let scatter = first.map_or(Scatter::EVEN, |residuals| Scatter::of(&moments(&pairs), &residuals));
     let Some((coefficients, errors)) = fit(&scatter) else {
         return Err(fault("no monotone curve fits the readings"));
     };
@@ -62,7 +63,7 @@ pub fn fit_moment_curve(labelled: &Labelled, explained: &[Explained], options: &
     let residuals: Vec<f64> = pairs.iter().map(|&(s, m)| m - curve.at(s)).collect();
     curve.residual_rms = rms(&residuals);
     curve.bound = errors.iter().fold(0.0, |most, e| e.abs().max(most));
-    curve.hysteresis = hysteresis(&pairs, &residuals);
+    curve.hysteresis = hysteresis(&moments(&pairs), &residuals);
     Ok(curve)
 }
 
@@ -80,50 +81,6 @@ fn direction(labelled: &Labelled, explained: &[Explained]) -> Option<(Vec<f64>, 
         .then(|| (lines.iter().map(|line| line[0]).collect(), lines.iter().map(|line| line[1] / norm).collect()))
 }
 
-/// How readings scatter about the curve: the variance at a moment `m` is `floor + share * m²`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Scatter {
-    floor: f64,
-    share: f64,
-}
-
-/// Rounds of the fit of the scatter.
-const ROUNDS: usize = 20;
-/// The least floor, as a share of the variance at the largest moment: no contact outweighs another by more than its root.
-const LEAST_FLOOR: f64 = 1e-4;
-
-impl Scatter {
-    /// The same everywhere.
-    const EVEN: Self = Self { floor: 1.0, share: 0.0 };
-
-    /// What explains the squares of the residuals best, each weighed by its own variance.
-    fn of(pairs: &[Pair], residuals: &[f64]) -> Self {
-        let largest = pairs.iter().fold(0.0, |most: f64, p| most.max(p.1 * p.1));
-        let mean = residuals.iter().map(|r| r * r).sum::<f64>() / residuals.len().max(1) as f64;
-        if !(mean > 0.0 && largest > 0.0) {
-            return Self::EVEN;
-        }
-        let mut scatter = Self { floor: mean, share: 0.0 };
-        for _ in 0..ROUNDS {
-            let row = |m: f64| vec![1.0 / scatter.variance(m), m * m / scatter.variance(m)];
-            let rows: Vec<Vec<f64>> = pairs.iter().map(|p| row(p.1)).collect();
-            let targets: Vec<f64> = pairs.iter().zip(residuals).map(|(p, r)| r * r / scatter.variance(p.1)).collect();
-            let Some(fitted) = linear(&rows, &targets) else { break };
-            let (floor, share) = (fitted[0], fitted[1].max(0.0));
-            scatter = Self { floor: floor.max(LEAST_FLOOR * (share * largest).max(mean)), share };
-        }
-        scatter
-    }
-
-    fn variance(&self, moment: f64) -> f64 {
-        self.floor + self.share * moment * moment
-    }
-
-    fn std(&self, moment: f64) -> f64 {
-        self.variance(moment).sqrt()
-    }
-}
-
 /// The coefficients of the least degree that will do, and its errors on rows left out.
 fn chosen(pairs: &[Pair], range: [f64; 2], scatter: &Scatter, most_degree: usize) -> Option<(Vec<f64>, Vec<f64>)> {
     let tried: Vec<(Vec<f64>, Vec<f64>)> = (1..=most_degree)
@@ -139,45 +96,22 @@ fn chosen(pairs: &[Pair], range: [f64; 2], scatter: &Scatter, most_degree: usize
     tried.into_iter().nth(chosen)
 }
 
-/// Whether squared errors are no larger than others of the same rows by more than one standard error of the difference.
-fn is_as_good(own: &[f64], best: &[f64]) -> bool {
-    let n = own.len().max(1) as f64;
-    let mean = own.iter().zip(best).map(|(a, b)| a - b).sum::<f64>() / n;
-    let spread = own.iter().zip(best).map(|(a, b)| (a - b - mean).powi(2)).sum::<f64>() / n;
-    mean <= (spread / n).sqrt()
-}
-
 fn residuals(pairs: &[Pair], range: [f64; 2], coefficients: &[f64]) -> Vec<f64> {
     pairs.iter().map(|&(s, m)| m - value(coefficients, (s - range[0]) / range[1])).collect()
 }
 
 /// Coefficients of the polynomial in `(signal - middle) / half width`, each pair weighed by its scatter.
-///
-/// The readings have errors and the labels all but none: plain least squares of moments by readings would make every
-/// moment too small. The readings' powers are therefore first replaced by what the labels tell of them (instrumental
-/// variables).
 fn polynomial(pairs: &[Pair], range: [f64; 2], scatter: &Scatter, degree: usize) -> Option<Vec<f64>> {
     let weights: Vec<f64> = pairs.iter().map(|p| 1.0 / scatter.std(p.1)).collect();
-    let weighed = |rows: &[Vec<f64>]| -> Vec<Vec<f64>> {
-        rows.iter().zip(&weights).map(|(row, w)| row.iter().map(|v| v * w).collect()).collect()
-    };
     let powers = |z: f64| -> Vec<f64> { (0..=degree).map(|k| z.powi(k as i32)).collect() };
     let scale = pairs.iter().fold(0.0, |most: f64, p| most.max(p.1.abs()));
     let labels: Vec<Vec<f64>> = pairs.iter().map(|p| powers(p.1 / scale)).collect();
     let readings: Vec<Vec<f64>> = pairs.iter().map(|p| powers((p.0 - range[0]) / range[1])).collect();
-    let weighed_labels = weighed(&labels);
-    let told = |k: usize| {
-        let column: Vec<f64> = readings.iter().zip(&weights).map(|(row, w)| row[k] * w).collect();
-        linear(&weighed_labels, &column)
-    };
-    let told: Vec<Vec<f64>> = (0..=degree).map(told).collect::<Option<_>>()?;
-    let rows: Vec<Vec<f64>> = labels.iter().map(|label| told.iter().map(|by| dot(by, label)).collect()).collect();
-    let targets: Vec<f64> = pairs.iter().zip(&weights).map(|(p, w)| p.1 * w).collect();
-    linear(&weighed(&rows), &targets)
+    by_labels(&labels, &readings, &moments(pairs), &weights)
 }
 
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
+fn moments(pairs: &[Pair]) -> Vec<f64> {
+    pairs.iter().map(|pair| pair.1).collect()
 }
 
 fn value(coefficients: &[f64], z: f64) -> f64 {
@@ -189,62 +123,26 @@ fn monotone(coefficients: &[f64]) -> bool {
     values.windows(2).all(|w| w[1] > w[0]) || values.windows(2).all(|w| w[1] < w[0])
 }
 
-/// Rows in one block that is left out together: neighbours in time share their errors.
-const BLOCK: usize = 8;
-/// How many parts the blocks are dealt into.
-const FOLDS: usize = 10;
-
 /// Errors of all rows, each by a curve without its block and every tenth of the others.
 fn left_out(pairs: &[Pair], range: [f64; 2], scatter: &Scatter, degree: usize) -> Option<Vec<f64>> {
-    let fold = |row: usize| row / BLOCK % FOLDS;
     let mut errors = vec![0.0; pairs.len()];
-    for part in 0..FOLDS {
-        let others: Vec<Pair> =
-            pairs.iter().enumerate().filter(|(row, _)| fold(*row) != part).map(|(_, p)| *p).collect();
+    for (out, others) in parts(pairs.len()) {
+        let others: Vec<Pair> = others.into_iter().map(|row| pairs[row]).collect();
         let coefficients = polynomial(&others, range, scatter, degree)?;
-        for (row, pair) in pairs.iter().enumerate().filter(|(row, _)| fold(*row) == part) {
-            errors[row] = pair.1 - value(&coefficients, (pair.0 - range[0]) / range[1]);
+        for row in out {
+            errors[row] = pairs[row].1 - value(&coefficients, (pairs[row].0 - range[0]) / range[1]);
         }
     }
     Some(errors)
-}
-
-/// Widest gap between the mean residuals of rising and of falling load, over eighths of the range.
-fn hysteresis(pairs: &[Pair], residuals: &[f64]) -> f64 {
-    const BINS: usize = 8;
-    const FEWEST: usize = 4;
-    let most = pairs.iter().map(|p| p.1.abs()).fold(0.0, f64::max);
-    let mut sums = [[(0.0, 0usize); 2]; BINS];
-    let mut rising = None;
-    for row in 1..pairs.len() {
-        let (before, now) = (pairs[row - 1].1.abs(), pairs[row].1.abs());
-        if (now - before).abs() > 1e-6 * most {
-            rising = Some(now > before);
-        }
-        if let Some(rising) = rising {
-            let bin = ((now / most * BINS as f64) as usize).min(BINS - 1);
-            let cell = &mut sums[bin][usize::from(rising)];
-            *cell = (cell.0 + residuals[row] * pairs[row].1.signum(), cell.1 + 1);
-        }
-    }
-    let gap = |[down, up]: &[(f64, usize); 2]| match (down.1.min(up.1) >= FEWEST, down, up) {
-        (true, down, up) => (down.0 / down.1 as f64 - up.0 / up.1 as f64).abs(),
-        _ => 0.0,
-    };
-    sums.iter().map(gap).fold(0.0, f64::max)
-}
-
-fn rms(values: &[f64]) -> f64 {
-    (values.iter().map(|v| v * v).sum::<f64>() / values.len().max(1) as f64).sqrt()
 }
 
 /// Fits the tip's retreat as an even polynomial of the moment \[routray, section "Sensor Calibration"\]; none when fewer
 /// than two contacts bend the whisker.
 #[must_use]
 pub fn fit_tip_deflection(explained: &[Explained]) -> Option<TipDeflection> {
-    let largest = explained.iter().map(|e| e.moment.abs()).fold(0.0, f64::max);
-    let bent: Vec<&Explained> = explained.iter().filter(|e| e.moment.abs() > 1e-6 * largest).collect();
-    let rows: Vec<Vec<f64>> = bent.iter().map(|e| (e.moment / largest).powi(2)).map(|z| vec![z, z * z]).collect();
+    let largest = explained.iter().map(Explained::size).fold(0.0, f64::max);
+    let bent: Vec<&Explained> = explained.iter().filter(|e| e.size() > 1e-6 * largest).collect();
+    let rows: Vec<Vec<f64>> = bent.iter().map(|e| (e.size() / largest).powi(2)).map(|z| vec![z, z * z]).collect();
     let targets: Vec<f64> = bent.iter().map(|e| e.retreat).collect();
     let fitted = linear(&rows, &targets)?;
     let residuals: Vec<f64> =

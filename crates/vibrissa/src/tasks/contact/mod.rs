@@ -16,6 +16,7 @@
 //! | `stretch` | the log's stretches of contact, thinned |
 //! | `segment` | the parts of a stretch during which the contact stood still |
 //! | `trace/` | where tip or side went while they slid along a wall, by one least-squares problem |
+//! | `space/` | the same in space, from the moments about both transverse axes |
 //! | `report` | the whole log: a contact for each step, and what happened |
 
 mod baseline;
@@ -27,6 +28,7 @@ mod region;
 mod report;
 mod segment;
 mod sharpened;
+mod space;
 mod stretch;
 mod trace;
 
@@ -36,4 +38,5 @@ pub use meeting::{Meeting, MeetingKind, meetings};
 pub use reading::ContactReading;
 pub use region::{ContactRegion, contact_region};
 pub use report::{ContactKind, ContactReport, ContactStep, contacts, contacts_until};
+pub use space::{Band, SpacePoint, SpaceReport, SpaceStep, contact_in_space};
 pub use trace::{Trace, TraceNode, TraceOptions, TracePoint, contact_traces};

@@ -51,6 +51,7 @@ impl ContactStretch {
 /// A robot's whisker without a moment column, a column that may be of several.
 pub(super) fn stretches(log: &SensorLog, robot: &Robot, spacings: [f64; 2]) -> Result<Vec<ContactStretch>> {
     one_owner_each(robot, &log.channels)?;
+    robot.require_level("the search for contacts")?;
     let mut all = Vec::new();
     for (index, whisker) in robot.whiskers.iter().enumerate() {
         let channel = log.moment_channel(&whisker.name)?;
