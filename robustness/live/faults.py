@@ -227,10 +227,11 @@ class Faults:
     def port(self, run, name="port"):
         return Port(run.folder / name)
 
-    def killed(self):
-        dice, lost, kills = random.Random(3), [], 3 if self.short else 20
+    def kills(self, name, dice):
+        """Kills some runs; the most that one lost (s)."""
+        worst, kills = 0.0, 3 if self.short else 20
         for kill in range(kills):
-            run = self.run(f"killed{kill}")
+            run = self.run(f"{name}{kill}")
             port = self.port(run)
             run.start("--json")
             lines = []
@@ -243,11 +244,28 @@ class Faults:
             same, of = run.again()
             assert same == of, f"{same} of {of} estimates are the same"
             # What was told and is not in the recording, at twenty estimates a second.
-            lost.append(max(0.0, (len(lines) - of) / 20.0))
-        worst = max(lost)
+            worst = max(worst, (len(lines) - of) / 20.0)
         assert worst <= 0.5, f"{worst} s lost"
-        done = f"`kill -9` at a random moment, {kills} times"
-        return done, f"at most {worst:.2f} s of estimates; what is recorded plays again to the same bytes", "(none: it is dead)"
+        return kills, f"at most {worst:.2f} s of estimates; what is recorded plays again to the same bytes", "(none: it is dead)"
+
+    def killed(self):
+        kills, lost, seen = self.kills("killed", random.Random(3))
+        return f"`kill -9` at a random moment, {kills} times", lost, seen
+
+    def killed_busy(self):
+        # Twice as many programs that compute as there are processors, and one that writes and synchronises without end.
+        spin = "while True: pass"
+        write = "import os\nf = open('load', 'wb')\nwhile True:\n f.seek(0)\n f.write(bytes(64 << 20))\n f.flush()\n os.fsync(f.fileno())"
+        busy = [subprocess.Popen([sys.executable, "-c", spin]) for _ in range(2 * os.cpu_count())]
+        busy.append(subprocess.Popen([sys.executable, "-c", write], cwd=self.folder))
+        try:
+            kills, lost, seen = self.kills("busy", random.Random(4))
+        finally:
+            for program in busy:
+                program.kill()
+                program.wait()
+            (self.folder / "load").unlink(missing_ok=True)
+        return f"the same, {kills} times, while {len(busy) - 1} programs compute on {os.cpu_count()} processors and one writes and synchronises 64 MB again and again", lost, seen
 
     def full_disk(self):
         run = self.run("full", restore_signals=False, preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (60_000, resource.RLIM_INFINITY)))
@@ -547,8 +565,11 @@ class Faults:
         return "no port of that name; it comes a second later", f"nothing: {counts['frames']} of {sent} frames", run.said("robot:")
 
 
-ALL = ["killed", "full_disk", "slow_disk", "unplugged", "clock_jumps", "cut", "noise", "halves", "wrong_baud", "zeros", "two_on_one"]
+ALL = ["killed", "killed_busy", "full_disk", "slow_disk", "unplugged", "clock_jumps", "cut", "noise", "halves", "wrong_baud", "zeros", "two_on_one"]
 ALL += ["no_permission", "nothing_there", "tcp", "unix", "udp"]
+
+# What keeps the machine busy, so that other faults would be seen later.
+ALONE = ["killed_busy"]
 
 
 def table(found):
@@ -578,9 +599,12 @@ def main():
         shutil.copy(Path(__file__).resolve().parent / "cal.json", world / "cal.json")
         faults = Faults(program, world, folder, args.short)
         names = [args.only] if args.only else ALL
-        # Each run has little to do; three at once.
+        # Each run has little to do; three at once, but for one that keeps the machine busy.
         with ThreadPoolExecutor(3) as pool:
-            running = {name: pool.submit(getattr(faults, name)) for name in names}
+            running = {name: pool.submit(getattr(faults, name)) for name in names if name not in ALONE}
+        with ThreadPoolExecutor(1) as pool:
+            running |= {name: pool.submit(getattr(faults, name)) for name in names if name in ALONE}
+        running = {name: running[name] for name in names}
         found, failed = [], []
         for name, future in running.items():
             try:

@@ -31,14 +31,24 @@ const PATIENCE: Duration = Duration::from_millis(120);
 /// How often is looked whether it has.
 const LOOK_AGAIN: Duration = Duration::from_millis(5);
 
-/// Asks the work under way to stop and to keep what it has; ends the process where no work heeds it or it was asked before, and where work
+/// Asks the work under way to stop and to keep what it has; ends the process where no work heeds it or it was asked before (by the
+/// [last resort](last_resort) of work that ends in its own time), and where work
 /// that can be done without has not stopped after a moment: with what is known so far, where anything is.
 ///
 /// For a signal handler on a thread of its own. Results are staged, so that earlier ones stay whole.
 pub fn interrupt() {
     let asked_before = ASKED.is_asked();
     ASKED.ask();
-    if !HEEDED.load(Ordering::SeqCst) || asked_before {
+    if !HEEDED.load(Ordering::SeqCst) {
+        leave();
+    }
+    if asked_before {
+        // Work that ends in its own time says how it is ended at once.
+        if !HURRIED.load(Ordering::SeqCst)
+            && let Slot::Ready(resort) = core::mem::replace(&mut *slot(), Slot::Taken)
+        {
+            resort();
+        }
         leave();
     }
     if !HURRIED.load(Ordering::SeqCst) {
@@ -95,7 +105,8 @@ fn slot() -> MutexGuard<'static, Slot> {
 pub(crate) struct Heedful(());
 
 impl Heedful {
-    /// Heeds requests from now on, and ends in its own time: a recording is closed.
+    /// Heeds requests from now on, and ends in its own time: a recording is closed. Where it is asked again, the
+    /// [last resort](last_resort) ends the process.
     pub(crate) fn begin() -> Self {
         HEEDED.store(true, Ordering::SeqCst);
         Self(())

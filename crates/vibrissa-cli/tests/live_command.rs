@@ -9,7 +9,7 @@ use common::{folder, vibrissa};
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
 use std::process::{Child, ChildStdin, Command, Stdio};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use vibrissa::io::log::to_csv;
 use vibrissa::tasks::demo;
 use vibrissa_live::journal;
@@ -116,6 +116,58 @@ fn an_interrupt_ends_the_run_with_whole_files() {
     assert!(recorded.warnings.is_empty() && recorded.lines[0] == first, "{:?}", recorded.warnings);
     let again = vibrissa(&["live", "--replay", here.join("out").to_str().unwrap(), "--json"]);
     assert_eq!(again.stdout.lines().next(), Some(first.as_str()));
+}
+
+/// The search of a large map takes the estimator far longer than anybody waits.
+#[test]
+fn a_second_interrupt_ends_the_run_at_once_with_whole_files() {
+    let (here, lines) = prepared("live-interrupt-twice");
+    let corner = |i: u32| (f64::from(i) * core::f64::consts::TAU / 20_000.0).sin_cos();
+    let ring: Vec<String> =
+        (0..=20_000).map(|i| corner(i % 20_000)).map(|(s, c)| format!("[{},{}]", 15.5 * c, 15.5 * s)).collect();
+    let arena = format!(
+        r#"{{"type":"Feature","properties":{{"role":"arena"}},"geometry":{{"type":"Polygon","coordinates":[[{}]]}}}}"#,
+        ring.join(",")
+    );
+    std::fs::write(here.join("ring.geojson"), arena).unwrap();
+    let setup = SETUP.replace("map.svg", "ring.geojson");
+    std::fs::write(here.join("live.toml"), setup).unwrap();
+    let (mut child, mut input) = start(&here, &[]);
+    let sent = lines[..400].concat();
+    for piece in lines[..400].chunks(20) {
+        input.write_all(piece.concat().as_bytes()).unwrap();
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    let mut looks = 0;
+    while recorded(&here.join("out")).is_none_or(|bytes| bytes.len() < sent.len()) {
+        std::thread::sleep(Duration::from_millis(10));
+        looks += 1;
+        assert!(looks < 12_000, "nothing reaches the disk");
+    }
+    let id = child.id().to_string();
+    let interrupt = || assert!(Command::new("kill").arg("-INT").arg(&id).status().unwrap().success());
+    interrupt();
+    // What arrives after the first one may be recorded or not; the estimator is busy with the map.
+    std::thread::sleep(Duration::from_millis(500));
+    assert!(child.try_wait().unwrap().is_none(), "the estimator is to be busy, or nothing is tested");
+    let began = Instant::now();
+    interrupt();
+    let code = child.wait().unwrap().code();
+    let took = began.elapsed();
+    assert_eq!(code, Some(130));
+    assert!(took < Duration::from_secs(3), "{took:?}");
+    drop(input);
+    let recorded = journal::read(&here.join("out")).unwrap();
+    assert!(recorded.warnings.is_empty(), "{:?}", recorded.warnings);
+    let mut bytes = Vec::new();
+    journal::chunks(&recorded, |chunk| {
+        if let Arrived::Bytes(raw) = chunk.what {
+            bytes.extend(raw);
+        }
+        Ok(())
+    })
+    .unwrap();
+    assert!(bytes == sent.as_bytes(), "{} of {} bytes", bytes.len(), sent.len());
 }
 
 #[test]

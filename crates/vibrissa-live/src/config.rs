@@ -52,9 +52,10 @@ pub const ESTIMATE_RATE: f64 = 20.0;
 /// Places of an estimate that are told one by one.
 pub const PLACES_TOLD: usize = 8;
 
-/// How often the recording is written and synchronised with the disk (s): a power cut loses no more than this and the time
-/// that the disk takes.
-pub const SYNC: f64 = 0.25;
+/// How often the recording is handed to the system (s): `kill -9` loses no more than this.
+pub const WRITE: f64 = 0.05;
+/// How often it is synchronised with the disk (s): a power cut loses no more than this, [`WRITE`], and the time that the disk takes.
+pub const SYNC: f64 = 0.2;
 /// Memory of what waits for the disk (bytes): six minutes of the paper's sensor. What comes on top is dropped and counted.
 pub const RECORD_WAITING: usize = 32 << 20;
 /// How long a full disk is left alone before it is tried again (s).

@@ -11,23 +11,25 @@
 //! | `/vibrissa/notice` | `std_msgs/String` | what happened to a source |
 //! | `/vibrissa/setup` | `std_msgs/String` | version, folder and `live.toml` of the run |
 //!
-//! A chunk of the file is closed, written and synchronised four times a second. What does not fit into memory while the disk
-//! is slow or full is dropped and counted, and the sequence of its topic has a hole there.
+//! A chunk of the file is closed and handed to the system twenty times a second: `kill -9` loses no more than that. A second thread
+//! synchronises the file with the disk, five times a second where the disk is as fast; neither thread waits for the other. What is not synchronised
+//! stays in memory and is written again where the disk refuses. What does not fit into memory while the disk is slow or full is
+//! dropped and counted, and the sequence of its topic has a hole there.
 
 mod storage;
+mod syncing;
+mod writing;
 
-pub use storage::{FileStorage, Storage};
+pub use storage::{FileStorage, Storage, Synchroniser};
 
-use crate::config::{DISK_RETRY, RECORD_WAITING, SYNC};
-use std::sync::atomic::{AtomicU32, AtomicU64, AtomicUsize, Ordering};
-use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
-use std::sync::{Arc, Mutex, PoisonError};
+use crate::config::RECORD_WAITING;
+use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, AtomicUsize, Ordering};
+use std::sync::mpsc::{Sender, channel};
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::thread::JoinHandle;
-use std::time::{Duration, Instant};
-use vibrissa_io::ros::{BagStream, Kind, Stamp, StreamTopic};
-
-/// A chunk of this size is written before its time (bytes).
-const LARGE: usize = 256 << 10;
+use std::time::Duration;
+use vibrissa_io::ros::{BagStream, Kind, StreamTopic};
+use writing::Writer;
 
 /// A topic of a recording.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,11 +42,19 @@ struct Entry {
     message: Vec<u8>,
 }
 
+impl Entry {
+    /// What it takes in memory (bytes).
+    fn size(&self) -> usize {
+        self.message.len() + size_of::<Self>()
+    }
+}
+
 /// What recorder and run both look at.
 #[derive(Debug, Default)]
 struct Shared {
-    /// Bytes that wait.
+    /// Bytes that wait for the writing thread, and those that it keeps until they are synchronised.
     waiting: AtomicUsize,
+    kept: AtomicUsize,
     /// Messages that were dropped in all, and of each topic since the last one that was written.
     dropped: AtomicU64,
     holes: Vec<AtomicU32>,
@@ -52,6 +62,38 @@ struct Shared {
     synced: AtomicU64,
     /// What the disk said last, while it refuses.
     fault: Mutex<Option<String>>,
+    /// Whether somebody wants the file to be whole at once, and whether it is.
+    hurried: AtomicBool,
+    closed: Mutex<bool>,
+    closing: Condvar,
+}
+
+impl Shared {
+    fn is_hurried(&self) -> bool {
+        self.hurried.load(Ordering::Relaxed)
+    }
+
+    fn close(&self) {
+        *self.closed.lock().unwrap_or_else(PoisonError::into_inner) = true;
+        self.closing.notify_all();
+    }
+}
+
+/// Closes a recording from another thread, before all that is still to come: for those who have to leave at once.
+#[derive(Clone, Debug)]
+pub struct Closer(Arc<Shared>);
+
+impl Closer {
+    /// Closes the file with what was recorded so far, without an index of a long recording; whether it is whole within so long (s). What is
+    /// recorded later is dropped.
+    #[must_use]
+    pub fn close_now(&self, patience: f64) -> bool {
+        self.0.hurried.store(true, Ordering::Relaxed);
+        let closed = self.0.closed.lock().unwrap_or_else(PoisonError::into_inner);
+        let patience = Duration::try_from_secs_f64(patience).unwrap_or_default();
+        let waited = self.0.closing.wait_timeout_while(closed, patience, |closed| !*closed);
+        *waited.map_or_else(|e| e.into_inner().0, |(closed, _)| closed)
+    }
 }
 
 /// Hands messages to the thread that writes them.
@@ -83,8 +125,8 @@ impl Recorder {
         let holes = topics.iter().map(|_| AtomicU32::new(0)).collect();
         let shared = Arc::new(Shared { holes, ..Shared::default() });
         let (sender, receiver) = channel();
-        let writer = Writer { stream, topics: known, pending: Vec::new(), length: 0, shared: Arc::clone(&shared) };
-        let thread = std::thread::spawn(move || writer.run(storage, &receiver));
+        let writer = Writer::new(stream, known, storage, Arc::clone(&shared), limit);
+        let thread = std::thread::spawn(move || writer.run(&receiver));
         let topics = (0..topics.len()).map(RecordTopic).collect();
         (Self { sender: Some(sender), shared, thread: Some(thread), limit }, topics)
     }
@@ -92,11 +134,13 @@ impl Recorder {
     /// Records a message, logged at `t` (s); false where it had to be dropped.
     #[allow(clippy::must_use_candidate, reason = "what is dropped is counted")]
     pub fn push(&self, topic: RecordTopic, t: f64, message: Vec<u8>) -> bool {
-        let size = message.len() + size_of::<Entry>();
-        let full = self.shared.waiting.load(Ordering::Relaxed) + size > self.limit;
+        let entry = Entry { topic: topic.0, t, message };
+        let size = entry.size();
+        let held = self.shared.waiting.load(Ordering::Relaxed) + self.shared.kept.load(Ordering::Relaxed);
+        let full = held + size > self.limit;
         if !full && let Some(sender) = &self.sender {
             self.shared.waiting.fetch_add(size, Ordering::Relaxed);
-            if sender.send(Entry { topic: topic.0, t, message }).is_ok() {
+            if sender.send(entry).is_ok() {
                 return true;
             }
         }
@@ -105,13 +149,19 @@ impl Recorder {
         false
     }
 
+    /// What closes the file while this is elsewhere.
+    #[must_use]
+    pub fn closer(&self) -> Closer {
+        Closer(Arc::clone(&self.shared))
+    }
+
     /// Messages that were dropped.
     #[must_use]
     pub fn dropped(&self) -> u64 {
         self.shared.dropped.load(Ordering::Relaxed)
     }
 
-    /// Bytes that are safe on the disk.
+    /// Bytes of the file that are safe on the disk.
     #[must_use]
     pub fn synced(&self) -> u64 {
         self.shared.synced.load(Ordering::Relaxed)
@@ -145,89 +195,5 @@ impl Recorder {
 impl Drop for Recorder {
     fn drop(&mut self) {
         self.end();
-    }
-}
-
-/// The writing thread's side.
-struct Writer {
-    stream: BagStream,
-    topics: Vec<StreamTopic>,
-    /// Bytes that the disk refused so far, and those before them.
-    pending: Vec<u8>,
-    length: u64,
-    shared: Arc<Shared>,
-}
-
-impl Writer {
-    fn run(mut self, mut storage: impl Storage, entries: &Receiver<Entry>) {
-        let period = Duration::from_secs_f64(SYNC);
-        let mut due = Instant::now() + period;
-        loop {
-            match entries.recv_timeout(due.saturating_duration_since(Instant::now())) {
-                Ok(entry) => self.take(entry),
-                Err(RecvTimeoutError::Timeout) => {}
-                Err(RecvTimeoutError::Disconnected) => break,
-            }
-            if Instant::now() >= due || self.stream.open_bytes() > LARGE {
-                let written = self.write(&mut storage);
-                // A disk that refuses is not asked at once again; what comes waits in the queue.
-                if !written {
-                    std::thread::sleep(Duration::from_secs_f64(DISK_RETRY));
-                }
-                due = Instant::now() + period;
-            }
-        }
-        if self.write(&mut storage) {
-            let ended = self.end(&mut storage);
-            self.note(&mut storage, ended);
-        }
-    }
-
-    /// Writes the summary; the last bytes say that the file is whole: they are written when all before them is on the disk.
-    fn end(&mut self, storage: &mut impl Storage) -> std::io::Result<()> {
-        let seal = core::mem::take(&mut self.stream).finish_in(storage)?;
-        storage.sync()?;
-        storage.append(&seal)?;
-        storage.sync()
-    }
-
-    fn take(&mut self, entry: Entry) {
-        let topic = self.topics[entry.topic];
-        let holes = self.shared.holes[entry.topic].swap(0, Ordering::Relaxed);
-        self.stream.skip(topic, holes);
-        self.stream.push(topic, Stamp::from_seconds(entry.t), &entry.message);
-        self.shared.waiting.fetch_sub(entry.message.len() + size_of::<Entry>(), Ordering::Relaxed);
-    }
-
-    fn write(&mut self, storage: &mut impl Storage) -> bool {
-        let bytes = self.stream.flush();
-        self.pending.extend(bytes);
-        self.pending.is_empty() || self.append(storage)
-    }
-
-    /// Appends what is pending; a part that was written before the disk refused is taken back.
-    fn append(&mut self, storage: &mut impl Storage) -> bool {
-        let result = storage.append(&self.pending).and_then(|()| storage.sync());
-        self.note(storage, result)
-    }
-
-    /// Notes what the disk said to what is pending.
-    fn note(&mut self, storage: &mut impl Storage, result: std::io::Result<()>) -> bool {
-        let mut fault = self.shared.fault.lock().unwrap_or_else(PoisonError::into_inner);
-        match result {
-            Ok(()) => {
-                self.length += self.pending.len() as u64;
-                self.pending.clear();
-                self.shared.synced.store(self.length, Ordering::Relaxed);
-                *fault = None;
-                true
-            }
-            Err(error) => {
-                // Where even this fails, readers stop at the part that is there.
-                let _ = storage.truncate(self.length);
-                *fault = Some(error.to_string());
-                false
-            }
-        }
     }
 }

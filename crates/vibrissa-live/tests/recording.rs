@@ -14,7 +14,7 @@ use common::Dice;
 use std::io::{Error, ErrorKind, Result};
 use std::sync::{Arc, Condvar, Mutex};
 use vibrissa::io::ros::{BagStream, GrowingFile, Kind, Stamp, decode_text, encode_text, read_bag};
-use vibrissa_live::record::{Recorder, Storage};
+use vibrissa_live::record::{Recorder, Storage, Synchroniser};
 
 /// The texts that a file holds, in order; an error where it cannot be read at all.
 fn texts(bytes: &[u8]) -> vibrissa::Result<Vec<String>> {
@@ -91,6 +91,14 @@ struct Disk(Arc<(Mutex<State>, Condvar)>);
 struct State {
     bytes: Vec<u8>,
     held: bool,
+    /// Whether no synchronisation returns, whether the next one fails and forgets what was written since the last one, and up to where
+    /// bytes are safe.
+    slow: bool,
+    forgets: bool,
+    safe: usize,
+    /// Whether reading does not come back, as long as nobody is in a hurry; whether somebody tried.
+    unreadable: bool,
+    looked: bool,
     /// Room that is left; none without end.
     room: Option<usize>,
     refusals: usize,
@@ -124,17 +132,43 @@ impl GrowingFile for Disk {
     }
 
     fn read_at(&mut self, place: u64, buffer: &mut [u8]) -> Result<usize> {
-        self.0.0.lock().unwrap().bytes.read_at(place, buffer)
+        let mut state = self.0.0.lock().unwrap();
+        state.looked = true;
+        self.0.1.notify_all();
+        if state.unreadable {
+            // Nothing is read: asked again and again.
+            return Err(Error::from(ErrorKind::Interrupted));
+        }
+        state.bytes.read_at(place, buffer)
     }
 }
 
 impl Storage for Disk {
-    fn sync(&mut self) -> Result<()> {
-        Ok(())
+    fn synchroniser(&self) -> Synchroniser {
+        let disk = self.clone();
+        Box::new(move || {
+            let state = disk.0.0.lock().unwrap();
+            // What is written while a synchronisation goes on is not part of it.
+            let length = state.bytes.len();
+            let mut state = disk.0.1.wait_while(state, |state| state.slow).unwrap();
+            if core::mem::take(&mut state.forgets) {
+                let safe = state.safe;
+                state.bytes[safe..].fill(0);
+                state.refusals += 1;
+                disk.0.1.notify_all();
+                return Err(Error::from(ErrorKind::Other));
+            }
+            state.safe = state.safe.max(length.min(state.bytes.len()));
+            disk.0.1.notify_all();
+            Ok(())
+        })
     }
 
     fn truncate(&mut self, length: u64) -> Result<()> {
-        self.change(|state| state.bytes.truncate(length as usize));
+        self.change(|state| {
+            assert!(state.safe <= length as usize, "what was synchronised is taken away");
+            state.bytes.truncate(length as usize);
+        });
         Ok(())
     }
 }
@@ -152,6 +186,94 @@ fn a_slow_disk_never_stalls_the_caller_and_what_is_dropped_is_counted() {
     recorder.finish().unwrap();
     let found = texts(&disk.bytes()).unwrap();
     assert_eq!(found.len(), kept);
+}
+
+#[test]
+fn writing_goes_on_while_the_disk_synchronises_and_what_is_dropped_is_counted() {
+    let disk = Disk::default();
+    disk.change(|state| state.slow = true);
+    let (recorder, topics) = Recorder::with_limit(disk.clone(), &[("/raw/w0".to_owned(), Kind::Text, false)], 20_000);
+    for i in 0..20 {
+        let text = format!("line {i}");
+        assert!(recorder.push(topics[0], f64::from(i), encode_text(&text)));
+        // It is with the system, though no synchronisation has come back yet: `kill -9` would not lose it.
+        disk.wait_for(|state| texts(&state.bytes).is_ok_and(|found| found.last() == Some(&text)));
+    }
+    assert_eq!(recorder.synced(), 0);
+    // Memory is bounded all the same.
+    let kept =
+        20 + (20..5000).filter(|i| recorder.push(topics[0], f64::from(*i), encode_text(&format!("{i}")))).count();
+    assert!(kept > 100 && kept < 1000, "{kept} kept");
+    std::thread::sleep(std::time::Duration::from_millis(200));
+    assert!(!recorder.push(topics[0], 5e3, encode_text("no room")), "written is not yet safe, and stays in memory");
+    assert_eq!(recorder.dropped(), 5001 - kept as u64);
+    disk.change(|state| state.slow = false);
+    recorder.finish().unwrap();
+    assert_eq!(texts(&disk.bytes()).unwrap().len(), kept);
+}
+
+#[test]
+fn who_has_to_leave_at_once_leaves_a_whole_file() {
+    let disk = Disk::default();
+    let topic = [("/raw/w0".to_owned(), Kind::Text, false)];
+    let (recorder, topics) = Recorder::with_limit(disk.clone(), &topic, 1 << 20);
+    // Messages of more than a hundredth of the memory are chunks of their own: more of them than an index is kept for.
+    let long = "z".repeat(11_000);
+    for i in 0..1100 {
+        while !recorder.push(topics[0], f64::from(i), encode_text(&long)) {
+            std::thread::yield_now();
+        }
+    }
+    disk.wait_for(|state| state.bytes.len() > 1000 * long.len());
+    assert!(recorder.push(topics[0], 2e3, encode_text("last")));
+    // The index is made by reading the file: that takes for ever here.
+    disk.change(|state| state.unreadable = true);
+    let closer = recorder.closer();
+    let ending = std::thread::spawn(move || recorder.finish());
+    disk.wait_for(|state| state.looked);
+    assert!(closer.close_now(20.0));
+    ending.join().unwrap().unwrap();
+    let bytes = disk.bytes();
+    let found = texts(&bytes).unwrap();
+    assert_eq!(
+        (found.len(), found.last().map(String::as_str)),
+        (1101, Some("last")),
+        "what was refused was offered again"
+    );
+    let summary = read_bag(&bytes[..], "hurried.mcap", |_, _, _| Ok(())).unwrap();
+    assert!(summary.warnings.is_empty(), "{:?}", summary.warnings);
+    assert!(closer.close_now(0.0), "a closed file stays closed");
+}
+
+#[test]
+fn a_disk_that_never_answers_holds_nobody_who_has_to_leave() {
+    let disk = Disk::default();
+    let (recorder, topics) = Recorder::begin(disk.clone(), &[("/raw/w0".to_owned(), Kind::Text, false)]);
+    disk.change(|state| state.slow = true);
+    assert!(recorder.push(topics[0], 0.0, encode_text("first")));
+    disk.wait_for(|state| !state.bytes.is_empty());
+    assert!(!recorder.closer().close_now(0.2));
+    assert_eq!(texts(&disk.bytes()).unwrap(), ["first"]);
+    disk.change(|state| state.slow = false);
+    recorder.finish().unwrap();
+}
+
+#[test]
+fn what_a_disk_forgets_instead_of_synchronising_is_written_again() {
+    let disk = Disk::default();
+    let (recorder, topics) = Recorder::begin(disk.clone(), &[("/raw/w0".to_owned(), Kind::Text, false)]);
+    for i in 0..600 {
+        match i {
+            // In the middle, and at the very end.
+            200 | 599 => disk.change(|state| state.forgets = true),
+            400 => disk.wait_for(|state| state.refusals == 1),
+            _ => {}
+        }
+        assert!(recorder.push(topics[0], f64::from(i), encode_text(&format!("line {i}"))));
+    }
+    recorder.finish().unwrap();
+    assert_eq!(disk.0.0.lock().unwrap().refusals, 2);
+    assert_eq!(texts(&disk.bytes()).unwrap(), (0..600).map(|i| format!("line {i}")).collect::<Vec<_>>());
 }
 
 #[test]

@@ -57,6 +57,10 @@ impl Line<'_> {
     pub(super) fn is_blank(&self) -> bool {
         self.bytes.trim_ascii().is_empty()
     }
+
+    pub(super) fn is_comment(&self) -> bool {
+        self.bytes.trim_ascii_start().starts_with(b"#")
+    }
 }
 
 /// The fields of a line, which this byte parts, without blanks and quotes around them.

@@ -238,7 +238,7 @@ fn row(
 }
 
 /// Refuses odometry that no robot on Earth has.
-fn in_reach(metres: f64, name: &str) -> Result<f64> {
+pub(super) fn in_reach(metres: f64, name: &str) -> Result<f64> {
     if metres.abs() <= LARGEST_ODOMETRY {
         return Ok(metres);
     }
@@ -248,7 +248,7 @@ fn in_reach(metres: f64, name: &str) -> Result<f64> {
         .remedy("odometry is in metres; remove the row if the recording failed there"))
 }
 
-fn number(field: &[u8], decimal_comma: bool, name: &str) -> Result<f64> {
+pub(super) fn number(field: &[u8], decimal_comma: bool, name: &str) -> Result<f64> {
     let shown = || format!("\"{}\"", short(&text(field)));
     let pointed = decimal_comma.then(|| text(field).replace(',', "."));
     let digits = pointed.as_deref().or_else(|| core::str::from_utf8(field).ok());

@@ -1,6 +1,6 @@
 //! The summary at the end of an MCAP file, written group by group.
 
-use super::growing_file::{GrowingFile, read_whole};
+use super::growing_file::{GrowingFile, Window};
 use super::records::{Body, Fields, HEAD, MAGIC, head, op};
 use std::io::{Error, Result};
 
@@ -79,10 +79,11 @@ impl ChunkIndices {
 
     /// Adds records of indices, until so many bytes are there; whether there were any.
     pub(super) fn read(&mut self, file: &mut dyn GrowingFile, enough: usize, records: &mut Vec<u8>) -> Result<bool> {
+        let mut file = Window::new(file);
         while self.place < self.end && records.len() < enough {
-            let (kind, length) = self.head(file, self.place)?;
+            let (kind, length) = self.head(&mut file, self.place)?;
             if kind == op::CHUNK {
-                self.chunk(file, length, records)?;
+                self.chunk(&mut file, length, records)?;
             } else {
                 self.place += HEAD as u64 + length;
             }
@@ -90,9 +91,9 @@ impl ChunkIndices {
         Ok(!records.is_empty())
     }
 
-    fn head(&self, file: &mut dyn GrowingFile, place: u64) -> Result<(u8, u64)> {
+    fn head(&self, file: &mut Window<'_>, place: u64) -> Result<(u8, u64)> {
         let mut bytes = [0; HEAD];
-        read_whole(file, place, &mut bytes)?;
+        file.read(place, &mut bytes)?;
         let (kind, length) = head(&bytes);
         let fits =
             place.checked_add(HEAD as u64).and_then(|at| at.checked_add(length)).is_some_and(|at| at <= self.end);
@@ -100,10 +101,10 @@ impl ChunkIndices {
     }
 
     /// Adds the index of the chunk at the present place, and goes behind it and the indices of its messages.
-    fn chunk(&mut self, file: &mut dyn GrowingFile, length: u64, records: &mut Vec<u8>) -> Result<()> {
+    fn chunk(&mut self, file: &mut Window<'_>, length: u64, records: &mut Vec<u8>) -> Result<()> {
         let at = self.place;
         let mut front = [0; CHUNK_FRONT];
-        read_whole(file, at + HEAD as u64, &mut front)?;
+        file.read(at + HEAD as u64, &mut front)?;
         let mut fields = Fields(&front);
         let (from, to, size) = (fields.u64(), fields.u64(), fields.u64());
         let (Some(from), Some(to), Some(size)) = (from, to, size) else { return Err(Error::other("no chunk")) };
@@ -115,7 +116,7 @@ impl ChunkIndices {
                 break;
             }
             let mut channel = [0; 2];
-            read_whole(file, place + HEAD as u64, &mut channel)?;
+            file.read(place + HEAD as u64, &mut channel)?;
             places = places.u16(u16::from_le_bytes(channel)).u64(place);
             place += HEAD as u64 + length;
         }

@@ -4,16 +4,16 @@ use crate::{Error, Result};
 use std::fs::{File, OpenOptions};
 use std::io::{ErrorKind, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use vibrissa_io::ros::GrowingFile;
+
+/// Waits until all bytes that were written before are on the disk; what the system says where they cannot be.
+pub type Synchroniser = Box<dyn FnMut() -> std::io::Result<()> + Send>;
 
 /// The file of a recording, so that tests can let it fail.
 pub trait Storage: GrowingFile + Send {
-    /// Waits until all bytes are on the disk.
-    ///
-    /// # Errors
-    ///
-    /// What the system says.
-    fn sync(&mut self) -> std::io::Result<()>;
+    /// What synchronises the file with the disk, for another thread: bytes may be appended meanwhile.
+    fn synchroniser(&self) -> Synchroniser;
 
     /// Cuts the file to a length.
     ///
@@ -25,7 +25,7 @@ pub trait Storage: GrowingFile + Send {
 
 /// A file on the disk.
 #[derive(Debug)]
-pub struct FileStorage(File);
+pub struct FileStorage(Arc<File>);
 
 impl FileStorage {
     /// A new file `NAME.mcap` in a folder, which is made where it is missing; `NAME-2.mcap` and so on where there is one: no
@@ -50,7 +50,7 @@ impl FileStorage {
                     if let Ok(folder) = File::open(folder) {
                         let _ = folder.sync_all();
                     }
-                    return Ok((Self(file), path));
+                    return Ok((Self(Arc::new(file)), path));
                 }
                 Err(error) if error.kind() == ErrorKind::AlreadyExists => count += 1,
                 Err(error) => return Err(fault(&path, &error)),
@@ -72,8 +72,9 @@ impl GrowingFile for FileStorage {
 }
 
 impl Storage for FileStorage {
-    fn sync(&mut self) -> std::io::Result<()> {
-        self.0.sync_data()
+    fn synchroniser(&self) -> Synchroniser {
+        let file = Arc::clone(&self.0);
+        Box::new(move || file.sync_data())
     }
 
     fn truncate(&mut self, length: u64) -> std::io::Result<()> {

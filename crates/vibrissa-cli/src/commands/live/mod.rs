@@ -16,7 +16,7 @@ use vibrissa::flow::pose::StampedPose;
 use vibrissa::world::{Map, Robot};
 use vibrissa::{Error, Result};
 use vibrissa_live::journal::Journal;
-use vibrissa_live::record::FileStorage;
+use vibrissa_live::record::{Closer, FileStorage};
 use vibrissa_live::run::{Health, Update, run as run_live};
 use vibrissa_live::setup::{self, Setup};
 use vibrissa_live::source::HostClock;
@@ -25,7 +25,7 @@ use vibrissa_live::source::HostClock;
 ///
 /// A file live.toml names the map, the robot, and the sources of readings and odometry with their formats and delays. All that
 /// arrives is recorded first, so that a power cut loses at most half a second. The pose, its extent, the verdict and what was
-/// lost stand on a line of the terminal; --json prints each estimate as a line of JSON. Ctrl-C ends the run.
+/// lost stand on a line of the terminal; --json prints each estimate as a line of JSON. Ctrl-C ends the run, a second one at once.
 ///
 /// With --out DIR: recording.mcap, which --replay runs again to the same estimates, and viewers such as Foxglove show.
 #[derive(Debug, clap::Args)]
@@ -59,6 +59,9 @@ pub(crate) struct Args {
     #[arg(long)]
     latency: bool,
 }
+
+/// How long a disk may take for the end of a recording when nobody wants to wait any more (s).
+const HASTE: f64 = 2.0;
 
 /// Where viewers look on unless told otherwise: Foxglove's own port.
 #[cfg(feature = "view")]
@@ -119,6 +122,15 @@ fn world_of(setup: &Setup) -> Result<(Map, Robot)> {
     Ok((map, robot))
 }
 
+/// Closes the recording for somebody who asks a second time.
+fn close_at_once(closer: &Closer) {
+    warn(if closer.close_now(HASTE) {
+        "interrupted again: the recording is whole; --replay with the setup estimates what was not estimated yet"
+    } else {
+        "interrupted again: the disk did not take the recording's end in time; it is read up to where it ends"
+    });
+}
+
 /// What is known of a simulated robot's course.
 #[derive(Default)]
 struct Course<'a> {
@@ -136,6 +148,10 @@ fn on_robot(args: &Args, setup: &Setup, folder: &Path, out: Option<&Path>, cours
         }
         None => (None, None),
     };
+    if let Some(journal) = &journal {
+        let closer = journal.recorder().closer();
+        interrupt::last_resort(move || close_at_once(&closer));
+    }
     #[cfg(feature = "view")]
     let view = args.view.map(|port| view::View::start(port, &map, args.json)).transpose()?;
     let mut monitor = Monitor::new(args.json);

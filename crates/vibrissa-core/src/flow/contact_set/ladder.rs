@@ -48,6 +48,19 @@ impl Ladder {
         }
     }
 
+    /// Traces what [`Ladder::branches`] of this moment needs and nobody has asked for so far; how many rungs that was.
+    pub(crate) fn prepare(&mut self, moment: f64) -> usize {
+        let place = math::ln(moment.abs()) / STEP;
+        if self.load == TipLoad::WhiskerNormal || !place.is_finite() {
+            return 0;
+        }
+        let before = self.rungs.len();
+        for k in [place.floor(), place.floor() + 1.0] {
+            self.rung(moment < 0.0, k as i64);
+        }
+        self.rungs.len() - before
+    }
+
     fn traced(&self, moment: f64) -> Vec<TipContactSet> {
         if self.lean.is_level() {
             TipContactSet::branches(&self.tip, TipReading::Moment(moment), self.load)

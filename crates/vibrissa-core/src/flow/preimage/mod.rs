@@ -13,8 +13,10 @@ mod state_grid;
 mod thin;
 mod touch;
 
+use crate::WorkBudget;
 use crate::math;
 pub use alignment::Alignment;
+pub(crate) use observation::observed_moments;
 pub use observation::{Branch, Observation};
 pub use reading_preimage::{
     Construction, PreimageOptions, ReadingPreimage, distances, fused_preimage, reading_preimage, region_preimage,
@@ -63,34 +65,102 @@ pub(crate) fn alignments(samples: &[BoundarySample], observation: &Observation) 
 }
 
 /// As [`aligned_states`] at every `thinned`-th sample.
-pub(crate) fn coarsely_aligned_states(
+fn coarsely_aligned_states(
     map: &Map,
     samples: &[BoundarySample],
     observation: &Observation,
     thinned: usize,
 ) -> Vec<AlignedState> {
-    let mut states = Vec::new();
-    for branch in &observation.branches {
-        for alignment in &branch.alignments {
-            for (offset, heading_std) in headings(alignment) {
-                let slope = alignment.boundary_slope + offset;
-                let Some(contact) = branch.contacts.at_direction(slope + FRAC_PI_2) else { continue };
-                let body = observation.body(&contact);
-                let place = |sample: &BoundarySample| {
-                    let map_from_whisker = align(sample, slope, contact.position);
-                    let possible = map.is_free(map_from_whisker.position()) && !crosses(map, map_from_whisker, &body);
-                    possible.then(|| AlignedState {
-                        map_from_robot: map_from_whisker.compose(observation.robot_from_whisker.inverse()),
-                        contact: sample.position,
-                        normal: sample.tangent + FRAC_PI_2,
-                        heading_std,
-                    })
-                };
-                states.extend(samples.iter().step_by(thinned).filter_map(place));
+    let mut search = AlignmentSearch::new(observation, thinned);
+    search.advance(map, samples, observation, &mut WorkBudget::unlimited());
+    search.take_states()
+}
+
+/// What it costs to bend a whisker, and to lay it against a point of the boundary.
+const BEND_COST: usize = 20;
+const LAY_COST: usize = 2;
+
+/// A search for the states that an observation allows, which can pause.
+pub(crate) struct AlignmentSearch {
+    thinned: usize,
+    /// Branch, slope and spread of each heading that is tried, the next one last.
+    headings: Vec<(usize, f64, f64)>,
+    laying: Option<Laying>,
+    states: Vec<AlignedState>,
+}
+
+/// A bent whisker that is laid against one point of the boundary after the other.
+struct Laying {
+    slope: f64,
+    heading_std: f64,
+    tip: Vec2,
+    body: Vec<Vec2>,
+    next: usize,
+}
+
+impl AlignmentSearch {
+    /// At every `thinned`-th sample.
+    pub(crate) fn new(observation: &Observation, thinned: usize) -> Self {
+        let mut all = Vec::new();
+        for (index, branch) in observation.branches.iter().enumerate() {
+            for alignment in &branch.alignments {
+                let slope = |(offset, std)| (index, alignment.boundary_slope + offset, std);
+                all.extend(headings(alignment).into_iter().map(slope));
             }
         }
+        all.reverse();
+        Self { thinned: thinned.max(1), headings: all, laying: None, states: Vec::new() }
     }
-    states
+
+    /// Goes on until the budget is spent; whether all states are found.
+    pub(crate) fn advance(
+        &mut self,
+        map: &Map,
+        samples: &[BoundarySample],
+        observation: &Observation,
+        budget: &mut WorkBudget,
+    ) -> bool {
+        loop {
+            let Some(laying) = &mut self.laying else {
+                let Some(heading) = self.headings.pop() else { return true };
+                self.laying = Laying::new(observation, heading);
+                budget.spend(BEND_COST);
+                continue;
+            };
+            while let Some(sample) = samples.get(laying.next) {
+                if budget.is_spent() {
+                    return false;
+                }
+                laying.next += self.thinned;
+                self.states.extend(laying.state(map, sample, observation));
+                budget.spend(LAY_COST);
+            }
+            self.laying = None;
+        }
+    }
+
+    /// What was found since the last call.
+    pub(crate) fn take_states(&mut self) -> Vec<AlignedState> {
+        core::mem::take(&mut self.states)
+    }
+}
+
+impl Laying {
+    fn new(observation: &Observation, (branch, slope, heading_std): (usize, f64, f64)) -> Option<Self> {
+        let contact = observation.branches.get(branch)?.contacts.at_direction(slope + FRAC_PI_2)?;
+        Some(Self { slope, heading_std, tip: contact.position, body: observation.body(&contact), next: 0 })
+    }
+
+    fn state(&self, map: &Map, sample: &BoundarySample, observation: &Observation) -> Option<AlignedState> {
+        let map_from_whisker = align(sample, self.slope, self.tip);
+        let possible = map.is_free(map_from_whisker.position()) && !crosses(map, map_from_whisker, &self.body);
+        possible.then(|| AlignedState {
+            map_from_robot: map_from_whisker.compose(observation.robot_from_whisker.inverse()),
+            contact: sample.position,
+            normal: sample.tangent + FRAC_PI_2,
+            heading_std: self.heading_std,
+        })
+    }
 }
 
 /// Whether a chain of points in the whisker frame meets a boundary.

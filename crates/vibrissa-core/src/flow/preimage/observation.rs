@@ -88,9 +88,7 @@ impl Observation {
         let center = branches(moment);
         let relative_std = history.center_std / moment.abs();
         let mut larger = branches(moment * (1.0 + MOMENT_STEP)).into_iter();
-        // The readings as they are, tilted, and bent along the travel by one standard deviation.
-        let shapes = [(0.0, 0.0), (history.slope_std, 0.0), (0.0, history.bend_std)]
-            .map(|(tilt, bend)| shapes(history, &branches, tilt, bend));
+        let shapes = disturbances(history).map(|(tilt, bend)| shapes(history, &branches, tilt, bend));
         let branch = |(index, contacts): (usize, TipContactSet)| {
             let larger = larger.next();
             let on_branch = |k: usize| -> Option<Vec<HistoryShape>> {
@@ -187,9 +185,25 @@ fn shapes(
     bend: f64,
 ) -> Vec<(Pose2, Vec<TipContactSet>)> {
     let base = history.center.odom_from_whisker;
-    let at = |(shape, travel): (&MomentReading, &f64)| {
-        let moment = shape.moment + travel * (tilt + travel * bend);
-        (base.between(shape.odom_from_whisker), branches(moment))
-    };
-    history.shapes.iter().zip(&history.travel).map(at).collect()
+    let place = |shape: &MomentReading| base.between(shape.odom_from_whisker);
+    let moments = moments(history, tilt, bend);
+    history.shapes.iter().zip(moments).map(|(shape, moment)| (place(shape), branches(moment))).collect()
+}
+
+/// The moments of a history's shapes, tilted (N m/m) and bent (N m/m²) along the travel.
+fn moments(history: &MomentHistory, tilt: f64, bend: f64) -> impl Iterator<Item = f64> {
+    let at = move |(shape, travel): (&MomentReading, &f64)| shape.moment + travel * (tilt + travel * bend);
+    history.shapes.iter().zip(&history.travel).map(at)
+}
+
+/// Tilt and bend of the readings as they are, tilted, and bent along the travel by one standard deviation.
+fn disturbances(history: &MomentHistory) -> [(f64, f64); 3] {
+    [(0.0, 0.0), (history.slope_std, 0.0), (0.0, history.bend_std)]
+}
+
+/// The moments whose contact sets an observation of this history asks for.
+pub(crate) fn observed_moments(history: &MomentHistory) -> Vec<f64> {
+    let moment = history.center.moment;
+    let shapes = disturbances(history).into_iter().flat_map(|(tilt, bend)| moments(history, tilt, bend));
+    [moment, moment * (1.0 + MOMENT_STEP)].into_iter().chain(shapes).collect()
 }

@@ -12,26 +12,24 @@
 mod candidate;
 mod components;
 mod membership;
+mod pass;
 pub mod possibilistic;
 pub mod probabilistic;
+mod start;
 #[cfg(test)]
 mod tests;
 
 pub use candidate::Candidate;
 pub use components::{Component, components};
 
+use crate::WorkBudget;
 use crate::config::DeterministicOptions;
-use crate::flow::preimage::{HEADING_SPACING, Observation, alignments, coarsely_aligned_states};
+use crate::flow::preimage::{HEADING_SPACING, Observation};
 use crate::plane::{Pose2, wrap_angle};
 use crate::world::{BoundarySample, Map, Odometry};
-use membership::Tolerance;
+pub(crate) use pass::{Pass, Progress};
+pub(crate) use start::Start;
 
-/// From how many observations candidates enter: one of them may lie at a corner and align with nothing.
-const ENTRIES: usize = 2;
-/// Where more candidates than this would enter from an observation, they enter further apart,
-const MOST_ENTERING: f64 = 8000.0;
-/// but no further than at every second point of the boundary: what lies in between must still be near enough to be found.
-const MOST_THINNED: f64 = 2.0;
 /// No true candidate is off so far that its robot or whisker stands further outside free space than this (m).
 const OUTSIDE: f64 = 6e-3;
 /// Fewest observations that a candidate may miss where any may be missed at all.
@@ -49,22 +47,6 @@ pub struct StateSet {
     odom_from_robot: Pose2,
     travelled: f64,
     turned: f64,
-}
-
-/// An intersection that is under way.
-pub(crate) struct Pass {
-    odom_from_robot: Pose2,
-    travelled: f64,
-    turned: f64,
-    /// How many candidates have met the observation.
-    met: usize,
-}
-
-impl Pass {
-    /// How many of these candidates are still to meet the observation.
-    pub(crate) fn open(&self, candidates: usize) -> usize {
-        candidates.saturating_sub(self.met)
-    }
 }
 
 impl StateSet {
@@ -102,92 +84,19 @@ impl StateSet {
         observations: &[Observation],
         options: &DeterministicOptions,
     ) {
-        let mut order: Vec<usize> = (0..observations.len()).collect();
-        order.sort_by(|&a, &b| observations[a].open_slopes().total_cmp(&observations[b].open_slopes()));
-        for &entry in order.iter().take(ENTRIES) {
-            let mut candidates = self.entering(map, samples, &observations[entry], options);
-            for (index, observation) in observations.iter().enumerate().filter(|&(index, _)| index != entry) {
-                let tolerance = Tolerance::new(observation, options);
-                candidates.iter_mut().for_each(|c| c.meet(map, observation, &tolerance));
-                let seen = index as u32 + 1;
-                candidates.retain(|c| c.missed <= allowed_misses(options.missed_share, seen));
-            }
-            self.candidates.extend(candidates);
-        }
-        self.observations = observations.len() as u32;
-        if let Some(last) = observations.last() {
-            self.drop_outside(map, last.robot_from_whisker, self.odom_from_robot);
-        }
-        self.merge(self.odom_from_robot);
-    }
-
-    /// The candidates that an observation lets in, but for those that are among the set's own.
-    fn entering(
-        &self,
-        map: &Map,
-        samples: &[BoundarySample],
-        observation: &Observation,
-        options: &DeterministicOptions,
-    ) -> Vec<Candidate> {
-        let wanted = (alignments(samples, observation) as f64 / MOST_ENTERING).sqrt().ceil();
-        let thinned = wanted.clamp(1.0, MOST_THINNED);
-        let spacing = thinned * options.boundary_spacing;
-        let cell = |c: &Candidate| cell(c, self.odom_from_robot, 2.0 * spacing, 4.0 * HEADING_SPACING);
-        let mut known: Vec<_> = self.candidates.iter().map(cell).collect();
-        known.sort_unstable();
-        let states = coarsely_aligned_states(map, samples, observation, thinned as usize);
-        let enter = |state| Candidate::at(&state, observation, spacing);
-        let new = |c: &Candidate| admits(options, c.map_from_odom) && known.binary_search(&cell(c)).is_err();
-        states.into_iter().map(enter).filter(new).collect()
+        let mut start = Start::new(self, samples, observations, options);
+        start.advance(self, map, samples, observations, options, &mut WorkBudget::unlimited());
     }
 
     /// Intersects the set with the preimage of an observation.
     pub fn intersect(&mut self, map: &Map, observation: &Observation, options: &DeterministicOptions) {
         let mut pass = self.pass();
-        self.advance(map, observation, options, &mut pass, usize::MAX);
+        pass.advance(self, map, observation, options, &mut { usize::MAX }, &mut WorkBudget::unlimited());
     }
 
     /// The intersection with an observation of this moment, to be done now or in slices.
     pub(crate) fn pass(&mut self) -> Pass {
-        let (travelled, turned) = (std::mem::take(&mut self.travelled), std::mem::take(&mut self.turned));
-        Pass { odom_from_robot: self.odom_from_robot, travelled, turned, met: 0 }
-    }
-
-    /// Lets the next `most` candidates meet the observation of a pass; whether all have met it. Passes are done one after
-    /// the other, in the order in which they were begun.
-    pub(crate) fn advance(
-        &mut self,
-        map: &Map,
-        observation: &Observation,
-        options: &DeterministicOptions,
-        pass: &mut Pass,
-        most: usize,
-    ) -> bool {
-        let tolerance = Tolerance::new(observation, options);
-        let end = self.candidates.len().min(pass.met.saturating_add(most));
-        for candidate in &mut self.candidates[pass.met..end] {
-            candidate.widen(pass.odom_from_robot, pass.travelled, pass.turned);
-            candidate.meet(map, observation, &tolerance);
-        }
-        pass.met = end;
-        if end < self.candidates.len() {
-            return false;
-        }
-        self.observations += 1;
-        let allowed = allowed_misses(options.missed_share, self.observations);
-        self.candidates.retain(|c| c.missed <= allowed);
-        self.drop_outside(map, observation.robot_from_whisker, pass.odom_from_robot);
-        self.merge(pass.odom_from_robot);
-        true
-    }
-
-    /// Drops the candidates whose robot or base of this whisker, with the odometry at `odom_from_robot`, is far outside free space, which no observation that may be missed excuses.
-    fn drop_outside(&mut self, map: &Map, robot_from_whisker: Pose2, odom_from_robot: Pose2) {
-        let far = |pose: Pose2| !map.is_free(pose.position()) && map.nearest_within(pose.position(), OUTSIDE).is_none();
-        self.candidates.retain(|c| {
-            let map_from_robot = c.map_from_odom.compose(odom_from_robot);
-            !far(map_from_robot) && !far(map_from_robot.compose(robot_from_whisker))
-        });
+        Pass::new(self.odom_from_robot, core::mem::take(&mut self.travelled), core::mem::take(&mut self.turned))
     }
 
     /// Notes that the whisker of this mount was free or jumped: what it touches next can be anywhere.

@@ -3,9 +3,10 @@
 #[path = "../../../../vibrissa/tests/data/random.rs"]
 pub(super) mod random;
 
-use super::StateSet;
 use super::candidate::Candidate;
 use super::membership::{Tolerance, nearest_state};
+use super::{Progress, Start, StateSet};
+use crate::WorkBudget;
 use crate::beam::TipModel;
 use crate::config::{DeterministicOptions, TipLoad};
 use crate::flow::moment::{MomentHistory, MomentReading};
@@ -174,7 +175,12 @@ fn slices_leave_what_the_whole_leaves() {
         }
     }
     while let Some((observation, mut pass)) = due.pop_front() {
-        while !sliced.advance(&map, &observation, &options, &mut pass, 7) {
+        let mut progress = Progress::Waits;
+        while progress != Progress::Done {
+            // By meetings, and by work.
+            let mut budget = if slices % 2 == 0 { WorkBudget::new(1) } else { WorkBudget::unlimited() };
+            let mut most = 7;
+            progress = pass.advance(&mut sliced, &map, &observation, &options, &mut most, &mut budget);
             slices += 1;
         }
     }
@@ -185,4 +191,29 @@ fn slices_leave_what_the_whole_leaves() {
         sliced.candidates().len(),
         whole.candidates().len()
     );
+}
+
+#[test]
+fn a_start_in_slices_is_the_start_at_once() {
+    let (map, options) = (room(), DeterministicOptions::default());
+    let whisker = MountedWhisker::default();
+    let tip = TipModel::new(&whisker.beam).unwrap();
+    let samples = map.samples(5e-3);
+    let at = |x: f64| Pose2::new(x, 0.0, 0.0);
+    let observations =
+        [0.0, 0.002, 0.004].map(|x| Observation::new(&whisker, &tip, &history(2e-3, at(x)), TipLoad::BoundaryNormal));
+    let (mut whole, mut sliced) = (StateSet::default(), StateSet::default());
+    whole.start(&map, &samples, &observations, &options);
+    assert!(whole.candidates().len() > 20, "{}", whole.candidates().len());
+    for units in [1, 300] {
+        let mut start = Start::new(&sliced, &samples, &observations, &options);
+        let mut slices = 0;
+        while !start.advance(&mut sliced, &map, &samples, &observations, &options, &mut WorkBudget::new(units)) {
+            assert!(sliced.is_empty(), "a start that is under way tells nothing");
+            slices += 1;
+        }
+        assert!(slices > 10, "{slices} slices");
+        assert!(sliced.candidates() == whole.candidates(), "{units}");
+        sliced = StateSet::default();
+    }
 }

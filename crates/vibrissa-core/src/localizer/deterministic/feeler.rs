@@ -52,14 +52,30 @@ impl WhiskerColumn {
         })
     }
 
-    /// The first two doors: reading → moment → history.
-    pub(super) fn feel(&mut self, row: &LogRow, record: &mut RunRecord) -> Result<Option<MomentHistory>> {
-        let moment = row.readings.get(self.channel).copied().unwrap_or(0.0);
+    /// Whether the whisker can cause the reading of a row that it has not felt yet.
+    ///
+    /// # Errors
+    ///
+    /// The message names the line.
+    pub(super) fn check(&self, row: &LogRow) -> Result<()> {
+        let moment = self.moment(row);
+        if self.tip_limit.allows(moment) {
+            return Ok(());
+        }
+        // No contact begins like that.
+        let limit = if self.in_contact || self.on_side { &self.limit } else { &self.tip_limit };
+        limit.check(moment, row)
+    }
+
+    fn moment(&self, row: &LogRow) -> f64 {
+        row.readings.get(self.channel).copied().unwrap_or(0.0)
+    }
+
+    /// The first two doors: reading → moment → history, of a row that was [checked](Self::check).
+    pub(super) fn feel(&mut self, row: &LogRow, record: &mut RunRecord) -> Option<MomentHistory> {
+        let moment = self.moment(row);
         let by_tip = self.tip_limit.allows(moment);
         if !by_tip {
-            // No contact begins like that.
-            let limit = if self.in_contact || self.on_side { &self.limit } else { &self.tip_limit };
-            limit.check(moment, row)?;
             let detail = format!(
                 "{}: {moment} N m is more than any contact of its tip causes; while its side touches nearer to its base, the \
                  readings are not used (if it hardly ever bends that far, check the unit: N m, not mN m)",
@@ -77,11 +93,11 @@ impl WhiskerColumn {
         }
         self.in_contact = touching;
         if !touching {
-            return Ok(self.track.end());
+            return self.track.end();
         }
         record.touched = true;
         let odom_from_whisker = row.odom_from_robot.compose(self.whisker.robot_from_whisker);
-        Ok(self.track.push(MomentReading { t: row.t, odom_from_whisker, moment }))
+        self.track.push(MomentReading { t: row.t, odom_from_whisker, moment })
     }
 }
 
