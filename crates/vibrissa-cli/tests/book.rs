@@ -165,7 +165,7 @@ fn reference() -> String {
     for command in names.filter_map(|line| line.split_whitespace().next()).filter(|&name| name != "help") {
         match command {
             "beam" => ["beam force", "beam point", "beam moment"].into_iter().for_each(&mut add),
-            "sensor" => add("sensor design"),
+            "sensor" => ["sensor design", "sensor head"].into_iter().for_each(&mut add),
             _ => add(command),
         }
     }

@@ -118,7 +118,7 @@ fn both_moments_come_back_from_a_chip_that_stands_askew() {
     let one = fit_moment_curve(&made, &explained, &options).unwrap();
     let alone = rms(fresh.readings.iter().zip(&fresh_truth).filter_map(|(b, m)| Some(one.moment(b).ok()? - m[0])));
     println!("one axis alone: {alone:.2e} N m RMS");
-    assert!(alone > 10.0 * rms(worst(&plane, &fresh, &fresh_truth, 0).into_iter()), "{alone}");
+    assert!(alone > 5.0 * rms(worst(&plane, &fresh, &fresh_truth, 0).into_iter()), "{alone}");
     // The rest is the field without contact, along the chip's axes.
     let rest = sensor.read([0.0; 2], 0.0, &mut random);
     let signals = plane.moments(&rest).unwrap();

@@ -1,5 +1,8 @@
 //! `vibrissa sensor design`: where the chip belongs, and what it then tells.
 
+#[cfg(all(unix, feature = "live"))]
+mod head;
+
 use crate::output::{OutputArgs, print, write_all};
 use crate::quantity::option;
 use clap::ValueEnum;
@@ -23,6 +26,8 @@ pub(crate) struct Args {
 #[derive(Debug, clap::Subcommand)]
 enum SensorCommand {
     Design(DesignArgs),
+    #[cfg(all(unix, feature = "live"))]
+    Head(head::HeadArgs),
 }
 
 /// Where the chip of a sensor belongs, and what it then tells: field, resolution, noise at the tip.
@@ -77,7 +82,15 @@ const LARGEST: f64 = 20e-3;
 
 /// Runs the command.
 pub(crate) fn run(args: &Args) -> Result<()> {
-    let SensorCommand::Design(args) = &args.command;
+    match &args.command {
+        SensorCommand::Design(args) => design(args),
+        #[cfg(all(unix, feature = "live"))]
+        SensorCommand::Head(args) => head::run(args),
+    }
+}
+
+/// Computes where the chip belongs.
+fn design(args: &DesignArgs) -> Result<()> {
     let robot = match &args.robot {
         Some(path) => read_robot(path)?,
         None => Robot::default(),

@@ -9,6 +9,8 @@
 //! | `ros2` | a topic of a ROS 2 system, through the program `vibrissa-ros2` |
 //! | `recording`, `simulated` | a log, or one that a scenario makes, at its own or another speed |
 
+#[cfg(unix)]
+mod commands;
 mod host_clock;
 mod link;
 mod playback;
@@ -16,6 +18,8 @@ mod ros2;
 #[cfg(unix)]
 mod serial;
 
+#[cfg(unix)]
+pub use commands::HeadPort;
 pub use host_clock::HostClock;
 pub use link::Wire;
 pub use playback::{Playback, Played};

@@ -45,6 +45,25 @@ impl Link for SerialPort {
     }
 }
 
+impl SerialPort {
+    /// Writes all bytes, as long as that takes up to `patience`.
+    pub(super) fn write_all(&mut self, mut bytes: &[u8], patience: Duration) -> Result<()> {
+        while !bytes.is_empty() {
+            let mut fds = [PollFd::new(&self.0, PollFlags::OUT)];
+            let limit = Timespec { tv_sec: patience.as_secs() as i64, tv_nsec: patience.subsec_nanos().into() };
+            if poll(&mut fds, Some(&limit))? == 0 {
+                return Err(ErrorKind::TimedOut.into());
+            }
+            match self.0.write(bytes) {
+                Ok(count) => bytes = &bytes[count..],
+                Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::Interrupted) => {}
+                Err(error) => return Err(error),
+            }
+        }
+        Ok(())
+    }
+}
+
 /// Whether there are bytes, or an end, within so long.
 pub(super) fn readable(link: &impl AsFd, patience: Duration) -> Result<bool> {
     let mut fds = [PollFd::new(link, PollFlags::IN)];
@@ -108,6 +127,15 @@ impl PseudoTerminal {
     #[must_use]
     pub fn port(&self) -> &Path {
         &self.port
+    }
+
+    /// The bytes that were written to the port, as many as came within so long and fit; none where none came.
+    ///
+    /// # Errors
+    ///
+    /// The pair is gone, or nobody has the port open any more.
+    pub fn receive(&mut self, buffer: &mut [u8], patience: Duration) -> Result<usize> {
+        if readable(&self.device, patience)? { Read::read(&mut self.device, buffer) } else { Ok(0) }
     }
 
     /// Writes bytes as a device would. A device does not wait: where nobody reads, and the port's buffer is full, this waits.
