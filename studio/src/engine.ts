@@ -17,6 +17,7 @@ interface Exports {
   drive(op: number): number;
   localize(op: number, n: number): number;
   estimate(most: number): number;
+  whiskers(row: number, x: number, y: number, theta: number): number;
   write(kind: number): number;
 }
 
@@ -84,6 +85,14 @@ export interface Preimage {
   columns: number;
   rows: number;
   share: Float64Array;
+}
+
+/** A whisker on the map: as the map bends it, as its reading alone does, or at rest. */
+export interface BentWhisker {
+  from: "rest" | "reading" | "map";
+  contact: Point;
+  moment: number;
+  shape: Point[];
 }
 
 export interface Touch {
@@ -335,6 +344,15 @@ export class Engine {
     const words = JSON.parse(this.text()) as Answer["words"];
     const estimate = this.told(cursor);
     return { ...estimate, trajectory: cursor.take(4 * cursor.next()), words };
+  }
+
+  /** The whiskers at a row of the log, with the robot at this pose. */
+  whiskers(row: number, x: number, y: number, theta: number): BentWhisker[] {
+    const cursor = this.numbers(this.wasm.whiskers(row, x, y, theta));
+    return Array.from({ length: cursor.next() }, (): BentWhisker => {
+      const [from, cx, cy, moment, points] = cursor.take(5);
+      return { from: (["rest", "reading", "map"] as const)[from], contact: [cx, cy], moment, shape: cursor.points(points) };
+    });
   }
 
   private told(cursor: Cursor): Estimate {

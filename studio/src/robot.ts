@@ -1,6 +1,6 @@
 // How robots, places and states are drawn on a map, and how a robot stays clear of walls.
 
-import type { Estimate, Outline, Place, Point } from "./engine";
+import type { BentWhisker, Estimate, Outline, Place, Point } from "./engine";
 import { colour, type Plot } from "./plot";
 import type { Pose } from "./rooms";
 
@@ -62,6 +62,14 @@ export function statesPath(plot: Plot, states: Float64Array, most = 1500): { pat
     words.push(`M${(x - 1.1).toFixed(1)} ${(y - 1.1).toFixed(1)}h2.2v2.2h-2.2z`);
   }
   return { path: words.join(""), opacity: 0.7 };
+}
+
+/** Whiskers as they bend; broken lines where their readings alone tell. */
+export function drawWhiskers(plot: Plot, layer: string, whiskers: BentWhisker[]): void {
+  for (const { from, contact, shape } of whiskers) {
+    plot.line(layer, shape, `whisker thin${from === "reading" ? " supposed" : ""}`);
+    if (from === "map") plot.dot(layer, contact, 3, "contact");
+  }
 }
 
 /** Places with their weights, the best as a robot. */

@@ -309,6 +309,63 @@ await step("your own: each method against `localize`, and bad files in the comma
   await until(page, (now) => now.ready && now.file === "good.svg");
 });
 
+/** Contacts of page and command that are the same (m): two iterations, each to its own tolerance. */
+const SAME_CONTACT = 1e-6;
+
+/** The whisker as the page bends it, against a robot that `simulate` drives the same way to the same pose; whether it touches. */
+function sameWhisker({ row, pose, whiskers }, log) {
+  const [head, ...lines] = log.trim().split("\n").map((line) => line.split(","));
+  const [x, y, theta] = ["x", "y", "theta"].map((name) => head.indexOf(name));
+  const turned = ([u, v], a) => [u * Math.cos(a) - v * Math.sin(a), u * Math.sin(a) + v * Math.cos(a)];
+  const odom = (line) => [Number(line[x]), Number(line[y]), Number(line[theta])];
+  const [now, spin] = [odom(lines[row]), pose[2] - odom(lines[row])[2]];
+  const way = lines.slice(0, row + 1).map((line) => {
+    const then = odom(line);
+    const [u, v] = turned([then[0] - now[0], then[1] - now[1]], spin);
+    return [pose[0] + u, pose[1] + v, then[2] + spin];
+  });
+  const path = way.map((at) => `[${at.join(", ")}]`).join(", ");
+  // The last row is to be at the end of the way.
+  const took = way.slice(1).map((to, i) => Math.max(Math.hypot(to[0] - way[i][0], to[1] - way[i][1]) / 0.15, Math.abs(to[2] - way[i][2])));
+  const time = took.reduce((sum, one) => sum + one, 0);
+  const rate = (Math.ceil(300 * time) + 1e-7) / time;
+  write("bent.toml", `map = "room.svg"\nrobot = "paper.toml"\n[noise]\nmoment_relative = 0\nmoment_absolute = 0\n[path]\nspeed = 0.15\nturn_rate = 1\nrate = ${rate}\nwaypoints = [${path}]\n`);
+  command.json("simulate", "bent.toml", "--out", "bent");
+  const table = (name) => readFileSync(join(command.folder, "bent", name), "utf8").trim().split("\n").map((line) => line.split(","));
+  const [names, last] = [table("log.csv")[0], table("log.csv").at(-1)];
+  const touch = table("contacts.csv").find((line) => line[0] === last[0]);
+  same("whiskers", whiskers.length, 1);
+  const [{ from, contact, moment, shape }] = whiskers;
+  same("whether the map bends the whisker", from === "map", touch !== undefined);
+  if (!touch) return false;
+  const near = (what, found, expected, most) => {
+    if (!(Math.abs(found - expected) <= most)) throw new Error(`${what}: the page says ${found}, the command ${expected}`);
+  };
+  [0, 1].forEach((axis) => near("where the whisker touches", contact[axis], Number(touch[1 + axis]), SAME_CONTACT));
+  if (touch[4] === "tip") [0, 1].forEach((axis) => near("the tip", shape.at(-1)[axis], Number(touch[1 + axis]), SAME_CONTACT));
+  near("the moment of the whisker", moment, Number(last[names.findIndex((name) => name.endsWith("moment"))]), 1e-7);
+  return true;
+}
+
+await step("your own: the whisker as it bends at a row, against `simulate`", async () => {
+  await scene(page, base, "own");
+  const found = await until(page, (now) => now.ready);
+  write("room.svg", found.map);
+  write("paper.toml", found.robot);
+  const time = page.locator(".timeline input");
+  const touching = [];
+  for (const value of [1000, 930, 820, 700, 580, 460]) {
+    await time.evaluate((slider, at) => {
+      slider.value = at;
+      slider.dispatchEvent(new Event("input", { bubbles: true }));
+    }, value);
+    const { bent, shown } = await until(page, (now) => now.shown.time === value);
+    same("whether a whisker is drawn", bent !== undefined, shown.places > 0);
+    if (bent) touching.push(sameWhisker(bent, found.log));
+  }
+  if (touching.filter(Boolean).length < 3) throw new Error(`the whisker touches at ${touching} only`);
+});
+
 await step("your own: a recording with its map and robot, against `localize` on them", async () => {
   const scenarios = new URL("../../scenarios/", import.meta.url).pathname;
   command.json("simulate", join(scenarios, "corridor.toml"), "--mcap", "--out", ".");

@@ -285,7 +285,12 @@ fn a_dead_sensor_localizes_nothing() {
         let outcome = localize("dead-stuck", &changed(|_, _| stuck.into()));
         assert_eq!(outcome.code, Some(0), "{outcome:?}");
         assert_ne!(status(&outcome), "localized", "{outcome:?}");
+        assert!(outcome.stderr.contains("w0 reads the same in all 514 rows"), "{outcome:?}");
     }
+}
+
+#[test]
+fn a_sensor_that_dies_on_the_way_ends_nothing() {
     let died = localize("died", &changed(|row, moment| if row > 150 { "0".into() } else { moment.to_string() }));
     assert_eq!(died.code, Some(0), "{died:?}");
 }
@@ -297,6 +302,7 @@ fn a_saturated_sensor_never_makes_a_wrong_place_certain() {
     let limit = 1e-3;
     let outcome = localize("saturated", &changed(|_, moment| moment.clamp(-limit, limit).to_string()));
     assert_eq!(outcome.code, Some(0), "{outcome:?}");
+    assert!(outcome.stderr.contains("is the sensor saturated?"), "{outcome:?}");
     if status(&outcome) == "localized" {
         let number = |key: &str| -> f64 {
             let text = estimate(&outcome);

@@ -161,39 +161,46 @@ fn whiskers_alone() {
 }
 
 #[test]
-fn sweeps_with_one_whisker_and_with_two() {
-    for (name, whiskers) in [("one", ONE), ("two-whiskers", TWO)] {
-        let out = folder(name);
-        let scenario = out.join("scenario.toml");
-        fs::write(&scenario, SCENARIO.replace("WHISKERS", whiskers)).unwrap();
-        run(&["simulate", scenario.to_str().unwrap()], &out);
-        check(&out);
-        let file = |name: &str| out.join(name).to_str().unwrap().to_owned();
-        let (log, map, robot, truth) = (file("log.csv"), file("map.geojson"), file("robot.toml"), file("truth.tum"));
-        let files = [&*log, "--map", &map, "--robot", &robot, "--truth", &truth];
-        for method in ["deterministic", "possibilistic", "probabilistic"] {
-            let there = folder(&format!("{name}-{method}"));
-            run(&[&["localize"][..], &files, &["--method", method, "--animate"]].concat(), &there);
-            check(&there);
-            let drawn = fs::read_to_string(there.join("localization.svg")).unwrap();
-            let last = drawn.matches("class=\"whisker-last\"").count();
-            // Each whisker's last shape, and the legend's sample.
-            assert_eq!(last, 1 + whiskers.matches("[[whisker]]").count(), "{method}");
-            let film = fs::read_to_string(there.join("localization.html")).unwrap();
-            assert!(film.contains("const frames = [[") && film.len() < 3_000_000, "{}", film.len());
-        }
-        for command in ["contact", "profile"] {
-            let there = folder(&format!("{name}-{command}"));
-            run(&[command, &log, "--robot", &robot], &there);
-            check(&there);
-        }
-        let slices: [&[&str]; 2] = [&[], &["--heading", "-115 deg"]];
-        for (kind, more) in ["strip", "slice"].into_iter().zip(slices) {
-            let there = folder(&format!("{name}-{kind}"));
-            let args = ["preimage", "--map", &map, "--sensor", "moment", "--value", "5 mN m", "--cell", "4 mm"];
-            run(&[&args[..], &["--heading-step", "4 deg"], more].concat(), &there);
-            check(&there);
-        }
+fn sweeps_with_one_whisker() {
+    all_of_a_sweep("one", ONE);
+}
+
+#[test]
+fn sweeps_with_two_whiskers() {
+    all_of_a_sweep("two-whiskers", TWO);
+}
+
+fn all_of_a_sweep(name: &str, whiskers: &str) {
+    let out = folder(name);
+    let scenario = out.join("scenario.toml");
+    fs::write(&scenario, SCENARIO.replace("WHISKERS", whiskers)).unwrap();
+    run(&["simulate", scenario.to_str().unwrap()], &out);
+    check(&out);
+    let file = |name: &str| out.join(name).to_str().unwrap().to_owned();
+    let (log, map, robot, truth) = (file("log.csv"), file("map.geojson"), file("robot.toml"), file("truth.tum"));
+    let files = [&*log, "--map", &map, "--robot", &robot, "--truth", &truth];
+    for method in ["deterministic", "possibilistic", "probabilistic"] {
+        let there = folder(&format!("{name}-{method}"));
+        run(&[&["localize"][..], &files, &["--method", method, "--animate"]].concat(), &there);
+        check(&there);
+        let drawn = fs::read_to_string(there.join("localization.svg")).unwrap();
+        let last = drawn.matches("class=\"whisker-last\"").count();
+        // Each whisker's last shape, and the legend's sample.
+        assert_eq!(last, 1 + whiskers.matches("[[whisker]]").count(), "{method}");
+        let film = fs::read_to_string(there.join("localization.html")).unwrap();
+        assert!(film.contains("const frames = [[") && film.len() < 3_000_000, "{}", film.len());
+    }
+    for command in ["contact", "profile"] {
+        let there = folder(&format!("{name}-{command}"));
+        run(&[command, &log, "--robot", &robot], &there);
+        check(&there);
+    }
+    let slices: [&[&str]; 2] = [&[], &["--heading", "-115 deg"]];
+    for (kind, more) in ["strip", "slice"].into_iter().zip(slices) {
+        let there = folder(&format!("{name}-{kind}"));
+        let args = ["preimage", "--map", &map, "--sensor", "moment", "--value", "5 mN m", "--cell", "4 mm"];
+        run(&[&args[..], &["--heading-step", "4 deg"], more].concat(), &there);
+        check(&there);
     }
 }
 

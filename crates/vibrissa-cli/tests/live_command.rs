@@ -64,9 +64,11 @@ fn a_process_that_is_killed_keeps_what_was_synchronised_and_runs_again() {
         let (first, rest) = lines.split_at(120 + 40 * round);
         let safe = first.concat();
         input.write_all(safe.as_bytes()).unwrap();
-        // Until it is on the disk, however long this machine takes.
+        // Until it is on the disk, and an estimate with it, however long this machine takes.
+        let out = here.join("out");
+        let told = || journal::read(&out).is_ok_and(|recorded| !recorded.lines.is_empty());
         let mut looks = 0;
-        while recorded(&here.join("out")).is_none_or(|bytes| bytes.len() < safe.len()) {
+        while recorded(&out).is_none_or(|bytes| bytes.len() < safe.len()) || !told() {
             std::thread::sleep(Duration::from_millis(10));
             looks += 1;
             assert!(looks < 12_000, "round {round}: nothing reaches the disk");

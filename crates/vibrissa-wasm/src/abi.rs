@@ -7,7 +7,8 @@
 #![allow(unsafe_code, reason = "a C ABI exports plain names")]
 
 use crate::host::{Host, with};
-use crate::{bend as bending, contacts, driving, files, localizing};
+use crate::{bend as bending, contacts, driving, files, localizing, whiskers as bent};
+use vibrissa::plane::Pose2;
 
 /// Makes room for `len` bytes and tells where; the page writes them before the next call.
 #[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
@@ -133,6 +134,16 @@ pub extern "C" fn localize(op: u32, n: u32) -> u32 {
 #[must_use]
 pub extern "C" fn estimate(most: u32) -> u32 {
     call(|host| localizing::estimate(host, most))
+}
+
+/// The whiskers at a row of the log, with the robot at this pose on the map: followed along the odometry of the rows before.
+///
+/// Numbers: whiskers; each 2 where the map bends it, 1 where its reading alone does, 0 at rest; where it is held x, y (m, NaN where
+/// that is not known), the moment that it should read (N m, NaN where unknown), then its points and their x, y, on the map.
+#[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
+#[must_use]
+pub extern "C" fn whiskers(row: u32, x: f64, y: f64, theta: f64) -> u32 {
+    call(|host| bent::bent(host, row as usize, Pose2::new(x, y, theta)))
 }
 
 /// Writes a file into the words: `kind` 0 the log (CSV), 1 the robot (TOML), 2 the answer's figure (SVG; the input is its title),

@@ -13,6 +13,7 @@
 //! | `contacts` | which contacts explain a reading; which robot states do, on a map |
 //! | `driving` | a robot that is steered: what its whiskers read |
 //! | `localizing` | where it is, row by row |
+//! | `whiskers` | its whiskers at a row, as the map bends them |
 
 pub mod abi;
 mod bend;
@@ -24,3 +25,4 @@ mod localizing;
 pub mod native;
 #[cfg(test)]
 mod tests;
+mod whiskers;

@@ -1,11 +1,17 @@
 //! What the page is told is what the library says; the page's own tests compare it with the command.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on must fail")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::float_cmp,
+    reason = "a test that cannot go on must fail"
+)]
 
 use crate::host::Host;
-use crate::{bend, contacts, driving, files, localizing};
+use crate::{bend, contacts, driving, files, localizing, whiskers};
 use vibrissa::beam::{Load, Whisker, point_mode};
-use vibrissa::plane::Vec2;
+use vibrissa::plane::{Pose2, Vec2};
 use vibrissa::tasks::demo;
 use vibrissa::{Method, Robot, localize};
 
@@ -73,6 +79,49 @@ fn a_drive_is_localized_as_its_log() {
     assert!(localizing::localize(&mut host, 3, 0).is_err(), "it ends once");
     files::write(&mut host, 2).unwrap();
     assert!(host.text.starts_with("<svg") || host.text.starts_with("<?xml"), "{}", &host.text[..60]);
+}
+
+/// Against the simulator, which bends the whisker by another iteration.
+#[test]
+fn whiskers_at_a_row_hang_where_the_simulated_ones_do() {
+    let mut host = with_arena();
+    let sweep = demo::sweep(1).unwrap();
+    host.log = sweep.log.clone();
+    let mut held = 0;
+    for row in (0..host.log.rows.len()).step_by(23) {
+        let at = sweep.truth[row].map_from_robot;
+        whiskers::bent(&mut host, row, at).unwrap();
+        let [count, from, x, y, moment, points] = host.numbers[..6] else { panic!("{:?}", host.numbers) };
+        assert_eq!((count, host.numbers.len()), (1.0, 6 + 2 * points as usize));
+        let base = Vec2::new(host.numbers[6], host.numbers[7]);
+        let mount = host.robot.whiskers[0].robot_from_whisker;
+        assert!(base.distance(at.compose(mount).position()) < 1e-12);
+        let Some(touch) = sweep.contacts.iter().find(|touch| touch.row == row) else {
+            assert!(from < 2.0, "row {row} is free, and bent at {x}, {y}");
+            continue;
+        };
+        held += 1;
+        let off = touch.position.distance(Vec2::new(x, y));
+        assert!(from == 2.0 && off < 1e-6, "row {row}: {off} m off");
+        // The readings have noise within their bound.
+        let noise = host.robot.whiskers[0].noise;
+        let read = host.log.rows[row].readings[0];
+        assert!(
+            (read - moment).abs() <= noise.moment_relative * read.abs() + noise.moment_absolute + 1e-9,
+            "row {row}"
+        );
+        let end = host.numbers.len();
+        let tip = Vec2::new(host.numbers[end - 2], host.numbers[end - 1]);
+        assert!(touch.s_a < 0.0749 || tip.distance(touch.position) < 1e-6, "row {row}: the tip is at {tip:?}");
+    }
+    assert!(held > 10, "{held}");
+    assert!(whiskers::bent(&mut host, 9999, Pose2::IDENTITY).unwrap_err().is_usage());
+    // Off the wall the map bends nothing: the reading alone does.
+    let touch = &sweep.contacts[40];
+    let at = sweep.truth[touch.row].map_from_robot;
+    let off = touch.force * (0.02 / touch.force.norm());
+    whiskers::bent(&mut host, touch.row, Pose2::new(at.x + off.x, at.y + off.y, at.theta)).unwrap();
+    assert!(host.numbers[1] == 1.0 && host.numbers[2].is_nan() && host.numbers[5] > 2.0, "{:?}", &host.numbers[..6]);
 }
 
 #[test]

@@ -53,6 +53,31 @@ fn far_mounts_and_contact_from_the_first_row_are_told() {
 }
 
 #[test]
+fn readings_that_are_the_same_while_the_robot_moves_are_told() {
+    let told = |moment: &dyn Fn(i32) -> f64, step: f64, rows: i32| {
+        let row = |k: i32| format!("{},{},0,0,{}\n", 0.01 * f64::from(k), step * f64::from(k), moment(k));
+        let rows: String = (0..rows).map(row).collect();
+        let log = from_csv(&format!("t,x,y,theta,moment\n{rows}"), "log.csv").unwrap();
+        let all = doubts(Some(&log), &Robot::default(), None);
+        all.into_iter().filter(|words| words.contains("stuck") || words.contains("saturated")).collect::<Vec<_>>()
+    };
+    let words = told(&|_| -0.002, 1e-3, 200);
+    assert!(words.len() == 1 && words[0].contains("w0 reads the same in all 200 rows"), "{words:?}");
+    // A free whisker, a robot that stands, few rows, and one reading that is other by a digit.
+    assert!(told(&|_| 0.0, 1e-3, 200).is_empty() && told(&|_| 0.002, 1e-6, 200).is_empty());
+    assert!(told(&|_| 0.002, 1e-3, 60).is_empty());
+    assert!(told(&|k| if k == 150 { 0.002_000_1 } else { 0.002 }, 1e-3, 200).is_empty());
+    // A limit at either side, in some rows and in a few.
+    let clipped = |limit: f64| move |k: i32| (0.003 * (0.05 * f64::from(k)).sin()).clamp(-limit, limit);
+    let words = told(&clipped(1e-3), 1e-3, 400);
+    assert!(
+        words.len() == 1 && words[0].contains("w0 reads 1.0000 mN m") && words[0].contains("of 400 rows"),
+        "{words:?}"
+    );
+    assert!(told(&clipped(2.95e-3), 1e-3, 400).is_empty());
+}
+
+#[test]
 fn milliseconds_and_millimetres_are_told() {
     let table = |time: f64, way: f64| {
         let rows: String = (0..50).map(|k| format!("{},{},0,0,0\n", f64::from(k) * time, f64::from(k) * way)).collect();

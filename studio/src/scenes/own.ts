@@ -1,12 +1,12 @@
 // One's own map, robot and log: every method on them, on one timeline.
 
-import type { Answer, Estimate, FileKind, Point, RoomMap } from "../engine";
+import type { Answer, BentWhisker, Engine, Estimate, FileKind, Point, RoomMap } from "../engine";
 import { button, choice, element, Readout, save, slider } from "../controls";
 import { Plot, boxOf } from "../plot";
 import { onceAFrame, type Running, type Scene, type Stage } from "../scene";
 import type { Remote } from "../remote";
 import { ROOMS, polygon, robotFile, roomBox, type Pose } from "../rooms";
-import { drawPlaces, drawRobot, drawStates, statesPath, verdictWords } from "../robot";
+import { drawPlaces, drawRobot, drawStates, drawWhiskers, statesPath, verdictWords } from "../robot";
 import { Strip } from "../strip";
 import * as units from "../units";
 import { METHODS } from "./shrink";
@@ -61,8 +61,14 @@ class OwnScene implements Running {
   private log: Log = { columns: [], rows: new Float64Array(), width: 5, warnings: [] };
   private truth: Float64Array = new Float64Array();
   private judged: Judged[] = [];
+  /** Map, robot and log for the whiskers, and what was asked last of it. */
+  private bender: Engine | undefined;
+  private bent: { key: string; row: number; pose: Pose; whiskers: BentWhisker[] } | undefined;
   private shown: string;
   private row = 0;
+  /** Where the time stands (of 1000), and how many places were drawn for it. */
+  private value = 1000;
+  private drawn = { time: -1, places: 0 };
   private generation = 0;
   private refused = "";
   private taking = false;
@@ -212,6 +218,7 @@ class OwnScene implements Running {
     this.judged.forEach((one) => one.worker.end());
     this.judged = [];
     const engine = await this.stage.freshEngine();
+    [this.bender, this.bent] = [engine, undefined];
     const file = (kind: FileKind) => this.files.get(kind);
     this.map = engine.readMap(file("map")!.name, file("map")!.bytes);
     const robot = file("robot");
@@ -231,6 +238,7 @@ class OwnScene implements Running {
     this.plot.show(this.map.outlines.length ? roomBox(this.map) : boxOf([[0, 0], [1, 0.7]], 0));
     this.fit();
     this.time.set(1000);
+    this.value = 1000;
     const order = [this.shown, ...METHODS.map((m) => m.value).filter((m) => m !== this.shown)];
     this.judged = order.map((method) => ({ method, worker: this.stage.worker(), snapshots: [], began: 0, seconds: 0, done: 0 }));
     for (const one of this.judged) {
@@ -270,6 +278,7 @@ class OwnScene implements Running {
   }
 
   private seek(value: number): void {
+    this.value = value;
     this.row = Math.round((value / 1000) * this.count());
     this.ask();
   }
@@ -296,6 +305,7 @@ class OwnScene implements Running {
     this.map = { outlines: [], warnings: [] };
     this.log = { columns: [], rows: new Float64Array(), width: 5, warnings: [] };
     this.truth = new Float64Array();
+    this.bender = undefined;
     this.strip.set([], []);
     this.judged.forEach((one) => one.worker.end());
     this.judged = [];
@@ -360,6 +370,17 @@ class OwnScene implements Running {
     return this.judged.find((one) => one.method === this.shown);
   }
 
+  /** The whiskers at the row of an estimate, where its best place is. */
+  private whiskers(estimate: Estimate | undefined): BentWhisker[] {
+    const [best] = estimate && estimate.verdict !== "inconsistent" ? estimate.places : [];
+    if (!best || !this.bender || !this.count()) return [];
+    const row = Math.min(this.count(), Math.max(1, estimate!.rows)) - 1;
+    const pose: Pose = [best.x, best.y, best.theta];
+    const key = `${this.generation} ${row} ${pose}`;
+    if (this.bent?.key !== key) this.bent = { key, row, pose, whiskers: this.bender.whiskers(row, ...pose) };
+    return this.bent.whiskers;
+  }
+
   /** What the shown method knew at the time. */
   private known(): Estimate | undefined {
     const one = this.now();
@@ -386,6 +407,10 @@ class OwnScene implements Running {
     const answer = this.now()?.answer;
     if (answer && answer.verdict !== "inconsistent") plot.line("path", until(answer.trajectory), "estimated");
     if (estimate && estimate.verdict !== "inconsistent") drawPlaces(plot, "places", estimate.places);
+    const whiskers = this.whiskers(estimate);
+    if (!whiskers.length) this.bent = undefined;
+    drawWhiskers(plot, "robot", whiskers);
+    this.drawn = { time: this.value, places: estimate && estimate.verdict !== "inconsistent" ? estimate.places.length : 0 };
     const at = this.poseAt(this.truth, t);
     if (at) drawRobot(plot, "robot", at, "robot");
     if (this.drawing) {
@@ -446,6 +471,8 @@ class OwnScene implements Running {
     return {
       ready: !this.taking && this.judged.length === METHODS.length && this.judged.every((one) => one.answer || one.failed),
       refused: this.refused,
+      shown: this.drawn,
+      bent: this.bent && { row: this.bent.row, pose: this.bent.pose, whiskers: this.bent.whiskers },
       map: text("map"), file: this.files.get("map")?.name, logFile: this.files.get("log")?.name, robot: text("robot"), log: text("log"),
       answers: this.judged.map((one) => ({ method: one.method, failed: one.failed, seconds: one.seconds, verdict: one.answer?.verdict, places: one.answer?.places })),
     };

@@ -1,7 +1,7 @@
 //! What looks wrong where log, robot and map meet, without being impossible: most often a wrong unit.
 
 use crate::config::limits::{FARTHEST_MAP, FARTHEST_MOUNT, SMALLEST_MAP};
-use crate::flow::sensor_log::{Quantity, SensorLog};
+use crate::flow::sensor_log::{LogRow, Quantity, SensorLog};
 use crate::plane::Vec2;
 use crate::world::{Map, MountedWhisker, Robot, Role};
 
@@ -13,8 +13,10 @@ pub fn doubts(log: Option<&SensorLog>, robot: &Robot, map: Option<&Map>) -> Vec<
     let mounts = robot.whiskers.iter().filter_map(far_mount);
     let starts =
         log.into_iter().flat_map(|log| robot.whiskers.iter().filter_map(|whisker| touches_first(log, whisker)));
+    let same =
+        log.into_iter().flat_map(|log| robot.whiskers.iter().filter_map(|whisker| stuck_or_saturated(log, whisker)));
     let maps = map.into_iter().flat_map(|map| of_map(map, robot));
-    mounts.chain(starts).chain(maps).collect()
+    mounts.chain(starts).chain(same).chain(maps).collect()
 }
 
 fn far_mount(whisker: &MountedWhisker) -> Option<String> {
@@ -28,12 +30,54 @@ fn far_mount(whisker: &MountedWhisker) -> Option<String> {
     })
 }
 
+/// The column of a whisker's moments.
+fn moments_of(log: &SensorLog, whisker: &MountedWhisker) -> Option<usize> {
+    let alone = |name: &str| name.is_empty() || name == whisker.name;
+    log.channels.iter().position(|c| c.quantity == Quantity::Moment && alone(&c.whisker))
+}
+
+/// Fewest rows, their share of all, and shortest way (m) over which readings that are the same to the last bit are doubted: a
+/// sensor has noise.
+const SAME_ROWS: usize = 100;
+const SAME_SHARE: f64 = 0.25;
+const SAME_WAY: f64 = 0.01;
+
+/// The largest moment of a whisker (N m), and in how many rows it reads just that while the robot moves, where these are too many:
+/// a sensor that is saturated, or stuck.
+pub(super) fn same_largest(log: &SensorLog, whisker: &MountedWhisker) -> Option<(f64, usize)> {
+    let channel = moments_of(log, whisker)?;
+    let reading = |row: &LogRow| row.readings.get(channel).map_or(0.0, |reading| reading.abs());
+    let largest = log.rows.iter().map(reading).fold(0.0, f64::max);
+    let (mut rows, mut way, mut before) = (0, 0.0, None);
+    for row in &log.rows {
+        let is_same = reading(row).to_bits() == largest.to_bits();
+        let place = row.odom_from_robot.position();
+        if let Some(before) = before.filter(|_| is_same) {
+            way += place.distance(before);
+        }
+        rows += usize::from(is_same);
+        before = is_same.then_some(place);
+    }
+    let many = rows >= SAME_ROWS && rows as f64 >= SAME_SHARE * log.rows.len() as f64;
+    (largest > 0.0 && many && way >= SAME_WAY).then_some((largest, rows))
+}
+
+fn stuck_or_saturated(log: &SensorLog, whisker: &MountedWhisker) -> Option<String> {
+    let (largest, rows) = same_largest(log, whisker)?;
+    let (name, all) = (&whisker.name, log.rows.len());
+    Some(if rows == all {
+        format!("{name} reads the same in all {all} rows while the robot moves: is the sensor stuck, or not connected?")
+    } else {
+        format!(
+            "{name} reads {:.4} mN m, its largest, in {rows} of {all} rows while the robot moves: is the sensor saturated?",
+            largest * 1e3
+        )
+    })
+}
+
 /// A contact in the first row, where nothing tells a contact from a zero that is off.
 fn touches_first(log: &SensorLog, whisker: &MountedWhisker) -> Option<String> {
-    let row = log.rows.first()?;
-    let alone = |name: &str| name.is_empty() || name == whisker.name;
-    let channel = log.channels.iter().position(|c| c.quantity == Quantity::Moment && alone(&c.whisker))?;
-    let moment = *row.readings.get(channel)?;
+    let moment = *log.rows.first()?.readings.get(moments_of(log, whisker)?)?;
     let limit = whisker.noise.largest_free_reading() + whisker.errors.zero;
     (moment.abs() > limit).then(|| {
         format!(

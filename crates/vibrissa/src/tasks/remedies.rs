@@ -2,6 +2,7 @@
 
 mod change;
 
+use super::doubts::same_largest;
 use crate::Result;
 use crate::beam::TipModel;
 use crate::config::ProbabilisticOptions;
@@ -65,7 +66,8 @@ pub fn advise(
 ///
 /// Each change is one run over at most 200 rows, every third of a window of 600 that ends soon after the time `at` (s), at which the last
 /// state was ruled out, or with the log; at most 32 changes are tried, on maps
-/// with more than two metres of boundary as many as together have 60 m, and no fewer than four. `go_on` is asked at every row; where it says no, what has been
+/// with more than two metres of boundary as many as together have 60 m, and no fewer than four. Nothing is tried where every whisker reads just
+/// its largest moment in many rows while the robot moves: no change mends a sensor that is stuck or saturated. `go_on` is asked at every row; where it says no, what has been
 /// found by then is told.
 ///
 /// # Errors
@@ -80,6 +82,9 @@ pub fn remedies(
     go_on: &mut dyn FnMut() -> bool,
 ) -> Result<Vec<Remedy>> {
     let (log, robot) = calibrated(log, robot)?;
+    if robot.whiskers.iter().all(|whisker| same_largest(&log, whisker).is_some()) {
+        return Ok(Vec::new());
+    }
     let method = trying(method);
     let mut found: Vec<(Rank, Remedy)> = Vec::new();
     let most = ((METRES / map.total_length()) as usize).clamp(FEWEST_TRIED, MOST_TRIED);
