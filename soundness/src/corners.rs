@@ -4,7 +4,7 @@
 use crate::random_sweep::random::Random;
 use crate::random_sweep::reading;
 use core::f64::consts::PI;
-use vibrissa::flow::pose::StampedPose;
+use vibrissa::flow::pose::{Event, StampedPose};
 use vibrissa::flow::sensor_log::{Channel, LogRow, Quantity, SensorLog};
 use vibrissa::plane::{Curve, Pose2, Vec2};
 use vibrissa::sim::{Pace, SimulateOptions, Sweep, SweepNoise, path_through, simulate};
@@ -21,6 +21,19 @@ pub(crate) struct Drive {
     /// Rows in which the whisker touches in two places or more.
     pub(crate) doubled: usize,
     pub(crate) law: &'static str,
+    /// What the simulator did: the robot as it is, its way, the moments without noise, and what happened.
+    pub(crate) simulated: Simulated,
+}
+
+/// The simulator's side of a drive, on the map without an error of scale.
+pub(crate) struct Simulated {
+    pub(crate) map: Map,
+    pub(crate) robot: Robot,
+    pub(crate) path: Vec<StampedPose>,
+    pub(crate) moments: Vec<f64>,
+    pub(crate) events: Vec<Event>,
+    /// How many contacts each row has.
+    pub(crate) touches: Vec<usize>,
 }
 
 /// Shortest log that is used.
@@ -41,6 +54,7 @@ pub(crate) fn drive(seed: u64, nuisances: bool) -> Option<Drive> {
     let map_scale = errors.map;
     let told = |pose: Pose2| Pose2::new(pose.x * map_scale, pose.y * map_scale, pose.theta);
     let rows = errors.rows(path.len())?;
+    let as_it_is = robot;
     let mut robot = errors.told;
     if errors.delay_rows > 0.0 {
         robot.odometry.delay = delay_bound(&log, errors.delay_rows);
@@ -53,8 +67,16 @@ pub(crate) fn drive(seed: u64, nuisances: bool) -> Option<Drive> {
         log,
         first: told(path[rows.start].map_from_robot),
         truth: told(path[rows.end - 1].map_from_robot),
-        doubled: touches.into_iter().filter(|&count| count > 1).count(),
+        doubled: touches.iter().filter(|&&count| count > 1).count(),
         law,
+        simulated: Simulated {
+            map,
+            robot: as_it_is,
+            moments: sweep.exact_moments.iter().map(|row| row[0]).collect(),
+            path,
+            events: sweep.events,
+            touches,
+        },
     })
 }
 

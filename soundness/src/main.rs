@@ -7,6 +7,8 @@
 //!     cargo run --release -p vibrissa-soundness -- --rods --worlds 500    no uniform whiskers
 //!     cargo run --release -p vibrissa-soundness -- --quick --nightly      without the refinement at the end of each log
 //!     cargo run --release -p vibrissa-soundness -- --corners 100        drives around corners, with two contacts at once
+//!     cargo run --release -p vibrissa-soundness -- --corners 100 --smoother    the same drives by the probabilistic method
+//!     cargo run --release -p vibrissa-soundness -- --corners 100 --forward     what the smoother's forward model knows of these drives
 //!     cargo run --release -p vibrissa-soundness -- --worlds 40 --declare 90    bounds told 10 % too small: losses must show
 //!
 //! In every thirtieth world the whisker is tapered, curved at rest or of several wires, half of the time with declared errors of
@@ -15,9 +17,15 @@
 //! small the sets that held the truth were.
 
 mod corners;
+mod forward;
 #[path = "../../crates/vibrissa/tests/data/random_sweep.rs"]
 #[allow(dead_code, reason = "the tests use more of it")]
 mod random_sweep;
+#[path = "../../crates/vibrissa/tests/data/region.rs"]
+mod region;
+#[path = "../../crates/vibrissa/tests/data/ridge.rs"]
+mod ridge;
+mod smoothed;
 
 use random_sweep::random::Random;
 use random_sweep::{Trial, contains, random_sweep_of};
@@ -53,6 +61,10 @@ struct Call {
     quick: bool,
     /// Drives around corners instead of sweeps along walls.
     corners: bool,
+    /// By the probabilistic method, with noise that may be correlated.
+    smoother: bool,
+    /// The smoother's forward model alone, along the true way.
+    forward: bool,
     /// From so far after the first contact on such drives reckon with two contacts (m).
     two_contacts: Option<f64>,
     /// The share of their bounds that errors are declared with: below one, truths must be lost.
@@ -79,11 +91,15 @@ struct Outcome {
 fn main() -> ExitCode {
     match parse(std::env::args().skip(1)) {
         Ok(Call { replay: Some(seed), declared, rods, .. }) => replay(seed, rods, declared),
+        Ok(call) if call.corners && call.forward => forward::report(&all_corners(&call, forward::drive)),
+        Ok(call) if call.corners && call.smoother => {
+            smoothed::report(&all_corners(&call, |seed| smoothed::drive(seed, call.declared)))
+        }
         Ok(call) if call.corners => corner_report(&run_corners(&call), &call),
         Ok(call) => report(&run(&call), &call),
         Err(message) => {
             eprintln!(
-                "error: {message}\n  --worlds N --corners N --one-place --two-contacts MM --nightly --rods --quick --first SEED --threads N --replay SEED --declare PERCENT"
+                "error: {message}\n  --worlds N --corners N --one-place --two-contacts MM --smoother --nightly --rods --quick --first SEED --threads N --replay SEED --declare PERCENT"
             );
             ExitCode::from(2)
         }
@@ -100,6 +116,8 @@ fn parse(mut words: impl Iterator<Item = String>) -> Result<Call, String> {
         rods: false,
         quick: false,
         corners: false,
+        smoother: false,
+        forward: false,
         two_contacts: Some(TWO_CONTACTS),
         declared: 1.0,
     };
@@ -111,6 +129,8 @@ fn parse(mut words: impl Iterator<Item = String>) -> Result<Call, String> {
         match word.as_str() {
             "--rods" => call.rods = true,
             "--quick" => call.quick = true,
+            "--smoother --forward" => call.smoother = true,
+            "--forward" => call.forward = true,
             "--one-place" => call.two_contacts = None,
             "--two-contacts" => call.two_contacts = Some(number()? as f64 * 1e-3),
             "--corners" => (call.corners, call.worlds) = (true, number()? as usize),
@@ -173,11 +193,17 @@ struct Cornered {
     loss: Option<String>,
 }
 
-/// Errors of every kind are drawn for every second drive.
-fn cornered(seed: u64, declared: f64, two_contacts: Option<f64>) -> Option<Cornered> {
+/// The drive of a seed, if there is one, and a prior about its first pose, but for every third. Errors of every kind are drawn for every
+/// second drive.
+fn corner_drive(seed: u64) -> Option<(corners::Drive, Option<[[f64; 2]; 3]>)> {
     let drive = corners::drive(seed, seed.is_multiple_of(2))?;
     let mut draw = Random(seed.wrapping_mul(0x9fb2_1c65_1e98_df25));
     let prior = (!seed.is_multiple_of(3)).then(|| region(&drive.first, &mut draw));
+    Some((drive, prior))
+}
+
+fn cornered(seed: u64, declared: f64, two_contacts: Option<f64>) -> Option<Cornered> {
+    let (drive, prior) = corner_drive(seed)?;
     let last_work = if prior.is_none() { LAST_WORK } else { NEAR_WORK };
     let options = PossibilisticOptions { last_work, prior, two_contacts, ..Default::default() };
     let options = Method::Possibilistic(options);
@@ -210,27 +236,34 @@ fn cornered(seed: u64, declared: f64, two_contacts: Option<f64>) -> Option<Corne
     })
 }
 
-/// The drives of so many seeds that give one, in the order of their seeds.
+/// What became of the first seeds that give a drive, in the order of these.
 fn run_corners(call: &Call) -> Vec<Cornered> {
-    let next = AtomicU64::new(call.first);
-    let done = AtomicU64::new(0);
+    all_corners(call, |seed| {
+        let one = cornered(seed, call.declared, call.two_contacts)?;
+        one.loss.iter().for_each(|loss| println!("{loss}"));
+        Some((seed, one))
+    })
+}
+
+/// Drives on all threads until there are enough.
+fn all_corners<T: Send>(call: &Call, drive: impl Fn(u64) -> Option<(u64, T)> + Sync) -> Vec<T> {
+    let (next, done) = (AtomicU64::new(call.first), AtomicU64::new(0));
     let worker = || {
         let mut own = Vec::new();
         while done.load(Ordering::Relaxed) < call.worlds as u64 {
-            if let Some(one) = cornered(next.fetch_add(1, Ordering::Relaxed), call.declared, call.two_contacts) {
-                one.loss.iter().for_each(|loss| println!("{loss}"));
+            if let Some(one) = drive(next.fetch_add(1, Ordering::Relaxed)) {
                 done.fetch_add(1, Ordering::Relaxed);
                 own.push(one);
             }
         }
         own
     };
-    let mut all: Vec<Cornered> = std::thread::scope(|scope| {
+    let mut all: Vec<(u64, T)> = std::thread::scope(|scope| {
         let workers: Vec<_> = (0..call.threads).map(|_| scope.spawn(worker)).collect();
         workers.into_iter().flat_map(|w| w.join().unwrap_or_else(|cause| std::panic::resume_unwind(cause))).collect()
     });
-    all.sort_by_key(|one| one.seed);
-    all
+    all.sort_by_key(|one| one.0);
+    all.into_iter().map(|one| one.1).collect()
 }
 
 fn corner_report(all: &[Cornered], call: &Call) -> ExitCode {
