@@ -118,8 +118,8 @@ pub(crate) fn contact_in_space<'py>(
     out.set_item("moments", table(py, steps, |s| s.moments)?)?;
     out.set_item("plane", table(py, steps, |s| [s.plane().moment, s.plane().angle])?)?;
     out.set_item("plane_errors", table(py, steps, |s| s.plane().bands(s.errors))?)?;
-    let parts: [(&str, fn(&SpacePoint) -> Band); 3] = [("x", |c| c.x), ("r", |c| c.r), ("angle", |c| c.angle)];
-    for (name, of) in parts {
+    for (index, name) in ["x", "r", "angle"].into_iter().enumerate() {
+        let of = |c: &SpacePoint| -> Band { [c.x, c.r, c.angle][index] };
         out.set_item(name, column(py, steps, |s| or_nan(s.contact.as_ref().map(|c| of(c).value))))?;
         let bounds = |s: &SpaceStep| s.contact.as_ref().map_or([f64::NAN; 2], |c| [of(c).lo, of(c).hi]);
         out.set_item(format!("{name}_bounds"), table(py, steps, bounds)?)?;
