@@ -75,7 +75,7 @@ pub struct SpaceReport {
 ///
 /// # Errors
 ///
-/// Options out of range, a log without both moments, a whisker with a rest curvature, as [`calibrated`].
+/// Options out of range, a log without both moments, a whisker with a rest curvature, as [`calibrated()`].
 pub fn contact_in_space(
     log: &SensorLog,
     robot: &Robot,
