@@ -32,7 +32,7 @@ const PATIENCE: Duration = Duration::from_millis(120);
 const LOOK_AGAIN: Duration = Duration::from_millis(5);
 
 /// Asks the work under way to stop and to keep what it has; ends the process where no work heeds it or it was asked before (by the
-/// [last resort](last_resort) of work that ends in its own time), and where work
+/// last resort of work that ends in its own time), and where work
 /// that can be done without has not stopped after a moment: with what is known so far, where anything is.
 ///
 /// For a signal handler on a thread of its own. Results are staged, so that earlier ones stay whole.
