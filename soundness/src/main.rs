@@ -8,7 +8,7 @@
 //!     cargo run --release -p vibrissa-soundness -- --quick --nightly      without the refinement at the end of each log
 //!     cargo run --release -p vibrissa-soundness -- --corners 100        drives around corners, with two contacts at once
 //!     cargo run --release -p vibrissa-soundness -- --corners 100 --smoother    the same drives by the probabilistic method
-//!     cargo run --release -p vibrissa-soundness -- --corners 100 --forward     what the smoother's forward model knows of these drives
+//!     cargo run --release -p vibrissa-soundness -- --corners 100 --forward     how much of these drives the forward model knows
 //!     cargo run --release -p vibrissa-soundness -- --worlds 40 --declare 90    bounds told 10 % too small: losses must show
 //!
 //! In every thirtieth world the whisker is tapered, curved at rest or of several wires, half of the time with declared errors of
