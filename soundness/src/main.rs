@@ -99,7 +99,7 @@ fn main() -> ExitCode {
         Ok(call) => report(&run(&call), &call),
         Err(message) => {
             eprintln!(
-                "error: {message}\n  --worlds N --corners N --one-place --two-contacts MM --smoother --nightly --rods --quick --first SEED --threads N --replay SEED --declare PERCENT"
+                "error: {message}\n  --worlds N --corners N --one-place --two-contacts MM --smoother --forward --nightly --rods --quick --first SEED --threads N --replay SEED --declare PERCENT"
             );
             ExitCode::from(2)
         }
@@ -129,7 +129,7 @@ fn parse(mut words: impl Iterator<Item = String>) -> Result<Call, String> {
         match word.as_str() {
             "--rods" => call.rods = true,
             "--quick" => call.quick = true,
-            "--smoother --forward" => call.smoother = true,
+            "--smoother" => call.smoother = true,
             "--forward" => call.forward = true,
             "--one-place" => call.two_contacts = None,
             "--two-contacts" => call.two_contacts = Some(number()? as f64 * 1e-3),
