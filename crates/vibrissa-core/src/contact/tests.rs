@@ -2,10 +2,10 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on must fail")]
 
-use super::follow::{Contact, ForwardModel, Mechanics, WhiskerState};
+use super::follow::{Contact, ElasticBase, ForwardModel, Mechanics, WhiskerState};
 use super::quasi_static::{Equilibrium, LoadedWhisker, Outcome, Step, WhiskerOnMap, between, first_touch, onset};
 use super::{Boundaries, Hold, SensedQuantity, Support};
-use crate::beam::Whisker;
+use crate::beam::{TipModel, Whisker};
 use crate::plane::{Curve, Pose2, Vec2};
 use crate::world::{Boundary, Map, Role};
 use core::f64::consts::{FRAC_PI_2, TAU};
@@ -81,7 +81,7 @@ impl Sweep {
     /// The forward model of the sweep's whisker, of this length (m).
     fn model<'a>(&'a self, boundaries: &'a Boundaries, length: f64, whole: bool) -> ForwardModel<'a> {
         let (mechanics, quantity) = (Mechanics::ClosedForm, SensedQuantity::Moment);
-        ForwardModel { map: &self.map, boundaries, length, mechanics, whole, quantity }
+        ForwardModel { map: &self.map, boundaries, length, mechanics, whole, quantity, base: None }
     }
 
     /// Rows in which the simulation is in contact, and what `follow` does not know how.
@@ -137,6 +137,54 @@ impl Sweep {
         }
         // A row may end between the two onsets or lift-offs.
         assert!(seen.one_alone.len() <= MOST_ALONE, "{name}: {seen:?}");
+        seen
+    }
+}
+
+impl Sweep {
+    /// Moments, their derivatives and places of a whisker on an elastic base by both, until the branch of the simulation ends; rows with the tip
+    /// and with the side in contact.
+    fn compare_yielding(&self, whisker: &Whisker) -> [usize; 2] {
+        let boundaries = Boundaries::new(&self.map).with_clearance(&self.map);
+        let (loaded, tip) = (LoadedWhisker::new(whisker).unwrap(), TipModel::new(whisker).unwrap());
+        let base = ElasticBase::of(&tip, SensedQuantity::Moment);
+        assert!(base.is_some());
+        let model = ForwardModel { base, ..self.model(&boundaries, whisker.length, false) };
+        let per = tip.rigidity() / whisker.flexural_rigidity;
+        let (mut state, mut held, mut seen) = (WhiskerState::Free, None, [0; 2]);
+        let mut alone = 0;
+        for pair in self.poses().windows(2) {
+            let before = state;
+            let predicted = model.advance(&mut state, pair[0], pair[1], false);
+            let on = |pose: Pose2| WhiskerOnMap::new(&self.map, &boundaries, &loaded, pose);
+            let Ok(now) = stepped(&on, held, pair[0], pair[1]) else { break };
+            held = now;
+            let (WhiskerState::Touching(ours), Some(theirs)) = (state, held) else {
+                alone += usize::from(held.is_some());
+                continue;
+            };
+            let at = format!("{whisker:?} {pair:?}: {ours:?} {theirs:?}");
+            assert!((per * predicted.value - theirs.state.m).abs() < 1e-6 * (1.0 + theirs.state.m.abs()), "{at}");
+            assert!(ours.place.distance(theirs.place) < 1e-7, "{at}");
+            seen[usize::from(matches!(theirs.hold, Hold::Side(..)))] += 1;
+            // Derivatives against differences, within one hold.
+            if before == WhiskerState::Free {
+                continue;
+            }
+            for (k, step) in [(0, 1e-6), (1, 1e-6), (2, 1e-5)] {
+                let mut moved = pair[1];
+                [&mut moved.x, &mut moved.y, &mut moved.theta].into_iter().nth(k).map(|v| *v += step).unwrap();
+                let mut there = state;
+                let beside = model.advance(&mut there, pair[1], moved, false);
+                if matches!(there, WhiskerState::Touching(touch) if touch.hold.is_same(&ours.hold)) {
+                    let difference = (beside.value - predicted.value) / step;
+                    let (told, size) =
+                        (predicted.gradient[k], predicted.gradient.iter().map(|g| g.abs()).fold(1.0, f64::max));
+                    assert!((difference - told).abs() < 2e-3 * size, "{at}: {k} {difference} {told}");
+                }
+            }
+        }
+        assert!(alone <= MOST_ALONE, "{alone} {whisker:?}");
         seen
     }
 }
@@ -285,4 +333,25 @@ fn head_on_into_walls_and_hollows() {
         let unknown = Sweep { map, heading, way, step: 2.0 * STEP }.count_unknown();
         assert!(unknown <= 1, "{radius} {off}: {unknown} rows");
     }
+}
+
+#[test]
+fn a_base_that_yields_is_followed_around_a_block() {
+    let (mut sides, mut tips) = (0, 0);
+    for share in [1.5, 6.0, 30.0] {
+        let plain = Whisker::default();
+        let whisker = Whisker { base_stiffness: share * plain.flexural_rigidity / plain.length, ..plain };
+        let ways = [
+            (FRAC_PI_2 + 0.2, way(&[(0.19, 0.16), (0.26, 0.16)])),
+            (FRAC_PI_2 + 0.5, way(&[(0.19, 0.16), (0.26, 0.16)])),
+            (-FRAC_PI_2 - 0.5, way(&[(0.25, 0.39), (0.25, 0.34), (0.40, 0.34)])),
+            (-FRAC_PI_2 + 0.5, way(&[(0.25, 0.39), (0.25, 0.34), (0.10, 0.34)])),
+        ];
+        for (heading, way) in ways {
+            let sweep = Sweep { map: map(Role::Obstacle, &BLOCK), heading, way, step: STEP };
+            let [tip, side] = sweep.compare_yielding(&whisker);
+            (tips, sides) = (tips + tip, sides + side);
+        }
+    }
+    assert!(sides > 200 && tips > 500, "{sides} {tips}");
 }

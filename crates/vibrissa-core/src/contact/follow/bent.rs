@@ -72,6 +72,7 @@ impl<'a> BentWhisker<'a> {
             mechanics,
             whole: true,
             quantity: SensedQuantity::Moment,
+            base: None,
         };
         let near = |from: &Pose2| {
             from.position().distance(map_from_whisker.position()) <= FOLLOWED

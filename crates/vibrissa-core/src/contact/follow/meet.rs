@@ -31,7 +31,8 @@ impl ForwardModel<'_> {
     /// The tip loaded at a place of a piece, as another computation found it.
     pub(crate) fn loaded(&self, piece: u32, at: f64, q: f64, beta: f64, slope: f64) -> Contact {
         let place = self.boundaries.spot((piece, at)).position;
-        Contact { q, beta, s: 1.0, hold: Hold::Tip(Support::Piece(piece, at)), place, slope, clear: 0.0 }
+        let hold = Hold::Tip(Support::Piece(piece, at));
+        self.on_its_root(Contact { q, beta, s: 1.0, hold, place, slope, clear: 0.0 })
     }
 
     /// The free whisker at `to`: a tip contact if it crosses a boundary near its tip, an unknown one elsewhere.

@@ -1,7 +1,7 @@
 //! The moment of a whisker in contact and its derivatives by the pose of its base, for estimation.
 //!
-//! Without friction, and of uniform whiskers at the tip (`tip`), the side (`side`) or both (`both`); of others at the
-//! tip alone. A contact is followed from pose to pose; what a free whisker meets is in `meet`, what one runs into
+//! Without friction, and of uniform whiskers at the tip (`tip`), the side (`side`) or both (`both`), on an elastic base too
+//! (`elastic_base`); of others at the tip alone. A contact is followed from pose to pose; what a free whisker meets is in `meet`, what one runs into
 //! besides its contact in `surroundings`, and where one that snaps comes to rest in `snap`. Differentiating the
 //! equations of the equilibrium gives `dh/d(x, y, theta)` for the price of one more solution of the same linear system.
 //! Slightly negative forces, a whisker glued to the boundary, are kept: they tell in which direction a contact that
@@ -10,6 +10,7 @@
 mod balance;
 mod bent;
 mod both;
+mod elastic_base;
 mod mechanics;
 mod meet;
 mod packed;
@@ -25,6 +26,7 @@ use super::{Boundaries, Hold, SensedQuantity, Stance, Support};
 use crate::plane::{Pose2, wrap_angle};
 use crate::world::Map;
 pub use bent::{Bending, BentWhisker};
+pub(crate) use elastic_base::ElasticBase;
 pub(crate) use mechanics::Mechanics;
 pub(crate) use packed::Packed;
 pub(crate) use state::{Contact, Prediction, WhiskerState};
@@ -68,6 +70,8 @@ pub(crate) struct ForwardModel<'a> {
     pub(crate) whole: bool,
     /// What is read.
     pub(crate) quantity: SensedQuantity,
+    /// What yields under a uniform whisker that is not clamped; `mechanics` are those of the clamped one then.
+    pub(crate) base: Option<ElasticBase>,
 }
 
 impl ForwardModel<'_> {
@@ -75,6 +79,13 @@ impl ForwardModel<'_> {
     ///
     /// A free whisker that is `wanted` in contact is glued to a boundary just out of its reach.
     pub(crate) fn advance(&self, state: &mut WhiskerState, from: Pose2, to: Pose2, wanted: bool) -> Prediction {
+        match self.base {
+            Some(base) => self.advance_on(base, state, (from, to), wanted),
+            None => self.advance_clamped(state, from, to, wanted),
+        }
+    }
+
+    fn advance_clamped(&self, state: &mut WhiskerState, from: Pose2, to: Pose2, wanted: bool) -> Prediction {
         let predicted = match *state {
             WhiskerState::Touching(touch) => self.slide(touch, from, to),
             WhiskerState::Free | WhiskerState::Unknown => None,

@@ -43,7 +43,8 @@ impl<'a> MeasurementModel<'a> {
     /// The forward model of a sense.
     pub(super) fn forward(&self, sensor: &'a Sensor) -> ForwardModel<'a> {
         let (length, mechanics, quantity) = (sensor.length, sensor.solver(self.solver), sensor.quantity);
-        ForwardModel { map: self.map, boundaries: self.ground, length, mechanics, whole: self.whole, quantity }
+        let base = None;
+        ForwardModel { map: self.map, boundaries: self.ground, length, mechanics, whole: self.whole, quantity, base }
     }
 }
 

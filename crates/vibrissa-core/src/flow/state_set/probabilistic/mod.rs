@@ -38,7 +38,7 @@ pub use smoother::{ProbabilisticSet, StepOutcome};
 
 use crate::beam::TipModel;
 use crate::contact::Boundaries;
-use crate::contact::follow::{ForwardModel, Mechanics, WhiskerState};
+use crate::contact::follow::{ElasticBase, ForwardModel, Mechanics, WhiskerState};
 use crate::plane::Pose2;
 use crate::world::Map;
 
@@ -61,9 +61,11 @@ pub struct PredictedMoment {
 pub fn predicted_moments(map: &Map, tip: &TipModel, path: &[Pose2]) -> Vec<PredictedMoment> {
     let boundaries = Boundaries::new(map).with_clearance(map);
     let length = tip.whisker().length;
-    let mechanics = if tip.is_uniform() { Mechanics::ClosedForm } else { Mechanics::Model(tip) };
-    let forward =
-        ForwardModel { map, boundaries: &boundaries, length, mechanics, whole: true, quantity: SensedQuantity::Moment };
+    let quantity = SensedQuantity::Moment;
+    let base = ElasticBase::of(tip, quantity);
+    let is_uniform = tip.is_uniform() || base.is_some();
+    let mechanics = if is_uniform { Mechanics::ClosedForm } else { Mechanics::Model(tip) };
+    let forward = ForwardModel { map, boundaries: &boundaries, length, mechanics, whole: true, quantity, base };
     let scale = tip.rigidity() / length;
     let mut state = WhiskerState::Free;
     let mut last = path.first().copied().unwrap_or_default();

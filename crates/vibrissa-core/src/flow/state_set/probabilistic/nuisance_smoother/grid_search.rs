@@ -356,7 +356,15 @@ fn best_frame(cell: &Cell, pivot: Vec2) -> Pose2 {
 fn forward<'a>(model: &MeasurementModel<'a>, sensor: &'a Sensor) -> ForwardModel<'a> {
     let mechanics = sensor.solver(model.solver);
     let (length, quantity) = (sensor.length, sensor.quantity);
-    ForwardModel { map: model.map, boundaries: model.ground, length, mechanics, whole: false, quantity }
+    ForwardModel {
+        map: model.map,
+        boundaries: model.ground,
+        length,
+        mechanics,
+        whole: false,
+        quantity,
+        base: sensor.base,
+    }
 }
 
 /// The inverse variances of a cell: place along and across the boundary, heading.

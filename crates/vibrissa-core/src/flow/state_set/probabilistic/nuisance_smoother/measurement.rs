@@ -187,7 +187,15 @@ impl<'a> MeasurementModel<'a> {
 
     fn forward(&self, sensor: &'a Sensor, length: f64) -> ForwardModel<'a> {
         let (mechanics, quantity) = (sensor.solver(self.solver), sensor.quantity);
-        ForwardModel { map: self.map, boundaries: self.ground, length, mechanics, whole: self.whole, quantity }
+        ForwardModel {
+            map: self.map,
+            boundaries: self.ground,
+            length,
+            mechanics,
+            whole: self.whole,
+            quantity,
+            base: sensor.base,
+        }
     }
 
     /// The whisker's base in the map as it is drawn.

@@ -2,7 +2,7 @@
 
 use crate::beam::{TipModel, TipReading};
 use crate::contact::SensedQuantity;
-use crate::contact::follow::Mechanics;
+use crate::contact::follow::{ElasticBase, Mechanics};
 use crate::plane::Pose2;
 use crate::world::MountedWhisker;
 
@@ -10,6 +10,8 @@ use crate::world::MountedWhisker;
 #[derive(Clone, Debug)]
 pub(super) struct Sensor {
     pub(super) tip: TipModel,
+    /// What yields under it, if it is uniform otherwise.
+    pub(super) base: Option<ElasticBase>,
     pub(super) quantity: SensedQuantity,
     pub(super) robot_from_whisker: Pose2,
     /// Length (m).
@@ -47,6 +49,7 @@ impl Sensor {
             SensedQuantity::Slope => 1.0,
         };
         Self {
+            base: ElasticBase::of(&tip, quantity),
             tip,
             quantity,
             robot_from_whisker: whisker.robot_from_whisker,
@@ -71,7 +74,7 @@ impl Sensor {
 
     /// How its equilibria are solved, if those of a uniform whisker are solved like this.
     pub(super) fn solver<'a>(&'a self, uniform: Mechanics<'a>) -> Mechanics<'a> {
-        if self.tip.is_uniform() { uniform } else { Mechanics::Model(&self.tip) }
+        if self.tip.is_uniform() || self.base.is_some() { uniform } else { Mechanics::Model(&self.tip) }
     }
 
     /// Whether a reading is more than noise on a free whisker.
