@@ -1,8 +1,8 @@
 //! A uniform whisker on an elastic base: the clamped whisker with its root turned by what the base yields to the moment.
 //!
-//! The root's heading is that of the mount plus moment over stiffness. Newton's method finds the turn at which the moment
-//! of the clamped whisker, with all its contacts, is the one that turns it; the derivatives by the pose follow from the same
-//! equation. Where the base yields faster than the contact does the whisker has no equilibrium there and snaps.
+//! The root's heading is that of the mount plus moment over stiffness. Newton's method \[nocedal2006numerical, sec. 11.1\] finds the turn
+//! at which the moment of the clamped whisker, with all its contacts, is the one that turns it; the implicit function theorem gives the
+//! derivatives by the pose. Only the smoother of declared errors and `predicted_moments` use it. Where the base yields faster than the contact does the whisker has no equilibrium there and snaps.
 
 use super::{Contact, ForwardModel, Prediction, WhiskerState};
 use crate::beam::{TipModel, Whisker};
