@@ -3,7 +3,7 @@
 use crate::cells::{Cell, ERRORS, LAWS};
 use std::path::PathBuf;
 use vibrissa::Method;
-use vibrissa::config::NoiseAssumption;
+use vibrissa::config::{NoiseAssumption, UndeclaredErrors};
 use vibrissa::sim::recorder::NoiseLaw;
 
 pub(crate) const HELP: &str = "\
@@ -12,7 +12,8 @@ pub(crate) const HELP: &str = "\
   --method A,B        probabilistic,possibilistic; or deterministic
   --laws A,B          rows of the first table: all, none, or their words
   --errors A,B        rows of the second table, likewise
-  --correlated        the probabilistic method takes errors of the readings for correlated
+  --exact             the probabilistic method takes what the robot does not bound for exact
+  --independent       the probabilistic method takes errors of the readings for independent
   --noise LAW         how readings err in the second table beside what nobody declared: none
   --declared R        the declared relative bound of the readings, 0.05
   --threads N         all of the machine's
@@ -59,7 +60,8 @@ impl Call {
             each: false,
             json: None,
         };
-        let (mut runs, mut laws, mut errors, mut correlated) = (None, None, None, false);
+        let (mut runs, mut laws, mut errors, mut independent) = (None, None, None, false);
+        let mut undeclared = UndeclaredErrors::default();
         while let Some(word) = words.next() {
             let mut value = || words.next().ok_or(format!("{word} needs a value"));
             match word.as_str() {
@@ -75,7 +77,8 @@ impl Call {
                 }
                 "--declared" => call.declared = number(&word, &value()?, 0.0, 0.99)?,
                 "--threads" => call.threads = number(&word, &value()?, 1.0, 256.0)? as usize,
-                "--correlated" => correlated = true,
+                "--exact" => undeclared = UndeclaredErrors::None,
+                "--independent" => independent = true,
                 "--short" => call.judge = true,
                 "--worlds" => call.worlds = true,
                 "--each" => call.each = true,
@@ -85,8 +88,9 @@ impl Call {
         }
         for method in &mut call.methods {
             if let Method::Probabilistic(options) = method {
+                options.undeclared = undeclared;
                 options.noise_model =
-                    if correlated { NoiseAssumption::Correlated } else { NoiseAssumption::Independent };
+                    if independent { NoiseAssumption::Independent } else { NoiseAssumption::Correlated };
             }
         }
         let [all_laws, all_errors] = if call.judge { [SHORT_LAWS, SHORT_ERRORS] } else { ["all", "all"] };

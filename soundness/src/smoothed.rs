@@ -5,7 +5,7 @@ use crate::region::{CHI2_95, distance};
 use crate::ridge::off_ridge;
 use std::process::ExitCode;
 use std::time::Instant;
-use vibrissa::config::{NoiseAssumption, ProbabilisticOptions};
+use vibrissa::config::ProbabilisticOptions;
 use vibrissa::flow::pose::{Hypothesis, Localization, Status};
 use vibrissa::plane::Pose2;
 use vibrissa::{Method, localize};
@@ -40,8 +40,7 @@ pub(crate) fn drive(seed: u64, declared: f64) -> Option<(u64, Smoothed)> {
         whisker.noise.moment_relative *= declared;
         whisker.noise.moment_absolute *= declared;
     }
-    let options =
-        ProbabilisticOptions { prior, noise_model: NoiseAssumption::Correlated, ..ProbabilisticOptions::default() };
+    let options = ProbabilisticOptions { prior, ..ProbabilisticOptions::default() };
     let began = Instant::now();
     let answer = localize(&drive.log, &drive.map, &robot, &Method::Probabilistic(options), &mut |_| {});
     let seconds = began.elapsed().as_secs_f64();

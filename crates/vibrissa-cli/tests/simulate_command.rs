@@ -40,6 +40,8 @@ fn a_scenario_leaves_its_files_and_they_are_localized() {
         // The command that the summary proposes, as it stands.
         let command = outcome.stdout.lines().find(|line| line.trim().starts_with("vibrissa localize")).unwrap();
         let mut words: Vec<&str> = command.split_whitespace().skip(1).collect();
+        // Its robot is what its file says.
+        words.extend(["--undeclared", "none"]);
         if name == "square" {
             words.extend(["--method", "probabilistic"]);
             let told = vibrissa(&words);

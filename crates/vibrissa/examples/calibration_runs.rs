@@ -33,7 +33,7 @@ fn quantile(sorted: &[f64], share: f64) -> f64 {
 fn main() -> Result<()> {
     let mut arguments = std::env::args().skip(1).map_while(|a| a.parse::<u64>().ok());
     let (trials, first) = (arguments.next().unwrap_or(200), arguments.next().unwrap_or(1));
-    let mut options = ProbabilisticOptions::default();
+    let mut options = ProbabilisticOptions::exact();
     if let Some(share) = std::env::args().nth(3).and_then(|a| a.parse().ok()) {
         options.tolerated_share = share;
     }

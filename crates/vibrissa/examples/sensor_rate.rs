@@ -18,6 +18,7 @@ use region::{CHI2_95, distance};
 use ridge::off_ridge;
 use std::path::Path;
 use std::time::Instant;
+use vibrissa::config::ProbabilisticOptions;
 use vibrissa::flow::pose::{Hypothesis, Localization};
 use vibrissa::flow::sensor_log::SensorLog;
 use vibrissa::io::read_tum;
@@ -73,7 +74,9 @@ fn robot(name: &str) -> Robot {
 fn main() -> Result<()> {
     let mut arguments = std::env::args().skip(1);
     let folder = arguments.next().ok_or_else(|| Error::usage("a folder of sweeps is missing"))?;
-    let method = arguments.next().map_or(Ok(Method::default()), |name| Method::named(&name))?;
+    let method = arguments
+        .next()
+        .map_or(Ok(Method::Probabilistic(ProbabilisticOptions::exact())), |name| Method::named(&name))?;
     let only = arguments.next().unwrap_or_default();
     let files = std::fs::read_dir(&folder).map_err(|e| Error::data(e.to_string()))?;
     let mut names: Vec<String> = files

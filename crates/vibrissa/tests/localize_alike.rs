@@ -37,7 +37,7 @@ fn sweep(map: &Map, seed: u64) -> Sweep {
 }
 
 fn localized(log: &SensorLog, map: &Map, robot: &Robot, window: usize) -> Localization {
-    let options = Method::Probabilistic(ProbabilisticOptions { window, ..ProbabilisticOptions::default() });
+    let options = Method::Probabilistic(ProbabilisticOptions { window, ..ProbabilisticOptions::exact() });
     localize(log, map, robot, &options, &mut |_| {}).unwrap()
 }
 

@@ -12,7 +12,7 @@ mod random;
 use long_sweep::long_sweep;
 use mistaken::mistaken;
 use vibrissa::beam::{TipModel, Whisker};
-use vibrissa::config::PossibilisticOptions;
+use vibrissa::config::{PossibilisticOptions, ProbabilisticOptions};
 use vibrissa::flow::pose::{StampedPose, Status};
 use vibrissa::flow::state_set::probabilistic::predicted_moments;
 use vibrissa::plane::{Curve, Pose2, Vec2, wrap_angle};
@@ -59,7 +59,7 @@ fn after_a_snap_the_whisker_rests_where_the_simulator_says() {
 
 #[test]
 fn a_robot_that_goes_around_corners_is_told_where_it_is() {
-    let options = Method::Probabilistic(Default::default());
+    let options = Method::Probabilistic(ProbabilisticOptions::exact());
     let map = room(0.35, 0.25);
     let sweeps = snapping(&map, 100..140, 3);
     assert_eq!(sweeps.len(), 3);
@@ -102,7 +102,7 @@ fn star() -> Map {
 #[test]
 fn of_long_straight_walls_the_true_one_outlives_its_corner() {
     // Along these walls hypotheses stand millimetres apart when the corner comes, which one at another corner meets better by chance.
-    let options = Method::Probabilistic(Default::default());
+    let options = Method::Probabilistic(ProbabilisticOptions::exact());
     for (map, seed) in [(long_room(), 10), (star(), 147), (star(), 21), (star(), 107)] {
         let sweep = long_sweep(&map, seed).unwrap();
         let answer = localize(&sweep.log, &map, &Robot::default(), &options, &mut |_| {}).unwrap();
@@ -116,7 +116,7 @@ fn of_long_straight_walls_the_true_one_outlives_its_corner() {
 
 #[test]
 fn along_long_straight_walls_odometry_that_is_wrong_is_found_out() {
-    let options = Method::Probabilistic(Default::default());
+    let options = Method::Probabilistic(ProbabilisticOptions::exact());
     let mut robot = Robot::default();
     (robot.odometry.translation_relative, robot.odometry.rotation_relative) = (0.01, 0.01);
     for (map, seed) in [(long_room(), 10), (star(), 147)] {
@@ -134,7 +134,7 @@ fn along_long_straight_walls_odometry_that_is_wrong_is_found_out() {
 
 #[test]
 fn odometry_that_is_wrong_by_a_share_is_found_out() {
-    let options = Method::Probabilistic(Default::default());
+    let options = Method::Probabilistic(ProbabilisticOptions::exact());
     let map = room(0.35, 0.25);
     let mut robot = Robot::default();
     (robot.odometry.translation_relative, robot.odometry.rotation_relative) = (0.01, 0.01);
@@ -192,7 +192,7 @@ fn rough_room() -> Map {
 
 #[test]
 fn along_a_rough_wall_odometry_that_is_wrong_is_found_out() {
-    let options = Method::Probabilistic(Default::default());
+    let options = Method::Probabilistic(ProbabilisticOptions::exact());
     let map = rough_room();
     let mut robot = Robot::default();
     (robot.odometry.translation_relative, robot.odometry.rotation_relative) = (0.01, 0.01);
@@ -219,7 +219,7 @@ fn along_a_rough_wall_odometry_that_is_wrong_is_found_out() {
 
 #[test]
 fn turns_are_corrected_where_only_these_are_declared_wrong() {
-    let options = Method::Probabilistic(Default::default());
+    let options = Method::Probabilistic(ProbabilisticOptions::exact());
     let map = room(0.35, 0.25);
     let mut robot = Robot::default();
     robot.odometry.rotation_relative = 0.01;
@@ -237,7 +237,7 @@ fn turns_are_corrected_where_only_these_are_declared_wrong() {
 
 #[test]
 fn odometry_that_is_declared_right_is_not_estimated() {
-    let options = Method::Probabilistic(Default::default());
+    let options = Method::Probabilistic(ProbabilisticOptions::exact());
     let map = room(0.35, 0.25);
     let sweep = &snapping(&map, 100..140, 1)[0];
     assert!(localize(&sweep.log, &map, &Robot::default(), &options, &mut |_| {}).unwrap().odometry.is_none());

@@ -18,7 +18,7 @@ use vibrissa::world::Robot;
 use vibrissa::{Method, localize};
 
 fn options() -> Method {
-    Method::default()
+    Method::Probabilistic(ProbabilisticOptions::exact())
 }
 
 fn sweeps() -> Option<PathBuf> {
@@ -58,7 +58,12 @@ fn unique_places_are_found_within_half_a_millimetre() {
         println!("{name}: {:.3} mm, {:.3} deg", 1e3 * distance, turn.to_degrees());
         assert!(distance < 0.6e-3 && turn < 0.3_f64.to_radians(), "{name}: {distance} {turn}");
         let (bound, heading) = answer.hypotheses[0].bound().unwrap();
-        assert!(bound > 1e-5 && bound < 1e-3 && heading > 1e-4 && heading < 1e-2, "{name}: {bound} {heading}");
+        // The odometry of a biased log is off and not declared so: residuals stay alike, and the region says so.
+        let wide = if name.ends_with("bias") { 2.5 } else { 1.0 };
+        assert!(
+            bound > 1e-5 && bound < wide * 1e-3 && heading > 1e-4 && heading < wide * 1e-2,
+            "{name}: {bound} {heading}"
+        );
     }
 }
 
@@ -125,7 +130,7 @@ fn a_region_or_a_compass_tells_the_places_of_a_square_apart() {
     let (first, last) = (truth.first().unwrap().map_from_robot, truth.last().unwrap().map_from_robot);
     let around = |v: f64, half: f64| [v - half, v + half];
     let prior = Some([around(first.x, 0.03), around(first.y, 0.03), around(first.theta, 0.3)]);
-    let within = Method::Probabilistic(ProbabilisticOptions { prior, ..ProbabilisticOptions::default() });
+    let within = Method::Probabilistic(ProbabilisticOptions { prior, ..ProbabilisticOptions::exact() });
     let region = localize(&log, &map, &Robot::default(), &within, &mut |_| {}).unwrap();
     // A compass that is off by the same angle all the time, as they are.
     for (row, true_row) in log.rows.iter_mut().zip(&truth) {
@@ -217,7 +222,7 @@ fn memory_does_not_grow_and_the_place_stays_known() {
     // Forth and back along the demo's sweep, with new noise each time.
     let (map, sweep) = (demo::arena().unwrap(), demo::sweep(1).unwrap());
     let rows = &sweep.log.rows;
-    let small = ProbabilisticOptions { window: 400, ..ProbabilisticOptions::default() };
+    let small = ProbabilisticOptions { window: 400, ..ProbabilisticOptions::exact() };
     let robot = Robot::default();
     let mut localizer = ProbabilisticEstimator::new(&map, &robot, &sweep.log.channels, small).unwrap().without_record();
     let mut draw = Random(11);
@@ -251,11 +256,12 @@ fn a_whisker_that_feels_something_else_for_a_while_is_no_contradiction() {
     let (map, sweep) = (demo::arena().unwrap(), demo::sweep(3).unwrap());
     let truth = sweep.truth.last().unwrap().map_from_robot;
     let mut log = sweep.log;
-    // As after a snap: for 45 rows on end the moment is that of no equilibrium near.
+    // As after a snap: for a sixth of the rows on end the moment is that of no equilibrium near.
     let from = log.rows.len() * 3 / 5;
-    log.rows[from..from + 45].iter_mut().for_each(|row| row.readings[0] *= 1.5);
+    let until = from + log.rows.len() / 6;
+    log.rows[from..until].iter_mut().for_each(|row| row.readings[0] *= 1.5);
     let tolerating = |tolerated_share| {
-        Method::Probabilistic(ProbabilisticOptions { tolerated_share, ..ProbabilisticOptions::default() })
+        Method::Probabilistic(ProbabilisticOptions { tolerated_share, ..ProbabilisticOptions::exact() })
     };
     let tolerant = tolerating(0.15);
     let answer = localize(&log, &map, &Robot::default(), &tolerant, &mut |_| {}).unwrap();

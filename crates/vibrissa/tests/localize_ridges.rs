@@ -24,7 +24,7 @@ use vibrissa::world::{Boundary, Map, Robot, Role};
 use vibrissa::{Method, localize};
 
 fn localized(log: &SensorLog, map: &Map, robot: &Robot, window: usize) -> Localization {
-    let options = Method::Probabilistic(ProbabilisticOptions { window, ..ProbabilisticOptions::default() });
+    let options = Method::Probabilistic(ProbabilisticOptions { window, ..ProbabilisticOptions::exact() });
     localize(log, map, robot, &options, &mut |_| {}).unwrap()
 }
 

@@ -7,6 +7,7 @@ mod random;
 
 use random::Random;
 use vibrissa::beam::{Bend, Whisker, elastica};
+use vibrissa::config::ProbabilisticOptions;
 use vibrissa::flow::pose::{Localization, Status};
 use vibrissa::flow::sensor_log::{Channel, Quantity, SensorLog};
 use vibrissa::plane::{Pose2, Vec2, wrap_angle};
@@ -74,7 +75,7 @@ fn bent(beam: &Whisker, tip: Vec2, force: Vec2) -> Bend {
 }
 
 fn run(map: &Map, robot: &Robot, log: &SensorLog) -> Localization {
-    let options = Method::Probabilistic(Default::default());
+    let options = Method::Probabilistic(ProbabilisticOptions::exact());
     localize(log, map, robot, &options, &mut |_| {}).unwrap()
 }
 

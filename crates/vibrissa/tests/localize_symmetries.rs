@@ -38,7 +38,7 @@ const POSSIBILISTIC: &str = "possibilistic";
 /// Little work, for speed, in a world whose lengths are `k` times the demo's.
 fn options(method: &str, k: f64) -> Method {
     let possibilistic = PossibilisticOptions::default();
-    let probabilistic = ProbabilisticOptions::default();
+    let probabilistic = ProbabilisticOptions::exact();
     if method == POSSIBILISTIC {
         Method::Possibilistic(PossibilisticOptions {
             work: 30,

@@ -44,7 +44,8 @@ fn told((log, robot): &(SensorLog, Robot), method: &Method) -> Vec<Remedy> {
 
 /// The remedy with these words comes first. Each case is a test of its own, since each tries two dozen changes.
 fn comes_first(words: &str, case: &(SensorLog, Robot)) {
-    let found = told(case, &Method::default());
+    // The guaranteed method contradicts the soonest.
+    let found = told(case, &Method::named("possibilistic").unwrap());
     let best = &found.first().unwrap_or_else(|| panic!("{words}: nothing is told")).change;
     println!("{words}: {found:?}");
     assert!(best.contains(words), "{words}: {best}");

@@ -17,7 +17,7 @@ pub use deterministic::{DeterministicOptions, TipLoad};
 pub use grid::GridOptions;
 pub use possibilistic::PossibilisticOptions;
 pub(crate) use possibilistic::two_contacts;
-pub use probabilistic::{NoiseAssumption, ProbabilisticOptions};
+pub use probabilistic::{NoiseAssumption, ProbabilisticOptions, UndeclaredErrors};
 pub use setting::{Choice, Region, Setting, SettingValue, Slot};
 pub use vibrissa_beam::config::sensing;
 

@@ -7,9 +7,9 @@ use crate::Result;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum NoiseAssumption {
     /// Each is new, evenly within its bound, but for a gain that all share.
-    #[default]
     Independent,
-    /// They may stay alike for a while, as hysteresis, drift and calibration curves make them.
+    /// They may stay alike for a while, as hysteresis, drift and calibration curves make them; how long is estimated.
+    #[default]
     Correlated,
 }
 
@@ -38,6 +38,41 @@ impl Choice for NoiseAssumption {
     }
 }
 
+/// What is taken for errors that the robot does not bound.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum UndeclaredErrors {
+    /// They may be as large as those of a typical robot, and are estimated along.
+    #[default]
+    Typical,
+    /// There are none.
+    None,
+}
+
+impl Choice for UndeclaredErrors {
+    fn words(&self) -> &'static [(&'static str, &'static str)] {
+        &[
+            (
+                "typical",
+                "Zero, mount, length, gain, odometry and delay may be off as those of a typical robot, and are estimated along",
+            ),
+            ("none", "What the robot file does not bound is exact"),
+        ]
+    }
+
+    fn word(&self) -> &'static str {
+        match self {
+            Self::Typical => "typical",
+            Self::None => "none",
+        }
+    }
+
+    fn take(&mut self, word: &str) -> bool {
+        let found = [Self::Typical, Self::None].into_iter().find(|errors| errors.word() == word);
+        *self = found.unwrap_or(*self);
+        found.is_some()
+    }
+}
+
 /// The knobs of the probabilistic method.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ProbabilisticOptions {
@@ -59,14 +94,15 @@ pub struct ProbabilisticOptions {
     /// Where the robot is at the first row, map frame, where that is known: least and largest x (m), y (m), heading (rad).
     pub prior: Option<Region>,
     /// Rows that are kept and fitted again, twice as many where errors of the odometry are declared; what older ones say is summed
-    /// up as a Gaussian for each hypothesis.
+    /// up as a Gaussian for each mode.
     pub window: usize,
     /// Share of the rows that no equilibrium needs to explain, 0 to 0.5: while the whisker has snapped or touches at three
     /// places, even the true place explains nothing.
     pub tolerated_share: f64,
-    /// How the readings' errors hang together. Robots that declare errors of zero, mount and the like are always taken to have correlated
-    /// ones.
+    /// How the readings' errors hang together.
     pub noise_model: NoiseAssumption,
+    /// What is taken for errors that the robot does not bound.
+    pub undeclared: UndeclaredErrors,
 }
 
 impl Default for ProbabilisticOptions {
@@ -82,11 +118,18 @@ impl Default for ProbabilisticOptions {
             window: 1000,
             tolerated_share: 0.05,
             noise_model: NoiseAssumption::default(),
+            undeclared: UndeclaredErrors::default(),
         }
     }
 }
 
 impl ProbabilisticOptions {
+    /// The options for a robot that is exactly what it declares, as simulated ones are.
+    #[must_use]
+    pub fn exact() -> Self {
+        Self { undeclared: UndeclaredErrors::None, ..Self::default() }
+    }
+
     /// The options that shells offer.
     pub fn settings(&mut self) -> Vec<Setting<'_>> {
         let setting = |name, value_name, help, field| Setting { name, value_name, help, field };
@@ -121,6 +164,12 @@ impl ProbabilisticOptions {
                 "NOISE",
                 "How the readings' errors hang together",
                 Slot::Choice(&mut self.noise_model),
+            ),
+            setting(
+                "undeclared",
+                "ERRORS",
+                "What is taken for errors that the robot file does not bound",
+                Slot::Choice(&mut self.undeclared),
             ),
             heading_setting(&mut self.heading_error),
             region_setting(&mut self.prior),

@@ -12,11 +12,6 @@ use core::f64::consts::{FRAC_PI_2, PI};
 
 /// Corners that turn by no more than this are hopped over while an equilibrium is still looked for (rad).
 const SLIGHT: f64 = 0.2;
-/// Corners that turn by more than this are sharp, by as much as this alike (rad), and those further along the boundary
-/// than this (m) are none of a place's own.
-const SHARP: f64 = 0.3;
-const ALIKE: f64 = 0.02;
-const FARTHEST: f64 = 1.0;
 /// Pieces that one hop may pass.
 const MOST_HOPPED: usize = 16;
 
@@ -185,11 +180,6 @@ impl Boundaries {
         !self.tails.is_empty()
     }
 
-    /// The length of all pieces (m).
-    pub(crate) fn total_length(&self) -> f64 {
-        self.pieces.iter().map(|piece| piece.length).sum()
-    }
-
     /// The place that lies beyond an end of a piece by as much as the parameter `at` says, if only slight corners lie
     /// between: piece and parameter.
     pub(super) fn hop(&self, mut piece: u32, mut at: f64) -> (u32, f64) {
@@ -211,53 +201,6 @@ impl Boundaries {
             }
         }
         (piece, at)
-    }
-
-    /// The places that lie as far behind or before a sharp corner as this one behind or before its own: pieces and
-    /// parameters.
-    ///
-    /// A whisker that snaps out of a corner does so within a millimetre: of places on a grid none would feel the same.
-    pub(crate) fn as_far_from_corners(&self, (piece, at): (u32, f64)) -> Vec<(u32, f64)> {
-        let mut places = Vec::new();
-        for forward in [false, true] {
-            let Some((turn, way)) = self.to_corner(piece, at, forward) else { continue };
-            for (index, other) in self.pieces.iter().enumerate() {
-                let Some(corner) = other.corner.filter(|corner| (corner.turn - turn).abs() < ALIKE) else { continue };
-                let (from, along) = if forward { (index as u32, other.length - way) } else { (corner.after.0, way) };
-                places.extend(self.walked(from, along));
-            }
-        }
-        places
-    }
-
-    /// The next sharp corner behind or before a place: how far the boundary turns there (rad), and the way to it (m).
-    fn to_corner(&self, piece: u32, at: f64, forward: bool) -> Option<(f64, f64)> {
-        let start = &self.pieces[piece as usize];
-        let done = start.segment.length_to(at);
-        let (mut here, mut way) = (piece, if forward { start.length - done } else { done });
-        while way <= FARTHEST {
-            let before = if forward { here } else { self.pieces[here as usize].before? };
-            let corner = self.pieces[before as usize].corner?;
-            if corner.turn.abs() > SHARP {
-                return Some((corner.turn, way));
-            }
-            here = if forward { corner.after.0 } else { before };
-            way += self.pieces[here as usize].length;
-        }
-        None
-    }
-
-    /// The place this far (m) along the boundary from the start of a piece, negative before it: piece and parameter.
-    fn walked(&self, mut piece: u32, mut along: f64) -> Option<(u32, f64)> {
-        while along < 0.0 {
-            piece = self.pieces[piece as usize].before?;
-            along += self.pieces[piece as usize].length;
-        }
-        while along > self.pieces[piece as usize].length {
-            along -= self.pieces[piece as usize].length;
-            piece = self.pieces[piece as usize].corner?.after.0;
-        }
-        Some((piece, self.pieces[piece as usize].parameter_at(along)))
     }
 
     /// The place nearest to `point` within `reach` (m), on the side on which `base` is: piece, parameter, distance.

@@ -11,7 +11,7 @@ pub use answer::{
 };
 
 use super::state_set::possibilistic;
-use super::state_set::probabilistic::{self, Agreement, Consistency, Fit};
+use super::state_set::probabilistic::{self, Fit};
 use super::state_set::{Candidate, StateSet, components};
 use crate::config::DeterministicOptions;
 use crate::plane::{Pose2, wrap_angle};
@@ -29,17 +29,17 @@ const LEAST_RIVAL: f64 = 0.02;
 const OBEYED: f64 = 0.02;
 /// Rows of contact that a set has to explain anew before it is believed again, once no state was left.
 pub(crate) const RECOVERED: usize = 150;
-/// Share of readings beyond 2.5 standard deviations that single false readings explain, on top of the tolerated share, and
-/// the mean square of block means (1 for independent errors) that declared errors do not explain, in standard deviations
-/// of that mean.
+/// Share of readings beyond 2.5 standard deviations that single false readings explain, on top of the tolerated share.
 const FALSE_SHARE: f64 = 0.1;
-const MOST_DRIFT: f64 = 4.0;
-/// The same for the mean square of single residuals.
-const MOST_SQUARE: f64 = 3.5;
-/// The same, in units of what even errors give, of errors that obey their bounds: 3 where all are at the ends.
+/// The largest mean square of residuals, in units of what even errors give, of errors that obey their bounds: 3 where all are at the ends;
 const MOST_SQUARE_WITHIN: f64 = 3.3;
-/// Fewest blocks that speak about drift.
+/// and of errors that are taken for independent, in about standard deviations of that mean.
+const MOST_SQUARE: f64 = 3.5;
+/// The mean square of block means of independent errors, in standard deviations of that mean, and fewest blocks that speak about it.
+const MOST_DRIFT: f64 = 4.0;
 const FEWEST_BLOCKS: usize = 6;
+/// A nuisance parameter this many times beyond its bound is a contradiction: bounds are told in round numbers.
+const MOST_OF_BOUND: f64 = 2.0;
 /// Half the side of the box around the region that holds 95 % of a Gaussian in three dimensions (standard deviations).
 const HALF_BOX: f64 = 2.795;
 
@@ -57,7 +57,7 @@ pub(crate) struct Evidence<'a> {
     /// What is known about readings that break their declared bounds.
     pub(crate) broken: Broken<'a>,
     /// How well the best place fits the readings, where the method has statistics of that.
-    pub(crate) fit: Option<&'a Agreement>,
+    pub(crate) fit: Option<&'a Fit>,
     /// Share of the rows that no equilibrium needs to explain.
     pub(crate) tolerated_share: f64,
 }
@@ -98,13 +98,12 @@ pub(crate) fn verdict(evidence: &Evidence<'_>) -> Verdict {
     let rivals = rivals(evidence);
     // A set that died once has to explain much before it is believed again; whether it is one place counts where nothing else speaks
     // against the readings.
-    let judged = matches!(evidence.fit, Some(Agreement::Correlated(_)));
+    let judged = evidence.fit.is_some();
     if emptied && !((rivals == 1 || judged) && evidence.explained_since >= RECOVERED) {
         return plain(Status::Inconsistent);
     }
-    // A place that leaves as much unexplained as side contact may, or odometry whose error changes on the way, can be wrong: it is
-    // told, but not believed alone.
-    if let Some(detail) = evidence.fit.and_then(doubt) {
+    // A place that leaves as much unexplained as side contact may can be wrong: it is told, but not believed alone.
+    if let Some(detail) = evidence.fit.and_then(|fit| contradiction(fit, 0.0)) {
         let detail = format!("told all the same, since side contact, a snap or slip on the way may be why: {detail}");
         return Verdict { status: Status::Ambiguous, reason: Some(("tolerated", detail)) };
     }
@@ -127,54 +126,53 @@ fn rivals(evidence: &Evidence<'_>) -> usize {
     evidence.places.iter().enumerate().filter(may).count()
 }
 
-/// Why the readings contradict the best place, if they do even when a share of them is tolerated and errors of the odometry change on the
-/// way.
-fn contradiction(fit: &Agreement, tolerated_share: f64) -> Option<String> {
-    match fit {
-        Agreement::Independent(fit) => misfit(fit, fit.odometry, tolerated_share),
-        Agreement::Correlated(fit) => beyond_bounds(fit, tolerated_share),
-    }
-}
-
-/// Why the best place is not believed alone, if it is not.
-fn doubt(fit: &Agreement) -> Option<String> {
-    match fit {
-        // Errors that are independent of each other average out.
-        Agreement::Independent(fit) => misfit(fit, fit.odometry / f64::from(fit.touching.max(1) as u32), 0.0),
-        Agreement::Correlated(fit) => beyond_bounds(fit, 0.0),
-    }
-}
-
-/// The same for errors that may be alike for a while: all that they obey is their bounds.
-fn beyond_bounds(fit: &Fit, tolerated_share: f64) -> Option<String> {
+/// Why the readings contradict the best place, if they do even when this share of them is tolerated.
+fn contradiction(fit: &Fit, tolerated_share: f64) -> Option<String> {
     if fit.beyond > FALSE_SHARE + tolerated_share {
         return Some(beyond(fit.beyond));
     }
-    (fit.square > MOST_SQUARE_WITHIN).then(|| scattered(fit.square))
+    if fit.of_bound > MOST_OF_BOUND {
+        return Some(out_of_bound(fit.of_bound));
+    }
+    if fit.square > most_statistic(fit) {
+        return Some(scattered(fit.square));
+    }
+    let most = 1.0 + MOST_DRIFT * (2.0 / fit.blocks.max(1) as f64).sqrt();
+    (fit.independent && fit.blocks >= FEWEST_BLOCKS && fit.drift > most).then(|| strays(fit.drift))
 }
 
 /// The largest mean normalised residual squared that is no contradiction.
-pub(crate) fn most_statistic(fit: &Agreement) -> f64 {
-    match fit {
-        Agreement::Independent(fit) => most_square(fit, fit.odometry),
-        Agreement::Correlated(_) => MOST_SQUARE_WITHIN,
-    }
+pub(crate) fn most_statistic(fit: &Fit) -> f64 {
+    most_square(fit, 1)
 }
 
 /// The same of one of so many stretches of the readings.
-pub(crate) fn most_of_stretch(fit: &Agreement, stretches: usize) -> f64 {
-    match fit {
-        Agreement::Independent(fit) => {
-            let readings = (fit.touching / stretches.max(1)).max(1);
-            1.0 + fit.odometry + MOST_SQUARE / f64::from(readings as u32).sqrt()
-        }
-        Agreement::Correlated(_) => MOST_SQUARE_WITHIN,
+pub(crate) fn most_of_stretch(fit: &Fit, stretches: usize) -> f64 {
+    most_square(fit, stretches)
+}
+
+fn most_square(fit: &Fit, stretches: usize) -> f64 {
+    if fit.independent {
+        let readings = (fit.touching / stretches.max(1)).max(1);
+        1.0 + MOST_SQUARE / f64::from(readings as u32).sqrt()
+    } else {
+        MOST_SQUARE_WITHIN
     }
 }
 
-/// The same of independent errors, where the odometry has added so much.
-fn most_square(fit: &Consistency, odometry: f64) -> f64 {
-    1.0 + odometry + MOST_SQUARE / f64::from(fit.touching.max(1) as u32).sqrt()
+fn strays(drift: f64) -> String {
+    format!(
+        "the readings stray from the best place for many rows on end ({:.1} times what independent noise does); is it the right map, and is \
+         the whisker's stiffness right? `--noise-model correlated` takes errors that stay alike",
+        drift.sqrt()
+    )
+}
+
+fn out_of_bound(times: f64) -> String {
+    format!(
+        "to explain the readings, the gain or another quantity that is estimated along would have to be off by {times:.1} times its bound; \
+         are the whisker's length, stiffness and calibration right?"
+    )
 }
 
 fn beyond(share: f64) -> String {
@@ -191,26 +189,6 @@ fn scattered(square: f64) -> String {
          and are the noise bounds right?",
         square.sqrt()
     )
-}
-
-/// Why the readings speak against the best place, if they do even when a share of them is tolerated and the odometry has added so much to
-/// their mean square.
-fn misfit(fit: &Consistency, odometry: f64, tolerated_share: f64) -> Option<String> {
-    if fit.beyond > FALSE_SHARE + tolerated_share {
-        return Some(beyond(fit.beyond));
-    }
-    if fit.square > most_square(fit, odometry) {
-        return Some(scattered(fit.square));
-    }
-    let most = 1.0 + 8.0 * odometry + MOST_DRIFT * (2.0 / fit.blocks.max(1) as f64).sqrt();
-    let drift = if tolerated_share > 0.0 { fit.tolerant_drift } else { fit.drift };
-    (fit.blocks >= FEWEST_BLOCKS && drift > most).then(|| {
-        format!(
-            "the readings stray from the best place for many rows on end ({:.1} times what noise does); is it the right \
-             map, and is the whisker's stiffness right?",
-            drift.sqrt()
-        )
-    })
 }
 
 /// One hypothesis for each separate place that is worth a bet, at the odometry's `odom_from_robot`, the heaviest first.

@@ -6,14 +6,14 @@ use super::{Estimator, LimitCheck, STRAIGHT_ONLY, searchable};
 use crate::Result;
 use crate::beam::{TipModel, Whisker};
 use crate::config::limits::MOST_SEARCHED;
-use crate::config::{NoiseAssumption, ProbabilisticOptions, Setting};
+use crate::config::{ProbabilisticOptions, Setting};
 use crate::flow::pose::{
     self, Broken, ConsistencyReport, Estimate, Event, Evidence, Hypothesis, Localization, OdometryEstimate, RECOVERED,
     StampedPose, Status, StepRecord, Stretch,
 };
 use crate::flow::sensor_log::{Channel, LogRow, Quantity, SensorLog, one_owner_each};
 use crate::flow::state_set::probabilistic::{
-    Agreement, ModeSet, NuisanceSmoother, PosteriorPlace, ProbabilisticSet, STRETCHES, SensedQuantity, StepOutcome,
+    Fit, MultiHypothesisSmoother, PosteriorPlace, STRETCHES, SensedQuantity, StepOutcome,
 };
 use crate::flow::trajectory::pose_at;
 use crate::plane::Pose2;
@@ -30,7 +30,7 @@ pub struct ProbabilisticEstimator<'a> {
     quantities: Vec<Reader>,
     /// For each quantity the last possible reading, and how many impossible ones came since.
     last: Vec<(f64, usize)>,
-    set: Box<dyn ModeSet + 'a>,
+    set: MultiHypothesisSmoother<'a>,
     start: Option<Pose2>,
     rows: Vec<(f64, Pose2)>,
     in_contact: Vec<bool>,
@@ -66,13 +66,7 @@ impl<'a> ProbabilisticEstimator<'a> {
         let tips = robot.whiskers.iter().map(|w| TipModel::new(&w.beam)).collect::<Result<Vec<_>>>()?;
         let quantities = readers(robot, &tips, channels)?;
         let told: Vec<(usize, SensedQuantity)> = quantities.iter().map(|r| (r.whisker, r.quantity)).collect();
-        // What is not known exactly, and errors that stay alike, are unknowns beside the pose.
-        let set: Box<dyn ModeSet + 'a> =
-            if options.noise_model == NoiseAssumption::Correlated || !robot.declared_errors().is_empty() {
-                Box::new(NuisanceSmoother::new(map, robot, &tips, &told, options))
-            } else {
-                Box::new(ProbabilisticSet::new(map, robot, &tips, &told, options))
-            };
+        let set = MultiHypothesisSmoother::new(map, robot, &tips, &told, options);
         Ok(Self {
             map,
             robot,
@@ -197,21 +191,18 @@ impl<'a> ProbabilisticEstimator<'a> {
     }
 
     /// How well the best place fits the readings.
-    fn consistency(&self, fit: &Agreement) -> ConsistencyReport {
-        let time = |before_last: usize| self.rows.iter().rev().nth(before_last).map(|row| row.0);
-        let (statistic, correlation_time, worst) = match fit {
-            Agreement::Independent(fit) => {
-                let worst =
-                    fit.worst.and_then(|(from, to, there)| Some((Stretch { from: time(from)?, to: time(to)? }, there)));
-                (fit.statistic, 0.0, worst)
-            }
-            Agreement::Correlated(fit) => (fit.statistic, fit.correlation_time, fit.worst),
-        };
-        ConsistencyReport { statistic, most: pose::most_statistic(fit), correlation_time, worst, remedies: Vec::new() }
+    fn consistency(fit: &Fit) -> ConsistencyReport {
+        ConsistencyReport {
+            statistic: fit.statistic,
+            most: pose::most_statistic(fit),
+            correlation_time: fit.correlation_time,
+            worst: fit.worst,
+            remedies: Vec::new(),
+        }
     }
 
     /// Where the way is not sure: up to the last loss, and where the readings fit worse than errors within their bounds do.
-    fn unsure(&self, trajectory: &[StampedPose], fits: Option<&(&Agreement, ConsistencyReport)>) -> Vec<Stretch> {
+    fn unsure(&self, trajectory: &[StampedPose], fits: Option<&(&Fit, ConsistencyReport)>) -> Vec<Stretch> {
         let Some(first) = trajectory.first() else { return Vec::new() };
         let lost = self.before.last().and_then(|&(row, _)| self.rows.get(row.checked_sub(1)?));
         let before = lost.filter(|row| row.0 > first.t).map(|row| Stretch { from: first.t, to: row.0 });
@@ -340,7 +331,7 @@ impl Estimator for ProbabilisticEstimator<'_> {
         let hypotheses: Vec<Hypothesis> = places.iter().map(pose::fitted).collect();
         let broken: Vec<f64> = places.iter().map(|place| place.broken).collect();
         let verdict = pose::verdict(&Evidence {
-            explained_since: fit.as_ref().map_or(0, Agreement::touching),
+            explained_since: fit.as_ref().map_or(0, |fit| fit.touching),
             broken: Broken::Shares(&broken),
             fit: fit.as_ref(),
             tolerated_share: self.tolerated_share,
@@ -356,7 +347,7 @@ impl Estimator for ProbabilisticEstimator<'_> {
         // The frame of each row, since the odometry is corrected along the way.
         let frame = |felt: &DrawnReading| Some(pose_at(&trajectory, felt.t)?.compose(felt.odom_from_robot.inverse()));
         let shapes = self.felt.shapes(self.map, &self.robot.whiskers, frame);
-        let fits = fit.as_ref().map(|fit| (fit, self.consistency(fit)));
+        let fits = fit.as_ref().map(|fit| (fit, Self::consistency(fit)));
         let unsure = if keep { self.unsure(&trajectory, fits.as_ref()) } else { Vec::new() };
         // A set that was given up before is contradicted by what the last one does not have to explain.
         let consistency = fits.map(|fits| fits.1).filter(|fits| keep || fits.statistic > fits.most);

@@ -227,6 +227,39 @@ impl Robot {
     }
 }
 
+impl Robot {
+    /// The same robot where each kind of error that it does not bound has the bound of a typical one: zero, mount, length, gain, odometry and
+    /// delay. `config::defaults` has the numbers.
+    #[must_use]
+    pub fn with_typical_errors(&self) -> Self {
+        let mut robot = self.clone();
+        let put = |bound: &mut f64, typical: f64| {
+            if *bound <= 0.0 {
+                *bound = typical;
+            }
+        };
+        for whisker in &mut robot.whiskers {
+            let (length, errors) = (whisker.beam.length, &mut whisker.errors);
+            put(&mut errors.zero, defaults::TYPICAL_ZERO * whisker.beam.flexural_rigidity / length);
+            if errors.mount.iter().all(|&bound| bound <= 0.0) {
+                let [place, turn] = defaults::TYPICAL_MOUNT;
+                errors.mount = [place * length, place * length, turn];
+            }
+            put(&mut errors.length, defaults::TYPICAL_LENGTH * length);
+            if errors.rigidity <= 0.0 {
+                put(&mut errors.gain, defaults::TYPICAL_GAIN);
+            }
+        }
+        let odometry = &mut robot.odometry;
+        if odometry.translation_relative <= 0.0 && odometry.rotation_relative <= 0.0 {
+            (odometry.translation_relative, odometry.rotation_relative) =
+                (defaults::TYPICAL_ODOMETRY, defaults::TYPICAL_ODOMETRY);
+        }
+        put(&mut odometry.delay, defaults::TYPICAL_DELAY);
+        robot
+    }
+}
+
 impl Default for Robot {
     fn default() -> Self {
         Self {

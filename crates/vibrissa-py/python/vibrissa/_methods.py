@@ -62,6 +62,8 @@ class Probabilistic:
     """Share of readings that may be false."""
     noise_model: Literal["independent", "correlated"] | None = None
     """How the readings' errors hang together."""
+    undeclared: Literal["typical", "none"] | None = None
+    """What is taken for errors that the robot does not bound."""
 
 
 METHODS: dict[type, str] = {
@@ -94,3 +96,4 @@ class Options(TypedDict, total=False):
     shared_gain: float | None
     tolerated_share: float | None
     noise_model: Literal["independent", "correlated"] | None
+    undeclared: Literal["typical", "none"] | None

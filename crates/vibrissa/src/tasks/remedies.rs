@@ -5,7 +5,7 @@ mod change;
 use super::doubts::same_largest;
 use crate::Result;
 use crate::beam::TipModel;
-use crate::config::ProbabilisticOptions;
+use crate::config::{ProbabilisticOptions, UndeclaredErrors};
 use crate::flow::pose::{ConsistencyReport, Localization, Remedy, Status};
 use crate::flow::sensor_log::{LogRow, Quantity, SensorLog};
 use crate::flow::state_set::probabilistic::predicted_moments;
@@ -137,8 +137,12 @@ fn trying(method: &Method) -> Method {
         Method::Possibilistic(options) => Method::Probabilistic(ProbabilisticOptions {
             prior: options.prior,
             heading_error: options.heading_error,
-            ..ProbabilisticOptions::default()
+            ..ProbabilisticOptions::exact()
         }),
+        // One change is to mend all: nothing else is estimated along.
+        Method::Probabilistic(options) => {
+            Method::Probabilistic(ProbabilisticOptions { undeclared: UndeclaredErrors::None, ..*options })
+        }
         other => *other,
     }
 }

@@ -13,7 +13,6 @@ mod both;
 mod elastic_base;
 mod mechanics;
 mod meet;
-mod packed;
 mod side;
 mod snap;
 mod span;
@@ -28,7 +27,6 @@ use crate::world::Map;
 pub use bent::{Bending, BentWhisker};
 pub(crate) use elastic_base::ElasticBase;
 pub(crate) use mechanics::Mechanics;
-pub(crate) use packed::Packed;
 pub(crate) use state::{Contact, Prediction, WhiskerState};
 use surroundings::Surroundings;
 

@@ -50,16 +50,6 @@ pub(crate) enum WhiskerState {
 }
 
 impl WhiskerState {
-    /// Where the tip is pressed against a piece: piece and parameter.
-    pub(crate) fn tip_on(&self) -> Option<(u32, f64)> {
-        match self {
-            Self::Touching(Contact { hold: Hold::Tip(Support::Piece(piece, at)), q, .. }) if *q > 0.0 => {
-                Some((*piece, *at))
-            }
-            _ => None,
-        }
-    }
-
     /// The piece that holds the tip, pressed or glued, and the parameter.
     pub(crate) fn on_piece(&self) -> Option<(u32, f64)> {
         match self {

@@ -1,40 +1,36 @@
-//! Multi-hypothesis fixed-lag smoother \[reid1979algorithm, sibley2010sliding\].
+//! Multi-hypothesis smoother over pose and nuisance parameters \[reid1979algorithm, sibley2010sliding, dellaert2017factor\]: modes of the
+//! posterior, each a least-squares fit of all rows of a window; older rows are marginalised.
 //!
-//! Each hypothesis is a Gaussian around one place, refined by Gauss-Newton steps over a window of rows; older rows are
-//! marginalised \[dellaert2017factor\]. The unknowns are the pose of the odometry frame, a calibration of the odometry and a gain.
+//! The unknowns are the robot's pose and the nuisance parameters that the robot declares: errors of odometry, mounts, lengths, gains,
+//! zeros, delay and map. Errors of the readings may stay alike for a while. Modes come from a grid over the first contact, are
+//! refitted as the window grows, and are weighed by importance sampling at the end.
 
+mod adaptive_sampling;
+mod admission;
 mod bank;
-mod calibrated_path;
-mod calibration_search;
-mod congruent_places;
-mod consistency;
+mod contact_episodes;
+mod corrected_path;
+mod correlated_noise;
 mod grid_search;
-mod hypothesis;
 mod importance_sampling;
 mod information;
-mod line_search;
 mod log_window;
 mod map_symmetry;
-mod multistart;
-mod nuisance_smoother;
-mod odometry_calibration;
-mod odometry_path;
-mod packed_hypothesis;
+mod measurement;
+mod normal_equations;
+mod optimisation;
 mod places;
-mod relinearisation;
-mod running_estimate;
 mod sensor;
 mod shared_runs;
 mod smoother;
+mod unknowns;
 mod unobservable;
 
 pub use crate::contact::SensedQuantity;
-pub(crate) use calibrated_path::calibrated;
-pub use consistency::Consistency;
-pub(crate) use consistency::STRETCHES;
-pub use nuisance_smoother::{Fit, NuisanceSmoother};
-pub use places::PosteriorPlace;
-pub use smoother::{ProbabilisticSet, StepOutcome};
+pub(crate) use corrected_path::calibrated;
+pub(crate) use places::STRETCHES;
+pub use places::{Fit, PosteriorPlace};
+pub use smoother::{MultiHypothesisSmoother, StepOutcome};
 
 use crate::beam::TipModel;
 use crate::contact::Boundaries;
@@ -77,87 +73,4 @@ pub fn predicted_moments(map: &Map, tip: &TipModel, path: &[Pose2]) -> Vec<Predi
         PredictedMoment { moment, gradient: felt.gradient.map(|g| g * scale), touching: pressed }
     };
     path.iter().map(&mut predict).collect()
-}
-
-/// The modes of one robot on one map, by whatever smoother.
-pub trait ModeSet: Send {
-    /// Takes in one row: its time (s), the robot in the odometry frame, one reading for each sense (N m, N, rad), and the absolute
-    /// heading (map frame, rad) where there is one.
-    fn step(&mut self, t: f64, odom_from_robot: Pose2, readings: &[f64], heading: Option<f64>) -> StepOutcome;
-
-    /// How many modes there are.
-    fn count(&self) -> usize;
-
-    /// How many rows are kept: as many as the window, and a few.
-    fn rows_kept(&self) -> usize;
-
-    /// The odometry frame in the map frame by the best mode of the set that was last given up.
-    fn abandoned(&self) -> Option<Pose2>;
-
-    /// The robot's pose by each mode, with the odometry at `odom_from_robot`.
-    fn states(&self, odom_from_robot: Pose2) -> Vec<Pose2>;
-
-    /// Area of the modes' projection onto the plane (m²) and their volume (m² rad): ellipses that hold 95 %.
-    fn size(&self) -> (f64, f64);
-
-    /// The places by the modes as they are linearised now, at the last row.
-    fn places(&self) -> Vec<PosteriorPlace>;
-
-    /// Ends the log: every mode moved to its least cost over all rows that are kept, weighed and grouped.
-    fn finish(&mut self) -> (Vec<PosteriorPlace>, Option<Agreement>);
-}
-
-/// How well the best mode explains the readings: errors of which are independent, or may stay alike.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Agreement {
-    /// Independent.
-    Independent(Consistency),
-    /// Alike for a while.
-    Correlated(Fit),
-}
-
-impl Agreement {
-    /// Readings with a whisker held by a boundary.
-    #[must_use]
-    pub fn touching(&self) -> usize {
-        match self {
-            Self::Independent(fit) => fit.touching,
-            Self::Correlated(fit) => fit.touching,
-        }
-    }
-}
-
-impl ModeSet for ProbabilisticSet<'_> {
-    fn step(&mut self, _: f64, odom_from_robot: Pose2, readings: &[f64], heading: Option<f64>) -> StepOutcome {
-        self.step(odom_from_robot, readings, heading)
-    }
-
-    fn count(&self) -> usize {
-        self.len()
-    }
-
-    fn rows_kept(&self) -> usize {
-        self.rows_kept()
-    }
-
-    fn abandoned(&self) -> Option<Pose2> {
-        self.abandoned()
-    }
-
-    fn states(&self, odom_from_robot: Pose2) -> Vec<Pose2> {
-        self.states(odom_from_robot)
-    }
-
-    fn size(&self) -> (f64, f64) {
-        self.size()
-    }
-
-    fn places(&self) -> Vec<PosteriorPlace> {
-        self.places()
-    }
-
-    fn finish(&mut self) -> (Vec<PosteriorPlace>, Option<Agreement>) {
-        let (places, fit) = self.finish();
-        (places, fit.map(Agreement::Independent))
-    }
 }

@@ -1,21 +1,24 @@
 //! The smoother row by row: waiting for contact, global localization, tracking, and global localization again when lost
 //! \[thrun2005probabilistic, ch. 7-8\].
 
-use super::bank::{BankContext, GlobalLocalization, HypothesisBank, MOST_TEMPERED};
-use super::calibrated_path::CalibrationPrior;
-use super::congruent_places::congruent_places;
-use super::consistency::Consistency;
+use super::admission::Admission;
+use super::bank::{Bank, Effort};
+use super::contact_episodes::{judging_rows, longest_contact};
+use super::correlated_noise::NoiseModel;
+use super::grid_search::{ContactOnset, GridSearch};
 use super::log_window::LogWindow;
 use super::map_symmetry::MapSymmetries;
-use super::multistart::multistart;
-use super::packed_hypothesis::PackedHypothesis;
-use super::places::{self, PosteriorPlace};
-use super::running_estimate;
-use super::sensor::{OUTLIER_COST, Sensor};
+use super::measurement::{MeasurementModel, Start, State};
+use super::optimisation::Mode;
+use super::places::{self, Fit, PosteriorPlace};
+use super::sensor::Sensor;
+use super::unknowns::{Sense, Unknowns};
 use crate::beam::{TipModel, TipTable};
-use crate::config::ProbabilisticOptions;
+use crate::config::{ProbabilisticOptions, UndeclaredErrors};
+use crate::contact::follow::{Mechanics, WhiskerState};
 use crate::contact::{Boundaries, SensedQuantity};
-use crate::plane::Pose2;
+use crate::flow::prior;
+use crate::plane::{Pose2, Vec2};
 use crate::world::{Map, Robot};
 
 /// Free rows that are kept before a contact: what the whisker did not touch.
@@ -24,79 +27,119 @@ const LEAD_ROWS: usize = 24;
 const LEAD_STEP: f64 = 1.5e-3;
 /// So many readings in a row begin or end a contact; fewer are taken for false ones.
 const CONTACT_ROWS: usize = 3;
-/// Over so many used rows the fit is watched, and a mean cost above this says that no hypothesis explains them, those
-/// that are tolerated left out.
+/// Fewest rows of contact to seed from.
+pub(super) const FEWEST_ROWS: usize = 5;
+/// Readings that are run through the forward model in one call while the grid is searched (some milliseconds).
+const SLICE: usize = 4000;
+/// Modes take in so many rows together, with so many readings run in one call.
+const TAKEN_TOGETHER: usize = 24;
+const FITTED: usize = 2000;
+/// With more cells than this a contact is followed for longer, by this factor, as long as it has not been followed for this many times the
+/// usual travel.
+const MANY_CELLS: usize = 4000;
+const PATIENCE: f64 = 2.0;
+const MOST_PATIENCE: f64 = 4.0;
+/// The best mode does not explain the last rows where more than this share of them is further off than twice their declared bound (standard
+/// deviations), and how many these are.
+const LOST_SHARE: f64 = 0.5;
+const LOST_RESIDUAL: f64 = 3.5;
 const WATCHED: usize = 40;
-const LOST_COST: f64 = 2.2;
-/// More seedings than this are not tried, unless one has held for so many rows.
+/// The zero of a sensor whose zero is not known exactly is tared by so many rows, if its readings may be those of a free whisker.
+const TARE_ROWS: usize = 8;
+/// More searches than this are not tried, unless one has held for so many rows.
 const MOST_STARTS: u32 = 6;
 const TRUSTED: usize = 300;
-/// Fewest rows of contact to seed from.
-const FEWEST_ROWS: usize = 5;
-
-/// Readings that are run through the forward model in one call while hypotheses are searched for (some milliseconds), and rows
-/// that are caught up with in one call afterwards.
-const SLICE: usize = 4000;
-const CAUGHT_UP: usize = 2;
-/// The odometry is corrected so often in the rows that are kept, and so often in turn with the places before rows are marginalised.
-const CORRECTED: usize = 8;
-const CORRECTIONS: usize = 3;
-/// With more hypotheses than this for each place of the boundary that was tried, and as long as a contact has not been followed for this many times the
-/// usual travel, it is followed for longer, by this factor.
-const MANY_STARTS: f64 = 2.0;
-const MOST_PATIENCE: f64 = 4.0;
-const PATIENCE: f64 = 2.0;
+/// Weight of what is marginalised, each time that rows are added to it.
+const FORGETTING: f64 = 0.8;
 
 /// What a row did.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StepOutcome {
     /// Nothing that changes the set.
     Nothing,
-    /// Hypotheses were made, this many.
+    /// Modes were made, this many.
     Started(usize),
-    /// The hypotheses took in the reading.
+    /// The modes took in the reading.
     Updated,
-    /// No hypothesis explains the readings any more.
+    /// No mode explains the readings any more.
     Lost,
 }
 
-/// Where the corridor stands.
+/// Where the smoother stands.
 enum Phase {
     /// No contact yet.
     Waiting,
-    /// In a first contact, which began at this row of the history; with what an earlier search has found.
-    Pressing { sensor: usize, onset: usize, from_free: bool, travelled: f64, found: Vec<PackedHypothesis> },
-    /// Looking for hypotheses, while rows go on.
-    Searching(GlobalLocalization),
-    /// With hypotheses.
-    Tracking(HypothesisBank),
+    /// In a first contact, which began at this row of the window; with what an earlier search has found.
+    Pressing { sensor: usize, onset: usize, from_free: bool, travelled: f64, search: Option<Box<GridSearch>> },
+    /// Looking for modes, while rows go on; with how far the base had travelled, and whether the contact has ended.
+    Searching { search: Box<GridSearch>, travelled: f64, ended: bool },
+    /// With modes.
+    Tracking(Box<Bank>),
 }
 
-/// The hypotheses of one robot on one map.
-pub struct ProbabilisticSet<'a> {
-    map: &'a Map,
-    robot: &'a Robot,
-    options: ProbabilisticOptions,
-    ground: Boundaries,
-    symmetries: MapSymmetries,
-    table: TipTable,
-    sensors: Vec<Sensor>,
-    history: LogWindow,
+/// What all parts of the smoother share.
+pub(super) struct Scene<'a> {
+    pub(super) map: &'a Map,
+    /// The robot as it is declared, and with bounds of what it does not bound.
+    pub(super) declared: &'a Robot,
+    pub(super) robot: Robot,
+    pub(super) options: ProbabilisticOptions,
+    pub(super) ground: Boundaries,
+    pub(super) symmetries: MapSymmetries,
+    pub(super) table: TipTable,
+    pub(super) sensors: Vec<Sensor>,
+    pub(super) senses: Vec<Sense>,
+    pub(super) whiskers: Vec<usize>,
+    pub(super) unknowns: Unknowns,
+    /// What is taken off the readings of each sensor, once it is known.
+    pub(super) tare: Option<Vec<f64>>,
+}
+
+impl<'a> Scene<'a> {
+    /// Rows that are kept: twice as many where the odometry is declared to be wrong, which what is marginalised does not know of.
+    fn window(&self) -> usize {
+        let odometry = &self.declared.odometry;
+        let is_bounded = odometry.translation_relative > 0.0 || odometry.rotation_relative > 0.0;
+        self.options.window * if is_bounded { 2 } else { 1 }
+    }
+
+    /// The measurement model of a window.
+    pub(super) fn model<'b>(&'b self, window: &'b LogWindow, anchor: usize) -> MeasurementModel<'b> {
+        MeasurementModel {
+            map: self.map,
+            ground: &self.ground,
+            sensors: &self.sensors,
+            whiskers: &self.whiskers,
+            unknowns: &self.unknowns,
+            window,
+            anchor,
+            heading_std: self.options.heading_error / 3.0_f64.sqrt(),
+            solver: Mechanics::Table(&self.table),
+            noise_model: self.options.noise_model,
+            whole: true,
+        }
+    }
+}
+
+/// The modes of one robot on one map.
+pub struct MultiHypothesisSmoother<'a> {
+    scene: Scene<'a>,
+    window: LogWindow,
     phase: Phase,
-    /// Contact readings in a row for each whisker, and free ones.
+    /// Contact readings in a row for each sensor, and free ones.
     touching: Vec<usize>,
     free: usize,
-    /// Least costs after each used row, the last few.
-    costs: Vec<f64>,
     starts: u32,
     patience: f64,
     last: Option<Pose2>,
-    /// Rows since the set was started, and its best hypothesis when it was last given up.
+    /// Rows since the set was started, and its best mode when it was last given up.
     tracked: usize,
     abandoned: Option<Pose2>,
+    /// When the contacts began from which modes have been searched (s).
+    searched: Vec<f64>,
 }
 
-impl<'a> ProbabilisticSet<'a> {
+impl<'a> MultiHypothesisSmoother<'a> {
     /// An empty set; `tips` are the models of the robot's whiskers, in order, and `quantities` say what is read: the whisker's
     /// index and the sense, in the order of each row's readings.
     #[must_use]
@@ -108,136 +151,94 @@ impl<'a> ProbabilisticSet<'a> {
         options: ProbabilisticOptions,
     ) -> Self {
         let sensor = |&(whisker, quantity): &(usize, SensedQuantity)| {
-            Some(Sensor::new(robot.whiskers.get(whisker)?, tips.get(whisker)?.clone(), quantity))
+            Some((Sensor::new(robot.whiskers.get(whisker)?, tips.get(whisker)?.clone(), quantity), whisker))
         };
-        let sensors: Vec<Sensor> = quantities.iter().filter_map(sensor).collect();
+        let (sensors, whiskers): (Vec<Sensor>, Vec<usize>) = quantities.iter().filter_map(sensor).unzip();
+        let sense = |(sensor, &whisker): (&Sensor, &usize)| Sense {
+            whisker,
+            quantity: sensor.quantity,
+            per_reading: sensor.per_reading,
+        };
+        let senses: Vec<Sense> = sensors.iter().zip(&whiskers).map(sense).collect();
+        let declared = robot;
+        let robot = match options.undeclared {
+            UndeclaredErrors::Typical => declared.with_typical_errors(),
+            UndeclaredErrors::None => declared.clone(),
+        };
+        let unknowns = Unknowns::new(&robot, &senses, options.shared_gain);
+        let count = sensors.len();
         let ground = Boundaries::new(map).with_clearance(map);
-        // The odometry's calibration parameters come to light over a long way only, and what is marginalised before they are known is reported around a wrong
-        // path.
-        let times = if CalibrationPrior::new(0.0, &robot.odometry).has_odometry() { 2 } else { 1 };
-        let options = ProbabilisticOptions { window: times * options.window, ..options };
-        Self {
+        let scene = Scene {
             map,
+            declared,
+            tare: unknowns.zero_is_declared(&robot).then_some(()).map_or_else(|| Some(vec![0.0; count]), |()| None),
             robot,
             options,
             symmetries: MapSymmetries::of(&ground),
             ground,
             table: TipTable::new(),
-            history: LogWindow::new(&sensors),
-            touching: vec![0; sensors.len()],
             sensors,
+            senses,
+            whiskers,
+            unknowns,
+        };
+        Self {
+            scene,
+            window: LogWindow::new(count),
             phase: Phase::Waiting,
+            touching: vec![0; count],
             free: 0,
-            costs: Vec::new(),
             starts: 0,
             patience: 1.0,
             last: None,
             tracked: 0,
             abandoned: None,
+            searched: Vec::new(),
         }
     }
 
-    /// The hypotheses, once there are any.
-    #[cfg(test)]
-    pub(super) fn bank(&mut self) -> Option<&mut HypothesisBank> {
-        if let Phase::Tracking(bank) = &mut self.phase { Some(bank) } else { None }
-    }
-
-    /// How many rows are kept: as many as the window, and a few.
-    #[must_use]
-    pub fn rows_kept(&self) -> usize {
-        self.history.len()
-    }
-
-    /// The odometry frame in the map frame by the best hypothesis of the set that was last given up.
-    #[must_use]
-    pub fn abandoned(&self) -> Option<Pose2> {
-        self.abandoned
-    }
-
-    /// How many hypotheses there are.
-    #[must_use]
-    pub fn len(&self) -> usize {
-        match &self.phase {
-            Phase::Tracking(bank) => bank.hypotheses.len() * bank.times(&self.symmetries),
-            _ => 0,
-        }
-    }
-
-    /// Whether there is no hypothesis.
-    #[must_use]
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
-
-    fn context(&self) -> BankContext<'_> {
-        BankContext {
-            map: self.map,
-            ground: &self.ground,
-            symmetries: &self.symmetries,
-            table: &self.table,
-            robot: self.robot,
-            sensors: &self.sensors,
-            options: &self.options,
-        }
-    }
-
-    /// Takes in one row: the robot in the odometry frame, one reading for each sense (N m, N, rad), and the absolute
-    /// heading (map frame, rad) where there is one.
-    pub fn step(&mut self, odom_from_robot: Pose2, readings: &[f64], heading: Option<f64>) -> StepOutcome {
-        let readings: Vec<f64> = readings.iter().zip(&self.sensors).map(|(m, f)| m * f.per_reading).collect();
-        self.history.push(odom_from_robot, &readings);
-        if let Some(heading) = heading {
-            self.history.point(heading);
-        }
-        let travel = self.last.map_or(0.0, |last| last.position().distance(odom_from_robot.position()));
-        let turn = self.last.map_or(0.0, |last| last.between(odom_from_robot).theta.abs());
-        self.last = Some(odom_from_robot);
-        let mut any = false;
-        for (index, sensor) in self.sensors.iter().enumerate() {
-            let contact = sensor.is_contact(readings[index]);
-            any |= contact;
-            self.touching[index] = if contact { self.touching[index] + 1 } else { 0 };
-        }
-        self.free = if any { 0 } else { self.free + 1 };
-        let lever = self.sensors.iter().map(|f| f.length).fold(0.0, f64::max);
-        match &mut self.phase {
-            Phase::Waiting => self.wait(any),
-            Phase::Pressing { travelled, .. } => {
-                *travelled += travel.max(turn * lever);
-                // A robot that rests with its whisker on a wall says the same again and again.
-                if self.history.len() > self.options.window {
-                    let newest = self.history.len() - 2;
-                    self.history.drop_row(newest);
-                }
-                self.press(false)
-            }
-            Phase::Searching(_) => self.search(SLICE),
-            Phase::Tracking(_) => self.track(),
-        }
+    /// Takes the middle of the first readings for the zero where they may be those of a free whisker.
+    fn take_tare(&mut self) {
+        let rows = self.window.len();
+        let of = |index: usize| {
+            let mut first: Vec<f64> = (0..rows).map(|row| self.window.readings(row)[index]).collect();
+            first.sort_by(f64::total_cmp);
+            let inner = &first[rows / 4..rows - rows / 4];
+            let middle = inner.iter().sum::<f64>() / inner.len() as f64;
+            let spread = first[rows - 1] - first[0];
+            let whisker = &self.scene.robot.whiskers[self.scene.whiskers[index]];
+            let sensor = &self.scene.sensors[index];
+            let bound = whisker.errors.zero * sensor.per_reading;
+            // A whisker that is pressed does not say the same again and again.
+            if sensor.is_steady(middle, bound, spread) { middle } else { 0.0 }
+        };
+        let tare: Vec<f64> = (0..self.scene.sensors.len()).map(of).collect();
+        self.window.subtract(&tare);
+        self.scene.sensors.iter_mut().for_each(Sensor::tared);
+        self.scene.tare = Some(tare);
     }
 
     /// Looks for a contact that lasts.
     fn wait(&mut self, any: bool) -> StepOutcome {
-        let last = self.history.len() - 1;
+        let last = self.window.len() - 1;
         if let Some(sensor) = self.touching.iter().position(|&rows| rows >= CONTACT_ROWS)
             && self.starts < MOST_STARTS
         {
             // After a loss the rows before this one are forgotten, although the whisker touched there, too.
             let onset = (last + 1).saturating_sub(CONTACT_ROWS);
-            self.phase = Phase::Pressing { sensor, onset, from_free: onset > 0, travelled: 0.0, found: Vec::new() };
+            self.phase = Phase::Pressing { sensor, onset, from_free: onset > 0, travelled: 0.0, search: None };
             return StepOutcome::Nothing;
         }
         if !any && last >= 2 {
             // The row before the last stays only if it is far enough from the one before it.
-            let (before, middle) = (self.history.pose(last - 2), self.history.pose(last - 1));
+            let (before, middle) = (self.window.pose(last - 2), self.window.pose(last - 1));
             let turned = before.between(middle).theta.abs() * 0.1;
             if before.position().distance(middle.position()).max(turned) < LEAD_STEP {
-                self.history.drop_row(last - 1);
+                self.window.drop_row(last - 1);
             }
         }
-        if self.history.len() > LEAD_ROWS + CONTACT_ROWS {
-            self.history.forget(1);
+        if self.window.len() > LEAD_ROWS + CONTACT_ROWS {
+            self.window.forget(1);
         }
         StepOutcome::Nothing
     }
@@ -248,246 +249,362 @@ impl<'a> ProbabilisticSet<'a> {
             return StepOutcome::Nothing;
         };
         let ended = at_end || self.free >= CONTACT_ROWS;
-        if travelled < self.options.seed_travel * self.patience && !ended {
+        if travelled < self.scene.options.seed_travel * self.patience && !ended {
             return StepOutcome::Nothing;
         }
-        if self.history.len() < onset + FEWEST_ROWS + if ended { CONTACT_ROWS } else { 0 } {
+        if self.window.len() < onset + FEWEST_ROWS + if ended { CONTACT_ROWS } else { 0 } {
             if ended {
                 self.begin_again();
             }
             return StepOutcome::Nothing;
         }
         if !from_free && onset > 0 {
-            self.history.forget(onset);
+            self.window.forget(onset);
         }
-        let onset = if from_free { onset } else { 0 };
-        let found = match &mut self.phase {
-            Phase::Pressing { found, .. } => core::mem::take(found),
-            _ => Vec::new(),
+        let onset = self.onset(sensor, if from_free { onset } else { 0 }, from_free);
+        let before = match &mut self.phase {
+            Phase::Pressing { search, .. } => search.take(),
+            _ => None,
         };
-        let search = GlobalLocalization::new(
-            &self.context(),
-            &self.history,
-            (sensor, onset),
-            from_free,
-            ended,
-            travelled,
-            found,
-        );
-        self.phase = Phase::Searching(search);
+        let search = match before {
+            Some(mut search) => {
+                search.resume(onset.rows);
+                search
+            }
+            None => Box::new(GridSearch::new(&self.scene.model(&self.window, 0), onset, self.symmetries())),
+        };
+        self.phase = Phase::Searching { search, travelled, ended };
         self.search(if at_end { usize::MAX } else { SLICE })
     }
 
-    /// Looks for hypotheses with this much work.
+    /// The symmetries of the map, if nothing tells its images apart.
+    fn symmetries(&self) -> Option<&MapSymmetries> {
+        let all = Some(&self.scene.symmetries).filter(|symmetries| !symmetries.all.is_empty());
+        all.filter(|_| self.scene.options.prior.is_none() && self.window.heading().is_none())
+    }
+
+    /// The contact that began at a row, and what judges it.
+    fn onset(&self, sensor: usize, row: usize, from_free: bool) -> ContactOnset {
+        let (own, options) = (&self.scene.sensors[sensor], &self.scene.options);
+        let tip = Vec2::new(own.length, 0.0);
+        let odom_from_whisker = self.window.pose(row).compose(own.robot_from_whisker);
+        let before = self.window.pose(row.saturating_sub(3)).compose(own.robot_from_whisker);
+        let arm = odom_from_whisker.position();
+        let std = |place: Option<usize>| place.map_or(0.0, |at| self.scene.unknowns.all()[at - 3].std);
+        ContactOnset {
+            sensor,
+            row,
+            from_free,
+            approach: tip - odom_from_whisker.inverse_transform_point(before.transform_point(tip)),
+            rows: judging_rows(&self.window, sensor, row, options.seed_step),
+            spacing: options.seed_spacing,
+            turn: options.seed_turn,
+            near: options.prior.map(|region| {
+                let slack = 2.0 * options.seed_spacing + arm.norm() * options.seed_turn;
+                prior::around(region, arm, slack, own.length)
+            }),
+            priors: [std(self.scene.unknowns.gain[sensor]), std(self.scene.unknowns.zero[sensor])],
+        }
+    }
+
+    /// Looks for modes with this much work.
     fn search(&mut self, mut work: usize) -> StepOutcome {
-        let Self { map, robot, options, ground, symmetries, table, sensors, history, phase, .. } = self;
-        let Phase::Searching(search) = phase else { return StepOutcome::Nothing };
-        let context = BankContext { map, ground, symmetries, table, robot, sensors, options };
-        let Some(bank) = search.step(&context, history, &mut work) else { return StepOutcome::Nothing };
-        let count = bank.hypotheses.len() * bank.times(symmetries);
-        // A contact too weak or too short to tell headings or places apart is followed for longer before anything is decided.
-        let many = count as f64 > MANY_STARTS * ground.total_length() / options.seed_spacing || search.is_cut();
-        if many && !search.ended && self.patience < MOST_PATIENCE {
-            self.patience *= PATIENCE;
-            let GlobalLocalization { sensor, onset, from_free, travelled, .. } = *search;
-            let found = core::mem::take(&mut search.found);
-            self.phase = Phase::Pressing { sensor, onset, from_free, travelled, found };
+        let by_symmetry = self.symmetries().is_some();
+        let Self { scene, window, phase, .. } = self;
+        let Phase::Searching { search, travelled, ended } = phase else { return StepOutcome::Nothing };
+        let model = scene.model(window, 0);
+        let admission = Admission::new(scene, window);
+        let row = search.onset().row;
+        let admits = |frame: Pose2| admission.satisfies_prior(frame) && admission.origin_is_free(frame, row);
+        if !search.step(&model, &admits, &mut work) {
             return StepOutcome::Nothing;
         }
+        let (travelled, ended) = (*travelled, *ended);
+        let Phase::Searching { search, .. } = core::mem::replace(phase, Phase::Waiting) else {
+            return StepOutcome::Nothing;
+        };
+        let ContactOnset { sensor, row, from_free, .. } = *search.onset();
+        // A contact too weak or too short to tell headings or places apart is followed for longer before anything is decided.
+        let many = search.len() > MANY_CELLS;
+        if many && !ended && self.patience < MOST_PATIENCE {
+            self.patience *= PATIENCE;
+            self.phase = Phase::Pressing { sensor, onset: row, from_free, travelled, search: Some(search) };
+            return StepOutcome::Nothing;
+        }
+        let cells = search.into_found(&model);
         self.starts += 1;
-        self.costs.clear();
+        self.searched.push(window.time(row));
+        let mode = |cell: super::grid_search::Cell| {
+            let start = if from_free {
+                window_start(scene, window)
+            } else {
+                let robot = cell.frame.compose(window.pose(row));
+                let mut states = vec![WhiskerState::Free; scene.sensors.len()];
+                states[sensor] = cell.state;
+                let bases = scene.sensors.iter().map(|s| robot.compose(s.robot_from_whisker)).collect();
+                Start { states, bases, prior: None }
+            };
+            let state = State { frame: cell.frame, values: vec![0.0; scene.unknowns.all().len()] };
+            Mode::new(state, start, NoiseModel::tracked(scene.options.noise_model))
+        };
+        let mut bank = Bank::new(cells.into_iter().map(mode).collect(), by_symmetry);
+        bank.begin(&model, &|frame| admission.is_allowed(frame));
+        self.phase = Phase::Tracking(Box::new(bank));
+        self.fit(work)
+    }
+
+    /// Goes on fitting modes with this much work.
+    fn fit(&mut self, mut work: usize) -> StepOutcome {
+        let Self { scene, window, phase, .. } = self;
+        let Phase::Tracking(bank) = phase else { return StepOutcome::Nothing };
+        let model = scene.model(window, 0);
+        let admission = Admission::new(scene, window);
+        if !bank.is_busy() {
+            return StepOutcome::Nothing;
+        }
+        let was_fitted = bank.is_fitted;
+        if !bank.advance(&model, &|frame| admission.is_allowed(frame), Effort::ONLINE, &mut work) {
+            return StepOutcome::Nothing;
+        }
+        if was_fitted {
+            if self.is_lost() {
+                self.relocalize();
+                return StepOutcome::Lost;
+            }
+            return StepOutcome::Updated;
+        }
+        let count = bank.modes.len() * bank.times(&scene.symmetries);
         if count == 0 {
             self.begin_again();
             return StepOutcome::Lost;
         }
-        self.phase = Phase::Tracking(bank);
         StepOutcome::Started(count)
     }
 
-    /// Hands the row to the hypotheses and watches how they fare.
+    /// Fits the modes when enough rows have come.
     fn track(&mut self) -> StepOutcome {
-        let Self { map, robot, options, ground, symmetries, table, sensors, history, phase, tracked, .. } = self;
+        let Self { scene, window, phase, tracked, .. } = self;
         let Phase::Tracking(bank) = phase else { return StepOutcome::Nothing };
-        let context = BankContext { map, ground, symmetries, table, robot, sensors, options };
-        let (used, next) = (bank.used.len(), bank.next);
-        if history.heading().is_some() && bank.by_symmetry {
-            bank.complete(&context, history);
-            bank.expand_images(symmetries);
-        }
-        bank.step(&context, history, CAUGHT_UP);
-        let often = (options.window / CORRECTED).max(1);
-        let before = *tracked;
-        *tracked += bank.next - next;
-        if bank.shared.has_odometry() && before / often != *tracked / often {
-            bank.complete(&context, history);
-            bank.recalibrate_odometry(&context, history);
-        }
-        if history.len() > options.window {
-            bank.complete(&context, history);
-            let taken = bank.used.len() > used;
-            if !bank.has_marginalised() {
-                // The last time that all rows are there to say what else explains them.
-                let equals = congruent_places(bank, &context, history);
-                bank.hypotheses.extend(equals);
-            }
-            let first = !bank.has_marginalised();
-            for _ in 0..CORRECTIONS {
-                // What is marginalised is reported around this path for good.
-                if !(bank.optimise_if_few(&context, history) && bank.recalibrate_odometry(&context, history)) {
-                    break;
-                }
-            }
-            if bank.optimise_if_few(&context, history) && first {
-                // What is marginalised holds a place for good: on a map of facets it must not be the shallower of two minima.
-                multistart(bank, &context, history);
-            }
-            bank.marginalise(&context, history, options.window / 4);
-            if bank.may_search_congruent() {
-                let equals = bank.congruent(&context, history);
-                bank.hypotheses.extend(equals);
-            }
-            return if taken { StepOutcome::Updated } else { StepOutcome::Nothing };
-        }
-        if bank.used.len() == used {
-            return StepOutcome::Nothing;
-        }
-        if bank.used.len() != used + 1 {
-            self.costs.clear();
-        }
-        self.costs.push(bank.least());
-        if self.costs.len() > WATCHED {
-            // A whisker on its side is explained by no place: a share of the rows may count as false, in twice as many.
-            let tolerated = (options.tolerated_share * self.tracked.min(options.window) as f64) as usize;
-            let stale = self.costs.len().saturating_sub(WATCHED + 2 * tolerated + 1);
-            self.costs.drain(..stale);
-            let most = self.costs[0] + LOST_COST * WATCHED as f64 + OUTLIER_COST * tolerated as f64;
-            let mut now = bank.least();
-            if now > most && bank.shared.has_odometry() {
-                // Along a wrong path the true place explains the readings no better than others.
-                bank.complete(&context, history);
-                for _ in 0..2 * CORRECTIONS {
-                    if !(bank.recalibrate_odometry(&context, history) && bank.optimise_if_few(&context, history)) {
-                        break;
-                    }
-                }
-                now = bank.least();
-            }
-            if now > most {
-                bank.complete(&context, history);
-                bank.hypotheses.iter_mut().for_each(|h| h.cooldown = 0);
-                bank.refit_tempered(&context, history, MOST_TEMPERED);
-                now = bank.least();
-            }
-            if now > most {
-                bank.retry_all_pruned(&context, history);
-                now = bank.least();
-            }
-            if now > most {
-                self.begin_again();
-                return StepOutcome::Lost;
-            }
-        }
-        if self.is_empty() {
-            self.begin_again();
-            return StepOutcome::Lost;
+        *tracked += 1;
+        if window.heading().is_some() && !bank.is_busy() {
+            bank.expand_images(&scene.symmetries);
         }
         if self.tracked > TRUSTED {
             self.starts = 1;
         }
+        let full = window.len() > scene.window();
+        if !full && (bank.is_busy() || window.len() < bank.seen + TAKEN_TOGETHER) {
+            let work = if bank.is_fitted { FITTED } else { SLICE };
+            return if bank.is_busy() { self.fit(work) } else { StepOutcome::Nothing };
+        }
+        let model = scene.model(window, 0);
+        let admission = Admission::new(scene, window);
+        let admits = |frame: Pose2| admission.is_allowed(frame);
+        if !full {
+            bank.begin(&model, &admits);
+            return self.fit(FITTED);
+        }
+        bank.extend(&model, &admits, Effort::ONLINE);
+        bank.converge(&model);
+        bank.marginalise(&model, scene.window() / 4, FORGETTING);
+        window.forget(scene.window() / 4);
+        if self.is_lost() {
+            self.relocalize();
+            return StepOutcome::Lost;
+        }
         StepOutcome::Updated
+    }
+
+    /// Searches anew from another contact of the window, the longest first; the modes that are found are fitted to the whole window. Starts
+    /// from the present contact where there is none.
+    fn relocalize(&mut self) {
+        match longest_contact(&self.window, &self.scene.sensors, &self.searched) {
+            Some(contact) => {
+                self.abandoned = self.best().or(self.abandoned);
+                let onset = self.onset(contact.sensor, contact.onset, true);
+                let rows = onset.rows.into_iter().filter(|&row| row < contact.end).collect();
+                let model = self.scene.model(&self.window, 0);
+                let search = GridSearch::new(&model, ContactOnset { rows, ..onset }, self.symmetries());
+                self.phase = Phase::Searching { search: Box::new(search), travelled: 0.0, ended: true };
+            }
+            None => self.begin_again(),
+        }
+    }
+
+    /// Whether no mode explains the last rows.
+    fn is_lost(&mut self) -> bool {
+        let Phase::Tracking(bank) = &mut self.phase else { return false };
+        let model = self.scene.model(&self.window, 0);
+        if bank.modes.is_empty() {
+            return true;
+        }
+        let told = bank.run(&model, 0);
+        let last = &told.rows[told.rows.len().saturating_sub(WATCHED)..];
+        let unexplained = last.iter().filter(|row| row.held.is_none() || row.plain.abs() > LOST_RESIDUAL).count();
+        last.len() == WATCHED && unexplained as f64 > LOST_SHARE * last.len() as f64
     }
 
     /// Forgets everything and starts from the present contact, or waits for the next.
     fn begin_again(&mut self) {
         self.abandoned = self.best().or(self.abandoned);
         self.tracked = 0;
-        let rows = self.history.len();
-        self.history.forget(rows.saturating_sub(1));
+        let rows = self.window.len();
+        self.window.forget(rows.saturating_sub(1));
         self.patience = 1.0;
-        self.costs.clear();
         self.phase = match self.touching.iter().position(|&rows| rows >= CONTACT_ROWS) {
             Some(sensor) if self.starts < MOST_STARTS => {
-                Phase::Pressing { sensor, onset: 0, from_free: false, travelled: 0.0, found: Vec::new() }
+                Phase::Pressing { sensor, onset: 0, from_free: false, travelled: 0.0, search: None }
             }
             _ => Phase::Waiting,
         };
     }
 
-    /// The robot's pose by each hypothesis, with the odometry at `odom_from_robot`.
-    #[must_use]
-    pub fn states(&self, odom_from_robot: Pose2) -> Vec<Pose2> {
-        match &self.phase {
-            Phase::Tracking(bank) => {
-                let frames = bank
-                    .hypotheses
-                    .iter()
-                    .flat_map(|h| self.symmetries.images(h.map_from_odom).take(bank.times(&self.symmetries)));
-                let odom_from_robot = self.history.corrected_from_raw().compose(odom_from_robot);
-                frames.map(|frame| frame.compose(odom_from_robot)).collect()
-            }
-            _ => Vec::new(),
-        }
+    /// The places by the modes at the end of the log.
+    fn choose(&mut self) -> (Vec<PosteriorPlace>, Option<Fit>) {
+        let Self { scene, window, phase, .. } = self;
+        let Phase::Tracking(bank) = phase else { return (Vec::new(), None) };
+        places::choose(bank, scene, window)
     }
 
-    /// Area of the hypotheses' projection onto the plane (m²) and their volume (m² rad): ellipses that hold 95 %.
-    #[must_use]
-    pub fn size(&self) -> (f64, f64) {
+    /// The modes, once they have been fitted to any rows.
+    fn bank(&self) -> Option<&Bank> {
         match &self.phase {
-            Phase::Tracking(bank) => {
-                let (area, volume) = places::size(bank);
-                let times = bank.times(&self.symmetries) as f64;
-                (times * area, times * volume)
-            }
-            _ => (0.0, 0.0),
-        }
-    }
-
-    /// The best hypothesis now: the odometry frame in the map frame.
-    #[must_use]
-    pub fn best(&self) -> Option<Pose2> {
-        match &self.phase {
-            Phase::Tracking(bank) => {
-                let last = self.history.pose(self.history.len() - 1);
-                running_estimate::best(bank, last).map(|frame| frame.compose(self.history.corrected_from_raw()))
-            }
+            Phase::Tracking(bank) => Some(bank.as_ref()).filter(|bank| bank.is_fitted),
             _ => None,
         }
     }
 
-    /// The places by the hypotheses as they are linearised now, at the last row.
+    /// The odometry frame in the map frame by each mode.
+    fn frames(&self) -> Vec<Pose2> {
+        let Some(bank) = self.bank() else { return Vec::new() };
+        let last = self.window.len() - 1;
+        let model = self.scene.model(&self.window, 0);
+        let times = bank.times(&self.scene.symmetries);
+        let images = |frame: Pose2| self.scene.symmetries.images(frame).take(times);
+        bank.modes.iter().flat_map(|mode| images(model.anchored(&mode.state, last).frame)).collect()
+    }
+
+    /// The best mode now: the odometry frame in the map frame.
+    fn best(&self) -> Option<Pose2> {
+        self.frames().first().copied()
+    }
+}
+
+impl MultiHypothesisSmoother<'_> {
+    /// How many rows are kept: as many as the window, and a few.
     #[must_use]
-    pub fn places(&self) -> Vec<PosteriorPlace> {
-        match &self.phase {
-            Phase::Tracking(bank) => {
-                running_estimate::places(bank, &self.symmetries, &self.history, &self.robot.odometry)
+    pub fn rows_kept(&self) -> usize {
+        self.window.len()
+    }
+
+    /// The odometry frame in the map frame by the best mode of the set that was last given up.
+    #[must_use]
+    pub fn abandoned(&self) -> Option<Pose2> {
+        self.abandoned
+    }
+
+    /// How many modes there are.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        self.bank().map_or(0, |bank| bank.modes.len() * bank.times(&self.scene.symmetries))
+    }
+
+    /// Takes in one row: its time (s), the robot in the odometry frame, one reading for each sense (N m, N, rad), and the absolute
+    /// heading (map frame, rad) where there is one.
+    pub fn step(&mut self, t: f64, odom_from_robot: Pose2, readings: &[f64], heading: Option<f64>) -> StepOutcome {
+        let sensors = &self.scene.sensors;
+        let mut readings: Vec<f64> = readings.iter().zip(sensors).map(|(m, f)| m * f.per_reading).collect();
+        if let Some(tare) = &self.scene.tare {
+            readings.iter_mut().zip(tare).for_each(|(reading, tare)| *reading -= tare);
+        }
+        self.window.push(t, odom_from_robot, &readings);
+        if let Some(heading) = heading {
+            self.window.point(heading);
+        }
+        if self.scene.tare.is_none() {
+            self.last = Some(odom_from_robot);
+            if self.window.len() >= TARE_ROWS {
+                self.take_tare();
             }
-            _ => Vec::new(),
+            return StepOutcome::Nothing;
+        }
+        let travel = self.last.map_or(0.0, |last| last.position().distance(odom_from_robot.position()));
+        let turn = self.last.map_or(0.0, |last| last.between(odom_from_robot).theta.abs());
+        self.last = Some(odom_from_robot);
+        let mut any = false;
+        for (index, sensor) in sensors.iter().enumerate() {
+            let contact = sensor.is_contact(readings[index]);
+            any |= contact;
+            self.touching[index] = if contact { self.touching[index] + 1 } else { 0 };
+        }
+        self.free = if any { 0 } else { self.free + 1 };
+        let lever = sensors.iter().map(|f| f.length).fold(0.0, f64::max);
+        match &mut self.phase {
+            Phase::Waiting => self.wait(any),
+            Phase::Pressing { travelled, .. } => {
+                *travelled += travel.max(turn * lever);
+                // A robot that rests with its whisker on a wall says the same again and again.
+                if self.window.len() > self.scene.window() {
+                    let newest = self.window.len() - 2;
+                    self.window.drop_row(newest);
+                }
+                self.press(false)
+            }
+            Phase::Searching { .. } => self.search(SLICE),
+            Phase::Tracking(_) => self.track(),
         }
     }
 
-    /// Ends the log: every hypothesis moved to its least cost over all rows that are kept, weighed and grouped.
-    pub fn finish(&mut self) -> (Vec<PosteriorPlace>, Option<Consistency>) {
-        // A search under way may ask for a longer contact than it began with: the rows since then are one.
+    /// The robot's pose by each mode, with the odometry at `odom_from_robot`.
+    #[must_use]
+    pub fn states(&self, odom_from_robot: Pose2) -> Vec<Pose2> {
+        self.frames().into_iter().map(|frame| frame.compose(odom_from_robot)).collect()
+    }
+
+    /// Area of the modes' projection onto the plane (m²) and their volume (m² rad): ellipses that hold 95 %.
+    #[must_use]
+    pub fn size(&self) -> (f64, f64) {
+        let Some(bank) = self.bank() else { return (0.0, 0.0) };
+        let (area, volume) = places::size(bank, &self.scene.model(&self.window, 0));
+        let times = bank.times(&self.scene.symmetries) as f64;
+        (times * area, times * volume)
+    }
+
+    /// The places by the modes as they are linearised now, at the last row.
+    #[must_use]
+    pub fn places(&self) -> Vec<PosteriorPlace> {
+        self.bank().map_or_else(Vec::new, |bank| places::linearised(bank, &self.scene, &self.window))
+    }
+
+    /// Ends the log: every mode moved to its least cost over all rows that are kept, weighed and grouped; and how well the best one fits.
+    pub fn finish(&mut self) -> (Vec<PosteriorPlace>, Option<Fit>) {
         self.search(usize::MAX);
         if matches!(self.phase, Phase::Pressing { .. }) {
             self.press(true);
         }
-        let Self { map, robot, options, ground, symmetries, table, sensors, history, phase, .. } = self;
-        let Phase::Tracking(bank) = phase else { return (Vec::new(), None) };
-        let context = BankContext { map, ground, symmetries, table, robot, sensors, options };
-        bank.step(&context, history, usize::MAX);
-        if history.heading().is_some() {
-            bank.expand_images(symmetries);
+        self.fit(usize::MAX);
+        let mut told = self.choose();
+        while told.1.as_ref().is_some_and(|fit| !fit.agrees())
+            && longest_contact(&self.window, &self.scene.sensors, &self.searched).is_some()
+        {
+            self.relocalize();
+            self.search(usize::MAX);
+            let other = self.choose();
+            if other.1.as_ref().zip(told.1.as_ref()).is_some_and(|(new, old)| new.beyond < old.beyond) {
+                told = other;
+            }
         }
-        let equals = bank.congruent(&context, history);
-        bank.hypotheses.extend(equals);
-        let (mut places, mut fit) = places::choose(bank, &context, history);
-        // Another place may explain what this one does not, along another path.
-        if fit.is_some_and(|fit| fit.is_biased()) && bank.retry_all_pruned(&context, history) {
-            (places, fit) = places::choose(bank, &context, history);
-        }
-        let corrected = history.corrected_from_raw();
-        places.iter_mut().for_each(|place| place.map_from_odom = place.map_from_odom.compose(corrected));
-        (places, fit)
+        told
     }
+}
+
+/// How the whiskers stand at the window's first row where that is not known.
+fn window_start(scene: &Scene<'_>, window: &LogWindow) -> Start {
+    let mut start = Start::free(scene.sensors.len());
+    for (state, (sensor, &z)) in start.states.iter_mut().zip(scene.sensors.iter().zip(window.readings(0))) {
+        if sensor.is_contact(z) {
+            *state = WhiskerState::Unknown;
+        }
+    }
+    start
 }

@@ -1,7 +1,7 @@
 //! Normal equations of a Gauss-Newton step over pose and nuisance parameters: a Gaussian in information form, of any size
 //! \[dellaert2017factor, ch. 2-3\].
 
-use super::super::information::Information;
+use super::information::Information;
 use super::unknowns::{POSE, Unknown};
 use crate::linear_algebra::{DenseCholesky, Square};
 use crate::plane::Vec2;

@@ -8,6 +8,7 @@
 use super::measurement::{Linearisation, Row};
 use super::normal_equations::NormalEquations;
 use super::unknowns::POSE;
+use crate::config::NoiseAssumption;
 use crate::plane::Vec2;
 
 /// The most that one reading can speak against a place (nats): a false reading costs this, not more.
@@ -38,12 +39,20 @@ impl NoiseModel {
 
     /// What modes are compared by while rows come: errors that are independent, even or at the ends of their bounds, and such as stay alike
     /// for a short and a long time.
-    pub(super) const TRACKED: [Self; 4] = [
+    const TRACKED: [Self; 4] = [
         Self::DECLARED,
         Self { white: 3.0, ..Self::DECLARED },
         Self { white: 1.0, correlated: 1.0, time_constant: 0.1, bounded: false },
         Self { white: 1.0, correlated: 3.0, time_constant: 1.0, bounded: false },
     ];
+
+    /// The same where it is known how errors hang together.
+    pub(super) fn tracked(assumption: NoiseAssumption) -> &'static [Self] {
+        match assumption {
+            NoiseAssumption::Independent => &Self::TRACKED[..1],
+            NoiseAssumption::Correlated => &Self::TRACKED,
+        }
+    }
 }
 
 /// What is tried: variances of both parts, and time constants (s). Errors at the ends of their bounds have three times the variance of even

@@ -1,8 +1,10 @@
 //! The path by the calibrated odometry \[censi2013simultaneous\], and how it depends on the calibration.
 
-use super::super::calibrated_path::{OdometryCalibration as Calibration, calibrated};
 use super::log_window::LogWindow;
 use crate::plane::{Pose2, Vec2};
+
+/// By which share of its increments the odometry is too short, goes aside (rad) and turns too little: what it has to be corrected by.
+pub(super) type OdometryCalibration = [f64; 3];
 
 /// The robot at one row (odometry frame) and the derivatives of its pose by the calibration.
 #[derive(Clone, Copy, Debug, Default)]
@@ -23,7 +25,7 @@ pub(super) fn corrected_path(
     window: &LogWindow,
     rows: &[usize],
     anchor: usize,
-    calibration: Calibration,
+    calibration: OdometryCalibration,
     out: &mut Vec<PathPoint>,
 ) {
     out.clear();
@@ -61,15 +63,21 @@ pub(super) fn corrected_path(
     }
 }
 
+/// One step of the odometry, corrected by these calibration parameters: so much longer, aside (rad) and turned so much further.
+pub(crate) fn calibrated(step: Pose2, [long, aside, turn]: OdometryCalibration) -> Pose2 {
+    let place = (step.position() * (1.0 + long)).rotated(aside);
+    Pose2 { x: place.x, y: place.y, theta: (1.0 + turn) * step.theta }
+}
+
 /// A walk along the path.
 struct Walk {
-    calibration: Calibration,
+    calibration: OdometryCalibration,
     raw: Pose2,
     here: PathPoint,
 }
 
 impl Walk {
-    fn new(start: Pose2, calibration: Calibration) -> Self {
+    fn new(start: Pose2, calibration: OdometryCalibration) -> Self {
         Self { calibration, raw: start, here: PathPoint { pose: start, ..PathPoint::default() } }
     }
 
@@ -150,5 +158,12 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn a_corrected_step_is_longer_aside_and_turned_further() {
+        let step = calibrated(Pose2::new(0.02, 0.0, 0.1), [0.01, 0.02, -0.03]);
+        assert!((step.position().norm() - 0.0202).abs() < 1e-12 && (step.position().angle() - 0.02).abs() < 1e-12);
+        assert!((step.theta - 0.097).abs() < 1e-12);
     }
 }

@@ -20,6 +20,8 @@ pub(super) struct Unknown {
     pub(super) parameter: Parameter,
     /// Standard deviation before any reading, in its unit.
     pub(super) std: f64,
+    /// What it is declared not to exceed.
+    pub(super) bound: f64,
 }
 
 /// What it is; of which whisker or sensor.
@@ -82,10 +84,11 @@ impl Unknowns {
         let way = [0.5 * bounds.translation_relative, bounds.rotation_relative / SQRT_3];
         if way.iter().any(|&std| std > 0.0) {
             let [place, turn] = way.map(|std| std.max(LEAST));
+            let most = [bounds.translation_relative, bounds.rotation_relative].map(exact_or);
             own.odometry = Some(own.next());
-            own.push(Parameter::OdometryScale, place);
-            own.push(Parameter::OdometryAside, place);
-            own.push(Parameter::OdometryTurn, turn);
+            own.push(Parameter::OdometryScale, place, most[0]);
+            own.push(Parameter::OdometryAside, place, most[0]);
+            own.push(Parameter::OdometryTurn, turn, most[1]);
         }
         own.delay = own.even(Parameter::Delay, bounds.delay);
         own.map_scale = own.even(Parameter::MapScale, robot.map_scale);
@@ -94,7 +97,7 @@ impl Unknowns {
             let mount = errors.mount.iter().any(|&bound| bound > 0.0).then(|| own.next());
             if mount.is_some() {
                 errors.mount.iter().enumerate().for_each(|(axis, bound)| {
-                    own.push(Parameter::Mount(index, axis), (bound / SQRT_3).max(LEAST));
+                    own.push(Parameter::Mount(index, axis), (bound / SQRT_3).max(LEAST), exact_or(*bound));
                 });
             }
             own.mount.push(mount);
@@ -117,11 +120,13 @@ impl Unknowns {
         };
         let even = |bound: f64| bound / SQRT_3;
         let shared = gain.unwrap_or(SHARED_NOISE * noise.relative);
+        let most = errors.gain + rigidity + noise.relative.max(gain.unwrap_or(0.0) * SQRT_3);
         let gain = [shared, even(errors.gain), even(rigidity)].iter().map(|std| std * std).sum::<f64>().sqrt();
-        let zero = even(zero).hypot(SHARED_NOISE * noise.absolute) * sense.per_reading;
-        let place = self.with(Parameter::Gain(index), gain);
+        let place = self.with(Parameter::Gain(index), gain, most);
         self.gain.push(place);
-        let place = self.with(Parameter::Zero(index), zero);
+        let most = (zero + noise.absolute) * sense.per_reading;
+        let zero = even(zero).hypot(SHARED_NOISE * noise.absolute) * sense.per_reading;
+        let place = self.with(Parameter::Zero(index), zero, most);
         self.zero.push(place);
         let place = self.even(Parameter::Drift(index), drift * sense.per_reading);
         self.drift.push(place);
@@ -131,27 +136,32 @@ impl Unknowns {
         POSE + self.all.len()
     }
 
-    fn push(&mut self, parameter: Parameter, std: f64) {
-        self.all.push(Unknown { parameter, std });
+    fn push(&mut self, parameter: Parameter, std: f64, bound: f64) {
+        self.all.push(Unknown { parameter, std, bound });
     }
 
     /// Adds one of this standard deviation, if that is not zero; gives its place.
-    fn with(&mut self, parameter: Parameter, std: f64) -> Option<usize> {
+    fn with(&mut self, parameter: Parameter, std: f64, bound: f64) -> Option<usize> {
         let place = (std > 0.0).then(|| self.next());
         if place.is_some() {
-            self.push(parameter, std);
+            self.push(parameter, std, bound);
         }
         place
     }
 
     /// Adds one that lies evenly within a bound.
     fn even(&mut self, parameter: Parameter, bound: f64) -> Option<usize> {
-        self.with(parameter, bound / SQRT_3)
+        self.with(parameter, bound / SQRT_3, bound)
     }
 
     /// Whether the robot bounds the zero of a whisker.
     pub(super) fn zero_is_declared(&self, robot: &Robot) -> bool {
         robot.whiskers.iter().any(|whisker| whisker.errors.zero > 0.0)
+    }
+
+    /// How often the largest of these values exceeds its bound.
+    pub(super) fn most_of_bound(&self, values: &[f64]) -> f64 {
+        self.all.iter().zip(values).map(|(unknown, value)| value.abs() / unknown.bound).fold(0.0, f64::max)
     }
 
     /// Numbers of the state.
@@ -172,6 +182,11 @@ pub(super) fn value(values: &[f64], place: Option<usize>) -> f64 {
 
 /// What is known exactly beside what is not: a micrometre in a metre.
 const LEAST: f64 = 1e-6;
+
+/// A bound; none where it is that of what is known exactly, which is never far from it.
+fn exact_or(bound: f64) -> f64 {
+    if bound > 0.0 { bound } else { f64::INFINITY }
+}
 
 impl Parameter {
     /// How it is told, with its whisker and its unit over that of the state; the odometry's are told elsewhere.

@@ -1,14 +1,15 @@
 //! The bank of modes: a multi-hypothesis smoother \[reid1979algorithm\] whose modes are refitted to all rows of the window as it grows
 //! \[dellaert2017factor, ch. 2\]; older rows are marginalised \[sibley2010sliding\].
 
-use super::super::importance_sampling::ProposalComponent;
-use super::super::information::Information;
-use super::super::map_symmetry::MapSymmetries;
+use super::adaptive_sampling::ProposalComponent;
 use super::correlated_noise::{NoiseModel, estimated};
 use super::grid_search::best_of_cells;
+use super::information::Information;
+use super::map_symmetry::MapSymmetries;
 use super::measurement::{Linearisation, MeasurementModel, Prior, Start, State, difference, moved};
 use super::optimisation::{DAMPING, Mode};
 use super::unknowns::POSE;
+use crate::config::NoiseAssumption;
 use crate::linear_algebra::{determinant, dot, times};
 use crate::plane::Pose2;
 
@@ -18,13 +19,6 @@ const KEY_STEP: f64 = 3e-3;
 const TAKES: usize = 6_000;
 /// A mode is fitted anew when that promises so much (nats).
 const MOVED: f64 = 1.0;
-/// A mode that new readings would drop is pulled to them if it cost no more than this above the best before (nats): so many that are so far
-/// apart (m, rad).
-const WORTH_PULLING: f64 = 12.0;
-const MOST_PULLED: usize = 12;
-const APART: [f64; 2] = [4e-3, 0.05];
-/// So many readings, the last, say whether the best mode misses any.
-const WATCHED: usize = 48;
 /// Modes nearer to each other than this are one (m, rad), while there are many and when there are few.
 const SAME: [[f64; 2]; 2] = [[2.5e-3, 0.04], [1.2e-3, 0.015]];
 const MANY: usize = 100;
@@ -37,12 +31,6 @@ const SAME_SIDE: [f64; 2] = [60e-3, 0.2];
 const EQUAL: [f64; 2] = [3e-5, 3e-4];
 /// Inverse variances that keep covariances finite (20 mm, 20°).
 pub(super) const WEAK_PRIOR: [f64; POSE] = [2.5e3, 2.5e3, 8.2];
-/// A mode that misses this share of its readings by three standard deviations is refitted with variances enlarged by these, one after the
-/// other: graduated non-convexity \[yang2020graduated\].
-const MISSED_SHARE: f64 = 0.05;
-const GRADUATED: [f64; 4] = [64.0, 64.0, 16.0, 4.0];
-/// So many of the best are, where even the best one misses readings.
-const MOST_GRADUATED: usize = 64;
 /// So many of the best modes are looked around from,
 const LOOKED_AROUND: usize = 4;
 /// by so many starts, drawn from so much wider a Gaussian; so many of them are descended from, in so many steps.
@@ -69,7 +57,20 @@ pub(super) struct Bank {
     pub(super) seen: usize,
     /// Whether each mode stands for all its images on a symmetric map.
     pub(super) by_symmetry: bool,
+    /// Whether its modes have been fitted to any rows.
+    pub(super) is_fitted: bool,
+    /// The rows that are being taken in.
+    pending: Option<Extension>,
     scratch: Linearisation,
+}
+
+/// Rows that are taken in over several calls.
+struct Extension {
+    rows: Vec<usize>,
+    /// The modes with these rows, as far as they have come,
+    carried: Vec<Mode>,
+    /// and once all have, those that are still to be refitted, the first last, within so many readings.
+    refits: Option<(Vec<usize>, usize)>,
 }
 
 /// How thoroughly modes are fitted, and how much costlier than the best one may be (nats).
@@ -87,7 +88,15 @@ impl Effort {
 
 impl Bank {
     pub(super) fn new(modes: Vec<Mode>, by_symmetry: bool) -> Self {
-        Self { modes, rows: Vec::new(), seen: 0, by_symmetry, scratch: Linearisation::default() }
+        Self {
+            modes,
+            rows: Vec::new(),
+            seen: 0,
+            by_symmetry,
+            is_fitted: false,
+            pending: None,
+            scratch: Linearisation::default(),
+        }
     }
 
     /// How many places each mode stands for.
@@ -136,104 +145,100 @@ impl Bank {
         self.sort(model);
     }
 
-    /// Takes in the rows that have come: every mode goes on from where it stands, and those that the new readings move are fitted anew, as
-    /// far as the effort allows; keeps those that explain all about as well as the best.
+    /// Takes in the rows that have come at once, see [`Self::advance`].
     pub(super) fn extend(&mut self, model: &MeasurementModel<'_>, admits: &dyn Fn(Pose2) -> bool, effort: Effort) {
+        self.advance(model, admits, effort, &mut { usize::MAX });
+        self.begin(model, admits);
+        self.advance(model, admits, effort, &mut { usize::MAX });
+    }
+
+    /// Whether rows are being taken in.
+    pub(super) fn is_busy(&self) -> bool {
+        self.pending.is_some()
+    }
+
+    /// Begins to take in the rows that have come.
+    pub(super) fn begin(&mut self, model: &MeasurementModel<'_>, admits: &dyn Fn(Pose2) -> bool) {
         self.modes.retain(|mode| admits(mode.state.frame));
-        let new = key_rows(model, self.rows.last().copied(), self.seen);
+        let rows = key_rows(model, self.rows.last().copied(), self.seen);
         self.seen = model.window.len();
-        self.rows.extend(&new);
-        let before: Vec<f64> = self.modes.iter().map(Mode::evidence).collect();
-        for mode in &mut self.modes {
-            if mode.end.is_some() {
-                mode.carry_on(model, &new, &mut self.scratch);
+        self.rows.extend(&rows);
+        self.pending = Some(Extension { rows, carried: Vec::with_capacity(self.modes.len()), refits: None });
+    }
+
+    /// Goes on taking in rows until `work` (readings run through the forward model) is used up; whether all is done. Every mode goes on from
+    /// where it stands, and those that the new readings move are fitted anew, as far as the effort allows; kept are those that explain all
+    /// about as well as the best. Until every mode has the rows none has.
+    pub(super) fn advance(
+        &mut self,
+        model: &MeasurementModel<'_>,
+        admits: &dyn Fn(Pose2) -> bool,
+        effort: Effort,
+        work: &mut usize,
+    ) -> bool {
+        let Some(mut pending) = self.pending.take() else { return true };
+        let sensors = model.sensors.len().max(1);
+        while pending.refits.is_none() {
+            let Some(mode) = self.modes.get(pending.carried.len()) else {
+                self.modes = core::mem::take(&mut pending.carried);
+                self.prune(effort.gate);
+                pending.refits = Some((self.most_promising(), effort.takes));
+                break;
+            };
+            if *work == 0 {
+                self.pending = Some(pending);
+                return false;
+            }
+            let mut mode = mode.clone();
+            let rows = if mode.end.is_some() {
+                mode.carry_on(model, &pending.rows, &mut self.scratch);
+                pending.rows.len()
             } else {
                 mode.relinearise(model, &self.rows, &mut self.scratch);
-            }
+                self.rows.len()
+            };
+            *work = work.saturating_sub((rows + 1) * sensors);
+            pending.carried.push(mode);
         }
-        self.pull_fallen(model, &before, effort.gate);
-        self.prune(effort.gate);
-        self.modes.sort_by(|a, b| a.evidence().total_cmp(&b.evidence()));
-        let mut left = effort.takes;
-        for mode in &mut self.modes {
-            if left < self.rows.len() {
-                break;
-            }
-            if mode.equations().constant - least_cost(mode) > MOVED {
-                left = left.saturating_sub(2 * effort.steps * self.rows.len());
+        let each = 2 * effort.steps * self.rows.len();
+        while let Some((order, left)) = &mut pending.refits {
+            let Some(index) = order.pop().filter(|_| *left >= self.rows.len()) else { break };
+            let mode = &mut self.modes[index];
+            let before = *left;
+            if mode.gain() > MOVED {
+                *left = left.saturating_sub(each);
                 mode.descend(model, &self.rows, effort.steps, &mut self.scratch);
             }
-            if left > self.rows.len() && mode.might_move(MOVED) {
-                left = left.saturating_sub(2 * effort.steps * self.rows.len());
+            if *left > self.rows.len() && mode.might_move(MOVED) {
+                *left = left.saturating_sub(each);
                 mode.descend_independently(model, &self.rows, effort.steps, &mut self.scratch);
             }
+            *work = work.saturating_sub((before - *left) * sensors);
+            if *work == 0 {
+                self.pending = Some(pending);
+                return false;
+            }
         }
-        self.pull(model);
+        self.modes.sort_by(|a, b| a.evidence().total_cmp(&b.evidence()));
         self.modes.retain(|mode| admits(mode.state.frame));
         self.prune(effort.gate);
         self.join(model);
+        self.is_fitted = true;
+        true
     }
 
-    /// Modes that explained all rows but these, and would be dropped now, are pulled to them from afar, the best few that stand apart: a second
-    /// wall is met too early or too late by a mode that is a little off along the first.
-    fn pull_fallen(&mut self, model: &MeasurementModel<'_>, before: &[f64], gate: f64) {
-        let least = |costs: &[f64]| costs.iter().copied().fold(f64::INFINITY, f64::min);
-        let now: Vec<f64> = self.modes.iter().map(Mode::evidence).collect();
-        let (then, most) = (least(before), least(&now) + gate);
-        let fallen = |&index: &usize| now[index] > most && before[index] < then + WORTH_PULLING;
-        let mut fallen: Vec<usize> = (0..self.modes.len()).filter(fallen).collect();
-        fallen.sort_by(|&a, &b| before[a].total_cmp(&before[b]));
-        let mut pulled: Vec<Pose2> = Vec::new();
-        for index in fallen {
-            let frame = self.modes[index].state.frame;
-            let near = |other: &Pose2| {
-                let d = difference(*other, frame, model.pivot());
-                d[0].hypot(d[1]) < APART[0] && d[2].abs() < APART[1]
-            };
-            if pulled.len() < MOST_PULLED && !pulled.iter().any(near) {
-                pulled.push(frame);
-                self.graduate(model, index);
-            }
-        }
-    }
-
-    /// Where even the best mode misses readings, the best few are pulled to them from afar.
-    fn pull(&mut self, model: &MeasurementModel<'_>) {
-        let Some(best) = self.modes.iter().min_by(|a, b| a.evidence().total_cmp(&b.evidence())) else { return };
-        model.run(&best.state, &best.start, &self.rows, &mut self.scratch);
-        let most = 3.0 * best.fit().noise.white.max(1.0).sqrt();
-        let last = &self.scratch.rows[self.scratch.rows.len().saturating_sub(WATCHED)..];
-        let missed = last.iter().filter(|row| row.residual.abs() > most).count();
-        if (missed as f64) < MISSED_SHARE * last.len() as f64 || missed < 2 {
-            return;
-        }
-        for index in 0..self.modes.len().min(MOST_GRADUATED) {
-            self.graduate(model, index);
-        }
+    /// The modes in the order of what refitting them promises, the most last: what is not refitted in time seems to be wrong when the next
+    /// corner comes.
+    fn most_promising(&self) -> Vec<usize> {
+        let mut order: Vec<(f64, usize)> = self.modes.iter().map(Mode::gain).zip(0..).collect();
+        order.sort_by(|a, b| a.0.total_cmp(&b.0));
+        order.into_iter().map(|(_, index)| index).collect()
     }
 
     /// Linearises all modes by the rows.
     fn relinearise(&mut self, model: &MeasurementModel<'_>) {
         for mode in &mut self.modes {
             mode.relinearise(model, &self.rows, &mut self.scratch);
-        }
-        self.pull(model);
-    }
-
-    /// Pulls a mode to readings that it misses, from afar.
-    fn graduate(&mut self, model: &MeasurementModel<'_>, index: usize) {
-        let Self { modes, rows, scratch, .. } = self;
-        let before = &modes[index];
-        let mut there = before.clone();
-        for white in GRADUATED {
-            there = there.by(NoiseModel { white, ..NoiseModel::DECLARED });
-            there.relinearise(model, rows, scratch);
-            there.descend(model, rows, 1, scratch);
-        }
-        there.fits.clone_from(&before.fits);
-        there.relinearise(model, rows, scratch);
-        if there.evidence() < before.evidence() {
-            modes[index] = there;
         }
     }
 
@@ -242,7 +247,11 @@ impl Bank {
         for mode in &mut self.modes {
             mode.descend(model, &self.rows, STEPS_BEFORE_NOISE, &mut self.scratch);
             model.run(&mode.state, &mode.start, &self.rows, &mut self.scratch);
-            let (noise, credit) = estimated(&self.scratch, &model.known(&mode.state, &mode.start), DAMPING);
+            let known = model.known(&mode.state, &mode.start);
+            let (noise, credit) = match model.noise_model {
+                NoiseAssumption::Independent => (NoiseModel::DECLARED, 0.0),
+                NoiseAssumption::Correlated => estimated(&self.scratch, &known, DAMPING),
+            };
             *mode = mode.by(noise);
             mode.fits[0].credit = credit;
             mode.relinearise(model, &self.rows, &mut self.scratch);
@@ -410,11 +419,6 @@ impl Bank {
 fn evidence(mode: &Mode, model: &MeasurementModel<'_>) -> f64 {
     let told = mode.marginal(model);
     told.constant + 0.5 * determinant(&told.damped(WEAK_PRIOR)).max(f64::MIN_POSITIVE).ln()
-}
-
-/// The least cost that a mode's linearisation promises.
-fn least_cost(mode: &Mode) -> f64 {
-    mode.equations().step(DAMPING).map_or(f64::INFINITY, |(cost, _)| cost)
 }
 
 /// The rows from `from` on that modes are compared by: one each time that a whisker has moved far enough, or has met or left a boundary.

@@ -1,8 +1,8 @@
 //! Levenberg and Marquardt's method over a window of readings \[nocedal2006numerical, sec. 10.3\]: one mode of the posterior.
 
-use super::super::information::Information;
-use super::super::map_symmetry::MapSymmetry;
 use super::correlated_noise::{Filter, NoiseModel, add_readings};
+use super::information::Information;
+use super::map_symmetry::MapSymmetry;
 use super::measurement::{Linearisation, MeasurementModel, Start, State, difference, moved};
 use super::normal_equations::{NormalEquations, Response};
 use super::unknowns::POSE;
@@ -57,12 +57,12 @@ impl NoiseFit {
 }
 
 impl Mode {
-    /// A mode that is not linearised yet.
-    pub(super) fn new(state: State, start: Start) -> Self {
+    /// A mode that is not linearised yet, by these noise models.
+    pub(super) fn new(state: State, start: Start, noise: &[NoiseModel]) -> Self {
         Self {
             state,
             start,
-            fits: NoiseModel::TRACKED.map(NoiseFit::new).to_vec(),
+            fits: noise.iter().copied().map(NoiseFit::new).collect(),
             likeliest: 0,
             promise: f64::INFINITY,
             here: f64::INFINITY,
@@ -166,6 +166,11 @@ impl Mode {
     /// Minus the logarithm of the evidence that its linearisation promises.
     pub(super) fn evidence(&self) -> f64 {
         self.promise
+    }
+
+    /// By how much a step promises to lower its cost (nats).
+    pub(super) fn gain(&self) -> f64 {
+        self.equations().step(DAMPING).map_or(0.0, |(cost, _)| self.equations().constant - cost)
     }
 
     /// The same with the cost where it stands: a step from afar may promise what it does not keep.

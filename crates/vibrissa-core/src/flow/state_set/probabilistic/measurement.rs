@@ -1,13 +1,13 @@
 //! Measurement model of a log: what every reading of a window is predicted to be by a hypothesis, with derivatives by pose and
 //! nuisance parameters \[dellaert2017factor, ch. 2\].
 
-use super::super::calibrated_path::OdometryCalibration as Calibration;
-use super::super::map_symmetry::MapSymmetry;
-use super::corrected_path::{PathPoint, corrected_path};
+use super::corrected_path::{OdometryCalibration, PathPoint, corrected_path};
 use super::log_window::LogWindow;
+use super::map_symmetry::MapSymmetry;
 use super::normal_equations::NormalEquations;
 use super::sensor::Sensor;
 use super::unknowns::{POSE, Unknowns, value};
+use crate::config::NoiseAssumption;
 use crate::contact::follow::{Contact, ForwardModel, Mechanics, Prediction, WhiskerState};
 use crate::contact::{Boundaries, SensedQuantity};
 use crate::plane::{Pose2, Vec2, wrap_angle};
@@ -34,6 +34,8 @@ pub(super) struct MeasurementModel<'a> {
     /// How exactly the forward model is solved, and whether it looks at the whole whisker.
     pub(super) solver: Mechanics<'a>,
     pub(super) whole: bool,
+    /// How the readings' errors hang together.
+    pub(super) noise_model: NoiseAssumption,
 }
 
 /// A linearised reading: residual and derivatives in standard deviations of the declared noise.
@@ -156,7 +158,7 @@ impl<'a> MeasurementModel<'a> {
     fn path(&self, values: &[f64], rows: &[usize], out: &mut Vec<PathPoint>) {
         match self.unknowns.odometry {
             Some(at) => {
-                let calibration: Calibration = [0, 1, 2].map(|k| values[at - POSE + k]);
+                let calibration: OdometryCalibration = [0, 1, 2].map(|k| values[at - POSE + k]);
                 corrected_path(self.window, rows, self.anchor, calibration, out);
             }
             None => {

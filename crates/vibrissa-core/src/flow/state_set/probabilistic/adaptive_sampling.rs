@@ -1,0 +1,243 @@
+//! Adaptive importance sampling \[oh1992adaptive, cappe2004population\], with the
+//! deterministic mixture's weights \[owen2000safe\].
+//!
+//! On a map of facets, in corners and near a snap the cost is no parabola, so that the curvature at its least says little
+//! about a millimetre around it. Weighted samples from Gaussians around the hypotheses (importance sampling, with fixed
+//! points instead of random ones) give the mean, the covariance and the mass of the likelihood itself.
+
+use crate::linear_algebra::{Cholesky, dot, times};
+
+/// Samples of one place, and hypotheses at most that they are drawn around.
+pub(super) const SAMPLES: usize = 112;
+pub(super) const MOST_CENTRES: usize = 12;
+/// How many are drawn around the hypotheses; the rest is drawn from the Gaussian that those have found, so
+/// much wider.
+pub(super) const FIRST: usize = 56;
+const WIDER: f64 = 1.3;
+const ENOUGH: f64 = 40.0;
+/// Half of the samples are drawn from Gaussians this much wider than the linearisation says, half from the other.
+const WIDTHS: [f64; 2] = [1.2, 2.5];
+/// After so many samples around a single hypothesis nothing more is asked where its parabola has told their costs: to this
+/// much (nats), and to this share of how much costlier they are.
+const TRIED: usize = 20;
+const GAUSSIAN_ERROR: [f64; 2] = [0.15, 0.15];
+/// A sample that has come to cost so much more than the best (nats) is left: it weighs nothing.
+pub(super) const NOTHING: f64 = 15.0;
+/// The linearisation counts like so many effective samples.
+const PRIOR_SAMPLES: f64 = 6.0;
+
+/// Mean, covariance and mass of weighted samples, and how many of them count.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct WeightedMoments<const N: usize> {
+    pub(super) mean: [f64; N],
+    pub(super) covariance: [[f64; N]; N],
+    pub(super) mass: f64,
+    pub(super) effective_size: f64,
+}
+
+/// How many samples are drawn.
+pub(super) struct SampleCounts {
+    pub(super) first: usize,
+    pub(super) batch: usize,
+    pub(super) batches: usize,
+}
+
+/// A Gaussian that samples are drawn from.
+pub(super) struct ProposalComponent<const N: usize> {
+    at: [f64; N],
+    factor: Cholesky<N>,
+}
+
+impl<const N: usize> ProposalComponent<N> {
+    pub(super) fn new(at: [f64; N], covariance: &[[f64; N]; N]) -> Option<Self> {
+        Some(Self { at, factor: Cholesky::new(covariance)? })
+    }
+
+    /// Its density at a point when widened, without `(2 pi)^(N/2)`.
+    fn density(&self, point: [f64; N], width: f64) -> f64 {
+        let off = self.factor.whitened(&core::array::from_fn(|i| (point[i] - self.at[i]) / width));
+        (-0.5 * dot(off, off)).exp() / (self.factor.root_determinant() * width.powi(N as i32))
+    }
+
+    /// Its n-th sample when widened.
+    pub(super) fn sample(&self, n: usize, width: f64) -> [f64; N] {
+        let off = times(&self.factor.lower(), quasi_normal_point::<N>(n));
+        core::array::from_fn(|i| self.at[i] + width * off[i])
+    }
+}
+
+/// Draws samples around these, and then from what those have found, until enough count; masses are relative to the least cost.
+pub(super) fn sample_adaptively<const N: usize>(
+    centres: &[ProposalComponent<N>],
+    own: &[[f64; N]; N],
+    (effort, least): (&SampleCounts, f64),
+    cost: impl Fn([f64; N]) -> Option<f64>,
+    told: impl Fn(&[([f64; N], Option<f64>)]) -> Option<WeightedMoments<N>>,
+) -> Option<WeightedMoments<N>> {
+    let around = |point: [f64; N]| {
+        let drawn: f64 = centres.iter().flat_map(|c| WIDTHS.map(|w| c.density(point, w))).sum();
+        drawn / (centres.len() * WIDTHS.len()) as f64
+    };
+    let mut drawn: Vec<([f64; N], Option<f64>)> = Vec::with_capacity(effort.first + effort.batches * effort.batch);
+    for index in 0..effort.first / centres.len().max(1) * centres.len() {
+        let centre = &centres[index % centres.len()];
+        let point = centre.sample(index, WIDTHS[index / centres.len() % WIDTHS.len()]);
+        drawn.push((point, cost(point)));
+        if centres.len() == 1
+            && drawn.len() == TRIED
+            && let Some(told) = told(&drawn)
+        {
+            return Some(told);
+        }
+    }
+    let early = drawn.len();
+    let mut later: Vec<ProposalComponent<N>> = Vec::new();
+    loop {
+        // Each sample is weighed as one of the mixture that all were drawn from.
+        let density = |point: [f64; N]| {
+            let all = early + later.len() * effort.batch;
+            let wide: f64 = later.iter().map(|c| c.density(point, WIDER)).sum();
+            (early as f64 * around(point) + effort.batch as f64 * wide) / all as f64
+        };
+        // What costs infinitely much weighs nothing.
+        let weight = |cost: Option<f64>, density: f64| cost.map_or(0.0, |cost| (least - cost).exp() / density);
+        let weighed: Vec<_> = drawn.iter().map(|&(point, c)| (point, weight(c, density(point)))).collect();
+        let found = weighted_moments(&weighed, own)?;
+        if later.len() == effort.batches || later.len() > 1 && found.effective_size > ENOUGH {
+            return Some(found);
+        }
+        let Some(centre) = ProposalComponent::new(found.mean, &found.covariance) else { return Some(found) };
+        for index in drawn.len()..drawn.len() + effort.batch {
+            let point = centre.sample(index, WIDER);
+            drawn.push((point, cost(point)));
+        }
+        later.push(centre);
+    }
+}
+
+/// Whether a parabola with this least cost tells what all these samples cost.
+pub(super) fn is_gaussian<const N: usize>(
+    drawn: &[([f64; N], Option<f64>)],
+    least: f64,
+    parabola: impl Fn([f64; N]) -> f64,
+) -> bool {
+    let told = |&(point, cost): &([f64; N], Option<f64>)| {
+        let more = parabola(point) - least;
+        cost.is_some_and(|cost| {
+            let most = GAUSSIAN_ERROR[0] + GAUSSIAN_ERROR[1] * more.abs();
+            (cost - least - more).abs() <= most || cost.is_infinite() && more + most > NOTHING
+        })
+    };
+    drawn.iter().all(told)
+}
+
+/// How many of these weights count.
+fn effective_size(weights: impl Iterator<Item = f64> + Clone) -> f64 {
+    let (total, squares): (f64, f64) = (weights.clone().sum(), weights.map(|w| w * w).sum());
+    total * total / squares
+}
+
+/// Mean, covariance and mass of weighted samples; where few of them count, the linearisation's covariance does.
+fn weighted_moments<const N: usize>(samples: &[([f64; N], f64)], own: &[[f64; N]; N]) -> Option<WeightedMoments<N>> {
+    let total: f64 = samples.iter().map(|s| s.1).sum();
+    let effective_size = effective_size(samples.iter().map(|s| s.1));
+    (total.is_finite() && total > 0.0 && effective_size.is_finite()).then_some(())?;
+    let mean: [f64; N] = core::array::from_fn(|i| samples.iter().map(|(d, w)| w * d[i]).sum::<f64>() / total);
+    let share = effective_size / (effective_size + PRIOR_SAMPLES);
+    let mut covariance = [[0.0; N]; N];
+    for (i, row) in covariance.iter_mut().enumerate() {
+        for (j, value) in row.iter_mut().enumerate() {
+            let sampled = samples.iter().map(|(d, w)| w * (d[i] - mean[i]) * (d[j] - mean[j])).sum::<f64>() / total;
+            // The mean is that of the same few samples: they lie too near to it, and it is off itself.
+            let fair = sampled / (1.0 - 1.0 / effective_size.max(2.0));
+            *value = (share * fair + (1.0 - share) * own[i][j]) * (1.0 + 1.0 / effective_size);
+        }
+    }
+    Some(WeightedMoments { mean, covariance, mass: total / samples.len() as f64, effective_size })
+}
+
+/// The n-th of evenly spread points of the standard normal law: multiples of powers of the root of `x^(k + 1) = x + 1`, where `k` is
+/// the dimension, if even, modulo one, through Box and Muller's map.
+fn quasi_normal_point<const N: usize>(n: usize) -> [f64; N] {
+    let step = if N <= 4 { 0.856_674_883_854_502_9_f64 } else { 0.898_653_712_628_699_3 };
+    let u = |power: usize| ((n as f64 + 1.0) * step.powi(power as i32) + 0.5).fract();
+    core::array::from_fn(|i| {
+        let pair = i - i % 2;
+        let radius = (-2.0 * (1.0 - u(pair + 1)).max(1e-12).ln()).sqrt();
+        let (sin, cos) = (core::f64::consts::TAU * u(pair + 2)).sin_cos();
+        radius * if i % 2 == 0 { cos } else { sin }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::linear_algebra::{determinant, inverse};
+
+    /// A cost of six unknowns that is a parabola with this mean, and inverse variances that a chain of them shares.
+    fn chained(mean: [f64; 6]) -> impl Fn([f64; 6]) -> f64 {
+        move |point| {
+            let off: [f64; 6] = core::array::from_fn(|i| point[i] - mean[i]);
+            let links: f64 = off.windows(2).map(|w| (w[1] - 0.6 * w[0]).powi(2)).sum();
+            0.5 * (off[0] * off[0] + links / 0.64)
+        }
+    }
+
+    const EFFORT: SampleCounts = SampleCounts { first: 84, batch: 56, batches: 20 };
+
+    #[test]
+    fn batches_go_where_the_likelihood_is() {
+        // Every unknown has the variance 1 and 0.6 in common with the one before; drawn around a place five standard deviations off.
+        let mean = [3.0, -2.0, 1.0, 0.0, 2.0, -3.0];
+        let cost = chained(mean);
+        let own: [[f64; 6]; 6] = core::array::from_fn(|i| core::array::from_fn(|j| 0.6_f64.powi(i.abs_diff(j) as i32)));
+        let centre = ProposalComponent::new([0.0; 6], &own).unwrap_or_else(|| unreachable!());
+        let never = |_: &[([f64; 6], Option<f64>)]| None;
+        let found = sample_adaptively(&[centre], &own, (&EFFORT, 0.0), |point| Some(cost(point)), never);
+        let found = found.unwrap_or_else(|| unreachable!());
+        assert!(found.effective_size > ENOUGH, "{found:?}");
+        for i in 0..6 {
+            assert!((found.mean[i] - mean[i]).abs() < 0.5, "{found:?}");
+            (0..6).for_each(|j| assert!((found.covariance[i][j] - own[i][j]).abs() < 0.5, "{found:?}"));
+        }
+        let volume = 0.64_f64.powf(2.5);
+        assert!((found.mass / volume - 1.0).abs() < 0.3, "{} of {volume}", found.mass);
+    }
+
+    #[test]
+    fn a_parabola_that_tells_what_samples_cost_is_believed() {
+        let cost = chained([0.0; 6]);
+        let points: Vec<[f64; 6]> = (0..TRIED).map(quasi_normal_point).collect();
+        let told = |more: f64| {
+            let drawn: Vec<_> = points.iter().map(|&p| (p, Some(cost(p) + more * p[0].abs()))).collect();
+            is_gaussian(&drawn, 0.0, &cost)
+        };
+        assert!(told(0.0) && told(0.05) && !told(2.0));
+        assert!(!is_gaussian(&[(points[0], None)], 0.0, &cost));
+    }
+
+    #[test]
+    fn samples_of_a_gaussian_give_it_back() {
+        // A Gaussian away from the one that is drawn from, with a known mass.
+        let own = [[4.0, 1.0, 0.0], [1.0, 2.0, 0.3], [0.0, 0.3, 1.0]];
+        let target = [[3.0, -0.5, 0.2], [-0.5, 2.5, 0.0], [0.2, 0.0, 0.7]];
+        let at = [0.4, -0.3, 0.2];
+        let centre = ProposalComponent::new([0.0; 3], &own).unwrap_or_else(|| unreachable!());
+        let precise = inverse(&target).unwrap_or_default();
+        let samples: Vec<_> = (0..4000)
+            .map(|index| {
+                let width = WIDTHS[index % 2];
+                let d = centre.sample(index, width);
+                let off = [0, 1, 2].map(|i| d[i] - at[i]);
+                let drawn = WIDTHS.map(|w| centre.density(d, w)).iter().sum::<f64>() / 2.0;
+                (d, (-0.5 * dot(times(&precise, off), off)).exp() / drawn)
+            })
+            .collect();
+        let found = weighted_moments(&samples, &own).unwrap_or_else(|| unreachable!());
+        assert!((found.mass / determinant(&target).sqrt() - 1.0).abs() < 0.05, "{found:?}");
+        for i in 0..3 {
+            assert!((found.mean[i] - at[i]).abs() < 0.1, "{found:?}");
+            (0..3).for_each(|j| assert!((found.covariance[i][j] - target[i][j]).abs() < 0.25, "{found:?}"));
+        }
+    }
+}
