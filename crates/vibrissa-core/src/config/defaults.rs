@@ -39,8 +39,8 @@ pub const MAP_SCALE_ERROR: f64 = 0.0;
 /// What the probabilistic method takes for the bounds of errors that a robot file does not bound, see [`crate::world::Robot::with_typical_errors`]: about two
 /// thirds of what a careful lab has been seen to be wrong by, so that this lies within three standard deviations.
 ///
-/// Bound on a whisker's zero, as a share of `EI / L`: 0.2 mN m of the paper's whisker.
-pub const TYPICAL_ZERO: f64 = 0.05;
+/// Bound on a whisker's zero, as a share of `EI / L`: 0.3 mN m of the paper's whisker. Free rows tell it.
+pub const TYPICAL_ZERO: f64 = 0.08;
 /// Bound on the place of a whisker's base, as a share of its length, and on its heading (rad): 0.75 mm and 1.25° of the paper's whisker.
 pub const TYPICAL_MOUNT: [f64; 2] = [0.01, 0.0218];
 /// Bound on a whisker's length, relative to it.
@@ -49,8 +49,8 @@ pub const TYPICAL_LENGTH: f64 = 0.03;
 pub const TYPICAL_GAIN: f64 = 0.05;
 /// Bound on the odometry's translations and rotations, relative to them.
 pub const TYPICAL_ODOMETRY: f64 = 0.03;
-/// Bound on how much earlier or later than the odometry readings are taken (s): two frames at 150 Hz.
-pub const TYPICAL_DELAY: f64 = 0.012;
+/// Bound on how much earlier or later than the odometry readings are taken (s): two frames at 130 Hz.
+pub const TYPICAL_DELAY: f64 = 0.015;
 /// Bound on the error of a log's absolute headings (rad): a compass indoors, 3°.
 pub const HEADING_ERROR: f64 = 0.05;
 /// Seed of the noise of the built-in sweep.

@@ -157,6 +157,11 @@ impl Bank {
         self.pending.is_some()
     }
 
+    /// Whether the modes can be weighed now.
+    pub(super) fn is_whole(&self) -> bool {
+        self.pending.is_none() || self.modes.len() <= MANY
+    }
+
     /// Begins to take in the rows that have come.
     pub(super) fn begin(&mut self, model: &MeasurementModel<'_>, admits: &dyn Fn(Pose2) -> bool) {
         self.modes.retain(|mode| admits(mode.state.frame));
@@ -189,7 +194,13 @@ impl Bank {
                 self.pending = Some(pending);
                 return false;
             }
-            let mut mode = mode.clone();
+            let mut mode = if self.modes.len() > MANY {
+                // Of many nothing but where they stand is asked until all have the rows.
+                let place = Mode::new(mode.state.clone(), Start::free(0), &[]);
+                core::mem::replace(&mut self.modes[pending.carried.len()], place)
+            } else {
+                mode.clone()
+            };
             let rows = if mode.end.is_some() {
                 mode.carry_on(model, &pending.rows, &mut self.scratch);
                 pending.rows.len()

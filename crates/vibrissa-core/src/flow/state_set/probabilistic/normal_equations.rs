@@ -10,7 +10,7 @@ use crate::plane::Vec2;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct NormalEquations {
     size: usize,
-    /// Rows one after the other; only what is right of the diagonal counts until [`NormalEquations::mirrored`].
+    /// The upper triangle, its rows one after the other.
     matrix: Vec<f64>,
     vector: Vec<f64>,
     pub(super) constant: f64,
@@ -29,7 +29,7 @@ pub(super) struct Response {
 
 impl NormalEquations {
     pub(super) fn new(size: usize) -> Self {
-        Self { size, matrix: vec![0.0; size * size], vector: vec![0.0; size], constant: 0.0 }
+        Self { size, matrix: vec![0.0; size * (size + 1) / 2], vector: vec![0.0; size], constant: 0.0 }
     }
 
     /// Adds a row `weight (residual + row x)² / 2`, without what it costs at the point of linearisation.
@@ -40,8 +40,8 @@ impl NormalEquations {
             }
             let scaled = weight * value;
             self.vector[i] -= scaled * residual;
-            let line = &mut self.matrix[i * self.size + i..(i + 1) * self.size];
-            line.iter_mut().zip(&row[i..]).for_each(|(to, &v)| *to += scaled * v);
+            let start = self.start(i);
+            self.matrix[start..start + self.size - i].iter_mut().zip(&row[i..]).for_each(|(to, &v)| *to += scaled * v);
         }
     }
 
@@ -49,7 +49,8 @@ impl NormalEquations {
     pub(super) fn add_priors(&mut self, unknowns: &[Unknown], values: &[f64]) {
         for (k, (unknown, &value)) in unknowns.iter().zip(values).enumerate() {
             let (at, weight) = (POSE + k, unknown.std.powi(-2));
-            self.matrix[at * self.size + at] += weight;
+            let start = self.start(at);
+            self.matrix[start] += weight;
             self.vector[at] -= weight * value;
             self.constant += 0.5 * weight * value * value;
         }
@@ -59,7 +60,8 @@ impl NormalEquations {
     pub(super) fn remove_priors(&mut self, unknowns: &[Unknown], values: &[f64]) {
         for (k, (unknown, &value)) in unknowns.iter().zip(values).enumerate() {
             let (at, weight) = (POSE + k, unknown.std.powi(-2));
-            self.matrix[at * self.size + at] -= weight;
+            let start = self.start(at);
+            self.matrix[start] -= weight;
             self.vector[at] += weight * value;
             self.constant -= 0.5 * weight * value * value;
         }
@@ -72,8 +74,13 @@ impl NormalEquations {
         self.constant += other.constant;
     }
 
+    /// Where the row of a diagonal element begins.
+    fn start(&self, i: usize) -> usize {
+        i * (2 * self.size + 1 - i) / 2
+    }
+
     fn at(&self, i: usize, j: usize) -> f64 {
-        self.matrix[i.min(j) * self.size + i.max(j)]
+        self.matrix[self.start(i.min(j)) + i.abs_diff(j)]
     }
 
     /// The whole matrix with `damping` on the diagonal of the pose.
@@ -133,7 +140,8 @@ impl NormalEquations {
         for i in 0..n {
             out.vector[i] = (0..n).map(|k| by[k * n + i] * self.vector[k]).sum();
             for j in i..n {
-                out.matrix[i * n + j] = (0..n).map(|k| by[k * n + i] * half[k * n + j]).sum();
+                let at = out.start(i) + j - i;
+                out.matrix[at] = (0..n).map(|k| by[k * n + i] * half[k * n + j]).sum();
             }
         }
         out.constant = self.constant;

@@ -564,7 +564,7 @@ impl MultiHypothesisSmoother<'_> {
     /// Area of the modes' projection onto the plane (m²) and their volume (m² rad): ellipses that hold 95 %.
     #[must_use]
     pub fn size(&self) -> (f64, f64) {
-        let Some(bank) = self.bank() else { return (0.0, 0.0) };
+        let Some(bank) = self.bank().filter(|bank| bank.is_whole()) else { return (0.0, 0.0) };
         let (area, volume) = places::size(bank, &self.scene.model(&self.window, 0));
         let times = bank.times(&self.scene.symmetries) as f64;
         (times * area, times * volume)
@@ -573,7 +573,9 @@ impl MultiHypothesisSmoother<'_> {
     /// The places by the modes as they are linearised now, at the last row.
     #[must_use]
     pub fn places(&self) -> Vec<PosteriorPlace> {
-        self.bank().map_or_else(Vec::new, |bank| places::linearised(bank, &self.scene, &self.window))
+        self.bank()
+            .filter(|bank| bank.is_whole())
+            .map_or_else(Vec::new, |bank| places::linearised(bank, &self.scene, &self.window))
     }
 
     /// Ends the log: every mode moved to its least cost over all rows that are kept, weighed and grouped; and how well the best one fits.
