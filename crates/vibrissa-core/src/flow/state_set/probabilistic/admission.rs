@@ -18,10 +18,12 @@ impl<'a> Admission<'a> {
         Self { scene, window }
     }
 
-    /// Whether the first pose is in the region where it is known to be, and points where headings say, give or take a cell.
+    /// Whether the first pose is in the region where it is known to be, and points where headings say, give or take a cell and what the
+    /// odometry may have drifted since.
     pub(super) fn satisfies_prior(&self, frame: Pose2) -> bool {
         let options = &self.scene.options;
-        let (place, turn) = (options.seed_spacing, options.seed_turn);
+        let drift = self.scene.drift(self.window);
+        let (place, turn) = (options.seed_spacing + drift[0], options.seed_turn + drift[1]);
         let within = |[[a, b], [c, d], [e, f]]: [[f64; 2]; 3]| {
             let off = wrap_angle(frame.theta - 0.5 * (e + f)).abs();
             (a - place..=b + place).contains(&frame.x)

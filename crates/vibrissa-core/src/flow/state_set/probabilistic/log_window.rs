@@ -10,6 +10,8 @@ pub(super) struct LogWindow {
     /// The robot in the odometry frame.
     poses: Vec<Pose2>,
     readings: Vec<f64>,
+    /// How far the robot had gone (m) and turned (rad) when the first row came.
+    gone: [f64; 2],
     /// Sum of unit vectors: the heading of the odometry frame by each absolute heading.
     compass: Vec2,
 }
@@ -76,8 +78,18 @@ impl LogWindow {
         Pose2 { x: step.x * per, y: step.y * per, theta: step.theta * per }
     }
 
+    /// How far the robot had gone (m) and turned (rad) before the first row that is kept.
+    pub(super) fn gone(&self) -> [f64; 2] {
+        self.gone
+    }
+
     /// Forgets the rows before `row`.
     pub(super) fn forget(&mut self, row: usize) {
+        for pair in self.poses[..self.poses.len().min(row + 1)].windows(2) {
+            let step = pair[0].between(pair[1]);
+            self.gone[0] += step.position().norm();
+            self.gone[1] += step.theta.abs();
+        }
         self.times.drain(..row);
         self.poses.drain(..row);
         self.readings.drain(..row * self.sensors);

@@ -103,6 +103,14 @@ impl<'a> Scene<'a> {
         self.options.window * if is_bounded { 2 } else { 1 }
     }
 
+    /// How far the odometry frame can have been shifted (m) and turned (rad) by errors of the odometry before the first row of a window.
+    pub(super) fn drift(&self, window: &LogWindow) -> [f64; 2] {
+        let ([way, turned], odometry) = (window.gone(), &self.robot.odometry);
+        let turn = odometry.rotation_relative * turned;
+        // A frame that turns about a place on the way shifts by no more than the way.
+        [(odometry.translation_relative + turn) * way, turn]
+    }
+
     /// The measurement model of a window.
     pub(super) fn model<'b>(&'b self, window: &'b LogWindow, anchor: usize) -> MeasurementModel<'b> {
         MeasurementModel {
@@ -300,7 +308,8 @@ impl<'a> MultiHypothesisSmoother<'a> {
             spacing: options.seed_spacing,
             turn: options.seed_turn,
             near: options.prior.map(|region| {
-                let slack = 2.0 * options.seed_spacing + arm.norm() * options.seed_turn;
+                let drift = self.scene.drift(&self.window);
+                let slack = 2.0 * options.seed_spacing + drift[0] + arm.norm() * (options.seed_turn + drift[1]);
                 prior::around(region, arm, slack, own.length)
             }),
             priors: [std(self.scene.unknowns.gain[sensor]), std(self.scene.unknowns.zero[sensor])],
