@@ -272,3 +272,18 @@ fn a_whisker_that_feels_something_else_for_a_while_is_no_contradiction() {
     let answer = localize(&log, &map, &Robot::default(), &strict, &mut |_| {}).unwrap();
     assert_eq!(answer.status, Status::Inconsistent, "{:?}", answer.events);
 }
+
+#[test]
+fn a_whisker_that_is_wedged_for_a_while_ends_nothing() {
+    let (map, sweep) = (demo::arena().unwrap(), demo::sweep(3).unwrap());
+    let truth = sweep.truth.last().unwrap().map_from_robot;
+    let mut log = sweep.log;
+    // More than any one contact makes, for a while; from the start on it is a wrong unit or whisker.
+    let from = log.rows.len() * 3 / 5;
+    log.rows[from..from + 20].iter_mut().for_each(|row| row.readings[0] *= 100.0);
+    let answer = localize(&log, &map, &Robot::default(), &options(), &mut |_| {}).unwrap();
+    assert_ne!(answer.status, Status::Inconsistent, "{:?}", answer.events);
+    assert!(off(answer.estimate.unwrap(), truth).0 < 1e-3);
+    log.rows.iter_mut().for_each(|row| row.readings[0] *= 100.0);
+    assert!(localize(&log, &map, &Robot::default(), &options(), &mut |_| {}).is_err());
+}

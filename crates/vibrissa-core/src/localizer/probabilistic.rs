@@ -28,8 +28,8 @@ pub struct ProbabilisticEstimator<'a> {
     map: &'a Map,
     robot: &'a Robot,
     quantities: Vec<Reader>,
-    /// For each quantity the last possible reading, and how many impossible ones came since.
-    last: Vec<(f64, usize)>,
+    /// For each quantity the last possible reading, how many impossible ones came since, and by how many more of a contact were possible.
+    last: Vec<(f64, usize, i64)>,
     set: MultiHypothesisSmoother<'a>,
     start: Option<Pose2>,
     rows: Vec<(f64, Pose2)>,
@@ -70,7 +70,7 @@ impl<'a> ProbabilisticEstimator<'a> {
         Ok(Self {
             map,
             robot,
-            last: vec![(0.0, 0); quantities.len()],
+            last: vec![(0.0, 0, 0); quantities.len()],
             quantities,
             tolerated_share: options.tolerated_share,
             set,
@@ -105,14 +105,27 @@ impl<'a> ProbabilisticEstimator<'a> {
         self.set.rows_kept()
     }
 
-    /// Puts the last possible reading in the place of an impossible one; many on end are refused.
+    /// Puts the last possible reading in the place of an impossible one; many on end are refused where the others do not speak for the
+    /// whisker and its units: one that is held between two walls feels more than any one contact makes.
     fn screen(&mut self, readings: &mut [f64], row: &LogRow) -> Result<()> {
         for (index, reading) in readings.iter_mut().enumerate() {
-            let (last, impossible) = &mut self.last[index];
-            match self.quantities[index].limit.as_ref().map_or(Ok(()), |limit| limit.check(*reading, row)) {
-                Ok(()) => (*last, *impossible) = (*reading, 0),
-                Err(error) if *impossible + 1 >= MOST_IMPOSSIBLE => return Err(error),
-                Err(_) => (*reading, *impossible) = (*last, *impossible + 1),
+            let (last, impossible, possible) = &mut self.last[index];
+            let Reader { limit, noise, .. } = &self.quantities[index];
+            match limit.as_ref().map_or(Ok(()), |limit| limit.check(*reading, row)) {
+                Ok(()) => {
+                    *possible += i64::from(reading.abs() * (1.0 - noise.relative) > noise.absolute);
+                    (*last, *impossible) = (*reading, 0);
+                }
+                Err(error) => {
+                    *possible -= 1;
+                    *impossible += 1;
+                    if *impossible >= MOST_IMPOSSIBLE && *possible <= 0 {
+                        return Err(error);
+                    }
+                    if *impossible < MOST_IMPOSSIBLE {
+                        *reading = *last;
+                    }
+                }
             }
         }
         Ok(())
@@ -416,7 +429,7 @@ fn readers(robot: &Robot, tips: &[TipModel], channels: &[Channel]) -> Result<Vec
     Ok(readers)
 }
 
-/// So many impossible readings on end are no false readings any more.
+/// So many impossible readings on end are no single false readings any more.
 const MOST_IMPOSSIBLE: usize = 4;
 /// At least so many contacts are kept for drawing, where there are as many: each takes a third of a millisecond at the end.
 const DRAWN: usize = 12;
