@@ -280,10 +280,10 @@ fn a_whisker_that_is_wedged_for_a_while_ends_nothing() {
     let mut log = sweep.log;
     // More than any one contact makes, for a while; from the start on it is a wrong unit or whisker.
     let from = log.rows.len() * 3 / 5;
-    log.rows[from..from + 20].iter_mut().for_each(|row| row.readings[0] *= 100.0);
+    log.rows[from..from + 20].iter_mut().for_each(|row| row.readings[0] *= 1e4);
     let answer = localize(&log, &map, &Robot::default(), &options(), &mut |_| {}).unwrap();
     assert_ne!(answer.status, Status::Inconsistent, "{:?}", answer.events);
     assert!(off(answer.estimate.unwrap(), truth).0 < 1e-3);
-    log.rows.iter_mut().for_each(|row| row.readings[0] *= 100.0);
+    log.rows.iter_mut().for_each(|row| row.readings[0] *= 1e4);
     assert!(localize(&log, &map, &Robot::default(), &options(), &mut |_| {}).is_err());
 }
