@@ -124,9 +124,13 @@ fn an_interrupt_ends_the_run_with_whole_files() {
 #[test]
 fn a_second_interrupt_ends_the_run_at_once_with_whole_files() {
     let (here, lines) = prepared("live-interrupt-twice");
-    let corner = |i: u32| (f64::from(i) * core::f64::consts::TAU / 20_000.0).sin_cos();
-    let ring: Vec<String> =
-        (0..=20_000).map(|i| corner(i % 20_000)).map(|(s, c)| format!("[{},{}]", 15.5 * c, 15.5 * s)).collect();
+    // A wavy ring that has no symmetry: there is a place for the robot nearly everywhere.
+    let corner = |i: u32| {
+        let turn = f64::from(i) * core::f64::consts::TAU / 20_000.0;
+        let radius = 10.0 + 0.1 * (41.0 * turn).sin() + 0.05 * (83.0 * turn + 1.0).sin();
+        (radius * turn.cos(), radius * turn.sin())
+    };
+    let ring: Vec<String> = (0..=20_000).map(|i| corner(i % 20_000)).map(|(x, y)| format!("[{x},{y}]")).collect();
     let arena = format!(
         r#"{{"type":"Feature","properties":{{"role":"arena"}},"geometry":{{"type":"Polygon","coordinates":[[{}]]}}}}"#,
         ring.join(",")
