@@ -140,7 +140,8 @@ fn waypoints(map: &Map, robot: &Robot, draw: &mut Random) -> Option<Vec<Pose2>> 
     let keeps_off = draw.between(0.1, 0.7) * whisker.beam.length;
     let is_clear = |pose: &Pose2, off: f64| {
         let base = pose.compose(whisker.robot_from_whisker).position();
-        map.is_free(base) && map.nearest(base).is_some_and(|near| near.distance > off)
+        // No robot has its origin in a wall.
+        map.is_free(pose.position()) && map.is_free(base) && map.nearest(base).is_some_and(|near| near.distance > off)
     };
     let is_free = |pose: &Pose2| {
         let base = pose.compose(whisker.robot_from_whisker);

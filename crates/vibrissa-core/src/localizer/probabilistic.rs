@@ -191,6 +191,27 @@ impl<'a> ProbabilisticEstimator<'a> {
         self.events.push(Event { t, kind: "inconsistent", detail: detail.to_owned() });
     }
 
+    /// Notes that the contact since a time is explained elsewhere.
+    fn note_carried(&mut self, from: f64, t: f64) {
+        self.lost += 1;
+        let rows = self.rows.partition_point(|row| row.0 < from);
+        self.before.push((rows, self.set.abandoned()));
+        let detail =
+            format!("the contact from {from:.3} s on fits only elsewhere: the robot was moved by hand, or slipped");
+        self.events.push(Event { t, kind: "inconsistent", detail });
+        let detail = "the end of the log agrees with where the robot is now; it had been lost".to_owned();
+        self.events.push(Event { t, kind: "recovered", detail });
+    }
+
+    fn note_set_aside(&mut self, t: f64, reader: usize) {
+        let whisker = &self.robot.whiskers[self.quantities[reader].whisker].name;
+        let detail = format!(
+            "{whisker} is in a contact that does not fit where the robot was localized: a second boundary holds it, or it \
+             slipped; its readings are left out until it is free"
+        );
+        self.events.push(Event { t, kind: "set_aside", detail });
+    }
+
     fn evidence<'b>(&self, places: &'b [Hypothesis]) -> Evidence<'b> {
         Evidence { touched: self.touched, emptied: self.lost > 0, places, ..Evidence::default() }
     }
@@ -214,7 +235,8 @@ impl<'a> ProbabilisticEstimator<'a> {
         }
     }
 
-    /// Where the way is not sure: up to the last loss, and where the readings fit worse than errors within their bounds do.
+    /// Where the way is not sure: up to the last loss, where contacts were left out, and where the readings fit worse than errors within their
+    /// bounds do.
     fn unsure(&self, trajectory: &[StampedPose], fits: Option<&(&Fit, ConsistencyReport)>) -> Vec<Stretch> {
         let Some(first) = trajectory.first() else { return Vec::new() };
         let lost = self.before.last().and_then(|&(row, _)| self.rows.get(row.checked_sub(1)?));
@@ -225,7 +247,10 @@ impl<'a> ProbabilisticEstimator<'a> {
             let from = stretch.from.max(end);
             (there > pose::most_of_stretch(fit, STRETCHES) && stretch.to > from).then_some(Stretch { from, ..stretch })
         });
-        before.into_iter().chain(misfit).collect()
+        let left_out = self.set.left_out().iter().filter(|stretch| stretch.to > end && self.recording).copied();
+        let mut all: Vec<Stretch> = before.into_iter().chain(left_out).chain(misfit).collect();
+        all.sort_by(|a, b| a.from.total_cmp(&b.from));
+        all
     }
 
     /// The best place along the rows, from the first estimate on; before a loss it is what was believed then.
@@ -312,6 +337,7 @@ impl Estimator for ProbabilisticEstimator<'_> {
                 self.believe_again(row.t);
             }
             StepOutcome::Lost => self.note_loss(row.t),
+            StepOutcome::SetAside(reader) => self.note_set_aside(row.t, reader),
         }
         Ok(())
     }
@@ -335,6 +361,9 @@ impl Estimator for ProbabilisticEstimator<'_> {
         let t = self.rows.last().map_or(0.0, |row| row.0);
         let before = self.first_row;
         let (places, fit) = self.set.finish();
+        if let Some(from) = self.set.carried() {
+            self.note_carried(from, t);
+        }
         if !places.is_empty() {
             self.first_row.get_or_insert(self.taken.saturating_sub(1));
         }

@@ -7,7 +7,7 @@ use super::grid_search::best_of_cells;
 use super::information::Information;
 use super::map_symmetry::MapSymmetries;
 use super::measurement::{Linearisation, MeasurementModel, Prior, Start, State, difference, moved};
-use super::optimisation::{DAMPING, Mode};
+use super::optimisation::{DAMPING, GRADUATED_RUNS, Mode};
 use super::unknowns::POSE;
 use crate::config::NoiseAssumption;
 use crate::linear_algebra::{determinant, dot, times};
@@ -17,6 +17,8 @@ use crate::plane::Pose2;
 const KEY_STEP: f64 = 3e-3;
 /// Readings that are run again at most, about, each time that rows are taken in.
 const TAKES: usize = 6_000;
+/// The same where the readings that have come are unexplained.
+const OFF_TAKES: usize = 30_000;
 /// A mode is fitted anew when that promises so much (nats).
 const MOVED: f64 = 1.0;
 /// Modes nearer to each other than this are one (m, rad), while there are many and when there are few.
@@ -152,6 +154,12 @@ impl Bank {
         self.advance(model, admits, effort, &mut { usize::MAX });
     }
 
+    /// Fits all anew to the rows when the next ones are taken in: readings have been left out.
+    pub(super) fn forget_fits(&mut self) {
+        self.pending = None;
+        self.modes.iter_mut().for_each(|mode| (mode.end, mode.is_off) = (None, false));
+    }
+
     /// Whether rows are being taken in.
     pub(super) fn is_busy(&self) -> bool {
         self.pending.is_some()
@@ -187,7 +195,9 @@ impl Bank {
             let Some(mode) = self.modes.get(pending.carried.len()) else {
                 self.modes = core::mem::take(&mut pending.carried);
                 self.prune(effort.gate);
-                pending.refits = Some((self.most_promising(), effort.takes));
+                let is_off = self.modes.iter().any(|mode| mode.is_off);
+                let takes = if is_off { effort.takes.max(OFF_TAKES) } else { effort.takes };
+                pending.refits = Some((self.most_promising(), takes));
                 break;
             };
             if *work == 0 {
@@ -220,6 +230,13 @@ impl Bank {
                 *left = left.saturating_sub(each);
                 mode.descend(model, &self.rows, effort.steps, &mut self.scratch);
             }
+            if core::mem::take(&mut mode.is_off)
+                && mode.is_off_at(model, &self.rows, pending.rows.len() * sensors, &mut self.scratch)
+            {
+                *left = left.saturating_sub(GRADUATED_RUNS * self.rows.len());
+                mode.descend_graduated(model, &self.rows, &mut self.scratch);
+                mode.is_off = mode.is_off_at(model, &self.rows, pending.rows.len() * sensors, &mut self.scratch);
+            }
             if *left > self.rows.len() && mode.might_move(MOVED) {
                 *left = left.saturating_sub(each);
                 mode.descend_independently(model, &self.rows, effort.steps, &mut self.scratch);
@@ -238,11 +255,12 @@ impl Bank {
         true
     }
 
-    /// The modes in the order of what refitting them promises, the most last: what is not refitted in time seems to be wrong when the next
-    /// corner comes.
+    /// The modes in the order of what refitting them promises, the most last, those that are off first of all, the likeliest before others:
+    /// what is not refitted in time seems to be wrong when the next corner comes.
     fn most_promising(&self) -> Vec<usize> {
-        let mut order: Vec<(f64, usize)> = self.modes.iter().map(Mode::gain).zip(0..).collect();
-        order.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let promise = |mode: &Mode| if mode.is_off { (f64::INFINITY, -mode.evidence()) } else { (mode.gain(), 0.0) };
+        let mut order: Vec<((f64, f64), usize)> = self.modes.iter().map(promise).zip(0..).collect();
+        order.sort_by(|(a, _), (b, _)| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
         order.into_iter().map(|(_, index)| index).collect()
     }
 
@@ -298,10 +316,12 @@ impl Bank {
         self.modes.extend(found);
     }
 
-    /// Keeps modes that cost, or promise to cost, no more than so much above the best as it stands.
+    /// Keeps modes that cost, or promise to cost, no more than so much above the best as it stands, and of few modes those that are off and
+    /// have not been refitted yet.
     fn prune(&mut self, gate: f64) {
         let least = self.modes.iter().map(Mode::evidence_here).fold(f64::INFINITY, f64::min);
-        let kept: Vec<bool> = self.modes.iter().map(|mode| mode.evidence() <= least + gate).collect();
+        let waits = |mode: &Mode| mode.is_off && self.modes.len() <= MANY;
+        let kept: Vec<bool> = self.modes.iter().map(|mode| mode.evidence() <= least + gate || waits(mode)).collect();
         let mut kept = kept.into_iter();
         self.modes.retain(|_| kept.next() == Some(true));
     }
@@ -415,6 +435,7 @@ impl Bank {
             // What is known beside the readings is added again with those that follow.
             let mut own = early.equations().clone();
             own.remove_priors(model.unknowns.all(), &state.values);
+            model.loosen(&mut own);
             let equations = own.with_forgetting(forgetting);
             (mode.state, mode.end) = (state.clone(), None);
             mode.start =
@@ -435,16 +456,14 @@ fn evidence(mode: &Mode, model: &MeasurementModel<'_>) -> f64 {
 /// The rows from `from` on that modes are compared by: one each time that a whisker has moved far enough, or has met or left a boundary.
 pub(super) fn key_rows(model: &MeasurementModel<'_>, last: Option<usize>, from: usize) -> Vec<usize> {
     let window = model.window;
-    let touches = |row: usize| -> Vec<bool> {
-        model.sensors.iter().zip(window.readings(row)).map(|(sensor, &z)| sensor.is_contact(z)).collect()
-    };
     let lever = model.sensors.iter().map(|sensor| sensor.length).fold(0.0, f64::max);
     let mut rows: Vec<usize> = Vec::new();
     let mut last = last;
     for row in from..window.len() {
         let far = last.is_none_or(|last| {
             let step = window.pose(last).between(window.pose(row));
-            step.position().norm().max(step.theta.abs() * lever) >= KEY_STEP || touches(last) != touches(row)
+            step.position().norm().max(step.theta.abs() * lever) >= KEY_STEP
+                || window.contacts(last) != window.contacts(row)
         });
         if far {
             rows.push(row);

@@ -18,7 +18,7 @@ pub(super) struct ContactEpisode {
 pub(super) fn longest_contact(window: &LogWindow, sensors: &[Sensor], searched: &[f64]) -> Option<ContactEpisode> {
     let mut best: Option<ContactEpisode> = None;
     for (index, sensor) in sensors.iter().enumerate() {
-        let touches = |row: usize| sensor.is_contact(window.readings(row)[index]);
+        let touches = |row: usize| window.contacts(row)[index];
         let mut row = 0;
         while row < window.len() {
             let onset = row;
@@ -28,7 +28,7 @@ pub(super) fn longest_contact(window: &LogWindow, sensors: &[Sensor], searched: 
             let known = |t: &f64| t.total_cmp(&window.time(onset)).is_eq();
             // What was in contact at the first row began before.
             if onset > 0 && row >= onset + FEWEST_ROWS && !searched.iter().any(known) {
-                let way = window.way(onset, row - 1);
+                let way = window.way(onset, row - 1, sensor.length);
                 if best.as_ref().is_none_or(|best| way > best.way) {
                     best = Some(ContactEpisode { sensor: index, onset, end: row, way });
                 }
@@ -39,14 +39,14 @@ pub(super) fn longest_contact(window: &LogWindow, sensors: &[Sensor], searched: 
     best
 }
 
-/// The rows that judge cells: the onset, then one for every `step` of the base's travel; of three neighbours always
-/// that with the middle reading, so that no single false one is taken.
-pub(super) fn judging_rows(window: &LogWindow, sensor: usize, onset: usize, step: f64) -> Vec<usize> {
+/// The rows that judge cells: the onset, then one for every `step` that the base or the tip travels; of three neighbours
+/// always that with the middle reading, so that no single false one is taken.
+pub(super) fn judging_rows(window: &LogWindow, (sensor, lever): (usize, f64), onset: usize, step: f64) -> Vec<usize> {
     let last = window.len() - 1;
     let mut rows = vec![onset];
     let mut travelled = 0.0;
     for row in onset + 1..last {
-        travelled += window.pose(row).position().distance(window.pose(row - 1).position());
+        travelled += window.way(row - 1, row, lever);
         if travelled >= step {
             let mut three = [row - 1, row, row + 1];
             three.sort_by(|&a, &b| window.readings(a)[sensor].total_cmp(&window.readings(b)[sensor]));

@@ -405,7 +405,7 @@ fn run(
     let mut last = base(onset.row);
     for (count, &row) in onset.rows.iter().enumerate() {
         let (there, z) = (base(row), model.window.readings(row)[onset.sensor]);
-        let felt = forward.advance(&mut touch, last, there, sensor.is_contact(z));
+        let felt = forward.advance(&mut touch, last, there, model.window.contacts(row)[onset.sensor]);
         last = there;
         extent.iter_mut().for_each(|extent| extent.add(&touch));
         *work = work.saturating_sub(1);

@@ -10,6 +10,12 @@ pub(super) struct LogWindow {
     /// The robot in the odometry frame.
     poses: Vec<Pose2>,
     readings: Vec<f64>,
+    /// Whether each is that of a whisker in contact.
+    contacts: Vec<bool>,
+    /// Whether each is left out.
+    set_aside: Vec<bool>,
+    /// When the log began (s).
+    began: Option<f64>,
     /// How far the robot had gone (m) and turned (rad) when the first row came.
     gone: [f64; 2],
     /// Sum of unit vectors: the heading of the odometry frame by each absolute heading.
@@ -22,9 +28,41 @@ impl LogWindow {
     }
 
     pub(super) fn push(&mut self, t: f64, odom_from_robot: Pose2, readings: &[f64]) {
+        self.began.get_or_insert(t);
         self.times.push(t);
         self.poses.push(odom_from_robot);
         self.readings.extend_from_slice(readings);
+        self.contacts.resize(self.readings.len(), false);
+        self.set_aside.resize(self.readings.len(), false);
+    }
+
+    /// Leaves a reading out.
+    pub(super) fn set_aside(&mut self, row: usize, sensor: usize) {
+        self.set_aside[row * self.sensors + sensor] = true;
+    }
+
+    /// Leaves none out.
+    pub(super) fn take_all(&mut self) {
+        self.set_aside.fill(false);
+    }
+
+    /// Whether a reading is left out.
+    pub(super) fn is_aside(&self, row: usize, sensor: usize) -> bool {
+        self.set_aside[row * self.sensors + sensor]
+    }
+
+    /// Says of each sensor whether its whisker is in contact at a row.
+    pub(super) fn tell_contacts(&mut self, row: usize, contacts: impl Iterator<Item = bool>) {
+        self.contacts[row * self.sensors..]
+            .iter_mut()
+            .zip(contacts)
+            .take(self.sensors)
+            .for_each(|(to, told)| *to = told);
+    }
+
+    /// For each sensor whether its whisker is in contact.
+    pub(super) fn contacts(&self, row: usize) -> &[bool] {
+        &self.contacts[row * self.sensors..(row + 1) * self.sensors]
     }
 
     /// Takes these off all readings, one for each sensor.
@@ -52,6 +90,11 @@ impl LogWindow {
         self.times[row]
     }
 
+    /// The time of a row since the log began (s).
+    pub(super) fn since_start(&self, row: usize) -> f64 {
+        self.times[row] - self.began.unwrap_or_default()
+    }
+
     pub(super) fn pose(&self, row: usize) -> Pose2 {
         self.poses[row]
     }
@@ -64,9 +107,13 @@ impl LogWindow {
         &self.readings[row * self.sensors..(row + 1) * self.sensors]
     }
 
-    /// How far the robot goes from one row to another (m).
-    pub(super) fn way(&self, from: usize, to: usize) -> f64 {
-        self.poses[from..=to].windows(2).map(|pair| pair[0].position().distance(pair[1].position())).sum()
+    /// How far the robot goes from one row to another, or what turns by as much on an arm of this length (m).
+    pub(super) fn way(&self, from: usize, to: usize, lever: f64) -> f64 {
+        let step = |pair: &[Pose2]| {
+            let step = pair[0].between(pair[1]);
+            step.position().norm().max(step.theta.abs() * lever)
+        };
+        self.poses[from..=to].windows(2).map(step).sum()
     }
 
     /// The robot's velocity at a row, its own frame (m/s, rad/s), from the rows around.
@@ -93,6 +140,8 @@ impl LogWindow {
         self.times.drain(..row);
         self.poses.drain(..row);
         self.readings.drain(..row * self.sensors);
+        self.contacts.drain(..row * self.sensors);
+        self.set_aside.drain(..row * self.sensors);
     }
 
     /// Forgets one row.
@@ -100,5 +149,7 @@ impl LogWindow {
         self.times.remove(row);
         self.poses.remove(row);
         self.readings.drain(row * self.sensors..(row + 1) * self.sensors);
+        self.contacts.drain(row * self.sensors..(row + 1) * self.sensors);
+        self.set_aside.drain(row * self.sensors..(row + 1) * self.sensors);
     }
 }

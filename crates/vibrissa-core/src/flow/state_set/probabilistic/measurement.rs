@@ -212,6 +212,17 @@ impl<'a> MeasurementModel<'a> {
         }
     }
 
+    /// Lets zeros wander by the declared noise: an error that stays alike, within its bound, for as long as rows are kept is another one
+    /// afterwards. A step of a random walk in information form \[barshalom2001estimation, sec. 7.2\].
+    pub(super) fn loosen(&self, equations: &mut NormalEquations) {
+        if self.noise_model == NoiseAssumption::Independent {
+            return;
+        }
+        for (sensor, zero) in self.sensors.iter().zip(&self.unknowns.zero) {
+            zero.iter().for_each(|&at| equations.loosen(at, sensor.absolute_bound().powi(2)));
+        }
+    }
+
     /// Runs the forward model over these rows, in order; gives how the whiskers stand at the last one and where they are.
     pub(super) fn run(&self, state: &State, start: &Start, rows: &[usize], out: &mut Linearisation) -> Start {
         let values = &state.values;
@@ -233,8 +244,13 @@ impl<'a> MeasurementModel<'a> {
             for (index, own) in adjusted.iter().enumerate() {
                 let sensor = &self.sensors[index];
                 let base = self.base(robot, own.mount, values);
+                if self.window.is_aside(row, index) {
+                    // When it is free again it is met anew.
+                    (end.states[index], bases[index]) = (WhiskerState::Free, None);
+                    continue;
+                }
                 let z = self.window.readings(row)[index];
-                let offset = own.zero + own.drift * (self.window.time(row) - self.window.time(0));
+                let offset = own.zero + own.drift * self.window.since_start(row);
                 let felt = self.forward(sensor, own.length).advance(
                     &mut end.states[index],
                     bases[index].unwrap_or(base),
@@ -308,7 +324,7 @@ impl<'a> MeasurementModel<'a> {
                 j[at] = scale;
             }
             if let Some(at) = u.drift[seen.index] {
-                j[at] = scale * (row.t - self.window.time(0));
+                j[at] = scale * self.window.since_start(seen.row);
             }
         }
         out.rows.push(row);

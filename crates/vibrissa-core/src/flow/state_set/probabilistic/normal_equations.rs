@@ -67,6 +67,21 @@ impl NormalEquations {
         }
     }
 
+    /// Adds an independent error of this variance to one unknown.
+    pub(super) fn loosen(&mut self, at: usize, variance: f64) {
+        if variance <= 0.0 {
+            return;
+        }
+        let column: Vec<f64> = (0..self.size).map(|i| self.at(i, at)).collect();
+        let (per, along) = (1.0 / (1.0 / variance + column[at]), self.vector[at]);
+        for i in 0..self.size {
+            let (start, by) = (self.start(i), per * column[i]);
+            self.vector[i] -= by * along;
+            self.matrix[start..].iter_mut().zip(&column[i..]).for_each(|(to, v)| *to -= by * v);
+        }
+        self.constant -= 0.5 * per * along * along;
+    }
+
     /// Adds other equations around the same point.
     pub(super) fn add_all(&mut self, other: &Self) {
         self.matrix.iter_mut().zip(&other.matrix).for_each(|(to, v)| *to += v);

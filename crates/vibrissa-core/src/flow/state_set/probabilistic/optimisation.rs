@@ -3,7 +3,7 @@
 use super::correlated_noise::{Filter, NoiseModel, add_readings};
 use super::information::Information;
 use super::map_symmetry::MapSymmetry;
-use super::measurement::{Linearisation, MeasurementModel, Start, State, difference, moved};
+use super::measurement::{Linearisation, MeasurementModel, Row, Start, State, difference, moved};
 use super::normal_equations::{NormalEquations, Response};
 use super::unknowns::POSE;
 use crate::plane::Pose2;
@@ -19,6 +19,15 @@ const LINE: [f64; 4] = [0.4e-3, 0.8e-3, 1.5e-3, 2.5e-3];
 const WORTH_LINE: f64 = 1.0;
 /// Parts of a step that are tried.
 const FRACTIONS: [f64; 2] = [1.0, 0.3];
+/// Residuals further off than this (standard deviations of an even law) are unexplained: two and a half times their bound, as what is
+/// estimated along may have taken in an error of once the bound.
+pub(super) const UNEXPLAINED: f64 = 4.3;
+/// With so many of them in what has just come a mode is fitted by a graduated cost: variances larger by these factors, one after the other.
+const MOST_UNEXPLAINED: usize = 3;
+const GRADUATED: [f64; 2] = [900.0, 30.0];
+/// Steps by each of these costs, and readings that this takes, about, per row.
+const GRADUATED_STEPS: usize = 5;
+pub(super) const GRADUATED_RUNS: usize = 20;
 /// A step that promises less than this (nats) is not taken.
 const SETTLED: f64 = 2e-2;
 
@@ -35,6 +44,8 @@ pub(super) struct Mode {
     here: f64,
     /// Whether it has come to its least cost over the rows that it has seen.
     pub(super) is_settled: bool,
+    /// Whether the rows that came last are further off than noise, which a robust cost takes for false.
+    pub(super) is_off: bool,
     /// How its whiskers stand at the last of them.
     pub(super) end: Option<Box<Start>>,
 }
@@ -67,6 +78,7 @@ impl Mode {
             promise: f64::INFINITY,
             here: f64::INFINITY,
             is_settled: false,
+            is_off: false,
             end: None,
         }
     }
@@ -81,6 +93,7 @@ impl Mode {
             promise: f64::INFINITY,
             here: f64::INFINITY,
             is_settled: false,
+            is_off: false,
             end: None,
         }
     }
@@ -146,6 +159,7 @@ impl Mode {
     pub(super) fn carry_on(&mut self, model: &MeasurementModel<'_>, rows: &[usize], scratch: &mut Linearisation) {
         let Some(end) = &self.end else { return };
         self.end = Some(Box::new(model.run(&self.state, end, rows, scratch)));
+        self.is_off |= is_off(&scratch.rows);
         for fit in &mut self.fits {
             add_readings(scratch, fit.noise, &mut fit.filters, &mut fit.equations);
         }
@@ -203,6 +217,40 @@ impl Mode {
         }
     }
 
+    /// Whether so many of the last readings are off.
+    pub(super) fn is_off_at(
+        &self,
+        model: &MeasurementModel<'_>,
+        rows: &[usize],
+        last: usize,
+        scratch: &mut Linearisation,
+    ) -> bool {
+        model.run(&self.state, &self.start, rows, scratch);
+        is_off(&scratch.rows[scratch.rows.len().saturating_sub(last)..])
+    }
+
+    /// Goes on by graduated non-convexity \[yang2020graduated\], and stays there if all is likelier there: readings that are
+    /// far off all at once have no weight with a robust cost, although one small motion may explain them.
+    pub(super) fn descend_graduated(
+        &mut self,
+        model: &MeasurementModel<'_>,
+        rows: &[usize],
+        scratch: &mut Linearisation,
+    ) {
+        let mut there = self.clone();
+        for factor in GRADUATED {
+            there = there.by(NoiseModel { white: factor, ..NoiseModel::DECLARED });
+            there.relinearise(model, rows, scratch);
+            there.descend(model, rows, GRADUATED_STEPS, scratch);
+        }
+        there.fits.clone_from(&self.fits);
+        there.relinearise(model, rows, scratch);
+        there.descend(model, rows, GRADUATED_STEPS, scratch);
+        if there.evidence_here() < self.evidence_here() {
+            *self = there;
+        }
+    }
+
     /// The same at another state.
     pub(super) fn at(
         &self,
@@ -219,6 +267,7 @@ impl Mode {
             promise: f64::INFINITY,
             here: f64::INFINITY,
             is_settled: false,
+            is_off: false,
             end: None,
         };
         there.relinearise(model, rows, scratch);
@@ -292,6 +341,11 @@ impl Mode {
             }
         }
     }
+}
+
+/// Whether too many of these readings are unexplained for false ones.
+fn is_off(rows: &[Row]) -> bool {
+    rows.iter().filter(|row| row.plain.abs() > UNEXPLAINED).count() >= MOST_UNEXPLAINED
 }
 
 /// What it takes to fit a mode elsewhere to the same readings.

@@ -22,6 +22,8 @@ pub(super) struct Sensor {
     absolute: f64,
     /// How much further from 0 than that a free whisker's reading may be, since its zero was taken from a few readings.
     slack: f64,
+    /// How fast the zero may drift (1/s).
+    drift: f64,
     /// What the logarithm of the ratio that [`Sensor::variance_stabilised`] takes is at the mean.
     mean_log: f64,
 }
@@ -59,6 +61,10 @@ impl Sensor {
             mean_log: mean_log(noise.relative),
             absolute: (noise.absolute * per_reading).max(LEAST_ABSOLUTE),
             slack: 0.0,
+            drift: match quantity {
+                SensedQuantity::Moment => whisker.errors.zero_drift * per_reading,
+                SensedQuantity::Force | SensedQuantity::Slope => 0.0,
+            },
         }
     }
 
@@ -79,7 +85,16 @@ impl Sensor {
 
     /// Whether a reading is more than noise on a free whisker.
     pub(super) fn is_contact(&self, z: f64) -> bool {
-        z.abs() * (1.0 - self.relative) > self.absolute + self.slack
+        self.is_contact_within(z, self.slack)
+    }
+
+    fn is_contact_within(&self, z: f64, slack: f64) -> bool {
+        z.abs() * (1.0 - self.relative) > self.absolute + slack
+    }
+
+    /// The declared bound of the noise of a reading of 0.
+    pub(super) fn absolute_bound(&self) -> f64 {
+        self.absolute
     }
 
     /// The same sensor with its zero taken from a few readings.
@@ -135,6 +150,28 @@ impl Sensor {
         let value =
             if pressed && h.abs() >= self.absolute { self.variance_stabilised(plain, h.signum()) } else { plain };
         Residual { value, plain, std, informs: pressed || wanted || !glued }
+    }
+}
+
+/// What a sensor reads while its whisker is free, followed as fast as its zero may drift.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct FreeLevel {
+    reading: f64,
+    /// When the whisker was last free (s).
+    t: Option<f64>,
+}
+
+impl FreeLevel {
+    /// Whether a reading at this time is that of a whisker in contact; otherwise the level follows it.
+    pub(super) fn is_contact(&mut self, sensor: &Sensor, t: f64, z: f64) -> bool {
+        let drifted = sensor.drift * (t - *self.t.get_or_insert(t)).max(0.0);
+        let off = z - self.reading;
+        if sensor.is_contact_within(off, sensor.slack + drifted) {
+            return true;
+        }
+        self.reading += off.clamp(-drifted, drifted);
+        self.t = Some(t);
+        false
     }
 }
 

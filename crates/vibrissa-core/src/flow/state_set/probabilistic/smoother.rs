@@ -8,17 +8,18 @@ use super::correlated_noise::NoiseModel;
 use super::grid_search::{ContactOnset, GridSearch};
 use super::log_window::LogWindow;
 use super::map_symmetry::MapSymmetries;
-use super::measurement::{MeasurementModel, Start, State};
-use super::optimisation::Mode;
+use super::measurement::{MeasurementModel, Row, Start, State};
+use super::optimisation::{Mode, UNEXPLAINED};
 use super::places::{self, Fit, PosteriorPlace};
-use super::sensor::Sensor;
+use super::sensor::{FreeLevel, Sensor};
 use super::unknowns::{Sense, Unknowns};
 use crate::beam::{TipModel, TipTable};
 use crate::config::{ProbabilisticOptions, UndeclaredErrors};
 use crate::contact::follow::{Mechanics, WhiskerState};
 use crate::contact::{Boundaries, SensedQuantity};
+use crate::flow::pose::Stretch;
 use crate::flow::prior;
-use crate::plane::{Pose2, Vec2};
+use crate::plane::{Bounds, Pose2, Vec2, wrap_angle};
 use crate::world::{Map, Robot};
 
 /// Free rows that are kept before a contact: what the whisker did not touch.
@@ -39,11 +40,16 @@ const FITTED: usize = 2000;
 const MANY_CELLS: usize = 4000;
 const PATIENCE: f64 = 2.0;
 const MOST_PATIENCE: f64 = 4.0;
-/// The best mode does not explain the last rows where more than this share of them is further off than twice their declared bound (standard
-/// deviations), and how many these are.
+/// The best mode does not explain the last readings of a sensor where more than this share of them is unexplained, and how many these are.
 const LOST_SHARE: f64 = 0.5;
-const LOST_RESIDUAL: f64 = 3.5;
 const WATCHED: usize = 40;
+/// A contact that is not explained is left out if so many readings of contact had been explained since the last such one, and the whisker may
+/// touch more than one stretch of boundary: within this share of its length there are some whose normals differ by so much (rad).
+const EXPLAINED: usize = 24;
+const REACH: f64 = 1.1;
+const OTHER_NORMAL: f64 = 0.3;
+/// So many stretches in which readings were left out are kept.
+const MOST_LEFT_OUT: usize = 200;
 /// The zero of a sensor whose zero is not known exactly is tared by so many rows, if its readings may be those of a free whisker.
 const TARE_ROWS: usize = 8;
 /// More searches than this are not tried, unless one has held for so many rows.
@@ -61,6 +67,8 @@ pub enum StepOutcome {
     Started(usize),
     /// The modes took in the reading.
     Updated,
+    /// The modes do not explain a sensor's contact, which is left out until the whisker is free: the sensor.
+    SetAside(usize),
     /// No mode explains the readings any more.
     Lost,
 }
@@ -111,6 +119,21 @@ impl<'a> Scene<'a> {
         [(odometry.translation_relative + turn) * way, turn]
     }
 
+    /// How far the first pose by a mode may be beside the region for it (m) and turned (rad) although the robot was inside: by a cell, by
+    /// what the odometry may have drifted, and by what mounts, lengths and the map's scale leave open. A heading that is `turn` off (rad)
+    /// turns the way back to the first pose about the contact.
+    pub(super) fn prior_slack(&self, window: &LogWindow, turn: f64) -> [f64; 2] {
+        let way_back = window.pose(window.len() - 1).position().norm();
+        let drift = self.drift(window);
+        let mut mounted = [0.0_f64; 2];
+        for errors in self.robot.whiskers.iter().map(|whisker| &whisker.errors) {
+            let [x, y, heading] = errors.mount;
+            mounted = [mounted[0].max(x.hypot(y) + errors.length), mounted[1].max(heading)];
+        }
+        let place = mounted[0] + (self.robot.map_scale + mounted[1] + turn) * way_back;
+        [self.options.seed_spacing + drift[0] + place, self.options.seed_turn + drift[1] + mounted[1]]
+    }
+
     /// The measurement model of a window.
     pub(super) fn model<'b>(&'b self, window: &'b LogWindow, anchor: usize) -> MeasurementModel<'b> {
         MeasurementModel {
@@ -137,12 +160,21 @@ pub struct MultiHypothesisSmoother<'a> {
     /// Contact readings in a row for each sensor, and free ones.
     touching: Vec<usize>,
     free: usize,
+    levels: Vec<FreeLevel>,
+    /// For how many free rows the readings of each sensor are left out yet.
+    aside: Vec<usize>,
+    /// When readings were left out, the last of these.
+    left_out: Vec<Stretch>,
     starts: u32,
     patience: f64,
     last: Option<Pose2>,
     /// Rows since the set was started, and its best mode when it was last given up.
     tracked: usize,
     abandoned: Option<Pose2>,
+    /// Its best mode when it last explained the rows.
+    believed: Option<Pose2>,
+    /// From when on the places at the end are others than those that were believed (s).
+    carried: Option<f64>,
     /// When the contacts began from which modes have been searched (s).
     searched: Vec<f64>,
 }
@@ -196,11 +228,16 @@ impl<'a> MultiHypothesisSmoother<'a> {
             phase: Phase::Waiting,
             touching: vec![0; count],
             free: 0,
+            levels: vec![FreeLevel::default(); count],
+            aside: vec![0; count],
+            left_out: Vec::new(),
             starts: 0,
             patience: 1.0,
             last: None,
             tracked: 0,
             abandoned: None,
+            believed: None,
+            carried: None,
             searched: Vec::new(),
         }
     }
@@ -224,6 +261,15 @@ impl<'a> MultiHypothesisSmoother<'a> {
         self.window.subtract(&tare);
         self.scene.sensors.iter_mut().for_each(Sensor::tared);
         self.scene.tare = Some(tare);
+        (0..rows).for_each(|row| self.tell_contacts(row));
+    }
+
+    /// Tells the window which whiskers are in contact at a row.
+    fn tell_contacts(&mut self, row: usize) {
+        let (t, readings) = (self.window.time(row), self.window.readings(row));
+        let each = self.levels.iter_mut().zip(&self.scene.sensors).zip(readings);
+        let told: Vec<bool> = each.map(|((level, sensor), &z)| level.is_contact(sensor, t, z)).collect();
+        self.window.tell_contacts(row, told.into_iter());
     }
 
     /// Looks for a contact that lasts.
@@ -298,21 +344,22 @@ impl<'a> MultiHypothesisSmoother<'a> {
         let odom_from_whisker = self.window.pose(row).compose(own.robot_from_whisker);
         let before = self.window.pose(row.saturating_sub(3)).compose(own.robot_from_whisker);
         let arm = odom_from_whisker.position();
-        let std = |place: Option<usize>| place.map_or(0.0, |at| self.scene.unknowns.all()[at - 3].std);
+        let unknowns = &self.scene.unknowns;
+        let std = |place: Option<usize>| place.map_or(0.0, |at| unknowns.all()[at - 3].std);
+        let drifted = std(unknowns.drift[sensor]) * self.window.since_start(row);
         ContactOnset {
             sensor,
             row,
             from_free,
             approach: tip - odom_from_whisker.inverse_transform_point(before.transform_point(tip)),
-            rows: judging_rows(&self.window, sensor, row, options.seed_step),
+            rows: judging_rows(&self.window, (sensor, own.length), row, options.seed_step),
             spacing: options.seed_spacing,
             turn: options.seed_turn,
             near: options.prior.map(|region| {
-                let drift = self.scene.drift(&self.window);
-                let slack = 2.0 * options.seed_spacing + drift[0] + arm.norm() * (options.seed_turn + drift[1]);
-                prior::around(region, arm, slack, own.length)
+                let [place, turn] = self.scene.prior_slack(&self.window, 0.0);
+                prior::around(region, arm, options.seed_spacing + place + arm.norm() * turn, own.length)
             }),
-            priors: [std(self.scene.unknowns.gain[sensor]), std(self.scene.unknowns.zero[sensor])],
+            priors: [std(unknowns.gain[sensor]), std(unknowns.zero[sensor]).hypot(drifted)],
         }
     }
 
@@ -322,7 +369,7 @@ impl<'a> MultiHypothesisSmoother<'a> {
         let Self { scene, window, phase, .. } = self;
         let Phase::Searching { search, travelled, ended } = phase else { return StepOutcome::Nothing };
         let model = scene.model(window, 0);
-        let admission = Admission::new(scene, window);
+        let admission = Admission::of_cells(scene, window);
         let row = search.onset().row;
         let admits = |frame: Pose2| admission.satisfies_prior(frame) && admission.origin_is_free(frame, row);
         if !search.step(&model, &admits, &mut work) {
@@ -367,7 +414,7 @@ impl<'a> MultiHypothesisSmoother<'a> {
         let Self { scene, window, phase, .. } = self;
         let Phase::Tracking(bank) = phase else { return StepOutcome::Nothing };
         let model = scene.model(window, 0);
-        let admission = Admission::new(scene, window);
+        let admission = Admission::of_cells(scene, window);
         if !bank.is_busy() {
             return StepOutcome::Nothing;
         }
@@ -376,11 +423,7 @@ impl<'a> MultiHypothesisSmoother<'a> {
             return StepOutcome::Nothing;
         }
         if was_fitted {
-            if self.is_lost() {
-                self.relocalize();
-                return StepOutcome::Lost;
-            }
-            return StepOutcome::Updated;
+            return self.judge();
         }
         let count = bank.modes.len() * bank.times(&scene.symmetries);
         if count == 0 {
@@ -407,7 +450,7 @@ impl<'a> MultiHypothesisSmoother<'a> {
             return if bank.is_busy() { self.fit(work) } else { StepOutcome::Nothing };
         }
         let model = scene.model(window, 0);
-        let admission = Admission::new(scene, window);
+        let admission = Admission::of_cells(scene, window);
         let admits = |frame: Pose2| admission.is_allowed(frame);
         if !full {
             bank.begin(&model, &admits);
@@ -417,19 +460,45 @@ impl<'a> MultiHypothesisSmoother<'a> {
         bank.converge(&model);
         bank.marginalise(&model, scene.window() / 4, FORGETTING);
         window.forget(scene.window() / 4);
-        if self.is_lost() {
-            self.relocalize();
-            return StepOutcome::Lost;
+        self.judge()
+    }
+
+    /// Looks whether the best mode explains the last rows. Where a sensor's are not explained after a contact that was, the whisker is in
+    /// one that the model does not cover, and its readings say nothing of the place until it is free; otherwise the modes are wrong.
+    fn judge(&mut self) -> StepOutcome {
+        match self.unexplained() {
+            None => {
+                self.believed = self.best();
+                StepOutcome::Updated
+            }
+            Some(Some((sensor, from))) => {
+                (from..self.window.len()).for_each(|row| self.window.set_aside(row, sensor));
+                self.aside[sensor] = CONTACT_ROWS;
+                if self.left_out.len() >= MOST_LEFT_OUT {
+                    self.left_out.remove(0);
+                }
+                let to = self.window.time(self.window.len() - 1);
+                self.left_out.push(Stretch { from: self.window.time(from), to });
+                if let Phase::Tracking(bank) = &mut self.phase {
+                    bank.forget_fits();
+                }
+                StepOutcome::SetAside(sensor)
+            }
+            Some(None) => {
+                self.relocalize();
+                StepOutcome::Lost
+            }
         }
-        StepOutcome::Updated
     }
 
     /// Searches anew from another contact of the window, the longest first; the modes that are found are fitted to the whole window. Starts
     /// from the present contact where there is none.
     fn relocalize(&mut self) {
+        self.aside.fill(0);
+        self.window.take_all();
         match longest_contact(&self.window, &self.scene.sensors, &self.searched) {
             Some(contact) => {
-                self.abandoned = self.best().or(self.abandoned);
+                self.abandoned = self.believed.take().or(self.abandoned);
                 let onset = self.onset(contact.sensor, contact.onset, true);
                 let rows = onset.rows.into_iter().filter(|&row| row < contact.end).collect();
                 let model = self.scene.model(&self.window, 0);
@@ -440,26 +509,66 @@ impl<'a> MultiHypothesisSmoother<'a> {
         }
     }
 
-    /// Whether no mode explains the last rows.
-    fn is_lost(&mut self) -> bool {
-        let Phase::Tracking(bank) = &mut self.phase else { return false };
+    /// What the best mode does not explain, if it is anything: a sensor's readings from a row on, where that contact can be left out, or all.
+    fn unexplained(&mut self) -> Option<Option<(usize, usize)>> {
+        let Phase::Tracking(bank) = &mut self.phase else { return None };
         let model = self.scene.model(&self.window, 0);
         if bank.modes.is_empty() {
-            return true;
+            return Some(None);
         }
         let told = bank.run(&model, 0);
-        let last = &told.rows[told.rows.len().saturating_sub(WATCHED)..];
-        let unexplained = last.iter().filter(|row| row.held.is_none() || row.plain.abs() > LOST_RESIDUAL).count();
-        last.len() == WATCHED && unexplained as f64 > LOST_SHARE * last.len() as f64
+        let is_off = |row: &Row| row.held.is_none() || row.plain.abs() > UNEXPLAINED;
+        let found = (0..self.scene.sensors.len()).find_map(|sensor| {
+            let own: Vec<&Row> = told.rows.iter().filter(|row| row.sensor == sensor).collect();
+            let last = own.len().checked_sub(WATCHED)?;
+            let share = own[last..].iter().filter(|row| is_off(row)).count() as f64 / WATCHED as f64;
+            if share <= LOST_SHARE {
+                return None;
+            }
+            let first = last + own[last..].iter().position(|row| is_off(row))?;
+            // Back to where it began, and how much of what was before speaks for the mode.
+            let explained = own[..first].iter().rposition(|row| !is_off(row)).map_or(0, |at| at + 1);
+            let from = own[explained].row;
+            let aside = (0..from).rev().find(|&row| self.window.is_aside(row, sensor)).map_or(0, |row| row + 1);
+            let speaks = |row: &&&Row| row.row >= aside && row.held == Some(true) && !is_off(row);
+            let is_trusted = own[..explained].iter().filter(speaks).count() >= EXPLAINED;
+            let touches = self.touching[sensor] > 0 || self.free < CONTACT_ROWS;
+            Some((is_trusted && touches).then_some((sensor, from)))
+        });
+        match found {
+            Some(Some((sensor, from))) if !self.may_touch_twice(sensor, from) => Some(None),
+            found => found,
+        }
+    }
+
+    /// Whether a whisker may touch more than one stretch of boundary by the best mode, or go over a corner.
+    fn may_touch_twice(&self, sensor: usize, row: usize) -> bool {
+        let (Some(frame), own) = (self.best(), &self.scene.sensors[sensor]) else { return true };
+        let base = frame.compose(self.window.pose(row)).compose(own.robot_from_whisker).position();
+        let reach = REACH * own.length;
+        let around = Vec2::new(reach, reach);
+        let mut first: Option<f64> = None;
+        let mut other = false;
+        self.scene.map.for_each_edge_in(Bounds { min: base - around, max: base + around }, |[a, b]| {
+            let along = (b - a).angle();
+            let along_edge = ((base - a).dot(b - a) / (b - a).norm_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+            if (a + (b - a) * along_edge).distance(base) <= reach {
+                other |= wrap_angle(along - *first.get_or_insert(along)).abs() > OTHER_NORMAL;
+            }
+            other
+        });
+        other
     }
 
     /// Forgets everything and starts from the present contact, or waits for the next.
     fn begin_again(&mut self) {
-        self.abandoned = self.best().or(self.abandoned);
+        self.abandoned = self.believed.take().or(self.abandoned);
         self.tracked = 0;
         let rows = self.window.len();
         self.window.forget(rows.saturating_sub(1));
         self.patience = 1.0;
+        self.aside.fill(0);
+        self.window.take_all();
         self.phase = match self.touching.iter().position(|&rows| rows >= CONTACT_ROWS) {
             Some(sensor) if self.starts < MOST_STARTS => {
                 Phase::Pressing { sensor, onset: 0, from_free: false, travelled: 0.0, search: None }
@@ -495,7 +604,8 @@ impl<'a> MultiHypothesisSmoother<'a> {
 
     /// The best mode now: the odometry frame in the map frame.
     fn best(&self) -> Option<Pose2> {
-        self.frames().first().copied()
+        let mode = self.bank()?.modes.first()?;
+        Some(self.scene.model(&self.window, 0).anchored(&mode.state, self.window.len() - 1).frame)
     }
 }
 
@@ -510,6 +620,18 @@ impl MultiHypothesisSmoother<'_> {
     #[must_use]
     pub fn abandoned(&self) -> Option<Pose2> {
         self.abandoned
+    }
+
+    /// When readings were left out of what the places are told by.
+    #[must_use]
+    pub fn left_out(&self) -> &[Stretch] {
+        &self.left_out
+    }
+
+    /// From when on (s) the robot is elsewhere than was believed, by what the end of the log has shown.
+    #[must_use]
+    pub fn carried(&self) -> Option<f64> {
+        self.carried
     }
 
     /// How many modes there are.
@@ -540,14 +662,20 @@ impl MultiHypothesisSmoother<'_> {
         let travel = self.last.map_or(0.0, |last| last.position().distance(odom_from_robot.position()));
         let turn = self.last.map_or(0.0, |last| last.between(odom_from_robot).theta.abs());
         self.last = Some(odom_from_robot);
-        let mut any = false;
-        for (index, sensor) in sensors.iter().enumerate() {
-            let contact = sensor.is_contact(readings[index]);
-            any |= contact;
-            self.touching[index] = if contact { self.touching[index] + 1 } else { 0 };
+        self.tell_contacts(self.window.len() - 1);
+        let contacts = self.window.contacts(self.window.len() - 1);
+        let any = contacts.contains(&true);
+        for (rows, &contact) in self.touching.iter_mut().zip(contacts) {
+            *rows = if contact { *rows + 1 } else { 0 };
         }
+        let last = self.window.len() - 1;
+        for (sensor, left) in self.aside.iter_mut().enumerate().filter(|(_, left)| **left > 0) {
+            *left = if self.touching[sensor] > 0 { CONTACT_ROWS } else { *left - 1 };
+            self.window.set_aside(last, sensor);
+            self.left_out.iter_mut().next_back().into_iter().for_each(|stretch| stretch.to = t);
+        }
+        let lever = self.scene.sensors.iter().map(|f| f.length).fold(0.0, f64::max);
         self.free = if any { 0 } else { self.free + 1 };
-        let lever = sensors.iter().map(|f| f.length).fold(0.0, f64::max);
         match &mut self.phase {
             Phase::Waiting => self.wait(any),
             Phase::Pressing { travelled, .. } => {
@@ -605,17 +733,39 @@ impl MultiHypothesisSmoother<'_> {
                 told = other;
             }
         }
-        told
+        self.elsewhere().unwrap_or(told)
+    }
+
+    /// Places that explain a contact which is left out at the end of the log as one that the model covers: the robot was carried there. None
+    /// where it is shorter than the whisker, since little is explained anywhere.
+    fn elsewhere(&mut self) -> Option<(Vec<PosteriorPlace>, Option<Fit>)> {
+        let (sensor, last) = (self.aside.iter().position(|&left| left > 0)?, self.window.len() - 1);
+        let row = (0..=last).rev().find(|&row| !self.window.is_aside(row, sensor)).map_or(0, |row| row + 1);
+        let length = self.scene.sensors[sensor].length;
+        if row >= last || self.window.way(row, last, length) < length {
+            return None;
+        }
+        let (t, believed) = (self.window.time(row), self.believed);
+        self.aside.fill(0);
+        self.window.take_all();
+        self.window.forget(row);
+        self.phase = Phase::Pressing { sensor, onset: 0, from_free: false, travelled: 0.0, search: None };
+        self.press(true);
+        self.fit(usize::MAX);
+        let other = self.choose();
+        let explains = other.1.as_ref().is_some_and(|fit| fit.agrees() && fit.touching >= EXPLAINED);
+        explains.then(|| {
+            (self.abandoned, self.carried) = (believed.or(self.abandoned), Some(t));
+            other
+        })
     }
 }
 
 /// How the whiskers stand at the window's first row where that is not known.
 fn window_start(scene: &Scene<'_>, window: &LogWindow) -> Start {
     let mut start = Start::free(scene.sensors.len());
-    for (state, (sensor, &z)) in start.states.iter_mut().zip(scene.sensors.iter().zip(window.readings(0))) {
-        if sensor.is_contact(z) {
-            *state = WhiskerState::Unknown;
-        }
+    for (state, _) in start.states.iter_mut().zip(window.contacts(0)).filter(|(_, contact)| **contact) {
+        *state = WhiskerState::Unknown;
     }
     start
 }
