@@ -235,7 +235,6 @@ impl Bank {
             {
                 *left = left.saturating_sub(GRADUATED_RUNS * self.rows.len());
                 mode.descend_graduated(model, &self.rows, &mut self.scratch);
-                mode.is_off = mode.is_off_at(model, &self.rows, pending.rows.len() * sensors, &mut self.scratch);
             }
             if *left > self.rows.len() && mode.might_move(MOVED) {
                 *left = left.saturating_sub(each);
