@@ -138,7 +138,7 @@ export interface Answer extends Estimate {
   trajectory: Float64Array;
   words: {
     events: { t: number; kind: string; detail: string }[];
-    nuisances: { quantity: string; whisker: string | null; unit: string; estimate: number; std: number; significant: boolean }[];
+    nuisances: { quantity: string; whisker: string | null; unit: string; estimate: number; std: number; significant: boolean; words: string }[];
     consistency: { statistic: number; most: number } | null;
   };
 }
@@ -305,6 +305,7 @@ export class Engine {
     return { width, rows, exact, touches, shapes, events };
   }
 
+  /** Begins with a method and its options that are words: "probabilistic undeclared=none". */
   beginLocalize(method: string): void {
     this.give(new TextEncoder().encode(method));
     this.numbers(this.wasm.localize(0, 0));

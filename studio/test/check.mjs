@@ -133,11 +133,23 @@ function samePlaces(places, expected) {
   }
 }
 
-function localized(method, { map, file: name, robot, log }) {
+function localized(method, { map, file: name, robot, log }, ...options) {
   write(name, map);
   write("robot.toml", robot);
   write("log.csv", log);
-  return command.json("localize", "log.csv", "--map", name, "--robot", "robot.toml", "--method", method);
+  return command.json("localize", "log.csv", "--map", name, "--robot", "robot.toml", "--method", method, ...options);
+}
+
+/** The same errors of what was declared. */
+function sameNuisances(nuisances, expected) {
+  same("nuisances", nuisances.length, expected.nuisances.length);
+  expected.nuisances.forEach((one, k) => ["quantity", "whisker", "estimate", "std"].forEach((key) => same(`nuisance ${key}`, nuisances[k][key] ?? null, one[key] ?? null)));
+}
+
+/** What is told of them in words: those that are significant, of the method that is shown. */
+function sameFelt(found) {
+  const { nuisances } = found.answers.find((one) => one.method === "probabilistic");
+  same("what was felt", found.felt.join("; "), nuisances.filter((one) => one.significant).map((one) => one.words).join("; "));
 }
 
 await step("shrinking set: driven by itself and by keys, against `localize`", async () => {
@@ -281,12 +293,25 @@ await step("`vibrissa studio` serves the page to who has its address, on the loo
 await step("your own: each method against `localize`, and bad files in the command's words", async () => {
   await scene(page, base, "own");
   const found = await until(page, (now) => now.ready);
-  for (const { method, verdict, places, failed } of found.answers) {
+  for (const { method, verdict, places, nuisances, failed } of found.answers) {
     same("refused", failed, undefined);
     const expected = localized(method, found);
     same("verdict", verdict, expected.status);
     samePlaces(places, expected);
+    sameNuisances(nuisances, expected);
   }
+  sameFelt(found);
+  // A robot that is taken for exactly what it declares is another one.
+  await page.getByText("Typical errors").click();
+  const exact = await until(page, (now) => now.ready);
+  const { verdict, places, nuisances } = exact.answers.find((one) => one.method === "probabilistic");
+  const expected = localized("probabilistic", exact, "--undeclared", "none");
+  same("verdict of an exact robot", verdict, expected.status);
+  samePlaces(places, expected);
+  sameNuisances(nuisances, expected);
+  same("the link carries it", page.url().includes("undeclared=none"), true);
+  await page.getByText("Typical errors").click();
+  await until(page, (now) => now.ready);
   write("good.svg", found.map);
   write("good.csv", found.log);
   const bad = [

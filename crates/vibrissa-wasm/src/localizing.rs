@@ -3,6 +3,7 @@
 use crate::host::Host;
 use self_cell::self_cell;
 use serde_json::json;
+use vibrissa::config::SettingValue;
 use vibrissa::flow::pose::{Hypothesis, Localization, Status};
 use vibrissa::flow::sensor_log::{Channel, LogRow, Quantity, SensorLog};
 use vibrissa::io::calibrated;
@@ -82,7 +83,14 @@ fn channels(robot: &Robot) -> Vec<Channel> {
 }
 
 fn begin(host: &mut Host) -> Result<()> {
-    let method = Method::named(&host.input_text())?;
+    let text = host.input_text();
+    let mut words = text.split_whitespace();
+    let mut method = Method::named(words.next().unwrap_or_default())?;
+    // Options that are words, as name=value.
+    for option in words {
+        let (name, value) = option.split_once('=').unwrap_or((option, ""));
+        method.set(name, SettingValue::Choice(value.to_owned()))?;
+    }
     for whisker in &host.robot.whiskers {
         method.takes(&whisker.beam).map_err(|error| error.about(&format!("whisker \"{}\"", whisker.name)))?;
     }
@@ -191,7 +199,7 @@ fn words(answer: &Localization) -> String {
     let events = answer.events.iter().map(|e| json!({ "t": e.t, "kind": e.kind, "detail": e.detail }));
     let nuisances = answer.nuisances.iter().map(|n| {
         json!({ "quantity": n.quantity.as_str(), "whisker": n.whisker, "unit": n.quantity.unit(), "estimate": n.estimate,
-                "std": n.std, "bound": n.bound, "significant": n.is_significant() })
+                "std": n.std, "bound": n.bound, "significant": n.is_significant(), "words": n.sentence() })
     });
     let consistency = answer.consistency.as_ref().map(|c| json!({ "statistic": c.statistic, "most": c.most }));
     json!({

@@ -1,7 +1,7 @@
 // One's own map, robot and log: every method on them, on one timeline.
 
 import type { Answer, BentWhisker, Engine, Estimate, FileKind, Point, RoomMap } from "../engine";
-import { button, choice, element, Readout, save, slider } from "../controls";
+import { button, choice, element, Readout, save, slider, toggle } from "../controls";
 import { Plot, boxOf } from "../plot";
 import { onceAFrame, type Running, type Scene, type Stage } from "../scene";
 import type { Remote } from "../remote";
@@ -83,12 +83,16 @@ class OwnScene implements Running {
   private readonly list: HTMLElement;
   private readonly message: HTMLElement;
   private readonly readout: Readout;
+  private readonly felt: HTMLElement;
+  /** Whether what the robot file does not bound is off as on a typical robot. */
+  private typical: boolean;
   private readonly drive: HTMLButtonElement;
   private readonly ask: ReturnType<typeof onceAFrame>;
   private readonly off: () => void;
 
   constructor(private readonly stage: Stage) {
     this.shown = METHODS.find((m) => m.value === stage.state.method)?.value ?? "probabilistic";
+    this.typical = stage.state.undeclared !== "none";
     this.ask = onceAFrame(() => this.draw());
     this.plot = new Plot(stage.figure, { left: 0, right: 0.5, bottom: 0, top: 0.35 }, "The map, the path and the places", () => this.fit());
     for (const layer of ["map", "path", "robot", "places", "sketch"]) this.plot.layer(layer);
@@ -112,11 +116,17 @@ class OwnScene implements Running {
     this.drive.hidden = true;
     choice(stage.panel, "Show", METHODS, this.shown, (method) => {
       this.shown = method;
-      this.stage.changed({ method });
+      this.told();
       this.ask();
     });
+    toggle(stage.panel, "Typical errors", this.typical, (on) => {
+      this.typical = on;
+      this.told();
+      if (this.files.get("map")) void this.judge();
+    }, "of what the robot file does not bound; off: it is exact (probabilistic)");
     this.table = element("table", { class: "compare" });
-    stage.panel.append(this.table);
+    this.felt = element("ul", { class: "felt", "aria-label": "By what was felt" });
+    stage.panel.append(this.table, this.felt);
     this.readout = new Readout(stage.panel);
     const saves = element("div", { class: "buttons" });
     stage.panel.append(saves);
@@ -212,6 +222,11 @@ class OwnScene implements Running {
     this.tell();
   }
 
+  /** What the link carries. */
+  private told(): void {
+    this.stage.changed({ method: this.shown, undeclared: this.typical ? "typical" : "none" });
+  }
+
   /** Every method on the files, one after the other. */
   private async judge(): Promise<void> {
     const generation = ++this.generation;
@@ -258,7 +273,8 @@ class OwnScene implements Running {
       one.began = performance.now();
       const every = Math.max(1, Math.floor(this.count() / SNAPSHOTS));
       await new Promise<void>((done, failed) => {
-        worker.localize(one.method, (progress) => {
+        const method = one.method === "probabilistic" ? `${one.method} undeclared=${this.typical ? "typical" : "none"}` : one.method;
+        worker.localize(method, (progress) => {
           one.done = progress.taken / Math.max(1, progress.all);
           if (progress.estimate) one.snapshots.push({ row: progress.taken, estimate: progress.estimate });
           this.ask();
@@ -453,6 +469,11 @@ class OwnScene implements Running {
       return element("tr", value === this.shown ? { class: "shown" } : {}, ...cells.map((w, i) => element(i ? "td" : "th", i ? {} : { scope: "row" }, w)));
     });
     this.table.replaceChildren(element("thead", {}, head), element("tbody", {}, ...rows));
+    const off = this.now()?.answer?.words.nuisances.filter((n) => n.significant).map((n) => n.words) ?? [];
+    if (this.felt.dataset.text !== off.join()) {
+      this.felt.dataset.text = off.join();
+      this.felt.replaceChildren(...off.map((words) => element("li", {}, words)));
+    }
     const estimate = this.known();
     const { words } = verdictWords(estimate);
     const failed = this.now()?.failed;
@@ -474,7 +495,8 @@ class OwnScene implements Running {
       shown: this.drawn,
       bent: this.bent && { row: this.bent.row, pose: this.bent.pose, whiskers: this.bent.whiskers },
       map: text("map"), file: this.files.get("map")?.name, logFile: this.files.get("log")?.name, robot: text("robot"), log: text("log"),
-      answers: this.judged.map((one) => ({ method: one.method, failed: one.failed, seconds: one.seconds, verdict: one.answer?.verdict, places: one.answer?.places })),
+      answers: this.judged.map((one) => ({ method: one.method, failed: one.failed, seconds: one.seconds, verdict: one.answer?.verdict, places: one.answer?.places, nuisances: one.answer?.words.nuisances })),
+      felt: [...this.felt.children].map((item) => item.textContent),
     };
   }
 }

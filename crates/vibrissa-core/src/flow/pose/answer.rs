@@ -199,6 +199,47 @@ impl Nuisance {
     pub fn is_significant(&self) -> bool {
         self.estimate.abs() > 2.0 * self.std
     }
+
+    /// What the quantity was, in one clause: "the zero of w0 was off by +0.210 ± 0.020 mN m".
+    #[must_use]
+    pub fn sentence(&self) -> String {
+        let Self { quantity, estimate, std, .. } = *self;
+        let whisker = self.whisker.as_deref().unwrap_or("the whiskers");
+        // The size in the unit that shows it, with as many digits as the deviation is worth.
+        let size = |factor: f64, unit: &str| {
+            let (value, std) = (factor * estimate, factor * std);
+            let digits = if std > 0.0 { (1.0 - std.log10().floor()).clamp(0.0, 6.0) as usize } else { 3 };
+            (
+                format!("{value:+.digits$} ± {std:.digits$} {unit}"),
+                format!("{:.digits$} ± {std:.digits$} {unit}", value.abs()),
+            )
+        };
+        let either = |more: &str, less: &str| if estimate < 0.0 { less.to_owned() } else { more.to_owned() };
+        match quantity {
+            NuisanceQuantity::Zero => format!("the zero of {whisker} was off by {}", size(1e3, "mN m").0),
+            NuisanceQuantity::ZeroDrift => format!("the zero of {whisker} drifted by {}", size(1e6, "uN m/s").0),
+            NuisanceQuantity::MountX => format!("the mount of {whisker} was off in x by {}", size(1e3, "mm").0),
+            NuisanceQuantity::MountY => format!("the mount of {whisker} was off in y by {}", size(1e3, "mm").0),
+            NuisanceQuantity::MountHeading => {
+                format!("the mount of {whisker} was turned by {}", size(1f64.to_degrees(), "deg").0)
+            }
+            NuisanceQuantity::Length => {
+                format!("{whisker} was {} {} than declared", size(1e3, "mm").1, either("longer", "shorter"))
+            }
+            NuisanceQuantity::Rigidity => {
+                format!("{whisker} was {} {} than declared", size(100.0, "%").1, either("stiffer", "softer"))
+            }
+            NuisanceQuantity::Gain => {
+                format!("the readings of {whisker} were {} too {}", size(100.0, "%").1, either("large", "small"))
+            }
+            NuisanceQuantity::Delay => {
+                format!("readings were taken {} {} than the odometry", size(1e3, "ms").1, either("later", "earlier"))
+            }
+            NuisanceQuantity::MapScale => {
+                format!("the world was {} {} than the map", size(100.0, "%").1, either("larger", "smaller"))
+            }
+        }
+    }
 }
 
 /// A stretch of the log (s).
