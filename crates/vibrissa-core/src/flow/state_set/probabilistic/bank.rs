@@ -2,14 +2,13 @@
 //! \[dellaert2017factor, ch. 2\]; older rows are marginalised \[sibley2010sliding\].
 
 use super::adaptive_sampling::ProposalComponent;
-use super::correlated_noise::{NoiseModel, estimated};
+use super::correlated_noise::NoiseModel;
 use super::grid_search::best_of_cells;
 use super::information::Information;
 use super::map_symmetry::MapSymmetries;
 use super::measurement::{Linearisation, MeasurementModel, Prior, Start, State, difference, moved};
-use super::optimisation::{DAMPING, GRADUATED_RUNS, Mode};
+use super::optimisation::{GRADUATED_RUNS, Mode};
 use super::unknowns::POSE;
-use crate::config::NoiseAssumption;
 use crate::linear_algebra::{determinant, dot, times};
 use crate::plane::Pose2;
 
@@ -274,12 +273,7 @@ impl Bank {
     pub(super) fn estimate_noise(&mut self, model: &MeasurementModel<'_>) {
         for mode in &mut self.modes {
             mode.descend(model, &self.rows, STEPS_BEFORE_NOISE, &mut self.scratch);
-            model.run(&mode.state, &mode.start, &self.rows, &mut self.scratch);
-            let known = model.known(&mode.state, &mode.start);
-            let (noise, credit) = match model.noise_model {
-                NoiseAssumption::Independent => (NoiseModel::DECLARED, 0.0),
-                NoiseAssumption::Correlated => estimated(&self.scratch, &known, DAMPING),
-            };
+            let (noise, credit) = mode.estimated_noise(model, &self.rows, &mut self.scratch);
             *mode = mode.by(noise);
             mode.fits[0].credit = credit;
             mode.relinearise(model, &self.rows, &mut self.scratch);
@@ -428,7 +422,8 @@ impl Bank {
             let ends = model.run(&mode.state, &mode.start, &(0..=count).collect::<Vec<_>>(), &mut self.scratch);
             let there = MeasurementModel { anchor: count, ..*model };
             let state = model.anchored(&mode.state, count);
-            let mut early = mode.clone();
+            let (noise, _) = mode.estimated_noise(model, &self.rows, &mut self.scratch);
+            let mut early = mode.by(noise);
             early.state = state.clone();
             early.relinearise(&there, &rows, &mut self.scratch);
             // What is known beside the readings is added again with those that follow.

@@ -1,11 +1,12 @@
 //! Levenberg and Marquardt's method over a window of readings \[nocedal2006numerical, sec. 10.3\]: one mode of the posterior.
 
-use super::correlated_noise::{Filter, NoiseModel, add_readings};
+use super::correlated_noise::{Filter, NoiseModel, add_readings, estimated};
 use super::information::Information;
 use super::map_symmetry::MapSymmetry;
 use super::measurement::{Linearisation, MeasurementModel, Row, Start, State, difference, moved};
 use super::normal_equations::{NormalEquations, Response};
 use super::unknowns::POSE;
+use crate::config::NoiseAssumption;
 use crate::plane::Pose2;
 
 /// Inverse variances that keep a step finite where the readings leave a direction open (5 mm, 5°).
@@ -164,6 +165,22 @@ impl Mode {
             add_readings(scratch, fit.noise, &mut fit.filters, &mut fit.equations);
         }
         self.choose_noise();
+    }
+
+    /// The noise model that its residuals tell, and how much likelier the likeliest one makes the readings (nats).
+    pub(super) fn estimated_noise(
+        &self,
+        model: &MeasurementModel<'_>,
+        rows: &[usize],
+        scratch: &mut Linearisation,
+    ) -> (NoiseModel, f64) {
+        match model.noise_model {
+            NoiseAssumption::Independent => (NoiseModel::DECLARED, 0.0),
+            NoiseAssumption::Correlated => {
+                model.run(&self.state, &self.start, rows, scratch);
+                estimated(scratch, &model.known(&self.state, &self.start), DAMPING)
+            }
+        }
     }
 
     /// Takes the noise model of the largest evidence.
