@@ -132,12 +132,10 @@ impl<'a> ProbabilisticEstimator<'a> {
     }
 
     /// Notes contacts that begin and end.
-    fn watch(&mut self, t: f64, readings: &[f64]) {
+    fn watch(&mut self, t: f64) {
         for (index, whisker) in self.robot.whiskers.iter().enumerate() {
-            let beyond = |(reader, z): (&Reader, &f64)| {
-                reader.whisker == index && z.abs() * (1.0 - reader.noise.relative) > reader.noise.absolute
-            };
-            let touching = self.quantities.iter().zip(readings).any(beyond);
+            let own = |(reader, touches): (&Reader, &bool)| reader.whisker == index && *touches;
+            let touching = self.quantities.iter().zip(self.set.contacts()).any(own);
             if touching != self.in_contact[index] {
                 let (kind, what) = if touching { ("contact", "touches") } else { ("lift_off", "is free") };
                 self.events.push(Event { t, kind, detail: format!("{} {what}", whisker.name) });
@@ -313,7 +311,6 @@ impl Estimator for ProbabilisticEstimator<'_> {
         let mut readings: Vec<f64> =
             self.quantities.iter().map(|r| row.readings.get(r.channel).copied().unwrap_or(0.0)).collect();
         self.screen(&mut readings, row)?;
-        self.watch(row.t, &readings);
         if !self.recording {
             self.rows.clear();
             self.events.drain(..self.events.len().saturating_sub(LAST_EVENTS));
@@ -322,7 +319,9 @@ impl Estimator for ProbabilisticEstimator<'_> {
         self.keep_drawn(row.t, odom, &readings);
         self.rows.push((row.t, odom));
         self.taken += 1;
-        match self.set.step(row.t, odom, &readings, row.heading.filter(|h| h.is_finite())) {
+        let outcome = self.set.step(row.t, odom, &readings, row.heading.filter(|h| h.is_finite()));
+        self.watch(row.t);
+        match outcome {
             StepOutcome::Nothing => self.believe_again(row.t),
             StepOutcome::Started(_) => {
                 self.first_row.get_or_insert(self.taken - 1);

@@ -50,6 +50,7 @@ const MOST_SEARCHED: usize = 40;
 pub(super) const SLACK: f64 = 8.0;
 
 /// Modes and the rows that they have been fitted to.
+#[derive(Clone)]
 pub(super) struct Bank {
     pub(super) modes: Vec<Mode>,
     /// Rows of the window that they were last fitted to.
@@ -66,6 +67,7 @@ pub(super) struct Bank {
 }
 
 /// Rows that are taken in over several calls.
+#[derive(Clone)]
 struct Extension {
     rows: Vec<usize>,
     /// The modes with these rows, as far as they have come,
@@ -157,6 +159,13 @@ impl Bank {
     pub(super) fn forget_fits(&mut self) {
         self.pending = None;
         self.modes.iter_mut().for_each(|mode| (mode.end, mode.is_off) = (None, false));
+    }
+
+    /// Whether the best mode explains the rows that it was last fitted to, from this one of the window on.
+    pub(super) fn explains_from(&mut self, model: &MeasurementModel<'_>, row: usize) -> bool {
+        let Some(mode) = self.modes.first() else { return false };
+        let newest = self.rows.iter().filter(|&&own| own >= row).count() * model.sensors.len();
+        !mode.is_off_at(model, &self.rows, newest, &mut self.scratch)
     }
 
     /// Whether rows are being taken in.

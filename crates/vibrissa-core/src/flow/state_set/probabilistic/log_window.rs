@@ -41,6 +41,11 @@ impl LogWindow {
         self.set_aside[row * self.sensors + sensor] = true;
     }
 
+    /// Takes it in again.
+    pub(super) fn take(&mut self, row: usize, sensor: usize) {
+        self.set_aside[row * self.sensors + sensor] = false;
+    }
+
     /// Leaves none out.
     pub(super) fn take_all(&mut self) {
         self.set_aside.fill(false);

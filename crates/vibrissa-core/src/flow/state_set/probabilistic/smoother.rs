@@ -50,6 +50,8 @@ const REACH: f64 = 1.1;
 const OTHER_NORMAL: f64 = 0.3;
 /// So many stretches in which readings were left out are kept.
 const MOST_LEFT_OUT: usize = 200;
+/// No more modes are kept beside those that go on.
+const MANY_KEPT: usize = 500;
 /// The zero of a sensor whose zero is not known exactly is tared by so many rows, if its readings may be those of a free whisker.
 const TARE_ROWS: usize = 8;
 /// More searches than this are not tried, unless one has held for so many rows.
@@ -173,6 +175,8 @@ pub struct MultiHypothesisSmoother<'a> {
     abandoned: Option<Pose2>,
     /// Its best mode when it last explained the rows.
     believed: Option<Pose2>,
+    /// The modes when the best one last explained all that had just come, and how many rows of the window that were.
+    explained: Option<(Box<Bank>, usize)>,
     /// From when on the places at the end are others than those that were believed (s).
     carried: Option<f64>,
     /// When the contacts began from which modes have been searched (s).
@@ -237,6 +241,7 @@ impl<'a> MultiHypothesisSmoother<'a> {
             tracked: 0,
             abandoned: None,
             believed: None,
+            explained: None,
             carried: None,
             searched: Vec::new(),
         }
@@ -430,6 +435,7 @@ impl<'a> MultiHypothesisSmoother<'a> {
             self.begin_again();
             return StepOutcome::Lost;
         }
+        self.keep_explained();
         StepOutcome::Started(count)
     }
 
@@ -459,6 +465,7 @@ impl<'a> MultiHypothesisSmoother<'a> {
         bank.extend(&model, &admits, Effort::ONLINE);
         bank.converge(&model);
         bank.marginalise(&model, scene.window() / 4, FORGETTING);
+        self.explained = None;
         window.forget(scene.window() / 4);
         self.judge()
     }
@@ -469,6 +476,7 @@ impl<'a> MultiHypothesisSmoother<'a> {
         match self.unexplained() {
             None => {
                 self.believed = self.best();
+                self.keep_explained();
                 StepOutcome::Updated
             }
             Some(Some((sensor, from))) => {
@@ -491,10 +499,48 @@ impl<'a> MultiHypothesisSmoother<'a> {
         }
     }
 
+    /// Keeps the modes where the best one explains what has just come.
+    fn keep_explained(&mut self) {
+        let Self { scene, window, phase, explained, .. } = self;
+        let Phase::Tracking(bank) = phase else { return };
+        let before = explained.as_ref().map_or(0, |(_, rows)| *rows);
+        if bank.modes.len() <= MANY_KEPT && bank.explains_from(&scene.model(window, 0), before) {
+            *explained = Some((bank.clone(), bank.seen));
+        }
+    }
+
+    /// The places by the modes before a contact at the end of the log which none of them explains: the model does not cover it, and nothing
+    /// has come after it. None where that is not so, or does not explain the rest.
+    fn before_unexplained_end(&mut self) -> Option<(Vec<PosteriorPlace>, Option<Fit>)> {
+        let (bank, from) = self.explained.take()?;
+        let last = self.window.len() - 1;
+        let touching: Vec<usize> = (0..self.touching.len()).filter(|&sensor| self.touching[sensor] > 0).collect();
+        if from > last || touching.is_empty() {
+            return None;
+        }
+        let after = core::mem::replace(&mut self.phase, Phase::Tracking(bank));
+        if touching.iter().any(|&sensor| self.may_touch_twice(sensor, from)) {
+            for &sensor in &touching {
+                (from..=last).for_each(|row| self.window.set_aside(row, sensor));
+            }
+            let told = self.choose();
+            if told.1.as_ref().is_some_and(|fit| fit.agrees() && fit.touching >= EXPLAINED) {
+                self.left_out.push(Stretch { from: self.window.time(from), to: self.window.time(last) });
+                return Some(told);
+            }
+            for &sensor in &touching {
+                (from..=last).for_each(|row| self.window.take(row, sensor));
+            }
+        }
+        self.phase = after;
+        None
+    }
+
     /// Searches anew from another contact of the window, the longest first; the modes that are found are fitted to the whole window. Starts
     /// from the present contact where there is none.
     fn relocalize(&mut self) {
         self.aside.fill(0);
+        self.explained = None;
         self.window.take_all();
         match longest_contact(&self.window, &self.scene.sensors, &self.searched) {
             Some(contact) => {
@@ -568,6 +614,7 @@ impl<'a> MultiHypothesisSmoother<'a> {
         self.window.forget(rows.saturating_sub(1));
         self.patience = 1.0;
         self.aside.fill(0);
+        self.explained = None;
         self.window.take_all();
         self.phase = match self.touching.iter().position(|&rows| rows >= CONTACT_ROWS) {
             Some(sensor) if self.starts < MOST_STARTS => {
@@ -622,6 +669,12 @@ impl MultiHypothesisSmoother<'_> {
         self.abandoned
     }
 
+    /// For each sense whether its last reading is that of a whisker in contact, beside a zero that drifts.
+    #[must_use]
+    pub fn contacts(&self) -> &[bool] {
+        self.window.len().checked_sub(1).map_or(&[], |last| self.window.contacts(last))
+    }
+
     /// When readings were left out of what the places are told by.
     #[must_use]
     pub fn left_out(&self) -> &[Stretch] {
@@ -656,6 +709,9 @@ impl MultiHypothesisSmoother<'_> {
             self.last = Some(odom_from_robot);
             if self.window.len() >= TARE_ROWS {
                 self.take_tare();
+            } else {
+                let beyond = self.scene.sensors.iter().zip(&readings).map(|(sensor, &z)| sensor.is_contact(z));
+                self.window.tell_contacts(self.window.len() - 1, beyond);
             }
             return StepOutcome::Nothing;
         }
@@ -723,6 +779,11 @@ impl MultiHypothesisSmoother<'_> {
         }
         self.fit(usize::MAX);
         let mut told = self.choose();
+        if told.1.as_ref().is_some_and(|fit| !fit.agrees())
+            && let Some(before) = self.before_unexplained_end()
+        {
+            return before;
+        }
         while told.1.as_ref().is_some_and(|fit| !fit.agrees())
             && longest_contact(&self.window, &self.scene.sensors, &self.searched).is_some()
         {
