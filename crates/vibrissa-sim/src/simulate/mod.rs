@@ -122,7 +122,7 @@ pub struct Sweep {
 /// # Errors
 ///
 /// Whiskers that make no sense, an empty path, options out of range, a start in contact, and a discrete rod that takes more than
-/// [`MOST_UNREST`](config::budgets::MOST_UNREST) to come to rest: the message says which whisker and where.
+/// [`MOST_UNREST`](vibrissa_core::config::budgets::MOST_UNREST) to come to rest: the message says which whisker and where.
 pub fn simulate(
     map: &Map,
     robot: &Robot,
