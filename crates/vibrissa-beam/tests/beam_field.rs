@@ -7,10 +7,12 @@
 mod fields;
 #[path = "../../vibrissa/tests/data/random.rs"]
 mod random;
+#[path = "../../vibrissa/tests/data/shared.rs"]
+mod shared;
 
 use fields::{FIELDS, load, plain, state, uniform};
 use random::Random;
-use std::path::Path;
+use shared::shared;
 use vibrissa_beam::beam::Whisker;
 use vibrissa_beam::beam::elastica::bend;
 use vibrissa_beam::beam::field::{FieldErrors, TipField, TipState};
@@ -193,11 +195,8 @@ fn a_straight_whisker_mirrors_and_a_curved_one_does_not() {
 
 #[test]
 fn every_vector_with_its_contact_at_the_tip() {
-    let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/vectors/elastica.csv"));
-    let Ok(text) = std::fs::read_to_string(path) else {
-        println!("skipped: no shared folder with vectors/elastica.csv");
-        return;
-    };
+    let Some(path) = shared("vectors/elastica.csv") else { return };
+    let text = std::fs::read_to_string(path).unwrap();
     let mut seen = 0;
     for line in text.lines().skip(1) {
         let f: Vec<&str> = line.split(',').collect();

@@ -3,8 +3,11 @@
 // A test helper that fails fails its test, and numbers that went through text unchanged are equal.
 #![allow(clippy::unwrap_used, clippy::float_cmp, clippy::panic)]
 
+#[path = "../../vibrissa/tests/data/shared.rs"]
+mod shared;
+
+use shared::shared;
 use std::collections::BTreeMap;
-use std::path::Path;
 use vibrissa_beam::beam::{Bend, Load, Whisker, force_mode, moment_mode, point_mode};
 use vibrissa_beam::plane::Vec2;
 
@@ -20,11 +23,7 @@ struct Row {
 }
 
 fn rows() -> Option<Vec<Row>> {
-    let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/vectors/elastica.csv"));
-    let Ok(text) = std::fs::read_to_string(path) else {
-        println!("skipped: no shared folder with vectors/elastica.csv");
-        return None;
-    };
+    let text = std::fs::read_to_string(shared("vectors/elastica.csv")?).unwrap();
     let parse = |line: &str| {
         let f: Vec<&str> = line.split(',').collect();
         let n = |i: usize| f[i].parse::<f64>().unwrap();

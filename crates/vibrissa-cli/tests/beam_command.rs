@@ -5,7 +5,11 @@
 
 mod common;
 
+#[path = "../../vibrissa/tests/data/shared.rs"]
+mod shared;
+
 use common::{folder, vibrissa};
+use shared::shared;
 use std::fs;
 use std::path::Path;
 
@@ -99,11 +103,7 @@ fn files_of_one_whisker() {
 
 #[test]
 fn the_reference_table_as_a_batch() {
-    let reference = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/vectors/elastica.csv"));
-    if !reference.exists() {
-        println!("skipped: no shared folder with vectors/elastica.csv");
-        return;
-    }
+    let Some(reference) = shared("vectors/elastica.csv") else { return };
     for mode in ["force", "point", "moment"] {
         let out = folder(&format!("beam_batch_{mode}"));
         let dir = out.to_str().unwrap();

@@ -2,7 +2,11 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on must fail")]
 
-use std::path::{Path, PathBuf};
+#[path = "data/shared.rs"]
+mod shared;
+
+use shared::shared;
+use std::path::PathBuf;
 use vibrissa::config::{StaircaseOptions, TapOptions};
 use vibrissa::flow::taps::taps;
 use vibrissa::io::log::foreign::{Format, Recording};
@@ -10,12 +14,7 @@ use vibrissa::tasks::calibrate::{DistanceSet, LeftOut, Shaft, fit_distance, leav
 use vibrissa::world::calibration::Motion;
 
 fn data(path: &str) -> Option<PathBuf> {
-    let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data")).join(path);
-    if path.exists() {
-        return Some(path);
-    }
-    println!("skipped: no shared folder at {}", path.display());
-    None
+    shared(&format!("data/{path}"))
 }
 
 /// Mean, root mean square and largest error (mm).

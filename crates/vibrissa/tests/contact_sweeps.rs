@@ -3,7 +3,10 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on must fail")]
 
-use std::path::Path;
+#[path = "data/shared.rs"]
+mod shared;
+
+use shared::shared;
 use vibrissa::config::ContactOptions;
 use vibrissa::flow::sensor_log::SensorLog;
 use vibrissa::io::read_tum;
@@ -31,11 +34,7 @@ const SWEEPS: [(&str, usize); 12] = [
 
 #[test]
 fn tips_are_traced_and_told() {
-    let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/sweeps"));
-    if !folder.is_dir() {
-        println!("skipped: no shared folder with sweeps");
-        return;
-    }
+    let Some(folder) = shared("sweeps") else { return };
     let noise = MomentNoise { moment_relative: 0.05, moment_absolute: 1e-6 };
     let robot = Robot { whiskers: vec![MountedWhisker { noise, ..MountedWhisker::default() }], ..Robot::default() };
     let mut counts = (0, 0);

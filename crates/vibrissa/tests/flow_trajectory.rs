@@ -1,5 +1,9 @@
 //! Trajectory files and errors, against numbers worked out by hand and against rotation matrices.
 
+#[path = "data/shared.rs"]
+mod shared;
+
+use shared::shared;
 use std::f64::consts::{FRAC_PI_2, PI};
 use vibrissa::flow::pose::StampedPose;
 use vibrissa::flow::trajectory::{pose_at, trajectory_error};
@@ -121,11 +125,8 @@ fn errors_are_the_distances_by_hand() {
 
 #[test]
 fn the_shared_truths_are_read() {
-    let sweeps = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/sweeps");
-    let Ok(folder) = std::fs::read_dir(sweeps) else {
-        println!("skipped: no shared folder with sweeps");
-        return;
-    };
+    let Some(sweeps) = shared("sweeps") else { return };
+    let folder = std::fs::read_dir(sweeps).unwrap();
     let truths = folder.map(|entry| entry.unwrap().path()).filter(|path| path.extension().is_some_and(|e| e == "tum"));
     let mut count = 0;
     for path in truths {

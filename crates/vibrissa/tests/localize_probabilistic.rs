@@ -4,8 +4,11 @@
 
 #[path = "data/random.rs"]
 mod random;
+#[path = "data/shared.rs"]
+mod shared;
 
 use random::Random;
+use shared::shared;
 use std::path::{Path, PathBuf};
 use vibrissa::config::ProbabilisticOptions;
 use vibrissa::flow::pose::{Localization, Status};
@@ -22,12 +25,7 @@ fn options() -> Method {
 }
 
 fn sweeps() -> Option<PathBuf> {
-    let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/sweeps"));
-    if folder.is_dir() {
-        return Some(folder.to_path_buf());
-    }
-    println!("skipped: no shared folder with sweeps");
-    None
+    shared("sweeps")
 }
 
 fn run(folder: &Path, name: &str, map: &str) -> (Localization, Pose2) {

@@ -8,11 +8,13 @@ mod random;
 mod random_arena;
 #[path = "data/ridge.rs"]
 mod ridge;
+#[path = "data/shared.rs"]
+mod shared;
 
 use core::f64::consts::FRAC_PI_2;
 use random::Random;
 use ridge::off_ridge;
-use std::path::Path;
+use shared::shared;
 use vibrissa::config::ProbabilisticOptions;
 use vibrissa::flow::pose::{Localization, Status};
 use vibrissa::flow::sensor_log::SensorLog;
@@ -49,11 +51,7 @@ fn check_vertices(answer: &Localization, map: &Map) {
 
 #[test]
 fn the_truth_of_sweeps_along_straight_walls_lies_on_a_ridge() {
-    let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/sweeps"));
-    if !folder.is_dir() {
-        println!("skipped: no shared folder with sweeps");
-        return;
-    }
+    let Some(folder) = shared("sweeps") else { return };
     for sweep in ["square-00", "square-01", "square-02", "obstacle-01"] {
         let map = vibrissa::read_map(folder.join(format!("{}.geojson", sweep.split('-').next().unwrap()))).unwrap();
         for (suffix, bound) in [("", 1e-3), ("-bias", 2e-3)] {

@@ -2,22 +2,22 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on must fail")]
 
+#[path = "data/shared.rs"]
+mod shared;
+
+use shared::shared;
 use std::path::{Path, PathBuf};
 use vibrissa::config::{DeterministicOptions, TipLoad};
 use vibrissa::flow::pose::{Localization, Status};
 use vibrissa::io::read_tum;
 use vibrissa::plane::{Pose2, wrap_angle};
+use vibrissa::tasks::demo;
 use vibrissa::world::Robot;
 use vibrissa::{Method, localize};
 
 /// The folder of reference data, where there is one.
 fn sweeps() -> Option<PathBuf> {
-    let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/sweeps"));
-    if folder.is_dir() {
-        return Some(folder.to_path_buf());
-    }
-    println!("skipped: no shared folder with sweeps");
-    None
+    shared("sweeps")
 }
 
 struct Run {
@@ -38,6 +38,18 @@ impl Run {
     /// Distance (m) and turn (rad) of a pose from the truth at the last row.
     fn error(&self, pose: Pose2) -> (f64, f64) {
         (pose.position().distance(self.truth.position()), wrap_angle(pose.theta - self.truth.theta).abs())
+    }
+
+    fn check(&self) {
+        let best = self.answer.estimate.map(|pose| self.error(pose));
+        println!("{}: {} {best:?} m, rad", self.name, self.answer.status);
+        assert!(self.holds_the_truth(), "{}: {:?}", self.name, self.answer.hypotheses);
+        // A verdict of `localized` is a promise.
+        if self.answer.status == Status::Localized {
+            let (distance, turn) = best.unwrap();
+            assert!(distance < 2e-3 && turn < 1.5_f64.to_radians(), "{}: {distance} m, {turn} rad", self.name);
+        }
+        assert!(self.answer.status != Status::Inconsistent && self.answer.status != Status::NoContact, "{}", self.name);
     }
 
     /// Whether a hypothesis' extent holds the truth.
@@ -63,16 +75,21 @@ fn biased_robot() -> Robot {
 fn check(names: &[&str], suffix: &str, robot: &Robot) {
     let Some(folder) = sweeps() else { return };
     for name in names {
-        let run = Run::new(&folder, &format!("{name}{suffix}"), robot, &Method::Deterministic(Default::default()));
-        let best = run.answer.estimate.map(|pose| run.error(pose));
-        println!("{}: {} {best:?} m, rad", run.name, run.answer.status);
-        assert!(run.holds_the_truth(), "{}: {:?}", run.name, run.answer.hypotheses);
-        // A verdict of `localized` is a promise.
-        if run.answer.status == Status::Localized {
-            let (distance, turn) = best.unwrap();
-            assert!(distance < 2e-3 && turn < 1.5_f64.to_radians(), "{}: {distance} m, {turn} rad", run.name);
-        }
-        assert!(run.answer.status != Status::Inconsistent && run.answer.status != Status::NoContact, "{}", run.name);
+        Run::new(&folder, &format!("{name}{suffix}"), robot, &Method::Deterministic(Default::default())).check();
+    }
+}
+
+/// The same where no folder with other sweeps is: the demo's, with other noise each time.
+#[test]
+fn truth_of_the_simulator_is_among_the_hypotheses() {
+    let map = demo::arena().unwrap();
+    for seed in 11..=13 {
+        let sweep = demo::sweep(seed).unwrap();
+        let method = Method::Deterministic(Default::default());
+        let answer = localize(&sweep.log, &map, &Robot::default(), &method, &mut |_| {}).unwrap();
+        let run = Run { name: format!("demo {seed}"), answer, truth: sweep.truth.last().unwrap().map_from_robot };
+        run.check();
+        assert_eq!(run.answer.status, Status::Localized, "{}", run.name);
     }
 }
 

@@ -2,8 +2,11 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on must fail")]
 
+#[path = "data/shared.rs"]
+mod shared;
+
+use shared::shared;
 use std::f64::consts::PI;
-use std::path::Path;
 use vibrissa::beam::normal::{NormalBend, by_force, largest_moment};
 use vibrissa::beam::{Load, SmallAngle, Whisker, force_mode};
 use vibrissa::config::defaults;
@@ -72,11 +75,8 @@ fn an_intersection_of_contact_sets_in_two_pieces() {
 /// 4: what the abstract promises and what the table shows.
 #[test]
 fn seven_millimetres_are_seven_point_three() {
-    let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/paper"));
-    let Some(file) = std::fs::read_dir(folder).ok().and_then(|mut files| files.next()?.ok()) else {
-        println!("skipped: no shared folder with the paper");
-        return;
-    };
+    let Some(folder) = shared("paper") else { return };
+    let file = std::fs::read_dir(folder).unwrap().next().unwrap().unwrap();
     let text = std::fs::read_to_string(file.path()).unwrap();
     let row = text.lines().find(|line| line.starts_with("Average Error")).unwrap();
     let largest =

@@ -5,9 +5,11 @@
 
 #[path = "data/random_sweep.rs"]
 mod random_sweep;
+#[path = "data/shared.rs"]
+mod shared;
 
 use random_sweep::{Trial, contains, random_sweep, random_sweep_of};
-use std::path::Path;
+use shared::shared;
 use vibrissa::config::PossibilisticOptions;
 use vibrissa::flow::pose::{Localization, Status};
 use vibrissa::flow::sensor_log::{Channel, Quantity};
@@ -122,11 +124,7 @@ fn same_input_same_answer() {
 
 /// Another physics code, 5 % noise or gain and odometry errors.
 fn check_sweeps(names: &[&str], last_work: usize) {
-    let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/sweeps"));
-    if !folder.is_dir() {
-        println!("skipped: no shared folder with sweeps");
-        return;
-    }
+    let Some(folder) = shared("sweeps") else { return };
     for name in names {
         let map = vibrissa::read_map(folder.join(format!("{}.geojson", name.split('-').next().unwrap()))).unwrap();
         let log = vibrissa::read_log(folder.join(format!("{name}.csv"))).unwrap();
@@ -161,11 +159,7 @@ fn biased_sweeps_of_another_simulator_are_kept() {
 
 #[test]
 fn a_unique_place_beside_concave_boundary_is_found() {
-    let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/sweeps"));
-    if !folder.is_dir() {
-        println!("skipped: no shared folder with sweeps");
-        return;
-    }
+    let Some(folder) = shared("sweeps") else { return };
     let (map, log) = (
         vibrissa::read_map(folder.join("obstacle.geojson")).unwrap(),
         vibrissa::read_log(folder.join("obstacle-00.csv")).unwrap(),

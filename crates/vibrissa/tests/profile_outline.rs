@@ -4,9 +4,12 @@
 
 #[path = "data/random.rs"]
 mod random;
+#[path = "data/shared.rs"]
+mod shared;
 
 use core::f64::consts::PI;
 use random::Random;
+use shared::shared;
 use std::path::{Path, PathBuf};
 use vibrissa::config::{ContactOptions, ProfileOptions};
 use vibrissa::flow::sensor_log::SensorLog;
@@ -16,14 +19,7 @@ use vibrissa::tasks::profile::*;
 use vibrissa::world::{MomentNoise, MountedWhisker, Robot};
 
 fn sweeps() -> Option<PathBuf> {
-    let sweeps = std::env::var_os("VIBRISSA_SWEEPS")
-        .map(PathBuf::from)
-        .unwrap_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/sweeps"));
-    let found = sweeps.is_dir();
-    if !found {
-        eprintln!("skipped: no folder of sweeps at {}", sweeps.display());
-    }
-    found.then_some(sweeps)
+    std::env::var_os("VIBRISSA_SWEEPS").map_or_else(|| shared("sweeps"), |folder| Some(PathBuf::from(folder)))
 }
 
 /// A sweep whose odometry is the truth, so that its outline is in the map's frame.

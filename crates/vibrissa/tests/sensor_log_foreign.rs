@@ -4,9 +4,12 @@
 
 #[path = "data/random.rs"]
 mod random;
+#[path = "data/shared.rs"]
+mod shared;
 
 use random::Random;
-use std::path::{Path, PathBuf};
+use shared::shared;
+use std::path::PathBuf;
 use vibrissa::io::log::foreign::{Format, Recording};
 
 fn read(text: &str, format: Format) -> Recording {
@@ -236,12 +239,7 @@ fn damage_never_makes_a_reader_panic_or_return_nonsense() {
 }
 
 fn data(path: &str) -> Option<PathBuf> {
-    let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data")).join(path);
-    if path.exists() {
-        return Some(path);
-    }
-    println!("skipped: no shared folder at {}", path.display());
-    None
+    shared(&format!("data/{path}"))
 }
 
 #[test]

@@ -6,8 +6,12 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on must fail")]
 
+#[path = "data/shared.rs"]
+mod shared;
+
+use shared::shared;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use vibrissa::io::read_tum;
 use vibrissa::plane::Vec2;
 use vibrissa::sim::{SimulateOptions, Solver, simulate};
@@ -30,15 +34,6 @@ const SWEEPS: [(&str, usize, &[&str]); 12] = [
     ("square-02", 0, &["onset"]),
 ];
 
-fn shared() -> Option<PathBuf> {
-    let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/sweeps"));
-    if folder.is_dir() {
-        return Some(folder.to_path_buf());
-    }
-    println!("skipped: no shared folder at {}", folder.display());
-    None
-}
-
 /// The numbers of a CSV file, without its header.
 fn rows(path: &Path) -> Vec<Vec<f64>> {
     let text = fs::read_to_string(path).unwrap();
@@ -58,7 +53,7 @@ fn simulated(folder: &Path, name: &str) -> Sweep {
 
 #[test]
 fn moments_agree_with_the_discrete_rod() {
-    let Some(folder) = shared() else { return };
+    let Some(folder) = shared("sweeps") else { return };
     for (name, odd_rows, happens) in SWEEPS {
         let sweep = simulated(&folder, name);
         let exact = rows(&folder.join(format!("{name}.exact.csv")));
@@ -85,7 +80,7 @@ fn moments_agree_with_the_discrete_rod() {
 
 #[test]
 fn tips_agree_with_the_discrete_rod() {
-    let Some(folder) = shared() else { return };
+    let Some(folder) = shared("sweeps") else { return };
     for (name, ..) in SWEEPS {
         let sweep = simulated(&folder, name);
         let places = rows(&folder.join(format!("{name}.contacts.csv")));
@@ -112,7 +107,7 @@ const ODD_ROWS: [(&str, usize); 5] =
 
 #[test]
 fn in_the_odd_rows_our_own_discrete_rod_converges_to_the_elastica() {
-    let Some(folder) = shared() else { return };
+    let Some(folder) = shared("sweeps") else { return };
     for (name, row) in ODD_ROWS {
         let map = vibrissa::read_map(folder.join(format!("{}.geojson", name.split('-').next().unwrap()))).unwrap();
         let path = read_tum(folder.join(format!("{name}.truth.tum"))).unwrap();

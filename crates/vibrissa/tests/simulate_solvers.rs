@@ -244,3 +244,47 @@ fn side_contact_does_not_care_where_it_is_seen_from() {
         assert!(by_chain < 10 && off.iter().all(|off| *off < 5e-3), "finer rows: {by_chain}, {off:?}");
     }
 }
+
+/// A whisker that lies along a wall with its flank when its tip comes to the next one, and is drawn out of that corner and
+/// over another: where it bends the discrete rod begins within a micrometre of the wall, on the right side of it.
+#[test]
+fn a_rod_begins_on_the_right_side_of_the_walls() {
+    let outline = [
+        [0.0, 0.0],
+        [-0.111266, 0.076896],
+        [-0.242487, 0.167584],
+        [-0.392003, -0.048759],
+        [-0.343520, -0.082266],
+        [-0.373012, -0.124940],
+        [-0.179008, -0.259017],
+    ];
+    let map = map(Role::Arena, polyline(&outline.map(|[x, y]| Vec2::new(x, y)), true));
+    let mut whisker =
+        MountedWhisker { robot_from_whisker: Pose2::new(0.013758, 0.004534, 0.292647), ..Default::default() };
+    whisker.beam =
+        Whisker { length: 0.068644, flexural_rigidity: 8.7945e-4, base_stiffness: 0.2327, ..Whisker::default() };
+    let robot = Robot { whiskers: vec![whisker], ..Robot::default() };
+    let way = [
+        [-0.115123, -0.106757, -2.276999],
+        [-0.198188, -0.204143, -2.276999],
+        [-0.198188, -0.204143, 3.071982],
+        [-0.206169, -0.203587, 3.071982],
+        [-0.206169, -0.203587, 2.539086],
+        [-0.328109, -0.119714, 2.539086],
+        [-0.328109, -0.119714, 1.203599],
+        [-0.303895, -0.056762, 1.203599],
+    ];
+    let poses: Vec<Pose2> = way.iter().map(|w| Pose2::new(w[0], w[1], w[2])).collect();
+    let path = path_through(&poses, &Pace { speed: 0.2, turn_rate: 1.5, rate: 203.46 }).unwrap();
+    let options = SimulateOptions { shape_points: 91, ..SimulateOptions::default() };
+    let sweep = simulate(&map, &robot, &path, &SweepNoise::none(), &options).unwrap();
+    assert!(sweep.events.iter().any(|event| event.kind == "discrete_rod"), "{:?}", sweep.events);
+    let bad = sweep.events.iter().find(|event| matches!(event.kind, "unsolved" | "lost"));
+    assert!(bad.is_none(), "{bad:?}");
+    for shape in &sweep.shapes {
+        let length: f64 = shape.points.windows(2).map(|link| link[0].distance(link[1])).sum();
+        assert!((length / 0.068644 - 1.0).abs() < 1e-3, "row {}: {length} m long", shape.row);
+        let inside = |p: Vec2| map.is_free(p) || map.nearest(p).is_some_and(|near| near.distance < 2e-6);
+        assert!(shape.points.iter().all(|&p| inside(p)), "row {}: a part of the whisker is in a wall", shape.row);
+    }
+}

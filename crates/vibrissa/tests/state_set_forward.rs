@@ -2,13 +2,16 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on must fail")]
 
+#[path = "data/shared.rs"]
+mod shared;
+
+use shared::shared;
 use std::fs;
-use std::path::{Path, PathBuf};
 use vibrissa::beam::{TipModel, Whisker};
 use vibrissa::flow::state_set::probabilistic::predicted_moments;
 use vibrissa::io::read_tum;
 use vibrissa::plane::{Pose2, Vec2};
-use vibrissa::sim::{SweepNoise, simulate_tip_sweep};
+use vibrissa::sim::{SimulateOptions, Solver, SweepNoise, simulate, simulate_tip_sweep};
 use vibrissa::tasks::demo;
 use vibrissa::world::Robot;
 
@@ -27,18 +30,9 @@ const SWEEPS: [&str; 12] = [
     "square-02",
 ];
 
-fn shared() -> Option<PathBuf> {
-    let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/sweeps"));
-    if folder.is_dir() {
-        return Some(folder.to_path_buf());
-    }
-    println!("skipped: no shared folder at {}", folder.display());
-    None
-}
-
 #[test]
 fn moments_agree_with_a_discrete_rod() {
-    let Some(folder) = shared() else { return };
+    let Some(folder) = shared("sweeps") else { return };
     for name in SWEEPS {
         let map = vibrissa::read_map(folder.join(format!("{}.geojson", name.split('-').next().unwrap()))).unwrap();
         let truth = read_tum(folder.join(format!("{name}.truth.tum"))).unwrap();
@@ -53,6 +47,21 @@ fn moments_agree_with_a_discrete_rod() {
         println!("{name}: {odd} odd rows of {}, {:.2} us a row", rod.len(), 1e6 * per_row);
         assert!(odd <= 4, "{name}: {odd} rows differ");
     }
+}
+
+/// The same where no folder with other sweeps is: our own discrete rod, which knows nothing of the elastica, on the demo's path.
+#[test]
+fn moments_agree_with_our_own_discrete_rod() {
+    let (map, path) = (demo::arena().unwrap(), demo::path().unwrap());
+    let path: Vec<_> = path.into_iter().step_by(2).collect();
+    let options = SimulateOptions { solver: Solver::DiscreteRod, ..SimulateOptions::default() };
+    let rod = simulate(&map, &Robot::default(), &path, &SweepNoise::none(), &options).unwrap().exact_moments;
+    let path: Vec<Pose2> = path.iter().map(|p| p.map_from_robot).collect();
+    let ours = predicted_moments(&map, &TipModel::new(&Whisker::default()).unwrap(), &path);
+    let touching = rod.iter().filter(|r| r[0].abs() > 1e-4).count();
+    let odd = rod.iter().zip(&ours).filter(|(r, o)| (r[0] - o.moment).abs() > 3e-6_f64.max(2e-3 * r[0].abs())).count();
+    println!("{odd} odd rows of {}, {touching} in contact", rod.len());
+    assert!(touching > 100 && odd <= 4, "{odd} of {touching} rows differ");
 }
 
 #[test]

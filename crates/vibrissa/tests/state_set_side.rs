@@ -7,8 +7,11 @@
 mod random;
 #[path = "data/random_arena.rs"]
 mod random_arena;
+#[path = "data/shared.rs"]
+mod shared;
 
 use random::Random;
+use shared::shared;
 use std::path::Path;
 use vibrissa::beam::TipModel;
 use vibrissa::flow::state_set::probabilistic::{PredictedMoment, predicted_moments};
@@ -142,11 +145,7 @@ fn a_corner_that_rises_anywhere_under_a_whisker_with_its_tip_on_a_wall_is_felt()
 
 #[test]
 fn logs_of_robots_that_turn_near_corners_are_felt_as_another_simulation_made_them() {
-    let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/corners"));
-    if !folder.exists() {
-        println!("skipped: the logs around corners are not here");
-        return;
-    }
+    let Some(folder) = shared("corners") else { return };
     let robot = Robot::default();
     let whisker = &robot.whiskers[0];
     // The last two end in shapes that buckle, which are followed for too long.

@@ -53,10 +53,11 @@ fn a_sweep_that_is_stopped_is_the_beginning_of_the_whole() {
     // Without noise, whose draws go with the length of the path.
     let (noise, options) = (SweepNoise::none(), SimulateOptions::default());
     let whole = simulate(&map, &robot, &path, &noise, &options).unwrap();
-    for rows in [0, 1, 200] {
+    // The last of them is asked for between the whiskers of a row, which is left out then.
+    for (rows, between) in [(0, 0), (1, 0), (200, 0), (201, 1)] {
         let stop = Stop::default();
         let mut ask = |done: usize| {
-            if done >= 2 * rows {
+            if done >= 2 * rows + between {
                 stop.ask();
             }
         };
@@ -68,6 +69,7 @@ fn a_sweep_that_is_stopped_is_the_beginning_of_the_whole() {
         assert_eq!(part.exact_moments, whole.exact_moments[..rows]);
         assert_eq!(part.log.rows, whole.log.rows[..rows]);
         assert!(part.contacts.iter().all(|touch| touch.row < rows));
+        assert_eq!(part.events, whole.events[..part.events.len()]);
     }
 }
 

@@ -4,8 +4,11 @@
 
 #[path = "data/random.rs"]
 mod random;
+#[path = "data/shared.rs"]
+mod shared;
 
 use random::Random;
+use shared::shared;
 use std::f64::consts::{PI, TAU};
 use std::path::{Path, PathBuf};
 use vibrissa::plane::{Curve, Pose2, Vec2};
@@ -186,18 +189,14 @@ fn truth(path: &str) -> Vec<Pose2> {
 
 #[test]
 fn shared_sweeps_are_read() {
-    let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/sweeps"));
-    if !folder.is_dir() {
-        println!("skipped: no shared folder at {}", folder.display());
-        return;
-    }
-    for path in files(folder, ".geojson") {
+    let Some(folder) = shared("sweeps") else { return };
+    for path in files(&folder, ".geojson") {
         let map = vibrissa::read_map(&path).unwrap();
         assert!(map.warnings.is_empty());
         assert_sides(&map, 0.002);
     }
     let mut count = 0;
-    for path in files(folder, ".csv") {
+    for path in files(&folder, ".csv") {
         let name = path.to_string_lossy().into_owned();
         if name.ends_with("contacts.csv") || name.ends_with("exact.csv") {
             continue;

@@ -1,7 +1,11 @@
 //! Robots and quantities: values against hand-made factors.
 
+#[path = "data/shared.rs"]
+mod shared;
+
+use shared::shared;
 use std::f64::consts::{FRAC_PI_2, PI};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use vibrissa::io::{Dimension, parse_quantity};
 use vibrissa::plane::Pose2;
 use vibrissa::world::{Odometry, Robot, WhiskerErrors};
@@ -119,11 +123,8 @@ fn the_contract_is_read() {
 
 #[test]
 fn the_contract_page_itself_is_read() {
-    let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/contract.md"));
-    let Ok(page) = std::fs::read_to_string(path) else {
-        println!("skipped: no shared folder at {}", path.display());
-        return;
-    };
+    let Some(path) = shared("contract.md") else { return };
+    let page = std::fs::read_to_string(path).unwrap();
     let lines: Vec<&str> = page
         .lines()
         .skip_while(|l| l.trim() != "[[whisker]]")

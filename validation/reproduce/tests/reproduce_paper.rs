@@ -2,6 +2,10 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on must fail")]
 
+#[path = "../../../crates/vibrissa/tests/data/shared.rs"]
+mod shared;
+
+use shared::shared;
 use std::collections::BTreeMap;
 use std::path::Path;
 use vibrissa_reproduce::ReproduceOptions;
@@ -236,11 +240,8 @@ fn the_table_of_localization_errors() {
     }
     assert!(table.number("paper_load.1.std").unwrap().is_nan(), "one draw has no spread");
     // The paper's own row, from its text.
-    let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/paper"));
-    let Some(file) = std::fs::read_dir(folder).ok().and_then(|mut files| files.next()?.ok()) else {
-        println!("skipped: no shared folder with the paper");
-        return;
-    };
+    let Some(folder) = shared("paper") else { return };
+    let file = std::fs::read_dir(folder).unwrap().next().unwrap().unwrap();
     let text = std::fs::read_to_string(file.path()).unwrap();
     for (head, name) in [("Average Error", "mean"), ("Standard Deviation", "std")] {
         let row = text.lines().find(|line| line.starts_with(head)).unwrap();

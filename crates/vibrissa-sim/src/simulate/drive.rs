@@ -4,13 +4,13 @@ use super::follow::{Follower, Scene};
 use super::noise::{Dice, SweepNoise};
 use super::recorder::TrueErrors;
 use super::{SimulateOptions, Touch, channels};
-use crate::Result;
 use crate::contact::Boundaries;
 use crate::contact::quasi_static::LoadedWhisker;
 use crate::flow::pose::{Event, StampedPose};
 use crate::flow::sensor_log::{Channel, LogRow};
 use crate::plane::{Pose2, Vec2};
 use crate::world::{Map, Robot};
+use crate::{Result, Stop};
 
 /// What a robot is steered on: its map, its whiskers, and what is computed of them once.
 #[derive(Debug)]
@@ -20,6 +20,7 @@ pub struct Stage {
     boundaries: Boundaries,
     loaded: Vec<LoadedWhisker>,
     options: SimulateOptions,
+    stop: Stop,
 }
 
 impl Stage {
@@ -31,7 +32,7 @@ impl Stage {
     pub fn new(map: Map, robot: Robot, options: SimulateOptions) -> Result<Self> {
         let boundaries = Boundaries::new(&map);
         let loaded = robot.whiskers.iter().map(|whisker| LoadedWhisker::new(&whisker.beam)).collect::<Result<_>>()?;
-        Ok(Self { map, robot, boundaries, loaded, options })
+        Ok(Self { map, robot, boundaries, loaded, options, stop: Stop::default() })
     }
 
     /// The map.
@@ -74,8 +75,9 @@ impl<'a> Drive<'a> {
     /// Usage: a whisker that touches or is inside something solid, noise out of range; the message says where.
     pub fn start(stage: &'a Stage, at: StampedPose, noise: &SweepNoise) -> Result<Self> {
         noise.check()?;
-        let Stage { map, robot, boundaries, loaded, options } = stage;
-        let follower = |(whisker, loaded)| Follower::start(Scene { map, boundaries, whisker, loaded, options }, at);
+        let Stage { map, robot, boundaries, loaded, options, stop } = stage;
+        let follower =
+            |(whisker, loaded)| Follower::start(Scene { map, boundaries, whisker, loaded, options, stop }, at);
         let whiskers = robot.whiskers.iter().zip(loaded).map(follower).collect::<Result<_>>()?;
         Ok(Self {
             stage,
@@ -95,7 +97,7 @@ impl<'a> Drive<'a> {
     ///
     /// # Errors
     ///
-    /// A discrete rod that cannot be built.
+    /// A discrete rod that cannot be built, or that does not come to rest as [`simulate`](super::simulate) tells.
     pub fn advance(&mut self, to: StampedPose, errors: &TrueErrors, slip: f64) -> Result<LogRow> {
         for whisker in &mut self.whiskers {
             whisker.advance(to, &mut self.events)?;

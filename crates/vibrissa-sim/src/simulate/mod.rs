@@ -115,14 +115,14 @@ pub struct Sweep {
 /// | `discrete_rod` | one contact of the first mode is not enough: the discrete rod goes on; the detail says where it touches |
 /// | `single_contact` | it is enough again |
 /// | `unsolved` | the discrete rod was still moving after the most steps; the best shape reached is used |
-/// | `lost`, `found` | a boundary stopped the base; the whisker is clear again. In between the last moment stays |
+/// | `lost`, `found` | a boundary stopped the base, or no shape clear of all boundaries was found; the whisker is clear again. In between the last moment stays |
 ///
 /// Friction is Coulomb's, with the whisker's bound as its coefficient. It acts on single contacts only.
 ///
 /// # Errors
 ///
-/// Whiskers that make no sense, an empty path, options out of range, and a start in contact: the message says which
-/// whisker and where.
+/// Whiskers that make no sense, an empty path, options out of range, a start in contact, and a discrete rod that takes more than
+/// [`MOST_UNREST`](vibrissa_core::config::budgets::MOST_UNREST) to come to rest: the message says which whisker and where.
 pub fn simulate(
     map: &Map,
     robot: &Robot,
@@ -176,17 +176,19 @@ pub fn simulate_until(
     };
     let boundaries = Boundaries::new(map);
     let loaded = robot.whiskers.iter().map(loaded).collect::<Result<Vec<_>>>()?;
-    let scene = |(whisker, loaded)| follow::Scene { map, boundaries: &boundaries, whisker, loaded, options };
+    let scene = |(whisker, loaded)| follow::Scene { map, boundaries: &boundaries, whisker, loaded, options, stop };
     let scenes = robot.whiskers.iter().zip(&loaded).map(scene);
     let mut followers = scenes.map(|scene| Follower::start(scene, path[0])).collect::<Result<Vec<_>>>()?;
-    for (row, pose) in path.iter().enumerate() {
-        if stop.is_asked() {
-            sweep.truth.truncate(row);
-            sweep.exact_moments.truncate(row);
-            break;
-        }
+    'path: for (row, pose) in path.iter().enumerate() {
+        let events = sweep.events.len();
         for (index, follower) in followers.iter_mut().enumerate() {
-            follower.advance(*pose, &mut sweep.events)?;
+            if !stop.is_asked() {
+                follower.advance(*pose, &mut sweep.events)?;
+            }
+            if stop.is_asked() {
+                sweep.end_before(row, events);
+                break 'path;
+            }
             sweep.exact_moments[row].push(follower.moment());
             sweep.contacts.extend(follower.touches(row, index));
             if options.shape_points > 0 {
@@ -200,6 +202,17 @@ pub fn simulate_until(
     sweep.events.sort_by(|a, b| a.t.total_cmp(&b.t));
     sweep.log.rows = record(robot, &sweep, noise);
     Ok(sweep)
+}
+
+impl Sweep {
+    /// Forgets this row, which not all whiskers have come to, and the events after the first so many.
+    fn end_before(&mut self, row: usize, events: usize) {
+        self.truth.truncate(row);
+        self.exact_moments.truncate(row);
+        self.contacts.retain(|touch| touch.row < row);
+        self.shapes.retain(|shape| shape.row < row);
+        self.events.truncate(events);
+    }
 }
 
 /// A whisker ready to be bent.

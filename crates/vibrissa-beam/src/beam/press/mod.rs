@@ -34,8 +34,6 @@ pub use slice::{PressEntry, PressSlice, Span};
 use crate::plane::Vec2;
 use alloc::boxed::Box;
 use alloc::vec::Vec;
-#[cfg(not(feature = "std"))]
-use num_traits::Float as _;
 use sheet::{PressBend, PressSheet};
 use side::Sides;
 

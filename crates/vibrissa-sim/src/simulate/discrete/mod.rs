@@ -80,6 +80,8 @@ pub struct DiscreteRod {
     base: Base,
     nodes: Vec<Vec2>,
     pairs: Vec<Pair>,
+    /// Steps of Newton's method that are not asked for yet.
+    steps: u64,
 }
 
 impl DiscreteRod {
@@ -116,7 +118,7 @@ impl DiscreteRod {
             anchor: ANCHOR * stretch,
         };
         let base = Base { position: map_from_whisker.position(), heading: map_from_whisker.theta };
-        let mut rod = Self { springs, length, unit, base, nodes: Vec::new(), pairs: Vec::new() };
+        let mut rod = Self { springs, length, unit, base, nodes: Vec::new(), pairs: Vec::new(), steps: 0 };
         rod.straighten(map_from_whisker);
         Ok(rod)
     }

@@ -3,6 +3,7 @@
 use super::energy::{Barrier, Base, Derivatives};
 use super::near::safe_share;
 use super::{DiscreteRod, REACH, Relaxed};
+use crate::Stop;
 use crate::plane::{Pose2, Vec2};
 use crate::world::Map;
 
@@ -28,14 +29,19 @@ impl DiscreteRod {
     ///
     /// Bounded in steps, whatever the map; the rod never passes through a boundary.
     pub fn advance(&mut self, map: &Map, map_from_whisker: Pose2) -> Relaxed {
+        self.advance_until(map, map_from_whisker, &Stop::default())
+    }
+
+    /// As [`Self::advance`], unfinished where it is asked to stop.
+    pub(in super::super) fn advance_until(&mut self, map: &Map, map_from_whisker: Pose2, stop: &Stop) -> Relaxed {
         self.base = Base { position: map_from_whisker.position(), heading: map_from_whisker.theta };
         let mut finished = true;
         for (reach, tolerance) in STAGES {
-            finished = matches!(self.stage(map, self.barrier(reach), tolerance), Stage::Done);
+            finished = matches!(self.stage(map, self.barrier(reach), tolerance, stop), Stage::Done);
             self.hold_lengths();
         }
         // With the multipliers known, once more.
-        finished &= matches!(self.stage(map, self.barrier(REACH), STAGES[2].1), Stage::Done);
+        finished &= matches!(self.stage(map, self.barrier(REACH), STAGES[2].1, stop), Stage::Done);
         let arrived = self.nodes[0].distance(self.base.position) <= 1e-3 * self.springs.h;
         if !arrived && map.crosses(self.nodes[0], self.base.position) {
             return Relaxed::Blocked;
@@ -51,11 +57,20 @@ impl DiscreteRod {
         }
     }
 
-    fn stage(&mut self, map: &Map, barrier: Barrier, tolerance: f64) -> Stage {
+    /// Steps of Newton's method since this was last asked.
+    pub(in super::super) fn take_steps(&mut self) -> u64 {
+        core::mem::take(&mut self.steps)
+    }
+
+    fn stage(&mut self, map: &Map, barrier: Barrier, tolerance: f64, stop: &Stop) -> Stage {
         let count = self.nodes.len();
         let mut work = Work { derivatives: Derivatives::new(count), factor: Derivatives::new(count).hessian };
         let mut room = 0.0;
         for _ in 0..MOST_STEPS {
+            if stop.is_asked() {
+                break;
+            }
+            self.steps += 1;
             if room <= 0.0 {
                 self.gather(map, MARGIN * self.length);
                 room = 0.5 * MARGIN * self.length;
@@ -91,7 +106,7 @@ impl DiscreteRod {
         let first = 1e-4 * self.unit * self.length * self.length / self.springs.h.powi(3);
         let last = work.derivatives.hessian.scale();
         let mut right = Vec::new();
-        while shift <= last {
+        while shift <= last && last.is_finite() {
             right.clone_from(&work.derivatives.gradient);
             if work.derivatives.hessian.solve(shift, &mut work.factor, &mut right) {
                 let step = right.chunks_exact(2).map(|v| Vec2::new(-v[0], -v[1])).collect();

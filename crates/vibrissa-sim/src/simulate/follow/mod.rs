@@ -1,6 +1,7 @@
 //! One whisker over time: free, in one contact, or as a discrete rod where one contact does not say it all.
 
 mod chain;
+mod uncross;
 mod view;
 
 use super::discrete::DiscreteRod;
@@ -12,7 +13,7 @@ use crate::contact::{Boundaries, Push};
 use crate::flow::pose::{Event, StampedPose};
 use crate::plane::{Pose2, Vec2, wrap_angle};
 use crate::world::{Map, MountedWhisker};
-use crate::{Error, Result};
+use crate::{Error, Result, Stop};
 
 /// The smallest share of a row's motion that is tried before the branch is said to end.
 const LEAST_SHARE: f64 = 1.0 / 65536.0;
@@ -42,6 +43,7 @@ pub(super) struct Scene<'a> {
     pub(super) whisker: &'a MountedWhisker,
     pub(super) loaded: &'a LoadedWhisker,
     pub(super) options: &'a SimulateOptions,
+    pub(super) stop: &'a Stop,
 }
 
 /// One whisker on its way.
@@ -51,10 +53,15 @@ pub(super) struct Follower<'a> {
     whisker: &'a MountedWhisker,
     loaded: &'a LoadedWhisker,
     options: &'a SimulateOptions,
+    stop: &'a Stop,
+    /// Which sample of the path it goes to, from 1 on.
+    sample: usize,
     t: f64,
     map_from_whisker: Pose2,
     body: Body,
     unsolved: bool,
+    /// Moves of nodes since the discrete rod last rested.
+    unrest: u64,
     /// The contact one step earlier, and how large that step was.
     earlier: Option<(Equilibrium, f64)>,
     /// How often the discrete rod has taken over since the whisker was free, and steps for which it now stays.
@@ -65,7 +72,7 @@ pub(super) struct Follower<'a> {
 impl<'a> Follower<'a> {
     /// The whisker at its first pose, where it must be free.
     pub(super) fn start(scene: Scene<'a>, at: StampedPose) -> Result<Self> {
-        let Scene { map, boundaries, whisker, loaded, options } = scene;
+        let Scene { map, boundaries, whisker, loaded, options, stop } = scene;
         let map_from_whisker = at.map_from_robot.compose(whisker.robot_from_whisker);
         let tip = map_from_whisker.transform_point(loaded.rest[loaded.rest.len() - 1]);
         let base = map_from_whisker.position();
@@ -94,10 +101,13 @@ impl<'a> Follower<'a> {
             whisker,
             loaded,
             options,
+            stop,
+            sample: 0,
             t: at.t,
             map_from_whisker,
             body,
             unsolved: false,
+            unrest: 0,
             earlier: None,
             takeovers: 0,
             patience: 0,
@@ -112,15 +122,16 @@ impl<'a> Follower<'a> {
         Step { on: self.on(map_from_whisker), cone: self.whisker.friction.atan() }
     }
 
-    /// Moves on to the next pose.
+    /// Moves on to the next pose; somewhere on the way where it is asked to stop.
     pub(super) fn advance(&mut self, to: StampedPose, events: &mut Vec<Event>) -> Result<()> {
+        self.sample += 1;
         let (from, start) = (self.map_from_whisker, self.t);
         let target = to.map_from_robot.compose(self.whisker.robot_from_whisker);
         let way = from.position().distance(target.position()) / (LARGEST_STEP.0 * self.loaded.beam.length);
         let most = 1.0 / way.max(wrap_angle(target.theta - from.theta).abs() / LARGEST_STEP.1).max(1.0);
         let mut leg = Leg { from, to: target, share: 0.0, most };
         let mut changes = 0;
-        while leg.share < 1.0 {
+        while leg.share < 1.0 && !self.stop.is_asked() {
             let happened = match self.body {
                 Body::Free => self.wander(&mut leg)?,
                 Body::Held(contact) => self.slide(contact, &mut leg)?,

@@ -1,6 +1,6 @@
 //! How long a loaded whisker takes. The baseline of every group is the closed form in elliptic functions, in the same run.
 //!
-//! `cargo bench -p vibrissa --bench beam`; `bench/beam/run` sets the usual Python beside it.
+//! `cargo bench -p vibrissa-time --bench beam`; `bench/beam/run` sets the usual Python beside it.
 
 #![allow(missing_docs, clippy::unwrap_used, reason = "the macros of the harness make functions")]
 

@@ -1,6 +1,6 @@
 //! How long a look-up in the tip field takes. The baselines, in the same run: the closed form, and a march along the rod.
 //!
-//! `cargo bench -p vibrissa --bench field`
+//! `cargo bench -p vibrissa-time --bench field`
 
 #![allow(missing_docs, clippy::unwrap_used, reason = "the macros of the harness make functions")]
 

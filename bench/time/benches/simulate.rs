@@ -1,6 +1,6 @@
 //! How long a simulated row takes. The baseline is the discrete rod, in the same run.
 //!
-//! `cargo bench -p vibrissa --bench simulate`; throughput is rows a second.
+//! `cargo bench -p vibrissa-time --bench simulate`; throughput is rows a second.
 
 #![allow(missing_docs, clippy::unwrap_used, reason = "the macros of the harness make functions")]
 

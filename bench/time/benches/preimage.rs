@@ -1,6 +1,6 @@
 //! How long contact sets, their intersections and preimages take, beside general polygon operations in the same run.
 //!
-//! `cargo bench -p vibrissa --bench preimage`. The baseline for intersections is every pair of links (what a plain `polyxpoly`
+//! `cargo bench -p vibrissa-time --bench preimage`. The baseline for intersections is every pair of links (what a plain `polyxpoly`
 //! does); `bench/run` sets Shapely beside it.
 
 #![allow(missing_docs, clippy::unwrap_used, reason = "the macros of the harness make functions")]
