@@ -71,6 +71,8 @@ struct Call {
     explore: bool,
     /// Tells each motion.
     verbose: bool,
+    /// How many of the policies: 1 for planned motions alone.
+    policies: usize,
     /// From so far after the first contact on such drives reckon with two contacts (m).
     two_contacts: Option<f64>,
     /// The share of their bounds that errors are declared with: below one, truths must be lost.
@@ -98,7 +100,7 @@ fn main() -> ExitCode {
     match parse(std::env::args().skip(1)) {
         Ok(Call { replay: Some(seed), declared, rods, .. }) => replay(seed, rods, declared),
         Ok(call) if call.explore => {
-            exploring::report(&all_corners(&call, |seed| exploring::compare(seed, call.verbose)))
+            exploring::report(&all_corners(&call, |seed| exploring::compare(seed, call.verbose, call.policies)))
         }
         Ok(call) if call.corners && call.forward => forward::report(&all_corners(&call, forward::drive)),
         Ok(call) if call.corners && call.smoother => {
@@ -108,7 +110,7 @@ fn main() -> ExitCode {
         Ok(call) => report(&run(&call), &call),
         Err(message) => {
             eprintln!(
-                "error: {message}\n  --worlds N --corners N --explore N --verbose --one-place --two-contacts MM --smoother --forward --nightly --rods --quick --first SEED --threads N --replay SEED --declare PERCENT"
+                "error: {message}\n  --worlds N --corners N --explore N --policies N --verbose --one-place --two-contacts MM --smoother --forward --nightly --rods --quick --first SEED --threads N --replay SEED --declare PERCENT"
             );
             ExitCode::from(2)
         }
@@ -129,6 +131,7 @@ fn parse(mut words: impl Iterator<Item = String>) -> Result<Call, String> {
         forward: false,
         explore: false,
         verbose: false,
+        policies: exploring::POLICIES.len(),
         two_contacts: Some(TWO_CONTACTS),
         declared: 1.0,
     };
@@ -146,6 +149,7 @@ fn parse(mut words: impl Iterator<Item = String>) -> Result<Call, String> {
             "--two-contacts" => call.two_contacts = Some(number()? as f64 * 1e-3),
             "--explore" => (call.explore, call.worlds) = (true, number()? as usize),
             "--verbose" => call.verbose = true,
+            "--policies" => call.policies = number()?.max(1) as usize,
             "--corners" => (call.corners, call.worlds) = (true, number()? as usize),
             "--nightly" => call.worlds = NIGHTLY,
             "--worlds" => call.worlds = number()? as usize,

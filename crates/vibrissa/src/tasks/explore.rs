@@ -1,27 +1,24 @@
 //! The closed loop: a simulated robot that localizes itself by its own motion, and stops when it knows where it is.
 
 use super::localize;
-use super::plan::{Motion, Past, Plan, PlanOptions, PlanVerdict, RemainingState, admissible, plan, remaining};
+use super::plan::{Motion, Past, Plan, PlanOptions, PlanVerdict, RemainingState, admissible, history, plan, remaining};
 use crate::flow::pose::{Event, Hypothesis, Localization, StampedPose, Status};
 use crate::flow::sensor_log::SensorLog;
 use crate::localizer::{Localizer, Method};
 use crate::plane::{Pose2, Vec2, wrap_angle};
 use crate::sim::recorder::TrueErrors;
 use crate::sim::{Drive, Pace, Stage, SweepNoise, path_through};
+use crate::world::MountedWhisker;
 use crate::{Error, Result};
 
 /// How often on the way (m, rad) the robot asks whether it knows where it is.
 const ASK: f64 = 0.01;
 const ASK_TURN: f64 = 0.2;
-/// How far back (m) a plan looks at how the robot came, and how finely (m, rad).
-const HISTORY: f64 = 0.06;
-const HISTORY_STEP: f64 = 4e-3;
-const HISTORY_TURN: f64 = 0.05;
+/// A whisker that is bent by this share of what is gentle is let go first.
+const PRESSED: f64 = 0.9;
 /// How far a robot goes back the way it came where nothing else is admissible (m), and how often on end.
 const BACK: f64 = 0.05;
 const MOST_BACK: usize = 3;
-/// The whole answer is asked for after so many motions without one; in between what the estimator tells is enough to choose a motion.
-const ANSWER_AFTER: usize = 4;
 /// How far (m) the robot goes on before it asks again where the whole answer was less sure than the estimator.
 const UNSURE: f64 = 0.03;
 /// Shortest motion (m, rad) that is chosen without a plan.
@@ -42,15 +39,19 @@ pub struct ExploreOptions {
     pub most_way: f64,
     /// The motions after which it gives up.
     pub most_motions: usize,
+    /// The whole answer, with ridges, is asked for after so many motions; in between what the estimator tells has to do, which
+    /// is quicker, but collisions are then ruled out less surely.
+    pub answer_each: usize,
 }
 
 impl Default for ExploreOptions {
     fn default() -> Self {
         Self {
             plan: PlanOptions::default(),
-            pace: Pace { speed: 0.1, turn_rate: 1.0, rate: 25.0 },
+            pace: Pace { speed: 0.1, turn_rate: 1.0, rate: 50.0 },
             most_way: 2.0,
             most_motions: 40,
+            answer_each: 1,
         }
     }
 }
@@ -239,7 +240,7 @@ impl<'a> Under<'a> {
     /// What is known now: the estimator's word on the way, or the whole answer where that says more.
     fn known(&mut self) -> Result<(Status, Vec<Hypothesis>)> {
         let now = self.localizer.estimate();
-        let due = self.motions.is_empty() || self.motions.len() >= self.answered + ANSWER_AFTER;
+        let due = self.motions.is_empty() || self.motions.len() >= self.answered + self.options.answer_each;
         if now.status == Status::Ambiguous && !now.hypotheses.is_empty() && !due {
             return Ok((now.status, now.hypotheses));
         }
@@ -284,6 +285,9 @@ impl<'a> Under<'a> {
 
     /// One motion, or why there is none.
     fn motion(&mut self, known: &[Hypothesis], choose: Option<&mut Choose<'_>>) -> Result<Option<Ended>> {
+        if self.is_pressed() && self.backs < MOST_BACK {
+            return self.go_back(known);
+        }
         let states = remaining(known, self.options.plan.states);
         let (motion, stop_at, plan) = if let Some(choose) = choose {
             let (all, stop_at) = self.admissible(&states)?;
@@ -306,27 +310,44 @@ impl<'a> Under<'a> {
             }
         };
         let begin = self.drive.pose().map_from_robot;
-        let waypoints = match &motion {
-            Some(motion) => motion.waypoints().iter().map(|pose| begin.compose(*pose)).collect(),
-            None if self.backs < MOST_BACK => self.way_back(),
-            None => return Ok(Some(Ended::Confined)),
+        let Some(motion) = motion else {
+            return if self.backs < MOST_BACK { self.go_back(known) } else { Ok(Some(Ended::Confined)) };
         };
-        self.backs = if motion.is_some() { 0 } else { self.backs + 1 };
-        let places = known.iter().map(|h| (h.pose, h.weight)).collect();
-        let name = motion.as_ref().map_or("back the way it came", Motion::name);
-        self.motions.push(Made { plan, name, places, row: self.log.rows.len(), stopped: false });
-        let stopped = self.go(&waypoints, &stop_at, motion.is_some())?;
+        let waypoints: Vec<Pose2> = motion.waypoints().iter().map(|pose| begin.compose(*pose)).collect();
+        self.backs = 0;
+        self.note(plan, motion.name(), known);
+        let stopped = self.go(&waypoints, &stop_at)?;
         self.motions.last_mut().into_iter().for_each(|made| made.stopped = stopped);
         Ok(None)
     }
 
+    fn note(&mut self, plan: Option<Plan>, name: &'static str, known: &[Hypothesis]) {
+        let places = known.iter().map(|h| (h.pose, h.weight)).collect();
+        self.motions.push(Made { plan, name, places, row: self.log.rows.len(), stopped: false });
+    }
+
+    /// Whether a whisker is bent nearly as far as is gentle.
+    fn is_pressed(&self) -> bool {
+        let pressed = |(z, w): (&f64, &MountedWhisker)| z.abs() >= PRESSED * self.options.plan.most(w);
+        self.readings().iter().zip(&self.stage.robot().whiskers).any(pressed)
+    }
+
+    /// Goes back a little the way it came: nothing was there.
+    fn go_back(&mut self, known: &[Hypothesis]) -> Result<Option<Ended>> {
+        self.backs += 1;
+        let waypoints = self.way_back();
+        self.note(None, "back the way it came", known);
+        self.go(&waypoints, &[])?;
+        Ok(None)
+    }
+
     /// Goes through waypoints until a whisker feels too much or the robot knows where it is; whether a whisker ended it.
-    fn go(&mut self, waypoints: &[Pose2], stop_at: &[f64], guarded: bool) -> Result<bool> {
+    fn go(&mut self, waypoints: &[Pose2], stop_at: &[f64]) -> Result<bool> {
         let Ok(path) = path_through(waypoints, &self.options.pace) else { return Ok(false) };
         let begin = self.drive.pose().t;
         for pose in &path[1..] {
             let sizes = self.advance(StampedPose { t: begin + pose.t, ..*pose })?;
-            if guarded && sizes.iter().zip(stop_at).any(|(size, most)| size >= most) {
+            if sizes.iter().zip(stop_at).any(|(size, most)| size >= most) {
                 return Ok(true);
             }
             if self.way - self.asked[0] > ASK || self.turn - self.asked[1] > ASK_TURN {
@@ -340,27 +361,6 @@ impl<'a> Under<'a> {
             }
         }
         Ok(false)
-    }
-
-    /// How the robot came, seen from where it is by its odometry, the oldest first.
-    fn history(&self) -> Vec<Pose2> {
-        let Some(last) = self.log.rows.last() else { return Vec::new() };
-        let (mut poses, mut at, mut gone) = (Vec::new(), last.odom_from_robot, 0.0);
-        for row in self.log.rows.iter().rev() {
-            let pose = row.odom_from_robot;
-            let way = pose.position().distance(at.position());
-            if way < HISTORY_STEP && wrap_angle(pose.theta - at.theta).abs() < HISTORY_TURN {
-                continue;
-            }
-            gone += way;
-            if gone > HISTORY || poses.len() > 40 {
-                break;
-            }
-            poses.push(last.odom_from_robot.between(pose));
-            at = pose;
-        }
-        poses.reverse();
-        poses
     }
 
     /// The last poses in reverse order.
@@ -380,7 +380,7 @@ impl<'a> Under<'a> {
     }
 
     fn plan(&self, states: &[RemainingState]) -> Result<Plan> {
-        let (history, readings) = (self.history(), self.readings());
+        let (history, readings) = (history(&self.log.rows), self.readings());
         let past = Past { history: &history, readings };
         plan(self.stage.map(), self.stage.robot(), states, &past, &self.options.plan)
     }
@@ -391,7 +391,7 @@ impl<'a> Under<'a> {
 
     /// All admissible motions that are worth a name, and where they end.
     fn admissible(&self, states: &[RemainingState]) -> Result<(Vec<Motion>, Vec<f64>)> {
-        let (history, readings) = (self.history(), self.readings());
+        let (history, readings) = (history(&self.log.rows), self.readings());
         let past = Past { history: &history, readings };
         let (mut all, stop_at) = admissible(self.stage.map(), self.stage.robot(), states, &past, &self.options.plan)?;
         all.retain(|motion| motion.way() >= SHORTEST || motion.turn() >= SHORTEST_TURN);

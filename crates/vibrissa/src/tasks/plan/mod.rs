@@ -12,6 +12,7 @@
 mod candidates;
 mod motion;
 mod options;
+mod past;
 mod predict;
 mod score;
 mod states;
@@ -19,9 +20,9 @@ mod symmetry;
 
 pub use motion::Motion;
 pub use options::{Criterion, PlanOptions};
+pub use past::{Past, history, plan_from};
 pub use states::{RemainingState, remaining};
 
-use crate::plane::Pose2;
 use crate::world::{Map, Robot};
 use crate::{Error, Result};
 use predict::{Felt, Predictor, Rollout};
@@ -110,15 +111,6 @@ impl Plan {
     }
 }
 
-/// How the robot came here.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Past<'a> {
-    /// Its last poses, seen from where it is now, the oldest first: whiskers are bent by what they came over.
-    pub history: &'a [Pose2],
-    /// The last reading of each whisker's moment (N m).
-    pub readings: &'a [f64],
-}
-
 /// A motion that all states may make, as far as they may.
 struct Admissible {
     motion: Motion,
@@ -129,7 +121,7 @@ struct Admissible {
 
 /// The next motion that tells `states` apart.
 ///
-/// What `past` does not know it may leave empty.
+/// States in which the robot cannot be, since it would be inside something, are left out. What `past` does not know it may leave empty.
 ///
 /// # Errors
 ///
@@ -144,6 +136,7 @@ pub fn plan(
     options.check()?;
     robot.require_level("plan")?;
     check(states)?;
+    let states = &states::possible(map, robot, states, options.footprint)[..];
     let mut predictor = Predictor::new(map, robot, states, past, options)?;
     let stop_at = predictor.stop_at().to_vec();
     let table = Table::new(states, options.criterion);
@@ -197,6 +190,7 @@ pub fn admissible(
     options.check()?;
     robot.require_level("plan")?;
     check(states)?;
+    let states = &states::possible(map, robot, states, options.footprint)[..];
     let mut predictor = Predictor::new(map, robot, states, past, options)?;
     let mut all = Vec::new();
     for motion in candidates::all(map, robot, states, options) {

@@ -1,7 +1,8 @@
 //! The states that are left: the poses of places, and samples of their ridges.
 
 use crate::flow::pose::Hypothesis;
-use crate::plane::{Pose2, wrap_angle};
+use crate::plane::{Pose2, Vec2, wrap_angle};
+use crate::world::{Map, Robot};
 
 /// Spacing of samples along a ridge (m), unless they would be too many.
 const SPACING: f64 = 8e-3;
@@ -21,6 +22,8 @@ pub struct RemainingState {
 
 /// Places that are less likely than this together are left out.
 const UNLIKELY: f64 = 5e-3;
+/// What a place may be off besides (m).
+const CLEAR: f64 = 2e-3;
 /// A place without a ridge is sampled along its longest axis where that is longer than this (m, one standard deviation),
 const LONG: f64 = 3e-3;
 /// as far as this to both sides (standard deviations), in so many steps.
@@ -79,6 +82,24 @@ fn curve(h: &Hypothesis) -> (f64, [[f64; 3]; 3], Vec<Pose2>) {
 
 fn length(ridge: &[Pose2]) -> f64 {
     ridge.windows(2).map(|w| w[0].position().distance(w[1].position())).sum()
+}
+
+/// Those of the states in which the robot can be: origin and whisker bases in free space, its footprint clear of all boundaries. All of them
+/// where it can be in none.
+pub(super) fn possible(map: &Map, robot: &Robot, states: &[RemainingState], footprint: f64) -> Vec<RemainingState> {
+    let is_possible = |state: &&RemainingState| {
+        let c = &state.covariance;
+        let unsure = FAR * (c[0][0] + c[1][1]).max(0.0).sqrt() + CLEAR;
+        // Inside by no more than what is not known.
+        let off = |p: Vec2, least: f64| {
+            let near = map.nearest_within(p, footprint + unsure).map_or(f64::INFINITY, |near| near.distance);
+            if map.is_free(p) { near + unsure >= least } else { near <= unsure - least }
+        };
+        off(state.pose.position(), footprint)
+            && robot.whiskers.iter().all(|w| off(state.pose.compose(w.robot_from_whisker).position(), 0.0))
+    };
+    let some: Vec<RemainingState> = states.iter().filter(is_possible).copied().collect();
+    if some.is_empty() { states.to_vec() } else { some }
 }
 
 /// The pose at so many metres along a ridge, and how a pose goes along it there.
