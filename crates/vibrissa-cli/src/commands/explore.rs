@@ -178,7 +178,12 @@ fn figure(map: &[vibrissa::figure::Outline], found: &Exploration, words: &str) -
         ),
         named(Geometry::States(begins), "survivor", "where it planned"),
     ]);
-    layers
-        .extend(found.answer.estimate.map(|pose| named(Geometry::Arrow(pose), "estimate", "the estimate at the end")));
+    if found.ended == Ended::Localized {
+        let estimate = found.answer.estimate;
+        layers.extend(estimate.map(|pose| named(Geometry::Arrow(pose), "estimate", "the estimate at the end")));
+    } else {
+        let places = found.answer.hypotheses.iter().map(|h| h.pose.position()).collect();
+        layers.push(named(Geometry::Circles(places), "estimate", "places that are left at the end"));
+    }
     scene_figure("A robot finds out where it is", &wrapped(words, 104), "map frame", &layers)
 }

@@ -14,6 +14,8 @@ use crate::{Error, Result};
 /// How often on the way (m, rad) the robot asks whether it knows where it is.
 const ASK: f64 = 0.01;
 const ASK_TURN: f64 = 0.2;
+/// So many motions on the spot on end without a place less are enough.
+const STUCK: usize = 3;
 /// A whisker that is bent by this share of what is gentle is let go first.
 const PRESSED: f64 = 0.9;
 /// How far a robot goes back the way it came where nothing else is admissible (m), and how often on end.
@@ -107,7 +109,7 @@ pub struct Exploration {
     pub truth: Vec<StampedPose>,
     /// Whether footprint or a whisker's base came to a boundary.
     pub collided: bool,
-    /// The largest moment at a whisker's base over what is gentle.
+    /// The largest moment at a whisker's base after the first motion, over what is gentle.
     pub hardest: f64,
     /// What happened to the whiskers.
     pub events: Vec<Event>,
@@ -151,7 +153,8 @@ pub fn explore_by(
         under.advance(*pose)?;
     }
     let log = SensorLog { channels: stage.channels(), ..SensorLog::default() };
-    (under.way, under.turn, under.log) = (0.0, 0.0, SensorLog { rows: core::mem::take(&mut under.log.rows), ..log });
+    (under.way, under.turn, under.hardest) = (0.0, 0.0, 0.0);
+    under.log = SensorLog { rows: core::mem::take(&mut under.log.rows), ..log };
     under.run(choose)
 }
 
@@ -296,8 +299,10 @@ impl<'a> Under<'a> {
             let plan = self.plan(&states)?;
             match plan.verdict {
                 PlanVerdict::Symmetric => return Ok(Some(Ended::Symmetric)),
-                PlanVerdict::Known => {
-                    // The verdict wants more of the same: the longest way there is.
+                PlanVerdict::Known | PlanVerdict::Parts
+                    if plan.verdict == PlanVerdict::Known || self.is_stuck(known) =>
+                {
+                    // The verdict wants more of the same, or what was promised did not come true: the longest way there is.
                     let (all, stop_at) = self.admissible(&states)?;
                     let longest = all.into_iter().reduce(|best, one| if one.way() > best.way() { one } else { best });
                     (longest, stop_at, Some(plan))
@@ -324,6 +329,16 @@ impl<'a> Under<'a> {
     fn note(&mut self, plan: Option<Plan>, name: &'static str, known: &[Hypothesis]) {
         let places = known.iter().map(|h| (h.pose, h.weight)).collect();
         self.motions.push(Made { plan, name, places, row: self.log.rows.len(), stopped: false });
+    }
+
+    /// Whether the last motions, all on the spot, left as many places as there were.
+    fn is_stuck(&self, known: &[Hypothesis]) -> bool {
+        let last = &self.motions[self.motions.len().saturating_sub(STUCK)..];
+        let on_the_spot = |made: &Made| {
+            let next = made.plan.as_ref().and_then(|plan| plan.next.as_ref());
+            next.is_some_and(|next| next.motion.way() < SHORTEST) && made.places.len() <= known.len()
+        };
+        last.len() == STUCK && last.iter().all(on_the_spot)
     }
 
     /// Whether a whisker is bent nearly as far as is gentle.

@@ -31,8 +31,8 @@ use score::{Alike, Table, Worth};
 /// Motions that are looked at two motions deep, and most second motions for each of them.
 const DEEP: usize = 4;
 const SECOND: usize = 5;
-/// Gains (nats) below this are none.
-const LEAST_GAIN: f64 = 1e-3;
+/// Gains (nats) below this are none: a motion is not made for them.
+const LEAST_GAIN: f64 = 0.05;
 
 /// What is expected of a motion.
 #[derive(Clone, Debug, PartialEq)]
@@ -161,6 +161,7 @@ pub fn plan(
     };
     let (verdict, next) = match found.first() {
         None => none(PlanVerdict::Confined),
+        Some(_) if symmetry::leaves_nothing(map, states) => none(PlanVerdict::Symmetric),
         Some(one) if parts => (PlanVerdict::Parts, Some(chosen(one))),
         Some(_) if places == 1 => none(PlanVerdict::Known),
         Some(_) if symmetry::takes_places(map, states) => none(PlanVerdict::Symmetric),

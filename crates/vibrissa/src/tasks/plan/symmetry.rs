@@ -7,6 +7,19 @@ use crate::world::Map;
 const SPACING: f64 = 0.01;
 const OFF: f64 = 5e-3;
 
+/// A place no larger than this (m) is known well enough.
+const SMALL: f64 = 0.012;
+
+/// Whether several places are left, each known well enough, that only the map's symmetry keeps apart: whatever is felt at one is felt at
+/// the others.
+pub(super) fn leaves_nothing(map: &Map, states: &[RemainingState]) -> bool {
+    let near = |a: &RemainingState, b: &RemainingState| {
+        a.place != b.place || a.pose.position().distance(b.pose.position()) <= SMALL
+    };
+    let several = states.iter().any(|state| state.place != states[0].place);
+    several && states.iter().all(|a| states.iter().all(|b| near(a, b))) && takes_places(map, states)
+}
+
 /// Whether the motions that take the first place to each of the others take the map onto itself.
 pub(super) fn takes_places(map: &Map, states: &[RemainingState]) -> bool {
     let places = states.iter().map(|s| s.place).max().map_or(0, |last| last + 1);
