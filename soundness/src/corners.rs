@@ -81,7 +81,7 @@ pub(crate) fn drive(seed: u64, nuisances: bool) -> Option<Drive> {
 }
 
 /// Outlines of a room and of what stands in it, turned by some angle: the room first.
-fn room(draw: &mut Random) -> Vec<Vec<Vec2>> {
+pub(crate) fn room(draw: &mut Random) -> Vec<Vec<Vec2>> {
     let (w, h) = (draw.between(0.2, 0.7), draw.between(0.2, 0.6));
     let mut outline = vec![Vec2::new(0.0, 0.0), Vec2::new(w, 0.0), Vec2::new(w, h), Vec2::new(0.0, h)];
     // A corner cut off, and a bay or a block in a wall.
@@ -106,7 +106,7 @@ fn room(draw: &mut Random) -> Vec<Vec<Vec2>> {
     all.iter().map(|outline| outline.iter().map(|p| p.rotated(turn)).collect()).collect()
 }
 
-fn map_of(outlines: &[Vec<Vec2>], scale: f64) -> Option<Map> {
+pub(crate) fn map_of(outlines: &[Vec<Vec2>], scale: f64) -> Option<Map> {
     let boundary = |(index, outline): (usize, &Vec<Vec2>)| {
         let role = if index == 0 { Role::Arena } else { Role::Obstacle };
         let outline: Vec<Vec2> = outline.iter().map(|&p| p * scale).collect();

@@ -9,6 +9,7 @@
 //!     cargo run --release -p vibrissa-soundness -- --corners 100        drives around corners, with two contacts at once
 //!     cargo run --release -p vibrissa-soundness -- --corners 100 --smoother    the same drives by the probabilistic method
 //!     cargo run --release -p vibrissa-soundness -- --corners 100 --forward     how much of these drives the forward model knows
+//!     cargo run --release -p vibrissa-soundness -- --explore 100        robots that find out where they are by their own motion
 //!     cargo run --release -p vibrissa-soundness -- --worlds 40 --declare 90    bounds told 10 % too small: losses must show
 //!
 //! In every thirtieth world the whisker is tapered, curved at rest or of several wires, half of the time with declared errors of
@@ -17,6 +18,7 @@
 //! small the sets that held the truth were.
 
 mod corners;
+mod exploring;
 mod forward;
 #[path = "../../crates/vibrissa/tests/data/random_sweep.rs"]
 #[allow(dead_code, reason = "the tests use more of it")]
@@ -65,6 +67,12 @@ struct Call {
     smoother: bool,
     /// The smoother's forward model alone, along the true way.
     forward: bool,
+    /// Robots that choose their motions.
+    explore: bool,
+    /// Tells each motion.
+    verbose: bool,
+    /// How many of the policies: 1 for planned motions alone.
+    policies: usize,
     /// From so far after the first contact on such drives reckon with two contacts (m).
     two_contacts: Option<f64>,
     /// The share of their bounds that errors are declared with: below one, truths must be lost.
@@ -91,6 +99,9 @@ struct Outcome {
 fn main() -> ExitCode {
     match parse(std::env::args().skip(1)) {
         Ok(Call { replay: Some(seed), declared, rods, .. }) => replay(seed, rods, declared),
+        Ok(call) if call.explore => {
+            exploring::report(&all_corners(&call, |seed| exploring::compare(seed, call.verbose, call.policies)))
+        }
         Ok(call) if call.corners && call.forward => forward::report(&all_corners(&call, forward::drive)),
         Ok(call) if call.corners && call.smoother => {
             smoothed::report(&all_corners(&call, |seed| smoothed::drive(seed, call.declared)))
@@ -99,7 +110,7 @@ fn main() -> ExitCode {
         Ok(call) => report(&run(&call), &call),
         Err(message) => {
             eprintln!(
-                "error: {message}\n  --worlds N --corners N --one-place --two-contacts MM --smoother --forward --nightly --rods --quick --first SEED --threads N --replay SEED --declare PERCENT"
+                "error: {message}\n  --worlds N --corners N --explore N --policies N --verbose --one-place --two-contacts MM --smoother --forward --nightly --rods --quick --first SEED --threads N --replay SEED --declare PERCENT"
             );
             ExitCode::from(2)
         }
@@ -118,6 +129,9 @@ fn parse(mut words: impl Iterator<Item = String>) -> Result<Call, String> {
         corners: false,
         smoother: false,
         forward: false,
+        explore: false,
+        verbose: false,
+        policies: exploring::POLICIES.len(),
         two_contacts: Some(TWO_CONTACTS),
         declared: 1.0,
     };
@@ -133,6 +147,9 @@ fn parse(mut words: impl Iterator<Item = String>) -> Result<Call, String> {
             "--forward" => call.forward = true,
             "--one-place" => call.two_contacts = None,
             "--two-contacts" => call.two_contacts = Some(number()? as f64 * 1e-3),
+            "--explore" => (call.explore, call.worlds) = (true, number()? as usize),
+            "--verbose" => call.verbose = true,
+            "--policies" => call.policies = number()?.max(1) as usize,
             "--corners" => (call.corners, call.worlds) = (true, number()? as usize),
             "--nightly" => call.worlds = NIGHTLY,
             "--worlds" => call.worlds = number()? as usize,

@@ -23,7 +23,7 @@ pub use contacts::{ContactFigure, contact_figure, contact_legend, contact_panel}
 pub use document::{Document, escape};
 pub use film::{FilmFrame, localization_film};
 pub use legend::{Entry, Sample, legend};
-pub use localization::{LocalizationScene, Outline, OutlineRole, localization_figure};
+pub use localization::{LocalizationScene, Outline, OutlineRole, localization_figure, wrapped};
 pub use plate::{ChartSeries, MapPlate, chart_plate, contact_plate, map_plate, preimage_plate};
 pub use scene::{Geometry, Layer, scene_figure};
 pub use simulation::{Series, SimulationScene, simulation_figure};

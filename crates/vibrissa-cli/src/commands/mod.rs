@@ -5,10 +5,12 @@ mod calibrate;
 mod contact;
 mod contact_set;
 mod demo;
+mod explore;
 mod join;
 #[cfg(feature = "live")]
 mod live;
 mod localize;
+mod plan;
 mod preimage;
 mod profile;
 mod readings;
@@ -33,6 +35,8 @@ pub(crate) enum Command {
     Contact(contact::Args),
     Profile(profile::Args),
     Localize(localize::Args),
+    Plan(plan::Args),
+    Explore(explore::Args),
     Join(join::Args),
     #[cfg(feature = "live")]
     Live(live::Args),
@@ -55,6 +59,8 @@ fn doing(command: &Command) -> Option<&'static str> {
         Command::Profile(_) => "finding the outline",
         Command::Demo(_) => "simulating and localizing",
         Command::Localize(_) => "reading",
+        Command::Plan(_) => "reading",
+        Command::Explore(_) => "reading the scenario",
         Command::Join(_) => "joining",
         Command::Simulate(_) => "reading the scenario",
         Command::Sensor(_) => "designing",
@@ -76,6 +82,8 @@ pub(crate) fn run(command: &Command) -> Result<()> {
         Command::Profile(args) => profile::run(args),
         Command::Demo(args) => demo::run(args),
         Command::Localize(args) => localize::run(args),
+        Command::Plan(args) => plan::run(args),
+        Command::Explore(args) => explore::run(args),
         Command::Join(args) => join::run(args),
         #[cfg(feature = "live")]
         Command::Live(args) => live::run(args),

@@ -39,7 +39,7 @@ mod tests;
 
 pub use boundary::{Boundaries, Piece, Spot};
 pub use corner::Corner;
-pub use follow::{Bending, BentWhisker};
+pub use follow::{Bending, BentWhisker, FeltMoment, Followed};
 pub use hold::{Hold, Push, Support, TwoContacts};
 pub use quantity::SensedQuantity;
 pub use stance::Stance;

@@ -11,7 +11,7 @@ use super::legend::{Entry, LINE, legend};
 use crate::flow::pose::{Localization, StampedPose, Status};
 use crate::plane::{Pose2, Vec2};
 pub(crate) use layers::map as draw_outlines;
-pub use words::verdict;
+pub use words::{verdict, wrapped};
 
 /// What a line of the map bounds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -71,7 +71,7 @@ const LEGEND_COLUMN: f64 = 380.0;
 #[must_use]
 pub fn localization_figure(scene: &LocalizationScene<'_>) -> String {
     let caption = verdict(scene.answer);
-    let caption_lines = words::wrapped(&caption, CAPTION_CHARACTERS);
+    let caption_lines = wrapped(&caption, CAPTION_CHARACTERS);
     let top = 78.0 + 19.0 * caption_lines.len() as f64;
     let map = map_canvas(scene, top);
     let detail = detail_canvas(scene, &map, top);

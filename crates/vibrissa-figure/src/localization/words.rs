@@ -72,7 +72,8 @@ pub(super) fn part(answer: &Localization) -> &'static str {
 }
 
 /// The text broken at spaces into lines of at most `limit` characters; a longer word keeps a line of its own.
-pub(crate) fn wrapped(text: &str, limit: usize) -> Vec<String> {
+#[must_use]
+pub fn wrapped(text: &str, limit: usize) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in text.split_whitespace() {
         match lines.last_mut() {

@@ -71,8 +71,13 @@ impl FromArgMatches for MethodArgs {
 }
 
 impl MethodArgs {
+    /// The method that was chosen.
+    pub(in crate::commands) fn method(&self) -> &Method {
+        &self.method
+    }
+
     /// Checks every option that was given, used or not.
-    pub(super) fn check(&self) -> vibrissa::Result<()> {
+    pub(in crate::commands) fn check(&self) -> vibrissa::Result<()> {
         self.method.check()?;
         self.others.iter().try_for_each(Method::check)
     }

@@ -5,7 +5,7 @@ use vibrissa::world::Robot;
 use vibrissa::{Method, Result};
 
 /// The robot of the file, or the paper's; its whiskers are those that the method takes.
-pub(super) fn read(path: Option<&Path>, method: &Method) -> Result<Robot> {
+pub(in crate::commands) fn read(path: Option<&Path>, method: &Method) -> Result<Robot> {
     let Some(path) = path else { return Ok(Robot::default()) };
     let robot = vibrissa::read_robot(path)?;
     for whisker in &robot.whiskers {

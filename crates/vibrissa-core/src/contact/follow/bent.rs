@@ -1,7 +1,7 @@
 //! A whisker as the map bends it at a pose, for drawing and for what it should feel there.
 
 use super::state::{Contact, WhiskerState};
-use super::{ForwardModel, Mechanics};
+use super::{ElasticBase, ForwardModel, Mechanics};
 use crate::Result;
 use crate::beam::{TipModel, Whisker};
 use crate::contact::quasi_static::{LoadedWhisker, PointLoad};
@@ -31,6 +31,22 @@ pub struct Bending {
     pub shape: Vec<Vec2>,
 }
 
+/// What a whisker feels at a pose.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FeltMoment {
+    /// The moment at its base (N m), 0 where it is free.
+    pub moment: f64,
+    /// Its derivatives by the base's x, y (N, map frame) and heading (N m/rad).
+    pub gradient: [f64; 3],
+}
+
+/// Where a [`BentWhisker`] stands and what holds it, to go on from there again.
+#[derive(Clone, Copy, Debug)]
+pub struct Followed {
+    state: WhiskerState,
+    last: Option<Pose2>,
+}
+
 /// A whisker that is followed from pose to pose as `predicted_moments` follows it; at its first pose, and after a jump, it is put
 /// down at rest from out of contact.
 #[derive(Debug)]
@@ -38,6 +54,7 @@ pub struct BentWhisker<'a> {
     map: &'a Map,
     boundaries: Boundaries,
     tip: TipModel,
+    base: Option<ElasticBase>,
     loaded: LoadedWhisker,
     state: WhiskerState,
     last: Option<Pose2>,
@@ -51,10 +68,12 @@ impl<'a> BentWhisker<'a> {
     /// Whiskers that are curved at rest, or make no sense.
     pub fn new(map: &'a Map, whisker: &Whisker) -> Result<Self> {
         whisker.require_straight()?;
+        let tip = TipModel::new(whisker)?;
         Ok(Self {
             map,
             boundaries: Boundaries::new(map).with_clearance(map),
-            tip: TipModel::new(whisker)?,
+            base: ElasticBase::of(&tip, SensedQuantity::Moment),
+            tip,
             loaded: LoadedWhisker::new(whisker)?,
             state: WhiskerState::Free,
             last: None,
@@ -63,7 +82,42 @@ impl<'a> BentWhisker<'a> {
 
     /// The whisker with its base at `map_from_whisker`; `points` of a bent one.
     pub fn at(&mut self, map_from_whisker: Pose2, points: usize) -> Bending {
-        let mechanics = if self.tip.is_uniform() { Mechanics::ClosedForm } else { Mechanics::Model(&self.tip) };
+        let moment = self.moved(map_from_whisker, None).map(|felt| felt.moment);
+        match self.state {
+            WhiskerState::Touching(touch) if touch.q > 0.0 => {
+                let contact = Some(map_from_whisker.inverse_transform_point(touch.place));
+                Bending { moment, contact, shape: self.shape(&touch, points) }
+            }
+            WhiskerState::Unknown => Bending { moment, contact: None, shape: Vec::new() },
+            _ => Bending { moment, contact: None, shape: self.loaded.rest.clone() },
+        }
+    }
+
+    /// What the whisker is followed from next.
+    #[must_use]
+    pub fn followed(&self) -> Followed {
+        Followed { state: self.state, last: self.last }
+    }
+
+    /// Goes on from where the whisker once was.
+    pub fn go_on_from(&mut self, followed: Followed) {
+        (self.state, self.last) = (followed.state, followed.last);
+    }
+
+    /// Forgets where the whisker was: it is put down anew at the next pose.
+    pub fn lift(&mut self) {
+        (self.state, self.last) = (WhiskerState::Free, None);
+    }
+
+    /// What the whisker feels with its base at `map_from_whisker`, as the estimators predict it: an elastic base yields. None where
+    /// its contact is not understood.
+    pub fn felt_at(&mut self, map_from_whisker: Pose2) -> Option<FeltMoment> {
+        self.moved(map_from_whisker, self.base)
+    }
+
+    fn moved(&mut self, map_from_whisker: Pose2, base: Option<ElasticBase>) -> Option<FeltMoment> {
+        let is_uniform = self.tip.is_uniform() || base.is_some();
+        let mechanics = if is_uniform { Mechanics::ClosedForm } else { Mechanics::Model(&self.tip) };
         let length = self.loaded.beam.length;
         let forward = ForwardModel {
             map: self.map,
@@ -72,7 +126,7 @@ impl<'a> BentWhisker<'a> {
             mechanics,
             whole: true,
             quantity: SensedQuantity::Moment,
-            base: None,
+            base,
         };
         let near = |from: &Pose2| {
             from.position().distance(map_from_whisker.position()) <= FOLLOWED
@@ -87,11 +141,10 @@ impl<'a> BentWhisker<'a> {
         let scale = self.tip.rigidity() / length;
         match self.state {
             WhiskerState::Touching(touch) if touch.q > 0.0 => {
-                let contact = Some(map_from_whisker.inverse_transform_point(touch.place));
-                Bending { moment: Some(felt.value * scale), contact, shape: self.shape(&touch, points) }
+                Some(FeltMoment { moment: felt.value * scale, gradient: felt.gradient.map(|g| g * scale) })
             }
-            WhiskerState::Unknown => Bending { moment: None, contact: None, shape: Vec::new() },
-            _ => Bending { moment: Some(0.0), contact: None, shape: self.loaded.rest.clone() },
+            WhiskerState::Unknown => None,
+            _ => Some(FeltMoment::default()),
         }
     }
 

@@ -24,7 +24,7 @@ mod tip;
 use super::{Boundaries, Hold, SensedQuantity, Stance, Support};
 use crate::plane::{Pose2, wrap_angle};
 use crate::world::Map;
-pub use bent::{Bending, BentWhisker};
+pub use bent::{Bending, BentWhisker, FeltMoment, Followed};
 pub(crate) use elastic_base::ElasticBase;
 pub(crate) use mechanics::Mechanics;
 pub(crate) use state::{Contact, Prediction, WhiskerState};

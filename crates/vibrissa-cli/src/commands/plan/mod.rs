@@ -1,0 +1,155 @@
+//! `vibrissa plan`: the next motion that tells places apart.
+
+mod figure;
+mod limits;
+mod result;
+
+use super::localize::{ImuArgs, MethodArgs, outlines, read_log, read_robot};
+use crate::output::{OutputArgs, print, progress, warn, write_all};
+pub(super) use figure::{map_lines, named};
+pub(super) use limits::LimitArgs;
+use serde_json::{Value, json};
+use std::fmt::Write;
+use std::path::PathBuf;
+use vibrissa::flow::pose::Hypothesis;
+use vibrissa::io::log::foreign::Format;
+use vibrissa::plane::Pose2;
+use vibrissa::tasks::plan::{Past, Plan, PlanOptions, PlanVerdict, plan, plan_from, remaining};
+use vibrissa::world::{Map, Robot};
+use vibrissa::{Error, Result};
+
+/// Tell the next motion that parts the places which a log leaves open.
+///
+/// FROM is a sensor log, which is localized first, or the result.json of `localize`. The motion is free of collision and gentle at
+/// every place that is left, if the robot ends it where a whisker feels as much as is told.
+///
+/// With --out DIR: motion.csv (waypoints seen from where the robot is), plan.json and the figure plan.svg.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Args {
+    /// The sensor log (.csv, .mcap), or the result of a localization (.json)
+    from: PathBuf,
+    /// The map (.geojson, .svg, .dxf, .yaml, .mcap)
+    #[arg(long, value_name = "MAP")]
+    map: PathBuf,
+    /// The robot's whiskers and error bounds (.toml) [default: the paper's whisker at the robot's origin]
+    #[arg(long, value_name = "ROBOT")]
+    robot: Option<PathBuf>,
+    /// The format of a log that is not ours: rostopic (odometry and wrench or magnetic field) [default: our .csv]
+    #[arg(long, value_name = "FORMAT")]
+    format: Option<Format>,
+    #[command(flatten)]
+    imu: ImuArgs,
+    #[command(flatten)]
+    limits: LimitArgs,
+    #[command(flatten)]
+    method: MethodArgs,
+    #[command(flatten)]
+    output: OutputArgs,
+}
+
+/// Runs the command.
+pub(crate) fn run(args: &Args) -> Result<()> {
+    let options = args.limits.options()?;
+    args.method.check()?;
+    let method = args.method.method();
+    let map = vibrissa::read_map(&args.map)?;
+    map.warnings.iter().for_each(|warning| warn(warning));
+    let robot = read_robot(args.robot.as_deref(), method)?;
+    let is_result = args.from.extension().is_some_and(|e| e.eq_ignore_ascii_case("json"));
+    let (hypotheses, plan) = if is_result {
+        let hypotheses = result::read(&args.from)?;
+        progress::phase("planning");
+        let states = remaining(&hypotheses, options.states);
+        let plan = plan(&map, &robot, &states, &Past::default(), &options)?;
+        (hypotheses, plan)
+    } else {
+        let log = read_log(&args.from, args.format, &args.imu)?;
+        progress::phase("localizing and planning");
+        let (answer, plan) = plan_from(&log, &map, &robot, method, &options)?;
+        (answer.hypotheses, plan)
+    };
+    progress::phase("writing");
+    let json = as_json(&plan);
+    if let Some(to) = args.output.destination() {
+        let figure = figure::plan_figure(&outlines(&map), &robot, &hypotheses, &plan);
+        write_all(to, &[("motion.csv", csv(&plan)), ("plan.json", json.clone()), ("plan.svg", figure)])?;
+    }
+    print(&if args.output.json { json } else { text(&plan, &hypotheses, &options) })
+}
+
+/// The word for a verdict, in files.
+pub(super) fn word(verdict: PlanVerdict) -> &'static str {
+    match verdict {
+        PlanVerdict::Parts => "parts",
+        PlanVerdict::Alike => "alike",
+        PlanVerdict::Known => "known",
+        PlanVerdict::Symmetric => "symmetric",
+        PlanVerdict::Confined => "confined",
+    }
+}
+
+fn text(plan: &Plan, hypotheses: &[Hypothesis], options: &PlanOptions) -> String {
+    let mut text = format!("{}\n", plan.words());
+    if let Some(next) = &plan.next {
+        let waypoint = |p: &Pose2| format!("({:.0}, {:.0}) mm {:.0} deg", 1e3 * p.x, 1e3 * p.y, p.theta.to_degrees());
+        let way: Vec<String> = next.motion.waypoints().iter().skip(1).map(waypoint).collect();
+        let stop: Vec<String> = next.stop_at.iter().map(|moment| format!("{:.2} mN m", 1e3 * moment)).collect();
+        let _ = writeln!(text, "  waypoints     {}, seen from the robot now", way.join(", "));
+        let _ = writeln!(text, "  stop          where a whisker feels {}", stop.join(", "));
+        let _ = writeln!(text, "  information   {:.2} bit", next.information / core::f64::consts::LN_2);
+    }
+    let [looked, admissible] = plan.looked_at;
+    let _ = writeln!(text, "  places        {} of {} that are told", plan.places, hypotheses.len());
+    let _ = writeln!(
+        text,
+        "  looked at     {looked} motions, {admissible} of them admissible; {} of {} readings",
+        plan.readings, options.budget
+    );
+    text
+}
+
+/// The plan as JSON (SI units).
+pub(super) fn value(plan: &Plan) -> Value {
+    let next = plan.next.as_ref().map(|next| {
+        json!({
+            "name": next.motion.name(),
+            "waypoints": next.motion.waypoints().iter().map(|p| json!({"x": p.x, "y": p.y, "theta": p.theta})).collect::<Vec<_>>(),
+            "way": next.motion.way(),
+            "turn": next.motion.turn(),
+            "stop_at": next.stop_at,
+            "places": next.places,
+            "extent": next.extent,
+            "information": next.information,
+        })
+    });
+    json!({
+        "verdict": word(plan.verdict),
+        "words": plan.words(),
+        "next": next,
+        "places": plan.places,
+        "extent": plan.extent,
+        "looked_at": plan.looked_at,
+        "readings": plan.readings,
+    })
+}
+
+fn as_json(plan: &Plan) -> String {
+    format!("{:#}\n", value(plan))
+}
+
+fn csv(plan: &Plan) -> String {
+    let mut text = String::from("x,y,theta\n");
+    for p in plan.next.iter().flat_map(|next| next.motion.waypoints()) {
+        let _ = writeln!(text, "{},{},{}", p.x, p.y, p.theta);
+    }
+    text
+}
+
+/// A robot whose whiskers can be looked ahead for, and its map.
+pub(super) fn check_robot(robot: &Robot, map: &Map) -> Result<()> {
+    if robot.whiskers.is_empty() {
+        return Err(Error::data("the robot has no whisker"));
+    }
+    vibrissa::tasks::doubts(None, robot, Some(map)).iter().for_each(|warning| warn(warning));
+    Ok(())
+}

@@ -1,0 +1,423 @@
+//! The closed loop: a simulated robot that localizes itself by its own motion, and stops when it knows where it is.
+
+use super::localize;
+use super::plan::{Motion, Past, Plan, PlanOptions, PlanVerdict, RemainingState, admissible, history, plan, remaining};
+use crate::flow::pose::{Event, Hypothesis, Localization, StampedPose, Status};
+use crate::flow::sensor_log::SensorLog;
+use crate::localizer::{Localizer, Method};
+use crate::plane::{Pose2, Vec2, wrap_angle};
+use crate::sim::recorder::TrueErrors;
+use crate::sim::{Drive, Pace, Stage, SweepNoise, path_through};
+use crate::world::MountedWhisker;
+use crate::{Error, Result};
+
+/// How often on the way (m, rad) the robot asks whether it knows where it is.
+const ASK: f64 = 0.01;
+const ASK_TURN: f64 = 0.2;
+/// So many motions on the spot on end without a place less are enough.
+const STUCK: usize = 3;
+/// A whisker that is bent by this share of what is gentle is let go first.
+const PRESSED: f64 = 0.9;
+/// How far a robot goes back the way it came where nothing else is admissible (m), and how often on end.
+const BACK: f64 = 0.05;
+const MOST_BACK: usize = 3;
+/// How far (m) the robot goes on before it asks again where the whole answer was less sure than the estimator.
+const UNSURE: f64 = 0.03;
+/// Shortest motion (m, rad) that is chosen without a plan.
+const SHORTEST: f64 = 0.02;
+const SHORTEST_TURN: f64 = 0.2;
+
+/// Chooses a motion of one's own, of those that are admissible; `ahead` is where the robot went last (rad, robot frame).
+pub type Choose<'a> = dyn FnMut(&[Motion], f64) -> Option<Motion> + 'a;
+
+/// How a robot explores.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ExploreOptions {
+    /// What it can do.
+    pub plan: PlanOptions,
+    /// Speed, turning rate and rows a second.
+    pub pace: Pace,
+    /// The way (m) after which it gives up.
+    pub most_way: f64,
+    /// The motions after which it gives up.
+    pub most_motions: usize,
+    /// The whole answer, with ridges, is asked for after so many motions; in between what the estimator tells has to do, which
+    /// is quicker, but collisions are then ruled out less surely.
+    pub answer_each: usize,
+}
+
+impl Default for ExploreOptions {
+    fn default() -> Self {
+        Self {
+            plan: PlanOptions::default(),
+            pace: Pace { speed: 0.1, turn_rate: 1.0, rate: 50.0 },
+            most_way: 2.0,
+            most_motions: 40,
+            answer_each: 1,
+        }
+    }
+}
+
+/// Why an exploration ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ended {
+    /// The robot knows where it is.
+    Localized,
+    /// No motion tells the places apart: the map is symmetric.
+    Symmetric,
+    /// Nothing on this map explains what was felt.
+    Inconsistent,
+    /// Way or motions are used up.
+    GaveUp,
+    /// Nothing is free of collision and gentle at all places that are left.
+    Confined,
+    /// The first motion did not tell any place.
+    NoPlace,
+}
+
+/// A motion that was made.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Made {
+    /// Its plan, where it was planned.
+    pub plan: Option<Plan>,
+    /// What kind of motion.
+    pub name: &'static str,
+    /// The places before it, map frame, and their weights.
+    pub places: Vec<(Pose2, f64)>,
+    /// The row with which it began.
+    pub row: usize,
+    /// Whether a whisker ended it.
+    pub stopped: bool,
+}
+
+/// What became of a robot.
+#[derive(Clone, Debug)]
+pub struct Exploration {
+    /// Why it ended.
+    pub ended: Ended,
+    /// What it knows at the end.
+    pub answer: Localization,
+    /// Way (m) and turn (rad) after the first motion.
+    pub way: f64,
+    /// As above.
+    pub turn: f64,
+    /// The motions after the first.
+    pub motions: Vec<Made>,
+    /// What it recorded.
+    pub log: SensorLog,
+    /// Where it was, row by row.
+    pub truth: Vec<StampedPose>,
+    /// Whether footprint or a whisker's base came to a boundary.
+    pub collided: bool,
+    /// The largest moment at a whisker's base after the first motion, over what is gentle.
+    pub hardest: f64,
+    /// What happened to the whiskers.
+    pub events: Vec<Event>,
+}
+
+/// Lets a robot go along `begin` (map frame), at least two waypoints, and then on by its own motions until it knows where it is.
+///
+/// Whiskers must be free at the first waypoint. The same arguments give the same answer.
+///
+/// # Errors
+///
+/// Options out of range, a start that touches, and robots that [`plan`] or the method do not take.
+pub fn explore(
+    stage: &Stage,
+    begin: &[Pose2],
+    method: &Method,
+    noise: &SweepNoise,
+    options: &ExploreOptions,
+) -> Result<Exploration> {
+    explore_by(stage, begin, method, noise, options, None)
+}
+
+/// As [`explore`], with motions that somebody else chooses among the admissible ones, to compare with.
+///
+/// # Errors
+///
+/// As [`explore`].
+pub fn explore_by(
+    stage: &Stage,
+    begin: &[Pose2],
+    method: &Method,
+    noise: &SweepNoise,
+    options: &ExploreOptions,
+    choose: Option<&mut Choose<'_>>,
+) -> Result<Exploration> {
+    options.plan.check()?;
+    let path = path_through(begin, &options.pace)?;
+    let Some(&first) = path.first() else { return Err(Error::usage("the first motion holds no pose")) };
+    let mut under = Under::new(stage, first, method, noise, options)?;
+    for pose in &path[1..] {
+        under.advance(*pose)?;
+    }
+    let log = SensorLog { channels: stage.channels(), ..SensorLog::default() };
+    (under.way, under.turn, under.hardest) = (0.0, 0.0, 0.0);
+    under.log = SensorLog { rows: core::mem::take(&mut under.log.rows), ..log };
+    under.run(choose)
+}
+
+/// A robot on its way.
+struct Under<'a> {
+    stage: &'a Stage,
+    options: &'a ExploreOptions,
+    method: &'a Method,
+    drive: Drive<'a>,
+    localizer: Localizer<'a>,
+    log: SensorLog,
+    truth: Vec<StampedPose>,
+    motions: Vec<Made>,
+    events: Vec<Event>,
+    way: f64,
+    turn: f64,
+    asked: [f64; 2],
+    /// Motions made when the whole answer was asked for.
+    answered: usize,
+    collided: bool,
+    hardest: f64,
+    backs: usize,
+}
+
+impl<'a> Under<'a> {
+    fn new(
+        stage: &'a Stage,
+        first: StampedPose,
+        method: &'a Method,
+        noise: &SweepNoise,
+        options: &'a ExploreOptions,
+    ) -> Result<Self> {
+        let mut under = Self {
+            stage,
+            options,
+            method,
+            drive: Drive::start(stage, first, noise)?,
+            localizer: Localizer::new(stage.map(), stage.robot(), &stage.channels(), method)?,
+            log: SensorLog::default(),
+            truth: Vec::new(),
+            motions: Vec::new(),
+            events: Vec::new(),
+            way: 0.0,
+            turn: 0.0,
+            asked: [0.0; 2],
+            answered: 0,
+            collided: false,
+            hardest: 0.0,
+            backs: 0,
+        };
+        under.advance(first)?;
+        Ok(under)
+    }
+
+    /// One row on; the sizes of the readings.
+    fn advance(&mut self, to: StampedPose) -> Result<Vec<f64>> {
+        let from = self.drive.pose().map_from_robot;
+        let row = self.drive.advance(to, &TrueErrors::default(), 0.0)?;
+        let pose = to.map_from_robot;
+        self.way += pose.position().distance(from.position());
+        self.turn += wrap_angle(pose.theta - from.theta).abs();
+        let map = self.stage.map();
+        let footprint = self.options.plan.footprint;
+        let hits = |a: Vec2, b: Vec2| !map.is_free(b) || (a.distance(b) > 0.0 && map.crosses(a, b));
+        self.collided |= hits(from.position(), pose.position())
+            || map.nearest_within(pose.position(), footprint).is_some()
+            || self.stage.robot().whiskers.iter().any(|w| {
+                let base = |p: Pose2| p.compose(w.robot_from_whisker).position();
+                hits(base(from), base(pose))
+            });
+        for (moment, whisker) in self.drive.moments().iter().zip(&self.stage.robot().whiskers) {
+            self.hardest = self.hardest.max(moment.abs() / self.options.plan.most(whisker));
+        }
+        self.events.extend(self.drive.events());
+        self.localizer.step(&row)?;
+        let sizes = row.readings.iter().map(|z| z.abs()).collect();
+        self.log.rows.push(row);
+        self.truth.push(to);
+        Ok(sizes)
+    }
+
+    fn answer(&self) -> Result<Localization> {
+        localize(&self.log, self.stage.map(), self.stage.robot(), self.method, &mut |_| {})
+    }
+
+    /// What is known now: the estimator's word on the way, or the whole answer where that says more.
+    fn known(&mut self) -> Result<(Status, Vec<Hypothesis>)> {
+        let now = self.localizer.estimate();
+        let due = self.motions.is_empty() || self.motions.len() >= self.answered + self.options.answer_each;
+        if now.status == Status::Ambiguous && !now.hypotheses.is_empty() && !due {
+            return Ok((now.status, now.hypotheses));
+        }
+        self.answered = self.motions.len();
+        let answer = self.answer()?;
+        Ok((answer.status, answer.hypotheses))
+    }
+
+    fn run(mut self, mut choose: Option<&mut Choose<'_>>) -> Result<Exploration> {
+        loop {
+            let (status, places) = self.known()?;
+            let ended = match status {
+                Status::Localized => Some(Ended::Localized),
+                Status::Inconsistent => Some(Ended::Inconsistent),
+                _ if places.is_empty() => Some(Ended::NoPlace),
+                _ if self.way > self.options.most_way || self.motions.len() >= self.options.most_motions => {
+                    Some(Ended::GaveUp)
+                }
+                _ => self.motion(&places, choose.as_deref_mut())?,
+            };
+            if let Some(ended) = ended {
+                let answer = self.answer()?;
+                return Ok(self.end(ended, answer));
+            }
+        }
+    }
+
+    fn end(self, ended: Ended, answer: Localization) -> Exploration {
+        Exploration {
+            ended,
+            answer,
+            way: self.way,
+            turn: self.turn,
+            motions: self.motions,
+            log: self.log,
+            truth: self.truth,
+            collided: self.collided,
+            hardest: self.hardest,
+            events: self.events,
+        }
+    }
+
+    /// One motion, or why there is none.
+    fn motion(&mut self, known: &[Hypothesis], choose: Option<&mut Choose<'_>>) -> Result<Option<Ended>> {
+        if self.is_pressed() && self.backs < MOST_BACK {
+            return self.go_back(known);
+        }
+        let states = remaining(known, self.options.plan.states);
+        let (motion, stop_at, plan) = if let Some(choose) = choose {
+            let (all, stop_at) = self.admissible(&states)?;
+            (if all.is_empty() { None } else { choose(&all, self.ahead()) }, stop_at, None)
+        } else {
+            let plan = self.plan(&states)?;
+            match plan.verdict {
+                PlanVerdict::Symmetric => return Ok(Some(Ended::Symmetric)),
+                PlanVerdict::Known | PlanVerdict::Parts
+                    if plan.verdict == PlanVerdict::Known || self.is_stuck(known) =>
+                {
+                    // The verdict wants more of the same, or what was promised did not come true: the longest way there is.
+                    let (all, stop_at) = self.admissible(&states)?;
+                    let longest = all.into_iter().reduce(|best, one| if one.way() > best.way() { one } else { best });
+                    (longest, stop_at, Some(plan))
+                }
+                _ => {
+                    let next = plan.next.as_ref();
+                    let stop_at = next.map_or_else(Vec::new, |next| next.stop_at.clone());
+                    (next.map(|next| next.motion.clone()), stop_at, Some(plan))
+                }
+            }
+        };
+        let begin = self.drive.pose().map_from_robot;
+        let Some(motion) = motion else {
+            return if self.backs < MOST_BACK { self.go_back(known) } else { Ok(Some(Ended::Confined)) };
+        };
+        let waypoints: Vec<Pose2> = motion.waypoints().iter().map(|pose| begin.compose(*pose)).collect();
+        self.backs = 0;
+        self.note(plan, motion.name(), known);
+        let stopped = self.go(&waypoints, &stop_at)?;
+        self.motions.last_mut().into_iter().for_each(|made| made.stopped = stopped);
+        Ok(None)
+    }
+
+    fn note(&mut self, plan: Option<Plan>, name: &'static str, known: &[Hypothesis]) {
+        let places = known.iter().map(|h| (h.pose, h.weight)).collect();
+        self.motions.push(Made { plan, name, places, row: self.log.rows.len(), stopped: false });
+    }
+
+    /// Whether the last motions, all on the spot, left as many places as there were.
+    fn is_stuck(&self, known: &[Hypothesis]) -> bool {
+        let last = &self.motions[self.motions.len().saturating_sub(STUCK)..];
+        let on_the_spot = |made: &Made| {
+            let next = made.plan.as_ref().and_then(|plan| plan.next.as_ref());
+            next.is_some_and(|next| next.motion.way() < SHORTEST) && made.places.len() <= known.len()
+        };
+        last.len() == STUCK && last.iter().all(on_the_spot)
+    }
+
+    /// Whether a whisker is bent nearly as far as is gentle.
+    fn is_pressed(&self) -> bool {
+        let pressed = |(z, w): (&f64, &MountedWhisker)| z.abs() >= PRESSED * self.options.plan.most(w);
+        self.readings().iter().zip(&self.stage.robot().whiskers).any(pressed)
+    }
+
+    /// Goes back a little the way it came: nothing was there.
+    fn go_back(&mut self, known: &[Hypothesis]) -> Result<Option<Ended>> {
+        self.backs += 1;
+        let waypoints = self.way_back();
+        self.note(None, "back the way it came", known);
+        self.go(&waypoints, &[])?;
+        Ok(None)
+    }
+
+    /// Goes through waypoints until a whisker feels too much or the robot knows where it is; whether a whisker ended it.
+    fn go(&mut self, waypoints: &[Pose2], stop_at: &[f64]) -> Result<bool> {
+        let Ok(path) = path_through(waypoints, &self.options.pace) else { return Ok(false) };
+        let begin = self.drive.pose().t;
+        for pose in &path[1..] {
+            let sizes = self.advance(StampedPose { t: begin + pose.t, ..*pose })?;
+            if sizes.iter().zip(stop_at).any(|(size, most)| size >= most) {
+                return Ok(true);
+            }
+            if self.way - self.asked[0] > ASK || self.turn - self.asked[1] > ASK_TURN {
+                self.asked = [self.way, self.turn];
+                if self.localizer.estimate().status == Status::Localized {
+                    if self.answer()?.status == Status::Localized {
+                        return Ok(false);
+                    }
+                    self.asked[0] += UNSURE;
+                }
+            }
+        }
+        Ok(false)
+    }
+
+    /// The last poses in reverse order.
+    fn way_back(&self) -> Vec<Pose2> {
+        let (mut poses, mut gone) = (Vec::new(), 0.0);
+        let poses_back = self.truth.iter().rev().map(|pose| pose.map_from_robot);
+        for pose in poses_back {
+            gone += poses.last().map_or(0.0, |last: &Pose2| {
+                last.position().distance(pose.position()) + 0.05 * wrap_angle(last.theta - pose.theta).abs()
+            });
+            if gone > BACK {
+                break;
+            }
+            poses.push(pose);
+        }
+        poses
+    }
+
+    fn plan(&self, states: &[RemainingState]) -> Result<Plan> {
+        let (history, readings) = (history(&self.log.rows), self.readings());
+        let past = Past { history: &history, readings };
+        plan(self.stage.map(), self.stage.robot(), states, &past, &self.options.plan)
+    }
+
+    fn readings(&self) -> &[f64] {
+        self.log.rows.last().map_or(&[], |row| &row.readings)
+    }
+
+    /// All admissible motions that are worth a name, and where they end.
+    fn admissible(&self, states: &[RemainingState]) -> Result<(Vec<Motion>, Vec<f64>)> {
+        let (history, readings) = (history(&self.log.rows), self.readings());
+        let past = Past { history: &history, readings };
+        let (mut all, stop_at) = admissible(self.stage.map(), self.stage.robot(), states, &past, &self.options.plan)?;
+        all.retain(|motion| motion.way() >= SHORTEST || motion.turn() >= SHORTEST_TURN);
+        Ok((all, stop_at))
+    }
+
+    /// Where the robot went last (rad, robot frame).
+    fn ahead(&self) -> f64 {
+        let now = self.drive.pose().map_from_robot;
+        let far = |pose: &&StampedPose| pose.map_from_robot.position().distance(now.position()) > SHORTEST;
+        let last = self.truth.iter().rev().find(far);
+        last.map_or(0.0, |last| (-now.inverse_transform_point(last.map_from_robot.position())).angle())
+    }
+}

@@ -1,0 +1,84 @@
+//! A robot that localizes itself by its own motion.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on must fail")]
+
+use vibrissa::Method;
+use vibrissa::flow::pose::Status;
+use vibrissa::plane::{Curve, Pose2, Vec2};
+use vibrissa::sim::{SimulateOptions, Stage, SweepNoise};
+use vibrissa::tasks::explore::{Ended, Exploration, ExploreOptions, explore, explore_by};
+use vibrissa::tasks::plan::PlanOptions;
+use vibrissa::world::{Boundary, Map, MountedWhisker, Robot, Role};
+
+fn stage(corners: &[(f64, f64)]) -> Stage {
+    let corners: Vec<Vec2> = corners.iter().map(|&(x, y)| Vec2::new(x, y)).collect();
+    let arena = Boundary::new(Role::Arena, Curve::polyline(&corners, true).unwrap(), None).unwrap();
+    let whisker = MountedWhisker { robot_from_whisker: Pose2::new(0.0, 0.0, -0.8), ..MountedWhisker::default() };
+    let robot = Robot { whiskers: vec![whisker], ..Robot::default() };
+    let options = SimulateOptions { links: 30, ..SimulateOptions::default() };
+    Stage::new(Map::new(vec![arena]).unwrap(), robot, options).unwrap()
+}
+
+/// Along the lower wall, from where the whisker is free.
+fn begin() -> [Pose2; 2] {
+    let off = 0.075 * 0.8_f64.sin();
+    [Pose2::new(0.06, off + 0.003, 0.0), Pose2::new(0.13, off - 0.008, 0.0)]
+}
+
+fn options() -> ExploreOptions {
+    let plan = PlanOptions { footprint: 0.015, ..PlanOptions::default() };
+    ExploreOptions { plan, ..ExploreOptions::default() }
+}
+
+fn explored(stage: &Stage) -> Exploration {
+    explore(stage, &begin(), &Method::default(), &SweepNoise::seeded(1), &options()).unwrap()
+}
+
+#[test]
+fn a_robot_finds_out_where_it_is_and_stops() {
+    let bay =
+        [(0.0, 0.0), (0.25, 0.0), (0.25, -0.05), (0.32, -0.05), (0.32, 0.0), (0.45, 0.0), (0.45, 0.3), (0.0, 0.3)];
+    let stage = stage(&bay);
+    let found = explored(&stage);
+    assert_eq!((found.ended, found.answer.status), (Ended::Localized, Status::Localized));
+    let truth = found.truth.last().unwrap().map_from_robot;
+    let off = found.answer.estimate.unwrap().position().distance(truth.position());
+    assert!(off < 5e-3, "{off} m");
+    // It had to move, and told before which places it would part.
+    assert!(!found.motions.is_empty() && found.motions[0].places.len() > 1 && found.way > 0.0);
+    assert!(found.motions.iter().any(|made| made.plan.as_ref().is_some_and(|plan| plan.words().contains("parts"))));
+    assert!(!found.collided && found.hardest < 1.1, "{}", found.hardest);
+    assert_eq!(found.truth.len(), found.log.rows.len());
+    // Nothing in it is by chance.
+    let again = explored(&stage);
+    assert_eq!((again.log.rows, again.truth), (found.log.rows, found.truth));
+}
+
+#[test]
+fn a_symmetric_room_ends_with_that_word() {
+    let stage = stage(&[(0.0, 0.0), (0.4, 0.0), (0.4, 0.25), (0.0, 0.25)]);
+    let found = explored(&stage);
+    assert_eq!((found.ended, found.answer.status), (Ended::Symmetric, Status::Ambiguous));
+    // The truth is one of the places.
+    let truth = found.truth.last().unwrap().map_from_robot.position();
+    let ridge = |h: &vibrissa::flow::pose::Hypothesis| {
+        h.ridge.iter().map(|p| p.position().distance(truth)).fold(f64::INFINITY, f64::min)
+    };
+    assert!(found.answer.hypotheses.iter().any(|h| h.pose.position().distance(truth).min(ridge(h)) < 0.01));
+    assert!(!found.collided);
+}
+
+#[test]
+fn other_choices_are_obeyed_and_limits_end_them() {
+    let stage = stage(&[(0.0, 0.0), (0.4, 0.0), (0.4, 0.25), (0.0, 0.25)]);
+    let mut asked = 0;
+    let mut first = |all: &[vibrissa::tasks::plan::Motion], _: f64| {
+        asked += 1;
+        all.first().map(|motion| motion.share(0.5))
+    };
+    let options = ExploreOptions { most_motions: 3, ..options() };
+    let found =
+        explore_by(&stage, &begin(), &Method::default(), &SweepNoise::seeded(1), &options, Some(&mut first)).unwrap();
+    assert_eq!((found.ended, found.motions.len(), asked), (Ended::GaveUp, 3, 3));
+    assert!(found.motions.iter().all(|made| made.plan.is_none() && made.name == "along the wall"));
+}
