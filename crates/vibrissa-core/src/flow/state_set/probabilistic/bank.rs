@@ -390,10 +390,19 @@ impl Bank {
         self.sort(model);
     }
 
-    /// The linearisation of a mode.
-    pub(super) fn run(&mut self, model: &MeasurementModel<'_>, index: usize) -> &Linearisation {
-        let Some(mode) = self.modes.get(index) else { return &self.scratch };
-        model.run(&mode.state, &mode.start, &self.rows, &mut self.scratch);
+    /// The linearisation of the best mode.
+    pub(super) fn run(&mut self, model: &MeasurementModel<'_>) -> &Linearisation {
+        let rows = core::mem::take(&mut self.rows);
+        self.run_rows(model, &rows);
+        self.rows = rows;
+        &self.scratch
+    }
+
+    /// The same over other rows.
+    pub(super) fn run_rows(&mut self, model: &MeasurementModel<'_>, rows: &[usize]) -> &Linearisation {
+        if let Some(mode) = self.modes.first() {
+            model.run(&mode.state, &mode.start, rows, &mut self.scratch);
+        }
         &self.scratch
     }
 
@@ -432,7 +441,8 @@ impl Bank {
             let there = MeasurementModel { anchor: count, ..*model };
             let state = model.anchored(&mode.state, count);
             let (noise, _) = mode.estimated_noise(model, &self.rows, &mut self.scratch);
-            let mut early = mode.by(noise);
+            // What a bound says where it is touched is no Gaussian, which would tell as much of the other side.
+            let mut early = mode.by(NoiseModel { bounded: false, ..noise });
             early.state = state.clone();
             early.relinearise(&there, &rows, &mut self.scratch);
             // What is known beside the readings is added again with those that follow.

@@ -519,7 +519,7 @@ impl<'a> MultiHypothesisSmoother<'a> {
             return None;
         }
         let after = core::mem::replace(&mut self.phase, Phase::Tracking(bank));
-        if touching.iter().any(|&sensor| self.may_touch_twice(sensor, from)) {
+        if self.ends_unexplained(from) && touching.iter().any(|&sensor| self.may_touch_twice(sensor, from)) {
             for &sensor in &touching {
                 (from..=last).for_each(|row| self.window.set_aside(row, sensor));
             }
@@ -534,6 +534,16 @@ impl<'a> MultiHypothesisSmoother<'a> {
         }
         self.phase = after;
         None
+    }
+
+    /// Whether the best mode does not explain the last readings, of those from this row on.
+    fn ends_unexplained(&mut self, from: usize) -> bool {
+        let Self { scene, window, phase, .. } = self;
+        let Phase::Tracking(bank) = phase else { return false };
+        let rows: Vec<usize> = bank.rows.iter().copied().filter(|&row| row < from).chain(from..window.len()).collect();
+        let told = bank.run_rows(&scene.model(window, 0), &rows);
+        let last = told.rows.iter().rev().take(CONTACT_ROWS * scene.sensors.len());
+        last.filter(|row| is_off(row)).count() >= CONTACT_ROWS
     }
 
     /// Searches anew from another contact of the window, the longest first; the modes that are found are fitted to the whole window. Starts
@@ -562,8 +572,7 @@ impl<'a> MultiHypothesisSmoother<'a> {
         if bank.modes.is_empty() {
             return Some(None);
         }
-        let told = bank.run(&model, 0);
-        let is_off = |row: &Row| row.held.is_none() || row.plain.abs() > UNEXPLAINED;
+        let told = bank.run(&model);
         let found = (0..self.scene.sensors.len()).find_map(|sensor| {
             let own: Vec<&Row> = told.rows.iter().filter(|row| row.sensor == sensor).collect();
             let last = own.len().checked_sub(WATCHED)?;
@@ -820,6 +829,11 @@ impl MultiHypothesisSmoother<'_> {
             other
         })
     }
+}
+
+/// Whether a reading is not explained.
+fn is_off(row: &Row) -> bool {
+    row.held.is_none() || row.plain.abs() > UNEXPLAINED
 }
 
 /// How the whiskers stand at the window's first row where that is not known.
