@@ -55,8 +55,10 @@ const MANY_KEPT: usize = 500;
 /// The zero of a sensor whose zero is not known exactly is tared by so many rows, if its readings may be those of a free whisker.
 const TARE_ROWS: usize = 8;
 /// More searches than this are not tried, unless one has held for so many rows.
-const MOST_STARTS: u32 = 6;
+const MOST_STARTS: u32 = 24;
 const TRUSTED: usize = 300;
+/// Each search of a contact that explains nothing waits for so much more travel than the one before, up to this many times the usual one.
+const MOST_BACKOFF: f64 = 64.0;
 /// Weight of what is marginalised, each time that rows are added to it.
 const FORGETTING: f64 = 0.8;
 
@@ -169,6 +171,8 @@ pub struct MultiHypothesisSmoother<'a> {
     left_out: Vec<Stretch>,
     starts: u32,
     patience: f64,
+    /// How often the set has begun anew in the present contact.
+    begun_again: i32,
     last: Option<Pose2>,
     /// Rows since the set was started, and its best mode when it was last given up.
     tracked: usize,
@@ -237,6 +241,7 @@ impl<'a> MultiHypothesisSmoother<'a> {
             left_out: Vec::new(),
             starts: 0,
             patience: 1.0,
+            begun_again: 0,
             last: None,
             tracked: 0,
             abandoned: None,
@@ -285,6 +290,7 @@ impl<'a> MultiHypothesisSmoother<'a> {
         {
             // After a loss the rows before this one are forgotten, although the whisker touched there, too.
             let onset = (last + 1).saturating_sub(CONTACT_ROWS);
+            self.patience = 1.0;
             self.phase = Phase::Pressing { sensor, onset, from_free: onset > 0, travelled: 0.0, search: None };
             return StepOutcome::Nothing;
         }
@@ -448,7 +454,7 @@ impl<'a> MultiHypothesisSmoother<'a> {
             bank.expand_images(&scene.symmetries);
         }
         if self.tracked > TRUSTED {
-            self.starts = 1;
+            (self.starts, self.begun_again) = (1, 0);
         }
         let full = window.len() > scene.window();
         if !full && (bank.is_busy() || window.len() < bank.seen + TAKEN_TOGETHER) {
@@ -621,7 +627,9 @@ impl<'a> MultiHypothesisSmoother<'a> {
         self.tracked = 0;
         let rows = self.window.len();
         self.window.forget(rows.saturating_sub(1));
-        self.patience = 1.0;
+        // A contact that is not covered may go on for long.
+        self.patience = PATIENCE.powi(self.begun_again).min(MOST_BACKOFF);
+        self.begun_again += 1;
         self.aside.fill(0);
         self.explained = None;
         self.window.take_all();
@@ -741,6 +749,9 @@ impl MultiHypothesisSmoother<'_> {
         }
         let lever = self.scene.sensors.iter().map(|f| f.length).fold(0.0, f64::max);
         self.free = if any { 0 } else { self.free + 1 };
+        if self.free >= CONTACT_ROWS {
+            self.begun_again = 0;
+        }
         match &mut self.phase {
             Phase::Waiting => self.wait(any),
             Phase::Pressing { travelled, .. } => {
