@@ -144,7 +144,8 @@ pub fn plan(
     let before = table.judge(&together);
     let (mut found, looked_at) = first(&mut predictor, &table, &together, candidates::all(map, robot, states, options));
     let admissible = found.len();
-    let parts = deepen(&mut predictor, &table, &mut found) || found.iter().any(|one| one.worth.is_some());
+    deepen(&mut predictor, &table, &mut found);
+    let parts = found.iter().any(|one| one.worth.is_some());
     found.sort_by(|a, b| b.rate.total_cmp(&a.rate));
     let places = table.places();
     let none = |verdict| (verdict, None);
@@ -238,8 +239,8 @@ fn first(
     (found, looked_at)
 }
 
-/// Looks at the best motions two motions deep; whether a second motion tells states apart.
-fn deepen(predictor: &mut Predictor<'_>, table: &Table<'_>, found: &mut [Admissible]) -> bool {
+/// Looks at the best motions two motions deep.
+fn deepen(predictor: &mut Predictor<'_>, table: &Table<'_>, found: &mut [Admissible]) {
     found.sort_by(|a, b| b.rate.total_cmp(&a.rate));
     let seconds: Vec<Motion> = found.iter().take(SECOND).map(|one| one.motion.clone()).collect();
     for one in found.iter_mut().take(DEEP) {
@@ -255,5 +256,4 @@ fn deepen(predictor: &mut Predictor<'_>, table: &Table<'_>, found: &mut [Admissi
         }
         one.rate = one.rate.max(table.deep(worth, &then));
     }
-    false
 }

@@ -12,7 +12,7 @@ const RADIAN: f64 = 0.05;
 /// States are parted where their readings disagree at this many steps: one alone may be a snap that comes a little sooner.
 const PARTED: u8 = 3;
 /// States of a place that are no further apart are not told apart (m): the place is small enough to be called known.
-const SMALL: f64 = 0.012;
+pub(super) const SMALL: f64 = 0.012;
 
 /// For each state which others read alike.
 pub(super) type Alike = Vec<Vec<bool>>;

@@ -1,14 +1,12 @@
 //! Whether a symmetry of the map takes places onto each other.
 
 use super::RemainingState;
+use super::score::SMALL;
 use crate::world::Map;
 
 /// Points of the boundary (m apart) that are tried, and how far off they may come (m): places are known to millimetres.
 const SPACING: f64 = 0.01;
 const OFF: f64 = 5e-3;
-
-/// A place no larger than this (m) is known well enough.
-const SMALL: f64 = 0.012;
 
 /// Whether several places are left, each known well enough, that only the map's symmetry keeps apart: whatever is felt at one is felt at
 /// the others.

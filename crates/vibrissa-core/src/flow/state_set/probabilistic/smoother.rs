@@ -50,7 +50,7 @@ const REACH: f64 = 1.1;
 const OTHER_NORMAL: f64 = 0.3;
 /// So many stretches in which readings were left out are kept.
 const MOST_LEFT_OUT: usize = 200;
-/// No more modes are kept beside those that go on.
+/// With more modes than this none are kept for a contact at the log's end that is not explained: each is some kilobytes.
 const MANY_KEPT: usize = 500;
 /// The zero of a sensor whose zero is not known exactly is tared by so many rows, if its readings may be those of a free whisker.
 const TARE_ROWS: usize = 8;
