@@ -1,4 +1,5 @@
-//! Robots that find out where they are by their own motion: planned, random and straight-on motions from the same starts.
+//! Robots that find out where they are by their own motion, from the same starts: planned, planned in hindsight, random, straight on, and
+//! along the wall by touch.
 
 use crate::corners;
 use crate::random_sweep::random::Random;
@@ -8,7 +9,7 @@ use std::time::Instant;
 use vibrissa::Method;
 use vibrissa::plane::{Curve, Pose2, Vec2, wrap_angle};
 use vibrissa::sim::{Pace, SimulateOptions, Stage, SweepNoise};
-use vibrissa::tasks::explore::{Ended, Exploration, ExploreOptions, explore, explore_by};
+use vibrissa::tasks::explore::{Ended, Exploration, ExploreOptions, Strategy, explore_by};
 use vibrissa::tasks::plan::{Motion, PlanOptions};
 use vibrissa::world::{Boundary, Map, MountedWhisker, Robot, Role};
 
@@ -17,9 +18,9 @@ const WRONG: f64 = 0.02;
 /// Links of the simulator's discrete rod.
 const LINKS: usize = 30;
 /// Kinds of rooms.
-const KINDS: [&str; 4] = ["right-angled", "rough", "cluttered", "symmetric"];
+pub(crate) const KINDS: [&str; 4] = ["right-angled", "rough", "cluttered", "symmetric"];
 /// Ways to choose motions.
-pub(crate) const POLICIES: [&str; 3] = ["planned", "random", "straight on"];
+pub(crate) const POLICIES: [&str; 5] = ["planned", "hindsight", "random", "straight on", "wall following"];
 /// Ways to give up after (m).
 const MOST_WAY: f64 = 1.5;
 
@@ -143,17 +144,20 @@ fn run(world: &World, policy: &str, seed: u64) -> vibrissa::Result<Exploration> 
     let noise = SweepNoise::seeded(seed);
     let (stage, begin, method) = (&world.stage, &world.begin, Method::default());
     // Whole answers are slow, and baselines make many motions.
-    let (answer_each, most_motions) = if policy == "planned" { (1, 2 * MOST_MOTIONS) } else { (QUICK, MOST_MOTIONS) };
+    let (answer_each, most_motions) =
+        if policy == "planned" || policy == "hindsight" { (1, 2 * MOST_MOTIONS) } else { (QUICK, MOST_MOTIONS) };
     let options = &ExploreOptions { answer_each, most_motions, ..world.options };
     let mut draw = Random(seed ^ 0x5eed_0fa9_0011);
     match policy {
-        "planned" => explore(stage, begin, &method, &noise, options),
+        "planned" => explore_by(stage, begin, &method, &noise, options, Strategy::Planned),
+        "hindsight" => explore_by(stage, begin, &method, &noise, options, Strategy::Hindsight),
+        "wall following" => explore_by(stage, begin, &method, &noise, options, Strategy::Following(options.follow())),
         "random" => {
             let mut choose = |all: &[Motion], _: f64| {
                 let one = &all[((draw.unit() * all.len() as f64) as usize).min(all.len() - 1)];
                 Some(one.share(draw.between(0.4, 1.0)))
             };
-            explore_by(stage, begin, &method, &noise, options, Some(&mut choose))
+            explore_by(stage, begin, &method, &noise, options, Strategy::Chosen(&mut choose))
         }
         _ => {
             let mut choose = |all: &[Motion], ahead: f64| {
@@ -164,7 +168,7 @@ fn run(world: &World, policy: &str, seed: u64) -> vibrissa::Result<Exploration> 
                 };
                 all.iter().min_by(|a, b| off(a).total_cmp(&off(b))).cloned()
             };
-            explore_by(stage, begin, &method, &noise, options, Some(&mut choose))
+            explore_by(stage, begin, &method, &noise, options, Strategy::Chosen(&mut choose))
         }
     }
 }
@@ -230,7 +234,7 @@ fn begin(map: &Map, robot: &Robot, side: f64, footprint: f64, draw: &mut Random)
     ((0..=10).all(clear) && (0..=20).all(free)).then_some(pair)
 }
 
-fn room(kind: usize, draw: &mut Random) -> Option<Map> {
+pub(crate) fn room(kind: usize, draw: &mut Random) -> Option<Map> {
     match kind {
         0 => {
             // A plain rectangle is symmetric.
@@ -323,7 +327,15 @@ pub(crate) fn report(all: &[Compared]) -> ExitCode {
     }
     table("all but symmetric, any direction", all, &|one| one.kind != 3 && one.sideways);
     table("all but symmetric, ahead only", all, &|one| one.kind != 3 && !one.sideways);
-    let share = table("all but symmetric", all, &|one| one.kind != 3);
+    let means = table("all but symmetric", all, &|one| one.kind != 3);
+    let of = |policy: &str| POLICIES.iter().position(|p| *p == policy).and_then(|k| means.get(k)).copied();
+    let share = of("random").map_or(0.0, |random| means[0] / random);
+    if let (Some(random), Some(hindsight)) = (of("random"), of("hindsight")) {
+        println!(
+            "of the gap between random and hindsight: {:.0} %",
+            100.0 * (random - means[0]) / (random - hindsight)
+        );
+    }
     let bad =
         all.iter().any(|one| one.runs[0].wrong || one.runs[0].collided || one.runs[0].ended == Ended::Inconsistent);
     println!("planned over random: {:.0} % of the way", 100.0 * share);
@@ -333,15 +345,17 @@ pub(crate) fn report(all: &[Compared]) -> ExitCode {
     if bad || share > 0.6 { ExitCode::FAILURE } else { ExitCode::SUCCESS }
 }
 
-/// Rows of one kind of rooms; the mean way of planned motions over that of random ones. A planned run that gives up counts as the longest way,
-/// any other as the way that it went, which is less than it would have needed.
-fn table(name: &str, all: &[Compared], of: &dyn Fn(&Compared) -> bool) -> f64 {
+/// Rows of one kind of rooms; the mean ways. A run that plans, in hindsight or not, and gives up counts as the longest way, any other as the way that it went, which is less than it would have needed.
+fn table(name: &str, all: &[Compared], of: &dyn Fn(&Compared) -> bool) -> Vec<f64> {
     let some: Vec<&Compared> = all.iter().filter(|one| of(one)).collect();
     let mut means = Vec::new();
     for (index, policy) in POLICIES.iter().enumerate() {
         let runs: Vec<&Run> = some.iter().filter_map(|one| one.runs.get(index)).collect();
+        if runs.is_empty() {
+            continue;
+        }
         let count = |ended: Ended| runs.iter().filter(|run| run.ended == ended).count();
-        let is_short = |run: &Run| run.ended != Ended::Localized && index == 0;
+        let is_short = |run: &Run| run.ended != Ended::Localized && index < 2;
         let way = |run: &&Run| if is_short(run) { MOST_WAY } else { run.way };
         let mut ways: Vec<f64> = runs.iter().map(way).collect();
         ways.sort_by(f64::total_cmp);
@@ -365,5 +379,5 @@ fn table(name: &str, all: &[Compared], of: &dyn Fn(&Compared) -> bool) -> f64 {
     }
     let worst = some.iter().map(|one| one.runs[0].hardest).fold(0.0, f64::max);
     println!("| {name} | largest moment over what is gentle: {worst:.2} |");
-    means[0] / means[1]
+    means
 }

@@ -10,6 +10,7 @@
 //!     cargo run --release -p vibrissa-soundness -- --corners 100 --smoother    the same drives by the probabilistic method
 //!     cargo run --release -p vibrissa-soundness -- --corners 100 --forward     how much of these drives the forward model knows
 //!     cargo run --release -p vibrissa-soundness -- --explore 100        robots that find out where they are by their own motion
+//!     cargo run --release -p vibrissa-soundness -- --follow 100         robots that follow walls by touch
 //!     cargo run --release -p vibrissa-soundness -- --worlds 40 --declare 90    bounds told 10 % too small: losses must show
 //!
 //! In every thirtieth world the whisker is tapered, curved at rest or of several wires, half of the time with declared errors of
@@ -19,6 +20,7 @@
 
 mod corners;
 mod exploring;
+mod following;
 mod forward;
 #[path = "../../crates/vibrissa/tests/data/random_sweep.rs"]
 #[allow(dead_code, reason = "the tests use more of it")]
@@ -69,6 +71,8 @@ struct Call {
     forward: bool,
     /// Robots that choose their motions.
     explore: bool,
+    /// Robots that follow walls.
+    follow: bool,
     /// Tells each motion.
     verbose: bool,
     /// How many of the policies: 1 for planned motions alone.
@@ -102,6 +106,7 @@ fn main() -> ExitCode {
         Ok(call) if call.explore => {
             exploring::report(&all_corners(&call, |seed| exploring::compare(seed, call.verbose, call.policies)))
         }
+        Ok(call) if call.follow => following::report(&all_corners(&call, |seed| following::follow(seed, call.verbose))),
         Ok(call) if call.corners && call.forward => forward::report(&all_corners(&call, forward::drive)),
         Ok(call) if call.corners && call.smoother => {
             smoothed::report(&all_corners(&call, |seed| smoothed::drive(seed, call.declared)))
@@ -110,7 +115,7 @@ fn main() -> ExitCode {
         Ok(call) => report(&run(&call), &call),
         Err(message) => {
             eprintln!(
-                "error: {message}\n  --worlds N --corners N --explore N --policies N --verbose --one-place --two-contacts MM --smoother --forward --nightly --rods --quick --first SEED --threads N --replay SEED --declare PERCENT"
+                "error: {message}\n  --worlds N --corners N --explore N --follow N --policies N --verbose --one-place --two-contacts MM --smoother --forward --nightly --rods --quick --first SEED --threads N --replay SEED --declare PERCENT"
             );
             ExitCode::from(2)
         }
@@ -130,6 +135,7 @@ fn parse(mut words: impl Iterator<Item = String>) -> Result<Call, String> {
         smoother: false,
         forward: false,
         explore: false,
+        follow: false,
         verbose: false,
         policies: exploring::POLICIES.len(),
         two_contacts: Some(TWO_CONTACTS),
@@ -148,6 +154,7 @@ fn parse(mut words: impl Iterator<Item = String>) -> Result<Call, String> {
             "--one-place" => call.two_contacts = None,
             "--two-contacts" => call.two_contacts = Some(number()? as f64 * 1e-3),
             "--explore" => (call.explore, call.worlds) = (true, number()? as usize),
+            "--follow" => (call.follow, call.worlds) = (true, number()? as usize),
             "--verbose" => call.verbose = true,
             "--policies" => call.policies = number()?.max(1) as usize,
             "--corners" => (call.corners, call.worlds) = (true, number()? as usize),

@@ -3,6 +3,7 @@
 // A test helper that fails fails its test, and numbers that went through text unchanged are equal.
 #![allow(clippy::unwrap_used, clippy::float_cmp)]
 
+#[path = "common/mod.rs"]
 mod common;
 
 #[path = "../../vibrissa/tests/data/shared.rs"]

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test helper that fails fails its test")]
 
+#[path = "common/mod.rs"]
 mod common;
 
 use common::{folder, vibrissa};

@@ -4,6 +4,7 @@
 #![cfg(feature = "pictures")]
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on must fail")]
 
+#[path = "common/mod.rs"]
 mod common;
 
 use common::{folder as empty, vibrissa};

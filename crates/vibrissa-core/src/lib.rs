@@ -14,6 +14,7 @@
 
 pub mod config;
 pub mod contact;
+pub mod control;
 pub mod flow;
 pub mod localizer;
 mod stop;

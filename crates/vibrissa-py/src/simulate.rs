@@ -21,7 +21,7 @@ use vibrissa::world::MomentNoise;
 /// A scenario: map, robot, path and errors, ready to be simulated.
 #[pyclass(frozen, module = "vibrissa", name = "Scenario")]
 #[derive(Debug)]
-pub(crate) struct PyScenario(Arc<Scenario>);
+pub(crate) struct PyScenario(pub(crate) Arc<Scenario>);
 
 #[pymethods]
 impl PyScenario {

@@ -68,8 +68,8 @@ pub use vibrissa_core::flow::sensor_log::SensorLog;
 pub use vibrissa_core::localizer::{Estimator, Localizer, Method};
 pub use vibrissa_core::world::{Map, Robot};
 pub use vibrissa_core::{
-    Error, Result, Stop, WorkBudget, beam, config, contact, error, flow, linear_algebra, localizer, plane, sensing,
-    sets, world,
+    Error, Result, Stop, WorkBudget, beam, config, contact, control, error, flow, linear_algebra, localizer, plane,
+    sensing, sets, world,
 };
 pub use vibrissa_figure as figure;
 pub use vibrissa_io as io;

@@ -31,7 +31,7 @@ const ROOMS: &[(&str, &[&str])] = &[
         "crates/vibrissa-head",
         &["packet", "calibration", "unwrap", "bus", "command", "frame", "chip", "head", "simulated"],
     ),
-    ("crates/vibrissa-core", &["stop", "work_budget", "config", "world", "contact", "flow", "localizer"]),
+    ("crates/vibrissa-core", &["stop", "work_budget", "config", "world", "contact", "flow", "localizer", "control"]),
     (
         "crates/vibrissa-io",
         &[
@@ -213,6 +213,25 @@ fn the_crates_depend_on_each_other_as_planned() {
         dependencies("[dependencies]\nvibrissa-io = { workspace = true }\n[dev-dependencies]\nvibrissa = 1"),
         ["vibrissa-io"]
     );
+}
+
+#[test]
+fn every_file_of_tests_is_run() {
+    for crate_name in ["vibrissa-beam", "vibrissa", "vibrissa-cli"] {
+        let folder = root().join("crates").join(crate_name);
+        let manifest = fs::read_to_string(folder.join("Cargo.toml")).unwrap();
+        let roots: Vec<String> = manifest
+            .split("[[test]]")
+            .skip(1)
+            .filter_map(|part| part.split('"').nth(1))
+            .map(|name| fs::read_to_string(folder.join("tests").join(format!("{name}.rs"))).unwrap() + name)
+            .collect();
+        for file in fs::read_dir(folder.join("tests")).unwrap().map(|entry| entry.unwrap().path()) {
+            let name = file.file_stem().unwrap().to_str().unwrap().to_owned();
+            let listed = |text: &String| text.ends_with(&name) || text.contains(&format!("\nmod {name};\n"));
+            assert!(file.is_dir() || roots.iter().any(listed), "{crate_name}: no root in tests/ says `mod {name};`");
+        }
+    }
 }
 
 #[test]

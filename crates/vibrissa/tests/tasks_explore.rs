@@ -6,7 +6,7 @@ use vibrissa::Method;
 use vibrissa::flow::pose::Status;
 use vibrissa::plane::{Curve, Pose2, Vec2};
 use vibrissa::sim::{SimulateOptions, Stage, SweepNoise};
-use vibrissa::tasks::explore::{Ended, Exploration, ExploreOptions, explore, explore_by};
+use vibrissa::tasks::explore::{Ended, Exploration, ExploreOptions, Strategy, explore, explore_by};
 use vibrissa::tasks::plan::PlanOptions;
 use vibrissa::world::{Boundary, Map, MountedWhisker, Robot, Role};
 
@@ -77,8 +77,15 @@ fn other_choices_are_obeyed_and_limits_end_them() {
         all.first().map(|motion| motion.share(0.5))
     };
     let options = ExploreOptions { most_motions: 3, ..options() };
-    let found =
-        explore_by(&stage, &begin(), &Method::default(), &SweepNoise::seeded(1), &options, Some(&mut first)).unwrap();
+    let found = explore_by(
+        &stage,
+        &begin(),
+        &Method::default(),
+        &SweepNoise::seeded(1),
+        &options,
+        Strategy::Chosen(&mut first),
+    )
+    .unwrap();
     assert_eq!((found.ended, found.motions.len(), asked), (Ended::GaveUp, 3, 3));
     assert!(found.motions.iter().all(|made| made.plan.is_none() && made.name == "along the wall"));
 }

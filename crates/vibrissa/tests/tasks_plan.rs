@@ -93,7 +93,7 @@ fn a_motion_that_parts_two_places_is_felt_otherwise_at_each() {
     let next = plan.next.as_ref().unwrap();
     assert_eq!(next.places, [1, 1], "{}", plan.words());
     assert!((next.information - core::f64::consts::LN_2).abs() < 1e-9 && plan.extent[0] > 0.1 && next.extent[0] < 1e-9);
-    assert!(next.motion.way() <= options().longest + 0.1 && plan.words().contains("parts 2 places into 1"));
+    assert!(next.motion.way() <= options().longest + 0.1 && plan.words().contains("parts all 2 places"));
     // By the simulator: its readings differ by more than twice the noise at several rows.
     let [one, other] = [0, 1].map(|k| felt(&map, &states[k], &next.motion, &next.stop_at));
     let noise = robot().whiskers[0].noise;

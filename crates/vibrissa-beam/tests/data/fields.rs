@@ -1,7 +1,7 @@
 //! Tip fields for tests: one of every kind of whisker.
 #![allow(dead_code, reason = "not every test asks for all of it")]
 
-use crate::random::Random;
+use super::random::Random;
 use std::sync::LazyLock;
 use vibrissa_beam::beam::field::{TipField, TipState};
 use vibrissa_beam::beam::{Rod, Segment, Whisker};

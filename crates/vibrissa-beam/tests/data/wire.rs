@@ -1,8 +1,8 @@
 //! Rods for tests: random whiskers and loads, and the physics of a rod told to an oracle.
 #![allow(dead_code, reason = "not every test asks for all of it")]
 
-use crate::extrapolation::integrate;
-use crate::random::Random;
+use super::extrapolation::integrate;
+use super::random::Random;
 use std::f64::consts::PI;
 use vibrissa_beam::beam::{Bend, Load, Whisker};
 use vibrissa_beam::plane::Vec2;

@@ -3,23 +3,24 @@
 use super::localize::{MethodArgs, outlines};
 use super::plan::{LimitArgs, check_robot, map_lines, named, value};
 use crate::output::{OutputArgs, print, progress, warn, write_all};
+use clap::ValueEnum;
 use serde_json::json;
 use std::fmt::Write;
 use std::path::PathBuf;
-use vibrissa::figure::{Geometry, scene_figure, wrapped};
+use vibrissa::figure::{FilmFrame, Geometry, LocalizationScene, Outline, localization_film, scene_figure, wrapped};
 use vibrissa::io::format_tum;
 use vibrissa::io::log::to_csv;
 use vibrissa::plane::{Pose2, Vec2};
 use vibrissa::sim::{Scenario, SimulateOptions, Stage, SweepNoise};
-use vibrissa::tasks::explore::{Ended, Exploration, ExploreOptions, explore};
-use vibrissa::{Error, Result};
+use vibrissa::tasks::explore::{Ended, Exploration, ExploreOptions, Strategy, beginning, explore_by};
+use vibrissa::{Error, Localizer, Method, Result};
 
 /// Let a simulated robot find out where it is by its own motion.
 ///
 /// Map, robot and the first motion are those of the scenario; from then on the robot does what `plan` tells it, until it knows where it
 /// is, or that no motion can tell. Its readings have the noise that the robot declares; other errors of the scenario are left out.
 ///
-/// With --out DIR: log.csv, truth.tum, explore.json and the figure explore.svg.
+/// With --out DIR: log.csv, truth.tum, explore.json and the figure explore.svg; with --animate the film explore.html.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// The scenario (.toml)
@@ -33,6 +34,12 @@ pub(crate) struct Args {
     /// The seed of the noise
     #[arg(long, value_name = "N", default_value_t = vibrissa::config::defaults::SEED)]
     seed: u64,
+    /// How the robot chooses its motions
+    #[arg(long, value_enum, default_value_t)]
+    strategy: Choice,
+    /// Also write explore.html: a film of the states that explain what was felt so far
+    #[arg(long, requires = "out")]
+    animate: bool,
     #[command(flatten)]
     limits: LimitArgs,
     #[command(flatten)]
@@ -40,6 +47,27 @@ pub(crate) struct Args {
     #[command(flatten)]
     output: OutputArgs,
 }
+
+#[derive(Clone, Copy, Debug, Default, ValueEnum)]
+enum Choice {
+    /// As `plan` tells it
+    #[default]
+    Planned,
+    /// Along the wall by touch, without a plan
+    Wall,
+}
+
+impl Choice {
+    fn strategy(self, options: &ExploreOptions) -> Strategy<'static> {
+        match self {
+            Self::Planned => Strategy::Planned,
+            Self::Wall => Strategy::Following(options.follow()),
+        }
+    }
+}
+
+/// Frames of a film.
+const FRAMES: usize = 100;
 
 /// Runs the command.
 pub(crate) fn run(args: &Args) -> Result<()> {
@@ -53,11 +81,12 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     let options = ExploreOptions { plan: args.limits.options()?, most_way, ..ExploreOptions::default() };
     let scenario = Scenario::read(&args.scenario)?;
     check_robot(&scenario.robot, &scenario.map)?;
-    let begin = beginning(&scenario, quantity("--begin", &args.begin, Length)?);
+    let begin = beginning(&scenario.path, quantity("--begin", &args.begin, Length)?);
     let map = outlines(&scenario.map);
     let stage = Stage::new(scenario.map, scenario.robot, SimulateOptions::default())?;
     progress::phase("exploring");
-    let found = explore(&stage, &begin, args.method.method(), &SweepNoise::seeded(args.seed), &options)?;
+    let strategy = args.strategy.strategy(&options);
+    let found = explore_by(&stage, &begin, args.method.method(), &SweepNoise::seeded(args.seed), &options, strategy)?;
     progress::phase("writing");
     if found.collided {
         warn("the robot or a whisker's base came to a boundary");
@@ -65,29 +94,35 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     let words = words(&found);
     let json = as_json(&found, &words);
     if let Some(to) = args.output.destination() {
-        let files = [
+        let mut files = vec![
             ("log.csv", to_csv(&found.log)),
             ("truth.tum", format_tum(&found.truth)),
             ("explore.json", json.clone()),
             ("explore.svg", figure(&map, &found, &words)),
         ];
+        if args.animate {
+            files.push(("explore.html", film(&stage, args.method.method(), &map, &found)?));
+        }
         write_all(to, &files)?;
     }
     print(&if args.output.json { json } else { text(&found, &words) })
 }
 
-/// The poses of the scenario's path up to so much way.
-fn beginning(scenario: &Scenario, most: f64) -> Vec<Pose2> {
-    let mut gone = 0.0;
-    let mut poses: Vec<Pose2> = Vec::new();
-    for pose in scenario.path.iter().map(|pose| pose.map_from_robot) {
-        gone += poses.last().map_or(0.0, |last| last.position().distance(pose.position()));
-        poses.push(pose);
-        if gone >= most {
-            break;
+/// The states that explain each row so far, beside the way as the whole log tells it.
+fn film(stage: &Stage, method: &Method, map: &[Outline], found: &Exploration) -> Result<String> {
+    let mut localizer = Localizer::new(stage.map(), stage.robot(), &stage.channels(), method)?;
+    let rows = &found.log.rows;
+    let every = rows.len().div_ceil(FRAMES).max(1);
+    let mut frames = Vec::new();
+    for (index, row) in rows.iter().enumerate() {
+        localizer.step(row)?;
+        if index % every == 0 || index + 1 == rows.len() {
+            frames.push(FilmFrame { t: row.t, states: localizer.states_now() });
         }
     }
-    poses
+    let title = "A robot finds out where it is";
+    let scene = LocalizationScene { title, map, answer: &found.answer, truth: Some(&found.truth), robot: &[] };
+    Ok(localization_film(&scene, &frames))
 }
 
 fn words(found: &Exploration) -> String {
@@ -105,17 +140,6 @@ fn words(found: &Exploration) -> String {
         Ended::GaveUp => format!("gave up {by} with {} places left", found.answer.hypotheses.len()),
         Ended::Confined => format!("no motion is free of collision and gentle at all places that are left, {by}"),
         Ended::NoPlace => "the first motion tells no place; begin with a longer touch (--begin)".to_owned(),
-    }
-}
-
-fn ended(found: &Exploration) -> &'static str {
-    match found.ended {
-        Ended::Localized => "localized",
-        Ended::Symmetric => "symmetric",
-        Ended::Inconsistent => "inconsistent",
-        Ended::GaveUp => "gave_up",
-        Ended::Confined => "confined",
-        Ended::NoPlace => "no_place",
     }
 }
 
@@ -145,7 +169,7 @@ fn as_json(found: &Exploration, words: &str) -> String {
         })
         .collect();
     let value = json!({
-        "ended": ended(found),
+        "ended": found.ended.as_str(),
         "words": words,
         "way": found.way,
         "turn": found.turn,
@@ -158,7 +182,7 @@ fn as_json(found: &Exploration, words: &str) -> String {
     format!("{value:#}\n")
 }
 
-fn figure(map: &[vibrissa::figure::Outline], found: &Exploration, words: &str) -> String {
+fn figure(map: &[Outline], found: &Exploration, words: &str) -> String {
     let mut layers = map_lines(map);
     let first = found.motions.first().map_or(found.truth.len(), |made| made.row);
     let line = |rows: &[vibrissa::flow::pose::StampedPose]| -> Vec<Vec<Vec2>> {

@@ -10,6 +10,7 @@ pub mod limits;
 mod possibilistic;
 mod probabilistic;
 mod setting;
+pub mod wall_following;
 
 pub use calibration::{CurveOptions, StaircaseOptions, TapOptions};
 pub use contact::{ContactOptions, ProfileOptions};

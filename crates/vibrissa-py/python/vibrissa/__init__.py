@@ -43,6 +43,7 @@ from ._localize import (
 )
 from ._localizer import Estimate, Localizer
 from ._methods import Deterministic, Possibilistic, Probabilistic
+from ._plan import Exploration, MadeMotion, Motion, Plan, explore, plan
 from ._readings import ContactCurves, ContactSets, Meeting, Preimage, Reading, contact_set, preimage
 from ._robot import MountedWhisker, Robot, Segment, Whisker
 from ._simulate import Simulation, Touches, simulate, sweep, waypoints
@@ -68,20 +69,24 @@ __all__ = [
     "Error",
     "Estimate",
     "Event",
+    "Exploration",
     "FilteredContacts",
     "Hypothesis",
     "Load",
     "Localization",
     "Localizer",
+    "MadeMotion",
     "Map",
     "Meeting",
     "Method",
     "Misfit",
     "MissingFileError",
+    "Motion",
     "MountedWhisker",
     "Nuisance",
     "OdometryEstimate",
     "Outline",
+    "Plan",
     "Possibilistic",
     "Preimage",
     "Probabilistic",
@@ -110,9 +115,11 @@ __all__ = [
     "contact_in_space",
     "contact_set",
     "demo",
+    "explore",
     "force_mode",
     "localize",
     "moment_mode",
+    "plan",
     "point_mode",
     "preimage",
     "profile",

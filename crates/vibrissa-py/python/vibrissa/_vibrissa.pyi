@@ -376,6 +376,16 @@ def contact(log: SensorLog, robot: Robot, spacing: float | None) -> dict[str, An
 def contact_in_space(log: SensorLog, robot: Robot, spacing: float | None) -> dict[str, Any]: ...
 def contact_set(readings: Sequence[Any], robot: Robot, model: Any) -> dict[str, Any]: ...
 def demo_sweep(seed: int) -> tuple[SensorLog, dict[str, Any]]: ...
+def explore(
+    scenario: Scenario,
+    begin: float,
+    most_way: float,
+    seed: int,
+    strategy: str,
+    method: str,
+    options: dict[str, Any],
+    limits: dict[str, Any],
+) -> tuple[SensorLog, dict[str, Any]]: ...
 def find_taps(
     path: _Path, calibration: Calibration, word: str | None, reference: str | None
 ) -> dict[str, Any]: ...
@@ -392,6 +402,9 @@ def methods() -> list[str]: ...
 def path(
     waypoints: Floats, speed: float | None, turn_rate: float | None, rate: float | None
 ) -> _Poses: ...
+def plan(
+    log: SensorLog, map: Map, robot: Robot, method: str, options: dict[str, Any], limits: dict[str, Any]
+) -> dict[str, Any]: ...
 def preimage(
     map: Map,
     readings: Sequence[Any],

@@ -14,7 +14,7 @@ use std::path::PathBuf;
 use vibrissa::flow::pose::Hypothesis;
 use vibrissa::io::log::foreign::Format;
 use vibrissa::plane::Pose2;
-use vibrissa::tasks::plan::{Past, Plan, PlanOptions, PlanVerdict, plan, plan_from, remaining};
+use vibrissa::tasks::plan::{Past, Plan, PlanOptions, plan, plan_from, remaining};
 use vibrissa::world::{Map, Robot};
 use vibrissa::{Error, Result};
 
@@ -77,17 +77,6 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     print(&if args.output.json { json } else { text(&plan, &hypotheses, &options) })
 }
 
-/// The word for a verdict, in files.
-pub(super) fn word(verdict: PlanVerdict) -> &'static str {
-    match verdict {
-        PlanVerdict::Parts => "parts",
-        PlanVerdict::Alike => "alike",
-        PlanVerdict::Known => "known",
-        PlanVerdict::Symmetric => "symmetric",
-        PlanVerdict::Confined => "confined",
-    }
-}
-
 fn text(plan: &Plan, hypotheses: &[Hypothesis], options: &PlanOptions) -> String {
     let mut text = format!("{}\n", plan.words());
     if let Some(next) = &plan.next {
@@ -123,7 +112,7 @@ pub(super) fn value(plan: &Plan) -> Value {
         })
     });
     json!({
-        "verdict": word(plan.verdict),
+        "verdict": plan.verdict.as_str(),
         "words": plan.words(),
         "next": next,
         "places": plan.places,

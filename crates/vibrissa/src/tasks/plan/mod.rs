@@ -23,6 +23,7 @@ pub use options::{Criterion, PlanOptions};
 pub use past::{Past, history, plan_from};
 pub use states::{RemainingState, remaining};
 
+use crate::plane::Pose2;
 use crate::world::{Map, Robot};
 use crate::{Error, Result};
 use predict::{Felt, Predictor, Rollout};
@@ -64,6 +65,20 @@ pub enum PlanVerdict {
     Confined,
 }
 
+impl PlanVerdict {
+    /// The word for it: `parts`, `alike`, `known`, `symmetric` or `confined`.
+    #[must_use]
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Parts => "parts",
+            Self::Alike => "alike",
+            Self::Known => "known",
+            Self::Symmetric => "symmetric",
+            Self::Confined => "confined",
+        }
+    }
+}
+
 /// The answer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
@@ -101,13 +116,14 @@ impl Plan {
         }
         let [least, most] = next.places;
         let into = if least == most { format!("{most}") } else { format!("{least} to {most}") };
-        let places = if self.places == 1 { "place" } else { "places" };
+        let what = match self.places {
+            1 => "narrows the place".to_owned(),
+            places if most == 1 => format!("parts all {places} places"),
+            places if least == places => format!("narrows the {places} places without parting them"),
+            places => format!("parts {places} places into {into}, worst case {most}"),
+        };
         let [from, to] = [self.extent[0], next.extent[0]].map(|m| 1e3 * m);
-        format!(
-            "{}: parts {} {places} into {into}, worst case {most}; extent {from:.0} to {to:.0} mm; {way}",
-            next.motion.name(),
-            self.places
-        )
+        format!("{}: {what}; extent {from:.0} to {to:.0} mm; {way}", next.motion.name())
     }
 }
 
@@ -133,13 +149,41 @@ pub fn plan(
     past: &Past<'_>,
     options: &PlanOptions,
 ) -> Result<Plan> {
+    plan_by(map, robot, states, past, options, None)
+}
+
+/// As [`plan`], by one who knows where the robot is: what a motion brings is what it brings if that is the truth. No robot can do so; it is what
+/// plans are compared with.
+///
+/// # Errors
+///
+/// As [`plan`].
+pub fn plan_knowing(
+    map: &Map,
+    robot: &Robot,
+    states: &[RemainingState],
+    past: &Past<'_>,
+    options: &PlanOptions,
+    truth: Pose2,
+) -> Result<Plan> {
+    plan_by(map, robot, states, past, options, Some(truth))
+}
+
+fn plan_by(
+    map: &Map,
+    robot: &Robot,
+    states: &[RemainingState],
+    past: &Past<'_>,
+    options: &PlanOptions,
+    truth: Option<Pose2>,
+) -> Result<Plan> {
     options.check()?;
     robot.require_level("plan")?;
     check(states)?;
     let states = &states::possible(map, robot, states, options.footprint)[..];
     let mut predictor = Predictor::new(map, robot, states, past, options)?;
     let stop_at = predictor.stop_at().to_vec();
-    let table = Table::new(states, options.criterion);
+    let table = Table::new(states, options.criterion, truth);
     let together = table.together();
     let before = table.judge(&together);
     let (mut found, looked_at) = first(&mut predictor, &table, &together, candidates::all(map, robot, states, options));

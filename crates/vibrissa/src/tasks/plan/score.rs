@@ -2,7 +2,7 @@
 
 use super::predict::{At, Felt};
 use super::{Criterion, RemainingState};
-use crate::plane::wrap_angle;
+use crate::plane::{Pose2, wrap_angle};
 
 /// What a radian of turn counts as way (m), and what each motion costs besides (m): it has to be thought about.
 const TURN: f64 = 0.01;
@@ -21,6 +21,8 @@ pub(super) struct Table<'a> {
     states: &'a [RemainingState],
     distances: Vec<Vec<f64>>,
     weights: Vec<f64>,
+    /// How likely each state is the true one: as its weight, but for one who knows.
+    chances: Vec<f64>,
     criterion: Criterion,
 }
 
@@ -50,15 +52,20 @@ impl Worth {
 }
 
 impl<'a> Table<'a> {
-    pub(super) fn new(states: &'a [RemainingState], criterion: Criterion) -> Self {
-        let off = |a: &RemainingState, b: &RemainingState| {
-            a.pose.position().distance(b.pose.position()) + RADIAN * wrap_angle(a.pose.theta - b.pose.theta).abs()
-        };
-        let distances = states.iter().map(|a| states.iter().map(|b| off(a, b)).collect()).collect();
+    pub(super) fn new(states: &'a [RemainingState], criterion: Criterion, truth: Option<Pose2>) -> Self {
+        let off =
+            |a: Pose2, b: Pose2| a.position().distance(b.position()) + RADIAN * wrap_angle(a.theta - b.theta).abs();
+        let distances = states.iter().map(|a| states.iter().map(|b| off(a.pose, b.pose)).collect()).collect();
         let sum: f64 = states.iter().map(|s| s.weight).sum();
         let even = 1.0 / states.len().max(1) as f64;
-        let weights = states.iter().map(|s| if sum > 0.0 { s.weight / sum } else { even }).collect();
-        Self { states, distances, weights, criterion }
+        let weights: Vec<f64> = states.iter().map(|s| if sum > 0.0 { s.weight / sum } else { even }).collect();
+        let known = |truth: Pose2| {
+            let nearest =
+                (0..states.len()).min_by(|&i, &j| off(states[i].pose, truth).total_cmp(&off(states[j].pose, truth)));
+            (0..states.len()).map(|i| f64::from(u8::from(Some(i) == nearest))).collect()
+        };
+        let chances = truth.map_or_else(|| weights.clone(), known);
+        Self { states, distances, weights, chances, criterion }
     }
 
     pub(super) fn together(&self) -> Alike {
@@ -115,7 +122,7 @@ impl<'a> Table<'a> {
     }
 
     fn over_states(&self, values: &[f64]) -> f64 {
-        values.iter().zip(&self.weights).map(|(value, weight)| value * weight).sum()
+        values.iter().zip(&self.chances).map(|(value, chance)| value * chance).sum()
     }
 
     /// For each state how much is left open with those that are alike: the logarithm of their weight, or of their extent at worst.
@@ -166,9 +173,9 @@ impl<'a> Table<'a> {
     pub(super) fn deep(&self, first: &Worth, seconds: &[Worth]) -> f64 {
         let (mut gain, mut cost) = (0.0, 0.0);
         for (i, row) in first.alike.iter().enumerate() {
-            let weight: f64 = row.iter().zip(&self.weights).filter(|(alike, _)| **alike).map(|(_, w)| w).sum();
+            let weight: f64 = row.iter().zip(&self.chances).filter(|(alike, _)| **alike).map(|(_, w)| w).sum();
             let mean = |second: &Worth| {
-                let own = row.iter().zip(&self.weights).zip(&second.gains).filter(|((alike, _), _)| **alike);
+                let own = row.iter().zip(&self.chances).zip(&second.gains).filter(|((alike, _), _)| **alike);
                 own.map(|((_, w), gain)| w * gain).sum::<f64>() / weight.max(f64::MIN_POSITIVE)
             };
             let options = seconds.iter().map(|second| (mean(second), second.cost));
@@ -176,8 +183,8 @@ impl<'a> Table<'a> {
                 let rate = |(more, way): (f64, f64)| (first.gain + more) / (first.cost + way);
                 if rate(one) > rate(best) { one } else { best }
             });
-            gain += self.weights[i] * best.0;
-            cost += self.weights[i] * best.1;
+            gain += self.chances[i] * best.0;
+            cost += self.chances[i] * best.1;
         }
         (first.gain + gain) / (first.cost + cost)
     }

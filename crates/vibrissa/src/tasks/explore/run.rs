@@ -1,15 +1,19 @@
-//! The closed loop: a simulated robot that localizes itself by its own motion, and stops when it knows where it is.
+//! The robot on its way: rows, what is known at each, and the next motion.
 
-use super::localize;
-use super::plan::{Motion, Past, Plan, PlanOptions, PlanVerdict, RemainingState, admissible, history, plan, remaining};
+use super::{Ended, Exploration, ExploreOptions, Made, Strategy};
+use crate::Result;
+use crate::control::{FollowState, WallFollower};
 use crate::flow::pose::{Event, Hypothesis, Localization, StampedPose, Status};
 use crate::flow::sensor_log::SensorLog;
 use crate::localizer::{Localizer, Method};
-use crate::plane::{Pose2, Vec2, wrap_angle};
+use crate::plane::{Pose2, Twist2, Vec2, wrap_angle};
 use crate::sim::recorder::TrueErrors;
-use crate::sim::{Drive, Pace, Stage, SweepNoise, path_through};
+use crate::sim::{Drive, Stage, SweepNoise, path_through};
+use crate::tasks::localize;
+use crate::tasks::plan::{
+    Motion, Past, Plan, PlanVerdict, RemainingState, admissible, history, plan, plan_knowing, remaining,
+};
 use crate::world::MountedWhisker;
-use crate::{Error, Result};
 
 /// How often on the way (m, rad) the robot asks whether it knows where it is.
 const ASK: f64 = 0.01;
@@ -18,6 +22,8 @@ const ASK_TURN: f64 = 0.2;
 const STUCK: usize = 3;
 /// A whisker that is bent by this share of what is gentle is let go first.
 const PRESSED: f64 = 0.9;
+/// Turn after which a way along the wall ends in any case (rad).
+const MOST_TURN: f64 = 7.0;
 /// How far a robot goes back the way it came where nothing else is admissible (m), and how often on end.
 const BACK: f64 = 0.05;
 const MOST_BACK: usize = 3;
@@ -27,139 +33,8 @@ const UNSURE: f64 = 0.03;
 const SHORTEST: f64 = 0.02;
 const SHORTEST_TURN: f64 = 0.2;
 
-/// Chooses a motion of one's own, of those that are admissible; `ahead` is where the robot went last (rad, robot frame).
-pub type Choose<'a> = dyn FnMut(&[Motion], f64) -> Option<Motion> + 'a;
-
-/// How a robot explores.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ExploreOptions {
-    /// What it can do.
-    pub plan: PlanOptions,
-    /// Speed, turning rate and rows a second.
-    pub pace: Pace,
-    /// The way (m) after which it gives up.
-    pub most_way: f64,
-    /// The motions after which it gives up.
-    pub most_motions: usize,
-    /// The whole answer, with ridges, is asked for after so many motions; in between what the estimator tells has to do, which
-    /// is quicker, but collisions are then ruled out less surely.
-    pub answer_each: usize,
-}
-
-impl Default for ExploreOptions {
-    fn default() -> Self {
-        Self {
-            plan: PlanOptions::default(),
-            pace: Pace { speed: 0.1, turn_rate: 1.0, rate: 50.0 },
-            most_way: 2.0,
-            most_motions: 40,
-            answer_each: 1,
-        }
-    }
-}
-
-/// Why an exploration ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Ended {
-    /// The robot knows where it is.
-    Localized,
-    /// No motion tells the places apart: the map is symmetric.
-    Symmetric,
-    /// Nothing on this map explains what was felt.
-    Inconsistent,
-    /// Way or motions are used up.
-    GaveUp,
-    /// Nothing is free of collision and gentle at all places that are left.
-    Confined,
-    /// The first motion did not tell any place.
-    NoPlace,
-}
-
-/// A motion that was made.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Made {
-    /// Its plan, where it was planned.
-    pub plan: Option<Plan>,
-    /// What kind of motion.
-    pub name: &'static str,
-    /// The places before it, map frame, and their weights.
-    pub places: Vec<(Pose2, f64)>,
-    /// The row with which it began.
-    pub row: usize,
-    /// Whether a whisker ended it.
-    pub stopped: bool,
-}
-
-/// What became of a robot.
-#[derive(Clone, Debug)]
-pub struct Exploration {
-    /// Why it ended.
-    pub ended: Ended,
-    /// What it knows at the end.
-    pub answer: Localization,
-    /// Way (m) and turn (rad) after the first motion.
-    pub way: f64,
-    /// As above.
-    pub turn: f64,
-    /// The motions after the first.
-    pub motions: Vec<Made>,
-    /// What it recorded.
-    pub log: SensorLog,
-    /// Where it was, row by row.
-    pub truth: Vec<StampedPose>,
-    /// Whether footprint or a whisker's base came to a boundary.
-    pub collided: bool,
-    /// The largest moment at a whisker's base after the first motion, over what is gentle.
-    pub hardest: f64,
-    /// What happened to the whiskers.
-    pub events: Vec<Event>,
-}
-
-/// Lets a robot go along `begin` (map frame), at least two waypoints, and then on by its own motions until it knows where it is.
-///
-/// Whiskers must be free at the first waypoint. The same arguments give the same answer.
-///
-/// # Errors
-///
-/// Options out of range, a start that touches, and robots that [`plan`] or the method do not take.
-pub fn explore(
-    stage: &Stage,
-    begin: &[Pose2],
-    method: &Method,
-    noise: &SweepNoise,
-    options: &ExploreOptions,
-) -> Result<Exploration> {
-    explore_by(stage, begin, method, noise, options, None)
-}
-
-/// As [`explore`], with motions that somebody else chooses among the admissible ones, to compare with.
-///
-/// # Errors
-///
-/// As [`explore`].
-pub fn explore_by(
-    stage: &Stage,
-    begin: &[Pose2],
-    method: &Method,
-    noise: &SweepNoise,
-    options: &ExploreOptions,
-    choose: Option<&mut Choose<'_>>,
-) -> Result<Exploration> {
-    options.plan.check()?;
-    let path = path_through(begin, &options.pace)?;
-    let Some(&first) = path.first() else { return Err(Error::usage("the first motion holds no pose")) };
-    let mut under = Under::new(stage, first, method, noise, options)?;
-    for pose in &path[1..] {
-        under.advance(*pose)?;
-    }
-    let log = SensorLog { channels: stage.channels(), ..SensorLog::default() };
-    (under.way, under.turn, under.hardest) = (0.0, 0.0, 0.0);
-    under.log = SensorLog { rows: core::mem::take(&mut under.log.rows), ..log };
-    under.run(choose)
-}
-
 /// A robot on its way.
-struct Under<'a> {
+pub(super) struct Under<'a> {
     stage: &'a Stage,
     options: &'a ExploreOptions,
     method: &'a Method,
@@ -180,7 +55,7 @@ struct Under<'a> {
 }
 
 impl<'a> Under<'a> {
-    fn new(
+    pub(super) fn new(
         stage: &'a Stage,
         first: StampedPose,
         method: &'a Method,
@@ -252,7 +127,21 @@ impl<'a> Under<'a> {
         Ok((answer.status, answer.hypotheses))
     }
 
-    fn run(mut self, mut choose: Option<&mut Choose<'_>>) -> Result<Exploration> {
+    /// The first motion, which nobody chooses.
+    pub(super) fn begin(&mut self, path: &[StampedPose]) -> Result<()> {
+        for pose in path {
+            self.advance(*pose)?;
+        }
+        self.log.channels = self.stage.channels();
+        (self.way, self.turn, self.hardest) = (0.0, 0.0, 0.0);
+        Ok(())
+    }
+
+    pub(super) fn run(mut self, mut strategy: Strategy<'_>) -> Result<Exploration> {
+        let mut follower = match &strategy {
+            Strategy::Following(options) => Some(WallFollower::new(self.stage.robot(), options)?),
+            _ => None,
+        };
         loop {
             let (status, places) = self.known()?;
             let ended = match status {
@@ -262,7 +151,10 @@ impl<'a> Under<'a> {
                 _ if self.way > self.options.most_way || self.motions.len() >= self.options.most_motions => {
                     Some(Ended::GaveUp)
                 }
-                _ => self.motion(&places, choose.as_deref_mut())?,
+                _ => match &mut follower {
+                    Some(follower) => self.follow(follower, &places)?,
+                    None => self.motion(&places, &mut strategy)?,
+                },
             };
             if let Some(ended) = ended {
                 let answer = self.answer()?;
@@ -287,16 +179,16 @@ impl<'a> Under<'a> {
     }
 
     /// One motion, or why there is none.
-    fn motion(&mut self, known: &[Hypothesis], choose: Option<&mut Choose<'_>>) -> Result<Option<Ended>> {
+    fn motion(&mut self, known: &[Hypothesis], strategy: &mut Strategy<'_>) -> Result<Option<Ended>> {
         if self.is_pressed() && self.backs < MOST_BACK {
             return self.go_back(known);
         }
         let states = remaining(known, self.options.plan.states);
-        let (motion, stop_at, plan) = if let Some(choose) = choose {
+        let (motion, stop_at, plan) = if let Strategy::Chosen(choose) = strategy {
             let (all, stop_at) = self.admissible(&states)?;
             (if all.is_empty() { None } else { choose(&all, self.ahead()) }, stop_at, None)
         } else {
-            let plan = self.plan(&states)?;
+            let plan = self.plan(&states, matches!(strategy, Strategy::Hindsight))?;
             match plan.verdict {
                 PlanVerdict::Symmetric => return Ok(Some(Ended::Symmetric)),
                 PlanVerdict::Known | PlanVerdict::Parts
@@ -365,17 +257,48 @@ impl<'a> Under<'a> {
             if sizes.iter().zip(stop_at).any(|(size, most)| size >= most) {
                 return Ok(true);
             }
-            if self.way - self.asked[0] > ASK || self.turn - self.asked[1] > ASK_TURN {
-                self.asked = [self.way, self.turn];
-                if self.localizer.estimate().status == Status::Localized {
-                    if self.answer()?.status == Status::Localized {
-                        return Ok(false);
-                    }
-                    self.asked[0] += UNSURE;
-                }
+            if self.is_localized()? {
+                return Ok(false);
             }
         }
         Ok(false)
+    }
+
+    /// Whether the robot knows where it is, if it is time to ask.
+    fn is_localized(&mut self) -> Result<bool> {
+        if self.way - self.asked[0] <= ASK && self.turn - self.asked[1] <= ASK_TURN {
+            return Ok(false);
+        }
+        self.asked = [self.way, self.turn];
+        if self.localizer.estimate().status != Status::Localized {
+            return Ok(false);
+        }
+        if self.answer()?.status == Status::Localized {
+            return Ok(true);
+        }
+        self.asked[0] += UNSURE;
+        Ok(false)
+    }
+
+    /// Follows the wall as far as the longest motion, or until the robot knows where it is.
+    fn follow(&mut self, follower: &mut WallFollower, known: &[Hypothesis]) -> Result<Option<Ended>> {
+        self.note(None, "along the wall, by touch", known);
+        let (way, turn, step) = (self.way, self.turn, 1.0 / self.options.pace.rate);
+        while self.way - way < self.options.plan.longest && self.turn - turn < MOST_TURN {
+            let now = self.drive.pose();
+            let command = follower.step(now.t, self.readings());
+            if command.state == FollowState::Blocked {
+                return Ok(Some(Ended::Confined));
+            }
+            let Twist2 { x, y, theta } = command.twist;
+            let moved = Pose2::exp(Twist2 { x: step * x, y: step * y, theta: step * theta });
+            let to = StampedPose { t: now.t + step, map_from_robot: now.map_from_robot.compose(moved) };
+            self.advance(to)?;
+            if self.is_localized()? {
+                break;
+            }
+        }
+        Ok(None)
     }
 
     /// The last poses in reverse order.
@@ -394,10 +317,14 @@ impl<'a> Under<'a> {
         poses
     }
 
-    fn plan(&self, states: &[RemainingState]) -> Result<Plan> {
+    fn plan(&self, states: &[RemainingState], in_hindsight: bool) -> Result<Plan> {
         let (history, readings) = (history(&self.log.rows), self.readings());
         let past = Past { history: &history, readings };
-        plan(self.stage.map(), self.stage.robot(), states, &past, &self.options.plan)
+        let (map, robot, options) = (self.stage.map(), self.stage.robot(), &self.options.plan);
+        if in_hindsight {
+            return plan_knowing(map, robot, states, &past, options, self.drive.pose().map_from_robot);
+        }
+        plan(map, robot, states, &past, options)
     }
 
     fn readings(&self) -> &[f64] {
