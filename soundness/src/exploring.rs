@@ -20,7 +20,8 @@ const LINKS: usize = 30;
 /// Kinds of rooms.
 pub(crate) const KINDS: [&str; 4] = ["right-angled", "rough", "cluttered", "symmetric"];
 /// Ways to choose motions.
-pub(crate) const POLICIES: [&str; 5] = ["planned", "hindsight", "random", "straight on", "wall following"];
+pub(crate) const POLICIES: [&str; 6] =
+    ["planned", "hindsight", "random", "straight on", "wall following", "planned, walls by touch"];
 /// Ways to give up after (m).
 const MOST_WAY: f64 = 1.5;
 
@@ -144,12 +145,19 @@ fn run(world: &World, policy: &str, seed: u64) -> vibrissa::Result<Exploration> 
     let noise = SweepNoise::seeded(seed);
     let (stage, begin, method) = (&world.stage, &world.begin, Method::default());
     // Whole answers are slow, and baselines make many motions.
-    let (answer_each, most_motions) =
-        if policy == "planned" || policy == "hindsight" { (1, 2 * MOST_MOTIONS) } else { (QUICK, MOST_MOTIONS) };
+    let (answer_each, most_motions) = if policy.starts_with("planned") || policy == "hindsight" {
+        (1, 2 * MOST_MOTIONS)
+    } else {
+        (QUICK, MOST_MOTIONS)
+    };
     let options = &ExploreOptions { answer_each, most_motions, ..world.options };
     let mut draw = Random(seed ^ 0x5eed_0fa9_0011);
     match policy {
         "planned" => explore_by(stage, begin, &method, &noise, options, Strategy::Planned),
+        "planned, walls by touch" => {
+            let options = &ExploreOptions { by_touch: true, ..*options };
+            explore_by(stage, begin, &method, &noise, options, Strategy::Planned)
+        }
         "hindsight" => explore_by(stage, begin, &method, &noise, options, Strategy::Hindsight),
         "wall following" => explore_by(stage, begin, &method, &noise, options, Strategy::Following(options.follow())),
         "random" => {
@@ -355,7 +363,7 @@ fn table(name: &str, all: &[Compared], of: &dyn Fn(&Compared) -> bool) -> Vec<f6
             continue;
         }
         let count = |ended: Ended| runs.iter().filter(|run| run.ended == ended).count();
-        let is_short = |run: &Run| run.ended != Ended::Localized && index < 2;
+        let is_short = |run: &Run| run.ended != Ended::Localized && (index < 2 || index == 5);
         let way = |run: &&Run| if is_short(run) { MOST_WAY } else { run.way };
         let mut ways: Vec<f64> = runs.iter().map(way).collect();
         ways.sort_by(f64::total_cmp);

@@ -8,6 +8,8 @@ pub const BAND: [f64; 2] = [0.3, 0.9];
 pub const GENTLE: f64 = 2.0;
 /// The robot goes back where a whisker reads this share of the largest moment: until the next reading it goes on to press.
 pub const RETREAT_AT: f64 = 0.75;
+/// A robot that goes back stands where a whisker reads so many times that: it is held.
+pub const HELD: f64 = 1.2;
 /// A whisker touches from this moment on: several times what noise and a shifted zero amount to.
 pub const TOUCH: f64 = 0.15;
 /// Way between two readings (m), which bounds the speed of slow sensors: a caught whisker bends by a third of `EI / L` on it.

@@ -17,8 +17,8 @@ use super::feeler::{Feeler, felt};
 use super::options::FollowOptions;
 use super::trail::{Trail, length};
 use crate::config::wall_following::{
-    ABOUT, AFTER_TURN, AGAIN, ATTEMPTS, CLEARANCE, LEAN, LOST, LOST_TURN, RELIEF, ROOM, SIDEWAYS, SLOWEST, STEERING,
-    STRIDE, WIDER,
+    ABOUT, AFTER_TURN, AGAIN, ATTEMPTS, CLEARANCE, HELD, LEAN, LOST, LOST_TURN, RELIEF, ROOM, SIDEWAYS, SLOWEST,
+    STEERING, STRIDE, WIDER,
 };
 use crate::math;
 use crate::plane::Twist2;
@@ -238,6 +238,8 @@ impl WallFollower {
                 let (is_back, is_soft) = (left <= 0.0 && undo <= 0.0, felt.hardest < 1.0);
                 let turn = Phase::Turn { left: then.abs(), turned: 0.0, way: then.signum(), tries };
                 match self.trail.back() {
+                    // Something holds the whisker on the way back, too.
+                    _ if felt.hardest > HELD => Phase::Blocked,
                     _ if is_back && is_soft => turn,
                     Some((_, on_the_spot)) if !on_the_spot || undo > 0.0 || tries > 1 || !is_soft => self.phase,
                     _ if is_soft => turn,

@@ -45,6 +45,9 @@ pub struct ExploreOptions {
     /// The whole answer, with ridges, is asked for after so many motions; in between what the estimator tells has to do, which
     /// is quicker, but collisions are then ruled out less surely.
     pub answer_each: usize,
+    /// Whether motions along the wall that go ahead are made by [`WallFollower`] instead of straight. It sees to bumps and corners, but not to what
+    /// stands on the side of the robot where no whisker is.
+    pub by_touch: bool,
 }
 
 impl Default for ExploreOptions {
@@ -55,6 +58,7 @@ impl Default for ExploreOptions {
             most_way: 2.0,
             most_motions: 40,
             answer_each: 1,
+            by_touch: false,
         }
     }
 }

@@ -11,7 +11,7 @@ use crate::sim::recorder::TrueErrors;
 use crate::sim::{Drive, Stage, SweepNoise, path_through};
 use crate::tasks::localize;
 use crate::tasks::plan::{
-    Motion, Past, Plan, PlanVerdict, RemainingState, admissible, history, plan, plan_knowing, remaining,
+    Motion, Past, Plan, PlanOptions, PlanVerdict, RemainingState, admissible, history, plan, plan_knowing, remaining,
 };
 use crate::world::MountedWhisker;
 
@@ -22,6 +22,8 @@ const ASK_TURN: f64 = 0.2;
 const STUCK: usize = 3;
 /// A whisker that is bent by this share of what is gentle is let go first.
 const PRESSED: f64 = 0.9;
+/// What is ahead of the robot (rad to either side).
+const AHEAD: f64 = 0.5;
 /// Turn after which a way along the wall ends in any case (rad).
 const MOST_TURN: f64 = 7.0;
 /// How far a robot goes back the way it came where nothing else is admissible (m), and how often on end.
@@ -188,7 +190,7 @@ impl<'a> Under<'a> {
             let (all, stop_at) = self.admissible(&states)?;
             (if all.is_empty() { None } else { choose(&all, self.ahead()) }, stop_at, None)
         } else {
-            let plan = self.plan(&states, matches!(strategy, Strategy::Hindsight))?;
+            let plan = self.plan(&states, matches!(strategy, Strategy::Hindsight), self.narrowed_in_vain(known))?;
             match plan.verdict {
                 PlanVerdict::Symmetric => return Ok(Some(Ended::Symmetric)),
                 PlanVerdict::Known | PlanVerdict::Parts
@@ -210,9 +212,15 @@ impl<'a> Under<'a> {
         let Some(motion) = motion else {
             return if self.backs < MOST_BACK { self.go_back(known) } else { Ok(Some(Ended::Confined)) };
         };
-        let waypoints: Vec<Pose2> = motion.waypoints().iter().map(|pose| begin.compose(*pose)).collect();
         self.backs = 0;
         self.note(plan, motion.name(), known);
+        let follower = WallFollower::new(self.stage.robot(), &self.options.follow()).ok();
+        if let Some(mut follower) = follower.filter(|_| self.options.by_touch && goes_along(&motion)) {
+            let blocked = self.go_along(&mut follower, motion.way())?;
+            self.motions.last_mut().into_iter().for_each(|made| made.stopped = blocked);
+            return Ok(None);
+        }
+        let waypoints: Vec<Pose2> = motion.waypoints().iter().map(|pose| begin.compose(*pose)).collect();
         let stopped = self.go(&waypoints, &stop_at)?;
         self.motions.last_mut().into_iter().for_each(|made| made.stopped = stopped);
         Ok(None)
@@ -231,6 +239,15 @@ impl<'a> Under<'a> {
             next.is_some_and(|next| next.motion.way() < SHORTEST) && made.places.len() <= known.len()
         };
         last.len() == STUCK && last.iter().all(on_the_spot)
+    }
+
+    /// Whether the last motion was to narrow several places, and left as many: what it promised again would not come either.
+    fn narrowed_in_vain(&self, known: &[Hypothesis]) -> bool {
+        self.motions.last().is_some_and(|made| {
+            let plan = made.plan.as_ref();
+            let narrows = plan.is_some_and(|plan| plan.next.as_ref().is_some_and(|next| next.places[0] >= plan.places));
+            narrows && known.len() > 1 && known.len() >= made.places.len()
+        })
     }
 
     /// Whether a whisker is bent nearly as far as is gentle.
@@ -283,12 +300,18 @@ impl<'a> Under<'a> {
     /// Follows the wall as far as the longest motion, or until the robot knows where it is.
     fn follow(&mut self, follower: &mut WallFollower, known: &[Hypothesis]) -> Result<Option<Ended>> {
         self.note(None, "along the wall, by touch", known);
+        let blocked = self.go_along(follower, self.options.plan.longest)?;
+        Ok(blocked.then_some(Ended::Confined))
+    }
+
+    /// Along the wall by touch, so far (m) or until the robot knows where it is; whether it is blocked.
+    fn go_along(&mut self, follower: &mut WallFollower, most: f64) -> Result<bool> {
         let (way, turn, step) = (self.way, self.turn, 1.0 / self.options.pace.rate);
-        while self.way - way < self.options.plan.longest && self.turn - turn < MOST_TURN {
+        while self.way - way < most && self.turn - turn < MOST_TURN {
             let now = self.drive.pose();
             let command = follower.step(now.t, self.readings());
             if command.state == FollowState::Blocked {
-                return Ok(Some(Ended::Confined));
+                return Ok(true);
             }
             let Twist2 { x, y, theta } = command.twist;
             let moved = Pose2::exp(Twist2 { x: step * x, y: step * y, theta: step * theta });
@@ -298,7 +321,7 @@ impl<'a> Under<'a> {
                 break;
             }
         }
-        Ok(None)
+        Ok(false)
     }
 
     /// The last poses in reverse order.
@@ -317,10 +340,11 @@ impl<'a> Under<'a> {
         poses
     }
 
-    fn plan(&self, states: &[RemainingState], in_hindsight: bool) -> Result<Plan> {
+    fn plan(&self, states: &[RemainingState], in_hindsight: bool, places_only: bool) -> Result<Plan> {
         let (history, readings) = (history(&self.log.rows), self.readings());
         let past = Past { history: &history, readings };
-        let (map, robot, options) = (self.stage.map(), self.stage.robot(), &self.options.plan);
+        let (map, robot) = (self.stage.map(), self.stage.robot());
+        let options = &PlanOptions { places_only, ..self.options.plan };
         if in_hindsight {
             return plan_knowing(map, robot, states, &past, options, self.drive.pose().map_from_robot);
         }
@@ -347,4 +371,10 @@ impl<'a> Under<'a> {
         let last = self.truth.iter().rev().find(far);
         last.map_or(0.0, |last| (-now.inverse_transform_point(last.map_from_robot.position())).angle())
     }
+}
+
+/// Whether a motion goes along the wall, straight ahead of the robot.
+fn goes_along(motion: &Motion) -> bool {
+    let end = motion.end();
+    motion.name() == "along the wall" && end.position().norm() > SHORTEST && end.position().angle().abs() < AHEAD
 }

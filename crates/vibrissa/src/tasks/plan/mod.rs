@@ -183,7 +183,7 @@ fn plan_by(
     let states = &states::possible(map, robot, states, options.footprint)[..];
     let mut predictor = Predictor::new(map, robot, states, past, options)?;
     let stop_at = predictor.stop_at().to_vec();
-    let table = Table::new(states, options.criterion, truth);
+    let table = Table::new(states, options, truth);
     let together = table.together();
     let before = table.judge(&together);
     let (mut found, looked_at) = first(&mut predictor, &table, &together, candidates::all(map, robot, states, options));

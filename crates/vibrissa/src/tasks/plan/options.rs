@@ -36,6 +36,8 @@ pub struct PlanOptions {
     pub largest_moment: Option<f64>,
     /// What motions are judged by.
     pub criterion: Criterion,
+    /// Whether only what tells several places apart counts, not what narrows each of them.
+    pub places_only: bool,
     /// Readings of the forward model that may be taken.
     pub budget: usize,
     /// Most states that stand for all that is left.
@@ -51,6 +53,7 @@ impl Default for PlanOptions {
             footprint: 0.01,
             largest_moment: None,
             criterion: Criterion::Expected,
+            places_only: false,
             budget: BUDGET,
             states: 64,
         }

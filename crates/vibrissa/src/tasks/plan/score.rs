@@ -1,7 +1,7 @@
 //! Which states stay together, and how much they leave open.
 
 use super::predict::{At, Felt};
-use super::{Criterion, RemainingState};
+use super::{Criterion, PlanOptions, RemainingState};
 use crate::plane::{Pose2, wrap_angle};
 
 /// What a radian of turn counts as way (m), and what each motion costs besides (m): it has to be thought about.
@@ -24,6 +24,7 @@ pub(super) struct Table<'a> {
     /// How likely each state is the true one: as its weight, but for one who knows.
     chances: Vec<f64>,
     criterion: Criterion,
+    places_only: bool,
 }
 
 /// What a motion leaves.
@@ -52,7 +53,7 @@ impl Worth {
 }
 
 impl<'a> Table<'a> {
-    pub(super) fn new(states: &'a [RemainingState], criterion: Criterion, truth: Option<Pose2>) -> Self {
+    pub(super) fn new(states: &'a [RemainingState], options: &PlanOptions, truth: Option<Pose2>) -> Self {
         let off =
             |a: Pose2, b: Pose2| a.position().distance(b.position()) + RADIAN * wrap_angle(a.theta - b.theta).abs();
         let distances = states.iter().map(|a| states.iter().map(|b| off(a.pose, b.pose)).collect()).collect();
@@ -65,7 +66,8 @@ impl<'a> Table<'a> {
             (0..states.len()).map(|i| f64::from(u8::from(Some(i) == nearest))).collect()
         };
         let chances = truth.map_or_else(|| weights.clone(), known);
-        Self { states, distances, weights, chances, criterion }
+        let places_only = options.places_only && states.iter().any(|s| s.place != states[0].place);
+        Self { states, distances, weights, chances, criterion: options.criterion, places_only }
     }
 
     pub(super) fn together(&self) -> Alike {
@@ -118,7 +120,7 @@ impl<'a> Table<'a> {
 
     /// Whether two states are worth telling apart.
     fn counts(&self, i: usize, j: usize) -> bool {
-        self.states[i].place != self.states[j].place || self.distances[i][j] > SMALL
+        self.states[i].place != self.states[j].place || (!self.places_only && self.distances[i][j] > SMALL)
     }
 
     fn over_states(&self, values: &[f64]) -> f64 {
