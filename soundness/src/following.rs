@@ -154,17 +154,7 @@ fn run(world: &World, seed: u64, verbose: bool) -> vibrissa::Result<Followed> {
         let told = follower.step(t, &readings);
         if verbose && state != Some(told.state) {
             let pose = drive.pose().map_from_robot;
-            println!(
-                "{t:.2} s {:?} at {pose:.3?} readings {readings:.5?} DBG {}",
-                told.state,
-                format!("{follower:?}")
-                    .split("phase: ")
-                    .nth(1)
-                    .unwrap_or_default()
-                    .split(", trail")
-                    .next()
-                    .unwrap_or_default()
-            );
+            println!("{t:.2} s {:?} at {pose:.3?} readings {readings:.5?}", told.state);
             state = Some(told.state);
         }
         let Twist2 { x, y, theta } = told.twist;
@@ -174,8 +164,12 @@ fn run(world: &World, seed: u64, verbose: bool) -> vibrissa::Result<Followed> {
         t += dt;
         readings = drive.advance(StampedPose { t, map_from_robot: to }, &world.errors, 0.0)?.readings;
         found.way += from.position().distance(to.position());
+        let before = found.hardest;
         for (moment, whisker) in drive.moments().iter().zip(&robot.whiskers) {
             found.hardest = found.hardest.max(moment.abs() / world.options.most_of(whisker));
+        }
+        if verbose && found.hardest > 1.0 && found.hardest > before {
+            println!("{t:.2} s bent too far at {to:.3?}: {:.2}", found.hardest);
         }
         let now_collided = collides(map, robot, from, to, world.options.footprint);
         if verbose && now_collided && !found.collided {

@@ -36,7 +36,7 @@ pub struct PlanOptions {
     pub largest_moment: Option<f64>,
     /// What motions are judged by.
     pub criterion: Criterion,
-    /// Whether only what tells several places apart counts, not what narrows each of them.
+    /// Whether only what tells places apart as a whole counts, not what narrows them, where there are several.
     pub places_only: bool,
     /// Readings of the forward model that may be taken.
     pub budget: usize,

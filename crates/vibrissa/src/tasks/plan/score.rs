@@ -106,16 +106,32 @@ impl<'a> Table<'a> {
                 }
             }
             if changed {
-                let gains = self.gains(&had, &alike);
+                let seen = self.seen(&alike);
+                let gains = self.gains(&had, &seen);
                 let gain = self.over_states(&gains);
                 let cost = self.over_states(&costs);
                 let worth = Worth { step: index, alike: Vec::new(), gains, gain, cost };
                 if gain > least && best.as_ref().is_none_or(|best| worth.rate() > best.rate()) {
-                    best = Some(Worth { alike: alike.clone(), ..worth });
+                    best = Some(Worth { alike: seen, ..worth });
                 }
             }
         }
         best
+    }
+
+    /// Which states count as alike: where places alone count, all of two places as long as any of them are.
+    fn seen(&self, alike: &Alike) -> Alike {
+        if !self.places_only {
+            return alike.clone();
+        }
+        let places = self.states.iter().map(|s| s.place).max().map_or(0, |last| last + 1);
+        let mut linked = vec![vec![false; places]; places];
+        for (a, row) in self.states.iter().zip(alike) {
+            for (b, _) in self.states.iter().zip(row).filter(|(_, alike)| **alike) {
+                linked[a.place][b.place] = true;
+            }
+        }
+        self.states.iter().map(|a| self.states.iter().map(|b| linked[a.place][b.place]).collect()).collect()
     }
 
     /// Whether two states are worth telling apart.
