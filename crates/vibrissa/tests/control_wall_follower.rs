@@ -19,7 +19,7 @@ fn ring(role: Role, corners: &[(f64, f64)]) -> Boundary {
 
 /// An L: five inner corners and an outer one.
 fn room() -> Map {
-    Map::new(vec![ring(Role::Arena, &[(0.0, 0.0), (0.8, 0.0), (0.8, 0.4), (0.4, 0.4), (0.4, 0.8), (0.0, 0.8)])])
+    Map::new(vec![ring(Role::Arena, &[(0.0, 0.0), (0.5, 0.0), (0.5, 0.27), (0.27, 0.27), (0.27, 0.5), (0.0, 0.5)])])
         .unwrap()
 }
 
@@ -58,7 +58,7 @@ fn run(map: Map, robot: &Robot, options: &FollowOptions, begin: Pose2, seconds: 
     let mut follower = WallFollower::new(robot, options).unwrap();
     let mut drive =
         Drive::start(&stage, StampedPose { t: 0.0, map_from_robot: begin }, &SweepNoise::seeded(5)).unwrap();
-    let dt = 0.01;
+    let dt = 0.02;
     let (mut readings, mut last) = (vec![0.0; robot.whiskers.len()], None);
     let mut found = Run { states: Vec::new(), kept: 0.0, hardest: 0.0, nearest: f64::INFINITY, laps: 0.0, way: 0.0 };
     let (mut within, mut rows) = (0, 0);
@@ -69,7 +69,7 @@ fn run(map: Map, robot: &Robot, options: &FollowOptions, begin: Pose2, seconds: 
             found.states.push(told.state);
         }
         let Twist2 { x, y, theta } = told.twist;
-        assert!(x.hypot(y) <= 1.12 * options.speed && theta.abs() <= options.turn_rate, "{told:?}");
+        assert!(x.hypot(y) <= 1.12 * options.speed && theta.abs() <= options.turn_rate + 1e-9, "{told:?}");
         assert!(options.sideways || y == 0.0, "{told:?}");
         // Wheels that slip, and a robot that veers.
         let moved = Twist2 { x: 1.02 * x * dt, y: 1.02 * y * dt, theta: (theta + 0.3 * x) * dt };
@@ -107,7 +107,7 @@ fn a_room_is_gone_around_on_either_side_by_either_drive() {
             let sign = if side == Side::Right { -1.0 } else { 1.0 };
             let options = FollowOptions { sideways, footprint: 0.02, ..FollowOptions::default() };
             let robot = robot(&[0.8 * sign, -0.8 * sign]);
-            let found = run(room(), &robot, &options, Pose2::new(0.2, 0.2, 0.4), 70.0, &errors());
+            let found = run(room(), &robot, &options, Pose2::new(0.13, 0.13, 0.4), 55.0, &errors());
             let told = format!("{side:?} {sideways} laps {} kept {} {:?}", found.laps, found.kept, found.states);
             // The boundary runs with free space on its left: with the wall on the right.
             assert!(-sign * found.laps > 1.0, "{told}");
@@ -124,7 +124,7 @@ fn a_room_is_gone_around_on_either_side_by_either_drive() {
 #[test]
 fn a_block_is_gone_around_by_its_outer_corners() {
     let options = FollowOptions { footprint: 0.02, ..FollowOptions::default() };
-    let begin = Pose2::new(0.5, 0.44, core::f64::consts::PI - 0.1);
+    let begin = Pose2::new(0.7, 0.445, core::f64::consts::PI - 0.1);
     // With the block on the right the way along its lower side leads to lower x.
     let found = run(block(), &robot(&[-0.8, 0.8]), &options, begin, 30.0, &errors());
     let told = format!("laps {} kept {} {:?}", found.laps, found.kept, found.states);

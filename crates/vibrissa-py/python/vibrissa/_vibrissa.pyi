@@ -12,6 +12,8 @@ from ._robot import Robot, Whisker
 __all__ = [
     "run_command",
     "run_command_here",
+    "explore",
+    "plan",
     "Bend",
     "Bends",
     "bends",
