@@ -37,6 +37,8 @@ const LONGEST_ARM: f64 = 0.97;
 /// Cells nearer to each other than this are one (m, rad), while there are many and when there are few.
 const SAME: [[f64; 2]; 2] = [[2.5e-3, 0.04], [1.2e-3, 0.015]];
 const MANY: usize = 100;
+/// With more cells than this a contact is followed for longer.
+const MANY_CELLS: usize = 4000;
 
 /// What a cell knows: pose, gain, zero.
 type Told = Information<5>;
@@ -141,11 +143,6 @@ impl GridSearch {
         &self.onset
     }
 
-    /// How many cells explain the readings so far.
-    pub(super) fn len(&self) -> usize {
-        self.found.len()
-    }
-
     /// Goes on with more rows.
     pub(super) fn resume(&mut self, rows: Vec<usize>) {
         self.onset.rows = rows;
@@ -153,11 +150,12 @@ impl GridSearch {
     }
 
     /// Goes on until `work` (readings run through the forward model) is used up; whether it has come to the end. `admits`
-    /// says whether the odometry frame can be there.
+    /// says whether the odometry frame can be there, `is_last` that no more readings of this contact will follow.
     pub(super) fn step(
         &mut self,
         model: &MeasurementModel<'_>,
         admits: &dyn Fn(Pose2) -> bool,
+        is_last: bool,
         work: &mut usize,
     ) -> bool {
         while let Some(&(piece, at)) = self.places.get(self.next) {
@@ -174,13 +172,23 @@ impl GridSearch {
             self.try_corner(model, corner, outward, admits, work);
             self.next_corner += 1;
         }
-        while self.round < ROUNDS {
+        while self.left.is_some() || self.round < self.rounds(is_last) {
             if !self.refine(model, work) {
                 return false;
             }
             self.round += 1;
         }
         true
+    }
+
+    /// Rounds of refinement: one where there are many cells and more readings will follow.
+    fn rounds(&self, is_last: bool) -> usize {
+        if !is_last && self.is_many() { 1 } else { ROUNDS }
+    }
+
+    /// Whether there are so many cells that the contact is to be followed for longer.
+    pub(super) fn is_many(&self) -> bool {
+        self.found.len() > MANY_CELLS
     }
 
     /// The cells that explain the readings, each at its best place, the best first.
@@ -428,8 +436,9 @@ fn run(
             told.add(&[x, y, turn + x * arm.x + y * arm.y, felt.value * scale, scale], value, 1.0);
         }
         best = told.marginal([0, 1, 2], [3, 4], priors)?.least(damping);
-        let most = CELL_COST[0] + CELL_COST[1] * (count + 1) as f64;
-        if best.0 > most && (whole || count + 1 == onset.rows.len()) {
+        // Readings that follow only add to it.
+        let readings = if whole { count + 1 } else { onset.rows.len() };
+        if best.0 > CELL_COST[0] + CELL_COST[1] * readings as f64 {
             return None;
         }
     }

@@ -35,9 +35,7 @@ const SLICE: usize = 4000;
 /// Modes take in so many rows together, with so many readings run in one call.
 const TAKEN_TOGETHER: usize = 24;
 const FITTED: usize = 2000;
-/// With more cells than this a contact is followed for longer, by this factor, as long as it has not been followed for this many times the
-/// usual travel.
-const MANY_CELLS: usize = 4000;
+/// With many cells a contact is followed for longer, by this factor, as long as it has not been followed for this many times the usual travel.
 const PATIENCE: f64 = 2.0;
 const MOST_PATIENCE: f64 = 4.0;
 /// The best mode does not explain the last readings of a sensor where more than this share of them is unexplained, and how many these are.
@@ -383,17 +381,17 @@ impl<'a> MultiHypothesisSmoother<'a> {
         let admission = Admission::of_cells(scene, window);
         let row = search.onset().row;
         let admits = |frame: Pose2| admission.satisfies_prior(frame) && admission.origin_is_free(frame, row);
-        if !search.step(&model, &admits, &mut work) {
+        let is_last = *ended || self.patience >= MOST_PATIENCE;
+        if !search.step(&model, &admits, is_last, &mut work) {
             return StepOutcome::Nothing;
         }
-        let (travelled, ended) = (*travelled, *ended);
+        let travelled = *travelled;
         let Phase::Searching { search, .. } = core::mem::replace(phase, Phase::Waiting) else {
             return StepOutcome::Nothing;
         };
         let ContactOnset { sensor, row, from_free, .. } = *search.onset();
         // A contact too weak or too short to tell headings or places apart is followed for longer before anything is decided.
-        let many = search.len() > MANY_CELLS;
-        if many && !ended && self.patience < MOST_PATIENCE {
+        if !is_last && search.is_many() {
             self.patience *= PATIENCE;
             self.phase = Phase::Pressing { sensor, onset: row, from_free, travelled, search: Some(search) };
             return StepOutcome::Nothing;
