@@ -11,9 +11,12 @@ use super::optimisation::{GRADUATED_RUNS, Mode};
 use super::unknowns::POSE;
 use crate::linear_algebra::{determinant, dot, times};
 use crate::plane::Pose2;
+use core::ops::Range;
 
 /// Travel of a whisker between two rows that modes are compared by (m).
 const KEY_STEP: f64 = 3e-3;
+/// Modes take in so many rows together.
+pub(super) const TAKEN_TOGETHER: usize = 24;
 /// Readings that are run again at most, about, each time that rows are taken in.
 const TAKES: usize = 6_000;
 /// The same where the readings that have come are unexplained.
@@ -151,8 +154,13 @@ impl Bank {
     /// Takes in the rows that have come at once, see [`Self::advance`].
     pub(super) fn extend(&mut self, model: &MeasurementModel<'_>, admits: &dyn Fn(Pose2) -> bool, effort: Effort) {
         self.advance(model, admits, effort, &mut { usize::MAX });
-        self.begin(model, admits);
-        self.advance(model, admits, effort, &mut { usize::MAX });
+        loop {
+            self.begin(model, admits);
+            self.advance(model, admits, effort, &mut { usize::MAX });
+            if self.seen == model.window.len() {
+                return;
+            }
+        }
     }
 
     /// Fits all anew to the rows when the next ones are taken in: readings have been left out.
@@ -178,11 +186,14 @@ impl Bank {
         self.pending.is_none() || self.modes.len() <= MANY
     }
 
-    /// Begins to take in the rows that have come.
+    /// Begins to take in the rows that have come; where there are many modes only the first of these, since most modes will not be there for
+    /// the others.
     pub(super) fn begin(&mut self, model: &MeasurementModel<'_>, admits: &dyn Fn(Pose2) -> bool) {
         self.modes.retain(|mode| admits(mode.state.frame));
-        let rows = key_rows(model, self.rows.last().copied(), self.seen);
-        self.seen = model.window.len();
+        let all = model.window.len();
+        let until = if self.modes.len() > MANY { all.min(self.seen + TAKEN_TOGETHER) } else { all };
+        let rows = key_rows(model, self.rows.last().copied(), self.seen..until);
+        self.seen = until;
         self.rows.extend(&rows);
         self.pending = Some(Extension { rows, carried: Vec::with_capacity(self.modes.len()), refits: None });
     }
@@ -293,7 +304,7 @@ impl Bank {
     /// which are descended from \[marti2003multistart\].
     pub(super) fn multistart(&mut self, model: &MeasurementModel<'_>) {
         let rows = self.rows.clone();
-        let thinned: Vec<usize> = key_rows(model, None, 0);
+        let thinned: Vec<usize> = key_rows(model, None, 0..model.window.len());
         let mut found = Vec::new();
         for mode in self.modes.iter().take(LOOKED_AROUND) {
             let mut wide = mode.by(NoiseModel::DECLARED);
@@ -415,7 +426,7 @@ impl Bank {
     /// `gate` above the best. The noise of each mode is that of its residuals afterwards.
     pub(super) fn refine(&mut self, model: &MeasurementModel<'_>, gate: f64) {
         for gate in [gate + SLACK, gate + 0.5 * SLACK] {
-            self.settle(model, key_rows(model, None, 0), STEPS, gate, MOST_SEARCHED);
+            self.settle(model, key_rows(model, None, 0..model.window.len()), STEPS, gate, MOST_SEARCHED);
             self.join_overlapping(model);
         }
         self.settle(model, (0..model.window.len()).collect(), STEPS, gate + 0.5 * SLACK, 0);
@@ -466,13 +477,13 @@ fn evidence(mode: &Mode, model: &MeasurementModel<'_>) -> f64 {
     told.constant + 0.5 * determinant(&told.damped(WEAK_PRIOR)).max(f64::MIN_POSITIVE).ln()
 }
 
-/// The rows from `from` on that modes are compared by: one each time that a whisker has moved far enough, or has met or left a boundary.
-pub(super) fn key_rows(model: &MeasurementModel<'_>, last: Option<usize>, from: usize) -> Vec<usize> {
+/// The rows of these that modes are compared by, where `last` is the one before them: one each time that a whisker has moved far enough, or has met or left a boundary.
+pub(super) fn key_rows(model: &MeasurementModel<'_>, last: Option<usize>, of: Range<usize>) -> Vec<usize> {
     let window = model.window;
     let lever = model.sensors.iter().map(|sensor| sensor.length).fold(0.0, f64::max);
     let mut rows: Vec<usize> = Vec::new();
     let mut last = last;
-    for row in from..window.len() {
+    for row in of {
         let far = last.is_none_or(|last| {
             let step = window.pose(last).between(window.pose(row));
             step.position().norm().max(step.theta.abs() * lever) >= KEY_STEP

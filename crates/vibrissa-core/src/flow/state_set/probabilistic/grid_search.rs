@@ -25,8 +25,9 @@ const CELL_COST: [f64; 2] = [14.0, 0.67];
 const STD_INFLATION: f64 = 1.5;
 /// Rounds of refinement.
 const ROUNDS: usize = 2;
-/// Longest step of one of them (m, rad).
+/// Longest step of one of them (m, rad), and one that is not worth it.
 const LONGEST: [f64; 2] = [3e-3, 0.06];
+const SHORT: [f64; 2] = [1e-4, 2e-3];
 /// Share of the whisker that is kept clear of the boundaries when it begins to touch.
 const CLEAR: f64 = 0.98;
 /// Corners that turn by more than this (rad) are touched with the side; a whisker begins so far off them (m), and with no more of its length
@@ -75,9 +76,17 @@ pub(super) struct Cell {
     best: (f64, [f64; 3]),
     /// The heading of the grid that it comes from, if it has come to the same as all of that heading on straight walls.
     heading: Option<usize>,
+    /// Through how many readings it has been run.
+    readings: usize,
 }
 
 impl Cell {
+    /// Whether it is linearised where it is best.
+    fn is_at_best(&self) -> bool {
+        let [x, y, turn] = self.best.1;
+        x.hypot(y) < SHORT[0] && turn.abs() < SHORT[1]
+    }
+
     /// The same elsewhere, where the piece that its tip is on goes to another.
     pub(super) fn moved(&self, motion: Pose2, to: &dyn Fn((u32, f64)) -> (u32, f64)) -> Self {
         let (cost, [x, y, turn]) = self.best;
@@ -322,6 +331,10 @@ impl GridSearch {
                 self.left = None;
                 return true;
             };
+            if cell.readings == self.onset.rows.len() && cell.is_at_best() {
+                self.found.push(cell);
+                continue;
+            }
             let to = best_frame(&cell, pivot(model, &self.onset));
             let mut state = cell.state;
             let sensor = &model.sensors[self.onset.sensor];
@@ -392,7 +405,7 @@ fn damping(onset: &ContactOnset) -> [f64; 3] {
     [place, place, (0.6 * onset.turn).powi(-2)]
 }
 
-/// The cell after the readings, unless they kill all of it; one that is `whole` is dropped at any reading, others after the last.
+/// The cell after the readings, unless they kill all of it; one that is `whole` is dropped where it lets go, too.
 fn run(
     model: &MeasurementModel<'_>,
     onset: &ContactOnset,
@@ -437,12 +450,11 @@ fn run(
         }
         best = told.marginal([0, 1, 2], [3, 4], priors)?.least(damping);
         // Readings that follow only add to it.
-        let readings = if whole { count + 1 } else { onset.rows.len() };
-        if best.0 > CELL_COST[0] + CELL_COST[1] * readings as f64 {
+        if best.0 > CELL_COST[0] + CELL_COST[1] * (count + 1) as f64 {
             return None;
         }
     }
-    Some(Cell { frame, state, best, heading: None })
+    Some(Cell { frame, state, best, heading: None, readings: onset.rows.len() })
 }
 
 /// The corners that a side can lie on, each with the direction in which it points.

@@ -99,16 +99,17 @@ impl Mode {
         }
     }
 
-    /// The same with its equations around another pose.
-    pub(super) fn reanchored(&self, to: &dyn Fn(&NormalEquations) -> NormalEquations) -> Self {
-        let mut there = self.clone();
-        there.fits.iter_mut().for_each(|fit| fit.equations = to(&fit.equations));
-        there
+    /// The same at another state and by its likeliest noise model alone, with these equations there.
+    pub(super) fn told_by(&self, state: State, equations: NormalEquations) -> Self {
+        let NoiseFit { noise, credit, .. } = *self.fit();
+        let fit = NoiseFit { equations, credit, ..NoiseFit::new(noise) };
+        Self { state, fits: vec![fit], ..self.by(noise) }
     }
 
     /// The same at an image of its place on a symmetric map.
     pub(super) fn turned(&self, turn: &MapSymmetry) -> Self {
-        let mut there = self.reanchored(&|equations| equations.turned(turn.motion.theta));
+        let mut there = self.clone();
+        there.fits.iter_mut().for_each(|fit| fit.equations = fit.equations.turned(turn.motion.theta));
         there.state.frame = turn.motion.compose(self.state.frame);
         there.start = self.start.turned(turn);
         for filter in there.fits.iter_mut().flat_map(|fit| &mut fit.filters) {

@@ -2,7 +2,7 @@
 //! \[thrun2005probabilistic, ch. 7-8\].
 
 use super::admission::Admission;
-use super::bank::{Bank, Effort};
+use super::bank::{Bank, Effort, TAKEN_TOGETHER};
 use super::contact_episodes::{judging_rows, longest_contact};
 use super::correlated_noise::NoiseModel;
 use super::grid_search::{ContactOnset, GridSearch};
@@ -32,8 +32,7 @@ const CONTACT_ROWS: usize = 3;
 pub(super) const FEWEST_ROWS: usize = 5;
 /// Readings that are run through the forward model in one call while the grid is searched (some milliseconds).
 const SLICE: usize = 4000;
-/// Modes take in so many rows together, with so many readings run in one call.
-const TAKEN_TOGETHER: usize = 24;
+/// Readings that are run in one call while modes take in rows.
 const FITTED: usize = 2000;
 /// With many cells a contact is followed for longer, by this factor, as long as it has not been followed for this many times the usual travel.
 const PATIENCE: f64 = 2.0;
