@@ -47,6 +47,8 @@ const STEPS_BEFORE_NOISE: usize = 3;
 
 /// Steps over all rows.
 const STEPS: usize = 10;
+/// Modes are fitted to all rows at the end where these are not more readings than this.
+const MOST_AT_ALL_ROWS: usize = 100_000;
 /// So many of the best are searched along their open direction, as long as key rows judge.
 const MOST_SEARCHED: usize = 40;
 /// Slack for modes that are not at their least yet (nats).
@@ -247,7 +249,7 @@ impl Bank {
             let before = *left;
             if mode.gain() > MOVED {
                 *left = left.saturating_sub(each);
-                mode.descend(model, &self.rows, effort.steps, &mut self.scratch);
+                mode.descend_while(model, &self.rows, (effort.steps, MOVED), &mut self.scratch);
             }
             if core::mem::take(&mut mode.is_off)
                 && mode.is_off_at(model, &self.rows, pending.rows.len() * sensors, &mut self.scratch)
@@ -429,10 +431,17 @@ impl Bank {
             self.settle(model, key_rows(model, None, 0..model.window.len()), STEPS, gate, MOST_SEARCHED);
             self.join_overlapping(model);
         }
-        self.settle(model, (0..model.window.len()).collect(), STEPS, gate + 0.5 * SLACK, 0);
+        // Many modes are told apart as well by the rows that they are compared by.
+        let rows = model.window.len();
+        let all = if self.modes.len() * rows * model.sensors.len() <= MOST_AT_ALL_ROWS {
+            (0..rows).collect()
+        } else {
+            key_rows(model, None, 0..rows)
+        };
+        self.settle(model, all.clone(), STEPS, gate + 0.5 * SLACK, 0);
         self.estimate_noise(model);
         self.multistart(model);
-        self.settle(model, (0..model.window.len()).collect(), STEPS, gate, 0);
+        self.settle(model, all, STEPS, gate, 0);
     }
 
     /// Moves every mode to its least cost over the rows that modes are compared by, before rows are marginalised: what these say is never

@@ -43,8 +43,6 @@ pub(super) struct Mode {
     likeliest: usize,
     promise: f64,
     here: f64,
-    /// Whether it has come to its least cost over the rows that it has seen.
-    pub(super) is_settled: bool,
     /// Whether the rows that came last are further off than noise, which a robust cost takes for false.
     pub(super) is_off: bool,
     /// How its whiskers stand at the last of them.
@@ -78,7 +76,6 @@ impl Mode {
             likeliest: 0,
             promise: f64::INFINITY,
             here: f64::INFINITY,
-            is_settled: false,
             is_off: false,
             end: None,
         }
@@ -93,7 +90,6 @@ impl Mode {
             likeliest: 0,
             promise: f64::INFINITY,
             here: f64::INFINITY,
-            is_settled: false,
             is_off: false,
             end: None,
         }
@@ -284,7 +280,6 @@ impl Mode {
             likeliest: self.likeliest,
             promise: f64::INFINITY,
             here: f64::INFINITY,
-            is_settled: false,
             is_off: false,
             end: None,
         };
@@ -335,11 +330,21 @@ impl Mode {
         steps: usize,
         scratch: &mut Linearisation,
     ) {
+        self.descend_while(model, rows, (steps, SETTLED), scratch);
+    }
+
+    /// The same, but only while a step promises so much (nats).
+    pub(super) fn descend_while(
+        &mut self,
+        model: &MeasurementModel<'_>,
+        rows: &[usize],
+        (steps, worth): (usize, f64),
+        scratch: &mut Linearisation,
+    ) {
         for _ in 0..steps {
             let fit = self.fit();
             let Some((promised, step)) = fit.equations.step(DAMPING) else { return };
-            if fit.equations.constant - promised < SETTLED {
-                self.is_settled = true;
+            if fit.equations.constant - promised < worth {
                 return;
             }
             let long = step[0].hypot(step[1]) / LONGEST[0];
@@ -354,7 +359,6 @@ impl Mode {
                 }
             }
             if !taken {
-                self.is_settled = true;
                 return;
             }
         }

@@ -96,7 +96,7 @@ pub struct Fit {
 
 impl Fit {
     /// Whether the best mode may be right; otherwise modes are searched from another contact.
-    pub(super) fn agrees(&self) -> bool {
+    pub(crate) fn agrees(&self) -> bool {
         self.beyond <= AGREES[0] && self.square <= AGREES[1]
     }
 }
