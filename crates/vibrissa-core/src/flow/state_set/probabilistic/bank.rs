@@ -249,7 +249,7 @@ impl Bank {
             let before = *left;
             if mode.gain() > MOVED {
                 *left = left.saturating_sub(each);
-                mode.descend_while(model, &self.rows, (effort.steps, MOVED), &mut self.scratch);
+                mode.descend(model, &self.rows, effort.steps, &mut self.scratch);
             }
             if core::mem::take(&mut mode.is_off)
                 && mode.is_off_at(model, &self.rows, pending.rows.len() * sensors, &mut self.scratch)

@@ -330,21 +330,10 @@ impl Mode {
         steps: usize,
         scratch: &mut Linearisation,
     ) {
-        self.descend_while(model, rows, (steps, SETTLED), scratch);
-    }
-
-    /// The same, but only while a step promises so much (nats).
-    pub(super) fn descend_while(
-        &mut self,
-        model: &MeasurementModel<'_>,
-        rows: &[usize],
-        (steps, worth): (usize, f64),
-        scratch: &mut Linearisation,
-    ) {
         for _ in 0..steps {
             let fit = self.fit();
             let Some((promised, step)) = fit.equations.step(DAMPING) else { return };
-            if fit.equations.constant - promised < worth {
+            if fit.equations.constant - promised < SETTLED {
                 return;
             }
             let long = step[0].hypot(step[1]) / LONGEST[0];
