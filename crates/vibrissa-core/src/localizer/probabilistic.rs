@@ -189,6 +189,21 @@ impl<'a> ProbabilisticEstimator<'a> {
         self.events.push(Event { t, kind: "inconsistent", detail: detail.to_owned() });
     }
 
+    /// Notes at the end that the robot is found again after the last loss, where no row has told it.
+    fn note_recovered(&mut self, t: f64, is_found_again: bool) {
+        let last =
+            self.events.iter().rev().map(|event| event.kind).find(|kind| ["inconsistent", "recovered"].contains(kind));
+        if self.lost == 0 || last != Some("inconsistent") {
+            return;
+        }
+        let detail = if is_found_again {
+            "one place explains the contacts from the first on; it had been given up on the way"
+        } else {
+            "the rows since agree with where the robot is now; it had been lost"
+        };
+        self.events.push(Event { t, kind: "recovered", detail: detail.to_owned() });
+    }
+
     /// Notes that the contact since a time is explained elsewhere.
     fn note_carried(&mut self, from: f64, t: f64) {
         self.lost += 1;
@@ -212,6 +227,11 @@ impl<'a> ProbabilisticEstimator<'a> {
 
     fn evidence<'b>(&self, places: &'b [Hypothesis]) -> Evidence<'b> {
         Evidence { touched: self.touched, emptied: self.lost > 0, places, ..Evidence::default() }
+    }
+
+    /// Whether the modes were given up on the way although a place explains every contact: no reading contradicts the others then.
+    fn is_found_again(&self, fit: Option<&Fit>) -> bool {
+        self.lost > 0 && self.set.explains_all() && fit.is_some_and(Fit::agrees)
     }
 
     /// Tells why the verdict is not what the places alone would make it.
@@ -371,8 +391,13 @@ impl Estimator for ProbabilisticEstimator<'_> {
         }
         let hypotheses: Vec<Hypothesis> = places.iter().map(pose::fitted).collect();
         let broken: Vec<f64> = places.iter().map(|place| place.broken).collect();
+        let is_found_again = self.is_found_again(fit.as_ref());
+        if is_found_again {
+            self.before.clear();
+        }
         let verdict = pose::verdict(&Evidence {
             explained_since: fit.as_ref().map_or(0, |fit| fit.touching),
+            emptied: self.lost > 0 && !is_found_again,
             broken: Broken::Shares(&broken),
             fit: fit.as_ref(),
             tolerated_share: self.tolerated_share,
@@ -381,6 +406,9 @@ impl Estimator for ProbabilisticEstimator<'_> {
         self.note_reason(t, hypotheses.is_empty(), verdict.reason);
         let status = verdict.status;
         let keep = status != Status::Inconsistent;
+        if keep && !hypotheses.is_empty() {
+            self.note_recovered(t, is_found_again);
+        }
         let estimate = hypotheses.first().map(|h| h.pose).filter(|_| keep);
         let odometry = places.first().and_then(|place| place.calibration).map(odometry_estimate);
         let nuisances = places.first().map_or_else(Vec::new, |place| place.nuisances.clone());
