@@ -1,5 +1,6 @@
 //! Every default of the product, once, with its unit and its reason.
 
+pub mod band;
 pub mod budgets;
 mod calibration;
 mod contact;
