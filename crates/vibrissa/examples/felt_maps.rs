@@ -1,4 +1,4 @@
-//! How well a robot finds itself in a map that it felt before: laps along the walls of random rooms, profiled, and second visits by
+//! How well a robot finds itself in a map that it felt before: laps along the walls of random rooms, mapped, and second visits by
 //! each method.
 //!
 //! `cargo run --release --example felt_maps -- [ROOMS] [FIRST_SEED]`
@@ -10,10 +10,12 @@ mod random;
 
 use lap::{Kind, Law, OdometryError, record, robot, room, way};
 use random::Random;
-use vibrissa::config::{ContactOptions, MapAssemblyOptions, PossibilisticOptions, ProfileOptions};
+use vibrissa::Stop;
+use vibrissa::config::MappingOptions;
+use vibrissa::config::PossibilisticOptions;
 use vibrissa::flow::pose::Status;
-use vibrissa::plane::{Pose2, Vec2, wrap_angle};
-use vibrissa::tasks::profile::{compare, profile};
+use vibrissa::plane::{Vec2, wrap_angle};
+use vibrissa::tasks::mapping::map_log;
 use vibrissa::{Method, localize};
 
 fn main() {
@@ -40,48 +42,15 @@ fn visit(seed: u64) -> Option<String> {
     // The felt map is in the odometry frame of the lap.
     let odom_from_map = path[0].map_from_robot.inverse();
     let started = std::time::Instant::now();
-    let felt = profile(&[lap.log], &robot, &ContactOptions::default(), &ProfileOptions::default()).ok()?;
-    let assembled = felt.map(&MapAssemblyOptions::default()).ok()?;
-    let profiled = started.elapsed().as_secs_f64();
-    let map = &assembled.map;
-    if let Ok(folder) = std::env::var("FELT_MAPS") {
-        let _ = std::fs::write(format!("{folder}/felt{seed}.geojson"), vibrissa::io::map::to_geojson(map));
-        let _ = std::fs::write(format!("{folder}/true{seed}.geojson"), vibrissa::io::map::to_geojson(&room.map));
-    }
-    let points: Vec<Vec2> = felt.outlines.iter().flat_map(|o| o.points.iter().map(|p| p.position)).collect();
-    let shape = compare(&points, &room.map, false)?;
-    // How far felt points are off, in their own standard deviations.
-    let mut sizes: Vec<f64> = felt
-        .outlines
-        .iter()
-        .flat_map(|o| &o.points)
-        .filter_map(|p| {
-            let there = odom_from_map.inverse().transform_point(p.position);
-            Some(room.map.nearest(there)?.distance / p.std)
-        })
-        .collect();
-    sizes.sort_by(f64::total_cmp);
-    let at = |share: f64| sizes.get((share * sizes.len() as f64) as usize).copied().unwrap_or(f64::NAN);
-    let corner_error = assembled.corners.iter().filter_map(|c| {
-        let there = odom_from_map.inverse().transform_point(c.position);
-        room.corners.iter().map(|p| p.distance(there)).min_by(f64::total_cmp)
-    });
-    let corner_error = corner_error.fold(0.0, f64::max);
+    let felt = map_log(&lap.log, &robot, MappingOptions::default(), &Stop::default(), &mut |_, _| {}).ok()?;
+    let took = started.elapsed().as_secs_f64();
+    let map = &felt.outline.map;
     let mut told = format!(
-        "{seed} {kind:?} {law:?} {length:.2} m, {} rows touching {:.2}, sim {simulated:.1} s, profile {profiled:.1} s: {} boundaries, corners {} of {} off by {:.2} mm; shape mean {:.3} p95 {:.3} max {:.2}; in stds p50 {:.1} p95 {:.1} p99 {:.1} max {:.1}",
+        "{seed} {kind:?} {law:?} {length:.2} m, {} rows, sim {simulated:.1} s, mapped in {took:.1} s: {} boundaries, corners {} of {}",
         path.len(),
-        lap.touching,
         map.boundaries().len(),
-        assembled.corners.len(),
+        felt.outline.corners.len(),
         room.corners.len(),
-        1e3 * corner_error,
-        1e3 * shape.shape.mean,
-        1e3 * shape.shape.p95,
-        1e3 * shape.shape.max,
-        at(0.5),
-        at(0.95),
-        at(0.99),
-        at(0.999)
     );
     for visit in 0..2 {
         let share = draw.between(0.1, 0.8);
@@ -122,7 +91,6 @@ fn visit(seed: u64) -> Option<String> {
             }
         }
     }
-    let _ = Pose2::IDENTITY;
     Some(told)
 }
 

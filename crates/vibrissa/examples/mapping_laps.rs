@@ -48,6 +48,8 @@ fn mapped(seed: u64, wrong: bool) -> Option<String> {
     if wrong {
         robot.odometry = Odometry { translation_relative: 0.0115, rotation_relative: 0.002, ..Odometry::default() };
         options.drift = 1.05 * degree;
+        // The walls are at least 40 mm away.
+        options.body_radius = 0.035;
     }
     let lap = record(&room.map, &robot, &path, law, error, &mut draw)?;
     let started = std::time::Instant::now();
@@ -60,9 +62,13 @@ fn mapped(seed: u64, wrong: bool) -> Option<String> {
         let _ =
             std::fs::write(format!("{folder}/map{seed}.geojson"), vibrissa::io::map::to_geojson(&found.outline.map));
     }
-    let judged = judge(&found, &room)?;
+    let judged = judge(&found, &room, path[0].map_from_robot)?;
     let count = |verdict| found.closures.iter().filter(|closure| closure.verdict == verdict).count();
-    let places: Vec<usize> = found.closures.iter().map(|closure| closure.places).collect();
+    let places: Vec<String> = found
+        .closures
+        .iter()
+        .map(|c| format!("{}:{:.0},{:.0},{:.0}", c.places, 1e3 * c.extent[0], 1e3 * c.extent[1], 1e3 * c.extent[2]))
+        .collect();
     Some(format!(
         "{seed} {kind:?} {law:?} {length:.2} m {} rows {took:.1} s: {} boundaries, {} points, corners {} of {}; {judged}; scale {:+.2} ± {:.2} % (true {:+.2}), drift {:+.2} ± {:.2} deg/m (true {:+.2}); closures proved {} open {} contradicted {} unfinished {} {places:?}",
         lap.log.rows.len(),
@@ -84,18 +90,21 @@ fn mapped(seed: u64, wrong: bool) -> Option<String> {
 }
 
 /// Errors after the best rigid motion.
-fn judge(found: &Mapped, room: &lap::Room) -> Option<String> {
+fn judge(found: &Mapped, room: &lap::Room, first: vibrissa::plane::Pose2) -> Option<String> {
+    // The outline's frame is that of the first row: laid where the robot was.
+    let first = first.compose(found.trajectory[0].map_from_robot.inverse());
     let map = &found.outline.map;
     let is_known = |sample: &&vibrissa::world::BoundarySample| {
         let boundary = &map.boundaries()[sample.boundary];
         let piece = boundary.curve().segment_at(sample.arc_length);
         !matches!(boundary.piece_course(piece), Some(vibrissa::world::PieceCourse::Unknown(_)))
     };
-    let points: Vec<Vec2> = map.samples(2e-3).iter().filter(is_known).map(|sample| sample.position).collect();
+    let points: Vec<Vec2> =
+        map.samples(2e-3).iter().filter(is_known).map(|sample| first.transform_point(sample.position)).collect();
     let felt = points.len() as f64 * 2e-3;
     let fit = compare(&points, &room.map, true)?;
     let corner = |p: Vec2| {
-        let there = fit.map_from_outline.transform_point(p);
+        let there = fit.map_from_outline.transform_point(first.transform_point(p));
         room.corners.iter().map(|c| c.distance(there)).fold(f64::INFINITY, f64::min)
     };
     let corners: Vec<f64> = found.outline.corners.iter().map(|c| corner(c.position)).collect();

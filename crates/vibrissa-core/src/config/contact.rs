@@ -113,7 +113,7 @@ pub struct MapAssemblyOptions {
     pub touching: f64,
     /// Shortest length of its end over which a wall has a direction (m): long beside the error of its points, short beside a robot's walls.
     pub corner_fit: f64,
-    /// How far from its straight line the end of a wall may lie that has a corner (m); or two standard deviations, where they are more.
+    /// How far from its straight line a wall may lie that has a corner (m); or some standard deviations, where they are more.
     pub straight: f64,
     /// How far ahead of a felt end a corner may lie (m), and no farther than the wall was felt to be straight.
     pub corner_reach: f64,
@@ -125,7 +125,7 @@ pub struct MapAssemblyOptions {
     pub widest_corner: f64,
     /// How far beyond the end of what was felt anything may be (m).
     pub end_reach: f64,
-    /// Points within this of a straight line, or within the middle standard deviation, are left out (m); their bands hold it.
+    /// Points within this of a straight line, or within twice the middle standard deviation, are left out (m); their bands hold it.
     pub simplified: f64,
     /// Over which length the error of a felt wall is alike (m): as far as a tip slides in one contact, measured on simulated laps.
     pub correlation_length: f64,

@@ -7,6 +7,8 @@ use crate::{Error, Result};
 pub struct MappingOptions {
     /// Bound on the drift of the odometry's heading with the way (rad/m), beside what the robot declares.
     pub drift: f64,
+    /// Radius of a disc around the robot's origin that its body fills (m): where it was there is no wall, which proves closures.
+    pub body_radius: f64,
     /// Way (m) and turn (rad) between key poses: what lies between two is taken to be rigid.
     pub key_spacing: f64,
     /// See `key_spacing`.
@@ -42,6 +44,8 @@ pub struct MappingOptions {
     pub submap_contacts: usize,
     /// See `submap_contacts` (m).
     pub contact_spacing: f64,
+    /// Shapes of a whisker that are farther apart (m) have nothing known between them.
+    pub largest_gap: f64,
     /// Side of the cells in which passed space is kept (m).
     pub cell: f64,
     /// The bound of a contact's error, over its standard deviation, and the least (m).
@@ -62,6 +66,7 @@ impl Default for MappingOptions {
     fn default() -> Self {
         Self {
             drift: 0.0,
+            body_radius: 0.0,
             key_spacing: 0.1,
             key_turn: 0.5,
             cut: 0.3,
@@ -79,10 +84,11 @@ impl Default for MappingOptions {
             closure_every: 0.15,
             submap_contacts: 20,
             contact_spacing: 4e-3,
-            cell: 2e-3,
+            largest_gap: 5e-3,
+            cell: 1e-3,
             stds_in_bound: 4.0,
             least_bound: 0.3e-3,
-            closure_resolution: 2.5e-3,
+            closure_resolution: 1e-3,
             largest_place: 0.03,
             largest_turn: 0.15,
             closure_work: 400_000,
@@ -99,6 +105,7 @@ impl MappingOptions {
     pub fn check(&self) -> Result<()> {
         for (name, value, lo, hi) in [
             ("drift", self.drift, 0.0, 10.0),
+            ("body_radius", self.body_radius, 0.0, 1.0),
             ("key_spacing", self.key_spacing, 1e-3, 10.0),
             ("key_turn", self.key_turn, 1e-2, 10.0),
             ("cut", self.cut, 1e-2, 10.0),
@@ -114,6 +121,7 @@ impl MappingOptions {
             ("submap", self.submap, 1e-2, 10.0),
             ("closure_every", self.closure_every, 1e-2, 10.0),
             ("contact_spacing", self.contact_spacing, 1e-4, 0.1),
+            ("largest_gap", self.largest_gap, 0.0, 0.1),
             ("cell", self.cell, 1e-4, 0.1),
             ("stds_in_bound", self.stds_in_bound, 1.0, 20.0),
             ("least_bound", self.least_bound, 0.0, 0.1),

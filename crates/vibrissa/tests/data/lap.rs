@@ -137,8 +137,10 @@ pub(crate) struct OdometryError {
 /// A recorded lap: the log, and where the robot was.
 pub(crate) struct Lap {
     pub(crate) log: SensorLog,
+    #[allow(dead_code, reason = "each program takes what it needs")]
     pub(crate) truth: Vec<StampedPose>,
     /// Share of the rows in contact.
+    #[allow(dead_code, reason = "each program takes what it needs")]
     pub(crate) touching: f64,
 }
 

@@ -25,12 +25,14 @@ pub(super) struct FreeSpace {
 const BIN: usize = 16;
 
 impl FreeSpace {
-    /// Around places that were passed (m), each with how far it may be off (m), in cells of this side (m).
-    pub(super) fn new(places: &[(Vec2, f64)], cell: f64) -> Self {
-        let bounds = places.iter().fold(Bounds::EMPTY, |all, (p, _)| all.including(*p));
+    /// Around places that were passed, and around the middles of a disc of this radius that was passed (m), each with how far it may be
+    /// off (m), in cells of this side (m).
+    pub(super) fn new(places: &[(Vec2, f64)], (middles, radius): (&[(Vec2, f64)], f64), cell: f64) -> Self {
+        let of_discs = middles.iter().fold(Bounds::EMPTY, |all, (p, _)| all.including(*p)).inflated(radius);
+        let bounds = places.iter().fold(of_discs, |all, (p, _)| all.including(*p));
         let (depths, offs) = (Vec::new(), Vec::new());
         let mut grid = Self { origin: Vec2::ZERO, cell, columns: 0, rows: 0, depths, offs };
-        if bounds.is_empty() {
+        if bounds.is_empty() || !bounds.size().is_finite() {
             return grid;
         }
         let margin = Vec2::new(2.0, 2.0) * cell;
@@ -49,8 +51,22 @@ impl FreeSpace {
                 grid.note(index, *off);
             }
         }
+        middles.iter().filter(|_| radius > 0.0).for_each(|(middle, off)| grid.fill(*middle, radius, *off));
         grid.spread();
         grid
+    }
+
+    /// Notes a disc.
+    fn fill(&mut self, middle: Vec2, radius: f64, off: f64) {
+        let steps = (2.0 * radius / self.cell).ceil().max(1.0) as usize;
+        let at = |k: usize| radius * (2.0 * k as f64 / steps as f64 - 1.0);
+        for (i, j) in (0..=steps).flat_map(|i| (0..=steps).map(move |j| (i, j))) {
+            let from = Vec2::new(at(i), at(j));
+            if let Some(index) = self.index(middle + from).filter(|_| from.norm_squared() <= radius * radius) {
+                self.depths[index] = f64::INFINITY;
+                self.note(index, off);
+            }
+        }
     }
 
     /// Bins along both sides.
@@ -117,7 +133,7 @@ mod tests {
             .filter(|p| passed(*p))
             .map(|p| (p, 1e-3))
             .collect();
-        let space = FreeSpace::new(&places, 2e-3);
+        let space = FreeSpace::new(&places, (&[], 0.0), 2e-3);
         let mut deepest = 0.0_f64;
         for k in 0..4000 {
             let place = Vec2::from_angle(f64::from(k) * 2.399) * (1e-3 * f64::from(k).sqrt());
@@ -127,6 +143,9 @@ mod tests {
             deepest = deepest.max(told);
         }
         assert!(deepest > 8e-3, "{deepest}");
-        assert!(FreeSpace::new(&[], 2e-3).depth(Vec2::ZERO) <= 0.0);
+        // A disc is as deep as it is wide, but for what cells cost and what it may be off.
+        let disc = FreeSpace::new(&[], (&[(Vec2::new(0.1, 0.0), 1e-3)], 0.03), 1e-3);
+        assert!((0.02..0.029).contains(&disc.depth(Vec2::new(0.1, 0.0))) && disc.depth(Vec2::new(0.135, 0.0)) <= 0.0);
+        assert!(FreeSpace::new(&[], (&[], 0.0), 2e-3).depth(Vec2::ZERO) <= 0.0);
     }
 }

@@ -13,7 +13,7 @@ use crate::world::Robot;
 use crate::{Result, Stop};
 
 /// Points along a whisker by which the space that it passes is known.
-const BODY: usize = 48;
+const BODY: usize = 90;
 
 /// A felt point of a wall, in the frame of its key pose.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,6 +38,8 @@ pub(super) struct Key {
     pub(super) leg: Leg,
     /// Places that whiskers and robot have been at, in the key's frame (m).
     pub(super) passed: Vec<Vec2>,
+    /// Where its origin was, in the key's frame (m).
+    pub(super) stands: Vec<Vec2>,
 }
 
 /// Stretches in the making.
@@ -81,7 +83,7 @@ impl FrontEnd {
         let (far, turned) = (self.options.key_spacing, self.options.key_turn);
         if self.keys.is_empty() || self.since_key.way >= far || self.since_key.turned >= turned {
             let leg = core::mem::take(&mut self.since_key);
-            self.keys.push(Key { t: row.t, odom_from_key: row.odom_from_robot, leg, passed: Vec::new() });
+            self.keys.push(Key { t: row.t, odom_from_key: row.odom_from_robot, leg, ..Key::default() });
         }
         self.way += step.position().norm() + self.options.turn_arm * step.theta.abs();
         self.log.rows.push(row.clone());
@@ -142,7 +144,7 @@ impl FrontEnd {
         }
         let range = self.options.trim_start..=length - self.options.trim_end;
         let inside = known.iter().zip(&along).filter(|(_, s)| range.contains(*s)).map(|(one, _)| one);
-        let mut last: Option<usize> = None;
+        let (mut last, mut before): (Option<usize>, Vec<Vec2>) = (None, Vec::new());
         for (step, point) in inside.filter(|(step, _)| step.t >= from) {
             let key = self.key_at(step.t);
             let to_key = self.keys[key].odom_from_key.inverse();
@@ -157,9 +159,30 @@ impl FrontEnd {
             }
             last = Some(key);
             if let Some(bend) = &step.bend {
-                let place = |p: &Vec2| to_key.transform_point(step.odom_from_whisker.transform_point(*p));
-                self.keys[key].passed.extend(bend.shape(bend.s_a, BODY).iter().map(place));
+                let place = |p: &Vec2| step.odom_from_whisker.transform_point(*p);
+                let body: Vec<Vec2> = bend.shape(bend.s_a, BODY).iter().map(place).collect();
+                self.pass(key, to_key, &before, &body);
+                before = body;
             }
+        }
+    }
+
+    /// Notes the space between one shape of a whisker and the next (odometry frame), as finely as it is kept.
+    fn pass(&mut self, key: usize, to_key: Pose2, before: &[Vec2], now: &[Vec2]) {
+        let farthest = before.iter().zip(now).map(|(a, b)| a.distance(*b)).fold(0.0, f64::max);
+        // Shapes that are far apart have nothing known between them.
+        let steps = if before.len() == now.len() && farthest <= self.options.largest_gap {
+            (farthest / (0.7 * self.options.cell)).ceil().max(1.0) as usize
+        } else {
+            1
+        };
+        for step in 1..=steps {
+            let share = step as f64 / steps as f64;
+            let between = |(k, b): (usize, &Vec2)| {
+                let place = before.get(k).filter(|_| steps > 1).map_or(*b, |a| *a + (*b - *a) * share);
+                to_key.transform_point(place)
+            };
+            self.keys[key].passed.extend(now.iter().enumerate().map(between));
         }
     }
 
@@ -170,6 +193,7 @@ impl FrontEnd {
             let LogRow { t, odom_from_robot, .. } = self.log.rows[row];
             let key = self.key_at(t);
             let to_key = self.keys[key].odom_from_key.inverse().compose(odom_from_robot);
+            self.keys[key].stands.push(to_key.position());
             let mut passed = vec![to_key.position()];
             for whisker in &self.robot.whiskers {
                 let Ok(channel) = self.log.moment_channel(&whisker.name) else { continue };

@@ -31,6 +31,11 @@ pub(super) fn outline(
     let outlines = merged(&runs, &ProfileOptions { shortest: options.shortest, ..ProfileOptions::default() });
     let assembly = MapAssemblyOptions::default();
     let mut lines: Vec<FeltLine> = outlines.iter().map(|outline| outline.felt(&assembly)).collect();
+    // What runs beside a wall for a few millimetres is the end of a trace that left it.
+    let length = |line: &FeltLine| -> f64 {
+        line.points.windows(2).map(|pair| pair[0].position.distance(pair[1].position)).sum()
+    };
+    lines.retain(|line| length(line) >= options.shortest);
     for line in &mut lines {
         let places: Vec<Vec2> = line.points.iter().map(|point| point.position).collect();
         for (k, point) in line.points.iter_mut().enumerate() {

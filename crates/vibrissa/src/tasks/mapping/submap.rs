@@ -41,7 +41,7 @@ pub(super) fn submap(front: &FrontEnd, robot: &Robot, options: &MappingOptions, 
         last += 1;
         way += keys[last].leg.way;
     }
-    let (mut contacts, mut places) = (Vec::new(), Vec::new());
+    let (mut contacts, mut places, mut middles) = (Vec::new(), Vec::new(), Vec::new());
     for key in first..=last {
         // What was felt after a key pose belongs to it, up to the next.
         let (lo, hi) = (key.min(middle), (key + 1).min(keys.len() - 1).max(middle));
@@ -53,10 +53,29 @@ pub(super) fn submap(front: &FrontEnd, robot: &Robot, options: &MappingOptions, 
             places.push((here.transform_point(*local), off(*local) + options.least_bound));
         }
     }
+    for_each_stand(front, (first, last), options.contact_spacing, |key, local| {
+        let (lo, hi) = (key.min(middle), (key + 1).min(keys.len() - 1).max(middle));
+        let (place, turn) = bounds_between(front, robot, options.drift, (lo, hi));
+        let here = keys[middle].odom_from_key.between(keys[key].odom_from_key);
+        middles.push((here.transform_point(local), place + turn * local.norm()));
+    });
     if contacts.len() < options.submap_contacts {
         return None;
     }
-    Some(Submap { contacts, space: FreeSpace::new(&places, options.cell) })
+    Some(Submap { contacts, space: FreeSpace::new(&places, (&middles, options.body_radius), options.cell) })
+}
+
+/// The robot's origin at places that are so far apart (m), in the frame of the key pose before.
+fn for_each_stand(front: &FrontEnd, (first, last): (usize, usize), spacing: f64, mut visit: impl FnMut(usize, Vec2)) {
+    for key in first..=last {
+        let mut before: Option<Vec2> = None;
+        for &stand in &front.keys[key].stands {
+            if before.is_none_or(|before| before.distance(stand) >= spacing) {
+                before = Some(stand);
+                visit(key, stand);
+            }
+        }
+    }
 }
 
 /// The contacts of a key pose, thinned, with their bounds.

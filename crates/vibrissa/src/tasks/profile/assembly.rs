@@ -199,13 +199,16 @@ impl EndLine {
         let within =
             |reach: f64| (0..count).take_while(|&k| from_tip(k).position.distance(tip) <= reach).count().max(2);
         let mut best = StraightFit::of((0..within(options.corner_fit).min(count)).map(from_tip))?;
-        let allowed = |fit: &StraightFit| options.straight.max(STDS_OF_STRAIGHT * fit.band.std);
-        let is_straight = best.worst <= allowed(&best) && best.length >= 0.5 * options.corner_fit;
+        let is_fit = |fit: &StraightFit| {
+            let within = |stds: f64| options.straight.max(stds * fit.band.std);
+            fit.rms <= within(RMS_OF_STRAIGHT) && fit.worst <= within(WORST_OF_STRAIGHT)
+        };
+        let is_straight = is_fit(&best) && best.length >= 0.5 * options.corner_fit;
         let mut reach = options.corner_fit;
         while is_straight && within(reach) < count {
             reach *= LONGER;
             let Some(next) = StraightFit::of((0..within(reach).min(count)).map(from_tip)) else { break };
-            if next.worst > allowed(&next) {
+            if !is_fit(&next) {
                 break;
             }
             best = next;
@@ -229,7 +232,8 @@ struct StraightFit {
     along: Vec2,
     band: Band,
     length: f64,
-    /// The farthest point from it (m).
+    /// Root of the mean square of the points' distances from it, and the largest (m).
+    rms: f64,
     worst: f64,
 }
 
@@ -238,14 +242,18 @@ impl StraightFit {
         let points: Vec<&FeltPoint> = points.collect();
         let places: Vec<Vec2> = points.iter().map(|point| point.position).collect();
         let (middle, along) = direction(&places)?;
-        let worst = places.iter().map(|p| along.cross(*p - middle).abs()).fold(0.0, f64::max);
+        let off = |p: &Vec2| along.cross(*p - middle);
+        let worst = places.iter().map(|p| off(p).abs()).fold(0.0, f64::max);
+        let rms = (places.iter().map(|p| off(p) * off(p)).sum::<f64>() / places.len() as f64).sqrt();
         let band = points.iter().fold(Band::default(), |all, point| widest(all, point.band));
-        Some(Self { middle, along, band, length: places[0].distance(places[places.len() - 1]), worst })
+        Some(Self { middle, along, band, length: places[0].distance(places[places.len() - 1]), rms, worst })
     }
 }
 
-/// How far points may lie from a straight wall, in standard deviations, and by what the stretch that may be one grows.
-const STDS_OF_STRAIGHT: f64 = 3.0;
+/// How far points may lie from a straight wall, root mean square and at most, in standard deviations told, and by what the stretch that
+/// may be one grows.
+const RMS_OF_STRAIGHT: f64 = 1.5;
+const WORST_OF_STRAIGHT: f64 = 8.0;
 const LONGER: f64 = 1.3;
 
 /// The middle of some points and the direction of the line through them.
@@ -282,6 +290,9 @@ fn corner(end: &EndLine, start: &EndLine, options: &MapAssemblyOptions) -> Optio
 fn length(line: &FeltLine) -> f64 {
     line.points.windows(2).map(|pair| pair[0].position.distance(pair[1].position)).sum()
 }
+
+/// What is no shape of a wall, over the middle standard deviation of its points.
+const STDS_LEFT_OUT: f64 = 2.0;
 
 /// Points before and after by which a line's direction is told.
 const NEIGHBOURS: usize = 6;
@@ -361,7 +372,8 @@ fn finished(mut drawn: Drawn, is_ring: bool, options: &MapAssemblyOptions) -> Re
     let mut stds: Vec<f64> = drawn.points.iter().map(|point| point.band.std).collect();
     stds.sort_by(f64::total_cmp);
     // What is less than the points' own errors is no shape of the wall.
-    simplify(&mut drawn, options.simplified.max(stds.get(stds.len() / 2).copied().unwrap_or(0.0)));
+    let middle = stds.get(stds.len() / 2).copied().unwrap_or(0.0);
+    simplify(&mut drawn, options.simplified.max(STDS_LEFT_OUT * middle));
     let points: Vec<Vec2> = drawn.points.iter().map(|point| point.position).collect();
     let degenerate = || Error::data("a felt line without length");
     let curve = Curve::polyline(&points, is_ring).ok_or_else(degenerate)?;
