@@ -214,6 +214,11 @@ impl<'a> ProbabilisticEstimator<'a> {
         Evidence { touched: self.touched, emptied: self.lost > 0, places, ..Evidence::default() }
     }
 
+    /// Whether the modes were given up on the way although a place explains every contact: no reading contradicts the others then.
+    fn is_found_again(&self, fit: Option<&Fit>) -> bool {
+        self.lost > 0 && self.set.explains_all() && fit.is_some_and(Fit::agrees)
+    }
+
     /// Tells why the verdict is not what the places alone would make it.
     fn note_reason(&mut self, t: f64, nowhere: bool, reason: Option<(&'static str, String)>) {
         let too_short = self.touched && nowhere && self.lost == 0;
@@ -371,8 +376,15 @@ impl Estimator for ProbabilisticEstimator<'_> {
         }
         let hypotheses: Vec<Hypothesis> = places.iter().map(pose::fitted).collect();
         let broken: Vec<f64> = places.iter().map(|place| place.broken).collect();
+        let is_found_again = self.is_found_again(fit.as_ref());
+        if is_found_again {
+            self.before.clear();
+            let detail = "one place explains all contacts from the first on".to_owned();
+            self.events.push(Event { t, kind: "recovered", detail });
+        }
         let verdict = pose::verdict(&Evidence {
             explained_since: fit.as_ref().map_or(0, |fit| fit.touching),
+            emptied: self.lost > 0 && !is_found_again,
             broken: Broken::Shares(&broken),
             fit: fit.as_ref(),
             tolerated_share: self.tolerated_share,

@@ -11,9 +11,12 @@ use super::optimisation::{GRADUATED_RUNS, Mode};
 use super::unknowns::POSE;
 use crate::linear_algebra::{determinant, dot, times};
 use crate::plane::Pose2;
+use core::ops::Range;
 
 /// Travel of a whisker between two rows that modes are compared by (m).
 const KEY_STEP: f64 = 3e-3;
+/// Modes take in so many rows together.
+pub(super) const TAKEN_TOGETHER: usize = 24;
 /// Readings that are run again at most, about, each time that rows are taken in.
 const TAKES: usize = 6_000;
 /// The same where the readings that have come are unexplained.
@@ -44,6 +47,8 @@ const STEPS_BEFORE_NOISE: usize = 3;
 
 /// Steps over all rows.
 const STEPS: usize = 10;
+/// Modes are fitted to all rows at the end where these are not more readings than this.
+const MOST_AT_ALL_ROWS: usize = 100_000;
 /// So many of the best are searched along their open direction, as long as key rows judge.
 const MOST_SEARCHED: usize = 40;
 /// Slack for modes that are not at their least yet (nats).
@@ -151,8 +156,13 @@ impl Bank {
     /// Takes in the rows that have come at once, see [`Self::advance`].
     pub(super) fn extend(&mut self, model: &MeasurementModel<'_>, admits: &dyn Fn(Pose2) -> bool, effort: Effort) {
         self.advance(model, admits, effort, &mut { usize::MAX });
-        self.begin(model, admits);
-        self.advance(model, admits, effort, &mut { usize::MAX });
+        loop {
+            self.begin(model, admits);
+            self.advance(model, admits, effort, &mut { usize::MAX });
+            if self.seen == model.window.len() {
+                return;
+            }
+        }
     }
 
     /// Fits all anew to the rows when the next ones are taken in: readings have been left out.
@@ -178,11 +188,14 @@ impl Bank {
         self.pending.is_none() || self.modes.len() <= MANY
     }
 
-    /// Begins to take in the rows that have come.
+    /// Begins to take in the rows that have come; where there are many modes only the first of these, since most modes will not be there for
+    /// the others.
     pub(super) fn begin(&mut self, model: &MeasurementModel<'_>, admits: &dyn Fn(Pose2) -> bool) {
         self.modes.retain(|mode| admits(mode.state.frame));
-        let rows = key_rows(model, self.rows.last().copied(), self.seen);
-        self.seen = model.window.len();
+        let all = model.window.len();
+        let until = if self.modes.len() > MANY { all.min(self.seen + TAKEN_TOGETHER) } else { all };
+        let rows = key_rows(model, self.rows.last().copied(), self.seen..until);
+        self.seen = until;
         self.rows.extend(&rows);
         self.pending = Some(Extension { rows, carried: Vec::with_capacity(self.modes.len()), refits: None });
     }
@@ -236,7 +249,7 @@ impl Bank {
             let before = *left;
             if mode.gain() > MOVED {
                 *left = left.saturating_sub(each);
-                mode.descend(model, &self.rows, effort.steps, &mut self.scratch);
+                mode.descend_while(model, &self.rows, (effort.steps, MOVED), &mut self.scratch);
             }
             if core::mem::take(&mut mode.is_off)
                 && mode.is_off_at(model, &self.rows, pending.rows.len() * sensors, &mut self.scratch)
@@ -293,7 +306,7 @@ impl Bank {
     /// which are descended from \[marti2003multistart\].
     pub(super) fn multistart(&mut self, model: &MeasurementModel<'_>) {
         let rows = self.rows.clone();
-        let thinned: Vec<usize> = key_rows(model, None, 0);
+        let thinned: Vec<usize> = key_rows(model, None, 0..model.window.len());
         let mut found = Vec::new();
         for mode in self.modes.iter().take(LOOKED_AROUND) {
             let mut wide = mode.by(NoiseModel::DECLARED);
@@ -415,13 +428,20 @@ impl Bank {
     /// `gate` above the best. The noise of each mode is that of its residuals afterwards.
     pub(super) fn refine(&mut self, model: &MeasurementModel<'_>, gate: f64) {
         for gate in [gate + SLACK, gate + 0.5 * SLACK] {
-            self.settle(model, key_rows(model, None, 0), STEPS, gate, MOST_SEARCHED);
+            self.settle(model, key_rows(model, None, 0..model.window.len()), STEPS, gate, MOST_SEARCHED);
             self.join_overlapping(model);
         }
-        self.settle(model, (0..model.window.len()).collect(), STEPS, gate + 0.5 * SLACK, 0);
+        // Many modes are told apart as well by the rows that they are compared by.
+        let rows = model.window.len();
+        let all = if self.modes.len() * rows * model.sensors.len() <= MOST_AT_ALL_ROWS {
+            (0..rows).collect()
+        } else {
+            key_rows(model, None, 0..rows)
+        };
+        self.settle(model, all.clone(), STEPS, gate + 0.5 * SLACK, 0);
         self.estimate_noise(model);
         self.multistart(model);
-        self.settle(model, (0..model.window.len()).collect(), STEPS, gate, 0);
+        self.settle(model, all, STEPS, gate, 0);
     }
 
     /// Moves every mode to its least cost over the rows that modes are compared by, before rows are marginalised: what these say is never
@@ -466,13 +486,13 @@ fn evidence(mode: &Mode, model: &MeasurementModel<'_>) -> f64 {
     told.constant + 0.5 * determinant(&told.damped(WEAK_PRIOR)).max(f64::MIN_POSITIVE).ln()
 }
 
-/// The rows from `from` on that modes are compared by: one each time that a whisker has moved far enough, or has met or left a boundary.
-pub(super) fn key_rows(model: &MeasurementModel<'_>, last: Option<usize>, from: usize) -> Vec<usize> {
+/// The rows of these that modes are compared by, where `last` is the one before them: one each time that a whisker has moved far enough, or has met or left a boundary.
+pub(super) fn key_rows(model: &MeasurementModel<'_>, last: Option<usize>, of: Range<usize>) -> Vec<usize> {
     let window = model.window;
     let lever = model.sensors.iter().map(|sensor| sensor.length).fold(0.0, f64::max);
     let mut rows: Vec<usize> = Vec::new();
     let mut last = last;
-    for row in from..window.len() {
+    for row in of {
         let far = last.is_none_or(|last| {
             let step = window.pose(last).between(window.pose(row));
             step.position().norm().max(step.theta.abs() * lever) >= KEY_STEP

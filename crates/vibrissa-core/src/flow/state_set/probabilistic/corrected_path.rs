@@ -35,7 +35,7 @@ pub(super) fn corrected_path(
     // Each increment of the odometry has its error, also between the rows that are asked for.
     let mut go_to = |walk: &mut Walk, row: usize| {
         for between in at + 1..=row {
-            walk.go_to(window.pose(between));
+            walk.take(window.increment(between));
         }
         at = at.max(row);
     };
@@ -43,23 +43,26 @@ pub(super) fn corrected_path(
     for &row in rows {
         if anchored.is_none() && anchor <= row {
             go_to(&mut walk, anchor);
-            anchored = Some(walk.here);
+            anchored = Some(walk.point());
         }
         go_to(&mut walk, row);
-        out.push(walk.here);
+        out.push(walk.point());
     }
     let there = anchored.unwrap_or_else(|| {
         go_to(&mut walk, anchor);
-        walk.here
+        walk.point()
     });
     let motion = window.pose(anchor).compose(there.pose.inverse());
+    let Vec2 { x: cos, y: sin } = Vec2::from_angle(motion.theta);
+    let turned = |v: Vec2| Vec2::new(cos * v.x - sin * v.y, sin * v.x + cos * v.y);
     for point in out {
         let arm = (point.pose.position() - there.pose.position()).perp();
         for (sway, fixed) in point.by_calibration.iter_mut().zip(there.by_calibration) {
             let place = sway.place - fixed.place - arm * fixed.turn;
-            *sway = Sway { place: place.rotated(motion.theta), turn: sway.turn - fixed.turn };
+            *sway = Sway { place: turned(place), turn: sway.turn - fixed.turn };
         }
-        point.pose = motion.compose(point.pose);
+        let place = motion.position() + turned(point.pose.position());
+        point.pose = Pose2::new(place.x, place.y, motion.theta + point.pose.theta);
     }
 }
 
@@ -71,28 +74,41 @@ pub(crate) fn calibrated(step: Pose2, [long, aside, turn]: OdometryCalibration) 
 
 /// A walk along the path.
 struct Walk {
-    calibration: OdometryCalibration,
-    raw: Pose2,
-    here: PathPoint,
+    start: Vec2,
+    /// What a step's way is multiplied by, as a complex number, and its turn.
+    way: Vec2,
+    turn: f64,
+    here: Pose2,
+    /// How the place and the heading depend on the turning parameter.
+    by_turn: Sway,
 }
 
 impl Walk {
-    fn new(start: Pose2, calibration: OdometryCalibration) -> Self {
-        Self { calibration, raw: start, here: PathPoint { pose: start, ..PathPoint::default() } }
+    fn new(start: Pose2, [long, aside, turn]: OdometryCalibration) -> Self {
+        let way = Vec2::from_angle(aside) * (1.0 + long);
+        Self { start: start.position(), way, turn: 1.0 + turn, here: start, by_turn: Sway::default() }
     }
 
-    fn go_to(&mut self, raw: Pose2) {
-        let step = calibrated(self.raw.between(raw), self.calibration);
-        let PathPoint { pose, mut by_calibration } = self.here;
-        let next = pose.compose(step);
-        let way = next.position() - pose.position();
+    /// Takes one increment of the odometry.
+    fn take(&mut self, increment: Pose2) {
+        let turn = self.turn * increment.theta;
+        let Vec2 { x: cos, y: sin } = Vec2::from_angle(self.here.theta);
+        let rotation = Vec2::new(self.way.x * cos - self.way.y * sin, self.way.x * sin + self.way.y * cos);
+        let way = Vec2::new(
+            rotation.x * increment.x - rotation.y * increment.y,
+            rotation.y * increment.x + rotation.x * increment.y,
+        );
         // What has been turned too far so far swings the step around.
-        by_calibration.iter_mut().for_each(|sway| sway.place += way.perp() * sway.turn);
-        by_calibration[0].place += way;
-        by_calibration[1].place += way.perp();
-        by_calibration[2].turn += step.theta;
-        self.raw = raw;
-        self.here = PathPoint { pose: next, by_calibration };
+        self.by_turn.place += way.perp() * self.by_turn.turn;
+        self.by_turn.turn += turn;
+        let place = self.here.position() + way;
+        self.here = Pose2::new(place.x, place.y, self.here.theta + turn);
+    }
+
+    fn point(&self) -> PathPoint {
+        let way = self.here.position() - self.start;
+        let longer = Sway { place: way, turn: 0.0 };
+        PathPoint { pose: self.here, by_calibration: [longer, Sway { place: way.perp(), turn: 0.0 }, self.by_turn] }
     }
 }
 

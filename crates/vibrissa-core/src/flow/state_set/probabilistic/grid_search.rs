@@ -25,8 +25,9 @@ const CELL_COST: [f64; 2] = [14.0, 0.67];
 const STD_INFLATION: f64 = 1.5;
 /// Rounds of refinement.
 const ROUNDS: usize = 2;
-/// Longest step of one of them (m, rad).
+/// Longest step of one of them (m, rad), and one that is not worth it.
 const LONGEST: [f64; 2] = [3e-3, 0.06];
+const SHORT: [f64; 2] = [1e-4, 2e-3];
 /// Share of the whisker that is kept clear of the boundaries when it begins to touch.
 const CLEAR: f64 = 0.98;
 /// Corners that turn by more than this (rad) are touched with the side; a whisker begins so far off them (m), and with no more of its length
@@ -37,6 +38,8 @@ const LONGEST_ARM: f64 = 0.97;
 /// Cells nearer to each other than this are one (m, rad), while there are many and when there are few.
 const SAME: [[f64; 2]; 2] = [[2.5e-3, 0.04], [1.2e-3, 0.015]];
 const MANY: usize = 100;
+/// With more cells than this a contact is followed for longer.
+const MANY_CELLS: usize = 1500;
 
 /// What a cell knows: pose, gain, zero.
 type Told = Information<5>;
@@ -73,9 +76,17 @@ pub(super) struct Cell {
     best: (f64, [f64; 3]),
     /// The heading of the grid that it comes from, if it has come to the same as all of that heading on straight walls.
     heading: Option<usize>,
+    /// Through how many readings it has been run.
+    readings: usize,
 }
 
 impl Cell {
+    /// Whether it is linearised where it is best.
+    fn is_at_best(&self) -> bool {
+        let [x, y, turn] = self.best.1;
+        x.hypot(y) < SHORT[0] && turn.abs() < SHORT[1]
+    }
+
     /// The same elsewhere, where the piece that its tip is on goes to another.
     pub(super) fn moved(&self, motion: Pose2, to: &dyn Fn((u32, f64)) -> (u32, f64)) -> Self {
         let (cost, [x, y, turn]) = self.best;
@@ -141,11 +152,6 @@ impl GridSearch {
         &self.onset
     }
 
-    /// How many cells explain the readings so far.
-    pub(super) fn len(&self) -> usize {
-        self.found.len()
-    }
-
     /// Goes on with more rows.
     pub(super) fn resume(&mut self, rows: Vec<usize>) {
         self.onset.rows = rows;
@@ -153,11 +159,12 @@ impl GridSearch {
     }
 
     /// Goes on until `work` (readings run through the forward model) is used up; whether it has come to the end. `admits`
-    /// says whether the odometry frame can be there.
+    /// says whether the odometry frame can be there, `is_last` that no more readings of this contact will follow.
     pub(super) fn step(
         &mut self,
         model: &MeasurementModel<'_>,
         admits: &dyn Fn(Pose2) -> bool,
+        is_last: bool,
         work: &mut usize,
     ) -> bool {
         while let Some(&(piece, at)) = self.places.get(self.next) {
@@ -174,13 +181,23 @@ impl GridSearch {
             self.try_corner(model, corner, outward, admits, work);
             self.next_corner += 1;
         }
-        while self.round < ROUNDS {
+        while self.left.is_some() || self.round < self.rounds(is_last) {
             if !self.refine(model, work) {
                 return false;
             }
             self.round += 1;
         }
         true
+    }
+
+    /// Rounds of refinement: one where there are many cells and more readings will follow.
+    fn rounds(&self, is_last: bool) -> usize {
+        if !is_last && self.is_many() { 1 } else { ROUNDS }
+    }
+
+    /// Whether there are so many cells that the contact is to be followed for longer.
+    pub(super) fn is_many(&self) -> bool {
+        self.found.len() > MANY_CELLS
     }
 
     /// The cells that explain the readings, each at its best place, the best first.
@@ -314,6 +331,10 @@ impl GridSearch {
                 self.left = None;
                 return true;
             };
+            if cell.readings == self.onset.rows.len() && cell.is_at_best() {
+                self.found.push(cell);
+                continue;
+            }
             let to = best_frame(&cell, pivot(model, &self.onset));
             let mut state = cell.state;
             let sensor = &model.sensors[self.onset.sensor];
@@ -384,7 +405,7 @@ fn damping(onset: &ContactOnset) -> [f64; 3] {
     [place, place, (0.6 * onset.turn).powi(-2)]
 }
 
-/// The cell after the readings, unless they kill all of it; one that is `whole` is dropped at any reading, others after the last.
+/// The cell after the readings, unless they kill all of it; one that is `whole` is dropped where it lets go, too.
 fn run(
     model: &MeasurementModel<'_>,
     onset: &ContactOnset,
@@ -428,12 +449,12 @@ fn run(
             told.add(&[x, y, turn + x * arm.x + y * arm.y, felt.value * scale, scale], value, 1.0);
         }
         best = told.marginal([0, 1, 2], [3, 4], priors)?.least(damping);
-        let most = CELL_COST[0] + CELL_COST[1] * (count + 1) as f64;
-        if best.0 > most && (whole || count + 1 == onset.rows.len()) {
+        // Readings that follow only add to it.
+        if best.0 > CELL_COST[0] + CELL_COST[1] * (count + 1) as f64 {
             return None;
         }
     }
-    Some(Cell { frame, state, best, heading: None })
+    Some(Cell { frame, state, best, heading: None, readings: onset.rows.len() })
 }
 
 /// The corners that a side can lie on, each with the direction in which it points.

@@ -9,6 +9,8 @@ pub(super) struct LogWindow {
     times: Vec<f64>,
     /// The robot in the odometry frame.
     poses: Vec<Pose2>,
+    /// The motion to each row from the one before, in the robot's frame there.
+    increments: Vec<Pose2>,
     readings: Vec<f64>,
     /// Whether each is that of a whisker in contact.
     contacts: Vec<bool>,
@@ -30,6 +32,7 @@ impl LogWindow {
     pub(super) fn push(&mut self, t: f64, odom_from_robot: Pose2, readings: &[f64]) {
         self.began.get_or_insert(t);
         self.times.push(t);
+        self.increments.push(self.poses.last().map_or_else(Pose2::default, |last| last.between(odom_from_robot)));
         self.poses.push(odom_from_robot);
         self.readings.extend_from_slice(readings);
         self.contacts.resize(self.readings.len(), false);
@@ -104,6 +107,11 @@ impl LogWindow {
         self.poses[row]
     }
 
+    /// The motion of the robot to a row from the one before.
+    pub(super) fn increment(&self, row: usize) -> Pose2 {
+        self.increments[row]
+    }
+
     pub(super) fn last_pose(&self) -> Pose2 {
         self.poses.last().copied().unwrap_or_default()
     }
@@ -114,11 +122,8 @@ impl LogWindow {
 
     /// How far the robot goes from one row to another, or what turns by as much on an arm of this length (m).
     pub(super) fn way(&self, from: usize, to: usize, lever: f64) -> f64 {
-        let step = |pair: &[Pose2]| {
-            let step = pair[0].between(pair[1]);
-            step.position().norm().max(step.theta.abs() * lever)
-        };
-        self.poses[from..=to].windows(2).map(step).sum()
+        let step = |step: &Pose2| step.position().norm().max(step.theta.abs() * lever);
+        self.increments[from..=to].iter().skip(1).map(step).sum()
     }
 
     /// The robot's velocity at a row, its own frame (m/s, rad/s), from the rows around.
@@ -137,13 +142,13 @@ impl LogWindow {
 
     /// Forgets the rows before `row`.
     pub(super) fn forget(&mut self, row: usize) {
-        for pair in self.poses[..self.poses.len().min(row + 1)].windows(2) {
-            let step = pair[0].between(pair[1]);
+        for step in self.increments[..self.poses.len().min(row + 1)].iter().skip(1) {
             self.gone[0] += step.position().norm();
             self.gone[1] += step.theta.abs();
         }
         self.times.drain(..row);
         self.poses.drain(..row);
+        self.increments.drain(..row);
         self.readings.drain(..row * self.sensors);
         self.contacts.drain(..row * self.sensors);
         self.set_aside.drain(..row * self.sensors);
@@ -153,6 +158,10 @@ impl LogWindow {
     pub(super) fn drop_row(&mut self, row: usize) {
         self.times.remove(row);
         self.poses.remove(row);
+        self.increments.remove(row);
+        if let (Some(before), true) = (row.checked_sub(1), row < self.poses.len()) {
+            self.increments[row] = self.poses[before].between(self.poses[row]);
+        }
         self.readings.drain(row * self.sensors..(row + 1) * self.sensors);
         self.contacts.drain(row * self.sensors..(row + 1) * self.sensors);
         self.set_aside.drain(row * self.sensors..(row + 1) * self.sensors);

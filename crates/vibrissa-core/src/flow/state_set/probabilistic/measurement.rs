@@ -454,17 +454,16 @@ impl<'a> MeasurementModel<'a> {
         )
     }
 
-    /// The derivatives of (pose at a row, nuisance parameters) by (pose at the anchor, nuisance parameters).
-    fn derivatives_by_anchor(&self, state: &State, first: &PathPoint) -> Vec<f64> {
-        let n = self.unknowns.size();
-        let mut by: Vec<f64> = (0..n * n).map(|k| f64::from(u8::from(k / n == k % n))).collect();
+    /// The derivatives of the pose at a row by (pose at the anchor, nuisance parameters), without those by itself.
+    fn derivatives_by_anchor(&self, state: &State, first: &PathPoint) -> [Vec<f64>; POSE] {
+        let mut by: [Vec<f64>; POSE] = core::array::from_fn(|_| vec![0.0; self.unknowns.size()]);
         let arm =
             (state.frame.transform_point(first.pose.position()) - state.frame.transform_point(self.pivot())).perp();
-        (by[2], by[n + 2]) = (arm.x, arm.y);
+        (by[0][2], by[1][2]) = (arm.x, arm.y);
         if let Some(at) = self.unknowns.odometry {
             for (k, sway) in first.by_calibration.iter().enumerate() {
                 let place = sway.place.rotated(state.frame.theta);
-                (by[at + k], by[n + at + k], by[2 * n + at + k]) = (place.x, place.y, sway.turn);
+                (by[0][at + k], by[1][at + k], by[2][at + k]) = (place.x, place.y, sway.turn);
             }
         }
         by

@@ -101,15 +101,29 @@ impl NormalEquations {
     /// The whole matrix with `damping` on the diagonal of the pose.
     fn mirrored(&self, damping: [f64; POSE]) -> Vec<f64> {
         let n = self.size;
-        let mut whole: Vec<f64> = (0..n * n).map(|k| self.at(k / n, k % n)).collect();
+        let mut whole = vec![0.0; n * n];
+        let mut rest = self.matrix.as_slice();
+        for i in 0..n {
+            let (row, below) = rest.split_at(n - i);
+            rest = below;
+            whole[i * n + i..(i + 1) * n].copy_from_slice(row);
+            row.iter().enumerate().skip(1).for_each(|(k, &value)| whole[(i + k) * n + i] = value);
+        }
         (0..POSE).for_each(|i| whole[i * n + i] += damping[i]);
         whole
+    }
+
+    /// The cost at the solution of the damped equations: `(Λ + D) x = η` leaves of the quadratic form `-(ηᵀx + xᵀDx) / 2`.
+    fn cost_at_solution(&self, solution: &[f64], damping: [f64; POSE]) -> f64 {
+        let along: f64 = self.vector.iter().zip(solution).map(|(v, x)| v * x).sum();
+        let damped: f64 = damping.iter().zip(solution).map(|(d, x)| d * x * x).sum();
+        self.constant - 0.5 * (along + damped)
     }
 
     /// The step to the least cost with `damping` on the pose, and the cost that it promises.
     pub(super) fn step(&self, damping: [f64; POSE]) -> Option<(f64, Vec<f64>)> {
         let step = DenseCholesky::new(self.size, &self.mirrored(damping))?.solve(&self.vector);
-        Some((self.cost_at(&step), step))
+        Some((self.cost_at_solution(&step, damping), step))
     }
 
     /// Laplace's approximation of minus the logarithm of the evidence, up to a constant, with `damping` on the pose: with the cost that a
@@ -119,11 +133,12 @@ impl NormalEquations {
             return (f64::INFINITY, f64::INFINITY);
         };
         let volume = 0.5 * factor.ln_determinant();
-        (self.cost_at(&factor.solve(&self.vector)) + volume, self.constant + volume)
+        let step = factor.solve(&self.vector);
+        (self.cost_at_solution(&step, damping) + volume, self.constant + volume)
     }
 
     /// The cost a step away.
-    pub(super) fn cost_at(&self, step: &[f64]) -> f64 {
+    fn cost_at(&self, step: &[f64]) -> f64 {
         let mut cost = self.constant;
         for (i, &d) in step.iter().enumerate() {
             let along: f64 = (0..self.size).map(|j| self.at(i, j) * step[j]).sum();
@@ -142,24 +157,26 @@ impl NormalEquations {
         there
     }
 
-    /// The same in unknowns `y` where `x = by y`, `by` with its rows one after the other.
-    pub(super) fn transformed(&self, by: &[f64]) -> Self {
+    /// The same in unknowns `y` where `x = (I + E) y`, and `E` has rows of the pose alone, `by`, one after the other.
+    pub(super) fn transformed(&self, by: &[Vec<f64>; POSE]) -> Self {
         let n = self.size;
-        let mut out = Self::new(n);
-        let mut half = vec![0.0; n * n];
-        for i in 0..n {
-            for j in 0..n {
-                half[i * n + j] = (0..n).map(|k| self.at(i, k) * by[k * n + j]).sum();
+        // (I + E)ᵀ Λ (I + E) = Λ + G + Gᵀ + Eᵀ Λ E, with G = Λ E.
+        let mut product = vec![0.0; n * n];
+        for (i, row) in product.chunks_exact_mut(n).enumerate() {
+            for (k, by) in by.iter().enumerate() {
+                let scale = self.at(i, k);
+                row.iter_mut().zip(by).for_each(|(to, e)| *to += scale * e);
             }
         }
+        let mut out = self.clone();
         for i in 0..n {
-            out.vector[i] = (0..n).map(|k| by[k * n + i] * self.vector[k]).sum();
+            let from = out.start(i);
             for j in i..n {
-                let at = out.start(i) + j - i;
-                out.matrix[at] = (0..n).map(|k| by[k * n + i] * half[k * n + j]).sum();
+                let both: f64 = (0..POSE).map(|k| by[k][i] * product[k * n + j]).sum();
+                out.matrix[from + j - i] += product[i * n + j] + product[j * n + i] + both;
             }
+            out.vector[i] += (0..POSE).map(|k| by[k][i] * self.vector[k]).sum::<f64>();
         }
-        out.constant = self.constant;
         out
     }
 
@@ -167,8 +184,8 @@ impl NormalEquations {
     pub(super) fn turned(&self, angle: f64) -> Self {
         let n = self.size;
         let Vec2 { x: cos, y: sin } = Vec2::from_angle(angle);
-        let mut by: Vec<f64> = (0..n * n).map(|k| f64::from(u8::from(k / n == k % n))).collect();
-        (by[0], by[1], by[n], by[n + 1]) = (cos, sin, -sin, cos);
+        let mut by: [Vec<f64>; POSE] = core::array::from_fn(|_| vec![0.0; n]);
+        (by[0][0], by[0][1], by[1][0], by[1][1]) = (cos - 1.0, sin, -sin, cos - 1.0);
         self.transformed(&by)
     }
 
@@ -240,5 +257,60 @@ impl Response {
         let s = self.slope[k];
         let by_pose: f64 = (0..POSE).map(|i| (0..POSE).map(|j| s[i] * pose[i][j] * s[j]).sum::<f64>()).sum();
         (self.covariance[k * self.mean.len() + k] + by_pose).max(0.0).sqrt()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "a test that cannot go on must fail")]
+
+    use super::*;
+
+    const SIZE: usize = 6;
+
+    /// Numbers between -1 and 1 that repeat nothing.
+    fn number(k: usize) -> f64 {
+        (1.7 * k as f64 + 0.3 * (k * k) as f64).sin()
+    }
+
+    fn equations() -> NormalEquations {
+        let mut told = NormalEquations::new(SIZE);
+        told.constant = 3.0;
+        for k in 0..20 {
+            let row: Vec<f64> = (0..SIZE).map(|i| number(SIZE * k + i)).collect();
+            told.add(&row, number(500 + k), 1.0 + 0.1 * k as f64);
+        }
+        told
+    }
+
+    #[test]
+    fn the_promised_cost_is_that_of_the_step() {
+        let (told, damping) = (equations(), [0.7, 2.0, 0.3]);
+        let (promised, step) = told.step(damping).unwrap();
+        assert!((promised - told.cost_at(&step)).abs() < 1e-12, "{promised} {}", told.cost_at(&step));
+        // No other step costs less with the damping's own cost.
+        let damped = |x: &[f64]| told.cost_at(x) + 0.5 * damping.iter().zip(x).map(|(d, x)| d * x * x).sum::<f64>();
+        for k in 0..SIZE {
+            let other: Vec<f64> =
+                step.iter().enumerate().map(|(i, x)| x + 1e-3 * f64::from(u8::from(i == k))).collect();
+            assert!(damped(&other) > damped(&step));
+        }
+        let (evidence, here) = told.evidence(damping);
+        assert!((here - evidence - (told.constant - promised)).abs() < 1e-12);
+        assert!((here - told.constant - told.half_ln_determinant(damping)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn other_unknowns_cost_the_same() {
+        let told = equations();
+        let by: [Vec<f64>; POSE] =
+            core::array::from_fn(|k| (0..SIZE).map(|i| 0.8 * number(900 + SIZE * k + i)).collect());
+        let there = told.transformed(&by);
+        for k in 0..5 {
+            let y: Vec<f64> = (0..SIZE).map(|i| number(2000 + SIZE * k + i)).collect();
+            let mut x = y.clone();
+            (0..POSE).for_each(|i| x[i] += by[i].iter().zip(&y).map(|(e, y)| e * y).sum::<f64>());
+            assert!((there.cost_at(&y) - told.cost_at(&x)).abs() < 1e-10, "{} {}", there.cost_at(&y), told.cost_at(&x));
+        }
     }
 }

@@ -43,8 +43,6 @@ pub(super) struct Mode {
     likeliest: usize,
     promise: f64,
     here: f64,
-    /// Whether it has come to its least cost over the rows that it has seen.
-    pub(super) is_settled: bool,
     /// Whether the rows that came last are further off than noise, which a robust cost takes for false.
     pub(super) is_off: bool,
     /// How its whiskers stand at the last of them.
@@ -78,7 +76,6 @@ impl Mode {
             likeliest: 0,
             promise: f64::INFINITY,
             here: f64::INFINITY,
-            is_settled: false,
             is_off: false,
             end: None,
         }
@@ -93,22 +90,22 @@ impl Mode {
             likeliest: 0,
             promise: f64::INFINITY,
             here: f64::INFINITY,
-            is_settled: false,
             is_off: false,
             end: None,
         }
     }
 
-    /// The same with its equations around another pose.
-    pub(super) fn reanchored(&self, to: &dyn Fn(&NormalEquations) -> NormalEquations) -> Self {
-        let mut there = self.clone();
-        there.fits.iter_mut().for_each(|fit| fit.equations = to(&fit.equations));
-        there
+    /// The same at another state and by its likeliest noise model alone, with these equations there.
+    pub(super) fn told_by(&self, state: State, equations: NormalEquations) -> Self {
+        let NoiseFit { noise, credit, .. } = *self.fit();
+        let fit = NoiseFit { equations, credit, ..NoiseFit::new(noise) };
+        Self { state, fits: vec![fit], ..self.by(noise) }
     }
 
     /// The same at an image of its place on a symmetric map.
     pub(super) fn turned(&self, turn: &MapSymmetry) -> Self {
-        let mut there = self.reanchored(&|equations| equations.turned(turn.motion.theta));
+        let mut there = self.clone();
+        there.fits.iter_mut().for_each(|fit| fit.equations = fit.equations.turned(turn.motion.theta));
         there.state.frame = turn.motion.compose(self.state.frame);
         there.start = self.start.turned(turn);
         there.fits.iter_mut().for_each(|fit| fit.filters.turn(turn.motion.theta));
@@ -281,7 +278,6 @@ impl Mode {
             likeliest: self.likeliest,
             promise: f64::INFINITY,
             here: f64::INFINITY,
-            is_settled: false,
             is_off: false,
             end: None,
         };
@@ -332,11 +328,21 @@ impl Mode {
         steps: usize,
         scratch: &mut Linearisation,
     ) {
+        self.descend_while(model, rows, (steps, SETTLED), scratch);
+    }
+
+    /// The same, but only while a step promises so much (nats).
+    pub(super) fn descend_while(
+        &mut self,
+        model: &MeasurementModel<'_>,
+        rows: &[usize],
+        (steps, worth): (usize, f64),
+        scratch: &mut Linearisation,
+    ) {
         for _ in 0..steps {
             let fit = self.fit();
             let Some((promised, step)) = fit.equations.step(DAMPING) else { return };
-            if fit.equations.constant - promised < SETTLED {
-                self.is_settled = true;
+            if fit.equations.constant - promised < worth {
                 return;
             }
             let long = step[0].hypot(step[1]) / LONGEST[0];
@@ -351,7 +357,6 @@ impl Mode {
                 }
             }
             if !taken {
-                self.is_settled = true;
                 return;
             }
         }

@@ -96,7 +96,7 @@ pub struct Fit {
 
 impl Fit {
     /// Whether the best mode may be right; otherwise modes are searched from another contact.
-    pub(super) fn agrees(&self) -> bool {
+    pub(crate) fn agrees(&self) -> bool {
         self.beyond <= AGREES[0] && self.square <= AGREES[1]
     }
 }
@@ -151,9 +151,8 @@ pub(super) fn linearised(bank: &Bank, scene: &Scene<'_>, window: &LogWindow) -> 
         .iter()
         .take(MOST_NOW)
         .map(|mode| {
-            let mut there = mode.reanchored(&|equations| first.equations_at(equations, &mode.state, end));
-            there.state = first.anchored(&mode.state, end);
-            there
+            let equations = first.equations_at(mode.equations(), &mode.state, end);
+            mode.told_by(first.anchored(&mode.state, end), equations)
         })
         .collect();
     let told: Vec<Square<3>> = modes.iter().map(|mode| covariance(mode, &last)).collect();

@@ -2,7 +2,7 @@
 //! \[thrun2005probabilistic, ch. 7-8\].
 
 use super::admission::Admission;
-use super::bank::{Bank, Effort};
+use super::bank::{Bank, Effort, TAKEN_TOGETHER};
 use super::contact_episodes::{judging_rows, longest_contact};
 use super::correlated_noise::NoiseModel;
 use super::grid_search::{ContactOnset, GridSearch};
@@ -32,12 +32,9 @@ const CONTACT_ROWS: usize = 3;
 pub(super) const FEWEST_ROWS: usize = 5;
 /// Readings that are run through the forward model in one call while the grid is searched (some milliseconds).
 const SLICE: usize = 4000;
-/// Modes take in so many rows together, with so many readings run in one call.
-const TAKEN_TOGETHER: usize = 24;
+/// Readings that are run in one call while modes take in rows.
 const FITTED: usize = 2000;
-/// With more cells than this a contact is followed for longer, by this factor, as long as it has not been followed for this many times the
-/// usual travel.
-const MANY_CELLS: usize = 4000;
+/// With many cells a contact is followed for longer, by this factor, as long as it has not been followed for this many times the usual travel.
 const PATIENCE: f64 = 2.0;
 const MOST_PATIENCE: f64 = 4.0;
 /// The best mode does not explain the last readings of a sensor where more than this share of them is unexplained, and how many these are.
@@ -181,6 +178,9 @@ pub struct MultiHypothesisSmoother<'a> {
     believed: Option<Pose2>,
     /// The modes when the best one last explained all that had just come, and how many rows of the window that were.
     explained: Option<(Box<Bank>, usize)>,
+    /// Whether rows are marginalised in the modes, and whether contacts are neither there nor in the window any more.
+    marginalised: bool,
+    forgotten: bool,
     /// From when on the places at the end are others than those that were believed (s).
     carried: Option<f64>,
     /// When the contacts began from which modes have been searched (s).
@@ -247,6 +247,8 @@ impl<'a> MultiHypothesisSmoother<'a> {
             abandoned: None,
             believed: None,
             explained: None,
+            marginalised: false,
+            forgotten: false,
             carried: None,
             searched: Vec::new(),
         }
@@ -303,7 +305,7 @@ impl<'a> MultiHypothesisSmoother<'a> {
             }
         }
         if self.window.len() > LEAD_ROWS + CONTACT_ROWS {
-            self.window.forget(1);
+            self.forget(1);
         }
         StepOutcome::Nothing
     }
@@ -324,7 +326,7 @@ impl<'a> MultiHypothesisSmoother<'a> {
             return StepOutcome::Nothing;
         }
         if !from_free && onset > 0 {
-            self.window.forget(onset);
+            self.forget(onset);
         }
         let onset = self.onset(sensor, if from_free { onset } else { 0 }, from_free);
         let before = match &mut self.phase {
@@ -383,17 +385,17 @@ impl<'a> MultiHypothesisSmoother<'a> {
         let admission = Admission::of_cells(scene, window);
         let row = search.onset().row;
         let admits = |frame: Pose2| admission.satisfies_prior(frame) && admission.origin_is_free(frame, row);
-        if !search.step(&model, &admits, &mut work) {
+        let is_last = *ended || self.patience >= MOST_PATIENCE;
+        if !search.step(&model, &admits, is_last, &mut work) {
             return StepOutcome::Nothing;
         }
-        let (travelled, ended) = (*travelled, *ended);
+        let travelled = *travelled;
         let Phase::Searching { search, .. } = core::mem::replace(phase, Phase::Waiting) else {
             return StepOutcome::Nothing;
         };
         let ContactOnset { sensor, row, from_free, .. } = *search.onset();
         // A contact too weak or too short to tell headings or places apart is followed for longer before anything is decided.
-        let many = search.len() > MANY_CELLS;
-        if many && !ended && self.patience < MOST_PATIENCE {
+        if !is_last && search.is_many() {
             self.patience *= PATIENCE;
             self.phase = Phase::Pressing { sensor, onset: row, from_free, travelled, search: Some(search) };
             return StepOutcome::Nothing;
@@ -472,6 +474,7 @@ impl<'a> MultiHypothesisSmoother<'a> {
         bank.converge(&model);
         bank.marginalise(&model, scene.window() / 4, FORGETTING);
         self.explained = None;
+        self.marginalised = true;
         window.forget(scene.window() / 4);
         self.judge()
     }
@@ -557,6 +560,7 @@ impl<'a> MultiHypothesisSmoother<'a> {
     fn relocalize(&mut self) {
         self.aside.fill(0);
         self.explained = None;
+        self.forgotten |= core::mem::take(&mut self.marginalised);
         self.window.take_all();
         match longest_contact(&self.window, &self.scene.sensors, &self.searched) {
             Some(contact) => {
@@ -621,12 +625,18 @@ impl<'a> MultiHypothesisSmoother<'a> {
         other
     }
 
+    /// Forgets the first rows of the window, and what is marginalised.
+    fn forget(&mut self, rows: usize) {
+        let touched = (0..rows).any(|row| self.window.contacts(row).contains(&true));
+        self.forgotten |= touched || core::mem::take(&mut self.marginalised);
+        self.window.forget(rows);
+    }
+
     /// Forgets everything and starts from the present contact, or waits for the next.
     fn begin_again(&mut self) {
         self.abandoned = self.believed.take().or(self.abandoned);
         self.tracked = 0;
-        let rows = self.window.len();
-        self.window.forget(rows.saturating_sub(1));
+        self.forget(self.window.len().saturating_sub(1));
         // A contact that is not covered may go on for long.
         self.patience = PATIENCE.powi(self.begun_again).min(MOST_BACKOFF);
         self.begun_again += 1;
@@ -696,6 +706,12 @@ impl MultiHypothesisSmoother<'_> {
     #[must_use]
     pub fn left_out(&self) -> &[Stretch] {
         &self.left_out
+    }
+
+    /// Whether the modes are fitted to every contact since the log began, whatever was given up in between.
+    #[must_use]
+    pub fn explains_all(&self) -> bool {
+        !self.forgotten
     }
 
     /// From when on (s) the robot is elsewhere than was believed, by what the end of the log has shown.
@@ -829,7 +845,7 @@ impl MultiHypothesisSmoother<'_> {
         let (t, believed) = (self.window.time(row), self.believed);
         self.aside.fill(0);
         self.window.take_all();
-        self.window.forget(row);
+        self.forget(row);
         self.phase = Phase::Pressing { sensor, onset: 0, from_free: false, travelled: 0.0, search: None };
         self.press(true);
         self.fit(usize::MAX);
