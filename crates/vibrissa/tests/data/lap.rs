@@ -16,6 +16,7 @@ pub(crate) struct Room {
 }
 
 /// What kind of room.
+#[allow(dead_code, reason = "each program takes what it needs")]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Kind {
     /// A rectangle.
@@ -111,6 +112,7 @@ pub(crate) fn way(room: &Room, draw: &mut Random, share: f64, length: f64) -> Op
 }
 
 /// The law of the readings' errors within their bound.
+#[allow(dead_code, reason = "each program takes what it needs")]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Law {
     /// Evenly between the bounds.

@@ -161,3 +161,74 @@ fn places(boxes: &[PoseBox]) -> usize {
     }
     (0..boxes.len()).filter(|&k| parent[k] == k).count()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const GRAIN: Resolution = Resolution { place: 1e-3, arm: 0.3, largest: (0.03, 0.15), work: 400_000 };
+
+    /// A submap of a robot that went along these corners of a wall on its right, seen from `frame`: contacts, and the space between way
+    /// and wall.
+    fn submap(corners: &[Vec2], frame: Pose2) -> Submap {
+        let (mut contacts, mut places) = (Vec::new(), Vec::new());
+        let local = |p: Vec2| frame.inverse_transform_point(p);
+        for pair in corners.windows(2) {
+            let along = (pair[1] - pair[0]) * (1.0 / pair[0].distance(pair[1]));
+            let steps = (pair[0].distance(pair[1]) / 5e-4) as usize;
+            for k in 0..=steps {
+                let wall = pair[0] + along * (k as f64 * 5e-4);
+                if k % 8 == 0 {
+                    contacts.push((local(wall), 1e-3));
+                }
+                places.extend((0..=160).map(|j| (local(wall + along.perp() * (5e-4 * f64::from(j))), 1e-3)));
+            }
+        }
+        Submap { contacts, space: FreeSpace::new(&places, (&[], 0.0), 1e-3) }
+    }
+
+    fn at(x: f64, y: f64) -> Vec2 {
+        Vec2::new(x, y)
+    }
+
+    fn proof(earlier: &[Vec2], later: &[Vec2], place: f64, turn: f64) -> Proof {
+        let frame = Pose2::new(0.02, 0.06, 0.1);
+        let off = Pose2::new(0.7 * place, -0.6 * place, 0.8 * turn);
+        let bounds = PoseBounds { middle: off, place, turn };
+        prove(&submap(earlier, frame), &submap(later, frame), bounds, GRAIN, &Stop::default())
+    }
+
+    #[test]
+    fn a_corner_that_is_felt_again_is_one_place() {
+        let corner = [at(0.25, 0.0), at(0.0, 0.0), at(0.0, 0.25)].map(|p| at(p.y, p.x));
+        let Proof::Unique(pose, half) = proof(&corner, &corner, 0.03, 0.05) else { panic!("no proof") };
+        for (value, half) in [pose.x, pose.y, pose.theta].into_iter().zip(half) {
+            assert!(value.abs() <= half, "the truth is lost: {pose:?} {half:?}");
+        }
+    }
+
+    #[test]
+    fn a_straight_wall_is_no_proof() {
+        let wall = [at(-0.3, 0.0), at(0.3, 0.0)];
+        assert!(matches!(proof(&wall, &wall, 0.05, 0.05), Proof::Open(..)));
+    }
+
+    #[test]
+    fn an_equal_bay_within_the_bounds_is_no_proof() {
+        // The wall jumps back by 40 mm every 80 mm: the next bay looks alike.
+        let step = |k: i32| {
+            [at(0.08 * f64::from(k), 0.04 * f64::from(k % 2)), at(0.08 * f64::from(k), 0.04 * f64::from((k + 1) % 2))]
+        };
+        let bays: Vec<Vec2> = (-4..5).flat_map(step).collect();
+        assert!(!matches!(proof(&bays, &bays, 0.18, 0.03), Proof::Unique(..)));
+    }
+
+    #[test]
+    fn bounds_without_the_truth_are_a_contradiction_or_leave_it_open() {
+        let corner = [at(0.0, 0.25), at(0.0, 0.0), at(0.25, 0.0)];
+        let frame = Pose2::new(0.02, 0.06, 0.1);
+        let bounds = PoseBounds { middle: Pose2::new(0.03, 0.03, 0.0), place: 5e-3, turn: 0.01 };
+        let found = prove(&submap(&corner, frame), &submap(&corner, frame), bounds, GRAIN, &Stop::default());
+        assert_eq!(found, Proof::Contradiction);
+    }
+}

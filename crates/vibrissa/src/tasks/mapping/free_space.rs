@@ -58,7 +58,8 @@ impl FreeSpace {
 
     /// Notes a disc.
     fn fill(&mut self, middle: Vec2, radius: f64, off: f64) {
-        let steps = (2.0 * radius / self.cell).ceil().max(1.0) as usize;
+        // Closer than cells, so that none is left out.
+        let steps = (2.0 * radius / (0.7 * self.cell)).ceil().max(1.0) as usize;
         let at = |k: usize| radius * (2.0 * k as f64 / steps as f64 - 1.0);
         for (i, j) in (0..=steps).flat_map(|i| (0..=steps).map(move |j| (i, j))) {
             let from = Vec2::new(at(i), at(j));
