@@ -27,7 +27,7 @@ const SPACING: f64 = 1e-3;
 /// way and the outline are corrected; other places where it may have come back are told. The robot file bounds the odometry's errors.
 ///
 /// With --out DIR: map.geojson (boundaries with bands and unknown stretches, which `vibrissa localize` reads), trajectory.tum,
-/// covariances.csv and the figure map.svg.
+/// covariances.csv and the figure mapping.svg.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// The sensor log (.csv)
@@ -76,7 +76,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
             ("map.geojson", to_geojson(&found.outline.map)),
             ("trajectory.tum", format_tum(&found.trajectory)),
             ("covariances.csv", covariances(&found)),
-            ("map.svg", figure(&found, truth.as_ref(), compared.as_ref())),
+            ("mapping.svg", figure(&found, truth.as_ref(), compared.as_ref())),
         ];
         written = write_all(to, &files)?;
     }
