@@ -234,7 +234,12 @@ fn figure(found: &Mapped, truth: Option<&Map>, compared: Option<&Alignment>) -> 
         let is_known = |(k, _): &(usize, _)| !matches!(boundary.piece_course(*k), Some(PieceCourse::Unknown(_)));
         segments.filter(is_known).map(|(_, segment)| vec![segment.start(), segment.end()]).collect::<Vec<_>>()
     });
-    let way = found.trajectory.iter().map(|row| row.map_from_robot.position()).collect();
+    let mut way: Vec<Vec2> = Vec::new();
+    for place in found.trajectory.iter().map(|row| row.map_from_robot.position()) {
+        if way.last().is_none_or(|last| last.distance(place) >= SPACING) {
+            way.push(place);
+        }
+    }
     let layers = [
         layer(Geometry::Lines(truth), "truth", "the true shape, moved to where it fits best", false),
         layer(Geometry::Rings(bands), "map-band", "the band that holds the wall", true),
