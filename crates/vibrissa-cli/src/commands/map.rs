@@ -27,7 +27,7 @@ const SPACING: f64 = 1e-3;
 /// way and the outline are corrected; other places where it may have come back are told. The robot file bounds the odometry's errors.
 ///
 /// With --out DIR: map.geojson (boundaries with bands and unknown stretches, which `vibrissa localize` reads), trajectory.tum,
-/// covariances.csv and the figure map.svg.
+/// covariances.csv and the figure mapping.svg.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// The sensor log (.csv)
@@ -76,7 +76,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
             ("map.geojson", to_geojson(&found.outline.map)),
             ("trajectory.tum", format_tum(&found.trajectory)),
             ("covariances.csv", covariances(&found)),
-            ("map.svg", figure(&found, truth.as_ref(), compared.as_ref())),
+            ("mapping.svg", figure(&found, truth.as_ref(), compared.as_ref())),
         ];
         written = write_all(to, &files)?;
     }
@@ -234,7 +234,12 @@ fn figure(found: &Mapped, truth: Option<&Map>, compared: Option<&Alignment>) -> 
         let is_known = |(k, _): &(usize, _)| !matches!(boundary.piece_course(*k), Some(PieceCourse::Unknown(_)));
         segments.filter(is_known).map(|(_, segment)| vec![segment.start(), segment.end()]).collect::<Vec<_>>()
     });
-    let way = found.trajectory.iter().map(|row| row.map_from_robot.position()).collect();
+    let mut way: Vec<Vec2> = Vec::new();
+    for place in found.trajectory.iter().map(|row| row.map_from_robot.position()) {
+        if way.last().is_none_or(|last| last.distance(place) >= SPACING) {
+            way.push(place);
+        }
+    }
     let layers = [
         layer(Geometry::Lines(truth), "truth", "the true shape, moved to where it fits best", false),
         layer(Geometry::Rings(bands), "map-band", "the band that holds the wall", true),

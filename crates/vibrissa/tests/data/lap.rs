@@ -55,9 +55,11 @@ pub(crate) fn room(draw: &mut Random, kind: Kind, (least, most): (f64, f64)) -> 
 
 /// A robot with one whisker that trails on its right, and what is declared of it.
 pub(crate) fn robot(draw: &mut Random) -> Robot {
-    let mut whisker = MountedWhisker::default();
-    whisker.robot_from_whisker = Pose2::new(draw.signed(5e-3), draw.signed(5e-3), -draw.between(2.1, 2.35));
-    whisker.noise = MomentNoise { moment_relative: 0.05, moment_absolute: 2e-5 };
+    let whisker = MountedWhisker {
+        robot_from_whisker: Pose2::new(draw.signed(5e-3), draw.signed(5e-3), -draw.between(2.1, 2.35)),
+        noise: MomentNoise { moment_relative: 0.05, moment_absolute: 2e-5 },
+        ..MountedWhisker::default()
+    };
     Robot { whiskers: vec![whisker], ..Robot::default() }
 }
 

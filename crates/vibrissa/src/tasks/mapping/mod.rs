@@ -228,7 +228,8 @@ impl Mapper {
             let nearest = (0..later).filter(apart).min_by(|a, b| near(a).total_cmp(&near(b)));
             let Some(earlier) = nearest else { continue };
             let bounds = way_bounds(&self.front, &self.robot, options.drift, (earlier, later));
-            if near(&earlier) > bounds.place + options.submap {
+            // Stretches that lie apart by more have no wall in common.
+            if near(&earlier) > bounds.place + 0.5 * options.submap {
                 continue;
             }
             last = ways[later];

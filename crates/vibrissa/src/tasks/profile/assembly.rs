@@ -439,10 +439,10 @@ fn simplify(drawn: &mut Drawn, tolerance: f64) {
     let mut widened: Vec<FeltPoint> = Vec::new();
     let mut unknown = Vec::new();
     let mut pending = Band::default();
-    for k in 0..count {
+    for (k, stays) in keep.into_iter().enumerate() {
         let mut point = drawn.points[k];
         pending = widest(pending, point.band);
-        if keep[k] {
+        if stays {
             point.band = pending;
             point.band.bound += tolerance;
             if let Some(last) = widened.last_mut() {

@@ -90,7 +90,7 @@ mod tests {
         for k in 0..=50 {
             for turn in 0..12 {
                 let place = ends[0] + (ends[1] - ends[0]) * (f64::from(k) / 50.0);
-                let place = place + Vec2::from_angle(f64::from(turn) * 0.5236) * 0.02;
+                let place = place + Vec2::from_angle(f64::from(turn) * core::f64::consts::FRAC_PI_6) * 0.02;
                 assert!(all.iter().any(|disc| disc.point.distance(place) <= disc.spread));
             }
         }
