@@ -5,6 +5,7 @@
 //!     cargo run --release -p vibrissa-soundness -- --worlds 10000 --first 5000 --threads 2
 //!     cargo run --release -p vibrissa-soundness -- --replay 1234
 //!     cargo run --release -p vibrissa-soundness -- --rods --worlds 500    no uniform whiskers
+//!     cargo run --release -p vibrissa-soundness -- --bands --worlds 500   maps drawn within bands beside the true walls, with unknown stretches
 //!     cargo run --release -p vibrissa-soundness -- --quick --nightly      without the refinement at the end of each log
 //!     cargo run --release -p vibrissa-soundness -- --corners 100        drives around corners, with two contacts at once
 //!     cargo run --release -p vibrissa-soundness -- --corners 100 --smoother    the same drives by the probabilistic method
@@ -18,6 +19,7 @@
 //! their bounds with signs that stay. A seed that gives no sweep is passed over. The last line holds the counts, and how
 //! small the sets that held the truth were.
 
+mod banded;
 mod corners;
 mod exploring;
 mod following;
@@ -61,6 +63,8 @@ struct Call {
     replay: Option<u64>,
     /// Whiskers that are not uniform in all worlds, instead of every thirtieth.
     rods: bool,
+    /// Maps that are off within declared bands.
+    bands: bool,
     /// Without the refinement at the end of the log.
     quick: bool,
     /// Drives around corners instead of sweeps along walls.
@@ -102,7 +106,7 @@ struct Outcome {
 
 fn main() -> ExitCode {
     match parse(std::env::args().skip(1)) {
-        Ok(Call { replay: Some(seed), declared, rods, .. }) => replay(seed, rods, declared),
+        Ok(call @ Call { replay: Some(seed), .. }) => replay(seed, &call),
         Ok(call) if call.explore => {
             exploring::report(&all_corners(&call, |seed| exploring::compare(seed, call.verbose, call.policies)))
         }
@@ -115,7 +119,7 @@ fn main() -> ExitCode {
         Ok(call) => report(&run(&call), &call),
         Err(message) => {
             eprintln!(
-                "error: {message}\n  --worlds N --corners N --explore N --follow N --policies N --verbose --one-place --two-contacts MM --smoother --forward --nightly --rods --quick --first SEED --threads N --replay SEED --declare PERCENT"
+                "error: {message}\n  --worlds N --corners N --explore N --follow N --policies N --verbose --one-place --two-contacts MM --smoother --forward --nightly --rods --bands --quick --first SEED --threads N --replay SEED --declare PERCENT"
             );
             ExitCode::from(2)
         }
@@ -130,6 +134,7 @@ fn parse(mut words: impl Iterator<Item = String>) -> Result<Call, String> {
         threads,
         replay: None,
         rods: false,
+        bands: false,
         quick: false,
         corners: false,
         smoother: false,
@@ -148,6 +153,7 @@ fn parse(mut words: impl Iterator<Item = String>) -> Result<Call, String> {
         };
         match word.as_str() {
             "--rods" => call.rods = true,
+            "--bands" => call.bands = true,
             "--quick" => call.quick = true,
             "--smoother" => call.smoother = true,
             "--forward" => call.forward = true,
@@ -187,7 +193,7 @@ fn run(call: &Call) -> Vec<Outcome> {
                     if seed >= past {
                         return own;
                     }
-                    own.extend(world(seed, (call.rods, call.quick), call.declared));
+                    own.extend(world(seed, call));
                 }
             };
             let workers: Vec<_> = (0..call.threads).map(|_| scope.spawn(worker)).collect();
@@ -371,10 +377,23 @@ fn judged(trial: &Trial, prior: Option<[[f64; 2]; 3]>, declared: f64, quick: boo
     }
 }
 
-/// The world of a seed, if there is one: localized without a prior and with one.
-fn world(seed: u64, (rods, quick): (bool, bool), declared: f64) -> Option<Outcome> {
-    let is_rod = rods || seed.is_multiple_of(ROD_EVERY);
+/// The world of a seed, if there is one.
+fn trial(seed: u64, call: &Call) -> Option<Trial> {
+    let is_rod = call.rods || seed.is_multiple_of(ROD_EVERY);
     let trial = random_sweep_of(seed, is_rod)?;
+    if !call.bands {
+        return Some(trial);
+    }
+    let map = banded::drawn(&trial.map, &mut Random(seed.wrapping_mul(0x2545_f491_4f6c_dd1d)), call.declared)?;
+    Some(Trial { map, ..trial })
+}
+
+/// The world of a seed, if there is one: localized without a prior and with one.
+fn world(seed: u64, call: &Call) -> Option<Outcome> {
+    let is_rod = call.rods || seed.is_multiple_of(ROD_EVERY);
+    let trial = trial(seed, call)?;
+    // Bands are told too small alone, where they are.
+    let (declared, quick) = (if call.bands { 1.0 } else { call.declared }, call.quick);
     let (rows, [.., inflected, curled]) = (trial.log.rows.len(), trial.kinds);
     let (anywhere, near) =
         (judged(&trial, None, declared, quick), judged(&trial, about(&trial, seed), declared, quick));
@@ -396,8 +415,8 @@ fn report(outcomes: &[Outcome], call: &Call) -> ExitCode {
     let of = |status: Status| outcomes.iter().filter(|o| o.status == Some(status)).count();
     let lost: Vec<u64> = outcomes.iter().filter(|o| o.loss.is_some()).map(|o| o.seed).collect();
     for seed in &lost {
-        let rods = if call.rods { "--rods " } else { "" };
-        println!("replay: cargo run --release -p vibrissa-soundness -- {rods}--replay {seed}");
+        let kind = if call.rods { "--rods " } else { "" }.to_owned() + if call.bands { "--bands " } else { "" };
+        println!("replay: cargo run --release -p vibrissa-soundness -- {kind}--replay {seed}");
     }
     println!(
         "soundness: {} worlds (seeds {} to {}), {} of them with whiskers that are not uniform, of {} rows: truth lost in {}; localized {}, ambiguous {}, \
@@ -425,13 +444,14 @@ fn report(outcomes: &[Outcome], call: &Call) -> ExitCode {
 }
 
 /// One world in full: its size and verdict, and every event.
-fn replay(seed: u64, rods: bool, declared: f64) -> ExitCode {
-    let Some(trial) = random_sweep_of(seed, rods || seed.is_multiple_of(ROD_EVERY)) else {
+fn replay(seed: u64, call: &Call) -> ExitCode {
+    let declared = if call.bands { 1.0 } else { call.declared };
+    let Some(trial) = trial(seed, call) else {
         println!("the seed {seed} gives no sweep");
         return ExitCode::from(2);
     };
     println!("seed {seed}: {} rows, robot {:?}, truth {:?}", trial.log.rows.len(), trial.robot, trial.truth);
-    let Some(outcome) = world(seed, (rods, false), declared) else { return ExitCode::from(2) };
+    let Some(outcome) = world(seed, call) else { return ExitCode::from(2) };
     for (name, prior) in [("without a prior", None), ("with a prior", about(&trial, seed))] {
         println!("{name} {prior:?}:");
         for event in answer(&trial, prior, declared, false).map(|found| found.events).unwrap_or_default() {

@@ -21,6 +21,9 @@ text { font-family: system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neu
 .arena { fill: #fff; stroke: #222; stroke-width: 1.8; stroke-linejoin: round; }
 .obstacle { fill: #c9c9c4; stroke: #222; stroke-width: 1.8; stroke-linejoin: round; }
 .wall { fill: none; stroke: #222; stroke-width: 2.6; stroke-linecap: round; stroke-linejoin: round; }
+.map-band { fill: #56b4e9; fill-opacity: 0.45; stroke: none; }
+.unknown-gap { fill: none; stroke: #fff; stroke-width: 3.4; }
+.unknown { fill: none; stroke: #777; stroke-width: 1.6; stroke-dasharray: 4 4; }
 .candidate { fill: none; stroke: #e69f00; stroke-opacity: 0.4; stroke-width: 2.6; stroke-linecap: round; }
 .candidate-tick { fill: none; stroke: #e69f00; stroke-opacity: 0.4; stroke-width: 0.9; }
 .survivor { fill: none; stroke: #d55e00; stroke-width: 4; stroke-linecap: round; }

@@ -6,7 +6,7 @@ mod svg;
 
 pub use crate::grid::from_grid;
 pub use dxf::from_dxf;
-pub use geojson::from_geojson;
+pub use geojson::{from_geojson, to_geojson};
 pub use svg::from_svg;
 
 #[cfg(any(feature = "mcap", feature = "ros-map"))]

@@ -72,7 +72,7 @@ fn outlines(map: &Map) -> Vec<Outline> {
     let one = |b: &vibrissa::world::Boundary| {
         let mut points = b.curve().flatten(2e-5);
         points.pop();
-        Outline { points, role: role(b.role()), closed: true }
+        Outline::exact(points, role(b.role()), true)
     };
     map.boundaries().iter().map(one).collect()
 }

@@ -30,9 +30,9 @@ fn map() -> Vec<Outline> {
     let disc = (0..40).map(|i| Vec2::new(-0.1, -0.07) + Vec2::from_angle(-f64::from(i) * 0.157) * 0.03).collect();
     let wall = vec![Vec2::new(0.1, -0.15), Vec2::new(0.12, -0.09)];
     vec![
-        Outline { points: arena, role: OutlineRole::Arena, closed: true },
-        Outline { points: disc, role: OutlineRole::Obstacle, closed: true },
-        Outline { points: wall, role: OutlineRole::Wall, closed: false },
+        Outline::exact(arena, OutlineRole::Arena, true),
+        Outline::exact(disc, OutlineRole::Obstacle, true),
+        Outline::exact(wall, OutlineRole::Wall, false),
     ]
 }
 

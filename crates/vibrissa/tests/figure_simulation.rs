@@ -37,11 +37,8 @@ fn what_is_not_finite_is_left_out() {
 
 #[test]
 fn everything_is_named_in_the_legend_and_drawn() {
-    let map = [Outline {
-        points: vec![Vec2::ZERO, Vec2::new(0.4, 0.0), Vec2::new(0.4, 0.3)],
-        role: OutlineRole::Arena,
-        closed: true,
-    }];
+    let points = vec![Vec2::ZERO, Vec2::new(0.4, 0.0), Vec2::new(0.4, 0.3)];
+    let map = [Outline::exact(points, OutlineRole::Arena, true)];
     let path: Vec<StampedPose> = (0..5000)
         .map(|k| StampedPose { t: f64::from(k), map_from_robot: Pose2::new(0.1 + 1e-5 * f64::from(k), 0.05, 0.0) })
         .collect();

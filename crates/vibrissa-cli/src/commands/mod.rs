@@ -10,6 +10,7 @@ mod join;
 #[cfg(feature = "live")]
 mod live;
 mod localize;
+mod map;
 mod plan;
 mod preimage;
 mod profile;
@@ -34,6 +35,7 @@ pub(crate) enum Command {
     Calibrate(calibrate::Args),
     Contact(contact::Args),
     Profile(profile::Args),
+    Map(map::Args),
     Localize(localize::Args),
     Plan(plan::Args),
     Explore(explore::Args),
@@ -57,6 +59,7 @@ fn doing(command: &Command) -> Option<&'static str> {
         Command::ContactSet(_) => "finding the contact set",
         Command::Preimage(_) => "finding the preimage",
         Command::Profile(_) => "finding the outline",
+        Command::Map(_) => "mapping",
         Command::Demo(_) => "simulating and localizing",
         Command::Localize(_) => "reading",
         Command::Plan(_) => "reading",
@@ -80,6 +83,7 @@ pub(crate) fn run(command: &Command) -> Result<()> {
         Command::ContactSet(args) => contact_set::run(args),
         Command::Preimage(args) => preimage::run(args),
         Command::Profile(args) => profile::run(args),
+        Command::Map(args) => map::run(args),
         Command::Demo(args) => demo::run(args),
         Command::Localize(args) => localize::run(args),
         Command::Plan(args) => plan::run(args),

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::path::PathBuf;
-use vibrissa::config::{ContactOptions, ProfileOptions};
+use vibrissa::config::{ContactOptions, MapAssemblyOptions, ProfileOptions};
 use vibrissa::figure::{Geometry, Layer, scene_figure};
 use vibrissa::flow::sensor_log::SensorLog;
 use vibrissa::io::log::foreign::Format;
@@ -27,7 +27,8 @@ const ELSEWHERE: f64 = 20.0;
 /// The logs are CSV files with the columns `t,x,y,theta,moment` (s, m, rad, N m), all in one odometry frame. With a truth
 /// (.geojson in m, .svg in mm, in that frame) the absolute error and, after the best rigid motion, the shape error are told.
 ///
-/// With --out DIR: profile.geojson (outlines, bands of two standard deviations, pegs) and the figure profile.svg.
+/// With --out DIR: profile.geojson (outlines, bands of two standard deviations, pegs), map.geojson (the outlines as one map with bands,
+/// corners and unknown stretches, which `vibrissa localize` reads) and the figure profile.svg.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// The sensor logs (.csv)
@@ -65,10 +66,14 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     let compared = map.as_ref().and_then(|map| compare(&points, map, args.free_scale));
     let mut written = Vec::new();
     if let Some(to) = args.output.destination() {
-        let files = [
+        let mut files = vec![
             ("profile.geojson", pretty(&geojson(&found))?),
             ("profile.svg", figure(&found, map.as_ref(), compared.as_ref(), &caption(&found, compared.as_ref()))),
         ];
+        if !found.outlines.is_empty() {
+            let felt = found.map(&MapAssemblyOptions::default())?;
+            files.insert(1, ("map.geojson", vibrissa::io::map::to_geojson(&felt.map)));
+        }
         written = write_all(to, &files)?;
     }
     if args.output.json {

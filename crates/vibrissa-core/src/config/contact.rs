@@ -15,11 +15,21 @@ pub struct ContactOptions {
     pub turn: f64,
     /// What the odometry's places are rounded to (m): a base that moves evenly within it is taken to move evenly. The paper's stage.
     pub odometry_resolution: f64,
+    /// Whether a contact that jumped may be one of a whisker that is curled back over itself: moments alone hardly tell it from other
+    /// contacts, and an outline is better without.
+    pub curled: bool,
 }
 
 impl Default for ContactOptions {
     fn default() -> Self {
-        Self { spacing: 0.1e-3, rod_spacing: 0.75e-3, step_std: 1e-5, turn: 1.0, odometry_resolution: 1e-5 }
+        Self {
+            spacing: 0.1e-3,
+            rod_spacing: 0.75e-3,
+            step_std: 1e-5,
+            turn: 1.0,
+            odometry_resolution: 1e-5,
+            curled: true,
+        }
     }
 }
 
@@ -91,5 +101,60 @@ impl ProfileOptions {
             }
         }
         Ok(())
+    }
+}
+
+/// How felt lines are put together to a map.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MapAssemblyOptions {
+    /// Ends of lines that are farther apart are not joined (m): two whiskers' lengths, across which a robot turns in a corner.
+    pub largest_gap: f64,
+    /// Ends that are as near as this are joined without more (m): several times the spacing of an outline's points.
+    pub touching: f64,
+    /// Shortest length of its end over which a wall has a direction (m): long beside the error of its points, short beside a robot's walls.
+    pub corner_fit: f64,
+    /// How far from its straight line a wall may lie that has a corner (m); or some standard deviations, where they are more.
+    pub straight: f64,
+    /// How far ahead of a felt end a corner may lie (m), and no farther than the wall was felt to be straight.
+    pub corner_reach: f64,
+    /// How far a felt end may reach beyond its corner (m): a tip that snaps is followed for a row or two more.
+    pub overshoot: f64,
+    /// Walls that turn by less have no corner (rad): 15 degrees.
+    pub sharpest_flat: f64,
+    /// A corner that is known no better is left unknown (m).
+    pub widest_corner: f64,
+    /// How far beyond the end of what was felt anything may be (m).
+    pub end_reach: f64,
+    /// Points within this of a straight line, or within twice the middle standard deviation, are left out (m); their bands hold it.
+    pub simplified: f64,
+    /// Over which length the error of a felt wall is alike (m): as far as a tip slides in one contact, measured on simulated laps.
+    pub correlation_length: f64,
+    /// Over which length what key poses leave open is alike (m): a few of the legs between them.
+    pub drift_length: f64,
+    /// The bound of a felt point, over its standard deviation, and the least bound (m): the errors of contacts are no Gaussians, and
+    /// what is followed over a few millimetres too much is off by tenths of a millimetre.
+    pub stds_in_bound: f64,
+    /// See `stds_in_bound`.
+    pub least_bound: f64,
+}
+
+impl Default for MapAssemblyOptions {
+    fn default() -> Self {
+        Self {
+            largest_gap: 150e-3,
+            touching: 3e-3,
+            corner_fit: 15e-3,
+            straight: 0.1e-3,
+            corner_reach: 120e-3,
+            overshoot: 3e-3,
+            sharpest_flat: 0.26,
+            widest_corner: 5e-3,
+            end_reach: 30e-3,
+            simplified: 20e-6,
+            correlation_length: 20e-3,
+            drift_length: 0.3,
+            stds_in_bound: 4.0,
+            least_bound: 0.1e-3,
+        }
     }
 }

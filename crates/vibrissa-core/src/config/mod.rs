@@ -1,5 +1,6 @@
 //! Every default of the product, once, with its unit and its reason.
 
+pub mod band;
 pub mod budgets;
 mod calibration;
 mod contact;
@@ -7,15 +8,17 @@ pub mod defaults;
 mod deterministic;
 mod grid;
 pub mod limits;
+mod mapping;
 mod possibilistic;
 mod probabilistic;
 mod setting;
 pub mod wall_following;
 
 pub use calibration::{CurveOptions, StaircaseOptions, TapOptions};
-pub use contact::{ContactOptions, ProfileOptions};
+pub use contact::{ContactOptions, MapAssemblyOptions, ProfileOptions};
 pub use deterministic::{DeterministicOptions, TipLoad};
 pub use grid::GridOptions;
+pub use mapping::MappingOptions;
 pub use possibilistic::PossibilisticOptions;
 pub(crate) use possibilistic::two_contacts;
 pub use probabilistic::{NoiseAssumption, ProbabilisticOptions, UndeclaredErrors};

@@ -6,8 +6,9 @@
 
 use super::clearance::Clearance;
 use super::corner::Corner;
+use super::hold::Support;
 use crate::plane::{Segment, Vec2, wrap_angle};
-use crate::world::{Map, NearestPiece};
+use crate::world::{Boundary, Map, NearestPiece, PieceCourse};
 use core::f64::consts::{FRAC_PI_2, PI};
 
 /// Corners that turn by no more than this are hopped over while an equilibrium is still looked for (rad).
@@ -27,7 +28,39 @@ pub struct Piece {
     corner: Option<Corner>,
     /// At the ends of a wall, start and end: which of them.
     tails: [Option<u32>; 2],
+    /// How exactly its course is known, if not exactly.
+    course: Option<KnownCourse>,
 }
+
+/// What is known of a piece: what its boundary says of it, and where it lies along that.
+#[derive(Clone, Copy, Debug)]
+struct KnownCourse {
+    piece: PieceCourse,
+    boundary: u32,
+    /// Arc length of the boundary before it (m).
+    begins: f64,
+    correlation_length: f64,
+}
+
+/// How exactly a boundary is known at a place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum WallKnowledge {
+    /// Exactly.
+    Exact,
+    /// Within a band.
+    Band {
+        /// Standard deviation across the wall (m).
+        std: f64,
+        /// The stretch of boundary, among all, along which the error is taken to be one.
+        stretch: (u32, u32),
+    },
+    /// Not at all.
+    Unknown,
+}
+
+/// Errors that are alike over a length `l`, by `exp(-|s| / l)`, carry as much information along a wall as those that are one over each
+/// stretch of so many `l`: both have the same integral of their autocorrelation.
+const STRETCH: f64 = 2.0;
 
 /// The boundary at a place of a piece, map frame.
 #[derive(Clone, Copy, Debug)]
@@ -121,9 +154,11 @@ impl Boundaries {
         for boundary in map.boundaries() {
             let left = pieces.len() as u32;
             add_side(&mut pieces, boundary.curve().segments(), boundary.curve().is_closed(), 1.0);
+            add_course(&mut pieces[left as usize..], boundary, first.len() as u32);
             let right = if boundary.is_two_sided() { pieces.len() as u32 } else { left };
             if boundary.is_two_sided() {
                 add_side(&mut pieces, boundary.curve().segments(), boundary.curve().is_closed(), -1.0);
+                add_course(&mut pieces[right as usize..], boundary, first.len() as u32);
             }
             if boundary.is_two_sided() && !boundary.curve().is_closed() && right > left {
                 let count = right - left;
@@ -173,6 +208,31 @@ impl Boundaries {
             Some(piece) => piece.corner,
             None => self.tails.get(id as usize - self.pieces.len()).copied(),
         }
+    }
+
+    /// How exactly the boundary is known where a whisker rests; at a corner as the piece before it ends.
+    #[must_use]
+    pub fn knowledge(&self, on: Support) -> WallKnowledge {
+        let (piece, at) = match on {
+            Support::Piece(piece, at) => (piece, at),
+            Support::Corner(id) => self.corner(id).map_or((id, 1.0), |corner| corner.before),
+        };
+        let Some(here) = self.pieces.get(piece as usize) else { return WallKnowledge::Exact };
+        let Some(known) = here.course else { return WallKnowledge::Exact };
+        match known.piece {
+            PieceCourse::Unknown(_) => WallKnowledge::Unknown,
+            PieceCourse::Band([from, to]) => {
+                let share = at.clamp(0.0, 1.0);
+                let std = from.std + (to.std - from.std) * share;
+                let along = (known.begins + share * here.length) / (STRETCH * known.correlation_length);
+                WallKnowledge::Band { std, stretch: (known.boundary, along.max(0.0) as u32) }
+            }
+        }
+    }
+
+    /// Whether all of them are known exactly.
+    pub(crate) fn are_exact(&self) -> bool {
+        self.pieces.iter().all(|piece| piece.course.is_none())
     }
 
     /// Whether there are walls with ends.
@@ -244,6 +304,16 @@ impl Boundaries {
     }
 }
 
+/// Tells the pieces of one side what is known of them.
+fn add_course(pieces: &mut [Piece], boundary: &Boundary, number: u32) {
+    let Some(course) = boundary.course() else { return };
+    let correlation_length = course.correlation_length();
+    for (index, (piece, known)) in pieces.iter_mut().zip(course.pieces()).enumerate() {
+        let begins = boundary.curve().segment_start(index);
+        piece.course = Some(KnownCourse { piece: *known, boundary: number, begins, correlation_length });
+    }
+}
+
 /// Appends one side of a curve.
 fn add_side(pieces: &mut Vec<Piece>, segments: &[Segment], closed: bool, side: f64) {
     let (start, count) = (pieces.len(), segments.len());
@@ -266,6 +336,7 @@ fn add_side(pieces: &mut Vec<Piece>, segments: &[Segment], closed: bool, side: f
             before,
             corner,
             tails: [None, None],
+            course: None,
         });
     }
 }

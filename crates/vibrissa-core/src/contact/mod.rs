@@ -37,7 +37,7 @@ mod stance;
 #[cfg(test)]
 mod tests;
 
-pub use boundary::{Boundaries, Piece, Spot};
+pub use boundary::{Boundaries, Piece, Spot, WallKnowledge};
 pub use corner::Corner;
 pub use follow::{Bending, BentWhisker, FeltMoment, Followed};
 pub use hold::{Hold, Push, Support, TwoContacts};

@@ -46,9 +46,10 @@ impl<'a> DeterministicEstimator<'a> {
     ///
     /// # Errors
     ///
-    /// Options out of range, a whisker without a moment channel, or a whisker that is curved at rest.
+    /// Options out of range, a whisker without a moment channel, a whisker that is curved at rest, or a map with unknown stretches.
     pub fn new(map: &'a Map, robot: &'a Robot, channels: &[Channel], options: DeterministicOptions) -> Result<Self> {
         options.check()?;
+        let options = widened(map, options)?;
         let log = SensorLog { channels: channels.to_vec(), ..SensorLog::default() };
         one_owner_each(robot, channels)?;
         let feelers =
@@ -104,6 +105,19 @@ impl<'a> DeterministicEstimator<'a> {
         };
         self.record.observations.iter().filter_map(shape).collect()
     }
+}
+
+/// The tolerances with what the map's bands leave open; an unknown stretch has no preimage.
+fn widened(map: &Map, options: DeterministicOptions) -> Result<DeterministicOptions> {
+    if !map.unknown().is_empty() {
+        return Err(Error::data("the deterministic method needs a map without unknown stretches")
+            .remedy("use --method probabilistic or possibilistic, for which they rule nothing out"));
+    }
+    Ok(DeterministicOptions {
+        position_floor: options.position_floor + map.widest_bound(),
+        heading_floor: options.heading_floor + map.widest_slope(),
+        ..options
+    })
 }
 
 /// The word for the method.

@@ -1,5 +1,6 @@
 //! One boundary of a map: its curve, its role, and on which side it is free.
 
+use super::{Course, PieceCourse};
 use crate::config::limits::{FLATTEN_TOLERANCE, LARGEST_COORDINATE};
 use crate::plane::{Curve, Segment, SegmentTree, Vec2};
 use crate::{Error, Result};
@@ -47,6 +48,9 @@ pub struct Boundary {
     role: Role,
     curve: Curve,
     name: Option<String>,
+    /// Whether the curve was given the other way round.
+    is_turned: bool,
+    course: Option<Course>,
 }
 
 /// A fault of a curve and the corner (of the curve's flattened form) at which it shows.
@@ -91,12 +95,42 @@ impl Boundary {
     ) -> core::result::Result<Self, CurveFault> {
         check_size(&curve)?;
         if role == Role::Wall {
-            return Ok(Self { role, curve, name });
+            return Ok(Self { role, curve, name, is_turned: false, course: None });
         }
         check_outline(role, &curve)?;
         let free_inside = (role == Role::Arena) != hole;
-        let curve = if (curve.signed_area() > 0.0) == free_inside { curve } else { curve.reversed() };
-        Ok(Self { role, curve, name })
+        let is_turned = (curve.signed_area() > 0.0) != free_inside;
+        let curve = if is_turned { curve.reversed() } else { curve };
+        Ok(Self { role, curve, name, is_turned, course: None })
+    }
+
+    /// The same known no more exactly than this, piece by piece of the curve as it was given.
+    ///
+    /// # Errors
+    ///
+    /// Another number of pieces than the curve has.
+    pub fn with_course(self, course: Course) -> Result<Self> {
+        let (told, has) = (course.pieces().len(), self.curve.segments().len());
+        if told != has {
+            return Err(Error::data("a band of another number of pieces than the boundary has")
+                .value(told.to_string())
+                .allowed(has.to_string())
+                .remedy("give one for each piece between two points"));
+        }
+        let course = Some(if self.is_turned { course.reversed() } else { course });
+        Ok(Self { course, ..self })
+    }
+
+    /// How exactly it is known, piece by piece of [`Boundary::curve`]; none where it is known exactly.
+    #[must_use]
+    pub fn course(&self) -> Option<&Course> {
+        self.course.as_ref()
+    }
+
+    /// What is known of one piece of its curve; none where it is known exactly.
+    #[must_use]
+    pub fn piece_course(&self, segment: usize) -> Option<PieceCourse> {
+        self.course.as_ref().and_then(|course| course.pieces().get(segment).copied())
     }
 
     /// What the boundary means.

@@ -1,6 +1,7 @@
 //! The map: boundaries, and the questions that localization asks of them.
 
-use super::{Boundary, MapCost, Role};
+use super::unknown::UnknownZones;
+use super::{Boundary, MapCost, PieceCourse, Role};
 use crate::config::limits::{FLATTEN_TOLERANCE, LARGEST_MAP};
 use crate::plane::{Bounds, SegmentTree, Vec2, WindingTree, wrap_angle};
 use crate::{Error, Result};
@@ -95,6 +96,10 @@ pub struct Map {
     corners: Vec<ConcaveCorner>,
     corner_tree: SegmentTree,
     has_arena: bool,
+    unknown: UnknownZones,
+    /// The largest bound of a band (m), and what any bound leaves open of a direction (rad).
+    widest_bound: f64,
+    widest_slope: f64,
     /// What looked wrong in the file but could be read, for people.
     pub warnings: Vec<String>,
 }
@@ -140,13 +145,58 @@ impl Map {
         let corners: Vec<_> = boundaries.iter().filter(|b| !b.is_two_sided()).flat_map(concave_corners).collect();
         let corner_points: Vec<_> = corners.iter().map(|c| [c.position; 2]).collect();
         let corner_tree = SegmentTree::new(&corner_points);
-        Ok(Self { boundaries, tree, origins, arenas, obstacles, corners, corner_tree, has_arena, warnings })
+        let depth_of =
+            |origin: &Origin| match boundaries[origin.boundary as usize].piece_course(origin.segment as usize) {
+                Some(PieceCourse::Unknown(depth)) => Some(depth),
+                _ => None,
+            };
+        let zones = edges.iter().zip(&origins).filter_map(|(edge, origin)| Some((*edge, depth_of(origin)?)));
+        let unknown = UnknownZones::new(zones.collect());
+        let (mut widest_bound, mut widest_slope) = (0.0_f64, 0.0_f64);
+        for course in boundaries.iter().filter_map(Boundary::course) {
+            for band in course.pieces().iter().filter_map(|piece| piece.widest()) {
+                widest_bound = widest_bound.max(band.bound);
+                widest_slope = widest_slope.max(course.slope_and_bend(band.bound).0);
+            }
+        }
+        Ok(Self {
+            boundaries,
+            tree,
+            origins,
+            arenas,
+            obstacles,
+            corners,
+            corner_tree,
+            has_arena,
+            unknown,
+            widest_bound,
+            widest_slope,
+            warnings,
+        })
     }
 
     /// The boundaries.
     #[must_use]
     pub fn boundaries(&self) -> &[Boundary] {
         &self.boundaries
+    }
+
+    /// How far any place of a known boundary may be from where it is drawn (m); 0 for a map that is exact.
+    #[must_use]
+    pub fn widest_bound(&self) -> f64 {
+        self.widest_bound
+    }
+
+    /// How far the direction of any known boundary may be from the drawn one (rad); 0 for a map that is exact.
+    #[must_use]
+    pub fn widest_slope(&self) -> f64 {
+        self.widest_slope
+    }
+
+    /// The stretches of which nothing is known.
+    #[must_use]
+    pub fn unknown(&self) -> &UnknownZones {
+        &self.unknown
     }
 
     /// Whether `point` is in free space: inside an arena when there is any, and outside every obstacle.

@@ -33,6 +33,14 @@ pub(crate) fn map(canvas: &mut Canvas, outlines: &[Outline]) {
             }
         }
     }
+    for outline in outlines {
+        canvas.polygons(&outline.band, "map-band");
+        for line in &outline.unknown {
+            // The drawn line makes way for a dashed one.
+            canvas.polyline(line, "unknown-gap");
+            canvas.polyline(line, "unknown");
+        }
+    }
 }
 
 /// Draws the candidates after the first observation, each moved along to the last row.

@@ -33,6 +33,18 @@ pub struct Outline {
     pub role: OutlineRole,
     /// Whether the last corner is joined to the first.
     pub closed: bool,
+    /// Parts of the band within which it is known to lie (m), one for each piece; none where it is exact.
+    pub band: Vec<[Vec2; 4]>,
+    /// Lines along the stretches of which nothing is known.
+    pub unknown: Vec<Vec<Vec2>>,
+}
+
+impl Outline {
+    /// A line that is known exactly.
+    #[must_use]
+    pub fn exact(points: Vec<Vec2>, role: OutlineRole, closed: bool) -> Self {
+        Self { points, role, closed, band: Vec::new(), unknown: Vec::new() }
+    }
 }
 
 /// All that a localization figure shows.

@@ -1,11 +1,17 @@
 //! Maps in GeoJSON (RFC 7946), metres, with `properties.role`.
 
+mod course;
+mod write;
+
+pub use write::to_geojson;
+
 use crate::config::budgets::{LONGEST_NAME, MOST_PIECES};
 use crate::config::limits::LARGEST_COORDINATE;
 use crate::plane::{Curve, Vec2};
 use crate::text::{beyond, did_you_mean, line_at};
 use crate::world::{Boundary, CurveFault, Map, MapCost, Role, out_of_range};
 use crate::{Error, Result};
+use course::CourseLabel;
 use serde_json::value::RawValue;
 use std::cell::Cell;
 use std::collections::BTreeMap;
@@ -25,14 +31,26 @@ struct Source<'a> {
 struct Label {
     role: Option<Role>,
     name: Option<String>,
+    course: CourseLabel,
 }
+
+/// Roles of features that other commands write beside the boundaries, and that bound nothing.
+const NOTES: [&str; 3] = ["band", "peg", "trajectory"];
 
 /// The map in a GeoJSON text; `name` stands for the file in messages.
 ///
 /// A `FeatureCollection`, a `Feature`, or a bare geometry, of polygons and lines with `properties.role` one of
 /// `arena`, `obstacle`, `wall`. Coordinates are metres; rings come in either orientation, closed or not. Holes of
 /// arenas are obstacles, holes of obstacles are free. A bare geometry has no role: a polygon is then an arena and
-/// a line a wall.
+/// a line a wall. Features with the roles `band`, `peg` and `trajectory` are passed over.
+///
+/// | property | says |
+/// | --- | --- |
+/// | `band` | how far the wall may be from where it is drawn (m): one number, or one for each point |
+/// | `band_std` | the standard deviation of that (m), likewise; else the band over √3, and alone a third of the band |
+/// | `band_length` | over which length of wall the error is alike (m), else 0.05 |
+/// | `unknown` | `true`, or stretches of which nothing is known as pairs of points `[[from, to], …]`, counted from 0 |
+/// | `unknown_depth` | how far from such a stretch anything may be (m), else its length |
 ///
 /// # Errors
 ///
@@ -101,7 +119,7 @@ impl<'a> Source<'a> {
                 features.into_iter().try_for_each(|feature| self.member(feature, out))
             }
             "Feature" => self.feature(raw, &object, out),
-            _ => self.geometry(raw, &Label { role: None, name: None }, out),
+            _ => self.geometry(raw, &Label { role: None, name: None, course: CourseLabel::default() }, out),
         }
     }
 
@@ -122,6 +140,9 @@ impl<'a> Source<'a> {
             _ => Object::new(),
         };
         let role = match properties.get("role") {
+            Some(raw) if serde_json::from_str(raw.get()).is_ok_and(|word: String| NOTES.contains(&word.as_str())) => {
+                return Ok(());
+            }
             Some(raw) => self.role(raw)?,
             None => {
                 return Err(self
@@ -133,9 +154,18 @@ impl<'a> Source<'a> {
         let word = |key: &str| properties.get(key).and_then(|v| serde_json::from_str::<String>(v.get()).ok());
         let name = word("name").or_else(|| object.get("id").map(|id| id.get().trim_matches('"').to_owned()));
         let name = name.filter(|name| name.len() <= LONGEST_NAME);
+        let course = self.course_label(&properties)?;
         match object.get("geometry") {
             Some(geometry) if geometry.get() != "null" => {
-                self.geometry(geometry, &Label { role: Some(role), name }, out)
+                let before = out.len();
+                let counts_points = course.counts_points();
+                self.geometry(geometry, &Label { role: Some(role), name, course }, out)?;
+                if counts_points && out.len() > before + 1 {
+                    return Err(self
+                        .fault(raw.get(), "a feature of several lines whose points are counted by its properties")
+                        .remedy("give each line or ring a feature of its own"));
+                }
+                Ok(())
             }
             _ => Err(self.fault(raw.get(), "a feature without geometry").remedy("give it a geometry or remove it")),
         }
@@ -225,7 +255,14 @@ impl<'a> Source<'a> {
         let fault = match Curve::polyline(points, closed) {
             Some(curve) => match Boundary::checked(role, curve, hole, label.name.clone()) {
                 Ok(boundary) => {
-                    out.push(boundary);
+                    let told = label.course.is_some().then(|| label.course.course(points, closed)).transpose();
+                    let known = match told {
+                        Ok(Some(course)) => boundary.with_course(course),
+                        Ok(None) => Ok(boundary),
+                        Err(error) => Err(error),
+                    };
+                    let at = |error: Error| error.in_file(self.name).at_line(self.line(raw.get()));
+                    out.push(known.map_err(at)?);
                     return Ok(());
                 }
                 Err(fault) => fault,

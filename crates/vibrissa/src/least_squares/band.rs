@@ -39,6 +39,12 @@ impl Band {
         }
     }
 
+    /// Adds to an entry, of which the first unknown is the later.
+    pub(crate) fn add(&mut self, i: usize, j: usize, value: f64) {
+        let index = self.index(i, j);
+        self.rows[index] += value;
+    }
+
     /// The diagonal entry of an unknown.
     pub(crate) fn diagonal(&mut self, i: usize) -> &mut f64 {
         let index = self.index(i, i);

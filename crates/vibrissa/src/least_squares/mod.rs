@@ -9,9 +9,11 @@
 //! | [`covariance`] | what a Jacobian leaves uncertain |
 
 mod band;
+mod bordered;
 mod descent;
 mod minimise;
 
 pub(crate) use band::{Band, Factor};
+pub(crate) use bordered::Bordered;
 pub(crate) use descent::{Descent, Normal, Rules, descend, unbounded};
 pub(crate) use minimise::{Scale, covariance, linear, minimise};

@@ -9,6 +9,7 @@ mod drawing;
 pub mod explore;
 pub mod join;
 mod localize;
+pub mod mapping;
 pub mod plan;
 pub mod profile;
 mod remedies;

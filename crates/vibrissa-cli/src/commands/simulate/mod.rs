@@ -101,7 +101,7 @@ fn files(scenario: &Scenario, simulation: &Simulation, dump: bool) -> Vec<(&'sta
     ];
     files.push(("robot.toml", vibrissa::io::robot::to_toml(&scenario.robot)));
     if scenario.map_file.is_none() {
-        files.push(("map.geojson", report::map_geojson(&scenario.map)));
+        files.push(("map.geojson", vibrissa::io::map::to_geojson(&scenario.map)));
     }
     files.extend(simulation.serial.clone().map(|text| ("serial.txt", text)));
     if dump {

@@ -5,14 +5,12 @@ use serde::Serialize;
 use std::fmt::Write;
 use std::path::PathBuf;
 use vibrissa::Result;
-use vibrissa::config::limits::FLATTEN_TOLERANCE;
 use vibrissa::figure::{Outline, Series, SimulationScene, simulation_figure};
 use vibrissa::flow::sensor_log::Quantity;
 use vibrissa::plane::Vec2;
 use vibrissa::sim::recorder::Columns;
 use vibrissa::sim::{Scenario, Simulation};
 use vibrissa::sim::{Sweep, SweptShape, shapes};
-use vibrissa::world::{Boundary, Map};
 
 /// Whisker shapes in the figure, of all whiskers together.
 const SHAPES: usize = 90;
@@ -191,28 +189,6 @@ pub(super) fn exact_csv(scenario: &Scenario, sweep: &Sweep) -> String {
         let _ = writeln!(text, "{},{}", pose.t, moments.join(","));
     }
     text
-}
-
-/// A map of polygons and polylines as GeoJSON (m).
-pub(super) fn map_geojson(map: &Map) -> String {
-    let feature = |boundary: &Boundary| {
-        let mut points = boundary.curve().flatten(FLATTEN_TOLERANCE);
-        let closed = boundary.curve().is_closed();
-        if let (true, Some(first)) = (closed, points.first().copied()) {
-            points.pop();
-            points.push(first);
-        }
-        let points: Vec<String> = points.iter().map(|p| format!("[{}, {}]", p.x, p.y)).collect();
-        let (kind, open, close) = if closed { ("Polygon", "[[", "]]") } else { ("LineString", "[", "]") };
-        format!(
-            "{{\"type\": \"Feature\", \"properties\": {{\"role\": \"{}\"}}, \"geometry\": {{\"type\": \"{kind}\", \
-             \"coordinates\":\n{open}{}{close}}}}}",
-            boundary.role().word(),
-            points.join(", ")
-        )
-    };
-    let features: Vec<String> = map.boundaries().iter().map(feature).collect();
-    format!("{{\"type\": \"FeatureCollection\", \"features\": [\n{}\n]}}\n", features.join(",\n"))
 }
 
 /// The figure.

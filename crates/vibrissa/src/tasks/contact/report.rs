@@ -388,8 +388,8 @@ fn traces(stretch: &ContactStretch, part: ReadingRange, search: ContactSearch<'_
         std: r.std(r.moment),
     };
     let nodes: Vec<TraceNode> = readings.iter().map(node).collect();
-    let &ContactOptions { step_std, turn, .. } = search.options;
-    traces_until(&first.whisker, &nodes, TraceOptions { step_std, turn }, search.stop)
+    let &ContactOptions { step_std, turn, curled, .. } = search.options;
+    traces_until(&first.whisker, &nodes, TraceOptions { step_std, turn, curled }, search.stop)
 }
 
 /// The first contact with the side that begins where one of the traces ends.

@@ -6,15 +6,19 @@
 //! | `run` | contact points in a row, good enough to be drawn |
 //! | `chain` | a line through several runs |
 //! | `outline` | the line with its uncertainty, from all sweeps |
+//! | `assembly` | a map with bands of felt lines: corners, rings, unknown stretches |
 //! | `alignment` | shape error and absolute error against a map |
 //! | `shape` | rounded polygons and circles fitted to points |
 
 mod alignment;
+mod assembly;
 mod chain;
 mod outline;
 mod run;
 mod shape;
 
 pub use alignment::{Alignment, Misfit, compare};
+pub use assembly::{AssembledMap, FeltLine, FeltPoint, FoundCorner, assemble};
+pub(crate) use outline::merged;
 pub use outline::{Outline, OutlinePoint, Profile, profile, profile_until};
 pub use shape::{FittedShape, FreeSize, RoundedPolygon, fit_shape};

@@ -1,13 +1,14 @@
 //! The line with its uncertainty, from all sweeps.
 
+use super::assembly::{AssembledMap, FeltLine, FeltPoint, assemble};
 use super::chain::{Chain, chains};
 use super::run::{Sample, pegs, runs};
-use crate::config::{ContactOptions, ProfileOptions};
+use crate::config::{ContactOptions, MapAssemblyOptions, ProfileOptions};
 use crate::flow::pose::Event;
 use crate::flow::sensor_log::SensorLog;
 use crate::plane::Vec2;
 use crate::tasks::contact::contacts_until;
-use crate::world::Robot;
+use crate::world::{Band, Robot};
 use crate::{Error, Result, Stop};
 
 /// Smallest standard deviation that a run is believed (m).
@@ -42,6 +43,36 @@ impl Outline {
     #[must_use]
     pub fn band(&self, width: f64) -> [Vec<Vec2>; 2] {
         [1.0, -1.0].map(|side| self.points.iter().map(|p| p.position + p.normal * (side * width * p.std)).collect())
+    }
+}
+
+impl Outline {
+    /// The outline as a line with bands, free space on its left.
+    #[must_use]
+    pub fn felt(&self, options: &MapAssemblyOptions) -> FeltLine {
+        let mut points: Vec<FeltPoint> = self.points.iter().map(|point| felt_point(point, options)).collect();
+        let leftwards = |pair: &[OutlinePoint]| (pair[1].position - pair[0].position).cross(pair[0].normal);
+        if self.points.windows(2).map(leftwards).sum::<f64>() < 0.0 {
+            points.reverse();
+        }
+        FeltLine { points, closed: self.closed }
+    }
+}
+
+fn felt_point(point: &OutlinePoint, options: &MapAssemblyOptions) -> FeltPoint {
+    let bound = (options.stds_in_bound * point.std).max(options.least_bound);
+    FeltPoint { position: point.position, band: Band { std: point.std.min(bound), bound }, drift: Band::default() }
+}
+
+impl Profile {
+    /// The map that the outlines make: with bands, corners and unknown stretches; odometry frame.
+    ///
+    /// # Errors
+    ///
+    /// No outline.
+    pub fn map(&self, options: &MapAssemblyOptions) -> Result<AssembledMap> {
+        let lines: Vec<FeltLine> = self.outlines.iter().map(|outline| outline.felt(options)).collect();
+        assemble(&lines, options)
     }
 }
 
@@ -120,6 +151,16 @@ pub fn profile_until(
     profile.outlines.retain(|outline| outline.points.len() > 1);
     profile.outlines.sort_by_key(|outline| core::cmp::Reverse(outline.points.len()));
     Ok(profile)
+}
+
+/// The outlines of runs of felt points, those that run along each other as their mean; the longest first.
+pub(crate) fn merged(runs: &[Vec<OutlinePoint>], options: &ProfileOptions) -> Vec<Outline> {
+    let sample = |p: &OutlinePoint| Sample { position: p.position, normal: p.normal, std: p.std };
+    let runs = runs.iter().map(|run| run.iter().map(sample).collect()).collect();
+    let mut outlines: Vec<Outline> = chains(runs, options.reach).iter().map(|chain| outline(chain, options)).collect();
+    outlines.retain(|outline| outline.points.len() > 1);
+    outlines.sort_by_key(|outline| core::cmp::Reverse(outline.points.len()));
+    outlines
 }
 
 /// Evenly spaced points of a line, each moved to the mean of the runs beside it.

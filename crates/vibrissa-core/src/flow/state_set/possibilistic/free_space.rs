@@ -11,7 +11,10 @@ const MARGIN: f64 = 5e-6;
 
 /// Whether the whisker's base can be in free space in some state of the cell.
 pub(super) fn base_may_be_free(view: &BaseView, map: &Map) -> bool {
-    map.is_free(view.base) || map.nearest_within(view.base, size(view.reach) + MARGIN).is_some()
+    let reach = size(view.reach) + MARGIN;
+    map.is_free(view.base)
+        || map.nearest_within(view.base, reach + map.widest_bound()).is_some()
+        || map.unknown().may_hold(view.base, reach)
 }
 
 /// Whether the whisker at rest can lie in free space in some state of the cell.

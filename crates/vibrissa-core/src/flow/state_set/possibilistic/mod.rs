@@ -7,6 +7,7 @@
 //! are, which is never wrong. `docs/possibilistic.md` gives the reasons why nothing true is lost.
 
 mod agenda;
+mod band_blur;
 mod clusters;
 mod constraint_order;
 mod contact_tables;

@@ -1,8 +1,9 @@
 //! The map as thick pieces: chords with a sagitta, and points with a cone of normals.
 
+use super::band_blur::{Blur, discs};
 use super::clusters;
 use crate::plane::{Bounds, Segment, SegmentTree, Vec2, wrap_angle};
-use crate::world::{Boundary, Map};
+use crate::world::{Boundary, Map, PieceCourse};
 use core::f64::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
 
@@ -72,6 +73,8 @@ struct ChainLink {
     ends: (f64, f64),
     /// No less than its curvature to the left and to the right (1/m).
     curvature: (f64, f64),
+    /// How far the wall may be from it.
+    blur: Blur,
 }
 
 /// The pieces with a tree over their chords.
@@ -151,23 +154,63 @@ fn add_boundary(
     all: &mut Vec<ThickPiece>,
     leaves: &mut Option<Vec<ThickPiece>>,
 ) {
-    let mut links = Vec::new();
-    for segment in boundary.curve().segments() {
-        add_links(segment, &mut links);
-    }
-    let closed = boundary.curve().is_closed();
-    add_side(&links, closed, grain, all, leaves);
-    if boundary.is_two_sided() {
-        let back: Vec<ChainLink> = links.iter().rev().map(ChainLink::reversed).collect();
-        add_side(&back, closed, grain, all, leaves);
-        if let (false, Some(first), Some(last)) = (closed, links.first(), links.last()) {
-            let end = |point, normal| {
-                ThickPiece::Vertex(ThickVertex { point, spread: 0.0, normal, slack: FRAC_PI_2, concavity: 0.0 })
-            };
-            all.push(end(first.from, wrap_angle(first.tangent.0 + PI)));
-            all.push(end(last.to, wrap_angle(last.tangent.1)));
+    for run in known_runs(boundary, all) {
+        let (links, closed) = (&run.links, run.closed);
+        add_side(links, closed, grain, all, leaves);
+        if boundary.is_two_sided() {
+            let back: Vec<ChainLink> = links.iter().rev().map(ChainLink::reversed).collect();
+            add_side(&back, closed, grain, all, leaves);
+            if let (false, Some(first), Some(last)) = (closed, links.first(), links.last()) {
+                let mut end = |point, normal, blur: Blur| {
+                    let end = ThickVertex { point, spread: 0.0, normal, slack: FRAC_PI_2, concavity: 0.0 };
+                    all.push(ThickPiece::Vertex(blur.vertex(end, PI)));
+                };
+                end(first.from, wrap_angle(first.tangent.0 + PI), first.blur);
+                end(last.to, wrap_angle(last.tangent.1), last.blur);
+            }
         }
     }
+}
+
+/// Links of which something is known, one after the other.
+#[derive(Default)]
+struct KnownRun {
+    links: Vec<ChainLink>,
+    closed: bool,
+}
+
+/// The runs of a boundary between its unknown stretches, which are enclosed by discs.
+fn known_runs(boundary: &Boundary, all: &mut Vec<ThickPiece>) -> Vec<KnownRun> {
+    let bands = boundary.course().into_iter().flat_map(|course| course.pieces());
+    let widest = bands.filter_map(|piece| piece.widest()).map(|band| band.bound).fold(0.0, f64::max);
+    let closed = boundary.curve().is_closed();
+    let mut runs = vec![KnownRun { links: Vec::new(), closed }];
+    for (index, segment) in boundary.curve().segments().iter().enumerate() {
+        let blur = Blur::of(boundary, index);
+        let depth = match boundary.piece_course(index) {
+            Some(PieceCourse::Unknown(depth)) => Some(depth),
+            // A wall that may run in any direction.
+            _ => blur.is_shapeless().then_some(blur.bound),
+        };
+        let mut links = Vec::new();
+        add_links(segment, blur, &mut links);
+        match depth {
+            Some(depth) => {
+                for link in &links {
+                    all.extend(discs([link.from, link.to], depth + widest + link.sagitta).map(ThickPiece::Vertex));
+                }
+                runs.push(KnownRun::default());
+            }
+            None => runs.last_mut().into_iter().for_each(|run| run.links.append(&mut links)),
+        }
+    }
+    // Where a ring has a gap, its last run goes on with its first.
+    if runs.len() > 1 && closed {
+        let first = core::mem::take(&mut runs[0]);
+        runs.last_mut().into_iter().for_each(|last| last.links.extend(first.links.iter().copied()));
+    }
+    runs.retain(|run| !run.links.is_empty());
+    runs
 }
 
 impl ChainLink {
@@ -187,7 +230,7 @@ impl ChainLink {
 }
 
 /// A smooth piece as links; Béziers are bisected until their control polygon bounds them well enough.
-fn add_links(segment: &Segment, links: &mut Vec<ChainLink>) {
+fn add_links(segment: &Segment, blur: Blur, links: &mut Vec<ChainLink>) {
     let mut stack = vec![segment.control_points().to_vec()];
     while let Some(points) = stack.pop() {
         let (from, to) = (points[0], points[points.len() - 1]);
@@ -209,6 +252,7 @@ fn add_links(segment: &Segment, links: &mut Vec<ChainLink>) {
                 tangent: (middle + lo, middle + hi),
                 ends: (first.angle(), legs[legs.len() - 1].angle()),
                 curvature: curvature_range(&legs, (hi - lo) / size),
+                blur,
             });
         } else {
             let (left, right) = subdivided(&points);
@@ -279,7 +323,8 @@ fn add_side(
             let before = entering.and_then(|_| if start > 0 { links.get(start - 1) } else { links.last() });
             edge.leaves = add_leaves(&links[start..end], before, leaves);
         }
-        all.push(ThickPiece::Edge(edge));
+        let blur = links[start..end].iter().fold(Blur::default(), |all, link| all.largest(link.blur));
+        all.push(ThickPiece::Edge(blur.edge(edge)));
         if end < links.len() {
             entering = joint(&links[end - 1], &links[end], all);
         }
@@ -298,7 +343,7 @@ fn add_leaves(links: &[ChainLink], before: Option<&ChainLink>, leaves: &mut Vec<
         leaves.extend(last.and_then(|last| leaf_turn(last, link)).map(ThickPiece::Vertex));
         let mut edge = chord(core::slice::from_ref(link), None);
         edge.slack += 2.0 * NO_TURN;
-        leaves.push(ThickPiece::Edge(edge));
+        leaves.push(ThickPiece::Edge(link.blur.edge(edge)));
         last = Some(link);
     }
     (first, leaves.len() as u32)
@@ -307,12 +352,15 @@ fn add_leaves(links: &[ChainLink], before: Option<&ChainLink>, leaves: &mut Vec<
 /// The point between two links with the normals between them, if they turn.
 fn leaf_turn(before: &ChainLink, after: &ChainLink) -> Option<ThickVertex> {
     let turn = wrap_angle(after.ends.0 - before.ends.1);
-    (turn.abs() > NO_TURN).then(|| ThickVertex {
-        point: after.from,
-        spread: ROUNDING,
-        normal: wrap_angle(before.ends.1 + 0.5 * turn + FRAC_PI_2),
-        slack: 0.5 * turn.abs() + NO_TURN,
-        concavity: joint_concavity(before, after),
+    (turn.abs() > NO_TURN).then(|| {
+        let vertex = ThickVertex {
+            point: after.from,
+            spread: ROUNDING,
+            normal: wrap_angle(before.ends.1 + 0.5 * turn + FRAC_PI_2),
+            slack: 0.5 * turn.abs() + NO_TURN,
+            concavity: joint_concavity(before, after),
+        };
+        before.blur.largest(after.blur).vertex(vertex, turn)
     })
 }
 
@@ -352,7 +400,8 @@ fn joint(before: &ChainLink, after: &ChainLink, all: &mut Vec<ThickPiece>) -> Op
     let normal = wrap_angle(before.tangent.1 + 0.5 * turn + FRAC_PI_2);
     let concavity = joint_concavity(before, after);
     let slack = 0.5 * turn.abs() + spread;
-    all.push(ThickPiece::Vertex(ThickVertex { point: after.from, spread: 0.0, normal, slack, concavity }));
+    let vertex = ThickVertex { point: after.from, spread: 0.0, normal, slack, concavity };
+    all.push(ThickPiece::Vertex(before.blur.largest(after.blur).vertex(vertex, turn)));
     None
 }
 

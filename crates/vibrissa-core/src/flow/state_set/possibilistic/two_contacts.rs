@@ -40,6 +40,8 @@ struct Stretch {
     takes_sides: bool,
     /// Whether it is straight: what is beyond it cannot push the whisker into it.
     is_straight: bool,
+    /// Whether it may be anything: two places as well as one.
+    is_unknown: bool,
 }
 
 /// A stretch on which the first of two contacts can be, and what the others can be, with a push to the left and to the right.
@@ -251,6 +253,7 @@ fn stretches(piece: &ThickPiece) -> Vec<Stretch> {
             sagitta: v.spread,
             takes_sides: v.spread > 0.0 || v.concavity <= 0.0,
             is_straight: false,
+            is_unknown: v.slack >= PI,
         }],
         ThickPiece::Edge(e) => {
             let count = (e.length / LONGEST_STRETCH).ceil().max(1.0);
@@ -266,6 +269,7 @@ fn stretches(piece: &ThickPiece) -> Vec<Stretch> {
                     sagitta: e.sagitta,
                     takes_sides: true,
                     is_straight: e.slack < STRAIGHT,
+                    is_unknown: false,
                 }
             };
             (0..count as usize).map(one).collect()
@@ -281,7 +285,10 @@ impl Stretch {
 
 /// Whether two stretches are two places: one smooth wall is one place.
 fn is_another_place(a: &Stretch, b: &Stretch) -> bool {
-    a.point.distance(b.point) > LOWEST_CORNER && wrap_angle(a.normal - b.normal).abs() + a.slack + b.slack > SMOOTH
+    let is_unknown = a.is_unknown || b.is_unknown;
+    is_unknown
+        || a.point.distance(b.point) > LOWEST_CORNER
+            && wrap_angle(a.normal - b.normal).abs() + a.slack + b.slack > SMOOTH
 }
 
 /// Two stretches, mirrored so that the first pushes the whisker to its left.

@@ -8,6 +8,7 @@
 use super::measurement::{Linearisation, Row};
 use super::normal_equations::NormalEquations;
 use super::unknowns::POSE;
+use super::wall_error::{WallError, WallErrors};
 use crate::config::NoiseAssumption;
 use crate::plane::Vec2;
 
@@ -84,6 +85,13 @@ pub(super) struct Filter {
     t: f64,
 }
 
+/// The errors that readings share, as their filters know them: of each sensor, and of the walls.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Filters {
+    sensors: Vec<Filter>,
+    walls: WallErrors,
+}
+
 /// The cost of a normalised residual, and its weight: Gaussian with a floor for false readings.
 fn robust(square: f64) -> (f64, f64) {
     let kernel = (-0.5 * square).exp();
@@ -103,47 +111,79 @@ fn add_bound(row: &Row, derivatives: &[f64], to: &mut NormalEquations) {
 }
 
 /// Adds the readings to normal equations; the filters go on from those before, of which there are none at first.
-pub(super) fn add_readings(
-    told: &Linearisation,
-    noise: NoiseModel,
-    filters: &mut Vec<Filter>,
-    to: &mut NormalEquations,
-) {
-    if noise.correlated <= 0.0 {
-        add_independent(told, noise, to);
-        return;
+pub(super) fn add_readings(told: &Linearisation, noise: NoiseModel, filters: &mut Filters, to: &mut NormalEquations) {
+    if noise.correlated > 0.0 {
+        let sensors = told.rows.iter().map(|row| row.sensor + 1).max().unwrap_or(0);
+        let first = || Filter::new(told.size, noise.correlated);
+        filters.sensors.resize_with(sensors.max(filters.sensors.len()), first);
     }
-    let sensors = told.rows.iter().map(|row| row.sensor + 1).max().unwrap_or(0);
-    filters.resize_with(sensors.max(filters.len()), || Filter {
-        residual: 0.0,
-        derivatives: vec![0.0; told.size],
-        variance: noise.correlated,
-        t: f64::NEG_INFINITY,
-    });
     let mut innovation = vec![0.0; told.size];
     for (k, row) in told.rows.iter().enumerate() {
-        let filter = &mut filters[row.sensor];
-        filter.predict(row.t, noise);
-        if row.held.is_none() {
-            to.constant += unknown_cost(&told.rows, k) + 0.5 * (filter.variance + noise.white).ln();
-            continue;
-        }
-        if noise.bounded {
-            add_bound(row, told.derivatives(k), to);
-        }
-        let variance = filter.variance + noise.white + row.model_variance;
-        let residual = row.residual - filter.residual;
-        let derivatives = told.derivatives(k);
-        innovation.iter_mut().zip(derivatives).zip(&filter.derivatives).for_each(|((to, j), f)| *to = j - f);
-        let (cost, trust) = robust(residual * residual / variance);
-        to.constant += cost + 0.5 * (variance / (1.0 + row.model_variance)).ln();
-        to.add(&innovation, residual, trust / variance);
-        let gain = trust * filter.variance / variance;
-        filter.residual += gain * residual;
-        filter.derivatives.iter_mut().zip(&innovation).for_each(|(to, v)| *to += gain * v);
-        filter.variance *= 1.0 - gain;
+        let own = if noise.correlated > 0.0 { filters.sensors.get_mut(row.sensor) } else { None };
+        let wall = row.wall.map(|error| (error, Filter::of_wall(&mut filters.walls, error, told.size)));
+        add_reading(told, k, noise, Shared { own, wall }, &mut innovation, to);
+    }
+}
+
+/// The errors that one reading shares with others.
+struct Shared<'a> {
+    own: Option<&'a mut Filter>,
+    wall: Option<(WallError, &'a mut Filter)>,
+}
+
+/// Adds the `k`-th reading by its innovation: what it says beyond what the filters have from those before.
+fn add_reading(
+    told: &Linearisation,
+    k: usize,
+    noise: NoiseModel,
+    mut shared: Shared<'_>,
+    innovation: &mut [f64],
+    to: &mut NormalEquations,
+) {
+    let row = &told.rows[k];
+    if let Some(own) = &mut shared.own {
+        own.predict(row.t, noise);
+    }
+    let own_variance = shared.own.as_ref().map_or(0.0, |own| own.variance);
+    if row.held.is_none() {
+        to.constant += unknown_cost(&told.rows, k) + 0.5 * (own_variance + noise.white).ln();
+        return;
+    }
+    let derivatives = told.derivatives(k);
+    if noise.bounded {
+        add_bound(row, derivatives, to);
+    }
+    let (mut residual, mut variance) = (row.residual, own_variance + noise.white);
+    innovation.copy_from_slice(derivatives);
+    if let Some(own) = &shared.own {
+        residual -= own.residual;
+        innovation.iter_mut().zip(&own.derivatives).for_each(|(to, f)| *to -= f);
+    }
+    if let Some((error, wall)) = &shared.wall {
+        let by = error.by_displacement;
+        residual -= by * wall.residual;
+        innovation.iter_mut().zip(&wall.derivatives).for_each(|(to, f)| *to -= by * f);
+        variance += by * by * wall.variance;
+    }
+    // What the model adds weighs in a step, but is no part of the noise by which models are compared.
+    variance += row.model_variance;
+    let plain =
+        if own_variance > 0.0 || shared.wall.is_some() { variance / (1.0 + row.model_variance) } else { noise.white };
+    let (cost, trust) = robust(residual * residual / variance);
+    to.constant += cost + 0.5 * plain.ln();
+    to.add(innovation, residual, trust / variance);
+    if let Some((error, wall)) = shared.wall {
+        let by = error.by_displacement;
+        let gain = trust * by * wall.variance / variance;
+        wall.learn(gain, residual, innovation);
+        wall.variance *= 1.0 - gain * by;
+    }
+    if let Some(own) = shared.own {
+        let gain = trust * own.variance / variance;
+        own.learn(gain, residual, innovation);
+        own.variance *= 1.0 - gain;
         // An error that is not followed may be the first of a jump.
-        filter.variance += (1.0 - trust) * (noise.correlated - filter.variance).max(0.0);
+        own.variance += (1.0 - trust) * (noise.correlated - own.variance).max(0.0);
     }
 }
 
@@ -153,27 +193,37 @@ fn unknown_cost(rows: &[Row], k: usize) -> f64 {
     UNKNOWN_COST[usize::from(before.is_some_and(|row| row.held.is_none()))]
 }
 
-fn add_independent(told: &Linearisation, noise: NoiseModel, to: &mut NormalEquations) {
-    let NoiseModel { white, bounded, .. } = noise;
-    let more = 0.5 * white.ln();
-    for (k, row) in told.rows.iter().enumerate() {
-        if row.held.is_none() {
-            to.constant += unknown_cost(&told.rows, k) + more;
-            continue;
-        }
-        if bounded {
-            add_bound(row, told.derivatives(k), to);
-        }
-        let variance = white + row.model_variance;
-        let (cost, trust) = robust(row.residual * row.residual / variance);
-        to.constant += cost + more;
-        to.add(told.derivatives(k), row.residual, trust / variance);
+impl Filters {
+    /// Before any reading.
+    pub(super) fn clear(&mut self) {
+        self.sensors.clear();
+        self.walls.clear();
+    }
+
+    /// The same on a map that is turned by this angle (rad).
+    pub(super) fn turn(&mut self, angle: f64) {
+        self.sensors.iter_mut().chain(self.walls.values_mut()).for_each(|filter| filter.turn(angle));
     }
 }
 
 impl Filter {
+    /// An error of this variance of which no reading has said anything.
+    fn new(size: usize, variance: f64) -> Self {
+        Self { residual: 0.0, derivatives: vec![0.0; size], variance, t: f64::NEG_INFINITY }
+    }
+
+    /// That of the stretch of wall which a reading feels (m).
+    fn of_wall(walls: &mut WallErrors, error: WallError, size: usize) -> &mut Self {
+        walls.entry(error.stretch).or_insert_with(|| Self::new(size, error.std * error.std))
+    }
+
+    fn learn(&mut self, gain: f64, residual: f64, innovation: &[f64]) {
+        self.residual += gain * residual;
+        self.derivatives.iter_mut().zip(innovation).for_each(|(to, v)| *to += gain * v);
+    }
+
     /// The same on a map that is turned by this angle (rad).
-    pub(super) fn turn(&mut self, angle: f64) {
+    fn turn(&mut self, angle: f64) {
         let Vec2 { x: cos, y: sin } = Vec2::from_angle(angle);
         let [x, y] = [self.derivatives[0], self.derivatives[1]];
         (self.derivatives[0], self.derivatives[1]) = (cos * x - sin * y, sin * x + cos * y);
@@ -198,7 +248,7 @@ pub(super) fn estimated(told: &Linearisation, known: &NormalEquations, damping: 
     }
     let judged = |noise: NoiseModel| {
         let mut equations = known.clone();
-        add_readings(told, noise, &mut Vec::new(), &mut equations);
+        add_readings(told, noise, &mut Filters::default(), &mut equations);
         let certain = equations.half_ln_determinant(damping);
         let penalty = if noise.correlated > 0.0 { WORTH_MORE } else { 0.0 };
         let pose = certain - equations.nuisances_half_ln_determinant();

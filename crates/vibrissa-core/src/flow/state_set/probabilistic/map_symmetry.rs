@@ -37,7 +37,7 @@ pub(super) struct MapSymmetries {
 }
 
 impl MapSymmetries {
-    /// The turns of a map of outlines; of one with thin walls none are looked for.
+    /// The turns of a map of outlines; of one with thin walls, or known only within bands, none are looked for.
     pub(super) fn of(ground: &Boundaries) -> Self {
         let mut middle = (0.0, Vec2::ZERO);
         for piece in &ground.pieces {
@@ -45,7 +45,7 @@ impl MapSymmetries {
             let chord = a.distance(b);
             middle = (middle.0 + chord, middle.1 + (a + b) * (0.5 * chord));
         }
-        if ground.has_ends() || middle.0 <= 0.0 {
+        if ground.has_ends() || !ground.are_exact() || middle.0 <= 0.0 {
             return Self::default();
         }
         let center = middle.1 * (1.0 / middle.0);

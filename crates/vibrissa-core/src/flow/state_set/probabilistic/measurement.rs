@@ -5,11 +5,13 @@ use super::corrected_path::{OdometryCalibration, PathPoint, corrected_path};
 use super::log_window::LogWindow;
 use super::map_symmetry::MapSymmetry;
 use super::normal_equations::NormalEquations;
+use super::optimisation::UNEXPLAINED;
 use super::sensor::Sensor;
 use super::unknowns::{POSE, Unknowns, value};
+use super::wall_error::WallError;
 use crate::config::NoiseAssumption;
 use crate::contact::follow::{Contact, ForwardModel, Mechanics, Prediction, WhiskerState};
-use crate::contact::{Boundaries, SensedQuantity};
+use crate::contact::{Boundaries, Hold, SensedQuantity, Support, WallKnowledge};
 use crate::plane::{Pose2, Vec2, wrap_angle};
 use crate::world::Map;
 
@@ -51,6 +53,10 @@ pub(super) struct Row {
     pub(super) model_variance: f64,
     /// Whether a boundary holds the whisker; none where the contact is not known.
     pub(super) held: Option<bool>,
+    /// What the wall's error makes of it, where the wall is known within a band.
+    pub(super) wall: Option<WallError>,
+    /// Whether the whisker is where the map knows nothing, and feels what the map does not explain.
+    pub(super) unmapped: bool,
 }
 
 /// The readings of a run and their derivatives.
@@ -294,6 +300,8 @@ impl<'a> MeasurementModel<'a> {
             plain: 0.0,
             model_variance: 0.0,
             held: None,
+            wall: None,
+            unmapped: false,
         };
         let z = seen.z - seen.offset;
         let (touch, residual) = match whisker {
@@ -306,7 +314,31 @@ impl<'a> MeasurementModel<'a> {
                 (Some(touch), sensor.residual(per * seen.felt.value, z, touch.q > 0.0, true))
             }
         };
-        (row.residual, row.plain) = (residual.value, residual.plain);
+        if let Some(touch) = touch {
+            match self.ground.knowledge(support(touch)) {
+                WallKnowledge::Band { std, stretch } if residual.informs => {
+                    row.wall = Some(WallError::new(
+                        seen.felt.gradient,
+                        per / residual.std,
+                        (std, stretch),
+                        seen.felt.value > 0.0,
+                    ));
+                }
+                WallKnowledge::Unknown => {
+                    row.unmapped = true;
+                    out.rows.push(row);
+                    return;
+                }
+                WallKnowledge::Exact | WallKnowledge::Band { .. } => {}
+            }
+        }
+        let widened = row.wall.map_or(1.0, |wall| 1.0 + wall.variance()).sqrt();
+        (row.residual, row.plain) = (residual.value, residual.plain / widened);
+        if row.plain.abs() > UNEXPLAINED && self.is_unmapped(seen, own, touch) {
+            row.unmapped = true;
+            out.rows.push(row);
+            return;
+        }
         row.held = Some(touch.is_some_and(|touch| touch.q > 0.0));
         let scale = 1.0 / residual.std;
         if let Some(touch) = touch.filter(|_| residual.informs) {
@@ -328,6 +360,13 @@ impl<'a> MeasurementModel<'a> {
             }
         }
         out.rows.push(row);
+    }
+
+    /// Whether the whisker, from its base to its contact or at rest, goes through a place of which the map knows nothing.
+    fn is_unmapped(&self, seen: &Seen, own: &Adjusted, touch: Option<&Contact>) -> bool {
+        let rest = || seen.base.transform_point(Vec2::new(own.length, 0.0));
+        let end = touch.map_or_else(rest, |touch| touch.place);
+        self.map.unknown().may_meet([seen.base.position(), end], 0.0)
     }
 
     /// Derivatives by pose and by all that moves the whisker; gives the variance that a slightly wrong pose makes.
@@ -441,6 +480,14 @@ impl<'a> MeasurementModel<'a> {
     pub(super) fn anchored(&self, state: &State, row: usize) -> State {
         let frame = self.robot_at(state, row).compose(self.window.pose(row).inverse());
         State { frame, values: state.values.clone() }
+    }
+}
+
+/// What a contact rests on; of two at once, the tip's.
+fn support(touch: &Contact) -> Support {
+    match touch.hold {
+        Hold::Tip(on) | Hold::Side(on, _) => on,
+        Hold::Both(both) => both.tip,
     }
 }
 

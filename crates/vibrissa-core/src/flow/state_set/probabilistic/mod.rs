@@ -25,6 +25,7 @@ mod shared_runs;
 mod smoother;
 mod unknowns;
 mod unobservable;
+mod wall_error;
 
 pub use crate::contact::SensedQuantity;
 pub(crate) use corrected_path::calibrated;

@@ -1,6 +1,6 @@
 //! Levenberg and Marquardt's method over a window of readings \[nocedal2006numerical, sec. 10.3\]: one mode of the posterior.
 
-use super::correlated_noise::{Filter, NoiseModel, add_readings, estimated};
+use super::correlated_noise::{Filters, NoiseModel, add_readings, estimated};
 use super::information::Information;
 use super::map_symmetry::MapSymmetry;
 use super::measurement::{Linearisation, MeasurementModel, Row, Start, State, difference, moved};
@@ -55,14 +55,14 @@ pub(super) struct NoiseFit {
     pub(super) noise: NoiseModel,
     pub(super) equations: NormalEquations,
     /// What the errors of the readings are at the last row.
-    filters: Vec<Filter>,
+    filters: Filters,
     /// How much likelier the readings are than this model says (nats), where it stands for others.
     pub(super) credit: f64,
 }
 
 impl NoiseFit {
     pub(super) fn new(noise: NoiseModel) -> Self {
-        Self { noise, equations: NormalEquations::default(), filters: Vec::new(), credit: 0.0 }
+        Self { noise, equations: NormalEquations::default(), filters: Filters::default(), credit: 0.0 }
     }
 }
 
@@ -108,9 +108,7 @@ impl Mode {
         there.fits.iter_mut().for_each(|fit| fit.equations = fit.equations.turned(turn.motion.theta));
         there.state.frame = turn.motion.compose(self.state.frame);
         there.start = self.start.turned(turn);
-        for filter in there.fits.iter_mut().flat_map(|fit| &mut fit.filters) {
-            filter.turn(turn.motion.theta);
-        }
+        there.fits.iter_mut().for_each(|fit| fit.filters.turn(turn.motion.theta));
         there.end = self.end.as_ref().map(|end| Box::new(end.turned(turn)));
         there
     }

@@ -239,17 +239,17 @@ fn fit(bank: &Bank, model: &MeasurementModel<'_>) -> Fit {
 }
 
 fn fit_of(told: &Linearisation, noise: NoiseModel, assumption: NoiseAssumption) -> Fit {
-    let all = told.rows.len().max(1) as f64;
+    // What is felt where the map knows nothing says nothing of the fit.
+    let mapped = || told.rows.iter().filter(|row| !row.unmapped);
+    let all = mapped().count().max(1) as f64;
     let size = |row: &Row| row.held.map_or(f64::INFINITY, |_| row.plain.abs() / (1.0 + row.model_variance).sqrt());
-    let share = |most: f64| told.rows.iter().filter(|row| size(row) > most).count() as f64 / all;
-    let held: Vec<&Row> = told.rows.iter().filter(|row| row.held == Some(true)).collect();
+    let share = |most: f64| mapped().filter(|row| size(row) > most).count() as f64 / all;
+    let held: Vec<&Row> = mapped().filter(|row| row.held == Some(true)).collect();
     let square = |rows: &[&Row]| {
         let within: Vec<f64> = rows.iter().map(|row| size(row)).filter(|&s| s <= OUTLIER_SIGMAS).collect();
         within.iter().map(|s| s * s).sum::<f64>() / within.len().max(1) as f64
     };
-    let felt: Vec<(f64, f64)> = told
-        .rows
-        .iter()
+    let felt: Vec<(f64, f64)> = mapped()
         .filter(|row| row.held != Some(false) || size(row) > OUTLIER_SIGMAS)
         .map(|row| (row.t, size(row).min(MOST_SIGMAS).powi(2)))
         .collect();
@@ -275,10 +275,12 @@ fn drift(held: &[&Row]) -> (f64, usize) {
     let sensors = held.iter().map(|row| row.sensor + 1).max().unwrap_or(0);
     let mut squares = Vec::new();
     for sensor in 0..sensors {
-        let own: Vec<f64> = held.iter().filter(|row| row.sensor == sensor).map(|row| row.residual).collect();
+        let own: Vec<&Row> = held.iter().filter(|row| row.sensor == sensor).copied().collect();
         squares.extend(own.chunks_exact(BLOCK).map(|block| {
-            let sum: f64 = block.iter().map(|r| r.clamp(-OUTLIER_SIGMAS, OUTLIER_SIGMAS)).sum();
-            sum * sum / BLOCK as f64
+            let sum: f64 = block.iter().map(|row| row.residual.clamp(-OUTLIER_SIGMAS, OUTLIER_SIGMAS)).sum();
+            // A wall that is known within a band is off alike along a block.
+            let of_wall: f64 = block.iter().filter_map(|row| row.wall).map(|wall| wall.variance().sqrt()).sum();
+            sum * sum / (BLOCK as f64 + of_wall * of_wall)
         }));
     }
     squares.sort_by(f64::total_cmp);

@@ -860,7 +860,7 @@ impl MultiHypothesisSmoother<'_> {
 
 /// Whether a reading is not explained.
 fn is_off(row: &Row) -> bool {
-    row.held.is_none() || row.plain.abs() > UNEXPLAINED
+    !row.unmapped && (row.held.is_none() || row.plain.abs() > UNEXPLAINED)
 }
 
 /// How the whiskers stand at the window's first row where that is not known.

@@ -77,6 +77,8 @@ pub struct TraceOptions {
     pub step_std: f64,
     /// How much the wall turns along the way (rad per root of a metre).
     pub turn: f64,
+    /// Whether a whisker may be curled where the less bent branch ends early.
+    pub curled: bool,
 }
 
 /// A contact along a trace, odometry frame.
@@ -143,7 +145,8 @@ fn without_snap(whisker: &Whisker, nodes: &[TraceNode], options: TraceOptions, s
         let least = tip_or_side(&problem);
         // The less bent branch, unless it ends much earlier: that the whisker is curled has to be shown.
         let nodes_of = |ways: &Vec<Way>| ways.first().map_or(0, |way| way.state.len());
-        let may_be_curled = !traces.is_empty() && CURLED * (rest.len() as f64) > nodes_of(&least) as f64;
+        let may_be_curled =
+            options.curled && !traces.is_empty() && CURLED * (rest.len() as f64) > nodes_of(&least) as f64;
         let curled = TraceProblem { largest_slope: f64::INFINITY, ..problem };
         let curled = if may_be_curled { curled.best(1) } else { Vec::new() };
         let short = CURLED * (nodes_of(&curled) as f64) > nodes_of(&least) as f64;
@@ -161,7 +164,8 @@ fn without_snap(whisker: &Whisker, nodes: &[TraceNode], options: TraceOptions, s
         let part = TraceProblem { largest_slope: f64::INFINITY, side_std: SIDE_STD, ..problem.part(0, used) };
         let whole = best.filter(|way| used >= FEWEST && part.torn(&way.state).is_none());
         traces.extend(whole.and_then(|way| part.trace(&way, &rivals)));
-        rest = &rest[used.max(1)..];
+        // Where no trace is, the next one is not looked for at every node unless it may be any.
+        rest = &rest[used.max(if options.curled { 1 } else { FEWEST.min(rest.len()) })..];
     }
 }
 

@@ -1,0 +1,247 @@
+//! `vibrissa map`: an outline and the robot's way from logs alone.
+
+use super::localize::{ImuArgs, outlines, read_log};
+use crate::interrupt::{Heedful, stop};
+use crate::output::{OutputArgs, print, progress, warn, write_all};
+use serde_json::{Value, json};
+use std::fmt::Write;
+use std::path::PathBuf;
+use vibrissa::config::MappingOptions;
+use vibrissa::figure::{Geometry, Layer, Outline, scene_figure};
+use vibrissa::io::log::foreign::Format;
+use vibrissa::io::map::to_geojson;
+use vibrissa::io::trajectory::format_tum;
+use vibrissa::plane::Vec2;
+use vibrissa::tasks::doubts;
+use vibrissa::tasks::mapping::{Closure, ClosureVerdict, Mapped, Share, map_log};
+use vibrissa::tasks::profile::{Alignment, compare};
+use vibrissa::world::{BoundarySample, Map, PieceCourse, Robot};
+use vibrissa::{Error, Result};
+
+/// Spacing of the outline's points that are compared with a truth (m).
+const SPACING: f64 = 1e-3;
+
+/// Make a map from a log: the outline of what the whiskers touched, and the robot's way.
+///
+/// The log is a CSV file with the columns `t,x,y,theta,moment` (s, m, rad, N m); no map is needed. Where the robot provably came back, its
+/// way and the outline are corrected; other places where it may have come back are told. The robot file bounds the odometry's errors.
+///
+/// With --out DIR: map.geojson (boundaries with bands and unknown stretches, which `vibrissa localize` reads), trajectory.tum,
+/// covariances.csv and the figure map.svg.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Args {
+    /// The sensor log (.csv)
+    log: PathBuf,
+    /// The robot's whiskers and error bounds (.toml) [default: the paper's whisker at the robot's origin]
+    #[arg(long, value_name = "ROBOT")]
+    robot: Option<PathBuf>,
+    /// Bound on the drift of the odometry's heading, in degrees for each metre of way [default: 0]
+    #[arg(long, value_name = "DEG")]
+    drift: Option<f64>,
+    /// Radius of a disc around the robot's origin that its body fills, in mm [default: 0]
+    #[arg(long, value_name = "MM")]
+    body: Option<f64>,
+    /// The true shape (.geojson, .svg, .dxf, .yaml, .mcap), to report errors against
+    #[arg(long, value_name = "MAP")]
+    truth: Option<PathBuf>,
+    /// The format of the log: rostopic, csv [default: csv]
+    #[arg(long, value_name = "FORMAT")]
+    format: Option<Format>,
+    #[command(flatten)]
+    imu: ImuArgs,
+    #[command(flatten)]
+    output: OutputArgs,
+}
+
+/// Runs the command.
+pub(crate) fn run(args: &Args) -> Result<()> {
+    let robot = args.robot.as_deref().map_or_else(|| Ok(Robot::default()), vibrissa::read_robot)?;
+    let truth = args.truth.as_deref().map(vibrissa::read_map).transpose()?;
+    let log = read_log(&args.log, args.format, &args.imu)?;
+    let warnings = truth.iter().flat_map(|map| &map.warnings).chain(&log.warnings);
+    warnings.for_each(|warning| warn(warning));
+    doubts(Some(&log), &robot, None).iter().for_each(|warning| warn(warning));
+    let options = options(args)?;
+    let _heeds = Heedful::hurried();
+    let asked = stop();
+    let in_file = |error: Error| error.in_file(&args.log);
+    let found = map_log(&log, &robot, options, &asked, &mut progress::readings).map_err(in_file)?;
+    if asked.is_asked() {
+        warn("interrupted: what came after is missing, and closures were not looked for to the end");
+    }
+    let compared = truth.as_ref().and_then(|truth| compare(&known_points(&found.outline.map), truth, false));
+    let mut written = Vec::new();
+    if let Some(to) = args.output.destination() {
+        let files = [
+            ("map.geojson", to_geojson(&found.outline.map)),
+            ("trajectory.tum", format_tum(&found.trajectory)),
+            ("covariances.csv", covariances(&found)),
+            ("map.svg", figure(&found, truth.as_ref(), compared.as_ref())),
+        ];
+        written = write_all(to, &files)?;
+    }
+    if args.output.json {
+        let text = serde_json::to_string_pretty(&summary(&found, compared.as_ref()));
+        let text = text.map_err(|error| Error::data(format!("cannot write the result as JSON ({error})")))?;
+        return print(&(text + "\n"));
+    }
+    let mut text: String = captions(&found, compared.as_ref()).iter().map(|line| format!("{line}\n")).collect();
+    for closure in &found.closures {
+        let _ = writeln!(text, "  {}", told(closure));
+    }
+    for path in written {
+        let _ = writeln!(text, "  wrote {}", path.display());
+    }
+    print(&text)
+}
+
+fn options(args: &Args) -> Result<MappingOptions> {
+    let default = MappingOptions::default();
+    let options = MappingOptions {
+        drift: args.drift.map_or(default.drift, f64::to_radians),
+        body_radius: args.body.map_or(default.body_radius, |mm| 1e-3 * mm),
+        ..default
+    };
+    options.check()?;
+    Ok(options)
+}
+
+/// Points along all that is known of the outline.
+fn known_points(map: &Map) -> Vec<Vec2> {
+    let is_known = |sample: &&BoundarySample| {
+        let boundary = &map.boundaries()[sample.boundary];
+        let piece = boundary.curve().segment_at(sample.arc_length);
+        !matches!(boundary.piece_course(piece), Some(PieceCourse::Unknown(_)))
+    };
+    map.samples(SPACING).iter().filter(is_known).map(|sample| sample.position).collect()
+}
+
+/// Lengths of what is known and of what is unknown (m).
+fn lengths(map: &Map) -> (f64, f64) {
+    let pieces = map.boundaries().iter().flat_map(|boundary| {
+        let segments = boundary.curve().segments().iter().enumerate();
+        segments
+            .map(|(k, segment)| (segment.length(), matches!(boundary.piece_course(k), Some(PieceCourse::Unknown(_)))))
+    });
+    pieces.fold(
+        (0.0, 0.0),
+        |(known, not), (length, is_unknown)| {
+            if is_unknown { (known, not + length) } else { (known + length, not) }
+        },
+    )
+}
+
+fn captions(found: &Mapped, compared: Option<&Alignment>) -> Vec<String> {
+    let (known, unknown) = lengths(&found.outline.map);
+    let count = |verdict| found.closures.iter().filter(|closure| closure.verdict == verdict).count();
+    let mut lines = vec![
+        format!(
+            "{} boundaries: {known:.3} m of wall known, {unknown:.3} m unknown, {} corner(s) found",
+            found.outline.map.boundaries().len(),
+            found.outline.corners.len()
+        ),
+        format!(
+            "came back: {} place(s) proved, {} not told from others",
+            count(ClosureVerdict::Proved),
+            count(ClosureVerdict::Hypothesis) + count(ClosureVerdict::Unfinished)
+        ),
+    ];
+    if count(ClosureVerdict::Contradiction) > 0 {
+        lines.push("what was felt contradicts the declared bounds of the odometry: are they too small?".to_owned());
+    }
+    if let Some(compared) = compared {
+        let shape = &compared.shape;
+        let mm = |v: f64| 1e3 * v;
+        let (mean, p95, max) = (mm(shape.mean), mm(shape.p95), mm(shape.max));
+        lines.push(format!(
+            "shape error (best rigid motion): mean {mean:.3} mm, 95 % below {p95:.3} mm, largest {max:.3} mm"
+        ));
+    }
+    lines
+}
+
+fn told(closure: &Closure) -> String {
+    let [x, y, theta] = closure.extent;
+    let size = format!("{:.0} mm by {:.0} mm, {:.1} deg", 2e3 * x, 2e3 * y, 2.0 * theta.to_degrees());
+    let when = format!("{:.2} s at the place of {:.2} s", closure.later, closure.earlier);
+    match closure.verdict {
+        ClosureVerdict::Proved => format!("{when}: proved, within {size}"),
+        ClosureVerdict::Hypothesis => {
+            format!("{when}: a hypothesis, {} separate place(s) within {size}", closure.places)
+        }
+        ClosureVerdict::Contradiction => format!("{when}: contradicts the declared odometry bounds"),
+        ClosureVerdict::Unfinished => format!("{when}: a hypothesis, the search for other places was cut short"),
+    }
+}
+
+fn covariances(found: &Mapped) -> String {
+    let mut text = "t,xx,xy,xtheta,yy,ytheta,thetatheta\n".to_owned();
+    for (t, c) in &found.covariances {
+        let _ = writeln!(text, "{t},{},{},{},{},{},{}", c[0][0], c[0][1], c[0][2], c[1][1], c[1][2], c[2][2]);
+    }
+    text
+}
+
+fn summary(found: &Mapped, compared: Option<&Alignment>) -> Value {
+    let (known, unknown) = lengths(&found.outline.map);
+    let share = |share: Share| json!({ "value": share.value, "std": share.std });
+    let closure = |closure: &Closure| {
+        let verdict = match closure.verdict {
+            ClosureVerdict::Proved => "proved",
+            ClosureVerdict::Hypothesis => "hypothesis",
+            ClosureVerdict::Contradiction => "contradiction",
+            ClosureVerdict::Unfinished => "unfinished",
+        };
+        json!({
+            "later_s": closure.later, "earlier_s": closure.earlier, "verdict": verdict, "places": closure.places,
+            "extent": closure.extent,
+        })
+    };
+    let corners = found.outline.corners.iter();
+    let corners = corners.map(|c| json!({ "x": c.position.x, "y": c.position.y, "std_m": c.band.std }));
+    let mut answer = json!({
+        "boundaries": found.outline.map.boundaries().len(), "known_m": known, "unknown_m": unknown,
+        "corners": corners.collect::<Vec<Value>>(),
+        "closures": found.closures.iter().map(closure).collect::<Vec<Value>>(),
+        "odometry": {
+            "scale": share(found.shares.scale), "turn": share(found.shares.turn), "drift_rad_per_m": share(found.shares.drift),
+        },
+    });
+    if let Some(compared) = compared {
+        let shape = &compared.shape;
+        answer["truth"] = json!({ "mean_m": shape.mean, "p95_m": shape.p95, "max_m": shape.max });
+    }
+    answer
+}
+
+fn figure(found: &Mapped, truth: Option<&Map>, compared: Option<&Alignment>) -> String {
+    let layer = |geometry, class, label: &str, framed| Layer { geometry, class, label: label.to_owned(), framed };
+    let closed = |outline: &Outline| -> Vec<Vec2> {
+        let first = outline.points.first().copied().filter(|_| outline.closed);
+        outline.points.iter().copied().chain(first).collect()
+    };
+    let moved = compared.map(|compared| compared.map_from_outline.inverse());
+    let place = |line: Vec<Vec2>| -> Vec<Vec2> {
+        line.into_iter().map(|p| moved.map_or(p, |moved| moved.transform_point(p))).collect()
+    };
+    let truth = truth.map(outlines).unwrap_or_default().iter().map(|outline| place(closed(outline))).collect();
+    let own = outlines(&found.outline.map);
+    let bands = own.iter().flat_map(|outline| &outline.band).map(|quad| quad.to_vec()).collect();
+    let unknown = own.iter().flat_map(|outline| outline.unknown.clone()).collect();
+    let map = &found.outline.map;
+    let known = map.boundaries().iter().flat_map(|boundary| {
+        let segments = boundary.curve().segments().iter().enumerate();
+        let is_known = |(k, _): &(usize, _)| !matches!(boundary.piece_course(*k), Some(PieceCourse::Unknown(_)));
+        segments.filter(is_known).map(|(_, segment)| vec![segment.start(), segment.end()]).collect::<Vec<_>>()
+    });
+    let way = found.trajectory.iter().map(|row| row.map_from_robot.position()).collect();
+    let layers = [
+        layer(Geometry::Lines(truth), "truth", "the true shape, moved to where it fits best", false),
+        layer(Geometry::Rings(bands), "map-band", "the band that holds the wall", true),
+        layer(Geometry::Lines(unknown), "unknown", "unknown", true),
+        layer(Geometry::Lines(known.collect()), "outline", "the outline felt", true),
+        layer(Geometry::Lines(vec![way]), "path", "the robot's way", true),
+        layer(Geometry::Circles(found.outline.corners.iter().map(|c| c.position).collect()), "start", "corners", true),
+    ];
+    scene_figure("A map made by touch", &captions(found, compared), "odometry frame of the first row", &layers)
+}

@@ -1,0 +1,107 @@
+//! Later contacts on earlier walls: point to line \[chen1992object\], within closures that are proved.
+
+use super::front_end::{FrontEnd, StretchPoint};
+use super::graph::{Overlap, Solution};
+use crate::config::MappingOptions;
+use crate::plane::Pose2;
+
+/// A proved closure: two key poses, where the later one is in the frame of the earlier one, and half of what is left open.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Tie {
+    pub(super) earlier: usize,
+    pub(super) later: usize,
+    pub(super) earlier_from_later: Pose2,
+    pub(super) extent: [f64; 3],
+}
+
+/// Normals that belong together differ by less (cosine): 25 degrees.
+const SAME_WAY: f64 = 0.9;
+/// Farthest along the wall from a later contact to an earlier point (m): neighbours are half a millimetre apart.
+const ALONG: f64 = 1.5e-3;
+/// How far across the wall they may be once poses have been solved (m), beside what is left open before.
+const ACROSS: f64 = 3e-3;
+/// Later contacts are taken this far apart (m), and what both traces of a wall leave is alike over this length.
+const SPACING: f64 = 2e-3;
+const ALIKE: f64 = 20e-3;
+
+/// What lies on what, by the closures themselves or by a solution.
+pub(super) fn overlaps(
+    front: &FrontEnd,
+    ties: &[Tie],
+    solution: Option<&Solution>,
+    options: &MappingOptions,
+) -> Vec<Overlap> {
+    let mut all = Vec::new();
+    for tie in ties {
+        let across = solution.map_or(ACROSS + tie.extent[0].max(tie.extent[1]), |_| ACROSS);
+        let [earlier, later] = [tie.earlier, tie.later].map(|key| window(front, options.submap, key));
+        // Of neighbouring closures a later contact is taken once.
+        let taken = all.last().map_or(0, |overlap: &Overlap| overlap.later.0 + 1);
+        for key in later.0.max(taken)..=later.1 {
+            let earlier_from_later = |early: usize| match solution {
+                Some(solution) => solution.poses[early].between(solution.poses[key]),
+                None => {
+                    let to_middle = front.keys[tie.later].odom_from_key.between(front.keys[key].odom_from_key);
+                    let from_middle = front.keys[tie.earlier].odom_from_key.between(front.keys[early].odom_from_key);
+                    from_middle.inverse().compose(tie.earlier_from_later).compose(to_middle)
+                }
+            };
+            let moves: Vec<(usize, Pose2)> = (earlier.0..=earlier.1).map(|k| (k, earlier_from_later(k))).collect();
+            for stretch in front.stretches.iter().filter(|stretch| stretch.key == key) {
+                add(front, (key, &stretch.points), &moves, across, &mut all);
+            }
+        }
+    }
+    all
+}
+
+/// The key poses within a way of another.
+fn window(front: &FrontEnd, reach: f64, middle: usize) -> (usize, usize) {
+    let keys = &front.keys;
+    let (mut first, mut last, mut way) = (middle, middle, 0.0);
+    while first > 0 && way < reach {
+        way += keys[first].leg.way;
+        first -= 1;
+    }
+    way = 0.0;
+    while last + 1 < keys.len() && way < reach {
+        last += 1;
+        way += keys[last].leg.way;
+    }
+    (first, last)
+}
+
+fn add(
+    front: &FrontEnd,
+    (key, points): (usize, &[StretchPoint]),
+    moves: &[(usize, Pose2)],
+    across: f64,
+    all: &mut Vec<Overlap>,
+) {
+    let mut last = None;
+    for point in points {
+        if last.is_some_and(|last: crate::plane::Vec2| last.distance(point.position) < SPACING) {
+            continue;
+        }
+        let candidates = moves.iter().flat_map(|(early, to_earlier)| {
+            let (place, normal) = (to_earlier.transform_point(point.position), point.normal.rotated(to_earlier.theta));
+            let of_key = front.stretches.iter().filter(move |stretch| stretch.key == *early);
+            of_key.flat_map(|stretch| &stretch.points).filter_map(move |other| {
+                let gap = place - other.position;
+                let (off, along) = (other.normal.dot(gap).abs(), other.normal.cross(gap).abs());
+                let fits = normal.dot(other.normal) > SAME_WAY && off <= across && along <= ALONG;
+                fits.then_some((off + along, *early, other))
+            })
+        });
+        let Some((_, early, other)) = candidates.min_by(|a, b| a.0.total_cmp(&b.0)) else { continue };
+        last = Some(point.position);
+        // So many neighbours say the same.
+        let alike = (ALIKE / SPACING).sqrt();
+        all.push(Overlap {
+            later: (key, point.position),
+            earlier: (early, other.position),
+            normal: other.normal,
+            std: alike * point.std.hypot(other.std),
+        });
+    }
+}
