@@ -89,7 +89,7 @@ fn a_simulated_robot_finds_out_that_its_room_is_symmetric() {
         "{}",
         ran.stdout
     );
-    assert!(ran.stdout.contains("parts 4 places"), "{}", ran.stdout);
+    assert!(ran.stdout.contains("the 4 places"), "{}", ran.stdout);
     let json: Value = serde_json::from_str(&std::fs::read_to_string(out.join("explore.json")).unwrap()).unwrap();
     assert_eq!((json["ended"].as_str(), json["collided"].as_bool()), (Some("symmetric"), Some(false)));
     // It goes on from where it began to where it is.

@@ -18,6 +18,7 @@ mod profile_outline;
 mod tasks_batch;
 mod tasks_doubts;
 mod tasks_explore;
+mod tasks_mapping;
 mod tasks_plan;
 mod tasks_remedies;
 mod tasks_sensor_design;

@@ -8,6 +8,7 @@ mod ros_bags;
 mod sensor_log_csv;
 mod sensor_log_foreign;
 mod stop;
+mod world_bands;
 mod world_dxf;
 mod world_grid;
 mod world_map;
