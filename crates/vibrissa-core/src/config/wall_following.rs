@@ -14,7 +14,7 @@ pub const HELD: f64 = 1.2;
 pub const TOUCH: f64 = 0.15;
 /// Way between two readings (m), which bounds the speed of slow sensors: a caught whisker bends by a third of `EI / L` on it.
 pub const STRIDE: f64 = 2.5e-3;
-/// Steering by the tip's lead, which damps it [lamperski2005dynamical]: curvature is this times the distance's error over the lead's square, and
+/// Steering by the tip's lead, which damps it \[lamperski2005dynamical\]: curvature is this times the distance's error over the lead's square, and
 /// 4 is critically damped. At 2.5 the moment is within its band in 57 % of the rows of 36 random rooms, at 4 in 82 %.
 pub const STEERING: f64 = 4.0;
 /// How fast a robot that goes sideways takes back an error of the distance (1/s).
