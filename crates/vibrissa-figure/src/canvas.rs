@@ -52,6 +52,12 @@ impl WorldBounds {
         (self.min + self.max) * 0.5
     }
 
+    /// Whether a place is within it.
+    #[must_use]
+    pub fn contains(&self, place: Vec2) -> bool {
+        (self.min.x..=self.max.x).contains(&place.x) && (self.min.y..=self.max.y).contains(&place.y)
+    }
+
     /// The bounds with `margin` (m) added on every side.
     #[must_use]
     pub fn grown(&self, margin: f64) -> Self {

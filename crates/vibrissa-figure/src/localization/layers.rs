@@ -169,7 +169,11 @@ pub(super) fn estimate(canvas: &mut Canvas, scene: &LocalizationScene<'_>, close
     canvas.circle(pose.position(), 5.5, "estimate");
 }
 
+/// A place with its number, where it is on the page.
 fn numbered(canvas: &mut Canvas, number: usize, pose: Pose2) {
+    if !canvas.world().contains(pose.position()) {
+        return;
+    }
     canvas.arrow(pose, 26.0, "estimate-line", "estimate");
     canvas.circle(pose.position(), 8.5, "badge");
     canvas.text(pose.position(), (0.0, 4.0), &number.to_string(), "badge-text");

@@ -15,8 +15,9 @@ use core::ops::Range;
 
 /// Travel of a whisker between two rows that modes are compared by (m).
 const KEY_STEP: f64 = 3e-3;
-/// Modes take in so many rows together.
+/// Modes take in so many rows together, and of those that they are compared by so many at once where there are many modes.
 pub(super) const TAKEN_TOGETHER: usize = 24;
+const AT_ONCE: usize = 8;
 /// Readings that are run again at most, about, each time that rows are taken in.
 const TAKES: usize = 6_000;
 /// The same where the readings that have come are unexplained.
@@ -47,8 +48,6 @@ const STEPS_BEFORE_NOISE: usize = 3;
 
 /// Steps over all rows.
 const STEPS: usize = 10;
-/// Modes are fitted to all rows at the end where these are not more readings than this.
-const MOST_AT_ALL_ROWS: usize = 100_000;
 /// So many of the best are searched along their open direction, as long as key rows judge.
 const MOST_SEARCHED: usize = 40;
 /// Slack for modes that are not at their least yet (nats).
@@ -193,9 +192,12 @@ impl Bank {
     pub(super) fn begin(&mut self, model: &MeasurementModel<'_>, admits: &dyn Fn(Pose2) -> bool) {
         self.modes.retain(|mode| admits(mode.state.frame));
         let all = model.window.len();
-        let until = if self.modes.len() > MANY { all.min(self.seen + TAKEN_TOGETHER) } else { all };
-        let rows = key_rows(model, self.rows.last().copied(), self.seen..until);
-        self.seen = until;
+        let mut rows = key_rows(model, self.rows.last().copied(), self.seen..all);
+        self.seen = all;
+        if self.modes.len() > MANY && rows.len() > AT_ONCE {
+            self.seen = rows[AT_ONCE];
+            rows.truncate(AT_ONCE);
+        }
         self.rows.extend(&rows);
         self.pending = Some(Extension { rows, carried: Vec::with_capacity(self.modes.len()), refits: None });
     }
@@ -431,17 +433,10 @@ impl Bank {
             self.settle(model, key_rows(model, None, 0..model.window.len()), STEPS, gate, MOST_SEARCHED);
             self.join_overlapping(model);
         }
-        // Many modes are told apart as well by the rows that they are compared by.
-        let rows = model.window.len();
-        let all = if self.modes.len() * rows * model.sensors.len() <= MOST_AT_ALL_ROWS {
-            (0..rows).collect()
-        } else {
-            key_rows(model, None, 0..rows)
-        };
-        self.settle(model, all.clone(), STEPS, gate + 0.5 * SLACK, 0);
+        self.settle(model, (0..model.window.len()).collect(), STEPS, gate + 0.5 * SLACK, 0);
         self.estimate_noise(model);
         self.multistart(model);
-        self.settle(model, all, STEPS, gate, 0);
+        self.settle(model, (0..model.window.len()).collect(), STEPS, gate, 0);
     }
 
     /// Moves every mode to its least cost over the rows that modes are compared by, before rows are marginalised: what these say is never
