@@ -383,6 +383,9 @@ impl Estimator for ProbabilisticEstimator<'_> {
         if let Some(from) = self.set.carried() {
             self.note_carried(from, t);
         }
+        if places.is_empty() && self.set.emptied_at_end() {
+            self.note_loss(t);
+        }
         if !places.is_empty() {
             self.first_row.get_or_insert(self.taken.saturating_sub(1));
         }

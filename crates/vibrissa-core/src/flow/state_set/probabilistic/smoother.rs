@@ -181,6 +181,8 @@ pub struct MultiHypothesisSmoother<'a> {
     /// Whether rows are marginalised in the modes, and whether contacts are neither there nor in the window any more.
     marginalised: bool,
     forgotten: bool,
+    /// Whether none of the modes explains the last rows of the log.
+    emptied_at_end: bool,
     /// From when on the places at the end are others than those that were believed (s).
     carried: Option<f64>,
     /// When the contacts began from which modes have been searched (s).
@@ -249,6 +251,7 @@ impl<'a> MultiHypothesisSmoother<'a> {
             explained: None,
             marginalised: false,
             forgotten: false,
+            emptied_at_end: false,
             carried: None,
             searched: Vec::new(),
         }
@@ -655,7 +658,10 @@ impl<'a> MultiHypothesisSmoother<'a> {
     fn choose(&mut self) -> (Vec<PosteriorPlace>, Option<Fit>) {
         let Self { scene, window, phase, .. } = self;
         let Phase::Tracking(bank) = phase else { return (Vec::new(), None) };
-        places::choose(bank, scene, window)
+        let had_any = !bank.modes.is_empty();
+        let told = places::choose(bank, scene, window);
+        self.emptied_at_end |= had_any && told.0.is_empty();
+        told
     }
 
     /// The modes, once they have been fitted to any rows.
@@ -712,6 +718,12 @@ impl MultiHypothesisSmoother<'_> {
     #[must_use]
     pub fn explains_all(&self) -> bool {
         !self.forgotten
+    }
+
+    /// Whether there were modes until the end of the log, and none of them explains its last rows.
+    #[must_use]
+    pub fn emptied_at_end(&self) -> bool {
+        self.emptied_at_end
     }
 
     /// From when on (s) the robot is elsewhere than was believed, by what the end of the log has shown.
@@ -809,11 +821,12 @@ impl MultiHypothesisSmoother<'_> {
 
     /// Ends the log: every mode moved to its least cost over all rows that are kept, weighed and grouped; and how well the best one fits.
     pub fn finish(&mut self) -> (Vec<PosteriorPlace>, Option<Fit>) {
-        self.search(usize::MAX);
+        let mut outcomes = vec![self.search(usize::MAX)];
         if matches!(self.phase, Phase::Pressing { .. }) {
-            self.press(true);
+            outcomes.push(self.press(true));
         }
-        self.fit(usize::MAX);
+        outcomes.push(self.fit(usize::MAX));
+        self.emptied_at_end = outcomes.contains(&StepOutcome::Lost);
         let mut told = self.choose();
         if told.1.as_ref().is_some_and(|fit| !fit.agrees())
             && let Some(before) = self.before_unexplained_end()
