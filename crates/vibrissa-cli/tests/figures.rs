@@ -186,8 +186,9 @@ fn all_of_a_sweep(name: &str, whiskers: &str) {
         check(&there);
         let drawn = fs::read_to_string(there.join("localization.svg")).unwrap();
         let last = drawn.matches("class=\"whisker-last\"").count();
-        // Each whisker's last shape, and the legend's sample.
-        assert_eq!(last, 1 + whiskers.matches("[[whisker]]").count(), "{method}");
+        // Each whisker's last shape, in the close-up of a short sweep again, and the legend's sample.
+        let panels = 1 + usize::from(drawn.contains("Close up: the sweep"));
+        assert_eq!(last, 1 + panels * whiskers.matches("[[whisker]]").count(), "{method}");
         let film = fs::read_to_string(there.join("localization.html")).unwrap();
         assert!(film.contains("const frames = [[") && film.len() < 3_000_000, "{}", film.len());
     }
