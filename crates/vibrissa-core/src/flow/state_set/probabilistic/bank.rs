@@ -481,7 +481,8 @@ fn evidence(mode: &Mode, model: &MeasurementModel<'_>) -> f64 {
     told.constant + 0.5 * determinant(&told.damped(WEAK_PRIOR)).max(f64::MIN_POSITIVE).ln()
 }
 
-/// The rows of these that modes are compared by, where `last` is the one before them: one each time that a whisker has moved far enough, or has met or left a boundary.
+/// The rows of these that modes are compared by, where `last` is the one before them: one each time that a whisker has moved far enough, or
+/// has met or left a boundary.
 pub(super) fn key_rows(model: &MeasurementModel<'_>, last: Option<usize>, of: Range<usize>) -> Vec<usize> {
     let window = model.window;
     let lever = model.sensors.iter().map(|sensor| sensor.length).fold(0.0, f64::max);
