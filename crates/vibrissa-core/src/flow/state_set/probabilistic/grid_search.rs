@@ -39,7 +39,7 @@ const LONGEST_ARM: f64 = 0.97;
 const SAME: [[f64; 2]; 2] = [[2.5e-3, 0.04], [1.2e-3, 0.015]];
 const MANY: usize = 100;
 /// With more cells than this a contact is followed for longer.
-const MANY_CELLS: usize = 1500;
+const MANY_CELLS: usize = 4000;
 
 /// What a cell knows: pose, gain, zero.
 type Told = Information<5>;
