@@ -1,5 +1,6 @@
-/* A whisker that is pressed, and a flux that becomes a moment. */
+/* A whisker that is pressed, a flux that becomes a moment, and one that becomes a contact in space. */
 #include "../include/vibrissa.h"
+#include <math.h>
 #include <stdio.h>
 
 int main(void) {
@@ -21,5 +22,17 @@ int main(void) {
     double flux[3] = {7e-4, -3e-4, 1.28e-2}, far[3] = {1.0, 0.0, 0.0}, moment;
     if (vibrissa_moment(&calibration, flux, &moment) != VIBRISSA_OK) return 1;
     printf("flux %.9e\n", moment);
-    return vibrissa_moment(&calibration, far, &moment) == VIBRISSA_BEYOND ? 0 : 1;
+    if (vibrissa_moment(&calibration, far, &moment) != VIBRISSA_BEYOND) return 1;
+
+    /* Both transverse axes: size and direction of the moment, and the contact of the tip at its angle about the whisker. */
+    VibrissaPlane plane = {{1e-4, -3e-4, 6e-3}, {{-1.5, 9.0, 0.1}, {-9.2, -1.4, 0.0}}, {{1e-4, 0.02}, {-2e-4, 0.02}},
+                           {{0, 0.02, 0, 0, 1e-4, 0, 3e-4, 0, 0, 0}, {0, 0, 0.02, 2e-4, 0, 0, 0, 0, 0, 4e-4}}};
+    double askew[3] = {3e-4, 2e-4, 6.1e-3}, moments[2];
+    if (vibrissa_moments(&plane, askew, NULL) != VIBRISSA_NULL) return 1;
+    if (vibrissa_moments(&plane, far, moments) != VIBRISSA_BEYOND) return 1;
+    if (vibrissa_moments(&plane, askew, moments) != VIBRISSA_OK) return 1;
+    printf("both %.9e %.9e\n", moments[0], moments[1]);
+    if (vibrissa_by_moment(rigidity, hypot(moments[0], moments[1]), length, false, &read) != VIBRISSA_OK) return 1;
+    printf("space %.9e %.9e %.9e\n", read.x, read.y, atan2(moments[1], moments[0]));
+    return 0;
 }

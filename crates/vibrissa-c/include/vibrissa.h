@@ -53,6 +53,18 @@ typedef struct {
   double coefficients[6];
 } VibrissaCalibration;
 
+// The calibration of both transverse axes: `plane` of a `cal.json`, for the inputs `bx`, `by`, `bz`.
+typedef struct {
+  // Flux without contact along the chip's axes (T).
+  double rest[3];
+  // Directions of both signals (N m/T): `directions`.
+  double directions[2][3];
+  // Middle and half width of each calibrated range (N m): `ranges`.
+  double ranges[2][2];
+  // Both moments (N m) by 1, u, v, u², uv, v², u³, u²v, uv², v³: `coefficients`.
+  double coefficients[2][10];
+} VibrissaPlane;
+
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
@@ -75,6 +87,11 @@ int32_t vibrissa_by_point(double rigidity, double length, double x, double y, Vi
 int32_t vibrissa_moment(const VibrissaCalibration *calibration,
                         const double *flux,
                         double *moment);
+
+// Both moments (N m, two numbers: in the whisker's plane x-y, and across it) of a flux along the chip's axes (T, three numbers), by the
+// arithmetic of `vibrissa calibrate`. The whisker bends in the plane at the angle atan2(moments[1], moments[0]) from left towards up, by the
+// moment hypot(moments[0], moments[1]).
+int32_t vibrissa_moments(const VibrissaPlane *plane, const double *flux, double *moments);
 
 #ifdef __cplusplus
 }  // extern "C"

@@ -6,7 +6,8 @@
 
 use vibrissa_beam::beam::normal::{self, Branch, NormalBend};
 use vibrissa_beam::plane::Vec2;
-use vibrissa_head::calibration::{CURVE_TERMS, Calibration, Response, Signal};
+use vibrissa_beam::sensing::SURFACE_TERMS;
+use vibrissa_head::calibration::{CURVE_TERMS, Calibration, Moments, Response, Signal};
 
 /// The call was done.
 pub const VIBRISSA_OK: i32 = 0;
@@ -51,6 +52,20 @@ pub struct VibrissaCalibration {
     pub coefficients: [f64; 6],
 }
 
+/// The calibration of both transverse axes: `plane` of a `cal.json`, for the inputs `bx`, `by`, `bz`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct VibrissaPlane {
+    /// Flux without contact along the chip's axes (T).
+    pub rest: [f64; 3],
+    /// Directions of both signals (N m/T): `directions`.
+    pub directions: [[f64; 3]; 2],
+    /// Middle and half width of each calibrated range (N m): `ranges`.
+    pub ranges: [[f64; 2]; 2],
+    /// Both moments (N m) by 1, u, v, u², uv, v², u³, u²v, uv², v³: `coefficients`.
+    pub coefficients: [[f64; 10]; 2],
+}
+
 impl From<NormalBend> for VibrissaBend {
     fn from(bend: NormalBend) -> Self {
         let NormalBend { force, s_a, phi_a, contact, moment, .. } = bend;
@@ -58,7 +73,7 @@ impl From<NormalBend> for VibrissaBend {
     }
 }
 
-const _: () = assert!(CURVE_TERMS == 6);
+const _: () = assert!(CURVE_TERMS == 6 && SURFACE_TERMS == 10);
 
 /// The value to write where a pointer of C points.
 fn place<'a, T>(pointer: *mut T) -> Option<&'a mut T> {
@@ -126,12 +141,32 @@ pub extern "C" fn vibrissa_moment(calibration: *const VibrissaCalibration, flux:
         return VIBRISSA_NULL;
     };
     let signal = Signal { direction: given.direction, range: given.range };
-    let held = Calibration { rest: given.rest, response: Response::Line(signal, given.coefficients) };
+    let response = Response::Line(signal, given.coefficients);
+    calibrated(&Calibration { rest: given.rest, response }, *flux, |found| *moment = found.moment)
+}
+
+/// Both moments (N m, two numbers: in the whisker's plane x-y, and across it) of a flux along the chip's axes (T, three numbers), by the
+/// arithmetic of `vibrissa calibrate`. The whisker bends in the plane at the angle atan2(moments[1], moments[0]) from left towards up, by the
+/// moment hypot(moments[0], moments[1]).
+#[unsafe(no_mangle)]
+pub extern "C" fn vibrissa_moments(plane: *const VibrissaPlane, flux: *const f64, moments: *mut f64) -> i32 {
+    let places = place(moments.cast::<[f64; 2]>());
+    let (Some(given), Some(flux), Some(moments)) = (value(plane), value(flux.cast::<[f64; 3]>()), places) else {
+        return VIBRISSA_NULL;
+    };
+    let signal = |k: usize| Signal { direction: given.directions[k], range: given.ranges[k] };
+    let response = Response::Plane([signal(0), signal(1)], given.coefficients);
+    calibrated(&Calibration { rest: given.rest, response }, *flux, |found| {
+        *moments = [found.moment, found.across.unwrap_or(0.0)];
+    })
+}
+
+fn calibrated(held: &Calibration, flux: [f64; 3], tell: impl FnOnce(Moments)) -> i32 {
     if !held.is_valid() || !flux.iter().all(|value| value.is_finite()) {
         return VIBRISSA_RANGE;
     }
-    let Some(found) = held.moments(*flux) else { return VIBRISSA_BEYOND };
-    *moment = found.moment;
+    let Some(found) = held.moments(flux) else { return VIBRISSA_BEYOND };
+    tell(found);
     VIBRISSA_OK
 }
 

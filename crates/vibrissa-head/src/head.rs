@@ -1,6 +1,6 @@
 //! One slot of the sampling clock after the other.
 
-use crate::bus::Bus;
+use crate::bus::{Bus, Guarded};
 use crate::calibration::Calibration;
 use crate::chip::{Fault, Magnetometer};
 use crate::command::{Command, Inbox, RATES, Refusal};
@@ -9,7 +9,7 @@ use crate::packet::Damage;
 use crate::unwrap::Unwrap;
 use embedded_hal::delay::DelayNs;
 
-/// Faults of the bus on end after which it is freed: one may be a disturbance.
+/// Faults of the bus on end after which it is freed though no line is seen to be down: one may be a disturbance.
 const FAULTS_BEFORE_FREEING: u8 = 2;
 /// Slots between two attempts to set up a chip that does not answer: an attempt takes milliseconds.
 const SLOTS_BETWEEN_SET_UPS: u8 = 10;
@@ -89,25 +89,21 @@ impl<M: Magnetometer> Head<M> {
     /// number and the time of the slot that began it; none where there is none.
     pub fn slot<B: Bus, D: DelayNs>(&mut self, bus: &mut B, delay: &mut D, now_us: u32) -> Option<Reading> {
         self.count(now_us);
+        if !bus.is_idle() && !self.unlock(bus) {
+            return None;
+        }
         if !self.is_set_up && !self.set_up(bus, delay) {
             self.health.missed += 1;
             return None;
         }
-        let collected = self.begun.take().map(|slot| (slot, self.chip.collect(bus)));
-        let begun = self.chip.begin(bus);
-        self.begun = begun.is_ok().then_some((self.number, now_us));
-        let reading = collected.and_then(|(slot, counts)| match counts {
-            Ok(counts) => {
-                self.faults = 0;
-                Some(self.reading(slot, counts))
-            }
-            Err(fault) => {
-                self.fail(fault, bus);
-                None
-            }
-        });
-        if let Err(fault) = begun {
-            self.fail(fault, bus);
+        let reading = self.begun.take().and_then(|slot| self.collect(bus, slot));
+        if !self.is_set_up {
+            self.health.missed += 1;
+            return None;
+        }
+        match self.chip.begin(&mut Guarded(bus)) {
+            Ok(()) => self.begun = Some((self.number, now_us)),
+            Err(fault) => self.fail(fault, bus),
         }
         reading
     }
@@ -139,6 +135,20 @@ impl<M: Magnetometer> Head<M> {
         self.health.missed = self.health.missed.wrapping_add(slots - 1);
     }
 
+    /// The reading of the conversion that was begun in this slot.
+    fn collect<B: Bus>(&mut self, bus: &mut B, slot: (u32, u32)) -> Option<Reading> {
+        match self.chip.collect(&mut Guarded(bus)) {
+            Ok(counts) => {
+                self.faults = 0;
+                Some(self.reading(slot, counts))
+            }
+            Err(fault) => {
+                self.fail(fault, bus);
+                None
+            }
+        }
+    }
+
     fn set_up<B: Bus, D: DelayNs>(&mut self, bus: &mut B, delay: &mut D) -> bool {
         if self.wait > 0 {
             self.wait -= 1;
@@ -147,7 +157,7 @@ impl<M: Magnetometer> Head<M> {
         self.wait = SLOTS_BETWEEN_SET_UPS;
         self.begun = None;
         self.unwrap.forget();
-        match self.chip.set_up(bus, delay) {
+        match self.chip.set_up(&mut Guarded(bus), delay) {
             Ok(()) => {
                 (self.is_set_up, self.faults, self.recovered, self.wait) = (true, 0, true, 0);
             }
@@ -167,27 +177,40 @@ impl<M: Magnetometer> Head<M> {
     }
 
     /// A slot is without its reading.
-    fn fail<B: Bus>(&mut self, fault: Fault<B::Error>, bus: &mut B) {
+    fn fail<B: Bus, E>(&mut self, fault: Fault<E>, bus: &mut B) {
         self.health.missed += 1;
         let (is_reset, is_bus) = (matches!(fault, Fault::Reset), matches!(fault, Fault::Bus(_)));
         self.note(fault);
         self.faults = self.faults.saturating_add(1);
-        if is_bus && self.faults >= FAULTS_BEFORE_FREEING {
+        if is_bus && (self.faults >= FAULTS_BEFORE_FREEING || !bus.is_idle()) {
             self.free(bus);
         }
         if is_reset || self.faults > FAULTS_BEFORE_FREEING {
             (self.is_set_up, self.wait) = (false, 0);
-            // What was begun is given up with the settings.
-            self.health.missed += u32::from(self.begun.take().is_some());
         }
     }
 
-    fn free<B: Bus>(&mut self, bus: &mut B) {
-        if bus.free() {
+    /// Frees a bus that is held down before anything is sent; where it stays down the slot is without its reading, and so is the one that
+    /// waits to be collected.
+    fn unlock<B: Bus>(&mut self, bus: &mut B) -> bool {
+        self.health.bus_faults += 1;
+        self.recovered = true;
+        let is_free = self.free(bus);
+        if !is_free {
+            (self.is_set_up, self.wait) = (false, 0);
+            self.health.missed += 1 + u32::from(self.begun.take().is_some());
+        }
+        is_free
+    }
+
+    fn free<B: Bus>(&mut self, bus: &mut B) -> bool {
+        let is_free = bus.free();
+        if is_free {
             self.health.freed += 1;
         } else {
             self.health.stuck += 1;
         }
+        is_free
     }
 
     fn reading(&mut self, (number, stamp_us): (u32, u32), counts: [i32; 3]) -> Reading {

@@ -26,6 +26,8 @@ fn every_setting_of_the_mlx90393_arrives_and_its_flux_is_read() {
                 let mut bus = SimulatedBus::new(MlxRegisters::new(0x0c));
                 driver.set_up(&mut bus, &mut NoDelay).unwrap();
                 assert_eq!(bus.device.settings(), settings);
+                // A bit of its memory that it corrects is no fault.
+                bus.device.corrects_a_bit = gain == 3;
                 bus.device.flux = flux;
                 driver.begin(&mut bus).unwrap();
                 assert_eq!(driver.collect(&mut bus), Err(Fault::NotReady), "{settings:?}");
@@ -58,10 +60,18 @@ fn an_mlx90393_that_lost_its_supply_is_noticed() {
 
 #[test]
 fn the_tle493d_gives_the_conversion_of_the_slot_before_with_right_parities() {
-    for short_range in [false, true] {
-        let mut driver = TleDriver::new(0x35, Tle493d { short_range });
-        let mut bus = SimulatedBus::new(TleRegisters::new(0x35));
-        driver.set_up(&mut bus, &mut NoDelay).unwrap();
+    // A controller that sends no empty transfer cannot send the reset; a board that starts anew finds a chip that is set up.
+    let cases = [(false, false, 1, 0x35), (true, false, 2, 0x22), (false, true, 1, 0x78), (true, true, 3, 0x44)];
+    for (short_range, refuses_empty, starts, address) in cases {
+        let mut driver = TleDriver::new(address, Tle493d { short_range });
+        let mut bus = SimulatedBus::new(TleRegisters::new(address));
+        bus.refuses_empty = refuses_empty;
+        for _ in 0..starts {
+            // What is in the registers of the flux is no threshold.
+            bus.device.flux = [0.031, -0.017, 0.044];
+            bus.now_us += 1000;
+            driver.set_up(&mut bus, &mut NoDelay).unwrap();
+        }
         assert!(bus.device.is_configuration_right() && bus.device.is_mode_right(), "{short_range}");
         bus.now_us += 1000;
         bus.device.flux = [1e-3, 1e-3, 1e-3];
@@ -88,6 +98,8 @@ fn a_held_data_line_is_let_go_after_the_clocks_that_its_chip_waits_for() {
         assert_eq!(free(&mut lines), Some(held));
         assert!(lines.stops() == 1 && lines.data_is_high(), "{held}");
     }
+    let mut lines = HeldLines::new(2).with_clock_held(true);
+    assert_eq!((free(&mut lines), lines.stops()), (None, 0), "no master helps against a clock that is held");
     let mut lines = HeldLines::new(30);
     assert_eq!(free(&mut lines), None);
     assert_eq!((lines.stops(), lines.held_for()), (0, 21));

@@ -109,6 +109,7 @@ fn locked_buses_lost_bytes_and_supplies_cost_slots_that_are_counted() {
                 400 => bus.unacknowledged = 1,
                 600 => bus.device.power_cycle(),
                 1200 => bus.unacknowledged = 8,
+                1500 => bus.cut_off = Some(held),
                 _ => {}
             }
         });
@@ -117,7 +118,8 @@ fn locked_buses_lost_bytes_and_supplies_cost_slots_that_are_counted() {
         assert!(numbers.windows(2).all(|pair| pair[1] > pair[0]));
         // The last slot's conversion has only begun.
         assert_eq!(numbers.len() as u32 + health.missed + 1, 2000, "{health:?}");
-        assert!(health.freed >= 2 && health.stuck == 0 && health.missed < 120, "{health:?}");
+        assert!(health.freed >= 3 && health.stuck == 0 && health.missed < 120, "{health:?}");
+        assert_eq!(bus.hung, 0, "a controller may wait for ever on a line that is held");
         let gaps: u32 = numbers.windows(2).map(|pair| pair[1] - pair[0] - 1).sum();
         assert_eq!(gaps, health.missed, "what is missed is a gap in the numbers");
         assert!(readings.iter().any(|reading| reading.state.has(State::RECOVERED)));
@@ -130,10 +132,13 @@ fn a_line_that_stays_down_is_told_and_comes_back() {
     let mut bus = SimulatedBus::new(TleRegisters::new(0x35));
     let readings = slots(&mut head, &mut bus, 1000, |k, bus| match k {
         300 => bus.held_for = 200,
+        600 => bus.clock_held = true,
+        650 => bus.clock_held = false,
         _ => bus.device.flux = [0.01, 0.02, 0.03],
     });
     let health = head.health();
-    assert!(health.stuck > 3 && health.freed > 0, "{health:?}");
+    assert!(health.stuck > 60 && health.freed > 0 && bus.hung == 0, "{health:?}");
+    assert_eq!(readings.len() as u32 + health.missed + 1, 1000, "{health:?}");
     assert!(readings.last().is_some_and(|last| last.number == 999), "{health:?}");
 }
 

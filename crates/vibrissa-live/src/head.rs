@@ -4,7 +4,7 @@ use crate::{Error, Result};
 use vibrissa_core::world::calibration::Calibration;
 use vibrissa_head::calibration::{self as head, CURVE_TERMS, Response, Signal};
 pub use vibrissa_head::command::Command;
-pub use vibrissa_head::frame::{ChipName, Identity, VERSION};
+pub use vibrissa_head::frame::{ChipName, Identity, Reading, State, VERSION};
 
 /// What a head reads, in its order.
 const AXES: [&str; 3] = ["bx", "by", "bz"];

@@ -9,6 +9,7 @@ use serde_json::{Value, json};
 use vibrissa_core::contact::BentWhisker;
 use vibrissa_core::flow::pose::Status;
 use vibrissa_core::flow::sensor_log::{Channel, LogRow, Quantity};
+use vibrissa_core::math;
 use vibrissa_core::plane::{Pose2, Vec2};
 use vibrissa_core::world::{Map, MountedWhisker, ReadingNoise, Robot};
 
@@ -17,7 +18,7 @@ use vibrissa_core::world::{Map, MountedWhisker, ReadingNoise, Robot};
 pub struct Scene<'a> {
     robot: &'a Robot,
     channels: &'a [Channel],
-    /// None of whiskers that are curved at rest.
+    /// None of whiskers that are curved at rest or lean.
     bent: Vec<Option<BentWhisker<'a>>>,
 }
 
@@ -25,7 +26,10 @@ impl<'a> Scene<'a> {
     /// The scene of rows with these channels.
     #[must_use]
     pub fn new(map: &'a Map, robot: &'a Robot, channels: &'a [Channel]) -> Self {
-        let bent = robot.whiskers.iter().map(|whisker| BentWhisker::new(map, &whisker.beam).ok()).collect();
+        let bent = |whisker: &MountedWhisker| {
+            whisker.lean.is_level().then(|| BentWhisker::new(map, &whisker.beam).ok()).flatten()
+        };
+        let bent = robot.whiskers.iter().map(bent).collect();
         Self { robot, channels, bent }
     }
 
@@ -63,7 +67,7 @@ impl<'a> Scene<'a> {
         let (from, shape) = match (seen, moment.filter(|_| touching), &self.bent[index]) {
             (Some(bending), ..) => ("map", bending.shape.clone()),
             (None, Some(moment), Some(bent)) => ("reading", bent.by_moment(moment, SHAPE_POINTS)),
-            _ => ("rest", vec![Vec2::ZERO, Vec2::new(whisker.beam.length, 0.0)]),
+            _ => ("rest", vec![Vec2::ZERO, Vec2::new(whisker.beam.length * math::cos(whisker.lean.elevation), 0.0)]),
         };
         let contact = seen.and_then(|bending| bending.contact);
         let readings: Vec<Value> =

@@ -164,7 +164,9 @@ impl Setup {
     ///
     /// The first such reading, with the line of its source.
     pub fn fits(&self, robot: &Robot) -> Result<()> {
-        robot.require_level("a live run")?;
+        if matches!(self.method, Method::Probabilistic(_)) {
+            robot.require_level("a live run by the probabilistic method")?;
+        }
         for source in &self.sources {
             source.fits(&source.decoder()?, robot, &self.name)?;
         }

@@ -9,11 +9,12 @@ use common::Dice;
 use std::fmt::Write;
 use std::path::Path;
 use vibrissa::flow::pose::Status;
+use vibrissa::sensing::SensingChain;
 use vibrissa::tasks::demo;
 use vibrissa::world::{MountedWhisker, Robot};
 use vibrissa_head::LONGEST;
 use vibrissa_head::frame::Message;
-use vibrissa_head::simulated::Rehearsal;
+use vibrissa_head::simulated::{FluxNoise, NOISE, Rehearsal};
 use vibrissa_live::estimate::LiveEstimator;
 use vibrissa_live::pipeline::Pipeline;
 use vibrissa_live::setup::from_toml;
@@ -103,8 +104,10 @@ fn packets_of_a_head_with_losses_on_the_wire_become_a_pose_and_every_loss_is_cou
                 [[source]]\nname = \"base\"\npipe = \"base.csv\"\ntime = \"own\"\ncolumns = [\"t\", \"x\", \"y\", \"theta\"]\n";
     let setup = from_toml(text, "live.toml").unwrap();
     let mut whisker = MountedWhisker::default();
-    // A count of the chip, and what the curve leaves.
-    whisker.noise.moment_absolute += 5e-6;
+    // The chip's noise at its most where the whisker is free, a count, and what the curve leaves.
+    let chain = SensingChain::default();
+    let per_flux = 1e-4 / (chain.flux(1e-4)[1] - chain.flux(0.0)[1]).abs();
+    whisker.noise.moment_absolute += FluxNoise::most(NOISE) * per_flux + 5e-6;
     let robot = Robot { whiskers: vec![whisker], ..Robot::default() };
     // No threads: the same rows on any machine.
     let mut pipeline = Pipeline::new(&setup, &robot).unwrap();

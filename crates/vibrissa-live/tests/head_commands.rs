@@ -97,6 +97,19 @@ fn a_head_is_loaded_tared_and_set() {
 }
 
 #[test]
+fn readings_are_taken_one_by_one() {
+    let device = Device::new(true);
+    let mut head = device.open();
+    let readings = head.readings(25).unwrap();
+    assert!(readings.len() == 25 && readings.windows(2).all(|pair| pair[1].number == pair[0].number + 4));
+    // A port on which nobody sends.
+    let silent = PseudoTerminal::new().unwrap();
+    let mut head = HeadPort::open(silent.port(), 115_200, Duration::from_millis(200)).unwrap();
+    let told = head.readings(2).unwrap_err().to_string();
+    assert!(told.contains("no readings") && told.contains("wired"), "{told}");
+}
+
+#[test]
 fn silence_and_missing_ports_are_told() {
     let device = Device::new(false);
     let mut head = HeadPort::open(&device.port, 115_200, Duration::from_millis(300)).unwrap();

@@ -3,7 +3,8 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on must fail")]
 
 use std::collections::BTreeMap;
-use vibrissa::beam::Whisker;
+use vibrissa::beam::{Load, Whisker, point_mode};
+use vibrissa::plane::Vec2;
 use vibrissa::sensing::{Chip, SensingChain, Tle493d};
 use vibrissa::tasks::sensor_design::{SensorDesign, sensor_design};
 
@@ -113,7 +114,13 @@ fn the_pages_numbers_are_computed() {
             1e3 * design.tip_noise
         );
         assert!(PAGE.contains(&row), "{mm} mm: {row}");
+        let noisy = sensor_design(&chain, &Whisker::default(), 1e-3 * mm, 20e-3, 5e-6).unwrap();
+        let row = format!("{row} {:.3} mm |", 1e3 * noisy.tip_noise);
+        assert!(PAGE.contains(&row), "{mm} mm with noise: {row}");
     }
+    let whisker = Whisker { base_stiffness: chain.stiffness, ..Whisker::default() };
+    let pressed = point_mode(&whisker, Vec2::new(0.040, 0.018), Load::Normal).unwrap().remove(0);
+    assert!(PAGE.contains(&format!("They reach {:.1} mN m.", 1e3 * pressed.moment)), "{}", pressed.moment);
     let tle = design(&SensingChain { chip: Chip::Tle493d(Tle493d::default()), ..chain }, 5.0);
     assert!(PAGE.contains(&format!("a count is {:.0} µN m", 1e6 * tle.resolution[0])));
 }

@@ -10,9 +10,10 @@ use random::Random;
 use vibrissa::beam::{TipModel, TipReading, Whisker};
 use vibrissa::config::TipLoad;
 use vibrissa::flow::contact_set::TipContactSet;
+use vibrissa::flow::pose::Localization;
 use vibrissa::flow::sensor_log::{Channel, LogRow, Quantity, SensorLog};
 use vibrissa::plane::{Curve, Pose2, Vec2};
-use vibrissa::world::{Boundary, Lean, Map, MountedWhisker, Robot, Role};
+use vibrissa::world::{Boundary, Lean, Map, MomentNoise, MountedWhisker, Robot, Role};
 use vibrissa::{Method, tasks};
 
 type Vec3 = [f64; 3];
@@ -262,25 +263,85 @@ fn errors_within_the_declared_bound_leave_the_place() {
     assert!(place < 5e-3 && heading < 0.1, "{place} {heading}");
 }
 
+/// How the possibilistic method answers.
+fn enclosed(log: &SensorLog, whisker: MountedWhisker) -> vibrissa::Result<Localization> {
+    let robot = Robot { whiskers: vec![whisker], ..Robot::default() };
+    tasks::localize(log, &room(), &robot, &Method::named("possibilistic").unwrap(), &mut |_| {})
+}
+
+/// Whether a box of the set holds the truth, and whether one is left at all.
+fn holds(found: &Localization, truth: Pose2) -> bool {
+    found.states.iter().any(|b| {
+        let middle = 0.5 * (b.theta.lo() + b.theta.hi());
+        let theta = middle + vibrissa::plane::wrap_angle(truth.theta - middle);
+        b.x.contains(truth.x) && b.y.contains(truth.y) && b.theta.contains(theta)
+    })
+}
+
+/// Each reading off by up to its declared bound, some by all of it.
+fn with_errors(rows: &[(Pose2, f64)], noise: MomentNoise, random: &mut Random) -> Vec<(Pose2, f64)> {
+    let one = |(pose, moment): &(Pose2, f64)| {
+        let drawn = random.signed(1.3).clamp(-0.999, 0.999);
+        (*pose, (moment + drawn * noise.moment_absolute) / (1.0 - drawn * moment.signum() * noise.moment_relative))
+    };
+    rows.iter().map(one).collect()
+}
+
+#[test]
+fn the_guaranteed_set_of_a_leaning_whisker_holds_the_truth() {
+    let mut random = Random(9);
+    let mut lengths = Vec::new();
+    for (elevation, roll) in [(0.0, 0.0), (0.35, 0.0), (-0.5, 0.2), (0.8, -0.3), (0.2, 1.2)] {
+        let whisker = mounted(elevation, roll);
+        let rows = with_errors(&sweep(&whisker), whisker.noise, &mut random);
+        // Along the way, and at its end.
+        for until in [90, 160, rows.len()] {
+            let (log, truth) = (log_of(&rows[..until]), rows[until - 1].0);
+            let found = enclosed(&log, whisker.clone()).unwrap();
+            assert!(holds(&found, truth), "{elevation} {roll}, {until} rows: {} {:?}", found.status, found.events);
+            if until == rows.len() {
+                let place = found.hypotheses.iter().find(|h| h.pose.position().distance(truth.position()) < 0.02);
+                let extent = place.expect("a place at the truth").extent;
+                println!(
+                    "elevation {elevation}, roll {roll}: {} place(s), the true one {:.1} x {:.1} mm",
+                    found.hypotheses.len(),
+                    1e3 * extent.x.width(),
+                    1e3 * extent.y.width()
+                );
+                lengths.push(extent.x.width().max(extent.y.width()));
+            }
+        }
+        // Taken for level the same readings have no such place.
+        if elevation.abs() > 0.3 {
+            let level = enclosed(&log_of(&rows), mounted(0.0, 0.0)).unwrap();
+            assert!(!holds(&level, rows.last().unwrap().0), "{elevation} {roll}");
+        }
+    }
+    assert!(lengths.iter().all(|length| *length < 0.02), "{lengths:?}");
+}
+
 #[test]
 fn what_is_planar_refuses_whiskers_that_lean() {
     let robot = Robot { whiskers: vec![mounted(0.3, 0.0)], ..Robot::default() };
     let log = log_of(&[(Pose2::IDENTITY, 0.0), (Pose2::new(1e-3, 0.0, 0.0), 2e-3)]);
-    for method in ["probabilistic", "possibilistic"] {
-        let method = Method::named(method).unwrap();
-        let told = tasks::localize(&log, &room(), &robot, &method, &mut |_| {}).unwrap_err().to_string();
-        assert!(
-            told.contains("leans") && told.contains("elevation 17.189 deg") && told.contains("deterministic"),
-            "{told}"
-        );
-    }
+    let method = Method::named("probabilistic").unwrap();
+    let told = tasks::localize(&log, &room(), &robot, &method, &mut |_| {}).unwrap_err().to_string();
+    assert!(
+        told.contains("leans") && told.contains("elevation 17.189 deg") && told.contains("deterministic"),
+        "{told}"
+    );
+    let rubbing = MountedWhisker { friction: 0.2, ..mounted(0.3, 0.0) };
+    let told = enclosed(&log, rubbing).unwrap_err().to_string();
+    assert!(told.contains("friction pulls it along") && told.contains("0.2"), "{told}");
     let told = tasks::contact::contacts(&log, &robot, &vibrissa::config::ContactOptions::default()).unwrap_err();
     assert!(told.to_string().contains("leans"), "{told}");
     let tapered = MountedWhisker { beam: Whisker { tip_ratio: 0.5, ..Whisker::default() }, ..mounted(0.3, 0.0) };
     let robot = Robot { whiskers: vec![tapered], ..Robot::default() };
-    let method = Method::named("deterministic").unwrap();
-    let told = tasks::localize(&log, &room(), &robot, &method, &mut |_| {}).unwrap_err().to_string();
-    assert!(told.contains("no uniform wire"), "{told}");
+    for method in ["deterministic", "possibilistic"] {
+        let method = Method::named(method).unwrap();
+        let told = tasks::localize(&log, &room(), &robot, &method, &mut |_| {}).unwrap_err().to_string();
+        assert!(told.contains("no uniform wire"), "{told}");
+    }
 }
 
 #[test]

@@ -17,6 +17,8 @@ type Controller = hal::I2C<I2C0, (Data<FunctionI2C>, Wire<FunctionI2C>)>;
 
 /// Clock of the bus (Hz): both chips take it.
 const SPEED: u32 = 400_000;
+/// The two pins among those of the bank.
+const LINES: u32 = 1 << 4 | 1 << 5;
 /// Half a clock while a bus is freed (µs).
 const HALF: u32 = 5;
 
@@ -68,6 +70,10 @@ impl I2c for Wires {
 }
 
 impl Bus for Wires {
+    fn is_idle(&mut self) -> bool {
+        hal::Sio::read_bank0() & LINES == LINES
+    }
+
     fn free(&mut self) -> bool {
         let Some(controller) = self.controller.take() else { return false };
         let (block, (data, wire)) = controller.free(&mut self.resets);
@@ -98,6 +104,10 @@ impl Lines for Open {
 
     fn data(&mut self, high: bool) {
         set(&mut self.data, high);
+    }
+
+    fn clock_is_high(&mut self) -> bool {
+        self.wire.is_high().unwrap_or(false)
     }
 
     fn data_is_high(&mut self) -> bool {

@@ -26,6 +26,9 @@ mod app {
     use bsp::hal::gpt::{ClockSource, Gpt};
     use bsp::hal::pit::{Channel, Pit};
     use bsp::usbd::{BusAdapter, EndpointMemory, EndpointState, Speed};
+    use core::sync::atomic::{AtomicU32, Ordering};
+    use cortex_m::peripheral::SCB;
+    use cortex_m::peripheral::syst::SystClkSource;
     use teensy4_bsp as bsp;
     use usb_device::bus::UsbBusAllocator;
     use usb_device::device::{StringDescriptors, UsbDevice, UsbDeviceBuilder, UsbDeviceState, UsbVidPid};
@@ -36,10 +39,17 @@ mod app {
 
     /// Readings a second until a command says otherwise (Hz): the paper's rate.
     const RATE: u16 = 300;
+    /// Looks of the guard a second.
+    const LOOKS: u32 = 50;
+    /// So many looks without a slot in between, and the board starts anew: half a second, five slots of the slowest rate.
+    const PATIENCE: u32 = 25;
     /// A free identity for serial ports of the USB community.
     const IDENTITY: UsbVidPid = UsbVidPid(0x16c0, 0x27dd);
     /// Ticks of the counter in a microsecond.
     const TICKS: u32 = board::PERCLK_FREQUENCY / 1_000_000;
+
+    /// Looks of the guard since the last slot.
+    static WAITED: AtomicU32 = AtomicU32::new(0);
 
     #[shared]
     struct Shared {
@@ -78,6 +88,13 @@ mod app {
             Err(_) => UsbDeviceBuilder::new(allocator, IDENTITY).device_class(USB_CLASS_CDC).build(),
         };
 
+        let mut guard = cx.core.SYST;
+        guard.set_clock_source(SystClkSource::Core);
+        guard.set_reload(board::ARM_FREQUENCY / LOOKS - 1);
+        guard.clear_current();
+        guard.enable_counter();
+        guard.enable_interrupt();
+
         gpt1.set_clock_source(ClockSource::PeripheralClock);
         gpt1.set_divider(1);
         gpt1.enable();
@@ -94,6 +111,14 @@ mod app {
     fn idle(_: idle::Context) -> ! {
         loop {
             cortex_m::asm::wfi();
+        }
+    }
+
+    /// Starts the board anew where a slot does not end: a transfer waits for ever for a chip that holds the clock down.
+    #[task(binds = SysTick, priority = 2)]
+    fn guard(_: guard::Context) {
+        if WAITED.fetch_add(1, Ordering::Relaxed) >= PATIENCE {
+            SCB::sys_reset();
         }
     }
 
@@ -124,6 +149,7 @@ mod app {
                 send(port, &message);
             }
         });
+        WAITED.store(0, Ordering::Relaxed);
     }
 
     /// The host has something to say, or takes what was sent.

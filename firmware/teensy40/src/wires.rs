@@ -94,6 +94,11 @@ impl I2c for Wires {
 }
 
 impl Bus for Wires {
+    /// The pads' inputs stay on while the bus has them.
+    fn is_idle(&mut self) -> bool {
+        self.clock.is_pad_high() && self.data.is_pad_high()
+    }
+
     fn free(&mut self) -> bool {
         self.connect(AS_PIN);
         let is_free = bus::free(self).is_some();
@@ -117,6 +122,10 @@ impl Lines for Wires {
 
     fn data(&mut self, high: bool) {
         set(&self.data, high);
+    }
+
+    fn clock_is_high(&mut self) -> bool {
+        self.clock.is_pad_high()
     }
 
     fn data_is_high(&mut self) -> bool {

@@ -121,7 +121,7 @@ fn design(args: &DesignArgs) -> Result<()> {
             })?
         }
     };
-    let mut text = if args.output.json { as_json(&design) } else { words(&design) } + "\n";
+    let mut text = if args.output.json { as_json(&design) } else { words(&design, args.noise) } + "\n";
     if let Some(to) = args.output.destination() {
         let figure = figure(&chain, &whisker, &design, largest, args.noise)?;
         for path in write_all(to, &[("sensor-design.svg", figure)])? {
@@ -165,11 +165,12 @@ fn figure(chain: &SensingChain, whisker: &Whisker, design: &SensorDesign, larges
         plot("field without contact (mT)", |d| 1e3 * d.rest.iter().map(|b| b * b).sum::<f64>().sqrt(), None),
     ];
     let notes = format!(
-        "{:.1} mm: {:.0} % of the range, {:.2} uN m a count, {:.4} mm of noise at the tip",
+        "{:.1} mm: {:.0} % of the range, {:.2} uN m a count, {:.4} mm of noise at the tip{}",
         1e3 * design.distance,
         100.0 * design.share,
         1e6 * design.resolution[0],
-        1e3 * design.tip_noise
+        1e3 * design.tip_noise,
+        of_rounding(noise)
     );
     let description = "Noise at the tip, share of the chip's range and field over the distance from magnet to chip.";
     Ok(plots_figure("Where the chip belongs", &notes, description, &plots))
@@ -183,7 +184,12 @@ fn as_json(design: &SensorDesign) -> String {
     .to_string()
 }
 
-fn words(design: &SensorDesign) -> String {
+/// Of what the noise is, where the chip's own is not told.
+fn of_rounding(noise: f64) -> &'static str {
+    if noise > 0.0 { "" } else { ", by rounding alone: --noise adds the chip's" }
+}
+
+fn words(design: &SensorDesign, noise: f64) -> String {
     let [x, y, z] = design.rest.map(|flux| 1e3 * flux);
     let beyond = if design.share > LARGEST_SHARE { ": too much" } else { "" };
     format!(
@@ -191,12 +197,13 @@ fn words(design: &SensorDesign) -> String {
          field at rest {x:.3}, {y:.3}, {z:.3} mT along the chip's axes\n\
          range         {:.0} % of the chip's, at the largest moment{beyond}\n\
          resolution    {:.2} uN m a count, {:.2} at the largest moment\n\
-         noise         {:.2} uN m, {:.4} mm of travel at the tip",
+         noise         {:.2} uN m, {:.4} mm of travel at the tip{}",
         1e3 * design.distance,
         100.0 * design.share,
         1e6 * design.resolution[0],
         1e6 * design.resolution[1],
         1e6 * design.noise,
         1e3 * design.tip_noise,
+        of_rounding(noise),
     )
 }

@@ -123,12 +123,21 @@ fn shape(
     map_from_odom: Pose2,
 ) -> Option<ShapeRecord> {
     let map_from_whisker = map_from_odom.compose(felt.odom_from_robot).compose(whisker.robot_from_whisker);
-    let branches = TipContactSet::branches(tip, TipReading::Moment(felt.moment), TipLoad::BoundaryNormal);
+    let branches = if whisker.lean.is_level() {
+        TipContactSet::branches(tip, TipReading::Moment(felt.moment), TipLoad::BoundaryNormal)
+    } else {
+        whisker.lean.tip_contacts(&whisker.beam, felt.moment)
+    };
     let agreeing = |contact: &TipContact| misfit(map, map_from_whisker, contact).map(|misfit| (misfit, *contact));
     let contacts = branches.iter().flat_map(TipContactSet::contacts);
     let (_, contact) = contacts.filter_map(agreeing).min_by(|a, b| a.0.total_cmp(&b.0))?;
-    let points = tip.bend(contact.force, contact.tilt())?.shape(whisker.beam.length, POINTS).into_iter();
-    let points = points.map(|p| whisker.robot_from_whisker.transform_point(p)).collect();
+    let points = if whisker.lean.is_level() {
+        tip.bend(contact.force, contact.tilt())?.shape(whisker.beam.length, POINTS)
+    } else {
+        let shares: Vec<f64> = (0..POINTS).map(|k| k as f64 / (POINTS - 1) as f64).collect();
+        whisker.lean.shape(&whisker.beam, &contact, &shares)
+    };
+    let points = points.into_iter().map(|p| whisker.robot_from_whisker.transform_point(p)).collect();
     Some(ShapeRecord { t: felt.t, whisker: felt.whisker, points })
 }
 

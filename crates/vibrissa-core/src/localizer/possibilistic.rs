@@ -86,6 +86,27 @@ enum Phase {
     Drawing,
 }
 
+/// Refuses a whisker that leans where its contacts are not those of a turned plane.
+fn require_upright_contact(whisker: &MountedWhisker, options: &PossibilisticOptions) -> Result<()> {
+    if whisker.lean.is_level() {
+        return Ok(());
+    }
+    whisker.require_turned_plane()?;
+    let fault = |what: &str| Error::data(format!("the whisker \"{}\" leans out of the horizontal, {what}", whisker.name));
+    if whisker.friction > 0.0 {
+        return Err(fault("and friction pulls it along an upright wall, out of the plane in which it bends")
+            .value(whisker.friction)
+            .allowed("a friction of 0")
+            .remedy("mount the whisker horizontally, or take its friction into moment_relative"));
+    }
+    if let Some(distance) = options.two_contacts {
+        return Err(fault("and two contacts at once are known of level whiskers alone")
+            .value(distance)
+            .remedy("leave out two_contacts"));
+    }
+    Ok(())
+}
+
 impl<'a> PossibilisticEstimator<'a> {
     /// An estimator for logs with these channels.
     ///
@@ -94,8 +115,8 @@ impl<'a> PossibilisticEstimator<'a> {
     /// Options out of range, a whisker without a moment channel, that makes no sense or has a friction coefficient above 1.5.
     pub fn new(map: &'a Map, robot: &'a Robot, channels: &[Channel], options: PossibilisticOptions) -> Result<Self> {
         options.check()?;
-        robot.require_level("the possibilistic method")?;
         bounded_reading::check(robot)?;
+        robot.whiskers.iter().try_for_each(|whisker| require_upright_contact(whisker, &options))?;
         one_owner_each(robot, channels)?;
         searchable(map, options.prior, MOST_COVERED)?;
         let log = SensorLog { channels: channels.to_vec(), ..SensorLog::default() };

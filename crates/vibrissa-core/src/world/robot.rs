@@ -185,6 +185,22 @@ impl Default for Odometry {
     }
 }
 
+impl MountedWhisker {
+    /// Refuses a whisker that does not bend in the plane of its axis and the force: where it leans, the methods that take it ask for that.
+    ///
+    /// # Errors
+    ///
+    /// Data: what it is, and what to do.
+    pub fn require_turned_plane(&self) -> Result<()> {
+        if self.beam.is_uniform() {
+            return Ok(());
+        }
+        let what = "leans out of the horizontal and is no uniform wire on a clamped base";
+        Err(Error::data(format!("the whisker \"{}\" {what}", self.name))
+            .remedy("give one wire without taper, or mount the whisker horizontally"))
+    }
+}
+
 /// A robot: whiskers and odometry. The default is the paper's sensor on its stage.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Robot {
@@ -212,7 +228,7 @@ impl Robot {
         ))
         .value(format!("elevation {:.3} deg, roll {:.3} deg", degrees(elevation), degrees(roll)))
         .allowed("0 deg and 0 deg, with the body's pitch and roll")
-        .remedy("take `localize --method deterministic`, or mount the whisker horizontally"))
+        .remedy("take `localize --method deterministic` or `possibilistic`, or mount the whisker horizontally"))
     }
 
     /// The keys of the robot file that bound what is not known exactly, each once: of whiskers, delay and map.

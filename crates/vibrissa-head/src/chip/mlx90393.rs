@@ -18,10 +18,9 @@ const RESET: u8 = 0xf0;
 /// All axes, without temperature.
 const AXES: u8 = 0b1110;
 
-/// Bits of the status byte.
+/// Bits of the status byte. A corrected bit of the chip's memory, bit 3, is for information alone.
 const STATUS_SINGLE: u8 = 1 << 5;
 const STATUS_ERROR: u8 = 1 << 4;
-const STATUS_CORRECTED_TWICE: u8 = 1 << 3;
 const STATUS_RESET: u8 = 1 << 2;
 
 /// Spinning rate of the Hall plates, as the sensitivity's table has it.
@@ -52,7 +51,7 @@ impl MlxDriver {
     fn command<B: I2c>(&self, bus: &mut B, bytes: &[u8]) -> Result<u8, Fault<B::Error>> {
         let mut status = [0];
         bus.write_read(self.address, bytes, &mut status).map_err(Fault::Bus)?;
-        if status[0] & (STATUS_ERROR | STATUS_CORRECTED_TWICE) != 0 {
+        if status[0] & STATUS_ERROR != 0 {
             return Err(Fault::Chip(status[0]));
         }
         Ok(status[0])
@@ -127,9 +126,6 @@ impl Magnetometer for MlxDriver {
         // A conversion that goes on answers with the error bit.
         if status & STATUS_ERROR != 0 {
             return Err(Fault::NotReady);
-        }
-        if status & STATUS_CORRECTED_TWICE != 0 {
-            return Err(Fault::Chip(status));
         }
         let unsigned = self.settings.resolution >= 2;
         let value = |high, low| {

@@ -10,15 +10,22 @@ use embedded_hal::i2c::I2c;
 use vibrissa_beam::sensing::{Chip, Tle493d};
 
 /// Registers.
-const THRESHOLDS: u8 = 0x07;
+const FIRST: u8 = 0x00;
+const DIAGNOSIS: u8 = 0x06;
+const THRESHOLDS: core::ops::Range<usize> = 0x07..0x10;
 const CONFIG: u8 = 0x10;
 const MODE_1: u8 = 0x11;
 /// Config: no temperature, a conversion with each read, twice the sensitivity.
 const NO_TEMPERATURE: u8 = 1 << 7;
 const TRIGGER_BY_READ: u8 = 0b01 << 4;
 const SHORT_RANGE: u8 = 1 << 3;
-/// Mode 1 with odd parity: reads begin at register 0, no collision avoidance, no interrupt, asked by the master.
-const MODE_1_VALUE: u8 = 0b1001_1101;
+const MODE_2: u8 = 0x13;
+/// Mode 1: reads begin at register 0, no collision avoidance, no interrupt, asked by the master; the bits of the chip's address, and the
+/// parity, which counts the period of the low-power modes in mode 2, too.
+const MODE_1_SETTINGS: u8 = 0b0001_1101;
+const MODE_1_ADDRESS: u8 = 0b0110_0000;
+const MODE_1_PARITY: u8 = 1 << 7;
+const MODE_2_PERIOD: u8 = 0b1110_0000;
 /// Diagnosis in register 6: fuses are right, the test mode is on, all three axes and the first of them are converted, counter.
 const FUSES: u8 = 1 << 6;
 const TEST: u8 = 1 << 4;
@@ -50,12 +57,19 @@ impl TleDriver {
     }
 
     /// The configuration with its parity, which counts the thresholds of the wake-up function, too.
-    fn configuration(&self, thresholds: [u8; 9]) -> u8 {
+    fn configuration(&self, thresholds: &[u8]) -> u8 {
         let range = if self.settings.short_range { SHORT_RANGE } else { 0 };
         let config = NO_TEMPERATURE | TRIGGER_BY_READ | range;
         let others: u32 = thresholds.iter().zip(PARITY_MASKS).map(|(byte, mask)| (byte & mask).count_ones()).sum();
         config | u8::from((config.count_ones() + others).is_multiple_of(2))
     }
+}
+
+/// What belongs into mode 1, of which the chip's address stays as it is.
+fn mode(before: u8, mode_2: u8) -> u8 {
+    let mode = before & MODE_1_ADDRESS | MODE_1_SETTINGS;
+    let ones = mode.count_ones() + (mode_2 & MODE_2_PERIOD).count_ones();
+    mode | if ones.is_multiple_of(2) { MODE_1_PARITY } else { 0 }
 }
 
 impl Magnetometer for TleDriver {
@@ -72,7 +86,7 @@ impl Magnetometer for TleDriver {
     }
 
     fn set_up<B: I2c, D: DelayNs>(&mut self, bus: &mut B, delay: &mut D) -> Result<(), Fault<B::Error>> {
-        // Nobody acknowledges the reset.
+        // Nobody acknowledges the reset, and some controllers send no transfer without a byte: what follows needs no reset.
         for _ in 0..2 {
             let _ = bus.read(RECOVERY, &mut [0]);
         }
@@ -80,15 +94,16 @@ impl Magnetometer for TleDriver {
             let _ = bus.write(GENERAL_CALL, &[]);
         }
         delay.delay_us(AFTER_RESET);
-        let mut thresholds = [0; 9];
-        bus.write_read(self.address, &[THRESHOLDS], &mut thresholds).map_err(Fault::Bus)?;
-        let config = self.configuration(thresholds);
-        bus.write(self.address, &[CONFIG, config, MODE_1_VALUE]).map_err(Fault::Bus)?;
+        // Whether reads begin at the register that was named or at 0, which the settings before say: at 0.
+        let mut registers = [0; 20];
+        bus.write_read(self.address, &[FIRST], &mut registers).map_err(Fault::Bus)?;
+        let config = self.configuration(&registers[THRESHOLDS]);
+        let mode = mode(registers[usize::from(MODE_1)], registers[usize::from(MODE_2)]);
+        bus.write(self.address, &[CONFIG, config, mode]).map_err(Fault::Bus)?;
         // From here on reads begin at register 0.
-        let mut registers = [0; 18];
         bus.read(self.address, &mut registers).map_err(Fault::Bus)?;
-        let [diagnosis, read_config, read_mode] = [6, CONFIG, MODE_1].map(|at| registers[usize::from(at)]);
-        if read_config != config || read_mode & 0x7f != MODE_1_VALUE & 0x7f || diagnosis & FUSES == 0 {
+        let [diagnosis, read_config, read_mode] = [DIAGNOSIS, CONFIG, MODE_1].map(|at| registers[usize::from(at)]);
+        if read_config != config || read_mode & !MODE_1_PARITY != mode & !MODE_1_PARITY || diagnosis & FUSES == 0 {
             return Err(Fault::Chip(diagnosis));
         }
         self.counter = None;

@@ -10,6 +10,8 @@ pub struct MlxRegisters {
     pub flux: Vec3,
     address: u8,
     registers: [u16; 64],
+    /// Its memory corrects a bit: it says so in every status, and works.
+    pub corrects_a_bit: bool,
     /// The chip was reset, and nobody was told.
     reset: bool,
     /// When the conversion ends (µs), and what it gives.
@@ -22,7 +24,15 @@ impl MlxRegisters {
     #[must_use]
     pub fn new(address: u8) -> Self {
         let mut chip =
-            Self { flux: [0.0; 3], address, registers: [0; 64], reset: true, conversion: None, answer: [0; 9] };
+            Self {
+                flux: [0.0; 3],
+                address,
+                registers: [0; 64],
+                corrects_a_bit: false,
+                reset: true,
+                conversion: None,
+                answer: [0; 9],
+            };
         chip.power_cycle();
         chip
     }
@@ -41,7 +51,8 @@ impl MlxRegisters {
 
     fn status(&mut self, error: bool) -> u8 {
         let single = u8::from(self.conversion.is_some()) << 5;
-        single | u8::from(error) << 4 | u8::from(core::mem::take(&mut self.reset)) << 2
+        let corrected = u8::from(self.corrects_a_bit) << 3;
+        single | u8::from(error) << 4 | corrected | u8::from(core::mem::take(&mut self.reset)) << 2
     }
 
     fn answer(&mut self, error: bool, bytes: &[u8]) {

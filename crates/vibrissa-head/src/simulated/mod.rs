@@ -2,12 +2,14 @@
 
 mod lines;
 mod mlx90393;
+mod noise;
 mod rehearsal;
 mod tle493d;
 
 pub use lines::HeldLines;
 pub use mlx90393::MlxRegisters;
-pub use rehearsal::{Rehearsal, calibration};
+pub use noise::FluxNoise;
+pub use rehearsal::{NOISE, Rehearsal, calibration};
 pub use tle493d::TleRegisters;
 
 use crate::bus::{self, Bus};
@@ -38,6 +40,14 @@ pub struct SimulatedBus<D> {
     pub unacknowledged: u32,
     /// Clocks that the chip waits for while it holds the data line; more than nine for a line that stays down.
     pub held_for: u8,
+    /// The chip holds the clock down.
+    pub clock_held: bool,
+    /// The next transfer breaks off in the middle of a byte, after which the chip holds the data line for so many clocks.
+    pub cut_off: Option<u8>,
+    /// As some controllers are: transfers without a byte are refused.
+    pub refuses_empty: bool,
+    /// Transfers that were begun on lines that the chip holds down: a controller may wait there for ever.
+    pub hung: u32,
     /// Transfers so far.
     pub transfers: u64,
 }
@@ -45,7 +55,17 @@ pub struct SimulatedBus<D> {
 impl<D: Device> SimulatedBus<D> {
     /// A bus without faults at time 0.
     pub fn new(device: D) -> Self {
-        Self { device, now_us: 0, unacknowledged: 0, held_for: 0, transfers: 0 }
+        Self {
+            device,
+            now_us: 0,
+            unacknowledged: 0,
+            held_for: 0,
+            clock_held: false,
+            cut_off: None,
+            refuses_empty: false,
+            hung: 0,
+            transfers: 0,
+        }
     }
 }
 
@@ -56,8 +76,20 @@ impl<D> ErrorType for SimulatedBus<D> {
 impl<D: Device> I2c for SimulatedBus<D> {
     fn transaction(&mut self, address: u8, operations: &mut [Operation<'_>]) -> Result<(), ErrorKind> {
         self.transfers += 1;
-        if self.held_for > 0 {
+        if self.held_for > 0 || self.clock_held {
+            self.hung += 1;
             return Err(ErrorKind::ArbitrationLoss);
+        }
+        if let Some(clocks) = self.cut_off.take() {
+            self.held_for = clocks;
+            return Err(ErrorKind::ArbitrationLoss);
+        }
+        let is_empty = |operation: &Operation<'_>| match operation {
+            Operation::Write(bytes) => bytes.is_empty(),
+            Operation::Read(bytes) => bytes.is_empty(),
+        };
+        if self.refuses_empty && operations.iter().any(is_empty) {
+            return Err(ErrorKind::Other);
         }
         if self.unacknowledged > 0 {
             self.unacknowledged -= 1;
@@ -78,8 +110,12 @@ impl<D: Device> I2c for SimulatedBus<D> {
 }
 
 impl<D: Device> Bus for SimulatedBus<D> {
+    fn is_idle(&mut self) -> bool {
+        self.held_for == 0 && !self.clock_held
+    }
+
     fn free(&mut self) -> bool {
-        let mut lines = HeldLines::new(self.held_for);
+        let mut lines = HeldLines::new(self.held_for).with_clock_held(self.clock_held);
         let clocks = bus::free(&mut lines);
         self.held_for = lines.held_for();
         clocks.is_some()

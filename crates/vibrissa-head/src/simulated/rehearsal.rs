@@ -1,7 +1,7 @@
 //! A run of a head without hardware: a whisker's moments through magnet, chip, bus and head, with faults on the way. The same bytes on a
 //! host and on an emulated processor.
 
-use super::{Device, MlxRegisters, SimulatedBus};
+use super::{Device, FluxNoise, MlxRegisters, SimulatedBus};
 use crate::LONGEST;
 use crate::calibration::{CURVE_TERMS, Calibration, Response, Signal};
 use crate::chip::MlxDriver;
@@ -11,9 +11,14 @@ use crate::head::Head;
 use embedded_hal::delay::DelayNs;
 use vibrissa_beam::sensing::{Mlx90393, SensingChain};
 
-/// Slots of the faults.
+/// Standard deviation of the chip's noise (T): sixteen counts. An assumption; a chip that was built in tells its own.
+pub const NOISE: f64 = 5e-6;
+
+/// Slots of the faults: the data line is held, a transfer breaks off, no acknowledgement, the clock is held, the supply fails.
 const HELD: usize = 250;
+const CUT_OFF: usize = 400;
 const UNACKNOWLEDGED: usize = 500;
+const CLOCK_HELD: core::ops::Range<usize> = 600..605;
 const POWER_CYCLE: usize = 700;
 const MAGNET_NEAR: core::ops::Range<usize> = 900..908;
 /// What a strong magnet that passes the sensor adds from slot to slot (T): beyond the converter, but never by half of a register at once.
@@ -25,6 +30,7 @@ pub struct Rehearsal {
     head: Head<MlxDriver>,
     bus: SimulatedBus<MlxRegisters>,
     chain: SensingChain,
+    noise: FluxNoise,
 }
 
 /// Waits take no time.
@@ -43,6 +49,7 @@ impl Rehearsal {
             head: Head::new(MlxDriver::new(0x0c, Mlx90393::default()), rate),
             bus: SimulatedBus::new(MlxRegisters::new(0x0c)),
             chain,
+            noise: FluxNoise::new(NOISE, 1),
         };
         let mut packet = [0; LONGEST];
         let length = Command::Load(calibration(&chain, largest)).write(&mut packet).unwrap_or_default();
@@ -58,13 +65,27 @@ impl Rehearsal {
         &self.head
     }
 
+    /// Takes a byte that was received; the head's answer.
+    pub fn receive(&mut self, byte: u8) -> Option<Message> {
+        self.head.receive(byte)
+    }
+
+    /// The bus.
+    #[must_use]
+    pub fn bus(&self) -> &SimulatedBus<MlxRegisters> {
+        &self.bus
+    }
+
     /// The slot of this number from 0 under a moment (N m): the message that is sent; with the faults where `faulty`.
     pub fn slot(&mut self, slot: usize, moment: f64, faulty: bool) -> Option<Message> {
         self.bus.now_us = slot as u64 * 1_000_000 / u64::from(self.head.rate());
-        self.bus.device.flux = self.chain.flux(moment);
+        let (flux, noise) = (self.chain.flux(moment), self.noise.draw());
+        self.bus.device.flux = [0, 1, 2].map(|axis| flux[axis] + noise[axis]);
         if faulty {
+            self.bus.clock_held = CLOCK_HELD.contains(&slot);
             match slot {
                 HELD => self.bus.held_for = 5,
+                CUT_OFF => self.bus.cut_off = Some(3),
                 UNACKNOWLEDGED => self.bus.unacknowledged = 1,
                 POWER_CYCLE => self.bus.device.power_cycle(),
                 slot if MAGNET_NEAR.contains(&slot) => self.bus.device.flux[1] += NEAR[slot - MAGNET_NEAR.start],

@@ -3,6 +3,8 @@
 use super::Device;
 use vibrissa_beam::sensing::{Chip, Tle493d, Vec3};
 
+/// Addresses of the types A0 to A3, by the two bits of mode 1.
+const ADDRESSES: [u8; 4] = [0x35, 0x22, 0x78, 0x44];
 /// How long three axes take (µs).
 const CONVERSION: u64 = 170;
 
@@ -67,7 +69,7 @@ impl TleRegisters {
 
 impl Device for TleRegisters {
     fn answers(&self, address: u8) -> bool {
-        address == self.address
+        address == ADDRESSES[usize::from(self.registers[0x11] >> 5 & 3)]
     }
 
     fn start(&mut self, address: u8, reads: bool) {
@@ -114,7 +116,8 @@ impl Device for TleRegisters {
             self.registers[register] = 0x38;
         }
         self.registers[0x10] = 0x01;
-        self.registers[0x11] = 0x80;
+        let kind = ADDRESSES.iter().position(|address| *address == self.address).unwrap_or(0);
+        self.registers[0x11] = 0x80 | (kind as u8) << 5;
         // Fuses are right, nothing is converted.
         self.registers[6] = 0x60;
         (self.conversion, self.sequence, self.pointer) = (None, 0, 0);

@@ -7,7 +7,8 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 use vibrissa_head::LONGEST;
 use vibrissa_head::command::{Command, RATES, Refusal};
-use vibrissa_head::frame::{Identity, Message};
+use vibrissa_head::Damage;
+use vibrissa_head::frame::{Identity, Message, Reading};
 
 /// How long one look for bytes takes.
 const LOOK: Duration = Duration::from_millis(50);
@@ -67,40 +68,70 @@ impl HeadPort {
         }
     }
 
+    /// The next readings, so many; what is damaged on the way is passed over.
+    ///
+    /// # Errors
+    ///
+    /// No reading for as long as an answer is waited for.
+    pub fn readings(&mut self, count: usize) -> Result<Vec<Reading>> {
+        let mut readings = Vec::new();
+        let mut end = Instant::now() + self.patience;
+        while readings.len() < count && Instant::now() < end {
+            let before = readings.len();
+            self.look(&mut |message| {
+                if let Ok(Message::Reading(reading)) = message {
+                    readings.push(reading);
+                }
+            })?;
+            if readings.len() > before {
+                end = Instant::now() + self.patience;
+            }
+        }
+        if readings.len() < count {
+            return Err(self
+                .fault("the head sends no readings")
+                .value(format!("{} in all, then none for {} s", readings.len(), self.patience.as_secs_f64()))
+                .remedy("is the chip wired, and at the address that the firmware asks? docs/sensor-head.md"));
+        }
+        readings.truncate(count);
+        Ok(readings)
+    }
+
+    /// Hands over the messages that have come, after a short wait for them.
+    fn look(&mut self, each: &mut dyn FnMut(core::result::Result<Message, Damage>)) -> Result<()> {
+        let mut bytes = [0; 4096];
+        let read = self.port.read(&mut bytes, LOOK).map_err(|error| gone(&self.name, &error))?;
+        for byte in &bytes[..read.unwrap_or(0)] {
+            if *byte != 0 {
+                // What is no packet of a head ends nowhere.
+                if self.pending.len() <= LONGEST {
+                    self.pending.push(*byte);
+                }
+                continue;
+            }
+            each(Message::read(&self.pending));
+            self.pending.clear();
+        }
+        Ok(())
+    }
+
     /// The head's answer to a command; readings in between are passed over.
     fn ask(&mut self, command: &Command) -> Result<Message> {
         let mut packet = [0; LONGEST + 1];
         // A zero ahead ends what another program may have left half written.
         let length = command.write(&mut packet[1..]).ok_or_else(|| self.fault("the command is too long"))?;
-        let gone = |name: &str, error: std::io::Error| {
-            Error::data(format!("the port is gone ({error})")).in_file(name).remedy("plug the head in again")
-        };
         let sent = self.port.write_all(&packet[..=length], self.patience);
-        sent.map_err(|error| gone(&self.name, error))?;
+        sent.map_err(|error| gone(&self.name, &error))?;
         let end = Instant::now() + self.patience;
-        let (mut bytes, mut is_damaged) = ([0; 4096], false);
+        let mut is_damaged = false;
         while Instant::now() < end {
-            let Some(count) = self.port.read(&mut bytes, LOOK).map_err(|error| gone(&self.name, error))? else {
-                continue;
-            };
             let mut answer = None;
-            for byte in &bytes[..count] {
-                if *byte != 0 {
-                    // What is no packet of a head ends nowhere.
-                    if self.pending.len() <= LONGEST {
-                        self.pending.push(*byte);
-                    }
-                    continue;
-                }
-                let message = Message::read(&self.pending);
-                self.pending.clear();
-                // What was half written before is refused, too: that answer is not to this command, if another one comes.
-                match message {
-                    Ok(Message::Refused(Refusal::Damaged)) => is_damaged = true,
-                    Ok(Message::Reading(_) | Message::Health(_)) | Err(_) => {}
-                    Ok(message) => answer = answer.or(Some(message)),
-                }
-            }
+            // What was half written before is refused, too: that answer is not to this command, if another one comes.
+            self.look(&mut |message| match message {
+                Ok(Message::Refused(Refusal::Damaged)) => is_damaged = true,
+                Ok(Message::Reading(_) | Message::Health(_)) | Err(_) => {}
+                Ok(message) => answer = answer.or(Some(message)),
+            })?;
             if let Some(answer) = answer {
                 return Ok(answer);
             }
@@ -133,4 +164,8 @@ impl HeadPort {
             Refusal::Damaged => fault("the command was damaged on its way").remedy("try again"),
         }
     }
+}
+
+fn gone(name: &str, error: &std::io::Error) -> Error {
+    Error::data(format!("the port is gone ({error})")).in_file(name).remedy("plug the head in again")
 }

@@ -14,13 +14,15 @@
 //! moment of zero. Shapes with two inflections between base and contact are unstable, even with a held tip; those with
 //! one are stable only where friction or a concave boundary holds the contact.
 //!
-//! All this is of uniform whiskers; [`RodPressTable`] is the table of any other.
+//! All this is of uniform whiskers; [`RodPressTable`] is the table of any other, [`LeaningPressTable`] of uniform ones that lean against upright
+//! walls.
 //!
 //! All is dimensionless: lengths over the whisker's, moments times length over flexural rigidity (at the base). The slope at the
 //! contact is towards +y; the other side is the mirror image.
 
 mod builder;
 mod forest;
+mod leaning;
 mod patch;
 mod rod;
 mod sheet;
@@ -28,6 +30,7 @@ mod side;
 mod slice;
 
 pub use builder::PressTableBuilder;
+pub use leaning::LeaningPressTable;
 pub use rod::{RodContacts, RodPressTable};
 pub use slice::{PressEntry, PressSlice, Span};
 
@@ -115,11 +118,13 @@ impl PressTable {
     }
 }
 
-/// The table of a whisker that is uniform or any other.
+/// The table of a whisker that is uniform, leaning, or any other.
 #[derive(Clone, Debug)]
 pub enum ContactTable {
     /// By the closed form.
     Uniform(Box<PressTable>),
+    /// By the closed form in the plane in which a wall bends a whisker that leans.
+    Leaning(Box<LeaningPressTable>),
     /// By marches.
     Rod(RodPressTable),
 }
@@ -130,12 +135,19 @@ impl From<PressTable> for ContactTable {
     }
 }
 
+impl From<LeaningPressTable> for ContactTable {
+    fn from(table: LeaningPressTable) -> Self {
+        Self::Leaning(Box::new(table))
+    }
+}
+
 impl ContactTable {
     /// The friction angle (rad).
     #[must_use]
     pub fn friction_angle(&self) -> f64 {
         match self {
             Self::Uniform(table) => table.friction_angle(),
+            Self::Leaning(_) => 0.0,
             Self::Rod(table) => table.friction_angle(),
         }
     }
@@ -146,6 +158,7 @@ impl ContactTable {
     pub fn slice(&self, side: f64, lo: f64, hi: f64) -> PressSlice {
         match self {
             Self::Uniform(table) => table.slice(lo, hi),
+            Self::Leaning(table) => table.slice(side, lo, hi),
             Self::Rod(table) => table.slice(side, lo, hi),
         }
     }

@@ -53,6 +53,11 @@ const BLOCK: usize = 8;
 pub(super) type PressLimits = (f64, f64);
 
 impl PressSheet {
+    /// The largest moment of any cell.
+    pub(super) fn largest(&self) -> f64 {
+        self.ranges.iter().map(|range| range.1).fold(0.0, f64::max)
+    }
+
     /// The values of shapes without an inflection and with one along a half column, by half rows: each pendulum passes the
     /// contact's slope twice.
     pub(super) fn half_column(

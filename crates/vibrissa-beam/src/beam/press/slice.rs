@@ -160,22 +160,39 @@ impl PressTable {
         for column in 0..columns {
             let start = slice.entries.len();
             slice.starts.push(start as u32);
-            if hi >= 0.0 {
-                self.tips(&self.plain, column, (lo.max(0.0), hi), &mut slice.entries);
-                slice.entries.extend(self.side(&self.sides, column, (lo.max(0.0), hi)));
-            }
-            if lo <= 0.0 {
-                let (first, range) = (slice.entries.len(), ((-hi).max(0.0), -lo));
-                self.tips(&self.inflected, column, range, &mut slice.entries);
-                slice.entries.extend(self.inflected_sides.as_ref().and_then(|sides| self.side(sides, column, range)));
-                slice.entries[first..].iter_mut().for_each(|entry| entry.inflected = true);
-            }
+            self.contacts_of(column, (lo, hi), &mut slice.entries);
             slice.spans.push(
                 slice.entries[start..].iter().fold(Span::EMPTY, |all, e| all.hull(Span::of(e, self.middles[column]))),
             );
         }
         slice.starts.push(slice.entries.len() as u32);
         slice
+    }
+
+    /// Adds the contacts of one column that cause a moment between `lo` and `hi`.
+    pub(super) fn contacts_of(&self, column: usize, (lo, hi): (f64, f64), entries: &mut Vec<PressEntry>) {
+        if hi >= 0.0 {
+            self.tips(&self.plain, column, (lo.max(0.0), hi), entries);
+            entries.extend(self.side(&self.sides, column, (lo.max(0.0), hi)));
+        }
+        if lo <= 0.0 {
+            let (first, range) = (entries.len(), ((-hi).max(0.0), -lo));
+            self.tips(&self.inflected, column, range, entries);
+            entries.extend(self.inflected_sides.as_ref().and_then(|sides| self.side(sides, column, range)));
+            entries[first..].iter_mut().for_each(|entry| entry.inflected = true);
+        }
+    }
+
+    /// The columns that meet directions from `lo` to `hi` (rad).
+    pub(super) fn columns(&self, lo: f64, hi: f64) -> core::ops::Range<usize> {
+        let first = self.directions.partition_point(|direction| *direction < lo).saturating_sub(1);
+        let end = self.directions.partition_point(|direction| *direction <= hi).min(self.directions.len() - 1);
+        first..end.max(first)
+    }
+
+    /// No tip contact has a larger dimensionless moment, of either sign.
+    pub(super) fn largest_of_tips(&self) -> f64 {
+        self.plain.largest().max(self.inflected.largest())
     }
 
     /// One entry for each run of cells that reach the interval and along which the moment keeps rising or falling.

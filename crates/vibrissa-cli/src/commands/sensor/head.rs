@@ -1,20 +1,21 @@
-//! `vibrissa sensor head`: commands to a head over its serial port.
+//! `vibrissa sensor head`: commands to a head over its serial port, and what it reads.
 
 use crate::output::print;
 use serde_json::json;
 use std::path::PathBuf;
 use std::time::Duration;
 use vibrissa::{Error, Result};
-use vibrissa_live::head::{ChipName, Command, Identity, head_calibration};
+use vibrissa_live::head::{ChipName, Command, Identity, Reading, State, head_calibration};
 use vibrissa_live::source::HeadPort;
 
 /// How long an answer is waited for.
 const PATIENCE: Duration = Duration::from_secs(3);
 
-/// Load a calibration into a sensor head, tare it, set its rate, or ask who it is.
+/// Load a calibration into a sensor head, tare it, set its rate, ask who it is, or look what it reads.
 ///
 /// The head is asked over its serial port, which no live run may read at the same time. What it is told it forgets when it is switched off. In
-/// this order: --unload, --load, --rate, --tare; then the head says who it is.
+/// this order: --unload, --load, --rate, --tare; then the head says who it is. With --read N its flux is averaged over N readings, as for a row
+/// of contacts to calibrate from; the scatter is what `sensor design` takes as --noise.
 #[derive(Debug, clap::Args)]
 pub(super) struct HeadArgs {
     /// The serial port, such as /dev/serial/by-id/usb-vibrissa_whisker_sensor_head-if00
@@ -31,6 +32,9 @@ pub(super) struct HeadArgs {
     /// Readings a second
     #[arg(long, value_name = "HZ")]
     rate: Option<u16>,
+    /// Read N readings: mean and scatter of what the chip reads
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(2..))]
+    read: Option<u16>,
     /// Speed of the port, where it has one; USB has none
     #[arg(long, value_name = "BAUD", default_value_t = 115_200)]
     baud: u32,
@@ -76,7 +80,85 @@ pub(super) fn run(args: &HeadArgs) -> Result<()> {
         done.push(format!("takes the next {count} readings for the flux at rest"));
     }
     let identity = head.identify()?;
-    if args.json { print(&(as_json(&identity, &done) + "\n")) } else { print(&words(&identity, &done)) }
+    let mean = match args.read {
+        Some(count) => Some(Averages::of(&head.readings(usize::from(count))?)),
+        None => None,
+    };
+    if args.json {
+        print(&(as_json(&identity, &done, mean.as_ref()) + "\n"))
+    } else {
+        print(&words(&identity, &done, mean.as_ref()))
+    }
+}
+
+/// What some readings on end have in common.
+#[derive(Clone, Debug)]
+struct Averages {
+    count: usize,
+    /// Numbers that are missing between the first and the last.
+    lost: u32,
+    saturated: usize,
+    /// Mean and standard deviation of the flux (T) along the chip's axes.
+    flux: [(f64, f64); 3],
+    /// Means (N m), where all of them have one.
+    moment: Option<f64>,
+    across: Option<f64>,
+}
+
+impl Averages {
+    fn of(readings: &[Reading]) -> Self {
+        let all = |of: fn(&Reading) -> Option<f64>| -> Option<f64> {
+            let values: Option<Vec<f64>> = readings.iter().map(of).collect();
+            Some(mean_and_deviation(&values?).0)
+        };
+        let first_and_last = readings.first().zip(readings.last());
+        let span = first_and_last.map_or(0, |(first, last)| last.number.wrapping_sub(first.number) + 1);
+        let axis = |k: usize| {
+            let values: Vec<f64> = readings.iter().map(|reading| f64::from(reading.flux[k])).collect();
+            mean_and_deviation(&values)
+        };
+        Self {
+            count: readings.len(),
+            lost: span.saturating_sub(readings.len() as u32),
+            saturated: readings.iter().filter(|reading| reading.state.has(State::SATURATED)).count(),
+            flux: [0, 1, 2].map(axis),
+            moment: all(|reading| reading.moment),
+            across: all(|reading| reading.across),
+        }
+    }
+
+    fn as_json(&self) -> serde_json::Value {
+        json!({
+            "count": self.count, "lost": self.lost, "saturated": self.saturated,
+            "flux": self.flux.map(|axis| axis.0), "flux_deviation": self.flux.map(|axis| axis.1),
+            "moment": self.moment, "across": self.across,
+        })
+    }
+
+    fn words(&self) -> String {
+        let mut text = format!("readings      {}, {} lost between them", self.count, self.lost);
+        if self.saturated > 0 {
+            text += &format!("; {} at the end of the chip's range: the magnet is too near", self.saturated);
+        }
+        text.push('\n');
+        for (name, (mean, deviation)) in ["bx", "by", "bz"].into_iter().zip(self.flux) {
+            text += &format!("{name}            {:.4} mT, scatter {:.4} mT\n", 1e3 * mean, 1e3 * deviation);
+        }
+        let [x, y, z] = self.flux.map(|axis| axis.0);
+        text += &format!("bx,by,bz      {x:.8},{y:.8},{z:.8}\n");
+        for (name, moment) in [("moment", self.moment), ("across", self.across)] {
+            text += &moment.map_or_else(String::new, |moment| format!("{name}        {:.4} mN m\n", 1e3 * moment));
+        }
+        text
+    }
+}
+
+/// Mean and standard deviation of two values or more.
+fn mean_and_deviation(values: &[f64]) -> (f64, f64) {
+    let count = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / count;
+    let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
+    (mean, (squares / (count - 1.0)).sqrt())
 }
 
 fn name(chip: ChipName) -> &'static str {
@@ -86,15 +168,15 @@ fn name(chip: ChipName) -> &'static str {
     }
 }
 
-fn as_json(identity: &Identity, done: &[String]) -> String {
+fn as_json(identity: &Identity, done: &[String], mean: Option<&Averages>) -> String {
     json!({
         "chip": name(identity.chip), "rate": identity.rate, "calibrated_axes": identity.calibrated_axes,
-        "version": identity.version, "done": done,
+        "version": identity.version, "done": done, "readings": mean.map(Averages::as_json),
     })
     .to_string()
 }
 
-fn words(identity: &Identity, done: &[String]) -> String {
+fn words(identity: &Identity, done: &[String], mean: Option<&Averages>) -> String {
     let axes = match identity.calibrated_axes {
         0 => "no calibration: flux alone".to_owned(),
         1 => "calibrated in one plane".to_owned(),
@@ -102,8 +184,9 @@ fn words(identity: &Identity, done: &[String]) -> String {
     };
     let done: String = done.iter().map(|what| format!("done          {what}\n")).collect();
     format!(
-        "{done}chip          {}\nrate          {} readings a second\ncalibration   {axes}\n",
+        "{done}chip          {}\nrate          {} readings a second\ncalibration   {axes}\n{}",
         name(identity.chip),
-        identity.rate
+        identity.rate,
+        mean.map(Averages::words).unwrap_or_default()
     )
 }

@@ -108,10 +108,7 @@ fn leans(whisker: &MountedWhisker, options: &DeterministicOptions) -> Result<()>
     }
     let fault =
         |what: &str| Error::data(format!("the whisker \"{}\" leans out of the horizontal and {what}", whisker.name));
-    if !whisker.beam.is_uniform() {
-        return Err(fault("is no uniform wire on a clamped base")
-            .remedy("give one wire without taper, or mount the whisker horizontally"));
-    }
+    whisker.require_turned_plane()?;
     if options.tip_load == TipLoad::WhiskerNormal {
         return Err(fault("the load is taken normal to it, not to the walls")
             .remedy("take --tip-load boundary-normal, since an upright wall pushes horizontally"));

@@ -3,9 +3,10 @@
 use super::PossibleSet;
 use super::errors::UncertainWhisker;
 use crate::WorkBudget;
-use crate::beam::press::{ContactTable, PressTable, PressTableBuilder};
+use crate::beam::press::{ContactTable, LeaningPressTable, PressTable, PressTableBuilder};
 use crate::config::PossibilisticOptions;
 use crate::math;
+use crate::world::Lean;
 
 /// Columns (a quarter turn) and rows of the tables that first cells meet, from fine to coarse: each has half as many of both
 /// as the one before.
@@ -34,16 +35,21 @@ pub(super) fn each_table<'a>(
     whiskers: impl Iterator<Item = &'a UncertainWhisker>,
     make: impl Fn(&UncertainWhisker) -> Vec<ContactTable>,
 ) -> Vec<Vec<ContactTable>> {
-    let mut made: Vec<(f64, bool, Vec<ContactTable>)> = Vec::new();
+    let mut made: Vec<(&UncertainWhisker, Vec<ContactTable>)> = Vec::new();
     for whisker in whiskers {
-        let (friction, is_uniform) = (whisker.friction, whisker.rod.is_none());
-        let same = made
-            .iter()
-            .find(|(other, other_is, _)| is_uniform && *other_is && other.to_bits() == friction.to_bits())
-            .map(|(.., tables)| tables.clone());
-        made.push((friction, is_uniform, same.unwrap_or_else(|| make(whisker))));
+        let same = made.iter().find(|(other, _)| alike(whisker, other)).map(|(_, tables)| tables.clone());
+        made.push((whisker, same.unwrap_or_else(|| make(whisker))));
     }
-    made.into_iter().map(|(.., tables)| tables).collect()
+    made.into_iter().map(|(_, tables)| tables).collect()
+}
+
+/// Whether the tables of one whisker are those of another: tables of uniform ones know of friction and lean alone.
+fn alike(one: &UncertainWhisker, other: &UncertainWhisker) -> bool {
+    let bits = |whisker: &UncertainWhisker| {
+        let Lean { elevation, roll } = whisker.lean;
+        [whisker.friction, elevation, roll].map(f64::to_bits)
+    };
+    one.rod.is_none() && other.rod.is_none() && bits(one) == bits(other)
 }
 
 /// Tables of a whisker, from fine to coarse: so many, the first with `columns` and `rows`.
@@ -66,10 +72,15 @@ pub(super) fn tables(
     }
     let finest = PressTable::new(columns, rows, math::atan(whisker.friction), options.largest_slope);
     let all = core::iter::successors(Some(finest), |table| Some(table.coarser())).take(count);
-    all.map(ContactTable::from).collect()
+    if whisker.lean.is_level() {
+        return all.map(ContactTable::from).collect();
+    }
+    let Lean { elevation, roll } = whisker.lean;
+    let of = |(k, table)| ContactTable::from(LeaningPressTable::new(table, elevation, roll, columns >> k));
+    all.enumerate().map(of).collect()
 }
 
-/// What the tables of a rod cost, and the comparison of a reading with a table.
+/// What the tables of a rod or of a leaning whisker cost, and the comparison of a reading with a table.
 const ROD_COST: usize = 20_000;
 const COMPARISON_COST: usize = 100;
 /// What it costs to copy a table, or to make one of one that is twice as fine.
@@ -99,15 +110,13 @@ impl FinerTables {
     /// Makes a part of the tables of the next of the whiskers.
     fn make_some(&mut self, whiskers: &[&UncertainWhisker], options: &PossibilisticOptions, budget: &mut WorkBudget) {
         let whisker = whiskers[self.made.len()];
-        let alike =
-            |other: &&UncertainWhisker| other.rod.is_none() && other.friction.to_bits() == whisker.friction.to_bits();
-        let same = whiskers[..self.made.len()].iter().position(alike).filter(|_| whisker.rod.is_none());
+        let same = whiskers[..self.made.len()].iter().position(|other| alike(whisker, other));
         if let Some(same) = same {
             self.made.push(self.made[same].clone());
             return budget.spend(COPY_COST * self.count);
         }
         let (columns, rows) = self.size;
-        if whisker.rod.is_some() {
+        if whisker.rod.is_some() || !whisker.lean.is_level() {
             self.made.push(tables(self.size, self.count, whisker, options));
             return budget.spend(ROD_COST);
         }

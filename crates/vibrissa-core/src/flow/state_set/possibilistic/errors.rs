@@ -8,7 +8,7 @@ use crate::beam::Whisker;
 use crate::beam::press::RodContacts;
 use crate::math;
 use crate::plane::{Pose2, Vec2};
-use crate::world::{MountedWhisker, Robot};
+use crate::world::{Lean, MountedWhisker, Robot};
 use std::sync::Arc;
 
 /// Chords of a whisker that is curved at rest.
@@ -50,6 +50,8 @@ pub(super) struct UncertainWhisker {
     mounted: PoseSlack,
     /// The contacts of a whisker that is not uniform.
     pub(super) rod: Option<Arc<RodContacts>>,
+    /// How it leans out of the horizontal.
+    pub(super) lean: Lean,
     /// The whisker at rest, whisker frame.
     rest: Arc<RestShape>,
 }
@@ -65,7 +67,9 @@ pub(super) struct RestShape {
 
 impl RestShape {
     /// Of a whisker, as told, that has a length from `shortest` to `longest` (m) on the map and of which `own` is off by its own.
-    pub(super) fn new(beam: &Whisker, (shortest, longest, own): (f64, f64, f64)) -> Self {
+    /// Seen from above it is as long as the cosine of its elevation says.
+    pub(super) fn new(beam: &Whisker, (shortest, longest, own): (f64, f64, f64), lean: Lean) -> Self {
+        let shortest = shortest * math::cos(lean.elevation);
         let straight = [Vec2::ZERO, Vec2::new(shortest, 0.0)].to_vec();
         let terms = beam.curvature_terms();
         let wound: f64 = terms.iter().rev().fold(0.0, |sum, term| (sum + term.abs()) * beam.length);
@@ -125,7 +129,8 @@ impl UncertainWhisker {
             per_moment: (least / rigidity(errors.rigidity), most / rigidity(-errors.rigidity)),
             mounted: PoseSlack::new(math::hypot(x, y) * larger + arm * (larger - 1.0), theta),
             rod: (!is_uniform).then(contacts).and_then(Result::ok).map(Arc::new),
-            rest: Arc::new(RestShape::new(beam, (shortest, longest, errors.length))),
+            lean: whisker.lean,
+            rest: Arc::new(RestShape::new(beam, (shortest, longest, errors.length), whisker.lean)),
         }
     }
 

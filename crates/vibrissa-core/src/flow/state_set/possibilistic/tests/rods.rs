@@ -9,7 +9,7 @@ use super::{SLOPE, cell_around, foothold, holds, map};
 use crate::beam::{Rod, Stretch, Whisker};
 use crate::config::PossibilisticOptions;
 use crate::plane::{Pose2, Vec2};
-use crate::world::{MountedWhisker, WhiskerErrors};
+use crate::world::{Lean, MountedWhisker, WhiskerErrors};
 use core::f64::consts::FRAC_PI_2;
 
 /// Largest root of a load, in those that turn the contact by a radian in small-angle theory: below the least that buckles.
@@ -146,7 +146,7 @@ fn a_whisker_at_rest_is_where_it_is_told() {
         told.beam.curvature_rise[0] = draw.signed(300.0);
         told.errors.length = draw.between(0.0, 3e-3);
         let (length, own) = (told.beam.length, told.errors.length);
-        let rest = RestShape::new(&told.beam, (length - own, length + own, own));
+        let rest = RestShape::new(&told.beam, (length - own, length + own, own), Lean::default());
         let as_is = actual(&told, &mut draw);
         let rod = as_is.rod().unwrap();
         let share = draw.between(0.01, 1.0);
