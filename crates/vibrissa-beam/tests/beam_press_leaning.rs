@@ -41,6 +41,8 @@ struct Contact {
     direction: f64,
     seen: Vec2,
     reading: f64,
+    /// Whether the whisker is bent away from the force.
+    curled: bool,
 }
 
 /// A whisker of unit length and rigidity, elevation and roll as told, held by an upright wall at its tip or side.
@@ -70,8 +72,12 @@ fn contact(draw: &mut Random, (elevation, roll): (f64, f64)) -> Option<Contact> 
     let level = [0.0, 1.0, 0.0];
     let left = plus(level.map(|v| v * roll.cos()), cross(axis, level), roll.sin());
     let moment = cross(place, pushed);
-    assert!((dot(moment, moment).sqrt() - bend.moment).abs() < 1e-6 * bend.moment, "the plane is not that of axis and force");
-    Some(Contact { direction, seen: Vec2::new(place[0], place[1]), reading: dot(moment, cross(axis, left)) })
+    assert!(
+        (dot(moment, moment).sqrt() - bend.moment).abs() < 1e-6 * bend.moment,
+        "the plane is not that of axis and force"
+    );
+    let reading = dot(moment, cross(axis, left));
+    Some(Contact { direction, seen: Vec2::new(place[0], place[1]), reading, curled: psi > PI })
 }
 
 #[test]
@@ -95,7 +101,12 @@ fn no_contact_of_a_leaning_whisker_is_left_out() {
             let Some(contact) = contact(&mut draw, (elevation, roll)) else { continue };
             let (below, above) = (draw.between(0.0, 0.05), draw.between(0.0, 0.05));
             let size = contact.reading.abs();
-            let (lo, hi) = (contact.reading - below * size - 1e-9, contact.reading + above * size + 1e-3 * draw.unit());
+            let (mut lo, mut hi) =
+                (contact.reading - below * size - 1e-9, contact.reading + above * size + 1e-3 * draw.unit());
+            // Small readings may be none.
+            if size < 0.1 {
+                (lo, hi) = (lo.min(0.0), hi.max(0.0));
+            }
             for table in &leaning {
                 let slice = table.slice(1.0, lo, hi);
                 assert!(
@@ -108,12 +119,12 @@ fn no_contact_of_a_leaning_whisker_is_left_out() {
                 assert!(table.slice(-1.0, lo, hi).entries().is_empty());
             }
             tried += 1;
-            curled += usize::from(contact.seen.dot(Vec2::from_angle(contact.direction)) < 0.0);
+            curled += usize::from(contact.curled);
             zero += usize::from(lo <= 0.0 && hi >= 0.0);
         }
     }
-    println!("{tried} contacts, {curled} of them behind the base's wall, {zero} with a reading that may be none");
-    assert!(tried > 600 && curled > 100 && zero > 10, "{tried} {curled} {zero}");
+    println!("{tried} contacts, {curled} of them curled, {zero} with a reading that may be none");
+    assert!(tried > 600 && curled > 50 && zero > 10, "{tried} {curled} {zero}");
 }
 
 /// What the turned plane adds to the bounds of the planar table is small where the whisker stands well to the wall.
@@ -128,6 +139,11 @@ fn a_level_whiskers_contacts_are_those_of_the_plane() {
         radii[radii.len() / 2]
     };
     let (planar, same, other) = (table.slice(0.9, 0.95), level.slice(1.0, 0.9, 0.95), leaning.slice(1.0, 0.9, 0.95));
-    println!("typical radius: planar {:.2e}, level {:.2e}, leaning {:.2e}", typical(&planar), typical(&same), typical(&other));
+    println!(
+        "typical radius: planar {:.2e}, level {:.2e}, leaning {:.2e}",
+        typical(&planar),
+        typical(&same),
+        typical(&other)
+    );
     assert!(typical(&same) < 1.5 * typical(&planar) + 1e-5 && typical(&other) < 3.0 * typical(&planar) + 1e-4);
 }

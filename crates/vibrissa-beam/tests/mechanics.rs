@@ -12,6 +12,7 @@ mod beam_modes;
 mod beam_normal;
 mod beam_oracle;
 mod beam_press;
+mod beam_press_leaning;
 mod beam_press_rods;
 mod beam_rod;
 mod beam_rod_beyond;

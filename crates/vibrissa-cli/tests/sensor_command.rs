@@ -60,8 +60,16 @@ fn what_a_head_reads_is_told_with_its_scatter() {
         (words, json)
     });
     assert_eq!(words.code, Some(0), "{words:?}");
-    assert!(words.stdout.contains("readings      200, 0 lost") && words.stdout.contains("bx,by,bz"), "{}", words.stdout);
-    assert!(words.stdout.contains("moment        3.0") || words.stdout.contains("moment        2.9"), "{}", words.stdout);
+    assert!(
+        words.stdout.contains("readings      200, 0 lost") && words.stdout.contains("bx,by,bz"),
+        "{}",
+        words.stdout
+    );
+    assert!(
+        words.stdout.contains("moment        3.0") || words.stdout.contains("moment        2.9"),
+        "{}",
+        words.stdout
+    );
     let json: serde_json::Value = serde_json::from_str(&json.stdout).unwrap();
     let chain = vibrissa::sensing::SensingChain::default();
     let readings = &json["readings"];

@@ -92,7 +92,8 @@ fn require_upright_contact(whisker: &MountedWhisker, options: &PossibilisticOpti
         return Ok(());
     }
     whisker.require_turned_plane()?;
-    let fault = |what: &str| Error::data(format!("the whisker \"{}\" leans out of the horizontal, {what}", whisker.name));
+    let fault =
+        |what: &str| Error::data(format!("the whisker \"{}\" leans out of the horizontal, {what}", whisker.name));
     if whisker.friction > 0.0 {
         return Err(fault("and friction pulls it along an upright wall, out of the plane in which it bends")
             .value(whisker.friction)

@@ -23,16 +23,15 @@ impl MlxRegisters {
     /// A chip that was just switched on.
     #[must_use]
     pub fn new(address: u8) -> Self {
-        let mut chip =
-            Self {
-                flux: [0.0; 3],
-                address,
-                registers: [0; 64],
-                corrects_a_bit: false,
-                reset: true,
-                conversion: None,
-                answer: [0; 9],
-            };
+        let mut chip = Self {
+            flux: [0.0; 3],
+            address,
+            registers: [0; 64],
+            corrects_a_bit: false,
+            reset: true,
+            conversion: None,
+            answer: [0; 9],
+        };
         chip.power_cycle();
         chip
     }

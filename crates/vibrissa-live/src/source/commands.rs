@@ -5,9 +5,9 @@ use super::serial::SerialPort;
 use crate::{Error, Result};
 use std::path::Path;
 use std::time::{Duration, Instant};
+use vibrissa_head::Damage;
 use vibrissa_head::LONGEST;
 use vibrissa_head::command::{Command, RATES, Refusal};
-use vibrissa_head::Damage;
 use vibrissa_head::frame::{Identity, Message, Reading};
 
 /// How long one look for bytes takes.

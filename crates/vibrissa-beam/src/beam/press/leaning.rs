@@ -12,7 +12,7 @@
 //! | across the axis in the plane, from above | `(cos delta sin² e, sin delta) / sin psi` |
 //! | share of the moment that is read | `(cos r sin delta - sin r sin e cos delta) / sin psi` |
 //!
-//! A whisker bends towards the force, or, curled, away from it, as the wall of the direction `2 pi - psi` does in the mirror image. Where the
+//! The share's derivative by `delta` is `sin e (cos r sin e cos delta + sin r sin delta) / sin³ psi`. A whisker bends towards the force, or, curled, away from it, as the wall of the direction `2 pi - psi` does in the mirror image. Where the
 //! share vanishes any moment may be behind a reading of zero.
 
 use super::slice::{PressEntry, PressSlice};
@@ -79,15 +79,14 @@ impl LeaningPressTable {
         let (from, to) = (index as f64 * width, (index + 1) as f64 * width);
         let (first, last) = (from + INSIDE, to - INSIDE);
         let sine = self.sine(first).min(self.sine(last)).max(0.0);
-        let bucket = Bucket { from, to, sine, share: self.shares(from, to, sine, self.sine(first).max(self.sine(last))) };
+        let bucket = Bucket { from, to, sine, share: self.shares(from, to, sine) };
         let ends = [self.psi(first), self.psi(last)];
         let slack = 2.0 * INSIDE;
         let (least, most) = (ends[0].min(ends[1]) - slack, ends[0].max(ends[1]) + slack);
         let (mut entries, mut found) = (Vec::new(), Vec::new());
-        for (towards, share, psi) in [
-            (1.0, bucket.share, (least, most)),
-            (-1.0, (-bucket.share.1, -bucket.share.0), (TAU - most, TAU - least)),
-        ] {
+        for (towards, share, psi) in
+            [(1.0, bucket.share, (least, most)), (-1.0, (-bucket.share.1, -bucket.share.0), (TAU - most, TAU - least))]
+        {
             found.clear();
             let columns = self.table.columns(psi.0, psi.1);
             for_each_moment((lo, hi), share, self.largest_of_tips, |moments| {
@@ -108,22 +107,26 @@ impl LeaningPressTable {
         math::atan2(self.sine(delta), self.elevation.1 * math::cos(delta))
     }
 
-    /// The shares of the moment that are read over a bucket.
-    fn shares(&self, from: f64, to: f64, least: f64, most: f64) -> (f64, f64) {
-        let read = |delta: f64| {
-            let (sin, cos) = math::sin_cos(delta);
-            self.roll.1 * sin - self.roll.0 * self.elevation.0 * cos
-        };
-        let (a, b) = (read(from), read(to));
-        // A wave of an amplitude of 1 or less between its ends.
-        let wave = 0.125 * (to - from) * (to - from);
-        let (low, high) = (a.min(b) - wave, a.max(b) + wave);
-        if least < 1e-6 {
-            // Along the axis of a level whisker; only the sign may be known.
-            return (if low >= 0.0 { 0.0 } else { -1.0 }, if high <= 0.0 { 0.0 } else { 1.0 });
+    /// The shares of the moment that are read over a bucket of directions, in which the sine of `psi` is no less than `sine`.
+    fn shares(&self, from: f64, to: f64, sine: f64) -> (f64, f64) {
+        let (sin_e, (sin_r, cos_r)) = (self.elevation.0, self.roll);
+        let (first, last) = (from + INSIDE, to - INSIDE);
+        let part = |along: f64, across: f64, delta: f64| along * math::cos(delta) + across * math::sin(delta);
+        let read = |delta: f64| part(-sin_r * sin_e, cos_r, delta);
+        if sine < 1e-6 {
+            // Along the axis of a level whisker the plane turns at once: only the sign may be known.
+            let (low, high) = (read(from).min(read(to)), read(from).max(read(to)));
+            return (if low >= -1e-9 { 0.0 } else { -1.0 }, if high <= 1e-9 { 0.0 } else { 1.0 });
         }
-        let over = |value: f64, best: f64, worst: f64| value / if value > 0.0 { best } else { worst };
-        (over(low, most, least).max(-1.0), over(high, least, most).min(1.0))
+        let [a, b] = [first, last].map(|delta| read(delta) / self.sine(delta));
+        let (low, high) = (a.min(b) - 1e-6, a.max(b) + 1e-6);
+        // The derivative is this times the sine of the elevation over the cube of that of psi; where it changes its sign all is read.
+        let rises = |delta: f64| part(cos_r * sin_e, sin_r, delta) * sin_e;
+        match (rises(from) >= 0.0) == (rises(to) >= 0.0) {
+            true => (low.max(-1.0), high.min(1.0)),
+            false if a + b > 0.0 => (low.max(-1.0), 1.0),
+            false => (-1.0, high.min(1.0)),
+        }
     }
 
     /// Across the axis in the plane of a direction, from above.
@@ -180,12 +183,7 @@ impl LeaningPressTable {
             (at(delta) - center - by_direction * (delta - middle)).norm()
         };
         let bent = [0.25, 0.5, 0.75].map(off).into_iter().fold(0.0, f64::max);
-        Some(PressEntry {
-            center,
-            by_direction,
-            radius: entry.radius + SAFETY * bent + thick + ROUNDING,
-            ..shape
-        })
+        Some(PressEntry { center, by_direction, radius: entry.radius + SAFETY * bent + thick + ROUNDING, ..shape })
     }
 }
 
