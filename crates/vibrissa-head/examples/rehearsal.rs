@@ -9,7 +9,7 @@ use vibrissa_head::simulated::Rehearsal;
 fn main() {
     let file = std::env::args().nth(1).unwrap();
     let text = std::fs::read_to_string(file).unwrap();
-    let mut rehearsal = Rehearsal::new(300, 0.025);
+    let mut rehearsal = Rehearsal::new(300, 0.006);
     for (slot, line) in text.lines().enumerate() {
         let moment = line.parse::<i32>().unwrap();
         let Some(message) = rehearsal.slot(slot, f64::from(moment) * 1e-9, true) else { continue };

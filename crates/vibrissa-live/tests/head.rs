@@ -23,7 +23,7 @@ use vibrissa_live::source::{Arrived, Chunk};
 /// The moments of the demo's sweep at a third of its speed (nN m), one a line: what the emulated processor feels, too.
 const MOMENTS: &str = "../../firmware/moments.txt";
 /// Largest moment that the simulated sensor is calibrated for (N m).
-const LARGEST: f64 = 0.025;
+const LARGEST: f64 = 0.006;
 
 /// The packets of a head.
 fn packets(moments: &[f64], faulty: bool) -> Vec<u8> {

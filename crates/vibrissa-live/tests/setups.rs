@@ -9,7 +9,7 @@
 )]
 
 use vibrissa::Method;
-use vibrissa::world::{MountedWhisker, Robot};
+use vibrissa::world::{Lean, MountedWhisker, Robot};
 use vibrissa_live::decode::WireFormat;
 use vibrissa_live::setup::from_toml;
 use vibrissa_live::source::Wire;
@@ -159,6 +159,16 @@ fn readings_of_a_whisker_that_the_robot_does_not_have_are_refused_before_anythin
     let two = Robot { whiskers: vec![MountedWhisker::default(); 2], ..Robot::default() };
     let error = from_toml(WHOLE, "live.toml").unwrap().fits(&two).unwrap_err().to_string();
     assert!(error.contains("does not say whose readings it holds"), "{error}");
+}
+
+#[test]
+fn whiskers_that_lean_are_for_the_methods_that_take_them() {
+    let leaning = MountedWhisker { lean: Lean { elevation: 0.3, roll: 0.0 }, ..MountedWhisker::default() };
+    let robot = Robot { whiskers: vec![leaning], ..Robot::default() };
+    assert!(from_toml(WHOLE, "live.toml").unwrap().fits(&robot).is_ok(), "by the possibilistic method");
+    let text = WHOLE.replace("method = \"possibilistic\"", "method = \"probabilistic\"");
+    let error = from_toml(&text, "live.toml").unwrap().fits(&robot).unwrap_err().to_string();
+    assert!(error.contains("leans out of the horizontal") && error.contains("possibilistic"), "{error}");
 }
 
 #[test]

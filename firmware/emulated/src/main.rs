@@ -22,7 +22,7 @@ static NOTHING: LlffHeap = LlffHeap::empty();
 const MOMENTS: &str = include_str!("../../moments.txt");
 /// Readings a second (Hz), and the largest moment of the calibration (N m): those of the host's run.
 const RATE: u16 = 300;
-const LARGEST: f64 = 0.025;
+const LARGEST: f64 = 0.006;
 
 #[entry]
 fn main() -> ! {

@@ -170,7 +170,7 @@ fn figure(chain: &SensingChain, whisker: &Whisker, design: &SensorDesign, larges
         100.0 * design.share,
         1e6 * design.resolution[0],
         1e3 * design.tip_noise,
-        of_rounding(noise)
+        if noise > 0.0 { "" } else { " by rounding" }
     );
     let description = "Noise at the tip, share of the chip's range and field over the distance from magnet to chip.";
     Ok(plots_figure("Where the chip belongs", &notes, description, &plots))
