@@ -165,12 +165,11 @@ fn figure(chain: &SensingChain, whisker: &Whisker, design: &SensorDesign, larges
         plot("field without contact (mT)", |d| 1e3 * d.rest.iter().map(|b| b * b).sum::<f64>().sqrt(), None),
     ];
     let notes = format!(
-        "{:.1} mm: {:.0} % of the range, {:.2} uN m a count, {:.4} mm of noise at the tip{}",
+        "{:.1} mm: {:.0} % of the range, {:.2} uN m a count, {:.4} mm of noise at the tip",
         1e3 * design.distance,
         100.0 * design.share,
         1e6 * design.resolution[0],
-        1e3 * design.tip_noise,
-        if noise > 0.0 { "" } else { " by rounding" }
+        1e3 * design.tip_noise
     );
     let description = "Noise at the tip, share of the chip's range and field over the distance from magnet to chip.";
     Ok(plots_figure("Where the chip belongs", &notes, description, &plots))
