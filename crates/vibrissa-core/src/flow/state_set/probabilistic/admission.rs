@@ -17,6 +17,9 @@ pub(super) struct Admission<'a> {
     asked: Vec<(usize, f64)>,
 }
 
+/// Whether the odometry frame may be there.
+pub(super) type Admits<'a> = dyn Fn(Pose2) -> bool + Sync + 'a;
+
 impl<'a> Admission<'a> {
     /// Of modes that have been fitted to all rows.
     pub(super) fn new(scene: &'a Scene<'a>, window: &'a LogWindow) -> Self {

@@ -17,6 +17,7 @@ use crate::beam::{TipModel, TipTable};
 use crate::config::{ProbabilisticOptions, UndeclaredErrors};
 use crate::contact::follow::{Mechanics, WhiskerState};
 use crate::contact::{Boundaries, SensedQuantity};
+use crate::coroutine::{Pace, completed};
 use crate::flow::pose::Stretch;
 use crate::flow::prior;
 use crate::plane::{Bounds, Pose2, Vec2, wrap_angle};
@@ -102,6 +103,8 @@ pub(super) struct Scene<'a> {
     pub(super) unknowns: Unknowns,
     /// What is taken off the readings of each sensor, once it is known.
     pub(super) tare: Option<Vec<f64>>,
+    /// When work pauses.
+    pub(super) pace: Pace,
 }
 
 impl<'a> Scene<'a> {
@@ -149,6 +152,7 @@ impl<'a> Scene<'a> {
             solver: Mechanics::Table(&self.table),
             noise_model: self.options.noise_model,
             whole: true,
+            pace: &self.pace,
         }
     }
 }
@@ -231,6 +235,7 @@ impl<'a> MultiHypothesisSmoother<'a> {
             senses,
             whiskers,
             unknowns,
+            pace: Pace::default(),
         };
         Self {
             scene,
@@ -314,7 +319,7 @@ impl<'a> MultiHypothesisSmoother<'a> {
     }
 
     /// Waits until the contact tells enough, or has ended.
-    fn press(&mut self, at_end: bool) -> StepOutcome {
+    async fn press(&mut self, at_end: bool) -> StepOutcome {
         let Phase::Pressing { sensor, onset, from_free, travelled, .. } = self.phase else {
             return StepOutcome::Nothing;
         };
@@ -344,7 +349,7 @@ impl<'a> MultiHypothesisSmoother<'a> {
             None => Box::new(GridSearch::new(&self.scene.model(&self.window, 0), onset, self.symmetries())),
         };
         self.phase = Phase::Searching { search, travelled, ended };
-        self.search(if at_end { usize::MAX } else { SLICE })
+        self.search(if at_end { usize::MAX } else { SLICE }).await
     }
 
     /// The symmetries of the map, if nothing tells its images apart.
@@ -380,7 +385,7 @@ impl<'a> MultiHypothesisSmoother<'a> {
     }
 
     /// Looks for modes with this much work.
-    fn search(&mut self, mut work: usize) -> StepOutcome {
+    async fn search(&mut self, mut work: usize) -> StepOutcome {
         let by_symmetry = self.symmetries().is_some();
         let Self { scene, window, phase, .. } = self;
         let Phase::Searching { search, travelled, ended } = phase else { return StepOutcome::Nothing };
@@ -389,7 +394,7 @@ impl<'a> MultiHypothesisSmoother<'a> {
         let row = search.onset().row;
         let admits = |frame: Pose2| admission.satisfies_prior(frame) && admission.origin_is_free(frame, row);
         let is_last = *ended || self.patience >= MOST_PATIENCE;
-        if !search.step(&model, &admits, is_last, &mut work) {
+        if !search.step(&model, &admits, is_last, &mut work).await {
             return StepOutcome::Nothing;
         }
         let travelled = *travelled;
@@ -422,11 +427,11 @@ impl<'a> MultiHypothesisSmoother<'a> {
         let mut bank = Bank::new(cells.into_iter().map(mode).collect(), by_symmetry);
         bank.begin(&model, &|frame| admission.is_allowed(frame));
         self.phase = Phase::Tracking(Box::new(bank));
-        self.fit(work)
+        self.fit(work).await
     }
 
     /// Goes on fitting modes with this much work.
-    fn fit(&mut self, mut work: usize) -> StepOutcome {
+    async fn fit(&mut self, mut work: usize) -> StepOutcome {
         let Self { scene, window, phase, .. } = self;
         let Phase::Tracking(bank) = phase else { return StepOutcome::Nothing };
         let model = scene.model(window, 0);
@@ -435,23 +440,23 @@ impl<'a> MultiHypothesisSmoother<'a> {
             return StepOutcome::Nothing;
         }
         let was_fitted = bank.is_fitted;
-        if !bank.advance(&model, &|frame| admission.is_allowed(frame), Effort::ONLINE, &mut work) {
+        if !bank.advance(&model, &|frame| admission.is_allowed(frame), Effort::ONLINE, &mut work).await {
             return StepOutcome::Nothing;
         }
         if was_fitted {
-            return self.judge();
+            return self.judge().await;
         }
         let count = bank.modes.len() * bank.times(&scene.symmetries);
         if count == 0 {
             self.begin_again();
             return StepOutcome::Lost;
         }
-        self.keep_explained();
+        self.keep_explained().await;
         StepOutcome::Started(count)
     }
 
     /// Fits the modes when enough rows have come.
-    fn track(&mut self) -> StepOutcome {
+    async fn track(&mut self) -> StepOutcome {
         let Self { scene, window, phase, tracked, .. } = self;
         let Phase::Tracking(bank) = phase else { return StepOutcome::Nothing };
         *tracked += 1;
@@ -464,31 +469,31 @@ impl<'a> MultiHypothesisSmoother<'a> {
         let full = window.len() > scene.window();
         if !full && (bank.is_busy() || window.len() < bank.seen + TAKEN_TOGETHER) {
             let work = if bank.is_fitted { FITTED } else { SLICE };
-            return if bank.is_busy() { self.fit(work) } else { StepOutcome::Nothing };
+            return if bank.is_busy() { self.fit(work).await } else { StepOutcome::Nothing };
         }
         let model = scene.model(window, 0);
         let admission = Admission::of_cells(scene, window);
         let admits = |frame: Pose2| admission.is_allowed(frame);
         if !full {
             bank.begin(&model, &admits);
-            return self.fit(FITTED);
+            return self.fit(FITTED).await;
         }
-        bank.extend(&model, &admits, Effort::ONLINE);
-        bank.converge(&model);
-        bank.marginalise(&model, scene.window() / 4, FORGETTING);
+        bank.extend(&model, &admits, Effort::ONLINE).await;
+        bank.converge(&model).await;
+        bank.marginalise(&model, scene.window() / 4, FORGETTING).await;
         self.explained = None;
         self.marginalised = true;
         window.forget(scene.window() / 4);
-        self.judge()
+        self.judge().await
     }
 
     /// Looks whether the best mode explains the last rows. Where a sensor's are not explained after a contact that was, the whisker is in
     /// one that the model does not cover, and its readings say nothing of the place until it is free; otherwise the modes are wrong.
-    fn judge(&mut self) -> StepOutcome {
-        match self.unexplained() {
+    async fn judge(&mut self) -> StepOutcome {
+        match self.unexplained().await {
             None => {
                 self.believed = self.best();
-                self.keep_explained();
+                self.keep_explained().await;
                 StepOutcome::Updated
             }
             Some(Some((sensor, from))) => {
@@ -512,18 +517,18 @@ impl<'a> MultiHypothesisSmoother<'a> {
     }
 
     /// Keeps the modes where the best one explains what has just come.
-    fn keep_explained(&mut self) {
+    async fn keep_explained(&mut self) {
         let Self { scene, window, phase, explained, .. } = self;
         let Phase::Tracking(bank) = phase else { return };
         let before = explained.as_ref().map_or(0, |(_, rows)| *rows);
-        if bank.modes.len() <= MANY_KEPT && bank.explains_from(&scene.model(window, 0), before) {
+        if bank.modes.len() <= MANY_KEPT && bank.explains_from(&scene.model(window, 0), before).await {
             *explained = Some((bank.clone(), bank.seen));
         }
     }
 
     /// The places by the modes before a contact at the end of the log which none of them explains: the model does not cover it, and nothing
     /// has come after it. None where that is not so, or does not explain the rest.
-    fn before_unexplained_end(&mut self) -> Option<(Vec<PosteriorPlace>, Option<Fit>)> {
+    async fn before_unexplained_end(&mut self) -> Option<(Vec<PosteriorPlace>, Option<Fit>)> {
         let (bank, from) = self.explained.take()?;
         let last = self.window.len() - 1;
         let touching: Vec<usize> = (0..self.touching.len()).filter(|&sensor| self.touching[sensor] > 0).collect();
@@ -531,11 +536,11 @@ impl<'a> MultiHypothesisSmoother<'a> {
             return None;
         }
         let after = core::mem::replace(&mut self.phase, Phase::Tracking(bank));
-        if self.ends_unexplained(from) && touching.iter().any(|&sensor| self.may_touch_twice(sensor, from)) {
+        if self.ends_unexplained(from).await && touching.iter().any(|&sensor| self.may_touch_twice(sensor, from)) {
             for &sensor in &touching {
                 (from..=last).for_each(|row| self.window.set_aside(row, sensor));
             }
-            let told = self.choose();
+            let told = self.choose().await;
             if told.1.as_ref().is_some_and(|fit| fit.agrees() && fit.touching >= EXPLAINED) {
                 self.left_out.push(Stretch { from: self.window.time(from), to: self.window.time(last) });
                 return Some(told);
@@ -549,11 +554,11 @@ impl<'a> MultiHypothesisSmoother<'a> {
     }
 
     /// Whether the best mode does not explain the last readings, of those from this row on.
-    fn ends_unexplained(&mut self, from: usize) -> bool {
+    async fn ends_unexplained(&mut self, from: usize) -> bool {
         let Self { scene, window, phase, .. } = self;
         let Phase::Tracking(bank) = phase else { return false };
         let rows: Vec<usize> = bank.rows.iter().copied().filter(|&row| row < from).chain(from..window.len()).collect();
-        let told = bank.run_rows(&scene.model(window, 0), &rows);
+        let told = bank.run_rows(&scene.model(window, 0), &rows).await;
         let last = told.rows.iter().rev().take(CONTACT_ROWS * scene.sensors.len());
         last.filter(|row| is_off(row)).count() >= CONTACT_ROWS
     }
@@ -579,13 +584,13 @@ impl<'a> MultiHypothesisSmoother<'a> {
     }
 
     /// What the best mode does not explain, if it is anything: a sensor's readings from a row on, where that contact can be left out, or all.
-    fn unexplained(&mut self) -> Option<Option<(usize, usize)>> {
+    async fn unexplained(&mut self) -> Option<Option<(usize, usize)>> {
         let Phase::Tracking(bank) = &mut self.phase else { return None };
         let model = self.scene.model(&self.window, 0);
         if bank.modes.is_empty() {
             return Some(None);
         }
-        let told = bank.run(&model);
+        let told = bank.run(&model).await;
         let found = (0..self.scene.sensors.len()).find_map(|sensor| {
             let own: Vec<&Row> = told.rows.iter().filter(|row| row.sensor == sensor).collect();
             let last = own.len().checked_sub(WATCHED)?;
@@ -655,11 +660,11 @@ impl<'a> MultiHypothesisSmoother<'a> {
     }
 
     /// The places by the modes at the end of the log.
-    fn choose(&mut self) -> (Vec<PosteriorPlace>, Option<Fit>) {
+    async fn choose(&mut self) -> (Vec<PosteriorPlace>, Option<Fit>) {
         let Self { scene, window, phase, .. } = self;
         let Phase::Tracking(bank) = phase else { return (Vec::new(), None) };
         let had_any = !bank.modes.is_empty();
-        let told = places::choose(bank, scene, window);
+        let told = places::choose(bank, scene, window).await;
         self.emptied_at_end |= had_any && told.0.is_empty();
         told
     }
@@ -672,14 +677,16 @@ impl<'a> MultiHypothesisSmoother<'a> {
         }
     }
 
-    /// The odometry frame in the map frame by each mode.
-    fn frames(&self) -> Vec<Pose2> {
+    /// The odometry frame in the map frame by each mode, or by so many of them.
+    fn frames(&self, most: usize) -> Vec<Pose2> {
         let Some(bank) = self.bank() else { return Vec::new() };
+        let step = bank.modes.len().div_ceil(most).max(1);
         let last = self.window.len() - 1;
         let model = self.scene.model(&self.window, 0);
         let times = bank.times(&self.scene.symmetries);
         let images = |frame: Pose2| self.scene.symmetries.images(frame).take(times);
-        bank.modes.iter().flat_map(|mode| images(model.anchored(&mode.state, last).frame)).collect()
+        let some = bank.modes.iter().step_by(step);
+        some.flat_map(|mode| images(model.anchored(&mode.state, last).frame)).collect()
     }
 
     /// The best mode now: the odometry frame in the map frame.
@@ -690,6 +697,11 @@ impl<'a> MultiHypothesisSmoother<'a> {
 }
 
 impl MultiHypothesisSmoother<'_> {
+    /// What its work pauses by.
+    pub(crate) fn pace(&self) -> Pace {
+        self.scene.pace.clone()
+    }
+
     /// How many rows are kept: as many as the window, and a few.
     #[must_use]
     pub fn rows_kept(&self) -> usize {
@@ -741,6 +753,17 @@ impl MultiHypothesisSmoother<'_> {
     /// Takes in one row: its time (s), the robot in the odometry frame, one reading for each sense (N m, N, rad), and the absolute
     /// heading (map frame, rad) where there is one.
     pub fn step(&mut self, t: f64, odom_from_robot: Pose2, readings: &[f64], heading: Option<f64>) -> StepOutcome {
+        completed(self.step_in_pieces(t, odom_from_robot, readings, heading))
+    }
+
+    /// The same at its pace.
+    pub(crate) async fn step_in_pieces(
+        &mut self,
+        t: f64,
+        odom_from_robot: Pose2,
+        readings: &[f64],
+        heading: Option<f64>,
+    ) -> StepOutcome {
         let sensors = &self.scene.sensors;
         let mut readings: Vec<f64> = readings.iter().zip(sensors).map(|(m, f)| m * f.per_reading).collect();
         if let Some(tare) = &self.scene.tare {
@@ -789,24 +812,34 @@ impl MultiHypothesisSmoother<'_> {
                     let newest = self.window.len() - 2;
                     self.window.drop_row(newest);
                 }
-                self.press(false)
+                self.press(false).await
             }
-            Phase::Searching { .. } => self.search(SLICE),
-            Phase::Tracking(_) => self.track(),
+            Phase::Searching { .. } => self.search(SLICE).await,
+            Phase::Tracking(_) => self.track().await,
         }
     }
 
     /// The robot's pose by each mode, with the odometry at `odom_from_robot`.
     #[must_use]
     pub fn states(&self, odom_from_robot: Pose2) -> Vec<Pose2> {
-        self.frames().into_iter().map(|frame| frame.compose(odom_from_robot)).collect()
+        self.some_states(odom_from_robot, usize::MAX)
+    }
+
+    /// The same by so many of the modes at most.
+    pub(crate) fn some_states(&self, odom_from_robot: Pose2, most: usize) -> Vec<Pose2> {
+        self.frames(most).into_iter().map(|frame| frame.compose(odom_from_robot)).collect()
     }
 
     /// Area of the modes' projection onto the plane (m²) and their volume (m² rad): ellipses that hold 95 %.
     #[must_use]
     pub fn size(&self) -> (f64, f64) {
+        completed(self.size_in_pieces())
+    }
+
+    /// The same at its pace.
+    pub(crate) async fn size_in_pieces(&self) -> (f64, f64) {
         let Some(bank) = self.bank().filter(|bank| bank.is_whole()) else { return (0.0, 0.0) };
-        let (area, volume) = places::size(bank, &self.scene.model(&self.window, 0));
+        let (area, volume) = places::size(bank, &self.scene.model(&self.window, 0)).await;
         let times = bank.times(&self.scene.symmetries) as f64;
         (times * area, times * volume)
     }
@@ -821,15 +854,20 @@ impl MultiHypothesisSmoother<'_> {
 
     /// Ends the log: every mode moved to its least cost over all rows that are kept, weighed and grouped; and how well the best one fits.
     pub fn finish(&mut self) -> (Vec<PosteriorPlace>, Option<Fit>) {
-        let mut outcomes = vec![self.search(usize::MAX)];
+        completed(self.finish_in_pieces())
+    }
+
+    /// The same at its pace.
+    pub(crate) async fn finish_in_pieces(&mut self) -> (Vec<PosteriorPlace>, Option<Fit>) {
+        let mut outcomes = vec![self.search(usize::MAX).await];
         if matches!(self.phase, Phase::Pressing { .. }) {
-            outcomes.push(self.press(true));
+            outcomes.push(self.press(true).await);
         }
-        outcomes.push(self.fit(usize::MAX));
+        outcomes.push(self.fit(usize::MAX).await);
         self.emptied_at_end = outcomes.contains(&StepOutcome::Lost);
-        let mut told = self.choose();
+        let mut told = self.choose().await;
         if told.1.as_ref().is_some_and(|fit| !fit.agrees())
-            && let Some(before) = self.before_unexplained_end()
+            && let Some(before) = self.before_unexplained_end().await
         {
             return before;
         }
@@ -837,18 +875,18 @@ impl MultiHypothesisSmoother<'_> {
             && longest_contact(&self.window, &self.scene.sensors, &self.searched).is_some()
         {
             self.relocalize();
-            self.search(usize::MAX);
-            let other = self.choose();
+            self.search(usize::MAX).await;
+            let other = self.choose().await;
             if other.1.as_ref().zip(told.1.as_ref()).is_some_and(|(new, old)| new.beyond < old.beyond) {
                 told = other;
             }
         }
-        self.elsewhere().unwrap_or(told)
+        self.elsewhere().await.unwrap_or(told)
     }
 
     /// Places that explain a contact which is left out at the end of the log as one that the model covers: the robot was carried there. None
     /// where it is shorter than the whisker, since little is explained anywhere.
-    fn elsewhere(&mut self) -> Option<(Vec<PosteriorPlace>, Option<Fit>)> {
+    async fn elsewhere(&mut self) -> Option<(Vec<PosteriorPlace>, Option<Fit>)> {
         let (sensor, last) = (self.aside.iter().position(|&left| left > 0)?, self.window.len() - 1);
         let row = (0..=last).rev().find(|&row| !self.window.is_aside(row, sensor)).map_or(0, |row| row + 1);
         let length = self.scene.sensors[sensor].length;
@@ -860,9 +898,9 @@ impl MultiHypothesisSmoother<'_> {
         self.window.take_all();
         self.forget(row);
         self.phase = Phase::Pressing { sensor, onset: 0, from_free: false, travelled: 0.0, search: None };
-        self.press(true);
-        self.fit(usize::MAX);
-        let other = self.choose();
+        self.press(true).await;
+        self.fit(usize::MAX).await;
+        let other = self.choose().await;
         let explains = other.1.as_ref().is_some_and(|fit| fit.agrees() && fit.touching >= EXPLAINED);
         explains.then(|| {
             (self.abandoned, self.carried) = (believed.or(self.abandoned), Some(t));
