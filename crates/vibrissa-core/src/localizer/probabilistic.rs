@@ -125,6 +125,9 @@ impl Estimator for ProbabilisticEstimator<'_> {
 
     fn begin(&mut self, row: &LogRow) -> Result<()> {
         self.rest();
+        if !self.record.as_ref().is_some_and(|record| record.is_due()) {
+            return self.step(row);
+        }
         self.remember();
         let (mut record, taken) = self.take(row)?;
         self.row = Some(Coroutine::new(record.pace(), async move {

@@ -328,6 +328,11 @@ impl Record<'_> {
         Ok(TakenRow { t: row.t, odom, readings, heading: row.heading.filter(|h| h.is_finite()) })
     }
 
+    /// Whether the next row may bring work that takes long.
+    pub(super) fn is_due(&self) -> bool {
+        self.set.is_due()
+    }
+
     /// Does the work of a row.
     pub(super) async fn work(&mut self, row: TakenRow) {
         let TakenRow { t, odom, readings, heading } = row;

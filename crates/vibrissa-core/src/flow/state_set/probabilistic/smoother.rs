@@ -697,6 +697,16 @@ impl<'a> MultiHypothesisSmoother<'a> {
 }
 
 impl MultiHypothesisSmoother<'_> {
+    /// Whether the next row may bring work that takes long: others are kept until there are enough of them.
+    pub(crate) fn is_due(&self) -> bool {
+        let next = self.window.len() + 1;
+        match &self.phase {
+            Phase::Waiting => false,
+            Phase::Pressing { .. } | Phase::Searching { .. } => true,
+            Phase::Tracking(bank) => bank.is_busy() || next >= bank.seen + TAKEN_TOGETHER || next > self.scene.window(),
+        }
+    }
+
     /// What its work pauses by.
     pub(crate) fn pace(&self) -> Pace {
         self.scene.pace.clone()
