@@ -1,7 +1,7 @@
 //! Where the robot can have been: within the region of the first pose, in free space, and where absolute headings point.
 
 use super::log_window::LogWindow;
-use super::smoother::Scene;
+use super::scene::Scene;
 use crate::plane::{Pose2, Vec2, wrap_angle};
 
 /// Rows at which a mode's whisker bases and origin are asked, at most.

@@ -9,7 +9,7 @@ use super::log_window::LogWindow;
 use super::map_symmetry::MapSymmetries;
 use super::measurement::{Linearisation, MeasurementModel, Row, difference, moved};
 use super::optimisation::{Mode, Rerun};
-use super::smoother::Scene;
+use super::scene::Scene;
 use super::unknowns::{POSE, Parameter};
 use super::unobservable::{CurveTracer, Metric};
 use crate::config::NoiseAssumption;
