@@ -151,7 +151,7 @@ class MountedWhisker:
     mount: tuple[float, float, float] = _MOUNTED["mount"]
     """robot_from_whisker: x (m), y (m), theta (rad)."""
     elevation: float = _MOUNTED["elevation"]
-    """Angle of its axis above the horizontal (rad); the deterministic method alone takes other values than 0."""
+    """Angle of its axis above the horizontal (rad); the deterministic and the possibilistic method take other values than 0."""
     roll: float = _MOUNTED["roll"]
     """Turn of its sensor about the axis (rad), from left towards up; likewise."""
     friction: float = _MOUNTED["friction"]
