@@ -192,11 +192,15 @@ fn all_of_a_sweep(name: &str, whiskers: &str) {
         let film = fs::read_to_string(there.join("localization.html")).unwrap();
         assert!(film.contains("const frames = [[") && film.len() < 3_000_000, "{}", film.len());
     }
-    for command in ["contact", "profile"] {
-        let there = folder(&format!("{name}-{command}"));
-        run(&[command, &log, "--robot", &robot], &there);
+    let commands: [&[&str]; 4] = [&["contact"], &["contact", "--filter"], &["profile"], &["map"]];
+    for command in commands {
+        let there = folder(&format!("{name}-{}", command.join("")));
+        run(&[command, &[&log, "--robot", &robot]].concat(), &there);
         check(&there);
     }
+    let there = folder(&format!("{name}-plan"));
+    run(&["plan", &log, "--map", &map, "--robot", &robot, "--budget", "2000"], &there);
+    check(&there);
     let slices: [&[&str]; 2] = [&[], &["--heading", "-115 deg"]];
     for (kind, more) in ["strip", "slice"].into_iter().zip(slices) {
         let there = folder(&format!("{name}-{kind}"));

@@ -57,6 +57,14 @@ def test_copies_in_other_processes_are_the_same(demo: vibrissa.Demo) -> None:
     arena, log = pickle.loads(pickle.dumps((demo.map, demo.sweep.log)))
     assert arena._parts() == demo.map._parts() and arena.bounds == demo.map.bounds
     assert log.to_csv() == demo.sweep.log.to_csv() and log.warnings == demo.sweep.log.warnings
+    text = '''{"type": "FeatureCollection", "features": [{"type": "Feature", "properties":
+        {"role": "arena", "name": "room", "band": 0.002, "unknown": [[1, 2]], "unknown_depth": 0.05},
+        "geometry": {"type": "Polygon", "coordinates": [[[0, 0], [1, 0], [1, 1], [0, 1], [0, 0]]]}}]}'''
+    inexact = vibrissa.Map.from_geojson(text)
+    copy = pickle.loads(pickle.dumps(inexact))
+    assert copy._parts() == inexact._parts() and copy.to_geojson() == inexact.to_geojson()
+    bands, unknown = copy.bands()
+    assert len(bands) >= 4 and len(unknown) == 1 and "\"name\": \"room\"" in copy.to_geojson()
     again = vibrissa.localize(log, arena)
     assert again.estimate == demo.answer.estimate
     answer = pickle.loads(pickle.dumps(demo.answer))
