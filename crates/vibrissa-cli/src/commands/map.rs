@@ -3,7 +3,7 @@
 use super::localize::outlines;
 use super::logs::{Felt, OutlineArgs};
 use crate::interrupt::{Heedful, stop};
-use crate::output::{OutputArgs, print, progress, warn, write_all};
+use crate::output::{OutputArgs, counted, print, progress, warn, write_all};
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -97,13 +97,13 @@ fn captions(found: &Mapped, compared: Option<&Alignment>) -> Vec<String> {
     let count = |verdict| found.closures.iter().filter(|closure| closure.verdict == verdict).count();
     let mut lines = vec![
         format!(
-            "{} boundaries: {known:.3} m of wall known, {unknown:.3} m unknown, {} corner(s) found",
-            found.outline.map.boundaries().len(),
-            found.outline.corners.len()
+            "{}: {known:.3} m of wall known, {unknown:.3} m unknown, {} found",
+            counted(found.outline.map.boundaries().len(), "boundary", "boundaries"),
+            counted(found.outline.corners.len(), "corner", "corners")
         ),
         format!(
-            "came back: {} place(s) proved, {} not told from others",
-            count(ClosureVerdict::Proved),
+            "came back: {} proved, {} not told from others",
+            counted(count(ClosureVerdict::Proved), "place", "places"),
             count(ClosureVerdict::Hypothesis) + count(ClosureVerdict::Unfinished)
         ),
     ];
@@ -128,7 +128,8 @@ fn told(closure: &Closure) -> String {
     match closure.verdict {
         ClosureVerdict::Proved => format!("{when}: proved, within {size}"),
         ClosureVerdict::Hypothesis => {
-            format!("{when}: a hypothesis, {} separate place(s) within {size}", closure.places)
+            let places = counted(closure.places, "separate place", "separate places");
+            format!("{when}: a hypothesis, {places} within {size}")
         }
         ClosureVerdict::Contradiction => format!("{when}: contradicts the declared odometry bounds"),
         ClosureVerdict::Unfinished => format!("{when}: a hypothesis, the search for other places was cut short"),

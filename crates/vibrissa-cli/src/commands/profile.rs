@@ -3,7 +3,7 @@
 use super::localize::outlines;
 use super::logs::{Felt, OutlineArgs};
 use crate::interrupt::{Heedful, stop};
-use crate::output::{OutputArgs, print, progress, warn, write_all};
+use crate::output::{OutputArgs, counted, print, progress, warn, write_all};
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -105,10 +105,10 @@ fn caption(found: &Profile, compared: Option<&Alignment>) -> Vec<String> {
     }
     let total: f64 = found.outlines.iter().map(length).fold(0.0, |sum, l| sum + l);
     let mut lines = vec![format!(
-        "{} outline(s), {:.1} mm in all; {} point(s) felt with the side; {} of {} steps on no outline",
-        found.outlines.len(),
+        "{}, {:.1} mm in all; {} felt with the side; {} of {} steps on no outline",
+        counted(found.outlines.len(), "outline", "outlines"),
         1e3 * total,
-        found.pegs.len(),
+        counted(found.pegs.len(), "point", "points"),
         found.left_out,
         found.contacts
     )];

@@ -103,13 +103,13 @@ impl FreeWhisker {
         self.log(&vec![0.0; rows])
     }
 
-    /// A log of [`ROWS`] rows in which the whisker is touched now and then, by twice to six times what a free one may read; and how often.
-    pub(crate) fn touched(&mut self) -> (SensorLog, usize) {
-        let (mut moments, mut touches, mut row) = (vec![0.0; ROWS], 0, 0);
+    /// A log of so many rows in which the whisker is touched now and then, by twice to six times what a free one may read; and how often.
+    pub(crate) fn touched(&mut self, rows: usize) -> (SensorLog, usize) {
+        let (mut moments, mut touches, mut row) = (vec![0.0; rows], 0, 0);
         loop {
             row += (RATE * self.random.between(0.5, 3.0)) as usize;
             let long = 1 + (60.0 * self.random.unit()) as usize;
-            if row + long + 10 > ROWS {
+            if row + long + 10 > rows {
                 return (self.log(&moments), touches);
             }
             let size = self.random.between(2.0 + 1e-9, 6.0) * self.law.level();
