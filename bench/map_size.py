@@ -1,6 +1,6 @@
 """What a localization costs as the map grows, and as the bound on readings does: tables in Markdown.
 
-Usage: VIBRISSA=target/release/vibrissa python3 bench/map_size.py
+Usage: VIBRISSA=target/release/vibrissa python3 bench/map_size.py [--write docs/which-method.md]
 
 Wavy outlines of a given length in edges of 2 mm, drawn from a fixed seed; the whisker is dragged along 220 mm of wall (220 rows at
 300 Hz) by our simulator. Processor time of one thread, the map's reading among it, and the largest memory of the process.
@@ -13,6 +13,7 @@ import pathlib
 import random
 import resource
 import subprocess
+import sys
 import tempfile
 
 COMMAND = os.environ.get("VIBRISSA", "vibrissa")
@@ -84,26 +85,46 @@ def localize(folder, method, *more):
     run = result["runtime"]
     seconds = usage.ru_utime + usage.ru_stime
     memory = usage.ru_maxrss / 1024
-    return (f"{seconds:.2g} s; {run['p50_us'] / 1e3:.2g}, {run['p99_us'] / 1e3:.2g} ms; {memory:.0f} MB; "
+    return (f"{short(seconds)} s; {short(run['p50_us'] / 1e3)}, {short(run['p99_us'] / 1e3)} ms; {memory:.0f} MB; "
             f"{result['status']}, {len(result['hypotheses'])}")
 
 
+def short(value):
+    """Two digits, without an exponent."""
+    return f"{float(f'{value:.2g}'):g}"
+
+
 def table(title, cases):
-    print(f"\n| {title} | {' | '.join(METHODS)} |\n| --- | --- | --- | --- |")
+    lines = [f"| {title} | {' | '.join(METHODS)} |", "| --- | --- | --- | --- |"]
+    print("", *lines, sep="\n")
     for name, length, bound, more in cases:
         with tempfile.TemporaryDirectory() as folder:
             folder = pathlib.Path(folder)
             prepare(folder, length, bound)
-            print(f"| {name} | {' | '.join(localize(folder, m, *more) for m in METHODS)} |", flush=True)
+            lines.append(f"| {name} | {' | '.join(localize(folder, m, *more) for m in METHODS)} |")
+            print(lines[-1], flush=True)
+    return lines
+
+
+def write(path, name, lines):
+    """Puts a table between its marks in a page."""
+    text = path.read_text()
+    begin, end = f"<!-- {name}: written by bench/map_size.py -->\n", f"<!-- end of {name} -->"
+    before, rest = text.split(begin)
+    path.write_text(before + begin + "\n".join(lines) + "\n" + end + rest.split(end, 1)[1])
 
 
 def main():
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-    table("boundary", [(f"{length} m", length, 0.05, []) for length in LENGTHS])
+    sizes = table("boundary", [(f"{length} m", length, 0.05, []) for length in LENGTHS])
     x, y, theta = Outline(96.0).waypoints()[0]
     region = [x - 0.01, x + 0.01, y - 0.015, y + 0.015, theta - 0.15, theta + 0.15]
-    table("boundary", [("96 m, region", 96.0, 0.05, ["--within", ",".join(f"{v:.4f}" for v in region)])])
-    table("bound on readings, 1.4 m", [(f"{100 * bound:.0f} %", 1.4, bound, []) for bound in BOUNDS])
+    sizes += table("boundary", [("96 m, region", 96.0, 0.05, ["--within", ",".join(f"{v:.4f}" for v in region)])])[2:]
+    bounds = table("bound on readings, 1.4 m", [(f"{100 * bound:.0f} %", 1.4, bound, []) for bound in BOUNDS])
+    if sys.argv[1:2] == ["--write"]:
+        page = pathlib.Path(sys.argv[2])
+        write(page, "map sizes", sizes)
+        write(page, "bounds", bounds)
 
 
 if __name__ == "__main__":

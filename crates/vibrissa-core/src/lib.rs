@@ -15,6 +15,7 @@
 pub mod config;
 pub mod contact;
 pub mod control;
+mod coroutine;
 pub mod flow;
 pub mod localizer;
 mod stop;

@@ -39,6 +39,11 @@ impl WorkBudget {
         }
     }
 
+    /// Units that are left.
+    pub(crate) fn left(&self) -> usize {
+        self.left
+    }
+
     /// Whether it is time to pause.
     #[must_use]
     pub fn is_spent(&self) -> bool {

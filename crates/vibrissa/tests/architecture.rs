@@ -31,7 +31,10 @@ const ROOMS: &[(&str, &[&str])] = &[
         "crates/vibrissa-head",
         &["packet", "calibration", "unwrap", "bus", "command", "frame", "chip", "head", "simulated"],
     ),
-    ("crates/vibrissa-core", &["stop", "work_budget", "config", "world", "contact", "flow", "localizer", "control"]),
+    (
+        "crates/vibrissa-core",
+        &["stop", "work_budget", "coroutine", "config", "world", "contact", "flow", "localizer", "control"],
+    ),
     (
         "crates/vibrissa-io",
         &[

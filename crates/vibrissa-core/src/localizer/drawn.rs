@@ -48,19 +48,6 @@ impl<const LEAST: usize> DrawnReadings<LEAST> {
         self.kept[reading.whisker].push(reading);
     }
 
-    /// The shapes, in order of time, as the odometry's frame in the map (`map_from_odom`) sees each; those that agree with
-    /// the map.
-    pub(super) fn shapes(
-        &self,
-        map: &Map,
-        whiskers: &[MountedWhisker],
-        frame: impl Fn(&DrawnReading) -> Option<Pose2>,
-    ) -> Vec<ShapeRecord> {
-        let mut drawing = self.drawing(whiskers);
-        drawing.advance(map, whiskers, &frame, &mut WorkBudget::unlimited());
-        drawing.shapes
-    }
-
     /// The drawing of the shapes, before any work.
     pub(super) fn drawing(&self, whiskers: &[MountedWhisker]) -> ShapeDrawing {
         let kept = self.kept.iter().map(|one| one.iter().count()).sum::<usize>();

@@ -297,7 +297,7 @@ impl Estimate {
 }
 
 /// What a log and a map say about the robot.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Localization {
     /// The name of the method that made this answer.
     pub method: &'static str,

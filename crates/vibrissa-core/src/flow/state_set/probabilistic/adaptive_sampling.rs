@@ -66,12 +66,18 @@ impl<const N: usize> ProposalComponent<N> {
     }
 }
 
+/// What is sampled.
+pub(super) trait Cost<const N: usize> {
+    /// Minus the logarithm of the likelihood at a point (nats); infinite for much more than the least, none where nothing can be.
+    async fn at(&self, point: [f64; N]) -> Option<f64>;
+}
+
 /// Draws samples around these, and then from what those have found, until enough count; masses are relative to the least cost.
-pub(super) fn sample_adaptively<const N: usize>(
+pub(super) async fn sample_adaptively<const N: usize>(
     centres: &[ProposalComponent<N>],
     own: &[[f64; N]; N],
     (effort, least): (&SampleCounts, f64),
-    cost: impl Fn([f64; N]) -> Option<f64>,
+    cost: &impl Cost<N>,
     told: impl Fn(&[([f64; N], Option<f64>)]) -> Option<WeightedMoments<N>>,
 ) -> Option<WeightedMoments<N>> {
     let around = |point: [f64; N]| {
@@ -82,7 +88,7 @@ pub(super) fn sample_adaptively<const N: usize>(
     for index in 0..effort.first / centres.len().max(1) * centres.len() {
         let centre = &centres[index % centres.len()];
         let point = centre.sample(index, WIDTHS[index / centres.len() % WIDTHS.len()]);
-        drawn.push((point, cost(point)));
+        drawn.push((point, cost.at(point).await));
         if centres.len() == 1
             && drawn.len() == TRIED
             && let Some(told) = told(&drawn)
@@ -109,7 +115,7 @@ pub(super) fn sample_adaptively<const N: usize>(
         let Some(centre) = ProposalComponent::new(found.mean, &found.covariance) else { return Some(found) };
         for index in drawn.len()..drawn.len() + effort.batch {
             let point = centre.sample(index, WIDER);
-            drawn.push((point, cost(point)));
+            drawn.push((point, cost.at(point).await));
         }
         later.push(centre);
     }
@@ -172,6 +178,7 @@ fn quasi_normal_point<const N: usize>(n: usize) -> [f64; N] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::coroutine::completed;
     use crate::linear_algebra::{determinant, inverse};
 
     /// A cost of six unknowns that is a parabola with this mean, and inverse variances that a chain of them shares.
@@ -180,6 +187,15 @@ mod tests {
             let off: [f64; 6] = core::array::from_fn(|i| point[i] - mean[i]);
             let links: f64 = off.windows(2).map(|w| (w[1] - 0.6 * w[0]).powi(2)).sum();
             0.5 * (off[0] * off[0] + links / 0.64)
+        }
+    }
+
+    /// A cost that takes no time.
+    struct Computed<F>(F);
+
+    impl<const N: usize, F: Fn([f64; N]) -> f64> Cost<N> for Computed<F> {
+        async fn at(&self, point: [f64; N]) -> Option<f64> {
+            Some(self.0(point))
         }
     }
 
@@ -193,7 +209,7 @@ mod tests {
         let own: [[f64; 6]; 6] = core::array::from_fn(|i| core::array::from_fn(|j| 0.6_f64.powi(i.abs_diff(j) as i32)));
         let centre = ProposalComponent::new([0.0; 6], &own).unwrap_or_else(|| unreachable!());
         let never = |_: &[([f64; 6], Option<f64>)]| None;
-        let found = sample_adaptively(&[centre], &own, (&EFFORT, 0.0), |point| Some(cost(point)), never);
+        let found = completed(sample_adaptively(&[centre], &own, (&EFFORT, 0.0), &Computed(cost), never));
         let found = found.unwrap_or_else(|| unreachable!());
         assert!(found.effective_size > ENOUGH, "{found:?}");
         for i in 0..6 {

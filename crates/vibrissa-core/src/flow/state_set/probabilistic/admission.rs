@@ -1,7 +1,7 @@
 //! Where the robot can have been: within the region of the first pose, in free space, and where absolute headings point.
 
 use super::log_window::LogWindow;
-use super::smoother::Scene;
+use super::scene::Scene;
 use crate::plane::{Pose2, Vec2, wrap_angle};
 
 /// Rows at which a mode's whisker bases and origin are asked, at most.
@@ -16,6 +16,9 @@ pub(super) struct Admission<'a> {
     /// The rows that are asked, the last first, each with how far the robot may be off the odometry's way there (m).
     asked: Vec<(usize, f64)>,
 }
+
+/// Whether the odometry frame may be there.
+pub(super) type Admits<'a> = dyn Fn(Pose2) -> bool + Sync + 'a;
 
 impl<'a> Admission<'a> {
     /// Of modes that have been fitted to all rows.

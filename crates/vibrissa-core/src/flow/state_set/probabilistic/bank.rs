@@ -2,6 +2,7 @@
 //! \[dellaert2017factor, ch. 2\]; older rows are marginalised \[sibley2010sliding\].
 
 use super::adaptive_sampling::ProposalComponent;
+use super::admission::Admits;
 use super::correlated_noise::NoiseModel;
 use super::grid_search::best_of_cells;
 use super::information::Information;
@@ -45,6 +46,9 @@ const DESCENDED: usize = 6;
 const DESCENDED_STEPS: usize = 6;
 /// Steps of a mode before the noise of its readings is estimated.
 const STEPS_BEFORE_NOISE: usize = 3;
+
+/// So many modes are compared with another in the time in which a reading is run.
+const COMPARED: usize = 40;
 
 /// Steps over all rows.
 const STEPS: usize = 10;
@@ -121,7 +125,7 @@ impl Bank {
     }
 
     /// Turns modes to where better ones are, so that none stands at an image of another's place; the best come first.
-    pub(super) fn gather_images(&mut self, symmetries: &MapSymmetries, model: &MeasurementModel<'_>) {
+    pub(super) async fn gather_images(&mut self, symmetries: &MapSymmetries, model: &MeasurementModel<'_>) {
         if !self.by_symmetry {
             return;
         }
@@ -149,15 +153,15 @@ impl Bank {
                 next += 1;
             }
         }
-        self.sort(model);
+        self.sort(model).await;
     }
 
     /// Takes in the rows that have come at once, see [`Self::advance`].
-    pub(super) fn extend(&mut self, model: &MeasurementModel<'_>, admits: &dyn Fn(Pose2) -> bool, effort: Effort) {
-        self.advance(model, admits, effort, &mut { usize::MAX });
+    pub(super) async fn extend(&mut self, model: &MeasurementModel<'_>, admits: &Admits<'_>, effort: Effort) {
+        self.advance(model, admits, effort, &mut { usize::MAX }).await;
         loop {
             self.begin(model, admits);
-            self.advance(model, admits, effort, &mut { usize::MAX });
+            self.advance(model, admits, effort, &mut { usize::MAX }).await;
             if self.seen == model.window.len() {
                 return;
             }
@@ -171,10 +175,10 @@ impl Bank {
     }
 
     /// Whether the best mode explains the rows that it was last fitted to, from this one of the window on.
-    pub(super) fn explains_from(&mut self, model: &MeasurementModel<'_>, row: usize) -> bool {
+    pub(super) async fn explains_from(&mut self, model: &MeasurementModel<'_>, row: usize) -> bool {
         let Some(mode) = self.modes.first() else { return false };
         let newest = self.rows.iter().filter(|&&own| own >= row).count() * model.sensors.len();
-        !mode.is_off_at(model, &self.rows, newest, &mut self.scratch)
+        !mode.is_off_at(model, &self.rows, newest, &mut self.scratch).await
     }
 
     /// Whether rows are being taken in.
@@ -189,7 +193,7 @@ impl Bank {
 
     /// Begins to take in the rows that have come; where there are many modes only the first of these, since most modes will not be there for
     /// the others.
-    pub(super) fn begin(&mut self, model: &MeasurementModel<'_>, admits: &dyn Fn(Pose2) -> bool) {
+    pub(super) fn begin(&mut self, model: &MeasurementModel<'_>, admits: &Admits<'_>) {
         self.modes.retain(|mode| admits(mode.state.frame));
         let all = model.window.len();
         let mut rows = key_rows(model, self.rows.last().copied(), self.seen..all);
@@ -205,10 +209,10 @@ impl Bank {
     /// Goes on taking in rows until `work` (readings run through the forward model) is used up; whether all is done. Every mode goes on from
     /// where it stands, and those that the new readings move are fitted anew, as far as the effort allows; kept are those that explain all
     /// about as well as the best. Until every mode has the rows none has.
-    pub(super) fn advance(
+    pub(super) async fn advance(
         &mut self,
         model: &MeasurementModel<'_>,
-        admits: &dyn Fn(Pose2) -> bool,
+        admits: &Admits<'_>,
         effort: Effort,
         work: &mut usize,
     ) -> bool {
@@ -235,10 +239,10 @@ impl Bank {
                 mode.clone()
             };
             let rows = if mode.end.is_some() {
-                mode.carry_on(model, &pending.rows, &mut self.scratch);
+                mode.carry_on(model, &pending.rows, &mut self.scratch).await;
                 pending.rows.len()
             } else {
-                mode.relinearise(model, &self.rows, &mut self.scratch);
+                mode.relinearise(model, &self.rows, &mut self.scratch).await;
                 self.rows.len()
             };
             *work = work.saturating_sub((rows + 1) * sensors);
@@ -251,17 +255,17 @@ impl Bank {
             let before = *left;
             if mode.gain() > MOVED {
                 *left = left.saturating_sub(each);
-                mode.descend(model, &self.rows, effort.steps, &mut self.scratch);
+                mode.descend(model, &self.rows, effort.steps, &mut self.scratch).await;
             }
             if core::mem::take(&mut mode.is_off)
-                && mode.is_off_at(model, &self.rows, pending.rows.len() * sensors, &mut self.scratch)
+                && mode.is_off_at(model, &self.rows, pending.rows.len() * sensors, &mut self.scratch).await
             {
                 *left = left.saturating_sub(GRADUATED_RUNS * self.rows.len());
-                mode.descend_graduated(model, &self.rows, &mut self.scratch);
+                mode.descend_graduated(model, &self.rows, &mut self.scratch).await;
             }
             if *left > self.rows.len() && mode.might_move(MOVED) {
                 *left = left.saturating_sub(each);
-                mode.descend_independently(model, &self.rows, effort.steps, &mut self.scratch);
+                mode.descend_independently(model, &self.rows, effort.steps, &mut self.scratch).await;
             }
             *work = work.saturating_sub((before - *left) * sensors);
             if *work == 0 {
@@ -272,7 +276,7 @@ impl Bank {
         self.modes.sort_by(|a, b| a.evidence().total_cmp(&b.evidence()));
         self.modes.retain(|mode| admits(mode.state.frame));
         self.prune(effort.gate);
-        self.join(model);
+        self.join(model).await;
         self.is_fitted = true;
         true
     }
@@ -287,46 +291,45 @@ impl Bank {
     }
 
     /// Linearises all modes by the rows.
-    fn relinearise(&mut self, model: &MeasurementModel<'_>) {
+    async fn relinearise(&mut self, model: &MeasurementModel<'_>) {
         for mode in &mut self.modes {
-            mode.relinearise(model, &self.rows, &mut self.scratch);
+            mode.relinearise(model, &self.rows, &mut self.scratch).await;
         }
     }
 
     /// Takes for each mode the noise that its residuals tell.
-    pub(super) fn estimate_noise(&mut self, model: &MeasurementModel<'_>) {
+    pub(super) async fn estimate_noise(&mut self, model: &MeasurementModel<'_>) {
         for mode in &mut self.modes {
-            mode.descend(model, &self.rows, STEPS_BEFORE_NOISE, &mut self.scratch);
-            let (noise, credit) = mode.estimated_noise(model, &self.rows, &mut self.scratch);
+            mode.descend(model, &self.rows, STEPS_BEFORE_NOISE, &mut self.scratch).await;
+            let (noise, credit) = mode.estimated_noise(model, &self.rows, &mut self.scratch).await;
             *mode = mode.by(noise);
             mode.fits[0].credit = credit;
-            mode.relinearise(model, &self.rows, &mut self.scratch);
+            mode.relinearise(model, &self.rows, &mut self.scratch).await;
         }
     }
 
     /// Looks for likelier minima around the best modes under their own noise: starts drawn from what independent errors allow, the likeliest of
     /// which are descended from \[marti2003multistart\].
-    pub(super) fn multistart(&mut self, model: &MeasurementModel<'_>) {
+    pub(super) async fn multistart(&mut self, model: &MeasurementModel<'_>) {
         let rows = self.rows.clone();
         let thinned: Vec<usize> = key_rows(model, None, 0..model.window.len());
         let mut found = Vec::new();
         for mode in self.modes.iter().take(LOOKED_AROUND) {
             let mut wide = mode.by(NoiseModel::DECLARED);
-            wide.relinearise(model, &thinned, &mut self.scratch);
+            wide.relinearise(model, &thinned, &mut self.scratch).await;
             let around =
                 wide.marginal(model).covariance(WEAK_PRIOR).and_then(|c| ProposalComponent::new([0.0; POSE], &c));
             let Some(around) = around else { continue };
-            let mut starts: Vec<(f64, State)> = (0..STARTS)
-                .map(|n| {
-                    let frame = moved(mode.state.frame, model.pivot(), around.sample(n, START_WIDTH));
-                    let there = mode.at(mode.state_at(model, frame), model, &thinned, &mut self.scratch);
-                    (there.evidence(), there.state)
-                })
-                .collect();
+            let mut starts: Vec<(f64, State)> = Vec::with_capacity(STARTS);
+            for n in 0..STARTS {
+                let frame = moved(mode.state.frame, model.pivot(), around.sample(n, START_WIDTH));
+                let there = mode.at(mode.state_at(model, frame), model, &thinned, &mut self.scratch).await;
+                starts.push((there.evidence(), there.state));
+            }
             starts.sort_by(|a, b| a.0.total_cmp(&b.0));
             for (_, state) in starts.into_iter().take(DESCENDED) {
-                let mut there = mode.at(state, model, &rows, &mut self.scratch);
-                there.descend(model, &rows, DESCENDED_STEPS, &mut self.scratch);
+                let mut there = mode.at(state, model, &rows, &mut self.scratch).await;
+                there.descend(model, &rows, DESCENDED_STEPS, &mut self.scratch).await;
                 found.push(there);
             }
         }
@@ -344,24 +347,36 @@ impl Bank {
     }
 
     /// Keeps the best of modes that have run into each other.
-    pub(super) fn join(&mut self, model: &MeasurementModel<'_>) {
+    pub(super) async fn join(&mut self, model: &MeasurementModel<'_>) {
         let size = SAME[usize::from(self.modes.len() <= MANY)];
-        let at = self.modes.iter().map(|mode| (mode.state.frame, evidence(mode, model)));
+        let evidences = self.evidences(model).await;
+        let at = self.modes.iter().map(|mode| mode.state.frame).zip(evidences);
         let mut kept = best_of_cells(at, model.pivot(), model.window.last_pose(), size).into_iter();
         self.modes.retain(|_| kept.next() == Some(true));
-        self.sort(model);
+        self.sort(model).await;
     }
 
     /// Those of the largest evidence first.
-    pub(super) fn sort(&mut self, model: &MeasurementModel<'_>) {
-        let mut keyed: Vec<(f64, Mode)> = self.modes.drain(..).map(|mode| (evidence(&mode, model), mode)).collect();
+    pub(super) async fn sort(&mut self, model: &MeasurementModel<'_>) {
+        let evidences = self.evidences(model).await;
+        let mut keyed: Vec<(f64, Mode)> = evidences.into_iter().zip(self.modes.drain(..)).collect();
         keyed.sort_by(|a, b| a.0.total_cmp(&b.0));
         self.modes = keyed.into_iter().map(|(_, mode)| mode).collect();
     }
 
+    /// Minus the logarithm of each mode's evidence.
+    async fn evidences(&self, model: &MeasurementModel<'_>) -> Vec<f64> {
+        let mut all = Vec::with_capacity(self.modes.len());
+        for mode in &self.modes {
+            all.push(evidence(mode, model));
+            model.works(1).await;
+        }
+        all
+    }
+
     /// Keeps the best of modes within each other's region.
-    pub(super) fn join_overlapping(&mut self, model: &MeasurementModel<'_>) {
-        self.sort(model);
+    pub(super) async fn join_overlapping(&mut self, model: &MeasurementModel<'_>) {
+        self.sort(model).await;
         let mut kept: Vec<(Mode, Information<POSE>)> = Vec::new();
         for mode in self.modes.drain(..) {
             let near = |(k, told): &(Mode, Information<POSE>)| {
@@ -374,12 +389,13 @@ impl Bank {
                 let told = mode.marginal(model);
                 kept.push((mode, told));
             }
+            model.works(1 + kept.len() / COMPARED).await;
         }
         self.modes = kept.into_iter().map(|(mode, _)| mode).collect();
     }
 
     /// Fits every mode to these rows until it is settled; so many of the best are searched along their open direction first.
-    pub(super) fn settle(
+    pub(super) async fn settle(
         &mut self,
         model: &MeasurementModel<'_>,
         rows: Vec<usize>,
@@ -389,34 +405,34 @@ impl Bank {
     ) {
         self.rows = rows;
         self.seen = model.window.len();
-        self.relinearise(model);
+        self.relinearise(model).await;
         self.modes.sort_by(|a, b| a.evidence().total_cmp(&b.evidence()));
         for mode in self.modes.iter_mut().take(searched) {
-            mode.search_line(model, &self.rows, &mut self.scratch);
+            mode.search_line(model, &self.rows, &mut self.scratch).await;
         }
         self.prune(gate);
         for mode in &mut self.modes {
-            mode.descend(model, &self.rows, steps, &mut self.scratch);
+            mode.descend(model, &self.rows, steps, &mut self.scratch).await;
             if mode.might_move(MOVED) {
-                mode.descend_independently(model, &self.rows, steps, &mut self.scratch);
+                mode.descend_independently(model, &self.rows, steps, &mut self.scratch).await;
             }
         }
         self.prune(gate);
-        self.sort(model);
+        self.sort(model).await;
     }
 
     /// The linearisation of the best mode.
-    pub(super) fn run(&mut self, model: &MeasurementModel<'_>) -> &Linearisation {
+    pub(super) async fn run(&mut self, model: &MeasurementModel<'_>) -> &Linearisation {
         let rows = core::mem::take(&mut self.rows);
-        self.run_rows(model, &rows);
+        self.run_rows(model, &rows).await;
         self.rows = rows;
         &self.scratch
     }
 
     /// The same over other rows.
-    pub(super) fn run_rows(&mut self, model: &MeasurementModel<'_>, rows: &[usize]) -> &Linearisation {
+    pub(super) async fn run_rows(&mut self, model: &MeasurementModel<'_>, rows: &[usize]) -> &Linearisation {
         if let Some(mode) = self.modes.first() {
-            model.run(&mode.state, &mode.start, rows, &mut self.scratch);
+            model.run(&mode.state, &mode.start, rows, &mut self.scratch).await;
         }
         &self.scratch
     }
@@ -428,38 +444,38 @@ impl Bank {
 
     /// Moves every mode to its least cost over all rows, and looks for likelier ones around the best; no mode is kept that costs more than
     /// `gate` above the best. The noise of each mode is that of its residuals afterwards.
-    pub(super) fn refine(&mut self, model: &MeasurementModel<'_>, gate: f64) {
+    pub(super) async fn refine(&mut self, model: &MeasurementModel<'_>, gate: f64) {
         for gate in [gate + SLACK, gate + 0.5 * SLACK] {
-            self.settle(model, key_rows(model, None, 0..model.window.len()), STEPS, gate, MOST_SEARCHED);
-            self.join_overlapping(model);
+            self.settle(model, key_rows(model, None, 0..model.window.len()), STEPS, gate, MOST_SEARCHED).await;
+            self.join_overlapping(model).await;
         }
-        self.settle(model, (0..model.window.len()).collect(), STEPS, gate + 0.5 * SLACK, 0);
-        self.estimate_noise(model);
-        self.multistart(model);
-        self.settle(model, (0..model.window.len()).collect(), STEPS, gate, 0);
+        self.settle(model, (0..model.window.len()).collect(), STEPS, gate + 0.5 * SLACK, 0).await;
+        self.estimate_noise(model).await;
+        self.multistart(model).await;
+        self.settle(model, (0..model.window.len()).collect(), STEPS, gate, 0).await;
     }
 
     /// Moves every mode to its least cost over the rows that modes are compared by, before rows are marginalised: what these say is never
     /// linearised again.
-    pub(super) fn converge(&mut self, model: &MeasurementModel<'_>) {
+    pub(super) async fn converge(&mut self, model: &MeasurementModel<'_>) {
         for mode in &mut self.modes {
-            mode.relinearise(model, &self.rows, &mut self.scratch);
-            mode.descend(model, &self.rows, STEPS, &mut self.scratch);
+            mode.relinearise(model, &self.rows, &mut self.scratch).await;
+            mode.descend(model, &self.rows, STEPS, &mut self.scratch).await;
         }
     }
 
     /// Marginalises the first `count` rows; the window forgets them afterwards. `forgetting` is the weight that they keep.
-    pub(super) fn marginalise(&mut self, model: &MeasurementModel<'_>, count: usize, forgetting: f64) {
+    pub(super) async fn marginalise(&mut self, model: &MeasurementModel<'_>, count: usize, forgetting: f64) {
         let rows: Vec<usize> = (0..count).collect();
         for mode in &mut self.modes {
-            let ends = model.run(&mode.state, &mode.start, &(0..=count).collect::<Vec<_>>(), &mut self.scratch);
+            let ends = model.run(&mode.state, &mode.start, &(0..=count).collect::<Vec<_>>(), &mut self.scratch).await;
             let there = MeasurementModel { anchor: count, ..*model };
             let state = model.anchored(&mode.state, count);
-            let (noise, _) = mode.estimated_noise(model, &self.rows, &mut self.scratch);
+            let (noise, _) = mode.estimated_noise(model, &self.rows, &mut self.scratch).await;
             // What a bound says where it is touched is no Gaussian, which would tell as much of the other side.
             let mut early = mode.by(NoiseModel { bounded: false, ..noise });
             early.state = state.clone();
-            early.relinearise(&there, &rows, &mut self.scratch);
+            early.relinearise(&there, &rows, &mut self.scratch).await;
             // What is known beside the readings is added again with those that follow.
             let mut own = early.equations().clone();
             own.remove_priors(model.unknowns.all(), &state.values);

@@ -2,7 +2,9 @@
 
 use super::log_window::LogWindow;
 use super::sensor::Sensor;
-use super::smoother::FEWEST_ROWS;
+
+/// Fewest rows of contact to seed from.
+pub(super) const FEWEST_ROWS: usize = 5;
 
 /// A stretch of the window in which one whisker touches.
 pub(super) struct ContactEpisode {

@@ -5,8 +5,9 @@
 //! independent ones. The filter's innovations are independent; the same filter over the derivatives gives the generalised least-squares
 //! problem. Its variances and its time constant are those of the largest marginal likelihood (REML \[harville1977maximum\]).
 
-use super::measurement::{Linearisation, Row};
+use super::measurement::{Linearisation, MeasurementModel, Row};
 use super::normal_equations::NormalEquations;
+use super::optimisation::READINGS_ADDED;
 use super::unknowns::POSE;
 use super::wall_error::{WallError, WallErrors};
 use crate::config::NoiseAssumption;
@@ -241,7 +242,12 @@ impl Filter {
 /// The noise model by which a mode is told, and how much likelier the likeliest one makes the readings (nats); `known` is what is known beside
 /// the readings. Where errors stay alike few readings tell how: of all models that are about as likely the one that leaves the pose most
 /// open is taken \[huber1964robust\].
-pub(super) fn estimated(told: &Linearisation, known: &NormalEquations, damping: [f64; POSE]) -> (NoiseModel, f64) {
+pub(super) async fn estimated(
+    model: &MeasurementModel<'_>,
+    told: &Linearisation,
+    known: &NormalEquations,
+    damping: [f64; POSE],
+) -> (NoiseModel, f64) {
     let counts = |row: &&Row| row.held == Some(true);
     if told.rows.iter().filter(counts).count() < FEWEST {
         return (NoiseModel::DECLARED, 0.0);
@@ -259,7 +265,11 @@ pub(super) fn estimated(told: &Linearisation, known: &NormalEquations, damping: 
     let longest = (LONGEST_SHARE * (to - from)).max(TIME_CONSTANTS[0]);
     let independent = WHITE.map(|white| NoiseModel { white, bounded: true, ..NoiseModel::DECLARED });
     let correlated = all_correlated().filter(|noise| noise.time_constant <= longest);
-    let all: Vec<_> = independent.into_iter().chain(correlated).map(judged).collect();
+    let mut all = Vec::new();
+    for noise in independent.into_iter().chain(correlated) {
+        all.push(judged(noise));
+        model.works(told.rows.len() / READINGS_ADDED).await;
+    }
     let likeliest = all.iter().min_by(|a, b| a.0.total_cmp(&b.0)).copied();
     let Some((most, _, best)) = likeliest else { return (NoiseModel::DECLARED, 0.0) };
     // Independent errors as declared need no other reason than to be about as likely.

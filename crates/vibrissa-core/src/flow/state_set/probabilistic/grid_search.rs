@@ -6,6 +6,7 @@
 //! are open, the place along the boundary and the heading. Each cell of them is run through a few well separated
 //! readings as a Gaussian as wide as the cell, and most die at the first.
 
+use super::admission::Admits;
 use super::information::{Information, Prior};
 use super::map_symmetry::MapSymmetries;
 use super::measurement::{MeasurementModel, moved};
@@ -160,10 +161,10 @@ impl GridSearch {
 
     /// Goes on until `work` (readings run through the forward model) is used up; whether it has come to the end. `admits`
     /// says whether the odometry frame can be there, `is_last` that no more readings of this contact will follow.
-    pub(super) fn step(
+    pub(super) async fn step(
         &mut self,
         model: &MeasurementModel<'_>,
-        admits: &dyn Fn(Pose2) -> bool,
+        admits: &Admits<'_>,
         is_last: bool,
         work: &mut usize,
     ) -> bool {
@@ -171,18 +172,18 @@ impl GridSearch {
             if *work == 0 {
                 return false;
             }
-            self.try_place(model, piece, at, admits, work);
+            self.try_place(model, piece, at, admits, work).await;
             self.next += 1;
         }
         while let Some(&(corner, outward)) = self.corners.get(self.next_corner) {
             if *work == 0 {
                 return false;
             }
-            self.try_corner(model, corner, outward, admits, work);
+            self.try_corner(model, corner, outward, admits, work).await;
             self.next_corner += 1;
         }
         while self.left.is_some() || self.round < self.rounds(is_last) {
-            if !self.refine(model, work) {
+            if !self.refine(model, work).await {
                 return false;
             }
             self.round += 1;
@@ -209,12 +210,12 @@ impl GridSearch {
     }
 
     /// All headings at one place of the boundary.
-    fn try_place(
+    async fn try_place(
         &mut self,
         model: &MeasurementModel<'_>,
         piece: u32,
         at: f64,
-        admits: &dyn Fn(Pose2) -> bool,
+        admits: &Admits<'_>,
         work: &mut usize,
     ) {
         let spot = model.ground.pieces[piece as usize].spot(at);
@@ -227,9 +228,10 @@ impl GridSearch {
             for k in 0..count as usize {
                 let heading = spot.normal + PI - WIDEST + (k as f64 + 0.5) * (2.0 * WIDEST / count);
                 if let Some(seed) = touching(model, &self.onset, piece, at, heading, admits) {
-                    self.test(model, &seed, k, work);
+                    self.test(model, &seed, k, work).await;
                 }
             }
+            model.works(1).await;
             return;
         }
         let count = (TAU / self.onset.turn).ceil() as usize;
@@ -238,19 +240,20 @@ impl GridSearch {
                 let heading = wrap_angle(k as f64 * TAU / count as f64);
                 let seed = loaded(model, &self.onset, &self.branches[branch], piece, at, heading, admits);
                 if let Some(seed) = seed {
-                    self.test(model, &seed, branch * count + k, work);
+                    self.test(model, &seed, branch * count + k, work).await;
                 }
             }
+            model.works(1).await;
         }
     }
 
     /// All headings and all places along the whisker where its side touched a corner.
-    fn try_corner(
+    async fn try_corner(
         &mut self,
         model: &MeasurementModel<'_>,
         corner: Vec2,
         outward: f64,
-        admits: &dyn Fn(Pose2) -> bool,
+        admits: &Admits<'_>,
         work: &mut usize,
     ) {
         let length = model.sensors[self.onset.sensor].length;
@@ -261,6 +264,7 @@ impl GridSearch {
         let headings = (TAU / self.onset.turn).ceil() as usize;
         let places = (LONGEST_ARM * length / self.onset.spacing).ceil() as usize;
         for heading in (0..headings).map(|k| wrap_angle(k as f64 * TAU / headings as f64)) {
+            let before = *work;
             let along = Vec2::from_angle(heading);
             for place in 0..places {
                 let base = just_off - along * ((place as f64 + 0.5) * self.onset.spacing);
@@ -274,15 +278,18 @@ impl GridSearch {
                     self.found.extend(found);
                 }
             }
+            model.works(before.saturating_sub(*work)).await;
         }
     }
 
     /// Keeps the cell of a heading if the readings do not kill it.
-    fn test(&mut self, model: &MeasurementModel<'_>, seed: &Seed, heading: usize, work: &mut usize) {
+    async fn test(&mut self, model: &MeasurementModel<'_>, seed: &Seed, heading: usize, work: &mut usize) {
         if seed.is_clear(model) {
             let frame = from_odom(model, &self.onset, seed.pose);
+            let before = *work;
             let found = self.run(model, frame, (seed.state, Some(heading)), true, work);
             self.found.extend(found);
+            model.works(before - *work).await;
         }
     }
 
@@ -318,7 +325,7 @@ impl GridSearch {
     }
 
     /// Moves each cell to its best place and drops those that stay bad, and all but the best of those that meet.
-    fn refine(&mut self, model: &MeasurementModel<'_>, work: &mut usize) -> bool {
+    async fn refine(&mut self, model: &MeasurementModel<'_>, work: &mut usize) -> bool {
         if self.left.is_none() {
             self.join(model);
             self.shared_runs.clear();
@@ -343,8 +350,10 @@ impl GridSearch {
             if state != WhiskerState::Free {
                 forward(model, sensor).advance(&mut state, before, now, true);
             }
+            let before = *work;
             let found = self.run(model, to, (state, cell.heading), false, work);
             self.found.extend(found);
+            model.works(before - *work).await;
         }
         false
     }
@@ -494,7 +503,7 @@ fn touching(
     piece: u32,
     at: f64,
     heading: f64,
-    admits: &dyn Fn(Pose2) -> bool,
+    admits: &Admits<'_>,
 ) -> Option<Seed> {
     let sensor = &model.sensors[onset.sensor];
     let z = model.window.readings(onset.row)[onset.sensor];
@@ -523,7 +532,7 @@ fn loaded(
     piece: u32,
     at: f64,
     heading: f64,
-    admits: &dyn Fn(Pose2) -> bool,
+    admits: &Admits<'_>,
 ) -> Option<Seed> {
     let sensor = &model.sensors[onset.sensor];
     let spot = model.ground.pieces[piece as usize].spot(at);

@@ -2,13 +2,13 @@
 //! with the nuisance parameters marginalised around it.
 
 use super::adaptive_sampling::{
-    FIRST, MOST_CENTRES, NOTHING, ProposalComponent, SAMPLES, SampleCounts, WeightedMoments, is_gaussian,
+    Cost, FIRST, MOST_CENTRES, NOTHING, ProposalComponent, SAMPLES, SampleCounts, WeightedMoments, is_gaussian,
     sample_adaptively,
 };
+use super::admission::Admits;
 use super::measurement::{difference, moved};
 use super::optimisation::{Mode, Rerun};
 use crate::linear_algebra::{Square, determinant};
-use crate::plane::Pose2;
 
 /// The likelihood around a place.
 #[derive(Clone, Debug)]
@@ -34,20 +34,20 @@ pub(super) struct ImportanceSampler<'a> {
     /// The cost that masses are relative to.
     pub(super) least: f64,
     /// Where the odometry frame may be; elsewhere counts nothing.
-    pub(super) admits: &'a dyn Fn(Pose2) -> bool,
+    pub(super) admits: &'a Admits<'a>,
     /// Whether the first samples will not do.
     pub(super) thorough: bool,
 }
 
 impl ImportanceSampler<'_> {
     /// The spread of the place of these hypotheses, the best first. None where it cannot be sampled.
-    pub(super) fn posterior_moments(&self, members: &[ProposalCentre<'_>]) -> Option<PosteriorMoments> {
+    pub(super) async fn posterior_moments(&self, members: &[ProposalCentre<'_>]) -> Option<PosteriorMoments> {
         let first = members.first()?;
         let model = self.rerun.model;
         let to = |mode: &Mode| difference(first.place.state.frame, mode.state.frame, model.pivot());
         let centres: Vec<_> =
             members.iter().take(MOST_CENTRES).filter_map(|m| ProposalComponent::new(to(m.place), m.own)).collect();
-        let cost = |d: [f64; 3]| self.cost(first.place, d);
+        let cost = AroundPlace { sampler: self, place: first.place };
         let told = |drawn: &[([f64; 3], Option<f64>)]| {
             let parabola = first.place.marginal(model);
             is_gaussian(drawn, parabola.constant, |d| parabola.shifted(d).constant).then_some(())?;
@@ -58,18 +58,24 @@ impl ImportanceSampler<'_> {
         };
         let batch = SAMPLES - FIRST;
         let effort = SampleCounts { first: FIRST, batch, batches: usize::from(self.thorough) };
-        let found = sample_adaptively(&centres, first.own, (&effort, self.least), cost, told)?;
+        let found = sample_adaptively(&centres, first.own, (&effort, self.least), &cost, told).await?;
         let WeightedMoments { mean, covariance, mass, .. } = found;
         Some(PosteriorMoments { mean, covariance, mass })
     }
+}
 
-    /// What the readings cost where the frame is moved by `d`; infinity for much more than they usually do, none where the frame cannot
-    /// be.
-    fn cost(&self, place: &Mode, d: [f64; 3]) -> Option<f64> {
-        let model = self.rerun.model;
-        let frame = moved(place.state.frame, model.pivot(), d);
-        (self.admits)(frame).then_some(())?;
-        let cost = self.rerun.at(place, frame).cost(model);
-        Some(if cost > self.least + NOTHING { f64::INFINITY } else { cost })
+/// What the readings cost where the frame of a place is moved.
+struct AroundPlace<'a> {
+    sampler: &'a ImportanceSampler<'a>,
+    place: &'a Mode,
+}
+
+impl Cost<3> for AroundPlace<'_> {
+    async fn at(&self, d: [f64; 3]) -> Option<f64> {
+        let ImportanceSampler { rerun, least, admits, .. } = self.sampler;
+        let frame = moved(self.place.state.frame, rerun.model.pivot(), d);
+        admits(frame).then_some(())?;
+        let cost = rerun.at(self.place, frame).await.cost(rerun.model);
+        Some(if cost > least + NOTHING { f64::INFINITY } else { cost })
     }
 }

@@ -12,12 +12,15 @@ use super::wall_error::WallError;
 use crate::config::NoiseAssumption;
 use crate::contact::follow::{Contact, ForwardModel, Mechanics, Prediction, WhiskerState};
 use crate::contact::{Boundaries, Hold, SensedQuantity, Support, WallKnowledge};
+use crate::coroutine::{Pace, Pause};
 use crate::plane::{Pose2, Vec2, wrap_angle};
 use crate::world::Map;
 
 /// How exactly the model is believed to know where the whisker stands (m, rad): near a snap or in a slight corner the moment is steep
 /// over a tiny range only.
 const MODEL_STD: [f64; 2] = [5e-5, 5e-4];
+/// Units of work of a reading that is run through the forward model.
+const READING: usize = 10;
 
 /// What all hypotheses share.
 #[derive(Clone, Copy)]
@@ -38,6 +41,8 @@ pub(super) struct MeasurementModel<'a> {
     pub(super) whole: bool,
     /// How the readings' errors hang together.
     pub(super) noise_model: NoiseAssumption,
+    /// When work pauses.
+    pub(super) pace: &'a Pace,
 }
 
 /// A linearised reading: residual and derivatives in standard deviations of the declared noise.
@@ -230,7 +235,7 @@ impl<'a> MeasurementModel<'a> {
     }
 
     /// Runs the forward model over these rows, in order; gives how the whiskers stand at the last one and where they are.
-    pub(super) fn run(&self, state: &State, start: &Start, rows: &[usize], out: &mut Linearisation) -> Start {
+    pub(super) async fn run(&self, state: &State, start: &Start, rows: &[usize], out: &mut Linearisation) -> Start {
         let values = &state.values;
         out.size = self.unknowns.size();
         out.rows.clear();
@@ -266,11 +271,17 @@ impl<'a> MeasurementModel<'a> {
                 bases[index] = Some(base);
                 let seen = Seen { row, index, robot, base, felt, offset, z };
                 self.linearise(&seen, own, &end.states[index], (state, point), out);
+                self.works(1).await;
             }
         }
         out.path = path;
         end.bases = bases.into_iter().map(Option::unwrap_or_default).collect();
         end
+    }
+
+    /// Says that work as of so many readings is done, after which there may be a pause.
+    pub(super) fn works(&self, readings: usize) -> Pause<'a> {
+        self.pace.spend(READING * readings)
     }
 
     /// Adds one reading to the linearisation.

@@ -20,6 +20,7 @@ mod measurement;
 mod normal_equations;
 mod optimisation;
 mod places;
+mod scene;
 mod sensor;
 mod shared_runs;
 mod smoother;

@@ -29,6 +29,8 @@ const GRADUATED: [f64; 2] = [900.0, 30.0];
 /// Steps by each of these costs, and readings that this takes, about, per row.
 const GRADUATED_STEPS: usize = 5;
 pub(super) const GRADUATED_RUNS: usize = 20;
+/// So many readings are added to the equations in the time in which one is run.
+pub(super) const READINGS_ADDED: usize = 16;
 /// A step that promises less than this (nats) is not taken.
 const SETTLED: f64 = 2e-2;
 
@@ -140,30 +142,37 @@ impl Mode {
     }
 
     /// Linearises it where it stands.
-    pub(super) fn relinearise(&mut self, model: &MeasurementModel<'_>, rows: &[usize], scratch: &mut Linearisation) {
-        self.end = Some(Box::new(model.run(&self.state, &self.start, rows, scratch)));
+    pub(super) async fn relinearise(
+        &mut self,
+        model: &MeasurementModel<'_>,
+        rows: &[usize],
+        scratch: &mut Linearisation,
+    ) {
+        self.end = Some(Box::new(model.run(&self.state, &self.start, rows, scratch).await));
         let known = model.known(&self.state, &self.start);
         for fit in &mut self.fits {
             fit.equations.clone_from(&known);
             fit.filters.clear();
             add_readings(scratch, fit.noise, &mut fit.filters, &mut fit.equations);
+            model.works(rows.len() / READINGS_ADDED).await;
         }
         self.choose_noise();
     }
 
     /// Takes in rows that follow those that it has been linearised by.
-    pub(super) fn carry_on(&mut self, model: &MeasurementModel<'_>, rows: &[usize], scratch: &mut Linearisation) {
+    pub(super) async fn carry_on(&mut self, model: &MeasurementModel<'_>, rows: &[usize], scratch: &mut Linearisation) {
         let Some(end) = &self.end else { return };
-        self.end = Some(Box::new(model.run(&self.state, end, rows, scratch)));
+        self.end = Some(Box::new(model.run(&self.state, end, rows, scratch).await));
         self.is_off |= is_off(&scratch.rows);
         for fit in &mut self.fits {
             add_readings(scratch, fit.noise, &mut fit.filters, &mut fit.equations);
+            model.works(rows.len() / READINGS_ADDED).await;
         }
         self.choose_noise();
     }
 
     /// The noise model that its residuals tell, and how much likelier the likeliest one makes the readings (nats).
-    pub(super) fn estimated_noise(
+    pub(super) async fn estimated_noise(
         &self,
         model: &MeasurementModel<'_>,
         rows: &[usize],
@@ -172,8 +181,8 @@ impl Mode {
         match model.noise_model {
             NoiseAssumption::Independent => (NoiseModel::DECLARED, 0.0),
             NoiseAssumption::Correlated => {
-                model.run(&self.state, &self.start, rows, scratch);
-                estimated(scratch, &model.known(&self.state, &self.start), DAMPING)
+                model.run(&self.state, &self.start, rows, scratch).await;
+                estimated(model, scratch, &model.known(&self.state, &self.start), DAMPING).await
             }
         }
     }
@@ -212,7 +221,7 @@ impl Mode {
 
     /// Goes on as if errors were independent, and stays there if all is likelier there by any noise model: errors that stay alike explain
     /// a mode that has not come to its place yet.
-    pub(super) fn descend_independently(
+    pub(super) async fn descend_independently(
         &mut self,
         model: &MeasurementModel<'_>,
         rows: &[usize],
@@ -220,30 +229,30 @@ impl Mode {
         scratch: &mut Linearisation,
     ) {
         let mut there = self.by(NoiseModel::DECLARED);
-        there.relinearise(model, rows, scratch);
-        there.descend(model, rows, steps, scratch);
+        there.relinearise(model, rows, scratch).await;
+        there.descend(model, rows, steps, scratch).await;
         there.fits.clone_from(&self.fits);
-        there.relinearise(model, rows, scratch);
+        there.relinearise(model, rows, scratch).await;
         if there.evidence() < self.evidence() {
             *self = there;
         }
     }
 
     /// Whether so many of the last readings are off.
-    pub(super) fn is_off_at(
+    pub(super) async fn is_off_at(
         &self,
         model: &MeasurementModel<'_>,
         rows: &[usize],
         last: usize,
         scratch: &mut Linearisation,
     ) -> bool {
-        model.run(&self.state, &self.start, rows, scratch);
+        model.run(&self.state, &self.start, rows, scratch).await;
         is_off(&scratch.rows[scratch.rows.len().saturating_sub(last)..])
     }
 
     /// Goes on by graduated non-convexity \[yang2020graduated\], and stays there if all is likelier there: readings that are
     /// far off all at once have no weight with a robust cost, although one small motion may explain them.
-    pub(super) fn descend_graduated(
+    pub(super) async fn descend_graduated(
         &mut self,
         model: &MeasurementModel<'_>,
         rows: &[usize],
@@ -252,19 +261,19 @@ impl Mode {
         let mut there = self.clone();
         for factor in GRADUATED {
             there = there.by(NoiseModel { white: factor, ..NoiseModel::DECLARED });
-            there.relinearise(model, rows, scratch);
-            there.descend(model, rows, GRADUATED_STEPS, scratch);
+            there.relinearise(model, rows, scratch).await;
+            there.descend(model, rows, GRADUATED_STEPS, scratch).await;
         }
         there.fits.clone_from(&self.fits);
-        there.relinearise(model, rows, scratch);
-        there.descend(model, rows, GRADUATED_STEPS, scratch);
+        there.relinearise(model, rows, scratch).await;
+        there.descend(model, rows, GRADUATED_STEPS, scratch).await;
         if there.evidence_here() < self.evidence_here() {
             *self = there;
         }
     }
 
     /// The same at another state.
-    pub(super) fn at(
+    pub(super) async fn at(
         &self,
         state: State,
         model: &MeasurementModel<'_>,
@@ -281,7 +290,7 @@ impl Mode {
             is_off: false,
             end: None,
         };
-        there.relinearise(model, rows, scratch);
+        there.relinearise(model, rows, scratch).await;
         there
     }
 
@@ -297,7 +306,12 @@ impl Mode {
 
     /// Moves to the likeliest of some places along the direction that the readings leave open \[nocedal2006numerical, sec. 9.3\], if there
     /// is one: where a cost has steps its derivatives lead nowhere.
-    pub(super) fn search_line(&mut self, model: &MeasurementModel<'_>, rows: &[usize], scratch: &mut Linearisation) {
+    pub(super) async fn search_line(
+        &mut self,
+        model: &MeasurementModel<'_>,
+        rows: &[usize],
+        scratch: &mut Linearisation,
+    ) {
         let Some(c) = self.marginal(model).covariance(DAMPING) else { return };
         let (sin, cos) = (0.5 * (2.0 * c[0][1]).atan2(c[0][0] - c[1][1])).sin_cos();
         let variance = cos * cos * c[0][0] + 2.0 * sin * cos * c[0][1] + sin * sin * c[1][1];
@@ -308,20 +322,20 @@ impl Mode {
         let mut best: Option<Self> = None;
         for by in LINE.iter().flat_map(|&by| [by, -by]) {
             let frame = moved(self.state.frame, model.pivot(), [cos * by, sin * by, turn * by]);
-            let there = self.at(self.state_at(model, frame), model, rows, scratch);
+            let there = self.at(self.state_at(model, frame), model, rows, scratch).await;
             if there.evidence() < best.as_ref().unwrap_or(self).evidence() {
                 best = Some(there);
             }
         }
         let Some(mut best) = best.filter(|best| best.evidence() < self.evidence() - WORTH_LINE) else { return };
-        best.descend(model, rows, 1, scratch);
+        best.descend(model, rows, 1, scratch).await;
         if best.evidence_here() < self.evidence_here() {
             *self = best;
         }
     }
 
     /// Goes to where the cost is least, in so many steps at most; it must be linearised by these rows.
-    pub(super) fn descend(
+    pub(super) async fn descend(
         &mut self,
         model: &MeasurementModel<'_>,
         rows: &[usize],
@@ -339,7 +353,7 @@ impl Mode {
             let mut taken = false;
             for fraction in FRACTIONS {
                 let part: Vec<f64> = step.iter().map(|d| d * share * fraction).collect();
-                let next = self.at(self.state.stepped(model.pivot(), &part), model, rows, scratch);
+                let next = self.at(self.state.stepped(model.pivot(), &part), model, rows, scratch).await;
                 if next.fits[self.likeliest].equations.constant < self.equations().constant {
                     (*self, taken) = (next, true);
                     break;
@@ -365,8 +379,8 @@ pub(super) struct Rerun<'a> {
 
 impl Rerun<'_> {
     /// The mode with its pose at this frame, and the nuisance parameters as the readings would have them there.
-    pub(super) fn at(&self, mode: &Mode, frame: Pose2) -> Mode {
+    pub(super) async fn at(&self, mode: &Mode, frame: Pose2) -> Mode {
         let state = mode.state_at(self.model, frame);
-        mode.at(state, self.model, self.rows, &mut Linearisation::default())
+        mode.at(state, self.model, self.rows, &mut Linearisation::default()).await
     }
 }

@@ -1,7 +1,7 @@
 //! The posterior as places: refinement of all modes, then weights and covariances \[cappe2004population\].
 
 use super::adaptive_sampling::SAMPLES;
-use super::admission::Admission;
+use super::admission::{Admission, Admits};
 use super::bank::{Bank, Effort, SLACK, WEAK_PRIOR};
 use super::correlated_noise::NoiseModel;
 use super::importance_sampling::{ImportanceSampler, PosteriorMoments, ProposalCentre};
@@ -9,11 +9,12 @@ use super::log_window::LogWindow;
 use super::map_symmetry::MapSymmetries;
 use super::measurement::{Linearisation, MeasurementModel, Row, difference, moved};
 use super::optimisation::{Mode, Rerun};
-use super::smoother::Scene;
+use super::scene::Scene;
 use super::unknowns::{POSE, Parameter};
 use super::unobservable::{CurveTracer, Metric};
 use crate::config::NoiseAssumption;
 use crate::contact::follow::Mechanics;
+use crate::coroutine::completed;
 use crate::flow::pose::{Nuisance, Stretch};
 use crate::linear_algebra::{Square, add, congruent, determinant, dot, inverse, times};
 use crate::plane::{Pose2, Vec2};
@@ -124,13 +125,15 @@ pub struct PosteriorPlace {
 }
 
 /// Area and volume of all modes' 95 % regions, overlaps counted twice.
-pub(super) fn size(bank: &Bank, model: &MeasurementModel<'_>) -> (f64, f64) {
-    let one = |mode: &Mode| {
+pub(super) async fn size(bank: &Bank, model: &MeasurementModel<'_>) -> (f64, f64) {
+    let mut size = (0.0, 0.0);
+    for mode in &bank.modes {
         let c = covariance(mode, model);
         let area = (c[0][0] * c[1][1] - c[0][1] * c[1][0]).max(0.0).sqrt();
-        (AREA_95 * area, VOLUME_95 * determinant(&c).max(0.0).sqrt())
-    };
-    bank.modes.iter().map(one).fold((0.0, 0.0), |a, b| (a.0 + b.0, a.1 + b.1))
+        size = (size.0 + AREA_95 * area, size.1 + VOLUME_95 * determinant(&c).max(0.0).sqrt());
+        model.works(1).await;
+    }
+    size
 }
 
 /// The covariance of a mode's pose at the anchor.
@@ -158,35 +161,42 @@ pub(super) fn linearised(bank: &Bank, scene: &Scene<'_>, window: &LogWindow) -> 
     let told: Vec<Square<3>> = modes.iter().map(|mode| covariance(mode, &last)).collect();
     let least = modes.first().map_or(0.0, |mode| mode.cost(&last));
     let by_symmetry = bank.by_symmetry;
-    Posterior { scene, window, model: &last, modes: &modes, told: &told, least, by_symmetry, rerun: None }.places()
+    let posterior =
+        Posterior { scene, window, model: &last, modes: &modes, told: &told, least, by_symmetry, rerun: None };
+    // Nothing is run again, and so nothing pauses.
+    completed(posterior.places())
 }
 
 /// Settles the modes, weighs and groups them.
-pub(super) fn choose(bank: &mut Bank, scene: &Scene<'_>, window: &LogWindow) -> (Vec<PosteriorPlace>, Option<Fit>) {
+pub(super) async fn choose(
+    bank: &mut Bank,
+    scene: &Scene<'_>,
+    window: &LogWindow,
+) -> (Vec<PosteriorPlace>, Option<Fit>) {
     let admission = Admission::new(scene, window);
     let admits = |frame: Pose2| admission.is_allowed(frame);
     let first = scene.model(window, 0);
-    bank.extend(&first, &admits, Effort { gate: REPORTED + 2.0 * SLACK, ..Effort::ONLINE });
+    bank.extend(&first, &admits, Effort { gate: REPORTED + 2.0 * SLACK, ..Effort::ONLINE }).await;
     if window.heading().is_some() {
         bank.expand_images(&scene.symmetries);
     }
     // Most lie along straight walls, where their neighbours say the same.
     if bank.modes.len() > MANY_AT_THE_END {
-        bank.join_overlapping(&first);
+        bank.join_overlapping(&first).await;
     }
     bank.modes.truncate(MOST_AT_THE_END);
     let end = window.len() - 1;
     bank.anchor(&first, end);
     let model = scene.model(window, end);
-    bank.refine(&model, REPORTED);
-    settle_exactly(bank, &model);
+    bank.refine(&model, REPORTED).await;
+    settle_exactly(bank, &model).await;
     bank.modes.retain(|mode| admits(first_frame(&model, mode)));
-    bank.gather_images(&scene.symmetries, &model);
-    bank.join_overlapping(&model);
+    bank.gather_images(&scene.symmetries, &model).await;
+    bank.join_overlapping(&model).await;
     if bank.modes.is_empty() {
         return (Vec::new(), None);
     }
-    let fit = fit(bank, &model);
+    let fit = fit(bank, &model).await;
     let told: Vec<Square<3>> = bank.modes.iter().map(|mode| covariance(mode, &model)).collect();
     let least = bank.modes.iter().map(|mode| mode.cost(&model)).fold(f64::INFINITY, f64::min);
     let rerun = Rerun { model: &model, rows: &bank.rows };
@@ -200,7 +210,7 @@ pub(super) fn choose(bank: &mut Bank, scene: &Scene<'_>, window: &LogWindow) -> 
         by_symmetry: bank.by_symmetry,
         rerun: Some(&rerun),
     };
-    (posterior.places(), Some(fit))
+    (posterior.places().await, Some(fit))
 }
 
 /// The frame of a mode with the path held at the first row.
@@ -209,31 +219,32 @@ fn first_frame(model: &MeasurementModel<'_>, mode: &Mode) -> Pose2 {
 }
 
 /// Moves the best modes on in closed form.
-fn settle_exactly(bank: &mut Bank, model: &MeasurementModel<'_>) {
+async fn settle_exactly(bank: &mut Bank, model: &MeasurementModel<'_>) {
     let exact = MeasurementModel { solver: Mechanics::ClosedForm, ..*model };
     let mut scratch = Linearisation::default();
     for mode in bank.modes.iter_mut().take(EXACT) {
         let before = mode.clone();
-        mode.relinearise(&exact, &bank.rows, &mut scratch);
-        mode.descend(&exact, &bank.rows, EXACT_STEPS, &mut scratch);
+        mode.relinearise(&exact, &bank.rows, &mut scratch).await;
+        mode.descend(&exact, &bank.rows, EXACT_STEPS, &mut scratch).await;
         if mode.cost(model) > before.cost(model) + 1.0 {
             *mode = before;
         }
     }
-    bank.sort(model);
+    bank.sort(model).await;
 }
 
 /// How well the best mode fits: by the solver that leaves fewer readings unexplained, since where the two disagree the whisker is about to
 /// snap.
-fn fit(bank: &Bank, model: &MeasurementModel<'_>) -> Fit {
+async fn fit(bank: &Bank, model: &MeasurementModel<'_>) -> Fit {
     let exact = MeasurementModel { solver: Mechanics::ClosedForm, ..*model };
-    let by = |model: &MeasurementModel<'_>| {
+    let mode = &bank.modes[0];
+    let mut fits = [Fit::default(), Fit::default()];
+    for (fit, model) in fits.iter_mut().zip([model, &exact]) {
         let mut told = Linearisation::default();
-        let mode = &bank.modes[0];
-        model.run(&mode.state, &mode.start, &bank.rows, &mut told);
-        fit_of(&told, mode.fit().noise, model.noise_model)
-    };
-    let (quick, exact) = (by(model), by(&exact));
+        model.run(&mode.state, &mode.start, &bank.rows, &mut told).await;
+        *fit = fit_of(&told, mode.fit().noise, model.noise_model);
+    }
+    let [quick, exact] = fits;
     let fit = if quick.beyond < exact.beyond { quick } else { exact };
     Fit { of_bound: model.unknowns.most_of_bound(&bank.modes[0].state.values), ..fit }
 }
@@ -305,7 +316,7 @@ struct Posterior<'a> {
 
 impl Posterior<'_> {
     /// Places of modes that overlap, weighed by their shares of the likelihood.
-    fn places(&self) -> Vec<PosteriorPlace> {
+    async fn places(&self) -> Vec<PosteriorPlace> {
         let mut groups: Vec<(f64, Vec<usize>)> =
             self.groups().into_iter().map(|members| (self.mass(&members), members)).collect();
         groups.sort_by(|a, b| b.0.total_cmp(&a.0));
@@ -323,18 +334,19 @@ impl Posterior<'_> {
         });
         let afford = self.rerun.map_or(0, |rerun| (MOST_SAMPLED_TAKES / (SAMPLES * rerun.rows.len()).max(1)).max(1));
         let last = self.window.last_pose();
-        let mut places: Vec<PosteriorPlace> = groups
-            .iter()
-            .enumerate()
-            .map(|(index, (mass, members))| {
-                let near = index < afford.min(MOST_SAMPLED) && *mass > SAMPLED_ABOVE * most;
-                let spread = if near { self.moments(members, *mass > THOROUGH_ABOVE * most, &admits) } else { None };
-                let with: Vec<_> = members.iter().map(|&i| (&self.modes[i], &self.told[i])).collect();
-                let frames = tracer.as_mut().filter(|_| *mass > SAMPLED_ABOVE * most).map(|tracer| tracer.trace(&with));
-                let ridge = frames.unwrap_or_default().into_iter().map(|frame| frame.compose(last)).collect();
-                PosteriorPlace { ridge, ..self.place(members, *mass, spread) }
-            })
-            .collect();
+        let mut places: Vec<PosteriorPlace> = Vec::with_capacity(groups.len());
+        for (index, (mass, members)) in groups.iter().enumerate() {
+            let near = index < afford.min(MOST_SAMPLED) && *mass > SAMPLED_ABOVE * most;
+            let thorough = *mass > THOROUGH_ABOVE * most;
+            let spread = if near { self.moments(members, thorough, &admits).await } else { None };
+            let with: Vec<_> = members.iter().map(|&i| (&self.modes[i], &self.told[i])).collect();
+            let frames = match tracer.as_mut().filter(|_| *mass > SAMPLED_ABOVE * most) {
+                Some(tracer) => tracer.trace(&with).await,
+                None => Vec::new(),
+            };
+            let ridge = frames.into_iter().map(|frame| frame.compose(last)).collect();
+            places.push(PosteriorPlace { ridge, ..self.place(members, *mass, spread).await });
+        }
         if self.by_symmetry {
             places = places.iter().flat_map(|place| images_of(&self.scene.symmetries, place)).collect();
         }
@@ -398,13 +410,13 @@ impl Posterior<'_> {
     }
 
     /// What sampling says about a place.
-    fn moments(&self, members: &[usize], thorough: bool, admits: &dyn Fn(Pose2) -> bool) -> Option<PosteriorMoments> {
+    async fn moments(&self, members: &[usize], thorough: bool, admits: &Admits<'_>) -> Option<PosteriorMoments> {
         let member = |&i: &usize| ProposalCentre { place: &self.modes[i], own: &self.told[i] };
         let members: Vec<ProposalCentre<'_>> = members.iter().map(member).collect();
-        ImportanceSampler { rerun: self.rerun?, least: self.least, admits, thorough }.posterior_moments(&members)
+        ImportanceSampler { rerun: self.rerun?, least: self.least, admits, thorough }.posterior_moments(&members).await
     }
 
-    fn place(&self, members: &[usize], mass: f64, spread: Option<PosteriorMoments>) -> PosteriorPlace {
+    async fn place(&self, members: &[usize], mass: f64, spread: Option<PosteriorMoments>) -> PosteriorPlace {
         let (first, last) = (&self.modes[members[0]], self.window.last_pose());
         let (map_from_odom, weight, told) = match spread {
             Some(spread) => {
@@ -424,11 +436,14 @@ impl Posterior<'_> {
         let calibration = self.model.unknowns.odometry.map(|at| {
             [0, 1, 2].map(|k| [state.values[at - POSE + k], stds.get(at - POSE + k).copied().unwrap_or(0.0)])
         });
-        let broken = self.rerun.map_or(0.0, |rerun| {
-            let mut told = Linearisation::default();
-            self.model.run(&first.state, &first.start, rerun.rows, &mut told);
-            fit_of(&told, first.fit().noise, self.model.noise_model).broken
-        });
+        let broken = match self.rerun {
+            Some(rerun) => {
+                let mut told = Linearisation::default();
+                self.model.run(&first.state, &first.start, rerun.rows, &mut told).await;
+                fit_of(&told, first.fit().noise, self.model.noise_model).broken
+            }
+            None => 0.0,
+        };
         PosteriorPlace {
             map_from_odom,
             weight,

@@ -4,6 +4,7 @@
 //! From the best hypothesis the curve is walked both ways along the direction of least curvature. Each vertex is a fit
 //! of its own: Gauss-Newton steps over the whole history, across the curve only.
 
+use super::admission::Admits;
 use super::information::Information;
 use super::measurement::{difference, moved};
 use super::optimisation::{Mode, Rerun};
@@ -47,7 +48,7 @@ const POWERS: usize = 24;
 pub(super) struct CurveTracer<'a> {
     pub(super) rerun: &'a Rerun<'a>,
     pub(super) metric: Metric,
-    pub(super) admits: &'a dyn Fn(Pose2) -> bool,
+    pub(super) admits: &'a Admits<'a>,
     /// Readings that may still be run.
     pub(super) left: usize,
     /// The curves so far.
@@ -73,7 +74,7 @@ enum TraceStep {
 impl CurveTracer<'_> {
     /// The curve of a place, its hypotheses the best first, each with its covariance about the pivot: poses of the odometry
     /// frame in order; none where it is not long. A place on the curve of another carries that one on.
-    pub(super) fn trace(&mut self, members: &[(&Mode, &Square<3>)]) -> Vec<Pose2> {
+    pub(super) async fn trace(&mut self, members: &[(&Mode, &Square<3>)]) -> Vec<Pose2> {
         let Some((first, _)) = members.first().filter(|_| self.is_long(members)) else { return Vec::new() };
         let known = self.known.iter().find(|line| self.metric.lies_on(line, first.state.frame));
         let mut line = known.cloned().unwrap_or_default();
@@ -82,7 +83,7 @@ impl CurveTracer<'_> {
             if h.cost(self.rerun.model) > most || self.metric.lies_on(&line, h.state.frame) {
                 continue;
             }
-            let more = self.walk(h, most, &line);
+            let more = self.walk(h, most, &line).await;
             line = self.metric.joined(line, more);
         }
         if self.metric.length(&line) < LONG {
@@ -104,25 +105,25 @@ impl CurveTracer<'_> {
     }
 
     /// The curve through a hypothesis, up to the curve so far.
-    fn walk(&mut self, h: &Mode, most: f64, known: &[Pose2]) -> Vec<Pose2> {
+    async fn walk(&mut self, h: &Mode, most: f64, known: &[Pose2]) -> Vec<Pose2> {
         let room = MOST_VERTICES.saturating_sub(known.len());
         if room == 0 || self.left < self.rerun.rows.len() || !(self.admits)(h.state.frame) {
             return Vec::new();
         }
         let mut start = h.clone();
-        if !self.run(&mut start, h.state.frame, most) || start.cost(self.rerun.model) > most {
+        if !self.run(&mut start, h.state.frame, most).await || start.cost(self.rerun.model) > most {
             return Vec::new();
         }
         let Some(along) = self.metric.direction(&start.marginal(self.rerun.model), None) else {
             return Vec::new();
         };
-        let (mut line, closed) = self.trace_one_way(&start, along.map(|v| -v), most, known, (room - 1) / 2);
+        let (mut line, closed) = self.trace_one_way(&start, along.map(|v| -v), most, known, (room - 1) / 2).await;
         line.reverse();
         line.push(start.state.frame);
         if closed {
             return line;
         }
-        let (more, closed) = self.trace_one_way(&start, along, most, known, room - line.len());
+        let (more, closed) = self.trace_one_way(&start, along, most, known, room - line.len()).await;
         if closed {
             line.drain(..line.len() - 1);
         }
@@ -131,7 +132,7 @@ impl CurveTracer<'_> {
     }
 
     /// The vertices from a hypothesis on in one direction, and whether they come back to it.
-    fn trace_one_way(
+    async fn trace_one_way(
         &mut self,
         start: &Mode,
         mut along: [f64; 3],
@@ -154,7 +155,7 @@ impl CurveTracer<'_> {
                 None => step,
             };
             let toward = unit([0, 1, 2].map(|i| along[i] + 0.5 * length * bend[i]));
-            match self.step(&at, toward, length, most) {
+            match self.step(&at, toward, length, most).await {
                 TraceStep::Fits(next, aside) => {
                     if self.metric.lies_on(known, next.state.frame) {
                         break;
@@ -194,13 +195,13 @@ impl CurveTracer<'_> {
     }
 
     /// A step along a direction and the fit across it.
-    fn step(&mut self, from: &Mode, along: [f64; 3], length: f64, most: f64) -> TraceStep {
+    async fn step(&mut self, from: &Mode, along: [f64; 3], length: f64, most: f64) -> TraceStep {
         let to = |d: [f64; 3]| moved(from.state.frame, self.rerun.model.pivot(), d);
         let mut end = along.map(|v| v * length);
         let mut next = from.clone();
         let mut frame = to(self.metric.unscaled(end));
         for round in 0..=ROUNDS {
-            if !self.run(&mut next, frame, most) {
+            if !self.run(&mut next, frame, most).await {
                 return TraceStep::PieceStarts;
             }
             let (gain, across) = self.metric.across(&next.marginal(self.rerun.model), along);
@@ -218,9 +219,9 @@ impl CurveTracer<'_> {
     }
 
     /// Runs a mode at a frame; whether it costs no more than one that is to be fitted may.
-    fn run(&mut self, h: &mut Mode, frame: Pose2, most: f64) -> bool {
+    async fn run(&mut self, h: &mut Mode, frame: Pose2, most: f64) -> bool {
         self.left = self.left.saturating_sub(self.rerun.rows.len());
-        *h = self.rerun.at(h, frame);
+        *h = self.rerun.at(h, frame).await;
         h.cost(self.rerun.model) <= most + UNFITTED
     }
 }
