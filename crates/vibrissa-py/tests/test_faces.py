@@ -73,6 +73,16 @@ def test_copies_in_other_processes_are_the_same(demo: vibrissa.Demo) -> None:
     assert isinstance(error, FileNotFoundError)
 
 
+def test_whiskers_in_the_wrong_place_are_told() -> None:
+    paper = vibrissa.Robot()
+    for whiskers in ([vibrissa.MountedWhisker()], vibrissa.MountedWhisker(), [vibrissa.Whisker()], vibrissa.Whisker()):
+        assert vibrissa.Robot(whiskers) == paper  # type: ignore[arg-type]
+    with pytest.raises(vibrissa.UsageError, match="beam=Whisker"):
+        vibrissa.MountedWhisker(vibrissa.Whisker())  # type: ignore[arg-type]
+    with pytest.raises(vibrissa.UsageError, match="MountedWhisker"):
+        vibrissa.Robot(["left"])  # type: ignore[arg-type]
+
+
 def test_lengths_take_units_and_have_to_be_plausible() -> None:
     assert vibrissa.Whisker(length="75 mm") == vibrissa.Whisker()
     mounted = vibrissa.MountedWhisker(mount=(0, "20 mm", "90 deg"), moment_relative="5 %")
