@@ -64,13 +64,23 @@ def test_copies_in_other_processes_are_the_same(demo: vibrissa.Demo) -> None:
     copy = pickle.loads(pickle.dumps(inexact))
     assert copy._parts() == inexact._parts() and copy.to_geojson() == inexact.to_geojson()
     bands, unknown = copy.bands()
-    assert len(bands) >= 4 and len(unknown) == 1 and "\"name\": \"room\"" in copy.to_geojson()
+    assert len(bands) == 3 and len(unknown) == 1 and "\"name\": \"room\"" in copy.to_geojson()
     again = vibrissa.localize(log, arena)
     assert again.estimate == demo.answer.estimate
     answer = pickle.loads(pickle.dumps(demo.answer))
     assert answer.estimate == demo.answer.estimate and np.array_equal(answer.states, demo.answer.states)
     error = pickle.loads(pickle.dumps(pytest.raises(vibrissa.DataError, vibrissa.Map.read, "none.svg").value))
     assert isinstance(error, FileNotFoundError)
+
+
+def test_whiskers_in_the_wrong_place_are_told() -> None:
+    paper = vibrissa.Robot()
+    for whiskers in ([vibrissa.MountedWhisker()], vibrissa.MountedWhisker(), [vibrissa.Whisker()], vibrissa.Whisker()):
+        assert vibrissa.Robot(whiskers) == paper  # type: ignore[arg-type]
+    with pytest.raises(vibrissa.UsageError, match="beam=Whisker"):
+        vibrissa.MountedWhisker(vibrissa.Whisker())  # type: ignore[arg-type]
+    with pytest.raises(vibrissa.UsageError, match="MountedWhisker"):
+        vibrissa.Robot(["left"])  # type: ignore[arg-type]
 
 
 def test_lengths_take_units_and_have_to_be_plausible() -> None:

@@ -219,6 +219,9 @@ class MountedWhisker:
         ) -> None: ...
 
     def __post_init__(self) -> None:
+        name: object = self.name
+        if not isinstance(name, str):
+            raise UsageError(f"name: {name!r} is no text\nhelp: name the arguments: MountedWhisker(beam=Whisker(), mount=(0, 0, 0))")
         pose = ("length", "length", "angle")
         quantities(self, {"elevation": "angle", "roll": "angle"})
         quantities(self, {"mount": pose, "mount_error": pose, "length_error": "length", "zero_error": "moment"})
@@ -261,6 +264,13 @@ class Robot:
         ) -> None: ...
 
     def __post_init__(self) -> None:
+        given: Any = self.whiskers
+        listed = (given,) if isinstance(given, Whisker | MountedWhisker) else tuple(given)
+        mounted = tuple(MountedWhisker(beam=one) if isinstance(one, Whisker) else one for one in listed)
+        for one in mounted:
+            if not isinstance(one, MountedWhisker):
+                raise UsageError(f"whiskers: {one!r} is no whisker (allowed: MountedWhisker, or Whisker at the robot's origin)")
+        object.__setattr__(self, "whiskers", mounted)
         ratios = ("translation_relative", "rotation_relative", "map_scale_error")
         quantities(self, {**{name: "ratio" for name in ratios}, "delay_error": "time"})
 
