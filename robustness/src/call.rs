@@ -18,6 +18,7 @@ pub(crate) const HELP: &str = "\
   --declared R        the declared relative bound of the readings, 0.05
   --threads N         all of the machine's
   --short             the form for continuous integration, with fewer worlds and rows; the exit code is 1 where a promise is broken
+  --free HOURS        a whisker that is free, and one that is touched now and then: no contact made up, none missed
   --worlds            what the worlds are, and nothing else
   --each              a line for each run that is off, wrong or inconsistent, or whose truth is not held
   --json FILE         the tables in SI units";
@@ -39,6 +40,7 @@ pub(crate) struct Call {
     pub(crate) declared: f64,
     pub(crate) threads: usize,
     pub(crate) judge: bool,
+    pub(crate) free: Option<f64>,
     pub(crate) worlds: bool,
     pub(crate) each: bool,
     pub(crate) json: Option<PathBuf>,
@@ -56,6 +58,7 @@ impl Call {
             declared: 0.05,
             threads: std::thread::available_parallelism().map_or(1, usize::from),
             judge: false,
+            free: None,
             worlds: false,
             each: false,
             json: None,
@@ -80,6 +83,7 @@ impl Call {
                 "--exact" => undeclared = UndeclaredErrors::None,
                 "--independent" => independent = true,
                 "--short" => call.judge = true,
+                "--free" => call.free = Some(number(&word, &value()?, 0.0, 1e5)?),
                 "--worlds" => call.worlds = true,
                 "--each" => call.each = true,
                 "--json" => call.json = Some(value()?.into()),

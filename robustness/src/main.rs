@@ -5,6 +5,7 @@
 //!     cargo run --release -p vibrissa-robustness -- --short               a few minutes; fails where a promise is broken
 //!     cargo run --release -p vibrissa-robustness -- --runs 50 --laws sine,hysteresis --errors none --method probabilistic
 //!     cargo run --release -p vibrissa-robustness -- --runs 1 --seed 17 --each --errors none
+//!     cargo run --release -p vibrissa-robustness -- --free 100            a free whisker, 100 hours of each noise law
 //!
 //! A seed draws a room, a robot and a motion, and one sweep without any error, which all rows of the tables share. Each row
 //! spoils it in its way; what is declared stays as it was. The same seed gives the same tables, whatever the number of threads.
@@ -15,6 +16,9 @@
 
 mod call;
 mod cells;
+mod free;
+#[path = "../../crates/vibrissa/tests/data/free_whisker.rs"]
+mod free_whisker;
 mod judge;
 mod least_error;
 mod promises;
@@ -51,6 +55,16 @@ fn main() -> ExitCode {
             return ExitCode::from(2);
         }
     };
+    if let Some(hours) = call.free {
+        return match free::hours(hours, call.seed, call.threads) {
+            Ok(true) => ExitCode::SUCCESS,
+            Ok(false) => ExitCode::FAILURE,
+            Err(error) => {
+                eprintln!("error: {error}");
+                ExitCode::FAILURE
+            }
+        };
+    }
     let rows = tables(&call);
     for undeclared in [false, true] {
         if rows.iter().any(|row| row.undeclared == undeclared) {

@@ -159,3 +159,45 @@ fn faults_are_told_with_their_place_and_the_right_exit_code() {
     assert_eq!(vibrissa(&["simulate", &path, "--seed", "many"]).code, Some(2));
     assert_eq!(vibrissa(&["simulate", &path, "--dump"]).code, Some(2), "a dump needs a folder");
 }
+
+const SENSES: &str = r#"
+[map]
+arena = [[0, -0.02], [0.2, -0.02], [0.25, 0], [0.4, 0], [0.4, 0.13], [0.25, 0.13], [0.2, 0.15], [0, 0.15]]
+
+[[whisker]]
+name = "left"
+mount = [0, "10 mm", "115 deg"]
+
+[path]
+start = ["140 mm", "65 mm"]
+
+[[path.leg]]
+kind = "line"
+to = ["300 mm", "65 mm"]
+speed = "250 mm/s"
+
+[sensing]
+columns = ["force", "slope", "strip"]
+strip_cell = "5 mm"
+"#;
+
+#[test]
+fn other_virtual_sensors_are_logged_filtered_and_localized() {
+    let folder = folder("simulate-senses");
+    let (out, scenario) = (folder.display().to_string(), folder.join("senses.toml"));
+    std::fs::write(&scenario, SENSES).unwrap();
+    let simulated = vibrissa(&["simulate", scenario.to_str().unwrap(), "--out", &out]);
+    assert_eq!((simulated.code, simulated.stderr.as_str()), (Some(0), ""), "{simulated:?}");
+    assert_eq!(header(&read(&folder, "log.csv")), "t,x,y,theta,force,slope,strip_lo,strip_hi");
+    let file = |name: &str| folder.join(name).display().to_string();
+    let (log, map, robot) = (file("log.csv"), file("map.geojson"), file("robot.toml"));
+    let filtered = vibrissa(&["contact", &log, "--robot", &robot, "--filter", "--json"]);
+    assert_eq!(filtered.code, Some(0), "{filtered:?}");
+    let told: Value = serde_json::from_str(&filtered.stdout).unwrap();
+    assert!(told["contacts"].as_array().unwrap().len() > 3, "{told}");
+    let found =
+        vibrissa(&["localize", &log, "--map", &map, "--robot", &robot, "--truth", &file("truth.tum"), "--json"]);
+    assert_eq!(found.code, Some(0), "{found:?}");
+    let found: Value = serde_json::from_str(&found.stdout).unwrap();
+    assert!(found["status"] == "localized" || found["status"] == "ambiguous", "{found}");
+}

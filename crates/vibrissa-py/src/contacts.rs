@@ -210,7 +210,7 @@ fn outline<'py>(py: Python<'py>, one: &Outline) -> PyResult<Bound<'py, PyDict>> 
     Ok(out)
 }
 
-fn alignment<'py>(py: Python<'py>, compared: &Alignment) -> PyResult<Bound<'py, PyDict>> {
+pub(crate) fn alignment<'py>(py: Python<'py>, compared: &Alignment) -> PyResult<Bound<'py, PyDict>> {
     let misfit = |m: &Misfit| (m.mean, m.rms, m.p95, m.max);
     let out = PyDict::new(py);
     out.set_item("absolute", misfit(&compared.absolute))?;

@@ -8,7 +8,7 @@
 //! | `world`, `log` | maps, sensor logs |
 //! | `readings` | contact sets and preimages |
 //! | `localizer` | a localizer that takes rows as they come |
-//! | `localize`, `plan`, `simulate`, `contacts`, `calibrate` | the tasks of these names |
+//! | `localize`, `plan`, `simulate`, `contacts`, `mapping`, `calibrate` | the tasks of these names |
 //!
 //! The public face with its docstrings, types and defaults of arguments is Python, in `python/vibrissa`.
 
@@ -22,6 +22,7 @@ mod localize;
 mod localizer;
 mod log;
 mod long;
+mod mapping;
 mod plan;
 mod readings;
 mod simulate;
@@ -60,6 +61,8 @@ mod _vibrissa {
     use crate::localizer::PyLocalizer;
     #[pymodule_export]
     use crate::log::PySensorLog;
+    #[pymodule_export]
+    use crate::mapping::map_log;
     #[pymodule_export]
     use crate::plan::{explore, plan};
     #[pymodule_export]

@@ -9,8 +9,8 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use vibrissa::config::limits::FLATTEN_TOLERANCE;
 use vibrissa::plane::{Curve, Segment, Vec2};
-use vibrissa::tasks::demo;
-use vibrissa::world::{Boundary, Role};
+use vibrissa::tasks::{demo, outlines};
+use vibrissa::world::{Band, Boundary, Course, PieceCourse, Role};
 use vibrissa::{Error, Result};
 
 /// A map of the plane: arena, obstacles and walls (m), x right and y up as drawn.
@@ -145,6 +145,20 @@ impl PyMap {
         Ok(out)
     }
 
+    /// How exactly the boundaries are known: quadrilaterals of shape (4, 2) (m) that the true ones lie in, and lines of shape (n, 2)
+    /// (m) along stretches of which nothing is known; none of an exact map.
+    fn bands<'py>(&self, py: Python<'py>) -> PyResult<(Vec<Table<'py>>, Vec<Table<'py>>)> {
+        let drawn = outlines(&self.0, FLATTEN_TOLERANCE);
+        let bands = drawn.iter().flat_map(|outline| &outline.band).map(|corners| points(py, corners));
+        let unknown = drawn.iter().flat_map(|outline| &outline.unknown).map(|line| points(py, line));
+        Ok((bands.collect::<PyResult<_>>()?, unknown.collect::<PyResult<_>>()?))
+    }
+
+    /// The map as a GeoJSON text (m), which `from_geojson` reads; curves become lines.
+    fn to_geojson(&self) -> String {
+        vibrissa::io::map::to_geojson(&self.0)
+    }
+
     /// Draws the boundaries into axes of matplotlib (m), new ones for None, and gives them.
     #[pyo3(signature = (ax=None))]
     fn plot<'py>(slf: &Bound<'py, Self>, ax: Option<Bound<'py, PyAny>>) -> PyResult<Bound<'py, PyAny>> {
@@ -155,26 +169,38 @@ impl PyMap {
     }
 
     /// What the map is made of, for copies in other processes: role, whether it is closed, whether it is the hole of an
-    /// obstacle, and the control points of its pieces.
+    /// obstacle, the control points of its pieces, how exactly these are known, and its name.
     fn _parts(&self) -> Vec<Parts> {
         let piece = |segment: &Segment| segment.control_points().iter().map(|p| (p.x, p.y)).collect();
         let parts = |boundary: &Boundary| {
             let curve = boundary.curve();
             let hole = boundary.role() == Role::Obstacle && curve.signed_area() > 0.0;
-            (boundary.role().word(), curve.is_closed(), hole, curve.segments().iter().map(piece).collect())
+            let pieces = curve.segments().iter().map(piece).collect();
+            (
+                boundary.role().word(),
+                curve.is_closed(),
+                hole,
+                pieces,
+                boundary.course().map(course_numbers),
+                boundary.name().map(str::to_owned),
+            )
         };
         self.0.boundaries().iter().map(parts).collect()
     }
 
     /// The map of `_parts`.
     #[staticmethod]
-    fn _from_parts(py: Python<'_>, parts: Vec<(String, bool, bool, Pieces)>, warnings: Vec<String>) -> PyResult<Self> {
-        let made = |(role, closed, hole, pieces): (String, bool, bool, Pieces)| {
+    fn _from_parts(py: Python<'_>, parts: Vec<OwnParts>, warnings: Vec<String>) -> PyResult<Self> {
+        let made = |(role, closed, hole, pieces, course, name): OwnParts| {
             let fault = || Error::data("a map that was not written by this version");
             let role = Role::from_word(&role).ok_or_else(fault)?;
             let segments = pieces.iter().map(|points| segment(points)).collect::<Option<Vec<Segment>>>();
             let curve = segments.and_then(|s| Curve::from_segments(s, closed)).ok_or_else(fault)?;
-            Boundary::checked(role, curve, hole, None).map_err(|fault| fault.error)
+            let boundary = Boundary::checked(role, curve, hole, name).map_err(|fault| fault.error)?;
+            match course {
+                Some(numbers) => boundary.with_course(course_of(&numbers)?),
+                None => Ok(boundary),
+            }
         };
         let boundaries = parts.into_iter().map(made).collect::<Result<Vec<Boundary>>>().or_raise(py)?;
         let mut map = vibrissa::world::Map::new(boundaries).or_raise(py)?;
@@ -196,11 +222,35 @@ impl PyMap {
 
 /// Pieces of a curve by their control points (m).
 type Pieces = Vec<Vec<(f64, f64)>>;
-/// A boundary: role, closed, hole, pieces.
-type Parts = (&'static str, bool, bool, Pieces);
+/// How exactly a boundary is known: for each piece its depth, or standard deviation and bound at both of its ends, and the
+/// correlation length (m).
+type CourseNumbers = (Vec<Vec<f64>>, f64);
+/// A boundary: role, closed, hole, pieces, how exactly they are known, its name.
+type Parts = (&'static str, bool, bool, Pieces, Option<CourseNumbers>, Option<String>);
+/// The same, read.
+type OwnParts = (String, bool, bool, Pieces, Option<CourseNumbers>, Option<String>);
 
 /// What a pickled map is made of: its boundaries and its warnings.
 type Pickled = (Vec<Parts>, Vec<String>);
+
+fn course_numbers(course: &Course) -> CourseNumbers {
+    let numbers = |piece: &PieceCourse| match *piece {
+        PieceCourse::Unknown(depth) => vec![depth],
+        PieceCourse::Band([from, to]) => vec![from.std, from.bound, to.std, to.bound],
+    };
+    (course.pieces().iter().map(numbers).collect(), course.correlation_length())
+}
+
+fn course_of((pieces, correlation_length): &CourseNumbers) -> Result<Course> {
+    let piece = |numbers: &Vec<f64>| match numbers[..] {
+        [depth] => Ok(PieceCourse::Unknown(depth)),
+        [std, bound, far_std, far_bound] => {
+            Ok(PieceCourse::Band([Band { std, bound }, Band { std: far_std, bound: far_bound }]))
+        }
+        _ => Err(Error::data("a map that was not written by this version")),
+    };
+    Course::new(pieces.iter().map(piece).collect::<Result<_>>()?, *correlation_length)
+}
 
 fn segment(points: &[(f64, f64)]) -> Option<Segment> {
     let at = |k: usize| Vec2::new(points[k].0, points[k].1);

@@ -57,12 +57,30 @@ def test_copies_in_other_processes_are_the_same(demo: vibrissa.Demo) -> None:
     arena, log = pickle.loads(pickle.dumps((demo.map, demo.sweep.log)))
     assert arena._parts() == demo.map._parts() and arena.bounds == demo.map.bounds
     assert log.to_csv() == demo.sweep.log.to_csv() and log.warnings == demo.sweep.log.warnings
+    text = '''{"type": "FeatureCollection", "features": [{"type": "Feature", "properties":
+        {"role": "arena", "name": "room", "band": 0.002, "unknown": [[1, 2]], "unknown_depth": 0.05},
+        "geometry": {"type": "Polygon", "coordinates": [[[0, 0], [1, 0], [1, 1], [0, 1], [0, 0]]]}}]}'''
+    inexact = vibrissa.Map.from_geojson(text)
+    copy = pickle.loads(pickle.dumps(inexact))
+    assert copy._parts() == inexact._parts() and copy.to_geojson() == inexact.to_geojson()
+    bands, unknown = copy.bands()
+    assert len(bands) == 3 and len(unknown) == 1 and "\"name\": \"room\"" in copy.to_geojson()
     again = vibrissa.localize(log, arena)
     assert again.estimate == demo.answer.estimate
     answer = pickle.loads(pickle.dumps(demo.answer))
     assert answer.estimate == demo.answer.estimate and np.array_equal(answer.states, demo.answer.states)
     error = pickle.loads(pickle.dumps(pytest.raises(vibrissa.DataError, vibrissa.Map.read, "none.svg").value))
     assert isinstance(error, FileNotFoundError)
+
+
+def test_whiskers_in_the_wrong_place_are_told() -> None:
+    paper = vibrissa.Robot()
+    for whiskers in ([vibrissa.MountedWhisker()], vibrissa.MountedWhisker(), [vibrissa.Whisker()], vibrissa.Whisker()):
+        assert vibrissa.Robot(whiskers) == paper  # type: ignore[arg-type]
+    with pytest.raises(vibrissa.UsageError, match="beam=Whisker"):
+        vibrissa.MountedWhisker(vibrissa.Whisker())  # type: ignore[arg-type]
+    with pytest.raises(vibrissa.UsageError, match="MountedWhisker"):
+        vibrissa.Robot(["left"])  # type: ignore[arg-type]
 
 
 def test_lengths_take_units_and_have_to_be_plausible() -> None:

@@ -32,6 +32,10 @@ def test_plans_are_those_of_the_command(command: Command, short: Path, demo_file
     waypoints = [[one["x"], one["y"], one["theta"]] for one in theirs["waypoints"]]
     assert np.array_equal(motion.waypoints, waypoints)
     assert plan.answer.status == "ambiguous" and len(plan.answer.hypotheses) >= plan.places
+    # The group of limits says the same, with units; what is given by name comes first.
+    grouped = vibrissa.MotionLimits(footprint="15 mm", longest="100 mm")
+    again = vibrissa.plan(short, demo_files / "map.svg", limits=grouped, longest=0.24)
+    assert again.words == plan.words and again.readings == plan.readings
     # Ahead only, by what is left at worst, within a budget: another plan, and the limits are kept.
     other = vibrissa.plan(short, demo_files / "map.svg", sideways=False, criterion="worst", budget=3000)
     assert other.readings <= 3000 + 64 and other.words != plan.words
@@ -43,6 +47,8 @@ def test_what_makes_no_sense_is_refused(short: Path, demo_files: Path) -> None:
         vibrissa.plan(short, arena, footprint=-1.0)
     with pytest.raises(vibrissa.UsageError, match="criterion"):
         vibrissa.plan(short, arena, criterion="best")  # type: ignore[arg-type]
+    with pytest.raises(vibrissa.UsageError, match="footprint: .*N"):
+        vibrissa.MotionLimits(footprint="15 N")
     with pytest.raises(vibrissa.UsageError, match="strategy"):
         vibrissa.explore(ROOT / "scenarios/square.toml", strategy="home")  # type: ignore[arg-type]
     with pytest.raises(TypeError, match="colour"):

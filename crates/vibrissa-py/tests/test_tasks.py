@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import pickle
 import os
 from collections.abc import Callable
 from pathlib import Path
@@ -108,6 +109,22 @@ def test_contacts_and_outlines_are_those_of_the_command(command: Command, demo_f
     assert [outline.points.tolist() for outline in outlines] == lines
     outer, inner = outlines[0].band()
     assert np.allclose(np.linalg.norm(outer - inner, axis=1), 4 * outlines[0].std)
+
+
+def test_a_map_of_a_log_is_that_of_the_command(command: Command, demo_files: Path, tmp_path: Path) -> None:
+    log, truth = demo_files / "log.csv", demo_files / "map.svg"
+    told = command("map", log, "--truth", truth, "--body", "5", "--out", tmp_path)
+    found = vibrissa.map_log(log, truth=truth, body_radius="5 mm")
+    assert (found.known, found.unknown) == (told["known_m"], told["unknown_m"]) and found.known > 0.1
+    assert found.map.to_geojson() == (tmp_path / "map.geojson").read_text()
+    assert len(found.corners) == len(told["corners"]) and len(found.closures) == len(told["closures"])
+    assert found.alignment is not None and found.alignment.shape.mean == told["truth"]["mean_m"] < 1e-3
+    assert found.scale == (told["odometry"]["scale"]["value"], told["odometry"]["scale"]["std"])
+    assert found.covariances.shape == (len(found.covariance_t), 3, 3)
+    again = pickle.loads(pickle.dumps(found))
+    assert again.map.to_geojson() == found.map.to_geojson() and "map=<vibrissa.Map" in repr(found)
+    with pytest.raises(vibrissa.UsageError):
+        vibrissa.map_log(log, body_radius=-1.0)
 
 
 def labelled(whisker: vibrissa.Whisker, seed: int) -> dict[str, list[float]]:

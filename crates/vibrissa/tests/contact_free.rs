@@ -2,84 +2,49 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on must fail")]
 
+#[path = "data/free_whisker.rs"]
+mod free_whisker;
+#[path = "data/random.rs"]
+mod random;
+
+use free_whisker::{FreeLaw, FreeWhisker, ROWS};
 use vibrissa::config::ContactOptions;
-use vibrissa::flow::sensor_log::{Channel, LogRow, Quantity, SensorLog};
-use vibrissa::plane::Pose2;
-use vibrissa::tasks::contact::contacts;
+use vibrissa::flow::sensor_log::SensorLog;
+use vibrissa::tasks::contact::{ContactReport, contacts};
 use vibrissa::world::Robot;
 
-/// Rows a second.
-const RATE: f64 = 300.0;
-
-/// A linear congruential generator: the test needs scatter, not quality.
-struct Scatter(u64);
-
-impl Scatter {
-    /// Uniform in [0, 1).
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1u64 << 53) as f64
-    }
-}
-
-fn log(moments: impl Iterator<Item = f64>) -> SensorLog {
-    let row = |(k, moment): (usize, f64)| {
-        let t = k as f64 / RATE;
-        let odom_from_robot = Pose2::new(0.05 * (0.3 * t).sin(), 0.02 * (0.7 * t).cos(), 0.2 * (0.11 * t).sin());
-        LogRow { line: k + 2, t, odom_from_robot, readings: vec![moment], heading: None }
-    };
-    let channels = vec![Channel { whisker: String::new(), quantity: Quantity::Moment }];
-    SensorLog { channels, rows: moments.enumerate().map(row).collect(), ..SensorLog::default() }
-}
-
-/// Steps in contact and events of a free whisker in so many hours: readings z of h = 0 with |h - z| <= relative |z| + absolute,
-/// one in a hundred at the very bound.
-fn phantoms(hours: usize) -> usize {
-    let (robot, mut scatter) = (Robot::default(), Scatter(7));
-    let noise = robot.whiskers[0].noise;
-    let bound = noise.moment_absolute / (1.0 - noise.moment_relative);
-    let mut found = 0;
-    // Pieces of a minute, so that the log stays small.
-    for _ in 0..60 * hours {
-        let moments = (0..(60.0 * RATE) as usize).map(|_| {
-            let signed = 2.0 * scatter.next() - 1.0;
-            if scatter.next() < 0.01 { bound.copysign(signed) } else { bound * signed }
-        });
-        let report = contacts(&log(moments), &robot, &ContactOptions::default()).unwrap();
-        found += report.steps.len() + report.events.len();
-    }
-    found
+fn found(law: FreeLaw, log: &SensorLog) -> ContactReport {
+    contacts(log, &law.robot(), &ContactOptions::default()).unwrap()
 }
 
 #[test]
-fn a_free_whisker_has_no_contacts_in_two_hours() {
-    assert_eq!(phantoms(2), 0);
+fn a_free_whisker_has_no_contacts_whatever_law_its_noise_has() {
+    // `vibrissa-robustness --free 100` does so for a hundred hours of each law.
+    for law in FreeLaw::ALL {
+        let report = found(law, &FreeWhisker::new(law, 7).free(ROWS / 3));
+        assert_eq!((report.steps.len(), report.events.len()), (0, 0), "{law:?}");
+    }
 }
 
 #[test]
-#[ignore = "half a minute; run with --ignored"]
-fn a_free_whisker_has_no_contacts_in_a_hundred_hours() {
-    assert_eq!(phantoms(100), 0);
+fn the_laws_fill_the_declared_bound() {
+    for law in FreeLaw::ALL {
+        let noise = law.robot().whiskers[0].noise.largest_free_reading();
+        let off = law.robot().whiskers[0].errors.zero;
+        let log = FreeWhisker::new(law, 3).free(ROWS);
+        let largest = log.rows.iter().map(|row| row.readings[0].abs()).fold(0.0, f64::max);
+        assert!(largest > 0.98 * (noise + off) && largest <= (noise + off) * (1.0 + 1e-12), "{law:?}: {largest}");
+    }
 }
 
 #[test]
 fn no_contact_above_twice_the_noise_is_missed() {
-    let (robot, mut scatter) = (Robot::default(), Scatter(11));
-    let noise = robot.whiskers[0].noise;
-    let bound = noise.moment_absolute / (1.0 - noise.moment_relative);
-    for _ in 0..200 {
-        // Free, touched for one to four rows of one sign, free again.
-        let (rows, start) = (1 + (4.0 * scatter.next()) as usize, 20 + (50.0 * scatter.next()) as usize);
-        let sign = if scatter.next() < 0.5 { -1.0 } else { 1.0 };
-        let moments: Vec<f64> = (0..100)
-            .map(|row| match (start..start + rows).contains(&row) {
-                true => sign * noise.moment_absolute * (2.0 + 3.0 * scatter.next()),
-                false => bound * (2.0 * scatter.next() - 1.0),
-            })
-            .collect();
-        let report = contacts(&log(moments.into_iter()), &robot, &ContactOptions::default()).unwrap();
+    for law in FreeLaw::ALL {
+        let (log, touches) = FreeWhisker::new(law, 11).touched(ROWS / 12);
+        let report = found(law, &log);
         let of = |kind: &str| report.events.iter().filter(|event| event.kind == kind).count();
-        assert_eq!((of("contact"), of("lift_off")), (1, 1), "{:?}", report.events);
+        assert!(touches > 15);
+        assert_eq!((of("contact"), of("lift_off")), (touches, touches), "{law:?}");
         assert!(report.events.iter().all(|event| event.kind != "contact" || event.detail == "w0 touches"));
         assert!(!report.steps.is_empty());
     }

@@ -4,15 +4,15 @@
 
 use vibrissa::flow::pose::StampedPose;
 use vibrissa::io::log::to_csv;
-use vibrissa::plane::Pose2;
+use vibrissa::plane::{Pose2, Vec2};
 use vibrissa::sensing::SensingChain;
 use vibrissa::sim::recorder::{
-    Columns, Disturbances, Magnetometer, NoiseLaw, OdometryErrors, Recorder, Recording, SerialLayout, Slip, Stamps,
-    TrueErrors, serial_text,
+    Columns, Disturbances, Magnetometer, NoiseLaw, OdometryErrors, Recorder, Recording, STRIP_CELL, SerialLayout, Slip,
+    Stamps, TrueErrors, serial_text,
 };
-use vibrissa::sim::{Sweep, SweepNoise};
+use vibrissa::sim::{Sweep, SweepNoise, simulate_tip_sweep};
 use vibrissa::tasks::demo;
-use vibrissa::world::{MomentNoise, Robot};
+use vibrissa::world::{MomentNoise, ReadingNoise, Robot};
 
 const ROWS: usize = 20_000;
 
@@ -220,6 +220,45 @@ fn flux_and_counts_are_what_the_chip_makes_of_the_moment() {
     // Quantization adds its own twelfth of a square count.
     let expected = (4e-12 + chain.chip.per_count()[1].powi(2) / 12.0).sqrt();
     assert!((deviation(&noise) / expected - 1.0).abs() < 0.03, "{} and {expected}", deviation(&noise));
+}
+
+#[test]
+fn force_slope_and_strip_are_those_of_the_bent_whisker() {
+    let (map, mut robot) = (demo::arena().unwrap(), Robot::default());
+    let sweep = simulate_tip_sweep(&map, &robot, &demo::path().unwrap(), &SweepNoise::none()).unwrap();
+    let columns = vec![Columns::Force, Columns::Slope, Columns::Strip, Columns::Moment];
+    let recorder = Recorder { columns, ..exact() };
+    let noisy = recorder.record(&robot, &sweep).unwrap().log;
+    let names: Vec<String> = noisy.channels.iter().map(|c| c.column()).collect();
+    assert_eq!(names, ["force", "slope", "strip_lo", "strip_hi", "moment"]);
+    let none = ReadingNoise { relative: 0.0, absolute: 0.0 };
+    (robot.whiskers[0].force_noise, robot.whiskers[0].slope_noise) = (none, none);
+    let log = recorder.record(&robot, &sweep).unwrap().log;
+    let whisker = Robot::default().whiskers[0].clone();
+    let (mut touching, mut farthest) = (0, [0.0_f64; 2]);
+    for (index, (row, other)) in log.rows.iter().zip(&noisy.rows).enumerate() {
+        let [force, slope, low, high, moment] = row.readings[..] else { panic!("five readings") };
+        for (k, noise) in [(0, whisker.force_noise), (1, whisker.slope_noise)] {
+            let (z, h) = (other.readings[k], row.readings[k]);
+            let bound = noise.relative * z.abs() + noise.absolute;
+            assert!((h - z).abs() <= bound * (1.0 + 1e-9), "{z} is not within the bound around {h}");
+            farthest[k] = farthest[k].max((h - z).abs() / bound);
+        }
+        let Some(touch) = sweep.contacts.iter().find(|touch| touch.row == index) else {
+            assert!([force, slope, low, high].iter().all(|reading| reading.abs() <= 0.0));
+            continue;
+        };
+        touching += 1;
+        // The elastica keeps M²/2EI + F·t along its length, and its tip carries no moment.
+        let base = sweep.truth[index].map_from_robot.compose(whisker.robot_from_whisker);
+        let seen = touch.force.rotated(-base.theta);
+        let along = |angle: f64| seen.dot(Vec2::from_angle(angle));
+        let energy = moment * moment / (2.0 * whisker.beam.flexural_rigidity);
+        assert!((along(slope) - along(0.0) - energy).abs() < 1e-6 * energy.max(1e-6), "row {index}");
+        assert!((force.abs() - touch.force.norm()).abs() < 1e-12 && (force > 0.0) == (moment > 0.0));
+        assert!(low <= whisker.beam.length && whisker.beam.length < high && (high - low - STRIP_CELL).abs() < 1e-12);
+    }
+    assert!(touching > 100 && farthest.iter().all(|share| *share > 0.9), "{touching} {farthest:?}");
 }
 
 #[test]

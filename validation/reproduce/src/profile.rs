@@ -40,7 +40,7 @@ pub(super) fn section() -> Result<Section> {
         [
             "Figure “objectShape” (a): contact points and slip, the base moved by 4.2 mm in each step.",
             "The same on a post of 20 mm: the contact slips along the whisker and along the post towards the tip.",
-            "The paper's object is not told; its slip is read off the figure, ours is known.",
+            "The paper's object is not told, and its slip is read off the figure. Of ours the simulator's truth is shown, and beside it what `contact` finds from readings with errors.",
         ],
         vec![slip],
     );
@@ -92,8 +92,9 @@ fn slip(section: &mut Section) -> Result<String> {
         (1e3 * largest(|s| s.1), 2, "mm"),
         "“Contact often shifts toward the whisker tip”: so it does here.",
     );
-    let felt = felt_slips(&map, &robot, &path, &stepped)?;
-    let felt_most = |pick: fn(&(f64, f64)) -> f64| 1e3 * felt.iter().map(pick).fold(0.0, f64::max);
+    let felt = felt_contacts(&map, &robot, &path, &stepped)?;
+    let felt_slips: Vec<(f64, f64)> = felt.windows(2).map(|w| (w[0].0.distance(w[1].0), w[1].1 - w[0].1)).collect();
+    let felt_most = |pick: fn(&(f64, f64)) -> f64| 1e3 * felt_slips.iter().map(pick).fold(0.0, f64::max);
     section.find(
         "Largest slip along the object in one step, from readings",
         "slip.object_felt",
@@ -112,23 +113,24 @@ fn slip(section: &mut Section) -> Result<String> {
     let layers = [
         layer(Geometry::Lines(drawn), "shape", "whisker every 4.2 mm"),
         layer(Geometry::Circles(touched), "meeting", "contact points"),
+        layer(Geometry::Dots(felt.iter().map(|(at, _)| *at).collect()), "side-contact", "as readings tell them"),
     ];
     let outlines = ground::outlines(&map);
     let title = "A post met with the side: the contact slips";
     Ok(map_plate(&MapPlate { title, map: &outlines, layers: &layers, window: None, frame: "stage frame" }))
 }
 
-/// How far the contact slips between the same steps along the object and along the whisker (m), as readings tell it.
-fn felt_slips(map: &Map, robot: &Robot, path: &[StampedPose], stepped: &[Touch]) -> Result<Vec<(f64, f64)>> {
+/// The contacts at the same steps as readings tell them: place (m, stage frame) and arc length (m).
+fn felt_contacts(map: &Map, robot: &Robot, path: &[StampedPose], stepped: &[Touch]) -> Result<Vec<(Vec2, f64)>> {
     let sweep = simulate_tip_sweep(map, robot, path, &SweepNoise::seeded(1))?;
     let report = contacts(&sweep.log, robot, &ContactOptions::default())?;
     let nearest = |touch: &Touch| {
         let known = report.steps.iter().filter(|step| step.contact.is_some());
         let step = known.min_by(|a, b| (a.t - touch.t).abs().total_cmp(&(b.t - touch.t).abs()))?;
-        Some((step.position()?, step.s_a?))
+        let start = path.first().map_or(Pose2::IDENTITY, |row| row.map_from_robot);
+        Some((start.transform_point(step.position()?), step.s_a?))
     };
-    let found: Vec<(Vec2, f64)> = stepped.iter().filter_map(nearest).collect();
-    Ok(found.windows(2).map(|w| (w[0].0.distance(w[1].0), w[1].1 - w[0].1)).collect())
+    Ok(stepped.iter().filter_map(nearest).collect())
 }
 
 /// The touch at every step of the base.

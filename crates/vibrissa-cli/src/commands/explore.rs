@@ -8,6 +8,7 @@ use serde_json::json;
 use std::fmt::Write;
 use std::path::PathBuf;
 use vibrissa::figure::{FilmFrame, Geometry, LocalizationScene, Outline, localization_film, scene_figure, wrapped};
+use vibrissa::flow::trajectory::pose_at;
 use vibrissa::io::format_tum;
 use vibrissa::io::log::to_csv;
 use vibrissa::plane::{Pose2, Vec2};
@@ -66,8 +67,9 @@ impl Choice {
     }
 }
 
-/// Frames of a film.
+/// Frames of a film, and shapes of whiskers in the figure.
 const FRAMES: usize = 100;
+const SHAPES: usize = 30;
 
 /// Runs the command.
 pub(crate) fn run(args: &Args) -> Result<()> {
@@ -182,6 +184,17 @@ fn as_json(found: &Exploration, words: &str) -> String {
     format!("{value:#}\n")
 }
 
+/// The whiskers' shapes along the true way, map frame.
+fn whiskers(found: &Exploration) -> Vec<Vec<Vec2>> {
+    let shapes = &found.answer.shapes;
+    let thinned = shapes.iter().step_by(shapes.len().div_ceil(SHAPES).max(1));
+    let placed = thinned.filter_map(|shape| {
+        let pose = pose_at(&found.truth, shape.t)?;
+        Some(shape.points.iter().map(|&point| pose.transform_point(point)).collect())
+    });
+    placed.collect()
+}
+
 fn figure(map: &[Outline], found: &Exploration, words: &str) -> String {
     let mut layers = map_lines(map);
     let first = found.motions.first().map_or(found.truth.len(), |made| made.row);
@@ -190,10 +203,11 @@ fn figure(map: &[Outline], found: &Exploration, words: &str) -> String {
     };
     let at = |row: usize| found.truth.get(row.saturating_sub(1)).map(|row| row.map_from_robot);
     let begins: Vec<Pose2> = found.motions.iter().filter_map(|made| at(made.row)).collect();
-    let left: Vec<Pose2> =
-        found.motions.iter().take(1).flat_map(|made| made.places.iter().map(|place| place.0)).collect();
+    let left: Vec<Vec2> =
+        found.motions.iter().take(1).flat_map(|made| made.places.iter().map(|place| place.0.position())).collect();
     layers.extend([
-        named(Geometry::States(left), "candidate", "places before the first motion"),
+        named(Geometry::Lines(whiskers(found)), "whisker", "whiskers, as the answer bends them"),
+        named(Geometry::Circles(left), "start", "places before the first motion"),
         named(Geometry::Lines(line(&found.truth[..first])), "truth", "the first touch"),
         named(
             Geometry::Lines(line(&found.truth[first.saturating_sub(1)..])),

@@ -1,21 +1,20 @@
 //! `vibrissa map`: an outline and the robot's way from logs alone.
 
-use super::localize::{ImuArgs, outlines, read_log};
+use super::localize::outlines;
+use super::logs::{Felt, OutlineArgs};
 use crate::interrupt::{Heedful, stop};
-use crate::output::{OutputArgs, print, progress, warn, write_all};
+use crate::output::{OutputArgs, counted, print, progress, warn, write_all};
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::PathBuf;
 use vibrissa::config::MappingOptions;
 use vibrissa::figure::{Geometry, Layer, Outline, scene_figure};
-use vibrissa::io::log::foreign::Format;
 use vibrissa::io::map::to_geojson;
 use vibrissa::io::trajectory::format_tum;
 use vibrissa::plane::Vec2;
-use vibrissa::tasks::doubts;
 use vibrissa::tasks::mapping::{Closure, ClosureVerdict, Mapped, Share, map_log};
 use vibrissa::tasks::profile::{Alignment, compare};
-use vibrissa::world::{BoundarySample, Map, PieceCourse, Robot};
+use vibrissa::world::{Map, PieceCourse};
 use vibrissa::{Error, Result};
 
 /// Spacing of the outline's points that are compared with a truth (m).
@@ -32,44 +31,31 @@ const SPACING: f64 = 1e-3;
 pub(crate) struct Args {
     /// The sensor log (.csv)
     log: PathBuf,
-    /// The robot's whiskers and error bounds (.toml) [default: the paper's whisker at the robot's origin]
-    #[arg(long, value_name = "ROBOT")]
-    robot: Option<PathBuf>,
     /// Bound on the drift of the odometry's heading, in degrees for each metre of way [default: 0]
     #[arg(long, value_name = "DEG")]
     drift: Option<f64>,
     /// Radius of a disc around the robot's origin that its body fills, in mm [default: 0]
     #[arg(long, value_name = "MM")]
     body: Option<f64>,
-    /// The true shape (.geojson, .svg, .dxf, .yaml, .mcap), to report errors against
-    #[arg(long, value_name = "MAP")]
-    truth: Option<PathBuf>,
-    /// The format of the log: rostopic, csv [default: csv]
-    #[arg(long, value_name = "FORMAT")]
-    format: Option<Format>,
     #[command(flatten)]
-    imu: ImuArgs,
+    reading: OutlineArgs,
     #[command(flatten)]
     output: OutputArgs,
 }
 
 /// Runs the command.
 pub(crate) fn run(args: &Args) -> Result<()> {
-    let robot = args.robot.as_deref().map_or_else(|| Ok(Robot::default()), vibrissa::read_robot)?;
-    let truth = args.truth.as_deref().map(vibrissa::read_map).transpose()?;
-    let log = read_log(&args.log, args.format, &args.imu)?;
-    let warnings = truth.iter().flat_map(|map| &map.warnings).chain(&log.warnings);
-    warnings.for_each(|warning| warn(warning));
-    doubts(Some(&log), &robot, None).iter().for_each(|warning| warn(warning));
     let options = options(args)?;
+    let Felt { robot, logs, truth } = args.reading.read(core::slice::from_ref(&args.log))?;
     let _heeds = Heedful::hurried();
     let asked = stop();
     let in_file = |error: Error| error.in_file(&args.log);
-    let found = map_log(&log, &robot, options, &asked, &mut progress::readings).map_err(in_file)?;
+    let log = logs.first().ok_or_else(|| Error::data("no log"))?;
+    let found = map_log(log, &robot, options, &asked, &mut progress::readings).map_err(in_file)?;
     if asked.is_asked() {
         warn("interrupted: what came after is missing, and closures were not looked for to the end");
     }
-    let compared = truth.as_ref().and_then(|truth| compare(&known_points(&found.outline.map), truth, false));
+    let compared = truth.as_ref().and_then(|truth| compare(&found.outline.known_points(SPACING), truth, false));
     let mut written = Vec::new();
     if let Some(to) = args.output.destination() {
         let files = [
@@ -106,43 +92,18 @@ fn options(args: &Args) -> Result<MappingOptions> {
     Ok(options)
 }
 
-/// Points along all that is known of the outline.
-fn known_points(map: &Map) -> Vec<Vec2> {
-    let is_known = |sample: &&BoundarySample| {
-        let boundary = &map.boundaries()[sample.boundary];
-        let piece = boundary.curve().segment_at(sample.arc_length);
-        !matches!(boundary.piece_course(piece), Some(PieceCourse::Unknown(_)))
-    };
-    map.samples(SPACING).iter().filter(is_known).map(|sample| sample.position).collect()
-}
-
-/// Lengths of what is known and of what is unknown (m).
-fn lengths(map: &Map) -> (f64, f64) {
-    let pieces = map.boundaries().iter().flat_map(|boundary| {
-        let segments = boundary.curve().segments().iter().enumerate();
-        segments
-            .map(|(k, segment)| (segment.length(), matches!(boundary.piece_course(k), Some(PieceCourse::Unknown(_)))))
-    });
-    pieces.fold(
-        (0.0, 0.0),
-        |(known, not), (length, is_unknown)| {
-            if is_unknown { (known, not + length) } else { (known + length, not) }
-        },
-    )
-}
-
 fn captions(found: &Mapped, compared: Option<&Alignment>) -> Vec<String> {
-    let (known, unknown) = lengths(&found.outline.map);
+    let (known, unknown) = found.outline.lengths();
     let count = |verdict| found.closures.iter().filter(|closure| closure.verdict == verdict).count();
     let mut lines = vec![
         format!(
-            "{} boundaries: {known:.3} m of wall known, {unknown:.3} m unknown, {} corner(s) found",
-            found.outline.map.boundaries().len(),
-            found.outline.corners.len()
+            "{}: {known:.3} m of wall known, {unknown:.3} m unknown, {} found",
+            counted(found.outline.map.boundaries().len(), "boundary", "boundaries"),
+            counted(found.outline.corners.len(), "corner", "corners")
         ),
         format!(
-            "came back: {} place(s) proved, {} not told from others",
-            count(ClosureVerdict::Proved),
+            "came back: {} proved, {} not told from others",
+            counted(count(ClosureVerdict::Proved), "place", "places"),
             count(ClosureVerdict::Hypothesis) + count(ClosureVerdict::Unfinished)
         ),
     ];
@@ -167,7 +128,8 @@ fn told(closure: &Closure) -> String {
     match closure.verdict {
         ClosureVerdict::Proved => format!("{when}: proved, within {size}"),
         ClosureVerdict::Hypothesis => {
-            format!("{when}: a hypothesis, {} separate place(s) within {size}", closure.places)
+            let places = counted(closure.places, "separate place", "separate places");
+            format!("{when}: a hypothesis, {places} within {size}")
         }
         ClosureVerdict::Contradiction => format!("{when}: contradicts the declared odometry bounds"),
         ClosureVerdict::Unfinished => format!("{when}: a hypothesis, the search for other places was cut short"),
@@ -183,17 +145,11 @@ fn covariances(found: &Mapped) -> String {
 }
 
 fn summary(found: &Mapped, compared: Option<&Alignment>) -> Value {
-    let (known, unknown) = lengths(&found.outline.map);
+    let (known, unknown) = found.outline.lengths();
     let share = |share: Share| json!({ "value": share.value, "std": share.std });
     let closure = |closure: &Closure| {
-        let verdict = match closure.verdict {
-            ClosureVerdict::Proved => "proved",
-            ClosureVerdict::Hypothesis => "hypothesis",
-            ClosureVerdict::Contradiction => "contradiction",
-            ClosureVerdict::Unfinished => "unfinished",
-        };
         json!({
-            "later_s": closure.later, "earlier_s": closure.earlier, "verdict": verdict, "places": closure.places,
+            "later_s": closure.later, "earlier_s": closure.earlier, "verdict": closure.verdict.as_str(), "places": closure.places,
             "extent": closure.extent,
         })
     };

@@ -10,6 +10,7 @@ mod join;
 #[cfg(feature = "live")]
 mod live;
 mod localize;
+mod logs;
 mod map;
 mod plan;
 mod preimage;

@@ -1,20 +1,17 @@
 //! `vibrissa profile`: the outline of what was swept.
 
-use super::localize::{ImuArgs, outlines, read_log};
+use super::localize::outlines;
+use super::logs::{Felt, OutlineArgs};
 use crate::interrupt::{Heedful, stop};
-use crate::output::{OutputArgs, print, progress, warn, write_all};
+use crate::output::{OutputArgs, counted, print, progress, warn, write_all};
 use serde_json::{Value, json};
-use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::path::PathBuf;
 use vibrissa::config::{ContactOptions, MapAssemblyOptions, ProfileOptions};
 use vibrissa::figure::{Geometry, Layer, scene_figure};
-use vibrissa::flow::sensor_log::SensorLog;
-use vibrissa::io::log::foreign::Format;
 use vibrissa::plane::Vec2;
-use vibrissa::tasks::doubts;
 use vibrissa::tasks::profile::{Alignment, Misfit, Outline, Profile, compare, profile_until};
-use vibrissa::world::{Map, Robot};
+use vibrissa::world::Map;
 use vibrissa::{Error, Result};
 
 /// The band's half width, in standard deviations.
@@ -34,34 +31,19 @@ pub(crate) struct Args {
     /// The sensor logs (.csv)
     #[arg(required = true)]
     logs: Vec<PathBuf>,
-    /// The true shape (.geojson, .svg, .dxf, .yaml, .mcap), to report errors against
-    #[arg(long, value_name = "MAP")]
-    truth: Option<PathBuf>,
     /// Also fit a scale, and say how well the shape fits with it
     #[arg(long, requires = "truth")]
     free_scale: bool,
-    /// The robot's whiskers and error bounds (.toml) [default: the paper's whisker at the robot's origin]
-    #[arg(long, value_name = "ROBOT")]
-    robot: Option<PathBuf>,
-    /// The format of the logs: rostopic, csv [default: csv]
-    #[arg(long, value_name = "FORMAT")]
-    format: Option<Format>,
     #[command(flatten)]
-    imu: ImuArgs,
+    reading: OutlineArgs,
     #[command(flatten)]
     output: OutputArgs,
 }
 
 /// Runs the command.
 pub(crate) fn run(args: &Args) -> Result<()> {
-    let robot = args.robot.as_deref().map_or_else(|| Ok(Robot::default()), vibrissa::read_robot)?;
-    let map = args.truth.as_deref().map(vibrissa::read_map).transpose()?;
-    let logs = args.logs.iter().map(|log| read_log(log, args.format, &args.imu)).collect::<Result<Vec<SensorLog>>>()?;
-    let warnings = map.iter().flat_map(|map| &map.warnings).chain(logs.iter().flat_map(|log| &log.warnings));
-    warnings.for_each(|warning| warn(warning));
-    let doubted = logs.iter().flat_map(|log| doubts(Some(log), &robot, None)).collect::<BTreeSet<String>>();
-    doubted.iter().for_each(|warning| warn(warning));
-    let found = felt(args, &logs, &robot)?;
+    let felt = args.reading.read(&args.logs)?;
+    let (found, map) = (profile(args, &felt)?, felt.truth);
     let points: Vec<Vec2> = found.outlines.iter().flat_map(|o| o.points.iter().map(|p| p.position)).collect();
     let compared = map.as_ref().and_then(|map| compare(&points, map, args.free_scale));
     let mut written = Vec::new();
@@ -71,8 +53,8 @@ pub(crate) fn run(args: &Args) -> Result<()> {
             ("profile.svg", figure(&found, map.as_ref(), compared.as_ref(), &caption(&found, compared.as_ref()))),
         ];
         if !found.outlines.is_empty() {
-            let felt = found.map(&MapAssemblyOptions::default())?;
-            files.insert(1, ("map.geojson", vibrissa::io::map::to_geojson(&felt.map)));
+            let assembled = found.map(&MapAssemblyOptions::default())?;
+            files.insert(1, ("map.geojson", vibrissa::io::map::to_geojson(&assembled.map)));
         }
         written = write_all(to, &files)?;
     }
@@ -87,7 +69,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
 }
 
 /// The outlines, as far as they come before an interrupt.
-fn felt(args: &Args, logs: &[SensorLog], robot: &Robot) -> Result<Profile> {
+fn profile(args: &Args, Felt { robot, logs, .. }: &Felt) -> Result<Profile> {
     let _heeds = Heedful::hurried();
     let (contact, options) = (ContactOptions::default(), ProfileOptions::default());
     let mut tell = |log: usize, done, all| {
@@ -123,10 +105,10 @@ fn caption(found: &Profile, compared: Option<&Alignment>) -> Vec<String> {
     }
     let total: f64 = found.outlines.iter().map(length).fold(0.0, |sum, l| sum + l);
     let mut lines = vec![format!(
-        "{} outline(s), {:.1} mm in all; {} point(s) felt with the side; {} of {} steps on no outline",
-        found.outlines.len(),
+        "{}, {:.1} mm in all; {} felt with the side; {} of {} steps on no outline",
+        counted(found.outlines.len(), "outline", "outlines"),
         1e3 * total,
-        found.pegs.len(),
+        counted(found.pegs.len(), "point", "points"),
         found.left_out,
         found.contacts
     )];

@@ -26,6 +26,11 @@ pub(crate) use files::{write_all, write_bytes};
 pub(crate) use plain::plain;
 pub(crate) use runtime::{Runtime, Stopwatch};
 
+/// A number with its noun.
+pub(crate) fn counted(count: usize, one: &str, many: &str) -> String {
+    format!("{count} {}", if count == 1 { one } else { many })
+}
+
 /// A localization that is done, with all that its reports need.
 pub(crate) struct Run {
     /// The headline of the figure: the names of the log and the map.

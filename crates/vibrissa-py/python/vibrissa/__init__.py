@@ -42,8 +42,9 @@ from ._localize import (
     localize,
 )
 from ._localizer import Estimate, Localizer
+from ._mapping import Closure, MappedLog, Share, map_log
 from ._methods import Deterministic, Possibilistic, Probabilistic
-from ._plan import Exploration, MadeMotion, Motion, Plan, explore, plan
+from ._plan import Exploration, MadeMotion, Motion, MotionLimits, Plan, explore, plan
 from ._readings import ContactCurves, ContactSets, Meeting, Preimage, Reading, contact_set, preimage
 from ._robot import MountedWhisker, Robot, Segment, Whisker
 from ._simulate import Simulation, Touches, simulate, sweep, waypoints
@@ -58,6 +59,7 @@ __all__ = [
     "Bends",
     "Calibration",
     "CalibrationReport",
+    "Closure",
     "Consistency",
     "ContactCurves",
     "ContactSets",
@@ -77,11 +79,13 @@ __all__ = [
     "Localizer",
     "MadeMotion",
     "Map",
+    "MappedLog",
     "Meeting",
     "Method",
     "Misfit",
     "MissingFileError",
     "Motion",
+    "MotionLimits",
     "MountedWhisker",
     "Nuisance",
     "OdometryEstimate",
@@ -98,6 +102,7 @@ __all__ = [
     "Scenario",
     "Segment",
     "SensorLog",
+    "Share",
     "Simulation",
     "SpaceContacts",
     "Status",
@@ -118,6 +123,7 @@ __all__ = [
     "explore",
     "force_mode",
     "localize",
+    "map_log",
     "moment_mode",
     "plan",
     "point_mode",

@@ -71,13 +71,17 @@ class Contacts(Shown):
 
     def plot(self, ax: Any = None) -> Any:
         """Draws the contacts, odometry frame (m), a colour for each whisker, into axes of matplotlib, and gives them."""
-        ax = axes(ax)
-        for name in dict.fromkeys(self.whisker):
-            mine = np.array([one == name for one in self.whisker], dtype=bool)
-            ax.plot(self.position[mine, 0], self.position[mine, 1], ".", label=name)
-        ax.legend(fontsize="small")
-        plane(ax)
-        return ax
+        return _draw_by_whisker(axes(ax), self.whisker, self.position)
+
+
+def _draw_by_whisker(ax: Any, whiskers: list[str], points: Floats) -> Any:
+    """Points of shape (n, 2) or (n, 3) seen from above, a colour for each whisker."""
+    for name in dict.fromkeys(whiskers):
+        mine = np.array([one == name for one in whiskers], dtype=bool)
+        ax.plot(points[mine, 0], points[mine, 1], ".", label=name)
+    ax.legend(fontsize="small")
+    plane(ax)
+    return ax
 
 
 def contact(
@@ -167,6 +171,10 @@ class SpaceContacts(Shown):
         columns.update({"moment": self.moments[:, 0], "across": self.moments[:, 1]})
         return pandas().DataFrame(columns)
 
+    def plot(self, ax: Any = None) -> Any:
+        """Draws the contacts from above, odometry frame (m), a colour for each whisker, into axes of matplotlib, and gives them."""
+        return _draw_by_whisker(axes(ax), self.whisker, self.position)
+
 
 def contact_in_space(
     log: LogLike, robot: RobotLike = None, *, format: str | None = None, spacing: float | None = None
@@ -226,6 +234,10 @@ class FilteredContacts(Shown):
         sides = ("x_min", "x_max", "y_min", "y_max")
         columns.update({name: self.extent[:, k] for k, name in enumerate(sides)})
         return pandas().DataFrame(columns)
+
+    def plot(self, ax: Any = None) -> Any:
+        """Draws the middles of the sets, odometry frame (m), a colour for each whisker, into axes of matplotlib, and gives them."""
+        return _draw_by_whisker(axes(ax), self.whisker, self.position)
 
 
 def temporal_filter(

@@ -3,27 +3,93 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+
+import numpy as np
 
 from . import _vibrissa
 from ._arrays import Floats
 from ._errors import UsageError
 from ._localize import Localization, MethodLike, method_of
-from ._robot import RobotLike, robot_of
+from ._methods import Options
+from ._robot import RobotLike, number, quantities, robot_of
 from ._show import Shown, axes, draw_map, plane
 from ._trajectory import Trajectory
 from ._vibrissa import Map, Scenario, SensorLog
 from ._world import LogLike, MapLike, read_log, read_map
 
 if TYPE_CHECKING:
-    from ._methods import Options
     from typing_extensions import Unpack
 
 Criterion = Literal["expected", "worst"]
 Verdict = Literal["parts", "alike", "known", "symmetric", "confined"]
 Ended = Literal["localized", "symmetric", "inconsistent", "gave_up", "confined", "no_place"]
 Strategy = Literal["planned", "wall"]
+
+
+@dataclass(frozen=True)
+class MotionLimits:
+    """What a robot can do, and how its motions are judged; None takes the default.
+
+    Numbers are SI; a text carries its unit: ``MotionLimits(footprint="15 mm")``.
+    """
+
+    longest: float | None = None
+    """The longest motion (m)."""
+    footprint: float | None = None
+    """The radius around the robot's origin that must stay clear of all boundaries (m)."""
+    sideways: bool | None = None
+    """Whether the robot goes in any direction without turning; else ahead, back and along arcs."""
+    turns: bool | None = None
+    """Whether it turns on the spot."""
+    largest_moment: float | None = None
+    """The largest moment that a whisker may feel (N m)."""
+    criterion: Criterion = "expected"
+    """What motions are judged by: the information that is expected, or the extent that is left at worst."""
+    budget: int | None = None
+    """Readings of the forward model that may be taken: the plan is the best of these, whatever the machine."""
+
+    if TYPE_CHECKING:
+
+        def __init__(
+            self,
+            longest: float | str | None = ...,
+            footprint: float | str | None = ...,
+            sideways: bool | None = ...,
+            turns: bool | None = ...,
+            largest_moment: float | str | None = ...,
+            criterion: Criterion = ...,
+            budget: int | None = ...,
+        ) -> None: ...
+
+    def __post_init__(self) -> None:
+        quantities(self, {"longest": "length", "footprint": "length", "largest_moment": "moment"})
+        if self.criterion not in ("expected", "worst"):
+            raise UsageError(f"criterion: {self.criterion!r} (allowed: 'expected', 'worst')")
+
+
+class PlanOptions(Options, total=False):
+    """The fields of ``MotionLimits`` and the options of all methods by name, for calls without a group."""
+
+    longest: float | str | None
+    footprint: float | str | None
+    sideways: bool | None
+    turns: bool | None
+    largest_moment: float | str | None
+    criterion: Criterion
+    budget: int | None
+
+
+def _told(limits: MotionLimits | None, options: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
+    """What the robot can do, and the options of the method; limits by name come before those of the group."""
+    names = [one.name for one in fields(MotionLimits)]
+    group = limits or MotionLimits()
+    mine = replace(group, **{name: options[name] for name in names if options.get(name) is not None})
+    told = {name: getattr(mine, name) for name in names if name != "criterion"}
+    rest = {name: value for name, value in options.items() if name not in names}
+    return {**told, "worst": mine.criterion == "worst"}, rest
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -68,6 +134,17 @@ class Plan(Shown):
     """Readings of the forward model that were taken."""
     answer: Localization
     """Where the robot may be by its log."""
+
+    def plot(self, ax: Any = None) -> Any:
+        """Draws the places and the motion from each of them, map frame (m), into axes of matplotlib, and gives them."""
+        ax = self.answer.plot(ax)
+        way = np.zeros((0, 2)) if self.motion is None else self.motion.waypoints[:, :2]
+        for place in self.answer.hypotheses[: self.places]:
+            sin, cos = np.sin(place.theta), np.cos(place.theta)
+            x, y = place.x + way @ (cos, -sin), place.y + way @ (sin, cos)
+            ax.plot(x, y, "o-", markersize=3.0, color="#0072b2")
+        ax.set_title(self.words, fontsize="small", wrap=True)
+        return ax
 
     @classmethod
     def _of(cls, found: dict[str, Any], map: Map) -> Plan:
@@ -134,14 +211,10 @@ def plan(
     robot: RobotLike = None,
     method: MethodLike = "probabilistic",
     *,
-    longest: float | None = None,
-    footprint: float | None = None,
-    sideways: bool | None = None,
-    turns: bool | None = None,
-    largest_moment: float | None = None,
-    criterion: Criterion = "expected",
-    budget: int | None = None,
-    **options: Unpack[Options],
+    limits: MotionLimits | None = None,
+    format: str | None = None,
+    within: Sequence[float] | None = None,
+    **options: Unpack[PlanOptions],
 ) -> Plan:
     """Finds the next motion that tells the places apart which a log leaves open.
 
@@ -155,22 +228,14 @@ def plan(
         The robot, its file, a whisker at the robot's origin, or None for the paper's.
     method : str, Deterministic, Possibilistic or Probabilistic
         The estimator.
-    longest : float, optional
-        The longest motion (m).
-    footprint : float, optional
-        The radius around the robot's origin that must stay clear of all boundaries (m).
-    sideways : bool, optional
-        Whether the robot goes in any direction without turning; else ahead, back and along arcs.
-    turns : bool, optional
-        Whether it turns on the spot.
-    largest_moment : float, optional
-        The largest moment that a whisker may feel (N m).
-    criterion : str
-        What motions are judged by: the information that is expected, or the extent that is left at worst.
-    budget : int, optional
-        Readings of the forward model that may be taken: the plan is the best of these, whatever the machine.
+    limits : MotionLimits, optional
+        What the robot can do, and how motions are judged: ``limits=vibrissa.MotionLimits(footprint="15 mm")``.
+    format : str, optional
+        The format of a log file that is not ours.
+    within : sequence of six floats, optional
+        Where the robot is at the first row: least and largest x, y (m) and heading (rad).
     **options
-        The options of the method by name.
+        The fields of ``MotionLimits``, and the options of the method, by name.
 
     Returns
     -------
@@ -186,31 +251,27 @@ def plan(
 
     Examples
     --------
-    >>> plan = vibrissa.plan("short.csv", "arena.svg", footprint=0.015)
+    >>> plan = vibrissa.plan("short.csv", "arena.svg", footprint="15 mm")
     >>> print(plan.words)
     """
-    name, given = method_of(method, options)
-    limits = _limits(longest, footprint, sideways, turns, largest_moment, criterion, budget)
+    told, rest = _told(limits, options)
+    name, given = method_of(method, rest)
+    if within is not None:
+        given["within"] = within
     shape = read_map(map)
-    return Plan._of(_vibrissa.plan(read_log(log), shape, robot_of(robot), name, given, limits), shape)
+    return Plan._of(_vibrissa.plan(read_log(log, format), shape, robot_of(robot), name, given, told), shape)
 
 
 def explore(
     scenario: Scenario | str | os.PathLike[str],
     method: MethodLike = "probabilistic",
     *,
-    begin: float = 0.08,
-    most_way: float = 2.0,
+    begin: float | str = 0.08,
+    most_way: float | str = 2.0,
     seed: int = 1,
     strategy: Strategy = "planned",
-    longest: float | None = None,
-    footprint: float | None = None,
-    sideways: bool | None = None,
-    turns: bool | None = None,
-    largest_moment: float | None = None,
-    criterion: Criterion = "expected",
-    budget: int | None = None,
-    **options: Unpack[Options],
+    limits: MotionLimits | None = None,
+    **options: Unpack[PlanOptions],
 ) -> Exploration:
     """Lets a simulated robot find out where it is by its own motion.
 
@@ -222,18 +283,18 @@ def explore(
         The scenario, or its .toml file.
     method : str, Deterministic, Possibilistic or Probabilistic
         The estimator.
-    begin : float
+    begin : float or str
         How much of the scenario's path is the first motion (m).
-    most_way : float
+    most_way : float or str
         The way after which the robot gives up (m).
     seed : int
         Of the noise.
     strategy : str
         How motions are chosen: as ``plan`` tells, or along the wall by touch.
-    longest, footprint, sideways, turns, largest_moment, criterion, budget
-        What the robot can do, as for ``plan``.
+    limits : MotionLimits, optional
+        What the robot can do, and how motions are judged.
     **options
-        The options of the method by name.
+        The fields of ``MotionLimits``, and the options of the method, by name.
 
     Returns
     -------
@@ -250,9 +311,10 @@ def explore(
     if strategy not in ("planned", "wall"):
         raise UsageError(f"strategy: {strategy!r} (allowed: 'planned', 'wall')")
     read = scenario if isinstance(scenario, Scenario) else Scenario.read(scenario)
-    name, given = method_of(method, options)
-    limits = _limits(longest, footprint, sideways, turns, largest_moment, criterion, budget)
-    log, found = _vibrissa.explore(read, begin, most_way, seed, strategy, name, given, limits)
+    told, rest = _told(limits, options)
+    name, given = method_of(method, rest)
+    first, whole = number("begin", begin, "length"), number("most_way", most_way, "length")
+    log, found = _vibrissa.explore(read, first, whole, seed, strategy, name, given, told)
     made = {
         **found,
         "motions": [MadeMotion(**one) for one in found["motions"]],
@@ -260,25 +322,3 @@ def explore(
         "answer": Localization._of(found["answer"], None, read.map),
     }
     return Exploration(log=log, **made, _map=read.map)
-
-
-def _limits(
-    longest: float | None,
-    footprint: float | None,
-    sideways: bool | None,
-    turns: bool | None,
-    largest_moment: float | None,
-    criterion: Criterion,
-    budget: int | None,
-) -> dict[str, Any]:
-    if criterion not in ("expected", "worst"):
-        raise UsageError(f"criterion: {criterion!r} (allowed: 'expected', 'worst')")
-    return {
-        "longest": longest,
-        "footprint": footprint,
-        "sideways": sideways,
-        "turns": turns,
-        "largest_moment": largest_moment,
-        "worst": criterion == "worst",
-        "budget": budget,
-    }

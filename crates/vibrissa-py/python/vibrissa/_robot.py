@@ -7,6 +7,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from . import _vibrissa
 from ._errors import Error, UsageError
 
@@ -15,7 +17,7 @@ _LONGEST_WHISKER = 5.0
 _FARTHEST_MOUNT = 100.0
 
 
-def _quantities(record: object, dimensions: Mapping[str, str | tuple[str, ...]]) -> None:
+def quantities(record: object, dimensions: Mapping[str, str | tuple[str, ...]]) -> None:
     """Turns the texts among a frozen record's fields into numbers (SI)."""
     for name, dimension in dimensions.items():
         given = getattr(record, name)
@@ -35,6 +37,14 @@ def quantity(name: str, given: object, dimension: str) -> object:
         return _vibrissa.quantity(given, dimension)
     except Error as error:
         raise UsageError(f"{name}: {error}") from None
+
+
+def number(name: str, given: float | str, dimension: str) -> float:
+    """A number, or a text with its unit, as a number (SI)."""
+    found = quantity(name, given, dimension)
+    if not isinstance(found, (int, float, np.floating, np.integer)):
+        raise TypeError(f"{name}: {given!r} is no number and no text with a unit")
+    return float(found)
 
 
 def _plausible(name: str, value: float, largest: float) -> None:
@@ -74,7 +84,7 @@ class Segment:
         ) -> None: ...
 
     def __post_init__(self) -> None:
-        _quantities(self, {"length": "length", "flexural_rigidity": "rigidity", "diameter": "length"})
+        quantities(self, {"length": "length", "flexural_rigidity": "rigidity", "diameter": "length"})
         _plausible("length", self.length, _LONGEST_WHISKER)
 
 
@@ -126,7 +136,7 @@ class Whisker:
 
     def __post_init__(self) -> None:
         units = {"length": "length", "flexural_rigidity": "rigidity", "base_stiffness": "stiffness"}
-        _quantities(self, {**units, "diameter": "length", "curvature": "curvature"})
+        quantities(self, {**units, "diameter": "length", "curvature": "curvature"})
         _plausible("length", self.length, _LONGEST_WHISKER)
 
     @property
@@ -209,13 +219,16 @@ class MountedWhisker:
         ) -> None: ...
 
     def __post_init__(self) -> None:
+        name: object = self.name
+        if not isinstance(name, str):
+            raise UsageError(f"name: {name!r} is no text\nhelp: name the arguments: MountedWhisker(beam=Whisker(), mount=(0, 0, 0))")
         pose = ("length", "length", "angle")
-        _quantities(self, {"elevation": "angle", "roll": "angle"})
-        _quantities(self, {"mount": pose, "mount_error": pose, "length_error": "length", "zero_error": "moment"})
+        quantities(self, {"elevation": "angle", "roll": "angle"})
+        quantities(self, {"mount": pose, "mount_error": pose, "length_error": "length", "zero_error": "moment"})
         ratios = ("moment_relative", "force_relative", "slope_relative", "stiffness_error", "gain_error")
-        _quantities(self, {name: "ratio" for name in ratios})
-        _quantities(self, {"moment_absolute": "moment", "force_absolute": "force", "slope_absolute": "angle"})
-        _quantities(self, {"zero_drift_error": "moment_rate"})
+        quantities(self, {name: "ratio" for name in ratios})
+        quantities(self, {"moment_absolute": "moment", "force_absolute": "force", "slope_absolute": "angle"})
+        quantities(self, {"zero_drift_error": "moment_rate"})
         for value in self.mount[:2]:
             _plausible("mount", value, _FARTHEST_MOUNT)
 
@@ -251,8 +264,15 @@ class Robot:
         ) -> None: ...
 
     def __post_init__(self) -> None:
+        given: Any = self.whiskers
+        listed = (given,) if isinstance(given, Whisker | MountedWhisker) else tuple(given)
+        mounted = tuple(MountedWhisker(beam=one) if isinstance(one, Whisker) else one for one in listed)
+        for one in mounted:
+            if not isinstance(one, MountedWhisker):
+                raise UsageError(f"whiskers: {one!r} is no whisker (allowed: MountedWhisker, or Whisker at the robot's origin)")
+        object.__setattr__(self, "whiskers", mounted)
         ratios = ("translation_relative", "rotation_relative", "map_scale_error")
-        _quantities(self, {**{name: "ratio" for name in ratios}, "delay_error": "time"})
+        quantities(self, {**{name: "ratio" for name in ratios}, "delay_error": "time"})
 
     @classmethod
     def read(cls, path: str | os.PathLike[str]) -> Robot:

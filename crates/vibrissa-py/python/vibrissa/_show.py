@@ -67,7 +67,12 @@ def _wanted(name: str, user: str) -> Any:
 
 
 def draw_map(ax: Any, map: Any) -> None:
-    """Draws a map's boundaries (m) at equal scale."""
+    """Draws a map's boundaries (m) at equal scale, with the bands in which they lie; what is not known of them is dotted."""
+    bands, unknown = map.bands()
+    for corners in bands:
+        ax.fill(corners[:, 0], corners[:, 1], color="#e69f00", alpha=0.3, linewidth=0)
+    for line in unknown:
+        ax.plot(line[:, 0], line[:, 1], color="#e69f00", linestyle=":", linewidth=4.0)
     for role, points in map.boundaries(1e-4):
         if role == "obstacle":
             ax.fill(points[:, 0], points[:, 1], facecolor="#c9c9c4", edgecolor="#222222")

@@ -13,6 +13,7 @@ __all__ = [
     "run_command",
     "run_command_here",
     "explore",
+    "map_log",
     "plan",
     "Bend",
     "Bends",
@@ -52,6 +53,7 @@ __all__ = [
 __version__: str
 _Path = str | os.PathLike[str]
 _Poses = tuple[Floats, Floats]
+_Course = tuple[Sequence[Sequence[float]], float]
 
 @final
 class Bend:
@@ -160,11 +162,19 @@ class Bends:
 class Map:
     """A map of the plane: arena, obstacles and walls (m), x right and y up as drawn."""
 
-    def _parts(self) -> list[tuple[str, bool, bool, list[list[tuple[float, float]]]]]: ...
+    def _parts(self) -> list[tuple[str, bool, bool, list[list[tuple[float, float]]], _Course | None, str | None]]: ...
     @staticmethod
     def _from_parts(
-        parts: Sequence[tuple[str, bool, bool, Sequence[Sequence[tuple[float, float]]]]], warnings: Sequence[str]
+        parts: Sequence[
+            tuple[str, bool, bool, Sequence[Sequence[tuple[float, float]]], _Course | None, str | None]
+        ],
+        warnings: Sequence[str],
     ) -> Map: ...
+    def bands(self) -> tuple[list[Floats], list[Floats]]:
+        """How exactly the boundaries are known: quadrilaterals of shape (4, 2) (m) that the true ones lie in, and lines of shape
+        (n, 2) (m) along stretches of which nothing is known; none of an exact map."""
+    def to_geojson(self) -> str:
+        """The map as a GeoJSON text (m), which `from_geojson` reads; curves become lines."""
     def __reduce__(self) -> tuple[Any, ...]: ...
     def plot(self, ax: Any = None) -> Any:
         """Draws the boundaries into axes of matplotlib (m), new ones for None, and gives them."""
@@ -400,6 +410,9 @@ def localize(
     progress: Any,
     truth: _Poses | None,
 ) -> dict[str, Any]: ...
+def map_log(
+    log: SensorLog, robot: Robot, truth: Map | None, drift: float | None, body_radius: float | None
+) -> tuple[Map, dict[str, Any]]: ...
 def methods() -> list[str]: ...
 def path(
     waypoints: Floats, speed: float | None, turn_rate: float | None, rate: float | None

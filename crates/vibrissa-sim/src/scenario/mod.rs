@@ -7,7 +7,7 @@
 //! | `path_section` | its way |
 //! | `noise_section` | the noise of its readings and odometry |
 //! | `errors_section` | how robot, map and readings are other than declared |
-//! | `sensing_section` | its magnetometer and what is logged |
+//! | `sensing_section` | its magnetometer and other sensors, and what is logged |
 //! | `points` | points and lists of points in the file |
 //! | `route` | poses over time from legs |
 //! | `check` | whether the way is free |

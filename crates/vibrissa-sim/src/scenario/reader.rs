@@ -56,6 +56,7 @@ fn parse(text: &str, name: &str, folder: &Path) -> Result<Scenario> {
     };
     recorder.noise.seed = top.whole("seed")?.unwrap_or(1);
     (recorder.magnetometer, recorder.columns) = (sensing.magnetometer, sensing.columns);
+    recorder.strip_cell = sensing.strip_cell;
     recorder.heading_noise = sensing.heading_noise;
     if let Some(section) = top.section("errors")? {
         recorder.truth = errors_section::truth(&section, &robot, recorder.heading_noise.is_some())?;

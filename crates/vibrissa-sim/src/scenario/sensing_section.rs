@@ -6,11 +6,11 @@ use crate::io::Dimension;
 use crate::io::text::did_you_mean;
 use crate::io::toml_section::{Allowed, FINITE, NOT_NEGATIVE, POSITIVE, Section, show};
 use crate::sensing::{Chip, Mlx90393, SensingChain, Tle493d};
-use crate::simulate::recorder::{Columns, Magnetometer, SerialLayout};
+use crate::simulate::recorder::{Columns, Magnetometer, STRIP_CELL, SerialLayout};
 use crate::world::Robot;
 use toml::de::DeValue;
 
-const COLUMNS: [&str; 3] = ["moment", "flux", "counts"];
+const COLUMNS: [&str; 6] = ["moment", "flux", "counts", "force", "slope", "strip"];
 const CHIPS: [&str; 2] = ["MLX90393", "TLE493D"];
 const LAYOUTS: [&str; 2] = ["single", "interleaved"];
 const OFFSET: Allowed = Allowed {
@@ -23,6 +23,7 @@ const OFFSET: Allowed = Allowed {
 pub(super) struct Sensing {
     pub(super) magnetometer: Magnetometer,
     pub(super) columns: Vec<Columns>,
+    pub(super) strip_cell: f64,
     pub(super) serial: Option<SerialLayout>,
     pub(super) heading_noise: Option<f64>,
 }
@@ -32,6 +33,7 @@ impl Default for Sensing {
         Self {
             magnetometer: Magnetometer::default(),
             columns: vec![Columns::Moment],
+            strip_cell: STRIP_CELL,
             serial: None,
             heading_noise: None,
         }
@@ -42,6 +44,7 @@ impl Default for Sensing {
 pub(super) fn sensing(section: &Section<'_>, robot: &Robot, rate: f64) -> Result<Sensing> {
     section.only(&[
         "columns",
+        "strip_cell",
         "serial",
         "chip",
         "gain",
@@ -77,8 +80,9 @@ pub(super) fn sensing(section: &Section<'_>, robot: &Robot, rate: f64) -> Result
     in_time(section, &chain.chip, serial, rate)?;
     let flux_noise = section.number("flux_noise", Dimension::Flux, &NOT_NEGATIVE)?.unwrap_or(0.0);
     let heading_noise = section.number("heading_noise", Dimension::Angle, &NOT_NEGATIVE)?;
+    let strip_cell = section.number("strip_cell", Dimension::Length, &POSITIVE)?.unwrap_or(STRIP_CELL);
     let magnetometer = Magnetometer { chain, flux_noise };
-    Ok(Sensing { magnetometer, columns: columns(section)?, serial, heading_noise })
+    Ok(Sensing { magnetometer, columns: columns(section)?, strip_cell, serial, heading_noise })
 }
 
 /// One of some words, whatever its case.
@@ -112,6 +116,9 @@ fn columns(section: &Section<'_>) -> Result<Vec<Columns>> {
             Some("moment") => Columns::Moment,
             Some("flux") => Columns::Flux,
             Some("counts") => Columns::Counts,
+            Some("force") => Columns::Force,
+            Some("slope") => Columns::Slope,
+            Some("strip") => Columns::Strip,
             _ => return Err(wrong(entry)),
         };
         if !columns.contains(&column) {

@@ -67,6 +67,8 @@ pub struct Touch {
     /// The direction of a frictionless force, map frame, of length 1: the boundary's normal at the tip, the whisker's
     /// normal at a side.
     pub normal: Vec2,
+    /// The direction of the whisker at the contact, from base to tip, map frame (rad).
+    pub tangent: f64,
     /// How it holds along the boundary.
     pub grip: Grip,
 }

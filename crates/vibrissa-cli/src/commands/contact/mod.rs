@@ -5,7 +5,7 @@ mod space;
 mod steps;
 mod taps;
 
-use crate::commands::localize::{ImuArgs, read_log};
+use crate::commands::logs::{ImuArgs, read_log};
 use crate::output::OutputArgs;
 use crate::quantity::of_option as quantity;
 use std::path::PathBuf;

@@ -1,6 +1,7 @@
 //! What there is to say about contact sets: words, JSON, table and figure.
 
 use crate::commands::readings::{WhiskerReadings, words};
+use crate::output::counted;
 use serde_json::json;
 use std::fmt::Write;
 use vibrissa::Result;
@@ -98,8 +99,8 @@ impl<'a> Found<'a> {
         let components = self.region.components();
         let _ = writeln!(
             text,
-            "{} components, {:.4} mm² in all, covered by cells",
-            components.len(),
+            "{}, {:.4} mm² in all, covered by cells",
+            counted(components.len(), "component", "components"),
             self.region.area() * 1e6
         );
         for component in &components {

@@ -5,8 +5,6 @@ use std::path::Path;
 use vibrissa::figure::Outline;
 use vibrissa::flow::pose::{Localization, StampedPose};
 use vibrissa::flow::sensor_log::{Channel, LogRow, Quantity, SensorLog};
-use vibrissa::io::log::ImuTopics;
-use vibrissa::io::log::foreign::{Format, Recording};
 use vibrissa::io::read_tum;
 #[cfg(feature = "mcap")]
 use vibrissa::io::recording::{StampedStates, localization_mcap};
@@ -32,8 +30,8 @@ impl Inputs {
         Ok(Self {
             title: format!("{} on {}", file_name(&args.log), file_name(&args.map)),
             map: vibrissa::read_map(&args.map)?,
-            robot: super::robot::read(args.robot.as_deref(), &args.method.method)?,
-            log: read_log(&args.log, args.format, &args.imu)?,
+            robot: super::robot::read(args.reading.robot.as_deref(), &args.method.method)?,
+            log: args.reading.read(&args.log)?,
             truth: args.truth.as_deref().map(read_tum).transpose()?,
         })
     }
@@ -89,29 +87,6 @@ impl Inputs {
     /// The map as lines to draw.
     pub(super) fn outlines(&self) -> Vec<Outline> {
         outlines(&self.map)
-    }
-}
-
-/// What is told about a log's file beside its path.
-#[derive(Clone, Debug, Default, clap::Args)]
-pub(in crate::commands) struct ImuArgs {
-    /// Of a recording (.mcap): the topic of `sensor_msgs/Imu` whose orientation is the robot's heading in the map frame
-    #[arg(long, value_name = "TOPIC", conflicts_with = "format")]
-    headings: Option<String>,
-    /// Of a recording (.mcap): the topic of `sensor_msgs/Imu` whose angular velocity about z says how the robot turns, instead of
-    /// the odometry
-    #[arg(long, value_name = "TOPIC", conflicts_with = "format")]
-    yaw_rates: Option<String>,
-}
-
-/// A log in our own format, or in a foreign one with a warning of what was repaired.
-pub(in crate::commands) fn read_log(path: &Path, format: Option<Format>, imu: &ImuArgs) -> Result<SensorLog> {
-    match format {
-        Some(format) => Recording::read(path, format)?.to_log(),
-        None => {
-            let topics = ImuTopics { headings: imu.headings.clone(), yaw_rates: imu.yaw_rates.clone() };
-            vibrissa::io::log::read_with(path, &topics)
-        }
     }
 }
 

@@ -6,11 +6,12 @@ mod known;
 mod method;
 mod robot;
 
+use super::logs::LogArgs;
 use crate::interrupt::{Heedful, stopped};
 use crate::output::OutputArgs;
 use crate::output::{Run, Stopwatch, deliver, progress, warn};
 use inputs::Inputs;
-pub(super) use inputs::{ImuArgs, outlines, read_log};
+pub(super) use inputs::outlines;
 use interrupted::Known;
 pub(crate) use known::joined;
 pub(super) use method::MethodArgs;
@@ -20,7 +21,6 @@ use std::path::PathBuf;
 use vibrissa::Result;
 use vibrissa::figure::FilmFrame;
 use vibrissa::flow::pose::Localization;
-use vibrissa::io::log::foreign::Format;
 #[cfg(feature = "mcap")]
 use vibrissa::io::recording::StatesWatch;
 use vibrissa::tasks::RowObserver;
@@ -40,14 +40,8 @@ pub(crate) struct Args {
     /// The map (.geojson, .svg, .dxf, .yaml, .mcap)
     #[arg(long, value_name = "MAP")]
     map: PathBuf,
-    /// The format of a log that is not ours: rostopic (odometry and wrench or magnetic field) [default: our .csv]
-    #[arg(long, value_name = "FORMAT")]
-    format: Option<Format>,
     #[command(flatten)]
-    imu: ImuArgs,
-    /// The robot's whiskers and error bounds (.toml) [default: the paper's whisker at the robot's origin]
-    #[arg(long, value_name = "ROBOT")]
-    robot: Option<PathBuf>,
+    reading: LogArgs,
     /// The true trajectory in the map frame (.tum), to report errors against
     #[arg(long, value_name = "TRUTH")]
     truth: Option<PathBuf>,

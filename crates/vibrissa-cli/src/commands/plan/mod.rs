@@ -4,7 +4,8 @@ mod figure;
 mod limits;
 mod result;
 
-use super::localize::{ImuArgs, MethodArgs, outlines, read_log, read_robot};
+use super::localize::{MethodArgs, outlines, read_robot};
+use super::logs::LogArgs;
 use crate::output::{OutputArgs, print, progress, warn, write_all};
 pub(super) use figure::{map_lines, named};
 pub(super) use limits::LimitArgs;
@@ -12,7 +13,6 @@ use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::PathBuf;
 use vibrissa::flow::pose::Hypothesis;
-use vibrissa::io::log::foreign::Format;
 use vibrissa::plane::Pose2;
 use vibrissa::tasks::plan::{Past, Plan, PlanOptions, plan, plan_from, remaining};
 use vibrissa::world::{Map, Robot};
@@ -31,14 +31,8 @@ pub(crate) struct Args {
     /// The map (.geojson, .svg, .dxf, .yaml, .mcap)
     #[arg(long, value_name = "MAP")]
     map: PathBuf,
-    /// The robot's whiskers and error bounds (.toml) [default: the paper's whisker at the robot's origin]
-    #[arg(long, value_name = "ROBOT")]
-    robot: Option<PathBuf>,
-    /// The format of a log that is not ours: rostopic (odometry and wrench or magnetic field) [default: our .csv]
-    #[arg(long, value_name = "FORMAT")]
-    format: Option<Format>,
     #[command(flatten)]
-    imu: ImuArgs,
+    reading: LogArgs,
     #[command(flatten)]
     limits: LimitArgs,
     #[command(flatten)]
@@ -54,7 +48,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     let method = args.method.method();
     let map = vibrissa::read_map(&args.map)?;
     map.warnings.iter().for_each(|warning| warn(warning));
-    let robot = read_robot(args.robot.as_deref(), method)?;
+    let robot = read_robot(args.reading.robot.as_deref(), method)?;
     let is_result = args.from.extension().is_some_and(|e| e.eq_ignore_ascii_case("json"));
     let (hypotheses, plan) = if is_result {
         let hypotheses = result::read(&args.from)?;
@@ -63,7 +57,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         let plan = plan(&map, &robot, &states, &Past::default(), &options)?;
         (hypotheses, plan)
     } else {
-        let log = read_log(&args.from, args.format, &args.imu)?;
+        let log = args.reading.read(&args.from)?;
         progress::phase("localizing and planning");
         let (answer, plan) = plan_from(&log, &map, &robot, method, &options)?;
         (answer.hypotheses, plan)

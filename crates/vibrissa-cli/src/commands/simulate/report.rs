@@ -142,23 +142,29 @@ pub(super) fn text(scenario: &Scenario, simulation: &Simulation, written: Option
     text
 }
 
-/// What helps against contacts that no method takes.
-const TRAIL: &str = "A whisker touched at two places at once, which `localize` does not take: let the tip trail (mount the \
-                     whisker so that it points backwards) or keep a larger distance.\n";
+/// What helps against contacts that few methods take.
+const TRAIL: &str = "A whisker touched at two places at once, which of the methods of `localize` only the probabilistic one models: let the \
+                     tip trail (mount the whisker so that it points backwards) or keep a larger distance.\n";
 
-/// How to localize the robot from the files; nothing when no moments were logged.
+/// How to localize the robot from the files, or what else the log is for; nothing when it holds raw readings alone.
 fn next_step(scenario: &Scenario, paths: &[PathBuf]) -> String {
     let written = |name: &str| paths.iter().find(|path| path.ends_with(name)).cloned();
     let map = scenario.map_file.clone().or_else(|| written("map.geojson"));
     let files = [written("log.csv"), map, written("robot.toml"), written("truth.tum")];
+    let holds = |wanted: &[Columns]| wanted.iter().any(|column| scenario.recorder.columns.contains(column));
     match files.map(|file| file.map(|path| path.display().to_string())) {
-        [Some(log), Some(map), Some(robot), Some(truth)] if scenario.recorder.columns.contains(&Columns::Moment) => {
+        [Some(log), Some(map), Some(robot), Some(truth)]
+            if holds(&[Columns::Moment, Columns::Force, Columns::Slope]) =>
+        {
             // The one method that takes whiskers that are curved at rest.
             let is_curved = scenario.robot.whiskers.iter().any(|w| w.beam.require_straight().is_err());
             let method = if is_curved { " --method possibilistic" } else { "" };
             format!(
                 "\nNext, find the robot:\n  vibrissa localize {log} --map {map} --robot {robot} --truth {truth}{method}\n"
             )
+        }
+        [Some(log), _, Some(robot), _] if holds(&[Columns::Strip]) => {
+            format!("\nNext, find the contacts:\n  vibrissa contact {log} --robot {robot} --filter\n")
         }
         _ => String::new(),
     }

@@ -56,6 +56,7 @@ impl Follower<'_> {
             s_a: contact.load.s * self.loaded.beam.length,
             part,
             normal: Vec2::from_angle(normal),
+            tangent: self.map_from_whisker.theta + contact.state.slope,
             grip,
         })
     }
@@ -63,6 +64,11 @@ impl Follower<'_> {
     fn chain_touches(&self, rod: &DiscreteRod, row: usize, whisker: usize) -> Vec<Touch> {
         let energy = rod.energy();
         let tip = self.loaded.beam.length * (1.0 - 0.5 / self.options.links as f64);
+        let (nodes, links) = (rod.nodes(), self.options.links);
+        let tangent = |s_a: f64| {
+            let link = ((s_a / self.loaded.beam.length * links as f64) as usize).min(nodes.len().saturating_sub(2));
+            nodes.get(link..link + 2).map_or(0.0, |ends| (ends[1] - ends[0]).angle())
+        };
         let touch = |press: Press| Touch {
             t: self.t,
             row,
@@ -73,6 +79,7 @@ impl Follower<'_> {
             s_a: press.s_a,
             part: if press.s_a > tip { Part::Tip } else { Part::Side },
             normal: press.force * (1.0 / press.force.norm()),
+            tangent: tangent(press.s_a),
             grip: Grip::Frictionless,
         };
         rod.presses().into_iter().map(touch).collect()

@@ -5,6 +5,7 @@
 mod disturb;
 mod law;
 mod odometry;
+mod senses;
 mod serial;
 mod stamps;
 mod truth;
@@ -25,6 +26,10 @@ use crate::{Error, Result};
 use chacha20::ChaCha8Rng;
 use disturb::Distorted;
 use rand::{RngExt, SeedableRng};
+use senses::Senses;
+
+/// Length of a contact strip's cell where nothing is said (m).
+pub const STRIP_CELL: f64 = 2e-3;
 
 /// What a log holds of each whisker.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,6 +40,26 @@ pub enum Columns {
     Flux,
     /// `ax,ay,az`, the chip's registers.
     Counts,
+    /// `force` (N), with the errors that the whisker declares of it.
+    Force,
+    /// `slope` (rad) at the contact, likewise.
+    Slope,
+    /// `strip_lo,strip_hi` (m): the cells of a contact strip that are touched.
+    Strip,
+}
+
+impl Columns {
+    /// The columns of a log.
+    fn quantities(self) -> &'static [Quantity] {
+        match self {
+            Self::Moment => &[Quantity::Moment],
+            Self::Flux => &[Quantity::FluxX, Quantity::FluxY, Quantity::FluxZ],
+            Self::Counts => &[Quantity::CountX, Quantity::CountY, Quantity::CountZ],
+            Self::Force => &[Quantity::Force],
+            Self::Slope => &[Quantity::Slope],
+            Self::Strip => &[Quantity::StripLo, Quantity::StripHi],
+        }
+    }
 }
 
 /// A magnetometer at the base of every whisker, and the noise of its converter.
@@ -65,6 +90,8 @@ pub struct Recorder {
     pub magnetometer: Magnetometer,
     /// What the log holds, in this order.
     pub columns: Vec<Columns>,
+    /// Length of a contact strip's cell (m), above 0.
+    pub strip_cell: f64,
     /// Standard deviation of an absolute heading that is logged too (rad), at least 0; none logs none.
     pub heading_noise: Option<f64>,
 }
@@ -81,6 +108,7 @@ impl Default for Recorder {
             stamps: Stamps::default(),
             magnetometer: Magnetometer::default(),
             columns: vec![Columns::Moment],
+            strip_cell: STRIP_CELL,
             heading_noise: None,
         }
     }
@@ -118,6 +146,7 @@ impl Recorder {
         let mut beyond = vec![0usize; robot.whiskers.len()];
         let kept = self.stamps.kept(seed, &sweep.truth);
         let mut next = kept.iter().peekable();
+        let mut senses = Senses::of(robot, sweep, self.strip_cell, seed);
         let mut compass = stream(seed, Stream::Heading, 0);
         for (index, pose) in sweep.truth.iter().enumerate() {
             let (mut readings, mut fluxes) = (Vec::new(), Vec::new());
@@ -133,6 +162,9 @@ impl Recorder {
                         Columns::Moment => readings.push(moment),
                         Columns::Flux => readings.extend(flux),
                         Columns::Counts => readings.extend(counts.map(f64::from)),
+                        Columns::Force | Columns::Slope | Columns::Strip => {
+                            readings.extend(senses[w].read(*column, index));
+                        }
                     }
                 }
                 fluxes.push(flux);
@@ -179,6 +211,9 @@ impl Recorder {
         self.stamps.check()?;
         in_range("heading_noise", self.heading_noise.unwrap_or(0.0), f64::INFINITY)?;
         in_range("flux_noise", self.magnetometer.flux_noise, f64::INFINITY)?;
+        if !(self.strip_cell > 0.0 && self.strip_cell.is_finite()) {
+            return Err(Error::usage("the length of a strip's cell").value(self.strip_cell).allowed("above 0 m"));
+        }
         let stiffness = self.magnetometer.chain.stiffness;
         if !(stiffness > 0.0 && stiffness.is_finite()) {
             return Err(Error::usage("the compliant element's stiffness").value(stiffness).allowed("above 0 N m/rad"));
@@ -198,12 +233,7 @@ impl Recorder {
 
     fn empty_log(&self, robot: &Robot) -> SensorLog {
         let alone = robot.whiskers.len() == 1;
-        let quantities = self.columns.iter().flat_map(|column| match column {
-            Columns::Moment => vec![Quantity::Moment],
-            Columns::Flux => vec![Quantity::FluxX, Quantity::FluxY, Quantity::FluxZ],
-            Columns::Counts => vec![Quantity::CountX, Quantity::CountY, Quantity::CountZ],
-        });
-        let quantities: Vec<Quantity> = quantities.collect();
+        let quantities: Vec<Quantity> = self.columns.iter().flat_map(|column| column.quantities()).copied().collect();
         let name = |name: &String| if alone { String::new() } else { name.clone() };
         let of = |w: &crate::world::MountedWhisker| {
             let whisker = name(&w.name);
@@ -213,7 +243,7 @@ impl Recorder {
     }
 
     fn beyond_range(&self, robot: &Robot, beyond: &[usize]) -> Vec<String> {
-        if !self.columns.iter().any(|column| *column != Columns::Moment) {
+        if !self.columns.iter().any(|column| matches!(column, Columns::Flux | Columns::Counts)) {
             return Vec::new();
         }
         let range = self.magnetometer.chain.chip.range().map(|b| format!("{:.2}", b * 1e3)).join(", ");
@@ -241,6 +271,7 @@ enum Stream {
     Late,
     Heading,
     Law,
+    Senses,
 }
 
 /// The stream of one purpose for one whisker.

@@ -17,10 +17,12 @@
 //! | `segment` | the parts of a stretch during which the contact stood still |
 //! | `trace/` | where tip or side went while they slid along a wall, by one least-squares problem |
 //! | `space/` | the same in space, from the moments about both transverse axes |
+//! | `free` | what a free whisker reads |
 //! | `report` | the whole log: a contact for each step, and what happened |
 
 mod baseline;
 mod fixed_point;
+mod free;
 mod meeting;
 mod reading;
 mod refined;

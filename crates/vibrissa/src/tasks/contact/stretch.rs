@@ -1,6 +1,7 @@
 //! The log's stretches of contact, thinned.
 
 use super::fixed_point::Touch;
+use super::free::FreeLevel;
 use super::reading::ContactReading;
 use crate::Result;
 use crate::beam::deflection_per_force;
@@ -85,11 +86,11 @@ fn of_whisker(
     let mut found: Vec<ContactStretch> = Vec::new();
     let (mut open, mut quiet): (Option<ContactStretch>, usize) = (None, 0);
     let mut free: Vec<ContactReading> = Vec::new();
-    // What a free whisker reads at most, with its zero as far off as declared.
-    let free_limit = whisker.noise.largest_free_reading() + whisker.errors.zero;
+    let mut level = FreeLevel::new(whisker);
     for row in rows {
-        let (moment, base) = (row.readings[channel], row.odom_from_robot.compose(whisker.robot_from_whisker));
-        let touches = moment.abs() > free_limit;
+        let (read, base) = (row.readings[channel], row.odom_from_robot.compose(whisker.robot_from_whisker));
+        let touches = level.is_contact(row.t, read);
+        let moment = level.moment(read);
         let turned = |s: &ContactStretch| s.readings.last().is_some_and(|r| (r.moment > 0.0) != (moment > 0.0));
         let was_free = quiet > 0;
         quiet = if touches { 0 } else { quiet + 1 };

@@ -56,6 +56,19 @@ pub enum ClosureVerdict {
     Unfinished,
 }
 
+impl ClosureVerdict {
+    /// The verdict in a word, for files.
+    #[must_use]
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::Proved => "proved",
+            Self::Hypothesis => "hypothesis",
+            Self::Contradiction => "contradiction",
+            Self::Unfinished => "unfinished",
+        }
+    }
+}
+
 /// A place where the robot may have come back.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Closure {

@@ -7,7 +7,7 @@
 
 use crate::config::MapAssemblyOptions;
 use crate::plane::{Curve, Vec2};
-use crate::world::{Band, Boundary, Course, Map, PieceCourse, Role};
+use crate::world::{Band, Boundary, BoundarySample, Course, Map, PieceCourse, Role};
 use crate::{Error, Result};
 
 /// A felt point of a wall.
@@ -61,6 +61,36 @@ pub struct AssembledMap {
     pub map: Map,
     /// The corners that were drawn.
     pub corners: Vec<FoundCorner>,
+}
+
+impl AssembledMap {
+    /// Points so far apart (m) along all that is known of the outline.
+    #[must_use]
+    pub fn known_points(&self, spacing: f64) -> Vec<Vec2> {
+        let is_known = |sample: &&BoundarySample| {
+            let boundary = &self.map.boundaries()[sample.boundary];
+            let piece = boundary.curve().segment_at(sample.arc_length);
+            !matches!(boundary.piece_course(piece), Some(PieceCourse::Unknown(_)))
+        };
+        self.map.samples(spacing).iter().filter(is_known).map(|sample| sample.position).collect()
+    }
+
+    /// Lengths of what is known and of what is unknown (m).
+    #[must_use]
+    pub fn lengths(&self) -> (f64, f64) {
+        let pieces = self.map.boundaries().iter().flat_map(|boundary| {
+            let segments = boundary.curve().segments().iter().enumerate();
+            segments.map(|(k, segment)| {
+                (segment.length(), matches!(boundary.piece_course(k), Some(PieceCourse::Unknown(_))))
+            })
+        });
+        pieces.fold(
+            (0.0, 0.0),
+            |(known, not), (length, is_unknown)| {
+                if is_unknown { (known, not + length) } else { (known + length, not) }
+            },
+        )
+    }
 }
 
 /// What joins the end of a line and the start of another.

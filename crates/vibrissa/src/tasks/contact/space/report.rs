@@ -9,6 +9,7 @@ use crate::flow::sensor_log::{Channel, Quantity, SensorLog, one_owner_each};
 use crate::io::calibrated;
 use crate::plane::Pose2;
 use crate::tasks::contact::ContactKind;
+use crate::tasks::contact::free::FreeLevel;
 use crate::world::{MountedWhisker, Robot};
 use crate::{Error, Result, Stop};
 
@@ -148,12 +149,16 @@ fn stretches(
     options: &ContactOptions,
 ) -> Vec<Stretch> {
     let spacing = if whisker.beam.is_uniform() { options.spacing } else { options.rod_spacing };
-    let (limit, errors) = (whisker.noise.largest_free_reading() + whisker.errors.zero, errors_of(whisker));
+    let (mut levels, errors) = ([FreeLevel::new(whisker); 2], errors_of(whisker));
     let mut found = Vec::new();
     let (mut open, mut quiet): (Option<Stretch>, usize) = (None, 0);
     for row in &log.rows {
-        let moments = channels.map(|channel| row.readings[channel]);
-        let touches = moments.iter().any(|moment| moment.abs() > limit);
+        let mut touches = false;
+        let moments = core::array::from_fn(|k| {
+            let read = row.readings[channels[k]];
+            touches |= levels[k].is_contact(row.t, read);
+            levels[k].moment(read)
+        });
         quiet = if touches { 0 } else { quiet + 1 };
         if quiet >= PATIENCE {
             found.extend(open.take().map(|stretch| Stretch { lift_off: Some(row.t), ..stretch }));

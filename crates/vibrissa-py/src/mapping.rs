@@ -1,0 +1,72 @@
+//! Maps from logs alone.
+
+use crate::arrays::{block, column, points, table, trajectory};
+use crate::contacts::alignment;
+use crate::error::OrRaise;
+use crate::inputs::RobotIn;
+use crate::log::PySensorLog;
+use crate::long::run;
+use crate::world::PyMap;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::sync::Arc;
+use vibrissa::config::MappingOptions;
+use vibrissa::tasks::mapping::{Mapped, Share, map_log as mapped};
+use vibrissa::tasks::profile::compare;
+
+/// Spacing of the outline's points that are compared with a truth (m).
+const SPACING: f64 = 1e-3;
+
+/// The map of a log; gives it, and the fields of `vibrissa.MappedLog`.
+#[pyfunction]
+pub(crate) fn map_log<'py>(
+    py: Python<'py>,
+    log: &PySensorLog,
+    robot: RobotIn,
+    truth: Option<&PyMap>,
+    drift: Option<f64>,
+    body_radius: Option<f64>,
+) -> PyResult<(PyMap, Bound<'py, PyDict>)> {
+    let (log, robot) = (Arc::clone(&log.0), robot.robot().or_raise(py)?);
+    let default = MappingOptions::default();
+    let (drift, body_radius) = (drift.unwrap_or(default.drift), body_radius.unwrap_or(default.body_radius));
+    let options = MappingOptions { drift, body_radius, ..default };
+    options.check().or_raise(py)?;
+    let truth = truth.map(|map| Arc::clone(&map.0));
+    let (found, compared) = run(py, None, 0, move |watch| {
+        let found = mapped(&log, &robot, options, watch.stop(), &mut |done, _| watch.tell(done));
+        let found = found.map_err(|error| match &log.source {
+            Some(file) => error.in_file(file),
+            None => error,
+        })?;
+        let compared = truth.and_then(|map| compare(&found.outline.known_points(SPACING), &map, false));
+        Ok((found, compared))
+    })?;
+    let out = fields(py, &found)?;
+    out.set_item("alignment", compared.as_ref().map(|c| alignment(py, c)).transpose()?)?;
+    Ok((PyMap(Arc::new(found.outline.map)), out))
+}
+
+fn fields<'py>(py: Python<'py>, found: &Mapped) -> PyResult<Bound<'py, PyDict>> {
+    let out = PyDict::new(py);
+    let (known, unknown) = found.outline.lengths();
+    out.set_item("known", known)?;
+    out.set_item("unknown", unknown)?;
+    out.set_item("points", points(py, &found.outline.known_points(SPACING))?)?;
+    out.set_item("corners", table(py, &found.outline.corners, |c| [c.position.x, c.position.y, c.band.std])?)?;
+    out.set_item("trajectory", trajectory(py, &found.trajectory)?)?;
+    out.set_item("covariance_t", column(py, &found.covariances, |(t, _)| *t))?;
+    let flat: Vec<f64> = found.covariances.iter().flat_map(|(_, own)| own.as_flattened()).copied().collect();
+    out.set_item("covariances", block(py, flat, [found.covariances.len(), 3, 3])?)?;
+    for (name, Share { value, std }) in
+        [("scale", found.shares.scale), ("turn", found.shares.turn), ("drift", found.shares.drift)]
+    {
+        out.set_item(name, (value, std))?;
+    }
+    let closures = found.closures.iter().map(|c| {
+        let [x, y, theta] = c.extent;
+        (c.later, c.earlier, c.verdict.as_str(), c.places, (x, y, theta))
+    });
+    out.set_item("closures", closures.collect::<Vec<_>>())?;
+    Ok(out)
+}
