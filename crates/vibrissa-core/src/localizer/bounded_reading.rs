@@ -6,6 +6,9 @@ use crate::world::{MountedWhisker, Odometry, Robot};
 use crate::{Error, Result};
 use std::collections::VecDeque;
 
+/// Roundings on the way from a moment to its reading and back, at most.
+const ROUNDINGS: f64 = 8.0;
+
 /// The interval that holds the true moment (N m) of a reading `z`, so many seconds after the first row.
 ///
 /// A reading is `(1 + gain) h + zero` but for the noise, whose bound is relative to the reading with its zero or without.
@@ -16,7 +19,10 @@ pub(super) fn moment(whisker: &MountedWhisker, z: f64, elapsed: f64) -> Interval
     // Noise may stand before the gain, too.
     let absolute = noise.moment_absolute * (1.0 + errors.gain);
     let (lo, hi) = (z - zero, z + zero);
-    let (lo, hi) = (lo - (relative(lo) + absolute), hi + (relative(hi) + absolute));
+    let (below, above) = (relative(lo) + absolute, relative(hi) + absolute);
+    // Outward, so that a reading at the end of its bound is within it however its sums are rounded.
+    let rounding = ROUNDINGS * f64::EPSILON * (z.abs() + zero + below.max(above));
+    let (lo, hi) = (lo - below - rounding, hi + above + rounding);
     let gain = |edge: f64, most: bool| edge / if most { 1.0 - errors.gain } else { 1.0 + errors.gain };
     Interval::new(gain(lo, lo < 0.0), gain(hi, hi > 0.0))
 }
@@ -119,7 +125,8 @@ mod tests {
         let noise = MomentNoise { moment_relative: 0.05, moment_absolute: 2e-5 };
         let mut whisker = MountedWhisker { noise, ..MountedWhisker::default() };
         let exact = moment(&whisker, 4e-4, 3.0);
-        assert_eq!(exact, Interval::new(4e-4 - (0.05 * 4e-4 + 2e-5), 4e-4 + (0.05 * 4e-4 + 2e-5)));
+        let most = 0.05 * 4e-4 + 2e-5;
+        assert!((exact.lo() - (4e-4 - most)).abs() < 1e-18 && (exact.hi() - (4e-4 + most)).abs() < 1e-18, "{exact:?}");
         whisker.errors.zero = 1e-4;
         whisker.errors.zero_drift = 2e-5;
         whisker.errors.gain = 0.1;
@@ -135,6 +142,20 @@ mod tests {
                         assert!(moment(&whisker, z, 3.0).contains(h), "{h} {gain} {zero} {noise}");
                     }
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn a_reading_at_the_end_of_its_bound_may_be_that_of_a_free_whisker() {
+        // Sums and products of the bound are rounded this way and that.
+        for k in 1..2000 {
+            let noise = MomentNoise { moment_relative: 0.0, moment_absolute: 1e-8 * f64::from(k) };
+            let mut whisker = MountedWhisker { noise, ..MountedWhisker::default() };
+            whisker.errors.zero = 0.1 * noise.moment_absolute;
+            let bound = noise.moment_absolute + whisker.errors.zero;
+            for z in [bound, -bound, (1.0 / 3.0) * bound * 3.0] {
+                assert!(moment(&whisker, z, 0.0).contains(0.0), "{z} of {bound}");
             }
         }
     }
