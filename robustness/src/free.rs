@@ -131,7 +131,7 @@ fn one(law: FreeLaw, seed: u64, number: usize, methods: &[Method; METHODS]) -> R
     Ok(count)
 }
 
-/// Whether a method takes a free whisker for one that touches.
+/// Whether a method takes a free whisker for one that touches, although it has taken account of all that the robot declares.
 fn tells_contact(log: &SensorLog, robot: &vibrissa::world::Robot, method: &Method) -> Result<bool> {
     let map = vibrissa::tasks::demo::arena()?;
     let mut localizer = Localizer::new(&map, robot, &log.channels, method)?;
@@ -139,5 +139,8 @@ fn tells_contact(log: &SensorLog, robot: &vibrissa::world::Robot, method: &Metho
         localizer.step(row)?;
     }
     let answer = localizer.finish();
+    if answer.events.iter().any(|event| event.kind == "unused") {
+        return Ok(false);
+    }
     Ok(answer.status != Status::NoContact || answer.events.iter().any(|event| event.kind == "contact"))
 }

@@ -9,9 +9,11 @@ mod random;
 
 use free_whisker::{FreeLaw, FreeWhisker, ROWS};
 use vibrissa::config::ContactOptions;
+use vibrissa::flow::pose::Status;
 use vibrissa::flow::sensor_log::SensorLog;
 use vibrissa::tasks::contact::{ContactReport, contacts};
 use vibrissa::world::Robot;
+use vibrissa::{Method, localize};
 
 fn found(law: FreeLaw, log: &SensorLog) -> ContactReport {
     contacts(log, &law.robot(), &ContactOptions::default()).unwrap()
@@ -23,6 +25,25 @@ fn a_free_whisker_has_no_contacts_whatever_law_its_noise_has() {
     for law in FreeLaw::ALL {
         let report = found(law, &FreeWhisker::new(law, 7).free(ROWS / 3));
         assert_eq!((report.steps.len(), report.events.len()), (0, 0), "{law:?}");
+    }
+}
+
+#[test]
+fn no_method_takes_a_free_whisker_for_one_that_touches() {
+    let map = vibrissa::tasks::demo::arena().unwrap();
+    for law in FreeLaw::ALL {
+        let (log, robot) = (FreeWhisker::new(law, 5).free(600), law.robot());
+        for method in Method::all() {
+            let answer = localize(&log, &map, &robot, &method, &mut |_| {}).unwrap();
+            // A method that says that it takes an error of the zero for none is not asked where there is one.
+            if answer.events.iter().any(|event| event.kind == "unused") {
+                assert!(robot.whiskers[0].errors.zero > 0.0);
+                continue;
+            }
+            let told = || format!("{law:?} by {}: {:?}", method.name(), answer.events);
+            assert_eq!(answer.status, Status::NoContact, "{}", told());
+            assert!(answer.events.iter().all(|event| event.kind != "contact"), "{}", told());
+        }
     }
 }
 

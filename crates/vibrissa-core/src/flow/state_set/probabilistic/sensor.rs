@@ -88,7 +88,8 @@ impl Sensor {
         self.is_contact_within(z, self.slack)
     }
 
-    fn is_contact_within(&self, z: f64, slack: f64) -> bool {
+    /// The same of a sensor whose zero may be off by so much (dimensionless reading).
+    pub(super) fn is_contact_within(&self, z: f64, slack: f64) -> bool {
         z.abs() * (1.0 - self.relative) > self.absolute + slack
     }
 

@@ -323,8 +323,13 @@ impl MultiHypothesisSmoother<'_> {
             if self.window.len() >= TARE_ROWS {
                 self.take_tare();
             } else {
-                let beyond = self.scene.sensors.iter().zip(&readings).map(|(sensor, &z)| sensor.is_contact(z));
-                self.window.tell_contacts(self.window.len() - 1, beyond);
+                // Until then a reading within the bound on the zero says nothing.
+                let each = self.scene.sensors.iter().zip(&self.scene.whiskers).zip(&readings);
+                let told = each.map(|((sensor, &whisker), &z)| {
+                    let zero = self.scene.robot.whiskers[whisker].errors.zero;
+                    sensor.is_contact_within(z, zero * sensor.per_reading)
+                });
+                self.window.tell_contacts(self.window.len() - 1, told);
             }
             return StepOutcome::Nothing;
         }
