@@ -89,8 +89,8 @@ int32_t vibrissa_moment(const VibrissaCalibration *calibration,
                         double *moment);
 
 // Both moments (N m, two numbers: in the whisker's plane x-y, and across it) of a flux along the chip's axes (T, three numbers), by the
-// arithmetic of `vibrissa calibrate`. The whisker bends in the plane at the angle atan2(moments[1], moments[0]) from left towards up, by the
-// moment hypot(moments[0], moments[1]).
+// arithmetic of `vibrissa calibrate`. The whisker bends in the plane at the angle `atan2(moments[1], moments[0])` from left towards up, by the
+// moment `hypot(moments[0], moments[1])`.
 int32_t vibrissa_moments(const VibrissaPlane *plane, const double *flux, double *moments);
 
 #ifdef __cplusplus

@@ -146,8 +146,8 @@ pub extern "C" fn vibrissa_moment(calibration: *const VibrissaCalibration, flux:
 }
 
 /// Both moments (N m, two numbers: in the whisker's plane x-y, and across it) of a flux along the chip's axes (T, three numbers), by the
-/// arithmetic of `vibrissa calibrate`. The whisker bends in the plane at the angle atan2(moments[1], moments[0]) from left towards up, by the
-/// moment hypot(moments[0], moments[1]).
+/// arithmetic of `vibrissa calibrate`. The whisker bends in the plane at the angle `atan2(moments[1], moments[0])` from left towards up, by the
+/// moment `hypot(moments[0], moments[1])`.
 #[unsafe(no_mangle)]
 pub extern "C" fn vibrissa_moments(plane: *const VibrissaPlane, flux: *const f64, moments: *mut f64) -> i32 {
     let places = place(moments.cast::<[f64; 2]>());
