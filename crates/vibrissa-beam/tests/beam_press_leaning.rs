@@ -4,26 +4,15 @@
 
 #[path = "../../vibrissa/tests/data/random.rs"]
 mod random;
+#[path = "../../vibrissa/tests/data/space.rs"]
+mod space;
 
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 use random::Random;
+use space::{cross, dot, plus};
 use vibrissa_beam::beam::elastica;
 use vibrissa_beam::beam::press::{LeaningPressTable, PressEntry, PressSlice, PressTable};
 use vibrissa_beam::plane::Vec2;
-
-type Vec3 = [f64; 3];
-
-fn cross(a: Vec3, b: Vec3) -> Vec3 {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-fn plus(a: Vec3, b: Vec3, by: f64) -> Vec3 {
-    [0, 1, 2].map(|k| a[k] + by * b[k])
-}
-
-fn dot(a: Vec3, b: Vec3) -> f64 {
-    (0..3).map(|k| a[k] * b[k]).sum()
-}
 
 fn holds(entry: &PressEntry, direction: f64, p: Vec2) -> bool {
     let rest = p - entry.center - entry.by_direction * (direction - entry.middle);

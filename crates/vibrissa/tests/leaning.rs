@@ -4,9 +4,12 @@
 
 #[path = "data/random.rs"]
 mod random;
+#[path = "data/space.rs"]
+mod space;
 
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 use random::Random;
+use space::{Vec3, cross, dot, plus};
 use vibrissa::beam::{TipModel, TipReading, Whisker};
 use vibrissa::config::{PossibilisticOptions, Region, TipLoad};
 use vibrissa::flow::contact_set::TipContactSet;
@@ -15,20 +18,6 @@ use vibrissa::flow::sensor_log::{Channel, LogRow, Quantity, SensorLog};
 use vibrissa::plane::{Curve, Pose2, Vec2};
 use vibrissa::world::{Boundary, Lean, Map, MomentNoise, MountedWhisker, Robot, Role};
 use vibrissa::{Method, tasks};
-
-type Vec3 = [f64; 3];
-
-fn cross(a: Vec3, b: Vec3) -> Vec3 {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-fn plus(a: Vec3, b: Vec3, by: f64) -> Vec3 {
-    [0, 1, 2].map(|k| a[k] + by * b[k])
-}
-
-fn dot(a: Vec3, b: Vec3) -> f64 {
-    (0..3).map(|k| a[k] * b[k]).sum()
-}
 
 /// Where a rod ends that leaves `base` along `axis`, under a force at `held`: Kirchhoff's rod without twist, by the classical Runge-Kutta
 /// method.
