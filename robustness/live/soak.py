@@ -4,8 +4,13 @@
 Usage: robustness/live/soak.py [--seconds 3600] [--rate 3000] [--whiskers 1] [--out FOLDER] [--draw FILE.csv]
 
 Builds and runs the example `endurance` of vibrissa-live (Linux), which records the whole run; writes soak.csv while it runs and
-soak.svg at the end. --draw only draws what a run has written. Exit 1 where memory grew by more than 2 MB after the first tenth, or
-something was not recorded.
+soak.svg at the end. --draw only draws and judges what a run has written.
+
+What is allocated tells whether something grows: it is judged by a line fitted to the last half of the run. The memory of the process
+does not: where the machine is busy, rows and bytes wait for a moment, and the allocator keeps the pages that they took. Those steps end
+where what may wait is bounded, so that the memory of the process is held against a limit.
+
+Exit 1 where what is allocated grew by more than 0.5 MB by the line, the process took more than 64 MB, or something was not recorded.
 """
 
 import argparse
@@ -15,8 +20,13 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent.parent
-# Growth of memory that is no leak (MB): caches and the allocator's pages.
-SLACK = 2.0
+# Growth of what is allocated over the last half of a run (MB). The estimate's number of places alone moves it by 0.3 MB to and fro; in half an
+# hour at 3 kHz a tenth of a byte lost at each row is more.
+GROWTH = 0.5
+# Most memory of the process (MB): 16 for the search at the start and 10 for the program and the allocator's pages, as measured, and 32 that
+# may wait for the disk (`RECORD_WAITING`).
+MOST = 64.0
+COLOURS = ("#1f6fb2", "#c2571a", "#3a8a4d")
 WIDTH, PANEL, LEFT, RIGHT, TOP, GAP = 720, 150, 70, 20, 20, 42
 
 
@@ -46,7 +56,7 @@ def panel(rows, keys, words, top, scale=1.0):
     for mark in ticks(end, 6):
         if mark <= end:
             out.append(f'<text x="{x(mark):.1f}" y="{top + PANEL + 16}" text-anchor="middle">{mark:g}</text>')
-    for key, colour in zip(keys, ("#1f6fb2", "#c2571a")):
+    for key, colour in zip(keys, COLOURS):
         points = " ".join(f"{x(row['t_s'] / 60):.1f},{y(scale * row[key]):.1f}" for row in rows)
         out.append(f'<polyline points="{points}" fill="none" stroke="{colour}" stroke-width="1.5"/>')
     return out
@@ -54,13 +64,25 @@ def panel(rows, keys, words, top, scale=1.0):
 
 def draw(rows, path):
     tops = [TOP + 10 + k * (PANEL + GAP) for k in range(3)]
-    body = panel(rows, ["memory_mb"], "Memory in use (MB)", tops[0])
+    body = panel(
+        rows,
+        ["heap_mb", "heap_most_mb", "memory_mb"],
+        "Memory: allocated (blue), at most in each ten seconds (orange), of the process (green), MB",
+        tops[0],
+    )
     body += panel(rows, ["p50_ms", "p99_ms"], "Last byte of a row to its pose, in each ten seconds: median (blue) and 99 % (orange), ms", tops[1])
     body += panel(rows, ["rows"], "Rows estimated (millions), over minutes", tops[2], 1e-6)
     height = tops[2] + PANEL + 30
     style = "text{font:12px sans-serif;fill:#333}.t{font-weight:bold}.g{stroke:#ddd}"
     head = f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {height}" role="img"><title>A live run over time</title>'
     path.write_text("\n".join([head, f"<style>{style}</style>", f'<rect width="{WIDTH}" height="{height}" fill="#fff"/>', *body, "</svg>", ""]))
+
+
+def slope(rows, key):
+    """The slope of a line fitted by least squares to a column over time (1/s)."""
+    times, values = [row["t_s"] for row in rows], [row[key] for row in rows]
+    middle, mean = sum(times) / len(times), sum(values) / len(values)
+    return sum((t - middle) * (v - mean) for t, v in zip(times, values)) / sum((t - middle) ** 2 for t in times)
 
 
 def main():
@@ -80,15 +102,22 @@ def main():
     if len(rows) < 10:
         sys.exit(f"{table}: {len(rows)} lines are too few to tell anything; run for two minutes or more")
     draw(rows, args.out / "soak.svg")
-    begun, last = rows[len(rows) // 10], rows[-1]
-    growth = max(row["memory_mb"] for row in rows[len(rows) // 10 :]) - begun["memory_mb"]
+    last, half = rows[-1], rows[len(rows) // 2 :]
+    growth = slope(half, "heap_mb") * (last["t_s"] - half[0]["t_s"])
+    most = max(row["memory_mb"] for row in rows)
+    between = sorted(row["heap_mb"] for row in half)
     print(
         f"{last['t_s'] / 60:.0f} minutes, {last['rows'] / 1e6:.2f} million rows, {last['missing']:.0f} frames missing, "
-        f"{last['not_recorded']:.0f} messages not recorded; memory {begun['memory_mb']:.1f} MB after a tenth, {last['memory_mb']:.1f} MB at "
-        f"the end, {growth:+.1f} MB at most; longest wait {last['largest_ms']:.1f} ms"
+        f"{last['not_recorded']:.0f} messages not recorded; in the last half {between[0]:.2f} to {between[-1]:.2f} MB allocated, "
+        f"{growth:+.2f} MB by a fitted line; the process took {most:.1f} MB at most; longest wait {last['largest_ms']:.1f} ms"
     )
-    if growth > SLACK or last["not_recorded"] > 0:
-        sys.exit("FAILED: memory grew, or something was not recorded")
+    faults = {
+        f"what is allocated grows by more than {GROWTH} MB": growth > GROWTH,
+        f"the process takes more than {MOST:.0f} MB": most > MOST,
+        "something was not recorded": last["not_recorded"] > 0,
+    }
+    if any(faults.values()):
+        sys.exit("FAILED: " + "; ".join(words for words, failed in faults.items() if failed))
 
 
 main()

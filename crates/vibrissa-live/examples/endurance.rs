@@ -3,7 +3,8 @@
 //!
 //!     cargo run --release -p vibrissa-live --example endurance -- [SECONDS] [ROWS A SECOND] [WHISKERS] [FILE.csv]
 //!
-//! The file gets a line each ten seconds: time, rows, memory, latencies of the stretch before.
+//! The file gets a line each ten seconds: time, rows, memory, latencies of the stretch before. `memory_mb` is what the system has given to
+//! the process, `heap_mb` what is allocated now, `heap_most_mb` at most since the line before.
 
 #[cfg(target_os = "linux")]
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -18,6 +19,7 @@ fn main() {
 #[cfg(target_os = "linux")]
 mod linux {
     use core::ops::ControlFlow;
+    use peak_alloc::PeakAlloc;
     use std::io::Write;
     use std::sync::Arc;
     use std::sync::atomic::{AtomicBool, Ordering};
@@ -35,7 +37,12 @@ mod linux {
 
     /// How often the file gets a line (s), and what stands in it.
     const NOTE: f64 = 10.0;
-    const COLUMNS: &str = "t_s,rows,merged,carried,missing,not_recorded,memory_mb,p50_ms,p99_ms,largest_ms";
+    const COLUMNS: &str =
+        "t_s,rows,merged,carried,missing,not_recorded,memory_mb,heap_mb,heap_most_mb,p50_ms,p99_ms,largest_ms";
+
+    /// Counts what is allocated: the allocator keeps pages of a busy time, so that those of the process cannot tell whether anything grows.
+    #[global_allocator]
+    static HEAP: PeakAlloc = PeakAlloc;
 
     pub(super) fn main() -> Result<(), Box<dyn std::error::Error>> {
         let given: Vec<String> = std::env::args().skip(1).collect();
@@ -118,16 +125,19 @@ mod linux {
                     // A file that cannot be written is seen by what is missing in it.
                     let _ = writeln!(
                         file,
-                        "{passed:.1},{},{},{},{missing},{},{:.2},{:.3},{:.3},{:.3}",
+                        "{passed:.1},{},{},{},{missing},{},{:.2},{:.3},{:.3},{:.3},{:.3},{:.3}",
                         health.rows,
                         health.merged,
                         health.carried,
                         health.dropped,
                         resident(),
+                        HEAP.current_usage() as f64 / 1e6,
+                        HEAP.peak_usage() as f64 / 1e6,
                         1e3 * stretch.quantile(0.5),
                         1e3 * stretch.quantile(0.99),
                         1e3 * health.latency.largest()
                     );
+                    HEAP.reset_peak_usage();
                 }
                 if passed > looked + seconds / 10.0 {
                     looked = passed;

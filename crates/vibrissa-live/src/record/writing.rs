@@ -13,6 +13,9 @@ use vibrissa_io::ros::{BagStream, GrowingFile, Stamp, StreamTopic};
 /// A chunk that takes such a share of the memory is written before its time: 256 kB.
 const LARGE: usize = 128;
 
+/// Memory for what is not synchronised (bytes) that is kept for what comes next; more of it, from a time when the disk was slow, is given back.
+const SPARE: usize = 1 << 18;
+
 /// Length of the last bytes of a file, which say that it is whole.
 const SEAL: usize = 8;
 
@@ -145,6 +148,10 @@ impl<S: Storage> Writer<S> {
     fn synced(&mut self, length: u64) -> bool {
         let more = (length.saturating_sub(self.safe) as usize).min(self.written);
         self.kept.drain(..more);
+        let wanted = self.kept.len().max(SPARE);
+        if self.kept.capacity() > 2 * wanted {
+            self.kept.shrink_to(wanted);
+        }
         self.written -= more;
         self.safe += more as u64;
         self.shared.synced.store(self.safe, Ordering::Relaxed);
