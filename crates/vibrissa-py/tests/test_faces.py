@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import pickle
+import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -124,6 +125,7 @@ def test_every_function_documents_arguments_and_answer() -> None:
         assert all(section in documentation for section in sections), function.__name__
         missing = [name for name in signature.parameters if name not in documentation]
         assert not missing, f"{function.__name__}: {missing}"
+        assert not re.search(r"(?m)^ *\{\w+\}$", documentation), f"{function.__name__}: a shared description is missing"
 
 
 def test_readings_take_units(demo: vibrissa.Demo) -> None:

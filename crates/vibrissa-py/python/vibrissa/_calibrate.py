@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from . import _vibrissa
 from ._arrays import Floats
+from ._docs import documented
 from ._errors import UsageError
 from ._robot import RobotLike, Whisker, robot_of
 from ._show import Shown, pandas
@@ -35,6 +36,7 @@ class CalibrationReport(Shown):
     """True distances and those by a fit without them (m), shape (contacts, 2), NaN where none fits."""
 
 
+@documented
 def calibrate(
     log: PathLike | Mapping[str, npt.ArrayLike] | None = None,
     *,
@@ -57,10 +59,8 @@ def calibrate(
         shape (contacts). With z, too, both transverse axes are calibrated. With ``format="openwhisker"`` a staircase.
     taps : mapping or iterable of pairs, optional
         Recordings of taps by radial distance from the base (m), of a base that turns at a constant rate.
-    format : str, optional
-        The format of files that are not ours.
-    robot : Robot, Whisker, path or None
-        The whisker, or None for the paper's.
+    {format}
+    {robot}
     free : sequence of str
         Constants of the whisker to fit: "flexural_rigidity", "base_compliance", "tip_ratio".
     length : float, optional
@@ -71,8 +71,7 @@ def calibrate(
         Whether the base is stiff, likewise.
     channel : str, optional
         The channel that is read, likewise.
-    reference : str, optional
-        The sensor that feels the ambient field alone and is subtracted.
+    {reference}
 
     Returns
     -------
@@ -136,6 +135,7 @@ class Taps(Shown):
         return pandas().DataFrame(columns)
 
 
+@documented
 def taps(
     log: PathLike, calibration: Calibration | PathLike, *, format: str | None = None, reference: str | None = None
 ) -> Taps:
@@ -147,10 +147,8 @@ def taps(
         The recording.
     calibration : Calibration or path
         The calibration that ``calibrate`` made of taps.
-    format : str, optional
-        The format of a file that is not ours.
-    reference : str, optional
-        The sensor that feels the ambient field alone and is subtracted.
+    {format}
+    {reference}
 
     Returns
     -------

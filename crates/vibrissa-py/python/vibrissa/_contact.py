@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from . import _vibrissa
 from ._arrays import Floats, Ints
+from ._docs import documented
 from ._robot import RobotLike, robot_of
 from ._show import Shown, axes, pandas, plane
 from ._types import Event
@@ -84,6 +85,7 @@ def _draw_by_whisker(ax: Any, whiskers: list[str], points: Floats) -> Any:
     return ax
 
 
+@documented
 def contact(
     log: LogLike, robot: RobotLike = None, *, format: str | None = None, spacing: float | None = None
 ) -> Contacts:
@@ -91,14 +93,10 @@ def contact(
 
     Parameters
     ----------
-    log : SensorLog or path
-        Odometry and moments.
-    robot : Robot, Whisker, path or None
-        The robot, or None for the paper's whisker.
-    format : str, optional
-        The format of a log file that is not ours.
-    spacing : float, optional
-        Readings are merged into one step while the base is nearer than this to their mean (m).
+    {log}
+    {robot}
+    {format}
+    {spacing}
 
     Returns
     -------
@@ -176,6 +174,7 @@ class SpaceContacts(Shown):
         return _draw_by_whisker(axes(ax), self.whisker, self.position)
 
 
+@documented
 def contact_in_space(
     log: LogLike, robot: RobotLike = None, *, format: str | None = None, spacing: float | None = None
 ) -> SpaceContacts:
@@ -185,12 +184,9 @@ def contact_in_space(
     ----------
     log : SensorLog or path
         Odometry with columns moment and across (N m), or flux with a calibration of both axes.
-    robot : Robot, Whisker, path or None
-        The robot, or None for the paper's whisker.
-    format : str, optional
-        The format of a log file that is not ours.
-    spacing : float, optional
-        Readings are merged into one step while the base is nearer than this to their mean (m).
+    {robot}
+    {format}
+    {spacing}
 
     Returns
     -------
@@ -240,6 +236,7 @@ class FilteredContacts(Shown):
         return _draw_by_whisker(axes(ax), self.whisker, self.position)
 
 
+@documented
 def temporal_filter(
     log: LogLike,
     robot: RobotLike = None,
@@ -254,14 +251,12 @@ def temporal_filter(
     ----------
     log : SensorLog or path
         With columns force (N), slope (rad), strip_lo and strip_hi (m) or moment (N m), alone or together.
-    robot : Robot, Whisker, path or None
-        The robot, or None for the paper's whisker.
+    {robot}
     readings : int, optional
         How many readings are intersected.
     spacing : float, optional
         How far the base moves between two of them (m).
-    format : str, optional
-        The format of a log file that is not ours.
+    {format}
 
     Returns
     -------
@@ -361,6 +356,7 @@ class Profile(Shown):
         return ax
 
 
+@documented
 def profile(
     logs: LogLike | Sequence[LogLike],
     robot: RobotLike = None,
@@ -375,14 +371,12 @@ def profile(
     ----------
     logs : SensorLog, path, or sequence of these
         The sweeps.
-    robot : Robot, Whisker, path or None
-        The robot, or None for the paper's whisker.
+    {robot}
     truth : Map or path, optional
         The true shape in that frame, to report errors against.
     free_scale : bool
         Whether a scale is fitted, too.
-    format : str, optional
-        The format of log files that are not ours.
+    {format}
 
     Returns
     -------

@@ -10,6 +10,7 @@ import numpy as np
 
 from . import _vibrissa
 from ._arrays import Floats, Ints, column, rows
+from ._docs import documented
 from ._methods import METHODS, Deterministic, Options, Possibilistic, Probabilistic
 from ._robot import RobotLike, robot_of
 from ._show import Shown, axes, draw_map, pandas, plane
@@ -279,6 +280,7 @@ class Localization(Shown):
         return cls(**made, error=None if known is None else trajectory.error(known), _map=map)
 
 
+@documented
 def localize(
     log: LogLike,
     map: MapLike,
@@ -297,22 +299,15 @@ def localize(
 
     Parameters
     ----------
-    log : SensorLog or path
-        What the robot recorded.
-    map : Map or path
-        The map: .geojson (m), .svg (mm), .dxf, .yaml or .mcap.
-    robot : Robot, Whisker, path or None
-        The robot, its file, a whisker at the robot's origin, or None for the paper's.
-    method : str, Deterministic, Possibilistic or Probabilistic
-        The estimator by name, or with its options: ``method=vibrissa.Possibilistic(tolerate=3)``.
-    format : str, optional
-        The format of a log file that is not ours.
+    {log}
+    {map}
+    {robot}
+    {method}
+    {format}
     truth : Trajectory or path, optional
         The true trajectory (map frame), to report errors against.
-    within : sequence of six floats, optional
-        Where the robot is at the first row: least and largest x, y (m) and heading (rad).
-    progress : callable, optional
-        See ``Progress``.
+    {within}
+    {progress}
     **options
         The options of the method by name, as the classes have them.
 
@@ -374,6 +369,7 @@ class Demo(Shown):
         return self.answer.plot(ax)
 
 
+@documented
 def demo(seed: int = 1, method: MethodLike = "probabilistic") -> Demo:
     """Simulates a sweep in the built-in arena, localizes, and compares with the truth.
 
@@ -381,8 +377,7 @@ def demo(seed: int = 1, method: MethodLike = "probabilistic") -> Demo:
     ----------
     seed : int
         Of the noise.
-    method : str, Deterministic, Possibilistic or Probabilistic
-        The estimator.
+    {method}
 
     Returns
     -------

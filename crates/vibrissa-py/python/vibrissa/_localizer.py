@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from . import _vibrissa
+from ._docs import documented
 from ._localize import Hypothesis, Localization, MethodLike, Status, method_of
 from ._robot import RobotLike, robot_of
 from ._show import Shown
@@ -27,6 +28,7 @@ class Estimate(Shown):
     """Every surviving place at the last row, heaviest first; without ``ridge``."""
 
 
+@documented
 class Localizer:
     """A robot that is being localized while it drives: rows in, what is known now at any row.
 
@@ -34,12 +36,9 @@ class Localizer:
 
     Parameters
     ----------
-    map : Map or path
-        The map.
-    robot : Robot, Whisker, path or None
-        The robot, or None for the paper's whisker.
-    method : str, Deterministic, Possibilistic or Probabilistic
-        The estimator.
+    {map}
+    {robot}
+    {method}
     columns : sequence of str, optional
         The names of the readings, in the order in which ``step`` gets them. None: "moment" for a robot with one whisker,
         "NAME.moment" for each of several. Raw readings ("bx", "by", "bz") go through the robot's calibration.

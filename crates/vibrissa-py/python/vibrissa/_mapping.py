@@ -8,6 +8,7 @@ from typing import Any, Literal, NamedTuple
 from . import _vibrissa
 from ._arrays import Floats
 from ._contact import Alignment
+from ._docs import documented
 from ._robot import RobotLike, number, robot_of
 from ._show import Shown, axes, draw_map, plane
 from ._trajectory import Trajectory
@@ -81,6 +82,7 @@ class MappedLog(Shown):
         return ax
 
 
+@documented
 def map_log(
     log: LogLike,
     robot: RobotLike = None,
@@ -96,18 +98,15 @@ def map_log(
 
     Parameters
     ----------
-    log : SensorLog or path
-        Odometry and moments.
-    robot : Robot, Whisker, path or None
-        The robot, or None for the paper's whisker.
+    {log}
+    {robot}
     truth : Map or path, optional
         The true shape in any frame, to report errors against.
     drift : float, optional
         Bound on the drift of the odometry's heading with the way (rad/m).
     body_radius : float or str, optional
         Radius of a disc around the robot's origin that its body fills (m): no wall is where it was.
-    format : str, optional
-        The format of a log file that is not ours.
+    {format}
 
     Returns
     -------

@@ -11,6 +11,7 @@ import numpy as np
 
 from . import _vibrissa
 from ._arrays import Floats
+from ._docs import documented
 from ._errors import UsageError
 from ._localize import Localization, MethodLike, method_of
 from ._methods import Options
@@ -205,6 +206,7 @@ class Exploration(Shown):
         return ax
 
 
+@documented
 def plan(
     log: LogLike,
     map: MapLike,
@@ -220,20 +222,13 @@ def plan(
 
     Parameters
     ----------
-    log : SensorLog or path
-        What the robot recorded so far.
-    map : Map or path
-        The map.
-    robot : Robot, Whisker, path or None
-        The robot, its file, a whisker at the robot's origin, or None for the paper's.
-    method : str, Deterministic, Possibilistic or Probabilistic
-        The estimator.
-    limits : MotionLimits, optional
-        What the robot can do, and how motions are judged: ``limits=vibrissa.MotionLimits(footprint="15 mm")``.
-    format : str, optional
-        The format of a log file that is not ours.
-    within : sequence of six floats, optional
-        Where the robot is at the first row: least and largest x, y (m) and heading (rad).
+    {log}
+    {map}
+    {robot}
+    {method}
+    {limits}
+    {format}
+    {within}
     **options
         The fields of ``MotionLimits``, and the options of the method, by name.
 
@@ -262,6 +257,7 @@ def plan(
     return Plan._of(_vibrissa.plan(read_log(log, format), shape, robot_of(robot), name, given, told), shape)
 
 
+@documented
 def explore(
     scenario: Scenario | str | os.PathLike[str],
     method: MethodLike = "probabilistic",
@@ -279,10 +275,8 @@ def explore(
 
     Parameters
     ----------
-    scenario : Scenario or path
-        The scenario, or its .toml file.
-    method : str, Deterministic, Possibilistic or Probabilistic
-        The estimator.
+    {scenario}
+    {method}
     begin : float or str
         How much of the scenario's path is the first motion (m).
     most_way : float or str
@@ -291,8 +285,7 @@ def explore(
         Of the noise.
     strategy : str
         How motions are chosen: as ``plan`` tells, or along the wall by touch.
-    limits : MotionLimits, optional
-        What the robot can do, and how motions are judged.
+    {limits}
     **options
         The fields of ``MotionLimits``, and the options of the method, by name.
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from . import _vibrissa
 from ._arrays import Floats
+from ._docs import documented
 from ._errors import UsageError
 from ._robot import RobotLike, quantity, robot_of
 from ._show import Shown, axes, draw_map, plane
@@ -175,6 +176,7 @@ def _model(
     return Model(load, regime, *limits)
 
 
+@documented
 def contact_set(
     readings: Reading | Sequence[Reading],
     robot: RobotLike = None,
@@ -189,10 +191,8 @@ def contact_set(
 
     Parameters
     ----------
-    readings : Reading or sequence of Reading
-        What the sensors read.
-    robot : Robot, Whisker, path or None
-        The robot, or None for the paper's whisker.
+    {readings}
+    {robot}
     load : {"normal", "vertical"}
         The direction of the force: along the whisker's normal at the contact, or across the undeflected whisker.
     regime : {"auto", "small", "large"}
@@ -267,6 +267,7 @@ class Preimage(Shown):
         return ax
 
 
+@documented
 def preimage(
     map: MapLike,
     readings: Reading | Sequence[Reading],
@@ -287,12 +288,9 @@ def preimage(
 
     Parameters
     ----------
-    map : Map or path
-        The map.
-    readings : Reading or sequence of Reading
-        What the sensors read.
-    robot : Robot, Whisker, path or None
-        The robot, or None for the paper's whisker.
+    {map}
+    {readings}
+    {robot}
     construction : {"alignment", "distance"}
         Whether the whisker is laid against the boundary, or every heading is taken.
     contacts : {"side", "tip", "all"}

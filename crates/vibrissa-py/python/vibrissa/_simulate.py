@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from . import _vibrissa
 from ._arrays import Floats, Ints, column, rows
+from ._docs import documented
 from ._robot import RobotLike, robot_of
 from ._show import Shown, axes, plane
 from ._trajectory import Trajectory
@@ -93,6 +94,7 @@ class Simulation(Shown):
         return cls(log=log, **made, serial=serial)
 
 
+@documented
 def simulate(
     scenario: Scenario | str | os.PathLike[str], seed: int | None = None, *, progress: Progress | None = None
 ) -> Simulation:
@@ -100,8 +102,7 @@ def simulate(
 
     Parameters
     ----------
-    scenario : Scenario or path
-        The scenario, or its .toml file.
+    {scenario}
     seed : int, optional
         Of all noise, instead of the scenario's. The same seed gives the same numbers everywhere.
     progress : callable, optional
@@ -154,6 +155,7 @@ def waypoints(
     return Trajectory(*_vibrissa.path(rows(points, 3), speed, turn_rate, rate))
 
 
+@documented
 def sweep(
     map: MapLike,
     path: Trajectory,
@@ -170,12 +172,10 @@ def sweep(
 
     Parameters
     ----------
-    map : Map or path
-        The map.
+    {map}
     path : Trajectory
         The robot's way, map frame.
-    robot : Robot, Whisker, path or None
-        The robot, or None for the paper's whisker.
+    {robot}
     seed : int, optional
         Of the noise; None for exact readings.
     moment_noise : tuple of two floats, optional
@@ -184,8 +184,7 @@ def sweep(
         Bounds on the errors of the odometry's increments, relative to them.
     discrete_rod : bool
         Whether the independent discrete rod solves, slowly.
-    progress : callable, optional
-        See ``Progress``.
+    {progress}
 
     Returns
     -------
