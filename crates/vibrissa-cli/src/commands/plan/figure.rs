@@ -1,10 +1,10 @@
 //! The motion on the map, from each place that is left.
 
 use vibrissa::figure::{Geometry, Layer, Outline, OutlineRole, scene_figure};
-use vibrissa::flow::pose::Hypothesis;
+use vibrissa::flow::pose::{Hypothesis, ShapeRecord};
 use vibrissa::plane::{Pose2, Vec2};
 use vibrissa::tasks::plan::{Plan, remaining};
-use vibrissa::world::Robot;
+use vibrissa::world::{MountedWhisker, Robot};
 
 /// Poses of a place that the motion is drawn from.
 const DRAWN: usize = 40;
@@ -29,16 +29,25 @@ pub(in crate::commands) fn map_lines(map: &[Outline]) -> Vec<Layer> {
     ]
 }
 
-/// The figure as SVG text.
-pub(super) fn plan_figure(map: &[Outline], robot: &Robot, hypotheses: &[Hypothesis], plan: &Plan) -> String {
-    let states = remaining(hypotheses, DRAWN);
-    let whisker = |pose: &Pose2| -> Vec<Vec<Vec2>> {
-        let line = |w: &vibrissa::world::MountedWhisker| {
-            let base = pose.compose(w.robot_from_whisker);
-            vec![base.position(), base.transform_point(Vec2::new(w.beam.length, 0.0))]
-        };
-        robot.whiskers.iter().map(line).collect()
+/// The robot's whiskers, robot frame: those that touch now as they are bent by these shapes, the others straight.
+fn whiskers(robot: &Robot, shapes: &[ShapeRecord]) -> Vec<Vec<Vec2>> {
+    let straight = |whisker: &MountedWhisker| {
+        let base = whisker.robot_from_whisker;
+        vec![base.position(), base.transform_point(Vec2::new(whisker.beam.length, 0.0))]
     };
+    let bent = |index: usize| shapes.iter().find(|shape| shape.whisker == index).map(|shape| shape.points.clone());
+    robot.whiskers.iter().enumerate().map(|(index, own)| bent(index).unwrap_or_else(|| straight(own))).collect()
+}
+
+/// The figure as SVG text; `shapes` are of the whiskers that touch now, which all places bend about alike, as they read the same.
+pub(super) fn plan_figure(
+    map: &[Outline],
+    (robot, shapes): (&Robot, &[ShapeRecord]),
+    hypotheses: &[Hypothesis],
+    plan: &Plan,
+) -> String {
+    let states = remaining(hypotheses, DRAWN);
+    let whiskers = whiskers(robot, shapes);
     let ridges = hypotheses.iter().filter(|h| h.ridge.len() > 1);
     let ridges: Vec<Vec<Vec2>> = ridges.map(|h| h.ridge.iter().map(|p| p.position()).collect()).collect();
     let mut layers = map_lines(map);
@@ -51,9 +60,12 @@ pub(super) fn plan_figure(map: &[Outline], robot: &Robot, hypotheses: &[Hypothes
     });
     let ends: Vec<Pose2> =
         way.map_or_else(Vec::new, |way| places.iter().filter_map(|begin| Some(begin.compose(*way.last()?))).collect());
-    let whiskers = places.iter().flat_map(whisker).collect();
+    let placed = |pose: &Pose2| -> Vec<Vec<Vec2>> {
+        whiskers.iter().map(|line| line.iter().map(|&point| pose.transform_point(point)).collect()).collect()
+    };
+    let drawn = if shapes.is_empty() { "the whiskers there, straight" } else { "the whiskers there" };
     layers.extend([
-        named(Geometry::Lines(whiskers), "whisker", "the whiskers there, straight"),
+        named(Geometry::Lines(places.iter().flat_map(placed).collect()), "whisker", drawn),
         named(Geometry::States(begins), "candidate", "states that are left"),
         named(Geometry::Lines(ways), "path", "the motion, from each place"),
         named(Geometry::States(ends), "survivor", "where it ends"),

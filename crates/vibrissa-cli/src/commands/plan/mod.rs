@@ -50,22 +50,23 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     map.warnings.iter().for_each(|warning| warn(warning));
     let robot = read_robot(args.reading.robot.as_deref(), method)?;
     let is_result = args.from.extension().is_some_and(|e| e.eq_ignore_ascii_case("json"));
-    let (hypotheses, plan) = if is_result {
+    let (hypotheses, shapes, plan) = if is_result {
         let hypotheses = result::read(&args.from)?;
         progress::phase("planning");
         let states = remaining(&hypotheses, options.states);
         let plan = plan(&map, &robot, &states, &Past::default(), &options)?;
-        (hypotheses, plan)
+        (hypotheses, Vec::new(), plan)
     } else {
         let log = args.reading.read(&args.from)?;
         progress::phase("localizing and planning");
         let (answer, plan) = plan_from(&log, &map, &robot, method, &options)?;
-        (answer.hypotheses, plan)
+        let t = log.rows.last().map_or(0.0, |row| row.t);
+        (answer.hypotheses, answer.shapes.into_iter().filter(|shape| shape.t >= t).collect(), plan)
     };
     progress::phase("writing");
     let json = as_json(&plan);
     if let Some(to) = args.output.destination() {
-        let figure = figure::plan_figure(&outlines(&map), &robot, &hypotheses, &plan);
+        let figure = figure::plan_figure(&outlines(&map), (&robot, &shapes), &hypotheses, &plan);
         write_all(to, &[("motion.csv", csv(&plan)), ("plan.json", json.clone()), ("plan.svg", figure)])?;
     }
     print(&if args.output.json { json } else { text(&plan, &hypotheses, &options) })

@@ -107,10 +107,11 @@ impl Plan {
                 _ => "no motion is free of collision and gentle at all places that are left".to_owned(),
             };
         };
-        let way = format!("{:.0} mm", 1e3 * next.motion.way());
+        let way = 1e3 * next.motion.way();
+        let way = if way < 0.5 { String::new() } else { format!("; a way of {way:.0} mm") };
         if self.verdict == PlanVerdict::Alike {
             return format!(
-                "{}: no motion within reach tells them apart; this one goes on to see more; {way}",
+                "{}: no motion within reach tells them apart; this one goes on to see more{way}",
                 next.motion.name()
             );
         }
@@ -123,7 +124,7 @@ impl Plan {
             places => format!("parts {places} places into {into}, worst case {most}"),
         };
         let [from, to] = [self.extent[0], next.extent[0]].map(|m| 1e3 * m);
-        format!("{}: {what}; extent {from:.0} to {to:.0} mm; {way}", next.motion.name())
+        format!("{}: {what}; extent {from:.0} to {to:.0} mm{way}", next.motion.name())
     }
 }
 
