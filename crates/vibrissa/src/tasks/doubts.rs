@@ -118,7 +118,7 @@ fn of_map(map: &Map, robot: &Robot) -> Vec<String> {
         .collect();
     if let Some(first) = lost.first() {
         doubts.push(format!(
-            "{} obstacle(s) lie outside of the arena, where nothing can touch them; one is at ({:.3}, {:.3}) m",
+            "obstacles lie outside of the arena, where nothing can touch them: {} of them, one at ({:.3}, {:.3}) m",
             lost.len(),
             first.x,
             first.y

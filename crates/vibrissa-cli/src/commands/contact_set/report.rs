@@ -87,8 +87,8 @@ impl<'a> Found<'a> {
             let regime = if set.model().is_small_angle() { ", small-angle model" } else { "" };
             let _ = writeln!(
                 text,
-                "{} branches{regime}; a contact is at most {:.4} mm off the listed curves",
-                set.curves.len(),
+                "{}{regime}; a contact is at most {:.4} mm off the listed curves",
+                counted(set.curves.len(), "branch", "branches"),
                 set.tolerance * 1e3
             );
             for curve in &set.curves {
