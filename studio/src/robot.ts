@@ -72,6 +72,26 @@ export function drawWhiskers(plot: Plot, layer: string, whiskers: BentWhisker[])
   }
 }
 
+/** An estimate carried on by odometry from one pose to another: each state moves as the wheels tell, in its own direction. */
+export function carried({ states, places }: Pick<Estimate, "states" | "places">, from: Pose, to: Pose): Pick<Estimate, "states" | "places"> {
+  const [dx, dy] = [to[0] - from[0], to[1] - from[1]];
+  const [cos, sin] = [Math.cos(from[2]), Math.sin(from[2])];
+  const [ahead, aside, turn] = [cos * dx + sin * dy, cos * dy - sin * dx, to[2] - from[2]];
+  const moved = (x: number, y: number, theta: number): Pose => {
+    const [c, s] = [Math.cos(theta), Math.sin(theta)];
+    return [x + c * ahead - s * aside, y + s * ahead + c * aside, theta + turn];
+  };
+  const all = new Float64Array(states.length);
+  for (let i = 0; i < states.length; i += 3) all.set(moved(states[i], states[i + 1], states[i + 2]), i);
+  return {
+    states: all,
+    places: places.map((place) => {
+      const [x, y, theta] = moved(place.x, place.y, place.theta);
+      return { ...place, x, y, theta };
+    }),
+  };
+}
+
 /** Places with their weights, the best as a robot. */
 export function drawPlaces(plot: Plot, layer: string, places: Place[]): void {
   places.slice(0, 60).forEach((place, index) => {

@@ -2,9 +2,9 @@
 
 import { Engine, Refused, type Estimate } from "./engine";
 
-/** How long a slice may take (ms), and how much work is done between two looks at the clock: less than a millisecond. */
+/** How long a slice may take (ms), and how much work is done between two looks at the clock: some tenths of a millisecond. */
 const SLICE = 4;
-const UNITS = 400;
+const UNITS = 100;
 /** How often an estimate is told (ms), how many states are told. */
 const TOLD = 40;
 const MOST_STATES = 4000;

@@ -157,7 +157,7 @@ class ContactScene implements Running {
     readout.set("Reading", readingWords(this.sensor, this.value), "main");
     readout.set("Within", this.bounds().map((v) => readingWords(this.sensor, v)).join(" to "));
     readout.set("Curves of contacts", `${set.curves.length}, ${units.length(length)} long`);
-    readout.set("Region within the error", region ? units.area(region.area) : "only the curve");
+    readout.set("Region within the error", region ? units.area(region.area) : this.error === 0 ? "only the curve" : "…");
     readout.set("Curve is exact to", units.quantity(1e6 * set.tolerance, 1, "µm"));
   }
 

@@ -408,12 +408,20 @@ class OwnScene implements Running {
     return best;
   }
 
+  /** The row that is shown: where the method has not come to the time that was asked for, the one that it has come to. */
+  private reached(): number {
+    const one = this.now();
+    if (!one || one.answer || one.failed) return this.row;
+    return Math.min(this.row, one.snapshots.at(-1)?.row ?? 0);
+  }
+
   private draw(): void {
     const { plot } = this;
     ["path", "places", "robot", "sketch"].forEach((layer) => plot.clear(layer));
     const estimate = this.known();
+    const row = this.reached();
     drawStates(plot, estimate && estimate.verdict !== "inconsistent" ? estimate.states : new Float64Array());
-    const t = this.log.rows[Math.min(this.count() - 1, this.row) * this.log.width] ?? 0;
+    const t = this.log.rows[Math.min(this.count() - 1, row) * this.log.width] ?? 0;
     const until = (poses: Float64Array): Point[] => {
       const points: Point[] = [];
       for (let i = 0; i < poses.length && poses[i] <= t + 1e-9; i += 4) points.push([poses[i + 1], poses[i + 2]]);
@@ -475,10 +483,12 @@ class OwnScene implements Running {
       this.felt.replaceChildren(...off.map((words) => element("li", {}, words)));
     }
     const estimate = this.known();
-    const { words } = verdictWords(estimate);
     const failed = this.now()?.failed;
+    const row = Math.min(this.reached(), this.count());
+    const working = !failed && row < Math.min(this.row, this.count());
+    const words = working && !estimate ? "The first readings are being worked on." : verdictWords(estimate).words;
     this.readout.set("Known then", failed ?? (this.count() ? words : "no log yet"));
-    this.readout.set("Rows", `${Math.min(this.row, this.count())} of ${this.count()}`);
+    this.readout.set("Rows", `${row} of ${this.count()}${working ? ", working" : ""}`);
     if (estimate) this.stage.announce(words);
   }
 

@@ -5,9 +5,10 @@ import { button, choice, element, Readout, save, toggle } from "../controls";
 import { Handle, Plot, Trail } from "../plot";
 import { onceAFrame, still, type Running, type Scene, type Stage, type State } from "../scene";
 import type { Remote } from "../remote";
+import { Backlog } from "../backlog";
 import { MOUNT, ROOMS, drawnRoom, robotFile, roomBox, roomOf, type Pose, type Room } from "../rooms";
 import { read, written, type Knot } from "../drive_link";
-import { clearOf, drawPlaces, drawStates, outline, statesPath, verdictWords } from "../robot";
+import { carried, clearOf, drawPlaces, drawStates, outline, statesPath, verdictWords } from "../robot";
 import { Strip } from "../strip";
 import * as units from "../units";
 
@@ -24,6 +25,10 @@ const SLIP = 0.06;
 const WORDS = 100;
 const CHART = 45;
 const NOTHING = { states: new Float64Array(), places: [] };
+/** An estimate older than so many rows is carried on by the wheels and told to be so; estimates come some rows apart anyway. */
+const LATE = 15;
+/** What is carried on is drawn anew so often (ms). */
+const CARRY = 50;
 /** Poses of the drive that the link carries come so far apart (s), and the link is written anew after so many. */
 const KNOTS = 0.1;
 const LINKED = 10;
@@ -57,7 +62,7 @@ interface Judge {
   method: string;
   worker: Remote;
   estimate?: Estimate;
-  behind: number;
+  backlog: Backlog;
   failed: string;
 }
 
@@ -90,6 +95,8 @@ class ShrinkScene implements Running {
   private generation = 0;
   /** The estimate that is drawn, and when words were told last (ms). */
   private painted: Pick<Estimate, "states" | "places"> | undefined;
+  /** From which one that is carried on, and when (ms). */
+  private carried: { from?: Estimate; at: number } = { at: 0 };
   private told = 0;
   private charted = 0;
   private later = 0;
@@ -234,8 +241,8 @@ class ShrinkScene implements Running {
   private async judge(): Promise<void> {
     this.judges.forEach((one) => one.worker.end());
     const methods = this.all ? METHODS.map((m) => m.value) : [this.method];
-    this.judges = methods.map((method) => ({ method, worker: this.stage.worker(), behind: 0, failed: "" }));
     const rows = Float64Array.from(this.rows);
+    this.judges = methods.map((method) => ({ method, worker: this.stage.worker(), backlog: new Backlog(rows.length / this.width()), failed: "" }));
     this.keep();
     await Promise.all(this.judges.map((one) => this.judgeBy(one, rows)));
     this.ask();
@@ -248,7 +255,8 @@ class ShrinkScene implements Running {
       one.worker.call("readMap", room.file, room.map),
       one.worker.call("readRobot", "robot.toml", robotFile(this.errors.declared)),
       one.worker.localize(one.method, (progress) => {
-        one.behind = progress.all - progress.taken;
+        one.backlog.took(progress.taken);
+        this.feed(one);
         if (one.method === this.method) {
           this.note("slices", progress.slice);
           if (progress.estimate) this.note("estimates", progress.telling);
@@ -263,6 +271,17 @@ class ShrinkScene implements Running {
       one.worker.call("addRows", rows),
     ];
     await Promise.all(begun).catch((error: Error) => (one.failed ||= error.message));
+  }
+
+  /** Hands rows that wait to a method that is ready for them. */
+  private feed({ worker, backlog }: Judge): void {
+    const rows = backlog.due();
+    if (rows) worker.call("addRows", rows).catch(() => undefined);
+  }
+
+  /** Numbers of a row. */
+  private width(): number {
+    return this.driven?.width ?? 5;
   }
 
   private keep(): void {
@@ -412,7 +431,12 @@ class ShrinkScene implements Running {
     this.rows.push(...driven.rows);
     for (let i = 0; i < driven.rows.length; i += driven.width) this.strip.add(driven.rows[i], driven.rows[i + 4]);
     this.trail.add([this.drawn[0], this.drawn[1]]);
-    if (driven.rows.length && this.rows.length > driven.rows.length) this.judges.forEach((one) => void one.worker.call("addRows", driven.rows).catch(() => undefined));
+    if (driven.rows.length && this.rows.length > driven.rows.length) {
+      this.judges.forEach((one) => {
+        one.backlog.add(driven.rows, driven.width);
+        this.feed(one);
+      });
+    }
     this.ask();
   }
 
@@ -435,13 +459,38 @@ class ShrinkScene implements Running {
     this.spent += performance.now() - began;
   }
 
+  /** How many rows ago the estimate of a method was, and the odometry then and now. */
+  private age(one: Judge | undefined): { rows: number; seconds: number; then: Pose; now: Pose } | undefined {
+    if (!one?.estimate) return undefined;
+    const width = this.width();
+    const at = (row: number) => this.rows.slice((row - 1) * width, (row - 1) * width + 4);
+    const last = this.rows.length / width;
+    const row = one.backlog.row(one.estimate.rows);
+    if (!row) return undefined;
+    const [[before, ...then], [t, ...now]] = [at(row), at(last)];
+    return { rows: last - row, seconds: t - before, then: then as Pose, now: now as Pose };
+  }
+
+  /** What is drawn of the estimate: itself, or where it is late carried on by the wheels to where the robot is now. */
+  private present(): Pick<Estimate, "states" | "places"> {
+    const one = this.shown();
+    const estimate = one?.estimate;
+    if (!estimate || estimate.verdict === "inconsistent") return NOTHING;
+    const age = this.age(one);
+    if (!age || age.rows <= LATE) return estimate;
+    const now = performance.now();
+    if (this.painted && this.carried.from === estimate && now - this.carried.at < CARRY) return this.painted;
+    this.carried = { from: estimate, at: now };
+    return carried(estimate, age.then, age.now);
+  }
+
   private paint(): void {
     const { plot, driven } = this;
-    const estimate = this.shown()?.estimate;
     // States and places change with estimates, which come less often than frames.
-    const shown = estimate?.verdict === "inconsistent" ? NOTHING : estimate ?? NOTHING;
+    const shown = this.present();
     if (this.painted !== shown) {
       this.painted = shown;
+      plot.frame.classList.toggle("late", shown !== NOTHING && shown !== this.shown()?.estimate);
       plot.clear("places");
       drawStates(plot, shown.states);
       drawPlaces(plot, "places", shown.places);
@@ -473,34 +522,42 @@ class ShrinkScene implements Running {
 
   private tell(): void {
     const { readout } = this;
-    const { estimate, failed = "", behind = 0 } = this.shown() ?? {};
+    const one = this.shown();
+    const { estimate, failed = "", backlog } = one ?? {};
     const { badge, kind, words } = verdictWords(estimate);
+    const age = this.age(one);
+    const late = age && age.rows > LATE ? lateWords(age.seconds, !!estimate?.states.length) : "";
     this.badge.textContent = failed ? "stopped" : badge;
     this.badge.className = `badge ${failed ? "bad" : kind}`;
-    this.words.textContent = failed || words;
+    this.words.textContent = failed || words + late;
     readout.set("Reading", units.moment(this.rows.at(-1) ?? 0), "main");
     const best = estimate?.places[0];
     const known = best && estimate.verdict !== "inconsistent";
-    const off = this.off(estimate);
+    const off = this.off(one);
     readout.set("States that explain all", estimate ? `${estimate.states.length / 3}` : "–");
     readout.set("Nearest place is off by", units.length(off, 2));
     readout.set("Error it expects", known && Number.isFinite(best.position) ? `± ${units.length(best.position, 2)}` : "–");
-    readout.set("Rows waiting", `${behind}`);
+    readout.set("Rows waiting", `${backlog?.behind() ?? 0}`);
     this.compare();
   }
 
   /** How far the nearest place is from the robot (m). */
-  private off(estimate: Estimate | undefined): number {
+  private off(one: Judge | undefined): number {
+    const estimate = one?.estimate;
     if (!estimate?.places.length || estimate.verdict === "inconsistent") return NaN;
-    return Math.min(...estimate.places.map((p) => Math.hypot(p.x - this.drawn[0], p.y - this.drawn[1])));
+    const age = this.age(one);
+    const { places } = age && age.rows > LATE ? carried({ ...NOTHING, places: estimate.places }, age.then, age.now) : estimate;
+    return Math.min(...places.map((p) => Math.hypot(p.x - this.drawn[0], p.y - this.drawn[1])));
   }
 
   /** All methods on the drive so far. */
   private compare(): void {
     const head = ["Method", "Verdict", "Places", "Off"].map((words) => element("th", { scope: "col" }, words));
-    const row = ({ method, estimate, failed, behind }: Judge) => {
+    const row = (one: Judge) => {
+      const { method, estimate, failed } = one;
+      const behind = one.backlog.behind();
       const verdict = failed ? "stopped" : verdictWords(estimate).badge;
-      const cells = [verdict + (behind > 20 ? ` (${behind} rows behind)` : ""), `${estimate?.places.length ?? 0}`, units.length(this.off(estimate), 2)];
+      const cells = [verdict + (behind > 20 ? ` (${behind} rows behind)` : ""), `${estimate?.places.length ?? 0}`, units.length(this.off(one), 2)];
       return element("tr", method === this.method ? { class: "shown" } : {}, element("th", { scope: "row" }, method), ...cells.map((words) => element("td", {}, words)));
     };
     this.table.replaceChildren(...(this.all ? [element("thead", {}, element("tr", {}, ...head)), element("tbody", {}, ...this.judges.map(row))] : []));
@@ -516,7 +573,7 @@ class ShrinkScene implements Running {
   }
 
   private behind(): number {
-    return Math.max(0, ...this.judges.map((one) => one.behind));
+    return Math.max(0, ...this.judges.map((one) => one.backlog.behind()));
   }
 
   /** How long frames, what the page does in them, and the worker's slices took (ms); cheap to ask. */
@@ -538,9 +595,15 @@ class ShrinkScene implements Running {
     return {
       log, robot, map: this.room.map, file: this.room.file, method: this.method, answer, poses: trajectory.length / 4,
       driving: !!(this.own ?? this.again), waiting: this.behind(), mount: MOUNT, pose: this.drawn,
-      methods: this.judges.map(({ method, estimate }) => ({ method, verdict: estimate?.verdict, rows: estimate?.rows })),
+      methods: this.judges.map(({ method, estimate, backlog }) => ({ method, verdict: estimate?.verdict, rows: backlog.row(estimate?.rows ?? 0) })),
     };
   }
+}
+
+/** What to say of an estimate that is so old (s). */
+function lateWords(seconds: number, drawn: boolean): string {
+  const behind = ` That was ${units.quantity(seconds, 1, "s")} ago: the method is still at the readings since.`;
+  return drawn ? `${behind} The pale set is carried on by the wheels.` : behind;
 }
 
 const wrap = (angle: number): number => Math.atan2(Math.sin(angle), Math.cos(angle));
