@@ -10,7 +10,6 @@ bytes. Exit 1 where one does not. --short takes fewer kills and cuts (for each c
 
 import argparse
 import os
-import pty
 import random
 import re
 import resource
@@ -20,198 +19,13 @@ import socket
 import subprocess
 import sys
 import tempfile
-import termios
 import threading
 import time
-import tty
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-RATE = 300.0
-SETUP = """map = "map.svg"
-[[source]]
-name = "robot"
-serial = "port"
-time = "stamps"
-checksums = true
-columns = ["seq16", "t_us", "x", "y", "theta", "moment"]
-"""
-# The paper's sensor beside odometry, for faults of the sensor alone.
-FLUX = """map = "map.svg"
-robot = "robot.toml"
-[[source]]
-name = "whisker"
-serial = "port"
-format = "serial"
-[[source]]
-name = "base"
-serial = "port2"
-columns = ["seq16", "t_us", "x", "y", "theta"]
-"""
-
-
-# A socket instead of the port, and a device without checksums.
-SOCKET = SETUP.replace('serial = "port"', "{wire}")
-
-
-def crc16(data):
-    crc = 0xFFFF
-    for byte in data:
-        crc ^= byte << 8
-        for _ in range(8):
-            crc = (crc << 1 ^ 0x1021 if crc & 0x8000 else crc << 1) & 0xFFFF
-    return crc
-
-
-class Port:
-    """A pseudo-terminal under a name that stays when it is plugged in again."""
-
-    def __init__(self, path):
-        self.path, self.master = path, None
-        self.plug()
-
-    def plug(self):
-        self.master, slave = pty.openpty()
-        tty.setraw(slave, termios.TCSANOW)
-        os.set_blocking(self.master, False)
-        name = os.ttyname(slave)
-        link = self.path.with_suffix(".new")
-        link.symlink_to(name)
-        link.rename(self.path)
-        self.device, self.slave = name, slave
-
-    def unplug(self):
-        self.path.unlink()
-        os.close(self.slave)
-        os.close(self.master)
-
-    def send(self, data, patience=0.0):
-        """Writes; what is not taken within so long (s) is dropped, as a wire drops it."""
-        end = time.monotonic() + patience
-        while data:
-            try:
-                data = data[os.write(self.master, data) :]
-            except BlockingIOError:
-                if time.monotonic() >= end:
-                    return
-                time.sleep(1e-3)
-
-
-class Rows:
-    """The rows of a log, to and fro."""
-
-    def __init__(self, path):
-        lines = path.read_text().splitlines()
-        columns = lines[0].split(",")
-        wanted = [columns.index(name) for name in ("x", "y", "theta")] + [next(i for i, c in enumerate(columns) if c.endswith("moment"))]
-        self.rows = [[line.split(",")[i] for i in wanted] for line in lines[1:] if line]
-
-    def line(self, number, jump=0.0):
-        period = 2 * (len(self.rows) - 1)
-        place = number % period
-        row = self.rows[place if place < len(self.rows) else period - place]
-        stamp = int((number / RATE + jump) * 1e6) % (1 << 32)
-        body = f"{number % 65536},{stamp},{','.join(row)}".encode()
-        return body + f"*{crc16(body):04X}\r\n".encode()
-
-
-def uart(data, sent, read):
-    """Bytes sent at one baud rate and read at another: start bit, eight bits, stop bit."""
-    bits = []
-    for byte in data:
-        bits += [0, *(byte >> k & 1 for k in range(8)), 1]
-    out, at, step = bytearray(), 0.0, sent / read
-    while at < len(bits):
-        if bits[int(at)]:
-            at += 0.5
-            continue
-        byte = 0
-        for k in range(8):
-            place = int(at + step * (1.5 + k))
-            byte |= (bits[place] if place < len(bits) else 1) << k
-        out.append(byte)
-        at += 10 * step
-    return bytes(out)
-
-
-class Run:
-    """One run of the command on a folder of its own."""
-
-    def __init__(self, program, folder, world, setup=SETUP, **how):
-        self.program, self.folder = program, folder
-        folder.mkdir(parents=True)
-        for name in ("map.svg", "robot.toml", "cal.json"):
-            if (world / name).exists():
-                shutil.copy(world / name, folder / name)
-        (folder / "live.toml").write_text(setup)
-        self.how = how
-        self.began = time.monotonic()
-
-    def start(self, *more, opens=1):
-        self.lines = []
-        self.process = subprocess.Popen(
-            [*self.how.get("wrap", []), self.program, "live", self.folder / "live.toml", "--out", self.folder / "live", *more],
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            text=True,
-            errors="replace",
-            **{key: value for key, value in self.how.items() if key != "wrap"},
-        )
-        self.reader = threading.Thread(target=lambda: self.lines.extend(self.process.stderr), daemon=True)
-        self.reader.start()
-        self.opened(opens)
-
-    def opened(self, count):
-        """Waits until ports were opened so many times."""
-        end = time.monotonic() + 20.0
-        while sum(line.rstrip().endswith(": open") for line in self.lines) < count:
-            assert time.monotonic() < end, f"no port was opened: {self.lines[-5:]}"
-            time.sleep(0.05)
-
-    def stop(self):
-        self.process.send_signal(signal.SIGINT)
-        try:
-            self.out, _ = self.process.stdout.read(), self.process.wait(timeout=30)
-        except subprocess.TimeoutExpired:
-            self.process.kill()
-            raise AssertionError("it did not end") from None
-        self.reader.join()
-
-    def account(self, source="robot"):
-        """Counts of a source by the account at the end."""
-        line = next((line for line in self.out.splitlines() if line.strip().startswith(source + ":")), "")
-        counts = {word: int(number) for number, word in re.findall(r"(\d+) ([a-z]+)", line)}
-        rows = re.search(r"rows: (\d+) used, (\d+) merged", self.out)
-        counts["used"], counts["merged"] = (int(rows[1]), int(rows[2])) if rows else (0, 0)
-        return counts
-
-    def said(self, *words):
-        found = next((line.strip() for line in self.lines if all(word in line for word in words)), None)
-        assert found, f"nobody said {words}: {[line for line in self.lines if '|' not in line][-8:]}"
-        return found
-
-    def again(self):
-        """Plays the recording again; the estimates that are the same, of how many."""
-        played = subprocess.run([self.program, "live", "--replay", self.folder / "live"], capture_output=True, text=True, check=False)
-        found = re.search(r"estimates: (\d+) of (\d+) the same", played.stdout)
-        assert found, f"it does not play again: {played.stdout}{played.stderr}"
-        return int(found[1]), int(found[2])
-
-    def same(self):
-        same, of = self.again()
-        assert same == of and of > 0, f"{same} of {of} estimates are the same"
-        return f"{of} estimates the same to the byte"
-
-
-def feed(port, rows, seconds, spoil=lambda number, line: line, first=0):
-    """Rows in real time; how many were sent."""
-    began = time.monotonic()
-    for number in range(int(seconds * RATE)):
-        time.sleep(max(0.0, began + number / RATE - time.monotonic()))
-        line = spoil(first + number, rows.line(first + number))
-        if line:
-            port.send(line)
-    return int(seconds * RATE)
+from feeder import FLUX, RATE, SETUP, SOCKET, Port, Rows, feed, uart
+from live_run import Run
 
 
 class Faults:
