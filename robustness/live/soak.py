@@ -102,8 +102,11 @@ def main():
     if len(rows) < 10:
         sys.exit(f"{table}: {len(rows)} lines are too few to tell anything; run for two minutes or more")
     draw(rows, args.out / "soak.svg")
-    last, half = rows[-1], rows[len(rows) // 2 :]
-    growth = slope(half, "heap_mb") * (last["t_s"] - half[0]["t_s"])
+    last = rows[-1]
+    # When the sender has ended, which is within the last ten seconds that brought rows, less is allocated.
+    driven = [row for row, before in zip(rows[1:], rows) if row["rows"] > before["rows"]][:-1]
+    half = driven[len(driven) // 2 :]
+    growth = slope(half, "heap_mb") * (half[-1]["t_s"] - half[0]["t_s"])
     most = max(row["memory_mb"] for row in rows)
     between = sorted(row["heap_mb"] for row in half)
     print(

@@ -534,7 +534,7 @@ class ShrinkScene implements Running {
     const best = estimate?.places[0];
     const known = best && estimate.verdict !== "inconsistent";
     const off = this.off(one);
-    readout.set("States that explain all", estimate ? `${estimate.states.length / 3}` : "–");
+    readout.set("States that explain all", estimate?.states.length || estimate?.verdict === "inconsistent" ? `${estimate.states.length / 3}` : "–");
     readout.set("Nearest place is off by", units.length(off, 2));
     readout.set("Error it expects", known && Number.isFinite(best.position) ? `± ${units.length(best.position, 2)}` : "–");
     readout.set("Rows waiting", `${backlog?.behind() ?? 0}`);
