@@ -35,10 +35,7 @@ fn maps_of_a_stamp_of_the_globe_and_with_lost_obstacles_are_told() {
     let globe = doubted(&[square("arena", [8.55, 47.37], 0.2)]);
     assert!(globe.len() == 1 && globe[0].contains("longitude and latitude"), "{globe:?}");
     let lost = doubted(&[square("arena", [0.0, 0.0], 1.0), square("obstacle", [3.0, 0.5], 0.2)]);
-    assert!(
-        lost.len() == 1 && lost[0].contains("outside of the arena") && lost[0].contains("one is at (3."),
-        "{lost:?}"
-    );
+    assert!(lost.len() == 1 && lost[0].contains("outside of the arena") && lost[0].contains("one at (3."), "{lost:?}");
 }
 
 #[test]

@@ -160,7 +160,7 @@ impl Bank {
     pub(super) async fn extend(&mut self, model: &MeasurementModel<'_>, admits: &Admits<'_>, effort: Effort) {
         self.advance(model, admits, effort, &mut { usize::MAX }).await;
         loop {
-            self.begin(model, admits);
+            self.begin(model, admits).await;
             self.advance(model, admits, effort, &mut { usize::MAX }).await;
             if self.seen == model.window.len() {
                 return;
@@ -193,8 +193,8 @@ impl Bank {
 
     /// Begins to take in the rows that have come; where there are many modes only the first of these, since most modes will not be there for
     /// the others.
-    pub(super) fn begin(&mut self, model: &MeasurementModel<'_>, admits: &Admits<'_>) {
-        self.modes.retain(|mode| admits(mode.state.frame));
+    pub(super) async fn begin(&mut self, model: &MeasurementModel<'_>, admits: &Admits<'_>) {
+        self.keep_admitted(model, admits).await;
         let all = model.window.len();
         let mut rows = key_rows(model, self.rows.last().copied(), self.seen..all);
         self.seen = all;
@@ -274,7 +274,7 @@ impl Bank {
             }
         }
         self.modes.sort_by(|a, b| a.evidence().total_cmp(&b.evidence()));
-        self.modes.retain(|mode| admits(mode.state.frame));
+        self.keep_admitted(model, admits).await;
         self.prune(effort.gate);
         self.join(model).await;
         self.is_fitted = true;
@@ -336,6 +336,33 @@ impl Bank {
         self.modes.extend(found);
     }
 
+    /// Keeps modes that may be where they stand.
+    async fn keep_admitted(&mut self, model: &MeasurementModel<'_>, admits: &Admits<'_>) {
+        let mut kept = Vec::with_capacity(self.modes.len());
+        for mode in core::mem::take(&mut self.modes) {
+            if admits(mode.state.frame) {
+                kept.push(mode);
+            }
+            model.works(1).await;
+        }
+        self.modes = kept;
+    }
+
+    /// The same modes, fitted to the same rows.
+    pub(super) async fn copy(&self, model: &MeasurementModel<'_>) -> Self {
+        let mut copy = Self {
+            rows: self.rows.clone(),
+            is_fitted: self.is_fitted,
+            seen: self.seen,
+            ..Self::new(Vec::new(), self.by_symmetry)
+        };
+        for mode in &self.modes {
+            copy.modes.push(mode.clone());
+            model.works(1).await;
+        }
+        copy
+    }
+
     /// Keeps modes that cost, or promise to cost, no more than so much above the best as it stands, and of few modes those that are off and
     /// have not been refitted yet.
     fn prune(&mut self, gate: f64) {
@@ -346,22 +373,20 @@ impl Bank {
         self.modes.retain(|_| kept.next() == Some(true));
     }
 
-    /// Keeps the best of modes that have run into each other.
+    /// Keeps the best of modes that have run into each other, those of the largest evidence first.
     pub(super) async fn join(&mut self, model: &MeasurementModel<'_>) {
         let size = SAME[usize::from(self.modes.len() <= MANY)];
         let evidences = self.evidences(model).await;
-        let at = self.modes.iter().map(|mode| mode.state.frame).zip(evidences);
-        let mut kept = best_of_cells(at, model.pivot(), model.window.last_pose(), size).into_iter();
-        self.modes.retain(|_| kept.next() == Some(true));
-        self.sort(model).await;
+        let at = self.modes.iter().map(|mode| mode.state.frame).zip(evidences.iter().copied());
+        let kept = best_of_cells(at, model.pivot(), model.window.last_pose(), size);
+        let modes = evidences.into_iter().zip(self.modes.drain(..)).zip(kept);
+        self.modes = likeliest_first(modes.filter_map(|(keyed, kept)| kept.then_some(keyed)).collect());
     }
 
     /// Those of the largest evidence first.
     pub(super) async fn sort(&mut self, model: &MeasurementModel<'_>) {
         let evidences = self.evidences(model).await;
-        let mut keyed: Vec<(f64, Mode)> = evidences.into_iter().zip(self.modes.drain(..)).collect();
-        keyed.sort_by(|a, b| a.0.total_cmp(&b.0));
-        self.modes = keyed.into_iter().map(|(_, mode)| mode).collect();
+        self.modes = likeliest_first(evidences.into_iter().zip(self.modes.drain(..)).collect());
     }
 
     /// Minus the logarithm of each mode's evidence.
@@ -488,6 +513,12 @@ impl Bank {
         self.seen -= count;
         self.rows = self.rows.iter().filter_map(|row| row.checked_sub(count)).collect();
     }
+}
+
+/// Modes in the order of minus the logarithms of their evidences.
+fn likeliest_first(mut keyed: Vec<(f64, Mode)>) -> Vec<Mode> {
+    keyed.sort_by(|a, b| a.0.total_cmp(&b.0));
+    keyed.into_iter().map(|(_, mode)| mode).collect()
 }
 
 /// Laplace's approximation of minus the logarithm of a mode's evidence \[mackay2003information, ch. 27\]: in a corner of a facet the cost may

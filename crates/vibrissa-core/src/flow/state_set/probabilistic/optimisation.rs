@@ -60,11 +60,13 @@ pub(super) struct NoiseFit {
     filters: Filters,
     /// How much likelier the readings are than this model says (nats), where it stands for others.
     pub(super) credit: f64,
+    /// By how much a step promises to lower the cost (nats).
+    gain: f64,
 }
 
 impl NoiseFit {
     pub(super) fn new(noise: NoiseModel) -> Self {
-        Self { noise, equations: NormalEquations::default(), filters: Filters::default(), credit: 0.0 }
+        Self { noise, equations: NormalEquations::default(), filters: Filters::default(), credit: 0.0, gain: 0.0 }
     }
 }
 
@@ -189,13 +191,14 @@ impl Mode {
 
     /// Takes the noise model of the largest evidence.
     fn choose_noise(&mut self) {
-        let evidence = |fit: &NoiseFit| {
+        (self.likeliest, self.promise, self.here) = (0, f64::INFINITY, f64::INFINITY);
+        for (index, fit) in self.fits.iter_mut().enumerate() {
             let (promise, here) = fit.equations.evidence(DAMPING);
-            (promise - fit.credit, here - fit.credit)
-        };
-        let all = self.fits.iter().map(evidence).enumerate();
-        let likeliest = all.min_by(|a, b| a.1.0.total_cmp(&b.1.0));
-        (self.likeliest, (self.promise, self.here)) = likeliest.unwrap_or((0, (f64::INFINITY, f64::INFINITY)));
+            fit.gain = if promise.is_finite() { here - promise } else { 0.0 };
+            if index == 0 || (promise - fit.credit).total_cmp(&self.promise).is_lt() {
+                (self.likeliest, self.promise, self.here) = (index, promise - fit.credit, here - fit.credit);
+            }
+        }
     }
 
     /// Minus the logarithm of the evidence that its linearisation promises.
@@ -205,7 +208,7 @@ impl Mode {
 
     /// By how much a step promises to lower its cost (nats).
     pub(super) fn gain(&self) -> f64 {
-        self.equations().step(DAMPING).map_or(0.0, |(cost, _)| self.equations().constant - cost)
+        self.fit().gain
     }
 
     /// The same with the cost where it stands: a step from afar may promise what it does not keep.
@@ -215,8 +218,7 @@ impl Mode {
 
     /// Whether independent errors would take it elsewhere, while others explain where it is.
     pub(super) fn might_move(&self, gain: f64) -> bool {
-        let first = &self.fits[0].equations;
-        self.likeliest != 0 && first.step(DAMPING).is_some_and(|(cost, _)| first.constant - cost > gain)
+        self.likeliest != 0 && self.fits[0].gain > gain
     }
 
     /// Goes on as if errors were independent, and stays there if all is likelier there by any noise model: errors that stay alike explain

@@ -168,8 +168,13 @@ impl MultiHypothesisSmoother<'_> {
             let state = State { frame: cell.frame, values: vec![0.0; scene.unknowns.all().len()] };
             Mode::new(state, start, NoiseModel::tracked(scene.options.noise_model))
         };
-        let mut bank = Bank::new(cells.into_iter().map(mode).collect(), by_symmetry);
-        bank.begin(&model, &|frame| admission.is_allowed(frame));
+        let mut modes = Vec::with_capacity(cells.len());
+        for cell in cells {
+            modes.push(mode(cell));
+            model.works(1).await;
+        }
+        let mut bank = Bank::new(modes, by_symmetry);
+        bank.begin(&model, &|frame| admission.is_allowed(frame)).await;
         self.phase = Phase::Tracking(Box::new(bank));
         self.fit(work).await
     }
@@ -219,7 +224,7 @@ impl MultiHypothesisSmoother<'_> {
         let admission = Admission::of_cells(scene, window);
         let admits = |frame: Pose2| admission.is_allowed(frame);
         if !full {
-            bank.begin(&model, &admits);
+            bank.begin(&model, &admits).await;
             return self.fit(FITTED).await;
         }
         bank.extend(&model, &admits, Effort::ONLINE).await;

@@ -56,8 +56,9 @@ impl MultiHypothesisSmoother<'_> {
         let Self { scene, window, phase, explained, .. } = self;
         let Phase::Tracking(bank) = phase else { return };
         let before = explained.as_ref().map_or(0, |(_, rows)| *rows);
-        if bank.modes.len() <= MANY_KEPT && bank.explains_from(&scene.model(window, 0), before).await {
-            *explained = Some((bank.clone(), bank.seen));
+        let model = scene.model(window, 0);
+        if bank.modes.len() <= MANY_KEPT && bank.explains_from(&model, before).await {
+            *explained = Some((Box::new(bank.copy(&model).await), bank.seen));
         }
     }
 
