@@ -156,7 +156,8 @@ fn an_interrupt_leaves_earlier_results_whole() {
 fn interrupted(name: &str, method: &str) -> (Option<i32>, PathBuf, String) {
     let (here, out) = (folder(&format!("faults-{name}-log")), with_results(name));
     // A column that no whisker has is warned of when the log is read and the work begins.
-    let widened: Vec<String> = demo_log().iter().enumerate().map(|(row, line)| widen(row, line)).collect();
+    let long = there_and_back(10);
+    let widened: Vec<String> = long.iter().enumerate().map(|(row, line)| widen(row, line)).collect();
     let log = here.join("log.csv");
     fs::write(&log, widened.join("\n") + "\n").unwrap();
     let mut command = Command::new(env!("CARGO_BIN_EXE_vibrissa"));
@@ -171,6 +172,16 @@ fn interrupted(name: &str, method: &str) -> (Option<i32>, PathBuf, String) {
         told += &line.unwrap();
     }
     (child.wait().unwrap().code(), out, told)
+}
+
+/// The demo's log so many times, every second one backwards: a run that lasts until the interrupt on a busy machine too.
+fn there_and_back(times: usize) -> Vec<String> {
+    let log = demo_log();
+    let (header, rows) = log.split_first().unwrap();
+    let way = (0..times).flat_map(|n| (0..rows.len()).map(move |k| if n % 2 == 0 { k } else { rows.len() - 1 - k }));
+    let timed =
+        way.enumerate().map(|(k, row)| format!("{:.6},{}", k as f64 / 300.0, rows[row].split_once(',').unwrap().1));
+    core::iter::once(header.to_string()).chain(timed).collect()
 }
 
 /// A line of a log with one more column.
