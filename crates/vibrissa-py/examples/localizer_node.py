@@ -3,6 +3,7 @@
 import math
 from collections import deque
 
+import numpy as np
 import rclpy
 from geometry_msgs.msg import PoseWithCovarianceStamped, WrenchStamped
 from nav_msgs.msg import Odometry
@@ -12,52 +13,43 @@ from rclpy.qos import qos_profile_sensor_data
 import vibrissa
 
 
-def seconds(stamp):
-    return stamp.sec + 1e-9 * stamp.nanosec
+def seconds(message):
+    return message.header.stamp.sec + 1e-9 * message.header.stamp.nanosec
 
 
 class LocalizerNode(Node):
     def __init__(self):
         super().__init__("vibrissa")
-        robot = self.declare_parameter("robot", "").value or None
-        self.localizer = vibrissa.Localizer(self.declare_parameter("map", "arena.svg").value, robot)
-        self.waiting, self.before = deque(maxlen=1000), None
+        files = [self.declare_parameter(name, default).value for name, default in (("map", "arena.svg"), ("robot", ""))]
+        self.localizer = vibrissa.Localizer(files[0], files[1] or None)
+        self.readings, self.odometry = deque(maxlen=1000), deque(maxlen=2)
         self.pose = self.create_publisher(PoseWithCovarianceStamped, "pose", 10)
-        self.create_subscription(WrenchStamped, "whisker/wrench", self.waiting.append, qos_profile_sensor_data)
-        self.create_subscription(Odometry, "odom", self.odometry, qos_profile_sensor_data)
+        self.create_subscription(WrenchStamped, "whisker/wrench", self.readings.append, qos_profile_sensor_data)
+        self.create_subscription(Odometry, "odom", self.step, qos_profile_sensor_data)
 
-    def odometry(self, message):
-        """Readings between two messages of odometry: the pose is interpolated at their times."""
+    def step(self, message):
+        """Takes the readings between two messages of odometry, with the pose interpolated at their times."""
         p, q = message.pose.pose.position, message.pose.pose.orientation
-        now = (seconds(message.header.stamp), p.x, p.y, math.atan2(2 * (q.w * q.z + q.x * q.y), 1 - 2 * (q.y**2 + q.z**2)))
-        before, self.before = self.before, now
-        while before and self.waiting and seconds(self.waiting[0].header.stamp) <= now[0]:
-            reading = self.waiting.popleft()
-            t = seconds(reading.header.stamp)
-            if not before[0] < t:
-                continue
-            part = (t - before[0]) / (now[0] - before[0])
-            turn = math.remainder(now[3] - before[3], math.tau)
-            x, y, theta = (a + part * (b - a) for a, b in zip(before[1:], (now[1], now[2], before[3] + turn)))
+        self.odometry.append((seconds(message), p.x, p.y, math.atan2(2 * (q.w * q.z + q.x * q.y), 1 - 2 * (q.y**2 + q.z**2))))
+        times, x, y, theta = zip(*self.odometry)
+        while self.readings and (t := seconds(self.readings[0])) <= times[-1]:
+            moment = self.readings.popleft().wrench.torque.z
             try:
-                self.localizer.step(t, (x, y, theta), reading.wrench.torque.z)
-            except vibrissa.Error as error:
+                if t > times[0]:
+                    self.localizer.step(t, [np.interp(t, times, values) for values in (x, y, np.unwrap(theta))], moment)
+            except vibrissa.DataError as error:
                 self.get_logger().warning(str(error))
-        self.publish(message.header.stamp)
-
-    def publish(self, stamp):
         estimate = self.localizer.estimate()
-        if estimate.pose is None:
-            return
-        out = PoseWithCovarianceStamped()
+        if estimate.pose is not None:
+            self.publish(message.header.stamp, *estimate.pose, estimate.hypotheses[0].covariance)
+
+    def publish(self, stamp, x, y, theta, covariance):
+        out, full = PoseWithCovarianceStamped(), np.zeros((6, 6))
         out.header.frame_id, out.header.stamp = "map", stamp
-        x, y, theta = estimate.pose
         out.pose.pose.position.x, out.pose.pose.position.y = x, y
         out.pose.pose.orientation.z, out.pose.pose.orientation.w = math.sin(theta / 2), math.cos(theta / 2)
-        covariance = estimate.hypotheses[0].covariance
-        for i, row in enumerate([] if covariance is None else covariance):
-            for k, value in enumerate(row):
-                out.pose.covariance[6 * (0, 1, 5)[i] + (0, 1, 5)[k]] = float(value)
+        full[np.ix_((0, 1, 5), (0, 1, 5))] = 0.0 if covariance is None else covariance
+        out.pose.covariance = full.ravel()
         self.pose.publish(out)
 
 
