@@ -171,7 +171,7 @@ class Faults:
             f"{cuts:,} cuts: one to four bytes are missing at random places of {lines:,} lines with checksums",
             f"{lines - counts['frames']:,} lines that were hit ({counts.get('damaged', 0):,} damaged, {counts.get('lost', 0):,} lost by their numbers); "
             f"{intact:,} are whole and {counts['frames']:,} were read, none invented; {run.same()}",
-            "(in the account at the end)",
+            run.said("robot:", "check"),
         )
 
     def wrong_baud(self):
@@ -259,7 +259,7 @@ class Faults:
         return (
             "1 to 40 random bytes after every third line",
             f"{sent - counts['frames']} of {sent} lines, those that the noise runs into; {counts.get('damaged', 0)} damaged, none invented; {run.same()}",
-            "(in the account at the end)",
+            run.said("robot:", "are missing"),
         )
 
     def halves(self):
@@ -286,7 +286,7 @@ class Faults:
         return (
             "every line comes in two halves; every tenth one has no second half",
             f"the half lines and those that they run into: {counts['frames']} of {sent} were read, {counts.get('damaged', 0)} damaged; {run.same()}",
-            "(in the account at the end)",
+            run.said("robot:", "are missing"),
         )
 
     def stream(self, name, family, address, wire):
@@ -362,8 +362,21 @@ class Faults:
         return (
             "UDP: of the datagrams 5 % are lost, 5 % come twice, 5 % behind their follower",
             f"{lost} of {sent} were not sent and {late} came late: told as {counts['lost']} lost, {counts['late']} late, {counts['repeated']} repeated; {run.same()}",
-            "(in the account at the end)",
+            run.said("robot:", "are missing"),
         )
+
+    def silent(self):
+        run = self.run("silent")
+        port = self.port(run)
+        run.start()
+        sent = feed(port, self.rows, 1.0)
+        time.sleep(3.5)
+        sent += feed(port, self.rows, 1.0, first=sent)
+        time.sleep(0.3)
+        run.stop()
+        counts = run.account()
+        assert counts["frames"] >= sent - 5, counts
+        return "the device stops for three seconds, with its port open", f"nothing: {counts['frames']} of {sent} frames; {run.same()}", run.said("robot:", "nothing has come")
 
     def nothing_there(self):
         run = self.run("nothing")
@@ -380,7 +393,7 @@ class Faults:
 
 
 ALL = ["killed", "killed_busy", "full_disk", "slow_disk", "unplugged", "clock_jumps", "cut", "noise", "halves", "wrong_baud", "zeros", "two_on_one"]
-ALL += ["no_permission", "nothing_there", "tcp", "unix", "udp"]
+ALL += ["silent", "no_permission", "nothing_there", "tcp", "unix", "udp"]
 
 # What keeps the machine busy, so that other faults would be seen later.
 ALONE = ["killed_busy"]

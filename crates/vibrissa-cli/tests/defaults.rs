@@ -28,8 +28,8 @@ const COMMANDS: [&[&str]; 14] = [
     &["studio"],
 ];
 
-/// Each option of a command with the default that its help prints, where it prints one.
-fn printed(command: &[&str]) -> Vec<(String, String)> {
+/// Each option of a command with its part of the help.
+fn options(command: &[&str]) -> Vec<(String, String)> {
     let help = vibrissa(&[command, &["--help"]].concat());
     assert_eq!(help.code, Some(0), "{command:?}: {}", help.stderr);
     let mut options: Vec<(String, String)> = Vec::new();
@@ -46,8 +46,24 @@ fn printed(command: &[&str]) -> Vec<(String, String)> {
             }
         }
     }
+    options
+}
+
+/// Each option of a command with the default that its help prints, where it prints one.
+fn printed(command: &[&str]) -> Vec<(String, String)> {
     let default = |text: &str| Some(text.split_once("[default: ")?.1.split_once(']')?.0.to_owned());
-    options.into_iter().filter_map(|(flag, text)| Some((flag, default(&text)?))).collect()
+    options(command).into_iter().filter_map(|(flag, text)| Some((flag, default(&text)?))).collect()
+}
+
+#[test]
+fn no_option_tells_its_default_twice() {
+    const MORE: [&[&str]; 6] =
+        [&["live"], &["map"], &["plan"], &["explore"], &["sensor", "design"], &["sensor", "head"]];
+    for command in COMMANDS.into_iter().chain(MORE) {
+        for (flag, text) in options(command) {
+            assert!(text.matches("[default: ").count() < 2, "{command:?} --{flag}: {text}");
+        }
+    }
 }
 
 /// The numbers in a text.

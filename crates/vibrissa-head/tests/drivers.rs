@@ -58,6 +58,29 @@ fn an_mlx90393_that_lost_its_supply_is_noticed() {
     assert!(matches!(driver.set_up(&mut stranger, &mut NoDelay), Err(Fault::Bus(ErrorKind::NoAcknowledge(_)))));
 }
 
+/// Boards are sold with chips of other addresses under the same name.
+#[test]
+fn chips_at_other_addresses_of_their_kind_are_found() {
+    for (address, at) in [(0x0c, 0x0c), (0x0c, 0x18), (0x18, 0x0c), (0x0e, 0x1a)] {
+        let mut driver = MlxDriver::new(address, Mlx90393::default());
+        let mut bus = SimulatedBus::new(MlxRegisters::new(at));
+        driver.set_up(&mut bus, &mut NoDelay).unwrap();
+        bus.device.flux = [1e-3, 2e-3, -3e-3];
+        driver.begin(&mut bus).unwrap();
+        bus.now_us += u64::from(driver.conversion_us());
+        assert!((driver.chip().flux(driver.collect(&mut bus).unwrap())[2] + 3e-3).abs() < 1e-6, "{address:#x} {at:#x}");
+    }
+    for at in [0x35, 0x22, 0x78, 0x44] {
+        let mut bus = SimulatedBus::new(TleRegisters::new(at));
+        TleDriver::new(0x35, Tle493d::default()).set_up(&mut bus, &mut NoDelay).unwrap();
+    }
+    // A bus that is held down is not asked again and again.
+    let mut bus = SimulatedBus::new(MlxRegisters::new(0x18));
+    bus.held_for = 3;
+    assert!(MlxDriver::new(0x0c, Mlx90393::default()).set_up(&mut bus, &mut NoDelay).is_err());
+    assert_eq!(bus.hung, 1);
+}
+
 #[test]
 fn the_tle493d_gives_the_conversion_of_the_slot_before_with_right_parities() {
     // A controller that sends no empty transfer cannot send the reset; a board that starts anew finds a chip that is set up.

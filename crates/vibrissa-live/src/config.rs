@@ -61,10 +61,18 @@ pub const RECORD_WAITING: usize = 32 << 20;
 /// How long a full disk is left alone before it is tried again (s).
 pub const DISK_RETRY: f64 = 1.0;
 
-/// Share of the lines of a stream that may be damaged before the words say that this is no such stream,
+/// Share of the lines of a stretch that may be damaged before the words say that this is no such stream,
 pub const DAMAGED_SHARE: f64 = 0.5;
 /// of at least so many lines.
 pub const FEWEST_LINES: u64 = 50;
+/// Lines after which a stretch of a stream is looked at: a third of a second of the paper's sensor.
+pub const STRETCH: u64 = 100;
+/// Share of its frames that are missing before the words say so: of fewer the count alone tells,
+pub const MISSING_SHARE: f64 = 0.1;
+/// and with at most so many a stretch is whole again, so that the next fault is told anew.
+pub const WHOLE_SHARE: f64 = 0.01;
+/// Bytes without the end of a line before the words say that these are none (bytes): six seconds at 115200 baud.
+pub const ENDLESS: u64 = 64 * 1024;
 /// Readings that are all zero on end (frames) before the words say that the sensor is silent.
 pub const ZEROS: u64 = 300;
 

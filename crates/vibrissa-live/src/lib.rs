@@ -16,6 +16,7 @@ pub mod clock;
 pub mod config;
 pub mod counts;
 pub mod decode;
+mod doubts;
 pub mod estimate;
 pub mod head;
 pub mod join;

@@ -1,8 +1,8 @@
 //! From bytes to rows: the same chunks give the same rows, whatever the machine's load.
 
-use crate::config::{DAMAGED_SHARE, FEWEST_LINES, ZEROS};
 use crate::counts::Counts;
 use crate::decode::{Decoded, Decoder, Frame, LineSplitter, Piece};
+use crate::doubts::Doubts;
 use crate::join::{JoinedRow, Joiner, Share};
 use crate::setup::{Setup, SourceSetup};
 use crate::source::{Arrived, Chunk};
@@ -31,10 +31,7 @@ struct Stream {
     decoder: Decoder,
     timing: Timing,
     counts: Counts,
-    /// Frames on end that are all zero.
-    zeros: u64,
-    /// Whether it was said that this is another format, or that it is all zero.
-    told: (bool, bool),
+    doubts: Doubts,
     resets: u64,
 }
 
@@ -69,8 +66,7 @@ impl Pipeline {
                 timing: Timing::new(source.time, source.delay),
                 setup: source.clone(),
                 counts: Counts::default(),
-                zeros: 0,
-                told: (false, false),
+                doubts: Doubts::default(),
                 resets: 0,
             })
         };
@@ -158,6 +154,7 @@ impl Pipeline {
             }
         });
         stream.timing.break_off();
+        stream.doubts.break_off(&stream.counts);
     }
 
     fn bytes(&mut self, source: usize, bytes: &[u8], arrival: f64) -> Result<()> {
@@ -175,7 +172,7 @@ impl Pipeline {
     fn piece(&mut self, source: usize, piece: &Piece, arrival: f64) -> Result<()> {
         let Self { streams, joined, .. } = self;
         let stream = &mut streams[source];
-        let Stream { decoder, timing, counts, zeros, .. } = stream;
+        let Stream { decoder, timing, counts, doubts, .. } = stream;
         counts.lines += 1;
         let was_ready = decoder.is_ready();
         let decoded = match piece {
@@ -192,7 +189,7 @@ impl Pipeline {
             Decoded::Frame(frame) => {
                 counts.frames += 1;
                 let silent = !frame.readings.is_empty() && frame.readings.iter().all(|value| *value == 0.0);
-                *zeros = if silent { *zeros + 1 } else { 0 };
+                doubts.frame(silent);
                 counts.zeros += u64::from(silent);
                 timing.push(frame, arrival, counts, &mut |t, frame| {
                     // Before every stream has said what it holds there is nothing to join it with.
@@ -280,34 +277,17 @@ impl Pipeline {
         }
     }
 
-    /// Says once where a stream does not look like what it was said to be.
+    /// Says where a stream does not look like what it was said to be.
     fn doubts(&mut self, source: usize) {
         let stream = &mut self.streams[source];
-        let Counts { lines, damaged, .. } = stream.counts;
-        let mut words = Vec::new();
-        let foreign = lines >= FEWEST_LINES && damaged as f64 > DAMAGED_SHARE * lines as f64;
-        // Noise without line ends makes no lines.
-        let endless = lines == 0 && stream.counts.bytes > 64 * 1024;
-        if (foreign || endless) && !stream.told.0 {
-            stream.told.0 = true;
-            words.push(format!(
-                "{damaged} of {lines} lines are no {}: check baud rate and format",
-                stream.setup.format.as_str()
-            ));
-        }
-        if stream.zeros >= ZEROS && !stream.told.1 {
-            stream.told.1 = true;
-            words.push(format!("{ZEROS} readings on end are all zero: is the sensor connected?"));
-        }
-        if stream.counts.resets + stream.timing.clock().resets() > stream.resets {
-            stream.resets = stream.counts.resets + stream.timing.clock().resets();
-            words.push(match stream.setup.time {
+        let Stream { setup, doubts, counts, timing, resets, .. } = stream;
+        let mut words = doubts.words(counts, setup.format.as_str(), setup.wire.also_to_check());
+        if counts.resets + timing.clock().resets() > *resets {
+            *resets = counts.resets + timing.clock().resets();
+            words.push(match setup.time {
                 TimeBase::Counted(_) => "nothing came for a while; its readings are counted anew".to_owned(),
                 _ => "the device's clock or count jumped; it is followed anew".to_owned(),
             });
-        }
-        if stream.zeros == 0 {
-            stream.told.1 = false;
         }
         words.into_iter().for_each(|text| self.say(source, text));
     }

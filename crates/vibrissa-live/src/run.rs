@@ -3,6 +3,7 @@
 mod estimating;
 mod joining;
 mod queue;
+mod silence;
 mod telling;
 
 use crate::Result;

@@ -117,8 +117,10 @@ fn silence_and_missing_ports_are_told() {
     assert!(told.contains("no answer") && told.contains("0.3 s"), "{told}");
     // Two programs would share the bytes between them.
     assert!(HeadPort::open(&device.port, 115_200, Duration::from_secs(1)).is_err() || is_root());
-    let told = HeadPort::open("/dev/no-such-port".as_ref(), 115_200, Duration::from_secs(1)).unwrap_err().to_string();
-    assert!(told.contains("/dev/no-such-port") && told.contains("cable"), "{told}");
+    for (port, words) in [("/dev/no-such-port", "plugged in"), ("/dev/null", "no serial port")] {
+        let told = HeadPort::open(port.as_ref(), 115_200, Duration::from_secs(1)).unwrap_err().to_string();
+        assert!(told.contains(port) && told.contains(words), "{told}");
+    }
 }
 
 /// The superuser may open a port that is held.

@@ -216,6 +216,49 @@ fn a_recording_with_a_column_z_calibrates_the_plane() {
     assert!(found.moment.is_some() && found.plane.is_none());
 }
 
+/// The contacts that the page about building a sensor asks for, pressed on the sensor that it draws.
+#[test]
+fn the_contacts_of_the_build_page_calibrate_a_sensor_that_stands_askew() {
+    let (sensor, mut random) = (Askew::new(), Random(17));
+    let whisker = Whisker { base_stiffness: sensor.chain.stiffness, ..Whisker::default() };
+    // The mean of 300 readings with 5 µT of noise.
+    let noise = 5e-6 / 300_f64.sqrt();
+    let mut moments_of = |x: f64, r: f64, degrees: f64| {
+        let bend = point_mode(&whisker, Vec2::new(x, r), Load::Normal).unwrap().remove(0);
+        let (sin, cos) = degrees.to_radians().sin_cos();
+        let moments = [bend.moment * cos, bend.moment * sin];
+        ([x, r * cos, r * sin], moments, sensor.read(moments, noise, &mut random))
+    };
+    let mut text = String::from("x,y,z,bx,by,bz\n");
+    let (mut rows, mut largest) = (0, 0.0_f64);
+    for x in [0.040, 0.055, 0.070] {
+        for eighth in 0..8 {
+            let at_rest = sensor.read([0.0; 2], noise, &mut Random(rows));
+            text.push_str(&format!("{x},0,0,{},{},{}\n", at_rest[0], at_rest[1], at_rest[2]));
+            for r in [0.006, 0.012, 0.018, 0.018, 0.012, 0.006] {
+                let (at, moments, b) = moments_of(x, r, 45.0 * f64::from(eighth));
+                text.push_str(&format!("{},{},{},{},{},{}\n", at[0], at[1], at[2], b[0], b[1], b[2]));
+                largest = largest.max(moments[0].hypot(moments[1]));
+                rows += 1;
+            }
+        }
+    }
+    assert_eq!(rows, 144, "as the page says");
+    let recording = Recording::from_bytes(text.as_bytes(), Format::Csv, "contacts.csv").unwrap();
+    let plane = calibrate_contacts(&recording, "contacts.csv", &whisker, &[]).unwrap().calibration.plane.unwrap();
+    println!("bound {:?}, rms {:?}, largest {largest}", plane.bound, plane.residual_rms);
+    // Above 5 % of the largest moment the page says that something slips.
+    assert!(plane.bound.iter().all(|bound| *bound < 0.05 * largest), "{:?} {largest}", plane.bound);
+    let mut beyond = 0;
+    for k in 0..200 {
+        let (x, r, angle) = (0.042 + 1.3e-4 * f64::from(k), 0.003 + 7e-5 * f64::from(k), 37.0 * f64::from(k));
+        let (_, truth, b) = moments_of(x, r, angle);
+        let found = plane.moments(&b).unwrap();
+        beyond += usize::from((0..2).any(|axis| (found[axis] - truth[axis]).abs() > plane.bound[axis]));
+    }
+    assert!(beyond <= 4, "{beyond} of 200 contacts between them are off by more than the bound");
+}
+
 #[test]
 fn a_log_of_flux_becomes_one_of_both_moments() {
     let (sensor, mut random) = (Askew::new(), Random(2));

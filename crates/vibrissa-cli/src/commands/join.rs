@@ -28,7 +28,7 @@ pub(crate) struct Args {
     #[arg(long, value_name = "FORMAT")]
     format: Option<Format>,
     /// The whisker whose readings they are [default: the only one]
-    #[arg(long, value_name = "NAME", default_value = "")]
+    #[arg(long, value_name = "NAME", default_value = "", hide_default_value = true)]
     whisker: String,
     /// The first reading's time less that of the first pose, where it is known, such as "120 ms" [default: estimated]
     #[arg(long, value_name = "S", allow_hyphen_values = true)]

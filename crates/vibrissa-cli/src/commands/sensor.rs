@@ -1,4 +1,4 @@
-//! `vibrissa sensor design`: where the chip belongs, and what it then tells.
+//! `vibrissa sensor`: where the chip belongs and what it then tells, and what a sensor head on a port is told.
 
 #[cfg(all(unix, feature = "live"))]
 mod head;
@@ -16,7 +16,7 @@ use vibrissa::tasks::sensor_design::{LARGEST_SHARE, SensorDesign, best_sensor_de
 use vibrissa::world::Robot;
 use vibrissa::{Error, Result, read_robot};
 
-/// Sensors before they are built.
+/// Design a sensor, and set up a sensor head on its port.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     #[command(subcommand)]
@@ -61,7 +61,7 @@ pub(crate) struct DesignArgs {
     /// Rotational stiffness of the compliant element (N m/rad) [default: 0.05]
     #[arg(long, value_name = "NM/RAD")]
     stiffness: Option<f64>,
-    /// Standard deviation of the chip's flux on each axis (T), beside that of rounding [default: 0]
+    /// Standard deviation of the chip's flux on each axis (T), beside that of rounding
     #[arg(long, value_name = "T", default_value_t = 0.0)]
     noise: f64,
     #[command(flatten)]

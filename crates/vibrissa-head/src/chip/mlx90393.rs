@@ -2,12 +2,14 @@
 //!
 //! Burst mode has its own clock in steps of 20 ms; single measurements are begun by whoever counts time.
 
-use super::{Fault, Magnetometer};
+use super::{Fault, Magnetometer, answering};
 use crate::frame::ChipName;
 use embedded_hal::delay::DelayNs;
 use embedded_hal::i2c::I2c;
 use vibrissa_beam::sensing::{Chip, Mlx90393};
 
+/// What is between the two ranges of addresses, 0x0c to 0x0f and 0x18 to 0x1b.
+const OTHER_ADDRESS: u8 = 0x0c ^ 0x18;
 /// Commands; the low bits of the first two choose z, y, x.
 const SINGLE_MEASUREMENT: u8 = 0x30;
 const READ_MEASUREMENT: u8 = 0x40;
@@ -41,7 +43,8 @@ pub struct MlxDriver {
 }
 
 impl MlxDriver {
-    /// A driver of the chip at this address: 0x0c to 0x0f by the pins A0 and A1, 0x18 of some boards.
+    /// A driver of the chip at this address: 0x0c to 0x0f by the pins A0 and A1. There are chips of the same name at 0x18 to 0x1b, which are
+    /// found, too.
     #[must_use]
     pub fn new(address: u8, settings: Mlx90393) -> Self {
         Self { address, settings }
@@ -95,7 +98,8 @@ impl Magnetometer for MlxDriver {
     fn set_up<B: I2c, D: DelayNs>(&mut self, bus: &mut B, delay: &mut D) -> Result<(), Fault<B::Error>> {
         // A chip that measures refuses the reset; what it says to the exit is of no interest.
         let mut status = [0];
-        bus.write_read(self.address, &[EXIT], &mut status).map_err(Fault::Bus)?;
+        let exit = |address| bus.write_read(address, &[EXIT], &mut status);
+        self.address = answering(self.address, &[self.address ^ OTHER_ADDRESS], exit).map_err(Fault::Bus)?;
         delay.delay_us(AFTER_EXIT);
         bus.write_read(self.address, &[RESET], &mut status).map_err(Fault::Bus)?;
         delay.delay_us(AFTER_RESET);

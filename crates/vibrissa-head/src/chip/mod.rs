@@ -11,7 +11,7 @@ pub use tle493d::TleDriver;
 
 use crate::frame::ChipName;
 use embedded_hal::delay::DelayNs;
-use embedded_hal::i2c::I2c;
+use embedded_hal::i2c::{Error, ErrorKind, I2c};
 use vibrissa_beam::sensing::Chip;
 
 /// Why there is no reading.
@@ -58,4 +58,16 @@ pub trait Magnetometer {
     ///
     /// As [`Fault`] says.
     fn collect<B: I2c>(&mut self, bus: &mut B) -> Result<[i32; 3], Fault<B::Error>>;
+}
+
+/// The address at which a chip takes a transfer: its own, or one of those that others of its kind have. The fault of its own where none does.
+fn answering<E: Error>(own: u8, others: &[u8], mut transfer: impl FnMut(u8) -> Result<(), E>) -> Result<u8, E> {
+    let fault = match transfer(own) {
+        Ok(()) => return Ok(own),
+        Err(fault) => fault,
+    };
+    // A bus that is held down is so for all of them.
+    let is_absent = matches!(fault.kind(), ErrorKind::NoAcknowledge(_) | ErrorKind::Other);
+    let found = others.iter().copied().filter(|_| is_absent).find(|address| transfer(*address).is_ok());
+    found.ok_or(fault)
 }

@@ -3,12 +3,14 @@
 //! A read from register 0 begins the next conversion before its first byte and gives the result of the one before. Collision avoidance, which
 //! holds the clock down, is off, and so is the interrupt: a conversion is over long before the next slot.
 
-use super::{Fault, Magnetometer};
+use super::{Fault, Magnetometer, answering};
 use crate::frame::ChipName;
 use embedded_hal::delay::DelayNs;
 use embedded_hal::i2c::I2c;
 use vibrissa_beam::sensing::{Chip, Tle493d};
 
+/// Addresses of the types A0 to A3.
+const ADDRESSES: [u8; 4] = [0x35, 0x22, 0x78, 0x44];
 /// Registers.
 const FIRST: u8 = 0x00;
 const DIAGNOSIS: u8 = 0x06;
@@ -50,7 +52,7 @@ pub struct TleDriver {
 }
 
 impl TleDriver {
-    /// A driver of the chip at this address: 0x35 of the type A0, 0x22, 0x78 and 0x44 of A1 to A3.
+    /// A driver of the chip at this address: 0x35 of the type A0, 0x22, 0x78 and 0x44 of A1 to A3. A chip of another type is found, too.
     #[must_use]
     pub fn new(address: u8, settings: Tle493d) -> Self {
         Self { address, settings, counter: None }
@@ -96,7 +98,8 @@ impl Magnetometer for TleDriver {
         delay.delay_us(AFTER_RESET);
         // Whether reads begin at the register that was named or at 0, which the settings before say: at 0.
         let mut registers = [0; 20];
-        bus.write_read(self.address, &[FIRST], &mut registers).map_err(Fault::Bus)?;
+        let read = |address| bus.write_read(address, &[FIRST], &mut registers);
+        self.address = answering(self.address, &ADDRESSES, read).map_err(Fault::Bus)?;
         let config = self.configuration(&registers[THRESHOLDS]);
         let mode = mode(registers[usize::from(MODE_1)], registers[usize::from(MODE_2)]);
         bus.write(self.address, &[CONFIG, config, mode]).map_err(Fault::Bus)?;

@@ -1,6 +1,6 @@
 //! Commands to a sensor head, and what it answers.
 
-use super::link::Link;
+use super::link::{Link, serial_remedy};
 use super::serial::SerialPort;
 use crate::{Error, Result};
 use std::path::Path;
@@ -37,9 +37,7 @@ impl HeadPort {
     pub fn open(port: &Path, baud: u32, patience: Duration) -> Result<Self> {
         let name = port.display().to_string();
         let opened = SerialPort::open(port, baud, &mut None).map_err(|error| {
-            Error::data(format!("cannot open the port ({error})"))
-                .in_file(&name)
-                .remedy("check the cable and the name; end a live run that reads it, and see who may open it")
+            Error::data(format!("cannot open the port ({error})")).in_file(&name).remedy(serial_remedy(&error))
         })?;
         Ok(Self { port: opened, name, patience, pending: Vec::new() })
     }

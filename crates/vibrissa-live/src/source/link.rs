@@ -78,6 +78,15 @@ impl Wire {
         std::fs::metadata(path).is_ok_and(|data| data.is_file())
     }
 
+    /// What else to check where lines do not come as they were sent.
+    pub(crate) fn also_to_check(&self) -> &'static str {
+        match self {
+            Self::Serial { .. } => ", and that one device alone sends on this port",
+            Self::Udp(_) => ", since a network may drop datagrams and turn their order around",
+            _ => "",
+        }
+    }
+
     pub(super) fn is_datagrams(&self) -> bool {
         matches!(self, Self::Udp(_))
     }
@@ -121,13 +130,7 @@ impl Wire {
 
     fn cannot_open(&self, error: &std::io::Error) -> String {
         let remedy = match (self, error.kind()) {
-            (Self::Serial { .. }, ErrorKind::PermissionDenied) => {
-                "add yourself to the group of the port (`ls -l` shows it, often dialout) and log in again"
-            }
-            (Self::Serial { .. }, ErrorKind::NotFound) => {
-                "is the device plugged in? `ls /dev/serial/by-id` lists those that are"
-            }
-            (Self::Serial { .. }, ErrorKind::ResourceBusy) => "another program has it open; close that",
+            (Self::Serial { .. }, _) => serial_remedy(error),
             (Self::Tcp(_) | Self::Unix(_), _) => "the other side has to listen there",
             (Self::Ros2 { .. }, _) => {
                 "it needs the program vibrissa-ros2 beside this one or on the search path: \
@@ -155,6 +158,26 @@ fn patient(read: Result<usize>) -> Result<Option<usize>> {
         }
         Err(error) => Err(error),
     }
+}
+
+/// What to do about a serial port that cannot be opened.
+pub(super) fn serial_remedy(error: &std::io::Error) -> &'static str {
+    match error.kind() {
+        ErrorKind::PermissionDenied => {
+            "add yourself to the group of the port (`ls -l` shows it, often dialout) and log in again"
+        }
+        ErrorKind::NotFound => "is the device plugged in? `ls /dev/serial/by-id` lists those that are",
+        ErrorKind::ResourceBusy => "another program has it open; close that",
+        _ if is_no_terminal(error) => "that is no serial port; `ls /dev/serial/by-id` lists those that are there",
+        _ => "check the cable and the name",
+    }
+}
+
+/// Whether a system of Unix says that what was opened is no terminal, so that it has no baud rate.
+fn is_no_terminal(error: &std::io::Error) -> bool {
+    /// `ENOTTY`, on Linux and macOS.
+    const NO_TERMINAL: i32 = 25;
+    cfg!(unix) && error.raw_os_error() == Some(NO_TERMINAL)
 }
 
 fn connect(address: &str) -> Result<TcpStream> {

@@ -182,11 +182,12 @@ fn figure(report: &SpaceReport, title: &str) -> String {
         let bands: Vec<(f64, Band)> = report.steps.iter().filter_map(|step| Some((step.t, of(step)?))).collect();
         let up = bands.iter().map(|(t, band)| (*t, band.hi * factor));
         let down = bands.iter().rev().map(|(t, band)| (*t, band.lo * factor));
+        let closed = up.clone().take(1);
         Plot {
             x_label: "time (s)".to_owned(),
             y_label: y_label.to_owned(),
             points: bands.iter().map(|(t, band)| (*t, band.value * factor)).collect(),
-            curve: up.chain(down).collect(),
+            curve: up.chain(down).chain(closed).collect(),
             ..Plot::default()
         }
     };

@@ -26,7 +26,8 @@ pub(super) struct Monitor {
     /// Rows and time at the last look, for the rate.
     before: (u64, Instant),
     rate: f64,
-    words: String,
+    /// The last estimate in words, once there is one.
+    words: Option<String>,
     drawn: bool,
     closed: bool,
     disk: Option<String>,
@@ -40,7 +41,7 @@ impl Monitor {
             shown: None,
             before: (0, Instant::now()),
             rate: 0.0,
-            words: "waiting for the first row".to_owned(),
+            words: None,
             drawn: false,
             closed: false,
             disk: None,
@@ -54,7 +55,7 @@ impl Monitor {
 
     pub(super) fn estimate(&mut self, told: &Told, health: &Health) {
         self.line(told);
-        self.words = words(&told.estimate);
+        self.words = Some(words(&told.estimate));
         self.redraw(health);
     }
 
@@ -105,7 +106,7 @@ impl Monitor {
         let missing: u64 = health.sources.iter().map(|(_, counts)| counts.missing()).sum();
         let mut line = format!(
             "{} | {:.0} rows/s, {missing} frames missing, pose within {:.1} ms (99 %)",
-            self.words,
+            self.words.clone().unwrap_or_else(|| waiting(health)),
             self.rate,
             1e3 * health.latency.quantile(0.99)
         );
@@ -130,14 +131,25 @@ impl Monitor {
     }
 }
 
+/// The sources of which nothing could be read yet.
+fn silent(health: &Health) -> Vec<&str> {
+    health.sources.iter().filter(|(_, counts)| counts.frames == 0).map(|(name, _)| name.as_str()).collect()
+}
+
+/// What is seen before the first row.
+fn waiting(health: &Health) -> String {
+    match silent(health).as_slice() {
+        [] => "waiting for the first row".to_owned(),
+        names => format!("waiting for the first row: nothing that can be read from {}", names.join(", ")),
+    }
+}
+
 /// The estimate at the end, in words; where nothing was estimated, why.
 pub(super) fn verdict(estimate: &Estimate, health: &Health) -> String {
     if health.rows > 0 {
         return format!("{}\n", words(estimate));
     }
-    let silent: Vec<&str> =
-        health.sources.iter().filter(|(_, counts)| counts.frames == 0).map(|(name, _)| name.as_str()).collect();
-    match silent.as_slice() {
+    match silent(health).as_slice() {
         [] => "no row came: readings and odometry lie too far apart in time to be joined\n".to_owned(),
         names => format!("no row came: nothing that could be read from {}\n", names.join(", ")),
     }
