@@ -51,6 +51,9 @@ def test_answers_are_drawn(demo: vibrissa.Demo) -> None:
         axes = one.plot()
         assert axes.lines or axes.patches
         assert one.plot(axes) is axes
+        axes.figure.canvas.draw()
+        boxes = [label.get_window_extent() for label in axes.get_xticklabels() if label.get_text()]
+        assert len(boxes) >= 2 and all(a.x1 < b.x0 for a, b in zip(boxes, boxes[1:])), "numbers of ticks stand apart"
         matplotlib.pyplot.close("all")
 
 

@@ -55,7 +55,10 @@ def axes(ax: Any) -> Any:
     """The axes to draw into: those given, or new ones of matplotlib."""
     if ax is not None:
         return ax
-    return _wanted("matplotlib.pyplot", "plot()").subplots()[1]
+    new = _wanted("matplotlib.pyplot", "plot()").subplots()[1]
+    # At equal scale a plot may become narrow: with few ticks their numbers stand apart.
+    new.locator_params(axis="x", nbins=5)
+    return new
 
 
 def _wanted(name: str, user: str) -> Any:
