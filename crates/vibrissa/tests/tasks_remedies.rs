@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on must fail")]
 
+use vibrissa::config::ProbabilisticOptions;
 use vibrissa::flow::pose::{Localization, Remedy, Status};
 use vibrissa::flow::sensor_log::{LogRow, SensorLog};
 use vibrissa::plane::Pose2;
@@ -51,6 +52,7 @@ fn comes_first(words: &str, case: &(SensorLog, Robot)) {
     assert!(best.contains(words), "{words}: {best}");
     assert!(found.iter().all(|remedy| remedy.status != Status::Inconsistent) && found.len() <= 5);
     assert!(found[0].statistic < 2.0, "the readings fit: {found:?}");
+    assert!(found.iter().all(|remedy| remedy.statistic < 26.0), "what does not fit at all is no remedy: {found:?}");
 }
 
 #[test]
@@ -61,6 +63,12 @@ fn swapped_axes_are_told_first() {
 #[test]
 fn millimetres_are_told_first() {
     comes_first("in millimetres", &placed(|p| Pose2::new(1e3 * p.x, 1e3 * p.y, p.theta)));
+}
+
+#[test]
+fn degrees_are_told_first_where_they_leave_a_turn_of_radians() {
+    // The demo turns by 4 degrees, which as radians are more than half a turn.
+    comes_first("theta is in degrees", &placed(|p| Pose2::new(p.x, p.y, p.theta.to_degrees())));
 }
 
 #[test]
@@ -108,6 +116,22 @@ fn the_probabilistic_method_has_remedies() {
 fn no_method_is_without_a_test() {
     let names = Method::all().each_ref().map(Method::name);
     assert!(names.iter().all(|name| ["deterministic", "possibilistic", "probabilistic"].contains(name)), "{names:?}");
+}
+
+#[test]
+fn errors_that_nobody_declared_are_left_out_first() {
+    let ((log, robot), map) = (spoiled(|_| {}), demo::arena().unwrap());
+    let mut answer = localize(&log, &map, &robot, &Method::default(), &mut |_| {}).unwrap();
+    answer.status = Status::Inconsistent;
+    let first = |method: &Method| {
+        let mut answer = answer.clone();
+        advise(&mut answer, &log, &map, &robot, method, &mut || true).unwrap();
+        answer.consistency.unwrap().remedies.into_iter().next()
+    };
+    let best = first(&Method::default()).unwrap();
+    assert!(best.change.contains("--undeclared none") && best.statistic < 2.0, "{best:?}");
+    let exact = Method::Probabilistic(ProbabilisticOptions::exact());
+    assert!(first(&exact).is_none_or(|remedy| !remedy.change.contains("--undeclared")));
 }
 
 #[test]

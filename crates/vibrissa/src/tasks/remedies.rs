@@ -28,6 +28,8 @@ const METRES: f64 = 60.0;
 const TOLD: usize = 5;
 /// A trial explains the readings where their mean square error is at most this many times that of the declared noise.
 const EXPLAINS: f64 = 4.0;
+/// A trial is told up to this many times: readings that are off by five times the declared noise have another cause.
+const LARGEST_MISFIT: f64 = 25.0;
 
 /// Fills in what to try where the answer is `inconsistent`: `consistency.remedies`, the best first. Other answers stay as they are.
 ///
@@ -61,8 +63,9 @@ pub fn advise(
 }
 
 /// Single changes with which `method`, or the probabilistic one in the place of the possibilistic, finds a place: the sign of a whisker's readings, axes and units of the odometry, whiskers
-/// that are swapped, gain, zero and units of the readings, the whisker's length, a delay, no heading. Up to five, by their verdict, then
-/// by how well the readings fit.
+/// that are swapped, gain, zero and units of the readings, the whisker's length, a delay, no heading, no errors that the robot file does
+/// not bound. Up to five with which the readings are off by at most five times the declared noise, by their verdict, then by how well the
+/// readings fit.
 ///
 /// Each change is one run over at most 200 rows, every third of a window of 600 that ends soon after the time `at` (s), at which the last
 /// state was ruled out, or with the log; at most 32 changes are tried, on maps
@@ -85,14 +88,15 @@ pub fn remedies(
     if robot.whiskers.iter().all(|whisker| same_largest(&log, whisker).is_some()) {
         return Ok(Vec::new());
     }
-    let method = trying(method);
+    let tried = trying(method);
     let mut found: Vec<(Rank, Remedy)> = Vec::new();
     let most = ((METRES / map.total_length()) as usize).clamp(FEWEST_TRIED, MOST_TRIED);
-    for change in candidates(&log, &robot, map).into_iter().take(most) {
+    let exact = has_undeclared_errors(method).then_some(Change::Exact);
+    for change in exact.into_iter().chain(candidates(&log, &robot, map)).take(most) {
         // Changes that look at neighbours are made before rows are left out.
         let (changed, robot) = change.made(&log, &robot);
         let changed = window(changed, at);
-        match trial(&changed, map, &robot, &method, go_on) {
+        match trial(&changed, map, &robot, &tried, go_on) {
             Trial::Stopped => break,
             Trial::Lost => {}
             Trial::Done(answer) => found.extend(judged(&change, &answer, &changed, map, &robot)),
@@ -147,6 +151,11 @@ fn trying(method: &Method) -> Method {
     }
 }
 
+/// Whether the method takes what the robot file does not bound to be off.
+fn has_undeclared_errors(method: &Method) -> bool {
+    matches!(method, Method::Probabilistic(options) if options.undeclared != UndeclaredErrors::None)
+}
+
 /// The rows that are used.
 fn window(mut log: SensorLog, at: Option<f64>) -> SensorLog {
     let end = at.map_or(log.rows.len(), |t| log.rows.partition_point(|row| row.t <= t) + AFTER).min(log.rows.len());
@@ -177,7 +186,7 @@ fn judged(change: &Change, answer: &Localization, log: &SensorLog, map: &Map, ro
     if !place {
         return None;
     }
-    let statistic = misfit(answer, log, map, robot)?;
+    let statistic = misfit(answer, log, map, robot).filter(|statistic| *statistic <= LARGEST_MISFIT)?;
     let rank = Rank { explains: statistic <= EXPLAINS, one_place: answer.status == Status::Localized, statistic };
     Some((rank, Remedy { change: change.words(), statistic, status: answer.status }))
 }

@@ -1,7 +1,7 @@
 //! The single changes that are tried.
 
 use crate::flow::sensor_log::{Channel, LogRow, Quantity, SensorLog};
-use crate::plane::{Pose2, wrap_angle};
+use crate::plane::{Pose2, Vec2, wrap_angle};
 use crate::world::{Map, Robot};
 
 /// Rows of a stretch whose readings are compared for how quiet they are.
@@ -35,6 +35,8 @@ pub(super) enum Change {
     Delay(f64),
     /// The absolute heading is left out.
     NoHeading,
+    /// What the robot file does not bound is taken for exact, as it is in all trials.
+    Exact,
 }
 
 /// What is wrong with the odometry.
@@ -115,7 +117,12 @@ impl Change {
         let (mut log, mut robot) = (log.clone(), robot.clone());
         match self {
             Self::Sign(channel, _) => each(&mut log, |row| row.readings[*channel] = -row.readings[*channel]),
-            Self::Odometry(axes) => each(&mut log, |row| row.odom_from_robot = axes.righted(row.odom_from_robot)),
+            Self::Odometry(axes) => {
+                let headings = unwrapped_headings(&log);
+                for (row, theta) in log.rows.iter_mut().zip(headings) {
+                    row.odom_from_robot = axes.righted(row.odom_from_robot.position(), theta);
+                }
+            }
             Self::Swapped([a, b], _) => each(&mut log, |row| row.readings.swap(*a, *b)),
             Self::Unit(factor, _) | Self::Gain(factor) => {
                 for channel in channels(&log) {
@@ -135,6 +142,7 @@ impl Change {
             }
             Self::Delay(later) => delayed(&mut log, *later),
             Self::NoHeading => each(&mut log, |row| row.heading = None),
+            Self::Exact => {}
         }
         (log, robot)
     }
@@ -160,6 +168,7 @@ impl Change {
                 format!("readings come {by:.0} ms {when}")
             }
             Self::NoHeading => "the column heading is wrong".into(),
+            Self::Exact => "what the robot file does not bound is exact, as with `--undeclared none`".into(),
         }
     }
 }
@@ -192,10 +201,23 @@ fn delayed(log: &mut SensorLog, later: f64) {
     }
 }
 
+/// The headings of a log without jumps by whole turns, from the first row's on (rad): those in degrees leave a turn soon.
+fn unwrapped_headings(log: &SensorLog) -> Vec<f64> {
+    let headings: Vec<f64> = log.rows.iter().map(|row| row.odom_from_robot.theta).collect();
+    let turns = headings.windows(2).map(|pair| wrap_angle(pair[1] - pair[0]));
+    let mut theta = headings.first().copied().unwrap_or_default();
+    core::iter::once(0.0)
+        .chain(turns)
+        .map(|turn| {
+            theta += turn;
+            theta
+        })
+        .collect()
+}
+
 impl Axes {
-    /// A pose as it should have been written.
-    fn righted(self, pose: Pose2) -> Pose2 {
-        let Pose2 { x, y, theta } = pose;
+    /// A pose as it should have been written, of its place (m) and its heading without jumps (rad).
+    fn righted(self, Vec2 { x, y }: Vec2, theta: f64) -> Pose2 {
         let (x, y, theta) = match self {
             Self::Swapped => (y, x, theta),
             Self::Mirrored => (x, -y, -theta),
@@ -204,7 +226,7 @@ impl Axes {
             Self::Degrees => (x, y, theta.to_radians()),
             Self::Millimetres => (1e-3 * x, 1e-3 * y, theta),
         };
-        Pose2::new(x, y, wrap_angle(theta))
+        Pose2::new(x, y, theta)
     }
 
     fn words(self) -> &'static str {
