@@ -56,21 +56,27 @@ pub fn preimage_panel(document: &mut Document, frame: Frame, figure: &PreimageFi
     for (runs, class) in shades.iter().zip(SHADES) {
         canvas.polygons(&runs.iter().map(rectangle).collect::<Vec<_>>(), class);
     }
-    if let Some(theta) = figure.heading {
-        let slice: Vec<[Vec2; 4]> = states.runs(Some(states.bin(theta))).iter().map(rectangle).collect();
-        canvas.polygons(&slice, "slice");
-        let world = canvas.world();
-        let place = world.min + Vec2::new(0.04 * world.size().x, 0.04 * world.size().y);
-        canvas.arrow(Pose2::new(place.x, place.y, theta), 26.0, "estimate-line", "estimate");
-    }
+    let slice: Vec<[Vec2; 4]> = figure
+        .heading
+        .map_or_else(Vec::new, |theta| states.runs(Some(states.bin(theta))).iter().map(rectangle).collect());
+    canvas.polygons(&slice, "slice");
     for outline in figure.map {
         let mut points = outline.points.clone();
         points.extend(outline.points.first().filter(|_| outline.closed));
         canvas.polyline(&points, "wall");
     }
+    if let (Some(theta), Some(place)) = (figure.heading, amid(&slice)) {
+        canvas.arrow(Pose2::new(place.x, place.y, theta), 30.0, "estimate-line", "estimate");
+    }
     ticks(document, &canvas, "map frame");
     scale_bar(document, &canvas, 30.0);
     canvas.place(document);
+}
+
+/// A place within the slice, where an arrow is seen: the middle of its longest run of cells.
+fn amid(slice: &[[Vec2; 4]]) -> Option<Vec2> {
+    let longest = slice.iter().max_by(|a, b| a[0].distance(a[1]).total_cmp(&b[0].distance(b[1])))?;
+    Some((longest[0] + longest[2]) * 0.5)
 }
 
 /// Stylesheet classes of places, from few headings to many.
@@ -106,7 +112,7 @@ pub fn preimage_legend(figure: &PreimageFigure<'_>) -> Vec<Entry> {
     let mut entries = vec![Entry { sample: Sample::Line("wall"), words: "boundary of the map".into() }];
     if !figure.states.is_empty() {
         let area = figure.states.area() * 1e4;
-        let words = format!("places of the robot, darker where more headings are possible: {area:.1} cm²");
+        let words = format!("places, darker with more headings: {area:.1} cm²");
         entries.push(Entry { sample: Sample::Patch("strip"), words });
     }
     if let Some(theta) = figure.heading {
