@@ -170,14 +170,14 @@ fn two_bases(section: &mut Section, model: &ContactModel) -> Result<()> {
         "reach_17",
         "a contact on a 75 mm whisker",
         (reach(MOMENTS[0]), 1, "mm"),
-        "M(0) sₐ / E I has a maximum, however strong the bending: see the errata.",
+        "Under a load normal to the whisker M(0) sₐ / E I has a maximum, however strong the bending: see the errata.",
     );
     section.find(
         "Farthest contact that can cause 25 mN m",
         "reach_25",
         "a contact on a 75 mm whisker",
         (reach(MOMENTS[1]), 1, "mm"),
-        "The paper's table has 0.19 to 0.63 mN m: its figure may be in another unit.",
+        "Under a load normal to the whisker. A force of fixed direction causes it at the tip: see the errata.",
     );
     let nearest = paper.meetings.iter().map(|m| 1e3 * m.position.norm()).fold(f64::INFINITY, f64::min);
     section.tell("paper_crossings", paper.meetings.len() as f64, 0, "");
@@ -190,8 +190,8 @@ fn two_bases(section: &mut Section, model: &ContactModel) -> Result<()> {
     );
     section.say(
         "For the second figure we press a peg at 48 mm by 10 mm and by 4.2 mm more: {filtering.first_moment} mN m and \
-         {filtering.second_moment} mN m. The paper's 17 and 25 mN m, taken as they stand, have {filtering.paper_crossings} \
-         common contact(s).",
+         {filtering.second_moment} mN m. Taken as they stand and under a load normal to the whisker, the paper's 17 and 25 mN m \
+         have this many contacts in common: {filtering.paper_crossings}.",
     );
     section.show(
         "two-bases",
