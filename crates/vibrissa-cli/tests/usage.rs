@@ -106,3 +106,27 @@ fn a_region_takes_commas_or_spaces() {
         assert!(outcome.stderr.contains(told), "{words:?}: {}", outcome.stderr);
     }
 }
+
+#[test]
+fn commands_tell_each_file_that_they_wrote() {
+    let out = folder("usage-wrote");
+    let (map, to) = (out.join("map.svg"), out.join("out"));
+    std::fs::write(&map, vibrissa::tasks::demo::ARENA_SVG).unwrap();
+    let [map, to] = [&map, &to].map(|path| path.to_str().unwrap());
+    let reading = ["--sensor", "load", "--value", "0.1 N"];
+    let cases: [&[&str]; 4] = [
+        &["beam", "force", "--s-a", "60 mm", "--force", "0.1 N"],
+        &["contact-set"],
+        &["preimage", "--map", map, "--cell", "20 mm", "--heading-step", "30 deg"],
+        &["reproduce", "--only", "beam"],
+    ];
+    for case in cases {
+        let readings: &[&str] = if case[0].contains("set") || case[0] == "preimage" { &reading } else { &[] };
+        let outcome = vibrissa(&[case, readings, &["--out", to, "--pictures", "png"]].concat());
+        assert_eq!(outcome.code, Some(0), "{case:?}: {}", outcome.stderr);
+        let told: Vec<&str> = outcome.stdout.lines().filter_map(|line| line.strip_prefix("  wrote ")).collect();
+        assert!(told.len() >= 2 && told.iter().all(|path| std::path::Path::new(path).exists()), "{case:?}: {told:?}");
+        let json = vibrissa(&[case, readings, &["--out", to, "--json"]].concat());
+        assert!(serde_json::from_str::<serde_json::Value>(&json.stdout).is_ok(), "{case:?}: {}", json.stdout);
+    }
+}

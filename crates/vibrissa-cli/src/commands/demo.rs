@@ -70,8 +70,5 @@ fn input_files(sweep: &Sweep) -> Vec<(&'static str, String)> {
 /// What to try with the files.
 fn next_step(folder: &Path) -> String {
     let [log, map, truth] = ["log.csv", "map.svg", "truth.tum"].map(|name| folder.join(name).display().to_string());
-    format!(
-        "  and the sweep itself: log.csv, map.svg, truth.tum, contacts.csv\n\n\
-         Next, the same from these files:\n  vibrissa localize {log} --map {map} --truth {truth}\n"
-    )
+    format!("\nNext, the same from these files:\n  vibrissa localize {log} --map {map} --truth {truth}\n")
 }

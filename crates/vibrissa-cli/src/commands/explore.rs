@@ -2,7 +2,7 @@
 
 use super::localize::{MethodArgs, outlines};
 use super::plan::{LimitArgs, check_robot, map_lines, named, value};
-use crate::output::{OutputArgs, print, progress, warn, write_all};
+use crate::output::{OutputArgs, print, progress, warn, write_all, wrote};
 use clap::ValueEnum;
 use serde_json::json;
 use std::fmt::Write;
@@ -95,6 +95,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     }
     let words = words(&found);
     let json = as_json(&found, &words);
+    let mut written = Vec::new();
     if let Some(to) = args.output.destination() {
         let mut files = vec![
             ("log.csv", to_csv(&found.log)),
@@ -105,9 +106,9 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         if args.animate {
             files.push(("explore.html", film(&stage, args.method.method(), &map, &found)?));
         }
-        write_all(to, &files)?;
+        written = write_all(to, &files)?;
     }
-    print(&if args.output.json { json } else { text(&found, &words) })
+    print(&if args.output.json { json } else { text(&found, &words) + &wrote(&written) })
 }
 
 /// The states that explain each row so far, beside the way as the whole log tells it.

@@ -3,7 +3,7 @@
 use super::localize::outlines;
 use super::logs::{Felt, OutlineArgs};
 use crate::interrupt::{Heedful, stop};
-use crate::output::{OutputArgs, counted, print, progress, warn, write_all};
+use crate::output::{OutputArgs, counted, print, progress, warn, write_all, wrote};
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -75,10 +75,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     for closure in &found.closures {
         let _ = writeln!(text, "  {}", told(closure));
     }
-    for path in written {
-        let _ = writeln!(text, "  wrote {}", path.display());
-    }
-    print(&text)
+    print(&(text + &wrote(&written)))
 }
 
 fn options(args: &Args) -> Result<MappingOptions> {

@@ -3,9 +3,8 @@
 use super::localize::outlines;
 use super::logs::{Felt, OutlineArgs};
 use crate::interrupt::{Heedful, stop};
-use crate::output::{OutputArgs, counted, print, progress, warn, write_all};
+use crate::output::{OutputArgs, counted, print, progress, warn, write_all, wrote};
 use serde_json::{Value, json};
-use std::fmt::Write;
 use std::path::PathBuf;
 use vibrissa::config::{ContactOptions, MapAssemblyOptions, ProfileOptions};
 use vibrissa::figure::{Geometry, Layer, scene_figure};
@@ -61,11 +60,8 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     if args.output.json {
         return print(&pretty(&summary(&found, compared.as_ref()))?);
     }
-    let mut text: String = caption(&found, compared.as_ref()).iter().map(|line| format!("{line}\n")).collect();
-    for path in written {
-        let _ = writeln!(text, "  wrote {}", path.display());
-    }
-    print(&text)
+    let text: String = caption(&found, compared.as_ref()).iter().map(|line| format!("{line}\n")).collect();
+    print(&(text + &wrote(&written)))
 }
 
 /// The outlines, as far as they come before an interrupt.

@@ -3,7 +3,7 @@
 #[cfg(all(unix, feature = "live"))]
 mod head;
 
-use crate::output::{OutputArgs, print, write_all};
+use crate::output::{OutputArgs, print, write_all, wrote};
 use crate::quantity::option;
 use clap::ValueEnum;
 use serde_json::json;
@@ -124,10 +124,9 @@ fn design(args: &DesignArgs) -> Result<()> {
     let mut text = if args.output.json { as_json(&design) } else { words(&design, args.noise) } + "\n";
     if let Some(to) = args.output.destination() {
         let figure = figure(&chain, &whisker, &design, largest, args.noise)?;
-        for path in write_all(to, &[("sensor-design.svg", figure)])? {
-            if !args.output.json {
-                text.push_str(&format!("  wrote {}\n", path.display()));
-            }
+        let written = write_all(to, &[("sensor-design.svg", figure)])?;
+        if !args.output.json {
+            text.push_str(&wrote(&written));
         }
     }
     print(&text)

@@ -13,6 +13,7 @@ mod summary;
 
 use std::borrow::Cow;
 use std::io::Write;
+use std::path::PathBuf;
 use vibrissa::error::printable;
 use vibrissa::figure::{FilmFrame, LocalizationScene, Outline, localization_figure, localization_film};
 use vibrissa::flow::pose::{Localization, StampedPose, Status};
@@ -29,6 +30,11 @@ pub(crate) use runtime::{Runtime, Stopwatch};
 /// A number with its noun.
 pub(crate) fn counted(count: usize, one: &str, many: &str) -> String {
     format!("{count} {}", if count == 1 { one } else { many })
+}
+
+/// The files that were written, as lines of a report.
+pub(crate) fn wrote(paths: &[PathBuf]) -> String {
+    paths.iter().map(|path| format!("  wrote {}\n", path.display())).collect()
 }
 
 /// A localization that is done, with all that its reports need.

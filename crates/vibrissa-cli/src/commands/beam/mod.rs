@@ -6,7 +6,7 @@ mod input;
 mod single;
 
 use crate::output::OutputArgs;
-use crate::output::{print, warn, write_all};
+use crate::output::{print, warn, write_all, wrote};
 use clap::Subcommand;
 use input::{Given, Known};
 use std::path::PathBuf;
@@ -205,10 +205,14 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     if report.warnings.len() > WARNED {
         warn(&format!("and {} more rows like these", report.warnings.len() - WARNED));
     }
+    let mut text = report.text;
     if let Some(to) = common.output.destination() {
-        write_all(to, &report.files)?;
+        let written = write_all(to, &report.files)?;
+        if !common.output.json {
+            text.push_str(&wrote(&written));
+        }
     }
-    print(&report.text)
+    print(&text)
 }
 
 /// Solves what was asked for; reads the batch file, writes nothing.

@@ -1,6 +1,6 @@
 //! Temporal filtering of a log: contact sets of several readings, intersected.
 
-use crate::output::{OutputArgs, print, warn, write_all};
+use crate::output::{OutputArgs, print, warn, write_all, wrote};
 use serde_json::json;
 use std::fmt::Write;
 use std::path::Path;
@@ -30,11 +30,7 @@ pub(super) fn run(
     if output.json {
         return print(&as_json(&found, &robot)?);
     }
-    let mut text = words(&found);
-    for path in written {
-        let _ = writeln!(text, "  wrote {}", path.display());
-    }
-    print(&text)
+    print(&(words(&found) + &wrote(&written)))
 }
 
 fn name<'a>(robot: &'a Robot, one: &FilteredContact) -> &'a str {

@@ -1,7 +1,7 @@
 //! Contacts in space as words, JSON, table and figure.
 
 use crate::interrupt::{Heedful, stop};
-use crate::output::{OutputArgs, print, progress, warn, write_all};
+use crate::output::{OutputArgs, print, progress, warn, write_all, wrote};
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::Path;
@@ -42,11 +42,7 @@ pub(super) fn run(log: &Path, read: &SensorLog, robot: Option<&Path>, output: &O
     if output.json {
         return print(&as_json(&report, &robot)?);
     }
-    let mut text = words(&report);
-    for path in written {
-        let _ = writeln!(text, "  wrote {}", path.display());
-    }
-    print(&text)
+    print(&(words(&report) + &wrote(&written)))
 }
 
 fn name(robot: &Robot, step: &SpaceStep) -> String {

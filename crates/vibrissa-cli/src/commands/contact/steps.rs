@@ -1,7 +1,7 @@
 //! A log's contacts as words, JSON, table and figure.
 
 use crate::interrupt::{Heedful, stop};
-use crate::output::{OutputArgs, print, progress, warn, write_all};
+use crate::output::{OutputArgs, print, progress, warn, write_all, wrote};
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::Path;
@@ -75,11 +75,7 @@ pub(super) fn run(log: &Path, read: &SensorLog, robot: Option<&Path>, output: &O
     if output.json {
         return print(&json(&report, &robot)?);
     }
-    let mut text = words(&report);
-    for path in written {
-        let _ = writeln!(text, "  wrote {}", path.display());
-    }
-    print(&text)
+    print(&(words(&report) + &wrote(&written)))
 }
 
 fn count(report: &ContactReport, kind: ContactKind) -> usize {

@@ -1,7 +1,7 @@
 //! Taps: short contacts, one distance each.
 
 use crate::commands::calibrate::{pretty, read_taps, repairs_json};
-use crate::output::{OutputArgs, print, warn, write_all};
+use crate::output::{OutputArgs, print, warn, write_all, wrote};
 use serde_json::json;
 use std::fmt::Write;
 use std::path::Path;
@@ -27,14 +27,15 @@ pub(super) fn run(
         let [lo, hi] = model.fitted.map(|d| d * 1e3);
         warn(&format!("{outside} taps lie outside the calibrated distances, {lo:.1} to {hi:.1} mm"));
     }
-    if let Some(folder) = &output.out {
-        write_all(folder, &[("taps.csv", csv(&taps))])?;
-    }
+    let written = match &output.out {
+        Some(folder) => write_all(folder, &[("taps.csv", csv(&taps))])?,
+        None => Vec::new(),
+    };
     if output.json {
         let list: Vec<serde_json::Value> = taps.iter().map(tap_json).collect();
         return print(&pretty(&json!({ "taps": list, "repairs": repairs_json(recording.repairs) })));
     }
-    print(&text(&taps))
+    print(&(text(&taps) + &wrote(&written)))
 }
 
 fn turning(calibration: &Calibration, path: &Path) -> Result<DistanceModel> {

@@ -3,7 +3,7 @@
 mod report;
 
 use super::readings::ReadingArgs;
-use crate::output::{OutputArgs, print, warn, write_all};
+use crate::output::{OutputArgs, print, warn, write_all, wrote};
 use vibrissa::Result;
 
 /// Tell which contacts explain a reading of a virtual sensor, or several readings at once.
@@ -28,8 +28,9 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     if found.is_empty() {
         warn("no contact explains the readings: they contradict each other, or the whisker's length and limits");
     }
+    let mut written = Vec::new();
     if let Some(to) = args.output.destination() {
-        write_all(to, &[("contact-set.csv", found.csv()), ("contact-set.svg", found.figure())])?;
+        written = write_all(to, &[("contact-set.csv", found.csv()), ("contact-set.svg", found.figure())])?;
     }
-    print(&if args.output.json { found.json() } else { found.text() })
+    print(&if args.output.json { found.json() } else { found.text() + &wrote(&written) })
 }

@@ -6,7 +6,7 @@ mod result;
 
 use super::localize::{MethodArgs, outlines, read_robot};
 use super::logs::LogArgs;
-use crate::output::{OutputArgs, print, progress, warn, write_all};
+use crate::output::{OutputArgs, print, progress, warn, write_all, wrote};
 pub(super) use figure::{map_lines, named};
 pub(super) use limits::LimitArgs;
 use serde_json::{Value, json};
@@ -65,11 +65,12 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     };
     progress::phase("writing");
     let json = as_json(&plan);
+    let mut written = Vec::new();
     if let Some(to) = args.output.destination() {
         let figure = figure::plan_figure(&outlines(&map), (&robot, &shapes), &hypotheses, &plan);
-        write_all(to, &[("motion.csv", csv(&plan)), ("plan.json", json.clone()), ("plan.svg", figure)])?;
+        written = write_all(to, &[("motion.csv", csv(&plan)), ("plan.json", json.clone()), ("plan.svg", figure)])?;
     }
-    print(&if args.output.json { json } else { text(&plan, &hypotheses, &options) })
+    print(&if args.output.json { json } else { text(&plan, &hypotheses, &options) + &wrote(&written) })
 }
 
 fn text(plan: &Plan, hypotheses: &[Hypothesis], options: &PlanOptions) -> String {

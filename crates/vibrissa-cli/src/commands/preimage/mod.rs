@@ -2,7 +2,7 @@
 
 use super::localize::outlines;
 use super::readings::{ReadingArgs, WhiskerReadings, words};
-use crate::output::{OutputArgs, print, warn, write_all};
+use crate::output::{OutputArgs, print, warn, write_all, wrote};
 use crate::quantity::of_option as quantity;
 use clap::ValueEnum;
 use core::f64::consts::TAU;
@@ -113,6 +113,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         warn("no state explains the readings: they contradict each other, the whisker's limits or the map");
     }
     let title = whiskers.iter().flat_map(|w| &w.readings).map(words).collect::<Vec<_>>().join(", ");
+    let mut written = Vec::new();
     if let Some(to) = args.output.destination() {
         let figure = PreimageFigure {
             title: format!("Robot states that explain {title}"),
@@ -120,9 +121,9 @@ pub(crate) fn run(args: &Args) -> Result<()> {
             states: &found.states,
             heading,
         };
-        write_all(to, &[("preimage.csv", boxes(&found)), ("preimage.svg", preimage_figure(&figure))])?;
+        written = write_all(to, &[("preimage.csv", boxes(&found)), ("preimage.svg", preimage_figure(&figure))])?;
     }
-    print(&if args.output.json { as_json(&found, &options) } else { text(&found, &title, &options) })
+    print(&if args.output.json { as_json(&found, &options) } else { text(&found, &title, &options) + &wrote(&written) })
 }
 
 /// The states that explain the readings of all whiskers.

@@ -3,7 +3,7 @@
 mod json;
 mod page;
 
-use crate::output::{OutputArgs, print, write_all};
+use crate::output::{OutputArgs, counted, print, write_all, wrote};
 use std::fmt::Write as _;
 use std::io::{IsTerminal, Write as _};
 use std::time::Instant;
@@ -59,12 +59,10 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         return print(&json::text(&answer, &options, Some(seconds))?);
     }
     let mut text = summary(&answer);
-    let _ = writeln!(text, "{} figures and tables in {seconds:.1} s", pieces(&answer));
+    let _ = writeln!(text, "{} in {seconds:.1} s", counted(pieces(&answer), "figure or table", "figures and tables"));
     match written.as_slice() {
         [] => text.push_str("give --out DIR for the page with the figures\n"),
-        paths => paths.iter().for_each(|path| {
-            let _ = writeln!(text, "  wrote {}", path.display());
-        }),
+        paths => text.push_str(&wrote(paths)),
     }
     print(&text)
 }
