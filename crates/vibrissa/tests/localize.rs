@@ -6,6 +6,8 @@ mod localize_alike;
 mod localize_calibrated;
 mod localize_corners;
 mod localize_estimates;
+mod localize_grazing;
+mod localize_head_on;
 mod localize_hostile;
 mod localize_images;
 mod localize_laws;

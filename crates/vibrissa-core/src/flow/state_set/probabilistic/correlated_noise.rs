@@ -5,13 +5,13 @@
 //! independent ones. The filter's innovations are independent; the same filter over the derivatives gives the generalised least-squares
 //! problem. Its variances and its time constant are those of the largest marginal likelihood (REML \[harville1977maximum\]).
 
+use super::error_filters::{SensorFilter, SharedError};
 use super::measurement::{Linearisation, MeasurementModel, Row};
 use super::normal_equations::NormalEquations;
 use super::optimisation::READINGS_ADDED;
 use super::unknowns::POSE;
 use super::wall_error::{WallError, WallErrors};
 use crate::config::NoiseAssumption;
-use crate::plane::Vec2;
 
 /// The most that one reading can speak against a place (nats): a false reading costs this, not more.
 pub(super) const OUTLIER_COST: f64 = 6.0;
@@ -20,7 +20,7 @@ const BOUND: f64 = 1.8;
 const BOUND_STD: f64 = 0.3;
 /// What a reading costs (nats, beside its noise) while the whisker is in a contact that the model does not cover: the first, which may be
 /// anything, and those that follow, which are much like it.
-const UNKNOWN_COST: [f64; 2] = [3.0, 1.0];
+pub(super) const UNKNOWN_COST: [f64; 2] = [3.0, 1.0];
 
 /// Variances in units of the declared noise, which is even within its bound.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -77,25 +77,17 @@ const MOST_VARIANCE: f64 = 3.0;
 /// Fewest readings that tell.
 const FEWEST: usize = 16;
 
-/// One sensor's correlated error, as a Kalman filter knows it: mean residual, its derivatives, variance, and when.
-#[derive(Clone, Debug)]
-pub(super) struct Filter {
-    residual: f64,
-    derivatives: Vec<f64>,
-    variance: f64,
-    t: f64,
-}
-
 /// The errors that readings share, as their filters know them: of each sensor, and of the walls.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Filters {
-    sensors: Vec<Filter>,
+    sensors: Vec<SensorFilter>,
     walls: WallErrors,
 }
 
-/// The cost of a normalised residual, and its weight: Gaussian with a floor for false readings.
-fn robust(square: f64) -> (f64, f64) {
-    let kernel = (-0.5 * square).exp();
+/// The cost of a normalised residual, and its weight: Gaussian with a floor for false readings. `peak` is the Gaussian's density at no
+/// residual in units of that of the noise alone: what is wider is lower, and false readings are as rare as before.
+fn robust(square: f64, peak: f64) -> (f64, f64) {
+    let kernel = peak * (-0.5 * square).exp();
     let floor = (-OUTLIER_COST).exp();
     (-((kernel + floor) / (1.0 + floor)).ln(), kernel / (kernel + floor))
 }
@@ -105,7 +97,7 @@ fn add_bound(row: &Row, derivatives: &[f64], to: &mut NormalEquations) {
     let over = row.plain.abs() - BOUND;
     if over > 0.0 {
         let variance = BOUND_STD * BOUND_STD + row.model_variance;
-        let (cost, trust) = robust(over * over / variance);
+        let (cost, trust) = robust(over * over / variance, 1.0);
         to.constant += cost;
         to.add(derivatives, over.copysign(row.plain), trust / variance);
     }
@@ -113,23 +105,16 @@ fn add_bound(row: &Row, derivatives: &[f64], to: &mut NormalEquations) {
 
 /// Adds the readings to normal equations; the filters go on from those before, of which there are none at first.
 pub(super) fn add_readings(told: &Linearisation, noise: NoiseModel, filters: &mut Filters, to: &mut NormalEquations) {
-    if noise.correlated > 0.0 {
-        let sensors = told.rows.iter().map(|row| row.sensor + 1).max().unwrap_or(0);
-        let first = || Filter::new(told.size, noise.correlated);
-        filters.sensors.resize_with(sensors.max(filters.sensors.len()), first);
-    }
+    let sensors = told.rows.iter().map(|row| row.sensor + 1).max().unwrap_or(0);
+    let first = || SensorFilter::new(told.size, noise.correlated);
+    filters.sensors.resize_with(sensors.max(filters.sensors.len()), first);
     let mut innovation = vec![0.0; told.size];
     for (k, row) in told.rows.iter().enumerate() {
-        let own = if noise.correlated > 0.0 { filters.sensors.get_mut(row.sensor) } else { None };
-        let wall = row.wall.map(|error| (error, Filter::of_wall(&mut filters.walls, error, told.size)));
-        add_reading(told, k, noise, Shared { own, wall }, &mut innovation, to);
+        let wall = row.wall.map(|error| (error, SharedError::of_wall(&mut filters.walls, error, told.size)));
+        if let Some(sensor) = filters.sensors.get_mut(row.sensor) {
+            add_reading(told, k, noise, (sensor, wall), &mut innovation, to);
+        }
     }
-}
-
-/// The errors that one reading shares with others.
-struct Shared<'a> {
-    own: Option<&'a mut Filter>,
-    wall: Option<(WallError, &'a mut Filter)>,
 }
 
 /// Adds the `k`-th reading by its innovation: what it says beyond what the filters have from those before.
@@ -137,55 +122,41 @@ fn add_reading(
     told: &Linearisation,
     k: usize,
     noise: NoiseModel,
-    mut shared: Shared<'_>,
+    (sensor, wall): (&mut SensorFilter, Option<(WallError, &mut SharedError)>),
     innovation: &mut [f64],
     to: &mut NormalEquations,
 ) {
     let row = &told.rows[k];
-    if let Some(own) = &mut shared.own {
-        own.predict(row.t, noise);
-    }
-    let own_variance = shared.own.as_ref().map_or(0.0, |own| own.variance);
+    let shared = sensor.predict(row.t, noise, row.model_error);
     if row.held.is_none() {
-        to.constant += unknown_cost(&told.rows, k) + 0.5 * (own_variance + noise.white).ln();
+        to.constant += unknown_cost(&told.rows, k) + 0.5 * (sensor.own_variance() + noise.white).ln();
         return;
     }
     let derivatives = told.derivatives(k);
     if noise.bounded {
         add_bound(row, derivatives, to);
     }
-    let (mut residual, mut variance) = (row.residual, own_variance + noise.white);
+    let mut residual = row.residual;
     innovation.copy_from_slice(derivatives);
-    if let Some(own) = &shared.own {
-        residual -= own.residual;
-        innovation.iter_mut().zip(&own.derivatives).for_each(|(to, f)| *to -= f);
+    sensor.take_out(shared, &mut residual, innovation);
+    // What the model adds is no noise by which places are compared: where readings are steep it makes them rarer, not likelier. Else a
+    // whisker that only grazes a wall would explain any noise.
+    let mut plain = sensor.own_variance() + noise.white;
+    let mut variance = shared.variance + shared.independent + noise.white;
+    if let Some((error, wall)) = &wall {
+        wall.take_out(error.by_displacement, &mut residual, innovation);
+        let own = error.by_displacement.powi(2) * wall.variance;
+        (plain, variance) = (plain + own, variance + own);
     }
-    if let Some((error, wall)) = &shared.wall {
-        let by = error.by_displacement;
-        residual -= by * wall.residual;
-        innovation.iter_mut().zip(&wall.derivatives).for_each(|(to, f)| *to -= by * f);
-        variance += by * by * wall.variance;
-    }
-    // What the model adds weighs in a step, but is no part of the noise by which models are compared.
-    variance += row.model_variance;
-    let plain =
-        if own_variance > 0.0 || shared.wall.is_some() { variance / (1.0 + row.model_variance) } else { noise.white };
-    let (cost, trust) = robust(residual * residual / variance);
+    let (cost, trust) = robust(residual * residual / variance, (plain / variance).sqrt());
     to.constant += cost + 0.5 * plain.ln();
     to.add(innovation, residual, trust / variance);
-    if let Some((error, wall)) = shared.wall {
-        let by = error.by_displacement;
-        let gain = trust * by * wall.variance / variance;
-        wall.learn(gain, residual, innovation);
-        wall.variance *= 1.0 - gain * by;
+    if let Some((error, wall)) = wall {
+        let with = error.by_displacement * wall.variance;
+        wall.learn(trust * with / variance, residual, innovation);
+        wall.variance -= trust * with * with / variance;
     }
-    if let Some(own) = shared.own {
-        let gain = trust * own.variance / variance;
-        own.learn(gain, residual, innovation);
-        own.variance *= 1.0 - gain;
-        // An error that is not followed may be the first of a jump.
-        own.variance += (1.0 - trust) * (noise.correlated - own.variance).max(0.0);
-    }
+    sensor.learn(shared, (trust, variance), residual, innovation);
 }
 
 /// What the `k`-th row costs, whose contact is not known.
@@ -203,39 +174,8 @@ impl Filters {
 
     /// The same on a map that is turned by this angle (rad).
     pub(super) fn turn(&mut self, angle: f64) {
-        self.sensors.iter_mut().chain(self.walls.values_mut()).for_each(|filter| filter.turn(angle));
-    }
-}
-
-impl Filter {
-    /// An error of this variance of which no reading has said anything.
-    fn new(size: usize, variance: f64) -> Self {
-        Self { residual: 0.0, derivatives: vec![0.0; size], variance, t: f64::NEG_INFINITY }
-    }
-
-    /// That of the stretch of wall which a reading feels (m).
-    fn of_wall(walls: &mut WallErrors, error: WallError, size: usize) -> &mut Self {
-        walls.entry(error.stretch).or_insert_with(|| Self::new(size, error.std * error.std))
-    }
-
-    fn learn(&mut self, gain: f64, residual: f64, innovation: &[f64]) {
-        self.residual += gain * residual;
-        self.derivatives.iter_mut().zip(innovation).for_each(|(to, v)| *to += gain * v);
-    }
-
-    /// The same on a map that is turned by this angle (rad).
-    fn turn(&mut self, angle: f64) {
-        let Vec2 { x: cos, y: sin } = Vec2::from_angle(angle);
-        let [x, y] = [self.derivatives[0], self.derivatives[1]];
-        (self.derivatives[0], self.derivatives[1]) = (cos * x - sin * y, sin * x + cos * y);
-    }
-
-    fn predict(&mut self, t: f64, noise: NoiseModel) {
-        let kept = (-(t - self.t).max(0.0) / noise.time_constant).exp();
-        self.t = t;
-        self.residual *= kept;
-        self.derivatives.iter_mut().for_each(|v| *v *= kept);
-        self.variance = kept * kept * self.variance + (1.0 - kept * kept) * noise.correlated;
+        self.sensors.iter_mut().for_each(|sensor| sensor.turn(angle));
+        self.walls.values_mut().for_each(|wall| wall.turn(angle));
     }
 }
 

@@ -7,6 +7,7 @@
 //! readings as a Gaussian as wide as the cell, and most die at the first.
 
 use super::admission::Admits;
+use super::correlated_noise::UNKNOWN_COST;
 use super::information::{Information, Prior};
 use super::map_symmetry::MapSymmetries;
 use super::measurement::{MeasurementModel, moved};
@@ -20,6 +21,11 @@ use core::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// Headings further than this from the boundary's normal are left out (rad).
 const WIDEST: f64 = 1.45;
+/// Headings about head-on, in shares of their spacing: there a whisker buckles to one side or the other, and its readings change with the
+/// heading as nowhere else.
+const HEAD_ON: [f64; 2] = [0.15, 0.5];
+/// Readings of a whisker that has buckled and is not known again yet.
+const MOST_BUCKLED: usize = 4;
 /// Cost above which a cell is dropped: this, and so much for each reading (nats). Errors at the ends of their bounds cost the latter.
 const CELL_COST: [f64; 2] = [14.0, 0.67];
 /// Standard deviations are enlarged by this while cells are judged.
@@ -224,9 +230,8 @@ impl GridSearch {
         }
         *work = work.saturating_sub(1);
         if self.onset.from_free {
-            let count = (2.0 * WIDEST / self.onset.turn).ceil();
-            for k in 0..count as usize {
-                let heading = spot.normal + PI - WIDEST + (k as f64 + 0.5) * (2.0 * WIDEST / count);
+            for (k, off) in headings_at_touch(self.onset.turn).enumerate() {
+                let heading = spot.normal + PI + off;
                 if let Some(seed) = touching(model, &self.onset, piece, at, heading, admits) {
                     self.test(model, &seed, k, work).await;
                 }
@@ -369,6 +374,13 @@ impl GridSearch {
     }
 }
 
+/// Headings from head-on (rad) at which a free whisker is taken to come to a wall: evenly spaced, and denser about head-on.
+fn headings_at_touch(turn: f64) -> impl Iterator<Item = f64> {
+    let count = (WIDEST / turn - 0.5).ceil() as usize;
+    let even = (1..=count).map(move |k| k as f64 * turn);
+    HEAD_ON.into_iter().map(move |share| share * turn).chain(even).flat_map(|off| [off, -off])
+}
+
 /// Calls `visit(piece, parameter)` every `spacing` metres along all pieces.
 fn for_each_place(pieces: &[crate::contact::Piece], spacing: f64, mut visit: impl FnMut(u32, f64)) {
     let mut next = 0.5 * spacing;
@@ -430,7 +442,7 @@ fn run(
     let (pivot, damping) = (frame.transform_point(pivot(model, onset)), damping(onset));
     let mut told = Told::default();
     let mut best = (0.0, [0.0; 3]);
-    let mut touch = state;
+    let (mut touch, mut has_touched) = (state, false);
     let base = |row: usize| frame.compose(model.window.pose(row)).compose(sensor.robot_from_whisker);
     let mut last = base(onset.row);
     for (count, &row) in onset.rows.iter().enumerate() {
@@ -440,6 +452,11 @@ fn run(
         extent.iter_mut().for_each(|extent| extent.add(&touch));
         *work = work.saturating_sub(1);
         let WhiskerState::Touching(contact) = touch else {
+            let is_buckled = matches!(touch, WhiskerState::Unknown) && !has_touched && count < MOST_BUCKLED;
+            if is_buckled {
+                told.constant += UNKNOWN_COST[count.min(1)];
+                continue;
+            }
             // A side that has just come to a corner may be off it at the first reading.
             if matches!(touch, WhiskerState::Unknown) || (whole && (state != WhiskerState::Free || count > 0)) {
                 return None;
@@ -448,6 +465,7 @@ fn run(
             told.constant += 0.5 * (residual.value / STD_INFLATION).powi(2);
             continue;
         };
+        has_touched = true;
         let residual = sensor.residual(felt.value, z, contact.q > 0.0, true);
         let value = residual.value / STD_INFLATION;
         told.constant += 0.5 * value * value;
@@ -463,7 +481,8 @@ fn run(
             return None;
         }
     }
-    Some(Cell { frame, state, best, heading: None, readings: onset.rows.len() })
+    let is_known = !matches!(touch, WhiskerState::Unknown);
+    is_known.then_some(Cell { frame, state, best, heading: None, readings: onset.rows.len() })
 }
 
 /// The corners that a side can lie on, each with the direction in which it points.

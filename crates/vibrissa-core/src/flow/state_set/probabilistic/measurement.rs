@@ -56,6 +56,8 @@ pub(super) struct Row {
     pub(super) plain: f64,
     /// Variance that the model adds.
     pub(super) model_variance: f64,
+    /// What one standard deviation of the model's error makes of it: a whisker that bends to the other side reads the opposite of it.
+    pub(super) model_error: f64,
     /// Whether a boundary holds the whisker; none where the contact is not known.
     pub(super) held: Option<bool>,
     /// What the wall's error makes of it, where the wall is known within a band.
@@ -310,6 +312,7 @@ impl<'a> MeasurementModel<'a> {
             residual: 0.0,
             plain: 0.0,
             model_variance: 0.0,
+            model_error: 0.0,
             held: None,
             wall: None,
             unmapped: false,
@@ -355,6 +358,7 @@ impl<'a> MeasurementModel<'a> {
         if let Some(touch) = touch.filter(|_| residual.informs) {
             let steep = self.by_contact(seen, own, touch, (state, point), per * scale, j);
             row.model_variance = steep;
+            row.model_error = steep.sqrt().copysign(seen.felt.value);
             if let Some(at) = u.gain[seen.index] {
                 j[at] = scale * seen.felt.value / own.stretch.powi(power);
             }

@@ -41,15 +41,21 @@ impl WallContact {
 pub(super) struct ContactExtent {
     from: WallContact,
     reach: Option<[f64; 2]>,
+    /// Whether that was not known at times: what such a cell dies of is not the wall's alone.
+    has_buckled: bool,
 }
 
 impl ContactExtent {
     pub(super) fn new(from: WallContact) -> Self {
-        Self { from, reach: Some([0.0; 2]) }
+        Self { from, reach: Some([0.0; 2]), has_buckled: false }
     }
 
-    /// Takes in where the tip is now.
+    /// Takes in where the tip is now, if that is known.
     pub(super) fn add(&mut self, state: &WhiskerState) {
+        if matches!(state, WhiskerState::Unknown) {
+            self.has_buckled = true;
+            return;
+        }
         let now = state.on_piece().filter(|on| on.0 == self.from.piece);
         self.reach = self.reach.zip(now).map(|([low, high], (_, at))| {
             let off = at * self.from.length - self.from.along;
@@ -71,7 +77,7 @@ pub(super) struct SharedRun {
 impl SharedRun {
     /// What is kept of a cell with this heading that has never left its piece.
     pub(super) fn new(extent: Option<ContactExtent>, heading: f64, outcome: Option<&Cell>) -> Option<Self> {
-        let ContactExtent { from, reach } = extent?;
+        let ContactExtent { from, reach, .. } = extent.filter(|extent| outcome.is_some() || !extent.has_buckled)?;
         let heading = wrap_angle(heading - from.spot.normal);
         Some(Self { from, reach: reach?, heading, outcome: outcome.cloned() })
     }

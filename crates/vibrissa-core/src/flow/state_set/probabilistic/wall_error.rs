@@ -4,7 +4,7 @@
 //! is taken for one number over a stretch, and for another, independent one over the next. Each number is a state of its
 //! own without dynamics, so that a Kalman filter for each stretch makes the readings' innovations independent.
 
-use super::correlated_noise::Filter;
+use super::error_filters::SharedError;
 use crate::plane::Vec2;
 use std::collections::BTreeMap;
 
@@ -37,4 +37,4 @@ impl WallError {
 }
 
 /// The errors of all stretches that were touched, each as its filter knows it.
-pub(super) type WallErrors = BTreeMap<(u32, u32), Filter>;
+pub(super) type WallErrors = BTreeMap<(u32, u32), SharedError>;
