@@ -13,6 +13,7 @@ mod localize_images;
 mod localize_laws;
 mod localize_long;
 mod localize_nuisances;
+mod localize_pressed;
 mod localize_probabilistic;
 mod localize_region;
 mod localize_ridges;

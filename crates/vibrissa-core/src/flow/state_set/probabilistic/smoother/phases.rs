@@ -42,8 +42,9 @@ impl MultiHypothesisSmoother<'_> {
         if let Some(sensor) = self.touching.iter().position(|&rows| rows >= CONTACT_ROWS)
             && self.starts < MOST_STARTS
         {
-            // After a loss the rows before this one are forgotten, although the whisker touched there, too.
-            let onset = (last + 1).saturating_sub(CONTACT_ROWS);
+            // The first readings, of which the zero is taken, and those before a loss may have touched, too.
+            let has_touched = |row: &usize| self.window.contacts(*row)[sensor];
+            let onset = (0..=last).rev().take_while(has_touched).last().unwrap_or(last);
             self.patience = 1.0;
             self.phase = Phase::Pressing { sensor, onset, from_free: onset > 0, travelled: 0.0, search: None };
             return StepOutcome::Nothing;
