@@ -55,8 +55,8 @@ const ROOMS: &[(&str, &[&str])] = &[
     (
         "crates/vibrissa-live",
         &[
-            "config", "head", "counts", "latency", "output", "clock", "decode", "timing", "join", "source", "setup",
-            "pipeline", "estimate", "carry", "record", "journal", "replay", "run", "robot", "scene", "view",
+            "config", "head", "counts", "latency", "output", "clock", "decode", "timing", "doubts", "join", "source",
+            "setup", "pipeline", "estimate", "carry", "record", "journal", "replay", "run", "robot", "scene", "view",
         ],
     ),
     ("crates/vibrissa-sim", &["simulate", "scenario", "recording"]),
