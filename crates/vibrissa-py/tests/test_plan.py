@@ -15,8 +15,8 @@ ROOT = Path(__file__).resolve().parents[3]
 
 @pytest.fixture(scope="module")
 def short(demo_files: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A short touch in the demo's arena, which leaves two places."""
-    lines = (demo_files / "log.csv").read_text().splitlines()[:150]
+    """A short touch in the demo's arena, which leaves some places."""
+    lines = (demo_files / "log.csv").read_text().splitlines()[:140]
     file = tmp_path_factory.mktemp("plan") / "short.csv"
     file.write_text("\n".join(lines) + "\n")
     return file
