@@ -6,7 +6,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::thread::{JoinHandle, spawn};
+use std::thread::{JoinHandle, sleep, spawn};
 use std::time::Duration;
 use vibrissa_core::sensing::Mlx90393;
 use vibrissa_head::LONGEST;
@@ -33,8 +33,11 @@ impl Device {
             let mut head = Head::new(MlxDriver::new(0x0c, Mlx90393::default()), 300);
             let (mut bytes, mut packet, mut number) = ([0; 64], [0; LONGEST], 0);
             while !until.load(Ordering::Relaxed) {
-                // Nobody has the port open before and after: that is no end.
-                let count = terminal.receive(&mut bytes, Duration::from_millis(5)).unwrap_or(0);
+                // Before and after, nobody has the port open: what is sent then would fill it.
+                let Ok(count) = terminal.receive(&mut bytes, Duration::from_millis(5)) else {
+                    sleep(Duration::from_millis(2));
+                    continue;
+                };
                 let mut send = |message: &Message| {
                     let length = message.write(&mut packet).unwrap();
                     let _ = terminal.send(&packet[..length]);

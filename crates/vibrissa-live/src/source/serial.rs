@@ -2,7 +2,7 @@
 
 use super::link::Link;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
-use rustix::fs::{Mode, OFlags, open};
+use rustix::fs::{Mode, OFlags, fcntl_setfl, open};
 use rustix::io::Errno;
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 use rustix::termios::{ControlModes, OptionalActions, SpecialCodeIndex, tcgetattr, tcsetattr};
@@ -11,6 +11,9 @@ use std::io::{ErrorKind, Read, Result, Write};
 use std::os::fd::AsFd;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
+
+/// How long a pseudo-terminal waits for room where nobody reads its port.
+const ROOM: Duration = Duration::from_secs(5);
 
 /// Where Linux names ports after their devices: these names stay when a device is plugged in again.
 const BY_ID: &str = "/dev/serial/by-id";
@@ -46,22 +49,26 @@ impl Link for SerialPort {
 }
 
 impl SerialPort {
-    /// Writes all bytes, as long as that takes up to `patience`.
-    pub(super) fn write_all(&mut self, mut bytes: &[u8], patience: Duration) -> Result<()> {
-        while !bytes.is_empty() {
-            let mut fds = [PollFd::new(&self.0, PollFlags::OUT)];
-            let limit = Timespec { tv_sec: patience.as_secs() as i64, tv_nsec: patience.subsec_nanos().into() };
-            if poll(&mut fds, Some(&limit))? == 0 {
-                return Err(ErrorKind::TimedOut.into());
-            }
-            match self.0.write(bytes) {
-                Ok(count) => bytes = &bytes[count..],
-                Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::Interrupted) => {}
-                Err(error) => return Err(error),
-            }
-        }
-        Ok(())
+    /// Writes all bytes, as long as room for some comes within `patience` each time.
+    pub(super) fn write_all(&mut self, bytes: &[u8], patience: Duration) -> Result<()> {
+        write_all(&mut self.0, bytes, patience)
     }
+}
+
+/// Writes all bytes to a file that does not block, as long as room for some comes within `patience` each time.
+fn write_all(file: &mut File, mut bytes: &[u8], patience: Duration) -> Result<()> {
+    let limit = Timespec { tv_sec: patience.as_secs() as i64, tv_nsec: patience.subsec_nanos().into() };
+    while !bytes.is_empty() {
+        if poll(&mut [PollFd::new(file, PollFlags::OUT)], Some(&limit))? == 0 {
+            return Err(ErrorKind::TimedOut.into());
+        }
+        match file.write(bytes) {
+            Ok(count) => bytes = &bytes[count..],
+            Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::Interrupted) => {}
+            Err(error) => return Err(error),
+        }
+    }
+    Ok(())
 }
 
 /// Whether there are bytes, or an end, within so long.
@@ -112,6 +119,8 @@ impl PseudoTerminal {
     /// The system has none left.
     pub fn new() -> Result<Self> {
         let device = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY)?;
+        // A port that nobody reads fills, and a write that blocks would never return.
+        fcntl_setfl(&device, OFlags::RDWR | OFlags::NONBLOCK)?;
         grantpt(&device)?;
         unlockpt(&device)?;
         let name = ptsname(&device, Vec::new())?;
@@ -138,12 +147,30 @@ impl PseudoTerminal {
         if readable(&self.device, patience)? { Read::read(&mut self.device, buffer) } else { Ok(0) }
     }
 
-    /// Writes bytes as a device would. A device does not wait: where nobody reads, and the port's buffer is full, this waits.
+    /// Writes bytes as a device would. Where nobody reads and the port's buffer is full, this waits for room, at most 5 s.
     ///
     /// # Errors
     ///
-    /// The pair is gone.
+    /// The pair is gone, or no room came.
     pub fn send(&mut self, bytes: &[u8]) -> Result<()> {
-        self.device.write_all(bytes)
+        write_all(&mut self.device, bytes, ROOM)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_port_that_nobody_reads_does_not_hold_its_device_for_ever() {
+        let mut terminal = PseudoTerminal::new().unwrap();
+        let told = (0..10_000).find_map(|_| write_all(&mut terminal.device, &[b'x'; 100], Duration::from_millis(20)).err());
+        assert_eq!(told.unwrap().kind(), ErrorKind::TimedOut);
+        // Whoever opens the port reads what was kept, and there is room again.
+        let mut port = SerialPort::open(terminal.port(), 115_200, &mut None).unwrap();
+        let mut bytes = [0; 4096];
+        while port.read(&mut bytes, Duration::from_millis(50)).unwrap().is_some() {}
+        terminal.send(b"room").unwrap();
+        assert_eq!(port.read(&mut bytes, Duration::from_secs(5)).unwrap(), Some(4));
     }
 }
