@@ -107,6 +107,10 @@ pub(crate) fn verdict(evidence: &Evidence<'_>) -> Verdict {
         let detail = format!("told all the same, since side contact, a snap or slip on the way may be why: {detail}");
         return Verdict { status: Status::Ambiguous, reason: Some(("tolerated", detail)) };
     }
+    if evidence.fit.is_some_and(|fit| fit.is_disputed) {
+        let detail = "a likelier place than those that explain the readings leaves many of them unexplained; more contacts will tell";
+        return Verdict { status: Status::Ambiguous, reason: Some(("disputed", detail.to_owned())) };
+    }
     plain(if rivals == 1 && is_small(&first.extent) { Status::Localized } else { Status::Ambiguous })
 }
 

@@ -5,12 +5,11 @@
 //! independent ones. The filter's innovations are independent; the same filter over the derivatives gives the generalised least-squares
 //! problem. Its variances and its time constant are those of the largest marginal likelihood (REML \[harville1977maximum\]).
 
-use super::error_filters::{SensorFilter, SharedError};
+use super::error_filter::ErrorFilter;
 use super::measurement::{Linearisation, MeasurementModel, Row};
 use super::normal_equations::NormalEquations;
 use super::optimisation::READINGS_ADDED;
 use super::unknowns::POSE;
-use super::wall_error::{WallError, WallErrors};
 use crate::config::NoiseAssumption;
 
 /// The most that one reading can speak against a place (nats): a false reading costs this, not more.
@@ -74,15 +73,8 @@ const SMALL_SAMPLE: f64 = 4.0;
 const POSE_DEGREES: f64 = POSE as f64;
 /// And by no more than brings the variance to that of errors at the ends of their bounds.
 const MOST_VARIANCE: f64 = 3.0;
-/// Fewest readings that tell.
+/// Fewest readings of contact that tell.
 const FEWEST: usize = 16;
-
-/// The errors that readings share, as their filters know them: of each sensor, and of the walls.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Filters {
-    sensors: Vec<SensorFilter>,
-    walls: WallErrors,
-}
 
 /// The cost of a normalised residual, and its weight: Gaussian with a floor for false readings. `peak` is the Gaussian's density at no
 /// residual in units of that of the noise alone: what is wider is lower, and false readings are as rare as before.
@@ -103,33 +95,29 @@ fn add_bound(row: &Row, derivatives: &[f64], to: &mut NormalEquations) {
     }
 }
 
-/// Adds the readings to normal equations; the filters go on from those before, of which there are none at first.
-pub(super) fn add_readings(told: &Linearisation, noise: NoiseModel, filters: &mut Filters, to: &mut NormalEquations) {
+/// Adds the readings to normal equations; the filter goes on from those before, of which there are none at first.
+pub(super) fn add_readings(told: &Linearisation, noise: NoiseModel, filter: &mut ErrorFilter, to: &mut NormalEquations) {
     let sensors = told.rows.iter().map(|row| row.sensor + 1).max().unwrap_or(0);
-    let first = || SensorFilter::new(told.size, noise.correlated);
-    filters.sensors.resize_with(sensors.max(filters.sensors.len()), first);
+    filter.begin(told.size, sensors, noise.correlated);
     let mut innovation = vec![0.0; told.size];
-    for (k, row) in told.rows.iter().enumerate() {
-        let wall = row.wall.map(|error| (error, SharedError::of_wall(&mut filters.walls, error, told.size)));
-        if let Some(sensor) = filters.sensors.get_mut(row.sensor) {
-            add_reading(told, k, noise, (sensor, wall), &mut innovation, to);
-        }
+    for k in 0..told.rows.len() {
+        add_reading(told, k, noise, filter, &mut innovation, to);
     }
 }
 
-/// Adds the `k`-th reading by its innovation: what it says beyond what the filters have from those before.
+/// Adds the `k`-th reading by its innovation: what it says beyond what the filter has from those before.
 fn add_reading(
     told: &Linearisation,
     k: usize,
     noise: NoiseModel,
-    (sensor, wall): (&mut SensorFilter, Option<(WallError, &mut SharedError)>),
+    filter: &mut ErrorFilter,
     innovation: &mut [f64],
     to: &mut NormalEquations,
 ) {
     let row = &told.rows[k];
-    let shared = sensor.predict(row.t, noise, row.model_error);
+    let shared = filter.predict(row, noise);
     if row.held.is_none() {
-        to.constant += unknown_cost(&told.rows, k) + 0.5 * (sensor.own_variance() + noise.white).ln();
+        to.constant += unknown_cost(&told.rows, k) + 0.5 * (filter.own_variance(row.sensor) + noise.white).ln();
         return;
     }
     let derivatives = told.derivatives(k);
@@ -138,45 +126,21 @@ fn add_reading(
     }
     let mut residual = row.residual;
     innovation.copy_from_slice(derivatives);
-    sensor.take_out(shared, &mut residual, innovation);
+    filter.take_out(&shared, &mut residual, innovation);
     // What the model adds is no noise by which places are compared: where readings are steep it makes them rarer, not likelier. Else a
     // whisker that only grazes a wall would explain any noise.
-    let mut plain = sensor.own_variance() + noise.white;
-    let mut variance = shared.variance + shared.independent + noise.white;
-    if let Some((error, wall)) = &wall {
-        wall.take_out(error.by_displacement, &mut residual, innovation);
-        let own = error.by_displacement.powi(2) * wall.variance;
-        (plain, variance) = (plain + own, variance + own);
-    }
+    let plain = shared.without_model + noise.white;
+    let variance = shared.variance + shared.independent + noise.white;
     let (cost, trust) = robust(residual * residual / variance, (plain / variance).sqrt());
     to.constant += cost + 0.5 * plain.ln();
     to.add(innovation, residual, trust / variance);
-    if let Some((error, wall)) = wall {
-        let with = error.by_displacement * wall.variance;
-        wall.learn(trust * with / variance, residual, innovation);
-        wall.variance -= trust * with * with / variance;
-    }
-    sensor.learn(shared, (trust, variance), residual, innovation);
+    filter.learn((trust, variance), residual, innovation);
 }
 
 /// What the `k`-th row costs, whose contact is not known.
 fn unknown_cost(rows: &[Row], k: usize) -> f64 {
     let before = rows[..k].iter().rev().find(|row| row.sensor == rows[k].sensor);
     UNKNOWN_COST[usize::from(before.is_some_and(|row| row.held.is_none()))]
-}
-
-impl Filters {
-    /// Before any reading.
-    pub(super) fn clear(&mut self) {
-        self.sensors.clear();
-        self.walls.clear();
-    }
-
-    /// The same on a map that is turned by this angle (rad).
-    pub(super) fn turn(&mut self, angle: f64) {
-        self.sensors.iter_mut().for_each(|sensor| sensor.turn(angle));
-        self.walls.values_mut().for_each(|wall| wall.turn(angle));
-    }
 }
 
 /// The noise model by which a mode is told, and how much likelier the likeliest one makes the readings (nats); `known` is what is known beside
@@ -188,13 +152,14 @@ pub(super) async fn estimated(
     known: &NormalEquations,
     damping: [f64; POSE],
 ) -> (NoiseModel, f64) {
-    let counts = |row: &&Row| row.held == Some(true);
-    if told.rows.iter().filter(counts).count() < FEWEST {
+    // As many whatever the place: places are compared by what noise each tells.
+    let touches = |row: &&Row| model.window.contacts(row.row)[row.sensor];
+    if told.rows.iter().filter(touches).count() < FEWEST {
         return (NoiseModel::DECLARED, 0.0);
     }
     let judged = |noise: NoiseModel| {
         let mut equations = known.clone();
-        add_readings(told, noise, &mut Filters::default(), &mut equations);
+        add_readings(told, noise, &mut ErrorFilter::default(), &mut equations);
         let certain = equations.half_ln_determinant(damping);
         let penalty = if noise.correlated > 0.0 { WORTH_MORE } else { 0.0 };
         let pose = certain - equations.nuisances_half_ln_determinant();

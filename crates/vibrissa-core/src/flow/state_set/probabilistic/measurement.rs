@@ -51,6 +51,8 @@ pub(super) struct Row {
     pub(super) sensor: usize,
     pub(super) row: usize,
     pub(super) t: f64,
+    /// The whisker by the odometry.
+    pub(super) odom_from_whisker: Pose2,
     pub(super) residual: f64,
     /// The plain residual, not stabilised.
     pub(super) plain: f64,
@@ -309,6 +311,7 @@ impl<'a> MeasurementModel<'a> {
             sensor: seen.index,
             row: seen.row,
             t: self.window.time(seen.row),
+            odom_from_whisker: self.window.pose(seen.row).compose(sensor.robot_from_whisker),
             residual: 0.0,
             plain: 0.0,
             model_variance: 0.0,

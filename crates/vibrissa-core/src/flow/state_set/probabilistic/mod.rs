@@ -11,7 +11,7 @@ mod bank;
 mod contact_episodes;
 mod corrected_path;
 mod correlated_noise;
-mod error_filters;
+mod error_filter;
 mod grid_search;
 mod importance_sampling;
 mod information;

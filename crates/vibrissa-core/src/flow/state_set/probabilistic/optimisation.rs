@@ -1,6 +1,7 @@
 //! Levenberg and Marquardt's method over a window of readings \[nocedal2006numerical, sec. 10.3\]: one mode of the posterior.
 
-use super::correlated_noise::{Filters, NoiseModel, add_readings, estimated};
+use super::correlated_noise::{NoiseModel, add_readings, estimated};
+use super::error_filter::ErrorFilter;
 use super::information::Information;
 use super::map_symmetry::MapSymmetry;
 use super::measurement::{Linearisation, MeasurementModel, Row, Start, State, difference, moved};
@@ -57,7 +58,7 @@ pub(super) struct NoiseFit {
     pub(super) noise: NoiseModel,
     pub(super) equations: NormalEquations,
     /// What the errors of the readings are at the last row.
-    filters: Filters,
+    filter: ErrorFilter,
     /// How much likelier the readings are than this model says (nats), where it stands for others.
     pub(super) credit: f64,
     /// By how much a step promises to lower the cost (nats).
@@ -66,7 +67,7 @@ pub(super) struct NoiseFit {
 
 impl NoiseFit {
     pub(super) fn new(noise: NoiseModel) -> Self {
-        Self { noise, equations: NormalEquations::default(), filters: Filters::default(), credit: 0.0, gain: 0.0 }
+        Self { noise, equations: NormalEquations::default(), filter: ErrorFilter::default(), credit: 0.0, gain: 0.0 }
     }
 }
 
@@ -112,7 +113,7 @@ impl Mode {
         there.fits.iter_mut().for_each(|fit| fit.equations = fit.equations.turned(turn.motion.theta));
         there.state.frame = turn.motion.compose(self.state.frame);
         there.start = self.start.turned(turn);
-        there.fits.iter_mut().for_each(|fit| fit.filters.turn(turn.motion.theta));
+        there.fits.iter_mut().for_each(|fit| fit.filter.turn(turn.motion.theta));
         there.end = self.end.as_ref().map(|end| Box::new(end.turned(turn)));
         there
     }
@@ -154,8 +155,8 @@ impl Mode {
         let known = model.known(&self.state, &self.start);
         for fit in &mut self.fits {
             fit.equations.clone_from(&known);
-            fit.filters.clear();
-            add_readings(scratch, fit.noise, &mut fit.filters, &mut fit.equations);
+            fit.filter.clear();
+            add_readings(scratch, fit.noise, &mut fit.filter, &mut fit.equations);
             model.works(rows.len() / READINGS_ADDED).await;
         }
         self.choose_noise();
@@ -167,7 +168,7 @@ impl Mode {
         self.end = Some(Box::new(model.run(&self.state, end, rows, scratch).await));
         self.is_off |= is_off(&scratch.rows);
         for fit in &mut self.fits {
-            add_readings(scratch, fit.noise, &mut fit.filters, &mut fit.equations);
+            add_readings(scratch, fit.noise, &mut fit.filter, &mut fit.equations);
             model.works(rows.len() / READINGS_ADDED).await;
         }
         self.choose_noise();

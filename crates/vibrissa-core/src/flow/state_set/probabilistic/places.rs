@@ -66,9 +66,11 @@ const TELLING: f64 = 3.0;
 /// The largest share of readings beyond their noise, and the largest mean square of the others, of a mode that may be right.
 const AGREES: [f64; 2] = [0.1, 3.3];
 
-/// How well the best mode explains the readings \[barshalom2001estimation, sec. 5.4\].
+/// How well the modes explain the readings \[barshalom2001estimation, sec. 5.4\]: the best one that may be right.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Fit {
+    /// Whether a likelier mode leaves too much unexplained to be right, so that neither can be believed alone.
+    pub is_disputed: bool,
     /// Readings with a whisker held by a boundary.
     pub touching: usize,
     /// Share of all readings that lie beyond 2.5 standard deviations or are not explained.
@@ -96,7 +98,7 @@ pub struct Fit {
 }
 
 impl Fit {
-    /// Whether the best mode may be right; otherwise modes are searched from another contact.
+    /// Whether a mode may be right; otherwise modes are searched from another contact.
     pub(crate) fn agrees(&self) -> bool {
         self.beyond <= AGREES[0] && self.square <= AGREES[1]
     }
@@ -233,11 +235,22 @@ async fn settle_exactly(bank: &mut Bank, model: &MeasurementModel<'_>) {
     bank.sort(model).await;
 }
 
-/// How well the best mode fits: by the solver that leaves fewer readings unexplained, since where the two disagree the whisker is about to
-/// snap.
+/// How well the best mode fits that may be right, or the best one if none may.
 async fn fit(bank: &Bank, model: &MeasurementModel<'_>) -> Fit {
+    let mut best = None;
+    for mode in &bank.modes {
+        let fit = fit_of_mode(mode, bank, model).await;
+        if fit.agrees() {
+            return Fit { is_disputed: best.is_some(), ..fit };
+        }
+        best.get_or_insert(fit);
+    }
+    best.unwrap_or_default()
+}
+
+/// By the solver that leaves fewer readings unexplained, since where the two disagree the whisker is about to snap.
+async fn fit_of_mode(mode: &Mode, bank: &Bank, model: &MeasurementModel<'_>) -> Fit {
     let exact = MeasurementModel { solver: Mechanics::ClosedForm, ..*model };
-    let mode = &bank.modes[0];
     let mut fits = [Fit::default(), Fit::default()];
     for (fit, model) in fits.iter_mut().zip([model, &exact]) {
         let mut told = Linearisation::default();
@@ -246,7 +259,7 @@ async fn fit(bank: &Bank, model: &MeasurementModel<'_>) -> Fit {
     }
     let [quick, exact] = fits;
     let fit = if quick.beyond < exact.beyond { quick } else { exact };
-    Fit { of_bound: model.unknowns.most_of_bound(&bank.modes[0].state.values), ..fit }
+    Fit { of_bound: model.unknowns.most_of_bound(&mode.state.values), ..fit }
 }
 
 fn fit_of(told: &Linearisation, noise: NoiseModel, assumption: NoiseAssumption) -> Fit {
@@ -267,6 +280,7 @@ fn fit_of(told: &Linearisation, noise: NoiseModel, assumption: NoiseAssumption) 
     let (statistic, worst) = mean_and_worst(&felt);
     let (drift, blocks) = drift(&held);
     Fit {
+        is_disputed: false,
         touching: held.len(),
         beyond: share(OUTLIER_SIGMAS),
         broken: share(BOUND),

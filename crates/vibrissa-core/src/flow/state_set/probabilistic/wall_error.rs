@@ -1,12 +1,10 @@
 //! Errors of a wall that is known within a band, marginalised \[barshalom2001estimation, sec. 8.2; rasmussen2006gaussian, ch. 4\].
 //!
 //! The error of a drawn or felt wall is smooth: readings along one stretch share it, whichever whisker makes them and whenever. It
-//! is taken for one number over a stretch, and for another, independent one over the next. Each number is a state of its
-//! own without dynamics, so that a Kalman filter for each stretch makes the readings' innovations independent.
+//! is taken for one number over a stretch, and for another, independent one over the next. Each number is a state
+//! without dynamics of the Kalman filter that makes the readings' innovations independent.
 
-use super::error_filters::SharedError;
 use crate::plane::Vec2;
-use std::collections::BTreeMap;
 
 /// What the wall's error does to a reading.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,6 +33,3 @@ impl WallError {
         (self.by_displacement * self.std).powi(2)
     }
 }
-
-/// The errors of all stretches that were touched, each as its filter knows it.
-pub(super) type WallErrors = BTreeMap<(u32, u32), SharedError>;

@@ -1,0 +1,201 @@
+//! Joint Kalman filter of the errors that readings share \[barshalom2001estimation, sec. 8.2\]: of each sensor, of the model where that
+//! sensor's whisker stands, and of each stretch of wall that is known within a band. Each is known by its mean, the mean's derivatives by
+//! the unknowns, and its covariance with the others.
+
+use super::correlated_noise::NoiseModel;
+use super::measurement::Row;
+use super::wall_error::WallError;
+use crate::plane::{Pose2, Vec2};
+use std::collections::BTreeMap;
+
+/// Where the model has a whisker is off by nearly the same from reading to reading while the whisker moves so far (m), but for this share
+/// of its variance.
+const MODEL_CORRELATION_LENGTH: f64 = 0.2;
+const MODEL_INDEPENDENT: f64 = 0.04;
+/// A turn counts as much as a way of the same angle on an arm of this length (m).
+const LEVER: f64 = 0.1;
+/// A reading has something of this many: its sensor's error, the model's, and the wall's.
+const PARTS: usize = 3;
+
+/// A sensor's error is in standard deviations of the declared noise, the model's in standard deviations of itself; both are first-order
+/// Gauss-Markov processes. A wall's (m) stays.
+#[derive(Clone, Debug)]
+struct ErrorState {
+    mean: f64,
+    /// Variance before any reading, where the error changes.
+    stationary: Option<f64>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct SensorStates {
+    own: usize,
+    model: usize,
+    /// When the last reading was taken (s), and where.
+    t: f64,
+    odom_from_whisker: Pose2,
+}
+
+/// What is known of all errors that readings share.
+#[derive(Clone, Debug, Default)]
+pub(super) struct ErrorFilter {
+    /// How many unknowns there are.
+    size: usize,
+    states: Vec<ErrorState>,
+    derivatives: Vec<f64>,
+    /// The lower triangle, row by row.
+    covariance: Vec<f64>,
+    sensors: Vec<SensorStates>,
+    stretches: BTreeMap<(u32, u32), usize>,
+    /// Covariance of each error with what the next reading has of all.
+    with: Vec<f64>,
+}
+
+/// What the next reading has of the errors that readings share.
+#[derive(Clone, Copy)]
+pub(super) struct Expected {
+    /// States, and how much each counts.
+    parts: [(usize, f64); PARTS],
+    /// Variance by all, and by all but the model's.
+    pub(super) variance: f64,
+    pub(super) without_model: f64,
+    /// Variance by what of the model's error no other reading shares.
+    pub(super) independent: f64,
+}
+
+fn at(i: usize, j: usize) -> usize {
+    let (low, high) = (i.min(j), i.max(j));
+    high * (high + 1) / 2 + low
+}
+
+impl ErrorFilter {
+    /// Before any reading, with errors of so many sensors.
+    pub(super) fn begin(&mut self, size: usize, sensors: usize, correlated: f64) {
+        self.size = size;
+        for _ in self.sensors.len()..sensors {
+            let [own, model] = [correlated, 1.0].map(|variance| self.push(variance, Some(variance)));
+            self.sensors.push(SensorStates { own, model, t: f64::NEG_INFINITY, odom_from_whisker: Pose2::default() });
+        }
+    }
+
+    /// Forgets all readings.
+    pub(super) fn clear(&mut self) {
+        *self = Self::default();
+    }
+
+    /// Adds an error that no other one has to do with.
+    fn push(&mut self, variance: f64, stationary: Option<f64>) -> usize {
+        let state = self.states.len();
+        self.states.push(ErrorState { mean: 0.0, stationary });
+        self.derivatives.resize((state + 1) * self.size, 0.0);
+        self.covariance.resize(at(state, state), 0.0);
+        self.covariance.push(variance);
+        state
+    }
+
+    /// Goes on as a Gauss-Markov process that keeps so much of itself.
+    fn decay(&mut self, state: usize, kept: f64) {
+        let ErrorState { mean, stationary: Some(stationary) } = &mut self.states[state] else { return };
+        *mean *= kept;
+        let fresh = (1.0 - kept * kept) * *stationary;
+        self.derivatives[state * self.size..][..self.size].iter_mut().for_each(|v| *v *= kept);
+        for other in 0..self.states.len() {
+            self.covariance[at(state, other)] *= kept;
+        }
+        let own = &mut self.covariance[at(state, state)];
+        *own = kept * *own + fresh;
+    }
+
+    /// Goes on to a reading: a sensor's error changes with time, the model's while the whisker moves.
+    pub(super) fn predict(&mut self, row: &Row, noise: NoiseModel) -> Expected {
+        let SensorStates { own, model, t, odom_from_whisker } = self.sensors[row.sensor];
+        let has_own = noise.correlated > 0.0;
+        if has_own || row.model_error != 0.0 {
+            if has_own {
+                self.decay(own, (-(row.t - t).max(0.0) / noise.time_constant).exp());
+            }
+            let step = odom_from_whisker.between(row.odom_from_whisker);
+            let way = step.position().norm() + LEVER * step.theta.abs();
+            self.decay(model, (-way / MODEL_CORRELATION_LENGTH).exp());
+            self.sensors[row.sensor] = SensorStates { own, model, t: row.t, odom_from_whisker: row.odom_from_whisker };
+        }
+        let shared = row.model_error * (1.0 - MODEL_INDEPENDENT).sqrt();
+        let wall = row.wall.map_or((own, 0.0), |error| (self.of_wall(error), error.by_displacement));
+        let parts = [(own, f64::from(u8::from(has_own))), wall, (model, shared)];
+        self.with.clear();
+        self.with.resize(self.states.len(), 0.0);
+        self.count(&parts[..2]);
+        let without_model = self.variance(&parts[..2]);
+        self.count(&parts[2..]);
+        let independent = MODEL_INDEPENDENT * row.model_error.powi(2);
+        Expected { parts, variance: self.variance(&parts), without_model, independent }
+    }
+
+    /// The error of the stretch of wall that a reading feels (m).
+    fn of_wall(&mut self, error: WallError) -> usize {
+        if let Some(&state) = self.stretches.get(&error.stretch) {
+            return state;
+        }
+        let state = self.push(error.std * error.std, None);
+        self.stretches.insert(error.stretch, state);
+        state
+    }
+
+    /// Adds to each error's covariance with the next reading what that one has of these.
+    fn count(&mut self, parts: &[(usize, f64)]) {
+        for &(state, by) in parts.iter().filter(|(_, by)| *by != 0.0) {
+            for (other, with) in self.with.iter_mut().enumerate() {
+                *with += by * self.covariance[at(state, other)];
+            }
+        }
+    }
+
+    /// Variance of what a reading has of these, where it has nothing else.
+    fn variance(&self, parts: &[(usize, f64)]) -> f64 {
+        parts.iter().map(|&(state, by)| by * self.with[state]).sum()
+    }
+
+    /// Variance of a sensor's own error.
+    pub(super) fn own_variance(&self, sensor: usize) -> f64 {
+        let own = self.sensors[sensor].own;
+        self.covariance[at(own, own)]
+    }
+
+    /// Takes what is known of the errors out of a residual and out of its derivatives.
+    pub(super) fn take_out(&self, expected: &Expected, residual: &mut f64, derivatives: &mut [f64]) {
+        for &(state, by) in expected.parts.iter().filter(|(_, by)| *by != 0.0) {
+            *residual -= by * self.states[state].mean;
+            let known = &self.derivatives[state * self.size..][..self.size];
+            derivatives.iter_mut().zip(known).for_each(|(to, v)| *to -= by * v);
+        }
+    }
+
+    /// Takes in the reading that [`Self::predict`] went on to, by its innovation, as far as that is trusted, and its variance.
+    pub(super) fn learn(&mut self, (trust, variance): (f64, f64), residual: f64, innovation: &[f64]) {
+        let share = trust / variance;
+        for (state, &with) in self.with.iter().enumerate().filter(|(_, with)| **with != 0.0) {
+            let gain = share * with;
+            self.states[state].mean += gain * residual;
+            let known = &mut self.derivatives[state * self.size..][..self.size];
+            known.iter_mut().zip(innovation).for_each(|(to, v)| *to += gain * v);
+            for (other, &with_other) in self.with[..=state].iter().enumerate() {
+                self.covariance[at(state, other)] -= gain * with_other;
+            }
+            // An error that is not followed may be the first of a jump.
+            if let Some(stationary) = self.states[state].stationary {
+                let own = &mut self.covariance[at(state, state)];
+                *own += (1.0 - trust) * (stationary - *own).max(0.0);
+            }
+        }
+    }
+
+    /// The same on a map that is turned by this angle (rad).
+    pub(super) fn turn(&mut self, angle: f64) {
+        let Vec2 { x: cos, y: sin } = Vec2::from_angle(angle);
+        for state in 0..self.states.len() {
+            let place = &mut self.derivatives[state * self.size..][..2];
+            let [x, y] = [place[0], place[1]];
+            (place[0], place[1]) = (cos * x - sin * y, sin * x + cos * y);
+        }
+    }
+}
+
