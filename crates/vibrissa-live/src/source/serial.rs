@@ -164,7 +164,8 @@ mod tests {
     #[test]
     fn a_port_that_nobody_reads_does_not_hold_its_device_for_ever() {
         let mut terminal = PseudoTerminal::new().unwrap();
-        let told = (0..10_000).find_map(|_| write_all(&mut terminal.device, &[b'x'; 100], Duration::from_millis(20)).err());
+        let told =
+            (0..10_000).find_map(|_| write_all(&mut terminal.device, &[b'x'; 100], Duration::from_millis(20)).err());
         assert_eq!(told.unwrap().kind(), ErrorKind::TimedOut);
         // Whoever opens the port reads what was kept, and there is room again.
         let mut port = SerialPort::open(terminal.port(), 115_200, &mut None).unwrap();

@@ -96,7 +96,12 @@ fn add_bound(row: &Row, derivatives: &[f64], to: &mut NormalEquations) {
 }
 
 /// Adds the readings to normal equations; the filter goes on from those before, of which there are none at first.
-pub(super) fn add_readings(told: &Linearisation, noise: NoiseModel, filter: &mut ErrorFilter, to: &mut NormalEquations) {
+pub(super) fn add_readings(
+    told: &Linearisation,
+    noise: NoiseModel,
+    filter: &mut ErrorFilter,
+    to: &mut NormalEquations,
+) {
     let sensors = told.rows.iter().map(|row| row.sensor + 1).max().unwrap_or(0);
     filter.begin(told.size, sensors, noise.correlated);
     let mut innovation = vec![0.0; told.size];
