@@ -64,8 +64,9 @@ class Port:
         os.close(self.slave)
         os.close(self.master)
 
-    def send(self, data, patience=0.0):
-        """Writes; what is not taken within so long (s) is dropped, as a wire drops it."""
+    def send(self, data, patience=1.0):
+        """Writes; what is not taken within so long (s) is dropped, as a wire drops it. A device has no more patience than its buffer, but on a
+        busy machine it is this process that sleeps, and then sends much at once."""
         end = time.monotonic() + patience
         while data:
             try:
