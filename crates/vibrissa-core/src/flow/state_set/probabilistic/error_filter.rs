@@ -9,10 +9,11 @@ use crate::plane::{Pose2, Vec2};
 use std::collections::BTreeMap;
 
 /// Where the model has a whisker is off by nearly the same from reading to reading while the whisker moves so far (m), but for this share
-/// of its variance.
+/// of its variance. Of 540 sweeps by moments in rooms drawn at random one was told wrong or without its truth with 0.1, 0.2 and 1 m, two with
+/// 0.03, 0.3 and 3 m: no difference beyond two standard errors. With independent errors (a share of 1) three of 165 were.
 const MODEL_CORRELATION_LENGTH: f64 = 0.2;
 const MODEL_INDEPENDENT: f64 = 0.04;
-/// A turn counts as much as a way of the same angle on an arm of this length (m).
+/// A turn counts as much as a way of the same angle on an arm of this length (m), that of a usual whisker. Not looked at alone.
 const LEVER: f64 = 0.1;
 /// A reading has something of this many: its sensor's error, the model's, and the wall's.
 const PARTS: usize = 3;
@@ -68,7 +69,7 @@ fn at(i: usize, j: usize) -> usize {
 }
 
 impl ErrorFilter {
-    /// Before any reading, with errors of so many sensors.
+    /// Has the errors of so many sensors from now on, and goes on with what it knows of those that it had.
     pub(super) fn begin(&mut self, size: usize, sensors: usize, correlated: f64) {
         self.size = size;
         for _ in self.sensors.len()..sensors {
@@ -195,6 +196,86 @@ impl ErrorFilter {
             let place = &mut self.derivatives[state * self.size..][..2];
             let [x, y] = [place[0], place[1]];
             (place[0], place[1]) = (cos * x - sin * y, sin * x + cos * y);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::linear_algebra::{Cholesky, dot};
+
+    const COUNT: usize = 14;
+
+    /// Signed numbers between -1 and 1.
+    fn random(seed: &mut u64) -> f64 {
+        *seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (*seed >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    }
+
+    /// Readings of two sensors in turn, some of them free, on two stretches of wall that both feel.
+    fn rows(seed: &mut u64) -> Vec<Row> {
+        let (mut t, mut x) = (0.0, 0.0);
+        let row = |k: usize| {
+            (t, x) = (t + 0.1 * random(seed).abs(), x + 0.2 * random(seed).abs());
+            let stretch = (0, u32::from(random(seed) > 0.0));
+            let wall = WallError { stretch, by_displacement: 3e3 * random(seed), std: 1e-3 };
+            Row {
+                sensor: k % 2,
+                row: k,
+                t,
+                odom_from_whisker: Pose2::new(x, 0.0, 0.3),
+                residual: 3.0 * random(seed),
+                plain: 0.0,
+                model_variance: 0.0,
+                model_error: if k % 5 == 4 { 0.0 } else { 4.0 * random(seed) },
+                held: Some(true),
+                wall: (k % 3 != 2).then_some(wall),
+                unmapped: false,
+            }
+        };
+        (0..COUNT).map(row).collect()
+    }
+
+    /// Covariance of two readings by all that they share, written down at once.
+    fn covariance(a: &Row, b: &Row, noise: NoiseModel) -> f64 {
+        let mut all = if a.row == b.row { noise.white + MODEL_INDEPENDENT * a.model_error.powi(2) } else { 0.0 };
+        if a.sensor == b.sensor {
+            all += noise.correlated * (-(a.t - b.t).abs() / noise.time_constant).exp();
+            let way = a.odom_from_whisker.position().distance(b.odom_from_whisker.position());
+            let alike = (1.0 - MODEL_INDEPENDENT) * (-way / MODEL_CORRELATION_LENGTH).exp();
+            all += a.model_error * b.model_error * alike;
+        }
+        if let (Some(one), Some(other)) = (a.wall, b.wall)
+            && one.stretch == other.stretch
+        {
+            all += one.by_displacement * other.by_displacement * one.std * one.std;
+        }
+        all
+    }
+
+    #[test]
+    fn innovations_have_the_likelihood_of_the_joint_gaussian() {
+        let noise = NoiseModel { white: 0.3, correlated: 2.0, time_constant: 0.2, bounded: false };
+        for mut seed in 1..20 {
+            let rows = rows(&mut seed);
+            let mut filter = ErrorFilter::default();
+            filter.begin(1, 2, noise.correlated);
+            let mut told = 0.0;
+            for row in &rows {
+                let shared = filter.predict(row, noise);
+                let (mut residual, mut derivative) = (row.residual, [1.0]);
+                filter.take_out(&shared, &mut residual, &mut derivative);
+                let variance = shared.variance + shared.independent + noise.white;
+                told += 0.5 * (variance.ln() + residual * residual / variance);
+                filter.learn((1.0, variance), residual, &derivative);
+            }
+            let all: [[f64; COUNT]; COUNT] =
+                core::array::from_fn(|i| core::array::from_fn(|j| covariance(&rows[i], &rows[j], noise)));
+            let factor = Cholesky::new(&all).unwrap();
+            let off = factor.whitened(&core::array::from_fn(|i| rows[i].residual));
+            let joint = factor.root_determinant().ln() + 0.5 * dot(off, off);
+            assert!((told - joint).abs() < 1e-9 * joint.abs().max(1.0), "{told} {joint}");
         }
     }
 }
