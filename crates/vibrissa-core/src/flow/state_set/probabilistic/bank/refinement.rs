@@ -68,6 +68,8 @@ impl Bank {
             *mode = mode.by(noise);
             mode.fits[0].credit = credit;
             mode.relinearise(model, &self.rows, &mut self.scratch).await;
+            // Modes are compared where they cost least by their own noise.
+            mode.descend(model, &self.rows, STEPS, &mut self.scratch).await;
         }
     }
 
