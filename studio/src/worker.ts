@@ -3,7 +3,7 @@
 import { Engine, Refused, type Estimate } from "./engine";
 
 /** How long a slice may take (ms), and how much work is done between two looks at the clock: some tenths of a millisecond. */
-const SLICE = 4;
+const SLICE = 2.5;
 const UNITS = 100;
 /** How often an estimate is told (ms), how many states are told. */
 const TOLD = 40;
