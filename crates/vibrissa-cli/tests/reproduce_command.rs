@@ -41,6 +41,21 @@ fn numerals(text: &str) -> Vec<String> {
 }
 
 #[test]
+fn each_picture_of_the_page_is_a_file_where_pictures_are_asked_for() {
+    let out = folder("reproduce-pictures");
+    let place = out.display().to_string();
+    let outcome = vibrissa(&["reproduce", "--only", "beam", "--pictures", "png", "--out", &place]);
+    assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
+    let page = std::fs::read_to_string(out.join("report.html")).unwrap();
+    let names = |end: &str| {
+        let files = std::fs::read_dir(&out).unwrap().map(|file| file.unwrap().file_name().into_string().unwrap());
+        files.filter_map(|name| name.strip_suffix(end).map(str::to_owned)).collect::<BTreeSet<String>>()
+    };
+    assert_eq!(names(".svg").len(), page.matches("class=\"plate\"").count());
+    assert!(!names(".svg").is_empty() && names(".svg") == names(".png"), "{:?}", names(".png"));
+}
+
+#[test]
 fn the_page_is_well_formed_and_all_of_its_numbers_are_in_the_file() {
     let (page, json) = made("reproduce-page", &LIGHT);
     let (document, json_value): (Document<'_>, Value) = (parsed(&page), serde_json::from_str(&json).unwrap());

@@ -204,6 +204,9 @@ fn unused_errors(robot: &Robot, t: f64) -> Option<Event> {
 /// What to do with a whisker that is curved at rest.
 const STRAIGHT_ONLY: &str =
     "this method takes whiskers that are straight at rest; `localize --method possibilistic` takes this one, too";
+/// What to do where a search of the whole map would take too long: the option, and how the ROS 2 node takes it.
+const FIRST_POSE: &str =
+    "say where the robot is at the first row (option --within; of the ROS 2 node, the topic initialpose)";
 /// At least this many observations are kept for drawing, where there are as many.
 const SHAPES: usize = 512;
 
@@ -216,5 +219,5 @@ fn searchable(map: &Map, prior: Option<[[f64; 2]; 3]>, most: f64) -> Result<()> 
     Err(Error::data("the map has too much boundary to search all of it for the robot")
         .value(format!("{walked:.1} m"))
         .allowed(format!("up to {most} m, or a region for the first pose"))
-        .remedy("say where the robot is at the first row (--within), or use the part of the map that it can be in"))
+        .remedy(format!("{FIRST_POSE}, or use the part of the map that it can be in")))
 }

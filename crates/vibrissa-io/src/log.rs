@@ -8,6 +8,7 @@ mod columns;
 mod csv_lines;
 mod csv_reader;
 mod csv_writer;
+mod degrees;
 mod doubts;
 pub mod foreign;
 mod imu_topics;

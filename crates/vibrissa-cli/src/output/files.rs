@@ -1,7 +1,7 @@
 //! Result files that are whole or not there.
 
 use super::picture::{self, Picture};
-use super::plain;
+use super::{plain, warn};
 use crate::interrupt::replacing;
 use std::borrow::Cow;
 use std::collections::hash_map::RandomState;
@@ -58,6 +58,9 @@ fn pictures(files: &[(&str, Content<'_>)], formats: &[Picture]) -> Result<Vec<(S
             let bytes = format.of(&String::from_utf8_lossy(&svg))?;
             made.push((format!("{stem}.{}", format.extension()), bytes));
         }
+    }
+    if made.is_empty() && !formats.is_empty() {
+        warn("--pictures: there is no figure among these results");
     }
     Ok(made)
 }

@@ -1,5 +1,6 @@
 //! The points of the boundary that whiskers are laid against, and maps that have too many of them.
 
+use super::FIRST_POSE;
 use crate::config::DeterministicOptions;
 use crate::config::limits::{COARSEST_SPACING, MOST_SAMPLES};
 use crate::flow::preimage::Observation;
@@ -38,9 +39,9 @@ fn too_much(walked: f64, options: &DeterministicOptions) -> Error {
         .value(format!("{walked:.1} m at {spacing} m"))
         .allowed(format!("up to {MOST_SAMPLES} points"));
     let smaller = if options.prior.is_some() {
-        "give a smaller region (--within)"
+        "give a smaller region".to_owned()
     } else {
-        "say where the robot is at the first row (--within), use the part of the map that it can be in"
+        format!("{FIRST_POSE}, use the part of the map that it can be in")
     };
     if coarser <= COARSEST_SPACING {
         error.remedy(format!("{smaller}, or --boundary-spacing {coarser}"))

@@ -1,5 +1,6 @@
 //! What looks wrong in a log without being impossible: most often a wrong unit.
 
+use super::degrees::Degrees;
 use crate::config::limits::{FASTEST_ROBOT, HEADING_JUMP, LARGEST_MOMENT, LATEST_TIME, POSITION_JUMP, SLOW_SAMPLING};
 use crate::flow::sensor_log::{Channel, LogRow, Quantity};
 use crate::plane::wrap_angle;
@@ -27,6 +28,7 @@ const FEWEST: usize = 10;
 pub(super) struct Doubts {
     turn: Doubt,
     heading_turn: Doubt,
+    degrees: Degrees,
     large_angle: Doubt,
     jump: Doubt,
     moment: Doubt,
@@ -58,6 +60,7 @@ impl Doubts {
         if row.t.abs() > LATEST_TIME {
             self.epoch.note(line, row.t);
         }
+        self.degrees.look(row.odom_from_robot, theta, row.heading);
         let Some(before) = previous else { return };
         let (time, way) = (row.t - before.t, row.odom_from_robot.position() - before.odom_from_robot.position());
         self.slow[0] += usize::from(time > SLOW_SAMPLING);
@@ -95,6 +98,8 @@ impl Doubts {
             ),
         ];
         let mostly = mostly.into_iter().filter(|(holds, _)| *holds).map(|(_, words)| format!("{name}: {words}"));
+        let told = [&self.large_angle, &self.turn, &self.heading_turn].iter().any(|doubt| doubt.first.is_some());
+        let slopes = self.degrees.warnings().filter(|_| !told).map(|words| format!("{name}: {words}"));
         let degrees = "are these degrees where radians are due?";
         [
             say(&self.large_angle, "theta is", "rad, more than a full turn", degrees),
@@ -107,6 +112,7 @@ impl Doubts {
         .into_iter()
         .flatten()
         .chain(mostly)
+        .chain(slopes)
         .collect()
     }
 }

@@ -27,8 +27,8 @@ pub(super) fn run(
         let [lo, hi] = model.fitted.map(|d| d * 1e3);
         warn(&format!("{outside} taps lie outside the calibrated distances, {lo:.1} to {hi:.1} mm"));
     }
-    let written = match &output.out {
-        Some(folder) => write_all(folder, &[("taps.csv", csv(&taps))])?,
+    let written = match output.destination() {
+        Some(to) => write_all(to, &[("taps.csv", csv(&taps))])?,
         None => Vec::new(),
     };
     if output.json {

@@ -16,7 +16,8 @@ use vibrissa_reproduce::{Cell, Progress, Reproduction, reproduce};
 /// Everything is simulated, with the paper's whisker and sweeps built after its description. It takes a minute or two on
 /// two cores; the same call gives the same bytes.
 ///
-/// With --out DIR: report.html, one page that needs nothing else, and reproduce.json, every number of it.
+/// With --out DIR: report.html, one page that needs nothing else, and reproduce.json, every number of it; with --pictures
+/// also each picture of the page as a file.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// Draws of the noise for each sweep of the localization table
@@ -51,9 +52,11 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     let seconds = begin.elapsed().as_secs_f64();
     let json = json::text(&answer, &options, None)?;
     let mut written = Vec::new();
-    if let Some(folder) = &args.output.out {
-        let files = [("report.html", page::text(&answer)), ("reproduce.json", json)];
-        written = write_all(folder, &files)?;
+    if let Some(to) = args.output.destination() {
+        let plates = if to.pictures.is_empty() { Vec::new() } else { plates(&answer) };
+        let mut files = vec![("report.html", page::text(&answer)), ("reproduce.json", json)];
+        files.extend(plates.iter().map(|(name, svg)| (name.as_str(), (*svg).clone())));
+        written = write_all(to, &files)?;
     }
     if args.output.json {
         return print(&json::text(&answer, &options, Some(seconds))?);
@@ -69,6 +72,12 @@ pub(crate) fn run(args: &Args) -> Result<()> {
 
 fn pieces(answer: &Reproduction) -> usize {
     answer.sections.iter().map(|section| section.figures.len() + section.tables.len()).sum()
+}
+
+/// The pictures of the page, each as a file of its own.
+fn plates(answer: &Reproduction) -> Vec<(String, &String)> {
+    let figures = answer.sections.iter().flat_map(|section| &section.figures);
+    figures.flat_map(|figure| &figure.panels).map(|panel| (format!("{}.svg", panel.key), &panel.svg)).collect()
 }
 
 /// What is compared, in words.
