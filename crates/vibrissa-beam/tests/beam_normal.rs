@@ -138,6 +138,7 @@ fn what_is_beyond_the_range_of_numbers_has_no_shape() {
     assert!(by_moment(f64::MAX, 2e-3, S_A, Branch::Least).is_none());
     assert!(by_moment(EI, 2e-3, 5e-324, Branch::Least).is_none());
     assert!(by_moment(EI, 2e-3, 5e-324, Branch::Curled).is_none());
+    assert!(by_moment(EI, 0.0, f64::MAX, Branch::Curled).is_none());
     assert!(by_point(f64::MAX, 0.075, Vec2::new(0.06, -0.01), Branch::Least).is_none());
     assert!(by_point(EI, 0.075, Vec2::new(0.0, 5e-324), Branch::Least).is_none());
 }

@@ -13,8 +13,8 @@
 //! the digits of their input, as any method does.
 //!
 //! Numbers that no shape has (a force beyond the first mode, a contact that is out of reach, input that is not finite)
-//! give `None`, in batches a shape of NaN. A shape whose force or moment is beyond the range of `f64` is none, either; in batches
-//! that number is infinite or NaN.
+//! give `None`, in batches a shape of NaN. A shape whose force, moment or contact is beyond the range of `f64` is none, either; in
+//! batches that number is infinite or NaN.
 
 mod inverse;
 mod series;
@@ -97,10 +97,10 @@ impl NormalBend {
         Self { force: nan, s_a: nan, phi_a: nan, tangent: nowhere, contact: nowhere, moment: nan }
     };
 
-    /// The shape, where there is one and its force is within the range of numbers.
+    /// The shape, where there is one and it is within the range of numbers.
     fn some(self) -> Option<Self> {
         let whole = !self.phi_a.is_nan() && self.force.is_finite() && self.moment.is_finite();
-        whole.then_some(self)
+        (whole && self.contact.is_finite()).then_some(self)
     }
 }
 
