@@ -257,3 +257,25 @@ pub(crate) fn box_95(pose: Pose2, covariance: &[[f64; 3]; 3]) -> StateBox {
     };
     StateBox { x: around(pose.x, 0), y: around(pose.y, 1), theta: around(pose.theta, 2) }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Evidence, Fit, Hypothesis, Pose2, Status, box_95, verdict};
+
+    /// The status of a log with one small place that the readings fit.
+    fn status(is_disputed: bool) -> (Status, Option<&'static str>) {
+        let pose = Pose2::new(0.1, 0.2, 0.3);
+        let covariance = [[1e-8, 0.0, 0.0], [0.0, 1e-8, 0.0], [0.0, 0.0, 1e-6]];
+        let extent = box_95(pose, &covariance);
+        let places = [Hypothesis { pose, weight: 1.0, extent, covariance: Some(covariance), ridge: Vec::new() }];
+        let fit = Fit { is_disputed, touching: 100, ..Fit::default() };
+        let told = verdict(&Evidence { touched: true, places: &places, fit: Some(&fit), ..Evidence::default() });
+        (told.status, told.reason.map(|(kind, _)| kind))
+    }
+
+    #[test]
+    fn a_small_place_is_localized_unless_a_likelier_one_disputes_it() {
+        assert_eq!(status(false), (Status::Localized, None));
+        assert_eq!(status(true), (Status::Ambiguous, Some("disputed")));
+    }
+}

@@ -1,13 +1,14 @@
 //! The bank of modes: a multi-hypothesis smoother \[reid1979algorithm\] whose modes are refitted to all rows of the window as it grows
-//! \[dellaert2017factor, ch. 2\]; older rows are marginalised \[sibley2010sliding\].
+//! \[dellaert2017factor, ch. 2\]; older rows are marginalised \[sibley2010sliding\]. At the end of a log `refinement` fits them to all rows.
 
-use super::adaptive_sampling::ProposalComponent;
+mod refinement;
+
 use super::admission::Admits;
 use super::correlated_noise::NoiseModel;
 use super::grid_search::best_of_cells;
 use super::information::Information;
 use super::map_symmetry::MapSymmetries;
-use super::measurement::{Linearisation, MeasurementModel, Prior, Start, State, difference, moved};
+use super::measurement::{Linearisation, MeasurementModel, Prior, Start, difference};
 use super::optimisation::{GRADUATED_RUNS, Mode};
 use super::unknowns::POSE;
 use crate::linear_algebra::{determinant, dot, times};
@@ -37,23 +38,11 @@ const SAME_SIDE: [f64; 2] = [60e-3, 0.2];
 const EQUAL: [f64; 2] = [3e-5, 3e-4];
 /// Inverse variances that keep covariances finite (20 mm, 20°).
 pub(super) const WEAK_PRIOR: [f64; POSE] = [2.5e3, 2.5e3, 8.2];
-/// So many of the best modes are looked around from,
-const LOOKED_AROUND: usize = 4;
-/// by so many starts, drawn from so much wider a Gaussian; so many of them are descended from, in so many steps.
-const STARTS: usize = 40;
-const START_WIDTH: f64 = 1.3;
-const DESCENDED: usize = 6;
-const DESCENDED_STEPS: usize = 6;
-/// Steps of a mode before the noise of its readings is estimated.
-const STEPS_BEFORE_NOISE: usize = 3;
 
 /// So many modes are compared with another in the time in which a reading is run.
 const COMPARED: usize = 40;
-
 /// Steps over all rows.
 const STEPS: usize = 10;
-/// So many of the best are searched along their open direction, as long as key rows judge.
-const MOST_SEARCHED: usize = 40;
 /// Slack for modes that are not at their least yet (nats).
 pub(super) const SLACK: f64 = 8.0;
 
@@ -297,45 +286,6 @@ impl Bank {
         }
     }
 
-    /// Takes for each mode the noise that its residuals tell.
-    pub(super) async fn estimate_noise(&mut self, model: &MeasurementModel<'_>) {
-        for mode in &mut self.modes {
-            mode.descend(model, &self.rows, STEPS_BEFORE_NOISE, &mut self.scratch).await;
-            let (noise, credit) = mode.estimated_noise(model, &self.rows, &mut self.scratch).await;
-            *mode = mode.by(noise);
-            mode.fits[0].credit = credit;
-            mode.relinearise(model, &self.rows, &mut self.scratch).await;
-        }
-    }
-
-    /// Looks for likelier minima around the best modes under their own noise: starts drawn from what independent errors allow, the likeliest of
-    /// which are descended from \[marti2003multistart\].
-    pub(super) async fn multistart(&mut self, model: &MeasurementModel<'_>) {
-        let rows = self.rows.clone();
-        let thinned: Vec<usize> = key_rows(model, None, 0..model.window.len());
-        let mut found = Vec::new();
-        for mode in self.modes.iter().take(LOOKED_AROUND) {
-            let mut wide = mode.by(NoiseModel::DECLARED);
-            wide.relinearise(model, &thinned, &mut self.scratch).await;
-            let around =
-                wide.marginal(model).covariance(WEAK_PRIOR).and_then(|c| ProposalComponent::new([0.0; POSE], &c));
-            let Some(around) = around else { continue };
-            let mut starts: Vec<(f64, State)> = Vec::with_capacity(STARTS);
-            for n in 0..STARTS {
-                let frame = moved(mode.state.frame, model.pivot(), around.sample(n, START_WIDTH));
-                let there = mode.at(mode.state_at(model, frame), model, &thinned, &mut self.scratch).await;
-                starts.push((there.evidence(), there.state));
-            }
-            starts.sort_by(|a, b| a.0.total_cmp(&b.0));
-            for (_, state) in starts.into_iter().take(DESCENDED) {
-                let mut there = mode.at(state, model, &rows, &mut self.scratch).await;
-                there.descend(model, &rows, DESCENDED_STEPS, &mut self.scratch).await;
-                found.push(there);
-            }
-        }
-        self.modes.extend(found);
-    }
-
     /// Keeps modes that may be where they stand.
     async fn keep_admitted(&mut self, model: &MeasurementModel<'_>, admits: &Admits<'_>) {
         let mut kept = Vec::with_capacity(self.modes.len());
@@ -419,33 +369,6 @@ impl Bank {
         self.modes = kept.into_iter().map(|(mode, _)| mode).collect();
     }
 
-    /// Fits every mode to these rows until it is settled; so many of the best are searched along their open direction first.
-    pub(super) async fn settle(
-        &mut self,
-        model: &MeasurementModel<'_>,
-        rows: Vec<usize>,
-        steps: usize,
-        gate: f64,
-        searched: usize,
-    ) {
-        self.rows = rows;
-        self.seen = model.window.len();
-        self.relinearise(model).await;
-        self.modes.sort_by(|a, b| a.evidence().total_cmp(&b.evidence()));
-        for mode in self.modes.iter_mut().take(searched) {
-            mode.search_line(model, &self.rows, &mut self.scratch).await;
-        }
-        self.prune(gate);
-        for mode in &mut self.modes {
-            mode.descend(model, &self.rows, steps, &mut self.scratch).await;
-            if mode.might_move(MOVED) {
-                mode.descend_independently(model, &self.rows, steps, &mut self.scratch).await;
-            }
-        }
-        self.prune(gate);
-        self.sort(model).await;
-    }
-
     /// The linearisation of the best mode.
     pub(super) async fn run(&mut self, model: &MeasurementModel<'_>) -> &Linearisation {
         let rows = core::mem::take(&mut self.rows);
@@ -465,19 +388,6 @@ impl Bank {
     /// Expresses every mode by its pose at this row.
     pub(super) fn anchor(&mut self, model: &MeasurementModel<'_>, row: usize) {
         self.modes.iter_mut().for_each(|mode| mode.state = model.anchored(&mode.state, row));
-    }
-
-    /// Moves every mode to its least cost over all rows, and looks for likelier ones around the best; no mode is kept that costs more than
-    /// `gate` above the best. The noise of each mode is that of its residuals afterwards.
-    pub(super) async fn refine(&mut self, model: &MeasurementModel<'_>, gate: f64) {
-        for gate in [gate + SLACK, gate + 0.5 * SLACK] {
-            self.settle(model, key_rows(model, None, 0..model.window.len()), STEPS, gate, MOST_SEARCHED).await;
-            self.join_overlapping(model).await;
-        }
-        self.settle(model, (0..model.window.len()).collect(), STEPS, gate + 0.5 * SLACK, 0).await;
-        self.estimate_noise(model).await;
-        self.multistart(model).await;
-        self.settle(model, (0..model.window.len()).collect(), STEPS, gate, 0).await;
     }
 
     /// Moves every mode to its least cost over the rows that modes are compared by, before rows are marginalised: what these say is never

@@ -57,9 +57,12 @@ impl NoiseModel {
 }
 
 /// What is tried: variances of both parts, and time constants (s). Errors at the ends of their bounds have three times the variance of even
-/// ones; a white part smaller than declared leaves the rest of what is declared to what stays alike.
-const WHITE: [f64; 3] = [1.0, 1.8, 3.0];
-const SMALL_WHITE: [f64; 3] = [1.0, 0.3, 0.05];
+/// ones. Smooth residuals show by a white part smaller than declared that errors stay alike.
+const WHITE: [f64; 3] = [LEAST_TOLD, 1.8, 3.0];
+const SMALL_WHITE: [f64; 3] = [LEAST_TOLD, 0.3, 0.05];
+/// Places are told and compared by a white part no smaller than declared: one whose residuals happen to be smooth would be believed for that.
+/// Without this the truth is held in 379 instead of 386 of 392 sweeps of 14 laws, and 3 places are wrong instead of 2.
+const LEAST_TOLD: f64 = 1.0;
 const CORRELATED: [f64; 2] = [1.0, 3.0];
 const TIME_CONSTANTS: [f64; 6] = [0.03, 0.1, 0.3, 1.0, 3.0, 10.0];
 /// Time constants are no longer than this share of the log.
@@ -148,9 +151,12 @@ fn unknown_cost(rows: &[Row], k: usize) -> f64 {
     UNKNOWN_COST[usize::from(before.is_some_and(|row| row.held.is_none()))]
 }
 
-/// The noise model by which a mode is told, and how much likelier the likeliest one makes the readings (nats); `known` is what is known beside
-/// the readings. Where errors stay alike few readings tell how: of all models that are about as likely the one that leaves the pose most
-/// open is taken \[huber1964robust\].
+/// Minus the logarithm of the evidence by a noise model, how certain the pose is by it, and the model.
+type Judged = (f64, f64, NoiseModel);
+
+/// The noise model by which a mode is told, and how much likelier the readings are by the likeliest one with no less than the declared noise
+/// (nats); `known` is what is known beside the readings. Where errors stay alike few readings tell how: of all models that are about as likely
+/// the one that leaves the pose most open is taken \[huber1964robust\].
 pub(super) async fn estimated(
     model: &MeasurementModel<'_>,
     told: &Linearisation,
@@ -180,17 +186,18 @@ pub(super) async fn estimated(
         all.push(judged(noise));
         model.works(told.rows.len() / READINGS_ADDED).await;
     }
-    let likeliest = all.iter().min_by(|a, b| a.0.total_cmp(&b.0)).copied();
-    let Some((most, _, best)) = likeliest else { return (NoiseModel::DECLARED, 0.0) };
+    let least = |some: &mut dyn Iterator<Item = &Judged>| some.min_by(|a, b| a.0.total_cmp(&b.0)).copied();
+    let Some((most, _, best)) = least(&mut all.iter()) else { return (NoiseModel::DECLARED, 0.0) };
+    let compared = least(&mut all.iter().filter(|one| one.2.white >= LEAST_TOLD)).map_or(most, |one| one.0);
     // Independent errors as declared need no other reason than to be about as likely.
     if all[0].0 <= most + WORTH_MORE {
-        return (all[0].2, all[0].0 - most);
+        return (all[0].2, all[0].0 - compared);
     }
     let about =
         all.iter().filter(|one| one.0 <= most + WORTH_MORE && (best.correlated > 0.0) == (one.2.correlated > 0.0));
     let chosen = about.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(best, |one| one.2);
-    let wide = widened(chosen, to - from);
-    (wide, judged(wide).0 - most)
+    let wide = widened(NoiseModel { white: chosen.white.max(LEAST_TOLD), ..chosen }, to - from);
+    (wide, judged(wide).0 - compared)
 }
 
 /// The same with larger variances, as far as a log of this duration (s) leaves them open.

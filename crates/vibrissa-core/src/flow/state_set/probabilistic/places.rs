@@ -237,15 +237,37 @@ async fn settle_exactly(bank: &mut Bank, model: &MeasurementModel<'_>) {
 
 /// How well the best mode fits that may be right, or the best one if none may.
 async fn fit(bank: &Bank, model: &MeasurementModel<'_>) -> Fit {
-    let mut best = None;
+    let mut best = BestFit::default();
     for mode in &bank.modes {
-        let fit = fit_of_mode(mode, bank, model).await;
-        if fit.agrees() {
-            return Fit { is_disputed: best.is_some(), ..fit };
+        if best.take(fit_of_mode(mode, bank, model).await) {
+            break;
         }
-        best.get_or_insert(fit);
     }
-    best.unwrap_or_default()
+    best.told()
+}
+
+/// The fits of modes, the likeliest first, as far as they are looked at.
+#[derive(Debug, Default)]
+struct BestFit {
+    likeliest: Option<Fit>,
+    agreeing: Option<Fit>,
+}
+
+impl BestFit {
+    /// Takes the next one; whether it may be right, so that no other is needed.
+    fn take(&mut self, fit: Fit) -> bool {
+        let agrees = fit.agrees();
+        if agrees {
+            self.agreeing = Some(Fit { is_disputed: self.likeliest.is_some(), ..fit });
+        } else if self.likeliest.is_none() {
+            self.likeliest = Some(fit);
+        }
+        agrees
+    }
+
+    fn told(self) -> Fit {
+        self.agreeing.or(self.likeliest).unwrap_or_default()
+    }
 }
 
 /// By the solver that leaves fewer readings unexplained, since where the two disagree the whisker is about to snap.
@@ -519,4 +541,35 @@ fn mean_and_worst<T: Copy>(squares: &[(T, f64)]) -> (f64, Option<(T, T, f64)>) {
     let length = squares.len().div_ceil(STRETCHES).max(1);
     let stretches = squares.chunks(length).map(|part| (part[0].0, part[part.len() - 1].0, mean(part)));
     (mean(squares), stretches.max_by(|a, b| a.2.total_cmp(&b.2)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{BestFit, Fit};
+
+    fn told(shares_beyond: &[f64]) -> Fit {
+        let mut best = BestFit::default();
+        for &beyond in shares_beyond {
+            best.take(Fit { beyond, ..Fit::default() });
+        }
+        best.told()
+    }
+
+    #[test]
+    fn the_likeliest_mode_is_told_alone_where_it_explains_the_readings() {
+        let fit = told(&[0.02]);
+        assert_eq!((fit.beyond, fit.is_disputed), (0.02, false));
+    }
+
+    #[test]
+    fn where_the_likeliest_mode_leaves_readings_unexplained_the_next_one_is_disputed() {
+        let fit = told(&[0.4, 0.3, 0.02]);
+        assert_eq!((fit.beyond, fit.is_disputed), (0.02, true));
+    }
+
+    #[test]
+    fn where_no_mode_explains_the_readings_nothing_disputes_the_likeliest() {
+        let fit = told(&[0.4, 0.3]);
+        assert_eq!((fit.beyond, fit.is_disputed), (0.4, false));
+    }
 }
