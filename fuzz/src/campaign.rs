@@ -3,7 +3,7 @@
 use crate::mutate::mutate;
 use crate::random::Random;
 use crate::targets::{Outcome, Source, Target};
-use crate::watch::Watch;
+use crate::watch::{Watch, worked};
 use std::collections::HashSet;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
@@ -97,15 +97,24 @@ pub(crate) fn run(target: &Target, plan: &Plan, watch: &Watch) -> Tally {
 
 /// The next input: half of them come from the seeds, which are the first `whole` of the pool.
 fn next(target: &Target, pool: &[Vec<u8>], whole: usize, random: &mut Random) -> Vec<u8> {
-    let empty = Vec::new();
     match target.source {
         Source::Drawn(draw) => draw(random),
-        Source::Damaged(_, words) => {
-            let from = if random.one_in(2) { whole } else { pool.len() };
-            let (seed, other) = (random.below(from), random.below(pool.len()));
-            mutate(pool.get(seed).unwrap_or(&empty), pool.get(other).unwrap_or(&empty), words, random)
+        Source::Grown(draw, words) if random.one_in(2) => {
+            let own = draw(random);
+            if random.one_in(2) { own } else { damaged(&own, pool, words, random) }
+        }
+        Source::Damaged(_, words) | Source::Grown(_, words) => {
+            let from = if whole > 0 && random.one_in(2) { whole } else { pool.len() };
+            let seed = pool.get(random.below(from)).cloned().unwrap_or_default();
+            damaged(&seed, pool, words, random)
         }
     }
+}
+
+/// A damaged input; another one of the pool lends pieces.
+fn damaged(seed: &[u8], pool: &[Vec<u8>], words: &[&str], random: &mut Random) -> Vec<u8> {
+    let other = pool.get(random.below(pool.len())).map_or(&[][..], Vec::as_slice);
+    mutate(seed, other, words, random)
 }
 
 /// One try: its verdict, panics and delays included, and its time.
@@ -119,12 +128,12 @@ pub(crate) fn attempt(
     // A busy machine may delay one try, but hardly three.
     for _ in 0..3 {
         watch.begin(target.name, input);
-        let (begin, worked) = (Instant::now(), worked());
+        let (begin, before) = (Instant::now(), worked());
         let verdict = catch_unwind(AssertUnwindSafe(|| (target.check)(input)));
         time = time.min(begin.elapsed());
         if time > limit {
             // A busy machine lets a try wait; what counts is its own work.
-            time = time.min(self::worked().zip(worked).map_or(time, |(now, then)| now.saturating_sub(then)));
+            time = time.min(worked().zip(before).map_or(time, |(now, then)| now.saturating_sub(then)));
         }
         watch.end();
         let verdict = verdict
@@ -136,12 +145,6 @@ pub(crate) fn attempt(
         }
     }
     (Err("slow: more than the allowed time for one input".to_owned()), time)
-}
-
-/// How long this thread has worked since it began, where the system tells.
-fn worked() -> Option<Duration> {
-    let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
-    text.split(' ').next()?.parse().ok().map(Duration::from_nanos)
 }
 
 /// The finding without the numbers of the input.

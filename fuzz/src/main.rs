@@ -5,7 +5,7 @@
 //! Without `--target` every target takes its turn of `--seconds`; `--long` shares an hour among them. `--seed N` gives other inputs. A finding is shortened
 //! and kept under `target/fuzz`; `--replay FILE --target NAME` tries it again. Inputs that made the code do something new are kept in
 //! `target/fuzz/corpus`, or the folder of `--corpus`, and later runs begin with them. Where a try ends the whole process, as an
-//! exhausted stack does, `--trace` keeps each input before it is tried.
+//! exhausted stack does, `--trace` keeps each input before it is tried. `--markdown FILE` writes what came of each target as a table.
 
 mod campaign;
 mod mutate;
@@ -30,6 +30,7 @@ struct Call {
     plan: Plan,
     targets: Vec<&'static Target>,
     replay: Option<PathBuf>,
+    markdown: Option<PathBuf>,
 }
 
 fn main() -> ExitCode {
@@ -39,7 +40,7 @@ fn main() -> ExitCode {
         Err(message) => {
             let names: Vec<&str> = ALL.iter().map(|target| target.name).collect();
             eprintln!(
-                "error: {message}\n  --seconds S --long --target NAME --seed N --replay FILE --trace --corpus DIR"
+                "error: {message}\n  --seconds S --long --target NAME --seed N --replay FILE --trace --corpus DIR --markdown FILE"
             );
             eprintln!("  targets: {}", names.join(", "));
             ExitCode::from(2)
@@ -56,6 +57,7 @@ fn parse(mut words: impl Iterator<Item = String>) -> Result<Call, String> {
         plan: Plan { seconds: 10.0, seed: 1, limit, folder, corpus, trace: false },
         targets: Vec::new(),
         replay: None,
+        markdown: None,
     };
     while let Some(word) = words.next() {
         let mut value = || words.next().ok_or(format!("{word} needs a value"));
@@ -69,6 +71,7 @@ fn parse(mut words: impl Iterator<Item = String>) -> Result<Call, String> {
             }
             "--long" => call.plan.seconds = LONG / ALL.len() as f64,
             "--replay" => call.replay = Some(value()?.into()),
+            "--markdown" => call.markdown = Some(value()?.into()),
             "--trace" => call.plan.trace = true,
             "--corpus" => call.plan.corpus = value()?.into(),
             _ => return Err(format!("unknown word {word}")),
@@ -89,14 +92,29 @@ fn work(call: &Call) -> ExitCode {
         return replay(call, path, &watch);
     }
     let (mut tries, mut findings) = (0, 0);
+    let mut table = "| target | inputs | read | kinds of outcome | slowest (ms) | findings |\n| --- | --- | --- | --- | --- | --- |\n".to_owned();
     for target in &call.targets {
         let tally = run(target, &call.plan, &watch);
         report(target, &tally);
+        table += &row(target, &tally);
         tries += tally.tries;
         findings += tally.findings.len();
     }
     println!("fuzzing: {tries} inputs, {findings} findings");
+    if let Some(path) = &call.markdown
+        && let Err(error) = std::fs::write(path, table)
+    {
+        eprintln!("cannot write {} ({error})", path.display());
+        return ExitCode::from(2);
+    }
     if findings == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}
+
+/// What came of a target, as a row of the table.
+fn row(target: &Target, tally: &Tally) -> String {
+    let Tally { tries, read, marks, slowest, findings } = tally;
+    let slowest = slowest.as_secs_f64() * 1e3;
+    format!("| {} | {tries} | {read} | {} | {slowest:.0} | {} |\n", target.name, marks.len(), findings.len())
 }
 
 fn report(target: &Target, tally: &Tally) {

@@ -82,6 +82,12 @@ fn computed() -> Option<u64> {
     Some((ticks()? + ticks()?) / TICKS)
 }
 
+/// How long this thread has worked since it began, where the system tells.
+pub(crate) fn worked() -> Option<Duration> {
+    let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
+    text.split(' ').next()?.parse().ok().map(Duration::from_nanos)
+}
+
 /// What the program holds (kB); 0 where the system does not tell.
 fn memory() -> u64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();

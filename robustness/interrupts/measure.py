@@ -58,7 +58,8 @@ def prepare(folder, binary):
                     cells[t] = f"{float(cells[t]) + 3.0 * turn:.6f}"
                     log.write(",".join(cells) + "\n")
     (folder / "batch.csv").write_text("s_a,F,r_tip\n" + "".join(f"0.07,{0.01 + i * 1e-7:.7f},0.3\n" for i in range(300_000)))
-    points = ", ".join(f"[{0.3 + 0.05 * (i % 2)}, 0.1, 0]" for i in range(200))
+    # To and fro along a wall, a tapered whisker bent by it: each row takes an integration.
+    points = "[0.4, 0.22, 0.6], " + ", ".join(f"[0.428, {0.19 + 0.06 * (i % 2):.2f}, 0.6]" for i in range(200))
     (folder / "scenario.toml").write_text(
         f'map = "demo/map.svg"\n[[whisker]]\ntip_ratio = 0.5\n[path]\nspeed = "20 mm/s"\nrate = "1000 Hz"\nwaypoints = [{points}]\n'
     )

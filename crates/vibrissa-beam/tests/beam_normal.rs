@@ -122,6 +122,28 @@ fn point_mode_on_both_branches() {
 }
 
 #[test]
+fn the_curled_shape_without_a_moment_is_the_end_of_the_first_mode() {
+    let end = by_force(EI, force(LAST_Q), S_A).unwrap();
+    for moment in [0.0, 5e-324, 1e-310, 1e-301] {
+        let curled = by_moment(EI, moment, S_A, Branch::Curled).unwrap();
+        let off = curled.contact.distance(end.contact) / S_A;
+        assert!(off < 1e-12 && curled.contact.norm() <= S_A, "{moment}: {curled:?}, {end:?}");
+        let least = by_moment(EI, moment, S_A, Branch::Least).unwrap();
+        assert!(least.contact.distance(Vec2::new(S_A, 0.0)) < 1e-15, "{moment}: {least:?}");
+    }
+}
+
+#[test]
+fn what_is_beyond_the_range_of_numbers_has_no_shape() {
+    assert!(by_moment(f64::MAX, 2e-3, S_A, Branch::Least).is_none());
+    assert!(by_moment(EI, 2e-3, 5e-324, Branch::Least).is_none());
+    assert!(by_moment(EI, 2e-3, 5e-324, Branch::Curled).is_none());
+    assert!(by_moment(EI, 0.0, f64::MAX, Branch::Curled).is_none());
+    assert!(by_point(f64::MAX, 0.075, Vec2::new(0.06, -0.01), Branch::Least).is_none());
+    assert!(by_point(EI, 0.075, Vec2::new(0.0, 5e-324), Branch::Least).is_none());
+}
+
+#[test]
 fn what_has_no_shape_has_none() {
     assert!(by_force(EI, force(1.000_001 * LAST_Q), S_A).is_none());
     assert!(by_force(EI, force(LAST_Q), S_A).is_some());

@@ -103,9 +103,9 @@ impl<'a> Localizer<'a> {
     ///
     /// # Errors
     ///
-    /// As [`Estimator::step`], or a row after the end.
+    /// As [`Estimator::step`], a time or a pose that is no number, or a row after the end.
     pub fn step(&mut self, row: &LogRow) -> Result<()> {
-        self.refuse_after_end(row)?;
+        self.check(row)?;
         self.estimator.step(row)
     }
 
@@ -115,7 +115,7 @@ impl<'a> Localizer<'a> {
     ///
     /// As [`Localizer::step`].
     pub fn begin(&mut self, row: &LogRow) -> Result<()> {
-        self.refuse_after_end(row)?;
+        self.check(row)?;
         self.estimator.begin(row)
     }
 
@@ -156,9 +156,10 @@ impl<'a> Localizer<'a> {
         }
     }
 
-    fn refuse_after_end(&self, row: &LogRow) -> Result<()> {
+    /// Refuses what no estimator has to take. Readings are checked where they are used.
+    fn check(&self, row: &LogRow) -> Result<()> {
         if !self.has_ended {
-            return Ok(());
+            return row.check([]);
         }
         Err(Error::usage("a row after the end of the log").value(row.t).remedy("begin anew with another Localizer"))
     }

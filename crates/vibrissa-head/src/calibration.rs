@@ -92,16 +92,22 @@ impl Calibration {
         }
     }
 
-    /// Whether all numbers are finite and the ranges are above 0.
+    /// Whether all numbers are finite, the ranges are above 0, and so are the moments of every flux within reach.
     #[must_use]
     pub fn is_valid(&self) -> bool {
-        let finite = |values: &[f64]| values.iter().all(|value| value.is_finite());
-        finite(&self.rest)
+        self.rest.iter().all(|value| value.is_finite())
             && match &self.response {
-                Response::Line(signal, coefficients) => signal.is_valid() && finite(coefficients),
+                Response::Line(signal, coefficients) => signal.is_valid() && is_bounded(coefficients),
                 Response::Plane(signals, coefficients) => {
-                    signals.iter().all(Signal::is_valid) && coefficients.iter().all(|axis| finite(axis))
+                    signals.iter().all(Signal::is_valid) && coefficients.iter().all(|axis| is_bounded(axis))
                 }
             }
     }
+}
+
+/// Whether a polynomial of signals within [`REACH`] stays within the range of numbers; its powers are at most the fifth.
+fn is_bounded(coefficients: &[f64]) -> bool {
+    const LARGEST_POWER: f64 = REACH * REACH * REACH * REACH * REACH;
+    let most = coefficients.iter().fold(0.0, |sum: f64, coefficient| sum + coefficient.abs() * LARGEST_POWER);
+    most.is_finite()
 }

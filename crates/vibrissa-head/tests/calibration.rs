@@ -40,3 +40,17 @@ fn cross_talk_of_both_axes_is_undone_and_what_is_beyond_has_no_moment() {
         Calibration { rest: [0.0; 3], response: Response::Plane([signal([1.0, 0.0]); 2], [[f64::NAN; 10]; 2]) };
     assert!(!nothing.is_valid());
 }
+
+#[test]
+fn a_valid_calibration_has_a_finite_moment_for_every_flux_within_reach() {
+    let signal = Signal { direction: [0.0, 0.6, 0.8], range: [0.0, 1e-3] };
+    let line =
+        |last: f64| Calibration { rest: REST, response: Response::Line(signal, [0.0, 1e-3, 0.0, 0.0, 0.0, last]) };
+    // 1.1 to the fifth power is 1.6.
+    assert!(line(1e308).is_valid() && !line(1.7e308).is_valid() && !line(f64::NAN).is_valid());
+    let flux = [REST[0], REST[1] + 0.6 * 1.09e-3, REST[2] + 0.8 * 1.09e-3];
+    assert!(line(1e308).moments(flux).is_some_and(|found| found.moment.is_finite()));
+    let mut coefficients = [[0.0; 10]; 2];
+    (coefficients[1][3], coefficients[1][9]) = (1e308, -1e308);
+    assert!(!Calibration { rest: REST, response: Response::Plane([signal; 2], coefficients) }.is_valid());
+}

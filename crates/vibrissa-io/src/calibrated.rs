@@ -95,9 +95,10 @@ impl Calibrator {
     ///
     /// # Errors
     ///
-    /// A reading beyond the calibrated range.
+    /// A reading beyond the calibrated range; a row without one of its readings.
     pub fn row(&self, row: &mut LogRow) -> Result<()> {
         for one in &self.converted {
+            row.check(one.channels.iter().copied())?;
             let raw: Vec<f64> = one.channels.iter().map(|&channel| row.readings[channel]).collect();
             match &one.response {
                 Response::Curve(curve) => row.readings.push(curve.moment(&raw)?),

@@ -2,13 +2,15 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on must fail")]
 
-use vibrissa::config::DeterministicOptions;
+use vibrissa::config::{ContactOptions, DeterministicOptions, MappingOptions};
 use vibrissa::flow::pose::{Localization, Status};
-use vibrissa::flow::sensor_log::SensorLog;
+use vibrissa::flow::sensor_log::{LogRow, SensorLog};
 use vibrissa::plane::{Pose2, wrap_angle};
+use vibrissa::tasks::contact::contacts;
 use vibrissa::tasks::demo;
+use vibrissa::tasks::mapping::Mapper;
 use vibrissa::world::{Map, Robot};
-use vibrissa::{Method, Result, localize};
+use vibrissa::{Localizer, Method, Result, localize};
 
 /// The demo's first 200 rows: enough for a few dozen updates.
 fn log() -> SensorLog {
@@ -65,7 +67,7 @@ fn standing_still_in_contact_tells_nothing_and_ends() {
     let mut log = log();
     let touch = log.rows.iter().position(|row| row.readings[0].abs() > 1e-3).unwrap();
     let row = log.rows[touch].clone();
-    log.rows = (0..100_000).map(|k| vibrissa::flow::sensor_log::LogRow { t: f64::from(k), ..row.clone() }).collect();
+    log.rows = (0..100_000).map(|k| LogRow { t: f64::from(k), ..row.clone() }).collect();
     let answer = run(&log, &square(0.4)).unwrap();
     assert!(answer.status == Status::Ambiguous && answer.hypotheses.is_empty() && answer.steps.is_empty());
 }
@@ -134,5 +136,39 @@ fn a_drawing_of_endless_size_is_refused() {
         let error = vibrissa::io::map::from_svg(&text, "map.svg").err().unwrap();
         let message = error.to_string();
         assert!(error.line() == Some(2) && message.contains("out of range") && message.len() < 400, "{message}");
+    }
+}
+
+#[test]
+fn a_row_that_is_not_in_numbers_is_refused_by_every_method_and_task() {
+    type Damage = fn(&mut LogRow);
+    let bad: [(Damage, &str); 5] = [
+        (|row| row.t = f64::NAN, "t of a row"),
+        (|row| row.odom_from_robot.x = f64::NAN, "x of a row"),
+        (|row| row.odom_from_robot.x = -1e9, "x of a row"),
+        (|row| row.odom_from_robot.y = f64::INFINITY, "y of a row"),
+        (|row| row.odom_from_robot.theta = f64::NAN, "theta of a row"),
+    ];
+    let (map, robot) = (square(0.4), Robot::default());
+    for (damage, word) in bad {
+        let mut log = log();
+        damage(&mut log.rows[100]);
+        log.rows[100].line = 102;
+        for method in Method::all() {
+            let mut localizer = Localizer::new(&map, &robot, &log.channels, &method).unwrap();
+            let told = log.rows[99..101].iter().try_for_each(|row| localizer.step(row)).unwrap_err().to_string();
+            assert!(told.contains(word) && told.contains("102"), "{told}");
+            assert!(localizer.begin(&log.rows[100]).is_err() && localizer.step(&log.rows[101]).is_ok());
+        }
+        assert!(contacts(&log, &robot, &ContactOptions::default()).is_err_and(|e| e.to_string().contains(word)));
+        let mut mapper = Mapper::new(&robot, &log, MappingOptions::default()).unwrap();
+        assert!(mapper.push(&log.rows[100]).is_err_and(|e| e.to_string().contains(word)));
+    }
+    // A reading that is missing, or none.
+    for readings in [vec![], vec![f64::NAN]] {
+        let mut log = log();
+        log.rows[100].readings = readings;
+        let told = contacts(&log, &robot, &ContactOptions::default()).unwrap_err().to_string();
+        assert!(told.contains("reading 1"), "{told}");
     }
 }

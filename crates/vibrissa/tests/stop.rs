@@ -1,7 +1,7 @@
 //! A request to end: what is known by then is kept and marked, and nothing of it is wrong.
 
 use vibrissa::config::{ContactOptions, PossibilisticOptions, ProfileOptions};
-use vibrissa::sim::{SimulateOptions, SweepNoise, simulate, simulate_until};
+use vibrissa::sim::{Scenario, SimulateOptions, SweepNoise, simulate, simulate_until};
 use vibrissa::tasks::contact::{contacts, contacts_until};
 use vibrissa::tasks::profile::profile_until;
 use vibrissa::tasks::{demo, localize_until};
@@ -71,6 +71,29 @@ fn a_sweep_that_is_stopped_is_the_beginning_of_the_whole() {
         assert!(part.contacts.iter().all(|touch| touch.row < rows));
         assert_eq!(part.events, whole.events[..part.events.len()]);
     }
+}
+
+#[test]
+fn a_scenario_that_is_stopped_is_recorded_as_far_as_it_came() {
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenarios/pipe.toml");
+    let scenario = Scenario::read(file).unwrap();
+    let stop = Stop::default();
+    let sweep = scenario
+        .sweep_until(&stop, &mut |done| {
+            if done == 40 {
+                stop.ask()
+            }
+        })
+        .unwrap();
+    let rows = sweep.truth.len();
+    assert!(rows > 0 && rows < scenario.path.len(), "{rows}");
+    let part = scenario.recorded(sweep).unwrap();
+    let whole = scenario.simulate().unwrap();
+    assert_eq!(part.sweep.exact_moments, whole.sweep.exact_moments[..rows]);
+    assert!(!part.recording.log.rows.is_empty() && part.recording.log.rows.len() <= rows);
+    // Before the first pose there is nothing to record: a sweep of none, and in one call an error.
+    assert!(scenario.sweep_until(&stop, &mut |_| {}).unwrap().truth.is_empty());
+    assert!(scenario.simulate_until(&stop, &mut |_| {}).is_err());
 }
 
 #[test]

@@ -25,6 +25,7 @@ pub(crate) const WORDS: &[&str] = &[
     "localize 2 ",
     "localize 3 ",
     "estimate ",
+    "whiskers 0 0 0 0\n",
     "write ",
     "possibilistic",
     "deterministic",
@@ -107,6 +108,7 @@ fn called(line: &str) -> Option<u32> {
             abi::localize(whole(0), number(1).min(MOST_ROWS) as u32)
         }
         "estimate" => abi::estimate(whole(0)),
+        "whiskers" => abi::whiskers(whole(0), number(1), number(2), number(3)),
         "write" => {
             native::give(rest.as_bytes());
             abi::write(whole(0))

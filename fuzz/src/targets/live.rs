@@ -1,7 +1,10 @@
 //! Live runs: setups, decoders and the way from bytes to rows, as they come from wires, cut anywhere.
 
 use super::{Verdict, clean, promise, read, refused, size};
+use crate::random::Random;
+use std::path::PathBuf;
 use vibrissa::Robot;
+use vibrissa_head::command::{Command, Inbox};
 use vibrissa_live::counts::Counts;
 use vibrissa_live::decode::{Decoded, Decoder, Piece, WireFormat};
 use vibrissa_live::pipeline::Pipeline;
@@ -139,4 +142,83 @@ fn chunks(setup: &Setup, body: &str) -> Vec<Chunk> {
         }
     }
     all
+}
+
+/// Longest packet of a command (bytes).
+const PACKET: usize = 1024;
+
+/// Packets of commands to a sensor head, whole or of any bytes.
+pub(crate) fn draw_commands(random: &mut Random) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    for _ in 0..1 + random.below(4) {
+        let packet: Vec<u8> = (0..random.below(40)).map(|_| random.bits() as u8).collect();
+        // Of any bytes few are a command; what is one is written again as the host does.
+        match Command::read(&packet) {
+            Ok(command) => {
+                let mut out = [0; PACKET];
+                bytes.extend(command.write(&mut out).and_then(|length| out.get(..length)).unwrap_or_default());
+            }
+            Err(_) => bytes.extend(packet),
+        }
+        bytes.push(0);
+    }
+    bytes
+}
+
+/// What a sensor head reads from its line: a command is the same when it is written and read again.
+pub(crate) fn commands(bytes: &[u8]) -> Verdict {
+    let (mut inbox, mut done, mut damaged) = (Inbox::default(), 0, 0);
+    for &byte in bytes {
+        match inbox.push(byte) {
+            None => {}
+            Some(Err(_)) => damaged += 1,
+            Some(Ok(command)) => {
+                done += 1;
+                let mut out = [0; PACKET];
+                let length = command.write(&mut out).unwrap_or_default();
+                promise(length > 1, || format!("{command:?} cannot be written"))?;
+                // Bits that are no number are written as they are, but are not equal.
+                let again = Command::read(&out[..length - 1]).map(|command| format!("{command:?}"));
+                let same = again.as_ref().is_ok_and(|again| *again == format!("{command:?}"));
+                promise(same, || format!("{command:?} is read back as {again:?}"))?;
+            }
+        }
+    }
+    read((size(done), size(damaged)))
+}
+
+/// A recording of a live run, as a replay reads it.
+pub(crate) fn journal(bytes: &[u8]) -> Verdict {
+    let path = scratch();
+    std::fs::write(&path, bytes).map_err(|error| format!("cannot write {} ({error})", path.display()))?;
+    let recorded = match vibrissa_live::journal::read(&path) {
+        Ok(recorded) => recorded,
+        Err(error) => return refused(&error),
+    };
+    recorded.warnings.iter().try_for_each(|warning| clean(warning))?;
+    let (mut chunks, mut total, mut fault) = (0_u64, 0, false);
+    let told = vibrissa_live::journal::chunks(&recorded, |chunk| {
+        chunks += 1;
+        fault |= !chunk.arrival.is_finite() || chunk.source >= recorded.setup.sources.len();
+        if let Arrived::Bytes(bytes) = chunk.what {
+            total += bytes.len();
+        }
+        Ok(())
+    });
+    if let Err(error) = told {
+        return refused(&error);
+    }
+    promise(!fault, || "a piece of no source or time".into())?;
+    read((
+        size(chunks as usize),
+        size(total),
+        size(recorded.used.len()),
+        size(recorded.lines.len()),
+        recorded.warnings.len(),
+    ))
+}
+
+/// A file of this process for what is read by its path.
+fn scratch() -> PathBuf {
+    std::env::temp_dir().join(format!("vibrissa-fuzz-{}.mcap", std::process::id()))
 }

@@ -2,11 +2,15 @@
 
 mod abi;
 mod beam;
+mod c;
 mod corridor;
+mod estimators;
 mod geometry;
 mod live;
 mod readers;
 mod ros;
+mod sets;
+mod world;
 
 use crate::random::Random;
 use std::hash::{DefaultHasher, Hash, Hasher};
@@ -30,6 +34,8 @@ pub(crate) enum Source {
     Damaged(&'static [&'static str], &'static [&'static str]),
     /// Drawn from nothing.
     Drawn(fn(&mut Random) -> Vec<u8>),
+    /// Drawn from nothing, and what did something new damaged; the words are the format's own.
+    Grown(fn(&mut Random) -> Vec<u8>, &'static [&'static str]),
 }
 
 /// One thing to feed.
@@ -93,12 +99,21 @@ pub(crate) const ALL: &[Target] = &[
         source: Source::Damaged(&["fuzz/seeds/pipeline"], live::SETUP_WORDS),
         check: live::pipeline,
     },
+    Target { name: "command", source: Source::Grown(live::draw_commands, &[]), check: live::commands },
+    Target { name: "journal", source: Source::Damaged(&["fuzz/seeds/journal"], ros::MCAP_WORDS), check: live::journal },
     Target { name: "abi", source: Source::Damaged(&["fuzz/seeds/abi"], abi::WORDS), check: abi::calls },
     Target { name: "outline", source: Source::Drawn(geometry::draw_points), check: geometry::outline },
     Target { name: "edges", source: Source::Drawn(geometry::draw_points), check: geometry::edges },
     Target { name: "curve", source: Source::Drawn(geometry::draw_points), check: geometry::curve },
     Target { name: "whisker", source: Source::Drawn(beam::draw), check: beam::modes },
     Target { name: "rod", source: Source::Drawn(beam::draw_rod), check: beam::rods },
+    Target { name: "c", source: Source::Grown(c::draw, c::WORDS), check: c::calls },
+    Target { name: "contact_set", source: Source::Grown(sets::draw, sets::WORDS), check: sets::contact_sets },
+    on_worlds("world_deterministic", estimators::deterministic),
+    on_worlds("world_possibilistic", estimators::possibilistic),
+    on_worlds("world_probabilistic", estimators::probabilistic),
+    on_worlds("world_contact", sets::contact),
+    on_worlds("world_profile", sets::outline),
     on_logs("localize", corridor::deterministic),
     on_logs("possibilistic", corridor::possibilistic),
     on_logs("probabilistic", corridor::probabilistic),
@@ -109,6 +124,11 @@ pub(crate) const ALL: &[Target] = &[
 /// A target that works on damaged logs.
 const fn on_logs(name: &'static str, check: fn(&[u8]) -> Verdict) -> Target {
     Target { name, source: Source::Damaged(&["fuzz/seeds/log"], readers::LOG_WORDS), check }
+}
+
+/// A target that works on small worlds: robot, map, options and rows.
+const fn on_worlds(name: &'static str, check: fn(&[u8]) -> Verdict) -> Target {
+    Target { name, source: Source::Grown(world::draw, world::WORDS), check }
 }
 
 /// Longest message (bytes): four parts of six hundred characters and a file's name, in the longest script.

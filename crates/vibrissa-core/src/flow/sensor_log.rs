@@ -1,5 +1,6 @@
 //! The first door: what the robot recorded.
 
+use crate::config::limits::LARGEST_ODOMETRY;
 use crate::plane::Pose2;
 use crate::world::Robot;
 use crate::{Error, Result};
@@ -93,6 +94,48 @@ pub struct LogRow {
     pub heading: Option<f64>,
     /// The line of the file that it was read from, counted from 1; 0 for a row that was not read from a file.
     pub line: usize,
+}
+
+impl LogRow {
+    /// Refuses a row that is not in numbers: its time, its pose, or a reading of one of these channels; and one that has no such reading.
+    ///
+    /// Readers of files give no such row; rows that a program makes may be anything.
+    ///
+    /// # Errors
+    ///
+    /// Data: what is no number, or beyond [`LARGEST_ODOMETRY`]; the message names the line where there is one.
+    pub fn check(&self, channels: impl IntoIterator<Item = usize>) -> Result<()> {
+        let here = |error: Error| if self.line > 0 { error.at_line(self.line) } else { error };
+        let Pose2 { x, y, theta } = self.odom_from_robot;
+        for (name, value, largest) in [
+            ("t", self.t, f64::MAX),
+            ("x", x, LARGEST_ODOMETRY),
+            ("y", y, LARGEST_ODOMETRY),
+            ("theta", theta, f64::MAX),
+        ] {
+            if value.is_nan() || value.abs() > largest {
+                let error = Error::data(format!("{name} of a row is no number that a robot can have")).value(value);
+                let allowed =
+                    if largest < f64::MAX { format!("up to {largest:e} m") } else { "a finite number".into() };
+                return Err(here(error.allowed(allowed).remedy("leave the row out")));
+            }
+        }
+        for channel in channels {
+            match self.readings.get(channel) {
+                Some(value) if value.is_finite() => {}
+                Some(&value) => {
+                    let error = Error::data(format!("reading {} of a row is not a number", channel + 1)).value(value);
+                    return Err(here(error.allowed("a finite number").remedy("leave the row out")));
+                }
+                None => {
+                    let error = Error::data(format!("a row has no reading {}", channel + 1));
+                    let count = format!("{} readings", self.readings.len());
+                    return Err(here(error.value(count).allowed("one reading for each channel of the log")));
+                }
+            }
+        }
+        Ok(())
+    }
 }
 
 /// A recorded run: odometry and readings over time.

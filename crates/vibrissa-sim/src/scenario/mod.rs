@@ -25,7 +25,7 @@ mod world_section;
 use crate::flow::pose::StampedPose;
 use crate::plane::Vec2;
 use crate::simulate::recorder::{Recorder, Recording, SerialLayout, serial_text};
-use crate::simulate::{SimulateOptions, Sweep, SweepNoise, simulate, simulate_until};
+use crate::simulate::{SimulateOptions, Sweep, SweepNoise, simulate_until};
 use crate::world::{Map, Robot};
 use crate::{Error, Result, Stop};
 use std::path::PathBuf;
@@ -103,6 +103,19 @@ impl Scenario {
     ///
     /// As [`Scenario::simulate`], and a stop before the first pose.
     pub fn simulate_until(&self, stop: &Stop, observer: &mut dyn FnMut(usize)) -> Result<Simulation> {
+        let sweep = self.sweep_until(stop, observer)?;
+        if sweep.truth.is_empty() {
+            return Err(Error::data("the simulation was stopped before its first pose"));
+        }
+        self.recorded(sweep)
+    }
+
+    /// The first half of [`Scenario::simulate_until`]: the exact sweep of the robot as it is, of no pose where it was stopped before the first.
+    ///
+    /// # Errors
+    ///
+    /// As [`Scenario::simulate`].
+    pub fn sweep_until(&self, stop: &Stop, observer: &mut dyn FnMut(usize)) -> Result<Sweep> {
         let exact = SweepNoise { seed: self.seed(), ..SweepNoise::none() };
         let options = SimulateOptions::default();
         let in_file = |error: Error| error.into_data().in_file(&self.source);
@@ -110,11 +123,23 @@ impl Scenario {
         let robot = truth.true_robot(&self.robot).map_err(in_file)?;
         let (world, path) = (truth.world(&self.map).map_err(in_file)?, truth.path_in_world(&self.path));
         let swept = simulate_until(&world, &robot, &path, &exact, &options, stop, observer);
-        let again = |path: &[StampedPose]| simulate(&world, &robot, path, &exact, &options);
-        let mut sweep = swept.map_err(|error| in_file(error).at_line(self.leg_at_fault(&path, &again)))?;
-        if sweep.truth.is_empty() {
-            return Err(Error::data("the simulation was stopped before its first pose"));
-        }
+        let again = |path: &[StampedPose]| simulate_until(&world, &robot, path, &exact, &options, stop, &mut |_| {});
+        swept.map_err(|error| {
+            let line = self.leg_at_fault(&path, &again);
+            // Where it was stopped meanwhile the leg is not known.
+            if stop.is_asked() { in_file(error) } else { in_file(error).at_line(line) }
+        })
+    }
+
+    /// The second half: what is recorded of an exact sweep, in which there is a pose.
+    ///
+    /// # Errors
+    ///
+    /// As [`Scenario::simulate`].
+    pub fn recorded(&self, mut sweep: Sweep) -> Result<Simulation> {
+        let in_file = |error: Error| error.into_data().in_file(&self.source);
+        let truth = &self.recorder.truth;
+        let robot = truth.true_robot(&self.robot).map_err(in_file)?;
         let recording = self.recorder.record(&robot, &sweep).map_err(in_file)?;
         truth.put_on_declared_map(&mut sweep);
         let serial = self.serial.map(|layout| serial_text(&recording, layout)).transpose().map_err(in_file)?;

@@ -13,7 +13,8 @@
 //! the digits of their input, as any method does.
 //!
 //! Numbers that no shape has (a force beyond the first mode, a contact that is out of reach, input that is not finite)
-//! give `None`, in batches a shape of NaN.
+//! give `None`, in batches a shape of NaN. A shape whose force, moment or contact is beyond the range of `f64` is none, either; in
+//! batches that number is infinite or NaN.
 
 mod inverse;
 mod series;
@@ -96,8 +97,10 @@ impl NormalBend {
         Self { force: nan, s_a: nan, phi_a: nan, tangent: nowhere, contact: nowhere, moment: nan }
     };
 
+    /// The shape, where there is one and it is within the range of numbers.
     fn some(self) -> Option<Self> {
-        if self.phi_a.is_nan() { None } else { Some(self) }
+        let whole = !self.phi_a.is_nan() && self.force.is_finite() && self.moment.is_finite();
+        (whole && self.contact.is_finite()).then_some(self)
     }
 }
 
@@ -147,7 +150,8 @@ impl Stiffness {
             Branch::Curled => 1.0 - delta,
         };
         let q = (away * f[Q]).copysign(moment);
-        let a = if share > 1e-300 { 0.5 * BY_MOMENT.top * share / q.abs() } else { 1.0 };
+        // The least bent shape without a moment is the straight one; the curled one has its force through the base.
+        let a = if q.abs() > 1e-300 { 0.5 * BY_MOMENT.top * share / q.abs() } else { 1.0 };
         let functions = [f[P], a, f[C], f[B]];
         NormalBend { moment, ..NormalBend::new(self.double * q / (s_a * s_a), s_a, q, functions) }
     }

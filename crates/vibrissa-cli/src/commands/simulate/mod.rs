@@ -3,7 +3,7 @@
 mod report;
 
 use super::localize::outlines;
-use crate::interrupt::{Heedful, stop};
+use crate::interrupt::{Heedful, stop, stopped};
 use crate::output::{OutputArgs, print, progress, warn, write_bytes};
 use std::path::PathBuf;
 use vibrissa::io::format_tum;
@@ -46,13 +46,19 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     let rows = scenario.path.len() * scenario.robot.whiskers.len();
     progress::phase("simulating");
     let heeds = Heedful::hurried();
-    let simulation = scenario.simulate_until(&stop(), &mut |done| progress::count(done, rows))?;
+    let sweep = scenario.sweep_until(&stop(), &mut |done| progress::count(done, rows))?;
+    // What is recorded of a long sweep takes as long as it is long: the work that is interrupted ends here.
     drop(heeds);
-    let (poses, all) = (simulation.sweep.truth.len(), scenario.path.len());
+    let (poses, all) = (sweep.truth.len(), scenario.path.len());
+    if poses == 0 && stopped() {
+        warn("interrupted before the first row: no results are written");
+        return Ok(());
+    }
     if poses < all {
         warn(&format!("interrupted: the sweep ends after {poses} of {all} rows"));
     }
     progress::phase("writing");
+    let simulation = scenario.recorded(sweep)?;
     simulation.warnings.iter().for_each(|warning| warn(warning));
     let written = match args.output.destination() {
         Some(to) => {

@@ -49,13 +49,14 @@ impl ContactStretch {
 ///
 /// # Errors
 ///
-/// A robot's whisker without a moment column, a column that may be of several.
+/// A robot's whisker without a moment column, a column that may be of several, a row that is not in numbers.
 pub(super) fn stretches(log: &SensorLog, robot: &Robot, spacings: [f64; 2]) -> Result<Vec<ContactStretch>> {
     one_owner_each(robot, &log.channels)?;
     robot.require_level("the search for contacts")?;
     let mut all = Vec::new();
     for (index, whisker) in robot.whiskers.iter().enumerate() {
         let channel = log.moment_channel(&whisker.name)?;
+        log.rows.iter().try_for_each(|row| row.check([channel]))?;
         let spacing = spacings[usize::from(!whisker.beam.is_uniform())];
         all.extend(of_whisker(&log.rows, index, whisker, channel, spacing));
     }

@@ -153,8 +153,9 @@ impl Mapper {
     ///
     /// # Errors
     ///
-    /// A log whose readings cannot be traced.
+    /// A log whose readings cannot be traced, a row that is not in numbers.
     pub fn push(&mut self, row: &LogRow) -> Result<()> {
+        row.check([])?;
         self.rows.push((row.t, row.odom_from_robot));
         self.front.push(row, &self.stop)
     }
