@@ -2,7 +2,7 @@
 //!
 //!     cargo run --release -p vibrissa-fuzz -- --seconds 60 --target geojson
 //!
-//! Without `--target` every target takes its turn of `--seconds`; `--long` shares an hour among them. `--seed N` gives other inputs. A finding is shortened
+//! Without `--target` every target takes its turn of `--seconds`, those that draw whole worlds from 10 s on; `--long` shares an hour among them. `--seed N` gives other inputs. A finding is shortened
 //! and kept under `target/fuzz`; `--replay FILE --target NAME` tries it again. Inputs that made the code do something new are kept in
 //! `target/fuzz/corpus`, or the folder of `--corpus`, and later runs begin with them. Where a try ends the whole process, as an
 //! exhausted stack does, `--trace` keeps each input before it is tried. `--markdown FILE` writes what came of each target as a table.
@@ -24,6 +24,8 @@ use watch::Watch;
 
 /// Time for all targets in a long run (s).
 const LONG: f64 = 3600.0;
+/// Shorter turns (s) say nothing of targets whose tries take seconds; these are left out then, unless they are named.
+const WORTHWHILE: f64 = 10.0;
 
 /// What the command line asks for.
 struct Call {
@@ -78,7 +80,12 @@ fn parse(mut words: impl Iterator<Item = String>) -> Result<Call, String> {
         }
     }
     if call.targets.is_empty() {
-        call.targets = ALL.iter().collect();
+        let (tried, left): (Vec<_>, Vec<_>) =
+            ALL.iter().partition(|target| call.plan.seconds >= WORTHWHILE || !target.takes_seconds());
+        for target in left {
+            println!("{}: left out, turns of {WORTHWHILE} s or more try it", target.name);
+        }
+        call.targets = tried;
     }
     Ok(call)
 }

@@ -121,6 +121,13 @@ pub(crate) const ALL: &[Target] = &[
     on_logs("profile", corridor::outline),
 ];
 
+impl Target {
+    /// Whether a single try may take seconds: those of whole worlds, see [`on_worlds`].
+    pub(crate) fn takes_seconds(&self) -> bool {
+        self.name.starts_with("world_")
+    }
+}
+
 /// A target that works on damaged logs.
 const fn on_logs(name: &'static str, check: fn(&[u8]) -> Verdict) -> Target {
     Target { name, source: Source::Damaged(&["fuzz/seeds/log"], readers::LOG_WORDS), check }
