@@ -151,8 +151,18 @@ fn unknown_cost(rows: &[Row], k: usize) -> f64 {
     UNKNOWN_COST[usize::from(before.is_some_and(|row| row.held.is_none()))]
 }
 
-/// Minus the logarithm of the evidence by a noise model, how certain the pose is by it, and the model.
-type Judged = (f64, f64, NoiseModel);
+/// A noise model, with minus the logarithm of its evidence, and how certain the pose is by it.
+#[derive(Clone, Copy)]
+struct Judged {
+    evidence: f64,
+    certainty: f64,
+    noise: NoiseModel,
+}
+
+/// The likeliest of these.
+fn likeliest<'a>(all: impl Iterator<Item = &'a Judged>) -> Option<&'a Judged> {
+    all.min_by(|a, b| a.evidence.total_cmp(&b.evidence))
+}
 
 /// The noise model by which a mode is told, and how much likelier the readings are by the likeliest one with no less than the declared noise
 /// (nats); `known` is what is known beside the readings. Where errors stay alike few readings tell how: of all models that are about as likely
@@ -174,7 +184,7 @@ pub(super) async fn estimated(
         let certain = equations.half_ln_determinant(damping);
         let penalty = if noise.correlated > 0.0 { WORTH_MORE } else { 0.0 };
         let pose = certain - equations.nuisances_half_ln_determinant();
-        (equations.evidence(damping).0 + penalty, pose, noise)
+        Judged { evidence: equations.evidence(damping).0 + penalty, certainty: pose, noise }
     };
     // An error that stays the same for all of a log cannot be told from one that changes as the predictions do.
     let (from, to) = (told.rows.first().map_or(0.0, |row| row.t), told.rows.last().map_or(0.0, |row| row.t));
@@ -186,18 +196,18 @@ pub(super) async fn estimated(
         all.push(judged(noise));
         model.works(told.rows.len() / READINGS_ADDED).await;
     }
-    let least = |some: &mut dyn Iterator<Item = &Judged>| some.min_by(|a, b| a.0.total_cmp(&b.0)).copied();
-    let Some((most, _, best)) = least(&mut all.iter()) else { return (NoiseModel::DECLARED, 0.0) };
-    let compared = least(&mut all.iter().filter(|one| one.2.white >= LEAST_TOLD)).map_or(most, |one| one.0);
+    let Some(&best) = likeliest(all.iter()) else { return (NoiseModel::DECLARED, 0.0) };
+    let told_by = likeliest(all.iter().filter(|one| one.noise.white >= LEAST_TOLD)).unwrap_or(&best);
+    let (most, compared) = (best.evidence + WORTH_MORE, told_by.evidence);
     // Independent errors as declared need no other reason than to be about as likely.
-    if all[0].0 <= most + WORTH_MORE {
-        return (all[0].2, all[0].0 - compared);
+    if all[0].evidence <= most {
+        return (all[0].noise, all[0].evidence - compared);
     }
-    let about =
-        all.iter().filter(|one| one.0 <= most + WORTH_MORE && (best.correlated > 0.0) == (one.2.correlated > 0.0));
-    let chosen = about.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(best, |one| one.2);
+    let is_correlated = best.noise.correlated > 0.0;
+    let about = all.iter().filter(|one| one.evidence <= most && (one.noise.correlated > 0.0) == is_correlated);
+    let chosen = about.min_by(|a, b| a.certainty.total_cmp(&b.certainty)).unwrap_or(&best).noise;
     let wide = widened(NoiseModel { white: chosen.white.max(LEAST_TOLD), ..chosen }, to - from);
-    (wide, judged(wide).0 - compared)
+    (wide, judged(wide).evidence - compared)
 }
 
 /// The same with larger variances, as far as a log of this duration (s) leaves them open.
