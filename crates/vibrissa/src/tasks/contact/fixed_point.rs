@@ -157,23 +157,36 @@ pub(super) fn fixed_point_until(
     start: Vec2,
     stop: &Stop,
 ) -> Option<FixedPoint> {
-    let one = |point: Vec2, r: &ContactReading| if stop.is_asked() { None } else { r.touched(point) };
-    let all = |point: Vec2| readings.iter().map(|r| one(point, r)).collect::<Option<Vec<SideReading>>>();
+    let going_on = || (!stop.is_asked()).then_some(());
+    // Of all shapes the nearest to each reading, and those near them.
+    let all = |point: Vec2| {
+        readings.iter().map(|r| going_on().and_then(|()| r.touched(point))).collect::<Option<Vec<SideReading>>>()
+    };
+    let from = |near: &[SideReading], point: Vec2| {
+        let each = readings.iter().zip(near);
+        each.map(|(r, near)| going_on().and_then(|()| r.touched_from(point, near)))
+            .collect::<Option<Vec<SideReading>>>()
+    };
     let (mut point, mut touched) = (start, all(start)?);
     let (mut cost, mut square) = (0.0, [0.0; 3]);
-    for _ in 0..WEIGHTINGS {
+    for round in 0..WEIGHTINGS {
+        if round > 0 {
+            touched = all(point)?;
+        }
         // The error belongs to the true moment: weights by the readings themselves would favour those that read low.
         let std: Vec<f64> = readings.iter().zip(&touched).map(|(r, t)| r.std(t.moment)).collect();
         let problem = WeightedProblem { readings, touch, std: &std, stop };
         let evaluate = |x: &[f64]| {
             let point = Vec2::new(x[0], x[1]);
-            all(point).map(|touched| (problem.cost(point, &touched), touched)).map(|(cost, touched)| (touched, cost))
+            let found = from(&touched, point)?;
+            let cost = problem.cost(point, &found);
+            Some((found, cost))
         };
         let normal = |x: &[f64], touched: &Vec<SideReading>| problem.normal(Vec2::new(x[0], x[1]), touched);
         let end = descend(vec![point.x, point.y], RULES, evaluate, normal, unbounded)?;
         point = Vec2::new(end.unknowns[0], end.unknowns[1]);
         (touched, cost) = (end.state, 2.0 * end.cost);
-        square = problem.square(point)?;
+        square = problem.square(point, &touched)?;
     }
     Some(FixedPoint {
         position: point,
@@ -201,12 +214,12 @@ impl WeightedProblem<'_> {
     }
 
     /// The Jacobian, row by row.
-    fn jacobian(&self, point: Vec2) -> Option<Vec<Vec<f64>>> {
-        let row = |(reading, s): (&ContactReading, &f64)| {
-            let slope = if self.stop.is_asked() { None } else { slope(reading, point) };
+    fn jacobian(&self, point: Vec2, touched: &[SideReading]) -> Option<Vec<Vec<f64>>> {
+        let row = |((reading, at), s): ((&ContactReading, &SideReading), &f64)| {
+            let slope = if self.stop.is_asked() { None } else { slope(reading, point, at) };
             slope.map(|d| vec![d.x / s, d.y / s])
         };
-        let mut rows = self.readings.iter().zip(self.std).map(row).collect::<Option<Vec<_>>>()?;
+        let mut rows = self.readings.iter().zip(touched).zip(self.std).map(row).collect::<Option<Vec<_>>>()?;
         rows.extend(self.touch.map(|touch| vec![touch.slope().x, touch.slope().y]));
         Some(rows)
     }
@@ -215,20 +228,21 @@ impl WeightedProblem<'_> {
         let each = self.readings.iter().zip(touched).zip(self.std);
         let mut residuals: Vec<f64> = each.map(|((r, t), s)| (t.moment - r.moment) / s).collect();
         residuals.extend(self.touch.map(|touch| touch.residual(point)));
-        Some(Normal::of_rows(2, &self.jacobian(point)?, &residuals))
+        Some(Normal::of_rows(2, &self.jacobian(point, touched)?, &residuals))
     }
 
     /// The normal matrix: xx, xy, yy.
-    fn square(&self, point: Vec2) -> Option<[f64; 3]> {
+    fn square(&self, point: Vec2, touched: &[SideReading]) -> Option<[f64; 3]> {
         let add = |sum: [f64; 3], d: &Vec<f64>| [sum[0] + d[0] * d[0], sum[1] + d[0] * d[1], sum[2] + d[1] * d[1]];
-        Some(self.jacobian(point)?.iter().fold([0.0; 3], add))
+        Some(self.jacobian(point, touched)?.iter().fold([0.0; 3], add))
     }
 }
 
-/// How the moment changes with the point (N m / m).
-pub(super) fn slope(reading: &ContactReading, point: Vec2) -> Option<Vec2> {
+/// How the moment changes with the point (N m / m), where the side contact there is this.
+pub(super) fn slope(reading: &ContactReading, point: Vec2, at: &SideReading) -> Option<Vec2> {
     let step = 1e-7;
-    let by = |d: Vec2| Some((reading.touched(point + d)?.moment - reading.touched(point - d)?.moment) / (2.0 * step));
+    let moment = |point: Vec2| reading.touched_from(point, at).map(|near| near.moment);
+    let by = |d: Vec2| Some((moment(point + d)? - moment(point - d)?) / (2.0 * step));
     Some(Vec2::new(by(Vec2::new(step, 0.0))?, by(Vec2::new(0.0, step))?))
 }
 

@@ -1,7 +1,8 @@
 //! One reading with its base and its error.
 
 use crate::beam::normal::{Branch, by_point};
-use crate::beam::{Load, Whisker, point_mode};
+use crate::beam::rod::Status;
+use crate::beam::{Bend, Load, Whisker, point_mode};
 use crate::plane::{Pose2, Vec2};
 use crate::world::MomentNoise;
 
@@ -26,12 +27,20 @@ pub struct ContactReading {
 }
 
 /// What a reading would be if the side of the whisker were touched at a point.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct SideReading {
     /// Moment (N m).
     pub(super) moment: f64,
     /// Arc length of the contact (m); beyond the whisker's length where the whisker is too short.
     pub(super) s_a: f64,
+    /// The shape of a whisker that is integrated, from which shapes near by are found.
+    bend: Option<Bend>,
+}
+
+impl SideReading {
+    fn of(bend: Bend) -> Self {
+        Self { moment: bend.moment, s_a: bend.s_a, bend: Some(bend) }
+    }
 }
 
 impl ContactReading {
@@ -56,9 +65,24 @@ impl ContactReading {
         if self.whisker.is_uniform() {
             let (rigidity, length) = (self.whisker.flexural_rigidity, REACH * self.whisker.length);
             let shapes = [Branch::Least, Branch::Curled].map(|branch| by_point(rigidity, length, local, branch));
-            return shapes.into_iter().flatten().map(|b| SideReading { moment: b.moment, s_a: b.s_a }).min_by(near);
+            return shapes
+                .into_iter()
+                .flatten()
+                .map(|b| SideReading { moment: b.moment, s_a: b.s_a, bend: None })
+                .min_by(near);
         }
         let bends = point_mode(&self.whisker, local, Load::Normal).unwrap_or_default();
-        bends.iter().map(|b| SideReading { moment: b.moment, s_a: b.s_a }).min_by(near)
+        bends.into_iter().map(SideReading::of).min_by(near)
+    }
+
+    /// As [`touched`](Self::touched), by a shape of a point near by: of a whisker that is integrated the shape on the same branch,
+    /// which takes a few marches where the search for all shapes takes thousands.
+    pub(super) fn touched_from(&self, point: Vec2, near: &SideReading) -> Option<SideReading> {
+        let followed = near.bend.as_ref().and_then(|bend| {
+            let local = self.odom_from_whisker.inverse_transform_point(point);
+            self.whisker.rod().ok()?.point_from(local, Load::Normal, bend).ok()
+        });
+        let found = followed.filter(|found| found.status == Status::Converged).and_then(|found| found.bend);
+        found.map(SideReading::of).or_else(|| self.touched(point))
     }
 }

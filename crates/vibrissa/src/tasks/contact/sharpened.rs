@@ -62,10 +62,11 @@ struct Posterior {
 pub(super) fn sharpened(free: &[ContactReading], readings: &[ContactReading], point: FixedPoint) -> FixedPoint {
     let side = readings.iter().map(|r| r.moment).sum::<f64>().signum();
     let line = |r: &ContactReading| {
+        let touched = r.touched(point.position)?;
         Some(LinearReading {
             read: r.moment,
-            moment: r.touched(point.position)?.moment,
-            slope: slope(r, point.position)?,
+            moment: touched.moment,
+            slope: slope(r, point.position, &touched)?,
             side,
             relative: r.noise.moment_relative,
             absolute: r.noise.moment_absolute,
