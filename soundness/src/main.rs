@@ -1,6 +1,6 @@
 //! Random worlds in which the possibilistic method must not lose the truth, on all cores; losses are told with their seeds.
 //!
-//!     cargo run --release -p vibrissa-soundness              the 300 worlds of every CI run
+//!     cargo run --release -p vibrissa-soundness              the 200 worlds of every CI run
 //!     cargo run --release -p vibrissa-soundness -- --nightly
 //!     cargo run --release -p vibrissa-soundness -- --worlds 10000 --first 5000 --threads 2
 //!     cargo run --release -p vibrissa-soundness -- --replay 1234
@@ -43,7 +43,7 @@ use vibrissa::plane::Pose2;
 use vibrissa::{Method, localize};
 
 /// Worlds of a CI run and of a nightly one.
-const SHORT: usize = 300;
+const SHORT: usize = 200;
 /// The whisker is not uniform in one world of so many.
 const ROD_EVERY: u64 = 30;
 const NIGHTLY: usize = 10_000;
