@@ -58,3 +58,27 @@ fn a_start_in_contact_is_refused() {
     let refused = Drive::start(&stage, at, &SweepNoise::none()).err().unwrap().to_string();
     assert!(refused.contains("does not start in free space"), "{refused}");
 }
+
+/// Where the whiskers first touch is looked for along the way, and a way of light years would never end.
+#[test]
+fn poses_that_no_robot_drives_to_are_refused_at_once() {
+    let map = demo::arena().unwrap();
+    let first = demo::path().unwrap()[0];
+    let stage = Stage::new(map, Robot::default(), SimulateOptions::default()).unwrap();
+    let mut drive = Drive::start(&stage, first, &SweepNoise::none()).unwrap();
+    let at = first.map_from_robot;
+    for pose in [
+        Pose2 { x: 9_007_199_254_740_993.0, ..at },
+        Pose2 { y: f64::NEG_INFINITY, ..at },
+        Pose2 { x: f64::NAN, ..at },
+        Pose2 { theta: 1e9, ..at },
+        Pose2 { theta: f64::NAN, ..at },
+    ] {
+        let to = StampedPose { t: first.t + 0.1, map_from_robot: pose };
+        let refused = drive.advance(to, &TrueErrors::default(), 0.0).unwrap_err();
+        assert!(refused.is_usage() && refused.to_string().contains("allowed: up to"), "{refused}");
+    }
+    assert_eq!(drive.pose(), first);
+    let on = StampedPose { t: first.t + 0.1, map_from_robot: Pose2 { x: at.x + 1e-3, ..at } };
+    drive.advance(on, &TrueErrors::default(), 0.0).unwrap();
+}

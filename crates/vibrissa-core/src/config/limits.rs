@@ -48,3 +48,6 @@ pub const MOST_CELLS: usize = 1 << 24;
 pub const MOST_CROSSINGS: usize = 1 << 20;
 /// Longest gap between two messages of odometry that is bridged without a word (s): robots send some ten a second.
 pub const ODOMETRY_GAP: f64 = 0.25;
+/// Farthest that a steered robot moves from one simulated pose to the next (m): along the way its whiskers are looked at every tenth of
+/// a millimetre, and 10 m take a tenth of a second.
+pub const LONGEST_DRIVE_STEP: f64 = 10.0;

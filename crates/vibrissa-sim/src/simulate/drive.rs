@@ -4,13 +4,15 @@ use super::follow::{Follower, Scene};
 use super::noise::{Dice, SweepNoise};
 use super::recorder::TrueErrors;
 use super::{SimulateOptions, Touch, channels};
+use crate::config::limits::LONGEST_DRIVE_STEP;
 use crate::contact::Boundaries;
 use crate::contact::quasi_static::LoadedWhisker;
 use crate::flow::pose::{Event, StampedPose};
 use crate::flow::sensor_log::{Channel, LogRow};
 use crate::plane::{Pose2, Vec2};
 use crate::world::{Map, Robot};
-use crate::{Result, Stop};
+use crate::{Error, Result, Stop};
+use core::f64::consts::TAU;
 
 /// What a robot is steered on: its map, its whiskers, and what is computed of them once.
 #[derive(Debug)]
@@ -97,8 +99,10 @@ impl<'a> Drive<'a> {
     ///
     /// # Errors
     ///
-    /// A discrete rod that cannot be built, or that does not come to rest as [`simulate`](super::simulate) tells.
+    /// Usage: a pose that is not finite, or further than 10 m or more than a turn from the last one. A discrete rod that cannot be built, or
+    /// that does not come to rest as [`simulate`](super::simulate) tells.
     pub fn advance(&mut self, to: StampedPose, errors: &TrueErrors, slip: f64) -> Result<LogRow> {
+        self.check_step(to.map_from_robot)?;
         for whisker in &mut self.whiskers {
             whisker.advance(to, &mut self.events)?;
         }
@@ -112,6 +116,24 @@ impl<'a> Drive<'a> {
         };
         let readings = self.whiskers.iter().zip(&self.stage.robot.whiskers).map(read).collect();
         Ok(LogRow { t: to.t, odom_from_robot: self.odom_from_robot, readings, heading: None, line: 0 })
+    }
+
+    fn check_step(&self, to: Pose2) -> Result<()> {
+        let from = self.at.map_from_robot;
+        let (way, turn) = (from.position().distance(to.position()), (to.theta - from.theta).abs());
+        // No number is within bounds, either.
+        let is_within = |value: f64, most: f64| value <= most;
+        if !is_within(way, LONGEST_DRIVE_STEP) {
+            let error = Error::usage("way of the robot to its next pose").value(format!("{way:?} m"));
+            return Err(error.allowed(format!("up to {LONGEST_DRIVE_STEP} m")).remedy("give poses between the two"));
+        }
+        if !is_within(turn, TAU) {
+            let error = Error::usage("turn of the robot to its next pose").value(format!("{turn:?} rad"));
+            return Err(error
+                .allowed("up to one turn, 2 pi")
+                .remedy("give headings in rad, and poses between the two"));
+        }
+        Ok(())
     }
 
     /// Where the robot is.
