@@ -83,6 +83,8 @@ fn contacts_in_space_are_found_written_and_warned_of() {
     assert_eq!(ran.code, Some(0), "{ran:?}");
     assert!(ran.stdout.contains("(50.0") && ran.stdout.contains("slides_around"), "{}", ran.stdout);
     assert!(ran.stderr.contains("out of the plane") && ran.stderr.contains("goes around"), "{}", ran.stderr);
+    let figure = std::fs::read_to_string(out.join("space.svg")).unwrap();
+    assert_eq!(figure.matches("<polyline").count(), 6, "three plots of two touches, and nothing between these");
     let table = std::fs::read_to_string(out.join("space.csv")).unwrap();
     let header: Vec<&str> = table.lines().next().unwrap().split(',').collect();
     let mut sides = 0;

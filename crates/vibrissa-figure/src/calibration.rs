@@ -13,7 +13,7 @@ pub struct Plot {
     pub y_label: String,
     /// Measured points.
     pub points: Vec<(f64, f64)>,
-    /// The fitted curve; empty for residuals.
+    /// The fitted curve; empty for residuals. A point that is not finite parts two pieces.
     pub curve: Vec<(f64, f64)>,
     /// Where the curve holds, along x; shaded.
     pub valid: Option<[f64; 2]>,
@@ -107,9 +107,8 @@ fn draw(document: &mut Document, plot: &Plot, top: f64, height: f64) {
         let class = if level.abs() > 0.0 { "zoomed" } else { "tick" };
         let _ = writeln!(body, "<path d=\"M{left} {0}H{right}\" class=\"{class}\"/>", number(y.px(level)));
     }
-    if !plot.curve.is_empty() {
-        let line: Vec<String> =
-            plot.curve.iter().map(|p| format!("{},{}", number(x.px(p.0)), number(y.px(p.1)))).collect();
+    for piece in plot.curve.split(|p| !(p.0.is_finite() && p.1.is_finite())).filter(|piece| !piece.is_empty()) {
+        let line: Vec<String> = piece.iter().map(|p| format!("{},{}", number(x.px(p.0)), number(y.px(p.1)))).collect();
         let _ = writeln!(body, "<polyline points=\"{}\" class=\"path\"/>", line.join(" "));
     }
     document.clipped((left, top), (right - left, height), &body);
@@ -130,10 +129,43 @@ fn axes(document: &mut Document, plot: &Plot, x: &Scale, y: &Scale, bottom: f64)
     document.text(LEFT, y.to - 6.0, "small", &plot.y_label);
 }
 
+/// Ticks that need more decimals have an exponent: there is no room for more beside the panel.
+const MOST_DECIMALS: usize = 6;
+
 /// A tick's value with the digits that its neighbours need.
 fn short(value: f64, scale: &Scale) -> String {
-    let digits = (2.0 - (scale.max - scale.min).log10()).ceil().clamp(0.0, 9.0) as usize;
+    let range = scale.max - scale.min;
+    let digits = (2.0 - range.log10()).ceil().clamp(0.0, 9.0) as usize;
+    if digits > MOST_DECIMALS {
+        // Rounding leaves a little of zero.
+        let value = if value.abs() < 1e-6 * range { 0.0 } else { value };
+        return format!("{value:.1e}").replace(".0e", "e").replace("0e0", "0");
+    }
     let text = format!("{value:.digits$}");
     let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
     if text == "-0" { "0".into() } else { text.into() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Plot, Scale, calibration_figure, short};
+
+    #[test]
+    fn ticks_of_any_size_are_short() {
+        let scale = |size: f64| Scale { min: -size, max: size, from: 0.0, to: 1.0 };
+        assert_eq!(short(0.0001, &scale(2e-4)), "0.0001");
+        assert_eq!(short(-1e-6, &scale(2e-6)), "-1e-6");
+        assert_eq!(short(1.5e-7, &scale(2e-7)), "1.5e-7");
+        assert_eq!(short(1e-23, &scale(2e-7)), "0");
+        assert_eq!(short(-0.5, &scale(1.0)), "-0.5");
+        assert_eq!(short(1e-9, &scale(2e-9)), "1e-9");
+    }
+
+    #[test]
+    fn a_curve_in_pieces_is_drawn_in_pieces() {
+        let curve = vec![(0.0, 0.0), (1.0, 1.0), (f64::NAN, f64::NAN), (2.0, 1.0), (3.0, 0.0)];
+        let svg = calibration_figure("", "", &[Plot { curve, ..Plot::default() }]);
+        assert_eq!(svg.matches("<polyline").count(), 2);
+        assert!(!svg.contains("NaN"));
+    }
 }

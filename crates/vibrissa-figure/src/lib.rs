@@ -11,6 +11,7 @@ mod document;
 mod film;
 mod legend;
 pub mod localization;
+pub mod numbers;
 pub mod plate;
 mod scene;
 pub mod simulation;

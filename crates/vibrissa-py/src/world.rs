@@ -216,7 +216,9 @@ impl PyMap {
     fn __repr__(&self) -> String {
         let bounds = self.0.bounds();
         let (width, height) = (bounds.max.x - bounds.min.x, bounds.max.y - bounds.min.y);
-        format!("<vibrissa.Map: {} boundaries, {width:.3} m by {height:.3} m>", self.0.boundaries().len())
+        let count = self.0.boundaries().len();
+        let noun = if count == 1 { "boundary" } else { "boundaries" };
+        format!("<vibrissa.Map: {count} {noun}, {width:.3} m by {height:.3} m>")
     }
 }
 

@@ -142,3 +142,17 @@ def test_tips_and_jointed_whiskers(command: Command, tmp_path: Path) -> None:
     held = vibrissa.tip_mode(*pushed.tip.T)
     assert np.allclose(held.tip[held.branch == 0], pushed.tip, atol=1e-10)
     assert np.allclose(held.force_vector[held.branch == 0], pushed.force_vector, rtol=1e-7, atol=1e-10)
+
+
+def test_one_number_may_be_a_text_with_its_unit() -> None:
+    bare, told = vibrissa.force_mode([0.1, 0.2], 0.06), vibrissa.force_mode([0.1, 0.2], "60 mm")
+    assert np.array_equal(bare.moment, told.moment)
+    assert vibrissa.point_mode("58 mm", "12 mm").force.tolist() == vibrissa.point_mode(0.058, 0.012).force.tolist()
+    with pytest.raises(vibrissa.UsageError, match="moment: `mN` is not the unit of a moment"):
+        vibrissa.moment_mode("8 mN", "60 mm")
+
+
+def test_small_forces_are_told_with_their_digits() -> None:
+    bends = vibrissa.force_mode("1e-7 N", 0.06)
+    assert "F 1.0e-7 N" in repr(bends[0]) and "M(0) 6.0e-6 mN m" in repr(bends[0])
+    assert repr(bends) == "<vibrissa.Bends: 1 equilibrium of 1 problem>"

@@ -106,6 +106,21 @@ def test_options_in_groups_are_the_options_by_name(demo: vibrissa.Demo) -> None:
         vibrissa.localize(log, arena, tolerat=2)  # type: ignore[call-arg]
 
 
+def test_misspelled_words_are_told_with_the_word_that_is_meant(demo: vibrissa.Demo) -> None:
+    log, arena = demo.sweep.log, demo.map
+    usage: list[tuple[Callable[[], object], str]] = [
+        (lambda: vibrissa.localize(log, arena, method="posibilistic"), "possibilistic"),  # type: ignore[arg-type]
+        (lambda: vibrissa.Localizer(arena, method="determinstic"), "deterministic"),  # type: ignore[arg-type]
+        (lambda: vibrissa.plan(log, arena, criterion="exected"), "expected"),  # type: ignore[arg-type]
+        (lambda: vibrissa.Reading("laod", 0.1), "load"),  # type: ignore[arg-type]
+    ]
+    for call, meant in usage:
+        with pytest.raises(vibrissa.UsageError, match=f"did you mean '{meant}'"):
+            call()
+    with pytest.raises(TypeError, match="did you mean 'tolerate'"):
+        vibrissa.localize(log, arena, method="possibilistic", tolerat=2)  # type: ignore[call-arg]
+
+
 def test_a_missing_file_is_pythons_own_error(tmp_path: Path) -> None:
     kinds: dict[str, Callable[[Path], object]] = {
         "none.svg": vibrissa.Map.read,
@@ -139,10 +154,12 @@ def test_readings_take_units(demo: vibrissa.Demo) -> None:
         vibrissa.Reading("load", "5 mm")
     with pytest.raises(vibrissa.UsageError, match="load, strip, slope, moment"):
         vibrissa.Reading("weight", 1.0)  # type: ignore[arg-type]
+    with pytest.raises(vibrissa.UsageError, match="cell: `mN` is not the unit"):
+        vibrissa.preimage(demo.map, reading, cell="5 mN")
     matplotlib = pytest.importorskip("matplotlib")
     matplotlib.use("Agg")
     sets = vibrissa.contact_set([vibrissa.Reading("load", "0.1 N"), vibrissa.Reading("strip", "60 mm")])
     assert len(sets.plot().lines) == 3, "two curves and where they meet"
-    states = vibrissa.preimage(demo.map, reading, cell=5e-3, heading_step=0.2)
+    states = vibrissa.preimage(demo.map, reading, cell="5 mm", heading_step="10 deg", max_force="2 N")
     assert states.plot().lines[-1].get_xdata().size > 10
     matplotlib.pyplot.close("all")

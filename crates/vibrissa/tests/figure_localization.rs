@@ -236,6 +236,31 @@ fn no_answer_still_makes_a_figure_that_says_so() {
     assert!(draw("no_contact", &empty(Status::NoContact), None).contains("never touched"));
 }
 
+/// Where the first panel, which is the map, ends on the right.
+fn right_end(svg: &str) -> f64 {
+    let panel = svg.split('<').find(|tag| tag.starts_with("rect") && tag.contains("class=\"panel\"")).unwrap();
+    let number = |name: &str| -> f64 {
+        panel.split(&format!(" {name}=\"")).nth(1).unwrap().split('"').next().unwrap().parse().unwrap()
+    };
+    number("x") + number("width")
+}
+
+#[test]
+fn the_map_fills_the_page_where_nothing_stands_beside_it() {
+    for (name, status) in [("none_inconsistent", Status::Inconsistent), ("none_no_contact", Status::NoContact)] {
+        let figure = draw(name, &empty(status), None);
+        assert!((right_end(&figure) - 820.0).abs() < 1e-9, "{}", right_end(&figure));
+    }
+    // Numbers without a close-up stand beside the legend.
+    let mut answer = localized(&[(Pose2::new(0.0, 0.035, 1.75), 0.002, 5)], Status::Ambiguous);
+    assert!(right_end(&draw("beside", &answer, None)) < 560.0);
+    answer.hypotheses[0].extent.x = Interval::new(-0.2, 0.2);
+    let figure = draw("below", &answer, None);
+    assert!((right_end(&figure) - 820.0).abs() < 1e-9);
+    let legend = figure.split("<text").find(|text| text.contains(">heading = ")).unwrap();
+    assert!(legend.contains("x=\"442\""), "{legend}");
+}
+
 #[test]
 fn hostile_numbers_and_empty_scenes_leave_valid_figures() {
     let wild = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300, -1e300, 1e-300, 0.0];

@@ -3,6 +3,7 @@
 use crate::quantity::of_option as quantity;
 use std::path::PathBuf;
 use vibrissa::beam::Load;
+use vibrissa::figure::numbers::fixed;
 use vibrissa::flow::contact_set::{ContactModel, Limits, MomentRegime, Reading, VirtualSensor};
 use vibrissa::io::Dimension;
 use vibrissa::plane::Pose2;
@@ -160,22 +161,64 @@ impl ReadingArgs {
     }
 }
 
+/// A reading that is smaller in its unit is told in a smaller one.
+const LEAST_TOLD: f64 = 1e-3;
+
+/// A number with four decimals, or with four digits where these are more; without zeros at its end.
+fn short(value: f64) -> String {
+    // What is left of a zero by rounding is zero.
+    let size = if value.abs() < 1e-12 { 0.0 } else { value.abs() };
+    if size > 0.0 && size < 1e-6 {
+        return format!("{value:.3e}");
+    }
+    let digits = if size > 0.0 { (3.0 - size.log10().floor()).clamp(4.0, 9.0) } else { 4.0 };
+    let text = fixed(value, digits as usize);
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+}
+
 /// A reading for people.
 pub(crate) fn words(reading: &Reading) -> String {
-    let (scale, unit) = match reading.sensor {
-        VirtualSensor::Load => (1.0, "N"),
-        VirtualSensor::Strip => (1e3, "mm"),
-        VirtualSensor::Slope => (1f64.to_degrees(), "deg"),
-        VirtualSensor::Moment(_) => (1e3, "mN m"),
+    let units: &[(f64, &str)] = match reading.sensor {
+        VirtualSensor::Load => &[(1.0, "N"), (1e3, "mN"), (1e6, "uN"), (1e9, "nN")],
+        VirtualSensor::Strip => &[(1e3, "mm"), (1e6, "um"), (1e9, "nm")],
+        VirtualSensor::Slope => &[(1f64.to_degrees(), "deg")],
+        VirtualSensor::Moment(_) => &[(1e3, "mN m"), (1e6, "uN m"), (1e9, "nN m")],
     };
-    let short = |v: f64| {
-        let text = format!("{:.4}", v * scale);
-        text.trim_end_matches('0').trim_end_matches('.').to_owned()
-    };
+    let size = reading.value.lo().abs().max(reading.value.hi().abs());
+    let told = units.iter().find(|(scale, _)| size == 0.0 || size * scale >= LEAST_TOLD).or(units.last());
+    let (scale, unit) = told.copied().unwrap_or((1.0, ""));
+    let short = |v: f64| short(v * scale);
     let value = if reading.value.width() > 0.0 {
         format!("{} to {}", short(reading.value.lo()), short(reading.value.hi()))
     } else {
         short(reading.value.lo())
     };
     format!("{} {value} {unit}", reading.sensor.word())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Interval, MomentRegime, Reading, VirtualSensor, words};
+    use crate::quantity::quantity;
+    use vibrissa::io::Dimension;
+
+    #[test]
+    fn readings_of_any_size_keep_their_digits_and_are_read_back() {
+        let exact = |sensor, value: f64| words(&Reading { sensor, value: Interval::new(value, value) });
+        let load = VirtualSensor::Load;
+        let cases = [(0.0, "0 N"), (0.1, "0.1 N"), (0.012_345_6, "0.01235 N"), (4e-4, "0.4 mN"), (1e-7, "0.1 uN")];
+        for (value, told) in cases {
+            assert_eq!(exact(load, value), format!("load {told}"));
+            assert!((quantity(told, Dimension::Force).unwrap() - value).abs() <= 1e-3 * value);
+        }
+        assert_eq!(exact(load, 100.0), "load 100 N");
+        assert_eq!(exact(load, 1e-20), "load 1.000e-11 nN");
+        assert_eq!(exact(VirtualSensor::Strip, 0.06), "strip 60 mm");
+        let moment = |lo, hi| {
+            words(&Reading { sensor: VirtualSensor::Moment(MomentRegime::LargeAngle), value: Interval::new(lo, hi) })
+        };
+        assert_eq!(moment(4.75e-3, 5.25e-3), "moment 4.75 to 5.25 mN m");
+        assert_eq!(moment(0.95e-7, 1.05e-7), "moment 0.095 to 0.105 uN m");
+        assert_eq!(moment(-1e-9, 1e-9), "moment -0.001 to 0.001 uN m");
+    }
 }

@@ -68,6 +68,8 @@ const MAP_LEFT: f64 = 62.0;
 const MAP_WIDTH: f64 = 470.0;
 const MAP_HEIGHT: (f64, f64) = (280.0, 620.0);
 const SIDE_LEFT: f64 = 560.0;
+/// The map's width where nothing stands beside it.
+const WIDE_MAP: f64 = PAGE_WIDTH - MARGIN - MAP_LEFT;
 const DETAIL_SIZE: f64 = 200.0;
 /// A close-up appears when it shows less than this share of the map.
 const DETAIL_SHARE: f64 = 0.3;
@@ -86,12 +88,20 @@ pub fn localization_figure(scene: &LocalizationScene<'_>) -> String {
     let caption_lines = wrapped(&caption, CAPTION_CHARACTERS);
     let top = 78.0 + 19.0 * caption_lines.len() as f64;
     let map = map_canvas(scene, top);
-    let detail = detail_canvas(scene, &map, top);
     let side = readout::lines(scene);
+    let close_up = detail_canvas(scene, &map, top).is_some() || sweep_canvas(scene, &map, top).is_some();
+    // Without a close-up the column beside the map would be all but empty.
+    let map = if close_up { map } else { map_canvas_of(scene, top, WIDE_MAP) };
+    let detail = detail_canvas(scene, &map, top);
     let entries = layers::legend_entries(scene, &map);
 
-    let side_top = detail.as_ref().map_or(top - 4.0, |canvas| canvas.frame().y + DETAIL_SIZE + 36.0);
     let legend_top = map.frame().y + map.frame().height + 52.0;
+    let side_left = if close_up { SIDE_LEFT } else { MAP_LEFT + LEGEND_COLUMN };
+    let side_top = match &detail {
+        _ if !close_up => legend_top,
+        Some(canvas) => canvas.frame().y + DETAIL_SIZE + 36.0,
+        None => top - 4.0,
+    };
     let side_bottom = side_top + LINE * side.len() as f64;
     let sweep = sweep_canvas(scene, &map, side_bottom + 34.0);
     let side_bottom = sweep.as_ref().map_or(side_bottom, |canvas| canvas.frame().y + DETAIL_SIZE + 24.0);
@@ -112,7 +122,7 @@ pub fn localization_figure(scene: &LocalizationScene<'_>) -> String {
     if let Some(canvas) = sweep {
         draw_sweep(&mut document, scene, canvas);
     }
-    readout::draw(&mut document, SIDE_LEFT, side_top, &side);
+    readout::draw(&mut document, side_left, side_top, &side);
     legend(&mut document, MAP_LEFT, legend_top, left);
     legend(&mut document, MAP_LEFT + LEGEND_COLUMN, legend_top, right);
     document.finish()
@@ -162,6 +172,10 @@ fn draw_detail(document: &mut Document, scene: &LocalizationScene<'_>, mut canva
 }
 
 pub(super) fn map_canvas(scene: &LocalizationScene<'_>, top: f64) -> Canvas {
+    map_canvas_of(scene, top, MAP_WIDTH)
+}
+
+fn map_canvas_of(scene: &LocalizationScene<'_>, top: f64, width: f64) -> Canvas {
     let answer = scene.answer;
     let path = answer.trajectory.iter().chain(scene.truth.unwrap_or_default()).map(|row| row.map_from_robot);
     let poses = path.chain(answer.hypotheses.iter().map(|hypothesis| hypothesis.pose)).chain(answer.estimate);
@@ -173,8 +187,8 @@ pub(super) fn map_canvas(scene: &LocalizationScene<'_>, top: f64) -> Canvas {
     // Room for the arrow of an estimate at the rim.
     let bounds = bounds.grown((0.07 * size.x.max(size.y)).max(1e-3));
     let size = bounds.size();
-    let height = (MAP_WIDTH * size.y / size.x).clamp(MAP_HEIGHT.0, MAP_HEIGHT.1);
-    Canvas::new(Frame { x: MAP_LEFT, y: top, width: MAP_WIDTH, height }, bounds)
+    let height = (width * size.y / size.x).clamp(MAP_HEIGHT.0, MAP_HEIGHT.1);
+    Canvas::new(Frame { x: MAP_LEFT, y: top, width, height }, bounds)
 }
 
 /// A square around the path and the whisker shapes, where that is small against the map.

@@ -1,11 +1,11 @@
 //! The numbers beside the map: the estimate with its extent, the rivals, the error.
 
 use super::LocalizationScene;
-use super::words::fixed;
 use crate::document::Document;
 use crate::flow::pose::{Hypothesis, Status};
 use crate::flow::trajectory::trajectory_error;
 use crate::legend::LINE;
+use crate::numbers::fixed;
 use crate::sets::Interval;
 
 /// How many rivals are listed one by one.

@@ -2,6 +2,7 @@
 
 use super::counted;
 use crate::flow::pose::{Localization, Status};
+use crate::numbers::fixed;
 use crate::plane::Pose2;
 
 /// The verdict in one sentence, with the estimate in millimetres and degrees.
@@ -39,15 +40,6 @@ pub fn verdict(answer: &Localization) -> String {
 fn place(pose: Pose2) -> String {
     let (x, y) = (fixed(pose.x * 1e3, 1), fixed(pose.y * 1e3, 1));
     format!("{x} mm, {y} mm, {}°", fixed(pose.theta.to_degrees(), 1))
-}
-
-/// A number with a fixed count of digits and no negative zero.
-pub(super) fn fixed(value: f64, digits: usize) -> String {
-    let text = format!("{value:.digits$}");
-    match text.strip_prefix('-') {
-        Some(size) if size.chars().all(|c| matches!(c, '0' | '.')) => size.into(),
-        _ => text,
-    }
 }
 
 fn shrinkage(answer: &Localization) -> String {

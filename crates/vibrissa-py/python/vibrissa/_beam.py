@@ -10,15 +10,29 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _vibrissa
-from ._arrays import column
+from ._arrays import Floats, column
 from ._errors import UsageError
-from ._robot import Whisker
+from ._robot import Whisker, number
 from ._vibrissa import Bend, Bends
 
 Load = Literal["normal", "vertical", "tilted", "directed"]
 """Direction of a positive force: along the whisker's normal at the contact; across the undeflected whisker; turned from the
 normal by ``angle`` (rad); in the direction ``angle`` of the whisker frame (rad)."""
 Faults = Literal["raise", "skip"]
+
+
+_ARGUMENTS = {
+    "force": (("force", "force"), ("s_a", "length")),
+    "moment": (("moment", "moment"), ("s_a", "length")),
+    "point": (("x", "length"), ("y", "length")),
+    "tip": (("x", "length"), ("y", "length")),
+}
+"""The two arguments of each problem, and the dimension of each."""
+
+
+def _numbers(name: str, dimension: str, given: npt.ArrayLike) -> Floats:
+    """Numbers (SI), or one text with its unit."""
+    return np.asarray(number(name, given, dimension) if isinstance(given, str) else given, dtype=np.float64)
 
 
 def _solve(
@@ -34,9 +48,10 @@ def _solve(
     if errors not in ("raise", "skip"):
         raise UsageError(f"errors: {errors!r} (allowed: 'raise', 'skip')")
     whiskers = [whisker or Whisker()] if whisker is None or isinstance(whisker, Whisker) else list(whisker)
-    columns = [np.asarray(first, dtype=np.float64), np.asarray(second, dtype=np.float64)]
+    names = _ARGUMENTS[given]
+    columns = [_numbers(name, kind, one) for (name, kind), one in zip(names, (first, second), strict=True)]
     if angle is not None:
-        columns.append(np.asarray(angle, dtype=np.float64))
+        columns.append(_numbers("angle", "angle", angle))
     shapes = [values.shape for values in columns]
     if len(whiskers) != 1:
         shapes.append((len(whiskers),))
@@ -69,7 +84,7 @@ def force_mode(
     Parameters
     ----------
     force : array_like
-        The forces (N).
+        The forces (N); one may be a text with its unit, as may all numbers here: "0.1 N".
     s_a : array_like
         The arc lengths at which they act (m).
     load : {"normal", "vertical", "tilted", "directed"}

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import errno
+from collections.abc import Iterable
+from difflib import get_close_matches
 
 
 class Error(Exception):
@@ -40,6 +42,20 @@ class MissingFileError(DataError, FileNotFoundError):
 
 class UsageError(Error, ValueError):
     """The call is at fault (exit code 2 of the command)."""
+
+
+def one_of(name: str, given: str, known: Iterable[str]) -> str:
+    """The word given, which must be one of those known; of another the error tells which was meant."""
+    words = list(known)
+    if given in words:
+        return given
+    raise UsageError(f"{name}: {given!r} (allowed: {', '.join(words)}){meant(given, words)}")
+
+
+def meant(given: object, known: Iterable[str]) -> str:
+    """A line of help with the word that is most like the one given; empty where none is."""
+    near = get_close_matches(given, list(known), n=1) if isinstance(given, str) else []
+    return f"\n  help: did you mean {near[0]!r}?" if near else ""
 
 
 class DataWarning(UserWarning):

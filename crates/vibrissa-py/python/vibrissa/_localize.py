@@ -11,6 +11,7 @@ import numpy as np
 from . import _vibrissa
 from ._arrays import Floats, Ints, column, rows
 from ._docs import documented
+from ._errors import meant, one_of
 from ._methods import METHODS, Deterministic, Options, Possibilistic, Probabilistic
 from ._robot import RobotLike, robot_of
 from ._show import Shown, axes, draw_map, pandas, plane
@@ -343,9 +344,11 @@ def method_of(method: MethodLike, options: Mapping[str, Any]) -> tuple[str, dict
     """The name of a method and its options; those by name come before those of the group."""
     unknown = set(options) - {*Options.__annotations__, "within"}
     if unknown:
-        raise TypeError(f"localize() got an unexpected keyword argument {min(unknown)!r}")
+        stranger = min(unknown)
+        hint = meant(stranger, Options.__annotations__)
+        raise TypeError(f"there is no option {stranger!r} of any method{hint}")
     if isinstance(method, str):
-        return method, dict(options)
+        return one_of("method", method, METHODS.values()), dict(options)
     own = {one.name: getattr(method, one.name) for one in fields(method)}
     return METHODS[type(method)], {**own, **{k: v for k, v in options.items() if v is not None}}
 

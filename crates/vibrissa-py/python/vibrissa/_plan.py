@@ -12,7 +12,7 @@ import numpy as np
 from . import _vibrissa
 from ._arrays import Floats
 from ._docs import documented
-from ._errors import UsageError
+from ._errors import one_of
 from ._localize import Localization, MethodLike, method_of
 from ._methods import Options
 from ._robot import RobotLike, number, quantities, robot_of
@@ -67,8 +67,7 @@ class MotionLimits:
 
     def __post_init__(self) -> None:
         quantities(self, {"longest": "length", "footprint": "length", "largest_moment": "moment"})
-        if self.criterion not in ("expected", "worst"):
-            raise UsageError(f"criterion: {self.criterion!r} (allowed: 'expected', 'worst')")
+        one_of("criterion", self.criterion, ("expected", "worst"))
 
 
 class PlanOptions(Options, total=False):
@@ -301,8 +300,7 @@ def explore(
     UsageError
         An option that is out of range; a first motion that begins in contact.
     """
-    if strategy not in ("planned", "wall"):
-        raise UsageError(f"strategy: {strategy!r} (allowed: 'planned', 'wall')")
+    one_of("strategy", strategy, ("planned", "wall"))
     read = scenario if isinstance(scenario, Scenario) else Scenario.read(scenario)
     told, rest = _told(limits, options)
     name, given = method_of(method, rest)

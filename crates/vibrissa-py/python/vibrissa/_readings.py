@@ -12,8 +12,8 @@ import numpy as np
 from . import _vibrissa
 from ._arrays import Floats
 from ._docs import documented
-from ._errors import UsageError
-from ._robot import RobotLike, quantity, robot_of
+from ._errors import one_of
+from ._robot import RobotLike, number, quantity, robot_of
 from ._show import Shown, axes, draw_map, plane
 from ._vibrissa import Map
 from ._world import MapLike, read_map
@@ -50,9 +50,7 @@ class Reading:
         ) -> None: ...
 
     def __post_init__(self) -> None:
-        dimension = _DIMENSIONS.get(self.sensor)
-        if dimension is None:
-            raise UsageError(f"sensor: {self.sensor!r} (allowed: {', '.join(_DIMENSIONS)})")
+        dimension = _DIMENSIONS[one_of("sensor", self.sensor, _DIMENSIONS)]
         given: object = self.value
         pair = tuple(quantity("value", one, dimension) for one in given) if isinstance(given, tuple) else None
         object.__setattr__(self, "value", pair or quantity("value", given, dimension))
@@ -170,10 +168,17 @@ class ContactSets(Shown):
 
 
 def _model(
-    load: str, regime: str, max_force: float | None, max_moment: float | None, max_slope: float | None
+    load: str,
+    regime: str,
+    max_force: float | str | None,
+    max_moment: float | str | None,
+    max_slope: float | str | None,
 ) -> Model:
-    limits = [math.inf if limit is None else limit for limit in (max_force, max_moment, max_slope)]
-    return Model(load, regime, *limits)
+    def limit(name: str, given: float | str | None, dimension: str) -> float:
+        return math.inf if given is None else number(name, given, dimension)
+
+    force, moment = limit("max_force", max_force, "force"), limit("max_moment", max_moment, "moment")
+    return Model(load, regime, force, moment, limit("max_slope", max_slope, "angle"))
 
 
 @documented
@@ -183,9 +188,9 @@ def contact_set(
     *,
     load: Literal["normal", "vertical"] = "normal",
     regime: Regime = "auto",
-    max_force: float | None = None,
-    max_moment: float | None = None,
-    max_slope: float | None = None,
+    max_force: float | str | None = None,
+    max_moment: float | str | None = None,
+    max_slope: float | str | None = None,
 ) -> ContactSets:
     """Tells which contacts explain a reading, or several readings at once.
 
@@ -197,7 +202,7 @@ def contact_set(
         The direction of the force: along the whisker's normal at the contact, or across the undeflected whisker.
     regime : {"auto", "small", "large"}
         How moments are read.
-    max_force, max_moment, max_slope : float, optional
+    max_force, max_moment, max_slope : float or str, optional
         What the whisker bears (N, N m, rad); None for no limit.
 
     Returns
@@ -276,13 +281,13 @@ def preimage(
     construction: Literal["alignment", "distance"] = "alignment",
     contacts: Literal["side", "tip", "all"] = "all",
     collision_free: bool = True,
-    cell: float | None = None,
-    heading_step: float | None = None,
+    cell: float | str | None = None,
+    heading_step: float | str | None = None,
     load: Literal["normal", "vertical"] = "normal",
     regime: Regime = "auto",
-    max_force: float | None = None,
-    max_moment: float | None = None,
-    max_slope: float | None = None,
+    max_force: float | str | None = None,
+    max_moment: float | str | None = None,
+    max_slope: float | str | None = None,
 ) -> Preimage:
     """Tells which robot states explain a reading, or several at once, on a map; the heading is unknown.
 
@@ -297,9 +302,9 @@ def preimage(
         Which parts of the whisker may touch.
     collision_free : bool
         Whether states whose whisker passes through something solid are left out.
-    cell : float, optional
+    cell : float or str, optional
         Side of the cells of places (m); None for a millimetre.
-    heading_step : float, optional
+    heading_step : float or str, optional
         Spacing of the headings (rad); None for a degree.
     load, regime, max_force, max_moment, max_slope
         As in ``contact_set``.
@@ -319,7 +324,7 @@ def preimage(
     given = [readings] if isinstance(readings, Reading) else list(readings)
     model = _model(load, regime, max_force, max_moment, max_slope)
     shape = read_map(map)
-    found = _vibrissa.preimage(
-        shape, given, robot_of(robot), model, construction, contacts, collision_free, cell, heading_step
-    )
+    side = None if cell is None else number("cell", cell, "length")
+    step = None if heading_step is None else number("heading_step", heading_step, "angle")
+    found = _vibrissa.preimage(shape, given, robot_of(robot), model, construction, contacts, collision_free, side, step)
     return Preimage(**found, _map=shape)

@@ -51,7 +51,7 @@ def _plausible(name: str, value: float, largest: float) -> None:
     """Refuses lengths (m) that are almost certainly millimetres."""
     if abs(value) > largest:
         raise UsageError(
-            f"{name}: {value} m (allowed: up to {largest:g} m)\nhelp: lengths are metres; write \"{value:g} mm\""
+            f"{name}: {value} m (allowed: up to {largest:g} m)\n  help: lengths are metres; write \"{value:g} mm\""
         )
 
 

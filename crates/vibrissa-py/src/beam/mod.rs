@@ -15,6 +15,7 @@ use pyo3::types::PyIterator;
 use rows::{Row, Rows};
 use std::sync::Arc;
 use vibrissa::beam::{ShapePoint, Whisker};
+use vibrissa::figure::numbers::{fixed, significant};
 use vibrissa::tasks::batch;
 use vibrissa::{Error, Result};
 
@@ -181,7 +182,9 @@ impl Bends {
     }
 
     fn __repr__(&self) -> String {
-        format!("<vibrissa.Bends: {} equilibria of {} problems>", self.rows.len(), self.problems)
+        let (rows, problems) = (self.rows.len(), self.problems);
+        let nouns = (if rows == 1 { "equilibrium" } else { "equilibria" }, if problems == 1 { "" } else { "s" });
+        format!("<vibrissa.Bends: {rows} {} of {problems} problem{}>", nouns.0, nouns.1)
     }
 }
 
@@ -271,13 +274,13 @@ impl Bend {
     fn __repr__(&self) -> String {
         let bend = &self.row.bend;
         format!(
-            "<vibrissa.Bend: F {:.4} N at s_a {:.3} mm, phi_a {:.3} deg, contact ({:.3}, {:.3}) mm, M(0) {:.4} mN m>",
-            bend.force,
+            "<vibrissa.Bend: F {} N at s_a {:.3} mm, phi_a {} deg, contact ({}, {}) mm, M(0) {} mN m>",
+            significant(bend.force, 4),
             bend.s_a * 1e3,
-            bend.phi_a.to_degrees(),
-            bend.contact.x * 1e3,
-            bend.contact.y * 1e3,
-            bend.moment * 1e3
+            fixed(bend.phi_a.to_degrees(), 3),
+            fixed(bend.contact.x * 1e3, 3),
+            fixed(bend.contact.y * 1e3, 3),
+            significant(bend.moment * 1e3, 4)
         )
     }
 }

@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 use vibrissa::beam::Bend;
+use vibrissa::figure::numbers::{fixed, significant};
 use vibrissa::plane::Vec2;
 
 /// Width of the drawing (px), without the margin.
@@ -69,13 +70,13 @@ pub(super) fn figure(solutions: &[Bend], length: f64) -> String {
         let _ = writeln!(
             svg,
             "<path d=\"M{MARGIN} {:.2}h22\" stroke=\"{colour}\" stroke-width=\"2\"/>\n\
-             <text x=\"{:.2}\" y=\"{y:.2}\">force {:.4} N at ({:.3}, {:.3}) mm, moment at the base {:.4} mN·m</text>",
+             <text x=\"{:.2}\" y=\"{y:.2}\">force {} N at ({}, {}) mm, moment at the base {} mN·m</text>",
             y - 4.0,
             MARGIN + 30.0,
-            bend.force,
-            bend.contact.x * 1e3,
-            bend.contact.y * 1e3,
-            bend.moment * 1e3
+            significant(bend.force, 4),
+            fixed(bend.contact.x * 1e3, 3),
+            fixed(bend.contact.y * 1e3, 3),
+            significant(bend.moment * 1e3, 4)
         );
     }
     let _ = writeln!(

@@ -6,6 +6,7 @@ use super::input::{Given, Known};
 use serde_json::{Value, json};
 use std::fmt::Write;
 use vibrissa::beam::{Bend, Whisker};
+use vibrissa::figure::numbers::{fixed, significant};
 use vibrissa::{Error, Result};
 
 /// Points along the whisker in `beam.csv` and in the JSON.
@@ -82,15 +83,15 @@ fn table(bends: &[Bend], whisker: &Whisker) -> String {
     for b in bends {
         let tip = whisker_mm(b.tip(whisker.length));
         let contact = whisker_mm(b.contact);
-        let (phi, beta) = (b.phi_a.to_degrees(), b.beta.to_degrees());
+        let [phi, beta] = [b.phi_a, b.beta].map(|angle| fixed(angle.to_degrees(), 3));
         let _ = writeln!(
             text,
-            "{:8.4} {:8.3} {phi:8.3} {beta:8.3} {:8.3} {:8.3} {:8.4} {:8.3} {:8.3}",
-            b.force,
+            "{:>8} {:8.3} {phi:>8} {beta:>8} {:>8} {:>8} {:>8} {:>8} {:>8}",
+            significant(b.force, 4),
             b.s_a * 1e3,
             contact[0],
             contact[1],
-            b.moment * 1e3,
+            significant(b.moment * 1e3, 4),
             tip[0],
             tip[1],
         );
@@ -98,8 +99,8 @@ fn table(bends: &[Bend], whisker: &Whisker) -> String {
     text
 }
 
-fn whisker_mm(point: vibrissa::plane::Vec2) -> [f64; 2] {
-    [point.x * 1e3, point.y * 1e3]
+fn whisker_mm(point: vibrissa::plane::Vec2) -> [String; 2] {
+    [point.x, point.y].map(|coordinate| fixed(coordinate * 1e3, 3))
 }
 
 /// The shapes as a table, SI.

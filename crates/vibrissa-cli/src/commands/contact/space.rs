@@ -174,16 +174,27 @@ fn words(report: &SpaceReport) -> String {
 fn figure(report: &SpaceReport, title: &str) -> String {
     let [side, tip, unknown] = counts(report);
     let notes = format!("{} steps in contact: side {side}, tip {tip}, not found {unknown}", report.steps.len());
+    let begins = report.events.iter().filter(|event| event.kind == "contact");
+    let touches: Vec<f64> = begins.map(|event| event.t).collect();
     let plot = |y_label: &str, of: fn(&SpaceStep) -> Option<Band>, factor: f64| {
-        let bands: Vec<(f64, Band)> = report.steps.iter().filter_map(|step| Some((step.t, of(step)?))).collect();
-        let up = bands.iter().map(|(t, band)| (*t, band.hi * factor));
-        let down = bands.iter().rev().map(|(t, band)| (*t, band.lo * factor));
-        let closed = up.clone().take(1);
+        let found = |step: &&SpaceStep| of(step).is_some();
+        let mut steps: Vec<&SpaceStep> = report.steps.iter().filter(found).collect();
+        steps.sort_by_key(|step| step.whisker);
+        // Between two touches nothing is known.
+        let touched = |a: f64, b: f64| touches.iter().any(|&t| a < t && t <= b);
+        let stretches = steps.chunk_by(|a, b| a.whisker == b.whisker && !touched(a.t, b.t));
+        let around = |stretch: &[&SpaceStep]| -> Vec<(f64, f64)> {
+            let edge = |step: &&SpaceStep, of_band: fn(Band) -> f64| Some((step.t, of_band(of(step)?) * factor));
+            let up = stretch.iter().filter_map(|step| edge(step, |band| band.hi));
+            let down = stretch.iter().rev().filter_map(|step| edge(step, |band| band.lo));
+            let closed = up.clone().take(1);
+            up.chain(down).chain(closed).chain([(f64::NAN, f64::NAN)]).collect()
+        };
         Plot {
             x_label: "time (s)".to_owned(),
             y_label: y_label.to_owned(),
-            points: bands.iter().map(|(t, band)| (*t, band.value * factor)).collect(),
-            curve: up.chain(down).chain(closed).collect(),
+            points: steps.iter().filter_map(|step| Some((step.t, of(step)?.value * factor))).collect(),
+            curve: stretches.flat_map(around).collect(),
             ..Plot::default()
         }
     };

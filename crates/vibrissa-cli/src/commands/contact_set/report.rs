@@ -6,6 +6,7 @@ use serde_json::json;
 use std::fmt::Write;
 use vibrissa::Result;
 use vibrissa::config::contact_set::{MEETING, NODES};
+use vibrissa::figure::numbers::{fixed, significant};
 use vibrissa::figure::{ContactFigure, contact_figure};
 use vibrissa::flow::contact_set::{
     Contact, ContactRegion, ContactSet, Meeting, PlacedSet, Reading, Resolution, intersect_all,
@@ -110,7 +111,8 @@ impl<'a> Found<'a> {
                 let values = || places.iter().map(of);
                 (values().fold(f64::INFINITY, f64::min) * 1e3, values().fold(f64::NEG_INFINITY, f64::max) * 1e3)
             });
-            let _ = writeln!(text, "  x {:.3} to {:.3} mm, y {:.3} to {:.3} mm", x.0, x.1, y.0, y.1);
+            let [x, y] = [x, y].map(|(lo, hi)| format!("{} to {}", fixed(lo, 3), fixed(hi, 3)));
+            let _ = writeln!(text, "  x {x} mm, y {y} mm");
         }
         for meeting in &self.meetings {
             let kind =
@@ -225,15 +227,16 @@ fn ends(text: &mut String, contacts: &[Contact]) {
     let (Some(a), Some(b)) = (contacts.first(), contacts.last()) else { return };
     for (word, c) in [("  from", a), ("    to", b)] {
         // Towards the base a force of any size explains a moment.
-        let force = if c.force > LARGEST_TOLD { "  above 1 kN".into() } else { format!("{:10.4} N", c.force) };
+        let force =
+            if c.force > LARGEST_TOLD { "  above 1 kN".into() } else { format!("{:>10} N", significant(c.force, 4)) };
         let _ = writeln!(
             text,
-            "{word} ({:8.3}, {:8.3}) mm   s_a {:7.3} mm   phi_a {:8.3} deg   F {force}   M(0) {:8.4} mN m",
-            c.position.x * 1e3,
-            c.position.y * 1e3,
+            "{word} ({:>8}, {:>8}) mm   s_a {:7.3} mm   phi_a {:>8} deg   F {force}   M(0) {:>8} mN m",
+            fixed(c.position.x * 1e3, 3),
+            fixed(c.position.y * 1e3, 3),
             c.s_a * 1e3,
-            c.phi_a.to_degrees(),
-            c.moment * 1e3
+            fixed(c.phi_a.to_degrees(), 3),
+            significant(c.moment * 1e3, 4)
         );
     }
 }
