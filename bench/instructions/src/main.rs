@@ -43,7 +43,7 @@ fn file() -> PathBuf {
 fn build() -> Result<String, String> {
     let output = Command::new("rustc").arg("--version").output().map_err(|error| format!("rustc: {error}"))?;
     let version = String::from_utf8_lossy(&output.stdout);
-    Ok(format!("{}, {}, profile instructions", version.trim(), std::env::consts::ARCH))
+    Ok(format!("{}, {}, release", version.trim(), std::env::consts::ARCH))
 }
 
 /// The instructions of one path.
