@@ -11,6 +11,11 @@ def decades(values):
     return low, max(high, low + 1)
 
 
+def number(x):
+    """A number of an axis: thousands apart, no powers of ten."""
+    return f"{x:,.0f}" if abs(x) >= 1000 else f"{x:g}"
+
+
 def opened(width, height, title):
     return [f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" viewBox="0 0 {width} {height}" font-family="sans-serif" font-size="12">',
             f'<rect width="{width}" height="{height}" fill="white"/>', f'<text x="14" y="24" font-size="15">{escape(title)}</text>']
@@ -54,7 +59,7 @@ def scaling(series, title, axis, shown, measured=" (least processor time)"):
     for x in xs:
         svg.append(f'<line x1="{across(x):.1f}" y1="{top + height}" x2="{across(x):.1f}" y2="{top + height + 5}" stroke="#888"/>')
         if across(x) - last > 34:
-            svg.append(f'<text x="{across(x):.1f}" y="{top + height + 19}" text-anchor="middle">{x:g}</text>')
+            svg.append(f'<text x="{across(x):.1f}" y="{top + height + 19}" text-anchor="middle">{number(x)}</text>')
             last = across(x)
     svg.append(f'<text x="{left + width / 2}" y="{top + height + 38}" text-anchor="middle">{escape(axis)}</text>')
     for k, (name, points) in enumerate(series.items()):

@@ -67,12 +67,24 @@ pub(crate) fn contact_set(host: &mut Host, sensor: u32, lo: f64, hi: f64, shapes
     Ok(())
 }
 
+/// Most steps along the boundary, over all headings, of a preimage: what a page is kept waiting for, some seconds.
+const MOST_STEPS: f64 = (1 << 22) as f64;
+
 pub(crate) fn preimage(host: &mut Host, sensor: u32, lo: f64, hi: f64, cell: f64, headings: u32) -> Result<()> {
     let reading = reading(sensor, lo, hi)?;
     let model = ContactModel::new(&whisker(host)?, Load::Normal)?;
     let mount = host.robot.whiskers[0].robot_from_whisker;
     let options = PreimageOptions { cell, headings: headings as usize, ..PreimageOptions::default() };
-    let found = reading_preimage(host.map()?, &model, mount, &[reading], &options)?;
+    options.check()?;
+    let map = host.map()?;
+    let steps = map.total_length() / cell * f64::from(headings);
+    if steps > MOST_STEPS {
+        let error = Error::usage("steps of a cell along the boundary, over all headings").value(steps.round());
+        return Err(error
+            .allowed(format!("up to {MOST_STEPS}"))
+            .remedy("take coarser cells, fewer headings or a part of the map"));
+    }
+    let found = reading_preimage(map, &model, mount, &[reading], &options)?;
     let states = &found.states;
     let raster = *states.raster();
     host.push([

@@ -179,3 +179,12 @@ fn a_preimage_and_its_headings_belong_together() {
     let sum: f64 = host.numbers.chunks_exact(2).map(|run| run[1] - run[0]).sum();
     assert!((sum / core::f64::consts::TAU - shares[index]).abs() < 1e-12);
 }
+
+#[test]
+fn a_preimage_that_a_page_would_wait_long_for_is_refused() {
+    let mut host = with_arena();
+    let refused = contacts::preimage(&mut host, 3, 3.8e-3, 4.2e-3, 1e-5, 3600).unwrap_err();
+    assert!(refused.is_usage() && refused.to_string().contains("coarser cells"), "{refused}");
+    let refused = contacts::preimage(&mut host, 3, 3.8e-3, 4.2e-3, 0.0, 36).unwrap_err();
+    assert!(refused.to_string().contains("1e-5 to 1 m"), "{refused}");
+}
