@@ -185,7 +185,7 @@ fn warnings(channels: &[Channel], unknown: &[&str]) -> Vec<String> {
     }
     let sharp: Vec<String> = channels.iter().filter(|c| is_probabilistic(c)).map(Channel::column).collect();
     if !sharp.is_empty() {
-        warnings.push(format!("used by the probabilistic method only: {}", listed(&sharp)));
+        warnings.push(format!("used by the probabilistic method and `contact --filter` only: {}", listed(&sharp)));
     }
     warnings
 }

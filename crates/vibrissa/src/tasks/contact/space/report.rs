@@ -282,9 +282,8 @@ impl SpaceReport {
             let (lo, hi) = (lo.max(angle - band), hi.min(angle + band));
             if lo > hi {
                 let least = degrees(lo - hi);
-                let detail = format!(
-                    "the contact goes around {name} by more than the readings' errors, {least:.1} deg or more by now"
-                );
+                let by_now = if least < 0.05 { String::new() } else { format!(", {least:.1} deg or more by now") };
+                let detail = format!("the contact goes around {name} by more than the readings' errors{by_now}");
                 self.tell(step.t, "slides_around", detail);
                 break;
             }
