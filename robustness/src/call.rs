@@ -21,6 +21,7 @@ pub(crate) const HELP: &str = "\
   --free HOURS        a whisker that is free, and one that is touched now and then: no contact made up, none missed
   --worlds            what the worlds are, and nothing else
   --each              a line for each run that is off, wrong or inconsistent, or whose truth is not held
+  --logs DIR          a folder for each of these: log.csv, map.geojson, robot.toml, truth.tum
   --json FILE         the tables in SI units";
 
 /// Worlds of a full run and of a short one.
@@ -43,6 +44,7 @@ pub(crate) struct Call {
     pub(crate) free: Option<f64>,
     pub(crate) worlds: bool,
     pub(crate) each: bool,
+    pub(crate) logs: Option<PathBuf>,
     pub(crate) json: Option<PathBuf>,
 }
 
@@ -61,6 +63,7 @@ impl Call {
             free: None,
             worlds: false,
             each: false,
+            logs: None,
             json: None,
         };
         let (mut runs, mut laws, mut errors, mut independent) = (None, None, None, false);
@@ -86,6 +89,7 @@ impl Call {
                 "--free" => call.free = Some(number(&word, &value()?, 0.0, 1e5)?),
                 "--worlds" => call.worlds = true,
                 "--each" => call.each = true,
+                "--logs" => (call.each, call.logs) = (true, Some(value()?.into())),
                 "--json" => call.json = Some(value()?.into()),
                 _ => return Err(format!("unknown word {word}")),
             }

@@ -2,8 +2,11 @@
 
 use crate::random::Random;
 use crate::worlds::{ROOMS, World, room};
+use std::path::Path;
 use vibrissa::Result;
+use vibrissa::flow::pose::StampedPose;
 use vibrissa::flow::sensor_log::SensorLog;
+use vibrissa::io::{format_tum, log::to_csv, map::to_geojson, robot::to_toml};
 use vibrissa::plane::Pose2;
 use vibrissa::sim::SweepNoise;
 use vibrissa::sim::recorder::{NoiseLaw, OdometryErrors, Recorder, Slip, TrueErrors};
@@ -119,6 +122,19 @@ pub(crate) struct Trial {
     pub(crate) map: Map,
     /// The robot at the last row, frame of the declared map; none where the map is another room's.
     pub(crate) truth: Option<Pose2>,
+}
+
+impl Trial {
+    /// Writes what a localizer gets, and the true pose at the last row, for `vibrissa localize`.
+    pub(crate) fn write(&self, folder: &Path) -> std::io::Result<()> {
+        std::fs::create_dir_all(folder)?;
+        std::fs::write(folder.join("log.csv"), to_csv(&self.log))?;
+        std::fs::write(folder.join("map.geojson"), to_geojson(&self.map))?;
+        std::fs::write(folder.join("robot.toml"), to_toml(&self.robot))?;
+        let Some((truth, last)) = self.truth.zip(self.log.rows.last()) else { return Ok(()) };
+        let last = StampedPose { t: last.t, map_from_robot: truth };
+        std::fs::write(folder.join("truth.tum"), format_tum(&[last]))
+    }
 }
 
 impl Cell {

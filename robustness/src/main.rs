@@ -210,6 +210,11 @@ fn runs(world: &World, seed: u64, call: &Call) -> Vec<Judged> {
                     "{told}: {:?}, truth held {}, {off:.2} mm off, distance {:.1}, {time:.2} s",
                     run.outcome, run.held, run.distance
                 );
+                if let Some(folder) = &call.logs
+                    && let Err(error) = trial.write(&folder.join(format!("{seed}-{}", cell.word)))
+                {
+                    eprintln!("error: {}: {error}", folder.display());
+                }
             }
             out.push(run);
         }
