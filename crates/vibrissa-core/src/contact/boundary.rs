@@ -103,8 +103,7 @@ impl Piece {
     }
 
     /// Whether a place is behind the tangent at the parameter `at`, seen from where the whisker is.
-    #[must_use]
-    pub fn is_behind(&self, at: f64, place: Vec2) -> bool {
+    fn is_behind(&self, at: f64, place: Vec2) -> bool {
         let spot = self.spot(at);
         self.side * spot.velocity.cross(place - spot.position) < 0.0
     }
@@ -281,6 +280,16 @@ impl Boundaries {
         // Where two meet it is the later one.
         let next = at >= 1.0 && segment + 1 < curve.segments().len();
         Some(if next { (piece(segment + 1, left), 0.0, distance) } else { (piece(segment, left), at, distance) })
+    }
+
+    /// Whether a place is behind the boundary, where this place of it is the nearest, seen from where the whisker is.
+    #[must_use]
+    pub fn is_behind(&self, (piece, at): (u32, f64), place: Vec2) -> bool {
+        let corner = if at <= 0.0 || at >= 1.0 { self.corner_of(piece, at > 0.5) } else { None };
+        match corner.filter(|(_, corner)| !corner.is_smooth()) {
+            Some((_, corner)) => (place - corner.position).dot(Vec2::from_angle(corner.outward())) < 0.0,
+            None => self.piece(piece).is_behind(at, place),
+        }
     }
 
     /// The place nearest to `point` within `reach` (m), touched from the side to which `away` points: piece and

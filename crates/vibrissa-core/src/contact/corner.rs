@@ -50,11 +50,19 @@ impl Corner {
         self.turn.abs() <= SMOOTH
     }
 
+    /// The direction half way between both normals (rad, map frame). What is nearest to a corner is on the free side of the boundary where
+    /// it lies on this side of the corner \[baerentzen2005signed\]; the normal of one of the pieces alone tells it wrongly where the turn is
+    /// above a right angle.
+    #[must_use]
+    pub fn outward(&self) -> f64 {
+        self.normal + 0.5 * self.turn
+    }
+
     /// Where a direction (rad, map frame) points within the corner: 0 along the normal before, 1 along the normal
     /// after.
     #[must_use]
     pub fn lean(&self, direction: f64) -> f64 {
-        0.5 + wrap_angle(direction - self.normal - 0.5 * self.turn) / self.turn
+        0.5 + wrap_angle(direction - self.outward()) / self.turn
     }
 
     /// The place across the corner from its end at the end (`forward`) or the start of `piece`.

@@ -108,12 +108,19 @@ impl Sweep {
         unknown
     }
 
-    /// Follows the whisker by both until the branch of the simulation ends, and compares moment, place and hold.
+    /// Follows the whisker by both until the branch of the simulation ends, and compares moment, place and hold; nothing but its contact is near
+    /// the whisker, so that to look at all of it changes nothing.
     fn compare(&self, name: &str) -> Seen {
+        self.compare_looking(false, name);
+        self.compare_looking(true, name)
+    }
+
+    /// The same where the whole whisker is looked at, or its contact alone.
+    fn compare_looking(&self, whole: bool, name: &str) -> Seen {
         let whisker = Whisker::default();
         let boundaries = Boundaries::new(&self.map).with_clearance(&self.map);
         let loaded = LoadedWhisker::new(&whisker).unwrap();
-        let model = self.model(&boundaries, whisker.length, false);
+        let model = self.model(&boundaries, whisker.length, whole);
         let (mut state, mut held) = (WhiskerState::Free, None);
         let mut seen = Seen::default();
         for pair in self.poses().windows(2) {
@@ -131,7 +138,7 @@ impl Sweep {
                 }
                 continue;
             };
-            let at = format!("{name} {pair:?}");
+            let at = format!("{name}, whole {whole} {pair:?}");
             same_contact(&at, predicted.value, &ours, &theirs);
             seen.count(&theirs.hold);
         }
@@ -314,6 +321,63 @@ fn over_the_ends_of_a_thin_wall() {
             assert!(seen.tip > 50 && seen.side_on_corner > 0, "{seen:?}");
         }
     }
+}
+
+#[test]
+fn along_the_sides_of_posts_with_acute_corners() {
+    // Half of the angle at the corner (degrees), over which the whisker leaves with its tip or with its side.
+    for half in [10.0, 15.0, 22.0, 30.0, 40.0, 60.0_f64] {
+        let wide = 0.12 * half.to_radians().tan();
+        let map = map(Role::Obstacle, &[(0.2, 0.25), (0.32, 0.25 - wide), (0.32, 0.25 + wide)]);
+        // Along the upper side, towards the corner, with the whisker trailing.
+        let side = Vec2::from_angle(half.to_radians());
+        for lean in [0.3, 0.6, 0.9_f64] {
+            let heading = (side.perp() * -1.0).angle() - lean;
+            let base = |along: f64, share: f64| {
+                let up = side.perp() * (share * 0.075 * lean.cos());
+                Vec2::new(0.2, 0.25) + side * (along + 0.075 * lean.sin()) + up
+            };
+            let way = vec![base(0.05, 1.3), base(0.05, 0.8), base(-0.08, 0.8)];
+            let seen = Sweep { map: map.clone(), heading, way, step: STEP }.compare(&format!("post {half} {lean}"));
+            assert!(seen.tip > 100, "{half} {lean} {seen:?}");
+        }
+    }
+}
+
+/// The side of the nearest boundary on which a place is, against windings, all around posts, niches and a hole.
+#[test]
+fn what_is_behind_the_nearest_boundary_is_not_free() {
+    let mut seed = 7_u64;
+    let mut unit = || {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (seed >> 11) as f64 / (1_u64 << 53) as f64
+    };
+    let (mut behind, mut free) = (0, 0);
+    for round in 0..60 {
+        // A star with long points, or a post of three corners, in a room.
+        let count = if round % 3 == 0 { 3 } else { 14 };
+        let post: Vec<Vec2> = (0..count)
+            .map(|k| {
+                let reach = if k % 2 == 0 { 0.08 + 0.1 * unit() } else { 0.02 + 0.05 * unit() };
+                Vec2::new(0.25, 0.25) + Vec2::from_angle(TAU * f64::from(k) / f64::from(count)) * reach
+            })
+            .collect();
+        let outline =
+            |role: Role, corners: &[Vec2]| Boundary::new(role, Curve::polyline(corners, true).unwrap(), None).unwrap();
+        let map = Map::new(vec![outline(Role::Arena, &way(&ROOM)), outline(Role::Obstacle, &post)]).unwrap();
+        let boundaries = Boundaries::new(&map);
+        for _ in 0..400 {
+            let place = Vec2::new(0.5 * unit(), 0.5 * unit());
+            let (piece, at, distance) = boundaries.nearest(&map, place, place, 1.0).unwrap();
+            if distance < 1e-9 {
+                continue;
+            }
+            let is_behind = boundaries.is_behind((piece, at), place);
+            assert_eq!(is_behind, !map.is_free(place), "round {round}: {place:?} {piece} {at} {distance}");
+            if is_behind { behind += 1 } else { free += 1 }
+        }
+    }
+    assert!(behind > 1000 && free > 10_000, "{behind} {free}");
 }
 
 #[test]

@@ -160,7 +160,7 @@ impl ForwardModel<'_> {
             }
             Support::Corner(id) => {
                 let corner = self.boundaries.corner(id)?;
-                let facing = math::cos(across - corner.normal - 0.5 * corner.turn);
+                let facing = math::cos(across - corner.outward());
                 let lean = corner.lean(if facing > 0.0 { across } else { across + PI });
                 let next = if lean < 0.0 {
                     to(corner.before)
@@ -194,7 +194,7 @@ impl ForwardModel<'_> {
             }
             Support::Corner(id) => {
                 let corner = self.boundaries.corner(id)?;
-                let held = math::cos(direction - corner.normal - 0.5 * corner.turn) > 0.0;
+                let held = math::cos(direction - corner.outward()) > 0.0;
                 let lean = corner.lean(direction);
                 let next = if lean < 0.0 {
                     to(corner.before)

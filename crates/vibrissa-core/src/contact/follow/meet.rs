@@ -99,7 +99,7 @@ impl ForwardModel<'_> {
             .filter(|(_, corner)| corner.is_convex() && corner.position.distance(place) < CORNER * self.length)
             .min_by(|a, b| a.1.position.distance(place).total_cmp(&b.1.position.distance(place)));
         let (on, place, normal) = match near {
-            Some((id, corner)) => (Support::Corner(id), corner.position, corner.normal + 0.5 * corner.turn),
+            Some((id, corner)) => (Support::Corner(id), corner.position, corner.outward()),
             None => {
                 let spot = self.boundaries.spot((piece, at));
                 (Support::Piece(piece, at), spot.position, spot.normal)

@@ -169,7 +169,7 @@ impl ForwardModel<'_> {
             }
             let share = (corner.position - a).dot(along) / (length * length);
             let off = a + along * share - corner.position;
-            let outward = Vec2::from_angle(corner.normal + 0.5 * corner.turn);
+            let outward = Vec2::from_angle(corner.outward());
             let distance = off.norm().copysign(off.dot(outward));
             (0.0..=1.0).contains(&share).then_some((share, distance, (piece, f64::from(u8::from(forward)))))
         };
@@ -178,7 +178,7 @@ impl ForwardModel<'_> {
 
     fn gap(&self, stance: &Stance, place: Vec2) -> Option<Gap> {
         let (piece, at, distance) = self.boundaries.nearest(self.map, place, stance.base(), FARTHEST * self.length)?;
-        let inside = self.boundaries.piece(piece).is_behind(at, place);
+        let inside = self.boundaries.is_behind((piece, at), place);
         Some(Gap { distance: if inside { -distance } else { distance }, at: (piece, at) })
     }
 }

@@ -177,7 +177,7 @@ impl ForwardModel<'_> {
         let (mut q, mut beta) = (from.q, from.beta);
         if q.abs() < WEAK {
             // A weak force can point anywhere without moving the tip much: start from the small-angle solution.
-            beta = wrap_angle(corner.normal + 0.5 * corner.turn - stance.theta() - FRAC_PI_2);
+            beta = wrap_angle(corner.outward() - stance.theta() - FRAC_PI_2);
             q = 3.0 * target.y / math::cos(beta);
         }
         let placed = self.placed_at(q, beta, target)?;

@@ -495,7 +495,7 @@ fn sharp_corners(model: &MeasurementModel<'_>) -> Vec<(Vec2, f64)> {
             let Some((id, corner)) = model.ground.corner_of(piece, forward) else { continue };
             if corner.is_convex() && corner.turn.abs() > SHARP && !seen.contains(&id) {
                 seen.push(id);
-                corners.push((corner.position, corner.normal + 0.5 * corner.turn));
+                corners.push((corner.position, corner.outward()));
             }
         }
     }
