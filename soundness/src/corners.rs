@@ -1,4 +1,4 @@
-//! Drives around the corners of right-angled rooms by the simulator with any number of contacts, with declared errors of all
+//! Drives around the corners of right-angled rooms, with posts of acute corners and thin walls in some, by the simulator with any number of contacts, with declared errors of all
 //! kinds and noise by several laws.
 
 use crate::random_sweep::random::Random;
@@ -42,7 +42,8 @@ const FEWEST_ROWS: usize = 60;
 /// The drive of a seed, if there is one; with errors of every kind, or of readings and odometry only.
 pub(crate) fn drive(seed: u64, nuisances: bool) -> Option<Drive> {
     let mut draw = Random(seed.wrapping_mul(0xa076_1d64_78bd_642f));
-    let outlines = room(&mut draw);
+    let mut outlines = room(&mut draw);
+    furnish(&mut outlines, &mut Random(seed.wrapping_mul(0xd6e8_feb8_6659_fd93)));
     let map = map_of(&outlines, 1.0)?;
     let robot = true_robot(&mut draw);
     let way = waypoints(&map, &robot, &mut draw)?;
@@ -106,11 +107,38 @@ pub(crate) fn room(draw: &mut Random) -> Vec<Vec<Vec2>> {
     all.iter().map(|outline| outline.iter().map(|p| p.rotated(turn)).collect()).collect()
 }
 
+/// Adds a post with acute corners and a thin wall to some rooms, where there is space.
+fn furnish(outlines: &mut Vec<Vec<Vec2>>, draw: &mut Random) {
+    for corners in [3, 2] {
+        if draw.unit() < 0.5 {
+            let found = (0..30).find_map(|_| {
+                let map = map_of(outlines, 1.0)?;
+                let (bounds, turn) = (map.bounds(), draw.signed(PI));
+                let size = bounds.size();
+                let at = bounds.min + Vec2::new(draw.unit() * size.x, draw.unit() * size.y);
+                let (long, wide) = (draw.between(0.04, 0.12), draw.between(0.15, 0.6));
+                let thing =
+                    [Vec2::ZERO, Vec2::new(long, 0.0), Vec2::from_angle(wide) * (long * draw.between(0.5, 1.2))];
+                let thing: Vec<Vec2> = thing[..corners].iter().map(|p| at + p.rotated(turn)).collect();
+                let ends = |k: usize| [thing[k], thing[(k + 1) % corners]];
+                let stands = (0..corners).all(|k| map.is_free(thing[k]) && !map.crosses(ends(k)[0], ends(k)[1]));
+                stands.then_some(thing)
+            });
+            outlines.extend(found);
+        }
+    }
+}
+
+/// The map of a room's outlines, the room first; two corners are a thin wall.
 pub(crate) fn map_of(outlines: &[Vec<Vec2>], scale: f64) -> Option<Map> {
     let boundary = |(index, outline): (usize, &Vec<Vec2>)| {
-        let role = if index == 0 { Role::Arena } else { Role::Obstacle };
+        let role = match (index, outline.len()) {
+            (0, _) => Role::Arena,
+            (_, 2) => Role::Wall,
+            _ => Role::Obstacle,
+        };
         let outline: Vec<Vec2> = outline.iter().map(|&p| p * scale).collect();
-        Boundary::new(role, Curve::polyline(&outline, true)?, None).ok()
+        Boundary::new(role, Curve::polyline(&outline, role != Role::Wall)?, None).ok()
     };
     Map::new(outlines.iter().enumerate().map(boundary).collect::<Option<_>>()?).ok()
 }
