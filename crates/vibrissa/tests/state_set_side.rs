@@ -16,7 +16,9 @@ use std::path::Path;
 use vibrissa::beam::TipModel;
 use vibrissa::flow::state_set::probabilistic::{PredictedMoment, predicted_moments};
 use vibrissa::plane::{Curve, Pose2, Vec2};
-use vibrissa::sim::{Pace, Part, Scenario, Sweep, SweepNoise, path_through, simulate_tip_sweep};
+use vibrissa::sim::{
+    Pace, Part, Scenario, SimulateOptions, Sweep, SweepNoise, path_through, simulate, simulate_tip_sweep,
+};
 use vibrissa::world::{Boundary, Map, Robot, Role};
 
 fn predicted(map: &Map, robot: &Robot, sweep: &Sweep, moved: [f64; 3]) -> Vec<PredictedMoment> {
@@ -141,6 +143,48 @@ fn a_corner_that_rises_anywhere_under_a_whisker_with_its_tip_on_a_wall_is_felt()
     }
     println!("{tried} sweeps over the corner, {both} with the tip on the floor first");
     assert!(tried >= 10 && both >= 5, "{tried} {both}");
+}
+
+/// Rows of contact with any number of contacts, and rows that are off by more than half of the declared noise.
+fn all_rows(map: &Map, robot: &Robot, way: &[Pose2]) -> Option<[usize; 2]> {
+    let path = path_through(way, &Pace { speed: 0.1, turn_rate: 1.0, rate: 200.0 }).unwrap();
+    let sweep = simulate(map, robot, &path, &SweepNoise::none(), &SimulateOptions::default()).ok()?;
+    if sweep.events.iter().any(|event| matches!(event.kind, "unsolved" | "lost")) {
+        return None;
+    }
+    let mut touching: Vec<usize> = sweep.contacts.iter().map(|touch| touch.row).collect();
+    touching.dedup();
+    let noise = &robot.whiskers[0].noise;
+    let ours = predicted(map, robot, &sweep, [0.0; 3]);
+    let off = ours.iter().zip(&sweep.exact_moments).filter(|(ours, exact)| {
+        (ours.moment - exact[0]).abs() > 0.5 * (noise.moment_relative * exact[0].abs() + noise.moment_absolute)
+    });
+    Some([touching.len(), off.count()])
+}
+
+#[test]
+fn the_end_of_a_thin_wall_is_brushed_by_the_side() {
+    let robot = Robot::default();
+    let corners = [(0.0, 0.0), (0.5, 0.0), (0.5, 0.5), (0.0, 0.5)].map(|(x, y)| Vec2::new(x, y));
+    let room = Boundary::new(Role::Arena, Curve::polyline(&corners, true).unwrap(), None).unwrap();
+    let mut draw = Random(31);
+    let (mut rows, mut odd) = (0, 0);
+    for _ in 0..24 {
+        // The base goes by beside the wall, in its direction, with the whisker across it.
+        let (end, tilt) = (Vec2::new(0.25, 0.25), draw.signed(0.4));
+        let wall = [end, end + Vec2::from_angle(tilt) * draw.between(0.05, 0.12)];
+        let wall = Boundary::new(Role::Wall, Curve::polyline(&wall, false).unwrap(), None).unwrap();
+        let map = Map::new(vec![room.clone(), wall]).unwrap();
+        let (off, lean) = (draw.between(0.02, 0.06), draw.signed(0.4));
+        let at = |s: f64| {
+            let base = end + Vec2::from_angle(tilt) * s - Vec2::from_angle(tilt).perp() * off;
+            Pose2::new(base.x, base.y, tilt + core::f64::consts::FRAC_PI_2 + lean)
+        };
+        let Some([touching, off]) = all_rows(&map, &robot, &[at(-0.06), at(0.03)]) else { continue };
+        (rows, odd) = (rows + touching, odd + off);
+    }
+    println!("{rows} rows, {odd} odd");
+    assert!(rows > 500 && odd * 50 < rows, "{odd} of {rows} rows");
 }
 
 #[test]

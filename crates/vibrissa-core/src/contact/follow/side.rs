@@ -35,11 +35,6 @@ enum SideStep {
     To(Contact),
 }
 
-/// The contact on the corner that was left, where nothing else is found.
-fn stayed(left: Option<Left>) -> SideStep {
-    SideStep::Ends(left.map_or(Next::None, |(_, touch, predicted)| Next::Touching(touch, predicted)))
-}
-
 impl ForwardModel<'_> {
     /// The equilibrium with the side on the boundary, from this hold on from one to the next.
     pub(super) fn on_side(&self, stance: &Stance, start: Contact) -> Next {
@@ -72,7 +67,9 @@ impl ForwardModel<'_> {
         push: Push,
         left: Option<Left>,
     ) -> SideStep {
-        let Some((found, predicted, at)) = self.on_flank(stance, touch, piece, start) else { return stayed(left) };
+        let Some((found, predicted, at)) = self.on_flank(stance, touch, piece, start) else {
+            return self.stayed(stance, left);
+        };
         if (-END_SLACK..=1.0 + END_SLACK).contains(&at) {
             return SideStep::Ends(if found.s > 1.0 + TIP_SLACK {
                 self.along(stance, &Contact { s: 1.0, ..found }, piece, at, true)
@@ -86,7 +83,7 @@ impl ForwardModel<'_> {
         }
         // Off a corner and back onto it: the two agree but for rounding.
         if left.is_some_and(|(before, ..)| before == id) {
-            return stayed(left);
+            return self.stayed(stance, left);
         }
         let on = if corner.is_convex() {
             Support::Corner(id)
@@ -100,7 +97,9 @@ impl ForwardModel<'_> {
 
     /// The side on a corner, or where it goes from there.
     fn vertex(&self, stance: &Stance, touch: &Contact, id: u32, push: Push, left: &mut Option<Left>) -> SideStep {
-        let Some((found, predicted, lean)) = self.on_vertex(stance, touch, id) else { return stayed(*left) };
+        let Some((found, predicted, lean)) = self.on_vertex(stance, touch, id) else {
+            return self.stayed(stance, *left);
+        };
         let Some(corner) = self.boundaries.corner(id) else { return SideStep::Ends(Next::None) };
         if (0.0..=1.0).contains(&lean) {
             return SideStep::Ends(if found.s > 1.0 + TIP_SLACK {
@@ -122,7 +121,7 @@ impl ForwardModel<'_> {
             return to(Support::Piece(piece, at));
         }
         match next {
-            Some(_) if back => stayed(*left),
+            Some(_) if back => self.stayed(stance, *left),
             Some((next, _)) => {
                 *left = Some((id, found, predicted));
                 to(Support::Corner(next))
@@ -204,6 +203,15 @@ impl ForwardModel<'_> {
             }
         }
         None
+    }
+
+    /// The contact on the corner that was left, where nothing else is found.
+    fn stayed(&self, stance: &Stance, left: Option<Left>) -> SideStep {
+        SideStep::Ends(match left {
+            Some((id, touch, _)) if touch.s > 1.0 + TIP_SLACK => self.off_tip(stance, &touch, id),
+            Some((_, touch, predicted)) => Next::Touching(touch, predicted),
+            None => Next::None,
+        })
     }
 
     /// A corner has come to the tip: the tip goes on along that side of it which it faces.

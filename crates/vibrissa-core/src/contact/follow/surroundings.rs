@@ -23,6 +23,8 @@ const BUMP: f64 = 2e-3;
 const LEAST_CLEAR: f64 = 0.0133;
 /// How far behind a tip that points out of the boundary the side is looked for (share of the length).
 const BEHIND: f64 = 0.04;
+/// How far from its contact, of what is beyond, a whisker is seen from to be on the free side there.
+const BESIDE: f64 = 0.05;
 /// A straight end beyond the contact shorter than this (share of the length) is not looked at.
 const SHORT: f64 = 0.03;
 
@@ -61,7 +63,8 @@ impl ForwardModel<'_> {
             // A tip that points out of the boundary has come through it from behind.
             let heading = stance.heading(touch.slope);
             if math::cos(heading - self.boundaries.spot((piece, at)).normal) > 0.0
-                && let Some(gap) = self.gap(stance, touch.place - Vec2::from_angle(heading) * (BEHIND * self.length))
+                && let Some(gap) =
+                    self.gap(touch.place - Vec2::from_angle(heading) * (BEHIND * self.length), stance.base())
             {
                 return Surroundings::Before(1.0 - BEHIND, gap.at);
             }
@@ -84,8 +87,9 @@ impl ForwardModel<'_> {
         }
         let free = 1.0 - touch.s;
         if matches!(touch.hold, Hold::Side(..)) && free > SHORT {
-            let tip = touch.place + Vec2::from_angle(stance.heading(touch.slope)) * (free * self.length);
-            match self.gap(stance, tip) {
+            let beyond = Vec2::from_angle(stance.heading(touch.slope)) * (free * self.length);
+            // From beside the contact, which may be the end of a wall.
+            match self.gap(touch.place + beyond, touch.place + beyond * BESIDE) {
                 Some(gap) if gap.distance < 0.0 => return Surroundings::Beyond(gap.at),
                 Some(gap) => clear = clear.min(gap.distance),
                 None => {}
@@ -100,7 +104,7 @@ impl ForwardModel<'_> {
         let mut clear = farthest;
         let mut least: Option<(usize, Gap)> = None;
         let mut before = f64::INFINITY;
-        let mut last_place = stance.base();
+        let (mut last_place, mut free) = (stance.base(), stance.base());
         for (k, &at) in outline.iter().enumerate() {
             let place = stance.placed(at);
             // What comes through a boundary is no further from it than the next of these places.
@@ -108,12 +112,15 @@ impl ForwardModel<'_> {
             let (gap, distance) = if least_gap * CUTS as f64 > self.length {
                 (None, least_gap.min(farthest))
             } else {
-                let gap = self.gap(stance, place);
+                let gap = self.gap(place, free);
                 let distance = gap.as_ref().map_or(farthest, |gap| gap.distance);
                 (gap, distance)
             };
             if k < LOOKED {
                 clear = clear.min(distance);
+            }
+            if distance >= 0.0 {
+                free = place;
             }
             if let Some((t, off, at)) = least
                 .as_ref()
@@ -176,9 +183,17 @@ impl ForwardModel<'_> {
         ends.filter_map(clear).min_by(|a, b| a.1.total_cmp(&b.1)).filter(|one| one.1 > -length)
     }
 
-    fn gap(&self, stance: &Stance, place: Vec2) -> Option<Gap> {
-        let (piece, at, distance) = self.boundaries.nearest(self.map, place, stance.base(), FARTHEST * self.length)?;
-        let inside = self.boundaries.is_behind((piece, at), place);
-        Some(Gap { distance: if inside { -distance } else { distance }, at: (piece, at) })
+    /// The boundary nearest to a place, which is behind it where a thin wall lies between it and what is known to be `free`.
+    fn gap(&self, place: Vec2, free: Vec2) -> Option<Gap> {
+        let near = |from: Vec2| self.boundaries.nearest(self.map, place, from, FARTHEST * self.length);
+        let (piece, at, distance) = near(free)?;
+        if !self.boundaries.is_behind((piece, at), place) {
+            return Some(Gap { distance, at: (piece, at) });
+        }
+        // Around the end of a wall its other side is free, too.
+        if self.boundaries.other_side(piece).is_some() && !self.map.crosses(free, place) {
+            return near(place).map(|(piece, at, distance)| Gap { distance, at: (piece, at) });
+        }
+        Some(Gap { distance: -distance, at: (piece, at) })
     }
 }
