@@ -6,8 +6,9 @@ use super::chart::Chart;
 use super::contacts::{ContactFigure, contact_legend, contact_panel};
 use super::document::Document;
 use super::legend::{Entry, LINE, Sample, legend};
-use super::localization::{Outline, OutlineRole, draw_outlines, words::wrapped};
-use super::scene::Layer;
+use super::localization::words::wrapped;
+use super::outlines::{Outline, draw_outlines, outline_entries};
+use super::scene::{Layer, draw_layers};
 use super::states::{PreimageFigure, preimage_legend, preimage_panel};
 
 /// Width of every plate (px).
@@ -93,18 +94,11 @@ pub fn map_plate(figure: &MapPlate<'_>) -> String {
     let world = figure.window.or_else(whole).unwrap_or(origin);
     let height = (PANEL * world.size().y / world.size().x.max(1e-9)).clamp(MAP_HEIGHT.0, MAP_HEIGHT.1);
     let mut entries: Vec<Entry> = layers.iter().map(|layer| layer.entry()).collect();
-    let has = |role: OutlineRole| figure.map.iter().any(|outline| outline.role == role);
-    for (role, class, words) in
-        [(OutlineRole::Arena, "arena", "free space"), (OutlineRole::Obstacle, "obstacle", "obstacle")]
-    {
-        if has(role) {
-            entries.push(Entry { sample: Sample::Patch(class), words: words.into() });
-        }
-    }
+    entries.extend(outline_entries(figure.map));
     plate(figure.title, height, &entries, |document, frame| {
         let mut canvas = Canvas::new(frame, world);
         draw_outlines(&mut canvas, figure.map);
-        layers.iter().for_each(|layer| layer.draw(&mut canvas));
+        draw_layers(&mut canvas, &layers);
         ticks(document, &canvas, figure.frame);
         canvas.place(document);
     })

@@ -4,7 +4,7 @@ use super::axes::{scale_bar, ticks};
 use super::canvas::{Canvas, Frame, WorldBounds};
 use super::document::Document;
 use super::legend::{Entry, LINE, Sample, legend};
-use super::localization::{Outline, draw_outlines};
+use super::outlines::{Outline, draw_outlines};
 use crate::flow::preimage::StateGrid;
 use crate::plane::{Pose2, Vec2};
 
