@@ -63,6 +63,10 @@ def prepare(folder, binary):
     (folder / "scenario.toml").write_text(
         f'map = "demo/map.svg"\n[[whisker]]\ntip_ratio = 0.5\n[path]\nspeed = "20 mm/s"\nrate = "1000 Hz"\nwaypoints = [{points}]\n'
     )
+    # Along the ring's wall: each search for the places goes round all of it.
+    (folder / "explore.toml").write_text(
+        'map = "ring.geojson"\n[path]\nwaypoints = [[8.93, 0.15, -1.5708], [8.955, 0.1, -1.5708], [8.955, 0, -1.5708]]\n'
+    )
 
 
 def commands():
@@ -82,6 +86,8 @@ def commands():
     yield "contact-set, tapered whisker", ["contact-set", "--sensor", "moment", "--value", "3 mN m..4 mN m", "--robot", "soft.toml"], None
     yield "beam --batch", ["beam", "force", "--batch", "batch.csv"], ("beam.csv", "")
     yield "simulate", ["simulate", "scenario.toml"], ("truth.tum", "")
+    yield "plan", ["plan", "demo/log.csv", "--map", "ring.geojson"], None
+    yield "explore", ["explore", "explore.toml"], ("explore.json", '"interrupted": true')
     yield "reproduce", ["reproduce"], None
 
 

@@ -83,9 +83,9 @@ pub fn preimage_plate(figure: &PreimageFigure<'_>) -> String {
 /// A piece of a map as a plate; the same geometry gives the same bytes.
 #[must_use]
 pub fn map_plate(figure: &MapPlate<'_>) -> String {
-    let layers: Vec<&Layer> = figure.layers.iter().filter(|layer| !layer.points().is_empty()).collect();
+    let all: Vec<&Layer> = figure.layers.iter().filter(|layer| !layer.points().is_empty()).collect();
     let corners = figure.map.iter().flat_map(|o| o.points.iter().copied());
-    let framed = layers.iter().filter(|layer| layer.framed).flat_map(|layer| layer.points());
+    let framed = all.iter().filter(|layer| layer.framed).flat_map(|layer| layer.points());
     let whole = || {
         let bounds = WorldBounds::of(corners.chain(framed))?;
         Some(bounds.grown(0.04 * bounds.size().x.max(bounds.size().y)))
@@ -93,6 +93,8 @@ pub fn map_plate(figure: &MapPlate<'_>) -> String {
     let origin = WorldBounds { min: crate::plane::Vec2::ZERO, max: crate::plane::Vec2::new(1.0, 1.0) };
     let world = figure.window.or_else(whole).unwrap_or(origin);
     let height = (PANEL * world.size().y / world.size().x.max(1e-9)).clamp(MAP_HEIGHT.0, MAP_HEIGHT.1);
+    // What lies outside of the window is not named.
+    let layers: Vec<&Layer> = all.into_iter().filter(|layer| layer.may_be_seen(world)).collect();
     let mut entries: Vec<Entry> = layers.iter().map(|layer| layer.entry()).collect();
     entries.extend(outline_entries(figure.map));
     plate(figure.title, height, &entries, |document, frame| {

@@ -66,6 +66,18 @@ impl Layer {
         }
     }
 
+    /// Whether any of it may lie in a piece of the world: points do or do not, lines and rings may cross it.
+    pub(super) fn may_be_seen(&self, world: WorldBounds) -> bool {
+        match &self.geometry {
+            Geometry::Lines(lines) | Geometry::Rings(lines) => lines.iter().any(|line| {
+                WorldBounds::of(line.iter().copied()).is_some_and(|b| {
+                    b.min.x <= world.max.x && b.max.x >= world.min.x && b.min.y <= world.max.y && b.max.y >= world.min.y
+                })
+            }),
+            _ => self.points().into_iter().any(|point| world.contains(point)),
+        }
+    }
+
     /// Points and lines that a number should not hide.
     fn lines(&self) -> Vec<Vec<Vec2>> {
         match &self.geometry {

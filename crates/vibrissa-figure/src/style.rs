@@ -47,7 +47,7 @@ text { font-family: system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neu
 .side-contact { fill: none; stroke: #0072b2; stroke-width: 5; stroke-linecap: round; }
 .closed-form { fill: none; stroke: #999; stroke-width: 2.6; stroke-linecap: round; }
 .band { fill: #e69f00; fill-opacity: 0.35; stroke: none; }
-.felt { fill: none; stroke: #222; stroke-width: 1.8; stroke-linejoin: round; }
+.edge { fill: none; stroke: #222; stroke-width: 1.8; stroke-linejoin: round; }
 .outline { fill: none; stroke: #d55e00; stroke-width: 1.6; stroke-linejoin: round; }
 .robot { fill: #0072b2; fill-opacity: 0.1; stroke: #0072b2; stroke-width: 1; }
 .estimate { fill: #0072b2; stroke: #fff; stroke-width: 1.2; }
@@ -63,6 +63,7 @@ text { font-family: system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neu
 .reading { fill: none; stroke-opacity: 0.45; stroke-width: 2.2; stroke-linecap: round; }
 .hue0 { stroke: #0072b2; } .hue1 { stroke: #d55e00; } .hue2 { stroke: #00795a; } .hue3 { stroke: #a64d85; }
 .hue4 { stroke: #b07a00; } .hue5 { stroke: #3f8fbf; } .hue6 { stroke: #1a1a1a; } .hue7 { stroke: #7a7a00; }
+.series.hue4, .series.hue5, .series.hue6, .series.hue7 { stroke-dasharray: 6 3; }
 .touch { fill: none; stroke: #e69f00; stroke-opacity: 0.8; stroke-width: 3.4; stroke-linecap: round; }
 .grid { stroke: #ddd; stroke-width: 1; fill: none; }
 .undeflected { fill: none; stroke: #777; stroke-width: 1.2; stroke-dasharray: 5 4; }

@@ -2,11 +2,15 @@
 
 use super::localize::{MethodArgs, outlines};
 use super::plan::{LimitArgs, check_robot, named, value};
-use crate::output::{OutputArgs, counted, print, progress, warn, write_all, wrote};
+use crate::interrupt::{Heedful, last_resort, stopped};
+use crate::output::{OutputArgs, complain, counted, print, progress, warn, write_all, wrote};
 use clap::ValueEnum;
+use core::ops::ControlFlow;
 use serde_json::json;
 use std::fmt::Write;
 use std::path::PathBuf;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
 use vibrissa::figure::{FilmFrame, Geometry, LocalizationScene, Outline, localization_film, map_figure, wrapped};
 use vibrissa::flow::one_in;
 use vibrissa::flow::trajectory::pose_at;
@@ -14,7 +18,7 @@ use vibrissa::io::format_tum;
 use vibrissa::io::log::to_csv;
 use vibrissa::plane::{Pose2, Vec2};
 use vibrissa::sim::{Scenario, SimulateOptions, Stage, SweepNoise};
-use vibrissa::tasks::explore::{Ended, Exploration, ExploreOptions, Strategy, beginning, explore_by};
+use vibrissa::tasks::explore::{Ended, Exploration, ExploreOptions, Strategy, beginning, explore_watched};
 use vibrissa::{Error, Localizer, Method, Result};
 
 /// Let a simulated robot find out where it is by its own motion.
@@ -87,38 +91,102 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     let begin = beginning(&scenario.path, quantity("--begin", &args.begin, Length)?);
     let map = outlines(&scenario.map);
     let stage = Stage::new(scenario.map, scenario.robot, SimulateOptions::default())?;
+    let heeds = Heedful::hurried();
+    let aside = keep(&map, &args.output);
     progress::phase("exploring");
     let strategy = args.strategy.strategy(&options);
-    let found = explore_by(&stage, &begin, args.method.method(), &SweepNoise::seeded(args.seed), &options, strategy)?;
-    progress::phase("writing");
+    let noise = SweepNoise::seeded(args.seed);
+    let mut last = Instant::now();
+    let found = explore_watched(&stage, &begin, args.method.method(), &noise, &options, strategy, &mut |now| {
+        if now.is_long() || last.elapsed() >= EVERY {
+            progress::phase(&so_far(now.motions(), now.way()));
+            put(&aside, now.so_far());
+            // From its end on, so that slow estimates take no more than a part of the time.
+            last = Instant::now();
+        }
+        if stopped() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    })?;
     if found.collided {
         warn("the robot or a whisker's base came to a boundary");
     }
-    let words = words(&found);
-    let json = as_json(&found, &words);
+    let mut film = None;
+    if args.animate && found.ended != Ended::Interrupted {
+        put(&aside, found.clone());
+        progress::phase("drawing the film");
+        film = self::film(&stage, args.method.method(), &map, &found)?;
+    }
+    drop(heeds);
+    if stopped() {
+        warn(interrupted(&found));
+    }
+    progress::phase("writing");
+    deliver(&found, &map, film, &args.output)
+}
+
+/// How often what is known is put aside.
+const EVERY: Duration = Duration::from_millis(100);
+
+fn so_far(motions: usize, way: f64) -> String {
+    format!("exploring: {}, {:.0} mm", counted(motions, "motion", "motions"), 1e3 * way)
+}
+
+fn interrupted(found: &Exploration) -> &'static str {
+    match found.ended {
+        Ended::Interrupted => "interrupted: the results are what was known by then",
+        _ => "interrupted: the results are whole, but for the film",
+    }
+}
+
+/// What is known, shared with the thread that is told of a signal.
+type Aside = Arc<Mutex<Option<Exploration>>>;
+
+fn put(aside: &Aside, found: Exploration) {
+    *aside.lock().unwrap_or_else(PoisonError::into_inner) = Some(found);
+}
+
+/// Says what becomes of what is known where a plan or an answer does not heed an interrupt in time: the same files, marked.
+fn keep(map: &[Outline], output: &OutputArgs) -> Aside {
+    let aside = Aside::default();
+    let (shared, map, output) = (Arc::clone(&aside), map.to_vec(), output.clone());
+    last_resort(move || {
+        let Some(found) = shared.lock().unwrap_or_else(PoisonError::into_inner).take() else { return };
+        warn(interrupted(&found));
+        if let Err(error) = deliver(&found, &map, None, &output) {
+            complain("error", &error);
+        }
+    });
+    aside
+}
+
+/// Writes and prints what was found.
+fn deliver(found: &Exploration, map: &[Outline], film: Option<String>, output: &OutputArgs) -> Result<()> {
+    let words = words(found);
+    let json = as_json(found, &words);
     let mut written = Vec::new();
-    if let Some(to) = args.output.destination() {
+    if let Some(to) = output.destination() {
         let mut files = vec![
             ("log.csv", to_csv(&found.log)),
             ("truth.tum", format_tum(&found.truth)),
             ("explore.json", json.clone()),
-            ("explore.svg", figure(&map, &found, &words)),
+            ("explore.svg", figure(map, found, &words)),
         ];
-        if args.animate {
-            files.push(("explore.html", film(&stage, args.method.method(), &map, &found)?));
-        }
+        files.extend(film.map(|film| ("explore.html", film)));
         written = write_all(to, &files)?;
     }
-    print(&if args.output.json { json } else { text(&found, &words) + &wrote(&written) })
+    print(&if output.json { json } else { text(found, &words) + &wrote(&written) })
 }
 
-/// The states that explain each row so far, beside the way as the whole log tells it.
-fn film(stage: &Stage, method: &Method, map: &[Outline], found: &Exploration) -> Result<String> {
+/// The states that explain each row so far, beside the way as the whole log tells it; none where it is interrupted.
+fn film(stage: &Stage, method: &Method, map: &[Outline], found: &Exploration) -> Result<Option<String>> {
     let mut localizer = Localizer::new(stage.map(), stage.robot(), &stage.channels(), method)?;
     let rows = &found.log.rows;
     let every = rows.len().div_ceil(FRAMES).max(1);
     let mut frames = Vec::new();
     for (index, row) in rows.iter().enumerate() {
+        if stopped() {
+            return Ok(None);
+        }
+        progress::count(index, rows.len());
         localizer.step(row)?;
         if index % every == 0 || index + 1 == rows.len() {
             let now = localizer.states_now();
@@ -128,7 +196,7 @@ fn film(stage: &Stage, method: &Method, map: &[Outline], found: &Exploration) ->
     }
     let title = "A robot finds out where it is";
     let scene = LocalizationScene { title, map, answer: &found.answer, truth: Some(&found.truth), robot: &[] };
-    Ok(localization_film(&scene, &frames))
+    Ok(Some(localization_film(&scene, &frames)))
 }
 
 /// The places that the last motion was chosen for, carried along by odometry to a row: what is known while nothing is told row by row.
@@ -154,6 +222,10 @@ fn words(found: &Exploration) -> String {
         Ended::Inconsistent => format!("inconsistent {by}: no place explains what was felt"),
         Ended::GaveUp => format!("gave up {by} with {left} left"),
         Ended::Confined => format!("no motion is free of collision and gentle at all places that are left, {by}"),
+        Ended::Interrupted => match found.motions.last().filter(|_| found.answer.hypotheses.is_empty()) {
+            Some(made) => format!("interrupted {by}, {} left before the last", counted(made.places.len(), "place", "places")),
+            None => format!("interrupted {by}, {left} left"),
+        },
         Ended::NoPlace => "the first motion tells no place; begin with a longer touch (--begin)".to_owned(),
     }
 }
@@ -183,7 +255,7 @@ fn as_json(found: &Exploration, words: &str) -> String {
             })
         })
         .collect();
-    let value = json!({
+    let mut value = json!({
         "ended": found.ended.as_str(),
         "words": words,
         "way": found.way,
@@ -194,6 +266,9 @@ fn as_json(found: &Exploration, words: &str) -> String {
         "truth": found.truth.last().map(|row| pose(row.map_from_robot)),
         "motions": motions,
     });
+    if found.ended == Ended::Interrupted {
+        value["interrupted"] = true.into();
+    }
     format!("{value:#}\n")
 }
 

@@ -192,7 +192,7 @@ fn figure(found: &Mapped, truth: Option<&Map>, compared: Option<&Alignment>) -> 
     }
     let layers = [
         layer(Geometry::Lines(truth), "truth", "the true shape, moved to where it fits best", false),
-        layer(Geometry::Lines(known.collect()), "felt", "the outline felt", true),
+        layer(Geometry::Lines(known.collect()), "edge", "the outline felt", true),
         layer(Geometry::Lines(vec![way]), "path", "the robot's way", true),
         layer(Geometry::Circles(found.outline.corners.iter().map(|c| c.position).collect()), "start", "corners", true),
     ];
