@@ -121,6 +121,48 @@ def test_misspelled_words_are_told_with_the_word_that_is_meant(demo: vibrissa.De
         vibrissa.localize(log, arena, method="possibilistic", tolerat=2)  # type: ignore[call-arg]
 
 
+def test_a_log_and_a_map_show_themselves(demo: vibrissa.Demo) -> None:
+    figure = demo.map._repr_svg_()
+    assert figure.startswith("<svg") and 'class="solid"' in figure and "3 boundaries, 0.460 m by" in figure
+    table = demo.sweep.log._repr_html_()
+    assert "514 rows" in table and "moment (N m)" in table and f"{demo.sweep.log.t[-1]:.6g}" in table
+    matplotlib = pytest.importorskip("matplotlib")
+    matplotlib.use("Agg")
+    axes = demo.sweep.log.plot()
+    (line,) = axes.lines
+    assert np.array_equal(line.get_ydata(), demo.sweep.log.readings["moment"])
+    # The outside of the arena is shaded, as in the figures of the command.
+    assert matplotlib.colors.to_hex(demo.map.plot().get_facecolor()) == "#e3e3e0"
+    matplotlib.pyplot.close("all")
+
+
+def test_log_and_map_in_the_wrong_order_are_told(demo: vibrissa.Demo) -> None:
+    with pytest.raises(vibrissa.UsageError, match="log: Map .*\n.*the log comes first"):
+        vibrissa.localize(demo.map, demo.sweep.log)  # type: ignore[arg-type]
+    with pytest.raises(vibrissa.UsageError, match="map: int"):
+        vibrissa.localize(demo.sweep.log, 3)  # type: ignore[arg-type]
+
+
+def test_what_is_no_robot_is_told_with_what_may_be_meant(demo: vibrissa.Demo) -> None:
+    log, arena = demo.sweep.log, demo.map
+    given: list[tuple[object, list[str]]] = [
+        ("75 mm", ["'75 mm' is a length", "a robot file (.toml), a Robot", "robot=Whisker(length='75 mm')"]),
+        (0.075, ["robot: 0.075", "robot=Whisker(length=0.075)"]),
+        ([vibrissa.Whisker()], ["a Robot, a Whisker", "robot=Robot(whiskers=["]),
+        (arena, ["robot: ", "a robot file (.toml)"]),
+    ]
+    for robot, words in given:
+        with pytest.raises(vibrissa.UsageError) as caught:
+            vibrissa.localize(log, arena, robot)  # type: ignore[arg-type]
+        assert all(word in str(caught.value) for word in words), str(caught.value)
+    # A name that is no length stays the name of a file that is missing.
+    with pytest.raises(FileNotFoundError):
+        vibrissa.localize(log, arena, "robt.toml")
+    mounted = vibrissa.MountedWhisker(mount=(0.0, 0.0, 2.2))
+    same = vibrissa.localize(log, arena, mounted), vibrissa.localize(log, arena, vibrissa.Robot(whiskers=(mounted,)))
+    assert same[0].status == same[1].status and np.array_equal(same[0].states, same[1].states)
+
+
 def test_a_missing_file_is_pythons_own_error(tmp_path: Path) -> None:
     kinds: dict[str, Callable[[Path], object]] = {
         "none.svg": vibrissa.Map.read,

@@ -223,7 +223,9 @@ fn words(found: &Exploration) -> String {
         Ended::GaveUp => format!("gave up {by} with {left} left"),
         Ended::Confined => format!("no motion is free of collision and gentle at all places that are left, {by}"),
         Ended::Interrupted => match found.motions.last().filter(|_| found.answer.hypotheses.is_empty()) {
-            Some(made) => format!("interrupted {by}, {} left before the last", counted(made.places.len(), "place", "places")),
+            Some(made) => {
+                format!("interrupted {by}, {} left before the last", counted(made.places.len(), "place", "places"))
+            }
             None => format!("interrupted {by}, {left} left"),
         },
         Ended::NoPlace => "the first motion tells no place; begin with a longer touch (--begin)".to_owned(),
