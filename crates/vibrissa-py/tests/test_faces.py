@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import inspect
 import pickle
 import re
@@ -31,6 +32,24 @@ def test_notebooks_get_tables_and_figures(demo: vibrissa.Demo) -> None:
     assert "<table>" in demo.answer._repr_html_() and "localized" in demo.answer._repr_html_()
     figure = demo._repr_svg_()
     assert figure is not None and figure.startswith("<svg") and "true path" in figure
+    # Notebooks show HTML alone where there are both, so that it holds the figure.
+    for one in (demo, demo.answer):
+        image = one._repr_html_().split("base64,")[1].split("'")[0]
+        assert base64.b64decode(image).decode() == figure
+    assert "<img" not in demo.sweep._repr_html_()
+
+
+def test_a_localizer_says_what_it_is(demo: vibrissa.Demo) -> None:
+    words = repr(vibrissa.Localizer(demo.map, method="possibilistic"))
+    assert words == f"<vibrissa.Localizer: possibilistic, moment, {demo.map!r}>"
+
+
+def test_readings_that_are_none_are_told(demo: vibrissa.Demo) -> None:
+    reading = vibrissa.Reading("moment", "3 mN m")
+    with pytest.raises(vibrissa.UsageError, match="readings: Map .*\n.*the map comes first"):
+        vibrissa.preimage(reading, demo.map)  # type: ignore[arg-type]
+    with pytest.raises(vibrissa.UsageError, match='readings: float .*\n.*Reading\\("moment", "3 mN m"\\)'):
+        vibrissa.contact_set(0.003)  # type: ignore[arg-type]
 
 
 def test_answers_become_data_frames(demo: vibrissa.Demo) -> None:
@@ -137,7 +156,7 @@ def test_a_log_and_a_map_show_themselves(demo: vibrissa.Demo) -> None:
 
 
 def test_log_and_map_in_the_wrong_order_are_told(demo: vibrissa.Demo) -> None:
-    with pytest.raises(vibrissa.UsageError, match="log: Map .*\n.*the log comes first"):
+    with pytest.raises(vibrissa.UsageError, match="map: SensorLog .*\n.*the log comes first"):
         vibrissa.localize(demo.map, demo.sweep.log)  # type: ignore[arg-type]
     with pytest.raises(vibrissa.UsageError, match="map: int"):
         vibrissa.localize(demo.sweep.log, 3)  # type: ignore[arg-type]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import html
 import importlib
 from dataclasses import fields, is_dataclass
@@ -43,7 +44,13 @@ class Shown:
     def _repr_html_(self) -> str:
         row = "<tr><th style='text-align:left'>{}</th><td style='text-align:left'>{}</td></tr>"
         rows = "".join(row.format(html.escape(name), html.escape(value)) for name, value in self._items())
-        return f"<table><caption>{type(self).__name__}</caption>{rows}</table>"
+        table = f"<table><caption>{type(self).__name__}</caption>{rows}</table>"
+        # Notebooks show HTML alone where there are both. As an image the figure keeps its names and styles to itself.
+        figure = getattr(self, "_repr_svg_", lambda: None)()
+        if figure is None:
+            return table
+        data = base64.b64encode(figure.encode()).decode()
+        return f"<img alt='{type(self).__name__}' src='data:image/svg+xml;base64,{data}'>{table}"
 
 
 def pandas() -> Any:
