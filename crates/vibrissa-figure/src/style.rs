@@ -68,6 +68,8 @@ text { font-family: system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neu
 .grid { stroke: #ddd; stroke-width: 1; fill: none; }
 .undeflected { fill: none; stroke: #777; stroke-width: 1.2; stroke-dasharray: 5 4; }
 .shape { fill: none; stroke: #d55e00; stroke-opacity: 0.75; stroke-width: 1.1; stroke-linejoin: round; }
+.force { fill: none; stroke: #222; stroke-width: 1.5; stroke-linecap: round; stroke-linejoin: round; }
+.contact-point { fill: none; stroke: #222; stroke-width: 7; stroke-linecap: round; }
 .base { fill: #222; stroke: none; }
 .contact-a { fill: none; stroke: #009e73; stroke-width: 3.2; stroke-linecap: round; stroke-linejoin: round; }
 .contact-b { fill: none; stroke: #0072b2; stroke-width: 3.2; stroke-dasharray: 9 5; stroke-linejoin: round; }
