@@ -26,7 +26,7 @@ const BELOW: f64 = 52.0;
 const WIDTH: f64 = 580.0;
 /// Length of a state's tick (px).
 const TICK: f64 = 6.0;
-/// At most this many states of a frame are drawn; of more, one in so many.
+/// About this many states of a frame are drawn at most; of more, one in so many.
 const DRAWN: usize = 1200;
 
 /// The film as one HTML file that needs no other; the same scene and frames give the same bytes.

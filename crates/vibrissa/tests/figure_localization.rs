@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on must fail")]
 
 use std::path::Path;
-use vibrissa::figure::{LocalizationScene, Outline, OutlineRole, localization_figure};
+use vibrissa::figure::{FilmFrame, LocalizationScene, Outline, OutlineRole, localization_figure, localization_film};
 use vibrissa::flow::pose::{Event, Hypothesis, Localization, ShapeRecord, StampedPose, Status, Stretch};
 use vibrissa::plane::{Pose2, Vec2};
 use vibrissa::sets::{Interval, StateBox};
@@ -150,6 +150,37 @@ fn a_place_that_was_lost_meanwhile_is_told_with_the_verdict() {
     for events in [vec![], vec![event(0.1, "recovered"), event(0.25, "inconsistent")]] {
         assert!(!draw("not-recovered", &with(events), None).contains("lost until"));
     }
+}
+
+#[test]
+fn a_film_thins_the_images_of_a_place_alike_and_shows_the_truth() {
+    // Modes and their three images by turns, as a map of four equal walls has them: too many to draw all.
+    let corners = [(-0.1, -0.05), (0.1, -0.05), (-0.1, 0.05), (0.1, 0.05)];
+    let states: Vec<Pose2> =
+        (0..4800).map(|k| Pose2::new(corners[k % 4].0, corners[k % 4].1 + 1e-6 * k as f64, 0.0)).collect();
+    let answer = localized(&[(Pose2::new(0.0003, 0.0352, 1.752), 0.0012, 9)], Status::Localized);
+    let truth = sweep(Vec2::ZERO);
+    let outlines = map();
+    let scene = LocalizationScene { title: "film", map: &outlines, answer: &answer, truth: Some(&truth), robot: &[] };
+    let frames = [FilmFrame { t: 0.2, states }, FilmFrame { t: 0.3, states: Vec::new() }];
+    let film = localization_film(&scene, &frames);
+    for words in ["true path", "true pose", "states that explain the log so far", "free space", "class=\"solid\""] {
+        assert!(film.contains(words), "{words}");
+    }
+    let frame: Vec<&str> = film.lines().find(|line| line.contains("[0.200,4800,")).unwrap().split('"').collect();
+    let dots: Vec<(bool, bool)> = frame[3]
+        .split('M')
+        .skip(1)
+        .map(|dot| dot.trim_end_matches("h0").split_once(' ').unwrap())
+        .map(|(x, y)| (x.parse::<f64>().unwrap(), y.parse::<f64>().unwrap()))
+        .map(|(x, y)| (x > 297.0, y > 200.0))
+        .collect();
+    assert!(dots.len() > 1000 && dots.len() < 1210, "{}", dots.len());
+    for group in [(false, false), (false, true), (true, false), (true, true)] {
+        let share = dots.iter().filter(|dot| **dot == group).count() as f64 / dots.len() as f64;
+        assert!((share - 0.25).abs() < 0.02, "{group:?}: {share}");
+    }
+    assert!(!frame[9].is_empty(), "the true pose");
 }
 
 #[test]

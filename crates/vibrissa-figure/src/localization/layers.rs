@@ -13,7 +13,7 @@ use crate::sets::StateBox;
 
 /// At most this many whisker shapes are drawn, of all whiskers together.
 const SHAPES: usize = 25;
-/// At most this many candidates are drawn, and at most this many survivors; of more, one in so many.
+/// About this many candidates are drawn at most, and as many survivors; of more, one in so many.
 const CANDIDATES: usize = 4000;
 
 /// Draws the candidates after the first observation, each moved along to the last row.
