@@ -23,6 +23,8 @@ import tempfile
 import time
 from pathlib import Path
 
+#: A scenario whose exploration takes seconds.
+ROOM = Path(__file__).resolve().parents[2] / "scenarios" / "cluttered_room.toml"
 #: Longest time from the signal to the end of the process (s).
 LONGEST = 0.2
 #: When the signal comes (s after the start).
@@ -82,6 +84,8 @@ def commands():
     yield "contact-set, tapered whisker", ["contact-set", "--sensor", "moment", "--value", "3 mN m..4 mN m", "--robot", "soft.toml"], None
     yield "beam --batch", ["beam", "force", "--batch", "batch.csv"], ("beam.csv", "")
     yield "simulate", ["simulate", "scenario.toml"], ("truth.tum", "")
+    yield "plan", ["plan", "demo/log.csv", "--map", "ring.geojson"], None
+    yield "explore", ["explore", str(ROOM), "--begin", "150 mm", "--animate"], ("explore.json", '"interrupted": true')
     yield "reproduce", ["reproduce"], None
 
 

@@ -285,13 +285,20 @@ impl Parameters {
             "map_topic" => self.map_topic = (!text.is_empty()).then(|| text.to_owned()),
             "publish_map" => self.publish_map = switch()?,
             "robot" => self.robot = (!text.is_empty()).then(|| text.into()),
-            "method" => self.method = Method::named(text)?,
+            "method" => {
+                let known = Method::all().each_ref().map(Method::name);
+                let of = |_| wrong(&known.join(", ")).remedy(did_you_mean(text, &known));
+                self.method = Method::named(text).map_err(of)?;
+            }
             "readings_type" => {
                 self.readings_type = match text {
                     "array" => ReadingsType::Array,
                     "joints" => ReadingsType::Joints,
                     "wrench" => ReadingsType::Wrench,
-                    _ => return Err(wrong("array, joints, wrench")),
+                    _ => {
+                        let known = ["array", "joints", "wrench"];
+                        return Err(wrong(&known.join(", ")).remedy(did_you_mean(text, &known)));
+                    }
                 }
             }
             "readings" => {
@@ -466,6 +473,10 @@ mod tests {
             ("-p map:=a.svg -p rate:=nan", "0.1 to 1000"),
             ("-p map:=a.svg -p readings:=w0.momnt", "moment"),
             ("-p map:=a.svg -p tf_broadcast:=1", "true, false"),
+            ("-p map:=a.svg -p method:=posibilistic", "the parameter method: \"posibilistic\""),
+            ("-p map:=a.svg -p method:=posibilistic", "did you mean `possibilistic`?"),
+            ("-p map:=a.svg -p method:=amcl", "known: deterministic, possibilistic, probabilistic"),
+            ("-p map:=a.svg -p readings_type:=arrays", "did you mean `array`?"),
             ("-p map", "NAME:=VALUE"),
             ("-p map:=a.svg -p map_topic:=map", "twice"),
             ("-p map_topic:=map -p publish_map:=true", "publish_map"),

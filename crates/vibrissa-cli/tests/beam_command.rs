@@ -98,8 +98,12 @@ fn files_of_one_whisker() {
     assert!(csv.starts_with("solution,s,x,y,slope,curvature\n0,0.0,0.0,0.0,0.0,"), "{}", &csv[..80]);
     assert_eq!(csv.lines().count(), 1 + 2 * 101);
     let svg = fs::read_to_string(out.join("beam.svg")).unwrap();
-    assert_eq!(svg.matches("<polyline").count(), 2);
-    assert!(svg.contains("x (mm)") && svg.trim_end().ends_with("</svg>") && !svg.contains("NaN"));
+    assert_eq!((svg.matches("class=\"series hue").count(), svg.matches("class=\"force\"").count()), (4, 5));
+    assert!(
+        svg.contains("whisker frame, x to the right, y up, mm")
+            && svg.trim_end().ends_with("</svg>")
+            && !svg.contains("NaN")
+    );
 }
 
 #[test]

@@ -37,7 +37,12 @@ fn a_motion_is_told_from_a_log_and_from_its_result() {
     let csv = std::fs::read_to_string(out.join("motion.csv")).unwrap();
     assert!(csv.starts_with("x,y,theta\n0,0,0\n"), "{csv}");
     assert_eq!(csv.lines().count() - 1, json["next"]["waypoints"].as_array().unwrap().len());
-    assert!(std::fs::read_to_string(out.join("plan.svg")).unwrap().contains("the motion, from each place"));
+    let figure = std::fs::read_to_string(out.join("plan.svg")).unwrap();
+    as_in_localizations(&figure);
+    for words in ["the next motion, from each place", "states that are left", "a place that explains the log"] {
+        assert!(figure.contains(words), "{words}");
+    }
+    assert_eq!(figure.matches("class=\"badge-text\"").count(), 2);
     // From the result of a localization: the same places.
     assert_eq!(vibrissa(&["localize", &log, "--map", &map, "--out", out.to_str().unwrap()]).code, Some(0));
     let again = vibrissa(&["plan", &path("result.json"), "--map", &map, "--json"]);
@@ -97,5 +102,42 @@ fn a_simulated_robot_finds_out_that_its_room_is_symmetric() {
     assert_eq!(rows("log.csv") - 1, rows("truth.tum"));
     assert!(json["way"].as_f64().unwrap() > 0.02 && json["motions"].as_array().unwrap()[0]["places"] == 4);
     let figure = std::fs::read_to_string(out.join("explore.svg")).unwrap();
-    assert!(figure.contains("by its own motions") && figure.contains("places that are left at the end"));
+    as_in_localizations(&figure);
+    for words in
+        ["where the robot chose a motion", "true path", "true pose at the end", "a place that explains the log"]
+    {
+        assert!(figure.contains(words), "{words}");
+    }
+    assert_eq!(figure.matches("class=\"badge-text\"").count(), 4);
+}
+
+/// The map of a figure is that of `localize`: the outside is shaded, and the legend names free space.
+fn as_in_localizations(figure: &str) {
+    let (ground, arena) = (figure.find("class=\"solid\""), figure.find("class=\"arena\""));
+    assert!(ground.is_some() && ground < arena && figure.contains(">free space</text>"), "{ground:?} {arena:?}");
+}
+
+#[test]
+fn an_interrupted_exploration_leaves_what_is_known_and_marks_it() {
+    // What takes seconds: the search for places that explain a touch of many boundaries.
+    let here = folder("explore-interrupted");
+    let scenario = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/cluttered_room.toml");
+    let out = here.join("out");
+    let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_vibrissa"));
+    command.args(["explore", scenario.to_str().unwrap(), "--begin", "150 mm", "--out", out.to_str().unwrap()]);
+    let child = command.stdout(std::process::Stdio::null()).stderr(std::process::Stdio::piped()).spawn().unwrap();
+    std::thread::sleep(std::time::Duration::from_millis(700));
+    assert!(std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    let output = child.wait_with_output().unwrap();
+    let told = String::from_utf8(output.stderr).unwrap();
+    if output.status.code() == Some(0) {
+        return println!("skipped: this machine was done before the interrupt");
+    }
+    assert_eq!(output.status.code(), Some(130), "{told}");
+    assert!(told.contains("interrupted: the results are what was known by then"), "{told}");
+    let json: Value = serde_json::from_str(&std::fs::read_to_string(out.join("explore.json")).unwrap()).unwrap();
+    assert_eq!((json["ended"].as_str(), json["interrupted"].as_bool()), (Some("interrupted"), Some(true)));
+    assert!(std::fs::read_to_string(out.join("explore.svg")).unwrap().contains("interrupted after"));
+    let rows = |name: &str| std::fs::read_to_string(out.join(name)).unwrap().lines().count();
+    assert!(rows("truth.tum") > 1 && rows("log.csv") - 1 == rows("truth.tum"));
 }

@@ -12,6 +12,8 @@ mod film;
 mod legend;
 pub mod localization;
 pub mod numbers;
+mod outlines;
+mod places;
 pub mod plate;
 mod scene;
 pub mod simulation;
@@ -26,7 +28,7 @@ pub use film::{FilmFrame, localization_film};
 pub use legend::{Entry, Sample, legend};
 pub use localization::{LocalizationScene, Outline, OutlineRole, localization_figure, wrapped};
 pub use plate::{ChartSeries, MapPlate, chart_plate, contact_plate, map_plate, preimage_plate};
-pub use scene::{Geometry, Layer, scene_figure};
+pub use scene::{Geometry, Layer, map_figure, scene_figure};
 pub use simulation::{Series, SimulationScene, simulation_figure};
 pub use states::{PreimageFigure, preimage_figure, preimage_legend, preimage_panel};
 

@@ -6,8 +6,9 @@ use super::chart::Chart;
 use super::contacts::{ContactFigure, contact_legend, contact_panel};
 use super::document::Document;
 use super::legend::{Entry, LINE, Sample, legend};
-use super::localization::{Outline, OutlineRole, draw_outlines, words::wrapped};
-use super::scene::Layer;
+use super::localization::words::wrapped;
+use super::outlines::{Outline, draw_outlines, outline_entries};
+use super::scene::{Layer, draw_layers};
 use super::states::{PreimageFigure, preimage_legend, preimage_panel};
 
 /// Width of every plate (px).
@@ -82,9 +83,9 @@ pub fn preimage_plate(figure: &PreimageFigure<'_>) -> String {
 /// A piece of a map as a plate; the same geometry gives the same bytes.
 #[must_use]
 pub fn map_plate(figure: &MapPlate<'_>) -> String {
-    let layers: Vec<&Layer> = figure.layers.iter().filter(|layer| !layer.points().is_empty()).collect();
+    let all: Vec<&Layer> = figure.layers.iter().filter(|layer| !layer.points().is_empty()).collect();
     let corners = figure.map.iter().flat_map(|o| o.points.iter().copied());
-    let framed = layers.iter().filter(|layer| layer.framed).flat_map(|layer| layer.points());
+    let framed = all.iter().filter(|layer| layer.framed).flat_map(|layer| layer.points());
     let whole = || {
         let bounds = WorldBounds::of(corners.chain(framed))?;
         Some(bounds.grown(0.04 * bounds.size().x.max(bounds.size().y)))
@@ -92,19 +93,14 @@ pub fn map_plate(figure: &MapPlate<'_>) -> String {
     let origin = WorldBounds { min: crate::plane::Vec2::ZERO, max: crate::plane::Vec2::new(1.0, 1.0) };
     let world = figure.window.or_else(whole).unwrap_or(origin);
     let height = (PANEL * world.size().y / world.size().x.max(1e-9)).clamp(MAP_HEIGHT.0, MAP_HEIGHT.1);
+    // What lies outside of the window is not named.
+    let layers: Vec<&Layer> = all.into_iter().filter(|layer| layer.may_be_seen(world)).collect();
     let mut entries: Vec<Entry> = layers.iter().map(|layer| layer.entry()).collect();
-    let has = |role: OutlineRole| figure.map.iter().any(|outline| outline.role == role);
-    for (role, class, words) in
-        [(OutlineRole::Arena, "arena", "free space"), (OutlineRole::Obstacle, "obstacle", "obstacle")]
-    {
-        if has(role) {
-            entries.push(Entry { sample: Sample::Patch(class), words: words.into() });
-        }
-    }
+    entries.extend(outline_entries(figure.map));
     plate(figure.title, height, &entries, |document, frame| {
         let mut canvas = Canvas::new(frame, world);
         draw_outlines(&mut canvas, figure.map);
-        layers.iter().for_each(|layer| layer.draw(&mut canvas));
+        draw_layers(&mut canvas, &layers);
         ticks(document, &canvas, figure.frame);
         canvas.place(document);
     })

@@ -5,7 +5,8 @@ use super::canvas::{Canvas, Frame, WorldBounds};
 use super::chart::Chart;
 use super::document::Document;
 use super::legend::{Entry, LINE, Sample, legend};
-use super::localization::{Outline, layers, words::wrapped};
+use super::localization::words::wrapped;
+use super::outlines::{Outline, draw_outlines, outline_entries};
 use crate::flow::pose::StampedPose;
 use crate::plane::Vec2;
 
@@ -98,7 +99,7 @@ fn map_canvas(scene: &SimulationScene<'_>, top: f64) -> Canvas {
 }
 
 fn draw_world(canvas: &mut Canvas, scene: &SimulationScene<'_>) {
-    layers::map(canvas, scene.map);
+    draw_outlines(canvas, scene.map);
     canvas.marks(scene.touches, "touch");
     for shape in scene.shapes {
         canvas.polyline(shape, "whisker");
@@ -164,5 +165,6 @@ fn entries(scene: &SimulationScene<'_>) -> Vec<Entry> {
         };
         entries.push(entry(Sample::Line(NAMES[index % HUES]), &words));
     }
+    entries.extend(outline_entries(scene.map));
     entries
 }

@@ -4,7 +4,7 @@ use super::axes::{scale_bar, ticks};
 use super::canvas::{Canvas, Frame, WorldBounds};
 use super::document::Document;
 use super::legend::{Entry, LINE, Sample, legend};
-use super::localization::{Outline, draw_outlines};
+use super::outlines::{Outline, OutlineRole, draw_outlines, outline_entries};
 use crate::flow::preimage::StateGrid;
 use crate::plane::{Pose2, Vec2};
 
@@ -60,10 +60,11 @@ pub fn preimage_panel(document: &mut Document, frame: Frame, figure: &PreimageFi
         .heading
         .map_or_else(Vec::new, |theta| states.runs(Some(states.bin(theta))).iter().map(rectangle).collect());
     canvas.polygons(&slice, "slice");
+    // Over the strips, which begin at the boundary.
     for outline in figure.map {
         let mut points = outline.points.clone();
         points.extend(outline.points.first().filter(|_| outline.closed));
-        canvas.polyline(&points, "wall");
+        canvas.polyline(&points, if outline.role == OutlineRole::Wall { "wall" } else { "edge" });
     }
     if let (Some(theta), Some(place)) = (figure.heading, amid(&slice)) {
         canvas.arrow(Pose2::new(place.x, place.y, theta), 30.0, "estimate-line", "estimate");
@@ -109,7 +110,7 @@ fn shades(states: &StateGrid) -> [Vec<(usize, usize, usize)>; 4] {
 /// What the panel shows, in words.
 #[must_use]
 pub fn preimage_legend(figure: &PreimageFigure<'_>) -> Vec<Entry> {
-    let mut entries = vec![Entry { sample: Sample::Line("wall"), words: "boundary of the map".into() }];
+    let mut entries = Vec::new();
     if !figure.states.is_empty() {
         let area = figure.states.area() * 1e4;
         let words = format!("places, darker with more headings: {area:.1} cm²");
@@ -120,5 +121,6 @@ pub fn preimage_legend(figure: &PreimageFigure<'_>) -> Vec<Entry> {
         let words = format!("places with the arrow's heading, {:.0} degrees: {area:.1} cm²", theta.to_degrees());
         entries.push(Entry { sample: Sample::Patch("slice"), words });
     }
+    entries.extend(outline_entries(figure.map));
     entries
 }

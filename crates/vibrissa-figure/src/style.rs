@@ -26,6 +26,8 @@ text { font-family: system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neu
 .unknown { fill: none; stroke: #777; stroke-width: 1.6; stroke-dasharray: 4 4; }
 .candidate { fill: none; stroke: #e69f00; stroke-opacity: 0.4; stroke-width: 2.6; stroke-linecap: round; }
 .candidate-tick { fill: none; stroke: #e69f00; stroke-opacity: 0.4; stroke-width: 0.9; }
+.earlier { fill: none; stroke: #e69f00; stroke-width: 5; stroke-linecap: round; }
+.earlier-tick { fill: none; stroke: #e69f00; stroke-width: 1.6; }
 .survivor { fill: none; stroke: #d55e00; stroke-width: 4; stroke-linecap: round; }
 .survivor-tick { fill: none; stroke: #d55e00; stroke-width: 1.3; }
 .survivor-box { fill: #d55e00; fill-opacity: 0.3; stroke: #d55e00; stroke-width: 0.6; }
@@ -33,6 +35,11 @@ text { font-family: system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neu
 .truth-mark { fill: none; stroke: #00795a; stroke-width: 1.8; }
 .path { fill: none; stroke: #0072b2; stroke-width: 1.8; stroke-linejoin: round; }
 .path-unsure { fill: none; stroke: #777; stroke-width: 1.4; stroke-dasharray: 5 4; stroke-linejoin: round; }
+.motion { fill: none; stroke: #0072b2; stroke-width: 1.8; stroke-dasharray: 3 3; stroke-linejoin: round; }
+.motion-end { fill: none; stroke: #0072b2; stroke-width: 5; stroke-linecap: round; }
+.motion-end-tick { fill: none; stroke: #0072b2; stroke-width: 1.3; }
+.decision { fill: none; stroke: #00795a; stroke-width: 6; stroke-linecap: round; }
+.decision-tick { fill: none; stroke: #00795a; stroke-width: 1.6; }
 .whisker { fill: none; stroke: #a64d85; stroke-opacity: 0.55; stroke-width: 0.9; stroke-linecap: round; stroke-linejoin: round; }
 .whisker-last { fill: none; stroke: #a64d85; stroke-width: 2.2; stroke-linecap: round; stroke-linejoin: round; }
 .tip-contact { fill: none; stroke: #d55e00; stroke-width: 3.4; stroke-linecap: round; }
@@ -40,6 +47,7 @@ text { font-family: system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neu
 .side-contact { fill: none; stroke: #0072b2; stroke-width: 5; stroke-linecap: round; }
 .closed-form { fill: none; stroke: #999; stroke-width: 2.6; stroke-linecap: round; }
 .band { fill: #e69f00; fill-opacity: 0.35; stroke: none; }
+.edge { fill: none; stroke: #222; stroke-width: 1.8; stroke-linejoin: round; }
 .outline { fill: none; stroke: #d55e00; stroke-width: 1.6; stroke-linejoin: round; }
 .robot { fill: #0072b2; fill-opacity: 0.1; stroke: #0072b2; stroke-width: 1; }
 .estimate { fill: #0072b2; stroke: #fff; stroke-width: 1.2; }
@@ -49,15 +57,19 @@ text { font-family: system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neu
 .extent { fill: #0072b2; fill-opacity: 0.08; stroke: #0072b2; stroke-width: 1.1; stroke-dasharray: 4 3; }
 .fan { fill: #0072b2; fill-opacity: 0.25; stroke: none; }
 .badge { fill: #fff; stroke: #0072b2; stroke-width: 1.4; }
+.badge-line { stroke: #0072b2; stroke-width: 1; fill: none; }
 .badge-text { font-size: 11px; font-weight: 600; fill: #00507d; text-anchor: middle; }
 .series { fill: none; stroke-width: 1.5; stroke-linejoin: round; }
 .reading { fill: none; stroke-opacity: 0.45; stroke-width: 2.2; stroke-linecap: round; }
 .hue0 { stroke: #0072b2; } .hue1 { stroke: #d55e00; } .hue2 { stroke: #00795a; } .hue3 { stroke: #a64d85; }
 .hue4 { stroke: #b07a00; } .hue5 { stroke: #3f8fbf; } .hue6 { stroke: #1a1a1a; } .hue7 { stroke: #7a7a00; }
+.series.hue4, .series.hue5, .series.hue6, .series.hue7 { stroke-dasharray: 6 3; }
 .touch { fill: none; stroke: #e69f00; stroke-opacity: 0.8; stroke-width: 3.4; stroke-linecap: round; }
 .grid { stroke: #ddd; stroke-width: 1; fill: none; }
 .undeflected { fill: none; stroke: #777; stroke-width: 1.2; stroke-dasharray: 5 4; }
 .shape { fill: none; stroke: #d55e00; stroke-opacity: 0.75; stroke-width: 1.1; stroke-linejoin: round; }
+.force { fill: none; stroke: #222; stroke-width: 1.5; stroke-linecap: round; stroke-linejoin: round; }
+.contact-point { fill: none; stroke: #222; stroke-width: 7; stroke-linecap: round; }
 .base { fill: #222; stroke: none; }
 .contact-a { fill: none; stroke: #009e73; stroke-width: 3.2; stroke-linecap: round; stroke-linejoin: round; }
 .contact-b { fill: none; stroke: #0072b2; stroke-width: 3.2; stroke-dasharray: 9 5; stroke-linejoin: round; }

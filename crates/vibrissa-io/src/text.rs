@@ -180,6 +180,12 @@ pub fn listed<T: AsRef<str>>(names: &[T]) -> String {
     if names.len() > LISTED { format!("{shown} and {} more", names.len() - LISTED) } else { shown }
 }
 
+/// A number with its noun.
+#[must_use]
+pub fn counted(count: usize, one: &str, many: &str) -> String {
+    format!("{count} {}", if count == 1 { one } else { many })
+}
+
 /// Longest name that a message shows as a whole (characters).
 const SHORT: usize = 64;
 

@@ -125,6 +125,20 @@ impl PySensorLog {
         slf.py().import("vibrissa._show")?.getattr("log_frame")?.call1((slf,))
     }
 
+    /// Draws the readings over time into axes of matplotlib, new ones for None, and gives them.
+    #[pyo3(signature = (ax=None))]
+    fn plot<'py>(slf: &Bound<'py, Self>, ax: Option<Bound<'py, PyAny>>) -> PyResult<Bound<'py, PyAny>> {
+        let module = slf.py().import("vibrissa._show")?;
+        let axes = module.getattr("axes")?.call1((ax,))?;
+        module.getattr("draw_log")?.call1((&axes, slf))?;
+        Ok(axes)
+    }
+
+    /// The columns with their least and largest values, as notebooks show them.
+    fn _repr_html_<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("vibrissa._show")?.getattr("log_table")?.call1((slf,))
+    }
+
     /// The log of a CSV text with the warnings and the file of another, for copies in other processes.
     #[staticmethod]
     fn _from_parts(py: Python<'_>, text: &str, source: Option<PathBuf>, warnings: Vec<String>) -> PyResult<Self> {

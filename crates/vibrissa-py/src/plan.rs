@@ -8,12 +8,13 @@ use crate::log::PySensorLog;
 use crate::long::run;
 use crate::simulate::PyScenario;
 use crate::world::PyMap;
+use core::ops::ControlFlow;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::sync::Arc;
 use vibrissa::plane::Pose2;
 use vibrissa::sim::{SimulateOptions, Stage, SweepNoise};
-use vibrissa::tasks::explore::{Exploration, ExploreOptions, Made, Strategy, beginning, explore_by};
+use vibrissa::tasks::explore::{Exploration, ExploreOptions, Made, Strategy, beginning, explore_watched};
 use vibrissa::tasks::plan::{Criterion, Plan, PlanOptions, PlannedMotion, plan_from};
 
 /// The next motion from a log; gives the fields of `vibrissa.Plan`.
@@ -51,13 +52,17 @@ pub(crate) fn explore<'py>(
 ) -> PyResult<(PySensorLog, Bound<'py, PyDict>)> {
     let (method, plan) = (method_of(py, method, options)?, limits_of(limits)?);
     let (scenario, follows) = (Arc::clone(&scenario.0), strategy == "wall");
-    let found = run(py, None, 0, move |_| {
+    let found = run(py, None, 0, move |watch| {
         let options = ExploreOptions { plan, most_way, ..ExploreOptions::default() };
         let (map, robot) = (scenario.map.clone(), scenario.robot.clone());
         let stage = Stage::new(map, robot, SimulateOptions::default())?;
         let strategy = if follows { Strategy::Following(options.follow()) } else { Strategy::Planned };
         let begin = beginning(&scenario.path, begin);
-        explore_by(&stage, &begin, &method, &SweepNoise::seeded(seed), &options, strategy)
+        let noise = SweepNoise::seeded(seed);
+        // Nobody waits for the answer once the caller has given up.
+        explore_watched(&stage, &begin, &method, &noise, &options, strategy, &mut |_| {
+            if watch.is_cancelled() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        })
     })?;
     let out = exploration_fields(py, &found)?;
     Ok((PySensorLog(Arc::new(found.log)), out))

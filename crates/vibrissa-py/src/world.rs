@@ -8,6 +8,8 @@ use pyo3::types::PyDict;
 use std::path::PathBuf;
 use std::sync::Arc;
 use vibrissa::config::limits::FLATTEN_TOLERANCE;
+use vibrissa::figure::map_figure;
+use vibrissa::io::text::counted;
 use vibrissa::plane::{Curve, Segment, Vec2};
 use vibrissa::tasks::{demo, outlines};
 use vibrissa::world::{Band, Boundary, Course, PieceCourse, Role};
@@ -168,6 +170,12 @@ impl PyMap {
         Ok(axes)
     }
 
+    /// The map as a figure, as notebooks show it.
+    fn _repr_svg_(&self) -> String {
+        let captions = [self.size()];
+        map_figure("A map", &captions, "map frame", &outlines(&self.0, FLATTEN_TOLERANCE), &[])
+    }
+
     /// What the map is made of, for copies in other processes: role, whether it is closed, whether it is the hole of an
     /// obstacle, the control points of its pieces, how exactly these are known, and its name.
     fn _parts(&self) -> Vec<Parts> {
@@ -214,11 +222,16 @@ impl PyMap {
     }
 
     fn __repr__(&self) -> String {
-        let bounds = self.0.bounds();
-        let (width, height) = (bounds.max.x - bounds.min.x, bounds.max.y - bounds.min.y);
-        let count = self.0.boundaries().len();
-        let noun = if count == 1 { "boundary" } else { "boundaries" };
-        format!("<vibrissa.Map: {count} {noun}, {width:.3} m by {height:.3} m>")
+        format!("<vibrissa.Map: {}>", self.size())
+    }
+}
+
+impl PyMap {
+    /// How many boundaries there are, and how large all is.
+    fn size(&self) -> String {
+        let size = self.0.bounds().max - self.0.bounds().min;
+        let boundaries = counted(self.0.boundaries().len(), "boundary", "boundaries");
+        format!("{boundaries}, {:.3} m by {:.3} m", size.x, size.y)
     }
 }
 

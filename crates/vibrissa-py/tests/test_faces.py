@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import inspect
 import pickle
 import re
@@ -31,6 +32,24 @@ def test_notebooks_get_tables_and_figures(demo: vibrissa.Demo) -> None:
     assert "<table>" in demo.answer._repr_html_() and "localized" in demo.answer._repr_html_()
     figure = demo._repr_svg_()
     assert figure is not None and figure.startswith("<svg") and "true path" in figure
+    # Notebooks show HTML alone where there are both, so that it holds the figure.
+    for one in (demo, demo.answer):
+        image = one._repr_html_().split("base64,")[1].split("'")[0]
+        assert base64.b64decode(image).decode() == figure
+    assert "<img" not in demo.sweep._repr_html_()
+
+
+def test_a_localizer_says_what_it_is(demo: vibrissa.Demo) -> None:
+    words = repr(vibrissa.Localizer(demo.map, method="possibilistic"))
+    assert words == f"<vibrissa.Localizer: possibilistic, moment, {demo.map!r}>"
+
+
+def test_readings_that_are_none_are_told(demo: vibrissa.Demo) -> None:
+    reading = vibrissa.Reading("moment", "3 mN m")
+    with pytest.raises(vibrissa.UsageError, match="readings: Map .*\n.*the map comes first"):
+        vibrissa.preimage(reading, demo.map)  # type: ignore[arg-type]
+    with pytest.raises(vibrissa.UsageError, match='readings: float .*\n.*Reading\\("moment", "3 mN m"\\)'):
+        vibrissa.contact_set(0.003)  # type: ignore[arg-type]
 
 
 def test_answers_become_data_frames(demo: vibrissa.Demo) -> None:
@@ -119,6 +138,48 @@ def test_misspelled_words_are_told_with_the_word_that_is_meant(demo: vibrissa.De
             call()
     with pytest.raises(TypeError, match="did you mean 'tolerate'"):
         vibrissa.localize(log, arena, method="possibilistic", tolerat=2)  # type: ignore[call-arg]
+
+
+def test_a_log_and_a_map_show_themselves(demo: vibrissa.Demo) -> None:
+    figure = demo.map._repr_svg_()
+    assert figure.startswith("<svg") and 'class="solid"' in figure and "3 boundaries, 0.460 m by" in figure
+    table = demo.sweep.log._repr_html_()
+    assert "514 rows" in table and "moment (N m)" in table and f"{demo.sweep.log.t[-1]:.6g}" in table
+    matplotlib = pytest.importorskip("matplotlib")
+    matplotlib.use("Agg")
+    axes = demo.sweep.log.plot()
+    (line,) = axes.lines
+    assert np.array_equal(line.get_ydata(), demo.sweep.log.readings["moment"])
+    # The outside of the arena is shaded, as in the figures of the command.
+    assert matplotlib.colors.to_hex(demo.map.plot().get_facecolor()) == "#e3e3e0"
+    matplotlib.pyplot.close("all")
+
+
+def test_log_and_map_in_the_wrong_order_are_told(demo: vibrissa.Demo) -> None:
+    with pytest.raises(vibrissa.UsageError, match="map: SensorLog .*\n.*the log comes first"):
+        vibrissa.localize(demo.map, demo.sweep.log)  # type: ignore[arg-type]
+    with pytest.raises(vibrissa.UsageError, match="map: int"):
+        vibrissa.localize(demo.sweep.log, 3)  # type: ignore[arg-type]
+
+
+def test_what_is_no_robot_is_told_with_what_may_be_meant(demo: vibrissa.Demo) -> None:
+    log, arena = demo.sweep.log, demo.map
+    given: list[tuple[object, list[str]]] = [
+        ("75 mm", ["'75 mm' is a length", "a robot file (.toml), a Robot", "robot=Whisker(length='75 mm')"]),
+        (0.075, ["robot: 0.075", "robot=Whisker(length=0.075)"]),
+        ([vibrissa.Whisker()], ["a Robot, a Whisker", "robot=Robot(whiskers=["]),
+        (arena, ["robot: ", "a robot file (.toml)"]),
+    ]
+    for robot, words in given:
+        with pytest.raises(vibrissa.UsageError) as caught:
+            vibrissa.localize(log, arena, robot)  # type: ignore[arg-type]
+        assert all(word in str(caught.value) for word in words), str(caught.value)
+    # A name that is no length stays the name of a file that is missing.
+    with pytest.raises(FileNotFoundError):
+        vibrissa.localize(log, arena, "robt.toml")
+    mounted = vibrissa.MountedWhisker(mount=(0.0, 0.0, 2.2))
+    same = vibrissa.localize(log, arena, mounted), vibrissa.localize(log, arena, vibrissa.Robot(whiskers=(mounted,)))
+    assert same[0].status == same[1].status and np.array_equal(same[0].states, same[1].states)
 
 
 def test_a_missing_file_is_pythons_own_error(tmp_path: Path) -> None:

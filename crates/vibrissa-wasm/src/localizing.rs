@@ -4,6 +4,7 @@ use crate::host::Host;
 use self_cell::self_cell;
 use serde_json::json;
 use vibrissa::config::SettingValue;
+use vibrissa::flow::one_in;
 use vibrissa::flow::pose::{Hypothesis, Localization, Status};
 use vibrissa::flow::sensor_log::{Channel, LogRow, Quantity, SensorLog};
 use vibrissa::io::calibrated;
@@ -220,7 +221,7 @@ pub(crate) fn estimate(host: &mut Host, most: u32) -> Result<()> {
         })
         .ok_or_else(|| Error::usage("this localization has ended"))?;
     let step = states.len().div_ceil(most.max(1) as usize).max(1);
-    let shown: Vec<Pose2> = states.into_iter().step_by(step).collect();
+    let shown: Vec<Pose2> = one_in(states, step).collect();
     told(host, found.status, found.rows, &found.hypotheses, &shown);
     Ok(())
 }

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on must fail")]
 
 use std::path::Path;
-use vibrissa::figure::{LocalizationScene, Outline, OutlineRole, localization_figure};
+use vibrissa::figure::{FilmFrame, LocalizationScene, Outline, OutlineRole, localization_figure, localization_film};
 use vibrissa::flow::pose::{Event, Hypothesis, Localization, ShapeRecord, StampedPose, Status, Stretch};
 use vibrissa::plane::{Pose2, Vec2};
 use vibrissa::sets::{Interval, StateBox};
@@ -138,6 +138,96 @@ fn well_formed(svg: &str) {
         }
     }
     assert!(open.is_empty(), "left open: {open:?}");
+}
+
+#[test]
+fn a_place_that_was_lost_meanwhile_is_told_with_the_verdict() {
+    let event = |t: f64, kind: &'static str| Event { t, kind, detail: String::new() };
+    let place = [(Pose2::new(0.0003, 0.0352, 1.752), 0.0012, 9)];
+    let with = |events: Vec<Event>| Localization { events, ..localized(&place, Status::Localized) };
+    let found = with(vec![event(0.1, "inconsistent"), event(0.25, "recovered"), event(0.3, "lift_off")]);
+    assert!(draw("recovered", &found, None).contains("lost until t = 0.250 s"));
+    for events in [vec![], vec![event(0.1, "recovered"), event(0.25, "inconsistent")]] {
+        assert!(!draw("not-recovered", &with(events), None).contains("lost until"));
+    }
+}
+
+#[test]
+fn a_film_thins_the_images_of_a_place_alike_and_shows_the_truth() {
+    // Modes and their three images by turns, as a map of four equal walls has them: too many to draw all.
+    let corners = [(-0.1, -0.05), (0.1, -0.05), (-0.1, 0.05), (0.1, 0.05)];
+    let states: Vec<Pose2> =
+        (0..4800).map(|k| Pose2::new(corners[k % 4].0, corners[k % 4].1 + 1e-6 * k as f64, 0.0)).collect();
+    let answer = localized(&[(Pose2::new(0.0003, 0.0352, 1.752), 0.0012, 9)], Status::Localized);
+    let truth = sweep(Vec2::ZERO);
+    let outlines = map();
+    let scene = LocalizationScene { title: "film", map: &outlines, answer: &answer, truth: Some(&truth), robot: &[] };
+    let frames = [FilmFrame { t: 0.2, states }, FilmFrame { t: 0.3, states: Vec::new() }];
+    let film = localization_film(&scene, &frames);
+    for words in ["true path", "true pose", "states that explain the log so far", "free space", "class=\"solid\""] {
+        assert!(film.contains(words), "{words}");
+    }
+    let frame: Vec<&str> = film.lines().find(|line| line.contains("[0.200,4800,")).unwrap().split('"').collect();
+    let dots: Vec<(bool, bool)> = frame[3]
+        .split('M')
+        .skip(1)
+        .map(|dot| dot.trim_end_matches("h0").split_once(' ').unwrap())
+        .map(|(x, y)| (x.parse::<f64>().unwrap(), y.parse::<f64>().unwrap()))
+        .map(|(x, y)| (x > 297.0, y > 200.0))
+        .collect();
+    assert!(dots.len() > 1000 && dots.len() < 1210, "{}", dots.len());
+    for group in [(false, false), (false, true), (true, false), (true, true)] {
+        let share = dots.iter().filter(|dot| **dot == group).count() as f64 / dots.len() as f64;
+        assert!((share - 0.25).abs() < 0.02, "{group:?}: {share}");
+    }
+    assert!(!frame[9].is_empty(), "the true pose");
+}
+
+#[test]
+fn numbers_of_places_stand_beside_what_is_left() {
+    // Thirty candidates of a place in a row: its number hides none of them, and its marker but the one beneath.
+    let place = Pose2::new(0.05, -0.02, 0.4);
+    let other = (Pose2::new(-0.1, 0.04, 2.0), 0.001, 3);
+    let mut answer = localized(&[(place, 0.0001, 1), other], Status::Ambiguous);
+    let row = (0..30).map(|k| StateBox::point(Pose2::new(0.02 + 0.002 * f64::from(k), -0.02, 0.4)));
+    answer.states = row.collect();
+    let figure = draw("numbers", &answer, None);
+    let centres = |class: &str| -> Vec<(f64, f64)> {
+        let of =
+            figure.lines().filter(|line| line.starts_with("<circle") && line.contains(&format!("class=\"{class}\"")));
+        let number =
+            |line: &str, key: &str| line.split(key).nth(1).unwrap().split('"').next().unwrap().parse().unwrap();
+        of.map(|line| (number(line, "cx=\""), number(line, "cy=\""))).collect()
+    };
+    let dots = figure.lines().find(|line| line.contains("class=\"survivor\"") && line.starts_with("<path")).unwrap();
+    let dots = dots.split('"').nth(1).unwrap().split('M').skip(1).map(|dot| {
+        let (x, y) = dot.trim_end_matches("h0").split_once(' ').unwrap();
+        (x.parse::<f64>().unwrap(), y.parse::<f64>().unwrap())
+    });
+    let dots: Vec<(f64, f64)> = dots.collect();
+    let badges = centres("badge");
+    assert!(dots.len() == 30 && badges.len() >= 2, "{} {}", dots.len(), badges.len());
+    for badge in &badges {
+        let nearest = dots.iter().map(|dot| (dot.0 - badge.0).hypot(dot.1 - badge.1)).fold(f64::INFINITY, f64::min);
+        assert!(nearest > 8.5, "{badge:?}: {nearest}");
+    }
+}
+
+#[test]
+fn a_map_with_a_band_says_so_in_every_legend() {
+    let mut outlines = map();
+    let quad = [Vec2::new(0.0, 0.1), Vec2::new(0.1, 0.1), Vec2::new(0.1, 0.11), Vec2::new(0.0, 0.11)];
+    outlines[0].band.push(quad);
+    outlines[0].unknown.push(vec![Vec2::new(0.0, -0.15), Vec2::new(0.1, -0.15)]);
+    let answer = localized(&[(Pose2::new(0.0003, 0.0352, 1.752), 0.0012, 9)], Status::Localized);
+    let scene = LocalizationScene { title: "band", map: &outlines, answer: &answer, truth: None, robot: &[] };
+    let scene_of_map = vibrissa::figure::map_figure("band", &[], "map frame", &outlines, &[]);
+    for figure in [localization_figure(&scene), scene_of_map] {
+        for words in ["band that holds the wall", "unknown stretch", "obstacle", "free space", ">wall</text>"] {
+            assert!(figure.contains(words), "{words}");
+        }
+        well_formed(&figure);
+    }
 }
 
 #[test]

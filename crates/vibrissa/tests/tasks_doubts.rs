@@ -39,6 +39,21 @@ fn maps_of_a_stamp_of_the_globe_and_with_lost_obstacles_are_told() {
 }
 
 #[test]
+fn logs_of_the_globe_are_told() {
+    let told = |x: f64, y: f64, step: f64| {
+        let row = |k: i32| format!("{},{},{y},0,0\n", 0.01 * f64::from(k), x + step * f64::from(k));
+        let rows: String = (0..50).map(row).collect();
+        doubts(Some(&from_csv(&format!("t,x,y,theta,moment\n{rows}"), "log.csv").unwrap()), &Robot::default(), None)
+    };
+    let globe = told(8.55, 47.37, 1e-8);
+    assert!(globe.len() == 1 && globe[0].contains("longitude and latitude"), "{globe:?}");
+    // A robot in metres, one that stands, one near its origin, and coordinates that are no angles.
+    for (x, y, step) in [(8.55, 47.37, 1e-3), (8.55, 47.37, 0.0), (0.1, 0.2, 1e-8), (5e5, 4e6, 1e-6)] {
+        assert!(told(x, y, step).is_empty(), "{x} {y} {step}");
+    }
+}
+
+#[test]
 fn far_mounts_and_contact_from_the_first_row_are_told() {
     let mut robot = Robot::default();
     robot.whiskers[0].robot_from_whisker = Pose2::new(20.0, 0.0, 0.0);

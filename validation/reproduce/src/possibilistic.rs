@@ -25,6 +25,12 @@ const EVERYWHERE: f64 = 1e3;
 const CELL: f64 = 1e-3;
 
 /// What is left after a measurement.
+/// The area of a map's free space (m²), cell by cell.
+pub(super) fn free_area(map: &Map) -> f64 {
+    let all = Interval::new(-EVERYWHERE, EVERYWHERE);
+    Places::new(map, &[StateBox { x: all, y: all, theta: all }]).area()
+}
+
 struct Stage {
     boxes: Vec<StateBox>,
     truth: Option<Pose2>,
@@ -134,9 +140,7 @@ pub(super) fn section() -> Result<Section> {
         section.tell(&format!("{name}.area"), stage.map_or(f64::NAN, |s| 1e4 * s.places.area()), 1, "cm²");
         section.tell(&format!("{name}.boxes"), stage.map_or(f64::NAN, |s| s.boxes.len() as f64), 0, "");
     }
-    let all = Interval::new(-EVERYWHERE, EVERYWHERE);
-    let everywhere = StateBox { x: all, y: all, theta: all };
-    section.tell("arena", 1e4 * Places::new(&map, &[everywhere]).area(), 1, "cm²");
+    section.tell("arena", 1e4 * free_area(&map), 1, "cm²");
     section.say(
         "Of {possibilistic.arena} cm² of free space two measurements leave {possibilistic.second.area} cm², three \
          {possibilistic.third.area} cm², eight {possibilistic.eighth.area} cm². A place counts that has at least one heading left.",

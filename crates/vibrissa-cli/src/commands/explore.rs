@@ -1,19 +1,24 @@
 //! `vibrissa explore`: a simulated robot that finds out where it is by its own motion.
 
 use super::localize::{MethodArgs, outlines};
-use super::plan::{LimitArgs, check_robot, map_lines, named, value};
-use crate::output::{OutputArgs, print, progress, warn, write_all, wrote};
+use super::plan::{LimitArgs, check_robot, named, value};
+use crate::interrupt::{Heedful, last_resort, stopped};
+use crate::output::{OutputArgs, complain, counted, print, progress, warn, write_all, wrote};
 use clap::ValueEnum;
+use core::ops::ControlFlow;
 use serde_json::json;
 use std::fmt::Write;
 use std::path::PathBuf;
-use vibrissa::figure::{FilmFrame, Geometry, LocalizationScene, Outline, localization_film, scene_figure, wrapped};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+use vibrissa::figure::{FilmFrame, Geometry, LocalizationScene, Outline, localization_film, map_figure, wrapped};
+use vibrissa::flow::one_in;
 use vibrissa::flow::trajectory::pose_at;
 use vibrissa::io::format_tum;
 use vibrissa::io::log::to_csv;
 use vibrissa::plane::{Pose2, Vec2};
 use vibrissa::sim::{Scenario, SimulateOptions, Stage, SweepNoise};
-use vibrissa::tasks::explore::{Ended, Exploration, ExploreOptions, Strategy, beginning, explore_by};
+use vibrissa::tasks::explore::{Ended, Exploration, ExploreOptions, Strategy, beginning, explore_watched};
 use vibrissa::{Error, Localizer, Method, Result};
 
 /// Let a simulated robot find out where it is by its own motion.
@@ -86,62 +91,143 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     let begin = beginning(&scenario.path, quantity("--begin", &args.begin, Length)?);
     let map = outlines(&scenario.map);
     let stage = Stage::new(scenario.map, scenario.robot, SimulateOptions::default())?;
+    let heeds = Heedful::hurried();
+    let aside = keep(&map, &args.output);
     progress::phase("exploring");
     let strategy = args.strategy.strategy(&options);
-    let found = explore_by(&stage, &begin, args.method.method(), &SweepNoise::seeded(args.seed), &options, strategy)?;
-    progress::phase("writing");
+    let noise = SweepNoise::seeded(args.seed);
+    let mut last = Instant::now();
+    let found = explore_watched(&stage, &begin, args.method.method(), &noise, &options, strategy, &mut |now| {
+        if now.is_long() || last.elapsed() >= EVERY {
+            progress::phase(&so_far(now.motions(), now.way()));
+            put(&aside, now.so_far());
+            // From its end on, so that slow estimates take no more than a part of the time.
+            last = Instant::now();
+        }
+        if stopped() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    })?;
     if found.collided {
         warn("the robot or a whisker's base came to a boundary");
     }
-    let words = words(&found);
-    let json = as_json(&found, &words);
+    let mut film = None;
+    if args.animate && found.ended != Ended::Interrupted {
+        put(&aside, found.clone());
+        progress::phase("drawing the film");
+        film = self::film(&stage, args.method.method(), &map, &found)?;
+    }
+    drop(heeds);
+    if stopped() {
+        warn(interrupted(&found));
+    }
+    progress::phase("writing");
+    deliver(&found, &map, film, &args.output)
+}
+
+/// How often what is known is put aside.
+const EVERY: Duration = Duration::from_millis(100);
+
+fn so_far(motions: usize, way: f64) -> String {
+    format!("exploring: {}, {:.0} mm", counted(motions, "motion", "motions"), 1e3 * way)
+}
+
+fn interrupted(found: &Exploration) -> &'static str {
+    match found.ended {
+        Ended::Interrupted => "interrupted: the results are what was known by then",
+        _ => "interrupted: the results are whole, but for the film",
+    }
+}
+
+/// What is known, shared with the thread that is told of a signal.
+type Aside = Arc<Mutex<Option<Exploration>>>;
+
+fn put(aside: &Aside, found: Exploration) {
+    *aside.lock().unwrap_or_else(PoisonError::into_inner) = Some(found);
+}
+
+/// Says what becomes of what is known where a plan or an answer does not heed an interrupt in time: the same files, marked.
+fn keep(map: &[Outline], output: &OutputArgs) -> Aside {
+    let aside = Aside::default();
+    let (shared, map, output) = (Arc::clone(&aside), map.to_vec(), output.clone());
+    last_resort(move || {
+        let Some(found) = shared.lock().unwrap_or_else(PoisonError::into_inner).take() else { return };
+        warn(interrupted(&found));
+        if let Err(error) = deliver(&found, &map, None, &output) {
+            complain("error", &error);
+        }
+    });
+    aside
+}
+
+/// Writes and prints what was found.
+fn deliver(found: &Exploration, map: &[Outline], film: Option<String>, output: &OutputArgs) -> Result<()> {
+    let words = words(found);
+    let json = as_json(found, &words);
     let mut written = Vec::new();
-    if let Some(to) = args.output.destination() {
+    if let Some(to) = output.destination() {
         let mut files = vec![
             ("log.csv", to_csv(&found.log)),
             ("truth.tum", format_tum(&found.truth)),
             ("explore.json", json.clone()),
-            ("explore.svg", figure(&map, &found, &words)),
+            ("explore.svg", figure(map, found, &words)),
         ];
-        if args.animate {
-            files.push(("explore.html", film(&stage, args.method.method(), &map, &found)?));
-        }
+        files.extend(film.map(|film| ("explore.html", film)));
         written = write_all(to, &files)?;
     }
-    print(&if args.output.json { json } else { text(&found, &words) + &wrote(&written) })
+    print(&if output.json { json } else { text(found, &words) + &wrote(&written) })
 }
 
-/// The states that explain each row so far, beside the way as the whole log tells it.
-fn film(stage: &Stage, method: &Method, map: &[Outline], found: &Exploration) -> Result<String> {
+/// The states that explain each row so far, beside the way as the whole log tells it; none where it is interrupted.
+fn film(stage: &Stage, method: &Method, map: &[Outline], found: &Exploration) -> Result<Option<String>> {
     let mut localizer = Localizer::new(stage.map(), stage.robot(), &stage.channels(), method)?;
     let rows = &found.log.rows;
     let every = rows.len().div_ceil(FRAMES).max(1);
     let mut frames = Vec::new();
     for (index, row) in rows.iter().enumerate() {
+        if stopped() {
+            return Ok(None);
+        }
+        progress::count(index, rows.len());
         localizer.step(row)?;
         if index % every == 0 || index + 1 == rows.len() {
-            frames.push(FilmFrame { t: row.t, states: localizer.states_now() });
+            let now = localizer.states_now();
+            let states = if now.is_empty() { carried(found, index) } else { now };
+            frames.push(FilmFrame { t: row.t, states });
         }
     }
     let title = "A robot finds out where it is";
     let scene = LocalizationScene { title, map, answer: &found.answer, truth: Some(&found.truth), robot: &[] };
-    Ok(localization_film(&scene, &frames))
+    Ok(Some(localization_film(&scene, &frames)))
+}
+
+/// The places that the last motion was chosen for, carried along by odometry to a row: what is known while nothing is told row by row.
+fn carried(found: &Exploration, row: usize) -> Vec<Pose2> {
+    let Some(made) = found.motions.iter().rev().find(|made| made.row <= row) else { return Vec::new() };
+    let odometry = |row: usize| found.log.rows.get(row).map(|row| row.odom_from_robot);
+    let Some((before, now)) = odometry(made.row.saturating_sub(1)).zip(odometry(row)) else { return Vec::new() };
+    let moved = before.inverse().compose(now);
+    made.places.iter().map(|place| place.0.compose(moved)).collect()
 }
 
 fn words(found: &Exploration) -> String {
     let (way, count) = (1e3 * found.way, found.motions.len());
-    let motions = if count == 1 { "motion" } else { "motions" };
-    let by = format!("after {count} {motions} and {way:.0} mm");
+    let by = format!("after {} and {way:.0} mm", counted(count, "motion", "motions"));
+    let left = counted(found.answer.hypotheses.len(), "place", "places");
     match found.ended {
         Ended::Localized => {
             let truth = found.truth.last().map(|pose| pose.map_from_robot.position());
             let off = found.answer.estimate.zip(truth).map(|(pose, truth)| 1e3 * pose.position().distance(truth));
             format!("localized {by}, {:.2} mm off the truth", off.unwrap_or(f64::NAN))
         }
-        Ended::Symmetric => format!("{} places left {by}: the map is symmetric", found.answer.hypotheses.len()),
+        Ended::Symmetric => format!("{left} left {by}: the map is symmetric"),
         Ended::Inconsistent => format!("inconsistent {by}: no place explains what was felt"),
-        Ended::GaveUp => format!("gave up {by} with {} places left", found.answer.hypotheses.len()),
+        Ended::GaveUp => format!("gave up {by} with {left} left"),
         Ended::Confined => format!("no motion is free of collision and gentle at all places that are left, {by}"),
+        Ended::Interrupted => match found.motions.last().filter(|_| found.answer.hypotheses.is_empty()) {
+            Some(made) => {
+                format!("interrupted {by}, {} left before the last", counted(made.places.len(), "place", "places"))
+            }
+            None => format!("interrupted {by}, {left} left"),
+        },
         Ended::NoPlace => "the first motion tells no place; begin with a longer touch (--begin)".to_owned(),
     }
 }
@@ -151,7 +237,7 @@ fn text(found: &Exploration, words: &str) -> String {
     for (index, made) in found.motions.iter().enumerate() {
         let plan = made.plan.as_ref().map_or_else(|| made.name.to_owned(), |plan| plan.words());
         let stopped = if made.stopped { "; ended by the whisker" } else { "" };
-        let _ = writeln!(text, "  {:2}  {} places; {plan}{stopped}", index + 1, made.places.len());
+        let _ = writeln!(text, "  {:2}  {}; {plan}{stopped}", index + 1, counted(made.places.len(), "place", "places"));
     }
     text
 }
@@ -171,7 +257,7 @@ fn as_json(found: &Exploration, words: &str) -> String {
             })
         })
         .collect();
-    let value = json!({
+    let mut value = json!({
         "ended": found.ended.as_str(),
         "words": words,
         "way": found.way,
@@ -182,13 +268,16 @@ fn as_json(found: &Exploration, words: &str) -> String {
         "truth": found.truth.last().map(|row| pose(row.map_from_robot)),
         "motions": motions,
     });
+    if found.ended == Ended::Interrupted {
+        value["interrupted"] = true.into();
+    }
     format!("{value:#}\n")
 }
 
 /// The whiskers' shapes along the true way, map frame.
 fn whiskers(found: &Exploration) -> Vec<Vec<Vec2>> {
     let shapes = &found.answer.shapes;
-    let thinned = shapes.iter().step_by(shapes.len().div_ceil(SHAPES).max(1));
+    let thinned = one_in(shapes, shapes.len().div_ceil(SHAPES).max(1));
     let placed = thinned.filter_map(|shape| {
         let pose = pose_at(&found.truth, shape.t)?;
         Some(shape.points.iter().map(|&point| pose.transform_point(point)).collect())
@@ -197,32 +286,35 @@ fn whiskers(found: &Exploration) -> Vec<Vec<Vec2>> {
 }
 
 fn figure(map: &[Outline], found: &Exploration, words: &str) -> String {
-    let mut layers = map_lines(map);
-    let first = found.motions.first().map_or(found.truth.len(), |made| made.row);
-    let line = |rows: &[vibrissa::flow::pose::StampedPose]| -> Vec<Vec<Vec2>> {
-        vec![rows.iter().map(|row| row.map_from_robot.position()).collect()]
+    let line = |rows: &[vibrissa::flow::pose::StampedPose]| -> Geometry {
+        Geometry::Lines(vec![rows.iter().map(|row| row.map_from_robot.position()).collect()])
     };
     let at = |row: usize| found.truth.get(row.saturating_sub(1)).map(|row| row.map_from_robot);
     let begins: Vec<Pose2> = found.motions.iter().filter_map(|made| at(made.row)).collect();
-    let left: Vec<Vec2> =
-        found.motions.iter().take(1).flat_map(|made| made.places.iter().map(|place| place.0.position())).collect();
-    layers.extend([
+    let open: Vec<Pose2> =
+        found.motions.iter().take(1).flat_map(|made| made.places.iter().map(|place| place.0)).collect();
+    let end = |row: Option<&vibrissa::flow::pose::StampedPose>| {
+        Geometry::Circles(row.iter().map(|row| row.map_from_robot.position()).collect())
+    };
+    let mut layers = vec![
+        named(line(&found.truth), "truth", "true path"),
         named(Geometry::Lines(whiskers(found)), "whisker", "whiskers, as the answer bends them"),
-        named(Geometry::Circles(left), "start", "places before the first motion"),
-        named(Geometry::Lines(line(&found.truth[..first])), "truth", "the first touch"),
-        named(
-            Geometry::Lines(line(&found.truth[first.saturating_sub(1)..])),
-            "path",
-            "the robot's way, by its own motions",
-        ),
-        named(Geometry::States(begins), "survivor", "where it planned"),
-    ]);
-    if found.ended == Ended::Localized {
-        let estimate = found.answer.estimate;
-        layers.extend(estimate.map(|pose| named(Geometry::Arrow(pose), "estimate", "the estimate at the end")));
-    } else {
-        let places = found.answer.hypotheses.iter().map(|h| h.pose.position()).collect();
-        layers.push(named(Geometry::Circles(places), "estimate", "places that are left at the end"));
+        named(Geometry::States(open), "earlier", "places before the first motion"),
+    ];
+    let localized = found.ended == Ended::Localized;
+    if localized {
+        layers.push(named(line(&found.answer.trajectory), "path", "estimated path"));
     }
-    scene_figure("A robot finds out where it is", &wrapped(words, 104), "map frame", &layers)
+    layers.extend([
+        named(end(found.truth.first()), "start", "its start, before the first touch"),
+        named(Geometry::States(begins), "decision", "where the robot chose a motion"),
+        named(end(found.truth.last()), "truth-mark", "true pose at the end"),
+    ]);
+    let places: Vec<Pose2> = found.answer.hypotheses.iter().map(|hypothesis| hypothesis.pose).collect();
+    layers.extend(match found.answer.estimate.filter(|_| localized || places.len() == 1) {
+        Some(pose) => Some(named(Geometry::Arrow(pose), "estimate", "estimate and heading")),
+        None => (found.ended != Ended::Inconsistent)
+            .then(|| named(Geometry::Places(places), "badge", "a place that explains the log")),
+    });
+    map_figure("A robot finds out where it is", &wrapped(words, 104), "map frame", map, &layers)
 }

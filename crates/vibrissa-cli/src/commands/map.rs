@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::PathBuf;
 use vibrissa::config::MappingOptions;
-use vibrissa::figure::{Geometry, Layer, Outline, scene_figure};
+use vibrissa::figure::{Geometry, Layer, Outline, map_figure};
 use vibrissa::io::map::to_geojson;
 use vibrissa::io::trajectory::format_tum;
 use vibrissa::plane::Vec2;
@@ -179,10 +179,7 @@ fn figure(found: &Mapped, truth: Option<&Map>, compared: Option<&Alignment>) -> 
     };
     let truth = truth.map(outlines).unwrap_or_default().iter().map(|outline| place(closed(outline))).collect();
     let own = outlines(&found.outline.map);
-    let bands = own.iter().flat_map(|outline| &outline.band).map(|quad| quad.to_vec()).collect();
-    let unknown = own.iter().flat_map(|outline| outline.unknown.clone()).collect();
-    let map = &found.outline.map;
-    let known = map.boundaries().iter().flat_map(|boundary| {
+    let known = found.outline.map.boundaries().iter().flat_map(|boundary| {
         let segments = boundary.curve().segments().iter().enumerate();
         let is_known = |(k, _): &(usize, _)| !matches!(boundary.piece_course(*k), Some(PieceCourse::Unknown(_)));
         segments.filter(is_known).map(|(_, segment)| vec![segment.start(), segment.end()]).collect::<Vec<_>>()
@@ -195,11 +192,9 @@ fn figure(found: &Mapped, truth: Option<&Map>, compared: Option<&Alignment>) -> 
     }
     let layers = [
         layer(Geometry::Lines(truth), "truth", "the true shape, moved to where it fits best", false),
-        layer(Geometry::Rings(bands), "map-band", "the band that holds the wall", true),
-        layer(Geometry::Lines(unknown), "unknown", "unknown", true),
-        layer(Geometry::Lines(known.collect()), "outline", "the outline felt", true),
+        layer(Geometry::Lines(known.collect()), "edge", "the outline felt", true),
         layer(Geometry::Lines(vec![way]), "path", "the robot's way", true),
         layer(Geometry::Circles(found.outline.corners.iter().map(|c| c.position).collect()), "start", "corners", true),
     ];
-    scene_figure("A map made by touch", &captions(found, compared), "odometry frame of the first row", &layers)
+    map_figure("A map made by touch", &captions(found, compared), "odometry frame of the first row", &own, &layers)
 }

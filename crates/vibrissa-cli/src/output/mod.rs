@@ -19,6 +19,7 @@ use vibrissa::figure::{FilmFrame, LocalizationScene, Outline, localization_figur
 use vibrissa::flow::pose::{Localization, StampedPose, Status};
 use vibrissa::flow::trajectory::trajectory_error;
 use vibrissa::io::format_tum_with_doubts;
+pub(crate) use vibrissa::io::text::counted;
 use vibrissa::{Error, Result};
 
 pub(crate) use args::OutputArgs;
@@ -26,11 +27,6 @@ use files::{Content, write_each};
 pub(crate) use files::{write_all, write_bytes};
 pub(crate) use plain::plain;
 pub(crate) use runtime::{Runtime, Stopwatch};
-
-/// A number with its noun.
-pub(crate) fn counted(count: usize, one: &str, many: &str) -> String {
-    format!("{count} {}", if count == 1 { one } else { many })
-}
 
 /// The files that were written, as lines of a report.
 pub(crate) fn wrote(paths: &[PathBuf]) -> String {

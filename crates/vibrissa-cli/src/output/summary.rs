@@ -1,6 +1,6 @@
 //! The answer in words, for people.
 
-use super::{Run, Runtime, fit};
+use super::{Run, Runtime, counted, fit};
 use std::fmt::Write;
 use std::path::PathBuf;
 use vibrissa::figure::localization::verdict;
@@ -99,12 +99,12 @@ fn truth(text: &mut String, error: &TrajectoryError) {
     let degrees = |angle: f64| angle.to_degrees();
     let _ = writeln!(
         text,
-        "\nerror against the truth\n  at the end  {:.3} mm, {:.3} deg\n  mean        {:.3} mm, {:.3} deg over {} rows",
+        "\nerror against the truth\n  at the end  {:.3} mm, {:.3} deg\n  mean        {:.3} mm, {:.3} deg over {}",
         error.final_position * 1e3,
         degrees(error.final_heading),
         error.mean_position * 1e3,
         degrees(error.mean_heading),
-        error.rows
+        counted(error.rows, "row", "rows")
     );
 }
 
@@ -117,19 +117,20 @@ fn events(text: &mut String, events: &[Event]) {
         let _ = writeln!(text, "  {:>9.3} s  {}: {}", event.t, event.kind, event.detail);
     }
     if events.len() > LISTED {
-        let _ = writeln!(text, "  … and {} more events", events.len() - LISTED);
+        let _ = writeln!(text, "  … and {}", counted(events.len() - LISTED, "more event", "more events"));
     }
 }
 
 fn runtime(text: &mut String, rows: usize, runtime: &Runtime) {
+    let rows = counted(rows, "row", "rows");
     if runtime.updates == 0 {
-        let _ = writeln!(text, "\n{rows} rows, no update, in {:.3} s", runtime.total_s);
+        let _ = writeln!(text, "\n{rows}, no update, in {:.3} s", runtime.total_s);
         return;
     }
     let _ = writeln!(
         text,
-        "\n{rows} rows, {} updates in {:.3} s; one update takes {} (median), {} (99th percentile)",
-        runtime.updates,
+        "\n{rows}, {} in {:.3} s; one update takes {} (median), {} (99th percentile)",
+        counted(runtime.updates, "update", "updates"),
         runtime.total_s,
         duration(runtime.p50_us),
         duration(runtime.p99_us)

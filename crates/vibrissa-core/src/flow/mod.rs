@@ -13,3 +13,5 @@ pub mod taps;
 pub(crate) mod thinned;
 pub mod trajectory;
 mod words;
+
+pub use thinned::one_in;

@@ -39,9 +39,38 @@ impl<T, const LEAST: usize> Thinned<T, LEAST> {
     }
 }
 
+/// One in `every` items, the first among them, spread over all as a golden section divides a circle. What comes back every few items,
+/// like the images of a symmetric map, is thinned as much as all else; every n-th item may hold none of it.
+pub fn one_in<T>(items: impl IntoIterator<Item = T>, every: usize) -> impl Iterator<Item = T> {
+    // The fractional part of the golden section, in parts of 2^64.
+    const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
+    let share = u64::MAX / every.max(1) as u64;
+    let kept = move |index: usize| (index as u64).wrapping_mul(GOLDEN) <= share;
+    items.into_iter().enumerate().filter(move |(index, _)| kept(*index)).map(|(_, item)| item)
+}
+
 #[cfg(test)]
 mod tests {
-    use super::Thinned;
+    use super::{Thinned, one_in};
+
+    #[test]
+    fn one_in_so_many_is_one_in_so_many_of_what_comes_back_too() {
+        assert_eq!(one_in(0..5, 1).collect::<Vec<_>>(), [0, 1, 2, 3, 4]);
+        for every in [2, 3, 4, 7, 8] {
+            assert_eq!(one_in(0..9, every).next(), Some(0));
+            for period in 1..=12 {
+                for phase in 0..period {
+                    let of = (0..20_000).filter(|item| item % period == phase).count();
+                    let kept = one_in(0..20_000, every).filter(|item| item % period == phase).count();
+                    let wanted = of as f64 / every as f64;
+                    assert!(
+                        (kept as f64 - wanted).abs() < 12.0,
+                        "1 in {every}, {phase} of {period}: {kept} for {wanted}"
+                    );
+                }
+            }
+        }
+    }
 
     #[test]
     fn keeps_all_of_few_and_an_even_share_of_many() {

@@ -1,51 +1,24 @@
 //! What the figure shows, layer by layer from the ground up.
 
-use super::{LocalizationScene, Outline, OutlineRole, counted, entry};
+use super::{LocalizationScene, counted, entry};
 use crate::canvas::{Canvas, WorldBounds};
+use crate::flow::one_in;
 use crate::flow::pose::{Hypothesis, Localization, StampedPose, Status};
 use crate::flow::trajectory::pose_at;
 use crate::legend::{Entry, Sample};
+use crate::outlines::outline_entries;
+use crate::places::{NUMBERED, places};
 use crate::plane::{Pose2, Vec2};
 use crate::sets::StateBox;
 
 /// At most this many whisker shapes are drawn, of all whiskers together.
 const SHAPES: usize = 25;
-/// At most this many candidates are drawn, and at most this many survivors; of more, every n-th.
+/// About this many candidates are drawn at most, and as many survivors; of more, one in so many.
 const CANDIDATES: usize = 4000;
-/// At most this many places carry a number.
-const NUMBERED: usize = 30;
-
-/// Draws solid ground, arenas, obstacles and walls.
-pub(crate) fn map(canvas: &mut Canvas, outlines: &[Outline]) {
-    let of = |role: OutlineRole| outlines.iter().filter(move |outline| outline.role == role);
-    if of(OutlineRole::Arena).next().is_some() {
-        let WorldBounds { min, max } = canvas.world();
-        canvas.polygon(&[min, Vec2::new(max.x, min.y), max, Vec2::new(min.x, max.y)], "solid");
-    }
-    for (role, class) in
-        [(OutlineRole::Arena, "arena"), (OutlineRole::Obstacle, "obstacle"), (OutlineRole::Wall, "wall")]
-    {
-        for outline in of(role) {
-            if outline.closed {
-                canvas.polygon(&outline.points, class);
-            } else {
-                canvas.polyline(&outline.points, class);
-            }
-        }
-    }
-    for outline in outlines {
-        canvas.polygons(&outline.band, "map-band");
-        for line in &outline.unknown {
-            // The drawn line makes way for a dashed one.
-            canvas.polyline(line, "unknown-gap");
-            canvas.polyline(line, "unknown");
-        }
-    }
-}
 
 /// Draws the candidates after the first observation, each moved along to the last row.
 pub(super) fn candidates(canvas: &mut Canvas, answer: &Localization, tick: f64) {
-    let shown = || answer.first_states.iter().copied().step_by(stride(answer.first_states.len()));
+    let shown = || one_in(answer.first_states.iter().copied(), stride(answer.first_states.len()));
     canvas.heading_ticks(shown(), tick, "candidate-tick");
     canvas.dots(shown().map(Pose2::position), "candidate");
 }
@@ -62,13 +35,7 @@ pub(super) fn truth(canvas: &mut Canvas, scene: &LocalizationScene<'_>, tick: f6
 
 /// Draws the whiskers along the sweep, the last shape of each strongest.
 pub(super) fn whiskers(canvas: &mut Canvas, answer: &Localization) {
-    let mut each: Vec<Vec<Vec<Vec2>>> = Vec::new();
-    for (whisker, points) in placed(answer) {
-        if each.len() <= whisker {
-            each.resize_with(whisker + 1, Vec::new);
-        }
-        each[whisker].push(points);
-    }
+    let each = of_each_whisker(answer);
     let drawn = each.iter().filter(|shapes| !shapes.is_empty()).count().max(1);
     let most = (SHAPES / drawn).max(1);
     for shapes in &each {
@@ -80,6 +47,18 @@ pub(super) fn whiskers(canvas: &mut Canvas, answer: &Localization) {
     for last in each.iter().filter_map(|shapes| shapes.last()) {
         canvas.polyline(last, "whisker-last");
     }
+}
+
+/// The placed shapes whisker by whisker.
+fn of_each_whisker(answer: &Localization) -> Vec<Vec<Vec<Vec2>>> {
+    let mut each: Vec<Vec<Vec<Vec2>>> = Vec::new();
+    for (whisker, points) in placed(answer) {
+        if each.len() <= whisker {
+            each.resize_with(whisker + 1, Vec::new);
+        }
+        each[whisker].push(points);
+    }
+    each
 }
 
 /// The whisker shapes in the map frame, for those times at which the robot's place is estimated.
@@ -123,7 +102,7 @@ fn stretches(answer: &Localization) -> Vec<(&[StampedPose], bool)> {
 /// Draws what is left of the candidates: points as dots with headings, boxes as boxes.
 pub(super) fn survivors(canvas: &mut Canvas, answer: &Localization, tick: f64) {
     let every = stride(answer.states.len());
-    let shown = || answer.states.iter().step_by(every);
+    let shown = || one_in(&answer.states, every);
     for state in shown().filter(|state| !is_point(state)) {
         let (x, y) = (state.x, state.y);
         let [a, b] = [Vec2::new(x.lo(), y.lo()), Vec2::new(x.hi(), y.hi())];
@@ -160,23 +139,15 @@ pub(super) fn estimate(canvas: &mut Canvas, scene: &LocalizationScene<'_>, close
         canvas.polygon(&outline, "robot");
     }
     if answer.hypotheses.len() > 1 && !close_up {
-        for (index, hypothesis) in answer.hypotheses.iter().take(NUMBERED).enumerate().rev() {
-            numbered(canvas, index + 1, hypothesis.pose);
-        }
+        let poses: Vec<Pose2> = answer.hypotheses.iter().map(|hypothesis| hypothesis.pose).collect();
+        let survivors = one_in(&answer.states, stride(answer.states.len())).map(|s| vec![middle(s).position()]);
+        let shapes = of_each_whisker(answer).into_iter().filter_map(|mut shapes| shapes.pop());
+        let drawn: Vec<Vec<Vec2>> = survivors.chain(shapes).chain([positions(&answer.trajectory)]).collect();
+        places(canvas, &poses, &drawn);
         return;
     }
     canvas.arrow(pose, if close_up { 44.0 } else { 26.0 }, "estimate-line", "estimate");
     canvas.circle(pose.position(), 5.5, "estimate");
-}
-
-/// A place with its number, where it is on the page.
-fn numbered(canvas: &mut Canvas, number: usize, pose: Pose2) {
-    if !canvas.world().contains(pose.position()) {
-        return;
-    }
-    canvas.arrow(pose, 26.0, "estimate-line", "estimate");
-    canvas.circle(pose.position(), 8.5, "badge");
-    canvas.text(pose.position(), (0.0, 4.0), &number.to_string(), "badge-text");
 }
 
 fn extent(canvas: &mut Canvas, hypothesis: &Hypothesis, close_up: bool) {
@@ -205,7 +176,6 @@ pub(super) fn legend_entries(scene: &LocalizationScene<'_>, canvas: &Canvas) -> 
             entries.push(entry(sample, words));
         }
     };
-    let has = |role: OutlineRole| scene.map.iter().any(|outline| outline.role == role);
     let (all, left) = (answer.first_states.len(), answer.states.len());
     let every = |count: usize| match stride(count) {
         1 => String::new(),
@@ -248,13 +218,11 @@ pub(super) fn legend_entries(scene: &LocalizationScene<'_>, canvas: &Canvas) -> 
     let many = answer.shapes.iter().any(|shape| shape.whisker != answer.shapes[0].whisker);
     let words = if many { "whiskers along the sweep" } else { "whisker along the sweep" };
     add(whiskers, Sample::Line("whisker-last"), words.into());
-    add(has(OutlineRole::Wall), Sample::Line("wall"), "wall".into());
-    add(has(OutlineRole::Obstacle), Sample::Patch("obstacle"), "obstacle".into());
-    add(has(OutlineRole::Arena), Sample::Patch("arena"), "free space".into());
+    entries.extend(outline_entries(scene.map));
     entries
 }
 
-/// Of `count` states every how many-th is drawn.
+/// One in how many of `count` states is drawn.
 fn stride(count: usize) -> usize {
     count.div_ceil(CANDIDATES).max(1)
 }

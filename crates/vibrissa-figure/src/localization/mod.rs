@@ -8,44 +8,11 @@ use super::axes::{scale_bar, ticks};
 use super::canvas::{Canvas, Frame, WorldBounds};
 use super::document::Document;
 use super::legend::{Entry, LINE, legend};
+use super::outlines::draw_outlines;
 use crate::flow::pose::{Localization, StampedPose, Status};
+pub use crate::outlines::{Outline, OutlineRole};
 use crate::plane::{Pose2, Vec2};
-pub(crate) use layers::map as draw_outlines;
 pub use words::{verdict, wrapped};
-
-/// What a line of the map bounds.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum OutlineRole {
-    /// Free space is inside.
-    Arena,
-    /// Free space is outside.
-    Obstacle,
-    /// A thin wall, solid on both sides.
-    Wall,
-}
-
-/// One line of the map, flattened, map frame (m).
-#[derive(Clone, Debug, PartialEq)]
-pub struct Outline {
-    /// The corners, in order; a closed line does not repeat its first.
-    pub points: Vec<Vec2>,
-    /// What it bounds.
-    pub role: OutlineRole,
-    /// Whether the last corner is joined to the first.
-    pub closed: bool,
-    /// Parts of the band within which it is known to lie (m), one for each piece; none where it is exact.
-    pub band: Vec<[Vec2; 4]>,
-    /// Lines along the stretches of which nothing is known.
-    pub unknown: Vec<Vec<Vec2>>,
-}
-
-impl Outline {
-    /// A line that is known exactly.
-    #[must_use]
-    pub fn exact(points: Vec<Vec2>, role: OutlineRole, closed: bool) -> Self {
-        Self { points, role, closed, band: Vec::new(), unknown: Vec::new() }
-    }
-}
 
 /// All that a localization figure shows.
 #[derive(Clone, Copy, Debug)]
@@ -129,7 +96,7 @@ pub fn localization_figure(scene: &LocalizationScene<'_>) -> String {
 }
 
 fn draw_sweep(document: &mut Document, scene: &LocalizationScene<'_>, mut canvas: Canvas) {
-    layers::map(&mut canvas, scene.map);
+    draw_outlines(&mut canvas, scene.map);
     layers::truth(&mut canvas, scene, 22.0);
     layers::whiskers(&mut canvas, scene.answer);
     layers::path(&mut canvas, scene.answer);
@@ -141,7 +108,7 @@ fn draw_sweep(document: &mut Document, scene: &LocalizationScene<'_>, mut canvas
 }
 
 fn draw_map(document: &mut Document, scene: &LocalizationScene<'_>, mut canvas: Canvas, detail: Option<&Canvas>) {
-    layers::map(&mut canvas, scene.map);
+    draw_outlines(&mut canvas, scene.map);
     layers::candidates(&mut canvas, scene.answer, 5.0);
     layers::truth(&mut canvas, scene, 22.0);
     layers::whiskers(&mut canvas, scene.answer);
@@ -157,7 +124,7 @@ fn draw_map(document: &mut Document, scene: &LocalizationScene<'_>, mut canvas: 
 }
 
 fn draw_detail(document: &mut Document, scene: &LocalizationScene<'_>, mut canvas: Canvas) {
-    layers::map(&mut canvas, scene.map);
+    draw_outlines(&mut canvas, scene.map);
     layers::candidates(&mut canvas, scene.answer, 9.0);
     layers::path(&mut canvas, scene.answer);
     layers::survivors(&mut canvas, scene.answer, 14.0);

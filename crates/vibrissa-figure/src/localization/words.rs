@@ -13,7 +13,7 @@ pub fn verdict(answer: &Localization) -> String {
     }
     let place = answer.estimate.map(place).unwrap_or_else(|| "nowhere".into());
     match answer.status {
-        Status::Localized => format!("localized: {place}; {}", shrinkage(answer)),
+        Status::Localized => format!("localized: {place}; {}{}", shrinkage(answer), lost(answer)),
         Status::Ambiguous => {
             let weight = answer.hypotheses.first().map_or(0.0, |first| first.weight);
             let found = match answer.hypotheses.len() {
@@ -22,7 +22,7 @@ pub fn verdict(answer: &Localization) -> String {
                     format!("{places} separate places explain the log; number 1 ({:.0} %) is {place}", 100.0 * weight)
                 }
             };
-            format!("ambiguous: {found}; {}", shrinkage(answer))
+            format!("ambiguous: {found}; {}{}", shrinkage(answer), lost(answer))
         }
         Status::Inconsistent => {
             let step = answer.events.iter().find(|event| event.kind == "inconsistent");
@@ -34,6 +34,13 @@ pub fn verdict(answer: &Localization) -> String {
             "no contact: the whisker never touched anything, so the log does not tell where the robot is".into()
         }
     }
+}
+
+/// Until when the robot was lost, where it was and is no more: what the answer says holds from then on.
+fn lost(answer: &Localization) -> String {
+    let last = answer.events.iter().rev().find(|event| matches!(event.kind, "inconsistent" | "recovered"));
+    let found = last.filter(|event| event.kind == "recovered");
+    found.map(|event| format!("; lost until t = {:.3} s", event.t)).unwrap_or_default()
 }
 
 /// A pose in millimetres and degrees.

@@ -11,7 +11,7 @@ use crate::config::limits::{LARGEST_ODOMETRY, ODOMETRY_GAP};
 use crate::flow::sensor_log::{Channel, LogRow, Quantity, SensorLog};
 use crate::plane::{Pose2, Twist2};
 use crate::ros::{self, BagSummary, Header, Kind, Stamp};
-use crate::text::{listed, open};
+use crate::text::{counted, listed, open};
 use crate::{Error, Result};
 use std::collections::BTreeMap;
 use std::io::Read;
@@ -201,7 +201,8 @@ impl Tracks {
         })?;
         let mut warnings = bag.warnings;
         if self.damaged > 0 {
-            warnings.push(format!("{} messages dropped: damaged, or not plain CDR", self.damaged));
+            warnings
+                .push(format!("{} dropped: damaged, or not plain CDR", counted(self.damaged, "message", "messages")));
         }
         Ok(SensorLog { channels, rows: self.rows, warnings, ..SensorLog::default() })
     }
@@ -227,11 +228,15 @@ impl Tracks {
                 warnings.push(format!("{topic}: messages without a time are taken for as old as they were logged"));
             }
             if track.dropped > 0 {
-                warnings.push(format!("{topic}: {} messages dropped: same time, or not finite", track.dropped));
+                warnings.push(format!(
+                    "{topic}: {} dropped: same time, or not finite",
+                    counted(track.dropped, "message", "messages")
+                ));
             }
         }
         if self.damaged > 0 {
-            warnings.push(format!("{} messages dropped: damaged, or not plain CDR", self.damaged));
+            warnings
+                .push(format!("{} dropped: damaged, or not plain CDR", counted(self.damaged, "message", "messages")));
         }
         self.readings.retain(|_, track| !track.rows.is_empty());
         let odometry = self.only_odometry().ok_or_else(|| {
@@ -267,10 +272,14 @@ impl Tracks {
         }
         bag_imu::apply(&mut log.rows, &mut units, imu, &mut log.warnings)?;
         if outside > 0 {
-            log.warnings.push(format!("{outside} readings left out: no odometry at their time"));
+            log.warnings
+                .push(format!("{} left out: no odometry at their time", counted(outside, "reading", "readings")));
         }
         if gaps > 0 {
-            log.warnings.push(format!("{gaps} readings in gaps of more than {ODOMETRY_GAP} s of the odometry"));
+            log.warnings.push(format!(
+                "{} in gaps of more than {ODOMETRY_GAP} s of the odometry",
+                counted(gaps, "reading", "readings")
+            ));
         }
         log.warnings.extend(doubts.warnings(name));
         Ok(log)

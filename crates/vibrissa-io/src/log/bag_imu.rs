@@ -5,7 +5,7 @@ use crate::config::limits::ODOMETRY_GAP;
 use crate::flow::sensor_log::LogRow;
 use crate::plane::{Pose2, wrap_angle};
 use crate::ros::{Header, ImuReading, Stamp};
-use crate::text::listed;
+use crate::text::{counted, listed};
 use crate::{Error, Result};
 use std::collections::BTreeMap;
 
@@ -91,13 +91,19 @@ pub(super) fn apply(
         rows.iter_mut().for_each(|row| row.heading = track.heading(row.t));
         let without = rows.iter().filter(|row| row.heading.is_none()).count();
         if without > 0 {
-            warnings.push(format!("{without} rows without a heading: no message of the unit at their time"));
+            warnings.push(format!(
+                "{} without a heading: no message of the unit at their time",
+                counted(without, "row", "rows")
+            ));
         }
     }
     if let Some(track) = named(&topics.yaw_rates, "angular velocities", &|track| !track.rates.is_empty())? {
         let by_odometry = turned(rows, track);
         if by_odometry > 0 {
-            warnings.push(format!("{by_odometry} rows turn by odometry: no message of the unit at their time"));
+            warnings.push(format!(
+                "{} by odometry: no message of the unit at their time",
+                counted(by_odometry, "row turns", "rows turn")
+            ));
         }
     }
     if topics.is_empty() && !names.is_empty() {

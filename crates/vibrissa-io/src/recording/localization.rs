@@ -6,6 +6,7 @@ use super::parts::{
     stride,
 };
 use crate::Result;
+use crate::flow::one_in;
 use crate::flow::pose::{Localization, StampedPose};
 use crate::flow::sensor_log::SensorLog;
 use crate::flow::trajectory::pose_at;
@@ -48,13 +49,9 @@ impl StatesWatch {
         if !row.is_multiple_of(self.every) {
             return;
         }
-        let mut states = states();
+        let states = states();
         let every = stride(states.len(), MOST_STATES);
-        let mut index = 0;
-        states.retain(|_| {
-            index += 1;
-            (index - 1) % every == 0
-        });
+        let states: Vec<Pose2> = one_in(states, every).collect();
         // An empty set is kept once: it tells that nothing explains the log any more.
         let was_empty = self.seen.last().is_none_or(|last| last.states.is_empty());
         if !(states.is_empty() && was_empty) {
@@ -124,7 +121,7 @@ fn add_states(bag: &mut BagWriter, answer: &Localization, states: &[StampedState
         Pose2::new(of(b.x), of(b.y), of(b.theta))
     };
     let every = stride(answer.states.len(), MOST_STATES);
-    let last: Vec<Pose2> = answer.states.iter().step_by(every).filter(|b| !b.is_empty()).map(middle).collect();
+    let last: Vec<Pose2> = one_in(&answer.states, every).filter(|b| !b.is_empty()).map(middle).collect();
     let before = states.iter().filter(|s| s.t < end).map(|s| (s.t, s.states.as_slice()));
     for (t, states) in before.chain([(end, last.as_slice())]) {
         let header = in_map(t);

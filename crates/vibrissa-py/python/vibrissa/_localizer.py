@@ -77,7 +77,11 @@ class Localizer:
         """The names of the readings that ``step`` takes."""
         name, given = method_of(method, options or {})
         self._map = read_map(map)
+        self._name = name
         self._core = _vibrissa.LocalizerCore(self._map, known, name, given, list(columns))
+
+    def __repr__(self) -> str:
+        return f"<vibrissa.Localizer: {self._name}, {', '.join(self.columns)}, {self._map!r}>"
 
     def step(
         self, t: float, pose: Sequence[float], readings: float | Sequence[float], heading: float | None = None

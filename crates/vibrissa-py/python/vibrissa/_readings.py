@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
@@ -12,7 +12,7 @@ import numpy as np
 from . import _vibrissa
 from ._arrays import Floats
 from ._docs import documented
-from ._errors import one_of
+from ._errors import UsageError, one_of
 from ._robot import RobotLike, number, quantity, robot_of
 from ._show import Shown, axes, draw_map, plane
 from ._vibrissa import Map
@@ -167,6 +167,20 @@ class ContactSets(Shown):
         return ax
 
 
+def _listed(readings: Reading | Sequence[Reading]) -> list[Reading]:
+    """The readings as a list, which other things are not."""
+    if isinstance(readings, Reading):
+        return [readings]
+    given: Any = readings
+    listed: list[Any] = [given] if isinstance(given, Map) or not isinstance(given, Iterable) else list(given)
+    for one in listed:
+        if not isinstance(one, Reading):
+            order = "\n  help: the map comes first, then the readings" if isinstance(one, Map) else ""
+            example = order or '\n  help: write Reading("moment", "3 mN m")'
+            raise UsageError(f"readings: {type(one).__name__} (allowed: a Reading, or a list of them){example}")
+    return listed
+
+
 def _model(
     load: str,
     regime: str,
@@ -222,7 +236,7 @@ def contact_set(
     >>> sets = vibrissa.contact_set([vibrissa.Reading("load", "0.1 N"), vibrissa.Reading("strip", "60 mm", "1 mm")])
     >>> sets.plot()
     """
-    given = [readings] if isinstance(readings, Reading) else list(readings)
+    given = _listed(readings)
     model = _model(load, regime, max_force, max_moment, max_slope)
     found = _vibrissa.contact_set(given, robot_of(robot), model)
     curves = [ContactCurves(**one) for one in found["curves"]]
@@ -321,7 +335,7 @@ def preimage(
     UsageError
         A value out of range.
     """
-    given = [readings] if isinstance(readings, Reading) else list(readings)
+    given = _listed(readings)
     model = _model(load, regime, max_force, max_moment, max_slope)
     shape = read_map(map)
     side = None if cell is None else number("cell", cell, "length")

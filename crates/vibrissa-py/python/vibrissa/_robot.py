@@ -293,7 +293,7 @@ class Robot:
         return cls(**{**fields, "whiskers": tuple(MountedWhisker._of(one) for one in fields["whiskers"])})
 
 
-RobotLike = Robot | Whisker | str | os.PathLike[str] | None
+RobotLike = Robot | Whisker | MountedWhisker | str | os.PathLike[str] | None
 
 
 def robot_of(robot: RobotLike) -> Robot:
@@ -304,4 +304,35 @@ def robot_of(robot: RobotLike) -> Robot:
         return robot
     if isinstance(robot, Whisker):
         return Robot(whiskers=(MountedWhisker(beam=robot),))
+    if isinstance(robot, MountedWhisker):
+        return Robot(whiskers=(robot,))
+    if not isinstance(robot, (str, os.PathLike)):
+        raise UsageError(f"robot: {_shown(robot)} {_ROBOTS}{_meant_by(robot)}")
+    if isinstance(robot, str) and not os.path.exists(robot) and _is_length(robot):
+        raise UsageError(f"robot: {robot!r} is a length {_ROBOTS}{_meant_by(robot)}")
     return Robot.read(robot)
+
+
+_ROBOTS = "(allowed: the name of a robot file (.toml), a Robot, a Whisker, a MountedWhisker, or None for the paper's robot)"
+
+
+def _shown(given: object) -> str:
+    words = repr(given)
+    return words if len(words) <= 60 else type(given).__name__
+
+
+def _is_length(text: str) -> bool:
+    try:
+        _vibrissa.quantity(text, "length")
+    except Error:
+        return False
+    return True
+
+
+def _meant_by(given: object) -> str:
+    """What a caller may have meant that gave this for a robot."""
+    if isinstance(given, (str, int, float)) and not isinstance(given, bool):
+        return f"\n  help: for a whisker of this length write robot=Whisker(length={given!r})"
+    if isinstance(given, (list, tuple)):
+        return "\n  help: for several whiskers write robot=Robot(whiskers=[MountedWhisker(…), …])"
+    return ""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import html
 import importlib
 from dataclasses import fields, is_dataclass
@@ -43,7 +44,13 @@ class Shown:
     def _repr_html_(self) -> str:
         row = "<tr><th style='text-align:left'>{}</th><td style='text-align:left'>{}</td></tr>"
         rows = "".join(row.format(html.escape(name), html.escape(value)) for name, value in self._items())
-        return f"<table><caption>{type(self).__name__}</caption>{rows}</table>"
+        table = f"<table><caption>{type(self).__name__}</caption>{rows}</table>"
+        # Notebooks show HTML alone where there are both. As an image the figure keeps its names and styles to itself.
+        figure = getattr(self, "_repr_svg_", lambda: None)()
+        if figure is None:
+            return table
+        data = base64.b64encode(figure.encode()).decode()
+        return f"<img alt='{type(self).__name__}' src='data:image/svg+xml;base64,{data}'>{table}"
 
 
 def pandas() -> Any:
@@ -76,11 +83,16 @@ def draw_map(ax: Any, map: Any) -> None:
         ax.fill(corners[:, 0], corners[:, 1], color="#e69f00", alpha=0.3, linewidth=0)
     for line in unknown:
         ax.plot(line[:, 0], line[:, 1], color="#e69f00", linestyle=":", linewidth=4.0)
-    for role, points in map.boundaries(1e-4):
-        if role == "obstacle":
-            ax.fill(points[:, 0], points[:, 1], facecolor="#c9c9c4", edgecolor="#222222")
+    shapes = map.boundaries(1e-4)
+    if any(role == "arena" for role, _ in shapes):
+        # What is outside of the arena is solid, as in the figures of the command.
+        ax.set_facecolor("#e3e3e0")
+    fills = {"arena": "#ffffff", "obstacle": "#c9c9c4"}
+    for role, points in sorted(shapes, key=lambda shape: list((*fills, "wall")).index(shape[0])):
+        if role in fills:
+            ax.fill(points[:, 0], points[:, 1], facecolor=fills[role], edgecolor="#222222", linewidth=1.4, zorder=0.5)
         else:
-            ax.plot(points[:, 0], points[:, 1], color="#222222", linewidth=2.0 if role == "wall" else 1.4)
+            ax.plot(points[:, 0], points[:, 1], color="#222222", linewidth=2.0)
     plane(ax)
 
 
@@ -89,6 +101,50 @@ def plane(ax: Any) -> None:
     ax.set_aspect("equal")
     ax.set_xlabel("x (m)")
     ax.set_ylabel("y (m)")
+
+
+_UNITS = {
+    "moment": "N m",
+    "force": "N",
+    "slope": "rad",
+    "strip_lo": "m",
+    "strip_hi": "m",
+    "bx": "T",
+    "by": "T",
+    "bz": "T",
+}
+
+
+def _with_unit(column: str) -> str:
+    unit = _UNITS.get(column.rsplit(".", 1)[-1])
+    return f"{column} ({unit})" if unit else column
+
+
+def draw_log(ax: Any, log: Any) -> None:
+    """Draws a log's readings over time."""
+    for name, values in log.readings.items():
+        ax.plot(log.t, values, linewidth=1.0, label=_with_unit(name))
+    ax.set_xlabel("t (s)")
+    ax.legend()
+
+
+def log_table(log: Any) -> str:
+    """A log's columns with their ranges as HTML."""
+    x, y, theta = log.odometry.reshape(-1, 3).T
+    columns = {"t (s)": log.t, "x (m)": x, "y (m)": y, "theta (rad)": theta}
+    columns |= {_with_unit(name): values for name, values in log.readings.items()}
+    if log.heading is not None:
+        columns["heading (rad)"] = log.heading
+    left = "style='text-align:left'"
+    head = f"<tr><th {left}>column</th><th>least</th><th>largest</th></tr>"
+
+    def row(name: str, values: Any) -> str:
+        known = values[np.isfinite(values)]
+        ends = (known.min(), known.max()) if known.size else (np.nan, np.nan)
+        return f"<tr><th {left}>{html.escape(name)}</th>" + "".join(f"<td>{end:.6g}</td>" for end in ends) + "</tr>"
+
+    rows = "".join(row(name, values) for name, values in columns.items())
+    return f"<table><caption>SensorLog, {len(log)} rows</caption>{head}{rows}</table>"
 
 
 def log_frame(log: Any) -> Any:

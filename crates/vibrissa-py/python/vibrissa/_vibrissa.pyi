@@ -173,6 +173,7 @@ class Map:
     def bands(self) -> tuple[list[Floats], list[Floats]]:
         """How exactly the boundaries are known: quadrilaterals of shape (4, 2) (m) that the true ones lie in, and lines of shape
         (n, 2) (m) along stretches of which nothing is known; none of an exact map."""
+    def _repr_svg_(self) -> str: ...
     def to_geojson(self) -> str:
         """The map as a GeoJSON text (m), which `from_geojson` reads; curves become lines."""
     def __reduce__(self) -> tuple[Any, ...]: ...
@@ -250,6 +251,9 @@ class SensorLog:
     @staticmethod
     def _from_parts(text: str, source: _Path | None, warnings: Sequence[str]) -> SensorLog: ...
     def __reduce__(self) -> tuple[Any, ...]: ...
+    def _repr_html_(self) -> str: ...
+    def plot(self, ax: Any = None) -> Any:
+        """Draws the readings over time into axes of matplotlib, new ones for None, and gives them."""
     def to_pandas(self) -> Any:
         """A `pandas.DataFrame` with the columns of the log's file: t, x, y, theta, readings and heading."""
     def __new__(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 
+from ._errors import UsageError
 from ._vibrissa import Map, SensorLog
 
 MapLike = Map | str | os.PathLike[str]
@@ -23,9 +24,25 @@ def arena() -> Map:
 
 def read_map(source: MapLike) -> Map:
     """A map, or the file of one."""
-    return source if isinstance(source, Map) else Map.read(source)
+    if isinstance(source, Map):
+        return source
+    _a_path("map", source, "a Map", SensorLog)
+    return Map.read(source)
 
 
 def read_log(source: LogLike, format: str | None = None) -> SensorLog:
     """A log, or the file of one."""
-    return source if isinstance(source, SensorLog) else SensorLog.read(source, format)
+    if isinstance(source, SensorLog):
+        return source
+    _a_path("log", source, "a SensorLog", Map)
+    return SensorLog.read(source, format)
+
+
+def _a_path(name: str, given: object, wanted: str, other: type) -> None:
+    """Refuses what is no name of a file either."""
+    if isinstance(given, (str, os.PathLike)):
+        return
+    swapped = "\n  help: the log comes first, then the map" if isinstance(given, other) else ""
+    if type(given).__name__ == "DataFrame" and name == "log":
+        swapped = "\n  help: write SensorLog(t, odometry, readings), or save it with frame.to_csv(FILE, index=False)"
+    raise UsageError(f"{name}: {type(given).__name__} (allowed: {wanted}, or the name of its file){swapped}")

@@ -16,7 +16,27 @@ pub fn doubts(log: Option<&SensorLog>, robot: &Robot, map: Option<&Map>) -> Vec<
     let same =
         log.into_iter().flat_map(|log| robot.whiskers.iter().filter_map(|whisker| stuck_or_saturated(log, whisker)));
     let maps = map.into_iter().flat_map(|map| of_map(map, robot));
-    mounts.chain(starts).chain(same).chain(maps).collect()
+    mounts.chain(starts).chain(same).chain(maps).chain(log.and_then(of_way)).collect()
+}
+
+/// A way of less than this (m) that begins farther from the origin than this (m) may be counted in degrees on the globe.
+const SHORT_WAY: f64 = 2e-3;
+const FAR_BEGINNING: f64 = 1.0;
+
+/// Whether the log's poses are longitude and latitude.
+fn of_way(log: &SensorLog) -> Option<String> {
+    let first = log.rows.first()?.odom_from_robot.position();
+    let farthest = log.rows.iter().map(|row| row.odom_from_robot.position().distance(first)).fold(0.0, f64::max);
+    let on_globe = first.norm() >= FAR_BEGINNING && first.x.abs() <= 180.0 && first.y.abs() <= 180.0;
+    (on_globe && farthest > 0.0 && farthest < SHORT_WAY).then(|| {
+        format!(
+            "the robot goes no farther than {:.3} mm from where the log begins, at ({:.4}, {:.4}); are x and y longitude \
+             and latitude? They have to be metres in a plane",
+            farthest * 1e3,
+            first.x,
+            first.y
+        )
+    })
 }
 
 fn far_mount(whisker: &MountedWhisker) -> Option<String> {

@@ -4,7 +4,7 @@ use super::Report;
 use super::input::{Given, Known, quantity};
 use super::single::{solution, text_of};
 use crate::interrupt::{Heedful, stop};
-use crate::output::warn;
+use crate::output::{counted, warn};
 use serde_json::json;
 use std::path::Path;
 use vibrissa::beam::{Bend, Load, Whisker};
@@ -227,7 +227,9 @@ fn as_json(solved: &Solved) -> serde_json::Value {
 fn summary(solved: &Solved) -> String {
     let without = solved.rows.iter().filter(|row| row.bends.is_empty()).count();
     let solutions: usize = solved.rows.iter().map(|row| row.bends.len()).sum();
-    format!("{} rows: {solutions} solutions, {without} rows without one\n", solved.rows.len())
+    let row = |count: usize| counted(count, "row", "rows");
+    let solutions = counted(solutions, "solution", "solutions");
+    format!("{}: {solutions}, {} without one\n", row(solved.rows.len()), row(without))
 }
 
 #[cfg(test)]

@@ -21,7 +21,9 @@ pub(super) fn run(
     output: &OutputArgs,
 ) -> Result<()> {
     let robot = robot.map_or_else(|| Ok(Robot::default()), vibrissa::read_robot)?;
-    read.warnings.iter().chain(&doubts(Some(read), &robot, None)).for_each(|warning| warn(warning));
+    // Who uses columns of virtual sensors is said to the others.
+    let told = read.warnings.iter().filter(|warning| !warning.contains("`contact --filter`"));
+    told.chain(&doubts(Some(read), &robot, None)).for_each(|warning| warn(warning));
     let found = temporal_filter(read, &robot, options).map_err(|error| error.in_file(log))?;
     let written = match output.destination() {
         Some(to) => write_all(to, &[("filter.csv", csv(&found, &robot)), ("filter.svg", figure(&found, &robot, log))])?,

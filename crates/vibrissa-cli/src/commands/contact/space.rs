@@ -1,7 +1,7 @@
 //! Contacts in space as words, JSON, table and figure.
 
 use crate::interrupt::{Heedful, stop};
-use crate::output::{OutputArgs, print, progress, warn, write_all, wrote};
+use crate::output::{OutputArgs, counted, print, progress, warn, write_all, wrote};
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::Path;
@@ -137,8 +137,8 @@ fn words(report: &SpaceReport) -> String {
     }
     let [side, tip, unknown] = counts(report);
     let mut text = format!(
-        "{} steps in contact: {side} with the side, which stands still, {tip} taken for the tip, {unknown} not found\n",
-        report.steps.len()
+        "{} in contact: {side} with the side, which stands still, {tip} taken for the tip, {unknown} not found\n",
+        counted(report.steps.len(), "step", "steps")
     );
     let mut last = None;
     for step in &report.steps {
@@ -173,7 +173,8 @@ fn words(report: &SpaceReport) -> String {
 /// Along, away and around over time: dots, and the bands' edges as a line around them.
 fn figure(report: &SpaceReport, title: &str) -> String {
     let [side, tip, unknown] = counts(report);
-    let notes = format!("{} steps in contact: side {side}, tip {tip}, not found {unknown}", report.steps.len());
+    let steps = counted(report.steps.len(), "step", "steps");
+    let notes = format!("{steps} in contact: side {side}, tip {tip}, not found {unknown}");
     let begins = report.events.iter().filter(|event| event.kind == "contact");
     let touches: Vec<f64> = begins.map(|event| event.t).collect();
     let plot = |y_label: &str, of: fn(&SpaceStep) -> Option<Band>, factor: f64| {

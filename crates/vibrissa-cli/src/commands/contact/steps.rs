@@ -1,7 +1,7 @@
 //! A log's contacts as words, JSON, table and figure.
 
 use crate::interrupt::{Heedful, stop};
-use crate::output::{OutputArgs, print, progress, warn, write_all, wrote};
+use crate::output::{OutputArgs, counted, print, progress, warn, write_all, wrote};
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::Path;
@@ -157,8 +157,8 @@ fn words(report: &ContactReport) -> String {
     let [side, tip, unknown] =
         [ContactKind::Side, ContactKind::Tip, ContactKind::Unknown].map(|kind| count(report, kind));
     let mut text = format!(
-        "{} steps in contact: {side} with the side, {tip} with the tip, {unknown} not found\n",
-        report.steps.len()
+        "{} in contact: {side} with the side, {tip} with the tip, {unknown} not found\n",
+        counted(report.steps.len(), "step", "steps")
     );
     let mut last = None;
     for step in report.steps.iter().filter(|step| stands(step)) {
@@ -210,7 +210,10 @@ fn figure(report: &ContactReport, robot: &Robot, title: &str) -> String {
     ];
     let [side, tip, unknown] =
         [ContactKind::Side, ContactKind::Tip, ContactKind::Unknown].map(|kind| count(report, kind));
-    let caption = format!("{} steps in contact: side {side}, tip {tip}, not found {unknown}", report.steps.len());
+    let caption = format!(
+        "{} in contact: side {side}, tip {tip}, not found {unknown}",
+        counted(report.steps.len(), "step", "steps")
+    );
     scene_figure(title, &[caption], "odometry frame", &layers)
 }
 

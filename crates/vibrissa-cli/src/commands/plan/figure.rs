@@ -1,6 +1,6 @@
 //! The motion on the map, from each place that is left.
 
-use vibrissa::figure::{Geometry, Layer, Outline, OutlineRole, scene_figure};
+use vibrissa::figure::{Geometry, Layer, Outline, map_figure};
 use vibrissa::flow::pose::{Hypothesis, ShapeRecord};
 use vibrissa::plane::{Pose2, Vec2};
 use vibrissa::tasks::plan::{Plan, remaining};
@@ -14,19 +14,6 @@ const CHARACTERS: usize = 104;
 /// A layer that the picture is made large enough for.
 pub(in crate::commands) fn named(geometry: Geometry, class: &'static str, label: impl Into<String>) -> Layer {
     Layer { geometry, class, label: label.into(), framed: true }
-}
-
-/// The map as lines.
-pub(in crate::commands) fn map_lines(map: &[Outline]) -> Vec<Layer> {
-    let lines = |role: OutlineRole| -> Vec<Vec<Vec2>> {
-        let closed = |o: &Outline| o.points.iter().chain(o.points.first().filter(|_| o.closed)).copied().collect();
-        map.iter().filter(|o| o.role == role).map(closed).collect()
-    };
-    vec![
-        named(Geometry::Rings(lines(OutlineRole::Arena)), "arena", "free space"),
-        named(Geometry::Rings(lines(OutlineRole::Obstacle)), "obstacle", "obstacle"),
-        named(Geometry::Lines(lines(OutlineRole::Wall)), "wall", "wall"),
-    ]
 }
 
 /// The robot's whiskers, robot frame: those that touch now as they are bent by these shapes, the others straight.
@@ -50,8 +37,7 @@ pub(super) fn plan_figure(
     let whiskers = whiskers(robot, shapes);
     let ridges = hypotheses.iter().filter(|h| h.ridge.len() > 1);
     let ridges: Vec<Vec<Vec2>> = ridges.map(|h| h.ridge.iter().map(|p| p.position()).collect()).collect();
-    let mut layers = map_lines(map);
-    layers.push(named(Geometry::Lines(ridges), "ridge", "where readings leave a place open"));
+    let mut layers = vec![named(Geometry::Lines(ridges), "ridge", "where along a place the robot may be")];
     let begins: Vec<Pose2> = states.iter().map(|s| s.pose).collect();
     let way = plan.next.as_ref().map(|next| next.motion.waypoints());
     let places: Vec<Pose2> = hypotheses.iter().map(|h| h.pose).collect();
@@ -66,11 +52,16 @@ pub(super) fn plan_figure(
     let drawn = if shapes.is_empty() { "the whiskers there, straight" } else { "the whiskers there" };
     layers.extend([
         named(Geometry::Lines(places.iter().flat_map(placed).collect()), "whisker", drawn),
-        named(Geometry::States(begins), "candidate", "states that are left"),
-        named(Geometry::Lines(ways), "path", "the motion, from each place"),
-        named(Geometry::States(ends), "survivor", "where it ends"),
+        named(Geometry::Lines(ways), "motion", "the next motion, from each place"),
+        named(Geometry::States(ends), "motion-end", "where it ends"),
     ]);
-    layers.extend(places.first().map(|pose| named(Geometry::Arrow(*pose), "estimate", "the likeliest place")));
+    let states = named(Geometry::States(begins), "survivor", "states that are left");
+    if let [place] = places[..] {
+        // Its marker is the larger one.
+        layers.extend([named(Geometry::Arrow(place), "estimate", "estimate and heading"), states]);
+    } else {
+        layers.extend([states, named(Geometry::Places(places), "badge", "a place that explains the log")]);
+    }
     let captions = vibrissa::figure::wrapped(&plan.words(), CHARACTERS);
-    scene_figure("The next motion", &captions, "map frame", &layers)
+    map_figure("The next motion", &captions, "map frame", map, &layers)
 }

@@ -6,8 +6,8 @@ mod result;
 
 use super::localize::{MethodArgs, outlines, read_robot};
 use super::logs::LogArgs;
-use crate::output::{OutputArgs, print, progress, warn, write_all, wrote};
-pub(super) use figure::{map_lines, named};
+use crate::output::{OutputArgs, counted, print, progress, warn, write_all, wrote};
+pub(super) use figure::named;
 pub(super) use limits::LimitArgs;
 use serde_json::{Value, json};
 use std::fmt::Write;
@@ -87,8 +87,10 @@ fn text(plan: &Plan, hypotheses: &[Hypothesis], options: &PlanOptions) -> String
     let _ = writeln!(text, "  places        {} of {} that are told", plan.places, hypotheses.len());
     let _ = writeln!(
         text,
-        "  looked at     {looked} motions, {admissible} of them admissible; {} of {} readings",
-        plan.readings, options.budget
+        "  looked at     {}, {admissible} of them admissible; {} of {} readings",
+        counted(looked, "motion", "motions"),
+        plan.readings,
+        options.budget
     );
     text
 }

@@ -117,6 +117,7 @@ impl Page<'_> {
                 definition(&one.ours),
                 match &one.difference {
                     Cell::Words(words) if words.is_empty() => String::new(),
+                    Cell::Number(number) if !number.value.is_finite() => String::new(),
                     cell => format!("<div><dt>difference</dt>{}</div>", definition(cell)),
                 },
                 self.prose(&one.reason)
@@ -181,6 +182,8 @@ fn field(cell: &Cell, unit: bool) -> String {
 fn definition(cell: &Cell) -> String {
     match cell {
         Cell::Words(words) => format!("<dd>{}</dd>", escape(words)),
+        // No number has no unit.
+        Cell::Number(number) if !number.value.is_finite() => format!("<dd class=\"number\">{}</dd>", spelled(number)),
         Cell::Number(number) => format!("<dd class=\"number\">{} {}</dd>", spelled(number), escape(number.unit)),
     }
 }

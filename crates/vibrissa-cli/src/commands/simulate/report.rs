@@ -1,6 +1,7 @@
 //! What a simulation leaves: words, JSON, tables and a figure.
 
 use super::cannot_encode;
+use crate::output::counted;
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -93,7 +94,8 @@ fn distance(sweep: &Sweep) -> f64 {
 fn caption(sweep: &Sweep, recorded: usize) -> String {
     let (rows, seconds, metres) = (sweep.truth.len(), duration(sweep), distance(sweep));
     let lost = if recorded < rows { format!(", {recorded} recorded") } else { String::new() };
-    format!("{rows} rows{lost} in {seconds:.2} s, {:.0} mm of way, {} touches", metres * 1e3, sweep.contacts.len())
+    let (rows, touches) = (counted(rows, "row", "rows"), counted(sweep.contacts.len(), "touch", "touches"));
+    format!("{rows}{lost} in {seconds:.2} s, {:.0} mm of way, {touches}", metres * 1e3)
 }
 
 /// The summary in words.

@@ -14,6 +14,7 @@ use crate::localizer::Method;
 use crate::plane::Pose2;
 use crate::sim::{Pace, Stage, SweepNoise, path_through};
 use crate::{Error, Result};
+use core::ops::ControlFlow;
 use run::Under;
 
 /// How the next motion is chosen.
@@ -93,10 +94,13 @@ pub enum Ended {
     Confined,
     /// The first motion did not tell any place.
     NoPlace,
+    /// Who watched it asked for its end.
+    Interrupted,
 }
 
 impl Ended {
-    /// The word for it: `localized`, `symmetric`, `inconsistent`, `gave_up`, `confined` or `no_place`.
+    /// The word for it: `localized`, `symmetric`, `inconsistent`, `gave_up`, `confined`, `no_place` or
+    /// `interrupted`.
     #[must_use]
     pub fn as_str(self) -> &'static str {
         match self {
@@ -106,6 +110,7 @@ impl Ended {
             Self::GaveUp => "gave_up",
             Self::Confined => "confined",
             Self::NoPlace => "no_place",
+            Self::Interrupted => "interrupted",
         }
     }
 }
@@ -195,10 +200,62 @@ pub fn explore_by(
     options: &ExploreOptions,
     strategy: Strategy<'_>,
 ) -> Result<Exploration> {
+    explore_watched(stage, begin, method, noise, options, strategy, &mut |_| ControlFlow::Continue(()))
+}
+
+/// An exploration under way.
+pub struct Underway<'a> {
+    under: &'a Under<'a>,
+    is_long: bool,
+}
+
+impl Underway<'_> {
+    /// Whether what comes next may take long: the choice of a motion, or the search for the whole answer.
+    #[must_use]
+    pub fn is_long(&self) -> bool {
+        self.is_long
+    }
+
+    /// How many motions were begun after the first.
+    #[must_use]
+    pub fn motions(&self) -> usize {
+        self.under.motions().len()
+    }
+
+    /// The way (m) after the first motion.
+    #[must_use]
+    pub fn way(&self) -> f64 {
+        self.under.way()
+    }
+
+    /// What would be left if it ended now: [`Ended::Interrupted`], with what the estimator tells row by row as the answer.
+    #[must_use]
+    pub fn so_far(&self) -> Exploration {
+        self.under.so_far()
+    }
+}
+
+/// Looks on after each row, and before work that may take long; `Break` ends the exploration.
+pub type Onlooker<'a> = dyn FnMut(&Underway<'_>) -> ControlFlow<()> + 'a;
+
+/// As [`explore_by`], with somebody who looks on and may end it: what is known by then is returned, as [`Underway::so_far`] tells it.
+///
+/// # Errors
+///
+/// As [`explore_by`].
+pub fn explore_watched(
+    stage: &Stage,
+    begin: &[Pose2],
+    method: &Method,
+    noise: &SweepNoise,
+    options: &ExploreOptions,
+    strategy: Strategy<'_>,
+    onlooker: &mut Onlooker<'_>,
+) -> Result<Exploration> {
     options.plan.check()?;
     let path = path_through(begin, &options.pace)?;
     let Some(&first) = path.first() else { return Err(Error::usage("the first motion holds no pose")) };
     let mut under = Under::new(stage, first, method, noise, options)?;
-    under.begin(&path[1..])?;
-    under.run(strategy)
+    under.begin(&path[1..], onlooker)?;
+    under.run(strategy, onlooker)
 }

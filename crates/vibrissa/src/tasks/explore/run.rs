@@ -1,6 +1,6 @@
 //! The robot on its way: rows, what is known at each, and the next motion.
 
-use super::{Ended, Exploration, ExploreOptions, Made, Strategy};
+use super::{Ended, Exploration, ExploreOptions, Made, Onlooker, Strategy, Underway};
 use crate::Result;
 use crate::control::{FollowState, WallFollower};
 use crate::flow::pose::{Event, Hypothesis, Localization, StampedPose, Status};
@@ -14,6 +14,7 @@ use crate::tasks::plan::{
     Motion, Past, Plan, PlanOptions, PlanVerdict, RemainingState, admissible, history, plan, plan_knowing, remaining,
 };
 use crate::world::MountedWhisker;
+use core::ops::ControlFlow;
 
 /// How often on the way (m, rad) the robot asks whether it knows where it is.
 const ASK: f64 = 0.01;
@@ -54,6 +55,8 @@ pub(super) struct Under<'a> {
     collided: bool,
     hardest: f64,
     backs: usize,
+    /// Whether the onlooker asked for the end.
+    broken: bool,
 }
 
 impl<'a> Under<'a> {
@@ -81,13 +84,53 @@ impl<'a> Under<'a> {
             collided: false,
             hardest: 0.0,
             backs: 0,
+            broken: false,
         };
-        under.advance(first)?;
+        under.advance(first, &mut |_| ControlFlow::Continue(()))?;
         Ok(under)
     }
 
+    pub(super) fn motions(&self) -> &[Made] {
+        &self.motions
+    }
+
+    pub(super) fn way(&self) -> f64 {
+        self.way
+    }
+
+    /// What is left if it ends now.
+    pub(super) fn so_far(&self) -> Exploration {
+        let estimate = self.localizer.estimate();
+        let answer = Localization {
+            method: self.method.name(),
+            status: estimate.status,
+            estimate: estimate.pose(),
+            states: estimate.hypotheses.iter().map(|place| place.extent).collect(),
+            hypotheses: estimate.hypotheses,
+            ..Localization::default()
+        };
+        Exploration {
+            ended: Ended::Interrupted,
+            answer,
+            way: self.way,
+            turn: self.turn,
+            motions: self.motions.clone(),
+            log: self.log.clone(),
+            truth: self.truth.clone(),
+            collided: self.collided,
+            hardest: self.hardest,
+            events: self.events.clone(),
+        }
+    }
+
+    /// Lets the onlooker see what is there; whether the exploration is to end.
+    fn show(&mut self, is_long: bool, onlooker: &mut Onlooker<'_>) -> bool {
+        self.broken |= onlooker(&Underway { under: self, is_long }).is_break();
+        self.broken
+    }
+
     /// One row on; the sizes of the readings.
-    fn advance(&mut self, to: StampedPose) -> Result<Vec<f64>> {
+    fn advance(&mut self, to: StampedPose, onlooker: &mut Onlooker<'_>) -> Result<Vec<f64>> {
         let from = self.drive.pose().map_from_robot;
         let row = self.drive.advance(to, &TrueErrors::default(), 0.0)?;
         let pose = to.map_from_robot;
@@ -110,6 +153,7 @@ impl<'a> Under<'a> {
         let sizes = row.readings.iter().map(|z| z.abs()).collect();
         self.log.rows.push(row);
         self.truth.push(to);
+        self.show(false, onlooker);
         Ok(sizes)
     }
 
@@ -130,22 +174,31 @@ impl<'a> Under<'a> {
     }
 
     /// The first motion, which nobody chooses.
-    pub(super) fn begin(&mut self, path: &[StampedPose]) -> Result<()> {
+    pub(super) fn begin(&mut self, path: &[StampedPose], onlooker: &mut Onlooker<'_>) -> Result<()> {
         for pose in path {
-            self.advance(*pose)?;
+            if self.broken {
+                break;
+            }
+            self.advance(*pose, onlooker)?;
         }
         self.log.channels = self.stage.channels();
         (self.way, self.turn, self.hardest) = (0.0, 0.0, 0.0);
         Ok(())
     }
 
-    pub(super) fn run(mut self, mut strategy: Strategy<'_>) -> Result<Exploration> {
+    pub(super) fn run(mut self, mut strategy: Strategy<'_>, onlooker: &mut Onlooker<'_>) -> Result<Exploration> {
         let mut follower = match &strategy {
             Strategy::Following(options) => Some(WallFollower::new(self.stage.robot(), options)?),
             _ => None,
         };
         loop {
+            if self.show(true, onlooker) {
+                return Ok(self.so_far());
+            }
             let (status, places) = self.known()?;
+            if self.show(true, onlooker) {
+                return Ok(self.so_far());
+            }
             let ended = match status {
                 Status::Localized => Some(Ended::Localized),
                 Status::Inconsistent => Some(Ended::Inconsistent),
@@ -154,11 +207,14 @@ impl<'a> Under<'a> {
                     Some(Ended::GaveUp)
                 }
                 _ => match &mut follower {
-                    Some(follower) => self.follow(follower, &places)?,
-                    None => self.motion(&places, &mut strategy)?,
+                    Some(follower) => self.follow(follower, &places, onlooker)?,
+                    None => self.motion(&places, &mut strategy, onlooker)?,
                 },
             };
             if let Some(ended) = ended {
+                if self.show(true, onlooker) {
+                    return Ok(self.so_far());
+                }
                 let answer = self.answer()?;
                 return Ok(self.end(ended, answer));
             }
@@ -181,9 +237,14 @@ impl<'a> Under<'a> {
     }
 
     /// One motion, or why there is none.
-    fn motion(&mut self, known: &[Hypothesis], strategy: &mut Strategy<'_>) -> Result<Option<Ended>> {
+    fn motion(
+        &mut self,
+        known: &[Hypothesis],
+        strategy: &mut Strategy<'_>,
+        onlooker: &mut Onlooker<'_>,
+    ) -> Result<Option<Ended>> {
         if self.is_pressed() && self.backs < MOST_BACK {
-            return self.go_back(known);
+            return self.go_back(known, onlooker);
         }
         let states = remaining(known, self.options.plan.states);
         let (motion, stop_at, plan) = if let Strategy::Chosen(choose) = strategy {
@@ -208,20 +269,23 @@ impl<'a> Under<'a> {
                 }
             }
         };
+        if self.show(false, onlooker) {
+            return Ok(None);
+        }
         let begin = self.drive.pose().map_from_robot;
         let Some(motion) = motion else {
-            return if self.backs < MOST_BACK { self.go_back(known) } else { Ok(Some(Ended::Confined)) };
+            return if self.backs < MOST_BACK { self.go_back(known, onlooker) } else { Ok(Some(Ended::Confined)) };
         };
         self.backs = 0;
         self.note(plan, motion.name(), known);
         let follower = WallFollower::new(self.stage.robot(), &self.options.follow()).ok();
         if let Some(mut follower) = follower.filter(|_| self.options.by_touch && goes_along(&motion)) {
-            let blocked = self.go_along(&mut follower, motion.way())?;
+            let blocked = self.go_along(&mut follower, motion.way(), onlooker)?;
             self.motions.last_mut().into_iter().for_each(|made| made.stopped = blocked);
             return Ok(None);
         }
         let waypoints: Vec<Pose2> = motion.waypoints().iter().map(|pose| begin.compose(*pose)).collect();
-        let stopped = self.go(&waypoints, &stop_at)?;
+        let stopped = self.go(&waypoints, &stop_at, onlooker)?;
         self.motions.last_mut().into_iter().for_each(|made| made.stopped = stopped);
         Ok(None)
     }
@@ -257,24 +321,24 @@ impl<'a> Under<'a> {
     }
 
     /// Goes back a little the way it came: nothing was there.
-    fn go_back(&mut self, known: &[Hypothesis]) -> Result<Option<Ended>> {
+    fn go_back(&mut self, known: &[Hypothesis], onlooker: &mut Onlooker<'_>) -> Result<Option<Ended>> {
         self.backs += 1;
         let waypoints = self.way_back();
         self.note(None, "back the way it came", known);
-        self.go(&waypoints, &[])?;
+        self.go(&waypoints, &[], onlooker)?;
         Ok(None)
     }
 
     /// Goes through waypoints until a whisker feels too much or the robot knows where it is; whether a whisker ended it.
-    fn go(&mut self, waypoints: &[Pose2], stop_at: &[f64]) -> Result<bool> {
+    fn go(&mut self, waypoints: &[Pose2], stop_at: &[f64], onlooker: &mut Onlooker<'_>) -> Result<bool> {
         let Ok(path) = path_through(waypoints, &self.options.pace) else { return Ok(false) };
         let begin = self.drive.pose().t;
         for pose in &path[1..] {
-            let sizes = self.advance(StampedPose { t: begin + pose.t, ..*pose })?;
+            let sizes = self.advance(StampedPose { t: begin + pose.t, ..*pose }, onlooker)?;
             if sizes.iter().zip(stop_at).any(|(size, most)| size >= most) {
                 return Ok(true);
             }
-            if self.is_localized()? {
+            if self.broken || self.is_localized(onlooker)? {
                 return Ok(false);
             }
         }
@@ -282,7 +346,7 @@ impl<'a> Under<'a> {
     }
 
     /// Whether the robot knows where it is, if it is time to ask.
-    fn is_localized(&mut self) -> Result<bool> {
+    fn is_localized(&mut self, onlooker: &mut Onlooker<'_>) -> Result<bool> {
         if self.way - self.asked[0] <= ASK && self.turn - self.asked[1] <= ASK_TURN {
             return Ok(false);
         }
@@ -290,7 +354,7 @@ impl<'a> Under<'a> {
         if self.localizer.estimate().status != Status::Localized {
             return Ok(false);
         }
-        if self.answer()?.status == Status::Localized {
+        if self.show(true, onlooker) || self.answer()?.status == Status::Localized {
             return Ok(true);
         }
         self.asked[0] += UNSURE;
@@ -298,14 +362,19 @@ impl<'a> Under<'a> {
     }
 
     /// Follows the wall as far as the longest motion, or until the robot knows where it is.
-    fn follow(&mut self, follower: &mut WallFollower, known: &[Hypothesis]) -> Result<Option<Ended>> {
+    fn follow(
+        &mut self,
+        follower: &mut WallFollower,
+        known: &[Hypothesis],
+        onlooker: &mut Onlooker<'_>,
+    ) -> Result<Option<Ended>> {
         self.note(None, "along the wall, by touch", known);
-        let blocked = self.go_along(follower, self.options.plan.longest)?;
+        let blocked = self.go_along(follower, self.options.plan.longest, onlooker)?;
         Ok(blocked.then_some(Ended::Confined))
     }
 
     /// Along the wall by touch, so far (m) or until the robot knows where it is; whether it is blocked.
-    fn go_along(&mut self, follower: &mut WallFollower, most: f64) -> Result<bool> {
+    fn go_along(&mut self, follower: &mut WallFollower, most: f64, onlooker: &mut Onlooker<'_>) -> Result<bool> {
         let (way, turn, step) = (self.way, self.turn, 1.0 / self.options.pace.rate);
         while self.way - way < most && self.turn - turn < MOST_TURN {
             let now = self.drive.pose();
@@ -316,8 +385,8 @@ impl<'a> Under<'a> {
             let Twist2 { x, y, theta } = command.twist;
             let moved = Pose2::exp(Twist2 { x: step * x, y: step * y, theta: step * theta });
             let to = StampedPose { t: now.t + step, map_from_robot: now.map_from_robot.compose(moved) };
-            self.advance(to)?;
-            if self.is_localized()? {
+            self.advance(to, onlooker)?;
+            if self.broken || self.is_localized(onlooker)? {
                 break;
             }
         }
