@@ -208,6 +208,36 @@ fn branches_are_followed_with_a_status() {
     }
 }
 
+/// What is followed to a contact beside is one of all shapes there, and the nearest of them to where it began.
+#[test]
+fn a_contact_that_is_followed_is_one_of_all_shapes() {
+    let mut random = Random(41);
+    let (mut followed, mut ended) = (0, 0);
+    for _ in 0..60 {
+        let whisker = random_whisker(&mut random);
+        let rod = Rod::new(&whisker).unwrap();
+        let contact = Vec2::from_angle(random.signed(0.9)) * (whisker.length * random.between(0.3, 0.9));
+        for bend in rod.point_mode(contact, Load::Normal).unwrap() {
+            let beside = contact + Vec2::from_angle(random.signed(PI)) * (0.01 * whisker.length);
+            let Followed { bend: found, status, .. } = rod.point_from(beside, Load::Normal, &bend).unwrap();
+            let Some(found) = found.filter(|_| status == Status::Converged) else {
+                ended += 1;
+                continue;
+            };
+            followed += 1;
+            assert!(found.contact.distance(beside) < 1e-8, "{whisker:?} {contact:?}: {found:?}");
+            let all = rod.point_mode(beside, Load::Normal).unwrap();
+            let gap = |b: &Bend| (b.phi_a - found.phi_a).abs() + (b.s_a - found.s_a).abs() / found.s_a;
+            let nearest = all.iter().map(gap).min_by(f64::total_cmp);
+            assert!(nearest.is_some_and(|gap| gap < 1e-6), "{whisker:?} {contact:?} {nearest:?}: {found:?}");
+            let from = |b: &Bend| (b.phi_a - bend.phi_a).abs() + (b.s_a - bend.s_a).abs() / bend.s_a;
+            assert!(all.iter().all(|other| from(&found) <= from(other) + 1e-6), "{whisker:?} {bend:?} {found:?}");
+        }
+    }
+    println!("{followed} followed, {ended} ended");
+    assert!(followed > 60 && ended * 5 < followed, "{followed} {ended}");
+}
+
 #[test]
 fn faults_are_named_and_nothing_panics() {
     let base = Whisker::default();

@@ -158,27 +158,20 @@ pub(super) fn fixed_point_until(
     stop: &Stop,
 ) -> Option<FixedPoint> {
     let going_on = || (!stop.is_asked()).then_some(());
-    // Of all shapes the nearest to each reading, and those near them.
-    let all = |point: Vec2| {
-        readings.iter().map(|r| going_on().and_then(|()| r.touched(point))).collect::<Option<Vec<SideReading>>>()
+    let each = |shape: &dyn Fn(usize) -> Option<SideReading>| {
+        (0..readings.len()).map(|k| going_on().and_then(|()| shape(k))).collect::<Option<Vec<SideReading>>>()
     };
-    let from = |near: &[SideReading], point: Vec2| {
-        let each = readings.iter().zip(near);
-        each.map(|(r, near)| going_on().and_then(|()| r.touched_from(point, near)))
-            .collect::<Option<Vec<SideReading>>>()
-    };
-    let (mut point, mut touched) = (start, all(start)?);
+    let (mut point, mut touched) = (start, Vec::new());
     let (mut cost, mut square) = (0.0, [0.0; 3]);
-    for round in 0..WEIGHTINGS {
-        if round > 0 {
-            touched = all(point)?;
-        }
+    for _ in 0..WEIGHTINGS {
+        // Of all shapes the nearest to each reading; then those are followed.
+        touched = each(&|k| readings[k].touched(point))?;
         // The error belongs to the true moment: weights by the readings themselves would favour those that read low.
         let std: Vec<f64> = readings.iter().zip(&touched).map(|(r, t)| r.std(t.moment)).collect();
         let problem = WeightedProblem { readings, touch, std: &std, stop };
         let evaluate = |x: &[f64]| {
             let point = Vec2::new(x[0], x[1]);
-            let found = from(&touched, point)?;
+            let found = each(&|k| readings[k].touched_from(point, &touched[k]))?;
             let cost = problem.cost(point, &found);
             Some((found, cost))
         };
