@@ -1,5 +1,5 @@
-//! Drives around the corners of right-angled rooms, with posts of acute corners and thin walls in some, by the simulator with any number of contacts, with declared errors of all
-//! kinds and noise by several laws.
+//! Drives around the corners of right-angled rooms, with posts of acute corners and thin walls in some, by the simulator with any
+//! number of contacts, with declared errors of all kinds and noise by several laws.
 
 use crate::random_sweep::random::Random;
 use crate::random_sweep::reading;

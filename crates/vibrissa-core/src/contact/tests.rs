@@ -344,7 +344,7 @@ fn along_the_sides_of_posts_with_acute_corners() {
     }
 }
 
-/// The side of the nearest boundary on which a place is, against windings, all around posts, niches and a hole.
+/// The side of the nearest boundary on which a place is, against windings, all around stars and posts in a room.
 #[test]
 fn what_is_behind_the_nearest_boundary_is_not_free() {
     let mut seed = 7_u64;
