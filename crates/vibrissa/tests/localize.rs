@@ -3,6 +3,7 @@
 #![allow(clippy::duplicate_mod, reason = "each file is a test of its own, with the helpers that it takes")]
 
 mod localize_alike;
+mod localize_beside_corners;
 mod localize_calibrated;
 mod localize_corners;
 mod localize_estimates;

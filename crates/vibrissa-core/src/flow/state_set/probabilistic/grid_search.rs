@@ -6,41 +6,26 @@
 //! are open, the place along the boundary and the heading. Each cell of them is run through a few well separated
 //! readings as a Gaussian as wide as the cell, and most die at the first.
 
+mod cell;
+mod seeds;
+
+pub(super) use cell::Cell;
+
 use super::admission::Admits;
-use super::correlated_noise::UNKNOWN_COST;
-use super::information::{Information, Prior};
 use super::map_symmetry::MapSymmetries;
-use super::measurement::{MeasurementModel, moved};
-use super::sensor::Sensor;
+use super::measurement::MeasurementModel;
 use super::shared_runs::{ContactExtent, SharedRun, WallContact};
 use crate::config::TipLoad;
-use crate::contact::follow::{ForwardModel, WhiskerState};
+use crate::contact::follow::WhiskerState;
 use crate::flow::contact_set::TipContactSet;
 use crate::plane::{Bounds, Pose2, Vec2, wrap_angle};
-use core::f64::consts::{FRAC_PI_2, PI, TAU};
+use cell::{best_frame, forward, run};
+use core::f64::consts::{PI, TAU};
+use seeds::{Seed, for_each_place, from_odom, headings_at_touch, loaded, sharp_corners, touching};
 
-/// Headings further than this from the boundary's normal are left out (rad).
-const WIDEST: f64 = 1.45;
-/// Headings about head-on, in shares of their spacing: there a whisker buckles to one side or the other, and its readings change with the
-/// heading as nowhere else. Of 165 sweeps by moments in rooms drawn at random 30 were inconsistent without these and with contacts that had
-/// to be known at once, 3 with them.
-const HEAD_ON: [f64; 2] = [0.15, 0.5];
-/// Readings of a whisker that has buckled and is not known again yet.
-const MOST_BUCKLED: usize = 4;
-/// Cost above which a cell is dropped: this, and so much for each reading (nats). Errors at the ends of their bounds cost the latter.
-const CELL_COST: [f64; 2] = [14.0, 0.67];
-/// Standard deviations are enlarged by this while cells are judged.
-const STD_INFLATION: f64 = 1.5;
 /// Rounds of refinement.
 const ROUNDS: usize = 2;
-/// Longest step of one of them (m, rad), and one that is not worth it.
-const LONGEST: [f64; 2] = [3e-3, 0.06];
-const SHORT: [f64; 2] = [1e-4, 2e-3];
-/// Share of the whisker that is kept clear of the boundaries when it begins to touch.
-const CLEAR: f64 = 0.98;
-/// Corners that turn by more than this (rad) are touched with the side; a whisker begins so far off them (m), and with no more of its length
-/// than this share before them.
-const SHARP: f64 = 0.3;
+/// A side begins so far off a corner (m), and with no more of the whisker's length than this share before it.
 const JUST_OFF: f64 = 1e-4;
 const LONGEST_ARM: f64 = 0.97;
 /// Cells nearer to each other than this are one (m, rad), while there are many and when there are few.
@@ -48,9 +33,6 @@ const SAME: [[f64; 2]; 2] = [[2.5e-3, 0.04], [1.2e-3, 0.015]];
 const MANY: usize = 100;
 /// With more cells than this a contact is followed for longer.
 const MANY_CELLS: usize = 4000;
-
-/// What a cell knows: pose, gain, zero.
-type Told = Information<5>;
 
 /// Where a contact began, and which rows judge it.
 pub(super) struct ContactOnset {
@@ -71,37 +53,6 @@ pub(super) struct ContactOnset {
     pub(super) near: Option<Bounds>,
     /// Standard deviations of gain and zero.
     pub(super) priors: [f64; 2],
-}
-
-/// A cell that explains the readings so far.
-#[derive(Clone, Debug)]
-pub(super) struct Cell {
-    /// The odometry frame in the map frame.
-    pub(super) frame: Pose2,
-    /// How the whisker stands at the onset.
-    pub(super) state: WhiskerState,
-    /// The cost at its best, and the step there.
-    best: (f64, [f64; 3]),
-    /// The heading of the grid that it comes from, if it has come to the same as all of that heading on straight walls.
-    heading: Option<usize>,
-    /// Through how many readings it has been run.
-    readings: usize,
-}
-
-impl Cell {
-    /// Whether it is linearised where it is best.
-    fn is_at_best(&self) -> bool {
-        let [x, y, turn] = self.best.1;
-        x.hypot(y) < SHORT[0] && turn.abs() < SHORT[1]
-    }
-
-    /// The same elsewhere, where the piece that its tip is on goes to another.
-    pub(super) fn moved(&self, motion: Pose2, to: &dyn Fn((u32, f64)) -> (u32, f64)) -> Self {
-        let (cost, [x, y, turn]) = self.best;
-        let shift = Vec2::new(x, y).rotated(motion.theta);
-        let best = (cost, [shift.x, shift.y, turn]);
-        Self { frame: motion.compose(self.frame), state: self.state.slid(motion, to), best, ..*self }
-    }
 }
 
 /// The search, which can be left and taken up again: cells one after the other, then rounds of refinement.
@@ -210,6 +161,7 @@ impl GridSearch {
 
     /// The cells that explain the readings, each at its best place, the best first.
     pub(super) fn into_found(mut self, model: &MeasurementModel<'_>) -> Vec<Cell> {
+        self.found.retain(Cell::explains);
         self.join(model);
         self.found.sort_by(|a, b| a.best.0.total_cmp(&b.best.0));
         self.found.iter_mut().for_each(|cell| cell.frame = best_frame(cell, pivot(model, &self.onset)));
@@ -375,206 +327,11 @@ impl GridSearch {
     }
 }
 
-/// Headings from head-on (rad) at which a free whisker is taken to come to a wall: evenly spaced, and denser about head-on.
-fn headings_at_touch(turn: f64) -> impl Iterator<Item = f64> {
-    let count = (WIDEST / turn - 0.5).ceil() as usize;
-    let even = (1..=count).map(move |k| k as f64 * turn);
-    HEAD_ON.into_iter().map(move |share| share * turn).chain(even).flat_map(|off| [off, -off])
-}
-
-/// Calls `visit(piece, parameter)` every `spacing` metres along all pieces.
-fn for_each_place(pieces: &[crate::contact::Piece], spacing: f64, mut visit: impl FnMut(u32, f64)) {
-    let mut next = 0.5 * spacing;
-    for (index, piece) in pieces.iter().enumerate() {
-        while next < piece.length() {
-            visit(index as u32, piece.parameter_at(next));
-            next += spacing;
-        }
-        next -= piece.length();
-    }
-}
-
 /// The place of the tip at the onset, odometry frame.
 fn pivot(model: &MeasurementModel<'_>, onset: &ContactOnset) -> Vec2 {
     let sensor = &model.sensors[onset.sensor];
     let odom_from_whisker = model.window.pose(onset.row).compose(sensor.robot_from_whisker);
     odom_from_whisker.transform_point(Vec2::new(sensor.length, 0.0))
-}
-
-fn best_frame(cell: &Cell, pivot: Vec2) -> Pose2 {
-    let d = cell.best.1;
-    let share = (d[0].hypot(d[1]) / LONGEST[0]).max(d[2].abs() / LONGEST[1]).max(1.0).recip();
-    moved(cell.frame, pivot, d.map(|v| v * share))
-}
-
-fn forward<'a>(model: &MeasurementModel<'a>, sensor: &'a Sensor) -> ForwardModel<'a> {
-    let mechanics = sensor.solver(model.solver);
-    let (length, quantity) = (sensor.length, sensor.quantity);
-    ForwardModel {
-        map: model.map,
-        boundaries: model.ground,
-        length,
-        mechanics,
-        whole: false,
-        quantity,
-        base: sensor.base,
-    }
-}
-
-/// The inverse variances of a cell: place along and across the boundary, heading.
-fn damping(onset: &ContactOnset) -> [f64; 3] {
-    let place = (0.6 * onset.spacing).powi(-2);
-    [place, place, (0.6 * onset.turn).powi(-2)]
-}
-
-/// The cell after the readings, unless they kill all of it; one that is `whole` is dropped where it lets go, too.
-fn run(
-    model: &MeasurementModel<'_>,
-    onset: &ContactOnset,
-    frame: Pose2,
-    state: WhiskerState,
-    whole: bool,
-    work: &mut usize,
-    extent: &mut Option<ContactExtent>,
-) -> Option<Cell> {
-    let sensor = &model.sensors[onset.sensor];
-    let forward = forward(model, sensor);
-    let priors = onset.priors.map(|std| Prior { mean: 0.0, std });
-    let (pivot, damping) = (frame.transform_point(pivot(model, onset)), damping(onset));
-    let mut told = Told::default();
-    let mut best = (0.0, [0.0; 3]);
-    let (mut touch, mut has_touched) = (state, false);
-    let base = |row: usize| frame.compose(model.window.pose(row)).compose(sensor.robot_from_whisker);
-    let mut last = base(onset.row);
-    for (count, &row) in onset.rows.iter().enumerate() {
-        let (there, z) = (base(row), model.window.readings(row)[onset.sensor]);
-        let felt = forward.advance(&mut touch, last, there, model.window.contacts(row)[onset.sensor]);
-        last = there;
-        extent.iter_mut().for_each(|extent| extent.add(&touch));
-        *work = work.saturating_sub(1);
-        let WhiskerState::Touching(contact) = touch else {
-            let is_buckled = matches!(touch, WhiskerState::Unknown) && !has_touched && count < MOST_BUCKLED;
-            if is_buckled {
-                told.constant += UNKNOWN_COST[count.min(1)];
-                continue;
-            }
-            // A side that has just come to a corner may be off it at the first reading.
-            if matches!(touch, WhiskerState::Unknown) || (whole && (state != WhiskerState::Free || count > 0)) {
-                return None;
-            }
-            let residual = sensor.residual(0.0, z, false, false);
-            told.constant += 0.5 * (residual.value / STD_INFLATION).powi(2);
-            continue;
-        };
-        has_touched = true;
-        let residual = sensor.residual(felt.value, z, contact.q > 0.0, true);
-        let value = residual.value / STD_INFLATION;
-        told.constant += 0.5 * value * value;
-        if residual.informs {
-            let scale = 1.0 / (residual.std * STD_INFLATION);
-            let [x, y, turn] = felt.gradient.map(|g| g * scale);
-            let arm = (there.position() - pivot).perp();
-            told.add(&[x, y, turn + x * arm.x + y * arm.y, felt.value * scale, scale], value, 1.0);
-        }
-        best = told.marginal([0, 1, 2], [3, 4], priors)?.least(damping);
-        // Readings that follow only add to it.
-        if best.0 > CELL_COST[0] + CELL_COST[1] * (count + 1) as f64 {
-            return None;
-        }
-    }
-    let is_known = !matches!(touch, WhiskerState::Unknown);
-    is_known.then_some(Cell { frame, state, best, heading: None, readings: onset.rows.len() })
-}
-
-/// The corners that a side can lie on, each with the direction in which it points.
-fn sharp_corners(model: &MeasurementModel<'_>) -> Vec<(Vec2, f64)> {
-    let mut seen = Vec::new();
-    let mut corners = Vec::new();
-    for piece in 0..model.ground.pieces.len() as u32 {
-        for forward in [false, true] {
-            let Some((id, corner)) = model.ground.corner_of(piece, forward) else { continue };
-            if corner.is_convex() && corner.turn.abs() > SHARP && !seen.contains(&id) {
-                seen.push(id);
-                corners.push((corner.position, corner.outward()));
-            }
-        }
-    }
-    corners
-}
-
-/// A pose of the whisker's base that may begin a contact: its state, and up to where it must be clear of boundaries.
-struct Seed {
-    pose: Pose2,
-    state: WhiskerState,
-    clear: Vec2,
-}
-
-impl Seed {
-    fn is_clear(&self, model: &MeasurementModel<'_>) -> bool {
-        let base = self.pose.position();
-        !model.map.crosses(base, self.clear) && model.map.is_free(base)
-    }
-}
-
-/// The whisker's base and state where the straight whisker's tip touched here, if it can have.
-fn touching(
-    model: &MeasurementModel<'_>,
-    onset: &ContactOnset,
-    piece: u32,
-    at: f64,
-    heading: f64,
-    admits: &Admits<'_>,
-) -> Option<Seed> {
-    let sensor = &model.sensors[onset.sensor];
-    let z = model.window.readings(onset.row)[onset.sensor];
-    let spot = model.ground.pieces[piece as usize].spot(at);
-    let push = (spot.normal - heading).sin();
-    let along = Vec2::from_angle(heading);
-    let normal = Vec2::from_angle(spot.normal);
-    if push * z < 0.0 || onset.approach.rotated(heading).dot(normal) > 0.0 {
-        return None;
-    }
-    let base = spot.position - along * sensor.length;
-    let pose = Pose2::new(base.x, base.y, heading);
-    // The region is asked first: on a large map little is left.
-    if !admits(from_odom(model, onset, pose)) {
-        return None;
-    }
-    let state = WhiskerState::Touching(forward(model, sensor).untouched(piece, at, heading));
-    Some(Seed { pose, state, clear: base + along * (CLEAR * sensor.length) })
-}
-
-/// The same where the tip was pressed with the reading of the first row.
-fn loaded(
-    model: &MeasurementModel<'_>,
-    onset: &ContactOnset,
-    set: &TipContactSet,
-    piece: u32,
-    at: f64,
-    heading: f64,
-    admits: &Admits<'_>,
-) -> Option<Seed> {
-    let sensor = &model.sensors[onset.sensor];
-    let spot = model.ground.pieces[piece as usize].spot(at);
-    let contact = set.at_direction(spot.normal - heading)?;
-    let base = spot.position - contact.position.rotated(heading);
-    let chord = spot.position - base;
-    // The whisker comes to the boundary from its free side.
-    let aslant = Vec2::from_angle(heading + contact.slope).dot(Vec2::from_angle(spot.normal));
-    let pose = Pose2::new(base.x, base.y, heading);
-    if aslant >= 0.0 || !admits(from_odom(model, onset, pose)) {
-        return None;
-    }
-    let q = contact.force.abs() * sensor.length.powi(2) / sensor.tip.rigidity();
-    let beta = wrap_angle(spot.normal - heading - contact.slope - FRAC_PI_2);
-    let state = WhiskerState::Touching(forward(model, sensor).loaded(piece, at, q, beta, contact.slope));
-    Some(Seed { pose, state, clear: base + chord * 0.5 })
-}
-
-/// The odometry frame in the map when the whisker's base is there at the first touch.
-fn from_odom(model: &MeasurementModel<'_>, onset: &ContactOnset, map_from_whisker: Pose2) -> Pose2 {
-    let odom_from_whisker = model.window.pose(onset.row).compose(model.sensors[onset.sensor].robot_from_whisker);
-    map_from_whisker.compose(odom_from_whisker.inverse())
 }
 
 /// Which of these frames, each with its cost, are the best of those that they meet; the robot is at `odom_from_robot`.
