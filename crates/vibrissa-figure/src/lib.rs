@@ -29,7 +29,7 @@ pub use legend::{Entry, Sample, legend};
 pub use localization::{LocalizationScene, Outline, OutlineRole, localization_figure, wrapped};
 pub use plate::{ChartSeries, MapPlate, chart_plate, contact_plate, map_plate, preimage_plate};
 pub use scene::{Geometry, Layer, map_figure, scene_figure};
-pub use simulation::{Series, SimulationScene, simulation_figure};
+pub use simulation::{HUES, Series, SimulationScene, simulation_figure};
 pub use states::{PreimageFigure, preimage_figure, preimage_legend, preimage_panel};
 
 /// The stylesheet that stands in every figure, for pages that hold many of them inline and need it once.

@@ -55,8 +55,17 @@ const TITLE_CHARACTERS: usize = 70;
 const TITLE_LINE: f64 = 24.0;
 /// At most this many readings of all series together are drawn; of more, every n-th of each.
 const READINGS: usize = 3000;
-/// Colours for whiskers; more repeat.
-const HUES: usize = 8;
+/// The classes of lines that are told apart by their colour; of more, they repeat.
+pub const HUES: [&str; 8] = [
+    "series hue0",
+    "series hue1",
+    "series hue2",
+    "series hue3",
+    "series hue4",
+    "series hue5",
+    "series hue6",
+    "series hue7",
+];
 const LEGEND_COLUMN: f64 = 380.0;
 
 /// The figure as SVG text; the same scene gives the same bytes.
@@ -126,7 +135,7 @@ fn draw_chart(document: &mut Document, scene: &SimulationScene<'_>, frame: Frame
     let margin = 0.06 * (hi - lo);
     let mut chart = Chart::new(frame, time, (lo - margin, hi + margin));
     for (index, series) in scene.series.iter().enumerate() {
-        let hue = index % HUES;
+        let hue = index % HUES.len();
         let most = READINGS / scene.series.len();
         chart.dots(&thinned(&series.read, most), &format!("reading hue{hue}"));
         chart.line(&thinned(&series.exact, most), &format!("series hue{hue}"));
@@ -139,16 +148,6 @@ fn thinned(points: &[(f64, f64)], most: usize) -> Vec<(f64, f64)> {
 }
 
 fn entries(scene: &SimulationScene<'_>) -> Vec<Entry> {
-    const NAMES: [&str; HUES] = [
-        "series hue0",
-        "series hue1",
-        "series hue2",
-        "series hue3",
-        "series hue4",
-        "series hue5",
-        "series hue6",
-        "series hue7",
-    ];
     let entry = |sample: Sample, words: &str| Entry { sample, words: words.to_owned() };
     let mut entries = vec![entry(Sample::Line("path"), "the robot's way, from the circle to the arrow")];
     if !scene.shapes.is_empty() {
@@ -163,7 +162,7 @@ fn entries(scene: &SimulationScene<'_>) -> Vec<Entry> {
         } else {
             format!("{}: recorded (dots), exact (line)", series.name)
         };
-        entries.push(entry(Sample::Line(NAMES[index % HUES]), &words));
+        entries.push(entry(Sample::Line(HUES[index % HUES.len()]), &words));
     }
     entries.extend(outline_entries(scene.map));
     entries

@@ -4,6 +4,7 @@ use crate::bend::whisker;
 use crate::host::Host;
 use core::f64::consts::TAU;
 use vibrissa::beam::Load;
+use vibrissa::config::budgets::MOST_PAGE_STEPS;
 use vibrissa::config::contact_set::NODES;
 use vibrissa::flow::contact_set::{
     Contact, ContactModel, ContactRegion, ContactSet, MomentRegime, Reading, Resolution, VirtualSensor,
@@ -67,9 +68,6 @@ pub(crate) fn contact_set(host: &mut Host, sensor: u32, lo: f64, hi: f64, shapes
     Ok(())
 }
 
-/// Most steps along the boundary, over all headings, of a preimage: what a page is kept waiting for, some seconds.
-const MOST_STEPS: f64 = (1 << 22) as f64;
-
 pub(crate) fn preimage(host: &mut Host, sensor: u32, lo: f64, hi: f64, cell: f64, headings: u32) -> Result<()> {
     let reading = reading(sensor, lo, hi)?;
     let model = ContactModel::new(&whisker(host)?, Load::Normal)?;
@@ -78,10 +76,10 @@ pub(crate) fn preimage(host: &mut Host, sensor: u32, lo: f64, hi: f64, cell: f64
     options.check()?;
     let map = host.map()?;
     let steps = map.total_length() / cell * f64::from(headings);
-    if steps > MOST_STEPS {
+    if steps > f64::from(MOST_PAGE_STEPS) {
         let error = Error::usage("steps of a cell along the boundary, over all headings").value(steps.round());
         return Err(error
-            .allowed(format!("up to {MOST_STEPS}"))
+            .allowed(format!("up to {MOST_PAGE_STEPS}"))
             .remedy("take coarser cells, fewer headings or a part of the map"));
     }
     let found = reading_preimage(map, &model, mount, &[reading], &options)?;

@@ -77,3 +77,6 @@ pub const LONGEST_NAME: usize = 256;
 /// Most moves of nodes that the simulator's discrete rod makes from one rest to the next: a minute or two of work. Of hundreds of drives
 /// around corners the slowest snap took 400,000 with 90 links.
 pub const MOST_UNREST: u64 = 40_000_000;
+
+/// Most steps along the boundary, over all headings, of a preimage on a page: it is kept waiting for some seconds.
+pub const MOST_PAGE_STEPS: u32 = 1 << 22;

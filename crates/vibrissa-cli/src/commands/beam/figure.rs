@@ -2,7 +2,7 @@
 
 use vibrissa::beam::Bend;
 use vibrissa::figure::numbers::{fixed, significant};
-use vibrissa::figure::{Geometry, Layer, scene_figure};
+use vibrissa::figure::{Geometry, HUES, Layer, scene_figure};
 use vibrissa::plane::Vec2;
 
 /// Length of a force's arrow and of its head, as shares of the whisker's length.
@@ -10,17 +10,6 @@ const ARROW: f64 = 0.12;
 const HEAD: f64 = 0.022;
 /// From the contact to the arrow's tip, likewise.
 const GAP: f64 = 0.012;
-/// Classes of shapes; of more, they repeat.
-const HUES: [&str; 8] = [
-    "series hue0",
-    "series hue1",
-    "series hue2",
-    "series hue3",
-    "series hue4",
-    "series hue5",
-    "series hue6",
-    "series hue7",
-];
 
 /// The whiskers of one problem from base to tip, with contact points and forces, as SVG.
 pub(super) fn figure(solutions: &[Bend], length: f64) -> String {

@@ -12,6 +12,7 @@ mod contact_episodes;
 mod corrected_path;
 mod correlated_noise;
 mod error_filter;
+mod goodness_of_fit;
 mod grid_search;
 mod importance_sampling;
 mod information;
@@ -31,8 +32,9 @@ mod wall_error;
 
 pub use crate::contact::SensedQuantity;
 pub(crate) use corrected_path::calibrated;
-pub(crate) use places::STRETCHES;
-pub use places::{Fit, PosteriorPlace};
+pub use goodness_of_fit::Fit;
+pub(crate) use goodness_of_fit::STRETCHES;
+pub use places::PosteriorPlace;
 pub use smoother::{MultiHypothesisSmoother, StepOutcome};
 
 use crate::beam::TipModel;

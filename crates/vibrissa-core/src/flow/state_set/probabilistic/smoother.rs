@@ -5,10 +5,11 @@ mod unexplained_contact;
 
 use super::bank::{Bank, TAKEN_TOGETHER};
 use super::contact_episodes::longest_contact;
+use super::goodness_of_fit::Fit;
 use super::grid_search::GridSearch;
 use super::log_window::LogWindow;
 use super::map_symmetry::MapSymmetries;
-use super::places::{self, Fit, PosteriorPlace};
+use super::places::{self, PosteriorPlace};
 use super::scene::Scene;
 use super::sensor::{FreeLevel, Sensor};
 use super::unknowns::{Sense, Unknowns};

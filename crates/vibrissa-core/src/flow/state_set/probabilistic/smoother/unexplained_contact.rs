@@ -1,9 +1,10 @@
 //! Contacts that the best mode does not explain: fault detection by residuals \[barshalom2001estimation, sec. 5.4\]. Where another boundary is
 //! within reach the contact is one that the model does not cover, and is left out until the whisker is free; else the modes are wrong.
 
+use super::super::goodness_of_fit::Fit;
 use super::super::measurement::Row;
 use super::super::optimisation::UNEXPLAINED;
-use super::super::places::{Fit, PosteriorPlace};
+use super::super::places::PosteriorPlace;
 use super::{CONTACT_ROWS, MultiHypothesisSmoother, Phase, StepOutcome};
 use crate::flow::pose::Stretch;
 use crate::plane::{Bounds, Vec2, wrap_angle};
