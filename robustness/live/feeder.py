@@ -1,7 +1,9 @@
 """A device that does not behave: rows of a log as lines with numbers and checksums, and a pseudo-terminal that can be unplugged."""
 
+import fcntl
 import os
 import pty
+import sys
 import termios
 import time
 import tty
@@ -59,10 +61,18 @@ class Port:
         link.rename(self.path)
         self.device, self.slave = name, slave
 
-    def unplug(self):
+    def unplug(self, patience=2.0):
+        # What nobody has read yet goes with the device; a busy machine reads late.
+        end = time.monotonic() + patience
+        while self.unread() and time.monotonic() < end:
+            time.sleep(1e-3)
         self.path.unlink()
         os.close(self.slave)
         os.close(self.master)
+
+    def unread(self):
+        """Bytes that wait for a reader."""
+        return int.from_bytes(fcntl.ioctl(self.slave, termios.FIONREAD, bytes(4)), sys.byteorder)
 
     def send(self, data, patience=1.0):
         """Writes; what is not taken within so long (s) is dropped, as a wire drops it. A device has no more patience than its buffer, but on a

@@ -308,18 +308,18 @@ impl Mode {
     }
 
     /// Moves to the likeliest of some places along the direction that the readings leave open \[nocedal2006numerical, sec. 9.3\], if there
-    /// is one: where a cost has steps its derivatives lead nowhere.
+    /// is one, and tells whether: where a cost has steps its derivatives lead nowhere.
     pub(super) async fn search_line(
         &mut self,
         model: &MeasurementModel<'_>,
         rows: &[usize],
         scratch: &mut Linearisation,
-    ) {
-        let Some(c) = self.marginal(model).covariance(DAMPING) else { return };
+    ) -> bool {
+        let Some(c) = self.marginal(model).covariance(DAMPING) else { return false };
         let (sin, cos) = (0.5 * (2.0 * c[0][1]).atan2(c[0][0] - c[1][1])).sin_cos();
         let variance = cos * cos * c[0][0] + 2.0 * sin * cos * c[0][1] + sin * sin * c[1][1];
         if variance < OPEN * OPEN {
-            return;
+            return false;
         }
         let turn = (cos * c[0][2] + sin * c[1][2]) / variance;
         let mut best: Option<Self> = None;
@@ -330,11 +330,13 @@ impl Mode {
                 best = Some(there);
             }
         }
-        let Some(mut best) = best.filter(|best| best.evidence() < self.evidence() - WORTH_LINE) else { return };
+        let Some(mut best) = best.filter(|best| best.evidence() < self.evidence() - WORTH_LINE) else { return false };
         best.descend(model, rows, 1, scratch).await;
-        if best.evidence_here() < self.evidence_here() {
+        let is_better = best.evidence_here() < self.evidence_here();
+        if is_better {
             *self = best;
         }
+        is_better
     }
 
     /// Goes to where the cost is least, in so many steps at most; it must be linearised by these rows.

@@ -3,7 +3,8 @@
 
 use super::super::adaptive_sampling::ProposalComponent;
 use super::super::correlated_noise::NoiseModel;
-use super::super::measurement::{MeasurementModel, State, moved};
+use super::super::measurement::{MeasurementModel, Row, State, moved};
+use super::super::optimisation::UNEXPLAINED;
 use super::super::unknowns::POSE;
 use super::{Bank, MOVED, SLACK, STEPS, WEAK_PRIOR, key_rows};
 
@@ -16,8 +17,12 @@ const DESCENDED: usize = 6;
 const DESCENDED_STEPS: usize = 6;
 /// Steps of a mode before the noise of its readings is estimated.
 const STEPS_BEFORE_NOISE: usize = 3;
-/// So many of the best are searched along their open direction, as long as key rows judge.
+/// So many of the best are searched along their open direction: once as long as key rows judge, and up to so often when all rows do, by the
+/// key rows and those around unexplained readings. In six rooms whose corners were left by the whisker 71 instead of 50 of 84 answers hold the truth by
+/// the latter.
 const MOST_SEARCHED: usize = 40;
+const SEARCHES: usize = 4;
+const AROUND: usize = 2;
 
 impl Bank {
     /// Moves every mode to its least cost over all rows, and looks for likelier ones around the best; no mode is kept that costs more than
@@ -27,6 +32,7 @@ impl Bank {
             self.settle(model, key_rows(model, None, 0..model.window.len()), STEPS, gate, MOST_SEARCHED).await;
             self.join_overlapping(model).await;
         }
+        self.explain_events(model).await;
         self.settle(model, (0..model.window.len()).collect(), STEPS, gate + 0.5 * SLACK, 0).await;
         self.estimate_noise(model).await;
         self.multistart(model).await;
@@ -58,6 +64,32 @@ impl Bank {
         }
         self.prune(gate);
         self.sort(model).await;
+    }
+
+    /// Searches the modes that leave readings unexplained along their open direction: one that stands beside its place misses when a contact
+    /// begins or ends by some rows, which no derivative tells.
+    async fn explain_events(&mut self, model: &MeasurementModel<'_>) {
+        let all: Vec<usize> = (0..model.window.len()).collect();
+        let keys = key_rows(model, None, 0..all.len());
+        for mode in self.modes.iter_mut().take(MOST_SEARCHED) {
+            for _ in 0..SEARCHES {
+                model.run(&mode.state, &mode.start, &all, &mut self.scratch).await;
+                let mut rows: Vec<usize> = unexplained_rows(&self.scratch.rows)
+                    .flat_map(|row| row.saturating_sub(AROUND)..(row + AROUND + 1).min(all.len()))
+                    .collect();
+                if rows.is_empty() {
+                    break;
+                }
+                rows.extend(&keys);
+                rows.sort_unstable();
+                rows.dedup();
+                mode.relinearise(model, &rows, &mut self.scratch).await;
+                if !mode.search_line(model, &rows, &mut self.scratch).await {
+                    break;
+                }
+                mode.descend(model, &rows, STEPS, &mut self.scratch).await;
+            }
+        }
     }
 
     /// Takes for each mode the noise that its residuals tell.
@@ -100,4 +132,9 @@ impl Bank {
         }
         self.modes.extend(found);
     }
+}
+
+/// The rows with readings that are further off than noise.
+fn unexplained_rows(rows: &[Row]) -> impl Iterator<Item = usize> {
+    rows.iter().filter(|row| row.plain.abs() > UNEXPLAINED).map(|row| row.row)
 }
