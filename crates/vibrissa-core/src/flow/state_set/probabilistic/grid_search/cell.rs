@@ -95,7 +95,7 @@ fn is_dead(cost: f64, last: usize) -> bool {
     cost > CELL_COST[0] + CELL_COST[1] * (last + 1) as f64
 }
 
-/// A validation gate \[barshalom2001estimation, sec. 1.6\]: a reading that would add more than a false one costs tells a cell nothing. It may be
+/// A validation gate \[barshalom2001estimation\]: a reading that would add more than a false one costs tells a cell nothing. It may be
 /// false, or lie on the other side of an event (a snap, the end of a wall, a corner) than the middle of the cell, where no linearisation leads.
 #[derive(Clone, Copy, Debug, Default)]
 struct Gate {
