@@ -18,8 +18,8 @@ const DESCENDED_STEPS: usize = 6;
 /// Steps of a mode before the noise of its readings is estimated.
 const STEPS_BEFORE_NOISE: usize = 3;
 /// So many of the best are searched along their open direction: once as long as key rows judge, and up to so often when all rows do, by the
-/// key rows and those around unexplained readings. In six rooms that were chosen because places beside corners had been missed there, the
-/// latter makes 71 instead of 50 of 84 answers hold the truth.
+/// key rows and those around unexplained readings. Of 184 drags along a block and off its corner, drawn at random, the true place is missed in 8
+/// with the latter, in 19 without it.
 const MOST_SEARCHED: usize = 40;
 const SEARCHES: usize = 4;
 const AROUND: usize = 2;
