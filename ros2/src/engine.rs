@@ -6,8 +6,9 @@ use crate::lifecycle::{Change, Lifecycle};
 use crate::messages::{OccupancyGrid, Transition, TransitionDescription};
 use crate::parameters::Parameters;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use vibrissa::tasks::plan::{Plan, Planner};
 use vibrissa_core::config::SettingValue;
-use vibrissa_core::flow::pose::{Estimate, Status};
+use vibrissa_core::flow::pose::{Estimate, Hypothesis, Status};
 use vibrissa_core::flow::sensor_log::Channel;
 use vibrissa_core::localizer::Method;
 use vibrissa_core::plane::Pose2;
@@ -88,6 +89,9 @@ struct Inner {
     restarts: u64,
     map_from_odom: Option<Pose2>,
     last: Option<(Status, usize)>,
+    /// Where the robot may be, and what a plan looks at.
+    places: Vec<Hypothesis>,
+    planner: Option<Planner>,
     rows: [u64; 3],
     fault: Option<String>,
     ended: bool,
@@ -177,6 +181,7 @@ impl Engine {
         inner.feed = Some(Feed::new(loaded.sent.len(), loaded.calibrator.clone(), self.parameters.delay));
         inner.session += 1;
         (inner.map_from_odom, inner.last, inner.fault) = (None, None, None);
+        (inner.places, inner.planner) = (Vec::new(), None);
         if let (None, Some(topic)) = (&loaded.map, &self.parameters.map_topic) {
             inner.fault = Some(format!(
                 "no map came on the topic {topic}; start map_server, or check its name (transient local, reliable)"
@@ -288,6 +293,31 @@ impl Engine {
         pulse
     }
 
+    /// The next motion that tells the places of the last estimate apart. It takes a fifth of a second; no message waits for it.
+    ///
+    /// # Errors
+    ///
+    /// No place is known, or the robot's motions cannot be planned.
+    pub fn plan(&self) -> Result<Plan> {
+        let inner = self.lock();
+        let state = inner.state;
+        let (loaded, planner, places) = (inner.loaded.clone(), inner.planner.clone(), inner.places.clone());
+        drop(inner);
+        let Some(loaded) = loaded.filter(|_| state == Lifecycle::Active) else {
+            return Err(Error::data("no plan: the node is not active").remedy("activate it first"));
+        };
+        let Some(map) = loaded.map.as_ref().filter(|_| !places.is_empty()) else {
+            return Err(Error::data("no plan: no place is known between which a motion could decide")
+                .remedy("touch a wall for some centimetres first"));
+        };
+        match planner {
+            Some(planner) => planner.plan(map, &loaded.robot, &places),
+            // What stands in the way.
+            None => Planner::new(&loaded.robot, &loaded.channels, self.parameters.plan)
+                .and_then(|planner| planner.plan(map, &loaded.robot, &places)),
+        }
+    }
+
     /// Estimates until the node ends, on the calling thread; `told` gets what is said.
     pub fn run(&self, told: &mut dyn FnMut(Said<'_>)) {
         let mut session = 0;
@@ -346,6 +376,8 @@ impl Engine {
         let Loaded { map: Some(map), robot, channels, .. } = loaded else { return Ok(()) };
         told(Said::Began(map));
         let mut estimator = LiveEstimator::new(map, robot, channels, &method, self.parameters.rate)?;
+        // Robots whose motions cannot be planned are localized all the same.
+        self.lock().planner = Planner::new(robot, channels, self.parameters.plan).ok();
         while let Some(rows) = self.next_rows(session) {
             for used in rows {
                 let step = estimator.step(&used.joined);
@@ -353,6 +385,7 @@ impl Engine {
                 if inner.session != session {
                     return Ok(());
                 }
+                inner.planner.iter_mut().for_each(|planner| planner.row(&used.joined.row));
                 inner.rows[0] += 1;
                 inner.rows[1] += used.merged - 1;
                 match step {
@@ -380,6 +413,7 @@ impl Inner {
         self.feed = None;
         self.session += 1;
         (self.map_from_odom, self.last) = (None, None);
+        (self.places, self.planner) = (Vec::new(), None);
     }
 
     /// Where the odometry's origin is, as long as one place is known: while several are possible the last one known is kept,
@@ -387,6 +421,7 @@ impl Inner {
     fn take(&mut self, report: &Report) {
         let estimate = &report.estimate;
         self.last = Some((estimate.status, estimate.hypotheses.len()));
+        self.places = if estimate.status == Status::Inconsistent { Vec::new() } else { estimate.hypotheses.clone() };
         self.fault = None;
         match (estimate.status, estimate.pose()) {
             (Status::Localized, Some(map_from_robot)) => {

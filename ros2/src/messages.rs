@@ -81,6 +81,8 @@ messages! {
     }
     /// A request or an answer without fields: one byte on the wire.
     Empty { structure_needs_at_least_one_member: u8 }
+    /// Answer of `std_srvs/Trigger`.
+    TriggerResponse { success: bool, message: String }
     /// `lifecycle_msgs/State`.
     State { id: u8, label: String }
     /// `lifecycle_msgs/Transition`.

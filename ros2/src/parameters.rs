@@ -5,6 +5,7 @@ use crate::engine::{Region, region_around};
 use crate::parameters_file;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use vibrissa::tasks::plan::PlanOptions;
 use vibrissa_core::flow::sensor_log::{Channel, Quantity};
 use vibrissa_core::localizer::Method;
 use vibrissa_core::plane::Pose2;
@@ -58,6 +59,8 @@ pub struct Parameters {
     pub set_initial_pose: bool,
     /// Where (m, m, rad).
     pub initial_pose: [f64; 3],
+    /// What the robot can do, for the service `plan`.
+    pub plan: PlanOptions,
     /// Whether the clock is that of the topic `/clock`.
     pub use_sim_time: bool,
     /// Whether the node configures and activates itself; otherwise a lifecycle manager does.
@@ -92,6 +95,7 @@ impl Default for Parameters {
             transform_tolerance: TRANSFORM_TOLERANCE,
             set_initial_pose: false,
             initial_pose: [0.0; 3],
+            plan: PlanOptions { sideways: false, ..PlanOptions::default() },
             use_sim_time: false,
             autostart: true,
             name: "vibrissa".to_owned(),
@@ -104,7 +108,7 @@ impl Default for Parameters {
 }
 
 /// Every parameter and what it takes, for `--help` and for messages.
-pub const NAMES: [(&str, &str); 19] = [
+pub const NAMES: [(&str, &str); 24] = [
     ("map", "the map's file: .svg, .geojson, .dxf, .yaml (due, or map_topic)"),
     ("map_topic", "takes the map from this topic instead (nav_msgs/OccupancyGrid, transient local), such as map"),
     ("publish_map", "whether the map of the file is told as an OccupancyGrid on the topic map (false)"),
@@ -128,6 +132,14 @@ pub const NAMES: [(&str, &str); 19] = [
     ("initial_pose.x", "m"),
     ("initial_pose.y", "m"),
     ("initial_pose.yaw", "rad"),
+    (
+        "plan.footprint",
+        "for the service plan: radius of the robot around its origin that stays clear of all boundaries (m), 0 to 10 (0.01)",
+    ),
+    ("plan.longest", "the longest motion (m), 0.02 to 10 (0.24)"),
+    ("plan.sideways", "whether the robot goes in any direction without turning (false)"),
+    ("plan.turns", "whether it turns on the spot (true)"),
+    ("plan.largest_moment", "the largest moment that a whisker may feel (N m), 1e-9 to 100 (2 EI / L)"),
     ("use_sim_time", "whether time is that of /clock (false)"),
     ("autostart", "whether the node activates itself, without a lifecycle manager (true)"),
 ];
@@ -316,6 +328,11 @@ impl Parameters {
             "initial_pose.x" => self.initial_pose[0] = number(-1e6, 1e6)?,
             "initial_pose.y" => self.initial_pose[1] = number(-1e6, 1e6)?,
             "initial_pose.yaw" => self.initial_pose[2] = number(-10.0, 10.0)?,
+            "plan.footprint" => self.plan.footprint = number(0.0, 10.0)?,
+            "plan.longest" => self.plan.longest = number(0.02, 10.0)?,
+            "plan.sideways" => self.plan.sideways = switch()?,
+            "plan.turns" => self.plan.turns = switch()?,
+            "plan.largest_moment" => self.plan.largest_moment = Some(number(1e-9, 100.0)?),
             "use_sim_time" => self.use_sim_time = switch()?,
             "autostart" => self.autostart = switch()?,
             other => {

@@ -10,6 +10,7 @@ use ros2_client::{Message, MessageTypeName, Name, NodeName, NodeOptions, QosProf
 use std::net::{IpAddr, Ipv4Addr};
 use std::time::{Duration, Instant};
 use vibrissa::tasks::demo;
+use vibrissa::tasks::plan::PlanOptions;
 use vibrissa_ros2::grid;
 use vibrissa_ros2::messages::{
     DiagnosticArray, Header, JointState, OccupancyGrid, Odometry, PoseWithCovariance, PoseWithCovarianceStamped,
@@ -103,6 +104,7 @@ fn a_map_odometry_and_readings_go_in_and_the_pose_comes_out() {
     // Without a map it says what is missing.
     let told = heard(&diagnostics, |message| message.status[0].message.contains("no map"));
     assert_eq!(told.status[0].level, 2);
+    assert!(running.engine().plan().unwrap_err().to_string().contains("no place is known"));
 
     let arena = demo::arena().unwrap();
     let maps = other.publisher::<OccupancyGrid>("/map", ("nav_msgs", "OccupancyGrid"), &latched());
@@ -154,6 +156,12 @@ fn a_map_odometry_and_readings_go_in_and_the_pose_comes_out() {
     let off = pose.position().distance(truth.map_from_robot.position());
     // A grid tells walls to a fraction of its cells of half a millimetre.
     assert!(off < 3e-3, "{off} m off at {t} s");
+    // Where it goes next, by the same places.
+    let plan = running.engine().plan().unwrap();
+    assert!(
+        plan.places >= 1 && plan.looked_at[0] > 10 && plan.readings <= PlanOptions::default().budget + 64,
+        "{plan:?}"
+    );
     let transform = heard(&transforms, |message| !message.transforms.is_empty());
     assert_eq!((transform.transforms[0].header.frame_id.as_str(), last.header.frame_id.as_str()), ("map", "map"));
     running.stop();

@@ -29,8 +29,8 @@ const MOST_WAY: f64 = 1.5;
 const PACE: Pace = Pace { speed: 0.1, turn_rate: 1.0, rate: 25.0 };
 /// Motions between whole answers of the baselines.
 const QUICK: usize = 4;
-/// Motions to give up after; planned ones are shorter, and twice as many are allowed.
-const MOST_MOTIONS: usize = 20;
+/// Motions to give up after.
+const MOST_MOTIONS: usize = 40;
 
 /// A room, a robot in it, and its first motion.
 struct World {
@@ -145,12 +145,8 @@ fn run(world: &World, policy: &str, seed: u64) -> vibrissa::Result<Exploration> 
     let noise = SweepNoise::seeded(seed);
     let (stage, begin, method) = (&world.stage, &world.begin, Method::default());
     // Whole answers are slow, and baselines make many motions.
-    let (answer_each, most_motions) = if policy.starts_with("planned") || policy == "hindsight" {
-        (1, 2 * MOST_MOTIONS)
-    } else {
-        (QUICK, MOST_MOTIONS)
-    };
-    let options = &ExploreOptions { answer_each, most_motions, ..world.options };
+    let answer_each = if policy.starts_with("planned") || policy == "hindsight" { 1 } else { QUICK };
+    let options = &ExploreOptions { answer_each, ..world.options };
     let mut draw = Random(seed ^ 0x5eed_0fa9_0011);
     match policy {
         "planned" => explore_by(stage, begin, &method, &noise, options, Strategy::Planned),

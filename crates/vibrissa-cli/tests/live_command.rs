@@ -202,3 +202,50 @@ fn recordings_are_never_overwritten_and_mistakes_are_told() {
     assert_eq!(vibrissa(&["live"]).code, Some(2));
     assert_eq!(vibrissa(&["live", "--demo", "--speed", "2"]).code, Some(2));
 }
+
+#[test]
+fn a_robot_that_has_come_to_rest_is_told_the_next_motion() {
+    let (here, lines) = prepared("live-plan");
+    // The first touch, which leaves several places, and then half a second of rest.
+    let (first, _) = lines.split_at(170);
+    let last: Vec<&str> = first[169].trim_end().split(',').collect();
+    let t: f64 = last[0].parse().unwrap();
+    let rest = (1..300).map(|k| format!("{},{}\n", t + f64::from(k) / 300.0, last[1..].join(",")));
+    let (child, mut input) = start(&here, &["--plan", "--footprint", "5 mm", "--json"]);
+    let all = first.iter().cloned().chain(rest);
+    // As a robot sends them: rows that pile up would be merged.
+    for line in all {
+        input.write_all(line.as_bytes()).unwrap();
+        std::thread::sleep(Duration::from_micros(3_300));
+    }
+    drop(input);
+    let told = child.wait_with_output().unwrap();
+    assert!(told.status.success());
+    let told = String::from_utf8(told.stdout).unwrap();
+    let plans: Vec<serde_json::Value> = told
+        .lines()
+        .map(|line| serde_json::from_str(line).unwrap())
+        .filter(|v: &serde_json::Value| !v["plan"].is_null())
+        .collect();
+    // Once for the rest, whatever the number of estimates.
+    assert_eq!(plans.len(), 1, "{told}");
+    assert!((plans[0]["t"].as_f64().unwrap() - t).abs() < 0.02, "{}", plans[0]);
+    let plan = &plans[0]["plan"];
+    assert!(plan["places"].as_u64().unwrap() > 1 && plan["looked_at"][0].as_u64().unwrap() > 10, "{plan}");
+    assert!(["parts", "alike", "confined"].contains(&plan["verdict"].as_str().unwrap()), "{plan}");
+    let bad = vibrissa(&["live", here.join("live.toml").to_str().unwrap(), "--plan", "--footprint", "5 s"]);
+    assert!(bad.code == Some(2) && bad.stderr.contains("--footprint"), "{}", bad.stderr);
+    assert_eq!(vibrissa(&["live", here.join("live.toml").to_str().unwrap(), "--explore"]).code, Some(2));
+}
+
+#[cfg(unix)]
+#[test]
+fn a_simulated_robot_explores_until_it_knows_where_it_is() {
+    let run = vibrissa(&["live", "--demo", "--explore", "--no-record"]);
+    assert_eq!(run.code, Some(0), "{}", run.stderr);
+    assert!(run.stderr.contains("plan: "), "{}", run.stderr);
+    // In real time on a machine that may be busy: it may end without a place, but never at a wrong one.
+    let off = run.stdout.lines().find(|line| line.contains("off the truth by"));
+    let off = off.and_then(|line| line.split_whitespace().nth(4)).map_or(0.0, |word| word.parse::<f64>().unwrap());
+    assert!(!run.stdout.starts_with("localized") || off < 5.0, "{}", run.stdout);
+}

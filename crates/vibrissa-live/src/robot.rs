@@ -1,11 +1,15 @@
 //! A simulated robot behind pseudo-terminals: real bytes in real time, as the paper's firmware and a base send them.
 
+mod obedient;
+
 use crate::source::PseudoTerminal;
 use crate::{Error, Result};
+pub use obedient::{Errand, TrueCourse};
 use std::path::{Path, PathBuf};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 use vibrissa_core::flow::sensor_log::{Quantity, SensorLog};
+use vibrissa_core::plane::Pose2;
 use vibrissa_core::world::calibration::{Calibration, MomentCurve};
 use vibrissa_io::calibration::to_json;
 
@@ -30,6 +34,9 @@ pub struct SimulatedRobot {
 }
 
 impl SimulatedRobot {
+    /// Readings a second, as the paper's firmware sends them.
+    pub const RATE: f64 = 300.0;
+
     /// A robot that waits.
     ///
     /// # Errors
@@ -116,22 +123,37 @@ impl SimulatedRobot {
     fn send(mut self, log: &SensorLog, moment: usize) -> std::io::Result<()> {
         let began = Instant::now();
         let first = log.rows.first().map_or(0.0, |row| row.t);
-        // A little below the end of 32 bits, so that the stamps wrap after three seconds.
-        let clock = |t: f64| ((4_291.967_296 + t) * 1e6) as u64 % (1 << 32);
         for (index, row) in log.rows.iter().enumerate() {
             let t = row.t - first;
             let due = Duration::try_from_secs_f64(t).unwrap_or_default();
             std::thread::sleep(due.saturating_sub(began.elapsed()));
-            self.whisker.send(flux_line(row.readings[moment]).as_bytes())?;
-            if index % ODOMETRY_EVERY == 0 || index + 1 == log.rows.len() {
-                let (pose, number) = (row.odom_from_robot, index.div_ceil(ODOMETRY_EVERY) % (1 << 16));
-                let line = format!("{number},{},{:.7},{:.7},{:.8}\r\n", clock(t), pose.x, pose.y, pose.theta);
-                self.base.send(line.as_bytes())?;
-            }
+            let with_odometry = index % ODOMETRY_EVERY == 0 || index + 1 == log.rows.len();
+            let number = index.div_ceil(ODOMETRY_EVERY) as u32;
+            self.tell(t, row.readings[moment], row.odom_from_robot, with_odometry, number)?;
         }
         // What was sent last is read before the ports go away.
         std::thread::sleep(Duration::from_millis(500));
         Ok(())
+    }
+
+    /// Sends a moment, and where it is due the odometry, with its number, as it was then.
+    fn tell(
+        &mut self,
+        t: f64,
+        moment: f64,
+        odom_from_robot: Pose2,
+        with_odometry: bool,
+        number: u32,
+    ) -> std::io::Result<()> {
+        self.whisker.send(flux_line(moment).as_bytes())?;
+        if !with_odometry {
+            return Ok(());
+        }
+        // A little below the end of 32 bits, so that the stamps wrap after three seconds.
+        let clock = ((4_291.967_296 + t) * 1e6) as u64 % (1 << 32);
+        let (pose, number) = (odom_from_robot, number % (1 << 16));
+        let line = format!("{number},{clock},{:.7},{:.7},{:.8}\r\n", pose.x, pose.y, pose.theta);
+        self.base.send(line.as_bytes())
     }
 }
 

@@ -6,8 +6,10 @@ use vibrissa::Method;
 use vibrissa::flow::pose::Status;
 use vibrissa::plane::{Curve, Pose2, Vec2};
 use vibrissa::sim::{SimulateOptions, Stage, SweepNoise};
-use vibrissa::tasks::explore::{Ended, Exploration, ExploreOptions, Strategy, explore, explore_by};
-use vibrissa::tasks::plan::PlanOptions;
+use vibrissa::tasks::explore::{
+    Ended, Exploration, ExploreOptions, Order, Pilot, Strategy, explore, explore_by, way_back,
+};
+use vibrissa::tasks::plan::{Past, PlanOptions};
 use vibrissa::world::{Boundary, Map, MountedWhisker, Robot, Role};
 
 fn stage(corners: &[(f64, f64)]) -> Stage {
@@ -88,4 +90,34 @@ fn other_choices_are_obeyed_and_limits_end_them() {
     .unwrap();
     assert_eq!((found.ended, found.motions.len(), asked), (Ended::GaveUp, 3, 3));
     assert!(found.motions.iter().all(|made| made.plan.is_none() && made.name == "along the wall"));
+}
+
+#[test]
+fn a_pilot_lets_a_pressed_whisker_go_and_says_when_there_is_no_way() {
+    let stage = stage(&[(0.0, 0.0), (0.4, 0.0), (0.4, 0.25), (0.1, 0.25), (0.0, 0.2)]);
+    let (map, robot) = (stage.map(), stage.robot());
+    let found = explored(&stage);
+    let places = &found.answer.hypotheses;
+    let plan = options().plan;
+    let most = plan.most(&robot.whiskers[0]);
+    let next = |pilot: &mut Pilot, reading: f64| {
+        pilot.next(map, robot, places, &Past { history: &[], readings: &[reading] }).unwrap()
+    };
+    // Back three times, whatever the plan, and then by a plan again.
+    let mut pilot = Pilot::new(plan).unwrap();
+    for _ in 0..3 {
+        assert!(matches!(next(&mut pilot, -0.95 * most), (Order::Back, None)));
+    }
+    assert!(!matches!(next(&mut pilot, -0.95 * most).0, Order::Back));
+    // Nothing is admissible for a robot that is too large for the room.
+    let mut pilot = Pilot::new(PlanOptions { footprint: 0.2, ..plan }).unwrap();
+    for _ in 0..3 {
+        assert_eq!(next(&mut pilot, 0.0).0, Order::Back);
+    }
+    assert_eq!(next(&mut pilot, 0.0).0, Order::End(Ended::Confined));
+    assert!(Pilot::new(PlanOptions { longest: -1.0, ..plan }).is_err());
+    // The way back ends after 50 mm, where a turn counts, too.
+    let straight = (0..200).map(|k| Pose2::new(-1e-3 * f64::from(k), 0.0, 0.0));
+    let turning = (0..200).map(|k| Pose2::new(0.0, 0.0, 0.02 * f64::from(k)));
+    assert_eq!((way_back(straight).len(), way_back(turning).len()), (51, 51));
 }

@@ -3,12 +3,14 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on must fail")]
 
 use vibrissa::flow::pose::{Hypothesis, StampedPose};
+use vibrissa::flow::sensor_log::{Channel, LogRow, Quantity};
 use vibrissa::plane::{Curve, Pose2, Vec2};
 use vibrissa::sets::StateBox;
 use vibrissa::sim::recorder::TrueErrors;
 use vibrissa::sim::{Drive, Pace, SimulateOptions, Stage, SweepNoise, path_through};
 use vibrissa::tasks::plan::{
-    Criterion, Motion, Past, Plan, PlanOptions, PlanVerdict, RemainingState, admissible, plan, remaining,
+    Criterion, Motion, Past, Plan, PlanOptions, PlanVerdict, Planner, RemainingState, admissible, history, plan,
+    remaining, to_json,
 };
 use vibrissa::world::{Boundary, Map, MountedWhisker, Robot, Role};
 
@@ -231,4 +233,52 @@ fn what_makes_no_sense_is_refused() {
     ] {
         assert!(refused(&states, &options).contains(name), "{name}");
     }
+}
+
+/// A place that is known well.
+fn hypothesis(pose: Pose2, weight: f64) -> Hypothesis {
+    Hypothesis { pose, weight, extent: StateBox::EMPTY, covariance: Some([[0.0; 3]; 3]), ridge: Vec::new() }
+}
+
+#[test]
+fn a_planner_knows_of_its_rows_what_a_plan_looks_at_and_when_the_robot_rests() {
+    let channels = [Channel { whisker: String::new(), quantity: Quantity::Moment }];
+    let mut planner = Planner::new(&robot(), &channels, options()).unwrap();
+    assert_eq!(planner.rest(), None);
+    let mut way = Vec::new();
+    let mut row = |planner: &mut Planner, t: f64, x: f64, turn: f64, reading: f64| {
+        let odom_from_robot = Pose2::new(x, 0.3 * x, turn);
+        way.push(odom_from_robot);
+        planner.row(&LogRow { t, odom_from_robot, readings: vec![reading], heading: None, line: 0 });
+    };
+    // A metre at 1 mm a row, turning on; then an hour of rest with odometry that trembles by 50 µm.
+    for k in 0..1000 {
+        let s = f64::from(k);
+        row(&mut planner, 0.01 * s, 1e-3 * s, 2e-3 * s, 1e-6 * s);
+        assert!(planner.rest().unwrap().0 < 1e-9);
+    }
+    for k in 0..36_000 {
+        let tremble = if k % 2 == 0 { 0.0 } else { 5e-5 };
+        row(&mut planner, 10.0 + 0.1 * f64::from(k), 0.999 + tremble, 1.998, 3e-3);
+    }
+    let (rested, since) = planner.rest().unwrap();
+    assert!((rested - 3599.9 - 0.01).abs() < 1e-6 && (since - 9.99).abs() < 1e-9, "{rested} s from {since} s on");
+    // As from the whole log, to within the poses that are left out, and no longer.
+    let (kept, readings) = planner.past();
+    let whole = history(way.iter().copied());
+    assert_eq!(readings, [3e-3]);
+    assert!(kept.len() >= 10 && kept.len().abs_diff(whole.len()) <= 2, "{} {}", kept.len(), whole.len());
+    assert!(kept[0].position().distance(whole[0].position()) < 5e-3, "{:?} {:?}", kept[0], whole[0]);
+    assert!(planner.way().count() < 400, "{}", planner.way().count());
+    assert_eq!(planner.way().next(), way.last().copied());
+    // It plans as `plan` does.
+    let map = room(&BAY);
+    let places: Vec<Hypothesis> = two_places().iter().map(|state| hypothesis(state.pose, 0.5)).collect();
+    let planner = Planner::new(&robot(), &channels, options()).unwrap();
+    let found = planner.plan(&map, &robot(), &places).unwrap();
+    assert_eq!(found, planned(&map, &remaining(&places, options().states), &options()));
+    let json = to_json(&found);
+    assert_eq!(json["verdict"], "parts");
+    assert_eq!(json["next"]["waypoints"].as_array().unwrap().len(), found.next.unwrap().motion.waypoints().len());
+    assert!(Planner::new(&robot(), &channels, PlanOptions { longest: 0.0, ..options() }).is_err());
 }

@@ -1,4 +1,4 @@
-//! The services of a managed node, and AMCL's.
+//! The services of a managed node, AMCL's, and the next motion.
 
 use super::clock::RosClock;
 use super::maker::{Maker, reliable};
@@ -6,7 +6,7 @@ use crate::engine::{Engine, one_line};
 use crate::lifecycle::Lifecycle;
 use crate::messages::{
     ChangeStateRequest, ChangeStateResponse, Empty, GetAvailableStatesResponse, GetAvailableTransitionsResponse,
-    GetStateResponse, TransitionEvent,
+    GetStateResponse, TransitionEvent, TriggerResponse,
 };
 use ros2_client::Message;
 use ros2_client::dds::{Publisher, Server};
@@ -14,9 +14,10 @@ use smol::LocalExecutor;
 use smol::channel::Sender;
 use std::rc::Rc;
 use std::sync::Arc;
+use vibrissa::tasks::plan::to_json;
 use vibrissa_core::Result;
 
-/// The services of a managed node and AMCL's.
+/// The services of a managed node, AMCL's, and the next motion.
 pub(super) struct Services {
     change: Server<ChangeStateRequest, ChangeStateResponse>,
     state: Server<Empty, GetStateResponse>,
@@ -24,6 +25,7 @@ pub(super) struct Services {
     changes: Server<Empty, GetAvailableTransitionsResponse>,
     graph: Server<Empty, GetAvailableTransitionsResponse>,
     anywhere: Server<Empty, Empty>,
+    plan: Server<Empty, TriggerResponse>,
     events: Publisher<TransitionEvent>,
 }
 
@@ -38,6 +40,7 @@ impl Services {
             states: maker.server(&own("get_available_states"), (package, "GetAvailableStates"))?,
             changes: maker.server(&own("get_available_transitions"), (package, "GetAvailableTransitions"))?,
             graph: maker.server(&own("get_transition_graph"), (package, "GetAvailableTransitions"))?,
+            plan: maker.server(&own("plan"), ("std_srvs", "Trigger"))?,
             anywhere: maker.server("reinitialize_global_localization", ("std_srvs", "Empty"))?,
             events: maker.publisher(&own("transition_event"), (package, "TransitionEvent"), &reliable())?,
         })
@@ -50,7 +53,7 @@ impl Services {
         node: &Arc<RosClock>,
         stop: &Sender<()>,
     ) {
-        let Self { change, state, states, changes, graph, anywhere, events } = self;
+        let Self { change, state, states, changes, graph, anywhere, plan, events } = self;
         let to = Arc::clone(engine);
         answer(executor, state, move |_| GetStateResponse { current_state: to.state().message() });
         answer(executor, states, |_| GetAvailableStatesResponse {
@@ -66,6 +69,19 @@ impl Services {
             to.anywhere();
             Empty::default()
         });
+        let to = Arc::clone(engine);
+        let run = async move {
+            loop {
+                let Ok((id, _)) = plan.async_receive_request().await else { continue };
+                let asked = Arc::clone(&to);
+                let response = match smol::unblock(move || asked.plan()).await {
+                    Ok(plan) => TriggerResponse { success: plan.next.is_some(), message: to_json(&plan).to_string() },
+                    Err(error) => TriggerResponse { success: false, message: one_line(&error) },
+                };
+                let _ = plan.async_send_response(id, response).await;
+            }
+        };
+        executor.spawn(run).detach();
         let (to, node, stop) = (Arc::clone(engine), Arc::clone(node), stop.clone());
         let run = async move {
             loop {

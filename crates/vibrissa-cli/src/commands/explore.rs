@@ -1,7 +1,7 @@
 //! `vibrissa explore`: a simulated robot that finds out where it is by its own motion.
 
 use super::localize::{MethodArgs, outlines};
-use super::plan::{LimitArgs, check_robot, named, value};
+use super::plan::{LimitArgs, check_robot, named};
 use crate::interrupt::{Heedful, last_resort, stopped};
 use crate::output::{OutputArgs, complain, counted, print, progress, warn, write_all, wrote};
 use clap::ValueEnum;
@@ -19,6 +19,7 @@ use vibrissa::io::log::to_csv;
 use vibrissa::plane::{Pose2, Vec2};
 use vibrissa::sim::{Scenario, SimulateOptions, Stage, SweepNoise};
 use vibrissa::tasks::explore::{Ended, Exploration, ExploreOptions, Strategy, beginning, explore_watched};
+use vibrissa::tasks::plan::to_json;
 use vibrissa::{Error, Localizer, Method, Result};
 
 /// Let a simulated robot find out where it is by its own motion.
@@ -253,7 +254,7 @@ fn as_json(found: &Exploration, words: &str) -> String {
                 "row": made.row,
                 "stopped": made.stopped,
                 "places": made.places.len(),
-                "plan": made.plan.as_ref().map(value),
+                "plan": made.plan.as_ref().map(to_json),
             })
         })
         .collect();

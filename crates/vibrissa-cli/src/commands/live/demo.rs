@@ -1,19 +1,25 @@
-//! `vibrissa live --demo`: a simulated robot behind pseudo-terminals.
+//! `vibrissa live --demo`: a simulated robot behind pseudo-terminals, which drives along a path or explores.
 
 use super::{Args, Course, on_robot};
 use crate::output::write_all;
 use std::path::{Path, PathBuf};
+use std::sync::mpsc::channel;
 use vibrissa::Result;
 use vibrissa::config::defaults::SEED;
+use vibrissa::sim::{Pace, SimulateOptions, Stage, SweepNoise};
 use vibrissa::tasks::demo;
-use vibrissa_live::robot::SimulatedRobot;
+use vibrissa::tasks::explore::beginning;
+use vibrissa::world::Robot;
+use vibrissa_live::robot::{SimulatedRobot, TrueCourse};
 use vibrissa_live::setup;
 
 /// Speed of the robot (m/s): the sweep takes twelve seconds.
 const SPEED: f64 = 0.02;
+/// How far a robot that explores goes before it is told where to (m), and how fast it goes.
+const FIRST: f64 = 0.08;
+const EXPLORING: Pace = Pace { speed: 0.04, turn_rate: 0.5, rate: SimulatedRobot::RATE };
 
 pub(super) fn run(args: &Args) -> Result<()> {
-    let sweep = demo::sweep_at(SEED, SPEED)?;
     // The files that a setup names; without --out they are not kept.
     let temporary = std::env::temp_dir().join(format!("vibrissa-live-demo-{}", std::process::id()));
     let folder: PathBuf = args.out.clone().unwrap_or_else(|| temporary.clone());
@@ -26,9 +32,23 @@ pub(super) fn run(args: &Args) -> Result<()> {
     let folder = folder.canonicalize().unwrap_or(folder);
     let mut setup = setup::from_toml(&text, "the demo's setup")?;
     setup.based_on(&folder);
-    let driving = robot.drive(sweep.log)?;
-    let course = Course { truth: &sweep.truth, is_over: Some(&|| driving.is_finished()) };
-    let result = on_robot(args, &setup, &folder, args.out.as_deref(), &course);
+    let result = if args.explore {
+        let (errands, theirs) = channel();
+        let driven = TrueCourse::default();
+        let stage = Stage::new(demo::arena()?, Robot::default(), SimulateOptions::default())?;
+        let begin = beginning(&demo::path()?, FIRST);
+        let noise = SweepNoise::seeded(SEED);
+        let driving = robot.obey(stage, &begin, EXPLORING, noise, theirs, driven.clone())?;
+        let (truth, is_over) = (|| driven.last(), || driving.is_finished());
+        let course = Course { truth: Some(&truth), is_over: Some(&is_over), errands: Some(errands) };
+        on_robot(args, &setup, &folder, args.out.as_deref(), course)
+    } else {
+        let sweep = demo::sweep_at(SEED, SPEED)?;
+        let driving = robot.drive(sweep.log)?;
+        let (truth, is_over) = (|| sweep.truth.last().copied(), || driving.is_finished());
+        let course = Course { truth: Some(&truth), is_over: Some(&is_over), errands: None };
+        on_robot(args, &setup, &folder, args.out.as_deref(), course)
+    };
     if args.out.is_none() {
         // What cannot be removed is left to the system.
         let _ = std::fs::remove_dir_all(temporary);

@@ -3,20 +3,25 @@
 #[cfg(unix)]
 mod demo;
 mod monitor;
+mod planning;
 mod replay;
 #[cfg(feature = "view")]
 mod view;
 
+use super::plan::LimitArgs;
 use crate::interrupt::{self, Heedful, stopped};
 use crate::output::{print, warn};
 use core::ops::ControlFlow;
 use monitor::Monitor;
+use planning::Planning;
 use std::path::{Path, PathBuf};
+use std::sync::mpsc::Sender;
 use vibrissa::flow::pose::StampedPose;
 use vibrissa::world::{Map, Robot};
 use vibrissa::{Error, Result};
 use vibrissa_live::journal::Journal;
 use vibrissa_live::record::{Closer, FileStorage};
+use vibrissa_live::robot::Errand;
 use vibrissa_live::run::{Health, Update, run as run_live};
 use vibrissa_live::setup::{self, Setup};
 use vibrissa_live::source::HostClock;
@@ -26,6 +31,7 @@ use vibrissa_live::source::HostClock;
 /// A file live.toml names the map, the robot, and the sources of readings and odometry with their formats and delays. All that
 /// arrives is recorded first, so that a power cut loses at most half a second. The pose, its extent, the verdict and what was
 /// lost stand on a line of the terminal; --json prints each estimate as a line of JSON. Ctrl-C ends the run, a second one at once.
+/// With --plan the next motion is told, too, whenever the robot has come to rest and does not know which of several places it is at.
 ///
 /// With --out DIR: recording.mcap, which --replay runs again to the same estimates, and viewers such as Foxglove show.
 #[derive(Debug, clap::Args)]
@@ -58,6 +64,14 @@ pub(crate) struct Args {
     /// Print the histogram of latencies at the end
     #[arg(long)]
     latency: bool,
+    /// When the robot has come to rest and several places are left: tell the next motion that parts them, as `plan` does
+    #[arg(long, conflicts_with = "replay")]
+    plan: bool,
+    /// The simulated robot goes where the plan tells it, until it knows where it is
+    #[arg(long, conflicts_with_all = ["setup", "replay"])]
+    explore: bool,
+    #[command(flatten)]
+    limits: LimitArgs,
 }
 
 /// How long a disk may take for the end of a recording when nobody wants to wait any more (s).
@@ -71,6 +85,10 @@ const PORT: &str = "8765";
 pub(crate) fn run(args: &Args) -> Result<()> {
     if let Some(speed) = args.speed.filter(|speed| !(*speed > 0.0 && speed.is_finite())) {
         return Err(Error::usage("--speed").value(speed).allowed("above 0"));
+    }
+    if args.explore && !args.demo {
+        return Err(Error::usage("--explore is for the simulated robot")
+            .remedy("add --demo; a robot of your own is told where to go by --plan"));
     }
     if args.setup.is_none() && args.replay.is_none() && !args.demo {
         return Err(Error::usage("no setup is given").remedy(
@@ -88,7 +106,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         (None, Some((path, setup))) => {
             let folder = folder_of(path);
             let out = args.out.clone().unwrap_or_else(|| folder.join("live"));
-            on_robot(args, &setup, &folder, (!args.no_record).then_some(out.as_path()), &Course::default())
+            on_robot(args, &setup, &folder, (!args.no_record).then_some(out.as_path()), Course::default())
         }
         #[cfg(unix)]
         (None, None) => demo::run(args),
@@ -131,16 +149,20 @@ fn close_at_once(closer: &Closer) {
     });
 }
 
-/// What is known of a simulated robot's course.
+/// What is known of a simulated robot's course, and the way to tell it where to go.
 #[derive(Default)]
 struct Course<'a> {
-    truth: &'a [StampedPose],
+    truth: Option<&'a dyn Fn() -> Option<StampedPose>>,
     is_over: Option<&'a dyn Fn() -> bool>,
+    errands: Option<Sender<Errand>>,
 }
 
 /// Runs a setup on the robot that it names.
-fn on_robot(args: &Args, setup: &Setup, folder: &Path, out: Option<&Path>, course: &Course<'_>) -> Result<()> {
+fn on_robot(args: &Args, setup: &Setup, folder: &Path, out: Option<&Path>, course: Course<'_>) -> Result<()> {
     let (map, robot) = world_of(setup)?;
+    let limits = args.limits.options()?;
+    let plans = args.plan || course.errands.is_some();
+    let mut planning = if plans { Some(Planning::start(&map, &robot, limits, course.errands)?) } else { None };
     let (journal, recording) = match out {
         Some(out) => {
             let (storage, path) = FileStorage::create(out, "recording")?;
@@ -161,6 +183,15 @@ fn on_robot(args: &Args, setup: &Setup, folder: &Path, out: Option<&Path>, cours
         if let Some(view) = &view {
             view.show(&update);
         }
+        if let Some(planning) = &mut planning {
+            planning.see(&update);
+            while let Some(answer) = planning.ready() {
+                monitor.plan(&answer);
+                #[cfg(feature = "view")]
+                view.iter().for_each(|view| view.plan(&answer));
+            }
+            planning.end_errands();
+        }
         match update {
             Update::Estimate(told, health) => monitor.estimate(told, health),
             Update::Began(..) | Update::Row(_) => {}
@@ -171,6 +202,7 @@ fn on_robot(args: &Args, setup: &Setup, folder: &Path, out: Option<&Path>, cours
         }
         if stopped() || monitor.is_closed() || is_over { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     });
+    planning.into_iter().flat_map(Planning::end).for_each(|answer| monitor.plan(&answer));
     monitor.end();
     let mut health = finished.as_ref().map_or_else(|_| Health::default(), |finished| finished.health.clone());
     if let Some(journal) = journal {
@@ -184,7 +216,7 @@ fn on_robot(args: &Args, setup: &Setup, folder: &Path, out: Option<&Path>, cours
         return Ok(());
     }
     let mut text = monitor::verdict(&finished.estimate, &health);
-    if let (Some(truth), Some(pose)) = (course.truth.last(), finished.estimate.pose()) {
+    if let (Some(truth), Some(pose)) = (course.truth.and_then(|last| last()), finished.estimate.pose()) {
         let off = pose.position().distance(truth.map_from_robot.position());
         text.push_str(&format!("  off the truth by {:.2} mm\n", 1e3 * off));
     }

@@ -1,11 +1,15 @@
 //! What people see of a run: one line that changes, and an account at the end.
 
+use super::planning::Answer;
+use crate::commands::plan::waypoints;
 use crate::output::{plain, print};
+use serde_json::json;
 use std::fmt::Write as _;
 use std::io::{IsTerminal, Write as _};
 use std::time::{Duration, Instant};
 use vibrissa::error::printable;
 use vibrissa::flow::pose::Estimate;
+use vibrissa::tasks::plan::{Plan, to_json};
 use vibrissa_live::counts::Counts;
 use vibrissa_live::estimate::Told;
 use vibrissa_live::output::words;
@@ -64,6 +68,18 @@ impl Monitor {
         if self.json {
             self.closed |= writeln!(std::io::stdout(), "{}", plain(&told.line)).is_err();
         }
+    }
+
+    /// The next motion: a line of JSON, or words.
+    pub(super) fn plan(&mut self, answer: &Answer) {
+        let Some(plan) = &answer.plan else { return };
+        if self.json {
+            self.closed |= writeln!(std::io::stdout(), "{}", plan_json(answer.t, plan)).is_err();
+            return;
+        }
+        self.clear();
+        let way = plan.next.as_ref().map_or_else(String::new, |next| format!("; {}", waypoints(&next.motion)));
+        let _ = writeln!(std::io::stderr(), "plan: {}{way}", plain(&plan.words()));
     }
 
     pub(super) fn notice(&mut self, notice: &Notice) {
@@ -129,6 +145,11 @@ impl Monitor {
             let _ = write!(std::io::stderr(), "\r\x1b[2K");
         }
     }
+}
+
+/// A plan as a line of JSON: `t` (s) is when the robot came to rest, `plan` is as in plan.json.
+pub(super) fn plan_json(t: f64, plan: &Plan) -> String {
+    json!({ "t": t, "plan": to_json(plan) }).to_string()
 }
 
 /// The sources of which nothing could be read yet.

@@ -1,5 +1,7 @@
 //! What viewers see of a run. Messages are made on a thread of their own: a run never waits for them.
 
+use super::monitor::plan_json;
+use super::planning::Answer;
 use crate::commands::studio::page;
 use crate::commands::studio::server::Server;
 use crate::interrupt::stopped;
@@ -30,6 +32,7 @@ const ESTIMATE: usize = 3;
 const WHISKERS: usize = 4;
 const READINGS: usize = 5;
 const HEALTH: usize = 6;
+const PLAN: usize = 7;
 /// Length of a place's tail (m).
 const TAIL: f64 = 0.02;
 
@@ -60,6 +63,7 @@ impl View {
             text("/vibrissa/whiskers", true),
             text("/vibrissa/readings", false),
             text("/vibrissa/health", true),
+            text("/vibrissa/plan", true),
         ];
         let viewer = Arc::new(Viewer::start(&format!("127.0.0.1:{port}"), topics)?);
         let page = served_page(viewer.address().port());
@@ -96,6 +100,15 @@ impl View {
             Update::Notice(_) | Update::Idle(_) => return,
         };
         let _ = self.sender.try_send(seen);
+    }
+}
+
+impl View {
+    /// Shows the next motion.
+    pub(super) fn plan(&self, answer: &Answer) {
+        if let Some(plan) = &answer.plan {
+            self.viewer.publish(PLAN, answer.t, plan_json(answer.t, plan).into_bytes());
+        }
     }
 }
 

@@ -9,12 +9,11 @@ use super::logs::LogArgs;
 use crate::output::{OutputArgs, counted, print, progress, warn, write_all, wrote};
 pub(super) use figure::named;
 pub(super) use limits::LimitArgs;
-use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::PathBuf;
 use vibrissa::flow::pose::Hypothesis;
 use vibrissa::plane::Pose2;
-use vibrissa::tasks::plan::{Past, Plan, PlanOptions, plan, plan_from, remaining};
+use vibrissa::tasks::plan::{Motion, Past, Plan, PlanOptions, plan, plan_from, remaining, to_json};
 use vibrissa::world::{Map, Robot};
 use vibrissa::{Error, Result};
 
@@ -76,10 +75,8 @@ pub(crate) fn run(args: &Args) -> Result<()> {
 fn text(plan: &Plan, hypotheses: &[Hypothesis], options: &PlanOptions) -> String {
     let mut text = format!("{}\n", plan.words());
     if let Some(next) = &plan.next {
-        let waypoint = |p: &Pose2| format!("({:.0}, {:.0}) mm {:.0} deg", 1e3 * p.x, 1e3 * p.y, p.theta.to_degrees());
-        let way: Vec<String> = next.motion.waypoints().iter().skip(1).map(waypoint).collect();
         let stop: Vec<String> = next.stop_at.iter().map(|moment| format!("{:.2} mN m", 1e3 * moment)).collect();
-        let _ = writeln!(text, "  waypoints     {}, seen from the robot now", way.join(", "));
+        let _ = writeln!(text, "  waypoints     {}", waypoints(&next.motion));
         let _ = writeln!(text, "  stop          where a whisker feels {}", stop.join(", "));
         let _ = writeln!(text, "  information   {:.2} bit", next.information / core::f64::consts::LN_2);
     }
@@ -95,33 +92,15 @@ fn text(plan: &Plan, hypotheses: &[Hypothesis], options: &PlanOptions) -> String
     text
 }
 
-/// The plan as JSON (SI units).
-pub(super) fn value(plan: &Plan) -> Value {
-    let next = plan.next.as_ref().map(|next| {
-        json!({
-            "name": next.motion.name(),
-            "waypoints": next.motion.waypoints().iter().map(|p| json!({"x": p.x, "y": p.y, "theta": p.theta})).collect::<Vec<_>>(),
-            "way": next.motion.way(),
-            "turn": next.motion.turn(),
-            "stop_at": next.stop_at,
-            "places": next.places,
-            "extent": next.extent,
-            "information": next.information,
-        })
-    });
-    json!({
-        "verdict": plan.verdict.as_str(),
-        "words": plan.words(),
-        "next": next,
-        "places": plan.places,
-        "extent": plan.extent,
-        "looked_at": plan.looked_at,
-        "readings": plan.readings,
-    })
+/// Where a motion goes, in words.
+pub(super) fn waypoints(motion: &Motion) -> String {
+    let waypoint = |p: &Pose2| format!("({:.0}, {:.0}) mm {:.0} deg", 1e3 * p.x, 1e3 * p.y, p.theta.to_degrees());
+    let way: Vec<String> = motion.waypoints().iter().skip(1).map(waypoint).collect();
+    format!("{}, seen from the robot now", way.join(", "))
 }
 
 fn as_json(plan: &Plan) -> String {
-    format!("{:#}\n", value(plan))
+    format!("{:#}\n", to_json(plan))
 }
 
 fn csv(plan: &Plan) -> String {

@@ -1,5 +1,6 @@
 //! The closed loop: a simulated robot that localizes itself by its own motion, and stops when it knows where it is.
 
+mod pilot;
 mod run;
 
 #[cfg(doc)]
@@ -15,6 +16,7 @@ use crate::plane::Pose2;
 use crate::sim::{Pace, Stage, SweepNoise, path_through};
 use crate::{Error, Result};
 use core::ops::ControlFlow;
+pub use pilot::{Order, Pilot, way_back};
 use run::Under;
 
 /// How the next motion is chosen.

@@ -1,6 +1,7 @@
 //! The robot on its way: rows, what is known at each, and the next motion.
 
-use super::{Ended, Exploration, ExploreOptions, Made, Onlooker, Strategy, Underway};
+use super::pilot::{Chooser, way_back};
+use super::{Ended, Exploration, ExploreOptions, Made, Onlooker, Order, Pilot, Strategy, Underway};
 use crate::Result;
 use crate::control::{FollowState, WallFollower};
 use crate::flow::pose::{Event, Hypothesis, Localization, StampedPose, Status};
@@ -10,31 +11,20 @@ use crate::plane::{Pose2, Twist2, Vec2, wrap_angle};
 use crate::sim::recorder::TrueErrors;
 use crate::sim::{Drive, Stage, SweepNoise, path_through};
 use crate::tasks::localize;
-use crate::tasks::plan::{
-    Motion, Past, Plan, PlanOptions, PlanVerdict, RemainingState, admissible, history, plan, plan_knowing, remaining,
-};
-use crate::world::MountedWhisker;
+use crate::tasks::plan::{Motion, Past, Plan, history};
 use core::ops::ControlFlow;
 
 /// How often on the way (m, rad) the robot asks whether it knows where it is.
 const ASK: f64 = 0.01;
 const ASK_TURN: f64 = 0.2;
-/// So many motions on the spot on end without a place less are enough.
-const STUCK: usize = 3;
-/// A whisker that is bent by this share of what is gentle is let go first.
-const PRESSED: f64 = 0.9;
 /// What is ahead of the robot (rad to either side).
 const AHEAD: f64 = 0.5;
 /// Turn after which a way along the wall ends in any case (rad).
 const MOST_TURN: f64 = 7.0;
-/// How far a robot goes back the way it came where nothing else is admissible (m), and how often on end.
-const BACK: f64 = 0.05;
-const MOST_BACK: usize = 3;
+/// Way (m) that tells where the robot goes.
+const TELLING: f64 = 0.02;
 /// How far (m) the robot goes on before it asks again where the whole answer was less sure than the estimator.
 const UNSURE: f64 = 0.03;
-/// Shortest motion (m, rad) that is chosen without a plan.
-const SHORTEST: f64 = 0.02;
-const SHORTEST_TURN: f64 = 0.2;
 
 /// A robot on its way.
 pub(super) struct Under<'a> {
@@ -54,7 +44,7 @@ pub(super) struct Under<'a> {
     answered: usize,
     collided: bool,
     hardest: f64,
-    backs: usize,
+    pilot: Pilot,
     /// Whether the onlooker asked for the end.
     broken: bool,
 }
@@ -83,7 +73,7 @@ impl<'a> Under<'a> {
             answered: 0,
             collided: false,
             hardest: 0.0,
-            backs: 0,
+            pilot: Pilot::new(options.plan)?,
             broken: false,
         };
         under.advance(first, &mut |_| ControlFlow::Continue(()))?;
@@ -243,40 +233,33 @@ impl<'a> Under<'a> {
         strategy: &mut Strategy<'_>,
         onlooker: &mut Onlooker<'_>,
     ) -> Result<Option<Ended>> {
-        if self.is_pressed() && self.backs < MOST_BACK {
-            return self.go_back(known, onlooker);
-        }
-        let states = remaining(known, self.options.plan.states);
-        let (motion, stop_at, plan) = if let Strategy::Chosen(choose) = strategy {
-            let (all, stop_at) = self.admissible(&states)?;
-            (if all.is_empty() { None } else { choose(&all, self.ahead()) }, stop_at, None)
-        } else {
-            let plan = self.plan(&states, matches!(strategy, Strategy::Hindsight), self.narrowed_in_vain(known))?;
-            match plan.verdict {
-                PlanVerdict::Symmetric => return Ok(Some(Ended::Symmetric)),
-                PlanVerdict::Known | PlanVerdict::Parts
-                    if plan.verdict == PlanVerdict::Known || self.is_stuck(known) =>
-                {
-                    // The verdict wants more of the same, or what was promised did not come true: the longest way there is.
-                    let (all, stop_at) = self.admissible(&states)?;
-                    let longest = all.into_iter().reduce(|best, one| if one.way() > best.way() { one } else { best });
-                    (longest, stop_at, Some(plan))
-                }
-                _ => {
-                    let next = plan.next.as_ref();
-                    let stop_at = next.map_or_else(Vec::new, |next| next.stop_at.clone());
-                    (next.map(|next| next.motion.clone()), stop_at, Some(plan))
-                }
+        let (history, begin) = (history(self.log.rows.iter().map(|row| row.odom_from_robot)), self.drive.pose());
+        let past = Past { history: &history, readings: self.log.rows.last().map_or(&[], |row| &row.readings) };
+        let (map, robot) = (self.stage.map(), self.stage.robot());
+        let (order, plan) = match strategy {
+            Strategy::Chosen(choose) => {
+                let ahead = self.ahead();
+                let mut choose = |all: &[Motion]| choose(all, ahead);
+                self.pilot.next_by(map, robot, known, &past, Chooser::Other(&mut choose))?
             }
+            Strategy::Hindsight => {
+                self.pilot.next_by(map, robot, known, &past, Chooser::Hindsight(begin.map_from_robot))?
+            }
+            Strategy::Planned | Strategy::Following(_) => self.pilot.next(map, robot, known, &past)?,
         };
         if self.show(false, onlooker) {
             return Ok(None);
         }
-        let begin = self.drive.pose().map_from_robot;
-        let Some(motion) = motion else {
-            return if self.backs < MOST_BACK { self.go_back(known, onlooker) } else { Ok(Some(Ended::Confined)) };
+        let (motion, stop_at) = match order {
+            Order::End(ended) => return Ok(Some(ended)),
+            Order::Back => {
+                self.note(None, "back the way it came", known);
+                let waypoints = way_back(self.truth.iter().rev().map(|pose| pose.map_from_robot));
+                self.go(&waypoints, &[], onlooker)?;
+                return Ok(None);
+            }
+            Order::Go { motion, stop_at } => (motion, stop_at),
         };
-        self.backs = 0;
         self.note(plan, motion.name(), known);
         let follower = WallFollower::new(self.stage.robot(), &self.options.follow()).ok();
         if let Some(mut follower) = follower.filter(|_| self.options.by_touch && goes_along(&motion)) {
@@ -284,7 +267,7 @@ impl<'a> Under<'a> {
             self.motions.last_mut().into_iter().for_each(|made| made.stopped = blocked);
             return Ok(None);
         }
-        let waypoints: Vec<Pose2> = motion.waypoints().iter().map(|pose| begin.compose(*pose)).collect();
+        let waypoints: Vec<Pose2> = motion.waypoints().iter().map(|pose| begin.map_from_robot.compose(*pose)).collect();
         let stopped = self.go(&waypoints, &stop_at, onlooker)?;
         self.motions.last_mut().into_iter().for_each(|made| made.stopped = stopped);
         Ok(None)
@@ -293,40 +276,6 @@ impl<'a> Under<'a> {
     fn note(&mut self, plan: Option<Plan>, name: &'static str, known: &[Hypothesis]) {
         let places = known.iter().map(|h| (h.pose, h.weight)).collect();
         self.motions.push(Made { plan, name, places, row: self.log.rows.len(), stopped: false });
-    }
-
-    /// Whether the last motions, all on the spot, left as many places as there were.
-    fn is_stuck(&self, known: &[Hypothesis]) -> bool {
-        let last = &self.motions[self.motions.len().saturating_sub(STUCK)..];
-        let on_the_spot = |made: &Made| {
-            let next = made.plan.as_ref().and_then(|plan| plan.next.as_ref());
-            next.is_some_and(|next| next.motion.way() < SHORTEST) && made.places.len() <= known.len()
-        };
-        last.len() == STUCK && last.iter().all(on_the_spot)
-    }
-
-    /// Whether the last motion was to narrow several places, and left as many: what it promised again would not come either.
-    fn narrowed_in_vain(&self, known: &[Hypothesis]) -> bool {
-        self.motions.last().is_some_and(|made| {
-            let plan = made.plan.as_ref();
-            let narrows = plan.is_some_and(|plan| plan.next.as_ref().is_some_and(|next| next.places[0] >= plan.places));
-            narrows && known.len() > 1 && known.len() >= made.places.len()
-        })
-    }
-
-    /// Whether a whisker is bent nearly as far as is gentle.
-    fn is_pressed(&self) -> bool {
-        let pressed = |(z, w): (&f64, &MountedWhisker)| z.abs() >= PRESSED * self.options.plan.most(w);
-        self.readings().iter().zip(&self.stage.robot().whiskers).any(pressed)
-    }
-
-    /// Goes back a little the way it came: nothing was there.
-    fn go_back(&mut self, known: &[Hypothesis], onlooker: &mut Onlooker<'_>) -> Result<Option<Ended>> {
-        self.backs += 1;
-        let waypoints = self.way_back();
-        self.note(None, "back the way it came", known);
-        self.go(&waypoints, &[], onlooker)?;
-        Ok(None)
     }
 
     /// Goes through waypoints until a whisker feels too much or the robot knows where it is; whether a whisker ended it.
@@ -393,50 +342,14 @@ impl<'a> Under<'a> {
         Ok(false)
     }
 
-    /// The last poses in reverse order.
-    fn way_back(&self) -> Vec<Pose2> {
-        let (mut poses, mut gone) = (Vec::new(), 0.0);
-        let poses_back = self.truth.iter().rev().map(|pose| pose.map_from_robot);
-        for pose in poses_back {
-            gone += poses.last().map_or(0.0, |last: &Pose2| {
-                last.position().distance(pose.position()) + 0.05 * wrap_angle(last.theta - pose.theta).abs()
-            });
-            if gone > BACK {
-                break;
-            }
-            poses.push(pose);
-        }
-        poses
-    }
-
-    fn plan(&self, states: &[RemainingState], in_hindsight: bool, places_only: bool) -> Result<Plan> {
-        let (history, readings) = (history(&self.log.rows), self.readings());
-        let past = Past { history: &history, readings };
-        let (map, robot) = (self.stage.map(), self.stage.robot());
-        let options = &PlanOptions { places_only, ..self.options.plan };
-        if in_hindsight {
-            return plan_knowing(map, robot, states, &past, options, self.drive.pose().map_from_robot);
-        }
-        plan(map, robot, states, &past, options)
-    }
-
     fn readings(&self) -> &[f64] {
         self.log.rows.last().map_or(&[], |row| &row.readings)
-    }
-
-    /// All admissible motions that are worth a name, and where they end.
-    fn admissible(&self, states: &[RemainingState]) -> Result<(Vec<Motion>, Vec<f64>)> {
-        let (history, readings) = (history(&self.log.rows), self.readings());
-        let past = Past { history: &history, readings };
-        let (mut all, stop_at) = admissible(self.stage.map(), self.stage.robot(), states, &past, &self.options.plan)?;
-        all.retain(|motion| motion.way() >= SHORTEST || motion.turn() >= SHORTEST_TURN);
-        Ok((all, stop_at))
     }
 
     /// Where the robot went last (rad, robot frame).
     fn ahead(&self) -> f64 {
         let now = self.drive.pose().map_from_robot;
-        let far = |pose: &&StampedPose| pose.map_from_robot.position().distance(now.position()) > SHORTEST;
+        let far = |pose: &&StampedPose| pose.map_from_robot.position().distance(now.position()) > TELLING;
         let last = self.truth.iter().rev().find(far);
         last.map_or(0.0, |last| (-now.inverse_transform_point(last.map_from_robot.position())).angle())
     }
@@ -445,5 +358,5 @@ impl<'a> Under<'a> {
 /// Whether a motion goes along the wall, straight ahead of the robot.
 fn goes_along(motion: &Motion) -> bool {
     let end = motion.end();
-    motion.name() == "along the wall" && end.position().norm() > SHORTEST && end.position().angle().abs() < AHEAD
+    motion.name() == "along the wall" && end.position().norm() > TELLING && end.position().angle().abs() < AHEAD
 }

@@ -10,17 +10,21 @@
 //! answer is that of the budget, whatever the machine.
 
 mod candidates;
+mod json;
 mod motion;
 mod options;
 mod past;
+mod planner;
 mod predict;
 mod score;
 mod states;
 mod symmetry;
 
+pub use json::to_json;
 pub use motion::Motion;
 pub use options::{Criterion, PlanOptions};
 pub use past::{Past, history, plan_from};
+pub use planner::Planner;
 pub use states::{RemainingState, remaining};
 
 use crate::plane::Pose2;

@@ -2,7 +2,7 @@
 
 use super::{Plan, PlanOptions, plan, remaining};
 use crate::flow::pose::Localization;
-use crate::flow::sensor_log::{LogRow, SensorLog};
+use crate::flow::sensor_log::SensorLog;
 use crate::io::calibrated;
 use crate::localizer::Method;
 use crate::plane::{Pose2, wrap_angle};
@@ -11,9 +11,9 @@ use crate::world::{Map, Robot};
 use crate::{Error, Result};
 
 /// How far back (m) a plan looks at how the robot came, how finely (m, rad), and most poses.
-const FAR: f64 = 0.06;
-const STEP: f64 = 4e-3;
-const STEP_TURN: f64 = 0.05;
+pub(super) const FAR: f64 = 0.06;
+pub(super) const STEP: f64 = 4e-3;
+pub(super) const STEP_TURN: f64 = 0.05;
 const MOST: usize = 40;
 
 /// How the robot came here.
@@ -25,13 +25,13 @@ pub struct Past<'a> {
     pub readings: &'a [f64],
 }
 
-/// The last poses of a log by its odometry, seen from the last one, the oldest first, see [`Past`].
+/// The last poses of a way by odometry (odometry frame, the oldest first), seen from the last one, see [`Past`].
 #[must_use]
-pub fn history(rows: &[LogRow]) -> Vec<Pose2> {
-    let Some(last) = rows.last() else { return Vec::new() };
-    let (mut poses, mut at, mut gone) = (Vec::new(), last.odom_from_robot, 0.0);
-    for row in rows.iter().rev() {
-        let pose = row.odom_from_robot;
+pub fn history(way: impl DoubleEndedIterator<Item = Pose2>) -> Vec<Pose2> {
+    let mut newest_first = way.rev();
+    let Some(last) = newest_first.next() else { return Vec::new() };
+    let (mut poses, mut at, mut gone) = (Vec::new(), last, 0.0);
+    for pose in newest_first {
         let way = pose.position().distance(at.position());
         if way < STEP && wrap_angle(pose.theta - at.theta).abs() < STEP_TURN {
             continue;
@@ -40,7 +40,7 @@ pub fn history(rows: &[LogRow]) -> Vec<Pose2> {
         if gone > FAR || poses.len() >= MOST {
             break;
         }
-        poses.push(last.odom_from_robot.between(pose));
+        poses.push(last.between(pose));
         at = pose;
     }
     poses.reverse();
@@ -69,7 +69,7 @@ pub fn plan_from(
     }
     let states = remaining(&answer.hypotheses, options.states);
     let readings = readings(&log, &robot);
-    let past = Past { history: &history(&log.rows), readings: &readings };
+    let past = Past { history: &history(log.rows.iter().map(|row| row.odom_from_robot)), readings: &readings };
     let plan = plan(map, &robot, &states, &past, options)?;
     Ok((answer, plan))
 }
