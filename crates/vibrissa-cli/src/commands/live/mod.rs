@@ -202,7 +202,6 @@ fn on_robot(args: &Args, setup: &Setup, folder: &Path, out: Option<&Path>, cours
         }
         if stopped() || monitor.is_closed() || is_over { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     });
-    planning.into_iter().flat_map(Planning::end).for_each(|answer| monitor.plan(&answer));
     monitor.end();
     let mut health = finished.as_ref().map_or_else(|_| Health::default(), |finished| finished.health.clone());
     if let Some(journal) = journal {
@@ -210,6 +209,10 @@ fn on_robot(args: &Args, setup: &Setup, folder: &Path, out: Option<&Path>, cours
         if let Err(reason) = journal.finish() {
             warn(&format!("the recording could not be closed ({reason}); what was written before is whole"));
         }
+    }
+    // Who asked for the end does not wait for a plan.
+    if !stopped() {
+        planning.into_iter().flat_map(Planning::end).for_each(|answer| monitor.plan(&answer));
     }
     let finished = finished?;
     if args.json {

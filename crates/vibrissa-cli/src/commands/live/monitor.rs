@@ -1,7 +1,7 @@
 //! What people see of a run: one line that changes, and an account at the end.
 
 use super::planning::Answer;
-use crate::commands::plan::waypoints;
+use crate::commands::plan::{waypoints, where_to_stop};
 use crate::output::{plain, print};
 use serde_json::json;
 use std::fmt::Write as _;
@@ -78,7 +78,10 @@ impl Monitor {
             return;
         }
         self.clear();
-        let way = plan.next.as_ref().map_or_else(String::new, |next| format!("; {}", waypoints(&next.motion)));
+        let way = plan
+            .next
+            .as_ref()
+            .map_or_else(String::new, |next| format!("; {}; stop {}", waypoints(&next.motion), where_to_stop(next)));
         let _ = writeln!(std::io::stderr(), "plan: {}{way}", plain(&plan.words()));
     }
 

@@ -5,7 +5,7 @@ use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
 use vibrissa::Result;
 use vibrissa::flow::pose::{Hypothesis, Status};
 use vibrissa::plane::Pose2;
-use vibrissa::tasks::explore::{Ended, Order, Pilot, way_back};
+use vibrissa::tasks::explore::{Ended, ExploreOptions, Order, Pilot, way_back};
 use vibrissa::tasks::plan::{Past, Plan, PlanOptions, Planner};
 use vibrissa::world::{Map, Robot};
 use vibrissa_live::estimate::Told;
@@ -18,8 +18,8 @@ const REST: f64 = 0.3;
 const SEEN: f64 = 0.1;
 /// So long (s) the estimator has said that it knows where the robot is before a robot that obeys believes it.
 const SURE: f64 = 0.3;
-/// Motions after which a robot that obeys gives up.
-const MOST_MOTIONS: usize = 40;
+/// A robot that obeys and has rested for so long (s) finds out nothing more: no place is known, or no motion came of a plan.
+const IDLE: f64 = 10.0;
 
 /// What a plan is asked for.
 struct Question {
@@ -44,7 +44,7 @@ pub(super) struct Planning {
     asked: Option<f64>,
     questions: Option<SyncSender<Question>>,
     answers: Receiver<Answer>,
-    /// Of a robot that obeys: since when (s) it is localized, and whether its errands are over.
+    /// Whether the robot obeys; since when (s) it is localized, and whether its errands are over.
     obeys: bool,
     known_since: Option<f64>,
     arrived: bool,
@@ -99,7 +99,7 @@ impl Planning {
         let is_sure = self.known_since.is_some_and(|since| told.t - since >= SURE);
         let Some((rested, since)) = self.planner.as_ref().and_then(Planner::rest) else { return };
         let rests = rested >= REST && told.t >= since + SEEN;
-        self.arrived |= self.obeys && (is_sure || (rests && status == Status::Inconsistent));
+        self.arrived |= self.obeys && (is_sure || rested >= IDLE || (rests && status == Status::Inconsistent));
         if rests && self.asked != Some(since) && status == Status::Ambiguous && !told.estimate.hypotheses.is_empty() {
             self.ask(since, told.estimate.hypotheses.clone());
         }
@@ -155,6 +155,7 @@ fn steer(
     answers: &Sender<Answer>,
     errands: &Sender<Errand>,
 ) {
+    let most = ExploreOptions::default().most_motions;
     for (count, Question { t, places, planner }) in questions.iter().enumerate() {
         let (history, readings) = planner.past();
         let (order, plan) = match pilot.next(map, robot, &places, &Past { history: &history, readings }) {
@@ -168,8 +169,8 @@ fn steer(
             Order::Back => Errand { waypoints: seen_from_here(way_back(planner.way())), stop_at: Vec::new() },
             Order::End(ended) => return warn(&format!("the robot stops: {}", why(ended))),
         };
-        if count >= MOST_MOTIONS {
-            return warn(&format!("the robot stops: it knows no more after {MOST_MOTIONS} motions"));
+        if count >= most {
+            return warn(&format!("the robot stops: it knows no more after {most} motions"));
         }
         if errands.send(errand).is_err() {
             return;

@@ -101,9 +101,7 @@ impl View {
         };
         let _ = self.sender.try_send(seen);
     }
-}
 
-impl View {
     /// Shows the next motion.
     pub(super) fn plan(&self, answer: &Answer) {
         if let Some(plan) = &answer.plan {

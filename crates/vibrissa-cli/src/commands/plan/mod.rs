@@ -13,7 +13,7 @@ use std::fmt::Write;
 use std::path::PathBuf;
 use vibrissa::flow::pose::Hypothesis;
 use vibrissa::plane::Pose2;
-use vibrissa::tasks::plan::{Motion, Past, Plan, PlanOptions, plan, plan_from, remaining, to_json};
+use vibrissa::tasks::plan::{Motion, Past, Plan, PlanOptions, PlannedMotion, plan, plan_from, remaining, to_json};
 use vibrissa::world::{Map, Robot};
 use vibrissa::{Error, Result};
 
@@ -75,9 +75,8 @@ pub(crate) fn run(args: &Args) -> Result<()> {
 fn text(plan: &Plan, hypotheses: &[Hypothesis], options: &PlanOptions) -> String {
     let mut text = format!("{}\n", plan.words());
     if let Some(next) = &plan.next {
-        let stop: Vec<String> = next.stop_at.iter().map(|moment| format!("{:.2} mN m", 1e3 * moment)).collect();
         let _ = writeln!(text, "  waypoints     {}", waypoints(&next.motion));
-        let _ = writeln!(text, "  stop          where a whisker feels {}", stop.join(", "));
+        let _ = writeln!(text, "  stop          {}", where_to_stop(next));
         let _ = writeln!(text, "  information   {:.2} bit", next.information / core::f64::consts::LN_2);
     }
     let [looked, admissible] = plan.looked_at;
@@ -97,6 +96,12 @@ pub(super) fn waypoints(motion: &Motion) -> String {
     let waypoint = |p: &Pose2| format!("({:.0}, {:.0}) mm {:.0} deg", 1e3 * p.x, 1e3 * p.y, p.theta.to_degrees());
     let way: Vec<String> = motion.waypoints().iter().skip(1).map(waypoint).collect();
     format!("{}, seen from the robot now", way.join(", "))
+}
+
+/// Where the robot has to end a motion, in words.
+pub(super) fn where_to_stop(next: &PlannedMotion) -> String {
+    let stop: Vec<String> = next.stop_at.iter().map(|moment| format!("{:.2} mN m", 1e3 * moment)).collect();
+    format!("where a whisker feels {}", stop.join(", "))
 }
 
 fn as_json(plan: &Plan) -> String {

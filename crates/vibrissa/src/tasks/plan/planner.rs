@@ -4,7 +4,7 @@ use super::past::{FAR, STEP, STEP_TURN, history};
 use super::{Past, Plan, PlanOptions, plan, remaining};
 use crate::Result;
 use crate::flow::pose::Hypothesis;
-use crate::flow::sensor_log::{Channel, LogRow, Quantity};
+use crate::flow::sensor_log::{Channel, LogRow, SensorLog};
 use crate::plane::{Pose2, wrap_angle};
 use crate::world::{Map, Robot};
 use std::collections::VecDeque;
@@ -39,11 +39,8 @@ impl Planner {
     pub fn new(robot: &Robot, channels: &[Channel], options: PlanOptions) -> Result<Self> {
         options.check()?;
         robot.require_level("plan")?;
-        let channel = |name: &str| {
-            let is_own = |c: &Channel| c.quantity == Quantity::Moment && (c.whisker.is_empty() || c.whisker == name);
-            channels.iter().position(is_own)
-        };
-        let moments = robot.whiskers.iter().map(|whisker| channel(&whisker.name)).collect();
+        let log = SensorLog { channels: channels.to_vec(), ..SensorLog::default() };
+        let moments = robot.whiskers.iter().map(|whisker| log.moment_channel(&whisker.name).ok()).collect();
         Ok(Self { options, moments, way: VecDeque::new(), readings: Vec::new(), last: None, rests: None })
     }
 
