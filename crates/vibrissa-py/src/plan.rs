@@ -46,6 +46,7 @@ pub(crate) fn explore<'py>(
     most_way: f64,
     seed: u64,
     strategy: &str,
+    tested: bool,
     method: &str,
     options: &Bound<'py, PyDict>,
     limits: &Bound<'py, PyDict>,
@@ -53,7 +54,7 @@ pub(crate) fn explore<'py>(
     let (method, plan) = (method_of(py, method, options)?, limits_of(limits)?);
     let (scenario, follows) = (Arc::clone(&scenario.0), strategy == "wall");
     let found = run(py, None, 0, move |watch| {
-        let options = ExploreOptions { plan, most_way, ..ExploreOptions::default() };
+        let options = ExploreOptions { plan, most_way, is_tested: tested, ..ExploreOptions::default() };
         let (map, robot) = (scenario.map.clone(), scenario.robot.clone());
         let stage = Stage::new(map, robot, SimulateOptions::default())?;
         let strategy = if follows { Strategy::Following(options.follow()) } else { Strategy::Planned };

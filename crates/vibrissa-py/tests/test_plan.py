@@ -91,8 +91,12 @@ def test_walls_are_followed_by_touch(tmp_path: Path) -> None:
     scenario = tmp_path / "wall.toml"
     scenario.write_text(WALL)
     found = vibrissa.explore(scenario, strategy="wall", most_way=0.3)
-    assert found.motions and all(one.words == "along the wall, by touch" for one in found.motions)
+    words = {one.words for one in found.motions}
+    assert "along the wall, by touch" in words <= {"along the wall, by touch", "a test of the place"}
     assert found.hardest < 1.0 and not found.collided
+    # One that stops as soon as a place is told tests none.
+    untested = vibrissa.explore(scenario, strategy="wall", most_way=0.3, tested=False)
+    assert all(one.words != "a test of the place" for one in untested.motions)
     # Whiskers that trail cannot lead along a wall.
     with pytest.raises(vibrissa.UsageError, match="points 12 to 78 deg off"):
         vibrissa.explore(ROOT / "scenarios/square.toml", strategy="wall")

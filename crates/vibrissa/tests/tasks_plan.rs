@@ -10,7 +10,7 @@ use vibrissa::sim::recorder::TrueErrors;
 use vibrissa::sim::{Drive, Pace, SimulateOptions, Stage, SweepNoise, path_through};
 use vibrissa::tasks::plan::{
     Criterion, Motion, Past, Plan, PlanOptions, PlanVerdict, Planner, RemainingState, admissible, history, plan,
-    remaining, to_json,
+    remaining, test_of, to_json,
 };
 use vibrissa::world::{Boundary, Map, MountedWhisker, Robot, Role};
 
@@ -182,6 +182,32 @@ fn the_plan_is_that_of_its_budget_and_better_with_more() {
     let all = [50, 200, 2_000, 100_000].map(rate);
     assert!(all.windows(2).all(|w| w[0].0 <= w[1].0), "{all:?}");
     assert!(all[3].1 > 0.69 && all[0].0 < all[3].0, "{all:?}");
+}
+
+/// By how much a reading changes in all.
+fn change(readings: &[f64]) -> f64 {
+    readings.windows(2).map(|w| (w[1] - w[0]).abs()).sum()
+}
+
+#[test]
+fn a_test_of_a_place_is_a_short_motion_along_which_much_is_felt() {
+    let (map, robot, options) = (room(&BAY), robot(), options());
+    let past = Past { history: &[], readings: &[] };
+    for x in [0.05, 0.12, 0.2, 0.4] {
+        let place = state(0, Pose2::new(x, off(), 0.0));
+        let (motion, stop_at) = test_of(&map, &robot, &[place.clone()], &past, &options, 0.06).unwrap().expect("none");
+        assert!(motion.way() <= 0.06 + 1e-9, "{}", motion.way());
+        let own = change(&felt(&map, &place, &motion, &stop_at));
+        // The simulator knows nothing of how it was chosen.
+        let (all, stop_at) = admissible(&map, &robot, &[place.clone()], &past, &options).unwrap();
+        let short = all.iter().filter(|motion| motion.way() <= 0.06);
+        let most = short.map(|other| change(&felt(&map, &place, other, &stop_at))).fold(0.0, f64::max);
+        assert!(own > 0.5 * most && own > 1e-3, "at {x} m: {own} N m by {}, {most} at most", motion.name());
+    }
+    // Where nothing is within reach nothing can be tested.
+    let hall = room(&[(0.0, 0.0), (2.0, 0.0), (2.0, 2.0), (0.0, 2.0)]);
+    let alone = state(0, Pose2::new(1.0, 1.0, 0.0));
+    assert_eq!(test_of(&hall, &robot, &[alone], &past, &options, 0.06).unwrap(), None);
 }
 
 #[test]

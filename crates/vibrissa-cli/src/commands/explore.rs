@@ -44,6 +44,9 @@ pub(crate) struct Args {
     /// How the robot chooses its motions
     #[arg(long, value_enum, default_value_t)]
     strategy: Choice,
+    /// Stop as soon as the log tells the place, without the motion that tests it
+    #[arg(long)]
+    untested: bool,
     /// Also write explore.html: a film of the states that explain what was felt so far
     #[arg(long, requires = "out")]
     animate: bool,
@@ -86,7 +89,8 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     if !(0.0..=1000.0).contains(&most_way) {
         return Err(Error::usage("--most-way").value(&args.most_way).allowed("0 to 1000 m"));
     }
-    let options = ExploreOptions { plan: args.limits.options()?, most_way, ..ExploreOptions::default() };
+    let (plan, is_tested) = (args.limits.options()?, !args.untested);
+    let options = ExploreOptions { plan, most_way, is_tested, ..ExploreOptions::default() };
     let scenario = Scenario::read(&args.scenario)?;
     check_robot(&scenario.robot, &scenario.map)?;
     let begin = beginning(&scenario.path, quantity("--begin", &args.begin, Length)?);

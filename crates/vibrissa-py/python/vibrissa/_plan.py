@@ -265,6 +265,7 @@ def explore(
     most_way: float | str = 2.0,
     seed: int = 1,
     strategy: Strategy = "planned",
+    tested: bool = True,
     limits: MotionLimits | None = None,
     **options: Unpack[PlanOptions],
 ) -> Exploration:
@@ -284,6 +285,8 @@ def explore(
         Of the noise.
     strategy : str
         How motions are chosen: as ``plan`` tells, or along the wall by touch.
+    tested : bool
+        Whether one more motion tests the place before the robot stops.
     {limits}
     **options
         The fields of ``MotionLimits``, and the options of the method, by name.
@@ -305,7 +308,7 @@ def explore(
     told, rest = _told(limits, options)
     name, given = method_of(method, rest)
     first, whole = number("begin", begin, "length"), number("most_way", most_way, "length")
-    log, found = _vibrissa.explore(read, first, whole, seed, strategy, name, given, told)
+    log, found = _vibrissa.explore(read, first, whole, seed, strategy, tested, name, given, told)
     made = {
         **found,
         "motions": [MadeMotion(**one) for one in found["motions"]],

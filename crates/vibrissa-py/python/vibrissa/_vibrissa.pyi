@@ -398,6 +398,7 @@ def explore(
     most_way: float,
     seed: int,
     strategy: str,
+    tested: bool,
     method: str,
     options: dict[str, Any],
     limits: dict[str, Any],

@@ -51,6 +51,8 @@ pub struct ExploreOptions {
     /// Whether motions along the wall that go ahead are made by [`WallFollower`] instead of straight. It sees to bumps and corners, but not to what
     /// stands on the side of the robot where no whisker is.
     pub by_touch: bool,
+    /// Whether a robot that knows its place makes one more motion before it stops, along which it would feel something else if it were elsewhere.
+    pub is_tested: bool,
 }
 
 impl Default for ExploreOptions {
@@ -62,6 +64,7 @@ impl Default for ExploreOptions {
             most_motions: 40,
             answer_each: 1,
             by_touch: false,
+            is_tested: true,
         }
     }
 }
@@ -174,7 +177,7 @@ pub struct Exploration {
 
 /// Lets a robot go along `begin` (map frame), at least two waypoints, and then on by its own motions until it knows where it is.
 ///
-/// Whiskers must be free at the first waypoint. The same arguments give the same answer.
+/// Whiskers must be free at the first waypoint; the motion ends where one feels as much as other motions end at. The same arguments give the same answer.
 ///
 /// # Errors
 ///

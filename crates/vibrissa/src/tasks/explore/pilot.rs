@@ -5,7 +5,7 @@ use crate::Result;
 use crate::flow::pose::Hypothesis;
 use crate::plane::{Pose2, wrap_angle};
 use crate::tasks::plan::{
-    Motion, Past, Plan, PlanOptions, PlanVerdict, RemainingState, admissible, plan, plan_knowing, remaining,
+    Motion, Past, Plan, PlanOptions, PlanVerdict, RemainingState, admissible, plan, plan_knowing, remaining, test_of,
 };
 use crate::world::{Map, MountedWhisker, Robot};
 
@@ -16,6 +16,8 @@ const PRESSED: f64 = 0.9;
 /// How often on end a robot goes back the way it came where nothing else is admissible, and how far (m).
 const MOST_BACK: usize = 3;
 const BACK: f64 = 0.05;
+/// Longest way (m) of the motion that tests a place.
+const LONGEST_TEST: f64 = 0.06;
 /// Shortest motion (m, rad) that is chosen without a plan.
 const SHORTEST: f64 = 0.02;
 const SHORTEST_TURN: f64 = 0.2;
@@ -89,6 +91,26 @@ impl Pilot {
         past: &Past<'_>,
     ) -> Result<(Order, Option<Plan>)> {
         self.next_by(map, robot, places, past, Chooser::Plan)
+    }
+
+    /// What a robot does that seems to know its place: the motion that tests whether it is there, see [`test_of`], where it can make one; else back
+    /// the way it came. It ends where that has been tried as often as it may be.
+    ///
+    /// # Errors
+    ///
+    /// As [`plan`].
+    pub fn test(&mut self, map: &Map, robot: &Robot, places: &[Hypothesis], past: &Past<'_>) -> Result<Order> {
+        let motion = if self.is_pressed(robot, past.readings) {
+            None
+        } else {
+            let states = remaining(&places[..places.len().min(1)], self.options.states);
+            test_of(map, robot, &states, past, &self.options, LONGEST_TEST)?
+        };
+        Ok(match motion {
+            Some((motion, stop_at)) => self.order(Some(motion), stop_at, None, places),
+            None if self.backs < MOST_BACK => self.back(places),
+            None => Order::End(Ended::Localized),
+        })
     }
 
     pub(super) fn next_by(

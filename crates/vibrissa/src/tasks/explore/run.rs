@@ -26,6 +26,11 @@ const TELLING: f64 = 0.02;
 /// How far (m) the robot goes on before it asks again where the whole answer was less sure than the estimator.
 const UNSURE: f64 = 0.03;
 
+/// The name of the motion that tests a place.
+const TEST: &str = "a test of the place";
+/// A place that was tested is where it was before if it is no further off than this (m) of where the odometry has it.
+const SAME_PLACE: f64 = 0.02;
+
 /// A robot on its way.
 pub(super) struct Under<'a> {
     stage: &'a Stage,
@@ -45,6 +50,10 @@ pub(super) struct Under<'a> {
     collided: bool,
     hardest: f64,
     pilot: Pilot,
+    /// The odometry's pose and the place, while that is tested.
+    tested: Option<(Pose2, Pose2)>,
+    /// Whether the robot seems to know where it is, and asks no more on its way.
+    is_sure: bool,
     /// Whether the onlooker asked for the end.
     broken: bool,
 }
@@ -74,6 +83,8 @@ impl<'a> Under<'a> {
             collided: false,
             hardest: 0.0,
             pilot: Pilot::new(options.plan)?,
+            tested: None,
+            is_sure: false,
             broken: false,
         };
         under.advance(first, &mut |_| ControlFlow::Continue(()))?;
@@ -165,11 +176,12 @@ impl<'a> Under<'a> {
 
     /// The first motion, which nobody chooses.
     pub(super) fn begin(&mut self, path: &[StampedPose], onlooker: &mut Onlooker<'_>) -> Result<()> {
+        let stop_at = self.options.plan.stop_at(self.stage.robot());
         for pose in path {
-            if self.broken {
+            let sizes = self.advance(*pose, onlooker)?;
+            if self.broken || sizes.iter().zip(&stop_at).any(|(size, most)| size >= most) {
                 break;
             }
-            self.advance(*pose, onlooker)?;
         }
         self.log.channels = self.stage.channels();
         (self.way, self.turn, self.hardest) = (0.0, 0.0, 0.0);
@@ -189,8 +201,9 @@ impl<'a> Under<'a> {
             if self.show(true, onlooker) {
                 return Ok(self.so_far());
             }
+            let before = self.tested.take();
             let ended = match status {
-                Status::Localized => Some(Ended::Localized),
+                Status::Localized => self.tested_by_motion(before, &places, onlooker)?.then_some(Ended::Localized),
                 Status::Inconsistent => Some(Ended::Inconsistent),
                 _ if places.is_empty() => Some(Ended::NoPlace),
                 _ if self.way > self.options.most_way || self.motions.len() >= self.options.most_motions => {
@@ -226,6 +239,31 @@ impl<'a> Under<'a> {
         }
     }
 
+    /// Whether a place has stood a test since it was told first, needs none, or cannot be tested; else the motion that tests it is made.
+    fn tested_by_motion(
+        &mut self,
+        before: Option<(Pose2, Pose2)>,
+        places: &[Hypothesis],
+        onlooker: &mut Onlooker<'_>,
+    ) -> Result<bool> {
+        let Some(row) = self.log.rows.last().filter(|_| self.options.is_tested) else { return Ok(true) };
+        let (odom, place) = (row.odom_from_robot, places[0].pose);
+        if let Some((odom_before, place_before)) = before {
+            let expected = place_before.compose(odom_before.between(odom));
+            if expected.position().distance(place.position()) <= SAME_PLACE {
+                return Ok(true);
+            }
+        }
+        let history = history(self.log.rows.iter().map(|row| row.odom_from_robot));
+        let past = Past { history: &history, readings: &row.readings };
+        let order = self.pilot.test(self.stage.map(), self.stage.robot(), places, &past)?;
+        self.tested = matches!(order, Order::Go { .. }).then_some((odom, place));
+        self.is_sure = true;
+        let ended = self.obey(order, None, TEST, places, onlooker)?;
+        self.is_sure = false;
+        Ok(ended.is_some())
+    }
+
     /// One motion, or why there is none.
     fn motion(
         &mut self,
@@ -250,6 +288,19 @@ impl<'a> Under<'a> {
         if self.show(false, onlooker) {
             return Ok(None);
         }
+        let name = if let Order::Go { motion, .. } = &order { motion.name() } else { "" };
+        self.obey(order, plan, name, known, onlooker)
+    }
+
+    /// Does what is ordered, a motion under this name; or why it ends.
+    fn obey(
+        &mut self,
+        order: Order,
+        plan: Option<Plan>,
+        name: &'static str,
+        known: &[Hypothesis],
+        onlooker: &mut Onlooker<'_>,
+    ) -> Result<Option<Ended>> {
         let (motion, stop_at) = match order {
             Order::End(ended) => return Ok(Some(ended)),
             Order::Back => {
@@ -260,14 +311,15 @@ impl<'a> Under<'a> {
             }
             Order::Go { motion, stop_at } => (motion, stop_at),
         };
-        self.note(plan, motion.name(), known);
+        let begin = self.drive.pose().map_from_robot;
+        self.note(plan, name, known);
         let follower = WallFollower::new(self.stage.robot(), &self.options.follow()).ok();
         if let Some(mut follower) = follower.filter(|_| self.options.by_touch && goes_along(&motion)) {
             let blocked = self.go_along(&mut follower, motion.way(), onlooker)?;
             self.motions.last_mut().into_iter().for_each(|made| made.stopped = blocked);
             return Ok(None);
         }
-        let waypoints: Vec<Pose2> = motion.waypoints().iter().map(|pose| begin.map_from_robot.compose(*pose)).collect();
+        let waypoints: Vec<Pose2> = motion.waypoints().iter().map(|pose| begin.compose(*pose)).collect();
         let stopped = self.go(&waypoints, &stop_at, onlooker)?;
         self.motions.last_mut().into_iter().for_each(|made| made.stopped = stopped);
         Ok(None)
@@ -296,7 +348,7 @@ impl<'a> Under<'a> {
 
     /// Whether the robot knows where it is, if it is time to ask.
     fn is_localized(&mut self, onlooker: &mut Onlooker<'_>) -> Result<bool> {
-        if self.way - self.asked[0] <= ASK && self.turn - self.asked[1] <= ASK_TURN {
+        if self.is_sure || self.way - self.asked[0] <= ASK && self.turn - self.asked[1] <= ASK_TURN {
             return Ok(false);
         }
         self.asked = [self.way, self.turn];

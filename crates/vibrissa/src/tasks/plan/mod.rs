@@ -254,6 +254,42 @@ pub fn admissible(
     Ok((all, predictor.stop_at().to_vec()))
 }
 
+/// The motion that tests whether the robot is at one place: along it the readings that the place expects change most, within their noise. Where it
+/// is elsewhere other readings come. At most so long (m; a turn may take as long as it takes), and what ends it; none where no motion is admissible
+/// or nothing would be felt along any.
+///
+/// # Errors
+///
+/// As [`plan`].
+pub fn test_of(
+    map: &Map,
+    robot: &Robot,
+    states: &[RemainingState],
+    past: &Past<'_>,
+    options: &PlanOptions,
+    longest: f64,
+) -> Result<Option<(Motion, Vec<f64>)>> {
+    options.check()?;
+    robot.require_level("plan")?;
+    check(states)?;
+    let states = &states::possible(map, robot, states, options.footprint)[..];
+    let mut predictor = Predictor::new(map, robot, states, past, options)?;
+    let mut best: Option<(f64, Motion)> = None;
+    for motion in candidates::all(map, robot, states, options) {
+        match predictor.roll(&motion, None) {
+            Rollout::Spent => break,
+            Rollout::Refused => {}
+            Rollout::Felt(felt) => {
+                let Some((change, step)) = felt.most_change(longest) else { continue };
+                if best.as_ref().is_none_or(|(most, _)| change > *most) {
+                    best = Some((change, motion.up_to(step)));
+                }
+            }
+        }
+    }
+    Ok(best.map(|(_, motion)| (motion, predictor.stop_at().to_vec())))
+}
+
 fn check(states: &[RemainingState]) -> Result<()> {
     let is_sound = |s: &RemainingState| {
         let finite = s.pose.position().is_finite() && s.pose.theta.is_finite();

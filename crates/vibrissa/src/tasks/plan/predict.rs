@@ -47,6 +47,36 @@ pub(super) struct Felt {
     ends: Vec<Now>,
 }
 
+impl Felt {
+    /// By how much in all the readings of the states change on the way, in half widths of their bands, in the mean, and the step up to which they
+    /// do; no way longer than so (m). None where they do not change beyond their bands.
+    pub(super) fn most_change(&self, longest: f64) -> Option<(f64, &Step)> {
+        let states = self.at.first().map_or(0, Vec::len);
+        let (mut sum, mut last) = (0.0, None);
+        for (k, step) in self.steps.iter().enumerate().skip(1).take_while(|(_, step)| step.way <= longest) {
+            let mut more = 0.0;
+            for (before, now) in self.at[k - 1].iter().zip(&self.at[k]) {
+                if let (At::Runs(before), At::Runs(now) | At::May(now)) = (before, now) {
+                    more += before.iter().zip(now).map(|(a, b)| a.change_to(b)).sum::<f64>();
+                }
+            }
+            if more > 0.0 {
+                (sum, last) = (sum + more / states as f64, Some(step));
+            }
+        }
+        last.map(|step| (sum, step))
+    }
+}
+
+impl Band {
+    /// By how much it moves beyond its width, in half widths.
+    fn change_to(&self, next: &Self) -> f64 {
+        let middle = |band: &Self| 0.5 * (band.low + band.high);
+        let half = 0.5 * (self.high - self.low).max(next.high - next.low);
+        ((middle(self) - middle(next)).abs() / half.max(f64::MIN_POSITIVE) - 1.0).max(0.0)
+    }
+}
+
 pub(super) enum Rollout {
     Felt(Felt),
     /// Some state cannot make even a little of it.
