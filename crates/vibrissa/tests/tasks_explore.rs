@@ -155,7 +155,15 @@ fn a_pilot_lets_a_pressed_whisker_go_and_says_when_there_is_no_way() {
     assert_eq!(next(&mut pilot, 0.0).0, Order::End(Ended::Confined));
     assert!(Pilot::new(PlanOptions { longest: -1.0, ..plan }).is_err());
     // The way back ends after 50 mm, where a turn counts, too.
+    let end = |way: Vec<Pose2>| *way.last().unwrap();
     let straight = (0..200).map(|k| Pose2::new(-1e-3 * f64::from(k), 0.0, 0.0));
     let turning = (0..200).map(|k| Pose2::new(0.0, 0.0, 0.02 * f64::from(k)));
-    assert_eq!((way_back(straight).len(), way_back(turning).len()), (51, 51));
+    let (back, turned) = (end(way_back(straight)), end(way_back(turning)));
+    assert!((-0.0501..-0.046).contains(&back.x) && (0.92..1.001).contains(&turned.theta), "{back:?} {turned:?}");
+    // One that went back before goes on from there, by poses that are not those that it came by.
+    let came = (0..100).map(|k| 1.9e-3 * f64::from(k)).chain((0..33).map(|k| 0.19 - 1.5e-3 * f64::from(k)));
+    let poses: Vec<Pose2> = came.map(|x| Pose2::new(x, 0.0, 0.0)).collect();
+    let (here, back) = (poses[poses.len() - 1].x, end(way_back(poses.iter().rev().copied())));
+    assert!((0.044..0.0501).contains(&(here - back.x)), "{here} {back:?}");
+    assert!(way_back(core::iter::empty()).is_empty());
 }

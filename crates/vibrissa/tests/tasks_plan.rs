@@ -195,11 +195,11 @@ fn a_test_of_a_place_is_a_short_motion_along_which_much_is_felt() {
     let past = Past { history: &[], readings: &[] };
     for x in [0.05, 0.12, 0.2, 0.4] {
         let place = state(0, Pose2::new(x, off(), 0.0));
-        let (motion, stop_at) = test_of(&map, &robot, &[place.clone()], &past, &options, 0.06).unwrap().expect("none");
+        let (motion, stop_at) = test_of(&map, &robot, &[place], &past, &options, 0.06).unwrap().expect("none");
         assert!(motion.way() <= 0.06 + 1e-9, "{}", motion.way());
         let own = change(&felt(&map, &place, &motion, &stop_at));
         // The simulator knows nothing of how it was chosen.
-        let (all, stop_at) = admissible(&map, &robot, &[place.clone()], &past, &options).unwrap();
+        let (all, stop_at) = admissible(&map, &robot, &[place], &past, &options).unwrap();
         let short = all.iter().filter(|motion| motion.way() <= 0.06);
         let most = short.map(|other| change(&felt(&map, &place, other, &stop_at))).fold(0.0, f64::max);
         assert!(own > 0.5 * most && own > 1e-3, "at {x} m: {own} N m by {}, {most} at most", motion.name());

@@ -18,6 +18,9 @@ const MOST_BACK: usize = 3;
 const BACK: f64 = 0.05;
 /// Longest way (m) of the motion that tests a place.
 const LONGEST_TEST: f64 = 0.06;
+/// Poses no further from each other than this (m; a radian counts as `BACK`) are one on a way back, and the most that are looked at.
+const THERE: f64 = 3e-3;
+const MOST_POSES: usize = 1000;
 /// Shortest motion (m, rad) that is chosen without a plan.
 const SHORTEST: f64 = 0.02;
 const SHORTEST_TURN: f64 = 0.2;
@@ -49,7 +52,7 @@ pub enum Order {
 }
 
 /// A motion that was ordered, as far as the next orders depend on it.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 struct Ordered {
     /// Places before it.
     places: usize,
@@ -57,6 +60,8 @@ struct Ordered {
     on_the_spot: bool,
     /// Whether it was to leave as many places as there were.
     narrows: bool,
+    /// Where no motion tells the places apart, the kind that was chosen to see more, and the sizes of readings that end it.
+    sees_more: Option<(&'static str, Vec<f64>)>,
 }
 
 /// Chooses motion after motion until the robot knows where it is.
@@ -65,6 +70,8 @@ pub struct Pilot {
     options: PlanOptions,
     ordered: Vec<Ordered>,
     backs: usize,
+    /// Kinds of motions that were to see more and came to a wall, since there were fewer places.
+    vain: Vec<&'static str>,
 }
 
 impl Pilot {
@@ -75,7 +82,7 @@ impl Pilot {
     /// As [`PlanOptions::check`].
     pub fn new(options: PlanOptions) -> Result<Self> {
         options.check()?;
-        Ok(Self { options, ordered: Vec::new(), backs: 0 })
+        Ok(Self { options, ordered: Vec::new(), backs: 0, vain: Vec::new() })
     }
 
     /// What the robot does next that may be at these places, at least one; the plan, where one was made.
@@ -121,6 +128,7 @@ impl Pilot {
         past: &Past<'_>,
         chooser: Chooser<'_>,
     ) -> Result<(Order, Option<Plan>)> {
+        self.learn(places, past.readings);
         if self.is_pressed(robot, past.readings) && self.backs < MOST_BACK {
             return Ok((self.back(places), None));
         }
@@ -145,7 +153,15 @@ impl Pilot {
             PlanVerdict::Known | PlanVerdict::Parts if plan.verdict == PlanVerdict::Known || self.is_stuck(places) => {
                 // The verdict wants more of the same, or what was promised did not come true: the longest way there is.
                 let (all, stop_at) = all()?;
-                (all.into_iter().reduce(|best, one| if one.way() > best.way() { one } else { best }), stop_at)
+                (furthest(all), stop_at)
+            }
+            PlanVerdict::Alike => {
+                let (mut all, stop_at) = all()?;
+                all.retain(|motion| !self.vain.contains(&motion.name()));
+                if all.is_empty() {
+                    self.vain.clear();
+                }
+                (furthest(all), stop_at)
             }
             _ => {
                 plan.next.as_ref().map_or((None, Vec::new()), |next| (Some(next.motion.clone()), next.stop_at.clone()))
@@ -166,7 +182,9 @@ impl Pilot {
         };
         self.backs = 0;
         let next = plan.and_then(|plan| plan.next.as_ref().map(|next| (plan, next)));
+        let sees_more = plan.is_some_and(|plan| plan.verdict == PlanVerdict::Alike);
         self.ordered.push(Ordered {
+            sees_more: sees_more.then(|| (motion.name(), stop_at.clone())),
             places: places.len(),
             on_the_spot: next.is_some_and(|(_, next)| next.motion.way() < SHORTEST),
             narrows: next.is_some_and(|(plan, next)| next.places[0] >= plan.places),
@@ -176,8 +194,20 @@ impl Pilot {
 
     fn back(&mut self, places: &[Hypothesis]) -> Order {
         self.backs += 1;
-        self.ordered.push(Ordered { places: places.len(), on_the_spot: false, narrows: false });
+        self.ordered.push(Ordered { places: places.len(), on_the_spot: false, narrows: false, sees_more: None });
         Order::Back
+    }
+
+    /// What the last motion came to.
+    fn learn(&mut self, places: &[Hypothesis], readings: &[f64]) {
+        let Some(last) = self.ordered.last() else { return };
+        if places.len() < last.places {
+            self.vain.clear();
+        } else if let Some((kind, stop_at)) = &last.sees_more
+            && readings.iter().zip(stop_at).any(|(z, most)| z.abs() >= *most)
+        {
+            self.vain.push(kind);
+        }
     }
 
     /// Whether the last motions, all on the spot, left as many places as there were.
@@ -198,6 +228,11 @@ impl Pilot {
     }
 }
 
+/// The motion of the longest way, the first of several.
+fn furthest(all: Vec<Motion>) -> Option<Motion> {
+    all.into_iter().reduce(|best, one| if one.way() > best.way() { one } else { best })
+}
+
 /// All admissible motions that are worth a name, and the sizes of readings at which they end.
 fn worth_a_name(
     map: &Map,
@@ -211,14 +246,25 @@ fn worth_a_name(
     Ok((all, stop_at))
 }
 
-/// The last poses of a way as far back as [`Order::Back`] goes (50 mm; a radian counts as much), the newest first.
+/// The way that led here as far back as [`Order::Back`] goes (50 mm; a radian counts as much), the newest pose first: loops that ended where they
+/// began are left out, and so is what the robot went back before.
 #[must_use]
 pub fn way_back(newest_first: impl Iterator<Item = Pose2>) -> Vec<Pose2> {
-    let (mut poses, mut gone) = (Vec::new(), 0.0);
-    for pose in newest_first {
-        gone += poses.last().map_or(0.0, |last: &Pose2| {
-            last.position().distance(pose.position()) + BACK * wrap_angle(last.theta - pose.theta).abs()
-        });
+    let far = |a: Pose2, b: Pose2| a.position().distance(b.position()) + BACK * wrap_angle(a.theta - b.theta).abs();
+    let mut newest_first = newest_first.peekable();
+    let Some(here) = newest_first.peek().copied() else { return Vec::new() };
+    let mut way: Vec<Pose2> = newest_first.take(MOST_POSES).collect();
+    way.reverse();
+    let mut led_here: Vec<Pose2> = Vec::new();
+    for pose in way {
+        match led_here.iter().position(|&before| far(before, pose) < THERE) {
+            Some(before) => led_here.truncate(before + 1),
+            None => led_here.push(pose),
+        }
+    }
+    let (mut poses, mut gone) = (vec![here], 0.0);
+    for pose in led_here.into_iter().rev().skip_while(|&pose| far(pose, here) < THERE) {
+        gone += poses.last().map_or(0.0, |&last| far(last, pose));
         if gone > BACK {
             break;
         }
