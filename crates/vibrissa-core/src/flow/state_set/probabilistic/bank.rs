@@ -22,8 +22,10 @@ pub(super) const TAKEN_TOGETHER: usize = 24;
 const AT_ONCE: usize = 8;
 /// Readings that are run again at most, about, each time that rows are taken in.
 const TAKES: usize = 6_000;
-/// The same where the readings that have come are unexplained.
-const OFF_TAKES: usize = 30_000;
+/// The same where the readings that have come are unexplained: modes that wait for it may be the true one. Of 600 beginnings of logs that robots
+/// made in 150 rooms, the true place is not told in 26, and three of these are localized, with 30,000 and no search for events before modes are
+/// dropped; in 21, none of them localized, with both.
+const OFF_TAKES: usize = 200_000;
 /// A mode is fitted anew when that promises so much (nats).
 const MOVED: f64 = 1.0;
 /// Modes nearer to each other than this are one (m, rad), while there are many and when there are few.
@@ -349,24 +351,44 @@ impl Bank {
         all
     }
 
-    /// Keeps the best of modes within each other's region.
+    /// Keeps the best of modes within each other's region, of those that explain the same readings: one that explains what the other does not
+    /// knows of an event of which the other's region says nothing.
     pub(super) async fn join_overlapping(&mut self, model: &MeasurementModel<'_>) {
         self.sort(model).await;
-        let mut kept: Vec<(Mode, Information<POSE>)> = Vec::new();
-        for mode in self.modes.drain(..) {
-            let near = |(k, told): &(Mode, Information<POSE>)| {
-                let d = difference(k.state.frame, mode.state.frame, model.pivot());
+        let mut kept: Vec<(Mode, Information<POSE>, Option<Vec<usize>>)> = Vec::new();
+        for mode in core::mem::take(&mut self.modes) {
+            let mut unexplained: Option<Vec<usize>> = None;
+            let mut is_known = false;
+            for (other, told, theirs) in &mut kept {
+                let d = difference(other.state.frame, mode.state.frame, model.pivot());
                 let apart = d[0].hypot(d[1]);
-                apart < EQUAL[0] && d[2].abs() < EQUAL[1]
-                    || apart < FARTHEST && dot(times(&told.damped(WEAK_PRIOR), d), d) < OVERLAP
-            };
-            if !kept.iter().any(near) {
+                if apart < EQUAL[0] && d[2].abs() < EQUAL[1] {
+                    is_known = true;
+                    break;
+                }
+                if apart >= FARTHEST || dot(times(&told.damped(WEAK_PRIOR), d), d) >= OVERLAP {
+                    continue;
+                }
+                // Only what lies within another's region is run again.
+                for (mode, rows) in [(&*other, &mut *theirs), (&mode, &mut unexplained)] {
+                    if rows.is_none() {
+                        model.run(&mode.state, &mode.start, &self.rows, &mut self.scratch).await;
+                        *rows = Some(self.scratch.unexplained());
+                    }
+                }
+                let own = unexplained.as_deref().unwrap_or_default();
+                if theirs.iter().flatten().all(|row| own.contains(row)) {
+                    is_known = true;
+                    break;
+                }
+            }
+            if !is_known {
                 let told = mode.marginal(model);
-                kept.push((mode, told));
+                kept.push((mode, told, unexplained));
             }
             model.works(1 + kept.len() / COMPARED).await;
         }
-        self.modes = kept.into_iter().map(|(mode, _)| mode).collect();
+        self.modes = kept.into_iter().map(|(mode, ..)| mode).collect();
     }
 
     /// The linearisation of the best mode.

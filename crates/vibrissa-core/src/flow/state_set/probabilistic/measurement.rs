@@ -82,6 +82,11 @@ impl Linearisation {
     pub(super) fn derivatives(&self, k: usize) -> &[f64] {
         &self.derivatives[k * self.size..(k + 1) * self.size]
     }
+
+    /// The rows with readings that are further off than noise.
+    pub(super) fn unexplained(&self) -> Vec<usize> {
+        self.rows.iter().filter(|row| row.plain.abs() > UNEXPLAINED).map(|row| row.row).collect()
+    }
 }
 
 /// Where a hypothesis puts the robot and what it takes the nuisance parameters to be.

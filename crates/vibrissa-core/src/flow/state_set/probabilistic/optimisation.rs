@@ -17,7 +17,7 @@ const LONGEST: [f64; 2] = [3e-3, 0.06];
 /// A direction that the readings leave open by more than this (standard deviation, m) is searched at these distances to either side (m),
 /// where that promises so much (nats): a corner at a wall's end tells a tenth of a millimetre, by rows that fit or are far off.
 const OPEN: f64 = 2e-3;
-const LINE: [f64; 4] = [0.4e-3, 0.8e-3, 1.5e-3, 2.5e-3];
+pub(super) const LINE: [f64; 4] = [0.4e-3, 0.8e-3, 1.5e-3, 2.5e-3];
 const WORTH_LINE: f64 = 1.0;
 /// Parts of a step that are tried.
 const FRACTIONS: [f64; 2] = [1.0, 0.3];
@@ -105,6 +105,12 @@ impl Mode {
         let NoiseFit { noise, credit, .. } = *self.fit();
         let fit = NoiseFit { equations, credit, ..NoiseFit::new(noise) };
         Self { state, fits: vec![fit], ..self.by(noise) }
+    }
+
+    /// Lets it cost so much (nats) more, wherever it goes.
+    pub(super) fn discount(&mut self, by: f64) {
+        self.fits.iter_mut().for_each(|fit| fit.credit -= by);
+        (self.promise, self.here) = (self.promise + by, self.here + by);
     }
 
     /// The same at an image of its place on a symmetric map.
@@ -313,6 +319,7 @@ impl Mode {
         &mut self,
         model: &MeasurementModel<'_>,
         rows: &[usize],
+        steps: &[f64],
         scratch: &mut Linearisation,
     ) -> bool {
         let Some(c) = self.marginal(model).covariance(DAMPING) else { return false };
@@ -323,7 +330,7 @@ impl Mode {
         }
         let turn = (cos * c[0][2] + sin * c[1][2]) / variance;
         let mut best: Option<Self> = None;
-        for by in LINE.iter().flat_map(|&by| [by, -by]) {
+        for by in steps.iter().flat_map(|&by| [by, -by]) {
             let frame = moved(self.state.frame, model.pivot(), [cos * by, sin * by, turn * by]);
             let there = self.at(self.state_at(model, frame), model, rows, scratch).await;
             if there.evidence() < best.as_ref().unwrap_or(self).evidence() {

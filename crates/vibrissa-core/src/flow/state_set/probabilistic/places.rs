@@ -147,6 +147,9 @@ pub(super) async fn choose(
         return (Vec::new(), None);
     }
     let fit = goodness_of_fit::of_bank(bank, &model).await;
+    if fit.is_disputed {
+        bank.discount_refuted(&model).await;
+    }
     let told: Vec<Square<3>> = bank.modes.iter().map(|mode| covariance(mode, &model)).collect();
     let least = bank.modes.iter().map(|mode| mode.cost(&model)).fold(f64::INFINITY, f64::min);
     let rerun = Rerun { model: &model, rows: &bank.rows };
