@@ -126,8 +126,12 @@ fn tell(found: &Exploration, one: &Run, policy: &str, world: &World) {
         let words = made.plan.as_ref().map(|plan| {
             format!("{} | {:?} looked {:?} readings {}", plan.words(), plan.verdict, plan.looked_at, plan.readings)
         });
+        let off = |place: &(Pose2, f64)| truth.map_or(f64::NAN, |truth| place.0.position().distance(truth.position()));
+        let nearest = made.places.iter().min_by(|a, b| off(a).total_cmp(&off(b)));
+        let nearest =
+            nearest.map_or(String::new(), |place| format!("{:.1} mm off, weight {:.1e}", 1e3 * off(place), place.1));
         println!(
-            "row {} places {} stopped {} truth {truth:.3?} {}: {}",
+            "row {} places {} ({nearest}) stopped {} truth {truth:.3?} {}: {}",
             made.row,
             made.places.len(),
             made.stopped,

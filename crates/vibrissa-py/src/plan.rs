@@ -122,6 +122,7 @@ fn exploration_fields<'py>(py: Python<'py>, found: &Exploration) -> PyResult<Bou
     out.set_item("truth", trajectory(py, &found.truth)?)?;
     out.set_item("collided", found.collided)?;
     out.set_item("hardest", found.hardest)?;
+    out.set_item("since", found.since)?;
     out.set_item("answer", fields(py, &found.answer)?)?;
     Ok(out)
 }

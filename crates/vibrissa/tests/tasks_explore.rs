@@ -6,8 +6,9 @@
 mod ridge;
 
 use ridge::off_ridge;
-use vibrissa::Method;
+use vibrissa::config::PossibilisticOptions;
 use vibrissa::flow::pose::Status;
+use vibrissa::flow::sensor_log::SensorLog;
 use vibrissa::plane::{Curve, Pose2, Vec2};
 use vibrissa::sim::{SimulateOptions, Stage, SweepNoise};
 use vibrissa::tasks::explore::{
@@ -15,6 +16,7 @@ use vibrissa::tasks::explore::{
 };
 use vibrissa::tasks::plan::{Past, PlanOptions};
 use vibrissa::world::{Boundary, Map, MountedWhisker, Robot, Role};
+use vibrissa::{Method, localize};
 
 fn stage(corners: &[(f64, f64)]) -> Stage {
     let corners: Vec<Vec2> = corners.iter().map(|&(x, y)| Vec2::new(x, y)).collect();
@@ -94,6 +96,32 @@ fn the_first_motion_ends_where_a_whisker_feels_as_much_as_is_gentle() {
 }
 
 #[test]
+fn a_log_that_nothing_explains_is_begun_anew() {
+    let bay =
+        [(0.0, 0.0), (0.25, 0.0), (0.25, -0.05), (0.32, -0.05), (0.32, 0.0), (0.45, 0.0), (0.45, 0.3), (0.0, 0.3)];
+    let stage = stage(&bay);
+    let robot = stage.robot().clone();
+    // It is told to be where no wall is within reach.
+    let prior = Some([[0.2, 0.22], [0.14, 0.16], [-0.1, 0.1]]);
+    let method = Method::Possibilistic(PossibilisticOptions { prior, ..PossibilisticOptions::default() });
+    let found = explore(&stage, &begin(), &method, &SweepNoise::seeded(1), &options()).unwrap();
+    let anew: Vec<usize> =
+        found.motions.iter().filter(|made| made.name == "back, to begin anew").map(|made| made.row).collect();
+    assert_eq!((found.ended, anew.len()), (Ended::Inconsistent, 2), "{:?}", found.answer.status);
+    // It is free there, and touches again, more gently than the first time.
+    let size = |row: usize| found.log.rows[row].readings[0].abs();
+    let noise = robot.whiskers[0].noise;
+    let nothing = noise.readings(0.0)[1];
+    assert!(found.since > anew[1] && size(found.since) <= nothing, "{} {}", found.since, size(found.since));
+    let hardest = (found.since..found.log.rows.len()).map(size).fold(0.0, f64::max);
+    assert!(hardest > 1e-4 && hardest < 0.7 * options().plan.stop_at(&robot)[0], "{hardest}");
+    // The answer is that of the log from there on.
+    let rest = SensorLog { rows: found.log.rows[found.since..].to_vec(), ..found.log.clone() };
+    let answer = localize(&rest, stage.map(), &robot, &method, &mut |_| {}).unwrap();
+    assert_eq!((answer.status, answer.hypotheses), (found.answer.status, found.answer.hypotheses));
+}
+
+#[test]
 fn a_symmetric_room_ends_with_that_word() {
     let stage = stage(&[(0.0, 0.0), (0.4, 0.0), (0.4, 0.25), (0.0, 0.25)]);
     let found = explored(&stage);
@@ -166,4 +194,8 @@ fn a_pilot_lets_a_pressed_whisker_go_and_says_when_there_is_no_way() {
     let (here, back) = (poses[poses.len() - 1].x, end(way_back(poses.iter().rev().copied())));
     assert!((0.044..0.0501).contains(&(here - back.x)), "{here} {back:?}");
     assert!(way_back(core::iter::empty()).is_empty());
+    // One that is back at its beginning goes once more where it went.
+    let there_and_back = (0..=30).chain((0..30).rev()).map(|k| Pose2::new(2e-3 * f64::from(k), 0.0, 0.0));
+    let again = end(way_back(there_and_back));
+    assert!((0.046..0.0501).contains(&again.x), "{again:?}");
 }

@@ -137,8 +137,10 @@ fn a_symmetric_room_is_told_as_such() {
 fn admissible_motions_collide_nowhere_and_press_gently_at_all_places() {
     let map = room(&BAY);
     let mut states = two_places().to_vec();
-    states.push(state(2, Pose2::new(0.06, off(), 0.0)));
-    states.push(state(3, Pose2::new(0.44, 0.3 - off(), core::f64::consts::PI)));
+    // Places that weigh nothing, near walls that the others are far from.
+    let nothing = |place, pose| RemainingState { weight: 0.0, ..state(place, pose) };
+    states.push(nothing(2, Pose2::new(0.06, off(), 0.0)));
+    states.push(nothing(3, Pose2::new(0.44, 0.3 - off(), core::f64::consts::PI)));
     for sideways in [true, false] {
         let options = PlanOptions { sideways, ..options() };
         let (motions, stop_at) = admissible(&map, &robot(), &states, &Past::default(), &options).unwrap();
@@ -221,7 +223,7 @@ fn one_small_place_is_known_and_a_robot_shut_in_stays() {
 }
 
 #[test]
-fn ridges_are_sampled_and_unlikely_places_left_out() {
+fn ridges_are_sampled_and_unlikely_places_weigh_nothing() {
     let at = |x: f64, weight: f64, ridge: &[f64]| Hypothesis {
         pose: Pose2::new(x, 0.05, 0.0),
         weight,
@@ -231,14 +233,36 @@ fn ridges_are_sampled_and_unlikely_places_left_out() {
     };
     let states = remaining(&[at(0.1, 0.7, &[0.1, 0.12, 0.26]), at(0.4, 0.297, &[]), at(0.45, 0.003, &[])], 64);
     let of = |place: usize| states.iter().filter(|s| s.place == place).collect::<Vec<_>>();
-    assert_eq!((of(0).len(), of(1).len(), of(2).len()), (21, 17, 0));
+    assert_eq!((of(0).len(), of(1).len(), of(2).len()), (21, 17, 1));
+    assert_eq!((of(2)[0].pose.x, of(2)[0].weight), (0.45, 0.0));
     // Even steps along the ridge, and two standard deviations to both sides.
     assert!((of(0)[20].pose.x - 0.26).abs() < 1e-12 && (of(0)[10].pose.x - 0.18).abs() < 1e-12);
     assert!((of(1)[0].pose.x - of(1)[16].pose.x).abs() - 4.0 * 1e-3_f64.sqrt() < 1e-12);
     // What the samples stand for is not in their covariances.
-    assert!(states.iter().all(|s| s.covariance[0][0].abs() < 1e-12 && s.covariance[1][1] > 0.0));
+    assert!(states.iter().all(|s| s.covariance[0][0].abs() < 1e-12));
+    assert!(states.iter().all(|s| (s.covariance[1][1] > 0.0) == (s.weight > 0.0)));
     assert!((states.iter().map(|s| s.weight).sum::<f64>() - 0.997).abs() < 1e-12);
     assert!(remaining(&[at(0.1, 0.7, &[0.1, 0.12, 0.26]), at(0.4, 0.3, &[0.0, 0.3])], 20).len() <= 20);
+}
+
+#[test]
+fn a_place_that_weighs_nothing_is_kept_from_harm_and_told_apart_from_none() {
+    let (map, robot, past, options) = (room(&RECTANGLE), robot(), Past::default(), options());
+    let likely = state(0, Pose2::new(0.12, off(), 0.0));
+    // The right wall is near.
+    let unlikely = RemainingState { weight: 0.0, ..state(1, Pose2::new(0.44, off(), 0.0)) };
+    let both = [unlikely, likely];
+    let longest = |states: &[RemainingState]| {
+        let all = admissible(&map, &robot, states, &past, &options).unwrap().0;
+        all.iter().map(Motion::way).fold(0.0, f64::max)
+    };
+    let ahead = |states: &[RemainingState]| {
+        let all = admissible(&map, &robot, states, &past, &options).unwrap().0;
+        all.iter().filter(|motion| motion.name() == "straight ahead").map(Motion::way).fold(0.0, f64::max)
+    };
+    assert!(longest(&[likely]) > 0.2 && ahead(&[likely]) > 0.2 && ahead(&both) < 0.06, "{}", ahead(&both));
+    let (one, two) = (planned(&map, &[likely], &options), planned(&map, &both, &options));
+    assert_eq!((one.places, two.places, one.verdict), (1, 1, two.verdict));
 }
 
 #[test]

@@ -269,6 +269,7 @@ fn as_json(found: &Exploration, words: &str) -> String {
         "turn": found.turn,
         "collided": found.collided,
         "hardest": found.hardest,
+        "since": found.since,
         "estimate": found.answer.estimate.map(pose),
         "truth": found.truth.last().map(|row| pose(row.map_from_robot)),
         "motions": motions,

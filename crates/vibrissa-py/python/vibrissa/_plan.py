@@ -188,6 +188,8 @@ class Exploration(Shown):
     """Whether footprint or a whisker's base came to a boundary."""
     hardest: float
     """The largest moment at a whisker's base after the first motion, over what is gentle."""
+    since: int = 0
+    """The row from which on the answer is of: no place explained what came before, and the robot began anew."""
     _map: Map | None = None
 
     def plot(self, ax: Any = None) -> Any:

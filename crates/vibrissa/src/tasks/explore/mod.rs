@@ -171,6 +171,8 @@ pub struct Exploration {
     pub collided: bool,
     /// The largest moment at a whisker's base after the first motion, over what is gentle.
     pub hardest: f64,
+    /// The row of the log from which on the answer is of: no place explained what came before, and the robot began anew.
+    pub since: usize,
     /// What happened to the whiskers.
     pub events: Vec<Event>,
 }

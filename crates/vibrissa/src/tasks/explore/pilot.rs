@@ -110,7 +110,7 @@ impl Pilot {
         let motion = if self.is_pressed(robot, past.readings) {
             None
         } else {
-            let states = remaining(&places[..places.len().min(1)], self.options.states);
+            let states = remaining(places, self.options.states);
             test_of(map, robot, &states, past, &self.options, LONGEST_TEST)?
         };
         Ok(match motion {
@@ -161,7 +161,10 @@ impl Pilot {
                 if all.is_empty() {
                     self.vain.clear();
                 }
-                (furthest(all), stop_at)
+                // A small motion is better than none.
+                let small =
+                    plan.next.as_ref().map(|next| next.motion.clone()).filter(|one| one.way() + one.turn() > 0.0);
+                (furthest(all).or(small), stop_at)
             }
             _ => {
                 plan.next.as_ref().map_or((None, Vec::new()), |next| (Some(next.motion.clone()), next.stop_at.clone()))
@@ -247,23 +250,25 @@ fn worth_a_name(
 }
 
 /// The way that led here as far back as [`Order::Back`] goes (50 mm; a radian counts as much), the newest pose first: loops that ended where they
-/// began are left out, and so is what the robot went back before.
+/// began are left out, and so is what the robot went back before. Where it has gone back all the way it is what the robot did last.
 #[must_use]
 pub fn way_back(newest_first: impl Iterator<Item = Pose2>) -> Vec<Pose2> {
     let far = |a: Pose2, b: Pose2| a.position().distance(b.position()) + BACK * wrap_angle(a.theta - b.theta).abs();
     let mut newest_first = newest_first.peekable();
     let Some(here) = newest_first.peek().copied() else { return Vec::new() };
-    let mut way: Vec<Pose2> = newest_first.take(MOST_POSES).collect();
-    way.reverse();
+    let way: Vec<Pose2> = newest_first.take(MOST_POSES).collect();
     let mut led_here: Vec<Pose2> = Vec::new();
-    for pose in way {
+    for &pose in way.iter().rev() {
         match led_here.iter().position(|&before| far(before, pose) < THERE) {
             Some(before) => led_here.truncate(before + 1),
             None => led_here.push(pose),
         }
     }
+    led_here.reverse();
+    let is_elsewhere = |pose: &Pose2| far(*pose, here) >= THERE;
+    let all = if led_here.iter().any(is_elsewhere) { led_here } else { way };
     let (mut poses, mut gone) = (vec![here], 0.0);
-    for pose in led_here.into_iter().rev().skip_while(|&pose| far(pose, here) < THERE) {
+    for pose in all.into_iter().skip_while(|pose| !is_elsewhere(pose)) {
         gone += poses.last().map_or(0.0, |&last| far(last, pose));
         if gone > BACK {
             break;

@@ -12,6 +12,7 @@ use crate::sim::recorder::TrueErrors;
 use crate::sim::{Drive, Stage, SweepNoise, path_through};
 use crate::tasks::localize;
 use crate::tasks::plan::{Motion, Past, Plan, history};
+use crate::world::MountedWhisker;
 use core::ops::ControlFlow;
 
 /// How often on the way (m, rad) the robot asks whether it knows where it is.
@@ -26,6 +27,12 @@ const TELLING: f64 = 0.02;
 /// How far (m) the robot goes on before it asks again where the whole answer was less sure than the estimator.
 const UNSURE: f64 = 0.03;
 
+/// The name of the motion by which a log is begun anew, how often that is done, and how hard the robot presses then, over what ends other motions.
+const ANEW: &str = "back, to begin anew";
+const MOST_ANEW: usize = 2;
+const GENTLER: f64 = 0.5;
+/// How often it goes back the way it came until its whiskers are free.
+const MOST_BACK_TO_BE_FREE: usize = 3;
 /// The name of the motion that tests a place.
 const TEST: &str = "a test of the place";
 /// A place that was tested is where it was before if it is no further off than this (m) of where the odometry has it.
@@ -52,8 +59,11 @@ pub(super) struct Under<'a> {
     pilot: Pilot,
     /// The odometry's pose and the place, while that is tested.
     tested: Option<(Pose2, Pose2)>,
-    /// Whether the robot seems to know where it is, and asks no more on its way.
-    is_sure: bool,
+    /// Whether the robot asks on its way whether it knows where it is.
+    asks: bool,
+    /// The row with which the log begins that counts, and how often it was begun anew.
+    since: usize,
+    begun_anew: usize,
     /// Whether the onlooker asked for the end.
     broken: bool,
 }
@@ -84,7 +94,9 @@ impl<'a> Under<'a> {
             hardest: 0.0,
             pilot: Pilot::new(options.plan)?,
             tested: None,
-            is_sure: false,
+            asks: true,
+            since: 0,
+            begun_anew: 0,
             broken: false,
         };
         under.advance(first, &mut |_| ControlFlow::Continue(()))?;
@@ -120,6 +132,7 @@ impl<'a> Under<'a> {
             truth: self.truth.clone(),
             collided: self.collided,
             hardest: self.hardest,
+            since: self.since,
             events: self.events.clone(),
         }
     }
@@ -159,7 +172,9 @@ impl<'a> Under<'a> {
     }
 
     fn answer(&self) -> Result<Localization> {
-        localize(&self.log, self.stage.map(), self.stage.robot(), self.method, &mut |_| {})
+        let SensorLog { channels, rows, .. } = &self.log;
+        let log = SensorLog { channels: channels.clone(), rows: rows[self.since..].to_vec(), ..SensorLog::default() };
+        localize(&log, self.stage.map(), self.stage.robot(), self.method, &mut |_| {})
     }
 
     /// What is known now: the estimator's word on the way, or the whole answer where that says more.
@@ -204,7 +219,7 @@ impl<'a> Under<'a> {
             let before = self.tested.take();
             let ended = match status {
                 Status::Localized => self.tested_by_motion(before, &places, onlooker)?.then_some(Ended::Localized),
-                Status::Inconsistent => Some(Ended::Inconsistent),
+                Status::Inconsistent => (!self.begin_anew(onlooker)?).then_some(Ended::Inconsistent),
                 _ if places.is_empty() => Some(Ended::NoPlace),
                 _ if self.way > self.options.most_way || self.motions.len() >= self.options.most_motions => {
                     Some(Ended::GaveUp)
@@ -235,6 +250,7 @@ impl<'a> Under<'a> {
             truth: self.truth,
             collided: self.collided,
             hardest: self.hardest,
+            since: self.since,
             events: self.events,
         }
     }
@@ -258,10 +274,51 @@ impl<'a> Under<'a> {
         let past = Past { history: &history, readings: &row.readings };
         let order = self.pilot.test(self.stage.map(), self.stage.robot(), places, &past)?;
         self.tested = matches!(order, Order::Go { .. }).then_some((odom, place));
-        self.is_sure = true;
+        self.asks = false;
         let ended = self.obey(order, None, TEST, places, onlooker)?;
-        self.is_sure = false;
+        self.asks = true;
         Ok(ended.is_some())
+    }
+
+    /// Forgets a log that no place explains: the robot goes back the way it came until its whiskers are free, and goes on the same way to touch anew,
+    /// more gently. Whether it could.
+    fn begin_anew(&mut self, onlooker: &mut Onlooker<'_>) -> Result<bool> {
+        if self.begun_anew >= MOST_ANEW {
+            return Ok(false);
+        }
+        self.begun_anew += 1;
+        self.note(None, ANEW, &[]);
+        self.asks = false;
+        let from = self.truth.len() - 1;
+        let mut backs = 0;
+        while !self.is_free() && backs < MOST_BACK_TO_BE_FREE {
+            let waypoints = way_back(self.truth.iter().rev().map(|pose| pose.map_from_robot));
+            self.go(&waypoints, &[], onlooker)?;
+            backs += 1;
+        }
+        let is_free = self.is_free();
+        if let Some(row) = self.log.rows.last().filter(|_| is_free) {
+            self.since = self.log.rows.len() - 1;
+            let stage = self.stage;
+            self.localizer = Localizer::new(stage.map(), stage.robot(), &stage.channels(), self.method)?;
+            self.localizer.step(row)?;
+            let there: Vec<Pose2> = self.truth[from..].iter().rev().map(|pose| pose.map_from_robot).collect();
+            let stop_at: Vec<f64> =
+                self.options.plan.stop_at(stage.robot()).iter().map(|most| GENTLER * most).collect();
+            let stopped = self.go(&there, &stop_at, onlooker)?;
+            self.motions.last_mut().into_iter().for_each(|made| made.stopped = stopped);
+        }
+        self.asks = true;
+        Ok(is_free)
+    }
+
+    /// Whether no whisker reads more than its noise.
+    fn is_free(&self) -> bool {
+        let reads_nothing = |(z, whisker): (&f64, &MountedWhisker)| {
+            let [low, high] = whisker.noise.readings(0.0);
+            (low..=high).contains(z)
+        };
+        self.readings().iter().zip(&self.stage.robot().whiskers).all(reads_nothing)
     }
 
     /// One motion, or why there is none.
@@ -348,7 +405,7 @@ impl<'a> Under<'a> {
 
     /// Whether the robot knows where it is, if it is time to ask.
     fn is_localized(&mut self, onlooker: &mut Onlooker<'_>) -> Result<bool> {
-        if self.is_sure || self.way - self.asked[0] <= ASK && self.turn - self.asked[1] <= ASK_TURN {
+        if !self.asks || self.way - self.asked[0] <= ASK && self.turn - self.asked[1] <= ASK_TURN {
             return Ok(false);
         }
         self.asked = [self.way, self.turn];

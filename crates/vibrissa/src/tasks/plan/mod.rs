@@ -185,9 +185,11 @@ fn plan_by(
     options.check()?;
     robot.require_level("plan")?;
     check(states)?;
-    let states = &states::possible(map, robot, states, options.footprint)[..];
-    let mut predictor = Predictor::new(map, robot, states, past, options)?;
+    let (states, weighty) = states::weighty_first(&states::possible(map, robot, states, options.footprint));
+    let mut predictor = Predictor::new(map, robot, &states, past, options)?;
     let stop_at = predictor.stop_at().to_vec();
+    // What weighs nothing is only kept from harm.
+    let states = &states[..weighty];
     let table = Table::new(states, options, truth);
     let together = table.together();
     let before = table.judge(&together);
@@ -254,9 +256,9 @@ pub fn admissible(
     Ok((all, predictor.stop_at().to_vec()))
 }
 
-/// The motion that tests whether the robot is at one place: along it the readings that the place expects change most, within their noise. Where it
-/// is elsewhere other readings come. At most so long (m; a turn may take as long as it takes), and what ends it; none where no motion is admissible
-/// or nothing would be felt along any.
+/// The motion that tests whether the robot is at the place of the first of these states: along it the readings that the place expects change most,
+/// beyond their bands. Where it is elsewhere other readings come. At most so long (m; a turn may take as long as it takes), and what ends it; none
+/// where no motion is admissible for all states or nothing would be felt along any.
 ///
 /// # Errors
 ///
@@ -274,13 +276,14 @@ pub fn test_of(
     check(states)?;
     let states = &states::possible(map, robot, states, options.footprint)[..];
     let mut predictor = Predictor::new(map, robot, states, past, options)?;
+    let tested = states.iter().take_while(|state| state.place == states[0].place).count();
     let mut best: Option<(f64, Motion)> = None;
     for motion in candidates::all(map, robot, states, options) {
         match predictor.roll(&motion, None) {
             Rollout::Spent => break,
             Rollout::Refused => {}
             Rollout::Felt(felt) => {
-                let Some((change, step)) = felt.most_change(longest) else { continue };
+                let Some((change, step)) = felt.most_change(longest, tested) else { continue };
                 if best.as_ref().is_none_or(|(most, _)| change > *most) {
                     best = Some((change, motion.up_to(step)));
                 }

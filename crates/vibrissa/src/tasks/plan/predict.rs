@@ -48,20 +48,19 @@ pub(super) struct Felt {
 }
 
 impl Felt {
-    /// By how much in all the readings of the states change on the way, in half widths of their bands, in the mean, and the step up to which they
-    /// do; no way longer than so (m). None where they do not change beyond their bands.
-    pub(super) fn most_change(&self, longest: f64) -> Option<(f64, &Step)> {
-        let states = self.at.first().map_or(0, Vec::len);
+    /// By how much in all the readings of the first `states` change on the way, in half widths of their bands, in the mean, and the step up to which
+    /// they do; no way longer than so (m). None where they do not change beyond their bands.
+    pub(super) fn most_change(&self, longest: f64, states: usize) -> Option<(f64, &Step)> {
         let (mut sum, mut last) = (0.0, None);
         for (k, step) in self.steps.iter().enumerate().skip(1).take_while(|(_, step)| step.way <= longest) {
             let mut more = 0.0;
-            for (before, now) in self.at[k - 1].iter().zip(&self.at[k]) {
+            for (before, now) in self.at[k - 1].iter().zip(&self.at[k]).take(states) {
                 if let (At::Runs(before), At::Runs(now) | At::May(now)) = (before, now) {
                     more += before.iter().zip(now).map(|(a, b)| a.change_to(b)).sum::<f64>();
                 }
             }
             if more > 0.0 {
-                (sum, last) = (sum + more / states as f64, Some(step));
+                (sum, last) = (sum + more / states.max(1) as f64, Some(step));
             }
         }
         last.map(|step| (sum, step))

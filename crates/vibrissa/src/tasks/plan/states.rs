@@ -12,7 +12,8 @@ const SPACING: f64 = 8e-3;
 pub struct RemainingState {
     /// The robot, map frame.
     pub pose: Pose2,
-    /// Its share; shares need not sum to 1.
+    /// Its share; shares need not sum to 1. Beside others a state without any is told apart from none, but motions are free of collision and gentle
+    /// for it, too.
     pub weight: f64,
     /// Index of the place that it belongs to.
     pub place: usize,
@@ -20,7 +21,7 @@ pub struct RemainingState {
     pub covariance: [[f64; 3]; 3],
 }
 
-/// Places that are less likely than this together are left out.
+/// Places that are less likely than this together weigh nothing.
 const UNLIKELY: f64 = 5e-3;
 /// What a place may be off besides (m).
 const CLEAR: f64 = 2e-3;
@@ -31,7 +32,7 @@ const FAR: f64 = 2.0;
 const STEPS: i32 = 2;
 
 /// The states that hypotheses stand for, at most about so many: one for each place, and the others along ridges. Where a method gives no ridge
-/// the longest axis of a place's covariance stands for it.
+/// the longest axis of a place's covariance stands for it. Places that are less likely than 0.5 % together weigh nothing.
 #[must_use]
 pub fn remaining(hypotheses: &[Hypothesis], most: usize) -> Vec<RemainingState> {
     let all: f64 = hypotheses.iter().map(|h| h.weight).sum();
@@ -53,7 +54,22 @@ pub fn remaining(hypotheses: &[Hypothesis], most: usize) -> Vec<RemainingState> 
             states.push(RemainingState { pose, weight: weight / count as f64, place, covariance });
         }
     }
+    let unlikely = hypotheses.iter().enumerate().skip(count).take(most.saturating_sub(states.len()));
+    states.extend(unlikely.map(|(place, h)| RemainingState {
+        pose: h.pose,
+        weight: 0.0,
+        place,
+        covariance: [[0.0; 3]; 3],
+    }));
     states
+}
+
+/// The states with a weight first, and how many these are; all where none has one.
+pub(super) fn weighty_first(states: &[RemainingState]) -> (Vec<RemainingState>, usize) {
+    let (mut weighty, others): (Vec<_>, Vec<_>) = states.iter().copied().partition(|state| state.weight > 0.0);
+    let count = if weighty.is_empty() { others.len() } else { weighty.len() };
+    weighty.extend(others);
+    (weighty, count)
 }
 
 /// Weight and covariance of a place, and the curve that it lies on.
