@@ -24,6 +24,9 @@ const MOST_POSES: usize = 1000;
 /// Shortest motion (m, rad) that is chosen without a plan.
 const SHORTEST: f64 = 0.02;
 const SHORTEST_TURN: f64 = 0.2;
+/// What is less is no motion.
+const LEAST: f64 = 2e-3;
+const LEAST_TURN: f64 = 0.03;
 
 /// Who chooses a motion.
 pub(super) enum Chooser<'a> {
@@ -60,8 +63,8 @@ struct Ordered {
     on_the_spot: bool,
     /// Whether it was to leave as many places as there were.
     narrows: bool,
-    /// Where no motion tells the places apart, the kind that was chosen to see more, and the sizes of readings that end it.
-    sees_more: Option<(&'static str, Vec<f64>)>,
+    /// Where no motion tells the places apart, the kind that was chosen to see more.
+    sees_more: Option<&'static str>,
 }
 
 /// Chooses motion after motion until the robot knows where it is.
@@ -70,7 +73,7 @@ pub struct Pilot {
     options: PlanOptions,
     ordered: Vec<Ordered>,
     backs: usize,
-    /// Kinds of motions that were to see more and came to a wall, since there were fewer places.
+    /// Kinds of motions that were to see more and left as many places, since there were fewer.
     vain: Vec<&'static str>,
 }
 
@@ -128,7 +131,7 @@ impl Pilot {
         past: &Past<'_>,
         chooser: Chooser<'_>,
     ) -> Result<(Order, Option<Plan>)> {
-        self.learn(places, past.readings);
+        self.learn(places);
         if self.is_pressed(robot, past.readings) && self.backs < MOST_BACK {
             return Ok((self.back(places), None));
         }
@@ -162,8 +165,8 @@ impl Pilot {
                     self.vain.clear();
                 }
                 // A small motion is better than none.
-                let small =
-                    plan.next.as_ref().map(|next| next.motion.clone()).filter(|one| one.way() + one.turn() > 0.0);
+                let is_some = |one: &Motion| one.way() >= LEAST || one.turn() >= LEAST_TURN;
+                let small = plan.next.as_ref().map(|next| next.motion.clone()).filter(is_some);
                 (furthest(all).or(small), stop_at)
             }
             _ => {
@@ -187,7 +190,7 @@ impl Pilot {
         let next = plan.and_then(|plan| plan.next.as_ref().map(|next| (plan, next)));
         let sees_more = plan.is_some_and(|plan| plan.verdict == PlanVerdict::Alike);
         self.ordered.push(Ordered {
-            sees_more: sees_more.then(|| (motion.name(), stop_at.clone())),
+            sees_more: sees_more.then(|| motion.name()),
             places: places.len(),
             on_the_spot: next.is_some_and(|(_, next)| next.motion.way() < SHORTEST),
             narrows: next.is_some_and(|(plan, next)| next.places[0] >= plan.places),
@@ -202,13 +205,11 @@ impl Pilot {
     }
 
     /// What the last motion came to.
-    fn learn(&mut self, places: &[Hypothesis], readings: &[f64]) {
+    fn learn(&mut self, places: &[Hypothesis]) {
         let Some(last) = self.ordered.last() else { return };
         if places.len() < last.places {
             self.vain.clear();
-        } else if let Some((kind, stop_at)) = &last.sees_more
-            && readings.iter().zip(stop_at).any(|(z, most)| z.abs() >= *most)
-        {
+        } else if let Some(kind) = last.sees_more {
             self.vain.push(kind);
         }
     }

@@ -8,6 +8,7 @@ use super::super::measurement::{Linearisation, MeasurementModel, State, moved};
 use super::super::optimisation::{LINE, Mode};
 use super::super::unknowns::POSE;
 use super::{Bank, MOVED, SLACK, STEPS, WEAK_PRIOR, key_rows};
+use crate::contact::follow::Mechanics;
 
 /// So many of the best modes are looked around from,
 const LOOKED_AROUND: usize = 4;
@@ -185,10 +186,16 @@ impl Bank {
     }
 }
 
-/// Whether a mode may be right, by the readings of these rows.
+/// Whether a mode may be right, by the readings of these rows and either solver, as at the end.
 async fn agrees(mode: &Mode, model: &MeasurementModel<'_>, rows: &[usize], scratch: &mut Linearisation) -> bool {
-    model.run(&mode.state, &mode.start, rows, scratch).await;
-    of_run(scratch, mode.fit().noise, model.noise_model).agrees()
+    for solver in [model.solver, Mechanics::ClosedForm] {
+        let model = MeasurementModel { solver, ..*model };
+        model.run(&mode.state, &mode.start, rows, scratch).await;
+        if of_run(scratch, mode.fit().noise, model.noise_model).agrees() {
+            return true;
+        }
+    }
+    false
 }
 
 /// The longest way (m; turns by the longest whisker) that the robot goes in one piece over these rows.
