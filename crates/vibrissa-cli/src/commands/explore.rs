@@ -192,6 +192,10 @@ fn film(stage: &Stage, method: &Method, map: &[Outline], found: &Exploration) ->
             return Ok(None);
         }
         progress::count(index, rows.len());
+        if index > 0 && index == found.since {
+            // What came before was forgotten.
+            localizer = Localizer::new(stage.map(), stage.robot(), &stage.channels(), method)?;
+        }
         localizer.step(row)?;
         if index % every == 0 || index + 1 == rows.len() {
             let now = localizer.states_now();

@@ -302,6 +302,7 @@ impl<'a> Under<'a> {
             let stage = self.stage;
             self.localizer = Localizer::new(stage.map(), stage.robot(), &stage.channels(), self.method)?;
             self.localizer.step(row)?;
+            self.pilot = Pilot::new(self.options.plan)?;
             let there: Vec<Pose2> = self.truth[from..].iter().rev().map(|pose| pose.map_from_robot).collect();
             let stop_at: Vec<f64> =
                 self.options.plan.stop_at(stage.robot()).iter().map(|most| GENTLER * most).collect();
