@@ -188,12 +188,36 @@ fn the_end_of_a_thin_wall_is_brushed_by_the_side() {
 }
 
 #[test]
+fn a_whisker_that_lies_along_a_wall_buckles_in_a_corner() {
+    let robot = Robot::default();
+    let length = robot.whiskers[0].beam.length;
+    let mut draw = Random(57);
+    let (mut rows, mut odd, mut sweeps) = (0, 0, 0);
+    for _ in 0..24 {
+        let lean = draw.signed(0.15);
+        let corners = [(0.0, 0.0), (0.5, 0.0), (0.5 + lean, 0.5), (0.0, 0.5)].map(|(x, y)| Vec2::new(x, y));
+        let room = Boundary::new(Role::Arena, Curve::polyline(&corners, true).unwrap(), None).unwrap();
+        let map = Map::new(vec![room]).unwrap();
+        // The whisker turns down onto the floor and lies along it; then the base goes on towards the wall.
+        let height = draw.between(0.35, 0.6) * length;
+        let (before, down) = (0.5 - 1.3 * length, draw.between(0.7, 1.1));
+        let at = |x: f64, turn: f64| Pose2::new(x, height, turn);
+        let end = 0.5 - draw.between(0.65, 0.8) * length;
+        let way = [at(before, 0.0), at(before, -down), at(end, -down), at(before, -down)];
+        let Some([touching, off]) = all_rows(&map, &robot, &way) else { continue };
+        (rows, odd, sweeps) = (rows + touching, odd + off, sweeps + 1);
+    }
+    println!("{sweeps} sweeps, {rows} rows, {odd} odd");
+    assert!(sweeps > 12 && odd * 50 < rows, "{odd} of {rows} rows in {sweeps} sweeps");
+}
+
+#[test]
 fn logs_of_robots_that_turn_near_corners_are_felt_as_another_simulation_made_them() {
     let Some(folder) = shared("corners") else { return };
     let robot = Robot::default();
     let whisker = &robot.whiskers[0];
-    // The last two end in shapes that buckle, which are followed for too long.
-    for (name, most) in [("seed16-active", 0), ("seed16-random", 0), ("seed13-active", 20), ("seed8-active", 50)] {
+    // The last two end in shapes that buckle.
+    for (name, most) in [("seed16-active", 0), ("seed16-random", 0), ("seed13-active", 10), ("seed8-active", 2)] {
         let map = vibrissa::read_map(folder.join(name).join("map.geojson")).unwrap();
         let rows = |file: &str| std::fs::read_to_string(folder.join(name).join(file)).unwrap();
         let pose = |line: &str| {

@@ -4,7 +4,8 @@
 //! and that of the side on a curved piece (on a corner it is given). Newton's method solves for both places, the
 //! direction of the tip's force and the free end. Where one of the two forces would have to pull, that contact ends.
 
-use super::balance::{MOST, equations, gradient, solved};
+use super::balance::{MOST, equations, gradient, is_stable, solved};
+use super::both_snap::BothSlid;
 use super::span::{self, Shape, UNKNOWNS};
 use super::{Contact, ForwardModel, Mechanics, Next, Prediction};
 use crate::contact::{Hold, Push, Spot, Stance, Support, TwoContacts};
@@ -23,49 +24,54 @@ const LARGEST_PUSH: f64 = 20.0;
 const LARGEST_SHIFT: f64 = 0.08;
 /// A side contact this near to the tip may become one of the tip (arc length over the length).
 const ALMOST_TIP: f64 = 0.9;
+/// How far (whisker lengths, rad) a tip may be beyond a corner and its piece both, where each of them says the other holds it.
+const SLACK: f64 = 1e-3;
 /// Contacts that one step may pass.
 const MOST_MOVES: usize = 12;
 /// Corners that turn by no more than this are passed over by a tip (rad).
 const SLIGHT: f64 = 0.1;
 
 /// An equilibrium.
-struct Solved {
-    both: TwoContacts,
+pub(super) struct Solved {
+    pub(super) both: TwoContacts,
     predicted: Prediction,
-    shape: Shape,
+    pub(super) shape: Shape,
 }
 
 impl ForwardModel<'_> {
     /// A whisker with its tip on a boundary and this share of its length near another place: both hold it.
     pub(super) fn propped(&self, stance: &Stance, touch: &Contact, share: f64, (piece, at): (u32, f64)) -> Next {
-        let Some(chart) = self.mechanics.held_chart(touch.q, touch.beta) else { return Next::None };
-        let tip = match touch.hold {
-            Hold::Tip(on) => on,
-            // What has only just lain down counts as its tip.
-            Hold::Side(Support::Piece(piece, at), _) if touch.s > ALMOST_TIP => Support::Piece(piece, at),
-            Hold::Side(Support::Corner(id), _) if touch.s > ALMOST_TIP => match self.boundaries.corner(id) {
-                Some(corner) => corner.before.into(),
-                None => return Next::None,
-            },
-            _ => return Next::None,
-        };
-        let per = 1.0 / touch.s;
-        let force = Vec2::from_angle(touch.slope + touch.beta + FRAC_PI_2) * (touch.q * per * per);
-        let load = [chart.moment * per, force.x, force.y, share, 0.0];
-        let side = Support::Piece(piece, at.clamp(0.0, 1.0));
-        let first = self.on_both(stance, TwoContacts { load, tip, side });
+        let Some(both) = self.beside_tip(touch, share, (piece, at)) else { return Next::None };
+        let first = self.on_both(stance, both);
         if matches!(&first, Next::Touching(touch, _) if matches!(touch.hold, Hold::Both(_))) {
             return first;
         }
         // A whisker that bends the other way touches corners alone.
         let convex = |forward: bool| self.boundaries.corner_of(piece, forward).filter(|(_, corner)| corner.is_convex());
         match convex(at > 0.5).or_else(|| convex(at <= 0.5)) {
-            Some((id, _)) => match self.on_both(stance, TwoContacts { load, tip, side: Support::Corner(id) }) {
+            Some((id, _)) => match self.on_both(stance, TwoContacts { side: Support::Corner(id), ..both }) {
                 Next::Touching(touch, predicted) => Next::Touching(touch, predicted),
                 _ => first,
             },
             None => first,
         }
+    }
+
+    /// The two contacts of a whisker with its tip on a boundary, and this share of its length near another place.
+    pub(super) fn beside_tip(&self, touch: &Contact, share: f64, (piece, at): (u32, f64)) -> Option<TwoContacts> {
+        let chart = self.mechanics.held_chart(touch.q, touch.beta)?;
+        let tip = match touch.hold {
+            Hold::Tip(on) => on,
+            // What has only just lain down counts as its tip.
+            Hold::Side(Support::Piece(piece, at), _) if touch.s > ALMOST_TIP => Support::Piece(piece, at),
+            Hold::Side(Support::Corner(id), _) if touch.s > ALMOST_TIP => self.boundaries.corner(id)?.before.into(),
+            _ => return None,
+        };
+        let per = 1.0 / touch.s;
+        let force = Vec2::from_angle(touch.slope + touch.beta + FRAC_PI_2) * (touch.q * per * per);
+        let load = [chart.moment * per, force.x, force.y, share, 0.0];
+        let side = Support::Piece(piece, at.clamp(0.0, 1.0));
+        Some(TwoContacts { load, tip, side })
     }
 
     /// A whisker with its side on a boundary whose tip has come to another place: both hold it.
@@ -76,7 +82,15 @@ impl ForwardModel<'_> {
         let push = touch.q * per * per * math::cos(touch.beta);
         let force = Vec2::from_angle(touch.slope + FRAC_PI_2) * push;
         let load = [chart.moment * per, force.x, force.y, touch.s, push];
-        self.on_both(stance, TwoContacts { load, tip: Support::Piece(piece, at.clamp(0.0, 1.0)), side })
+        let both = TwoContacts { load, tip: Support::Piece(piece, at.clamp(0.0, 1.0)), side };
+        match self.on_both(stance, both) {
+            Next::None => match self.both_slid(stance, &both, None) {
+                // It gives way at once.
+                Some(BothSlid::Rests(touch, predicted)) => Next::Touching(touch, predicted),
+                _ => Next::None,
+            },
+            next => next,
+        }
     }
 
     /// What goes on where the two contacts cannot: the stronger of them, or the other.
@@ -94,7 +108,7 @@ impl ForwardModel<'_> {
         let (mut side_left, mut tip_left) = (None, None);
         let mut last: Option<Solved> = None;
         for _ in 0..MOST_MOVES {
-            let solved = self.solve(stance, &both);
+            let solved = self.solve(stance, &both, matches!(both.tip, Support::Piece(..)));
             // Where it cannot go on it stays.
             let stuck = solved.is_none();
             let Some(Solved { both: found, predicted, shape }) = solved.or(last.take()) else { return Next::None };
@@ -103,7 +117,7 @@ impl ForwardModel<'_> {
                 Some(next) => next,
                 None => return Next::None,
             };
-            match side.filter(|&next| !stuck && !is_back(next, side_left)) {
+            match side.filter(|&next| !stuck && !is_back(Some(next), side_left)) {
                 Some(next) => {
                     side_left = Some(found.side);
                     both = TwoContacts { side: next, ..found };
@@ -116,7 +130,13 @@ impl ForwardModel<'_> {
             let Some((tip, held)) = self.tip_next(&found, stance.theta() + shape.force.angle()) else {
                 return Next::None;
             };
-            match tip.filter(|&next| !stuck && !is_back(next, tip_left)) {
+            if tip.is_some()
+                && (stuck
+                    || is_back(tip, tip_left) && self.beyond(&found, stance.theta() + shape.force.angle()) > SLACK)
+            {
+                return Next::None;
+            }
+            match tip.filter(|&next| !is_back(Some(next), tip_left)) {
                 Some(next) => {
                     tip_left = Some(found.tip);
                     both = TwoContacts { tip: next, ..found };
@@ -142,7 +162,7 @@ impl ForwardModel<'_> {
 
     /// What the side rests on next, if not on this, and whether the boundary pushes it; `across` is the direction to
     /// the whisker's left there (rad, map frame). None where the side leaves the whisker or the boundary.
-    fn side_next(&self, both: &TwoContacts, across: f64) -> Option<(Option<Support>, bool)> {
+    pub(super) fn side_next(&self, both: &TwoContacts, across: f64) -> Option<(Option<Support>, bool)> {
         let [.., s, push] = both.load;
         if !(0.02..0.9995).contains(&s) {
             return None;
@@ -195,10 +215,11 @@ impl ForwardModel<'_> {
             Support::Corner(id) => {
                 let corner = self.boundaries.corner(id)?;
                 let held = math::cos(direction - corner.outward()) > 0.0;
-                let lean = corner.lean(direction);
-                let next = if lean < 0.0 {
+                let (lean, slack) = (corner.lean(direction), SLACK / corner.turn.abs());
+                // Where one side does not press the tip may slide along the other, if that holds it.
+                let next = if lean < slack {
                     to(corner.before)
-                } else if lean > 1.0 {
+                } else if lean > 1.0 - slack {
                     to(corner.after)
                 } else {
                     None
@@ -206,6 +227,25 @@ impl ForwardModel<'_> {
                 Some((next, held))
             }
         }
+    }
+
+    /// How far a tip whose force points in this direction (rad, map frame) is beyond what it rests on: whisker lengths past the end of a
+    /// piece, rad past the normals of a corner.
+    fn beyond(&self, both: &TwoContacts, direction: f64) -> f64 {
+        match both.tip {
+            Support::Piece(piece, at) => (at - 1.0).max(-at) * self.boundaries.piece(piece).length() / self.length,
+            Support::Corner(id) => self.boundaries.corner(id).map_or(0.0, |corner| {
+                let lean = corner.lean(direction);
+                (lean - 1.0).max(-lean) * corner.turn.abs()
+            }),
+        }
+    }
+
+    /// The concave corner in which a place of a piece all but is.
+    pub(super) fn corner_at(&self, piece: u32, at: f64) -> Option<u32> {
+        let end = (1.0 - at).min(at) * self.boundaries.piece(piece).length() / self.length;
+        let corner = self.boundaries.corner_of(piece, at > 0.5);
+        corner.filter(|(_, corner)| end <= SLACK && corner.is_concave()).map(|(id, _)| id)
     }
 
     /// One of the contacts has ended; the other goes on.
@@ -226,7 +266,13 @@ impl ForwardModel<'_> {
                 clear: 0.0,
             };
             return match both.tip {
-                Support::Piece(piece, at) => self.along(stance, &touch, piece, at.clamp(0.0, 1.0), false),
+                Support::Piece(piece, at) => {
+                    let at = at.clamp(0.0, 1.0);
+                    match self.corner_at(piece, at).and_then(|id| self.caught_in(stance, &touch, id)) {
+                        Some((touch, predicted)) => Next::Touching(touch, predicted),
+                        None => self.along(stance, &touch, piece, at, false),
+                    }
+                }
                 Support::Corner(id) => self.caught(stance, &touch, id),
             };
         }
@@ -249,16 +295,16 @@ impl ForwardModel<'_> {
         })
     }
 
-    /// Newton's method on these contacts, wherever it leads along their pieces.
-    fn solve(&self, stance: &Stance, from: &TwoContacts) -> Option<Solved> {
+    /// Newton's method on these contacts, wherever it leads along their pieces; a tip that does not slide stays at its place.
+    pub(super) fn solve(&self, stance: &Stance, from: &TwoContacts, tip_slides: bool) -> Option<Solved> {
         let mut both = *from;
         let near = self.mechanics.pick(NEAR, NEAR_EXACT);
         for _ in 0..MOST_STEPS {
             let shape = span::shape(both.load, !matches!(self.mechanics, Mechanics::ClosedForm));
             let (under_side, under_tip) = (self.under(both.side)?, self.under(both.tip)?);
-            let (rows, residual) = equations(stance, &both, &shape, &under_side, &under_tip);
+            let (rows, residual) = equations(stance, &both, &shape, (&under_side, &under_tip), tip_slides);
             let (mut steps, mut adjoint) = (rows, [0.0; MOST]);
-            let d = solved(&mut steps)?;
+            let (d, _) = solved(&mut steps)?;
             let damp = (LARGEST_SHIFT / d[3].abs())
                 .min(LARGEST_MOMENT / d[0].abs())
                 .min(LARGEST_PUSH / d[1].abs().max(d[2].abs()).max(d[4].abs()))
@@ -276,10 +322,13 @@ impl ForwardModel<'_> {
                 return None;
             }
             if residual < near && damp >= 1.0 {
+                if tip_slides && !is_stable(&rows, stance, &under_tip) {
+                    return None;
+                }
                 let mut transposed = [[0.0; MOST + 1]; MOST];
                 (0..MOST).for_each(|i| (0..MOST).for_each(|j| transposed[i][j] = rows[j][i]));
                 transposed[0][MOST] = 1.0;
-                adjoint.copy_from_slice(&solved(&mut transposed)?);
+                adjoint.copy_from_slice(&solved(&mut transposed)?.0);
                 let predicted = Prediction {
                     value: both.load[0],
                     gradient: gradient(stance, &adjoint, &shape, &under_side, &under_tip),
@@ -292,6 +341,6 @@ impl ForwardModel<'_> {
 }
 
 /// Whether this is what was left: where each of two says the other, one is as good as the other.
-fn is_back(next: Support, left: Option<Support>) -> bool {
-    left.is_some_and(|left| next.is_same(&left))
+fn is_back(next: Option<Support>, left: Option<Support>) -> bool {
+    next.zip(left).is_some_and(|(next, left)| next.is_same(&left))
 }

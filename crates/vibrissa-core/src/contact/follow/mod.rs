@@ -10,6 +10,7 @@
 mod balance;
 mod bent;
 mod both;
+mod both_snap;
 mod elastic_base;
 mod mechanics;
 mod meet;
@@ -142,10 +143,7 @@ impl ForwardModel<'_> {
             Hold::Tip(Support::Piece(piece, at)) => self.along(&stance, touch, piece, at, false),
             Hold::Tip(Support::Corner(id)) => self.caught(&stance, touch, id),
             Hold::Side(..) => self.on_side(&stance, *touch),
-            Hold::Both(both) => match self.on_both(&stance, both) {
-                Next::None => self.on_either(&stance, &both),
-                other => other,
-            },
+            Hold::Both(both) => self.on_both(&stance, both),
         };
         let near = |next: &Contact| {
             let tip_let_go = matches!(touch.hold, Hold::Both(_)) && next.s < 1.0;
@@ -164,14 +162,18 @@ impl ForwardModel<'_> {
         }
     }
 
+    /// Whether two contacts are followed: with the moment of uniform whiskers.
+    fn follows_two(&self) -> bool {
+        self.whole && self.quantity == SensedQuantity::Moment && !matches!(self.mechanics, Mechanics::Model(_))
+    }
+
     /// The contact, or two where the rest of the whisker has come to a boundary.
     fn cleared(&self, stance: &Stance, touch: Contact, predicted: Prediction) -> Next {
-        // Two contacts are followed with the moment of uniform whiskers.
-        let followed = self.quantity == SensedQuantity::Moment && !matches!(self.mechanics, Mechanics::Model(_));
-        if self.whole && followed && touch.q <= 0.0 {
+        let followed = self.follows_two();
+        if followed && touch.q <= 0.0 {
             return self.beside(stance).unwrap_or(Next::Touching(touch, predicted));
         }
-        if !self.whole || !followed || touch.clear > 0.0 || matches!(touch.hold, Hold::Both(_)) {
+        if !followed || touch.clear > 0.0 || matches!(touch.hold, Hold::Both(_)) {
             return Next::Touching(touch, predicted);
         }
         let two = match self.surroundings(stance, &touch) {

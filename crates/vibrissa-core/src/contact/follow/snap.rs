@@ -5,24 +5,26 @@
 //! where the boundary does not push it along any more; one that would have to be pulled there flies towards where the
 //! unloaded whisker has it, up to the next boundary. The rest of the whisker is looked at where it has come to rest.
 
+use super::both_snap::BothSlid;
+use super::surroundings::Surroundings;
 use super::tip::Placed;
-use super::{Contact, ForwardModel, Next, Prediction};
-use crate::contact::{Hold, Stance, Support};
+use super::{Contact, ForwardModel, Mechanics, Next, Prediction, span};
+use crate::contact::{Hold, Stance, Support, TwoContacts};
 use crate::math;
 use crate::plane::{Pose2, Vec2, wrap_angle};
-use core::f64::consts::FRAC_PI_2;
+use core::f64::consts::{FRAC_PI_2, PI};
 
 /// Below this force a whisker has nothing to snap with.
 const WEAK: f64 = 0.02;
 /// How far a tip slides from one look to the next (whisker lengths), and how often it is looked at.
-const STRIDE: f64 = 0.02;
-const MOST_STRIDES: usize = 150;
+pub(super) const STRIDE: f64 = 0.02;
+pub(super) const MOST_STRIDES: usize = 150;
 /// From this slant of the force on (share of it along the boundary) an equilibrium is looked for, within so many
 /// strides.
 const UPRIGHT: f64 = 0.5;
 const NEAR: f64 = 3.0;
 /// A stride after which nothing holds the tip is halved so often.
-const MOST_HALVED: u32 = 5;
+pub(super) const MOST_HALVED: u32 = 5;
 /// Looks at a whisker that unbends, and halvings that find where it meets a boundary.
 const FLIGHT: usize = 24;
 const HALVINGS: usize = 10;
@@ -40,9 +42,9 @@ const MOST_FLIGHTS: usize = 3;
 
 /// The force at the tip that holds the whisker for a moment.
 #[derive(Clone, Copy)]
-struct TipForce {
-    q: f64,
-    beta: f64,
+pub(super) struct TipForce {
+    pub(super) q: f64,
+    pub(super) beta: f64,
 }
 
 /// How a slide of the tip ends.
@@ -64,25 +66,25 @@ impl ForwardModel<'_> {
     /// Where the whisker comes to rest that was held so and is now at `map_from_whisker`; none where it is free then,
     /// or meets a boundary with its side.
     pub(super) fn snapped(&self, touch: &Contact, map_from_whisker: Pose2) -> Option<(Contact, Prediction)> {
-        if touch.q < WEAK {
+        if touch.q < WEAK && !matches!(touch.hold, Hold::Both(_)) {
             return None;
         }
         let stance = Stance::new(map_from_whisker, self.length);
-        let mut tip_force = TipForce { q: touch.q, beta: touch.beta };
-        let mut at = match touch.hold {
-            Hold::Tip(Support::Piece(piece, at)) => Some((piece, at)),
-            Hold::Tip(Support::Corner(id)) => self.out_of_corner(&stance, &mut tip_force, id),
-            Hold::Both(both) => {
-                tip_force = TipForce { q: touch.q, beta: 0.0 };
-                match both.tip {
-                    Support::Piece(piece, at) => Some((piece, at)),
-                    Support::Corner(id) => self.out_of_corner(&stance, &mut tip_force, id),
-                }
-            }
+        let of_touch = TipForce { q: touch.q, beta: touch.beta };
+        let (mut tip_force, mut at) = match touch.hold {
+            Hold::Tip(on) => self.set_out(&stance, of_touch, on),
             Hold::Side(..) => {
-                tip_force.q /= touch.s * touch.s;
-                None
+                let at = self.fallen(&stance, touch)?;
+                (self.across_at(&stance, at), Some(at))
             }
+            Hold::Both(both) => match self.both_slid(&stance, &both, None) {
+                Some(BothSlid::Rests(touch, predicted)) => return Some((touch, predicted)),
+                Some(BothSlid::TipAlone(left, at)) => (left, Some(at)),
+                None => match self.on_either(&stance, &both) {
+                    Next::Touching(touch, predicted) => return self.rested(&stance, touch, predicted),
+                    _ => self.set_out(&stance, self.tip_force_of(&both), both.tip),
+                },
+            },
         };
         for _ in 0..MOST_FLIGHTS {
             if let Some((piece, there)) = at {
@@ -95,6 +97,22 @@ impl ForwardModel<'_> {
             (tip_force, at) = self.flown(&stance, tip_force).map(|(tip_force, at)| (tip_force, Some(at)))?;
         }
         None
+    }
+
+    /// Under which force and from where a tip sets out that has lost what it rested on.
+    fn set_out(&self, stance: &Stance, mut tip_force: TipForce, on: Support) -> (TipForce, Option<(u32, f64)>) {
+        let at = match on {
+            Support::Piece(piece, at) => Some((piece, at)),
+            Support::Corner(id) => self.out_of_corner(stance, &mut tip_force, id),
+        };
+        (tip_force, at)
+    }
+
+    /// The force at the tip of two contacts.
+    fn tip_force_of(&self, both: &TwoContacts) -> TipForce {
+        let shape = span::shape(both.load, !matches!(self.mechanics, Mechanics::ClosedForm));
+        let beta = wrap_angle(shape.force.angle() - shape.tip.slope - FRAC_PI_2);
+        TipForce { q: shape.force.norm(), beta }
     }
 
     /// Where the whisker rests that may have come to `map_from_whisker` in any way: with its tip on the boundary
@@ -195,6 +213,17 @@ impl ForwardModel<'_> {
             if force.dot(Vec2::from_angle(spot.normal)) <= 0.0 {
                 return Slid::Off(tip_force);
             }
+            if let Some(both) = self.run_into(stance, &placed, (piece, at)) {
+                match self.both_slid(stance, &both, last) {
+                    Some(BothSlid::Rests(touch, predicted)) => return Slid::Rests(touch, predicted),
+                    Some(BothSlid::TipAlone(left, on)) if last.is_none() => {
+                        tip_force = left;
+                        (piece, at) = on;
+                        continue;
+                    }
+                    _ => {}
+                }
+            }
             let speed = spot.velocity.norm();
             // The whisker pushes its tip against the force that holds it.
             let along = -force.dot(spot.velocity) / (speed * force.norm());
@@ -218,6 +247,20 @@ impl ForwardModel<'_> {
             }
         }
         Slid::Lost
+    }
+
+    /// The two contacts of a whisker whose side has come to a boundary while its tip slides here.
+    fn run_into(&self, stance: &Stance, placed: &Placed, (piece, at): (u32, f64)) -> Option<TwoContacts> {
+        if !self.follows_two() {
+            return None;
+        }
+        let place = self.boundaries.spot((piece, at)).position;
+        let hold = Hold::Tip(Support::Piece(piece, at));
+        let touch = Contact { q: placed.q, beta: placed.beta, s: 1.0, hold, place, slope: placed.slope(), clear: 0.0 };
+        match self.surroundings(stance, &touch) {
+            Surroundings::Before(share, side) => self.beside_tip(&touch, share, side),
+            Surroundings::Clear(_) | Surroundings::Beyond(_) => None,
+        }
     }
 
     /// The place across the corner at an end of a piece, or how the slide ends there.
@@ -270,6 +313,27 @@ impl ForwardModel<'_> {
             let chart = self.mechanics.chart(share * tip_force.q, tip_force.beta)?;
             Some(stance.placed(chart.position))
         };
+        let (share, at) = self.met_in_flight(&left)?;
+        Some((TipForce { q: share * tip_force.q, ..tip_force }, at))
+    }
+
+    /// Where the tip of a whisker meets a boundary that comes off what its side lies on.
+    fn fallen(&self, stance: &Stance, touch: &Contact) -> Option<(u32, f64)> {
+        let left = |share: f64| {
+            let chart = self.mechanics.chart(share * touch.q, touch.beta)?;
+            Some(stance.placed(chart.position * touch.s + Vec2::from_angle(chart.slope) * (1.0 - touch.s)))
+        };
+        self.met_in_flight(&left).map(|(_, at)| at)
+    }
+
+    /// A force across the whisker that has its tip about at a place.
+    fn across_at(&self, stance: &Stance, (piece, at): (u32, f64)) -> TipForce {
+        let lever = stance.seen(self.boundaries.spot((piece, at.clamp(0.0, 1.0))).position).y;
+        TipForce { q: 3.0 * lever.abs(), beta: if lever < 0.0 { PI } else { 0.0 } }
+    }
+
+    /// Where a tip meets a boundary whose whisker unbends, and at which share of its force; by the tip's place at each share.
+    fn met_in_flight(&self, left: &dyn Fn(f64) -> Option<Vec2>) -> Option<(f64, (u32, f64))> {
         let share = |step: f64| 1.0 - step / FLIGHT as f64;
         // Where it sets out it may still touch what it leaves.
         let mut before = (share(0.2), left(share(0.2))?);
@@ -283,7 +347,7 @@ impl ForwardModel<'_> {
                     if self.map.crosses(free.1, place) { beyond = middle } else { free = (middle, place) }
                 }
                 let (piece, at, _) = self.boundaries.nearest(self.map, left(beyond)?, free.1, REACH * self.length)?;
-                return Some((TipForce { q: beyond * tip_force.q, ..tip_force }, (piece, at)));
+                return Some((beyond, (piece, at)));
             }
             before = next;
         }

@@ -26,7 +26,7 @@ const BEHIND: f64 = 0.04;
 /// How far from its contact, of what is beyond, a whisker is seen from to be on the free side there.
 const BESIDE: f64 = 0.05;
 /// A straight end beyond the contact shorter than this (share of the length) is not looked at.
-const SHORT: f64 = 0.03;
+const SHORT: f64 = 0.004;
 
 /// What the whisker runs into besides its contact.
 pub(super) enum Surroundings {
@@ -88,8 +88,26 @@ impl ForwardModel<'_> {
         let free = 1.0 - touch.s;
         if matches!(touch.hold, Hold::Side(..)) && free > SHORT {
             let beyond = Vec2::from_angle(stance.heading(touch.slope)) * (free * self.length);
+            let line = match touch.hold {
+                Hold::Side(Support::Piece(piece, at), _) if self.boundaries.spot((piece, at)).turning.abs() <= 0.0 => {
+                    Some((piece, at))
+                }
+                _ => None,
+            };
+            if let Some((piece, at)) = line {
+                let along = self.boundaries.piece(piece).length();
+                let forward = beyond.dot(self.boundaries.spot((piece, at)).velocity) > 0.0;
+                let left = (if forward { 1.0 - at } else { at }) * along - beyond.norm();
+                match self.boundaries.corner_of(piece, forward).filter(|(_, corner)| corner.is_concave()) {
+                    Some((_, corner)) if left < 0.0 => return Surroundings::Beyond(corner.across(piece, forward)),
+                    Some(_) => clear = clear.min(left),
+                    None => {}
+                }
+            }
             // From beside the contact, which may be the end of a wall.
             match self.gap(touch.place + beyond, touch.place + beyond * BESIDE) {
+                // Beyond the line that it lies on it does not come.
+                Some(gap) if line.is_some_and(|(piece, _)| piece == gap.at.0) => {}
                 Some(gap) if gap.distance < 0.0 => return Surroundings::Beyond(gap.at),
                 Some(gap) => clear = clear.min(gap.distance),
                 None => {}
