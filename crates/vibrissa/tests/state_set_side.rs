@@ -202,7 +202,7 @@ fn a_whisker_that_lies_along_a_wall_buckles_in_a_corner() {
         let height = draw.between(0.35, 0.6) * length;
         let (before, down) = (0.5 - 1.3 * length, draw.between(0.7, 1.1));
         let at = |x: f64, turn: f64| Pose2::new(x, height, turn);
-        let end = 0.5 - draw.between(0.65, 0.8) * length;
+        let end = 0.5 - draw.between(0.4, 0.65) * length;
         let way = [at(before, 0.0), at(before, -down), at(end, -down), at(before, -down)];
         let Some([touching, off]) = all_rows(&map, &robot, &way) else { continue };
         (rows, odd, sweeps) = (rows + touching, odd + off, sweeps + 1);

@@ -315,14 +315,16 @@ impl Bank {
         copy
     }
 
-    /// Keeps modes that cost, or promise to cost, no more than so much above the best as it stands, and of few modes those that are off and
-    /// have not been refitted yet.
+    /// Keeps modes that cost, or promise to cost, no more than so much above the best as it stands, and beside these, as long as there are not
+    /// many, the likeliest of those that are off and have not been refitted yet: where nearly all of many modes come to an event at once, the
+    /// few that do not are no better.
     fn prune(&mut self, gate: f64) {
         let least = self.modes.iter().map(Mode::evidence_here).fold(f64::INFINITY, f64::min);
-        let waits = |mode: &Mode| mode.is_off && self.modes.len() <= MANY;
-        let kept: Vec<bool> = self.modes.iter().map(|mode| mode.evidence() <= least + gate || waits(mode)).collect();
-        let mut kept = kept.into_iter();
-        self.modes.retain(|_| kept.next() == Some(true));
+        let is_kept = |mode: &Mode| mode.evidence() <= least + gate;
+        let (kept, others): (Vec<&Mode>, Vec<&Mode>) = self.modes.iter().partition(|mode| is_kept(mode));
+        let waiting = others.into_iter().filter(|mode| mode.is_off).map(Mode::evidence).collect();
+        let most = least_of(waiting, MANY.saturating_sub(kept.len()));
+        self.modes.retain(|mode| is_kept(mode) || (mode.is_off && mode.evidence() < most));
     }
 
     /// Keeps the best of modes that have run into each other, those of the largest evidence first.
@@ -447,6 +449,11 @@ impl Bank {
     }
 }
 
+/// Below which value so many of these are, infinity where there are no more.
+fn least_of(mut values: Vec<f64>, count: usize) -> f64 {
+    if values.len() <= count { f64::INFINITY } else { *values.select_nth_unstable_by(count, f64::total_cmp).1 }
+}
+
 /// Modes in the order of minus the logarithms of their evidences.
 fn likeliest_first(mut keyed: Vec<(f64, Mode)>) -> Vec<Mode> {
     keyed.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -479,4 +486,17 @@ pub(super) fn key_rows(model: &MeasurementModel<'_>, last: Option<usize>, of: Ra
         }
     }
     rows
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn of_many_that_wait_the_likeliest_stay() {
+        assert_eq!(least_of(vec![3.0, 1.0, 2.0], 3), f64::INFINITY);
+        let values: Vec<f64> = (0..250).map(|k| f64::from((k * 7919) % 250)).collect();
+        let most = least_of(values.clone(), MANY);
+        assert_eq!(values.iter().filter(|&&value| value < most).count(), MANY);
+    }
 }
