@@ -355,7 +355,10 @@ function sameWhisker({ row, pose, whiskers }, log) {
   const time = took.reduce((sum, one) => sum + one, 0);
   const rate = (Math.ceil(300 * time) + 1e-7) / time;
   write("bent.toml", `map = "room.svg"\nrobot = "paper.toml"\n[noise]\nmoment_relative = 0\nmoment_absolute = 0\n[path]\nspeed = 0.15\nturn_rate = 1\nrate = ${rate}\nwaypoints = [${path}]\n`);
-  command.json("simulate", "bent.toml", "--out", "bent");
+  // An estimate is off by a millimetre or so: where its way begins in a wall nothing can be compared.
+  const { status, words } = command.complaint("simulate", "bent.toml", "--out", "bent");
+  if (words.includes("does not start in free space")) return false;
+  same("whether the way is simulated", status, 0);
   const table = (name) => readFileSync(join(command.folder, "bent", name), "utf8").trim().split("\n").map((line) => line.split(","));
   const [names, last] = [table("log.csv")[0], table("log.csv").at(-1)];
   const touch = table("contacts.csv").find((line) => line[0] === last[0]);
