@@ -71,18 +71,16 @@ pub(super) fn gradient(stance: &Stance, l: &[f64; MOST], shape: &Shape, side: &S
     [a[0] + b[0], a[1] + b[1], a[2] + b[2] + turned]
 }
 
-/// Whether a tip that slides is pushed back to where it is when it is moved along its piece, by the equations there.
+/// Whether a tip that slides is pushed back to where it is when it is moved along its piece, by the equations there and whether their
+/// determinant is positive.
 ///
 /// The ratio of the determinants with and without its sliding is the derivative of the cross product of its force and the normal by its
 /// place (Schur complement).
-pub(super) fn is_stable(rows: &Rows, stance: &Stance, tip: &Spot) -> bool {
-    let (mut slides, mut fixed) = (*rows, *rows);
+pub(super) fn is_stable(rows: &Rows, positive: bool, stance: &Stance, tip: &Spot) -> bool {
+    let mut fixed = *rows;
     fixed[5] = core::array::from_fn(|k| if k == 5 { 1.0 } else { 0.0 });
     let forward = stance.turned(tip.velocity).dot(Vec2::from_angle(tip.normal - stance.theta()).perp()) > 0.0;
-    match (solved(&mut slides), solved(&mut fixed)) {
-        (Some((_, slides)), Some((_, fixed))) => (slides == fixed) != forward,
-        _ => false,
-    }
+    solved(&mut fixed).is_some_and(|(_, positive_fixed)| (positive == positive_fixed) != forward)
 }
 
 /// The solution of the equations whose right side is the last column, by elimination, and whether their determinant is positive; none

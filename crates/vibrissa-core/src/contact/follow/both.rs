@@ -304,7 +304,7 @@ impl ForwardModel<'_> {
             let (under_side, under_tip) = (self.under(both.side)?, self.under(both.tip)?);
             let (rows, residual) = equations(stance, &both, &shape, (&under_side, &under_tip), tip_slides);
             let (mut steps, mut adjoint) = (rows, [0.0; MOST]);
-            let (d, _) = solved(&mut steps)?;
+            let (d, positive) = solved(&mut steps)?;
             let damp = (LARGEST_SHIFT / d[3].abs())
                 .min(LARGEST_MOMENT / d[0].abs())
                 .min(LARGEST_PUSH / d[1].abs().max(d[2].abs()).max(d[4].abs()))
@@ -322,7 +322,7 @@ impl ForwardModel<'_> {
                 return None;
             }
             if residual < near && damp >= 1.0 {
-                if tip_slides && !is_stable(&rows, stance, &under_tip) {
+                if tip_slides && !is_stable(&rows, positive, stance, &under_tip) {
                     return None;
                 }
                 let mut transposed = [[0.0; MOST + 1]; MOST];
