@@ -188,6 +188,64 @@ fn the_end_of_a_thin_wall_is_brushed_by_the_side() {
 }
 
 #[test]
+fn a_whisker_bent_around_two_posts_is_followed() {
+    let robot = Robot::default();
+    let (length, mount) = (robot.whiskers[0].beam.length, robot.whiskers[0].robot_from_whisker);
+    let corners = [(-0.3, -0.3), (0.3, -0.3), (0.3, 0.3), (-0.3, 0.3)].map(|(x, y)| Vec2::new(x, y));
+    let room = Boundary::new(Role::Arena, Curve::polyline(&corners, true).unwrap(), None).unwrap();
+    let mut draw = Random(83);
+    let (mut odd, mut twice, mut sweeps, mut errors) = (0, 0, 0, Vec::new());
+    for index in 0..32 {
+        // The base goes up, so that first the outer post presses the whisker down, then the inner one too; either has a blunt or a flat
+        // end. It turns and goes along with both on it.
+        let mut post = |x: f64, y: f64| {
+            let (wide, at) = (draw.between(0.02, 0.1) * length, Vec2::new(x, y) * length);
+            let outline = if draw.unit() < 0.5 {
+                vec![at, at + Vec2::new(wide, 0.2 * length), at + Vec2::new(-wide, 0.2 * length)]
+            } else {
+                let (across, tall) = (Vec2::from_angle(draw.signed(0.3)) * wide, Vec2::new(0.0, 0.2 * length));
+                vec![at - across, at + across, at + across + tall, at - across + tall]
+            };
+            Boundary::new(Role::Obstacle, Curve::polyline(&outline, true).unwrap(), None).unwrap()
+        };
+        let posts = [post(0.3 + 0.01 * f64::from(index % 12), 0.1), post(0.75 + 0.006 * f64::from(index % 10), 0.0)];
+        let map = Map::new([vec![room.clone()], posts.to_vec()].concat()).unwrap();
+        let height = draw.between(0.2, 0.4);
+        let at = |x: f64, y: f64, turn: f64| Pose2::new(x * length, y * length, turn).compose(mount.inverse());
+        let (turn, along) = (draw.signed(0.3), draw.signed(0.15));
+        let way = [
+            at(0.0, -0.1, 0.0),
+            at(0.0, height, 0.0),
+            at(0.0, height, turn),
+            at(along, height, turn),
+            at(along, -0.2, turn),
+        ];
+        let path = path_through(&way, &Pace { speed: 0.1, turn_rate: 1.0, rate: 600.0 }).unwrap();
+        let Ok(sweep) = simulate(&map, &robot, &path, &SweepNoise::none(), &SimulateOptions::default()) else {
+            continue;
+        };
+        if sweep.events.iter().any(|event| matches!(event.kind, "unsolved" | "lost")) {
+            continue;
+        }
+        let sides: Vec<usize> = sweep.contacts.iter().filter(|c| c.part == Part::Side).map(|c| c.row).collect();
+        let both: Vec<usize> = sides.windows(2).filter(|pair| pair[0] == pair[1]).map(|pair| pair[0]).collect();
+        let ours = predicted(&map, &robot, &sweep, [0.0; 3]);
+        let noise = &robot.whiskers[0].noise;
+        let off = ours.iter().zip(&sweep.exact_moments).filter(|(ours, exact)| {
+            (ours.moment - exact[0]).abs() > 0.2 * (noise.moment_relative * exact[0].abs() + noise.moment_absolute)
+        });
+        (odd, twice, sweeps) = (odd + off.count(), twice + both.len(), sweeps + 1);
+        errors.extend(derivative_errors(&map, &robot, &sweep, &both));
+    }
+    errors.sort_by(f64::total_cmp);
+    println!("{sweeps} sweeps, {twice} rows with the side at two places, {odd} odd of all");
+    println!("derivatives: {:?} of {}", &errors[errors.len() - 30..], errors.len());
+    assert!(sweeps > 20 && twice > 300 && odd * 15 < twice, "{odd} of {twice} rows in {sweeps} sweeps");
+    // Beside rows in which one of the contacts begins or ends within the difference.
+    assert!(errors[errors.len() * 9 / 10] < 1e-2, "{:?}", &errors[errors.len() * 8 / 10..]);
+}
+
+#[test]
 fn a_whisker_that_lies_along_a_wall_buckles_in_a_corner() {
     let robot = Robot::default();
     let length = robot.whiskers[0].beam.length;

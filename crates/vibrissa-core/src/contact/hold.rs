@@ -84,7 +84,7 @@ pub enum Hold {
     Tip(Support),
     /// The side.
     Side(Support, Push),
-    /// Tip and side.
+    /// Two places.
     Both(TwoContacts),
 }
 
@@ -103,23 +103,35 @@ impl Hold {
         match self {
             Self::Tip(on) => Self::Tip(on.renumbered(number)),
             Self::Side(on, push) => Self::Side(on.renumbered(number), push),
-            Self::Both(TwoContacts { load, tip, side }) => {
-                Self::Both(TwoContacts { load, tip: tip.renumbered(number), side: side.renumbered(number) })
-            }
+            Self::Both(both) => Self::Both(TwoContacts {
+                outer: both.outer.renumbered(number),
+                inner: both.inner.renumbered(number),
+                ..both
+            }),
         }
     }
 }
 
-/// Tip and side on boundaries at once, without friction.
+/// The side on a boundary and further out the tip, or the side again, without friction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TwoContacts {
     /// Moment at the base (over `EI / L`), sum of the forces (x and y, whisker frame, over `EI / L²`), arc length of
-    /// the side contact (over `L`), and the force there to the whisker's left (over `EI / L²`).
+    /// the inner contact (over `L`), and the force there to the whisker's left (over `EI / L²`).
     pub load: [f64; 5],
-    /// What the tip rests on.
-    pub tip: Support,
-    /// What the side rests on.
-    pub side: Support,
+    /// What the inner contact rests on, which is of the side.
+    pub inner: Support,
+    /// What the outer contact rests on.
+    pub outer: Support,
+    /// Arc length of the outer contact (over `L`) where that is of the side, too; none where it is the tip.
+    pub lies_at: Option<f64>,
+}
+
+impl TwoContacts {
+    /// Arc length of the outer contact (over `L`).
+    #[must_use]
+    pub fn end(&self) -> f64 {
+        self.lies_at.unwrap_or(1.0)
+    }
 }
 
 #[cfg(test)]

@@ -183,17 +183,23 @@ impl<'a> BentWhisker<'a> {
 
 /// A uniform whisker of this length (m) under two forces: its moment is that of all forces ahead.
 fn marched(both: &TwoContacts, length: f64, points: usize) -> Vec<Vec2> {
-    let [moment, x, y, side_at, push] = both.load;
+    let [moment, x, y, inner_at, push] = both.load;
+    let end = both.end();
     let step = 1.0 / MARCH as f64;
     let (mut place, mut slope) = (Vec2::ZERO, 0.0_f64);
     // The moment here is that at `from`, less what the force ahead of it takes on the way.
-    let (mut m, mut from, mut force, mut passed) = (moment, Vec2::ZERO, Vec2::new(x, y), false);
+    let (mut m, mut from, mut force, mut passed) = (moment, Vec2::ZERO, Vec2::new(x, y), 0);
     let mut path = vec![Vec2::ZERO];
     for index in 0..MARCH {
-        if !passed && index as f64 * step >= side_at {
+        let here = index as f64 * step;
+        if passed == 0 && here >= inner_at {
             m -= (place - from).cross(force);
-            (from, passed) = (place, true);
+            (from, passed) = (place, 1);
             force = force - Vec2::from_angle(slope + FRAC_PI_2) * push;
+        }
+        if passed == 1 && here >= end {
+            // Beyond the last contact it is straight.
+            (m, force, passed) = (0.0, Vec2::ZERO, 2);
         }
         // The midpoint rule.
         let bend = |at: Vec2| m - (at - from).cross(force);

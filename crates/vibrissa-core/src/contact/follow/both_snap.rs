@@ -25,10 +25,13 @@ pub(super) enum BothSlid {
 impl ForwardModel<'_> {
     /// How the slide of a whisker ends that is held so at tip and side; one that `came` sliding keeps its direction (its sign).
     pub(super) fn both_slid(&self, stance: &Stance, from: &TwoContacts, came: Option<f64>) -> Option<BothSlid> {
+        if from.lies_at.is_some() {
+            return None;
+        }
         let found = self.solve(stance, from, false)?;
         let mut both = found.both;
         let per = |piece: u32| self.length / self.boundaries.piece(piece).length();
-        let (piece, start, mut last) = match both.tip {
+        let (piece, start, mut last) = match both.outer {
             // One in a corner slides out of it.
             Support::Piece(piece, at) if came.is_none() && self.corner_at(piece, at).is_some() => {
                 (piece, at.clamp(0.0, 1.0), Some(inwards(at)))
@@ -47,7 +50,8 @@ impl ForwardModel<'_> {
             _ => (start, start),
         };
         for _ in 0..MOST_STRIDES {
-            let Some(found) = self.solve(stance, &TwoContacts { tip: Support::Piece(piece, at), ..both }, false) else {
+            let Some(found) = self.solve(stance, &TwoContacts { outer: Support::Piece(piece, at), ..both }, false)
+            else {
                 if halved == MOST_HALVED {
                     return None;
                 }
@@ -55,14 +59,14 @@ impl ForwardModel<'_> {
                 continue;
             };
             both = found.both;
-            let (next, held) = self.side_next(&both, stance.theta() + found.shape.side.slope + FRAC_PI_2)?;
+            let (next, held) = self.inner_next(stance, &both, &found.shape)?;
             if !held {
                 let force = found.shape.force;
-                let beta = wrap_angle(force.angle() - found.shape.tip.slope - FRAC_PI_2);
+                let beta = wrap_angle(force.angle() - found.shape.outer.slope - FRAC_PI_2);
                 return Some(BothSlid::TipAlone(TipForce { q: force.norm(), beta }, (piece, at)));
             }
             if let Some(side) = next {
-                both.side = side;
+                both.inner = side;
             }
             let spot = self.boundaries.spot((piece, at));
             let force = Vec2::from_angle(stance.theta() + found.shape.force.angle());
@@ -78,7 +82,7 @@ impl ForwardModel<'_> {
             at += stride * per(piece) * along.signum();
             if !(0.0..=1.0).contains(&at) {
                 let (id, _) = self.boundaries.corner_of(piece, at > 0.5).filter(|(_, corner)| corner.is_concave())?;
-                return self.rests_with_both(stance, TwoContacts { tip: Support::Corner(id), ..both });
+                return self.rests_with_both(stance, TwoContacts { outer: Support::Corner(id), ..both });
             }
         }
         None

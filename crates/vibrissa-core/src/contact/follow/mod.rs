@@ -38,7 +38,8 @@ const LARGEST_SLIDE: f64 = 0.08;
 const LARGEST_BEND: f64 = 0.35;
 /// Largest change of the place along the whisker, over its length.
 const LARGEST_PASS: f64 = 0.2;
-/// How far any place of a whisker moves at most, over how far its base does and turns it.
+/// How far any place of a whisker moves at most, over how far its base does and turns it; beyond a contact of the side, which it turns about,
+/// by the arc length over that of the contact further.
 const MOTION: f64 = 1.5;
 /// How far a whisker moves (whisker lengths) before a bump that does not touch it is tried again.
 const RETRY: f64 = 4e-3;
@@ -115,7 +116,7 @@ impl ForwardModel<'_> {
                 let place = from.position() + (to.position() - from.position()) * target;
                 Pose2 { x: place.x, y: place.y, theta: from.theta + target * turn }
             };
-            touch.clear -= MOTION * (target - share) * way * self.length;
+            touch.clear -= MOTION / touch.s.min(1.0) * (target - share) * way * self.length;
             match self.next(&touch, pose) {
                 Next::Touching(next, now) => {
                     (touch, predicted, share) = (next, now, target);
@@ -146,8 +147,9 @@ impl ForwardModel<'_> {
             Hold::Both(both) => self.on_both(&stance, both),
         };
         let near = |next: &Contact| {
-            let tip_let_go = matches!(touch.hold, Hold::Both(_)) && next.s < 1.0;
-            tip_let_go
+            let outer_ended =
+                matches!(touch.hold, Hold::Both(_)) && !matches!(next.hold, Hold::Both(_)) && next.s < touch.s;
+            outer_ended
                 || (next.place - touch.place).norm_squared() <= (LARGEST_SLIDE * self.length).powi(2)
                     && (next.s - touch.s).abs() <= LARGEST_PASS
                     && (next.slope - touch.slope).abs() <= LARGEST_BEND
@@ -179,7 +181,7 @@ impl ForwardModel<'_> {
         let two = match self.surroundings(stance, &touch) {
             Surroundings::Clear(clear) => return Next::Touching(Contact { clear, ..touch }, predicted),
             Surroundings::Before(share, at) => self.propped(stance, &touch, share, at),
-            Surroundings::Beyond(at) => self.stopped(stance, &touch, at),
+            Surroundings::Beyond(rest) => self.stopped(stance, &touch, rest),
         };
         match two {
             Next::Touching(next, predicted) => {

@@ -8,7 +8,7 @@
 use super::both_snap::BothSlid;
 use super::surroundings::Surroundings;
 use super::tip::Placed;
-use super::{Contact, ForwardModel, Mechanics, Next, Prediction, span};
+use super::{Contact, ForwardModel, Next, Prediction};
 use crate::contact::{Hold, Stance, Support, TwoContacts};
 use crate::math;
 use crate::plane::{Pose2, Vec2, wrap_angle};
@@ -82,7 +82,8 @@ impl ForwardModel<'_> {
                 Some(BothSlid::TipAlone(left, at)) => (left, Some(at)),
                 None => match self.on_either(&stance, &both) {
                     Next::Touching(touch, predicted) => return self.rested(&stance, touch, predicted),
-                    _ => self.set_out(&stance, self.tip_force_of(&both), both.tip),
+                    _ if both.lies_at.is_some() => return None,
+                    _ => self.set_out(&stance, self.tip_force_of(&both), both.outer),
                 },
             },
         };
@@ -110,8 +111,8 @@ impl ForwardModel<'_> {
 
     /// The force at the tip of two contacts.
     fn tip_force_of(&self, both: &TwoContacts) -> TipForce {
-        let shape = span::shape(both.load, !matches!(self.mechanics, Mechanics::ClosedForm));
-        let beta = wrap_angle(shape.force.angle() - shape.tip.slope - FRAC_PI_2);
+        let shape = self.shape_of(both);
+        let beta = wrap_angle(shape.force.angle() - shape.outer.slope - FRAC_PI_2);
         TipForce { q: shape.force.norm(), beta }
     }
 
@@ -258,7 +259,7 @@ impl ForwardModel<'_> {
         let hold = Hold::Tip(Support::Piece(piece, at));
         let touch = Contact { q: placed.q, beta: placed.beta, s: 1.0, hold, place, slope: placed.slope(), clear: 0.0 };
         match self.surroundings(stance, &touch) {
-            Surroundings::Before(share, side) => self.beside_tip(&touch, share, side),
+            Surroundings::Before(share, side) => self.with_inner(&touch, share, side),
             Surroundings::Clear(_) | Surroundings::Beyond(_) => None,
         }
     }

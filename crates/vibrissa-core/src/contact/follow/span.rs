@@ -1,4 +1,4 @@
-//! A whisker under two forces, one at its side and one at its tip: its shape by integration, with all derivatives.
+//! A whisker under two forces, one at its side and one further out: its shape by integration, with all derivatives.
 //!
 //! In units of `L` and `EI / L²`, with the sum of the forces beyond `s` as `N`, the curvature obeys `k' = N_x
 //! sin(theta) - N_y cos(theta)`; `N` jumps at the side contact by the force there, which is normal to the whisker.
@@ -10,8 +10,9 @@ use crate::plane::Vec2;
 /// wanted to 1e-5 of the length, and where 1e-4 do. Those grow with the root of the force, as the shape's own waves get
 /// shorter.
 const STEPS: f64 = 16.0;
+const STEPS_PER_WAVE: f64 = 6.0;
 const FEWEST: f64 = 3.0;
-const QUICK_STEPS: [f64; 2] = [6.0, 1.3];
+const QUICK_STEPS: [f64; 2] = [6.0, 3.0];
 const QUICK_FEWEST: f64 = 2.0;
 
 /// What is chosen: moment at the base, sum of the forces, arc length of the side contact, force there (to the left).
@@ -27,32 +28,33 @@ pub(super) struct Section {
     pub(super) by: [[f64; 4]; UNKNOWNS],
 }
 
-/// The contact at the side, the tip, and the force on the tip with its derivatives.
+/// The inner contact, the outer one, and the force there with its derivatives.
 pub(super) struct Shape {
-    pub(super) side: Section,
-    pub(super) tip: Section,
+    pub(super) inner: Section,
+    pub(super) outer: Section,
     pub(super) force: Vec2,
     pub(super) force_by: [Vec2; UNKNOWNS],
 }
 
-/// The shape for `[moment, force x, force y, arc length, side force]`, in steps for one of two errors.
-pub(super) fn shape(load: [f64; UNKNOWNS], quick: bool) -> Shape {
+/// The shape for `[moment, force x, force y, arc length, side force]` up to the outer contact at this arc length, in steps for one of two
+/// errors.
+pub(super) fn shape(load: [f64; UNKNOWNS], length: f64, quick: bool) -> Shape {
     let [moment, x, y, s, push] = load;
     let root = Section { curvature: moment, by: core::array::from_fn(first), ..Section::default() };
     let whole = Vec2::new(x, y);
     let unit = [Vec2::ZERO, Vec2::new(1.0, 0.0), Vec2::new(0.0, 1.0), Vec2::ZERO, Vec2::ZERO];
     // Up to the contact only moment and sum of the forces bend the whisker.
-    let mut side = along::<3>(root, s, whole, &[unit[0], unit[1], unit[2]], quick);
-    side.by[3] = rates(&side, whole);
-    let (sin, cos) = math::sin_cos(side.slope);
+    let mut inner = along::<3>(root, s, whole, &[unit[0], unit[1], unit[2]], quick);
+    inner.by[3] = inner.rates(whole);
+    let (sin, cos) = math::sin_cos(inner.slope);
     let (normal, tangent) = (Vec2::new(-sin, cos), Vec2::new(cos, sin));
     let force = whole - normal * push;
-    let mut force_by: [Vec2; UNKNOWNS] = core::array::from_fn(|k| unit[k] + tangent * (push * side.by[k][0]));
+    let mut force_by: [Vec2; UNKNOWNS] = core::array::from_fn(|k| unit[k] + tangent * (push * inner.by[k][0]));
     force_by[4] = force_by[4] - normal;
-    let mut tip = along(side, 1.0 - s, force, &force_by, quick);
-    let end = rates(&tip, force);
-    (0..4).for_each(|i| tip.by[3][i] -= end[i]);
-    Shape { side, tip, force, force_by }
+    let mut outer = along(inner, length - s, force, &force_by, quick);
+    let end = outer.rates(force);
+    (0..4).for_each(|i| outer.by[3][i] -= end[i]);
+    Shape { inner, outer, force, force_by }
 }
 
 /// Places along a whisker under one force, evenly spaced up to where it acts: the first, third and so on in the middle
@@ -73,10 +75,12 @@ fn first(unknown: usize) -> [f64; 4] {
     [0.0, if unknown == 0 { 1.0 } else { 0.0 }, 0.0, 0.0]
 }
 
-/// Derivatives by the arc length.
-fn rates(at: &Section, force: Vec2) -> [f64; 4] {
-    let (sin, cos) = math::sin_cos(at.slope);
-    [at.curvature, force.x * sin - force.y * cos, cos, sin]
+impl Section {
+    /// Slope, curvature, x and y by the arc length, under this force beyond it.
+    pub(super) fn rates(&self, force: Vec2) -> [f64; 4] {
+        let (sin, cos) = math::sin_cos(self.slope);
+        [self.curvature, force.x * sin - force.y * cos, cos, sin]
+    }
 }
 
 /// All that is integrated: the derivatives by the first unknowns, and slope, curvature, x and y with sine and cosine of
@@ -117,12 +121,12 @@ fn step<const N: usize>(y: &Integrated<N>, force: Vec2, by: &[Vec2; N], h: f64) 
 
 /// From a place on by `length` under this force; the place does not depend on further unknowns than the first `N`.
 fn along<const N: usize>(from: Section, length: f64, force: Vec2, by: &[Vec2; N], quick: bool) -> Section {
+    let waves = force.norm_squared().sqrt().sqrt();
     let count = if quick {
         let [least, more] = QUICK_STEPS;
-        let dense = (least + more * force.norm_squared().sqrt().sqrt()).min(STEPS);
-        (dense * length.abs()).clamp(QUICK_FEWEST, STEPS).ceil()
+        ((least + more * waves) * length.abs()).max(QUICK_FEWEST).ceil()
     } else {
-        (STEPS * length.abs()).clamp(FEWEST, STEPS).ceil()
+        (STEPS.max(STEPS_PER_WAVE * waves) * length.abs()).max(FEWEST).ceil()
     };
     let h = length / count;
     let (sin, cos) = math::sin_cos(from.slope);
@@ -147,16 +151,16 @@ mod tests {
             let Some(chart) = tip_chart(q, beta) else { unreachable!() };
             let force = Vec2::from_angle(chart.slope + beta + core::f64::consts::FRAC_PI_2) * q;
             let load = [chart.moment, force.x, force.y, 0.4, 0.0];
-            let (found, quick) = (shape(load, false), shape(load, true));
-            assert!((quick.tip.position - chart.position).norm() < 3e-4, "{q} {beta}: {:?}", quick.tip);
-            assert!((found.tip.position - chart.position).norm() < 1e-5, "{q} {beta}: {:?}", found.tip);
-            assert!((found.tip.slope - chart.slope).abs() < 1e-5 && found.tip.curvature.abs() < 1e-4);
+            let (found, quick) = (shape(load, 1.0, false), shape(load, 1.0, true));
+            assert!((quick.outer.position - chart.position).norm() < 3e-4, "{q} {beta}: {:?}", quick.outer);
+            assert!((found.outer.position - chart.position).norm() < 1e-5, "{q} {beta}: {:?}", found.outer);
+            assert!((found.outer.slope - chart.slope).abs() < 1e-5 && found.outer.curvature.abs() < 1e-4);
             let mut places = [Vec2::ZERO; 12];
             outline(chart.moment, force, 1.0, &mut places);
             assert!((places[11] - chart.position).norm() < 2e-4, "{q} {beta}: {:?}", places[11]);
             for (k, place) in places.iter().enumerate() {
                 let s = (k + 1) as f64 / 12.0;
-                let part = shape([chart.moment, force.x, force.y, s, 0.0], false).side.position;
+                let part = shape([chart.moment, force.x, force.y, s, 0.0], 1.0, false).inner.position;
                 assert!((*place - part).norm() < 4e-4, "{q} {beta} {k}: {place:?} {part:?}");
             }
         }
@@ -166,22 +170,22 @@ mod tests {
     fn small_forces_add_up_as_in_a_beam_table() {
         // Deflections of a cantilever by hand: a load P at a gives P a² (3 - a) / 6 at the tip and P a³ / 3 at a.
         let (s, push, tip) = (0.6, 1e-3, -4e-4);
-        let found = shape([push * s + tip, 0.0, push + tip, s, push], false);
+        let found = shape([push * s + tip, 0.0, push + tip, s, push], 1.0, false);
         let at_tip = push * s * s * (3.0 - s) / 6.0 + tip / 3.0;
         let at_side = push * s * s * s / 3.0 + tip * s * s * (3.0 - s) / 6.0;
-        assert!((found.tip.position.y - at_tip).abs() < 1e-9, "{} {at_tip}", found.tip.position.y);
-        assert!((found.side.position.y - at_side).abs() < 1e-9 && found.tip.curvature.abs() < 1e-9);
+        assert!((found.outer.position.y - at_tip).abs() < 1e-9, "{} {at_tip}", found.outer.position.y);
+        assert!((found.inner.position.y - at_side).abs() < 1e-9 && found.outer.curvature.abs() < 1e-9);
     }
 
     #[test]
     fn derivatives_are_those_of_differences() {
         let load = [1.8, -0.7, 2.1, 0.55, 3.0];
-        let here = shape(load, false);
+        let here = shape(load, 1.0, false);
         for k in 0..UNKNOWNS {
             let (mut more, mut less) = (load, load);
             (more[k], less[k]) = (load[k] + 1e-5, load[k] - 1e-5);
-            let (a, b) = (shape(more, false), shape(less, false));
-            for (own, x, y) in [(here.side, a.side, b.side), (here.tip, a.tip, b.tip)] {
+            let (a, b) = (shape(more, 1.0, false), shape(less, 1.0, false));
+            for (own, x, y) in [(here.inner, a.inner, b.inner), (here.outer, a.outer, b.outer)] {
                 let difference = [
                     x.slope - y.slope,
                     x.curvature - y.curvature,

@@ -34,8 +34,8 @@ pub(super) enum Surroundings {
     Clear(f64),
     /// Something before its contact: at this share of its length, near this place of a piece.
     Before(f64, (u32, f64)),
-    /// Something beyond its contact, near this place of a piece.
-    Beyond((u32, f64)),
+    /// Something beyond its contact: what would hold the tip, or a corner under the straight end at this arc length (over the length).
+    Beyond((Support, Option<f64>)),
 }
 
 /// How far a place is on the free side of the nearest boundary.
@@ -99,21 +99,60 @@ impl ForwardModel<'_> {
                 let forward = beyond.dot(self.boundaries.spot((piece, at)).velocity) > 0.0;
                 let left = (if forward { 1.0 - at } else { at }) * along - beyond.norm();
                 match self.boundaries.corner_of(piece, forward).filter(|(_, corner)| corner.is_concave()) {
-                    Some((_, corner)) if left < 0.0 => return Surroundings::Beyond(corner.across(piece, forward)),
+                    Some((_, corner)) if left < 0.0 => {
+                        return Surroundings::Beyond((corner.across(piece, forward).into(), None));
+                    }
                     Some(_) => clear = clear.min(left),
                     None => {}
                 }
+            }
+            match self.corner_beyond(touch, beyond) {
+                Some((share, off, id)) if off < BUMP * self.length => {
+                    return Surroundings::Beyond((Support::Corner(id), Some(touch.s + share * free)));
+                }
+                Some((_, off, _)) => clear = clear.min(off),
+                None => {}
             }
             // From beside the contact, which may be the end of a wall.
             match self.gap(touch.place + beyond, touch.place + beyond * BESIDE) {
                 // Beyond the line that it lies on it does not come.
                 Some(gap) if line.is_some_and(|(piece, _)| piece == gap.at.0) => {}
-                Some(gap) if gap.distance < 0.0 => return Surroundings::Beyond(gap.at),
+                Some(gap) if gap.distance < 0.0 => {
+                    let (piece, at) = gap.at;
+                    return Surroundings::Beyond((Support::Piece(piece, at.clamp(0.0, 1.0)), None));
+                }
                 Some(gap) => clear = clear.min(gap.distance),
                 None => {}
             }
         }
         Surroundings::Clear(clear.max(LEAST_CLEAR * self.length))
+    }
+
+    /// The convex corner that the straight end is nearest to, or furthest behind, which goes so far beyond the contact: the share of it, how
+    /// far it is clear (m), and the corner.
+    fn corner_beyond(&self, touch: &Contact, beyond: Vec2) -> Option<(f64, f64, u32)> {
+        let count = (beyond.norm() * CUTS as f64 / self.length).ceil().max(1.0);
+        let place = |k: f64| touch.place + beyond * (k / count);
+        let mut free = touch.place + beyond * BESIDE;
+        let mut last = self.gap(free, free).map(|gap| (free, gap));
+        let mut nearest: Option<(f64, f64, u32)> = None;
+        for k in 1..=count as usize {
+            let here = place(k as f64);
+            let gap = self.gap(here, free);
+            if gap.as_ref().is_none_or(|gap| gap.distance >= 0.0) {
+                free = here;
+            }
+            let now = gap.map(|gap| (here, gap));
+            if let (Some((a, before)), Some((b, after))) = (&last, &now)
+                && let Some((t, off, (piece, end))) = self.corner_between((*a, before), (*b, after), touch.hold)
+                && nearest.is_none_or(|(_, least, _)| off < least)
+                && let Some((id, _)) = self.boundaries.corner_of(piece, end > 0.5)
+            {
+                nearest = Some(((k as f64 - 1.0 + t) / count, off, id));
+            }
+            last = now;
+        }
+        nearest
     }
 
     /// How far these places of the whisker are clear, and where one is on or behind a boundary.
@@ -198,7 +237,13 @@ impl ForwardModel<'_> {
             let distance = off.norm().copysign(off.dot(outward));
             (0.0..=1.0).contains(&share).then_some((share, distance, (piece, f64::from(u8::from(forward)))))
         };
-        ends.filter_map(clear).min_by(|a, b| a.1.total_cmp(&b.1)).filter(|one| one.1 > -length)
+        let (behind, clear): (Vec<_>, Vec<_>) = ends.filter_map(clear).partition(|one| one.1 < 0.0);
+        // The far corners of a thing that the whisker passes by face away from it, too.
+        let behind = behind
+            .into_iter()
+            .max_by(|a, b| a.1.total_cmp(&b.1))
+            .filter(|one| one.1 > -length && self.map.crosses(a, b));
+        behind.or_else(|| clear.into_iter().min_by(|a, b| a.1.total_cmp(&b.1)))
     }
 
     /// The boundary nearest to a place, which is behind it where a thin wall lies between it and what is known to be `free`.

@@ -51,7 +51,7 @@ impl ForwardModel<'_> {
                 && corner.is_convex()
                 && let Some((touch, _)) = found
                 && touch.q > 0.0
-                && points_out(stance, &touch, self.normal_across(&corner, piece, forward))
+                && points_out(stance.heading(touch.slope), self.normal_across(&corner, piece, forward))
             {
                 let laid = touch.laid(Support::Corner(id));
                 return self.on_side(stance, Contact { place: corner.position, ..laid });
@@ -78,7 +78,7 @@ impl ForwardModel<'_> {
     }
 
     /// The normal (rad) across a corner that a tip passes from `piece`, at its end (`forward`) or its start.
-    fn normal_across(&self, corner: &Corner, piece: u32, forward: bool) -> f64 {
+    pub(super) fn normal_across(&self, corner: &Corner, piece: u32, forward: bool) -> f64 {
         // The two sides of a wall are travelled in one direction: at its end the side passed to may be the one before.
         match (corner.is_end(), forward) {
             (true, _) => self.boundaries.spot(corner.across(piece, forward)).normal,
@@ -97,7 +97,7 @@ impl ForwardModel<'_> {
         from_side: bool,
     ) -> Next {
         let normal = self.boundaries.spot(place).normal;
-        if from_side || touch.q <= 0.0 || !points_out(stance, &touch, normal) {
+        if from_side || touch.q <= 0.0 || !points_out(stance.heading(touch.slope), normal) {
             return Next::Touching(touch, predicted);
         }
         match self.on_side(stance, touch.laid(place.into())) {
@@ -260,9 +260,9 @@ fn on_piece_system(tip: &TipChart, velocity: Vec2, turning: f64) -> System {
     ])
 }
 
-/// Whether a whisker that stands so points out of the boundary with this normal (rad).
-fn points_out(stance: &Stance, touch: &Contact, normal: f64) -> bool {
-    math::cos(stance.heading(touch.slope) - normal) > 0.0
+/// Whether a tip that points there points out of the boundary with this normal (rad, map frame).
+pub(super) fn points_out(heading: f64, normal: f64) -> bool {
+    math::cos(heading - normal) > 0.0
 }
 
 pub(super) fn damping(q: f64, dq: f64, dbeta: f64) -> f64 {

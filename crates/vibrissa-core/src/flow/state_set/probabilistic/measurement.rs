@@ -510,7 +510,7 @@ impl<'a> MeasurementModel<'a> {
 fn support(touch: &Contact) -> Support {
     match touch.hold {
         Hold::Tip(on) | Hold::Side(on, _) => on,
-        Hold::Both(both) => both.tip,
+        Hold::Both(both) => both.outer,
     }
 }
 
