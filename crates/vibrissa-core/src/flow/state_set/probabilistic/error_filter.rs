@@ -1,10 +1,13 @@
 //! Joint Kalman filter of the errors that readings share \[barshalom2001estimation, sec. 8.2\]: of each sensor, of the model where that
-//! sensor's whisker stands, and of each stretch of wall that is known within a band. Each is known by its mean, the mean's derivatives by
+//! sensor's whisker stands, of each stretch of wall that is known within a band, and of the pose by errors of the odometry's increments. Each is known by its mean, the mean's derivatives by
 //! the unknowns, and its covariance with the others.
 
 use super::correlated_noise::NoiseModel;
 use super::measurement::Row;
+use super::odometry_drift::{OnWalk, Transition, product, transposed};
+use super::unknowns::POSE;
 use super::wall_error::WallError;
+use crate::linear_algebra::Square;
 use crate::plane::{Pose2, Vec2};
 use std::collections::BTreeMap;
 
@@ -15,8 +18,8 @@ const MODEL_CORRELATION_LENGTH: f64 = 0.2;
 const MODEL_INDEPENDENT: f64 = 0.04;
 /// A turn counts as much as a way of the same angle on an arm of this length (m), that of a usual whisker. Not looked at alone.
 const LEVER: f64 = 0.1;
-/// A reading has something of this many: its sensor's error, the model's, and the wall's.
-const PARTS: usize = 3;
+/// A reading has something of this many: its sensor's error, the wall's, the model's, and the pose's three.
+const PARTS: usize = 6;
 
 /// A sensor's error is in standard deviations of the declared noise, the model's in standard deviations of itself; both are first-order
 /// Gauss-Markov processes. A wall's (m) stays.
@@ -47,6 +50,8 @@ pub(super) struct ErrorFilter {
     covariance: Vec<f64>,
     sensors: Vec<SensorStates>,
     stretches: BTreeMap<(u32, u32), usize>,
+    /// The first of the three of the pose, and where on the odometry's walk they are.
+    drift: Option<(usize, OnWalk)>,
     /// Covariance of each error with what the next reading has of all.
     with: Vec<f64>,
 }
@@ -121,7 +126,9 @@ impl ErrorFilter {
         }
         let shared = row.model_error * (1.0 - MODEL_INDEPENDENT).sqrt();
         let wall = row.wall.map_or((own, 0.0), |error| (self.of_wall(error), error.by_displacement));
-        let parts = [(own, f64::from(u8::from(has_own))), wall, (model, shared)];
+        let (drift, by) = row.drift.map_or((own, [0.0; POSE]), |drift| (self.walk_to(drift.on_walk), drift.by));
+        let [x, y, turn] = core::array::from_fn(|k| (drift + if row.drift.is_some() { k } else { 0 }, by[k]));
+        let parts = [(own, f64::from(u8::from(has_own))), wall, (model, shared), x, y, turn];
         self.with.clear();
         self.with.resize(self.states.len(), 0.0);
         self.count(&parts[..2]);
@@ -139,6 +146,48 @@ impl ErrorFilter {
         let state = self.push(error.std * error.std, None);
         self.stretches.insert(error.stretch, state);
         state
+    }
+
+    /// Goes on along the odometry's walk; gives the first of the pose's errors.
+    fn walk_to(&mut self, to: OnWalk) -> usize {
+        let Some((first, from)) = self.drift else {
+            let covariance = to.covariance();
+            let first = self.push(covariance[0][0], None);
+            (1..POSE).for_each(|k| {
+                self.push(covariance[k][k], None);
+            });
+            (0..POSE).for_each(|i| (0..i).for_each(|j| self.covariance[at(first + i, first + j)] = covariance[i][j]));
+            self.drift = Some((first, to));
+            return first;
+        };
+        if from != to {
+            let Transition { keeps, fresh } = from.transition(&to);
+            self.transform(first, &keeps);
+            (0..POSE).for_each(|i| (0..=i).for_each(|j| self.covariance[at(first + i, first + j)] += fresh[i][j]));
+            self.drift = Some((first, to));
+        }
+        first
+    }
+
+    /// Takes these three errors for linear combinations of them.
+    fn transform(&mut self, first: usize, by: &Square<POSE>) {
+        let mixed =
+            |v: [f64; POSE]| -> [f64; POSE] { core::array::from_fn(|i| (0..POSE).map(|k| by[i][k] * v[k]).sum()) };
+        let means = mixed(core::array::from_fn(|k| self.states[first + k].mean));
+        (0..POSE).for_each(|k| self.states[first + k].mean = means[k]);
+        for unknown in 0..self.size {
+            let place = |k: usize| (first + k) * self.size + unknown;
+            let all = mixed(core::array::from_fn(|k| self.derivatives[place(k)]));
+            (0..POSE).for_each(|k| self.derivatives[place(k)] = all[k]);
+        }
+        let own: Square<POSE> =
+            core::array::from_fn(|i| core::array::from_fn(|j| self.covariance[at(first + i, first + j)]));
+        for other in (0..self.states.len()).filter(|other| !(first..first + POSE).contains(other)) {
+            let with = mixed(core::array::from_fn(|k| self.covariance[at(first + k, other)]));
+            (0..POSE).for_each(|k| self.covariance[at(first + k, other)] = with[k]);
+        }
+        let moved = product(&product(by, &own), &transposed(by));
+        (0..POSE).for_each(|i| (0..=i).for_each(|j| self.covariance[at(first + i, first + j)] = moved[i][j]));
     }
 
     /// Adds to each error's covariance with the next reading what that one has of these.
@@ -202,6 +251,7 @@ impl ErrorFilter {
 
 #[cfg(test)]
 mod tests {
+    use super::super::odometry_drift::{Drift, DriftSums};
     use super::*;
     use crate::linear_algebra::{Cholesky, dot};
 
@@ -230,11 +280,40 @@ mod tests {
                 model_variance: 0.0,
                 model_error: if k % 5 == 4 { 0.0 } else { 4.0 * random(seed) },
                 held: Some(true),
+                drift: None,
                 wall: (k % 3 != 2).then_some(wall),
                 unmapped: false,
             }
         };
         (0..COUNT).map(row).collect()
+    }
+
+    /// The same with poses on a walk of which the middle is held.
+    fn with_drift(mut rows: Vec<Row>, seed: &mut u64) -> Vec<Row> {
+        let (mut pose, mut sums) = (Pose2::default(), vec![DriftSums::default()]);
+        let mut places = vec![pose.position()];
+        for _ in 1..COUNT {
+            let step = Pose2::new(0.1 * random(seed), 0.1 * random(seed), random(seed));
+            pose = pose.compose(step);
+            sums.push(sums[sums.len() - 1].with(step, pose, [0.1, 0.05]));
+            places.push(pose.position());
+        }
+        let held = COUNT / 2;
+        for (k, row) in rows.iter_mut().enumerate() {
+            let by = [300.0 * random(seed), 300.0 * random(seed), 30.0 * random(seed)];
+            let on_walk = OnWalk::new(places[k], sums[k], sums[held], k >= held);
+            row.drift = Some(Drift { by, on_walk });
+        }
+        rows
+    }
+
+    /// Covariance of two readings by the walk: that of the nearer one to the held row, carried on.
+    fn by_drift(a: &Row, b: &Row) -> f64 {
+        let (Some(first), Some(then)) = (a.drift, b.drift) else { return 0.0 };
+        let (first, then) = if a.row <= b.row { (first, then) } else { (then, first) };
+        let own = first.on_walk.covariance();
+        let with = product(&first.on_walk.transition(&then.on_walk).keeps, &own);
+        (0..POSE).map(|i| (0..POSE).map(|j| then.by[i] * with[i][j] * first.by[j]).sum::<f64>()).sum()
     }
 
     /// Covariance of two readings by all that they share, written down at once.
@@ -251,14 +330,17 @@ mod tests {
         {
             all += one.by_displacement * other.by_displacement * one.std * one.std;
         }
-        all
+        all + by_drift(a, b)
     }
 
     #[test]
     fn innovations_have_the_likelihood_of_the_joint_gaussian() {
         let noise = NoiseModel { white: 0.3, correlated: 2.0, time_constant: 0.2, bounded: false };
-        for mut seed in 1..20 {
-            let rows = rows(&mut seed);
+        for mut seed in 1..40 {
+            let mut rows = rows(&mut seed);
+            if seed % 2 == 0 {
+                rows = with_drift(rows, &mut seed);
+            }
             let mut filter = ErrorFilter::default();
             filter.begin(1, 2, noise.correlated);
             let mut told = 0.0;

@@ -1,5 +1,6 @@
 //! The rows that are kept to be fitted again: times, odometry and readings.
 
+use super::odometry_drift::{DriftSums, OnWalk};
 use crate::plane::{Pose2, Vec2};
 
 /// Rows with one reading for each sensor (dimensionless).
@@ -20,6 +21,9 @@ pub(super) struct LogWindow {
     began: Option<f64>,
     /// How far the robot had gone (m) and turned (rad) when the first row came.
     gone: [f64; 2],
+    /// Bounds on the errors of increments, relative to them: of their places and of their turns; and sums over all up to each row.
+    drift: [f64; 2],
+    drifts: Vec<DriftSums>,
     /// Sum of unit vectors: the heading of the odometry frame by each absolute heading.
     compass: Vec2,
 }
@@ -29,11 +33,33 @@ impl LogWindow {
         Self { sensors, ..Self::default() }
     }
 
+    /// The same where increments have errors of their own within these bounds, relative to them: of their places and of their turns.
+    pub(super) fn with_drift(self, drift: [f64; 2]) -> Self {
+        Self { drift, ..self }
+    }
+
+    /// Whether increments have errors of their own.
+    pub(super) fn drifts(&self) -> bool {
+        self.drift.iter().any(|&bound| bound > 0.0)
+    }
+
+    /// Where a row is on the odometry's random walk, where another one is held.
+    pub(super) fn on_walk(&self, row: usize, held: usize) -> OnWalk {
+        OnWalk::new(self.poses[row].position(), self.drifts[row], self.drifts[held], row >= held)
+    }
+
+    /// The sums up to a row, from those before.
+    fn drift_at(&self, row: usize) -> DriftSums {
+        let before = row.checked_sub(1).map_or_else(DriftSums::default, |before| self.drifts[before]);
+        before.with(self.increments[row], self.poses[row], self.drift)
+    }
+
     pub(super) fn push(&mut self, t: f64, odom_from_robot: Pose2, readings: &[f64]) {
         self.began.get_or_insert(t);
         self.times.push(t);
         self.increments.push(self.poses.last().map_or_else(Pose2::default, |last| last.between(odom_from_robot)));
         self.poses.push(odom_from_robot);
+        self.drifts.push(self.drift_at(self.poses.len() - 1));
         self.readings.extend_from_slice(readings);
         self.contacts.resize(self.readings.len(), false);
         self.set_aside.resize(self.readings.len(), false);
@@ -148,6 +174,7 @@ impl LogWindow {
         }
         self.times.drain(..row);
         self.poses.drain(..row);
+        self.drifts.drain(..row);
         self.increments.drain(..row);
         self.readings.drain(..row * self.sensors);
         self.contacts.drain(..row * self.sensors);
@@ -158,10 +185,12 @@ impl LogWindow {
     pub(super) fn drop_row(&mut self, row: usize) {
         self.times.remove(row);
         self.poses.remove(row);
+        self.drifts.truncate(row);
         self.increments.remove(row);
         if let (Some(before), true) = (row.checked_sub(1), row < self.poses.len()) {
             self.increments[row] = self.poses[before].between(self.poses[row]);
         }
+        (row..self.poses.len()).for_each(|row| self.drifts.push(self.drift_at(row)));
         self.readings.drain(row * self.sensors..(row + 1) * self.sensors);
         self.contacts.drain(row * self.sensors..(row + 1) * self.sensors);
         self.set_aside.drain(row * self.sensors..(row + 1) * self.sensors);

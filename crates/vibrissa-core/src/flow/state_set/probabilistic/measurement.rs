@@ -5,6 +5,7 @@ use super::corrected_path::{OdometryCalibration, PathPoint, corrected_path};
 use super::log_window::LogWindow;
 use super::map_symmetry::MapSymmetry;
 use super::normal_equations::NormalEquations;
+use super::odometry_drift::Drift;
 use super::optimisation::UNEXPLAINED;
 use super::sensor::Sensor;
 use super::unknowns::{POSE, Unknowns, value};
@@ -60,6 +61,8 @@ pub(super) struct Row {
     pub(super) model_variance: f64,
     /// What one standard deviation of the model's error makes of it: a whisker that bends to the other side reads the opposite of it.
     pub(super) model_error: f64,
+    /// What errors of the odometry's increments make of it: of the place (1/m, odometry frame) and of the heading (1/rad) there.
+    pub(super) drift: Option<Drift>,
     /// Whether a boundary holds the whisker; none where the contact is not known.
     pub(super) held: Option<bool>,
     /// What the wall's error makes of it, where the wall is known within a band.
@@ -321,6 +324,7 @@ impl<'a> MeasurementModel<'a> {
             plain: 0.0,
             model_variance: 0.0,
             model_error: 0.0,
+            drift: None,
             held: None,
             wall: None,
             unmapped: false,
@@ -367,6 +371,15 @@ impl<'a> MeasurementModel<'a> {
             let steep = self.by_contact(seen, own, touch, (state, point), per * scale, j);
             row.model_variance = steep;
             row.model_error = steep.sqrt().copysign(seen.felt.value);
+            if self.window.drifts() {
+                let force = Vec2::new(j[0], j[1]);
+                let arm = seen.robot.position() - state.frame.transform_point(self.pivot());
+                let by = force.rotated(-state.frame.theta);
+                let on_walk = self.window.on_walk(seen.row, self.anchor);
+                let drift = Drift { by: [by.x, by.y, j[2] - force.dot(arm.perp())], on_walk };
+                row.plain /= (1.0 + drift.variance()).sqrt();
+                row.drift = Some(drift);
+            }
             if let Some(at) = u.gain[seen.index] {
                 j[at] = scale * seen.felt.value / own.stretch.powi(power);
             }
@@ -453,7 +466,7 @@ impl<'a> MeasurementModel<'a> {
     }
 
     /// What marginalised rows say around a state: they know the pose at the window's first row.
-    fn marginalised(&self, state: &State, prior: &Prior) -> NormalEquations {
+    pub(super) fn marginalised(&self, state: &State, prior: &Prior) -> NormalEquations {
         let n = self.unknowns.size();
         let mut path = Vec::new();
         self.path(&state.values, &[0], &mut path);
@@ -462,7 +475,11 @@ impl<'a> MeasurementModel<'a> {
         let frame = state.frame.compose(first.pose).compose(raw.inverse());
         let mut step = difference(prior.at.frame, frame, raw.position()).to_vec();
         step.extend(state.values.iter().zip(&prior.at.values).map(|(now, then)| now - then));
-        prior.equations.shifted(&step).transformed(&self.derivatives_by_anchor(state, first))
+        let mut equations = prior.equations.shifted(&step);
+        if self.window.drifts() && self.anchor > 0 {
+            equations.loosen_pose(&self.window.on_walk(0, self.anchor).covariance(), state.frame.theta);
+        }
+        equations.transformed(&self.derivatives_by_anchor(state, first))
     }
 
     /// Equations around a state with the pose at another row in the place of that at the anchor.

@@ -20,6 +20,7 @@ mod log_window;
 mod map_symmetry;
 mod measurement;
 mod normal_equations;
+mod odometry_drift;
 mod optimisation;
 mod places;
 mod scene;

@@ -6,6 +6,9 @@ use super::unknowns::{POSE, Unknown};
 use crate::linear_algebra::{DenseCholesky, Square};
 use crate::plane::Vec2;
 
+/// What is left of a variance when all else is known is none below this share of it.
+const TINY: f64 = 1e-12;
+
 /// `J(x) = c - ηᵀx + xᵀΛx / 2` around the point of linearisation; the first three unknowns are the pose.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct NormalEquations {
@@ -69,11 +72,37 @@ impl NormalEquations {
 
     /// Adds an independent error of this variance to one unknown.
     pub(super) fn loosen(&mut self, at: usize, variance: f64) {
-        if variance <= 0.0 {
+        if variance > 0.0 {
+            self.loosen_along(&[(at, variance.sqrt())]);
+        }
+    }
+
+    /// Adds an independent error of the pose with this covariance (x, y, heading), in a frame that is turned by this angle (rad).
+    pub(super) fn loosen_pose(&mut self, covariance: &Square<POSE>, angle: f64) {
+        let variances: [f64; POSE] = core::array::from_fn(|i| covariance[i][i]);
+        if variances.iter().all(|v| *v <= 0.0) {
             return;
         }
-        let column: Vec<f64> = (0..self.size).map(|i| self.at(i, at)).collect();
-        let (per, along) = (1.0 / (1.0 / variance + column[at]), self.vector[at]);
+        // Directions in which the error is wide, one after the other (Cholesky), what is exact left out.
+        let mut left = *covariance;
+        for k in [2, 0, 1] {
+            if left[k][k] <= TINY * variances[k] {
+                continue;
+            }
+            let root = left[k][k].sqrt();
+            let column: [f64; POSE] = core::array::from_fn(|i| left[i][k] / root);
+            (0..POSE).for_each(|i| (0..POSE).for_each(|j| left[i][j] -= column[i] * column[j]));
+            let place = Vec2::new(column[0], column[1]).rotated(angle);
+            self.loosen_along(&[(0, place.x), (1, place.y), (2, column[2])]);
+        }
+    }
+
+    /// Adds an independent error along a direction, of these components, of the variance one.
+    fn loosen_along(&mut self, direction: &[(usize, f64)]) {
+        let column: Vec<f64> =
+            (0..self.size).map(|i| direction.iter().map(|&(k, v)| v * self.at(i, k)).sum()).collect();
+        let along: f64 = direction.iter().map(|&(k, v)| v * self.vector[k]).sum();
+        let per = 1.0 / (1.0 + direction.iter().map(|&(k, v)| v * column[k]).sum::<f64>());
         for i in 0..self.size {
             let (start, by) = (self.start(i), per * column[i]);
             self.vector[i] -= by * along;

@@ -135,7 +135,8 @@ impl<'a> MultiHypothesisSmoother<'a> {
         };
         Self {
             scene,
-            window: LogWindow::new(count),
+            window: LogWindow::new(count)
+                .with_drift([declared.odometry.translation_relative, declared.odometry.rotation_relative]),
             phase: Phase::Waiting,
             touching: vec![0; count],
             free: 0,
