@@ -196,3 +196,31 @@ impl LogWindow {
         self.set_aside.drain(row * self.sensors..(row + 1) * self.sensors);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sums_over_increments_are_those_of_the_rows_that_are_kept() {
+        let pose = |k: usize| Pose2::new(0.01 * k as f64, 0.02 * (0.7 * k as f64).sin(), 0.5 * (0.4 * k as f64).cos());
+        let mut window = LogWindow::new(0).with_drift([0.03, 0.02]);
+        (0..12).for_each(|k| window.push(k as f64, pose(k), &[]));
+        [10, 4].into_iter().for_each(|row| window.drop_row(row));
+        let mut same = LogWindow::new(0).with_drift([0.03, 0.02]);
+        (0..12).filter(|k| ![10, 4].contains(k)).for_each(|k| same.push(k as f64, pose(k), &[]));
+        let near = |a: &LogWindow, b: &LogWindow, ahead: usize| {
+            for (row, held) in [(0, 5), (5, 0), (3, 3), (2, 6)] {
+                let told = a.on_walk(row, held).covariance();
+                let wanted = b.on_walk(row + ahead, held + ahead).covariance();
+                (0..3).for_each(|i| (0..3).for_each(|j| assert!((told[i][j] - wanted[i][j]).abs() < 1e-15)));
+            }
+        };
+        near(&window, &same, 0);
+        window.forget(3);
+        window.push(12.0, pose(12), &[]);
+        same.push(12.0, pose(12), &[]);
+        near(&window, &same, 3);
+        assert!(window.drifts() && !LogWindow::new(0).drifts());
+    }
+}

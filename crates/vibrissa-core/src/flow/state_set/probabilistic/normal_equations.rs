@@ -342,4 +342,35 @@ mod tests {
             assert!((there.cost_at(&y) - told.cost_at(&x)).abs() < 1e-10, "{} {}", there.cost_at(&y), told.cost_at(&x));
         }
     }
+
+    #[test]
+    fn an_error_of_the_pose_adds_its_covariance() {
+        let inverse = |told: &NormalEquations| DenseCholesky::new(SIZE, &told.mirrored([0.0; POSE])).unwrap().inverse();
+        let root = |i: usize, j: usize| number(7 * i + 3 * j + 40);
+        let full = core::array::from_fn(|i| core::array::from_fn(|j| (0..3).map(|k| root(i, k) * root(j, k)).sum()));
+        // An error of the heading alone, and of the place alone.
+        let heading = [[0.0, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 0.3]];
+        let place = [[0.2, 0.1, 0.0], [0.1, 0.4, 0.0], [0.0, 0.0, 0.0]];
+        for (covariance, angle) in [(full, 0.0), (full, 2.1), (heading, 1.0), (place, -0.7)] {
+            let (told, mut loose) = (equations(), equations());
+            loose.loosen_pose(&covariance, angle);
+            let (before, after) = (inverse(&told), inverse(&loose));
+            let (sin, cos) = f64::sin_cos(angle);
+            let turn = [[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]];
+            let turned = |i: usize, j: usize| -> f64 {
+                (0..3).map(|k| (0..3).map(|l| turn[i][k] * covariance[k][l] * turn[j][l]).sum::<f64>()).sum()
+            };
+            for i in 0..SIZE {
+                for j in 0..SIZE {
+                    let more = if i < POSE && j < POSE { turned(i, j) } else { 0.0 };
+                    let off = after[i * SIZE + j] - before[i * SIZE + j] - more;
+                    assert!(off.abs() < 1e-9, "{i} {j}: {off}");
+                }
+            }
+            // The mean stays.
+            let (_, a) = told.step([0.0; POSE]).unwrap();
+            let (_, b) = loose.step([0.0; POSE]).unwrap();
+            a.iter().zip(&b).for_each(|(a, b)| assert!((a - b).abs() < 1e-9, "{a} {b}"));
+        }
+    }
 }
