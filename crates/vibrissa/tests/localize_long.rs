@@ -86,3 +86,25 @@ fn nobody_goes_on_through_a_wall() {
     println!("{:.1} mm outside of {most}", 1e3 * deepest);
     assert!(most > 100 && deepest < 0.02, "{most} {deepest}");
 }
+
+#[test]
+fn a_compass_that_is_wrong_by_the_same_all_along_counts_once() {
+    // Along one wall, at one heading, the readings say nothing of where along it and little of the heading.
+    let (map, robot) = (room(), Robot::default());
+    let way = [[0.1, -0.123], [0.1, -0.153], [-0.1, -0.151]].map(|[x, y]| Pose2::new(x, y, -0.834));
+    let path = path_through(&way, &Pace { speed: 0.05, turn_rate: 1.0, rate: 300.0 }).unwrap();
+    let mut sweep = simulate_tip_sweep(&map, &robot, &path, &SweepNoise::seeded(3)).unwrap();
+    for (row, truth) in sweep.log.rows.iter_mut().zip(&sweep.truth) {
+        row.heading = Some(truth.map_from_robot.theta + 0.03);
+    }
+    let answers = [200, 4000].map(|window| {
+        let options = ProbabilisticOptions { window, heading_error: 0.06, ..ProbabilisticOptions::default() };
+        localize(&sweep.log, &map, &robot, &Method::Probabilistic(options), &mut |_| {}).unwrap()
+    });
+    let turn = answers.each_ref().map(|answer| {
+        let told = answer.hypotheses.iter().filter_map(|h| h.covariance).map(|c| c[2][2].sqrt());
+        told.fold(f64::INFINITY, f64::min)
+    });
+    println!("{} rows: {turn:.4?} rad", sweep.log.rows.len());
+    assert!(turn[0] > 0.9 * turn[1] && turn[0].is_finite(), "{turn:?}");
+}

@@ -437,7 +437,7 @@ impl Bank {
             early.relinearise(&there, &rows, &mut self.scratch).await;
             // What is known beside the readings is added again with those that follow.
             let mut own = early.equations().clone();
-            own.remove_priors(model.unknowns.all(), &state.values);
+            there.remove_shared(&state, &mut own);
             model.loosen(&mut own);
             let equations = own.with_forgetting(forgetting);
             (mode.state, mode.end) = (state.clone(), None);

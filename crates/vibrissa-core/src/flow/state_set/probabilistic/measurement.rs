@@ -453,16 +453,27 @@ impl<'a> MeasurementModel<'a> {
     pub(super) fn known(&self, state: &State, start: &Start) -> NormalEquations {
         let mut equations = NormalEquations::new(self.unknowns.size());
         equations.add_priors(self.unknowns.all(), &state.values);
-        if let Some(heading) = self.window.heading() {
-            let off = wrap_angle(state.frame.theta - heading);
-            let weight = self.heading_std.powi(-2);
-            equations.add(&[0.0, 0.0, 1.0], off, weight);
-            equations.constant += 0.5 * weight * off * off;
-        }
+        self.add_heading(state, &mut equations, 1.0);
         if let Some(prior) = &start.prior {
             equations.add_all(&self.marginalised(state, prior));
         }
         equations
+    }
+
+    /// Takes away what is known of all rows at once, headings and nuisance parameters, which is added again with rows that follow.
+    pub(super) fn remove_shared(&self, state: &State, equations: &mut NormalEquations) {
+        equations.remove_priors(self.unknowns.all(), &state.values);
+        self.add_heading(state, equations, -1.0);
+    }
+
+    /// Adds the one error of the absolute headings, so many times.
+    fn add_heading(&self, state: &State, equations: &mut NormalEquations, times: f64) {
+        if let Some(heading) = self.window.heading() {
+            let off = wrap_angle(state.frame.theta - heading);
+            let weight = times * self.heading_std.powi(-2);
+            equations.add(&[0.0, 0.0, 1.0], off, weight);
+            equations.constant += 0.5 * weight * off * off;
+        }
     }
 
     /// What marginalised rows say around a state: they know the pose at the window's first row.
