@@ -1,6 +1,6 @@
 //! The moment of a whisker in contact and its derivatives by the pose of its base, for estimation.
 //!
-//! Without friction, and of uniform whiskers at the tip (`tip`), the side (`side`) or both (`both`), on an elastic base too
+//! Without friction, and of uniform whiskers at the tip (`tip`), the side (`side`) or both, or the side at two places (`both`), on an elastic base too
 //! (`elastic_base`); of others at the tip alone. A contact is followed from pose to pose; what a free whisker meets is in `meet`, what one runs into
 //! besides its contact in `surroundings`, and where one that snaps comes to rest in `snap`. Differentiating the
 //! equations of the equilibrium gives `dh/d(x, y, theta)` for the price of one more solution of the same linear system.

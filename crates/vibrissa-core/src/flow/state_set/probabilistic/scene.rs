@@ -33,7 +33,7 @@ pub(super) struct Scene<'a> {
 }
 
 impl<'a> Scene<'a> {
-    /// Rows that are kept: twice as many where the odometry is declared to be wrong, which what is marginalised does not know of.
+    /// Rows that are kept: twice as many where the odometry is declared to be wrong: a calibration that is marginalised is never linearised again.
     pub(super) fn window(&self) -> usize {
         let odometry = &self.declared.odometry;
         let is_bounded = odometry.translation_relative > 0.0 || odometry.rotation_relative > 0.0;
