@@ -221,3 +221,40 @@ fn shapes_are_found_from_any_frame() {
         assert!(compared.absolute.mean > 0.05, "{from}: {compared:?}");
     }
 }
+
+/// A straight wall felt in pieces from `from` on, free space on its left.
+fn pieces(from: Vec2, along: Vec2, length: f64, draw: &mut Random) -> Vec<FeltLine> {
+    const PIECE: f64 = 40e-3;
+    let band = vibrissa::world::Band { std: 0.05e-3, bound: 0.2e-3 };
+    let count = (length / PIECE) as usize;
+    let mut piece = |k: usize| {
+        let point = |j: usize| FeltPoint {
+            position: from + along * (PIECE * k as f64 + 0.5e-3 * j as f64) + along.perp() * draw.signed(0.05e-3),
+            band,
+            drift: vibrissa::world::Band::default(),
+        };
+        FeltLine { points: (0..79).map(point).collect(), closed: false }
+    };
+    (0..count).map(&mut piece).collect()
+}
+
+#[test]
+fn walls_that_were_felt_in_pieces_meet_in_a_corner_farther_ahead_than_a_piece_is_long() {
+    use vibrissa::config::MapAssemblyOptions;
+    for seed in 0..20 {
+        let mut draw = Random(seed);
+        let (corner, turn) = (Vec2::new(draw.signed(1.0), draw.signed(1.0)), draw.between(0.6, 2.2) * draw.sign());
+        let (first, second) = (Vec2::from_angle(draw.signed(PI)), draw.between(0.05, 0.075));
+        let after = first.rotated(turn);
+        let mut lines = pieces(corner - first * (0.28 + second), first, 0.281, &mut draw);
+        lines.extend(pieces(corner + after * second, after, 0.281, &mut draw));
+        // In any order.
+        for k in (1..lines.len()).rev() {
+            lines.swap(k, draw.between(0.0, k as f64 + 1.0) as usize);
+        }
+        let found = assemble(&lines, &MapAssemblyOptions::default()).unwrap();
+        assert_eq!((found.map.boundaries().len(), found.corners.len()), (1, 1), "{seed}");
+        let off = found.corners[0].position.distance(corner);
+        assert!(off <= found.corners[0].band.bound && off < 0.5e-3, "{seed}: {off}");
+    }
+}

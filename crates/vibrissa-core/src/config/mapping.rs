@@ -38,6 +38,9 @@ pub struct MappingOptions {
     pub free_tip: f64,
     /// Way before and after its middle that a submap takes (m): long enough to hold a corner.
     pub submap: f64,
+    /// The longest that is looked at where a shorter one leaves more than one place (m): what holds two corners or three cannot be
+    /// moved against itself, and beyond the odometry's own bounds leave more open than a longer way tells.
+    pub longest_submap: f64,
     /// Way between the middles of later submaps for which a closure is looked for (m).
     pub closure_every: f64,
     /// Fewest contacts of a submap, thinned to one in so many metres.
@@ -81,6 +84,7 @@ impl Default for MappingOptions {
             trim_end: 2e-3,
             free_tip: 10e-3,
             submap: 0.3,
+            longest_submap: 1.2,
             closure_every: 0.15,
             submap_contacts: 20,
             contact_spacing: 4e-3,
@@ -119,6 +123,7 @@ impl MappingOptions {
             ("trim_end", self.trim_end, 0.0, 1.0),
             ("free_tip", self.free_tip, 0.0, 1.0),
             ("submap", self.submap, 1e-2, 10.0),
+            ("longest_submap", self.longest_submap, 1e-2, 10.0),
             ("closure_every", self.closure_every, 1e-2, 10.0),
             ("contact_spacing", self.contact_spacing, 1e-4, 0.1),
             ("largest_gap", self.largest_gap, 0.0, 0.1),

@@ -10,6 +10,7 @@
 use super::free_space::FreeSpace;
 use crate::Stop;
 use crate::plane::{Pose2, Vec2};
+use std::collections::VecDeque;
 use vibrissa_core::math;
 
 /// What was felt and passed over a stretch of the way, in the frame of its middle key pose.
@@ -20,21 +21,31 @@ pub(super) struct Submap {
     pub(super) space: FreeSpace,
 }
 
-/// Poses that the odometry's bounds allow: a middle, and half of the ranges of place (m) and heading (rad).
+/// Poses that are possible: a middle, and half of the ranges of x, y (m) and heading (rad).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PoseBounds {
     pub(super) middle: Pose2,
-    pub(super) place: f64,
-    pub(super) turn: f64,
+    pub(super) half: [f64; 3],
+}
+
+impl PoseBounds {
+    /// Poses after these, seen from where these are.
+    pub(super) fn then(self, next: Self) -> Self {
+        let Self { middle, half: [x, y, turn] } = self;
+        // A box that is turned lies within the disc around it.
+        let place = next.half[0].hypot(next.half[1]);
+        let off = place + turn * (next.middle.position().norm() + place);
+        Self { middle: middle.compose(next.middle), half: [x + off, y + off, turn + next.half[2]] }
+    }
 }
 
 /// What came of a closure.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 pub(super) enum Proof {
-    /// One small place is left: its middle, and half of its extent (m, m, rad).
-    Unique(Pose2, [f64; 3]),
-    /// More is left than one small place: how many separate ones, and the half extent of all.
-    Open(usize, [f64; 3]),
+    /// One small place is left.
+    Unique(PoseBounds),
+    /// More is left than one small place: how many separate ones, and the bounds of all.
+    Open(usize, PoseBounds),
     /// Nothing: the declared bounds do not hold.
     Contradiction,
     /// The search was too long, or stopped.
@@ -60,11 +71,15 @@ struct PoseBox {
 }
 
 /// Whether the poses of a later submap in an earlier one are one place.
+///
+/// The largest boxes come first. The search ends as soon as two poses that contradict nothing are too far apart for one place.
 pub(super) fn prove(earlier: &Submap, later: &Submap, bounds: PoseBounds, grain: Resolution, stop: &Stop) -> Proof {
     let Pose2 { x, y, theta } = bounds.middle;
-    let whole = PoseBox { middle: [x, y, theta], half: [bounds.place, bounds.place, bounds.turn] };
-    let (mut stack, mut left, mut work) = (vec![whole], Vec::new(), 0);
-    while let Some(next) = stack.pop() {
+    let whole = PoseBox { middle: [x, y, theta], half: bounds.half };
+    let largest = [grain.largest.0, grain.largest.0, grain.largest.1];
+    let (mut queue, mut left, mut work) = (VecDeque::from([whole]), Vec::new(), 0);
+    let mut possible: Vec<PoseBox> = Vec::new();
+    while let Some(next) = queue.pop_front() {
         work += 1;
         if work > grain.work || stop.is_asked() {
             return Proof::Unfinished;
@@ -72,22 +87,33 @@ pub(super) fn prove(earlier: &Submap, later: &Submap, bounds: PoseBounds, grain:
         if contradicts(earlier, later, &next) {
             continue;
         }
+        let middle = PoseBox { middle: next.middle, half: [0.0; 3] };
+        if !contradicts(earlier, later, &middle) {
+            possible.push(middle);
+            let (middle, half) = hull(&possible);
+            possible = vec![PoseBox { middle, half }];
+            if (0..3).any(|k| half[k] > largest[k]) {
+                left.extend(queue);
+                left.push(next);
+                return Proof::Open(places(&left), bounds_of(&left));
+            }
+        }
         match next.halves(&grain) {
-            Some(halves) => stack.extend(halves),
+            Some(halves) => queue.extend(halves),
             None => left.push(next),
         }
     }
     if left.is_empty() {
         return Proof::Contradiction;
     }
-    let (middle, half) = hull(&left);
-    let places = places(&left);
-    let small = half[0].max(half[1]) <= grain.largest.0 && half[2] <= grain.largest.1;
-    if places == 1 && small {
-        Proof::Unique(Pose2 { x: middle[0], y: middle[1], theta: middle[2] }, half)
-    } else {
-        Proof::Open(places, half)
-    }
+    let (places, bounds) = (places(&left), bounds_of(&left));
+    let small = (0..3).all(|k| bounds.half[k] <= largest[k]);
+    if places == 1 && small { Proof::Unique(bounds) } else { Proof::Open(places, bounds) }
+}
+
+fn bounds_of(boxes: &[PoseBox]) -> PoseBounds {
+    let ([x, y, theta], half) = hull(boxes);
+    PoseBounds { middle: Pose2 { x, y, theta }, half }
 }
 
 /// Whether every pose of a box puts a contact deep in passed space.
@@ -194,14 +220,16 @@ mod tests {
     fn proof(earlier: &[Vec2], later: &[Vec2], place: f64, turn: f64) -> Proof {
         let frame = Pose2::new(0.02, 0.06, 0.1);
         let off = Pose2::new(0.7 * place, -0.6 * place, 0.8 * turn);
-        let bounds = PoseBounds { middle: off, place, turn };
+        let bounds = PoseBounds { middle: off, half: [place, place, turn] };
         prove(&submap(earlier, frame), &submap(later, frame), bounds, GRAIN, &Stop::default())
     }
 
     #[test]
     fn a_corner_that_is_felt_again_is_one_place() {
         let corner = [at(0.25, 0.0), at(0.0, 0.0), at(0.0, 0.25)].map(|p| at(p.y, p.x));
-        let Proof::Unique(pose, half) = proof(&corner, &corner, 0.03, 0.05) else { panic!("no proof") };
+        let Proof::Unique(PoseBounds { middle: pose, half }) = proof(&corner, &corner, 0.03, 0.05) else {
+            panic!("no proof")
+        };
         for (value, half) in [pose.x, pose.y, pose.theta].into_iter().zip(half) {
             assert!(value.abs() <= half, "the truth is lost: {pose:?} {half:?}");
         }
@@ -227,8 +255,8 @@ mod tests {
     fn bounds_without_the_truth_are_a_contradiction_or_leave_it_open() {
         let corner = [at(0.0, 0.25), at(0.0, 0.0), at(0.25, 0.0)];
         let frame = Pose2::new(0.02, 0.06, 0.1);
-        let bounds = PoseBounds { middle: Pose2::new(0.03, 0.03, 0.0), place: 5e-3, turn: 0.01 };
+        let bounds = PoseBounds { middle: Pose2::new(0.03, 0.03, 0.0), half: [5e-3, 5e-3, 0.01] };
         let found = prove(&submap(&corner, frame), &submap(&corner, frame), bounds, GRAIN, &Stop::default());
-        assert_eq!(found, Proof::Contradiction);
+        assert!(matches!(found, Proof::Contradiction), "{found:?}");
     }
 }

@@ -21,7 +21,7 @@ pub(super) struct FreeSpace {
     offs: Vec<f64>,
 }
 
-/// Cells along a side of a bin: wider than passed space is deep, so that neighbours hold all that a depth depends on.
+/// Cells along a side of a bin.
 const BIN: usize = 16;
 
 impl FreeSpace {
@@ -53,6 +53,7 @@ impl FreeSpace {
         }
         middles.iter().filter(|_| radius > 0.0).for_each(|(middle, off)| grid.fill(*middle, radius, *off));
         grid.spread();
+        grid.widen();
         grid
     }
 
@@ -75,14 +76,25 @@ impl FreeSpace {
         (self.columns.div_ceil(BIN), self.rows.div_ceil(BIN))
     }
 
-    /// A place of this cell may be off by so much: so may all that depends on it.
+    /// A place of this cell may be off by so much.
     fn note(&mut self, index: usize, off: f64) {
+        let bin = index / self.columns / BIN * self.bins().0 + index % self.columns / BIN;
+        self.offs[bin] = self.offs[bin].max(off);
+    }
+
+    /// A depth depends on all places that are as near as it is deep: bins take the largest of theirs.
+    fn widen(&mut self) {
+        let deepest = self.depths.iter().copied().fold(0.0, f64::max);
+        let reach = (deepest / BIN as f64).ceil() as usize + 1;
         let (across, up) = self.bins();
-        let (x, y) = (index % self.columns / BIN, index / self.columns / BIN);
-        for j in y.saturating_sub(1)..=(y + 1).min(up - 1) {
-            for i in x.saturating_sub(1)..=(x + 1).min(across - 1) {
-                let bin = &mut self.offs[j * across + i];
-                *bin = bin.max(off);
+        for (count, length, step) in [(up, across, 1), (across, up, across)] {
+            for line in 0..count {
+                let first = if step == 1 { line * across } else { line };
+                let own: Vec<f64> = (0..length).map(|k| self.offs[first + k * step]).collect();
+                for k in 0..length {
+                    let near = &own[k.saturating_sub(reach)..(k + reach + 1).min(length)];
+                    self.offs[first + k * step] = near.iter().copied().fold(0.0, f64::max);
+                }
             }
         }
     }

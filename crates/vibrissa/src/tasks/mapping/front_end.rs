@@ -117,6 +117,21 @@ impl FrontEnd {
         Ok(())
     }
 
+    /// The first and the last key pose within this way of another (m).
+    pub(super) fn within(&self, middle: usize, reach: f64) -> (usize, usize) {
+        let (mut first, mut last, mut way) = (middle, middle, 0.0);
+        while first > 0 && way < reach {
+            way += self.keys[first].leg.way;
+            first -= 1;
+        }
+        way = 0.0;
+        while last + 1 < self.keys.len() && way < reach {
+            last += 1;
+            way += self.keys[last].leg.way;
+        }
+        (first, last)
+    }
+
     /// The key pose to which a time belongs.
     fn key_at(&self, t: f64) -> usize {
         self.keys.partition_point(|key| key.t <= t).saturating_sub(1)

@@ -7,11 +7,13 @@
 //! | `submap` | what was felt and passed over a stretch of the way, with bounds |
 //! | `free_space` | how deep in passed space a place lies |
 //! | `closure` | proofs that the robot came back, by set inversion |
+//! | `closures` | where along the way it may have come back, and within which bounds |
 //! | `overlap` | later contacts on earlier walls |
 //! | `graph` | key poses and shares by least squares |
 //! | `merge` | stretches of all passes as one outline with bands |
 
 mod closure;
+mod closures;
 mod free_space;
 mod front_end;
 mod graph;
@@ -27,12 +29,10 @@ use crate::flow::sensor_log::{LogRow, SensorLog};
 use crate::plane::Pose2;
 use crate::world::Robot;
 use crate::{Error, Result, Stop};
-use closure::{Proof, Resolution, prove};
+use closures::closures;
 use front_end::FrontEnd;
 use graph::{Graph, LegNoise, Solution};
 use odometry::{Leg, SHARES};
-use overlap::Tie;
-use submap::{submap, way_bounds};
 
 const SQRT_3: f64 = 1.732_050_807_568_877_2;
 /// Independent errors of odometry: this share of its bounds over this way (m), and what nothing is more exact than (m, rad).
@@ -173,7 +173,7 @@ impl Mapper {
         let legs = self.legs();
         let shares = self.share_stds();
         let start = Graph { legs: &legs, overlaps: &[], shares }.dead_reckoned(first.odom_from_key);
-        let (closures, ties) = self.closures();
+        let (closures, ties) = closures(&self.front, &self.robot, &self.options, &self.stop);
         let mut solution = start;
         let mut overlaps = Vec::new();
         for round in 0..ROUNDS {
@@ -216,52 +216,6 @@ impl Mapper {
     fn share_stds(&self) -> [f64; SHARES] {
         let odometry = &self.robot.odometry;
         [odometry.translation_relative, odometry.rotation_relative, self.options.drift].map(|bound| bound / SQRT_3)
-    }
-
-    /// Looks for closures of later stretches of the way with the nearest of the earlier ones.
-    fn closures(&self) -> (Vec<Closure>, Vec<Tie>) {
-        let (keys, options) = (&self.front.keys, &self.options);
-        let mut ways = vec![0.0; keys.len()];
-        for k in 1..keys.len() {
-            ways[k] = ways[k - 1] + keys[k].leg.way;
-        }
-        let (mut closures, mut ties, mut last) = (Vec::new(), Vec::new(), f64::NEG_INFINITY);
-        let grain = Resolution {
-            place: options.closure_resolution,
-            arm: options.submap,
-            largest: (options.largest_place, options.largest_turn),
-            work: options.closure_work,
-        };
-        for later in 0..keys.len() {
-            if ways[later] - last < options.closure_every || self.stop.is_asked() {
-                continue;
-            }
-            let apart = |earlier: &usize| ways[later] - ways[*earlier] >= 2.0 * options.submap;
-            let place = keys[later].odom_from_key.position();
-            let near = |k: &usize| keys[*k].odom_from_key.position().distance(place);
-            let nearest = (0..later).filter(apart).min_by(|a, b| near(a).total_cmp(&near(b)));
-            let Some(earlier) = nearest else { continue };
-            let bounds = way_bounds(&self.front, &self.robot, options.drift, (earlier, later));
-            // Stretches that lie apart by more have no wall in common.
-            if near(&earlier) > bounds.place + 0.5 * options.submap {
-                continue;
-            }
-            last = ways[later];
-            let [a, b] = [earlier, later].map(|key| submap(&self.front, &self.robot, options, key));
-            let (Some(a), Some(b)) = (a, b) else { continue };
-            let proof = prove(&a, &b, bounds, grain, &self.stop);
-            let (verdict, places, extent) = match proof {
-                Proof::Unique(_, extent) => (ClosureVerdict::Proved, 1, extent),
-                Proof::Open(places, extent) => (ClosureVerdict::Hypothesis, places, extent),
-                Proof::Contradiction => (ClosureVerdict::Contradiction, 0, [0.0; 3]),
-                Proof::Unfinished => (ClosureVerdict::Unfinished, 0, [0.0; 3]),
-            };
-            if let Proof::Unique(earlier_from_later, extent) = proof {
-                ties.push(Tie { earlier, later, earlier_from_later, extent });
-            }
-            closures.push(Closure { later: keys[later].t, earlier: keys[earlier].t, verdict, places, extent });
-        }
-        (closures, ties)
     }
 
     /// The robot at every row: from the key pose before, by the odometry with its shares taken into account.

@@ -34,7 +34,7 @@ pub(super) fn overlaps(
     let mut all = Vec::new();
     for tie in ties {
         let across = solution.map_or(ACROSS + tie.extent[0].max(tie.extent[1]), |_| ACROSS);
-        let [earlier, later] = [tie.earlier, tie.later].map(|key| window(front, options.submap, key));
+        let [earlier, later] = [tie.earlier, tie.later].map(|key| front.within(key, options.submap));
         // Of neighbouring closures a later contact is taken once.
         let taken = all.last().map_or(0, |overlap: &Overlap| overlap.later.0 + 1);
         for key in later.0.max(taken)..=later.1 {
@@ -53,22 +53,6 @@ pub(super) fn overlaps(
         }
     }
     all
-}
-
-/// The key poses within a way of another.
-fn window(front: &FrontEnd, reach: f64, middle: usize) -> (usize, usize) {
-    let keys = &front.keys;
-    let (mut first, mut last, mut way) = (middle, middle, 0.0);
-    while first > 0 && way < reach {
-        way += keys[first].leg.way;
-        first -= 1;
-    }
-    way = 0.0;
-    while last + 1 < keys.len() && way < reach {
-        last += 1;
-        way += keys[last].leg.way;
-    }
-    (first, last)
 }
 
 fn add(

@@ -12,7 +12,7 @@ use core::f64::consts::PI;
 pub(super) fn way_bounds(front: &FrontEnd, robot: &Robot, drift: f64, (from, to): (usize, usize)) -> PoseBounds {
     let (place, turn) = bounds_between(front, robot, drift, (from.min(to), from.max(to)));
     let middle = front.keys[from].odom_from_key.between(front.keys[to].odom_from_key);
-    PoseBounds { middle, place, turn }
+    PoseBounds { middle, half: [place, place, turn] }
 }
 
 /// Sums of the bounds of all steps: a heading that is off by then carries the rest of the way along.
@@ -28,19 +28,15 @@ fn bounds_between(front: &FrontEnd, robot: &Robot, drift: f64, (from, to): (usiz
     (place, turn.min(PI))
 }
 
-/// The submap around a key pose; none with too few contacts.
-pub(super) fn submap(front: &FrontEnd, robot: &Robot, options: &MappingOptions, middle: usize) -> Option<Submap> {
+/// The submap of the way before and after a key pose (m); none with too few contacts.
+pub(super) fn submap(
+    front: &FrontEnd,
+    robot: &Robot,
+    options: &MappingOptions,
+    (middle, reach): (usize, f64),
+) -> Option<Submap> {
     let keys = &front.keys;
-    let (mut first, mut last, mut way) = (middle, middle, 0.0);
-    while first > 0 && way < options.submap {
-        way += keys[first].leg.way;
-        first -= 1;
-    }
-    way = 0.0;
-    while last + 1 < keys.len() && way < options.submap {
-        last += 1;
-        way += keys[last].leg.way;
-    }
+    let (first, last) = front.within(middle, reach);
     let (mut contacts, mut places, mut middles) = (Vec::new(), Vec::new(), Vec::new());
     for key in first..=last {
         // What was felt after a key pose belongs to it, up to the next.

@@ -7,12 +7,14 @@
 //! | `chain` | a line through several runs |
 //! | `outline` | the line with its uncertainty, from all sweeps |
 //! | `assembly` | a map with bands of felt lines: corners, rings, unknown stretches |
+//! | `joint` | what two ends have to do with each other: one wall, a corner, an unknown stretch |
 //! | `alignment` | shape error and absolute error against a map |
 //! | `shape` | rounded polygons and circles fitted to points |
 
 mod alignment;
 mod assembly;
 mod chain;
+mod joint;
 mod outline;
 mod run;
 mod shape;
