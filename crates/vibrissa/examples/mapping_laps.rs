@@ -92,7 +92,7 @@ fn mapped(seed: u64, wrong: bool) -> Option<String> {
 /// Errors after the best rigid motion.
 fn judge(found: &Mapped, room: &lap::Room, first: vibrissa::plane::Pose2) -> Option<String> {
     // The outline's frame is that of the first row: laid where the robot was.
-    let first = first.compose(found.trajectory[0].map_from_robot.inverse());
+    let first = first.compose(found.trajectory()[0].map_from_robot.inverse());
     let map = &found.outline.map;
     let is_known = |sample: &&vibrissa::world::BoundarySample| {
         let boundary = &map.boundaries()[sample.boundary];

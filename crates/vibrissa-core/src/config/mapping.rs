@@ -63,6 +63,12 @@ pub struct MappingOptions {
     pub largest_turn: f64,
     /// Most boxes of poses that are looked at for one closure: some seconds.
     pub closure_work: usize,
+    /// Walls that later logs feel elsewhere are told as moved by no more than this (m): twice as far as a whisker reaches, walls are others.
+    pub largest_change: f64,
+    /// And by no less, beside what errors explain (m): ends of traces are off by tenths of a millimetre.
+    pub least_change: f64,
+    /// How far from where the first log begins each later one does at most (m, rad); none where they may begin anywhere.
+    pub same_start: Option<(f64, f64)>,
 }
 
 impl Default for MappingOptions {
@@ -96,6 +102,9 @@ impl Default for MappingOptions {
             largest_place: 0.03,
             largest_turn: 0.15,
             closure_work: 400_000,
+            largest_change: 40e-3,
+            least_change: 1e-3,
+            same_start: None,
         }
     }
 }
@@ -107,6 +116,7 @@ impl MappingOptions {
     ///
     /// Usage: names the knob, its value and the allowed range.
     pub fn check(&self) -> Result<()> {
+        let (start, start_turn) = self.same_start.unwrap_or_default();
         for (name, value, lo, hi) in [
             ("drift", self.drift, 0.0, 10.0),
             ("body_radius", self.body_radius, 0.0, 1.0),
@@ -133,6 +143,10 @@ impl MappingOptions {
             ("closure_resolution", self.closure_resolution, 1e-5, 0.1),
             ("largest_place", self.largest_place, 1e-4, 1.0),
             ("largest_turn", self.largest_turn, 1e-3, 1.0),
+            ("largest_change", self.largest_change, 0.0, 1.0),
+            ("least_change", self.least_change, 0.0, 1.0),
+            ("same_start", start, 0.0, 100.0),
+            ("same_start", start_turn, 0.0, core::f64::consts::PI),
         ] {
             if !(value >= lo && value <= hi) {
                 return Err(Error::usage(format!("the option {name} is out of range"))

@@ -12,8 +12,10 @@ mod band;
 mod bordered;
 mod descent;
 mod minimise;
+mod ordering;
 
 pub(crate) use band::{Band, Factor};
-pub(crate) use bordered::Bordered;
+pub(crate) use bordered::{Bordered, BorderedFactor};
 pub(crate) use descent::{Descent, Normal, Rules, descend, unbounded};
 pub(crate) use minimise::{Scale, covariance, linear, minimise};
+pub(crate) use ordering::reverse_cuthill_mckee;

@@ -9,6 +9,7 @@
 
 use super::free_space::FreeSpace;
 use crate::Stop;
+use crate::config::MappingOptions;
 use crate::plane::{Pose2, Vec2};
 use std::collections::VecDeque;
 use vibrissa_core::math;
@@ -64,8 +65,20 @@ pub(super) struct Resolution {
     pub(super) work: usize,
 }
 
+impl Resolution {
+    pub(super) fn of(options: &MappingOptions) -> Self {
+        Self {
+            place: options.closure_resolution,
+            arm: options.submap,
+            largest: (options.largest_place, options.largest_turn),
+            work: options.closure_work,
+        }
+    }
+}
+
+/// Poses by their middle, and half of the ranges of x, y (m) and heading (rad).
 #[derive(Clone, Copy, Debug)]
-struct PoseBox {
+pub(super) struct PoseBox {
     middle: [f64; 3],
     half: [f64; 3],
 }
@@ -74,6 +87,38 @@ struct PoseBox {
 ///
 /// The largest boxes come first. The search ends as soon as two poses that contradict nothing are too far apart for one place.
 pub(super) fn prove(earlier: &Submap, later: &Submap, bounds: PoseBounds, grain: Resolution, stop: &Stop) -> Proof {
+    one_place(&|poses| contradicts(earlier, later, poses), bounds, grain, stop)
+}
+
+/// What ever longer submaps leave of poses within bounds: `search` takes the way before and after its middle (m) and what is left so far, and
+/// gives none where it has no submap of that length.
+pub(super) fn by_longer_submaps(
+    options: &MappingOptions,
+    mut bounds: PoseBounds,
+    stop: &Stop,
+    search: &dyn Fn(f64, PoseBounds) -> Option<Proof>,
+) -> Option<Proof> {
+    let (mut last, mut reach) = (None, options.submap);
+    while reach <= options.longest_submap && !stop.is_asked() {
+        let Some(proof) = search(reach, bounds) else { break };
+        last = Some(proof);
+        match proof {
+            Proof::Unique(..) | Proof::Contradiction => break,
+            Proof::Open(_, left) => bounds = left,
+            Proof::Unfinished => {}
+        }
+        reach *= 2.0;
+    }
+    last
+}
+
+/// Whether the poses within bounds that contradict nothing are one place: set inversion by bisection.
+pub(super) fn one_place(
+    contradicts: &dyn Fn(&PoseBox) -> bool,
+    bounds: PoseBounds,
+    grain: Resolution,
+    stop: &Stop,
+) -> Proof {
     let Pose2 { x, y, theta } = bounds.middle;
     let whole = PoseBox { middle: [x, y, theta], half: bounds.half };
     let largest = [grain.largest.0, grain.largest.0, grain.largest.1];
@@ -84,11 +129,11 @@ pub(super) fn prove(earlier: &Submap, later: &Submap, bounds: PoseBounds, grain:
         if work > grain.work || stop.is_asked() {
             return Proof::Unfinished;
         }
-        if contradicts(earlier, later, &next) {
+        if contradicts(&next) {
             continue;
         }
         let middle = PoseBox { middle: next.middle, half: [0.0; 3] };
-        if !contradicts(earlier, later, &middle) {
+        if !contradicts(&middle) {
             possible.push(middle);
             let (middle, half) = hull(&possible);
             possible = vec![PoseBox { middle, half }];
@@ -118,19 +163,31 @@ fn bounds_of(boxes: &[PoseBox]) -> PoseBounds {
 
 /// Whether every pose of a box puts a contact deep in passed space.
 fn contradicts(earlier: &Submap, later: &Submap, poses: &PoseBox) -> bool {
-    let [x, y, theta] = poses.middle;
-    let (sin, cos) = math::sin_cos(theta);
-    let place = math::hypot(poses.half[0], poses.half[1]);
-    let deep_in_earlier = |(contact, off): &(Vec2, f64)| {
-        let there = Vec2::new(x + cos * contact.x - sin * contact.y, y + sin * contact.x + cos * contact.y);
-        earlier.space.depth(there) > place + contact.norm() * poses.half[2] + off
-    };
-    let deep_in_later = |(contact, off): &(Vec2, f64)| {
-        let from = *contact - Vec2::new(x, y);
-        let there = Vec2::new(cos * from.x + sin * from.y, cos * from.y - sin * from.x);
-        later.space.depth(there) > place + (from.norm() + place) * poses.half[2] + off
-    };
-    later.contacts.iter().any(deep_in_earlier) || earlier.contacts.iter().any(deep_in_later)
+    later.contacts.iter().any(|(contact, off)| {
+        let (there, open) = poses.there(*contact);
+        earlier.space.depth(there) > open + off
+    }) || poses.is_in_passed(&earlier.contacts, &later.space)
+}
+
+impl PoseBox {
+    /// Where a place of the later frame is in the earlier one, and how far off that may be at the box's other poses (m).
+    pub(super) fn there(&self, place: Vec2) -> (Vec2, f64) {
+        let [x, y, theta] = self.middle;
+        let open = math::hypot(self.half[0], self.half[1]) + place.norm() * self.half[2];
+        (Vec2::new(x, y) + place.rotated(theta), open)
+    }
+
+    /// Whether every pose puts one of the earlier frame's contacts deep in what was passed later.
+    pub(super) fn is_in_passed(&self, earlier: &[(Vec2, f64)], later: &FreeSpace) -> bool {
+        let [x, y, theta] = self.middle;
+        let (sin, cos) = math::sin_cos(theta);
+        let place = math::hypot(self.half[0], self.half[1]);
+        earlier.iter().any(|(contact, off)| {
+            let from = *contact - Vec2::new(x, y);
+            let there = Vec2::new(cos * from.x + sin * from.y, cos * from.y - sin * from.x);
+            later.depth(there) > place + (from.norm() + place) * self.half[2] + off
+        })
+    }
 }
 
 impl PoseBox {

@@ -3,7 +3,7 @@
 //! Once one closure is proved, the way to the next one is short, so that the robot keeps its place in its own outline. Where a submap leaves more than one place
 //! open a longer one is looked at, with what the shorter one left.
 
-use super::closure::{PoseBounds, Proof, Resolution, prove};
+use super::closure::{PoseBounds, Proof, Resolution, by_longer_submaps, prove};
 use super::front_end::FrontEnd;
 use super::overlap::Tie;
 use super::submap::{submap, way_bounds};
@@ -28,21 +28,23 @@ struct Search<'a> {
     ties: Vec<Tie>,
 }
 
-/// All places along the way where the robot may have come back, and ties of those that are proved.
+/// All places along the way of a log where the robot may have come back, and ties of those that are proved; `start` is what ties a later
+/// log to those before.
 pub(super) fn closures(
-    front: &FrontEnd,
+    (front, visit): (&FrontEnd, usize),
     robot: &Robot,
     options: &MappingOptions,
+    start: Option<Tie>,
     stop: &Stop,
 ) -> (Vec<Closure>, Vec<Tie>) {
     let mut ways = vec![0.0; front.keys.len()];
     for k in 1..ways.len() {
         ways[k] = ways[k - 1] + front.keys[k].leg.way;
     }
-    let mut search = Search { front, robot, options, stop, ways, ties: Vec::new() };
+    let mut search = Search { front, robot, options, stop, ways, ties: start.into_iter().collect() };
     let mut candidates = Vec::new();
     let mut last = f64::NEG_INFINITY;
-    for later in 0..front.keys.len() {
+    for later in front.visit(visit) {
         if search.ways[later] - last < options.closure_every || stop.is_asked() {
             continue;
         }
@@ -79,8 +81,13 @@ impl Search<'_> {
             on.compose(keys[tie.later].odom_from_key.between(here))
         });
         let near = |k: &usize| keys[*k].odom_from_key.position().distance(place.position());
-        let apart = |k: &usize| self.ways[later] - self.ways[*k] >= 2.0 * self.options.submap;
-        let earlier = (0..later).filter(apart).min_by(|a, b| near(a).total_cmp(&near(b)))?;
+        // Odometry compares with that of the log that the closure leads to.
+        let visit = keys[nearest_tie.map_or(later, |tie| tie.earlier)].visit;
+        let apart =
+            |k: &usize| visit != keys[later].visit || self.ways[later] - self.ways[*k] >= 2.0 * self.options.submap;
+        let of_visit = self.front.visit(visit);
+        let others = of_visit.start..of_visit.end.min(later);
+        let earlier = others.filter(apart).min_by(|a, b| near(a).total_cmp(&near(b)))?;
         let bounds = self.bounds((earlier, later), nearest_tie);
         // Stretches that lie apart by more have no wall in common.
         if bounds.middle.position().norm() > bounds.half[0].hypot(bounds.half[1]) + 0.5 * self.options.submap {
@@ -96,39 +103,22 @@ impl Search<'_> {
     /// The poses of a later key pose in an earlier one that the odometry's bounds allow, along the way or by a closure: what is smaller.
     fn bounds(&self, (earlier, later): (usize, usize), tie: Option<&Tie>) -> PoseBounds {
         let way = |from, to| way_bounds(self.front, self.robot, self.options.drift, (from, to));
-        let along = way(earlier, later);
-        let Some(tie) = tie else { return along };
+        let along = || way(earlier, later);
+        let Some(tie) = tie else { return along() };
         let closure = PoseBounds { middle: tie.earlier_from_later, half: tie.extent };
         let by_tie = way(earlier, tie.earlier).then(closure).then(way(tie.later, later));
-        if by_tie.half[0] < along.half[0] { by_tie } else { along }
+        if self.front.keys[earlier].visit != self.front.keys[later].visit {
+            return by_tie;
+        }
+        Some(along()).filter(|along| along.half[0] < by_tie.half[0]).unwrap_or(by_tie)
     }
 
-    /// What submaps around both key poses leave, the shortest first; none with too few contacts.
-    fn prove(&self, (earlier, later): (usize, usize), mut bounds: PoseBounds) -> Option<Proof> {
-        let options = self.options;
-        let mut best = None;
-        let mut reach = options.submap;
-        while reach <= options.longest_submap && !self.stop.is_asked() {
-            let [a, b] = [earlier, later].map(|key| submap(self.front, self.robot, options, (key, reach)));
-            let (Some(a), Some(b)) = (a, b) else { break };
-            let grain = Resolution {
-                place: options.closure_resolution,
-                arm: options.submap,
-                largest: (options.largest_place, options.largest_turn),
-                work: options.closure_work,
-            };
-            let proof = prove(&a, &b, bounds, grain, self.stop);
-            if let Proof::Open(_, left) = proof {
-                bounds = left;
-            }
-            let is_decided = matches!(proof, Proof::Unique(..) | Proof::Contradiction);
-            best = Some(proof);
-            if is_decided {
-                break;
-            }
-            reach *= 2.0;
-        }
-        best
+    /// What submaps around both key poses leave; none with too few contacts.
+    fn prove(&self, (earlier, later): (usize, usize), bounds: PoseBounds) -> Option<Proof> {
+        by_longer_submaps(self.options, bounds, self.stop, &|reach, bounds| {
+            let around = |key| submap(self.front, self.robot, self.options, (key, reach));
+            Some(prove(&around(earlier)?, &around(later)?, bounds, Resolution::of(self.options), self.stop))
+        })
     }
 
     fn told(&self, candidate: &Candidate) -> Closure {
@@ -138,7 +128,8 @@ impl Search<'_> {
             Proof::Contradiction => (ClosureVerdict::Contradiction, 0, [0.0; 3]),
             Proof::Unfinished => (ClosureVerdict::Unfinished, 0, [0.0; 3]),
         };
-        let t = |key: usize| self.front.keys[key].t;
-        Closure { later: t(candidate.keys.1), earlier: t(candidate.keys.0), verdict, places, extent }
+        let [earlier, later] = [candidate.keys.0, candidate.keys.1].map(|key| &self.front.keys[key]);
+        let logs = (later.visit, earlier.visit);
+        Closure { later: later.t, earlier: earlier.t, logs, verdict, places, extent }
     }
 }

@@ -33,6 +33,8 @@ pub(super) struct Stretch {
 /// A key pose: its odometry, the leg to it from the one before, and what whiskers passed until the next.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Key {
+    /// Which of the logs it belongs to.
+    pub(super) visit: usize,
     pub(super) t: f64,
     pub(super) odom_from_key: Pose2,
     pub(super) leg: Leg,
@@ -40,6 +42,20 @@ pub(super) struct Key {
     pub(super) passed: Vec<Vec2>,
     /// Where its origin was, in the key's frame (m).
     pub(super) stands: Vec<Vec2>,
+}
+
+impl Key {
+    /// Where its origin was at places so far apart (m).
+    pub(super) fn stands_apart(&self, spacing: f64) -> impl Iterator<Item = Vec2> {
+        let mut before: Option<Vec2> = None;
+        self.stands.iter().copied().filter(move |stand| {
+            let is_next = before.is_none_or(|before| before.distance(*stand) >= spacing);
+            if is_next {
+                before = Some(*stand);
+            }
+            is_next
+        })
+    }
 }
 
 /// Stretches in the making.
@@ -53,6 +69,9 @@ pub(super) struct FrontEnd {
     way: f64,
     since_key: Leg,
     last: Option<Pose2>,
+    visit: usize,
+    /// The key pose with which the log under way begins.
+    first: usize,
     pub(super) keys: Vec<Key>,
     pub(super) stretches: Vec<Stretch>,
 }
@@ -70,9 +89,20 @@ impl FrontEnd {
             way: 0.0,
             since_key: Leg::default(),
             last: None,
+            visit: 0,
+            first: 0,
             keys: Vec::new(),
             stretches: Vec::new(),
         }
+    }
+
+    /// The next rows are those of another log with these channels.
+    pub(super) fn begin(&mut self, log: &SensorLog, stop: &Stop) -> Result<()> {
+        self.cut(stop)?;
+        self.log = SensorLog { channels: log.channels.clone(), source: log.source.clone(), ..SensorLog::default() };
+        (self.told, self.since_key, self.last) = (0, Leg::default(), None);
+        (self.visit, self.first) = (self.visit + 1, self.keys.len());
+        Ok(())
     }
 
     /// Takes a row.
@@ -81,9 +111,15 @@ impl FrontEnd {
         self.last = Some(row.odom_from_robot);
         self.since_key.add(step);
         let (far, turned) = (self.options.key_spacing, self.options.key_turn);
-        if self.keys.is_empty() || self.since_key.way >= far || self.since_key.turned >= turned {
+        if self.keys.len() == self.first || self.since_key.way >= far || self.since_key.turned >= turned {
             let leg = core::mem::take(&mut self.since_key);
-            self.keys.push(Key { t: row.t, odom_from_key: row.odom_from_robot, leg, ..Key::default() });
+            self.keys.push(Key {
+                visit: self.visit,
+                t: row.t,
+                odom_from_key: row.odom_from_robot,
+                leg,
+                ..Key::default()
+            });
         }
         self.way += step.position().norm() + self.options.turn_arm * step.theta.abs();
         self.log.rows.push(row.clone());
@@ -120,21 +156,27 @@ impl FrontEnd {
     /// The first and the last key pose within this way of another (m).
     pub(super) fn within(&self, middle: usize, reach: f64) -> (usize, usize) {
         let (mut first, mut last, mut way) = (middle, middle, 0.0);
-        while first > 0 && way < reach {
+        let is_same = |key: usize| self.keys[key].visit == self.keys[middle].visit;
+        while first > 0 && is_same(first - 1) && way < reach {
             way += self.keys[first].leg.way;
             first -= 1;
         }
         way = 0.0;
-        while last + 1 < self.keys.len() && way < reach {
+        while last + 1 < self.keys.len() && is_same(last + 1) && way < reach {
             last += 1;
             way += self.keys[last].leg.way;
         }
         (first, last)
     }
 
-    /// The key pose to which a time belongs.
+    /// The key poses of a log.
+    pub(super) fn visit(&self, visit: usize) -> core::ops::Range<usize> {
+        self.keys.partition_point(|key| key.visit < visit)..self.keys.partition_point(|key| key.visit <= visit)
+    }
+
+    /// The key pose to which a time of the log under way belongs.
     fn key_at(&self, t: f64) -> usize {
-        self.keys.partition_point(|key| key.t <= t).saturating_sub(1)
+        self.first + self.keys[self.first..].partition_point(|key| key.t <= t).saturating_sub(1)
     }
 
     /// Keeps what a trace knows well from a time on.

@@ -1,11 +1,11 @@
 //! The back end: key poses and what the odometry shares, by least squares \[grisetti2010tutorial; dellaert2017factor\].
 //!
 //! Unknowns are the key poses, the first of them fixed, and the odometry's shares. A leg ties two neighbours; an overlap ties a felt
-//! point to the line through an earlier one. The normal matrix is a band of the chain with a border: the shares, and the poses that
-//! overlaps tie to far earlier ones.
+//! point to the line through an earlier one. In an order that keeps ties near \[cuthill1969reducing\] the normal matrix is a band with a
+//! border, of the shares.
 
 use super::odometry::{Leg, SHARES};
-use crate::least_squares::Bordered;
+use crate::least_squares::{Bordered, BorderedFactor, reverse_cuthill_mckee};
 use crate::plane::{Pose2, Vec2, wrap_angle};
 
 /// Numbers of a pose.
@@ -56,6 +56,26 @@ pub(super) struct Solution {
 pub(super) struct Marginals {
     pub(super) poses: Vec<[[f64; 3]; 3]>,
     pub(super) shares: [f64; SHARES],
+    factor: BorderedFactor,
+    order: Order,
+}
+
+impl Marginals {
+    /// Standard deviation of the distance across a wall between places that are rigid on two key poses (m): a place and the wall's normal,
+    /// in the map.
+    pub(super) fn between(&self, at: &Solution, (a, b): (usize, usize), place: Vec2, normal: Vec2) -> f64 {
+        let mut row = vec![0.0; self.order.size()];
+        for (key, sign) in [(a, 1.0), (b, -1.0)] {
+            let lever = normal.dot((place - at.poses[key].position()).perp());
+            for (axis, value) in [normal.x, normal.y, lever].into_iter().enumerate() {
+                if let Some(at) = self.order.place(Unknown::Pose(key, axis)) {
+                    row[at] += sign * value;
+                }
+            }
+        }
+        let solved = self.factor.solve(&row);
+        row.iter().zip(&solved).map(|(a, b)| a * b).sum::<f64>().max(0.0).sqrt()
+    }
 }
 
 /// A row of the Jacobian: key pose and coordinate, or a share.
@@ -67,30 +87,34 @@ enum Unknown {
     Share(usize),
 }
 
-/// Where each unknown stands in the system.
+/// Where each unknown stands in the system: key poses but for the first, then the shares.
 struct Order {
     places: Vec<usize>,
+    /// Unknowns of the band, and how far apart those of one residual are at most.
     chain: usize,
-    border: usize,
+    width: usize,
 }
 
 impl Order {
     fn new(graph: &Graph<'_>, count: usize) -> Self {
-        let mut tied = vec![false; count];
-        for overlap in graph.overlaps.iter().filter(|o| o.later.0 > o.earlier.0 + 1) {
-            tied[overlap.later.0] = true;
+        let mut neighbours = vec![Vec::new(); count.saturating_sub(1)];
+        let along = (2..count).map(|k| (k - 1, k));
+        let ties = graph.overlaps.iter().map(|overlap| (overlap.earlier.0, overlap.later.0));
+        for (a, b) in along.chain(ties).filter(|(a, b)| a != b && *a > 0 && *b > 0) {
+            neighbours[a - 1].push(b - 1);
+            neighbours[b - 1].push(a - 1);
         }
-        let (mut chain, mut places) = (0, vec![0; count]);
-        for k in (1..count).filter(|&k| !tied[k]) {
-            places[k] = chain;
-            chain += POSE;
+        for all in &mut neighbours {
+            all.sort_unstable();
+            all.dedup();
         }
-        let mut border = 0;
-        for k in (1..count).filter(|&k| tied[k]) {
-            places[k] = chain + border;
-            border += POSE;
+        let mut places = vec![0; count];
+        for (at, key) in reverse_cuthill_mckee(&neighbours).into_iter().enumerate() {
+            places[key + 1] = POSE * at;
         }
-        Self { places, chain, border: border + SHARES }
+        let own = |(k, all): (usize, &Vec<usize>)| all.iter().map(|n| places[k + 1].abs_diff(places[n + 1])).max();
+        let width = neighbours.iter().enumerate().filter_map(own).max().unwrap_or(0) + POSE - 1;
+        Self { places, chain: POSE * neighbours.len(), width }
     }
 
     /// None for the first pose, which is fixed.
@@ -98,12 +122,12 @@ impl Order {
         match unknown {
             Unknown::Pose(0, _) => None,
             Unknown::Pose(key, axis) => Some(self.places[key] + axis),
-            Unknown::Share(share) => Some(self.chain + self.border - SHARES + share),
+            Unknown::Share(share) => Some(self.chain + share),
         }
     }
 
     fn size(&self) -> usize {
-        self.chain + self.border
+        self.chain + SHARES
     }
 }
 
@@ -173,7 +197,7 @@ impl Graph<'_> {
         let shares = [0, 1, 2].map(|k| {
             if !free(k) { 0.0 } else { order.place(Unknown::Share(k)).map_or(0.0, |p| column(p)[p].max(0.0).sqrt()) }
         });
-        Some(Marginals { poses, shares })
+        Some(Marginals { poses, shares, factor, order })
     }
 
     fn moved(&self, from: &Solution, order: &Order, step: &[f64]) -> Solution {
@@ -196,7 +220,7 @@ impl Graph<'_> {
     }
 
     fn normal(&self, at: &Solution, order: &Order) -> (Bordered, Vec<f64>) {
-        let mut matrix = Bordered::zeros(order.chain, 2 * POSE - 1, order.border);
+        let mut matrix = Bordered::zeros(order.chain, order.width.min(order.chain.saturating_sub(1)), SHARES);
         let mut gradient = vec![0.0; order.size()];
         self.each_residual(at, |residual, derivatives| {
             let row: Vec<(usize, f64)> = derivatives.iter().filter_map(|(u, d)| Some((order.place(*u)?, *d))).collect();

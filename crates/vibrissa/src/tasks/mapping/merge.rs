@@ -8,25 +8,30 @@ use crate::tasks::profile::{AssembledMap, FeltLine, OutlinePoint, assemble, merg
 use crate::world::Band;
 use crate::{Error, Result};
 
-/// The outline with bands: what contacts leave open, and what the key poses do, relative to the first.
+/// The outline with bands: what contacts leave open, and what the key poses do, relative to the first; without points that are left out, by
+/// their stretch and number.
 pub(super) fn outline(
     front: &FrontEnd,
     solution: &Solution,
     covariances: &[[[f64; 3]; 3]],
     options: &MappingOptions,
+    is_left_out: &dyn Fn(usize, usize) -> bool,
 ) -> Result<AssembledMap> {
     let (mut runs, mut owners): (Vec<Vec<OutlinePoint>>, Vec<(Vec2, usize)>) = (Vec::new(), Vec::new());
-    for stretch in &front.stretches {
-        let key = solution.poses[stretch.key];
+    for (index, stretch) in front.stretches.iter().enumerate() {
+        let numbered: Vec<usize> = (0..stretch.points.len()).filter(|&k| !is_left_out(index, k)).collect();
+        let Some(&key) = solution.poses.get(stretch.key).filter(|_| !numbered.is_empty()) else { continue };
         let point = |p: &super::front_end::StretchPoint| OutlinePoint {
             position: key.transform_point(p.position),
             normal: p.normal.rotated(key.theta),
             std: p.std,
             runs: 1,
         };
-        let run: Vec<OutlinePoint> = stretch.points.iter().map(point).collect();
-        owners.extend(run.iter().step_by(8).map(|p| (p.position, stretch.key)));
-        runs.push(run);
+        for part in numbered.chunk_by(|a, b| a + 1 == *b) {
+            let run: Vec<OutlinePoint> = part.iter().map(|&k| point(&stretch.points[k])).collect();
+            owners.extend(run.iter().step_by(8).map(|p| (p.position, stretch.key)));
+            runs.push(run);
+        }
     }
     let outlines = merged(&runs, &ProfileOptions { shortest: options.shortest, ..ProfileOptions::default() });
     let assembly = MapAssemblyOptions::default();
@@ -57,7 +62,7 @@ pub(super) fn outline(
 }
 
 /// Standard deviation across a wall that a key pose leaves open (m).
-fn across(place: Vec2, normal: Vec2, key: Pose2, covariance: &[[f64; 3]; 3]) -> f64 {
+pub(super) fn across(place: Vec2, normal: Vec2, key: Pose2, covariance: &[[f64; 3]; 3]) -> f64 {
     let j = [normal.x, normal.y, normal.dot((place - key.position()).perp())];
     let along = covariance.map(|row| (0..3).map(|k| row[k] * j[k]).sum::<f64>());
     (0..3).map(|k| j[k] * along[k]).sum::<f64>().max(0.0).sqrt()

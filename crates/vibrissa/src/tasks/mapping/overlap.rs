@@ -1,4 +1,5 @@
-//! Later contacts on earlier walls: point to line \[chen1992object\], within closures that are proved.
+//! Later contacts on earlier walls: point to line \[chen1992object\], within closures that are proved. A wall that has moved would draw the map along, so
+//! that contacts are weighed by Cauchy's function of their distance, by iterated reweighting \[holland1977robust\].
 
 use super::front_end::{FrontEnd, StretchPoint};
 use super::graph::{Overlap, Solution};
@@ -20,15 +21,17 @@ const SAME_WAY: f64 = 0.9;
 const ALONG: f64 = 1.5e-3;
 /// How far across the wall they may be once poses have been solved (m), beside what is left open before.
 const ACROSS: f64 = 3e-3;
+/// Where the weight of a contact begins to fall (standard deviations): 95 % of what least squares is worth where errors are Gaussian.
+const CAUCHY: f64 = 2.385;
 /// Later contacts are taken this far apart (m), and what both traces of a wall leave is alike over this length.
 const SPACING: f64 = 2e-3;
 const ALIKE: f64 = 20e-3;
 
-/// What lies on what, by the closures themselves or by a solution.
+/// What lies on what, by the closures themselves or by a solution, which is near the last one or not.
 pub(super) fn overlaps(
     front: &FrontEnd,
     ties: &[Tie],
-    solution: Option<&Solution>,
+    solution: Option<(&Solution, bool)>,
     options: &MappingOptions,
 ) -> Vec<Overlap> {
     let mut all = Vec::new();
@@ -39,7 +42,7 @@ pub(super) fn overlaps(
         let taken = all.last().map_or(0, |overlap: &Overlap| overlap.later.0 + 1);
         for key in later.0.max(taken)..=later.1 {
             let earlier_from_later = |early: usize| match solution {
-                Some(solution) => solution.poses[early].between(solution.poses[key]),
+                Some((solution, _)) => solution.poses[early].between(solution.poses[key]),
                 None => {
                     let to_middle = front.keys[tie.later].odom_from_key.between(front.keys[key].odom_from_key);
                     let from_middle = front.keys[tie.earlier].odom_from_key.between(front.keys[early].odom_from_key);
@@ -48,7 +51,8 @@ pub(super) fn overlaps(
             };
             let moves: Vec<(usize, Pose2)> = (earlier.0..=earlier.1).map(|k| (k, earlier_from_later(k))).collect();
             for stretch in front.stretches.iter().filter(|stretch| stretch.key == key) {
-                add(front, (key, &stretch.points), &moves, across, &mut all);
+                let is_near = solution.is_some_and(|(_, is_near)| is_near);
+                add(front, (key, &stretch.points), &moves, (across, is_near), &mut all);
             }
         }
     }
@@ -59,7 +63,7 @@ fn add(
     front: &FrontEnd,
     (key, points): (usize, &[StretchPoint]),
     moves: &[(usize, Pose2)],
-    across: f64,
+    (across, is_near): (f64, bool),
     all: &mut Vec<Overlap>,
 ) {
     let mut last = None;
@@ -74,18 +78,22 @@ fn add(
                 let gap = place - other.position;
                 let (off, along) = (other.normal.dot(gap).abs(), other.normal.cross(gap).abs());
                 let fits = normal.dot(other.normal) > SAME_WAY && off <= across && along <= ALONG;
-                fits.then_some((off + along, *early, other))
+                fits.then_some((off + along, off, *early, other))
             })
         });
-        let Some((_, early, other)) = candidates.min_by(|a, b| a.0.total_cmp(&b.0)) else { continue };
+        let Some((_, off, early, other)) = candidates.min_by(|a, b| a.0.total_cmp(&b.0)) else { continue };
         last = Some(point.position);
-        // So many neighbours say the same.
-        let alike = (ALIKE / SPACING).sqrt();
+        let std = spread(point, other);
         all.push(Overlap {
             later: (key, point.position),
             earlier: (early, other.position),
             normal: other.normal,
-            std: alike * point.std.hypot(other.std),
+            std: if is_near { std * (off / (CAUCHY * std)).hypot(1.0) } else { std },
         });
     }
+}
+
+/// The standard deviation of the distance between two traces of one wall (m), shared among neighbours that all say the same.
+fn spread(point: &StretchPoint, other: &StretchPoint) -> f64 {
+    (ALIKE / SPACING).sqrt() * point.std.hypot(other.std)
 }

@@ -17,15 +17,33 @@ pub(super) fn way_bounds(front: &FrontEnd, robot: &Robot, drift: f64, (from, to)
 
 /// Sums of the bounds of all steps: a heading that is off by then carries the rest of the way along.
 fn bounds_between(front: &FrontEnd, robot: &Robot, drift: f64, (from, to): (usize, usize)) -> (f64, f64) {
+    let legs = front.keys[from + 1..=to].iter().map(|key| (key.leg.way, key.leg.turned));
+    bounds_along(legs, robot, drift)
+}
+
+/// The same of legs by their ways (m) and turns (rad).
+fn bounds_along(legs: impl Iterator<Item = (f64, f64)>, robot: &Robot, drift: f64) -> (f64, f64) {
     // Bounds are relative to what the odometry says or to the truth: the larger of both.
     let [per_way, per_turn] =
         [robot.odometry.translation_relative, robot.odometry.rotation_relative].map(|share| share / (1.0 - share));
     let (mut place, mut turn) = (0.0, 0.0_f64);
-    for key in &front.keys[from + 1..=to] {
-        turn += per_turn * key.leg.turned + drift * key.leg.way;
-        place += per_way * key.leg.way + turn.min(PI) * key.leg.way * (1.0 + per_way);
+    for (way, turned) in legs {
+        turn += per_turn * turned + drift * way;
+        place += per_way * way + turn.min(PI) * way * (1.0 + per_way);
     }
     (place, turn.min(PI))
+}
+
+/// How far place (m) and heading (rad) of what was felt after a key pose may be off, seen from the middle one.
+fn open_of(front: &FrontEnd, robot: &Robot, options: &MappingOptions, (middle, key): (usize, usize)) -> (f64, f64) {
+    if key < middle {
+        return bounds_between(front, robot, options.drift, (key, middle));
+    }
+    // What was felt after a key pose belongs to it, up to the next; at the end of a log that is not there yet.
+    let next = front.keys.get(key + 1).filter(|next| next.visit == front.keys[key].visit);
+    let after = next.map_or((options.key_spacing, options.key_turn), |next| (next.leg.way, next.leg.turned));
+    let legs = front.keys[middle + 1..=key].iter().map(|key| (key.leg.way, key.leg.turned));
+    bounds_along(legs.chain([after]), robot, options.drift)
 }
 
 /// The submap of the way before and after a key pose (m); none with too few contacts.
@@ -39,39 +57,20 @@ pub(super) fn submap(
     let (first, last) = front.within(middle, reach);
     let (mut contacts, mut places, mut middles) = (Vec::new(), Vec::new(), Vec::new());
     for key in first..=last {
-        // What was felt after a key pose belongs to it, up to the next.
-        let (lo, hi) = (key.min(middle), (key + 1).min(keys.len() - 1).max(middle));
-        let (place, turn) = bounds_between(front, robot, options.drift, (lo, hi));
+        let (place, turn) = open_of(front, robot, options, (middle, key));
         let here = keys[middle].odom_from_key.between(keys[key].odom_from_key);
         let off = |local: Vec2| place + turn * local.norm();
         add_contacts(front, (key, here), options, &off, &mut contacts);
         for local in &keys[key].passed {
             places.push((here.transform_point(*local), off(*local) + options.least_bound));
         }
+        let stands = keys[key].stands_apart(options.contact_spacing);
+        middles.extend(stands.map(|local| (here.transform_point(local), off(local))));
     }
-    for_each_stand(front, (first, last), options.contact_spacing, |key, local| {
-        let (lo, hi) = (key.min(middle), (key + 1).min(keys.len() - 1).max(middle));
-        let (place, turn) = bounds_between(front, robot, options.drift, (lo, hi));
-        let here = keys[middle].odom_from_key.between(keys[key].odom_from_key);
-        middles.push((here.transform_point(local), place + turn * local.norm()));
-    });
     if contacts.len() < options.submap_contacts {
         return None;
     }
     Some(Submap { contacts, space: FreeSpace::new(&places, (&middles, options.body_radius), options.cell) })
-}
-
-/// The robot's origin at places that are so far apart (m), in the frame of the key pose before.
-fn for_each_stand(front: &FrontEnd, (first, last): (usize, usize), spacing: f64, mut visit: impl FnMut(usize, Vec2)) {
-    for key in first..=last {
-        let mut before: Option<Vec2> = None;
-        for &stand in &front.keys[key].stands {
-            if before.is_none_or(|before| before.distance(stand) >= spacing) {
-                before = Some(stand);
-                visit(key, stand);
-            }
-        }
-    }
 }
 
 /// The contacts of a key pose, thinned, with their bounds.
