@@ -1,8 +1,9 @@
 //! Walls that changed between logs: what a later log felt beside an earlier wall, and earlier walls where a later log passed.
 
-use super::free_space::FreeSpace;
+use super::free_space::PassedSpace;
 use super::front_end::{FrontEnd, StretchPoint};
 use super::graph::{Marginals, Solution};
+use super::submap::passed_space;
 use crate::config::MappingOptions;
 use crate::plane::Vec2;
 use std::collections::{HashMap, HashSet};
@@ -204,20 +205,12 @@ impl Comparison<'_> {
     }
 
     /// The space that the log passed, in the map.
-    fn passed(&self) -> FreeSpace {
-        let (mut places, mut middles) = (Vec::new(), Vec::new());
-        for key in self.front.visit(self.visit) {
+    fn passed(&self) -> PassedSpace {
+        passed_space(self.front, self.front.visit(self.visit), self.options, &|key, local| {
             let (pose, c) = (self.solution.poses[key], &self.marginals.poses[key]);
-            let off = |local: Vec2| {
-                let place = (c[0][0] + c[1][1]).max(0.0).sqrt() + c[2][2].max(0.0).sqrt() * local.norm();
-                self.options.stds_in_bound * place + self.options.least_bound
-            };
-            let passed = self.front.keys[key].passed.iter();
-            places.extend(passed.map(|local| (pose.transform_point(*local), off(*local))));
-            let stands = self.front.keys[key].stands_apart(self.options.contact_spacing);
-            middles.extend(stands.map(|local| (pose.transform_point(local), off(local))));
-        }
-        FreeSpace::new(&places, (&middles, self.options.body_radius), self.options.cell)
+            let std = (c[0][0] + c[1][1]).max(0.0).sqrt() + c[2][2].max(0.0).sqrt() * local.norm();
+            (pose.transform_point(local), self.options.stds_in_bound * std)
+        })
     }
 }
 

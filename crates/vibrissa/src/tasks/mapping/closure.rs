@@ -7,7 +7,7 @@
 //! else there may be in the world: walls that nobody has felt yet included, since a contact with one of these would have to lie
 //! where nobody has been.
 
-use super::free_space::FreeSpace;
+use super::free_space::PassedSpace;
 use crate::Stop;
 use crate::config::MappingOptions;
 use crate::plane::{Pose2, Vec2};
@@ -19,7 +19,7 @@ pub(super) struct Submap {
     /// Contacts, and how far each may be off (m): contact and odometry together.
     pub(super) contacts: Vec<(Vec2, f64)>,
     /// The space that was passed, with what it may be off.
-    pub(super) space: FreeSpace,
+    pub(super) passed: PassedSpace,
 }
 
 /// Poses that are possible: a middle, and half of the ranges of x, y (m) and heading (rad).
@@ -165,8 +165,8 @@ fn bounds_of(boxes: &[PoseBox]) -> PoseBounds {
 fn contradicts(earlier: &Submap, later: &Submap, poses: &PoseBox) -> bool {
     later.contacts.iter().any(|(contact, off)| {
         let (there, open) = poses.there(*contact);
-        earlier.space.depth(there) > open + off
-    }) || poses.is_in_passed(&earlier.contacts, &later.space)
+        earlier.passed.depth(there) > open + off
+    }) || poses.is_in_passed(&earlier.contacts, &later.passed)
 }
 
 impl PoseBox {
@@ -178,7 +178,7 @@ impl PoseBox {
     }
 
     /// Whether every pose puts one of the earlier frame's contacts deep in what was passed later.
-    pub(super) fn is_in_passed(&self, earlier: &[(Vec2, f64)], later: &FreeSpace) -> bool {
+    pub(super) fn is_in_passed(&self, earlier: &[(Vec2, f64)], later: &PassedSpace) -> bool {
         let [x, y, theta] = self.middle;
         let (sin, cos) = math::sin_cos(theta);
         let place = math::hypot(self.half[0], self.half[1]);
@@ -247,6 +247,7 @@ fn places(boxes: &[PoseBox]) -> usize {
 
 #[cfg(test)]
 mod tests {
+    use super::super::free_space::FreeSpace;
     use super::*;
 
     const GRAIN: Resolution = Resolution { place: 1e-3, arm: 0.3, largest: (0.03, 0.15), work: 400_000 };
@@ -267,7 +268,7 @@ mod tests {
                 places.extend((0..=160).map(|j| (local(wall + along.perp() * (5e-4 * f64::from(j))), 1e-3)));
             }
         }
-        Submap { contacts, space: FreeSpace::new(&places, (&[], 0.0), 1e-3) }
+        Submap { contacts, passed: PassedSpace(vec![FreeSpace::new(&places, (&[], 0.0), 1e-3)]) }
     }
 
     fn at(x: f64, y: f64) -> Vec2 {

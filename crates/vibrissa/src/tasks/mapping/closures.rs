@@ -133,3 +133,6 @@ impl Search<'_> {
         Closure { later: later.t, earlier: earlier.t, logs, verdict, places, extent }
     }
 }
+
+#[cfg(test)]
+mod tests;

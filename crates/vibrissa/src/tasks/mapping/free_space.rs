@@ -21,6 +21,16 @@ pub(super) struct FreeSpace {
     offs: Vec<f64>,
 }
 
+/// Passed space in pieces, each of which was passed in one go.
+pub(super) struct PassedSpace(pub(super) Vec<FreeSpace>);
+
+impl PassedSpace {
+    /// As [`FreeSpace::depth`], in the piece in which it is deepest; at most 0 outside of all.
+    pub(super) fn depth(&self, place: Vec2) -> f64 {
+        self.0.iter().map(|piece| piece.depth(place)).fold(f64::NEG_INFINITY, f64::max)
+    }
+}
+
 /// Cells along a side of a bin.
 const BIN: usize = 16;
 

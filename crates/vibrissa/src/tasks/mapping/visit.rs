@@ -137,7 +137,7 @@ fn in_outline(
     by_longer_submaps(options, whole, stop, &|reach, bounds| {
         let here = submap(front, robot, options, (key, reach))?;
         let contradicts =
-            |poses: &PoseBox| is_off_the_walls(&here, walls, poses) || poses.is_in_passed(felt, &here.space);
+            |poses: &PoseBox| is_off_the_walls(&here, walls, poses) || poses.is_in_passed(felt, &here.passed);
         Some(one_place(&contradicts, bounds, Resolution::of(options), stop))
     })
 }
