@@ -127,6 +127,17 @@ def test_a_map_of_a_log_is_that_of_the_command(command: Command, demo_files: Pat
         vibrissa.map_log(log, body_radius=-1.0)
 
 
+def test_a_second_log_that_begins_where_the_first_does_is_placed(demo_files: Path) -> None:
+    log = demo_files / "log.csv"
+    found = vibrissa.map_log([log, log], same_start=("5 mm", "2 deg"))
+    first, second = found.visits
+    assert (first.placed, second.placed, second.places) == ("proved", "proved", 1) and found.changes == []
+    assert np.allclose(first.trajectory.poses, second.trajectory.poses, atol=1e-3)
+    assert found.trajectory is first.trajectory and {closure.logs for closure in found.closures} <= {(1, 0), (0, 0)}
+    with pytest.raises(vibrissa.UsageError):
+        vibrissa.map_log([])
+
+
 def labelled(whisker: vibrissa.Whisker, seed: int) -> dict[str, list[float]]:
     """Contacts of a whisker with the flux of a bent, noisy, made-up sensor."""
     rng = np.random.default_rng(seed)

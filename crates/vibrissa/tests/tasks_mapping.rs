@@ -44,7 +44,7 @@ fn a_lap_makes_a_room_with_its_corners() {
         assert!(off < 2e-3, "{off}");
     }
     assert_eq!((map.boundaries().len(), found.outline.corners.len()), (1, 4));
-    let area = |map: &vibrissa::world::Map| map.boundaries()[0].curve().signed_area().abs();
+    let area = |map: &Map| map.boundaries()[0].curve().signed_area().abs();
     assert!((area(map) / area(&room.map) - 1.0).abs() < 2e-3, "{} {}", area(map), area(&room.map));
     // With exact odometry the way is that of the odometry, and the robot came back where it says.
     let (last, told) = (path[path.len() - 1].map_from_robot, found.trajectory().last().unwrap().map_from_robot);

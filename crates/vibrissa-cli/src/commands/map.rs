@@ -263,13 +263,15 @@ fn figure(found: &Mapped, truth: Option<&Map>, compared: Option<&Alignment>) -> 
         way
     };
     let placed = found.visits.iter().filter(|visit| visit.placed == ClosureVerdict::Proved);
-    let changed = found.changes.iter().map(|change| change.points.clone()).collect();
-    let layers = [
+    let changed: Vec<Vec<Vec2>> = found.changes.iter().map(|change| change.points.clone()).collect();
+    let mut layers = vec![
         layer(Geometry::Lines(truth), "truth", "the true shape, moved to where it fits best", false),
         layer(Geometry::Lines(known.collect()), "edge", "the outline felt", true),
         layer(Geometry::Lines(placed.map(way).collect()), "path", "the robot's way", true),
-        layer(Geometry::Lines(changed), "estimate", "walls that changed", true),
         layer(Geometry::Circles(found.outline.corners.iter().map(|c| c.position).collect()), "start", "corners", true),
     ];
+    if !changed.is_empty() {
+        layers.push(layer(Geometry::Lines(changed), "survivor", "walls that changed", true));
+    }
     map_figure("A map made by touch", &captions(found, compared), "odometry frame of the first row", &own, &layers)
 }

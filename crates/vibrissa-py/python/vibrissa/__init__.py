@@ -42,7 +42,7 @@ from ._localize import (
     localize,
 )
 from ._localizer import Estimate, Localizer
-from ._mapping import Closure, MappedLog, Share, map_log
+from ._mapping import Closure, MappedLog, Share, Visit, WallChange, map_log
 from ._methods import Deterministic, Possibilistic, Probabilistic
 from ._plan import Exploration, MadeMotion, Motion, MotionLimits, Plan, explore, plan
 from ._readings import ContactCurves, ContactSets, Meeting, Preimage, Reading, contact_set, preimage
@@ -112,6 +112,8 @@ __all__ = [
     "Trajectory",
     "TrajectoryError",
     "UsageError",
+    "Visit",
+    "WallChange",
     "Whisker",
     "__version__",
     "arena",

@@ -416,7 +416,12 @@ def localize(
     truth: _Poses | None,
 ) -> dict[str, Any]: ...
 def map_log(
-    log: SensorLog, robot: Robot, truth: Map | None, drift: float | None, body_radius: float | None
+    logs: Sequence[SensorLog],
+    robot: Robot,
+    truth: Map | None,
+    drift: float | None,
+    body_radius: float | None,
+    same_start: tuple[float, float] | None,
 ) -> tuple[Map, dict[str, Any]]: ...
 def methods() -> list[str]: ...
 def path(

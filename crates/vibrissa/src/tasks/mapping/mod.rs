@@ -52,6 +52,8 @@ const LEAST_PLACE: f64 = 1e-5;
 const LEAST_TURN: f64 = 2e-5;
 /// How little is known of the way between logs (m, rad): nothing, beside a wall that both felt.
 const BETWEEN_LOGS: (f64, f64) = (1.0, 1.0);
+/// How often walls that have moved are left out and looked for again, at most.
+const RECHECKS: usize = 4;
 /// Rounds of finding what lies on what, and solving.
 const ROUNDS: usize = 8;
 
@@ -262,7 +264,7 @@ impl Mapper {
         let solution =
             Graph { legs: &legs, overlaps: &[], shares: self.share_stds() }.dead_reckoned(first.odom_from_key);
         let (closures, ties) = closures((&self.front, 0), &self.robot, &self.options, None, &self.stop);
-        let (solution, marginals) = self.solve(&legs, &ties, solution)?;
+        let (solution, marginals) = self.solve(&legs, (&ties, &Outdated::new()), solution)?;
         let placed = vec![(ClosureVerdict::Proved, 1)];
         let (changes, outdated) = (Vec::new(), Outdated::new());
         Ok(Progress { solution, marginals, closures, ties, placed, changes, outdated })
@@ -292,21 +294,38 @@ impl Mapper {
             progress.ties.extend(ties);
         }
         let legs = self.legs(&(0..keys.end), Some(&start));
-        (progress.solution, progress.marginals) = self.solve(&legs, &progress.ties, start)?;
-        if tie.is_some() {
+        let (before, mut found) = (progress.outdated.clone(), Vec::new());
+        for _ in 0..RECHECKS {
+            let known = (&progress.ties[..], &progress.outdated);
+            (progress.solution, progress.marginals) = self.solve(&legs, known, start)?;
+            start = progress.solution.clone();
+            if tie.is_none() {
+                break;
+            }
+            // What has moved says nothing of where the log is: once more without it.
+            let last = core::mem::replace(&mut progress.outdated, before.clone());
             let known = (&progress.solution, &progress.marginals);
-            progress.changes.extend(changes((front, visit), known, options, &mut progress.outdated));
+            found = changes((front, visit), known, options, &mut progress.outdated);
+            if progress.outdated == last {
+                break;
+            }
         }
+        progress.changes.extend(found);
         Ok(())
     }
 
     /// Finds what lies on what, and solves, in turns.
-    fn solve(&self, legs: &[(Leg, LegNoise)], ties: &[Tie], start: Solution) -> Result<(Solution, Marginals)> {
+    fn solve(
+        &self,
+        legs: &[(Leg, LegNoise)],
+        (ties, outdated): (&[Tie], &Outdated),
+        start: Solution,
+    ) -> Result<(Solution, Marginals)> {
         let shares = self.share_stds();
         let (mut solution, mut overlaps) = (start, Vec::new());
         for round in 0..ROUNDS {
-            overlaps =
-                overlap::overlaps(&self.front, ties, (round > 0).then_some((&solution, round > 1)), &self.options);
+            let near = (round > 0).then_some((&solution, round > 1));
+            overlaps = overlap::overlaps(&self.front, ties, near, outdated, &self.options);
             if overlaps.is_empty() {
                 break;
             }

@@ -1,6 +1,7 @@
 //! Later contacts on earlier walls: point to line \[chen1992object\], within closures that are proved. A wall that has moved would draw the map along, so
 //! that contacts are weighed by Cauchy's function of their distance, by iterated reweighting \[holland1977robust\].
 
+use super::changes::Outdated;
 use super::front_end::{FrontEnd, StretchPoint};
 use super::graph::{Overlap, Solution};
 use crate::config::MappingOptions;
@@ -27,11 +28,13 @@ const CAUCHY: f64 = 2.385;
 const SPACING: f64 = 2e-3;
 const ALIKE: f64 = 20e-3;
 
-/// What lies on what, by the closures themselves or by a solution, which is near the last one or not.
+/// What lies on what, by the closures themselves or by a solution, which is near the last one or not; earlier points that no longer hold
+/// are left out.
 pub(super) fn overlaps(
     front: &FrontEnd,
     ties: &[Tie],
     solution: Option<(&Solution, bool)>,
+    outdated: &Outdated,
     options: &MappingOptions,
 ) -> Vec<Overlap> {
     let mut all = Vec::new();
@@ -52,7 +55,7 @@ pub(super) fn overlaps(
             let moves: Vec<(usize, Pose2)> = (earlier.0..=earlier.1).map(|k| (k, earlier_from_later(k))).collect();
             for stretch in front.stretches.iter().filter(|stretch| stretch.key == key) {
                 let is_near = solution.is_some_and(|(_, is_near)| is_near);
-                add(front, (key, &stretch.points), &moves, (across, is_near), &mut all);
+                add((front, outdated), (key, &stretch.points), &moves, (across, is_near), &mut all);
             }
         }
     }
@@ -60,7 +63,7 @@ pub(super) fn overlaps(
 }
 
 fn add(
-    front: &FrontEnd,
+    (front, outdated): (&FrontEnd, &Outdated),
     (key, points): (usize, &[StretchPoint]),
     moves: &[(usize, Pose2)],
     (across, is_near): (f64, bool),
@@ -73,12 +76,15 @@ fn add(
         }
         let candidates = moves.iter().flat_map(|(early, to_earlier)| {
             let (place, normal) = (to_earlier.transform_point(point.position), point.normal.rotated(to_earlier.theta));
-            let of_key = front.stretches.iter().filter(move |stretch| stretch.key == *early);
-            of_key.flat_map(|stretch| &stretch.points).filter_map(move |other| {
+            let of_key = front.stretches.iter().enumerate().filter(move |(_, stretch)| stretch.key == *early);
+            let points = of_key.flat_map(|(index, stretch)| {
+                stretch.points.iter().enumerate().map(move |(k, other)| ((index, k), other))
+            });
+            points.filter_map(move |(index, other)| {
                 let gap = place - other.position;
                 let (off, along) = (other.normal.dot(gap).abs(), other.normal.cross(gap).abs());
                 let fits = normal.dot(other.normal) > SAME_WAY && off <= across && along <= ALONG;
-                fits.then_some((off + along, off, *early, other))
+                (fits && !outdated.contains(&index)).then_some((off + along, off, *early, other))
             })
         });
         let Some((_, off, early, other)) = candidates.min_by(|a, b| a.0.total_cmp(&b.0)) else { continue };

@@ -88,9 +88,10 @@ pub(super) fn place(
     };
     let keys = front.visit(visit);
     let (mut found, mut left): (Vec<Found>, Option<(ClosureVerdict, usize)>) = (Vec::new(), None);
-    let (mut way, mut due) = (0.0, options.submap);
+    let whole_way: f64 = front.keys[keys.clone()].iter().skip(1).map(|key| key.leg.way).sum();
+    let (mut way, mut due) = (0.0, options.submap.min(0.5 * whole_way));
     for key in keys.clone() {
-        way += front.keys[key].leg.way;
+        way += if key > keys.start { front.keys[key].leg.way } else { 0.0 };
         if way < due || stop.is_asked() {
             continue;
         }
