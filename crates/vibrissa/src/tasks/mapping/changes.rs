@@ -84,16 +84,19 @@ struct Comparison<'a> {
     open: HashMap<(usize, usize), f64>,
 }
 
-/// What a log says of the walls that earlier logs felt; notes the points of these that no longer hold.
+/// What a log says of the walls that earlier logs felt, as far as their key poses are known; notes the points of these that no longer hold.
 pub(super) fn changes(
     (front, visit): (&FrontEnd, usize),
-    (solution, marginals): (&Solution, &Marginals),
+    (solution, marginals, is_known): (&Solution, &Marginals, &dyn Fn(usize) -> bool),
     options: &MappingOptions,
     outdated: &mut Outdated,
 ) -> Vec<Change> {
     let placed = |index: usize| in_map(front, solution, index);
     let keys = front.visit(visit);
-    let is_before = |index: &usize| front.stretches[*index].key < keys.start;
+    let is_before = |index: &usize| {
+        let key = front.stretches[*index].key;
+        key < keys.start && is_known(key)
+    };
     let mut earlier: Vec<Placed> = (0..front.stretches.len()).filter(is_before).flat_map(placed).collect();
     earlier.retain(|point| !outdated.contains(&point.index));
     let mut cells: HashMap<(i64, i64), Vec<usize>> = HashMap::new();

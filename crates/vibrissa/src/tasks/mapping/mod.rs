@@ -275,8 +275,11 @@ impl Mapper {
         let keys = self.front.visit(visit);
         let (front, robot, options, stop) = (&self.front, &self.robot, &self.options, &self.stop);
         let outline = self.outline(progress)?;
-        let Placed { verdict, places, tie } =
-            visit::place((front, visit), (&outline.map, &progress.solution), robot, options, stop);
+        let placed = progress.placed.clone();
+        let is_known =
+            |key: usize| placed.get(front.keys[key].visit).is_some_and(|(placed, _)| *placed == ClosureVerdict::Proved);
+        let known = (&outline.map, &progress.solution, &is_known as &dyn Fn(usize) -> bool);
+        let Placed { verdict, places, tie } = visit::place((front, visit), known, robot, options, stop);
         progress.placed.push((verdict, places));
         let odom = |key: usize| front.keys[key].odom_from_key;
         // A log that is not placed hangs on the end of the one before, and has no part in anything.
@@ -304,7 +307,7 @@ impl Mapper {
             }
             // What has moved says nothing of where the log is: once more without it.
             let last = core::mem::replace(&mut progress.outdated, before.clone());
-            let known = (&progress.solution, &progress.marginals);
+            let known = (&progress.solution, &progress.marginals, &is_known as &dyn Fn(usize) -> bool);
             found = changes((front, visit), known, options, &mut progress.outdated);
             if progress.outdated == last {
                 break;

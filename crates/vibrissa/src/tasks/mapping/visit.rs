@@ -61,10 +61,10 @@ struct Found {
     map_from_key: PoseBounds,
 }
 
-/// Places a log in the outline of those before, whose key poses are `solution`'s.
+/// Places a log in the outline of those before, whose key poses are `solution`'s; of these `is_known` tells which have a place.
 pub(super) fn place(
     (front, visit): (&FrontEnd, usize),
-    (map, solution): (&Map, &Solution),
+    (map, solution, is_known): (&Map, &Solution, &dyn Fn(usize) -> bool),
     robot: &Robot,
     options: &MappingOptions,
     stop: &Stop,
@@ -87,6 +87,7 @@ pub(super) fn place(
         half: [0.5 * bounds.size().x, 0.5 * bounds.size().y, PI],
     };
     let keys = front.visit(visit);
+    let known: Vec<usize> = (0..keys.start).filter(|key| is_known(*key)).collect();
     let (mut found, mut left): (Vec<Found>, Option<(ClosureVerdict, usize)>) = (Vec::new(), None);
     let whole_way: f64 = front.keys[keys.clone()].iter().skip(1).map(|key| key.leg.way).sum();
     let (mut way, mut due) = (0.0, options.submap.min(0.5 * whole_way));
@@ -107,7 +108,7 @@ pub(super) fn place(
                     meet(other.map_from_key.then(between), map_from_key)
                 };
                 if let Some(other) = found.iter().find(|other| agrees(other)) {
-                    return tied(solution, other, keys.start);
+                    return tied(solution, other, &known);
                 }
                 found.push(Found { key, map_from_key });
             }
@@ -118,7 +119,7 @@ pub(super) fn place(
         }
     }
     match &found[..] {
-        [only] => tied(solution, only, keys.start),
+        [only] => tied(solution, only, &known),
         [] => {
             let (verdict, places) = left.unwrap_or((ClosureVerdict::Hypothesis, 0));
             Placed { verdict, places, tie: None }
@@ -158,11 +159,11 @@ fn meet(a: PoseBounds, b: PoseBounds) -> bool {
     (0..3).all(|k| gap[k].abs() <= a.half[k] + b.half[k])
 }
 
-/// A place in the outline as a tie to the nearest key pose of the logs before.
-fn tied(solution: &Solution, found: &Found, before: usize) -> Placed {
+/// A place in the outline as a tie to the nearest key pose that is known.
+fn tied(solution: &Solution, found: &Found, known: &[usize]) -> Placed {
     let place = found.map_from_key.middle.position();
     let near = |k: &usize| solution.poses[*k].position().distance(place);
-    let earlier = (0..before).min_by(|a, b| near(a).total_cmp(&near(b)));
+    let earlier = known.iter().copied().min_by(|a, b| near(a).total_cmp(&near(b)));
     let tie = earlier.map(|earlier| {
         let exact = PoseBounds { middle: solution.poses[earlier].inverse(), half: [0.0; 3] };
         let PoseBounds { middle, half } = exact.then(found.map_from_key);
