@@ -206,11 +206,11 @@ fn recordings_are_never_overwritten_and_mistakes_are_told() {
 #[test]
 fn a_robot_that_has_come_to_rest_is_told_the_next_motion() {
     let (here, lines) = prepared("live-plan");
-    // The first touch, which leaves several places, and then half a second of rest.
+    // The first touch, which leaves several places, and then rest: for long enough that a slow machine catches up with it.
     let (first, _) = lines.split_at(170);
     let last: Vec<&str> = first[169].trim_end().split(',').collect();
     let t: f64 = last[0].parse().unwrap();
-    let rest = (1..300).map(|k| format!("{},{}\n", t + f64::from(k) / 300.0, last[1..].join(",")));
+    let rest = (1..1500).map(|k| format!("{},{}\n", t + f64::from(k) / 300.0, last[1..].join(",")));
     let (child, mut input) = start(&here, &["--plan", "--footprint", "5 mm", "--json"]);
     let all = first.iter().cloned().chain(rest);
     // As a robot sends them: rows that pile up would be merged.
