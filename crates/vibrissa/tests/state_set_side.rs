@@ -292,3 +292,51 @@ fn logs_of_robots_that_turn_near_corners_are_felt_as_another_simulation_made_the
         assert!(odd <= most && ours.len() == read.len(), "{name}: {odd} of {}", read.len());
     }
 }
+
+/// A whisker whose tip goes over a corner between two rows is caught there, although the straight one would be past it: long rows agree with short ones.
+#[test]
+fn a_corner_that_the_tip_goes_over_between_two_rows_catches_it() {
+    let mut draw = Random(0x0c07_4e75);
+    let length = 0.07;
+    let beam = vibrissa::beam::Whisker { length, flexural_rigidity: 3e-4, ..Default::default() };
+    let tip = TipModel::new(&beam).unwrap();
+    let (mut caught, mut past) = (0, 0);
+    for case in 0..200 {
+        // A square thing that points at the base with one corner, off by up to 30 degrees, in a large room.
+        let square = |half: f64, turn: f64, middle: Vec2| {
+            let points: Vec<Vec2> = (0..4)
+                .map(|k| middle + Vec2::from_angle(turn + f64::from(k) * std::f64::consts::FRAC_PI_2) * half)
+                .collect();
+            Curve::polyline(&points, true).unwrap()
+        };
+        let turn = draw.signed(0.5);
+        let corner = Vec2::from_angle(draw.signed(3.0)) * 0.05;
+        let thing =
+            square(0.03, std::f64::consts::PI + turn, corner - Vec2::from_angle(std::f64::consts::PI + turn) * 0.03);
+        let map = Map::new(vec![
+            Boundary::new(Role::Arena, square(0.6, 0.3, Vec2::ZERO), None).unwrap(),
+            Boundary::new(Role::Obstacle, thing, None).unwrap(),
+        ])
+        .unwrap();
+        // The tip reaches over the corner by up to 0.3 mm and goes by it in steps of 4 mm, somewhat towards it or away.
+        let (over, side) = (draw.between(5e-5, 3e-4), draw.sign());
+        let step = Vec2::from_angle(side * (std::f64::consts::FRAC_PI_2 - draw.signed(0.5))) * 4e-3;
+        let begin = corner + Vec2::new(over - length, 0.0) - step * draw.between(1.1, 1.9);
+        let row = |share: f64| {
+            let at = begin + step * share;
+            Pose2::new(at.x, at.y, 0.0)
+        };
+        const SHORT: usize = 500;
+        let long: Vec<Pose2> = (0..6).map(|k| row(f64::from(k))).collect();
+        let short: Vec<Pose2> = (0..=5 * SHORT).map(|k| row(k as f64 / SHORT as f64)).collect();
+        let (long, short) = (predicted_moments(&map, &tip, &long), predicted_moments(&map, &tip, &short));
+        for (k, one) in long.iter().enumerate() {
+            let exact = &short[k * SHORT];
+            assert_eq!(one.touching, exact.touching, "case {case}, row {k}: {one:?} {exact:?}");
+            assert!((one.moment - exact.moment).abs() < 1e-6 * beam.flexural_rigidity / length, "case {case}, row {k}");
+        }
+        if long.iter().any(|one| one.touching) { caught += 1 } else { past += 1 }
+    }
+    println!("{caught} caught, {past} past");
+    assert!(caught >= 40 && past >= 40);
+}

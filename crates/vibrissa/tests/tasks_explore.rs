@@ -199,3 +199,33 @@ fn a_pilot_lets_a_pressed_whisker_go_and_says_when_there_is_no_way() {
     let again = end(way_back(there_and_back));
     assert!((0.046..0.0501).contains(&again.x), "{again:?}");
 }
+
+/// Two places in a long room as wide as the robot, at its two ends: what goes on at one of them runs into the wall at the other.
+#[test]
+fn a_robot_that_may_only_turn_turns_once_and_then_leaves() {
+    let long = stage(&[(0.0, 0.0), (0.5, 0.0), (0.5, 0.21), (0.0, 0.215)]);
+    let small = explored(&stage(&[(0.0, 0.0), (0.4, 0.0), (0.4, 0.25), (0.1, 0.25), (0.0, 0.2)]));
+    let mut robot = long.robot().clone();
+    robot.whiskers[0].beam.length = 0.02;
+    let at = |x: f64| {
+        let mut place = small.answer.hypotheses[0].clone();
+        (place.pose, place.weight, place.covariance) = (Pose2::new(x, 0.106, 0.0), 0.5, None);
+        place.ridge.clear();
+        place
+    };
+    let places = [at(0.105), at(0.395)];
+    let mut pilot = Pilot::new(PlanOptions { footprint: 0.1, sideways: false, ..options().plan }).unwrap();
+    let mut orders = Vec::new();
+    for _ in 0..6 {
+        let (order, plan) = pilot.next(long.map(), &robot, &places, &Past { history: &[], readings: &[0.0] }).unwrap();
+        if let Order::Go { motion, .. } = &order {
+            assert!(motion.way() < 2e-3 && motion.turn() > 0.1, "{motion:?} {}", plan.unwrap().words());
+        }
+        orders.push(order);
+    }
+    assert!(matches!(orders[0], Order::Go { .. }), "{orders:?}");
+    assert_eq!(
+        orders[1..],
+        [Order::Back, Order::Back, Order::Back, Order::End(Ended::Confined), Order::End(Ended::Confined)]
+    );
+}

@@ -35,14 +35,18 @@ impl ForwardModel<'_> {
         self.on_its_root(Contact { q, beta, s: 1.0, hold, place, slope, clear: 0.0 })
     }
 
-    /// The free whisker at `to`: a tip contact if it crosses a boundary near its tip, an unknown one elsewhere.
+    /// The free whisker at `to`: a tip contact if it crosses a boundary near its tip, an unknown one elsewhere. Its tip may also have gone over a
+    /// corner on the way: then the whisker is caught there, and bent, where a straight one would be past it.
     pub(super) fn meet(&self, from: Pose2, to: Pose2) -> Option<(WhiskerState, Prediction)> {
         let tip = |pose: Pose2| pose.transform_point(Vec2::new(self.length, 0.0));
         let end = tip(to);
-        if !self.map.crosses(to.position(), end) {
+        let crosses = |pose: Pose2| self.map.crosses(pose.position(), tip(pose));
+        let is_past = !crosses(to);
+        if is_past && (!self.map.crosses(tip(from), end) || crosses(from)) {
             return None;
         }
-        if self.map.crosses(from.position(), tip(from))
+        if !is_past
+            && crosses(from)
             // It has been in contact for longer, and how is not known.
             && let Some((touch, predicted)) = self.settled_at(to)
         {
@@ -58,7 +62,8 @@ impl ForwardModel<'_> {
         for _ in 0..MEET_HALVINGS {
             let middle = 0.5 * (free + touching);
             let pose = at_share(middle);
-            if self.map.crosses(pose.position(), tip(pose)) { touching = middle } else { free = middle }
+            let touches = if is_past { self.map.crosses(tip(from), tip(pose)) } else { crosses(pose) };
+            if touches { touching = middle } else { free = middle }
         }
         let pose = at_share(touching);
         let reach = 0.1 * travel + 0.02 * self.length;
@@ -66,7 +71,13 @@ impl ForwardModel<'_> {
         let slid = onset.and_then(|(piece, at, _)| self.slide(self.untouched(piece, at, pose.theta), pose, to));
         // A tip that would have to be pulled is only near a boundary, and the side has met another.
         let pressed = slid.filter(|(touch, _)| touch.q >= 0.0);
-        let met = pressed.or_else(|| self.slide(self.brushed(pose)?, pose, to)).or(slid);
+        let met = pressed.or_else(|| self.slide(self.brushed(pose)?, pose, to));
+        if is_past {
+            return met
+                .filter(|(touch, _)| touch.q > 0.0)
+                .map(|(touch, predicted)| (WhiskerState::Touching(touch), predicted));
+        }
+        let met = met.or(slid);
         Some(met.map_or((WhiskerState::Unknown, Prediction::default()), |(touch, predicted)| {
             (WhiskerState::Touching(touch), predicted)
         }))

@@ -61,6 +61,8 @@ struct Ordered {
     places: usize,
     /// Whether a plan told it, and it was on the spot.
     on_the_spot: bool,
+    /// Whether it was to lead elsewhere.
+    leads_on: bool,
     /// Whether it was to leave as many places as there were.
     narrows: bool,
     /// Where no motion tells the places apart, the kind that was chosen to see more.
@@ -167,7 +169,10 @@ impl Pilot {
                 // A small motion is better than none.
                 let is_some = |one: &Motion| one.way() >= LEAST || one.turn() >= LEAST_TURN;
                 let small = plan.next.as_ref().map(|next| next.motion.clone()).filter(is_some);
-                (furthest(all).or(small), stop_at)
+                let chosen = furthest(all).or(small);
+                // Turns alone, again: it leaves this place.
+                let is_turn = |one: &Motion| one.way() < SHORTEST;
+                (chosen.filter(|one| !is_turn(one) || !self.turns_in_vain(places)), stop_at)
             }
             _ => {
                 plan.next.as_ref().map_or((None, Vec::new()), |next| (Some(next.motion.clone()), next.stop_at.clone()))
@@ -186,12 +191,16 @@ impl Pilot {
         let Some(motion) = motion else {
             return if self.backs < MOST_BACK { self.back(places) } else { Order::End(Ended::Confined) };
         };
-        self.backs = 0;
+        let leads_on = motion.way() >= SHORTEST;
+        if leads_on {
+            self.backs = 0;
+        }
         let next = plan.and_then(|plan| plan.next.as_ref().map(|next| (plan, next)));
         let sees_more = plan.is_some_and(|plan| plan.verdict == PlanVerdict::Alike);
         self.ordered.push(Ordered {
             sees_more: sees_more.then(|| motion.name()),
             places: places.len(),
+            leads_on,
             on_the_spot: next.is_some_and(|(_, next)| next.motion.way() < SHORTEST),
             narrows: next.is_some_and(|(plan, next)| next.places[0] >= plan.places),
         });
@@ -200,7 +209,13 @@ impl Pilot {
 
     fn back(&mut self, places: &[Hypothesis]) -> Order {
         self.backs += 1;
-        self.ordered.push(Ordered { places: places.len(), on_the_spot: false, narrows: false, sees_more: None });
+        self.ordered.push(Ordered {
+            places: places.len(),
+            on_the_spot: false,
+            leads_on: false,
+            narrows: false,
+            sees_more: None,
+        });
         Order::Back
     }
 
@@ -218,6 +233,12 @@ impl Pilot {
     fn is_stuck(&self, places: &[Hypothesis]) -> bool {
         let last = &self.ordered[self.ordered.len().saturating_sub(STUCK)..];
         last.len() == STUCK && last.iter().all(|one| one.on_the_spot && one.places <= places.len())
+    }
+
+    /// Whether a motion that did not lead elsewhere, a turn or a way back, left as many places as there were since the last that did.
+    fn turns_in_vain(&self, places: &[Hypothesis]) -> bool {
+        let since = self.ordered.iter().rev().take_while(|one| !one.leads_on);
+        since.map(|one| one.places).max().is_some_and(|before| before <= places.len())
     }
 
     /// Whether the last motion was to narrow several places, and left as many: what it promised again would not come either.
