@@ -16,7 +16,7 @@ use vibrissa::world::{Boundary, Map, MountedWhisker, Robot, Role};
 /// A localized pose further off than this is wrong (m).
 const WRONG: f64 = 0.02;
 /// Links of the simulator's discrete rod.
-const LINKS: usize = 30;
+const LINKS: usize = 90;
 /// Kinds of rooms.
 pub(crate) const KINDS: [&str; 4] = ["right-angled", "rough", "cluttered", "symmetric"];
 /// Ways to choose motions.

@@ -288,3 +288,56 @@ fn a_rod_begins_on_the_right_side_of_the_walls() {
         assert!(shape.points.iter().all(|&p| inside(p)), "row {}: a part of the whisker is in a wall", shape.row);
     }
 }
+
+/// A whisker with its tip in a corner is pushed until it buckles, by rows of some millimetres: it buckles to the side to which it is bent, as by short rows.
+#[test]
+fn a_whisker_in_a_corner_buckles_to_the_side_to_which_it_is_bent() {
+    let mut random = Random(0x0b0c_71e5);
+    let length = 0.08;
+    let beam = Whisker { length, flexural_rigidity: 3e-4, ..Whisker::default() };
+    let scale = beam.flexural_rigidity / length;
+    let room = [(-0.5, -0.5), (0.0, 0.0), (-0.5, 0.5)].map(|(x, y)| Vec2::new(x, y));
+    let map = map(Role::Arena, polyline(&room, true));
+    let mut strong = 0;
+    for case in 0..200 {
+        // The tip slides along a wall into the corner, and the base turns until the whisker is nearly straight again.
+        let (side, over) = (random.sign(), random.between(1e-4, 4e-3));
+        let base = Vec2::from_angle(random.signed(0.5)) * (over - length);
+        let into = (-base).angle();
+        let turns = [0.5, random.between(-0.1, 0.3)].map(|off| into + side * off);
+        let ahead = Vec2::from_angle(into + random.signed(0.6)) * random.between(3e-3, 3.99e-3);
+        let pose = |p: Vec2, theta: f64| Pose2::new(p.x, p.y, theta);
+        let [away, there, turned, pressed] = [
+            pose(base - Vec2::from_angle(turns[0]) * 0.06, turns[0]),
+            pose(base, turns[0]),
+            pose(base, turns[1]),
+            pose(base + ahead, turns[1]),
+        ];
+        let path = |presses: usize| {
+            let legs = [(away, there, 40), (there, turned, 20), (turned, pressed, presses)];
+            let between = |(from, to, rows): (Pose2, Pose2, usize)| {
+                (1..=rows).map(move |k| {
+                    let share = k as f64 / rows as f64;
+                    let place = from.position() + (to.position() - from.position()) * share;
+                    Pose2::new(place.x, place.y, from.theta + share * (to.theta - from.theta))
+                })
+            };
+            let poses = core::iter::once(away).chain(legs.into_iter().flat_map(between));
+            poses.enumerate().map(|(k, map_from_robot)| StampedPose { t: k as f64, map_from_robot }).collect::<Vec<_>>()
+        };
+        let (fine, coarse) = (path(400), path(1));
+        let [one, other] = [&fine, &coarse].map(|path| run(&map, beam, path, Solver::Auto, 90));
+        // Two contacts at once are the discrete rod's.
+        if [&one, &other].iter().any(|sweep| sweep.events.iter().any(|event| event.kind == "discrete_rod")) {
+            continue;
+        }
+        let end = |sweep: &Sweep| sweep.exact_moments.last().unwrap()[0] / scale;
+        let (one, other) = (end(&one), end(&other));
+        assert!((one - other).abs() < 1e-6, "case {case}: {one} by short rows, {other} by long ones");
+        if one.abs() > 1.0 {
+            strong += 1
+        }
+    }
+    println!("{strong} of 200 cases are pressed hard");
+    assert!(strong >= 50);
+}

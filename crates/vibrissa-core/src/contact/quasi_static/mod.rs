@@ -36,6 +36,8 @@ const TIP_SLACK: f64 = 1e-12;
 const LARGEST_SLIDE: f64 = 0.03;
 /// Largest turn of the whisker at the contact in one step (rad).
 const LARGEST_TURN: f64 = 0.2;
+/// Largest change of `M0 L / EI` in one step: a whisker that buckles has another equilibrium with the opposite moment near by.
+const LARGEST_CHANGE: f64 = 0.25;
 
 /// A whisker in contact.
 #[derive(Clone, Copy, Debug)]
@@ -141,6 +143,7 @@ impl Step<'_> {
         along <= LARGEST_SLIDE * length
             && passed <= LARGEST_SLIDE
             && (after.state.slope - before.state.slope).abs() <= LARGEST_TURN
+            && (after.state.m - before.state.m).abs() <= LARGEST_CHANGE
     }
 
     /// From hold to hold until one holds; `offset` is the force's angle off the frictionless direction (rad).
