@@ -44,7 +44,7 @@ pub(crate) struct Args {
     /// How the robot chooses its motions
     #[arg(long, value_enum, default_value_t)]
     strategy: Choice,
-    /// Stop as soon as the log tells the place, without the motion that tests it
+    /// Stop as soon as the log tells the place, without a test of it: by the guaranteed set, or by one more motion
     #[arg(long)]
     untested: bool,
     /// Also write explore.html: a film of the states that explain what was felt so far

@@ -1,5 +1,6 @@
 //! The closed loop: a simulated robot that localizes itself by its own motion, and stops when it knows where it is.
 
+mod enclosure;
 mod pilot;
 mod run;
 
@@ -51,7 +52,8 @@ pub struct ExploreOptions {
     /// Whether motions along the wall that go ahead are made by [`WallFollower`] instead of straight. It sees to bumps and corners, but not to what
     /// stands on the side of the robot where no whisker is.
     pub by_touch: bool,
-    /// Whether a robot that knows its place makes one more motion before it stops, along which it would feel something else if it were elsewhere.
+    /// Whether a place is tested before the robot stops: by the set of all states that the declared bounds leave open, and where that says nothing by one
+    /// more motion, along which the robot would feel something else if it were elsewhere.
     pub is_tested: bool,
 }
 

@@ -1,5 +1,6 @@
 //! The robot on its way: rows, what is known at each, and the next motion.
 
+use super::enclosure::{Opinion, SAME_PLACE, opinion};
 use super::pilot::{Chooser, way_back};
 use super::{Ended, Exploration, ExploreOptions, Made, Onlooker, Order, Pilot, Strategy, Underway};
 use crate::Result;
@@ -35,8 +36,6 @@ const GENTLER: f64 = 0.5;
 const MOST_BACK_TO_BE_FREE: usize = 3;
 /// The name of the motion that tests a place.
 const TEST: &str = "a test of the place";
-/// A place that was tested is where it was before if it is no further off than this (m) of where the odometry has it.
-const SAME_PLACE: f64 = 0.02;
 
 /// A robot on its way.
 pub(super) struct Under<'a> {
@@ -61,6 +60,10 @@ pub(super) struct Under<'a> {
     tested: Option<(Pose2, Pose2)>,
     /// Whether the robot asks on its way whether it knows where it is.
     asks: bool,
+    /// Whether the set of all states that are left is at the place that is told; the answer where only the set knows one; and whether it leaves others.
+    is_proved: bool,
+    enclosed: Option<Localization>,
+    is_disputed: bool,
     /// The row with which the log begins that counts, and how often it was begun anew.
     since: usize,
     begun_anew: usize,
@@ -95,6 +98,9 @@ impl<'a> Under<'a> {
             pilot: Pilot::new(options.plan)?,
             tested: None,
             asks: true,
+            is_proved: false,
+            enclosed: None,
+            is_disputed: false,
             since: 0,
             begun_anew: 0,
             broken: false,
@@ -172,13 +178,17 @@ impl<'a> Under<'a> {
     }
 
     fn answer(&self) -> Result<Localization> {
+        localize(&self.log_that_counts(), self.stage.map(), self.stage.robot(), self.method, &mut |_| {})
+    }
+
+    fn log_that_counts(&self) -> SensorLog {
         let SensorLog { channels, rows, .. } = &self.log;
-        let log = SensorLog { channels: channels.clone(), rows: rows[self.since..].to_vec(), ..SensorLog::default() };
-        localize(&log, self.stage.map(), self.stage.robot(), self.method, &mut |_| {})
+        SensorLog { channels: channels.clone(), rows: rows[self.since..].to_vec(), ..SensorLog::default() }
     }
 
     /// What is known now: the estimator's word on the way, or the whole answer where that says more.
     fn known(&mut self) -> Result<(Status, Vec<Hypothesis>)> {
+        (self.is_proved, self.is_disputed, self.enclosed) = (false, false, None);
         let now = self.localizer.estimate();
         let due = self.motions.is_empty() || self.motions.len() >= self.answered + self.options.answer_each;
         if now.status == Status::Ambiguous && !now.hypotheses.is_empty() && !due {
@@ -186,7 +196,28 @@ impl<'a> Under<'a> {
         }
         self.answered = self.motions.len();
         let answer = self.answer()?;
-        Ok((answer.status, answer.hypotheses))
+        let Method::Probabilistic(options) = self.method else { return Ok((answer.status, answer.hypotheses)) };
+        if !self.options.is_tested || !matches!(answer.status, Status::Localized | Status::Inconsistent) {
+            return Ok((answer.status, answer.hypotheses));
+        }
+        let (map, robot) = (self.stage.map(), self.stage.robot());
+        Ok(match opinion(&self.log_that_counts(), map, robot, options, answer.estimate) {
+            Opinion::None => (answer.status, answer.hypotheses),
+            Opinion::Proved => {
+                self.is_proved = true;
+                (Status::Localized, answer.hypotheses)
+            }
+            Opinion::Elsewhere(set) => {
+                self.is_proved = true;
+                let places = set.hypotheses.clone();
+                self.enclosed = Some(set);
+                (Status::Localized, places)
+            }
+            Opinion::Open(places) => {
+                self.is_disputed = true;
+                (Status::Ambiguous, places)
+            }
+        })
     }
 
     /// The first motion, which nobody chooses.
@@ -218,6 +249,7 @@ impl<'a> Under<'a> {
             }
             let before = self.tested.take();
             let ended = match status {
+                Status::Localized if self.is_proved => Some(Ended::Localized),
                 Status::Localized => self.tested_by_motion(before, &places, onlooker)?.then_some(Ended::Localized),
                 Status::Inconsistent => (!self.begin_anew(onlooker)?).then_some(Ended::Inconsistent),
                 _ if places.is_empty() => Some(Ended::NoPlace),
@@ -233,7 +265,10 @@ impl<'a> Under<'a> {
                 if self.show(true, onlooker) {
                     return Ok(self.so_far());
                 }
-                let answer = self.answer()?;
+                let answer = match self.enclosed.take() {
+                    Some(set) => set,
+                    None => self.answer()?,
+                };
                 return Ok(self.end(ended, answer));
             }
         }
@@ -406,7 +441,7 @@ impl<'a> Under<'a> {
 
     /// Whether the robot knows where it is, if it is time to ask.
     fn is_localized(&mut self, onlooker: &mut Onlooker<'_>) -> Result<bool> {
-        if !self.asks || self.way - self.asked[0] <= ASK && self.turn - self.asked[1] <= ASK_TURN {
+        if !self.asks || self.is_disputed || self.way - self.asked[0] <= ASK && self.turn - self.asked[1] <= ASK_TURN {
             return Ok(false);
         }
         self.asked = [self.way, self.turn];

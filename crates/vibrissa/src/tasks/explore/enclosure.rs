@@ -1,0 +1,127 @@
+//! What the guaranteed method leaves open of a log of which the probabilistic one is sure, or which that does not explain: set inversion
+//! \[jaulin2009robust\] as a second opinion. The true state is in the set as long as the declared bounds hold.
+
+use crate::config::{PossibilisticOptions, ProbabilisticOptions};
+use crate::flow::pose::{Hypothesis, Localization, Status};
+use crate::flow::sensor_log::SensorLog;
+use crate::localizer::Method;
+use crate::plane::Pose2;
+use crate::sets::Interval;
+use crate::tasks::localize;
+use crate::world::{Map, Robot};
+
+/// From so much way after the first contact on the whisker may touch in two places at once (m).
+const TWO_CONTACTS: f64 = 0.05;
+/// A set is one place with what was told if none of it is further off than this (m).
+pub(super) const SAME_PLACE: f64 = 0.02;
+/// Of sets of more places than this no opinion is taken: little was felt.
+const MOST_PLACES: usize = 100;
+
+/// What the set says of a place that was told, or of none.
+#[derive(Debug)]
+pub(super) enum Opinion {
+    /// Nothing: the method does not take the robot, the bounds are broken, or the set says little.
+    None,
+    /// The robot can be nowhere else.
+    Proved,
+    /// It can be there only, which is elsewhere.
+    Elsewhere(Localization),
+    /// It can be at several places.
+    Open(Vec<Hypothesis>),
+}
+
+/// The opinion of the set of all states that a log leaves open, by what the other method was told.
+pub(super) fn opinion(
+    log: &SensorLog,
+    map: &Map,
+    robot: &Robot,
+    options: &ProbabilisticOptions,
+    told: Option<Pose2>,
+) -> Opinion {
+    let ProbabilisticOptions { prior, heading_error, .. } = *options;
+    let two_contacts = Some(TWO_CONTACTS);
+    let options = PossibilisticOptions { two_contacts, prior, heading_error, ..PossibilisticOptions::default() };
+    // Where it does not take the robot or the map there is no second opinion.
+    let Ok(mut set) = localize(log, map, robot, &Method::Possibilistic(options), &mut |_| {}) else {
+        return Opinion::None;
+    };
+    let places = &mut set.hypotheses;
+    if matches!(set.status, Status::Inconsistent | Status::NoContact) || places.is_empty() || places.len() > MOST_PLACES
+    {
+        return Opinion::None;
+    }
+    places.iter_mut().for_each(|place| place.covariance = Some(even_over(place)));
+    let [place] = &places[..] else {
+        let all = |told: Pose2| places.iter().all(|place| is_within(place, told));
+        return if told.is_some_and(all) { Opinion::Proved } else { Opinion::Open(set.hypotheses) };
+    };
+    match told {
+        Some(told) if is_within(place, told) => Opinion::Proved,
+        _ if is_within(place, place.pose) => Opinion::Elsewhere(set),
+        _ => Opinion::None,
+    }
+}
+
+/// Whether all of a place is near a pose.
+fn is_within(place: &Hypothesis, pose: Pose2) -> bool {
+    let near = |range: Interval, at: f64| range.lo() >= at - SAME_PLACE && range.hi() <= at + SAME_PLACE;
+    near(place.extent.x, pose.x) && near(place.extent.y, pose.y)
+}
+
+/// The covariance of what lies evenly within the box around a place.
+fn even_over(place: &Hypothesis) -> [[f64; 3]; 3] {
+    let variance = |range: Interval| range.width() * range.width() / 12.0;
+    let mut covariance = [[0.0; 3]; 3];
+    let extent = [place.extent.x, place.extent.y, place.extent.theta];
+    extent.into_iter().enumerate().for_each(|(axis, range)| covariance[axis][axis] = variance(range));
+    covariance
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::flow::pose::StampedPose;
+    use crate::plane::{Curve, Vec2};
+    use crate::sim::{Pace, SimulateOptions, SweepNoise, path_through, simulate};
+    use crate::world::{Boundary, Role};
+
+    /// Along the lower wall of a room, over a bay or not.
+    fn swept(from: f64, to: f64) -> (Map, Robot, SensorLog, Pose2) {
+        let bay =
+            [(0.0, 0.0), (0.25, 0.0), (0.25, -0.05), (0.32, -0.05), (0.32, 0.0), (0.45, 0.0), (0.45, 0.3), (0.0, 0.3)];
+        let points: Vec<Vec2> = bay.into_iter().map(|(x, y)| Vec2::new(x, y)).collect();
+        let map = Map::new(vec![Boundary::new(Role::Arena, Curve::polyline(&points, true).unwrap(), None).unwrap()]);
+        let (map, mut robot) = (map.unwrap(), Robot::default());
+        robot.whiskers[0].beam.length = 0.08;
+        robot.whiskers[0].robot_from_whisker = Pose2::new(0.0, 0.0, -1.2);
+        let way = [Pose2::new(from, 0.09, 0.0), Pose2::new(from + 0.01, 0.066, 0.0), Pose2::new(to, 0.066, 0.0)];
+        let path = path_through(&way, &Pace { speed: 0.1, turn_rate: 1.0, rate: 50.0 }).unwrap();
+        let sweep = simulate(&map, &robot, &path, &SweepNoise::seeded(5), &SimulateOptions::default()).unwrap();
+        let truth = path.last().map(|last: &StampedPose| last.map_from_robot).unwrap();
+        (map, robot, sweep.log, truth)
+    }
+
+    #[test]
+    fn a_set_proves_a_place_disputes_it_or_knows_a_better_one() {
+        let (map, robot, log, truth) = swept(0.12, 0.4);
+        let ask =
+            |robot: &Robot, log: &SensorLog, told| opinion(log, &map, robot, &ProbabilisticOptions::default(), told);
+        assert!(matches!(ask(&robot, &log, Some(truth)), Opinion::Proved));
+        let wrong = Pose2::new(truth.x - 0.2, truth.y, truth.theta);
+        for told in [Some(wrong), None] {
+            let Opinion::Elsewhere(set) = ask(&robot, &log, told) else { panic!("{told:?}") };
+            assert!(set.hypotheses[0].pose.position().distance(truth.position()) < 1e-3);
+            assert!(set.hypotheses[0].covariance.is_some());
+        }
+        // A straight wall is no place.
+        let (.., short, end) = swept(0.06, 0.15);
+        for told in [Some(end), None] {
+            let Opinion::Open(places) = ask(&robot, &short, told) else { panic!("{told:?}") };
+            assert!(places.len() > 1);
+        }
+        // Where the declared bounds do not hold it says nothing.
+        let mut sure = robot.clone();
+        (sure.whiskers[0].noise.moment_relative, sure.whiskers[0].noise.moment_absolute) = (1e-4, 1e-8);
+        assert!(matches!(ask(&sure, &log, Some(truth)), Opinion::None));
+    }
+}
