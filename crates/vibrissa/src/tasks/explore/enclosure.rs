@@ -25,7 +25,7 @@ pub(super) enum Opinion {
     /// The robot can be nowhere else.
     Proved,
     /// It can be there only, which is elsewhere.
-    Elsewhere(Localization),
+    Elsewhere(Box<Localization>),
     /// It can be at several places.
     Open(Vec<Hypothesis>),
 }
@@ -57,7 +57,7 @@ pub(super) fn opinion(
     };
     match told {
         Some(told) if is_within(place, told) => Opinion::Proved,
-        _ if is_within(place, place.pose) => Opinion::Elsewhere(set),
+        _ if is_within(place, place.pose) => Opinion::Elsewhere(Box::new(set)),
         _ => Opinion::None,
     }
 }

@@ -210,7 +210,7 @@ impl<'a> Under<'a> {
             Opinion::Elsewhere(set) => {
                 self.is_proved = true;
                 let places = set.hypotheses.clone();
-                self.enclosed = Some(set);
+                self.enclosed = Some(*set);
                 (Status::Localized, places)
             }
             Opinion::Open(places) => {
