@@ -14,6 +14,7 @@
 //! | `overlap` | later contacts on earlier walls |
 //! | `graph` | key poses and shares by least squares |
 //! | `merge` | stretches of all passes as one outline with bands |
+//! | `told` | what is told of all that |
 
 mod changes;
 mod closure;
@@ -25,6 +26,7 @@ mod merge;
 mod odometry;
 mod overlap;
 mod submap;
+mod told;
 mod visit;
 
 use super::profile::AssembledMap;
@@ -43,6 +45,7 @@ use overlap::Tie;
 use visit::Placed;
 
 pub use changes::{Change, ChangeKind};
+pub use told::{Closure, ClosureVerdict, Mapped, OdometryShares, Share, Visit};
 
 const SQRT_3: f64 = 1.732_050_807_568_877_2;
 /// Independent errors of odometry: this share of its bounds over this way (m), and what nothing is more exact than (m, rad).
@@ -56,108 +59,6 @@ const BETWEEN_LOGS: (f64, f64) = (1.0, 1.0);
 const RECHECKS: usize = 4;
 /// Rounds of finding what lies on what, and solving.
 const ROUNDS: usize = 8;
-
-/// Whether the robot came back.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ClosureVerdict {
-    /// No other place within the declared odometry bounds explains what was felt.
-    Proved,
-    /// Other places do, so many of them, or one that is too large to tell.
-    Hypothesis,
-    /// No place does: the declared bounds do not hold.
-    Contradiction,
-    /// The search was cut short.
-    Unfinished,
-}
-
-impl ClosureVerdict {
-    /// The verdict in a word, for files.
-    #[must_use]
-    pub fn as_str(self) -> &'static str {
-        match self {
-            Self::Proved => "proved",
-            Self::Hypothesis => "hypothesis",
-            Self::Contradiction => "contradiction",
-            Self::Unfinished => "unfinished",
-        }
-    }
-}
-
-/// A place where the robot may have come back.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Closure {
-    /// When it was there later, and earlier (s).
-    pub later: f64,
-    /// See `later`.
-    pub earlier: f64,
-    /// The logs of both times, by their number from 0, the later first.
-    pub logs: (usize, usize),
-    /// What is known of it.
-    pub verdict: ClosureVerdict,
-    /// How many separate places are left, and half of their extent: x, y (m) and heading (rad).
-    pub places: usize,
-    /// See `places`.
-    pub extent: [f64; 3],
-}
-
-/// A quantity with its standard deviation.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Share {
-    /// The value.
-    pub value: f64,
-    /// Its standard deviation.
-    pub std: f64,
-}
-
-/// By which shares the odometry is wrong.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct OdometryShares {
-    /// Ways are longer than told by this share.
-    pub scale: Share,
-    /// Turns are larger than told by this share.
-    pub turn: Share,
-    /// The heading turns by so much more along the way (rad/m).
-    pub drift: Share,
-}
-
-/// One of the logs, in the outline.
-#[derive(Clone, Debug)]
-pub struct Visit {
-    /// Whether it is known where the log begins in the outline of those before: proved for the first. Without a proof it adds nothing to the
-    /// outline, and its poses are not known.
-    pub placed: ClosureVerdict,
-    /// How many places in the outline are left for it.
-    pub places: usize,
-    /// The robot at every row.
-    pub trajectory: Vec<StampedPose>,
-    /// Covariances of its pose at some rows, relative to the first log's first row: when, and by x, y (m), heading (rad).
-    pub covariances: Vec<(f64, [[f64; 3]; 3])>,
-}
-
-/// What mapping found, in the frame of the first row's odometry.
-#[derive(Clone, Debug)]
-pub struct Mapped {
-    /// The outline: boundaries with bands, corners, unknown stretches.
-    pub outline: AssembledMap,
-    /// The logs, in their order.
-    pub visits: Vec<Visit>,
-    /// The odometry's shares.
-    pub shares: OdometryShares,
-    /// Where the robot came back, or may have.
-    pub closures: Vec<Closure>,
-    /// Walls that are not where an earlier log felt them.
-    pub changes: Vec<Change>,
-    /// How many felt points the outline is made of.
-    pub points: usize,
-}
-
-impl Mapped {
-    /// The robot at every row of the first log.
-    #[must_use]
-    pub fn trajectory(&self) -> &[StampedPose] {
-        self.visits.first().map_or(&[], |visit| &visit.trajectory)
-    }
-}
 
 /// A map in the making, row by row.
 pub struct Mapper {
