@@ -12,7 +12,7 @@ use pyo3::types::PyDict;
 use std::sync::Arc;
 use vibrissa::config::MappingOptions;
 use vibrissa::flow::sensor_log::SensorLog;
-use vibrissa::tasks::mapping::{Change, ChangeKind, Mapped, Share, Visit, map_logs};
+use vibrissa::tasks::mapping::{Change, ChangeKind, Mapped, Share, Visit, graph_to_json, map_logs};
 use vibrissa::tasks::profile::compare;
 
 /// Spacing of the outline's points that are compared with a truth (m).
@@ -92,5 +92,6 @@ fn fields<'py>(py: Python<'py>, found: &Mapped) -> PyResult<Bound<'py, PyDict>> 
         (c.later, c.earlier, c.verdict.as_str(), c.places, (x, y, theta), c.logs)
     });
     out.set_item("closures", closures.collect::<Vec<_>>())?;
+    out.set_item("graph", graph_to_json(&found.graph).to_string())?;
     Ok(out)
 }

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import json
-import pickle
 import os
+import pickle
 from collections.abc import Callable
 from pathlib import Path
 
@@ -121,6 +121,8 @@ def test_a_map_of_a_log_is_that_of_the_command(command: Command, demo_files: Pat
     assert found.alignment is not None and found.alignment.shape.mean == told["truth"]["mean_m"] < 1e-3
     assert found.scale == (told["odometry"]["scale"]["value"], told["odometry"]["scale"]["std"])
     assert found.covariances.shape == (len(found.covariance_t), 3, 3)
+    assert found.graph == json.loads((tmp_path / "graph.json").read_text())
+    assert len(found.graph["poses"]) == len(found.graph["legs"]) + 1 == len(found.covariances)
     again = pickle.loads(pickle.dumps(found))
     assert again.map.to_geojson() == found.map.to_geojson() and "map=<vibrissa.Map" in repr(found)
     with pytest.raises(vibrissa.UsageError):

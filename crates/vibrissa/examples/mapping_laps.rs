@@ -61,6 +61,8 @@ fn mapped(seed: u64, wrong: bool) -> Option<String> {
     if let Ok(folder) = std::env::var("MAPS") {
         let _ =
             std::fs::write(format!("{folder}/map{seed}.geojson"), vibrissa::io::map::to_geojson(&found.outline.map));
+        let graph = vibrissa::tasks::mapping::graph_to_json(&found.graph).to_string();
+        let _ = std::fs::write(format!("{folder}/graph{seed}.json"), graph);
     }
     let judged = judge(&found, &room, path[0].map_from_robot)?;
     let count = |verdict| found.closures.iter().filter(|closure| closure.verdict == verdict).count();

@@ -12,7 +12,9 @@ use vibrissa::figure::{Geometry, Layer, Outline, map_figure};
 use vibrissa::io::map::to_geojson;
 use vibrissa::io::trajectory::format_tum;
 use vibrissa::plane::Vec2;
-use vibrissa::tasks::mapping::{Change, ChangeKind, Closure, ClosureVerdict, Mapped, Share, Visit, map_logs};
+use vibrissa::tasks::mapping::{
+    Change, ChangeKind, Closure, ClosureVerdict, Mapped, Share, Visit, graph_to_json, map_logs,
+};
 use vibrissa::tasks::profile::{Alignment, compare};
 use vibrissa::world::{Map, PieceCourse};
 use vibrissa::{Error, Result};
@@ -29,7 +31,8 @@ const SPACING: f64 = 1e-3;
 /// moved since. One that cannot be placed surely is told, and adds nothing.
 ///
 /// With --out DIR: map.geojson (boundaries with bands and unknown stretches, which `vibrissa localize` reads), trajectory.tum,
-/// covariances.csv and the figure mapping.svg; for further logs trajectory-2.tum, covariances-2.csv and so on.
+/// covariances.csv, graph.json (the factor graph that was solved) and the figure mapping.svg; for further logs trajectory-2.tum,
+/// covariances-2.csv and so on.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// The sensor logs (.csv), the oldest first
@@ -71,6 +74,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
                 files.push((format!("covariances{number}.csv"), covariances(visit)));
             }
         }
+        files.push(("graph.json".to_owned(), graph_to_json(&found.graph).to_string() + "\n"));
         files.push(("mapping.svg".to_owned(), figure(&found, truth.as_ref(), compared.as_ref())));
         let files: Vec<(&str, String)> = files.iter().map(|(name, text)| (name.as_str(), text.clone())).collect();
         written = write_all(to, &files)?;

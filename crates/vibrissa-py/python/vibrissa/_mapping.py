@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from os import PathLike
@@ -108,6 +109,8 @@ class MappedLog(Shown):
     """The heading turns by so much more along the way (rad/m)."""
     closures: list[Closure]
     """Where the robot came back, or may have."""
+    graph: dict[str, Any]
+    """The factor graph that was solved, as in ``graph.json``."""
     alignment: Alignment | None
     """Against the truth, where one was given."""
 
@@ -198,6 +201,7 @@ def map_log(
         "covariance_t": first.covariance_t,
         "covariances": first.covariances,
         "visits": visits,
+        "graph": json.loads(found["graph"]),
         "changes": changes,
         "closures": [Closure(*one) for one in found["closures"]],
         "alignment": None if alignment is None else Alignment._of(alignment),

@@ -5,6 +5,7 @@
 //! border, of the shares.
 
 use super::odometry::{Leg, SHARES};
+use super::told::{ContactFactor, FactorGraph, LegFactor, Share};
 use crate::least_squares::{Bordered, BorderedFactor, reverse_cuthill_mckee};
 use crate::plane::{Pose2, Vec2, wrap_angle};
 
@@ -200,6 +201,27 @@ impl Graph<'_> {
         Some(Marginals { poses, shares, factor, order })
     }
 
+    /// The problem and its solution, for others.
+    pub(super) fn told(&self, at: &Solution, marginals: &Marginals) -> FactorGraph {
+        let leg = |(leg, noise): &(Leg, LegNoise)| LegFactor {
+            step: leg.step,
+            by_share: leg.by_share,
+            place_std: noise.place,
+            turn_std: noise.turn,
+        };
+        let contact =
+            |&Overlap { later, earlier, normal, std }: &Overlap| ContactFactor { later, earlier, normal, std };
+        FactorGraph {
+            poses: at.poses.clone(),
+            covariances: marginals.poses.clone(),
+            shares: [0, 1, 2].map(|k| Share { value: at.shares[k], std: marginals.shares[k] }),
+            share_stds: self.shares,
+            legs: self.legs.iter().map(leg).collect(),
+            contacts: self.overlaps.iter().map(contact).collect(),
+            cost: self.cost(at),
+        }
+    }
+
     fn moved(&self, from: &Solution, order: &Order, step: &[f64]) -> Solution {
         let mut next = from.clone();
         for (key, pose) in next.poses.iter_mut().enumerate().skip(1) {
@@ -354,6 +376,33 @@ mod tests {
                 assert!((told - seen).abs() < 1e-3 * told.abs().max(1.0), "{unknown:?}: {told} {seen}");
             }
         }
+    }
+
+    /// The cost by what is told to others, in their words.
+    #[test]
+    fn the_problem_that_is_told_has_the_cost_of_the_solution() {
+        let (legs, overlaps) = square();
+        let graph = Graph { legs: &legs, overlaps: &overlaps, shares: [0.01, 0.01, 0.02] };
+        let found = graph.solve(graph.dead_reckoned(Pose2::new(0.1, -0.2, 0.5)));
+        let told = graph.told(&found, &graph.marginals(&found).unwrap());
+        let mut sum: f64 =
+            told.shares.iter().zip(told.share_stds).map(|(share, std)| (share.value / std).powi(2)).sum();
+        for (pair, leg) in told.poses.windows(2).zip(&told.legs) {
+            let between = pair[0].between(pair[1]);
+            let (mut place, mut turn) = (leg.step.position(), leg.step.theta);
+            for (share, (by, turned)) in told.shares.iter().zip(leg.by_share) {
+                (place, turn) = (place + by * share.value, turn + turned * share.value);
+            }
+            sum += ((between.position() - place) * (1.0 / leg.place_std)).norm_squared();
+            sum += (wrap_angle(between.theta - turn) / leg.turn_std).powi(2);
+        }
+        for contact in &told.contacts {
+            let at = |(key, point): (usize, Vec2)| told.poses[key].transform_point(point);
+            let normal = contact.normal.rotated(told.poses[contact.earlier.0].theta);
+            sum += (normal.dot(at(contact.later) - at(contact.earlier)) / contact.std).powi(2);
+        }
+        assert!((0.5 * sum - told.cost).abs() < 1e-9 * told.cost, "{} {}", 0.5 * sum, told.cost);
+        assert_eq!((told.legs.len() + 1, told.covariances.len()), (told.poses.len(), told.poses.len()));
     }
 
     #[test]

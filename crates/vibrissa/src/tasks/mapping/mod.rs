@@ -15,6 +15,7 @@
 //! | `graph` | key poses and shares by least squares |
 //! | `merge` | stretches of all passes as one outline with bands |
 //! | `told` | what is told of all that |
+//! | `json` | the factor graph for other solvers |
 
 mod changes;
 mod closure;
@@ -22,6 +23,7 @@ mod closures;
 mod free_space;
 mod front_end;
 mod graph;
+mod json;
 mod merge;
 mod odometry;
 mod overlap;
@@ -45,7 +47,8 @@ use overlap::Tie;
 use visit::Placed;
 
 pub use changes::{Change, ChangeKind};
-pub use told::{Closure, ClosureVerdict, Mapped, OdometryShares, Share, Visit};
+pub use json::graph_to_json;
+pub use told::{Closure, ClosureVerdict, ContactFactor, FactorGraph, LegFactor, Mapped, OdometryShares, Share, Visit};
 
 const SQRT_3: f64 = 1.732_050_807_568_877_2;
 /// Independent errors of odometry: this share of its bounds over this way (m), and what nothing is more exact than (m, rad).
@@ -74,6 +77,7 @@ pub struct Mapper {
 struct Progress {
     solution: Solution,
     marginals: Marginals,
+    graph: FactorGraph,
     closures: Vec<Closure>,
     ties: Vec<Tie>,
     /// For each log whether it is placed, and how many places are left.
@@ -137,8 +141,8 @@ impl Mapper {
             self.add(visit, &mut progress)?;
         }
         let outline = self.outline(&progress)?;
-        let Progress { solution, marginals, closures, placed, changes, .. } = progress;
-        let share = |k: usize| Share { value: solution.shares[k], std: marginals.shares[k] };
+        let Progress { solution, marginals, graph, closures, placed, changes, .. } = progress;
+        let [scale, turn, drift] = graph.shares;
         let visits = placed.iter().enumerate().map(|(visit, &(placed, places))| {
             let keys = self.front.visit(visit);
             let covariances = keys.clone().map(|key| (self.front.keys[key].t, marginals.poses[key])).collect();
@@ -148,10 +152,11 @@ impl Mapper {
         Ok(Mapped {
             outline,
             visits: visits.collect(),
-            shares: OdometryShares { scale: share(0), turn: share(1), drift: share(2) },
+            shares: OdometryShares { scale, turn, drift },
             closures,
             changes,
             points: self.front.stretches.iter().map(|stretch| stretch.points.len()).sum(),
+            graph,
         })
     }
 
@@ -165,10 +170,10 @@ impl Mapper {
         let solution =
             Graph { legs: &legs, overlaps: &[], shares: self.share_stds() }.dead_reckoned(first.odom_from_key);
         let (closures, ties) = closures((&self.front, 0), &self.robot, &self.options, None, &self.stop);
-        let (solution, marginals) = self.solve(&legs, (&ties, &Outdated::new()), solution)?;
+        let (solution, marginals, graph) = self.solve(&legs, (&ties, &Outdated::new()), solution)?;
         let placed = vec![(ClosureVerdict::Proved, 1)];
         let (changes, outdated) = (Vec::new(), Outdated::new());
-        Ok(Progress { solution, marginals, closures, ties, placed, changes, outdated })
+        Ok(Progress { solution, marginals, graph, closures, ties, placed, changes, outdated })
     }
 
     /// One more log: where it begins in the outline so far, what it adds, and what has changed.
@@ -201,7 +206,7 @@ impl Mapper {
         let (before, mut found) = (progress.outdated.clone(), Vec::new());
         for _ in 0..RECHECKS {
             let known = (&progress.ties[..], &progress.outdated);
-            (progress.solution, progress.marginals) = self.solve(&legs, known, start)?;
+            (progress.solution, progress.marginals, progress.graph) = self.solve(&legs, known, start)?;
             start = progress.solution.clone();
             if tie.is_none() {
                 break;
@@ -224,7 +229,7 @@ impl Mapper {
         legs: &[(Leg, LegNoise)],
         (ties, outdated): (&[Tie], &Outdated),
         start: Solution,
-    ) -> Result<(Solution, Marginals)> {
+    ) -> Result<(Solution, Marginals, FactorGraph)> {
         let shares = self.share_stds();
         let (mut solution, mut overlaps) = (start, Vec::new());
         for round in 0..ROUNDS {
@@ -235,10 +240,12 @@ impl Mapper {
             }
             solution = Graph { legs, overlaps: &overlaps, shares }.solve(solution);
         }
-        let marginals = Graph { legs, overlaps: &overlaps, shares }.marginals(&solution).ok_or_else(|| {
+        let graph = Graph { legs, overlaps: &overlaps, shares };
+        let marginals = graph.marginals(&solution).ok_or_else(|| {
             Error::data("the key poses are not determined").remedy("this is a defect; please report the log")
         })?;
-        Ok((solution, marginals))
+        let told = graph.told(&solution, &marginals);
+        Ok((solution, marginals, told))
     }
 
     fn outline(&self, progress: &Progress) -> Result<AssembledMap> {

@@ -2,6 +2,7 @@
 
 use super::changes::Change;
 use crate::flow::pose::StampedPose;
+use crate::plane::{Pose2, Vec2};
 use crate::tasks::profile::AssembledMap;
 
 /// Whether the robot came back.
@@ -96,6 +97,55 @@ pub struct Mapped {
     pub changes: Vec<Change>,
     /// How many felt points the outline is made of.
     pub points: usize,
+    /// The least-squares problem behind it.
+    pub graph: FactorGraph,
+}
+
+/// The factor graph that was solved last \[dellaert2017factor\], with its solution, for other solvers. The first pose is fixed.
+#[derive(Clone, Debug, Default)]
+pub struct FactorGraph {
+    /// The key poses (map frame), and their covariances by x, y (m), heading (rad), relative to the first.
+    pub poses: Vec<Pose2>,
+    /// See `poses`.
+    pub covariances: Vec<[[f64; 3]; 3]>,
+    /// The odometry's shares, as of [`OdometryShares`]: scale, turn, drift.
+    pub shares: [Share; 3],
+    /// Standard deviations of the shares' priors around 0; a share is 0 where that is 0.
+    pub share_stds: [f64; 3],
+    /// The odometry between each key pose and the next.
+    pub legs: Vec<LegFactor>,
+    /// Contacts on walls that were felt earlier.
+    pub contacts: Vec<ContactFactor>,
+    /// Half of the sum of all squared residuals, each over its standard deviation.
+    pub cost: f64,
+}
+
+/// The odometry from one key pose to the next: `step` and the derivatives by the shares, times these.
+///
+/// Residuals are the place of the next pose in the frame of the one before less that of the step, and the turn likewise.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LegFactor {
+    /// What the odometry says.
+    pub step: Pose2,
+    /// Derivatives of place (m) and turn (rad) by each share.
+    pub by_share: [(Vec2, f64); 3],
+    /// Standard deviations of place (m, along each axis) and turn (rad).
+    pub place_std: f64,
+    /// See `place_std`.
+    pub turn_std: f64,
+}
+
+/// A contact on the line through an earlier one \[chen1992object\]: the residual is the distance across that line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactFactor {
+    /// The key pose of the later contact, and the contact in its frame (m).
+    pub later: (usize, Vec2),
+    /// The same of the earlier one,
+    pub earlier: (usize, Vec2),
+    /// and the normal of its wall in that frame.
+    pub normal: Vec2,
+    /// Standard deviation of the distance (m), with the weight that the contact has for Cauchy's function.
+    pub std: f64,
 }
 
 impl Mapped {
