@@ -299,7 +299,7 @@ fn a_whisker_in_a_corner_buckles_to_the_side_to_which_it_is_bent() {
     let room = [(-0.5, -0.5), (0.0, 0.0), (-0.5, 0.5)].map(|(x, y)| Vec2::new(x, y));
     let map = map(Role::Arena, polyline(&room, true));
     let mut strong = 0;
-    for case in 0..200 {
+    for case in 0..80 {
         // The tip slides along a wall into the corner, and the base turns until the whisker is nearly straight again.
         let (side, over) = (random.sign(), random.between(1e-4, 4e-3));
         let base = Vec2::from_angle(random.signed(0.5)) * (over - length);
@@ -325,12 +325,14 @@ fn a_whisker_in_a_corner_buckles_to_the_side_to_which_it_is_bent() {
             let poses = core::iter::once(away).chain(legs.into_iter().flat_map(between));
             poses.enumerate().map(|(k, map_from_robot)| StampedPose { t: k as f64, map_from_robot }).collect::<Vec<_>>()
         };
-        let (fine, coarse) = (path(400), path(1));
-        let [one, other] = [&fine, &coarse].map(|path| run(&map, beam, path, Solver::Auto, 90));
+        let (fine, coarse) = (path(60), path(1));
+        let run = |path| run(&map, beam, path, Solver::Auto, 90);
+        let other = run(&coarse);
         // Two contacts at once are the discrete rod's.
-        if [&one, &other].iter().any(|sweep| sweep.events.iter().any(|event| event.kind == "discrete_rod")) {
+        if other.events.iter().any(|event| event.kind == "discrete_rod") {
             continue;
         }
+        let one = run(&fine);
         let end = |sweep: &Sweep| sweep.exact_moments.last().unwrap()[0] / scale;
         let (one, other) = (end(&one), end(&other));
         assert!((one - other).abs() < 1e-6, "case {case}: {one} by short rows, {other} by long ones");
@@ -338,6 +340,6 @@ fn a_whisker_in_a_corner_buckles_to_the_side_to_which_it_is_bent() {
             strong += 1
         }
     }
-    println!("{strong} of 200 cases are pressed hard");
-    assert!(strong >= 50);
+    println!("{strong} of 80 cases are pressed hard");
+    assert!(strong >= 20);
 }

@@ -86,8 +86,9 @@ fn the_first_motion_ends_where_a_whisker_feels_as_much_as_is_gentle() {
     // Down onto the lower wall, as far as the base of the whisker would reach it.
     let [from, _] = begin();
     let down = [from, Pose2::new(0.06, 0.02, 0.0)];
-    let found = explore(&stage, &down, &Method::default(), &SweepNoise::seeded(1), &options()).unwrap();
-    let stop_at = options().plan.stop_at(stage.robot())[0];
+    let options = ExploreOptions { most_motions: 2, ..options() };
+    let found = explore(&stage, &down, &Method::default(), &SweepNoise::seeded(1), &options).unwrap();
+    let stop_at = options.plan.stop_at(stage.robot())[0];
     let sizes: Vec<f64> = found.log.rows.iter().map(|row| row.readings[0].abs()).collect();
     let first = sizes.iter().position(|size| *size >= stop_at).expect("it is pressed");
     assert_eq!(found.motions[0].row, first + 1);

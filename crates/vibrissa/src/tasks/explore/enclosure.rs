@@ -24,7 +24,7 @@ pub(super) enum Opinion {
     None,
     /// The robot can be nowhere else.
     Proved,
-    /// It can be there only, which is elsewhere.
+    /// It can be there only, where the other method does not have it.
     Elsewhere(Box<Localization>),
     /// It can be at several places.
     Open(Vec<Hypothesis>),

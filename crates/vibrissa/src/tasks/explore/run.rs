@@ -207,8 +207,8 @@ impl<'a> Under<'a> {
                 self.is_proved = true;
                 (Status::Localized, answer.hypotheses)
             }
+            // By one method alone, which the other contradicts: it is tested by a motion.
             Opinion::Elsewhere(set) => {
-                self.is_proved = true;
                 let places = set.hypotheses.clone();
                 self.enclosed = Some(*set);
                 (Status::Localized, places)
