@@ -14,7 +14,8 @@ use crate::world::{Map, Robot};
 const TWO_CONTACTS: f64 = 0.05;
 /// A set is one place with what was told if none of it is further off than this (m).
 pub(super) const SAME_PLACE: f64 = 0.02;
-/// Of sets of more places than this no opinion is taken: little was felt.
+/// Sets of more places than this say nothing, since little was felt: beside a place that was told, and where none was.
+const MOST_BESIDE: usize = 4;
 const MOST_PLACES: usize = 100;
 
 /// What the set says of a place that was told, or of none.
@@ -46,8 +47,8 @@ pub(super) fn opinion(
         return Opinion::None;
     };
     let places = &mut set.hypotheses;
-    if matches!(set.status, Status::Inconsistent | Status::NoContact) || places.is_empty() || places.len() > MOST_PLACES
-    {
+    let most = if told.is_some() { MOST_BESIDE } else { MOST_PLACES };
+    if matches!(set.status, Status::Inconsistent | Status::NoContact) || places.is_empty() || places.len() > most {
         return Opinion::None;
     }
     places.iter_mut().for_each(|place| place.covariance = Some(even_over(place)));
@@ -85,11 +86,16 @@ mod tests {
     use crate::sim::{Pace, SimulateOptions, SweepNoise, path_through, simulate};
     use crate::world::{Boundary, Role};
 
-    /// Along the lower wall of a room, over a bay or not.
-    fn swept(from: f64, to: f64) -> (Map, Robot, SensorLog, Pose2) {
-        let bay =
-            [(0.0, 0.0), (0.25, 0.0), (0.25, -0.05), (0.32, -0.05), (0.32, 0.0), (0.45, 0.0), (0.45, 0.3), (0.0, 0.3)];
-        let points: Vec<Vec2> = bay.into_iter().map(|(x, y)| Vec2::new(x, y)).collect();
+    /// Along the lower wall of a room, over a bay or not; with the like bay opposite or not.
+    fn swept(from: f64, to: f64, is_symmetric: bool) -> (Map, Robot, SensorLog, Pose2) {
+        let half = [(0.0, 0.0), (0.25, 0.0), (0.25, -0.05), (0.32, -0.05), (0.32, 0.0), (0.45, 0.0)];
+        let mut points: Vec<Vec2> = half.into_iter().map(|(x, y)| Vec2::new(x, y)).collect();
+        let opposite = |p: Vec2| Vec2::new(0.45, 0.3) - p;
+        if is_symmetric {
+            points.extend(half.map(|(x, y)| opposite(Vec2::new(x, y))));
+        } else {
+            points.extend([Vec2::new(0.45, 0.3), Vec2::new(0.0, 0.3)]);
+        }
         let map = Map::new(vec![Boundary::new(Role::Arena, Curve::polyline(&points, true).unwrap(), None).unwrap()]);
         let (map, mut robot) = (map.unwrap(), Robot::default());
         robot.whiskers[0].beam.length = 0.08;
@@ -103,25 +109,31 @@ mod tests {
 
     #[test]
     fn a_set_proves_a_place_disputes_it_or_knows_a_better_one() {
-        let (map, robot, log, truth) = swept(0.12, 0.4);
-        let ask =
-            |robot: &Robot, log: &SensorLog, told| opinion(log, &map, robot, &ProbabilisticOptions::default(), told);
-        assert!(matches!(ask(&robot, &log, Some(truth)), Opinion::Proved));
+        let ask = |map: &Map, robot: &Robot, log: &SensorLog, told| {
+            opinion(log, map, robot, &ProbabilisticOptions::default(), told)
+        };
+        let (map, robot, log, truth) = swept(0.12, 0.4, false);
+        assert!(matches!(ask(&map, &robot, &log, Some(truth)), Opinion::Proved));
         let wrong = Pose2::new(truth.x - 0.2, truth.y, truth.theta);
         for told in [Some(wrong), None] {
-            let Opinion::Elsewhere(set) = ask(&robot, &log, told) else { panic!("{told:?}") };
+            let Opinion::Elsewhere(set) = ask(&map, &robot, &log, told) else { panic!("{told:?}") };
             assert!(set.hypotheses[0].pose.position().distance(truth.position()) < 1e-3);
             assert!(set.hypotheses[0].covariance.is_some());
         }
-        // A straight wall is no place.
-        let (.., short, end) = swept(0.06, 0.15);
+        // Of two bays it leaves both, whichever is told.
+        let (both, _, alike, end) = swept(0.12, 0.4, true);
         for told in [Some(end), None] {
-            let Opinion::Open(places) = ask(&robot, &short, told) else { panic!("{told:?}") };
-            assert!(places.len() > 1);
+            let Opinion::Open(places) = ask(&both, &robot, &alike, told) else { panic!("{told:?}") };
+            assert_eq!(places.len(), 2);
         }
+        // A straight wall is no place: many are left, which say nothing against one that is told.
+        let (.., short, end) = swept(0.06, 0.15, false);
+        assert!(matches!(ask(&map, &robot, &short, Some(end)), Opinion::None));
+        let Opinion::Open(places) = ask(&map, &robot, &short, None) else { panic!() };
+        assert!(places.len() > MOST_BESIDE);
         // Where the declared bounds do not hold it says nothing.
         let mut sure = robot.clone();
         (sure.whiskers[0].noise.moment_relative, sure.whiskers[0].noise.moment_absolute) = (1e-4, 1e-8);
-        assert!(matches!(ask(&sure, &log, Some(truth)), Opinion::None));
+        assert!(matches!(ask(&map, &sure, &log, Some(truth)), Opinion::None));
     }
 }
