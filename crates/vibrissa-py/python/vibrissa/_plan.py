@@ -288,7 +288,7 @@ def explore(
     strategy : str
         How motions are chosen: as ``plan`` tells, or along the wall by touch.
     tested : bool
-        Whether one more motion tests the place before the robot stops.
+        Whether the place is tested before the robot stops: by the guaranteed set, or by one more motion where that says nothing.
     {limits}
     **options
         The fields of ``MotionLimits``, and the options of the method, by name.
