@@ -8,6 +8,8 @@ use crate::world::Map;
 /// Points of the boundary (m apart) that are tried, and how far off they may come (m): places are known to millimetres.
 const SPACING: f64 = 0.01;
 const OFF: f64 = 5e-3;
+/// A motion that moves no point of the boundary by more than this (m) is none.
+const BESIDE: f64 = 0.02;
 
 /// Whether several places are left, each known well enough, that only the map's symmetry keeps apart: whatever is felt at one is felt at
 /// the others.
@@ -31,7 +33,9 @@ pub(super) fn takes_places(map: &Map, states: &[RemainingState]) -> bool {
     (0..places).filter(|&place| place != first.place).map(of).filter(|poses| !poses.is_empty()).all(|poses| {
         filled(&poses).into_iter().any(|other| {
             let onto = other.compose(middle.inverse());
-            samples.iter().all(|s| map.nearest_within(onto.transform_point(s.position), OFF).is_some())
+            // Places beside each other are no images: any map comes near itself by so little.
+            samples.iter().any(|s| onto.transform_point(s.position).distance(s.position) > BESIDE)
+                && samples.iter().all(|s| map.nearest_within(onto.transform_point(s.position), OFF).is_some())
         })
     })
 }
@@ -80,5 +84,7 @@ mod tests {
         assert!(!takes_places(&map, &of(0.235)), "beside the image");
         let elsewhere = [at(1, 0.30, 0.25, 0.2 + PI), at(1, 0.25, 0.25, 0.2 + PI)];
         assert!(!takes_places(&map, &lower.into_iter().chain(elsewhere).collect::<Vec<_>>()), "beyond its end");
+        // Two places a few millimetres from each other are not told apart by any symmetry.
+        assert!(!takes_places(&map, &[at(0, 0.1, 0.05, 0.2), at(1, 0.103, 0.052, 0.21)]), "beside each other");
     }
 }
