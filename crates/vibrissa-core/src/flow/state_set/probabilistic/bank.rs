@@ -375,7 +375,7 @@ impl Bank {
                 for (mode, rows) in [(&*other, &mut *theirs), (&mode, &mut unexplained)] {
                     if rows.is_none() {
                         model.run(&mode.state, &mode.start, &self.rows, &mut self.scratch).await;
-                        *rows = Some(self.scratch.unexplained());
+                        *rows = Some(self.scratch.unexplained_or_unknown());
                     }
                 }
                 let own = unexplained.as_deref().unwrap_or_default();

@@ -19,7 +19,7 @@ const BOUND: f64 = 1.8;
 const BOUND_STD: f64 = 0.3;
 /// What a reading costs (nats, beside its noise) while the whisker is in a contact that the model does not cover: the first, which may be
 /// anything, and those that follow, which are much like it.
-pub(super) const UNKNOWN_COST: [f64; 2] = [3.0, 1.0];
+const UNKNOWN_COST: [f64; 2] = [3.0, 1.0];
 
 /// Variances in units of the declared noise, which is even within its bound.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -148,7 +148,14 @@ fn add_reading(
 /// What the `k`-th row costs, whose contact is not known.
 fn unknown_cost(rows: &[Row], k: usize) -> f64 {
     let before = rows[..k].iter().rev().find(|row| row.sensor == rows[k].sensor);
-    UNKNOWN_COST[usize::from(before.is_some_and(|row| row.held.is_none()))]
+    unknown_reading_cost(before.filter(|row| row.held.is_none()).map(|_| rows[k].wander))
+}
+
+/// What a reading costs of a contact that is not known, which may have changed by so much (standard deviations) since the reading before, if that
+/// one was of it, too: a random walk over the way.
+pub(super) fn unknown_reading_cost(wander: Option<f64>) -> f64 {
+    let [first, like] = UNKNOWN_COST;
+    wander.map_or(first, |wander| first.min(like + 0.5 * (wander * wander).ln_1p()))
 }
 
 /// A noise model, with minus the logarithm of its evidence, and how certain the pose is by it.

@@ -280,6 +280,7 @@ mod tests {
                 model_variance: 0.0,
                 model_error: if k % 5 == 4 { 0.0 } else { 4.0 * random(seed) },
                 held: Some(true),
+                wander: 0.0,
                 drift: None,
                 wall: (k % 3 != 2).then_some(wall),
                 unmapped: false,

@@ -65,6 +65,8 @@ pub(super) struct Row {
     pub(super) drift: Option<Drift>,
     /// Whether a boundary holds the whisker; none where the contact is not known.
     pub(super) held: Option<bool>,
+    /// By how much a contact that is not known may have changed since the reading before (standard deviations of the declared noise).
+    pub(super) wander: f64,
     /// What the wall's error makes of it, where the wall is known within a band.
     pub(super) wall: Option<WallError>,
     /// Whether the whisker is where the map knows nothing, and feels what the map does not explain.
@@ -89,6 +91,12 @@ impl Linearisation {
     /// The rows with readings that are further off than noise.
     pub(super) fn unexplained(&self) -> Vec<usize> {
         self.rows.iter().filter(|row| row.plain.abs() > UNEXPLAINED).map(|row| row.row).collect()
+    }
+
+    /// The same with those of contacts that are not known.
+    pub(super) fn unexplained_or_unknown(&self) -> Vec<usize> {
+        let is_open = |row: &&Row| row.plain.abs() > UNEXPLAINED || (row.held.is_none() && !row.unmapped);
+        self.rows.iter().filter(is_open).map(|row| row.row).collect()
     }
 }
 
@@ -280,8 +288,8 @@ impl<'a> MeasurementModel<'a> {
                     base,
                     sensor.is_contact(z - offset),
                 );
-                bases[index] = Some(base);
-                let seen = Seen { row, index, robot, base, felt, offset, z };
+                let wander = sensor.wander(bases[index].replace(base).unwrap_or(base), base, z - offset);
+                let seen = Seen { row, index, robot, base, wander, felt, offset, z };
                 self.linearise(&seen, own, &end.states[index], (state, point), out);
                 self.works(1).await;
             }
@@ -326,12 +334,14 @@ impl<'a> MeasurementModel<'a> {
             model_error: 0.0,
             drift: None,
             held: None,
+            wander: 0.0,
             wall: None,
             unmapped: false,
         };
         let z = seen.z - seen.offset;
         let (touch, residual) = match whisker {
             WhiskerState::Unknown => {
+                row.wander = seen.wander;
                 out.rows.push(row);
                 return;
             }
@@ -549,6 +559,8 @@ struct Seen {
     robot: Pose2,
     /// In the map as it is drawn.
     base: Pose2,
+    /// See [`Row`].
+    wander: f64,
     felt: Prediction,
     /// What the sensor reads while its whisker is free.
     offset: f64,

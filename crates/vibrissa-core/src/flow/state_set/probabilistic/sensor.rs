@@ -120,6 +120,13 @@ impl Sensor {
         (mean.copysign(h), (self.relative * h.abs() + self.absolute) * per / SQRT_3)
     }
 
+    /// By how much a reading like this one may have changed while the base went from one place to another (standard deviations of its noise).
+    pub(super) fn wander(&self, from: Pose2, to: Pose2, z: f64) -> f64 {
+        let step = from.between(to);
+        let way = step.position().norm().max(step.theta.abs() * self.length);
+        READING_OVER_WAY * way / self.length / self.expected(z).1
+    }
+
     /// The residual in standard deviations as a logarithm's, for a moment of this sign, above the absolute error.
     ///
     /// Errors grow with the moment, so that in plain residuals a larger moment explains all readings better, all the more
@@ -179,6 +186,9 @@ impl FreeLevel {
 const SQRT_3: f64 = 1.732_050_807_568_877_2;
 /// Readings are never taken to be more exact than this (dimensionless moment): a tip known to about a micrometre.
 const LEAST_ABSOLUTE: f64 = 2e-5;
+
+/// How much a dimensionless reading changes over a way of one length: the moment of a cantilever whose tip is moved sideways.
+const READING_OVER_WAY: f64 = 3.0;
 
 /// Below this relative bound residuals are taken plain: the logarithm's are the same, but for rounding.
 const LEAST_RELATIVE: f64 = 1e-5;

@@ -1,7 +1,7 @@
 //! A cell of the grid: a Gaussian over pose, gain and zero as wide as the grid's spacing, run through the readings that judge it one after the
 //! other, by a linearised forward model \[barshalom2001estimation, sec. 10.3\].
 
-use super::super::correlated_noise::{OUTLIER_COST, UNKNOWN_COST};
+use super::super::correlated_noise::{OUTLIER_COST, unknown_reading_cost};
 use super::super::information::{Information, Prior};
 use super::super::measurement::{MeasurementModel, moved};
 use super::super::sensor::Sensor;
@@ -140,13 +140,13 @@ pub(super) fn run(
     for (count, &row) in onset.rows.iter().enumerate() {
         let (there, z) = (base(row), model.window.readings(row)[onset.sensor]);
         let felt = forward.advance(&mut touch, last, there, model.window.contacts(row)[onset.sensor]);
-        last = there;
+        let wander = sensor.wander(core::mem::replace(&mut last, there), there, z);
         extent.iter_mut().for_each(|extent| extent.add(&touch));
         *work = work.saturating_sub(1);
         let WhiskerState::Touching(contact) = touch else {
             let is_buckled = matches!(touch, WhiskerState::Unknown) && !has_touched && count < MOST_BUCKLED;
             if is_buckled {
-                let cost = UNKNOWN_COST[count.min(1)];
+                let cost = unknown_reading_cost((count > 0).then_some(wander));
                 (told.constant, best.0) = (told.constant + cost, best.0 + cost);
                 continue;
             }
