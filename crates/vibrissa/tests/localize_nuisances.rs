@@ -9,11 +9,11 @@ mod region;
 use region::{CHI2_95, distance};
 use vibrissa::config::{NoiseAssumption, ProbabilisticOptions};
 use vibrissa::flow::pose::{Localization, NuisanceQuantity, Status};
-use vibrissa::plane::Pose2;
+use vibrissa::plane::{Curve, Pose2, Segment, Vec2};
 use vibrissa::sim::recorder::{NoiseLaw, Recorder, TrueErrors};
 use vibrissa::sim::{SweepNoise, simulate_tip_sweep};
 use vibrissa::tasks::demo;
-use vibrissa::world::Robot;
+use vibrissa::world::{Boundary, Map, Robot};
 use vibrissa::{Method, localize};
 
 /// The answer to the demo's sweep of a robot that is not quite what it declares, and where the declared robot is at the end.
@@ -78,5 +78,56 @@ fn what_is_declared_as_not_known_is_estimated() {
         assert!((own.estimate - value).abs() < 4.0 * own.std + 0.02 * value.abs(), "{quantity:?}: {own:?}");
         assert!(own.std < 0.7 * own.bound, "{quantity:?} is not told any better than it was declared: {own:?}");
         assert!(near < 2.0 * CHI2_95, "{quantity:?}: {near}");
+    }
+}
+
+/// The demo's arena, moved.
+fn arena_at(place: Vec2) -> Map {
+    let boundary = |b: &Boundary| {
+        let segment = |s: &Segment| match *s {
+            Segment::Line(p) => Segment::Line(p.map(|p| p + place)),
+            Segment::Quadratic(p) => Segment::Quadratic(p.map(|p| p + place)),
+            Segment::Cubic(p) => Segment::Cubic(p.map(|p| p + place)),
+        };
+        let segments = b.curve().segments().iter().map(segment).collect();
+        Boundary::new(b.role(), Curve::from_segments(segments, b.curve().is_closed()).unwrap(), None).unwrap()
+    };
+    Map::new(demo::arena().unwrap().boundaries().iter().map(boundary).collect()).unwrap()
+}
+
+#[test]
+fn places_are_told_on_the_map_as_it_is_drawn_though_its_scale_is_wrong() {
+    let mut declared = Robot::default();
+    declared.map_scale = 0.02;
+    declared.odometry.translation_relative = 0.005;
+    // Far from the origin an error of the scale is a long way.
+    let world = arena_at(Vec2::new(1.5, -2.0));
+    for (seed, map_scale) in [(3, 0.02), (4, -0.015)] {
+        let truth = TrueErrors { map_scale, ..TrueErrors::default() };
+        let map = truth.declared_map(&world).unwrap();
+        let mut path = demo::path().unwrap();
+        path.iter_mut().for_each(|p| {
+            (p.map_from_robot.x, p.map_from_robot.y) = (p.map_from_robot.x + 1.5, p.map_from_robot.y - 2.0)
+        });
+        let robot = truth.true_robot(&declared).unwrap();
+        let mut sweep = simulate_tip_sweep(&world, &robot, &path, &SweepNoise::none()).unwrap();
+        let recorder = Recorder { noise: SweepNoise::seeded(seed), truth, ..Recorder::default() };
+        let log = recorder.record(&robot, &sweep).unwrap().log;
+        sweep.truth.iter_mut().for_each(|pose| pose.map_from_robot = truth.on_declared_map(pose.map_from_robot));
+        let method = Method::Probabilistic(ProbabilisticOptions::default());
+        let told = localize(&log, &map, &declared, &method, &mut |_| {}).unwrap();
+        let pose = sweep.truth.last().unwrap().map_from_robot;
+        let near = told.hypotheses.iter().map(|h| distance(h, pose)).fold(f64::INFINITY, f64::min);
+        assert!(near < 2.0 * CHI2_95, "{map_scale}: {near}");
+        let own = told.nuisances.iter().find(|n| n.quantity == NuisanceQuantity::MapScale).unwrap();
+        assert!((own.estimate - map_scale).abs() < 4.0 * own.std, "{own:?}");
+        if told.status != Status::Localized {
+            continue;
+        }
+        // The way back from the last row is as long as it is drawn.
+        for (row, exact) in told.trajectory.iter().rev().zip(sweep.truth.iter().rev()).step_by(40) {
+            let off = row.map_from_robot.position().distance(exact.map_from_robot.position());
+            assert!(off < 2e-3, "{map_scale}: {off} at {}", row.t);
+        }
     }
 }

@@ -8,8 +8,8 @@ use crate::config::ProbabilisticOptions;
 use crate::config::limits::MOST_SEARCHED;
 use crate::coroutine::Pace;
 use crate::flow::pose::{
-    self, Broken, ConsistencyReport, Estimate, Event, Evidence, Hypothesis, Localization, OdometryEstimate, RECOVERED,
-    ShapeRecord, StampedPose, Status, StepRecord, Stretch,
+    self, Broken, ConsistencyReport, Estimate, Event, Evidence, Hypothesis, Localization, Nuisance, NuisanceQuantity,
+    OdometryEstimate, RECOVERED, ShapeRecord, StampedPose, Status, StepRecord, Stretch,
 };
 use crate::flow::sensor_log::{Channel, LogRow, Quantity, SensorLog, one_owner_each};
 use crate::flow::state_set::probabilistic::{
@@ -289,16 +289,22 @@ impl<'a> Record<'a> {
     fn trajectory(&self, place: &PosteriorPlace, odometry: Option<&OdometryEstimate>) -> Vec<StampedPose> {
         let Some(first) = self.first_row.filter(|_| self.recording) else { return Vec::new() };
         let lost = |row: usize| self.before.iter().find(|(end, frame)| row < *end && frame.is_some());
+        let of_scale = |told: &&Nuisance| told.quantity == NuisanceQuantity::MapScale;
+        let scale = place.nuisances.iter().find(of_scale).map(|told| 1.0 + told.estimate);
+        // An increment of the odometry as it is in the map as it is drawn.
+        let corrected = |step: Pose2| {
+            let step = odometry.map_or(step, |odometry| odometry.corrected(step));
+            scale.map_or(step, |scale| Pose2 { x: step.x / scale, y: step.y / scale, ..step })
+        };
+        let is_corrected = odometry.is_some() || scale.is_some();
         // Back from the last row, where the place is told.
         let mut poses = Vec::with_capacity(self.rows.len().saturating_sub(first));
         let mut next: Option<(Pose2, Pose2)> = None;
         for (row, &(t, odom)) in self.rows.iter().enumerate().skip(first).rev() {
             let there = place.map_from_odom.compose(odom);
-            let map_from_robot = match (lost(row), odometry, next) {
-                (Some((_, Some(frame))), ..) => frame.compose(odom),
-                (_, Some(odometry), Some((pose, after))) => {
-                    pose.compose(odometry.corrected(odom.between(after)).inverse())
-                }
+            let map_from_robot = match (lost(row), next) {
+                (Some((_, Some(frame))), _) => frame.compose(odom),
+                (_, Some((pose, after))) if is_corrected => pose.compose(corrected(odom.between(after)).inverse()),
                 _ => there,
             };
             next = Some((map_from_robot, odom));

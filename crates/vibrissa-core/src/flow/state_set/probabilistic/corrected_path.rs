@@ -1,4 +1,4 @@
-//! The path by the calibrated odometry \[censi2013simultaneous\], and how it depends on the calibration.
+//! The path by the calibrated odometry \[censi2013simultaneous\], in the map as it is drawn, and how it depends on the calibration.
 
 use super::log_window::LogWindow;
 use crate::plane::{Pose2, Vec2};
@@ -11,6 +11,15 @@ pub(super) type OdometryCalibration = [f64; 3];
 pub(super) struct PathPoint {
     pub(super) pose: Pose2,
     pub(super) by_calibration: [Sway; 3],
+}
+
+impl PathPoint {
+    /// The point where the map is drawn in so many metres for each metre of the world, about the place that stays.
+    pub(super) fn drawn(self, per: f64, about: Vec2) -> Self {
+        let place = about + (self.pose.position() - about) * per;
+        let sway = |Sway { place, turn }: Sway| Sway { place: place * per, turn };
+        Self { pose: Pose2::new(place.x, place.y, self.pose.theta), by_calibration: self.by_calibration.map(sway) }
+    }
 }
 
 /// A small motion: of the place (m) and of the heading (rad).

@@ -168,10 +168,9 @@ impl State {
     }
 }
 
-/// A whisker as the nuisance parameters make it.
+/// A whisker as the nuisance parameters make it, in the metres of the map as it is drawn.
 struct Adjusted {
     mount: Pose2,
-    /// In the map as it is drawn.
     length: f64,
     stretch: f64,
     gain: f64,
@@ -185,7 +184,8 @@ impl<'a> MeasurementModel<'a> {
         self.window.pose(self.anchor).position()
     }
 
-    /// The robot at these rows, in order, by the odometry as the nuisance parameters calibrate it.
+    /// The robot at these rows, in order, by the odometry as the nuisance parameters calibrate it, in the metres of the map as it is drawn: at
+    /// the anchor it stays where the odometry says.
     fn path(&self, values: &[f64], rows: &[usize], out: &mut Vec<PathPoint>) {
         match self.unknowns.odometry {
             Some(at) => {
@@ -198,6 +198,21 @@ impl<'a> MeasurementModel<'a> {
                 out.extend(rows.iter().map(exact));
             }
         }
+        if self.unknowns.map_scale.is_some() {
+            let per = 1.0 / self.map_scale(values);
+            out.iter_mut().for_each(|point| *point = point.drawn(per, self.pivot()));
+        }
+    }
+
+    /// The robot's velocity at a row, its own frame (m/s by the map as it is drawn, rad/s).
+    fn velocity(&self, row: usize, values: &[f64]) -> Pose2 {
+        let (v, per) = (self.window.velocity(row), 1.0 / self.map_scale(values));
+        Pose2 { x: v.x * per, y: v.y * per, theta: v.theta }
+    }
+
+    /// How many metres of the world a metre of the map stands for.
+    fn map_scale(&self, values: &[f64]) -> f64 {
+        1.0 + value(values, self.unknowns.map_scale).max(-0.5)
     }
 
     fn adjusted(&self, index: usize, values: &[f64]) -> Adjusted {
@@ -207,10 +222,10 @@ impl<'a> MeasurementModel<'a> {
             (x, y, theta) = (x + values[at], y + values[at + 1], theta + values[at + 2]);
         }
         let stretch = 1.0 + value(values, u.length[whisker]).max(-0.5);
-        let scale = 1.0 + value(values, u.map_scale).max(-0.5);
+        let per = 1.0 / self.map_scale(values);
         Adjusted {
-            mount: Pose2 { x, y, theta },
-            length: sensor.length * stretch / scale,
+            mount: Pose2 { x: x * per, y: y * per, theta },
+            length: sensor.length * stretch * per,
             stretch,
             gain: 1.0 + value(values, u.gain[index]),
             zero: value(values, u.zero[index]),
@@ -228,18 +243,6 @@ impl<'a> MeasurementModel<'a> {
             whole: self.whole,
             quantity,
             base: sensor.base,
-        }
-    }
-
-    /// The whisker's base in the map as it is drawn.
-    fn base(&self, map_from_robot: Pose2, mount: Pose2, values: &[f64]) -> Pose2 {
-        let base = map_from_robot.compose(mount);
-        match self.unknowns.map_scale {
-            Some(at) => {
-                let per = 1.0 / (1.0 + values[at - POSE].max(-0.5));
-                Pose2 { x: base.x * per, y: base.y * per, theta: base.theta }
-            }
-            None => base,
         }
     }
 
@@ -269,12 +272,12 @@ impl<'a> MeasurementModel<'a> {
         for (&row, point) in rows.iter().zip(&path) {
             let mut robot = state.frame.compose(point.pose);
             if let Some(at) = self.unknowns.delay {
-                let (v, late) = (self.window.velocity(row), values[at - POSE]);
+                let (v, late) = (self.velocity(row, values), values[at - POSE]);
                 robot = robot.compose(Pose2 { x: v.x * late, y: v.y * late, theta: v.theta * late });
             }
             for (index, own) in adjusted.iter().enumerate() {
                 let sensor = &self.sensors[index];
-                let base = self.base(robot, own.mount, values);
+                let base = robot.compose(own.mount);
                 if self.window.is_aside(row, index) {
                     // When it is free again it is met anew.
                     (end.states[index], bases[index]) = (WhiskerState::Free, None);
@@ -426,11 +429,11 @@ impl<'a> MeasurementModel<'a> {
         j: &mut [f64],
     ) -> f64 {
         let (u, Prediction { gradient, .. }) = (self.unknowns, seen.felt);
-        let map_scale = 1.0 + value(&state.values, u.map_scale).max(-0.5);
+        let map_scale = self.map_scale(&state.values);
         let whisker = self.whiskers[seen.index];
-        let force = Vec2::new(gradient[0], gradient[1]) * (scale / map_scale);
+        let force = Vec2::new(gradient[0], gradient[1]) * scale;
         let turning = gradient[2] * scale;
-        let base = seen.base.position() * map_scale;
+        let base = seen.base.position();
         let moves = |place: Vec2, turn: f64, arm: Vec2| force.dot(place + arm.perp() * turn) + turning * turn;
         let center = state.frame.transform_point(self.pivot());
         (j[0], j[1], j[2]) = (force.x, force.y, moves(Vec2::ZERO, 1.0, base - center));
@@ -441,19 +444,20 @@ impl<'a> MeasurementModel<'a> {
             }
         }
         if let Some(at) = u.delay {
-            let v = self.window.velocity(seen.row);
+            let v = self.velocity(seen.row, &state.values);
             j[at] = moves(v.position().rotated(seen.robot.theta), v.theta, arm);
         }
-        let contact = touch.place * map_scale;
+        let contact = touch.place;
         if let Some(at) = u.map_scale {
-            j[at] = -force.dot(contact) / map_scale;
+            // All that is not of the map shrinks about the anchor, and around its contact a boundary looks the same from near and from far.
+            j[at] = force.dot(center - contact) / map_scale;
         }
         if let Some(at) = u.mount[whisker] {
             let forward = Vec2::from_angle(seen.robot.theta);
-            (j[at], j[at + 1], j[at + 2]) = (force.dot(forward), force.dot(forward.perp()), turning);
+            let [x, y] = [forward, forward.perp()].map(|axis| force.dot(axis) / map_scale);
+            (j[at], j[at + 1], j[at + 2]) = (x, y, turning);
         }
         if let Some(at) = u.length[whisker] {
-            // Around its contact a boundary looks the same from near and from far.
             j[at] = -force.dot(base - contact) / own.stretch;
         }
         MODEL_STD[0].powi(2) * force.norm_squared() + (MODEL_STD[1] * turning).powi(2)
@@ -526,6 +530,11 @@ impl<'a> MeasurementModel<'a> {
                 let place = sway.place.rotated(state.frame.theta);
                 (by[0][at + k], by[1][at + k], by[2][at + k]) = (place.x, place.y, sway.turn);
             }
+        }
+        if let Some(at) = self.unknowns.map_scale {
+            let scale = self.map_scale(&state.values);
+            // The arm is the way there turned by a right angle.
+            (by[0][at], by[1][at]) = (-arm.y / scale, arm.x / scale);
         }
         by
     }
