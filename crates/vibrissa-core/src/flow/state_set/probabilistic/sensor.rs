@@ -106,7 +106,7 @@ impl Sensor {
     /// Whether readings around this one, so far apart, may be those of a free whisker whose zero is within this bound.
     pub(super) fn is_steady(&self, middle: f64, bound: f64, spread: f64) -> bool {
         self.quantity == SensedQuantity::Moment
-            && middle.abs() <= bound + self.absolute
+            && middle.abs() * (1.0 - self.relative) <= bound + self.absolute
             && spread <= 2.0 * (self.absolute + self.relative * middle.abs())
     }
 
@@ -196,4 +196,25 @@ const LEAST_RELATIVE: f64 = 1e-5;
 /// The mean of the logarithm of what lies evenly between `1 - r` and `1 + r`.
 fn mean_log(r: f64) -> f64 {
     ((1.0 + r) * r.ln_1p() - (1.0 - r) * (-r).ln_1p()) / (2.0 * r) - 1.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_zero_and_noise_at_their_bounds_are_those_of_a_free_whisker() {
+        let whisker = MountedWhisker::default();
+        let tip = TipModel::new(&whisker.beam).unwrap_or_else(|error| panic!("{error}"));
+        let sensor = Sensor::new(&whisker, tip, SensedQuantity::Moment);
+        for zero in [1e-3, 0.02, 0.3] {
+            // As far as a reading may be from the zero whose noise is relative to it.
+            let farthest = (zero + sensor.absolute) / (1.0 - sensor.relative);
+            for sign in [-1.0, 1.0] {
+                assert!(sensor.is_steady(sign * farthest * (1.0 - 1e-12), zero, 0.0));
+                assert!(!sensor.is_steady(sign * farthest * 1.001, zero, 0.0));
+                assert!(!sensor.is_contact_within(sign * farthest * (1.0 - 1e-12), zero));
+            }
+        }
+    }
 }
