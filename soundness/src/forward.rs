@@ -3,8 +3,9 @@
 use crate::corner_drive;
 use std::process::ExitCode;
 use vibrissa::beam::TipModel;
-use vibrissa::flow::state_set::probabilistic::predicted_moments;
+use vibrissa::flow::state_set::probabilistic::{PredictedMoment, predicted_moments, predicted_moments_by_readings};
 use vibrissa::plane::Pose2;
+use vibrissa::world::MomentNoise;
 
 /// A row is odd where the two differ by more than this share of the declared noise.
 const ODD: f64 = 0.5;
@@ -19,6 +20,8 @@ pub(crate) struct Followed {
     odd: usize,
     doubled: usize,
     stretches: usize,
+    /// Odd rows where readings tell on which branch of equilibria the whisker is.
+    by_readings: usize,
 }
 
 /// The drive of a seed, if there is one; stretches of odd rows are printed.
@@ -28,14 +31,24 @@ pub(crate) fn drive(seed: u64) -> Option<(u64, Followed)> {
     let whisker = &simulated.robot.whiskers[0];
     let bases: Vec<Pose2> =
         simulated.path.iter().map(|p| p.map_from_robot.compose(whisker.robot_from_whisker)).collect();
-    let told = predicted_moments(&simulated.map, &TipModel::new(&whisker.beam).ok()?, &bases);
-    let is_odd = |row: usize| {
-        let exact = simulated.moments[row];
-        let bound = whisker.noise.moment_relative * exact.abs() + whisker.noise.moment_absolute;
-        (told[row].moment - exact).abs() > ODD * bound
+    let tip = TipModel::new(&whisker.beam).ok()?;
+    let told = predicted_moments(&simulated.map, &tip, &bases);
+    let noise = MomentNoise {
+        moment_relative: ODD * whisker.noise.moment_relative,
+        moment_absolute: ODD * whisker.noise.moment_absolute,
     };
-    let mut one = Followed { is_elastic: whisker.beam.base_stiffness.is_finite(), ..Followed::default() };
+    let by_readings = predicted_moments_by_readings(&simulated.map, &tip, &bases, &simulated.moments, noise);
+    let off = |row: usize, told: &[PredictedMoment]| {
+        let exact = simulated.moments[row];
+        (told[row].moment - exact).abs() > noise.moment_relative * exact.abs() + noise.moment_absolute
+    };
+    let is_odd = |row: usize| off(row, &told);
     let rows = bases.len();
+    let mut one = Followed {
+        is_elastic: whisker.beam.base_stiffness.is_finite(),
+        by_readings: (0..rows).filter(|&row| off(row, &by_readings)).count(),
+        ..Followed::default()
+    };
     let mut row = 0;
     while row < rows {
         let touches = simulated.touches[row];
@@ -73,7 +86,7 @@ pub(crate) fn report(all: &[Followed]) -> ExitCode {
         let some: Vec<&Followed> = all.iter().filter(|one| one.is_elastic == elastic).collect();
         let sum = |of: &dyn Fn(&Followed) -> usize| some.iter().map(|one| of(one)).sum::<usize>();
         println!(
-            "{} base: {} drives, {} rows with contact: {} odd ({} with two contacts) in {} stretches of {} drives",
+            "{} base: {} drives, {} rows with contact: {} odd ({} with two contacts) in {} stretches of {} drives; where readings tell the branch {} odd",
             if elastic { "elastic" } else { "clamped" },
             some.len(),
             sum(&|one| one.touching),
@@ -81,6 +94,7 @@ pub(crate) fn report(all: &[Followed]) -> ExitCode {
             sum(&|one| one.doubled),
             sum(&|one| one.stretches),
             some.iter().filter(|one| one.odd > 0).count(),
+            sum(&|one| one.by_readings),
         );
     }
     if all.is_empty() { ExitCode::FAILURE } else { ExitCode::SUCCESS }

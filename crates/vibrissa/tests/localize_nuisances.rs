@@ -97,8 +97,7 @@ fn arena_at(place: Vec2) -> Map {
 
 #[test]
 fn places_are_told_on_the_map_as_it_is_drawn_though_its_scale_is_wrong() {
-    let mut declared = Robot::default();
-    declared.map_scale = 0.02;
+    let mut declared = Robot { map_scale: 0.02, ..Robot::default() };
     declared.odometry.translation_relative = 0.005;
     // Far from the origin an error of the scale is a long way.
     let world = arena_at(Vec2::new(1.5, -2.0));

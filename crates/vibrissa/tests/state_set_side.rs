@@ -14,12 +14,12 @@ use random::Random;
 use shared::shared;
 use std::path::Path;
 use vibrissa::beam::TipModel;
-use vibrissa::flow::state_set::probabilistic::{PredictedMoment, predicted_moments};
+use vibrissa::flow::state_set::probabilistic::{PredictedMoment, predicted_moments, predicted_moments_by_readings};
 use vibrissa::plane::{Curve, Pose2, Vec2};
 use vibrissa::sim::{
     Pace, Part, Scenario, SimulateOptions, Sweep, SweepNoise, path_through, simulate, simulate_tip_sweep,
 };
-use vibrissa::world::{Boundary, Map, Robot, Role};
+use vibrissa::world::{Boundary, Map, MomentNoise, Robot, Role};
 
 fn predicted(map: &Map, robot: &Robot, sweep: &Sweep, moved: [f64; 3]) -> Vec<PredictedMoment> {
     let whisker = &robot.whiskers[0];
@@ -339,4 +339,51 @@ fn a_corner_that_the_tip_goes_over_between_two_rows_catches_it() {
     }
     println!("{caught} caught, {past} past");
     assert!(caught >= 40 && past >= 40);
+}
+
+#[test]
+fn readings_tell_on_which_branch_of_equilibria_a_whisker_is() {
+    let mut draw = Random(29);
+    let beam = Robot::default().whiskers[0].beam;
+    let (length, tip) = (beam.length, TipModel::new(&beam).unwrap());
+    let noise = MomentNoise { moment_relative: 0.01, moment_absolute: 1e-3 * beam.flexural_rigidity / length };
+    for case in 0..30 {
+        // Head-on against a wall a whisker bends to either side; which one it is depends on how it came there.
+        let (turn, at) = (draw.signed(3.0), Vec2::new(draw.signed(0.2), draw.signed(0.2)));
+        let ends = [-0.3, 0.3].map(|x| at + Vec2::new(x, 0.0).rotated(turn));
+        let map =
+            Map::new(vec![Boundary::new(Role::Wall, Curve::polyline(&ends, false).unwrap(), None).unwrap()]).unwrap();
+        let pose = |depth: f64, tilt: f64| {
+            let base = at + Vec2::new(0.0, length * (1.0 - depth)).rotated(turn);
+            Pose2::new(base.x, base.y, turn + tilt - std::f64::consts::FRAC_PI_2)
+        };
+        let (depth, tilt) = (draw.between(0.15, 0.3), draw.sign() * draw.between(0.08, 0.12));
+        let steps = |from: (f64, f64), to: (f64, f64)| {
+            let way = move |k: i32| {
+                pose(from.0 + (to.0 - from.0) * f64::from(k) / 40.0, from.1 + (to.1 - from.1) * f64::from(k) / 40.0)
+            };
+            (0..=40).map(way)
+        };
+        let end = |tilt: f64| steps((depth, tilt), (depth - 0.03, tilt));
+        // There on this branch, and there on the other one, tilted over while it is pressed.
+        let straight: Vec<Pose2> = steps((-0.02, tilt), (depth, tilt)).chain(end(tilt)).collect();
+        let other: Vec<Pose2> = steps((-0.02, -tilt), (depth, -tilt))
+            .chain(steps((depth, -tilt), (depth, tilt)))
+            .chain(end(tilt))
+            .collect();
+        let (ours, theirs) = (predicted_moments(&map, &tip, &straight), predicted_moments(&map, &tip, &other));
+        let (ours, theirs) = (&ours[ours.len() - 41..], &theirs[theirs.len() - 41..]);
+        assert!(ours[0].moment * theirs[0].moment < 0.0, "case {case}: {:?} {:?}", ours[0], theirs[0]);
+        // The readings of the one, and from some row on those of the other.
+        let path: Vec<Pose2> = straight.iter().copied().chain(end(tilt)).collect();
+        let all = predicted_moments(&map, &tip, &straight);
+        let readings: Vec<f64> = all.iter().chain(theirs).map(|one| one.moment).collect();
+        let told = predicted_moments_by_readings(&map, &tip, &path, &readings, noise);
+        for (row, (one, exact)) in told.iter().zip(&readings).enumerate() {
+            // Two readings that contradict are not yet another branch.
+            let is_first = (82..84).contains(&row);
+            let off = (one.moment - exact).abs() * length / beam.flexural_rigidity;
+            assert!(is_first || off < 1e-6, "case {case}, row {row}: {one:?}, not {exact}");
+        }
+    }
 }

@@ -40,6 +40,18 @@ impl ElasticBase {
     }
 }
 
+impl ElasticBase {
+    /// The root of the clamped whisker at the mount's pose, where the moment reads so.
+    pub(super) fn root_at(&self, mount: Pose2, reading: f64) -> Pose2 {
+        turned(mount, self.compliance * reading / self.per)
+    }
+
+    /// The reading for a dimensionless moment of the clamped whisker.
+    pub(super) fn reads_per(&self) -> f64 {
+        self.per
+    }
+}
+
 fn turned(pose: Pose2, by: f64) -> Pose2 {
     Pose2 { theta: pose.theta + by, ..pose }
 }

@@ -2,7 +2,7 @@
 //!
 //! Without friction, and of uniform whiskers at the tip (`tip`), the side (`side`) or both, or the side at two places (`both`), on an elastic base too
 //! (`elastic_base`); of others at the tip alone. A contact is followed from pose to pose; what a free whisker meets is in `meet`, what one runs into
-//! besides its contact in `surroundings`, and where one that snaps comes to rest in `snap`. Differentiating the
+//! besides its contact in `surroundings`, and where one that snaps comes to rest in `snap`. `equilibria` has all in which it may be at a pose. Differentiating the
 //! equations of the equilibrium gives `dh/d(x, y, theta)` for the price of one more solution of the same linear system.
 //! Slightly negative forces, a whisker glued to the boundary, are kept: they tell in which direction a contact that
 //! should be there is to be looked for.
@@ -12,6 +12,7 @@ mod bent;
 mod both;
 mod both_snap;
 mod elastic_base;
+mod equilibria;
 mod mechanics;
 mod meet;
 mod side;

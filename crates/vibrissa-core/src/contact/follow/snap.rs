@@ -281,7 +281,7 @@ impl ForwardModel<'_> {
 
     /// An equilibrium near a place of a piece, the whisker's slope about this: from this force on, and from one along
     /// the normal there.
-    fn rests_near(
+    pub(super) fn rests_near(
         &self,
         stance: &Stance,
         tip_force: Option<TipForce>,
@@ -328,7 +328,7 @@ impl ForwardModel<'_> {
     }
 
     /// A force across the whisker that has its tip about at a place.
-    fn across_at(&self, stance: &Stance, (piece, at): (u32, f64)) -> TipForce {
+    pub(super) fn across_at(&self, stance: &Stance, (piece, at): (u32, f64)) -> TipForce {
         let lever = stance.seen(self.boundaries.spot((piece, at.clamp(0.0, 1.0))).position).y;
         TipForce { q: 3.0 * lever.abs(), beta: if lever < 0.0 { PI } else { 0.0 } }
     }

@@ -8,8 +8,9 @@ use super::correlated_noise::NoiseModel;
 use super::grid_search::best_of_cells;
 use super::information::Information;
 use super::map_symmetry::MapSymmetries;
-use super::measurement::{Linearisation, MeasurementModel, Prior, Start, difference};
+use super::measurement::{Linearisation, MeasurementModel};
 use super::optimisation::{GRADUATED_RUNS, Mode};
+use super::state::{Prior, Start, difference};
 use super::unknowns::POSE;
 use crate::linear_algebra::{determinant, dot, times};
 use crate::plane::Pose2;
@@ -441,8 +442,7 @@ impl Bank {
             model.loosen(&mut own);
             let equations = own.with_forgetting(forgetting);
             (mode.state, mode.end) = (state.clone(), None);
-            mode.start =
-                Start { states: ends.states, bases: ends.bases, prior: Some(Box::new(Prior { equations, at: state })) };
+            mode.start = Start { prior: Some(Box::new(Prior { equations, at: state })), ..ends };
         }
         self.seen -= count;
         self.rows = self.rows.iter().filter_map(|row| row.checked_sub(count)).collect();

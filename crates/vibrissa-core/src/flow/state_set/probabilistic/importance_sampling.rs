@@ -6,8 +6,8 @@ use super::adaptive_sampling::{
     sample_adaptively,
 };
 use super::admission::Admits;
-use super::measurement::{difference, moved};
 use super::optimisation::{Mode, Rerun};
+use super::state::{difference, moved};
 use crate::linear_algebra::{Square, determinant};
 
 /// The likelihood around a place.

@@ -3,11 +3,11 @@
 
 use super::corrected_path::{OdometryCalibration, PathPoint, corrected_path};
 use super::log_window::LogWindow;
-use super::map_symmetry::MapSymmetry;
 use super::normal_equations::NormalEquations;
 use super::odometry_drift::Drift;
 use super::optimisation::UNEXPLAINED;
 use super::sensor::Sensor;
+use super::state::{Prior, Start, State, difference};
 use super::unknowns::{POSE, Unknowns, value};
 use super::wall_error::WallError;
 use crate::config::NoiseAssumption;
@@ -97,74 +97,6 @@ impl Linearisation {
     pub(super) fn unexplained_or_unknown(&self) -> Vec<usize> {
         let is_open = |row: &&Row| row.plain.abs() > UNEXPLAINED || (row.held.is_none() && !row.unmapped);
         self.rows.iter().filter(is_open).map(|row| row.row).collect()
-    }
-}
-
-/// Where a hypothesis puts the robot and what it takes the nuisance parameters to be.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct State {
-    /// The odometry frame in the map frame, with the odometry as it is at the anchor.
-    pub(super) frame: Pose2,
-    /// The nuisance parameters.
-    pub(super) values: Vec<f64>,
-}
-
-/// How each sensor's whisker stands to the map at the window's first row.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Start {
-    pub(super) states: Vec<WhiskerState>,
-    /// Where each base was then; none where all are free.
-    pub(super) bases: Vec<Pose2>,
-    /// What rows before it have said.
-    pub(super) prior: Option<Box<Prior>>,
-}
-
-/// What marginalised rows say of the pose at the window's first row and of the nuisance parameters.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Prior {
-    pub(super) equations: NormalEquations,
-    /// Where they are linearised; the frame is anchored at that row.
-    pub(super) at: State,
-}
-
-impl Start {
-    /// The same on a map that this turn takes onto itself.
-    pub(super) fn turned(&self, turn: &MapSymmetry) -> Self {
-        let prior = self.prior.as_ref().map(|prior| {
-            let frame = turn.motion.compose(prior.at.frame);
-            let equations = prior.equations.turned(turn.motion.theta);
-            Box::new(Prior { equations, at: State { frame, values: prior.at.values.clone() } })
-        });
-        Self {
-            states: self.states.iter().map(|state| state.turned(turn.motion, &|piece| turn.piece(piece))).collect(),
-            bases: self.bases.iter().map(|&base| turn.motion.compose(base)).collect(),
-            prior,
-        }
-    }
-
-    pub(super) fn free(sensors: usize) -> Self {
-        Self { states: vec![WhiskerState::Free; sensors], bases: Vec::new(), prior: None }
-    }
-}
-
-/// The frame moved by `d`: shifted by (x, y) and turned about the pivot.
-pub(super) fn moved(frame: Pose2, pivot: Vec2, d: [f64; POSE]) -> Pose2 {
-    let center = frame.transform_point(pivot);
-    let place = center + (frame.position() - center).rotated(d[2]) + Vec2::new(d[0], d[1]);
-    Pose2::new(place.x, place.y, frame.theta + d[2])
-}
-
-/// The move that takes one frame to another.
-pub(super) fn difference(from: Pose2, to: Pose2, pivot: Vec2) -> [f64; POSE] {
-    let shift = to.transform_point(pivot) - from.transform_point(pivot);
-    [shift.x, shift.y, wrap_angle(to.theta - from.theta)]
-}
-
-impl State {
-    /// The state a step away.
-    pub(super) fn stepped(&self, pivot: Vec2, step: &[f64]) -> Self {
-        let values = self.values.iter().zip(&step[POSE..]).map(|(v, d)| v + d).collect();
-        Self { frame: moved(self.frame, pivot, [step[0], step[1], step[2]]), values }
     }
 }
 
@@ -269,12 +201,15 @@ impl<'a> MeasurementModel<'a> {
         let mut end = start.clone();
         let began = |k: usize| -> Option<Pose2> { start.bases.get(k).copied() };
         let mut bases: Vec<Option<Pose2>> = (0..self.sensors.len()).map(began).collect();
-        for (&row, point) in rows.iter().zip(&path) {
-            let mut robot = state.frame.compose(point.pose);
-            if let Some(at) = self.unknowns.delay {
+        let robot_at = |row: usize, point: &PathPoint| {
+            let robot = state.frame.compose(point.pose);
+            self.unknowns.delay.map_or(robot, |at| {
                 let (v, late) = (self.velocity(row, values), values[at - POSE]);
-                robot = robot.compose(Pose2 { x: v.x * late, y: v.y * late, theta: v.theta * late });
-            }
+                robot.compose(Pose2 { x: v.x * late, y: v.y * late, theta: v.theta * late })
+            })
+        };
+        for (&row, point) in rows.iter().zip(&path) {
+            let robot = robot_at(row, point);
             for (index, own) in adjusted.iter().enumerate() {
                 let sensor = &self.sensors[index];
                 let base = robot.compose(own.mount);
@@ -285,7 +220,8 @@ impl<'a> MeasurementModel<'a> {
                 }
                 let z = self.window.readings(row)[index];
                 let offset = own.zero + own.drift * self.window.since_start(row);
-                let felt = self.forward(sensor, own.length).advance(
+                let forward = self.forward(sensor, own.length);
+                let felt = forward.advance(
                     &mut end.states[index],
                     bases[index].unwrap_or(base),
                     base,
@@ -300,6 +236,11 @@ impl<'a> MeasurementModel<'a> {
         out.path = path;
         end.bases = bases.into_iter().map(Option::unwrap_or_default).collect();
         end
+    }
+
+    /// A sensor's dimensionless reading for a dimensionless prediction.
+    fn reading_per(&self, index: usize, own: &Adjusted) -> f64 {
+        own.gain / own.stretch.powi(power_of_length(self.sensors[index].quantity))
     }
 
     /// Says that work as of so many readings is done, after which there may be a pause.
@@ -317,12 +258,8 @@ impl<'a> MeasurementModel<'a> {
         out: &mut Linearisation,
     ) {
         let (sensor, u) = (&self.sensors[seen.index], self.unknowns);
-        let power = match sensor.quantity {
-            SensedQuantity::Moment => 1,
-            SensedQuantity::Force => 2,
-            SensedQuantity::Slope => 0,
-        };
-        let per = own.gain / own.stretch.powi(power);
+        let power = power_of_length(sensor.quantity);
+        let per = self.reading_per(seen.index, own);
         let first = out.derivatives.len();
         out.derivatives.resize(first + out.size, 0.0);
         let j = &mut out.derivatives[first..];
@@ -550,6 +487,15 @@ impl<'a> MeasurementModel<'a> {
     pub(super) fn anchored(&self, state: &State, row: usize) -> State {
         let frame = self.robot_at(state, row).compose(self.window.pose(row).inverse());
         State { frame, values: state.values.clone() }
+    }
+}
+
+/// By which power of the length a reading falls as the whisker grows.
+fn power_of_length(quantity: SensedQuantity) -> i32 {
+    match quantity {
+        SensedQuantity::Moment => 1,
+        SensedQuantity::Force => 2,
+        SensedQuantity::Slope => 0,
     }
 }
 

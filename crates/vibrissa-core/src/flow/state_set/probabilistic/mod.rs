@@ -27,6 +27,7 @@ mod scene;
 mod sensor;
 mod shared_runs;
 mod smoother;
+mod state;
 mod unknowns;
 mod unobservable;
 mod wall_error;
@@ -42,7 +43,7 @@ use crate::beam::TipModel;
 use crate::contact::Boundaries;
 use crate::contact::follow::{ElasticBase, ForwardModel, Mechanics, WhiskerState};
 use crate::plane::Pose2;
-use crate::world::Map;
+use crate::world::{Map, MomentNoise};
 
 /// What a whisker feels at one pose of a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,6 +62,28 @@ pub struct PredictedMoment {
 /// is followed from pose to pose, so these must be no further apart than a few millimetres.
 #[must_use]
 pub fn predicted_moments(map: &Map, tip: &TipModel, path: &[Pose2]) -> Vec<PredictedMoment> {
+    followed(map, tip, path, None)
+}
+
+/// The same where readings (N m), one for each pose, tell on which branch of equilibria a whisker is that two in a row contradict; they hold within
+/// this bound.
+#[must_use]
+pub fn predicted_moments_by_readings(
+    map: &Map,
+    tip: &TipModel,
+    path: &[Pose2],
+    readings: &[f64],
+    bound: MomentNoise,
+) -> Vec<PredictedMoment> {
+    followed(map, tip, path, Some((readings, bound)))
+}
+
+fn followed(
+    map: &Map,
+    tip: &TipModel,
+    path: &[Pose2],
+    readings: Option<(&[f64], MomentNoise)>,
+) -> Vec<PredictedMoment> {
     let boundaries = Boundaries::new(map).with_clearance(map);
     let length = tip.whisker().length;
     let quantity = SensedQuantity::Moment;
@@ -71,12 +94,27 @@ pub fn predicted_moments(map: &Map, tip: &TipModel, path: &[Pose2]) -> Vec<Predi
     let scale = tip.rigidity() / length;
     let mut state = WhiskerState::Free;
     let mut last = path.first().copied().unwrap_or_default();
-    let mut predict = |&pose: &Pose2| {
-        let felt = forward.advance(&mut state, last, pose, false);
+    let mut lost = 0;
+    let mut predict = |(row, &pose): (usize, &Pose2)| {
+        let mut felt = forward.advance(&mut state, last, pose, false);
         last = pose;
-        let pressed = matches!(state, WhiskerState::Touching(touch) if touch.q > 0.0);
+        let is_pressed = |state: &WhiskerState| matches!(state, WhiskerState::Touching(touch) if touch.q > 0.0);
+        if let Some((readings, noise)) = readings {
+            let z = readings[row];
+            let bound = noise.moment_relative * z.abs() + noise.moment_absolute;
+            let off = |value: f64| (value * scale - z).abs() / bound;
+            let is_off = off(if is_pressed(&state) { felt.value } else { 0.0 }) > 1.0;
+            lost = if is_off { lost + 1 } else { 0 };
+            if lost >= 2
+                && let Some((there, predicted)) =
+                    forward.equilibria_that_read(pose, z / scale, &off, 1.0).into_iter().next()
+            {
+                (state, felt, lost) = (there, predicted, 0);
+            }
+        }
+        let pressed = is_pressed(&state);
         let moment = if pressed { felt.value * scale } else { 0.0 };
         PredictedMoment { moment, gradient: felt.gradient.map(|g| g * scale), touching: pressed }
     };
-    path.iter().map(&mut predict).collect()
+    path.iter().enumerate().map(&mut predict).collect()
 }

@@ -6,8 +6,8 @@
 
 use super::admission::Admits;
 use super::information::Information;
-use super::measurement::{difference, moved};
 use super::optimisation::{Mode, Rerun};
+use super::state::{difference, moved};
 use crate::linear_algebra::{Cholesky, Square, dot, inverse, times};
 use crate::plane::{Pose2, Vec2};
 

@@ -4,8 +4,9 @@
 use super::super::adaptive_sampling::ProposalComponent;
 use super::super::correlated_noise::{NoiseModel, OUTLIER_COST};
 use super::super::goodness_of_fit::of_run;
-use super::super::measurement::{Linearisation, MeasurementModel, State, moved};
+use super::super::measurement::{Linearisation, MeasurementModel};
 use super::super::optimisation::{LINE, Mode};
+use super::super::state::{State, moved};
 use super::super::unknowns::POSE;
 use super::{Bank, MOVED, SLACK, STEPS, WEAK_PRIOR, key_rows};
 use crate::contact::follow::Mechanics;

@@ -3,9 +3,10 @@
 
 use super::super::correlated_noise::{OUTLIER_COST, unknown_reading_cost};
 use super::super::information::{Information, Prior};
-use super::super::measurement::{MeasurementModel, moved};
+use super::super::measurement::MeasurementModel;
 use super::super::sensor::Sensor;
 use super::super::shared_runs::ContactExtent;
+use super::super::state::moved;
 use super::{ContactOnset, pivot};
 use crate::contact::follow::{ForwardModel, WhiskerState};
 use crate::plane::{Pose2, Vec2};
