@@ -387,3 +387,33 @@ fn readings_tell_on_which_branch_of_equilibria_a_whisker_is() {
         }
     }
 }
+
+#[test]
+fn a_whisker_that_meets_a_wall_head_on_between_two_rows_bends_to_the_side_on_which_it_leans() {
+    let mut draw = Random(31);
+    let beam = Robot::default().whiskers[0].beam;
+    let (length, tip) = (beam.length, TipModel::new(&beam).unwrap());
+    for case in 0..60 {
+        let (turn, at) = (draw.signed(3.0), Vec2::new(draw.signed(0.2), draw.signed(0.2)));
+        let ends = [-0.3, 0.3].map(|x| at + Vec2::new(x, 0.0).rotated(turn));
+        let map =
+            Map::new(vec![Boundary::new(Role::Wall, Curve::polyline(&ends, false).unwrap(), None).unwrap()]).unwrap();
+        // A row ends before the wall, the next one pressed against it; then the robot turns past the wall's normal.
+        let (tilt, depth) = (draw.sign() * draw.between(0.01, 0.06), draw.between(0.02, 0.05));
+        let pose = |depth: f64, tilt: f64| {
+            let base = at + Vec2::new(0.0, length * (1.0 - depth)).rotated(turn);
+            Pose2::new(base.x, base.y, turn + tilt - std::f64::consts::FRAC_PI_2)
+        };
+        let path = [pose(-0.02, tilt), pose(depth, tilt), pose(depth, 0.5 * tilt), pose(depth, -0.3 * tilt)];
+        let told = predicted_moments(&map, &tip, &path);
+        for (row, one) in told.iter().enumerate().skip(1) {
+            assert!(one.touching && one.moment * told[1].moment > 0.0, "case {case}, tilt {tilt}, row {row}: {told:?}");
+        }
+        // As one that leans so far on the same side that nothing is open, pressed slowly.
+        let oblique = 0.16 * tilt.signum();
+        let slow: Vec<Pose2> =
+            (0..=400).map(|k| pose(-0.02 + (depth + 0.02) * f64::from(k) / 400.0, oblique)).collect();
+        let sign = predicted_moments(&map, &tip, &slow).last().unwrap().moment;
+        assert!(told[1].moment * sign > 0.0, "case {case}, tilt {tilt}: {told:?}, not as {sign}");
+    }
+}

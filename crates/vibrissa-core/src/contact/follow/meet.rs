@@ -77,7 +77,8 @@ impl ForwardModel<'_> {
                 .filter(|(touch, _)| touch.q > 0.0)
                 .map(|(touch, predicted)| (WhiskerState::Touching(touch), predicted));
         }
-        let met = met.or(slid);
+        // Met head-on it buckles to the side on which it leans then.
+        let met = met.or(slid).or_else(|| self.settled_at(to));
         Some(met.map_or((WhiskerState::Unknown, Prediction::default()), |(touch, predicted)| {
             (WhiskerState::Touching(touch), predicted)
         }))
