@@ -379,6 +379,11 @@ fn readings_tell_on_which_branch_of_equilibria_a_whisker_is() {
         let all = predicted_moments(&map, &tip, &straight);
         let readings: Vec<f64> = all.iter().chain(theirs).map(|one| one.moment).collect();
         let told = predicted_moments_by_readings(&map, &tip, &path, &readings, noise);
+        // Without readings, or as long as there are some, it is the branch that is followed.
+        let plain = predicted_moments(&map, &tip, &path);
+        for count in [0, 50] {
+            assert_eq!(predicted_moments_by_readings(&map, &tip, &path, &readings[..count], noise), plain);
+        }
         for (row, (one, exact)) in told.iter().zip(&readings).enumerate() {
             // Two readings that contradict are not yet another branch.
             let is_first = (82..84).contains(&row);

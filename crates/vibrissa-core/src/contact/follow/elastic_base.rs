@@ -38,17 +38,10 @@ impl ElasticBase {
             per: beam.flexural_rigidity / tip.rigidity(),
         })
     }
-}
 
-impl ElasticBase {
-    /// The root of the clamped whisker at the mount's pose, where the moment reads so.
-    pub(super) fn root_at(&self, mount: Pose2, reading: f64) -> Pose2 {
-        turned(mount, self.compliance * reading / self.per)
-    }
-
-    /// The reading for a dimensionless moment of the clamped whisker.
-    pub(super) fn reads_per(&self) -> f64 {
-        self.per
+    /// The root of the clamped whisker at a mount's pose where its moment reads so, and what that whisker's dimensionless moment of one reads.
+    pub(super) fn clamped(&self, mount: Pose2, reading: f64) -> (Pose2, f64) {
+        (turned(mount, self.compliance * reading / self.per), self.per)
     }
 }
 

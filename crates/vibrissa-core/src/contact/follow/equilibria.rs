@@ -17,8 +17,6 @@ const NEAREST: f64 = 0.1;
 const MOST_PLACES: usize = 40;
 /// Corners that turn by less (rad) are facets of something round.
 const SHARP: f64 = 0.35;
-/// So many equilibria are told.
-const MOST_TOLD: usize = 4;
 /// Contacts nearer to each other (whisker lengths, rad) are one.
 const SAME: f64 = 1e-3;
 /// Forces that a tip in a corner is tried with: below and above Euler's load of a whisker that is held at its end.
@@ -27,40 +25,33 @@ const CORNER_FORCES: [f64; 3] = [1.0, 3.0, 12.0];
 const OFF_AXIS: f64 = 0.25;
 
 impl ForwardModel<'_> {
-    /// The equilibria at `map_from_whisker` that read most nearly `reading`, the nearest first, so many at most: `off` tells how far a reading is
-    /// from it, and none is told that is as far as `most`.
-    pub(crate) fn equilibria_that_read(
+    /// The equilibrium at `map_from_whisker` that reads most nearly `reading`, free or held: `off` tells how far a reading is from it, and none is
+    /// told that is as far as `most`.
+    pub(crate) fn equilibrium_that_reads(
         &self,
         map_from_whisker: Pose2,
         reading: f64,
         off: &dyn Fn(f64) -> f64,
         most: f64,
-    ) -> Vec<(WhiskerState, Prediction)> {
+    ) -> Option<(WhiskerState, Prediction)> {
         let mut found: Vec<(f64, WhiskerState, Prediction)> = Vec::new();
         let tip = map_from_whisker.transform_point(Vec2::new(self.length, 0.0));
         if !self.map.crosses(map_from_whisker.position(), tip) {
             found.push((off(0.0), WhiskerState::Free, Prediction::default()));
         }
-        let root = self.base.map_or(map_from_whisker, |base| base.root_at(map_from_whisker, reading));
-        let per = self.base.map_or(1.0, |base| base.reads_per());
+        let (root, per) = self.base.map_or((map_from_whisker, 1.0), |base| base.clamped(map_from_whisker, reading));
         self.for_each_equilibrium(root, &mut |touch, predicted| {
-            let far = off(predicted.value * per);
-            if far < most {
-                found.push((far, WhiskerState::Touching(touch), predicted));
-            }
+            found.push((off(predicted.value * per), WhiskerState::Touching(touch), predicted));
         });
-        found.retain(|(far, ..)| *far < most);
         found.sort_by(|a, b| a.0.total_cmp(&b.0));
-        found.truncate(MOST_TOLD);
-        let settled = |(_, mut state, predicted): (f64, WhiskerState, Prediction)| {
+        found.into_iter().take_while(|(far, ..)| *far < most).find_map(|(_, mut state, predicted)| {
             if self.base.is_none() || matches!(state, WhiskerState::Free) {
                 return Some((state, predicted));
             }
             let predicted = self.advance(&mut state, map_from_whisker, map_from_whisker, true);
             let is_held = matches!(state, WhiskerState::Touching(touch) if touch.q > 0.0);
             (is_held && off(predicted.value) < most).then_some((state, predicted))
-        };
-        found.into_iter().filter_map(settled).collect()
+        })
     }
 
     /// Visits equilibria of the clamped whisker, some of them more than once.

@@ -201,15 +201,12 @@ impl<'a> MeasurementModel<'a> {
         let mut end = start.clone();
         let began = |k: usize| -> Option<Pose2> { start.bases.get(k).copied() };
         let mut bases: Vec<Option<Pose2>> = (0..self.sensors.len()).map(began).collect();
-        let robot_at = |row: usize, point: &PathPoint| {
-            let robot = state.frame.compose(point.pose);
-            self.unknowns.delay.map_or(robot, |at| {
-                let (v, late) = (self.velocity(row, values), values[at - POSE]);
-                robot.compose(Pose2 { x: v.x * late, y: v.y * late, theta: v.theta * late })
-            })
-        };
         for (&row, point) in rows.iter().zip(&path) {
-            let robot = robot_at(row, point);
+            let mut robot = state.frame.compose(point.pose);
+            if let Some(at) = self.unknowns.delay {
+                let (v, late) = (self.velocity(row, values), values[at - POSE]);
+                robot = robot.compose(Pose2 { x: v.x * late, y: v.y * late, theta: v.theta * late });
+            }
             for (index, own) in adjusted.iter().enumerate() {
                 let sensor = &self.sensors[index];
                 let base = robot.compose(own.mount);
@@ -220,8 +217,7 @@ impl<'a> MeasurementModel<'a> {
                 }
                 let z = self.window.readings(row)[index];
                 let offset = own.zero + own.drift * self.window.since_start(row);
-                let forward = self.forward(sensor, own.length);
-                let felt = forward.advance(
+                let felt = self.forward(sensor, own.length).advance(
                     &mut end.states[index],
                     bases[index].unwrap_or(base),
                     base,
@@ -236,11 +232,6 @@ impl<'a> MeasurementModel<'a> {
         out.path = path;
         end.bases = bases.into_iter().map(Option::unwrap_or_default).collect();
         end
-    }
-
-    /// A sensor's dimensionless reading for a dimensionless prediction.
-    fn reading_per(&self, index: usize, own: &Adjusted) -> f64 {
-        own.gain / own.stretch.powi(power_of_length(self.sensors[index].quantity))
     }
 
     /// Says that work as of so many readings is done, after which there may be a pause.
@@ -258,8 +249,12 @@ impl<'a> MeasurementModel<'a> {
         out: &mut Linearisation,
     ) {
         let (sensor, u) = (&self.sensors[seen.index], self.unknowns);
-        let power = power_of_length(sensor.quantity);
-        let per = self.reading_per(seen.index, own);
+        let power = match sensor.quantity {
+            SensedQuantity::Moment => 1,
+            SensedQuantity::Force => 2,
+            SensedQuantity::Slope => 0,
+        };
+        let per = own.gain / own.stretch.powi(power);
         let first = out.derivatives.len();
         out.derivatives.resize(first + out.size, 0.0);
         let j = &mut out.derivatives[first..];
@@ -487,15 +482,6 @@ impl<'a> MeasurementModel<'a> {
     pub(super) fn anchored(&self, state: &State, row: usize) -> State {
         let frame = self.robot_at(state, row).compose(self.window.pose(row).inverse());
         State { frame, values: state.values.clone() }
-    }
-}
-
-/// By which power of the length a reading falls as the whisker grows.
-fn power_of_length(quantity: SensedQuantity) -> i32 {
-    match quantity {
-        SensedQuantity::Moment => 1,
-        SensedQuantity::Force => 2,
-        SensedQuantity::Slope => 0,
     }
 }
 

@@ -45,6 +45,9 @@ use crate::contact::follow::{ElasticBase, ForwardModel, Mechanics, WhiskerState}
 use crate::plane::Pose2;
 use crate::world::{Map, MomentNoise};
 
+/// So many readings in a row that contradict are of another branch of equilibria; fewer may be false ones.
+const CONTRADICTIONS: usize = 2;
+
 /// What a whisker feels at one pose of a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PredictedMoment {
@@ -65,8 +68,8 @@ pub fn predicted_moments(map: &Map, tip: &TipModel, path: &[Pose2]) -> Vec<Predi
     followed(map, tip, path, None)
 }
 
-/// The same where readings (N m), one for each pose, tell on which branch of equilibria a whisker is that two in a row contradict; they hold within
-/// this bound.
+/// The same where readings (N m), one for each pose from the first on, tell on which branch of equilibria a whisker is that two in a row contradict;
+/// they hold within this bound. Poses beyond the last reading are followed without.
 #[must_use]
 pub fn predicted_moments_by_readings(
     map: &Map,
@@ -99,17 +102,15 @@ fn followed(
         let mut felt = forward.advance(&mut state, last, pose, false);
         last = pose;
         let is_pressed = |state: &WhiskerState| matches!(state, WhiskerState::Touching(touch) if touch.q > 0.0);
-        if let Some((readings, noise)) = readings {
-            let z = readings[row];
+        if let Some((&z, noise)) = readings.and_then(|(readings, noise)| Some((readings.get(row)?, noise))) {
             let bound = noise.moment_relative * z.abs() + noise.moment_absolute;
             let off = |value: f64| (value * scale - z).abs() / bound;
             let is_off = off(if is_pressed(&state) { felt.value } else { 0.0 }) > 1.0;
             lost = if is_off { lost + 1 } else { 0 };
-            if lost >= 2
-                && let Some((there, predicted)) =
-                    forward.equilibria_that_read(pose, z / scale, &off, 1.0).into_iter().next()
+            if lost >= CONTRADICTIONS
+                && let Some(found) = forward.equilibrium_that_reads(pose, z / scale, &off, 1.0)
             {
-                (state, felt, lost) = (there, predicted, 0);
+                ((state, felt), lost) = (found, 0);
             }
         }
         let pressed = is_pressed(&state);
