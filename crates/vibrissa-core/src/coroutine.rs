@@ -4,8 +4,8 @@
 //! deep is written as `async` functions instead, and the compiler keeps the place. No runtime is behind it: whoever wants the result resumes
 //! the coroutine until it has come to its end.
 
-use crate::WorkBudget;
-use core::future::Future;
+use crate::{Stop, WorkBudget};
+use core::future::{Future, poll_fn};
 use core::pin::{Pin, pin};
 use core::task::{Context, Poll, Waker};
 use std::sync::Arc;
@@ -96,6 +96,17 @@ pub(crate) fn completed<T>(body: impl Future<Output = T>) -> T {
     }
 }
 
+/// What a computation gives; none where its end is asked for by the time of one of its pauses.
+pub(crate) async fn until<T>(stop: &Stop, body: impl Future<Output = T>) -> Option<T> {
+    let mut body = pin!(body);
+    poll_fn(|context| match body.as_mut().poll(context) {
+        Poll::Ready(result) => Poll::Ready(Some(result)),
+        Poll::Pending if stop.is_asked() => Poll::Ready(None),
+        Poll::Pending => Poll::Pending,
+    })
+    .await
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -127,6 +138,18 @@ mod tests {
             // A slice may go over its budget by one number.
             assert!(slices <= 4950 / units + 1 && slices >= 4950 / (units + 99), "{slices} slices of {units}");
         }
+    }
+
+    #[test]
+    fn what_is_asked_to_end_ends_at_a_pause() {
+        let (stop, pace) = (Stop::default(), Pace::default());
+        let (heeded, own) = (stop.clone(), pace.clone());
+        let mut coroutine = Coroutine::new(pace, async move { until(&heeded, sum(&own, 100)).await });
+        assert_eq!(coroutine.resume(&mut WorkBudget::new(10)), None);
+        stop.ask();
+        assert_eq!(coroutine.resume(&mut WorkBudget::new(10)), Some(None));
+        // Without a pause nothing is left undone.
+        assert_eq!(completed(until(&stop, sum(&Pace::default(), 100))), Some(4950));
     }
 
     #[test]

@@ -255,7 +255,7 @@ fn errors_within_the_declared_bound_leave_the_place() {
 /// How the possibilistic method answers, within a region where one is told.
 fn enclosed(log: &SensorLog, whisker: MountedWhisker, prior: Option<Region>) -> vibrissa::Result<Localization> {
     let robot = Robot { whiskers: vec![whisker], ..Robot::default() };
-    let options = PossibilisticOptions { prior, ..PossibilisticOptions::default() };
+    let options = PossibilisticOptions { prior, last_work: 5_000_000, ..PossibilisticOptions::default() };
     tasks::localize(log, &room(), &robot, &Method::Possibilistic(options), &mut |_| {})
 }
 

@@ -176,6 +176,24 @@ fn a_unique_place_beside_concave_boundary_is_found() {
 }
 
 #[test]
+fn a_refinement_without_work_enough_is_told() {
+    let (_, trial) = trials(48, 1).next().unwrap();
+    let ends = |last_work: usize| run(&trial, PossibilisticOptions { last_work, ..quick() });
+    let is_told = |answer: &Localization| answer.events.iter().any(|event| event.kind == "cut_short");
+    // Less than one meeting for each cell, and little more.
+    for work in [1, 3000] {
+        let answer = ends(work);
+        assert!(contains(&answer, trial.truth) && answer.status == Status::Ambiguous, "{work}: {}", answer.status);
+        let told = answer.events.last().unwrap();
+        let asked = format!("last_work {}", 5 * work);
+        assert!(told.kind == "cut_short" && told.detail.contains(&asked), "{work}: {told:?}");
+    }
+    // Without any it is as was asked for, and with enough nothing is to be told.
+    let enough = ends(5_000_000);
+    assert!(!is_told(&ends(0)) && enough.status == Status::Ambiguous && !is_told(&enough));
+}
+
+#[test]
 fn a_set_that_is_empty_only_after_the_last_row_is_told() {
     let (_, trial) = trials(709, 1).next().unwrap();
     // The moments of another whisker, three times as stiff: nothing on the map explains all of them.

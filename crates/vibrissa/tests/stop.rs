@@ -133,3 +133,29 @@ fn a_search_that_is_stopped_at_its_end_still_holds_the_truth() {
     assert_eq!(rows, 300);
     assert!(half.trajectory.last().is_none_or(|pose| pose.t <= sweep.log.rows[299].t));
 }
+
+#[test]
+fn a_fit_that_is_stopped_at_its_end_tells_what_the_last_row_told() {
+    let (map, robot, sweep) = (demo::arena().unwrap(), Robot::default(), demo::sweep(1).unwrap());
+    let method = Method::named("probabilistic").unwrap();
+    let whole = localize(&sweep.log, &map, &robot, &method, &mut |_| {}).unwrap();
+    let (stop, last) = (Stop::default(), sweep.log.rows.len() - 1);
+    let mut told = None;
+    let found = localize_until(&sweep.log, &map, &robot, &method, &stop, &mut |row, localizer| {
+        if row == last {
+            told = Some(localizer.estimate());
+            stop.ask();
+        }
+        core::ops::ControlFlow::Continue(())
+    })
+    .unwrap();
+    // Nothing is sampled any more, and how well the readings fit is not looked at.
+    let told = told.unwrap();
+    assert_eq!((found.status, &found.hypotheses), (told.status, &told.hypotheses));
+    assert!(found.consistency.is_none() && whole.consistency.is_some());
+    assert_eq!(found.estimate, told.pose());
+    // The way, too, is that of the place at the last row.
+    let (end, truth) = (found.trajectory.last().unwrap(), sweep.truth.last().unwrap());
+    assert_eq!((end.t, found.trajectory.len()), (truth.t, whole.trajectory.len()));
+    assert!(end.map_from_robot.position().distance(truth.map_from_robot.position()) < 2e-3, "{end:?}");
+}

@@ -7,7 +7,9 @@ use super::{Estimator, searchable};
 use crate::beam::Whisker;
 use crate::config::limits::MOST_COVERED;
 use crate::config::{PossibilisticOptions, Setting};
-use crate::flow::pose::{self, Estimate, Event, Evidence, Hypothesis, Localization, StampedPose, StepRecord, Verdict};
+use crate::flow::pose::{
+    self, Estimate, Event, Evidence, Hypothesis, Localization, StampedPose, Status, StepRecord, Verdict,
+};
 use crate::flow::sensor_log::{Channel, LogRow, SensorLog, one_owner_each};
 use crate::flow::state_set::possibilistic::{EnclosedPlace, Measurement, PossibleSet};
 use crate::plane::Pose2;
@@ -25,6 +27,8 @@ const MEASURED_ROWS: usize = 4;
 const MEASURED_NOW: usize = 300;
 /// Sets of more cells than this keep their volume from one measurement to the next, too.
 const SUMMED: usize = 20_000;
+/// So many times the work of the final refinement is proposed where it was not enough.
+const MORE_WORK: usize = 5;
 /// Largest friction coefficient: its angle is a right angle less half a degree more than the tables hold.
 const LARGEST_FRICTION: f64 = 1.5;
 
@@ -466,19 +470,30 @@ impl Estimator for PossibilisticEstimator<'_> {
             self.end();
         }
         self.advance(&mut WorkBudget::unlimited());
-        let places = if self.empty { Vec::new() } else { self.set.places() };
+        // The last measurement was of the cells as they are now.
+        let places = if self.empty { Vec::new() } else { std::mem::take(&mut self.places) };
         let hypotheses: Vec<Hypothesis> = places.iter().map(pose::enclosed).collect();
         if self.touched && !self.set.has_started() {
             let t = self.rows.last().map_or(0.0, |r| r.0);
             let detail = "fewer contacts than the readings that may be wrong".to_owned();
             self.events.push(Event { t, kind: "too_short", detail });
         }
+        let status = self.verdict(&hypotheses).status;
+        if status == Status::Ambiguous && self.set.is_cut_short() {
+            let t = self.rows.last().map_or(0.0, |r| r.0);
+            let most = self.options.last_work;
+            let detail = format!(
+                "the final refinement has used up its work (last_work {most}); last_work {} may leave less, and takes in proportion longer",
+                MORE_WORK * most
+            );
+            self.events.push(Event { t, kind: "cut_short", detail });
+        }
         Localization {
             nuisances: Vec::new(),
             consistency: None,
             unsure: Vec::new(),
             method: NAME,
-            status: self.verdict(&hypotheses).status,
+            status,
             estimate: hypotheses.first().map(|h| h.pose),
             trajectory: self.trajectory(),
             states: if self.empty { Vec::new() } else { self.set.boxes() },

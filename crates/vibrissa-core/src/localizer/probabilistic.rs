@@ -11,17 +11,21 @@ use crate::flow::pose::{Estimate, Localization};
 use crate::flow::sensor_log::{Channel, LogRow};
 use crate::plane::Pose2;
 use crate::world::{Map, Robot};
-use crate::{Error, Result, WorkBudget};
+use crate::{Error, Result, Stop, WorkBudget};
 use record::{Record, TakenRow};
 
 /// States that are told while the work of a row is under way: each takes some microseconds before it.
 const MOST_STATES: usize = 500;
 
+/// Units of work after which the end of a log looks whether it is to end early: a millisecond.
+const PIECE: usize = 1000;
+
 /// The probabilistic estimator: hypotheses from no prior, each a least-squares fit of all readings.
 ///
 /// What it says before the end rests on the linearisation of each hypothesis at the rows that it has taken: weights and
 /// covariances are those of Gaussians, not sampled, only the most likely hypotheses are looked at, no place has a ridge, and
-/// the verdict leaves out how well the readings fit. While the work of a row is not done it says what it said before that row.
+/// the verdict leaves out how well the readings fit. While the work of a row is not done it says what it said before that row. Where the end
+/// is asked for early, the answer is of that kind, too.
 pub struct ProbabilisticEstimator<'a> {
     /// None while its work is under way, and after the end.
     record: Option<Box<Record<'a>>>,
@@ -157,6 +161,11 @@ impl Estimator for ProbabilisticEstimator<'_> {
         }
     }
 
+    fn heed(&mut self, stop: &Stop) {
+        self.rest();
+        self.record.iter_mut().for_each(|record| record.heed(stop));
+    }
+
     fn estimate(&self) -> Estimate {
         self.record.as_ref().map_or_else(|| self.before.0.clone(), |record| record.estimate())
     }
@@ -167,7 +176,7 @@ impl Estimator for ProbabilisticEstimator<'_> {
 
     fn finish(mut self: Box<Self>) -> Localization {
         self.end();
-        self.advance(&mut WorkBudget::unlimited());
+        while !self.advance(&mut WorkBudget::new(PIECE)) {}
         self.answer.unwrap_or_default()
     }
 }

@@ -6,7 +6,7 @@ use super::NAME;
 use crate::beam::TipModel;
 use crate::config::ProbabilisticOptions;
 use crate::config::limits::MOST_SEARCHED;
-use crate::coroutine::Pace;
+use crate::coroutine::{Pace, until};
 use crate::flow::pose::{
     self, Broken, ConsistencyReport, Estimate, Event, Evidence, Hypothesis, Localization, Nuisance, NuisanceQuantity,
     OdometryEstimate, RECOVERED, ShapeRecord, StampedPose, Status, StepRecord, Stretch,
@@ -18,7 +18,7 @@ use crate::flow::state_set::probabilistic::{
 use crate::flow::trajectory::pose_at;
 use crate::plane::Pose2;
 use crate::world::{Map, ReadingNoise, Robot};
-use crate::{Result, WorkBudget};
+use crate::{Result, Stop, WorkBudget};
 
 /// The smoother and what it has told.
 pub(super) struct Record<'a> {
@@ -47,6 +47,7 @@ pub(super) struct Record<'a> {
     tolerated_share: f64,
     /// Contacts for drawing: not all of long logs.
     felt: DrawnReadings<DRAWN>,
+    stop: Stop,
 }
 
 impl<'a> Record<'a> {
@@ -86,12 +87,18 @@ impl<'a> Record<'a> {
             since: None,
             recording: true,
             felt: DrawnReadings::default(),
+            stop: Stop::default(),
         })
     }
 
     /// Keeps no way and few events from now on.
     pub(super) fn forget_way(&mut self) {
         self.recording = false;
+    }
+
+    /// Takes a request to end early.
+    pub(super) fn heed(&mut self, stop: &Stop) {
+        self.stop = stop.clone();
     }
 
     /// How many rows are kept to be fitted again.
@@ -380,11 +387,15 @@ impl Record<'_> {
         self.rows.last().map_or_else(Vec::new, |&(_, odom)| self.set.some_states(odom, most))
     }
 
-    /// The answer.
+    /// The answer. Where its end is asked for early, it is by the places as they are linearised at the last row.
     pub(super) async fn finish(mut self) -> Localization {
         let t = self.rows.last().map_or(0.0, |row| row.0);
         let before = self.first_row;
-        let (places, fit) = self.set.finish_in_pieces().await;
+        let (linearised, since) = (self.set.places(), self.since.unwrap_or(0));
+        let refined = until(&self.stop, self.set.finish_in_pieces()).await;
+        let is_refined = refined.is_some();
+        let (places, fit) = refined.unwrap_or((linearised, None));
+        let since = if is_refined { 0 } else { since };
         if let Some(from) = self.set.carried() {
             self.note_carried(from, t);
         }
@@ -404,9 +415,9 @@ impl Record<'_> {
             self.before.clear();
         }
         let verdict = pose::verdict(&Evidence {
-            explained_since: fit.as_ref().map_or(0, |fit| fit.touching),
+            explained_since: fit.as_ref().map_or(since, |fit| fit.touching),
             emptied: self.lost > 0 && !is_found_again,
-            broken: Broken::Shares(&broken),
+            broken: if is_refined { Broken::Shares(&broken) } else { Broken::Unknown },
             fit: fit.as_ref(),
             tolerated_share: self.tolerated_share,
             ..self.evidence(&hypotheses)
@@ -421,7 +432,7 @@ impl Record<'_> {
         let odometry = places.first().and_then(|place| place.calibration).map(odometry_estimate);
         let nuisances = places.first().map_or_else(Vec::new, |place| place.nuisances.clone());
         let trajectory = places.first().map_or_else(Vec::new, |place| self.trajectory(place, odometry.as_ref()));
-        let shapes = self.shapes(&trajectory).await;
+        let shapes = until(&self.stop, self.shapes(&trajectory)).await.unwrap_or_default();
         let fits = fit.as_ref().map(|fit| (fit, Self::consistency(fit)));
         let unsure = if keep { self.unsure(&trajectory, fits.as_ref()) } else { Vec::new() };
         // A set that was given up before is contradicted by what the last one does not have to explain.

@@ -31,6 +31,9 @@ pub(super) enum Opinion {
     Open(Vec<Hypothesis>),
 }
 
+/// Work of the final refinement: a robot that stands still can wait for some seconds.
+const LAST_WORK: usize = 5_000_000;
+
 /// The opinion of the set of all states that a log leaves open, by what the other method was told.
 pub(super) fn opinion(
     log: &SensorLog,
@@ -41,7 +44,9 @@ pub(super) fn opinion(
 ) -> Opinion {
     let ProbabilisticOptions { prior, heading_error, .. } = *options;
     let two_contacts = Some(TWO_CONTACTS);
-    let options = PossibilisticOptions { two_contacts, prior, heading_error, ..PossibilisticOptions::default() };
+    let last_work = LAST_WORK;
+    let options =
+        PossibilisticOptions { two_contacts, prior, heading_error, last_work, ..PossibilisticOptions::default() };
     // Where it does not take the robot or the map there is no second opinion.
     let Ok(mut set) = localize(log, map, robot, &Method::Possibilistic(options), &mut |_| {}) else {
         return Opinion::None;

@@ -56,12 +56,14 @@ impl PossibleSet {
 
     /// As [`PossibleSet::finish`], but for the work.
     pub(crate) fn begin_last_effort(&mut self) {
-        if self.records.is_empty() {
+        // To go over a cell and to measure it takes about as long as one meeting.
+        let work = self.options.last_work.saturating_sub(self.cells.len());
+        if self.records.is_empty() || work == 0 {
+            self.is_cut_short = self.options.last_work > 0 && !self.cells.is_empty();
             return;
         }
-        let work = self.options.last_work;
         self.agenda.push(Task::LastEffort(Box::new(LastEffort::new(work))));
-        if work > 0 && self.kept.len() >= WORTH_LAST {
+        if self.kept.len() >= WORTH_LAST {
             self.agenda.push(Task::Tables(Box::new(FinerTables::new(LAST_TABLE, 1, false))));
         }
     }

@@ -106,6 +106,7 @@ impl PossibleSet {
 
     fn begin_stage(&mut self, effort: &mut LastEffort, stage: usize) {
         let Some((readings, share)) = STAGES.get(stage).copied() else {
+            self.is_cut_short = effort.work == 0 && !self.stop.is_asked();
             let (spent, kept) = (effort.all - effort.work, self.kept.len());
             let least = REFINE_WORK_PER_READING * kept * kept;
             let most = spent.max(least).min(self.options.last_work / REFINE_WORK_SHARE);

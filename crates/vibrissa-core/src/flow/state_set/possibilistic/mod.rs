@@ -107,6 +107,8 @@ pub struct PossibleSet {
     constraint_order: ConstraintOrder,
     /// What is still to be done, the last first.
     agenda: Vec<Task>,
+    /// Whether the final refinement ended for want of work.
+    is_cut_short: bool,
     stop: Stop,
 }
 
@@ -139,6 +141,7 @@ impl PossibleSet {
             untried: 0,
             constraint_order: ConstraintOrder::default(),
             agenda: Vec::new(),
+            is_cut_short: false,
             stop: Stop::default(),
         }
     }
@@ -158,6 +161,11 @@ impl PossibleSet {
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.has_started() && self.cells.is_empty()
+    }
+
+    /// Whether the final refinement has used up its work: with more of it the set may be smaller.
+    pub(crate) fn is_cut_short(&self) -> bool {
+        self.is_cut_short
     }
 
     /// The middles of the cells at the newest row.

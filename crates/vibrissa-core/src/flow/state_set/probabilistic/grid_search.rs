@@ -34,6 +34,10 @@ const MANY: usize = 100;
 /// With more cells than this a contact is followed for longer.
 const MANY_CELLS: usize = 4000;
 
+/// Readings that are run for one row of the log: at least (some milliseconds), and for each place of the boundary. A place costs some hundred.
+const LEAST_WORK: usize = 4000;
+const WORK_OF_A_PLACE: f64 = 3.0;
+
 /// Where a contact began, and which rows judge it.
 pub(super) struct ContactOnset {
     /// Index of the sensor that is read.
@@ -109,6 +113,12 @@ impl GridSearch {
 
     pub(super) fn onset(&self) -> &ContactOnset {
         &self.onset
+    }
+
+    /// Readings that are run through the forward model for one row of the log: in proportion to the outline, so that the search takes about as
+    /// many rows on any map.
+    pub(super) fn work_of_a_row(&self) -> usize {
+        LEAST_WORK.max((self.places.len() as f64 * WORK_OF_A_PLACE) as usize)
     }
 
     /// Goes on with more rows.

@@ -366,7 +366,7 @@ impl MultiHypothesisSmoother<'_> {
                 }
                 self.press(false).await
             }
-            Phase::Searching { .. } => self.search(phases::SLICE).await,
+            Phase::Searching { .. } => self.search(false).await,
             Phase::Tracking(_) => self.track().await,
         }
     }
@@ -411,7 +411,7 @@ impl MultiHypothesisSmoother<'_> {
 
     /// The same at its pace.
     pub(crate) async fn finish_in_pieces(&mut self) -> (Vec<PosteriorPlace>, Option<Fit>) {
-        let mut outcomes = vec![self.search(usize::MAX).await];
+        let mut outcomes = vec![self.search(true).await];
         if matches!(self.phase, Phase::Pressing { .. }) {
             outcomes.push(self.press(true).await);
         }
@@ -427,7 +427,7 @@ impl MultiHypothesisSmoother<'_> {
             && longest_contact(&self.window, &self.scene.sensors, &self.searched).is_some()
         {
             self.relocalize();
-            self.search(usize::MAX).await;
+            self.search(true).await;
             let other = self.choose().await;
             if other.1.as_ref().zip(told.1.as_ref()).is_some_and(|(new, old)| new.beyond < old.beyond) {
                 told = other;

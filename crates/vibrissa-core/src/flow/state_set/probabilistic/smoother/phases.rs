@@ -20,8 +20,8 @@ use crate::plane::{Pose2, Vec2};
 const LEAD_ROWS: usize = 24;
 /// Travel between them (m).
 const LEAD_STEP: f64 = 1.5e-3;
-/// Readings that are run through the forward model in one call while the grid is searched (some milliseconds).
-pub(super) const SLICE: usize = 4000;
+/// Readings that are run through the forward model in one call while modes are fitted first (some milliseconds).
+const SLICE: usize = 4000;
 /// Readings that are run in one call while modes take in rows.
 const FITTED: usize = 2000;
 /// With many cells a contact is followed for longer, by this factor, as long as it has not been followed for this many times the usual travel.
@@ -94,7 +94,7 @@ impl MultiHypothesisSmoother<'_> {
             None => Box::new(GridSearch::new(&self.scene.model(&self.window, 0), onset, self.symmetries())),
         };
         self.phase = Phase::Searching { search, travelled, ended };
-        self.search(if at_end { usize::MAX } else { SLICE }).await
+        self.search(at_end).await
     }
 
     /// The symmetries of the map, if nothing tells its images apart.
@@ -129,11 +129,12 @@ impl MultiHypothesisSmoother<'_> {
         }
     }
 
-    /// Looks for modes with this much work.
-    pub(super) async fn search(&mut self, mut work: usize) -> StepOutcome {
+    /// Looks for modes with the work of one row, or with all that it takes.
+    pub(super) async fn search(&mut self, whole: bool) -> StepOutcome {
         let by_symmetry = self.symmetries().is_some();
         let Self { scene, window, phase, .. } = self;
         let Phase::Searching { search, travelled, ended } = phase else { return StepOutcome::Nothing };
+        let mut work = if whole { usize::MAX } else { search.work_of_a_row() };
         let model = scene.model(window, 0);
         let admission = Admission::of_cells(scene, window);
         let row = search.onset().row;
