@@ -5,11 +5,11 @@
 use vibrissa::config::{ContactOptions, DeterministicOptions, MappingOptions};
 use vibrissa::flow::pose::{Localization, Status};
 use vibrissa::flow::sensor_log::{LogRow, SensorLog};
-use vibrissa::plane::{Pose2, wrap_angle};
+use vibrissa::plane::{Curve, Pose2, Vec2, wrap_angle};
 use vibrissa::tasks::contact::contacts;
 use vibrissa::tasks::demo;
 use vibrissa::tasks::mapping::Mapper;
-use vibrissa::world::{Map, Robot};
+use vibrissa::world::{Boundary, Map, Robot};
 use vibrissa::{Localizer, Method, Result, localize};
 
 /// The demo's first 200 rows: enough for a few dozen updates.
@@ -171,4 +171,36 @@ fn a_row_that_is_not_in_numbers_is_refused_by_every_method_and_task() {
         let told = contacts(&log, &robot, &ContactOptions::default()).unwrap_err().to_string();
         assert!(told.contains("reading 1"), "{told}");
     }
+}
+
+/// The demo's arena in edges of a millimetre, each cut into so many.
+fn arena_in_edges(cut: usize) -> Map {
+    let arena = demo::arena().unwrap();
+    let cut_up = |boundary: &Boundary| {
+        let (curve, closed) = (boundary.curve(), boundary.curve().is_closed());
+        let count = (curve.length() / 1e-3).round() as usize;
+        let corner = |k: usize| curve.at(curve.length() * (k % count) as f64 / count as f64).position;
+        let between = |k: usize| {
+            let (a, b) = (corner(k), corner(k + 1));
+            (0..cut).map(move |part| a + (b - a) * (part as f64 / cut as f64))
+        };
+        let corners: Vec<Vec2> = (0..count).flat_map(between).collect();
+        Boundary::new(boundary.role(), Curve::polyline(&corners, closed).unwrap(), None).unwrap()
+    };
+    Map::new(arena.boundaries().iter().map(cut_up).collect()).unwrap()
+}
+
+#[test]
+fn edges_of_twenty_micrometres_are_followed_as_those_of_a_millimetre() {
+    let (log, robot, method) = (demo::sweep(1).unwrap().log, Robot::default(), Method::named("probabilistic").unwrap());
+    let [coarse, fine] = [1, 50].map(|cut| {
+        let map = arena_in_edges(cut);
+        localize(&log, &map, &robot, &method, &mut |_| {}).unwrap()
+    });
+    assert_eq!((coarse.status, fine.status), (Status::Localized, Status::Localized));
+    let off = coarse.estimate.unwrap().between(fine.estimate.unwrap());
+    // Well within what either place leaves open.
+    let [x, y] = [0, 1].map(|k| coarse.hypotheses[0].covariance.unwrap()[k][k].sqrt());
+    assert!(off.position().norm() < x.hypot(y) && off.position().norm() < 3e-4 && off.theta.abs() < 1e-3, "{off:?}");
+    assert_eq!(coarse.hypotheses.len(), fine.hypotheses.len());
 }

@@ -7,6 +7,7 @@
 use super::clearance::Clearance;
 use super::corner::Corner;
 use super::hold::Support;
+use super::simplification::simplified;
 use crate::plane::{Segment, Vec2, wrap_angle};
 use crate::world::{Boundary, Map, NearestPiece, PieceCourse};
 use core::f64::consts::{FRAC_PI_2, PI};
@@ -143,20 +144,39 @@ pub struct Boundaries {
     tails: Vec<Corner>,
     /// For each boundary its first piece, and for walls the first of their right side.
     first: Vec<(u32, u32)>,
+    /// For each boundary which piece, counted from its first, stands for each of its segments; nothing where each has its own.
+    stands_for: Vec<Vec<u32>>,
 }
 
 impl Boundaries {
     /// The boundaries of a map.
     #[must_use]
     pub fn new(map: &Map) -> Self {
+        Self::of(map, |_| None)
+    }
+
+    /// The same with runs of short edges as single ones where nothing is said of how exactly they are known.
+    pub(crate) fn simplified(map: &Map) -> Self {
+        Self::of(map, |boundary| match boundary.course() {
+            Some(_) => None,
+            None => simplified(boundary.curve().segments()),
+        })
+    }
+
+    /// The boundaries of a map, each with its segments or with others, and which of these stands for each segment.
+    fn of(map: &Map, others: impl Fn(&Boundary) -> Option<(Vec<Segment>, Vec<u32>)>) -> Self {
         let (mut pieces, mut first, mut tails) = (Vec::new(), Vec::new(), Vec::new());
+        let mut stands_for = Vec::new();
         for boundary in map.boundaries() {
             let left = pieces.len() as u32;
-            add_side(&mut pieces, boundary.curve().segments(), boundary.curve().is_closed(), 1.0);
+            let (simpler, whose) = others(boundary).unzip();
+            let segments = simpler.as_deref().unwrap_or(boundary.curve().segments());
+            stands_for.push(whose.unwrap_or_default());
+            add_side(&mut pieces, segments, boundary.curve().is_closed(), 1.0);
             add_course(&mut pieces[left as usize..], boundary, first.len() as u32);
             let right = if boundary.is_two_sided() { pieces.len() as u32 } else { left };
             if boundary.is_two_sided() {
-                add_side(&mut pieces, boundary.curve().segments(), boundary.curve().is_closed(), -1.0);
+                add_side(&mut pieces, segments, boundary.curve().is_closed(), -1.0);
                 add_course(&mut pieces[right as usize..], boundary, first.len() as u32);
             }
             if boundary.is_two_sided() && !boundary.curve().is_closed() && right > left {
@@ -166,7 +186,7 @@ impl Boundaries {
             }
             first.push((left, right));
         }
-        Self { pieces, clearance: Clearance::default(), tails, first }
+        Self { pieces, clearance: Clearance::default(), tails, first, stands_for }
     }
 
     /// The same with a grid of how far places are from them all, for the many looks of [`super::follow`].
@@ -266,20 +286,30 @@ impl Boundaries {
     #[must_use]
     pub fn nearest(&self, map: &Map, point: Vec2, base: Vec2, reach: f64) -> Option<(u32, f64, f64)> {
         let NearestPiece { boundary, segment, distance, on_line } = map.nearest_piece(point, reach)?;
-        let (left_first, right_first) = self.first[boundary];
         let curve = map.boundaries()[boundary].curve();
-        let piece = |segment: usize, left: bool| segment as u32 + if left { left_first } else { right_first };
+        let piece = |segment: usize, left: bool| self.piece_of(boundary, segment, left);
         let Some(at) = on_line else {
             let near = curve.nearest_near_segment(segment, point);
             let left = Vec2::from_angle(near.tangent).cross(base - near.position) >= 0.0;
             let piece = piece(curve.segment_at(near.arc_length), left);
             return Some((piece, self.pieces[piece as usize].nearest(point), near.position.distance(point)));
         };
-        let spot = self.pieces[piece(segment, true) as usize].spot(at);
+        let here = &self.pieces[piece(segment, true) as usize];
+        let joined = !self.stands_for[boundary].is_empty();
+        let at = if joined { here.nearest(point).clamp(0.0, 1.0) } else { at };
+        let spot = here.spot(at);
         let left = spot.velocity.cross(base - spot.position) >= 0.0;
         // Where two meet it is the later one.
-        let next = at >= 1.0 && segment + 1 < curve.segments().len();
-        Some(if next { (piece(segment + 1, left), 0.0, distance) } else { (piece(segment, left), at, distance) })
+        let is_end = at >= 1.0 && segment + 1 < curve.segments().len();
+        let (own, after) = (piece(segment, left), piece(segment + usize::from(is_end), left));
+        Some(if after == own { (own, at, distance) } else { (after, 0.0, distance) })
+    }
+
+    /// The piece that stands for a segment of a boundary, on its left side or its right one.
+    fn piece_of(&self, boundary: usize, segment: usize, left: bool) -> u32 {
+        let (left_first, right_first) = self.first[boundary];
+        let index = self.stands_for[boundary].get(segment).copied().unwrap_or(segment as u32);
+        index + if left { left_first } else { right_first }
     }
 
     /// Whether a place is behind the boundary, where this place of it is the nearest, seen from where the whisker is.
@@ -297,11 +327,10 @@ impl Boundaries {
     #[must_use]
     pub fn nearest_facing(&self, map: &Map, point: Vec2, away: Vec2, reach: f64) -> Option<(u32, f64)> {
         let NearestPiece { boundary, segment, .. } = map.nearest_piece(point, reach)?;
-        let (left_first, right_first) = self.first[boundary];
-        let here = &self.pieces[left_first as usize + segment];
+        let here = &self.pieces[self.piece_of(boundary, segment, true) as usize];
         let at = here.nearest(point);
         let left = Vec2::from_angle(here.segment.tangent(at)).cross(away) >= 0.0;
-        Some((segment as u32 + if left { left_first } else { right_first }, at))
+        Some((self.piece_of(boundary, segment, left), at))
     }
 
     /// The piece on the other side of a wall; none for outlines.

@@ -4,6 +4,7 @@
 //! | file | what it knows |
 //! | --- | --- |
 //! | `boundary`, `corner` | the map's boundaries as chains of one-sided pieces, corners between them, ends of walls |
+//! | `simplification` | many short edges as few, for estimation |
 //! | `clearance` | how far places are from all of them |
 //! | `hold` | what holds a whisker: tip, side or both, on a piece or a corner |
 //! | `stance` | the whisker's base on the map, and the map as the whisker sees it |
@@ -33,6 +34,7 @@ pub(crate) mod follow;
 mod hold;
 mod quantity;
 pub mod quasi_static;
+mod simplification;
 mod stance;
 #[cfg(test)]
 mod tests;

@@ -117,7 +117,7 @@ impl<'a> MultiHypothesisSmoother<'a> {
         };
         let unknowns = Unknowns::new(&robot, &senses, options.shared_gain);
         let count = sensors.len();
-        let ground = Boundaries::new(map).with_clearance(map);
+        let ground = Boundaries::simplified(map).with_clearance(map);
         let scene = Scene {
             map,
             declared,
