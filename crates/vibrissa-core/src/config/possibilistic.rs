@@ -11,8 +11,8 @@ pub struct PossibilisticOptions {
     pub most_cells: usize,
     /// How often a cell meets a reading in one update, at most, over all cells.
     pub work: usize,
-    /// The same once more at the end of the log, at most, less one for each cell: it ends when more work rules out little more. A million takes
-    /// half a second to one; of twelve sweeps at 5 % noise five million leave volumes smaller by a third in the middle (13 % in length).
+    /// The same once more at the end of the log, at most, less some for each cell: it ends when more work rules out little more. The default
+    /// takes a second at most; five million may leave a large map's set a single place where it leaves several.
     pub last_work: usize,
     /// Cells smaller than this are not halved (m; headings count by an arm of 0.1 m).
     pub resolution: f64,
@@ -34,7 +34,7 @@ impl Default for PossibilisticOptions {
         Self {
             most_cells: 2000,
             work: 130,
-            last_work: 1_000_000,
+            last_work: 1_400_000,
             resolution: 0.4e-3,
             largest_slope: core::f64::consts::PI,
             tolerate: 0,

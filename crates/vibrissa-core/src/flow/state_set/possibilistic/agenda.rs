@@ -13,6 +13,8 @@ use crate::WorkBudget;
 use crate::sets::Interval;
 use crate::world::Map;
 
+/// What a cell at the end costs beside its meetings (as so many of them): it is gone over, drawn and measured several times.
+const LAST_CELL_COST: usize = 6;
 /// What a reading of a whisker costs to compare with tables.
 const SLICE_COST: usize = 100;
 
@@ -56,8 +58,7 @@ impl PossibleSet {
 
     /// As [`PossibleSet::finish`], but for the work.
     pub(crate) fn begin_last_effort(&mut self) {
-        // To go over a cell and to measure it takes about as long as one meeting.
-        let work = self.options.last_work.saturating_sub(self.cells.len());
+        let work = self.options.last_work.saturating_sub(LAST_CELL_COST * self.cells.len());
         if self.records.is_empty() || work == 0 {
             self.is_cut_short = self.options.last_work > 0 && !self.cells.is_empty();
             return;

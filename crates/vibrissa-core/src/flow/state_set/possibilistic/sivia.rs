@@ -179,9 +179,11 @@ impl PossibleSet {
         let mut cell = self.contracted_by(map, half, newest, true, work)?;
         let told = if most >= count { count } else { most.div_ceil(2) };
         // First what ruled out another cell last.
-        let mut next = self.constraint_order.last().filter(|_| count > 0);
+        let foremost = self.constraint_order.last().filter(|_| count > 0);
+        let mut next = foremost;
         for k in 0..=most.min(count) {
-            let record = next;
+            // It need not be met again in its turn.
+            let record = next.filter(|_| k == 0 || next != foremost);
             next = if k < told {
                 self.constraint_order.at(k)
             } else if k < most.min(count) {
