@@ -323,6 +323,29 @@ fn little_is_added() {
 }
 
 #[test]
+fn patches_cut_in_pieces_are_those_cut_at_once() {
+    for (name, whisker) in kinds().into_iter().step_by(3) {
+        let mut whole = RodContacts::new(&whisker, 0.1, PI, 0.01).unwrap();
+        let mut parts = whole.clone();
+        whole.refine(0.03);
+        let (mut all, mut pieces) = (0, 0);
+        loop {
+            let done = parts.refine_some(0.03, 7);
+            (all, pieces) = (all + done, pieces + 1);
+            if done < 7 {
+                break;
+            }
+        }
+        assert!(pieces > 5 && all <= 7 * pieces, "{name}: {pieces}");
+        let patches = |contacts: &RodContacts| contacts.table(16, 0.03).patches();
+        assert_eq!(patches(&whole), patches(&parts), "{name}");
+        let slices = |contacts: &RodContacts| format!("{:?}", contacts.table(16, 0.03).slice(1.0, 0.2, 0.25));
+        assert_eq!(slices(&whole), slices(&parts), "{name}");
+        assert_eq!(parts.refine_some(0.03, 7), 0, "{name}");
+    }
+}
+
+#[test]
 fn a_whisker_that_makes_no_sense_is_refused() {
     let bad = [unit(|w| w.length = -1.0), unit(|w| w.tip_ratio = 0.0), unit(|w| w.curvature = 7.0)];
     for whisker in bad {

@@ -223,8 +223,9 @@ impl Forest {
         forest
     }
 
-    /// Bisects the patches until they leave no more than `width` or are `most`, the widest first: what is over then is alike.
-    pub(super) fn refine(&mut self, width: f64, most: usize) {
+    /// Bisects the patches until they leave no more than `width` or are `most`, the widest first: what is over then is alike. After so many
+    /// bisections it pauses; how many it has done, which are fewer at the end.
+    pub(super) fn refine_some(&mut self, width: f64, most: usize, at_once: usize) -> usize {
         // Widths are not negative: their bits grow with them.
         let key = |branches: &[Branch], index: usize| -> Option<(u64, Reverse<usize>)> {
             let branch = &branches[index];
@@ -233,13 +234,17 @@ impl Forest {
             (is_wide && can).then(|| (branch.width.to_bits(), Reverse(index)))
         };
         let mut waiting: BinaryHeap<_> = (0..self.branches.len()).filter_map(|at| key(&self.branches, at)).collect();
-        while self.branches.len() < most
+        let mut done = 0;
+        while done < at_once
+            && self.branches.len() < most
             && let Some((_, Reverse(index))) = waiting.pop()
         {
             let first = self.branches.len();
             self.bisect(index);
             waiting.extend((first..self.branches.len()).filter_map(|at| key(&self.branches, at)));
+            done += 1;
         }
+        done
     }
 
     /// The patches that leave no more than `width`, and where there are none the narrowest.

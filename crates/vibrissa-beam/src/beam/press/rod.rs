@@ -117,10 +117,20 @@ impl RodContacts {
 
     /// Patches that leave no more than `width` of their contacts, over the length.
     pub fn refine(&mut self, width: f64) {
+        self.refine_some(width, usize::MAX);
+    }
+
+    /// The same in pieces of so many bisections of patches, each of which takes some tenths of a millisecond; how many it has done, which
+    /// are fewer at the end.
+    pub fn refine_some(&mut self, width: f64, at_once: usize) -> usize {
+        let mut done = 0;
         for forests in &mut self.sides {
             let most = MOST_PATCHES / forests.len();
-            forests.iter_mut().for_each(|forest| forest.refine(width, most));
+            for forest in forests {
+                done += forest.refine_some(width, most, at_once - done);
+            }
         }
+        done
     }
 
     /// A table with so many buckets of directions in a quarter turn, from patches that leave no more than `width`, where

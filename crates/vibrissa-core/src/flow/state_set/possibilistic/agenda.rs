@@ -3,7 +3,9 @@
 //! Between two calls the cells enclose all that explains the readings so far: a task that makes a new list leaves the old one
 //! in place until it is whole.
 
-use super::contact_tables::{FinerTables, LAST_TABLE, NEXT_TABLE, NEXT_TABLES, WORTH_LAST, WORTH_NEXT};
+use super::contact_tables::{
+    FinerTables, LAST_TABLE, NEXT_TABLE, NEXT_TABLES, WORTH_LAST, WORTH_NEXT, comparison_cost,
+};
 use super::initial_cover::InitialCover;
 use super::last_effort::LastEffort;
 use super::record::ReadingContacts;
@@ -15,9 +17,6 @@ use crate::world::Map;
 
 /// What a cell at the end costs beside its meetings (as so many of them): it is gone over, drawn and measured several times.
 const LAST_CELL_COST: usize = 6;
-/// What a reading of a whisker costs to compare with tables.
-const SLICE_COST: usize = 100;
-
 /// The readings of a row, and how far the robot may have been when they were taken.
 #[derive(Clone, Debug)]
 pub(super) struct RowReading {
@@ -75,9 +74,11 @@ impl PossibleSet {
             // What a task asks for first comes on top of it.
             let at = self.agenda.len();
             let is_done = match &mut task {
+                // Finer tables only refine.
+                Task::Tables(_) if self.stop.is_asked() => true,
                 Task::Tables(tables) => self.add_some_tables(tables, budget),
                 Task::Record(reading) => {
-                    budget.spend(SLICE_COST * reading.moments.len());
+                    budget.spend(self.probes.iter().map(|probe| comparison_cost(&probe.whisker)).sum());
                     self.add_record(reading);
                     true
                 }

@@ -3,7 +3,7 @@
 use super::PossibleSet;
 use super::errors::UncertainWhisker;
 use crate::WorkBudget;
-use crate::beam::press::{ContactTable, LeaningPressTable, PressTable, PressTableBuilder};
+use crate::beam::press::{ContactTable, LeaningPressTable, PressTable, PressTableBuilder, RodContacts};
 use crate::config::PossibilisticOptions;
 use crate::math;
 use crate::world::Lean;
@@ -61,14 +61,8 @@ pub(super) fn tables(
 ) -> Vec<ContactTable> {
     if let Some(rod) = &whisker.rod {
         let mut contacts = (**rod).clone();
-        // Patches are many: the finest tables are half as fine as those of uniform whiskers.
-        let columns = if columns > ROD_FINE { columns / 2 } else { columns };
-        // The patches of the last table end the refinement, and are cut once.
-        let is_last = columns == LAST_TABLE.0 / 2;
-        let width = if is_last { ROD_LAST_WIDTH } else { ROD_WIDTH / columns as f64 };
-        contacts.refine(width);
-        let table = |k: usize| contacts.table(columns >> k, width * ROD_COARSER.powi(k as i32));
-        return (0..count).map(|k| ContactTable::Rod(table(k))).collect();
+        contacts.refine(rod_fineness(columns).1);
+        return rod_tables(&contacts, columns, count);
     }
     let finest = PressTable::new(columns, rows, math::atan(whisker.friction), options.largest_slope);
     let all = core::iter::successors(Some(finest), |table| Some(table.coarser())).take(count);
@@ -80,9 +74,36 @@ pub(super) fn tables(
     all.enumerate().map(of).collect()
 }
 
-/// What the tables of a rod or of a leaning whisker cost, and the comparison of a reading with a table.
-const ROD_COST: usize = 20_000;
+/// Columns of the finest table of a rod, and what its patches leave.
+fn rod_fineness(columns: usize) -> (usize, f64) {
+    // Patches are many: the finest tables are half as fine as those of uniform whiskers.
+    let columns = if columns > ROD_FINE { columns / 2 } else { columns };
+    // The patches of the last table end the refinement, and are cut once.
+    let is_last = columns == LAST_TABLE.0 / 2;
+    (columns, if is_last { ROD_LAST_WIDTH } else { ROD_WIDTH / columns as f64 })
+}
+
+/// The tables of a rod whose patches are as fine as the finest of them needs.
+fn rod_tables(contacts: &RodContacts, columns: usize, count: usize) -> Vec<ContactTable> {
+    let (columns, width) = rod_fineness(columns);
+    let table = |k: usize| contacts.table(columns >> k, width * ROD_COARSER.powi(k as i32));
+    (0..count).map(|k| ContactTable::Rod(table(k))).collect()
+}
+
+/// What the tables of a rod or of a leaning whisker cost, once a rod's patches are fine enough, and the comparison of a reading with a table, of a
+/// uniform whisker or of a rod.
+const ROD_COST: usize = 5_000;
 const COMPARISON_COST: usize = 100;
+const ROD_COMPARISON_COST: usize = 1000;
+
+/// What it costs to compare a reading of a whisker with a table.
+pub(super) fn comparison_cost(whisker: &UncertainWhisker) -> usize {
+    if whisker.rod.is_some() { ROD_COMPARISON_COST } else { COMPARISON_COST }
+}
+
+/// Bisections of a rod's patches at once, and what one costs.
+const BISECTED: usize = 16;
+const BISECTION_COST: usize = 500;
 /// What it costs to copy a table, or to make one of one that is twice as fine.
 const COPY_COST: usize = 600;
 
@@ -94,8 +115,9 @@ pub(super) struct FinerTables {
     /// Whether readings to come are compared with them, too.
     stay: bool,
     builder: Option<PressTableBuilder>,
-    /// Those that are made of the whisker whose turn it is.
+    /// Those that are made of the whisker whose turn it is, or its patches.
     chain: Vec<PressTable>,
+    rod: Option<Box<RodContacts>>,
     /// Those of the first whiskers.
     made: Vec<Vec<ContactTable>>,
     compared: usize,
@@ -104,7 +126,7 @@ pub(super) struct FinerTables {
 impl FinerTables {
     /// So many tables, the first with `size` columns and rows, before any work.
     pub(super) fn new(size: (usize, usize), count: usize, stay: bool) -> Self {
-        Self { size, count, stay, builder: None, chain: Vec::new(), made: Vec::new(), compared: 0 }
+        Self { size, count, stay, builder: None, chain: Vec::new(), rod: None, made: Vec::new(), compared: 0 }
     }
 
     /// Makes a part of the tables of the next of the whiskers.
@@ -116,7 +138,17 @@ impl FinerTables {
             return budget.spend(COPY_COST * self.count);
         }
         let (columns, rows) = self.size;
-        if whisker.rod.is_some() || !whisker.lean.is_level() {
+        if let Some(rod) = &whisker.rod {
+            let contacts = self.rod.get_or_insert_with(|| Box::new((**rod).clone()));
+            let done = contacts.refine_some(rod_fineness(columns).1, BISECTED);
+            if done == BISECTED {
+                return budget.spend(BISECTION_COST * done);
+            }
+            self.made.push(rod_tables(contacts, columns, self.count));
+            self.rod = None;
+            return budget.spend(ROD_COST);
+        }
+        if !whisker.lean.is_level() {
             self.made.push(tables(self.size, self.count, whisker, options));
             return budget.spend(ROD_COST);
         }
@@ -158,7 +190,7 @@ impl PossibleSet {
             finer.compared += 1;
             for ((touch, probe), tables) in record.touches.iter_mut().zip(&self.probes).zip(&finer.made) {
                 tables.iter().rev().for_each(|table| touch.add_finer(&probe.whisker, table));
-                budget.spend(COMPARISON_COST * tables.len());
+                budget.spend(comparison_cost(&probe.whisker) * tables.len());
             }
         }
         if finer.stay {
