@@ -185,8 +185,11 @@ fn a_refinement_without_work_enough_is_told() {
         let answer = ends(work);
         assert!(contains(&answer, trial.truth) && answer.status == Status::Ambiguous, "{work}: {}", answer.status);
         let told = answer.events.last().unwrap();
-        let asked = format!("last_work {}", 5 * work);
-        assert!(told.kind == "cut_short" && told.detail.contains(&asked), "{work}: {told:?}");
+        assert!(told.kind == "cut_short" && told.detail.contains(&format!("(last_work {work})")), "{work}: {told:?}");
+        // What it proposes leaves less.
+        let proposed = told.detail.rsplit("last_work ").next().unwrap().split(' ').next().unwrap().parse().unwrap();
+        let volume = |answer: &Localization| answer.steps.last().unwrap().volume;
+        assert!(volume(&ends(proposed)) < volume(&answer), "{work}: {proposed}");
     }
     // Without any it is as was asked for, and with enough nothing is to be told.
     let enough = ends(5_000_000);

@@ -29,6 +29,8 @@ const MEASURED_NOW: usize = 300;
 const SUMMED: usize = 20_000;
 /// So many times the work of the final refinement is proposed where it was not enough.
 const MORE_WORK: usize = 5;
+/// No more is proposed than may be asked for.
+const MOST_WORK: usize = 1_000_000_000;
 /// Largest friction coefficient: its angle is a right angle less half a degree more than the tables hold.
 const LARGEST_FRICTION: f64 = 1.5;
 
@@ -484,7 +486,7 @@ impl Estimator for PossibilisticEstimator<'_> {
             let most = self.options.last_work;
             let detail = format!(
                 "the final refinement has used up its work (last_work {most}); last_work {} may leave less, and takes in proportion longer",
-                MORE_WORK * most
+                most.saturating_mul(MORE_WORK).saturating_add(self.set.cost_of_cells()).min(MOST_WORK)
             );
             self.events.push(Event { t, kind: "cut_short", detail });
         }

@@ -55,9 +55,14 @@ impl PossibleSet {
         }
     }
 
+    /// What of the final refinement's work the cells take beside their meetings.
+    pub(crate) fn cost_of_cells(&self) -> usize {
+        LAST_CELL_COST * self.cells.len()
+    }
+
     /// As [`PossibleSet::finish`], but for the work.
     pub(crate) fn begin_last_effort(&mut self) {
-        let work = self.options.last_work.saturating_sub(LAST_CELL_COST * self.cells.len());
+        let work = self.options.last_work.saturating_sub(self.cost_of_cells());
         if self.records.is_empty() || work == 0 {
             self.is_cut_short = self.options.last_work > 0 && !self.cells.is_empty();
             return;
