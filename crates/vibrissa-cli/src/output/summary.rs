@@ -113,11 +113,19 @@ fn events(text: &mut String, events: &[Event]) {
         return;
     }
     text.push_str("\nevents\n");
-    for event in events.iter().take(LISTED) {
+    // Of many the last that say more than that a whisker touches: the verdict rests on them.
+    let touches = |event: &&Event| matches!(event.kind, "contact" | "lift_off");
+    let told: Vec<&Event> = if events.len() > LISTED {
+        let others: Vec<&Event> = events.iter().filter(|event| !touches(event)).collect();
+        others[others.len().saturating_sub(LISTED)..].to_vec()
+    } else {
+        events.iter().collect()
+    };
+    for event in &told {
         let _ = writeln!(text, "  {:>9.3} s  {}: {}", event.t, event.kind, event.detail);
     }
-    if events.len() > LISTED {
-        let _ = writeln!(text, "  … and {}", counted(events.len() - LISTED, "more event", "more events"));
+    if events.len() > told.len() {
+        let _ = writeln!(text, "  … and {}", counted(events.len() - told.len(), "more event", "more events"));
     }
 }
 

@@ -13,6 +13,7 @@ pub mod mapping;
 pub mod plan;
 pub mod profile;
 mod remedies;
+mod second_opinion;
 pub mod sensor_design;
 pub mod temporal_filter;
 

@@ -1,17 +1,15 @@
 //! What the guaranteed method leaves open of a log of which the probabilistic one is sure, or which that does not explain: set inversion
 //! \[jaulin2009robust\] as a second opinion. The true state is in the set as long as the declared bounds hold.
 
-use crate::config::{PossibilisticOptions, ProbabilisticOptions};
+use crate::Stop;
+use crate::config::ProbabilisticOptions;
 use crate::flow::pose::{Hypothesis, Localization, Status};
 use crate::flow::sensor_log::SensorLog;
-use crate::localizer::Method;
 use crate::plane::Pose2;
 use crate::sets::Interval;
-use crate::tasks::localize;
+use crate::tasks::second_opinion::enclosure;
 use crate::world::{Map, Robot};
 
-/// From so much way after the first contact on the whisker may touch in two places at once (m).
-const TWO_CONTACTS: f64 = 0.05;
 /// A set is one place with what was told if none of it is further off than this (m).
 pub(super) const SAME_PLACE: f64 = 0.02;
 /// Sets of more places than this say nothing, since little was felt: beside a place that was told, and where none was.
@@ -31,9 +29,6 @@ pub(super) enum Opinion {
     Open(Vec<Hypothesis>),
 }
 
-/// Work of the final refinement: a robot that stands still can wait for some seconds.
-const LAST_WORK: usize = 5_000_000;
-
 /// The opinion of the set of all states that a log leaves open, by what the other method was told.
 pub(super) fn opinion(
     log: &SensorLog,
@@ -42,13 +37,7 @@ pub(super) fn opinion(
     options: &ProbabilisticOptions,
     told: Option<Pose2>,
 ) -> Opinion {
-    let ProbabilisticOptions { prior, heading_error, .. } = *options;
-    let two_contacts = Some(TWO_CONTACTS);
-    let last_work = LAST_WORK;
-    let options =
-        PossibilisticOptions { two_contacts, prior, heading_error, last_work, ..PossibilisticOptions::default() };
-    // Where it does not take the robot or the map there is no second opinion.
-    let Ok(mut set) = localize(log, map, robot, &Method::Possibilistic(options), &mut |_| {}) else {
+    let Some(mut set) = enclosure(log, &log.rows, map, robot, options, &Stop::default()) else {
         return Opinion::None;
     };
     let places = &mut set.hypotheses;
@@ -86,31 +75,7 @@ fn even_over(place: &Hypothesis) -> [[f64; 3]; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::flow::pose::StampedPose;
-    use crate::plane::{Curve, Vec2};
-    use crate::sim::{Pace, SimulateOptions, SweepNoise, path_through, simulate};
-    use crate::world::{Boundary, Role};
-
-    /// Along the lower wall of a room, over a bay or not; with the like bay opposite or not.
-    fn swept(from: f64, to: f64, is_symmetric: bool) -> (Map, Robot, SensorLog, Pose2) {
-        let half = [(0.0, 0.0), (0.25, 0.0), (0.25, -0.05), (0.32, -0.05), (0.32, 0.0), (0.45, 0.0)];
-        let mut points: Vec<Vec2> = half.into_iter().map(|(x, y)| Vec2::new(x, y)).collect();
-        let opposite = |p: Vec2| Vec2::new(0.45, 0.3) - p;
-        if is_symmetric {
-            points.extend(half.map(|(x, y)| opposite(Vec2::new(x, y))));
-        } else {
-            points.extend([Vec2::new(0.45, 0.3), Vec2::new(0.0, 0.3)]);
-        }
-        let map = Map::new(vec![Boundary::new(Role::Arena, Curve::polyline(&points, true).unwrap(), None).unwrap()]);
-        let (map, mut robot) = (map.unwrap(), Robot::default());
-        robot.whiskers[0].beam.length = 0.08;
-        robot.whiskers[0].robot_from_whisker = Pose2::new(0.0, 0.0, -1.2);
-        let way = [Pose2::new(from, 0.09, 0.0), Pose2::new(from + 0.01, 0.066, 0.0), Pose2::new(to, 0.066, 0.0)];
-        let path = path_through(&way, &Pace { speed: 0.1, turn_rate: 1.0, rate: 50.0 }).unwrap();
-        let sweep = simulate(&map, &robot, &path, &SweepNoise::seeded(5), &SimulateOptions::default()).unwrap();
-        let truth = path.last().map(|last: &StampedPose| last.map_from_robot).unwrap();
-        (map, robot, sweep.log, truth)
-    }
+    use crate::tasks::second_opinion::tests::swept;
 
     #[test]
     fn a_set_proves_a_place_disputes_it_or_knows_a_better_one() {
