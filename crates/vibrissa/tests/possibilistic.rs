@@ -14,7 +14,9 @@ use vibrissa::config::PossibilisticOptions;
 use vibrissa::flow::pose::{Localization, Status};
 use vibrissa::flow::sensor_log::{Channel, Quantity};
 use vibrissa::io::read_tum;
-use vibrissa::world::Robot;
+use vibrissa::plane::{Curve, Pose2, Vec2};
+use vibrissa::sim::{Pace, SimulateOptions, SweepNoise, path_through, simulate};
+use vibrissa::world::{Boundary, Map, Robot, Role};
 use vibrissa::{Method, localize};
 
 /// Little work, for speed: soundness does not depend on it.
@@ -207,4 +209,48 @@ fn a_set_that_is_empty_only_after_the_last_row_is_told() {
     let answer = run(&trial, options);
     assert_eq!(answer.status, Status::Inconsistent);
     assert!(answer.events.last().unwrap().detail.starts_with("all readings together"), "{:?}", answer.events.last());
+}
+
+#[test]
+fn no_way_leads_through_a_wall() {
+    // Along the lower wall, far to the right through the air and back, and on along the wall: no reading tells where along it, but the way to the
+    // right needs room.
+    let outline = [(0.0, 0.0), (0.5, 0.0), (0.5, 0.3), (0.0, 0.3)].map(|(x, y)| Vec2::new(x, y));
+    let map = Map::new(vec![Boundary::new(Role::Arena, Curve::polyline(&outline, true).unwrap(), None).unwrap()]);
+    let (map, mut robot) = (map.unwrap(), Robot::default());
+    robot.whiskers[0].beam.length = 0.08;
+    robot.whiskers[0].robot_from_whisker = Pose2::new(0.0, 0.0, -1.2);
+    let way = [
+        (0.1, 0.09),
+        (0.105, 0.066),
+        (0.16, 0.066),
+        (0.17, 0.15),
+        (0.42, 0.15),
+        (0.17, 0.15),
+        (0.18, 0.066),
+        (0.2, 0.066),
+    ];
+    let way = way.map(|(x, y)| Pose2::new(x, y, 0.0));
+    let path = path_through(&way, &Pace { speed: 0.1, turn_rate: 1.0, rate: 50.0 }).unwrap();
+    let sweep = simulate(&map, &robot, &path, &SweepNoise::seeded(3), &SimulateOptions::default()).unwrap();
+    let truth = path.last().unwrap().map_from_robot;
+    // In the air a row for every 110 mm: no whisker is seen to go through the wall, but the base is behind it.
+    let mut log = sweep.log.clone();
+    let is_in_air = |y: f64| y > truth.y + 0.083;
+    let mut air = 0;
+    log.rows.retain(|row| {
+        air += 1;
+        !is_in_air(row.odom_from_robot.y + path[0].map_from_robot.y) || air % 55 == 0
+    });
+    let options = PossibilisticOptions {
+        heading_error: 0.01,
+        work: 1,
+        prior: Some([[0.0, 0.5], [0.0, 0.3], [-0.02, 0.02]]),
+        ..PossibilisticOptions::default()
+    };
+    let answer = localize(&log, &map, &robot, &Method::Possibilistic(options), &mut |_| {}).unwrap();
+    assert!(contains(&answer, truth));
+    // At the right end of its way, 0.22 m further than at the end, the base was at 0.5 m at most; the row there may be 25 mm before it.
+    let right = answer.hypotheses.iter().map(|place| place.extent.x.hi()).fold(f64::NEG_INFINITY, f64::max);
+    assert!(right < 0.31, "{right}");
 }

@@ -192,7 +192,8 @@ impl PossibleSet {
                 None
             };
             let Some(record) = record else { continue };
-            let Some(left) = self.contracted_by(map, cell, record, false, work) else {
+            // Where a robot has gone through a wall between two contacts its base tells.
+            let Some(left) = self.contracted_by(map, cell, record, true, work) else {
                 self.constraint_order.note(record);
                 return None;
             };
