@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that cannot go on must fail")]
 
 use std::path::Path;
+use vibrissa::figure::localization::verdict;
 use vibrissa::figure::{FilmFrame, LocalizationScene, Outline, OutlineRole, localization_figure, localization_film};
 use vibrissa::flow::pose::{Event, Hypothesis, Localization, ShapeRecord, StampedPose, Status, Stretch};
 use vibrissa::plane::{Pose2, Vec2};
@@ -409,5 +410,16 @@ fn an_inconsistent_answer_is_drawn_without_a_place() {
     let svg = localization_figure(&scene);
     for word in ["class=\"estimate\"", "class=\"extent\"", "off the truth", "estimate and heading"] {
         assert!(!svg.contains(word), "{word}");
+    }
+}
+
+#[test]
+fn shares_of_a_set_are_told_as_no_probabilities() {
+    let places = [(Pose2::new(0.0, 0.035, 1.75), 1e-3, 20), (Pose2::new(0.1, -0.05, 0.4), 1e-3, 20)];
+    for encloses in [false, true] {
+        let answer = Localization { encloses, ..localized(&places, Status::Ambiguous) };
+        let scene = LocalizationScene { title: "two", map: &map(), answer: &answer, truth: None, robot: &[] };
+        assert_eq!(verdict(&answer).contains("50 %"), !encloses, "{}", verdict(&answer));
+        assert_eq!(localization_figure(&scene).contains("1: 50 %"), !encloses);
     }
 }

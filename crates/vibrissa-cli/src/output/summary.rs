@@ -18,7 +18,7 @@ pub(crate) fn text(run: &Run, error: Option<&TrajectoryError>, written: Option<&
         [] => {}
         _ if run.answer.status == Status::Inconsistent => {}
         [only] => estimate(&mut text, only),
-        many => places(&mut text, many),
+        many => places(&mut text, many, run.answer.encloses),
     }
     if let Some(odometry) = &run.answer.odometry {
         corrections(&mut text, odometry);
@@ -72,8 +72,10 @@ fn corrections(text: &mut String, odometry: &OdometryEstimate) {
     );
 }
 
-fn places(text: &mut String, many: &[Hypothesis]) {
-    let _ = writeln!(text, "\n  place  weight      x mm      y mm  heading deg   extent: x mm, y mm, heading deg");
+fn places(text: &mut String, many: &[Hypothesis], encloses: bool) {
+    // Of a set its share, which is no probability.
+    let weight = if encloses { " share" } else { "weight" };
+    let _ = writeln!(text, "\n  place  {weight}      x mm      y mm  heading deg   extent: x mm, y mm, heading deg");
     for (index, hypothesis) in many.iter().take(LISTED).enumerate() {
         let (pose, extent) = (hypothesis.pose, hypothesis.extent);
         let (x, y, heading) = (pose.x * 1e3, pose.y * 1e3, pose.theta.to_degrees());

@@ -21,7 +21,7 @@ pub(super) fn lines(scene: &LocalizationScene<'_>) -> Vec<Line> {
         _ if answer.status == Status::Inconsistent => Vec::new(),
         [] => Vec::new(),
         [only] => estimate(only),
-        many => rivals(many),
+        many => rivals(many, answer.encloses),
     };
     let error = scene.truth.and_then(|truth| trajectory_error(&answer.trajectory, truth));
     if let Some(error) = error.filter(|_| !lines.is_empty()) {
@@ -52,13 +52,14 @@ fn estimate(only: &Hypothesis) -> Vec<Line> {
     ]
 }
 
-fn rivals(hypotheses: &[Hypothesis]) -> Vec<Line> {
+fn rivals(hypotheses: &[Hypothesis], encloses: bool) -> Vec<Line> {
     let mut lines = vec![("heading", format!("{} places explain the log", hypotheses.len()))];
     for (index, hypothesis) in hypotheses.iter().take(LISTED).enumerate() {
-        let (number, share) = (index + 1, fixed(100.0 * hypothesis.weight, 0));
+        let number = index + 1;
+        let share = if encloses { String::new() } else { format!("{} %, ", fixed(100.0 * hypothesis.weight, 0)) };
         let pose = hypothesis.pose;
         let [x, y, heading] = [pose.x * 1e3, pose.y * 1e3, pose.theta.to_degrees()].map(|value| fixed(value, 1));
-        lines.push(("label", format!("{number}: {share} %, {x}, {y} mm, {heading}°")));
+        lines.push(("label", format!("{number}: {share}{x}, {y} mm, {heading}°")));
     }
     if hypotheses.len() > LISTED {
         lines.push(("small", format!("and {} more", hypotheses.len() - LISTED)));

@@ -18,6 +18,10 @@ pub fn verdict(answer: &Localization) -> String {
             let weight = answer.hypotheses.first().map_or(0.0, |first| first.weight);
             let found = match answer.hypotheses.len() {
                 1 => format!("one place explains the log, too wide or too doubtful to settle on: {place}"),
+                // The share of a set's volume is no probability.
+                places if answer.encloses => {
+                    format!("{places} separate places explain the log; number 1, the largest, is {place}")
+                }
                 places => {
                     format!("{places} separate places explain the log; number 1 ({:.0} %) is {place}", 100.0 * weight)
                 }

@@ -14,7 +14,7 @@ const TWO_CONTACTS: f64 = 0.05;
 /// Work of the final refinement: who has no answer can wait for some seconds.
 const LAST_WORK: usize = 5_000_000;
 /// A set of more places than this, or with one that is larger (m), is no answer: it says that little was felt. Of 16 drives around corners that were
-/// `inconsistent` it makes eight `ambiguous`, all with the truth in the set; of 84 with a wrong sign, mirrored odometry or a wrong map one.
+/// `inconsistent` it makes nine `ambiguous`, all with the truth in the set; of 84 with a wrong sign, mirrored odometry or a wrong map one.
 const MOST_PLACES: usize = 4;
 const LARGEST_PLACE: f64 = 0.15;
 /// Nor is the set asked where the readings scatter so far from the likeliest place (mean square over that of the declared noise): half of them are false
