@@ -11,9 +11,9 @@ use vibrissa::config::{NoiseAssumption, ProbabilisticOptions};
 use vibrissa::flow::pose::{Localization, NuisanceQuantity, Status};
 use vibrissa::plane::{Curve, Pose2, Segment, Vec2};
 use vibrissa::sim::recorder::{NoiseLaw, Recorder, TrueErrors};
-use vibrissa::sim::{SweepNoise, simulate_tip_sweep};
+use vibrissa::sim::{Pace, SimulateOptions, SweepNoise, path_through, simulate, simulate_tip_sweep};
 use vibrissa::tasks::demo;
-use vibrissa::world::{Boundary, Map, Robot};
+use vibrissa::world::{Boundary, Map, Robot, Role};
 use vibrissa::{Method, localize};
 
 /// The answer to the demo's sweep of a robot that is not quite what it declares, and where the declared robot is at the end.
@@ -126,5 +126,35 @@ fn places_are_told_on_the_map_as_it_is_drawn_though_its_scale_is_wrong() {
             let off = row.map_from_robot.position().distance(exact.map_from_robot.position());
             assert!(off < 2e-3, "{map_scale}: {off} at {}", row.t);
         }
+    }
+}
+
+#[test]
+fn a_contact_is_found_beside_a_zero_that_has_drifted_to_the_other_side() {
+    // Along a wall and over a bay. The first readings of the contact have the sign of the zero, not that of the moment.
+    let outline =
+        [(0.0, 0.0), (0.25, 0.0), (0.25, -0.05), (0.32, -0.05), (0.32, 0.0), (0.45, 0.0), (0.45, 0.3), (0.0, 0.3)];
+    let outline = outline.map(|(x, y)| Vec2::new(x, y));
+    let map = Map::new(vec![Boundary::new(Role::Arena, Curve::polyline(&outline, true).unwrap(), None).unwrap()]);
+    let (map, mut robot) = (map.unwrap(), Robot::default());
+    robot.whiskers[0].beam.length = 0.08;
+    robot.whiskers[0].robot_from_whisker = Pose2::new(0.0, 0.0, -1.2);
+    robot.whiskers[0].noise.moment_absolute = 5e-6;
+    robot.whiskers[0].errors.zero_drift = 1e-5;
+    let way = [(0.1, 0.2), (0.15, 0.066), (0.4, 0.066)].map(|(x, y)| Pose2::new(x, y, 0.0));
+    let path = path_through(&way, &Pace { speed: 0.02, turn_rate: 1.0, rate: 50.0 }).unwrap();
+    let sweep = simulate(&map, &robot, &path, &SweepNoise::none(), &SimulateOptions::default()).unwrap();
+    let pose = sweep.truth.last().unwrap().map_from_robot;
+    for zero_drift in [-9.5e-6, 9.5e-6] {
+        let truth = TrueErrors { zero_drift, ..TrueErrors::default() };
+        let recorder = Recorder { noise: SweepNoise::seeded(5), truth, ..Recorder::default() };
+        let log = recorder.record(&robot, &sweep).unwrap().log;
+        let method = Method::Probabilistic(ProbabilisticOptions::default());
+        let told = localize(&log, &map, &robot, &method, &mut |_| {}).unwrap();
+        let near = told.hypotheses.iter().map(|h| distance(h, pose)).fold(f64::INFINITY, f64::min);
+        println!("{zero_drift}: {}, chi² {near:.1}, {:?}", told.status, told.events);
+        assert!(near < 2.0 * CHI2_95, "{zero_drift}: {}, {near}", told.status);
+        let drift = told.nuisances.iter().find(|n| n.quantity == NuisanceQuantity::ZeroDrift).unwrap();
+        assert!((drift.estimate - zero_drift).abs() < 1e-6, "{drift:?}");
     }
 }

@@ -55,7 +55,9 @@ pub(super) struct ContactOnset {
     pub(super) turn: f64,
     /// Where the tip can be with the first pose in the prior's region.
     pub(super) near: Option<Bounds>,
-    /// Standard deviations of gain and zero.
+    /// What the sensor read while its whisker was free, where its zero drifts.
+    pub(super) level: f64,
+    /// Standard deviations of the gain, and of the zero about that.
     pub(super) priors: [f64; 2],
 }
 

@@ -130,7 +130,7 @@ pub(super) fn run(
 ) -> Option<Cell> {
     let sensor = &model.sensors[onset.sensor];
     let forward = forward(model, sensor);
-    let priors = onset.priors.map(|std| Prior { mean: 0.0, std });
+    let priors = [(0.0, onset.priors[0]), (onset.level, onset.priors[1])].map(|(mean, std)| Prior { mean, std });
     let (pivot, damping) = (frame.transform_point(pivot(model, onset)), damping(onset));
     let mut told = Told::default();
     let mut best = (0.0, [0.0; 3]);

@@ -79,7 +79,7 @@ pub(super) fn touching(
     admits: &Admits<'_>,
 ) -> Option<Seed> {
     let sensor = &model.sensors[onset.sensor];
-    let z = model.window.readings(onset.row)[onset.sensor];
+    let z = model.window.readings(onset.row)[onset.sensor] - onset.level;
     let spot = model.ground.pieces[piece as usize].spot(at);
     let push = (spot.normal - heading).sin();
     let along = Vec2::from_angle(heading);

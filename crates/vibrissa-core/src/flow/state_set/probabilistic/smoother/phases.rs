@@ -11,6 +11,7 @@ use super::super::map_symmetry::MapSymmetries;
 use super::super::optimisation::Mode;
 use super::super::scene::Scene;
 use super::super::state::{Start, State};
+use super::super::unknowns::POSE;
 use super::{CONTACT_ROWS, MultiHypothesisSmoother, Phase, StepOutcome};
 use crate::contact::follow::WhiskerState;
 use crate::flow::prior;
@@ -18,6 +19,10 @@ use crate::plane::{Pose2, Vec2};
 
 /// Free rows that are kept before a contact: what the whisker did not touch.
 const LEAD_ROWS: usize = 24;
+/// So many of them tell where a zero has drifted to.
+const LEVEL_ROWS: usize = 8;
+/// A bound, in standard deviations of what is even within it.
+const BOUND_STDS: f64 = 1.732;
 /// Travel between them (m).
 const LEAD_STEP: f64 = 1.5e-3;
 /// Readings that are run through the forward model in one call while modes are fitted first (some milliseconds).
@@ -112,7 +117,8 @@ impl MultiHypothesisSmoother<'_> {
         let arm = odom_from_whisker.position();
         let unknowns = &self.scene.unknowns;
         let std = |place: Option<usize>| place.map_or(0.0, |at| unknowns.all()[at - 3].std);
-        let drifted = std(unknowns.drift[sensor]) * self.window.since_start(row);
+        let level = free_level(&self.scene, &self.window, sensor, row);
+        let drifted = if level.is_some() { 0.0 } else { std(unknowns.drift[sensor]) * self.window.since_start(row) };
         ContactOnset {
             sensor,
             row,
@@ -125,6 +131,7 @@ impl MultiHypothesisSmoother<'_> {
                 let [place, turn] = self.scene.prior_slack(&self.window, 0.0);
                 prior::around(region, arm, options.seed_spacing + place + arm.norm() * turn, own.length)
             }),
+            level: level.unwrap_or_default(),
             priors: [std(unknowns.gain[sensor]), std(unknowns.zero[sensor]).hypot(drifted)],
         }
     }
@@ -157,6 +164,7 @@ impl MultiHypothesisSmoother<'_> {
         let cells = search.into_found(&model);
         self.starts += 1;
         self.searched.push(window.time(row));
+        let values = values_by_levels(scene, window, row);
         let mode = |cell: Cell| {
             let start = if from_free {
                 window_start(scene, window)
@@ -167,7 +175,7 @@ impl MultiHypothesisSmoother<'_> {
                 let bases = scene.sensors.iter().map(|s| robot.compose(s.robot_from_whisker)).collect();
                 Start { states, bases, prior: None }
             };
-            let state = State { frame: cell.frame, values: vec![0.0; scene.unknowns.all().len()] };
+            let state = State { frame: cell.frame, values: values.clone() };
             Mode::new(state, start, NoiseModel::tracked(scene.options.noise_model))
         };
         let mut modes = Vec::with_capacity(cells.len());
@@ -276,6 +284,29 @@ impl MultiHypothesisSmoother<'_> {
             _ => Phase::Waiting,
         };
     }
+}
+
+/// What a sensor whose zero drifts has read in the last rows before this one while its whisker was free.
+fn free_level(scene: &Scene<'_>, window: &LogWindow, sensor: usize, row: usize) -> Option<f64> {
+    scene.unknowns.drift[sensor]?;
+    let is_free = |row: &usize| !window.contacts(*row)[sensor];
+    let free = (0..row).rev().filter(is_free).take(LEVEL_ROWS).map(|row| window.readings(row)[sensor]);
+    let (count, sum) = free.fold((0, 0.0), |(count, sum), z| (count + 1, sum + z));
+    (count > 0).then(|| sum / f64::from(count))
+}
+
+/// The nuisance parameters with which a mode begins: drifts as they have brought zeros to where they were before this row, within their bounds.
+fn values_by_levels(scene: &Scene<'_>, window: &LogWindow, row: usize) -> Vec<f64> {
+    let mut values = vec![0.0; scene.unknowns.all().len()];
+    let since = window.since_start(row);
+    for (sensor, drift) in scene.unknowns.drift.iter().enumerate() {
+        let Some((at, level)) = drift.zip(free_level(scene, window, sensor, row)).filter(|_| since > 0.0) else {
+            continue;
+        };
+        let most = BOUND_STDS * scene.unknowns.all()[at - POSE].std;
+        values[at - POSE] = (level / since).clamp(-most, most);
+    }
+    values
 }
 
 /// How the whiskers stand at the window's first row where that is not known.
