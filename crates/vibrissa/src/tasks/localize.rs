@@ -1,6 +1,6 @@
 //! Where the robot is: the one-call door to the whole corridor.
 
-use super::second_opinion;
+use super::second_opinion::Told;
 use crate::flow::pose::Localization;
 use crate::flow::sensor_log::SensorLog;
 use crate::io::calibrated;
@@ -119,7 +119,7 @@ pub fn localize_until(
     let answer = localizer.finish();
     Ok(match method {
         Method::Probabilistic(options) => {
-            second_opinion::answered(answer, &log, &log.rows[..used], map, &robot, options, stop)
+            Told { log: &log, rows: &log.rows[..used], map, robot: &robot, options, stop }.answer(answer)
         }
         _ => answer,
     })

@@ -21,67 +21,65 @@ const LARGEST_PLACE: f64 = 0.15;
 /// there, each of which counts 36, and map or robot are others. With a wrong map the bounds may leave some place, too.
 const LARGEST_MISFIT: f64 = 18.0;
 
-/// The set of all states that these rows of a log leave open, by what the other method was told; none where the method does not take the robot or the map,
-/// or `stop` is asked for.
-pub(super) fn enclosure(
-    log: &SensorLog,
-    rows: &[LogRow],
-    map: &Map,
-    robot: &Robot,
-    options: &ProbabilisticOptions,
-    stop: &Stop,
-) -> Option<Localization> {
-    let ProbabilisticOptions { prior, heading_error, .. } = *options;
-    let options = PossibilisticOptions {
-        two_contacts: Some(TWO_CONTACTS),
-        last_work: LAST_WORK,
-        prior,
-        heading_error,
-        ..PossibilisticOptions::default()
-    };
-    let mut localizer = Localizer::new(map, robot, &log.channels, &Method::Possibilistic(options)).ok()?;
-    localizer.heed(stop);
-    for row in rows {
-        localizer.step(row).ok()?;
-        if stop.is_asked() {
-            return None;
-        }
-    }
-    let set = localizer.finish();
-    (!stop.is_asked()).then_some(set)
+/// What the other method was told.
+pub(super) struct Told<'a> {
+    pub(super) log: &'a SensorLog,
+    /// Of the log's rows those that count.
+    pub(super) rows: &'a [LogRow],
+    pub(super) map: &'a Map,
+    pub(super) robot: &'a Robot,
+    pub(super) options: &'a ProbabilisticOptions,
+    pub(super) stop: &'a Stop,
 }
 
-/// The answer on a log that the probabilistic method calls `inconsistent`: the places of the set, where the declared bounds leave few and small ones
-/// (event `enclosed`), else the answer as it is. It is no more than `ambiguous` where the method takes what the robot file does not bound to be off: the set takes it
-/// for exact.
-pub(super) fn answered(
-    answer: Localization,
-    log: &SensorLog,
-    rows: &[LogRow],
-    map: &Map,
-    robot: &Robot,
-    options: &ProbabilisticOptions,
-    stop: &Stop,
-) -> Localization {
-    let is_elsewhere = answer.consistency.as_ref().is_some_and(|fit| fit.statistic > LARGEST_MISFIT);
-    if answer.status != Status::Inconsistent || is_elsewhere || stop.is_asked() {
-        return answer;
+impl Told<'_> {
+    /// The set of all states that the rows leave open; none where the method does not take the robot or the map, or the end is asked for.
+    pub(super) fn enclosure(&self) -> Option<Localization> {
+        let ProbabilisticOptions { prior, heading_error, .. } = *self.options;
+        let options = PossibilisticOptions {
+            two_contacts: Some(TWO_CONTACTS),
+            last_work: LAST_WORK,
+            prior,
+            heading_error,
+            ..PossibilisticOptions::default()
+        };
+        let method = Method::Possibilistic(options);
+        let mut localizer = Localizer::new(self.map, self.robot, &self.log.channels, &method).ok()?;
+        localizer.heed(self.stop);
+        for row in self.rows {
+            localizer.step(row).ok()?;
+            if self.stop.is_asked() {
+                return None;
+            }
+        }
+        let set = localizer.finish();
+        (!self.stop.is_asked()).then_some(set)
     }
-    let Some(set) = enclosure(log, rows, map, robot, options, stop).filter(tells) else { return answer };
-    let status = match options.undeclared {
-        UndeclaredErrors::None => set.status,
-        UndeclaredErrors::Typical => Status::Ambiguous,
-    };
-    let t = rows.last().map_or(0.0, |row| row.t);
-    let count = set.hypotheses.len();
-    let places = if count == 1 { "one place".to_owned() } else { format!("{count} places") };
-    let detail = format!(
-        "no likely place explains all readings, but the declared bounds leave {places}: told as by the possibilistic method, which takes what the \
-         robot file does not bound for exact"
-    );
-    let mut events = answer.events;
-    events.push(Event { t, kind: "enclosed", detail });
-    Localization { status, events, consistency: answer.consistency, ..set }
+
+    /// The answer on a log that the probabilistic method calls `inconsistent`: the places of the set, where the declared bounds leave few and small ones
+    /// (event `enclosed`), else the answer as it is. It is no more than `ambiguous` where the method takes what the robot file does not bound to be off:
+    /// the set takes it for exact.
+    pub(super) fn answer(&self, answer: Localization) -> Localization {
+        let is_elsewhere = answer.consistency.as_ref().is_some_and(|fit| fit.statistic > LARGEST_MISFIT);
+        if answer.status != Status::Inconsistent || is_elsewhere || self.stop.is_asked() {
+            return answer;
+        }
+        let Some(set) = self.enclosure().filter(tells) else { return answer };
+        let status = match self.options.undeclared {
+            UndeclaredErrors::None => set.status,
+            UndeclaredErrors::Typical => Status::Ambiguous,
+        };
+        let t = self.rows.last().map_or(0.0, |row| row.t);
+        let count = set.hypotheses.len();
+        let places = if count == 1 { "one place".to_owned() } else { format!("{count} places") };
+        let detail = format!(
+            "no likely place explains all readings, but the declared bounds leave {places}: told as by the possibilistic method, which takes what \
+             the robot file does not bound for exact"
+        );
+        let mut events = answer.events;
+        events.push(Event { t, kind: "enclosed", detail });
+        Localization { status, events, consistency: answer.consistency, ..set }
+    }
 }
 
 /// Whether a set says where the robot is.
@@ -126,7 +124,7 @@ pub(crate) mod tests {
         let ask = |log: &SensorLog, map: &Map, robot: &Robot, options: ProbabilisticOptions, stop: &Stop| {
             let event = Event { t: 0.5, kind: "inconsistent", detail: String::new() };
             let none = Localization { status: Status::Inconsistent, events: vec![event], ..Localization::default() };
-            answered(none, log, &log.rows, map, robot, &options, stop)
+            Told { log, rows: &log.rows, map, robot, options: &options, stop }.answer(none)
         };
         let (map, robot, log, truth) = swept(0.12, 0.4, false);
         let never = Stop::default();

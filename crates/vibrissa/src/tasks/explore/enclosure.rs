@@ -7,7 +7,7 @@ use crate::flow::pose::{Hypothesis, Localization, Status};
 use crate::flow::sensor_log::SensorLog;
 use crate::plane::Pose2;
 use crate::sets::Interval;
-use crate::tasks::second_opinion::enclosure;
+use crate::tasks::second_opinion::Told;
 use crate::world::{Map, Robot};
 
 /// A set is one place with what was told if none of it is further off than this (m).
@@ -37,7 +37,7 @@ pub(super) fn opinion(
     options: &ProbabilisticOptions,
     told: Option<Pose2>,
 ) -> Opinion {
-    let Some(mut set) = enclosure(log, &log.rows, map, robot, options, &Stop::default()) else {
+    let Some(mut set) = Told { log, rows: &log.rows, map, robot, options, stop: &Stop::default() }.enclosure() else {
         return Opinion::None;
     };
     let places = &mut set.hypotheses;
