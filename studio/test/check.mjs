@@ -1,4 +1,4 @@
-// Every scene's numbers against those of the command, in Chromium. Usage: node test/check.mjs VIBRISSA PAGE.html [--shots FOLDER]
+// Every scene's numbers against those of the command, in Chromium. Usage: node test/check.mjs VIBRISSA PAGE.html [--times] [--shots FOLDER]
 import { spawn } from "node:child_process";
 import { mkdirSync, readFileSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
@@ -10,7 +10,7 @@ import { frames } from "./frames.mjs";
 import { STEPS, feed } from "./live_run.mjs";
 
 const [program, file, ...rest] = process.argv.slice(2);
-const shots = rest[0] === "--shots" ? rest[1] : undefined;
+const shots = rest.includes("--shots") ? rest[rest.indexOf("--shots") + 1] : undefined;
 const chromium = process.env.CHROMIUM ?? "/usr/bin/chromium";
 const base = pathToFileURL(resolve(file)).href;
 const command = new Command(resolve(program));
@@ -493,7 +493,8 @@ await step("keyboard, names for screen readers, narrow screens", async () => {
   await page.setViewportSize({ width: 1280, height: 800 });
 });
 
-await step("how long things take (told, not tested)", async () => {
+const timed = rest.includes("--times") ? step : async () => undefined;
+await timed("how long things take (told, not tested)", async () => {
   const middle = (values) => [...values].sort((a, b) => a - b)[Math.floor(values.length / 2)];
   await scene(page, base, "bend");
   const first = await page.evaluate(() => performance.getEntriesByName("first-frame")[0].startTime);
