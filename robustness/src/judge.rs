@@ -1,7 +1,7 @@
 //! What becomes of one trial.
 
 use crate::cells::Trial;
-use crate::region::{CHI2_95, distance, encloses};
+use crate::region::{CHI2_95, distance};
 use crate::ridge::off_ridge;
 use vibrissa::flow::pose::{Hypothesis, Localization, Status};
 use vibrissa::plane::{Pose2, wrap_angle};
@@ -112,7 +112,11 @@ fn holds(answer: &Localization, truth: Pose2) -> bool {
         return false;
     }
     if answer.encloses {
-        return encloses(answer, truth);
+        return answer.states.iter().any(|b| {
+            let middle = 0.5 * (b.theta.lo() + b.theta.hi());
+            let theta = middle + wrap_angle(truth.theta - middle);
+            b.x.contains(truth.x) && b.y.contains(truth.y) && b.theta.contains(theta)
+        });
     }
     let near = |h: &Hypothesis| off_ridge(&h.ridge, truth).is_some_and(|off| off.0 < ON_RIDGE.0 && off.1 < ON_RIDGE.1);
     let inside = |h: &Hypothesis| match h.covariance {

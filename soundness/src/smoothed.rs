@@ -1,7 +1,8 @@
 //! The drives around corners by the probabilistic method: whether its 95 % regions hold the truth, and what it cannot explain.
 
 use crate::corner_drive;
-use crate::region::{CHI2_95, distance, encloses};
+use crate::random_sweep::contains;
+use crate::region::{CHI2_95, distance};
 use crate::ridge::off_ridge;
 use std::process::ExitCode;
 use std::time::Instant;
@@ -84,7 +85,7 @@ fn holds(found: &Localization, truth: Pose2) -> bool {
         off_ridge(&h.ridge, truth).is_some_and(|(place, turn)| place <= ON_RIDGE.0 && turn <= ON_RIDGE.1)
     };
     if found.encloses {
-        return encloses(found, truth);
+        return contains(found, truth);
     }
     found.status == Status::Ambiguous && found.hypotheses.is_empty()
         || found.hypotheses.iter().any(|h| distance(h, truth) <= CHI2_95 || on_ridge(h))

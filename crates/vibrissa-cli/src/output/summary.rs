@@ -165,3 +165,26 @@ fn interval(range: Interval, factor: f64, unit: &str) -> String {
     }
     format!("{:.2} to {:.2} {unit}", range.lo() * factor, range.hi() * factor)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Event, events};
+
+    #[test]
+    fn of_many_events_those_are_listed_that_the_verdict_rests_on() {
+        let event = |t: f64, kind: &'static str| Event { t, kind, detail: String::new() };
+        let touches = (0..12).map(|k| event(f64::from(k), if k % 2 == 0 { "contact" } else { "lift_off" }));
+        let mut all: Vec<Event> = touches.collect();
+        all.push(event(12.0, "enclosed"));
+        let mut text = String::new();
+        events(&mut text, &all);
+        assert!(
+            text.contains("enclosed") && !text.contains("lift_off") && text.contains("and 12 more events"),
+            "{text}"
+        );
+        // Of few all are.
+        let mut text = String::new();
+        events(&mut text, &all[..3]);
+        assert!(text.contains("lift_off") && !text.contains("more event"), "{text}");
+    }
+}

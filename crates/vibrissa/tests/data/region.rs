@@ -1,20 +1,10 @@
 //! Whether the region of a place holds the truth.
 
-use vibrissa::flow::pose::{Hypothesis, Localization};
+use vibrissa::flow::pose::Hypothesis;
 use vibrissa::plane::{Pose2, wrap_angle};
 
 /// The 95 % point of chi² for three degrees of freedom.
 pub(crate) const CHI2_95: f64 = 7.815;
-
-/// Whether the set of an answer that encloses every possible state holds the truth.
-#[allow(dead_code, reason = "each takes what it needs")]
-pub(crate) fn encloses(answer: &Localization, truth: Pose2) -> bool {
-    answer.states.iter().any(|b| {
-        let middle = 0.5 * (b.theta.lo() + b.theta.hi());
-        let theta = middle + wrap_angle(truth.theta - middle);
-        b.x.contains(truth.x) && b.y.contains(truth.y) && b.theta.contains(theta)
-    })
-}
 
 /// The squared distance of the truth from a place in its own standard deviations; infinite without a covariance.
 pub(crate) fn distance(place: &Hypothesis, truth: Pose2) -> f64 {

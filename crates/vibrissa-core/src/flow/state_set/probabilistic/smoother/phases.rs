@@ -21,8 +21,6 @@ use crate::plane::{Pose2, Vec2};
 const LEAD_ROWS: usize = 24;
 /// So many of them tell where a zero has drifted to.
 const LEVEL_ROWS: usize = 8;
-/// A bound, in standard deviations of what is even within it.
-const BOUND_STDS: f64 = 1.732;
 /// Travel between them (m).
 const LEAD_STEP: f64 = 1.5e-3;
 /// Readings that are run through the forward model in one call while modes are fitted first (some milliseconds).
@@ -303,7 +301,8 @@ fn values_by_levels(scene: &Scene<'_>, window: &LogWindow, row: usize) -> Vec<f6
         let Some((at, level)) = drift.zip(free_level(scene, window, sensor, row)).filter(|_| since > 0.0) else {
             continue;
         };
-        let most = BOUND_STDS * scene.unknowns.all()[at - POSE].std;
+        // Bounds are those of what is even within them.
+        let most = 3.0_f64.sqrt() * scene.unknowns.all()[at - POSE].std;
         values[at - POSE] = (level / since).clamp(-most, most);
     }
     values
