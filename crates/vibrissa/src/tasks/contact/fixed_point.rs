@@ -161,11 +161,11 @@ pub(super) fn fixed_point_until(
     let each = |shape: &dyn Fn(usize) -> Option<SideReading>| {
         (0..readings.len()).map(|k| going_on().and_then(|()| shape(k))).collect::<Option<Vec<SideReading>>>()
     };
-    let (mut point, mut touched) = (start, Vec::new());
+    let (mut point, mut touched) = (start, Vec::<SideReading>::new());
     let (mut cost, mut square) = (0.0, [0.0; 3]);
     for _ in 0..WEIGHTINGS {
         // Of all shapes the nearest to each reading; then those are followed.
-        touched = each(&|k| readings[k].touched(point))?;
+        touched = nearest_shapes(readings, point, &touched, stop)?;
         // The error belongs to the true moment: weights by the readings themselves would favour those that read low.
         let std: Vec<f64> = readings.iter().zip(&touched).map(|(r, t)| r.std(t.moment)).collect();
         let problem = WeightedProblem { readings, touch, std: &std, stop };
@@ -188,6 +188,29 @@ pub(super) fn fixed_point_until(
         freedom: (readings.len() + usize::from(touch.is_some())).saturating_sub(2),
         s_a: [touched.first()?.s_a, touched.last()?.s_a],
     })
+}
+
+/// For each reading the shape that touches the point and is nearest to it, looked for beside the one that it had `before`, or the same whisker
+/// at the reading before.
+fn nearest_shapes(
+    readings: &[ContactReading],
+    point: Vec2,
+    before: &[SideReading],
+    stop: &Stop,
+) -> Option<Vec<SideReading>> {
+    let mut found: Vec<SideReading> = Vec::with_capacity(readings.len());
+    for (k, reading) in readings.iter().enumerate() {
+        if stop.is_asked() {
+            return None;
+        }
+        let last = found.last().filter(|_| readings[k - 1].whisker == reading.whisker);
+        let shape = match before.get(k).or(last) {
+            Some(near) => reading.touched_beside(point, near),
+            None => reading.touched(point),
+        };
+        found.push(shape?);
+    }
+    Some(found)
 }
 
 /// One set of weights.

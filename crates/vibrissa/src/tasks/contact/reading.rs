@@ -8,6 +8,8 @@ use crate::world::MomentNoise;
 
 /// How much longer than it is a whisker is taken to be when a point is tried: so that a tip shows as a tip.
 const REACH: f64 = 1.5;
+/// A shape explains a reading if it is within so many standard deviations.
+const EXPLAINED: f64 = 3.0;
 
 /// A moment that was read at a known place of the base; or the mean of neighbouring ones.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -76,13 +78,23 @@ impl ContactReading {
     }
 
     /// As [`touched`](Self::touched), by a shape of a point near by: of a whisker that is integrated the shape on the same branch,
-    /// which takes a few marches where the search for all shapes takes thousands.
+    /// which takes a few marches where the search for all shapes takes thousands; none where the branch does not reach the point.
     pub(super) fn touched_from(&self, point: Vec2, near: &SideReading) -> Option<SideReading> {
-        let followed = near.bend.as_ref().and_then(|bend| {
-            let local = self.odom_from_whisker.inverse_transform_point(point);
-            self.whisker.rod().ok()?.point_from(local, Load::Normal, bend).ok()
-        });
-        let found = followed.filter(|found| found.status == Status::Converged).and_then(|found| found.bend);
-        found.map(SideReading::of).or_else(|| self.touched(point))
+        if near.bend.is_some() { self.followed(point, near) } else { self.touched(point) }
+    }
+
+    /// As [`touched`](Self::touched), by a shape that the same whisker had at another reading or another point: the shape on that
+    /// branch if it explains the reading; otherwise of all shapes the nearest to it.
+    pub(super) fn touched_beside(&self, point: Vec2, near: &SideReading) -> Option<SideReading> {
+        let explains = |found: &SideReading| (found.moment - self.moment).abs() <= EXPLAINED * self.std(found.moment);
+        self.followed(point, near).filter(explains).or_else(|| self.touched(point))
+    }
+
+    /// The shape at a point that is on the same branch as another one; none of a whisker that is solved in closed form.
+    fn followed(&self, point: Vec2, near: &SideReading) -> Option<SideReading> {
+        let bend = near.bend.as_ref()?;
+        let local = self.odom_from_whisker.inverse_transform_point(point);
+        let found = self.whisker.rod().ok()?.point_from(local, Load::Normal, bend).ok()?;
+        found.bend.filter(|_| found.status == Status::Converged).map(SideReading::of)
     }
 }
