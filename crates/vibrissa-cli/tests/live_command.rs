@@ -249,3 +249,48 @@ fn a_simulated_robot_explores_until_it_knows_where_it_is() {
     let off = off.and_then(|line| line.split_whitespace().nth(4)).map_or(0.0, |word| word.parse::<f64>().unwrap());
     assert!(!run.stdout.starts_with("localized") || off < 5.0, "{}", run.stdout);
 }
+
+#[test]
+fn a_setup_without_a_map_makes_the_map_that_its_log_makes() {
+    let here = folder("live-mapping");
+    let scenario = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios/felt_room.toml");
+    let path = |name: &str| here.join(name).to_str().unwrap().to_owned();
+    let made = vibrissa(&["simulate", scenario.to_str().unwrap(), "--out", &path("lap")]);
+    assert_eq!(made.code, Some(0), "{}", made.stderr);
+    // Along one wall and around a corner.
+    let log = std::fs::read_to_string(path("lap/log.csv")).unwrap();
+    let part: String = log.lines().take(2200).map(|line| format!("{line}\n")).collect();
+    std::fs::write(path("log.csv"), part).unwrap();
+    let setup = "robot = \"lap/robot.toml\"\n[[source]]\nname = \"log\"\npipe = \"log.csv\"\ntime = \"own\"\n";
+    std::fs::write(path("live.toml"), setup).unwrap();
+    let run = vibrissa(&["live", &path("live.toml"), "--mapping", "--body", "20", "--out", &path("run")]);
+    assert_eq!(run.code, Some(0), "{}", run.stderr);
+    assert!(run.stdout.contains("m of wall known") && run.stdout.contains("2199 used, 0 merged"), "{}", run.stdout);
+    let robot = path("lap/robot.toml");
+    let files = ["map.geojson", "trajectory.tum", "covariances.csv", "graph.json", "mapping.svg"];
+    for (log, out) in [("log.csv", "of-log"), ("run/recording.mcap", "of-recording")] {
+        let whole = vibrissa(&["map", &path(log), "--robot", &robot, "--body", "20", "--out", &path(out)]);
+        assert_eq!(whole.code, Some(0), "{}", whole.stderr);
+        for name in files {
+            let [live, other] = ["run", out].map(|folder| std::fs::read(here.join(folder).join(name)).unwrap());
+            assert!(live == other, "{name} of {log} is another");
+        }
+    }
+    // A second run leaves the first one's files alone; each map is a line.
+    let lines = vibrissa(&["live", &path("live.toml"), "--mapping", "--body", "20", "--out", &path("run"), "--json"]);
+    let last: serde_json::Value = serde_json::from_str(lines.stdout.lines().last().unwrap()).unwrap();
+    assert!(last["map"]["known_m"].as_f64().unwrap() > 0.2 && last["t"].as_f64().unwrap() > 7.0, "{last}");
+    assert!(here.join("run/map-2.geojson").exists() && here.join("run/recording-2.mcap").exists());
+
+    for (words, told) in [
+        (vec!["live", &path("live.toml")], "let --mapping make one"),
+        (vec!["live", "--replay", &path("run/recording.mcap")], "vibrissa map"),
+        (vec!["live", &path("live.toml"), "--body", "20"], "--mapping"),
+    ] {
+        let refused = vibrissa(&words);
+        assert!(refused.code != Some(0) && refused.stderr.contains(told), "{words:?}: {}", refused.stderr);
+    }
+    std::fs::write(path("live.toml"), format!("map = \"run/map.geojson\"\n{setup}")).unwrap();
+    let both = vibrissa(&["live", &path("live.toml"), "--mapping", "--out", &path("both")]);
+    assert!(both.code == Some(2) && both.stderr.contains("the setup names one"), "{}", both.stderr);
+}

@@ -114,7 +114,7 @@ mod linux {
         let (began, mut looked, mut noted) = (Instant::now(), 0.0, 0.0);
         let mut before = Histogram::default();
         println!("seconds  rows  merged  carried  p50 ms  p99 ms  most ms  taken p99 ms  memory MB");
-        let finished = run(&setup, &map, &robot, Some(&journal), &mut |update| {
+        let finished = run(&setup, Some(&map), &robot, Some(&journal), &mut |update| {
             if let Update::Estimate(_, health) | Update::Idle(health) = update {
                 let passed = began.elapsed().as_secs_f64();
                 if let Some(file) = csv.as_mut().filter(|_| passed > noted + NOTE) {

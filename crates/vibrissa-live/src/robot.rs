@@ -79,14 +79,14 @@ impl SimulatedRobot {
         to_json(&Calibration { moment: Some(curve), ..Calibration::default() }).to_string()
     }
 
-    /// The setup of a live run that reads this robot; `map` and `robot` are its files.
+    /// The setup of a live run that reads this robot; `map` and `robot` are its files, no map where one is made.
     #[must_use]
-    pub fn setup(&self, map: &Path, robot: &Path) -> String {
+    pub fn setup(&self, map: Option<&Path>, robot: &Path) -> String {
         let quoted = |path: &Path| format!("{:?}", path.display().to_string());
         format!(
-            "map = {}\nrobot = {}\n\n[[source]]\nname = \"whisker\"\nserial = {}\nformat = \"serial\"\n\n[[source]]\n\
+            "{}robot = {}\n\n[[source]]\nname = \"whisker\"\nserial = {}\nformat = \"serial\"\n\n[[source]]\n\
              name = \"base\"\nserial = {}\nformat = \"csv\"\ncolumns = [\"seq16\", \"t_us\", \"x\", \"y\", \"theta\"]\n",
-            quoted(map),
+            map.map(|map| format!("map = {}\n", quoted(map))).unwrap_or_default(),
             quoted(robot),
             quoted(self.whisker_port()),
             quoted(self.base_port()),

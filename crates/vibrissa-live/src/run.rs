@@ -40,7 +40,7 @@ pub enum Update<'a> {
     Row(&'a JoinedRow),
     /// Something happened to a source, or to a row.
     Notice(&'a Notice),
-    /// Nothing new; the chance to stop.
+    /// Nothing new, or nothing that is estimated; the chance to stop.
     Idle(&'a Health),
 }
 
@@ -80,7 +80,8 @@ pub struct Finished {
     pub health: Health,
 }
 
-/// Runs until every source has ended or `watch` breaks off. What arrives goes to the journal first.
+/// Runs until every source has ended or `watch` breaks off. What arrives goes to the journal first. Without a map rows are joined and told, and
+/// nothing is estimated.
 ///
 /// # Errors
 ///
@@ -88,7 +89,7 @@ pub struct Finished {
 /// run goes on.
 pub fn run(
     setup: &Setup,
-    map: &Map,
+    map: Option<&Map>,
     robot: &Robot,
     journal: Option<&Journal>,
     watch: &mut dyn FnMut(Update<'_>) -> ControlFlow<()>,
@@ -118,6 +119,7 @@ pub fn run(
             odometry: robot.odometry,
             on_host_time: setup.sources.iter().all(|source| source.time != TimeBase::Own),
             period: 1.0 / setup.estimate_rate,
+            estimates: map.is_some(),
         };
         let health = teller.tell(watch);
         stop.store(true, Ordering::Relaxed);

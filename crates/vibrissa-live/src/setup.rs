@@ -25,8 +25,8 @@ use wire::{WIRES, wire};
 /// What a live run is made of.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Setup {
-    /// The map.
-    pub map: PathBuf,
+    /// The map; none for a run that makes one.
+    pub map: Option<PathBuf>,
     /// The robot; none for the paper's whisker.
     pub robot: Option<PathBuf>,
     /// The estimator with its options.
@@ -143,7 +143,7 @@ impl Setup {
             _ => None,
         });
         for (key, file, from) in
-            [("map", Some(&self.map), 1), ("robot", self.robot.as_ref(), 1)].into_iter().chain(played)
+            [("map", self.map.as_ref(), 1), ("robot", self.robot.as_ref(), 1)].into_iter().chain(played)
         {
             let Some(file) = file.filter(|file| !file.exists()) else { continue };
             let names =
@@ -175,7 +175,7 @@ impl Setup {
 
     /// Takes relative paths from this folder.
     pub fn based_on(&mut self, folder: &Path) {
-        self.map = folder.join(&self.map);
+        self.map = self.map.as_ref().map(|map| folder.join(map));
         self.robot = self.robot.as_ref().map(|robot| folder.join(robot));
         for source in &mut self.sources {
             match &mut source.wire {
@@ -193,9 +193,6 @@ fn parse(text: &str, name: &str) -> Result<Setup> {
     let root = source.parse()?;
     let top = Section::top(&source, &root);
     top.only(&TOP)?;
-    let map = top.text("map")?.ok_or_else(|| {
-        Error::data("the setup names no map").in_file(name).at_line(1).remedy("add map = \"arena.svg\" at its head")
-    })?;
     let entries = top.entries("source")?;
     if entries.is_empty() {
         return Err(Error::data("the setup has no source").in_file(name).at_line(1).remedy(
@@ -227,7 +224,7 @@ fn parse(text: &str, name: &str) -> Result<Setup> {
     }
     check_odometry(&sources, &entries)?;
     Ok(Setup {
-        map: map.into(),
+        map: top.text("map")?.map(PathBuf::from),
         robot: top.text("robot")?.map(PathBuf::from),
         method: method(&top)?,
         estimate_rate: top.number("estimates", Dimension::Frequency, &RATES)?.unwrap_or(ESTIMATE_RATE),

@@ -46,7 +46,7 @@ fn recorded(
     let (storage, _) = FileStorage::create(out, "recording").unwrap();
     let journal = Journal::begin(storage, setup, out, 1.7e9);
     let mut lines = Vec::new();
-    let finished = run(setup, map, robot, Some(&journal), &mut |update| {
+    let finished = run(setup, Some(map), robot, Some(&journal), &mut |update| {
         if let Update::Estimate(told, _) = &update {
             lines.push(told.line.clone());
         }
@@ -163,7 +163,7 @@ fn a_simulated_robot_behind_pseudo_terminals_is_found_and_found_again() {
     let robot_file = SimulatedRobot::write_files(&out).unwrap();
     let robot = vibrissa::read_robot(&robot_file).unwrap();
     let device = SimulatedRobot::new().unwrap();
-    let setup = from_toml(&device.setup(Path::new("none.svg"), &robot_file), "live.toml").unwrap();
+    let setup = from_toml(&device.setup(Some(Path::new("none.svg")), &robot_file), "live.toml").unwrap();
     let driving = device.drive(sweep.log.clone()).unwrap();
     let (lines, finished) = recorded(&setup, &map, &robot, &out.join("live"), |update| {
         driving.is_finished() && matches!(update, Update::Idle(_))

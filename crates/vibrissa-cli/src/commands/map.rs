@@ -38,12 +38,8 @@ pub(crate) struct Args {
     /// The sensor logs (.csv), the oldest first
     #[arg(required = true, value_name = "LOG")]
     logs: Vec<PathBuf>,
-    /// Bound on the drift of the odometry's heading, in degrees for each metre of way [default: 0]
-    #[arg(long, value_name = "DEG")]
-    drift: Option<f64>,
-    /// Radius of a disc around the robot's origin that its body fills, in mm [default: 0]
-    #[arg(long, value_name = "MM")]
-    body: Option<f64>,
+    #[command(flatten)]
+    bounds: BoundArgs,
     /// Every log begins where the first one does, within so many mm and degrees: at a dock [default: anywhere]
     #[arg(long, value_names = ["MM", "DEG"], num_args = 2)]
     same_start: Option<Vec<f64>>,
@@ -51,6 +47,34 @@ pub(crate) struct Args {
     reading: OutlineArgs,
     #[command(flatten)]
     output: OutputArgs,
+}
+
+/// What is known of the robot beside its file.
+#[derive(Clone, Debug, Default, clap::Args)]
+pub(super) struct BoundArgs {
+    /// Bound on the drift of the odometry's heading, in degrees for each metre of way [default: 0]
+    #[arg(long, value_name = "DEG")]
+    drift: Option<f64>,
+    /// Radius of a disc around the robot's origin that its body fills, in mm [default: 0]
+    #[arg(long, value_name = "MM")]
+    body: Option<f64>,
+}
+
+impl BoundArgs {
+    /// Whether any is given.
+    pub(super) fn is_given(&self) -> bool {
+        self.drift.is_some() || self.body.is_some()
+    }
+
+    /// The options with these.
+    pub(super) fn options(&self) -> MappingOptions {
+        let default = MappingOptions::default();
+        MappingOptions {
+            drift: self.drift.map_or(default.drift, f64::to_radians),
+            body_radius: self.body.map_or(default.body_radius, |mm| 1e-3 * mm),
+            ..default
+        }
+    }
 }
 
 /// Runs the command.
@@ -66,16 +90,7 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     let compared = truth.as_ref().and_then(|truth| compare(&found.outline.known_points(SPACING), truth, false));
     let mut written = Vec::new();
     if let Some(to) = args.output.destination() {
-        let mut files = vec![("map.geojson".to_owned(), to_geojson(&found.outline.map))];
-        for (k, visit) in found.visits.iter().enumerate() {
-            let number = if k == 0 { String::new() } else { format!("-{}", k + 1) };
-            if visit.placed == ClosureVerdict::Proved {
-                files.push((format!("trajectory{number}.tum"), format_tum(&visit.trajectory)));
-                files.push((format!("covariances{number}.csv"), covariances(visit)));
-            }
-        }
-        files.push(("graph.json".to_owned(), graph_to_json(&found.graph).to_string() + "\n"));
-        files.push(("mapping.svg".to_owned(), figure(&found, truth.as_ref(), compared.as_ref())));
+        let files = files(&found, truth.as_ref(), compared.as_ref());
         let files: Vec<(&str, String)> = files.iter().map(|(name, text)| (name.as_str(), text.clone())).collect();
         written = write_all(to, &files)?;
     }
@@ -84,7 +99,27 @@ pub(crate) fn run(args: &Args) -> Result<()> {
         let text = text.map_err(|error| Error::data(format!("cannot write the result as JSON ({error})")))?;
         return print(&(text + "\n"));
     }
-    let mut text: String = captions(&found, compared.as_ref()).iter().map(|line| format!("{line}\n")).collect();
+    print(&(report(&found, compared.as_ref()) + &wrote(&written)))
+}
+
+/// The result's files, by name.
+pub(super) fn files(found: &Mapped, truth: Option<&Map>, compared: Option<&Alignment>) -> Vec<(String, String)> {
+    let mut files = vec![("map.geojson".to_owned(), to_geojson(&found.outline.map))];
+    for (k, visit) in found.visits.iter().enumerate() {
+        let number = if k == 0 { String::new() } else { format!("-{}", k + 1) };
+        if visit.placed == ClosureVerdict::Proved {
+            files.push((format!("trajectory{number}.tum"), format_tum(&visit.trajectory)));
+            files.push((format!("covariances{number}.csv"), covariances(visit)));
+        }
+    }
+    files.push(("graph.json".to_owned(), graph_to_json(&found.graph).to_string() + "\n"));
+    files.push(("mapping.svg".to_owned(), figure(found, truth, compared)));
+    files
+}
+
+/// The result in words.
+pub(super) fn report(found: &Mapped, compared: Option<&Alignment>) -> String {
+    let mut text: String = captions(found, compared).iter().map(|line| format!("{line}\n")).collect();
     for (k, visit) in found.visits.iter().enumerate().skip(1) {
         let _ = writeln!(text, "  log {}: {}", k + 1, placed(visit));
     }
@@ -94,25 +129,22 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     for closure in &found.closures {
         let _ = writeln!(text, "  {}", told(closure));
     }
-    print(&(text + &wrote(&written)))
+    text
 }
 
 fn options(args: &Args) -> Result<MappingOptions> {
-    let default = MappingOptions::default();
     let options = MappingOptions {
-        drift: args.drift.map_or(default.drift, f64::to_radians),
         same_start: args.same_start.as_deref().and_then(|values| match values {
             [mm, degrees] => Some((1e-3 * mm, degrees.to_radians())),
             _ => None,
         }),
-        body_radius: args.body.map_or(default.body_radius, |mm| 1e-3 * mm),
-        ..default
+        ..args.bounds.options()
     };
     options.check()?;
     Ok(options)
 }
 
-fn captions(found: &Mapped, compared: Option<&Alignment>) -> Vec<String> {
+pub(super) fn captions(found: &Mapped, compared: Option<&Alignment>) -> Vec<String> {
     let (known, unknown) = found.outline.lengths();
     let count = |verdict| found.closures.iter().filter(|closure| closure.verdict == verdict).count();
     let mut lines = vec![
@@ -200,7 +232,7 @@ fn covariances(visit: &Visit) -> String {
     text
 }
 
-fn summary(found: &Mapped, compared: Option<&Alignment>) -> Value {
+pub(super) fn summary(found: &Mapped, compared: Option<&Alignment>) -> Value {
     let (known, unknown) = found.outline.lengths();
     let share = |share: Share| json!({ "value": share.value, "std": share.std });
     let closure = |closure: &Closure| {

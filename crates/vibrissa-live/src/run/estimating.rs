@@ -15,7 +15,7 @@ pub(super) type Outcome = (Estimate, Option<Localization>);
 
 /// Estimates until no rows come any more.
 pub(super) fn estimate_rows(
-    map: &Map,
+    map: Option<&Map>,
     (method, rate): (&Method, f64),
     journal: Option<&Journal>,
     clock: &HostClock,
@@ -27,14 +27,15 @@ pub(super) fn estimate_rows(
 }
 
 fn take_rows(
-    map: &Map,
+    map: Option<&Map>,
     (method, rate): (&Method, f64),
     journal: Option<&Journal>,
     clock: &HostClock,
     shared: &Shared,
 ) -> Result<Outcome> {
     let Some((channels, robot)) = shared.known()? else { return Ok((Estimate::default(), None)) };
-    let mut estimator = LiveEstimator::new(map, &robot, &channels, method, rate)?;
+    let estimator = |map| LiveEstimator::new(map, &robot, &channels, method, rate);
+    let mut estimator = map.map(estimator).transpose()?;
     let names = row_names(&channels);
     let mut refusing = false;
     while let Some(rows) = shared.rows()? {
@@ -42,7 +43,7 @@ fn take_rows(
             if let Some(journal) = journal {
                 journal.row(&names, &used);
             }
-            let step = estimator.step(&used.joined);
+            let step = estimator.as_mut().map_or(Ok(None), |estimator| estimator.step(&used.joined));
             let now = clock.now();
             let (told, error) = match step {
                 Ok(told) => (told, None),
@@ -59,6 +60,6 @@ fn take_rows(
             shared.took(&used, now, told, refusing, notice.filter(|_| is_new));
         }
     }
-    let estimate = estimator.estimate();
-    Ok((estimate, Some(estimator.finish())))
+    let estimate = estimator.as_ref().map(LiveEstimator::estimate).unwrap_or_default();
+    Ok((estimate, estimator.map(LiveEstimator::finish)))
 }

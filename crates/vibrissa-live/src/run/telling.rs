@@ -29,6 +29,8 @@ pub(super) struct Teller<'a> {
     pub(super) on_host_time: bool,
     /// Time between estimates (s).
     pub(super) period: f64,
+    /// Whether there are any.
+    pub(super) estimates: bool,
 }
 
 /// What is known and what waits.
@@ -71,10 +73,10 @@ impl Teller<'_> {
                 }
                 known.latest = Some(told);
             }
-            if !self.shared.patient {
+            if !self.shared.patient && self.estimates {
                 go_on &= self.carry(&mut known, watch);
             }
-            if quiet {
+            if quiet || !self.estimates {
                 go_on &= watch(Update::Idle(&known.health)).is_continue();
             }
             if !go_on {

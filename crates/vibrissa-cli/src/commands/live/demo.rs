@@ -27,7 +27,7 @@ pub(super) fn run(args: &Args) -> Result<()> {
     SimulatedRobot::write_files(&folder)?;
     let robot = SimulatedRobot::new()?;
     // Names beside the setup: the recording can be run again from anywhere.
-    let text = robot.setup(Path::new("map.svg"), Path::new("robot.toml"));
+    let text = robot.setup((!args.mapping).then_some(Path::new("map.svg")), Path::new("robot.toml"));
     write_all(&folder, &[("live.toml", text.clone())])?;
     let folder = folder.canonicalize().unwrap_or(folder);
     let mut setup = setup::from_toml(&text, "the demo's setup")?;

@@ -2,16 +2,19 @@
 
 #[cfg(unix)]
 mod demo;
+mod mapping;
 mod monitor;
 mod planning;
 mod replay;
 #[cfg(feature = "view")]
 mod view;
 
+use super::map::BoundArgs;
 use super::plan::LimitArgs;
 use crate::interrupt::{self, Heedful, stopped};
 use crate::output::{print, warn};
 use core::ops::ControlFlow;
+use mapping::Mapping;
 use monitor::Monitor;
 use planning::Planning;
 use std::path::{Path, PathBuf};
@@ -33,7 +36,10 @@ use vibrissa_live::source::HostClock;
 /// lost stand on a line of the terminal; --json prints each estimate as a line of JSON. Ctrl-C ends the run, a second one at once.
 /// With --plan the next motion is told, too, whenever the robot has come to rest and does not know which of several places it is at.
 ///
-/// With --out DIR: recording.mcap, which --replay runs again to the same estimates, and viewers such as Foxglove show.
+/// With --mapping a setup that names no map makes one, as `map` does: of what the whiskers have felt so far, every few seconds and at the end.
+///
+/// With --out DIR: recording.mcap, which --replay runs again to the same estimates, and viewers such as Foxglove show; with --mapping also
+/// map.geojson, trajectory.tum, covariances.csv, graph.json and mapping.svg, with the recording's number behind their names if it has one.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// The setup (live.toml)
@@ -70,12 +76,20 @@ pub(crate) struct Args {
     /// The simulated robot goes where the plan tells it, until it knows where it is
     #[arg(long, conflicts_with_all = ["setup", "replay"])]
     explore: bool,
+    /// Make a map of what the whiskers feel; the setup names none
+    #[arg(long, conflicts_with_all = ["replay", "no_record", "plan", "explore"])]
+    mapping: bool,
+    #[command(flatten)]
+    bounds: BoundArgs,
     #[command(flatten)]
     limits: LimitArgs,
 }
 
 /// How long a disk may take for the end of a recording when nobody wants to wait any more (s).
 const HASTE: f64 = 2.0;
+
+/// The name of a recording.
+const RECORDING: &str = "recording";
 
 /// Where viewers look on unless told otherwise: Foxglove's own port.
 #[cfg(feature = "view")]
@@ -89,6 +103,15 @@ pub(crate) fn run(args: &Args) -> Result<()> {
     if args.explore && !args.demo {
         return Err(Error::usage("--explore is for the simulated robot")
             .remedy("add --demo; a robot of your own is told where to go by --plan"));
+    }
+    if args.bounds.is_given() && !args.mapping {
+        return Err(
+            Error::usage("--drift and --body are for a map that is made").remedy("add --mapping, or leave them out")
+        );
+    }
+    #[cfg(feature = "view")]
+    if args.mapping && args.view.is_some() {
+        return Err(Error::usage("--view shows a map that is known").remedy("leave out --view or --mapping"));
     }
     if args.setup.is_none() && args.replay.is_none() && !args.demo {
         return Err(Error::usage("no setup is given").remedy(
@@ -124,20 +147,30 @@ fn folder_of(path: &Path) -> PathBuf {
     parent.canonicalize().unwrap_or_else(|_| parent.to_owned())
 }
 
-/// The map and the robot of a setup, with a word about what looks doubtful.
-fn world_of(setup: &Setup) -> Result<(Map, Robot)> {
-    let map = vibrissa::read_map(&setup.map)?;
-    map.warnings.iter().for_each(|warning| warn(warning));
+/// The map of a setup, with a word about what looks doubtful.
+fn map_of(setup: &Setup) -> Result<Option<Map>> {
+    let map = setup.map.as_ref().map(vibrissa::read_map).transpose()?;
+    map.iter().flat_map(|map| &map.warnings).for_each(|warning| warn(warning));
+    Ok(map)
+}
+
+/// What a setup that names no map is told.
+fn no_map(setup: &Setup) -> Error {
+    Error::data("the setup names no map").in_file(&setup.name).at_line(1)
+}
+
+/// The robot of a setup; where it is to be localized its whiskers are asked about, too.
+fn robot_of(setup: &Setup, is_localized: bool) -> Result<Robot> {
     let robot = match &setup.robot {
         Some(path) => vibrissa::read_robot(path)?,
         None => Robot::default(),
     };
     setup.fits(&robot)?;
-    for whisker in &robot.whiskers {
+    for whisker in robot.whiskers.iter().filter(|_| is_localized) {
         let taken = setup.method.takes(&whisker.beam);
         taken.map_err(|error| error.about(&format!("whisker \"{}\"", whisker.name)))?;
     }
-    Ok((map, robot))
+    Ok(robot)
 }
 
 /// Closes the recording for somebody who asks a second time.
@@ -159,13 +192,27 @@ struct Course<'a> {
 
 /// Runs a setup on the robot that it names.
 fn on_robot(args: &Args, setup: &Setup, folder: &Path, out: Option<&Path>, course: Course<'_>) -> Result<()> {
-    let (map, robot) = world_of(setup)?;
+    let (map, robot) = (map_of(setup)?, robot_of(setup, !args.mapping)?);
+    match &setup.map {
+        None if !args.mapping => {
+            return Err(no_map(setup).remedy("add map = \"arena.svg\" at its head, or let --mapping make one"));
+        }
+        Some(map) if args.mapping => {
+            return Err(Error::usage("--mapping makes a map, and the setup names one")
+                .value(map.display())
+                .remedy("take map = … out of the setup, or leave out --mapping"));
+        }
+        _ => {}
+    }
     let limits = args.limits.options()?;
     let plans = args.plan || course.errands.is_some();
-    let mut planning = if plans { Some(Planning::start(&map, &robot, limits, course.errands)?) } else { None };
+    let mut planning = match &map {
+        Some(map) if plans => Some(Planning::start(map, &robot, limits, course.errands)?),
+        _ => None,
+    };
     let (journal, recording) = match out {
         Some(out) => {
-            let (storage, path) = FileStorage::create(out, "recording")?;
+            let (storage, path) = FileStorage::create(out, RECORDING)?;
             (Some(Journal::begin(storage, setup, folder, HostClock::new().now())), Some(path))
         }
         None => (None, None),
@@ -175,9 +222,13 @@ fn on_robot(args: &Args, setup: &Setup, folder: &Path, out: Option<&Path>, cours
         interrupt::last_resort(move || close_at_once(&closer));
     }
     #[cfg(feature = "view")]
-    let view = args.view.map(|port| view::View::start(port, &map, args.json)).transpose()?;
+    let view = args.view.zip(map.as_ref()).map(|(port, map)| view::View::start(port, map, args.json)).transpose()?;
+    let mut mapping = match &recording {
+        Some(recording) if args.mapping => Some(begin_mapping(args, setup, recording)?),
+        _ => None,
+    };
     let mut monitor = Monitor::new(args.json);
-    let finished = run_live(setup, &map, &robot, journal.as_ref(), &mut |update| {
+    let finished = run_live(setup, map.as_ref(), &robot, journal.as_ref(), &mut |update| {
         let is_over = course.is_over.is_some_and(|is_over| is_over());
         #[cfg(feature = "view")]
         if let Some(view) = &view {
@@ -191,6 +242,12 @@ fn on_robot(args: &Args, setup: &Setup, folder: &Path, out: Option<&Path>, cours
                 view.iter().for_each(|view| view.plan(&answer));
             }
             planning.end_errands();
+        }
+        if let Some(mapping) = &mut mapping {
+            mapping.see(&update);
+            while let Some(answer) = mapping.ready() {
+                monitor.map(&answer);
+            }
         }
         match update {
             Update::Estimate(told, health) => monitor.estimate(told, health),
@@ -215,20 +272,37 @@ fn on_robot(args: &Args, setup: &Setup, folder: &Path, out: Option<&Path>, cours
         planning.into_iter().flat_map(Planning::end).for_each(|answer| monitor.plan(&answer));
     }
     let finished = finished?;
+    let made = mapping.map(Mapping::end);
+    if let (true, Some(Some(answer))) = (args.json, &made) {
+        monitor.map(answer);
+    }
     if args.json {
         return Ok(());
     }
-    let mut text = monitor::verdict(&finished.estimate, &health);
+    let mut text = match &made {
+        Some(Some(answer)) => answer.report.clone(),
+        Some(None) => "no map was made\n".to_owned(),
+        None => monitor::verdict(&finished.estimate, &health),
+    };
     if let (Some(truth), Some(pose)) = (course.truth.and_then(|last| last()), finished.estimate.pose()) {
         let off = pose.position().distance(truth.map_from_robot.position());
         text.push_str(&format!("  off the truth by {:.2} mm\n", 1e3 * off));
     }
     text.push_str(&monitor::account(&health, args.latency));
     match recording {
+        Some(path) if args.mapping => text.push_str(&format!("\nRecorded: {}, the map beside it\n", path.display())),
         Some(path) => {
             text.push_str(&format!("\nRecorded: {0}\nRun it again: vibrissa live --replay {0}\n", path.display()))
         }
         None => text.push_str("\nNothing was recorded; --out DIR records.\n"),
     }
     print(&text)
+}
+
+/// Begins to make a map; its files lie beside the recording, and have its number.
+fn begin_mapping(args: &Args, setup: &Setup, recording: &Path) -> Result<Mapping> {
+    let stem = recording.file_stem().unwrap_or_default().to_string_lossy();
+    let suffix = stem.strip_prefix(RECORDING).unwrap_or_default();
+    let patient = setup.sources.iter().all(|source| source.wire.is_file());
+    Mapping::start(args.bounds.options(), patient, &folder_of(recording), suffix)
 }

@@ -1,6 +1,6 @@
 //! What people see of a run: one line that changes, and an account at the end.
 
-use super::planning::Answer;
+use super::{mapping, planning::Answer};
 use crate::commands::plan::{waypoints, where_to_stop};
 use crate::output::{plain, print};
 use serde_json::json;
@@ -83,6 +83,14 @@ impl Monitor {
             .as_ref()
             .map_or_else(String::new, |next| format!("; {}; stop {}", waypoints(&next.motion), where_to_stop(next)));
         let _ = writeln!(std::io::stderr(), "plan: {}{way}", plain(&plan.words()));
+    }
+
+    /// The map so far: a line of JSON, or the words of the line.
+    pub(super) fn map(&mut self, answer: &mapping::Answer) {
+        if self.json {
+            self.closed |= writeln!(std::io::stdout(), "{}", answer.line()).is_err();
+        }
+        self.words = Some(answer.words.clone());
     }
 
     pub(super) fn notice(&mut self, notice: &Notice) {

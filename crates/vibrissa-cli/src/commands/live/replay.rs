@@ -1,7 +1,7 @@
 //! `vibrissa live --replay`: a recorded run again.
 
 use super::monitor::{Monitor, say, verdict};
-use super::{Args, world_of};
+use super::{Args, map_of, no_map, robot_of};
 use crate::interrupt::stopped;
 use crate::output::warn;
 use core::ops::ControlFlow;
@@ -19,7 +19,12 @@ pub(super) fn run(args: &Args, recording: &Path, other: Option<&Path>) -> Result
         Some(path) => of_same_sources(setup::read(path)?, &recorded.setup, path)?,
         None => recorded.setup.clone(),
     };
-    let (map, robot) = world_of(&setup)?;
+    let map = map_of(&setup)?.ok_or_else(|| {
+        no_map(&setup).remedy(
+            "a run that made a map is mapped again by `vibrissa map RECORDING`; give a setup with a map to localize in",
+        )
+    })?;
+    let robot = robot_of(&setup, true)?;
     let mut monitor = Monitor::new(args.json);
     let (mut same, mut told) = (0, 0);
     // By another setup other rows come out, and no recorded merging fits them.

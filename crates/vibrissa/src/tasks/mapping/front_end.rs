@@ -59,6 +59,7 @@ impl Key {
 }
 
 /// Stretches in the making.
+#[derive(Clone)]
 pub(super) struct FrontEnd {
     robot: Robot,
     contact: ContactOptions,

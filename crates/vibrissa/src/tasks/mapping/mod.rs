@@ -64,6 +64,7 @@ const RECHECKS: usize = 4;
 const ROUNDS: usize = 8;
 
 /// A map in the making, row by row.
+#[derive(Clone)]
 pub struct Mapper {
     options: MappingOptions,
     robot: Robot,
