@@ -87,12 +87,23 @@ impl Search<'_> {
             |k: &usize| visit != keys[later].visit || self.ways[later] - self.ways[*k] >= 2.0 * self.options.submap;
         let of_visit = self.front.visit(visit);
         let others = of_visit.start..of_visit.end.min(later);
-        let earlier = others.filter(apart).min_by(|a, b| near(a).total_cmp(&near(b)))?;
-        let bounds = self.bounds((earlier, later), nearest_tie);
-        // Stretches that lie apart by more have no wall in common.
-        if bounds.middle.position().norm() > bounds.half[0].hypot(bounds.half[1]) + 0.5 * self.options.submap {
-            return None;
-        }
+        // Since the last closure the robot has gone about as far along the pass that it led to. Other passes of the same place lie a long way of
+        // odometry from there, whose bounds say little.
+        let is_on_pass = |k: &usize| {
+            nearest_tie.is_some_and(|tie| {
+                let way = (self.ways[later] - self.ways[tie.later]).abs();
+                (self.ways[*k] - self.ways[tie.earlier]).abs() <= way + self.options.submap
+            })
+        };
+        let nearest = |of: &dyn Fn(&usize) -> bool| {
+            let all = others.clone().filter(|k| apart(k) && of(k));
+            let earlier = all.min_by(|a, b| near(a).total_cmp(&near(b)))?;
+            let bounds = self.bounds((earlier, later), nearest_tie);
+            // Stretches that lie apart by more have no wall in common.
+            let reach = bounds.half[0].hypot(bounds.half[1]) + 0.5 * self.options.submap;
+            (bounds.middle.position().norm() <= reach).then_some((earlier, bounds))
+        };
+        let (earlier, bounds) = nearest(&is_on_pass).or_else(|| nearest(&|_| true))?;
         let proof = self.prove((earlier, later), bounds)?;
         if let Proof::Unique(PoseBounds { middle, half }) = proof {
             self.ties.push(Tie { earlier, later, earlier_from_later: middle, extent: half });

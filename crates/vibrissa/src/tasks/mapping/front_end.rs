@@ -9,11 +9,13 @@ use crate::config::{ContactOptions, MappingOptions};
 use crate::flow::sensor_log::{LogRow, SensorLog};
 use crate::plane::{Pose2, Vec2};
 use crate::tasks::contact::{ContactKind, ContactStep, contacts_until};
-use crate::world::Robot;
+use crate::world::{MountedWhisker, Robot};
 use crate::{Result, Stop};
 
 /// Points along a whisker by which the space that it passes is known.
 const BODY: usize = 90;
+/// A whisker that has moved by less than this share of a cell passes the same space.
+const SAME_SPACE: f64 = 0.35;
 
 /// A felt point of a wall, in the frame of its key pose.
 #[derive(Clone, Debug, PartialEq)]
@@ -73,6 +75,8 @@ pub(super) struct FrontEnd {
     visit: usize,
     /// The key pose with which the log under way begins.
     first: usize,
+    /// Where the robot was last noted to pass space, and which whiskers were free.
+    passed: Option<(Pose2, Vec<bool>)>,
     pub(super) keys: Vec<Key>,
     pub(super) stretches: Vec<Stretch>,
 }
@@ -92,6 +96,7 @@ impl FrontEnd {
             last: None,
             visit: 0,
             first: 0,
+            passed: None,
             keys: Vec::new(),
             stretches: Vec::new(),
         }
@@ -101,7 +106,7 @@ impl FrontEnd {
     pub(super) fn begin(&mut self, log: &SensorLog, stop: &Stop) -> Result<()> {
         self.cut(stop)?;
         self.log = SensorLog { channels: log.channels.clone(), source: log.source.clone(), ..SensorLog::default() };
-        (self.told, self.since_key, self.last) = (0, Leg::default(), None);
+        (self.told, self.since_key, self.last, self.passed) = (0, Leg::default(), None, None);
         (self.visit, self.first) = (self.visit + 1, self.keys.len());
         Ok(())
     }
@@ -244,27 +249,74 @@ impl FrontEnd {
         }
     }
 
-    /// Whiskers that are free lie straight.
+    /// Whiskers that are free lie straight. Rows of a robot that rests are noted once.
     fn pass_free(&mut self, from: f64) {
         let first = self.log.rows.partition_point(|row| row.t < from);
+        let channels: Vec<Option<usize>> =
+            self.robot.whiskers.iter().map(|whisker| self.log.moment_channel(&whisker.name).ok()).collect();
+        let lever = |whisker: &MountedWhisker| whisker.robot_from_whisker.position().norm() + whisker.beam.length;
+        let lever = self.robot.whiskers.iter().map(lever).fold(0.0, f64::max);
         for row in first..self.log.rows.len() {
-            let LogRow { t, odom_from_robot, .. } = self.log.rows[row];
+            let LogRow { t, odom_from_robot, ref readings, .. } = self.log.rows[row];
+            let is_free = |(whisker, channel): (&MountedWhisker, &Option<usize>)| {
+                let z = channel.and_then(|channel| readings.get(channel));
+                z.is_some_and(|z| z.abs() * (1.0 - whisker.noise.moment_relative) <= whisker.noise.moment_absolute)
+            };
+            let free: Vec<bool> = self.robot.whiskers.iter().zip(&channels).map(is_free).collect();
+            let is_same = self.passed.as_ref().is_some_and(|(before, were_free)| {
+                let step = before.between(odom_from_robot);
+                *were_free == free && step.position().norm() + lever * step.theta.abs() < SAME_SPACE * self.options.cell
+            });
+            if is_same {
+                continue;
+            }
             let key = self.key_at(t);
             let to_key = self.keys[key].odom_from_key.inverse().compose(odom_from_robot);
-            self.keys[key].stands.push(to_key.position());
             let mut passed = vec![to_key.position()];
-            for whisker in &self.robot.whiskers {
-                let Ok(channel) = self.log.moment_channel(&whisker.name) else { continue };
-                let Some(z) = self.log.rows[row].readings.get(channel) else { continue };
+            for (whisker, is_free) in self.robot.whiskers.iter().zip(&free) {
                 let base = to_key.compose(whisker.robot_from_whisker);
                 passed.push(base.position());
-                if z.abs() * (1.0 - whisker.noise.moment_relative) <= whisker.noise.moment_absolute {
+                if *is_free {
                     let reach = (whisker.beam.length - self.options.free_tip).max(0.0);
                     let at = |k: usize| base.transform_point(Vec2::new(reach * k as f64 / BODY as f64, 0.0));
                     passed.extend((1..=BODY).map(at));
                 }
             }
+            self.keys[key].stands.push(to_key.position());
             self.keys[key].passed.extend(passed);
+            self.passed = Some((odom_from_robot, free));
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::flow::sensor_log::{Channel, Quantity};
+
+    #[test]
+    fn a_robot_that_rests_passes_no_more_space() {
+        let channels = vec![Channel { whisker: String::new(), quantity: Quantity::Moment }];
+        let log = SensorLog { channels, ..SensorLog::default() };
+        let robot = Robot::default();
+        let noted = |rows: usize| {
+            let mut front = FrontEnd::new(&robot, &log, MappingOptions::default());
+            for k in 0..rows {
+                // It goes on at the end, and turns.
+                let (gone, turned) = if k + 1 == rows { (1e-3, 0.1) } else { (0.0, 0.0) };
+                let row = LogRow {
+                    t: k as f64,
+                    odom_from_robot: Pose2::new(gone, 0.0, turned),
+                    readings: vec![0.0],
+                    heading: None,
+                    line: 0,
+                };
+                front.push(&row, &Stop::default()).unwrap_or_else(|error| panic!("{error}"));
+            }
+            front.cut(&Stop::default()).unwrap_or_else(|error| panic!("{error}"));
+            front.keys[0].passed.len()
+        };
+        assert_eq!(noted(2), 2 * (BODY + 2));
+        assert_eq!(noted(500), noted(2));
     }
 }

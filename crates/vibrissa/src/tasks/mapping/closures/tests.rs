@@ -143,3 +143,21 @@ fn no_closure_is_proved_that_is_not_one() {
     }
     assert!(proved > worlds as usize / 3, "{proved} proved in {worlds} worlds");
 }
+
+#[test]
+fn each_closure_leads_on_along_the_pass_of_the_one_before() {
+    let corners = [at(0.0, 0.0), at(0.62, 0.0), at(0.62, 0.26), at(0.42, 0.26), at(0.42, 0.45), at(0.0, 0.45)];
+    let world = World { name: "rounds", wall: (0..6 * 4).map(|k| corners[k % 6]).collect() };
+    let odometry = Odometry { translation_relative: 0.005, rotation_relative: 1e-3, ..Odometry::default() };
+    let robot = Robot { odometry, ..Robot::default() };
+    let options = MappingOptions { body_radius: BODY, drift: 0.02, ..MappingOptions::default() };
+    // A heading that drifts turns the odometry of each round against that of the one before.
+    let (front, _) = felt(&world, &robot, options, &mut Random(0));
+    let (closures, ties) = closures((&front, 0), &robot, &options, None, &Stop::default());
+    assert!(closures.len() > 20 && ties.len() * 10 >= closures.len() * 8, "{} of {}", ties.len(), closures.len());
+    let way = |key: usize| front.keys[..=key].iter().skip(1).map(|key| key.leg.way).sum::<f64>();
+    for pair in ties.windows(2) {
+        let [gone, on] = [way(pair[1].later) - way(pair[0].later), way(pair[1].earlier) - way(pair[0].earlier)];
+        assert!((gone - on).abs() <= options.submap, "{gone} m later the closure leads {on} m further");
+    }
+}
