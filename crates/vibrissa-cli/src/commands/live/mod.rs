@@ -174,11 +174,13 @@ fn robot_of(setup: &Setup, is_localized: bool) -> Result<Robot> {
 }
 
 /// Closes the recording for somebody who asks a second time.
-fn close_at_once(closer: &Closer) {
-    warn(if closer.close_now(HASTE) {
-        "interrupted again: the recording is whole; --replay with the setup estimates what was not estimated yet"
-    } else {
-        "interrupted again: the disk did not take the recording's end in time; it is read up to where it ends"
+fn close_at_once(closer: &Closer, makes_map: bool) {
+    warn(match (closer.close_now(HASTE), makes_map) {
+        (true, false) => {
+            "interrupted again: the recording is whole; --replay with the setup estimates what was not estimated yet"
+        }
+        (true, true) => "interrupted again: the recording is whole; `vibrissa map` makes the map of it",
+        _ => "interrupted again: the disk did not take the recording's end in time; it is read up to where it ends",
     });
 }
 
@@ -219,7 +221,8 @@ fn on_robot(args: &Args, setup: &Setup, folder: &Path, out: Option<&Path>, cours
     };
     if let Some(journal) = &journal {
         let closer = journal.recorder().closer();
-        interrupt::last_resort(move || close_at_once(&closer));
+        let makes_map = args.mapping;
+        interrupt::last_resort(move || close_at_once(&closer, makes_map));
     }
     #[cfg(feature = "view")]
     let view = args.view.zip(map.as_ref()).map(|(port, map)| view::View::start(port, map, args.json)).transpose()?;
@@ -288,7 +291,7 @@ fn on_robot(args: &Args, setup: &Setup, folder: &Path, out: Option<&Path>, cours
         let off = pose.position().distance(truth.map_from_robot.position());
         text.push_str(&format!("  off the truth by {:.2} mm\n", 1e3 * off));
     }
-    text.push_str(&monitor::account(&health, args.latency));
+    text.push_str(&monitor::account(&health, args.latency, args.mapping));
     match recording {
         Some(path) if args.mapping => text.push_str(&format!("\nRecorded: {}, the map beside it\n", path.display())),
         Some(path) => {

@@ -188,7 +188,7 @@ pub(super) fn verdict(estimate: &Estimate, health: &Health) -> String {
 }
 
 /// What became of everything that arrived, in words.
-pub(super) fn account(health: &Health, histogram: bool) -> String {
+pub(super) fn account(health: &Health, histogram: bool, makes_map: bool) -> String {
     let mut text = String::new();
     for (name, counts) in &health.sources {
         text.push_str(&source(name, counts));
@@ -201,11 +201,12 @@ pub(super) fn account(health: &Health, histogram: bool) -> String {
     // Writing into a string cannot fail.
     let _ = writeln!(
         text,
-        "  rows: {} used, {} merged into others, {} refused; from the last byte to the pose {:.2} ms in the median, \
+        "  rows: {} used, {} merged into others, {} refused; from the last byte to the {} {:.2} ms in the median, \
          {:.2} ms for 99 %, {:.1} ms at most{}",
         health.rows,
         health.merged,
         health.refused,
+        if makes_map { "row" } else { "pose" },
         ms(latency.quantile(0.5)),
         ms(latency.quantile(0.99)),
         ms(latency.largest()),
