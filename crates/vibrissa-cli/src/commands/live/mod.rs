@@ -194,7 +194,6 @@ struct Course<'a> {
 
 /// Runs a setup on the robot that it names.
 fn on_robot(args: &Args, setup: &Setup, folder: &Path, out: Option<&Path>, course: Course<'_>) -> Result<()> {
-    let (map, robot) = (map_of(setup)?, robot_of(setup, !args.mapping)?);
     match &setup.map {
         None if !args.mapping => {
             return Err(no_map(setup).remedy("add map = \"arena.svg\" at its head, or let --mapping make one"));
@@ -206,6 +205,7 @@ fn on_robot(args: &Args, setup: &Setup, folder: &Path, out: Option<&Path>, cours
         }
         _ => {}
     }
+    let (map, robot) = (map_of(setup)?, robot_of(setup, !args.mapping)?);
     let limits = args.limits.options()?;
     let plans = args.plan || course.errands.is_some();
     let mut planning = match &map {
