@@ -16,6 +16,7 @@ use super::{CONTACT_ROWS, MultiHypothesisSmoother, Phase, StepOutcome};
 use crate::contact::follow::WhiskerState;
 use crate::flow::prior;
 use crate::plane::{Pose2, Vec2};
+use core::ops::Range;
 
 /// Free rows that are kept before a contact: what the whisker did not touch.
 const LEAD_ROWS: usize = 24;
@@ -29,7 +30,7 @@ const SLICE: usize = 4000;
 const FITTED: usize = 2000;
 /// With many cells a contact is followed for longer, by this factor, as long as it has not been followed for this many times the usual travel.
 const PATIENCE: f64 = 2.0;
-const MOST_PATIENCE: f64 = 4.0;
+const MOST_PATIENCE: f64 = 16.0;
 /// More searches than this are not tried, unless one has held for so many rows.
 const MOST_STARTS: u32 = 24;
 const TRUSTED: usize = 300;
@@ -84,7 +85,8 @@ impl MultiHypothesisSmoother<'_> {
         if !from_free && onset > 0 {
             self.forget(onset);
         }
-        let onset = self.onset(sensor, if from_free { onset } else { 0 }, from_free);
+        let first = if from_free { onset } else { 0 };
+        let onset = self.onset(sensor, first..self.window.len(), from_free);
         let before = match &mut self.phase {
             Phase::Pressing { search, .. } => search.take(),
             _ => None,
@@ -107,7 +109,8 @@ impl MultiHypothesisSmoother<'_> {
     }
 
     /// The contact that began at a row, and what judges it.
-    pub(super) fn onset(&self, sensor: usize, row: usize, from_free: bool) -> ContactOnset {
+    pub(super) fn onset(&self, sensor: usize, contact: Range<usize>, from_free: bool) -> ContactOnset {
+        let row = contact.start;
         let (own, options) = (&self.scene.sensors[sensor], &self.scene.options);
         let tip = Vec2::new(own.length, 0.0);
         let odom_from_whisker = self.window.pose(row).compose(own.robot_from_whisker);
@@ -122,7 +125,7 @@ impl MultiHypothesisSmoother<'_> {
             row,
             from_free,
             approach: tip - odom_from_whisker.inverse_transform_point(before.transform_point(tip)),
-            rows: judging_rows(&self.window, (sensor, own.length), row, options.seed_step),
+            rows: judging_rows(&self.window, (sensor, own.length), contact, options.seed_step),
             spacing: options.seed_spacing,
             turn: options.seed_turn,
             near: options.prior.map(|region| {
@@ -254,10 +257,8 @@ impl MultiHypothesisSmoother<'_> {
         match longest_contact(&self.window, &self.scene.sensors, &self.searched) {
             Some(contact) => {
                 self.abandoned = self.believed.take().or(self.abandoned);
-                let onset = self.onset(contact.sensor, contact.onset, true);
-                let rows = onset.rows.into_iter().filter(|&row| row < contact.end).collect();
-                let model = self.scene.model(&self.window, 0);
-                let search = GridSearch::new(&model, ContactOnset { rows, ..onset }, self.symmetries());
+                let onset = self.onset(contact.sensor, contact.onset..contact.end, true);
+                let search = GridSearch::new(&self.scene.model(&self.window, 0), onset, self.symmetries());
                 self.phase = Phase::Searching { search: Box::new(search), travelled: 0.0, ended: true };
             }
             None => self.begin_again(),
