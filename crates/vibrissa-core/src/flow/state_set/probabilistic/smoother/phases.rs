@@ -73,7 +73,7 @@ impl MultiHypothesisSmoother<'_> {
             return StepOutcome::Nothing;
         };
         let ended = at_end || self.free >= CONTACT_ROWS;
-        if travelled < self.scene.options.seed_travel * self.patience && !ended {
+        if travelled < self.scene.options.seed_travel * self.patience && !ended && !self.is_half_full() {
             return StepOutcome::Nothing;
         }
         if self.window.len() < onset + FEWEST_ROWS + if ended { CONTACT_ROWS } else { 0 } {
@@ -137,9 +137,14 @@ impl MultiHypothesisSmoother<'_> {
         }
     }
 
+    /// Whether the contact is not followed for longer: modes are to be fitted to rows before these are summed up.
+    fn is_half_full(&self) -> bool {
+        2 * self.window.len() > self.scene.window()
+    }
+
     /// Looks for modes with the work of one row, or with all that it takes.
     pub(super) async fn search(&mut self, whole: bool) -> StepOutcome {
-        let by_symmetry = self.symmetries().is_some();
+        let (by_symmetry, is_half_full) = (self.symmetries().is_some(), self.is_half_full());
         let Self { scene, window, phase, .. } = self;
         let Phase::Searching { search, travelled, ended } = phase else { return StepOutcome::Nothing };
         let mut work = if whole { usize::MAX } else { search.work_of_a_row() };
@@ -147,7 +152,7 @@ impl MultiHypothesisSmoother<'_> {
         let admission = Admission::of_cells(scene, window);
         let row = search.onset().row;
         let admits = |frame: Pose2| admission.satisfies_prior(frame) && admission.origin_is_free(frame, row);
-        let is_last = *ended || self.patience >= MOST_PATIENCE;
+        let is_last = *ended || self.patience >= MOST_PATIENCE || is_half_full;
         if !search.step(&model, &admits, is_last, &mut work).await {
             return StepOutcome::Nothing;
         }
