@@ -31,6 +31,8 @@ const FITTED: usize = 2000;
 /// With many cells a contact is followed for longer, by this factor, as long as it has not been followed for this many times the usual travel.
 const PATIENCE: f64 = 2.0;
 const MOST_PATIENCE: f64 = 16.0;
+/// Beyond so many times only while half of the window is free: modes are to be fitted to rows before these are summed up.
+const PATIENCE_OF_ANY_WINDOW: f64 = 4.0;
 /// More searches than this are not tried, unless one has held for so many rows.
 const MOST_STARTS: u32 = 24;
 const TRUSTED: usize = 300;
@@ -73,7 +75,9 @@ impl MultiHypothesisSmoother<'_> {
             return StepOutcome::Nothing;
         };
         let ended = at_end || self.free >= CONTACT_ROWS;
-        if travelled < self.scene.options.seed_travel * self.patience && !ended && !self.is_half_full() {
+        let is_followed = matches!(&self.phase, Phase::Pressing { search: Some(_), .. });
+        let waits = !(is_followed && self.patience > PATIENCE_OF_ANY_WINDOW && self.is_half_full());
+        if travelled < self.scene.options.seed_travel * self.patience && !ended && waits {
             return StepOutcome::Nothing;
         }
         if self.window.len() < onset + FEWEST_ROWS + if ended { CONTACT_ROWS } else { 0 } {
@@ -137,14 +141,18 @@ impl MultiHypothesisSmoother<'_> {
         }
     }
 
-    /// Whether the contact is not followed for longer: modes are to be fitted to rows before these are summed up.
     fn is_half_full(&self) -> bool {
         2 * self.window.len() > self.scene.window()
     }
 
+    /// Whether the contact is not followed for longer, however many cells are left.
+    fn is_followed_enough(&self) -> bool {
+        self.patience >= MOST_PATIENCE || (self.patience >= PATIENCE_OF_ANY_WINDOW && self.is_half_full())
+    }
+
     /// Looks for modes with the work of one row, or with all that it takes.
     pub(super) async fn search(&mut self, whole: bool) -> StepOutcome {
-        let (by_symmetry, is_half_full) = (self.symmetries().is_some(), self.is_half_full());
+        let (by_symmetry, is_enough) = (self.symmetries().is_some(), self.is_followed_enough());
         let Self { scene, window, phase, .. } = self;
         let Phase::Searching { search, travelled, ended } = phase else { return StepOutcome::Nothing };
         let mut work = if whole { usize::MAX } else { search.work_of_a_row() };
@@ -152,7 +160,7 @@ impl MultiHypothesisSmoother<'_> {
         let admission = Admission::of_cells(scene, window);
         let row = search.onset().row;
         let admits = |frame: Pose2| admission.satisfies_prior(frame) && admission.origin_is_free(frame, row);
-        let is_last = *ended || self.patience >= MOST_PATIENCE || is_half_full;
+        let is_last = *ended || is_enough;
         if !search.step(&model, &admits, is_last, &mut work).await {
             return StepOutcome::Nothing;
         }
