@@ -141,6 +141,7 @@ impl MultiHypothesisSmoother<'_> {
         }
     }
 
+    /// Whether half of the window's rows are taken.
     fn is_half_full(&self) -> bool {
         2 * self.window.len() > self.scene.window()
     }
