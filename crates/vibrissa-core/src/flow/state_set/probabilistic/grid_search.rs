@@ -32,7 +32,7 @@ const LONGEST_ARM: f64 = 0.97;
 const SAME: [[f64; 2]; 2] = [[2.5e-3, 0.04], [1.2e-3, 0.015]];
 const MANY: usize = 100;
 /// With more cells than this a contact is followed for longer.
-const MANY_CELLS: usize = 1000;
+const MANY_CELLS: usize = 4000;
 
 /// Readings that are run for one row of the log: at least (some milliseconds), and for each place of the boundary. A place costs some hundred.
 const LEAST_WORK: usize = 4000;
