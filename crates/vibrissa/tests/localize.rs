@@ -19,6 +19,7 @@ mod localize_probabilistic;
 mod localize_region;
 mod localize_ridges;
 mod localize_rods;
+mod localize_rounding;
 mod localize_senses;
 mod localize_slices;
 mod localize_sweeps;

@@ -132,23 +132,27 @@ fn what_feels_the_same_lies_on_the_ridge_and_what_does_not_lies_off_it() {
 
 #[test]
 fn every_vertex_explains_the_readings() {
-    let sweep = along_the_wall(0.0, &SweepNoise::seeded(5)).unwrap();
-    let answer = localized(&sweep.log, &square_room(), &Robot::default(), 1000);
     let noise = Robot::default().whiskers[0].noise;
-    let mut vertices = 0;
-    for pose in answer.hypotheses.iter().flat_map(|h| &h.ridge) {
-        // The whole way, moved so that it ends here, felt anew by the simulator.
-        let motion = pose.compose(end(&sweep).inverse());
-        let mut path = sweep.truth.clone();
-        path.iter_mut().for_each(|row| row.map_from_robot = motion.compose(row.map_from_robot));
-        let felt = simulate_tip_sweep(&square_room(), &Robot::default(), &path, &SweepNoise::none()).unwrap();
-        let pairs = felt.log.rows.iter().zip(&sweep.log.rows).map(|(h, z)| (h.readings[0], z.readings[0]));
-        let broken = pairs.filter(|(h, z)| (h - z).abs() > noise.moment_relative * z.abs() + noise.moment_absolute);
-        let share = broken.count() as f64 / sweep.log.rows.len() as f64;
-        assert!(share < 0.05, "{pose:?}: {share}");
-        vertices += 1;
+    let mut shares: Vec<f64> = Vec::new();
+    for seed in 1..9 {
+        let sweep = along_the_wall(0.0, &SweepNoise::seeded(seed)).unwrap();
+        let answer = localized(&sweep.log, &square_room(), &Robot::default(), 1000);
+        // Its images are turned ones.
+        for pose in &answer.hypotheses[0].ridge {
+            // The whole way, moved so that it ends here, felt anew by the simulator.
+            let motion = pose.compose(end(&sweep).inverse());
+            let mut path = sweep.truth.clone();
+            path.iter_mut().for_each(|row| row.map_from_robot = motion.compose(row.map_from_robot));
+            let felt = simulate_tip_sweep(&square_room(), &Robot::default(), &path, &SweepNoise::none()).unwrap();
+            let pairs = felt.log.rows.iter().zip(&sweep.log.rows).map(|(h, z)| (h.readings[0], z.readings[0]));
+            let broken = pairs.filter(|(h, z)| (h - z).abs() > noise.moment_relative * z.abs() + noise.moment_absolute);
+            shares.push(broken.count() as f64 / sweep.log.rows.len() as f64);
+        }
     }
-    assert!(vertices >= 40, "{vertices}");
+    shares.sort_by(f64::total_cmp);
+    let (median, worst) = (shares[shares.len() / 2], shares[shares.len() - 1]);
+    println!("{} vertices, share of readings beyond their bound: median {median:.3}, most {worst:.3}", shares.len());
+    assert!(shares.len() >= 80 && median < 0.03 && worst < 0.1, "{} {median} {worst}", shares.len());
 }
 
 #[test]

@@ -2,7 +2,7 @@
 //! state is in the set as long as the bounds hold, whatever the law of the errors within.
 
 use crate::Stop;
-use crate::config::{PossibilisticOptions, ProbabilisticOptions, UndeclaredErrors};
+use crate::config::{PossibilisticOptions, ProbabilisticOptions};
 use crate::flow::pose::{Event, Localization, Status};
 use crate::flow::sensor_log::{LogRow, SensorLog};
 use crate::localizer::{Localizer, Method};
@@ -57,18 +57,14 @@ impl Told<'_> {
     }
 
     /// The answer on a log that the probabilistic method calls `inconsistent`: the places of the set, where the declared bounds leave few and small ones
-    /// (event `enclosed`), else the answer as it is. It is no more than `ambiguous` where the method takes what the robot file does not bound to be off:
-    /// the set takes it for exact.
+    /// (event `enclosed`), else the answer as it is. It is no more than `ambiguous`: the set takes for exact what the robot file does not bound, and may leave
+    /// a place on another's map, too.
     pub(super) fn answer(&self, answer: Localization) -> Localization {
         let is_elsewhere = answer.consistency.as_ref().is_some_and(|fit| fit.statistic > LARGEST_MISFIT);
         if answer.status != Status::Inconsistent || is_elsewhere || self.stop.is_asked() {
             return answer;
         }
         let Some(set) = self.enclosure().filter(tells) else { return answer };
-        let status = match self.options.undeclared {
-            UndeclaredErrors::None => set.status,
-            UndeclaredErrors::Typical => Status::Ambiguous,
-        };
         let t = self.rows.last().map_or(0.0, |row| row.t);
         let count = set.hypotheses.len();
         let places = if count == 1 { "one place".to_owned() } else { format!("{count} places") };
@@ -78,7 +74,7 @@ impl Told<'_> {
         );
         let mut events = answer.events;
         events.push(Event { t, kind: "enclosed", detail });
-        Localization { status, events, consistency: answer.consistency, ..set }
+        Localization { status: Status::Ambiguous, events, consistency: answer.consistency, ..set }
     }
 }
 
@@ -128,12 +124,9 @@ pub(crate) mod tests {
         };
         let (map, robot, log, truth) = swept(0.12, 0.4, false);
         let never = Stop::default();
-        // The set takes for exact what the robot file does not bound: no more than `ambiguous` where the method does not.
-        for (options, status) in
-            [(ProbabilisticOptions::default(), Status::Ambiguous), (ProbabilisticOptions::exact(), Status::Localized)]
-        {
+        for options in [ProbabilisticOptions::default(), ProbabilisticOptions::exact()] {
             let told = ask(&log, &map, &robot, options, &never);
-            assert_eq!((told.status, told.hypotheses.len(), told.encloses), (status, 1, true));
+            assert_eq!((told.status, told.hypotheses.len(), told.encloses), (Status::Ambiguous, 1, true));
             let place = &told.hypotheses[0].extent;
             assert!(place.x.contains(truth.x) && place.y.contains(truth.y), "{place:?}, {truth:?}");
             let kinds: Vec<&str> = told.events.iter().map(|event| event.kind).collect();

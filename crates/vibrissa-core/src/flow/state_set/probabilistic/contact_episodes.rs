@@ -2,9 +2,13 @@
 
 use super::log_window::LogWindow;
 use super::sensor::Sensor;
+use core::ops::Range;
 
 /// Fewest rows of contact to seed from.
 pub(super) const FEWEST_ROWS: usize = 5;
+
+/// Most rows that judge a search: readings next to each other tell much the same.
+const MOST_JUDGING: f64 = 24.0;
 
 /// A stretch of the window in which one whisker touches.
 pub(super) struct ContactEpisode {
@@ -41,10 +45,16 @@ pub(super) fn longest_contact(window: &LogWindow, sensors: &[Sensor], searched: 
     best
 }
 
-/// The rows that judge cells: the onset, then one for every `step` that the base or the tip travels; of three neighbours
-/// always that with the middle reading, so that no single false one is taken.
-pub(super) fn judging_rows(window: &LogWindow, (sensor, lever): (usize, f64), onset: usize, step: f64) -> Vec<usize> {
-    let last = window.len() - 1;
+/// The rows that judge cells: the onset, then one for every `step` that the base or the tip travels, or evenly spread where these were too many;
+/// of three neighbours always that with the middle reading, so that no single false one is taken.
+pub(super) fn judging_rows(
+    window: &LogWindow,
+    (sensor, lever): (usize, f64),
+    contact: Range<usize>,
+    step: f64,
+) -> Vec<usize> {
+    let (onset, last) = (contact.start, contact.end - 1);
+    let step = step.max(window.way(onset, last, lever) / MOST_JUDGING);
     let mut rows = vec![onset];
     let mut travelled = 0.0;
     for row in onset + 1..last {

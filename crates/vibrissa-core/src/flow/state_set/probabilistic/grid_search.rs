@@ -12,6 +12,7 @@ mod seeds;
 pub(super) use cell::Cell;
 
 use super::admission::Admits;
+use super::information::by_cost;
 use super::map_symmetry::MapSymmetries;
 use super::measurement::MeasurementModel;
 use super::shared_runs::{ContactExtent, SharedRun, WallContact};
@@ -32,7 +33,7 @@ const LONGEST_ARM: f64 = 0.97;
 const SAME: [[f64; 2]; 2] = [[2.5e-3, 0.04], [1.2e-3, 0.015]];
 const MANY: usize = 100;
 /// With more cells than this a contact is followed for longer.
-const MANY_CELLS: usize = 4000;
+const MANY_CELLS: usize = 1000;
 
 /// Readings that are run for one row of the log: at least (some milliseconds), and for each place of the boundary. A place costs some hundred.
 const LEAST_WORK: usize = 4000;
@@ -175,7 +176,7 @@ impl GridSearch {
     pub(super) fn into_found(mut self, model: &MeasurementModel<'_>) -> Vec<Cell> {
         self.found.retain(Cell::explains);
         self.join(model);
-        self.found.sort_by(|a, b| a.best.0.total_cmp(&b.best.0));
+        self.found.sort_by(|a, b| by_cost(a.best.0, b.best.0));
         self.found.iter_mut().for_each(|cell| cell.frame = best_frame(cell, pivot(model, &self.onset)));
         self.found
     }
@@ -361,7 +362,7 @@ pub(super) fn best_of_cells(
     };
     let mut keyed: Vec<_> = frames.enumerate().map(key).collect();
     let mut kept = vec![false; keyed.len()];
-    keyed.sort_unstable_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2)));
+    keyed.sort_unstable_by(|a, b| a.0.cmp(&b.0).then(by_cost(a.1, b.1)).then(a.2.cmp(&b.2)));
     keyed.dedup_by(|later, kept| later.0 == kept.0);
     keyed.iter().for_each(|&(.., index)| kept[index] = true);
     kept

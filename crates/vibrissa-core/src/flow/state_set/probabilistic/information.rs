@@ -7,6 +7,17 @@
 //! Robot Perception, sections 2 and 3).
 
 use crate::linear_algebra::{Cholesky, Square, dot, inverse, times};
+use core::cmp::Ordering;
+
+/// Costs that differ by less than about this (nats) are equal: all places along a straight wall explain a contact alike, and which of them stays
+/// is not to be a matter of rounding, which differs between processors.
+const SAME_COST: f64 = 1e-6;
+
+/// The order of two costs; those that are equal but for rounding stay in the order in which they are.
+pub(super) fn by_cost(a: f64, b: f64) -> Ordering {
+    let rounded = |cost: f64| (cost / SAME_COST).round();
+    rounded(a).total_cmp(&rounded(b))
+}
 
 /// A quadratic cost around the point of linearisation.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -4,6 +4,7 @@
 use super::super::adaptive_sampling::ProposalComponent;
 use super::super::correlated_noise::{NoiseModel, OUTLIER_COST};
 use super::super::goodness_of_fit::of_run;
+use super::super::information::by_cost;
 use super::super::measurement::{Linearisation, MeasurementModel};
 use super::super::optimisation::{LINE, Mode};
 use super::super::state::{State, moved};
@@ -61,7 +62,7 @@ impl Bank {
         self.rows = rows;
         self.seen = model.window.len();
         self.relinearise(model).await;
-        self.modes.sort_by(|a, b| a.evidence().total_cmp(&b.evidence()));
+        self.modes.sort_by(|a, b| by_cost(a.evidence(), b.evidence()));
         for mode in self.modes.iter_mut().take(searched) {
             mode.search_line(model, &self.rows, &LINE, &mut self.scratch).await;
         }
@@ -80,7 +81,7 @@ impl Bank {
     /// those that explain it: these are compared among themselves.
     async fn prune_unless_disputed(&mut self, model: &MeasurementModel<'_>, gate: f64) {
         let here = |mode: &Mode| mode.evidence_here();
-        let Some(best) = self.modes.iter().min_by(|a, b| here(a).total_cmp(&here(b))) else { return };
+        let Some(best) = self.modes.iter().min_by(|a, b| by_cost(here(a), here(b))) else { return };
         if agrees(best, model, &self.rows, &mut self.scratch).await {
             return self.prune(gate);
         }
@@ -176,7 +177,7 @@ impl Bank {
                 let there = mode.at(mode.state_at(model, frame), model, &thinned, &mut self.scratch).await;
                 starts.push((there.evidence(), there.state));
             }
-            starts.sort_by(|a, b| a.0.total_cmp(&b.0));
+            starts.sort_by(|a, b| by_cost(a.0, b.0));
             for (_, state) in starts.into_iter().take(DESCENDED) {
                 let mut there = mode.at(state, model, &rows, &mut self.scratch).await;
                 there.descend(model, &rows, DESCENDED_STEPS, &mut self.scratch).await;

@@ -16,6 +16,7 @@ use super::{CONTACT_ROWS, MultiHypothesisSmoother, Phase, StepOutcome};
 use crate::contact::follow::WhiskerState;
 use crate::flow::prior;
 use crate::plane::{Pose2, Vec2};
+use core::ops::Range;
 
 /// Free rows that are kept before a contact: what the whisker did not touch.
 const LEAD_ROWS: usize = 24;
@@ -29,7 +30,9 @@ const SLICE: usize = 4000;
 const FITTED: usize = 2000;
 /// With many cells a contact is followed for longer, by this factor, as long as it has not been followed for this many times the usual travel.
 const PATIENCE: f64 = 2.0;
-const MOST_PATIENCE: f64 = 4.0;
+const MOST_PATIENCE: f64 = 16.0;
+/// Beyond so many times only while half of the window is free: modes are to be fitted to rows before these are summed up.
+const PATIENCE_OF_ANY_WINDOW: f64 = 4.0;
 /// More searches than this are not tried, unless one has held for so many rows.
 const MOST_STARTS: u32 = 24;
 const TRUSTED: usize = 300;
@@ -72,7 +75,9 @@ impl MultiHypothesisSmoother<'_> {
             return StepOutcome::Nothing;
         };
         let ended = at_end || self.free >= CONTACT_ROWS;
-        if travelled < self.scene.options.seed_travel * self.patience && !ended {
+        let is_followed = matches!(&self.phase, Phase::Pressing { search: Some(_), .. });
+        let waits = !(is_followed && self.patience > PATIENCE_OF_ANY_WINDOW && self.is_half_full());
+        if travelled < self.scene.options.seed_travel * self.patience && !ended && waits {
             return StepOutcome::Nothing;
         }
         if self.window.len() < onset + FEWEST_ROWS + if ended { CONTACT_ROWS } else { 0 } {
@@ -84,7 +89,8 @@ impl MultiHypothesisSmoother<'_> {
         if !from_free && onset > 0 {
             self.forget(onset);
         }
-        let onset = self.onset(sensor, if from_free { onset } else { 0 }, from_free);
+        let first = if from_free { onset } else { 0 };
+        let onset = self.onset(sensor, first..self.window.len(), from_free);
         let before = match &mut self.phase {
             Phase::Pressing { search, .. } => search.take(),
             _ => None,
@@ -107,7 +113,8 @@ impl MultiHypothesisSmoother<'_> {
     }
 
     /// The contact that began at a row, and what judges it.
-    pub(super) fn onset(&self, sensor: usize, row: usize, from_free: bool) -> ContactOnset {
+    pub(super) fn onset(&self, sensor: usize, contact: Range<usize>, from_free: bool) -> ContactOnset {
+        let row = contact.start;
         let (own, options) = (&self.scene.sensors[sensor], &self.scene.options);
         let tip = Vec2::new(own.length, 0.0);
         let odom_from_whisker = self.window.pose(row).compose(own.robot_from_whisker);
@@ -122,7 +129,7 @@ impl MultiHypothesisSmoother<'_> {
             row,
             from_free,
             approach: tip - odom_from_whisker.inverse_transform_point(before.transform_point(tip)),
-            rows: judging_rows(&self.window, (sensor, own.length), row, options.seed_step),
+            rows: judging_rows(&self.window, (sensor, own.length), contact, options.seed_step),
             spacing: options.seed_spacing,
             turn: options.seed_turn,
             near: options.prior.map(|region| {
@@ -134,9 +141,19 @@ impl MultiHypothesisSmoother<'_> {
         }
     }
 
+    /// Whether half of the window's rows are taken.
+    fn is_half_full(&self) -> bool {
+        2 * self.window.len() > self.scene.window()
+    }
+
+    /// Whether the contact is not followed for longer, however many cells are left.
+    fn is_followed_enough(&self) -> bool {
+        self.patience >= MOST_PATIENCE || (self.patience >= PATIENCE_OF_ANY_WINDOW && self.is_half_full())
+    }
+
     /// Looks for modes with the work of one row, or with all that it takes.
     pub(super) async fn search(&mut self, whole: bool) -> StepOutcome {
-        let by_symmetry = self.symmetries().is_some();
+        let (by_symmetry, is_enough) = (self.symmetries().is_some(), self.is_followed_enough());
         let Self { scene, window, phase, .. } = self;
         let Phase::Searching { search, travelled, ended } = phase else { return StepOutcome::Nothing };
         let mut work = if whole { usize::MAX } else { search.work_of_a_row() };
@@ -144,7 +161,7 @@ impl MultiHypothesisSmoother<'_> {
         let admission = Admission::of_cells(scene, window);
         let row = search.onset().row;
         let admits = |frame: Pose2| admission.satisfies_prior(frame) && admission.origin_is_free(frame, row);
-        let is_last = *ended || self.patience >= MOST_PATIENCE;
+        let is_last = *ended || is_enough;
         if !search.step(&model, &admits, is_last, &mut work).await {
             return StepOutcome::Nothing;
         }
@@ -254,10 +271,8 @@ impl MultiHypothesisSmoother<'_> {
         match longest_contact(&self.window, &self.scene.sensors, &self.searched) {
             Some(contact) => {
                 self.abandoned = self.believed.take().or(self.abandoned);
-                let onset = self.onset(contact.sensor, contact.onset, true);
-                let rows = onset.rows.into_iter().filter(|&row| row < contact.end).collect();
-                let model = self.scene.model(&self.window, 0);
-                let search = GridSearch::new(&model, ContactOnset { rows, ..onset }, self.symmetries());
+                let onset = self.onset(contact.sensor, contact.onset..contact.end, true);
+                let search = GridSearch::new(&self.scene.model(&self.window, 0), onset, self.symmetries());
                 self.phase = Phase::Searching { search: Box::new(search), travelled: 0.0, ended: true };
             }
             None => self.begin_again(),
