@@ -39,19 +39,29 @@ pub(crate) struct Simulated {
 /// Shortest log that is used.
 const FEWEST_ROWS: usize = 60;
 
-/// The drive of a seed, if there is one; with errors of every kind, or of readings and odometry only.
-pub(crate) fn drive(seed: u64, nuisances: bool) -> Option<Drive> {
+/// The drive of a seed with so many whiskers, if there is one; with errors of every kind, or of readings and odometry only. What is drawn for the
+/// first whisker does not depend on how many there are.
+pub(crate) fn drive(seed: u64, nuisances: bool, whiskers: usize) -> Option<Drive> {
+    let mut others = Random(seed.wrapping_mul(0xe703_7ed1_a0b4_28db));
     let mut draw = Random(seed.wrapping_mul(0xa076_1d64_78bd_642f));
     let mut outlines = room(&mut draw);
     furnish(&mut outlines, &mut Random(seed.wrapping_mul(0xd6e8_feb8_6659_fd93)));
     let map = map_of(&outlines, 1.0)?;
-    let robot = true_robot(&mut draw);
+    let mut robot = true_robot(&mut draw);
+    for number in 1..whiskers {
+        let mut whisker = true_robot(&mut others).whiskers.remove(0);
+        whisker.name = format!("w{number}");
+        // Anywhere around the robot.
+        let side = Pose2::new(0.0, 0.0, others.signed(PI));
+        whisker.robot_from_whisker = side.compose(whisker.robot_from_whisker);
+        robot.whiskers.push(whisker);
+    }
     let way = waypoints(&map, &robot, &mut draw)?;
     let pace = Pace { speed: 0.2, turn_rate: 1.5, rate: draw.between(60.0, 250.0) };
     let mut path = path_through(&way, &pace).ok()?;
     let sweep = swept(&map, &robot, &mut path)?;
-    let errors = Errors::draw(&mut draw, &robot, nuisances);
-    let (log, law) = log(&sweep, &path, &errors, &robot, &mut draw)?;
+    let errors = Errors::draw((&mut draw, &mut others), &robot, nuisances);
+    let (log, law) = log(&sweep, &path, &errors, &robot, (&mut draw, &mut others))?;
     let map_scale = errors.map;
     let told = |pose: Pose2| Pose2::new(pose.x * map_scale, pose.y * map_scale, pose.theta);
     let rows = errors.rows(path.len())?;
@@ -61,7 +71,7 @@ pub(crate) fn drive(seed: u64, nuisances: bool) -> Option<Drive> {
         robot.odometry.delay = delay_bound(&log, errors.delay_rows);
     }
     let mut touches = vec![0; path.len()];
-    sweep.contacts.iter().for_each(|touch| touches[touch.row] += 1);
+    sweep.contacts.iter().filter(|touch| touch.whisker == 0).for_each(|touch| touches[touch.row] += 1);
     Some(Drive {
         map: map_of(&outlines, map_scale)?,
         robot,
@@ -163,19 +173,23 @@ fn true_robot(draw: &mut Random) -> Robot {
 
 /// A drive ahead until something is near, a turn on the spot, and so on.
 fn waypoints(map: &Map, robot: &Robot, draw: &mut Random) -> Option<Vec<Pose2>> {
-    let whisker = &robot.whiskers[0];
     let bounds = map.bounds();
-    let keeps_off = draw.between(0.1, 0.7) * whisker.beam.length;
+    let keeps_off = draw.between(0.1, 0.7) * robot.whiskers[0].beam.length;
     let is_clear = |pose: &Pose2, off: f64| {
-        let base = pose.compose(whisker.robot_from_whisker).position();
+        let is_off = |whisker: &MountedWhisker| {
+            let base = pose.compose(whisker.robot_from_whisker).position();
+            map.is_free(base) && map.nearest(base).is_some_and(|near| near.distance > off)
+        };
         // No robot has its origin in a wall.
-        map.is_free(pose.position()) && map.is_free(base) && map.nearest(base).is_some_and(|near| near.distance > off)
+        map.is_free(pose.position()) && robot.whiskers.iter().all(is_off)
     };
     let is_free = |pose: &Pose2| {
-        let base = pose.compose(whisker.robot_from_whisker);
-        (0..=20).all(|k| {
-            let p = base.transform_point(Vec2::new(whisker.beam.length * 1.02 * f64::from(k) / 20.0, 0.0));
-            map.is_free(p) && map.nearest(p).is_some_and(|near| near.distance > 1e-3)
+        robot.whiskers.iter().all(|whisker| {
+            let base = pose.compose(whisker.robot_from_whisker);
+            (0..=20).all(|k| {
+                let p = base.transform_point(Vec2::new(whisker.beam.length * 1.02 * f64::from(k) / 20.0, 0.0));
+                map.is_free(p) && map.nearest(p).is_some_and(|near| near.distance > 1e-3)
+            })
         })
     };
     let place = |draw: &mut Random| {
@@ -225,32 +239,51 @@ struct Errors {
     told: Robot,
     /// Told over true metres of the map.
     map: f64,
-    gain: f64,
-    zero: f64,
-    drift: f64,
+    /// Of each whisker.
+    readings: Vec<ReadingErrors>,
     /// Rows by which readings are early, and the bound on them.
     delay: i64,
     delay_rows: f64,
 }
 
+/// What is wrong with the readings of a whisker.
+#[derive(Clone, Copy)]
+struct ReadingErrors {
+    gain: f64,
+    zero: f64,
+    drift: f64,
+}
+
+/// A bound and what is within it: some kinds only; some at the edge of their bounds.
+fn kind(draw: &mut Random, most: f64) -> (f64, f64) {
+    let bound = if draw.unit() < 0.4 { draw.between(0.0, most) } else { 0.0 };
+    (bound, bound * if draw.unit() < 0.5 { draw.sign() } else { draw.signed(1.0) } * (1.0 - 1e-9))
+}
+
 impl Errors {
-    fn draw(draw: &mut Random, robot: &Robot, nuisances: bool) -> Self {
-        let mut all =
-            Self { told: robot.clone(), map: 1.0, gain: 1.0, zero: 0.0, drift: 0.0, delay: 0, delay_rows: 0.0 };
+    fn draw((draw, others): (&mut Random, &mut Random), robot: &Robot, nuisances: bool) -> Self {
+        let readings = vec![ReadingErrors { gain: 1.0, zero: 0.0, drift: 0.0 }; robot.whiskers.len()];
+        let mut all = Self { told: robot.clone(), map: 1.0, readings, delay: 0, delay_rows: 0.0 };
         if !nuisances {
             return all;
         }
-        // Some kinds only; some at the edge of their bounds.
-        let mut kind = |most: f64| {
-            let bound = if draw.unit() < 0.4 { draw.between(0.0, most) } else { 0.0 };
-            (bound, bound * if draw.unit() < 0.5 { draw.sign() } else { draw.signed(1.0) } * (1.0 - 1e-9))
-        };
-        let (scale, zero, drift, gain) = (kind(0.02), kind(5e-5), kind(1e-5), kind(0.05));
-        let (length, rigidity, x, y, theta) = (kind(0.02), kind(0.05), kind(2e-3), kind(2e-3), kind(0.03));
-        let delay = kind(4.0);
-        let whisker = &mut all.told.whiskers[0];
+        let scale = kind(draw, 0.02);
         all.map = 1.0 / (1.0 + scale.1);
-        (all.gain, all.zero, all.drift) = (1.0 + gain.1, zero.1, drift.1);
+        all.told.map_scale = scale.0;
+        for index in 0..robot.whiskers.len() {
+            all.draw_of_whisker(index, if index == 0 { draw } else { others });
+        }
+        let delay = kind(draw, 4.0);
+        (all.delay, all.delay_rows) = (delay.1 as i64, delay.0);
+        all
+    }
+
+    fn draw_of_whisker(&mut self, index: usize, draw: &mut Random) {
+        let mut kind = |most: f64| kind(draw, most);
+        let (zero, drift, gain) = (kind(5e-5), kind(1e-5), kind(0.05));
+        let (length, rigidity, x, y, theta) = (kind(0.02), kind(0.05), kind(2e-3), kind(2e-3), kind(0.03));
+        let whisker = &mut self.told.whiskers[index];
+        self.readings[index] = ReadingErrors { gain: 1.0 + gain.1, zero: zero.1, drift: drift.1 };
         whisker.beam.length /= 1.0 + length.1;
         whisker.beam.flexural_rigidity /= 1.0 + rigidity.1;
         let mount = whisker.robot_from_whisker;
@@ -259,9 +292,6 @@ impl Errors {
         whisker.errors.rigidity = rigidity.0;
         whisker.errors.mount = [x.0, y.0, theta.0];
         (whisker.errors.zero, whisker.errors.zero_drift, whisker.errors.gain) = (zero.0, drift.0, gain.0);
-        all.told.map_scale = scale.0;
-        (all.delay, all.delay_rows) = (delay.1 as i64, delay.0);
-        all
     }
 
     /// The rows of the path that have a reading.
@@ -314,11 +344,13 @@ fn log(
     path: &[StampedPose],
     errors: &Errors,
     robot: &Robot,
-    draw: &mut Random,
+    (draw, others): (&mut Random, &mut Random),
 ) -> Option<(SensorLog, &'static str)> {
     let rows = errors.rows(path.len())?;
-    let moment = |k: usize| sweep.exact_moments[k.min(path.len() - 1)][0];
-    let (shares, law) = noise(path.len(), moment, draw);
+    let moment = |whisker: usize| move |k: usize| sweep.exact_moments[k.min(path.len() - 1)][whisker];
+    let (first, law) = noise(path.len(), moment(0), draw);
+    let mut shares = vec![first];
+    shares.extend((1..robot.whiskers.len()).map(|whisker| noise(path.len(), moment(whisker), others).0));
     let mut told = LogRow {
         t: 0.0,
         odom_from_robot: Pose2::new(draw.signed(3.0), 0.0, draw.signed(PI)),
@@ -329,7 +361,11 @@ fn log(
     let (hard, along, turning) = (draw.unit() < 0.5, draw.sign(), draw.sign());
     let begin = path[rows.start].t;
     let mut log = SensorLog {
-        channels: vec![Channel { whisker: String::new(), quantity: Quantity::Moment }],
+        channels: robot
+            .whiskers
+            .iter()
+            .map(|one| Channel { whisker: one.name.clone(), quantity: Quantity::Moment })
+            .collect(),
         ..SensorLog::default()
     };
     for k in rows.clone() {
@@ -347,8 +383,12 @@ fn log(
         }
         let read = (k as i64 + errors.delay) as usize;
         let elapsed = path[k].t - begin;
-        let clean = errors.gain * moment(read) + errors.zero + errors.drift * elapsed;
-        told.readings = vec![reading(clean, &robot.whiskers[0].noise, shares[k])];
+        let told_of = |(index, whisker): (usize, &MountedWhisker)| {
+            let ReadingErrors { gain, zero, drift } = errors.readings[index];
+            let clean = gain * moment(index)(read) + zero + drift * elapsed;
+            reading(clean, &whisker.noise, shares[index][k])
+        };
+        told.readings = robot.whiskers.iter().enumerate().map(told_of).collect();
         told.t = path[k].t;
         log.rows.push(told.clone());
     }

@@ -26,7 +26,7 @@ pub(crate) struct Followed {
 
 /// The drive of a seed, if there is one; stretches of odd rows are printed.
 pub(crate) fn drive(seed: u64) -> Option<(u64, Followed)> {
-    let (drive, _) = corner_drive(seed)?;
+    let (drive, _) = corner_drive(seed, 1)?;
     let simulated = &drive.simulated;
     let whisker = &simulated.robot.whiskers[0];
     let bases: Vec<Pose2> =

@@ -9,6 +9,7 @@
 //!     cargo run --release -p vibrissa-soundness -- --quick --nightly      without the refinement at the end of each log
 //!     cargo run --release -p vibrissa-soundness -- --corners 100        drives around corners, with two contacts at once
 //!     cargo run --release -p vibrissa-soundness -- --corners 100 --smoother    the same drives by the probabilistic method
+//!     cargo run --release -p vibrissa-soundness -- --corners 100 --smoother --whiskers 4    by robots of four whiskers
 //!     cargo run --release -p vibrissa-soundness -- --corners 100 --forward     how much of these drives the forward model knows
 //!     cargo run --release -p vibrissa-soundness -- --explore 100        robots that find out where they are by their own motion
 //!     cargo run --release -p vibrissa-soundness -- --follow 100         robots that follow walls by touch
@@ -81,6 +82,8 @@ struct Call {
     verbose: bool,
     /// How many of the policies: 1 for planned motions alone.
     policies: usize,
+    /// How many whiskers the robots of such drives have.
+    whiskers: usize,
     /// From so far after the first contact on such drives reckon with two contacts (m).
     two_contacts: Option<f64>,
     /// The share of their bounds that errors are declared with: below one, truths must be lost.
@@ -113,13 +116,13 @@ fn main() -> ExitCode {
         Ok(call) if call.follow => following::report(&all_corners(&call, |seed| following::follow(seed, call.verbose))),
         Ok(call) if call.corners && call.forward => forward::report(&all_corners(&call, forward::drive)),
         Ok(call) if call.corners && call.smoother => {
-            smoothed::report(&all_corners(&call, |seed| smoothed::drive(seed, call.declared)))
+            smoothed::report(&all_corners(&call, |seed| smoothed::drive(seed, call.declared, call.whiskers)))
         }
         Ok(call) if call.corners => corner_report(&run_corners(&call), &call),
         Ok(call) => report(&run(&call), &call),
         Err(message) => {
             eprintln!(
-                "error: {message}\n  --worlds N --corners N --explore N --follow N --policies N --verbose --one-place --two-contacts MM --smoother --forward --nightly --rods --bands --quick --first SEED --threads N --replay SEED --declare PERCENT"
+                "error: {message}\n  --worlds N --corners N --explore N --follow N --policies N --verbose --one-place --two-contacts MM --whiskers N --smoother --forward --nightly --rods --bands --quick --first SEED --threads N --replay SEED --declare PERCENT"
             );
             ExitCode::from(2)
         }
@@ -143,6 +146,7 @@ fn parse(mut words: impl Iterator<Item = String>) -> Result<Call, String> {
         follow: false,
         verbose: false,
         policies: exploring::POLICIES.len(),
+        whiskers: 1,
         two_contacts: Some(TWO_CONTACTS),
         declared: 1.0,
     };
@@ -164,6 +168,7 @@ fn parse(mut words: impl Iterator<Item = String>) -> Result<Call, String> {
             "--verbose" => call.verbose = true,
             "--policies" => call.policies = number()?.max(1) as usize,
             "--corners" => (call.corners, call.worlds) = (true, number()? as usize),
+            "--whiskers" => call.whiskers = number()?.clamp(1, 64) as usize,
             "--nightly" => call.worlds = NIGHTLY,
             "--worlds" => call.worlds = number()? as usize,
             "--first" => call.first = number()?,
@@ -225,15 +230,16 @@ struct Cornered {
 
 /// The drive of a seed, if there is one, and a prior about its first pose, but for every third. Errors of every kind are drawn for every
 /// second drive.
-fn corner_drive(seed: u64) -> Option<(corners::Drive, Option<[[f64; 2]; 3]>)> {
-    let drive = corners::drive(seed, seed.is_multiple_of(2))?;
+fn corner_drive(seed: u64, whiskers: usize) -> Option<(corners::Drive, Option<[[f64; 2]; 3]>)> {
+    let drive = corners::drive(seed, seed.is_multiple_of(2), whiskers)?;
     let mut draw = Random(seed.wrapping_mul(0x9fb2_1c65_1e98_df25));
     let prior = (!seed.is_multiple_of(3)).then(|| region(&drive.first, &mut draw));
     Some((drive, prior))
 }
 
-fn cornered(seed: u64, declared: f64, two_contacts: Option<f64>) -> Option<Cornered> {
-    let (drive, prior) = corner_drive(seed)?;
+fn cornered(seed: u64, call: &Call) -> Option<Cornered> {
+    let Call { declared, two_contacts, .. } = *call;
+    let (drive, prior) = corner_drive(seed, call.whiskers)?;
     let last_work = if prior.is_none() { LAST_WORK } else { NEAR_WORK };
     let options = PossibilisticOptions { last_work, prior, two_contacts, ..Default::default() };
     let options = Method::Possibilistic(options);
@@ -269,7 +275,7 @@ fn cornered(seed: u64, declared: f64, two_contacts: Option<f64>) -> Option<Corne
 /// What became of the first seeds that give a drive, in the order of these.
 fn run_corners(call: &Call) -> Vec<Cornered> {
     all_corners(call, |seed| {
-        let one = cornered(seed, call.declared, call.two_contacts)?;
+        let one = cornered(seed, call)?;
         one.loss.iter().for_each(|loss| println!("{loss}"));
         Some((seed, one))
     })

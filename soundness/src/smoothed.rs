@@ -34,8 +34,8 @@ pub(crate) struct Smoothed {
 }
 
 /// The drive of a seed, if there is one; losses are printed.
-pub(crate) fn drive(seed: u64, declared: f64) -> Option<(u64, Smoothed)> {
-    let (drive, prior) = corner_drive(seed)?;
+pub(crate) fn drive(seed: u64, declared: f64, whiskers: usize) -> Option<(u64, Smoothed)> {
+    let (drive, prior) = corner_drive(seed, whiskers)?;
     let mut robot = drive.robot.clone();
     for whisker in &mut robot.whiskers {
         whisker.noise.moment_relative *= declared;

@@ -5,6 +5,7 @@
 //! long enough to have shown themselves.
 
 use super::odometry::Leg;
+use super::passed_cells::PassedCells;
 use crate::config::{ContactOptions, MappingOptions};
 use crate::flow::sensor_log::{LogRow, SensorLog};
 use crate::plane::{Pose2, Vec2};
@@ -40,24 +41,10 @@ pub(super) struct Key {
     pub(super) t: f64,
     pub(super) odom_from_key: Pose2,
     pub(super) leg: Leg,
-    /// Places that whiskers and robot have been at, in the key's frame (m).
-    pub(super) passed: Vec<Vec2>,
-    /// Where its origin was, in the key's frame (m).
+    /// Places that whiskers and robot have been at, in the key's frame.
+    pub(super) passed: PassedCells,
+    /// Where its origin was, in the key's frame, at places so far apart as contacts are thinned to (m).
     pub(super) stands: Vec<Vec2>,
-}
-
-impl Key {
-    /// Where its origin was at places so far apart (m).
-    pub(super) fn stands_apart(&self, spacing: f64) -> impl Iterator<Item = Vec2> {
-        let mut before: Option<Vec2> = None;
-        self.stands.iter().copied().filter(move |stand| {
-            let is_next = before.is_none_or(|before| before.distance(*stand) >= spacing);
-            if is_next {
-                before = Some(*stand);
-            }
-            is_next
-        })
-    }
 }
 
 /// Stretches in the making.
@@ -245,7 +232,8 @@ impl FrontEnd {
                 let place = before.get(k).filter(|_| steps > 1).map_or(*b, |a| *a + (*b - *a) * share);
                 to_key.transform_point(place)
             };
-            self.keys[key].passed.extend(now.iter().enumerate().map(between));
+            let passed = &mut self.keys[key].passed;
+            now.iter().enumerate().map(between).for_each(|place| passed.insert(place, self.options.cell));
         }
     }
 
@@ -282,8 +270,12 @@ impl FrontEnd {
                     passed.extend((1..=BODY).map(at));
                 }
             }
-            self.keys[key].stands.push(to_key.position());
-            self.keys[key].passed.extend(passed);
+            let key = &mut self.keys[key];
+            let (stand, apart) = (to_key.position(), self.options.contact_spacing);
+            if key.stands.last().is_none_or(|last| last.distance(stand) >= apart) {
+                key.stands.push(stand);
+            }
+            passed.into_iter().for_each(|place| key.passed.insert(place, self.options.cell));
             self.passed = Some((odom_from_robot, free));
         }
     }
@@ -314,9 +306,8 @@ mod tests {
                 front.push(&row, &Stop::default()).unwrap_or_else(|error| panic!("{error}"));
             }
             front.cut(&Stop::default()).unwrap_or_else(|error| panic!("{error}"));
-            front.keys[0].passed.len()
+            front.keys[0].passed.count()
         };
-        assert_eq!(noted(2), 2 * (BODY + 2));
         assert_eq!(noted(500), noted(2));
     }
 }

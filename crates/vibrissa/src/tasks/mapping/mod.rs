@@ -6,6 +6,7 @@
 //! | `front_end` | rows in, stretches of felt wall out, each rigid on a key pose |
 //! | `odometry` | the way between key poses, and how it changes with the shares by which odometry is wrong |
 //! | `submap` | what was felt and passed over a stretch of the way, with bounds |
+//! | `passed_cells` | the space that was passed, as it is kept |
 //! | `free_space` | how deep in passed space a place lies |
 //! | `closure` | proofs that the robot came back, by set inversion |
 //! | `visit` | where a later log begins in the outline of those before |
@@ -27,6 +28,7 @@ mod json;
 mod merge;
 mod odometry;
 mod overlap;
+mod passed_cells;
 mod submap;
 mod told;
 mod visit;

@@ -3,6 +3,7 @@
 use super::closure::{PoseBounds, Submap};
 use super::free_space::{FreeSpace, PassedSpace};
 use super::front_end::{FrontEnd, Key};
+use super::passed_cells::PassedCells;
 use crate::config::MappingOptions;
 use crate::plane::{Pose2, Vec2};
 use crate::world::Robot;
@@ -123,9 +124,10 @@ fn piece(
 ) -> FreeSpace {
     let (mut places, mut middles) = (Vec::new(), Vec::new());
     for key in keys {
-        let by_whiskers = front.keys[key].passed.iter().map(|local| place(key, *local));
-        places.extend(by_whiskers.map(|(place, off)| (place, off + options.least_bound)));
-        middles.extend(front.keys[key].stands_apart(options.contact_spacing).map(|local| place(key, local)));
+        let by_whiskers = front.keys[key].passed.middles(options.cell).map(|local| place(key, local));
+        let least = options.least_bound + PassedCells::off(options.cell);
+        places.extend(by_whiskers.map(|(place, off)| (place, off + least)));
+        middles.extend(front.keys[key].stands.iter().map(|local| place(key, *local)));
     }
     FreeSpace::new(&places, (&middles, options.body_radius), options.cell)
 }

@@ -109,7 +109,8 @@ fn felt(world: &World, robot: &Robot, options: MappingOptions, draw: &mut Random
             };
             front.stretches[index].points.push(point);
             let passed = (0..=45).map(|j| to_key.transform_point(at(0.0, -1e-3 * f64::from(j))));
-            front.keys[index].passed.extend(passed.flat_map(|p| [p, p + at(0.7e-3, 0.0).rotated(to_key.theta)]));
+            let both = passed.flat_map(|p| [p, p + at(0.7e-3, 0.0).rotated(to_key.theta)]);
+            both.for_each(|p| front.keys[index].passed.insert(p, options.cell));
             front.keys[index].stands.push(to_key.position());
         }
     }
