@@ -324,9 +324,12 @@ impl Bank {
         let is_kept = |mode: &Mode| mode.evidence() <= least + gate;
         let mut kept: Vec<bool> = self.modes.iter().map(is_kept).collect();
         let count = kept.iter().filter(|kept| **kept).count();
-        let waiting = self.modes.iter().map(Mode::evidence).enumerate();
-        let waiting = waiting.filter(|(index, _)| !kept[*index] && self.modes[*index].is_off).collect();
-        likeliest(waiting, MANY.saturating_sub(count)).into_iter().for_each(|index| kept[index] = true);
+        let waiting = self.modes.iter().map(Mode::evidence).zip(0..);
+        let waiting = waiting.filter(|(_, index)| !kept[*index] && self.modes[*index].is_off).collect();
+        likeliest_first(waiting)
+            .into_iter()
+            .take(MANY.saturating_sub(count))
+            .for_each(|index: usize| kept[index] = true);
         let mut kept = kept.into_iter();
         self.modes.retain(|_| kept.next() == Some(true));
     }
@@ -452,16 +455,10 @@ impl Bank {
     }
 }
 
-/// Which of these, each with minus the logarithm of its evidence, are the likeliest; of those that are equal the first.
-fn likeliest(mut keyed: Vec<(usize, f64)>, count: usize) -> Vec<usize> {
-    keyed.sort_by(|a, b| by_cost(a.1, b.1));
-    keyed.into_iter().take(count).map(|(index, _)| index).collect()
-}
-
-/// Modes in the order of minus the logarithms of their evidences.
-fn likeliest_first(mut keyed: Vec<(f64, Mode)>) -> Vec<Mode> {
+/// In the order of minus the logarithms of their evidences; of those that are equal the first stays first.
+fn likeliest_first<T>(mut keyed: Vec<(f64, T)>) -> Vec<T> {
     keyed.sort_by(|a, b| by_cost(a.0, b.0));
-    keyed.into_iter().map(|(_, mode)| mode).collect()
+    keyed.into_iter().map(|(_, one)| one).collect()
 }
 
 /// Laplace's approximation of minus the logarithm of a mode's evidence \[mackay2003information, ch. 27\]: in a corner of a facet the cost may
@@ -497,15 +494,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn of_many_that_wait_the_likeliest_stay() {
-        let keyed = |values: &[f64]| values.iter().copied().enumerate().collect::<Vec<_>>();
-        assert_eq!(likeliest(keyed(&[3.0, 1.0, 2.0]), 5), [1, 2, 0]);
-        assert_eq!(likeliest(keyed(&[3.0, 1.0, 2.0, 0.0]), 2), [3, 1]);
-        // Places along a wall differ by rounding alone: as many stay, whatever that is.
+    fn the_likeliest_come_first_and_equal_ones_stay_in_their_order() {
+        let keyed = |values: &[f64]| values.iter().copied().zip(0..).collect::<Vec<(f64, usize)>>();
+        assert_eq!(likeliest_first(keyed(&[3.0, 1.0, 2.0, 0.0])), [3, 1, 2, 0]);
+        // Places along a wall differ by rounding alone: they stay in their order, whatever that is.
         for seed in 0..20 {
             let rounding = |k: usize| 1e-13 * (((k * 7919 + seed * 104_729) % 11) as f64 - 5.0);
             let values: Vec<f64> = (0..250).map(|k| 80.0 + rounding(k)).collect();
-            assert_eq!(likeliest(keyed(&values), MANY), (0..MANY).collect::<Vec<_>>());
+            assert_eq!(likeliest_first(keyed(&values)), (0..250).collect::<Vec<_>>());
         }
     }
 }
