@@ -98,6 +98,13 @@ impl DenseCholesky {
         self.0.solve(&DynVector::from_slice(right)).as_slice().to_vec()
     }
 
+    /// The product `L x`: of independent standard normal numbers it makes some with the factored covariance.
+    #[must_use]
+    pub fn lower_times(&self, x: &[f64]) -> Vec<f64> {
+        let l = self.0.l();
+        (0..x.len()).map(|i| (0..=i).map(|j| l[(i, j)] * x[j]).sum()).collect()
+    }
+
     /// The inverse, its rows one after the other.
     #[must_use]
     pub fn inverse(&self) -> Vec<f64> {

@@ -82,6 +82,7 @@ fn composition_and_inverse() {
         assert_near(of_pose(a.compose(b)), product(of_pose(a), of_pose(b)), 1e-13);
         assert_near(product(of_pose(a), of_pose(a.inverse())), of_pose(Pose2::IDENTITY), 1e-13);
         assert_near(product(of_pose(a), of_pose(a.between(b))), of_pose(b), 1e-13);
+        assert_near(product(of_pose(a.before(b)), of_pose(b)), of_pose(a), 1e-13);
         let p = Vec2::new(pair[1].y, pair[0].x);
         let m = of_pose(a);
         let q = a.transform_point(p);

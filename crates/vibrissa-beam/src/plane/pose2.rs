@@ -86,6 +86,14 @@ impl Pose2 {
         Self::new(p.x, p.y, -self.theta)
     }
 
+    /// The pose from which a motion leads to this one: `self.compose(motion.inverse())`.
+    #[must_use]
+    pub fn before(self, motion: Self) -> Self {
+        let theta = wrap_angle(self.theta - motion.theta);
+        let place = self.position() - motion.position().rotated(theta);
+        Self { x: place.x, y: place.y, theta }
+    }
+
     /// The motion from this pose to `other`, seen from this pose: `self.inverse().compose(other)`.
     #[must_use]
     pub fn between(self, other: Self) -> Self {

@@ -21,7 +21,7 @@ pub use grid::GridOptions;
 pub use mapping::MappingOptions;
 pub use possibilistic::PossibilisticOptions;
 pub(crate) use possibilistic::two_contacts;
-pub use probabilistic::{NoiseAssumption, ProbabilisticOptions, UndeclaredErrors};
+pub use probabilistic::{NoiseAssumption, ProbabilisticOptions, UndeclaredErrors, WHISKERS_OF_WHOLE_WINDOW};
 pub use setting::{Choice, Region, Setting, SettingValue, Slot};
 pub use vibrissa_beam::config::sensing;
 

@@ -3,6 +3,10 @@
 use super::{Choice, Region, Setting, Slot, check_region, defaults, heading_setting, region_setting, within};
 use crate::Result;
 
+/// Sensors that are fitted to all rows of the window at once; with more of them rows leave it earlier, so that no more readings are run again and again:
+/// the end of a log takes as long with sixteen whiskers as with three.
+pub const WHISKERS_OF_WHOLE_WINDOW: usize = 3;
+
 /// How the errors of a sensor's readings hang together.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum NoiseAssumption {
@@ -93,8 +97,8 @@ pub struct ProbabilisticOptions {
     pub heading_error: f64,
     /// Where the robot is at the first row, map frame, where that is known: least and largest x (m), y (m), heading (rad).
     pub prior: Option<Region>,
-    /// Rows that are kept and fitted again, twice as many where errors of the odometry are declared; what older ones say is summed
-    /// up as a Gaussian for each mode.
+    /// Rows that are kept and fitted again, twice as many where errors of the odometry are declared, fewer on robots of more than three sensors; what older
+    /// ones say is summed up as a Gaussian for each mode.
     pub window: usize,
     /// Share of the rows that no equilibrium needs to explain, 0 to 0.5: while the whisker has snapped or touches at three
     /// places, even the true place explains nothing.

@@ -354,16 +354,17 @@ impl<'a> PossibilisticEstimator<'a> {
         pose::verdict(&Evidence { touched: self.touched, emptied: self.empty, places, ..Evidence::default() })
     }
 
-    /// The best place along the rows, from the first estimate to the last row that any state explains.
-    fn trajectory(&self) -> Vec<StampedPose> {
+    /// The best place along the rows, from the first estimate to the last row that any state explains. Takes the rows.
+    fn trajectory(&mut self) -> Vec<StampedPose> {
         let (Some(first), Some((_, row))) = (self.first_row, self.last) else { return Vec::new() };
         let Some(map_from_odom) = self.map_from_odom() else { return Vec::new() };
         let end = if self.empty { row + 1 } else { self.rows.len() };
-        let stamped = |&(t, odom_from_robot): &(f64, Pose2)| StampedPose {
-            t,
-            map_from_robot: map_from_odom.compose(odom_from_robot),
-        };
-        self.rows[first.min(end)..end].iter().map(stamped).collect()
+        let mut rows = std::mem::take(&mut self.rows);
+        rows.truncate(end);
+        rows.drain(..first.min(end));
+        // In the same memory.
+        let stamped = |(t, odom): (f64, Pose2)| StampedPose { t, map_from_robot: map_from_odom.compose(odom) };
+        rows.into_iter().map(stamped).collect()
     }
 }
 

@@ -25,7 +25,8 @@ impl Band {
         i * (self.width + 1) + (j + self.width - i)
     }
 
-    fn get(&self, i: usize, j: usize) -> f64 {
+    /// An entry, of which the first unknown is no earlier.
+    pub(super) fn get(&self, i: usize, j: usize) -> f64 {
         if i > j + self.width { 0.0 } else { self.rows[self.index(i, j)] }
     }
 
@@ -127,6 +128,34 @@ impl Factor {
 }
 
 impl Factor {
+    /// The entries of the inverse within the band, by Takahashi's equations \[takahashi1973formation\]: with the work of a few factors, not of a
+    /// solution for each unknown.
+    pub(crate) fn inverse_within_band(&self) -> Band {
+        let (size, width) = (self.lower.size(), self.lower.width);
+        let mut inverse = Band::zeros(size, width);
+        for i in (0..size).rev() {
+            let own = self.lower.get(i, i);
+            let below: Vec<f64> = (i + 1..=(i + width).min(size - 1)).map(|k| self.lower.get(k, i) / own).collect();
+            let count = below.len();
+            let mut sums = vec![0.0; count];
+            for a in 0..count {
+                // Row by row, each entry for both of its places.
+                let row = inverse.index(i + 1 + a, i + 1);
+                let entries = &inverse.rows[row..=row + a];
+                let (before, diagonal) = entries.split_at(a);
+                let along: f64 = before.iter().zip(&below).map(|(z, l)| z * l).sum();
+                sums[a] += along + diagonal[0] * below[a];
+                sums[..a].iter_mut().zip(before).for_each(|(sum, z)| *sum += z * below[a]);
+            }
+            let with_itself: f64 = sums.iter().zip(&below).map(|(sum, l)| sum * l).sum();
+            for (a, sum) in sums.into_iter().enumerate() {
+                inverse.add(i + 1 + a, i, -sum);
+            }
+            *inverse.diagonal(i) = (own * own).recip() + with_itself;
+        }
+        inverse
+    }
+
     /// The inverse of the matrix.
     pub(crate) fn inverse(&self) -> Vec<Vec<f64>> {
         let size = self.lower.size();
@@ -151,6 +180,26 @@ mod tests {
         let x = band.factor().unwrap().solve(vec![1.0, -19.5, 8.5]);
         for (found, expected) in x.iter().zip([1.0, -2.0, 0.5]) {
             assert!((found - expected).abs() < 1e-12, "{x:?}");
+        }
+    }
+
+    #[test]
+    fn the_inverse_within_the_band_is_that_of_all_solutions() {
+        let value = |k: usize| ((k * 7919 + 13) % 101) as f64 / 50.0 - 1.0;
+        for (size, width) in [(1, 0), (7, 0), (12, 1), (12, 4), (9, 8)] {
+            let mut band = Band::zeros(size, width);
+            for k in 0..size - width {
+                band.add_square(k, &(0..=width).map(|j| value(11 * k + j)).collect::<Vec<f64>>());
+            }
+            (0..size).for_each(|k| *band.diagonal(k) += 0.3);
+            let factor = band.factor().unwrap();
+            let (within, whole) = (factor.inverse_within_band(), factor.inverse());
+            for i in 0..size {
+                for j in i.saturating_sub(width)..=i {
+                    let (found, expected) = (within.get(i, j), whole[i][j]);
+                    assert!((found - expected).abs() < 1e-12, "{size} {width}: {i} {j}: {found} {expected}");
+                }
+            }
         }
     }
 

@@ -85,6 +85,21 @@ impl Bordered {
 }
 
 impl BorderedFactor {
+    /// The blocks of the inverse of so many unknowns of the band from each of these on; they lie within the band.
+    pub(crate) fn inverse_blocks<const N: usize>(&self, from: &[usize]) -> Vec<[[f64; N]; N]> {
+        let within = self.band.inverse_within_band();
+        let border = self.columns.len();
+        let schur = self.schur.inverse();
+        // A⁻¹ + A⁻¹ E S⁻¹ Eᵀ A⁻¹, with the complement S.
+        let by_border = |i: usize, j: usize| -> f64 {
+            let pairs = (0..border).flat_map(|a| (0..border).map(move |b| (a, b)));
+            pairs.map(|(a, b)| self.solved[a][i] * schur[a * border + b] * self.solved[b][j]).sum()
+        };
+        let entry = |i: usize, j: usize| within.get(i.max(j), i.min(j)) + by_border(i, j);
+        let block = |&first: &usize| core::array::from_fn(|i| core::array::from_fn(|j| entry(first + i, first + j)));
+        from.iter().map(block).collect()
+    }
+
     /// The solution for a right side: the band's unknowns, then the border's.
     pub(crate) fn solve(&self, right: &[f64]) -> Vec<f64> {
         let size = right.len() - self.columns.len();
@@ -126,10 +141,20 @@ mod tests {
         }
         (0..whole).for_each(|k| add(&[(k, 0.7)]));
         let right: Vec<f64> = (0..whole).map(|k| value(k + 200)).collect();
-        let found = bordered.factor().unwrap().solve(&right);
+        let factor = bordered.factor().unwrap();
+        let found = factor.solve(&right);
         for i in 0..whole {
             let product: f64 = (0..whole).map(|j| dense[i * whole + j] * found[j]).sum();
             assert!((product - right[i]).abs() < 1e-10, "{i}: {product} {}", right[i]);
+        }
+        let starts: Vec<usize> = (0..size - 2).collect();
+        for (first, block) in factor.inverse_blocks::<3>(&starts).into_iter().enumerate() {
+            for (i, row) in block.iter().enumerate() {
+                let mut unit = vec![0.0; whole];
+                unit[first + i] = 1.0;
+                let column = factor.solve(&unit);
+                (0..3).for_each(|j| assert!((row[j] - column[first + j]).abs() < 1e-10, "{first} {i} {j}"));
+            }
         }
     }
 }

@@ -259,12 +259,21 @@ impl<'a> Record<'a> {
         }
     }
 
+    /// When the last row before the last loss was taken (s).
+    fn last_lost(&self) -> Option<f64> {
+        self.before.last().and_then(|&(row, _)| self.rows.get(row.checked_sub(1)?)).map(|row| row.0)
+    }
+
     /// Where the way is not sure: up to the last loss, where contacts were left out, and where the readings fit worse than errors within their
     /// bounds do.
-    fn unsure(&self, trajectory: &[StampedPose], fits: Option<&(&Fit, ConsistencyReport)>) -> Vec<Stretch> {
+    fn unsure(
+        &self,
+        trajectory: &[StampedPose],
+        lost: Option<f64>,
+        fits: Option<&(&Fit, ConsistencyReport)>,
+    ) -> Vec<Stretch> {
         let Some(first) = trajectory.first() else { return Vec::new() };
-        let lost = self.before.last().and_then(|&(row, _)| self.rows.get(row.checked_sub(1)?));
-        let before = lost.filter(|row| row.0 > first.t).map(|row| Stretch { from: first.t, to: row.0 });
+        let before = lost.filter(|t| *t > first.t).map(|t| Stretch { from: first.t, to: t });
         let end = before.map_or(first.t, |stretch| stretch.to);
         let misfit = fits.and_then(|(fit, report)| {
             let (stretch, there) = report.worst?;
@@ -292,8 +301,8 @@ impl<'a> Record<'a> {
         }
     }
 
-    /// The best place along the rows, from the first estimate on; before a loss it is what was believed then.
-    fn trajectory(&self, place: &PosteriorPlace, odometry: Option<&OdometryEstimate>) -> Vec<StampedPose> {
+    /// The best place along the rows, from the first estimate on; before a loss it is what was believed then. Takes the rows.
+    fn trajectory(&mut self, place: &PosteriorPlace, odometry: Option<&OdometryEstimate>) -> Vec<StampedPose> {
         let Some(first) = self.first_row.filter(|_| self.recording) else { return Vec::new() };
         let lost = |row: usize| self.before.iter().find(|(end, frame)| row < *end && frame.is_some());
         let of_scale = |told: &&Nuisance| told.quantity == NuisanceQuantity::MapScale;
@@ -304,20 +313,21 @@ impl<'a> Record<'a> {
             scale.map_or(step, |scale| Pose2 { x: step.x / scale, y: step.y / scale, ..step })
         };
         let is_corrected = odometry.is_some() || scale.is_some();
+        // Where the odometry has the robot, in the same memory, becomes where it was in the map.
+        let rows = core::mem::take(&mut self.rows).into_iter();
+        let mut poses: Vec<StampedPose> = rows.map(|(t, odom)| StampedPose { t, map_from_robot: odom }).collect();
+        poses.drain(..first.min(poses.len()));
         // Back from the last row, where the place is told.
-        let mut poses = Vec::with_capacity(self.rows.len().saturating_sub(first));
         let mut next: Option<(Pose2, Pose2)> = None;
-        for (row, &(t, odom)) in self.rows.iter().enumerate().skip(first).rev() {
-            let there = place.map_from_odom.compose(odom);
-            let map_from_robot = match (lost(row), next) {
+        for (row, stamped) in poses.iter_mut().enumerate().rev() {
+            let odom = stamped.map_from_robot;
+            stamped.map_from_robot = match (lost(first + row), next) {
                 (Some((_, Some(frame))), _) => frame.compose(odom),
-                (_, Some((pose, after))) if is_corrected => pose.compose(corrected(odom.between(after)).inverse()),
-                _ => there,
+                (_, Some((pose, after))) if is_corrected => pose.before(corrected(odom.between(after))),
+                _ => place.map_from_odom.compose(odom),
             };
-            next = Some((map_from_robot, odom));
-            poses.push(StampedPose { t, map_from_robot });
+            next = Some((stamped.map_from_robot, odom));
         }
-        poses.reverse();
         poses
     }
 }
@@ -431,10 +441,11 @@ impl Record<'_> {
         let estimate = hypotheses.first().map(|h| h.pose).filter(|_| keep);
         let odometry = places.first().and_then(|place| place.calibration).map(odometry_estimate);
         let nuisances = places.first().map_or_else(Vec::new, |place| place.nuisances.clone());
+        let lost = self.last_lost();
         let trajectory = places.first().map_or_else(Vec::new, |place| self.trajectory(place, odometry.as_ref()));
         let shapes = until(&self.stop, self.shapes(&trajectory)).await.unwrap_or_default();
         let fits = fit.as_ref().map(|fit| (fit, Self::consistency(fit)));
-        let unsure = if keep { self.unsure(&trajectory, fits.as_ref()) } else { Vec::new() };
+        let unsure = if keep { self.unsure(&trajectory, lost, fits.as_ref()) } else { Vec::new() };
         // A set that was given up before is contradicted by what the last one does not have to explain.
         let consistency = fits.map(|fits| fits.1).filter(|fits| keep || fits.statistic > fits.most);
         let states = places.iter().flat_map(|p| p.members.iter().map(|(pose, c)| pose::box_95(*pose, c))).collect();

@@ -6,6 +6,7 @@ use super::graph::{Marginals, Solution};
 use super::submap::passed_space;
 use crate::config::MappingOptions;
 use crate::plane::Vec2;
+use crate::tasks::profile::NearPoints;
 use std::collections::{HashMap, HashSet};
 
 /// How a wall changed.
@@ -79,7 +80,7 @@ struct Comparison<'a> {
     marginals: &'a Marginals,
     options: &'a MappingOptions,
     earlier: Vec<Placed>,
-    cells: HashMap<(i64, i64), Vec<usize>>,
+    near: NearPoints<usize>,
     /// What pairs of key poses leave open across a wall (m).
     open: HashMap<(usize, usize), f64>,
 }
@@ -99,12 +100,9 @@ pub(super) fn changes(
     };
     let mut earlier: Vec<Placed> = (0..front.stretches.len()).filter(is_before).flat_map(placed).collect();
     earlier.retain(|point| !outdated.contains(&point.index));
-    let mut cells: HashMap<(i64, i64), Vec<usize>> = HashMap::new();
-    for (k, point) in earlier.iter().enumerate() {
-        cells.entry(cell(point.place)).or_default().push(k);
-    }
+    let near = NearPoints::new(CELL, earlier.iter().enumerate().map(|(k, point)| (point.place, k)));
     let open = HashMap::new();
-    let mut search = Comparison { front, visit, solution, marginals, options, earlier, cells, open };
+    let mut search = Comparison { front, visit, solution, marginals, options, earlier, near, open };
     let runs = search.runs();
     let mut old: Outdated = runs.iter().flatten().map(|beside| beside.before.index).collect();
     for run in &runs {
@@ -152,9 +150,7 @@ impl Comparison<'_> {
         let at = |step: i64| now.place + now.normal * (CELL * step as f64);
         // From near to far, to either side.
         let before = (0..=steps).flat_map(|step| [step, -step]).find_map(|step| {
-            let (i, j) = cell(at(step));
-            let around = (-1..=1).flat_map(|di| (-1..=1).map(move |dj| (i + di, j + dj)));
-            let near = around.filter_map(|key| self.cells.get(&key)).flatten().map(|&k| self.earlier[k]);
+            let near = self.near.around(at(step)).map(|(_, k)| self.earlier[k]);
             let across = near.filter(|old| {
                 old.normal.dot(now.normal) > SAME_WAY && (old.place - now.place).cross(now.normal).abs() <= CELL
             });
@@ -228,10 +224,6 @@ fn in_map<'a>(front: &'a FrontEnd, solution: &Solution, index: usize) -> impl It
         key: stretch.key,
         index: (index, k),
     })
-}
-
-fn cell(place: Vec2) -> (i64, i64) {
-    ((place.x / CELL).floor() as i64, (place.y / CELL).floor() as i64)
 }
 
 /// A run as a change.

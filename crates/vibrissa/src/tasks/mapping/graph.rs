@@ -178,22 +178,14 @@ impl Graph<'_> {
         let order = Order::new(self, at.poses.len());
         // Shares that are known exactly have no entry.
         let factor = self.normal(at, &order).0.damped(0.0).factor()?;
+        // Of the first pose nothing is open.
+        let mut poses = vec![[[0.0; POSE]; POSE]];
+        poses.extend(factor.inverse_blocks(&order.places[1..]));
         let column = |place: usize| {
             let mut unit = vec![0.0; order.size()];
             unit[place] = 1.0;
             factor.solve(&unit)
         };
-        let pose = |key: usize| {
-            let mut own = [[0.0; 3]; 3];
-            for (axis, row) in own.iter_mut().enumerate() {
-                if let Some(place) = order.place(Unknown::Pose(key, axis)) {
-                    let solved = column(place);
-                    *row = [0, 1, 2].map(|j| solved[order.places[key] + j]);
-                }
-            }
-            own
-        };
-        let poses = (0..at.poses.len()).map(pose).collect();
         let free = |k: usize| self.shares[k] > 0.0;
         let shares = [0, 1, 2].map(|k| {
             if !free(k) { 0.0 } else { order.place(Unknown::Share(k)).map_or(0.0, |p| column(p)[p].max(0.0).sqrt()) }

@@ -1,10 +1,15 @@
 //! A line through several runs.
 
+use super::near_points::NearPoints;
 use super::run::Sample;
 use crate::plane::Vec2;
 
 /// Shortest way around before a line may close (m).
 const SHORTEST_RING: f64 = 20e-3;
+/// Normals that face the same way differ by less (cosine): 60 degrees.
+const SAME_WAY: f64 = 0.5;
+/// So many points of a run beside a line make it one with it.
+const FEWEST_BESIDE: usize = 3;
 
 /// A line of samples, and the runs that lie along it.
 #[derive(Clone, Debug)]
@@ -14,12 +19,18 @@ pub(super) struct Chain {
     pub(super) closed: bool,
 }
 
-/// Where a point lies beside a line.
-struct Beside {
-    distance: f64,
-    /// Before its first point (-1), beyond its last one (1), or between (0).
-    end: i8,
-    normal: Vec2,
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum End {
+    First,
+    Last,
+}
+
+/// A line in the making, with its points by where they are.
+struct Line {
+    samples: Vec<Sample>,
+    near: NearPoints<usize>,
+    reach: f64,
+    closed: bool,
 }
 
 /// Lines through runs: runs that pass within `reach` (m) of a line with the same normal belong to it and extend it.
@@ -27,80 +38,111 @@ pub(super) fn chains(mut runs: Vec<Vec<Sample>>, reach: f64) -> Vec<Chain> {
     runs.sort_by_key(|run| core::cmp::Reverse(run.len()));
     let mut found: Vec<Chain> = Vec::new();
     while !runs.is_empty() {
-        let mut line = runs.remove(0);
-        let mut own = vec![line.clone()];
-        let mut closed = close(&mut line, reach);
-        loop {
-            let next = runs.iter().position(|run| touches(&line, run, reach));
-            let Some(next) = next else { break };
+        let first = runs.remove(0);
+        let mut line = Line::new(first.clone(), reach);
+        let mut own = vec![first];
+        let mut from = 0;
+        while let Some(next) = (from..runs.len()).find(|&k| line.touches(&runs[k])) {
             let run = runs.remove(next);
-            if !closed {
-                extend(&mut line, &run, reach);
-                closed = close(&mut line, reach);
-            }
+            // What did not touch the line before may touch it once it is longer.
+            from = if line.extend(&run) { 0 } else { next };
             own.push(run);
         }
-        found.push(Chain { line, runs: own, closed });
+        found.push(Chain { line: line.samples, runs: own, closed: line.closed });
     }
     found
 }
 
-/// Cuts a line that comes back to its beginning.
-fn close(line: &mut Vec<Sample>, reach: f64) -> bool {
-    let Some(first) = line.first().copied() else { return false };
-    let (mut along, mut last) = (0.0, first.position);
-    let back = line.iter().position(|sample| {
-        along += last.distance(sample.position);
-        last = sample.position;
-        along > SHORTEST_RING
-            && sample.position.distance(first.position) < reach
-            && sample.normal.dot(first.normal) > 0.5
-    });
-    if let Some(back) = back {
-        line.truncate(back + 1);
+impl Line {
+    fn new(samples: Vec<Sample>, reach: f64) -> Self {
+        let mut line = Self { samples, near: NearPoints::new(reach, []), reach, closed: false };
+        line.close();
+        line
     }
-    back.is_some()
-}
 
-fn beside(line: &[Sample], point: Vec2) -> Option<Beside> {
-    let (index, nearest) =
-        line.iter().enumerate().min_by(|a, b| a.1.position.distance(point).total_cmp(&b.1.position.distance(point)))?;
-    let ahead = |a: usize, b: usize| (point - line[a].position).dot(line[a].position - line[b].position) > 0.0;
-    let last = line.len() - 1;
-    let end = match index {
-        0 if last > 0 && ahead(0, 1.min(last)) => -1,
-        i if i == last && last > 0 && ahead(last, last - 1) => 1,
-        _ => 0,
-    };
-    Some(Beside { distance: nearest.position.distance(point), end, normal: nearest.normal })
-}
-
-/// Whether a run passes along the line: near it and facing the same way.
-fn touches(line: &[Sample], run: &[Sample], reach: f64) -> bool {
-    let near =
-        |s: &&Sample| beside(line, s.position).is_some_and(|b| b.distance < reach && b.normal.dot(s.normal) > 0.5);
-    run.iter().filter(near).count() >= 3
-}
-
-/// Adds what of a run lies beyond the ends of a line.
-fn extend(line: &mut Vec<Sample>, run: &[Sample], reach: f64) {
-    for end in [1, -1] {
-        let beyond = |s: &&Sample| beside(line, s.position).is_some_and(|b| b.end == end);
-        let mut more: Vec<Sample> = run.iter().filter(beyond).copied().collect();
-        let edge = if end > 0 { line.last() } else { line.first() };
-        let Some(edge) = edge.copied() else { return };
-        let far = |s: Option<&Sample>| s.map_or(f64::INFINITY, |s| s.position.distance(edge.position));
-        if far(more.last()) < far(more.first()) {
-            more.reverse();
+    /// Cuts a line that comes back to its beginning, and finds its points anew.
+    fn close(&mut self) {
+        if let Some(back) = self.back() {
+            self.samples.truncate(back + 1);
+            self.closed = true;
         }
-        if far(more.first()) > reach {
-            continue;
+        let points = self.samples.iter().enumerate().map(|(k, sample)| (sample.position, k));
+        self.near = NearPoints::new(self.reach, points);
+    }
+
+    /// The first point that is back at the beginning.
+    fn back(&self) -> Option<usize> {
+        let first = self.samples.first()?;
+        let (mut along, mut last) = (0.0, first.position);
+        self.samples.iter().position(|sample| {
+            along += last.distance(sample.position);
+            last = sample.position;
+            along > SHORTEST_RING
+                && sample.position.distance(first.position) < self.reach
+                && sample.normal.dot(first.normal) > SAME_WAY
+        })
+    }
+
+    /// Whether a run passes along the line: near it and facing the same way.
+    fn touches(&self, run: &[Sample]) -> bool {
+        let is_beside = |sample: &&Sample| {
+            self.near.nearest(sample.position).is_some_and(|(distance, k)| {
+                distance < self.reach && self.samples[k].normal.dot(sample.normal) > SAME_WAY
+            })
+        };
+        run.iter().filter(is_beside).take(FEWEST_BESIDE).count() == FEWEST_BESIDE
+    }
+
+    /// Adds what of a run lies beyond the ends; whether there is any.
+    fn extend(&mut self, run: &[Sample]) -> bool {
+        if self.closed {
+            return false;
         }
-        if end > 0 {
-            line.extend(more);
-        } else {
-            more.reverse();
-            line.splice(0..0, more);
+        let before = self.samples.len();
+        for end in [End::Last, End::First] {
+            let Some(edge) = self.edge(end) else { return false };
+            let mut more: Vec<Sample> =
+                run.iter().filter(|sample| self.beyond(sample.position) == Some(end)).copied().collect();
+            let far = |s: Option<&Sample>| s.map_or(f64::INFINITY, |s| s.position.distance(edge.position));
+            if far(more.last()) < far(more.first()) {
+                more.reverse();
+            }
+            if far(more.first()) > self.reach {
+                continue;
+            }
+            match end {
+                End::Last => self.samples.extend(more),
+                End::First => drop(self.samples.splice(0..0, more.into_iter().rev())),
+            }
+            self.close();
+            if self.closed {
+                break;
+            }
+        }
+        self.samples.len() != before
+    }
+
+    fn edge(&self, end: End) -> Option<Sample> {
+        match end {
+            End::First => self.samples.first().copied(),
+            End::Last => self.samples.last().copied(),
+        }
+    }
+
+    /// Beyond which of its ends a point lies, if not beside the line.
+    fn beyond(&self, point: Vec2) -> Option<End> {
+        let distance = |k: &usize| self.samples[*k].position.distance(point);
+        let far = || (0..self.samples.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        let nearest = self.near.nearest(point).map(|(_, k)| k).or_else(far)?;
+        let last = self.samples.len() - 1;
+        let is_ahead = |a: usize, b: usize| {
+            let [a, b] = [a, b].map(|k| self.samples[k].position);
+            (point - a).dot(a - b) > 0.0
+        };
+        match nearest {
+            0 if last > 0 && is_ahead(0, 1) => Some(End::First),
+            k if k == last && last > 0 && is_ahead(last, last - 1) => Some(End::Last),
+            _ => None,
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use super::assembly::{AssembledMap, FeltLine, FeltPoint, assemble};
 use super::chain::{Chain, chains};
+use super::near_points::NearPoints;
 use super::run::{Sample, pegs, runs};
 use crate::config::{ContactOptions, MapAssemblyOptions, ProfileOptions};
 use crate::flow::pose::Event;
@@ -168,11 +169,17 @@ fn outline(chain: &Chain, options: &ProfileOptions) -> Outline {
     let mut points = Vec::new();
     let (mut along, mut due) = (0.0, 0.0);
     let mut last: Option<Vec2> = None;
+    let indexed = |(run, samples): (usize, &Vec<Sample>)| {
+        let places: Vec<_> = samples.iter().enumerate().map(|(k, s)| (s.position, (run, k))).collect();
+        places
+    };
+    let near =
+        NearPoints::new(options.resolution.hypot(options.reach), chain.runs.iter().enumerate().flat_map(indexed));
     for sample in &chain.line {
         along += last.map_or(0.0, |last| last.distance(sample.position));
         last = Some(sample.position);
         if along >= due {
-            points.push(averaged(sample, &chain.runs, options));
+            points.push(averaged(sample, &near, &chain.runs, options));
             due = along + options.resolution;
         }
     }
@@ -180,26 +187,34 @@ fn outline(chain: &Chain, options: &ProfileOptions) -> Outline {
 }
 
 /// The mean of all runs beside a sample, weighted by what each is worth.
-fn averaged(sample: &Sample, runs: &[Vec<Sample>], options: &ProfileOptions) -> OutlinePoint {
+fn averaged(
+    sample: &Sample,
+    near: &NearPoints<(usize, usize)>,
+    runs: &[Vec<Sample>],
+    options: &ProfileOptions,
+) -> OutlinePoint {
     let tangent = sample.normal.perp();
-    let mut beside: Vec<(f64, f64)> = Vec::new();
-    for run in runs {
-        let near = run.iter().filter(|s| {
-            let d = s.position - sample.position;
-            d.dot(tangent).abs() <= options.resolution
-                && d.dot(sample.normal).abs() <= options.reach
-                && s.normal.dot(sample.normal) > 0.5
-        });
-        let (mut count, mut offset, mut std) = (0.0, 0.0, 0.0);
-        for s in near {
-            count += 1.0;
-            offset += (s.position - sample.position).dot(sample.normal);
-            std += s.std;
+    let is_beside = |&(run, k): &(usize, usize)| {
+        let other = &runs[run][k];
+        let d = other.position - sample.position;
+        d.dot(tangent).abs() <= options.resolution
+            && d.dot(sample.normal).abs() <= options.reach
+            && other.normal.dot(sample.normal) > 0.5
+    };
+    let mut found: Vec<(usize, usize)> =
+        near.around(sample.position).map(|(_, index)| index).filter(is_beside).collect();
+    found.sort_unstable();
+    let of_run = |some: &[(usize, usize)]| {
+        let (mut offset, mut std) = (0.0, 0.0);
+        for &(run, k) in some {
+            let other = &runs[run][k];
+            offset += (other.position - sample.position).dot(sample.normal);
+            std += other.std;
         }
-        if count > 0.0 {
-            beside.push((offset / count, (std / count).max(LEAST_STD)));
-        }
-    }
+        let count = some.len() as f64;
+        (offset / count, (std / count).max(LEAST_STD))
+    };
+    let mut beside: Vec<(f64, f64)> = found.chunk_by(|a, b| a.0 == b.0).map(of_run).collect();
     reject(&mut beside);
     let weight: f64 = beside.iter().map(|(_, std)| 1.0 / (std * std)).sum();
     let sum: f64 = beside.iter().map(|(offset, std)| offset / (std * std)).sum();

@@ -6,6 +6,7 @@
 //! points instead of random ones) give the mean, the covariance and the mass of the likelihood itself.
 
 use crate::linear_algebra::{Cholesky, dot, times};
+use crate::math::{cos, ln, sin};
 
 /// Samples of one place, and hypotheses at most that they are drawn around.
 pub(super) const SAMPLES: usize = 112;
@@ -16,10 +17,10 @@ pub(super) const FIRST: usize = 56;
 const WIDER: f64 = 1.3;
 const ENOUGH: f64 = 40.0;
 /// Half of the samples are drawn from Gaussians this much wider than the linearisation says, half from the other.
-const WIDTHS: [f64; 2] = [1.2, 2.5];
-/// After so many samples around a single hypothesis nothing more is asked where its parabola has told their costs: to this
-/// much (nats), and to this share of how much costlier they are.
-const TRIED: usize = 20;
+pub(super) const WIDTHS: [f64; 2] = [1.2, 2.5];
+/// So many samples around a single hypothesis tell whether its parabola tells their costs: to this much (nats), and to this share of how much costlier they
+/// are. Nothing more is asked then.
+pub(super) const TRIED: usize = 20;
 const GAUSSIAN_ERROR: [f64; 2] = [0.15, 0.15];
 /// A sample that has come to cost so much more than the best (nats) is left: it weighs nothing.
 pub(super) const NOTHING: f64 = 15.0;
@@ -33,6 +34,12 @@ pub(super) struct WeightedMoments<const N: usize> {
     pub(super) covariance: [[f64; N]; N],
     pub(super) mass: f64,
     pub(super) effective_size: f64,
+}
+
+/// What linearisations say of what is sampled.
+pub(super) struct LinearMoments<const N: usize> {
+    pub(super) mean: [f64; N],
+    pub(super) covariance: [[f64; N]; N],
 }
 
 /// How many samples are drawn.
@@ -69,16 +76,17 @@ impl<const N: usize> ProposalComponent<N> {
 /// What is sampled.
 pub(super) trait Cost<const N: usize> {
     /// Minus the logarithm of the likelihood at a point (nats); infinite for much more than the least, none where nothing can be.
-    async fn at(&self, point: [f64; N]) -> Option<f64>;
+    ///
+    /// `n` counts the samples.
+    async fn at(&self, n: usize, point: [f64; N]) -> Option<f64>;
 }
 
 /// Draws samples around these, and then from what those have found, until enough count; masses are relative to the least cost.
 pub(super) async fn sample_adaptively<const N: usize>(
     centres: &[ProposalComponent<N>],
-    own: &[[f64; N]; N],
+    linear: &LinearMoments<N>,
     (effort, least): (&SampleCounts, f64),
     cost: &impl Cost<N>,
-    told: impl Fn(&[([f64; N], Option<f64>)]) -> Option<WeightedMoments<N>>,
 ) -> Option<WeightedMoments<N>> {
     let around = |point: [f64; N]| {
         let drawn: f64 = centres.iter().flat_map(|c| WIDTHS.map(|w| c.density(point, w))).sum();
@@ -88,13 +96,7 @@ pub(super) async fn sample_adaptively<const N: usize>(
     for index in 0..effort.first / centres.len().max(1) * centres.len() {
         let centre = &centres[index % centres.len()];
         let point = centre.sample(index, WIDTHS[index / centres.len() % WIDTHS.len()]);
-        drawn.push((point, cost.at(point).await));
-        if centres.len() == 1
-            && drawn.len() == TRIED
-            && let Some(told) = told(&drawn)
-        {
-            return Some(told);
-        }
+        drawn.push((point, cost.at(index, point).await));
     }
     let early = drawn.len();
     let mut later: Vec<ProposalComponent<N>> = Vec::new();
@@ -108,14 +110,14 @@ pub(super) async fn sample_adaptively<const N: usize>(
         // What costs infinitely much weighs nothing.
         let weight = |cost: Option<f64>, density: f64| cost.map_or(0.0, |cost| (least - cost).exp() / density);
         let weighed: Vec<_> = drawn.iter().map(|&(point, c)| (point, weight(c, density(point)))).collect();
-        let found = weighted_moments(&weighed, own)?;
+        let found = weighted_moments(&weighed, linear)?;
         if later.len() == effort.batches || later.len() > 1 && found.effective_size > ENOUGH {
             return Some(found);
         }
         let Some(centre) = ProposalComponent::new(found.mean, &found.covariance) else { return Some(found) };
         for index in drawn.len()..drawn.len() + effort.batch {
             let point = centre.sample(index, WIDER);
-            drawn.push((point, cost.at(point).await));
+            drawn.push((point, cost.at(index, point).await));
         }
         later.push(centre);
     }
@@ -143,20 +145,27 @@ fn effective_size(weights: impl Iterator<Item = f64> + Clone) -> f64 {
     total * total / squares
 }
 
-/// Mean, covariance and mass of weighted samples; where few of them count, the linearisation's covariance does.
-fn weighted_moments<const N: usize>(samples: &[([f64; N], f64)], own: &[[f64; N]; N]) -> Option<WeightedMoments<N>> {
+/// Mean, covariance and mass of weighted samples, to which the linearisation's are added as those of so many more.
+fn weighted_moments<const N: usize>(
+    samples: &[([f64; N], f64)],
+    linear: &LinearMoments<N>,
+) -> Option<WeightedMoments<N>> {
     let total: f64 = samples.iter().map(|s| s.1).sum();
     let effective_size = effective_size(samples.iter().map(|s| s.1));
     (total.is_finite() && total > 0.0 && effective_size.is_finite()).then_some(())?;
-    let mean: [f64; N] = core::array::from_fn(|i| samples.iter().map(|(d, w)| w * d[i]).sum::<f64>() / total);
+    let sampled: [f64; N] = core::array::from_fn(|i| samples.iter().map(|(d, w)| w * d[i]).sum::<f64>() / total);
     let share = effective_size / (effective_size + PRIOR_SAMPLES);
+    let mean: [f64; N] = core::array::from_fn(|i| share * sampled[i] + (1.0 - share) * linear.mean[i]);
+    // The sampled mean is that of the same few samples: they lie too near to it, and it is off itself.
+    let (fair, off) = ((1.0 - 1.0 / effective_size.max(2.0)).recip(), 1.0 + share * share / effective_size);
     let mut covariance = [[0.0; N]; N];
     for (i, row) in covariance.iter_mut().enumerate() {
         for (j, value) in row.iter_mut().enumerate() {
-            let sampled = samples.iter().map(|(d, w)| w * (d[i] - mean[i]) * (d[j] - mean[j])).sum::<f64>() / total;
-            // The mean is that of the same few samples: they lie too near to it, and it is off itself.
-            let fair = sampled / (1.0 - 1.0 / effective_size.max(2.0));
-            *value = (share * fair + (1.0 - share) * own[i][j]) * (1.0 + 1.0 / effective_size);
+            let product = |(d, w): &([f64; N], f64)| w * (d[i] - sampled[i]) * (d[j] - sampled[j]);
+            let own = samples.iter().map(product).sum::<f64>() / total;
+            let apart = (sampled[i] - linear.mean[i]) * (sampled[j] - linear.mean[j]);
+            let all = share * fair * own + (1.0 - share) * linear.covariance[i][j] + share * (1.0 - share) * apart;
+            *value = off * all;
         }
     }
     Some(WeightedMoments { mean, covariance, mass: total / samples.len() as f64, effective_size })
@@ -173,6 +182,24 @@ fn quasi_normal_point<const N: usize>(n: usize) -> [f64; N] {
         let (sin, cos) = (core::f64::consts::TAU * u(pair + 2)).sin_cos();
         radius * if i % 2 == 0 { cos } else { sin }
     })
+}
+
+/// The n-th of points of the standard normal law of any dimension: numbers of the generator splitmix64 \[steele2014fast\] through Box and Muller's map.
+pub(super) fn normal_numbers(n: usize, dimension: usize) -> Vec<f64> {
+    const STEP: u64 = 0x9e37_79b9_7f4a_7c15;
+    let mut state = (n as u64).wrapping_mul(STEP).rotate_left(32);
+    let mut even = || {
+        state = state.wrapping_add(STEP);
+        let mut z = state;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        (((z ^ (z >> 31)) >> 11) as f64 + 0.5) / (1_u64 << 53) as f64
+    };
+    let pair = |_| {
+        let (radius, turn) = ((-2.0 * ln(even())).sqrt(), core::f64::consts::TAU * even());
+        [radius * cos(turn), radius * sin(turn)]
+    };
+    (0..dimension.div_ceil(2)).flat_map(pair).take(dimension).collect()
 }
 
 #[cfg(test)]
@@ -194,7 +221,7 @@ mod tests {
     struct Computed<F>(F);
 
     impl<const N: usize, F: Fn([f64; N]) -> f64> Cost<N> for Computed<F> {
-        async fn at(&self, point: [f64; N]) -> Option<f64> {
+        async fn at(&self, _: usize, point: [f64; N]) -> Option<f64> {
             Some(self.0(point))
         }
     }
@@ -208,13 +235,18 @@ mod tests {
         let cost = chained(mean);
         let own: [[f64; 6]; 6] = core::array::from_fn(|i| core::array::from_fn(|j| 0.6_f64.powi(i.abs_diff(j) as i32)));
         let centre = ProposalComponent::new([0.0; 6], &own).unwrap_or_else(|| unreachable!());
-        let never = |_: &[([f64; 6], Option<f64>)]| None;
-        let found = completed(sample_adaptively(&[centre], &own, (&EFFORT, 0.0), &Computed(cost), never));
+        let linear = LinearMoments { mean: [0.0; 6], covariance: own };
+        let found = completed(sample_adaptively(&[centre], &linear, (&EFFORT, 0.0), &Computed(cost)));
         let found = found.unwrap_or_else(|| unreachable!());
         assert!(found.effective_size > ENOUGH, "{found:?}");
+        // Beside what is sampled stands a small share of the linearisation, which is elsewhere.
+        let share = found.effective_size / (found.effective_size + PRIOR_SAMPLES);
         for i in 0..6 {
-            assert!((found.mean[i] - mean[i]).abs() < 0.5, "{found:?}");
-            (0..6).for_each(|j| assert!((found.covariance[i][j] - own[i][j]).abs() < 0.5, "{found:?}"));
+            assert!((found.mean[i] - share * mean[i]).abs() < 0.5, "{found:?}");
+            for j in 0..6 {
+                let expected = own[i][j] + share * (1.0 - share) * mean[i] * mean[j];
+                assert!((found.covariance[i][j] - expected).abs() < 0.6, "{i} {j}: {expected}, {found:?}");
+            }
         }
         let volume = 0.64_f64.powf(2.5);
         assert!((found.mass / volume - 1.0).abs() < 0.3, "{} of {volume}", found.mass);
@@ -230,6 +262,23 @@ mod tests {
         };
         assert!(told(0.0) && told(0.05) && !told(2.0));
         assert!(!is_gaussian(&[(points[0], None)], 0.0, &cost));
+    }
+
+    #[test]
+    fn normal_numbers_are_those_of_independent_standard_normal_laws() {
+        let points: Vec<Vec<f64>> = (0..4000).map(|n| normal_numbers(n, 7)).collect();
+        let mean = |of: &dyn Fn(&[f64]) -> f64| points.iter().map(|p| of(p)).sum::<f64>() / points.len() as f64;
+        for i in 0..7 {
+            assert!(mean(&|p| p[i]).abs() < 0.06, "{i}");
+            assert!((mean(&|p| p[i].powi(4)) - 3.0).abs() < 0.5, "{i}");
+            for j in 0..=i {
+                let expected = f64::from(u8::from(i == j));
+                assert!((mean(&|p| p[i] * p[j]) - expected).abs() < 0.1, "{i} {j}");
+            }
+        }
+        // One point does not foretell the next.
+        let next: f64 = points.windows(2).map(|w| w[0][0] * w[1][0]).sum::<f64>() / points.len() as f64;
+        assert!(next.abs() < 0.06, "{next}");
     }
 
     #[test]
@@ -249,7 +298,8 @@ mod tests {
                 (d, (-0.5 * dot(times(&precise, off), off)).exp() / drawn)
             })
             .collect();
-        let found = weighted_moments(&samples, &own).unwrap_or_else(|| unreachable!());
+        let found = weighted_moments(&samples, &LinearMoments { mean: [0.0; 3], covariance: own })
+            .unwrap_or_else(|| unreachable!());
         assert!((found.mass / determinant(&target).sqrt() - 1.0).abs() < 0.05, "{found:?}");
         for i in 0..3 {
             assert!((found.mean[i] - at[i]).abs() < 0.1, "{found:?}");

@@ -6,11 +6,14 @@ use super::measurement::MeasurementModel;
 use super::sensor::Sensor;
 use super::unknowns::{Sense, Unknowns};
 use crate::beam::TipTable;
-use crate::config::ProbabilisticOptions;
+use crate::config::{ProbabilisticOptions, WHISKERS_OF_WHOLE_WINDOW};
 use crate::contact::Boundaries;
 use crate::contact::follow::Mechanics;
 use crate::coroutine::Pace;
 use crate::world::{Map, Robot};
+
+/// With more modes than this rows are kept as long as the window is: what tells modes apart is not summed up.
+const FEW_MODES: usize = 8;
 
 /// What all parts of the smoother share.
 pub(super) struct Scene<'a> {
@@ -38,6 +41,14 @@ impl<'a> Scene<'a> {
         let odometry = &self.declared.odometry;
         let is_bounded = odometry.translation_relative > 0.0 || odometry.rotation_relative > 0.0;
         self.options.window * if is_bounded { 2 } else { 1 }
+    }
+
+    /// Rows that so many modes are fitted to, the lag of the smoother \[sibley2010sliding\]: those of the window, or fewer on robots of many sensors.
+    pub(super) fn lag(&self, modes: usize) -> usize {
+        if modes > FEW_MODES {
+            return self.window();
+        }
+        self.window().min(self.window() * WHISKERS_OF_WHOLE_WINDOW / self.sensors.len().max(1))
     }
 
     /// How far the odometry frame can have been shifted (m) and turned (rad) by errors of the odometry before the first row of a window.

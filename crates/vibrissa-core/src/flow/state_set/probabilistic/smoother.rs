@@ -240,7 +240,9 @@ impl MultiHypothesisSmoother<'_> {
         match &self.phase {
             Phase::Waiting => false,
             Phase::Pressing { .. } | Phase::Searching { .. } => true,
-            Phase::Tracking(bank) => bank.is_busy() || next >= bank.seen + TAKEN_TOGETHER || next > self.scene.window(),
+            Phase::Tracking(bank) => {
+                bank.is_busy() || next >= bank.seen + TAKEN_TOGETHER || next > self.scene.lag(bank.modes.len())
+            }
         }
     }
 

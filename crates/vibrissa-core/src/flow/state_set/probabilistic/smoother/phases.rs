@@ -15,6 +15,7 @@ use super::super::unknowns::POSE;
 use super::{CONTACT_ROWS, MultiHypothesisSmoother, Phase, StepOutcome};
 use crate::contact::follow::WhiskerState;
 use crate::flow::prior;
+use crate::math::powf;
 use crate::plane::{Pose2, Vec2};
 use core::ops::Range;
 
@@ -38,7 +39,7 @@ const MOST_STARTS: u32 = 24;
 const TRUSTED: usize = 300;
 /// Each search of a contact that explains nothing waits for so much more travel than the one before, up to this many times the usual one.
 const MOST_BACKOFF: f64 = 64.0;
-/// Weight of what is marginalised, each time that rows are added to it.
+/// Weight of what is marginalised, once a quarter of the window's rows has been added to it.
 const FORGETTING: f64 = 0.8;
 
 impl MultiHypothesisSmoother<'_> {
@@ -240,7 +241,8 @@ impl MultiHypothesisSmoother<'_> {
         if self.tracked > TRUSTED {
             (self.starts, self.begun_again) = (1, 0);
         }
-        let full = window.len() > scene.window();
+        let most = scene.lag(bank.modes.len());
+        let full = window.len() > most;
         if !full && (bank.is_busy() || window.len() < bank.seen + TAKEN_TOGETHER) {
             let work = if bank.is_fitted { FITTED } else { SLICE };
             return if bank.is_busy() { self.fit(work).await } else { StepOutcome::Nothing };
@@ -254,10 +256,12 @@ impl MultiHypothesisSmoother<'_> {
         }
         bank.extend(&model, &admits, Effort::ONLINE).await;
         bank.converge(&model).await;
-        bank.marginalise(&model, scene.window() / 4, FORGETTING).await;
+        let gone = window.len() - 1 - (most - most / 4);
+        let weight = powf(FORGETTING, 4.0 * gone as f64 / scene.window() as f64);
+        bank.marginalise(&model, gone, weight).await;
         self.explained = None;
         self.marginalised = true;
-        window.forget(scene.window() / 4);
+        window.forget(gone);
         self.judge().await
     }
 
