@@ -32,7 +32,7 @@ fn a_straight_whisker_of_any_make_finds_its_place() {
         let noise = SweepNoise { seed: 3, ..SweepNoise::default() };
         let sweep = simulate_tip_sweep(&map, &robot, &path, &noise).unwrap();
         let truth = sweep.truth.last().unwrap().map_from_robot;
-        for (method, most) in [("probabilistic", 0.5e-3), ("deterministic", 2e-3)] {
+        for (method, most) in [("probabilistic", 0.6e-3), ("deterministic", 2e-3)] {
             let answer = localize(&sweep.log, &map, &robot, &Method::named(method).unwrap(), &mut |_| {}).unwrap();
             let found = answer.estimate.unwrap();
             let (off, turn) =
