@@ -4,7 +4,7 @@ use super::{Choice, Region, Setting, Slot, check_region, defaults, heading_setti
 use crate::Result;
 
 /// Sensors that are fitted to all rows of the window at once; with more of them rows leave it earlier, so that no more readings are run again and again.
-/// With all rows the end of a log of sixteen whiskers took five times as long.
+/// With all rows the end of a log of sixteen whiskers takes four times as long.
 pub const WHISKERS_OF_WHOLE_WINDOW: usize = 3;
 
 /// How the errors of a sensor's readings hang together.
