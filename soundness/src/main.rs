@@ -10,6 +10,7 @@
 //!     cargo run --release -p vibrissa-soundness -- --corners 100        drives around corners, with two contacts at once
 //!     cargo run --release -p vibrissa-soundness -- --corners 100 --smoother    the same drives by the probabilistic method
 //!     cargo run --release -p vibrissa-soundness -- --corners 100 --smoother --whiskers 4    by robots of four whiskers
+//!     cargo run --release -p vibrissa-soundness -- --corners 100 --smoother --law hysteresis    drives with noise of one law
 //!     cargo run --release -p vibrissa-soundness -- --corners 100 --forward     how much of these drives the forward model knows
 //!     cargo run --release -p vibrissa-soundness -- --explore 100        robots that find out where they are by their own motion
 //!     cargo run --release -p vibrissa-soundness -- --follow 100         robots that follow walls by touch
@@ -86,6 +87,8 @@ struct Call {
     whiskers: usize,
     /// From so far after the first contact on such drives reckon with two contacts (m).
     two_contacts: Option<f64>,
+    /// By drives with noise of this law alone.
+    law: Option<String>,
     /// The share of their bounds that errors are declared with: below one, truths must be lost.
     declared: f64,
 }
@@ -116,13 +119,13 @@ fn main() -> ExitCode {
         Ok(call) if call.follow => following::report(&all_corners(&call, |seed| following::follow(seed, call.verbose))),
         Ok(call) if call.corners && call.forward => forward::report(&all_corners(&call, forward::drive)),
         Ok(call) if call.corners && call.smoother => {
-            smoothed::report(&all_corners(&call, |seed| smoothed::drive(seed, call.declared, call.whiskers)))
+            smoothed::report(&all_corners(&call, |seed| smoothed::drive(seed, &call)))
         }
         Ok(call) if call.corners => corner_report(&run_corners(&call), &call),
         Ok(call) => report(&run(&call), &call),
         Err(message) => {
             eprintln!(
-                "error: {message}\n  --worlds N --corners N --explore N --follow N --policies N --verbose --one-place --two-contacts MM --whiskers N --smoother --forward --nightly --rods --bands --quick --first SEED --threads N --replay SEED --declare PERCENT"
+                "error: {message}\n  --worlds N --corners N --explore N --follow N --policies N --verbose --one-place --two-contacts MM --whiskers N --smoother --law NAME --forward --nightly --rods --bands --quick --first SEED --threads N --replay SEED --declare PERCENT"
             );
             ExitCode::from(2)
         }
@@ -148,9 +151,14 @@ fn parse(mut words: impl Iterator<Item = String>) -> Result<Call, String> {
         policies: exploring::POLICIES.len(),
         whiskers: 1,
         two_contacts: Some(TWO_CONTACTS),
+        law: None,
         declared: 1.0,
     };
     while let Some(word) = words.next() {
+        if word == "--law" {
+            call.law = Some(words.next().ok_or("--law needs a name, as hysteresis")?);
+            continue;
+        }
         let mut number = || {
             let value = words.next().ok_or(format!("{word} needs a value"))?;
             value.parse::<u64>().map_err(|error| format!("{word} {value}: {error}"))

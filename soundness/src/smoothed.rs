@@ -1,9 +1,9 @@
 //! The drives around corners by the probabilistic method: whether its 95 % regions hold the truth, and what it cannot explain.
 
-use crate::corner_drive;
 use crate::random_sweep::contains;
 use crate::region::{CHI2_95, distance};
 use crate::ridge::off_ridge;
+use crate::{Call, corner_drive};
 use std::process::ExitCode;
 use std::time::Instant;
 use vibrissa::config::ProbabilisticOptions;
@@ -34,12 +34,15 @@ pub(crate) struct Smoothed {
 }
 
 /// The drive of a seed, if there is one; losses are printed.
-pub(crate) fn drive(seed: u64, declared: f64, whiskers: usize) -> Option<(u64, Smoothed)> {
-    let (drive, prior) = corner_drive(seed, whiskers)?;
+pub(crate) fn drive(seed: u64, call: &Call) -> Option<(u64, Smoothed)> {
+    let (drive, prior) = corner_drive(seed, call.whiskers)?;
+    if call.law.as_ref().is_some_and(|law| law != drive.law) {
+        return None;
+    }
     let mut robot = drive.robot.clone();
     for whisker in &mut robot.whiskers {
-        whisker.noise.moment_relative *= declared;
-        whisker.noise.moment_absolute *= declared;
+        whisker.noise.moment_relative *= call.declared;
+        whisker.noise.moment_absolute *= call.declared;
     }
     let options = ProbabilisticOptions { prior, ..ProbabilisticOptions::default() };
     let began = Instant::now();

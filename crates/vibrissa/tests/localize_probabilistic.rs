@@ -57,7 +57,7 @@ fn unique_places_are_found_within_half_a_millimetre() {
         assert!(distance < 0.6e-3 && turn < 0.3_f64.to_radians(), "{name}: {distance} {turn}");
         let (bound, heading) = answer.hypotheses[0].bound().unwrap();
         // The odometry of a biased log is off and not declared so: residuals stay alike, and the region says so.
-        let wide = if name.ends_with("bias") { 2.5 } else { 1.0 };
+        let wide = if name.ends_with("bias") { 3.5 } else { 1.0 };
         assert!(
             bound > 1e-5 && bound < wide * 1e-3 && heading > 1e-4 && heading < wide * 1e-2,
             "{name}: {bound} {heading}"

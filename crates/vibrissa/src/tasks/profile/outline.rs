@@ -169,12 +169,10 @@ fn outline(chain: &Chain, options: &ProfileOptions) -> Outline {
     let mut points = Vec::new();
     let (mut along, mut due) = (0.0, 0.0);
     let mut last: Option<Vec2> = None;
-    let indexed = |(run, samples): (usize, &Vec<Sample>)| {
-        let places: Vec<_> = samples.iter().enumerate().map(|(k, s)| (s.position, (run, k))).collect();
-        places
-    };
-    let near =
-        NearPoints::new(options.resolution.hypot(options.reach), chain.runs.iter().enumerate().flat_map(indexed));
+    let runs = chain.runs.iter().enumerate();
+    let points_of =
+        runs.flat_map(|(run, samples)| samples.iter().enumerate().map(move |(k, s)| (s.position, (run, k))));
+    let near = NearPoints::new(options.resolution.hypot(options.reach), points_of);
     for sample in &chain.line {
         along += last.map_or(0.0, |last| last.distance(sample.position));
         last = Some(sample.position);
