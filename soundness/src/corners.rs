@@ -36,6 +36,8 @@ pub(crate) struct Simulated {
     pub(crate) touches: Vec<usize>,
 }
 
+/// The laws of the readings' errors within their bounds.
+pub(crate) const LAWS: [&str; 7] = ["constant", "two-point", "AR(1)", "sine", "step", "hysteresis", "even"];
 /// Shortest log that is used.
 const FEWEST_ROWS: usize = 60;
 
@@ -306,7 +308,7 @@ fn noise(count: usize, moment: impl Fn(usize) -> f64, draw: &mut Random) -> (Vec
     let (sign, size) = (draw.sign(), if draw.unit() < 0.5 { 1.0 } else { draw.unit() });
     let (period, phase, keeps) = (draw.between(0.1, 1.0) * count as f64, draw.signed(PI), draw.between(0.8, 0.999));
     let mut last = draw.signed(1.0);
-    let law = (draw.unit() * 7.0) as usize;
+    let law = (draw.unit() * LAWS.len() as f64) as usize;
     let one = |k: usize| {
         let share = match law {
             0 => sign,
@@ -334,8 +336,7 @@ fn noise(count: usize, moment: impl Fn(usize) -> f64, draw: &mut Random) -> (Vec
         };
         size * share
     };
-    let names = ["constant", "two-point", "AR(1)", "sine", "step", "hysteresis", "even"];
-    ((0..count).map(one).collect(), names[law])
+    ((0..count).map(one).collect(), LAWS[law])
 }
 
 /// The log of a sweep.

@@ -156,7 +156,8 @@ fn parse(mut words: impl Iterator<Item = String>) -> Result<Call, String> {
     };
     while let Some(word) = words.next() {
         if word == "--law" {
-            call.law = Some(words.next().ok_or("--law needs a name, as hysteresis")?);
+            let known = |name: &String| corners::LAWS.contains(&name.as_str());
+            call.law = Some(words.next().filter(known).ok_or(format!("--law is one of {}", corners::LAWS.join(", ")))?);
             continue;
         }
         let mut number = || {

@@ -76,7 +76,9 @@ pub(crate) fn drive(seed: u64, call: &Call) -> Option<(u64, Smoothed)> {
     if !is_held && found.status != Status::NoContact {
         let best = best.map_or(f64::NAN, |h| 1e3 * off(h));
         let event = found.events.last().map(|event| (event.t, event.kind));
-        told(&format!("{}, best {best:.2} mm off, of {} places; {event:?}", found.status, found.hypotheses.len()));
+        let squared = found.hypotheses.iter().map(|h| distance(h, drive.truth)).fold(f64::INFINITY, f64::min);
+        let places = found.hypotheses.len();
+        told(&format!("{}, best {best:.2} mm off, squared {squared:.1}, of {places} places; {event:?}", found.status));
     }
     let error = best.filter(|_| found.status == Status::Localized).map(off);
     Some((seed, Smoothed { status: Some(found.status), is_held, error, ..one }))
